@@ -1,6 +1,8 @@
 # cmake -D ROOT=<repository> -P check_layering.cmake
 #
 # The arrows of docs/architecture.md as a test: fails when a room includes a header of a room it may not know.
+cmake_minimum_required(VERSION 3.25)
+
 set(allowed_datasets datasets)
 set(allowed_models models)
 set(allowed_acquisition acquisition datasets)
