@@ -1,2 +1,73 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/record.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+
+namespace impactrig::datasets {
+
+namespace {
+
+char lower(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+bool equal_without_case(std::string_view a, std::string_view b) {
+  return std::ranges::equal(a, b, [](char x, char y) { return lower(x) == lower(y); });
+}
+
+/// scale * raw + offset, and `raw` itself, signed zeros included, where the scale does nothing.
+double scaled(double raw, double scale, double offset) {
+  return scale == 1.0 && offset == 0.0 ? raw : scale * raw + offset;
+}
+
+}  // namespace
+
+std::size_t Channel::size() const {
+  return std::visit([](const auto& samples) { return samples.size(); }, raw);
+}
+
+double Channel::value(std::size_t i) const {
+  return std::visit(
+      [&](const auto& samples) { return scaled(static_cast<double>(samples[i]), scale, offset); },
+      raw);
+}
+
+std::vector<double> Channel::values() const {
+  std::vector<double> result(size());
+  std::visit(
+      [&](const auto& samples) {
+        std::ranges::transform(samples, result.begin(), [&](auto sample) {
+          return scaled(static_cast<double>(sample), scale, offset);
+        });
+      },
+      raw);
+  return result;
+}
+
+const Channel* Record::find(std::string_view name_or_index) const {
+  const auto exact = std::ranges::find(channels, name_or_index, &Channel::name);
+  if (exact != channels.end()) return &*exact;
+
+  const auto same = [&](const Channel& channel) {
+    return equal_without_case(channel.name, name_or_index);
+  };
+  const auto first = std::ranges::find_if(channels, same);
+  if (first != channels.end()) {
+    const bool only = std::find_if(first + 1, channels.end(), same) == channels.end();
+    return only ? &*first : nullptr;
+  }
+
+  std::size_t index = 0;
+  const char* const last = name_or_index.data() + name_or_index.size();
+  const auto [end, error] = std::from_chars(name_or_index.data(), last, index);
+  if (error != std::errc{} || end != last || index >= channels.size()) return nullptr;
+  return &channels[index];
+}
+
+std::string program_version() {
+  return "impactrig " IMPACTRIG_VERSION;
+}
+
+}  // namespace impactrig::datasets

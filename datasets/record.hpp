@@ -93,8 +93,8 @@ struct Record {
   std::vector<std::string> warnings;              ///< one sentence each
   std::map<std::string, std::string> attributes;  ///< whatever else the file's header says
 
-  /// The channel of that name (exact, else the only one that matches without regard to case), or of that index from 0
-  /// ("2"); null when there is none.
+  /// The channel of that name (the first that has it exactly, else the only one that matches without
+  /// regard to case), or of that index from 0 ("2"); null when there is none.
   const Channel* find(std::string_view name_or_index) const;
 };
 

@@ -1,2 +1,377 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/units.hpp"
+
+#include <fmt/format.h>
+#include <udunits2.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace impactrig::datasets {
+
+namespace {
+
+struct QuantityText {
+  Quantity quantity;
+  std::string_view name;
+  std::string_view si_unit;
+};
+
+constexpr std::array<QuantityText, 14> quantity_texts{{
+    {Quantity::force, "force", "N"},                    //
+    {Quantity::velocity, "velocity", "m/s"},            //
+    {Quantity::displacement, "displacement", "m"},      //
+    {Quantity::acceleration, "acceleration", "m/s^2"},  //
+    {Quantity::voltage, "voltage", "V"},                //
+    {Quantity::charge, "charge", "C"},                  //
+    {Quantity::pressure, "pressure", "Pa"},             //
+    {Quantity::strain, "strain", "1"},                  //
+    {Quantity::angle, "angle", "rad"},                  //
+    {Quantity::temperature, "temperature", "K"},        //
+    {Quantity::time, "time", "s"},                      //
+    {Quantity::frequency, "frequency", "Hz"},           //
+    {Quantity::other, "other", ""},                     //
+    {Quantity::unknown, "unknown", ""},                 //
+}};
+
+const QuantityText& text_of(Quantity quantity) {
+  return *std::ranges::find(quantity_texts, quantity, &QuantityText::quantity);
+}
+
+// --- Spelling: from what laboratories write to what UDUNITS-2 reads ------------------------------
+
+struct Replacement {
+  std::string_view from;
+  std::string_view to;
+};
+
+/// Signs UDUNITS-2 does not know, or knows in one combination only. A superscript that follows
+/// another belongs to the same exponent, so the caret is added later.
+constexpr std::array<Replacement, 8> signs{{
+    {"\u22c5", "."},       // dot operator
+    {"\u00b7", "."},       // middle dot
+    {"\u00d7", "."},       // multiplication sign
+    {"\u2212", "-"},       // minus sign
+    {"\u00a0", " "},       // no-break space
+    {"\u202f", " "},       // narrow no-break space
+    {"\u03bc", "\u00b5"},  // Greek mu to micro sign
+    {"\u00ba", "\u00b0"},  // masculine ordinal, taken for the degree sign
+}};
+
+constexpr std::array<Replacement, 11> superscripts{{
+    {"\u207b", "-"},
+    {"\u2070", "0"},
+    {"\u00b9", "1"},
+    {"\u00b2", "2"},
+    {"\u00b3", "3"},
+    {"\u2074", "4"},
+    {"\u2075", "5"},
+    {"\u2076", "6"},
+    {"\u2077", "7"},
+    {"\u2078", "8"},
+    {"\u2079", "9"},
+}};
+
+/// Whole words. UDUNITS-2 knows degree and rpm to 14 or 15 digits only, and takes "ue" for the
+/// micro-electron-charge.
+constexpr std::array<Replacement, 21> words{{
+    {"deg", "(0.017453292519943295 rad)"},
+    {"degree", "(0.017453292519943295 rad)"},
+    {"degrees", "(0.017453292519943295 rad)"},
+    {"\u00b0", "(0.017453292519943295 rad)"},
+    {"rpm", "(0.10471975511965977 rad/s)"},
+    {"Nm", "(N.m)"},
+    {"strain", "1"},
+    {"\u03b5", "1"},
+    {"microstrain", "1e-6"},
+    {"ustrain", "1e-6"},
+    {"\u00b5strain", "1e-6"},
+    {"ue", "1e-6"},
+    {"uE", "1e-6"},
+    {"\u00b5\u03b5", "1e-6"},
+    {"u\u03b5", "1e-6"},
+    {"gn", "gravity"},
+    {"G", "gravity"},
+    {"lbs", "lb"},
+    {"Lbs", "lb"},
+    {"LBS", "lb"},
+    {"VDC", "V"},
+}};
+
+/// Words that are a mass to UDUNITS-2 and may mean its weight or an acceleration in a laboratory.
+constexpr std::array<Replacement, 10> masses{{
+    {"g", "gravity"},
+    {"mg", "(1e-3 gravity)"},
+    {"ug", "(1e-6 gravity)"},
+    {"\u00b5g", "(1e-6 gravity)"},
+    {"lb", "lbf"},
+    {"pound", "lbf"},
+    {"pounds", "lbf"},
+    {"Pound", "lbf"},
+    {"Pounds", "lbf"},
+    {"POUNDS", "lbf"},
+}};
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t';
+}
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+/// Letters, and every byte of a character outside ASCII.
+bool is_word(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' ||
+         static_cast<unsigned char>(c) >= 0x80;
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+const Replacement* prefix_in(std::span<const Replacement> table, std::string_view text) {
+  const auto found =
+      std::ranges::find_if(table, [&](const auto& entry) { return text.starts_with(entry.from); });
+  return found == table.end() ? nullptr : &*found;
+}
+
+std::string with_ascii_signs(std::string_view text) {
+  std::string result;
+  bool in_exponent = false;
+  while (!text.empty()) {
+    if (const Replacement* digit = prefix_in(superscripts, text)) {
+      if (!in_exponent) result += '^';
+      in_exponent = true;
+      result += digit->to;
+      text.remove_prefix(digit->from.size());
+      continue;
+    }
+    in_exponent = false;
+    const Replacement* sign = prefix_in(signs, text);
+    result += sign != nullptr ? sign->to : text.substr(0, 1);
+    text.remove_prefix(sign != nullptr ? sign->from.size() : 1);
+  }
+  return result;
+}
+
+std::string with_words_replaced(std::string_view text, std::span<const Replacement> table) {
+  std::string result;
+  for (std::size_t begin = 0; begin < text.size();) {
+    std::size_t end = begin;
+    while (end < text.size() && is_word(text[end])) ++end;
+    if (end == begin) {
+      result += text[begin++];
+      continue;
+    }
+    const std::string_view word = text.substr(begin, end - begin);
+    const auto found = std::ranges::find(table, word, &Replacement::from);
+    result += found == table.end() ? word : found->to;
+    begin = end;
+  }
+  return result;
+}
+
+/// UDUNITS-2 takes "m^0.5" for "m^0 5", so an exponent with a decimal point must not reach it.
+bool has_broken_exponent(std::string_view text) {
+  for (std::size_t dot = 1; dot + 1 < text.size(); ++dot) {
+    if (text[dot] != '.' || !is_digit(text[dot - 1]) || !is_digit(text[dot + 1])) continue;
+    std::size_t start = dot;
+    while (start > 0 && is_digit(text[start - 1])) --start;
+    if (start > 0 && (text[start - 1] == '-' || text[start - 1] == '+')) --start;
+    if (start == 0) continue;
+    const char before = text[start - 1];
+    if (is_word(before) || before == '^' || before == ')') return true;
+  }
+  return false;
+}
+
+/// "m/s 2" may mean a square as well as a factor.
+bool has_number_inside(std::string_view text) {
+  for (std::size_t i = 1; i + 1 < text.size(); ++i)
+    if (is_blank(text[i]) && is_digit(text[i + 1])) return true;
+  return false;
+}
+
+/// "m/s (rms)" without what stands in the last parentheses.
+std::string_view without_comment(std::string_view text) {
+  if (!text.ends_with(')')) return text;
+  const std::size_t open = text.rfind('(');
+  if (open == std::string_view::npos || open == 0 || !is_blank(text[open - 1])) return text;
+  return trimmed(text.substr(0, open));
+}
+
+/// The unit in UDUNITS-2's spelling; empty where there is none that could be meant.
+std::string normalised(std::string_view unit) {
+  unit = trimmed(unit);
+  if (unit.size() > 2 && unit.front() == '[' && unit.back() == ']')
+    unit = trimmed(unit.substr(1, unit.size() - 2));
+  const bool control = std::ranges::any_of(unit, [](unsigned char c) { return c < 0x20; });
+  // '@' shifts the origin and "re" makes a level: neither is a unit a recording's numbers are in.
+  if (unit.empty() || unit.size() > 200 || control || unit.find('@') != std::string_view::npos)
+    return {};
+  if (unit == "kg (kilo-g)" || unit == "kilo-g") return "(1000 gravity)";
+  std::string text = with_ascii_signs(unit);
+  if (text == "ms-2" || text == "ms^-2") return "m.s-2";  // UDUNITS-2: per square millisecond
+  return has_broken_exponent(text) || has_number_inside(text) ? std::string() : text;
+}
+
+// --- UDUNITS-2 -----------------------------------------------------------------------------------
+
+/// UDUNITS-2 keeps its status in globals: one thread at a time.
+std::mutex& library_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+struct FreeUnit {
+  void operator()(ut_unit* unit) const { ut_free(unit); }
+};
+
+struct FreeConverter {
+  void operator()(cv_converter* converter) const { cv_free(converter); }
+};
+
+using Unit = std::unique_ptr<ut_unit, FreeUnit>;
+
+/// The library's own unit database, read once and kept for the life of the program.
+ut_system* unit_system() {
+  static ut_system* const system = [] {
+    ut_set_error_message_handler(ut_ignore);
+    ut_system* read = ut_read_xml(nullptr);
+    if (read == nullptr)
+      throw std::runtime_error(
+          "UDUNITS-2 cannot read its unit database; set UDUNITS2_XML_PATH to its udunits2.xml");
+    return read;
+  }();
+  return system;
+}
+
+Unit parsed(std::string_view text) {
+  if (text.empty()) return nullptr;
+  return Unit(ut_parse(unit_system(), std::string(text).c_str(), UT_UTF8));
+}
+
+/// What a unit may stand for: as UDUNITS-2 reads it, and with masses taken for accelerations and
+/// forces.
+struct Readings {
+  Unit plain;
+  Unit weight;  ///< null where no word of it is a mass
+
+  std::array<const ut_unit*, 2> both() const { return {plain.get(), weight.get()}; }
+};
+
+Readings readings_of(std::string_view unit) {
+  const std::string text = normalised(unit);
+  for (const std::string_view candidate : {std::string_view(text), without_comment(text)}) {
+    const std::string plain = with_words_replaced(candidate, words);
+    const std::string weight = with_words_replaced(plain, masses);
+    Readings readings{parsed(plain), weight == plain ? nullptr : parsed(weight)};
+    if (readings.plain || readings.weight) return readings;
+  }
+  return {};
+}
+
+bool has_angle(const ut_unit* unit) {
+  std::array<char, 256> definition{};
+  const int length =
+      ut_format(unit, definition.data(), definition.size(), UT_ASCII | UT_DEFINITION);
+  if (length < 0 || length >= static_cast<int>(definition.size())) return false;
+  return std::string_view(definition.data()).find("rad") != std::string_view::npos;
+}
+
+/// None where the dimensions differ or where the relation is no straight line (levels; s to Hz,
+/// which UDUNITS-2 inverts).
+std::optional<UnitConversion> affine(const ut_unit* from, const ut_unit* to) {
+  const std::unique_ptr<cv_converter, FreeConverter> converter(
+      ut_get_converter(const_cast<ut_unit*>(from), const_cast<ut_unit*>(to)));
+  if (!converter) return std::nullopt;
+  const auto at = [&](double x) { return cv_convert_double(converter.get(), x); };
+  const double bend = (at(2.0) - at(1.0)) - (at(1.0) - at(0.0));
+  const double size = std::max({std::abs(at(0.0)), std::abs(at(1.0)), std::abs(at(2.0))});
+  if (!std::isfinite(size) || !(std::abs(bend) <= 1e-12 * size)) return std::nullopt;
+  const double offset = at(0.0);
+  // Far out the offset of a temperature no longer costs digits of the factor.
+  const double far = 0x1p60;
+  return UnitConversion{offset == 0.0 ? at(1.0) : (at(far) - offset) / far, offset};
+}
+
+/// UDUNITS-2 drops the radian, so that 1 rad/s would become 1 Hz. A torsional stiffness may drop
+/// it.
+std::optional<UnitConversion> conversion_of(const ut_unit* from, const ut_unit* to) {
+  if (from == nullptr || to == nullptr) return std::nullopt;
+  const std::optional<UnitConversion> result = affine(from, to);
+  if (!result || has_angle(from) == has_angle(to)) return result;
+  const bool pure = affine(from, parsed("Hz").get()) || affine(from, parsed("1").get());
+  return pure ? std::nullopt : result;
+}
+
+bool is_strain(std::string_view unit) {
+  static constexpr std::array<std::string_view, 8> ratios{"m/m",  "mm/m",  "um/m",  "\u00b5m/m",
+                                                          "nm/m", "mm/mm", "in/in", "uin/in"};
+  const std::string text = with_ascii_signs(without_comment(normalised(unit)));
+  if (std::ranges::find(ratios, text) != ratios.end()) return true;
+  const auto word = std::ranges::find(words, text, &Replacement::from);
+  return word != words.end() && (word->to == "1" || word->to == "1e-6");
+}
+
+Quantity quantity_of(const ut_unit* unit) {
+  for (const QuantityText& entry : quantity_texts) {
+    if (entry.si_unit.empty() || entry.quantity == Quantity::strain) continue;
+    const Unit si = parsed(entry.si_unit);
+    if (has_angle(unit) == has_angle(si.get()) && affine(unit, si.get())) return entry.quantity;
+  }
+  return Quantity::other;
+}
+
+}  // namespace
+
+std::string_view name(Quantity quantity) {
+  return text_of(quantity).name;
+}
+
+std::string_view si_unit(Quantity quantity) {
+  return text_of(quantity).si_unit;
+}
+
+std::optional<Quantity> quantity_named(std::string_view name) {
+  const auto found = std::ranges::find(quantity_texts, name, &QuantityText::name);
+  if (found == quantity_texts.end()) return std::nullopt;
+  return found->quantity;
+}
+
+std::optional<UnitConversion> conversion(std::string_view from, std::string_view to) {
+  const std::lock_guard lock(library_mutex());
+  const Readings source = readings_of(from);
+  const Readings target = readings_of(to);
+  for (const ut_unit* target_unit : target.both())
+    for (const ut_unit* source_unit : source.both())
+      if (const auto result = conversion_of(source_unit, target_unit)) return result;
+  return std::nullopt;
+}
+
+Quantity quantity_of_unit(std::string_view unit) {
+  const std::lock_guard lock(library_mutex());
+  const Readings readings = readings_of(unit);
+  if (!readings.plain && !readings.weight) return Quantity::unknown;
+  if (is_strain(unit)) return Quantity::strain;
+  if (readings.weight) {
+    const Quantity quantity = quantity_of(readings.weight.get());
+    if (quantity != Quantity::other || !readings.plain) return quantity;
+  }
+  return quantity_of(readings.plain.get());
+}
+
+}  // namespace impactrig::datasets

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/impact.hpp"
+
+#include <gmock/gmock.h>
+
+namespace {
+
+using namespace impactrig::datasets;
+
+constexpr ImpactFlag all_flags[] = {ImpactFlag::clipped, ImpactFlag::double_hit,
+                                    ImpactFlag::no_hit,  ImpactFlag::too_short,
+                                    ImpactFlag::dropout, ImpactFlag::undersampled};
+
+TEST(ImpactFlag, HasANameOfItsOwn) {
+  std::vector<std::string_view> names;
+  for (const ImpactFlag flag : all_flags) names.push_back(name(flag));
+  EXPECT_THAT(names, testing::ElementsAre("clipped", "double-hit", "no-hit", "too-short", "dropout",
+                                          "undersampled"));
+}
+
+TEST(ImpactFlag, HasASentenceThatSaysWhatToDo) {
+  for (const ImpactFlag flag : all_flags) {
+    EXPECT_THAT(std::string(sentence(flag)), testing::MatchesRegex("[A-Z].+[;,] .+\\."));
+  }
+  EXPECT_EQ(sentence(ImpactFlag::undersampled),
+            "The contact has fewer than 20 samples, so its peak and duration are uncertain; record "
+            "at a higher sample rate.");
+}
+
+TEST(Impact, KnowsItsFlags) {
+  Impact impact;
+  EXPECT_FALSE(impact.has(ImpactFlag::clipped));
+  impact.flags = {ImpactFlag::dropout, ImpactFlag::clipped};
+  EXPECT_TRUE(impact.has(ImpactFlag::clipped));
+  EXPECT_FALSE(impact.has(ImpactFlag::no_hit));
+}
+
+}  // namespace

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/units.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+namespace {
+
+using namespace impactrig::datasets;
+
+/// NaN where there is no conversion, so that a comparison fails.
+double factor(std::string_view from, std::string_view to) {
+  const auto result = conversion(from, to);
+  return result && result->offset == 0.0 ? result->factor : std::nan("");
+}
+
+TEST(Quantity, HasANameAndAnSiUnit) {
+  EXPECT_EQ(name(Quantity::force), "force");
+  EXPECT_EQ(si_unit(Quantity::acceleration), "m/s^2");
+  EXPECT_EQ(si_unit(Quantity::other), "");
+  for (int i = 0; i <= static_cast<int>(Quantity::unknown); ++i) {
+    const auto quantity = static_cast<Quantity>(i);
+    EXPECT_EQ(quantity_named(name(quantity)), quantity);
+  }
+  EXPECT_EQ(quantity_named("torque"), std::nullopt);
+}
+
+TEST(Quantity, OfItsSiUnitIsItself) {
+  for (int i = 0; i < static_cast<int>(Quantity::other); ++i) {
+    const auto quantity = static_cast<Quantity>(i);
+    if (quantity == Quantity::strain) continue;  // "1" may be any ratio
+    EXPECT_EQ(quantity_of_unit(si_unit(quantity)), quantity) << name(quantity);
+  }
+}
+
+TEST(Units, ConvertByTheirDefinition) {
+  EXPECT_EQ(factor("mm/s", "m/s"), 1e-3);
+  EXPECT_DOUBLE_EQ(factor("pC/N", "C/N"), 1e-12);
+  EXPECT_DOUBLE_EQ(factor("m s^-2", "m/s^2"), 1.0);
+  EXPECT_DOUBLE_EQ(factor("GPa", "Pa"), 1e9);
+  EXPECT_DOUBLE_EQ(factor("mm/s/V", "m/(s V)"), 1e-3);
+  EXPECT_DOUBLE_EQ(factor("lbf", "N"), 0.45359237 * 9.80665);
+  EXPECT_DOUBLE_EQ(factor("in", "m"), 0.0254);
+  EXPECT_DOUBLE_EQ(factor("%", "1"), 0.01);
+  EXPECT_DOUBLE_EQ(factor("N", "kN"), 1e-3);
+}
+
+TEST(Units, UnderstandLaboratorySpellings) {
+  for (const char* spelling : {"Volt", "Volts", "VOLT", "V", " V ", "[V]", "[ V ]", "VDC"})
+    EXPECT_EQ(factor(spelling, "V"), 1.0) << spelling;
+  for (const char* spelling : {"Second", "Seconds", "sec", "s"})
+    EXPECT_EQ(factor(spelling, "s"), 1.0) << spelling;
+  for (const char* spelling : {"Newtons", "Newton", "NEWTON"})
+    EXPECT_EQ(factor(spelling, "N"), 1.0) << spelling;
+  for (const char* spelling : {"m/s\u00b2", "m/s2", "m/s^2", "m/s**2", "m s\u207b\u00b2", "m/s/s",
+                               "m\u00b7s\u207b\u00b2", "m.s-2", "[ m/s\u00b2 ]", "ms-2",
+                               "ms\u207b\u00b2", "m\u00a0s^\u22122", "m/s^2 (peak hold)"})
+    EXPECT_DOUBLE_EQ(factor(spelling, "m/s^2"), 1.0) << spelling;
+  for (const char* spelling : {"\u00b5m", "\u03bcm", "um"})
+    EXPECT_DOUBLE_EQ(factor(spelling, "m"), 1e-6) << spelling;
+  EXPECT_DOUBLE_EQ(factor("[ m/s ]", "m/s"), 1.0);
+  EXPECT_DOUBLE_EQ(factor("Nm", "J"), 1.0);
+  EXPECT_DOUBLE_EQ(factor("kg\u00b7m\u00b2", "kg m^2"), 1.0);
+}
+
+TEST(Units, TakeGForGravityWhereTheOtherUnitIsAnAcceleration) {
+  EXPECT_DOUBLE_EQ(factor("g", "m/s^2"), 9.80665);
+  EXPECT_DOUBLE_EQ(factor("m/s^2", "g"), 1.0 / 9.80665);
+  EXPECT_DOUBLE_EQ(factor("G", "m/s^2"), 9.80665);
+  EXPECT_DOUBLE_EQ(factor("mg", "m/s^2"), 9.80665e-3);
+  EXPECT_DOUBLE_EQ(factor("kg (kilo-g)", "m/s^2"), 9806.65);
+  EXPECT_DOUBLE_EQ(factor("mV/g", "V/(m/s^2)"), 1e-3 / 9.80665);
+  EXPECT_DOUBLE_EQ(factor("g", "kg"), 1e-3);
+  EXPECT_DOUBLE_EQ(factor("g/cm^3", "kg/m^3"), 1e3);
+  EXPECT_FALSE(conversion("kg", "m/s^2"));
+}
+
+TEST(Units, TakePoundsForAForceWhereTheOtherUnitIsAForce) {
+  EXPECT_DOUBLE_EQ(factor("Pounds", "N"), 0.45359237 * 9.80665);
+  EXPECT_DOUBLE_EQ(factor("lb", "kg"), 0.45359237);
+  EXPECT_FALSE(conversion("kg", "N"));
+}
+
+TEST(Units, GiveAnglesEveryDigitOfPi) {
+  EXPECT_DOUBLE_EQ(factor("deg", "rad"), std::numbers::pi / 180.0);
+  EXPECT_DOUBLE_EQ(factor("\u00b0", "rad"), std::numbers::pi / 180.0);
+  EXPECT_DOUBLE_EQ(factor("deg/s", "rad/s"), std::numbers::pi / 180.0);
+  EXPECT_DOUBLE_EQ(factor("rpm", "rad/s"), std::numbers::pi / 30.0);
+}
+
+TEST(Units, ShiftTemperatures) {
+  const auto celsius = conversion("degC", "K");
+  ASSERT_TRUE(celsius);
+  EXPECT_DOUBLE_EQ(celsius->factor, 1.0);
+  EXPECT_DOUBLE_EQ(celsius->offset, 273.15);
+  const auto fahrenheit = conversion("degF", "\u00b0C");
+  ASSERT_TRUE(fahrenheit);
+  EXPECT_DOUBLE_EQ(fahrenheit->factor, 5.0 / 9.0);
+  EXPECT_NEAR(212.0 * fahrenheit->factor + fahrenheit->offset, 100.0, 1e-12);
+}
+
+TEST(Units, OfAnotherDimensionDoNotConvert) {
+  EXPECT_FALSE(conversion("m", "s"));
+  EXPECT_FALSE(conversion("V", "N"));
+  EXPECT_FALSE(conversion("s", "Hz")) << "UDUNITS-2 would invert the number";
+  EXPECT_FALSE(conversion("rad/s", "Hz")) << "UDUNITS-2 would drop the radian";
+  EXPECT_FALSE(conversion("deg", "1"));
+  EXPECT_FALSE(conversion("lg(re 1 mW)", "W")) << "a level is no factor";
+}
+
+TEST(Units, ThatAreNotUnderstoodDoNotConvert) {
+  for (const char* nonsense :
+       {"", " ", "EU", "n/a", "FS (full scale = 1.0)", "[]", "m^0.5", "N/m^1.11", "m1.5", "m/s 2",
+        "m @ 5", "m\n", "dB", "((((", "\xff\xfe", "\u207b"}) {
+    EXPECT_FALSE(conversion(nonsense, "m")) << nonsense;
+    EXPECT_FALSE(conversion("m", nonsense)) << nonsense;
+    EXPECT_EQ(quantity_of_unit(nonsense), Quantity::unknown) << nonsense;
+  }
+  EXPECT_EQ(quantity_of_unit(std::string_view("m\0s", 3)), Quantity::unknown);
+  EXPECT_EQ(quantity_of_unit(std::string(100000, '(')), Quantity::unknown);
+}
+
+TEST(Units, TellTheQuantity) {
+  const std::vector<std::pair<const char*, Quantity>> cases{
+      {"kN", Quantity::force},
+      {"Newtons", Quantity::force},
+      {"Pounds", Quantity::force},
+      {"mm/s", Quantity::velocity},
+      {"\u00b5m", Quantity::displacement},
+      {"inch", Quantity::displacement},
+      {"g", Quantity::acceleration},
+      {"G", Quantity::acceleration},
+      {"m/s\u00b2", Quantity::acceleration},
+      {"kg (kilo-g)", Quantity::acceleration},
+      {"mg", Quantity::acceleration},
+      {"Volts", Quantity::voltage},
+      {"pC", Quantity::charge},
+      {"mbar", Quantity::pressure},
+      {"psi", Quantity::pressure},
+      {"\u00b5m/m", Quantity::strain},
+      {"\u00b5\u03b5", Quantity::strain},
+      {"ustrain", Quantity::strain},
+      {"deg", Quantity::angle},
+      {"\u00b0", Quantity::angle},
+      {"\u00b0C", Quantity::temperature},
+      {"hours", Quantity::time},
+      {"kHz", Quantity::frequency},
+      {"1/min", Quantity::frequency},
+      {"rad/s", Quantity::other},
+      {"rpm", Quantity::other},
+      {"kg", Quantity::other},
+      {"Nm", Quantity::other},
+      {"Ohm", Quantity::other},
+      {"1", Quantity::other},
+      {"%", Quantity::other},
+      {"mV/g", Quantity::other},
+  };
+  for (const auto& [unit, quantity] : cases)
+    EXPECT_EQ(name(quantity_of_unit(unit)), name(quantity)) << unit;
+}
+
+TEST(Units, CanBeReadByManyThreadsAtOnce) {
+  std::vector<std::thread> threads;
+  std::vector<int> wrong(4, 0);
+  for (std::size_t t = 0; t < wrong.size(); ++t)
+    threads.emplace_back([&wrong, t] {
+      for (int i = 0; i < 200; ++i)
+        if (factor("mm/s", "m/s") != 1e-3 || conversion("m", "nonsense")) ++wrong[t];
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(wrong, testing::Each(0));
+}
+
+TEST(UnitsDeathTest, SayWhatToDoWithoutTheirDatabase) {
+  testing::GTEST_FLAG(death_test_style) = "threadsafe";  // the database is read once a process
+  EXPECT_EXIT(
+      {
+        setenv("UDUNITS2_XML_PATH", "/absent/udunits2.xml", 1);
+        try {
+          (void)conversion("m", "m");
+        } catch (const std::runtime_error& error) {
+          const bool right = std::string(error.what()) ==
+                             "UDUNITS-2 cannot read its unit database; set UDUNITS2_XML_PATH to "
+                             "its udunits2.xml";
+          std::_Exit(right ? 7 : 8);
+        }
+        std::_Exit(9);
+      },
+      testing::ExitedWithCode(7), "");
+}
+
+void expect_quantity(std::string_view text, std::string_view unit, double value,
+                     double uncertainty = 0.0) {
+  SCOPED_TRACE(std::string(text));
+  const UncertainValue result = parse_quantity(text, unit);
+  EXPECT_DOUBLE_EQ(result.value, value);
+  EXPECT_DOUBLE_EQ(result.uncertainty, uncertainty);
+}
+
+TEST(ParseQuantity, ConvertsToTheUnitAskedFor) {
+  expect_quantity("0.69 m", "m", 0.69);
+  expect_quantity("  690mm ", "m", 0.69);
+  expect_quantity("68.952 GPa", "Pa", 68.952e9);
+  expect_quantity("12 deg", "rad", 12.0 * std::numbers::pi / 180.0);
+  expect_quantity("12\u00b0", "rad", 12.0 * std::numbers::pi / 180.0);
+  expect_quantity("4 pC/N", "C/N", 4e-12);
+  expect_quantity("125 mm/s/V", "m/(s V)", 0.125);
+  expect_quantity("100 mV/g", "V/(m/s^2)", 0.1 / 9.80665);
+  expect_quantity("-1.5e-3 s", "s", -1.5e-3);
+  expect_quantity("+.5 s", "s", 0.5);
+  expect_quantity("5. s", "s", 5.0);
+  expect_quantity("\u22125\u00a0\u00b5s", "s", -5e-6);
+  expect_quantity("20 degC", "K", 293.15);
+  expect_quantity("3 1/s", "Hz", 3.0);
+  expect_quantity("2 g", "m/s^2", 19.6133);
+  expect_quantity("0 us", "s", 0.0);
+}
+
+TEST(ParseQuantity, TakesPlainNumbersWhereTheyAreMeant) {
+  expect_quantity("0.3", "1", 0.3);
+  expect_quantity("30 %", "1", 0.3);
+  expect_quantity("30%", "1", 0.3);
+  expect_quantity("0.50(2)", "1", 0.5, 0.02);
+  expect_quantity("0.3 1", "1", 0.3);
+}
+
+TEST(ParseQuantity, ReadsUncertainties) {
+  expect_quantity("2700(20) kg/m^3", "kg/m^3", 2700.0, 20.0);
+  expect_quantity("1.2345(67) V", "mV", 1234.5, 6.7);
+  expect_quantity("1.23(4)e3 m", "m", 1230.0, 40.0);
+  expect_quantity("2.70(0.02) g/cm^3", "kg/m^3", 2700.0, 20.0);
+  expect_quantity("69.0 \u00b1 0.7 GPa", "Pa", 69e9, 0.7e9);
+  expect_quantity("69.0\u00b10.7GPa", "Pa", 69e9, 0.7e9);
+  expect_quantity("69.0 +- 0.7 GPa", "Pa", 69e9, 0.7e9);
+  expect_quantity("69.0 +/- 0.7 GPa", "Pa", 69e9, 0.7e9);
+  expect_quantity("(69.0 \u00b1 0.7) GPa", "Pa", 69e9, 0.7e9);
+  expect_quantity("20.0 \u00b1 0.5 degC", "K", 293.15, 0.5);
+  expect_quantity("69.0 \u00b1 0 GPa", "Pa", 69e9, 0.0);
+}
+
+std::string refusal(std::string_view text, std::string_view unit) {
+  try {
+    parse_quantity(text, unit);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(ParseQuantity, ShowsACorrectExampleWhereTheUnitIsMissing) {
+  EXPECT_EQ(refusal("0.69", "m"),
+            "0.69 has no unit; a length is needed here, for example \"0.69 m\"");
+  EXPECT_EQ(refusal("2700(20)", "kg/m^3"),
+            "2700(20) has no unit; a density is needed here, for example \"2700(20) kg/m^3\"");
+  EXPECT_EQ(refusal("12", "rad"),
+            "12 has no unit; an angle is needed here, for example \"12 rad\"");
+  EXPECT_EQ(refusal("3", "V/N"),
+            "3 has no unit; a quantity in V/N is needed here, for example \"3 V/N\"");
+}
+
+TEST(ParseQuantity, SaysWhichDimensionItFound) {
+  EXPECT_EQ(refusal("0.69 s", "m"),
+            "\"0.69 s\" is a time; a length is needed here, for example \"0.69 m\"");
+  EXPECT_EQ(refusal("0.3 m", "1"),
+            "\"0.3 m\" is a length; a plain number is needed here, for example \"0.3\"");
+  EXPECT_EQ(refusal("12 deg", "1"),
+            "\"12 deg\" is an angle; a plain number is needed here, for example \"12\"");
+  EXPECT_EQ(refusal("3 rad/s", "Hz"),
+            "\"3 rad/s\" is an angular velocity; a frequency is needed here, for example \"3 Hz\"");
+}
+
+TEST(ParseQuantity, RefusesWhatIsNoQuantity) {
+  const std::string tail = "; a length is needed here, for example ";
+  EXPECT_EQ(refusal("", "m"), "nothing is given" + tail + "\"1 m\"");
+  EXPECT_EQ(refusal("m", "m"), "\"m\" does not begin with a number" + tail + "\"1 m\"");
+  EXPECT_EQ(refusal(".", "m"), "\".\" does not begin with a number" + tail + "\"1 m\"");
+  EXPECT_EQ(refusal("nan m", "m"), "\"nan m\" does not begin with a number" + tail + "\"1 m\"");
+  EXPECT_EQ(refusal("0,69 m", "m"), "\"0,69 m\" has a comma in its number" + tail + "\"1.5 m\"");
+  EXPECT_EQ(refusal("1e999 m", "m"),
+            "\"1e999 m\" holds a number that does not fit a double" + tail + "\"1 m\"");
+  EXPECT_EQ(refusal("1e99999999999 m", "m"),
+            "\"1e99999999999 m\" holds a number that does not fit a double" + tail + "\"1 m\"");
+  EXPECT_EQ(refusal("1e308 km", "m"), "\"1e308 km\" does not fit a double in m" + tail + "\"1 m\"");
+  EXPECT_EQ(refusal("0.69 smoot", "m"), "\"smoot\" is not a unit" + tail + "\"0.69 m\"");
+  EXPECT_EQ(refusal("0.69 0.7 m", "m"), "\"0.7 m\" is not a unit" + tail + "\"0.69 m\"");
+  EXPECT_EQ(refusal("0.69 m 2", "m"), "\"m 2\" is not a unit" + tail + "\"0.69 m\"");
+  EXPECT_EQ(refusal("0.69 (20) m", "m"), "\"(20) m\" is not a unit" + tail + "\"0.69 m\"");
+  EXPECT_EQ(refusal("0.69(2 m", "m"),
+            "\"0.69(2 m\" has no closing parenthesis" + tail + "\"1.00(1) m\"");
+  EXPECT_EQ(refusal("(0.69 \u00b1 0.1 m", "m"),
+            "\"(0.69 +- 0.1 m\" has no closing parenthesis" + tail + "\"(1 \u00b1 0.1) m\"");
+  EXPECT_EQ(refusal("0.69 \u00b1 m", "m"),
+            "\"0.69 +- m\" has no number after the \u00b1" + tail + "\"1 \u00b1 0.1 m\"");
+  EXPECT_EQ(refusal("0.69 \u00b1 -0.1 m", "m"),
+            "\"0.69 +- -0.1 m\" has no number after the \u00b1" + tail + "\"1 \u00b1 0.1 m\"");
+  EXPECT_EQ(refusal("0.69(1) \u00b1 0.1 m", "m"),
+            "\"0.69(1) +- 0.1 m\" has two uncertainties" + tail + "\"1(1) m\"");
+  EXPECT_EQ(
+      refusal("0.69 m \u00b1 0.01 m", "m"),
+      "\"0.69 m +- 0.01 m\" has its uncertainty behind the unit" + tail + "\"0.69 \u00b1 0.1 m\"");
+}
+
+TEST(ParseQuantity, RefusesATargetThatIsNoUnit) {
+  EXPECT_EQ(refusal("1 m", "smoot"), "\"smoot\" is not a unit to convert to");
+}
+
+}  // namespace
