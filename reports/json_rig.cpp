@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reports/json_parts.hpp"
+
+namespace impactrig::reports {
+
+namespace {
+
+Json contact_json(const models::Contact& contact) {
+  const char* counterface = contact.counterface == models::Counterface::groove     ? "groove"
+                            : contact.counterface == models::Counterface::cylinder ? "cylinder"
+                                                                                   : "plane";
+  return {{"position_m", contact.position},
+          {"counterface", counterface},
+          {"radius_m", contact.radius},
+          {"counter_radius_m", contact.counter_radius},
+          {"length_m", contact.length},
+          {"modulus_pa", contact.modulus},
+          {"poisson_ratio", contact.poisson_ratio},
+          {"counter_modulus_pa", contact.counter_modulus},
+          {"counter_poisson_ratio", contact.counter_poisson_ratio},
+          {"law", contact.law},
+          {"exponent", contact.exponent},
+          {"stiffness_n_m", contact.stiffness},
+          {"stiffness_factor", contact.stiffness_factor},
+          {"damping", contact.damping},
+          {"restitution", contact.restitution}};
+}
+
+models::Contact contact_from(const JsonReader& json) {
+  models::Contact contact;
+  contact.position = json["position_m"].number();
+  const std::string counterface = json["counterface"].text();
+  if (counterface == "groove")
+    contact.counterface = models::Counterface::groove;
+  else if (counterface == "cylinder")
+    contact.counterface = models::Counterface::cylinder;
+  else if (counterface == "plane")
+    contact.counterface = models::Counterface::plane;
+  else
+    json["counterface"].fail("expected groove, cylinder or plane, found \"" + counterface + "\"");
+  contact.radius = json["radius_m"].number();
+  contact.counter_radius = json["counter_radius_m"].number();
+  contact.length = json["length_m"].number();
+  contact.modulus = json["modulus_pa"].number();
+  contact.poisson_ratio = json["poisson_ratio"].number();
+  contact.counter_modulus = json["counter_modulus_pa"].number();
+  contact.counter_poisson_ratio = json["counter_poisson_ratio"].number();
+  contact.law = json["law"].text();
+  contact.exponent = static_cast<int>(json["exponent"].integer());
+  contact.stiffness = json["stiffness_n_m"].number();
+  contact.stiffness_factor = json["stiffness_factor"].number();
+  contact.damping = json["damping"].text();
+  contact.restitution = json["restitution"].number();
+  return contact;
+}
+
+Json band_json(const std::optional<datasets::BandLimit>& band) {
+  if (!band) return nullptr;
+  return {{"frequency_hz", band->frequency}, {"order", band->order}};
+}
+
+std::optional<datasets::BandLimit> band_from(const JsonReader& json, const std::string& key) {
+  if (!json.has(key)) return std::nullopt;
+  return datasets::BandLimit{json[key]["frequency_hz"].number(),
+                             static_cast<int>(json[key]["order"].integer())};
+}
+
+Json sensor_json(const std::optional<datasets::Sensor>& sensor) {
+  if (!sensor) return nullptr;
+  Json json = {{"quantity", std::string(datasets::name(sensor->quantity))},
+               {"channel", sensor->channel},
+               {"sensitivity", nullptr},
+               {"sensitivity_uncertainty", nullptr},
+               {"recorded_unit", sensor->recorded_unit},
+               {"polarity", sensor->polarity},
+               {"position_m", sensor->position},
+               {"resonance", nullptr},
+               {"low_cut", band_json(sensor->low_cut)},
+               {"high_cut", band_json(sensor->high_cut)},
+               {"delay_s", sensor->delay.value},
+               {"delay_uncertainty_s", sensor->delay.uncertainty},
+               {"delay_removed", sensor->delay.removed},
+               {"range", sensor->range}};
+  if (sensor->sensitivity) {
+    json["sensitivity"] = sensor->sensitivity->value;
+    json["sensitivity_uncertainty"] = sensor->sensitivity->uncertainty;
+  }
+  if (sensor->resonance)
+    json["resonance"] = {{"frequency_hz", sensor->resonance->frequency},
+                         {"quality", sensor->resonance->quality}};
+  return json;
+}
+
+std::optional<datasets::Sensor> sensor_from(const JsonReader& sensors, const std::string& key) {
+  if (!sensors.has(key)) return std::nullopt;
+  const JsonReader json = sensors[key];
+  datasets::Sensor sensor;
+  const std::string quantity = json["quantity"].text();
+  const auto named = datasets::quantity_named(quantity);
+  if (!named) json["quantity"].fail("expected a quantity, found \"" + quantity + "\"");
+  sensor.quantity = *named;
+  sensor.channel = json["channel"].text();
+  if (json.has("sensitivity"))
+    sensor.sensitivity = datasets::UncertainValue{json["sensitivity"].number(),
+                                                  json["sensitivity_uncertainty"].number()};
+  sensor.recorded_unit = json["recorded_unit"].text();
+  sensor.polarity = json["polarity"].number();
+  sensor.position = json["position_m"].number();
+  if (json.has("resonance"))
+    sensor.resonance = datasets::Resonance{json["resonance"]["frequency_hz"].number(),
+                                           json["resonance"]["quality"].number()};
+  sensor.low_cut = band_from(json, "low_cut");
+  sensor.high_cut = band_from(json, "high_cut");
+  sensor.delay = {json["delay_s"].number(), json["delay_uncertainty_s"].number(),
+                  json["delay_removed"].boolean()};
+  sensor.range = json["range"].number();
+  return sensor;
+}
+
+}  // namespace
+
+Json rig_json(const fitting::RigFile& rig) {
+  const models::Beam& beam = rig.rig.beam;
+  const models::Start& start = rig.rig.start;
+  return {
+      {"path", rig.path},
+      {"sha256", rig.sha256},
+      {"beam",
+       {{"length_m", beam.length},
+        {"area_m2", beam.area},
+        {"second_moment_m4", beam.second_moment},
+        {"youngs_modulus_pa", beam.youngs_modulus},
+        {"density_kg_m3", beam.density}}},
+      {"contact", contact_json(rig.rig.contact)},
+      {"start",
+       {{"velocity_m_s", start.velocity},
+        {"release_angle_rad", start.release_angle ? Json(*start.release_angle) : Json(nullptr)}}},
+      {"gravity_m_s2", rig.rig.gravity},
+      {"sensors",
+       {{"force", sensor_json(rig.force)},
+        {"velocity", sensor_json(rig.velocity)},
+        {"displacement", sensor_json(rig.displacement)}}},
+      {"solver", solver_json(rig.solver)},
+      {"solver_stated", rig.solver_stated},
+      {"text", rig.text}};
+}
+
+fitting::RigFile rig_from(const JsonReader& json) {
+  fitting::RigFile rig;
+  rig.path = json["path"].text();
+  rig.sha256 = json["sha256"].text();
+  rig.text = json["text"].text();
+  const JsonReader beam = json["beam"];
+  rig.rig.beam = {beam["length_m"].number(), beam["area_m2"].number(),
+                  beam["second_moment_m4"].number(), beam["youngs_modulus_pa"].number(),
+                  beam["density_kg_m3"].number()};
+  rig.rig.contact = contact_from(json["contact"]);
+  rig.rig.start.velocity = json["start"]["velocity_m_s"].number();
+  if (json["start"].has("release_angle_rad"))
+    rig.rig.start.release_angle = json["start"]["release_angle_rad"].number();
+  rig.rig.gravity = json["gravity_m_s2"].number();
+  rig.force = sensor_from(json["sensors"], "force");
+  rig.velocity = sensor_from(json["sensors"], "velocity");
+  rig.displacement = sensor_from(json["sensors"], "displacement");
+  rig.solver = solver_from(json["solver"]);
+  rig.solver_stated = json["solver_stated"].boolean();
+  return rig;
+}
+
+}  // namespace impactrig::reports

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reports/json_parts.hpp"
+
+namespace impactrig::reports {
+
+namespace {
+
+/// "model" and what belongs to it. "elements" is empty where the model has none.
+void add_solver(Json& json, const models::Solver& solver) {
+  json["model"] = std::string(models::name(solver.model));
+  json["elements"] = Json::array();
+  if (solver.model == models::BeamModel::ancf)
+    json["elements"] = {solver.elements[0], solver.elements[1]};
+  if (solver.model == models::BeamModel::hybrid) {
+    json["modes"] = solver.modes;
+    json["axial_modes"] = solver.axial_modes;
+    json["basis"] = std::string(models::name(solver.basis));
+  }
+}
+
+}  // namespace
+
+Json solver_json(const models::Solver& solver) {
+  Json json;
+  add_solver(json, solver);
+  json["accuracy"] = solver.accuracy;
+  json["duration_asked_s"] = solver.duration ? Json(*solver.duration) : Json(nullptr);
+  return json;
+}
+
+models::Solver solver_from(const JsonReader& json) {
+  models::Solver solver;
+  const std::string model = json["model"].text();
+  bool known = false;
+  for (const auto candidate :
+       {models::BeamModel::rigid, models::BeamModel::hybrid, models::BeamModel::ancf})
+    if (model == models::name(candidate)) {
+      solver.model = candidate;
+      known = true;
+    }
+  if (!known) json["model"].fail("expected rigid, hybrid or ancf, found \"" + model + "\"");
+  if (solver.model == models::BeamModel::ancf) {
+    const JsonReader elements = json["elements"];
+    if (elements.size() != 2) elements.fail("expected two counts, hinge to contact and to the tip");
+    for (std::size_t i = 0; i < 2; ++i)
+      solver.elements[i] = static_cast<int>(elements.element(i).integer());
+  }
+  if (solver.model == models::BeamModel::hybrid) {
+    solver.modes = static_cast<int>(json["modes"].integer());
+    solver.axial_modes = static_cast<int>(json["axial_modes"].integer());
+    const std::string basis = json["basis"].text();
+    solver.basis = basis == models::name(models::Basis::cantilever) ? models::Basis::cantilever
+                                                                    : models::Basis::pinned_free;
+    if (basis != models::name(solver.basis))
+      json["basis"].fail("expected cantilever or pinned-free, found \"" + basis + "\"");
+  }
+  solver.accuracy = json["accuracy"].number();
+  if (json.has("duration_asked_s")) solver.duration = json["duration_asked_s"].number();
+  return solver;
+}
+
+namespace {
+
+Json episode_json(const models::Episode& episode) {
+  return {{"start_s", episode.start},
+          {"end_s", episode.end},
+          {"peak_force_n", episode.peak_force},
+          {"impulse_ns", episode.impulse},
+          {"max_penetration_m", episode.max_penetration},
+          {"approach_velocity_m_s", episode.approach_velocity},
+          {"separation_velocity_m_s", episode.separation_velocity},
+          {"dissipated_j", episode.dissipated},
+          {"peak_time_s", episode.peak_time},
+          {"open", episode.open}};
+}
+
+models::Episode episode_from(const JsonReader& json) {
+  models::Episode episode;
+  episode.start = json["start_s"].number();
+  episode.end = json["end_s"].number();
+  episode.peak_force = json["peak_force_n"].number();
+  episode.impulse = json["impulse_ns"].number();
+  episode.max_penetration = json["max_penetration_m"].number();
+  episode.approach_velocity = json["approach_velocity_m_s"].number();
+  episode.separation_velocity = json["separation_velocity_m_s"].number();
+  episode.dissipated = json["dissipated_j"].number();
+  episode.peak_time = json["peak_time_s"].number();
+  episode.open = json["open"].boolean();
+  return episode;
+}
+
+Json energy_json(const models::EnergyAudit& energy) {
+  return {{"initial_j", energy.initial},
+          {"dissipated_j", energy.dissipated},
+          {"vibration_j", energy.vibration},
+          {"imbalance", energy.imbalance},
+          {"kinetic_j", energy.kinetic},
+          {"elastic_j", energy.elastic},
+          {"gravitational_j", energy.gravitational},
+          {"contact_stored_j", energy.contact_stored},
+          {"rigid_rotation_j", energy.rigid_rotation}};
+}
+
+models::EnergyAudit energy_from(const JsonReader& json) {
+  models::EnergyAudit energy;
+  energy.initial = json["initial_j"].number();
+  energy.dissipated = json["dissipated_j"].number();
+  energy.vibration = json["vibration_j"].number();
+  energy.imbalance = json["imbalance"].number();
+  energy.kinetic = json["kinetic_j"].number();
+  energy.elastic = json["elastic_j"].number();
+  energy.gravitational = json["gravitational_j"].number();
+  energy.contact_stored = json["contact_stored_j"].number();
+  energy.rigid_rotation = json["rigid_rotation_j"].number();
+  return energy;
+}
+
+}  // namespace
+
+Json simulation_json(const models::Simulation& simulation, const models::Contact& laws) {
+  Json json;
+  add_solver(json, simulation.solver);
+  json["elastic_law"] = laws.law;
+  json["damping_law"] = laws.damping;
+  json["peak_force_n"] = simulation.peak_force;
+  json["peak_time_s"] = simulation.peak_time;
+  json["max_penetration_m"] = simulation.max_penetration;
+  json["impulse_ns"] = simulation.impulse;
+  json["episodes"] = Json::array();
+  for (const models::Episode& episode : simulation.episodes)
+    json["episodes"].push_back(episode_json(episode));
+  json["restitution"] = {{"law", simulation.restitution.law},
+                         {"kinematic", simulation.restitution.kinematic},
+                         {"kinetic", simulation.restitution.kinetic},
+                         {"energetic", simulation.restitution.energetic}};
+  json["energy"] = energy_json(simulation.energy);
+  json["cost"] = {{"steps", simulation.cost.steps},
+                  {"rejected", simulation.cost.rejected},
+                  {"evaluations", simulation.cost.evaluations},
+                  {"solve_s", simulation.cost.seconds}};
+  json["skipped"] = simulation.skipped;
+  json["warnings"] = simulation.warnings;
+  json["termination"] = simulation.termination;
+  json["duration_s"] = simulation.duration;
+  json["accuracy"] = simulation.solver.accuracy;
+  json["duration_asked_s"] =
+      simulation.solver.duration ? Json(*simulation.solver.duration) : Json(nullptr);
+  return json;
+}
+
+models::Simulation simulation_from(const JsonReader& json) {
+  models::Simulation simulation;
+  simulation.solver = solver_from(json);
+  simulation.peak_force = json["peak_force_n"].number();
+  simulation.peak_time = json["peak_time_s"].number();
+  simulation.max_penetration = json["max_penetration_m"].number();
+  simulation.impulse = json["impulse_ns"].number();
+  simulation.duration = json["duration_s"].number();
+  const JsonReader episodes = json["episodes"];
+  for (std::size_t i = 0; i < episodes.size(); ++i)
+    simulation.episodes.push_back(episode_from(episodes.element(i)));
+  const JsonReader restitution = json["restitution"];
+  simulation.restitution = {restitution["law"].number(), restitution["kinematic"].number(),
+                            restitution["kinetic"].number(), restitution["energetic"].number()};
+  simulation.energy = energy_from(json["energy"]);
+  const JsonReader cost = json["cost"];
+  simulation.cost = {cost["steps"].integer(), cost["rejected"].integer(),
+                     cost["evaluations"].integer(), cost["solve_s"].number()};
+  simulation.skipped = json["skipped"].texts();
+  simulation.warnings = json["warnings"].texts();
+  simulation.termination = json["termination"].text();
+  return simulation;
+}
+
+Json history_json(const models::History& history) {
+  return {{"start_s", history.start},         {"interval_s", history.interval},
+          {"force_n", history.force},         {"penetration_m", history.penetration},
+          {"velocity_m_s", history.velocity}, {"displacement_m", history.displacement}};
+}
+
+models::History history_from(const JsonReader& json) {
+  models::History history;
+  history.start = json["start_s"].number();
+  history.interval = json["interval_s"].number();
+  history.force = json["force_n"].numbers();
+  history.penetration = json["penetration_m"].numbers();
+  history.velocity = json["velocity_m_s"].numbers();
+  history.displacement = json["displacement_m"].numbers();
+  return history;
+}
+
+std::string simulation_to_json(const models::Simulation& simulation, const models::Rig& rig) {
+  return dumped(simulation_json(simulation, rig.contact));
+}
+
+}  // namespace impactrig::reports
