@@ -1,2 +1,141 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/rig.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "models/contact/damping_law.hpp"
+#include "models/contact/elastic_law.hpp"
+
+namespace impactrig::models {
+namespace {
+
+[[noreturn]] void refuse(std::string_view key, const std::string& problem) {
+  throw std::invalid_argument(fmt::format("{}: {}", key, problem));
+}
+
+void require_positive(std::string_view key, double value, std::string_view unit) {
+  if (!(value > 0.0 && std::isfinite(value)))
+    refuse(key, fmt::format("must be greater than zero, found {:g} {}", value, unit));
+}
+
+void validate_beam(const Beam& beam) {
+  require_positive("beam.length", beam.length, "m");
+  require_positive("beam.section (area)", beam.area, "m^2");
+  require_positive("beam.section (second moment)", beam.second_moment, "m^4");
+  require_positive("beam.youngs_modulus", beam.youngs_modulus, "Pa");
+  require_positive("beam.density", beam.density, "kg/m^3");
+}
+
+void validate_contact(const Contact& contact, const Beam& beam) {
+  require_positive("contact.position", contact.position, "m");
+  if (contact.position > beam.length)
+    refuse(
+        "contact.position",
+        fmt::format("the struck point, {:g} m from the hinge, lies beyond the bar's end at {:g} m",
+                    contact.position, beam.length));
+  if (!(contact.restitution >= 0.0 && contact.restitution <= 1.0))
+    refuse("contact.restitution",
+           fmt::format("must lie between 0 and 1, found {:g}", contact.restitution));
+  const DampingLaw& damping = damping_law(contact.damping);
+  if (contact.restitution < damping.smallest_restitution)
+    refuse("contact.restitution",
+           fmt::format("{:g} needs more damping than the law '{}' can give; use {:g} or more",
+                       contact.restitution, damping.name, damping.smallest_restitution));
+  require_positive("contact.stiffness_factor", contact.stiffness_factor, "");
+  if (contact.law == "linear") {
+    require_positive("contact.stiffness", contact.stiffness, "N/m");
+    return;
+  }
+  require_positive("contact.length", contact.length, "m");
+  require_positive("contact.radius", contact.radius, "m");
+  require_positive("contact.modulus", contact.modulus, "Pa");
+  require_positive("contact.counter_modulus", contact.counter_modulus, "Pa");
+  for (const auto& [key, nu] :
+       {std::pair{"contact.poisson_ratio", contact.poisson_ratio},
+        std::pair{"contact.counter_poisson_ratio", contact.counter_poisson_ratio}})
+    if (!(nu > -1.0 && nu <= 0.5))
+      refuse(key, fmt::format("must lie between -1 and 0.5, found {:g}", nu));
+  if (contact.exponent != 1 && contact.exponent != 3)
+    refuse("contact.exponent",
+           fmt::format("must be 1 (as the paper prints it) or 3 (consistent in units), found {}",
+                       contact.exponent));
+  if (contact.counterface == Counterface::plane) return;
+  require_positive("contact.counterface.radius", contact.counter_radius, "m");
+  if (contact.counterface == Counterface::groove && contact.counter_radius <= contact.radius)
+    refuse("contact.counterface.radius",
+           fmt::format(
+               "a groove of radius {:g} m cannot take a bar of radius {:g} m; it must be wider",
+               contact.counter_radius, contact.radius));
+}
+
+void validate_solver(const Solver& solver, const Rig& rig) {
+  if (!(solver.accuracy >= 1e-13 && solver.accuracy <= 0.1))
+    refuse("solver.accuracy",
+           fmt::format("must lie between 1e-13 and 0.1, found {:g}", solver.accuracy));
+  if (solver.duration && !(*solver.duration > 0.0 && std::isfinite(*solver.duration)))
+    refuse("solver.duration",
+           fmt::format("must be greater than zero, found {:g} s", *solver.duration));
+  if (solver.model == BeamModel::ancf) {
+    const bool at_tip = rig.contact.position == rig.beam.length;
+    if (solver.elements[0] < 1 || solver.elements[1] < (at_tip ? 0 : 1) ||
+        solver.elements[0] + solver.elements[1] > 4096)
+      refuse(
+          "solver.elements",
+          fmt::format(
+              "needs at least one element on each side of the struck point and 4096 in all, found "
+              "[{}, {}]",
+              solver.elements[0], solver.elements[1]));
+    if (at_tip && solver.elements[1] != 0)
+      refuse("solver.elements",
+             fmt::format("the struck point is the bar's tip: the second number must be 0, found {}",
+                         solver.elements[1]));
+  }
+  if (solver.model == BeamModel::hybrid && !(solver.modes >= 1 && solver.modes <= 60))
+    refuse("solver.modes", fmt::format("must lie between 1 and 60, found {}", solver.modes));
+  if (solver.model == BeamModel::hybrid && !(solver.axial_modes >= 0 && solver.axial_modes <= 60))
+    refuse("solver.axial_modes",
+           fmt::format("must lie between 0 and 60, found {}", solver.axial_modes));
+}
+
+}  // namespace
+
+std::string_view name(BeamModel model) {
+  switch (model) {
+    case BeamModel::rigid:
+      return "rigid";
+    case BeamModel::hybrid:
+      return "hybrid";
+    case BeamModel::ancf:
+      return "ancf";
+  }
+  throw std::logic_error("name: beam model out of range");
+}
+
+std::string_view name(Basis basis) {
+  return basis == Basis::cantilever ? "cantilever" : "pinned-free";
+}
+
+void validate(const Rig& rig, const Solver& solver) {
+  validate_beam(rig.beam);
+  validate_contact(rig.contact, rig.beam);
+  elastic_law(rig.contact);
+  if (!(rig.gravity >= 0.0 && std::isfinite(rig.gravity)))
+    refuse("environment.gravity",
+           fmt::format("must not be negative, found {:g} m/s^2", rig.gravity));
+  if (rig.start.release_angle) {
+    if (!(*rig.start.release_angle > 0.0 && *rig.start.release_angle < 3.14159265358979))
+      refuse("start.release_angle",
+             fmt::format("must lie between 0 and 180 degrees, found {:g} rad",
+                         *rig.start.release_angle));
+    if (!(rig.gravity > 0.0))
+      refuse("start.release_angle", "a release needs gravity; environment.gravity is zero");
+  } else {
+    require_positive("start.velocity", rig.start.velocity, "m/s");
+  }
+  validate_solver(solver, rig);
+}
+
+}  // namespace impactrig::models

@@ -17,32 +17,36 @@ struct Beam {
   double density = 0.0;         ///< rho [kg/m^3]
 
   double mass() const { return density * area * length; }
-  double hinge_inertia() const { return mass() * length * length / 3.0; }  ///< about the hinge [kg m^2]
+
+  double hinge_inertia() const {
+    return mass() * length * length / 3.0;
+  }  ///< about the hinge [kg m^2]
 };
 
 enum class Counterface { groove, cylinder, plane };
 
 /// The line contact between the bar's side and the stop.
 struct Contact {
-  double position = 0.0;                         ///< L_p, hinge to struck point [m]
+  double position = 0.0;  ///< L_p, hinge to struck point [m]
   Counterface counterface = Counterface::groove;
-  double radius = 0.0;                           ///< R_1 of the bar's contact patch [m]
-  double counter_radius = 0.0;                   ///< R_2 of groove or cylinder [m]
-  double length = 0.0;                           ///< h, length of the line [m]
-  double modulus = 0.0, poisson_ratio = 0.0;                  ///< bar [Pa], [-]
+  double radius = 0.0;                        ///< R_1 of the bar's contact patch [m]
+  double counter_radius = 0.0;                ///< R_2 of groove or cylinder [m]
+  double length = 0.0;                        ///< h, length of the line [m]
+  double modulus = 0.0, poisson_ratio = 0.0;  ///< bar [Pa], [-]
   double counter_modulus = 0.0, counter_poisson_ratio = 0.0;  ///< stop [Pa], [-]
-  std::string law = "goldsmith";                 ///< a name of elastic_laws()
-  int exponent = 1;                              ///< of the length in the logarithm: 1 (the paper) or 3 (consistent)
-  double stiffness = 0.0;                        ///< law "linear" [N/m]
-  double stiffness_factor = 1.0;                 ///< on the force at equal penetration [-]
-  std::string damping = "lankarani-nikravesh";   ///< a name of damping_laws()
-  double restitution = 1.0;                      ///< e in the damping law [-]
+  std::string law = "goldsmith";                              ///< a name of elastic_laws()
+  int exponent = 1;        ///< of the length in the logarithm: 1 (the paper) or 3 (consistent)
+  double stiffness = 0.0;  ///< law "linear" [N/m]
+  double stiffness_factor = 1.0;                ///< on the force at equal penetration [-]
+  std::string damping = "lankarani-nikravesh";  ///< a name of damping_laws()
+  double restitution = 1.0;                     ///< e in the damping law [-]
 };
 
 /// How the impact begins: a given speed of the struck point at first touch, or a release from rest.
 struct Start {
-  double velocity = 0.0;                ///< closing speed of the struck point [m/s], > 0
-  std::optional<double> release_angle;  ///< from hanging straight [rad]; then `velocity` is not used
+  double velocity = 0.0;  ///< closing speed of the struck point [m/s], > 0
+  std::optional<double>
+      release_angle;  ///< from hanging straight [rad]; then `velocity` is not used
 };
 
 /// The experiment, without sensors and without numerics. All SI.
@@ -62,16 +66,17 @@ std::string_view name(Basis basis);
 /// How to solve. Defaults are what simulate() chooses when the rig file is silent.
 struct Solver {
   BeamModel model = BeamModel::ancf;
-  std::array<int, 2> elements = {14, 2};  ///< hinge to struck point, struck point to tip; the second may be 0
-  int modes = 7;                          ///< hybrid: bending modes
-  int axial_modes = 0;                    ///< hybrid
-  Basis basis = Basis::cantilever;        ///< hybrid
-  double accuracy = 1e-6;                 ///< relative, of the time integration
-  std::optional<double> duration;         ///< from first touch [s]; none: until the bar has left for good
+  std::array<int, 2> elements = {
+      14, 2};           ///< hinge to struck point, struck point to tip; the second may be 0
+  int modes = 7;        ///< hybrid: bending modes
+  int axial_modes = 0;  ///< hybrid
+  Basis basis = Basis::cantilever;  ///< hybrid
+  double accuracy = 1e-6;           ///< relative, of the time integration
+  std::optional<double> duration;   ///< from first touch [s]; none: until the bar has left for good
 };
 
-/// Throws std::invalid_argument with one sentence that names the rig-file key when a value makes no sense: a struck point
-/// beyond the bar, e outside [0, 1], a groove not wider than the bar, ...
+/// Throws std::invalid_argument with one sentence that names the rig-file key when a value makes no
+/// sense: a struck point beyond the bar, e outside [0, 1], a groove not wider than the bar, ...
 void validate(const Rig& rig, const Solver& solver);
 
 }  // namespace impactrig::models

@@ -11,16 +11,17 @@ namespace impactrig::models {
 
 /// One stay in contact, from touch to separation.
 struct Episode {
-  double start = 0.0;                ///< [s] from first touch
-  double end = 0.0;                  ///< [s]; the end of the run when `open`
-  double peak_force = 0.0;           ///< [N]
-  double peak_time = 0.0;            ///< [s]
-  double impulse = 0.0;              ///< [N s]
-  double max_penetration = 0.0;      ///< [m]
-  double approach_velocity = 0.0;    ///< of the struck point at touch [m/s]
-  double separation_velocity = 0.0;  ///< of the struck point at separation [m/s], > 0 when it leaves
-  double dissipated = 0.0;           ///< by the contact's damping [J]
-  bool open = false;                 ///< still touching when the run ended
+  double start = 0.0;              ///< [s] from first touch
+  double end = 0.0;                ///< [s]; the end of the run when `open`
+  double peak_force = 0.0;         ///< [N]
+  double peak_time = 0.0;          ///< [s]
+  double impulse = 0.0;            ///< [N s]
+  double max_penetration = 0.0;    ///< [m]
+  double approach_velocity = 0.0;  ///< of the struck point at touch [m/s]
+  double separation_velocity =
+      0.0;                  ///< of the struck point at separation [m/s], > 0 when it leaves
+  double dissipated = 0.0;  ///< by the contact's damping [J]
+  bool open = false;        ///< still touching when the run ended
 };
 
 /// The four numbers called restitution; all [-]. Of the first episode but for `law`.
@@ -33,15 +34,16 @@ struct Restitution {
 
 /// Where the energy is at the end of the run [J]; imbalance relative to the initial kinetic energy.
 struct EnergyAudit {
-  double initial = 0.0;         ///< kinetic, at first touch
+  double initial = 0.0;  ///< kinetic, at first touch
   double kinetic = 0.0;
   double elastic = 0.0;
   double gravitational = 0.0;   ///< relative to first touch
   double contact_stored = 0.0;  ///< not zero only when the run ends in contact
   double dissipated = 0.0;
-  double rigid_rotation = 0.0;  ///< kinetic energy of the rigid bar with the same angular momentum about the hinge
-  double vibration = 0.0;       ///< kinetic + elastic - rigid_rotation
-  double imbalance = 0.0;       ///< [-]
+  double rigid_rotation =
+      0.0;  ///< kinetic energy of the rigid bar with the same angular momentum about the hinge
+  double vibration = 0.0;  ///< kinetic + elastic - rigid_rotation
+  double imbalance = 0.0;  ///< [-]
 };
 
 struct Cost {
@@ -53,9 +55,9 @@ struct Cost {
 
 /// What to sample while integrating; nothing by default.
 struct HistoryRequest {
-  double interval = 0.0;  ///< [s]; 0 = no history
-  double lead = 0.0;      ///< before first touch [s], continued backwards as a rigid swing
-  double velocity_position = 0.0;      ///< laser spot, from the hinge [m]; 0 = the struck point
+  double interval = 0.0;           ///< [s]; 0 = no history
+  double lead = 0.0;               ///< before first touch [s], continued backwards as a rigid swing
+  double velocity_position = 0.0;  ///< laser spot, from the hinge [m]; 0 = the struck point
   double displacement_position = 0.0;  ///< [m]; 0 = the struck point
 };
 
@@ -63,15 +65,16 @@ struct HistoryRequest {
 struct History {
   double start = 0.0;
   double interval = 0.0;
-  std::vector<double> force;         ///< contact force, compression > 0 [N] (n)
-  std::vector<double> penetration;   ///< > 0 in contact, negative: gap [m] (n)
-  std::vector<double> velocity;      ///< closing > 0, at velocity_position [m/s] (n)
-  std::vector<double> displacement;  ///< closing > 0, 0 at first touch, at displacement_position [m] (n)
+  std::vector<double> force;        ///< contact force, compression > 0 [N] (n)
+  std::vector<double> penetration;  ///< > 0 in contact, negative: gap [m] (n)
+  std::vector<double> velocity;     ///< closing > 0, at velocity_position [m/s] (n)
+  std::vector<double>
+      displacement;  ///< closing > 0, 0 at first touch, at displacement_position [m] (n)
 };
 
 /// What simulate() gives. `termination` says in a sentence why the run ended.
 struct Simulation {
-  Solver solver;  ///< as used
+  Solver solver;                 ///< as used
   double peak_force = 0.0;       ///< over the run [N]
   double peak_time = 0.0;        ///< [s] from first touch
   double max_penetration = 0.0;  ///< [m]
@@ -92,8 +95,8 @@ struct SimulationOptions {
   bool exact = false;  ///< take no simplification
 };
 
-/// Predicts one impact of the rig. Throws std::invalid_argument as validate() does, and std::runtime_error with a sentence
-/// when the integration cannot go on.
+/// Predicts one impact of the rig. Throws std::invalid_argument as validate() does, and
+/// std::runtime_error with a sentence when the integration cannot go on.
 Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOptions& options = {});
 
 }  // namespace impactrig::models

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/beams/ancf.hpp"
+
+#include <cmath>
+
+#include "models/integration/gauss.hpp"
+
+namespace impactrig::models {
+namespace {
+
+/// Cubic Hermite shape functions of an element of length l at ξ in [0, 1], and d/dξ. (19)
+Eigen::Vector4d shape(double xi, double l) {
+  const double s = xi * xi;
+  return {1.0 - 3.0 * s + 2.0 * s * xi, l * (xi - 2.0 * s + s * xi), 3.0 * s - 2.0 * s * xi,
+          l * (s * xi - s)};
+}
+
+Eigen::Vector4d shape_slope(double xi) {
+  const double s = xi * xi;
+  return {-6.0 * xi + 6.0 * s, 1.0 - 4.0 * xi + 3.0 * s, 6.0 * xi - 6.0 * s, 3.0 * s - 2.0 * xi};
+}
+
+/// ∫ S'S dx of an element, without ρA.
+Eigen::Matrix4d consistent_mass(double l) {
+  Eigen::Matrix4d m;
+  m << 156.0, 22.0 * l, 54.0, -13.0 * l,              //
+      22.0 * l, 4.0 * l * l, 13.0 * l, -3.0 * l * l,  //
+      54.0, 13.0 * l, 156.0, -22.0 * l,               //
+      -13.0 * l, -3.0 * l * l, -22.0 * l, 4.0 * l * l;
+  return m * (l / 420.0);
+}
+
+/// EI S_xx'S_xx applied to nodal values: bending force, without EI.
+Eigen::Vector4d bending_force(const Eigen::Vector4d& u, double l) {
+  const double shear = (12.0 * (u[0] - u[2]) + 6.0 * l * (u[1] + u[3])) / (l * l * l);
+  const double common = 6.0 * (u[0] - u[2]) / (l * l);
+  return {shear, common + (4.0 * u[1] + 2.0 * u[3]) / l, -shear,
+          common + (2.0 * u[1] + 4.0 * u[3]) / l};
+}
+
+}  // namespace
+
+AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
+    : dofs_(2 * (elements[0] + elements[1]) + 1),
+      struck_dof_(2 * elements[0] - 1),
+      axial_stiffness_(rig.beam.youngs_modulus * rig.beam.area),
+      bending_stiffness_(rig.beam.youngs_modulus * rig.beam.second_moment),
+      line_density_(rig.beam.density * rig.beam.area),
+      gravity_(rig.gravity),
+      inertia_(rig.beam.hinge_inertia()),
+      bar_length_(rig.beam.length),
+      reference_(dofs_),
+      weight_(Eigen::VectorXd::Zero(dofs_)),
+      mass_([&] {
+        const double lengths[2] = {rig.contact.position, rig.beam.length - rig.contact.position};
+        double x = 0.0;
+        for (int part = 0; part < 2; ++part)
+          for (int i = 0; i < elements[static_cast<std::size_t>(part)]; ++i) {
+            const double length = lengths[part] / elements[static_cast<std::size_t>(part)];
+            elements_.push_back({x, length});
+            x += length;
+          }
+        BandMatrix mass(dofs_);
+        for (std::size_t e = 0; e < elements_.size(); ++e) {
+          const Eigen::Matrix4d m = line_density_ * consistent_mass(elements_[e].length);
+          for (int i = 0; i < 4; ++i)
+            for (int j = 0; j <= i; ++j) {
+              const int row = e == 0 && i == 1 ? 0 : first_dof(e) + i;
+              const int column = e == 0 && j == 1 ? 0 : first_dof(e) + j;
+              const bool hinge = e == 0 && (i == 0 || j == 0);
+              if (!hinge) mass.add(row, column, m(i, j));
+            }
+        }
+        return mass;
+      }()),
+      factor_(mass_) {
+  const GaussRule rule = gauss_legendre(5);
+  for (std::size_t g = 0; g < 5; ++g) {
+    slope_shapes_[g] = shape_slope(rule.points[g]);
+    weights_[g] = rule.weights[g];
+  }
+  reference_[0] = 1.0;
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    reference_[first_dof(e) + 2] = elements_[e].x + elements_[e].length;
+    reference_[first_dof(e) + 3] = 1.0;
+    const double l = elements_[e].length;
+    const Eigen::Vector4d share =
+        line_density_ * l * Eigen::Vector4d(0.5, l / 12.0, 0.5, -l / 12.0);
+    for (int i = 0; i < 4; ++i)
+      if (e > 0 || i > 0) weight_[e == 0 && i == 1 ? 0 : first_dof(e) + i] += share[i];
+  }
+}
+
+AncfBeam::Nodal AncfBeam::gather(ConstVector part, std::size_t element) const {
+  if (element == 0) return {0.0, part[0], part[1], part[2]};
+  return part.segment<4>(first_dof(element));
+}
+
+Eigen::VectorXd AncfBeam::inertia_diagonal() const {
+  Eigen::VectorXd diagonal(size());
+  for (int i = 0; i < dofs_; ++i) diagonal[i] = diagonal[dofs_ + i] = mass_.at(i, i);
+  return diagonal;
+}
+
+void AncfBeam::set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const {
+  // X = −x sin(angle), Y = −x cos(angle)
+  const double half = std::sin(0.5 * angle);
+  q.head(dofs_) = -std::sin(angle) * reference_;
+  q.tail(dofs_) = 2.0 * half * half * reference_;
+  v.head(dofs_) = -std::cos(angle) * rate * reference_;
+  v.tail(dofs_) = std::sin(angle) * rate * reference_;
+}
+
+void AncfBeam::add_elastic_force(ConstVector q, VectorRef force) const {
+  const auto across = q.head(dofs_);
+  const auto along = q.tail(dofs_);
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const double l = elements_[e].length;
+    const Nodal x = gather(across, e);
+    const Nodal u = gather(along, e);
+    Nodal force_x = -bending_stiffness_ * bending_force(x, l);
+    Nodal force_u = -bending_stiffness_ * bending_force(u, l);
+    for (std::size_t g = 0; g < 5; ++g) {
+      Nodal s = slope_shapes_[g];
+      s[0] /= l;
+      s[2] /= l;
+      const double x_slope = s.dot(x);
+      const double u_slope = s.dot(u);
+      const double strain = 0.5 * (x_slope * x_slope + u_slope * u_slope) - u_slope;
+      const double tension = axial_stiffness_ * strain * weights_[g] * l;
+      force_x -= tension * x_slope * s;
+      force_u -= tension * (u_slope - 1.0) * s;
+    }
+    if (e == 0) {
+      force.head<3>() += force_x.tail<3>();
+      force.segment<3>(dofs_) += force_u.tail<3>();
+    } else {
+      force.segment<4>(first_dof(e)) += force_x;
+      force.segment<4>(dofs_ + first_dof(e)) += force_u;
+    }
+  }
+}
+
+void AncfBeam::acceleration(ConstVector q, ConstVector /*v*/, double contact_force, VectorRef a) {
+  a.head(dofs_).setZero();
+  a.tail(dofs_) = -gravity_ * weight_;
+  add_elastic_force(q, a);
+  a[struck_dof_] += contact_force;
+  factor_.solve_in_place(a.head(dofs_));
+  factor_.solve_in_place(a.tail(dofs_));
+}
+
+PointMotion AncfBeam::struck_point(ConstVector q, ConstVector v) const {
+  return {-q[struck_dof_], -v[struck_dof_]};
+}
+
+PointMotion AncfBeam::point(double x, ConstVector q, ConstVector v) const {
+  std::size_t e = 0;
+  while (e + 1 < elements_.size() && x > elements_[e + 1].x) ++e;
+  const Eigen::Vector4d s = shape((x - elements_[e].x) / elements_[e].length, elements_[e].length);
+  return {-s.dot(gather(q.head(dofs_), e)), -s.dot(gather(v.head(dofs_), e))};
+}
+
+BeamEnergy AncfBeam::energy(ConstVector q, ConstVector v) const {
+  BeamEnergy energy;
+  Eigen::VectorXd product(dofs_);
+  for (int part = 0; part < 2; ++part) {
+    const auto rate = v.segment(part * dofs_, dofs_);
+    mass_.multiply(rate, product);
+    energy.kinetic += 0.5 * rate.dot(product);
+  }
+  energy.gravitational = gravity_ * weight_.dot(q.tail(dofs_));
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const double l = elements_[e].length;
+    const Nodal x = gather(q.head(dofs_), e);
+    const Nodal u = gather(q.tail(dofs_), e);
+    energy.elastic +=
+        0.5 * bending_stiffness_ * (x.dot(bending_force(x, l)) + u.dot(bending_force(u, l)));
+    for (std::size_t g = 0; g < 5; ++g) {
+      Nodal s = slope_shapes_[g];
+      s[0] /= l;
+      s[2] /= l;
+      const double x_slope = s.dot(x);
+      const double u_slope = s.dot(u);
+      const double strain = 0.5 * (x_slope * x_slope + u_slope * u_slope) - u_slope;
+      energy.elastic += 0.5 * axial_stiffness_ * strain * strain * weights_[g] * l;
+    }
+  }
+  return energy;
+}
+
+RigidPart AncfBeam::rigid_part(ConstVector q, ConstVector v) const {
+  Eigen::VectorXd product(dofs_);
+  mass_.multiply(q.head(dofs_), product);
+  RigidPart rigid;
+  rigid.angle = -product.dot(reference_) / inertia_;
+  // moment of momentum ∫ρA (X Ẏ − Y Ẋ) dx with Y = −x + U, counted positive while closing
+  double moment = product.dot(v.tail(dofs_));
+  mass_.multiply(v.head(dofs_), product);
+  moment += product.dot(reference_ - q.tail(dofs_));
+  rigid.rate = -moment / inertia_;
+  return rigid;
+}
+
+}  // namespace impactrig::models

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "models/beams/band_cholesky.hpp"
+#include "models/beams/beam_dynamics.hpp"
+
+namespace impactrig::models {
+
+/// Absolute nodal coordinates: planar gradient-deficient cubic elements, Shen et al. (19)-(30). No
+/// small-rotation assumption.
+///
+/// Strain energy U = ½ ∫ EA ε² dx + ½ ∫ EI r_xx·r_xx dx with ε = (r_x·r_x − 1)/2, integrated
+/// exactly (five Gauss points: the integrand of the axial force has degree 8). r_xx is the
+/// curvature to first order in the axial strain.
+///
+/// q = [X, U]: X the nodal positions and slopes across the hanging bar (closing is −X), U the same
+/// of the displacement along it, Y = −x + U. Displacements, not positions, so that strains of 1e-12
+/// keep their digits. The hinge's two positions are left out; each of X and U holds [slope_0,
+/// (value, slope)_1, ..., (value, slope)_N].
+class AncfBeam : public BeamDynamics {
+ public:
+  /// elements: hinge to struck point, struck point to tip (0 when it is the tip).
+  AncfBeam(const Rig& rig, std::array<int, 2> elements);
+
+  int size() const override { return 2 * dofs_; }
+
+  Eigen::VectorXd inertia_diagonal() const override;
+  void set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
+  void acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) override;
+  PointMotion struck_point(ConstVector q, ConstVector v) const override;
+  PointMotion point(double x, ConstVector q, ConstVector v) const override;
+  BeamEnergy energy(ConstVector q, ConstVector v) const override;
+  RigidPart rigid_part(ConstVector q, ConstVector v) const override;
+
+ private:
+  struct Element {
+    double x = 0.0;       // of its first node [m]
+    double length = 0.0;  // [m]
+  };
+
+  using Nodal = Eigen::Vector4d;  // value, slope of the first node, of the second
+
+  int first_dof(std::size_t element) const { return 2 * static_cast<int>(element) - 1; }
+
+  Nodal gather(ConstVector part, std::size_t element) const;
+  void add_elastic_force(ConstVector q, VectorRef force) const;
+
+  std::vector<Element> elements_;
+  int dofs_;  // of one direction
+  int struck_dof_;
+  double axial_stiffness_;    // EA [N]
+  double bending_stiffness_;  // EI [N m^2]
+  double line_density_;       // ρA [kg/m]
+  double gravity_;
+  double inertia_;
+  double bar_length_;
+  std::array<Eigen::Vector4d, 5> slope_shapes_;  // dS/dξ at the Gauss points, for unit length
+  std::array<double, 5> weights_;
+  Eigen::VectorXd reference_;  // x as nodal values of one direction
+  Eigen::VectorXd weight_;     // ∫ ρA S dx, one direction
+  BandMatrix mass_;
+  BandCholesky factor_;
+};
+
+}  // namespace impactrig::models

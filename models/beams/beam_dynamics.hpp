@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "models/rig.hpp"
+
+namespace impactrig::models {
+
+using ConstVector = Eigen::Ref<const Eigen::VectorXd>;
+using VectorRef = Eigen::Ref<Eigen::VectorXd>;
+
+struct BeamEnergy {
+  double kinetic = 0.0;        ///< [J]
+  double elastic = 0.0;        ///< [J]
+  double gravitational = 0.0;  ///< relative to hanging straight and undeformed [J]
+};
+
+/// A point of the bar's axis, seen from the stop: closing positive.
+struct PointMotion {
+  double displacement = 0.0;  ///< from hanging straight [m]
+  double velocity = 0.0;      ///< [m/s]
+};
+
+/// The bar as a rigid body with the same moment of momentum about the hinge.
+struct RigidPart {
+  double angle = 0.0;  ///< mean rotation from hanging straight, closing > 0 [rad]; small angles
+  double rate = 0.0;   ///< [rad/s]
+};
+
+/// A bar on its hinge with generalised coordinates q (n) and velocities v (n), pressed at the
+/// struck point by one force. The stop is touched when the struck point is where it hangs at rest;
+/// penetration is how far it is beyond. Coordinates are zero for the bar hanging straight. Not for
+/// concurrent use of one object: evaluations share scratch memory.
+class BeamDynamics {
+ public:
+  virtual ~BeamDynamics() = default;
+
+  virtual int size() const = 0;
+
+  /// Generalised mass of each coordinate, hanging straight; scales the error of a step.
+  virtual Eigen::VectorXd inertia_diagonal() const = 0;
+
+  /// The straight, undeformed bar at an angle [rad, closing > 0, negative before touch] turning at
+  /// a rate [rad/s].
+  virtual void set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const = 0;
+
+  /// Accelerations under a contact force [N, compression > 0] at the struck point.
+  virtual void acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) = 0;
+
+  virtual PointMotion struck_point(ConstVector q, ConstVector v) const = 0;
+
+  /// Any point, x from the hinge [m].
+  virtual PointMotion point(double x, ConstVector q, ConstVector v) const = 0;
+
+  virtual BeamEnergy energy(ConstVector q, ConstVector v) const = 0;
+  virtual RigidPart rigid_part(ConstVector q, ConstVector v) const = 0;
+};
+
+}  // namespace impactrig::models

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "models/rig.hpp"
+
+namespace impactrig::models {
+
+/// Value, slope and curvature of a mode at a point.
+struct ModeShape {
+  double value = 0.0;
+  double slope = 0.0;
+  double curvature = 0.0;
+};
+
+/// One bending mode of a uniform Euler-Bernoulli bar, scaled to unit modal mass: ∫ ρA φ² dx = 1 (φ
+/// in 1/√kg).
+///
+/// cantilever (clamped at the hinge in the floating frame, free at the tip):
+///   φ ~ cosh βx − cos βx − σ (sinh βx − sin βx), σ = (cosh z + cos z)/(sinh z + sin z), cos z cosh
+///   z = −1;
+/// pinned-free: φ ~ sin βx + (sin z / sinh z) sinh βx, tan z = tanh z;  z = βL.
+/// Exponentials are paired so that no term exceeds 1: accurate to rounding for any mode number.
+/// Source: [Blevins1979], tables 8-1.
+class BendingMode {
+ public:
+  /// number from 1, the lowest elastic mode.
+  BendingMode(const Beam& beam, Basis basis, int number);
+
+  double angular_frequency() const { return omega_; }  ///< [rad/s]
+
+  ModeShape at(double x) const;
+
+ private:
+  Basis basis_;
+  double length_;
+  double z_;  // βL
+  double omega_;
+  double scale_ = 1.0;
+};
+
+/// The lowest `count` modes.
+std::vector<BendingMode> bending_modes(const Beam& beam, Basis basis, int count);
+
+/// Static deflection of the elastic hinged bar at x under a unit force there, rigid rotation taken
+/// out [m/N]: Σ φ_k(x)²/ω_k² over the pinned-free modes. It bounds how far a given elastic and
+/// vibration energy E can move the point: √(2 E C).
+double elastic_compliance(const Beam& beam, double x);
+
+}  // namespace impactrig::models

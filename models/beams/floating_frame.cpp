@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/beams/floating_frame.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "models/integration/gauss.hpp"
+
+namespace impactrig::models {
+namespace {
+
+double axial_wave_number(int number, double length) {
+  return (number - 0.5) * std::numbers::pi / length;
+}
+
+}  // namespace
+
+FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int axial_modes)
+    : axial_(axial_modes),
+      bending_(modes),
+      length_(rig.beam.length),
+      inertia_(rig.beam.hinge_inertia()),
+      gravity_(rig.gravity),
+      axial_scale_(std::sqrt(2.0 / rig.beam.mass())),
+      modes_(bending_modes(rig.beam, basis, modes)),
+      stiffness_(Eigen::VectorXd::Zero(size())),
+      mass_(size(), size()),
+      rhs_(size()),
+      coupled_(modes),
+      coupled_rate_(modes),
+      column_x_(size()),
+      column_y_(size()),
+      factor_(size()) {
+  const double wave_speed_squared = rig.beam.youngs_modulus / rig.beam.density;
+  for (int k = 0; k < axial_; ++k) {
+    const double wave_number = axial_wave_number(k + 1, length_);
+    stiffness_[1 + k] = wave_speed_squared * wave_number * wave_number;
+  }
+  for (int k = 0; k < bending_; ++k) {
+    const double omega = modes_[static_cast<std::size_t>(k)].angular_frequency();
+    stiffness_[1 + axial_ + k] = omega * omega;
+  }
+  const GaussRule rule = gauss_legendre(20 + 4 * std::max(modes, axial_modes));
+  const double line_density = rig.beam.density * rig.beam.area;
+  Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(bending_, bending_);
+  double reached = 0.0;
+  for (std::size_t i = 0; i < rule.points.size(); ++i) {
+    Station station = section_at(length_ * rule.points[i]);
+    station.mass = line_density * length_ * rule.weights[i];
+    add_coupling(reached, station.x, 1, coupling);
+    reached = station.x;
+    station.coupling = coupling;
+    stations_.push_back(std::move(station));
+  }
+  struck_ = station_at(rig.contact.position);
+}
+
+FloatingFrameBeam::Station FloatingFrameBeam::section_at(double x) const {
+  Station station;
+  station.x = x;
+  station.axial.resize(axial_);
+  for (int k = 0; k < axial_; ++k)
+    station.axial[k] = axial_scale_ * std::sin(axial_wave_number(k + 1, length_) * x);
+  station.bending.resize(bending_);
+  for (int k = 0; k < bending_; ++k)
+    station.bending[k] = modes_[static_cast<std::size_t>(k)].at(x).value;
+  station.coupling = Eigen::MatrixXd::Zero(bending_, bending_);
+  return station;
+}
+
+void FloatingFrameBeam::add_coupling(double from, double to, int panels,
+                                     Eigen::MatrixXd& coupling) const {
+  static const GaussRule rule = gauss_legendre(8);
+  const double panel = (to - from) / panels;
+  Eigen::VectorXd slopes(bending_);
+  for (int p = 0; p < panels; ++p)
+    for (std::size_t i = 0; i < rule.points.size(); ++i) {
+      const double x = from + panel * (p + rule.points[i]);
+      for (int k = 0; k < bending_; ++k)
+        slopes[k] = modes_[static_cast<std::size_t>(k)].at(x).slope;
+      coupling.noalias() += panel * rule.weights[i] * slopes * slopes.transpose();
+    }
+}
+
+FloatingFrameBeam::Station FloatingFrameBeam::station_at(double x) const {
+  Station station = section_at(x);
+  add_coupling(0.0, x, 2 + bending_, station.coupling);  // one wave of a product a panel
+  return station;
+}
+
+const FloatingFrameBeam::Station& FloatingFrameBeam::cached_station(double x) const {
+  if (x == struck_.x) return struck_;
+  for (const Station& station : looked_at_)
+    if (station.x == x) return station;
+  return looked_at_.emplace_back(station_at(x));
+}
+
+FloatingFrameBeam::InFrame FloatingFrameBeam::in_frame(const Station& station, ConstVector q,
+                                                       ConstVector v) const {
+  const auto a = q.segment(1, axial_);
+  const auto b = q.tail(bending_);
+  const Eigen::VectorXd coupled = station.coupling * b;
+  return {.x = station.x + station.axial.dot(a) - 0.5 * b.dot(coupled),
+          .y = station.bending.dot(b),
+          .x_rate = station.axial.dot(v.segment(1, axial_)) - coupled.dot(v.tail(bending_)),
+          .y_rate = station.bending.dot(v.tail(bending_))};
+}
+
+Eigen::VectorXd FloatingFrameBeam::inertia_diagonal() const {
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Ones(size());
+  diagonal[0] = inertia_;
+  return diagonal;
+}
+
+void FloatingFrameBeam::set_rigid_motion(double angle, double rate, VectorRef q,
+                                         VectorRef v) const {
+  q.setZero();
+  v.setZero();
+  q[0] = -angle;
+  v[0] = -rate;
+}
+
+void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contact_force,
+                                     VectorRef a) {
+  const double sine = std::sin(q[0]);
+  const double cosine = std::cos(q[0]);
+  const double spin = v[0];
+  const auto axial = q.segment(1, axial_);
+  const auto bending = q.tail(bending_);
+  const auto axial_rate = v.segment(1, axial_);
+  const auto bending_rate = v.tail(bending_);
+
+  mass_.setZero();
+  rhs_ = -stiffness_.cwiseProduct(q);
+  for (const Station& s : stations_) {
+    coupled_.noalias() = s.coupling * bending;
+    const double x = s.x + s.axial.dot(axial) - 0.5 * bending.dot(coupled_);
+    const double y = s.bending.dot(bending);
+    const double x_rate = s.axial.dot(axial_rate) - coupled_.dot(bending_rate);
+    const double y_rate = s.bending.dot(bending_rate);
+    column_x_[0] = -y;
+    column_y_[0] = x;
+    column_x_.segment(1, axial_) = s.axial;
+    column_y_.segment(1, axial_).setZero();
+    column_x_.tail(bending_) = -coupled_;
+    column_y_.tail(bending_) = s.bending;
+    // b of (6) in the frame, and gravity.
+    coupled_rate_.noalias() = s.coupling * bending_rate;
+    const double force_x =
+        spin * spin * x + 2.0 * spin * y_rate + bending_rate.dot(coupled_rate_) + gravity_ * cosine;
+    const double force_y = spin * spin * y - 2.0 * spin * x_rate - gravity_ * sine;
+    mass_.selfadjointView<Eigen::Lower>().rankUpdate(column_x_, s.mass);
+    mass_.selfadjointView<Eigen::Lower>().rankUpdate(column_y_, s.mass);
+    rhs_ += s.mass * (force_x * column_x_ + force_y * column_y_);
+  }
+  if (contact_force != 0.0) {
+    // F ∂X/∂q at the struck point (14)-(17)
+    coupled_.noalias() = struck_.coupling * bending;
+    const double x = struck_.x + struck_.axial.dot(axial) - 0.5 * bending.dot(coupled_);
+    const double y = struck_.bending.dot(bending);
+    rhs_[0] += contact_force * (cosine * x - sine * y);
+    rhs_.segment(1, axial_) += contact_force * sine * struck_.axial;
+    rhs_.tail(bending_) += contact_force * (cosine * struck_.bending - sine * coupled_);
+  }
+  factor_.compute(mass_);
+  a = rhs_;
+  factor_.solveInPlace(a);
+}
+
+PointMotion FloatingFrameBeam::motion(const Station& station, ConstVector q, ConstVector v) const {
+  const InFrame p = in_frame(station, q, v);
+  const double sine = std::sin(q[0]);
+  const double cosine = std::cos(q[0]);
+  return {.displacement = -(sine * p.x + cosine * p.y),
+          .velocity = -(v[0] * (cosine * p.x - sine * p.y) + sine * p.x_rate + cosine * p.y_rate)};
+}
+
+PointMotion FloatingFrameBeam::struck_point(ConstVector q, ConstVector v) const {
+  return motion(struck_, q, v);
+}
+
+PointMotion FloatingFrameBeam::point(double x, ConstVector q, ConstVector v) const {
+  return motion(cached_station(x), q, v);
+}
+
+BeamEnergy FloatingFrameBeam::energy(ConstVector q, ConstVector v) const {
+  BeamEnergy energy;
+  energy.elastic = 0.5 * q.dot(stiffness_.cwiseProduct(q));
+  const double sine = std::sin(q[0]);
+  const double cosine = std::cos(q[0]);
+  for (const Station& s : stations_) {
+    const InFrame p = in_frame(s, q, v);
+    const double u = p.x_rate - v[0] * p.y;
+    const double w = p.y_rate + v[0] * p.x;
+    energy.kinetic += 0.5 * s.mass * (u * u + w * w);
+    energy.gravitational += s.mass * gravity_ * (s.x - (cosine * p.x - sine * p.y));
+  }
+  return energy;
+}
+
+RigidPart FloatingFrameBeam::rigid_part(ConstVector q, ConstVector v) const {
+  RigidPart rigid;
+  const double sine = std::sin(q[0]);
+  const double cosine = std::cos(q[0]);
+  for (const Station& s : stations_) {
+    const InFrame p = in_frame(s, q, v);
+    rigid.angle -= s.mass * s.x * (sine * p.x + cosine * p.y);
+    const double moment = p.x * (p.y_rate + v[0] * p.x) - p.y * (p.x_rate - v[0] * p.y);
+    rigid.rate -= s.mass * moment;
+  }
+  rigid.angle /= inertia_;
+  rigid.rate /= inertia_;
+  return rigid;
+}
+
+}  // namespace impactrig::models

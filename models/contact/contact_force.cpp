@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/contact/contact_force.hpp"
+
+#include "models/contact/damping_law.hpp"
+
+namespace impactrig::models {
+
+ContactForce::ContactForce(const Rig& rig)
+    : law_(elastic_law(rig.contact)),
+      factor_(damping_law(rig.contact.damping).factor(rig.contact.restitution)) {}
+
+double ContactForce::stored(double penetration) const {
+  return std::visit([&](const auto& law) { return law.energy(penetration); }, law_);
+}
+
+double ContactForce::limit_penetration() const {
+  return std::visit([](const auto& law) { return law.limit_penetration(); }, law_);
+}
+
+double ContactForce::force(double penetration, double rate) const {
+  return phase_ == Phase::pressed ? elastic(penetration) * pull(rate) : 0.0;
+}
+
+double ContactForce::dissipation(double penetration, double rate) const {
+  switch (phase_) {
+    case Phase::free:
+      return 0.0;
+    case Phase::pressed:
+      return elastic(penetration) * mu_ * rate * rate;
+    case Phase::slack:
+      return -elastic(penetration) * rate;
+  }
+  return 0.0;
+}
+
+double ContactForce::force_rate(double penetration, double rate, double acceleration) const {
+  if (phase_ != Phase::pressed) return 0.0;
+  const double slope =
+      std::visit([&](const auto& law) { return law.stiffness(penetration); }, law_);
+  return slope * rate * pull(rate) + elastic(penetration) * mu_ * acceleration;
+}
+
+double penetration_storing(const ContactForce& contact, double energy) {
+  double high = 1e-12;
+  while (contact.stored(high) < energy) high *= 2.0;
+  double low = 0.5 * high;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (contact.stored(middle) < energy ? low : high) = middle;
+  }
+  return high;
+}
+
+}  // namespace impactrig::models

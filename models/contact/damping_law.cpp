@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/contact/damping_law.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace impactrig::models {
+namespace {
+
+double none(double) {
+  return 0.0;
+}
+
+/// μ = 3 (1 − e²) / (4 v⁻), Shen et al. (33), credited there to Hunt and Crossley.
+double lankarani_nikravesh(double e) {
+  return 0.75 * (1.0 - e * e);
+}
+
+constexpr std::array laws = {
+    DampingLaw{"none", "purely elastic contact", "-", 0.0, none},
+    DampingLaw{"lankarani-nikravesh",
+               "d = 3(1-e^2)/4; the paper's; rebounds faster than e (0.725 for e = 0.5)",
+               "Lankarani and Nikravesh 1990; Shen et al. (33)", 0.0, lankarani_nikravesh},
+    DampingLaw{"exact", "d(1+e) = ln((1+d)/(1-ed)): a free rigid impact rebounds with e itself",
+               "Gonthier et al. 2004, for any elastic law", 0.005, exact_damping_factor},
+};
+
+}  // namespace
+
+std::span<const DampingLaw> damping_laws() {
+  return laws;
+}
+
+const DampingLaw& damping_law(std::string_view name) {
+  std::string known;
+  for (const DampingLaw& law : laws) {
+    if (law.name == name) return law;
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", law.name);
+  }
+  throw std::invalid_argument(
+      fmt::format("contact.damping: there is no damping law '{}'; known are {}", name, known));
+}
+
+double exact_damping_factor(double e) {
+  if (!(e > 0.0 && e <= 1.0))
+    throw std::invalid_argument(fmt::format("exact_damping_factor: e = {} is outside (0, 1]", e));
+  if (1.0 - e < 1e-4) return 1.5 * (1.0 - e) / (1.0 - e + e * e);
+  if (e < 0.05) {
+    // Near d = 1/e the logarithm of 1 − e d loses all digits; this fixed point contracts like d
+    // exp(−d).
+    double d = 1.0 / e;
+    for (int i = 0; i < 60; ++i) {
+      const double next = (1.0 - (1.0 + d) * std::exp(-d * (1.0 + e))) / e;
+      if (std::abs(next - d) <= 2e-16 * d) return next;
+      d = next;
+    }
+    return d;
+  }
+  double d = 1.5 * (1.0 - e) * (11.0 - e) / (1.0 + 9.0 * e);  // [CarvalhoMartins2019], e d < 1 here
+  for (int i = 0; i < 60; ++i) {
+    const double f = d * (1.0 + e) - std::log1p(d) + std::log1p(-e * d);
+    const double slope = (1.0 + e) - 1.0 / (1.0 + d) - e / (1.0 - e * d);
+    double next = d - f / slope;
+    if (next * e >= 1.0) next = 0.5 * (d + 1.0 / e);
+    if (std::abs(next - d) <= 4e-16 * d) return next;
+    d = next;
+  }
+  return d;
+}
+
+double free_rebound_ratio(double d) {
+  if (!(d >= 0.0))
+    throw std::invalid_argument(fmt::format("free_rebound_ratio: d = {} is negative", d));
+  if (d == 0.0) return 1.0;
+  // With x = e d: −x − ln(1 − x) = d − ln(1 + d), x in (0, min(1, d)); Newton inside a shrinking
+  // bracket.
+  const double target = d - std::log1p(d);
+  double low = 0.0;
+  double high = d < 1.0 ? d : 1.0;
+  double x = 0.5 * high;
+  for (int i = 0; i < 200 && high - low > 1e-16 * high; ++i) {
+    const double value = -x - std::log1p(-x);
+    (value < target ? low : high) = x;
+    const double newton = x - (value - target) * (1.0 - x) / x;
+    const double next = newton > low && newton < high ? newton : 0.5 * (low + high);
+    if (std::abs(next - x) <= 1e-16 * x) break;
+    x = next;
+  }
+  return x / d;
+}
+
+}  // namespace impactrig::models
