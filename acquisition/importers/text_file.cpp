@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/text_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+
+#include "acquisition/importers/number.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::FileError;
+using datasets::InputError;
+using datasets::SourcePosition;
+
+namespace {
+
+/// A file descriptor that is closed.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+void append_utf8(std::string& out, std::uint32_t code) {
+  const auto byte = [&out](std::uint32_t value) { out += static_cast<char>(value); };
+  if (code < 0x80) {
+    byte(code);
+  } else if (code < 0x800) {
+    byte(0xC0 | code >> 6);
+    byte(0x80 | (code & 0x3F));
+  } else if (code < 0x10000) {
+    byte(0xE0 | code >> 12);
+    byte(0x80 | (code >> 6 & 0x3F));
+    byte(0x80 | (code & 0x3F));
+  } else {
+    byte(0xF0 | code >> 18);
+    byte(0x80 | (code >> 12 & 0x3F));
+    byte(0x80 | (code >> 6 & 0x3F));
+    byte(0x80 | (code & 0x3F));
+  }
+}
+
+/// Length of the valid UTF-8 sequence at the start of `text`, 0 when there is none [RFC 3629: no
+/// overlong forms, no surrogates, nothing above U+10FFFF].
+std::size_t utf8_sequence(std::string_view text) {
+  const auto at = [text](std::size_t i) {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
+  };
+  const auto follows = [&at](std::size_t i) { return (at(i) & 0xC0) == 0x80; };
+  const unsigned lead = at(0);
+  if (lead < 0x80) return 1;
+  if (lead >= 0xC2 && lead <= 0xDF) return follows(1) ? 2 : 0;
+  if (lead >= 0xE0 && lead <= 0xEF) {
+    if (lead == 0xE0 && at(1) < 0xA0) return 0;
+    if (lead == 0xED && at(1) > 0x9F) return 0;
+    return follows(1) && follows(2) ? 3 : 0;
+  }
+  if (lead >= 0xF0 && lead <= 0xF4) {
+    if (lead == 0xF0 && at(1) < 0x90) return 0;
+    if (lead == 0xF4 && at(1) > 0x8F) return 0;
+    return follows(1) && follows(2) && follows(3) ? 4 : 0;
+  }
+  return 0;
+}
+
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t length = utf8_sequence(text);
+    if (length == 0) return false;
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
+/// Windows-1252 differs from latin-1 in 0x80 to 0x9F; 0 where it has no character.
+constexpr std::array<std::uint16_t, 32> windows_1252 = {
+    0x20AC, 0,      0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021, 0x02C6, 0x2030, 0x0160,
+    0x2039, 0x0152, 0,      0x017D, 0,      0,      0x2018, 0x2019, 0x201C, 0x201D, 0x2022,
+    0x2013, 0x2014, 0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0,      0x017E, 0x0178};
+
+}  // namespace
+
+TextFile::TextFile(std::string path) : path_(std::move(path)) {
+  const Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.number() < 0)
+    throw FileError(path_, fmt::format("cannot be opened: {}", std::strerror(errno)));
+
+  struct stat status {};
+
+  if (::fstat(file.number(), &status) != 0)
+    throw FileError(path_, fmt::format("cannot be read: {}", std::strerror(errno)));
+  if (S_ISDIR(status.st_mode)) throw FileError(path_, "is a directory, a recording is expected");
+  if (!S_ISREG(status.st_mode)) throw FileError(path_, "is not a file on a disk");
+  if (status.st_size == 0) return;
+  const auto size = static_cast<std::size_t>(status.st_size);
+  void* const memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number(), 0);
+  if (memory == MAP_FAILED)
+    throw FileError(path_, fmt::format("cannot be read: {}", std::strerror(errno)));
+  ::madvise(memory, size, MADV_SEQUENTIAL);
+  bytes_ = static_cast<const char*>(memory);
+  size_ = size;
+}
+
+TextFile::~TextFile() {
+  if (size_ > 0) ::munmap(const_cast<char*>(bytes_), size_);
+}
+
+std::string_view TextFile::text() {
+  if (!text_.empty()) return text_;
+  const std::string_view all = bytes();
+  if (all.starts_with("\xEF\xBB\xBF")) return all.substr(3);
+  const std::string_view head = all.substr(0, 65536);
+  if (looks_like_utf16(head)) {
+    if (!all.starts_with("\xFF\xFE") && !all.starts_with("\xFE\xFF"))
+      throw InputError(byte_position(bytes_),
+                       "the text looks like UTF-16 without a byte order mark: save it as UTF-8");
+    text_ = utf16_to_utf8(all);
+    return text_;
+  }
+  if (head.find('\r') != std::string_view::npos && head.find('\n') == std::string_view::npos) {
+    text_ = std::string(all);
+    std::replace(text_.begin(), text_.end(), '\r', '\n');
+    return text_;
+  }
+  return all;
+}
+
+SourcePosition TextFile::position(const char* at) const {
+  const bool in_file = at >= bytes_ && at <= bytes_ + size_;
+  const char* const start = in_file ? bytes_ : text_.data();
+  SourcePosition place;
+  place.file = path_;
+  const char* line = start;
+  place.line = 1;
+  for (;;) {
+    const auto* const end =
+        static_cast<const char*>(std::memchr(line, '\n', static_cast<std::size_t>(at - line)));
+    if (end == nullptr) break;
+    ++place.line;
+    line = end + 1;
+  }
+  place.column = static_cast<std::uint32_t>(at - line) + 1;
+  if (in_file) place.byte = static_cast<std::uint64_t>(at - start);
+  return place;
+}
+
+SourcePosition TextFile::byte_position(const char* at) const {
+  SourcePosition place;
+  place.file = path_;
+  place.byte = static_cast<std::uint64_t>(at - bytes_);
+  return place;
+}
+
+std::string_view take_line(const char*& at, const char* end) {
+  const char* const start = at;
+  const auto* stop =
+      static_cast<const char*>(std::memchr(at, '\n', static_cast<std::size_t>(end - at)));
+  if (stop == nullptr) {
+    stop = at = end;
+  } else {
+    at = stop + 1;
+  }
+  if (stop != start && stop[-1] == '\r') --stop;
+  return {start, static_cast<std::size_t>(stop - start)};
+}
+
+std::string to_utf8(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  const bool utf8 = is_utf8(text);
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7F) {
+      out += ' ';
+    } else if (utf8 || byte < 0x80) {
+      out += c;
+    } else if (byte < 0xA0) {
+      const std::uint16_t code = windows_1252[byte - 0x80U];
+      append_utf8(out, code != 0 ? code : 0xFFFD);
+    } else {
+      append_utf8(out, byte);
+    }
+  }
+  return out;
+}
+
+bool looks_like_utf16(std::string_view head) {
+  if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF")) return true;
+  // without a mark: every other byte of mostly ASCII text is 0
+  head = head.substr(0, 256);
+  if (head.size() < 8) return false;
+  std::array<std::size_t, 2> zeros{};
+  for (std::size_t i = 0; i < head.size(); ++i)
+    if (head[i] == '\0') ++zeros[i % 2];
+  const std::size_t half = head.size() / 2;
+  const auto printable = [](char c) {
+    return (c >= ' ' && c < 0x7F) || c == '\t' || c == '\r' || c == '\n';
+  };
+  for (const std::size_t parity : {std::size_t{0}, std::size_t{1}}) {
+    if (zeros[parity] != (parity == 0 ? head.size() - half : half) || zeros[1 - parity] != 0)
+      continue;
+    bool text = true;
+    for (std::size_t i = 1 - parity; i < head.size(); i += 2) text = text && printable(head[i]);
+    if (text) return true;
+  }
+  return false;
+}
+
+std::string utf16_to_utf8(std::string_view bytes) {
+  const bool little = bytes.starts_with("\xFF\xFE");
+  const auto unit = [bytes, little](std::size_t i) {
+    const auto low = static_cast<unsigned char>(bytes[little ? i : i + 1]);
+    const auto high = static_cast<unsigned char>(bytes[little ? i + 1 : i]);
+    return static_cast<std::uint32_t>(low | high << 8);
+  };
+  std::string out;
+  out.reserve(bytes.size() / 2);
+  for (std::size_t i = 2; i + 1 < bytes.size(); i += 2) {
+    std::uint32_t code = unit(i);
+    if (code >= 0xD800 && code < 0xDC00 && i + 3 < bytes.size() && unit(i + 2) >= 0xDC00 &&
+        unit(i + 2) < 0xE000) {
+      code = 0x10000 + ((code - 0xD800) << 10) + (unit(i + 2) - 0xDC00);
+      i += 2;
+    } else if (code >= 0xD800 && code < 0xE000) {
+      code = 0xFFFD;
+    }
+    append_utf8(out, code);
+  }
+  return out;
+}
+
+}  // namespace impactrig::acquisition

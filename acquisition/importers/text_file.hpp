@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "datasets/input_error.hpp"
+
+namespace impactrig::acquisition {
+
+/// A file in memory (mapped), and what an error in it has to say about the place.
+class TextFile {
+ public:
+  /// Throws datasets::FileError when the file is missing, a directory or not readable.
+  explicit TextFile(std::string path);
+  ~TextFile();
+  TextFile(const TextFile&) = delete;
+  TextFile& operator=(const TextFile&) = delete;
+
+  const std::string& path() const { return path_; }
+
+  /// The bytes as they are.
+  std::string_view bytes() const { return {bytes_, size_}; }
+
+  /// The text: without byte order mark, line ends with \n, UTF-16 turned into UTF-8. Latin-1 is
+  /// left as it is. Throws datasets::InputError for UTF-16 without a byte order mark.
+  std::string_view text();
+
+  /// Line, column and byte of a character of text() or bytes(). Counts from the start of the file:
+  /// for errors only.
+  datasets::SourcePosition position(const char* at) const;
+  /// The byte alone: after binary data, lines mean nothing.
+  datasets::SourcePosition byte_position(const char* at) const;
+
+ private:
+  std::string path_;
+  const char* bytes_ = "";
+  std::size_t size_ = 0;
+  std::string text_;  // the text when it is not a part of the bytes
+};
+
+/// The line that begins at `at`, without its end (\n or \r\n); `at` moves to the next line, at most
+/// to `end`.
+std::string_view take_line(const char*& at, const char* end);
+
+/// Text of a file as UTF-8: what is valid UTF-8 stays, anything else is read as Windows-1252
+/// (latin-1 with its additions); control characters become blanks.
+std::string to_utf8(std::string_view text);
+
+/// True for UTF-16, with or without byte order mark.
+bool looks_like_utf16(std::string_view head);
+
+/// UTF-16 with byte order mark to UTF-8; unpaired surrogates become U+FFFD.
+std::string utf16_to_utf8(std::string_view bytes);
+
+}  // namespace impactrig::acquisition

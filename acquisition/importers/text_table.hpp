@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "acquisition/importer.hpp"
+#include "acquisition/importers/number.hpp"
+#include "acquisition/importers/text_file.hpp"
+
+namespace impactrig::acquisition {
+
+/// How a table of numbers is written.
+struct Dialect {
+  char delimiter = ',';  ///< ' ' = any run of blanks and tabs
+  char decimal = '.';    ///< '.' or ','
+};
+
+/// "comma", "tab", "semicolon", "blank", "bar" or the character itself.
+std::string delimiter_name(char delimiter);
+
+/// A file as a head of lines and a table of numbers under it.
+struct TableLayout {
+  Dialect dialect;
+  std::vector<std::string_view> head;  ///< lines before the first row, in the file's own encoding
+  const char* data = nullptr;          ///< start of the first row
+  std::size_t cells = 0;               ///< of the first row, without empty ones at its end
+  std::size_t written_cells = 0;       ///< of the first row, with them
+};
+
+/// Finds the first row of numbers and how the rows are written: the dialect in which most of the
+/// first rows are numbers wins, then the one with more columns. What `options` states is not
+/// searched. Throws datasets::InputError when there is no row of numbers.
+TableLayout find_table(TextFile& file, const ImportOptions& options);
+
+/// The cells of a line of text, trimmed, without quotes.
+std::vector<std::string_view> cells_of(std::string_view line, char delimiter);
+
+/// One column of numbers.
+struct Column {
+  std::vector<double> values;       ///< NaN where there is no number
+  std::vector<std::uint8_t> valid;  ///< 0 where there is none; empty when all are there
+  std::size_t missing = 0;          ///< how many are not there
+  const char* first_missing = nullptr;
+};
+
+/// Rows of numbers from layout.data to the end of the file.
+struct Table {
+  std::vector<Column> columns;
+  std::size_t rows = 0;
+  const char* cut_row =
+      nullptr;  ///< start of a last row that the file's end cut off; it is left out
+};
+
+/// Reads layout's rows; `names` (one a column) only name the culprit. Blank lines and lines that
+/// begin with # are skipped; empty cells and "nan" are missing values. Throws datasets::InputError
+/// with line and column for a cell that is no number and for a row with too few or too many cells.
+Table read_table(TextFile& file, const TableLayout& layout, const std::vector<std::string>& names);
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/time_axis.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "acquisition/importers/number.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+/// The decimal number with the fewest digits that lies within `tolerance` of `value`.
+double fewest_digits(double value, double tolerance) {
+  for (int digits = 0; digits < 17; ++digits) {
+    const double candidate = number_in(fmt::format("{:.{}e}", value, digits)).value_or(value);
+    if (std::abs(candidate - value) <= tolerance) return candidate;
+  }
+  return value;
+}
+
+/// Significant digits of the shortest decimal that reads back as `value`.
+int significant_digits(double value) {
+  for (int digits = 1; digits < 17; ++digits)
+    if (number_in(fmt::format("{:.{}e}", value, digits - 1)) == value) return digits;
+  return 17;
+}
+
+/// What is left of an integer without its factors 2 and 5; 1 is the roundest.
+long odd_part(long number) {
+  for (const long factor : {2L, 5L})
+    while (number % factor == 0) number /= factor;
+  return number;
+}
+
+}  // namespace
+
+double printed_resolution(const std::vector<double>& times) {
+  const std::size_t stride = std::max<std::size_t>(1, times.size() / 1000);
+  int digits = 1;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < times.size(); i += stride)
+    digits = std::max(digits, significant_digits(times[i]));
+  for (const double time : {times.front(), times.back()}) {
+    digits = std::max(digits, significant_digits(time));
+    largest = std::max(largest, std::abs(time));
+  }
+  // 15 digits survive any conversion: from there on nothing was rounded on purpose
+  if (digits >= 15 || largest == 0.0) return 0.0;
+  return std::pow(10.0, std::floor(std::log10(largest)) - digits + 1);
+}
+
+TimeAxis time_axis(std::vector<double> times) {
+  TimeAxis axis;
+  if (times.empty()) return axis;
+  axis.clock.start = times.front();
+  const std::size_t n = times.size();
+  if (n == 1) {
+    axis.warning = "there is one sample only: the sample interval is not known";
+    return axis;
+  }
+  const double step = (times.back() - times.front()) / static_cast<double>(n - 1);
+  double largest_step_error = 0.0;
+  double largest_deviation = 0.0;
+  std::optional<std::size_t> backwards;
+  for (std::size_t i = 1; i < n; ++i) {
+    const double this_step = times[i] - times[i - 1];
+    if (!(this_step > 0.0) && !backwards) backwards = i;
+    const double line = times.front() + step * static_cast<double>(i);
+    // written so that a NaN fails the test below
+    if (!(std::abs(this_step - step) <= largest_step_error))
+      largest_step_error = std::abs(this_step - step);
+    if (!(std::abs(times[i] - line) <= largest_deviation))
+      largest_deviation = std::abs(times[i] - line);
+  }
+  const bool even =
+      step > 0.0 && largest_step_error <= 1e-3 * step && largest_deviation <= 0.05 * step;
+  const double largest = std::max(std::abs(times.front()), std::abs(times.back()));
+  const double resolution = even || !(step > 0.0) ? 0.0 : printed_resolution(times);
+  // between a fifth of a step and a whole one, a lost sample looks the same as a rounded time
+  const bool rounded = resolution > 0.0 && (resolution <= 0.2 * step || resolution > step) &&
+                       largest_deviation <= 1.01 * resolution;
+  if (even || rounded) {
+    // the last bits of the mean step are rounding of the times: leave them off where a shorter
+    // number says the same
+    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * largest;
+    axis.clock.interval = fewest_digits(step, rounding / static_cast<double>(n - 1));
+    if (!even)
+      axis.warning = fmt::format(
+          "the times are rounded to {:.3g} s: they are taken as uniform, with the mean step of "
+          "{:.9g} s",
+          resolution, step);
+    return axis;
+  }
+  axis.clock.interval = step;
+  if (backwards) {
+    axis.warning =
+        fmt::format("time does not increase from sample {} ({:.9g} s) to sample {} ({:.9g} s)",
+                    *backwards - 1, times[*backwards - 1], *backwards, times[*backwards]);
+  } else {
+    axis.warning = fmt::format(
+        "the samples are not evenly spaced (steps differ from their mean of {:.6g} s by up to "
+        "{:.3g} s): every "
+        "time is kept",
+        step, largest_step_error);
+  }
+  axis.clock.times = std::move(times);
+  return axis;
+}
+
+std::optional<double> nice_rate(double interval) {
+  const double stated = 1.0 / interval;
+  if (!(interval > 0.0) || !std::isfinite(stated) || stated > 1e15) return std::nullopt;
+  if (significant_digits(interval) > 6) return std::nullopt;
+  // a rate that is an integer, or an interval with few digits, needs no help
+  if (std::abs(stated - std::round(stated)) <= 1e-9 * stated || significant_digits(interval) < 6)
+    return std::nullopt;
+  const double last_digit = std::pow(10.0, std::floor(std::log10(interval)) - 5);
+  const double low = 1.0 / (interval + 0.5 * last_digit);
+  const double high = 1.0 / (interval - 0.5 * last_digit);
+  if (high - low > 1e5) return std::nullopt;
+  std::optional<long> best;
+  for (long rate = static_cast<long>(std::ceil(low)); rate <= static_cast<long>(high); ++rate) {
+    if (rate < 1) continue;
+    const bool rounder =
+        !best || odd_part(rate) < odd_part(*best) ||
+        (odd_part(rate) == odd_part(*best) && std::abs(static_cast<double>(rate) - stated) <
+                                                  std::abs(static_cast<double>(*best) - stated));
+    if (rounder) best = rate;
+  }
+  if (!best) return std::nullopt;
+  return static_cast<double>(*best);
+}
+
+void set_abscissa(datasets::Channel& channel, std::string_view domain, std::string_view unit,
+                  double first, double increment) {
+  channel.attributes["domain"] = domain;
+  channel.attributes["abscissa unit"] = unit;
+  channel.attributes["abscissa first"] = fmt::format("{}", first);
+  channel.attributes["abscissa increment"] = fmt::format("{}", increment);
+}
+
+std::string iso_date(std::string_view text) {
+  constexpr std::array<std::string_view, 12> months = {"jan", "feb", "mar", "apr", "may", "jun",
+                                                       "jul", "aug", "sep", "oct", "nov", "dec"};
+  const std::string source(trimmed(text));
+  int day = 0;
+  int year = 0;
+  int hour = 0;
+  int minute = 0;
+  int second = 0;
+  std::array<char, 4> month{};
+  int used = 0;
+  const int found = std::sscanf(source.c_str(), "%2d-%3[A-Za-z]-%4d %2d:%2d:%2d%n", &day,
+                                month.data(), &year, &hour, &minute, &second, &used);
+  if (found < 3 || (found > 3 && found < 6)) return source;
+  std::string lower(month.data());
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const auto* const which = std::find(months.begin(), months.end(), lower);
+  if (which == months.end() || day < 1 || day > 31) return source;
+  if (year < 100) year += year < 70 ? 2000 : 1900;
+  const auto number = which - months.begin() + 1;
+  if (found == 3) {
+    const auto date_end = source.find_last_of("0123456789");
+    if (date_end + 1 != source.size() || source.size() > 11) return source;
+    return fmt::format("{:04}-{:02}-{:02}", year, number, day);
+  }
+  if (static_cast<std::size_t>(used) != source.size() || hour > 23 || minute > 59 || second > 60)
+    return source;
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", year, number, day, hour, minute,
+                     second);
+}
+
+}  // namespace impactrig::acquisition

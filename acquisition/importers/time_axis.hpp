@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "datasets/record.hpp"
+
+namespace impactrig::acquisition {
+
+/// The clock a column of times stands for, and a sentence for the user where that needs one.
+struct TimeAxis {
+  datasets::SampleClock clock;
+  std::string warning;  ///< "" = nothing to say
+};
+
+/// Times [s] to a clock. Uniform when every step is within 1e-3 of the mean step and no time is
+/// further than 5e-2 of it from the straight line, or when the deviations are explained by the
+/// digits the times were printed with; then start and mean step are kept, else all times.
+TimeAxis time_axis(std::vector<double> times);
+
+/// The last digit a list of times was printed with, at its largest magnitude [s]; 0 when it looks
+/// like full precision.
+double printed_resolution(const std::vector<double>& times);
+
+/// The round rate [Hz] that a writer with six digits must have meant by `interval` [s]: the nearest
+/// rate with the fewest prime factors beside 2 and 5 among those that give the same six digits.
+/// None when the interval is round as it stands.
+std::optional<double> nice_rate(double interval);
+
+/// Says of a channel whose abscissa is no time ("frequency", "Hz", ...) what the abscissa is:
+/// attributes "domain", "abscissa unit", "abscissa first", "abscissa increment". Its clock stays
+/// unset (interval 0).
+void set_abscissa(datasets::Channel& channel, std::string_view domain, std::string_view unit,
+                  double first, double increment);
+
+/// "30-Apr-20 19:12:52" as "2020-04-30T19:12:52"; anything else as it is. Years 70 to 99 are of the
+/// last century.
+std::string iso_date(std::string_view text);
+
+}  // namespace impactrig::acquisition
