@@ -11,23 +11,29 @@
 
 namespace impactrig::acquisition {
 
-/// What the user may state where a file does not, or states it wrongly. Every importer honours what applies to it.
+/// What the user may state where a file does not, or states it wrongly. Every importer honours what
+/// applies to it.
 struct ImportOptions {
-  std::string format;                    ///< importer id; "" = recognise
-  std::optional<char> delimiter;         ///< text
-  std::optional<char> decimal;           ///< '.' or ','
-  std::optional<int> skip_lines;         ///< text: lines before the column names (or the data when there are none)
-  std::optional<std::string> time_column;  ///< name or index; "none" = there is no time column
-  std::optional<double> sample_rate;     ///< [Hz]; replaces what the file says
-  std::vector<std::string> units;        ///< text: one a column, replaces what the file says
+  std::string format;             ///< importer id; "" = recognise
+  std::optional<char> delimiter;  ///< text
+  std::optional<char> decimal;    ///< '.' or ','
+  std::optional<int>
+      skip_lines;  ///< text: lines before the column names (or the data when there are none)
+  std::optional<std::string> time_column;  ///< name, or index from 0; "none" = there is none
+  std::optional<double> sample_rate;       ///< [Hz]; replaces what the file says
+  std::vector<std::string>
+      units;  ///< text: one a column, replaces what the file says; "" = leave that one
+  /// true: a recording without times and without a sample rate is an InputError that names
+  /// --sample-rate. false (inspect): it is a warning, and SampleClock::interval is 0.
+  bool require_clock = true;
 };
 
-/// One recording format: one of these in one file, one line in importers.cpp.
+/// One recording format: its two functions in one file of importers/, one line in importers.cpp.
 struct Importer {
   std::string_view id;           ///< "uff58"
   std::string_view description;  ///< one line, with the file endings
-  /// How sure the format is from the file's name and first bytes (up to 64 KiB): 0 not mine, 100 certain. A specific
-  /// format beats a generic one.
+  /// How sure the format is from the file's name and first bytes (up to 64 KiB): 0 not mine, 100
+  /// certain. A specific format beats a generic one.
   int (*recognises)(std::string_view file_name, std::string_view head);
   datasets::Record (*read)(const std::string& path, const ImportOptions& options);
 };
@@ -35,8 +41,11 @@ struct Importer {
 /// All formats, most specific first.
 std::span<const Importer> importers();
 
-/// Reads a recording of any known format; fills provenance with size, SHA-256, importer and program version.
-/// Throws datasets::FileError (cannot be opened) or datasets::InputError (unknown format, broken content).
+/// Reads a recording of any known format; fills provenance with size, SHA-256, importer and program
+/// version. Samples that are not finite are marked as not valid. A file without recordings gives a
+/// record without channels and a warning. Channels over anything but time (a spectrum) have the
+/// attribute "domain" and no clock (interval 0). Throws datasets::FileError (cannot be opened) or
+/// datasets::InputError (unknown format, broken content).
 datasets::Record import_recording(const std::string& path, const ImportOptions& options = {});
 
 }  // namespace impactrig::acquisition

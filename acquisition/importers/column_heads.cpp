@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/column_heads.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "datasets/units.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Quantity;
+
+namespace {
+
+using Cells = std::vector<std::string_view>;
+
+bool is_unit(std::string_view text) {
+  return datasets::quantity_of_unit(to_utf8(text)) != Quantity::unknown;
+}
+
+/// What is between brackets, when the whole text is bracketed.
+std::optional<std::string_view> bracketed(std::string_view text) {
+  if (text.size() < 2 || text.back() != (text.front() == '[' ? ']' : ')')) return std::nullopt;
+  if (text.front() != '[' && text.front() != '(') return std::nullopt;
+  const std::string_view inner = text.substr(1, text.size() - 2);
+  if (inner.find_first_of("[]()") != std::string_view::npos && text.front() == '(')
+    return std::nullopt;
+  return trimmed(inner);
+}
+
+std::string_view without_comment_sign(std::string_view line) {
+  std::string_view text = trimmed(line);
+  const bool comment = !text.empty() && (text.front() == '#' || text.front() == '%');
+  while (!text.empty() && (text.front() == '#' || text.front() == '%')) text.remove_prefix(1);
+  if (!comment && text.starts_with("//")) text.remove_prefix(2);
+  // blanks are kept where the line is no comment: an empty first cell counts
+  return comment || text.size() != trimmed(line).size() ? trimmed(text) : line;
+}
+
+void drop_empty_end(Cells& cells) {
+  while (!cells.empty() && cells.back().empty()) cells.pop_back();
+}
+
+/// The cells of a head line. A comment may be divided otherwise than the data under it: what gives
+/// as many cells as there are columns is taken.
+Cells head_cells(std::string_view line, const TableLayout& layout) {
+  const std::string_view text = without_comment_sign(line);
+  const auto divided = [&text](char delimiter) {
+    Cells cells = cells_of(text, delimiter);
+    std::erase_if(cells,
+                  [delimiter](std::string_view cell) { return delimiter == ' ' && cell.empty(); });
+    drop_empty_end(cells);
+    return cells;
+  };
+  Cells own = divided(layout.dialect.delimiter);
+  if (layout.dialect.delimiter != ' ' && own.size() >= layout.cells) return own;
+  for (const char other : {'\t', ';', ',', '|', ' '}) {
+    Cells cells = divided(other);
+    const bool all_filled =
+        std::none_of(cells.begin(), cells.end(), [](auto cell) { return cell.empty(); });
+    if (cells.size() == layout.cells && all_filled) return cells;
+  }
+  return own;
+}
+
+bool has_number(const Cells& cells, char decimal) {
+  return std::any_of(cells.begin(), cells.end(), [decimal](std::string_view cell) {
+    return number_in(cell, {decimal, false}).has_value();
+  });
+}
+
+/// "deacceleration - kg" divided at its dash; none without one.
+std::optional<ColumnHead> sentence(std::string_view cell) {
+  const std::size_t dash = cell.find(" -");
+  if (dash == std::string_view::npos) return std::nullopt;
+  const bool at_end = dash + 2 == cell.size();
+  if (!at_end && cell[dash + 2] != ' ') return std::nullopt;
+  ColumnHead head;
+  head.description = to_utf8(trimmed(cell.substr(0, dash)));
+  std::string_view unit = trimmed(cell.substr(dash + 2));
+  const std::size_t comment = unit.find(" (");
+  if (comment != std::string_view::npos) {
+    head.description += " " + to_utf8(unit.substr(comment + 1));
+    unit = trimmed(unit.substr(0, comment));
+  }
+  head.unit = to_utf8(unit);
+  return head;
+}
+
+bool is_sentence_row(const Cells& cells) {
+  bool any_unit = false;
+  for (const std::string_view cell : cells) {
+    if (cell.empty()) continue;
+    const auto parts = sentence(cell);
+    if (!parts) return false;
+    any_unit = any_unit || (!parts->unit.empty() && is_unit(parts->unit));
+  }
+  return any_unit;
+}
+
+bool is_index_word(std::string_view text) {
+  constexpr std::array<std::string_view, 10> words = {
+      "sequence", "index", "sample", "samples", "#", "no.", "number", "point", "-", "n"};
+  return std::find(words.begin(), words.end(), lowered(text)) != words.end();
+}
+
+bool is_unit_row(const Cells& cells) {
+  bool any = false;
+  for (const std::string_view cell : cells) {
+    if (cell.empty() || is_index_word(cell)) continue;
+    if (!bracketed(cell) && !is_unit(cell)) return false;
+    any = true;
+  }
+  return any;
+}
+
+/// Takes Start and Increment out of names and units ("X,CH1,Start,Increment" above
+/// "Sequence,Volt,-3e-07,5e-10").
+void take_start_and_increment(Cells& names, Cells& units, char decimal, TableHead& head) {
+  for (const std::string_view word : {"start", "increment"}) {
+    for (std::size_t i = 0; i < std::min(names.size(), units.size()); ++i) {
+      const auto value = number_in(units[i], {decimal, false});
+      if (lowered(names[i]) != word || !value) continue;
+      (word == "start" ? head.start : head.increment) = *value;
+      names.erase(names.begin() + static_cast<std::ptrdiff_t>(i));
+      units.erase(units.begin() + static_cast<std::ptrdiff_t>(i));
+      break;
+    }
+  }
+}
+
+void add_attribute(std::string_view line, const TableLayout& layout, TableHead& head) {
+  const std::string_view text = trimmed(without_comment_sign(line));
+  if (text.empty()) return;
+  std::string key;
+  std::string value;
+  const std::size_t cell_end = layout.dialect.delimiter == ' '
+                                   ? std::string_view::npos
+                                   : text.find(layout.dialect.delimiter);
+  const std::size_t colon = text.find_first_of(":=");
+  const std::size_t divider = cell_end != std::string_view::npos ? cell_end : colon;
+  if (divider == std::string_view::npos || divider == 0) {
+    std::string& rest = head.attributes["header"];
+    if (!rest.empty()) rest += " | ";
+    rest += to_utf8(text);
+    return;
+  }
+  key = to_utf8(trimmed(text.substr(0, divider)));
+  std::string_view rest = trimmed(text.substr(divider + 1));
+  while (!rest.empty() && rest.back() == layout.dialect.delimiter) rest.remove_suffix(1);
+  while (!key.empty() && (key.back() == ':' || key.back() == '=')) key.pop_back();
+  value = to_utf8(trimmed(rest));
+  if (!key.empty() && !value.empty()) head.attributes[key] = value;
+}
+
+}  // namespace
+
+std::string lowered(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return result;
+}
+
+ColumnHead split_head(std::string_view cell) {
+  std::string_view text = trimmed(cell);
+  while (!text.empty() && (text.back() == ',' || text.back() == ';'))
+    text = trimmed(text.substr(0, text.size() - 1));
+  ColumnHead head;
+  head.name = to_utf8(text);
+  if (text.empty()) return head;
+  const char close = text.back();
+  if (close == ']' || close == ')') {
+    const std::size_t open = text.rfind(close == ']' ? '[' : '(');
+    if (open != std::string_view::npos && open > 0) {
+      const std::string_view unit = trimmed(text.substr(open + 1, text.size() - open - 2));
+      if (close == ']' || is_unit(unit)) {
+        head.name = to_utf8(trimmed(text.substr(0, open)));
+        head.unit = to_utf8(unit);
+      }
+    }
+    return head;
+  }
+  const std::size_t slash = text.rfind(" / ");  // as DIN 461 labels an axis: t / s
+  if (slash != std::string_view::npos && is_unit(text.substr(slash + 3))) {
+    head.name = to_utf8(trimmed(text.substr(0, slash)));
+    head.unit = to_utf8(trimmed(text.substr(slash + 3)));
+  }
+  return head;
+}
+
+TableHead read_head(const TableLayout& layout) {
+  TableHead head;
+  const char decimal = layout.dialect.decimal;
+  std::vector<std::size_t> filled;  // head lines with text
+  for (std::size_t i = 0; i < layout.head.size(); ++i)
+    if (!trimmed(layout.head[i]).empty()) filled.push_back(i);
+
+  Cells names;
+  Cells units;
+  const auto cells_at = [&](std::size_t from_bottom) {
+    return from_bottom < filled.size()
+               ? head_cells(layout.head[filled[filled.size() - 1 - from_bottom]], layout)
+               : Cells{};
+  };
+  const auto line_at = [&](std::size_t from_bottom) {
+    return static_cast<int>(filled[filled.size() - 1 - from_bottom]) + 1;
+  };
+  std::size_t used = 0;
+  Cells bottom = cells_at(0);
+  Cells above = cells_at(1);
+  if (above.size() >= layout.cells && !has_number(above, decimal)) {
+    Cells trial_names = above;
+    Cells trial_units = bottom;
+    TableHead trial;
+    take_start_and_increment(trial_names, trial_units, decimal, trial);
+    const bool with_start = trial.start || trial.increment;
+    if ((bottom.size() >= layout.cells || with_start) &&
+        (is_unit_row(trial_units) || is_sentence_row(trial_units))) {
+      names = trial_names;
+      units = trial_units;
+      head.start = trial.start;
+      head.increment = trial.increment;
+      head.names_line = line_at(1);
+      head.units_line = line_at(0);
+      used = 2;
+    }
+  }
+  const bool all_named = bottom.size() >= layout.cells || (bottom.size() > 1 && layout.cells > 2);
+  if (used == 0 && !bottom.empty() && all_named && !has_number(bottom, decimal)) {
+    names = bottom;
+    head.names_line = line_at(0);
+    used = 1;
+  }
+  const bool sentences = !units.empty() && is_sentence_row(units) && !is_unit_row(units);
+  for (std::size_t c = 0; c < std::max(names.size(), units.size()); ++c) {
+    ColumnHead column = c < names.size() ? split_head(names[c]) : ColumnHead{};
+    if (c < units.size() && !units[c].empty()) {
+      if (sentences) {
+        const ColumnHead said = sentence(units[c]).value_or(ColumnHead{});
+        column.unit = said.unit;
+        column.description = said.description;
+      } else if (!is_index_word(units[c])) {
+        column.unit = to_utf8(bracketed(units[c]).value_or(units[c]));
+      } else {
+        column.description = to_utf8(units[c]);
+      }
+    }
+    head.columns.push_back(std::move(column));
+  }
+  for (std::size_t i = 0; i + used < filled.size(); ++i)
+    add_attribute(layout.head[filled[i]], layout, head);
+  return head;
+}
+
+std::optional<double> stated_interval(const std::map<std::string, std::string>& attributes) {
+  constexpr std::array<std::string_view, 6> intervals = {
+      "sample interval", "sampling interval", "sample period", "sampling period", "delta t", "dt"};
+  constexpr std::array<std::string_view, 6> rates = {
+      "sample rate", "sampling rate", "samplerate", "sample frequency", "sampling frequency", "fs"};
+  for (const auto& [key, text] : attributes) {
+    const ColumnHead head = split_head(key);
+    std::string word = lowered(head.name);
+    std::replace(word.begin(), word.end(), '_', ' ');
+    const bool is_interval = std::find(intervals.begin(), intervals.end(), word) != intervals.end();
+    const bool is_rate = std::find(rates.begin(), rates.end(), word) != rates.end();
+    if (!is_interval && !is_rate) continue;
+    double value = 0.0;
+    const char* const end = scan_number(text.data(), text.data() + text.size(), {}, value);
+    if (end == text.data() || !(value > 0.0)) continue;
+    std::string unit(
+        trimmed(std::string_view(end, static_cast<std::size_t>(text.data() + text.size() - end))));
+    if (unit.empty()) unit = head.unit;
+    const std::string_view si = is_interval ? "s" : "Hz";
+    if (unit.empty()) unit = si;
+    const auto conversion = datasets::conversion(unit, si);
+    if (!conversion) continue;
+    const double converted = conversion->factor * value + conversion->offset;
+    return is_interval ? converted : 1.0 / converted;
+  }
+  return std::nullopt;
+}
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "acquisition/importers/text_table.hpp"
+
+namespace impactrig::acquisition {
+
+/// What the head of a text file says about a column.
+struct ColumnHead {
+  std::string name;         ///< "" = none
+  std::string unit;         ///< as the file spells it, without brackets; "" = none
+  std::string description;  ///< from a sentence row ("deacceleration - kg"); "" = none
+};
+
+/// What the head of a text file says.
+struct TableHead {
+  std::vector<ColumnHead> columns;                ///< may be fewer or more than the table has
+  std::map<std::string, std::string> attributes;  ///< "Sample Interval" -> "4e-11"
+  std::optional<double> start;      ///< of a Start cell, as some oscilloscopes write it [s]
+  std::optional<double> increment;  ///< likewise [s]
+  int names_line = 0;               ///< from 1; 0 = there is none
+  int units_line = 0;               ///< from 1; 0 = there is none
+};
+
+/// Reads names, units, sentences and key-value lines above a table.
+TableHead read_head(const TableLayout& layout);
+
+/// "Force [N]", "CH 1 (V)", "acceleration(g)", "t / s" and "Time" as name and unit. Parentheses and
+/// slashes count only around a unit that is understood.
+ColumnHead split_head(std::string_view cell);
+
+/// The sample interval [s] that a header states by a key such as "Sample Interval" or "Sampling
+/// rate [kHz]".
+std::optional<double> stated_interval(const std::map<std::string, std::string>& attributes);
+
+/// ASCII letters in lower case.
+std::string lowered(std::string_view text);
+
+}  // namespace impactrig::acquisition

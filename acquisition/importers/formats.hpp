@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "acquisition/importer.hpp"
+
+/// The formats that importers.cpp lists. Each pair is an Importer's `recognises` and `read`, and
+/// lives in a file of its own name.
+namespace impactrig::acquisition {
+
+int recognises_uff58b(std::string_view file_name, std::string_view head);
+int recognises_uff58(std::string_view file_name, std::string_view head);
+datasets::Record read_uff58(const std::string& path, const ImportOptions& options);
+
+int recognises_polytec_ascii(std::string_view file_name, std::string_view head);
+datasets::Record read_polytec_ascii(const std::string& path, const ImportOptions& options);
+
+int recognises_csv(std::string_view file_name, std::string_view head);
+datasets::Record read_csv(const std::string& path, const ImportOptions& options);
+
+int recognises_hdf5(std::string_view file_name, std::string_view head);
+datasets::Record read_hdf5(const std::string& path, const ImportOptions& options);
+
+/// What a file is that we know but do not read, and how its content can be brought here; "" for
+/// anything else.
+std::string closed_format(std::string_view head);
+
+}  // namespace impactrig::acquisition
