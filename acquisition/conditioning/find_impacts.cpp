@@ -1,2 +1,305 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "acquisition/conditioning/background.hpp"
 #include "acquisition/conditioning/condition.hpp"
+#include "acquisition/conditioning/contact_search.hpp"
+#include "acquisition/conditioning/trace.hpp"
+#include "datasets/input_error.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Channel;
+using datasets::Impact;
+using datasets::ImpactFlag;
+using datasets::ImpactSignal;
+using datasets::InputError;
+using datasets::Quantity;
+using datasets::Record;
+
+namespace {
+
+constexpr double enough_samples = 20.0;  ///< over a contact
+
+double as_double(std::size_t n) {
+  return static_cast<double>(n);
+}
+
+void refuse_senseless(const DetectionOptions& options) {
+  for (const double option : {options.threshold, options.pre_trigger, options.post_trigger})
+    if (!(option >= 0.0) || !std::isfinite(option))
+      throw std::invalid_argument(fmt::format(
+          "threshold, pre_trigger and post_trigger must be finite and not negative, not {}",
+          option));
+}
+
+const Channel* first_of(const Record& record, Quantity quantity) {
+  const auto found = std::ranges::find(record.channels, quantity, &Channel::quantity);
+  return found == record.channels.end() ? nullptr : &*found;
+}
+
+const Channel& trigger_channel(const Record& record, const DetectionOptions& options) {
+  const std::string& file = record.provenance.source_file;
+  if (!options.trigger_channel.empty()) {
+    const Channel* const channel = record.find(options.trigger_channel);
+    if (channel == nullptr)
+      throw InputError(whole_file(file),
+                       fmt::format("there is no single channel '{}' to look for impacts in",
+                                   options.trigger_channel));
+    if (channel->quantity != Quantity::force && channel->quantity != Quantity::acceleration &&
+        channel->quantity != Quantity::velocity)
+      throw InputError(whole_file(file),
+                       fmt::format("channel '{}' is a {}; impacts are looked for in a force, an "
+                                   "acceleration or a velocity",
+                                   channel->name, name(channel->quantity)));
+    return *channel;
+  }
+  for (const Quantity quantity : {Quantity::force, Quantity::acceleration, Quantity::velocity})
+    if (const Channel* const channel = first_of(record, quantity)) return *channel;
+  throw InputError(whole_file(file),
+                   "there is no force, acceleration or velocity to look for impacts in; describe "
+                   "the channels in a rig file under [sensors.force] and [sensors.velocity]");
+}
+
+/// What find_impacts needs of a channel, computed once a record.
+struct Source {
+  const Channel* channel;
+  Trace trace;
+  double range;  ///< [SI]; 0 unknown
+};
+
+Source source_of(const Channel& channel, const std::string& file) {
+  Source source{&channel, trace_of(channel, file), 0.0};
+  const auto stated = channel.attributes.find("sensor.range");
+  if (stated != channel.attributes.end())
+    std::from_chars(stated->second.data(), stated->second.data() + stated->second.size(),
+                    source.range);
+  return source;
+}
+
+/// The part of a record that belongs to one impact [s].
+struct Window {
+  double begin, end;
+  double floor;  ///< end of the previous impact; nothing before it is quiet
+};
+
+void describe_noise(const Source& source, double onset_time, const Window& window,
+                    const DetectionOptions& options, ImpactSignal& signal) {
+  const Trace& trace = source.trace;
+  const double floor = std::max(0.0, std::ceil(trace.index(window.floor)));
+  const auto quiet =
+      quiet_before(trace, trace.index(onset_time), static_cast<std::size_t>(floor), options);
+  signal.quantum = quantum_of(signal.values);
+  if (!quiet) {
+    signal.noise = step_noise(signal.values);
+    return;
+  }
+  const int degree = trace.quantity == Quantity::displacement ? 2 : 1;
+  const QuietFit fit = fit_quiet(trace.values, quiet->begin, quiet->end, degree, signal.quantum);
+  signal.noise = fit.sigma;
+  signal.noise_correlation = fit.correlation;
+}
+
+/// None when the channel has no sample within the window.
+std::optional<ImpactSignal> signal_of(const Source& source, double onset_time, const Window& window,
+                                      const DetectionOptions& options) {
+  const Trace& trace = source.trace;
+  const double n = as_double(trace.values.size());
+  // A ten-thousandth of a step of grace: times are rounded.
+  const double from = std::max(0.0, std::ceil(trace.index(window.begin) - 1e-4));
+  const double to = std::min(n, std::floor(trace.index(window.end) + 1e-4) + 1.0);
+  if (from >= to) return std::nullopt;
+  const auto first = static_cast<std::ptrdiff_t>(from), last = static_cast<std::ptrdiff_t>(to);
+
+  ImpactSignal signal;
+  signal.quantity = trace.quantity;
+  signal.channel = source.channel->name;
+  signal.start = trace.time(from);
+  signal.interval = trace.interval;
+  signal.values.assign(trace.values.begin() + first, trace.values.begin() + last);
+  if (!trace.valid.empty()) {
+    signal.valid.assign(trace.valid.begin() + first, trace.valid.begin() + last);
+    if (std::ranges::find(signal.valid, 0) == signal.valid.end()) signal.valid.clear();
+  }
+  if (const auto& calibration = source.channel->calibration;
+      calibration && calibration->sensitivity != 0.0)
+    signal.gain_uncertainty = std::abs(calibration->uncertainty / calibration->sensitivity);
+  if (const auto& delay = source.channel->delay) {
+    if (delay->removed) signal.delay = delay->value;
+    signal.delay_uncertainty = delay->uncertainty;
+  }
+  describe_noise(source, onset_time, window, options, signal);
+  return signal;
+}
+
+void subtract_baseline(ImpactSignal& signal, double baseline) {
+  signal.baseline = baseline;
+  for (double& value : signal.values) value -= baseline;
+}
+
+/// The force's level before touch when the trigger is another channel.
+double level_before(const Source& source, double onset_time, const Window& window,
+                    const DetectionOptions& options) {
+  const Trace& trace = source.trace;
+  const double floor = std::max(0.0, std::ceil(trace.index(window.floor)));
+  const auto quiet =
+      quiet_before(trace, trace.index(onset_time), static_cast<std::size_t>(floor), options);
+  if (!quiet) return 0.0;
+  return fit_quiet(trace.values, quiet->begin, quiet->end, 1, quantum_of(trace.values)).mean;
+}
+
+/// Mean before touch, dropouts left out; of the samples there are when there are few.
+double approach_velocity(const Source& velocity, double onset_time, const Window& window,
+                         const DetectionOptions& options) {
+  const Trace& trace = velocity.trace;
+  const double floor = std::max(0.0, std::ceil(trace.index(window.floor)));
+  const double onset = trace.index(onset_time);
+  if (const auto quiet = quiet_before(trace, onset, static_cast<std::size_t>(floor), options))
+    return fit_quiet(trace.values, quiet->begin, quiet->end, 1, quantum_of(trace.values)).mean;
+  const double last =
+      std::min(std::max(std::floor(onset), 0.0), as_double(trace.values.size() - 1));
+  const auto end = static_cast<std::ptrdiff_t>(last) + 1;
+  const auto begin = std::min(static_cast<std::ptrdiff_t>(floor), end - 1);
+  return median({trace.values.begin() + begin, trace.values.begin() + end});
+}
+
+// --- Flags --------------------------------------------------------------------------------------
+
+/// A flat top that no smooth crest makes: three or more equal extreme samples, above half of the
+/// peak, and beyond them the signal falls off faster than a parabola through digitiser steps would
+/// (a crest one step high over a run of m samples is 9 steps high over 3 m).
+bool flat_top(const std::vector<double>& y, const Contact& contact, double quantum) {
+  const double top = y[contact.peak_index];
+  const auto same = [&](std::size_t i) {
+    return std::abs(y[i] - top) <= 1e-9 * std::abs(contact.peak);
+  };
+  std::size_t first = contact.peak_index, last = contact.peak_index;
+  while (first > 0 && same(first - 1)) --first;
+  while (last + 1 < y.size() && same(last + 1)) ++last;
+  const std::size_t run = last - first + 1;
+  if (run < 3) return false;
+  const std::size_t left = first > run ? first - run : 0;
+  const std::size_t right = std::min(last + run, y.size() - 1);
+  const double fall = std::max(std::abs(top - y[left]), std::abs(top - y[right]));
+  return fall > 13.5 * quantum;
+}
+
+/// Whether a signal reaches its known range, or its invalid samples stand above half of its peak.
+bool over_range(const Source& source, std::size_t first, std::size_t last, double half_peak,
+                double baseline) {
+  for (std::size_t i = first; i <= last; ++i) {
+    const double value = source.trace.values[i];
+    if (source.range > 0.0 && std::abs(value) >= 0.999 * source.range) return true;
+    if (half_peak > 0.0 && !source.trace.is_valid(i) && std::abs(value - baseline) >= half_peak)
+      return true;
+  }
+  return false;
+}
+
+bool has_invalid(const std::optional<ImpactSignal>& signal) {
+  return signal && !signal->valid.empty();
+}
+
+std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
+                                 const Source& trigger) {
+  std::vector<ImpactFlag> flags;
+  const std::vector<double>& y = trigger.trace.values;
+  const auto first = static_cast<std::size_t>(contact.onset);
+  const std::size_t last = std::min(y.size() - 1, static_cast<std::size_t>(contact.end));
+  const bool pulse = trigger.trace.quantity != Quantity::velocity;
+  const bool clipped = over_range(trigger, first, last, pulse ? 0.5 * std::abs(contact.peak) : 0.0,
+                                  contact.baseline) ||
+                       (pulse && flat_top(y, contact, quantum_of(y)));
+  bool dropout =
+      has_invalid(impact.force) || has_invalid(impact.velocity) || has_invalid(impact.displacement);
+  // Clipped samples that the recorder marked are clipped, not lost.
+  if (clipped && dropout && !has_invalid(impact.velocity) && !has_invalid(impact.displacement)) {
+    dropout = false;
+    const ImpactSignal& force = *impact.force;
+    for (std::size_t i = 0; i < force.values.size(); ++i)
+      dropout = dropout ||
+                (force.valid[i] == 0 && std::abs(force.values[i]) < 0.5 * std::abs(contact.peak));
+  }
+  if (clipped) flags.push_back(ImpactFlag::clipped);
+  if (contact.double_hit) flags.push_back(ImpactFlag::double_hit);
+  if (contact.begins_inside || contact.ends_inside) flags.push_back(ImpactFlag::too_short);
+  if (dropout) flags.push_back(ImpactFlag::dropout);
+  if (contact.end - contact.onset < enough_samples) flags.push_back(ImpactFlag::undersampled);
+  return flags;
+}
+
+Impact impact_of(const Contact& contact, const Source& trigger,
+                 const std::vector<const Source*>& sources, const Window& window,
+                 const DetectionOptions& options) {
+  const Trace& trace = trigger.trace;
+  Impact impact;
+  impact.start = trace.time(contact.onset);
+  impact.end = trace.time(contact.end);
+  impact.peak = contact.peak;
+  impact.peak_time = trace.time(as_double(contact.peak_index));
+  impact.width = contact.width * trace.interval;
+  impact.impulse = contact.impulse * trace.interval;
+  for (const Source* const source : sources) {
+    auto signal = signal_of(*source, impact.start, window, options);
+    if (!signal) continue;
+    if (signal->quantity == Quantity::force) {
+      subtract_baseline(*signal, source == &trigger
+                                     ? contact.baseline
+                                     : level_before(*source, impact.start, window, options));
+      impact.force = std::move(signal);
+    } else if (signal->quantity == Quantity::velocity) {
+      impact.approach_velocity = approach_velocity(*source, impact.start, window, options);
+      impact.velocity = std::move(signal);
+    } else if (signal->quantity == Quantity::displacement) {
+      impact.displacement = std::move(signal);
+    }
+  }
+  impact.flags = flags_of(impact, contact, trigger);
+  return impact;
+}
+
+}  // namespace
+
+std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& options) {
+  refuse_senseless(options);
+  const std::string& file = record.provenance.source_file;
+  const Channel& chosen = trigger_channel(record, options);
+  const Source trigger = source_of(chosen, file);
+  const std::vector<Contact> contacts = trigger.trace.quantity == Quantity::velocity
+                                            ? find_jumps(trigger.trace, options)
+                                            : find_pulses(trigger.trace, options);
+  if (contacts.empty()) return {};
+
+  std::vector<Source> others;
+  others.reserve(3);
+  std::vector<const Source*> sources{&trigger};
+  for (const Quantity quantity : {Quantity::force, Quantity::velocity, Quantity::displacement}) {
+    if (quantity == chosen.quantity) continue;
+    if (const Channel* const channel = first_of(record, quantity)) {
+      others.push_back(source_of(*channel, file));
+      sources.push_back(&others.back());
+    }
+  }
+
+  std::vector<Impact> impacts;
+  Window window{0.0, 0.0, -INFINITY};
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const double start = trigger.trace.time(contacts[i].onset);
+    window.begin = std::max(start - options.pre_trigger, window.floor);
+    window.end = start + options.post_trigger;
+    if (i + 1 < contacts.size())
+      window.end = std::min(window.end, trigger.trace.time(contacts[i + 1].onset - 1.0));
+    impacts.push_back(impact_of(contacts[i], trigger, sources, window, options));
+    impacts.back().recording = file;
+    window.floor = trigger.trace.time(contacts[i].end);
+  }
+  return impacts;
+}
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/conditioning/background.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace impactrig::acquisition {
+
+namespace {
+
+constexpr std::size_t sample_limit = std::size_t{1} << 18;
+
+double as_double(std::size_t n) {
+  return static_cast<double>(n);
+}
+
+std::vector<double> evenly_spread(std::span<const double> values, std::size_t limit) {
+  const std::size_t stride = (values.size() + limit - 1) / limit;
+  std::vector<double> result;
+  result.reserve(values.size() / stride + 1);
+  for (std::size_t i = 0; i < values.size(); i += stride) result.push_back(values[i]);
+  return result;
+}
+
+/// Medians of up to `blocks` equal blocks and the indices of their middles.
+struct BlockMedians {
+  std::vector<double> index, value;
+};
+
+BlockMedians block_medians(std::span<const double> values, std::size_t begin, std::size_t end,
+                           std::size_t blocks) {
+  blocks = std::min(blocks, end - begin);
+  BlockMedians result;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const std::size_t from = begin + (end - begin) * b / blocks;
+    const std::size_t to = begin + (end - begin) * (b + 1) / blocks;
+    result.index.push_back(0.5 * (as_double(from) + as_double(to) - 1.0));
+    result.value.push_back(median({values.begin() + static_cast<std::ptrdiff_t>(from),
+                                   values.begin() + static_cast<std::ptrdiff_t>(to)}));
+  }
+  return result;
+}
+
+/// The median of the slopes between all pairs of points (Theil–Sen), and the median intercept.
+void robust_line(const BlockMedians& blocks, QuietFit& fit) {
+  std::vector<double> slopes, intercepts;
+  for (std::size_t i = 0; i < blocks.index.size(); ++i)
+    for (std::size_t j = i + 1; j < blocks.index.size(); ++j)
+      slopes.push_back((blocks.value[j] - blocks.value[i]) / (blocks.index[j] - blocks.index[i]));
+  const double slope = slopes.empty() ? 0.0 : median(slopes);
+  for (std::size_t i = 0; i < blocks.index.size(); ++i)
+    intercepts.push_back(blocks.value[i] - slope * (blocks.index[i] - fit.middle));
+  fit.coefficients[0] = median(intercepts);
+  fit.coefficients[1] = slope * fit.half;
+}
+
+/// Least squares over the samples that lie within `band` of the course so far.
+void refit_within(std::span<const double> values, double band, int degree, QuietFit& fit) {
+  const int terms = degree + 1;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  std::size_t used = 0;
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t i = fit.begin; i < fit.end; ++i) {
+    if (std::abs(values[i] - fit.at(as_double(i))) > band) continue;
+    const double u = (as_double(i) - fit.middle) / fit.half;
+    const Eigen::Vector3d row(1.0, u, u * u);
+    normal += row * row.transpose();
+    right += row * values[i];
+    sum += values[i];
+    ++used;
+  }
+  if (used < static_cast<std::size_t>(terms) + 1) return;
+  const Eigen::VectorXd solution =
+      normal.topLeftCorner(terms, terms).ldlt().solve(right.head(terms));
+  const QuietFit before = fit;
+  for (int k = 0; k < 3; ++k) fit.coefficients[k] = k < terms ? solution[k] : 0.0;
+  for (std::size_t i = fit.begin; i < fit.end; ++i) {
+    if (std::abs(values[i] - before.at(as_double(i))) > band) continue;
+    const double residual = values[i] - fit.at(as_double(i));
+    squares += residual * residual;
+  }
+  fit.mean = sum / as_double(used);
+  fit.sigma = std::sqrt(squares / (as_double(used) - terms));
+}
+
+std::vector<double> residuals_of(std::span<const double> values, const QuietFit& fit) {
+  std::vector<double> residuals;
+  residuals.reserve(fit.size());
+  for (std::size_t i = fit.begin; i < fit.end; ++i)
+    residuals.push_back(values[i] - fit.at(as_double(i)));
+  return residuals;
+}
+
+}  // namespace
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+Spread robust_spread(std::span<const double> values) {
+  std::vector<double> sample = evenly_spread(values, sample_limit);
+  Spread spread;
+  spread.centre = median(sample);
+  for (double& value : sample) value = std::abs(value - spread.centre);
+  spread.sigma = normal_mad * median(std::move(sample));
+  return spread;
+}
+
+double step_noise(std::span<const double> values) {
+  if (values.size() < 3) return 0.0;
+  const std::size_t stride = (values.size() + sample_limit - 1) / sample_limit;
+  std::vector<double> steps;
+  steps.reserve(values.size() / stride + 1);
+  for (std::size_t i = 2; i < values.size(); i += stride)
+    steps.push_back(std::abs(values[i] - 2.0 * values[i - 1] + values[i - 2]));
+  return normal_mad * median(std::move(steps)) / std::sqrt(6.0);
+}
+
+double noise_gate(std::size_t n) {
+  return std::max(6.0, std::sqrt(2.0 * std::log(as_double(n))) + 1.7);
+}
+
+double quantum_of(std::span<const double> values) {
+  std::vector<double> sorted = evenly_spread(values, std::size_t{1} << 16);
+  if (sorted.size() < 16) return 0.0;
+  std::ranges::sort(sorted);
+  const double span = sorted.back() - sorted.front();
+  // Values that differ by rounding only are one value: 1e-9 of the span is below any digitiser.
+  std::vector<double> distinct{sorted.front()};
+  for (const double value : sorted)
+    if (value - distinct.back() > 1e-9 * span) distinct.push_back(value);
+  if (distinct.size() < 2 || 2 * distinct.size() > sorted.size()) return 0.0;
+
+  double smallest = span;
+  for (std::size_t i = 1; i < distinct.size(); ++i)
+    smallest = std::min(smallest, distinct[i] - distinct[i - 1]);
+  // The mean of the single steps is sharper than the smallest one.
+  const double steps = std::round(span / smallest);
+  const double quantum = span / steps;
+  std::size_t on_grid = 0;
+  for (const double value : distinct) {
+    const double code = (value - distinct.front()) / quantum;
+    if (std::abs(code - std::round(code)) < 0.1) ++on_grid;
+  }
+  return 100 * on_grid >= 98 * distinct.size() ? quantum : 0.0;
+}
+
+double grain_of(std::span<const double> values) {
+  double largest = 0.0;
+  for (const double value : values) largest = std::max(largest, std::abs(value));
+  return std::max(quantum_of(values), 1e-7 * largest);
+}
+
+QuietFit fit_quiet(std::span<const double> values, std::size_t begin, std::size_t end, int degree,
+                   double quantum) {
+  QuietFit fit;
+  fit.begin = begin;
+  fit.end = end;
+  fit.middle = 0.5 * (as_double(begin) + as_double(end) - 1.0);
+  fit.half = std::max(1.0, 0.5 * as_double(end - begin));
+  const BlockMedians blocks = block_medians(values, begin, end, 32);
+  if (degree > 0)
+    robust_line(blocks, fit);
+  else
+    fit.coefficients[0] = median(blocks.value);
+
+  for (int round = 0; round < 3; ++round) {
+    std::vector<double> residuals = residuals_of(values, fit);
+    for (double& residual : residuals) residual = std::abs(residual);
+    const double largest = std::ranges::max(residuals);
+    const double sigma = std::max(normal_mad * median(std::move(residuals)), fit.sigma);
+    const double band = std::max(4.0 * sigma, 1.6 * quantum);
+    refit_within(values, band > 0.0 ? band : largest, degree, fit);
+  }
+  fit.correlation = correlation_time(residuals_of(values, fit));
+  return fit;
+}
+
+double correlation_time(std::span<const double> residuals) {
+  const std::size_t n = residuals.size();
+  const double power =
+      std::inner_product(residuals.begin(), residuals.end(), residuals.begin(), 0.0);
+  if (!(power > 0.0)) return 1.0;
+  double time = 1.0;
+  for (std::size_t lag = 1; lag < n / 2; ++lag) {
+    double product = 0.0;
+    for (std::size_t i = lag; i < n; ++i) product += residuals[i] * residuals[i - lag];
+    time += 2.0 * product / power;
+    if (as_double(lag) >= 5.0 * time) break;
+  }
+  return std::max(time, 1.0);
+}
+
+/// Legendre polynomials P_0 to P_degree at x in [-1, 1].
+void legendre_row(double x, Eigen::Ref<Eigen::RowVectorXd> row) {
+  row[0] = 1.0;
+  if (row.size() > 1) row[1] = x;
+  for (Eigen::Index k = 2; k < row.size(); ++k) {
+    const auto order = static_cast<double>(k);
+    row[k] = ((2.0 * order - 1.0) * x * row[k - 1] - (order - 1.0) * row[k - 2]) / order;
+  }
+}
+
+FastPart fast_part(std::span<const double> values, double interval) {
+  const std::size_t n = values.size();
+  const std::size_t blocks = std::min<std::size_t>(n, 128);
+  // A polynomial follows a sinusoid of half-phase theta to a percent from degree theta + 3 on.
+  const double theta = std::numbers::pi * 200.0 * interval * as_double(n);
+  const auto terms = static_cast<Eigen::Index>(std::ceil(theta)) + 4;
+  FastPart part{0.0, 0.0, blocks};
+  if (terms + 4 > static_cast<Eigen::Index>(blocks)) return part;
+
+  Eigen::MatrixXd basis(blocks, terms);
+  Eigen::VectorXd mean(blocks);
+  Eigen::RowVectorXd row(terms);
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const std::size_t from = n * b / blocks;
+    const std::size_t to = n * (b + 1) / blocks;
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(from);
+    const auto last = values.begin() + static_cast<std::ptrdiff_t>(to);
+    mean[static_cast<Eigen::Index>(b)] = std::accumulate(first, last, 0.0) / as_double(to - from);
+    legendre_row(as_double(from + to) / as_double(n) - 1.0, row);
+    basis.row(static_cast<Eigen::Index>(b)) = row;
+  }
+  const Eigen::VectorXd solution = basis.householderQr().solve(mean);
+  part.rms = (mean - basis * solution).norm() / std::sqrt(as_double(blocks));
+  for (std::size_t i = 0; i < n; ++i) {
+    legendre_row((2.0 * as_double(i) + 1.0) / as_double(n) - 1.0, row);
+    part.highest = std::max(part.highest, std::abs(values[i] - row.dot(solution)));
+  }
+  return part;
+}
+
+bool explained_by_drift_and_hum(std::span<const double> values, double interval, double height,
+                                double sigma) {
+  const FastPart fast = fast_part(values, interval);
+  const double block_noise = sigma / std::sqrt(as_double(values.size()) / as_double(fast.blocks));
+  return fast.rms < std::max(1.4 * block_noise, 0.01 * height);
+}
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "datasets/record.hpp"
+
+namespace impactrig::acquisition {
+
+/// From when to when, both included, on the channel's own clock [s].
+struct TimeSpan {
+  double begin = 0.0;
+  double end = 0.0;
+};
+
+/// Takes the robust mean over `quiet` (before the trigger) off a channel. The samples stay; only
+/// Channel::offset changes. Not for velocity or displacement, whose level before touch is the
+/// motion itself. Throws std::invalid_argument when fewer than 3 samples lie within the span.
+datasets::Edit remove_baseline(datasets::Channel& channel, const TimeSpan& quiet);
+
+/// Takes the straight line through `quiet` (robust: outliers beyond 4 standard deviations do not
+/// count) off the whole channel; the samples become double. The line's slope is uncertain by
+/// sigma sqrt(12 / n³) a sample, so the further the channel reaches beyond the span, the less is
+/// won. Throws std::invalid_argument when fewer than 8 samples lie within the span.
+datasets::Edit remove_drift(datasets::Channel& channel, const TimeSpan& quiet);
+
+}  // namespace impactrig::acquisition

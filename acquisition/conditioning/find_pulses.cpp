@@ -1,0 +1,456 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "acquisition/conditioning/contact_search.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+constexpr double peak_fraction = 0.05;  ///< of the peak: below it nothing is a contact
+constexpr double dense_height = 20.0;   ///< standard deviations, where the pulse fills the record
+constexpr double stands_out = 2.0;      ///< times what went before: a contact, no ringing
+
+double as_double(std::size_t n) {
+  return static_cast<double>(n);
+}
+
+/// What the signal would do without the contact.
+struct Baseline {
+  QuietFit fit;
+  bool steady = false;  ///< the whole window before touch could be used
+  bool line = false;    ///< fit, else constant
+  double constant = 0.0;
+  double sigma = 0.0;  ///< scatter about it
+
+  double at(std::size_t i) const { return line ? fit.at(as_double(i)) : constant; }
+};
+
+/// Where and how a signal is looked for.
+struct Trigger {
+  double level = 0.0;      ///< of the quiet signal
+  double threshold = 0.0;  ///< departure from it that is a contact
+  double sigma = 0.0;      ///< noise
+};
+
+class PulseSearch {
+ public:
+  PulseSearch(const Trace& trace, const DetectionOptions& options)
+      : trace_(trace),
+        y_(trace.values),
+        options_(options),
+        grain_(grain_of(y_)),
+        gate_(noise_gate(y_.size())),
+        window_(static_cast<std::size_t>(std::max(200.0, options.pre_trigger / trace.interval))) {}
+
+  std::vector<Contact> run();
+
+ private:
+  std::optional<Trigger> sparse_trigger() const;
+  std::optional<Trigger> dense_trigger() const;
+  Trigger sharpened(Trigger trigger) const;
+  double height(double level, std::size_t begin, std::size_t end) const;
+  std::size_t first_above(const Trigger& trigger, std::size_t from) const;
+  std::size_t quiet_run(double level, double limit, bool from_end) const;
+  Baseline baseline_before(std::size_t end, std::size_t floor, double height,
+                           const Trigger& trigger) const;
+  std::optional<Contact> measure_from(const Baseline& baseline, std::size_t crossing,
+                                      std::size_t floor, const Trigger& trigger) const;
+  std::optional<Contact> measure(std::size_t crossing, std::size_t floor,
+                                 const Trigger& trigger) const;
+  double height_by_blocks(double level, std::size_t begin, std::size_t end) const;
+  std::size_t next_impact(const Contact& contact, const Trigger& trigger, std::size_t& floor) const;
+
+  /// The floor of a noise estimate: a digitiser whose noise is below its step shows none, and then
+  /// reaches 4.5 steps less than once in 10⁶ samples.
+  double at_least_a_step(double sigma) const { return std::max(sigma, 0.75 * grain_); }
+
+  const Trace& trace_;
+  std::span<const double> y_;
+  const DetectionOptions& options_;
+  double grain_;
+  double gate_;
+  std::size_t window_;  ///< samples before a pulse that say what is quiet
+  mutable std::vector<double> block_heights_;
+};
+
+double PulseSearch::height(double level, std::size_t begin, std::size_t end) const {
+  double largest = 0.0;
+  for (std::size_t i = begin; i < std::min(end, y_.size()); ++i)
+    largest = std::max(largest, std::abs(y_[i] - level));
+  return largest;
+}
+
+std::size_t PulseSearch::first_above(const Trigger& trigger, std::size_t from) const {
+  while (from < y_.size() && std::abs(y_[from] - trigger.level) <= trigger.threshold) ++from;
+  return from;
+}
+
+/// How many samples from one end of the record stay within `limit` of `level`.
+std::size_t PulseSearch::quiet_run(double level, double limit, bool from_end) const {
+  std::size_t n = 0;
+  while (n < y_.size() && std::abs(y_[from_end ? y_.size() - 1 - n : n] - level) <= limit) ++n;
+  return n;
+}
+
+/// A record that is quiet for most of its time: the median is its level.
+std::optional<Trigger> PulseSearch::sparse_trigger() const {
+  const Spread spread = robust_spread(y_);
+  const double sigma = at_least_a_step(spread.sigma);
+  const double peak = height(spread.centre, 0, y_.size());
+  if (peak <= gate_ * sigma) return std::nullopt;
+  if (trace_.interval * as_double(y_.size()) <= longest_hum) {
+    // A part of a period may be flat for most of its time, and then bend.
+    const double noise = at_least_a_step(step_noise(y_));
+    if (fast_part(y_, trace_.interval).highest <= std::max(gate_ * noise, 0.1 * peak))
+      return std::nullopt;
+  }
+  return Trigger{spread.centre, std::max(gate_ * sigma, peak_fraction * peak), sigma};
+}
+
+/// A record that the pulse fills: quiet at one of its ends at least.
+std::optional<Trigger> PulseSearch::dense_trigger() const {
+  const std::size_t n = y_.size();
+  if (n < 32 || trace_.interval * as_double(n) > longest_hum) return std::nullopt;
+  const std::size_t m = std::clamp<std::size_t>(n / 32, 4, 64);
+  const double sigma = at_least_a_step(step_noise(y_));
+
+  std::size_t longest = 0;
+  Trigger best;
+  double best_peak = 0.0;
+  for (const bool from_end : {false, true}) {
+    const auto edge = from_end ? y_.last(m) : y_.first(m);
+    const double level = median({edge.begin(), edge.end()});
+    const double peak = height(level, 0, n);
+    const double limit = std::max(gate_ * sigma, peak_fraction * peak);
+    const std::size_t run = quiet_run(level, limit, from_end);
+    if (run <= longest || run == n) continue;
+    longest = run;
+    best = {level, limit, sigma};
+    best_peak = peak;
+  }
+  if (longest < std::max<std::size_t>(8, n / 20) || best_peak < dense_height * sigma ||
+      explained_by_drift_and_hum(y_, trace_.interval, best_peak, sigma))
+    return std::nullopt;
+  return best;
+}
+
+/// The threshold by the noise before the first crossing: ringing afterwards is no noise.
+Trigger PulseSearch::sharpened(Trigger trigger) const {
+  const std::size_t crossing = first_above(trigger, 0);
+  const std::size_t end = crossing - crossing / 4;
+  if (crossing >= y_.size() || end < 16) return trigger;
+  const QuietFit local = fit_quiet(y_, end > window_ ? end - window_ : 0, end, 1, grain_);
+  const Spread all = robust_spread(y_.first(end));
+  trigger.sigma = at_least_a_step(local.sigma);
+  // 2.5 of the spread are above the crest of hum, whose spread is its amplitude.
+  trigger.threshold = std::max({gate_ * trigger.sigma, 2.5 * all.sigma,
+                                peak_fraction * height(trigger.level, 0, y_.size())});
+  return trigger;
+}
+
+/// The course before sample `end`, from at most a window before it. Where it is not steady (the
+/// foot of the pulse, the ringing of the impact before), what is further from the pulse counts.
+Baseline PulseSearch::baseline_before(std::size_t end, std::size_t floor, double height,
+                                      const Trigger& trigger) const {
+  Baseline baseline;
+  baseline.constant = trigger.level;
+  baseline.sigma = trigger.sigma;
+  const std::size_t begin = std::max(floor, end > window_ ? end - window_ : 0);
+  if (end < begin + 8) return baseline;
+  std::size_t size = end - begin;
+  baseline.fit = fit_quiet(y_, begin, begin + size, 1, grain_);
+  const auto trend = [&] { return 2.0 * std::abs(baseline.fit.coefficients[1]); };
+  const auto scatter = [&] {  // of `trend` when there is none
+    return 2.0 * std::sqrt(3.0 * baseline.fit.correlation / as_double(size)) * baseline.fit.sigma;
+  };
+  baseline.steady = true;
+  while (trend() > 0.01 * height + 4.0 * scatter() && size >= 16) {
+    baseline.steady = false;
+    size /= 2;
+    baseline.fit = fit_quiet(y_, begin, begin + size, 1, grain_);
+  }
+  baseline.line = baseline.steady && size >= 32 && trend() > 3.0 * scatter();
+  if (!baseline.line) baseline.fit = fit_quiet(y_, begin, begin + size, 0, grain_);
+  baseline.constant = baseline.fit.mean;
+  baseline.sigma = baseline.fit.sigma;
+  return baseline;
+}
+
+// --- One pulse ----------------------------------------------------------------------------------
+
+/// A signal measured from its baseline, positive in the pulse's direction.
+struct Excursion {
+  std::span<const double> y;
+  const Baseline& baseline;
+  double sign;
+  double stop;   ///< at or below it the signal is on its baseline
+  double noise;  ///< gate times sigma
+  std::size_t floor;
+
+  double at(std::size_t i) const { return sign * (y[i] - baseline.at(i)); }
+
+  double threshold(double peak) const { return std::max(noise, peak_fraction * peak); }
+};
+
+/// Zero of the line through two samples at x and x + 1 (x + 1 the further one from the crossing),
+/// at most one sample beyond `near`, the last sample on the baseline.
+double extrapolated_onset(const Excursion& z, std::size_t near) {
+  const double a = z.at(near + 1);
+  const double b = near + 2 < z.y.size() ? z.at(near + 2) : a;
+  const double rest = z.at(near);
+  if (b > a && rest >= -z.stop)
+    return std::clamp(as_double(near + 1) - a / (b - a), as_double(near) - 1.0,
+                      as_double(near + 1));
+  return as_double(near) + std::clamp(-rest / (a - rest), 0.0, 1.0);
+}
+
+double extrapolated_end(const Excursion& z, std::size_t near) {
+  const double a = z.at(near - 1);
+  const double b = near >= 2 ? z.at(near - 2) : a;
+  const double rest = z.at(near);
+  if (b > a && rest >= -z.stop)
+    return std::clamp(as_double(near - 1) + a / (b - a), as_double(near - 1),
+                      as_double(near) + 1.0);
+  return as_double(near) - std::clamp(-rest / (a - rest), 0.0, 1.0);
+}
+
+/// Follows the pulse from `crossing` to where it comes back to its baseline, or has stayed below
+/// the threshold of its own peak for 10 samples and half of its length.
+struct Descent {
+  std::size_t peak_index, stop_index;
+  double peak, end;
+  bool ends_inside;
+};
+
+Descent follow(const Excursion& z, std::size_t crossing) {
+  Descent d{crossing, crossing, 0.0, as_double(z.y.size() - 1), true};
+  std::size_t last_above = crossing;
+  for (std::size_t j = crossing; j < z.y.size(); ++j) {
+    const double value = z.at(j);
+    if (value > d.peak) {
+      d.peak = value;
+      d.peak_index = j;
+    }
+    d.stop_index = j;
+    if (value > z.threshold(d.peak)) last_above = j;
+    if (value <= z.stop && j > crossing) {
+      d.end = extrapolated_end(z, j);
+      d.ends_inside = false;
+      break;
+    }
+    if (j - last_above > 10 + (last_above - crossing) / 2) {
+      d.end = as_double(last_above) + 1.0;
+      d.ends_inside = false;
+      break;
+    }
+  }
+  return d;
+}
+
+/// Filters ring before a pulse too: where the first lobe is followed at once by one of the other
+/// sign and five times its height, that one is the pulse. Returns where it crosses the threshold.
+std::optional<std::size_t> main_lobe_after(const Excursion& z, std::size_t crossing,
+                                           const Descent& first, double threshold) {
+  const std::size_t limit =
+      std::min(z.y.size(), first.stop_index + (first.stop_index - crossing) + 5);
+  for (std::size_t j = first.stop_index; j < limit; ++j) {
+    if (-z.at(j) <= threshold) continue;
+    double opposite = 0.0;
+    for (std::size_t k = j; k < z.y.size() && z.at(k) < 0.0; ++k)
+      opposite = std::max(opposite, -z.at(k));
+    if (opposite > 5.0 * first.peak) return j;
+    break;
+  }
+  return std::nullopt;
+}
+
+/// Full width at half of the peak, in samples.
+double half_width(const Excursion& z, const Descent& d) {
+  const double half = 0.5 * d.peak;
+  const auto crossing = [&](std::size_t above, std::size_t below) {
+    const double a = z.at(above), b = z.at(below);
+    return as_double(above) + (as_double(below) - as_double(above)) * (a - half) / (a - b);
+  };
+  std::size_t left = d.peak_index, right = d.peak_index;
+  while (left > z.floor && z.at(left) > half) --left;
+  while (right + 1 < z.y.size() && z.at(right) > half) ++right;
+  const double from = z.at(left) <= half ? crossing(left + 1, left) : as_double(left);
+  const double to = z.at(right) <= half ? crossing(right - 1, right) : as_double(right);
+  return to - from;
+}
+
+/// Integral between two fractional indices by the trapezoidal rule; the signal is 0 at both unless
+/// they are samples.
+double integral(const Excursion& z, double from, double to) {
+  const auto first = static_cast<std::size_t>(std::ceil(from));
+  const auto last = static_cast<std::size_t>(std::floor(to));
+  if (last < first) return 0.0;
+  double sum =
+      0.5 * (z.at(first) * (as_double(first) - from) + z.at(last) * (to - as_double(last)));
+  for (std::size_t i = first; i < last; ++i) sum += 0.5 * (z.at(i) + z.at(i + 1));
+  return sum;
+}
+
+/// A later pulse of the same sign that ringing cannot be, before sample `limit`: it is more than
+/// twice what the signal swings the other way before and right after it.
+bool hit_again(const Excursion& z, const Contact& contact, const Descent& d, std::size_t limit) {
+  const double threshold = z.threshold(d.peak);
+  const double rest = std::max(5.0, 0.05 * contact.width);
+  limit = std::min(limit, z.y.size());
+  double other_way = 0.0;
+  std::size_t last_above = d.stop_index;
+  for (std::size_t j = d.stop_index; j < limit; ++j) {
+    const double value = z.at(j);
+    other_way = std::max(other_way, -value);
+    if (value <= threshold) continue;
+    const bool rested = as_double(j - last_above) > rest;
+    const std::size_t begin = j;
+    double lobe = 0.0;
+    while (j < z.y.size() && z.at(j) > z.stop) lobe = std::max(lobe, z.at(j++));
+    last_above = j;
+    for (std::size_t k = j; k < std::min(z.y.size(), j + (j - begin)); ++k)
+      other_way = std::max(other_way, -z.at(k));
+    if (rested && lobe > stands_out * other_way) return true;
+  }
+  return false;
+}
+
+std::optional<Contact> PulseSearch::measure(std::size_t crossing, std::size_t floor,
+                                            const Trigger& trigger) const {
+  const auto post = static_cast<std::size_t>(options_.post_trigger / trace_.interval);
+  const double tallest = height(trigger.level, crossing, crossing + post + 1);
+  // A quarter is left out at first, since some pulses begin with a long foot; then, when first
+  // touch is known, what lies before it counts.
+  const std::size_t far = crossing > floor ? (crossing - floor) / 4 : 0;
+  const std::size_t guard = std::max<std::size_t>(3, std::min(far, window_ / 4));
+  auto contact = measure_from(
+      baseline_before(crossing > guard ? crossing - guard : 0, floor, tallest, trigger), crossing,
+      floor, trigger);
+  if (!contact) return std::nullopt;
+  const auto quiet = quiet_before(trace_, contact->onset, floor, options_);
+  if (!quiet) return contact;
+  const Baseline nearer = baseline_before(quiet->end, floor, tallest, trigger);
+  if (!nearer.steady) return contact;
+  const auto second = measure_from(nearer, crossing, floor, trigger);
+  return second ? second : contact;
+}
+
+std::optional<Contact> PulseSearch::measure_from(const Baseline& baseline, std::size_t crossing,
+                                                 std::size_t floor, const Trigger& trigger) const {
+  const double sigma = at_least_a_step(baseline.sigma);
+  double noise = gate_ * sigma;
+  if (options_.threshold > 0.0) noise = std::min(noise, options_.threshold);
+  Excursion z{y_, baseline, 1.0, std::max(baseline.sigma, 0.5 * grain_), noise, floor};
+  if (z.at(crossing) < 0.0) z.sign = -1.0;
+  if (z.at(crossing) <= z.stop) return std::nullopt;
+
+  Descent d = follow(z, crossing);
+  if (const auto later = main_lobe_after(z, crossing, d, trigger.threshold)) {
+    crossing = *later;
+    z.sign = -z.sign;
+    d = follow(z, crossing);
+  }
+
+  Contact contact;
+  std::size_t i = crossing;
+  while (i > floor && z.at(i) > z.stop) --i;
+  const bool reached = z.at(i) <= z.stop;
+  contact.onset = reached ? extrapolated_onset(z, i) : as_double(i);
+  contact.onset = std::max(contact.onset, 0.0);
+  contact.begins_inside = !reached && i == 0 && z.at(0) > z.threshold(d.peak);
+  contact.end = d.end;
+  contact.ends_inside = d.ends_inside;
+  contact.peak_index = d.peak_index;
+  contact.peak = z.sign * d.peak;
+  contact.width = half_width(z, d);
+  contact.impulse = z.sign * integral(z, contact.onset, contact.end);
+  contact.baseline = baseline.at(static_cast<std::size_t>(contact.onset));
+  const double post = options_.post_trigger / trace_.interval;
+  contact.double_hit = hit_again(z, contact, d, static_cast<std::size_t>(contact.onset + post) + 1);
+  return contact;
+}
+
+/// The greatest departure within [begin, end), in blocks that lie within it.
+double PulseSearch::height_by_blocks(double level, std::size_t begin, std::size_t end) const {
+  constexpr std::size_t size = 64;
+  if (block_heights_.empty())
+    for (std::size_t i = 0; i < y_.size(); i += size)
+      block_heights_.push_back(height(level, i, i + size));
+  double largest = 0.0;
+  for (std::size_t b = (begin + size - 1) / size; b < end / size; ++b)
+    largest = std::max(largest, block_heights_[b]);
+  return largest;
+}
+
+/// The first crossing after what belongs to `contact` has died away: later than its window, after
+/// a rest, and twice as high as anything within the time of a window before. `floor` becomes the
+/// end of what belongs to `contact`.
+std::size_t PulseSearch::next_impact(const Contact& contact, const Trigger& trigger,
+                                     std::size_t& floor) const {
+  const auto rest = static_cast<std::size_t>(std::max(10.0, 2.0 * contact.width));
+  const auto post = static_cast<std::size_t>(options_.post_trigger / trace_.interval);
+  const auto end = static_cast<std::size_t>(contact.end);
+  std::size_t last_above = end;
+  for (std::size_t j = first_above(trigger, last_above + 1); j < y_.size();
+       j = first_above(trigger, j + 1)) {
+    if (j - last_above > rest && j >= static_cast<std::size_t>(contact.onset) + post) {
+      const std::size_t from = std::max(end + rest, j > post ? j - post : 0);
+      if (height(trigger.level, j, j + rest) >
+          stands_out * height_by_blocks(trigger.level, from, j - rest / 2)) {
+        floor = last_above + 1;
+        return j;
+      }
+    }
+    last_above = j;
+  }
+  return y_.size();
+}
+
+std::vector<Contact> PulseSearch::run() {
+  std::optional<Trigger> trigger = sparse_trigger();
+  if (!trigger) trigger = dense_trigger();
+  if (options_.threshold > 0.0) {
+    if (!trigger) trigger = Trigger{.level = robust_spread(y_).centre};
+    trigger->threshold = options_.threshold;
+    trigger->sigma = at_least_a_step(step_noise(y_));
+  } else if (trigger) {
+    trigger = sharpened(*trigger);
+  }
+  std::vector<Contact> contacts;
+  if (!trigger) return contacts;
+  std::size_t floor = 0;
+  std::size_t crossing = first_above(*trigger, 0);
+  while (crossing < y_.size()) {
+    const auto contact = measure(crossing, floor, *trigger);
+    if (contact) {
+      contacts.push_back(*contact);
+      crossing = next_impact(*contact, *trigger, floor);
+    } else {
+      while (crossing < y_.size() && std::abs(y_[crossing] - trigger->level) > trigger->threshold)
+        ++crossing;
+      crossing = first_above(*trigger, crossing);
+    }
+  }
+  return contacts;
+}
+
+}  // namespace
+
+std::optional<QuietSpan> quiet_before(const Trace& trace, double onset, std::size_t floor,
+                                      const DetectionOptions& options) {
+  const double window = std::max(200.0, options.pre_trigger / trace.interval);
+  const double begin = std::max(std::ceil(onset - window), as_double(floor));
+  const double end = std::floor(onset - std::max(3.0, 0.05 * (onset - begin)));
+  if (end - begin < 8.0 || end > as_double(trace.values.size())) return std::nullopt;
+  return QuietSpan{static_cast<std::size_t>(begin), static_cast<std::size_t>(end)};
+}
+
+std::vector<Contact> find_pulses(const Trace& trace, const DetectionOptions& options) {
+  if (trace.values.size() < 4) return {};
+  return PulseSearch(trace, options).run();
+}
+
+}  // namespace impactrig::acquisition

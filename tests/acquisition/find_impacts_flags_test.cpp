@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every flag: scenes where it must fire, and the nearest ones where it must not.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "acquisition/conditioning/condition.hpp"
+#include "tests/acquisition/scene.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+using datasets::Impact;
+using datasets::ImpactFlag;
+using namespace tests;
+
+constexpr double pi = std::numbers::pi;
+constexpr double duration = 200e-6;  // [s]
+
+double pulse(double t) {
+  return half_sine(t, 1500.0, duration);
+}
+
+/// The only impact in a force history.
+Impact impact_in(std::vector<double> force, const Sampling& at = {}, double noise = 5.0) {
+  add_noise(force, noise, 17);
+  const auto impacts = find_impacts(record_of({force_of(at, std::move(force))}));
+  EXPECT_EQ(impacts.size(), 1u);
+  return impacts.empty() ? Impact{} : impacts[0];
+}
+
+// --- clipped ------------------------------------------------------------------------------------
+
+TEST(ClippedFlag, FiresOnAFlatTop) {
+  const Sampling at;
+  for (const double range : {750.0, 1200.0, 1450.0, 1490.0}) {
+    const auto impacts = find_impacts(record_of(
+        {force_of(at, sampled(at, [&](double t) { return std::min(range, pulse(t)); }))}));
+    ASSERT_EQ(impacts.size(), 1u);
+    EXPECT_TRUE(impacts[0].has(ImpactFlag::clipped)) << range;
+  }
+}
+
+TEST(ClippedFlag, FiresOnAFlatTopOfAnEightBitDigitiser) {
+  const Sampling at;
+  std::vector<double> force = sampled(at, pulse);
+  add_noise(force, 1.0, 1);
+  round_to(force, 2.0 * 1200.0 / 256.0);
+  for (double& value : force) value = std::min(value, 127.0 * 2.0 * 1200.0 / 256.0);
+  const auto impacts = find_impacts(record_of({force_of(at, force)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_TRUE(impacts[0].has(ImpactFlag::clipped));
+}
+
+TEST(ClippedFlag, FiresOnAFlatBottom) {
+  const Sampling at;
+  const auto impacts = find_impacts(record_of(
+      {force_of(at, sampled(at, [&](double t) { return std::max(-1200.0, -pulse(t)); }))}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_TRUE(impacts[0].has(ImpactFlag::clipped));
+}
+
+// A crest of a coarse digitiser stays on one value for many samples.
+TEST(ClippedFlag, IsSilentOnACoarselyDigitisedCrest) {
+  const Sampling at;
+  for (const int bits : {6, 8, 10, 12, 16}) {
+    std::vector<double> force = sampled(at, pulse);
+    round_to(force, 2.0 * 2000.0 / std::pow(2.0, bits));
+    const auto impacts = find_impacts(record_of({force_of(at, force)}));
+    ASSERT_EQ(impacts.size(), 1u);
+    EXPECT_FALSE(impacts[0].has(ImpactFlag::clipped)) << bits;
+  }
+}
+
+TEST(ClippedFlag, FiresAtTheKnownRangeAndNotBelowIt) {
+  const Sampling at;
+  auto force = force_of(at, sampled(at, pulse));
+  force.attributes["sensor.range"] = "1500";
+  EXPECT_TRUE(find_impacts(record_of({force})).at(0).has(ImpactFlag::clipped));
+  force.attributes["sensor.range"] = "1600";
+  EXPECT_FALSE(find_impacts(record_of({force})).at(0).has(ImpactFlag::clipped));
+}
+
+TEST(ClippedFlag, FiresWhereTheRecorderMarkedTheTop) {
+  const Sampling at;
+  auto force = force_of(at, sampled(at, [](double t) { return std::min(1200.0, pulse(t)); }));
+  force.valid.assign(at.samples, 1);
+  for (std::size_t i = 0; i < at.samples; ++i)
+    if (pulse(at.time(i)) > 1200.0) force.valid[i] = 0;
+  const auto impacts = find_impacts(record_of({force}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_TRUE(impacts[0].has(ImpactFlag::clipped));
+  EXPECT_FALSE(impacts[0].has(ImpactFlag::dropout));  // clipped, not lost
+}
+
+// --- double hit ---------------------------------------------------------------------------------
+
+TEST(DoubleHitFlag, FiresOnASecondContact) {
+  const Sampling at;
+  for (const double later : {0.21e-3, 0.3e-3, 1e-3, 2.5e-3})
+    for (const double part : {0.06, 0.2, 0.6, 1.5}) {
+      const Impact impact = impact_in(sampled(
+          at, [&](double t) { return pulse(t) + half_sine(t - later, part * 1500.0, duration); }));
+      EXPECT_TRUE(impact.has(ImpactFlag::double_hit)) << later << " " << part;
+      EXPECT_NEAR(impact.end, duration, 3e-6) << later << " " << part;
+      EXPECT_NEAR(impact.peak, 1500.0, 20.0) << later << " " << part;
+    }
+}
+
+TEST(DoubleHitFlag, IsSilentBelowFivePercent) {
+  const Sampling at;
+  const Impact impact = impact_in(sampled(
+      at, [&](double t) { return pulse(t) + half_sine(t - 1e-3, 0.03 * 1500.0, duration); }));
+  EXPECT_FALSE(impact.has(ImpactFlag::double_hit));
+}
+
+// The response of a one-degree-of-freedom sensor to a half-sine (shared reference: ringing
+// 2 r/(1 - r²) |cos(pi/2r)| of the peak after the pulse, r = 1/(2 f T)); added here as what is left
+// after the pulse, in all phases.
+TEST(DoubleHitFlag, IsSilentOnSensorRinging) {
+  const Sampling at;
+  for (const double frequency : {8e3, 11e3, 20e3, 45e3})
+    for (const double part : {0.02, 0.1, 0.3})
+      for (double phase = 0.0; phase < 2.0 * pi; phase += 0.5) {
+        const Impact impact = impact_in(sampled(at, [&](double t) {
+          if (t <= duration) return pulse(t);
+          const double decay = std::exp(-pi * frequency / 20.0 * (t - duration));
+          return part * 1500.0 * decay * std::sin(2.0 * pi * frequency * (t - duration) + phase);
+        }));
+        EXPECT_FALSE(impact.has(ImpactFlag::double_hit))
+            << frequency << " " << part << " " << phase;
+      }
+}
+
+TEST(DoubleHitFlag, IsSilentOnADroopingBaseline) {
+  const Sampling at;
+  const Impact impact = impact_in(sampled(at, [&](double t) {
+    return pulse(t) - (t > duration ? 30.0 * std::exp(-(t - duration) / 5e-3) : 0.0);
+  }));
+  EXPECT_FALSE(impact.has(ImpactFlag::double_hit));
+}
+
+TEST(DoubleHitFlag, FiresOnASecondContactDuringRinging) {
+  const Sampling at;
+  const Impact impact = impact_in(sampled(at, [&](double t) {
+    const double ringing = t > duration ? 100.0 * std::exp(-(t - duration) / 1e-3) *
+                                              std::sin(2.0 * pi * 11e3 * (t - duration))
+                                        : 0.0;
+    return pulse(t) - ringing + half_sine(t - 1e-3, 600.0, duration);
+  }));
+  EXPECT_TRUE(impact.has(ImpactFlag::double_hit));
+}
+
+// --- too short ----------------------------------------------------------------------------------
+
+TEST(TooShortFlag, FiresWhenTheRecordBeginsInsideThePulse) {
+  for (const std::size_t samples : {300u, 4000u}) {
+    const Sampling at{.start = 50e-6, .interval = 1e-6, .samples = samples};
+    const Impact impact = impact_in(sampled(at, pulse), at);
+    EXPECT_TRUE(impact.has(ImpactFlag::too_short)) << samples;
+    EXPECT_EQ(impact.start, at.start) << samples;
+  }
+}
+
+TEST(TooShortFlag, FiresWhenTheRecordEndsInsideThePulse) {
+  for (const double begin : {-35e-6, -1e-3}) {
+    const Sampling at{.start = begin,
+                      .interval = 1e-6,
+                      .samples = static_cast<std::size_t>((100e-6 - begin) / 1e-6)};
+    const Impact impact = impact_in(sampled(at, pulse), at);
+    EXPECT_TRUE(impact.has(ImpactFlag::too_short)) << begin;
+    EXPECT_NEAR(impact.end, at.time(at.samples - 1), 1e-12) << begin;
+  }
+}
+
+TEST(TooShortFlag, IsSilentWhenTheContactIsWholeAndTheWindowIsNot) {
+  const Sampling at{.start = -60e-6, .interval = 1e-6, .samples = 300};
+  EXPECT_FALSE(impact_in(sampled(at, pulse), at).has(ImpactFlag::too_short));
+}
+
+// --- dropout ------------------------------------------------------------------------------------
+
+TEST(DropoutFlag, FiresOnInvalidSamplesWithinTheWindowOnly) {
+  const Sampling at;
+  auto force = force_of(at, sampled(at, pulse));
+  force.valid.assign(at.samples, 1);
+  force.valid[10] = 0;  // 990 us before touch; the window begins 500 us before
+  EXPECT_FALSE(find_impacts(record_of({force})).at(0).has(ImpactFlag::dropout));
+  force.valid[700] = 0;
+  const auto impacts = find_impacts(record_of({force}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_TRUE(impacts[0].has(ImpactFlag::dropout));
+  EXPECT_FALSE(impacts[0].has(ImpactFlag::clipped));
+  ASSERT_EQ(impacts[0].force->valid.size(), impacts[0].force->values.size());
+  EXPECT_EQ(std::ranges::count(impacts[0].force->valid, 0), 1);
+}
+
+TEST(DropoutFlag, FiresOnTheOtherChannelsToo) {
+  const Sampling at;
+  std::vector<double> velocity(at.samples, 0.441);
+  velocity[1100] = std::numeric_limits<double>::quiet_NaN();
+  const auto impacts =
+      find_impacts(record_of({force_of(at, sampled(at, pulse)), velocity_of(at, velocity)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_TRUE(impacts[0].has(ImpactFlag::dropout));
+  for (const double value : impacts[0].velocity->values) EXPECT_EQ(value, 0.441);  // bridged
+}
+
+// --- undersampled -------------------------------------------------------------------------------
+
+TEST(UndersampledFlag, FiresBelowTwentySamples) {
+  for (const double interval : {12e-6, 20e-6, 40e-6}) {
+    const Sampling at{.start = -2e-3, .interval = interval, .samples = 500};
+    EXPECT_TRUE(impact_in(sampled(at, pulse), at).has(ImpactFlag::undersampled)) << interval;
+  }
+}
+
+TEST(UndersampledFlag, IsSilentAboveTwentySamples) {
+  for (const double interval : {1e-6, 4e-6, 9e-6}) {
+    const Sampling at{.start = -2e-3, .interval = interval, .samples = 4000};
+    EXPECT_FALSE(impact_in(sampled(at, pulse), at).has(ImpactFlag::undersampled)) << interval;
+  }
+}
+
+}  // namespace
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,590 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+#include "acquisition/conditioning/condition.hpp"
+#include "datasets/input_error.hpp"
+#include "tests/acquisition/scene.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+using datasets::Impact;
+using datasets::Quantity;
+using datasets::Record;
+using namespace tests;
+
+constexpr double pi = std::numbers::pi;
+constexpr double duration = 200e-6;  // [s]
+
+/// From 0.441 m/s to -0.2205 m/s by a half-sine deceleration on [0, duration]; e = 0.5.
+double bounce(double t) {
+  const double part = std::clamp(t / duration, 0.0, 1.0);
+  return 0.441 - 0.6615 * 0.5 * (1.0 - std::cos(pi * part));
+}
+
+// Peak F, full width at half of it 2 T/3, impulse 2 F T/pi; the pulse begins between two samples.
+TEST(FindImpacts, MeasuresAHalfSineByItsClosedForm) {
+  const double begin = 0.3e-6;  // [s]
+  const Sampling at;
+  const auto impacts = find_impacts(record_of({force_of(
+      at, sampled(at, [&](double t) { return half_sine(t - begin, 1500.0, duration); }))}));
+  ASSERT_EQ(impacts.size(), 1u);
+  const Impact& impact = impacts[0];
+  EXPECT_NEAR(impact.start, begin, 1e-9);
+  EXPECT_NEAR(impact.end, begin + duration, 1e-9);
+  // The crest is at most half a step from a sample: 1 - cos(pi/2 h/T) = 3e-5.
+  EXPECT_NEAR(impact.peak, 1500.0, 0.05);
+  EXPECT_NEAR(impact.peak_time, begin + duration / 2, 0.5e-6);
+  EXPECT_NEAR(impact.width, duration * 2.0 / 3.0, 1e-9);
+  // The trapezoidal rule is short by (pi h/T)²/12 = 2e-5.
+  EXPECT_NEAR(impact.impulse, 2.0 * 1500.0 * duration / pi, 3e-5 * impact.impulse);
+  EXPECT_TRUE(impact.flags.empty());
+  EXPECT_EQ(impact.recording, "shot.csv");
+}
+
+// F sin² has the width T/2 and the impulse F T/2; its flat foot hides in the noise.
+TEST(FindImpacts, MeasuresASineSquaredPulseInNoise) {
+  const Sampling at;
+  std::vector<double> force =
+      sampled(at, [](double t) { return sine_squared(t, 1500.0, duration); });
+  add_noise(force, 2.0, 7);
+  const auto impacts = find_impacts(record_of({force_of(at, force)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  // The foot leaves 3 sigma (0.4 % of the peak) after asin(sqrt(0.004))/pi = 2 % of T.
+  EXPECT_NEAR(impacts[0].start, 0.0, 0.02 * duration);
+  EXPECT_NEAR(impacts[0].end, duration, 0.02 * duration);
+  EXPECT_NEAR(impacts[0].peak, 1500.0, 4.0 * 2.0);
+  EXPECT_NEAR(impacts[0].width, duration / 2, 0.5e-6);
+  EXPECT_NEAR(impacts[0].impulse, 1500.0 * duration / 2, 0.002 * 1500.0 * duration / 2);
+}
+
+// 300 records: unbiased to a tenth of the sample interval and of the noise.
+TEST(FindImpacts, IsUnbiasedInNoise) {
+  const double sigma = 5.0;  // [N]
+  const Sampling at;
+  const int runs = 300;
+  double start = 0.0, start_squared = 0.0, impulse = 0.0, baseline = 0.0, noise = 0.0,
+         correlation = 0.0;
+  for (int seed = 1; seed <= runs; ++seed) {
+    std::vector<double> force =
+        sampled(at, [](double t) { return 20.0 + half_sine(t, 1500.0, duration); });
+    add_noise(force, sigma, static_cast<std::uint64_t>(seed));
+    const auto impacts = find_impacts(record_of({force_of(at, force)}));
+    ASSERT_EQ(impacts.size(), 1u) << "seed " << seed;
+    EXPECT_TRUE(impacts[0].flags.empty()) << "seed " << seed;
+    start += impacts[0].start / runs;
+    start_squared += impacts[0].start * impacts[0].start / runs;
+    impulse += impacts[0].impulse / runs;
+    baseline += impacts[0].force->baseline / runs;
+    noise += impacts[0].force->noise / runs;
+    correlation += impacts[0].force->noise_correlation / runs;
+  }
+  EXPECT_NEAR(start, 0.0, 0.25e-6);
+  EXPECT_LT(std::sqrt(start_squared), 1e-6);
+  EXPECT_NEAR(impulse, 2.0 * 1500.0 * duration / pi, 1e-4 * impulse);
+  EXPECT_NEAR(baseline, 20.0, 0.1 * sigma);
+  EXPECT_NEAR(noise, sigma, 0.01 * sigma);
+  EXPECT_NEAR(correlation, 1.0, 0.1);
+}
+
+// A first-order recursion with time constant tau has (1 + r)/(1 - r) correlated samples,
+// r = exp(-1/tau).
+TEST(FindImpacts, ReportsCorrelatedNoise) {
+  const double r = std::exp(-1.0 / 5.0);
+  const Sampling at{.start = -4e-3, .interval = 1e-6, .samples = 6000};
+  double correlation = 0.0, sigma = 0.0;
+  const int runs = 40;
+  for (int seed = 1; seed <= runs; ++seed) {
+    Noise noise(static_cast<std::uint64_t>(seed));
+    double state = 0.0;
+    std::vector<double> force = sampled(at, [&](double t) {
+      state = r * state + std::sqrt(1.0 - r * r) * noise();
+      return 3.0 * state + half_sine(t, 1500.0, duration);
+    });
+    const auto impacts = find_impacts(record_of({force_of(at, force)}), {.pre_trigger = 3.5e-3});
+    ASSERT_EQ(impacts.size(), 1u) << "seed " << seed;
+    correlation += impacts[0].force->noise_correlation / runs;
+    sigma += impacts[0].force->noise / runs;
+  }
+  EXPECT_NEAR(correlation, (1.0 + r) / (1.0 - r), 0.1 * (1.0 + r) / (1.0 - r));
+  EXPECT_NEAR(sigma, 3.0, 0.03 * 3.0);
+}
+
+TEST(FindImpacts, DoesNotTurnANegativePulseRound) {
+  const Sampling at;
+  std::vector<double> force =
+      sampled(at, [](double t) { return 100.0 - half_sine(t, 1500.0, duration); });
+  add_noise(force, 5.0, 3);
+  const auto impacts = find_impacts(record_of({force_of(at, force)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_NEAR(impacts[0].peak, -1500.0, 20.0);
+  EXPECT_NEAR(impacts[0].impulse, -2.0 * 1500.0 * duration / pi, 1e-3);
+  EXPECT_GT(impacts[0].width, 0.0);
+  EXPECT_LT(*std::ranges::min_element(impacts[0].force->values), -1480.0);
+}
+
+TEST(FindImpacts, TakesTheBaselineOffTheForceAndSaysSo) {
+  const Sampling at;
+  const auto impacts = find_impacts(record_of({force_of(
+      at, sampled(at, [](double t) { return 100.0 + half_sine(t, 1500.0, duration); }))}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_NEAR(impacts[0].force->baseline, 100.0, 1e-9);
+  EXPECT_NEAR(impacts[0].force->values.front(), 0.0, 1e-9);
+  EXPECT_NEAR(impacts[0].peak, 1500.0, 0.05);
+}
+
+// Hum of 5 N at 50 Hz changes by 1.6 N/ms; a constant baseline would be wrong by several times the
+// noise of 0.1 N, and first touch would be looked for in the middle of the quiet part.
+TEST(FindImpacts, FollowsHumUpToFirstTouch) {
+  const Sampling at;
+  for (const double phase : {0.0, 1.0, 2.0, 3.0, 4.0, 5.0}) {
+    std::vector<double> force = sampled(at, [&](double t) {
+      return 5.0 * std::sin(100.0 * pi * t + phase) + half_sine(t, 1500.0, duration);
+    });
+    add_noise(force, 0.1, 11);
+    const auto impacts = find_impacts(record_of({force_of(at, force)}));
+    ASSERT_EQ(impacts.size(), 1u) << "phase " << phase;
+    EXPECT_NEAR(impacts[0].start, 0.0, 1e-6) << "phase " << phase;
+    EXPECT_NEAR(impacts[0].force->baseline, 5.0 * std::sin(phase), 0.2) << "phase " << phase;
+  }
+}
+
+TEST(FindImpacts, CutsTheWindowToTheOptionsAndTheRecord) {
+  const Sampling at{.start = -1e-3, .interval = 1e-6, .samples = 4000};
+  const Record record = record_of({force_of(
+      at, sampled(at, [](double t) { return half_sine(t - 0.3e-6, 1500.0, duration); }))});
+  const auto inside = find_impacts(record, {.pre_trigger = 0.25e-3, .post_trigger = 1e-3});
+  ASSERT_EQ(inside.size(), 1u);
+  EXPECT_NEAR(inside[0].force->start, -249e-6, 1e-12);  // the first sample after -249.7 us
+  EXPECT_EQ(inside[0].force->values.size(), 1250u);
+  const auto beyond = find_impacts(record, {.pre_trigger = 1.0, .post_trigger = 1.0});
+  ASSERT_EQ(beyond.size(), 1u);
+  EXPECT_EQ(beyond[0].force->start, at.start);
+  EXPECT_EQ(beyond[0].force->values.size(), at.samples);
+}
+
+TEST(FindImpacts, CutsChannelsOfDifferentClocksToTheSameWindow) {
+  const Sampling fast, slow{.start = -0.99987e-3, .interval = 4e-6, .samples = 1000};
+  const auto impacts = find_impacts(
+      record_of(
+          {velocity_of(slow, sampled(slow, bounce)),
+           force_of(fast, sampled(fast, [](double t) { return half_sine(t, 1500.0, duration); }))}),
+      {.pre_trigger = 0.5e-3, .post_trigger = 1e-3});
+  ASSERT_EQ(impacts.size(), 1u);
+  ASSERT_TRUE(impacts[0].velocity);
+  EXPECT_GE(impacts[0].velocity->start, impacts[0].start - 0.5e-3);
+  EXPECT_LT(impacts[0].velocity->start, impacts[0].start - 0.5e-3 + 4e-6);
+  EXPECT_EQ(impacts[0].velocity->interval, 4e-6);
+  const auto& velocity = *impacts[0].velocity;
+  EXPECT_NEAR(velocity.time(velocity.values.size() - 1), 1e-3, 4e-6);
+}
+
+TEST(FindImpacts, ReportsTheApproachVelocityAndItsNoise) {
+  const Sampling at;
+  std::vector<double> velocity = sampled(at, bounce);
+  add_noise(velocity, 1e-3, 5);
+  const auto impacts = find_impacts(
+      record_of({force_of(at, sampled(at, [](double t) { return half_sine(t, 1500.0, duration); })),
+                 velocity_of(at, velocity)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  // 475 samples of 1 mm/s: 0.05 mm/s standard error.
+  EXPECT_NEAR(impacts[0].approach_velocity, 0.441, 2e-4);
+  EXPECT_NEAR(impacts[0].velocity->noise, 1e-3, 1.3e-4);
+  EXPECT_EQ(impacts[0].velocity->baseline, 0.0);  // the motion is no baseline
+}
+
+// The bar accelerates freely before touch: that is no noise.
+TEST(FindImpacts, DoesNotTakeFreeFallForNoise) {
+  const Sampling at;
+  const double g = 9.81;
+  std::vector<double> velocity =
+      sampled(at, [&](double t) { return bounce(t) + g * std::min(t, 0.0); });
+  std::vector<double> displacement =
+      sampled(at, [&](double t) { return t < 0.0 ? 0.441 * t + 0.5 * g * t * t : 0.0; });
+  add_noise(velocity, 1e-4, 5);
+  add_noise(displacement, 1e-9, 6);
+  const auto impacts = find_impacts(
+      record_of({force_of(at, sampled(at, [](double t) { return half_sine(t, 1500.0, duration); })),
+                 velocity_of(at, velocity),
+                 channel_of("Displacement", Quantity::displacement, at, displacement)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_NEAR(impacts[0].velocity->noise, 1e-4, 1.3e-5);
+  EXPECT_NEAR(impacts[0].displacement->noise, 1e-9, 1.3e-10);
+}
+
+TEST(FindImpacts, LeavesADropoutOutOfTheApproachVelocity) {
+  const Sampling at;
+  std::vector<double> velocity = sampled(at, [](double t) {
+    return t > -0.3e-3 && t < -0.22e-3 ? 0.02 : bounce(t);  // 80 us towards zero
+  });
+  add_noise(velocity, 1e-3, 5);
+  const auto impacts = find_impacts(
+      record_of({force_of(at, sampled(at, [](double t) { return half_sine(t, 1500.0, duration); })),
+                 velocity_of(at, velocity)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_NEAR(impacts[0].approach_velocity, 0.441, 2e-4);
+  EXPECT_NEAR(impacts[0].velocity->noise, 1e-3, 1.3e-4);
+}
+
+TEST(FindImpacts, SeesTheDigitiserStep) {
+  const double step = 10000.0 / 4096.0;  // 12 bits over ±5 kN
+  const Sampling at;
+  std::vector<double> force = sampled(at, [](double t) { return half_sine(t, 1500.0, duration); });
+  add_noise(force, 1.0, 5);
+  const auto unrounded = find_impacts(record_of({force_of(at, force)}));
+  round_to(force, step);
+  const auto rounded = find_impacts(record_of({force_of(at, force)}));
+  ASSERT_EQ(unrounded.size(), 1u);
+  ASSERT_EQ(rounded.size(), 1u);
+  EXPECT_EQ(unrounded[0].force->quantum, 0.0);
+  EXPECT_NEAR(rounded[0].force->quantum, step, 1e-9);
+  // Sheppard: rounding adds step²/12 to the variance.
+  EXPECT_NEAR(rounded[0].force->noise, std::sqrt(1.0 + step * step / 12.0), 0.12);
+}
+
+TEST(FindImpacts, TellsSeparateImpacts) {
+  const Sampling at{.start = -1e-3, .interval = 1e-6, .samples = 20000};
+  std::vector<double> force = sampled(at, [](double t) {
+    return half_sine(t, 1500.0, duration) + half_sine(t - 8e-3, 700.0, duration);
+  });
+  add_noise(force, 5.0, 3);
+  const auto impacts = find_impacts(record_of({force_of(at, force)}));
+  ASSERT_EQ(impacts.size(), 2u);
+  EXPECT_NEAR(impacts[0].start, 0.0, 2e-6);
+  EXPECT_NEAR(impacts[1].start, 8e-3, 2e-6);
+  EXPECT_NEAR(impacts[1].peak, 700.0, 20.0);
+  EXPECT_TRUE(impacts[0].flags.empty());
+  EXPECT_TRUE(impacts[1].flags.empty());
+  const auto cut = find_impacts(record_of({force_of(at, force)}),
+                                {.pre_trigger = 20e-3, .post_trigger = 7.9e-3});
+  ASSERT_EQ(cut.size(), 2u);  // windows end and begin at the neighbour
+  const auto& first = *cut[0].force;
+  EXPECT_LT(first.time(first.values.size() - 1), cut[1].start);
+  EXPECT_GE(cut[1].force->start, cut[0].end);
+}
+
+// The paper's kind of record: 300 samples, 35 of them before touch, the pulse takes two thirds.
+TEST(FindImpacts, FindsAPulseThatFillsItsRecord) {
+  for (const double before : {35e-6, 50e-6, 90e-6}) {
+    const Sampling at{.start = -before, .interval = 1e-6, .samples = 300};
+    std::vector<double> force =
+        sampled(at, [](double t) { return half_sine(t, 1500.0, duration); });
+    add_noise(force, 20.0, 3);
+    const auto impacts = find_impacts(record_of({force_of(at, force)}));
+    ASSERT_EQ(impacts.size(), 1u) << before;
+    EXPECT_NEAR(impacts[0].start, 0.0, 4e-6) << before;
+    EXPECT_NEAR(impacts[0].end, duration, 4e-6) << before;
+    EXPECT_NEAR(impacts[0].impulse, 2.0 * 1500.0 * duration / pi, 0.01 * impacts[0].impulse);
+    EXPECT_TRUE(impacts[0].flags.empty()) << before;
+  }
+}
+
+TEST(FindImpacts, FindsAPulseWithoutAnyQuietPartBefore) {
+  const Sampling at{.start = 0.0, .interval = 1e-6, .samples = 4000};
+  std::vector<double> force = sampled(at, [](double t) { return half_sine(t, 1500.0, duration); });
+  add_noise(force, 5.0, 3);
+  const auto impacts = find_impacts(record_of({force_of(at, force)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_NEAR(impacts[0].start, 0.0, 2e-6);
+  EXPECT_NEAR(impacts[0].force->noise, 5.0, 1.0);
+  EXPECT_NEAR(impacts[0].force->baseline, 0.0, 1.0);
+}
+
+TEST(FindImpacts, TakesTheThresholdTheUserStates) {
+  const Sampling at;
+  std::vector<double> force = sampled(at, [](double t) {
+    return half_sine(t, 40.0, duration) + half_sine(t - 1e-3, 1500.0, duration);
+  });
+  add_noise(force, 1.0, 3);
+  const Record record = record_of({force_of(at, force)});
+  // 5 % of 1500 N is above the first touch of 40 N.
+  EXPECT_NEAR(find_impacts(record).at(0).start, 1e-3, 2e-6);
+  EXPECT_NEAR(find_impacts(record, {.threshold = 20.0}).at(0).start, 0.0, 4e-6);
+  EXPECT_TRUE(find_impacts(record, {.threshold = 2000.0}).empty());
+}
+
+TEST(FindImpacts, FindsTheJumpOfAVelocity) {
+  const Sampling at;
+  std::vector<double> velocity = sampled(at, bounce);
+  add_noise(velocity, 1e-3, 5);
+  const auto impacts = find_impacts(record_of({velocity_of(at, velocity)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  // The velocity leaves 3 sigma (0.5 % of the jump) after acos(1 - 2*0.0045)/pi = 4 % of T.
+  EXPECT_NEAR(impacts[0].start, 0.0, 0.05 * duration);
+  EXPECT_NEAR(impacts[0].end, duration, 0.05 * duration);
+  EXPECT_NEAR(impacts[0].peak, -0.6615, 1e-3);
+  EXPECT_NEAR(impacts[0].peak_time, duration / 2, 2e-6);
+  EXPECT_NEAR(impacts[0].width, duration * 2.0 / 3.0, 3e-6);
+  EXPECT_NEAR(impacts[0].approach_velocity, 0.441, 3e-4);
+  // Symmetric about its middle: mean velocity (0.441 - 0.2205)/2 over the contact.
+  EXPECT_NEAR(impacts[0].impulse, 0.11025 * duration, 0.06 * 0.11025 * duration);
+  ASSERT_TRUE(impacts[0].velocity);
+  EXPECT_FALSE(impacts[0].force);
+}
+
+TEST(FindImpacts, FindsTheJumpThatFillsItsRecord) {
+  const Sampling at{.start = -50e-6, .interval = 1e-6, .samples = 300};
+  std::vector<double> velocity = sampled(at, bounce);
+  add_noise(velocity, 1e-3, 5);
+  const auto impacts = find_impacts(record_of({velocity_of(at, velocity)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_NEAR(impacts[0].peak, -0.6615, 5e-3);
+  EXPECT_NEAR(impacts[0].peak_time, duration / 2, 3e-6);
+}
+
+// A dropout comes back: nothing has happened to the bar.
+TEST(FindImpacts, DoesNotTakeADropoutForAJump) {
+  const Sampling at;
+  for (const double length : {20e-6, 60e-6, 120e-6, 200e-6}) {
+    std::vector<double> velocity =
+        sampled(at, [&](double t) { return t > 1e-3 && t < 1e-3 + length ? 0.0 : 0.441; });
+    add_noise(velocity, 1e-3, 5);
+    EXPECT_TRUE(find_impacts(record_of({velocity_of(at, velocity)})).empty()) << length;
+  }
+}
+
+TEST(FindImpacts, PrefersForceThenAccelerationThenVelocity) {
+  const Sampling at;
+  const auto pulse = [&](double begin) {
+    return sampled(at, [=](double t) { return half_sine(t - begin, 1500.0, duration); });
+  };
+  const auto velocity = velocity_of(at, sampled(at, bounce));
+  const auto acceleration = channel_of("Acc", Quantity::acceleration, at, pulse(0.4e-3));
+  const auto force = force_of(at, pulse(0.8e-3));
+  EXPECT_NEAR(find_impacts(record_of({velocity, acceleration, force})).at(0).start, 0.8e-3, 1e-9);
+  EXPECT_NEAR(find_impacts(record_of({velocity, acceleration})).at(0).start, 0.4e-3, 1e-9);
+  EXPECT_NEAR(find_impacts(record_of({velocity})).at(0).start, 0.0, 2e-6);
+  EXPECT_NEAR(find_impacts(record_of({velocity, acceleration, force}), {.trigger_channel = "Acc"})
+                  .at(0)
+                  .start,
+              0.4e-3, 1e-9);
+}
+
+TEST(FindImpacts, ConvertsTheTriggerToSi) {
+  const Sampling at;
+  auto force = force_of(at, sampled(at, [](double t) { return half_sine(t, 1.5, duration); }));
+  force.unit = "kN";
+  const auto impacts = find_impacts(record_of({force}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_NEAR(impacts[0].peak, 1500.0, 0.1);
+}
+
+TEST(FindImpacts, CarriesCalibrationAndDelay) {
+  const Sampling at;
+  auto force = force_of(at, sampled(at, [](double t) { return half_sine(t, 1500.0, duration); }));
+  force.calibration = {4e-3, 8e-5, "V", "N", "certificate"};
+  force.delay = {2e-6, 1e-7, true};
+  const auto impacts = find_impacts(record_of({force}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_NEAR(impacts[0].force->gain_uncertainty, 0.02, 1e-12);
+  EXPECT_EQ(impacts[0].force->delay, 2e-6);
+  EXPECT_EQ(impacts[0].force->delay_uncertainty, 1e-7);
+}
+
+// --- Nothing there ------------------------------------------------------------------------------
+
+TEST(FindImpacts, FindsNothingInNoise) {
+  const Sampling at;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    std::vector<double> values(at.samples, 0.0);
+    add_noise(values, 5.0, seed);
+    EXPECT_TRUE(find_impacts(record_of({force_of(at, values)})).empty()) << "seed " << seed;
+    EXPECT_TRUE(find_impacts(record_of({velocity_of(at, values)})).empty()) << "seed " << seed;
+    round_to(values, 12.0);  // 0.4 steps of noise: most samples are 0
+    EXPECT_TRUE(find_impacts(record_of({force_of(at, values)})).empty()) << "seed " << seed;
+  }
+}
+
+// Filters make noise that wanders: time constants of 100, 10 and 3 kHz at 1 MHz.
+TEST(FindImpacts, FindsNothingInFilteredNoise) {
+  const Sampling at;
+  for (const double samples : {1.6, 16.0, 50.0})
+    for (std::uint64_t seed = 1; seed <= 70; ++seed) {
+      Noise noise(seed);
+      double state = 0.0;
+      const double r = std::exp(-1.0 / samples);
+      const auto values = sampled(at, [&](double) { return state = r * state + noise(); });
+      EXPECT_TRUE(find_impacts(record_of({force_of(at, values)})).empty()) << "seed " << seed;
+      EXPECT_TRUE(find_impacts(record_of({velocity_of(at, values)})).empty()) << "seed " << seed;
+    }
+}
+
+TEST(FindImpacts, FindsNothingInHum) {
+  for (const double length : {4e-3, 10e-3, 18e-3, 60e-3})
+    for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+      Noise random(seed);
+      const double phase = 2.0 * pi * random.uniform(), third = 2.0 * pi * random.uniform();
+      const Sampling at{
+          .start = 0.0, .interval = 1e-5, .samples = static_cast<std::size_t>(length / 1e-5)};
+      const double noise = 0.1 * static_cast<double>(seed % 3);
+      std::vector<double> values = sampled(at, [&](double t) {
+        return std::sin(100.0 * pi * t + phase) + 0.3 * std::sin(300.0 * pi * t + third);
+      });
+      add_noise(values, noise, seed);
+      EXPECT_TRUE(find_impacts(record_of({force_of(at, values)})).empty())
+          << "seed " << seed << " length " << length;
+      EXPECT_TRUE(find_impacts(record_of({velocity_of(at, values)})).empty())
+          << "seed " << seed << " length " << length;
+    }
+}
+
+TEST(FindImpacts, FindsNothingInDrift) {
+  const Sampling at;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    Noise random(seed);
+    const double slope = 1e6 * (random.uniform() - 0.5);
+    std::vector<double> values = sampled(at, [&](double t) { return slope * t; });
+    EXPECT_TRUE(find_impacts(record_of({force_of(at, values)})).empty()) << "seed " << seed;
+    EXPECT_TRUE(find_impacts(record_of({velocity_of(at, values)})).empty()) << "seed " << seed;
+    add_noise(values, 1.0, seed);
+    round_to(values, 2.0);
+    EXPECT_TRUE(find_impacts(record_of({force_of(at, values)})).empty()) << "seed " << seed;
+    EXPECT_TRUE(find_impacts(record_of({velocity_of(at, values)})).empty()) << "seed " << seed;
+  }
+}
+
+TEST(FindImpacts, FindsNothingInAConstantOrInAFewSamples) {
+  const Sampling at;
+  EXPECT_TRUE(find_impacts(record_of({force_of(at, std::vector<double>(4000, 7.0))})).empty());
+  EXPECT_TRUE(find_impacts(record_of({force_of(at, {1.0, 2.0, 1.0})})).empty());
+  EXPECT_TRUE(find_impacts(record_of({velocity_of(at, {1.0, 2.0, 1.0})})).empty());
+}
+
+// --- Errors -------------------------------------------------------------------------------------
+
+std::string message_of(const Record& record, const DetectionOptions& options = {}) {
+  try {
+    find_impacts(record, options);
+  } catch (const datasets::InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(FindImpacts, RefusesARecordWithoutATriggerChannel) {
+  const Sampling at;
+  EXPECT_EQ(message_of(record_of({channel_of("U", Quantity::voltage, at, {1.0, 2.0})})),
+            "shot.csv: there is no force, acceleration or velocity to look for impacts in; "
+            "describe the channels in a rig file under [sensors.force] and [sensors.velocity]");
+  EXPECT_EQ(message_of(record_of({force_of(at, {1.0, 2.0})}), {.trigger_channel = "F2"}),
+            "shot.csv: there is no single channel 'F2' to look for impacts in");
+  EXPECT_EQ(message_of(record_of({channel_of("U", Quantity::voltage, at, {1.0, 2.0})}),
+                       {.trigger_channel = "U"}),
+            "shot.csv: channel 'U' is a voltage; impacts are looked for in a force, an "
+            "acceleration or a velocity");
+}
+
+TEST(FindImpacts, RefusesAnUnitThatIsNotUnderstood) {
+  const Sampling at;
+  auto force = force_of(at, {1.0, 2.0});
+  force.unit = "counts";
+  EXPECT_EQ(message_of(record_of({force})),
+            "shot.csv: channel 'Force' is in 'counts', which is no unit of force; state its unit "
+            "when importing");
+}
+
+TEST(FindImpacts, RefusesAChannelWithoutASoundSample) {
+  const Sampling at;
+  auto force = force_of(at, {1.0, 2.0});
+  force.valid = {0, 0};
+  EXPECT_EQ(message_of(record_of({force})),
+            "shot.csv: channel 'Force' has no sound sample; choose another channel");
+}
+
+TEST(FindImpacts, RefusesSenselessOptions) {
+  const Sampling at;
+  const Record record = record_of({force_of(at, {1.0, 2.0})});
+  const char* const message =
+      "threshold, pre_trigger and post_trigger must be finite and not negative, not -1";
+  EXPECT_THAT([&] { find_impacts(record, {.pre_trigger = -1.0}); },
+              testing::ThrowsMessage<std::invalid_argument>(message));
+}
+
+// --- Recordings of others -----------------------------------------------------------------------
+
+/// Columns 0 (time) and `column` of a text file; blanks, tabs and commas separate.
+Record columns_of(const std::string& path, int skip, int column, const std::string& unit) {
+  std::ifstream in(path);
+  std::string line;
+  std::vector<double> times, values;
+  for (int row = 0; std::getline(in, line); ++row) {
+    if (row < skip) continue;
+    std::ranges::replace(line, ',', ' ');
+    std::istringstream cells(line);
+    double time = 0.0, value = 0.0;
+    cells >> time;
+    for (int i = 0; i < column; ++i) cells >> value;
+    times.push_back(time);
+    values.push_back(value);
+  }
+  const Sampling at{
+      .start = times.front(),
+      .interval = (times.back() - times.front()) / static_cast<double>(times.size() - 1),
+      .samples = times.size()};
+  auto channel = channel_of("Acc", Quantity::acceleration, at, values);
+  channel.unit = unit;
+  return record_of({channel});
+}
+
+struct RealImpact {
+  const char* file;
+  int skip, column;
+  const char* unit;
+  double peak, peak_time, width, end, impulse;  ///< SI
+};
+
+// The figures were computed with NumPy: baseline = median of the first 250 (drop tower), 5 (shock)
+// and 2000 samples (5 kg), peak = largest sample, half-peak and zero crossings by interpolation,
+// impulse by numpy.trapz from the last sample at or below the baseline before the peak.
+constexpr RealImpact real_impacts[] = {
+    {"text/drop_tower_accel_1.csv", 2, 1, "kg (kilo-g)", 209899.0, 535e-6, 23.235e-6, 605.74e-6,
+     9.2120},
+    {"text/drop_tower_accel_1.csv", 2, 2, "kg (kilo-g)", 194203.7, 548e-6, 26.328e-6, 624.74e-6,
+     9.1358},
+    {"text/shock_base.txt", 1, 1, "g", 4699.32, 780.108e-6, 223.95e-6, 1008.27e-6, 1.11643},
+    {"lvm/impact_5kg_headerless.lvm", 0, 1, "g", 48498.9, 14165e-6, 92.89e-6, 14267.6e-6, 5.0515},
+};
+
+TEST(FindImpacts, AgreesWithNumPyOnRealImpacts) {
+  const std::string folder = IMPACTRIG_SHARED_DIR "/recordings/";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no third-party recordings here";
+  for (const RealImpact& real : real_impacts) {
+    SCOPED_TRACE(std::string(real.file) + " column " + std::to_string(real.column));
+    const auto impacts =
+        find_impacts(columns_of(folder + real.file, real.skip, real.column, real.unit));
+    ASSERT_EQ(impacts.size(), 1u);  // all of them ring for a long time
+    const Impact& impact = impacts[0];
+    // The baselines differ by the foot of the pulse, up to 0.4 % of the peak; over the long foot
+    // that makes up to 4 % of the impulse.
+    EXPECT_NEAR(impact.peak, real.peak, 0.005 * real.peak);
+    EXPECT_NEAR(impact.peak_time, real.peak_time, 1e-9);
+    EXPECT_NEAR(impact.width, real.width, 0.005 * real.width);
+    EXPECT_NEAR(impact.end, real.end, 2e-6);
+    EXPECT_NEAR(impact.impulse, real.impulse, 0.04 * real.impulse);
+    EXPECT_FALSE(impact.has(datasets::ImpactFlag::too_short));
+    EXPECT_FALSE(impact.has(datasets::ImpactFlag::clipped));
+    EXPECT_FALSE(impact.has(datasets::ImpactFlag::double_hit));
+  }
+}
+
+// Ten samples of a hammer at rest, cut from a longer record by its publisher.
+TEST(FindImpacts, FindsNothingInAHammerAtRest) {
+  const std::vector<double> force{0.914018, 0.537321, 0.616905, 0.895449, 0.574460,
+                                  0.516099, 1.046658, 0.394070, 0.741586, 0.680572};
+  const Sampling at{.start = 0.0, .interval = 3.90625e-5, .samples = force.size()};
+  EXPECT_TRUE(find_impacts(record_of({force_of(at, force)})).empty());
+}
+
+}  // namespace
+
+}  // namespace impactrig::acquisition
