@@ -14,7 +14,7 @@ struct SourcePosition {
   std::string file;                   ///< as the user named it
   std::uint32_t line = 0;             ///< from 1; 0 where lines mean nothing (binary, whole file)
   std::uint32_t column = 0;           ///< from 1; 0 where not known
-  std::optional<std::uint64_t> byte;  ///< from 0
+  std::optional<std::uint64_t> byte = std::nullopt;  ///< from 0
 
   /// "run07.csv:12:9 (byte 431)", leaving out what is not known.
   std::string text() const;

@@ -16,35 +16,37 @@
 
 namespace impactrig::fitting {
 
-/// One fitted parameter, by its key in the rig file ("contact.restitution"); with several recordings those of one
-/// recording end in its number from 1 ("start.velocity[2]").
+/// One fitted parameter, by its key in the rig file ("contact.restitution"); with several
+/// recordings those of one recording end in its number from 1 ("start.velocity[2]").
 struct Parameter {
   std::string name;
   std::string unit;  ///< SI, "1" when dimensionless
   double value = 0.0;
-  double std_error = 0.0;                ///< 0 when it could not be estimated: see at_bound, identifiable
+  double std_error = 0.0;  ///< 0 when it could not be estimated: see at_bound, identifiable
   std::array<double, 2> ci95 = {0, 0};
   double initial = 0.0;
-  double lower = 0.0, upper = 0.0;       ///< bounds
+  double lower = 0.0, upper = 0.0;  ///< bounds
   bool at_bound = false;
   bool identifiable = true;
-  bool nuisance = false;                 ///< of the measuring chain or the timing, not of the physics
-  std::optional<std::array<double, 2>> prior;  ///< mean and standard uncertainty, from a calibration
+  bool nuisance = false;  ///< of the measuring chain or the timing, not of the physics
+  std::optional<std::array<double, 2>>
+      prior;  ///< mean and standard uncertainty, from a calibration
 };
 
 /// A fitted channel with everything a plot of it needs.
 struct ChannelFit {
-  std::string quantity;      ///< "force"
-  std::string channel;       ///< name in the recording
-  std::string unit;          ///< SI
-  int recording = 0;         ///< index into Fit::impacts
-  double residual_rms = 0.0; ///< over the fitted samples
-  double noise = 0.0;        ///< standard deviation before the trigger
-  std::vector<double> time;      ///< from fitted first touch [s] (n)
-  std::vector<double> measured;  ///< (n)
-  std::vector<double> model;     ///< as the sensor would show it (n)
+  std::string quantity;            ///< "force"
+  std::string channel;             ///< name in the recording
+  std::string unit;                ///< SI
+  int recording = 0;               ///< index into Fit::impacts
+  double residual_rms = 0.0;       ///< over the fitted samples
+  double noise = 0.0;              ///< standard deviation before the trigger
+  std::vector<double> time;        ///< from fitted first touch [s] (n)
+  std::vector<double> measured;    ///< (n)
+  std::vector<double> model;       ///< as the sensor would show it (n)
   std::vector<std::uint8_t> used;  ///< 1 where the sample entered the fit (n)
-  std::map<std::string, double> metrics;  ///< nrmse, correlation, sprague_geers_magnitude, ..._phase, ..._comprehensive
+  std::map<std::string, double>
+      metrics;  ///< nrmse, correlation, sprague_geers_magnitude, ..._phase, ..._comprehensive
 };
 
 struct Estimate {
@@ -63,14 +65,16 @@ struct Goodness {
 struct Fit {
   std::vector<Parameter> parameters;
   Eigen::MatrixXd correlations;  ///< (n_parameters, n_parameters)
-  std::vector<std::string> not_identifiable;  ///< a sentence each: which combination the data cannot tell
+  std::vector<std::string>
+      not_identifiable;  ///< a sentence each: which combination the data cannot tell
   std::vector<ChannelFit> channels;
   Goodness goodness;
   std::map<std::string, Estimate> restitution;  ///< law, kinematic, kinetic, energetic
-  std::vector<datasets::Impact> impacts;         ///< as measured, one a recording
-  std::vector<models::Simulation> predictions;   ///< at the fitted values, with history, one a recording
-  RigFile rig;                                   ///< at the fitted values
-  std::string termination;                       ///< "converged" or a sentence
+  std::vector<datasets::Impact> impacts;        ///< as measured, one a recording
+  std::vector<models::Simulation>
+      predictions;          ///< at the fitted values, with history, one a recording
+  RigFile rig;              ///< at the fitted values
+  std::string termination;  ///< "converged" or a sentence
   int iterations = 0;
   long simulations = 0;
   double seconds = 0.0;
@@ -78,14 +82,17 @@ struct Fit {
 };
 
 struct FitOptions {
-  std::vector<std::string> free;      ///< rig-file keys; empty: restitution, stiffness factor, approach speed
-  double window = 0.0;                ///< fitted after first touch [s]; 0 = as long as rig and recording allow
+  std::vector<std::string>
+      free;             ///< rig-file keys; empty: restitution, stiffness factor, approach speed
+  double window = 0.0;  ///< fitted after first touch [s]; 0 = as long as rig and recording allow
   bool use_force = true, use_velocity = true, use_displacement = false;
 };
 
-/// Fits the free parameters to impacts, each compared through its sensors' chains, weighted by the noise seen before the
-/// trigger. Parameters of the physics are shared by all impacts; approach speed, first touch, offsets, gains and delays
-/// are each recording's own. Throws std::invalid_argument on an unknown parameter or when there is nothing to fit to.
-Fit fit(const std::vector<datasets::Impact>& impacts, const RigFile& rig, const FitOptions& options = {});
+/// Fits the free parameters to impacts, each compared through its sensors' chains, weighted by the
+/// noise seen before the trigger. Parameters of the physics are shared by all impacts; approach
+/// speed, first touch, offsets, gains and delays are each recording's own. Throws
+/// std::invalid_argument on an unknown parameter or when there is nothing to fit to.
+Fit fit(const std::vector<datasets::Impact>& impacts, const RigFile& rig,
+        const FitOptions& options = {});
 
 }  // namespace impactrig::fitting

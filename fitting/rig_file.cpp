@@ -1,2 +1,420 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fitting/rig_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+#include "fitting/toml_reader.hpp"
+#include "models/contact/elastic_law.hpp"
+
+namespace impactrig::fitting {
+namespace {
+
+using datasets::InputError;
+using datasets::Sensor;
+
+constexpr int default_elements = 16;
+
+/// Section properties and, where the section is round, the radius of its surface.
+struct Section {
+  double area = 0.0;
+  double second_moment = 0.0;
+  double radius = 0.0;
+};
+
+Section read_section(TableReader table) {
+  Section section;
+  const std::vector<std::string_view> shapes = {"circle", "rectangle", "tube"};
+  const auto shape = table.choice("shape", shapes);
+  if (!shape) {
+    section.area = table.required_quantity("area", "m^2", "706.9 mm^2");
+    section.second_moment = table.required_quantity("second_moment", "m^4", "39761 mm^4");
+  } else if (*shape == 0) {
+    const double r = section.radius = table.required_quantity("radius", "m", "15 mm");
+    section.area = std::numbers::pi * r * r;
+    section.second_moment = std::numbers::pi * std::pow(r, 4) / 4.0;
+  } else if (*shape == 1) {
+    const double width = table.required_quantity("width", "m", "40 mm");
+    const double height = table.required_quantity("height", "m", "10 mm");
+    section.area = width * height;
+    section.second_moment = width * std::pow(height, 3) / 12.0;
+  } else {
+    const double outer = section.radius = table.required_quantity("radius", "m", "15 mm");
+    const double wall = table.required_quantity("wall", "m", "2 mm");
+    if (!(wall > 0.0 && wall < outer))
+      table.refuse("wall", fmt::format("must lie between 0 and the radius of {:g} m, found {:g} m",
+                                       outer, wall));
+    const double inner = outer - wall;
+    section.area = std::numbers::pi * (outer * outer - inner * inner);
+    section.second_moment = std::numbers::pi * (std::pow(outer, 4) - std::pow(inner, 4)) / 4.0;
+  }
+  table.finish();
+  return section;
+}
+
+void read_beam(TableReader& table, models::Rig& rig, Section& section, double& poisson_ratio) {
+  rig.beam.length = table.required_quantity("length", "m", "0.8 m");
+  if (auto inner = table.table("section")) {
+    section = read_section(*inner);
+  } else if (table.has("area") || table.has("second_moment")) {
+    section.area = table.required_quantity("area", "m^2", "706.9 mm^2");
+    section.second_moment = table.required_quantity("second_moment", "m^4", "39761 mm^4");
+  } else {
+    table.refuse("section", "is missing; add section = { shape = \"circle\", radius = \"15 mm\" }");
+  }
+  rig.beam.area = section.area;
+  rig.beam.second_moment = section.second_moment;
+  rig.beam.youngs_modulus = table.required_quantity("youngs_modulus", "Pa", "68.952 GPa");
+  rig.beam.density = table.required_quantity("density", "kg/m^3", "2766.7 kg/m^3");
+  poisson_ratio = table.number("poisson_ratio").value_or(0.3);
+  table.finish();
+}
+
+void read_counterface(TableReader& table, models::Contact& contact) {
+  auto face = table.table("counterface");
+  if (!face) {
+    if (contact.law != "linear")
+      table.refuse("counterface",
+                   "is missing; add counterface = { shape = \"groove\", radius = \"17.5 mm\" }");
+    return;
+  }
+  const auto shape = face->choice("shape", {"groove", "cylinder", "plane"});
+  if (!shape)
+    face->refuse("shape", "is missing; add shape = \"groove\", \"cylinder\" or \"plane\"");
+  contact.counterface = static_cast<models::Counterface>(*shape);
+  if (contact.counterface == models::Counterface::plane) {
+    face->quantity("radius", "m");
+  } else {
+    contact.counter_radius = face->required_quantity("radius", "m", "17.5 mm");
+  }
+  face->finish();
+}
+
+void read_contact(TableReader& table, models::Rig& rig, const Section& section,
+                  double poisson_ratio) {
+  models::Contact& contact = rig.contact;
+  contact.law = table.text("law").value_or(contact.law);
+  contact.damping = table.text("damping").value_or(contact.damping);
+  contact.position = table.required_quantity("position", "m", "0.69 m");
+  read_counterface(table, contact);
+  const bool line_contact = contact.law != "linear";
+  if (line_contact) {
+    contact.length = table.required_quantity("length", "m", "20 mm");
+  } else {
+    contact.stiffness = table.required_quantity("stiffness", "N/m", "1e8 N/m");
+    contact.length = table.quantity("length", "m").value_or(datasets::UncertainValue{}).value;
+  }
+  if (line_contact && table.has("stiffness"))
+    table.refuse(
+        "stiffness",
+        fmt::format(
+            "only the law \"linear\" has a stiffness; \"{}\" follows from geometry and moduli, "
+            "scale it with contact.stiffness_factor",
+            contact.law));
+  table.quantity("stiffness", "N/m");
+  const auto radius = table.quantity("radius", "m");
+  if (!radius && section.radius == 0.0 && line_contact)
+    table.refuse("radius",
+                 "is missing; the section has no radius of its own, state that of the contact "
+                 "patch, for example "
+                 "radius = \"15 mm\"");
+  contact.radius = radius ? radius->value : section.radius;
+  const auto modulus = table.quantity("modulus", "Pa");
+  contact.modulus = modulus ? modulus->value : rig.beam.youngs_modulus;
+  contact.poisson_ratio = table.number("poisson_ratio").value_or(poisson_ratio);
+  const auto counter_modulus = table.quantity("counter_modulus", "Pa");
+  if (!counter_modulus && line_contact)
+    table.refuse("counter_modulus", "is missing; add counter_modulus = \"68.952 GPa\"");
+  if (counter_modulus) contact.counter_modulus = counter_modulus->value;
+  contact.counter_poisson_ratio = table.number("counter_poisson_ratio").value_or(0.3);
+  contact.exponent = table.integer("exponent").value_or(contact.exponent);
+  contact.stiffness_factor = table.number("stiffness_factor").value_or(1.0);
+  const auto restitution = table.number("restitution");
+  if (!restitution && contact.damping != "none")
+    table.refuse("restitution", "is missing; add restitution = 0.5 (or damping = \"none\")");
+  contact.restitution = restitution.value_or(1.0);
+  table.finish();
+}
+
+void read_start(TableReader& table, models::Start& start) {
+  const auto velocity = table.quantity("velocity", "m/s");
+  const auto angle = table.quantity("release_angle", "rad");
+  if (velocity && angle)
+    table.refuse("release_angle", "start.velocity is stated too; keep one of the two");
+  if (!velocity && !angle)
+    table.refuse(
+        "velocity",
+        "is missing; add velocity = \"0.441 m/s\" (at first touch) or release_angle = \"12 deg\"");
+  if (velocity) start.velocity = velocity->value;
+  if (angle) start.release_angle = angle->value;
+  table.finish();
+}
+
+std::array<int, 2> split_elements(int total, const models::Rig& rig) {
+  if (rig.contact.position >= rig.beam.length) return {total, 0};
+  const int first = static_cast<int>(std::lround(total * rig.contact.position / rig.beam.length));
+  const int before = std::clamp(first, 1, std::max(total - 1, 1));
+  return {before, std::max(total - before, 1)};
+}
+
+void read_solver(TableReader& table, RigFile& file) {
+  models::Solver& solver = file.solver;
+  if (const auto model = table.choice("model", {"rigid", "hybrid", "ancf"})) {
+    solver.model = static_cast<models::BeamModel>(*model);
+    file.solver_stated = true;
+  }
+  if (const auto elements = table.integers("elements")) {
+    if (elements->size() == 1)
+      solver.elements = split_elements(elements->front(), file.rig);
+    else if (elements->size() == 2)
+      solver.elements = {(*elements)[0], (*elements)[1]};
+    else
+      table.refuse(
+          "elements",
+          "expected one number, or two as in [14, 2]: hinge to struck point, struck point to tip");
+  }
+  solver.modes = table.integer("modes").value_or(solver.modes);
+  solver.axial_modes = table.integer("axial_modes").value_or(solver.axial_modes);
+  if (const auto basis = table.choice("basis", {"cantilever", "pinned-free"}))
+    solver.basis = static_cast<models::Basis>(*basis);
+  solver.accuracy = table.number("accuracy").value_or(solver.accuracy);
+  if (const auto duration = table.quantity("duration", "s")) solver.duration = duration->value;
+  table.finish();
+}
+
+std::optional<datasets::BandLimit> read_cut(TableReader& table, std::string_view key, int order) {
+  const auto frequency = table.quantity(key, "Hz");
+  if (!frequency) return std::nullopt;
+  if (!(frequency->value > 0.0)) table.refuse(key, "must be greater than zero");
+  return datasets::BandLimit{frequency->value, order};
+}
+
+int read_order(TableReader& table) {
+  const int order = table.integer("order").value_or(1);
+  if (order < 1 || order > 8)
+    table.refuse("order", fmt::format("must lie between 1 and 8, found {}", order));
+  return order;
+}
+
+datasets::Delay read_delay(TableReader& table) {
+  datasets::Delay delay;
+  if (!table.has("delay")) return delay;
+  if (table.raw().get("delay")->is_table()) {
+    auto inner = *table.table("delay");
+    delay.value = inner.quantity("value", "s").value_or(datasets::UncertainValue{}).value;
+    delay.uncertainty =
+        inner.quantity("uncertainty", "s").value_or(datasets::UncertainValue{}).value;
+    inner.finish();
+  } else {
+    const auto value = *table.quantity("delay", "s");
+    delay = {.value = value.value, .uncertainty = value.uncertainty};
+  }
+  if (!(delay.uncertainty >= 0.0)) table.refuse("delay", "its uncertainty must not be negative");
+  return delay;
+}
+
+/// A sensitivity as recorded unit a physical unit, stated either way round ("4 pC/N", "125
+/// mm/s/V").
+datasets::UncertainValue read_sensitivity(TableReader& table, std::string_view physical,
+                                          std::string& recorded) {
+  const std::string text = *table.text("sensitivity");
+  for (const char* electrical : {"V", "C", "A"}) {
+    const std::string direct = fmt::format("{}/({})", electrical, physical);
+    const std::string inverse = fmt::format("({})/{}", physical, electrical);
+    for (const bool inverted : {false, true}) try {
+        datasets::UncertainValue value =
+            datasets::parse_quantity(text, inverted ? inverse : direct);
+        if (!(value.value > 0.0))
+          table.refuse("sensitivity",
+                       "must be greater than zero; a sensor that inverts has polarity = -1");
+        if (inverted) value = {1.0 / value.value, value.uncertainty / (value.value * value.value)};
+        recorded = electrical;
+        return value;
+      } catch (const std::invalid_argument&) {
+      }
+  }
+  table.refuse("sensitivity",
+               fmt::format("expected volts or coulombs a {}, for example \"{}\", found \"{}\"",
+                           physical, physical == "N" ? "4 pC/N" : "125 mm/s/V", text));
+}
+
+Sensor read_sensor(TableReader& table, datasets::Quantity quantity, const models::Rig& rig) {
+  Sensor sensor;
+  sensor.quantity = quantity;
+  sensor.channel = table.name_or_index("channel").value_or("");
+  sensor.position = rig.contact.position;
+  if (table.has("sensitivity"))
+    sensor.sensitivity = read_sensitivity(table, datasets::si_unit(quantity), sensor.recorded_unit);
+  const int order = read_order(table);
+  sensor.low_cut = read_cut(table, "low_cut", order);
+  sensor.high_cut = read_cut(table, "high_cut", order);
+  if (auto amplifier = table.table("amplifier")) {
+    if (amplifier->has("gain")) {
+      if (!sensor.sensitivity || sensor.recorded_unit != "C")
+        amplifier->refuse("gain",
+                          "needs a sensitivity in coulombs, for example sensitivity = \"4 pC/N\"");
+      const auto gain = *amplifier->quantity("gain", "V/C");
+      const double relative =
+          std::hypot(gain.uncertainty / gain.value,
+                     sensor.sensitivity->uncertainty / sensor.sensitivity->value);
+      const double value = gain.value * sensor.sensitivity->value;
+      sensor.sensitivity = {value, relative * value};
+      sensor.recorded_unit = "V";
+    }
+    const int amplifier_order = read_order(*amplifier);
+    if (amplifier->has("low_cut"))
+      sensor.low_cut = read_cut(*amplifier, "low_cut", amplifier_order);
+    if (amplifier->has("high_cut"))
+      sensor.high_cut = read_cut(*amplifier, "high_cut", amplifier_order);
+    amplifier->finish();
+  }
+  if (auto resonance = table.table("resonance")) {
+    sensor.resonance = {.frequency = resonance->required_quantity("frequency", "Hz", "45 kHz"),
+                        .quality = resonance->number("quality").value_or(20.0)};
+    if (!(sensor.resonance->frequency > 0.0))
+      resonance->refuse("frequency", "must be greater than zero");
+    if (!(sensor.resonance->quality > 0.5))
+      resonance->refuse("quality", "must be greater than 0.5");
+    resonance->finish();
+  }
+  if (const auto polarity = table.integer("polarity")) {
+    if (*polarity != 1 && *polarity != -1)
+      table.refuse("polarity", fmt::format("must be 1 or -1, found {}", *polarity));
+    sensor.polarity = *polarity;
+  }
+  if (const auto position = table.quantity("position", "m")) {
+    sensor.position = position->value;
+    if (!(sensor.position > 0.0 && sensor.position <= rig.beam.length))
+      table.refuse("position", fmt::format("{:g} m from the hinge is not on the bar of {:g} m",
+                                           sensor.position, rig.beam.length));
+  }
+  if (const auto range = table.quantity("range", datasets::si_unit(quantity)))
+    sensor.range = range->value;
+  sensor.delay = read_delay(table);
+  table.finish();
+  return sensor;
+}
+
+void read_sensors(TableReader& table, RigFile& file) {
+  if (auto t = table.table("force"))
+    file.force = read_sensor(*t, datasets::Quantity::force, file.rig);
+  if (auto t = table.table("velocity"))
+    file.velocity = read_sensor(*t, datasets::Quantity::velocity, file.rig);
+  if (auto t = table.table("displacement"))
+    file.displacement = read_sensor(*t, datasets::Quantity::displacement, file.rig);
+  table.finish();
+}
+
+/// Puts `beam.length = "0.9 m"` into the document, making tables on the way.
+void apply_override(toml::table& root, const Override& override) {
+  const auto& [name, value] = override;
+  toml::table* table = &root;
+  std::string_view rest = name;
+  for (std::size_t dot = rest.find('.'); dot != std::string_view::npos; dot = rest.find('.')) {
+    const std::string_view key = rest.substr(0, dot);
+    rest.remove_prefix(dot + 1);
+    toml::node* next = table->get(key);
+    if (!next) next = &table->insert(key, toml::table{}).first->second;
+    table = next->as_table();
+    if (!table)
+      throw InputError({.file = "--set " + name}, fmt::format("{} is a value, not a table", key));
+  }
+  if (rest.empty())
+    throw InputError({.file = "--set " + name},
+                     "expected key=value, for example beam.length=\"0.9 m\"");
+  try {
+    toml::table parsed = toml::parse("value = " + value);
+    table->insert_or_assign(rest, std::move(*parsed.get("value")));
+  } catch (const toml::parse_error&) {
+    table->insert_or_assign(rest, value);  // the shell took the quotes: a text
+  }
+}
+
+/// Where a value that models::validate() refused stands: its message begins with the key.
+datasets::SourcePosition position_of(const toml::table& document, const std::string& path,
+                                     const std::set<std::string>& overridden,
+                                     std::string_view message) {
+  const std::string key(message.substr(0, message.find_first_of(": ")));
+  if (overridden.contains(key)) return {.file = "--set " + key};
+  datasets::SourcePosition where{.file = path};
+  if (const toml::node* node = document.at_path(key).node()) {
+    where.line = node->source().begin.line;
+    where.column = node->source().begin.column;
+  }
+  return where;
+}
+
+TableReader required_table(TableReader& root, std::string_view key) {
+  auto table = root.table(key);
+  if (!table) root.refuse(key, fmt::format("the table [{}] is missing", key));
+  return *table;
+}
+
+}  // namespace
+
+RigFile parse_rig_file(const std::string& text, const std::string& path,
+                       const std::vector<Override>& overrides) {
+  RigFile file;
+  file.path = path;
+  toml::table document;
+  try {
+    document = toml::parse(text, path);
+  } catch (const toml::parse_error& error) {
+    throw InputError(
+        {.file = path, .line = error.source().begin.line, .column = error.source().begin.column},
+        fmt::format("not a TOML file: {}", error.description()));
+  }
+  std::set<std::string> overridden;
+  for (const Override& override : overrides) {
+    apply_override(document, override);
+    overridden.insert(override.first);
+  }
+  std::ostringstream resolved;
+  resolved << document;
+  file.text = overrides.empty() ? text : resolved.str() + "\n";
+  file.sha256 = datasets::sha256_of(file.text);
+
+  TableReader root(document, path, "", overridden);
+  root.integer("schema");
+  root.text("title");
+  Section section;
+  double poisson_ratio = 0.3;
+  TableReader beam = required_table(root, "beam");
+  read_beam(beam, file.rig, section, poisson_ratio);
+  TableReader contact = required_table(root, "contact");
+  read_contact(contact, file.rig, section, poisson_ratio);
+  TableReader start = required_table(root, "start");
+  read_start(start, file.rig.start);
+  if (auto environment = root.table("environment")) {
+    if (const auto gravity = environment->quantity("gravity", "m/s^2"))
+      file.rig.gravity = gravity->value;
+    environment->finish();
+  }
+  file.solver.elements = split_elements(default_elements, file.rig);
+  if (auto solver = root.table("solver")) read_solver(*solver, file);
+  if (auto sensors = root.table("sensors")) read_sensors(*sensors, file);
+  root.finish();
+  try {
+    models::validate(file.rig, file.solver);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(position_of(document, path, overridden, error.what()), error.what());
+  }
+  return file;
+}
+
+RigFile read_rig_file(const std::string& path, const std::vector<Override>& overrides) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw datasets::FileError(path, "cannot be opened; is the name right?");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw datasets::FileError(path, "cannot be read");
+  return parse_rig_file(text.str(), path, overrides);
+}
+
+}  // namespace impactrig::fitting

@@ -11,8 +11,8 @@
 
 namespace impactrig::fitting {
 
-/// A rig file: the experiment, how it is measured, how to solve. This room reads it because it is the only one that
-/// knows both models and measurements.
+/// A rig file: the experiment, how it is measured, how to solve. This room reads it because it is
+/// the only one that knows both models and measurements.
 struct RigFile {
   std::string path;
   std::string text;    ///< as read, for provenance
@@ -26,8 +26,9 @@ struct RigFile {
 /// A key=value of the command line ("beam.length", "0.9 m"); the value may be quoted or not.
 using Override = std::pair<std::string, std::string>;
 
-/// Reads a rig file (TOML; docs/rig-file.md) with overrides on top. Unknown keys, missing units, wrong dimensions and
-/// values outside their range throw datasets::InputError with line and column; FileError when it cannot be read.
+/// Reads a rig file (TOML; docs/rig-file.md) with overrides on top. Unknown keys, missing units,
+/// wrong dimensions and values outside their range throw datasets::InputError with line and column;
+/// FileError when it cannot be read.
 RigFile read_rig_file(const std::string& path, const std::vector<Override>& overrides = {});
 RigFile parse_rig_file(const std::string& text, const std::string& path,
                        const std::vector<Override>& overrides = {});

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fitting/toml_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+
+namespace impactrig::fitting {
+namespace {
+
+/// Levenshtein distance, for "did you mean".
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0U : 1U)});
+      diagonal = above;
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+TableReader::TableReader(const toml::table& table, std::string file, std::string path,
+                         const std::set<std::string>& overridden)
+    : table_(table),
+      file_(std::move(file)),
+      path_(std::move(path)),
+      overridden_(overridden) {}
+
+std::string TableReader::full_name(std::string_view key) const {
+  return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
+}
+
+void TableReader::refuse(std::string_view key, std::string_view problem) const {
+  const std::string name = full_name(key);
+  datasets::SourcePosition where{.file = file_};
+  if (overridden_.contains(name)) {
+    where.file = "--set " + name;
+  } else if (const toml::node* node = table_.get(key)) {
+    where.line = node->source().begin.line;
+    where.column = node->source().begin.column;
+  } else {
+    where.line = table_.source().begin.line;
+  }
+  throw datasets::InputError(where, fmt::format("{}: {}", name, problem));
+}
+
+const toml::node* TableReader::find(std::string_view key) {
+  known_.emplace(key);
+  return table_.get(key);
+}
+
+std::optional<datasets::UncertainValue> TableReader::quantity(std::string_view key,
+                                                              std::string_view unit) {
+  const toml::node* node = find(key);
+  if (!node) return std::nullopt;
+  if (const auto text = node->value_exact<std::string>()) {
+    try {
+      return datasets::parse_quantity(*text, unit);
+    } catch (const std::invalid_argument& error) {
+      refuse(key, error.what());
+    }
+  }
+  if (const auto bare = node->value<double>(); bare && node->is_number())
+    refuse(key, fmt::format("the bare number {:g} has no unit; write it in quotes with its unit, "
+                            "for example \"{:g} {}\"",
+                            *bare, *bare, unit));
+  refuse(key, fmt::format("expected a quantity in quotes, for example \"1 {}\"", unit));
+}
+
+double TableReader::required_quantity(std::string_view key, std::string_view unit,
+                                      std::string_view example) {
+  const auto value = quantity(key, unit);
+  if (!value) refuse(key, fmt::format("is missing; add {} = \"{}\"", key, example));
+  return value->value;
+}
+
+std::optional<double> TableReader::number(std::string_view key) {
+  const toml::node* node = find(key);
+  if (!node) return std::nullopt;
+  if (node->is_number()) return node->value<double>();
+  refuse(key, "expected a plain number");
+}
+
+std::optional<int> TableReader::integer(std::string_view key) {
+  const toml::node* node = find(key);
+  if (!node) return std::nullopt;
+  if (const auto value = node->value_exact<std::int64_t>();
+      value && std::abs(*value) < 1'000'000'000)
+    return static_cast<int>(*value);
+  refuse(key, "expected a whole number");
+}
+
+std::optional<std::string> TableReader::text(std::string_view key) {
+  const toml::node* node = find(key);
+  if (!node) return std::nullopt;
+  if (auto value = node->value_exact<std::string>()) return value;
+  refuse(key, "expected a text in quotes");
+}
+
+std::optional<std::string> TableReader::name_or_index(std::string_view key) {
+  const toml::node* node = find(key);
+  if (!node) return std::nullopt;
+  if (const auto index = node->value_exact<std::int64_t>()) return std::to_string(*index);
+  if (auto value = node->value_exact<std::string>()) return value;
+  refuse(key, "expected a channel's name in quotes, or its index from 0");
+}
+
+std::optional<std::vector<int>> TableReader::integers(std::string_view key) {
+  const toml::node* node = find(key);
+  if (!node) return std::nullopt;
+  const toml::array* array = node->as_array();
+  if (!array) return std::vector<int>{*integer(key)};
+  std::vector<int> values;
+  for (const toml::node& element : *array) {
+    const auto value = element.value_exact<std::int64_t>();
+    if (!value || std::abs(*value) > 1'000'000) refuse(key, "expected whole numbers");
+    values.push_back(static_cast<int>(*value));
+  }
+  return values;
+}
+
+std::optional<TableReader> TableReader::table(std::string_view key) {
+  const toml::node* node = find(key);
+  if (!node) return std::nullopt;
+  const toml::table* inner = node->as_table();
+  if (!inner) refuse(key, fmt::format("expected a table, for example [{}]", full_name(key)));
+  return TableReader(*inner, file_, full_name(key), overridden_);
+}
+
+std::optional<std::size_t> TableReader::choice(std::string_view key,
+                                               const std::vector<std::string_view>& choices) {
+  const auto value = text(key);
+  if (!value) return std::nullopt;
+  const auto found = std::ranges::find(choices, *value);
+  if (found == choices.end())
+    refuse(key, fmt::format("expected one of {}, found \"{}\"", fmt::join(choices, ", "), *value));
+  return static_cast<std::size_t>(found - choices.begin());
+}
+
+void TableReader::finish() const {
+  for (const auto& [key, node] : table_) {
+    if (known_.contains(key.str())) continue;
+    std::string_view nearest;
+    std::size_t distance = 4;
+    for (const std::string& name : known_)
+      if (const std::size_t d = edit_distance(key.str(), name); d < distance) {
+        distance = d;
+        nearest = name;
+      }
+    std::string problem = "there is no such key here";
+    if (!nearest.empty())
+      problem += fmt::format("; did you mean {}?", nearest);
+    else
+      problem += fmt::format("; known are {}", fmt::join(known_, ", "));
+    refuse(key.str(), problem);
+  }
+}
+
+}  // namespace impactrig::fitting

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <toml++/toml.h>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "datasets/input_error.hpp"
+#include "datasets/units.hpp"
+
+namespace impactrig::fitting {
+
+/// Reads one table of a configuration, key by key, and refuses in finish() whatever was not asked
+/// for. Every error names the key and its place in the file (or the --set option it came from).
+class TableReader {
+ public:
+  /// `path` is the table's dotted name, "" for the root; `overridden` the dotted keys that --set
+  /// supplied.
+  TableReader(const toml::table& table, std::string file, std::string path,
+              const std::set<std::string>& overridden);
+
+  bool has(std::string_view key) const { return table_.contains(key); }
+
+  /// "0.69 m" in `unit`; none when the key is absent.
+  std::optional<datasets::UncertainValue> quantity(std::string_view key, std::string_view unit);
+  double required_quantity(std::string_view key, std::string_view unit, std::string_view example);
+  std::optional<double> number(std::string_view key);  ///< dimensionless, a plain number
+  std::optional<int> integer(std::string_view key);
+  std::optional<std::string> text(std::string_view key);
+  std::optional<std::string> name_or_index(std::string_view key);
+  std::optional<std::vector<int>> integers(std::string_view key);  ///< an array or one number
+  std::optional<TableReader> table(std::string_view key);
+
+  /// One of `choices`, by position; none when absent.
+  std::optional<std::size_t> choice(std::string_view key,
+                                    const std::vector<std::string_view>& choices);
+
+  /// Throws when the table holds a key nobody asked for, with the nearest known one.
+  void finish() const;
+
+  [[noreturn]] void refuse(std::string_view key, std::string_view problem) const;
+  std::string full_name(std::string_view key) const;
+
+  const toml::table& raw() const { return table_; }
+
+ private:
+  const toml::node* find(std::string_view key);
+
+  const toml::table& table_;
+  std::string file_;
+  std::string path_;
+  const std::set<std::string>& overridden_;
+  std::set<std::string, std::less<>> known_;
+};
+
+}  // namespace impactrig::fitting
