@@ -98,7 +98,8 @@ class Run {
   // at the deepest penetration of the episode: impulse and dissipated energy
   double deepest_impulse_ = 0.0, deepest_dissipated_ = 0.0;
   double episode_impulse_ = 0.0, episode_dissipated_ = 0.0;  // at its start
-  double laser_rest_ = 0.0;
+  double velocity_place_ = 0.0, displacement_place_ = 0.0, laser_rest_ = 0.0;
+  std::vector<int> history_rows_;
   long grazing_ = 0;
   bool done_ = false;
   Simulation result_;
@@ -169,11 +170,19 @@ void Run::first_touch() {
   t_end_ = time_of_touch_ + solver_.duration.value_or(longest_default_run);
   const HistoryRequest& wanted = options_.history;
   if (!(wanted.interval > 0.0)) return;
-  const auto place = [&](double x) { return x > 0.0 ? x : rig_.contact.position; };
-  const PointMotion at_velocity =
-      beam_->point(place(wanted.velocity_position), y.head(n_), y.segment(n_, n_));
-  const PointMotion at_laser =
-      beam_->point(place(wanted.displacement_position), y.head(n_), y.segment(n_, n_));
+  velocity_place_ =
+      wanted.velocity_position > 0.0 ? wanted.velocity_position : rig_.contact.position;
+  displacement_place_ =
+      wanted.displacement_position > 0.0 ? wanted.displacement_position : rig_.contact.position;
+  for (const double x : {rig_.contact.position, velocity_place_, displacement_place_})
+    for (const int row : beam_->coordinates_of(x)) {
+      history_rows_.push_back(row);
+      history_rows_.push_back(row + n_);
+    }
+  std::ranges::sort(history_rows_);
+  history_rows_.erase(std::unique(history_rows_.begin(), history_rows_.end()), history_rows_.end());
+  const PointMotion at_velocity = beam_->point(velocity_place_, y.head(n_), y.segment(n_, n_));
+  const PointMotion at_laser = beam_->point(displacement_place_, y.head(n_), y.segment(n_, n_));
   laser_rest_ = at_laser.displacement;
   const long before = static_cast<long>(std::ceil(wanted.lead / wanted.interval));
   History& history = result_.history;
@@ -362,21 +371,18 @@ void Run::sample_history() {
   if (!(history.interval > 0.0)) return;
   const double from = stepper_.time() - time_of_touch_;
   const double h = stepper_.step();
-  const auto place = [&](double x) { return x > 0.0 ? x : rig_.contact.position; };
   for (;;) {
     const double t = history.start + history.interval * static_cast<double>(history.force.size());
     if (t > from + h) return;
-    stepper_.dense((t - from) / h, f_, scratch_);
+    stepper_.dense((t - from) / h, f_, history_rows_, scratch_);
     const auto q = scratch_.head(n_);
     const auto v = scratch_.segment(n_, n_);
     const PointMotion p = beam_->struck_point(q, v);
     history.force.push_back(contact_.force(p.displacement, p.velocity));
     history.penetration.push_back(p.displacement);
-    history.velocity.push_back(
-        beam_->point(place(options_.history.velocity_position), q, v).velocity);
-    history.displacement.push_back(
-        beam_->point(place(options_.history.displacement_position), q, v).displacement -
-        laser_rest_);
+    history.velocity.push_back(beam_->point(velocity_place_, q, v).velocity);
+    history.displacement.push_back(beam_->point(displacement_place_, q, v).displacement -
+                                   laser_rest_);
   }
 }
 

@@ -154,11 +154,23 @@ PointMotion AncfBeam::struck_point(ConstVector q, ConstVector v) const {
   return {-q[struck_dof_], -v[struck_dof_]};
 }
 
-PointMotion AncfBeam::point(double x, ConstVector q, ConstVector v) const {
+std::size_t AncfBeam::element_at(double x) const {
   std::size_t e = 0;
   while (e + 1 < elements_.size() && x > elements_[e + 1].x) ++e;
+  return e;
+}
+
+PointMotion AncfBeam::point(double x, ConstVector q, ConstVector v) const {
+  const std::size_t e = element_at(x);
   const Eigen::Vector4d s = shape((x - elements_[e].x) / elements_[e].length, elements_[e].length);
   return {-s.dot(gather(q.head(dofs_), e)), -s.dot(gather(v.head(dofs_), e))};
+}
+
+std::vector<int> AncfBeam::coordinates_of(double x) const {
+  const std::size_t e = element_at(x);
+  if (e == 0) return {0, 1, 2};
+  const int first = first_dof(e);
+  return {first, first + 1, first + 2, first + 3};
 }
 
 BeamEnergy AncfBeam::energy(ConstVector q, ConstVector v) const {

@@ -33,6 +33,7 @@ class AncfBeam : public BeamDynamics {
   void acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) override;
   PointMotion struck_point(ConstVector q, ConstVector v) const override;
   PointMotion point(double x, ConstVector q, ConstVector v) const override;
+  std::vector<int> coordinates_of(double x) const override;
   BeamEnergy energy(ConstVector q, ConstVector v) const override;
   RigidPart rigid_part(ConstVector q, ConstVector v) const override;
 
@@ -46,6 +47,7 @@ class AncfBeam : public BeamDynamics {
 
   int first_dof(std::size_t element) const { return 2 * static_cast<int>(element) - 1; }
 
+  std::size_t element_at(double x) const;
   Nodal gather(ConstVector part, std::size_t element) const;
   void add_elastic_force(ConstVector q, VectorRef force) const;
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "models/rig.hpp"
 
@@ -52,6 +53,9 @@ class BeamDynamics {
 
   /// Any point, x from the hinge [m].
   virtual PointMotion point(double x, ConstVector q, ConstVector v) const = 0;
+
+  /// The coordinates point(x, q, v) looks at, in q and likewise in v; the others may hold anything.
+  virtual std::vector<int> coordinates_of(double x) const = 0;
 
   virtual BeamEnergy energy(ConstVector q, ConstVector v) const = 0;
   virtual RigidPart rigid_part(ConstVector q, ConstVector v) const = 0;

@@ -3,7 +3,7 @@
 
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
+#include <numeric>
 
 #include "models/integration/gauss.hpp"
 
@@ -182,6 +182,12 @@ PointMotion FloatingFrameBeam::struck_point(ConstVector q, ConstVector v) const 
 
 PointMotion FloatingFrameBeam::point(double x, ConstVector q, ConstVector v) const {
   return motion(cached_station(x), q, v);
+}
+
+std::vector<int> FloatingFrameBeam::coordinates_of(double) const {
+  std::vector<int> all(static_cast<std::size_t>(size()));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
 }
 
 BeamEnergy FloatingFrameBeam::energy(ConstVector q, ConstVector v) const {

@@ -33,6 +33,7 @@ class FloatingFrameBeam : public BeamDynamics {
   void acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) override;
   PointMotion struck_point(ConstVector q, ConstVector v) const override;
   PointMotion point(double x, ConstVector q, ConstVector v) const override;
+  std::vector<int> coordinates_of(double x) const override;
   BeamEnergy energy(ConstVector q, ConstVector v) const override;
   RigidPart rigid_part(ConstVector q, ConstVector v) const override;
 

@@ -108,4 +108,15 @@ void Dop853::dense(double theta, const RightHandSide& f, Eigen::VectorXd& y) {
   y = y_ + theta * y;
 }
 
+void Dop853::dense(double theta, const RightHandSide& f, const std::vector<int>& rows,
+                   Eigen::VectorXd& y) {
+  if (!dense_ready_) prepare_dense(f);
+  const double rest = 1.0 - theta;
+  for (const int row : rows) {
+    double value = dense_(row, 6);
+    for (int k = 5; k >= 0; --k) value = dense_(row, k) + (k % 2 == 1 ? theta : rest) * value;
+    y[row] = y_[row] + theta * value;
+  }
+}
+
 }  // namespace impactrig::models

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <vector>
 
 namespace impactrig::models {
 
@@ -44,6 +45,10 @@ class Dop853 {
 
   /// State at t + θ h of the attempt, θ in [0, 1]; three more evaluations the first time.
   void dense(double theta, const RightHandSide& f, Eigen::VectorXd& y);
+
+  /// The same for some rows of the state only; the rest of y is left as it is.
+  void dense(double theta, const RightHandSide& f, const std::vector<int>& rows,
+             Eigen::VectorXd& y);
 
   long evaluations() const { return evaluations_; }
 
