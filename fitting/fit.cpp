@@ -1,2 +1,497 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fitting/fit.hpp"
+
+#include <ceres/normal_prior.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <stdexcept>
+
+#include "fitting/covariance.hpp"
+#include "fitting/metrics.hpp"
+#include "fitting/shot_cost.hpp"
+#include "fitting/shot_model.hpp"
+#include "fitting/variables.hpp"
+#include "models/contact/damping_law.hpp"
+
+namespace impactrig::fitting {
+namespace {
+
+using datasets::Impact;
+using datasets::ImpactFlag;
+using datasets::ImpactSignal;
+
+// The first pass looks no further than this many contact durations: what follows the first
+// separation depends so strongly on the parameters that a fit from afar would run into a false
+// minimum.
+constexpr double first_window = 1.2;
+// A first pass that ends with more than this reduced chi-square is started again from other places.
+constexpr double poor_fit = 4.0;
+constexpr double unseen_noise = 1e-3;  // of the peak, where the record shows no noise at all
+
+/// One recording with what was chosen for it.
+struct Shot {
+  const Impact* impact = nullptr;
+  double window = 0.0;   ///< fitted after first touch [s]
+  double contact = 0.0;  ///< duration of the first contact as seen [s]
+  std::vector<FittedChannel> channels;
+  std::vector<std::size_t> variables;  ///< indices into Session::variables_
+  std::unique_ptr<ShotModel> model;
+};
+
+class Session {
+ public:
+  Session(const std::vector<Impact>& impacts, const RigFile& rig, const FitOptions& options);
+  Fit run();
+
+ private:
+  void add_shot(const Impact& impact, int number);
+  FittedChannel weigh(const Impact& impact, const ImpactSignal& signal);
+  void choose_samples(double window_share);
+  double solve();
+  void restart_elsewhere(double reduced);
+  double chi2(Eigen::MatrixXd* jacobian) const;
+  double samples() const;
+  std::unique_ptr<ShotCost> cost_of(const Shot& shot) const;
+  std::vector<double> values_of(const Shot& shot) const;
+  void report_parameters(const Uncertainty& spread, double inflation, Fit& fit) const;
+  void report_channels(Fit& fit);
+  void report_restitution(const Uncertainty& spread, double inflation, Fit& fit);
+  void warn(Fit& fit, double reduced) const;
+
+  const std::vector<Impact>& impacts_;
+  const FitOptions& options_;
+  RigFile rig_;
+  std::vector<Variable> variables_;
+  std::vector<Shot> shots_;
+  std::vector<std::string> warnings_;
+  std::string termination_;
+  bool noise_known_ = true;
+  int iterations_ = 0;
+  mutable long simulations_ = 0;
+};
+
+Session::Session(const std::vector<Impact>& impacts, const RigFile& rig, const FitOptions& options)
+    : impacts_(impacts),
+      options_(options),
+      rig_(rig) {
+  if (impacts.empty()) throw std::invalid_argument("there is no impact to fit to");
+  if (rig_.rig.start.release_angle) {
+    rig_.rig.start.velocity = models::touch_velocity(rig_.rig);
+    rig_.rig.start.release_angle.reset();
+  }
+  variables_ = make_variables(impacts, rig_, options);
+  for (std::size_t i = 0; i < impacts.size(); ++i) add_shot(impacts[i], static_cast<int>(i));
+}
+
+FittedChannel Session::weigh(const Impact& impact, const ImpactSignal& signal) {
+  FittedChannel channel;
+  channel.signal = &signal;
+  channel.sigma = signal.noise;
+  channel.correlation = std::max(1.0, signal.noise_correlation);
+  channel.sigma = std::max(channel.sigma, signal.quantum / std::sqrt(12.0));
+  double largest = 0.0;
+  for (const double value : signal.values)
+    largest = std::max(largest, std::isfinite(value) ? std::abs(value) : 0.0);
+  if (!(channel.sigma > 1e-9 * largest)) {
+    channel.sigma = unseen_noise * (largest > 0.0 ? largest : 1.0);
+    channel.correlation = 1.0;
+    channel.noise_known = noise_known_ = false;
+    warnings_.push_back(
+        fmt::format("{} shows no noise before the trigger in {}; it was weighed with {:g} % of its "
+                    "peak and all "
+                    "intervals follow from the scatter of the residuals instead.",
+                    signal.channel, impact.recording, 100.0 * unseen_noise));
+  }
+  return channel;
+}
+
+void Session::add_shot(const Impact& impact, int number) {
+  Shot shot;
+  shot.impact = &impact;
+  shot.contact = impact.end - impact.start;
+  double last = -std::numeric_limits<double>::infinity();
+  double first = std::numeric_limits<double>::infinity();
+  double finest = std::numeric_limits<double>::infinity();
+  const bool velocity_missing = !impact.velocity;
+  const auto take = [&](const std::optional<ImpactSignal>& signal, bool wanted) {
+    if (!signal || !wanted || signal->values.empty()) return;
+    shot.channels.push_back(weigh(impact, *signal));
+    first = std::min(first, signal->start);
+    last = std::max(last, signal->time(signal->values.size() - 1));
+    finest = std::min(finest, signal->interval);
+  };
+  take(impact.force, options_.use_force);
+  take(impact.velocity, options_.use_velocity);
+  take(impact.displacement, options_.use_displacement || (velocity_missing && !impact.force));
+  if (shot.channels.empty())
+    throw std::invalid_argument(
+        fmt::format("{} has no force, velocity or displacement to fit to", impact.recording));
+  shot.window = last - impact.start;
+  if (options_.window > 0.0) shot.window = std::min(shot.window, options_.window);
+  if (rig_.solver.duration) shot.window = std::min(shot.window, *rig_.solver.duration);
+  if (!(shot.window > 0.0))
+    throw std::invalid_argument(
+        fmt::format("{} ends at first touch; there is nothing to fit to", impact.recording));
+  for (std::size_t i = 0; i < variables_.size(); ++i) {
+    const Variable& v = variables_[i];
+    const bool fitted = v.quantity == datasets::Quantity::unknown ||
+                        std::ranges::any_of(shot.channels, [&](const FittedChannel& c) {
+                          return c.signal->quantity == v.quantity;
+                        });
+    if (v.concerns(number) && fitted) shot.variables.push_back(i);
+  }
+  const double slack = std::max(20e-6, 0.1 * shot.contact);  // first touch moves during the fit
+  shot.model = std::make_unique<ShotModel>(rig_, impact, impact.start - first + slack,
+                                           shot.window + slack, finest);
+  shots_.push_back(std::move(shot));
+}
+
+/// Takes the sound samples from the record's beginning to a share of each shot's window.
+void Session::choose_samples(double window_share) {
+  for (Shot& shot : shots_) {
+    const double window = std::min(shot.window, window_share * shot.contact);
+    shot.model->set_end(window + std::max(20e-6, 0.1 * shot.contact));
+    for (FittedChannel& channel : shot.channels) {
+      const ImpactSignal& signal = *channel.signal;
+      double ceiling = std::numeric_limits<double>::infinity();
+      if (shot.impact->has(ImpactFlag::clipped) && signal.valid.empty() &&
+          signal.quantity == datasets::Quantity::force)
+        ceiling = 0.999 * *std::ranges::max_element(signal.values);
+      channel.used.clear();
+      for (std::size_t k = 0; k < signal.values.size(); ++k) {
+        const bool sound = (signal.valid.empty() || signal.valid[k]) &&
+                           std::isfinite(signal.values[k]) && signal.values[k] < ceiling;
+        if (sound && signal.time(k) <= shot.impact->start + window) channel.used.push_back(k);
+      }
+    }
+  }
+}
+
+std::unique_ptr<ShotCost> Session::cost_of(const Shot& shot) const {
+  std::vector<const Variable*> variables;
+  for (const std::size_t i : shot.variables) variables.push_back(&variables_[i]);
+  return std::make_unique<ShotCost>(rig_, *shot.model, shot.channels, std::move(variables));
+}
+
+std::vector<double> Session::values_of(const Shot& shot) const {
+  std::vector<double> values;
+  for (const std::size_t i : shot.variables) values.push_back(variables_[i].value);
+  return values;
+}
+
+double Session::samples() const {
+  double count = 0.0;
+  for (const Shot& shot : shots_)
+    for (const FittedChannel& channel : shot.channels)
+      count += static_cast<double>(channel.used.size()) / channel.correlation;
+  return count;
+}
+
+/// Levenberg-Marquardt from the variables' present values; returns the reduced chi-square reached.
+double Session::solve() {
+  std::vector<double> x(variables_.size());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = variables_[i].value / variables_[i].scale;
+  std::vector<std::unique_ptr<ShotCost>> costs;
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(ownership);
+  std::vector<std::unique_ptr<ceres::NormalPrior>> priors;
+  for (const Shot& shot : shots_) {
+    std::vector<double*> blocks;
+    for (const std::size_t i : shot.variables) blocks.push_back(&x[i]);
+    costs.push_back(cost_of(shot));
+    problem.AddResidualBlock(costs.back().get(), nullptr, blocks);
+  }
+  for (std::size_t i = 0; i < variables_.size(); ++i) {
+    const Variable& v = variables_[i];
+    if (!problem.HasParameterBlock(&x[i])) continue;
+    if (std::isfinite(v.lower)) problem.SetParameterLowerBound(&x[i], 0, v.lower / v.scale);
+    if (std::isfinite(v.upper)) problem.SetParameterUpperBound(&x[i], 0, v.upper / v.scale);
+    if (!v.prior) continue;
+    ceres::Matrix weight(1, 1);
+    ceres::Vector mean(1);
+    weight(0, 0) = v.scale / (*v.prior)[1];
+    mean[0] = (*v.prior)[0] / v.scale;
+    priors.push_back(std::make_unique<ceres::NormalPrior>(weight, mean));
+    problem.AddResidualBlock(priors.back().get(), nullptr, &x[i]);
+  }
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::DENSE_QR;
+  solver.max_num_iterations = 60;
+  solver.function_tolerance = 1e-9;
+  solver.parameter_tolerance = 1e-9;
+  solver.gradient_tolerance = 1e-14;
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  for (const auto& cost : costs) simulations_ += cost->simulations();
+  if (summary.termination_type == ceres::FAILURE) {
+    std::string why = summary.message;
+    for (const auto& cost : costs)
+      if (!cost->failure().empty()) why = cost->failure();
+    throw std::runtime_error("the fit could not start: " + why);
+  }
+  iterations_ += summary.num_successful_steps;
+  termination_ = summary.termination_type == ceres::CONVERGENCE
+                     ? "converged"
+                     : fmt::format("stopped after {} iterations without converging",
+                                   summary.iterations.size());
+  for (std::size_t i = 0; i < x.size(); ++i)
+    variables_[i].value =
+        std::clamp(x[i] * variables_[i].scale, variables_[i].lower, variables_[i].upper);
+  return 2.0 * summary.final_cost /
+         std::max(1.0, samples() - static_cast<double>(variables_.size()));
+}
+
+/// Tries other restitutions and stiffnesses and keeps the best end.
+void Session::restart_elsewhere(double reduced) {
+  const std::vector<Variable> start = variables_;
+  std::vector<Variable> best = variables_;
+  for (const double restitution : {0.25, 0.8})
+    for (const double stiffness : {0.4, 2.5}) {
+      variables_ = start;
+      for (Variable& v : variables_) {
+        v.value = v.initial;
+        if (v.name == "contact.restitution") v.value = restitution;
+        if (v.name == "contact.stiffness_factor") v.value = stiffness * v.initial;
+      }
+      const double reached = solve();
+      if (reached >= reduced) continue;
+      reduced = reached;
+      best = variables_;
+    }
+  variables_ = best;
+}
+
+/// Weighted sum of squares of the data at the present values, and the Jacobian of data and priors
+/// to all variables, in their own units (not divided by the scale).
+double Session::chi2(Eigen::MatrixXd* jacobian) const {
+  double sum = 0.0;
+  Eigen::Index rows = 0;
+  for (const Variable& v : variables_) rows += v.prior ? 1 : 0;
+  for (const Shot& shot : shots_)
+    for (const FittedChannel& channel : shot.channels)
+      rows += static_cast<Eigen::Index>(channel.used.size());
+  if (jacobian)
+    *jacobian = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(variables_.size()));
+  Eigen::Index row = 0;
+  for (const Shot& shot : shots_) {
+    const auto cost = cost_of(shot);
+    std::vector<double> x;
+    for (const std::size_t i : shot.variables)
+      x.push_back(variables_[i].value / variables_[i].scale);
+    std::vector<const double*> blocks;
+    for (const double& value : x) blocks.push_back(&value);
+    Eigen::VectorXd residuals(cost->num_residuals());
+    Eigen::MatrixXd columns(cost->num_residuals(), static_cast<Eigen::Index>(x.size()));
+    std::vector<double*> pointers;
+    for (Eigen::Index k = 0; k < columns.cols(); ++k) pointers.push_back(columns.col(k).data());
+    if (!cost->Evaluate(blocks.data(), residuals.data(), jacobian ? pointers.data() : nullptr))
+      throw std::runtime_error("the fit ended where the simulation fails: " + cost->failure());
+    simulations_ += cost->simulations();
+    sum += residuals.squaredNorm();
+    if (jacobian)
+      for (std::size_t k = 0; k < shot.variables.size(); ++k)
+        jacobian->block(row, static_cast<Eigen::Index>(shot.variables[k]), columns.rows(), 1) =
+            columns.col(static_cast<Eigen::Index>(k)) / variables_[shot.variables[k]].scale;
+    row += columns.rows();
+  }
+  for (std::size_t i = 0; jacobian && i < variables_.size(); ++i)
+    if (variables_[i].prior)
+      (*jacobian)(row++, static_cast<Eigen::Index>(i)) = 1.0 / (*variables_[i].prior)[1];
+  return sum;
+}
+
+void Session::report_parameters(const Uncertainty& spread, double inflation, Fit& fit) const {
+  const double dof = std::max(1.0, static_cast<double>(fit.goodness.dof));
+  const double quantile = boost::math::quantile(boost::math::students_t(dof), 0.975);
+  for (std::size_t i = 0; i < variables_.size(); ++i) {
+    const Variable& v = variables_[i];
+    const auto k = static_cast<Eigen::Index>(i);
+    Parameter p;
+    p.name = v.name;
+    p.unit = v.unit;
+    p.value = v.value;
+    p.std_error = inflation * std::sqrt(spread.covariance(k, k));
+    p.ci95 = {std::max(v.value - quantile * p.std_error, v.lower),
+              std::min(v.value + quantile * p.std_error, v.upper)};
+    p.initial = v.initial;
+    p.lower = v.lower;
+    p.upper = v.upper;
+    const double near_bound = 1e-6 * (std::isfinite(v.upper - v.lower) ? v.upper - v.lower : 1.0);
+    p.at_bound = v.value - v.lower <= near_bound || v.upper - v.value <= near_bound;
+    p.identifiable = spread.identifiable[i];
+    p.nuisance = v.role != Variable::Role::physics;
+    p.prior = v.prior;
+    fit.parameters.push_back(std::move(p));
+  }
+  fit.correlations = spread.correlations;
+  fit.not_identifiable = spread.sentences;
+}
+
+void Session::report_channels(Fit& fit) {
+  for (std::size_t s = 0; s < shots_.size(); ++s) {
+    const Shot& shot = shots_[s];
+    const auto cost = cost_of(shot);
+    const std::vector<double> values = values_of(shot);
+    double touch = shot.impact->start;
+    for (const std::size_t i : shot.variables)
+      if (variables_[i].role == Variable::Role::touch) touch = variables_[i].value;
+    for (const FittedChannel& channel : shot.channels) {
+      const ImpactSignal& signal = *channel.signal;
+      ChannelFit out;
+      out.quantity = datasets::name(signal.quantity);
+      out.channel = signal.channel;
+      out.unit = datasets::si_unit(signal.quantity);
+      out.recording = static_cast<int>(s);
+      out.noise = signal.noise;
+      out.measured = signal.values;
+      out.model = cost->model_values(channel, values);
+      out.used.assign(signal.values.size(), 0);
+      std::vector<double> measured, computed;
+      double squares = 0.0;
+      for (const std::size_t k : channel.used) {
+        out.used[k] = 1;
+        measured.push_back(out.measured[k]);
+        computed.push_back(out.model[k]);
+        squares += (measured.back() - computed.back()) * (measured.back() - computed.back());
+      }
+      for (std::size_t k = 0; k < signal.values.size(); ++k)
+        out.time.push_back(signal.time(k) - touch);
+      out.residual_rms =
+          std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, measured.size())));
+      out.metrics = metrics(measured, computed);
+      fit.channels.push_back(std::move(out));
+    }
+    simulations_ += cost->simulations();
+  }
+}
+
+void Session::report_restitution(const Uncertainty& spread, double inflation, Fit& fit) {
+  const Shot& shot = shots_.front();
+  const auto cost = cost_of(shot);
+  const Eigen::MatrixXd gradient = cost->restitution_gradient(values_of(shot));
+  const auto count = static_cast<Eigen::Index>(shot.variables.size());
+  Eigen::MatrixXd covariance(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index j = 0; j < count; ++j)
+      covariance(i, j) =
+          spread.covariance(static_cast<Eigen::Index>(shot.variables[static_cast<std::size_t>(i)]),
+                            static_cast<Eigen::Index>(shot.variables[static_cast<std::size_t>(j)]));
+  const models::Restitution& r = fit.predictions.front().restitution;
+  const double values[] = {r.kinematic, r.kinetic, r.energetic};
+  const char* names[] = {"kinematic", "kinetic", "energetic"};
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const double half =
+        1.96 * inflation *
+        std::sqrt(std::max(0.0, gradient.row(k).dot(covariance * gradient.row(k).transpose())));
+    fit.restitution[names[k]] = {values[k], {values[k] - half, values[k] + half}};
+  }
+  Estimate law{rig_.rig.contact.restitution,
+               {rig_.rig.contact.restitution, rig_.rig.contact.restitution}};
+  for (const Parameter& p : fit.parameters)
+    if (p.name == "contact.restitution") law = {p.value, p.ci95};
+  fit.restitution["law"] = law;
+  simulations_ += cost->simulations();
+}
+
+void Session::warn(Fit& fit, double reduced) const {
+  const double scatter = std::sqrt(2.0 / static_cast<double>(std::max(1L, fit.goodness.dof)));
+  if (noise_known_ && reduced > 1.0 + 4.0 * scatter)
+    fit.warnings.push_back(
+        fmt::format("The residuals are {:.3g} times the noise seen before the trigger: the model "
+                    "or the calibration does not explain all that "
+                    "was measured. Standard errors were multiplied by that factor. Look at the "
+                    "residuals; try another law, free a gain or "
+                    "delay, or shorten the fitted window.",
+                    std::sqrt(reduced)));
+  for (const Parameter& p : fit.parameters)
+    if (p.at_bound)
+      fit.warnings.push_back(fmt::format(
+          "{} ended at its bound {:g} {}; its interval means little. Widen what the model can do, "
+          "or fix it.",
+          p.name, p.value, p.unit == "1" ? "" : p.unit));
+  for (const Impact& impact : impacts_)
+    for (const ImpactFlag flag : impact.flags)
+      fit.warnings.push_back(fmt::format("{}: {}", impact.recording, datasets::sentence(flag)));
+  if (!rig_.force && !rig_.velocity && !rig_.displacement)
+    fit.warnings.push_back(
+        "The rig file describes no sensors: channels were taken as perfect, without delay. Add "
+        "[sensors.force] "
+        "and [sensors.velocity].");
+  for (const models::Simulation& prediction : fit.predictions)
+    for (const std::string& warning : prediction.warnings)
+      if (std::ranges::find(fit.warnings, warning) == fit.warnings.end())
+        fit.warnings.push_back(warning);
+}
+
+Fit Session::run() {
+  const auto started = std::chrono::steady_clock::now();
+  choose_samples(first_window);
+  double reduced = solve();
+  const bool several_starts = std::ranges::any_of(variables_, [](const Variable& v) {
+    return v.name == "contact.restitution" || v.name == "contact.stiffness_factor";
+  });
+  if (reduced > poor_fit && several_starts) restart_elsewhere(reduced);
+  choose_samples(std::numeric_limits<double>::infinity());
+  solve();
+
+  Fit fit;
+  Eigen::MatrixXd jacobian;
+  fit.goodness.chi2 = chi2(&jacobian);
+  std::vector<std::string> names;
+  double priors = 0.0;
+  for (const Variable& v : variables_) {
+    names.push_back(v.name);
+    priors += v.prior ? 1.0 : 0.0;
+  }
+  const Uncertainty spread = uncertainty(jacobian, names);
+  const double count = samples();
+  const double unknowns = static_cast<double>(variables_.size());
+  const double dof = std::max(1.0, count + priors - unknowns);
+  fit.goodness.dof = std::lround(dof);
+  reduced = fit.goodness.chi2 / dof;
+  fit.goodness.aicc = fit.goodness.chi2 + 2.0 * unknowns +
+                      2.0 * unknowns * (unknowns + 1.0) / std::max(1.0, count - unknowns - 1.0);
+  fit.goodness.bic = fit.goodness.chi2 + unknowns * std::log(count);
+  const bool misfit = reduced > 1.0 + 4.0 * std::sqrt(2.0 / dof);
+  const double inflation = !noise_known_ || misfit ? std::sqrt(reduced) : 1.0;
+
+  report_parameters(spread, inflation, fit);
+  report_channels(fit);
+  fit.rig = rig_;
+  for (const Variable& v : variables_)
+    if (v.physics && v.recording <= 0) v.physics->of(fit.rig.rig) = v.value;
+  for (const Shot& shot : shots_) {
+    const double interval = std::min(1e-6, shot.channels.front().signal->interval);
+    fit.predictions.push_back(
+        shot.model->simulate(cost_of(shot)->rig_at(values_of(shot)), interval));
+  }
+  report_restitution(spread, inflation, fit);
+  fit.impacts = impacts_;
+  fit.termination = termination_;
+  fit.iterations = iterations_;
+  fit.warnings = warnings_;
+  warn(fit, reduced);
+  fit.simulations = simulations_ + static_cast<long>(shots_.size());
+  fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return fit;
+}
+
+}  // namespace
+
+Fit fit(const std::vector<datasets::Impact>& impacts, const RigFile& rig,
+        const FitOptions& options) {
+  return Session(impacts, rig, options).run();
+}
+
+}  // namespace impactrig::fitting

@@ -118,6 +118,13 @@ std::string_view name(Basis basis) {
   return basis == Basis::cantilever ? "cantilever" : "pinned-free";
 }
 
+double touch_velocity(const Rig& rig) {
+  if (!rig.start.release_angle) return rig.start.velocity;
+  // I θ̇² / 2 = m g (L/2) (1 − cos α), I = m L² / 3
+  const double half = std::sin(0.5 * *rig.start.release_angle);
+  return rig.contact.position * std::sqrt(6.0 * rig.gravity / rig.beam.length) * half;
+}
+
 void validate(const Rig& rig, const Solver& solver) {
   validate_beam(rig.beam);
   validate_contact(rig.contact, rig.beam);

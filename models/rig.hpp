@@ -75,6 +75,9 @@ struct Solver {
   std::optional<double> duration;   ///< from first touch [s]; none: until the bar has left for good
 };
 
+/// Closing speed of the struck point at first touch [m/s]: as stated, or the rigid bar's after its release.
+double touch_velocity(const Rig& rig);
+
 /// Throws std::invalid_argument with one sentence that names the rig-file key when a value makes no
 /// sense: a struck point beyond the bar, e outside [0, 1], a groove not wider than the bar, ...
 void validate(const Rig& rig, const Solver& solver);

@@ -520,11 +520,8 @@ Simulation Run::simulate() {
   if (rig_.start.release_angle && options_.exact) {
     swing_to_touch();
   } else {
-    double speed = rig_.start.velocity;
+    const double speed = touch_velocity(rig_);
     if (rig_.start.release_angle) {
-      const double rate = std::sqrt(3.0 * rig_.gravity / rig_.beam.length *
-                                    (1.0 - std::cos(*rig_.start.release_angle)));
-      speed = rate * rig_.contact.position;
       result_.skipped.push_back(
           fmt::format("the swing from {:.4g} rad to first touch: the rigid bar's energy gives "
                       "{:.6g} m/s at the struck point; "

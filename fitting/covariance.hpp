@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace impactrig::fitting {
+
+/// What a Jacobian tells about the parameters at the optimum.
+struct Uncertainty {
+  Eigen::MatrixXd
+      covariance;  ///< (n, n); rows and columns of parameters that are not identifiable are zero
+  Eigen::MatrixXd
+      correlations;  ///< (n, n); 1 on the diagonal, 0 beside parameters that are not identifiable
+  std::vector<bool> identifiable;  ///< (n)
+  std::vector<std::string>
+      sentences;  ///< one for each combination the data cannot tell apart, or hardly
+};
+
+/// (J'J)⁻¹ of weighted residuals (n_residuals, n_parameters), by the eigenvectors of J'J scaled to
+/// a unit diagonal: a parameter without influence, or part of a combination whose eigenvalue is
+/// below 1e-12, is not identifiable. Strong correlations (above 0.995) are told in a sentence.
+Uncertainty uncertainty(const Eigen::MatrixXd& jacobian, const std::vector<std::string>& names);
+
+}  // namespace impactrig::fitting

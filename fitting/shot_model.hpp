@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/impact.hpp"
+#include "fitting/rig_file.hpp"
+#include "models/simulation.hpp"
+
+namespace impactrig::fitting {
+
+/// What the sensors would show of one simulated impact: each channel through its chain, on a fine
+/// uniform grid.
+struct Shown {
+  /// One channel. Sample k at start + k interval, first touch at 0, delay not applied.
+  struct Curve {
+    double start = 0.0;
+    double interval = 0.0;
+    std::vector<double> values;
+
+    /// Value and slope at a time, by cubic interpolation; held constant beyond the ends.
+    std::array<double, 2> at(double t) const;
+  };
+
+  std::optional<Curve> force, velocity, displacement;
+  models::Restitution restitution;
+};
+
+/// The part of the measurement model that needs a simulation: from the rig's parameters to what a
+/// recording's sensors show.
+class ShotModel {
+ public:
+  /// lead, end: seconds before and after first touch that the recording needs; step: its sample
+  /// interval.
+  ShotModel(const RigFile& rig, const datasets::Impact& impact, double lead, double end,
+            double step);
+
+  Shown predict(const models::Rig& rig) const;
+  models::Simulation simulate(const models::Rig& rig, double interval) const;
+
+  double end() const { return end_; }
+
+  void set_end(double end) { end_ = end; }
+
+ private:
+  const RigFile* file_;
+  bool force_, velocity_, displacement_;
+  double lead_, end_, interval_;
+};
+
+}  // namespace impactrig::fitting

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fitting/variables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "models/contact/damping_law.hpp"
+
+namespace impactrig::fitting {
+namespace {
+
+using datasets::Impact;
+using datasets::ImpactSignal;
+
+constexpr double unbounded = std::numeric_limits<double>::infinity();
+
+std::vector<std::string> default_free(const RigFile& rig) {
+  std::vector<std::string> free;
+  if (rig.rig.contact.damping != "none") free.emplace_back("contact.restitution");
+  free.emplace_back("contact.stiffness_factor");
+  free.emplace_back("start.velocity");
+  return free;
+}
+
+Variable physics_variable(const PhysicalParameter& parameter, const RigFile& rig,
+                          const std::vector<Impact>& impacts, int recording) {
+  models::Rig copy = rig.rig;
+  Variable v;
+  v.physics = &parameter;
+  v.recording = recording;
+  v.name = parameter.name;
+  v.unit = parameter.unit;
+  v.initial = parameter.of(copy);
+  if (parameter.name == "start.velocity" && recording >= 0) {
+    const double seen = impacts[static_cast<std::size_t>(recording)].approach_velocity;
+    if (seen > 0.0) v.initial = seen;
+  }
+  if (!(v.initial != 0.0 && std::isfinite(v.initial)))
+    throw std::invalid_argument(
+        fmt::format("'{}' cannot be fitted with this rig: it has no value to start from", v.name));
+  v.lower = parameter.upper > 0.0 ? parameter.lower : 0.05 * v.initial;
+  v.upper = parameter.upper > 0.0 ? parameter.upper : 20.0 * v.initial;
+  if (parameter.name == "contact.restitution")
+    v.lower = models::damping_law(rig.rig.contact.damping).smallest_restitution;
+  if (parameter.name == "contact.position") v.upper = rig.rig.beam.length;
+  v.initial = std::clamp(v.initial, v.lower, v.upper);
+  v.scale = parameter.unit == "1" ? 1.0 : v.initial;
+  return v;
+}
+
+/// Offset, gain and delay of one channel.
+void add_channel_variables(const ImpactSignal& signal, int recording,
+                           const std::vector<std::string>& asked,
+                           std::vector<Variable>& variables) {
+  const std::string key = fmt::format("sensors.{}", datasets::name(signal.quantity));
+  const auto wanted = [&](std::string_view what) {
+    return std::ranges::find(asked, fmt::format("{}.{}", key, what)) != asked.end();
+  };
+  double largest = 0.0;
+  for (const double value : signal.values)
+    if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
+  Variable offset;
+  offset.role = Variable::Role::offset;
+  offset.quantity = signal.quantity;
+  offset.recording = recording;
+  offset.name = key + ".offset";
+  offset.unit = std::string(datasets::si_unit(signal.quantity));
+  offset.lower = -unbounded;
+  offset.upper = unbounded;
+  offset.scale = 1e-3 * (largest > 0.0 ? largest : 1.0);
+  variables.push_back(offset);
+  if (signal.gain_uncertainty > 0.0 || wanted("gain")) {
+    Variable gain = offset;
+    gain.role = Variable::Role::gain;
+    gain.name = key + ".gain";
+    gain.unit = "1";
+    gain.initial = 1.0;
+    gain.lower = 0.2;
+    gain.upper = 5.0;
+    gain.scale = 1e-2;
+    if (signal.gain_uncertainty > 0.0) gain.prior = {1.0, signal.gain_uncertainty};
+    variables.push_back(gain);
+  }
+  if (signal.delay_uncertainty > 0.0 || wanted("delay")) {
+    Variable delay = offset;
+    delay.role = Variable::Role::delay;
+    delay.name = key + ".delay";
+    delay.unit = "s";
+    delay.initial = signal.delay;
+    delay.scale = 1e-6;
+    if (signal.delay_uncertainty > 0.0) delay.prior = {signal.delay, signal.delay_uncertainty};
+    variables.push_back(delay);
+  }
+}
+
+void refuse_unknown(const std::vector<std::string>& asked) {
+  for (const std::string& name : asked) {
+    if (std::ranges::count(asked, name) > 1)
+      throw std::invalid_argument(
+          fmt::format("'{}' is named twice among the free parameters", name));
+    if (name == "impact.time") continue;
+    bool of_channel = false;
+    for (const char* channel : {"force", "velocity", "displacement"})
+      for (const char* what : {"offset", "gain", "delay"})
+        of_channel = of_channel || name == fmt::format("sensors.{}.{}", channel, what);
+    if (!of_channel) physical_parameter(name);
+  }
+}
+
+}  // namespace
+
+std::vector<Variable> make_variables(const std::vector<Impact>& impacts, const RigFile& rig,
+                                     const FitOptions& options) {
+  const std::vector<std::string> asked = options.free.empty() ? default_free(rig) : options.free;
+  refuse_unknown(asked);
+  const int shots = static_cast<int>(impacts.size());
+  std::vector<Variable> variables;
+  for (const std::string& name : asked) {
+    if (name.starts_with("sensors.") || name == "impact.time") continue;
+    const PhysicalParameter& parameter = physical_parameter(name);
+    if (parameter.of_shot)
+      for (int shot = 0; shot < shots; ++shot)
+        variables.push_back(physics_variable(parameter, rig, impacts, shot));
+    else
+      variables.push_back(physics_variable(parameter, rig, impacts, -1));
+  }
+  for (int shot = 0; shot < shots; ++shot) {
+    const Impact& impact = impacts[static_cast<std::size_t>(shot)];
+    Variable touch;
+    touch.role = Variable::Role::touch;
+    touch.recording = shot;
+    touch.name = "impact.time";
+    touch.unit = "s";
+    touch.initial = impact.start;
+    touch.lower = -unbounded;
+    touch.upper = unbounded;
+    touch.scale = 1e-6;
+    variables.push_back(touch);
+    for (const auto* signal : {&impact.force, &impact.velocity, &impact.displacement})
+      if (*signal) add_channel_variables(**signal, shot, asked, variables);
+  }
+  for (Variable& v : variables) {
+    v.value = v.initial;
+    if (shots > 1 && v.recording >= 0) v.name += fmt::format("[{}]", v.recording + 1);
+  }
+  return variables;
+}
+
+}  // namespace impactrig::fitting

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/impact.hpp"
+#include "fitting/fit.hpp"
+#include "fitting/parameters.hpp"
+
+namespace impactrig::fitting {
+
+/// One unknown of a fit: a parameter of the physics, or of what stands between the impact and a
+/// recording.
+struct Variable {
+  enum class Role { physics, touch, offset, gain, delay };
+
+  Role role = Role::physics;
+  const PhysicalParameter* physics = nullptr;                 ///< role physics
+  datasets::Quantity quantity = datasets::Quantity::unknown;  ///< channel of offset, gain, delay
+  int recording = -1;                                         ///< -1: shared by all
+  std::string name;
+  std::string unit;
+  double initial = 0.0;
+  double value = 0.0;
+  double lower = 0.0, upper = 0.0;
+  double scale = 1.0;  ///< typical change; the solver works on value / scale
+  std::optional<std::array<double, 2>> prior;  ///< mean, standard uncertainty
+
+  bool concerns(int shot) const { return recording < 0 || recording == shot; }
+};
+
+/// The unknowns of a fit: what the user frees (by default restitution, stiffness factor, approach
+/// speed), and for every recording first touch, channel offsets, and gains and delays whose
+/// calibration states an uncertainty. Throws std::invalid_argument on a name that cannot be fitted
+/// or is named twice.
+std::vector<Variable> make_variables(const std::vector<datasets::Impact>& impacts,
+                                     const RigFile& rig, const FitOptions& options);
+
+}  // namespace impactrig::fitting
