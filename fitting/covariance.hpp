@@ -20,7 +20,10 @@ struct Uncertainty {
 
 /// (J'J)⁻¹ of weighted residuals (n_residuals, n_parameters), by the eigenvectors of J'J scaled to
 /// a unit diagonal: a parameter without influence, or part of a combination whose eigenvalue is
-/// below 1e-12, is not identifiable. Strong correlations (above 0.995) are told in a sentence.
-Uncertainty uncertainty(const Eigen::MatrixXd& jacobian, const std::vector<std::string>& names);
+/// below 1e-12, is not identifiable. Strong correlations (above 0.995) are told in a sentence where
+/// `of_interest` marks one of the two: that first touch and the channels' delays go together is no
+/// news, their priors hold them.
+Uncertainty uncertainty(const Eigen::MatrixXd& jacobian, const std::vector<std::string>& names,
+                        const std::vector<bool>& of_interest);
 
 }  // namespace impactrig::fitting

@@ -449,12 +449,14 @@ Fit Session::run() {
   Eigen::MatrixXd jacobian;
   fit.goodness.chi2 = chi2(&jacobian);
   std::vector<std::string> names;
+  std::vector<bool> physical;
   double priors = 0.0;
   for (const Variable& v : variables_) {
     names.push_back(v.name);
+    physical.push_back(v.role == Variable::Role::physics);
     priors += v.prior ? 1.0 : 0.0;
   }
-  const Uncertainty spread = uncertainty(jacobian, names);
+  const Uncertainty spread = uncertainty(jacobian, names, physical);
   const double count = samples();
   const double unknowns = static_cast<double>(variables_.size());
   const double dof = std::max(1.0, count + priors - unknowns);

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fitting/covariance.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+namespace impactrig::fitting {
+namespace {
+
+Eigen::MatrixXd straight_line(int n) {
+  Eigen::MatrixXd j(n, 2);
+  for (int i = 0; i < n; ++i) j.row(i) << 1.0, static_cast<double>(i);
+  return j;
+}
+
+// Intercept and slope of a line through n equidistant points with unit noise: the textbook's
+// variances.
+TEST(Uncertainty, IsTheClosedFormForAStraightLine) {
+  const int n = 11;
+  const Uncertainty u = uncertainty(straight_line(n), {"a", "b"}, {true, true});
+  const double mean = 5.0;
+  const double spread = 110.0;  // Σ (i − mean)²
+  EXPECT_NEAR(u.covariance(1, 1), 1.0 / spread, 1e-14);
+  EXPECT_NEAR(u.covariance(0, 0), 1.0 / n + mean * mean / spread, 1e-13);
+  EXPECT_NEAR(u.covariance(0, 1), -mean / spread, 1e-14);
+  EXPECT_TRUE(u.sentences.empty());
+}
+
+// Columns of very different size: only the scaled matrix is well conditioned.
+TEST(Uncertainty, DoesNotDependOnUnits) {
+  Eigen::MatrixXd j = straight_line(9);
+  const Eigen::MatrixXd in_si = uncertainty(j, {"a", "b"}, {true, true}).covariance;
+  j.col(1) *= 1e12;
+  const Eigen::MatrixXd in_pico = uncertainty(j, {"a", "b"}, {true, true}).covariance;
+  EXPECT_NEAR(in_pico(1, 1) * 1e24 / in_si(1, 1), 1.0, 1e-12);
+  EXPECT_NEAR(in_pico(0, 0) / in_si(0, 0), 1.0, 1e-12);
+}
+
+TEST(Uncertainty, NamesAParameterWithoutInfluence) {
+  Eigen::MatrixXd j = Eigen::MatrixXd::Zero(5, 2);
+  j.col(0).setOnes();
+  const Uncertainty u = uncertainty(j, {"a", "idle"}, {true, true});
+  EXPECT_NEAR(u.covariance(0, 0), 0.2, 1e-15);
+  EXPECT_TRUE(u.identifiable[0]);
+  EXPECT_FALSE(u.identifiable[1]);
+  EXPECT_THAT(u.sentences,
+              testing::ElementsAre("idle has no influence on what was measured; fix it"));
+}
+
+TEST(Uncertainty, NamesACombinationTheDataCannotTellApart) {
+  Eigen::MatrixXd j(6, 3);
+  for (int i = 0; i < 6; ++i) j.row(i) << 1.0 + i, 2.0 * (1.0 + i), static_cast<double>(i * i);
+  const Uncertainty u = uncertainty(j, {"length", "modulus", "offset"}, {true, true, true});
+  EXPECT_FALSE(u.identifiable[0]);
+  EXPECT_FALSE(u.identifiable[1]);
+  EXPECT_TRUE(u.identifiable[2]);
+  EXPECT_THAT(u.sentences, testing::ElementsAre("length, modulus: only a combination of these is "
+                                                "determined; fix one of them or give it a prior"));
+}
+
+TEST(Uncertainty, TellsOfStrongCorrelationsThatInterest) {
+  Eigen::MatrixXd j(100, 2);
+  for (int i = 0; i < 100; ++i) j.row(i) << 1.0, 1.0 + 1e-3 * i;
+  EXPECT_THAT(uncertainty(j, {"a", "b"}, {true, false}).sentences,
+              testing::ElementsAre(
+                  testing::HasSubstr("a and b can hardly be told apart (correlation -0.999")));
+  EXPECT_TRUE(uncertainty(j, {"a", "b"}, {false, false}).sentences.empty());
+}
+
+}  // namespace
+}  // namespace impactrig::fitting

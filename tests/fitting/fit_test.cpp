@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fitting/fit.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "tests/fitting/synthetic_shot.hpp"
+
+namespace impactrig::fitting {
+namespace {
+
+using tests::paper_rig;
+using tests::ShotTruth;
+using tests::synthetic_shot;
+
+const Parameter& parameter(const Fit& fit, const std::string& name) {
+  for (const Parameter& p : fit.parameters)
+    if (p.name == name) return p;
+  throw std::out_of_range(name);
+}
+
+/// A fast rig for studies: four pinned-free modes.
+RigFile hybrid_rig() {
+  return parse_rig_file(
+      paper_rig, "rig.toml",
+      {{"solver.model", "hybrid"}, {"solver.basis", "pinned-free"}, {"solver.modes", "4"}, {"solver.duration", "1.5 ms"}});
+}
+
+/// Distance from the truth in standard errors.
+double pull(const Fit& fit, const std::string& name, double truth) {
+  const Parameter& p = parameter(fit, name);
+  return (p.value - truth) / p.std_error;
+}
+
+TEST(Fit, FindsTheTruthFromAfarWithAncf) {
+  const RigFile rig = parse_rig_file(paper_rig, "rig.toml");
+  const ShotTruth truth{
+      .restitution = 0.3, .stiffness_factor = 1.3, .velocity = 0.43, .force_delay = 0.4e-6};
+  const Fit result = fit({synthetic_shot(rig, truth)}, rig);
+  EXPECT_EQ(result.termination, "converged");
+  EXPECT_LT(std::abs(pull(result, "contact.restitution", 0.3)), 3.5);
+  EXPECT_LT(std::abs(pull(result, "contact.stiffness_factor", 1.3)), 3.5);
+  EXPECT_LT(std::abs(pull(result, "start.velocity", 0.43)), 3.5);
+  EXPECT_LT(std::abs(pull(result, "impact.time", tests::true_touch)), 3.5);
+  EXPECT_LT(parameter(result, "contact.restitution").std_error, 2e-3);
+  EXPECT_NEAR(result.goodness.chi2 / static_cast<double>(result.goodness.dof), 1.0, 0.1);
+  EXPECT_TRUE(result.not_identifiable.empty());
+}
+
+// 40 shots: pulls have mean 0 ± 0.16 and variance 1 ± 0.22; bounds at four of those. That the
+// interval holds is the promise.
+TEST(Fit, StandardErrorsAreThoseOfRepeatedShots) {
+  const RigFile rig = hybrid_rig();
+  const int shots = 40;
+  double sum = 0.0, squares = 0.0;
+  int inside = 0;
+  for (int i = 0; i < shots; ++i) {
+    const ShotTruth truth{.restitution = 0.6,
+                          .stiffness_factor = 0.9,
+                          .duration = 1.6e-3,
+                          .seed = 100 + static_cast<std::uint64_t>(i)};
+    const Fit result = fit({synthetic_shot(rig, truth)}, rig);
+    const double p = pull(result, "contact.restitution", 0.6);
+    const auto& ci = parameter(result, "contact.restitution").ci95;
+    inside += ci[0] <= 0.6 && 0.6 <= ci[1] ? 1 : 0;
+    sum += p;
+    squares += p * p;
+  }
+  EXPECT_NEAR(sum / shots, 0.0, 0.64);
+  EXPECT_NEAR(squares / shots, 1.0, 0.9);
+  EXPECT_GE(inside, 33);  // binomial(40, 0.95): below 33 with probability 2e-3
+}
+
+TEST(Fit, AStatedDelayErrorIsFoundWithinItsPrior) {
+  const RigFile rig = hybrid_rig();
+  const Fit result = fit({synthetic_shot(rig, {.force_delay = 0.8e-6, .duration = 1.6e-3})}, rig);
+  EXPECT_NEAR(parameter(result, "sensors.force.delay").value, 0.8e-6,
+              3.5 * parameter(result, "sensors.force.delay").std_error);
+  EXPECT_TRUE(parameter(result, "sensors.force.delay").nuisance);
+  ASSERT_TRUE(parameter(result, "sensors.force.delay").prior.has_value());
+}
+
+TEST(Fit, AnOffsetIsNoForce) {
+  const RigFile rig = hybrid_rig();
+  const Fit result = fit({synthetic_shot(rig, {.force_offset = 25.0, .duration = 1.6e-3})}, rig);
+  EXPECT_LT(std::abs(pull(result, "sensors.force.offset", 25.0)), 3.5);
+  EXPECT_LT(std::abs(pull(result, "contact.restitution", 0.5)), 3.5);
+}
+
+TEST(Fit, SharesThePhysicsOfTwoShotsAndKeepsTheirSpeedsApart) {
+  const RigFile rig = hybrid_rig();
+  const Fit one = fit({synthetic_shot(rig, {.duration = 1.6e-3, .seed = 5})}, rig);
+  const Fit two = fit({synthetic_shot(rig, {.duration = 1.6e-3, .seed = 5}),
+                       synthetic_shot(rig, {.velocity = 0.3, .duration = 1.6e-3, .seed = 6})},
+                      rig);
+  EXPECT_LT(std::abs(pull(two, "start.velocity[1]", 0.441)), 3.5);
+  EXPECT_LT(std::abs(pull(two, "start.velocity[2]", 0.3)), 3.5);
+  EXPECT_LT(std::abs(pull(two, "contact.restitution", 0.5)), 3.5);
+  EXPECT_LT(parameter(two, "contact.restitution").std_error,
+            parameter(one, "contact.restitution").std_error);
+  EXPECT_EQ(two.predictions.size(), 2U);
+}
+
+TEST(Fit, WithoutDampingThereIsNoRestitutionToFit) {
+  const RigFile rig = parse_rig_file(
+      paper_rig, "rig.toml",
+      {{"solver.model", "rigid"}, {"contact.damping", "none"}, {"solver.duration", "0.5 ms"}});
+  const Fit result = fit({synthetic_shot(rig, {.duration = 0.6e-3})}, rig);
+  for (const Parameter& p : result.parameters) EXPECT_NE(p.name, "contact.restitution");
+  EXPECT_LT(std::abs(pull(result, "contact.stiffness_factor", 1.0)), 3.5);
+}
+
+// Contact length and stiffness factor act through A and f* alone, and through f* only in a
+// logarithm.
+TEST(Fit, SaysWhatCannotBeToldApart) {
+  const RigFile rig = hybrid_rig();
+  FitOptions options;
+  options.free = {"contact.stiffness_factor", "contact.length", "contact.modulus",
+                  "start.velocity"};
+  const Fit result = fit({synthetic_shot(rig, {.duration = 1.6e-3})}, rig, options);
+  EXPECT_FALSE(result.not_identifiable.empty());
+}
+
+TEST(Fit, AWrongModelIsToldFromTheResiduals) {
+  const RigFile rig = hybrid_rig();
+  const datasets::Impact shot = synthetic_shot(rig, {.duration = 1.6e-3});
+  const RigFile wrong = parse_rig_file(paper_rig, "rig.toml",
+                                       {{"solver.model", "rigid"}, {"solver.duration", "1.5 ms"}});
+  const Fit result = fit({shot}, wrong);
+  EXPECT_THAT(result.warnings,
+              testing::Contains(testing::HasSubstr("does not explain all that was measured")));
+}
+
+TEST(Fit, ARecordWithoutNoiseTakesItsIntervalsFromTheResiduals) {
+  const RigFile rig = hybrid_rig();
+  datasets::Impact shot =
+      synthetic_shot(rig, {.force_noise = 0.0, .velocity_noise = 0.0, .duration = 1.6e-3});
+  const Fit result = fit({shot}, rig);
+  EXPECT_THAT(result.warnings,
+              testing::Contains(testing::HasSubstr("shows no noise before the trigger")));
+  EXPECT_NEAR(parameter(result, "contact.restitution").value, 0.5, 1e-4);
+}
+
+TEST(Fit, RefusesWhatItCannotDo) {
+  const RigFile rig = hybrid_rig();
+  const auto message = [&](const std::vector<datasets::Impact>& impacts,
+                           const FitOptions& options) {
+    try {
+      fit(impacts, rig, options);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  FitOptions unknown;
+  unknown.free = {"contact.colour"};
+  const datasets::Impact shot = synthetic_shot(rig, {.duration = 1.6e-3});
+  EXPECT_THAT(message({shot}, unknown),
+              testing::StartsWith(
+                  "'contact.colour' cannot be fitted; parameters are contact.restitution, "));
+  FitOptions twice;
+  twice.free = {"contact.restitution", "contact.restitution"};
+  EXPECT_EQ(message({shot}, twice),
+            "'contact.restitution' is named twice among the free parameters");
+  EXPECT_EQ(message({}, {}), "there is no impact to fit to");
+  datasets::Impact silent;
+  silent.recording = "empty.uff";
+  EXPECT_EQ(message({silent}, {}), "empty.uff has no force, velocity or displacement to fit to");
+}
+
+}  // namespace
+}  // namespace impactrig::fitting

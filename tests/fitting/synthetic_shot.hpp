@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "datasets/impact.hpp"
+#include "fitting/rig_file.hpp"
+
+namespace impactrig::tests {
+
+/// The rig of Shen et al. with its measuring chain.
+extern const char* const paper_rig;
+
+/// What a recording of that rig would be.
+struct ShotTruth {
+  double restitution = 0.5;
+  double stiffness_factor = 1.0;
+  double velocity = 0.441;       ///< [m/s]
+  double force_noise = 2.0;      ///< [N]
+  double velocity_noise = 1e-3;  ///< [m/s]
+  double force_offset = 0.0;     ///< [N]
+  double force_delay = 0.0;      ///< what the stated delay got wrong [s]
+  double velocity_delay = 0.0;   ///< [s]
+  double duration = 3.2e-3;      ///< recorded after first touch [s]
+  std::uint64_t seed = 1;
+};
+
+/// The true instant of first touch in every shot.
+inline constexpr double true_touch = 0.00123;  ///< [s]
+
+/// An impact as detection would hand it on, made without the code under test: its own sampling and
+/// noise.
+datasets::Impact synthetic_shot(const fitting::RigFile& rig, const ShotTruth& truth);
+
+}  // namespace impactrig::tests
