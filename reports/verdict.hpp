@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "reports/report_data.hpp"
+
+namespace impactrig::reports {
+
+/// What a fit amounts to, in words (plain text).
+///
+/// explained: the residual of every channel is at most 1.5 times the noise seen before the trigger.
+/// in_shape: not so, but every channel's Sprague-Geers comprehensive error is at most 0.2.
+/// not_explained: neither. open: the fit did not converge, nothing was compared, or no impact was
+/// found. The limits are conventions of this report, not of a standard.
+struct Verdict {
+  enum class Grade { explained, in_shape, not_explained, open };
+
+  Grade grade = Grade::open;
+  std::string headline;  ///< "Explained to within the noise"
+  std::string sentence;  ///< the numbers behind it, and reservations
+};
+
+Verdict verdict(const fitting::Fit& fit);
+
+}  // namespace impactrig::reports

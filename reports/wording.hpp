@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "reports/numbers.hpp"
+#include "reports/report_data.hpp"
+
+/// Words and pieces of HTML that several sections of the page share. What is named html is escaped
+/// markup, everything else plain text.
+namespace impactrig::reports {
+
+/// "start.velocity[2]" -> {"start.velocity", 2}; 0 when it has no number.
+struct ParameterKey {
+  std::string key;
+  int recording = 0;
+};
+
+ParameterKey parameter_key(const std::string& name);
+
+/// "Restitution e of the contact law"; "" for a key without words of its own.
+std::string parameter_label(const std::string& name);
+
+/// The parameter of that key and, where recordings have their own, of that recording (from 0); null
+/// when it was not fitted.
+const fitting::Parameter* find_parameter(const fitting::Fit& fit, const std::string& key,
+                                         int recording = 0);
+
+/// Whether a value comes with an interval: finite and not of zero width.
+bool has_interval(const std::array<double, 2>& interval);
+
+/// "0.490 to 0.534", as precise as two digits of a quarter of its width, in `unit`.
+std::string interval_text(const std::array<double, 2>& interval, const DisplayUnit& unit);
+
+/// "Force", "Velocity": first letter upper case.
+std::string capital(std::string word);
+
+/// "shot 17.uff": without its folders.
+std::string file_name(const std::string& path);
+
+/// The recording's file name, "recording 2" when it has none.
+std::string recording_name(const fitting::Fit& fit, std::size_t recording);
+
+/// "one", "two", ... "twelve", then figures.
+std::string count_word(std::size_t count);
+
+/// <code> of a rig-file key or a file's name, which may be broken after a dot, dash or underscore.
+std::string html_code(const std::string& name);
+
+/// <ul> of escaped sentences; "" when there are none.
+std::string html_list(const std::vector<std::string>& sentences, const char* css_class = "");
+
+/// <section id=...><h2>...</h2>body</section>
+std::string html_section(const char* id, const std::string& title, const std::string& body_html);
+
+/// The page's sections, in order.
+std::string html_summary(const ReportData& data);      ///< head, verdict, key numbers, warnings
+std::string html_measured(const ReportData& data);     ///< histories and residuals
+std::string html_restitution(const ReportData& data);  ///< the four restitutions, energy
+std::string html_parameters(const ReportData& data);   ///< table, correlations
+std::string html_contacts(const ReportData& data);     ///< loop and contacts of the prediction
+std::string html_goodness(const ReportData& data);     ///< chi2, residuals against noise, metrics
+std::string html_quality(const ReportData& data);      ///< noise, calibration
+std::string html_provenance(const ReportData& data);  ///< inputs, edits, rig file, how to reproduce
+
+}  // namespace impactrig::reports

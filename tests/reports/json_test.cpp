@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <set>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/input_error.hpp"
+#include "reports/report_data.hpp"
+#include "tests/reports/example_report.hpp"
+
+namespace impactrig {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::set<std::string> members(const Json& object) {
+  std::set<std::string> out;
+  for (const auto& item : object.items()) out.insert(item.key());
+  return out;
+}
+
+/// The example as JSON with one change made to it.
+template <typename Change>
+std::string changed(Change change) {
+  Json json = Json::parse(reports::to_json(tests::example_report()));
+  change(json);
+  return json.dump();
+}
+
+std::string complaint(const std::string& json) {
+  try {
+    reports::report_from_json(json, "fit.json");
+  } catch (const datasets::InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+bool same_bits(double a, double b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+TEST(FitJson, HasTheNamesOfTheDesignPage) {
+  const Json json = Json::parse(reports::to_json(tests::example_report()));
+  for (const char* name : {"parameters", "correlations", "not_identifiable", "channels", "goodness",
+                           "metrics", "restitution", "impacts", "termination", "warnings"})
+    EXPECT_TRUE(json.contains(name)) << name;
+  EXPECT_EQ(json["schema"], "impactrig/fit/1");
+  const Json& parameter = json["parameters"][0];
+  EXPECT_EQ(parameter["name"], "contact.restitution");
+  EXPECT_EQ(parameter["value"], 0.512);
+  EXPECT_EQ(parameter["unit"], "1");
+  EXPECT_EQ(parameter["std_error"], 0.0113);
+  EXPECT_EQ(parameter["ci95"].size(), 2u);
+  EXPECT_EQ(parameter["initial"], 0.7);
+  EXPECT_EQ(parameter["at_bound"], false);
+  EXPECT_EQ(json["correlations"].size(), 8u);
+  EXPECT_EQ(json["correlations"][3][3], 1.0);
+  for (const char* name : {"name", "residual_rms", "unit", "noise"})
+    EXPECT_TRUE(json["channels"][0].contains(name)) << name;
+  EXPECT_EQ(json["channels"][0]["name"], "force");
+  for (const char* name : {"chi2", "dof", "aicc", "bic", "reduced_chi2"})
+    EXPECT_TRUE(json["goodness"].contains(name)) << name;
+  EXPECT_DOUBLE_EQ(json["goodness"]["reduced_chi2"].get<double>(), 2811.4 / 2494.0);
+  EXPECT_EQ(json["metrics"]["force"]["sprague_geers_phase"], 0.0061);
+  EXPECT_EQ(members(json["restitution"]),
+            (std::set<std::string>{"law", "kinematic", "kinetic", "energetic"}));
+  EXPECT_EQ(json["restitution"]["law"]["value"], 0.512);
+  EXPECT_EQ(json["restitution"]["law"]["ci95"][1], 0.5341);
+  EXPECT_EQ(json["impacts"][0]["recording"], "shot 17.uff");
+  EXPECT_EQ(json["impacts"][0]["start_s"], 0.0005);
+  EXPECT_EQ(json["impacts"][0]["flags"][0], "double-hit");
+}
+
+TEST(FitJson, NumbersTheChannelsOfSeveralRecordingsFromOne) {
+  const Json json = Json::parse(reports::to_json(tests::example_report(2)));
+  EXPECT_EQ(json["channels"][0]["name"], "force[1]");
+  EXPECT_EQ(json["channels"][3]["name"], "velocity[2]");
+  EXPECT_EQ(json["channels"][3]["recording"], 1);
+  EXPECT_TRUE(json["metrics"].contains("velocity[2]"));
+}
+
+TEST(FitJson, ComesBackAsItWentOut) {
+  for (const int recordings : {1, 3}) {
+    reports::ReportData data = tests::example_report(recordings);
+    data.fit.rig.solver.duration = 3e-3;
+    data.fit.predictions[0].solver.model = models::BeamModel::ancf;
+    data.fit.rig.rig.start.release_angle = 0.2;
+    const std::string once = reports::to_json(data);
+    const std::string twice = reports::to_json(reports::report_from_json(once, "fit.json"));
+    EXPECT_TRUE(once == twice);  // half a megabyte: not printed
+  }
+}
+
+TEST(FitJson, KeepsEveryBitOfADouble) {
+  reports::ReportData data = tests::example_report();
+  const std::vector<double> values = {0.1,
+                                      -0.0,
+                                      5e-324,
+                                      std::numeric_limits<double>::max(),
+                                      std::nextafter(1.0, 2.0),
+                                      1.0 / 3.0,
+                                      123456789012345680.0,
+                                      2.2250738585072011e-308};
+  fitting::ChannelFit& channel = data.fit.channels[0];
+  channel.time = channel.measured = channel.model = values;
+  channel.used.assign(values.size(), 1);
+  const reports::ReportData back = reports::report_from_json(reports::to_json(data), "fit.json");
+  for (std::size_t i = 0; i < values.size(); ++i)
+    EXPECT_TRUE(same_bits(back.fit.channels[0].measured[i], values[i])) << values[i];
+  for (std::size_t i = 0; i < 3000; ++i)
+    ASSERT_TRUE(same_bits(back.fit.predictions[0].history.force[i],
+                          data.fit.predictions[0].history.force[i]));
+}
+
+TEST(FitJson, WritesNullForWhatIsNotFiniteAndReadsItBack) {
+  reports::ReportData data = tests::example_report();
+  data.fit.parameters[0].lower = -std::numeric_limits<double>::infinity();
+  data.fit.parameters[0].upper = std::numeric_limits<double>::infinity();
+  data.fit.parameters[0].value = std::nan("");
+  data.fit.correlations(0, 1) = std::nan("");
+  data.fit.goodness = {std::nan(""), 0, std::nan(""), std::nan("")};
+  const std::string text = reports::to_json(data);
+  const Json json = Json::parse(text);  // NaN and Infinity would not parse
+  EXPECT_TRUE(json["parameters"][0]["value"].is_null());
+  EXPECT_TRUE(json["parameters"][0]["lower"].is_null());
+  EXPECT_TRUE(json["correlations"][0][1].is_null());
+  EXPECT_TRUE(json["goodness"]["reduced_chi2"].is_null());
+  const reports::ReportData back = reports::report_from_json(text, "fit.json");
+  EXPECT_EQ(back.fit.parameters[0].lower, -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(back.fit.parameters[0].upper, std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isnan(back.fit.parameters[0].value));
+}
+
+TEST(FitJson, ReplacesBytesThatAreNoUtf8) {
+  reports::ReportData data = tests::example_report();
+  data.records[0].title = "Sch\xe4lkurve";  // Latin-1
+  EXPECT_EQ(reports::report_from_json(reports::to_json(data), "").records[0].title,
+            "Sch\xef\xbf\xbdlkurve");
+}
+
+TEST(FitJson, PutsOneMemberOnALine) {
+  const std::string text = reports::to_json(tests::example_report());
+  EXPECT_THAT(text, testing::StartsWith("{\n\"schema\": \"impactrig/fit/1\",\n\"title\": "));
+  EXPECT_THAT(text, testing::HasSubstr("\n  {\"name\":\"contact.stiffness_factor\",\"value\":"));
+}
+
+TEST(FitJson, KeepsTheNumberOfSamplesOfARecord) {
+  const reports::ReportData back =
+      reports::report_from_json(reports::to_json(tests::example_report()), "fit.json");
+  EXPECT_EQ(back.records[0].channels[0].size(), 0u);
+  EXPECT_EQ(back.sample_counts, (std::vector<std::vector<std::size_t>>{{3000, 3000}}));
+}
+
+TEST(FitJson, NamesThePlaceInABrokenFile) {
+  EXPECT_EQ(complaint("{\"schema\": \"impactrig/fit/1\",\n  \"title\": oops}"),
+            "fit.json:2:12 (byte 41): this is not JSON; expected what impactrig fit --json writes");
+  EXPECT_EQ(
+      complaint("{\"schema\": "),
+      "fit.json:1:12 (byte 11): the JSON ends before it is complete; was the file cut short?");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["parameters"][2]["value"] = "0.5"; })),
+            "fit.json: /parameters/2/value: expected a number, found a string");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["curves"][1]["model"][7] = true; })),
+            "fit.json: /curves/1/model/7: expected a number, found true or false");
+  EXPECT_EQ(complaint("{\"schema\": \"impactrig/fit/1\", \"title\": \"\", \"x\": 1e999}"),
+            "fit.json: a number does not fit a double");
+}
+
+TEST(FitJson, RefusesAForeignFile) {
+  EXPECT_EQ(complaint("[1, 2]"), "fit.json: expected an object, found an array");
+  EXPECT_EQ(complaint("{\"peak_force_n\": 1}"),
+            "fit.json: not a fit of impactrig: the member \"schema\" is missing; expected "
+            "\"impactrig/fit/1\", as impactrig fit --json writes it");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["schema"] = "impactrig/fit/2"; })),
+            "fit.json: /schema: expected \"impactrig/fit/1\", found \"impactrig/fit/2\"");
+  EXPECT_EQ(complaint(changed([](Json& json) { json.erase("impacts"); })),
+            "fit.json: the member \"impacts\" is missing; write the file again with impactrig fit "
+            "--json");
+}
+
+TEST(FitJson, RefusesPartsThatDoNotFitTogether) {
+  EXPECT_EQ(complaint(changed([](Json& json) { json["correlations"].erase(0); })),
+            "fit.json: /correlations: expected 8 rows, one a parameter, found 7");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["correlations"][1].erase(0); })),
+            "fit.json: /correlations/1: expected 8 numbers, found 7");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["curves"][0]["used"].erase(0); })),
+            "fit.json: /curves/0: time_s, measured, model and used must be of one length, found "
+            "3000, 3000, 3000 and 2999");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["curves"].erase(0); })),
+            "fit.json: /curves: expected 2 curves, one a channel, found 1");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["channels"][1]["recording"] = 1; })),
+            "fit.json: /channels/1/recording: expected the index of one of 1 impacts, found 1");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["parameters"][0]["ci95"] = {0.5}; })),
+            "fit.json: /parameters/0/ci95: expected an array of two numbers, found an array");
+}
+
+TEST(FitJson, RefusesValuesOfTheWrongKind) {
+  EXPECT_EQ(complaint(changed([](Json& json) { json["title"] = 3; })),
+            "fit.json: /title: expected a string, found the number 3");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["warnings"] = "none"; })),
+            "fit.json: /warnings: expected an array, found a string");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["iterations"] = 1.5; })),
+            "fit.json: /iterations: expected an integer, found the number 1.5");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["provenance"]["inputs"][0]["bytes"] = -1; })),
+            "fit.json: /provenance/inputs/0/bytes: expected a count, found the number -1");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["parameters"][1]["nuisance"] = nullptr; })),
+            "fit.json: /parameters/1/nuisance: expected true or false, found null");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["impacts"][0]["flags"] = {"loud"}; })),
+            "fit.json: /impacts/0/flags/0: no flag of an impact is called \"loud\"");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["predictions"][0]["model"] = "shell"; })),
+            "fit.json: /predictions/0/model: expected rigid, hybrid or ancf, found \"shell\"");
+  EXPECT_EQ(complaint(changed([](Json& json) { json["predictions"][0]["basis"] = "free"; })),
+            "fit.json: /predictions/0/basis: expected cantilever or pinned-free, found \"free\"");
+  EXPECT_EQ(complaint(changed([](Json& json) {
+              json["predictions"][0]["model"] = "ancf";
+              json["predictions"][0]["elements"] = {14};
+            })),
+            "fit.json: /predictions/0/elements: expected two counts, hinge to contact and to the "
+            "tip");
+  EXPECT_EQ(
+      complaint(changed([](Json& json) { json["rig"]["contact"]["counterface"] = "sea"; })),
+      "fit.json: /rig/contact/counterface: expected groove, cylinder or plane, found \"sea\"");
+  EXPECT_EQ(
+      complaint(changed([](Json& json) { json["rig"]["sensors"]["force"]["quantity"] = "taste"; })),
+      "fit.json: /rig/sensors/force/quantity: expected a quantity, found \"taste\"");
+  EXPECT_EQ(complaint(changed(
+                [](Json& json) { json["records"][0]["channels"][0]["quantity"] = "taste"; })),
+            "fit.json: /records/0/channels/0/quantity: expected a quantity, found \"taste\"");
+}
+
+TEST(SimulationJson, HasTheNamesOfTheDesignPage) {
+  const reports::ReportData data = tests::example_report();
+  models::Simulation run = data.fit.predictions[0];
+  run.solver.model = models::BeamModel::ancf;
+  const Json json = Json::parse(reports::simulation_to_json(run, data.fit.rig.rig));
+  EXPECT_EQ(json["model"], "ancf");
+  EXPECT_EQ(json["elements"], (Json{14, 2}));
+  EXPECT_EQ(json["elastic_law"], "goldsmith");
+  EXPECT_EQ(json["damping_law"], "lankarani-nikravesh");
+  for (const char* name : {"peak_force_n", "peak_time_s", "max_penetration_m", "impulse_ns"})
+    EXPECT_TRUE(json[name].is_number()) << name;
+  for (const char* name : {"start_s", "end_s", "peak_force_n", "impulse_ns", "max_penetration_m",
+                           "approach_velocity_m_s", "separation_velocity_m_s", "dissipated_j"})
+    EXPECT_TRUE(json["episodes"][0][name].is_number()) << name;
+  EXPECT_EQ(members(json["restitution"]),
+            (std::set<std::string>{"law", "kinematic", "kinetic", "energetic"}));
+  for (const char* name : {"initial_j", "dissipated_j", "vibration_j", "imbalance"})
+    EXPECT_TRUE(json["energy"][name].is_number()) << name;
+  EXPECT_EQ(members(json["cost"]),
+            (std::set<std::string>{"steps", "rejected", "evaluations", "solve_s"}));
+  EXPECT_EQ(json["skipped"].size(), 2u);
+  EXPECT_TRUE(json["warnings"].empty());
+  EXPECT_FALSE(json.contains("history"));
+}
+
+TEST(SimulationJson, DescribesAHybridBeamByItsModes) {
+  const reports::ReportData data = tests::example_report();
+  models::Simulation run = data.fit.predictions[0];
+  run.solver.basis = models::Basis::pinned_free;
+  const Json json = Json::parse(reports::simulation_to_json(run, data.fit.rig.rig));
+  EXPECT_EQ(json["model"], "hybrid");
+  EXPECT_TRUE(json["elements"].empty());
+  EXPECT_EQ(json["modes"], 7);
+  EXPECT_EQ(json["axial_modes"], 0);
+  EXPECT_EQ(json["basis"], "pinned-free");
+}
+
+// The writers' example must not contradict itself: its energies add up.
+TEST(ExampleReport, AccountsForItsEnergy) {
+  const reports::ReportData data = tests::example_report();
+  const models::EnergyAudit& energy = data.fit.predictions[0].energy;
+  EXPECT_NEAR((energy.dissipated + energy.vibration + energy.rigid_rotation) / energy.initial, 1.0,
+              5e-3);  // semi-implicit Euler with 0.05 us
+  EXPECT_GT(data.fit.predictions[0].peak_force, 500.0);
+}
+
+}  // namespace
+}  // namespace impactrig
