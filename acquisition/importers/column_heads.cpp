@@ -101,8 +101,8 @@ bool is_sentence_row(const Cells& cells) {
 }
 
 bool is_index_word(std::string_view text) {
-  constexpr std::array<std::string_view, 10> words = {
-      "sequence", "index", "sample", "samples", "#", "no.", "number", "point", "-", "n"};
+  constexpr std::array<std::string_view, 9> words = {"sequence", "index",  "sample", "samples", "#",
+                                                     "no.",      "number", "point",  "-"};
   return std::find(words.begin(), words.end(), lowered(text)) != words.end();
 }
 

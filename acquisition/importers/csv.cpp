@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/formats.hpp"
@@ -200,6 +201,7 @@ Channel channel_from_column(const TextFile& file, const ColumnHead& head, Column
   Channel channel;
   channel.name = head.name;
   channel.clock = clock;
+  if (column.missing == column.values.size()) channel.clock.times.clear();
   set_unit(channel, head, record);
   const std::size_t n = column.values.size();
   if (n > 0 && column.missing == n) {
@@ -207,11 +209,7 @@ Channel channel_from_column(const TextFile& file, const ColumnHead& head, Column
     channel.raw = std::vector<double>{};
     return channel;
   }
-  if (column.missing > 0)
-    record.warnings.push_back(
-        fmt::format("'{}': {} of {} values {} missing, the first at {}; marked as not valid",
-                    head.name, column.missing, n, column.missing == 1 ? "is" : "are",
-                    file.position(column.first_missing).text()));
+  if (column.missing > 0) record.warnings.push_back(missing_values(file, head.name, column));
   channel.raw = std::move(column.values);
   channel.valid = std::move(column.valid);
   return channel;
@@ -267,6 +265,33 @@ datasets::SampleClock clock_from_head(const TableHead& head) {
   return clock;
 }
 
+/// A header may state the interval too: with more digits than the times have, or another one.
+void compare_with_head(const TableHead& head, std::size_t rows, datasets::SampleClock& clock,
+                       Record& record) {
+  const auto stated = stated_interval(head.attributes);
+  if (!stated) return;
+  const double deviation = std::abs(*stated - clock.interval);
+  if (clock.uniform() && rows > 1) {
+    // no further apart than the rounding of the times allows
+    const double last = clock.time(rows - 1);
+    const double rounding = 8.0 * std::numeric_limits<double>::epsilon() *
+                            std::max(std::abs(clock.start), std::abs(last));
+    if (deviation * static_cast<double>(rows - 1) <= rounding) clock.interval = *stated;
+  }
+  if (deviation > 1e-3 * *stated)
+    record.warnings.push_back(
+        fmt::format("the header states a sample interval of {:.9g} s but the time column steps by "
+                    "{:.9g} s: the time column is used",
+                    *stated, clock.interval));
+}
+
+/// "quantity of column 2: strain", as our own export says it where the unit does not.
+void take_stated_quantity(const TableHead& head, std::size_t column, Channel& channel) {
+  const auto found = head.attributes.find(fmt::format("quantity of column {}", column));
+  if (found == head.attributes.end()) return;
+  channel.quantity = datasets::quantity_named(found->second).value_or(channel.quantity);
+}
+
 }  // namespace
 
 int recognises_csv(std::string_view file_name, std::string_view head) {
@@ -303,21 +328,13 @@ Record read_csv(const std::string& path, const ImportOptions& options) {
   const Roles roles = find_roles(file, heads, table, options);
   take_units_of_keys(head, roles, layout.dialect.delimiter, heads);
   describe(layout, head, heads, roles, record);
-  if (table.cut_row != nullptr)
-    record.warnings.push_back(
-        fmt::format("the file ends within the row at {}: this row is left out",
-                    file.position(table.cut_row).text()));
+  if (const std::string cut = cut_row(file, table); !cut.empty()) record.warnings.push_back(cut);
 
-  const datasets::SampleClock clock =
+  datasets::SampleClock clock =
       roles.time ? clock_from_column(file, heads[*roles.time],
                                      std::move(table.columns[*roles.time]), record)
                  : clock_from_head(head);
-  const auto stated = stated_interval(head.attributes);
-  if (roles.time && stated && std::abs(*stated - clock.interval) > 1e-3 * *stated)
-    record.warnings.push_back(
-        fmt::format("the header states a sample interval of {:.9g} s but the time column steps "
-                    "by {:.9g} s: the time column is used",
-                    *stated, clock.interval));
+  if (roles.time) compare_with_head(head, table.rows, clock, record);
   for (std::size_t c = 0; c < heads.size(); ++c) {
     if (c == roles.time || c == roles.index) continue;
     Column column = c < columns ? std::move(table.columns[c]) : Column{};
@@ -326,6 +343,7 @@ Record read_csv(const std::string& path, const ImportOptions& options) {
           fmt::format("'{}' is named in the header but has no values", heads[c].name));
     record.channels.push_back(
         channel_from_column(file, heads[c], std::move(column), clock, record));
+    take_stated_quantity(head, c, record.channels.back());
   }
   return record;
 }

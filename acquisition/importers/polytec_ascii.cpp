@@ -150,10 +150,7 @@ Record read_polytec_ascii(const std::string& path, const ImportOptions& options)
   const Signal signal =
       split_signal(head.keys.count("Signal") > 0 ? head.keys["Signal"] : std::string());
   record.title = signal.channel;
-  if (table.cut_row != nullptr)
-    record.warnings.push_back(
-        fmt::format("the file ends within the row at {}: this row is left out",
-                    file.position(table.cut_row).text()));
+  if (const std::string cut = cut_row(file, table); !cut.empty()) record.warnings.push_back(cut);
 
   const ColumnHead& abscissa = head.columns.front();
   const auto to_seconds = datasets::conversion(abscissa.unit, "s");
@@ -200,9 +197,7 @@ Record read_polytec_ascii(const std::string& path, const ImportOptions& options)
       set_abscissa(channel, domain, abscissa.unit, first, increment);
     }
     if (table.columns[c].missing > 0)
-      record.warnings.push_back(fmt::format(
-          "'{}': {} values are missing, the first at {}; marked as not valid", channel.name,
-          table.columns[c].missing, file.position(table.columns[c].first_missing).text()));
+      record.warnings.push_back(missing_values(file, channel.name, table.columns[c]));
     channel.raw = std::move(table.columns[c].values);
     channel.valid = std::move(table.columns[c].valid);
     record.channels.push_back(std::move(channel));

@@ -383,6 +383,7 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
     }
     if (options.delimiter && dialect.delimiter != *options.delimiter) continue;
     if (options.decimal) dialect.decimal = *options.decimal;
+    if (dialect.decimal == dialect.delimiter) continue;
     const auto candidate = try_dialect(lines, skipped, dialect);
     if (candidate && (!best || better(*candidate, *best))) best = candidate;
   }
@@ -406,6 +407,19 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
 
 Table read_table(TextFile& file, const TableLayout& layout, const std::vector<std::string>& names) {
   return RowReader(file, layout, names).read();
+}
+
+std::string missing_values(const TextFile& file, const std::string& name, const Column& column) {
+  if (column.missing == 0) return {};
+  return fmt::format("'{}': {} of {} values {} missing, the first at {}; marked as not valid", name,
+                     column.missing, column.values.size(), column.missing == 1 ? "is" : "are",
+                     file.position(column.first_missing).text());
+}
+
+std::string cut_row(const TextFile& file, const Table& table) {
+  if (table.cut_row == nullptr) return {};
+  return fmt::format("the file ends within the row at {}: this row is left out",
+                     file.position(table.cut_row).text());
 }
 
 }  // namespace impactrig::acquisition

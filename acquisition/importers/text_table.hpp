@@ -60,4 +60,11 @@ struct Table {
 /// with line and column for a cell that is no number and for a row with too few or too many cells.
 Table read_table(TextFile& file, const TableLayout& layout, const std::vector<std::string>& names);
 
+/// "'Force': 2 of 500 values are missing, the first at run.csv:12:9 (byte 431); marked as not
+/// valid"; "" when none is.
+std::string missing_values(const TextFile& file, const std::string& name, const Column& column);
+
+/// Says that the file's end cut a row off; "" when it did not.
+std::string cut_row(const TextFile& file, const Table& table);
+
 }  // namespace impactrig::acquisition

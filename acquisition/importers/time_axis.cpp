@@ -68,23 +68,23 @@ TimeAxis time_axis(std::vector<double> times) {
   const double step = (times.back() - times.front()) / static_cast<double>(n - 1);
   double largest_step_error = 0.0;
   double largest_deviation = 0.0;
+  bool all_finite = true;
   std::optional<std::size_t> backwards;
   for (std::size_t i = 1; i < n; ++i) {
     const double this_step = times[i] - times[i - 1];
     if (!(this_step > 0.0) && !backwards) backwards = i;
     const double line = times.front() + step * static_cast<double>(i);
-    // written so that a NaN fails the test below
-    if (!(std::abs(this_step - step) <= largest_step_error))
-      largest_step_error = std::abs(this_step - step);
-    if (!(std::abs(times[i] - line) <= largest_deviation))
-      largest_deviation = std::abs(times[i] - line);
+    all_finite = all_finite && std::isfinite(times[i]);
+    largest_step_error = std::max(largest_step_error, std::abs(this_step - step));
+    largest_deviation = std::max(largest_deviation, std::abs(times[i] - line));
   }
-  const bool even =
-      step > 0.0 && largest_step_error <= 1e-3 * step && largest_deviation <= 0.05 * step;
+  const bool even = all_finite && step > 0.0 && largest_step_error <= 1e-3 * step &&
+                    largest_deviation <= 0.05 * step;
   const double largest = std::max(std::abs(times.front()), std::abs(times.back()));
   const double resolution = even || !(step > 0.0) ? 0.0 : printed_resolution(times);
   // between a fifth of a step and a whole one, a lost sample looks the same as a rounded time
-  const bool rounded = resolution > 0.0 && (resolution <= 0.2 * step || resolution > step) &&
+  const bool rounded = all_finite && resolution > 0.0 &&
+                       (resolution <= 0.2 * step || resolution > step) &&
                        largest_deviation <= 1.01 * resolution;
   if (even || rounded) {
     // the last bits of the mean step are rounding of the times: leave them off where a shorter
@@ -144,6 +144,26 @@ void set_abscissa(datasets::Channel& channel, std::string_view domain, std::stri
   channel.attributes["abscissa unit"] = unit;
   channel.attributes["abscissa first"] = fmt::format("{}", first);
   channel.attributes["abscissa increment"] = fmt::format("{}", increment);
+}
+
+std::string uff_date(std::string_view text) {
+  constexpr std::array<std::string_view, 12> months = {"Jan", "Feb", "Mar", "Apr", "May", "Jun",
+                                                       "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
+  const std::string source(text);
+  int year = 0;
+  int month = 0;
+  int day = 0;
+  int used = 0;
+  if (std::sscanf(source.c_str(), "%4d-%2d-%2d%n", &year, &month, &day, &used) != 3 || used != 10)
+    return source;
+  const bool clear =
+      year >= 1970 && year < 2070 && month >= 1 && month <= 12 && day >= 1 && day <= 31;
+  const std::string_view rest = std::string_view(source).substr(10);
+  if (!clear || !(rest.empty() || (rest.size() == 9 && rest[0] == 'T'))) return source;
+  std::string date =
+      fmt::format("{:02}-{}-{:02}", day, months[static_cast<std::size_t>(month - 1)], year % 100);
+  if (!rest.empty()) date += " " + std::string(rest.substr(1));
+  return iso_date(date) == source ? date : source;
 }
 
 std::string iso_date(std::string_view text) {

@@ -40,4 +40,8 @@ void set_abscissa(datasets::Channel& channel, std::string_view domain, std::stri
 /// last century.
 std::string iso_date(std::string_view text);
 
+/// "2020-04-30T19:12:52" as universal files have it, "30-Apr-20 19:12:52"; anything else, and other
+/// centuries, as it is.
+std::string uff_date(std::string_view text);
+
 }  // namespace impactrig::acquisition

@@ -80,6 +80,8 @@ class AsciiReader {
         at_ = line_start;
         break;
       }
+      // only a cut file ends without closing line and line end: its last number may lack digits
+      cut_ = at_ == end && end[-1] != '\n';
       read_line(line, at_ == end);
     }
     settle(start, announced);
@@ -121,6 +123,7 @@ class AsciiReader {
     for (const int width : widths_) {
       if (p == end) return true;
       const char* const cell = p;
+      if (cut_ && end - cell < width) return true;
       const char* const cell_end = end - p < width ? end : p + width;
       while (p != cell_end && *p == ' ') ++p;
       if (p == cell_end) {  // blank: the line ends here, or it is no line of columns
@@ -206,6 +209,7 @@ class AsciiReader {
   std::vector<double> values_;
   Uff58Data data_;
   bool by_blanks_ = false;
+  bool cut_ = false;
 };
 
 template <typename Number>
@@ -354,7 +358,7 @@ std::size_t Uff58Data::size() const {
 bool is_uff_delimiter(std::string_view line) {
   if (line.size() < 2 || line.size() > 200) return false;
   const std::string_view text = trimmed(line);
-  return text == "-1" && text.data() - line.data() <= 4;
+  return text == "-1" && text.data() - line.data() == 4;
 }
 
 Uff58Data read_uff58_data(const TextFile& file, const char*& at, const Uff58Form& form,
