@@ -97,6 +97,11 @@ std::string uff58_function_name(int function_type) {
   return fmt::format("function type {}", function_type);
 }
 
+int uff58_function(std::string_view name) {
+  const auto* const found = std::find(function_names.begin(), function_names.end(), name);
+  return found == function_names.end() ? 0 : static_cast<int>(found - function_names.begin());
+}
+
 bool uff58_is_time(int specific_data_type, int function_type, std::string_view unit) {
   if (specific_data_type == 17) return true;
   if (specific_data_type > 1) return false;

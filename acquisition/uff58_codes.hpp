@@ -21,6 +21,9 @@ int uff58_type(datasets::Quantity quantity);
 /// "time response" for 1; "function type 99" for what is not in the standard.
 std::string uff58_function_name(int function_type);
 
+/// The function type of such a name; 0 ("general function") where there is none.
+int uff58_function(std::string_view name);
+
 /// True when an abscissa is a time: by its specific data type 17, else by its unit, else by the
 /// function's type.
 bool uff58_is_time(int specific_data_type, int function_type, std::string_view unit);

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "datasets/record.hpp"
+
+namespace impactrig::acquisition {
+
+/// One format to write: its function in one file of exporters/, one line in exporters.cpp.
+struct Exporter {
+  std::string_view id;           ///< as the importer's: "uff58b"
+  std::string_view description;  ///< one line
+  std::string_view endings;      ///< ".uff .bunv"
+  void (*write)(const datasets::Record& record, const std::string& path);
+};
+
+std::span<const Exporter> exporters();
+
+/// Writes a recording in the format its file name ends in, or in the one `format` names
+/// (docs/importing.md says what each keeps). The file appears under its name only when complete;
+/// until then it is path.part. Throws datasets::FileError when the file cannot be written, no
+/// format has this ending, or the format cannot hold the recording.
+void export_recording(const datasets::Record& record, const std::string& path,
+                      std::string_view format = {});
+
+}  // namespace impactrig::acquisition

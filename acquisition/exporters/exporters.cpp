@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <array>
+
+#include "acquisition/exporter.hpp"
+#include "acquisition/exporters/formats.hpp"
+#include "acquisition/importers/column_heads.hpp"
+#include "acquisition/importers/text_table.hpp"
+#include "datasets/input_error.hpp"
+#include "datasets/store.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+/// A new format is a file beside this one, its function in formats.hpp, and a line here.
+constexpr std::array<Exporter, 3> table = {{
+    {"uff58b", "universal file, binary functions in double precision", ".uff .bunv",
+     write_uff58b},                                                                          //
+    {"uff58", "universal file, functions as text with 13 digits", ".unv", write_uff58},      //
+    {"csv", "table of numbers, comma separated, read back bit for bit", ".csv", write_csv},  //
+}};
+
+}  // namespace
+
+std::span<const Exporter> exporters() {
+  return table;
+}
+
+void export_recording(const datasets::Record& record, const std::string& path,
+                      std::string_view format) {
+  const std::string name = lowered(path.substr(path.find_last_of('/') + 1));
+  const std::size_t dot = name.find_last_of('.');
+  const std::string ending = dot == std::string::npos ? std::string() : name.substr(dot);
+  for (const Exporter& exporter : table) {
+    bool chosen = exporter.id == format;
+    if (format.empty())
+      for (const std::string_view known : cells_of(exporter.endings, ' '))
+        chosen = chosen || known == ending;
+    if (!chosen) continue;
+    exporter.write(record, path);
+    return;
+  }
+  std::string list;
+  for (const Exporter& exporter : table)
+    list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", exporter.endings, exporter.id);
+  throw datasets::FileError(
+      path, format.empty()
+                ? fmt::format("the ending '{}' is of no format that is written; known are {}",
+                              ending, list)
+                : fmt::format("there is no format '{}' to write; known are {}", format, list));
+}
+
+}  // namespace impactrig::acquisition
