@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/exporter.hpp"
+
+#include <gmock/gmock.h>
+
+#include <bit>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <random>
+
+#include "datasets/input_error.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using datasets::Channel;
+using datasets::Quantity;
+using datasets::Record;
+
+/// A path for the running test's output; the file is removed.
+class OutputPath {
+ public:
+  explicit OutputPath(const std::string& ending)
+      : path_(testing::TempDir() + "impactrig_out_" + tests::WrittenFile::test_name() + ending) {}
+
+  ~OutputPath() { std::filesystem::remove(path_); }
+
+  OutputPath(const OutputPath&) = delete;
+  OutputPath& operator=(const OutputPath&) = delete;
+
+  operator const std::string&() const { return path_; }
+
+  std::string part() const { return path_ + ".part"; }
+
+  bool exists() const { return std::filesystem::exists(path_); }
+
+ private:
+  std::string path_;
+};
+
+/// Two channels of one clock, with samples of every magnitude.
+Record example(std::size_t n = 500) {
+  Record record;
+  record.started = "2020-04-30T19:12:52";
+  std::mt19937_64 random(5);
+  for (const auto& [name, unit, quantity] :
+       {std::tuple{"Force", "N", Quantity::force},
+        std::tuple{"Velocity, laser", "mm/s", Quantity::velocity}}) {
+    Channel channel;
+    channel.name = name;
+    channel.unit = unit;
+    channel.quantity = quantity;
+    channel.clock.start = -1e-3;
+    channel.clock.interval = 1e-6;
+    std::vector<double> samples(n);
+    for (double& sample : samples) {
+      do {
+        sample = std::bit_cast<double>(random());
+      } while (!std::isfinite(sample));
+    }
+    samples[1] = -0.0;
+    samples[2] = std::numeric_limits<double>::denorm_min();
+    channel.raw = std::move(samples);
+    record.channels.push_back(std::move(channel));
+  }
+  return record;
+}
+
+Record round_trip(const Record& record, const std::string& ending) {
+  const OutputPath path(ending);
+  export_recording(record, path);
+  EXPECT_FALSE(std::filesystem::exists(path.part()));
+  ImportOptions options;
+  options.require_clock = false;
+  return import_recording(path, options);
+}
+
+void expect_same_samples(const Channel& a, const Channel& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::isnan(a.value(i)) && std::isnan(b.value(i))) continue;
+    ASSERT_EQ(std::bit_cast<std::uint64_t>(a.value(i)), std::bit_cast<std::uint64_t>(b.value(i)))
+        << i;
+  }
+  EXPECT_EQ(a.imaginary, b.imaginary);
+}
+
+void expect_same_head(const Channel& a, const Channel& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.unit, b.unit);
+  EXPECT_EQ(a.quantity, b.quantity);
+  EXPECT_EQ(a.clock.start, b.clock.start);
+  EXPECT_EQ(a.clock.interval, b.clock.interval);
+  EXPECT_EQ(a.clock.times, b.clock.times);
+}
+
+class ExactExport : public testing::TestWithParam<const char*> {};
+
+TEST_P(ExactExport, ComesBackBitForBit) {
+  const Record record = example();
+  const Record back = round_trip(record, GetParam());
+  ASSERT_EQ(back.channels.size(), 2U);
+  for (std::size_t c = 0; c < 2; ++c) {
+    expect_same_head(record.channels[c], back.channels[c]);
+    expect_same_samples(record.channels[c], back.channels[c]);
+  }
+  EXPECT_THAT(back.warnings, testing::IsEmpty());
+}
+
+TEST_P(ExactExport, KeepsAnyClock) {
+  for (const double interval : {1.0 / 65536.0, 1.0 / 3.0e5, 1.0 / 44100.0, 0.1, 2e-9}) {
+    for (const double start : {0.0, -1.0 / 3.0, 1234.5}) {
+      Record record = example(300);
+      for (Channel& channel : record.channels) {
+        channel.clock.start = start;
+        channel.clock.interval = interval;
+      }
+      SCOPED_TRACE(fmt::format("start {} s, interval {} s", start, interval));
+      const Record back = round_trip(record, GetParam());
+      EXPECT_EQ(back.channels[0].clock.start, start);
+      EXPECT_EQ(back.channels[0].clock.interval, interval);
+      EXPECT_TRUE(back.channels[0].clock.uniform());
+    }
+  }
+}
+
+TEST_P(ExactExport, KeepsUnevenTimes) {
+  Record record = example(4);
+  for (Channel& channel : record.channels)
+    channel.clock = {0.1, 1.0, {0.1, 0.7, 1.1 / 3.0 + 1.0, 3.1}};
+  const Record back = round_trip(record, GetParam());
+  EXPECT_EQ(back.channels[0].clock.times, record.channels[0].clock.times);
+  expect_same_samples(record.channels[0], back.channels[0]);
+}
+
+TEST_P(ExactExport, KeepsQuantitiesThatTheUnitDoesNotTell) {
+  Record record = example(5);
+  record.channels[0].quantity = Quantity::strain;
+  record.channels[0].unit = "1";
+  record.channels[1].quantity = Quantity::force;
+  record.channels[1].unit = "";
+  const Record back = round_trip(record, GetParam());
+  expect_same_head(record.channels[0], back.channels[0]);
+  expect_same_head(record.channels[1], back.channels[1]);
+}
+
+TEST_P(ExactExport, WritesScaledIntegersAsValues) {
+  Record record = example(3);
+  record.channels.resize(1);
+  record.channels[0].raw = std::vector<std::int16_t>{-3, 0, 7};
+  record.channels[0].scale = 0.1;
+  record.channels[0].offset = 2.0;
+  const Record back = round_trip(record, GetParam());
+  EXPECT_EQ(back.channels[0].values(), record.channels[0].values());
+}
+
+TEST_P(ExactExport, KeepsSamplesThatAreNotFiniteAndFlagsThem) {
+  Record record = example(5);
+  auto& samples = std::get<std::vector<double>>(record.channels[0].raw);
+  samples[3] = std::numeric_limits<double>::quiet_NaN();
+  samples[4] = -std::numeric_limits<double>::infinity();
+  const Record back = round_trip(record, GetParam());
+  expect_same_samples(record.channels[0], back.channels[0]);
+  EXPECT_THAT(back.channels[0].valid, testing::ElementsAre(1, 1, 1, 0, 0));
+}
+
+TEST_P(ExactExport, OfARecordingWithoutClockComesBackWithoutOne) {
+  Record record = example(10);
+  for (Channel& channel : record.channels) channel.clock = {};
+  const Record back = round_trip(record, GetParam());
+  ASSERT_EQ(back.channels.size(), 2U);
+  EXPECT_EQ(back.channels[0].clock.interval, 0.0);
+  expect_same_samples(record.channels[1], back.channels[1]);
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, ExactExport, testing::Values(".uff", ".csv"));
+
+TEST(Uff58bExport, KeepsComplexSpectra) {
+  Record record = example(8);
+  record.channels.resize(1);
+  Channel& channel = record.channels[0];
+  channel.clock = {};
+  channel.imaginary = {1, 2, 3, 4, 5, 6, 7, 8};
+  channel.attributes = {{"domain", "frequency"},        {"function", "spectrum"},
+                        {"abscissa unit", "Hz"},        {"abscissa first", "12.5"},
+                        {"abscissa increment", "0.25"}, {"response entity", "1+Z"},
+                        {"response node", "17"},        {"response direction", "-3"}};
+  const Record back = round_trip(record, ".uff");
+  expect_same_samples(channel, back.channels[0]);
+  for (const auto& [key, value] : channel.attributes)
+    EXPECT_EQ(back.channels[0].attributes.at(key), value) << key;
+}
+
+// 13 digits are what E20.12 has.
+TEST(Uff58Export, KeepsThirteenDigits) {
+  const Record record = example();
+  const Record back = round_trip(record, ".unv");
+  EXPECT_EQ(back.provenance.importer, "uff58");
+  for (std::size_t c = 0; c < 2; ++c) {
+    expect_same_head(record.channels[c], back.channels[c]);
+    ASSERT_EQ(back.channels[c].size(), record.channels[c].size());
+    for (std::size_t i = 0; i < back.channels[c].size(); ++i) {
+      const double value = record.channels[c].value(i);
+      EXPECT_NEAR(back.channels[c].value(i), value, 1e-12 * std::abs(value)) << i;
+    }
+  }
+}
+
+TEST(Uff58bExport, IsWrittenAsTheStandardSays) {
+  Record record = example(1);
+  record.channels.resize(1);
+  const OutputPath path(".uff");
+  export_recording(record, path);
+  const std::string bytes = tests::bytes_of(path);
+  const std::string head =
+      "    -1\n"
+      "    58b     1     2          11           8     0     0           0           0\n"
+      "Force\nNONE\n30-Apr-20 19:12:52\nNONE\nNONE\n"
+      "    1         0    0         0 NONE               0   0 NONE               0   0\n"
+      "         4         1         1 -1.00000E-03  1.00000E-06  0.00000E+00\n"
+      "        17    0    0    0 Time                 s                   \n"
+      "        13    0    0    0 force                N                   \n"
+      "         0    0    0    0 NONE                 NONE                \n"
+      "         0    0    0    0 NONE                 NONE                \n";
+  EXPECT_EQ(bytes.substr(0, head.size()), head);
+  EXPECT_EQ(bytes.size(), head.size() + 8 + 7);
+  EXPECT_EQ(bytes.substr(bytes.size() - 7), "    -1\n");
+}
+
+TEST(CsvExport, IsPlainWhereThePlainTableSaysAll) {
+  Record record = example(3);
+  for (Channel& channel : record.channels) channel.raw = std::vector<double>{0.1, -2.0, 1e-300};
+  const OutputPath path(".csv");
+  export_recording(record, path);
+  EXPECT_EQ(tests::bytes_of(path),
+            "time [s],Force [N],\"Velocity, laser "
+            "[mm/s]\"\n-0.001,0.1,0.1\n-0.000999,-2,-2\n-0.000998,1e-300,1e-300\n");
+}
+
+std::string export_error(const Record& record, const std::string& ending,
+                         std::string_view format = {}) {
+  const OutputPath path(ending);
+  try {
+    export_recording(record, path, format);
+  } catch (const datasets::FileError& error) {
+    EXPECT_FALSE(path.exists());
+    EXPECT_FALSE(std::filesystem::exists(path.part()));
+    std::string text = error.what();
+    return text.replace(0, static_cast<const std::string&>(path).size(), "OUT");
+  }
+  return {};
+}
+
+TEST(Export, RefusesWhatAFormatCannotHold) {
+  Record record = example(3);
+  record.channels[1].clock.interval = 2e-6;
+  EXPECT_EQ(export_error(record, ".csv"),
+            "OUT: 'Force' and 'Velocity, laser' were not sampled at the same times, and a CSV file "
+            "has one time column: write a "
+            ".uff or .h5 file");
+  record = example(3);
+  record.channels[0].imaginary = {1, 2, 3};
+  EXPECT_EQ(
+      export_error(record, ".csv"),
+      "OUT: 'Force' is complex, which a CSV file here does not hold: write a .uff or .h5 file");
+  record = example(3);
+  record.channels[0].attributes["domain"] = "frequency";
+  EXPECT_EQ(export_error(record, ".csv"),
+            "OUT: 'Force' is over frequency, a CSV file here holds time records: write a .uff or "
+            ".h5 file");
+  EXPECT_EQ(export_error(Record{}, ".csv"), "OUT: the recording has no channels to write");
+  record = example(3);
+  record.channels[0].clock.times = {0, 1, 3};
+  EXPECT_EQ(export_error(record, ".unv"),
+            "OUT: the samples of 'Force' are not evenly spaced, and dataset 58 holds times as text "
+            "with six digits only: write a "
+            ".uff file (58b)");
+  record = example(3);
+  record.channels[0].raw = std::vector<double>{0.0, std::nan(""), 1.0};
+  EXPECT_EQ(export_error(record, ".unv"),
+            "OUT: sample 1 of 'Force' is not finite, which dataset 58 cannot hold as text: write a "
+            ".uff file (58b)");
+  record = example(3);
+  record.channels[0].unit = "a unit of twenty-one b";
+  EXPECT_EQ(export_error(record, ".uff"),
+            "OUT: the unit 'a unit of twenty-one b' is longer than the 20 bytes that dataset 58 "
+            "has for it");
+  record = example(3);
+  record.channels[0].name = "two\nlines";
+  EXPECT_EQ(export_error(record, ".uff"), "OUT: the name 'two\nlines' has a line break");
+}
+
+TEST(Export, ChoosesByEndingOrByName) {
+  const Record record = example(3);
+  EXPECT_THAT(export_error(record, ".xyz"),
+              testing::StartsWith("OUT: the ending '.xyz' is of no format that is written; known "
+                                  "are "));
+  EXPECT_THAT(export_error(record, ".csv", "xyz"),
+              testing::StartsWith("OUT: there is no format 'xyz' to write; known are "));
+  const OutputPath path(".CSV");
+  export_recording(record, path);
+  EXPECT_EQ(tests::bytes_of(path).substr(0, 8), "time [s]");
+  export_recording(record, path, "uff58b");
+  EXPECT_EQ(tests::bytes_of(path).substr(0, 6), "    -1");
+}
+
+TEST(Export, IntoAMissingFolderIsAFileError) {
+  try {
+    export_recording(example(3), "/no/such/folder/x.csv");
+    FAIL();
+  } catch (const datasets::FileError& error) {
+    EXPECT_STREQ(error.what(),
+                 "/no/such/folder/x.csv: cannot be written: No such file or directory");
+  }
+}
+
+TEST(Export, OfAThirdPartyRecordingComesBack) {
+  const std::filesystem::path shared = std::filesystem::path(IMPACTRIG_SHARED_DIR) / "recordings";
+  if (!std::filesystem::exists(shared)) GTEST_SKIP() << "no recordings at " << shared;
+  for (const char* name :
+       {"uff/catman_time_history.uff", "uff/sample_58b_bin.uff", "text/rigol_ds1054z.csv",
+        "text/tek_mso64.csv", "text/shock_base.txt", "polytec_ascii/time_ref1_voltage.txt"}) {
+    const Record record = import_recording((shared / name).string());
+    for (const char* ending : {".uff", ".csv"}) {
+      SCOPED_TRACE(std::string(name) + ending);
+      const Record back = round_trip(record, ending);
+      ASSERT_EQ(back.channels.size(), record.channels.size());
+      for (std::size_t c = 0; c < back.channels.size(); ++c) {
+        expect_same_head(record.channels[c], back.channels[c]);
+        expect_same_samples(record.channels[c], back.channels[c]);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition

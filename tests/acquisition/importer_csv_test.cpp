@@ -1,0 +1,441 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "acquisition/importer.hpp"
+#include "acquisition/importers/column_heads.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using datasets::Channel;
+using datasets::Quantity;
+using datasets::Record;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using tests::import_error;
+using tests::imported;
+
+std::vector<std::string> names(const Record& record) {
+  std::vector<std::string> list;
+  for (const Channel& channel : record.channels)
+    list.push_back(channel.name + " [" + channel.unit + "]");
+  return list;
+}
+
+// --- How it is written
+// ----------------------------------------------------------------------------
+
+struct Spelling {
+  const char* text;
+  const char* delimiter;
+  const char* decimal;
+};
+
+class CsvSpelling : public testing::TestWithParam<Spelling> {};
+
+TEST_P(CsvSpelling, IsFoundByTheRowsItExplains) {
+  const Record record = imported(GetParam().text);
+  EXPECT_EQ(record.attributes.at("delimiter"), GetParam().delimiter);
+  EXPECT_EQ(record.attributes.at("decimal"), GetParam().decimal);
+  EXPECT_THAT(names(record), ElementsAre("Force [N]", "Velocity [mm/s]"));
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5, -2.5, 3.0));
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(10.0, 20.25, -30.0));
+  EXPECT_EQ(record.channels[0].quantity, Quantity::force);
+  EXPECT_EQ(record.channels[1].quantity, Quantity::velocity);
+  EXPECT_EQ(record.channels[0].clock.start, 0.5);
+  EXPECT_EQ(record.channels[0].clock.interval, 0.5);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Variants, CsvSpelling,
+    testing::Values(
+        Spelling{"time [s],Force [N],Velocity [mm/s]\n0.5,1.5,10\n1.0,-2.5,20.25\n1.5,3,-30\n",
+                 "comma", "."},
+        Spelling{"time (s);Force (N);Velocity (mm/s)\n0,5;1,5;10\n1,0;-2,5;20,25\n1,5;3;-30\n",
+                 "semicolon", ","},
+        Spelling{"time [s]\tForce [N]\tVelocity "
+                 "[mm/s]\r\n0.5\t1.5\t10\r\n1.0\t-2.5\t20.25\r\n1.5\t3\t-30\r\n",
+                 "tab", "."},
+        Spelling{
+            "t / s\tForce / N\tVelocity / mm/s\n0,5\t1,5\t1,0E1\n1,0\t-2,5\t20,25\n1,5\t3\t-30\n",
+            "tab", ","},
+        Spelling{
+            "# time(s) Force(N) Velocity(mm/s)\n 0.5  1.5  10\n 1.0 -2.5\t20.25\n 1.5  3    -30\n",
+            "blank", "."},
+        Spelling{"time|Force|Velocity\ns|N|mm/s\n0.5|1.5|10\n1|-2.5|20.25\n1.5|3|-30\n", "bar",
+                 "."},
+        Spelling{
+            "\"time [s]\",\"Force [N]\",\"Velocity "
+            "[mm/s]\"\n\"0.5\",\"1.5\",\"10\"\n\"1\",\"-2.5\",\"20.25\"\n\"1.5\",\"3\",\"-30\"",
+            "comma", "."},
+        Spelling{"time,Force,Velocity,\r\n[s],[N],[mm/"
+                 "s],\r\n0.5,1.5,10,\r\n\r\n1.0,-2.5,20.25,\r\n1.5,3,-30,\r\n\r\n",
+                 "comma", "."},
+        Spelling{"\xEF\xBB\xBF"
+                 "Time [s], Force [N], Velocity [mm/s]\n 0.5 , 1.5 , 10 \n 1.0 , -2.5 , 2.025D+01 "
+                 "\n 1.5 , 3 , -30 \n",
+                 "comma", "."}));
+
+TEST(Csv, MayBeUtf16) {
+  std::string text("\xFF\xFE");
+  for (const char c : std::string_view("time [s],Force [N]\n0.5,1\n1.0,2\n")) {
+    text += c;
+    text += '\0';
+  }
+  const Record record = imported(text, {}, ".csv");
+  EXPECT_THAT(names(record), ElementsAre("Force [N]"));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.0, 2.0));
+}
+
+TEST(Csv, WithLatin1UnitsIsUtf8Inside) {
+  const Record record = imported("Zeit [\xB5s];Beschleunigung [m/s\xB2]\n0;1\n1;2\n2;3\n");
+  EXPECT_THAT(names(record), ElementsAre("Beschleunigung [m/s\u00B2]"));
+  EXPECT_EQ(record.channels[0].quantity, Quantity::acceleration);
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-6);
+}
+
+TEST(Csv, IsReadAsTheUserSays) {
+  ImportOptions options;
+  options.decimal = ',';
+  const Record comma = imported("0,5\n1,5\n2,5\n", options);
+  EXPECT_THAT(comma.channels.front().values(), ElementsAre(0.5, 1.5, 2.5));
+  options.decimal.reset();
+  options.delimiter = '/';
+  EXPECT_EQ(imported("1/2\n2/4\n3/5\n", options).channels.size(), 1U);
+  options.delimiter.reset();
+  options.skip_lines = 2;
+  const Record skipped = imported("1,2\n3,4\ntime,F\n0.1,7\n0.2,8\n", options);
+  EXPECT_THAT(skipped.channels.front().values(), ElementsAre(7.0, 8.0));
+  EXPECT_EQ(skipped.channels.front().name, "F");
+}
+
+// --- Heads
+// ----------------------------------------------------------------------------------------
+
+TEST(ColumnHead, IsDividedIntoNameAndUnit) {
+  const auto divided = [](std::string_view cell) {
+    const ColumnHead head = split_head(cell);
+    return head.name + "|" + head.unit;
+  };
+  EXPECT_EQ(divided("Force [N]"), "Force|N");
+  EXPECT_EQ(divided("CH 1 (V)"), "CH 1|V");
+  EXPECT_EQ(divided("time(s),"), "time|s");
+  EXPECT_EQ(divided("v / mm/s"), "v|mm/s");
+  EXPECT_EQ(divided("Force [kp?]"), "Force|kp?");
+  EXPECT_EQ(divided("accel (top)"), "accel (top)|");
+  EXPECT_EQ(divided("left (outer) [V]"), "left (outer)|V");
+  EXPECT_EQ(divided("name []"), "name|");
+  EXPECT_EQ(divided("left / right"), "left / right|");
+  EXPECT_EQ(divided(""), "|");
+}
+
+TEST(Csv, WithoutAHeaderNumbersItsColumns) {
+  const Record record = imported("0.001 5 7\n0.002 6 8\n0.003 7 9\n");
+  EXPECT_THAT(names(record), ElementsAre("column 1 []", "column 2 []"));
+  EXPECT_EQ(record.channels[0].clock.interval, 0.001);
+  EXPECT_EQ(record.channels[0].quantity, Quantity::unknown);
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre(
+          "the time column 'column 0' states no unit: it is taken as s (--units states another)"));
+  EXPECT_EQ(record.attributes.at("time column"),
+            "column 0 (the first column, since it increases throughout)");
+}
+
+TEST(Csv, MayStateUnitsInASentence) {
+  const Record record = imported(
+      "time, accel 1, load\n"
+      "time - seconds (computed after test), deacceleration - kg, compression - "
+      "N\n0,1,2\n0.5,3,4\n");
+  EXPECT_THAT(names(record), ElementsAre("accel 1 [kg (kilo-g)]", "load [N]"));
+  EXPECT_EQ(record.channels[0].quantity, Quantity::acceleration);
+  EXPECT_EQ(record.channels[0].attributes.at("unit in file"), "kg");
+  EXPECT_EQ(record.channels[0].attributes.at("description"), "deacceleration");
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre(
+          "the unit 'kg' of an acceleration is read as kilo-g (1000 g); --units states another"));
+}
+
+TEST(Csv, MayHaveKeysAboveItsColumns) {
+  const Record record = imported(
+      "Model,MSO64\nSample Interval,0.5\nVertical Units,V\nHorizontal "
+      "Units,ms\n\nLabels,\nTIME,CH1\n"
+      "0,1\n1,2\n2,3\n");
+  EXPECT_THAT(names(record), ElementsAre("CH1 [V]"));
+  EXPECT_EQ(record.attributes.at("Model"), "MSO64");
+  EXPECT_EQ(record.attributes.at("column names"), "line 7");
+  EXPECT_EQ(record.attributes.at("first data line"), "8");
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("the header states a sample interval of 0.5 s but the time column steps by "
+                  "0.001 s: the time column is used"));
+}
+
+TEST(Csv, TakesItsClockFromAKeyWhenItHasNoTimeColumn) {
+  for (const char* key : {"Sample Interval,2e-6", "# Sampling rate: 500 kHz",
+                          "sample_rate [Hz]=500000", "dt,0.002 ms"}) {
+    const Record record = imported(std::string(key) + "\nCH1 (V),CH2 (V)\n1,2\n3,1\n2,5\n");
+    ASSERT_EQ(record.channels.size(), 2U) << key;
+    EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 2e-6) << key;
+    EXPECT_THAT(record.warnings, IsEmpty());
+  }
+}
+
+TEST(Csv, OfAnOscilloscopeCountsSamplesAndStatesStartAndIncrement) {
+  const Record record = imported(
+      "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-3.0e-07,5.0e-10\n0,1,2,\n1,3,4,\n2,5,6,\n");
+  EXPECT_THAT(names(record), ElementsAre("CH1 [Volt]", "CH2 [Volt]"));
+  EXPECT_EQ(record.channels[0].clock.start, -3e-7);
+  EXPECT_EQ(record.channels[0].clock.interval, 5e-10);
+  EXPECT_EQ(record.attributes.at("index column"), "X");
+}
+
+TEST(Csv, StatedUnitsReplaceTheFiles) {
+  ImportOptions options;
+  options.units = {"ms", "", "N"};
+  const Record record = imported("time,a [g],b\n0,1,2\n1,2,3\n", options);
+  EXPECT_THAT(names(record), ElementsAre("a [g]", "b [N]"));
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-3);
+  options.units = {"s", "N", "N", "V"};
+  EXPECT_EQ(import_error("time,a,b\n0,1,2\n1,2,3\n", options),
+            "FILE: 4 units are stated but the file has 3 columns");
+}
+
+// --- The time
+// -------------------------------------------------------------------------------------
+
+TEST(Csv, FindsTheTimeByNameThenByUnitThenByGrowth) {
+  EXPECT_EQ(imported("F,Time\n1,0.5\n2,1\n3,1.5\n").attributes.at("time column"),
+            "Time (by its name)");
+  EXPECT_EQ(imported("F [N],clock [ms]\n1,0.5\n2,1\n3,1.5\n").attributes.at("time column"),
+            "clock (by its unit)");
+  EXPECT_EQ(imported("X,F\n1.5,0.5\n2,1\n3,1.5\n").attributes.at("time column"),
+            "X (the first column, since it increases throughout)");
+  EXPECT_EQ(imported("displacement,F\n1.5,0.5\n2,1\n3,1.5\n").attributes.at("time column"), "none");
+  EXPECT_EQ(imported("F [N],G [N]\n1.5,0.5\n2,1\n3,1.5\n").attributes.at("time column"), "none");
+}
+
+TEST(Csv, TheUserMayNameTheTimeColumn) {
+  ImportOptions options;
+  for (const char* wanted : {"B", "b", "1"}) {
+    options.time_column = wanted;
+    const Record record = imported("A,B\n5,0.5\n4,1\n3,1.5\n", options);
+    EXPECT_THAT(names(record), ElementsAre("A []"));
+    EXPECT_EQ(record.channels[0].clock.interval, 0.5);
+  }
+  options.time_column = "none";
+  options.sample_rate = 100.0;
+  const Record record = imported("time,B\n5,0.5\n6,1\n7,1.5\n", options);
+  EXPECT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].clock.interval, 0.01);
+  options.time_column = "zeit";
+  EXPECT_EQ(import_error("A,B\n5,0.5\n4,1\n", options),
+            "FILE: there is no column 'zeit' for the time; the columns are 'A', 'B'");
+}
+
+TEST(Csv, AStatedRateReplacesTheInterval) {
+  ImportOptions options;
+  options.sample_rate = 1000.0;
+  const Record record = imported("time [s],F [N]\n0.5,1\n1,2\n1.5,3\n", options);
+  EXPECT_EQ(record.channels[0].clock.start, 0.5);
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-3);
+  EXPECT_EQ(record.channels[0].attributes.at("sample interval in file"), "0.5 s");
+  options.sample_rate = 0.0;
+  EXPECT_EQ(import_error("1\n2\n", options),
+            "FILE: the stated sample rate of 0 Hz is not positive");
+}
+
+TEST(Csv, WithoutTimesOrRateIsAnErrorThatNamesTheOption) {
+  EXPECT_EQ(import_error("F [N]\n1\n2\n"),
+            "FILE: 'F' has neither times nor a sample rate: state it with --sample-rate, or the "
+            "column with --time-column");
+  const Record record = imported("F [N]\n1\n2\n");  // does not insist
+  EXPECT_EQ(record.channels[0].clock.interval, 0.0);
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("'F' has neither times nor a sample rate: state it with --sample-rate, or the "
+                  "column with --time-column"));
+}
+
+TEST(Csv, UnevenTimesAreKept) {
+  const Record record = imported("time [ms],F [N]\n0,1\n1,2\n5,3\n6.5,3\n");
+  EXPECT_THAT(record.channels[0].clock.times, ElementsAre(0.0, 0.001, 0.005, 0.0065));
+  EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("the samples are not evenly spaced")));
+}
+
+TEST(Csv, ATimeColumnNeedsEveryTimeAndAUnitOfTime) {
+  EXPECT_EQ(import_error("time [s],F\n0,1\n,2\n1,3\n"),
+            "FILE:3:1 (byte 15): time: a time is missing; state --time-column none and "
+            "--sample-rate to do without this column");
+  ImportOptions options;
+  options.time_column = "0";
+  EXPECT_EQ(import_error("when [m],F\n0,1\n1,2\n", options),
+            "FILE: the time column 'when' has the unit 'm', which is not one of time: state it "
+            "with --units");
+}
+
+// --- Values
+// ---------------------------------------------------------------------------------------
+
+TEST(Csv, MissingValuesAreNanAndNotValid) {
+  const Record record = imported("time [s],F [N],G [N]\n0,1,1\n1,,2\n2,NaN,3\n3,4,\n4,-1.#IND,5\n");
+  const Channel& channel = record.channels[0];
+  EXPECT_EQ(channel.size(), 5U);
+  EXPECT_THAT(channel.valid, ElementsAre(1, 0, 0, 1, 0));
+  EXPECT_TRUE(std::isnan(channel.value(1)));
+  EXPECT_EQ(channel.value(3), 4.0);
+  EXPECT_THAT(record.channels[1].valid, ElementsAre(1, 1, 1, 0, 1));
+  EXPECT_THAT(record.warnings,
+              ElementsAre(HasSubstr(":3:3 (byte 29); marked as not valid"),
+                          HasSubstr("'G': 1 of 5 values is missing, the first at ")));
+}
+
+TEST(Csv, InfiniteValuesAreMarked) {
+  const Record record = imported("time [s],F [N]\n0,1\n1,inf\n2,-Infinity\n3,4\n");
+  EXPECT_THAT(record.channels[0].valid, ElementsAre(1, 0, 0, 1));
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre(
+          "'F': 2 of 4 samples are not finite, the first is sample 1; marked as not valid"));
+}
+
+TEST(Csv, AColumnThatIsNamedButEmptyIsAnEmptyChannel) {
+  for (const char* text :
+       {"time [s],F [N],G [N]\n0,1\n1,2\n", "time [s],F [N],G [N]\n0,1,\n1,2,\n"}) {
+    const Record record = imported(text);
+    ASSERT_EQ(record.channels.size(), 2U);
+    EXPECT_EQ(record.channels[1].size(), 0U);
+    EXPECT_EQ(record.channels[1].name, "G");
+    EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("'G' ")));
+  }
+}
+
+TEST(Csv, CommentsAndEmptyLinesBetweenRowsAreSkipped) {
+  EXPECT_THAT(imported("t,F\n0,1\n# pause\n\n1,2\n% again\n2,3\n").channels[0].values(),
+              ElementsAre(1.0, 2.0, 3.0));
+}
+
+TEST(Csv, ATextForANumberIsAnErrorThatNamesPlaceAndColumn) {
+  EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,1\n1,n/a\n2,3\n"),
+            "FILE:3:3 (byte 30): velocity: expected a number, found 'n/a'");
+  EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,1\n1,2\n2,3e999\n"),
+            "FILE:4:3 (byte 34): velocity: 3e999 does not fit a double");
+  EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,1\n1,2.5.1\n2,3\n"),
+            "FILE:3:3 (byte 30): velocity: expected a number, found '2.5.1'");
+}
+
+TEST(Csv, RowsOfTheWrongLengthAreErrors) {
+  EXPECT_EQ(import_error("t,a,b\n0,1,2\n1,2,3\n2,3\n3,4,5\n"),
+            "FILE:4:1 (byte 18): the row has 2 cells, expected 3 (b is missing)");
+  EXPECT_EQ(import_error("t,a\n0,1\n1,2\n2,3,4\n3,4\n"),
+            "FILE:4:5 (byte 16): the row goes on with '4' after its 2 cells");
+}
+
+TEST(Csv, ARowCutOffByTheEndOfTheFileIsLeftOut) {
+  const Record record = imported("t,a,b\n0,1,2\n1,2,3\n2,");
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(2.0, 3.0));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.0, 2.0));
+  EXPECT_THAT(record.warnings, testing::Contains(HasSubstr("the file ends within the row at ")));
+}
+
+TEST(Csv, WithoutNumbersIsAnError) {
+  EXPECT_EQ(import_error("", {}, ".csv"), "FILE: the file is empty");
+  EXPECT_EQ(import_error(" \n\n", {}, ".csv"), "FILE: there is no text in this file");
+  EXPECT_EQ(import_error("time,force\n", {}, ".csv"),
+            "FILE: no row of numbers among the first 1 line: expected columns of numbers "
+            "(--delimiter, --decimal and "
+            "--skip-lines state how they are written)");
+}
+
+TEST(Csv, OfOneRowIsARecording) {
+  const Record record = imported("time [s],F [N]\n0.5,7\n");
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(7.0));
+  EXPECT_THAT(record.warnings,
+              ElementsAre("there is one sample only: the sample interval is not known"));
+}
+
+TEST(Csv, OfManyRowsIsReadWhole) {
+  std::string text = "time [s],F [N]\n";
+  for (int i = 0; i < 100000; ++i) text += fmt::format("{},{}\n", i * 1e-6, i % 1000);
+  const Record record = imported(text);
+  EXPECT_EQ(record.channels[0].size(), 100000U);
+  EXPECT_EQ(record.channels[0].value(99999), 999.0);
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-6);
+}
+
+// --- Polytec
+// --------------------------------------------------------------------------------------
+
+const std::string polytec_head =
+    "Source File Name:\tScan\r\nPoint Index:\t3\r\nComponent:\tRoot\r\n";
+
+TEST(PolytecAscii, TakesItsQuantityFromTheUnitOrTheSignal) {
+  const Record record =
+      imported(polytec_head +
+               "Signal:\tTime - Vib Velocity - Samples\r\n\r\nTime\tTime Signal\r\n"
+               "[ s ]\t[ mm/s ]\r\n0\t1.5\r\n0.5\t2.5\r\n1\t3.5\r\n");
+  EXPECT_EQ(record.provenance.importer, "polytec-ascii");
+  EXPECT_THAT(names(record), ElementsAre("Time Signal [mm/s]"));
+  EXPECT_EQ(record.channels[0].quantity, Quantity::velocity);
+  EXPECT_EQ(record.channels[0].clock.interval, 0.5);
+  EXPECT_EQ(record.channels[0].attributes.at("signal"), "Vib Velocity");
+  EXPECT_EQ(record.channels[0].attributes.at("display"), "Samples");
+  EXPECT_EQ(record.attributes.at("Point Index"), "3");
+  EXPECT_EQ(record.title, "Vib Velocity");
+  EXPECT_THAT(record.warnings, IsEmpty());
+  const Record odd = imported(
+      "Signal:\tTime - Vib Velocity - Samples\nTime\tTime Signal\n[ s ]\t[ gizmo ]\n0\t1\n1\t2\n");
+  EXPECT_EQ(odd.channels[0].quantity, Quantity::velocity);
+}
+
+TEST(PolytecAscii, MayHaveSeveralColumnsAndDecimalCommas) {
+  const Record record = imported(
+      "Signal:\tTime - Vib 3D Velocity - Samples\n\nTime\tX\tY\tZ\n[ ms ]\t[ m/s ]\t[ m/s ]\t[ m/s "
+      "]\n"
+      "0\t1,5\t2\t3\n0,5\t2,5\t3\t4\n1\t3,5\t4\t\n");
+  EXPECT_THAT(names(record), ElementsAre("X [m/s]", "Y [m/s]", "Z [m/s]"));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.5e-3);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5, 2.5, 3.5));
+  EXPECT_THAT(record.channels[2].valid, ElementsAre(1, 1, 0));
+  EXPECT_THAT(record.warnings,
+              ElementsAre(HasSubstr("'Z': 1 of 3 values is missing, the first at ")));
+}
+
+TEST(PolytecAscii, OfASpectrumHasNoClock) {
+  const Record record = imported(
+      "Signal:\tFFT - Vib Velocity - Real & Imag.\n\nFrequency\tReal\tImaginary\n"
+      "[ Hz ]\t[ m/s ]\t[ m/s ]\n10\t1\t2\n12.5\t2\t3\n15\t3\t4\n");
+  EXPECT_THAT(names(record), ElementsAre("Real [m/s]", "Imaginary [m/s]"));
+  EXPECT_EQ(record.channels[0].clock.interval, 0.0);
+  EXPECT_EQ(record.channels[0].attributes.at("domain"), "frequency");
+  EXPECT_EQ(record.channels[0].attributes.at("abscissa first"), "10");
+  EXPECT_EQ(record.channels[0].attributes.at("abscissa increment"), "2.5");
+  EXPECT_THAT(record.warnings,
+              ElementsAre("this is no time record: 'Vib Velocity' over Frequency [Hz]"));
+}
+
+TEST(PolytecAscii, WithUnevenFrequenciesBringsThemAsAChannel) {
+  const Record record = imported(
+      "Signal:\tOctave - Vib Velocity - Magnitude\nFrequency\tMagnitude\n[ Hz ]\t[ m/s "
+      "]\n1\t1\n2\t2\n4\t3\n8\t4\n");
+  EXPECT_THAT(names(record), ElementsAre("Frequency [Hz]", "Magnitude [m/s]"));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.0, 2.0, 4.0, 8.0));
+}
+
+TEST(PolytecAscii, WithoutItsUnitLineIsAnError) {
+  EXPECT_EQ(import_error(polytec_head +
+                         "Signal:\tTime - Vib Velocity - Samples\nTime\tTime Signal\n0\t1\n"),
+            "FILE: this is a Polytec text export without its line of units: expected a line such "
+            "as '[ s ] [ m/s ]' under the "
+            "column names");
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "acquisition/importer.hpp"
+#include "datasets/input_error.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using tests::import_error;
+using tests::imported;
+using tests::WrittenFile;
+using namespace std::string_view_literals;
+
+TEST(Importers, HaveDistinctNamesAndAGenericOneLast) {
+  std::set<std::string_view> ids;
+  for (const Importer& importer : importers()) {
+    EXPECT_TRUE(ids.insert(importer.id).second) << importer.id;
+    EXPECT_FALSE(importer.description.empty());
+  }
+  EXPECT_EQ(importers().back().id, "csv");
+}
+
+TEST(Import, FillsTheProvenance) {
+  const std::string text = "time [s],F [N]\n0,1\n1,2\n";
+  const WrittenFile file(text, ".csv");
+  const datasets::Record record = import_recording(file.path());
+  EXPECT_EQ(record.provenance.source_file, file.path());
+  EXPECT_EQ(record.provenance.bytes, text.size());
+  EXPECT_EQ(record.provenance.sha256, datasets::sha256_of(text));
+  EXPECT_EQ(record.provenance.importer, "csv");
+  EXPECT_EQ(record.provenance.program, datasets::program_version());
+}
+
+TEST(Import, OfAMissingFileOrADirectoryIsAFileError) {
+  EXPECT_THROW(import_recording("/no/such/file.csv"), datasets::FileError);
+  EXPECT_THROW(import_recording("/"), datasets::FileError);
+}
+
+std::string known() {
+  std::string list;
+  for (const Importer& importer : importers())
+    list += (list.empty() ? "" : ", ") + std::string(importer.id);
+  return list;
+}
+
+TEST(Import, OfUnknownContentNamesTheKnownFormats) {
+  EXPECT_EQ(
+      import_error("\x01\x02\x00\x00\xFF\x00\x10"sv, {}, ".csv"),
+      "FILE: the content is of no known format; known are " + known() + " (--format states one)");
+  ImportOptions options;
+  options.format = "fortran";
+  EXPECT_EQ(import_error("1,2\n", options),
+            "FILE: there is no format 'fortran'; known are " + known());
+}
+
+TEST(Import, AStatedFormatIsNotSearched) {
+  ImportOptions options;
+  options.format = "csv";
+  options.delimiter = ' ';
+  options.skip_lines = 13;
+  EXPECT_EQ(imported("Signal:\tTime\nA\tB\n[ s ]\t[ V ]\n0\t1\n1\t2\n", {}).provenance.importer,
+            "polytec-ascii");
+  options = {};
+  options.format = "csv";
+  EXPECT_EQ(
+      imported("Signal:\tTime\nA\tB\n[ s ]\t[ V ]\n0\t1\n1\t2\n", options).provenance.importer,
+      "csv");
+}
+
+struct Closed {
+  std::string_view head;
+  const char* says;
+};
+
+class ClosedFormat : public testing::TestWithParam<Closed> {};
+
+TEST_P(ClosedFormat, IsNamedWithAWayOut) {
+  EXPECT_EQ(import_error(std::string(GetParam().head) + "\n1,2,3\n4,5,6\n"),
+            std::string("FILE: this is ") + GetParam().says);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, ClosedFormat,
+    testing::Values(
+        Closed{"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"sv,
+               "an OLE2 compound file, as Polytec's .svd, .pvd and .set are, which is not read: no "
+               "open reader exists: export it "
+               "from PSV or VibSoft as universal file (UFF) or ASCII"},
+        Closed{
+            "TDSm\x0E\x00\x00\x00"sv,
+            "an NI TDMS file, which is not read: export it as CSV with the program that wrote it"},
+        Closed{"RIFF\x24\x00\x00\x00WAVEfmt "sv,
+               "a WAVE audio file, which is not read: export it as CSV with the program that wrote "
+               "it"},
+        Closed{"MATLAB 5.0 MAT-file, Platform"sv,
+               "a MATLAB MAT-file (version 5), which is not read: load it in MATLAB and write it "
+               "as CSV with writematrix, or as "
+               "universal file"},
+        Closed{"LabVIEW Measurement\t"sv,
+               "a LabVIEW measurement file (LVM) with a header, which is not read: export it as "
+               "CSV, or cut its header off"},
+        Closed{"MDF     4.10"sv,
+               "an ASAM MDF measurement file, which is not read: export it as CSV with the program "
+               "that wrote it"},
+        Closed{"#9000000346WAVEDESC"sv,
+               "a LeCroy waveform (.trc), which is not read: save it as CSV on the oscilloscope"},
+        Closed{
+            "\x0F\x0F:WFM#003"sv,
+            "a Tektronix waveform (.wfm), which is not read: save it as CSV on the oscilloscope"},
+        Closed{
+            ":WFMPRE:BYT_NR 2"sv,
+            "a Tektronix waveform (.isf), which is not read: save it as CSV on the oscilloscope"},
+        Closed{"AG10\x01\x00"sv,
+               "a Keysight waveform (.bin), which is not read: save it as CSV on the oscilloscope"},
+        Closed{"|CF,2,1,1;"sv,
+               "an imc FAMOS raw file, which is not read: export it as CSV with the program that "
+               "wrote it"},
+        Closed{"PK\x03\x04"sv,
+               "a ZIP archive (a workbook, or a sigrok session), which is not read: save the table "
+               "in it as CSV"},
+        Closed{"\x1F\x8B\x08"sv, "a gzip-compressed file, which is not read: unpack it first"},
+        Closed{"%PDF-1.7"sv, "a PDF document, which is not read: a recording is expected"}));
+
+TEST(Uff58Recognition, SeesBinaryFunctionsBehindOtherDatasets) {
+  const std::string geometry = "    -1\n    15\n         1         0         0\n    -1\n";
+  const auto importer_for = [](std::string_view head) {
+    std::string_view best;
+    int score = 0;
+    for (const Importer& importer : importers())
+      if (const int this_score = importer.recognises("x", head); this_score > score) {
+        score = this_score;
+        best = importer.id;
+      }
+    return best;
+  };
+  EXPECT_EQ(importer_for(geometry), "uff58");
+  EXPECT_EQ(importer_for(geometry + "    -1\n    58b     1     2\n"), "uff58b");
+  EXPECT_EQ(importer_for(geometry + "    -1\n    58\n"), "uff58");
+  EXPECT_EQ(importer_for("-1\n5\n"), "csv");  // two numbers
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition

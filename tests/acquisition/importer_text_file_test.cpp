@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/text_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using tests::WrittenFile;
+
+TEST(TextFile, CountsLinesAndColumnsFromOneAndBytesFromZero) {
+  const WrittenFile written("ab\ncd\r\nef");
+  const TextFile file(written.path());
+  const char* const start = file.bytes().data();
+  EXPECT_EQ(file.position(start).text(), written.path() + ":1:1 (byte 0)");
+  EXPECT_EQ(file.position(start + 4).text(), written.path() + ":2:2 (byte 4)");
+  EXPECT_EQ(file.position(start + 8).text(), written.path() + ":3:2 (byte 8)");
+  EXPECT_EQ(file.byte_position(start + 8).text(), written.path() + " (byte 8)");
+}
+
+TEST(TextFile, LeavesOffTheByteOrderMark) {
+  const WrittenFile written("\xEF\xBB\xBFtime");
+  TextFile file(written.path());
+  EXPECT_EQ(file.text(), "time");
+  EXPECT_EQ(file.position(file.text().data()).byte, 3U);
+}
+
+TEST(TextFile, TurnsUtf16IntoUtf8) {
+  using namespace std::string_view_literals;
+  const WrittenFile little(
+      "\xFF\xFE"
+      "a\0\xB5\0\xAC\x20\x3D\xD8\x00\xDE\x00\xD8x\0"sv);
+  const WrittenFile big("\xFE\xFF\0a\0\xB5\x20\xAC\xD8\x3D\xDE\x00\xD8\x00\0x"sv, ".big");
+  const std::string expected =
+      "a\u00B5\u20AC\U0001F600\uFFFDx";  // the last but one: half a surrogate pair
+  TextFile first(little.path());
+  TextFile second(big.path());
+  EXPECT_EQ(first.text(), expected);
+  EXPECT_EQ(second.text(), expected);
+}
+
+TEST(TextFile, RefusesUtf16WithoutItsMark) {
+  using namespace std::string_view_literals;
+  EXPECT_EQ(
+      tests::import_error("t\0,\0F\0\n\0"
+                          "1\0,\0"
+                          "2\0\n\0"sv,
+                          {}, ".csv"),
+      "FILE (byte 0): the text looks like UTF-16 without a byte order mark: save it as UTF-8");
+}
+
+TEST(TextFile, TakesCarriageReturnsAloneForLineEnds) {
+  const WrittenFile written("a\rb\r");
+  TextFile file(written.path());
+  EXPECT_EQ(file.text(), "a\nb\n");
+  EXPECT_EQ(file.position(file.text().data() + 2).line, 2U);
+}
+
+TEST(TextFile, CannotBeADirectoryADeviceOrAbsent) {
+  const auto message = [](const std::string& path) {
+    try {
+      const TextFile file(path);
+    } catch (const datasets::FileError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(message("/no/such/file"), "/no/such/file: cannot be opened: No such file or directory");
+  EXPECT_EQ(message("/"), "/: is a directory, a recording is expected");
+  EXPECT_EQ(message("/dev/null"), "/dev/null: is not a file on a disk");
+}
+
+TEST(Utf8, StaysWhatItIs) {
+  EXPECT_EQ(to_utf8("m/s\u00B2 \u20AC \U0001F600"), "m/s\u00B2 \u20AC \U0001F600");
+}
+
+TEST(Utf8, IsMadeOfLatin1AndItsWindowsAdditions) {
+  EXPECT_EQ(to_utf8("m/s\xB2"), "m/s\u00B2");
+  EXPECT_EQ(to_utf8("\x80\x96\x81"), "\u20AC\u2013\uFFFD");
+}
+
+// RFC 3629: overlong forms, surrogates and code points above U+10FFFF are no UTF-8, so the bytes
+// are latin-1.
+TEST(Utf8, IsNeverInvalid) {
+  for (const char* bytes : {"\xC0\xAF", "\xE0\x80\xAF", "\xED\xA0\x80", "\xF4\x90\x80\x80",
+                            "\xF0\x80\x80\x80", "\xC3", "\xE2\x82", "\xF0\x9F\x98", "\xFF"}) {
+    const std::string once = to_utf8(bytes);
+    EXPECT_NE(once, bytes);
+    EXPECT_EQ(to_utf8(once), once);  // valid text is not touched again
+  }
+}
+
+TEST(Utf8, HasNoControlCharacters) {
+  EXPECT_EQ(to_utf8(std::string_view("a\0b\tc\x7F", 6)), "a b c ");
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/time_axis.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "acquisition/importers/number.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+std::vector<double> line(std::size_t n, double start, double step) {
+  std::vector<double> times(n);
+  for (std::size_t i = 0; i < n; ++i) times[i] = start + step * static_cast<double>(i);
+  return times;
+}
+
+/// As a program prints them with so many significant digits.
+std::vector<double> printed(std::vector<double> times, int digits) {
+  for (double& time : times) time = number_in(fmt::format("{:.{}g}", time, digits)).value_or(0.0);
+  return times;
+}
+
+TEST(TimeAxis, OfAStraightLineIsItsStartAndStep) {
+  for (const double step : {1e-6, 1.0 / 65536.0, 4e-11, 0.01, 3.0}) {
+    const TimeAxis axis = time_axis(line(5000, -0.125, step));
+    EXPECT_TRUE(axis.clock.uniform());
+    EXPECT_EQ(axis.clock.start, -0.125);
+    EXPECT_NEAR(axis.clock.interval, step, 1e-15 * (0.125 / 5000 + step));
+    EXPECT_EQ(axis.warning, "");
+  }
+  EXPECT_EQ(time_axis(line(5000, 0.0, 1e-6)).clock.interval, 1e-6);  // not 9.999999999999998e-07
+}
+
+TEST(TimeAxis, WithAJitterOfAThousandthIsUniform) {
+  std::vector<double> times = line(101, 0.0, 1e-3);
+  times[50] += 0.9e-6;
+  EXPECT_TRUE(time_axis(times).clock.uniform());
+  times[50] += 0.3e-6;
+  EXPECT_FALSE(time_axis(times).clock.uniform());
+}
+
+TEST(TimeAxis, KeepsTimesThatAreNotUniform) {
+  const std::vector<double> times = {0.0, 1.0, 2.5, 3.0, 4.0};
+  const TimeAxis axis = time_axis(times);
+  EXPECT_EQ(axis.clock.times, times);
+  EXPECT_EQ(axis.clock.interval, 1.0);
+  EXPECT_EQ(axis.warning,
+            "the samples are not evenly spaced (steps differ from their mean of 1 s by up to 0.5 "
+            "s): every time is kept");
+}
+
+TEST(TimeAxis, OfALostSampleIsNotUniform) {
+  std::vector<double> times = line(1000, 0.0, 0.001);
+  times.erase(times.begin() + 500);
+  EXPECT_FALSE(time_axis(times).clock.uniform());
+  EXPECT_FALSE(time_axis(printed(times, 6)).clock.uniform());
+}
+
+TEST(TimeAxis, SeesThroughRoundedTimes) {
+  // 51.2 kHz with six digits: near 1 s the last digit is half a step
+  const TimeAxis fine = time_axis(printed(line(51200, 0.0, 1.0 / 51200.0), 7));
+  EXPECT_TRUE(fine.clock.uniform());
+  EXPECT_NEAR(fine.clock.interval, 1.0 / 51200.0, 1e-6 / 51200.0);
+  EXPECT_EQ(fine.warning,
+            "the times are rounded to 1e-07 s: they are taken as uniform, with the mean step of "
+            "1.95312506e-05 s");
+  // 1 MHz with six digits: ten samples share a time
+  const TimeAxis coarse = time_axis(printed(line(200001, 1.0, 1e-6), 6));
+  EXPECT_TRUE(coarse.clock.uniform());
+  EXPECT_NEAR(coarse.clock.interval, 1e-6, 1e-10);
+}
+
+TEST(TimeAxis, DoesNotExplainALostSampleByRounding) {
+  EXPECT_FALSE(time_axis({0.000, 0.001, 0.003, 0.004}).clock.uniform());
+}
+
+TEST(TimeAxis, SaysWhereTimeGoesBack) {
+  const TimeAxis axis = time_axis({0.0, 1.0, 0.5, 3.0});
+  EXPECT_FALSE(axis.clock.uniform());
+  EXPECT_EQ(axis.warning, "time does not increase from sample 1 (1 s) to sample 2 (0.5 s)");
+}
+
+TEST(TimeAxis, OfNanIsNotUniform) {
+  std::vector<double> times = line(10, 0.0, 1.0);
+  times[4] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(time_axis(times).clock.uniform());
+}
+
+TEST(TimeAxis, OfOneSampleHasNoInterval) {
+  const TimeAxis axis = time_axis({2.5});
+  EXPECT_EQ(axis.clock.start, 2.5);
+  EXPECT_EQ(axis.clock.interval, 0.0);
+  EXPECT_EQ(axis.warning, "there is one sample only: the sample interval is not known");
+  EXPECT_EQ(time_axis({}).clock.interval, 0.0);
+}
+
+// Rates of real data acquisition systems, as E13.5 holds their intervals.
+TEST(NiceRate, IsWhatSixDigitsStandFor) {
+  EXPECT_EQ(nice_rate(1.52588e-05), 65536.0);
+  for (const double rate : {131072.0, 262144.0, 102400.0, 44100.0, 48000.0, 96000.0, 65536.0 * 8,
+                            3.0e5, 4096.0, 6000.0}) {
+    const double interval = number_in(fmt::format("{:.5e}", 1.0 / rate)).value_or(0.0);
+    EXPECT_EQ(nice_rate(interval).value_or(std::round(1.0 / interval)), rate);
+  }
+}
+
+TEST(NiceRate, IsNotOfferedForARoundInterval) {
+  for (const double interval : {5e-05, 1e-6, 3.125e-4, 0.01, 1.953125e-05, 1.0, 0.0})
+    EXPECT_FALSE(nice_rate(interval).has_value()) << interval;
+  EXPECT_FALSE(nice_rate(1.52587890625e-05).has_value());  // all digits are there
+}
+
+TEST(Date, IsWrittenBothWays) {
+  EXPECT_EQ(iso_date("30-Apr-20 19:12:52"), "2020-04-30T19:12:52");
+  EXPECT_EQ(iso_date("08-OCT-94 10:27:07"), "1994-10-08T10:27:07");
+  EXPECT_EQ(iso_date("11-Oct-17"), "2017-10-11");
+  EXPECT_EQ(uff_date("2020-04-30T19:12:52"), "30-Apr-20 19:12:52");
+  EXPECT_EQ(uff_date("2017-10-11"), "11-Oct-17");
+}
+
+TEST(Date, StaysAsItIsWhenItIsSomethingElse) {
+  for (const char* text : {"", "NONE", "yesterday", "30-Foo-20 19:12:52", "30-Apr-20 19:12",
+                           "30-Apr-20 99:12:52", "41-Apr-20", "30-Apr-20 19:12:52 UTC"})
+    EXPECT_EQ(iso_date(text), text);
+  for (const char* text : {"", "2020-04-30T19:12:52Z", "2120-04-30", "2020-13-01", "April 2020"})
+    EXPECT_EQ(uff_date(text), text);
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition

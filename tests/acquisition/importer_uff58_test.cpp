@@ -1,0 +1,630 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "acquisition/importer.hpp"
+#include "acquisition/uff58_codes.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using datasets::Channel;
+using datasets::Quantity;
+using datasets::Record;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using tests::import_error;
+using tests::imported;
+
+/// One dataset 58 from its parts; what a test does not name is a sound time record of a force in N.
+struct Function {
+  std::string identifier = "    58";
+  std::string id1 = "Hammer";
+  std::string date = "30-Apr-20 19:12:52";
+  std::string id5 = "NONE";
+  std::string dof =
+      "    1         0    0         0 Stop               7  -3 NONE               0   0";
+  int type = 2;
+  long points = 3;
+  int even = 1;
+  std::string start = "  0.00000E+00";
+  std::string increment = "  1.00000E-03";
+  std::string abscissa = "        17    0    0    0 Time                 s                   ";
+  std::string ordinate = "        13    0    0    0 Force                N                   ";
+  std::string data = "  1.00000E+00 -2.00000E+00  3.00000E+00\n";
+  std::string end = "    -1\n";
+
+  std::string text() const {
+    std::string out = "    -1\n" + identifier + "\n" + id1 + "\nNONE\n" + date + "\nNONE\n" + id5 +
+                      "\n" + dof + "\n";
+    out += fmt::format("{:10}{:10}{:10}{}{}  0.00000E+00\n", type, points, even, start, increment);
+    out += abscissa + "\n" + ordinate + "\n";
+    out += "         0    0    0    0 NONE                 NONE                \n";
+    out += "         0    0    0    0 NONE                 NONE                \n";
+    return out + data + end;
+  }
+};
+
+/// The identifier line of 58b.
+std::string binary(int order, int format, long bytes) {
+  return fmt::format("    58b{:6}{:6}{:12}{:12}     0     0           0           0", order, format,
+                     11, bytes);
+}
+
+template <typename Number>
+std::string bytes_of(std::initializer_list<Number> numbers, bool little) {
+  std::string out;
+  for (const Number number : numbers) {
+    std::string raw(sizeof number, '\0');
+    for (std::size_t i = 0; i < sizeof number; ++i) {
+      const auto bits =
+          std::bit_cast<std::conditional_t<sizeof number == 4, std::uint32_t, std::uint64_t>>(
+              number);
+      raw[little ? i : sizeof number - 1 - i] = static_cast<char>(bits >> (8 * i) & 0xFF);
+    }
+    out += raw;
+  }
+  return out;
+}
+
+/// "FILE:2:5 (byte 11)": where `mark` begins in a text, `offset` bytes on.
+std::string place(const std::string& text, const std::string& mark, std::size_t offset = 0) {
+  const std::size_t byte = text.find(mark) + offset;
+  const std::string before = text.substr(0, byte);
+  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+  return fmt::format("FILE:{}:{} (byte {})", line, byte - (before.rfind('\n') + 1) + 1, byte);
+}
+
+Channel only_channel(const Function& function) {
+  const Record record = imported(function.text());
+  EXPECT_EQ(record.channels.size(), 1U);
+  return record.channels.empty() ? Channel{} : record.channels.front();
+}
+
+TEST(Uff58, IsReadWithNameUnitQuantityAndClock) {
+  const Record record = imported(Function{}.text());
+  ASSERT_EQ(record.channels.size(), 1U);
+  const Channel& channel = record.channels.front();
+  EXPECT_EQ(channel.name, "Hammer");
+  EXPECT_EQ(channel.unit, "N");
+  EXPECT_EQ(channel.quantity, Quantity::force);
+  EXPECT_EQ(channel.clock.start, 0.0);
+  EXPECT_EQ(channel.clock.interval, 1e-3);
+  EXPECT_THAT(channel.values(), ElementsAre(1.0, -2.0, 3.0));
+  EXPECT_EQ(channel.attributes.at("response entity"), "Stop");
+  EXPECT_EQ(channel.attributes.at("response node"), "7");
+  EXPECT_EQ(channel.attributes.at("response direction"), "-3");
+  EXPECT_EQ(channel.attributes.at("function"), "time response");
+  EXPECT_EQ(record.started, "2020-04-30T19:12:52");
+  EXPECT_EQ(record.provenance.importer, "uff58");
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+// --- Data as text
+// ---------------------------------------------------------------------------------
+
+TEST(Uff58, NumbersAreInColumnsAndMayTouch) {
+  Function function;
+  function.points = 7;
+  function.data =
+      "-1.00000E-100-2.00000E-100  3.00000D+00         4.0   5.00000E+00 -6.00000E+00\n"
+      "  7.00000+100\n";
+  EXPECT_THAT(only_channel(function).values(),
+              ElementsAre(-1e-100, -2e-100, 3.0, 4.0, 5.0, -6.0, 7e100));
+}
+
+TEST(Uff58, DoublePrecisionHasColumnsOfTwenty) {
+  Function function;
+  function.type = 4;
+  function.points = 5;
+  function.data =
+      "  1.234567890123E+00 -1.000000000000D-02  3.000000000000E+00  4.000000000000E+00\r\n"
+      "  5.000000000000E+00                                                            \r\n";
+  EXPECT_THAT(only_channel(function).values(), ElementsAre(1.234567890123, -0.01, 3.0, 4.0, 5.0));
+}
+
+TEST(Uff58, UnevenSinglePrecisionHasTimesBeforeValues) {
+  Function function;
+  function.even = 0;
+  function.data =
+      "  0.00000E+00  1.00000E+00  1.00000E+00  2.00000E+00  4.00000E+00  3.00000E+00\n";
+  const Channel channel = only_channel(function);
+  EXPECT_THAT(channel.values(), ElementsAre(1.0, 2.0, 3.0));
+  EXPECT_THAT(channel.clock.times, ElementsAre(0.0, 1.0, 4.0));
+}
+
+TEST(Uff58, UnevenDoublePrecisionMixesColumnsOfThirteenAndTwenty) {
+  Function function;
+  function.type = 4;
+  function.even = 0;
+  function.data =
+      "  0.00000E+00  1.000000000001E+00  1.00000E+00  2.000000000002E+00\n"
+      "  2.00000E+00  3.000000000003E+00\n";
+  const Channel channel = only_channel(function);
+  EXPECT_THAT(channel.values(), ElementsAre(1.000000000001, 2.000000000002, 3.000000000003));
+  EXPECT_TRUE(channel.clock.uniform());  // the times are even after all
+  EXPECT_EQ(channel.clock.interval, 1.0);
+}
+
+TEST(Uff58, ComplexNumbersComeInPairs) {
+  for (const int type : {5, 6}) {
+    Function function;
+    function.type = type;
+    function.points = 2;
+    function.data =
+        type == 5
+            ? "  1.00000E+00 -1.00000E+00  2.00000E+00 -2.00000E+00\n"
+            : "  1.000000000000E+00 -1.000000000000E+00  2.000000000000E+00 -2.000000000000E+00\n";
+    const Channel channel = only_channel(function);
+    EXPECT_THAT(channel.values(), ElementsAre(1.0, 2.0));
+    EXPECT_THAT(channel.imaginary, ElementsAre(-1.0, -2.0));
+  }
+}
+
+TEST(Uff58, UnevenComplexNumbersComeInThrees) {
+  for (const int type : {5, 6}) {
+    Function function;
+    function.type = type;
+    function.points = 2;
+    function.even = 0;
+    function.data =
+        type == 5
+            ? "  0.00000E+00  1.00000E+00 -1.00000E+00  5.00000E-01  2.00000E+00 -2.00000E+00\n"
+            : "  0.00000E+00  1.000000000000E+00 -1.000000000000E+00\n"
+              "  5.00000E-01  2.000000000000E+00 -2.000000000000E+00\n";
+    const Channel channel = only_channel(function);
+    EXPECT_THAT(channel.values(), ElementsAre(1.0, 2.0));
+    EXPECT_THAT(channel.imaginary, ElementsAre(-1.0, -2.0));
+    EXPECT_EQ(channel.clock.interval, 0.5);
+  }
+}
+
+TEST(Uff58, LinesMayBePaddedAndEndInEitherWay) {
+  Function function;
+  std::string padded;
+  const std::string text = function.text();
+  for (std::size_t start = 0; start < text.size();) {
+    const std::size_t end = text.find('\n', start);
+    padded += fmt::format("{:<80}\r\n", text.substr(start, end - start));
+    start = end + 1;
+  }
+  const Record record = imported(padded);
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_THAT(record.channels.front().values(), ElementsAre(1.0, -2.0, 3.0));
+  EXPECT_EQ(record.channels.front().name, "Hammer");
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(Uff58, NumbersOutOfColumnsAreReadByBlanksWithAWarning) {
+  Function function;
+  function.data = "1.0 -2.0 3.0\n";
+  const Record record = imported(function.text());
+  EXPECT_THAT(record.channels.front().values(), ElementsAre(1.0, -2.0, 3.0));
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre(HasSubstr("are not in columns of the standard's width: they are read by the "
+                            "blanks between them")));
+}
+
+TEST(Uff58, ALongNumberIsNotCutInTwo) {
+  Function function;
+  function.data = "   1.2345678901\n  -2.3456789012\n   3.0\n";
+  EXPECT_THAT(only_channel(function).values(), ElementsAre(1.2345678901, -2.3456789012, 3.0));
+}
+
+TEST(Uff58, AFilledUpLastLineIsCutToTheAnnouncedPoints) {
+  Function function;
+  function.data =
+      "  1.00000E+00 -2.00000E+00  3.00000E+00  0.00000E+00  0.00000E+00  0.00000E+00\n";
+  EXPECT_THAT(only_channel(function).values(), ElementsAre(1.0, -2.0, 3.0));
+}
+
+TEST(Uff58, MorePointsThanAnnouncedAreReadWithAWarning) {
+  Function function;
+  for (int line = 0; line < 3; ++line) function.data += "  1.00000E+00 -2.00000E+00  3.00000E+00\n";
+  const Record record = imported(function.text());
+  EXPECT_EQ(record.channels.front().size(), 12U);
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'Hammer': the header announces 3 points, 12 are there: these are read"));
+}
+
+TEST(Uff58, ACutFileGivesWhatIsThere) {
+  Function function;
+  function.points = 1000000000;  // must not be allocated either
+  function.data = "  1.00000E+00 -2.00000E+00  3.000";
+  function.end = "";
+  const Record record = imported(function.text());
+  EXPECT_THAT(record.channels.front().values(), ElementsAre(1.0, -2.0));
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("'Hammer': the header announces 1000000000 points, 2 are there: these are read",
+                  "the last dataset is not closed by -1: the file may have been cut off"));
+}
+
+TEST(Uff58, ACutSecondDatasetLeavesTheFirst) {
+  const std::string first = Function{}.text();
+  const std::string second = Function{}.text();
+  for (const std::size_t kept : {30U, 100U, 200U, 470U}) {
+    const Record record = imported(first + second.substr(0, kept));
+    EXPECT_EQ(record.channels.size(), 1U);
+    EXPECT_THAT(record.warnings, Contains(HasSubstr("it is left out"))) << kept;
+  }
+}
+
+TEST(Uff58, WithoutAnyNumberIsAnError) {
+  Function function;
+  function.data = "";
+  EXPECT_EQ(import_error(function.text()),
+            fmt::format("FILE:14:1 (byte {})", function.text().size() - 7) +
+                ": 3 points are announced and no number is there");
+}
+
+TEST(Uff58, CutWithinItsOnlyHeaderIsAnError) {
+  EXPECT_EQ(import_error(Function{}.text().substr(0, 100)),
+            "FILE:8:46 (byte 100): the file ends within the header of a dataset 58");
+}
+
+TEST(Uff58, WithTextForANumberIsAnErrorAtItsPlace) {
+  Function function;
+  function.data = "  1.00000E+00        *****  3.00000E+00\n  1.00000E+00\n";
+  EXPECT_EQ(import_error(function.text()), place(function.text(), "        *****") +
+                                               ": expected a number in 13 columns, found '*****'");
+  function.data =
+      "  1.00000E+00  1.00000E+00  1.00000E+00  1.00000E+00  1.00000E+00  1.00000E+00 x\n    \n";
+  EXPECT_EQ(import_error(function.text()), place(function.text(), "  1.00000E+00  1.0") +
+                                               ": the line goes on after its last column");
+}
+
+// --- Binary data
+// ----------------------------------------------------------------------------------
+
+TEST(Uff58b, IsReadInBothByteOrdersAndPrecisions) {
+  for (const bool little : {true, false}) {
+    for (const int type : {2, 4}) {
+      Function function;
+      function.type = type;
+      function.data = type == 2 ? bytes_of<float>({1.5F, -2.5F, 0.1F}, little)
+                                : bytes_of<double>({1.5, -2.5, 0.1}, little);
+      function.identifier = binary(little ? 1 : 2, 2, static_cast<long>(function.data.size()));
+      const Record record = imported(function.text());
+      EXPECT_EQ(record.provenance.importer, "uff58b");
+      EXPECT_THAT(record.channels.front().values(),
+                  ElementsAre(1.5, -2.5, type == 2 ? static_cast<double>(0.1F) : 0.1));
+      EXPECT_EQ(std::holds_alternative<std::vector<float>>(record.channels.front().raw), type == 2);
+      EXPECT_THAT(record.warnings, IsEmpty());
+    }
+  }
+}
+
+TEST(Uff58b, MayCloseDirectlyOrAfterALineEnd) {
+  for (const char* end : {"    -1\n", "\n    -1\n", "\r\n    -1\r\n", "    -1"}) {
+    Function function;
+    function.data = bytes_of<float>({1.0F, 2.0F, 3.0F}, true);
+    function.identifier = binary(1, 2, 12);
+    function.end = end;
+    const Record record =
+        imported(function.text() + (std::string_view(end).back() == '\n' ? Function{}.text() : ""));
+    ASSERT_FALSE(record.channels.empty());
+    EXPECT_THAT(record.channels.front().values(), ElementsAre(1.0, 2.0, 3.0));
+    if (std::string_view(end).back() == '\n') {
+      EXPECT_EQ(record.channels.size(), 2U);
+    }
+  }
+}
+
+TEST(Uff58b, DataMayContainWhatLooksLikeAnEnd) {
+  Function function;
+  function.points = 4;
+  function.data = "\n    -1\n" + bytes_of<float>({3.0F, 4.0F}, true);
+  function.identifier = binary(1, 2, 16);
+  const Record record = imported(function.text());
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels.front().size(), 4U);
+  EXPECT_EQ(record.channels.front().value(3), 4.0);
+}
+
+TEST(Uff58b, ComplexAndUnevenDataAreTakenApart) {
+  Function function;
+  function.type = 6;
+  function.points = 2;
+  function.data = bytes_of<double>({1.0, -1.0, 2.0, -2.0}, false);
+  function.identifier = binary(2, 2, 32);
+  Channel channel = only_channel(function);
+  EXPECT_THAT(channel.values(), ElementsAre(1.0, 2.0));
+  EXPECT_THAT(channel.imaginary, ElementsAre(-1.0, -2.0));
+
+  function.type = 2;
+  function.even = 0;
+  function.points = 3;
+  function.data = bytes_of<float>({0.0F, 1.0F, 0.5F, 2.0F, 2.0F, 3.0F}, true);
+  function.identifier = binary(1, 2, 24);
+  channel = only_channel(function);
+  EXPECT_THAT(channel.values(), ElementsAre(1.0, 2.0, 3.0));
+  EXPECT_THAT(channel.clock.times, ElementsAre(0.0, 0.5, 2.0));
+}
+
+// The standard stores the abscissa of double precision data in single precision; some writers in
+// double.
+TEST(Uff58b, UnevenDoubleDataHaveTimesOfEitherPrecision) {
+  Function function;
+  function.type = 4;
+  function.even = 0;
+  function.points = 2;
+  function.data = bytes_of<float>({0.25F}, true) + bytes_of<double>({1.0}, true) +
+                  bytes_of<float>({0.5F}, true) + bytes_of<double>({2.0}, true);
+  function.identifier = binary(1, 2, 24);
+  Channel channel = only_channel(function);
+  EXPECT_EQ(channel.clock.start, 0.25);
+  EXPECT_EQ(channel.clock.interval, 0.25);
+  EXPECT_THAT(channel.values(), ElementsAre(1.0, 2.0));
+
+  function.data = bytes_of<double>({0.1, 1.0, 0.3, 2.0}, true);
+  function.identifier = binary(1, 2, 16);  // one writer announces the ordinates alone
+  channel = only_channel(function);
+  EXPECT_EQ(channel.clock.start, 0.1);
+  EXPECT_THAT(channel.values(), ElementsAre(1.0, 2.0));
+}
+
+TEST(Uff58b, TheBytesThatAreThereCountNotTheAnnouncedOnes) {
+  Function function;
+  function.data = bytes_of<float>({1.0F, 2.0F, 3.0F}, true);
+  for (const long announced : {0L, 8L, 9999L, -5L}) {
+    function.identifier = binary(1, 2, announced);
+    const Record record = imported(function.text());
+    ASSERT_EQ(record.channels.size(), 1U) << announced;
+    EXPECT_THAT(record.channels.front().values(), ElementsAre(1.0, 2.0, 3.0));
+    if (announced > 0) {
+      EXPECT_THAT(record.warnings,
+                  ElementsAre(fmt::format(
+                      "'Hammer': the identifier line announces {} bytes of data, 12 are there",
+                      announced)));
+    }
+  }
+}
+
+TEST(Uff58b, ACutFileGivesWhatIsThere) {
+  Function function;
+  function.points = 2000000000;
+  function.data = bytes_of<float>({1.0F, 2.0F, 3.0F}, true).substr(0, 10);
+  function.identifier = binary(1, 2, 8000000000);
+  function.end = "";
+  const Record record = imported(function.text());
+  EXPECT_THAT(record.channels.front().values(), ElementsAre(1.0, 2.0));
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("'Hammer': the file ends without the closing -1: it may have been cut off",
+                  "'Hammer': the identifier line announces 8000000000 bytes of data, 10 are there",
+                  "'Hammer': the header announces 2000000000 points, 2 are there: these are read",
+                  "the last dataset is not closed by -1: the file may have been cut off"));
+}
+
+TEST(Uff58b, WithoutDataIsAnError) {
+  Function function;
+  function.identifier = binary(1, 2, 12);
+  function.data = "";
+  EXPECT_EQ(import_error(function.text()),
+            fmt::format("FILE (byte {})", function.text().size() - 7) +
+                ": 3 points are announced and no data are there");
+}
+
+TEST(Uff58b, FloatsOfOtherMachinesAreNamedAndRefused) {
+  Function function;
+  function.identifier = binary(1, 1, 12);
+  EXPECT_EQ(import_error(function.text()),
+            "FILE:2:1 (byte 7): UFF 58b with DEC VAX floating-point numbers is not read: export it "
+            "with IEEE numbers or as "
+            "text (dataset 58)");
+  function.identifier = binary(2, 3, 12);
+  EXPECT_EQ(import_error(function.text()),
+            "FILE:2:1 (byte 7): UFF 58b with IBM 370 floating-point numbers is not read: export it "
+            "with IEEE numbers or as "
+            "text (dataset 58)");
+  function.identifier = binary(1, 7, 12);
+  EXPECT_EQ(import_error(function.text()),
+            "FILE:2:1 (byte 7): floating-point format 7 is unknown: expected 2 (IEEE)");
+  function.identifier = binary(3, 2, 12);
+  EXPECT_EQ(import_error(function.text()),
+            "FILE:2:1 (byte 7): byte order 3 is unknown: expected 1 (little) or 2 (big)");
+}
+
+// --- The header
+// -----------------------------------------------------------------------------------
+
+TEST(Uff58, WithoutANameIsNamedByEntityLabelOrNumber) {
+  Function function;
+  function.id1 = "NONE";
+  EXPECT_EQ(only_channel(function).name, "Stop");
+  function.dof = "    1         0    0         0 NONE               0   0 NONE               0   0";
+  EXPECT_EQ(only_channel(function).name, "Force");
+  function.ordinate = "        13    0    0    0 NONE                 N                   ";
+  EXPECT_EQ(only_channel(function).name, "function 1");
+}
+
+TEST(Uff58, TheUnitDecidesAndTheSpecificDataTypeHelps) {
+  Function function;
+  function.ordinate = "        13    0    0    0 Force                V                   ";
+  Channel channel = only_channel(function);
+  EXPECT_EQ(channel.quantity, Quantity::voltage);
+  EXPECT_EQ(channel.attributes.at("stated quantity"), "force");
+  function.ordinate = "        12    0    0    0 Accel                gizmo               ";
+  EXPECT_EQ(only_channel(function).quantity, Quantity::acceleration);
+  function.ordinate = "        11    0    0    0 NONE                 NONE                ";
+  const Record record = imported(function.text());
+  EXPECT_EQ(record.channels.front().unit, "");
+  EXPECT_EQ(record.channels.front().quantity, Quantity::velocity);
+  EXPECT_THAT(record.warnings, ElementsAre("'Hammer' states no unit"));
+}
+
+TEST(Uff58, TextMayBeUtf8OrLatin1) {
+  Function function;
+  function.id1 = "Beschl\xE4ufer";
+  function.ordinate = "        12    0    0    0 x                    m/s\xB2                ";
+  const Channel channel = only_channel(function);
+  EXPECT_EQ(channel.name, "Beschl\u00E4ufer");
+  EXPECT_EQ(channel.unit, "m/s\u00B2");
+  EXPECT_EQ(channel.quantity, Quantity::acceleration);
+}
+
+TEST(Uff58, AnIntervalOfSixDigitsIsKeptAndTheRoundRateOffered) {
+  Function function;
+  function.increment = "  1.52588E-05";
+  const Record record = imported(function.text());
+  EXPECT_EQ(record.channels.front().clock.interval, 1.52588e-05);
+  EXPECT_EQ(record.channels.front().attributes.at("nearest round rate"), "65536 Hz");
+  EXPECT_THAT(record.warnings, ElementsAre("the stated interval of 1.52588E-05 s has six digits "
+                                           "and gives 65535.953 Hz; --sample-rate 65536 "
+                                           "sets the round rate it probably stands for"));
+  ImportOptions options;
+  options.sample_rate = 65536.0;
+  EXPECT_EQ(imported(function.text(), options).channels.front().clock.interval, 1.0 / 65536.0);
+}
+
+TEST(Uff58, AnExactClockInIdLine5CountsWhileItAgrees) {
+  Function function;
+  function.increment = "  1.52588E-05";
+  function.id5 = "clock: start 0 s, interval 1.52587890625e-05 s";
+  EXPECT_EQ(only_channel(function).clock.interval, 1.0 / 65536.0);
+  function.increment = "  3.05176E-05";  // resampled by somebody who left the line
+  EXPECT_EQ(only_channel(function).clock.interval, 3.05176e-05);
+}
+
+TEST(Uff58, TimesInMillisecondsBecomeSeconds) {
+  Function function;
+  function.abscissa = "        17    0    0    0 Time                 ms                  ";
+  function.start = " -2.00000E+00";
+  const Channel channel = only_channel(function);
+  EXPECT_DOUBLE_EQ(channel.clock.interval, 1e-6);
+  EXPECT_DOUBLE_EQ(channel.clock.start, -2e-3);
+}
+
+TEST(Uff58, ASpectrumHasNoClock) {
+  Function function;
+  function.dof = "    4         0    0         0 NONE               0   0 NONE               0   0";
+  function.abscissa = "        18    0    0    0 Frequency            Hz                  ";
+  function.start = "  1.00000E+01";
+  function.increment = "  2.50000E+00";
+  const Record record = imported(function.text());
+  const Channel& channel = record.channels.front();
+  EXPECT_EQ(channel.clock.interval, 0.0);
+  EXPECT_EQ(channel.attributes.at("domain"), "frequency");
+  EXPECT_EQ(channel.attributes.at("abscissa unit"), "Hz");
+  EXPECT_EQ(channel.attributes.at("abscissa first"), "10");
+  EXPECT_EQ(channel.attributes.at("abscissa increment"), "2.5");
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("'Hammer' is no time record: frequency response function over Frequency"));
+}
+
+TEST(Uff58, AnUnevenSpectrumBringsItsFrequenciesAsAChannel) {
+  Function function;
+  function.even = 0;
+  function.abscissa = "        18    0    0    0 Frequency            Hz                  ";
+  function.data =
+      "  1.00000E+00  1.00000E+00  2.00000E+00  2.00000E+00  4.00000E+00  3.00000E+00\n";
+  const Record record = imported(function.text());
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].name, "Hammer (abscissa)");
+  EXPECT_EQ(record.channels[0].quantity, Quantity::frequency);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.0, 2.0, 4.0));
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(1.0, 2.0, 3.0));
+}
+
+TEST(Uff58, WithoutPointsIsAnEmptyChannel) {
+  Function function;
+  function.points = 0;
+  function.data = "";
+  const Record record = imported(function.text());
+  EXPECT_EQ(record.channels.front().size(), 0U);
+  EXPECT_THAT(record.warnings, ElementsAre("'Hammer' has no samples"));
+}
+
+TEST(Uff58, WithABrokenHeaderIsAnErrorThatNamesTheRecord) {
+  Function function;
+  function.type = 3;
+  EXPECT_EQ(import_error(function.text()),
+            place(function.text(), "         3         3") +
+                ": ordinate type 3 is unknown: expected 2, 4, 5 or 6");
+  function.type = 2;
+  function.points = -7;
+  EXPECT_EQ(import_error(function.text()), place(function.text(), "         2        -7") +
+                                               ": the number of points is -7: expected 0 or more");
+  function.points = 3;
+  function.increment = "          abc";
+  EXPECT_EQ(import_error(function.text()),
+            place(function.text(), "         2         3") +
+                ": record 7 of a dataset 58: expected ordinate type, points, "
+                "spacing, start and increment, "
+                "found '2         3         1  0.00000E+00          abc  0.00000E+00'");
+  function = Function{};
+  function.ordinate = "   force!!    0    0    0 Force                N                   ";
+  EXPECT_EQ(import_error(function.text()),
+            place(function.text(), "   force!!") +
+                ": specific data type: expected an integer in columns 1 to 10, "
+                "found 'force!!'");
+  EXPECT_EQ(import_error("    -1\n  text\n    -1\n", {"uff58", {}, {}, {}, {}, {}, {}, true}),
+            "FILE:2:1 (byte 7): expected the number of a dataset in columns 1 to 6, found 'text'");
+}
+
+TEST(Uff58, RecordSevenMayBeOutOfColumns) {
+  std::string text = Function{}.text();
+  const std::string record =
+      fmt::format("{:10}{:10}{:10}{}{}", 2, 3, 1, "  0.00000E+00", "  1.00000E-03");
+  text.replace(text.find(record), record.size(), "2 3 1 0.5 1.0E-3");
+  const Record read = imported(text);
+  EXPECT_EQ(read.channels.front().clock.interval, 1e-3);
+  EXPECT_EQ(read.channels.front().clock.start, 0.5);
+}
+
+TEST(Uff58, OtherDatasetsAreSkippedAndTheirTitleAndUnitsKept) {
+  const std::string others =
+      "    -1\n   151\nBeam rig\nsecond mount\nTest.Lab\n    -1\n"
+      "    -1\n   164\n         1SI - mKs\n  1.00000000000000000D+00  1.00000000000000000D+00  "
+      "1.00000000000000000D+00\n"
+      "  2.73149999999999980D+02\n    -1\n"
+      "    -1\n  1858\n         0\n    -1\n";
+  const Record record = imported(others + Function{}.text());
+  EXPECT_EQ(record.title, "Beam rig");
+  EXPECT_EQ(record.attributes.at("model description"), "second mount");
+  EXPECT_EQ(record.attributes.at("written by"), "Test.Lab");
+  EXPECT_EQ(record.attributes.at("units code"), "1");
+  EXPECT_EQ(record.attributes.at("units"), "SI - mKs");
+  EXPECT_EQ(record.attributes.at("length factor"), "1");
+  EXPECT_EQ(record.attributes.at("temperature offset"), "273.15");
+  EXPECT_EQ(record.channels.size(), 1U);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(Uff58, AFileWithoutFunctionsHasNoChannelsAndSaysSo) {
+  const Record record = imported(
+      "    -1\n    15\n         1\n    -1\n    -1\n    15\n         1\n    -1\n    -1\n    82\n "
+      "x\n    -1\n");
+  EXPECT_THAT(record.channels, IsEmpty());
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("no recordings in this file: it has no dataset 58, only 15 (2 times), 82"));
+}
+
+TEST(Uff58, ADoubledDelimiterOpensOneDataset) {
+  EXPECT_EQ(imported("    -1\n" + Function{}.text() + "    -1\n").channels.size(), 1U);
+}
+
+TEST(Uff58Codes, ComeBackFromTheirQuantityAndName) {
+  for (const Quantity quantity : {Quantity::force, Quantity::velocity, Quantity::displacement,
+                                  Quantity::acceleration, Quantity::pressure, Quantity::strain,
+                                  Quantity::temperature, Quantity::time, Quantity::frequency})
+    EXPECT_EQ(uff58_quantity(uff58_type(quantity)), quantity);
+  EXPECT_EQ(uff58_quantity(uff58_type(Quantity::voltage)), Quantity::unknown);
+  for (int type = 0; type <= 28; ++type) EXPECT_EQ(uff58_function(uff58_function_name(type)), type);
+  EXPECT_EQ(uff58_function_name(99), "function type 99");
+  EXPECT_EQ(uff58_function("function type 99"), 0);
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+
+#include "acquisition/importer.hpp"
+
+namespace impactrig::acquisition::tests {
+
+/// A file with the given bytes, named after the running test, gone afterwards.
+class WrittenFile {
+ public:
+  explicit WrittenFile(std::string_view bytes, std::string_view ending = ".txt")
+      : path_(testing::TempDir() + "impactrig_" + test_name() + std::string(ending)) {
+    std::ofstream(path_, std::ios::binary)
+        .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  }
+
+  ~WrittenFile() { std::remove(path_.c_str()); }
+
+  WrittenFile(const WrittenFile&) = delete;
+  WrittenFile& operator=(const WrittenFile&) = delete;
+
+  const std::string& path() const { return path_; }
+
+  static std::string test_name() {
+    const auto* const info = testing::UnitTest::GetInstance()->current_test_info();
+    std::string name = fmt::format("{}_{}", info->test_suite_name(), info->name());
+    for (char& c : name)
+      if (c == '/') c = '_';
+    return name;
+  }
+
+ private:
+  std::string path_;
+};
+
+inline std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Imports bytes as a file; a missing clock is a warning.
+inline datasets::Record imported(std::string_view bytes, ImportOptions options = {},
+                                 std::string_view ending = ".txt") {
+  const WrittenFile file(bytes, ending);
+  options.require_clock = false;
+  return import_recording(file.path(), options);
+}
+
+/// What an import of these bytes throws, with the file's name as FILE; "" when it succeeds.
+inline std::string import_error(std::string_view bytes, const ImportOptions& options = {},
+                                std::string_view ending = ".txt") {
+  const WrittenFile file(bytes, ending);
+  try {
+    import_recording(file.path(), options);
+  } catch (const std::exception& error) {
+    std::string text = error.what();
+    const std::size_t place = text.find(file.path());
+    if (place != std::string::npos) text.replace(place, file.path().size(), "FILE");
+    return text;
+  }
+  return {};
+}
+
+}  // namespace impactrig::acquisition::tests
