@@ -17,8 +17,11 @@ namespace {
 }
 
 void require_positive(std::string_view key, double value, std::string_view unit) {
-  if (!(value > 0.0 && std::isfinite(value)))
-    refuse(key, fmt::format("must be greater than zero, found {:g} {}", value, unit));
+  const std::string_view space = unit.empty() ? "" : " ";
+  if (!(value > 0.0))
+    refuse(key, fmt::format("must be greater than zero, found {:g}{}{}", value, space, unit));
+  if (!std::isfinite(value))
+    refuse(key, fmt::format("must be finite, found {:g}{}{}", value, space, unit));
 }
 
 void validate_beam(const Beam& beam) {
@@ -75,13 +78,11 @@ void validate_solver(const Solver& solver, const Rig& rig) {
   if (!(solver.accuracy >= 1e-13 && solver.accuracy <= 0.1))
     refuse("solver.accuracy",
            fmt::format("must lie between 1e-13 and 0.1, found {:g}", solver.accuracy));
-  if (solver.duration && !(*solver.duration > 0.0 && std::isfinite(*solver.duration)))
-    refuse("solver.duration",
-           fmt::format("must be greater than zero, found {:g} s", *solver.duration));
+  if (solver.duration) require_positive("solver.duration", *solver.duration, "s");
   if (solver.model == BeamModel::ancf) {
     const bool at_tip = rig.contact.position == rig.beam.length;
     if (solver.elements[0] < 1 || solver.elements[1] < (at_tip ? 0 : 1) ||
-        solver.elements[0] + solver.elements[1] > 4096)
+        solver.elements[0] > 4096 || solver.elements[1] > 4096 - solver.elements[0])
       refuse(
           "solver.elements",
           fmt::format(
@@ -131,7 +132,7 @@ void validate(const Rig& rig, const Solver& solver) {
   elastic_law(rig.contact);
   if (!(rig.gravity >= 0.0 && std::isfinite(rig.gravity)))
     refuse("environment.gravity",
-           fmt::format("must not be negative, found {:g} m/s^2", rig.gravity));
+           fmt::format("must be finite and not negative, found {:g} m/s^2", rig.gravity));
   if (rig.start.release_angle) {
     if (!(*rig.start.release_angle > 0.0 && *rig.start.release_angle < 3.14159265358979))
       refuse("start.release_angle",
