@@ -295,10 +295,11 @@ double integral(const Excursion& z, double from, double to) {
 }
 
 /// A later pulse of the same sign that ringing cannot be, before sample `limit`: it is more than
-/// twice what the signal swings the other way before and right after it.
+/// twice what the signal swings the other way before and right after it, and no single sample.
 bool hit_again(const Excursion& z, const Contact& contact, const Descent& d, std::size_t limit) {
   const double threshold = z.threshold(d.peak);
   const double rest = std::max(5.0, 0.05 * contact.width);
+  const double least = std::max(1.0, 0.05 * contact.width);  // samples above the threshold
   limit = std::min(limit, z.y.size());
   double other_way = 0.0;
   std::size_t last_above = d.stop_index;
@@ -309,11 +310,16 @@ bool hit_again(const Excursion& z, const Contact& contact, const Descent& d, std
     const bool rested = as_double(j - last_above) > rest;
     const std::size_t begin = j;
     double lobe = 0.0;
-    while (j < z.y.size() && z.at(j) > z.stop) lobe = std::max(lobe, z.at(j++));
+    std::size_t above = 0, longest = 0;
+    for (; j < z.y.size() && z.at(j) > z.stop; ++j) {
+      lobe = std::max(lobe, z.at(j));
+      above = z.at(j) > threshold ? above + 1 : 0;
+      longest = std::max(longest, above);
+    }
     last_above = j;
     for (std::size_t k = j; k < std::min(z.y.size(), j + (j - begin)); ++k)
       other_way = std::max(other_way, -z.at(k));
-    if (rested && lobe > stands_out * other_way) return true;
+    if (rested && as_double(longest) >= least && lobe > stands_out * other_way) return true;
   }
   return false;
 }
@@ -353,6 +359,8 @@ std::optional<Contact> PulseSearch::measure_from(const Baseline& baseline, std::
     z.sign = -z.sign;
     d = follow(z, crossing);
   }
+
+  if (d.peak <= trigger.threshold) return std::nullopt;  // hum lifted noise over the threshold
 
   Contact contact;
   std::size_t i = crossing;
