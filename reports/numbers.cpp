@@ -131,8 +131,9 @@ std::string to_precision_of(double value, double error, const DisplayUnit& unit)
   return at_place(value * unit.factor, place);
 }
 
-NumberColumn number_column(const std::vector<double>& values, std::string_view unit, int digits) {
-  double largest = 0.0;
+NumberColumn number_column(const std::vector<double>& values, std::string_view unit, int digits,
+                           double at_least) {
+  double largest = at_least;
   for (const double value : values)
     if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
   NumberColumn column;

@@ -47,12 +47,14 @@ std::string to_precision_of(double value, double error, const DisplayUnit& unit)
 
 /// Numbers of one kind below each other: one unit, one number of decimals, so that they can be
 /// compared at a glance. `digits` significant ones for the largest, "–" for what is not finite.
+/// `at_least` [SI]: the unit is chosen as if the largest were this much.
 struct NumberColumn {
   DisplayUnit unit;
   std::vector<std::string> cells;
 };
 
-NumberColumn number_column(const std::vector<double>& values, std::string_view unit, int digits);
+NumberColumn number_column(const std::vector<double>& values, std::string_view unit, int digits,
+                           double at_least = 0.0);
 
 /// "23 %", "4.1 %", "0.31 %".
 std::string percent(double fraction);

@@ -103,6 +103,13 @@ constexpr std::array<EpisodeColumn, 8> episode_columns{{
     {"dissipated", "J", 3, [](const models::Episode& e) { return e.dissipated; }},
 }};
 
+double longest_stay(const models::Simulation& run) {
+  double out = 0.0;
+  for (const models::Episode& episode : run.episodes)
+    out = std::max(out, episode.end - episode.start);
+  return out;
+}
+
 std::string html_episodes(const models::Simulation& run) {
   if (run.episodes.empty())
     return "<p>The prediction has no contact: the bar never reached the stop.</p>\n";
@@ -113,7 +120,8 @@ std::string html_episodes(const models::Simulation& run) {
   for (const EpisodeColumn& column : episode_columns) {
     std::vector<double> values;
     for (const models::Episode& episode : run.episodes) values.push_back(column.value(episode));
-    const NumberColumn shown = number_column(values, column.unit, column.digits);
+    const double at_least = *column.unit == 's' ? longest_stay(run) : 0.0;
+    const NumberColumn shown = number_column(values, column.unit, column.digits, at_least);
     head += fmt::format("<th scope=\"col\" class=\"n\">{}<span>[{}]</span></th>", column.title,
                         shown.unit.text);
     for (std::size_t i = 0; i < rows.size(); ++i)

@@ -56,8 +56,9 @@ std::string chi2_sentence(const fitting::Goodness& goodness) {
   return value +
          fmt::format(
              "Noise alone would leave about 1: the residual is {} times what noise explains, "
-             "so the model misses something. The intervals say how well the noise fixes the "
-             "parameters, not how right the model is.",
+             "so the model or the calibration misses something. Standard errors and intervals were "
+             "widened by that factor; they still cannot tell which way the missing part bends the "
+             "parameters.",
              significant(std::sqrt(reduced), 2));
 }
 

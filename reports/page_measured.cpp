@@ -35,21 +35,42 @@ Range fitted_window(const fitting::ChannelFit& channel) {
   return out;
 }
 
-/// What the plots of a recording show at first: the fitted window and an eighth of it on either
-/// side.
-Range first_view(const fitting::Fit& fit, int recording) {
-  Range view{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  Range all = view;
+/// Spans of time a recording's plots can be set to.
+struct Views {
+  Range contact;  ///< the contacts and one and a half times as much after them: what is shown first
+  Range fitted;   ///< what entered the fit, and a margin
+};
+
+Views views(const fitting::Fit& fit, int recording) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Range fitted{infinity, -infinity}, all{infinity, -infinity};
   for (const fitting::ChannelFit& channel : fit.channels) {
     if (channel.recording != recording || samples(channel) == 0) continue;
     const Range window = fitted_window(channel);
-    view = {std::min(view[0], window[0]), std::max(view[1], window[1])};
+    fitted = {std::min(fitted[0], window[0]), std::max(fitted[1], window[1])};
     all = {std::min(all[0], channel.time.front()),
            std::max(all[1], channel.time[samples(channel) - 1])};
   }
-  if (!(view[0] < view[1])) return {0.0, 1e-3};
-  const double margin = (view[1] - view[0]) / 8.0;
-  return {std::max(all[0], view[0] - margin), std::min(all[1], view[1] + margin)};
+  if (!(all[0] < all[1])) return {{0.0, 1e-3}, {0.0, 1e-3}};
+  const auto within = [&](double from, double to) {
+    const Range out{std::max(all[0], from), std::min(all[1], to)};
+    return out[0] < out[1] ? out : all;
+  };
+  const double margin = (fitted[1] - fitted[0]) / 20.0;
+  Views out;
+  out.fitted = out.contact = within(fitted[0] - margin, fitted[1] + margin);
+  const auto r = static_cast<std::size_t>(std::max(0, recording));
+  if (r >= fit.predictions.size() || fit.predictions[r].episodes.empty()) return out;
+  const double end = fit.predictions[r].episodes.back().end;
+  if (end > 0.0) out.contact = within(-0.25 * end, 2.5 * end);
+  return out;
+}
+
+/// The end of what was simulated [s]: beyond it the model's curve means nothing.
+double simulated_until(const fitting::Fit& fit, const fitting::ChannelFit& channel) {
+  const auto r = static_cast<std::size_t>(std::max(0, channel.recording));
+  const double duration = r < fit.predictions.size() ? fit.predictions[r].duration : 0.0;
+  return duration > 0.0 ? duration : std::numeric_limits<double>::infinity();
 }
 
 /// The stretches of time inside `view` that did not enter the fit.
@@ -73,7 +94,7 @@ struct Curves {
   Series measured, model, residual;
 };
 
-Curves curves(const fitting::ChannelFit& channel, const Range& view, double unit) {
+Curves curves(const fitting::ChannelFit& channel, const Range& view, double unit, double until) {
   Curves out;
   out.measured = {"measured", {}, {}, palette::measured, 1.0, 1.0, {}};
   out.model = {"model", {}, {}, palette::model, 4.0, 1.0, {}};
@@ -83,8 +104,9 @@ Curves curves(const fitting::ChannelFit& channel, const Range& view, double unit
     for (Series* series : {&out.measured, &out.model, &out.residual})
       series->x.push_back(channel.time[i]);
     out.measured.y.push_back(channel.measured[i]);
-    out.model.y.push_back(channel.model[i]);
-    out.residual.y.push_back((channel.measured[i] - channel.model[i]) / unit);
+    const double model = channel.time[i] <= until ? channel.model[i] : std::nan("");
+    out.model.y.push_back(model);
+    out.residual.y.push_back((channel.measured[i] - model) / unit);
   }
   return out;
 }
@@ -114,9 +136,9 @@ PlotUnits plot_units(const fitting::ChannelFit& channel, const Range& view) {
   return units;
 }
 
-Figure static_figure(const fitting::ChannelFit& channel, const Range& view,
-                     const PlotUnits& units) {
-  const Curves found = curves(channel, view, units.noise);
+Figure static_figure(const fitting::ChannelFit& channel, const Range& view, const PlotUnits& units,
+                     double until) {
+  const Curves found = curves(channel, view, units.noise, until);
   Figure figure;
   figure.title = fmt::format(
       "{} over time, measured and as the model predicts it; below, the "
@@ -141,8 +163,10 @@ std::string html_data(const char* name, double value) {
   return fmt::format(" data-{}=\"{}\"", name, value);
 }
 
-std::string html_plot(const fitting::Fit& fit, std::size_t index, const Range& view) {
+std::string html_plot(const fitting::Fit& fit, std::size_t index, const Views& shown) {
   const fitting::ChannelFit& channel = fit.channels[index];
+  const Range& view = shown.contact;
+  const double until = simulated_until(fit, channel);
   const PlotUnits units = plot_units(channel, view);
   std::string out = fmt::format(
       "<figure class=\"plot\" data-curve=\"{}\" data-name=\"{}\" data-x-unit=\"{}\" "
@@ -150,25 +174,28 @@ std::string html_plot(const fitting::Fit& fit, std::size_t index, const Range& v
       index, escaped(capital(channel.quantity)), escaped(units.time.text),
       escaped(units.value.text), escaped(units.residual_unit));
   out += html_data("x-factor", units.time.factor) + html_data("y-factor", units.value.factor) +
-         html_data("noise", units.noise) + html_data("from", view[0]) + html_data("to", view[1]);
+         html_data("noise", units.noise) + html_data("from", view[0]) + html_data("to", view[1]) +
+         html_data("fitted-from", shown.fitted[0]) + html_data("fitted-to", shown.fitted[1]);
+  if (std::isfinite(until)) out += html_data("until", until);
   out += ">\n";
-  if (!channel.channel.empty())
+  if (!channel.channel.empty() && channel.channel != channel.quantity)
     out += "<figcaption>Channel " + escaped(channel.channel) + "</figcaption>\n";
-  out += "<div class=\"still\">" + svg(static_figure(channel, view, units)) + "</div>\n</figure>\n";
+  out += "<div class=\"still\">" + svg(static_figure(channel, view, units, until)) +
+         "</div>\n</figure>\n";
   return out;
 }
 
 std::string html_recording(const ReportData& data, std::size_t recording) {
   const fitting::Fit& fit = data.fit;
-  const Range view = first_view(fit, static_cast<int>(recording));
+  const Views shown = views(fit, static_cast<int>(recording));
   std::string plots;
-  bool force = false, velocity = false;
+  bool force = false, motion = false;
   for (std::size_t i = 0; i < fit.channels.size(); ++i) {
     if (fit.channels[i].recording != static_cast<int>(recording) || samples(fit.channels[i]) == 0)
       continue;
     force = force || fit.channels[i].quantity == "force";
-    velocity = velocity || fit.channels[i].quantity == "velocity";
-    plots += html_plot(fit, i, view);
+    motion = motion || fit.channels[i].quantity != "force";
+    plots += html_plot(fit, i, shown);
   }
   std::string text;
   if (recording < fit.impacts.size() && fit.impacts.size() > 1)
@@ -176,12 +203,12 @@ std::string html_recording(const ReportData& data, std::size_t recording) {
                         escaped(recording_name(fit, recording)));
   if (plots.empty())
     return text + "<p>No channel of this recording was compared with the model.</p>\n";
-  if (!velocity)
+  if (!motion)
     text +=
         "<p>No velocity was compared: approach speed and restitution rest on the force and the "
         "rig file alone.</p>\n";
   if (!force)
-    text += "<p>No force was compared: the contact’s stiffness rests on the velocity alone.</p>\n";
+    text += "<p>No force was compared: the contact’s stiffness rests on the motion alone.</p>\n";
   return fmt::format("{}<div class=\"recording\" data-recording=\"{}\">\n{}</div>\n", text,
                      recording, plots);
 }
@@ -195,7 +222,7 @@ std::string html_measured(const ReportData& data) {
       "does not explain, in units of the noise seen before the trigger: pure noise stays within "
       "±1.96 for 95 % of the samples.</p>\n"
       "<p class=\"hint\">Drag to zoom, turn the wheel to zoom at the pointer, shift-drag to move, "
-      "double click for the first view; the plots of one recording move together.</p>\n";
+      "double click for the contact; the plots of one recording move together.</p>\n";
   std::size_t recordings = std::max<std::size_t>(1, data.fit.impacts.size());
   for (std::size_t r = 0; r < recordings; ++r) body += html_recording(data, r);
   return html_section("measured", "What was measured", body);

@@ -51,7 +51,8 @@ std::string html_row(const fitting::Parameter& parameter) {
       "<td class=\"r\">{}</td></tr>\n",
       note.empty() ? "" : " class=\"flagged\"", head, value.value,
       value.error.empty() ? "" : "± " + value.error, escaped(value.unit),
-      has_interval(parameter.ci95) ? interval_text(parameter.ci95, shown) : "–",
+      has_interval(parameter.ci95) ? interval_text(parameter.ci95, parameter.std_error, shown)
+                                   : "–",
       to_precision_of(parameter.initial, parameter.std_error, shown), prior_text(parameter, shown),
       note.empty() ? "" : "<span class=\"flag\">" + escaped(note) + "</span>");
 }
@@ -76,12 +77,18 @@ std::string html_table(const fitting::Fit& fit) {
          "</table></div>\n";
 }
 
+/// Two decimals, more where they would round to 1.
+std::string correlation_text(double r) {
+  const int decimals = std::abs(r) < 0.995 ? 2 : std::abs(r) < 0.9995 ? 3 : 5;
+  return tick_text(r, decimals);
+}
+
 /// A number and the shade of it: blue positive, orange negative, white at 0.
 std::string html_cell(double r) {
   if (!std::isfinite(r)) return "<td class=\"n\">–</td>";
   const double strength = std::min(1.0, std::abs(r)) * 0.55;
   return fmt::format("<td class=\"n\" style=\"background:rgba({},{:.2f})\">{}</td>",
-                     r >= 0.0 ? "43,108,176" : "209,72,10", strength, tick_text(r, 2));
+                     r >= 0.0 ? "43,108,176" : "209,72,10", strength, correlation_text(r));
 }
 
 std::string html_matrix(const fitting::Fit& fit) {

@@ -36,7 +36,9 @@ std::string html_estimates(const fitting::Fit& fit) {
     if (found == fit.restitution.end()) continue;
     const fitting::Estimate& estimate = found->second;
     const bool interval = has_interval(estimate.ci95);
-    const double error = interval ? (estimate.ci95[1] - estimate.ci95[0]) / 4.0 : 0.0;
+    // Four decimals are plenty: the interval knows nothing of what the model leaves out.
+    const double error =
+        interval ? std::max(1e-3, (estimate.ci95[1] - estimate.ci95[0]) / 4.0) : 0.0;
     const bool law = meaning.key == std::string("law");
     rows += fmt::format(
         "<tr{}><th scope=\"row\">{}<span>{}</span></th><td class=\"n\">{}</td><td "
@@ -44,7 +46,7 @@ std::string html_estimates(const fitting::Fit& fit) {
         "<td class=\"chart\">{}</td></tr>\n",
         law ? " class=\"strong\"" : "", meaning.name, meaning.meaning,
         to_precision_of(estimate.value, error, {1.0, ""}),
-        interval ? interval_text(estimate.ci95, {1.0, ""})
+        interval ? interval_text(estimate.ci95, error, {1.0, ""})
         : law && find_parameter(fit, "contact.restitution") == nullptr ? "held, not fitted"
                                                                        : "not estimated",
         svg_interval(estimate.value, estimate.ci95, largest,
@@ -128,6 +130,16 @@ std::string kinematic_sentence(double kinematic, double energetic) {
       significant(kinematic, 2), percent(energetic * energetic), significant(energetic, 2));
 }
 
+/// Why the kinetic number can be above 1.
+std::string kinetic_sentence(double kinetic) {
+  if (!(kinetic > 1.0)) return "";
+  return fmt::format(
+      "The kinetic restitution is {}, above 1: after its deepest point the bar was "
+      "pressed on by its own vibration, so that the contact’s second half had the "
+      "larger impulse. ",
+      significant(kinetic, 2));
+}
+
 /// Why e of the law is not the ratio it returns.
 std::string law_sentence(double law, double energetic, const std::string& damping) {
   if (!std::isfinite(law) || !std::isfinite(energetic) || damping == "none") return "";
@@ -161,7 +173,8 @@ std::string html_explanation(const fitting::Fit& fit) {
       "a bar that bends they are not, and only the first belongs to the contact law.</p>\n<p>";
   out +=
       escaped(energy_sentence(run.energy) +
-              kinematic_sentence(value_of(fit, "kinematic", run.restitution.kinematic), energetic));
+              kinematic_sentence(value_of(fit, "kinematic", run.restitution.kinematic), energetic) +
+              kinetic_sentence(value_of(fit, "kinetic", run.restitution.kinetic)));
   out += "</p>\n";
   const std::string law = law_sentence(value_of(fit, "law", run.restitution.law), energetic,
                                        fit.rig.rig.contact.damping);
@@ -195,7 +208,8 @@ std::string html_balances(const fitting::Fit& fit) {
     if (std::isfinite(energy.imbalance))
       out +=
           fmt::format("<p class=\"note\">The account is out of balance by {} of that energy.</p>\n",
-                      percent(std::abs(energy.imbalance)));
+                      std::abs(energy.imbalance) < 1e-4 ? significant(std::abs(energy.imbalance), 1)
+                                                        : percent(std::abs(energy.imbalance)));
   }
   return out;
 }

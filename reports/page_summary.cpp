@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -16,29 +17,34 @@ struct KeyNumber {
 };
 
 std::string html_key_number(const KeyNumber& number) {
+  const std::string unit = number.unit.empty() ? "" : " <i>" + escaped(number.unit) + "</i>";
   return fmt::format("<div><dt>{}</dt><dd><b>{}</b>{}<span>{}</span></dd></div>\n",
-                     escaped(number.label), escaped(number.value),
-                     number.unit.empty() ? "" : " <i>" + escaped(number.unit) + "</i>",
-                     escaped(number.note));
+                     escaped(number.label), escaped(number.value), unit, escaped(number.note));
 }
 
-/// A parameter's tile: fitted with its interval, or held at the rig file's value.
+/// Why a parameter has no interval.
+std::string no_interval(const fitting::Parameter& parameter) {
+  if (parameter.at_bound) return "no interval: at its bound";
+  if (!parameter.identifiable) return "no interval: the data cannot tell";
+  return "no interval: could not be estimated";
+}
+
+/// A parameter's tile: fitted with its interval, or held at the rig file's value. At most four
+/// digits: the table has them all.
 KeyNumber parameter_tile(const fitting::Fit& fit, const std::string& label, const std::string& key,
                          double held, const char* unit) {
   const fitting::Parameter* parameter = find_parameter(fit, key);
+  const double value = parameter == nullptr ? held : parameter->value;
+  const DisplayUnit shown = display_unit(std::abs(value), unit);
   if (parameter == nullptr)
-    return {label, significant(held * display_unit(std::abs(held), unit).factor, 4),
-            display_unit(std::abs(held), unit).text, "held, not fitted"};
-  const RoundedValue shown = rounded(parameter->value, parameter->std_error, unit);
-  const double factor =
-      display_unit(std::max(std::abs(parameter->value), parameter->std_error), unit).factor;
-  std::string note = "no interval: could not be estimated";
-  if (parameter->at_bound)
-    note = "no interval: at its bound";
-  else if (!parameter->identifiable)
-    note = "no interval: the data cannot tell";
-  if (has_interval(parameter->ci95)) note = "95 %: " + interval_text(parameter->ci95, {factor, ""});
-  return {label, shown.value, shown.unit, note};
+    return {label, significant(value * shown.factor, 4), shown.text, "held, not fitted"};
+  const double error = std::isfinite(parameter->std_error) ? parameter->std_error : 0.0;
+  const double coarse = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
+  const double shown_error = value != 0.0 ? std::max(error, coarse) : error;
+  return {label, to_precision_of(value, shown_error, shown), shown.text,
+          has_interval(parameter->ci95)
+              ? "95 %: " + interval_text(parameter->ci95, shown_error, shown)
+              : no_interval(*parameter)};
 }
 
 /// "predicted 1572 N (−0.6 %)".
@@ -233,6 +239,13 @@ class Warnings {
   std::vector<std::pair<std::string, std::vector<std::string>>> said_;
 };
 
+/// Whether the fit has already said this, perhaps with a file's name before it.
+bool said(const fitting::Fit& fit, std::string_view words) {
+  return std::any_of(fit.warnings.begin(), fit.warnings.end(), [&](const std::string& warning) {
+    return warning.find(words) != std::string::npos;
+  });
+}
+
 /// Everything that asks for attention: of the fit, the predictions, the recordings and their flags.
 std::string html_warnings(const ReportData& data) {
   const fitting::Fit& fit = data.fit;
@@ -240,11 +253,13 @@ std::string html_warnings(const ReportData& data) {
   for (const std::string& warning : fit.warnings) warnings.add("", warning);
   for (std::size_t r = 0; r < fit.predictions.size(); ++r)
     for (const std::string& warning : fit.predictions[r].warnings)
-      warnings.add(recording_name(fit, r), "in the prediction: " + warning);
+      if (!said(fit, warning))
+        warnings.add(recording_name(fit, r), "in the prediction: " + warning);
   for (std::size_t r = 0; r < fit.impacts.size(); ++r)
     for (const datasets::ImpactFlag flag : fit.impacts[r].flags)
-      warnings.add(recording_name(fit, r),
-                   fmt::format("flagged {}. {}", datasets::name(flag), datasets::sentence(flag)));
+      if (!said(fit, datasets::sentence(flag)))
+        warnings.add(recording_name(fit, r),
+                     fmt::format("flagged {}. {}", datasets::name(flag), datasets::sentence(flag)));
   for (const datasets::Record& record : data.records)
     for (const std::string& warning : record.warnings)
       warnings.add(file_name(record.provenance.source_file), warning);

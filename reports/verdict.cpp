@@ -84,7 +84,7 @@ std::string restitution_sentence(const fitting::Fit& fit) {
                        shown.value);
   std::string out = fmt::format(" The contact law’s e is {} ± {}", shown.value, shown.error);
   if (has_interval(e->ci95))
-    out += fmt::format(" (95 % interval {})", interval_text(e->ci95, {1.0, ""}));
+    out += fmt::format(" (95 % interval {})", interval_text(e->ci95, e->std_error, {1.0, ""}));
   return out + ".";
 }
 

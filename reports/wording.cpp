@@ -19,7 +19,7 @@ struct Label {
 };
 
 // Whole keys of the rig file first, then their last word for those of the measuring chain.
-constexpr std::array<Label, 18> labels{{
+constexpr std::array<Label, 19> labels{{
     {"contact.restitution", "Restitution e of the contact law"},
     {"contact.stiffness_factor", "Contact stiffness factor"},
     {"contact.stiffness", "Contact stiffness"},
@@ -31,6 +31,7 @@ constexpr std::array<Label, 18> labels{{
     {"contact.counter_modulus", "Young’s modulus of the stop"},
     {"start.velocity", "Approach speed"},
     {"start.release_angle", "Release angle"},
+    {"impact.time", "Instant of first touch"},
     {"beam.length", "Length of the bar"},
     {"beam.youngs_modulus", "Young’s modulus of the bar"},
     {"beam.density", "Density of the bar"},
@@ -82,8 +83,9 @@ bool has_interval(const std::array<double, 2>& interval) {
   return std::isfinite(interval[0]) && std::isfinite(interval[1]) && interval[1] > interval[0];
 }
 
-std::string interval_text(const std::array<double, 2>& interval, const DisplayUnit& unit) {
-  const double error = (interval[1] - interval[0]) / 4.0;
+std::string interval_text(const std::array<double, 2>& interval, double error,
+                          const DisplayUnit& unit) {
+  if (!(error > 0.0)) error = (interval[1] - interval[0]) / 4.0;
   return to_precision_of(interval[0], error, unit) + " to " +
          to_precision_of(interval[1], error, unit);
 }

@@ -31,8 +31,10 @@ const fitting::Parameter* find_parameter(const fitting::Fit& fit, const std::str
 /// Whether a value comes with an interval: finite and not of zero width.
 bool has_interval(const std::array<double, 2>& interval);
 
-/// "0.490 to 0.534", as precise as two digits of a quarter of its width, in `unit`.
-std::string interval_text(const std::array<double, 2>& interval, const DisplayUnit& unit);
+/// "0.490 to 0.534", to the last place that two digits of `error` leave, in `unit`. `error` of 0:
+/// of a quarter of the width.
+std::string interval_text(const std::array<double, 2>& interval, double error,
+                          const DisplayUnit& unit);
 
 /// "Force", "Velocity": first letter upper case.
 std::string capital(std::string word);

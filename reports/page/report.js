@@ -225,12 +225,15 @@
     function scaled(values, factor) {
       return values.map(function (y) { return y === null ? null : y * factor; });
     }
-    var times = scaled(curve.time_s, fx), measured = scaled(curve.measured, fy), model = scaled(curve.model, fy);
+    var until = data.until === undefined ? Infinity : Number(data.until);
+    var predicted = curve.model.map(function (y, i) { return curve.time_s[i] <= until ? y : null; });
+    var times = scaled(curve.time_s, fx), measured = scaled(curve.measured, fy), model = scaled(predicted, fy);
     var residual = curve.measured.map(function (y, i) {
-      return y === null || curve.model[i] === null ? null : (y - curve.model[i]) / noise;
+      return y === null || predicted[i] === null ? null : (y - predicted[i]) / noise;
     });
     var inNoise = data.residualUnit === "noise", stretches = unused(curve, times);
-    var live = make("div", {"class": "live"}, figure), graph, lower;
+    var still = figure.querySelector("svg"), graph, lower;
+    var live = make("div", {"class": "live", role: "group", "aria-label": still ? still.getAttribute("aria-label") : data.name}, figure);
     figure.classList.add("drawn");
 
     var upper = panel(live, data.name + bracketed(data.yUnit), "history");
@@ -261,9 +264,10 @@
     make("div", {"class": "xaxis", text: "Time after first touch [" + data.xUnit + "]"}, live);
   }
 
-  function tools(block, group, view) {
-    var bar = make("div", {"class": "tools"});
-    [["Fitted window", function () { group.show(view); }],
+  function tools(block, group, data) {
+    var bar = make("div", {"class": "tools"}), fx = Number(data.xFactor);
+    [["Contact", function () { group.show([Number(data.from) * fx, Number(data.to) * fx]); }],
+     ["Fitted window", function () { group.show([Number(data.fittedFrom) * fx, Number(data.fittedTo) * fx]); }],
      ["Everything", function () { group.show(group.full()); }]].forEach(function (tool) {
       make("button", {type: "button", text: tool[0]}, bar).addEventListener("click", tool[1]);
     });
@@ -274,8 +278,7 @@
     var group = new Group(), figures = block.querySelectorAll(".plot");
     figures.forEach(function (figure) { draw(figure, group); });
     if (!group.plots.length) return;
-    var data = figures[0].dataset;
-    tools(block, group, [Number(data.from) * Number(data.xFactor), Number(data.to) * Number(data.xFactor)]);
+    tools(block, group, figures[0].dataset);
     groups.push(group);
   });
 

@@ -213,6 +213,31 @@ TEST(Html, WorksWithoutAVelocityChannel) {
   EXPECT_FALSE(has(page, "No force was compared"));
 }
 
+// Beyond the simulated time a model's curve is a mere continuation: not drawn, not subtracted.
+TEST(Html, EndsTheModelWhereTheSimulationEnds) {
+  reports::ReportData data = tests::example_report();
+  data.fit.predictions[0].duration = 0.6e-3;
+  EXPECT_EQ(count(reports::to_html(data), " data-until=\"0.0006\""), 2u);
+  const auto still = [&](double beyond) {
+    for (fitting::ChannelFit& channel : data.fit.channels)
+      for (std::size_t i = 0; i < channel.time.size(); ++i)
+        if (channel.time[i] > 0.6e-3) channel.model[i] = beyond;
+    const std::string page = reports::to_html(data);
+    const std::size_t begin = page.find("<div class=\"still\">");
+    return page.substr(begin, page.find("</svg>", begin) - begin);
+  };
+  EXPECT_TRUE(still(100.0) == still(-100.0));
+}
+
+TEST(Html, SaysNothingTwiceThatTheFitHasSaid) {
+  reports::ReportData data = tests::example_report();
+  data.fit.predictions[0].warnings = {"The contact was grazed."};
+  const std::string sentence(datasets::sentence(datasets::ImpactFlag::double_hit));
+  EXPECT_TRUE(has(reports::to_html(data), "Four warnings"));
+  data.fit.warnings = {"folder/shot 17.uff: " + sentence, "The contact was grazed."};
+  EXPECT_TRUE(has(reports::to_html(data), "Three warnings"));
+}
+
 TEST(Html, WorksWithoutUncertainties) {
   reports::ReportData data = tests::example_report();
   for (fitting::Parameter& parameter : data.fit.parameters) {

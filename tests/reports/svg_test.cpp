@@ -80,6 +80,7 @@ TEST(Numbers, ShareUnitAndDecimalsInAColumn) {
   const reports::NumberColumn column = reports::number_column({1906.3, 2233.1, 88.0, nan}, "N", 4);
   EXPECT_EQ(column.unit.text, "kN");
   EXPECT_EQ(column.cells, (std::vector<std::string>{"1.906", "2.233", "0.088", "–"}));
+  EXPECT_EQ(reports::number_column({0.0}, "s", 3, 342e-6).unit.text, "µs");
   EXPECT_EQ(reports::number_column({}, "N", 3).unit.text, "N");
   EXPECT_EQ(reports::number_column({0.0}, "N", 3).cells, (std::vector<std::string>{"0"}));
   EXPECT_EQ(reports::number_column({12345.6}, "1", 3).cells, (std::vector<std::string>{"12346"}));
