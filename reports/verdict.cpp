@@ -82,9 +82,9 @@ std::string restitution_sentence(const fitting::Fit& fit) {
   if (shown.error.empty())
     return fmt::format(" The contact law’s e is {}; its uncertainty could not be estimated.",
                        shown.value);
-  std::string out = fmt::format(" The contact law’s e is {} ± {}", shown.value, shown.error);
+  std::string out = fmt::format(" The contact law’s e is {} ±\u00a0{}", shown.value, shown.error);
   if (has_interval(e->ci95))
-    out += fmt::format(" (95 % interval {})", interval_text(e->ci95, e->std_error, {1.0, ""}));
+    out += fmt::format(" (95\u00a0% interval {})", interval_text(e->ci95, e->std_error, {1.0, ""}));
   return out + ".";
 }
 

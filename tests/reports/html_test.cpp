@@ -116,7 +116,7 @@ TEST(Html, EscapesWhateverComesFromFiles) {
   data.title = attack;
   data.fit.parameters[0].name = attack;
   data.fit.parameters[0].unit = attack;
-  data.fit.channels[0].channel = attack;
+  data.fit.channels[0].channel = std::string("CH1 ") + attack;
   data.fit.channels[0].quantity = attack;
   data.fit.channels[0].unit = attack;
   data.fit.channels[0].metrics[attack] = 1.0;
