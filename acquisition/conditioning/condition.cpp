@@ -61,8 +61,10 @@ std::string listing(const Record& record) {
   return result.empty() ? "none" : result;
 }
 
-/// Channels over frequency and the like are marked so by their importers.
-bool over_time(const Channel& channel) {
+/// Channels over frequency and the like are marked so by their importers; a column that is named
+/// and never filled is a channel without samples.
+bool history(const Channel& channel) {
+  if (channel.size() == 0) return false;
   const auto domain = channel.attributes.find("domain");
   return domain == channel.attributes.end() || domain->second == "time";
 }
@@ -84,7 +86,7 @@ const Channel* only_channel(const Record& record, const Claim& claim,
                             const std::vector<const Channel*>& taken) {
   std::vector<const Channel*> of_quantity, of_unit;
   for (const Channel& channel : record.channels) {
-    if (!over_time(channel) || std::ranges::find(taken, &channel) != taken.end()) continue;
+    if (!history(channel) || std::ranges::find(taken, &channel) != taken.end()) continue;
     if (channel.quantity == claim.sensor->quantity) of_quantity.push_back(&channel);
     if (in_recorded_unit(channel, *claim.sensor)) of_unit.push_back(&channel);
   }
@@ -280,7 +282,7 @@ void take_what_is_there(const Record& record, Record& result) {
   constexpr std::array wanted{Quantity::force, Quantity::velocity, Quantity::displacement,
                               Quantity::acceleration};
   for (const Channel& channel : record.channels) {
-    if (!over_time(channel)) continue;
+    if (!history(channel)) continue;
     if (std::ranges::find(wanted, channel.quantity) == wanted.end()) continue;
     Sensor sensor;
     sensor.quantity = channel.quantity;

@@ -40,7 +40,9 @@ void refuse_senseless(const DetectionOptions& options) {
 }
 
 const Channel* first_of(const Record& record, Quantity quantity) {
-  const auto found = std::ranges::find(record.channels, quantity, &Channel::quantity);
+  const auto found = std::ranges::find_if(record.channels, [&](const Channel& channel) {
+    return channel.quantity == quantity && channel.size() > 0;
+  });
   return found == record.channels.end() ? nullptr : &*found;
 }
 
@@ -71,11 +73,13 @@ const Channel& trigger_channel(const Record& record, const DetectionOptions& opt
 struct Source {
   const Channel* channel;
   Trace trace;
-  double range;  ///< [SI]; 0 unknown
+  double range;    ///< [SI]; 0 unknown
+  double quantum;  ///< digitiser step [SI]; 0 not seen
 };
 
 Source source_of(const Channel& channel, const std::string& file) {
-  Source source{&channel, trace_of(channel, file), 0.0};
+  Source source{&channel, trace_of(channel, file), 0.0, 0.0};
+  source.quantum = quantum_of(source.trace.values);
   const auto stated = channel.attributes.find("sensor.range");
   if (stated != channel.attributes.end())
     std::from_chars(stated->second.data(), stated->second.data() + stated->second.size(),
@@ -151,7 +155,7 @@ double level_before(const Source& source, double onset_time, const Window& windo
   const auto quiet =
       quiet_before(trace, trace.index(onset_time), static_cast<std::size_t>(floor), options);
   if (!quiet) return 0.0;
-  return fit_quiet(trace.values, quiet->begin, quiet->end, 1, quantum_of(trace.values)).mean;
+  return fit_quiet(trace.values, quiet->begin, quiet->end, 1, source.quantum).mean;
 }
 
 /// Mean before touch, dropouts left out; of the samples there are when there are few.
@@ -161,7 +165,7 @@ double approach_velocity(const Source& velocity, double onset_time, const Window
   const double floor = std::max(0.0, std::ceil(trace.index(window.floor)));
   const double onset = trace.index(onset_time);
   if (const auto quiet = quiet_before(trace, onset, static_cast<std::size_t>(floor), options))
-    return fit_quiet(trace.values, quiet->begin, quiet->end, 1, quantum_of(trace.values)).mean;
+    return fit_quiet(trace.values, quiet->begin, quiet->end, 1, velocity.quantum).mean;
   const double last =
       std::min(std::max(std::floor(onset), 0.0), as_double(trace.values.size() - 1));
   const auto end = static_cast<std::ptrdiff_t>(last) + 1;
@@ -215,7 +219,7 @@ std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
   const bool pulse = trigger.trace.quantity != Quantity::velocity;
   const bool clipped = over_range(trigger, first, last, pulse ? 0.5 * std::abs(contact.peak) : 0.0,
                                   contact.baseline) ||
-                       (pulse && flat_top(y, contact, quantum_of(y)));
+                       (pulse && flat_top(y, contact, trigger.quantum));
   bool dropout =
       has_invalid(impact.force) || has_invalid(impact.velocity) || has_invalid(impact.displacement);
   // Clipped samples that the recorder marked are clipped, not lost.

@@ -160,7 +160,9 @@ std::optional<Contact> JumpSearch::measure(const Lobe& lobe, std::size_t floor,
   contact.end = passing(arriving, arrived, half, last);
   contact.peak_index = half;
   contact.peak = change.size;
-  contact.width = 2.0 * (passing(gone, 0.75, first, last) - passing(gone, 0.25, first, last));
+  const double quarter = passing(gone, 0.25, first, last);
+  const double three_quarters = passing(gone, 0.75, static_cast<std::size_t>(quarter), last);
+  contact.width = 2.0 * (three_quarters - quarter);
   contact.baseline = change.before.at(contact.onset);
   for (auto i = static_cast<std::size_t>(std::ceil(contact.onset)); as_double(i) + 1 <= contact.end;
        ++i)

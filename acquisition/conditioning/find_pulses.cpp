@@ -369,7 +369,7 @@ std::optional<Contact> PulseSearch::measure_from(const Baseline& baseline, std::
   contact.onset = reached ? extrapolated_onset(z, i) : as_double(i);
   contact.onset = std::max(contact.onset, 0.0);
   contact.begins_inside = !reached && i == 0 && z.at(0) > z.threshold(d.peak);
-  contact.end = d.end;
+  contact.end = std::min(d.end, as_double(y_.size() - 1));
   contact.ends_inside = d.ends_inside;
   contact.peak_index = d.peak_index;
   contact.peak = z.sign * d.peak;

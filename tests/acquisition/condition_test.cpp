@@ -349,9 +349,22 @@ TEST(Condition, RefusesASpectrum) {
             "that is a time history");
 }
 
-TEST(Condition, RefusesAnEmptyChannel) {
-  EXPECT_EQ(message_of(record_of({channel_in("F", Quantity::force, "N", {})}), {}),
+TEST(Condition, RefusesAnEmptyChannelThatIsNamed) {
+  const Record record = record_of({channel_in("F", Quantity::force, "N", {})});
+  EXPECT_EQ(message_of(record, {.force = sensor_of(Quantity::force, "F")}),
             "shot.csv: channel 'F' has no samples; choose another channel");
+}
+
+TEST(Condition, PassesByEmptyChannelsAndSpectra) {
+  Channel spectrum = channel_in("S", Quantity::force, "N");
+  spectrum.attributes["domain"] = "frequency";
+  const Record record = record_of(
+      {channel_in("E", Quantity::force, "N", {}), spectrum, channel_in("F", Quantity::force, "N")});
+  for (const SensorSet& sensors : {SensorSet{}, SensorSet{.force = sensor_of(Quantity::force)}}) {
+    const Record result = condition(record, sensors);
+    ASSERT_EQ(result.channels.size(), 1u);
+    EXPECT_EQ(result.channels[0].name, "F");
+  }
 }
 
 TEST(Condition, RefusesTwoSensorsOnOneChannel) {
