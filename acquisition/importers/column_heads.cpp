@@ -155,6 +155,58 @@ void add_attribute(std::string_view line, const TableLayout& layout, TableHead& 
   if (!key.empty() && !value.empty()) head.attributes[key] = value;
 }
 
+/// The last two filled lines above the rows, as names and units or as names alone.
+void find_names_and_units(const TableLayout& layout, const std::vector<std::size_t>& filled,
+                          Cells& names, Cells& units, TableHead& head) {
+  if (filled.empty()) return;
+  const char decimal = layout.dialect.decimal;
+  const Cells bottom = head_cells(layout.head[filled.back()], layout);
+  const int bottom_line = static_cast<int>(filled.back()) + 1;
+  if (filled.size() > 1) {
+    const std::size_t above = filled[filled.size() - 2];
+    names = head_cells(layout.head[above], layout);
+    units = bottom;
+    if (names.size() >= layout.cells && !has_number(names, decimal)) {
+      take_start_and_increment(names, units, decimal, head);
+      const bool as_wide = bottom.size() >= layout.cells || head.start || head.increment;
+      if (as_wide && (is_unit_row(units) || is_sentence_row(units))) {
+        head.names_line = static_cast<int>(above) + 1;
+        head.units_line = bottom_line;
+        return;
+      }
+      head.start.reset();
+      head.increment.reset();
+    }
+  }
+  names.clear();
+  units.clear();
+  // a shorter line is taken for names only when it cannot be a title or a key with its value
+  const bool all_named = bottom.size() >= layout.cells || (bottom.size() > 1 && layout.cells > 2);
+  if (bottom.empty() || !all_named || has_number(bottom, decimal)) return;
+  names = bottom;
+  head.names_line = bottom_line;
+}
+
+std::vector<ColumnHead> heads_of(const Cells& names, const Cells& units) {
+  std::vector<ColumnHead> heads;
+  const bool sentences = !units.empty() && is_sentence_row(units) && !is_unit_row(units);
+  for (std::size_t c = 0; c < std::max(names.size(), units.size()); ++c) {
+    ColumnHead column = c < names.size() ? split_head(names[c]) : ColumnHead{};
+    const std::string_view unit = c < units.size() ? units[c] : std::string_view{};
+    if (sentences) {
+      const ColumnHead said = sentence(unit).value_or(ColumnHead{});
+      column.unit = said.unit;
+      column.description = said.description;
+    } else if (is_index_word(unit)) {
+      column.description = to_utf8(unit);
+    } else if (!unit.empty()) {
+      column.unit = to_utf8(bracketed(unit).value_or(unit));
+    }
+    heads.push_back(std::move(column));
+  }
+  return heads;
+}
+
 }  // namespace
 
 std::string lowered(std::string_view text) {
@@ -193,65 +245,18 @@ ColumnHead split_head(std::string_view cell) {
 
 TableHead read_head(const TableLayout& layout) {
   TableHead head;
-  const char decimal = layout.dialect.decimal;
   std::vector<std::size_t> filled;  // head lines with text
   for (std::size_t i = 0; i < layout.head.size(); ++i)
     if (!trimmed(layout.head[i]).empty()) filled.push_back(i);
-
   Cells names;
   Cells units;
-  const auto cells_at = [&](std::size_t from_bottom) {
-    return from_bottom < filled.size()
-               ? head_cells(layout.head[filled[filled.size() - 1 - from_bottom]], layout)
-               : Cells{};
-  };
-  const auto line_at = [&](std::size_t from_bottom) {
-    return static_cast<int>(filled[filled.size() - 1 - from_bottom]) + 1;
-  };
-  std::size_t used = 0;
-  Cells bottom = cells_at(0);
-  Cells above = cells_at(1);
-  if (above.size() >= layout.cells && !has_number(above, decimal)) {
-    Cells trial_names = above;
-    Cells trial_units = bottom;
-    TableHead trial;
-    take_start_and_increment(trial_names, trial_units, decimal, trial);
-    const bool with_start = trial.start || trial.increment;
-    if ((bottom.size() >= layout.cells || with_start) &&
-        (is_unit_row(trial_units) || is_sentence_row(trial_units))) {
-      names = trial_names;
-      units = trial_units;
-      head.start = trial.start;
-      head.increment = trial.increment;
-      head.names_line = line_at(1);
-      head.units_line = line_at(0);
-      used = 2;
-    }
+  find_names_and_units(layout, filled, names, units, head);
+  head.columns = heads_of(names, units);
+  for (const std::size_t i : filled) {
+    const int line = static_cast<int>(i) + 1;
+    if (line != head.names_line && line != head.units_line)
+      add_attribute(layout.head[i], layout, head);
   }
-  const bool all_named = bottom.size() >= layout.cells || (bottom.size() > 1 && layout.cells > 2);
-  if (used == 0 && !bottom.empty() && all_named && !has_number(bottom, decimal)) {
-    names = bottom;
-    head.names_line = line_at(0);
-    used = 1;
-  }
-  const bool sentences = !units.empty() && is_sentence_row(units) && !is_unit_row(units);
-  for (std::size_t c = 0; c < std::max(names.size(), units.size()); ++c) {
-    ColumnHead column = c < names.size() ? split_head(names[c]) : ColumnHead{};
-    if (c < units.size() && !units[c].empty()) {
-      if (sentences) {
-        const ColumnHead said = sentence(units[c]).value_or(ColumnHead{});
-        column.unit = said.unit;
-        column.description = said.description;
-      } else if (!is_index_word(units[c])) {
-        column.unit = to_utf8(bracketed(units[c]).value_or(units[c]));
-      } else {
-        column.description = to_utf8(units[c]);
-      }
-    }
-    head.columns.push_back(std::move(column));
-  }
-  for (std::size_t i = 0; i + used < filled.size(); ++i)
-    add_attribute(layout.head[filled[i]], layout, head);
   return head;
 }
 

@@ -20,7 +20,8 @@ namespace {
 
 /// A new format is a file beside this one, its two functions in formats.hpp, and a line here. Most
 /// specific first.
-constexpr std::array<Importer, 4> table = {{
+constexpr std::array<Importer, 5> table = {{
+    {"impactrig-hdf5", "impactrig's own HDF5 (.h5)", recognises_hdf5, read_hdf5},  //
     {"uff58b", "universal file with binary functions, dataset 58b (.uff .unv .bunv)",
      recognises_uff58b, read_uff58},  //
     {"uff58", "universal file with functions in text, dataset 58 (.uff .unv)", recognises_uff58,
@@ -114,7 +115,8 @@ void check_clock(const std::string& path, Record& record, const ImportOptions& o
       "--time-column",
       lacking->name);
   if (options.require_clock) throw InputError(whole(path), problem);
-  record.warnings.push_back(problem);
+  if (std::find(record.warnings.begin(), record.warnings.end(), problem) == record.warnings.end())
+    record.warnings.push_back(problem);
 }
 
 /// Samples that are infinite or not a number cannot be used: they are marked, whatever the format.

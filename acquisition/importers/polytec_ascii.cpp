@@ -120,6 +120,63 @@ PolytecHead read_polytec_head(TextFile& file, const ImportOptions& options) {
       "'[ s ] [ m/s ]' under the column names");
 }
 
+/// What all columns of an export are over.
+struct Abscissa {
+  std::string name;
+  std::string unit;
+  std::string domain;           ///< "time", "frequency"
+  datasets::SampleClock clock;  ///< in s over time, else in `unit`
+  bool over_time = true;
+};
+
+Abscissa read_abscissa(const ColumnHead& head, const Signal& signal, std::vector<double>&& x,
+                       Record& record) {
+  Abscissa abscissa;
+  abscissa.name = head.name;
+  abscissa.unit = head.unit;
+  const auto to_seconds = datasets::conversion(head.unit, "s");
+  abscissa.over_time = to_seconds.has_value();
+  abscissa.domain = abscissa.over_time       ? "time"
+                    : signal.domain == "FFT" ? "frequency"
+                                             : lowered(signal.domain);
+  if (to_seconds && to_seconds->factor != 1.0)
+    for (double& time : x) time *= to_seconds->factor;
+  TimeAxis axis = time_axis(std::move(x));
+  abscissa.clock = std::move(axis.clock);
+  if (!abscissa.over_time) {
+    record.warnings.push_back(fmt::format("this is no time record: '{}' over {} [{}]",
+                                          signal.channel, head.name, head.unit));
+  } else if (!axis.warning.empty()) {
+    record.warnings.push_back(std::move(axis.warning));
+  }
+  return abscissa;
+}
+
+void set_domain(const Abscissa& abscissa, Channel& channel) {
+  if (abscissa.over_time) {
+    channel.attributes["domain"] = "time";
+    channel.clock = abscissa.clock;
+  } else {
+    set_abscissa(channel, abscissa.domain, abscissa.unit, abscissa.clock.start,
+                 abscissa.clock.interval);
+  }
+}
+
+Channel channel_from_column(const ColumnHead& head, Column&& column, const Signal& signal,
+                            const Abscissa& abscissa) {
+  Channel channel;
+  channel.name = head.name;
+  channel.unit = head.unit;
+  channel.quantity = datasets::quantity_of_unit(channel.unit);
+  if (channel.quantity == Quantity::unknown) channel.quantity = quantity_in_words(signal.channel);
+  if (!signal.channel.empty()) channel.attributes["signal"] = signal.channel;
+  if (!signal.display.empty()) channel.attributes["display"] = signal.display;
+  set_domain(abscissa, channel);
+  channel.raw = std::move(column.values);
+  channel.valid = std::move(column.valid);
+  return channel;
+}
+
 }  // namespace
 
 int recognises_polytec_ascii(std::string_view, std::string_view head) {
@@ -152,55 +209,22 @@ Record read_polytec_ascii(const std::string& path, const ImportOptions& options)
   record.title = signal.channel;
   if (const std::string cut = cut_row(file, table); !cut.empty()) record.warnings.push_back(cut);
 
-  const ColumnHead& abscissa = head.columns.front();
-  const auto to_seconds = datasets::conversion(abscissa.unit, "s");
-  std::vector<double> x = std::move(table.columns.front().values);
-  datasets::SampleClock clock;
-  double first = 0.0;
-  double increment = 0.0;
-  TimeAxis axis;
-  if (to_seconds && to_seconds->factor != 1.0)
-    for (double& time : x) time *= to_seconds->factor;
-  if (to_seconds || !x.empty()) axis = time_axis(to_seconds ? std::move(x) : x);
-  if (to_seconds) {
-    clock = axis.clock;
-    if (!axis.warning.empty()) record.warnings.push_back(axis.warning);
-  } else {
-    first = axis.clock.start;
-    increment = axis.clock.interval;
-    record.warnings.push_back(fmt::format("this is no time record: '{}' over {} [{}]",
-                                          signal.channel, abscissa.name, abscissa.unit));
-  }
-  const std::string domain = signal.domain == "FFT" ? "frequency" : lowered(signal.domain);
-  if (!to_seconds && !axis.clock.uniform()) {
+  const Abscissa abscissa =
+      read_abscissa(head.columns.front(), signal, std::move(table.columns.front().values), record);
+  if (!abscissa.over_time && !abscissa.clock.uniform()) {
     Channel channel;  // an uneven abscissa is data of its own
     channel.name = abscissa.name;
     channel.unit = abscissa.unit;
     channel.quantity = datasets::quantity_of_unit(abscissa.unit);
-    channel.raw = axis.clock.times;
-    set_abscissa(channel, domain, abscissa.unit, first, increment);
+    channel.raw = abscissa.clock.times;
+    set_domain(abscissa, channel);
     record.channels.push_back(std::move(channel));
   }
   for (std::size_t c = 1; c < head.columns.size(); ++c) {
-    Channel channel;
-    channel.name = head.columns[c].name;
-    channel.unit = head.columns[c].unit;
-    channel.quantity = datasets::quantity_of_unit(channel.unit);
-    const Quantity said = quantity_in_words(signal.channel);
-    if (channel.quantity == Quantity::unknown) channel.quantity = said;
-    channel.clock = clock;
-    if (!signal.channel.empty()) channel.attributes["signal"] = signal.channel;
-    if (!signal.display.empty()) channel.attributes["display"] = signal.display;
-    if (to_seconds) {
-      channel.attributes["domain"] = "time";
-    } else {
-      set_abscissa(channel, domain, abscissa.unit, first, increment);
-    }
     if (table.columns[c].missing > 0)
-      record.warnings.push_back(missing_values(file, channel.name, table.columns[c]));
-    channel.raw = std::move(table.columns[c].values);
-    channel.valid = std::move(table.columns[c].valid);
-    record.channels.push_back(std::move(channel));
+      record.warnings.push_back(missing_values(file, names[c], table.columns[c]));
+    record.channels.push_back(
+        channel_from_column(head.columns[c], std::move(table.columns[c]), signal, abscissa));
   }
   return record;
 }

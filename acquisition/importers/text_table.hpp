@@ -39,6 +39,10 @@ TableLayout find_table(TextFile& file, const ImportOptions& options);
 /// The cells of a line of text, trimmed, without quotes.
 std::vector<std::string_view> cells_of(std::string_view line, char delimiter);
 
+/// The value of a cell however it is written; NaN for a missing one (empty, "nan", "-1.#IND"), none
+/// for what is no number.
+std::optional<double> cell_value(std::string_view cell, char decimal);
+
 /// One column of numbers.
 struct Column {
   std::vector<double> values;       ///< NaN where there is no number

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <map>
 #include <optional>
 
@@ -12,6 +11,7 @@
 #include "acquisition/importers/text_file.hpp"
 #include "acquisition/importers/time_axis.hpp"
 #include "acquisition/importers/uff58_data.hpp"
+#include "acquisition/importers/uff58_header.hpp"
 #include "acquisition/uff58_codes.hpp"
 #include "datasets/units.hpp"
 
@@ -24,42 +24,6 @@ using datasets::Record;
 using datasets::SourcePosition;
 
 namespace {
-
-/// Columns of a line, by number as the standard counts them (from 1), cut where the line is short.
-std::string_view columns(std::string_view line, std::size_t first, std::size_t width) {
-  return first > line.size() ? std::string_view{} : line.substr(first - 1, width);
-}
-
-/// Text of a field; "NONE" stands for nothing.
-std::string text_of(std::string_view field) {
-  const std::string text = to_utf8(trimmed(field));
-  return text == "NONE" ? std::string() : text;
-}
-
-/// An axis as records 8 to 11 describe it.
-struct UffAxis {
-  int type = 0;  ///< specific data type
-  std::string label;
-  std::string unit;
-};
-
-/// The header of one dataset 58.
-struct UffHeader {
-  std::array<std::string, 5> id;
-  int function_type = 0;
-  std::string response_entity, reference_entity;
-  long response_node = 0, response_direction = 0, reference_node = 0, reference_direction = 0;
-  Uff58Form form;
-  std::string_view increment_text;
-  double start = 0.0;
-  double increment = 0.0;
-  UffAxis abscissa, ordinate, denominator;
-};
-
-/// The file ended where the header needed more.
-struct EndOfFile {
-  const char* at;
-};
 
 class UffReader {
  public:
@@ -75,7 +39,7 @@ class UffReader {
       const char* const start = at_;
       try {
         read_dataset();
-      } catch (const EndOfFile& cut) {
+      } catch (const UffHeaderCut& cut) {
         if (record_.channels.empty())
           throw InputError(place(cut.at), "the file ends within the header of a dataset 58");
         warn(fmt::format("the file ends within the header of the dataset at {}: it is left out",
@@ -123,13 +87,13 @@ class UffReader {
 
   void read_dataset() {
     const std::string_view line = take_line(at_, end_);
-    std::string_view digits = trimmed(columns(line, 1, 6));
+    const std::string_view digits = trimmed(uff_columns(line, 1, 6));
     const auto number = integer_in(digits);
     if (!number)
       throw InputError(place(line.data()),
                        fmt::format("expected the number of a dataset in columns 1 to 6, "
                                    "found '{}'",
-                                   to_utf8(trimmed(line)).substr(0, 40)));
+                                   to_utf8(trimmed(line).substr(0, 40))));
     ++seen_[*number];
     if (*number == 58) {
       read_function(line);
@@ -159,9 +123,9 @@ class UffReader {
   }
 
   void read_title() {
-    const std::string name = text_of(line_of_dataset());
-    const std::string description = text_of(line_of_dataset());
-    const std::string program = text_of(line_of_dataset());
+    const std::string name = uff_text(line_of_dataset());
+    const std::string description = uff_text(line_of_dataset());
+    const std::string program = uff_text(line_of_dataset());
     if (record_.title.empty()) record_.title = name;
     if (!description.empty()) record_.attributes["model description"] = description;
     if (!program.empty()) record_.attributes["written by"] = program;
@@ -169,134 +133,21 @@ class UffReader {
 
   void read_units() {
     const std::string_view line = line_of_dataset();
-    record_.attributes["units code"] = text_of(columns(line, 1, 10));
-    record_.attributes["units"] = text_of(columns(line, 11, 20));
+    record_.attributes["units code"] = uff_text(uff_columns(line, 1, 10));
+    record_.attributes["units"] = uff_text(uff_columns(line, 11, 20));
     const std::string_view factors = line_of_dataset();
     constexpr std::array<std::string_view, 3> names = {"length factor", "force factor",
                                                        "temperature factor"};
     for (std::size_t i = 0; i < names.size(); ++i)
-      if (const auto factor = number_in(columns(factors, 1 + 25 * i, 25), {'.', true}))
+      if (const auto factor = number_in(uff_columns(factors, 1 + 25 * i, 25), {'.', true}))
         record_.attributes[std::string(names[i])] = fmt::format("{}", *factor);
-    if (const auto offset = number_in(columns(line_of_dataset(), 1, 25), {'.', true}))
+    if (const auto offset = number_in(uff_columns(line_of_dataset(), 1, 25), {'.', true}))
       record_.attributes["temperature offset"] = fmt::format("{}", *offset);
   }
 
-  std::string_view header_line() {
-    if (at_ == end_) throw EndOfFile{at_};
-    return take_line(at_, end_);
-  }
-
-  long integer_at(std::string_view line, std::size_t first, std::size_t width,
-                  std::string_view what) {
-    const std::string_view field = columns(line, first, width);
-    if (trimmed(field).empty()) return 0;
-    const auto value = integer_in(field);
-    if (value) return *value;
-    throw InputError(place(field.data()),
-                     fmt::format("{}: expected an integer in columns {} to {}, found '{}'", what,
-                                 first, first + width - 1, to_utf8(trimmed(field))));
-  }
-
-  void read_identifier(std::string_view line, UffHeader& header) {
-    const std::string_view letter = columns(line, 7, 1);
-    if (letter != "b" && letter != "B") return;
-    header.form.binary = true;
-    binary_seen_ = true;
-    const long order = integer_at(line, 8, 6, "byte order");
-    const long format = integer_at(line, 14, 6, "floating-point format");
-    const long bytes = integer_at(line, 32, 12, "number of data bytes");
-    if (format == 1 || format == 3)
-      throw InputError(
-          place(line.data()),
-          fmt::format(
-              "UFF 58b with {} floating-point numbers is not read: export it with IEEE numbers or "
-              "as text (dataset 58)",
-              format == 1 ? "DEC VAX" : "IBM 370"));
-    if (format != 2)
-      throw InputError(
-          place(line.data()),
-          fmt::format("floating-point format {} is unknown: expected 2 (IEEE)", format));
-    if (order != 1 && order != 2)
-      throw InputError(
-          place(line.data()),
-          fmt::format("byte order {} is unknown: expected 1 (little) or 2 (big)", order));
-    header.form.little_endian = order == 1;
-    header.form.announced_bytes = bytes > 0 ? static_cast<std::uint64_t>(bytes) : 0;
-    extra_header_lines_ =
-        std::clamp(integer_at(line, 20, 12, "number of header lines") - 11, 0L, 20L);
-  }
-
-  void read_record_6(std::string_view line, UffHeader& header) {
-    header.function_type = static_cast<int>(integer_at(line, 1, 5, "function type"));
-    header.response_entity = text_of(columns(line, 32, 10));
-    header.response_node = integer_in(columns(line, 42, 10)).value_or(0);
-    header.response_direction = integer_in(columns(line, 52, 4)).value_or(0);
-    header.reference_entity = text_of(columns(line, 57, 10));
-    header.reference_node = integer_in(columns(line, 67, 10)).value_or(0);
-    header.reference_direction = integer_in(columns(line, 77, 4)).value_or(0);
-  }
-
-  /// Ordinate type, number of points, spacing, start, increment: by columns, else by the blanks
-  /// between them.
-  void read_record_7(std::string_view line, UffHeader& header) {
-    std::array<std::string_view, 5> fields = {columns(line, 1, 10), columns(line, 11, 10),
-                                              columns(line, 21, 10), columns(line, 31, 13),
-                                              columns(line, 44, 13)};
-    const auto sound = [&fields] {
-      return integer_in(fields[0]) && integer_in(fields[1]) && integer_in(fields[2]) &&
-             number_in(fields[3], {'.', true}) && number_in(fields[4], {'.', true});
-    };
-    if (!sound()) {
-      std::string_view rest = trimmed(line);
-      for (std::string_view& field : fields) {
-        const std::size_t blank = std::min(rest.find(' '), rest.size());
-        field = rest.substr(0, blank);
-        rest = trimmed(rest.substr(blank));
-      }
-    }
-    if (!sound())
-      throw InputError(place(line.data()),
-                       fmt::format("record 7 of a dataset 58: expected ordinate type, points, "
-                                   "spacing, start and increment, found '{}'",
-                                   to_utf8(trimmed(line))));
-    header.form.ordinate_type = static_cast<int>(*integer_in(fields[0]));
-    const long points = *integer_in(fields[1]);
-    header.form.even = *integer_in(fields[2]) != 0;
-    header.start = *number_in(fields[3], {'.', true});
-    header.increment = *number_in(fields[4], {'.', true});
-    header.increment_text = trimmed(fields[4]);
-    const int type = header.form.ordinate_type;
-    if (type != 2 && type != 4 && type != 5 && type != 6)
-      throw InputError(place(line.data()),
-                       fmt::format("ordinate type {} is unknown: expected 2, 4, 5 or 6", type));
-    if (points < 0)
-      throw InputError(place(line.data()),
-                       fmt::format("the number of points is {}: expected 0 or more", points));
-    header.form.points = static_cast<std::uint64_t>(points);
-  }
-
-  UffAxis read_axis(std::string_view line) {
-    UffAxis axis;
-    axis.type = static_cast<int>(integer_at(line, 1, 10, "specific data type"));
-    axis.label = text_of(columns(line, 27, 20));
-    axis.unit = text_of(columns(line, 48, 20));
-    return axis;
-  }
-
   void read_function(std::string_view identifier) {
-    UffHeader header;
-    extra_header_lines_ = 0;
-    read_identifier(identifier, header);
-    for (std::string& id : header.id) id = to_utf8(trimmed(header_line()));
-    read_record_6(header_line(), header);
-    read_record_7(header_line(), header);
-    header.abscissa = read_axis(header_line());
-    header.ordinate = read_axis(header_line());
-    header.denominator = read_axis(header_line());
-    if (at_ == end_ && header.form.points > 0) throw EndOfFile{at_};
-    take_line(at_, end_);  // record 11, the z axis
-    for (long i = 0; i < extra_header_lines_ && at_ != end_; ++i) take_line(at_, end_);
-
+    const UffHeader header = read_uff58_header(file_, identifier, at_, !binary_data_seen_);
+    binary_seen_ = binary_seen_ || header.form.binary;
     const char* const start = at_;
     std::optional<Uff58Data> data;
     try {
@@ -304,7 +155,7 @@ class UffReader {
     } catch (const InputError&) {
       // the last dataset was cut off before its data: what came before it is whole
       if (record_.channels.empty() || start != end_) throw;
-      throw EndOfFile{start};
+      throw UffHeaderCut{start};
     }
     if (header.form.binary) binary_data_seen_ = true;
     add_channel(header, std::move(*data));
@@ -445,7 +296,6 @@ class UffReader {
   bool binary_seen_ = false;
   bool binary_data_seen_ = false;  // from there on, lines cannot be counted
   bool cut_ = false;
-  long extra_header_lines_ = 0;
 };
 
 /// The identifier lines among the first bytes of a file, as far as they can be found by lines.
@@ -468,10 +318,10 @@ UffKind uff_kind(std::string_view head) {
       continue;
     }
     if (is_uff_delimiter(line)) continue;
-    const std::string_view identifier = trimmed(columns(line, 1, 6));
+    const std::string_view identifier = trimmed(uff_columns(line, 1, 6));
     if (!integer_in(identifier)) return kind;
     kind = UffKind::text;
-    if (identifier == "58" && (columns(line, 7, 1) == "b" || columns(line, 7, 1) == "B"))
+    if (identifier == "58" && (uff_columns(line, 7, 1) == "b" || uff_columns(line, 7, 1) == "B"))
       return UffKind::binary;
     if (identifier == "58") return kind;
     while (at != end && !is_uff_delimiter(take_line(at, end))) {

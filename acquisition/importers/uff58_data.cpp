@@ -275,77 +275,88 @@ const char* find_closing_line(const char* at, const char* end) {
   return end;
 }
 
-Uff58Data read_binary(const TextFile& file, const char*& at, const Uff58Form& form) {
-  const std::string_view text = file.bytes();
-  const char* const end = text.data() + text.size();
-  const char* const start = at;
-  const auto available = static_cast<std::uint64_t>(end - at);
-  Uff58Data data;
-
-  // what the block may be long: by the points, by the announced bytes; the one that a -1 follows is
-  // it
-  PointLayout layout = point_layout(form, false);
-  const PointLayout wide = point_layout(form, true);
-  // more points than bytes can be no true count; the product below must not overflow
-  const std::uint64_t points = std::min(form.points, available + 1);
-  const std::array<std::uint64_t, 3> lengths = {points * layout.size(), points * wide.size(),
-                                                form.announced_bytes};
+/// A block of binary data, once its end is found.
+struct Block {
+  const char* start = nullptr;
+  const char* closing = nullptr;  ///< the closing -1, or the end of the file
   std::uint64_t length = 0;
-  const char* closing = nullptr;
-  for (const std::uint64_t candidate : lengths) {
-    if (candidate > available) continue;
-    closing = closing_line(start + candidate, end);
-    if (closing == nullptr) continue;
-    length = candidate;
-    break;
-  }
-  if (closing == nullptr) {
-    closing = find_closing_line(start, end);
-    length = static_cast<std::uint64_t>(closing - start);
-    if (closing == end) {
-      const std::uint64_t expected =
-          form.announced_bytes >= lengths[0] ? form.announced_bytes : lengths[0];
-      length = std::min(length, expected);
-      data.warnings.push_back("the file ends without the closing -1: it may have been cut off");
-    }
-  }
-  if (length == lengths[1] && length != lengths[0]) layout = wide;
-  const std::size_t n = static_cast<std::size_t>(length) / layout.size();
-  if (n == 0 && form.points > 0)
-    throw InputError(file.byte_position(start),
-                     fmt::format("{} points are announced and no data are there", form.points));
-  if (form.announced_bytes != 0 && form.announced_bytes != length)
-    data.warnings.push_back(
-        fmt::format("the identifier line announces {} bytes of data, {} are there",
-                    form.announced_bytes, length));
-  if (n != form.points)
-    data.warnings.push_back(fmt::format(
-        "the header announces {} points, {} are there: these are read", form.points, n));
-  at = closing;
+  PointLayout layout;
+  std::size_t points = 0;
+};
 
-  if (form.even && !form.complex()) {
-    if (form.double_precision()) {
-      data.ordinate = read_numbers<double>(start, n, form.little_endian);
-    } else {
-      data.ordinate = read_numbers<float>(start, n, form.little_endian);
-    }
-    return data;
+/// The block is as long as its points are, or as announced: the length that a -1 follows is it.
+/// Otherwise it goes on to the next -1.
+Block find_block(const TextFile& file, const char* start, const Uff58Form& form,
+                 std::vector<std::string>& warnings) {
+  const std::string_view bytes = file.bytes();
+  const char* const end = bytes.data() + bytes.size();
+  const auto available = static_cast<std::uint64_t>(end - start);
+  Block block;
+  block.start = start;
+  block.layout = point_layout(form, false);
+  const PointLayout wide = point_layout(form, true);
+  // more points than bytes can be no true count; the products below must not overflow
+  const std::uint64_t points = std::min(form.points, available + 1);
+  const std::array<std::uint64_t, 3> lengths = {points * block.layout.size(), points * wide.size(),
+                                                form.announced_bytes};
+  for (const std::uint64_t candidate : lengths) {
+    if (candidate > available || block.closing != nullptr) continue;
+    block.closing = closing_line(start + candidate, end);
+    block.length = candidate;
   }
+  if (block.closing == nullptr) {
+    block.closing = find_closing_line(start, end);
+    block.length = static_cast<std::uint64_t>(block.closing - start);
+    if (block.closing == end) {
+      block.length = std::min(block.length, std::max(form.announced_bytes, lengths[0]));
+      warnings.emplace_back("the file ends without the closing -1: it may have been cut off");
+    }
+  }
+  if (block.length == lengths[1] && block.length != lengths[0]) block.layout = wide;
+  block.points = static_cast<std::size_t>(block.length) / block.layout.size();
+  if (form.announced_bytes != 0 && form.announced_bytes != block.length)
+    warnings.push_back(fmt::format("the identifier line announces {} bytes of data, {} are there",
+                                   form.announced_bytes, block.length));
+  if (block.points != form.points)
+    warnings.push_back(fmt::format("the header announces {} points, {} are there: these are read",
+                                   form.points, block.points));
+  return block;
+}
+
+/// Takes points of several numbers apart.
+void divide(const Uff58Form& form, const Block& block, Uff58Data& data) {
   const auto number = [&form](const char* p, std::size_t size) {
     return size == 8 ? read_number<double>(p, form.little_endian)
                      : static_cast<double>(read_number<float>(p, form.little_endian));
   };
-  std::vector<double> ordinate(n);
-  if (!form.even) data.abscissa.resize(n);
-  if (form.complex()) data.imaginary.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const char* p = start + i * layout.size();
+  const PointLayout& layout = block.layout;
+  std::vector<double> ordinate(block.points);
+  if (!form.even) data.abscissa.resize(block.points);
+  if (form.complex()) data.imaginary.resize(block.points);
+  for (std::size_t i = 0; i < block.points; ++i) {
+    const char* p = block.start + i * layout.size();
     if (!form.even) data.abscissa[i] = number(p, layout.abscissa);
     p += layout.abscissa;
     ordinate[i] = number(p, layout.number);
     if (form.complex()) data.imaginary[i] = number(p + layout.number, layout.number);
   }
   data.ordinate = std::move(ordinate);
+}
+
+Uff58Data read_binary(const TextFile& file, const char*& at, const Uff58Form& form) {
+  Uff58Data data;
+  const Block block = find_block(file, at, form, data.warnings);
+  if (block.points == 0 && form.points > 0)
+    throw InputError(file.byte_position(at),
+                     fmt::format("{} points are announced and no data are there", form.points));
+  at = block.closing;
+  if (!form.even || form.complex()) {
+    divide(form, block, data);
+  } else if (form.double_precision()) {
+    data.ordinate = read_numbers<double>(block.start, block.points, form.little_endian);
+  } else {
+    data.ordinate = read_numbers<float>(block.start, block.points, form.little_endian);
+  }
   return data;
 }
 

@@ -60,8 +60,10 @@ Record example(std::size_t n = 500) {
         sample = std::bit_cast<double>(random());
       } while (!std::isfinite(sample));
     }
-    samples[1] = -0.0;
-    samples[2] = std::numeric_limits<double>::denorm_min();
+    if (n > 2) {
+      samples[1] = -0.0;
+      samples[2] = std::numeric_limits<double>::denorm_min();
+    }
     channel.raw = std::move(samples);
     record.channels.push_back(std::move(channel));
   }

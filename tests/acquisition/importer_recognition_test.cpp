@@ -116,6 +116,11 @@ INSTANTIATE_TEST_SUITE_P(
             "a Tektronix waveform (.isf), which is not read: save it as CSV on the oscilloscope"},
         Closed{"AG10\x01\x00"sv,
                "a Keysight waveform (.bin), which is not read: save it as CSV on the oscilloscope"},
+        Closed{"\xA5\xA5\x00\x00"sv,
+               "a Rigol waveform (.wfm), which is not read: save it as CSV on the oscilloscope"},
+        Closed{"\x94\x13\x00\x80"sv,
+               "an HBM catman recording (.bin), which is not read: export it as CSV with the "
+               "program that wrote it"},
         Closed{"|CF,2,1,1;"sv,
                "an imc FAMOS raw file, which is not read: export it as CSV with the program that "
                "wrote it"},
