@@ -28,7 +28,7 @@ constexpr std::array<Signature, 23> signatures = {{
     {8, "WAVE", "a WAVE audio file", as_csv},
     {0, "MATLAB 5.0 MAT-file", "a MATLAB MAT-file (version 5)",
      "load it in MATLAB and write it as CSV with writematrix, or as universal file"},
-    {0, "MATLAB 7.3 MAT-file", "a MATLAB MAT-file (version 7.3)",
+    {0, "MATLAB 7.", "a MATLAB MAT-file (version 7)",
      "load it in MATLAB and write it as CSV with writematrix, or as universal file"},
     {0, "LabVIEW Measurement", "a LabVIEW measurement file (LVM) with a header",
      "export it as CSV, or cut its header off"},

@@ -177,7 +177,7 @@ TEST_P(ExactExport, OfARecordingWithoutClockComesBackWithoutOne) {
   expect_same_samples(record.channels[1], back.channels[1]);
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, ExactExport, testing::Values(".uff", ".csv"));
+INSTANTIATE_TEST_SUITE_P(Formats, ExactExport, testing::Values(".uff", ".csv", ".h5"));
 
 TEST(Uff58bExport, KeepsComplexSpectra) {
   Record record = example(8);
@@ -239,6 +239,17 @@ TEST(CsvExport, IsPlainWhereThePlainTableSaysAll) {
   EXPECT_EQ(tests::bytes_of(path),
             "time [s],Force [N],\"Velocity, laser "
             "[mm/s]\"\n-0.001,0.1,0.1\n-0.000999,-2,-2\n-0.000998,1e-300,1e-300\n");
+}
+
+TEST(Hdf5Export, RemembersWhereTheRecordingFirstCameFrom) {
+  const tests::WrittenFile file("time [s],F [N]\n0,1\n1,2\n", ".csv");
+  const Record first = import_recording(file.path());
+  const Record second = round_trip(first, ".h5");
+  const Record third = round_trip(second, ".h5");
+  EXPECT_EQ(third.provenance.importer, "impactrig-hdf5");
+  EXPECT_EQ(third.attributes.at("origin file"), file.path());
+  EXPECT_EQ(third.attributes.at("origin format"), "csv");
+  EXPECT_EQ(third.attributes.at("origin sha256"), first.provenance.sha256);
 }
 
 std::string export_error(const Record& record, const std::string& ending,
@@ -325,7 +336,7 @@ TEST(Export, OfAThirdPartyRecordingComesBack) {
        {"uff/catman_time_history.uff", "uff/sample_58b_bin.uff", "text/rigol_ds1054z.csv",
         "text/tek_mso64.csv", "text/shock_base.txt", "polytec_ascii/time_ref1_voltage.txt"}) {
     const Record record = import_recording((shared / name).string());
-    for (const char* ending : {".uff", ".csv"}) {
+    for (const char* ending : {".uff", ".csv", ".h5"}) {
       SCOPED_TRACE(std::string(name) + ending);
       const Record back = round_trip(record, ending);
       ASSERT_EQ(back.channels.size(), record.channels.size());

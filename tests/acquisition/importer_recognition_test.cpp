@@ -100,6 +100,10 @@ INSTANTIATE_TEST_SUITE_P(
                "a MATLAB MAT-file (version 5), which is not read: load it in MATLAB and write it "
                "as CSV with writematrix, or as "
                "universal file"},
+        Closed{"MATLAB 7.3 MAT-file, Platform"sv,
+               "a MATLAB MAT-file (version 7), which is not read: load it in MATLAB and write it "
+               "as CSV with writematrix, or as "
+               "universal file"},
         Closed{"LabVIEW Measurement\t"sv,
                "a LabVIEW measurement file (LVM) with a header, which is not read: export it as "
                "CSV, or cut its header off"},
