@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <mutex>
 #include <utility>
 
@@ -50,6 +51,7 @@ class Hdf5Handle {
 class Hdf5Session {
  public:
   Hdf5Session() : lock_(mutex()) {
+    [[maybe_unused]] static const bool once = quiet_at_exit();
     H5Eget_auto2(H5E_DEFAULT, &print_, &print_data_);
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   }
@@ -63,6 +65,14 @@ class Hdf5Session {
   static std::mutex& mutex() {
     static std::mutex only;
     return only;
+  }
+
+  /// After a damaged file HDF5 1.10.8 cannot free all it took and says "infinite loop closing
+  /// library" at exit, unless its printing is off by then. Registered after HDF5's own handler,
+  /// ours comes first.
+  static bool quiet_at_exit() {
+    H5open();
+    return std::atexit([] { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }) == 0;
   }
 
   std::lock_guard<std::mutex> lock_;

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""read_with_h5py.py PROGRAM: reads what write_sample_record writes, as a user of h5py would."""
+"""read_with_h5py.py PROGRAM FORMATS: reads what write_sample_record writes, as a user of h5py would, also by the example in
+docs/formats.md."""
 
+import contextlib
+import io
 import math
 import os
 import subprocess
@@ -38,7 +41,7 @@ def check(root):
 
     # raw counts and their scale
     raw = entry["raw"]
-    assert sorted(raw) == ["force", "h1", "velocity_beam"]
+    assert list(raw) == ["force", "velocity_beam", "h1"]
     force = raw["force"]
     assert force["name"].asstr()[()] == "Force" and force["quantity"].asstr()[()] == "force"
     assert raw["velocity_beam"]["name"].asstr()[()] == "Velocity / beam"
@@ -89,8 +92,22 @@ def check(root):
     assert dict(edits["edit_000000/parameters"].asstr()[()]) == {"offset": "0.012 V"}
 
 
+with open(sys.argv[2], encoding="utf-8") as page:
+    example = page.read().split("```python\n")[1].split("```")[0]
+
 with tempfile.TemporaryDirectory() as folder:
-    path = os.path.join(folder, "shot.h5")
-    subprocess.run([sys.argv[1], path], check=True)
-    with h5py.File(path, "r") as root:
+    os.chdir(folder)
+    subprocess.run([sys.argv[1], "shot.h5"], check=True)
+    with h5py.File("shot.h5", "r") as root:
         check(root)
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(example, {})
+    assert printed.getvalue().splitlines() == [
+        "Force kN -0.0001 1.501",
+        "Velocity / beam m/s 0.0 inf",
+        "H1 (m/s)/N 0.0 1.0",
+        "{'serial': '2626-1', 'Überlast': 'nein'}",
+        "N",
+    ], printed.getvalue()
+    os.chdir(os.path.dirname(folder))

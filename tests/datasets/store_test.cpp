@@ -287,6 +287,27 @@ TEST(Store, PrintsNothingOfItsOwn) {
   EXPECT_NE(print, nullptr) << "the caller's own error printing must be as it was";
 }
 
+/// Ends the process after reading a file whose root does not match its checksum.
+[[noreturn]] void read_a_damaged_root(const std::string& path) {
+  write_record(sample_record(), path);
+  std::string bytes = bytes_of(path);
+  bytes[60] = static_cast<char>(~bytes[60]);
+  write_bytes(path, bytes);
+  try {
+    read_record(path);
+  } catch (const InputError& error) {
+    std::fprintf(stderr, "<%s>", error.problem().c_str());
+  }
+  std::exit(7);
+}
+
+TEST(StoreDeathTest, SaysNothingAtTheEndOfTheProgram) {
+  testing::GTEST_FLAG(death_test_style) = "threadsafe";
+  const TemporaryFile file("end.h5");
+  EXPECT_EXIT(read_a_damaged_root(file.path()), testing::ExitedWithCode(7),
+              "^<is damaged: / cannot be opened>$");
+}
+
 // --- What cannot be written ----------------------------------------------------------------------
 
 std::string write_error(const Record& record, const std::string& path) {
