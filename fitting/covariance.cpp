@@ -27,7 +27,7 @@ std::string carriers(const Eigen::VectorXd& direction, const std::vector<std::st
 }  // namespace
 
 Uncertainty uncertainty(const Eigen::MatrixXd& jacobian, const std::vector<std::string>& names,
-                        const std::vector<bool>& of_interest) {
+                        const std::vector<bool>& held) {
   const Eigen::Index n = jacobian.cols();
   Uncertainty result{.covariance = Eigen::MatrixXd::Zero(n, n),
                      .correlations = Eigen::MatrixXd::Identity(n, n),
@@ -72,9 +72,8 @@ Uncertainty uncertainty(const Eigen::MatrixXd& jacobian, const std::vector<std::
       if (!(spread > 0.0)) continue;
       const double r = result.correlations(i, j) = result.correlations(j, i) =
           result.covariance(i, j) / spread;
-      const bool interesting =
-          of_interest[static_cast<std::size_t>(i)] || of_interest[static_cast<std::size_t>(j)];
-      if (interesting && std::abs(r) > strong_correlation)
+      const bool told_of = !held[static_cast<std::size_t>(i)] && !held[static_cast<std::size_t>(j)];
+      if (told_of && std::abs(r) > strong_correlation)
         result.sentences.push_back(fmt::format(
             "{} and {} can hardly be told apart (correlation {:.4f}); fix one of them or give it "
             "a prior",

@@ -20,10 +20,10 @@ struct Uncertainty {
 
 /// (J'J)⁻¹ of weighted residuals (n_residuals, n_parameters), by the eigenvectors of J'J scaled to
 /// a unit diagonal: a parameter without influence, or part of a combination whose eigenvalue is
-/// below 1e-12, is not identifiable. Strong correlations (above 0.995) are told in a sentence where
-/// `of_interest` marks one of the two: that first touch and the channels' delays go together is no
-/// news, their priors hold them.
+/// below 1e-12, is not identifiable. Strong correlations (above 0.995) are told in a sentence, but
+/// not where `held` marks one of the two: a parameter with a prior, or first touch, which goes with
+/// the channels' delays as a matter of course.
 Uncertainty uncertainty(const Eigen::MatrixXd& jacobian, const std::vector<std::string>& names,
-                        const std::vector<bool>& of_interest);
+                        const std::vector<bool>& held);
 
 }  // namespace impactrig::fitting

@@ -219,26 +219,28 @@ datasets::Delay read_delay(TableReader& table) {
   return delay;
 }
 
-/// A sensitivity as recorded unit a physical unit, stated either way round ("4 pC/N", "125
-/// mm/s/V").
+/// A sensitivity as recorded unit (V or pC) a physical unit, stated either way round ("4 pC/N",
+/// "125 mm/s/V").
 datasets::UncertainValue read_sensitivity(TableReader& table, std::string_view physical,
                                           std::string& recorded) {
   const std::string text = *table.text("sensitivity");
-  for (const char* electrical : {"V", "C", "A"}) {
-    const std::string direct = fmt::format("{}/({})", electrical, physical);
-    const std::string inverse = fmt::format("({})/{}", physical, electrical);
-    for (const bool inverted : {false, true}) try {
-        datasets::UncertainValue value =
-            datasets::parse_quantity(text, inverted ? inverse : direct);
-        if (!(value.value > 0.0))
-          table.refuse("sensitivity",
-                       "must be greater than zero; a sensor that inverts has polarity = -1");
-        if (inverted) value = {1.0 / value.value, value.uncertainty / (value.value * value.value)};
-        recorded = electrical;
-        return value;
+  for (const char* electrical : {"V", "pC"})
+    for (const bool inverted : {false, true}) {
+      const std::string unit = inverted ? fmt::format("({})/{}", physical, electrical)
+                                        : fmt::format("{}/({})", electrical, physical);
+      datasets::UncertainValue value;
+      try {
+        value = datasets::parse_quantity(text, unit);
       } catch (const std::invalid_argument&) {
+        continue;  // of another dimension: the next way to state it
       }
-  }
+      if (!(value.value > 0.0))
+        table.refuse("sensitivity",
+                     "must be greater than zero; a sensor that inverts has polarity = -1");
+      recorded = electrical;
+      if (!inverted) return value;
+      return {1.0 / value.value, value.uncertainty / (value.value * value.value)};
+    }
   table.refuse("sensitivity",
                fmt::format("expected volts or coulombs a {}, for example \"{}\", found \"{}\"",
                            physical, physical == "N" ? "4 pC/N" : "125 mm/s/V", text));
@@ -256,10 +258,10 @@ Sensor read_sensor(TableReader& table, datasets::Quantity quantity, const models
   sensor.high_cut = read_cut(table, "high_cut", order);
   if (auto amplifier = table.table("amplifier")) {
     if (amplifier->has("gain")) {
-      if (!sensor.sensitivity || sensor.recorded_unit != "C")
+      if (!sensor.sensitivity || sensor.recorded_unit != "pC")
         amplifier->refuse("gain",
                           "needs a sensitivity in coulombs, for example sensitivity = \"4 pC/N\"");
-      const auto gain = *amplifier->quantity("gain", "V/C");
+      const auto gain = *amplifier->quantity("gain", "V/pC");
       const double relative =
           std::hypot(gain.uncertainty / gain.value,
                      sensor.sensitivity->uncertainty / sensor.sensitivity->value);

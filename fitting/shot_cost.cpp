@@ -46,9 +46,13 @@ ShotCost::Measurement ShotCost::measurement(datasets::Quantity quantity,
   Measurement m;
   for (std::size_t i = 0; i < variables_.size(); ++i) {
     const Variable& v = *variables_[i];
-    if (v.role == Variable::Role::touch) m.shift += values[i];
+    if (v.role == Variable::Role::touch) {
+      m.touch = values[i];
+      m.shift += values[i];
+    }
     if (v.quantity != quantity) continue;
     if (v.role == Variable::Role::offset) m.offset = values[i];
+    if (v.role == Variable::Role::drift) m.drift = values[i];
     if (v.role == Variable::Role::gain) m.gain = values[i];
     if (v.role == Variable::Role::delay)
       m.shift += values[i] - v.initial;  // the known part is off the clock already
@@ -91,29 +95,41 @@ ShotCost::Prediction ShotCost::predict_cached(const std::vector<double>& values)
 
 /// Predictions on both sides of every physical variable, in order, and the distance between each
 /// pair.
-void ShotCost::physics_pairs(const std::vector<double>& values,
+void ShotCost::physics_pairs(const std::vector<double>& values, bool central,
                              std::vector<Prediction>& predictions,
                              std::vector<double>& spans) const {
+  const Prediction here = predict_cached(values);
+  std::vector<std::size_t> places;
   std::vector<models::Rig> rigs;
+  const auto add_side = [&](std::size_t variable, double value) {
+    predictions.push_back(here);
+    if (value == values[variable]) return;
+    std::vector<double> there = values;
+    there[variable] = value;
+    places.push_back(predictions.size() - 1);
+    rigs.push_back(rig_at(there));
+  };
   for (std::size_t i = 0; i < variables_.size(); ++i) {
     const Variable& v = *variables_[i];
     if (!v.physics) continue;
-    std::vector<double> ahead = values;
-    std::vector<double> behind = values;
-    ahead[i] = std::min(values[i] + difference_step * v.scale, v.upper);
-    behind[i] = std::max(values[i] - difference_step * v.scale, v.lower);
-    rigs.push_back(rig_at(ahead));
-    rigs.push_back(rig_at(behind));
-    spans.push_back(ahead[i] - behind[i]);
+    const double step = difference_step * v.scale;
+    const bool room_ahead = values[i] + step <= v.upper;
+    const bool room_behind = values[i] - step >= v.lower;
+    const double ahead = room_ahead ? values[i] + step : values[i];
+    const double behind = room_behind && (central || !room_ahead) ? values[i] - step : values[i];
+    add_side(i, ahead);
+    add_side(i, behind);
+    spans.push_back(ahead - behind);
   }
-  predictions = predict(rigs);
+  const std::vector<Prediction> fresh = predict(rigs);
+  for (std::size_t k = 0; k < fresh.size(); ++k) predictions[places[k]] = fresh[k];
 }
 
 void ShotCost::fill_jacobian(const std::vector<double>& values, const Shown& shown,
                              double** jacobians) const {
   std::vector<Prediction> pairs;
   std::vector<double> spans;
-  physics_pairs(values, pairs, spans);
+  physics_pairs(values, central_, pairs, spans);
   std::size_t physical = 0;
   for (std::size_t i = 0; i < variables_.size(); ++i) {
     const Variable& v = *variables_[i];
@@ -127,19 +143,31 @@ void ShotCost::fill_jacobian(const std::vector<double>& values, const Shown& sho
       const Shown::Curve& curve = curve_of(shown, quantity);
       const bool of_channel = v.quantity == quantity;
       for (const std::size_t k : channel.used) {
-        const double t = channel.signal->time(k) - m.shift;
-        double derivative = 0.0;  // of the model value
-        if (v.physics)
-          derivative = m.gain *
-                       (curve_of(*pairs[2 * pair], quantity).at(t)[0] -
-                        curve_of(*pairs[2 * pair + 1], quantity).at(t)[0]) /
-                       spans[pair];
-        else if (v.role == Variable::Role::touch || (v.role == Variable::Role::delay && of_channel))
-          derivative = -m.gain * curve.at(t)[1];
-        else if (v.role == Variable::Role::offset && of_channel)
-          derivative = 1.0;
-        else if (v.role == Variable::Role::gain && of_channel)
-          derivative = curve.at(t)[0];
+        const double t = channel.signal->time(k);
+        double derivative = 0.0;  // of what the model shows
+        switch (v.role) {
+          case Variable::Role::physics:
+            derivative = m.gain *
+                         (curve_of(*pairs[2 * pair], quantity).at(t - m.shift)[0] -
+                          curve_of(*pairs[2 * pair + 1], quantity).at(t - m.shift)[0]) /
+                         spans[pair];
+            break;
+          case Variable::Role::touch:
+            derivative = -m.gain * curve.at(t - m.shift)[1] - m.drift;
+            break;
+          case Variable::Role::delay:
+            if (of_channel) derivative = -m.gain * curve.at(t - m.shift)[1];
+            break;
+          case Variable::Role::offset:
+            if (of_channel) derivative = 1.0;
+            break;
+          case Variable::Role::drift:
+            if (of_channel) derivative = t - m.touch;
+            break;
+          case Variable::Role::gain:
+            if (of_channel) derivative = curve.at(t - m.shift)[0];
+            break;
+        }
         *out++ = -weight * derivative;
       }
     }
@@ -159,8 +187,7 @@ bool ShotCost::Evaluate(const double* const* parameters, double* residuals,
       const Shown::Curve& curve = curve_of(*shown, channel.signal->quantity);
       const double weight = 1.0 / (channel.sigma * std::sqrt(channel.correlation));
       for (const std::size_t k : channel.used)
-        *out++ = weight * (channel.signal->values[k] - m.offset -
-                           m.gain * curve.at(channel.signal->time(k) - m.shift)[0]);
+        *out++ = weight * (channel.signal->values[k] - m.value(curve, channel.signal->time(k)));
     }
     if (jacobians) fill_jacobian(values, *shown, jacobians);
   } catch (const std::exception& error) {
@@ -176,8 +203,7 @@ std::vector<double> ShotCost::model_values(const FittedChannel& channel,
   const Measurement m = measurement(channel.signal->quantity, values);
   const Shown::Curve& curve = curve_of(*shown, channel.signal->quantity);
   std::vector<double> model(channel.signal->values.size());
-  for (std::size_t k = 0; k < model.size(); ++k)
-    model[k] = m.offset + m.gain * curve.at(channel.signal->time(k) - m.shift)[0];
+  for (std::size_t k = 0; k < model.size(); ++k) model[k] = m.value(curve, channel.signal->time(k));
   return model;
 }
 
@@ -185,7 +211,7 @@ Eigen::MatrixXd ShotCost::restitution_gradient(const std::vector<double>& values
   Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(3, static_cast<Eigen::Index>(variables_.size()));
   std::vector<Prediction> pairs;
   std::vector<double> spans;
-  physics_pairs(values, pairs, spans);
+  physics_pairs(values, true, pairs, spans);
   std::size_t pair = 0;
   for (std::size_t i = 0; i < variables_.size(); ++i) {
     if (!variables_[i]->physics) continue;

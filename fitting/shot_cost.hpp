@@ -23,9 +23,9 @@ struct FittedChannel {
 };
 
 /// Weighted differences of one recording: (measured − offset − gain · shown(t − touch − delay)) /
-/// (σ √correlation). Derivatives to touch, offset, gain and delay are exact; those to the physics
-/// are central differences of simulations, run on all cores. Parameter blocks: the variables that
-/// concern this recording, each of size 1, divided by its scale.
+/// (σ √correlation). Derivatives to touch, offset, drift, gain and delay are exact; those to the
+/// physics are central differences of simulations, run on all cores. Parameter blocks: the
+/// variables that concern this recording, each of size 1, divided by its scale.
 class ShotCost : public ceres::CostFunction {
  public:
   ShotCost(const RigFile& rig, const ShotModel& model, std::vector<FittedChannel> channels,
@@ -33,6 +33,10 @@ class ShotCost : public ceres::CostFunction {
 
   bool Evaluate(const double* const* parameters, double* residuals,
                 double** jacobians) const override;
+
+  /// Derivatives to the physics by central differences from now on, for the covariance; before, a
+  /// step ahead is enough for the solver and half the simulations.
+  void use_central_differences() { central_ = true; }
 
   /// What went wrong when Evaluate last gave up.
   const std::string& failure() const { return failure_; }
@@ -54,14 +58,21 @@ class ShotCost : public ceres::CostFunction {
   using Prediction = std::shared_ptr<const Shown>;
 
   struct Measurement {  // of one channel
-    double offset = 0.0, gain = 1.0, shift = 0.0;
+    double offset = 0.0, drift = 0.0, gain = 1.0;
+    double touch = 0.0;  // first touch on the record's axis [s]
+    double shift = 0.0;  // the same as this channel shows it
+
+    /// What the model shows at an instant of the record's axis.
+    double value(const Shown::Curve& curve, double t) const {
+      return offset + drift * (t - touch) + gain * curve.at(t - shift)[0];
+    }
   };
 
   Measurement measurement(datasets::Quantity quantity, const std::vector<double>& values) const;
   std::vector<Prediction> predict(const std::vector<models::Rig>& rigs) const;
   Prediction predict_cached(const std::vector<double>& values) const;
-  void physics_pairs(const std::vector<double>& values, std::vector<Prediction>& predictions,
-                     std::vector<double>& spans) const;
+  void physics_pairs(const std::vector<double>& values, bool central,
+                     std::vector<Prediction>& predictions, std::vector<double>& spans) const;
   void fill_jacobian(const std::vector<double>& values, const Shown& shown,
                      double** jacobians) const;
 
@@ -70,6 +81,7 @@ class ShotCost : public ceres::CostFunction {
   std::vector<FittedChannel> channels_;
   std::vector<const Variable*> variables_;
   int residuals_ = 0;
+  bool central_ = false;
   mutable std::map<std::vector<double>, Prediction> cache_;
   mutable std::string failure_;
   mutable long simulations_ = 0;

@@ -52,7 +52,8 @@ Variable physics_variable(const PhysicalParameter& parameter, const RigFile& rig
   return v;
 }
 
-/// Offset, gain and delay of one channel.
+/// Offset, drift, gain and delay of one channel. The drift is linear from first touch on: slow hum
+/// and an amplifier's drift look like that over the few milliseconds of an impact.
 void add_channel_variables(const ImpactSignal& signal, int recording,
                            const std::vector<std::string>& asked,
                            std::vector<Variable>& variables) {
@@ -73,6 +74,12 @@ void add_channel_variables(const ImpactSignal& signal, int recording,
   offset.upper = unbounded;
   offset.scale = 1e-3 * (largest > 0.0 ? largest : 1.0);
   variables.push_back(offset);
+  Variable drift = offset;
+  drift.role = Variable::Role::drift;
+  drift.name = key + ".drift";
+  drift.unit += "/s";
+  drift.scale = offset.scale / 1e-3;
+  variables.push_back(drift);
   if (signal.gain_uncertainty > 0.0 || wanted("gain")) {
     Variable gain = offset;
     gain.role = Variable::Role::gain;
@@ -105,7 +112,7 @@ void refuse_unknown(const std::vector<std::string>& asked) {
     if (name == "impact.time") continue;
     bool of_channel = false;
     for (const char* channel : {"force", "velocity", "displacement"})
-      for (const char* what : {"offset", "gain", "delay"})
+      for (const char* what : {"offset", "drift", "gain", "delay"})
         of_channel = of_channel || name == fmt::format("sensors.{}.{}", channel, what);
     if (!of_channel) physical_parameter(name);
   }

@@ -15,12 +15,13 @@ namespace impactrig::fitting {
 /// One unknown of a fit: a parameter of the physics, or of what stands between the impact and a
 /// recording.
 struct Variable {
-  enum class Role { physics, touch, offset, gain, delay };
+  enum class Role { physics, touch, offset, drift, gain, delay };
 
   Role role = Role::physics;
-  const PhysicalParameter* physics = nullptr;                 ///< role physics
-  datasets::Quantity quantity = datasets::Quantity::unknown;  ///< channel of offset, gain, delay
-  int recording = -1;                                         ///< -1: shared by all
+  const PhysicalParameter* physics = nullptr;  ///< role physics
+  datasets::Quantity quantity =
+      datasets::Quantity::unknown;  ///< channel of offset, drift, gain, delay
+  int recording = -1;               ///< -1: shared by all
   std::string name;
   std::string unit;
   double initial = 0.0;
@@ -33,9 +34,9 @@ struct Variable {
 };
 
 /// The unknowns of a fit: what the user frees (by default restitution, stiffness factor, approach
-/// speed), and for every recording first touch, channel offsets, and gains and delays whose
-/// calibration states an uncertainty. Throws std::invalid_argument on a name that cannot be fitted
-/// or is named twice.
+/// speed), and for every recording first touch, channel offsets and drifts, and gains and delays
+/// whose calibration states an uncertainty. Throws std::invalid_argument on a name that cannot be
+/// fitted or is named twice.
 std::vector<Variable> make_variables(const std::vector<datasets::Impact>& impacts,
                                      const RigFile& rig, const FitOptions& options);
 

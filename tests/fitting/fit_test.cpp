@@ -24,9 +24,11 @@ const Parameter& parameter(const Fit& fit, const std::string& name) {
 
 /// A fast rig for studies: four pinned-free modes.
 RigFile hybrid_rig() {
-  return parse_rig_file(
-      paper_rig, "rig.toml",
-      {{"solver.model", "hybrid"}, {"solver.basis", "pinned-free"}, {"solver.modes", "4"}, {"solver.duration", "1.5 ms"}});
+  return parse_rig_file(paper_rig, "rig.toml",
+                        {{"solver.model", "hybrid"},
+                         {"solver.basis", "pinned-free"},
+                         {"solver.modes", "4"},
+                         {"solver.duration", "1.5 ms"}});
 }
 
 /// Distance from the truth in standard errors.
