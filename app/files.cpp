@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/files.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+
+#include "datasets/input_error.hpp"
+
+namespace impactrig::app {
+namespace fs = std::filesystem;
+
+void check_output(const std::string& path, bool force) {
+  if (path == "-") return;
+  std::error_code ignored;
+  const fs::path folder = fs::path(path).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, ignored))
+    throw datasets::FileError(path, "cannot be written: its folder does not exist");
+  if (fs::is_directory(path, ignored))
+    throw datasets::FileError(path, "cannot be written: it is a folder");
+  if (!force && fs::exists(path, ignored))
+    throw datasets::FileError(path,
+                              "exists already; choose another name or add --force to overwrite it");
+}
+
+void write_output(const std::string& path, std::string_view content, bool force) {
+  if (path == "-") {
+    std::fwrite(content.data(), 1, content.size(), stdout);
+    return;
+  }
+  std::error_code failure;
+  if (fs::exists(path, failure) && !force && read_text(path) == content) return;
+  check_output(path, force);
+  const std::string part = path + ".part";
+  {
+    std::ofstream stream(part, std::ios::binary);
+    stream.write(content.data(), static_cast<std::streamsize>(content.size()));
+    stream.flush();
+    if (!stream) {
+      fs::remove(part, failure);
+      throw datasets::FileError(path,
+                                "cannot be written; is there space, and may you write there?");
+    }
+  }
+  fs::rename(part, path, failure);
+  if (failure) throw datasets::FileError(path, "cannot be written: " + failure.message());
+}
+
+std::string read_text(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw datasets::FileError(path, "cannot be opened; is the name right?");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw datasets::FileError(path, "cannot be read");
+  return text.str();
+}
+
+}  // namespace impactrig::app

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace impactrig::app {
+
+/// Throws datasets::FileError when `path` exists and `force` is not set, or its folder does not
+/// exist: called before the work, so that a bad path fails at once.
+void check_output(const std::string& path, bool force);
+
+/// Writes a result under its name only when complete (path.part, then renamed); "-" is stdout. A
+/// file that exists is replaced only with `force` or when its content is the same. Throws
+/// datasets::FileError.
+void write_output(const std::string& path, std::string_view content, bool force);
+
+/// Whole content of a file. Throws datasets::FileError.
+std::string read_text(const std::string& path);
+
+}  // namespace impactrig::app

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/fit_job.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <sstream>
+
+#include "acquisition/conditioning/condition.hpp"
+#include "acquisition/importer.hpp"
+#include "datasets/input_error.hpp"
+#include "fitting/fit.hpp"
+#include "fitting/rig_file.hpp"
+
+namespace impactrig::app {
+namespace {
+
+std::vector<std::string> split_names(const std::string& text) {
+  std::vector<std::string> names;
+  std::istringstream stream(text);
+  for (std::string name; std::getline(stream, name, ',');)
+    if (!name.empty()) names.push_back(name);
+  return names;
+}
+
+std::string host_name() {
+  char name[256] = "";
+  return gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
+
+/// Later impacts of a recording are left alone; the report says so.
+datasets::Impact first_impact(const datasets::Record& record, std::vector<std::string>& warnings) {
+  std::vector<datasets::Impact> impacts = acquisition::find_impacts(record);
+  const std::string& file = record.provenance.source_file;
+  if (impacts.empty())
+    throw datasets::InputError({.file = file},
+                               "there is no impact in this recording: nothing rises clearly above "
+                               "the noise. Check that the right channel is named in "
+                               "sensors.force.channel and that the trigger fired; `impactrig "
+                               "inspect` shows what is in the file");
+  if (impacts.size() > 1)
+    warnings.push_back(fmt::format("{} holds {} impacts; the first, at {:.6g} s, was fitted.", file,
+                                   impacts.size(), impacts.front().start));
+  impacts.front().recording = std::filesystem::path(file).filename().string();
+  return impacts.front();
+}
+
+}  // namespace
+
+void add_fit_job(CLI::App& command, FitJob& job) {
+  command.add_option("recording", job.recordings, "Recordings of any format (`impactrig formats`)")
+      ->required();
+  command.add_option("--rig", job.rig, "Rig file (TOML)")->required();
+  command.add_option("--free", job.free,
+                     "Parameters to fit, comma between; default "
+                     "contact.restitution,contact.stiffness_factor,start.velocity");
+  command.add_option("--window", job.window, "Fit no more than this after first touch [s]")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--title", job.title, "Title of the report");
+  add_set(command, job.common);
+  add_quiet(command, job.common);
+  add_force(command, job.common);
+  add_import_arguments(command, job.reading);
+}
+
+reports::ReportData run_fit_job(const FitJob& job) {
+  const auto started = std::chrono::steady_clock::now();
+  const std::time_t wall_clock = std::time(nullptr);
+  const fitting::RigFile rig =
+      fitting::read_rig_file(job.rig, split_overrides(job.common.overrides));
+  const acquisition::ImportOptions reading = import_options(job.reading);
+  reports::ReportData data;
+  std::vector<datasets::Impact> impacts;
+  std::vector<std::string> warnings;
+  for (const std::string& path : job.recordings) {
+    if (!job.common.quiet) fmt::print(stderr, "reading {}\n", path);
+    datasets::Record record = acquisition::condition(acquisition::import_recording(path, reading),
+                                                     {rig.force, rig.velocity, rig.displacement});
+    for (const std::string& warning : record.warnings)
+      warnings.push_back(fmt::format("{}: {}", path, warning));
+    impacts.push_back(first_impact(record, warnings));
+    data.provenance.inputs.push_back({path, record.provenance.bytes, record.provenance.sha256});
+    data.records.push_back(std::move(record));
+  }
+  fitting::FitOptions options;
+  options.free = split_names(job.free);
+  options.window = job.window;
+  if (!job.common.quiet)
+    fmt::print(stderr, "fitting {} impact(s), model {}\n", impacts.size(),
+               models::name(rig.solver.model));
+  data.fit = fitting::fit(impacts, rig, options);
+  data.fit.warnings.insert(data.fit.warnings.begin(), warnings.begin(), warnings.end());
+  data.title = !job.title.empty()
+                   ? job.title
+                   : fmt::format("Impact of {}",
+                                 std::filesystem::path(job.recordings.front()).filename().string());
+  data.provenance.tool = "impactrig";
+  data.provenance.version = IMPACTRIG_VERSION;
+  data.provenance.build = IMPACTRIG_BUILD;
+  data.provenance.git = IMPACTRIG_COMMIT;
+  data.provenance.command = command_line();
+  data.provenance.config = rig.text;
+  data.provenance.config_sha256 = rig.sha256;
+  std::tm local{};
+  localtime_r(&wall_clock, &local);
+  data.provenance.started = fmt::format("{:%Y-%m-%dT%H:%M:%S%z}", local);
+  data.provenance.host = host_name();
+  data.provenance.wall_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  std::string key = fmt::format("impactrig {}\nfree {}\nwindow {}\nrig {}\n", IMPACTRIG_VERSION,
+                                job.free, job.window, rig.sha256);
+  for (const reports::InputFile& input : data.provenance.inputs) key += input.sha256 + "\n";
+  data.provenance.result_key = datasets::sha256_of(key);
+  return data;
+}
+
+}  // namespace impactrig::app

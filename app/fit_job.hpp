@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/import_options.hpp"
+#include "app/program.hpp"
+#include "reports/report_data.hpp"
+
+namespace impactrig::app {
+
+/// What validate, fit and demo share: recordings and a rig in, a fit with its provenance out.
+struct FitJob {
+  std::vector<std::string> recordings;
+  std::string rig;
+  std::string free;  ///< comma between
+  std::string title;
+  double window = 0.0;  ///< [s]
+  ImportArguments reading;
+  CommonOptions common;
+};
+
+void add_fit_job(CLI::App& command, FitJob& job);
+
+/// Imports, conditions, finds the impact of each recording, and fits. Throws what those throw;
+/// datasets::InputError when a recording holds no impact.
+reports::ReportData run_fit_job(const FitJob& job);
+
+}  // namespace impactrig::app

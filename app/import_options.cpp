@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/import_options.hpp"
+
+#include <sstream>
+
+namespace impactrig::app {
+
+void add_import_arguments(CLI::App& command, ImportArguments& arguments) {
+  const char* group = "How to read recordings (detected unless stated)";
+  command.add_option("--format", arguments.format, "Format, a name of `impactrig formats`")
+      ->group(group);
+  command.add_option("--delimiter", arguments.delimiter, "Text: , ; | tab or blank")
+      ->check(CLI::IsMember({",", ";", "|", "tab", "blank"}))
+      ->group(group);
+  command.add_option("--decimal", arguments.decimal, "Text: decimal . or ,")
+      ->check(CLI::IsMember({".", ","}))
+      ->group(group);
+  command.add_option("--skip-lines", arguments.skip_lines, "Text: lines before the column names")
+      ->check(CLI::NonNegativeNumber)
+      ->group(group);
+  command
+      .add_option("--time-column", arguments.time_column,
+                  "Text: name or index from 0 of the time column, or none")
+      ->group(group);
+  command
+      .add_option("--sample-rate", arguments.sample_rate,
+                  "Sample rate [Hz], in place of the file's")
+      ->group(group);
+  command.add_option("--units", arguments.units, "Text: one unit a column, comma between: s,N,m/s")
+      ->group(group);
+}
+
+acquisition::ImportOptions import_options(const ImportArguments& arguments) {
+  acquisition::ImportOptions options;
+  options.format = arguments.format;
+  if (!arguments.delimiter.empty())
+    options.delimiter = arguments.delimiter == "tab"     ? '\t'
+                        : arguments.delimiter == "blank" ? ' '
+                                                         : arguments.delimiter[0];
+  if (!arguments.decimal.empty()) options.decimal = arguments.decimal[0];
+  if (arguments.skip_lines >= 0) options.skip_lines = arguments.skip_lines;
+  if (!arguments.time_column.empty()) options.time_column = arguments.time_column;
+  if (arguments.sample_rate != 0.0) {
+    if (!(arguments.sample_rate > 0.0))
+      throw CLI::ValidationError("--sample-rate", "must be greater than zero");
+    options.sample_rate = arguments.sample_rate;
+  }
+  std::istringstream units(arguments.units);
+  for (std::string unit; std::getline(units, unit, ',');) options.units.push_back(unit);
+  return options;
+}
+
+}  // namespace impactrig::app

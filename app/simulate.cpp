@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include "acquisition/exporter.hpp"
+#include "app/files.hpp"
+#include "app/program.hpp"
+#include "datasets/record.hpp"
+#include "fitting/rig_file.hpp"
+#include "models/simulation.hpp"
+#include "reports/report_data.hpp"
+#include "reports/text.hpp"
+
+namespace impactrig::app {
+namespace {
+
+struct Options {
+  std::string rig;
+  std::string output;
+  double interval = 1e-6;
+  bool explain = false;
+  bool exact = false;
+  CommonOptions common;
+};
+
+datasets::Record history_record(const models::History& history, const fitting::RigFile& rig) {
+  datasets::Record record;
+  record.title = "simulated impact";
+  record.provenance.program = datasets::program_version();
+  record.provenance.source_file = rig.path;
+  record.provenance.sha256 = rig.sha256;
+  const auto add = [&](const char* name, datasets::Quantity quantity,
+                       const std::vector<double>& values) {
+    datasets::Channel channel;
+    channel.name = name;
+    channel.quantity = quantity;
+    channel.unit = datasets::si_unit(quantity);
+    channel.clock = {.start = history.start, .interval = history.interval, .times = {}};
+    channel.raw = values;
+    record.channels.push_back(std::move(channel));
+  };
+  add("Force", datasets::Quantity::force, history.force);
+  add("Velocity", datasets::Quantity::velocity, history.velocity);
+  add("Displacement", datasets::Quantity::displacement, history.displacement);
+  add("Penetration", datasets::Quantity::displacement, history.penetration);
+  return record;
+}
+
+void simulate(const Options& options) {
+  if (!options.output.empty()) check_output(options.output, options.common.force);
+  const fitting::RigFile rig =
+      fitting::read_rig_file(options.rig, split_overrides(options.common.overrides));
+  models::SimulationOptions request;
+  request.exact = options.exact;
+  if (!options.output.empty()) {
+    request.history.interval = options.interval;
+    if (rig.velocity) request.history.velocity_position = rig.velocity->position;
+    if (rig.displacement) request.history.displacement_position = rig.displacement->position;
+  }
+  const models::Simulation simulation = models::simulate(rig.rig, rig.solver, request);
+  if (!options.output.empty())
+    acquisition::export_recording(history_record(simulation.history, rig), options.output);
+  if (options.common.json)
+    fmt::print("{}\n", reports::simulation_to_json(simulation, rig.rig));
+  else
+    fmt::print("{}", reports::to_text(simulation, rig.rig));
+  if (options.explain && !options.common.json) {
+    fmt::print("\nSimplifications taken:\n");
+    if (simulation.skipped.empty()) fmt::print("  none\n");
+    for (const std::string& sentence : simulation.skipped) fmt::print("  - {}\n", sentence);
+  }
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand("simulate", "Predict one impact of a rig");
+  command->add_option("rig", options->rig, "Rig file (TOML)")->required();
+  command->add_option("-o,--output", options->output, "History: .h5, .csv or .uff");
+  command->add_option("--interval", options->interval, "Sample interval of the history [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--explain", options->explain,
+                    "List the simplifications taken, and why they are safe here");
+  command->add_flag("--exact", options->exact, "Take no simplification");
+  add_json(*command, options->common);
+  add_set(*command, options->common);
+  add_force(*command, options->common);
+  command->callback([options] { simulate(*options); });
+}
+
+}  // namespace impactrig::app

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reports/text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace impactrig::reports {
+namespace {
+
+/// A value to the digit that two digits of its error leave; nine digits without an error.
+std::string to_error(double value, double error) {
+  if (!(error > 0.0 && std::isfinite(error))) return fmt::format("{:.9g}", value);
+  const int last = static_cast<int>(std::floor(std::log10(error))) - 1;
+  const int first = value != 0.0 ? static_cast<int>(std::floor(std::log10(std::abs(value)))) : last;
+  return fmt::format("{:.{}g}", value, std::clamp(first - last + 1, 1, 15));
+}
+
+std::string parameter_line(const fitting::Parameter& p) {
+  const std::string unit = p.unit == "1" ? "" : " " + p.unit;
+  std::string line = fmt::format("  {:<27} {:>14}", p.name, to_error(p.value, p.std_error));
+  if (!p.identifiable)
+    line += "   not identifiable";
+  else if (p.std_error > 0.0)
+    line += fmt::format(" ± {:<9.2g} 95 %: {} to {}{}", p.std_error,
+                        to_error(p.ci95[0], p.std_error), to_error(p.ci95[1], p.std_error), unit);
+  if (p.at_bound) line += "   at its bound";
+  if (!p.nuisance) line += fmt::format("   (started at {:.4g})", p.initial);
+  if (p.prior)
+    line += fmt::format("   (calibration: {:.4g} ± {:.2g})", (*p.prior)[0], (*p.prior)[1]);
+  return line + "\n";
+}
+
+std::string estimate_line(const char* label, const fitting::Fit& fit, const char* name,
+                          const char* meaning) {
+  const auto found = fit.restitution.find(name);
+  if (found == fit.restitution.end()) return "";
+  const auto& [value, ci] = found->second;
+  const double error = (ci[1] - ci[0]) / 4.0;
+  return fmt::format("  {:<10} {:>9}   {} to {}   {}\n", label, to_error(value, error),
+                     to_error(ci[0], error), to_error(ci[1], error), meaning);
+}
+
+std::string warnings_text(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& warning : warnings) text += fmt::format("\nwarning: {}\n", warning);
+  return text;
+}
+
+}  // namespace
+
+std::string to_text(const ReportData& data) {
+  const fitting::Fit& fit = data.fit;
+  std::string text = fmt::format("{}\n", data.title);
+  for (const datasets::Impact& impact : fit.impacts)
+    text +=
+        fmt::format("  {}: first touch at {:.6g} s, peak {:.5g} N, contact {:.4g} us\n",
+                    impact.recording, impact.start, impact.peak, 1e6 * (impact.end - impact.start));
+  text += fmt::format("\nFitted parameters ({}, {} iterations, {} simulations, {:.2f} s)\n",
+                      fit.termination, fit.iterations, fit.simulations, fit.seconds);
+  for (const bool nuisance : {false, true})
+    for (const fitting::Parameter& p : fit.parameters)
+      if (p.nuisance == nuisance) text += parameter_line(p);
+  for (const std::string& sentence : fit.not_identifiable)
+    text += fmt::format("  ! {}\n", sentence);
+  text += "\nRestitution: four different numbers for a flexible bar\n";
+  text += estimate_line("law", fit, "law", "in the damping law");
+  text += estimate_line("kinematic", fit, "kinematic",
+                        "separation over approach speed of the struck point");
+  text += estimate_line("kinetic", fit, "kinetic", "impulse after over before deepest penetration");
+  text += estimate_line("energetic", fit, "energetic",
+                        "root of work returned over work taken by the contact");
+  text += "\nResiduals\n";
+  for (const fitting::ChannelFit& channel : fit.channels)
+    text +=
+        fmt::format("  {:<14}{:.3g} {} (noise before the trigger {:.3g} {})\n", channel.quantity,
+                    channel.residual_rms, channel.unit, channel.noise, channel.unit);
+  text += fmt::format("  chi-square / degrees of freedom: {:.4g} / {}\n", fit.goodness.chi2,
+                      fit.goodness.dof);
+  return text + warnings_text(fit.warnings);
+}
+
+std::string to_text(const models::Simulation& s, const models::Rig& rig) {
+  std::string model(models::name(s.solver.model));
+  if (s.solver.model == models::BeamModel::ancf)
+    model += fmt::format(", {} + {} elements", s.solver.elements[0], s.solver.elements[1]);
+  if (s.solver.model == models::BeamModel::hybrid)
+    model += fmt::format(", {} {} modes, {} axial", s.solver.modes, models::name(s.solver.basis),
+                         s.solver.axial_modes);
+  std::string text = fmt::format(
+      "model             {}\ncontact           {} (exponent {}), damping {}, e = {:g}\n"
+      "peak force        {:.9g} N at {:.6g} us\ndeepest           {:.6g} um\nimpulse           "
+      "{:.9g} N s over {:.6g} ms\n",
+      model, rig.contact.law, rig.contact.exponent, rig.contact.damping, rig.contact.restitution,
+      s.peak_force, 1e6 * s.peak_time, 1e6 * s.max_penetration, s.impulse, 1e3 * s.duration);
+  text += fmt::format("\n  {:>12} {:>12} {:>12} {:>12} {:>12} {:>12}\n", "touch [us]",
+                      "leaves [us]", "peak [N]", "impulse [Ns]", "in [m/s]", "out [m/s]");
+  for (const models::Episode& e : s.episodes)
+    text += fmt::format("  {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g}\n",
+                        1e6 * e.start, 1e6 * e.end, e.peak_force, e.impulse, e.approach_velocity,
+                        e.separation_velocity);
+  text += fmt::format(
+      "\nrestitution       law {:.5g}, kinematic {:.5g}, kinetic {:.5g}, energetic {:.5g}\n",
+      s.restitution.law, s.restitution.kinematic, s.restitution.kinetic, s.restitution.energetic);
+  const double whole = s.energy.initial;
+  text += fmt::format(
+      "energy            {:.5g} J: {:.2f} % lost in the contact, {:.2f} % in vibration, {:.2f} % "
+      "in rotation; "
+      "imbalance {:.1e}\n",
+      whole, 100.0 * s.energy.dissipated / whole, 100.0 * s.energy.vibration / whole,
+      100.0 * s.energy.rigid_rotation / whole, s.energy.imbalance);
+  text += fmt::format("cost              {} steps, {} rejected, {} evaluations, {:.3g} ms\n",
+                      s.cost.steps, s.cost.rejected, s.cost.evaluations, 1e3 * s.cost.seconds);
+  text += fmt::format("ended             {}\n", s.termination);
+  return text + warnings_text(s.warnings);
+}
+
+}  // namespace impactrig::reports
