@@ -30,12 +30,29 @@ Eigen::Matrix4d consistent_mass(double l) {
   return m * (l / 420.0);
 }
 
-/// EI S_xx'S_xx applied to nodal values: bending force, without EI.
+/// Rotations of both ends of an element against its chord: what bending is made of. In them a rigid
+/// rotation leaves rounding only, and the energy its square.
+struct EndRotations {
+  EndRotations(const Eigen::Vector4d& u, double l)
+      : first(u[1] - (u[2] - u[0]) / l),
+        second(u[3] - (u[2] - u[0]) / l) {}
+
+  double first, second;
+};
+
+/// ∫ S_xx'S_xx dx applied to nodal values: bending force, without EI.
 Eigen::Vector4d bending_force(const Eigen::Vector4d& u, double l) {
-  const double shear = (12.0 * (u[0] - u[2]) + 6.0 * l * (u[1] + u[3])) / (l * l * l);
-  const double common = 6.0 * (u[0] - u[2]) / (l * l);
-  return {shear, common + (4.0 * u[1] + 2.0 * u[3]) / l, -shear,
-          common + (2.0 * u[1] + 4.0 * u[3]) / l};
+  const EndRotations rotation(u, l);
+  const double first = (4.0 * rotation.first + 2.0 * rotation.second) / l;
+  const double second = (2.0 * rotation.first + 4.0 * rotation.second) / l;
+  const double shear = (first + second) / l;
+  return {shear, first, -shear, second};
+}
+
+/// ½ ∫ u_xx² dx.
+double bending_energy(const Eigen::Vector4d& u, double l) {
+  const EndRotations r(u, l);
+  return 2.0 / l * (r.first * r.first + r.first * r.second + r.second * r.second);
 }
 
 }  // namespace
@@ -186,8 +203,7 @@ BeamEnergy AncfBeam::energy(ConstVector q, ConstVector v) const {
     const double l = elements_[e].length;
     const Nodal x = gather(q.head(dofs_), e);
     const Nodal u = gather(q.tail(dofs_), e);
-    energy.elastic +=
-        0.5 * bending_stiffness_ * (x.dot(bending_force(x, l)) + u.dot(bending_force(u, l)));
+    energy.elastic += bending_stiffness_ * (bending_energy(x, l) + bending_energy(u, l));
     for (std::size_t g = 0; g < 5; ++g) {
       Nodal s = slope_shapes_[g];
       s[0] /= l;
