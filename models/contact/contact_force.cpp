@@ -42,6 +42,7 @@ double ContactForce::force_rate(double penetration, double rate, double accelera
 
 double penetration_storing(const ContactForce& contact, double energy) {
   double high = 1e-12;
+  while (high > 1e-300 && contact.stored(0.5 * high) >= energy) high *= 0.5;
   while (contact.stored(high) < energy) high *= 2.0;
   double low = 0.5 * high;
   for (int i = 0; i < 60; ++i) {
