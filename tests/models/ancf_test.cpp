@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/beams/ancf.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <random>
+
+#include "tests/models/scenes.hpp"
+#include "tests/support/convergence_study.hpp"
+
+namespace {
+
+using namespace impactrig::models;
+using namespace impactrig::tests;
+using Vector = Eigen::VectorXd;
+
+/// The chain of cubic elements once more, from positions: r(x), r' and r'' by Hermite
+/// interpolation, energies by a fine quadrature of their densities.
+class PlainChain {
+ public:
+  PlainChain(const Rig& rig, std::array<int, 2> elements) : rig_(rig) {
+    nodes_.push_back(0.0);
+    for (int i = 1; i <= elements[0]; ++i) nodes_.push_back(rig.contact.position * i / elements[0]);
+    for (int i = 1; i <= elements[1]; ++i)
+      nodes_.push_back(rig.contact.position +
+                       (rig.beam.length - rig.contact.position) * i / elements[1]);
+  }
+
+  int dofs() const { return 2 * static_cast<int>(nodes_.size()) - 1; }
+
+  /// Value, first and second derivative at a place inside an element of one direction's field.
+  std::array<double, 3> field(const Vector& part, std::size_t e, double xi) const {
+    const double l = nodes_[e + 1] - nodes_[e];
+    const int first = 2 * static_cast<int>(e) - 1;
+    const double u0 = e == 0 ? 0.0 : part[first];
+    const double s0 = part[first + 1];
+    const double u1 = part[first + 2];
+    const double s1 = part[first + 3];
+    // the cubic c0 + c1 ξ + c2 ξ² + c3 ξ³
+    const double c1 = l * s0;
+    const double c2 = 3.0 * (u1 - u0) - l * (2.0 * s0 + s1);
+    const double c3 = 2.0 * (u0 - u1) + l * (s0 + s1);
+    return {u0 + xi * (c1 + xi * (c2 + xi * c3)), (c1 + xi * (2.0 * c2 + 3.0 * xi * c3)) / l,
+            (2.0 * c2 + 6.0 * c3 * xi) / (l * l)};
+  }
+
+  template <typename Density>
+  double integral(const Density& density) const {
+    // eight points a element: exact up to degree 15
+    static constexpr double points[4] = {0.183434642495649805, 0.525532409916328986,
+                                         0.796666477413626740, 0.960289856497536232};
+    static constexpr double weights[4] = {0.362683783378361983, 0.313706645877887287,
+                                          0.222381034453374471, 0.101228536290376259};
+    double sum = 0.0;
+    for (std::size_t e = 0; e + 1 < nodes_.size(); ++e)
+      for (int g = 0; g < 4; ++g)
+        for (double side : {-1.0, 1.0})
+          sum += 0.5 * (nodes_[e + 1] - nodes_[e]) * weights[g] *
+                 density(e, 0.5 * (1.0 + side * points[g]));
+    return sum;
+  }
+
+  double x(std::size_t e, double xi) const { return nodes_[e] + (nodes_[e + 1] - nodes_[e]) * xi; }
+
+  double kinetic(const Vector& v) const {
+    const Vector across = v.head(dofs()), along = v.tail(dofs());
+    return 0.5 * line_density() * integral([&](std::size_t e, double xi) {
+             return std::pow(field(across, e, xi)[0], 2) + std::pow(field(along, e, xi)[0], 2);
+           });
+  }
+
+  double elastic(const Vector& q) const {
+    const Vector across = q.head(dofs()), along = q.tail(dofs());
+    return integral([&](std::size_t e, double xi) {
+      const auto X = field(across, e, xi);
+      const auto U = field(along, e, xi);
+      const double strain = 0.5 * (X[1] * X[1] + std::pow(U[1] - 1.0, 2) - 1.0);
+      return 0.5 * rig_.beam.youngs_modulus *
+             (rig_.beam.area * strain * strain +
+              rig_.beam.second_moment * (X[2] * X[2] + U[2] * U[2]));
+    });
+  }
+
+  double gravitational(const Vector& q) const {
+    const Vector along = q.tail(dofs());
+    return line_density() * rig_.gravity *
+           integral([&](std::size_t e, double xi) { return field(along, e, xi)[0]; });
+  }
+
+ private:
+  double line_density() const { return rig_.beam.density * rig_.beam.area; }
+
+  Rig rig_;
+  std::vector<double> nodes_;
+};
+
+/// A bar soft enough to bend visibly under forces of a few newtons.
+Rig soft_rig() {
+  Rig rig = paper_rig();
+  rig.beam.youngs_modulus = 1e6;
+  rig.gravity = 9.81;
+  return rig;
+}
+
+struct State {
+  Vector q, v;
+};
+
+State random_state(const AncfBeam& beam, unsigned seed, double angle) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  State state{Vector(beam.size()), Vector(beam.size())};
+  beam.set_rigid_motion(angle, 3.0, state.q, state.v);
+  for (int i = 0; i < beam.size(); ++i) {
+    state.q[i] += 0.03 * unit(random);
+    state.v[i] += unit(random);
+  }
+  return state;
+}
+
+TEST(Ancf, AccelerationsFulfilLagrangesEquationsAtLargeRotationsAndStrains) {
+  const Rig rig = soft_rig();
+  AncfBeam beam(rig, {3, 2});
+  const PlainChain plain(rig, {3, 2});
+  const int n = beam.size();
+  for (double angle : {0.0, 1.3, -2.5}) {
+    const State s = random_state(beam, 5, angle);
+    for (double force : {0.0, 40.0}) {
+      Vector a(n);
+      beam.acceleration(s.q, s.v, force, a);
+      Vector inertia(n), given(n);
+      for (int k = 0; k < n; ++k) {
+        Vector unit = Vector::Zero(n);
+        unit[k] = 1.0;
+        inertia[k] = 0.5 * (plain.kinetic(a + unit) - plain.kinetic(a - unit));  // (M a)_k
+        const auto energy = [&](double h) {
+          return plain.elastic(s.q + h * unit) + plain.gravitational(s.q + h * unit);
+        };
+        const auto central = [&](double h) { return (energy(h) - energy(-h)) / (2.0 * h); };
+        // the energy is of degree four: two differences give its gradient without truncation
+        given[k] = -(4.0 * central(5e-3) - central(1e-2)) / 3.0;
+        const Vector pushed = s.q + unit;
+        given[k] -= force * (beam.struck_point(pushed, s.v).displacement -
+                             beam.struck_point(s.q, s.v).displacement);
+      }
+      EXPECT_LT((inertia - given).norm(), 1e-10 * given.norm()) << angle << ' ' << force;
+    }
+  }
+}
+
+TEST(Ancf, EnergiesAreThoseOfThePositions) {
+  const Rig rig = soft_rig();
+  AncfBeam beam(rig, {3, 2});
+  const PlainChain plain(rig, {3, 2});
+  const State s = random_state(beam, 9, 0.8);
+  const BeamEnergy energy = beam.energy(s.q, s.v);
+  EXPECT_NEAR(energy.kinetic / plain.kinetic(s.v), 1.0, 1e-13);
+  EXPECT_NEAR(energy.elastic / plain.elastic(s.q), 1.0, 1e-13);
+  EXPECT_NEAR(energy.gravitational / plain.gravitational(s.q), 1.0, 1e-13);
+}
+
+TEST(Ancf, IsNotStrainedByARigidRotationOfAnyAngle) {
+  Rig rig = paper_rig();
+  AncfBeam beam(rig, {5, 3});
+  const int n = beam.size();
+  Vector q(n), v(n), a(n);
+  for (double angle = -6.0; angle <= 6.0; angle += 0.37) {
+    beam.set_rigid_motion(angle, 0.0, q, v);
+    // strains of a few roundings, squared
+    EXPECT_LT(beam.energy(q, v).elastic,
+              1e-29 * rig.beam.youngs_modulus * rig.beam.area * rig.beam.length);
+    beam.acceleration(q, v, 0.0, a);
+    // E 1e-16 / (ρ l²) with the shortest element, and 105 for the small inertia of a nodal slope
+    const double unit =
+        105.0 * rig.beam.youngs_modulus * 1e-16 / (rig.beam.density * std::pow(0.11 / 3.0, 2));
+    EXPECT_LT(a.cwiseAbs().maxCoeff(), 1e3 * unit) << "angle " << angle;
+  }
+}
+
+TEST(Ancf, CarriesMassFirstMomentAndInertiaOfTheBar) {
+  const Rig rig = soft_rig();
+  AncfBeam beam(rig, {3, 2});
+  const int n = beam.size() / 2;
+  Vector q = Vector::Zero(2 * n), v = Vector::Zero(2 * n);
+  // a rotation: ½ I ω²
+  beam.set_rigid_motion(0.4, 2.0, q, v);
+  EXPECT_NEAR(beam.energy(q, v).kinetic / (0.5 * rig.beam.hinge_inertia() * 4.0), 1.0, 1e-14);
+  EXPECT_NEAR(beam.energy(q, v).gravitational /
+                  (rig.beam.mass() * 9.81 * 0.5 * rig.beam.length * (1.0 - std::cos(0.4))),
+              1.0, 1e-14);
+  // the mass the hinge does not hold: the field of a translation, less its first node's value,
+  // against the cubic's own integral
+  const PlainChain plain(rig, {3, 2});
+  Vector one = Vector::Zero(2 * n);
+  for (int i = 1; i < n; i += 2) one[i] = 1.0;
+  EXPECT_NEAR(beam.energy(q, one).kinetic / plain.kinetic(one), 1.0, 1e-14);
+  Vector lifted = Vector::Zero(2 * n);
+  lifted.tail(n) = one.head(n);
+  EXPECT_NEAR(beam.energy(lifted, v).gravitational / plain.gravitational(lifted), 1.0, 1e-14);
+}
+
+TEST(Ancf, FreeSwingFollowsTheMomentOfGravity) {
+  // internal forces cannot change the moment of momentum: I d(rate)/dt = −∫ ρA g X dx
+  const Rig rig = soft_rig();
+  AncfBeam beam(rig, {3, 2});
+  const PlainChain plain(rig, {3, 2});
+  const int n = beam.size();
+  const State s = random_state(beam, 3, 0.5);
+  Vector a(n);
+  beam.acceleration(s.q, s.v, 0.0, a);
+  const auto rate = [&](double t) {
+    return beam.rigid_part(s.q + t * s.v + 0.5 * t * t * a, s.v + t * a).rate;
+  };
+  const double measured = (rate(1e-5) - rate(-1e-5)) / 2e-5;
+  const Vector across = s.q.head(n / 2);
+  const double moment =
+      rig.beam.density * rig.beam.area * rig.gravity *
+      plain.integral([&](std::size_t e, double xi) { return plain.field(across, e, xi)[0]; });
+  EXPECT_NEAR(measured / (moment / rig.beam.hinge_inertia()), 1.0, 1e-6);
+}
+
+TEST(Ancf, RigidPartOfARigidMotionIsThatMotion) {
+  AncfBeam beam(paper_rig(), {4, 3});
+  Vector q(beam.size()), v(beam.size());
+  beam.set_rigid_motion(2e-3, 1.7, q, v);
+  const RigidPart rigid = beam.rigid_part(q, v);
+  EXPECT_NEAR(rigid.angle, std::sin(2e-3), 1e-16);
+  EXPECT_NEAR(rigid.rate, 1.7, 1e-13);
+}
+
+TEST(Ancf, PointsFollowTheCubicBetweenTheNodes) {
+  const Rig rig = soft_rig();
+  AncfBeam beam(rig, {3, 2});
+  const PlainChain plain(rig, {3, 2});
+  const int n = beam.size() / 2;
+  const State s = random_state(beam, 13, 0.1);
+  for (std::size_t e = 0; e < 5; ++e)
+    for (double xi : {0.0, 0.3, 0.9}) {
+      const PointMotion p = beam.point(plain.x(e, xi), s.q, s.v);
+      EXPECT_NEAR(p.displacement, -plain.field(s.q.head(n), e, xi)[0], 1e-14);
+      EXPECT_NEAR(p.velocity, -plain.field(s.v.head(n), e, xi)[0], 1e-13);
+    }
+  const PointMotion struck = beam.struck_point(s.q, s.v);
+  EXPECT_NEAR(beam.point(rig.contact.position, s.q, s.v).displacement, struck.displacement, 1e-15);
+}
+
+/// ω² of small vibrations across the hanging bar, rising.
+Vector small_vibrations(const Rig& rig, std::array<int, 2> elements) {
+  AncfBeam beam(rig, elements);
+  const int n = beam.size() / 2;
+  const double tiny = 1e-9;
+  Eigen::MatrixXd linear(n, n);
+  for (int k = 0; k < n; ++k) {
+    Vector q = Vector::Zero(2 * n), a(2 * n);
+    q[k] = tiny;
+    beam.acceleration(q, Vector::Zero(2 * n), 0.0, a);
+    linear.col(k) = -a.head(n) / tiny;
+  }
+  Vector squares = Eigen::EigenSolver<Eigen::MatrixXd>(linear, false).eigenvalues().real();
+  std::sort(squares.begin(), squares.end());
+  return squares;
+}
+
+TEST(Ancf, VibratesWithTheFrequenciesOfThePinnedFreeBarWithOrderFour) {
+  Rig rig = paper_rig();
+  rig.contact.position = 0.5 * rig.beam.length;  // a uniform mesh
+  const double root = 3.926602312047919;         // tan z = tanh z
+  const double unit = std::sqrt(rig.beam.youngs_modulus * rig.beam.second_moment /
+                                (rig.beam.density * rig.beam.area)) /
+                      std::pow(rig.beam.length, 2);
+  ConvergenceStudy study;
+  for (int half : {3, 4, 5, 6, 8}) {
+    const Vector squares = small_vibrations(rig, {half, half});
+    // the lowest is the rigid rotation, a zero of rounding
+    EXPECT_LT(std::abs(squares[0]), 1e-6 * squares[1]);
+    const double omega = std::sqrt(squares[1]);
+    EXPECT_GT(omega, root * root * unit);  // elements only stiffen
+    study.add(1.0 / half, omega / (root * root * unit) - 1.0);
+  }
+  EXPECT_NEAR(study.order(), 4.0, 0.15);
+  EXPECT_GT(study.correlation(), 0.999);
+}
+
+TEST(Ancf, StretchesWithTheFrequencyOfTheBarWave) {
+  // fixed-free: ω = (π / 2 L) √(E / ρ)
+  Rig rig = paper_rig();
+  AncfBeam beam(rig, {8, 2});
+  const int n = beam.size() / 2;
+  const double tiny = 1e-9;
+  Eigen::MatrixXd linear(n, n);
+  for (int k = 0; k < n; ++k) {
+    // symmetric difference: the strain is quadratic in the stretch
+    Vector q = Vector::Zero(2 * n), forward(2 * n), back(2 * n);
+    q[n + k] = tiny;
+    beam.acceleration(q, Vector::Zero(2 * n), 0.0, forward);
+    beam.acceleration(-q, Vector::Zero(2 * n), 0.0, back);
+    linear.col(k) = (back - forward).tail(n) / (2.0 * tiny);
+  }
+  Vector squares = Eigen::EigenSolver<Eigen::MatrixXd>(linear, false).eigenvalues().real();
+  std::sort(squares.begin(), squares.end());
+  const double expected = 0.5 * std::numbers::pi / rig.beam.length *
+                          std::sqrt(rig.beam.youngs_modulus / rig.beam.density);
+  // EI |r_xx|² also resists a stretch that is not uniform: (r / 2)² (π / 2L)² / 2 = 1e-4
+  EXPECT_NEAR(std::sqrt(squares[0]) / expected, 1.0, 3e-4);
+}
+
+}  // namespace

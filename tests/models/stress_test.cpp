@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Random scenes far apart in size, stiffness and speed: each gives a sound result or a sentence.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "models/simulation.hpp"
+#include "tests/models/scenes.hpp"
+
+namespace {
+
+using namespace impactrig::models;
+
+struct Scene {
+  Rig rig;
+  Solver solver;
+};
+
+/// From 5 cm to 10 m, rubber to steel, 1 mm/s to 10 m/s, e 0.05 to 1, every law and model.
+Scene random_scene(std::mt19937& random) {
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const auto spread = [&](double low, double high) {
+    return std::exp(uniform(std::log(low), std::log(high)));
+  };
+  const auto choice = [&](int n) { return std::uniform_int_distribution<int>(0, n - 1)(random); };
+  Scene scene;
+  Rig& rig = scene.rig;
+  const double length = spread(0.05, 10.0);
+  const double radius = length * spread(0.005, 0.05);
+  rig.beam = {.length = length,
+              .area = std::numbers::pi * radius * radius,
+              .second_moment = std::numbers::pi * std::pow(radius, 4) / 4.0,
+              .youngs_modulus = spread(1e7, 2.1e11),
+              .density = uniform(900.0, 8000.0)};
+  Contact& contact = rig.contact;
+  contact.position = choice(8) == 0 ? length : length * uniform(0.05, 0.99);
+  contact.counterface = static_cast<Counterface>(choice(3));
+  contact.radius = radius;
+  contact.counter_radius = radius * uniform(1.01, 4.0);
+  contact.length = radius * uniform(0.5, 2.0);
+  contact.modulus = rig.beam.youngs_modulus;
+  contact.counter_modulus = spread(1e7, 2.1e11);
+  contact.poisson_ratio = uniform(0.0, 0.5);
+  contact.counter_poisson_ratio = uniform(0.0, 0.5);
+  contact.law = choice(5) == 0 ? "linear" : "goldsmith";
+  contact.exponent = choice(2) == 0 ? 1 : 3;
+  contact.stiffness = contact.modulus * contact.length * spread(0.01, 1.0);
+  contact.damping =
+      std::array{"none", "lankarani-nikravesh", "exact"}[static_cast<std::size_t>(choice(3))];
+  contact.restitution = uniform(0.05, 1.0);
+  rig.start.velocity = spread(1e-3, 10.0);
+  rig.gravity = choice(2) == 0 ? 0.0 : 9.81;
+  Solver& solver = scene.solver;
+  solver.model = static_cast<BeamModel>(choice(3));
+  solver.basis = static_cast<Basis>(choice(2));
+  solver.modes = 1 + choice(8);
+  solver.axial_modes = choice(4) == 0 ? 1 : 0;
+  const int before = 1 + choice(10);
+  solver.elements = {before, contact.position == length ? 0 : 1 + choice(2)};
+  solver.accuracy = spread(1e-9, 1e-3);
+  // two passages of a bending wave: contact, most of the time, and a return
+  solver.duration = 2.0 * length * length /
+                    std::sqrt(rig.beam.youngs_modulus * rig.beam.second_moment /
+                              (rig.beam.density * rig.beam.area)) /
+                    15.4;
+  return scene;
+}
+
+void expect_sound(const Scene& scene, const Simulation& run, double& worst) {
+  EXPECT_TRUE(std::isfinite(run.peak_force) && run.peak_force > 0.0);
+  EXPECT_TRUE(std::isfinite(run.max_penetration) && run.max_penetration > 0.0);
+  EXPECT_TRUE(std::isfinite(run.impulse) && run.impulse > 0.0);
+  EXPECT_TRUE(std::isfinite(run.energy.kinetic) && std::isfinite(run.energy.elastic));
+  ASSERT_FALSE(run.episodes.empty());
+  EXPECT_LE(std::abs(run.energy.imbalance), 10.0 * scene.solver.accuracy + 1e-11);
+  worst = std::max(worst, std::abs(run.energy.imbalance) / (scene.solver.accuracy + 1e-12));
+  double before = -1.0;
+  for (const Episode& episode : run.episodes) {
+    EXPECT_GE(episode.start, before);
+    EXPECT_GE(episode.end, episode.start);
+    EXPECT_GE(episode.impulse, 0.0);
+    EXPECT_GE(episode.dissipated, -scene.solver.accuracy * run.energy.initial);
+    before = episode.end;
+  }
+  for (double force : run.history.force) EXPECT_GE(force, 0.0);
+  for (double velocity : run.history.velocity) EXPECT_TRUE(std::isfinite(velocity));
+}
+
+TEST(Stress, ThreeHundredRandomScenesGiveSoundResultsOrASentence) {
+  std::mt19937 random(20070101);
+  double worst = 0.0;
+  int refused = 0;
+  for (int number = 0; number < 300; ++number) {
+    const Scene scene = random_scene(random);
+    SimulationOptions options;
+    options.history.interval = *scene.solver.duration / 500.0;
+    SCOPED_TRACE(testing::Message()
+                 << "scene " << number << ": length " << scene.rig.beam.length << ", E "
+                 << scene.rig.beam.youngs_modulus << ", v " << scene.rig.start.velocity << ", "
+                 << scene.rig.contact.law << ' ' << scene.rig.contact.damping << " e "
+                 << scene.rig.contact.restitution << ", " << name(scene.solver.model)
+                 << ", accuracy " << scene.solver.accuracy);
+    try {
+      expect_sound(scene, simulate(scene.rig, scene.solver, options), worst);
+    } catch (const std::exception& problem) {
+      const std::string sentence = problem.what();
+      EXPECT_GT(sentence.size(), 40u) << sentence;
+      ++refused;
+    }
+  }
+  RecordProperty("worst imbalance over accuracy", std::to_string(worst));
+  EXPECT_LT(refused, 30) << "more refusals than hard impacts on soft bars explain";
+}
+
+}  // namespace
