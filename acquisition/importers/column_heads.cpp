@@ -207,6 +207,20 @@ std::vector<ColumnHead> heads_of(const Cells& names, const Cells& units) {
   return heads;
 }
 
+/// Keys that stand beside the samples. Such files have a time and one trace, named by the key
+/// Source.
+void take_keys(const TableLayout& layout, TableHead& head) {
+  for (const std::string_view line : layout.key_lines) {
+    const Cells cells = cells_of(line, layout.dialect.delimiter);
+    const std::string key = to_utf8(cells.front());
+    if (layout.key_cells > 1 && !cells[1].empty()) head.attributes[key] = to_utf8(cells[1]);
+  }
+  if (!head.columns.empty() || layout.cells != 2) return;
+  const auto source = head.attributes.find("Source");
+  head.columns = {{"time", "", ""},
+                  {source == head.attributes.end() ? "trace" : source->second, "", ""}};
+}
+
 }  // namespace
 
 std::string lowered(std::string_view text) {
@@ -252,6 +266,7 @@ TableHead read_head(const TableLayout& layout) {
   Cells units;
   find_names_and_units(layout, filled, names, units, head);
   head.columns = heads_of(names, units);
+  if (!layout.key_lines.empty()) take_keys(layout, head);
   for (const std::size_t i : filled) {
     const int line = static_cast<int>(i) + 1;
     if (line != head.names_line && line != head.units_line)

@@ -23,6 +23,7 @@ class RowReader {
       : file_(file),
         names_(names),
         delimiter_(layout.dialect.delimiter),
+        key_cells_(layout.key_cells),
         style_{layout.dialect.decimal, false},
         at_(layout.data) {
     const std::string_view text = file.text();
@@ -61,6 +62,7 @@ class RowReader {
       take_line(at_, end_);
       return;
     }
+    skip_key_cells();
     const std::size_t n = table_.columns.size();
     for (std::size_t c = 0; c < n; ++c) {
       if (!read_cell(c)) return;
@@ -73,6 +75,13 @@ class RowReader {
     }
     finish_row();
     ++table_.rows;
+  }
+
+  void skip_key_cells() {
+    for (std::size_t c = 0; c < key_cells_; ++c) {
+      while (!at_line_end() && *at_ != delimiter_) ++at_;
+      if (!at_line_end()) ++at_;
+    }
   }
 
   /// Reads a cell and the blanks behind it; false when the row has ended in a way that is dealt
@@ -180,6 +189,7 @@ class RowReader {
   TextFile& file_;
   const std::vector<std::string>& names_;
   char delimiter_;
+  std::size_t key_cells_;
   NumberStyle style_;
   const char* at_;
   const char* end_ = nullptr;

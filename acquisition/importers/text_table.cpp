@@ -149,6 +149,58 @@ std::vector<std::string_view> first_lines(std::string_view text) {
   return lines;
 }
 
+/// True when a row holds numbers in all cells from `first` on.
+bool numbers_from(const std::vector<std::string_view>& cells, std::size_t first, char decimal) {
+  bool any = false;
+  for (std::size_t c = first; c < cells.size(); ++c) {
+    if (cells[c].empty()) continue;
+    if (!number_in(cells[c], {decimal, false})) return false;
+    any = true;
+  }
+  return any;
+}
+
+/// A row above that begins with a number and is as long belongs to the table, whatever else it
+/// holds: reading it says what is wrong with it.
+void take_spoilt_rows(const std::vector<std::string_view>& lines, std::size_t skipped,
+                      TableLayout& layout) {
+  std::size_t first = layout.head.size();
+  while (first > skipped) {
+    const auto above = cells_of(lines[first - 1], layout.dialect.delimiter);
+    const bool begins_with_number =
+        !above.empty() && number_in(above.front(), {layout.dialect.decimal, false}).has_value();
+    if (!begins_with_number || above.size() != layout.written_cells) break;
+    --first;
+  }
+  layout.head.resize(first);
+  layout.data = lines[first].data();
+}
+
+/// Finds rows above the first row of numbers alone that hold samples too, with keys before them:
+/// "Record Length,2.5e+03,,-0.00025,0.08," above ",,,-0.00024,0.04,".
+void take_rows_with_keys(const std::vector<std::string_view>& lines, TableLayout& layout) {
+  const char delimiter = layout.dialect.delimiter;
+  if (delimiter == ' ') return;
+  std::size_t first = layout.head.size();
+  const auto row = cells_of(lines[first], delimiter);
+  std::size_t empty = 0;
+  while (empty < row.size() && row[empty].empty()) ++empty;
+  if (empty == 0 || empty >= layout.cells) return;
+  while (first > 0) {
+    const auto above = cells_of(lines[first - 1], delimiter);
+    if (above.size() != row.size() || above.front().empty() ||
+        !numbers_from(above, empty, layout.dialect.decimal))
+      break;
+    layout.key_lines.insert(layout.key_lines.begin(), lines[--first]);
+  }
+  if (layout.key_lines.empty()) return;
+  layout.head.resize(first);
+  layout.data = lines[first].data();
+  layout.key_cells = empty;
+  layout.cells -= empty;
+  layout.written_cells -= empty;
+}
+
 }  // namespace
 
 std::optional<double> cell_value(std::string_view cell, char decimal) {
@@ -230,6 +282,8 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   layout.data = lines[best->first_line].data();
   layout.cells = best->first_row.cells;
   layout.written_cells = best->first_row.written_cells;
+  take_spoilt_rows(lines, skipped, layout);
+  take_rows_with_keys(lines, layout);
   return layout;
 }
 

@@ -29,6 +29,11 @@ struct TableLayout {
   const char* data = nullptr;          ///< start of the first row
   std::size_t cells = 0;               ///< of the first row, without empty ones at its end
   std::size_t written_cells = 0;       ///< of the first row, with them
+  /// Cells at the start of each row that hold keys and values in the first rows and nothing below,
+  /// as some oscilloscopes write them beside the samples. They are not counted in `cells` and
+  /// `written_cells`.
+  std::size_t key_cells = 0;
+  std::vector<std::string_view> key_lines;  ///< the rows that have such keys
 };
 
 /// Finds the first row of numbers and how the rows are written: the dialect in which most of the

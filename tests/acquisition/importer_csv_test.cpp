@@ -197,6 +197,22 @@ TEST(Csv, OfAnOscilloscopeCountsSamplesAndStatesStartAndIncrement) {
   EXPECT_EQ(record.attributes.at("index column"), "X");
 }
 
+// Tektronix TDS1000 and TDS2000 write their settings beside the first samples.
+TEST(Csv, MayHaveKeysBesideItsFirstSamples) {
+  const Record record = imported(
+      "Record Length,5.0e+00,,-000.5,  1.0,\nSample Interval,5.0e-01,,0000.0,  "
+      "2.0,\nSource,CH1,,0.5,3.0,\n"
+      "Vertical Units,V,,1.0,4.0,\nHorizontal Units,s,,1.5,5.0,\nSerial Number,,,2.0,6.0,\n"
+      ",,,2.5,7.0,\n,,,3.0,8.0,\n");
+  EXPECT_THAT(names(record), ElementsAre("CH1 [V]"));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0));
+  EXPECT_EQ(record.channels[0].clock.start, -0.5);
+  EXPECT_EQ(record.channels[0].clock.interval, 0.5);
+  EXPECT_EQ(record.attributes.at("Record Length"), "5.0e+00");
+  EXPECT_EQ(record.attributes.at("first data line"), "1");
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
 TEST(Csv, StatedUnitsReplaceTheFiles) {
   ImportOptions options;
   options.units = {"ms", "", "N"};
@@ -325,6 +341,8 @@ TEST(Csv, CommentsAndEmptyLinesBetweenRowsAreSkipped) {
 TEST(Csv, ATextForANumberIsAnErrorThatNamesPlaceAndColumn) {
   EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,1\n1,n/a\n2,3\n"),
             "FILE:3:3 (byte 30): velocity: expected a number, found 'n/a'");
+  EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,n/a\n1,n/a\n2,3\n3,4\n"),
+            "FILE:2:3 (byte 26): velocity: expected a number, found 'n/a'");
   EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,1\n1,2\n2,3e999\n"),
             "FILE:4:3 (byte 34): velocity: 3e999 does not fit a double");
   EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,1\n1,2.5.1\n2,3\n"),
