@@ -85,6 +85,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
     data.provenance.inputs.push_back({path, record.provenance.bytes, record.provenance.sha256});
     data.records.push_back(std::move(record));
   }
+  if (!rig.solver_stated) warnings.push_back(fitting::chosen_solver(rig));
   fitting::FitOptions options;
   options.free = split_names(job.free);
   options.window = job.window;

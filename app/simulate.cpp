@@ -56,7 +56,9 @@ void simulate(const Options& options) {
     if (rig.velocity) request.history.velocity_position = rig.velocity->position;
     if (rig.displacement) request.history.displacement_position = rig.displacement->position;
   }
-  const models::Simulation simulation = models::simulate(rig.rig, rig.solver, request);
+  models::Simulation simulation = models::simulate(rig.rig, rig.solver, request);
+  if (!rig.solver_stated)
+    simulation.skipped.insert(simulation.skipped.begin(), fitting::chosen_solver(rig));
   if (!options.output.empty())
     acquisition::export_recording(history_record(simulation.history, rig), options.output);
   if (options.common.json)

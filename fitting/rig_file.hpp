@@ -33,4 +33,7 @@ RigFile read_rig_file(const std::string& path, const std::vector<Override>& over
 RigFile parse_rig_file(const std::string& text, const std::string& path,
                        const std::vector<Override>& overrides = {});
 
+/// A sentence on the model and mesh that were taken because the rig file names none.
+std::string chosen_solver(const RigFile& file);
+
 }  // namespace impactrig::fitting

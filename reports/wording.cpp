@@ -19,7 +19,7 @@ struct Label {
 };
 
 // Whole keys of the rig file first, then their last word for those of the measuring chain.
-constexpr std::array<Label, 19> labels{{
+constexpr std::array<Label, 20> labels{{
     {"contact.restitution", "Restitution e of the contact law"},
     {"contact.stiffness_factor", "Contact stiffness factor"},
     {"contact.stiffness", "Contact stiffness"},
@@ -38,6 +38,7 @@ constexpr std::array<Label, 19> labels{{
     {"first_touch", "Instant of first touch"},
     {"gain", "Gain"},
     {"offset", "Offset"},
+    {"drift", "Drift"},
     {"delay", "Delay"},
 }};
 

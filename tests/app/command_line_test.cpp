@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The program as a user or a script sees it: exit code, stdout, stderr, files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string samples = IMPACTRIG_SOURCE_DIR "/datasets/samples/";
+const std::string rig = samples + "shen2007.toml";
+// Fast: a rigid bar, and no more of the record than the contact.
+const std::string quick = " --set solver.model=rigid --set solver.duration=\"0.4 ms\"";
+
+std::string text_of(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+struct Outcome {
+  int code = 0;
+  std::string out, err;
+};
+
+class CommandLine : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ =
+        fs::temp_directory_path() /
+        (std::string("impactrig-") + testing::UnitTest::GetInstance()->current_test_info()->name() +
+         std::to_string(getpid()));
+    fs::create_directories(folder_);
+  }
+
+  void TearDown() override { fs::remove_all(folder_); }
+
+  Outcome run(const std::string& arguments) {
+    const std::string out = path("stdout"), err = path("stderr");
+    const int status =
+        std::system((IMPACTRIG_PROGRAM " " + arguments + " >" + out + " 2>" + err).c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(err)};
+  }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  std::string write(const std::string& name, const std::string& content) const {
+    std::ofstream(path(name), std::ios::binary) << content;
+    return path(name);
+  }
+
+  /// A recording of a half-sine force and a velocity, as CSV.
+  std::string recording(const std::string& header, double peak) const {
+    std::string text = header + "\n";
+    for (int i = 0; i < 2000; ++i) {
+      const double t = 1e-6 * i;
+      const bool contact = i >= 600 && i < 800;
+      const double force = contact ? peak * std::sin(M_PI * (i - 600) / 200.0) : 0.0;
+      const double noise = 1e-3 * ((i * 7919) % 13 - 6);
+      text += std::to_string(t) + "," + std::to_string(force + noise * 100.0) + "," +
+              std::to_string(0.441 + 0.1 * noise) + "\n";
+    }
+    return write("shot.csv", text);
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(CommandLine, SimulatesTheRigidPendulumToItsClosedForm) {
+  const Outcome o = run("simulate " + rig +
+                        " --json --set solver.model=rigid --set contact.damping=exact --set "
+                        "environment.gravity=\"0 m/s^2\"");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json j = json::parse(o.out);
+  EXPECT_EQ(j["model"], "rigid");
+  EXPECT_EQ(j["elastic_law"], "goldsmith");
+  EXPECT_EQ(j["damping_law"], "exact");
+  EXPECT_NEAR(j["restitution"]["kinematic"].get<double>(), 0.5, 1e-6);
+  // (1 + e) v I_O / L_p^2
+  EXPECT_NEAR(j["impulse_ns"].get<double>(), 1.5 * 0.441 * 0.33376682 / (0.69 * 0.69), 1e-6);
+  EXPECT_EQ(j["episodes"].size(), 1U);
+  EXPECT_DOUBLE_EQ(j["episodes"][0]["approach_velocity_m_s"].get<double>(), 0.441);
+}
+
+TEST_F(CommandLine, ExplainsASwingItDidNotIntegrate) {
+  write("released.toml", [&] {
+    std::string text = text_of(rig);
+    const std::size_t at = text.find("velocity = \"0.441 m/s\"");
+    return text.replace(at, 22, "release_angle = \"6 deg\"");
+  }());
+  const Outcome o =
+      run("simulate " + path("released.toml") + " --explain --set solver.model=rigid");
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_THAT(o.out, HasSubstr("the swing from 0.1047 rad to first touch"));
+  const Outcome exact =
+      run("simulate " + path("released.toml") + " --explain --exact --set solver.model=rigid");
+  EXPECT_THAT(exact.out, HasSubstr("Simplifications taken:\n  none"));
+}
+
+TEST_F(CommandLine, WritesAHistoryThatItCanReadAgain) {
+  for (const char* ending : {"h5", "csv", "uff"}) {
+    const std::string file = path(std::string("history.") + ending);
+    const Outcome o = run("simulate " + rig + quick + " -o " + file);
+    ASSERT_EQ(o.code, 0) << o.err;
+    const json j = json::parse(run("inspect --json " + file).out);
+    EXPECT_EQ(j["channels"].size(), 4U) << ending;
+    EXPECT_EQ(j["channels"][0]["quantity"], "force");
+    EXPECT_NEAR(j["channels"][0]["interval_s"].get<double>(), 1e-6, 1e-15);
+  }
+}
+
+TEST_F(CommandLine, RecordsFitsAndReportsASyntheticShot) {
+  const std::string shot = path("shot.h5");
+  Outcome o = run("acquire --source synthetic --rig " + rig + quick +
+                  " --duration 1.5e-3 --seed 7 -o " + shot);
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_TRUE(fs::exists(path("shot.truth.json")));
+  o = run("fit " + shot + " --rig " + rig + quick + " --json -o " + path("fit.json"));
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json fit = json::parse(o.out);
+  EXPECT_EQ(fit["termination"], "converged");
+  for (const json& p : fit["parameters"])
+    if (p["name"] == "contact.restitution") {
+      EXPECT_NEAR(p["value"].get<double>(), 0.5, 4.0 * p["std_error"].get<double>());
+    }
+  o = run("report " + path("fit.json") + " -o " + path("report.html"));
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_THAT(text_of(path("report.html")), HasSubstr("contact.restitution"));
+  o = run("validate " + shot + " --rig " + rig + quick + " -o " + path("direct.html"));
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_TRUE(fs::exists(path("direct.html")));
+}
+
+TEST_F(CommandLine, ReplaysAndConvertsRecordings) {
+  ASSERT_EQ(
+      run("acquire --source replay --recording " + samples + "shen2007-1.uff -o " + path("a.h5"))
+          .code,
+      0);
+  ASSERT_EQ(run("import " + samples + "shen2007-1.uff -o " + path("b.csv")).code, 0);
+  const json a = json::parse(run("inspect --json " + path("a.h5")).out);
+  const json b = json::parse(run("inspect --json " + path("b.csv")).out);
+  EXPECT_EQ(a["channels"][0]["sum"], b["channels"][0]["sum"]);
+  EXPECT_EQ(a["channels"][1]["sum_of_squares"], b["channels"][1]["sum_of_squares"]);
+}
+
+TEST_F(CommandLine, ListsWhatIsInTheBox) {
+  EXPECT_THAT(run("laws").out, HasSubstr("lankarani-nikravesh"));
+  EXPECT_THAT(run("formats").out, HasSubstr("uff58b"));
+  EXPECT_THAT(run("sources").out, HasSubstr("replay"));
+  EXPECT_THAT(run("--version").out, HasSubstr("impactrig 0."));
+}
+
+TEST_F(CommandLine, AMissingFileCannotBeRead) {
+  Outcome o = run("inspect /nowhere/shot.uff");
+  EXPECT_EQ(o.code, 4);
+  EXPECT_THAT(o.err, HasSubstr("/nowhere/shot.uff"));
+  o = run("simulate /nowhere/rig.toml");
+  EXPECT_EQ(o.code, 4);
+  EXPECT_EQ(o.out, "");
+}
+
+TEST_F(CommandLine, AnUnknownFormatIsNamed) {
+  const Outcome o =
+      run("inspect " + write("junk.bin", std::string("\x01\x02\x03\x00\xff garbage", 13)));
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("junk.bin"));
+}
+
+TEST_F(CommandLine, ARecordingWithoutForceIsRefusedWithTheRemedy) {
+  const Outcome o = run("validate " + recording("time [s],Temperature [K],Velocity [m/s]", 1500.0) +
+                        " --rig " + rig + " -o " + path("r.html"));
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("Force"));
+  EXPECT_THAT(o.err, HasSubstr("sensors.force.channel"));
+  EXPECT_FALSE(fs::exists(path("r.html")));
+}
+
+TEST_F(CommandLine, AnAbsentChannelIsNamedWithThoseThereAre) {
+  const Outcome o =
+      run("fit " + samples + "shen2007-1.uff --rig " + rig + " --set sensors.force.channel=Kraft");
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("Kraft"));
+  EXPECT_THAT(o.err, HasSubstr("Velocity"));
+}
+
+TEST_F(CommandLine, AUnitThatIsNoForceIsRefused) {
+  const Outcome o =
+      run("fit " + recording("time [s],Force [kg/s],Velocity [m/s]", 1500.0) + " --rig " + rig);
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("kg/s"));
+}
+
+TEST_F(CommandLine, NotANumberInTheDataIsRefused) {
+  std::string text = "time [s],Force [N],Velocity [m/s]\n";
+  for (int i = 0; i < 500; ++i)
+    text += std::to_string(1e-6 * i) + (i == 250 ? ",nan,0.4\n" : ",1,0.4\n");
+  const Outcome o = run("fit " + write("nan.csv", text) + " --rig " + rig);
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("nan.csv"));
+}
+
+TEST_F(CommandLine, ARecordWithoutImpactIsSaidToHaveNone) {
+  const Outcome o = run("validate " + recording("time [s],Force [N],Velocity [m/s]", 0.0) +
+                        " --rig " + rig + " -o " + path("r.html"));
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("there is no impact in this recording"));
+  EXPECT_FALSE(fs::exists(path("r.html")));
+}
+
+TEST_F(CommandLine, RigValuesThatMakeNoSenseAreRefused) {
+  Outcome o = run("simulate " + rig + " --set contact.position=\"0.9 m\"");
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("lies beyond the bar's end"));
+  o = run("simulate " + rig + " --set contact.restitution=1.2");
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("must lie between 0 and 1, found 1.2"));
+}
+
+TEST_F(CommandLine, WrongUsageHasItsOwnCode) {
+  EXPECT_EQ(run("").code, 2);
+  EXPECT_EQ(run("validate").code, 2);
+  EXPECT_EQ(run("fly").code, 2);
+  EXPECT_EQ(run("simulate " + rig + " --set novalue").code, 2);
+  EXPECT_EQ(run("--help").code, 0);
+}
+
+TEST_F(CommandLine, NeverOverwritesWithoutForce) {
+  const std::string precious = write("precious.html", "precious");
+  Outcome o =
+      run("validate " + samples + "shen2007-1.uff --rig " + rig + quick + " -o " + precious);
+  EXPECT_EQ(o.code, 4);
+  EXPECT_THAT(o.err, HasSubstr("exists already"));
+  EXPECT_EQ(text_of(precious), "precious");
+  o = run("import " + samples + "shen2007-1.uff -o " + path("no/folder/x.h5"));
+  EXPECT_EQ(o.code, 4);
+  EXPECT_THAT(o.err, HasSubstr("folder does not exist"));
+}
+
+TEST_F(CommandLine, QuietMeansQuiet) {
+  const Outcome o = run("fit -q " + samples + "shen2007-1.uff --rig " + rig + quick + " --json");
+  EXPECT_EQ(o.err, "");
+  EXPECT_NO_THROW(json::parse(o.out));
+}
+
+}  // namespace
