@@ -177,6 +177,10 @@ std::size_t AncfBeam::element_at(double x) const {
   return e;
 }
 
+double AncfBeam::struck_acceleration(ConstVector /*q*/, ConstVector /*v*/, ConstVector a) const {
+  return -a[struck_dof_];
+}
+
 PointMotion AncfBeam::point(double x, ConstVector q, ConstVector v) const {
   const std::size_t e = element_at(x);
   const Eigen::Vector4d s = shape((x - elements_[e].x) / elements_[e].length, elements_[e].length);

@@ -32,6 +32,7 @@ class AncfBeam : public BeamDynamics {
   void set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
   void acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) override;
   PointMotion struck_point(ConstVector q, ConstVector v) const override;
+  double struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const override;
   PointMotion point(double x, ConstVector q, ConstVector v) const override;
   std::vector<int> coordinates_of(double x) const override;
   BeamEnergy energy(ConstVector q, ConstVector v) const override;

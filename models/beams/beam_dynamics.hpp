@@ -51,6 +51,9 @@ class BeamDynamics {
 
   virtual PointMotion struck_point(ConstVector q, ConstVector v) const = 0;
 
+  /// Rate of struck_point().velocity when v changes at the rate a [m/s^2].
+  virtual double struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const = 0;
+
   /// Any point, x from the hinge [m].
   virtual PointMotion point(double x, ConstVector q, ConstVector v) const = 0;
 

@@ -180,6 +180,18 @@ PointMotion FloatingFrameBeam::struck_point(ConstVector q, ConstVector v) const 
   return motion(struck_, q, v);
 }
 
+double FloatingFrameBeam::struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const {
+  const InFrame p = in_frame(struck_, q, v);
+  const double sine = std::sin(q[0]);
+  const double cosine = std::cos(q[0]);
+  const auto rate = v.tail(bending_);
+  // what a does as a velocity would, and the part that is quadratic in v
+  const double quadratic = 2.0 * v[0] * (cosine * p.x_rate - sine * p.y_rate) -
+                           v[0] * v[0] * (sine * p.x + cosine * p.y) -
+                           sine * rate.dot(struck_.coupling * rate);
+  return motion(struck_, q, a).velocity - quadratic;
+}
+
 PointMotion FloatingFrameBeam::point(double x, ConstVector q, ConstVector v) const {
   return motion(cached_station(x), q, v);
 }
