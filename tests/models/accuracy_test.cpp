@@ -16,6 +16,8 @@ struct Case {
   const char* name;
   Solver solver;
   const char* damping;
+  int exponent = 1;
+  double position = 0.69;  // [m]
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
@@ -28,6 +30,8 @@ TEST_P(Accuracy, IsKept) {
   Rig rig = paper_rig();
   rig.contact.damping = GetParam().damping;
   rig.contact.restitution = 0.5;
+  rig.contact.exponent = GetParam().exponent;
+  rig.contact.position = GetParam().position;
   Solver solver = GetParam().solver;
   solver.accuracy = 1e-13;
   const Simulation reference = simulate(rig, solver);
@@ -49,6 +53,11 @@ TEST_P(Accuracy, IsKept) {
 const Case cases[] = {
     {"rigid", rigid(1e-6), "none"},
     {"rigid", rigid(1e-6), "exact"},
+    // here a step over the separation had a lucky error estimate: the impulse was off by 1e-6
+    {"rigid further in", rigid(1e-6), "none", 3, 0.5},
+    {"hybrid 5 further in", hybrid(Basis::pinned_free, 5, 1e-6, 5e-4), "none", 3, 0.6},
+    // here the damping multiplied the error of a light node's speed: the peak was off by 9e-6
+    {"ancf 8 2 further out", ancf(8, 2, 1e-6, 5e-4), "exact", 1, 0.75},
     {"hybrid cantilever 3", hybrid(Basis::cantilever, 3, 1e-6, 5e-4), "lankarani-nikravesh"},
     {"hybrid pinned-free 3", hybrid(Basis::pinned_free, 3, 1e-6, 5e-4), "none"},
     {"hybrid pinned-free 7", hybrid(Basis::pinned_free, 7, 1e-6, 5e-4), "exact"},

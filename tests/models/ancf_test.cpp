@@ -130,6 +130,7 @@ TEST(Ancf, AccelerationsFulfilLagrangesEquationsAtLargeRotationsAndStrains) {
     for (double force : {0.0, 40.0}) {
       Vector a(n);
       beam.acceleration(s.q, s.v, force, a);
+      EXPECT_EQ(beam.struck_acceleration(s.q, s.v, a), beam.struck_point(s.q, a).velocity);
       Vector inertia(n), given(n);
       for (int k = 0; k < n; ++k) {
         Vector unit = Vector::Zero(n);

@@ -214,6 +214,19 @@ TEST_P(FloatingFrame, EnergiesAndPointsAgreeWithThePositionsThemselves) {
   EXPECT_NEAR(near.velocity, same.velocity, 1e-7);
 }
 
+TEST_P(FloatingFrame, AccelerationOfTheStruckPointIsTheRateOfItsVelocity) {
+  FloatingFrameBeam beam(soft_rig(), GetParam(), 3, 2);
+  Vector q(6), v(6), a(6);
+  q << 0.7, 0.01, -0.02, 0.09, -0.03, 0.01;
+  v << -3.0, 0.2, 0.1, 0.8, -0.5, 1.0;
+  a << 20.0, -3.0, 2.0, -9.0, 4.0, 5.0;
+  const auto speed = [&](double t) {
+    return beam.struck_point(q + t * v + 0.5 * t * t * a, v + t * a).velocity;
+  };
+  const auto central = [&](double h) { return (speed(h) - speed(-h)) / (2.0 * h); };
+  EXPECT_NEAR(beam.struck_acceleration(q, v, a), (4.0 * central(5e-4) - central(1e-3)) / 3.0, 1e-8);
+}
+
 TEST_P(FloatingFrame, FreeSwingConservesItsEnergyWithTheOrderOfTheMethod) {
   const Rig rig = soft_rig();
   FloatingFrameBeam beam(rig, GetParam(), 2, 0);

@@ -85,7 +85,20 @@ void expect_sound(const Scene& scene, const Simulation& run, double& worst) {
     EXPECT_GE(episode.dissipated, -scene.solver.accuracy * run.energy.initial);
     before = episode.end;
   }
-  for (double force : run.history.force) EXPECT_GE(force, 0.0);
+  // no touch, separation or peak was overlooked: histories show gaps and penetrations as booked
+  std::size_t at = 0;
+  double highest = 0.0;
+  for (std::size_t k = 0; k < run.history.force.size(); ++k) {
+    const double t = run.history.start + run.history.interval * static_cast<double>(k);
+    while (at + 1 < run.episodes.size() && t >= run.episodes[at + 1].start) ++at;
+    const bool touching = t >= run.episodes[at].start && t <= run.episodes[at].end;
+    const double rounding = 1e-6 * run.max_penetration;
+    EXPECT_EQ(run.history.penetration[k] < -rounding && touching, false) << "at " << t;
+    EXPECT_EQ(run.history.penetration[k] > rounding && !touching, false) << "at " << t;
+    EXPECT_GE(run.history.force[k], 0.0) << "at " << t;
+    highest = std::max(highest, run.history.force[k]);
+  }
+  EXPECT_LE(highest, run.peak_force * (1.0 + 3.0 * scene.solver.accuracy));
   for (double velocity : run.history.velocity) EXPECT_TRUE(std::isfinite(velocity));
 }
 
