@@ -192,16 +192,6 @@ void Run::set_scales(double kinetic, double approach) {
   const Vector speed = (2.0 * kinetic * beam_->inertia_diagonal().cwiseInverse()).cwiseSqrt();
   weights_.head(n_) = speed.cwiseInverse() * (approach / depth) / tolerance;
   weights_.segment(n_, n_) = speed.cwiseInverse() / tolerance;
-  // A light coordinate may err by more than the force bears, which through its damping has (1 + d)
-  // times the relative error of the struck point's speed.
-  Vector unit = Vector::Zero(n_);
-  for (int i = 0; i < n_; ++i) {
-    unit[i] = 1.0;
-    const double share = std::abs(beam_->struck_point(Vector::Zero(n_), unit).velocity);
-    weights_[n_ + i] = std::max(weights_[n_ + i],
-                                share * (1.0 + contact_.damping_factor()) / approach / tolerance);
-    unit[i] = 0.0;
-  }
   weights_[2 * n_] = approach / (2.0 * kinetic) / tolerance;
   weights_[2 * n_ + 1] = 1.0 / kinetic / tolerance;
   // The first step begins in the corner of the contact law, where the error estimate sees too
@@ -499,7 +489,7 @@ void Run::sample_history() {
     const auto q = scratch_.head(n_);
     const auto v = scratch_.segment(n_, n_);
     const PointMotion p = beam_->struck_point(q, v);
-    // at a phase's end rounding may put the sample just beyond it
+    // at a phase's end rounding may put the sample just beyond it, where the law would pull
     history.force.push_back(std::max(contact_.force(p.displacement, p.velocity), 0.0));
     history.penetration.push_back(p.displacement);
     history.velocity.push_back(beam_->point(velocity_place_, q, v).velocity);
