@@ -139,6 +139,10 @@ TEST(Simulate, NeverPullsAlthoughTheLawWould) {
     EXPECT_GT(run.episodes.size(), 1u);
     const double mu = exact_damping_factor(e) / 0.441;
     int slack = 0;
+    double sum = 0.0;
+    for (double force : run.history.force) sum += 2e-7 * force;
+    // a pull hidden from the samples would show in the impulse, which is integrated along
+    EXPECT_NEAR(sum / run.impulse, 1.0, 1e-4);
     for (std::size_t k = 0; k < run.history.force.size(); ++k) {
       EXPECT_GE(run.history.force[k], 0.0);
       const bool first = 2e-7 * static_cast<double>(k) < run.episodes[0].end;
