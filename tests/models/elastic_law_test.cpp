@@ -47,8 +47,7 @@ Goldsmith goldsmith(int number, int exponent) {
   return std::get<Goldsmith>(elastic_law(contact));
 }
 
-// Evaluated with 50 digits from δ = A f (1 + ln(f*/f)), independently of this code; agreement
-// 1e-10.
+// Check values contact_log_laws of the project's reference pages, agreement 1e-10 stated there.
 struct Check {
   int geometry, exponent;
   double compliance, limit_force, force, penetration, stiffness, energy;

@@ -161,8 +161,8 @@ TEST(LinearImpact, IsAHalfSine) {
   }
 }
 
-// One degree of freedom, m = 0.7 kg, v = 0.441 m/s, the paper's groove; integrated with another
-// program to 1e-6 or better.
+// One degree of freedom, m = 0.7 kg, v = 0.441 m/s, the paper's groove: check values free_impact of
+// the project's reference pages, agreement 1e-6 stated there.
 struct FreeImpact {
   int exponent;
   const char* damping;
@@ -190,7 +190,7 @@ constexpr FreeImpact free_impacts[] = {
      8603.364733813145, 2.261726743478093e-05, 0.37044, 0.06534561599999748},
 };
 
-TEST(RigidImpactCases, AgreeWithAnotherProgramsSingleDegreeOfFreedom) {
+TEST(RigidImpactCases, AgreeWithTheCheckValuesOfOneDegreeOfFreedom) {
   for (const FreeImpact& expected : free_impacts) {
     SCOPED_TRACE(testing::Message() << expected.damping << ' ' << expected.restitution
                                     << ", exponent " << expected.exponent);
