@@ -17,12 +17,12 @@ struct ImportOptions {
   std::string format;             ///< importer id; "" = recognise
   std::optional<char> delimiter;  ///< text
   std::optional<char> decimal;    ///< '.' or ','
-  std::optional<int>
-      skip_lines;  ///< text: lines before the column names (or the data when there are none)
+  /// Text: lines before the column names (or the data when there are none).
+  std::optional<int> skip_lines;
   std::optional<std::string> time_column;  ///< name, or index from 0; "none" = there is none
   std::optional<double> sample_rate;       ///< [Hz]; replaces what the file says
-  std::vector<std::string>
-      units;  ///< text: one a column, replaces what the file says; "" = leave that one
+  /// Text: one a column, replaces what the file says; "" = leave that one.
+  std::vector<std::string> units;
   /// true: a recording without times and without a sample rate is an InputError that names
   /// --sample-rate. false (inspect): it is a warning, and SampleClock::interval is 0.
   bool require_clock = true;

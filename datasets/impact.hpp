@@ -28,32 +28,32 @@ std::string_view sentence(ImpactFlag flag);  ///< what it means and what to do, 
 /// Compression and closing motion are positive.
 struct ImpactSignal {
   Quantity quantity = Quantity::force;
-  std::string channel;               ///< name in the recording
-  double start = 0.0;                ///< of values[0], on the record's time axis [s]
-  double interval = 0.0;             ///< [s]
-  std::vector<double> values;        ///< [N, m/s, m] (n_samples)
-  std::vector<std::uint8_t> valid;   ///< as Channel::valid; empty: all sound
-  double noise = 0.0;                ///< standard deviation before the trigger [SI]
-  double noise_correlation = 1.0;    ///< integrated autocorrelation time of that noise, in samples, >= 1
-  double baseline = 0.0;             ///< what was taken off [SI]
-  double quantum = 0.0;              ///< one digitiser step [SI]; 0 when not seen
-  double gain_uncertainty = 0.0;     ///< relative standard uncertainty of the calibration
-  double delay = 0.0;                ///< known delay that was taken off [s]
-  double delay_uncertainty = 0.0;    ///< [s]
+  std::string channel;              ///< name in the recording
+  double start = 0.0;               ///< of values[0], on the record's time axis [s]
+  double interval = 0.0;            ///< [s]
+  std::vector<double> values;       ///< [N, m/s, m] (n_samples)
+  std::vector<std::uint8_t> valid;  ///< as Channel::valid; empty: all sound
+  double noise = 0.0;               ///< standard deviation before the trigger [SI]
+  double noise_correlation = 1.0;   ///< its integrated autocorrelation time [samples], >= 1
+  double baseline = 0.0;            ///< what was taken off [SI]
+  double quantum = 0.0;             ///< one digitiser step [SI]; 0 when not seen
+  double gain_uncertainty = 0.0;    ///< relative standard uncertainty of the calibration
+  double delay = 0.0;               ///< known delay that was taken off [s]
+  double delay_uncertainty = 0.0;   ///< [s]
 
   double time(std::size_t i) const { return start + interval * static_cast<double>(i); }
 };
 
 /// One impact found in a recording, ready to be compared with a model.
 struct Impact {
-  std::string recording;             ///< file it was found in
-  double start = 0.0;                ///< first touch, by the force's (else velocity's) onset [s, record's time axis]
-  double end = 0.0;                  ///< end of the first contact [s]
-  double peak = 0.0;                 ///< of the trigger channel [SI]
-  double peak_time = 0.0;            ///< [s]
-  double width = 0.0;                ///< full width at half of the peak [s]
-  double impulse = 0.0;              ///< integral of the trigger channel over the contact [SI s]
-  double approach_velocity = 0.0;    ///< mean before touch [m/s]; 0 without a velocity channel
+  std::string recording;   ///< file it was found in
+  double start = 0.0;      ///< first touch as the trigger channel shows it [s, record's time axis]
+  double end = 0.0;        ///< end of the first contact [s]
+  double peak = 0.0;       ///< of the trigger channel [SI]
+  double peak_time = 0.0;  ///< [s]
+  double width = 0.0;      ///< full width at half of the peak [s]
+  double impulse = 0.0;    ///< integral of the trigger channel over the contact [SI s]
+  double approach_velocity = 0.0;  ///< mean before touch [m/s]; 0 without a velocity channel
   std::optional<ImpactSignal> force;
   std::optional<ImpactSignal> velocity;
   std::optional<ImpactSignal> displacement;

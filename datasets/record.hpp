@@ -20,6 +20,7 @@ struct SampleClock {
   std::vector<double> times;  ///< [s], one a sample, only where the step is not uniform (n_samples)
 
   bool uniform() const { return times.empty(); }
+
   double time(std::size_t i) const {
     return uniform() ? start + interval * static_cast<double>(i) : times[i];
   }
@@ -63,7 +64,9 @@ struct Channel {
   std::size_t size() const;
   double value(std::size_t i) const;
   std::vector<double> values() const;  ///< (n_samples), complex channels: real part
+
   bool is_valid(std::size_t i) const { return valid.empty() || valid[i] != 0; }
+
   bool complex() const { return !imaginary.empty(); }
 };
 
@@ -76,12 +79,12 @@ struct Edit {
 
 /// Where a record comes from.
 struct Provenance {
-  std::string source_file;    ///< as named by the user
-  std::uint64_t bytes = 0;    ///< its size
-  std::string sha256;         ///< of the source file, 64 hex digits; empty for instruments
-  std::string importer;       ///< "uff58b"
-  std::string program;        ///< "impactrig 0.1.0"
-  std::vector<Edit> edits;    ///< every later change
+  std::string source_file;  ///< as named by the user
+  std::uint64_t bytes = 0;  ///< its size
+  std::string sha256;       ///< of the source file, 64 hex digits; empty for instruments
+  std::string importer;     ///< "uff58b"
+  std::string program;      ///< "impactrig 0.1.0"
+  std::vector<Edit> edits;  ///< every later change
 };
 
 /// A recording: channels that share a time origin.
@@ -93,8 +96,8 @@ struct Record {
   std::vector<std::string> warnings;              ///< one sentence each
   std::map<std::string, std::string> attributes;  ///< whatever else the file's header says
 
-  /// The channel of that name (the first that has it exactly, else the only one that matches without
-  /// regard to case), or of that index from 0 ("2"); null when there is none.
+  /// The channel of that name (the first that has it exactly, else the only one that matches
+  /// without regard to case), or of that index from 0 ("2"); null when there is none.
   const Channel* find(std::string_view name_or_index) const;
 };
 

@@ -9,13 +9,13 @@ namespace impactrig::fitting {
 
 /// What a Jacobian tells about the parameters at the optimum.
 struct Uncertainty {
-  Eigen::MatrixXd
-      covariance;  ///< (n, n); rows and columns of parameters that are not identifiable are zero
-  Eigen::MatrixXd
-      correlations;  ///< (n, n); 1 on the diagonal, 0 beside parameters that are not identifiable
+  /// (n, n); rows and columns of parameters that are not identifiable are zero.
+  Eigen::MatrixXd covariance;
+  /// (n, n); 1 on the diagonal, 0 beside parameters that are not identifiable.
+  Eigen::MatrixXd correlations;
   std::vector<bool> identifiable;  ///< (n)
-  std::vector<std::string>
-      sentences;  ///< one for each combination the data cannot tell apart, or hardly
+  /// One for each combination the data cannot tell apart, or hardly.
+  std::vector<std::string> sentences;
 };
 
 /// (J'J)⁻¹ of weighted residuals (n_residuals, n_parameters), by the eigenvectors of J'J scaled to

@@ -29,24 +29,23 @@ struct Parameter {
   bool at_bound = false;
   bool identifiable = true;
   bool nuisance = false;  ///< of the measuring chain or the timing, not of the physics
-  std::optional<std::array<double, 2>>
-      prior;  ///< mean and standard uncertainty, from a calibration
+  /// Mean and standard uncertainty, from a calibration.
+  std::optional<std::array<double, 2>> prior;
 };
 
 /// A fitted channel with everything a plot of it needs.
 struct ChannelFit {
-  std::string quantity;            ///< "force"
-  std::string channel;             ///< name in the recording
-  std::string unit;                ///< SI
-  int recording = 0;               ///< index into Fit::impacts
-  double residual_rms = 0.0;       ///< over the fitted samples
-  double noise = 0.0;              ///< standard deviation before the trigger
-  std::vector<double> time;        ///< from fitted first touch [s] (n)
-  std::vector<double> measured;    ///< (n)
-  std::vector<double> model;       ///< as the sensor would show it (n)
-  std::vector<std::uint8_t> used;  ///< 1 where the sample entered the fit (n)
-  std::map<std::string, double>
-      metrics;  ///< nrmse, correlation, sprague_geers_magnitude, ..._phase, ..._comprehensive
+  std::string quantity;                   ///< "force"
+  std::string channel;                    ///< name in the recording
+  std::string unit;                       ///< SI
+  int recording = 0;                      ///< index into Fit::impacts
+  double residual_rms = 0.0;              ///< over the fitted samples
+  double noise = 0.0;                     ///< standard deviation before the trigger
+  std::vector<double> time;               ///< from fitted first touch [s] (n)
+  std::vector<double> measured;           ///< (n)
+  std::vector<double> model;              ///< as the sensor would show it (n)
+  std::vector<std::uint8_t> used;         ///< 1 where the sample entered the fit (n)
+  std::map<std::string, double> metrics;  ///< names: metrics.hpp
 };
 
 struct Estimate {
@@ -65,14 +64,14 @@ struct Goodness {
 struct Fit {
   std::vector<Parameter> parameters;
   Eigen::MatrixXd correlations;  ///< (n_parameters, n_parameters)
-  std::vector<std::string>
-      not_identifiable;  ///< a sentence each: which combination the data cannot tell
+  /// A sentence each: which combination the data cannot tell.
+  std::vector<std::string> not_identifiable;
   std::vector<ChannelFit> channels;
   Goodness goodness;
   std::map<std::string, Estimate> restitution;  ///< law, kinematic, kinetic, energetic
   std::vector<datasets::Impact> impacts;        ///< as measured, one a recording
-  std::vector<models::Simulation>
-      predictions;          ///< at the fitted values, with history, one a recording
+  /// At the fitted values, with history, one a recording.
+  std::vector<models::Simulation> predictions;
   RigFile rig;              ///< at the fitted values
   std::string termination;  ///< "converged" or a sentence
   int iterations = 0;
@@ -82,8 +81,8 @@ struct Fit {
 };
 
 struct FitOptions {
-  std::vector<std::string>
-      free;             ///< rig-file keys; empty: restitution, stiffness factor, approach speed
+  /// Rig-file keys; empty: restitution, stiffness factor, approach speed.
+  std::vector<std::string> free;
   double window = 0.0;  ///< fitted after first touch [s]; 0 = as long as rig and recording allow
   bool use_force = true, use_velocity = true, use_displacement = false;
 };

@@ -45,8 +45,8 @@ struct Contact {
 /// How the impact begins: a given speed of the struck point at first touch, or a release from rest.
 struct Start {
   double velocity = 0.0;  ///< closing speed of the struck point [m/s], > 0
-  std::optional<double>
-      release_angle;  ///< from hanging straight [rad]; then `velocity` is not used
+  /// From hanging straight [rad]; then `velocity` is not used.
+  std::optional<double> release_angle;
 };
 
 /// The experiment, without sensors and without numerics. All SI.
@@ -66,16 +66,17 @@ std::string_view name(Basis basis);
 /// How to solve. Defaults are what simulate() chooses when the rig file is silent.
 struct Solver {
   BeamModel model = BeamModel::ancf;
-  std::array<int, 2> elements = {
-      14, 2};           ///< hinge to struck point, struck point to tip; the second may be 0
-  int modes = 7;        ///< hybrid: bending modes
-  int axial_modes = 0;  ///< hybrid
+  /// ANCF: hinge to struck point, struck point to tip; the second may be 0.
+  std::array<int, 2> elements = {14, 2};
+  int modes = 7;                    ///< hybrid: bending modes
+  int axial_modes = 0;              ///< hybrid
   Basis basis = Basis::cantilever;  ///< hybrid
   double accuracy = 1e-6;           ///< relative, of the time integration
   std::optional<double> duration;   ///< from first touch [s]; none: until the bar has left for good
 };
 
-/// Closing speed of the struck point at first touch [m/s]: as stated, or the rigid bar's after its release.
+/// Closing speed of the struck point at first touch [m/s]: as stated, or the rigid bar's after its
+/// release.
 double touch_velocity(const Rig& rig);
 
 /// Throws std::invalid_argument with one sentence that names the rig-file key when a value makes no

@@ -11,17 +11,16 @@ namespace impactrig::models {
 
 /// One stay in contact, from touch to separation.
 struct Episode {
-  double start = 0.0;              ///< [s] from first touch
-  double end = 0.0;                ///< [s]; the end of the run when `open`
-  double peak_force = 0.0;         ///< [N]
-  double peak_time = 0.0;          ///< [s]
-  double impulse = 0.0;            ///< [N s]
-  double max_penetration = 0.0;    ///< [m]
-  double approach_velocity = 0.0;  ///< of the struck point at touch [m/s]
-  double separation_velocity =
-      0.0;                  ///< of the struck point at separation [m/s], > 0 when it leaves
-  double dissipated = 0.0;  ///< by the contact's damping [J]
-  bool open = false;        ///< still touching when the run ended
+  double start = 0.0;                ///< [s] from first touch
+  double end = 0.0;                  ///< [s]; the end of the run when `open`
+  double peak_force = 0.0;           ///< [N]
+  double peak_time = 0.0;            ///< [s]
+  double impulse = 0.0;              ///< [N s]
+  double max_penetration = 0.0;      ///< [m]
+  double approach_velocity = 0.0;    ///< of the struck point at touch [m/s]
+  double separation_velocity = 0.0;  ///< likewise at separation, > 0 when it leaves [m/s]
+  double dissipated = 0.0;           ///< by the contact's damping [J]
+  bool open = false;                 ///< still touching when the run ended
 };
 
 /// The four numbers called restitution; all [-]. Of the first episode but for `law`.
@@ -40,8 +39,8 @@ struct EnergyAudit {
   double gravitational = 0.0;   ///< relative to first touch
   double contact_stored = 0.0;  ///< not zero only when the run ends in contact
   double dissipated = 0.0;
-  double rigid_rotation =
-      0.0;  ///< kinetic energy of the rigid bar with the same angular momentum about the hinge
+  /// Kinetic energy of the rigid bar with the same angular momentum about the hinge.
+  double rigid_rotation = 0.0;
   double vibration = 0.0;  ///< kinetic + elastic - rigid_rotation
   double imbalance = 0.0;  ///< [-]
 };
@@ -68,8 +67,8 @@ struct History {
   std::vector<double> force;        ///< contact force, compression > 0 [N] (n)
   std::vector<double> penetration;  ///< > 0 in contact, negative: gap [m] (n)
   std::vector<double> velocity;     ///< closing > 0, at velocity_position [m/s] (n)
-  std::vector<double>
-      displacement;  ///< closing > 0, 0 at first touch, at displacement_position [m] (n)
+  /// Closing > 0, 0 at first touch, at displacement_position [m] (n).
+  std::vector<double> displacement;
 };
 
 /// What simulate() gives. `termination` says in a sentence why the run ended.

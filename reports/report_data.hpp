@@ -39,8 +39,8 @@ struct ResultProvenance {
 struct ReportData {
   std::string title;
   fitting::Fit fit;
-  std::vector<datasets::Record>
-      records;  ///< conditioned, with provenance and edits; samples may be absent
+  /// Conditioned, with provenance and edits; samples may be absent.
+  std::vector<datasets::Record> records;
   ResultProvenance provenance;
   /// Samples a channel had, [record][channel], where `records` holds none: after report_from_json.
   std::vector<std::vector<std::size_t>> sample_counts;
