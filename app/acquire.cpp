@@ -167,6 +167,7 @@ void acquire_replay(const Options& options) {
 void acquire(const Options& options) {
   if (!(options.duration > options.pre_trigger))
     throw CLI::ValidationError("--duration", "must be longer than --pre-trigger");
+  check_ending(options.output);
   if (options.source == "synthetic")
     acquire_synthetic(options);
   else

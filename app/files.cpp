@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/files.hpp"
 
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <system_error>
 
+#include "acquisition/exporter.hpp"
 #include "datasets/input_error.hpp"
 
 namespace impactrig::app {
@@ -23,6 +27,17 @@ void check_output(const std::string& path, bool force) {
   if (!force && fs::exists(path, ignored))
     throw datasets::FileError(path,
                               "exists already; choose another name or add --force to overwrite it");
+}
+
+void check_ending(const std::string& path) {
+  const std::string ending = fs::path(path).extension().string();
+  std::string known;
+  for (const acquisition::Exporter& exporter : acquisition::exporters()) {
+    known += fmt::format("{}{}", known.empty() ? "" : " ", exporter.endings);
+  }
+  if (ending.empty() || (" " + known + " ").find(" " + ending + " ") == std::string::npos)
+    throw CLI::ValidationError(
+        "-o", fmt::format("'{}' ends in no format that is written; known are {}", path, known));
 }
 
 void write_output(const std::string& path, std::string_view content, bool force) {

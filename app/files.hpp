@@ -10,6 +10,9 @@ namespace impactrig::app {
 /// exist: called before the work, so that a bad path fails at once.
 void check_output(const std::string& path, bool force);
 
+/// Throws CLI::ValidationError when no format has this ending: before the work as well.
+void check_ending(const std::string& path);
+
 /// Writes a result under its name only when complete (path.part, then renamed); "-" is stdout. A
 /// file that exists is replaced only with `force` or when its content is the same. Throws
 /// datasets::FileError.

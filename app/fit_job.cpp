@@ -22,7 +22,8 @@ std::vector<std::string> split_names(const std::string& text) {
   std::vector<std::string> names;
   std::istringstream stream(text);
   for (std::string name; std::getline(stream, name, ',');)
-    if (!name.empty()) names.push_back(name);
+    if (const std::size_t first = name.find_first_not_of(' '); first != std::string::npos)
+      names.push_back(name.substr(first, name.find_last_not_of(' ') - first + 1));
   return names;
 }
 
@@ -32,7 +33,8 @@ std::string host_name() {
 }
 
 /// Later impacts of a recording are left alone; the report says so.
-datasets::Impact first_impact(const datasets::Record& record, std::vector<std::string>& warnings) {
+datasets::Impact first_impact(const datasets::Record& record, bool needs_force,
+                              std::vector<std::string>& warnings) {
   std::vector<datasets::Impact> impacts = acquisition::find_impacts(record);
   const std::string& file = record.provenance.source_file;
   if (impacts.empty())
@@ -41,11 +43,58 @@ datasets::Impact first_impact(const datasets::Record& record, std::vector<std::s
                                "the noise. Check that the right channel is named in "
                                "sensors.force.channel and that the trigger fired; `impactrig "
                                "inspect` shows what is in the file");
+  datasets::Impact& impact = impacts.front();
+  if (!impact.force && needs_force)
+    throw datasets::InputError({.file = file},
+                               "has no force channel; name it with sensors.force.channel (and "
+                               "sensitivity, if it is in volts) in the "
+                               "rig file, or fit what there is with --channels velocity");
+  if (impact.force && impact.peak < 0.0)
+    throw datasets::InputError(
+        {.file = file},
+        fmt::format("the force is negative in the impact ({:.4g} N); if the sensor inverts, "
+                    "state sensors.force.polarity = -1",
+                    impact.peak));
+  if (impact.velocity && impact.approach_velocity < 0.0)
+    throw datasets::InputError(
+        {.file = file},
+        fmt::format("the bar moves away from the stop before the impact ({:.4g} m/s); if the "
+                    "laser looks from the other side, state sensors.velocity.polarity = -1",
+                    impact.approach_velocity));
   if (impacts.size() > 1)
     warnings.push_back(fmt::format("{} holds {} impacts; the first, at {:.6g} s, was fitted.", file,
                                    impacts.size(), impacts.front().start));
   impacts.front().recording = std::filesystem::path(file).filename().string();
   return impacts.front();
+}
+
+fitting::FitOptions fit_options(const FitJob& job) {
+  fitting::FitOptions options;
+  options.free = split_names(job.free);
+  options.window = job.window;
+  if (job.channels.empty()) return options;
+  options.use_force = options.use_velocity = options.use_displacement = false;
+  for (const std::string& name : split_names(job.channels)) {
+    if (name != "force" && name != "velocity" && name != "displacement")
+      throw CLI::ValidationError("--channels",
+                                 "expected force, velocity or displacement, found " + name);
+    (name == "force"      ? options.use_force
+     : name == "velocity" ? options.use_velocity
+                          : options.use_displacement) = true;
+  }
+  return options;
+}
+
+/// Everything that decides the numbers, as text: what the result key is made of.
+std::string result_text(const FitJob& job, const reports::ResultProvenance& provenance) {
+  const ImportArguments& r = job.reading;
+  std::string text = fmt::format(
+      "impactrig {} {}\nfree {}\nchannels {}\nwindow {}\nrig {}\nread {}|{}|{}|{}|{}|{}|{}\n",
+      provenance.version, provenance.git, job.free, job.channels, job.window,
+      provenance.config_sha256, r.format, r.delimiter, r.decimal, r.time_column, r.units,
+      r.skip_lines, r.sample_rate);
+  for (const reports::InputFile& input : provenance.inputs) text += input.sha256 + "\n";
+  return text;
 }
 
 }  // namespace
@@ -57,6 +106,8 @@ void add_fit_job(CLI::App& command, FitJob& job) {
   command.add_option("--free", job.free,
                      "Parameters to fit, comma between; default "
                      "contact.restitution,contact.stiffness_factor,start.velocity");
+  command.add_option("--channels", job.channels,
+                     "Channels to fit, comma between; default force,velocity");
   command.add_option("--window", job.window, "Fit no more than this after first touch [s]")
       ->check(CLI::PositiveNumber);
   command.add_option("--title", job.title, "Title of the report");
@@ -73,6 +124,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
       fitting::read_rig_file(job.rig, split_overrides(job.common.overrides));
   const acquisition::ImportOptions reading = import_options(job.reading);
   reports::ReportData data;
+  const fitting::FitOptions options = fit_options(job);
   std::vector<datasets::Impact> impacts;
   std::vector<std::string> warnings;
   for (const std::string& path : job.recordings) {
@@ -81,14 +133,15 @@ reports::ReportData run_fit_job(const FitJob& job) {
                                                      {rig.force, rig.velocity, rig.displacement});
     for (const std::string& warning : record.warnings)
       warnings.push_back(fmt::format("{}: {}", path, warning));
-    impacts.push_back(first_impact(record, warnings));
+    impacts.push_back(first_impact(record, options.use_force, warnings));
+    for (const reports::InputFile& input : data.provenance.inputs)
+      if (input.sha256 == record.provenance.sha256)
+        throw datasets::InputError(
+            {.file = path}, fmt::format("is the same recording as {}; name each once", input.name));
     data.provenance.inputs.push_back({path, record.provenance.bytes, record.provenance.sha256});
     data.records.push_back(std::move(record));
   }
   if (!rig.solver_stated) warnings.push_back(fitting::chosen_solver(rig));
-  fitting::FitOptions options;
-  options.free = split_names(job.free);
-  options.window = job.window;
   if (!job.common.quiet)
     fmt::print(stderr, "fitting {} impact(s), model {}\n", impacts.size(),
                models::name(rig.solver.model));
@@ -111,10 +164,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
   data.provenance.host = host_name();
   data.provenance.wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  std::string key = fmt::format("impactrig {}\nfree {}\nwindow {}\nrig {}\n", IMPACTRIG_VERSION,
-                                job.free, job.window, rig.sha256);
-  for (const reports::InputFile& input : data.provenance.inputs) key += input.sha256 + "\n";
-  data.provenance.result_key = datasets::sha256_of(key);
+  data.provenance.result_key = datasets::sha256_of(result_text(job, data.provenance));
   return data;
 }
 

@@ -14,7 +14,8 @@ namespace impactrig::app {
 struct FitJob {
   std::vector<std::string> recordings;
   std::string rig;
-  std::string free;  ///< comma between
+  std::string free;      ///< comma between
+  std::string channels;  ///< comma between
   std::string title;
   double window = 0.0;  ///< [s]
   ImportArguments reading;

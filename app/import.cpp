@@ -22,6 +22,7 @@ struct Options {
 /// leads.
 void import(const Options& options) {
   check_output(options.output, options.common.force);
+  check_ending(options.output);
   datasets::Record record;
   for (const std::string& path : options.files) {
     datasets::Record next = acquisition::import_recording(path, import_options(options.reading));

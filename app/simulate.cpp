@@ -13,6 +13,8 @@
 namespace impactrig::app {
 namespace {
 
+constexpr double most_samples = 2e7;
+
 struct Options {
   std::string rig;
   std::string output;
@@ -46,10 +48,18 @@ datasets::Record history_record(const models::History& history, const fitting::R
 }
 
 void simulate(const Options& options) {
-  if (!options.output.empty()) check_output(options.output, options.common.force);
+  if (!options.output.empty()) {
+    check_output(options.output, options.common.force);
+    check_ending(options.output);
+  }
   const fitting::RigFile rig =
       fitting::read_rig_file(options.rig, split_overrides(options.common.overrides));
   models::SimulationOptions request;
+  const double longest = rig.solver.duration.value_or(0.1);
+  if (!options.output.empty() && longest / options.interval > most_samples)
+    throw CLI::ValidationError(
+        "--interval", fmt::format("{:g} s over {:g} s are more than {:g} samples", options.interval,
+                                  longest, most_samples));
   request.exact = options.exact;
   if (!options.output.empty()) {
     request.history.interval = options.interval;

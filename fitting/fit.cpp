@@ -39,7 +39,7 @@ constexpr double poor_fit = 4.0;
 // the second is enough, at the end a thousandth of a standard error is, since the cost is about
 // half the number of samples.
 constexpr double rough = 1e-3;
-constexpr double final_tolerance = 1e-8;
+constexpr double final_tolerance = 2e-7;
 // A reduced chi-square above this is no chance: the noise itself is known to a tenth from the few
 // hundred samples before a trigger.
 constexpr double misfit = 1.25;
@@ -132,6 +132,19 @@ void Session::add_shot(const Impact& impact, int number) {
   const bool velocity_missing = !impact.velocity;
   const auto take = [&](const std::optional<ImpactSignal>& signal, bool wanted) {
     if (!signal || !wanted || signal->values.empty()) return;
+    const auto [least, most] = std::ranges::minmax(signal->values);
+    if (least == most) {
+      warnings_.push_back(
+          fmt::format("{} of {} is constant and was left out; is the sensor connected?",
+                      signal->channel, impact.recording));
+      return;
+    }
+    if (impact.start - signal->start < 20.0 * signal->interval)
+      warnings_.push_back(
+          fmt::format("{} of {} has fewer than 20 samples before first touch: its noise and "
+                      "baseline are hardly "
+                      "known. Record a longer pre-trigger.",
+                      signal->channel, impact.recording));
     shot.channels.push_back(weigh(impact, *signal));
     first = std::min(first, signal->start);
     last = std::max(last, signal->time(signal->values.size() - 1));
@@ -236,7 +249,7 @@ double Session::solve(double tolerance) {
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.max_num_iterations = 60;
   solver.function_tolerance = tolerance;
-  solver.parameter_tolerance = 1e-10;
+  solver.parameter_tolerance = 1e-8;
   solver.gradient_tolerance = 1e-14;
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
@@ -401,8 +414,9 @@ void Session::report_restitution(const Uncertainty& spread, double inflation, Fi
   const char* names[] = {"kinematic", "kinetic", "energetic"};
   for (Eigen::Index k = 0; k < 3; ++k) {
     const double half =
+        rig_.solver.accuracy * std::abs(values[k]) +
         1.96 * inflation *
-        std::sqrt(std::max(0.0, gradient.row(k).dot(covariance * gradient.row(k).transpose())));
+            std::sqrt(std::max(0.0, gradient.row(k).dot(covariance * gradient.row(k).transpose())));
     fit.restitution[names[k]] = {values[k], {values[k] - half, values[k] + half}};
   }
   Estimate law{rig_.rig.contact.restitution,
@@ -414,14 +428,17 @@ void Session::report_restitution(const Uncertainty& spread, double inflation, Fi
 }
 
 void Session::warn(Fit& fit, double reduced) const {
-  if (noise_known_ && reduced > misfit)
-    fit.warnings.push_back(
-        fmt::format("The residuals are {:.3g} times the noise seen before the trigger: the model "
-                    "or the calibration does not explain all that "
-                    "was measured. Standard errors were multiplied by that factor. Look at the "
-                    "residuals; try another law, free a gain or "
-                    "delay, or shorten the fitted window.",
-                    std::sqrt(reduced)));
+  for (const ChannelFit& channel : fit.channels) {
+    const double ratio = channel.residual_rms / channel.noise;
+    if (!(channel.noise > 0.0 && ratio > std::sqrt(misfit))) continue;
+    fit.warnings.push_back(fmt::format(
+        "The residuals of {} are {:.3g} times its noise before the trigger: the model or the "
+        "calibration does not explain all that "
+        "was measured. Standard errors were multiplied by {:.3g}; they do not cover a wrong model. "
+        "Look at the residuals; try "
+        "another law or a finer mesh, free a gain or delay, or shorten the fitted window.",
+        channel.channel, ratio, std::sqrt(reduced)));
+  }
   for (const Parameter& p : fit.parameters)
     if (p.at_bound)
       fit.warnings.push_back(fmt::format(

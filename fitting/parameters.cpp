@@ -51,7 +51,10 @@ const PhysicalParameter& physical_parameter(std::string_view name) {
     if (parameter.name == name) return parameter;
     known += fmt::format("{}{}", known.empty() ? "" : ", ", parameter.name);
   }
-  throw std::invalid_argument(fmt::format("'{}' cannot be fitted; parameters are {}", name, known));
+  throw std::invalid_argument(
+      fmt::format("'{}' cannot be fitted; parameters are {}, and sensors.CHANNEL.gain and "
+                  "sensors.CHANNEL.delay",
+                  name, known));
 }
 
 }  // namespace impactrig::fitting

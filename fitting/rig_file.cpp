@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <numbers>
 #include <sstream>
@@ -411,6 +412,8 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
 }
 
 RigFile read_rig_file(const std::string& path, const std::vector<Override>& overrides) {
+  if (std::filesystem::is_directory(path))
+    throw datasets::FileError(path, "is a folder, not a rig file");
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw datasets::FileError(path, "cannot be opened; is the name right?");
   std::ostringstream text;

@@ -79,7 +79,12 @@ std::optional<datasets::UncertainValue> TableReader::quantity(std::string_view k
 double TableReader::required_quantity(std::string_view key, std::string_view unit,
                                       std::string_view example) {
   const auto value = quantity(key, unit);
-  if (!value) refuse(key, fmt::format("is missing; add {} = \"{}\"", key, example));
+  if (!value) {
+    for (const auto& [other, node] : table_)
+      if (!known_.contains(other.str()) && edit_distance(other.str(), key) < 4)
+        refuse(other.str(), fmt::format("there is no such key here; did you mean {}?", key));
+    refuse(key, fmt::format("is missing; add {} = \"{}\"", key, example));
+  }
   return value->value;
 }
 

@@ -597,7 +597,7 @@ void Run::conclude() {
   if (!result_.episodes.empty() && result_.episodes.back().open) {
     Episode& episode = result_.episodes.back();
     episode.end = now;
-    episode.separation_velocity = -struck(y).velocity;
+    episode.separation_velocity = std::numeric_limits<double>::quiet_NaN();
     episode.impulse = y[2 * n_] - episode_impulse_;
     episode.dissipated = y[2 * n_ + 1] - episode_dissipated_;
     result_.energy.contact_stored = contact_.stored(struck(y).displacement);
@@ -624,6 +624,10 @@ void Run::conclude() {
   audit.imbalance = (total_energy(y) + audit.contact_stored + audit.dissipated - energy_at_touch_) /
                     audit.initial;
   result_.restitution.law = rig_.contact.restitution;
+  if (result_.episodes.empty() || result_.episodes.front().open) {
+    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    result_.restitution = {rig_.contact.restitution, unknown, unknown, unknown};
+  }
   if (const double bound = 10.0 * solver_.accuracy + 1e-10; !(std::abs(audit.imbalance) <= bound))
     result_.warnings.push_back(
         fmt::format("the energy does not balance: {:.2g} of the initial energy is missing or too "

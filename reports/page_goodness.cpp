@@ -135,7 +135,7 @@ std::string html_goodness(const ReportData& data) {
       "fit took {} iterations and {} simulations in {} and ended with: {}. The verdict above calls "
       "a "
       "recording explained when every residual is at most 1.5 times its noise, and explained in "
-      "shape when every Sprague–Geers C is at most 0.2; these limits are this report’s own.</p>\n",
+      "shape when every Sprague–Geers C is at most 0.1; these limits are this report’s own.</p>\n",
       significant(fit.goodness.aicc, 5), significant(fit.goodness.bic, 5), fit.iterations,
       fit.simulations, quantity(fit.seconds, "s"), escaped(fit.termination));
   return html_section("goodness", "How good the fit is", body);

@@ -14,7 +14,7 @@ namespace impactrig::reports {
 namespace {
 
 constexpr double noise_limit = 1.5;  // residual over noise: power 2.25 times that of noise alone
-constexpr double shape_limit = 0.2;  // Sprague-Geers comprehensive
+constexpr double shape_limit = 0.1;  // Sprague-Geers comprehensive
 
 double peak(const fitting::ChannelFit& channel) {
   double out = 0.0;
@@ -117,6 +117,13 @@ Verdict verdict(const fitting::Fit& fit) {
     if (impact.has(datasets::ImpactFlag::no_hit))
       return {Grade::open, "No impact found",
               fmt::format("In {} nothing rises above the noise, so there was nothing to explain.",
+                          file_name(impact.recording))};
+  for (const datasets::Impact& impact : fit.impacts)
+    if (impact.has(datasets::ImpactFlag::too_short))
+      return {Grade::open, "The recording does not hold the whole contact",
+              fmt::format("{} begins or ends in contact. What follows is fitted to a part of it: e "
+                          "and the stiffness trade against "
+                          "each other there, and their intervals are too narrow.",
                           file_name(impact.recording))};
   if (fit.channels.empty())
     return {Grade::open, "Nothing was compared",

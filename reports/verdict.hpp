@@ -10,7 +10,7 @@ namespace impactrig::reports {
 /// What a fit amounts to, in words (plain text).
 ///
 /// explained: the residual of every channel is at most 1.5 times the noise seen before the trigger.
-/// in_shape: not so, but every channel's Sprague-Geers comprehensive error is at most 0.2.
+/// in_shape: not so, but every channel's Sprague-Geers comprehensive error is at most 0.1.
 /// not_explained: neither. open: the fit did not converge, nothing was compared, or no impact was
 /// found. The limits are conventions of this report, not of a standard.
 struct Verdict {

@@ -251,6 +251,47 @@ TEST_F(CommandLine, NeverOverwritesWithoutForce) {
   EXPECT_THAT(o.err, HasSubstr("folder does not exist"));
 }
 
+TEST_F(CommandLine, ARunThatEndsInContactHasNoRestitution) {
+  const Outcome o =
+      run("simulate " + rig + " --json --set solver.model=rigid --set solver.duration=\"0.1 ms\"");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json j = json::parse(o.out);
+  EXPECT_TRUE(j["restitution"]["kinematic"].is_null());
+  EXPECT_TRUE(j["episodes"][0]["separation_velocity_m_s"].is_null());
+}
+
+TEST_F(CommandLine, AReversedSensorIsRefusedWithTheRemedy) {
+  Outcome o =
+      run("fit " + samples + "shen2007-1.uff --rig " + rig + " --set sensors.force.polarity=-1");
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("the force is negative in the impact"));
+  o = run("fit " + samples + "shen2007-1.uff --rig " + rig + " --set sensors.velocity.polarity=-1");
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("sensors.velocity.polarity = -1"));
+}
+
+TEST_F(CommandLine, TheSameRecordingTwiceIsRefused) {
+  const Outcome o =
+      run("fit " + samples + "shen2007-1.uff " + samples + "shen2007-1.uff --rig " + rig + quick);
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("is the same recording as"));
+}
+
+TEST_F(CommandLine, AnEndingNobodyWritesIsRefusedBeforeTheWork) {
+  const Outcome o = run("simulate " + rig + " -o " + path("history.xyz"));
+  EXPECT_EQ(o.code, 2);
+  EXPECT_THAT(o.err, HasSubstr("ends in no format that is written"));
+}
+
+TEST_F(CommandLine, ARecordWithoutForceNeedsTheUsersWord) {
+  const std::string bare = text_of(rig).substr(0, text_of(rig).find("[sensors.force]"));
+  write("bare.toml", bare);
+  const std::string shot = recording("time [s],Temperature [K],Velocity [m/s]", 0.0);
+  const Outcome o = run("fit " + shot + " --rig " + path("bare.toml"));
+  EXPECT_EQ(o.code, 3);
+  EXPECT_EQ(o.out, "");
+}
+
 TEST_F(CommandLine, QuietMeansQuiet) {
   const Outcome o = run("fit -q " + samples + "shen2007-1.uff --rig " + rig + quick + " --json");
   EXPECT_EQ(o.err, "");

@@ -111,6 +111,8 @@ TEST(RigFile, ABareNumberIsRefusedWhereAUnitIsMeant) {
 
 TEST(RigFile, AnUnknownKeyIsAnErrorWithTheNearestKnownOne) {
   EXPECT_EQ(message_of(with("density =", "densty =")),
+            "rig.toml:7:10: beam.densty: there is no such key here; did you mean density?");
+  EXPECT_EQ(message_of(with("density = \"2766.7 kg/m^3\"", "")),
             "rig.toml:2: beam.density: is missing; add density = \"2766.7 kg/m^3\"");
   EXPECT_EQ(
       message_of(with("restitution = 0.5", "restitution = 0.5\nrestitutoin = 0.4")),

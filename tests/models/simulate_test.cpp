@@ -58,7 +58,7 @@ TEST(Simulate, StopsAtTheDurationAskedForAndSaysWhenThatIsInContact) {
                           "separation."));
   EXPECT_GT(run.energy.contact_stored, 0.5 * run.energy.initial);
   EXPECT_LT(std::abs(run.energy.imbalance), 1e-8);
-  EXPECT_EQ(run.restitution.kinematic, 0.0);
+  EXPECT_TRUE(std::isnan(run.restitution.kinematic));
 }
 
 TEST(Simulate, AnswersEvenForADurationShorterThanItsFirstStep) {
