@@ -68,6 +68,22 @@ datasets::Impact first_impact(const datasets::Record& record, bool needs_force,
   return impacts.front();
 }
 
+/// Nothing is guessed: of two channels of a kind the rig file names one.
+void refuse_choice(const datasets::Record& record, const fitting::RigFile& rig) {
+  std::string names;
+  int count = 0;
+  for (const datasets::Channel& channel : record.channels) {
+    if (channel.quantity != datasets::Quantity::force) continue;
+    names += fmt::format("{}'{}'", count++ > 0 ? ", " : "", channel.name);
+  }
+  if (count > 1 && !rig.force)
+    throw datasets::InputError(
+        {.file = record.provenance.source_file},
+        fmt::format(
+            "has {} force channels ({}); name one with sensors.force.channel in the rig file",
+            count, names));
+}
+
 fitting::FitOptions fit_options(const FitJob& job) {
   fitting::FitOptions options;
   options.free = split_names(job.free);
@@ -133,6 +149,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
                                                      {rig.force, rig.velocity, rig.displacement});
     for (const std::string& warning : record.warnings)
       warnings.push_back(fmt::format("{}: {}", path, warning));
+    refuse_choice(record, rig);
     impacts.push_back(first_impact(record, options.use_force, warnings));
     for (const reports::InputFile& input : data.provenance.inputs)
       if (input.sha256 == record.provenance.sha256)

@@ -129,30 +129,26 @@ void Session::add_shot(const Impact& impact, int number) {
   double last = -std::numeric_limits<double>::infinity();
   double first = std::numeric_limits<double>::infinity();
   double finest = std::numeric_limits<double>::infinity();
-  const bool velocity_missing = !impact.velocity;
-  const auto take = [&](const std::optional<ImpactSignal>& signal, bool wanted) {
-    if (!signal || !wanted || signal->values.empty()) return;
-    const auto [least, most] = std::ranges::minmax(signal->values);
-    if (least == most) {
+  for (const auto* candidate : {&impact.force, &impact.velocity, &impact.displacement}) {
+    if (!*candidate || (*candidate)->values.empty()) continue;
+    const ImpactSignal& signal = **candidate;
+    const auto [least, most] = std::ranges::minmax(signal.values);
+    if (least == most)
       warnings_.push_back(
           fmt::format("{} of {} is constant and was left out; is the sensor connected?",
-                      signal->channel, impact.recording));
-      return;
-    }
-    if (impact.start - signal->start < 20.0 * signal->interval)
+                      signal.channel, impact.recording));
+    if (!is_fitted(impact, *candidate, options_)) continue;
+    if (impact.start - signal.start < 20.0 * signal.interval)
       warnings_.push_back(
           fmt::format("{} of {} has fewer than 20 samples before first touch: its noise and "
                       "baseline are hardly "
                       "known. Record a longer pre-trigger.",
-                      signal->channel, impact.recording));
-    shot.channels.push_back(weigh(impact, *signal));
-    first = std::min(first, signal->start);
-    last = std::max(last, signal->time(signal->values.size() - 1));
-    finest = std::min(finest, signal->interval);
-  };
-  take(impact.force, options_.use_force);
-  take(impact.velocity, options_.use_velocity);
-  take(impact.displacement, options_.use_displacement || (velocity_missing && !impact.force));
+                      signal.channel, impact.recording));
+    shot.channels.push_back(weigh(impact, signal));
+    first = std::min(first, signal.start);
+    last = std::max(last, signal.time(signal.values.size() - 1));
+    finest = std::min(finest, signal.interval);
+  }
   if (shot.channels.empty())
     throw std::invalid_argument(
         fmt::format("{} has no force, velocity or displacement to fit to", impact.recording));

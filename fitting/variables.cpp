@@ -135,6 +135,18 @@ void refuse_unknown(const std::vector<std::string>& asked) {
 
 }  // namespace
 
+bool is_fitted(const Impact& impact, const std::optional<ImpactSignal>& signal,
+               const FitOptions& options) {
+  if (!signal || signal->values.empty()) return false;
+  using enum datasets::Quantity;
+  const bool wanted = signal->quantity == force ? options.use_force
+                      : signal->quantity == velocity
+                          ? options.use_velocity
+                          : options.use_displacement || (!impact.force && !impact.velocity);
+  const auto [least, most] = std::ranges::minmax(signal->values);
+  return wanted && least != most;
+}
+
 std::vector<Variable> make_variables(const std::vector<Impact>& impacts, const RigFile& rig,
                                      const FitOptions& options) {
   const std::vector<std::string> asked = options.free.empty() ? default_free(rig) : options.free;
@@ -168,7 +180,8 @@ std::vector<Variable> make_variables(const std::vector<Impact>& impacts, const R
     touch.scale = 1e-6;
     variables.push_back(touch);
     for (const auto* signal : {&impact.force, &impact.velocity, &impact.displacement})
-      if (*signal) add_channel_variables(**signal, shot, asked, variables);
+      if (is_fitted(impact, *signal, options))
+        add_channel_variables(**signal, shot, asked, variables);
   }
   for (Variable& v : variables) {
     v.value = v.initial;

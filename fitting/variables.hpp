@@ -33,6 +33,11 @@ struct Variable {
   bool concerns(int shot) const { return recording < 0 || recording == shot; }
 };
 
+/// Whether a channel of an impact enters the fit: asked for, recorded, and not constant. A
+/// displacement also where there is neither force nor velocity.
+bool is_fitted(const datasets::Impact& impact, const std::optional<datasets::ImpactSignal>& signal,
+               const FitOptions& options);
+
 /// The unknowns of a fit: what the user frees (by default restitution, stiffness factor, approach
 /// speed), and for every recording first touch, channel offsets and drifts, and gains and delays
 /// whose calibration states an uncertainty. Throws std::invalid_argument on a name that cannot be

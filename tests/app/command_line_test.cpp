@@ -292,6 +292,40 @@ TEST_F(CommandLine, ARecordWithoutForceNeedsTheUsersWord) {
   EXPECT_EQ(o.out, "");
 }
 
+// The truth beside each shipped shot lies within the 95 % interval of what is fitted to it.
+class ShippedShot : public CommandLine, public testing::WithParamInterface<const char*> {};
+
+TEST_P(ShippedShot, HasItsTruthWithinTheIntervals) {
+  const std::string shot = samples + GetParam();
+  const Outcome o = run("fit -q --json " + shot + " --rig " + rig);
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json truth = json::parse(text_of(fs::path(shot).replace_extension(".truth.json")));
+  int seen = 0;
+  const json fit = json::parse(o.out);
+  for (const json& p : fit["parameters"]) {
+    const std::string name = p["name"];
+    if (!truth.contains(name)) continue;
+    ++seen;
+    EXPECT_LE(p["ci95"][0].get<double>(), truth[name].get<double>()) << name;
+    EXPECT_GE(p["ci95"][1].get<double>(), truth[name].get<double>()) << name;
+  }
+  EXPECT_EQ(seen, 3);  // restitution, stiffness factor, approach speed
+  EXPECT_LT(fit["goodness"]["chi2"].get<double>(), 1.2 * fit["goodness"]["dof"].get<double>());
+}
+
+INSTANTIATE_TEST_SUITE_P(Samples, ShippedShot,
+                         testing::Values("shen2007-1.uff", "shen2007-2.uff", "shen2007-3.csv",
+                                         "shen2007-4.csv"));
+
+TEST_F(CommandLine, TwoForceChannelsWithoutAChoiceAreRefused) {
+  const std::string bare = text_of(rig).substr(0, text_of(rig).find("[sensors.force]"));
+  write("bare.toml", bare);
+  const Outcome o = run("fit " + recording("time [s],Left [N],Right [N]", 1500.0) + " --rig " +
+                        path("bare.toml"));
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("has 2 force channels ('Left', 'Right')"));
+}
+
 TEST_F(CommandLine, QuietMeansQuiet) {
   const Outcome o = run("fit -q " + samples + "shen2007-1.uff --rig " + rig + quick + " --json");
   EXPECT_EQ(o.err, "");
