@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "models/beams/beam_dynamics.hpp"
+#include "models/contact/contact_force.hpp"
+#include "models/integration/dop853.hpp"
+#include "models/simulation.hpp"
+
+namespace impactrig::models {
+
+/// One run of simulate(), of nobody else's: the beam under its contact, from event to event.
+/// simulate.cpp sets it up and drives it, impact_run_events.cpp finds where a phase of the contact
+/// ends within a step, impact_run_observe.cpp keeps what is worth keeping of a step. The state is y
+/// = [q (n), v (n), impulse, dissipated energy].
+class ImpactRun {
+ public:
+  ImpactRun(const Rig& rig, const Solver& solver, const SimulationOptions& options);
+  Simulation simulate();
+
+ private:
+  using Phase = ContactForce::Phase;
+  using Vector = Eigen::VectorXd;
+
+  PointMotion struck(const Vector& y) const {
+    return beam_->struck_point(y.head(n_), y.segment(n_, n_));
+  }
+
+  double gap_event(const Vector& y) const { return struck(y).displacement; }
+
+  double pull_event(const Vector& y) const { return contact_.pull(struck(y).velocity); }
+
+  /// Of the struck point, in a state of the given slope.
+  double acceleration(const Vector& y, const Vector& slope) const {
+    return beam_->struck_acceleration(y.head(n_), y.segment(n_, n_), slope.segment(n_, n_));
+  }
+
+  double total_energy(const Vector& y) const;
+
+  void set_scales(double kinetic, double approach);
+  double fastest_vibration(double depth);
+  void swing_to_touch();
+  void first_touch();
+  void integrate();
+  bool event_in_attempt(double& theta, bool& at_pull);
+  double excursion_in_attempt(double sign);
+  double root_of_event(bool pull, double theta_low, double theta_high);
+  double land_on(double theta, bool pull);
+  void touch();
+  void separate();
+  void observe_attempt();
+  void observe_extrema();
+  double peak_in_attempt(double from, double to, double& force);
+  void observe_deepest(double theta);
+  void sample_history();
+  bool left_for_good() const;
+  void conclude();
+
+  const Rig& rig_;
+  const Solver& solver_;
+  const SimulationOptions& options_;
+  std::unique_ptr<BeamDynamics> beam_;
+  int n_;
+  ContactForce contact_;
+  Dop853 stepper_, probe_;
+  Dop853::RightHandSide f_;
+  Vector weights_, scratch_;
+  double t_end_ = 0.0;
+  double first_step_ = 0.0, longest_step_ = 0.0;
+  double time_of_touch_ = 0.0;
+  double energy_at_touch_ = 0.0;
+  double elastic_reach_;  // √(2 C): how far √energy can move the struck point elastically [m/√J]
+  double approach_ = 0.0;
+  // at the deepest penetration of the episode: impulse and dissipated energy
+  double deepest_impulse_ = 0.0, deepest_dissipated_ = 0.0;
+  double episode_impulse_ = 0.0, episode_dissipated_ = 0.0;  // at its start
+  double velocity_place_ = 0.0, displacement_place_ = 0.0, laser_rest_ = 0.0;
+  std::vector<int> history_rows_;
+  long grazing_ = 0;
+  bool done_ = false;
+  Simulation result_;
+};
+
+}  // namespace impactrig::models
