@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "acquisition/random_stream.hpp"
 #include "acquisition/synthetic.hpp"
 
 namespace impactrig::acquisition {
@@ -111,6 +114,21 @@ SyntheticOptions good_laboratory_day(const SensorSet& sensors, double peak_force
                                      double peak_velocity) {
   const Day day{12, 0.01, 0.03, 1e-6, 40e-6, 0.2, 0.001, 0.005};
   return recorded_on(day, sensors, peak_force, peak_velocity);
+}
+
+void draw_calibration_errors(const SensorSet& sensors, std::uint64_t seed,
+                             SyntheticOptions& options) {
+  const auto draw = [&](const std::optional<Sensor>& sensor, Disturbances& d) {
+    if (!sensor) return;
+    RandomStream random(seed, fmt::format("calibration of {}", datasets::name(sensor->quantity)));
+    const double relative =
+        sensor->sensitivity ? sensor->sensitivity->uncertainty / sensor->sensitivity->value : 0.0;
+    d.gain_error = relative * random.normal();
+    d.delay_error = sensor->delay.uncertainty * random.normal();
+  };
+  draw(sensors.force, options.force);
+  draw(sensors.velocity, options.velocity);
+  draw(sensors.displacement, options.displacement);
 }
 
 SyntheticOptions bad_day(const SensorSet& sensors, double peak_force, double peak_velocity) {

@@ -82,6 +82,12 @@ datasets::Record synthesise(const Trajectory& trajectory, const SensorSet& senso
 SyntheticOptions good_laboratory_day(const SensorSet& sensors, double peak_force,
                                      double peak_velocity);
 
+/// How wrong the calibration is: gain and delay of each sensor miss by normal draws as large as the
+/// uncertainties it states, so that a seed stands for one laboratory and its shots share the
+/// errors.
+void draw_calibration_errors(const SensorSet& sensors, std::uint64_t seed,
+                             SyntheticOptions& options);
+
 /// Everything that goes wrong at once, for tests of robustness: 8 bits (6.5 effective), ten times
 /// the charge noise, five times the vibrometer's, hum and a ground-loop step of 1 % of the range,
 /// dropouts (one in the contact), a filter of 10 kHz left on (as 21.7 us of unknown delay of the

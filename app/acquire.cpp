@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "acquisition/exporter.hpp"
-#include "acquisition/random_stream.hpp"
 #include "acquisition/replay.hpp"
 #include "acquisition/synthetic.hpp"
 #include "app/files.hpp"
@@ -37,18 +36,6 @@ struct Options {
   bool real_time = false;
   CommonOptions common;
 };
-
-/// How wrong a calibration is: as much as it says it may be, and the same in every shot of a
-/// laboratory.
-void draw_calibration_errors(const datasets::Sensor& sensor, std::uint64_t seed,
-                             acquisition::Disturbances& d) {
-  acquisition::RandomStream random(
-      seed, fmt::format("calibration of {}", datasets::name(sensor.quantity)));
-  const double relative =
-      sensor.sensitivity ? sensor.sensitivity->uncertainty / sensor.sensitivity->value : 0.0;
-  d.gain_error = relative * random.normal();
-  d.delay_error = sensor.delay.uncertainty * random.normal();
-}
 
 acquisition::Trajectory trajectory_of(const fitting::RigFile& rig, const Options& options,
                                       models::Simulation& simulation) {
@@ -81,13 +68,8 @@ acquisition::SyntheticOptions day_of(const Options& options, const acquisition::
   day.pre_trigger = options.pre_trigger;
   day.duration = options.duration;
   day.seed = seed;
-  if (options.day == "good") {
-    if (sensors.force) draw_calibration_errors(*sensors.force, options.calibration_seed, day.force);
-    if (sensors.velocity)
-      draw_calibration_errors(*sensors.velocity, options.calibration_seed, day.velocity);
-    if (sensors.displacement)
-      draw_calibration_errors(*sensors.displacement, options.calibration_seed, day.displacement);
-  }
+  if (options.day == "good")
+    acquisition::draw_calibration_errors(sensors, options.calibration_seed, day);
   return day;
 }
 

@@ -40,10 +40,18 @@ constexpr double poor_fit = 4.0;
 // half the number of samples.
 constexpr double rough = 1e-3;
 constexpr double final_tolerance = 2e-7;
+// Ceres' trust region where the start is good: hardly any damping, which would make the solver
+// creep along the directions that offset, drift and hum nearly share.
+constexpr double near_minimum = 1e8;
 // A reduced chi-square above this is no chance: the noise itself is known to a tenth from the few
 // hundred samples before a trigger.
 constexpr double misfit = 1.25;
 constexpr double unseen_noise = 1e-3;  // of the peak, where the record shows no noise at all
+
+/// Passes of the search. The first looks at the first contact and leaves mains hum at zero, which
+/// so short a window cannot tell from the rest; the last takes every sample and iterates to the
+/// end.
+enum class Stage { first, last };
 
 /// One recording with what was chosen for it.
 struct Shot {
@@ -64,7 +72,7 @@ class Session {
   void add_shot(const Impact& impact, int number);
   FittedChannel weigh(const Impact& impact, const ImpactSignal& signal);
   void choose_samples(double window_share);
-  double solve(double tolerance);
+  double solve(Stage stage);
   void restart_elsewhere(double reduced);
   double chi2(Eigen::MatrixXd* jacobian) const;
   double samples() const;
@@ -214,7 +222,7 @@ double Session::samples() const {
 }
 
 /// Levenberg-Marquardt from the variables' present values; returns the reduced chi-square reached.
-double Session::solve(double tolerance) {
+double Session::solve(Stage stage) {
   std::vector<double> x(variables_.size());
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = variables_[i].value / variables_[i].scale;
   std::vector<std::unique_ptr<ShotCost>> costs;
@@ -234,6 +242,8 @@ double Session::solve(double tolerance) {
     if (std::isfinite(v.lower)) problem.SetParameterLowerBound(&x[i], 0, v.lower / v.scale);
     if (std::isfinite(v.upper)) problem.SetParameterUpperBound(&x[i], 0, v.upper / v.scale);
     if (!v.prior) continue;
+    if (v.role == Variable::Role::background && stage == Stage::first)
+      problem.SetParameterBlockConstant(&x[i]);
     ceres::Matrix weight(1, 1);
     ceres::Vector mean(1);
     weight(0, 0) = v.scale / (*v.prior)[1];
@@ -244,7 +254,8 @@ double Session::solve(double tolerance) {
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.max_num_iterations = 60;
-  solver.function_tolerance = tolerance;
+  solver.function_tolerance = stage == Stage::last ? final_tolerance : rough;
+  if (stage == Stage::last) solver.initial_trust_region_radius = near_minimum;
   solver.parameter_tolerance = 1e-8;
   solver.gradient_tolerance = 1e-14;
   solver.logging_type = ceres::SILENT;
@@ -281,7 +292,7 @@ void Session::restart_elsewhere(double reduced) {
         if (v.name == "contact.restitution") v.value = restitution;
         if (v.name == "contact.stiffness_factor") v.value = stiffness * v.initial;
       }
-      const double reached = solve(rough);
+      const double reached = solve(Stage::first);
       if (reached >= reduced) continue;
       reduced = reached;
       best = variables_;
@@ -458,13 +469,13 @@ void Session::warn(Fit& fit, double reduced) const {
 Fit Session::run() {
   const auto started = std::chrono::steady_clock::now();
   choose_samples(first_window);
-  double reduced = solve(rough);
+  const double first = solve(Stage::first);
   const bool several_starts = std::ranges::any_of(variables_, [](const Variable& v) {
     return v.name == "contact.restitution" || v.name == "contact.stiffness_factor";
   });
-  if (reduced > poor_fit && several_starts) restart_elsewhere(reduced);
+  if (first > poor_fit && several_starts) restart_elsewhere(first);
   choose_samples(std::numeric_limits<double>::infinity());
-  solve(final_tolerance);
+  solve(Stage::last);
 
   Fit fit;
   Eigen::MatrixXd jacobian;
@@ -482,7 +493,7 @@ Fit Session::run() {
   const double unknowns = static_cast<double>(variables_.size());
   const double dof = std::max(1.0, count + priors - unknowns);
   fit.goodness.dof = std::lround(dof);
-  reduced = fit.goodness.chi2 / dof;
+  const double reduced = fit.goodness.chi2 / dof;
   fit.goodness.aicc = fit.goodness.chi2 + 2.0 * unknowns +
                       2.0 * unknowns * (unknowns + 1.0) / std::max(1.0, count - unknowns - 1.0);
   fit.goodness.bic = fit.goodness.chi2 + unknowns * std::log(count);

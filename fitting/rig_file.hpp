@@ -21,6 +21,7 @@ struct RigFile {
   models::Solver solver;
   bool solver_stated = false;  ///< the file has a [solver] table with a model
   std::optional<datasets::Sensor> force, velocity, displacement;
+  double mains_frequency = 50.0;  ///< of the hum in the recordings [Hz]
 };
 
 /// A key=value of the command line ("beam.length", "0.9 m"); the value may be quoted or not.

@@ -41,18 +41,24 @@ models::Rig ShotCost::rig_at(const std::vector<double>& values) const {
   return rig;
 }
 
+double ShotCost::Measurement::value(const Shown::Curve& curve, double t) const {
+  double sum = gain * curve.at(t - shift)[0];
+  for (const Term& term : background)
+    if (term.amplitude != 0.0) sum += term.amplitude * term.shape.at(t - origin);
+  return sum;
+}
+
 ShotCost::Measurement ShotCost::measurement(datasets::Quantity quantity,
                                             const std::vector<double>& values) const {
   Measurement m;
   for (std::size_t i = 0; i < variables_.size(); ++i) {
     const Variable& v = *variables_[i];
     if (v.role == Variable::Role::touch) {
-      m.touch = values[i];
+      m.origin = v.initial;
       m.shift += values[i];
     }
     if (v.quantity != quantity) continue;
-    if (v.role == Variable::Role::offset) m.offset = values[i];
-    if (v.role == Variable::Role::drift) m.drift = values[i];
+    if (v.role == Variable::Role::background) m.background.push_back({v.background, values[i]});
     if (v.role == Variable::Role::gain) m.gain = values[i];
     if (v.role == Variable::Role::delay)
       m.shift += values[i] - v.initial;  // the known part is off the clock already
@@ -153,16 +159,13 @@ void ShotCost::fill_jacobian(const std::vector<double>& values, const Shown& sho
                          spans[pair];
             break;
           case Variable::Role::touch:
-            derivative = -m.gain * curve.at(t - m.shift)[1] - m.drift;
+            derivative = -m.gain * curve.at(t - m.shift)[1];
             break;
           case Variable::Role::delay:
             if (of_channel) derivative = -m.gain * curve.at(t - m.shift)[1];
             break;
-          case Variable::Role::offset:
-            if (of_channel) derivative = 1.0;
-            break;
-          case Variable::Role::drift:
-            if (of_channel) derivative = t - m.touch;
+          case Variable::Role::background:
+            if (of_channel) derivative = v.background.at(t - m.origin);
             break;
           case Variable::Role::gain:
             if (of_channel) derivative = curve.at(t - m.shift)[0];

@@ -22,8 +22,8 @@ struct FittedChannel {
   std::vector<std::size_t> used;  ///< indices of the samples fitted
 };
 
-/// Weighted differences of one recording: (measured − offset − gain · shown(t − touch − delay)) /
-/// (σ √correlation). Derivatives to touch, offset, drift, gain and delay are exact; those to the
+/// Weighted differences of one recording: (measured − background − gain · shown(t − touch − delay))
+/// / (σ √correlation). Derivatives to touch, background, gain and delay are exact; those to the
 /// physics are central differences of simulations, run on all cores. Parameter blocks: the
 /// variables that concern this recording, each of size 1, divided by its scale.
 class ShotCost : public ceres::CostFunction {
@@ -58,14 +58,19 @@ class ShotCost : public ceres::CostFunction {
   using Prediction = std::shared_ptr<const Shown>;
 
   struct Measurement {  // of one channel
-    double offset = 0.0, drift = 0.0, gain = 1.0;
-    double touch = 0.0;  // first touch on the record's axis [s]
-    double shift = 0.0;  // the same as this channel shows it
+
+    struct Term {
+      BackgroundShape shape;
+      double amplitude;
+    };
+
+    std::vector<Term> background;
+    double gain = 1.0;
+    double origin = 0.0;  // of the background's time: the impact as found [s]
+    double shift = 0.0;   // first touch as this channel shows it, on the record's axis [s]
 
     /// What the model shows at an instant of the record's axis.
-    double value(const Shown::Curve& curve, double t) const {
-      return offset + drift * (t - touch) + gain * curve.at(t - shift)[0];
-    }
+    double value(const Shown::Curve& curve, double t) const;
   };
 
   Measurement measurement(datasets::Quantity quantity, const std::vector<double>& values) const;

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
+#include <tuple>
 
 #include "models/contact/damping_law.hpp"
 
@@ -24,6 +26,9 @@ constexpr double unbounded = std::numeric_limits<double>::infinity();
 constexpr double force_offset_part = 0.02;
 constexpr double velocity_offset_part = 0.1;
 constexpr double drift_part = 0.02;  // over the record
+// Mains hum is taken to be of this order, likewise a part of the largest value: a few milliseconds
+// of record hardly tell its fundamental from offset and drift.
+constexpr double hum_part = 0.01;
 
 std::vector<std::string> default_free(const RigFile& rig) {
   std::vector<std::string> free;
@@ -59,44 +64,66 @@ Variable physics_variable(const PhysicalParameter& parameter, const RigFile& rig
   return v;
 }
 
-/// Offset, drift, gain and delay of one channel. The drift is linear from first touch on: slow hum
-/// and an amplifier's drift look like that over the few milliseconds of an impact.
-void add_channel_variables(const ImpactSignal& signal, int recording,
+/// Adds what the channel shows besides the motion: offset, drift, and mains hum with its third
+/// harmonic, which a saturated transformer makes.
+void add_background(const ImpactSignal& signal, const Variable& blank, double mains_frequency,
+                    double largest, std::vector<Variable>& variables) {
+  using Kind = BackgroundShape::Kind;
+  const auto add = [&](std::string_view name, BackgroundShape shape) -> Variable& {
+    Variable v = blank;
+    v.role = Variable::Role::background;
+    v.background = shape;
+    v.name += name;
+    v.scale = 1e-3 * largest;
+    variables.push_back(v);
+    return variables.back();
+  };
+  Variable& offset = add("offset", {Kind::constant});
+  if (signal.quantity != datasets::Quantity::displacement) {
+    const double part =
+        signal.quantity == datasets::Quantity::force ? force_offset_part : velocity_offset_part;
+    offset.lower = -part * largest;
+    offset.upper = part * largest;
+  }
+  Variable& drift = add("drift", {Kind::line});
+  drift.unit += "/s";
+  drift.scale = 1.0 * largest;
+  const double recorded = signal.interval * static_cast<double>(signal.values.size());
+  drift.upper = drift_part * largest / recorded;
+  drift.lower = -drift.upper;
+  if (signal.quantity == datasets::Quantity::displacement) return;
+  const double mains = 2.0 * std::numbers::pi * mains_frequency;
+  for (const auto& [name, kind, order] : {std::tuple{"hum.sin", Kind::sine, 1.0},
+                                          {"hum.cos", Kind::cosine, 1.0},
+                                          {"hum.third_sin", Kind::sine, 3.0},
+                                          {"hum.third_cos", Kind::cosine, 3.0}})
+    add(name, {kind, order * mains}).prior = {0.0, hum_part * largest};
+}
+
+/// Background, gain and delay of one channel.
+void add_channel_variables(const ImpactSignal& signal, int recording, double mains_frequency,
                            const std::vector<std::string>& asked,
                            std::vector<Variable>& variables) {
-  const std::string key = fmt::format("sensors.{}", datasets::name(signal.quantity));
+  const std::string key = fmt::format("sensors.{}.", datasets::name(signal.quantity));
   const auto wanted = [&](std::string_view what) {
-    return std::ranges::find(asked, fmt::format("{}.{}", key, what)) != asked.end();
+    return std::ranges::find(asked, fmt::format("{}{}", key, what)) != asked.end();
   };
   double largest = 0.0;
   for (const double value : signal.values)
     if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
-  Variable offset;
-  offset.role = Variable::Role::offset;
-  offset.quantity = signal.quantity;
-  offset.recording = recording;
-  offset.name = key + ".offset";
-  offset.unit = std::string(datasets::si_unit(signal.quantity));
-  offset.scale = 1e-3 * (largest > 0.0 ? largest : 1.0);
-  const double part = signal.quantity == datasets::Quantity::displacement ? unbounded
-                      : signal.quantity == datasets::Quantity::force      ? force_offset_part
-                                                                          : velocity_offset_part;
-  offset.lower = -part * largest;
-  offset.upper = part * largest;
-  variables.push_back(offset);
-  Variable drift = offset;
-  drift.role = Variable::Role::drift;
-  drift.name = key + ".drift";
-  drift.unit += "/s";
-  drift.scale = offset.scale / 1e-3;
-  const double recorded = signal.interval * static_cast<double>(signal.values.size());
-  drift.upper = drift_part * largest / recorded;
-  drift.lower = -drift.upper;
-  variables.push_back(drift);
+  if (!(largest > 0.0)) largest = 1.0;
+  Variable blank;
+  blank.quantity = signal.quantity;
+  blank.recording = recording;
+  blank.name = key;
+  blank.unit = std::string(datasets::si_unit(signal.quantity));
+  blank.lower = -unbounded;
+  blank.upper = unbounded;
+  add_background(signal, blank, mains_frequency, largest, variables);
   if (signal.gain_uncertainty > 0.0 || wanted("gain")) {
-    Variable gain = offset;
+    Variable gain = blank;
     gain.role = Variable::Role::gain;
-    gain.name = key + ".gain";
+    gain.name += "gain";
     gain.unit = "1";
     gain.initial = 1.0;
     gain.lower = 0.2;
@@ -106,14 +133,12 @@ void add_channel_variables(const ImpactSignal& signal, int recording,
     variables.push_back(gain);
   }
   if (signal.delay_uncertainty > 0.0 || wanted("delay")) {
-    Variable delay = offset;
+    Variable delay = blank;
     delay.role = Variable::Role::delay;
-    delay.name = key + ".delay";
+    delay.name += "delay";
     delay.unit = "s";
     delay.initial = signal.delay;
     delay.scale = 1e-6;
-    delay.lower = -unbounded;
-    delay.upper = unbounded;
     if (signal.delay_uncertainty > 0.0) delay.prior = {signal.delay, signal.delay_uncertainty};
     variables.push_back(delay);
   }
@@ -134,6 +159,20 @@ void refuse_unknown(const std::vector<std::string>& asked) {
 }
 
 }  // namespace
+
+double BackgroundShape::at(double t) const {
+  switch (kind) {
+    case Kind::constant:
+      return 1.0;
+    case Kind::line:
+      return t;
+    case Kind::sine:
+      return std::sin(angular_frequency * t);
+    case Kind::cosine:
+      return std::cos(angular_frequency * t);
+  }
+  return 0.0;
+}
 
 bool is_fitted(const Impact& impact, const std::optional<ImpactSignal>& signal,
                const FitOptions& options) {
@@ -181,7 +220,7 @@ std::vector<Variable> make_variables(const std::vector<Impact>& impacts, const R
     variables.push_back(touch);
     for (const auto* signal : {&impact.force, &impact.velocity, &impact.displacement})
       if (is_fitted(impact, *signal, options))
-        add_channel_variables(**signal, shot, asked, variables);
+        add_channel_variables(**signal, shot, rig.mains_frequency, asked, variables);
   }
   for (Variable& v : variables) {
     v.value = v.initial;

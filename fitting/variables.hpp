@@ -12,15 +12,27 @@
 
 namespace impactrig::fitting {
 
+/// A course that a channel's background may follow, in terms of the time since the impact as found.
+/// Together they follow baseline, amplifier drift and mains hum.
+struct BackgroundShape {
+  enum class Kind { constant, line, sine, cosine };
+
+  Kind kind = Kind::constant;
+  double angular_frequency = 0.0;  ///< of sine and cosine [rad/s]
+
+  double at(double t) const;
+};
+
 /// One unknown of a fit: a parameter of the physics, or of what stands between the impact and a
 /// recording.
 struct Variable {
-  enum class Role { physics, touch, offset, drift, gain, delay };
+  enum class Role { physics, touch, background, gain, delay };
 
   Role role = Role::physics;
   const PhysicalParameter* physics = nullptr;  ///< role physics
+  BackgroundShape background;                  ///< role background
   datasets::Quantity quantity =
-      datasets::Quantity::unknown;  ///< channel of offset, drift, gain, delay
+      datasets::Quantity::unknown;  ///< channel of background, gain, delay
   int recording = -1;               ///< -1: shared by all
   std::string name;
   std::string unit;
@@ -39,9 +51,9 @@ bool is_fitted(const datasets::Impact& impact, const std::optional<datasets::Imp
                const FitOptions& options);
 
 /// The unknowns of a fit: what the user frees (by default restitution, stiffness factor, approach
-/// speed), and for every recording first touch, channel offsets and drifts, and gains and delays
-/// whose calibration states an uncertainty. Throws std::invalid_argument on a name that cannot be
-/// fitted or is named twice.
+/// speed), and for every recording first touch, each channel's offset, drift and mains hum, and
+/// gains and delays whose calibration states an uncertainty. Throws std::invalid_argument on a name
+/// that cannot be fitted or is named twice.
 std::vector<Variable> make_variables(const std::vector<datasets::Impact>& impacts,
                                      const RigFile& rig, const FitOptions& options);
 

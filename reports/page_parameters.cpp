@@ -114,7 +114,8 @@ std::string html_matrix(const fitting::Fit& fit) {
          head + "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
 }
 
-/// For many parameters a matrix cannot be read: the strong pairs, strongest first.
+/// For many parameters a matrix cannot be read: the strong pairs, strongest first, and none within
+/// the measuring chain, whose offsets, drifts and hum always go together.
 std::string html_pairs(const fitting::Fit& fit) {
   struct Pair {
     double r;
@@ -124,12 +125,14 @@ std::string html_pairs(const fitting::Fit& fit) {
   std::vector<Pair> pairs;
   for (Eigen::Index i = 0; i < fit.correlations.rows(); ++i)
     for (Eigen::Index j = 0; j < i; ++j)
-      if (std::abs(fit.correlations(i, j)) >= 0.5)
-        pairs.push_back(
-            {fit.correlations(i, j), static_cast<std::size_t>(i), static_cast<std::size_t>(j)});
+      if (const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
+          std::abs(fit.correlations(i, j)) >= 0.5 &&
+          !(fit.parameters[row].nuisance && fit.parameters[column].nuisance))
+        pairs.push_back({fit.correlations(i, j), row, column});
   std::sort(pairs.begin(), pairs.end(),
             [](const Pair& a, const Pair& b) { return std::abs(a.r) > std::abs(b.r); });
-  if (pairs.empty()) return "<p>No two parameters are correlated by more than 0.5.</p>\n";
+  if (pairs.empty())
+    return "<p>No parameter of the impact is correlated with another by more than 0.5.</p>\n";
   const std::size_t shown = std::min<std::size_t>(pairs.size(), 30);
   std::string rows;
   for (std::size_t k = 0; k < shown; ++k)
@@ -138,7 +141,8 @@ std::string html_pairs(const fitting::Fit& fit) {
                         html_code(fit.parameters[pairs[k].i].name), html_cell(pairs[k].r));
   return fmt::format(
       "<div class=\"scroll\"><table class=\"matrix\"><caption>Correlations of 0.5 and "
-      "more: {} of {} pairs shown, all are in the JSON</caption>\n<thead><tr>"
+      "more with a parameter of the impact: {} of {} pairs shown; all are in the "
+      "JSON</caption>\n<thead><tr>"
       "<th scope=\"col\">Parameter</th><th scope=\"col\">and</th><th scope=\"col\" "
       "class=\"n\">r</th></tr></thead><tbody>{}</tbody></table></div>\n",
       shown, pairs.size(), rows);
@@ -161,7 +165,8 @@ std::string html_parameters(const ReportData& data) {
   return html_section(
       "parameters", "Fitted parameters",
       "<p>Values with their standard errors, rounded to two digits of the error. A prior is what a "
-      "calibration said before the fit, mean ± standard uncertainty.</p>\n" +
+      "calibration said, or was assumed of mains hum, before the fit: mean ± standard "
+      "uncertainty.</p>\n" +
           html_table(data.fit) + html_list(data.fit.not_identifiable, "remarks") +
           html_correlations(data.fit));
 }

@@ -19,7 +19,7 @@ std::string to_error(double value, double error) {
 
 std::string parameter_line(const fitting::Parameter& p) {
   const std::string unit = p.unit == "1" ? "" : " " + p.unit;
-  std::string line = fmt::format("  {:<27} {:>14}", p.name, to_error(p.value, p.std_error));
+  std::string line = fmt::format("  {:<31} {:>10}", p.name, to_error(p.value, p.std_error));
   if (!p.identifiable)
     line += "   not identifiable";
   else if (p.std_error > 0.0)
@@ -27,8 +27,7 @@ std::string parameter_line(const fitting::Parameter& p) {
                         to_error(p.ci95[0], p.std_error), to_error(p.ci95[1], p.std_error), unit);
   if (p.at_bound) line += "   at its bound";
   if (!p.nuisance) line += fmt::format("   (started at {:.4g})", p.initial);
-  if (p.prior)
-    line += fmt::format("   (calibration: {:.4g} ± {:.2g})", (*p.prior)[0], (*p.prior)[1]);
+  if (p.prior) line += fmt::format("   (prior: {:.4g} ± {:.2g})", (*p.prior)[0], (*p.prior)[1]);
   return line + "\n";
 }
 

@@ -19,7 +19,7 @@ struct Label {
 };
 
 // Whole keys of the rig file first, then their last word for those of the measuring chain.
-constexpr std::array<Label, 20> labels{{
+constexpr std::array<Label, 24> labels{{
     {"contact.restitution", "Restitution e of the contact law"},
     {"contact.stiffness_factor", "Contact stiffness factor"},
     {"contact.stiffness", "Contact stiffness"},
@@ -39,6 +39,10 @@ constexpr std::array<Label, 20> labels{{
     {"gain", "Gain"},
     {"offset", "Offset"},
     {"drift", "Drift"},
+    {"sin", "Mains hum (sine)"},
+    {"cos", "Mains hum (cosine)"},
+    {"third_sin", "Third harmonic of the hum (sine)"},
+    {"third_cos", "Third harmonic of the hum (cosine)"},
     {"delay", "Delay"},
 }};
 

@@ -153,6 +153,16 @@ TEST(RigFile, ASensitivityThatIsNoneIsRefused) {
             "found \"4 kg\"");
 }
 
+TEST(RigFile, MainsAre50HertzUnlessStated) {
+  const std::string text = paper_rig;
+  EXPECT_EQ(parse_rig_file(text, "rig.toml").mains_frequency, 50.0);
+  EXPECT_EQ(
+      parse_rig_file(text, "rig.toml", {{"environment.mains_frequency", "60 Hz"}}).mains_frequency,
+      60.0);
+  EXPECT_THROW(parse_rig_file(text, "rig.toml", {{"environment.mains_frequency", "0 Hz"}}),
+               datasets::InputError);
+}
+
 TEST(RigFile, AMissingFileIsAFileError) {
   EXPECT_THROW(read_rig_file("/nowhere/rig.toml"), datasets::FileError);
 }

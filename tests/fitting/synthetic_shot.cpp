@@ -2,6 +2,7 @@
 #include "tests/fitting/synthetic_shot.hpp"
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "datasets/sensor_response.hpp"
@@ -56,7 +57,7 @@ datasets::Impact synthetic_shot(const fitting::RigFile& rig, const ShotTruth& tr
   std::normal_distribution<double> normal;
   const auto record = [&](datasets::Quantity quantity, const datasets::Sensor& sensor,
                           const std::vector<double>& history, double noise, double offset,
-                          double late) {
+                          double late, double hum) {
     const std::vector<double> shown = datasets::sensor_response(sensor, history, fine);
     datasets::ImpactSignal signal;
     signal.quantity = quantity;
@@ -66,12 +67,17 @@ datasets::Impact synthetic_shot(const fitting::RigFile& rig, const ShotTruth& tr
     signal.noise = noise;
     signal.delay = sensor.delay.value;
     signal.delay_uncertainty = sensor.delay.uncertainty;
+    std::uniform_real_distribution<double> uniform(0.0, 2.0 * std::numbers::pi);
+    const double mains = 2.0 * std::numbers::pi * 50.0;
+    const double phase = hum > 0.0 ? uniform(generator) : 0.0;
+    const double third = hum > 0.0 ? uniform(generator) : 0.0;
     for (double t = -lead; t < truth.duration - 20e-6; t += interval) {
       const double place = (t - late - simulation.history.start) / fine;
       const auto k = static_cast<std::size_t>(place);
       const double part = place - static_cast<double>(k);
-      signal.values.push_back(offset + (1.0 - part) * shown[k] + part * shown[k + 1] +
-                              noise * normal(generator));
+      signal.values.push_back(
+          offset + (1.0 - part) * shown[k] + part * shown[k + 1] + noise * normal(generator) +
+          hum * (std::sin(mains * t + phase) + 0.3 * std::sin(3.0 * mains * t + third)));
     }
     return signal;
   };
@@ -81,9 +87,9 @@ datasets::Impact synthetic_shot(const fitting::RigFile& rig, const ShotTruth& tr
   impact.end = true_touch + simulation.episodes.front().end;
   impact.approach_velocity = 1.003 * truth.velocity;
   impact.force = record(datasets::Quantity::force, *rig.force, simulation.history.force,
-                        truth.force_noise, truth.force_offset, truth.force_delay);
+                        truth.force_noise, truth.force_offset, truth.force_delay, truth.force_hum);
   impact.velocity = record(datasets::Quantity::velocity, *rig.velocity, simulation.history.velocity,
-                           truth.velocity_noise, 0.0, truth.velocity_delay);
+                           truth.velocity_noise, 0.0, truth.velocity_delay, truth.velocity_hum);
   return impact;
 }
 

@@ -21,6 +21,8 @@ struct ShotTruth {
   double force_offset = 0.0;     ///< [N]
   double force_delay = 0.0;      ///< what the stated delay got wrong [s]
   double velocity_delay = 0.0;   ///< [s]
+  double force_hum = 0.0;        ///< 50 Hz amplitude, 0.3 of it at 150 Hz, phases drawn [N]
+  double velocity_hum = 0.0;     ///< [m/s]
   double duration = 3.2e-3;      ///< recorded after first touch [s]
   std::uint64_t seed = 1;
 };
