@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "models/beams/beam_dynamics.hpp"
 #include "models/contact/contact_force.hpp"
+#include "models/contact_log.hpp"
 #include "models/integration/dop853.hpp"
 #include "models/simulation.hpp"
 
@@ -17,7 +17,8 @@ namespace impactrig::models {
 /// = [q (n), v (n), impulse, dissipated energy].
 class ImpactRun {
  public:
-  ImpactRun(const Rig& rig, const Solver& solver, const SimulationOptions& options);
+  ImpactRun(const Rig& rig, const Solver& solver, const SimulationOptions& options,
+            BeamDynamics& beam);
   Simulation simulate();
 
  private:
@@ -37,7 +38,13 @@ class ImpactRun {
     return beam_->struck_acceleration(y.head(n_), y.segment(n_, n_), slope.segment(n_, n_));
   }
 
-  double total_energy(const Vector& y) const;
+  ContactTotals totals(const Vector& y) const { return {y[2 * n_], y[2 * n_ + 1]}; }
+
+  BeamEnergy energy(const Vector& y) const { return beam_->energy(y.head(n_), y.segment(n_, n_)); }
+
+  RigidPart rigid_part(const Vector& y) const {
+    return beam_->rigid_part(y.head(n_), y.segment(n_, n_));
+  }
 
   void set_scales(double kinetic, double approach);
   double fastest_vibration(double depth);
@@ -49,19 +56,17 @@ class ImpactRun {
   double root_of_event(bool pull, double theta_low, double theta_high);
   double land_on(double theta, bool pull);
   void touch();
-  void separate();
   void observe_attempt();
   void observe_extrema();
   double peak_in_attempt(double from, double to, double& force);
   void observe_deepest(double theta);
   void sample_history();
-  bool left_for_good() const;
   void conclude();
 
   const Rig& rig_;
   const Solver& solver_;
   const SimulationOptions& options_;
-  std::unique_ptr<BeamDynamics> beam_;
+  BeamDynamics* beam_;
   int n_;
   ContactForce contact_;
   Dop853 stepper_, probe_;
@@ -70,17 +75,13 @@ class ImpactRun {
   double t_end_ = 0.0;
   double first_step_ = 0.0, longest_step_ = 0.0;
   double time_of_touch_ = 0.0;
-  double energy_at_touch_ = 0.0;
   double elastic_reach_;  // √(2 C): how far √energy can move the struck point elastically [m/√J]
-  double approach_ = 0.0;
-  // at the deepest penetration of the episode: impulse and dissipated energy
-  double deepest_impulse_ = 0.0, deepest_dissipated_ = 0.0;
-  double episode_impulse_ = 0.0, episode_dissipated_ = 0.0;  // at its start
+  double approach_ = 0.0;  // speed at first touch [m/s]
   double velocity_place_ = 0.0, displacement_place_ = 0.0, laser_rest_ = 0.0;
   std::vector<int> history_rows_;
-  long grazing_ = 0;
   bool done_ = false;
   Simulation result_;
+  ContactLog log_;
 };
 
 }  // namespace impactrig::models

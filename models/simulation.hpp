@@ -85,17 +85,29 @@ struct Simulation {
   Cost cost;
   History history;
   std::string termination;
+  bool small_motion = false;  ///< solved as Motion::small
+  /// Estimated relative error of peak force, duration and impulse by the simplifications taken.
+  double neglected = 0.0;
   std::vector<std::string> skipped;   ///< simplifications taken: what, why it is safe here
   std::vector<std::string> warnings;  ///< one sentence each
 };
 
+/// Which equations of the bar are solved.
+enum class Motion {
+  by_accuracy,  ///< small motion where what it leaves out is below the accuracy asked for
+  small,        ///< linear about hanging straight, solved in the bar's modes
+  full          ///< as the model has them, foreshortening and large rotation kept
+};
+
 struct SimulationOptions {
   HistoryRequest history;
+  Motion motion = Motion::by_accuracy;
   bool exact = false;  ///< take no simplification
 };
 
-/// Predicts one impact of the rig. Throws std::invalid_argument as validate() does, and
-/// std::runtime_error with a sentence when the integration cannot go on.
+/// Predicts one impact of the rig. Throws std::invalid_argument as validate() does or when small
+/// motion is asked for of a mesh too fine for it, and std::runtime_error with a sentence when the
+/// integration cannot go on.
 Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOptions& options = {});
 
 }  // namespace impactrig::models

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/beams/ancf.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "models/integration/gauss.hpp"
@@ -94,6 +95,7 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
   const GaussRule rule = gauss_legendre(5);
   for (std::size_t g = 0; g < 5; ++g) {
     slope_shapes_[g] = shape_slope(rule.points[g]);
+    points_[g] = rule.points[g];
     weights_[g] = rule.weights[g];
   }
   reference_[0] = 1.0;
@@ -192,6 +194,43 @@ std::vector<int> AncfBeam::coordinates_of(double x) const {
   if (e == 0) return {0, 1, 2};
   const int first = first_dof(e);
   return {first, first + 1, first + 2, first + 3};
+}
+
+/// X alone. Gravity acts through the tension ρA g (L − x) it leaves in the hanging bar.
+SmallMotion AncfBeam::small_motion() const {
+  SmallMotion motion;
+  motion.mass = motion.stiffness = motion.gravity = Eigen::MatrixXd::Zero(dofs_, dofs_);
+  motion.rigid = -reference_;
+  for (int row = 0; row < dofs_; ++row)
+    for (int column = std::max(0, row - 3); column <= std::min(dofs_ - 1, row + 3); ++column)
+      motion.mass(row, column) = mass_.at(row, column);
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const auto [x, l] = elements_[e];
+    Eigen::Matrix4d elastic, weight = Eigen::Matrix4d::Zero();
+    for (int k = 0; k < 4; ++k)
+      elastic.col(k) = bending_stiffness_ * bending_force(Eigen::Vector4d::Unit(k), l);
+    for (std::size_t g = 0; g < 5; ++g) {
+      Nodal s = slope_shapes_[g];
+      s[0] /= l;
+      s[2] /= l;
+      const double below = bar_length_ - x - points_[g] * l;
+      weight += line_density_ * gravity_ * below * weights_[g] * l * s * s.transpose();
+    }
+    const int nodes = e == 0 ? 3 : 4;  // the hinge does not move
+    const int first = e == 0 ? 0 : first_dof(e);
+    motion.stiffness.block(first, first, nodes, nodes) += elastic.bottomRightCorner(nodes, nodes);
+    motion.gravity.block(first, first, nodes, nodes) += weight.bottomRightCorner(nodes, nodes);
+  }
+  return motion;
+}
+
+Eigen::VectorXd AncfBeam::small_motion_row(double x) const {
+  const std::size_t e = element_at(x);
+  const Eigen::Vector4d s = shape((x - elements_[e].x) / elements_[e].length, elements_[e].length);
+  Eigen::VectorXd row = Eigen::VectorXd::Zero(dofs_);
+  const int nodes = e == 0 ? 3 : 4;
+  row.segment(e == 0 ? 0 : first_dof(e), nodes) = -s.tail(nodes);
+  return row;
 }
 
 BeamEnergy AncfBeam::energy(ConstVector q, ConstVector v) const {

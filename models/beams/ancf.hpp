@@ -35,6 +35,8 @@ class AncfBeam : public BeamDynamics {
   double struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const override;
   PointMotion point(double x, ConstVector q, ConstVector v) const override;
   std::vector<int> coordinates_of(double x) const override;
+  SmallMotion small_motion() const override;
+  Eigen::VectorXd small_motion_row(double x) const override;
   BeamEnergy energy(ConstVector q, ConstVector v) const override;
   RigidPart rigid_part(ConstVector q, ConstVector v) const override;
 
@@ -62,7 +64,7 @@ class AncfBeam : public BeamDynamics {
   double inertia_;
   double bar_length_;
   std::array<Eigen::Vector4d, 5> slope_shapes_;  // dS/dξ at the Gauss points, for unit length
-  std::array<double, 5> weights_;
+  std::array<double, 5> points_, weights_;
   Eigen::VectorXd reference_;  // x as nodal values of one direction
   Eigen::VectorXd weight_;     // ∫ ρA S dx, one direction
   BandMatrix mass_;

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "models/modal/small_motion.hpp"
 #include "models/rig.hpp"
 
 namespace impactrig::models {
@@ -59,6 +60,12 @@ class BeamDynamics {
 
   /// The coordinates point(x, q, v) looks at, in q and likewise in v; the others may hold anything.
   virtual std::vector<int> coordinates_of(double x) const = 0;
+
+  /// The bar's motion across itself, linearised about hanging straight.
+  virtual SmallMotion small_motion() const = 0;
+
+  /// Displacement of a point under unit coordinates of small_motion(), closing > 0 (n).
+  virtual Eigen::VectorXd small_motion_row(double x) const = 0;
 
   virtual BeamEnergy energy(ConstVector q, ConstVector v) const = 0;
   virtual RigidPart rigid_part(ConstVector q, ConstVector v) const = 0;

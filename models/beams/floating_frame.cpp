@@ -202,6 +202,35 @@ std::vector<int> FloatingFrameBeam::coordinates_of(double) const {
   return all;
 }
 
+/// [ψ, b]: axial modes do not move with them. Gravity turns the bar back, and lifts what bending
+/// shortens.
+SmallMotion FloatingFrameBeam::small_motion() const {
+  const int n = 1 + bending_;
+  SmallMotion motion;
+  motion.mass = motion.stiffness = motion.gravity = Eigen::MatrixXd::Zero(n, n);
+  motion.rigid = -Eigen::VectorXd::Unit(n, 0);
+  motion.mass.diagonal().setOnes();
+  motion.mass(0, 0) = inertia_;
+  motion.stiffness.diagonal().tail(bending_) = stiffness_.tail(bending_);
+  for (const Station& s : stations_) {
+    const Eigen::VectorXd moment = s.mass * s.x * s.bending;
+    motion.mass.row(0).tail(bending_) += moment;
+    motion.mass.col(0).tail(bending_) += moment;
+    motion.gravity(0, 0) += s.mass * gravity_ * s.x;
+    motion.gravity.row(0).tail(bending_) += s.mass * gravity_ * s.bending;
+    motion.gravity.col(0).tail(bending_) += s.mass * gravity_ * s.bending;
+    motion.gravity.bottomRightCorner(bending_, bending_) += s.mass * gravity_ * s.coupling;
+  }
+  return motion;
+}
+
+Eigen::VectorXd FloatingFrameBeam::small_motion_row(double x) const {
+  Eigen::VectorXd row(1 + bending_);
+  row[0] = -x;
+  row.tail(bending_) = -cached_station(x).bending;
+  return row;
+}
+
 BeamEnergy FloatingFrameBeam::energy(ConstVector q, ConstVector v) const {
   BeamEnergy energy;
   energy.elastic = 0.5 * q.dot(stiffness_.cwiseProduct(q));

@@ -35,6 +35,8 @@ class FloatingFrameBeam : public BeamDynamics {
   double struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const override;
   PointMotion point(double x, ConstVector q, ConstVector v) const override;
   std::vector<int> coordinates_of(double x) const override;
+  SmallMotion small_motion() const override;
+  Eigen::VectorXd small_motion_row(double x) const override;
   BeamEnergy energy(ConstVector q, ConstVector v) const override;
   RigidPart rigid_part(ConstVector q, ConstVector v) const override;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/contact/contact_force.hpp"
 
+#include <cmath>
+
 #include "models/contact/damping_law.hpp"
 
 namespace impactrig::models {
@@ -31,6 +33,13 @@ double ContactForce::dissipation(double penetration, double rate) const {
       return -elastic(penetration) * rate;
   }
   return 0.0;
+}
+
+ContactForce::Response ContactForce::pressed(double penetration, double rate) const {
+  const auto [size, stiffness] = std::visit(
+      [&](const auto& law) { return law.force_and_stiffness(std::abs(penetration)); }, law_);
+  const double elastic = std::copysign(size, penetration);
+  return {elastic, elastic * pull(rate), stiffness * pull(rate), elastic * mu_};
 }
 
 double ContactForce::force_rate(double penetration, double rate, double acceleration) const {

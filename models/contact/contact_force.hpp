@@ -42,6 +42,16 @@ class ContactForce {
   double dissipation(double penetration,
                      double rate) const;  ///< power lost in the contact in this phase [W]
 
+  /// Force while pressed, with its derivatives.
+  struct Response {
+    double elastic = 0.0;   ///< f_0 [N]
+    double force = 0.0;     ///< [N]
+    double to_depth = 0.0;  ///< ∂f/∂δ [N/m]
+    double to_rate = 0.0;   ///< ∂f/∂δ̇ [N s/m]
+  };
+
+  Response pressed(double penetration, double rate) const;
+
   /// df/dt while pressed, for finding the peak [N/s].
   double force_rate(double penetration, double rate, double acceleration) const;
 

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "models/contact/force_and_stiffness.hpp"
+
 namespace impactrig::models {
 
 /// Goldsmith's line contact, inverted in closed form.
@@ -71,6 +73,14 @@ struct Goldsmith {
     if (penetration <= 0.0) return 0.0;
     if (penetration > limit_penetration()) return 1.0 / (compliance * (limit_bracket() - 1.0));
     return 1.0 / (compliance * (bracket(penetration) - 1.0));
+  }
+
+  /// Force and stiffness at the cost of one of them.
+  ForceAndStiffness force_and_stiffness(double penetration) const {
+    if (penetration <= 0.0) return {0.0, 0.0};
+    if (penetration > limit_penetration()) return {force(penetration), stiffness(penetration)};
+    const double u = bracket(penetration);
+    return {penetration / (compliance * u), 1.0 / (compliance * (u - 1.0))};
   }
 
   /// The same contact with `factor` times the force at equal penetration.

@@ -3,6 +3,8 @@
 
 #include <limits>
 
+#include "models/contact/force_and_stiffness.hpp"
+
 namespace impactrig::models {
 
 /// A linear spring, f = k δ for δ > 0. Valid as far as the user says; the reference every other law
@@ -21,6 +23,10 @@ struct LinearContact {
   }
 
   double stiffness(double penetration) const { return penetration > 0.0 ? spring : 0.0; }
+
+  ForceAndStiffness force_and_stiffness(double penetration) const {
+    return {force(penetration), stiffness(penetration)};
+  }
 
   LinearContact scaled(double factor) const { return {spring * factor}; }
 };

@@ -293,7 +293,9 @@ TEST(Simulate, WarnsWhenTheEnergyDoesNotBalance) {
   rig.contact.exponent = 3;
   rig.gravity = 9.81;
   rig.start.velocity = 1e-5;
-  const Simulation run = simulate(rig, hybrid(Basis::pinned_free, 2, 1e-6, 1.5));
+  SimulationOptions full;
+  full.motion = Motion::full;
+  const Simulation run = simulate(rig, hybrid(Basis::pinned_free, 2, 1e-6, 1.5), full);
   ASSERT_GT(std::abs(run.energy.imbalance), 1e-5);
   EXPECT_THAT(run.warnings,
               testing::Contains(testing::MatchesRegex(

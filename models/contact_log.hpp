@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "models/beams/beam_dynamics.hpp"
+#include "models/contact/contact_force.hpp"
+#include "models/simulation.hpp"
+
+namespace impactrig::models {
+
+/// Running sums of a contact since first touch.
+struct ContactTotals {
+  double impulse = 0.0;     ///< [N s]
+  double dissipated = 0.0;  ///< [J]
+};
+
+/// What happens at the stop, in the order it happens, whoever integrates: keeps the episodes and
+/// the four restitutions, and moves the contact force from phase to phase.
+class ContactLog {
+ public:
+  ContactLog(const Rig& rig, double accuracy, Simulation& result)
+      : rig_(rig),
+        accuracy_(accuracy),
+        result_(result) {}
+
+  /// The bar's energy at first touch.
+  void begin(const BeamEnergy& energy);
+
+  /// Times from first touch [s]; speed of the struck point, closing > 0 [m/s].
+  void touch(double t, double speed, const ContactTotals& totals, ContactForce& contact);
+  void separate(double t, double speed, const ContactTotals& totals, ContactForce& contact);
+
+  /// A depth reached; kept when it is the deepest of the episode.
+  void deepest(double depth, const ContactTotals& totals);
+
+  /// A force reached; kept when it is the largest of the episode.
+  void peak(double force, double t);
+
+  const Episode& episode() const { return result_.episodes.back(); }
+
+  double first_speed() const { return result_.episodes.front().approach_velocity; }
+
+  /// Sums up at the end of the run, with the bar's energy then and its turning as a rigid body.
+  void conclude(double t, const ContactTotals& totals, const ContactForce& contact,
+                double penetration, const BeamEnergy& energy, const RigidPart& rigid);
+
+ private:
+  const Rig& rig_;
+  double accuracy_;
+  Simulation& result_;
+  double energy_at_touch_ = 0.0;
+  ContactTotals at_start_, at_deepest_;  // of the episode
+  long grazing_ = 0;
+};
+
+/// Whether the rigid part of a free bar's motion has carried the struck point further than its
+/// vibration can bring it back. `reach`: √(2 C), C the point's elastic compliance.
+bool left_for_good(const Rig& rig, double reach, const RigidPart& rigid, const BeamEnergy& energy);
+
+}  // namespace impactrig::models

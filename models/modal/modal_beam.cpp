@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/modal/modal_beam.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Jacobi>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace impactrig::models {
+
+namespace {
+
+/// Jacobi's method for a nearly diagonal symmetric matrix, to the relative accuracy of each of its
+/// entries; the rotations are gathered in the columns of `basis`. [GolubVanLoan2013, 8.5]
+void diagonalise(Eigen::MatrixXd& matrix, Eigen::MatrixXd& basis) {
+  const Eigen::Index n = matrix.rows();
+  for (int sweep = 0; sweep < 30; ++sweep) {
+    bool rotated = false;
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (Eigen::Index j = i + 1; j < n; ++j) {
+        const double product = std::abs(matrix(i, i) * matrix(j, j));
+        if (std::abs(matrix(i, j)) <= 1e-16 * std::sqrt(product)) continue;
+        Eigen::JacobiRotation<double> rotation;
+        rotation.makeJacobi(matrix, i, j);
+        matrix.applyOnTheLeft(i, j, rotation.adjoint());
+        matrix.applyOnTheRight(i, j, rotation);
+        basis.applyOnTheRight(i, j, rotation);
+        matrix(i, j) = matrix(j, i) = 0.0;
+        rotated = true;
+      }
+    if (!rotated) return;
+  }
+}
+
+}  // namespace
+
+ModalBeam::ModalBeam(const BeamDynamics& beam, const Rig& rig)
+    : beam_(beam),
+      motion_(beam.small_motion()) {
+  solve_modes();
+  struck_ = point(rig.contact.position);
+  rigid_ = shapes_.transpose() * (motion_.mass * motion_.rigid);
+  constexpr int stations = 24;
+  spacing_ = rig.beam.length / stations;
+  station_mass_ = rig.beam.mass() / stations;
+  Eigen::MatrixXd across(motion_.rigid.size(), stations + 1);
+  for (int i = 0; i <= stations; ++i) across.col(i) = beam.small_motion_row(i * spacing_);
+  const Eigen::MatrixXd rows = across.rightCols(stations) - across.leftCols(stations);
+  slopes_ = rows.transpose() * shapes_ / spacing_;
+}
+
+/// The rigid rotation is taken out first: its only stiffness is the weight's, which a rounding
+/// error of the highest modes' would drown. The bending modes among themselves are then solved as
+/// they are, and the little that the weight couples them to the rotation by rotations of pairs.
+void ModalBeam::solve_modes() {
+  const Eigen::Index n = motion_.rigid.size();
+  const Eigen::LLT<Eigen::MatrixXd> mass(motion_.mass);
+  if (mass.info() != Eigen::Success)
+    throw std::runtime_error("the bar's mass matrix is not positive definite");
+  const auto scaled = [&](const Eigen::MatrixXd& matrix) {
+    const Eigen::MatrixXd half = mass.matrixL().solve(matrix);
+    return Eigen::MatrixXd(mass.matrixL().solve(half.transpose()));
+  };
+  Eigen::VectorXd rigid = mass.matrixU() * motion_.rigid;
+  rigid.normalize();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> reflection(rigid);
+  const Eigen::MatrixXd reflector = reflection.householderQ() * Eigen::MatrixXd::Identity(n, n);
+  const Eigen::MatrixXd elastic = reflector.transpose() * scaled(motion_.stiffness) * reflector;
+  const Eigen::MatrixXd weight = reflector.transpose() * scaled(motion_.gravity) * reflector;
+
+  Eigen::MatrixXd basis = Eigen::MatrixXd::Identity(n, n);
+  Eigen::MatrixXd coupled = Eigen::MatrixXd::Zero(n, n);
+  coupled(0, 0) = weight(0, 0);
+  if (n > 1) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> bending(
+        elastic.bottomRightCorner(n - 1, n - 1) + weight.bottomRightCorner(n - 1, n - 1));
+    if (bending.info() != Eigen::Success)
+      throw std::runtime_error("the bar's modes could not be computed");
+    basis.bottomRightCorner(n - 1, n - 1) = bending.eigenvectors();
+    coupled.diagonal().tail(n - 1) = bending.eigenvalues();
+    coupled.row(0).tail(n - 1) = weight.row(0).tail(n - 1) * bending.eigenvectors();
+    coupled.col(0).tail(n - 1) = coupled.row(0).tail(n - 1).transpose();
+    diagonalise(coupled, basis);
+  }
+  omega_ = coupled.diagonal().cwiseMax(0.0).cwiseSqrt();  // a weightless pendulum: zero
+  shapes_ = mass.matrixU().solve(reflector * basis);
+  weight_ = basis.transpose() * weight * basis;
+}
+
+double ModalBeam::shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const {
+  slope_.noalias() = slopes_ * a;
+  slope_rate_.noalias() = slopes_ * rate;
+  double drawn = 0.0, energy = 0.0;
+  for (Eigen::Index i = 0; i < slope_.size(); ++i) {
+    const double step = slope_[i] * slope_rate_[i] * spacing_;
+    const double middle = drawn + 0.5 * step;
+    energy += 0.5 * station_mass_ * middle * middle;
+    drawn += step;
+  }
+  return energy;
+}
+
+Eigen::VectorXd ModalBeam::point(double x) const {
+  return shapes_.transpose() * beam_.small_motion_row(x);
+}
+
+BeamEnergy ModalBeam::energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const {
+  coordinates_.noalias() = weight_ * a;
+  const double gravitational = 0.5 * a.dot(coordinates_);
+  // the elastic energy of q itself would drown in what a rigid rotation leaves of rounding
+  const double potential = 0.5 * omega_.cwiseProduct(a).squaredNorm();
+  return {.kinetic = 0.5 * rate.squaredNorm(),
+          .elastic = potential - gravitational,
+          .gravitational = gravitational};
+}
+
+RigidPart ModalBeam::rigid_part(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const {
+  const double inertia = rigid_.squaredNorm();
+  return {.angle = rigid_.dot(a) / inertia, .rate = rigid_.dot(rate) / inertia};
+}
+
+}  // namespace impactrig::models

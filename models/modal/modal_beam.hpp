@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "models/beams/beam_dynamics.hpp"
+#include "models/modal/small_motion.hpp"
+
+namespace impactrig::models {
+
+/// A bar's small motion in its own modes: ä + ω² a = −r F, with unit modal mass, a (m). Not for
+/// concurrent use of one object.
+class ModalBeam {
+ public:
+  ModalBeam(const BeamDynamics& beam, const Rig& rig);
+
+  int modes() const { return static_cast<int>(omega_.size()); }
+
+  const Eigen::VectorXd& omega() const { return omega_; }  ///< [rad/s], the pendulum's first (m)
+
+  /// Displacement of the struck point, closing > 0, under unit modal coordinates [1/√kg] (m).
+  const Eigen::VectorXd& struck() const { return struck_; }
+
+  /// The same of any point, x from the hinge [m].
+  Eigen::VectorXd point(double x) const;
+
+  /// Modal velocities of a rigid rotation at 1 rad/s, closing (m).
+  const Eigen::VectorXd& rigid() const { return rigid_; }
+
+  BeamEnergy energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
+  /// Kinetic energy of the bar's points moving towards the hinge as it bends and turns, to the
+  /// lowest order: ½ ∫ ρA u̇² dx, u̇(x) = ∫₀ˣ w' ẇ' dξ [J]. Not part of the small motion.
+  double shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
+
+  RigidPart rigid_part(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
+
+ private:
+  void solve_modes();
+
+  const BeamDynamics& beam_;
+  SmallMotion motion_;
+  Eigen::MatrixXd shapes_;  // (n, m), M-orthonormal
+  Eigen::MatrixXd weight_;  // the hanging weight's stiffness (m, m)
+  Eigen::VectorXd omega_, struck_, rigid_;
+  Eigen::MatrixXd slopes_;  // of the modes at evenly spread stations (stations, m)
+  mutable Eigen::VectorXd slope_, slope_rate_, coordinates_;  // scratch
+  double station_mass_ = 0.0;                                 // [kg]
+  double spacing_ = 0.0;                                      // [m]
+};
+
+}  // namespace impactrig::models

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/modal/spherical_bessel.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace impactrig::models {
+
+void spherical_bessel(double z, std::span<double> j) {
+  if (j.empty()) return;
+  std::ranges::fill(j, 0.0);
+  if (z < 1e-8) {  // the next terms of the series are below rounding
+    j[0] = 1.0;
+    if (j.size() > 1) j[1] = z / 3.0;
+    return;
+  }
+  const int wanted = static_cast<int>(j.size());
+  // Where j_n has fallen below rounding: the recurrence starts there from nothing.
+  const int start = std::max(wanted, static_cast<int>(z + 16.0 + 6.0 * std::cbrt(z))) + 4;
+  double above = 0.0;
+  double here = 1e-120;
+  double squares = 0.0;
+  double last = 0.0;  // j_1 on the way
+  for (int n = start; n >= 0; --n) {
+    squares += (2.0 * n + 1.0) * here * here;
+    if (n < wanted) j[static_cast<std::size_t>(n)] = here;
+    if (n == 1) last = here;
+    if (n == 0) break;
+    const double below = (2.0 * n + 1.0) / z * here - above;
+    above = here;
+    here = below;
+    if (std::abs(here) > 1e100) {
+      const double down = 1e-100;
+      here *= down;
+      above *= down;
+      squares *= down * down;
+      for (int m = n; m < wanted; ++m) j[static_cast<std::size_t>(m)] *= down;
+      last *= down;
+    }
+  }
+  // The sign from whichever of the first two is larger.
+  const double sine = std::sin(z) / z;
+  const double next = sine / z - std::cos(z) / z;
+  const bool from_first = std::abs(sine) >= std::abs(next);
+  const double sign = (from_first ? here * sine : last * next) < 0.0 ? -1.0 : 1.0;
+  const double scale = sign / std::sqrt(squares);
+  for (double& value : j) value *= scale;
+}
+
+}  // namespace impactrig::models

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Small motion against the full equations, where it may be used and where it may not.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "models/simulation.hpp"
+#include "tests/models/scenes.hpp"
+
+namespace {
+
+using namespace impactrig::models;
+using namespace impactrig::tests;
+
+/// Largest relative difference of what accuracy promises: peak, duration and impulse of the first
+/// contact.
+double difference(const Simulation& a, const Simulation& b) {
+  const Episode& x = a.episodes.at(0);
+  const Episode& y = b.episodes.at(0);
+  return std::max({std::abs(x.peak_force / y.peak_force - 1.0), std::abs(x.end / y.end - 1.0),
+                   std::abs(x.impulse / y.impulse - 1.0)});
+}
+
+Simulation simulate_as(Motion motion, const Rig& rig, Solver solver, double accuracy) {
+  SimulationOptions options;
+  options.motion = motion;
+  solver.accuracy = accuracy;
+  return simulate(rig, solver, options);
+}
+
+/// Random bars, stops and impacts of laboratory size.
+struct Scene {
+  explicit Scene(unsigned seed) : generator(seed) {
+    const double length = spread(0.05, 3.0);
+    const double radius = length * spread(0.005, 0.05);
+    rig.beam = {.length = length,
+                .area = std::numbers::pi * radius * radius,
+                .second_moment = std::numbers::pi * std::pow(radius, 4) / 4.0,
+                .youngs_modulus = spread(2e9, 2.1e11),
+                .density = spread(1000.0, 8000.0)};
+    rig.contact.position = length * uniform(0.3, 1.0);
+    rig.contact.radius = radius;
+    rig.contact.counter_radius = radius * (1.0 + spread(1e-2, 1.0));
+    rig.contact.counterface = seed % 2 == 0 ? Counterface::groove : Counterface::plane;
+    rig.contact.length = radius * spread(0.3, 3.0);
+    rig.contact.modulus = rig.beam.youngs_modulus;
+    rig.contact.counter_modulus = spread(2e9, 2e11);
+    rig.contact.poisson_ratio = rig.contact.counter_poisson_ratio = 0.3;
+    rig.contact.exponent = seed % 3 == 0 ? 3 : 1;
+    rig.contact.damping = seed % 5 < 2 ? "exact" : "lankarani-nikravesh";
+    rig.contact.restitution = uniform(0.1, 1.0);
+    rig.start.velocity = spread(0.02, 10.0);
+    const double wave_speed = std::sqrt(rig.beam.youngs_modulus / rig.beam.density);
+    const double duration = length / wave_speed * spread(1.0, 100.0);
+    const int modes = 1 + static_cast<int>(seed % 8);
+    solver = seed % 3 == 0   ? rigid(1e-6)
+             : seed % 3 == 1 ? hybrid(Basis::pinned_free, modes, 1e-6, duration)
+                             : ancf(1 + modes, 1 + modes % 3, 1e-6, duration);
+    solver.duration = duration;
+  }
+
+  double uniform(double low, double high) {
+    return std::uniform_real_distribution<>(low, high)(generator);
+  }
+
+  double spread(double low, double high) {
+    return std::exp(uniform(std::log(low), std::log(high)));
+  }
+
+  std::mt19937_64 generator;
+  Rig rig;
+  Solver solver;
+};
+
+/// The contact ends, and the elastic law holds.
+bool complete(const Scene& scene) {
+  try {
+    return !simulate_as(Motion::small, scene.rig, scene.solver, 1e-6).episodes.front().open;
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+}
+
+TEST(SmallMotion, ErrsNoMoreThanItsEstimate) {
+  int compared = 0;
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    const Scene scene(seed);
+    if (!complete(scene)) continue;
+    ++compared;
+    const Simulation small = simulate_as(Motion::small, scene.rig, scene.solver, 1e-9);
+    const Simulation full = simulate_as(Motion::full, scene.rig, scene.solver, 1e-9);
+    ASSERT_TRUE(small.small_motion);
+    ASSERT_FALSE(full.small_motion);
+    EXPECT_LE(difference(small, full), small.neglected + 3e-9) << "seed " << seed;
+  }
+  EXPECT_GE(compared, 30);
+}
+
+TEST(SmallMotion, KeepsTheAccuracyAskedFor) {
+  for (unsigned seed = 100; seed < 200; ++seed) {
+    const Scene scene(seed);
+    if (!complete(scene)) continue;
+    const Simulation reference = simulate_as(Motion::small, scene.rig, scene.solver, 1e-12);
+    for (const double accuracy : {1e-3, 1e-5, 1e-7, 1e-9}) {
+      const Simulation run = simulate_as(Motion::small, scene.rig, scene.solver, accuracy);
+      EXPECT_LE(difference(run, reference), accuracy) << "seed " << seed;
+      EXPECT_LE(std::abs(run.energy.imbalance), 10.0 * accuracy) << "seed " << seed;
+    }
+  }
+}
+
+TEST(SmallMotion, IsTakenWhereItMayBe) {
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  const Simulation run = simulate(rig, ancf(14, 2, 1e-4, 3e-3));
+  EXPECT_TRUE(run.small_motion);
+  EXPECT_LT(run.neglected, 1e-4);
+  EXPECT_THAT(run.skipped, testing::ElementsAre(testing::HasSubstr("foreshortening")));
+}
+
+// At 30 m/s on a slender bar small motion is wrong by more than is asked for, and it knows.
+TEST(SmallMotion, IsNotTakenWhereItMayNotBe) {
+  Rig rig = paper_rig();
+  rig.start.velocity = 30.0;
+  const Solver solver = ancf(14, 2, 1e-4, 3e-3);
+  const Simulation run = simulate(rig, solver);
+  EXPECT_FALSE(run.small_motion);
+  EXPECT_TRUE(run.skipped.empty());
+  const Simulation small = simulate_as(Motion::small, rig, solver, 1e-8);
+  const Simulation full = simulate_as(Motion::full, rig, solver, 1e-8);
+  EXPECT_GT(difference(small, full), 1e-4);
+}
+
+TEST(SmallMotion, IsNotTakenForAnExactRun) {
+  SimulationOptions exact;
+  exact.exact = true;
+  const Simulation run = simulate(paper_rig(), ancf(14, 2, 1e-3, 1e-3), exact);
+  EXPECT_FALSE(run.small_motion);
+  EXPECT_TRUE(run.skipped.empty());
+}
+
+// Evaluations of the contact law for a peak force that good: the paper's scene, damped, 3 ms.
+TEST(SmallMotion, NeedsFewEvaluations) {
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  rig.contact.damping = "lankarani-nikravesh";
+  rig.contact.restitution = 0.5;
+  const Solver solver = ancf(14, 2, 1e-6, 3e-3);
+  const double peak = simulate_as(Motion::small, rig, solver, 1e-13).peak_force;
+
+  struct Target {
+    double error;
+    long evaluations;
+  };
+
+  for (const auto& [error, evaluations] : {Target{1e-3, 250}, {1e-6, 450}, {1e-9, 1100}}) {
+    bool reached = false;
+    for (double accuracy = 1e-2; accuracy > 1e-11 && !reached; accuracy *= 0.1) {
+      const Simulation run = simulate_as(Motion::small, rig, solver, accuracy);
+      reached =
+          std::abs(run.peak_force / peak - 1.0) <= error && run.cost.evaluations <= evaluations;
+    }
+    EXPECT_TRUE(reached) << error;
+  }
+}
+
+TEST(SmallMotion, RefusesAMeshTooFineForItsModes) {
+  EXPECT_THROW(simulate_as(Motion::small, paper_rig(), ancf(300, 50, 1e-3, 1e-3), 1e-3),
+               std::invalid_argument);
+}
+
+}  // namespace

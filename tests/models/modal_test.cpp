@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the small-motion solver is made of: each piece against a closed form or an integral of ours.
+#include <gtest/gtest.h>
+
+#include <boost/math/special_functions/bessel.hpp>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "models/beams/ancf.hpp"
+#include "models/beams/bending_modes.hpp"
+#include "models/beams/floating_frame.hpp"
+#include "models/integration/gauss.hpp"
+#include "models/modal/collocation.hpp"
+#include "models/modal/modal_beam.hpp"
+#include "models/modal/modal_step.hpp"
+#include "models/modal/spherical_bessel.hpp"
+#include "tests/models/scenes.hpp"
+
+namespace {
+
+using namespace impactrig::models;
+using namespace impactrig::tests;
+
+TEST(SphericalBessel, AgreesWithBoost) {
+  for (const double z :
+       {0.0, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 3.141592653589793, 4.4934094579, 20.0, 180.0}) {
+    std::vector<double> j(60);
+    spherical_bessel(z, j);
+    for (unsigned n = 0; n < j.size(); ++n)
+      EXPECT_NEAR(j[n], boost::math::sph_bessel(n, z), 2e-14) << "j_" << n << "(" << z << ")";
+  }
+}
+
+TEST(Collocation, SeriesAndRatesAreThoseOfAPolynomial) {
+  const Collocation& rule = Collocation::of(6);
+  const auto polynomial = [](double x) { return 1.0 - 2.0 * x + 3.0 * std::pow(x, 5); };
+  NodeVector values(6);
+  for (int i = 0; i < 6; ++i) values[i] = polynomial(rule.points()[i]);
+  const NodeVector series = rule.to_series() * values;
+  Eigen::VectorXd legendre(6);
+  for (const double x : {0.0, 0.3, 1.0}) {
+    shifted_legendre(x, legendre);
+    EXPECT_NEAR(legendre.dot(series), polynomial(x), 1e-13);
+  }
+  const Eigen::VectorXd rates = rule.rates() * series;
+  EXPECT_NEAR(rates[0], -2.0, 1e-12);
+  EXPECT_NEAR(rates[7], 13.0, 1e-12);
+  const NodeVector part = rule.restriction(0.25) * series;
+  shifted_legendre(0.4, legendre);
+  EXPECT_NEAR(legendre.dot(part), polynomial(0.1), 1e-13);
+}
+
+/// A rigid bar whose weight is such that it swings at a frequency.
+Rig swinging_at(double omega) {
+  Rig rig = paper_rig();
+  rig.gravity = omega * omega * rig.beam.length / 1.5;
+  return rig;
+}
+
+/// One mode of a given frequency.
+struct Pendulum {
+  explicit Pendulum(double omega) : rig(swinging_at(omega)) {}
+
+  Rig rig;
+  FloatingFrameBeam bar{rig, Basis::cantilever, 0, 0};
+  ModalBeam modes{bar, rig};
+};
+
+TEST(ModalBeam, ARigidBarIsAPendulum) {
+  const Pendulum pendulum(4.0);
+  ASSERT_EQ(pendulum.modes.modes(), 1);
+  EXPECT_NEAR(pendulum.modes.omega()[0], 4.0, 1e-12);
+  EXPECT_NEAR(std::pow(pendulum.modes.struck()[0], 2), 1.0 / effective_mass(pendulum.rig), 1e-12);
+}
+
+// Exact frequencies [Blevins1979]; consistent cubic elements converge to them with the fourth power
+// of their length, from above.
+TEST(ModalBeam, AncfConvergesToThePinnedFreeFrequencies) {
+  const Rig rig = paper_rig();
+  const AncfBeam coarse(rig, {14, 2}), fine(rig, {28, 4});
+  const ModalBeam few(coarse, rig), many(fine, rig);
+  EXPECT_LT(many.omega()[0], 1e-3);  // weightless: it turns freely
+  for (int k = 1; k <= 5; ++k) {
+    const double exact = BendingMode(rig.beam, Basis::pinned_free, k).angular_frequency();
+    const double error = many.omega()[k] / exact - 1.0;
+    EXPECT_GT(error, -1e-9) << k;
+    EXPECT_LT(error, 1e-4) << k;
+    if (error < 1e-7) continue;  // its digits are rounding
+    EXPECT_NEAR((few.omega()[k] / exact - 1.0) / error, 16.0, 1.5) << k;
+  }
+}
+
+// A stiff bar's pendulum frequency, 1e6 times below its highest: the weight must not be lost in the
+// rounding of the highest modes. Heavier at the tip by bending is beyond the digits compared.
+TEST(ModalBeam, KeepsTheSlowSwingBesideTheFastestVibration) {
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  const AncfBeam mesh(rig, {56, 8});
+  const ModalBeam modes(mesh, rig);
+  EXPECT_NEAR(modes.omega()[0] / std::sqrt(1.5 * 9.81 / 0.8), 1.0, 1e-5);
+}
+
+/// ∫₀ᵗ k(t − s) F(s/h) ds by a fine composite rule.
+double duhamel(double omega, double h, double t, const NodeVector& series, bool rate) {
+  const GaussRule gauss = gauss_legendre(20);
+  const int panels = 4 + static_cast<int>(omega * t);
+  double sum = 0.0;
+  Eigen::VectorXd legendre(series.size());
+  for (int p = 0; p < panels; ++p)
+    for (std::size_t q = 0; q < gauss.points.size(); ++q) {
+      const double s = t * (p + gauss.points[q]) / panels;
+      shifted_legendre(s / h, legendre);
+      const double lag = t - s;
+      const double kernel = rate           ? std::cos(omega * lag)
+                            : omega == 0.0 ? lag
+                                           : std::sin(omega * lag) / omega;
+      sum += t / panels * gauss.weights[q] * kernel * legendre.dot(series);
+    }
+  return sum;
+}
+
+class OneMode : public testing::TestWithParam<double> {};
+
+TEST_P(OneMode, AnswersAPolynomialForceAsDuhamelsIntegral) {
+  const double h = 1e-3;
+  const double omega = GetParam() / h;
+  const Pendulum pendulum(omega);
+  const Collocation& rule = Collocation::of(8);
+  const ModalStep step(pendulum.modes, rule, h);
+  NodeVector series(8);
+  series << 2.0, -1.0, 0.5, 0.3, -0.7, 0.2, 0.1, -0.4;
+  NodeVector force(8);
+  Eigen::VectorXd legendre(8);
+  for (int i = 0; i < 8; ++i) {
+    shifted_legendre(rule.points()[i], legendre);
+    force[i] = legendre.dot(series);
+  }
+  const double r = pendulum.modes.struck()[0];
+  const double most = std::abs(r) * h * h;
+  ModalState from{Eigen::VectorXd::Constant(1, 0.3 * most),
+                  Eigen::VectorXd::Constant(1, std::abs(r) * h)};
+  ModalState to = from, again = from;
+  step.advance(from, force, to);
+  advance(pendulum.modes, h, series, from, again);
+  const auto free = [&](double t) {
+    const double sine = omega == 0.0 ? t : std::sin(omega * t) / omega;
+    return from.a[0] * std::cos(omega * t) + from.rate[0] * sine;
+  };
+  const double expected = free(h) - r * duhamel(omega, h, h, series, false);
+  EXPECT_NEAR(to.a[0], expected, 1e-12 * most);
+  EXPECT_NEAR(again.a[0], expected, 1e-12 * most);
+  const double rate = from.rate[0] * std::cos(omega * h) - from.a[0] * omega * std::sin(omega * h) -
+                      r * duhamel(omega, h, h, series, true);
+  EXPECT_NEAR(to.rate[0], rate, 1e-11 * most / h);
+  EXPECT_NEAR(again.rate[0], rate, 1e-11 * most / h);
+  const ModalStep::Response& response = step.response();
+  const NodeVector displacement = response.displacement_of_a * from.a +
+                                  response.displacement_of_rate * from.rate +
+                                  response.displacement_of_force * force;
+  for (int i = 0; i < 8; ++i) {
+    const double t = h * rule.points()[i];
+    EXPECT_NEAR(displacement[i], r * (free(t) - r * duhamel(omega, h, t, series, false)),
+                1e-12 * std::abs(r) * most);
+    EXPECT_NEAR(response.velocity_of_force.row(i).dot(force),
+                -r * r * duhamel(omega, h, t, series, true), 1e-11 * std::abs(r) * most / h);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Phases, OneMode, testing::Values(0.0, 1e-7, 1e-4, 0.1, 2.0, 30.0, 300.0));
+
+TEST(ModalStep, RefusesAStepItsSeriesCannotHold) {
+  const Pendulum pendulum(1e6);
+  EXPECT_THROW(ModalStep(pendulum.modes, Collocation::of(8), 1e-3), std::logic_error);
+  EXPECT_NO_THROW(
+      ModalStep(pendulum.modes, Collocation::of(8), ModalStep::longest(pendulum.modes)));
+}
+
+}  // namespace
