@@ -46,6 +46,11 @@ constexpr double near_minimum = 1e8;
 // A reduced chi-square above this is no chance: the noise itself is known to a tenth from the few
 // hundred samples before a trigger.
 constexpr double misfit = 1.25;
+// Small motion predicts the fit where it leaves out less than this part of the energy, and to the
+// end where the full equations would move no parameter by more than this part of its standard
+// error.
+constexpr double smallest_motion = 1e-3;
+constexpr double harmless_shift = 0.1;
 constexpr double unseen_noise = 1e-3;  // of the peak, where the record shows no noise at all
 
 /// Passes of the search. The first looks at the first contact and leaves mains hum at zero, which
@@ -74,6 +79,9 @@ class Session {
   void choose_samples(double window_share);
   double solve(Stage stage);
   void restart_elsewhere(double reduced);
+  void choose_motion();
+  void set_motion(models::Motion motion);
+  double shift_by_full_motion(const Eigen::MatrixXd& jacobian, const Uncertainty& spread) const;
   double chi2(Eigen::MatrixXd* jacobian) const;
   double samples() const;
   std::unique_ptr<ShotCost> cost_of(const Shot& shot) const;
@@ -90,6 +98,7 @@ class Session {
   std::vector<Shot> shots_;
   std::vector<std::string> warnings_;
   std::string termination_;
+  std::string skipped_;  // what the predictions leave out, and what that does to the fit
   bool noise_known_ = true;
   int iterations_ = 0;
   mutable long simulations_ = 0;
@@ -466,8 +475,52 @@ void Session::warn(Fit& fit, double reduced) const {
         fit.warnings.push_back(warning);
 }
 
+void Session::set_motion(models::Motion motion) {
+  for (Shot& shot : shots_) shot.model->set_motion(motion);
+}
+
+/// Small motion is faster by an order and leaves out what a noisy recording seldom shows. One
+/// choice for the whole fit: a change between two predictions would be taken for an effect of the
+/// parameters.
+void Session::choose_motion() {
+  try {
+    set_motion(models::Motion::small);
+    for (const Shot& shot : shots_)
+      if (shot.model->simulate(rig_.rig, 0.0).neglected > smallest_motion)
+        return set_motion(models::Motion::full);
+  } catch (const std::exception&) {
+    set_motion(models::Motion::full);  // it has the last word on what is wrong with the rig
+  }
+}
+
+/// By how much the full equations would move the parameters of the impact, to first order: the
+/// largest, in standard errors.
+double Session::shift_by_full_motion(const Eigen::MatrixXd& jacobian,
+                                     const Uncertainty& spread) const {
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(jacobian.rows());
+  Eigen::Index row = 0;
+  for (const Shot& shot : shots_) {
+    ShotModel full = *shot.model;
+    full.set_motion(models::Motion::full);
+    const auto cost = cost_of(shot);
+    const Eigen::VectorXd part = cost->change_by(full, values_of(shot));
+    change.segment(row, part.size()) = part;
+    row += part.size();
+    simulations_ += cost->simulations();
+  }
+  const Eigen::VectorXd shift = spread.covariance * (jacobian.transpose() * change);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < variables_.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (variables_[i].physics && spread.covariance(k, k) > 0.0)
+      largest = std::max(largest, std::abs(shift[k]) / std::sqrt(spread.covariance(k, k)));
+  }
+  return largest;
+}
+
 Fit Session::run() {
   const auto started = std::chrono::steady_clock::now();
+  choose_motion();
   choose_samples(first_window);
   const double first = solve(Stage::first);
   const bool several_starts = std::ranges::any_of(variables_, [](const Variable& v) {
@@ -488,7 +541,21 @@ Fit Session::run() {
     held.push_back(v.prior || v.role == Variable::Role::touch);
     priors += v.prior ? 1.0 : 0.0;
   }
-  const Uncertainty spread = uncertainty(jacobian, names, held);
+  Uncertainty spread = uncertainty(jacobian, names, held);
+  if (shots_.front().model->motion() == models::Motion::small) {
+    const double shift = shift_by_full_motion(jacobian, spread);
+    if (shift <= harmless_shift) {
+      skipped_ = fmt::format(
+          "in the fit: with the full equations no parameter of the impact would move by more than "
+          "{:.2g} standard errors",
+          shift);
+    } else {
+      set_motion(models::Motion::full);
+      solve(Stage::last);
+      fit.goodness.chi2 = chi2(&jacobian);
+      spread = uncertainty(jacobian, names, held);
+    }
+  }
   const double count = samples();
   const double unknowns = static_cast<double>(variables_.size());
   const double dof = std::max(1.0, count + priors - unknowns);
@@ -508,6 +575,7 @@ Fit Session::run() {
     const double interval = std::min(1e-6, shot.channels.front().signal->interval);
     fit.predictions.push_back(
         shot.model->simulate(cost_of(shot)->rig_at(values_of(shot)), interval));
+    if (!skipped_.empty()) fit.predictions.back().skipped.push_back(skipped_);
   }
   report_restitution(spread, inflation, fit);
   fit.impacts = impacts_;

@@ -210,6 +210,26 @@ std::vector<double> ShotCost::model_values(const FittedChannel& channel,
   return model;
 }
 
+Eigen::VectorXd ShotCost::change_by(const ShotModel& other,
+                                    const std::vector<double>& values) const {
+  const Prediction shown = predict_cached(values);
+  const Shown changed = other.predict(rig_at(values));
+  ++simulations_;
+  Eigen::VectorXd change(residuals_);
+  Eigen::Index row = 0;
+  for (const FittedChannel& channel : channels_) {
+    const datasets::Quantity quantity = channel.signal->quantity;
+    const Measurement m = measurement(quantity, values);
+    const double weight = m.gain / (channel.sigma * std::sqrt(channel.correlation));
+    for (const std::size_t k : channel.used) {
+      const double t = channel.signal->time(k) - m.shift;
+      change[row++] =
+          weight * (curve_of(*shown, quantity).at(t)[0] - curve_of(changed, quantity).at(t)[0]);
+    }
+  }
+  return change;
+}
+
 Eigen::MatrixXd ShotCost::restitution_gradient(const std::vector<double>& values) const {
   Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(3, static_cast<Eigen::Index>(variables_.size()));
   std::vector<Prediction> pairs;

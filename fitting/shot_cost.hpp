@@ -52,6 +52,9 @@ class ShotCost : public ceres::CostFunction {
   /// (3, n_variables).
   Eigen::MatrixXd restitution_gradient(const std::vector<double>& values) const;
 
+  /// By how much the weighted differences change when another model predicts (n_residuals).
+  Eigen::VectorXd change_by(const ShotModel& other, const std::vector<double>& values) const;
+
   models::Rig rig_at(const std::vector<double>& values) const;
 
  private:

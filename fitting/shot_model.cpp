@@ -54,6 +54,7 @@ models::Simulation ShotModel::simulate(const models::Rig& rig, double interval) 
   solver.duration = end_;
   models::SimulationOptions options;
   options.history = {.interval = interval, .lead = lead_};
+  options.motion = motion_;
   if (file_->velocity) options.history.velocity_position = file_->velocity->position;
   if (file_->displacement) options.history.displacement_position = file_->displacement->position;
   return models::simulate(rig, solver, options);

@@ -46,10 +46,16 @@ class ShotModel {
 
   void set_end(double end) { end_ = end; }
 
+  models::Motion motion() const { return motion_; }
+
+  /// Which equations predict from now on.
+  void set_motion(models::Motion motion) { motion_ = motion; }
+
  private:
   const RigFile* file_;
   bool force_, velocity_, displacement_;
   double lead_, end_, interval_;
+  models::Motion motion_ = models::Motion::full;
 };
 
 }  // namespace impactrig::fitting

@@ -106,6 +106,25 @@ TEST(Fit, FollowsMainsHum) {
   EXPECT_TRUE(parameter(with, "sensors.force.hum.sin").nuisance);
 }
 
+TEST(Fit, TakesSmallMotionWhereItIsHarmless) {
+  const RigFile rig = hybrid_rig();
+  const Fit result = fit({synthetic_shot(rig, {.duration = 1.6e-3})}, rig);
+  EXPECT_TRUE(result.predictions.at(0).small_motion);
+  EXPECT_THAT(result.predictions.at(0).skipped,
+              testing::Contains(testing::HasSubstr("standard errors")));
+}
+
+// Fast and quiet: what small motion leaves out would show, so that the full equations are fitted.
+TEST(Fit, KeepsTheFullEquationsWhereTheyAreSeen) {
+  const RigFile rig = hybrid_rig();
+  const ShotTruth truth{
+      .velocity = 8.0, .force_noise = 1.0, .velocity_noise = 1e-4, .duration = 1.6e-3};
+  const Fit result = fit({synthetic_shot(rig, truth)}, rig);
+  EXPECT_FALSE(result.predictions.at(0).small_motion);
+  EXPECT_LT(std::abs(pull(result, "contact.restitution", 0.5)), 4.0);
+  EXPECT_LT(std::abs(pull(result, "contact.stiffness_factor", 1.0)), 4.0);
+}
+
 TEST(Fit, SharesThePhysicsOfTwoShotsAndKeepsTheirSpeedsApart) {
   const RigFile rig = hybrid_rig();
   const Fit one = fit({synthetic_shot(rig, {.duration = 1.6e-3, .seed = 5})}, rig);
