@@ -92,7 +92,7 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
         return mass;
       }()),
       factor_(mass_) {
-  const GaussRule rule = gauss_legendre(5);
+  const GaussRule& rule = gauss_legendre(5);
   for (std::size_t g = 0; g < 5; ++g) {
     slope_shapes_[g] = shape_slope(rule.points[g]);
     points_[g] = rule.points[g];

@@ -41,19 +41,36 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
     const double omega = modes_[static_cast<std::size_t>(k)].angular_frequency();
     stiffness_[1 + axial_ + k] = omega * omega;
   }
-  const GaussRule rule = gauss_legendre(20 + 4 * std::max(modes, axial_modes));
+  const GaussRule& rule = gauss_legendre(20 + 4 * std::max(modes, axial_modes));
   const double line_density = rig.beam.density * rig.beam.area;
-  Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(bending_, bending_);
-  double reached = 0.0;
   for (std::size_t i = 0; i < rule.points.size(); ++i) {
     Station station = section_at(length_ * rule.points[i]);
     station.mass = line_density * length_ * rule.weights[i];
+    stations_.push_back(std::move(station));
+  }
+  struck_ = section_at(rig.contact.position);
+}
+
+void FloatingFrameBeam::couple() const {
+  Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(bending_, bending_);
+  double reached = 0.0;
+  for (Station& station : stations_) {
     add_coupling(reached, station.x, 1, coupling);
     reached = station.x;
     station.coupling = coupling;
-    stations_.push_back(std::move(station));
   }
-  struck_ = station_at(rig.contact.position);
+  struck_ = station_at(struck_.x);
+  coupled_ready_ = true;
+}
+
+const std::vector<FloatingFrameBeam::Station>& FloatingFrameBeam::stations() const {
+  if (!coupled_ready_) couple();
+  return stations_;
+}
+
+const FloatingFrameBeam::Station& FloatingFrameBeam::struck() const {
+  if (!coupled_ready_) couple();
+  return struck_;
 }
 
 FloatingFrameBeam::Station FloatingFrameBeam::section_at(double x) const {
@@ -65,13 +82,12 @@ FloatingFrameBeam::Station FloatingFrameBeam::section_at(double x) const {
   station.bending.resize(bending_);
   for (int k = 0; k < bending_; ++k)
     station.bending[k] = modes_[static_cast<std::size_t>(k)].at(x).value;
-  station.coupling = Eigen::MatrixXd::Zero(bending_, bending_);
   return station;
 }
 
 void FloatingFrameBeam::add_coupling(double from, double to, int panels,
                                      Eigen::MatrixXd& coupling) const {
-  static const GaussRule rule = gauss_legendre(8);
+  const GaussRule& rule = gauss_legendre(8);
   const double panel = (to - from) / panels;
   Eigen::VectorXd slopes(bending_);
   for (int p = 0; p < panels; ++p)
@@ -85,12 +101,13 @@ void FloatingFrameBeam::add_coupling(double from, double to, int panels,
 
 FloatingFrameBeam::Station FloatingFrameBeam::station_at(double x) const {
   Station station = section_at(x);
+  station.coupling = Eigen::MatrixXd::Zero(bending_, bending_);
   add_coupling(0.0, x, 2 + bending_, station.coupling);  // one wave of a product a panel
   return station;
 }
 
 const FloatingFrameBeam::Station& FloatingFrameBeam::cached_station(double x) const {
-  if (x == struck_.x) return struck_;
+  if (x == struck_.x) return struck();
   for (const Station& station : looked_at_)
     if (station.x == x) return station;
   return looked_at_.emplace_back(station_at(x));
@@ -133,7 +150,7 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contac
 
   mass_.setZero();
   rhs_ = -stiffness_.cwiseProduct(q);
-  for (const Station& s : stations_) {
+  for (const Station& s : stations()) {
     coupled_.noalias() = s.coupling * bending;
     const double x = s.x + s.axial.dot(axial) - 0.5 * bending.dot(coupled_);
     const double y = s.bending.dot(bending);
@@ -156,12 +173,12 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contac
   }
   if (contact_force != 0.0) {
     // F ∂X/∂q at the struck point (14)-(17)
-    coupled_.noalias() = struck_.coupling * bending;
-    const double x = struck_.x + struck_.axial.dot(axial) - 0.5 * bending.dot(coupled_);
-    const double y = struck_.bending.dot(bending);
+    coupled_.noalias() = struck().coupling * bending;
+    const double x = struck().x + struck().axial.dot(axial) - 0.5 * bending.dot(coupled_);
+    const double y = struck().bending.dot(bending);
     rhs_[0] += contact_force * (cosine * x - sine * y);
-    rhs_.segment(1, axial_) += contact_force * sine * struck_.axial;
-    rhs_.tail(bending_) += contact_force * (cosine * struck_.bending - sine * coupled_);
+    rhs_.segment(1, axial_) += contact_force * sine * struck().axial;
+    rhs_.tail(bending_) += contact_force * (cosine * struck().bending - sine * coupled_);
   }
   factor_.compute(mass_);
   a = rhs_;
@@ -177,19 +194,19 @@ PointMotion FloatingFrameBeam::motion(const Station& station, ConstVector q, Con
 }
 
 PointMotion FloatingFrameBeam::struck_point(ConstVector q, ConstVector v) const {
-  return motion(struck_, q, v);
+  return motion(struck(), q, v);
 }
 
 double FloatingFrameBeam::struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const {
-  const InFrame p = in_frame(struck_, q, v);
+  const InFrame p = in_frame(struck(), q, v);
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
   const auto rate = v.tail(bending_);
   // what a does as a velocity would, and the part that is quadratic in v
   const double quadratic = 2.0 * v[0] * (cosine * p.x_rate - sine * p.y_rate) -
                            v[0] * v[0] * (sine * p.x + cosine * p.y) -
-                           sine * rate.dot(struck_.coupling * rate);
-  return motion(struck_, q, a).velocity - quadratic;
+                           sine * rate.dot(struck().coupling * rate);
+  return motion(struck(), q, a).velocity - quadratic;
 }
 
 PointMotion FloatingFrameBeam::point(double x, ConstVector q, ConstVector v) const {
@@ -212,6 +229,7 @@ SmallMotion FloatingFrameBeam::small_motion() const {
   motion.mass.diagonal().setOnes();
   motion.mass(0, 0) = inertia_;
   motion.stiffness.diagonal().tail(bending_) = stiffness_.tail(bending_);
+  Eigen::VectorXd slopes(bending_);
   for (const Station& s : stations_) {
     const Eigen::VectorXd moment = s.mass * s.x * s.bending;
     motion.mass.row(0).tail(bending_) += moment;
@@ -219,7 +237,11 @@ SmallMotion FloatingFrameBeam::small_motion() const {
     motion.gravity(0, 0) += s.mass * gravity_ * s.x;
     motion.gravity.row(0).tail(bending_) += s.mass * gravity_ * s.bending;
     motion.gravity.col(0).tail(bending_) += s.mass * gravity_ * s.bending;
-    motion.gravity.bottomRightCorner(bending_, bending_) += s.mass * gravity_ * s.coupling;
+    // ∫ ρA g H dx = ∫ ρA g (L − x) S2'ᵀ S2' dx
+    for (int k = 0; k < bending_; ++k)
+      slopes[k] = modes_[static_cast<std::size_t>(k)].at(s.x).slope;
+    motion.gravity.bottomRightCorner(bending_, bending_) +=
+        s.mass * gravity_ * (length_ - s.x) * slopes * slopes.transpose();
   }
   return motion;
 }
@@ -227,7 +249,7 @@ SmallMotion FloatingFrameBeam::small_motion() const {
 Eigen::VectorXd FloatingFrameBeam::small_motion_row(double x) const {
   Eigen::VectorXd row(1 + bending_);
   row[0] = -x;
-  row.tail(bending_) = -cached_station(x).bending;
+  row.tail(bending_) = -section_at(x).bending;
   return row;
 }
 
@@ -236,7 +258,7 @@ BeamEnergy FloatingFrameBeam::energy(ConstVector q, ConstVector v) const {
   energy.elastic = 0.5 * q.dot(stiffness_.cwiseProduct(q));
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
-  for (const Station& s : stations_) {
+  for (const Station& s : stations()) {
     const InFrame p = in_frame(s, q, v);
     const double u = p.x_rate - v[0] * p.y;
     const double w = p.y_rate + v[0] * p.x;
@@ -250,7 +272,7 @@ RigidPart FloatingFrameBeam::rigid_part(ConstVector q, ConstVector v) const {
   RigidPart rigid;
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
-  for (const Station& s : stations_) {
+  for (const Station& s : stations()) {
     const InFrame p = in_frame(s, q, v);
     rigid.angle -= s.mass * s.x * (sine * p.x + cosine * p.y);
     const double moment = p.x * (p.y_rate + v[0] * p.x) - p.y * (p.x_rate - v[0] * p.y);

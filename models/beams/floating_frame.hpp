@@ -57,6 +57,9 @@ class FloatingFrameBeam : public BeamDynamics {
   };
 
   Station section_at(double x) const;  // coupling left at zero
+  const std::vector<Station>& stations() const;
+  const Station& struck() const;
+  void couple() const;
   void add_coupling(double from, double to, int panels, Eigen::MatrixXd& coupling) const;
   Station station_at(double x) const;
   const Station& cached_station(double x) const;
@@ -70,9 +73,12 @@ class FloatingFrameBeam : public BeamDynamics {
   double gravity_;
   double axial_scale_ = 0.0;
   std::vector<BendingMode> modes_;
-  Eigen::VectorXd stiffness_;      // modal, ω² (n), 0 for ψ
-  std::vector<Station> stations_;  // quadrature over the bar
-  Station struck_;
+  Eigen::VectorXd stiffness_;  // modal, ω² (n), 0 for ψ
+  // Quadrature over the bar, and the struck point. Their coupling is worked out when it is first
+  // needed: small motion does without.
+  mutable std::vector<Station> stations_;
+  mutable Station struck_;
+  mutable bool coupled_ready_ = false;
   mutable std::vector<Station> looked_at_;  // points asked for by point(), built once
   // scratch of acceleration()
   Eigen::MatrixXd mass_;

@@ -12,7 +12,7 @@ struct GaussRule {
 };
 
 /// n points, exact for polynomials of degree 2n − 1. n >= 1. Newton on the Legendre recurrence, to
-/// rounding.
-GaussRule gauss_legendre(int n);
+/// rounding; each rule is worked out once.
+const GaussRule& gauss_legendre(int n);
 
 }  // namespace impactrig::models

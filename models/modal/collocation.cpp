@@ -33,7 +33,7 @@ Collocation::Collocation(int nodes)
       weights_(nodes),
       to_series_(nodes, nodes),
       rates_(Eigen::MatrixXd::Zero(nodes + 2, nodes)) {
-  const GaussRule rule = gauss_legendre(nodes);
+  const GaussRule& rule = gauss_legendre(nodes);
   Eigen::VectorXd legendre(nodes);
   for (int i = 0; i < nodes; ++i) {
     points_[i] = rule.points[static_cast<std::size_t>(i)];
@@ -70,7 +70,7 @@ const Eigen::MatrixXd& Collocation::convolutions(int block) const {
 Eigen::MatrixXd Collocation::make_convolutions(int block) const {
   const int s = nodes();
   const int most = block_size * (block + 1);
-  const GaussRule rule = gauss_legendre((most + s) / 2 + 1);
+  const GaussRule& rule = gauss_legendre((most + s) / 2 + 1);
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(s * s, block_size);
   Eigen::VectorXd kernel(most), series(s);
   for (int i = 0; i < s; ++i)

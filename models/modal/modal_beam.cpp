@@ -107,6 +107,11 @@ Eigen::VectorXd ModalBeam::point(double x) const {
   return shapes_.transpose() * beam_.small_motion_row(x);
 }
 
+double ModalBeam::elastic_compliance() const {
+  const Eigen::Index bending = omega_.size() - 1;
+  return struck_.tail(bending).cwiseQuotient(omega_.tail(bending)).squaredNorm();
+}
+
 BeamEnergy ModalBeam::energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const {
   coordinates_.noalias() = weight_ * a;
   const double gravitational = 0.5 * a.dot(coordinates_);

@@ -27,6 +27,9 @@ class ModalBeam {
   /// Modal velocities of a rigid rotation at 1 rad/s, closing (m).
   const Eigen::VectorXd& rigid() const { return rigid_; }
 
+  /// Static deflection of the struck point under a unit force there, the swing taken out [m/N].
+  double elastic_compliance() const;
+
   BeamEnergy energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
   /// Kinetic energy of the bar's points moving towards the hinge as it bends and turns, to the
   /// lowest order: ½ ∫ ρA u̇² dx, u̇(x) = ∫₀ˣ w' ẇ' dξ [J]. Not part of the small motion.

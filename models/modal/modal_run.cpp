@@ -11,7 +11,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "models/beams/bending_modes.hpp"
 #include "models/history_recorder.hpp"
 #include "models/run_limits.hpp"
 
@@ -40,7 +39,7 @@ ModalRun::ModalRun(const Rig& rig, const Solver& solver, const SimulationOptions
       beam_(beam, rig),
       contact_(rig),
       rule_(Collocation::of(nodes_for(solver.accuracy))),
-      elastic_reach_(std::sqrt(2.0 * elastic_compliance(rig.beam, rig.contact.position))),
+      elastic_reach_(std::sqrt(2.0 * beam_.elastic_compliance())),
       log_(rig, solver.accuracy, result_) {
   const auto row = [&](double x) { return x > 0.0 ? beam_.point(x) : beam_.struck(); };
   if (options.history.interval > 0.0) {
