@@ -2,6 +2,7 @@
 #include "acquisition/exporter.hpp"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <bit>
 #include <cmath>
@@ -23,7 +24,8 @@ using datasets::Record;
 class OutputPath {
  public:
   explicit OutputPath(const std::string& ending)
-      : path_(testing::TempDir() + "impactrig_out_" + tests::WrittenFile::test_name() + ending) {}
+      : path_(testing::TempDir() + "impactrig_out_" + tests::WrittenFile::test_name() +
+              std::to_string(getpid()) + ending) {}
 
   ~OutputPath() { std::filesystem::remove(path_); }
 

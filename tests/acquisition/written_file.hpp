@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <exception>
@@ -15,11 +16,12 @@
 
 namespace impactrig::acquisition::tests {
 
-/// A file with the given bytes, named after the running test, gone afterwards.
+/// A file with the given bytes, named after the running test and process, gone afterwards.
 class WrittenFile {
  public:
   explicit WrittenFile(std::string_view bytes, std::string_view ending = ".txt")
-      : path_(testing::TempDir() + "impactrig_" + test_name() + std::string(ending)) {
+      : path_(testing::TempDir() + "impactrig_" + test_name() + std::to_string(getpid()) +
+              std::string(ending)) {
     std::ofstream(path_, std::ios::binary)
         .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   }

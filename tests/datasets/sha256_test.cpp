@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -30,7 +31,7 @@ TEST(Sha256, GivesThePublishedDigests) {
 }
 
 TEST(Sha256, ReadsAFileInPieces) {
-  const std::string path = testing::TempDir() + "sha256_million_a";
+  const std::string path = testing::TempDir() + "sha256_million_a" + std::to_string(getpid());
   std::ofstream(path) << std::string(1000000, 'a');
   EXPECT_EQ(sha256_of_file(path), of_million_a);
   std::ofstream(path, std::ios::trunc) << std::string(65536, 'a');  // the last piece is full

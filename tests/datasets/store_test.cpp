@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <hdf5.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <bit>
 #include <csignal>
@@ -40,10 +41,11 @@ namespace {
 using namespace impactrig::datasets;
 using tests::sample_record;
 
-/// A path that is gone after the test.
+/// A path of this process's own (tests run side by side), gone after the test.
 class TemporaryFile {
  public:
-  explicit TemporaryFile(const std::string& name) : path_(testing::TempDir() + "store_" + name) {
+  explicit TemporaryFile(const std::string& name)
+      : path_(testing::TempDir() + "store_" + std::to_string(getpid()) + "_" + name) {
     remove();
   }
 
