@@ -113,6 +113,7 @@ void acquire_synthetic(const Options& options) {
     throw datasets::InputError(
         {.file = options.rig},
         "describes no sensors to record with; add [sensors.force] and [sensors.velocity]");
+  fitting::choose_mesh(rig);
   models::Simulation simulation;
   const acquisition::Trajectory trajectory = trajectory_of(rig, options, simulation);
   const acquisition::SensorSet sensors = {rig.force, rig.velocity, rig.displacement};

@@ -136,8 +136,7 @@ void add_fit_job(CLI::App& command, FitJob& job) {
 reports::ReportData run_fit_job(const FitJob& job) {
   const auto started = std::chrono::steady_clock::now();
   const std::time_t wall_clock = std::time(nullptr);
-  const fitting::RigFile rig =
-      fitting::read_rig_file(job.rig, split_overrides(job.common.overrides));
+  fitting::RigFile rig = fitting::read_rig_file(job.rig, split_overrides(job.common.overrides));
   const acquisition::ImportOptions reading = import_options(job.reading);
   reports::ReportData data;
   const fitting::FitOptions options = fit_options(job);
@@ -158,7 +157,8 @@ reports::ReportData run_fit_job(const FitJob& job) {
     data.provenance.inputs.push_back({path, record.provenance.bytes, record.provenance.sha256});
     data.records.push_back(std::move(record));
   }
-  if (!rig.solver_stated) warnings.push_back(fitting::chosen_solver(rig));
+  if (const std::string chosen = fitting::choose_mesh(rig); !chosen.empty())
+    warnings.push_back(chosen);
   if (!job.common.quiet)
     fmt::print(stderr, "fitting {} impact(s), model {}\n", impacts.size(),
                models::name(rig.solver.model));

@@ -6,6 +6,7 @@
 #include "app/program.hpp"
 #include "datasets/record.hpp"
 #include "fitting/rig_file.hpp"
+#include "models/mesh_error.hpp"
 #include "models/simulation.hpp"
 #include "reports/report_data.hpp"
 #include "reports/text.hpp"
@@ -52,8 +53,9 @@ void simulate(const Options& options) {
     check_output(options.output, options.common.force);
     check_ending(options.output);
   }
-  const fitting::RigFile rig =
+  fitting::RigFile rig =
       fitting::read_rig_file(options.rig, split_overrides(options.common.overrides));
+  const std::string chosen = fitting::choose_mesh(rig);
   models::SimulationOptions request;
   const double longest = rig.solver.duration.value_or(0.1);
   if (!options.output.empty() && longest / options.interval > most_samples)
@@ -67,8 +69,8 @@ void simulate(const Options& options) {
     if (rig.displacement) request.history.displacement_position = rig.displacement->position;
   }
   models::Simulation simulation = models::simulate(rig.rig, rig.solver, request);
-  if (!rig.solver_stated)
-    simulation.skipped.insert(simulation.skipped.begin(), fitting::chosen_solver(rig));
+  if (!chosen.empty()) simulation.skipped.insert(simulation.skipped.begin(), chosen);
+  simulation.mesh_error = models::mesh_error(rig.rig, simulation.solver);
   if (!options.output.empty())
     acquisition::export_recording(history_record(simulation.history, rig), options.output);
   if (options.common.json)

@@ -21,6 +21,7 @@
 #include "fitting/shot_model.hpp"
 #include "fitting/variables.hpp"
 #include "models/contact/damping_law.hpp"
+#include "models/mesh_error.hpp"
 
 namespace impactrig::fitting {
 namespace {
@@ -51,6 +52,10 @@ constexpr double misfit = 1.25;
 // error.
 constexpr double smallest_motion = 1e-3;
 constexpr double harmless_shift = 0.1;
+// A shift by the mesh is worth a warning from this part of a standard error on.
+constexpr double telling_shift = 0.5;
+// The error of a mesh against the change to one twice as fine: errors fall about tenfold.
+constexpr double beyond_finer = 1.1;
 constexpr double unseen_noise = 1e-3;  // of the peak, where the record shows no noise at all
 
 /// Passes of the search. The first looks at the first contact and leaves mains hum at zero, which
@@ -81,7 +86,11 @@ class Session {
   void restart_elsewhere(double reduced);
   void choose_motion();
   void set_motion(models::Motion motion);
+  template <typename Change>
+  Eigen::VectorXd shift_by(const Change& change, const Eigen::MatrixXd& jacobian,
+                           const Uncertainty& spread) const;
   double shift_by_full_motion(const Eigen::MatrixXd& jacobian, const Uncertainty& spread) const;
+  void estimate_mesh_shift(const Eigen::MatrixXd& jacobian, const Uncertainty& spread);
   double chi2(Eigen::MatrixXd* jacobian) const;
   double samples() const;
   std::unique_ptr<ShotCost> cost_of(const Shot& shot) const;
@@ -98,7 +107,8 @@ class Session {
   std::vector<Shot> shots_;
   std::vector<std::string> warnings_;
   std::string termination_;
-  std::string skipped_;  // what the predictions leave out, and what that does to the fit
+  Eigen::VectorXd mesh_shift_;  // of the variables; empty where the mesh has no error to estimate
+  std::string skipped_;         // what the predictions leave out, and what that does to the fit
   bool noise_known_ = true;
   int iterations_ = 0;
   mutable long simulations_ = 0;
@@ -360,8 +370,9 @@ void Session::report_parameters(const Uncertainty& spread, double inflation, Fit
     p.unit = v.unit;
     p.value = v.value;
     p.std_error = inflation * std::sqrt(spread.covariance(k, k));
-    p.ci95 = {std::max(v.value - quantile * p.std_error, v.lower),
-              std::min(v.value + quantile * p.std_error, v.upper)};
+    if (mesh_shift_.size() > 0) p.mesh_shift = mesh_shift_[k];
+    const double half = quantile * p.std_error + beyond_finer * std::abs(p.mesh_shift);
+    p.ci95 = {std::max(v.value - half, v.lower), std::min(v.value + half, v.upper)};
     p.initial = v.initial;
     p.lower = v.lower;
     p.upper = v.upper;
@@ -455,6 +466,23 @@ void Session::warn(Fit& fit, double reduced) const {
         "another law or a finer mesh, free a gain or delay, or shorten the fitted window.",
         channel.channel, ratio, std::sqrt(reduced)));
   }
+  std::string shifts;
+  for (const Parameter& p : fit.parameters)
+    if (!p.nuisance && std::abs(p.mesh_shift) > telling_shift * p.std_error)
+      shifts += fmt::format(
+          "{}{} by {:+.2g}{} ({:.2g} standard errors)", shifts.empty() ? "" : ", ", p.name,
+          p.mesh_shift, p.unit == "1" ? "" : " " + p.unit, std::abs(p.mesh_shift) / p.std_error);
+  if (!shifts.empty()) {
+    const models::Solver finer = models::refined(rig_.solver);
+    fit.warnings.push_back(fmt::format(
+        "The mesh is coarser than the data are good: one twice as fine would move {}. The "
+        "intervals "
+        "were widened by that; with {} they would be narrower.",
+        shifts,
+        finer.model == models::BeamModel::ancf
+            ? fmt::format("solver.elements = [{}, {}]", finer.elements[0], finer.elements[1])
+            : fmt::format("solver.modes = {}", finer.modes)));
+  }
   for (const Parameter& p : fit.parameters)
     if (p.at_bound)
       fit.warnings.push_back(fmt::format(
@@ -493,22 +521,31 @@ void Session::choose_motion() {
   }
 }
 
-/// By how much the full equations would move the parameters of the impact, to first order: the
-/// largest, in standard errors.
-double Session::shift_by_full_motion(const Eigen::MatrixXd& jacobian,
-                                     const Uncertainty& spread) const {
-  Eigen::VectorXd change = Eigen::VectorXd::Zero(jacobian.rows());
+/// By how much the variables would move if other models predicted, to first order: change(model) is
+/// the other model of a shot.
+template <typename Change>
+Eigen::VectorXd Session::shift_by(const Change& change, const Eigen::MatrixXd& jacobian,
+                                  const Uncertainty& spread) const {
+  Eigen::VectorXd changes = Eigen::VectorXd::Zero(jacobian.rows());
   Eigen::Index row = 0;
   for (const Shot& shot : shots_) {
-    ShotModel full = *shot.model;
-    full.set_motion(models::Motion::full);
     const auto cost = cost_of(shot);
-    const Eigen::VectorXd part = cost->change_by(full, values_of(shot));
-    change.segment(row, part.size()) = part;
+    const Eigen::VectorXd part = cost->change_by(change(*shot.model), values_of(shot));
+    changes.segment(row, part.size()) = part;
     row += part.size();
     simulations_ += cost->simulations();
   }
-  const Eigen::VectorXd shift = spread.covariance * (jacobian.transpose() * change);
+  return -spread.covariance * (jacobian.transpose() * changes);
+}
+
+/// The largest shift of a parameter of the impact, in standard errors.
+double Session::shift_by_full_motion(const Eigen::MatrixXd& jacobian,
+                                     const Uncertainty& spread) const {
+  const auto with_full_motion = [](ShotModel model) {
+    model.set_motion(models::Motion::full);
+    return model;
+  };
+  const Eigen::VectorXd shift = shift_by(with_full_motion, jacobian, spread);
   double largest = 0.0;
   for (std::size_t i = 0; i < variables_.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -516,6 +553,19 @@ double Session::shift_by_full_motion(const Eigen::MatrixXd& jacobian,
       largest = std::max(largest, std::abs(shift[k]) / std::sqrt(spread.covariance(k, k)));
   }
   return largest;
+}
+
+/// A mesh twice as fine, compared in small motion: what large rotation adds is the same on both.
+void Session::estimate_mesh_shift(const Eigen::MatrixXd& jacobian, const Uncertainty& spread) {
+  if (rig_.solver.model == models::BeamModel::rigid) return;
+  const models::Motion motion = shots_.front().model->motion();
+  try {
+    set_motion(models::Motion::small);
+    mesh_shift_ = shift_by([](const ShotModel& model) { return model.finer(); }, jacobian, spread);
+  } catch (const std::exception& error) {
+    warnings_.push_back(fmt::format("The mesh error could not be estimated: {}", error.what()));
+  }
+  set_motion(motion);
 }
 
 Fit Session::run() {
@@ -556,6 +606,7 @@ Fit Session::run() {
       spread = uncertainty(jacobian, names, held);
     }
   }
+  estimate_mesh_shift(jacobian, spread);
   const double count = samples();
   const double unknowns = static_cast<double>(variables_.size());
   const double dof = std::max(1.0, count + priors - unknowns);

@@ -7,12 +7,14 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
 
 #include "fitting/toml_reader.hpp"
 #include "models/contact/elastic_law.hpp"
+#include "models/mesh_error.hpp"
 
 namespace impactrig::fitting {
 namespace {
@@ -21,6 +23,7 @@ using datasets::InputError;
 using datasets::Sensor;
 
 constexpr int default_elements = 16;
+constexpr double default_accuracy = 1e-4;  // without a [solver] table: what a mesh can hold
 
 /// Section properties and, where the section is round, the radius of its surface.
 struct Section {
@@ -157,22 +160,16 @@ void read_start(TableReader& table, models::Start& start) {
   table.finish();
 }
 
-std::array<int, 2> split_elements(int total, const models::Rig& rig) {
-  if (rig.contact.position >= rig.beam.length) return {total, 0};
-  const int first = static_cast<int>(std::lround(total * rig.contact.position / rig.beam.length));
-  const int before = std::clamp(first, 1, std::max(total - 1, 1));
-  return {before, std::max(total - before, 1)};
-}
-
 void read_solver(TableReader& table, RigFile& file) {
   models::Solver& solver = file.solver;
   if (const auto model = table.choice("model", {"rigid", "hybrid", "ancf"})) {
     solver.model = static_cast<models::BeamModel>(*model);
-    file.solver_stated = true;
+    file.mesh_stated = solver.model != models::BeamModel::ancf;
   }
   if (const auto elements = table.integers("elements")) {
+    file.mesh_stated = true;
     if (elements->size() == 1)
-      solver.elements = split_elements(elements->front(), file.rig);
+      solver.elements = models::split_elements(elements->front(), file.rig);
     else if (elements->size() == 2)
       solver.elements = {(*elements)[0], (*elements)[1]};
     else
@@ -184,7 +181,7 @@ void read_solver(TableReader& table, RigFile& file) {
   solver.axial_modes = table.integer("axial_modes").value_or(solver.axial_modes);
   if (const auto basis = table.choice("basis", {"cantilever", "pinned-free"}))
     solver.basis = static_cast<models::Basis>(*basis);
-  solver.accuracy = table.number("accuracy").value_or(solver.accuracy);
+  if (const auto accuracy = table.number("accuracy")) solver.accuracy = *accuracy;
   if (const auto duration = table.quantity("duration", "s")) solver.duration = duration->value;
   table.finish();
 }
@@ -404,8 +401,11 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
     }
     environment->finish();
   }
-  file.solver.elements = split_elements(default_elements, file.rig);
-  if (auto solver = root.table("solver")) read_solver(*solver, file);
+  file.solver.elements = models::split_elements(default_elements, file.rig);
+  if (auto solver = root.table("solver"))
+    read_solver(*solver, file);
+  else
+    file.solver.accuracy = default_accuracy;
   if (auto sensors = root.table("sensors")) read_sensors(*sensors, file);
   root.finish();
   try {
@@ -427,14 +427,23 @@ RigFile read_rig_file(const std::string& path, const std::vector<Override>& over
   return parse_rig_file(text.str(), path, overrides);
 }
 
-std::string chosen_solver(const RigFile& file) {
+std::string choose_mesh(RigFile& file) {
+  if (file.mesh_stated) return "";
+  double error = std::numeric_limits<double>::quiet_NaN();
+  file.solver = models::choose_mesh(file.rig, file.solver, error);
+  file.mesh_stated = true;
   const models::Solver& solver = file.solver;
-  return fmt::format(
-      "The rig file names no model: ANCF with [{}, {}] elements was taken, time integration to "
-      "{:g}. The mesh error, some tenths "
-      "of a percent of peak force with 16 elements, is not estimated; solver.elements makes it "
-      "smaller.",
-      solver.elements[0], solver.elements[1], solver.accuracy);
+  std::string sentence =
+      fmt::format("The rig file leaves the mesh open: ANCF with [{}, {}] elements was taken; ",
+                  solver.elements[0], solver.elements[1]);
+  if (!std::isfinite(error)) return sentence + "its error could not be estimated.";
+  sentence += fmt::format(
+      "its error in peak force, duration and impulse is estimated at {:.1g} at most", error);
+  return sentence + (error <= solver.accuracy
+                         ? fmt::format(", for an accuracy of {:g}.", solver.accuracy)
+                         : fmt::format(", more than the accuracy of {:g} asked for; no finer mesh "
+                                       "was tried.",
+                                       solver.accuracy));
 }
 
 }  // namespace impactrig::fitting

@@ -19,7 +19,7 @@ struct RigFile {
   std::string sha256;  ///< of `text`
   models::Rig rig;
   models::Solver solver;
-  bool solver_stated = false;  ///< the file has a [solver] table with a model
+  bool mesh_stated = false;  ///< the file names elements, or a model without
   std::optional<datasets::Sensor> force, velocity, displacement;
   double mains_frequency = 50.0;  ///< of the hum in the recordings [Hz]
 };
@@ -34,7 +34,8 @@ RigFile read_rig_file(const std::string& path, const std::vector<Override>& over
 RigFile parse_rig_file(const std::string& text, const std::string& path,
                        const std::vector<Override>& overrides = {});
 
-/// A sentence on the model and mesh that were taken because the rig file names none.
-std::string chosen_solver(const RigFile& file);
+/// Chooses the mesh for the accuracy asked for where the rig file leaves it open, and says so in a
+/// sentence; empty where it does not.
+std::string choose_mesh(RigFile& file);
 
 }  // namespace impactrig::fitting

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "datasets/sensor_response.hpp"
+#include "models/mesh_error.hpp"
 
 namespace impactrig::fitting {
 namespace {
@@ -42,6 +43,7 @@ std::array<double, 2> Shown::Curve::at(double t) const {
 ShotModel::ShotModel(const RigFile& rig, const datasets::Impact& impact, double lead, double end,
                      double step)
     : file_(&rig),
+      solver_(rig.solver),
       force_(impact.force.has_value()),
       velocity_(impact.velocity.has_value()),
       displacement_(impact.displacement.has_value()),
@@ -49,8 +51,14 @@ ShotModel::ShotModel(const RigFile& rig, const datasets::Impact& impact, double 
       end_(end),
       interval_(std::min(step / oversampling, coarsest)) {}
 
+ShotModel ShotModel::finer() const {
+  ShotModel model = *this;
+  model.solver_ = models::refined(solver_);
+  return model;
+}
+
 models::Simulation ShotModel::simulate(const models::Rig& rig, double interval) const {
-  models::Solver solver = file_->solver;
+  models::Solver solver = solver_;
   solver.duration = end_;
   models::SimulationOptions options;
   options.history = {.interval = interval, .lead = lead_};

@@ -51,8 +51,12 @@ class ShotModel {
   /// Which equations predict from now on.
   void set_motion(models::Motion motion) { motion_ = motion; }
 
+  /// The same with twice the elements or modes.
+  ShotModel finer() const;
+
  private:
   const RigFile* file_;
+  models::Solver solver_;
   bool force_, velocity_, displacement_;
   double lead_, end_, interval_;
   models::Motion motion_ = models::Motion::full;

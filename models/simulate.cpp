@@ -18,7 +18,7 @@ namespace {
 
 // Beyond, computing all modes costs more than it saves: the work grows with the cube of their
 // number.
-constexpr int most_modes = 200;
+constexpr int most_modes = 260;
 // The error of small motion is at most about twice what ModalRun::neglected() and the weight's
 // share say (120 random scenes against the full equations); twice that again for safety.
 constexpr double safety = 4.0;

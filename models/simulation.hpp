@@ -71,6 +71,18 @@ struct History {
   std::vector<double> displacement;
 };
 
+/// How much a mesh twice as fine changes the prediction, relative: nearly the error of the mesh,
+/// since what is left then is several times smaller. Of the first contact; NaN where it does not
+/// end.
+struct MeshError {
+  double peak_force = 0.0;
+  double duration = 0.0;
+  double impulse = 0.0;
+  Solver finer;  ///< what it was compared with
+
+  double largest() const;
+};
+
 /// What simulate() gives. `termination` says in a sentence why the run ended.
 struct Simulation {
   Solver solver;                 ///< as used
@@ -88,8 +100,9 @@ struct Simulation {
   bool small_motion = false;  ///< solved as Motion::small
   /// Estimated relative error of peak force, duration and impulse by the simplifications taken.
   double neglected = 0.0;
-  std::vector<std::string> skipped;   ///< simplifications taken: what, why it is safe here
-  std::vector<std::string> warnings;  ///< one sentence each
+  std::optional<MeshError> mesh_error;  ///< not estimated by simulate() itself
+  std::vector<std::string> skipped;     ///< simplifications taken: what, why it is safe here
+  std::vector<std::string> warnings;    ///< one sentence each
 };
 
 /// Which equations of the bar are solved.

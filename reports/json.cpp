@@ -22,6 +22,7 @@ Json parameter_json(const fitting::Parameter& parameter) {
           {"ci95", pair_json(parameter.ci95)},
           {"initial", parameter.initial},
           {"at_bound", parameter.at_bound},
+          {"mesh_shift", parameter.mesh_shift},
           {"lower", parameter.lower},
           {"upper", parameter.upper},
           {"prior", parameter.prior ? pair_json(*parameter.prior) : Json(nullptr)},
@@ -41,6 +42,7 @@ fitting::Parameter parameter_from(const JsonReader& json) {
   parameter.lower = json["lower"].number_or(-infinity);
   parameter.upper = json["upper"].number_or(infinity);
   parameter.at_bound = json["at_bound"].boolean();
+  if (json.has("mesh_shift")) parameter.mesh_shift = json["mesh_shift"].number();
   parameter.identifiable = json["identifiable"].boolean();
   parameter.nuisance = json["nuisance"].boolean();
   if (json.has("prior")) parameter.prior = json["prior"].pair();

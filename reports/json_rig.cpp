@@ -141,7 +141,7 @@ Json rig_json(const fitting::RigFile& rig) {
         {"velocity", sensor_json(rig.velocity)},
         {"displacement", sensor_json(rig.displacement)}}},
       {"solver", solver_json(rig.solver)},
-      {"solver_stated", rig.solver_stated},
+      {"mesh_stated", rig.mesh_stated},
       {"text", rig.text}};
 }
 
@@ -163,7 +163,7 @@ fitting::RigFile rig_from(const JsonReader& json) {
   rig.velocity = sensor_from(json["sensors"], "velocity");
   rig.displacement = sensor_from(json["sensors"], "displacement");
   rig.solver = solver_from(json["solver"]);
-  rig.solver_stated = json["solver_stated"].boolean();
+  rig.mesh_stated = json["mesh_stated"].boolean();
   return rig;
 }
 

@@ -80,6 +80,21 @@ std::string to_text(const ReportData& data) {
   return text + warnings_text(fit.warnings);
 }
 
+namespace {
+
+std::string mesh_error_text(const models::MeshError& error) {
+  const models::Solver& finer = error.finer;
+  const std::string mesh =
+      finer.model == models::BeamModel::ancf
+          ? fmt::format("{} + {} elements", finer.elements[0], finer.elements[1])
+          : fmt::format("{} modes", finer.modes);
+  return fmt::format(
+      "mesh error        {:+.2g} % peak force, {:+.2g} % duration, {:+.2g} % impulse, by {}\n",
+      100.0 * error.peak_force, 100.0 * error.duration, 100.0 * error.impulse, mesh);
+}
+
+}  // namespace
+
 std::string to_text(const models::Simulation& s, const models::Rig& rig) {
   std::string model(models::name(s.solver.model));
   if (s.solver.model == models::BeamModel::ancf)
@@ -111,6 +126,7 @@ std::string to_text(const models::Simulation& s, const models::Rig& rig) {
       100.0 * s.energy.rigid_rotation / whole, s.energy.imbalance);
   text += fmt::format("cost              {} steps, {} rejected, {} evaluations, {:.3g} ms\n",
                       s.cost.steps, s.cost.rejected, s.cost.evaluations, 1e3 * s.cost.seconds);
+  if (s.mesh_error) text += mesh_error_text(*s.mesh_error);
   text += fmt::format("ended             {}\n", s.termination);
   return text + warnings_text(s.warnings);
 }

@@ -125,6 +125,23 @@ TEST(Fit, KeepsTheFullEquationsWhereTheyAreSeen) {
   EXPECT_LT(std::abs(pull(result, "contact.stiffness_factor", 1.0)), 4.0);
 }
 
+// The shot is made on a mesh twice as fine: too coarse a mesh is told, and the interval still
+// holds.
+TEST(Fit, WidensIntervalsByTheMeshError) {
+  const RigFile rig = parse_rig_file(paper_rig, "rig.toml",
+                                     {{"solver.elements", "[7, 1]"}, {"solver.accuracy", "1e-4"}});
+  const RigFile finer = parse_rig_file(
+      paper_rig, "rig.toml", {{"solver.elements", "[14, 2]"}, {"solver.accuracy", "1e-4"}});
+  FitOptions options;
+  options.window = 0.3e-3;
+  const Fit result = fit({synthetic_shot(finer, {.restitution = 0.5})}, rig, options);
+  const Parameter& p = parameter(result, "contact.stiffness_factor");
+  EXPECT_GT(std::abs(p.mesh_shift), p.std_error);
+  EXPECT_LE(p.ci95[0], 1.0);
+  EXPECT_GE(p.ci95[1], 1.0);
+  EXPECT_THAT(result.warnings, testing::Contains(testing::HasSubstr("The mesh is coarser")));
+}
+
 TEST(Fit, SharesThePhysicsOfTwoShotsAndKeepsTheirSpeedsApart) {
   const RigFile rig = hybrid_rig();
   const Fit one = fit({synthetic_shot(rig, {.duration = 1.6e-3, .seed = 5})}, rig);

@@ -58,9 +58,23 @@ TEST(RigFile, ReadsThePapersRigInSi) {
 TEST(RigFile, WorksWithoutSolverAndSensors) {
   const std::string text(paper_rig);
   const RigFile file = parse_rig_file(text.substr(0, text.find("[solver]")), "rig.toml");
-  EXPECT_FALSE(file.solver_stated);
+  EXPECT_FALSE(file.mesh_stated);
   EXPECT_EQ(file.solver.elements[0] + file.solver.elements[1], 16);
+  EXPECT_EQ(file.solver.accuracy, 1e-4);
   EXPECT_FALSE(file.solver.duration.has_value());
+}
+
+TEST(RigFile, ChoosesTheMeshItLeavesOpen) {
+  const std::string text(paper_rig);
+  const std::string silent = text.substr(0, text.find("[solver]"));
+  RigFile coarse = parse_rig_file(silent, "rig.toml", {{"solver.accuracy", "0.05"}});
+  RigFile fine = parse_rig_file(silent, "rig.toml", {{"solver.accuracy", "0.005"}});
+  EXPECT_NE(choose_mesh(coarse).find("was taken"), std::string::npos);
+  EXPECT_NE(choose_mesh(fine).find("for an accuracy of 0.005"), std::string::npos);
+  EXPECT_LT(coarse.solver.elements[0], fine.solver.elements[0]);
+  EXPECT_EQ(choose_mesh(fine), "");  // once chosen it is stated
+  RigFile stated = parse_rig_file(silent, "rig.toml", {{"solver.elements", "[14, 2]"}});
+  EXPECT_EQ(choose_mesh(stated), "");
 }
 
 TEST(RigFile, TakesOverridesWithAndWithoutQuotes) {

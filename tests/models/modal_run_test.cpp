@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "models/mesh_error.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/scenes.hpp"
 
@@ -171,6 +172,38 @@ TEST(SmallMotion, NeedsFewEvaluations) {
 TEST(SmallMotion, RefusesAMeshTooFineForItsModes) {
   EXPECT_THROW(simulate_as(Motion::small, paper_rig(), ancf(300, 50, 1e-3, 1e-3), 1e-3),
                std::invalid_argument);
+}
+
+// Against a mesh eight times as fine: what is left after one refinement is several times smaller.
+TEST(MeshError, IsNearlyTheErrorOfTheMesh) {
+  const Rig rig = paper_rig();
+  const Solver coarse = ancf(7, 1, 1e-6, 1e-3);
+  const std::optional<MeshError> error = mesh_error(rig, coarse);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->finer.elements, (std::array<int, 2>{14, 2}));
+  const Simulation run = simulate_as(Motion::small, rig, coarse, 1e-7);
+  const Simulation converged = simulate_as(Motion::small, rig, ancf(56, 8, 1e-7, 1e-3), 1e-7);
+  const double actual = converged.peak_force / run.peak_force - 1.0;
+  EXPECT_LT(actual, -0.01);
+  EXPECT_NEAR(error->peak_force / actual, 1.0, 0.25);
+}
+
+TEST(MeshError, IsNoneForARigidBar) {
+  EXPECT_FALSE(mesh_error(paper_rig(), rigid(1e-6)).has_value());
+}
+
+TEST(ChooseMesh, ReachesTheAccuracyWithTheCoarsestMesh) {
+  const Rig rig = paper_rig();
+  Solver open = ancf(1, 1, 5e-3, 4e-4);
+  double error = 0.0;
+  const Solver chosen = choose_mesh(rig, open, error);
+  EXPECT_LE(error, 5e-3);
+  Solver coarser = chosen;
+  coarser.elements = split_elements((chosen.elements[0] + chosen.elements[1]) / 2, rig);
+  EXPECT_GT(mesh_error(rig, coarser)->largest(), 5e-3);
+  const Simulation run = simulate_as(Motion::small, rig, chosen, 1e-7);
+  const Simulation converged = simulate_as(Motion::small, rig, ancf(56, 8, 1e-7, 4e-4), 1e-7);
+  EXPECT_LE(difference(run, converged), 1.3 * 5e-3);
 }
 
 }  // namespace

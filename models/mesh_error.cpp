@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/mesh_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace impactrig::models {
+namespace {
+
+// Of the runs that are compared: far below any mesh error worth knowing.
+constexpr double time_accuracy = 1e-7;
+constexpr int coarsest = 8;
+constexpr int finest = 64;
+// Cubic elements converge with the fourth power at best.
+constexpr double best_ratio = 1.0 / 16.0;
+
+}  // namespace
+
+double MeshError::largest() const {
+  double largest = std::abs(peak_force);
+  for (const double other : {duration, impulse})
+    if (std::isfinite(other)) largest = std::max(largest, std::abs(other));
+  return largest;
+}
+
+Solver refined(const Solver& solver) {
+  Solver finer = solver;
+  finer.elements = {2 * solver.elements[0], 2 * solver.elements[1]};
+  finer.modes = 2 * solver.modes;
+  finer.axial_modes = 2 * solver.axial_modes;
+  return finer;
+}
+
+std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver) {
+  if (solver.model == BeamModel::rigid) return std::nullopt;
+  MeshError error;
+  error.finer = refined(solver);
+  SimulationOptions options;
+  options.motion = Motion::small;
+  const auto first_contact = [&](Solver mesh) {
+    mesh.accuracy = time_accuracy;
+    return simulate(rig, mesh, options).episodes.front();
+  };
+  try {
+    const Episode coarse = first_contact(solver);
+    const Episode fine = first_contact(error.finer);
+    const bool ends = !coarse.open && !fine.open;
+    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    error.peak_force = fine.peak_force / coarse.peak_force - 1.0;
+    error.duration = ends ? fine.end / coarse.end - 1.0 : unknown;
+    error.impulse = ends ? fine.impulse / coarse.impulse - 1.0 : unknown;
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+  return error;
+}
+
+Solver choose_mesh(const Rig& rig, const Solver& solver, double& error) {
+  Solver mesh = solver;
+  double before = 0.0;
+  for (int total = coarsest; total < finest; total *= 2) {
+    mesh.elements = split_elements(total, rig);
+    const std::optional<MeshError> found = mesh_error(rig, mesh);
+    if (!found) return solver;
+    before = error;
+    error = found->largest();
+    if (error <= solver.accuracy) return mesh;
+  }
+  mesh.elements = split_elements(finest, rig);
+  error *= std::clamp(error / before, best_ratio, 1.0);
+  return mesh;
+}
+
+std::array<int, 2> split_elements(int total, const Rig& rig) {
+  if (rig.contact.position >= rig.beam.length) return {total, 0};
+  const int first = static_cast<int>(std::lround(total * rig.contact.position / rig.beam.length));
+  const int before = std::clamp(first, 1, std::max(total - 1, 1));
+  return {before, std::max(total - before, 1)};
+}
+
+}  // namespace impactrig::models
