@@ -54,6 +54,7 @@ ShotModel::ShotModel(const RigFile& rig, const datasets::Impact& impact, double 
 ShotModel ShotModel::finer() const {
   ShotModel model = *this;
   model.solver_ = models::refined(solver_);
+  model.bars_ = std::make_shared<models::BarCache>();
   return model;
 }
 
@@ -63,6 +64,7 @@ models::Simulation ShotModel::simulate(const models::Rig& rig, double interval) 
   models::SimulationOptions options;
   options.history = {.interval = interval, .lead = lead_};
   options.motion = motion_;
+  options.bars = bars_.get();
   if (file_->velocity) options.history.velocity_position = file_->velocity->position;
   if (file_->displacement) options.history.displacement_position = file_->displacement->position;
   return models::simulate(rig, solver, options);

@@ -3,12 +3,14 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "datasets/impact.hpp"
 #include "fitting/rig_file.hpp"
+#include "models/modal/bar_cache.hpp"
 #include "models/simulation.hpp"
 
 namespace impactrig::fitting {
@@ -60,6 +62,7 @@ class ShotModel {
   bool force_, velocity_, displacement_;
   double lead_, end_, interval_;
   models::Motion motion_ = models::Motion::full;
+  std::shared_ptr<models::BarCache> bars_ = std::make_shared<models::BarCache>();
 };
 
 }  // namespace impactrig::fitting

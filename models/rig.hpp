@@ -18,6 +18,8 @@ struct Beam {
 
   double mass() const { return density * area * length; }
 
+  bool operator==(const Beam&) const = default;
+
   double hinge_inertia() const {
     return mass() * length * length / 3.0;
   }  ///< about the hinge [kg m^2]

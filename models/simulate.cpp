@@ -7,9 +7,9 @@
 #include <optional>
 #include <stdexcept>
 
-#include "models/beams/ancf.hpp"
-#include "models/beams/floating_frame.hpp"
 #include "models/impact_run.hpp"
+#include "models/make_beam.hpp"
+#include "models/modal/bar_cache.hpp"
 #include "models/modal/modal_run.hpp"
 #include "models/run_limits.hpp"
 
@@ -23,19 +23,6 @@ constexpr int most_modes = 260;
 // share say (120 random scenes against the full equations); twice that again for safety.
 constexpr double safety = 4.0;
 
-std::unique_ptr<BeamDynamics> make_beam(const Rig& rig, const Solver& solver) {
-  switch (solver.model) {
-    case BeamModel::rigid:
-      return std::make_unique<FloatingFrameBeam>(rig, Basis::cantilever, 0, 0);
-    case BeamModel::hybrid:
-      return std::make_unique<FloatingFrameBeam>(rig, solver.basis, solver.modes,
-                                                 solver.axial_modes);
-    case BeamModel::ancf:
-      return std::make_unique<AncfBeam>(rig, solver.elements);
-  }
-  throw std::logic_error("make_beam: beam model out of range");
-}
-
 /// A bar that can stretch begins without tension; until its first axial vibration is over the
 /// weight does not turn it back as small motion has it. As a part of the energy.
 double missing_tension(const Rig& rig, const Solver& solver, double duration) {
@@ -48,8 +35,11 @@ double missing_tension(const Rig& rig, const Solver& solver, double duration) {
 }
 
 Simulation simulate_small_motion(const Rig& rig, const Solver& solver,
-                                 const SimulationOptions& options, const BeamDynamics& beam) {
-  ModalRun run(rig, solver, options, beam);
+                                 const SimulationOptions& options) {
+  BarCache own;
+  BarCache& cache = options.bars ? *options.bars : own;
+  const std::shared_ptr<const ModalBar> bar = cache.bar(rig, solver);
+  ModalRun run(rig, solver, options, *bar);
   Simulation result = run.simulate();
   result.small_motion = true;
   result.neglected = safety * (run.neglected() + missing_tension(rig, solver, result.duration));
@@ -62,21 +52,23 @@ Simulation simulate_small_motion(const Rig& rig, const Solver& solver,
 
 /// Small motion, where it may be tried and its own estimate of what it leaves out allows it.
 std::optional<Simulation> try_small_motion(const Rig& rig, const Solver& solver,
-                                           const SimulationOptions& options,
-                                           const BeamDynamics& beam) {
+                                           const SimulationOptions& options) {
   const bool asked = options.motion == Motion::small;
   if (options.exact || options.motion == Motion::full) return std::nullopt;
-  if (beam.size() > 2 * most_modes) {
+  const int modes = solver.model == BeamModel::ancf
+                        ? 2 * (solver.elements[0] + solver.elements[1]) + 1
+                        : 1 + solver.modes;
+  if (modes > most_modes) {
     if (asked)
       throw std::invalid_argument(
-          fmt::format("small motion was asked for, but {} coordinates are too many for their modes "
-                      "to be computed; at most {}",
-                      beam.size(), 2 * most_modes));
+          fmt::format("small motion was asked for, but {} modes are too many to be computed; at "
+                      "most {}",
+                      modes, most_modes));
     return std::nullopt;
   }
-  if (asked) return simulate_small_motion(rig, solver, options, beam);
+  if (asked) return simulate_small_motion(rig, solver, options);
   try {
-    Simulation result = simulate_small_motion(rig, solver, options, beam);
+    Simulation result = simulate_small_motion(rig, solver, options);
     if (result.neglected <= solver.accuracy) return result;
   } catch (const std::runtime_error&) {
     // what is wrong with the scene the full equations tell
@@ -88,9 +80,11 @@ std::optional<Simulation> try_small_motion(const Rig& rig, const Solver& solver,
 
 Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOptions& options) {
   validate(rig, solver);
-  const std::unique_ptr<BeamDynamics> beam = make_beam(rig, solver);
-  std::optional<Simulation> result = try_small_motion(rig, solver, options, *beam);
-  if (!result) result = ImpactRun(rig, solver, options, *beam).simulate();
+  std::optional<Simulation> result = try_small_motion(rig, solver, options);
+  if (!result) {
+    const std::unique_ptr<BeamDynamics> beam = make_beam(rig, solver);
+    result = ImpactRun(rig, solver, options, *beam).simulate();
+  }
   if (rig.start.release_angle && !options.exact)
     result->skipped.push_back(fmt::format(
         "the swing from {:.4g} rad to first touch: the rigid bar's energy gives {:.6g} m/s at the "

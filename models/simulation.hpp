@@ -112,8 +112,12 @@ enum class Motion {
   full          ///< as the model has them, foreshortening and large rotation kept
 };
 
+class BarCache;
+
 struct SimulationOptions {
   HistoryRequest history;
+  /// Shared by runs of the same bar (models/modal/bar_cache.hpp); not owned.
+  BarCache* bars = nullptr;
   Motion motion = Motion::by_accuracy;
   bool exact = false;  ///< take no simplification
 };

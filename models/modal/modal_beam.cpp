@@ -91,11 +91,12 @@ void ModalBeam::solve_modes() {
 }
 
 double ModalBeam::shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const {
-  slope_.noalias() = slopes_ * a;
-  slope_rate_.noalias() = slopes_ * rate;
+  static thread_local Eigen::VectorXd slope, slope_rate;
+  slope.noalias() = slopes_ * a;
+  slope_rate.noalias() = slopes_ * rate;
   double drawn = 0.0, energy = 0.0;
-  for (Eigen::Index i = 0; i < slope_.size(); ++i) {
-    const double step = slope_[i] * slope_rate_[i] * spacing_;
+  for (Eigen::Index i = 0; i < slope.size(); ++i) {
+    const double step = slope[i] * slope_rate[i] * spacing_;
     const double middle = drawn + 0.5 * step;
     energy += 0.5 * station_mass_ * middle * middle;
     drawn += step;
@@ -113,8 +114,9 @@ double ModalBeam::elastic_compliance() const {
 }
 
 BeamEnergy ModalBeam::energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const {
-  coordinates_.noalias() = weight_ * a;
-  const double gravitational = 0.5 * a.dot(coordinates_);
+  static thread_local Eigen::VectorXd weighed;  // asked for at every step: no allocation
+  weighed.noalias() = weight_ * a;
+  const double gravitational = 0.5 * a.dot(weighed);
   // the elastic energy of q itself would drown in what a rigid rotation leaves of rounding
   const double potential = 0.5 * omega_.cwiseProduct(a).squaredNorm();
   return {.kinetic = 0.5 * rate.squaredNorm(),

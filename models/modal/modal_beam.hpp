@@ -8,8 +8,7 @@
 
 namespace impactrig::models {
 
-/// A bar's small motion in its own modes: ä + ω² a = −r F, with unit modal mass, a (m). Not for
-/// concurrent use of one object.
+/// A bar's small motion in its own modes: ä + ω² a = −r F, with unit modal mass, a (m).
 class ModalBeam {
  public:
   ModalBeam(const BeamDynamics& beam, const Rig& rig);
@@ -45,10 +44,9 @@ class ModalBeam {
   Eigen::MatrixXd shapes_;  // (n, m), M-orthonormal
   Eigen::MatrixXd weight_;  // the hanging weight's stiffness (m, m)
   Eigen::VectorXd omega_, struck_, rigid_;
-  Eigen::MatrixXd slopes_;  // of the modes at evenly spread stations (stations, m)
-  mutable Eigen::VectorXd slope_, slope_rate_, coordinates_;  // scratch
-  double station_mass_ = 0.0;                                 // [kg]
-  double spacing_ = 0.0;                                      // [m]
+  Eigen::MatrixXd slopes_;     // of the modes at evenly spread stations (stations, m)
+  double station_mass_ = 0.0;  // [kg]
+  double spacing_ = 0.0;       // [m]
 };
 
 }  // namespace impactrig::models

@@ -8,7 +8,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 #include "models/history_recorder.hpp"
@@ -17,8 +16,6 @@
 namespace impactrig::models {
 namespace {
 
-constexpr double level_ratio = std::numbers::sqrt2;
-constexpr int most_levels = 80;
 // Of the accuracy asked for, what a step may spend on its impulse.
 constexpr double step_share = 0.3;
 // How well the motion of free flight is resolved where a touch is looked for, of the approach
@@ -32,11 +29,12 @@ int nodes_for(double accuracy) {
 }  // namespace
 
 ModalRun::ModalRun(const Rig& rig, const Solver& solver, const SimulationOptions& options,
-                   const BeamDynamics& beam)
+                   const ModalBar& bar)
     : rig_(rig),
       solver_(solver),
       options_(options),
-      beam_(beam, rig),
+      bar_(bar),
+      beam_(bar.modes()),
       contact_(rig),
       rule_(Collocation::of(nodes_for(solver.accuracy))),
       elastic_reach_(std::sqrt(2.0 * beam_.elastic_compliance())),
@@ -46,23 +44,7 @@ ModalRun::ModalRun(const Rig& rig, const Solver& solver, const SimulationOptions
     velocity_row_ = row(options.history.velocity_position);
     displacement_row_ = row(options.history.displacement_position);
   }
-  steps_.resize(most_levels);
   result_.solver = solver;
-}
-
-double ModalRun::length_of(int level) const {
-  return longest_ * std::pow(level_ratio, -level);
-}
-
-int ModalRun::level_below(double h) const {
-  const double level = std::ceil(std::log(longest_ / h) / std::log(level_ratio) - 1e-9);
-  return static_cast<int>(std::clamp(level, 0.0, most_levels - 1.0));
-}
-
-const ModalStep& ModalRun::step_at(int level) {
-  auto& step = steps_[static_cast<std::size_t>(level)];
-  if (!step) step = std::make_unique<ModalStep>(beam_, rule_, length_of(level));
-  return *step;
 }
 
 /// Extrapolates the last step's force, as far as its low terms tell.
@@ -134,7 +116,7 @@ double ModalRun::motion_error() const {
 void ModalRun::attempt(int level) {
   const int s = rule_.nodes();
   tried_.level = level;
-  tried_.step = &step_at(level);
+  tried_.step = &bar_.step(rule_, level);
   const ModalStep::Response& response = tried_.step->response();
   tried_.displacement.noalias() = response.displacement_of_a * state_.a;
   tried_.displacement.noalias() += response.displacement_of_rate * state_.rate;
@@ -162,7 +144,10 @@ void ModalRun::attempt(int level) {
         tried_.dissipation[i] = contact_.dissipation(tried_.displacement[i], tried_.velocity[i]);
     tried_.error = std::max(motion_error(), force_error());
   }
-  tried_.step->advance(state_, tried_.force, tried_.end);
+  if (contact_.phase() == Phase::pressed)
+    tried_.step->advance(state_, tried_.force, tried_.end);
+  else
+    tried_.step->coast(state_, tried_.end);
   tried_.at_end = struck(tried_.end);
   find_event();
 }
@@ -382,7 +367,10 @@ void ModalRun::sample_history() {
         shifted_legendre((t - t_ + rule_.points()[i] * history.interval) / h, legendre);
         force[i] = legendre.dot(tried_.force_series);
       }
-      sampling_->advance(now, force, sampled_[1]);
+      if (pressed)
+        sampling_->advance(now, force, sampled_[1]);
+      else
+        sampling_->coast(now, sampled_[1]);
       std::swap(sampled_[0], sampled_[1]);
     } else {
       jump_to(next);
@@ -433,28 +421,28 @@ void ModalRun::integrate() {
   longest_ = std::min(100.0 * depth / approach_, ModalStep::longest(beam_));
   // A first step so short that the corner of the contact law at touch does not matter.
   const double first = std::min(0.1, 3.0 * std::sqrt(solver_.accuracy)) * depth / approach_;
-  int level = level_below(first);
+  int level = bar_.level_below(first);
   bool rejected = false;
   bool done = false;
   while (!done) {
     attempt(level);
     if (result_.cost.steps + result_.cost.rejected > most_steps)
       throw std::runtime_error("the integration makes no headway; ask for less accuracy");
-    if (!(tried_.error <= 1.0) && tried_.level < most_levels - 1) {
+    if (!(tried_.error <= 1.0) && tried_.level < ModalBar::most_levels - 1) {
       ++result_.cost.rejected;
       double factor = std::isfinite(tried_.error)
                           ? std::max(0.1, 0.9 * std::pow(tried_.error, -1.0 / order))
                           : 0.25;
       if (tried_.event == Event::gap && contact_.phase() == Phase::pressed)
         factor = std::max(factor, std::min(0.85 * tried_.part, 0.7));
-      level = std::max(level + 1, level_below(factor * tried_.step->h()));
+      level = std::max(level + 1, bar_.level_below(factor * tried_.step->h()));
       rejected = true;
       continue;
     }
     const double h = tried_.step->h();
     const double growth =
         std::clamp(0.9 * std::pow(std::max(tried_.error, 1e-12), -1.0 / order), 0.2, 6.0);
-    int next = level_below(std::min(growth * h, longest_));
+    int next = bar_.level_below(std::min(growth * h, longest_));
     if (rejected) next = std::max(next, level);
     rejected = false;
     const double left = t_end_ - t_;
@@ -470,7 +458,7 @@ void ModalRun::integrate() {
       case Event::gap:
         if (contact_.phase() == Phase::free) {
           touch();
-          level = level_below(first);
+          level = bar_.level_below(first);
         } else {
           log_.separate(t_, struck(state_).velocity, totals_, contact_);
           level = next;
@@ -478,7 +466,7 @@ void ModalRun::integrate() {
         break;
       case Event::pull:
         contact_.set_phase(contact_.phase() == Phase::pressed ? Phase::slack : Phase::pressed);
-        level = level_below(first);
+        level = bar_.level_below(first);
         break;
       case Event::end:
         done = true;

@@ -7,6 +7,7 @@
 
 #include "models/contact/contact_force.hpp"
 #include "models/contact_log.hpp"
+#include "models/modal/bar_cache.hpp"
 #include "models/modal/modal_beam.hpp"
 #include "models/modal/modal_step.hpp"
 #include "models/simulation.hpp"
@@ -21,7 +22,7 @@ namespace impactrig::models {
 class ModalRun {
  public:
   ModalRun(const Rig& rig, const Solver& solver, const SimulationOptions& options,
-           const BeamDynamics& beam);
+           const ModalBar& bar);
   Simulation simulate();
 
   /// What the small motion left out, as a part of the bar's kinetic energy: of the order of the
@@ -45,10 +46,6 @@ class ModalRun {
     Event event = Event::none;
     double part = 1.0;  ///< of the step that is taken: up to the event
   };
-
-  double length_of(int level) const;
-  const ModalStep& step_at(int level);
-  int level_below(double h) const;
 
   PointMotion struck(const ModalState& state) const {
     return {beam_.struck().dot(state.a), beam_.struck().dot(state.rate)};
@@ -78,12 +75,12 @@ class ModalRun {
   const Rig& rig_;
   const Solver& solver_;
   const SimulationOptions& options_;
-  ModalBeam beam_;
+  const ModalBar& bar_;
+  const ModalBeam& beam_;
   ContactForce contact_;
   const Collocation& rule_;
   Eigen::VectorXd velocity_row_, displacement_row_;  // of the lasers' spots
-  std::vector<std::unique_ptr<ModalStep>> steps_;    // by level
-  double longest_ = 0.0;                             // step of level 0 [s]
+  double longest_ = 0.0;                             // step [s]
 
   double t_ = 0.0, t_end_ = 0.0;
   ModalState state_, scratch_;

@@ -158,9 +158,13 @@ void ModalStep::respond_to_force(const ModalBeam& beam, const Collocation& rule)
   response_.velocity_of_force = h_ * Square(velocity_at_nodes.data(), s, s);
 }
 
-void ModalStep::advance(const ModalState& from, const NodeVector& force, ModalState& to) const {
+void ModalStep::coast(const ModalState& from, ModalState& to) const {
   to.a.array() = cosine_ * from.a.array() + sine_over_omega_ * from.rate.array();
   to.rate.array() = minus_omega_sine_ * from.a.array() + cosine_ * from.rate.array();
+}
+
+void ModalStep::advance(const ModalState& from, const NodeVector& force, ModalState& to) const {
+  coast(from, to);
   to.a.noalias() += a_of_force_ * force;
   to.rate.noalias() += rate_of_force_ * force;
 }
@@ -168,15 +172,18 @@ void ModalStep::advance(const ModalState& from, const NodeVector& force, ModalSt
 void advance(const ModalBeam& beam, double h, const NodeVector& series, const ModalState& from,
              ModalState& to) {
   const int s = static_cast<int>(series.size());
+  const bool forced = series.any();
   for (int k = 0; k < beam.modes(); ++k) {
     const double omega = beam.omega()[k];
     const double theta = omega * h;
-    const KernelSeries kernel(theta, s);
     double a = 0.0, rate = 0.0;
-    for (int p = 0; p < s; ++p) {
-      const double sign = p % 2 == 0 ? 1.0 : -1.0;
-      a += series[p] * sine_moment(kernel, theta, p);
-      rate += series[p] * sign * kernel.cosine(p);
+    if (forced) {
+      const KernelSeries kernel(theta, s);
+      for (int p = 0; p < s; ++p) {
+        const double sign = p % 2 == 0 ? 1.0 : -1.0;
+        a += series[p] * sine_moment(kernel, theta, p);
+        rate += series[p] * sign * kernel.cosine(p);
+      }
     }
     const double cosine = std::cos(theta);
     const double a0 = from.a[k];

@@ -36,7 +36,8 @@ class ModalStep {
 
   const Response& response() const { return response_; }
 
-  /// The state at the step's end.
+  /// The state at the step's end, free of force or under one.
+  void coast(const ModalState& from, ModalState& to) const;
   void advance(const ModalState& from, const NodeVector& force, ModalState& to) const;
 
  private:

@@ -15,6 +15,13 @@ void spherical_bessel(double z, std::span<double> j) {
     return;
   }
   const int wanted = static_cast<int>(j.size());
+  if (z > wanted + 10.0) {  // forward is stable up to n = z
+    j[0] = std::sin(z) / z;
+    if (wanted > 1) j[1] = (j[0] - std::cos(z)) / z;
+    for (std::size_t n = 2; n < j.size(); ++n)
+      j[n] = (2.0 * static_cast<double>(n) - 1.0) / z * j[n - 1] - j[n - 2];
+    return;
+  }
   // Where j_n has fallen below rounding: the recurrence starts there from nothing.
   const int start = std::max(wanted, static_cast<int>(z + 16.0 + 6.0 * std::cbrt(z))) + 4;
   double above = 0.0;
