@@ -17,7 +17,7 @@ namespace impactrig::models {
 namespace {
 
 // Of the accuracy asked for, what a step may spend on its impulse.
-constexpr double step_share = 0.3;
+constexpr double step_share = 0.1;
 // How well the motion of free flight is resolved where a touch is looked for, of the approach
 // speed.
 constexpr double motion_resolution = 1e-3;

@@ -292,8 +292,8 @@ TEST_F(CommandLine, ARecordWithoutForceNeedsTheUsersWord) {
   EXPECT_EQ(o.out, "");
 }
 
-// The truth beside each shipped shot lies within the 95 % interval of what is fitted to it. Their seeds
-// were chosen so (datasets/samples/regenerate): a guard against regressions, not a measure of coverage.
+// The truth beside each shipped shot lies within the 95 % interval of what is fitted to it. Nobody chose
+// their seeds (datasets/samples/regenerate); how often that holds bench/coverage.cpp measures.
 class ShippedShot : public CommandLine, public testing::WithParamInterface<const char*> {};
 
 TEST_P(ShippedShot, HasItsTruthWithinTheIntervals) {
