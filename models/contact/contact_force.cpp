@@ -39,7 +39,7 @@ ContactForce::Response ContactForce::pressed(double penetration, double rate) co
   const auto [size, stiffness] = std::visit(
       [&](const auto& law) { return law.force_and_stiffness(std::abs(penetration)); }, law_);
   const double elastic = std::copysign(size, penetration);
-  return {elastic, elastic * pull(rate), stiffness * pull(rate), elastic * mu_};
+  return {elastic * pull(rate), stiffness * pull(rate), elastic * mu_};
 }
 
 double ContactForce::force_rate(double penetration, double rate, double acceleration) const {

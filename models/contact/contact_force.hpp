@@ -44,7 +44,6 @@ class ContactForce {
 
   /// Force while pressed, with its derivatives.
   struct Response {
-    double elastic = 0.0;   ///< f_0 [N]
     double force = 0.0;     ///< [N]
     double to_depth = 0.0;  ///< ∂f/∂δ [N/m]
     double to_rate = 0.0;   ///< ∂f/∂δ̇ [N s/m]

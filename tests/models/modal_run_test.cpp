@@ -9,6 +9,7 @@
 #include <random>
 
 #include "models/mesh_error.hpp"
+#include "models/modal/bar_cache.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/scenes.hpp"
 
@@ -172,6 +173,25 @@ TEST(SmallMotion, NeedsFewEvaluations) {
 TEST(SmallMotion, RefusesAMeshTooFineForItsModes) {
   EXPECT_THROW(simulate_as(Motion::small, paper_rig(), ancf(300, 50, 1e-3, 1e-3), 1e-3),
                std::invalid_argument);
+}
+
+// What is kept from run to run changes nothing, also where the bar changes in between.
+TEST(BarCache, GivesWhatAFreshRunGives) {
+  BarCache cache;
+  SimulationOptions kept;
+  kept.motion = Motion::small;
+  kept.bars = &cache;
+  const Solver solver = ancf(6, 2, 1e-6, 1e-3);
+  for (const double length : {0.8, 0.8, 0.9, 0.8})
+    for (const double speed : {0.4, 1.0}) {
+      Rig rig = paper_rig();
+      rig.beam.length = length;
+      rig.start.velocity = speed;
+      const Simulation with = simulate(rig, solver, kept);
+      const Simulation without = simulate_as(Motion::small, rig, solver, 1e-6);
+      EXPECT_EQ(with.peak_force, without.peak_force) << length << " m, " << speed << " m/s";
+      EXPECT_EQ(with.impulse, without.impulse) << length << " m, " << speed << " m/s";
+    }
 }
 
 // Against a mesh eight times as fine: what is left after one refinement is several times smaller.
