@@ -7,10 +7,11 @@
 #include <optional>
 #include <stdexcept>
 
+#include "models/collocation/collocation_run.hpp"
 #include "models/impact_run.hpp"
 #include "models/make_beam.hpp"
 #include "models/modal/bar_cache.hpp"
-#include "models/modal/modal_run.hpp"
+#include "models/modal/modal_motion.hpp"
 #include "models/run_limits.hpp"
 
 namespace impactrig::models {
@@ -19,7 +20,7 @@ namespace {
 // Beyond, computing all modes costs more than it saves: the work grows with the cube of their
 // number.
 constexpr int most_modes = 260;
-// The error of small motion is at most about twice what ModalRun::neglected() and the weight's
+// The error of small motion is at most about twice what ModalMotion::neglected() and the weight's
 // share say (120 random scenes against the full equations); twice that again for safety.
 constexpr double safety = 4.0;
 
@@ -34,15 +35,19 @@ double missing_tension(const Rig& rig, const Solver& solver, double duration) {
   return 0.75 * rig.gravity / rig.beam.length * time * time;
 }
 
+int nodes_for(double accuracy) {
+  return accuracy > 2e-4 ? 6 : accuracy > 2e-7 ? 8 : 12;
+}
+
 Simulation simulate_small_motion(const Rig& rig, const Solver& solver,
                                  const SimulationOptions& options) {
   BarCache own;
   BarCache& cache = options.bars ? *options.bars : own;
   const std::shared_ptr<const ModalBar> bar = cache.bar(rig, solver);
-  ModalRun run(rig, solver, options, *bar);
-  Simulation result = run.simulate();
+  ModalMotion motion(*bar, Collocation::of(nodes_for(solver.accuracy)), options.history);
+  Simulation result = CollocationRun(rig, solver, options, motion).simulate();
   result.small_motion = true;
-  result.neglected = safety * (run.neglected() + missing_tension(rig, solver, result.duration));
+  result.neglected = safety * (motion.neglected() + missing_tension(rig, solver, result.duration));
   result.skipped.push_back(fmt::format(
       "foreshortening and large rotation: the bar was solved in its own modes; the energy this "
       "leaves out is {:.1e} of the whole, peak force, duration and impulse err by no more",

@@ -2,15 +2,12 @@
 #include "models/modal/bar_cache.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "models/make_beam.hpp"
 
 namespace impactrig::models {
 namespace {
 
-constexpr double level_ratio = std::numbers::sqrt2;
 constexpr double longest_step = 1.0;  // [s], of a bar without vibration
 
 }  // namespace
@@ -18,21 +15,12 @@ constexpr double longest_step = 1.0;  // [s], of a bar without vibration
 ModalBar::ModalBar(std::unique_ptr<const BeamDynamics> beam, const Rig& rig)
     : beam_(std::move(beam)),
       modes_(*beam_, rig),
-      longest_(std::min(ModalStep::longest(modes_), longest_step)) {}
-
-double ModalBar::length_of(int level) const {
-  return longest_ * std::pow(level_ratio, -level);
-}
-
-int ModalBar::level_below(double h) const {
-  const double level = std::ceil(std::log(longest_ / h) / std::log(level_ratio) - 1e-9);
-  return static_cast<int>(std::clamp(level, 0.0, most_levels - 1.0));
-}
+      ladder_{std::min(ModalStep::longest(modes_), longest_step)} {}
 
 const ModalStep& ModalBar::step(const Collocation& rule, int level) const {
   const std::lock_guard lock(mutex_);
   auto& step = steps_[{rule.nodes(), level}];
-  if (!step) step = std::make_unique<const ModalStep>(modes_, rule, length_of(level));
+  if (!step) step = std::make_unique<const ModalStep>(modes_, rule, ladder_.length_of(level));
   return *step;
 }
 

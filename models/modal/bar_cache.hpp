@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "models/collocation/step_ladder.hpp"
 #include "models/modal/modal_beam.hpp"
 #include "models/modal/modal_step.hpp"
 #include "models/simulation.hpp"
@@ -20,20 +21,14 @@ class ModalBar {
 
   const ModalBeam& modes() const { return modes_; }
 
-  /// Length of the steps of a level [s]; each level is shorter by √2.
-  double length_of(int level) const;
-
-  /// The longest level not longer than h, at least 0.
-  int level_below(double h) const;
+  const StepLadder& ladder() const { return ladder_; }
 
   const ModalStep& step(const Collocation& rule, int level) const;
-
-  static constexpr int most_levels = 120;
 
  private:
   std::unique_ptr<const BeamDynamics> beam_;
   ModalBeam modes_;
-  double longest_;
+  StepLadder ladder_;
   mutable std::mutex mutex_;
   mutable std::map<std::pair<int, int>, std::unique_ptr<const ModalStep>> steps_;  // nodes, level
 };

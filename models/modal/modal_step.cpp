@@ -154,8 +154,8 @@ void ModalStep::respond_to_force(const ModalBeam& beam, const Collocation& rule)
     velocity_at_nodes.noalias() += convolutions * velocity(part);
   }
   using Square = Eigen::Map<const Eigen::MatrixXd>;
-  response_.displacement_of_force = h_ * Square(displacement_at_nodes.data(), s, s);
-  response_.velocity_of_force = h_ * Square(velocity_at_nodes.data(), s, s);
+  response_.of_force.displacement_of_force = h_ * Square(displacement_at_nodes.data(), s, s);
+  response_.of_force.velocity_of_force = h_ * Square(velocity_at_nodes.data(), s, s);
 }
 
 void ModalStep::coast(const ModalState& from, ModalState& to) const {

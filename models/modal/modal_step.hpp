@@ -3,7 +3,8 @@
 
 #include <Eigen/Core>
 
-#include "models/modal/collocation.hpp"
+#include "models/collocation/bar_motion.hpp"
+#include "models/collocation/collocation.hpp"
 #include "models/modal/modal_beam.hpp"
 
 namespace impactrig::models {
@@ -23,7 +24,7 @@ class ModalStep {
   struct Response {
     Eigen::MatrixXd displacement_of_a, displacement_of_rate;  // (s, m)
     Eigen::MatrixXd velocity_of_a, velocity_of_rate;          // (s, m)
-    NodeMatrix displacement_of_force, velocity_of_force;      // (s, s)
+    BarMotion::Response of_force;
   };
 
   /// Throws std::logic_error when h is longer than longest().

@@ -10,8 +10,8 @@
 #include "models/beams/ancf.hpp"
 #include "models/beams/bending_modes.hpp"
 #include "models/beams/floating_frame.hpp"
+#include "models/collocation/collocation.hpp"
 #include "models/integration/gauss.hpp"
-#include "models/modal/collocation.hpp"
 #include "models/modal/modal_beam.hpp"
 #include "models/modal/modal_step.hpp"
 #include "models/modal/spherical_bessel.hpp"
@@ -157,12 +157,12 @@ TEST_P(OneMode, AnswersAPolynomialForceAsDuhamelsIntegral) {
   const ModalStep::Response& response = step.response();
   const NodeVector displacement = response.displacement_of_a * from.a +
                                   response.displacement_of_rate * from.rate +
-                                  response.displacement_of_force * force;
+                                  response.of_force.displacement_of_force * force;
   for (int i = 0; i < 8; ++i) {
     const double t = h * rule.points()[i];
     EXPECT_NEAR(displacement[i], r * (free(t) - r * duhamel(omega, h, t, series, false)),
                 1e-12 * std::abs(r) * most);
-    EXPECT_NEAR(response.velocity_of_force.row(i).dot(force),
+    EXPECT_NEAR(response.of_force.velocity_of_force.row(i).dot(force),
                 -r * r * duhamel(omega, h, t, series, true), 1e-11 * std::abs(r) * most / h);
   }
 }

@@ -16,19 +16,27 @@ using NodeMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most
 /// Shifted Legendre polynomials P_0(x) ... P_{n-1}(x), P_p(1) = 1, of x in [0, 1].
 void shifted_legendre(double x, Eigen::Ref<Eigen::VectorXd> values);
 
-/// What collocation of a force at the s Gauss nodes of a step needs and what does not depend on the
-/// step. A function over the step, σ in [0, 1], is given by its values at the nodes or by the
-/// coefficients of its Legendre series of s terms.
+/// ∫₀ˣ P_p for p = 0 ... n-1.
+void shifted_legendre_integrals(double x, Eigen::Ref<Eigen::VectorXd> values);
+
+/// What collocation at the s nodes of a step needs and what does not depend on the step. A function
+/// over the step, σ in [0, 1], is given by its values at the nodes or by the coefficients of its
+/// Legendre series of s terms.
 class Collocation {
  public:
-  /// The rule of s nodes, 1 <= s <= most_nodes; one object a process.
-  static const Collocation& of(int nodes);
+  enum class Nodes {
+    gauss,  ///< inside the step, order 2s
+    radau   ///< the last at the step's end, order 2s − 1: stiff vibration dies instead of ringing
+  };
 
-  explicit Collocation(int nodes);
+  /// The rule of s nodes, 1 <= s <= most_nodes; one object a process.
+  static const Collocation& of(int nodes, Nodes kind = Nodes::gauss);
+
+  Collocation(int nodes, Nodes kind);
 
   int nodes() const { return static_cast<int>(points_.size()); }
 
-  const NodeVector& points() const { return points_; }  ///< in (0, 1), rising
+  const NodeVector& points() const { return points_; }  ///< in (0, 1], rising
 
   const NodeVector& weights() const { return weights_; }  ///< of ∫₀¹
 
@@ -37,6 +45,9 @@ class Collocation {
 
   /// Rate of a series, d/dσ, at σ = 0, the nodes and 1: rates() c (s + 2, s).
   const Eigen::MatrixXd& rates() const { return rates_; }
+
+  /// Integrals from 0 to the nodes of values at the nodes (s, s): the Runge-Kutta matrix.
+  NodeMatrix integration() const;
 
   /// Coefficients, over the part [0, θ], of a series over [0, 1] (s, s).
   NodeMatrix restriction(double theta) const;

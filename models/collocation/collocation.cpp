@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "models/modal/collocation.hpp"
+#include "models/collocation/collocation.hpp"
 
 #include <stdexcept>
 
@@ -18,22 +18,74 @@ void shifted_legendre(double x, Eigen::Ref<Eigen::VectorXd> values) {
   }
 }
 
-const Collocation& Collocation::of(int nodes) {
-  static std::array<std::once_flag, most_nodes + 1> once;
-  static std::array<std::unique_ptr<const Collocation>, most_nodes + 1> rules;
-  if (nodes < 1 || nodes > most_nodes)
-    throw std::invalid_argument("Collocation: number of nodes out of range");
-  const auto k = static_cast<std::size_t>(nodes);
-  std::call_once(once[k], [&] { rules[k] = std::make_unique<const Collocation>(nodes); });
-  return *rules[k];
+void shifted_legendre_integrals(double x, Eigen::Ref<Eigen::VectorXd> values) {
+  const Eigen::Index n = values.size();
+  const double t = 2.0 * x - 1.0;
+  double before = 1.0;  // P_{p-1}, taken as P_0 for p = 0
+  double here = 1.0;    // P_p
+  for (Eigen::Index p = 0; p < n; ++p) {
+    const auto order = static_cast<double>(p);
+    const double next = ((2.0 * order + 1.0) * t * here - order * before) / (order + 1.0);
+    values[p] = p == 0 ? x : (next - before) / (2.0 * (2.0 * order + 1.0));
+    before = here;
+    here = next;
+  }
 }
 
-Collocation::Collocation(int nodes)
+namespace {
+
+/// Points and weights of ∫₀¹ with the last point at 1: zeros of P_s − P_{s-1} between those of
+/// P_{s-1}. [HairerWanner1996, IV.5]
+GaussRule radau_rule(int s) {
+  const auto count = static_cast<std::size_t>(s);
+  GaussRule rule{std::vector<double>(count, 1.0), std::vector<double>(count)};
+  Eigen::VectorXd legendre(s + 1);
+  const auto value = [&](double x) {
+    shifted_legendre(x, legendre);
+    return legendre[s] - legendre[s - 1];
+  };
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    const GaussRule& between = gauss_legendre(s - 1);
+    double low = i == 0 ? 0.0 : between.points[i - 1];
+    double high = between.points[i];
+    const double at_low = value(low);
+    while (high - low > 1e-16) {
+      const double middle = 0.5 * (low + high);
+      if (middle <= low || middle >= high) break;
+      (value(middle) * at_low > 0.0 ? low : high) = middle;
+    }
+    rule.points[i] = 0.5 * (low + high);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    shifted_legendre(rule.points[i], legendre);
+    rule.weights[i] = rule.points[i] / (s * s * legendre[s - 1] * legendre[s - 1]);
+  }
+  return rule;
+}
+
+}  // namespace
+
+const Collocation& Collocation::of(int nodes, Nodes kind) {
+  struct Rule {
+    std::once_flag once;
+    std::unique_ptr<const Collocation> collocation;
+  };
+
+  static std::array<std::array<Rule, most_nodes + 1>, 2> rules;
+  if (nodes < 1 || nodes > most_nodes)
+    throw std::invalid_argument("Collocation: number of nodes out of range");
+  Rule& rule = rules[kind == Nodes::gauss ? 0 : 1][static_cast<std::size_t>(nodes)];
+  std::call_once(rule.once,
+                 [&] { rule.collocation = std::make_unique<const Collocation>(nodes, kind); });
+  return *rule.collocation;
+}
+
+Collocation::Collocation(int nodes, Nodes kind)
     : points_(nodes),
       weights_(nodes),
       to_series_(nodes, nodes),
       rates_(Eigen::MatrixXd::Zero(nodes + 2, nodes)) {
-  const GaussRule& rule = gauss_legendre(nodes);
+  const GaussRule rule = kind == Nodes::gauss ? gauss_legendre(nodes) : radau_rule(nodes);
   Eigen::VectorXd legendre(nodes);
   for (int i = 0; i < nodes; ++i) {
     points_[i] = rule.points[static_cast<std::size_t>(i)];
@@ -48,6 +100,17 @@ Collocation::Collocation(int nodes)
     for (int p = 1; p < nodes; ++p)
       rates_(i, p) = (p > 1 ? rates_(i, p - 2) : 0.0) + 2.0 * (2.0 * p - 1.0) * legendre[p - 1];
   }
+}
+
+NodeMatrix Collocation::integration() const {
+  const int s = nodes();
+  NodeMatrix integrals(s, s);  // of the polynomials to the nodes
+  Eigen::VectorXd row(s);
+  for (int i = 0; i < s; ++i) {
+    shifted_legendre_integrals(points_[i], row);
+    integrals.row(i) = row.transpose();
+  }
+  return integrals * to_series_;
 }
 
 NodeMatrix Collocation::restriction(double theta) const {

@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/collocation/collocation_run.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "models/history_recorder.hpp"
+#include "models/run_limits.hpp"
+
+namespace impactrig::models {
+namespace {
+
+// Of the accuracy asked for, what a step may spend on its impulse.
+constexpr double step_share = 0.1;
+// How well the motion of free flight is resolved where a touch is looked for, of the approach
+// speed.
+constexpr double motion_resolution = 1e-3;
+constexpr int most_iterations = 12;
+
+}  // namespace
+
+CollocationRun::CollocationRun(const Rig& rig, const Solver& solver,
+                               const SimulationOptions& options, BarMotion& bar)
+    : rig_(rig),
+      solver_(solver),
+      options_(options),
+      bar_(bar),
+      contact_(rig),
+      rule_(bar.rule()),
+      elastic_reach_(std::sqrt(2.0 * bar.elastic_compliance())),
+      log_(rig, solver.accuracy, result_) {
+  result_.solver = solver;
+}
+
+/// Extrapolates the last step's force, as far as its low terms tell.
+void CollocationRun::predict_force(double h) {
+  const int s = rule_.nodes();
+  tried_.force.setZero(s);
+  if (last_series_.size() == 0 || contact_.phase() != Phase::pressed) return;
+  const int terms = std::min(s, 4);
+  NodeVector legendre(terms);
+  for (int i = 0; i < s; ++i) {
+    shifted_legendre(1.0 + rule_.points()[i] * h / last_h_, legendre);
+    tried_.force[i] = last_series_.head(terms).dot(legendre);
+  }
+}
+
+/// Newton's method for the change of the force at the nodes that brings it to the contact law, when
+/// the struck point moves like this without the change; false when it does not converge.
+bool CollocationRun::solve_force(const NodeVector& displacement, const NodeVector& velocity,
+                                 NodeVector& change) {
+  const int s = rule_.nodes();
+  const BarMotion::Response& response = bar_.response();
+  const double close = std::min(3e-3, 0.03 * std::sqrt(solver_.accuracy)) * force_scale_;
+  NodeVector residual(s);
+  NodeMatrix jacobian(s, s);
+  change.setZero(s);
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    const NodeVector depth = displacement + response.displacement_of_force * change;
+    const NodeVector rate = velocity + response.velocity_of_force * change;
+    for (int i = 0; i < s; ++i) {
+      const ContactForce::Response law = contact_.pressed(depth[i], rate[i]);
+      residual[i] = tried_.force[i] + change[i] - law.force;
+      jacobian.row(i) = -law.to_depth * response.displacement_of_force.row(i) -
+                        law.to_rate * response.velocity_of_force.row(i);
+      jacobian(i, i) += 1.0;
+    }
+    evaluations_ += s;
+    const NodeVector step = jacobian.partialPivLu().solve(residual);
+    change -= step;
+    const double size = step.cwiseAbs().maxCoeff();
+    if (!std::isfinite(size)) return false;
+    if (size <= close) return true;
+  }
+  return false;
+}
+
+/// Bar and contact law in turn, until neither moves the other.
+bool CollocationRun::solve_step() {
+  const BarMotion::Response& response = bar_.response();
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    const BarMotion::Progress progress =
+        bar_.improve(tried_.force, tried_.displacement, tried_.velocity);
+    if (progress == BarMotion::Progress::failed) return false;
+    if (contact_.phase() == Phase::pressed) {
+      NodeVector change;
+      if (!solve_force(tried_.displacement, tried_.velocity, change)) return false;
+      tried_.force += change;
+      tried_.displacement += response.displacement_of_force * change;
+      tried_.velocity += response.velocity_of_force * change;
+      bar_.press(change);
+    }
+    if (progress == BarMotion::Progress::converged) return true;
+  }
+  return false;
+}
+
+/// What a Legendre series of s terms leaves out, by its last pair: less where the pair before was
+/// much larger, which a corner nearby does not let it be.
+double CollocationRun::truncation(const NodeVector& series) const {
+  const int s = rule_.nodes();
+  const double last = std::hypot(series[s - 1], series[s - 2]);
+  const double before = std::hypot(series[s - 3], series[s - 4]);
+  return before > 3.0 * last ? 3.0 * last * last / before : last;
+}
+
+/// What the force and its dissipation leave out over the step, as impulse and energy, against the
+/// tolerance.
+double CollocationRun::force_error() const {
+  if (contact_.phase() == Phase::free) return 0.0;
+  const double tolerance = std::max(solver_.accuracy, 1e-13) * step_share;
+  const double impulse = truncation(tried_.force_series) * bar_.step();
+  const double loss = truncation(rule_.to_series() * tried_.dissipation) * bar_.step();
+  return std::max(impulse / impulse_scale_, loss / energy_scale_) / tolerance;
+}
+
+double CollocationRun::motion_error() const {
+  const int s = rule_.nodes();
+  const NodeVector series = rule_.to_series() * tried_.velocity;
+  return std::hypot(series[s - 1], series[s - 2]) / (motion_resolution * approach_);
+}
+
+void CollocationRun::attempt(int level) {
+  bar_.begin_step(level);
+  solve_attempt();
+  find_event();
+}
+
+void CollocationRun::solve_attempt() {
+  const int s = rule_.nodes();
+  tried_.dissipation.setZero(s);
+  tried_.event = Event::none;
+  tried_.part = 1.0;
+  predict_force(bar_.step());
+  if (!solve_step()) {
+    tried_.error = std::numeric_limits<double>::infinity();
+    return;
+  }
+  tried_.force_series = rule_.to_series() * tried_.force;
+  bar_.finish(tried_.force, tried_.force_series);
+  if (contact_.phase() != Phase::free)
+    for (int i = 0; i < s; ++i)
+      tried_.dissipation[i] = contact_.dissipation(tried_.displacement[i], tried_.velocity[i]);
+  tried_.error = std::max(force_error(), bar_.error() / (solver_.accuracy * step_share));
+  if (contact_.phase() != Phase::pressed) tried_.error = std::max(tried_.error, motion_error());
+  tried_.at_end = bar_.struck_at_end();
+}
+
+void CollocationRun::take_attempt() {
+  ++result_.cost.steps;
+  observe_attempt();
+  sample_history();
+  const double h = bar_.step();
+  totals_.impulse += integral(tried_.force, tried_.part);
+  totals_.dissipated += integral(tried_.dissipation, tried_.part);
+  bar_.take(tried_.part);
+  if (tried_.event == Event::none && contact_.phase() == Phase::pressed)
+    last_series_ = tried_.force_series;
+  else
+    last_series_.resize(0);
+  last_h_ = h;
+  t_ += tried_.part * h;
+}
+
+void CollocationRun::first_touch() {
+  time_of_touch_ = t_;
+  const BeamEnergy energy = bar_.energy();
+  approach_ = bar_.struck().velocity;
+  energy_scale_ = energy.kinetic;
+  bar_.set_energy_scale(energy_scale_);
+  log_.begin(energy);
+  impulse_scale_ = 2.0 * energy_scale_ / approach_;
+  const double depth = penetration_storing(contact_, energy_scale_);
+  force_scale_ = contact_.elastic(depth);
+  longest_ = std::min(100.0 * depth / approach_, bar_.ladder().longest);
+  // A first step so short that the corner of the contact law at touch does not matter.
+  first_ = std::min(0.1, 3.0 * std::sqrt(solver_.accuracy)) * depth / approach_;
+  t_end_ = time_of_touch_ + solver_.duration.value_or(longest_default_run);
+  if (!(options_.history.interval > 0.0)) return;
+  samples_.resize(1);
+  bar_.sample(0.0, 0.0, samples_);
+  laser_rest_ = samples_[0].displacement;
+  const auto speed_at = [&](double x) {
+    return x > 0.0 ? approach_ * x / rig_.contact.position : approach_;
+  };
+  begin_history(rig_, options_.history, approach_, speed_at(options_.history.velocity_position),
+                speed_at(options_.history.displacement_position), result_.history);
+}
+
+void CollocationRun::touch() {
+  if (result_.episodes.empty()) first_touch();
+  log_.touch(t_ - time_of_touch_, bar_.struck().velocity, totals_, contact_);
+}
+
+int CollocationRun::level_after_rejection(int level) const {
+  const double order = rule_.nodes() + 1.0;
+  double factor = std::isfinite(tried_.error)
+                      ? std::max(0.1, 0.9 * std::pow(tried_.error, -1.0 / order))
+                      : 0.25;
+  if (tried_.event == Event::gap && contact_.phase() == Phase::pressed)
+    factor = std::max(factor, std::min(0.85 * tried_.part, 0.7));
+  return std::max(level + 1, bar_.ladder().level_below(factor * bar_.step()));
+}
+
+int CollocationRun::next_level() const {
+  const double order = rule_.nodes() + 1.0;
+  const double growth =
+      std::clamp(0.9 * std::pow(std::max(tried_.error, 1e-12), -1.0 / order), 0.2, 6.0);
+  return bar_.ladder().level_below(std::min(growth * bar_.step(), longest_));
+}
+
+/// What a step's event changes; true where it calls for the first step of a phase.
+bool CollocationRun::leave_event() {
+  switch (tried_.event) {
+    case Event::none:
+      return false;
+    case Event::gap:
+      if (contact_.phase() == Phase::free) {
+        touch();
+        return true;
+      }
+      log_.separate(t_ - time_of_touch_, bar_.struck().velocity, totals_, contact_);
+      return false;
+    case Event::pull:
+      contact_.set_phase(contact_.phase() == Phase::pressed ? Phase::slack : Phase::pressed);
+      return true;
+    case Event::end:
+      result_.termination = "the duration asked for was reached";
+      return false;
+  }
+  return false;
+}
+
+void CollocationRun::integrate() {
+  const bool until_gone = !solver_.duration;
+  int level = bar_.ladder().level_below(first_);
+  bool rejected = false;
+  bool done = false;
+  while (!done) {
+    if (result_.cost.steps + result_.cost.rejected > most_steps)
+      throw std::runtime_error("the integration makes no headway; ask for less accuracy");
+    attempt(level);
+    if (!(tried_.error <= 1.0)) {
+      ++result_.cost.rejected;
+      if (level >= StepLadder::levels - 1)
+        throw std::runtime_error(
+            fmt::format("the integration stopped {:g} s after first touch: steps of {:g} s make no "
+                        "headway; ask for less accuracy",
+                        t_ - time_of_touch_, bar_.step()));
+      level = level_after_rejection(level);
+      rejected = true;
+      continue;
+    }
+    int next = next_level();
+    if (rejected) next = std::max(next, level);
+    rejected = false;
+    if (const double left = t_end_ - t_; tried_.part * bar_.step() >= left) {
+      tried_.part = left / bar_.step();
+      tried_.event = Event::end;
+    }
+    if (tried_.event != Event::none && !bar_.parts_exact() && !land_on_event()) {
+      ++result_.cost.rejected;
+      level = level + 2;
+      rejected = true;
+      continue;
+    }
+    take_attempt();
+    done = tried_.event == Event::end;
+    level = leave_event() ? bar_.ladder().level_below(first_) : next;
+    if (until_gone && contact_.phase() == Phase::free && !result_.episodes.empty() &&
+        left_for_good(rig_, elastic_reach_, bar_.rigid_part(), bar_.energy())) {
+      done = true;
+      result_.termination = "the bar has left the stop for good";
+    } else if (done && until_gone) {
+      result_.termination =
+          fmt::format("{:g} s after first touch the bar was still within reach of the stop",
+                      longest_default_run);
+      result_.warnings.push_back(
+          result_.termination +
+          "; later contacts are not in the result. State solver.duration to go on.");
+    }
+  }
+}
+
+Simulation CollocationRun::simulate() {
+  const auto started = std::chrono::steady_clock::now();
+  if (rig_.start.release_angle && options_.exact) {
+    const double angle = *rig_.start.release_angle;
+    bar_.start(-angle, 0.0);
+    const double drop =
+        rig_.beam.mass() * rig_.gravity * 0.5 * rig_.beam.length * (1.0 - std::cos(angle));
+    bar_.set_energy_scale(drop);
+    approach_ = rig_.contact.position * std::sqrt(2.0 * drop / rig_.beam.hinge_inertia());
+    energy_scale_ = drop;
+    t_end_ = std::numeric_limits<double>::infinity();
+    longest_ = bar_.ladder().longest;
+    first_ = 1e-3 * std::sqrt(rig_.beam.length / rig_.gravity);
+  } else {
+    bar_.start(0.0, touch_velocity(rig_) / rig_.contact.position);
+    touch();
+  }
+  integrate();
+  log_.conclude(t_ - time_of_touch_, totals_, contact_, bar_.struck().displacement, bar_.energy(),
+                bar_.rigid_part());
+  result_.cost.evaluations = evaluations_;
+  result_.cost.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return std::move(result_);
+}
+
+}  // namespace impactrig::models

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "models/collocation/bar_motion.hpp"
+#include "models/contact/contact_force.hpp"
+#include "models/contact_log.hpp"
+#include "models/simulation.hpp"
+
+namespace impactrig::models {
+
+/// One run of simulate() by collocation of the contact force: over a step the force is a polynomial
+/// through its values at the nodes, which satisfy the contact law with the motion they cause
+/// (Newton). Steps are as long as the Legendre series of force and motion converge, and end where a
+/// phase of the contact ends. In free flight nothing is evaluated at the stop but the gap.
+/// collocation_events.cpp finds where a phase ends, collocation_run_observe.cpp keeps what is worth
+/// keeping of a step.
+class CollocationRun {
+ public:
+  CollocationRun(const Rig& rig, const Solver& solver, const SimulationOptions& options,
+                 BarMotion& bar);
+  Simulation simulate();
+
+ private:
+  using Phase = ContactForce::Phase;
+
+  enum class Event { none, gap, pull, end };
+
+  /// A step tried: what it would make of the force and the struck point, σ in [0, 1].
+  struct Attempt {
+    NodeVector force, displacement, velocity, dissipation;  // at the nodes
+    NodeVector force_series;
+    PointMotion at_end;
+    double error = 0.0;  ///< to be compared with 1
+    Event event = Event::none;
+    double part = 1.0;  ///< of the step that is taken: up to the event
+  };
+
+  void attempt(int level);
+  void solve_attempt();
+  bool solve_step();
+  bool solve_force(const NodeVector& displacement, const NodeVector& velocity, NodeVector& change);
+  void predict_force(double h);
+  double truncation(const NodeVector& series) const;
+  double force_error() const;
+  double motion_error() const;
+  void find_event();
+  double gap_between(double before, const PointMotion& p0, double here, const PointMotion& p1);
+  double pull_between(double before, double here, const PointMotion& p1);
+  double root_of_gap(double low, double high);
+  bool land_on_event();
+  void first_touch();
+  void take_attempt();
+  void touch();
+  void observe_attempt();
+  void observe_peak(double low, double high);
+  void observe_deepest(double part);
+  void sample_history();
+  double integral(const NodeVector& at_nodes, double part) const;
+  int level_after_rejection(int level) const;
+  int next_level() const;
+  bool leave_event();
+  void integrate();
+  void conclude();
+
+  const Rig& rig_;
+  const Solver& solver_;
+  const SimulationOptions& options_;
+  BarMotion& bar_;
+  ContactForce contact_;
+  const Collocation& rule_;
+  double longest_ = 0.0, first_ = 0.0;  // step [s]; the first in a phase of the contact
+
+  double t_ = 0.0, time_of_touch_ = 0.0, t_end_ = 0.0;
+  Attempt tried_;
+  Eigen::VectorXd rates_;   // of the attempt's force, as of Collocation::rates()
+  NodeVector last_series_;  // of the force over the last step; empty after an event
+  double last_h_ = 0.0;
+  std::vector<BarMotion::Sample> samples_;
+  double laser_rest_ = 0.0;  // displacement seen at first touch [m]
+
+  double approach_ = 0.0, impulse_scale_ = 0.0, force_scale_ = 0.0, energy_scale_ = 0.0;
+  ContactTotals totals_;
+  double elastic_reach_;  // √(2 C): how far √energy can move the struck point elastically [m/√J]
+  long evaluations_ = 0;
+  Simulation result_;
+  ContactLog log_;
+};
+
+}  // namespace impactrig::models

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace impactrig::models {
+
+/// The lengths a step may have, so that what depends on the length alone can be kept: each level is
+/// shorter than the one before by √2.
+struct StepLadder {
+  double longest = 1.0;  ///< [s]
+
+  static constexpr int levels = 120;
+
+  double length_of(int level) const { return longest * std::pow(std::numbers::sqrt2, -level); }
+
+  /// The longest level not longer than h.
+  int level_below(double h) const {
+    const double level = std::ceil(2.0 * std::log2(longest / h) - 1e-9);
+    return static_cast<int>(std::clamp(level, 0.0, levels - 1.0));
+  }
+};
+
+}  // namespace impactrig::models

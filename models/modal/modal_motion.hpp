@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "models/collocation/bar_motion.hpp"
+#include "models/modal/bar_cache.hpp"
+#include "models/modal/modal_beam.hpp"
+#include "models/modal/modal_step.hpp"
+#include "models/simulation.hpp"
+
+namespace impactrig::models {
+
+/// A bar that moves little: its modes answer the contact force exactly, so that only the force
+/// itself has to be resolved.
+class ModalMotion : public BarMotion {
+ public:
+  ModalMotion(const ModalBar& bar, const Collocation& rule, const HistoryRequest& history);
+
+  const Collocation& rule() const override { return rule_; }
+
+  const StepLadder& ladder() const override { return bar_.ladder(); }
+
+  void start(double angle, double rate) override;
+
+  void set_energy_scale(double kinetic) override { energy_scale_ = kinetic; }
+
+  PointMotion struck() const override { return struck(state_); }
+
+  BeamEnergy energy() const override { return beam_.energy(state_.a, state_.rate); }
+
+  RigidPart rigid_part() const override { return beam_.rigid_part(state_.a, state_.rate); }
+
+  double elastic_compliance() const override { return beam_.elastic_compliance(); }
+
+  void begin_step(int level) override;
+  void begin_part(double part) override;
+
+  double step() const override { return step_->h(); }
+
+  const Response& response() const override { return step_->response().of_force; }
+
+  Progress improve(const NodeVector& force, NodeVector& displacement,
+                   NodeVector& velocity) override;
+
+  void press(const NodeVector&) override {}
+
+  void finish(const NodeVector& force, const NodeVector& force_series) override;
+
+  PointMotion struck_at_end() const override { return struck(end_); }
+
+  double error() const override { return 0.0; }
+
+  PointMotion struck_at(double part, double* acceleration) override;
+  void sample(double first, double spacing, std::span<Sample> samples) override;
+
+  bool parts_exact() const override { return true; }
+
+  void take(double part) override;
+
+  /// What the small motion left out so far, as a part of the bar's kinetic energy: of the order of
+  /// the relative error of peak force, duration and impulse.
+  double neglected() const { return neglected_; }
+
+ private:
+  PointMotion struck(const ModalState& state) const {
+    return {beam_.struck().dot(state.a), beam_.struck().dot(state.rate)};
+  }
+
+  void jump(double part, ModalState& to);
+
+  const ModalBar& bar_;
+  const ModalBeam& beam_;
+  const Collocation& rule_;
+  Eigen::VectorXd velocity_row_, displacement_row_;  // of the lasers' spots
+  double sampling_interval_;
+  std::unique_ptr<ModalStep> sampling_;  // of the history's interval
+  std::array<ModalState, 2> sampled_;
+
+  ModalState state_, end_, scratch_;
+  const ModalStep* step_ = nullptr;
+  NodeVector force_series_;
+  double energy_scale_ = 0.0;
+  double neglected_ = 0.0;
+};
+
+}  // namespace impactrig::models
