@@ -9,6 +9,7 @@
 
 #include "models/collocation/collocation_run.hpp"
 #include "models/impact_run.hpp"
+#include "models/implicit/ancf_motion.hpp"
 #include "models/make_beam.hpp"
 #include "models/modal/bar_cache.hpp"
 #include "models/modal/modal_motion.hpp"
@@ -87,8 +88,13 @@ Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOption
   validate(rig, solver);
   std::optional<Simulation> result = try_small_motion(rig, solver, options);
   if (!result) {
-    const std::unique_ptr<BeamDynamics> beam = make_beam(rig, solver);
-    result = ImpactRun(rig, solver, options, *beam).simulate();
+    if (solver.model == BeamModel::ancf) {
+      const std::unique_ptr<BarMotion> motion = make_ancf_motion(rig, solver, options.history);
+      result = CollocationRun(rig, solver, options, *motion).simulate();
+    } else {
+      const std::unique_ptr<BeamDynamics> beam = make_beam(rig, solver);
+      result = ImpactRun(rig, solver, options, *beam).simulate();
+    }
   }
   if (rig.start.release_angle && !options.exact)
     result->skipped.push_back(fmt::format(

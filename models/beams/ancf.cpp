@@ -179,6 +179,11 @@ std::size_t AncfBeam::element_at(double x) const {
   return e;
 }
 
+AncfBeam::Row AncfBeam::row_at(double x) const {
+  const std::size_t e = element_at(x);
+  return {e, shape((x - elements_[e].x) / elements_[e].length, elements_[e].length)};
+}
+
 double AncfBeam::struck_acceleration(ConstVector /*q*/, ConstVector /*v*/, ConstVector a) const {
   return -a[struck_dof_];
 }

@@ -40,12 +40,32 @@ class AncfBeam : public BeamDynamics {
   BeamEnergy energy(ConstVector q, ConstVector v) const override;
   RigidPart rigid_part(ConstVector q, ConstVector v) const override;
 
- private:
   struct Element {
     double x = 0.0;       // of its first node [m]
     double length = 0.0;  // [m]
   };
 
+  const std::vector<Element>& elements() const { return elements_; }
+
+  double axial_stiffness() const { return axial_stiffness_; }  ///< EA [N]
+
+  double bending_stiffness() const { return bending_stiffness_; }  ///< EI [N m^2]
+
+  /// Of one direction, as X is ordered (n/2, n/2).
+  const BandMatrix& mass() const { return mass_; }
+
+  /// Generalised forces of the weight on U (n/2) [N, N m].
+  Eigen::VectorXd weight_force() const { return -gravity_ * weight_; }
+
+  /// Displacement X of the bar's axis at x: four values of nodes, from the element's first [-].
+  struct Row {
+    std::size_t element;
+    Eigen::Vector4d shape;
+  };
+
+  Row row_at(double x) const;
+
+ private:
   using Nodal = Eigen::Vector4d;  // value, slope of the first node, of the second
 
   int first_dof(std::size_t element) const { return 2 * static_cast<int>(element) - 1; }

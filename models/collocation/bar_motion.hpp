@@ -39,8 +39,9 @@ class BarMotion {
   /// The straight bar at an angle [rad, negative before touch] turning at a rate [rad/s].
   virtual void start(double angle, double rate) = 0;
 
-  /// Errors are measured against this kinetic energy [J].
-  virtual void set_energy_scale(double kinetic) = 0;
+  /// Errors are measured against this kinetic energy [J]; vibration in a time much shorter than a
+  /// contact needs to sink in [s] moves the force little.
+  virtual void set_scales(double kinetic, double contact_time) = 0;
 
   virtual PointMotion struck() const = 0;
   virtual BeamEnergy energy() const = 0;

@@ -18,8 +18,7 @@ namespace {
 
 // Of the accuracy asked for, what a step may spend on its impulse.
 constexpr double step_share = 0.1;
-// How well the motion of free flight is resolved where a touch is looked for, of the approach
-// speed.
+// How well the way of free flight is resolved where a touch is looked for, of the penetration.
 constexpr double motion_resolution = 1e-3;
 constexpr int most_iterations = 12;
 
@@ -122,8 +121,8 @@ double CollocationRun::force_error() const {
 
 double CollocationRun::motion_error() const {
   const int s = rule_.nodes();
-  const NodeVector series = rule_.to_series() * tried_.velocity;
-  return std::hypot(series[s - 1], series[s - 2]) / (motion_resolution * approach_);
+  const NodeVector series = rule_.to_series() * tried_.displacement;
+  return std::hypot(series[s - 1], series[s - 2]) / (motion_resolution * depth_);
 }
 
 void CollocationRun::attempt(int level) {
@@ -173,14 +172,14 @@ void CollocationRun::first_touch() {
   const BeamEnergy energy = bar_.energy();
   approach_ = bar_.struck().velocity;
   energy_scale_ = energy.kinetic;
-  bar_.set_energy_scale(energy_scale_);
+  depth_ = penetration_storing(contact_, energy_scale_);
+  bar_.set_scales(energy_scale_, depth_ / approach_);
   log_.begin(energy);
   impulse_scale_ = 2.0 * energy_scale_ / approach_;
-  const double depth = penetration_storing(contact_, energy_scale_);
-  force_scale_ = contact_.elastic(depth);
-  longest_ = std::min(100.0 * depth / approach_, bar_.ladder().longest);
+  force_scale_ = contact_.elastic(depth_);
+  longest_ = std::min(100.0 * depth_ / approach_, bar_.ladder().longest);
   // A first step so short that the corner of the contact law at touch does not matter.
-  first_ = std::min(0.1, 3.0 * std::sqrt(solver_.accuracy)) * depth / approach_;
+  first_ = std::min(0.1, 3.0 * std::sqrt(solver_.accuracy)) * depth_ / approach_;
   t_end_ = time_of_touch_ + solver_.duration.value_or(longest_default_run);
   if (!(options_.history.interval > 0.0)) return;
   samples_.resize(1);
@@ -295,9 +294,10 @@ Simulation CollocationRun::simulate() {
     bar_.start(-angle, 0.0);
     const double drop =
         rig_.beam.mass() * rig_.gravity * 0.5 * rig_.beam.length * (1.0 - std::cos(angle));
-    bar_.set_energy_scale(drop);
     approach_ = rig_.contact.position * std::sqrt(2.0 * drop / rig_.beam.hinge_inertia());
     energy_scale_ = drop;
+    depth_ = penetration_storing(contact_, drop);
+    bar_.set_scales(drop, depth_ / approach_);
     t_end_ = std::numeric_limits<double>::infinity();
     longest_ = bar_.ladder().longest;
     first_ = 1e-3 * std::sqrt(rig_.beam.length / rig_.gravity);

@@ -80,7 +80,8 @@ class CollocationRun {
   std::vector<BarMotion::Sample> samples_;
   double laser_rest_ = 0.0;  // displacement seen at first touch [m]
 
-  double approach_ = 0.0, impulse_scale_ = 0.0, force_scale_ = 0.0, energy_scale_ = 0.0;
+  double approach_ = 0.0, depth_ = 0.0, impulse_scale_ = 0.0, force_scale_ = 0.0,
+         energy_scale_ = 0.0;
   ContactTotals totals_;
   double elastic_reach_;  // √(2 C): how far √energy can move the struck point elastically [m/√J]
   long evaluations_ = 0;

@@ -24,7 +24,7 @@ class ModalMotion : public BarMotion {
 
   void start(double angle, double rate) override;
 
-  void set_energy_scale(double kinetic) override { energy_scale_ = kinetic; }
+  void set_scales(double kinetic, double) override { energy_scale_ = kinetic; }
 
   PointMotion struck() const override { return struck(state_); }
 

@@ -1,0 +1,418 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/implicit/ancf_motion.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "models/beams/ancf.hpp"
+#include "models/beams/bending_modes.hpp"
+#include "models/implicit/ancf_chain.hpp"
+#include "models/implicit/block_tridiagonal.hpp"
+#include "models/implicit/radau_stages.hpp"
+
+namespace impactrig::models {
+namespace {
+
+// Of the accuracy asked for, what Newton's method may leave of a step.
+constexpr double newton_share = 0.005;
+// Slower convergence than this calls for a new tangent at the next step.
+constexpr double slow = 0.05;
+constexpr int kept_factors = 6;
+
+double total(const BeamEnergy& energy) {
+  return energy.kinetic + energy.elastic + energy.gravitational;
+}
+
+/// S: stages of the method, an even number.
+template <int S>
+class AncfMotion final : public BarMotion {
+ public:
+  AncfMotion(const Rig& rig, const Solver& solver, const HistoryRequest& history)
+      : beam_(rig, solver.elements),
+        chain_(beam_),
+        struck_(4 * solver.elements[0]),
+        compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
+        accuracy_(std::max(solver.accuracy, 1e-13)),
+        tolerance_(newton_share * accuracy_),
+        stiffness_(static_cast<std::size_t>(chain_.nodes())),
+        work_(static_cast<std::size_t>(chain_.coordinates())) {
+    const int n = chain_.coordinates();
+    q_ = v_ = end_q_ = end_v_ = Eigen::ArrayXd::Zero(n);
+    a_ = previous_ = stage_q_ = residual_ = Stages::Zero(S, n);
+    beam_q_.setZero(beam_.size());
+    beam_v_.setZero(beam_.size());
+    factors_.reserve(kept_factors);
+    for (int i = 0; i < kept_factors; ++i)
+      factors_.emplace_back(static_cast<std::size_t>(chain_.nodes()));
+    const auto spot = [&](double x) { return beam_.row_at(x > 0.0 ? x : rig.contact.position); };
+    velocity_spot_ = spot(history.velocity_position);
+    displacement_spot_ = spot(history.displacement_position);
+  }
+
+  const Collocation& rule() const override { return stages_.rule; }
+
+  const StepLadder& ladder() const override { return ladder_; }
+
+  void start(double angle, double rate) override {
+    beam_.set_rigid_motion(angle, rate, beam_q_, beam_v_);
+    chain_.from_beam(beam_q_, q_);
+    chain_.from_beam(beam_v_, v_);
+    energy_ = chain_.energy(q_, v_);
+    lost_ = 0.0;
+    last_h_ = 0.0;
+    renew_tangent(q_);
+  }
+
+  void set_scales(double kinetic, double contact_time) override {
+    speed_scale_ = std::sqrt(2.0 * kinetic);
+    contact_time_ = contact_time;
+  }
+
+  PointMotion struck() const override { return {-q_[struck_], -v_[struck_]}; }
+
+  BeamEnergy energy() const override { return energy_; }
+
+  RigidPart rigid_part() const override {
+    to_beam();
+    return beam_.rigid_part(beam_q_, beam_v_);
+  }
+
+  double elastic_compliance() const override { return compliance_; }
+
+  void begin_step(int level) override {
+    h_ = ladder_.length_of(level);
+    predict(previous_, last_h_ > 0.0 ? h_ / last_h_ : 0.0, 1.0);
+    begin();
+  }
+
+  void begin_part(double part) override {
+    h_ *= part;
+    previous_guess_ = a_;
+    predict(previous_guess_, part, 0.0);
+    begin();
+  }
+
+  double step() const override { return h_; }
+
+  const Response& response() const override { return factor_->response; }
+
+  Progress improve(const NodeVector& force, NodeVector& displacement,
+                   NodeVector& velocity) override;
+  void press(const NodeVector& change) override;
+
+  void finish(const NodeVector& force, const NodeVector&) override {
+    if (iterations_ > 1) slow_ = contraction_ > slow;
+    for (int k = 0; k < chain_.coordinates(); ++k) {
+      const Lanes a = a_.col(k);
+      end_q_[k] = q_[k] + displacement_of(v_[k], a)[S - 1];
+      end_v_[k] = v_[k] + velocity_of(a)[S - 1];
+    }
+    end_energy_ = chain_.energy(end_q_, end_v_);
+    const Lanes speed = v_[struck_] + velocity_of(a_.col(struck_));
+    work_done_ = h_ * (stages_.rule.weights().array() * force.array() * speed).sum();
+  }
+
+  PointMotion struck_at_end() const override { return {-end_q_[struck_], -end_v_[struck_]}; }
+
+  double error() const override;
+
+  PointMotion struck_at(double part, double* acceleration) override {
+    const Lanes a = a_.col(struck_);
+    const PointMotion p = motion_at(q_[struck_], v_[struck_], a, part);
+    if (acceleration) {
+      Series legendre;
+      shifted_legendre(part, legendre);
+      *acceleration = -legendre.dot(to_series(a));
+    }
+    return {-p.displacement, -p.velocity};
+  }
+
+  void sample(double first, double spacing, std::span<Sample> samples) override;
+
+  bool parts_exact() const override { return false; }
+
+  void take(double) override {
+    std::swap(q_, end_q_);
+    std::swap(v_, end_v_);
+    lost_ += lost_in_step();
+    energy_ = end_energy_;
+    std::swap(previous_, a_);
+    last_h_ = h_;
+    if (slow_) renew_tangent(q_);
+  }
+
+ private:
+  using Stages = StageArray<S>;
+  using Lanes = Eigen::Array<double, S, 1>;
+  using Series = Eigen::Matrix<double, S, 1>;
+  static constexpr int pairs = S / 2;
+  using Complex = ComplexLanes<pairs>;
+
+  /// The linear systems of a step of one length, at the tangent at hand.
+  struct Factor {
+    explicit Factor(std::size_t nodes) : systems(nodes), pressed(4 * nodes) {}
+
+    double h = 0.0;  ///< 0: of an older tangent
+    BlockTridiagonal<pairs> systems;
+    std::vector<Complex> pressed;  ///< solution for a unit force at the struck point
+    Response response;
+  };
+
+  double lost_in_step() const { return total(energy_) + work_done_ - total(end_energy_); }
+
+  void to_beam() const {
+    chain_.to_beam(q_, beam_q_);
+    chain_.to_beam(v_, beam_v_);
+  }
+
+  /// What a coordinate gains to the nodes.
+  Lanes displacement_of(double v, const Lanes& a) const {
+    return h_ * (v * nodes_ + h_ * (stages_.to_displacement * a.matrix()).array());
+  }
+
+  Lanes velocity_of(const Lanes& a) const {
+    return h_ * (stages_.to_velocity * a.matrix()).array();
+  }
+
+  Series to_series(const Lanes& a) const { return to_series_ * a.matrix(); }
+
+  /// A coordinate within the step: of position, speed and acceleration at the nodes.
+  PointMotion motion_at(double q, double v, const Lanes& a, double part) const {
+    Series integrals;
+    shifted_legendre_integrals(part, integrals);
+    const Lanes speed = v + velocity_of(a);
+    return {q + h_ * integrals.dot(to_series(speed)), v + h_ * integrals.dot(to_series(a))};
+  }
+
+  /// Acceleration of the step from a polynomial over another, at its places origin + ratio c.
+  void predict(const Stages& from, double ratio, double origin) {
+    constexpr int terms = S;
+    if (ratio == 0.0) {
+      a_.setZero();
+      return;
+    }
+    const int kept = origin > 0.0 ? std::min(terms, 3) : terms;
+    Eigen::Matrix<double, S, S> values = Eigen::Matrix<double, S, S>::Zero();
+    Series legendre;
+    for (int i = 0; i < S; ++i) {
+      shifted_legendre(origin + ratio * nodes_[i], legendre);
+      values.row(i).head(kept) = legendre.head(kept).transpose();
+    }
+    const Eigen::Matrix<double, S, S> map = values * to_series_;
+    for (int k = 0; k < chain_.coordinates(); ++k) a_.col(k) = (map * from.col(k).matrix()).array();
+  }
+
+  void begin() {
+    iterations_ = 0;
+    size_ = std::numeric_limits<double>::infinity();
+    factor_ = &factor_for(h_);
+  }
+
+  void renew_tangent(const Eigen::ArrayXd& q) {
+    chain_.stiffness(q, stiffness_);
+    for (Factor& factor : factors_) factor.h = 0.0;
+    slow_ = false;
+  }
+
+  Factor& factor_for(double h) {
+    for (Factor& factor : factors_)
+      if (std::abs(factor.h - h) <= 1e-3 * h) return factor;
+    Factor& factor = factors_[next_factor_];
+    next_factor_ = (next_factor_ + 1) % factors_.size();
+    make_factor(h, factor);
+    return factor;
+  }
+
+  void make_factor(double h, Factor& factor);
+  void solve(Stages& r);
+
+  void gather(const std::vector<Complex>& x, int k, Lanes& out) const {
+    const Complex& value = x[static_cast<std::size_t>(k)];
+    out = (stages_.out_re * value.re.matrix() - stages_.out_im * value.im.matrix()).array();
+  }
+
+  AncfBeam beam_;
+  AncfChain chain_;
+  const RadauStages<S>& stages_ = RadauStages<S>::get();
+  Eigen::Matrix<double, S, S> to_series_ = stages_.rule.to_series();
+  Lanes nodes_ = stages_.rule.points().array();
+  StepLadder ladder_;
+  int struck_;
+  double compliance_;
+  double accuracy_, tolerance_;
+  double speed_scale_ = 1.0, contact_time_ = 1.0;
+  AncfBeam::Row velocity_spot_, displacement_spot_;
+
+  Eigen::ArrayXd q_, v_;
+  double h_ = 0.0, last_h_ = 0.0;
+  Stages a_, previous_, previous_guess_, stage_q_, residual_;
+  Eigen::ArrayXd end_q_, end_v_;
+  BeamEnergy energy_, end_energy_;
+  double lost_ = 0.0;       // by the method since the start [J]
+  double work_done_ = 0.0;  // on the bar by the stop over the step [J]
+
+  ChainMatrix stiffness_;
+  std::vector<Factor> factors_;
+  std::size_t next_factor_ = 0;
+  Factor* factor_ = nullptr;
+  bool slow_ = false;
+
+  std::vector<Complex> work_;
+  int iterations_ = 0;
+  double size_ = 0.0;
+  double contraction_ = 1.0;
+  mutable Eigen::VectorXd beam_q_, beam_v_;
+};
+
+template <int S>
+void AncfMotion<S>::make_factor(double h, Factor& factor) {
+  factor.h = h;
+  Complex share;  // (h λ)²
+  for (int j = 0; j < pairs; ++j) {
+    const std::complex<double> z = h * stages_.eigenvalues[j];
+    share.re[j] = (z * z).real();
+    share.im[j] = (z * z).imag();
+  }
+  factor.systems.factor(chain_.mass(), stiffness_, share);
+  std::ranges::fill(factor.pressed, Complex{});
+  factor.pressed[static_cast<std::size_t>(struck_)].re.setOnes();
+  factor.systems.solve_in_place(factor.pressed);
+  // acceleration of the struck coordinate under a unit force at each node
+  const Complex& own = factor.pressed[static_cast<std::size_t>(struck_)];
+  Eigen::Matrix<double, S, S> acceleration = Eigen::Matrix<double, S, S>::Zero();
+  for (int j = 0; j < pairs; ++j) {
+    const auto re = own.re[j] * stages_.into_re.row(j) - own.im[j] * stages_.into_im.row(j);
+    const auto im = own.re[j] * stages_.into_im.row(j) + own.im[j] * stages_.into_re.row(j);
+    acceleration += stages_.out_re.col(j) * re - stages_.out_im.col(j) * im;
+  }
+  factor.response.displacement_of_force = -h * h * stages_.to_displacement * acceleration;
+  factor.response.velocity_of_force = -h * stages_.to_velocity * acceleration;
+}
+
+/// r becomes the accelerations that Newton's method takes off.
+template <int S>
+void AncfMotion<S>::solve(Stages& r) {
+  for (int k = 0; k < chain_.coordinates(); ++k) {
+    Complex& x = work_[static_cast<std::size_t>(k)];
+    x.re = (stages_.into_re * r.col(k).matrix()).array();
+    x.im = (stages_.into_im * r.col(k).matrix()).array();
+  }
+  factor_->systems.solve_in_place(work_);
+  Lanes change;
+  for (int k = 0; k < chain_.coordinates(); ++k) {
+    gather(work_, k, change);
+    r.col(k) = change;
+  }
+}
+
+template <int S>
+BarMotion::Progress AncfMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
+                                           NodeVector& velocity) {
+  const int n = chain_.coordinates();
+  for (int k = 0; k < n; ++k) stage_q_.col(k) = q_[k] + displacement_of(v_[k], a_.col(k));
+  chain_.residual<S>(stage_q_, a_, residual_);
+  residual_.col(struck_) -= force.array();
+  solve(residual_);
+  a_ -= residual_;
+  double square = 0.0;
+  for (int k = 0; k < n; ++k) square += chain_.inertia()[k] * residual_.col(k).square().maxCoeff();
+  // relative to the speed that counts, and less where the bar moves faster than that
+  const double excess = std::max(1.0, std::sqrt(2.0 * energy_.kinetic) / speed_scale_);
+  const double size = h_ * std::sqrt(square) / speed_scale_ * excess;
+  ++iterations_;
+  const Lanes a = a_.col(struck_);
+  displacement = -(q_[struck_] + displacement_of(v_[struck_], a)).matrix();
+  velocity = -(v_[struck_] + velocity_of(a)).matrix();
+  if (!std::isfinite(size)) return Progress::failed;
+  if (iterations_ > 1) contraction_ = size / size_;
+  if (size == 0.0) return Progress::converged;
+  const double left = size * std::min(1.0, contraction_ / std::max(1.0 - contraction_, 0.1));
+  size_ = size;
+  if (left <= tolerance_) return Progress::converged;
+  if (iterations_ < 3 || contraction_ < 0.3) return Progress::going_on;
+  // rounding of the positions, turned into forces by the stiffest elements
+  const double rounding = 16.0 * std::numeric_limits<double>::epsilon() *
+                          std::sqrt((chain_.inertia() * q_.square()).sum()) / h_;
+  if (size <= rounding / speed_scale_ * excess) return Progress::converged;
+  return contraction_ < 0.9 ? Progress::going_on : Progress::failed;
+}
+
+template <int S>
+void AncfMotion<S>::press(const NodeVector& change) {
+  Complex share;
+  share.re = (stages_.into_re * change).array();
+  share.im = (stages_.into_im * change).array();
+  for (int k = 0; k < chain_.coordinates(); ++k) {
+    const Complex x = factor_->pressed[static_cast<std::size_t>(k)] * share;
+    a_.col(k) += (stages_.out_re * x.re.matrix() - stages_.out_im * x.im.matrix()).array();
+  }
+}
+
+/// Norms of the terms of the accelerations' Legendre series, across the bar and along it. What a
+/// series leaves out goes on as its last pairs of terms fall; at the step's end the method has
+/// nearly twice the order of the series. Motion along the bar reaches the stop only where the bar
+/// is inclined or bent.
+template <int S>
+double AncfMotion<S>::error() const {
+  Lanes across = Lanes::Zero(), along = Lanes::Zero();
+  double inclination = 0.0;
+  for (int node = 0; node < chain_.nodes(); ++node) {
+    const int k = 4 * node;
+    const double angle = std::atan2(q_[k + 1], 1.0 - q_[k + 3]);
+    inclination = std::max(inclination, std::abs(angle));
+    const double cosine = std::cos(angle), sine = std::sin(angle);
+    for (int c = 0; c < 2; ++c) {
+      const Lanes x = (to_series_ * a_.col(k + c).matrix()).array();
+      const Lanes u = (to_series_ * a_.col(k + 2 + c).matrix()).array();
+      across += chain_.inertia()[k + c] * (cosine * x + sine * u).square();
+      along += chain_.inertia()[k + c] * (cosine * u - sine * x).square();
+    }
+  }
+  const auto left = [&](const Lanes& squares) {
+    const double last = std::sqrt(squares[S - 1] + squares[S - 2]);
+    const double before = std::sqrt(squares[S - 3] + squares[S - 4]);
+    const double ratio = 3.0 * last / std::max(before, 1e-300);
+    return ratio < 1.0 ? last * ratio : last;
+  };
+  const double motion = h_ * std::min(1.0, h_ / contact_time_) *
+                        (left(across) + std::min(1.0, inclination) * left(along)) / speed_scale_;
+  // A method that lets fast vibration die must not let it take along energy that counts.
+  const double scale = 0.5 * speed_scale_ * speed_scale_;
+  // Each step may take a part of what the steps before have left of the accuracy.
+  const double rounding = 1e-14 * (end_energy_.elastic + end_energy_.kinetic);
+  const double lost = std::max(std::abs(lost_in_step()) - rounding, 0.0) / scale;
+  const double remaining = std::max(1.0 - std::abs(lost_) / (scale * accuracy_), 0.02);
+  return std::max(motion, lost / remaining);
+}
+
+template <int S>
+void AncfMotion<S>::sample(double first, double spacing, std::span<Sample> samples) {
+  const auto look = [&](const AncfBeam::Row& spot, double part) {
+    PointMotion sum;
+    for (int i = 0; i < 4; ++i) {
+      const int k = 4 * (static_cast<int>(spot.element) + i / 2) + i % 2;
+      const PointMotion p =
+          part > 0.0 ? motion_at(q_[k], v_[k], a_.col(k), part) : PointMotion{q_[k], v_[k]};
+      sum.displacement -= spot.shape[i] * p.displacement;
+      sum.velocity -= spot.shape[i] * p.velocity;
+    }
+    return sum;
+  };
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double part = first + static_cast<double>(i) * spacing;
+    samples[i] = {part > 0.0 ? struck_at(part, nullptr) : struck(),
+                  look(velocity_spot_, part).velocity, look(displacement_spot_, part).displacement};
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<BarMotion> make_ancf_motion(const Rig& rig, const Solver& solver,
+                                            const HistoryRequest& history) {
+  if (solver.accuracy > 5e-6) return std::make_unique<AncfMotion<4>>(rig, solver, history);
+  return std::make_unique<AncfMotion<8>>(rig, solver, history);
+}
+
+}  // namespace impactrig::models

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+namespace impactrig::models {
+
+/// K complex numbers side by side, one for each of the systems a Radau step falls into; real and
+/// imaginary parts apart so that the compiler takes them by vectors.
+template <int K>
+struct ComplexLanes {
+  using Real = Eigen::Array<double, K, 1>;
+  Real re = Real::Zero(), im = Real::Zero();
+
+  ComplexLanes& operator+=(const ComplexLanes& b) {
+    re += b.re;
+    im += b.im;
+    return *this;
+  }
+
+  ComplexLanes& operator-=(const ComplexLanes& b) {
+    re -= b.re;
+    im -= b.im;
+    return *this;
+  }
+
+  /// this −= a b
+  void subtract_product(const ComplexLanes& a, const ComplexLanes& b) {
+    re -= a.re * b.re - a.im * b.im;
+    im -= a.re * b.im + a.im * b.re;
+  }
+
+  friend ComplexLanes operator*(const ComplexLanes& a, const ComplexLanes& b) {
+    ComplexLanes c;
+    c.re = a.re * b.re - a.im * b.im;
+    c.im = a.re * b.im + a.im * b.re;
+    return c;
+  }
+
+  friend ComplexLanes operator+(ComplexLanes a, const ComplexLanes& b) { return a += b; }
+
+  friend ComplexLanes operator-(ComplexLanes a, const ComplexLanes& b) { return a -= b; }
+
+  ComplexLanes operator-() const {
+    ComplexLanes c;
+    c.re = -re;
+    c.im = -im;
+    return c;
+  }
+
+  ComplexLanes inverse() const {
+    const Real square = (re.square() + im.square()).inverse();
+    ComplexLanes c;
+    c.re = re * square;
+    c.im = -im * square;
+    return c;
+  }
+};
+
+}  // namespace impactrig::models
