@@ -48,6 +48,9 @@ class BarMotion {
   virtual RigidPart rigid_part() const = 0;
   virtual double elastic_compliance() const = 0;  ///< of the struck point, the swing apart [m/N]
 
+  /// The steps that follow press.
+  virtual void expect_contact() {}
+
   virtual void begin_step(int level) = 0;
   /// Begins the step tried last again, shorter: its first part alone. Not called when
   /// parts_exact().

@@ -20,6 +20,8 @@ namespace {
 constexpr double step_share = 0.1;
 // How well the way of free flight is resolved where a touch is looked for, of the penetration.
 constexpr double motion_resolution = 1e-3;
+// The same far from the stop, of the gap.
+constexpr double gap_share = 0.1;
 constexpr int most_iterations = 12;
 
 }  // namespace
@@ -122,7 +124,9 @@ double CollocationRun::force_error() const {
 double CollocationRun::motion_error() const {
   const int s = rule_.nodes();
   const NodeVector series = rule_.to_series() * tried_.displacement;
-  return std::hypot(series[s - 1], series[s - 2]) / (motion_resolution * depth_);
+  const double gap =
+      std::min(std::abs(bar_.struck().displacement), tried_.displacement.cwiseAbs().minCoeff());
+  return std::hypot(series[s - 1], series[s - 2]) / (motion_resolution * depth_ + gap_share * gap);
 }
 
 void CollocationRun::attempt(int level) {
@@ -194,6 +198,7 @@ void CollocationRun::first_touch() {
 
 void CollocationRun::touch() {
   if (result_.episodes.empty()) first_touch();
+  bar_.expect_contact();
   log_.touch(t_ - time_of_touch_, bar_.struck().velocity, totals_, contact_);
 }
 

@@ -16,9 +16,9 @@ namespace impactrig::models {
 namespace {
 
 // Of the accuracy asked for, what Newton's method may leave of a step.
-constexpr double newton_share = 0.005;
+constexpr double newton_share = 0.02;
 // Slower convergence than this calls for a new tangent at the next step.
-constexpr double slow = 0.05;
+constexpr double slow = 0.01;
 constexpr int kept_factors = 6;
 
 double total(const BeamEnergy& energy) {
@@ -33,6 +33,7 @@ class AncfMotion final : public BarMotion {
       : beam_(rig, solver.elements),
         chain_(beam_),
         struck_(4 * solver.elements[0]),
+        length_(rig.beam.length),
         compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
         accuracy_(std::max(solver.accuracy, 1e-13)),
         tolerance_(newton_share * accuracy_),
@@ -62,7 +63,13 @@ class AncfMotion final : public BarMotion {
     energy_ = chain_.energy(q_, v_);
     lost_ = 0.0;
     last_h_ = 0.0;
-    renew_tangent(q_);
+    in_contact_ = false;
+    renew_tangent();
+  }
+
+  void expect_contact() override {
+    in_contact_ = true;
+    renew_tangent();
   }
 
   void set_scales(double kinetic, double contact_time) override {
@@ -104,6 +111,7 @@ class AncfMotion final : public BarMotion {
 
   void finish(const NodeVector& force, const NodeVector&) override {
     if (iterations_ > 1) slow_ = contraction_ > slow;
+    if (force.isZero(0.0)) in_contact_ = false;
     for (int k = 0; k < chain_.coordinates(); ++k) {
       const Lanes a = a_.col(k);
       end_q_[k] = q_[k] + displacement_of(v_[k], a)[S - 1];
@@ -140,7 +148,7 @@ class AncfMotion final : public BarMotion {
     energy_ = end_energy_;
     std::swap(previous_, a_);
     last_h_ = h_;
-    if (slow_) renew_tangent(q_);
+    if (slow_) renew_tangent();
   }
 
  private:
@@ -206,12 +214,22 @@ class AncfMotion final : public BarMotion {
 
   void begin() {
     iterations_ = 0;
+    // what the last step told grows old
+    contraction_ = std::pow(std::max(contraction_, 1e-12), 0.9);
+    turn_ = in_contact_ ? 0.0 : chord_angle() - tangent_angle_;
     size_ = std::numeric_limits<double>::infinity();
     factor_ = &factor_for(h_);
   }
 
-  void renew_tangent(const Eigen::ArrayXd& q) {
-    chain_.stiffness(q, stiffness_);
+  /// Of the chord from hinge to tip against hanging, closing > 0 [rad].
+  double chord_angle() const {
+    const Eigen::Index tip = 4 * (chain_.nodes() - 1);
+    return std::atan2(-q_[tip], length_ - q_[tip + 2]);
+  }
+
+  void renew_tangent() {
+    chain_.stiffness(q_, stiffness_);
+    tangent_angle_ = chord_angle();
     for (Factor& factor : factors_) factor.h = 0.0;
     slow_ = false;
   }
@@ -223,6 +241,17 @@ class AncfMotion final : public BarMotion {
     next_factor_ = (next_factor_ + 1) % factors_.size();
     make_factor(h, factor);
     return factor;
+  }
+
+  /// Turns every pair of coordinates (X, U), (X', U') by an angle, closing.
+  static void rotate(double angle, Stages& x) {
+    const double cosine = std::cos(angle), sine = std::sin(angle);
+    for (Eigen::Index k = 0; k < x.cols(); k += 4)
+      for (Eigen::Index c = k; c < k + 2; ++c) {
+        const Lanes across = x.col(c);
+        x.col(c) = cosine * across + sine * x.col(c + 2);
+        x.col(c + 2) = cosine * x.col(c + 2) - sine * across;
+      }
   }
 
   void make_factor(double h, Factor& factor);
@@ -240,7 +269,7 @@ class AncfMotion final : public BarMotion {
   Lanes nodes_ = stages_.rule.points().array();
   StepLadder ladder_;
   int struck_;
-  double compliance_;
+  double length_, compliance_;
   double accuracy_, tolerance_;
   double speed_scale_ = 1.0, contact_time_ = 1.0;
   AncfBeam::Row velocity_spot_, displacement_spot_;
@@ -258,6 +287,9 @@ class AncfMotion final : public BarMotion {
   std::size_t next_factor_ = 0;
   Factor* factor_ = nullptr;
   bool slow_ = false;
+  bool in_contact_ = false;
+  double tangent_angle_ = 0.0;
+  double turn_ = 0.0;  // of the bar since the tangent was made [rad]
 
   std::vector<Complex> work_;
   int iterations_ = 0;
@@ -291,9 +323,11 @@ void AncfMotion<S>::make_factor(double h, Factor& factor) {
   factor.response.velocity_of_force = -h * stages_.to_velocity * acceleration;
 }
 
-/// r becomes the accelerations that Newton's method takes off.
+/// r becomes the accelerations that Newton's method takes off. A bar that has turned since the
+/// tangent was made has the same tangent, turned.
 template <int S>
 void AncfMotion<S>::solve(Stages& r) {
+  if (turn_ != 0.0) rotate(-turn_, r);
   for (int k = 0; k < chain_.coordinates(); ++k) {
     Complex& x = work_[static_cast<std::size_t>(k)];
     x.re = (stages_.into_re * r.col(k).matrix()).array();
@@ -305,6 +339,7 @@ void AncfMotion<S>::solve(Stages& r) {
     gather(work_, k, change);
     r.col(k) = change;
   }
+  if (turn_ != 0.0) rotate(turn_, r);
 }
 
 template <int S>
