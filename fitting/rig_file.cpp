@@ -77,6 +77,11 @@ void read_beam(TableReader& table, models::Rig& rig, Section& section, double& p
   rig.beam.youngs_modulus = table.required_quantity("youngs_modulus", "Pa", "68.952 GPa");
   rig.beam.density = table.required_quantity("density", "kg/m^3", "2766.7 kg/m^3");
   poisson_ratio = table.number("poisson_ratio").value_or(0.3);
+  for (TableReader& lump : table.tables("masses")) {
+    rig.beam.masses.push_back({.position = lump.required_quantity("position", "m", "0.8 m"),
+                               .mass = lump.required_quantity("mass", "kg", "0.1 kg")});
+    lump.finish();
+  }
   table.finish();
 }
 
@@ -341,7 +346,7 @@ datasets::SourcePosition position_of(const toml::table& document, const std::str
                                      const std::set<std::string>& overridden,
                                      std::string_view message) {
   const std::string key(message.substr(0, message.find_first_of(": ")));
-  if (overridden.contains(key)) return {.file = "--set " + key};
+  if (const auto override = overriding_key(key, overridden)) return {.file = "--set " + *override};
   datasets::SourcePosition where{.file = path};
   if (const toml::node* node = document.at_path(key).node()) {
     where.line = node->source().begin.line;

@@ -11,7 +11,7 @@ void begin_history(const Rig& rig, const HistoryRequest& wanted, double struck_s
   const long before = static_cast<long>(std::ceil(wanted.lead / wanted.interval));
   history.interval = wanted.interval;
   history.start = -static_cast<double>(before) * wanted.interval;
-  const double omega = std::sqrt(1.5 * rig.gravity / rig.beam.length);
+  const double omega = std::sqrt(rig.gravity * rig.beam.first_moment() / rig.beam.hinge_inertia());
   for (long k = -before; k <= 0; ++k) {
     const double t = static_cast<double>(k) * wanted.interval;
     const double way = omega > 0.0 ? std::sin(omega * t) / omega : t;

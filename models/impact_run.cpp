@@ -97,9 +97,7 @@ void ImpactRun::swing_to_touch() {
   const double angle = *rig_.start.release_angle;
   Vector y = Vector::Zero(2 * n_ + 2);
   beam_->set_rigid_motion(-angle, 0.0, y.head(n_), y.segment(n_, n_));
-  const double drop =
-      rig_.beam.mass() * rig_.gravity * 0.5 * rig_.beam.length * (1.0 - std::cos(angle));
-  set_scales(drop, rig_.contact.position * std::sqrt(2.0 * drop / rig_.beam.hinge_inertia()));
+  set_scales(release_energy(rig_), touch_velocity(rig_));
   t_end_ = std::numeric_limits<double>::infinity();
   stepper_.start(0.0, y, f_);
 }

@@ -30,6 +30,16 @@ void validate_beam(const Beam& beam) {
   require_positive("beam.section (second moment)", beam.second_moment, "m^4");
   require_positive("beam.youngs_modulus", beam.youngs_modulus, "Pa");
   require_positive("beam.density", beam.density, "kg/m^3");
+  for (std::size_t i = 0; i < beam.masses.size(); ++i) {
+    const LumpedMass& lump = beam.masses[i];
+    const std::string key = fmt::format("beam.masses[{}]", i);
+    require_positive(key + ".mass", lump.mass, "kg");
+    require_positive(key + ".position", lump.position, "m");
+    if (lump.position > beam.length)
+      refuse(key + ".position",
+             fmt::format("the mass, {:g} m from the hinge, lies beyond the bar's end at {:g} m",
+                         lump.position, beam.length));
+  }
 }
 
 void validate_contact(const Contact& contact, const Beam& beam) {
@@ -119,11 +129,26 @@ std::string_view name(Basis basis) {
   return basis == Basis::cantilever ? "cantilever" : "pinned-free";
 }
 
+double Beam::first_moment() const {
+  double sum = 0.5 * bar_mass() * length;
+  for (const LumpedMass& lump : masses) sum += lump.mass * lump.position;
+  return sum;
+}
+
+double Beam::hinge_inertia() const {
+  double sum = bar_mass() * length * length / 3.0;
+  for (const LumpedMass& lump : masses) sum += lump.mass * lump.position * lump.position;
+  return sum;
+}
+
+double release_energy(const Rig& rig) {
+  const double half = std::sin(0.5 * *rig.start.release_angle);
+  return 2.0 * rig.beam.first_moment() * rig.gravity * half * half;
+}
+
 double touch_velocity(const Rig& rig) {
   if (!rig.start.release_angle) return rig.start.velocity;
-  // I θ̇² / 2 = m g (L/2) (1 − cos α), I = m L² / 3
-  const double half = std::sin(0.5 * *rig.start.release_angle);
-  return rig.contact.position * std::sqrt(6.0 * rig.gravity / rig.beam.length) * half;
+  return rig.contact.position * std::sqrt(2.0 * release_energy(rig) / rig.beam.hinge_inertia());
 }
 
 void validate(const Rig& rig, const Solver& solver) {

@@ -5,24 +5,33 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace impactrig::models {
 
-/// A straight uniform bar, x from the hinge.
+/// A body small against the bar, fixed to its axis: mass without rotary inertia.
+struct LumpedMass {
+  double position = 0.0;  ///< from the hinge [m]
+  double mass = 0.0;      ///< [kg]
+
+  bool operator==(const LumpedMass&) const = default;
+};
+
+/// A straight uniform bar, x from the hinge, and the masses it carries.
 struct Beam {
   double length = 0.0;          ///< [m]
   double area = 0.0;            ///< A [m^2]
   double second_moment = 0.0;   ///< I [m^4]
   double youngs_modulus = 0.0;  ///< E [Pa]
   double density = 0.0;         ///< rho [kg/m^3]
-
-  double mass() const { return density * area * length; }
+  std::vector<LumpedMass> masses = {};
 
   bool operator==(const Beam&) const = default;
 
-  double hinge_inertia() const {
-    return mass() * length * length / 3.0;
-  }  ///< about the hinge [kg m^2]
+  double bar_mass() const { return density * area * length; }  ///< without `masses` [kg]
+
+  double first_moment() const;   ///< ∫ x dm [kg m]
+  double hinge_inertia() const;  ///< ∫ x² dm [kg m^2]
 };
 
 enum class Counterface { groove, cylinder, plane };
@@ -76,6 +85,10 @@ struct Solver {
   double accuracy = 1e-6;           ///< relative, of the time integration
   std::optional<double> duration;   ///< from first touch [s]; none: until the bar has left for good
 };
+
+/// What a release from rest turns into kinetic energy up to first touch, the bar taken as rigid
+/// [J]; needs a release angle.
+double release_energy(const Rig& rig);
 
 /// Closing speed of the struck point at first touch [m/s]: as stated, or the rigid bar's after its
 /// release.

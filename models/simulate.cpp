@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 
@@ -29,9 +30,13 @@ double missing_tension(const Rig& rig, const Solver& solver, double duration) {
   const bool stretches = solver.model == BeamModel::ancf ||
                          (solver.model == BeamModel::hybrid && solver.axial_modes > 0);
   if (!stretches) return 0.0;
-  const double wave_speed = std::sqrt(rig.beam.youngs_modulus / rig.beam.density);
-  const double time = std::min(duration, 4.0 * rig.beam.length / wave_speed);
-  return 0.75 * rig.gravity / rig.beam.length * time * time;
+  // its period at most, by Dunkerley's formula
+  const Beam& beam = rig.beam;
+  double square = 4.0 * std::pow(beam.length / std::numbers::pi, 2) * beam.density;
+  for (const LumpedMass& lump : beam.masses) square += lump.mass * lump.position / beam.area;
+  const double period = 2.0 * std::numbers::pi * std::sqrt(square / beam.youngs_modulus);
+  const double time = std::min(duration, period);
+  return 0.5 * rig.gravity * beam.first_moment() / beam.hinge_inertia() * time * time;
 }
 
 Simulation simulate_small_motion(const Rig& rig, const Solver& solver,

@@ -117,6 +117,21 @@ std::optional<datasets::Sensor> sensor_from(const JsonReader& sensors, const std
   return sensor;
 }
 
+Json masses_json(const std::vector<models::LumpedMass>& masses) {
+  Json json = Json::array();
+  for (const models::LumpedMass& lump : masses)
+    json.push_back({{"position_m", lump.position}, {"mass_kg", lump.mass}});
+  return json;
+}
+
+std::vector<models::LumpedMass> masses_from(const JsonReader& json) {
+  std::vector<models::LumpedMass> masses;
+  for (std::size_t i = 0; i < json.size(); ++i)
+    masses.push_back({.position = json.element(i)["position_m"].number(),
+                      .mass = json.element(i)["mass_kg"].number()});
+  return masses;
+}
+
 }  // namespace
 
 Json rig_json(const fitting::RigFile& rig) {
@@ -130,7 +145,8 @@ Json rig_json(const fitting::RigFile& rig) {
         {"area_m2", beam.area},
         {"second_moment_m4", beam.second_moment},
         {"youngs_modulus_pa", beam.youngs_modulus},
-        {"density_kg_m3", beam.density}}},
+        {"density_kg_m3", beam.density},
+        {"masses", masses_json(beam.masses)}}},
       {"contact", contact_json(rig.rig.contact)},
       {"start",
        {{"velocity_m_s", start.velocity},
@@ -154,6 +170,7 @@ fitting::RigFile rig_from(const JsonReader& json) {
   rig.rig.beam = {beam["length_m"].number(), beam["area_m2"].number(),
                   beam["second_moment_m4"].number(), beam["youngs_modulus_pa"].number(),
                   beam["density_kg_m3"].number()};
+  if (beam.has("masses")) rig.rig.beam.masses = masses_from(beam["masses"]);
   rig.rig.contact = contact_from(json["contact"]);
   rig.rig.start.velocity = json["start"]["velocity_m_s"].number();
   if (json["start"].has("release_angle_rad"))

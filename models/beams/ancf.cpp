@@ -67,6 +67,7 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
       gravity_(rig.gravity),
       inertia_(rig.beam.hinge_inertia()),
       bar_length_(rig.beam.length),
+      masses_(rig.beam.masses),
       reference_(dofs_),
       weight_(Eigen::VectorXd::Zero(dofs_)),
       mass_([&] {
@@ -79,8 +80,7 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
             x += length;
           }
         BandMatrix mass(dofs_);
-        for (std::size_t e = 0; e < elements_.size(); ++e) {
-          const Eigen::Matrix4d m = line_density_ * consistent_mass(elements_[e].length);
+        const auto add = [&](std::size_t e, const Eigen::Matrix4d& m) {
           for (int i = 0; i < 4; ++i)
             for (int j = 0; j <= i; ++j) {
               const int row = e == 0 && i == 1 ? 0 : first_dof(e) + i;
@@ -88,6 +88,13 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
               const bool hinge = e == 0 && (i == 0 || j == 0);
               if (!hinge) mass.add(row, column, m(i, j));
             }
+        };
+        for (std::size_t e = 0; e < elements_.size(); ++e)
+          add(e, line_density_ * consistent_mass(elements_[e].length));
+        for (const LumpedMass& lump : masses_) {
+          const std::size_t e = element_at(lump.position);
+          const Nodal s = shape_at(e, lump.position);
+          add(e, lump.mass * s * s.transpose());
         }
         return mass;
       }()),
@@ -103,11 +110,17 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
     reference_[first_dof(e) + 2] = elements_[e].x + elements_[e].length;
     reference_[first_dof(e) + 3] = 1.0;
     const double l = elements_[e].length;
-    const Eigen::Vector4d share =
-        line_density_ * l * Eigen::Vector4d(0.5, l / 12.0, 0.5, -l / 12.0);
-    for (int i = 0; i < 4; ++i)
-      if (e > 0 || i > 0) weight_[e == 0 && i == 1 ? 0 : first_dof(e) + i] += share[i];
+    add_weight(e, line_density_ * l * Nodal(0.5, l / 12.0, 0.5, -l / 12.0));
   }
+  for (const LumpedMass& lump : masses_) {
+    const std::size_t e = element_at(lump.position);
+    add_weight(e, lump.mass * shape_at(e, lump.position));
+  }
+}
+
+void AncfBeam::add_weight(std::size_t e, const Nodal& share) {
+  for (int i = 0; i < 4; ++i)
+    if (e > 0 || i > 0) weight_[e == 0 && i == 1 ? 0 : first_dof(e) + i] += share[i];
 }
 
 AncfBeam::Nodal AncfBeam::gather(ConstVector part, std::size_t element) const {
@@ -179,13 +192,17 @@ std::size_t AncfBeam::element_at(double x) const {
   return e;
 }
 
+AncfBeam::Nodal AncfBeam::shape_at(std::size_t e, double x) const {
+  return shape((x - elements_[e].x) / elements_[e].length, elements_[e].length);
+}
+
 double AncfBeam::struck_acceleration(ConstVector /*q*/, ConstVector /*v*/, ConstVector a) const {
   return -a[struck_dof_];
 }
 
 PointMotion AncfBeam::point(double x, ConstVector q, ConstVector v) const {
   const std::size_t e = element_at(x);
-  const Eigen::Vector4d s = shape((x - elements_[e].x) / elements_[e].length, elements_[e].length);
+  const Nodal s = shape_at(e, x);
   return {-s.dot(gather(q.head(dofs_), e)), -s.dot(gather(v.head(dofs_), e))};
 }
 
@@ -196,7 +213,8 @@ std::vector<int> AncfBeam::coordinates_of(double x) const {
   return {first, first + 1, first + 2, first + 3};
 }
 
-/// X alone. Gravity acts through the tension ρA g (L − x) it leaves in the hanging bar.
+/// X alone. Gravity acts through the tension it leaves in the hanging bar: the weight below, ρA g
+/// (L − x) and what hangs there.
 SmallMotion AncfBeam::small_motion() const {
   SmallMotion motion;
   motion.mass = motion.stiffness = motion.gravity = Eigen::MatrixXd::Zero(dofs_, dofs_);
@@ -216,6 +234,15 @@ SmallMotion AncfBeam::small_motion() const {
       const double below = bar_length_ - x - points_[g] * l;
       weight += line_density_ * gravity_ * below * weights_[g] * l * s * s.transpose();
     }
+    for (const LumpedMass& lump : masses_) {
+      const double part = std::clamp((lump.position - x) / l, 0.0, 1.0);  // of it hangs the mass
+      for (std::size_t g = 0; g < 5 && part > 0.0; ++g) {
+        Nodal s = shape_slope(part * points_[g]);
+        s[0] /= l;
+        s[2] /= l;
+        weight += lump.mass * gravity_ * weights_[g] * part * l * s * s.transpose();
+      }
+    }
     const int nodes = e == 0 ? 3 : 4;  // the hinge does not move
     const int first = e == 0 ? 0 : first_dof(e);
     motion.stiffness.block(first, first, nodes, nodes) += elastic.bottomRightCorner(nodes, nodes);
@@ -226,7 +253,7 @@ SmallMotion AncfBeam::small_motion() const {
 
 Eigen::VectorXd AncfBeam::small_motion_row(double x) const {
   const std::size_t e = element_at(x);
-  const Eigen::Vector4d s = shape((x - elements_[e].x) / elements_[e].length, elements_[e].length);
+  const Nodal s = shape_at(e, x);
   Eigen::VectorXd row = Eigen::VectorXd::Zero(dofs_);
   const int nodes = e == 0 ? 3 : 4;
   row.segment(e == 0 ? 0 : first_dof(e), nodes) = -s.tail(nodes);

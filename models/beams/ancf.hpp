@@ -15,7 +15,8 @@ namespace impactrig::models {
 ///
 /// Strain energy U = ½ ∫ EA ε² dx + ½ ∫ EI r_xx·r_xx dx with ε = (r_x·r_x − 1)/2, integrated
 /// exactly (five Gauss points: the integrand of the axial force has degree 8). r_xx is the
-/// curvature to first order in the axial strain.
+/// curvature to first order in the axial strain. A mass on the bar enters with the shape functions
+/// of its place, on a node or between two.
 ///
 /// q = [X, U]: X the nodal positions and slopes across the hanging bar (closing is −X), U the same
 /// of the displacement along it, Y = −x + U. Displacements, not positions, so that strains of 1e-12
@@ -51,6 +52,8 @@ class AncfBeam : public BeamDynamics {
   int first_dof(std::size_t element) const { return 2 * static_cast<int>(element) - 1; }
 
   std::size_t element_at(double x) const;
+  Nodal shape_at(std::size_t element, double x) const;
+  void add_weight(std::size_t element, const Nodal& share);
   Nodal gather(ConstVector part, std::size_t element) const;
   void add_elastic_force(ConstVector q, VectorRef force) const;
 
@@ -63,10 +66,11 @@ class AncfBeam : public BeamDynamics {
   double gravity_;
   double inertia_;
   double bar_length_;
+  std::vector<LumpedMass> masses_;
   std::array<Eigen::Vector4d, 5> slope_shapes_;  // dS/dξ at the Gauss points, for unit length
   std::array<double, 5> points_, weights_;
   Eigen::VectorXd reference_;  // x as nodal values of one direction
-  Eigen::VectorXd weight_;     // ∫ ρA S dx, one direction
+  Eigen::VectorXd weight_;     // ∫ S dm, one direction
   BandMatrix mass_;
   BandCholesky factor_;
 };

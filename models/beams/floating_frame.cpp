@@ -22,7 +22,7 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
       length_(rig.beam.length),
       inertia_(rig.beam.hinge_inertia()),
       gravity_(rig.gravity),
-      axial_scale_(std::sqrt(2.0 / rig.beam.mass())),
+      axial_scale_(std::sqrt(2.0 / rig.beam.bar_mass())),
       modes_(bending_modes(rig.beam, basis, modes)),
       stiffness_(Eigen::VectorXd::Zero(size())),
       mass_(size(), size()),
@@ -48,17 +48,24 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
     station.mass = line_density * length_ * rule.weights[i];
     stations_.push_back(std::move(station));
   }
+  bar_stations_ = stations_.size();
+  for (const LumpedMass& lump : rig.beam.masses) {
+    stations_.push_back(section_at(lump.position));
+    stations_.back().mass = lump.mass;
+  }
   struck_ = section_at(rig.contact.position);
 }
 
 void FloatingFrameBeam::couple() const {
   Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(bending_, bending_);
   double reached = 0.0;
-  for (Station& station : stations_) {
-    add_coupling(reached, station.x, 1, coupling);
-    reached = station.x;
-    station.coupling = coupling;
+  for (std::size_t i = 0; i < bar_stations_; ++i) {
+    add_coupling(reached, stations_[i].x, 1, coupling);
+    reached = stations_[i].x;
+    stations_[i].coupling = coupling;
   }
+  for (std::size_t i = bar_stations_; i < stations_.size(); ++i)
+    stations_[i].coupling = station_at(stations_[i].x).coupling;
   struck_ = station_at(struck_.x);
   coupled_ready_ = true;
 }
@@ -127,6 +134,11 @@ FloatingFrameBeam::InFrame FloatingFrameBeam::in_frame(const Station& station, C
 Eigen::VectorXd FloatingFrameBeam::inertia_diagonal() const {
   Eigen::VectorXd diagonal = Eigen::VectorXd::Ones(size());
   diagonal[0] = inertia_;
+  for (std::size_t i = bar_stations_; i < stations_.size(); ++i) {
+    const Station& lump = stations_[i];
+    diagonal.segment(1, axial_) += lump.mass * lump.axial.cwiseAbs2();
+    diagonal.tail(bending_) += lump.mass * lump.bending.cwiseAbs2();
+  }
   return diagonal;
 }
 
@@ -230,13 +242,21 @@ SmallMotion FloatingFrameBeam::small_motion() const {
   motion.mass(0, 0) = inertia_;
   motion.stiffness.diagonal().tail(bending_) = stiffness_.tail(bending_);
   Eigen::VectorXd slopes(bending_);
-  for (const Station& s : stations_) {
+  for (std::size_t i = 0; i < stations_.size(); ++i) {
+    const Station& s = stations_[i];
     const Eigen::VectorXd moment = s.mass * s.x * s.bending;
     motion.mass.row(0).tail(bending_) += moment;
     motion.mass.col(0).tail(bending_) += moment;
     motion.gravity(0, 0) += s.mass * gravity_ * s.x;
     motion.gravity.row(0).tail(bending_) += s.mass * gravity_ * s.bending;
     motion.gravity.col(0).tail(bending_) += s.mass * gravity_ * s.bending;
+    if (i >= bar_stations_) {  // m S2ᵀ S2 and m g H of a lumped mass
+      motion.mass.bottomRightCorner(bending_, bending_) +=
+          s.mass * s.bending * s.bending.transpose();
+      motion.gravity.bottomRightCorner(bending_, bending_) +=
+          s.mass * gravity_ * station_at(s.x).coupling;
+      continue;
+    }
     // ∫ ρA g H dx = ∫ ρA g (L − x) S2'ᵀ S2' dx
     for (int k = 0; k < bending_; ++k)
       slopes[k] = modes_[static_cast<std::size_t>(k)].at(s.x).slope;

@@ -39,13 +39,14 @@ void diagonalise(Eigen::MatrixXd& matrix, Eigen::MatrixXd& basis) {
 
 ModalBeam::ModalBeam(const BeamDynamics& beam, const Rig& rig)
     : beam_(beam),
-      motion_(beam.small_motion()) {
+      motion_(beam.small_motion()),
+      masses_(rig.beam.masses) {
   solve_modes();
   struck_ = point(rig.contact.position);
   rigid_ = shapes_.transpose() * (motion_.mass * motion_.rigid);
   constexpr int stations = 24;
   spacing_ = rig.beam.length / stations;
-  station_mass_ = rig.beam.mass() / stations;
+  station_mass_ = rig.beam.bar_mass() / stations;
   Eigen::MatrixXd across(motion_.rigid.size(), stations + 1);
   for (int i = 0; i <= stations; ++i) across.col(i) = beam.small_motion_row(i * spacing_);
   const Eigen::MatrixXd rows = across.rightCols(stations) - across.leftCols(stations);
@@ -99,6 +100,12 @@ double ModalBeam::shortening_energy(const Eigen::VectorXd& a, const Eigen::Vecto
     const double step = slope[i] * slope_rate[i] * spacing_;
     const double middle = drawn + 0.5 * step;
     energy += 0.5 * station_mass_ * middle * middle;
+    for (const LumpedMass& lump : masses_) {
+      const double part = lump.position / spacing_ - static_cast<double>(i);
+      const bool last = i + 1 == slope.size();
+      if (part > 0.0 && (part <= 1.0 || last))
+        energy += 0.5 * lump.mass * std::pow(drawn + std::min(part, 1.0) * step, 2);
+    }
     drawn += step;
   }
   return energy;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "models/beams/beam_dynamics.hpp"
 #include "models/modal/small_motion.hpp"
@@ -31,7 +32,7 @@ class ModalBeam {
 
   BeamEnergy energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
   /// Kinetic energy of the bar's points moving towards the hinge as it bends and turns, to the
-  /// lowest order: ½ ∫ ρA u̇² dx, u̇(x) = ∫₀ˣ w' ẇ' dξ [J]. Not part of the small motion.
+  /// lowest order: ½ ∫ u̇² dm, u̇(x) = ∫₀ˣ w' ẇ' dξ [J]. Not part of the small motion.
   double shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
 
   RigidPart rigid_part(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
@@ -46,7 +47,8 @@ class ModalBeam {
   Eigen::VectorXd omega_, struck_, rigid_;
   Eigen::MatrixXd slopes_;     // of the modes at evenly spread stations (stations, m)
   double station_mass_ = 0.0;  // [kg]
-  double spacing_ = 0.0;       // [m]
+  std::vector<LumpedMass> masses_;
+  double spacing_ = 0.0;  // [m]
 };
 
 }  // namespace impactrig::models

@@ -106,6 +106,28 @@ TEST(Validate, RefusesContactsThatCannotBe) {
   });
 }
 
+TEST(Validate, RefusesMassesThatAreNoneOrNotOnTheBar) {
+  expect_refusals({
+      {[](Rig& r, Solver&) {
+         r.beam.masses = {{0.4, 0.1}, {0.9, 0.1}};
+       },
+       "beam.masses[1].position: the mass, 0.9 m from the hinge, lies beyond the bar's end at 0.8 "
+       "m"},
+      {[](Rig& r, Solver&) {
+         r.beam.masses = {{0.0, 0.1}};
+       },
+       "beam.masses[0].position: must be greater than zero, found 0 m"},
+      {[](Rig& r, Solver&) {
+         r.beam.masses = {{0.4, -0.1}};
+       },
+       "beam.masses[0].mass: must be greater than zero, found -0.1 kg"},
+      {[](Rig& r, Solver&) {
+         r.beam.masses = {{0.4, infinity}};
+       },
+       "beam.masses[0].mass: must be finite, found inf kg"},
+  });
+}
+
 TEST(Validate, RefusesStartsThatNeverTouch) {
   expect_refusals({
       {[](Rig& r, Solver&) { r.start.velocity = 0.0; },

@@ -91,6 +91,7 @@ TEST(FitJson, ComesBackAsItWentOut) {
     data.fit.rig.solver.duration = 3e-3;
     data.fit.predictions[0].solver.model = models::BeamModel::ancf;
     data.fit.rig.rig.start.release_angle = 0.2;
+    data.fit.rig.rig.beam.masses = {{0.8, 0.1}, {0.4, 0.02}};
     const std::string once = reports::to_json(data);
     const std::string twice = reports::to_json(reports::report_from_json(once, "fit.json"));
     EXPECT_TRUE(once == twice);  // half a megabyte: not printed
