@@ -151,6 +151,12 @@ void read_contact(TableReader& table, models::Rig& rig, const Section& section,
   table.finish();
 }
 
+void read_hinge(TableReader& table, models::Hinge& hinge) {
+  if (const auto spring = table.quantity("spring", "N.m/rad")) hinge.spring = spring->value;
+  if (const auto viscous = table.quantity("viscous", "N.m.s/rad")) hinge.viscous = viscous->value;
+  table.finish();
+}
+
 void read_start(TableReader& table, models::Start& start) {
   const auto velocity = table.quantity("velocity", "m/s");
   const auto angle = table.quantity("release_angle", "rad");
@@ -394,6 +400,7 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   read_beam(beam, file.rig, section, poisson_ratio);
   TableReader contact = required_table(root, "contact");
   read_contact(contact, file.rig, section, poisson_ratio);
+  if (auto hinge = root.table("hinge")) read_hinge(*hinge, file.rig.hinge);
   TableReader start = required_table(root, "start");
   read_start(start, file.rig.start);
   if (auto environment = root.table("environment")) {

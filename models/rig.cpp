@@ -8,6 +8,7 @@
 
 #include "models/contact/damping_law.hpp"
 #include "models/contact/elastic_law.hpp"
+#include "models/rigid_swing.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -22,6 +23,11 @@ void require_positive(std::string_view key, double value, std::string_view unit)
     refuse(key, fmt::format("must be greater than zero, found {:g}{}{}", value, space, unit));
   if (!std::isfinite(value))
     refuse(key, fmt::format("must be finite, found {:g}{}{}", value, space, unit));
+}
+
+void require_not_negative(std::string_view key, double value, std::string_view unit) {
+  if (!(value >= 0.0 && std::isfinite(value)))
+    refuse(key, fmt::format("must be finite and not negative, found {:g} {}", value, unit));
 }
 
 void validate_beam(const Beam& beam) {
@@ -141,20 +147,39 @@ double Beam::hinge_inertia() const {
   return sum;
 }
 
-double release_energy(const Rig& rig) {
-  const double half = std::sin(0.5 * *rig.start.release_angle);
-  return 2.0 * rig.beam.first_moment() * rig.gravity * half * half;
+bool damped(const Rig& rig) {
+  return rig.hinge.viscous > 0.0;
+}
+
+bool spring_bends_bar(const Rig& rig) {
+  // energy of the bending by the spring's moment, M² L / (6 EI), over that of the spring
+  const Beam& beam = rig.beam;
+  return rig.hinge.spring * beam.length / (3.0 * beam.youngs_modulus * beam.second_moment) > 0.01;
+}
+
+std::string beyond_small_motion(const Rig& rig) {
+  std::vector<std::string_view> keys;
+  if (rig.hinge.viscous > 0.0) keys.push_back("hinge.viscous");
+  if (rig.start.release_angle && spring_bends_bar(rig)) keys.push_back("start.release_angle");
+  return fmt::format("{}", fmt::join(keys, ", "));
 }
 
 double touch_velocity(const Rig& rig) {
   if (!rig.start.release_angle) return rig.start.velocity;
-  return rig.contact.position * std::sqrt(2.0 * release_energy(rig) / rig.beam.hinge_inertia());
+  const auto rate = RigidSwing(rig).rate_after_release(*rig.start.release_angle);
+  if (!rate)
+    refuse("start.release_angle",
+           fmt::format("released at {:g} rad the bar does not swing against the stop",
+                       *rig.start.release_angle));
+  return rig.contact.position * *rate;
 }
 
 void validate(const Rig& rig, const Solver& solver) {
   validate_beam(rig.beam);
   validate_contact(rig.contact, rig.beam);
   elastic_law(rig.contact);
+  require_not_negative("hinge.spring", rig.hinge.spring, "N.m/rad");
+  require_not_negative("hinge.viscous", rig.hinge.viscous, "N.m.s/rad");
   if (!(rig.gravity >= 0.0 && std::isfinite(rig.gravity)))
     refuse("environment.gravity",
            fmt::format("must be finite and not negative, found {:g} m/s^2", rig.gravity));
@@ -163,8 +188,11 @@ void validate(const Rig& rig, const Solver& solver) {
       refuse("start.release_angle",
              fmt::format("must lie between 0 and 180 degrees, found {:g} rad",
                          *rig.start.release_angle));
-    if (!(rig.gravity > 0.0))
-      refuse("start.release_angle", "a release needs gravity; environment.gravity is zero");
+    if (!(rig.gravity > 0.0 || rig.hinge.spring > 0.0))
+      refuse("start.release_angle",
+             "a release needs gravity or a spring; environment.gravity is zero and so is "
+             "hinge.spring");
+    touch_velocity(rig);
   } else {
     require_positive("start.velocity", rig.start.velocity, "m/s");
   }

@@ -34,6 +34,14 @@ struct Beam {
   double hinge_inertia() const;  ///< ∫ x² dm [kg m^2]
 };
 
+/// What the hinge does besides holding the bar; its angle is that of the bar's axis at the hinge.
+struct Hinge {
+  double spring = 0.0;   ///< k, at rest when the bar hangs straight [N m/rad]
+  double viscous = 0.0;  ///< c [N m s/rad]
+
+  bool operator==(const Hinge&) const = default;
+};
+
 enum class Counterface { groove, cylinder, plane };
 
 /// The line contact between the bar's side and the stop.
@@ -65,8 +73,15 @@ struct Rig {
   Beam beam;
   Contact contact;
   Start start;
+  Hinge hinge = {};
   double gravity = 9.81;  ///< [m/s^2], along the hanging bar
 };
+
+/// Whether anything but the contact takes energy.
+bool damped(const Rig& rig);
+
+/// What of the rig small motion does not know, as rig-file keys; empty when it knows all.
+std::string beyond_small_motion(const Rig& rig);
 
 enum class BeamModel { rigid, hybrid, ancf };
 enum class Basis { cantilever, pinned_free };
@@ -86,12 +101,12 @@ struct Solver {
   std::optional<double> duration;   ///< from first touch [s]; none: until the bar has left for good
 };
 
-/// What a release from rest turns into kinetic energy up to first touch, the bar taken as rigid
-/// [J]; needs a release angle.
-double release_energy(const Rig& rig);
+/// Whether the spring of the hinge bends the bar noticeably: then a release from rest is no swing
+/// of a rigid bar.
+bool spring_bends_bar(const Rig& rig);
 
 /// Closing speed of the struck point at first touch [m/s]: as stated, or the rigid bar's after its
-/// release.
+/// release. Throws std::invalid_argument when a released bar does not arrive.
 double touch_velocity(const Rig& rig);
 
 /// Throws std::invalid_argument with one sentence that names the rig-file key when a value makes no

@@ -60,6 +60,12 @@ std::optional<Simulation> try_small_motion(const Rig& rig, const Solver& solver,
                                            const SimulationOptions& options) {
   const bool asked = options.motion == Motion::small;
   if (options.exact || options.motion == Motion::full) return std::nullopt;
+  if (const std::string keys = beyond_small_motion(rig); !keys.empty()) {
+    if (asked)
+      throw std::invalid_argument(fmt::format(
+          "small motion was asked for, but it does not know {}; ask for the full equations", keys));
+    return std::nullopt;
+  }
   const int modes = solver.model == BeamModel::ancf
                         ? 2 * (solver.elements[0] + solver.elements[1]) + 1
                         : 1 + solver.modes;
@@ -90,11 +96,11 @@ Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOption
     const std::unique_ptr<BeamDynamics> beam = make_beam(rig, solver);
     result = ImpactRun(rig, solver, options, *beam).simulate();
   }
-  if (rig.start.release_angle && !options.exact)
+  if (rig.start.release_angle && !options.exact && !spring_bends_bar(rig))
     result->skipped.push_back(fmt::format(
-        "the swing from {:.4g} rad to first touch: the rigid bar's energy gives {:.6g} m/s at the "
+        "the swing from {:.4g} rad to first touch: the rigid bar's {} gives {:.6g} m/s at the "
         "struck point; a swing this slow hardly bends the bar",
-        *rig.start.release_angle, touch_velocity(rig)));
+        *rig.start.release_angle, damped(rig) ? "damped swing" : "energy", touch_velocity(rig)));
   return *std::move(result);
 }
 

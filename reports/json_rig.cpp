@@ -151,6 +151,8 @@ Json rig_json(const fitting::RigFile& rig) {
       {"start",
        {{"velocity_m_s", start.velocity},
         {"release_angle_rad", start.release_angle ? Json(*start.release_angle) : Json(nullptr)}}},
+      {"hinge",
+       {{"spring_n_m_rad", rig.rig.hinge.spring}, {"viscous_n_m_s_rad", rig.rig.hinge.viscous}}},
       {"gravity_m_s2", rig.rig.gravity},
       {"sensors",
        {{"force", sensor_json(rig.force)},
@@ -175,6 +177,9 @@ fitting::RigFile rig_from(const JsonReader& json) {
   rig.rig.start.velocity = json["start"]["velocity_m_s"].number();
   if (json["start"].has("release_angle_rad"))
     rig.rig.start.release_angle = json["start"]["release_angle_rad"].number();
+  if (json.has("hinge"))
+    rig.rig.hinge = {.spring = json["hinge"]["spring_n_m_rad"].number(),
+                     .viscous = json["hinge"]["viscous_n_m_s_rad"].number()};
   rig.rig.gravity = json["gravity_m_s2"].number();
   rig.force = sensor_from(json["sensors"], "force");
   rig.velocity = sensor_from(json["sensors"], "velocity");

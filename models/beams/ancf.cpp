@@ -65,6 +65,7 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
       bending_stiffness_(rig.beam.youngs_modulus * rig.beam.second_moment),
       line_density_(rig.beam.density * rig.beam.area),
       gravity_(rig.gravity),
+      hinge_(rig.hinge),
       inertia_(rig.beam.hinge_inertia()),
       bar_length_(rig.beam.length),
       masses_(rig.beam.masses),
@@ -173,10 +174,38 @@ void AncfBeam::add_elastic_force(ConstVector q, VectorRef force) const {
   }
 }
 
-void AncfBeam::acceleration(ConstVector q, ConstVector /*v*/, double contact_force, VectorRef a) {
+AncfBeam::HingeAngle AncfBeam::hinge_angle(ConstVector q) const {
+  // r_x = (X', U' − 1); hanging straight it is (0, −1), and closing is −X
+  const double across = -q[0];
+  const double along = 1.0 - q[dofs_];
+  const double square = across * across + along * along;
+  return {.angle = std::atan2(across, along),
+          .by_across = -along / square,
+          .by_along = across / square};
+}
+
+double AncfBeam::hinge_rate(const HingeAngle& hinge, ConstVector v) const {
+  return hinge.by_across * v[0] + hinge.by_along * v[dofs_];
+}
+
+void AncfBeam::add_hinge_moment(ConstVector q, ConstVector v, VectorRef force) const {
+  if (hinge_ == Hinge{}) return;
+  const HingeAngle hinge = hinge_angle(q);
+  const double moment = hinge_.spring * hinge.angle + hinge_.viscous * hinge_rate(hinge, v);
+  force[0] -= moment * hinge.by_across;
+  force[dofs_] -= moment * hinge.by_along;
+}
+
+double AncfBeam::damping_power(ConstVector q, ConstVector v) const {
+  const double rate = hinge_rate(hinge_angle(q), v);
+  return hinge_.viscous * rate * rate;
+}
+
+void AncfBeam::acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) {
   a.head(dofs_).setZero();
   a.tail(dofs_) = -gravity_ * weight_;
   add_elastic_force(q, a);
+  add_hinge_moment(q, v, a);
   a[struck_dof_] += contact_force;
   factor_.solve_in_place(a.head(dofs_));
   factor_.solve_in_place(a.tail(dofs_));
@@ -219,6 +248,8 @@ SmallMotion AncfBeam::small_motion() const {
   SmallMotion motion;
   motion.mass = motion.stiffness = motion.gravity = Eigen::MatrixXd::Zero(dofs_, dofs_);
   motion.rigid = -reference_;
+  motion.hinge = -Eigen::VectorXd::Unit(dofs_, 0);
+  motion.spring = hinge_.spring;
   for (int row = 0; row < dofs_; ++row)
     for (int column = std::max(0, row - 3); column <= std::min(dofs_ - 1, row + 3); ++column)
       motion.mass(row, column) = mass_.at(row, column);
@@ -269,6 +300,8 @@ BeamEnergy AncfBeam::energy(ConstVector q, ConstVector v) const {
     energy.kinetic += 0.5 * rate.dot(product);
   }
   energy.gravitational = gravity_ * weight_.dot(q.tail(dofs_));
+  const double turned = hinge_.spring > 0.0 ? hinge_angle(q).angle : 0.0;
+  energy.spring = 0.5 * hinge_.spring * turned * turned;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     const double l = elements_[e].length;
     const Nodal x = gather(q.head(dofs_), e);

@@ -18,6 +18,8 @@ namespace impactrig::models {
 /// curvature to first order in the axial strain. A mass on the bar enters with the shape functions
 /// of its place, on a node or between two.
 ///
+/// The hinge turns with the slope vector r_x of the first node.
+///
 /// q = [X, U]: X the nodal positions and slopes across the hanging bar (closing is −X), U the same
 /// of the displacement along it, Y = −x + U. Displacements, not positions, so that strains of 1e-12
 /// keep their digits. The hinge's two positions are left out; each of X and U holds [slope_0,
@@ -38,6 +40,7 @@ class AncfBeam : public BeamDynamics {
   std::vector<int> coordinates_of(double x) const override;
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
+  double damping_power(ConstVector q, ConstVector v) const override;
   BeamEnergy energy(ConstVector q, ConstVector v) const override;
   RigidPart rigid_part(ConstVector q, ConstVector v) const override;
 
@@ -45,6 +48,13 @@ class AncfBeam : public BeamDynamics {
   struct Element {
     double x = 0.0;       // of its first node [m]
     double length = 0.0;  // [m]
+  };
+
+  /// Angle of the slope vector at the hinge, closing > 0, and its derivatives with respect to the
+  /// first coordinate of X and of U.
+  struct HingeAngle {
+    double angle = 0.0;
+    double by_across = 0.0, by_along = 0.0;
   };
 
   using Nodal = Eigen::Vector4d;  // value, slope of the first node, of the second
@@ -56,6 +66,9 @@ class AncfBeam : public BeamDynamics {
   void add_weight(std::size_t element, const Nodal& share);
   Nodal gather(ConstVector part, std::size_t element) const;
   void add_elastic_force(ConstVector q, VectorRef force) const;
+  HingeAngle hinge_angle(ConstVector q) const;
+  double hinge_rate(const HingeAngle& hinge, ConstVector v) const;
+  void add_hinge_moment(ConstVector q, ConstVector v, VectorRef force) const;
 
   std::vector<Element> elements_;
   int dofs_;  // of one direction
@@ -64,6 +77,7 @@ class AncfBeam : public BeamDynamics {
   double bending_stiffness_;  // EI [N m^2]
   double line_density_;       // ρA [kg/m]
   double gravity_;
+  Hinge hinge_;
   double inertia_;
   double bar_length_;
   std::vector<LumpedMass> masses_;

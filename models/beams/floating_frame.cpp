@@ -22,6 +22,8 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
       length_(rig.beam.length),
       inertia_(rig.beam.hinge_inertia()),
       gravity_(rig.gravity),
+      hinge_(rig.hinge),
+      hinge_row_(Eigen::VectorXd::Unit(size(), 0)),
       axial_scale_(std::sqrt(2.0 / rig.beam.bar_mass())),
       modes_(bending_modes(rig.beam, basis, modes)),
       stiffness_(Eigen::VectorXd::Zero(size())),
@@ -40,6 +42,7 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
   for (int k = 0; k < bending_; ++k) {
     const double omega = modes_[static_cast<std::size_t>(k)].angular_frequency();
     stiffness_[1 + axial_ + k] = omega * omega;
+    hinge_row_[1 + axial_ + k] = modes_[static_cast<std::size_t>(k)].at(0.0).slope;
   }
   const GaussRule& rule = gauss_legendre(20 + 4 * std::max(modes, axial_modes));
   const double line_density = rig.beam.density * rig.beam.area;
@@ -162,6 +165,8 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contac
 
   mass_.setZero();
   rhs_ = -stiffness_.cwiseProduct(q);
+  if (hinge_ != Hinge{})
+    rhs_ -= (hinge_.spring * hinge_row_.dot(q) + hinge_.viscous * hinge_row_.dot(v)) * hinge_row_;
   for (const Station& s : stations()) {
     coupled_.noalias() = s.coupling * bending;
     const double x = s.x + s.axial.dot(axial) - 0.5 * bending.dot(coupled_);
@@ -238,6 +243,9 @@ SmallMotion FloatingFrameBeam::small_motion() const {
   SmallMotion motion;
   motion.mass = motion.stiffness = motion.gravity = Eigen::MatrixXd::Zero(n, n);
   motion.rigid = -Eigen::VectorXd::Unit(n, 0);
+  motion.hinge = -Eigen::VectorXd::Unit(n, 0);
+  motion.hinge.tail(bending_) = -hinge_row_.tail(bending_);
+  motion.spring = hinge_.spring;
   motion.mass.diagonal().setOnes();
   motion.mass(0, 0) = inertia_;
   motion.stiffness.diagonal().tail(bending_) = stiffness_.tail(bending_);
@@ -273,9 +281,15 @@ Eigen::VectorXd FloatingFrameBeam::small_motion_row(double x) const {
   return row;
 }
 
+double FloatingFrameBeam::damping_power(ConstVector /*q*/, ConstVector v) const {
+  const double rate = hinge_row_.dot(v);
+  return hinge_.viscous * rate * rate;
+}
+
 BeamEnergy FloatingFrameBeam::energy(ConstVector q, ConstVector v) const {
   BeamEnergy energy;
   energy.elastic = 0.5 * q.dot(stiffness_.cwiseProduct(q));
+  energy.spring = 0.5 * hinge_.spring * std::pow(hinge_row_.dot(q), 2);
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
   for (const Station& s : stations()) {

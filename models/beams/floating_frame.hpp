@@ -22,6 +22,8 @@ namespace impactrig::models {
 /// digits less. Masses on the bar are further points of that sum; the shapes stay those of the bar
 /// alone, so the mass matrix is no longer diagonal when it hangs straight.
 ///
+/// The axis at the hinge is at the angle ψ + v'(0), v'(0) = 0 for the cantilever's modes.
+///
 /// Valid while v' is small: the foreshortening is exact to second order in v'.
 class FloatingFrameBeam : public BeamDynamics {
  public:
@@ -38,6 +40,7 @@ class FloatingFrameBeam : public BeamDynamics {
   std::vector<int> coordinates_of(double x) const override;
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
+  double damping_power(ConstVector q, ConstVector v) const override;
   BeamEnergy energy(ConstVector q, ConstVector v) const override;
   RigidPart rigid_part(ConstVector q, ConstVector v) const override;
 
@@ -72,6 +75,8 @@ class FloatingFrameBeam : public BeamDynamics {
   double length_;
   double inertia_;  // about the hinge, straight [kg m^2]
   double gravity_;
+  Hinge hinge_;
+  Eigen::VectorXd hinge_row_;  // q to the angle at the hinge (n)
   double axial_scale_ = 0.0;
   std::vector<BendingMode> modes_;
   Eigen::VectorXd stiffness_;  // modal, ω² (n), 0 for ψ

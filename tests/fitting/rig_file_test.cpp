@@ -224,6 +224,26 @@ TEST(RigFile, AMassThatMakesNoSenseIsRefusedWithItsPlace) {
       "--set beam.masses: beam.masses[0].mass: must be greater than zero, found -0.02 kg");
 }
 
+TEST(RigFile, ReadsTheHinge) {
+  const models::Rig plain = parse_rig_file(paper_rig, "rig.toml").rig;
+  EXPECT_EQ(plain.hinge, models::Hinge{});
+  const models::Rig rig =
+      parse_rig_file(paper_rig, "rig.toml",
+                     {{"hinge.spring", "3.5 N.m/rad"}, {"hinge.viscous", "20 mN.m.s/rad"}})
+          .rig;
+  EXPECT_DOUBLE_EQ(rig.hinge.spring, 3.5);
+  EXPECT_DOUBLE_EQ(rig.hinge.viscous, 0.02);
+  EXPECT_NE(message_of(paper_rig, {{"hinge.spring", "3 N/m"}}).find("--set hinge.spring: "),
+            std::string::npos);
+  EXPECT_EQ(message_of(paper_rig, {{"hinge.spring", "-3 N.m/rad"}}),
+            "--set hinge.spring: hinge.spring: must be finite and not negative, found -3 N.m/rad");
+  EXPECT_EQ(message_of(paper_rig, {{"hinge.viscous", "-1 N.m.s/rad"}}),
+            "--set hinge.viscous: hinge.viscous: must be finite and not negative, found -1 "
+            "N.m.s/rad");
+  EXPECT_NE(message_of(paper_rig, {{"hinge.friction", "1"}}).find("there is no such key here"),
+            std::string::npos);
+}
+
 TEST(RigFile, AMissingFileIsAFileError) {
   EXPECT_THROW(read_rig_file("/nowhere/rig.toml"), datasets::FileError);
 }

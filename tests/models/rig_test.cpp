@@ -106,6 +106,19 @@ TEST(Validate, RefusesContactsThatCannotBe) {
   });
 }
 
+TEST(Validate, RefusesHingesThatPush) {
+  expect_refusals({
+      {[](Rig& r, Solver&) { r.hinge.spring = -1.0; },
+       "hinge.spring: must be finite and not negative, found -1 N.m/rad"},
+      {[](Rig& r, Solver&) { r.hinge.spring = infinity; },
+       "hinge.spring: must be finite and not negative, found inf N.m/rad"},
+      {[](Rig& r, Solver&) { r.hinge.viscous = -0.1; },
+       "hinge.viscous: must be finite and not negative, found -0.1 N.m.s/rad"},
+      {[](Rig& r, Solver&) { r.hinge.viscous = nan; },
+       "hinge.viscous: must be finite and not negative, found nan N.m.s/rad"},
+  });
+}
+
 TEST(Validate, RefusesMassesThatAreNoneOrNotOnTheBar) {
   expect_refusals({
       {[](Rig& r, Solver&) {
@@ -135,7 +148,13 @@ TEST(Validate, RefusesStartsThatNeverTouch) {
       {[](Rig& r, Solver&) { r.gravity = -9.81; },
        "environment.gravity: must be finite and not negative, found -9.81 m/s^2"},
       {[](Rig& r, Solver&) { r.start.release_angle = 0.2; },
-       "start.release_angle: a release needs gravity; environment.gravity is zero"},
+       "start.release_angle: a release needs gravity or a spring; environment.gravity is zero and "
+       "so is hinge.spring"},
+      {[](Rig& r, Solver&) {
+         r.start.release_angle = 0.2;
+         r.hinge = {.spring = 1.0, .viscous = 20.0};
+       },
+       "start.release_angle: released at 0.2 rad the bar does not swing against the stop"},
       {[](Rig& r, Solver&) { r.start.release_angle = 3.2; },
        "start.release_angle: must lie between 0 and 180 degrees, found 3.2 rad"},
       {[](Rig& r, Solver&) { r.start.release_angle = -0.1; },
