@@ -77,6 +77,12 @@ void read_beam(TableReader& table, models::Rig& rig, Section& section, double& p
   rig.beam.youngs_modulus = table.required_quantity("youngs_modulus", "Pa", "68.952 GPa");
   rig.beam.density = table.required_quantity("density", "kg/m^3", "2766.7 kg/m^3");
   poisson_ratio = table.number("poisson_ratio").value_or(0.3);
+  if (auto damping = table.table("damping")) {
+    if (const auto mass = damping->quantity("mass", "1/s")) rig.beam.damping.mass = mass->value;
+    if (const auto stiffness = damping->quantity("stiffness", "s"))
+      rig.beam.damping.stiffness = stiffness->value;
+    damping->finish();
+  }
   for (TableReader& lump : table.tables("masses")) {
     rig.beam.masses.push_back({.position = lump.required_quantity("position", "m", "0.8 m"),
                                .mass = lump.required_quantity("mass", "kg", "0.1 kg")});

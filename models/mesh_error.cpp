@@ -23,6 +23,7 @@ Rig within_small_motion(const Rig& rig) {
   plain.start.velocity = touch_velocity(rig);
   plain.start.release_angle.reset();
   plain.hinge.viscous = 0.0;
+  plain.beam.damping = {};
   return plain;
 }
 

@@ -36,6 +36,8 @@ void validate_beam(const Beam& beam) {
   require_positive("beam.section (second moment)", beam.second_moment, "m^4");
   require_positive("beam.youngs_modulus", beam.youngs_modulus, "Pa");
   require_positive("beam.density", beam.density, "kg/m^3");
+  require_not_negative("beam.damping.mass", beam.damping.mass, "1/s");
+  require_not_negative("beam.damping.stiffness", beam.damping.stiffness, "s");
   for (std::size_t i = 0; i < beam.masses.size(); ++i) {
     const LumpedMass& lump = beam.masses[i];
     const std::string key = fmt::format("beam.masses[{}]", i);
@@ -148,7 +150,7 @@ double Beam::hinge_inertia() const {
 }
 
 bool damped(const Rig& rig) {
-  return rig.hinge.viscous > 0.0;
+  return rig.hinge.viscous > 0.0 || rig.beam.damping != BarDamping{};
 }
 
 bool spring_bends_bar(const Rig& rig) {
@@ -159,6 +161,7 @@ bool spring_bends_bar(const Rig& rig) {
 
 std::string beyond_small_motion(const Rig& rig) {
   std::vector<std::string_view> keys;
+  if (rig.beam.damping != BarDamping{}) keys.push_back("beam.damping");
   if (rig.hinge.viscous > 0.0) keys.push_back("hinge.viscous");
   if (rig.start.release_angle && spring_bends_bar(rig)) keys.push_back("start.release_angle");
   return fmt::format("{}", fmt::join(keys, ", "));

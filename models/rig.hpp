@@ -17,6 +17,16 @@ struct LumpedMass {
   bool operator==(const LumpedMass&) const = default;
 };
 
+/// The bar's own damping, Rayleigh's C = α M + τ K. α brakes every point, lumped masses included,
+/// against the ground; τ is the retardation time of a Kelvin-Voigt material, σ = E (ε + τ ε̇). A
+/// mode of ω has the damping ratio ζ = (α / ω + τ ω) / 2.
+struct BarDamping {
+  double mass = 0.0;       ///< α [1/s]
+  double stiffness = 0.0;  ///< τ [s]
+
+  bool operator==(const BarDamping&) const = default;
+};
+
 /// A straight uniform bar, x from the hinge, and the masses it carries.
 struct Beam {
   double length = 0.0;          ///< [m]
@@ -25,6 +35,7 @@ struct Beam {
   double youngs_modulus = 0.0;  ///< E [Pa]
   double density = 0.0;         ///< rho [kg/m^3]
   std::vector<LumpedMass> masses = {};
+  BarDamping damping = {};
 
   bool operator==(const Beam&) const = default;
 

@@ -22,7 +22,7 @@ RigidSwing::RigidSwing(const Rig& rig)
     : inertia_(rig.beam.hinge_inertia()),
       weight_(rig.beam.first_moment() * rig.gravity),
       spring_(rig.hinge.spring),
-      viscous_(rig.hinge.viscous) {}
+      viscous_(rig.hinge.viscous + rig.beam.damping.mass * inertia_) {}
 
 double RigidSwing::potential(double angle) const {
   const double half = std::sin(0.5 * angle);

@@ -12,7 +12,7 @@ namespace impactrig::models {
 ///   I φ̈ = −S g sin φ − k φ − c φ̇
 ///
 /// φ is the angle from hanging straight [rad, closing > 0], I and S the second and first moment of
-/// mass about the hinge [kg m², kg m], k and c of the hinge.
+/// mass about the hinge [kg m², kg m], k and c of the hinge, c with the bar's mass damping α I.
 class RigidSwing {
  public:
   explicit RigidSwing(const Rig& rig);

@@ -146,7 +146,8 @@ Json rig_json(const fitting::RigFile& rig) {
         {"second_moment_m4", beam.second_moment},
         {"youngs_modulus_pa", beam.youngs_modulus},
         {"density_kg_m3", beam.density},
-        {"masses", masses_json(beam.masses)}}},
+        {"masses", masses_json(beam.masses)},
+        {"damping", {{"mass_1_s", beam.damping.mass}, {"stiffness_s", beam.damping.stiffness}}}}},
       {"contact", contact_json(rig.rig.contact)},
       {"start",
        {{"velocity_m_s", start.velocity},
@@ -172,6 +173,9 @@ fitting::RigFile rig_from(const JsonReader& json) {
   rig.rig.beam = {beam["length_m"].number(), beam["area_m2"].number(),
                   beam["second_moment_m4"].number(), beam["youngs_modulus_pa"].number(),
                   beam["density_kg_m3"].number()};
+  if (beam.has("damping"))
+    rig.rig.beam.damping = {.mass = beam["damping"]["mass_1_s"].number(),
+                            .stiffness = beam["damping"]["stiffness_s"].number()};
   if (beam.has("masses")) rig.rig.beam.masses = masses_from(beam["masses"]);
   rig.rig.contact = contact_from(json["contact"]);
   rig.rig.start.velocity = json["start"]["velocity_m_s"].number();

@@ -21,6 +21,12 @@ Eigen::Vector4d shape_slope(double xi) {
   return {-6.0 * xi + 6.0 * s, 1.0 - 4.0 * xi + 3.0 * s, 6.0 * xi - 6.0 * s, 3.0 * s - 2.0 * xi};
 }
 
+/// d²S/dx².
+Eigen::Vector4d shape_curvature(double xi, double l) {
+  return {(12.0 * xi - 6.0) / (l * l), (6.0 * xi - 4.0) / l, (6.0 - 12.0 * xi) / (l * l),
+          (6.0 * xi - 2.0) / l};
+}
+
 /// ∫ S'S dx of an element, without ρA.
 Eigen::Matrix4d consistent_mass(double l) {
   Eigen::Matrix4d m;
@@ -66,6 +72,7 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
       line_density_(rig.beam.density * rig.beam.area),
       gravity_(rig.gravity),
       hinge_(rig.hinge),
+      damping_(rig.beam.damping),
       inertia_(rig.beam.hinge_inertia()),
       bar_length_(rig.beam.length),
       masses_(rig.beam.masses),
@@ -174,6 +181,43 @@ void AncfBeam::add_elastic_force(ConstVector q, VectorRef force) const {
   }
 }
 
+void AncfBeam::add_material_damping(ConstVector q, ConstVector v, VectorRef force) const {
+  if (damping_.stiffness == 0.0) return;
+  const double axial = damping_.stiffness * axial_stiffness_;
+  const double bending = damping_.stiffness * bending_stiffness_;
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const double l = elements_[e].length;
+    const Nodal x = gather(q.head(dofs_), e), x_rate = gather(v.head(dofs_), e);
+    const Nodal u = gather(q.tail(dofs_), e), u_rate = gather(v.tail(dofs_), e);
+    Nodal force_x = Nodal::Zero(), force_u = Nodal::Zero();
+    for (std::size_t g = 0; g < 5; ++g) {
+      Nodal s = slope_shapes_[g];
+      s[0] /= l;
+      s[2] /= l;
+      const Nodal c = shape_curvature(points_[g], l);
+      const double slope_x = s.dot(x), slope_y = s.dot(u) - 1.0;  // r_x
+      const double rate_x = s.dot(x_rate), rate_y = s.dot(u_rate);
+      const double bent_x = c.dot(x), bent_y = c.dot(u);  // r_xx
+      const double square = slope_x * slope_x + slope_y * slope_y;
+      const double spin = (slope_x * rate_y - slope_y * rate_x) / square;  // ω
+      const double tension = axial * (slope_x * rate_x + slope_y * rate_y);
+      const double moment_x = bending * (c.dot(x_rate) + spin * bent_y);  // EI τ D
+      const double moment_y = bending * (c.dot(u_rate) - spin * bent_x);
+      const double by_spin = (moment_x * bent_y - moment_y * bent_x) / square;
+      const double weight = weights_[g] * l;
+      force_x -= weight * (moment_x * c + (tension * slope_x - by_spin * slope_y) * s);
+      force_u -= weight * (moment_y * c + (tension * slope_y + by_spin * slope_x) * s);
+    }
+    if (e == 0) {
+      force.head<3>() += force_x.tail<3>();
+      force.segment<3>(dofs_) += force_u.tail<3>();
+    } else {
+      force.segment<4>(first_dof(e)) += force_x;
+      force.segment<4>(dofs_ + first_dof(e)) += force_u;
+    }
+  }
+}
+
 AncfBeam::HingeAngle AncfBeam::hinge_angle(ConstVector q) const {
   // r_x = (X', U' − 1); hanging straight it is (0, −1), and closing is −X
   const double across = -q[0];
@@ -197,18 +241,27 @@ void AncfBeam::add_hinge_moment(ConstVector q, ConstVector v, VectorRef force) c
 }
 
 double AncfBeam::damping_power(ConstVector q, ConstVector v) const {
-  const double rate = hinge_rate(hinge_angle(q), v);
-  return hinge_.viscous * rate * rate;
+  const double turning = hinge_rate(hinge_angle(q), v);
+  double power = hinge_.viscous * turning * turning;
+  if (damping_.mass > 0.0) power += 2.0 * damping_.mass * kinetic_energy(v);
+  if (damping_.stiffness > 0.0) {
+    scratch_.setZero(size());
+    add_material_damping(q, v, scratch_);
+    power -= scratch_.dot(v);
+  }
+  return power;
 }
 
 void AncfBeam::acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) {
   a.head(dofs_).setZero();
   a.tail(dofs_) = -gravity_ * weight_;
   add_elastic_force(q, a);
+  add_material_damping(q, v, a);
   add_hinge_moment(q, v, a);
   a[struck_dof_] += contact_force;
   factor_.solve_in_place(a.head(dofs_));
   factor_.solve_in_place(a.tail(dofs_));
+  if (damping_.mass > 0.0) a -= damping_.mass * v;
 }
 
 PointMotion AncfBeam::struck_point(ConstVector q, ConstVector v) const {
@@ -291,14 +344,20 @@ Eigen::VectorXd AncfBeam::small_motion_row(double x) const {
   return row;
 }
 
-BeamEnergy AncfBeam::energy(ConstVector q, ConstVector v) const {
-  BeamEnergy energy;
+double AncfBeam::kinetic_energy(ConstVector v) const {
+  double energy = 0.0;
   Eigen::VectorXd product(dofs_);
   for (int part = 0; part < 2; ++part) {
     const auto rate = v.segment(part * dofs_, dofs_);
     mass_.multiply(rate, product);
-    energy.kinetic += 0.5 * rate.dot(product);
+    energy += 0.5 * rate.dot(product);
   }
+  return energy;
+}
+
+BeamEnergy AncfBeam::energy(ConstVector q, ConstVector v) const {
+  BeamEnergy energy;
+  energy.kinetic = kinetic_energy(v);
   energy.gravitational = gravity_ * weight_.dot(q.tail(dofs_));
   const double turned = hinge_.spring > 0.0 ? hinge_angle(q).angle : 0.0;
   energy.spring = 0.5 * hinge_.spring * turned * turned;

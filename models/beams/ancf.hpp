@@ -18,6 +18,12 @@ namespace impactrig::models {
 /// curvature to first order in the axial strain. A mass on the bar enters with the shape functions
 /// of its place, on a node or between two.
 ///
+/// The material is Kelvin-Voigt's with the retardation time τ: with ε goes ε + τ ε̇, with r_xx goes
+/// r_xx + τ D, D = ṙ_xx − ω × r_xx its rate seen from the turning tangent, ω = r_x × ṙ_x / r_x².
+/// The forces are the derivatives of ½ τ ∫ (EA ε̇² + EI D·D) dx by the rates, so that a rigid
+/// rotation of the bent bar, for which ε̇ = 0 and D = 0, is neither braked nor turned by them. With
+/// ṙ_xx instead of D a moment τ EI ω ∫ r_xx·r_xx dx would brake it.
+///
 /// The hinge turns with the slope vector r_x of the first node.
 ///
 /// q = [X, U]: X the nodal positions and slopes across the hanging bar (closing is −X), U the same
@@ -65,7 +71,9 @@ class AncfBeam : public BeamDynamics {
   Nodal shape_at(std::size_t element, double x) const;
   void add_weight(std::size_t element, const Nodal& share);
   Nodal gather(ConstVector part, std::size_t element) const;
+  double kinetic_energy(ConstVector v) const;
   void add_elastic_force(ConstVector q, VectorRef force) const;
+  void add_material_damping(ConstVector q, ConstVector v, VectorRef force) const;
   HingeAngle hinge_angle(ConstVector q) const;
   double hinge_rate(const HingeAngle& hinge, ConstVector v) const;
   void add_hinge_moment(ConstVector q, ConstVector v, VectorRef force) const;
@@ -78,6 +86,7 @@ class AncfBeam : public BeamDynamics {
   double line_density_;       // ρA [kg/m]
   double gravity_;
   Hinge hinge_;
+  BarDamping damping_;
   double inertia_;
   double bar_length_;
   std::vector<LumpedMass> masses_;
@@ -87,6 +96,7 @@ class AncfBeam : public BeamDynamics {
   Eigen::VectorXd weight_;     // ∫ S dm, one direction
   BandMatrix mass_;
   BandCholesky factor_;
+  mutable Eigen::VectorXd scratch_;  // of damping_power()
 };
 
 }  // namespace impactrig::models

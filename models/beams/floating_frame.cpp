@@ -23,6 +23,7 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
       inertia_(rig.beam.hinge_inertia()),
       gravity_(rig.gravity),
       hinge_(rig.hinge),
+      damping_(rig.beam.damping),
       hinge_row_(Eigen::VectorXd::Unit(size(), 0)),
       axial_scale_(std::sqrt(2.0 / rig.beam.bar_mass())),
       modes_(bending_modes(rig.beam, basis, modes)),
@@ -165,6 +166,7 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contac
 
   mass_.setZero();
   rhs_ = -stiffness_.cwiseProduct(q);
+  if (damping_.stiffness > 0.0) rhs_ -= damping_.stiffness * stiffness_.cwiseProduct(v);
   if (hinge_ != Hinge{})
     rhs_ -= (hinge_.spring * hinge_row_.dot(q) + hinge_.viscous * hinge_row_.dot(v)) * hinge_row_;
   for (const Station& s : stations()) {
@@ -200,6 +202,7 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contac
   factor_.compute(mass_);
   a = rhs_;
   factor_.solveInPlace(a);
+  if (damping_.mass > 0.0) a -= damping_.mass * v;
 }
 
 PointMotion FloatingFrameBeam::motion(const Station& station, ConstVector q, ConstVector v) const {
@@ -281,9 +284,12 @@ Eigen::VectorXd FloatingFrameBeam::small_motion_row(double x) const {
   return row;
 }
 
-double FloatingFrameBeam::damping_power(ConstVector /*q*/, ConstVector v) const {
-  const double rate = hinge_row_.dot(v);
-  return hinge_.viscous * rate * rate;
+double FloatingFrameBeam::damping_power(ConstVector q, ConstVector v) const {
+  const double turning = hinge_row_.dot(v);
+  double power =
+      hinge_.viscous * turning * turning + damping_.stiffness * v.dot(stiffness_.cwiseProduct(v));
+  if (damping_.mass > 0.0) power += 2.0 * damping_.mass * energy(q, v).kinetic;
+  return power;
 }
 
 BeamEnergy FloatingFrameBeam::energy(ConstVector q, ConstVector v) const {

@@ -24,6 +24,9 @@ namespace impactrig::models {
 ///
 /// The axis at the hinge is at the angle ψ + v'(0), v'(0) = 0 for the cantilever's modes.
 ///
+/// Kelvin-Voigt damping acts on the modal rates ȧ and ḃ, which a rotation of the frame leaves
+/// alone.
+///
 /// Valid while v' is small: the foreshortening is exact to second order in v'.
 class FloatingFrameBeam : public BeamDynamics {
  public:
@@ -76,6 +79,7 @@ class FloatingFrameBeam : public BeamDynamics {
   double inertia_;  // about the hinge, straight [kg m^2]
   double gravity_;
   Hinge hinge_;
+  BarDamping damping_;
   Eigen::VectorXd hinge_row_;  // q to the angle at the hinge (n)
   double axial_scale_ = 0.0;
   std::vector<BendingMode> modes_;

@@ -244,6 +244,32 @@ TEST(RigFile, ReadsTheHinge) {
             std::string::npos);
 }
 
+TEST(RigFile, ReadsTheDampingOfTheBar) {
+  EXPECT_EQ(parse_rig_file(paper_rig, "rig.toml").rig.beam.damping, models::BarDamping{});
+  const models::BarDamping both =
+      parse_rig_file(paper_rig, "rig.toml",
+                     {{"beam.damping", "{ mass = \"2 1/s\", stiffness = \"1.5 us\" }"}})
+          .rig.beam.damping;
+  EXPECT_DOUBLE_EQ(both.mass, 2.0);
+  EXPECT_DOUBLE_EQ(both.stiffness, 1.5e-6);
+  const models::BarDamping kelvin_voigt =
+      parse_rig_file(paper_rig, "rig.toml", {{"beam.damping.stiffness", "3 us"}}).rig.beam.damping;
+  EXPECT_EQ(kelvin_voigt.mass, 0.0);
+  EXPECT_DOUBLE_EQ(kelvin_voigt.stiffness, 3e-6);
+  EXPECT_EQ(message_of(paper_rig, {{"beam.damping.stiffness", "-3 us"}}),
+            "--set beam.damping.stiffness: beam.damping.stiffness: must be finite and not "
+            "negative, found -3e-06 s");
+  EXPECT_EQ(message_of(paper_rig, {{"beam.damping.mass", "-3 1/s"}}),
+            "--set beam.damping.mass: beam.damping.mass: must be finite and not negative, found -3 "
+            "1/s");
+  EXPECT_NE(message_of(paper_rig, {{"beam.damping.mass", "3 kg"}})
+                .find("--set beam.damping.mass: beam.damping.mass: "),
+            std::string::npos);
+  EXPECT_NE(message_of(paper_rig, {{"beam.damping.ratio", "0.1"}})
+                .find("beam.damping.ratio: there is no such key here"),
+            std::string::npos);
+}
+
 TEST(RigFile, AMissingFileIsAFileError) {
   EXPECT_THROW(read_rig_file("/nowhere/rig.toml"), datasets::FileError);
 }

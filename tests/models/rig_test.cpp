@@ -119,6 +119,17 @@ TEST(Validate, RefusesHingesThatPush) {
   });
 }
 
+TEST(Validate, RefusesDampingThatFeedsTheBar) {
+  expect_refusals({
+      {[](Rig& r, Solver&) { r.beam.damping.mass = -2.0; },
+       "beam.damping.mass: must be finite and not negative, found -2 1/s"},
+      {[](Rig& r, Solver&) { r.beam.damping.stiffness = -1e-6; },
+       "beam.damping.stiffness: must be finite and not negative, found -1e-06 s"},
+      {[](Rig& r, Solver&) { r.beam.damping.stiffness = infinity; },
+       "beam.damping.stiffness: must be finite and not negative, found inf s"},
+  });
+}
+
 TEST(Validate, RefusesMassesThatAreNoneOrNotOnTheBar) {
   expect_refusals({
       {[](Rig& r, Solver&) {
