@@ -77,6 +77,17 @@ void read_beam(TableReader& table, models::Rig& rig, Section& section, double& p
   rig.beam.youngs_modulus = table.required_quantity("youngs_modulus", "Pa", "68.952 GPa");
   rig.beam.density = table.required_quantity("density", "kg/m^3", "2766.7 kg/m^3");
   poisson_ratio = table.number("poisson_ratio").value_or(0.3);
+  if (auto damping = table.table("damping")) {
+    if (const auto mass = damping->quantity("mass", "1/s")) rig.beam.damping.mass = mass->value;
+    if (const auto stiffness = damping->quantity("stiffness", "s"))
+      rig.beam.damping.stiffness = stiffness->value;
+    damping->finish();
+  }
+  for (TableReader& lump : table.tables("masses")) {
+    rig.beam.masses.push_back({.position = lump.required_quantity("position", "m", "0.8 m"),
+                               .mass = lump.required_quantity("mass", "kg", "0.1 kg")});
+    lump.finish();
+  }
   table.finish();
 }
 
@@ -143,6 +154,12 @@ void read_contact(TableReader& table, models::Rig& rig, const Section& section,
   if (!restitution && contact.damping != "none")
     table.refuse("restitution", "is missing; add restitution = 0.5 (or damping = \"none\")");
   contact.restitution = restitution.value_or(1.0);
+  table.finish();
+}
+
+void read_hinge(TableReader& table, models::Hinge& hinge) {
+  if (const auto spring = table.quantity("spring", "N.m/rad")) hinge.spring = spring->value;
+  if (const auto viscous = table.quantity("viscous", "N.m.s/rad")) hinge.viscous = viscous->value;
   table.finish();
 }
 
@@ -341,7 +358,7 @@ datasets::SourcePosition position_of(const toml::table& document, const std::str
                                      const std::set<std::string>& overridden,
                                      std::string_view message) {
   const std::string key(message.substr(0, message.find_first_of(": ")));
-  if (overridden.contains(key)) return {.file = "--set " + key};
+  if (const auto override = overriding_key(key, overridden)) return {.file = "--set " + *override};
   datasets::SourcePosition where{.file = path};
   if (const toml::node* node = document.at_path(key).node()) {
     where.line = node->source().begin.line;
@@ -389,6 +406,7 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   read_beam(beam, file.rig, section, poisson_ratio);
   TableReader contact = required_table(root, "contact");
   read_contact(contact, file.rig, section, poisson_ratio);
+  if (auto hinge = root.table("hinge")) read_hinge(*hinge, file.rig.hinge);
   TableReader start = required_table(root, "start");
   read_start(start, file.rig.start);
   if (auto environment = root.table("environment")) {

@@ -28,6 +28,16 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+std::optional<std::string> overriding_key(std::string name,
+                                          const std::set<std::string>& overridden) {
+  while (!name.empty()) {
+    if (overridden.contains(name)) return name;
+    const std::size_t end = name.find_last_of(".[");
+    name.resize(end == std::string::npos ? 0 : end);
+  }
+  return std::nullopt;
+}
+
 TableReader::TableReader(const toml::table& table, std::string file, std::string path,
                          const std::set<std::string>& overridden)
     : table_(table),
@@ -42,8 +52,8 @@ std::string TableReader::full_name(std::string_view key) const {
 void TableReader::refuse(std::string_view key, std::string_view problem) const {
   const std::string name = full_name(key);
   datasets::SourcePosition where{.file = file_};
-  if (overridden_.contains(name)) {
-    where.file = "--set " + name;
+  if (const auto override = overriding_key(name, overridden_)) {
+    where.file = "--set " + *override;
   } else if (const toml::node* node = table_.get(key)) {
     where.line = node->source().begin.line;
     where.column = node->source().begin.column;
@@ -139,6 +149,19 @@ std::optional<TableReader> TableReader::table(std::string_view key) {
   const toml::table* inner = node->as_table();
   if (!inner) refuse(key, fmt::format("expected a table, for example [{}]", full_name(key)));
   return TableReader(*inner, file_, full_name(key), overridden_);
+}
+
+std::vector<TableReader> TableReader::tables(std::string_view key) {
+  std::vector<TableReader> found;
+  const toml::node* node = find(key);
+  if (!node) return found;
+  const toml::array* array = node->as_array();
+  for (std::size_t i = 0; array && i < array->size(); ++i)
+    if (const toml::table* inner = array->get(i)->as_table())
+      found.emplace_back(*inner, file_, fmt::format("{}[{}]", full_name(key), i), overridden_);
+  if (!array || found.size() != array->size())
+    refuse(key, fmt::format("expected tables, for example [[{}]]", full_name(key)));
+  return found;
 }
 
 std::optional<std::size_t> TableReader::choice(std::string_view key,

@@ -13,6 +13,11 @@
 
 namespace impactrig::fitting {
 
+/// The dotted key among `overridden` that a value came from: its own or that of a table it is in;
+/// none.
+std::optional<std::string> overriding_key(std::string name,
+                                          const std::set<std::string>& overridden);
+
 /// Reads one table of a configuration, key by key, and refuses in finish() whatever was not asked
 /// for. Every error names the key and its place in the file (or the --set option it came from).
 class TableReader {
@@ -33,6 +38,7 @@ class TableReader {
   std::optional<std::string> name_or_index(std::string_view key);
   std::optional<std::vector<int>> integers(std::string_view key);  ///< an array or one number
   std::optional<TableReader> table(std::string_view key);
+  std::vector<TableReader> tables(std::string_view key);  ///< an array of tables, none when absent
 
   /// One of `choices`, by position; none when absent.
   std::optional<std::size_t> choice(std::string_view key,

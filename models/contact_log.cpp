@@ -8,12 +8,13 @@
 #include <limits>
 #include <stdexcept>
 
+#include "models/rigid_swing.hpp"
 #include "models/run_limits.hpp"
 
 namespace impactrig::models {
 
 void ContactLog::begin(const BeamEnergy& energy) {
-  energy_at_touch_ = energy.kinetic + energy.elastic + energy.gravitational;
+  energy_at_touch_ = energy.kinetic + energy.elastic + energy.spring + energy.gravitational;
   result_.energy.initial = energy.kinetic;
   result_.energy.gravitational = -energy.gravitational;
 }
@@ -90,12 +91,14 @@ void ContactLog::conclude(double t, const ContactTotals& totals, const ContactFo
   EnergyAudit& audit = result_.energy;
   audit.kinetic = energy.kinetic;
   audit.elastic = energy.elastic;
+  audit.spring = energy.spring;
   audit.gravitational += energy.gravitational;
   audit.dissipated = totals.dissipated;
+  audit.damped = totals.damped;
   audit.rigid_rotation = 0.5 * rig_.beam.hinge_inertia() * rigid.rate * rigid.rate;
   audit.vibration = audit.kinetic + audit.elastic - audit.rigid_rotation;
-  audit.imbalance = (energy.kinetic + energy.elastic + energy.gravitational + audit.contact_stored +
-                     audit.dissipated - energy_at_touch_) /
+  audit.imbalance = (energy.kinetic + energy.elastic + energy.spring + energy.gravitational +
+                     audit.contact_stored + audit.dissipated + audit.damped - energy_at_touch_) /
                     audit.initial;
   result_.restitution.law = rig_.contact.restitution;
   if (result_.episodes.empty() || result_.episodes.front().open) {
@@ -123,9 +126,9 @@ void ContactLog::conclude(double t, const ContactTotals& totals, const ContactFo
 }
 
 bool left_for_good(const Rig& rig, double reach, const RigidPart& rigid, const BeamEnergy& energy) {
-  if (!(rigid.rate < 0.0)) return false;
+  if (!(rigid.rate < 0.0) || RigidSwing(rig).shortest_return() < longest_default_run) return false;
   const double rotation = 0.5 * rig.beam.hinge_inertia() * rigid.rate * rigid.rate;
-  const double vibration = std::max(energy.kinetic - rotation, 0.0) + energy.elastic;
+  const double vibration = std::max(energy.kinetic - rotation, 0.0) + std::max(energy.elastic, 0.0);
   return -rigid.angle * rig.contact.position > reach * std::sqrt(vibration);
 }
 

@@ -7,10 +7,11 @@
 
 namespace impactrig::models {
 
-/// Running sums of a contact since first touch.
+/// Running sums since first touch.
 struct ContactTotals {
   double impulse = 0.0;     ///< [N s]
   double dissipated = 0.0;  ///< [J]
+  double damped = 0.0;      ///< in bar and hinge, not in the contact [J]
 };
 
 /// What happens at the stop, in the order it happens, whoever integrates: keeps the episodes and
@@ -53,7 +54,8 @@ class ContactLog {
 };
 
 /// Whether the rigid part of a free bar's motion has carried the struck point further than its
-/// vibration can bring it back. `reach`: √(2 C), C the point's elastic compliance.
+/// vibration can bring it back, and its swing will not within the longest run. `reach`: √(2 C), C
+/// the point's elastic compliance.
 bool left_for_good(const Rig& rig, double reach, const RigidPart& rigid, const BeamEnergy& energy);
 
 }  // namespace impactrig::models

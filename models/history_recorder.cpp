@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "models/rigid_swing.hpp"
+
 namespace impactrig::models {
 
 void begin_history(const Rig& rig, const HistoryRequest& wanted, double struck_speed,
@@ -11,14 +13,14 @@ void begin_history(const Rig& rig, const HistoryRequest& wanted, double struck_s
   const long before = static_cast<long>(std::ceil(wanted.lead / wanted.interval));
   history.interval = wanted.interval;
   history.start = -static_cast<double>(before) * wanted.interval;
-  const double omega = std::sqrt(1.5 * rig.gravity / rig.beam.length);
+  const RigidSwing swing(rig);
   for (long k = -before; k <= 0; ++k) {
     const double t = static_cast<double>(k) * wanted.interval;
-    const double way = omega > 0.0 ? std::sin(omega * t) / omega : t;
+    const RigidSwing::State part = swing.near_touch(t, 1.0);
     history.force.push_back(0.0);
-    history.penetration.push_back(struck_speed * way);
-    history.velocity.push_back(velocity_speed * std::cos(omega * t));
-    history.displacement.push_back(displacement_speed * way);
+    history.penetration.push_back(struck_speed * part.angle);
+    history.velocity.push_back(velocity_speed * part.rate);
+    history.displacement.push_back(displacement_speed * part.angle);
   }
 }
 

@@ -14,7 +14,7 @@ namespace impactrig::models {
 /// One run of simulate(), of nobody else's: the beam under its contact, from event to event.
 /// simulate.cpp sets it up and drives it, impact_run_events.cpp finds where a phase of the contact
 /// ends within a step, impact_run_observe.cpp keeps what is worth keeping of a step. The state is y
-/// = [q (n), v (n), impulse, dissipated energy].
+/// = [q (n), v (n), impulse, energy dissipated by the contact, energy damped in bar and hinge].
 class ImpactRun {
  public:
   ImpactRun(const Rig& rig, const Solver& solver, const SimulationOptions& options,
@@ -38,7 +38,7 @@ class ImpactRun {
     return beam_->struck_acceleration(y.head(n_), y.segment(n_, n_), slope.segment(n_, n_));
   }
 
-  ContactTotals totals(const Vector& y) const { return {y[2 * n_], y[2 * n_ + 1]}; }
+  ContactTotals totals(const Vector& y) const { return {y[2 * n_], y[2 * n_ + 1], y[2 * n_ + 2]}; }
 
   BeamEnergy energy(const Vector& y) const { return beam_->energy(y.head(n_), y.segment(n_, n_)); }
 
@@ -48,6 +48,7 @@ class ImpactRun {
 
   void set_scales(double kinetic, double approach);
   double fastest_vibration(double depth);
+  double fastest_decay();
   void swing_to_touch();
   void first_touch();
   void integrate();
@@ -68,6 +69,7 @@ class ImpactRun {
   const SimulationOptions& options_;
   BeamDynamics* beam_;
   int n_;
+  bool damped_;
   ContactForce contact_;
   Dop853 stepper_, probe_;
   Dop853::RightHandSide f_;

@@ -8,6 +8,7 @@
 
 #include "models/contact/damping_law.hpp"
 #include "models/contact/elastic_law.hpp"
+#include "models/rigid_swing.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -24,12 +25,29 @@ void require_positive(std::string_view key, double value, std::string_view unit)
     refuse(key, fmt::format("must be finite, found {:g}{}{}", value, space, unit));
 }
 
+void require_not_negative(std::string_view key, double value, std::string_view unit) {
+  if (!(value >= 0.0 && std::isfinite(value)))
+    refuse(key, fmt::format("must be finite and not negative, found {:g} {}", value, unit));
+}
+
 void validate_beam(const Beam& beam) {
   require_positive("beam.length", beam.length, "m");
   require_positive("beam.section (area)", beam.area, "m^2");
   require_positive("beam.section (second moment)", beam.second_moment, "m^4");
   require_positive("beam.youngs_modulus", beam.youngs_modulus, "Pa");
   require_positive("beam.density", beam.density, "kg/m^3");
+  require_not_negative("beam.damping.mass", beam.damping.mass, "1/s");
+  require_not_negative("beam.damping.stiffness", beam.damping.stiffness, "s");
+  for (std::size_t i = 0; i < beam.masses.size(); ++i) {
+    const LumpedMass& lump = beam.masses[i];
+    const std::string key = fmt::format("beam.masses[{}]", i);
+    require_positive(key + ".mass", lump.mass, "kg");
+    require_positive(key + ".position", lump.position, "m");
+    if (lump.position > beam.length)
+      refuse(key + ".position",
+             fmt::format("the mass, {:g} m from the hinge, lies beyond the bar's end at {:g} m",
+                         lump.position, beam.length));
+  }
 }
 
 void validate_contact(const Contact& contact, const Beam& beam) {
@@ -119,17 +137,52 @@ std::string_view name(Basis basis) {
   return basis == Basis::cantilever ? "cantilever" : "pinned-free";
 }
 
+double Beam::first_moment() const {
+  double sum = 0.5 * bar_mass() * length;
+  for (const LumpedMass& lump : masses) sum += lump.mass * lump.position;
+  return sum;
+}
+
+double Beam::hinge_inertia() const {
+  double sum = bar_mass() * length * length / 3.0;
+  for (const LumpedMass& lump : masses) sum += lump.mass * lump.position * lump.position;
+  return sum;
+}
+
+bool damped(const Rig& rig) {
+  return rig.hinge.viscous > 0.0 || rig.beam.damping != BarDamping{};
+}
+
+bool spring_bends_bar(const Rig& rig) {
+  // energy of the bending by the spring's moment, M² L / (6 EI), over that of the spring
+  const Beam& beam = rig.beam;
+  return rig.hinge.spring * beam.length / (3.0 * beam.youngs_modulus * beam.second_moment) > 0.01;
+}
+
+std::string beyond_small_motion(const Rig& rig) {
+  std::vector<std::string_view> keys;
+  if (rig.beam.damping != BarDamping{}) keys.push_back("beam.damping");
+  if (rig.hinge.viscous > 0.0) keys.push_back("hinge.viscous");
+  if (rig.start.release_angle && spring_bends_bar(rig)) keys.push_back("start.release_angle");
+  return fmt::format("{}", fmt::join(keys, ", "));
+}
+
 double touch_velocity(const Rig& rig) {
   if (!rig.start.release_angle) return rig.start.velocity;
-  // I θ̇² / 2 = m g (L/2) (1 − cos α), I = m L² / 3
-  const double half = std::sin(0.5 * *rig.start.release_angle);
-  return rig.contact.position * std::sqrt(6.0 * rig.gravity / rig.beam.length) * half;
+  const auto rate = RigidSwing(rig).rate_after_release(*rig.start.release_angle);
+  if (!rate)
+    refuse("start.release_angle",
+           fmt::format("released at {:g} rad the bar does not swing against the stop",
+                       *rig.start.release_angle));
+  return rig.contact.position * *rate;
 }
 
 void validate(const Rig& rig, const Solver& solver) {
   validate_beam(rig.beam);
   validate_contact(rig.contact, rig.beam);
   elastic_law(rig.contact);
+  require_not_negative("hinge.spring", rig.hinge.spring, "N.m/rad");
+  require_not_negative("hinge.viscous", rig.hinge.viscous, "N.m.s/rad");
   if (!(rig.gravity >= 0.0 && std::isfinite(rig.gravity)))
     refuse("environment.gravity",
            fmt::format("must be finite and not negative, found {:g} m/s^2", rig.gravity));
@@ -138,8 +191,11 @@ void validate(const Rig& rig, const Solver& solver) {
       refuse("start.release_angle",
              fmt::format("must lie between 0 and 180 degrees, found {:g} rad",
                          *rig.start.release_angle));
-    if (!(rig.gravity > 0.0))
-      refuse("start.release_angle", "a release needs gravity; environment.gravity is zero");
+    if (!(rig.gravity > 0.0 || rig.hinge.spring > 0.0))
+      refuse("start.release_angle",
+             "a release needs gravity or a spring; environment.gravity is zero and so is "
+             "hinge.spring");
+    touch_velocity(rig);
   } else {
     require_positive("start.velocity", rig.start.velocity, "m/s");
   }

@@ -5,24 +5,52 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace impactrig::models {
 
-/// A straight uniform bar, x from the hinge.
+/// A body small against the bar, fixed to its axis: mass without rotary inertia.
+struct LumpedMass {
+  double position = 0.0;  ///< from the hinge [m]
+  double mass = 0.0;      ///< [kg]
+
+  bool operator==(const LumpedMass&) const = default;
+};
+
+/// The bar's own damping, Rayleigh's C = α M + τ K. α brakes every point, lumped masses included,
+/// against the ground; τ is the retardation time of a Kelvin-Voigt material, σ = E (ε + τ ε̇). A
+/// mode of ω has the damping ratio ζ = (α / ω + τ ω) / 2.
+struct BarDamping {
+  double mass = 0.0;       ///< α [1/s]
+  double stiffness = 0.0;  ///< τ [s]
+
+  bool operator==(const BarDamping&) const = default;
+};
+
+/// A straight uniform bar, x from the hinge, and the masses it carries.
 struct Beam {
   double length = 0.0;          ///< [m]
   double area = 0.0;            ///< A [m^2]
   double second_moment = 0.0;   ///< I [m^4]
   double youngs_modulus = 0.0;  ///< E [Pa]
   double density = 0.0;         ///< rho [kg/m^3]
-
-  double mass() const { return density * area * length; }
+  std::vector<LumpedMass> masses = {};
+  BarDamping damping = {};
 
   bool operator==(const Beam&) const = default;
 
-  double hinge_inertia() const {
-    return mass() * length * length / 3.0;
-  }  ///< about the hinge [kg m^2]
+  double bar_mass() const { return density * area * length; }  ///< without `masses` [kg]
+
+  double first_moment() const;   ///< ∫ x dm [kg m]
+  double hinge_inertia() const;  ///< ∫ x² dm [kg m^2]
+};
+
+/// What the hinge does besides holding the bar; its angle is that of the bar's axis at the hinge.
+struct Hinge {
+  double spring = 0.0;   ///< k, at rest when the bar hangs straight [N m/rad]
+  double viscous = 0.0;  ///< c [N m s/rad]
+
+  bool operator==(const Hinge&) const = default;
 };
 
 enum class Counterface { groove, cylinder, plane };
@@ -56,8 +84,15 @@ struct Rig {
   Beam beam;
   Contact contact;
   Start start;
+  Hinge hinge = {};
   double gravity = 9.81;  ///< [m/s^2], along the hanging bar
 };
+
+/// Whether anything but the contact takes energy.
+bool damped(const Rig& rig);
+
+/// What of the rig small motion does not know, as rig-file keys; empty when it knows all.
+std::string beyond_small_motion(const Rig& rig);
 
 enum class BeamModel { rigid, hybrid, ancf };
 enum class Basis { cantilever, pinned_free };
@@ -77,8 +112,12 @@ struct Solver {
   std::optional<double> duration;   ///< from first touch [s]; none: until the bar has left for good
 };
 
+/// Whether the spring of the hinge bends the bar noticeably: then a release from rest is no swing
+/// of a rigid bar.
+bool spring_bends_bar(const Rig& rig);
+
 /// Closing speed of the struck point at first touch [m/s]: as stated, or the rigid bar's after its
-/// release.
+/// release. Throws std::invalid_argument when a released bar does not arrive.
 double touch_velocity(const Rig& rig);
 
 /// Throws std::invalid_argument with one sentence that names the rig-file key when a value makes no

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 
@@ -31,9 +32,13 @@ double missing_tension(const Rig& rig, const Solver& solver, double duration) {
   const bool stretches = solver.model == BeamModel::ancf ||
                          (solver.model == BeamModel::hybrid && solver.axial_modes > 0);
   if (!stretches) return 0.0;
-  const double wave_speed = std::sqrt(rig.beam.youngs_modulus / rig.beam.density);
-  const double time = std::min(duration, 4.0 * rig.beam.length / wave_speed);
-  return 0.75 * rig.gravity / rig.beam.length * time * time;
+  // its period at most, by Dunkerley's formula
+  const Beam& beam = rig.beam;
+  double square = 4.0 * std::pow(beam.length / std::numbers::pi, 2) * beam.density;
+  for (const LumpedMass& lump : beam.masses) square += lump.mass * lump.position / beam.area;
+  const double period = 2.0 * std::numbers::pi * std::sqrt(square / beam.youngs_modulus);
+  const double time = std::min(duration, period);
+  return 0.5 * rig.gravity * beam.first_moment() / beam.hinge_inertia() * time * time;
 }
 
 int nodes_for(double accuracy) {
@@ -61,6 +66,12 @@ std::optional<Simulation> try_small_motion(const Rig& rig, const Solver& solver,
                                            const SimulationOptions& options) {
   const bool asked = options.motion == Motion::small;
   if (options.exact || options.motion == Motion::full) return std::nullopt;
+  if (const std::string keys = beyond_small_motion(rig); !keys.empty()) {
+    if (asked)
+      throw std::invalid_argument(fmt::format(
+          "small motion was asked for, but it does not know {}; ask for the full equations", keys));
+    return std::nullopt;
+  }
   const int modes = solver.model == BeamModel::ancf
                         ? 2 * (solver.elements[0] + solver.elements[1]) + 1
                         : 1 + solver.modes;
@@ -96,11 +107,11 @@ Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOption
       result = ImpactRun(rig, solver, options, *beam).simulate();
     }
   }
-  if (rig.start.release_angle && !options.exact)
+  if (rig.start.release_angle && !options.exact && !spring_bends_bar(rig))
     result->skipped.push_back(fmt::format(
-        "the swing from {:.4g} rad to first touch: the rigid bar's energy gives {:.6g} m/s at the "
+        "the swing from {:.4g} rad to first touch: the rigid bar's {} gives {:.6g} m/s at the "
         "struck point; a swing this slow hardly bends the bar",
-        *rig.start.release_angle, touch_velocity(rig)));
+        *rig.start.release_angle, damped(rig) ? "damped swing" : "energy", touch_velocity(rig)));
   return *std::move(result);
 }
 

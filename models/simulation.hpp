@@ -36,9 +36,11 @@ struct EnergyAudit {
   double initial = 0.0;  ///< kinetic, at first touch
   double kinetic = 0.0;
   double elastic = 0.0;
+  double spring = 0.0;          ///< stored in the hinge
   double gravitational = 0.0;   ///< relative to first touch
   double contact_stored = 0.0;  ///< not zero only when the run ends in contact
-  double dissipated = 0.0;
+  double dissipated = 0.0;      ///< by the contact's damping
+  double damped = 0.0;          ///< in bar and hinge
   /// Kinetic energy of the rigid bar with the same angular momentum about the hinge.
   double rigid_rotation = 0.0;
   double vibration = 0.0;  ///< kinetic + elastic - rigid_rotation
@@ -123,8 +125,8 @@ struct SimulationOptions {
 };
 
 /// Predicts one impact of the rig. Throws std::invalid_argument as validate() does or when small
-/// motion is asked for of a mesh too fine for it, and std::runtime_error with a sentence when the
-/// integration cannot go on.
+/// motion is asked for of a mesh too fine for it or of a rig it does not know, and
+/// std::runtime_error with a sentence when the integration cannot go on.
 Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOptions& options = {});
 
 }  // namespace impactrig::models

@@ -117,6 +117,21 @@ std::optional<datasets::Sensor> sensor_from(const JsonReader& sensors, const std
   return sensor;
 }
 
+Json masses_json(const std::vector<models::LumpedMass>& masses) {
+  Json json = Json::array();
+  for (const models::LumpedMass& lump : masses)
+    json.push_back({{"position_m", lump.position}, {"mass_kg", lump.mass}});
+  return json;
+}
+
+std::vector<models::LumpedMass> masses_from(const JsonReader& json) {
+  std::vector<models::LumpedMass> masses;
+  for (std::size_t i = 0; i < json.size(); ++i)
+    masses.push_back({.position = json.element(i)["position_m"].number(),
+                      .mass = json.element(i)["mass_kg"].number()});
+  return masses;
+}
+
 }  // namespace
 
 Json rig_json(const fitting::RigFile& rig) {
@@ -130,11 +145,15 @@ Json rig_json(const fitting::RigFile& rig) {
         {"area_m2", beam.area},
         {"second_moment_m4", beam.second_moment},
         {"youngs_modulus_pa", beam.youngs_modulus},
-        {"density_kg_m3", beam.density}}},
+        {"density_kg_m3", beam.density},
+        {"masses", masses_json(beam.masses)},
+        {"damping", {{"mass_1_s", beam.damping.mass}, {"stiffness_s", beam.damping.stiffness}}}}},
       {"contact", contact_json(rig.rig.contact)},
       {"start",
        {{"velocity_m_s", start.velocity},
         {"release_angle_rad", start.release_angle ? Json(*start.release_angle) : Json(nullptr)}}},
+      {"hinge",
+       {{"spring_n_m_rad", rig.rig.hinge.spring}, {"viscous_n_m_s_rad", rig.rig.hinge.viscous}}},
       {"gravity_m_s2", rig.rig.gravity},
       {"sensors",
        {{"force", sensor_json(rig.force)},
@@ -154,10 +173,17 @@ fitting::RigFile rig_from(const JsonReader& json) {
   rig.rig.beam = {beam["length_m"].number(), beam["area_m2"].number(),
                   beam["second_moment_m4"].number(), beam["youngs_modulus_pa"].number(),
                   beam["density_kg_m3"].number()};
+  if (beam.has("damping"))
+    rig.rig.beam.damping = {.mass = beam["damping"]["mass_1_s"].number(),
+                            .stiffness = beam["damping"]["stiffness_s"].number()};
+  if (beam.has("masses")) rig.rig.beam.masses = masses_from(beam["masses"]);
   rig.rig.contact = contact_from(json["contact"]);
   rig.rig.start.velocity = json["start"]["velocity_m_s"].number();
   if (json["start"].has("release_angle_rad"))
     rig.rig.start.release_angle = json["start"]["release_angle_rad"].number();
+  if (json.has("hinge"))
+    rig.rig.hinge = {.spring = json["hinge"]["spring_n_m_rad"].number(),
+                     .viscous = json["hinge"]["viscous_n_m_s_rad"].number()};
   rig.rig.gravity = json["gravity_m_s2"].number();
   rig.force = sensor_from(json["sensors"], "force");
   rig.velocity = sensor_from(json["sensors"], "velocity");

@@ -98,7 +98,9 @@ Json energy_json(const models::EnergyAudit& energy) {
           {"elastic_j", energy.elastic},
           {"gravitational_j", energy.gravitational},
           {"contact_stored_j", energy.contact_stored},
-          {"rigid_rotation_j", energy.rigid_rotation}};
+          {"rigid_rotation_j", energy.rigid_rotation},
+          {"damped_j", energy.damped},
+          {"spring_j", energy.spring}};
 }
 
 models::EnergyAudit energy_from(const JsonReader& json) {
@@ -112,6 +114,8 @@ models::EnergyAudit energy_from(const JsonReader& json) {
   energy.gravitational = json["gravitational_j"].number();
   energy.contact_stored = json["contact_stored_j"].number();
   energy.rigid_rotation = json["rigid_rotation_j"].number();
+  if (json.has("damped_j")) energy.damped = json["damped_j"].number();
+  if (json.has("spring_j")) energy.spring = json["spring_j"].number();
   return energy;
 }
 

@@ -72,11 +72,13 @@ struct Share {
 
 /// Where the energy the bar brought is at the end of the run.
 std::vector<Share> shares(const models::EnergyAudit& energy) {
-  const double rest = energy.initial - energy.dissipated - energy.vibration - energy.rigid_rotation;
+  const double rest =
+      energy.initial - energy.dissipated - energy.damped - energy.vibration - energy.rigid_rotation;
   return {{"lost", "dissipated in the contact", energy.dissipated},
+          {"damped", "damped in bar and hinge", energy.damped},
           {"vibration", "left in vibration", energy.vibration},
           {"rotation", "left in rigid rotation", energy.rigid_rotation},
-          {"rest", "rest: raised, pressed into the stop", rest}};
+          {"rest", "rest: raised, in the hinge’s spring, pressed into the stop", rest}};
 }
 
 /// Stacked bar with its legend; text and widths only, so that it adapts to the screen and prints.
@@ -89,6 +91,7 @@ std::string html_energy_bar(const models::EnergyAudit& energy) {
   for (const Share& share : shares(energy)) {
     if (share.css_class == std::string("rest") && std::abs(share.energy) < 1e-3 * energy.initial)
       continue;  // no more than rounding
+    if (share.css_class == std::string("damped") && share.energy == 0.0) continue;
     const double part = std::max(0.0, share.energy) / whole;
     if (part >= 5e-4)
       bar += fmt::format("<span class=\"{}\" style=\"flex-grow:{:.4f}\"></span>", share.css_class,
@@ -107,9 +110,12 @@ std::string html_energy_bar(const models::EnergyAudit& energy) {
 std::string energy_sentence(const models::EnergyAudit& energy) {
   if (!(energy.initial > 0.0)) return "";
   return fmt::format(
-      "The bar came with {} of kinetic energy. The contact dissipated {} of it; {} was left in the "
-      "bar’s vibration at the end of the run and {} in its rotation. ",
+      "The bar came with {} of kinetic energy. The contact dissipated {} of it{}; {} was left in "
+      "the bar’s vibration at the end of the run and {} in its rotation. ",
       quantity(energy.initial, "J"), percent(energy.dissipated / energy.initial),
+      energy.damped > 0.0
+          ? fmt::format(", damping in bar and hinge {}", percent(energy.damped / energy.initial))
+          : "",
       percent(energy.vibration / energy.initial), percent(energy.rigid_rotation / energy.initial));
 }
 

@@ -119,11 +119,15 @@ std::string to_text(const models::Simulation& s, const models::Rig& rig) {
       s.restitution.law, s.restitution.kinematic, s.restitution.kinetic, s.restitution.energetic);
   const double whole = s.energy.initial;
   text += fmt::format(
-      "energy            {:.5g} J: {:.2f} % lost in the contact, {:.2f} % in vibration, {:.2f} % "
+      "energy            {:.5g} J: {:.2f} % lost in the contact, {}{:.2f} % in vibration, {:.2f} % "
       "in rotation; "
       "imbalance {:.1e}\n",
-      whole, 100.0 * s.energy.dissipated / whole, 100.0 * s.energy.vibration / whole,
-      100.0 * s.energy.rigid_rotation / whole, s.energy.imbalance);
+      whole, 100.0 * s.energy.dissipated / whole,
+      s.energy.damped > 0.0
+          ? fmt::format("{:.2f} % in bar and hinge, ", 100.0 * s.energy.damped / whole)
+          : "",
+      100.0 * s.energy.vibration / whole, 100.0 * s.energy.rigid_rotation / whole,
+      s.energy.imbalance);
   text += fmt::format("cost              {} steps, {} rejected, {} evaluations, {:.3g} ms\n",
                       s.cost.steps, s.cost.rejected, s.cost.evaluations, 1e3 * s.cost.seconds);
   if (s.mesh_error) text += mesh_error_text(*s.mesh_error);

@@ -21,6 +21,12 @@ Eigen::Vector4d shape_slope(double xi) {
   return {-6.0 * xi + 6.0 * s, 1.0 - 4.0 * xi + 3.0 * s, 6.0 * xi - 6.0 * s, 3.0 * s - 2.0 * xi};
 }
 
+/// d²S/dx².
+Eigen::Vector4d shape_curvature(double xi, double l) {
+  return {(12.0 * xi - 6.0) / (l * l), (6.0 * xi - 4.0) / l, (6.0 - 12.0 * xi) / (l * l),
+          (6.0 * xi - 2.0) / l};
+}
+
 /// ∫ S'S dx of an element, without ρA.
 Eigen::Matrix4d consistent_mass(double l) {
   Eigen::Matrix4d m;
@@ -65,8 +71,11 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
       bending_stiffness_(rig.beam.youngs_modulus * rig.beam.second_moment),
       line_density_(rig.beam.density * rig.beam.area),
       gravity_(rig.gravity),
+      hinge_(rig.hinge),
+      damping_(rig.beam.damping),
       inertia_(rig.beam.hinge_inertia()),
       bar_length_(rig.beam.length),
+      masses_(rig.beam.masses),
       reference_(dofs_),
       weight_(Eigen::VectorXd::Zero(dofs_)),
       mass_([&] {
@@ -79,8 +88,7 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
             x += length;
           }
         BandMatrix mass(dofs_);
-        for (std::size_t e = 0; e < elements_.size(); ++e) {
-          const Eigen::Matrix4d m = line_density_ * consistent_mass(elements_[e].length);
+        const auto add = [&](std::size_t e, const Eigen::Matrix4d& m) {
           for (int i = 0; i < 4; ++i)
             for (int j = 0; j <= i; ++j) {
               const int row = e == 0 && i == 1 ? 0 : first_dof(e) + i;
@@ -88,6 +96,13 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
               const bool hinge = e == 0 && (i == 0 || j == 0);
               if (!hinge) mass.add(row, column, m(i, j));
             }
+        };
+        for (std::size_t e = 0; e < elements_.size(); ++e)
+          add(e, line_density_ * consistent_mass(elements_[e].length));
+        for (const LumpedMass& lump : masses_) {
+          const std::size_t e = element_at(lump.position);
+          const Nodal s = shape_at(e, lump.position);
+          add(e, lump.mass * s * s.transpose());
         }
         return mass;
       }()),
@@ -103,11 +118,17 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
     reference_[first_dof(e) + 2] = elements_[e].x + elements_[e].length;
     reference_[first_dof(e) + 3] = 1.0;
     const double l = elements_[e].length;
-    const Eigen::Vector4d share =
-        line_density_ * l * Eigen::Vector4d(0.5, l / 12.0, 0.5, -l / 12.0);
-    for (int i = 0; i < 4; ++i)
-      if (e > 0 || i > 0) weight_[e == 0 && i == 1 ? 0 : first_dof(e) + i] += share[i];
+    add_weight(e, line_density_ * l * Nodal(0.5, l / 12.0, 0.5, -l / 12.0));
   }
+  for (const LumpedMass& lump : masses_) {
+    const std::size_t e = element_at(lump.position);
+    add_weight(e, lump.mass * shape_at(e, lump.position));
+  }
+}
+
+void AncfBeam::add_weight(std::size_t e, const Nodal& share) {
+  for (int i = 0; i < 4; ++i)
+    if (e > 0 || i > 0) weight_[e == 0 && i == 1 ? 0 : first_dof(e) + i] += share[i];
 }
 
 AncfBeam::Nodal AncfBeam::gather(ConstVector part, std::size_t element) const {
@@ -160,13 +181,87 @@ void AncfBeam::add_elastic_force(ConstVector q, VectorRef force) const {
   }
 }
 
-void AncfBeam::acceleration(ConstVector q, ConstVector /*v*/, double contact_force, VectorRef a) {
+void AncfBeam::add_material_damping(ConstVector q, ConstVector v, VectorRef force) const {
+  if (damping_.stiffness == 0.0) return;
+  const double axial = damping_.stiffness * axial_stiffness_;
+  const double bending = damping_.stiffness * bending_stiffness_;
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const double l = elements_[e].length;
+    const Nodal x = gather(q.head(dofs_), e), x_rate = gather(v.head(dofs_), e);
+    const Nodal u = gather(q.tail(dofs_), e), u_rate = gather(v.tail(dofs_), e);
+    Nodal force_x = Nodal::Zero(), force_u = Nodal::Zero();
+    for (std::size_t g = 0; g < 5; ++g) {
+      Nodal s = slope_shapes_[g];
+      s[0] /= l;
+      s[2] /= l;
+      const Nodal c = shape_curvature(points_[g], l);
+      const double slope_x = s.dot(x), slope_y = s.dot(u) - 1.0;  // r_x
+      const double rate_x = s.dot(x_rate), rate_y = s.dot(u_rate);
+      const double bent_x = c.dot(x), bent_y = c.dot(u);  // r_xx
+      const double square = slope_x * slope_x + slope_y * slope_y;
+      const double spin = (slope_x * rate_y - slope_y * rate_x) / square;  // ω
+      const double tension = axial * (slope_x * rate_x + slope_y * rate_y);
+      const double moment_x = bending * (c.dot(x_rate) + spin * bent_y);  // EI τ D
+      const double moment_y = bending * (c.dot(u_rate) - spin * bent_x);
+      const double by_spin = (moment_x * bent_y - moment_y * bent_x) / square;
+      const double weight = weights_[g] * l;
+      force_x -= weight * (moment_x * c + (tension * slope_x - by_spin * slope_y) * s);
+      force_u -= weight * (moment_y * c + (tension * slope_y + by_spin * slope_x) * s);
+    }
+    if (e == 0) {
+      force.head<3>() += force_x.tail<3>();
+      force.segment<3>(dofs_) += force_u.tail<3>();
+    } else {
+      force.segment<4>(first_dof(e)) += force_x;
+      force.segment<4>(dofs_ + first_dof(e)) += force_u;
+    }
+  }
+}
+
+AncfBeam::HingeAngle AncfBeam::hinge_angle(ConstVector q) const {
+  // r_x = (X', U' − 1); hanging straight it is (0, −1), and closing is −X
+  const double across = -q[0];
+  const double along = 1.0 - q[dofs_];
+  const double square = across * across + along * along;
+  return {.angle = std::atan2(across, along),
+          .by_across = -along / square,
+          .by_along = across / square};
+}
+
+double AncfBeam::hinge_rate(const HingeAngle& hinge, ConstVector v) const {
+  return hinge.by_across * v[0] + hinge.by_along * v[dofs_];
+}
+
+void AncfBeam::add_hinge_moment(ConstVector q, ConstVector v, VectorRef force) const {
+  if (hinge_ == Hinge{}) return;
+  const HingeAngle hinge = hinge_angle(q);
+  const double moment = hinge_.spring * hinge.angle + hinge_.viscous * hinge_rate(hinge, v);
+  force[0] -= moment * hinge.by_across;
+  force[dofs_] -= moment * hinge.by_along;
+}
+
+double AncfBeam::damping_power(ConstVector q, ConstVector v) const {
+  const double turning = hinge_rate(hinge_angle(q), v);
+  double power = hinge_.viscous * turning * turning;
+  if (damping_.mass > 0.0) power += 2.0 * damping_.mass * kinetic_energy(v);
+  if (damping_.stiffness > 0.0) {
+    scratch_.setZero(size());
+    add_material_damping(q, v, scratch_);
+    power -= scratch_.dot(v);
+  }
+  return power;
+}
+
+void AncfBeam::acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) {
   a.head(dofs_).setZero();
   a.tail(dofs_) = -gravity_ * weight_;
   add_elastic_force(q, a);
+  add_material_damping(q, v, a);
+  add_hinge_moment(q, v, a);
   a[struck_dof_] += contact_force;
   factor_.solve_in_place(a.head(dofs_));
   factor_.solve_in_place(a.tail(dofs_));
+  if (damping_.mass > 0.0) a -= damping_.mass * v;
 }
 
 PointMotion AncfBeam::struck_point(ConstVector q, ConstVector v) const {
@@ -181,7 +276,11 @@ std::size_t AncfBeam::element_at(double x) const {
 
 AncfBeam::Row AncfBeam::row_at(double x) const {
   const std::size_t e = element_at(x);
-  return {e, shape((x - elements_[e].x) / elements_[e].length, elements_[e].length)};
+  return {e, shape_at(e, x)};
+}
+
+AncfBeam::Nodal AncfBeam::shape_at(std::size_t e, double x) const {
+  return shape((x - elements_[e].x) / elements_[e].length, elements_[e].length);
 }
 
 double AncfBeam::struck_acceleration(ConstVector /*q*/, ConstVector /*v*/, ConstVector a) const {
@@ -190,7 +289,7 @@ double AncfBeam::struck_acceleration(ConstVector /*q*/, ConstVector /*v*/, Const
 
 PointMotion AncfBeam::point(double x, ConstVector q, ConstVector v) const {
   const std::size_t e = element_at(x);
-  const Eigen::Vector4d s = shape((x - elements_[e].x) / elements_[e].length, elements_[e].length);
+  const Nodal s = shape_at(e, x);
   return {-s.dot(gather(q.head(dofs_), e)), -s.dot(gather(v.head(dofs_), e))};
 }
 
@@ -201,11 +300,14 @@ std::vector<int> AncfBeam::coordinates_of(double x) const {
   return {first, first + 1, first + 2, first + 3};
 }
 
-/// X alone. Gravity acts through the tension ρA g (L − x) it leaves in the hanging bar.
+/// X alone. Gravity acts through the tension it leaves in the hanging bar: the weight below, ρA g
+/// (L − x) and what hangs there.
 SmallMotion AncfBeam::small_motion() const {
   SmallMotion motion;
   motion.mass = motion.stiffness = motion.gravity = Eigen::MatrixXd::Zero(dofs_, dofs_);
   motion.rigid = -reference_;
+  motion.hinge = -Eigen::VectorXd::Unit(dofs_, 0);
+  motion.spring = hinge_.spring;
   for (int row = 0; row < dofs_; ++row)
     for (int column = std::max(0, row - 3); column <= std::min(dofs_ - 1, row + 3); ++column)
       motion.mass(row, column) = mass_.at(row, column);
@@ -221,6 +323,15 @@ SmallMotion AncfBeam::small_motion() const {
       const double below = bar_length_ - x - points_[g] * l;
       weight += line_density_ * gravity_ * below * weights_[g] * l * s * s.transpose();
     }
+    for (const LumpedMass& lump : masses_) {
+      const double part = std::clamp((lump.position - x) / l, 0.0, 1.0);  // of it hangs the mass
+      for (std::size_t g = 0; g < 5 && part > 0.0; ++g) {
+        Nodal s = shape_slope(part * points_[g]);
+        s[0] /= l;
+        s[2] /= l;
+        weight += lump.mass * gravity_ * weights_[g] * part * l * s * s.transpose();
+      }
+    }
     const int nodes = e == 0 ? 3 : 4;  // the hinge does not move
     const int first = e == 0 ? 0 : first_dof(e);
     motion.stiffness.block(first, first, nodes, nodes) += elastic.bottomRightCorner(nodes, nodes);
@@ -231,22 +342,30 @@ SmallMotion AncfBeam::small_motion() const {
 
 Eigen::VectorXd AncfBeam::small_motion_row(double x) const {
   const std::size_t e = element_at(x);
-  const Eigen::Vector4d s = shape((x - elements_[e].x) / elements_[e].length, elements_[e].length);
+  const Nodal s = shape_at(e, x);
   Eigen::VectorXd row = Eigen::VectorXd::Zero(dofs_);
   const int nodes = e == 0 ? 3 : 4;
   row.segment(e == 0 ? 0 : first_dof(e), nodes) = -s.tail(nodes);
   return row;
 }
 
-BeamEnergy AncfBeam::energy(ConstVector q, ConstVector v) const {
-  BeamEnergy energy;
+double AncfBeam::kinetic_energy(ConstVector v) const {
+  double energy = 0.0;
   Eigen::VectorXd product(dofs_);
   for (int part = 0; part < 2; ++part) {
     const auto rate = v.segment(part * dofs_, dofs_);
     mass_.multiply(rate, product);
-    energy.kinetic += 0.5 * rate.dot(product);
+    energy += 0.5 * rate.dot(product);
   }
+  return energy;
+}
+
+BeamEnergy AncfBeam::energy(ConstVector q, ConstVector v) const {
+  BeamEnergy energy;
+  energy.kinetic = kinetic_energy(v);
   energy.gravitational = gravity_ * weight_.dot(q.tail(dofs_));
+  const double turned = hinge_.spring > 0.0 ? hinge_angle(q).angle : 0.0;
+  energy.spring = 0.5 * hinge_.spring * turned * turned;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     const double l = elements_[e].length;
     const Nodal x = gather(q.head(dofs_), e);

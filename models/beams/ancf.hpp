@@ -15,7 +15,16 @@ namespace impactrig::models {
 ///
 /// Strain energy U = ½ ∫ EA ε² dx + ½ ∫ EI r_xx·r_xx dx with ε = (r_x·r_x − 1)/2, integrated
 /// exactly (five Gauss points: the integrand of the axial force has degree 8). r_xx is the
-/// curvature to first order in the axial strain.
+/// curvature to first order in the axial strain. A mass on the bar enters with the shape functions
+/// of its place, on a node or between two.
+///
+/// The material is Kelvin-Voigt's with the retardation time τ: with ε goes ε + τ ε̇, with r_xx goes
+/// r_xx + τ D, D = ṙ_xx − ω × r_xx its rate seen from the turning tangent, ω = r_x × ṙ_x / r_x².
+/// The forces are the derivatives of ½ τ ∫ (EA ε̇² + EI D·D) dx by the rates, so that a rigid
+/// rotation of the bent bar, for which ε̇ = 0 and D = 0, is neither braked nor turned by them. With
+/// ṙ_xx instead of D a moment τ EI ω ∫ r_xx·r_xx dx would brake it.
+///
+/// The hinge turns with the slope vector r_x of the first node.
 ///
 /// q = [X, U]: X the nodal positions and slopes across the hanging bar (closing is −X), U the same
 /// of the displacement along it, Y = −x + U. Displacements, not positions, so that strains of 1e-12
@@ -37,6 +46,7 @@ class AncfBeam : public BeamDynamics {
   std::vector<int> coordinates_of(double x) const override;
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
+  double damping_power(ConstVector q, ConstVector v) const override;
   BeamEnergy energy(ConstVector q, ConstVector v) const override;
   RigidPart rigid_part(ConstVector q, ConstVector v) const override;
 
@@ -50,6 +60,10 @@ class AncfBeam : public BeamDynamics {
   double axial_stiffness() const { return axial_stiffness_; }  ///< EA [N]
 
   double bending_stiffness() const { return bending_stiffness_; }  ///< EI [N m^2]
+
+  const Hinge& hinge() const { return hinge_; }
+
+  const BarDamping& damping() const { return damping_; }
 
   /// Of one direction, as X is ordered (n/2, n/2).
   const BandMatrix& mass() const { return mass_; }
@@ -65,14 +79,28 @@ class AncfBeam : public BeamDynamics {
 
   Row row_at(double x) const;
 
+  /// Angle of the slope vector at the hinge, closing > 0, and its derivatives with respect to the
+  /// first coordinate of X and of U.
+  struct HingeAngle {
+    double angle = 0.0;
+    double by_across = 0.0, by_along = 0.0;
+  };
+
  private:
   using Nodal = Eigen::Vector4d;  // value, slope of the first node, of the second
 
   int first_dof(std::size_t element) const { return 2 * static_cast<int>(element) - 1; }
 
   std::size_t element_at(double x) const;
+  Nodal shape_at(std::size_t element, double x) const;
+  void add_weight(std::size_t element, const Nodal& share);
   Nodal gather(ConstVector part, std::size_t element) const;
+  double kinetic_energy(ConstVector v) const;
   void add_elastic_force(ConstVector q, VectorRef force) const;
+  void add_material_damping(ConstVector q, ConstVector v, VectorRef force) const;
+  HingeAngle hinge_angle(ConstVector q) const;
+  double hinge_rate(const HingeAngle& hinge, ConstVector v) const;
+  void add_hinge_moment(ConstVector q, ConstVector v, VectorRef force) const;
 
   std::vector<Element> elements_;
   int dofs_;  // of one direction
@@ -81,14 +109,18 @@ class AncfBeam : public BeamDynamics {
   double bending_stiffness_;  // EI [N m^2]
   double line_density_;       // ρA [kg/m]
   double gravity_;
+  Hinge hinge_;
+  BarDamping damping_;
   double inertia_;
   double bar_length_;
+  std::vector<LumpedMass> masses_;
   std::array<Eigen::Vector4d, 5> slope_shapes_;  // dS/dξ at the Gauss points, for unit length
   std::array<double, 5> points_, weights_;
   Eigen::VectorXd reference_;  // x as nodal values of one direction
-  Eigen::VectorXd weight_;     // ∫ ρA S dx, one direction
+  Eigen::VectorXd weight_;     // ∫ S dm, one direction
   BandMatrix mass_;
   BandCholesky factor_;
+  mutable Eigen::VectorXd scratch_;  // of damping_power()
 };
 
 }  // namespace impactrig::models

@@ -15,6 +15,7 @@ using VectorRef = Eigen::Ref<Eigen::VectorXd>;
 struct BeamEnergy {
   double kinetic = 0.0;        ///< [J]
   double elastic = 0.0;        ///< [J]
+  double spring = 0.0;         ///< in the hinge [J]
   double gravitational = 0.0;  ///< relative to hanging straight and undeformed [J]
 };
 
@@ -66,6 +67,9 @@ class BeamDynamics {
 
   /// Displacement of a point under unit coordinates of small_motion(), closing > 0 (n).
   virtual Eigen::VectorXd small_motion_row(double x) const = 0;
+
+  /// What damping in bar and hinge takes [W].
+  virtual double damping_power(ConstVector q, ConstVector v) const = 0;
 
   virtual BeamEnergy energy(ConstVector q, ConstVector v) const = 0;
   virtual RigidPart rigid_part(ConstVector q, ConstVector v) const = 0;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/beams/bending_modes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "models/integration/gauss.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -64,7 +67,7 @@ BendingMode::BendingMode(const Beam& beam, Basis basis, int number)
            std::sqrt(beam.youngs_modulus * beam.second_moment / (beam.density * beam.area));
   // ∫ φ² dx = (L/4) φ(L)² for both families [Blevins1979]: the tip value sets the scale.
   const double tip = at(length_).value;
-  scale_ = 2.0 / (std::abs(tip) * std::sqrt(beam.mass()));
+  scale_ = 2.0 / (std::abs(tip) * std::sqrt(beam.bar_mass()));
 }
 
 ModeShape BendingMode::at(double x) const {
@@ -82,12 +85,28 @@ std::vector<BendingMode> bending_modes(const Beam& beam, Basis basis, int count)
 }
 
 double elastic_compliance(const Beam& beam, double x) {
-  double compliance = 0.0;
-  for (const BendingMode& mode : bending_modes(beam, Basis::pinned_free, 30)) {
-    const double ratio = mode.at(x).value / mode.angular_frequency();
-    compliance += ratio * ratio;
+  const double turned = x / beam.hinge_inertia();  // angular acceleration under a unit force
+  const double length = beam.length;
+  // bending moment at s, from the loads beyond it
+  const auto moment = [&](double s) {
+    double load =
+        beam.density * beam.area *
+        ((length * length * length - s * s * s) / 3.0 - 0.5 * s * (length * length - s * s));
+    for (const LumpedMass& lump : beam.masses)
+      load += lump.mass * lump.position * std::max(lump.position - s, 0.0);
+    return std::max(x - s, 0.0) - turned * load;
+  };
+  std::vector<double> corners = {0.0, x, length};
+  for (const LumpedMass& lump : beam.masses) corners.push_back(lump.position);
+  std::ranges::sort(corners);
+  const GaussRule& rule = gauss_legendre(4);  // M² has degree six between the corners
+  double sum = 0.0;
+  for (std::size_t i = 1; i < corners.size(); ++i) {
+    const double panel = corners[i] - corners[i - 1];
+    for (std::size_t g = 0; g < rule.points.size(); ++g)
+      sum += panel * rule.weights[g] * std::pow(moment(corners[i - 1] + panel * rule.points[g]), 2);
   }
-  return compliance;
+  return sum / (beam.youngs_modulus * beam.second_moment);
 }
 
 }  // namespace impactrig::models

@@ -14,8 +14,8 @@ struct ModeShape {
   double curvature = 0.0;
 };
 
-/// One bending mode of a uniform Euler-Bernoulli bar, scaled to unit modal mass: ∫ ρA φ² dx = 1 (φ
-/// in 1/√kg).
+/// One bending mode of a uniform Euler-Bernoulli bar without further masses, scaled to unit modal
+/// mass: ∫ ρA φ² dx = 1 (φ in 1/√kg).
 ///
 /// cantilever (clamped at the hinge in the floating frame, free at the tip):
 ///   φ ~ cosh βx − cos βx − σ (sinh βx − sin βx), σ = (cosh z + cos z)/(sinh z + sin z), cos z cosh
@@ -43,9 +43,9 @@ class BendingMode {
 /// The lowest `count` modes.
 std::vector<BendingMode> bending_modes(const Beam& beam, Basis basis, int count);
 
-/// Static deflection of the elastic hinged bar at x under a unit force there, rigid rotation taken
-/// out [m/N]: Σ φ_k(x)²/ω_k² over the pinned-free modes. It bounds how far a given elastic and
-/// vibration energy E can move the point: √(2 E C).
+/// Deflection of the elastic hinged bar at x under a unit force there and the inertia loads of the
+/// rigid rotation it causes [m/N]: C = ∫ M² / EI dx. It bounds how far a given elastic and
+/// vibration energy E can move the point from where the mean rotation has it: √(2 E C).
 double elastic_compliance(const Beam& beam, double x);
 
 }  // namespace impactrig::models

@@ -22,7 +22,10 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
       length_(rig.beam.length),
       inertia_(rig.beam.hinge_inertia()),
       gravity_(rig.gravity),
-      axial_scale_(std::sqrt(2.0 / rig.beam.mass())),
+      hinge_(rig.hinge),
+      damping_(rig.beam.damping),
+      hinge_row_(Eigen::VectorXd::Unit(size(), 0)),
+      axial_scale_(std::sqrt(2.0 / rig.beam.bar_mass())),
       modes_(bending_modes(rig.beam, basis, modes)),
       stiffness_(Eigen::VectorXd::Zero(size())),
       mass_(size(), size()),
@@ -40,6 +43,7 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
   for (int k = 0; k < bending_; ++k) {
     const double omega = modes_[static_cast<std::size_t>(k)].angular_frequency();
     stiffness_[1 + axial_ + k] = omega * omega;
+    hinge_row_[1 + axial_ + k] = modes_[static_cast<std::size_t>(k)].at(0.0).slope;
   }
   const GaussRule& rule = gauss_legendre(20 + 4 * std::max(modes, axial_modes));
   const double line_density = rig.beam.density * rig.beam.area;
@@ -48,17 +52,24 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
     station.mass = line_density * length_ * rule.weights[i];
     stations_.push_back(std::move(station));
   }
+  bar_stations_ = stations_.size();
+  for (const LumpedMass& lump : rig.beam.masses) {
+    stations_.push_back(section_at(lump.position));
+    stations_.back().mass = lump.mass;
+  }
   struck_ = section_at(rig.contact.position);
 }
 
 void FloatingFrameBeam::couple() const {
   Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(bending_, bending_);
   double reached = 0.0;
-  for (Station& station : stations_) {
-    add_coupling(reached, station.x, 1, coupling);
-    reached = station.x;
-    station.coupling = coupling;
+  for (std::size_t i = 0; i < bar_stations_; ++i) {
+    add_coupling(reached, stations_[i].x, 1, coupling);
+    reached = stations_[i].x;
+    stations_[i].coupling = coupling;
   }
+  for (std::size_t i = bar_stations_; i < stations_.size(); ++i)
+    stations_[i].coupling = station_at(stations_[i].x).coupling;
   struck_ = station_at(struck_.x);
   coupled_ready_ = true;
 }
@@ -127,6 +138,11 @@ FloatingFrameBeam::InFrame FloatingFrameBeam::in_frame(const Station& station, C
 Eigen::VectorXd FloatingFrameBeam::inertia_diagonal() const {
   Eigen::VectorXd diagonal = Eigen::VectorXd::Ones(size());
   diagonal[0] = inertia_;
+  for (std::size_t i = bar_stations_; i < stations_.size(); ++i) {
+    const Station& lump = stations_[i];
+    diagonal.segment(1, axial_) += lump.mass * lump.axial.cwiseAbs2();
+    diagonal.tail(bending_) += lump.mass * lump.bending.cwiseAbs2();
+  }
   return diagonal;
 }
 
@@ -150,6 +166,9 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contac
 
   mass_.setZero();
   rhs_ = -stiffness_.cwiseProduct(q);
+  if (damping_.stiffness > 0.0) rhs_ -= damping_.stiffness * stiffness_.cwiseProduct(v);
+  if (hinge_ != Hinge{})
+    rhs_ -= (hinge_.spring * hinge_row_.dot(q) + hinge_.viscous * hinge_row_.dot(v)) * hinge_row_;
   for (const Station& s : stations()) {
     coupled_.noalias() = s.coupling * bending;
     const double x = s.x + s.axial.dot(axial) - 0.5 * bending.dot(coupled_);
@@ -183,6 +202,7 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contac
   factor_.compute(mass_);
   a = rhs_;
   factor_.solveInPlace(a);
+  if (damping_.mass > 0.0) a -= damping_.mass * v;
 }
 
 PointMotion FloatingFrameBeam::motion(const Station& station, ConstVector q, ConstVector v) const {
@@ -226,17 +246,28 @@ SmallMotion FloatingFrameBeam::small_motion() const {
   SmallMotion motion;
   motion.mass = motion.stiffness = motion.gravity = Eigen::MatrixXd::Zero(n, n);
   motion.rigid = -Eigen::VectorXd::Unit(n, 0);
+  motion.hinge = -Eigen::VectorXd::Unit(n, 0);
+  motion.hinge.tail(bending_) = -hinge_row_.tail(bending_);
+  motion.spring = hinge_.spring;
   motion.mass.diagonal().setOnes();
   motion.mass(0, 0) = inertia_;
   motion.stiffness.diagonal().tail(bending_) = stiffness_.tail(bending_);
   Eigen::VectorXd slopes(bending_);
-  for (const Station& s : stations_) {
+  for (std::size_t i = 0; i < stations_.size(); ++i) {
+    const Station& s = stations_[i];
     const Eigen::VectorXd moment = s.mass * s.x * s.bending;
     motion.mass.row(0).tail(bending_) += moment;
     motion.mass.col(0).tail(bending_) += moment;
     motion.gravity(0, 0) += s.mass * gravity_ * s.x;
     motion.gravity.row(0).tail(bending_) += s.mass * gravity_ * s.bending;
     motion.gravity.col(0).tail(bending_) += s.mass * gravity_ * s.bending;
+    if (i >= bar_stations_) {  // m S2ᵀ S2 and m g H of a lumped mass
+      motion.mass.bottomRightCorner(bending_, bending_) +=
+          s.mass * s.bending * s.bending.transpose();
+      motion.gravity.bottomRightCorner(bending_, bending_) +=
+          s.mass * gravity_ * station_at(s.x).coupling;
+      continue;
+    }
     // ∫ ρA g H dx = ∫ ρA g (L − x) S2'ᵀ S2' dx
     for (int k = 0; k < bending_; ++k)
       slopes[k] = modes_[static_cast<std::size_t>(k)].at(s.x).slope;
@@ -253,9 +284,18 @@ Eigen::VectorXd FloatingFrameBeam::small_motion_row(double x) const {
   return row;
 }
 
+double FloatingFrameBeam::damping_power(ConstVector q, ConstVector v) const {
+  const double turning = hinge_row_.dot(v);
+  double power =
+      hinge_.viscous * turning * turning + damping_.stiffness * v.dot(stiffness_.cwiseProduct(v));
+  if (damping_.mass > 0.0) power += 2.0 * damping_.mass * energy(q, v).kinetic;
+  return power;
+}
+
 BeamEnergy FloatingFrameBeam::energy(ConstVector q, ConstVector v) const {
   BeamEnergy energy;
   energy.elastic = 0.5 * q.dot(stiffness_.cwiseProduct(q));
+  energy.spring = 0.5 * hinge_.spring * std::pow(hinge_row_.dot(q), 2);
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
   for (const Station& s : stations()) {

@@ -19,7 +19,13 @@ namespace impactrig::models {
 /// and touches the stop at X = 0. S2 are the modes of the chosen basis with unit modal mass, S1 the
 /// modes sin((2k − 1) π x / 2L) likewise. Integrals over the bar are taken by one Gauss rule of 20
 /// + 4n points: products of two modes come out to rounding, the small products of four to a few
-/// digits less.
+/// digits less. Masses on the bar are further points of that sum; the shapes stay those of the bar
+/// alone, so the mass matrix is no longer diagonal when it hangs straight.
+///
+/// The axis at the hinge is at the angle ψ + v'(0), v'(0) = 0 for the cantilever's modes.
+///
+/// Kelvin-Voigt damping acts on the modal rates ȧ and ḃ, which a rotation of the frame leaves
+/// alone.
 ///
 /// Valid while v' is small: the foreshortening is exact to second order in v'.
 class FloatingFrameBeam : public BeamDynamics {
@@ -37,6 +43,7 @@ class FloatingFrameBeam : public BeamDynamics {
   std::vector<int> coordinates_of(double x) const override;
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
+  double damping_power(ConstVector q, ConstVector v) const override;
   BeamEnergy energy(ConstVector q, ConstVector v) const override;
   RigidPart rigid_part(ConstVector q, ConstVector v) const override;
 
@@ -44,7 +51,7 @@ class FloatingFrameBeam : public BeamDynamics {
   /// A cross-section: its place, shape functions and coupling matrix.
   struct Station {
     double x = 0.0;
-    double mass = 0.0;         // quadrature weight times ρA [kg]
+    double mass = 0.0;         // quadrature weight times ρA, or a lumped mass [kg]
     Eigen::VectorXd axial;     // S1 (n_axial)
     Eigen::VectorXd bending;   // S2 (n_bending)
     Eigen::MatrixXd coupling;  // H (n_bending, n_bending)
@@ -71,12 +78,16 @@ class FloatingFrameBeam : public BeamDynamics {
   double length_;
   double inertia_;  // about the hinge, straight [kg m^2]
   double gravity_;
+  Hinge hinge_;
+  BarDamping damping_;
+  Eigen::VectorXd hinge_row_;  // q to the angle at the hinge (n)
   double axial_scale_ = 0.0;
   std::vector<BendingMode> modes_;
   Eigen::VectorXd stiffness_;  // modal, ω² (n), 0 for ψ
-  // Quadrature over the bar, and the struck point. Their coupling is worked out when it is first
-  // needed: small motion does without.
+  // Quadrature over the bar, then its lumped masses; and the struck point. Their coupling is worked
+  // out when it is first needed: small motion does without.
   mutable std::vector<Station> stations_;
+  std::size_t bar_stations_ = 0;  // of the bar itself
   mutable Station struck_;
   mutable bool coupled_ready_ = false;
   mutable std::vector<Station> looked_at_;  // points asked for by point(), built once

@@ -70,6 +70,9 @@ class BarMotion {
   /// The step is solved, under the force of a Legendre series.
   virtual void finish(const NodeVector& force, const NodeVector& force_series) = 0;
 
+  /// Energy that damping in bar and hinge takes over the solved step [J].
+  virtual double damped() const { return 0.0; }
+
   virtual PointMotion struck_at_end() const = 0;
 
   /// Error of the bar's motion by the step, as a part of the speed its energy would give it; what

@@ -162,6 +162,7 @@ void CollocationRun::take_attempt() {
   const double h = bar_.step();
   totals_.impulse += integral(tried_.force, tried_.part);
   totals_.dissipated += integral(tried_.dissipation, tried_.part);
+  totals_.damped += bar_.damped();
   bar_.take(tried_.part);
   if (tried_.event == Event::none && contact_.phase() == Phase::pressed)
     last_series_ = tried_.force_series;
@@ -294,18 +295,16 @@ void CollocationRun::integrate() {
 
 Simulation CollocationRun::simulate() {
   const auto started = std::chrono::steady_clock::now();
-  if (rig_.start.release_angle && options_.exact) {
-    const double angle = *rig_.start.release_angle;
-    bar_.start(-angle, 0.0);
-    const double drop =
-        rig_.beam.mass() * rig_.gravity * 0.5 * rig_.beam.length * (1.0 - std::cos(angle));
-    approach_ = rig_.contact.position * std::sqrt(2.0 * drop / rig_.beam.hinge_inertia());
-    energy_scale_ = drop;
-    depth_ = penetration_storing(contact_, drop);
-    bar_.set_scales(drop, depth_ / approach_);
+  if (rig_.start.release_angle && (options_.exact || spring_bends_bar(rig_))) {
+    bar_.start(-*rig_.start.release_angle, 0.0);
+    approach_ = touch_velocity(rig_);
+    const double rate = approach_ / rig_.contact.position;
+    energy_scale_ = 0.5 * rig_.beam.hinge_inertia() * rate * rate;
+    depth_ = penetration_storing(contact_, energy_scale_);
+    bar_.set_scales(energy_scale_, depth_ / approach_);
     t_end_ = std::numeric_limits<double>::infinity();
     longest_ = bar_.ladder().longest;
-    first_ = 1e-3 * std::sqrt(rig_.beam.length / rig_.gravity);
+    first_ = 1e-3 * *rig_.start.release_angle / rate;
   } else {
     bar_.start(0.0, touch_velocity(rig_) / rig_.contact.position);
     touch();

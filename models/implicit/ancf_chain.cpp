@@ -17,6 +17,8 @@ AncfChain::AncfChain(const AncfBeam& beam)
     : elements_(beam.elements()),
       axial_stiffness_(beam.axial_stiffness()),
       bending_stiffness_(beam.bending_stiffness()),
+      hinge_(beam.hinge()),
+      damping_(beam.damping()),
       mass_(elements_.size() + 1),
       inertia_(Eigen::ArrayXd::Zero(4 * static_cast<int>(elements_.size() + 1))),
       weight_force_(inertia_) {
@@ -24,7 +26,13 @@ AncfChain::AncfChain(const AncfBeam& beam)
   for (std::size_t g = 0; g < 5; ++g) {
     const double xi = rule.points[g];
     const double s = xi * xi;
-    gauss_[g] = {6.0 * (xi - s), 1.0 - 4.0 * xi + 3.0 * s, 3.0 * s - 2.0 * xi, rule.weights[g]};
+    gauss_[g] = {.chord = 6.0 * (xi - s),
+                 .first = 1.0 - 4.0 * xi + 3.0 * s,
+                 .second = 3.0 * s - 2.0 * xi,
+                 .bend_chord = 6.0 - 12.0 * xi,
+                 .bend_first = 6.0 * xi - 4.0,
+                 .bend_second = 6.0 * xi - 2.0,
+                 .weight = rule.weights[g]};
   }
   const Eigen::VectorXd weight = beam.weight_force();
   const auto entry = [&](int node_r, int part_r, int node_c, int part_c) {
@@ -53,6 +61,10 @@ AncfChain::AncfChain(const AncfBeam& beam)
 BeamEnergy AncfChain::energy(const Eigen::ArrayXd& q, const Eigen::ArrayXd& v) const {
   BeamEnergy energy;
   energy.gravitational = -(weight_force_ * q).sum();
+  if (hinge_.spring > 0.0) {
+    const double angle = hinge_angle<double>(q[1], q[3]).angle;
+    energy.spring = 0.5 * hinge_.spring * angle * angle;
+  }
   for (int i = 0; i < nodes(); ++i) {
     const Eigen::Matrix4d& own = mass_.diagonal[static_cast<std::size_t>(i)];
     const Eigen::Vector4d rate = v.segment<4>(4 * i).matrix();
@@ -125,6 +137,12 @@ void AncfChain::stiffness(const Eigen::ArrayXd& q, ChainMatrix& k) const {
     k.diagonal[0].col(held).setZero();
     k.next[0].row(held).setZero();
   }
+}
+
+Eigen::Matrix4d AncfChain::hinge_block(const Eigen::ArrayXd& q, double coefficient) const {
+  const auto hinge = hinge_angle<double>(q[1], q[3]);
+  const Eigen::Vector4d by(0.0, hinge.by_across, 0.0, hinge.by_along);
+  return coefficient * by * by.transpose();
 }
 
 void AncfChain::to_beam(const Eigen::ArrayXd& chain, Eigen::VectorXd& beam) const {

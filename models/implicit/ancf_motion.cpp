@@ -22,7 +22,7 @@ constexpr double slow = 0.01;
 constexpr int kept_factors = 6;
 
 double total(const BeamEnergy& energy) {
-  return energy.kinetic + energy.elastic + energy.gravitational;
+  return energy.kinetic + energy.elastic + energy.spring + energy.gravitational;
 }
 
 /// S: stages of the method, an even number.
@@ -41,7 +41,7 @@ class AncfMotion final : public BarMotion {
         work_(static_cast<std::size_t>(chain_.coordinates())) {
     const int n = chain_.coordinates();
     q_ = v_ = end_q_ = end_v_ = Eigen::ArrayXd::Zero(n);
-    a_ = previous_ = stage_q_ = residual_ = Stages::Zero(S, n);
+    a_ = previous_ = stage_q_ = stage_v_ = residual_ = Stages::Zero(S, n);
     beam_q_.setZero(beam_.size());
     beam_v_.setZero(beam_.size());
     factors_.reserve(kept_factors);
@@ -120,7 +120,10 @@ class AncfMotion final : public BarMotion {
     end_energy_ = chain_.energy(end_q_, end_v_);
     const Lanes speed = v_[struck_] + velocity_of(a_.col(struck_));
     work_done_ = h_ * (stages_.rule.weights().array() * force.array() * speed).sum();
+    if (chain_.damped()) damped_ = damped_in_step();
   }
+
+  double damped() const override { return damped_; }
 
   PointMotion struck_at_end() const override { return {-end_q_[struck_], -end_v_[struck_]}; }
 
@@ -158,6 +161,18 @@ class AncfMotion final : public BarMotion {
   static constexpr int pairs = S / 2;
   using Complex = ComplexLanes<pairs>;
 
+  /// By the powers at the nodes.
+  double damped_in_step() {
+    for (int k = 0; k < chain_.coordinates(); ++k) {
+      stage_q_.col(k) = q_[k] + displacement_of(v_[k], a_.col(k));
+      stage_v_.col(k) = v_[k] + velocity_of(a_.col(k));
+    }
+    residual_.setZero();
+    chain_.add_damping<S>(stage_q_, stage_v_, residual_);
+    const Lanes power = (residual_ * stage_v_).rowwise().sum();
+    return h_ * (stages_.rule.weights().array() * power).sum();
+  }
+
   /// The linear systems of a step of one length, at the tangent at hand.
   struct Factor {
     explicit Factor(std::size_t nodes) : systems(nodes), pressed(4 * nodes) {}
@@ -168,7 +183,7 @@ class AncfMotion final : public BarMotion {
     Response response;
   };
 
-  double lost_in_step() const { return total(energy_) + work_done_ - total(end_energy_); }
+  double lost_in_step() const { return total(energy_) + work_done_ - damped_ - total(end_energy_); }
 
   void to_beam() const {
     chain_.to_beam(q_, beam_q_);
@@ -229,6 +244,7 @@ class AncfMotion final : public BarMotion {
 
   void renew_tangent() {
     chain_.stiffness(q_, stiffness_);
+    hinge_block_ = chain_.hinge_block(q_, 1.0);
     tangent_angle_ = chord_angle();
     for (Factor& factor : factors_) factor.h = 0.0;
     slow_ = false;
@@ -276,13 +292,15 @@ class AncfMotion final : public BarMotion {
 
   Eigen::ArrayXd q_, v_;
   double h_ = 0.0, last_h_ = 0.0;
-  Stages a_, previous_, previous_guess_, stage_q_, residual_;
+  Stages a_, previous_, previous_guess_, stage_q_, stage_v_, residual_;
   Eigen::ArrayXd end_q_, end_v_;
   BeamEnergy energy_, end_energy_;
   double lost_ = 0.0;       // by the method since the start [J]
+  double damped_ = 0.0;     // in bar and hinge over the step [J]
   double work_done_ = 0.0;  // on the bar by the stop over the step [J]
 
   ChainMatrix stiffness_;
+  Eigen::Matrix4d hinge_block_ = Eigen::Matrix4d::Zero();
   std::vector<Factor> factors_;
   std::size_t next_factor_ = 0;
   Factor* factor_ = nullptr;
@@ -301,13 +319,19 @@ class AncfMotion final : public BarMotion {
 template <int S>
 void AncfMotion<S>::make_factor(double h, Factor& factor) {
   factor.h = h;
-  Complex share;  // (h λ)²
+  const BarDamping& damping = chain_.damping();
+  typename BlockTridiagonal<pairs>::Shares shares;
+  const auto put = [](const std::complex<double>& value, int j, Complex& share) {
+    share.re[j] = value.real();
+    share.im[j] = value.imag();
+  };
   for (int j = 0; j < pairs; ++j) {
     const std::complex<double> z = h * stages_.eigenvalues[j];
-    share.re[j] = (z * z).real();
-    share.im[j] = (z * z).imag();
+    put(1.0 + z * damping.mass, j, shares.mass);
+    put(z * z + z * damping.stiffness, j, shares.stiffness);
+    put(z * z * chain_.hinge().spring + z * chain_.hinge().viscous, j, shares.first_node);
   }
-  factor.systems.factor(chain_.mass(), stiffness_, share);
+  factor.systems.factor(chain_.mass(), stiffness_, hinge_block_, shares);
   std::ranges::fill(factor.pressed, Complex{});
   factor.pressed[static_cast<std::size_t>(struck_)].re.setOnes();
   factor.systems.solve_in_place(factor.pressed);
@@ -348,6 +372,10 @@ BarMotion::Progress AncfMotion<S>::improve(const NodeVector& force, NodeVector& 
   const int n = chain_.coordinates();
   for (int k = 0; k < n; ++k) stage_q_.col(k) = q_[k] + displacement_of(v_[k], a_.col(k));
   chain_.residual<S>(stage_q_, a_, residual_);
+  if (chain_.damped()) {
+    for (int k = 0; k < n; ++k) stage_v_.col(k) = v_[k] + velocity_of(a_.col(k));
+    chain_.add_damping<S>(stage_q_, stage_v_, residual_);
+  }
   residual_.col(struck_) -= force.array();
   solve(residual_);
   a_ -= residual_;

@@ -25,9 +25,10 @@ struct ChainMatrix {
   }
 };
 
-/// K complex symmetric systems M + k_j S at once, M and S chain matrices, M positive definite, S
-/// nearly so, k_j off the negative real axis. Factored block by block without pivoting, which that
-/// allows; solved in place. Cost linear in the nodes.
+/// K complex symmetric systems m_j M + k_j S + c_j B at once, M and S chain matrices, M positive
+/// definite, S nearly so, B a block of the first node, k_j / m_j off the negative real axis.
+/// Factored block by block without pivoting, which that allows; solved in place. Cost linear in the
+/// nodes.
 template <int K>
 class BlockTridiagonal {
  public:
@@ -35,10 +36,16 @@ class BlockTridiagonal {
 
   explicit BlockTridiagonal(std::size_t nodes) : inverse_(nodes), lower_(nodes) {}
 
-  void factor(const ChainMatrix& mass, const ChainMatrix& stiffness, const Complex& share) {
+  struct Shares {
+    Complex mass, stiffness, first_node;  // m, k, c
+  };
+
+  void factor(const ChainMatrix& mass, const ChainMatrix& stiffness,
+              const Eigen::Matrix4d& first_node, const Shares& share) {
     const std::size_t n = inverse_.size();
     for (std::size_t i = 0; i < n; ++i) {
       Block pivot = combine(mass.diagonal[i], stiffness.diagonal[i], share);
+      if (i == 0) add(first_node, share.first_node, pivot);
       if (i > 0) {
         const Block coupling = combine(mass.next[i - 1], stiffness.next[i - 1], share);
         // G = C' D⁻¹, D ← D − G C; symmetric
@@ -84,16 +91,27 @@ class BlockTridiagonal {
   using Half = std::array<std::array<Complex, 2>, 2>;
 
   static Block combine(const Eigen::Matrix4d& mass, const Eigen::Matrix4d& stiffness,
-                       const Complex& share) {
+                       const Shares& share) {
     Block block;
     for (std::size_t r = 0; r < 4; ++r)
       for (std::size_t c = 0; c < 4; ++c) {
         const auto row = static_cast<Eigen::Index>(r);
         const auto column = static_cast<Eigen::Index>(c);
-        block[r][c].re = mass(row, column) + stiffness(row, column) * share.re;
-        block[r][c].im = stiffness(row, column) * share.im;
+        block[r][c].re =
+            mass(row, column) * share.mass.re + stiffness(row, column) * share.stiffness.re;
+        block[r][c].im =
+            mass(row, column) * share.mass.im + stiffness(row, column) * share.stiffness.im;
       }
     return block;
+  }
+
+  static void add(const Eigen::Matrix4d& matrix, const Complex& share, Block& block) {
+    for (std::size_t r = 0; r < 4; ++r)
+      for (std::size_t c = 0; c < 4; ++c) {
+        const double entry = matrix(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c));
+        block[r][c].re += entry * share.re;
+        block[r][c].im += entry * share.im;
+      }
   }
 
   /// Of a symmetric matrix [a b; b c].

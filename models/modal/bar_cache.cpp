@@ -25,8 +25,8 @@ const ModalStep& ModalBar::step(const Collocation& rule, int level) const {
 }
 
 std::shared_ptr<const ModalBar> BarCache::bar(const Rig& rig, const Solver& solver) {
-  const Key key{rig.beam,        rig.contact.position, rig.gravity, solver.model,
-                solver.elements, solver.modes,         solver.basis};
+  const Key key{rig.beam,     rig.hinge,       rig.contact.position, rig.gravity,
+                solver.model, solver.elements, solver.modes,         solver.basis};
   const std::lock_guard lock(mutex_);
   if (!bar_ || key_ != key) {
     bar_ = std::make_shared<const ModalBar>(make_beam(rig, solver), rig);

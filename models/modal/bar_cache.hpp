@@ -42,6 +42,7 @@ class BarCache {
  private:
   struct Key {
     Beam beam;
+    Hinge hinge;
     double position, gravity;
     BeamModel model;
     std::array<int, 2> elements;

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "models/beams/bending_modes.hpp"
+
 namespace impactrig::models {
 
 namespace {
@@ -39,22 +41,25 @@ void diagonalise(Eigen::MatrixXd& matrix, Eigen::MatrixXd& basis) {
 
 ModalBeam::ModalBeam(const BeamDynamics& beam, const Rig& rig)
     : beam_(beam),
-      motion_(beam.small_motion()) {
+      motion_(beam.small_motion()),
+      masses_(rig.beam.masses) {
   solve_modes();
   struck_ = point(rig.contact.position);
+  elastic_compliance_ = models::elastic_compliance(rig.beam, rig.contact.position);
   rigid_ = shapes_.transpose() * (motion_.mass * motion_.rigid);
   constexpr int stations = 24;
   spacing_ = rig.beam.length / stations;
-  station_mass_ = rig.beam.mass() / stations;
+  station_mass_ = rig.beam.bar_mass() / stations;
   Eigen::MatrixXd across(motion_.rigid.size(), stations + 1);
   for (int i = 0; i <= stations; ++i) across.col(i) = beam.small_motion_row(i * spacing_);
   const Eigen::MatrixXd rows = across.rightCols(stations) - across.leftCols(stations);
   slopes_ = rows.transpose() * shapes_ / spacing_;
 }
 
-/// The rigid rotation is taken out first: its only stiffness is the weight's, which a rounding
-/// error of the highest modes' would drown. The bending modes among themselves are then solved as
-/// they are, and the little that the weight couples them to the rotation by rotations of pairs.
+/// The rigid rotation is taken out first: its only stiffness is that of weight and spring, which a
+/// rounding error of the highest modes' would drown. The bending modes among themselves are then
+/// solved as they are, and what weight and spring couple them to the rotation by rotations of
+/// pairs.
 void ModalBeam::solve_modes() {
   const Eigen::Index n = motion_.rigid.size();
   const Eigen::LLT<Eigen::MatrixXd> mass(motion_.mass);
@@ -70,24 +75,27 @@ void ModalBeam::solve_modes() {
   const Eigen::MatrixXd reflector = reflection.householderQ() * Eigen::MatrixXd::Identity(n, n);
   const Eigen::MatrixXd elastic = reflector.transpose() * scaled(motion_.stiffness) * reflector;
   const Eigen::MatrixXd weight = reflector.transpose() * scaled(motion_.gravity) * reflector;
+  const Eigen::VectorXd hinge = reflector.transpose() * mass.matrixL().solve(motion_.hinge);
+  const Eigen::MatrixXd restoring = weight + motion_.spring * hinge * hinge.transpose();
 
   Eigen::MatrixXd basis = Eigen::MatrixXd::Identity(n, n);
   Eigen::MatrixXd coupled = Eigen::MatrixXd::Zero(n, n);
-  coupled(0, 0) = weight(0, 0);
+  coupled(0, 0) = restoring(0, 0);
   if (n > 1) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> bending(
-        elastic.bottomRightCorner(n - 1, n - 1) + weight.bottomRightCorner(n - 1, n - 1));
+        elastic.bottomRightCorner(n - 1, n - 1) + restoring.bottomRightCorner(n - 1, n - 1));
     if (bending.info() != Eigen::Success)
       throw std::runtime_error("the bar's modes could not be computed");
     basis.bottomRightCorner(n - 1, n - 1) = bending.eigenvectors();
     coupled.diagonal().tail(n - 1) = bending.eigenvalues();
-    coupled.row(0).tail(n - 1) = weight.row(0).tail(n - 1) * bending.eigenvectors();
+    coupled.row(0).tail(n - 1) = restoring.row(0).tail(n - 1) * bending.eigenvectors();
     coupled.col(0).tail(n - 1) = coupled.row(0).tail(n - 1).transpose();
     diagonalise(coupled, basis);
   }
   omega_ = coupled.diagonal().cwiseMax(0.0).cwiseSqrt();  // a weightless pendulum: zero
   shapes_ = mass.matrixU().solve(reflector * basis);
   weight_ = basis.transpose() * weight * basis;
+  hinge_ = basis.transpose() * hinge;
 }
 
 double ModalBeam::shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const {
@@ -99,6 +107,12 @@ double ModalBeam::shortening_energy(const Eigen::VectorXd& a, const Eigen::Vecto
     const double step = slope[i] * slope_rate[i] * spacing_;
     const double middle = drawn + 0.5 * step;
     energy += 0.5 * station_mass_ * middle * middle;
+    for (const LumpedMass& lump : masses_) {
+      const double part = lump.position / spacing_ - static_cast<double>(i);
+      const bool last = i + 1 == slope.size();
+      if (part > 0.0 && (part <= 1.0 || last))
+        energy += 0.5 * lump.mass * std::pow(drawn + std::min(part, 1.0) * step, 2);
+    }
     drawn += step;
   }
   return energy;
@@ -108,19 +122,17 @@ Eigen::VectorXd ModalBeam::point(double x) const {
   return shapes_.transpose() * beam_.small_motion_row(x);
 }
 
-double ModalBeam::elastic_compliance() const {
-  const Eigen::Index bending = omega_.size() - 1;
-  return struck_.tail(bending).cwiseQuotient(omega_.tail(bending)).squaredNorm();
-}
-
 BeamEnergy ModalBeam::energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const {
   static thread_local Eigen::VectorXd weighed;  // asked for at every step: no allocation
   weighed.noalias() = weight_ * a;
   const double gravitational = 0.5 * a.dot(weighed);
+  const double turned = hinge_.dot(a);
+  const double spring = 0.5 * motion_.spring * turned * turned;
   // the elastic energy of q itself would drown in what a rigid rotation leaves of rounding
   const double potential = 0.5 * omega_.cwiseProduct(a).squaredNorm();
   return {.kinetic = 0.5 * rate.squaredNorm(),
-          .elastic = potential - gravitational,
+          .elastic = potential - gravitational - spring,
+          .spring = spring,
           .gravitational = gravitational};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "models/beams/beam_dynamics.hpp"
 #include "models/modal/small_motion.hpp"
@@ -26,12 +27,12 @@ class ModalBeam {
   /// Modal velocities of a rigid rotation at 1 rad/s, closing (m).
   const Eigen::VectorXd& rigid() const { return rigid_; }
 
-  /// Static deflection of the struck point under a unit force there, the swing taken out [m/N].
-  double elastic_compliance() const;
+  /// Deflection of the struck point under a unit force there, the rigid rotation taken out [m/N].
+  double elastic_compliance() const { return elastic_compliance_; }
 
   BeamEnergy energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
   /// Kinetic energy of the bar's points moving towards the hinge as it bends and turns, to the
-  /// lowest order: ½ ∫ ρA u̇² dx, u̇(x) = ∫₀ˣ w' ẇ' dξ [J]. Not part of the small motion.
+  /// lowest order: ½ ∫ u̇² dm, u̇(x) = ∫₀ˣ w' ẇ' dξ [J]. Not part of the small motion.
   double shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
 
   RigidPart rigid_part(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
@@ -44,9 +45,12 @@ class ModalBeam {
   Eigen::MatrixXd shapes_;  // (n, m), M-orthonormal
   Eigen::MatrixXd weight_;  // the hanging weight's stiffness (m, m)
   Eigen::VectorXd omega_, struck_, rigid_;
+  Eigen::VectorXd hinge_;  // angle at the hinge under unit modal coordinates (m)
+  double elastic_compliance_ = 0.0;
   Eigen::MatrixXd slopes_;     // of the modes at evenly spread stations (stations, m)
   double station_mass_ = 0.0;  // [kg]
-  double spacing_ = 0.0;       // [m]
+  std::vector<LumpedMass> masses_;
+  double spacing_ = 0.0;  // [m]
 };
 
 }  // namespace impactrig::models

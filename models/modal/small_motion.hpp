@@ -6,12 +6,14 @@
 namespace impactrig::models {
 
 /// A bar on its hinge moving little about hanging straight, in coordinates q (n) of which only the
-/// motion across the bar is kept: M q̈ + (K + G) q = −rᵀ F, where r q is the displacement of the
-/// struck point, closing > 0, and F presses it back.
+/// motion across the bar is kept: M q̈ + (K + G + k hᵀ h) q = −rᵀ F, where r q is the displacement
+/// of the struck point, closing > 0, and F presses it back.
 struct SmallMotion {
   Eigen::MatrixXd mass;       ///< M (n, n)
   Eigen::MatrixXd stiffness;  ///< K, elastic (n, n)
   Eigen::MatrixXd gravity;    ///< G, of the hanging weight (n, n)
+  Eigen::VectorXd hinge;      ///< h: angle of the axis at the hinge, closing > 0 (n)
+  double spring = 0.0;        ///< k, of the hinge [N m/rad]
   Eigen::VectorXd rigid;      ///< q of a rigid rotation by 1 rad, closing (n)
 };
 

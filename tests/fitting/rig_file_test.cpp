@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <numbers>
 
 #include "datasets/input_error.hpp"
@@ -175,6 +178,96 @@ TEST(RigFile, MainsAre50HertzUnlessStated) {
       60.0);
   EXPECT_THROW(parse_rig_file(text, "rig.toml", {{"environment.mains_frequency", "0 Hz"}}),
                datasets::InputError);
+}
+
+TEST(RigFile, ReadsTheMassesOnTheBar) {
+  const std::string text = std::string(paper_rig) +
+                           "\n[[beam.masses]]\nposition = \"80 cm\"\nmass = \"100 g\"\n"
+                           "[[beam.masses]]\nposition = \"0.4 m\"\nmass = \"0.02 kg\"\n";
+  const std::vector<models::LumpedMass> expected = {{0.8, 0.1}, {0.4, 0.02}};
+  const auto masses = parse_rig_file(text, "rig.toml").rig.beam.masses;
+  ASSERT_EQ(masses.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_DOUBLE_EQ(masses[i].position, expected[i].position);
+    EXPECT_DOUBLE_EQ(masses[i].mass, expected[i].mass);
+  }
+  EXPECT_EQ(parse_rig_file(paper_rig, "rig.toml",
+                           {{"beam.masses", "[{ position = \"0.4 m\", mass = \"20 g\" }]"}})
+                .rig.beam.masses.size(),
+            1u);
+}
+
+TEST(RigFile, AMassThatMakesNoSenseIsRefusedWithItsPlace) {
+  const auto lump = [](const std::string& lines) {
+    return message_of(std::string(paper_rig) + "\n[[beam.masses]]\n" + lines);
+  };
+  const std::string place =
+      fmt::format("rig.toml:{}:", 2 + std::ranges::count(std::string(paper_rig), '\n') + 1);
+  EXPECT_EQ(lump("position = \"0.9 m\"\nmass = \"1 g\""),
+            place +
+                "12: beam.masses[0].position: the mass, 0.9 m from the hinge, lies beyond the "
+                "bar's end at 0.8 m");
+  EXPECT_EQ(lump("position = 0.4\nmass = \"1 g\""),
+            place +
+                "12: beam.masses[0].position: the bare number 0.4 has no unit; write it in "
+                "quotes with its unit, for example \"0.4 m\"");
+  EXPECT_NE(
+      lump("position = \"0.4 m\"").find("beam.masses[0].mass: is missing; add mass = \"0.1 kg\""),
+      std::string::npos);
+  EXPECT_NE(lump("position = \"0.4 m\"\nmass = \"1 g\"\ninertia = 3")
+                .find("beam.masses[0].inertia: there is no such key here"),
+            std::string::npos);
+  EXPECT_EQ(message_of(paper_rig, {{"beam.masses", "0.1 kg"}}),
+            "--set beam.masses: beam.masses: expected tables, for example [[beam.masses]]");
+  EXPECT_EQ(
+      message_of(paper_rig, {{"beam.masses", "[{ position = \"0.4 m\", mass = \"-20 g\" }]"}}),
+      "--set beam.masses: beam.masses[0].mass: must be greater than zero, found -0.02 kg");
+}
+
+TEST(RigFile, ReadsTheHinge) {
+  const models::Rig plain = parse_rig_file(paper_rig, "rig.toml").rig;
+  EXPECT_EQ(plain.hinge, models::Hinge{});
+  const models::Rig rig =
+      parse_rig_file(paper_rig, "rig.toml",
+                     {{"hinge.spring", "3.5 N.m/rad"}, {"hinge.viscous", "20 mN.m.s/rad"}})
+          .rig;
+  EXPECT_DOUBLE_EQ(rig.hinge.spring, 3.5);
+  EXPECT_DOUBLE_EQ(rig.hinge.viscous, 0.02);
+  EXPECT_NE(message_of(paper_rig, {{"hinge.spring", "3 N/m"}}).find("--set hinge.spring: "),
+            std::string::npos);
+  EXPECT_EQ(message_of(paper_rig, {{"hinge.spring", "-3 N.m/rad"}}),
+            "--set hinge.spring: hinge.spring: must be finite and not negative, found -3 N.m/rad");
+  EXPECT_EQ(message_of(paper_rig, {{"hinge.viscous", "-1 N.m.s/rad"}}),
+            "--set hinge.viscous: hinge.viscous: must be finite and not negative, found -1 "
+            "N.m.s/rad");
+  EXPECT_NE(message_of(paper_rig, {{"hinge.friction", "1"}}).find("there is no such key here"),
+            std::string::npos);
+}
+
+TEST(RigFile, ReadsTheDampingOfTheBar) {
+  EXPECT_EQ(parse_rig_file(paper_rig, "rig.toml").rig.beam.damping, models::BarDamping{});
+  const models::BarDamping both =
+      parse_rig_file(paper_rig, "rig.toml",
+                     {{"beam.damping", "{ mass = \"2 1/s\", stiffness = \"1.5 us\" }"}})
+          .rig.beam.damping;
+  EXPECT_DOUBLE_EQ(both.mass, 2.0);
+  EXPECT_DOUBLE_EQ(both.stiffness, 1.5e-6);
+  const models::BarDamping kelvin_voigt =
+      parse_rig_file(paper_rig, "rig.toml", {{"beam.damping.stiffness", "3 us"}}).rig.beam.damping;
+  EXPECT_EQ(kelvin_voigt.mass, 0.0);
+  EXPECT_DOUBLE_EQ(kelvin_voigt.stiffness, 3e-6);
+  EXPECT_EQ(message_of(paper_rig, {{"beam.damping.stiffness", "-3 us"}}),
+            "--set beam.damping.stiffness: beam.damping.stiffness: must be finite and not "
+            "negative, found -3e-06 s");
+  EXPECT_EQ(message_of(paper_rig, {{"beam.damping.mass", "-3 1/s"}}),
+            "--set beam.damping.mass: beam.damping.mass: must be finite and not negative, found -3 "
+            "1/s");
+  EXPECT_NE(message_of(paper_rig, {{"beam.damping.mass", "3 kg"}})
+                .find("--set beam.damping.mass: beam.damping.mass: "),
+            std::string::npos);
+  EXPECT_NE(message_of(paper_rig, {{"beam.damping.ratio", "0.1"}})
+                .find("beam.damping.ratio: there is no such key here"),
+            std::string::npos);
 }
 
 TEST(RigFile, AMissingFileIsAFileError) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "tests/models/plain_chain.hpp"
 #include "tests/models/scenes.hpp"
 #include "tests/support/convergence_study.hpp"
 
@@ -16,91 +17,18 @@ using namespace impactrig::models;
 using namespace impactrig::tests;
 using Vector = Eigen::VectorXd;
 
-/// The chain of cubic elements once more, from positions: r(x), r' and r'' by Hermite
-/// interpolation, energies by a fine quadrature of their densities.
-class PlainChain {
- public:
-  PlainChain(const Rig& rig, std::array<int, 2> elements) : rig_(rig) {
-    nodes_.push_back(0.0);
-    for (int i = 1; i <= elements[0]; ++i) nodes_.push_back(rig.contact.position * i / elements[0]);
-    for (int i = 1; i <= elements[1]; ++i)
-      nodes_.push_back(rig.contact.position +
-                       (rig.beam.length - rig.contact.position) * i / elements[1]);
-  }
-
-  int dofs() const { return 2 * static_cast<int>(nodes_.size()) - 1; }
-
-  /// Value, first and second derivative at a place inside an element of one direction's field.
-  std::array<double, 3> field(const Vector& part, std::size_t e, double xi) const {
-    const double l = nodes_[e + 1] - nodes_[e];
-    const int first = 2 * static_cast<int>(e) - 1;
-    const double u0 = e == 0 ? 0.0 : part[first];
-    const double s0 = part[first + 1];
-    const double u1 = part[first + 2];
-    const double s1 = part[first + 3];
-    // the cubic c0 + c1 ξ + c2 ξ² + c3 ξ³
-    const double c1 = l * s0;
-    const double c2 = 3.0 * (u1 - u0) - l * (2.0 * s0 + s1);
-    const double c3 = 2.0 * (u0 - u1) + l * (s0 + s1);
-    return {u0 + xi * (c1 + xi * (c2 + xi * c3)), (c1 + xi * (2.0 * c2 + 3.0 * xi * c3)) / l,
-            (2.0 * c2 + 6.0 * c3 * xi) / (l * l)};
-  }
-
-  template <typename Density>
-  double integral(const Density& density) const {
-    // eight points a element: exact up to degree 15
-    static constexpr double points[4] = {0.183434642495649805, 0.525532409916328986,
-                                         0.796666477413626740, 0.960289856497536232};
-    static constexpr double weights[4] = {0.362683783378361983, 0.313706645877887287,
-                                          0.222381034453374471, 0.101228536290376259};
-    double sum = 0.0;
-    for (std::size_t e = 0; e + 1 < nodes_.size(); ++e)
-      for (int g = 0; g < 4; ++g)
-        for (double side : {-1.0, 1.0})
-          sum += 0.5 * (nodes_[e + 1] - nodes_[e]) * weights[g] *
-                 density(e, 0.5 * (1.0 + side * points[g]));
-    return sum;
-  }
-
-  double x(std::size_t e, double xi) const { return nodes_[e] + (nodes_[e + 1] - nodes_[e]) * xi; }
-
-  double kinetic(const Vector& v) const {
-    const Vector across = v.head(dofs()), along = v.tail(dofs());
-    return 0.5 * line_density() * integral([&](std::size_t e, double xi) {
-             return std::pow(field(across, e, xi)[0], 2) + std::pow(field(along, e, xi)[0], 2);
-           });
-  }
-
-  double elastic(const Vector& q) const {
-    const Vector across = q.head(dofs()), along = q.tail(dofs());
-    return integral([&](std::size_t e, double xi) {
-      const auto X = field(across, e, xi);
-      const auto U = field(along, e, xi);
-      const double strain = 0.5 * (X[1] * X[1] + std::pow(U[1] - 1.0, 2) - 1.0);
-      return 0.5 * rig_.beam.youngs_modulus *
-             (rig_.beam.area * strain * strain +
-              rig_.beam.second_moment * (X[2] * X[2] + U[2] * U[2]));
-    });
-  }
-
-  double gravitational(const Vector& q) const {
-    const Vector along = q.tail(dofs());
-    return line_density() * rig_.gravity *
-           integral([&](std::size_t e, double xi) { return field(along, e, xi)[0]; });
-  }
-
- private:
-  double line_density() const { return rig_.beam.density * rig_.beam.area; }
-
-  Rig rig_;
-  std::vector<double> nodes_;
-};
-
 /// A bar soft enough to bend visibly under forces of a few newtons.
 Rig soft_rig() {
   Rig rig = paper_rig();
   rig.beam.youngs_modulus = 1e6;
   rig.gravity = 9.81;
+  return rig;
+}
+
+/// With masses within the first element, within a later one, on a node and at the tip.
+Rig laden_rig() {
+  Rig rig = soft_rig();
+  rig.beam.masses = {{0.1, 0.3}, {0.75, 0.4}, {0.46, 0.2}, {0.8, 0.5}};
   return rig;
 }
 
@@ -121,7 +49,7 @@ State random_state(const AncfBeam& beam, unsigned seed, double angle) {
 }
 
 TEST(Ancf, AccelerationsFulfilLagrangesEquationsAtLargeRotationsAndStrains) {
-  const Rig rig = soft_rig();
+  const Rig rig = laden_rig();
   AncfBeam beam(rig, {3, 2});
   const PlainChain plain(rig, {3, 2});
   const int n = beam.size();
@@ -152,7 +80,7 @@ TEST(Ancf, AccelerationsFulfilLagrangesEquationsAtLargeRotationsAndStrains) {
 }
 
 TEST(Ancf, EnergiesAreThoseOfThePositions) {
-  const Rig rig = soft_rig();
+  const Rig rig = laden_rig();
   AncfBeam beam(rig, {3, 2});
   const PlainChain plain(rig, {3, 2});
   const State s = random_state(beam, 9, 0.8);
@@ -189,7 +117,7 @@ TEST(Ancf, CarriesMassFirstMomentAndInertiaOfTheBar) {
   beam.set_rigid_motion(0.4, 2.0, q, v);
   EXPECT_NEAR(beam.energy(q, v).kinetic / (0.5 * rig.beam.hinge_inertia() * 4.0), 1.0, 1e-14);
   EXPECT_NEAR(beam.energy(q, v).gravitational /
-                  (rig.beam.mass() * 9.81 * 0.5 * rig.beam.length * (1.0 - std::cos(0.4))),
+                  (rig.beam.bar_mass() * 9.81 * 0.5 * rig.beam.length * (1.0 - std::cos(0.4))),
               1.0, 1e-14);
   // the mass the hinge does not hold: the field of a translation, less its first node's value,
   // against the cubic's own integral
@@ -204,7 +132,7 @@ TEST(Ancf, CarriesMassFirstMomentAndInertiaOfTheBar) {
 
 TEST(Ancf, FreeSwingFollowsTheMomentOfGravity) {
   // internal forces cannot change the moment of momentum: I d(rate)/dt = −∫ ρA g X dx
-  const Rig rig = soft_rig();
+  const Rig rig = laden_rig();
   AncfBeam beam(rig, {3, 2});
   const PlainChain plain(rig, {3, 2});
   const int n = beam.size();
@@ -216,9 +144,9 @@ TEST(Ancf, FreeSwingFollowsTheMomentOfGravity) {
   };
   const double measured = (rate(1e-5) - rate(-1e-5)) / 2e-5;
   const Vector across = s.q.head(n / 2);
-  const double moment =
-      rig.beam.density * rig.beam.area * rig.gravity *
-      plain.integral([&](std::size_t e, double xi) { return plain.field(across, e, xi)[0]; });
+  const auto lever = [&](std::size_t e, double xi) { return plain.field(across, e, xi)[0]; };
+  const double moment = rig.gravity * (rig.beam.density * rig.beam.area * plain.integral(lever) +
+                                       plain.lumped(lever));
   EXPECT_NEAR(measured / (moment / rig.beam.hinge_inertia()), 1.0, 1e-6);
 }
 

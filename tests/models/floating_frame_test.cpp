@@ -52,7 +52,7 @@ class PlainBar {
       for (int k = 0; k < modes; ++k)
         s.bending[k] = shapes[static_cast<std::size_t>(k)].at(x).value;
       for (int k = 0; k < axial_modes; ++k)
-        s.axial[k] = std::sqrt(2.0 / rig.beam.mass()) *
+        s.axial[k] = std::sqrt(2.0 / rig.beam.bar_mass()) *
                      std::sin((k + 0.5) * std::numbers::pi * x / rig.beam.length);
       return s;
     };
@@ -65,10 +65,15 @@ class PlainBar {
       }
       reached += integral(panel * p, panel * (p + 1));
     }
-    Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(modes, modes);
-    const double step = rig.contact.position / panels;
-    for (int p = 0; p < panels; ++p) coupling += integral(step * p, step * (p + 1));
-    struck_ = section(rig.contact.position, 0.0, coupling);
+    const auto point = [&](double x, double mass) {
+      Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(modes, modes);
+      const double step = x / panels;
+      for (int p = 0; p < panels; ++p) coupling += integral(step * p, step * (p + 1));
+      return section(x, mass, coupling);
+    };
+    struck_ = point(rig.contact.position, 0.0);
+    for (const LumpedMass& lump : rig.beam.masses)
+      sections_.push_back(point(lump.position, lump.mass));
     for (int k = 0; k < modes; ++k)
       stiffness_.push_back(std::pow(shapes[static_cast<std::size_t>(k)].angular_frequency(), 2));
   }
@@ -163,10 +168,16 @@ Rig soft_rig() {
   return rig;
 }
 
+Rig laden_rig() {
+  Rig rig = soft_rig();
+  rig.beam.masses = {{0.3, 0.4}, {0.8, 0.5}};
+  return rig;
+}
+
 class FloatingFrame : public testing::TestWithParam<Basis> {};
 
 TEST_P(FloatingFrame, AccelerationsFulfilLagrangesEquationsAtLargeDeflections) {
-  const Rig rig = soft_rig();
+  const Rig rig = laden_rig();
   FloatingFrameBeam beam(rig, GetParam(), 3, 2);
   const PlainBar plain(rig, GetParam(), 3, 2);
   std::mt19937 random(20061);
@@ -190,7 +201,7 @@ TEST_P(FloatingFrame, AccelerationsFulfilLagrangesEquationsAtLargeDeflections) {
 }
 
 TEST_P(FloatingFrame, EnergiesAndPointsAgreeWithThePositionsThemselves) {
-  const Rig rig = soft_rig();
+  const Rig rig = laden_rig();
   FloatingFrameBeam beam(rig, GetParam(), 3, 2);
   const PlainBar plain(rig, GetParam(), 3, 2);
   Vector q(6), v(6);

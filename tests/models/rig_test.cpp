@@ -106,6 +106,52 @@ TEST(Validate, RefusesContactsThatCannotBe) {
   });
 }
 
+TEST(Validate, RefusesHingesThatPush) {
+  expect_refusals({
+      {[](Rig& r, Solver&) { r.hinge.spring = -1.0; },
+       "hinge.spring: must be finite and not negative, found -1 N.m/rad"},
+      {[](Rig& r, Solver&) { r.hinge.spring = infinity; },
+       "hinge.spring: must be finite and not negative, found inf N.m/rad"},
+      {[](Rig& r, Solver&) { r.hinge.viscous = -0.1; },
+       "hinge.viscous: must be finite and not negative, found -0.1 N.m.s/rad"},
+      {[](Rig& r, Solver&) { r.hinge.viscous = nan; },
+       "hinge.viscous: must be finite and not negative, found nan N.m.s/rad"},
+  });
+}
+
+TEST(Validate, RefusesDampingThatFeedsTheBar) {
+  expect_refusals({
+      {[](Rig& r, Solver&) { r.beam.damping.mass = -2.0; },
+       "beam.damping.mass: must be finite and not negative, found -2 1/s"},
+      {[](Rig& r, Solver&) { r.beam.damping.stiffness = -1e-6; },
+       "beam.damping.stiffness: must be finite and not negative, found -1e-06 s"},
+      {[](Rig& r, Solver&) { r.beam.damping.stiffness = infinity; },
+       "beam.damping.stiffness: must be finite and not negative, found inf s"},
+  });
+}
+
+TEST(Validate, RefusesMassesThatAreNoneOrNotOnTheBar) {
+  expect_refusals({
+      {[](Rig& r, Solver&) {
+         r.beam.masses = {{0.4, 0.1}, {0.9, 0.1}};
+       },
+       "beam.masses[1].position: the mass, 0.9 m from the hinge, lies beyond the bar's end at 0.8 "
+       "m"},
+      {[](Rig& r, Solver&) {
+         r.beam.masses = {{0.0, 0.1}};
+       },
+       "beam.masses[0].position: must be greater than zero, found 0 m"},
+      {[](Rig& r, Solver&) {
+         r.beam.masses = {{0.4, -0.1}};
+       },
+       "beam.masses[0].mass: must be greater than zero, found -0.1 kg"},
+      {[](Rig& r, Solver&) {
+         r.beam.masses = {{0.4, infinity}};
+       },
+       "beam.masses[0].mass: must be finite, found inf kg"},
+  });
+}
+
 TEST(Validate, RefusesStartsThatNeverTouch) {
   expect_refusals({
       {[](Rig& r, Solver&) { r.start.velocity = 0.0; },
@@ -113,7 +159,13 @@ TEST(Validate, RefusesStartsThatNeverTouch) {
       {[](Rig& r, Solver&) { r.gravity = -9.81; },
        "environment.gravity: must be finite and not negative, found -9.81 m/s^2"},
       {[](Rig& r, Solver&) { r.start.release_angle = 0.2; },
-       "start.release_angle: a release needs gravity; environment.gravity is zero"},
+       "start.release_angle: a release needs gravity or a spring; environment.gravity is zero and "
+       "so is hinge.spring"},
+      {[](Rig& r, Solver&) {
+         r.start.release_angle = 0.2;
+         r.hinge = {.spring = 1.0, .viscous = 20.0};
+       },
+       "start.release_angle: released at 0.2 rad the bar does not swing against the stop"},
       {[](Rig& r, Solver&) { r.start.release_angle = 3.2; },
        "start.release_angle: must lie between 0 and 180 degrees, found 3.2 rad"},
       {[](Rig& r, Solver&) { r.start.release_angle = -0.1; },

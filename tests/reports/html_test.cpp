@@ -271,7 +271,7 @@ TEST(Html, NeverSaysNan) {
     channel.model[200] = infinity;
   }
   for (models::Simulation& run : data.fit.predictions) {
-    run.energy = {nan, nan, nan, nan, nan, nan, nan, nan, nan};
+    run.energy = {nan, nan, nan, nan, nan, nan, nan, nan, nan, nan, nan};
     run.peak_force = nan;
     run.restitution = {nan, nan, nan, nan};
     for (models::Episode& episode : run.episodes) episode.peak_force = episode.impulse = nan;

@@ -91,6 +91,11 @@ TEST(FitJson, ComesBackAsItWentOut) {
     data.fit.rig.solver.duration = 3e-3;
     data.fit.predictions[0].solver.model = models::BeamModel::ancf;
     data.fit.rig.rig.start.release_angle = 0.2;
+    data.fit.rig.rig.hinge = {.spring = 12.5, .viscous = 0.02};
+    data.fit.predictions[0].energy.damped = 1.25e-3;
+    data.fit.predictions[0].energy.spring = 2.5e-3;
+    data.fit.rig.rig.beam.damping = {.mass = 2.0, .stiffness = 1e-6};
+    data.fit.rig.rig.beam.masses = {{0.8, 0.1}, {0.4, 0.02}};
     const std::string once = reports::to_json(data);
     const std::string twice = reports::to_json(reports::report_from_json(once, "fit.json"));
     EXPECT_TRUE(once == twice);  // half a megabyte: not printed
