@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "models/collocation/collocation_run.hpp"
-#include "models/impact_run.hpp"
 #include "models/implicit/ancf_motion.hpp"
+#include "models/implicit/dense_motion.hpp"
 #include "models/make_beam.hpp"
 #include "models/modal/bar_cache.hpp"
 #include "models/modal/modal_motion.hpp"
@@ -99,13 +99,10 @@ Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOption
   validate(rig, solver);
   std::optional<Simulation> result = try_small_motion(rig, solver, options);
   if (!result) {
-    if (solver.model == BeamModel::ancf) {
-      const std::unique_ptr<BarMotion> motion = make_ancf_motion(rig, solver, options.history);
-      result = CollocationRun(rig, solver, options, *motion).simulate();
-    } else {
-      const std::unique_ptr<BeamDynamics> beam = make_beam(rig, solver);
-      result = ImpactRun(rig, solver, options, *beam).simulate();
-    }
+    const std::unique_ptr<BarMotion> motion = solver.model == BeamModel::ancf
+                                                  ? make_ancf_motion(rig, solver, options.history)
+                                                  : make_dense_motion(rig, solver, options.history);
+    result = CollocationRun(rig, solver, options, *motion).simulate();
   }
   if (rig.start.release_angle && !options.exact && !spring_bends_bar(rig))
     result->skipped.push_back(fmt::format(

@@ -23,8 +23,6 @@ class BarMotion {
     NodeMatrix displacement_of_force, velocity_of_force;
   };
 
-  enum class Progress { converged, going_on, failed };
-
   /// What a history shows at one instant.
   struct Sample {
     PointMotion struck;
@@ -60,12 +58,14 @@ class BarMotion {
   virtual const Response& response() const = 0;
 
   /// Brings the bar nearer to its equations of motion under the force; tells how the struck point
-  /// then moves at the nodes.
-  virtual Progress improve(const NodeVector& force, NodeVector& displacement,
-                           NodeVector& velocity) = 0;
+  /// then moves at the nodes. False when that leads nowhere.
+  virtual bool improve(const NodeVector& force, NodeVector& displacement, NodeVector& velocity) = 0;
 
   /// The force changes; so does the motion, by the response.
   virtual void press(const NodeVector& change) = 0;
+
+  /// Whether improve() and press() leave nothing to improve.
+  virtual bool settled() const = 0;
 
   /// The step is solved, under the force of a Legendre series.
   virtual void finish(const NodeVector& force, const NodeVector& force_series) = 0;

@@ -86,9 +86,7 @@ bool CollocationRun::solve_force(const NodeVector& displacement, const NodeVecto
 bool CollocationRun::solve_step() {
   const BarMotion::Response& response = bar_.response();
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    const BarMotion::Progress progress =
-        bar_.improve(tried_.force, tried_.displacement, tried_.velocity);
-    if (progress == BarMotion::Progress::failed) return false;
+    if (!bar_.improve(tried_.force, tried_.displacement, tried_.velocity)) return false;
     if (contact_.phase() == Phase::pressed) {
       NodeVector change;
       if (!solve_force(tried_.displacement, tried_.velocity, change)) return false;
@@ -97,7 +95,7 @@ bool CollocationRun::solve_step() {
       tried_.velocity += response.velocity_of_force * change;
       bar_.press(change);
     }
-    if (progress == BarMotion::Progress::converged) return true;
+    if (bar_.settled()) return true;
   }
   return false;
 }

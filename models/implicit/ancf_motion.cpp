@@ -10,20 +10,16 @@
 #include "models/beams/bending_modes.hpp"
 #include "models/implicit/ancf_chain.hpp"
 #include "models/implicit/block_tridiagonal.hpp"
+#include "models/implicit/newton_progress.hpp"
+#include "models/implicit/radau_errors.hpp"
 #include "models/implicit/radau_stages.hpp"
 
 namespace impactrig::models {
 namespace {
 
 // Of the accuracy asked for, what Newton's method may leave of a step.
-constexpr double newton_share = 0.02;
-// Slower convergence than this calls for a new tangent at the next step.
-constexpr double slow = 0.01;
+constexpr double newton_share = 0.2;
 constexpr int kept_factors = 6;
-
-double total(const BeamEnergy& energy) {
-  return energy.kinetic + energy.elastic + energy.spring + energy.gravitational;
-}
 
 /// S: stages of the method, an even number.
 template <int S>
@@ -36,9 +32,9 @@ class AncfMotion final : public BarMotion {
         length_(rig.beam.length),
         compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
         accuracy_(std::max(solver.accuracy, 1e-13)),
-        tolerance_(newton_share * accuracy_),
         stiffness_(static_cast<std::size_t>(chain_.nodes())),
-        work_(static_cast<std::size_t>(chain_.coordinates())) {
+        work_(static_cast<std::size_t>(chain_.coordinates())),
+        newton_(newton_share * accuracy_) {
     const int n = chain_.coordinates();
     q_ = v_ = end_q_ = end_v_ = Eigen::ArrayXd::Zero(n);
     a_ = previous_ = stage_q_ = stage_v_ = residual_ = Stages::Zero(S, n);
@@ -105,12 +101,13 @@ class AncfMotion final : public BarMotion {
 
   const Response& response() const override { return factor_->response; }
 
-  Progress improve(const NodeVector& force, NodeVector& displacement,
-                   NodeVector& velocity) override;
+  bool improve(const NodeVector& force, NodeVector& displacement, NodeVector& velocity) override;
   void press(const NodeVector& change) override;
 
+  bool settled() const override { return newton_.settled(); }
+
   void finish(const NodeVector& force, const NodeVector&) override {
-    if (iterations_ > 1) slow_ = contraction_ > slow;
+    slow_ = newton_.slow();
     if (force.isZero(0.0)) in_contact_ = false;
     for (int k = 0; k < chain_.coordinates(); ++k) {
       const Lanes a = a_.col(k);
@@ -183,6 +180,14 @@ class AncfMotion final : public BarMotion {
     Response response;
   };
 
+  /// Of changed accelerations: the speed they make over the step.
+  double size_of(const Stages& change) const {
+    double square = 0.0;
+    for (int k = 0; k < chain_.coordinates(); ++k)
+      square += chain_.inertia()[k] * change.col(k).square().maxCoeff();
+    return h_ * std::sqrt(square) / speed_scale_;
+  }
+
   double lost_in_step() const { return total(energy_) + work_done_ - damped_ - total(end_energy_); }
 
   void to_beam() const {
@@ -228,11 +233,10 @@ class AncfMotion final : public BarMotion {
   }
 
   void begin() {
-    iterations_ = 0;
-    // what the last step told grows old
-    contraction_ = std::pow(std::max(contraction_, 1e-12), 0.9);
+    newton_.begin_step();
+    // a change counts relative to the speed that counts, and more where the bar moves faster
+    excess_ = std::max(1.0, std::sqrt(2.0 * energy_.kinetic) / speed_scale_);
     turn_ = in_contact_ ? 0.0 : chord_angle() - tangent_angle_;
-    size_ = std::numeric_limits<double>::infinity();
     factor_ = &factor_for(h_);
   }
 
@@ -286,7 +290,7 @@ class AncfMotion final : public BarMotion {
   StepLadder ladder_;
   int struck_;
   double length_, compliance_;
-  double accuracy_, tolerance_;
+  double accuracy_;
   double speed_scale_ = 1.0, contact_time_ = 1.0;
   AncfBeam::Row velocity_spot_, displacement_spot_;
 
@@ -310,9 +314,8 @@ class AncfMotion final : public BarMotion {
   double turn_ = 0.0;  // of the bar since the tangent was made [rad]
 
   std::vector<Complex> work_;
-  int iterations_ = 0;
-  double size_ = 0.0;
-  double contraction_ = 1.0;
+  NewtonProgress newton_;
+  double excess_ = 1.0;
   mutable Eigen::VectorXd beam_q_, beam_v_;
 };
 
@@ -367,8 +370,8 @@ void AncfMotion<S>::solve(Stages& r) {
 }
 
 template <int S>
-BarMotion::Progress AncfMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
-                                           NodeVector& velocity) {
+bool AncfMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
+                            NodeVector& velocity) {
   const int n = chain_.coordinates();
   for (int k = 0; k < n; ++k) stage_q_.col(k) = q_[k] + displacement_of(v_[k], a_.col(k));
   chain_.residual<S>(stage_q_, a_, residual_);
@@ -379,27 +382,13 @@ BarMotion::Progress AncfMotion<S>::improve(const NodeVector& force, NodeVector& 
   residual_.col(struck_) -= force.array();
   solve(residual_);
   a_ -= residual_;
-  double square = 0.0;
-  for (int k = 0; k < n; ++k) square += chain_.inertia()[k] * residual_.col(k).square().maxCoeff();
-  // relative to the speed that counts, and less where the bar moves faster than that
-  const double excess = std::max(1.0, std::sqrt(2.0 * energy_.kinetic) / speed_scale_);
-  const double size = h_ * std::sqrt(square) / speed_scale_ * excess;
-  ++iterations_;
   const Lanes a = a_.col(struck_);
   displacement = -(q_[struck_] + displacement_of(v_[struck_], a)).matrix();
   velocity = -(v_[struck_] + velocity_of(a)).matrix();
-  if (!std::isfinite(size)) return Progress::failed;
-  if (iterations_ > 1) contraction_ = size / size_;
-  if (size == 0.0) return Progress::converged;
-  const double left = size * std::min(1.0, contraction_ / std::max(1.0 - contraction_, 0.1));
-  size_ = size;
-  if (left <= tolerance_) return Progress::converged;
-  if (iterations_ < 3 || contraction_ < 0.3) return Progress::going_on;
   // rounding of the positions, turned into forces by the stiffest elements
   const double rounding = 16.0 * std::numeric_limits<double>::epsilon() *
-                          std::sqrt((chain_.inertia() * q_.square()).sum()) / h_;
-  if (size <= rounding / speed_scale_ * excess) return Progress::converged;
-  return contraction_ < 0.9 ? Progress::going_on : Progress::failed;
+                          std::sqrt((chain_.inertia() * q_.square()).sum()) / (h_ * speed_scale_);
+  return newton_.improved(excess_ * size_of(residual_), excess_ * rounding);
 }
 
 template <int S>
@@ -409,14 +398,14 @@ void AncfMotion<S>::press(const NodeVector& change) {
   share.im = (stages_.into_im * change).array();
   for (int k = 0; k < chain_.coordinates(); ++k) {
     const Complex x = factor_->pressed[static_cast<std::size_t>(k)] * share;
-    a_.col(k) += (stages_.out_re * x.re.matrix() - stages_.out_im * x.im.matrix()).array();
+    residual_.col(k) = (stages_.out_re * x.re.matrix() - stages_.out_im * x.im.matrix()).array();
   }
+  a_ += residual_;
+  newton_.pressed(excess_ * size_of(residual_));
 }
 
-/// Norms of the terms of the accelerations' Legendre series, across the bar and along it. What a
-/// series leaves out goes on as its last pairs of terms fall; at the step's end the method has
-/// nearly twice the order of the series. Motion along the bar reaches the stop only where the bar
-/// is inclined or bent.
+/// Norms of the terms of the accelerations' Legendre series, across the bar and along it. Motion
+/// along the bar reaches the stop only where the bar is inclined or bent.
 template <int S>
 double AncfMotion<S>::error() const {
   Lanes across = Lanes::Zero(), along = Lanes::Zero();
@@ -433,21 +422,11 @@ double AncfMotion<S>::error() const {
       along += chain_.inertia()[k + c] * (cosine * u - sine * x).square();
     }
   }
-  const auto left = [&](const Lanes& squares) {
-    const double last = std::sqrt(squares[S - 1] + squares[S - 2]);
-    const double before = std::sqrt(squares[S - 3] + squares[S - 4]);
-    const double ratio = 3.0 * last / std::max(before, 1e-300);
-    return ratio < 1.0 ? last * ratio : last;
-  };
-  const double motion = h_ * std::min(1.0, h_ / contact_time_) *
-                        (left(across) + std::min(1.0, inclination) * left(along)) / speed_scale_;
-  // A method that lets fast vibration die must not let it take along energy that counts.
-  const double scale = 0.5 * speed_scale_ * speed_scale_;
-  // Each step may take a part of what the steps before have left of the accuracy.
-  const double rounding = 1e-14 * (end_energy_.elastic + end_energy_.kinetic);
-  const double lost = std::max(std::abs(lost_in_step()) - rounding, 0.0) / scale;
-  const double remaining = std::max(1.0 - std::abs(lost_) / (scale * accuracy_), 0.02);
-  return std::max(motion, lost / remaining);
+  const double left =
+      series_remainder<S>(across) + std::min(1.0, inclination) * series_remainder<S>(along);
+  const double motion = h_ * std::min(1.0, h_ / contact_time_) * left / speed_scale_;
+  return std::max(motion,
+                  energy_error(lost_in_step(), lost_, end_energy_, speed_scale_, accuracy_));
 }
 
 template <int S>

@@ -34,8 +34,7 @@ void ModalMotion::begin_part(double) {
   throw std::logic_error("ModalMotion takes parts of a step exactly");
 }
 
-BarMotion::Progress ModalMotion::improve(const NodeVector& force, NodeVector& displacement,
-                                         NodeVector& velocity) {
+bool ModalMotion::improve(const NodeVector& force, NodeVector& displacement, NodeVector& velocity) {
   const ModalStep::Response& response = step_->response();
   displacement.noalias() = response.displacement_of_a * state_.a;
   displacement.noalias() += response.displacement_of_rate * state_.rate;
@@ -45,7 +44,7 @@ BarMotion::Progress ModalMotion::improve(const NodeVector& force, NodeVector& di
     displacement.noalias() += response.of_force.displacement_of_force * force;
     velocity.noalias() += response.of_force.velocity_of_force * force;
   }
-  return Progress::converged;
+  return true;
 }
 
 void ModalMotion::finish(const NodeVector& force, const NodeVector& force_series) {

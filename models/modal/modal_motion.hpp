@@ -41,10 +41,11 @@ class ModalMotion : public BarMotion {
 
   const Response& response() const override { return step_->response().of_force; }
 
-  Progress improve(const NodeVector& force, NodeVector& displacement,
-                   NodeVector& velocity) override;
+  bool improve(const NodeVector& force, NodeVector& displacement, NodeVector& velocity) override;
 
   void press(const NodeVector&) override {}
+
+  bool settled() const override { return true; }
 
   void finish(const NodeVector& force, const NodeVector& force_series) override;
 

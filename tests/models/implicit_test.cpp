@@ -214,9 +214,9 @@ double flown_with(int halvings, double accuracy) {
   const int level = 12 + 2 * halvings;
   for (double left = 0.25; left > 1e-9; left -= bar->ladder().length_of(level)) {
     bar->begin_step(level);
-    int iterations = 0;
-    while (bar->improve(force, displacement, velocity) != BarMotion::Progress::converged)
-      if (++iterations > 30) return std::nan("");
+    do {
+      if (!bar->improve(force, displacement, velocity)) return std::nan("");
+    } while (!bar->settled());
     bar->finish(force, force);
     bar->take(1.0);
   }

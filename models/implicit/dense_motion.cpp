@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/implicit/dense_motion.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <limits>
+
+#include "models/beams/bending_modes.hpp"
+#include "models/implicit/newton_progress.hpp"
+#include "models/implicit/radau_errors.hpp"
+#include "models/implicit/radau_stages.hpp"
+#include "models/make_beam.hpp"
+
+namespace impactrig::models {
+namespace {
+
+// Of the accuracy asked for, what Newton's method may leave of a step.
+constexpr double newton_share = 0.2;
+constexpr int kept_factors = 6;
+
+/// S: stages of the method, an even number. Unknown are the accelerations a of the stages; they are
+/// those the bar has there, a = f(q, q̇, F), and Newton's method takes the derivatives of f from
+/// differences.
+template <int S>
+class DenseMotion final : public BarMotion {
+ public:
+  DenseMotion(const Rig& rig, const Solver& solver, const HistoryRequest& history)
+      : beam_(make_beam(rig, solver)),
+        n_(beam_->size()),
+        compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
+        velocity_place_(history.velocity_position > 0.0 ? history.velocity_position
+                                                        : rig.contact.position),
+        displacement_place_(history.displacement_position > 0.0 ? history.displacement_position
+                                                                : rig.contact.position),
+        accuracy_(std::max(solver.accuracy, 1e-13)),
+        damped_bar_(models::damped(rig)),
+        inertia_(beam_->inertia_diagonal()),
+        newton_(newton_share * accuracy_) {
+    q_ = v_ = end_q_ = end_v_ = scratch_ = Vector::Zero(n_);
+    a_ = previous_ = stage_q_ = stage_v_ = residual_ = Stages::Zero(n_, S);
+    by_q_ = by_v_ = Matrix::Zero(n_, n_);
+    by_force_ = to_struck_ = Vector::Zero(n_);
+    factors_.resize(kept_factors);
+  }
+
+  const Collocation& rule() const override { return stages_.rule; }
+
+  const StepLadder& ladder() const override { return ladder_; }
+
+  void start(double angle, double rate) override {
+    beam_->set_rigid_motion(angle, rate, q_, v_);
+    energy_ = beam_->energy(q_, v_);
+    lost_ = 0.0;
+    last_h_ = 0.0;
+    renew_tangent();
+  }
+
+  void expect_contact() override { renew_tangent(); }
+
+  void set_scales(double kinetic, double contact_time) override {
+    speed_scale_ = std::sqrt(2.0 * kinetic);
+    contact_time_ = contact_time;
+  }
+
+  PointMotion struck() const override { return beam_->struck_point(q_, v_); }
+
+  BeamEnergy energy() const override { return energy_; }
+
+  RigidPart rigid_part() const override { return beam_->rigid_part(q_, v_); }
+
+  double elastic_compliance() const override { return compliance_; }
+
+  void begin_step(int level) override {
+    h_ = ladder_.length_of(level);
+    if (last_h_ > 0.0)
+      predict(previous_, h_ / last_h_, 1.0, 3);
+    else
+      a_.setZero();
+    begin();
+  }
+
+  void begin_part(double part) override {
+    h_ *= part;
+    const Stages whole = a_;
+    predict(whole, part, 0.0, S);
+    begin();
+  }
+
+  double step() const override { return h_; }
+
+  const Response& response() const override { return factor_->response; }
+
+  bool improve(const NodeVector& force, NodeVector& displacement, NodeVector& velocity) override;
+
+  void press(const NodeVector& change) override;
+
+  bool settled() const override { return newton_.settled(); }
+
+  void finish(const NodeVector& force, const NodeVector&) override;
+
+  double damped() const override { return damped_; }
+
+  PointMotion struck_at_end() const override { return beam_->struck_point(end_q_, end_v_); }
+
+  double error() const override;
+  PointMotion struck_at(double part, double* acceleration) override;
+  void sample(double first, double spacing, std::span<Sample> samples) override;
+
+  bool parts_exact() const override { return false; }
+
+  void take(double) override {
+    lost_ += lost_in_step();
+    std::swap(q_, end_q_);
+    std::swap(v_, end_v_);
+    energy_ = end_energy_;
+    std::swap(previous_, a_);
+    last_h_ = h_;
+    if (newton_.slow()) renew_tangent();
+  }
+
+ private:
+  using Vector = Eigen::VectorXd;
+  using Matrix = Eigen::MatrixXd;
+  using Stages = Eigen::Matrix<double, Eigen::Dynamic, S>;  // a column for each stage
+  using Series = Eigen::Matrix<double, S, 1>;
+  static constexpr int pairs = S / 2;
+
+  /// The linear systems of a step of one length, at the tangent at hand.
+  struct Factor {
+    double h = 0.0;  ///< 0: of an older tangent
+    std::array<Eigen::PartialPivLU<Eigen::MatrixXcd>, pairs> systems;
+    Eigen::Matrix<std::complex<double>, Eigen::Dynamic, pairs> pressed;  ///< under a unit force
+    Response response;
+  };
+
+  void predict(const Stages& from, double ratio, double origin, int terms) {
+    Eigen::Matrix<double, S, S> values = Eigen::Matrix<double, S, S>::Zero();
+    Series legendre;
+    for (int i = 0; i < S; ++i) {
+      shifted_legendre(origin + ratio * stages_.rule.points()[i], legendre);
+      values.row(i).head(terms) = legendre.head(terms).transpose();
+    }
+    a_.noalias() = from * (values * stages_.rule.to_series()).transpose();
+  }
+
+  void begin() {
+    newton_.begin_step();
+    excess_ = std::max(1.0, std::sqrt(2.0 * energy_.kinetic) / speed_scale_);
+    const auto found = std::ranges::find_if(
+        factors_, [&](const Factor& factor) { return std::abs(factor.h - h_) <= 1e-3 * h_; });
+    if (found != factors_.end()) {
+      factor_ = &*found;
+      return;
+    }
+    factor_ = &factors_[next_factor_];
+    next_factor_ = (next_factor_ + 1) % factors_.size();
+    make_factor(*factor_);
+  }
+
+  /// Of changed accelerations: the speed they make over the step.
+  double size_of(const Stages& change) const {
+    const double square = (inertia_.array() * change.array().square().rowwise().maxCoeff()).sum();
+    return h_ * std::sqrt(square) / speed_scale_;
+  }
+
+  double lost_in_step() const { return total(energy_) + work_done_ - damped_ - total(end_energy_); }
+
+  void place_stages() {
+    stage_v_.noalias() = h_ * a_ * stages_.to_velocity.transpose();
+    stage_v_.colwise() += v_;
+    stage_q_.noalias() = h_ * stage_v_ * stages_.to_velocity.transpose();
+    stage_q_.colwise() += q_;
+  }
+
+  void renew_tangent();
+  void make_factor(Factor& factor);
+
+  std::unique_ptr<BeamDynamics> beam_;
+  int n_;
+  const RadauStages<S>& stages_ = RadauStages<S>::get();
+  StepLadder ladder_;
+  double compliance_;
+  double velocity_place_, displacement_place_;
+  double accuracy_;
+  bool damped_bar_;
+  Vector inertia_;
+  double speed_scale_ = 1.0, contact_time_ = 1.0;
+
+  Vector q_, v_, end_q_, end_v_, scratch_;
+  double h_ = 0.0, last_h_ = 0.0;
+  Stages a_, previous_, stage_q_, stage_v_, residual_;
+  BeamEnergy energy_, end_energy_;
+  double lost_ = 0.0;       // by the method since the start [J]
+  double damped_ = 0.0;     // in bar and hinge over the step [J]
+  double work_done_ = 0.0;  // on the bar by the stop over the step [J]
+
+  // Derivatives of the acceleration, and of the struck point's displacement by q.
+  Matrix by_q_, by_v_;
+  Vector by_force_, to_struck_;
+  std::vector<Factor> factors_;
+  std::size_t next_factor_ = 0;
+  Factor* factor_ = nullptr;
+  NewtonProgress newton_;
+  double excess_ = 1.0;
+};
+
+/// By differences over a small part of what the motion does while a contact sinks in.
+template <int S>
+void DenseMotion<S>::renew_tangent() {
+  constexpr double part = 1e-4;
+  Vector here(n_), there(n_), moved(n_);
+  beam_->acceleration(q_, v_, 0.0, here);
+  beam_->acceleration(q_, v_, 1.0, there);
+  by_force_ = there - here;
+  const double place = beam_->struck_point(q_, v_).displacement;
+  for (int i = 0; i < n_; ++i) {
+    const double speed = part * speed_scale_ / std::sqrt(inertia_[i]);
+    const double way = speed * contact_time_;
+    moved = q_;
+    moved[i] += way;
+    beam_->acceleration(moved, v_, 0.0, there);
+    by_q_.col(i) = (there - here) / way;
+    to_struck_[i] = (beam_->struck_point(moved, v_).displacement - place) / way;
+    if (!damped_bar_) continue;
+    moved = v_;
+    moved[i] += speed;
+    beam_->acceleration(q_, moved, 0.0, there);
+    by_v_.col(i) = (there - here) / speed;
+  }
+  for (Factor& factor : factors_) factor.h = 0.0;
+}
+
+template <int S>
+void DenseMotion<S>::make_factor(Factor& factor) {
+  factor.h = h_;
+  factor.pressed.resize(n_, pairs);
+  Eigen::Matrix<double, S, S> acceleration = Eigen::Matrix<double, S, S>::Zero();
+  for (int j = 0; j < pairs; ++j) {
+    const std::complex<double> z = h_ * stages_.eigenvalues[j];
+    auto& system = factor.systems[static_cast<std::size_t>(j)];
+    Eigen::MatrixXcd matrix = -z * z * by_q_ - z * by_v_;
+    matrix.diagonal().array() += 1.0;
+    system.compute(matrix);
+    factor.pressed.col(j) = system.solve(by_force_.cast<std::complex<double>>());
+    const std::complex<double> own = (to_struck_.transpose() * factor.pressed.col(j))(0);
+    const auto re = own.real() * stages_.into_re.row(j) - own.imag() * stages_.into_im.row(j);
+    const auto im = own.real() * stages_.into_im.row(j) + own.imag() * stages_.into_re.row(j);
+    acceleration += stages_.out_re.col(j) * re - stages_.out_im.col(j) * im;
+  }
+  factor.response.displacement_of_force = h_ * h_ * stages_.to_displacement * acceleration;
+  factor.response.velocity_of_force = h_ * stages_.to_velocity * acceleration;
+}
+
+template <int S>
+bool DenseMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
+                             NodeVector& velocity) {
+  place_stages();
+  for (int i = 0; i < S; ++i) {
+    beam_->acceleration(stage_q_.col(i), stage_v_.col(i), force[i], scratch_);
+    residual_.col(i) = a_.col(i) - scratch_;
+  }
+  Stages change = Stages::Zero(n_, S);
+  for (int j = 0; j < pairs; ++j) {
+    Eigen::VectorXcd x(n_);
+    x.real() = residual_ * stages_.into_re.row(j).transpose();
+    x.imag() = residual_ * stages_.into_im.row(j).transpose();
+    const Eigen::VectorXcd y = factor_->systems[static_cast<std::size_t>(j)].solve(x);
+    change +=
+        y.real() * stages_.out_re.col(j).transpose() - y.imag() * stages_.out_im.col(j).transpose();
+  }
+  a_ -= change;
+  place_stages();
+  displacement.resize(S);
+  velocity.resize(S);
+  for (int i = 0; i < S; ++i) {
+    const PointMotion p = beam_->struck_point(stage_q_.col(i), stage_v_.col(i));
+    displacement[i] = p.displacement;
+    velocity[i] = p.velocity;
+  }
+  const double rounding = 16.0 * std::numeric_limits<double>::epsilon() *
+                          std::sqrt(inertia_.dot(q_.cwiseAbs2())) / (h_ * speed_scale_);
+  return newton_.improved(excess_ * size_of(change), excess_ * rounding);
+}
+
+template <int S>
+void DenseMotion<S>::press(const NodeVector& change) {
+  const Eigen::Matrix<double, pairs, 1> re = stages_.into_re * change;
+  const Eigen::Matrix<double, pairs, 1> im = stages_.into_im * change;
+  Stages moved = Stages::Zero(n_, S);
+  for (int j = 0; j < pairs; ++j) {
+    const Eigen::VectorXcd x = factor_->pressed.col(j) * std::complex<double>(re[j], im[j]);
+    moved +=
+        x.real() * stages_.out_re.col(j).transpose() - x.imag() * stages_.out_im.col(j).transpose();
+  }
+  a_ += moved;
+  newton_.pressed(excess_ * size_of(moved));
+}
+
+template <int S>
+void DenseMotion<S>::finish(const NodeVector& force, const NodeVector&) {
+  place_stages();
+  end_q_ = stage_q_.col(S - 1);
+  end_v_ = stage_v_.col(S - 1);
+  end_energy_ = beam_->energy(end_q_, end_v_);
+  work_done_ = damped_ = 0.0;
+  for (int i = 0; i < S; ++i) {
+    const double weight = h_ * stages_.rule.weights()[i];
+    if (force[i] != 0.0)
+      work_done_ -=
+          weight * force[i] * beam_->struck_point(stage_q_.col(i), stage_v_.col(i)).velocity;
+    if (damped_bar_) damped_ += weight * beam_->damping_power(stage_q_.col(i), stage_v_.col(i));
+  }
+}
+
+template <int S>
+double DenseMotion<S>::error() const {
+  const Stages series = a_ * stages_.rule.to_series().transpose();
+  const Series squares = series.cwiseAbs2().transpose() * inertia_;
+  const double motion =
+      h_ * std::min(1.0, h_ / contact_time_) * series_remainder<S>(squares.array()) / speed_scale_;
+  return std::max(motion,
+                  energy_error(lost_in_step(), lost_, end_energy_, speed_scale_, accuracy_));
+}
+
+template <int S>
+PointMotion DenseMotion<S>::struck_at(double part, double* acceleration) {
+  Series values;
+  shifted_legendre_integrals(part, values);
+  const Series integrals = stages_.rule.to_series().transpose() * values;
+  const Vector v = v_ + h_ * a_ * integrals;
+  const Vector q = q_ + h_ * stage_v_ * integrals;
+  if (acceleration) {
+    shifted_legendre(part, values);
+    scratch_ = a_ * (stages_.rule.to_series().transpose() * values);
+    *acceleration = beam_->struck_acceleration(q, v, scratch_);
+  }
+  return beam_->struck_point(q, v);
+}
+
+template <int S>
+void DenseMotion<S>::sample(double first, double spacing, std::span<Sample> samples) {
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double part = first + static_cast<double>(i) * spacing;
+    Vector q = q_, v = v_;
+    if (part > 0.0) {
+      Series values;
+      shifted_legendre_integrals(part, values);
+      const Series integrals = stages_.rule.to_series().transpose() * values;
+      v += h_ * a_ * integrals;
+      q += h_ * stage_v_ * integrals;
+    }
+    samples[i] = {beam_->struck_point(q, v), beam_->point(velocity_place_, q, v).velocity,
+                  beam_->point(displacement_place_, q, v).displacement};
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<BarMotion> make_dense_motion(const Rig& rig, const Solver& solver,
+                                             const HistoryRequest& history) {
+  if (solver.accuracy > 5e-6) return std::make_unique<DenseMotion<4>>(rig, solver, history);
+  return std::make_unique<DenseMotion<8>>(rig, solver, history);
+}
+
+}  // namespace impactrig::models

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+#include "models/beams/beam_dynamics.hpp"
+
+namespace impactrig::models {
+
+inline double total(const BeamEnergy& energy) {
+  return energy.kinetic + energy.elastic + energy.spring + energy.gravitational;
+}
+
+/// What a Legendre series of S terms leaves out, from the squares of its terms: its last pair, less
+/// where the pair before was much larger. The end of a Radau step, of nearly twice the order, does
+/// better.
+template <int S>
+double series_remainder(const Eigen::Array<double, S, 1>& squares) {
+  const double last = std::sqrt(squares[S - 1] + squares[S - 2]);
+  const double before = std::sqrt(squares[S - 3] + squares[S - 4]);
+  return last * std::min(1.0, 3.0 * last / std::max(before, 1e-300));
+}
+
+/// A method that lets fast vibration die must not let it take along energy that counts: what a step
+/// lost [J], as a part of the energy of a speed scale [m/s √kg], and more when the steps before
+/// have left little of the accuracy.
+inline double energy_error(double lost_in_step, double lost_before, const BeamEnergy& energy,
+                           double speed_scale, double accuracy) {
+  const double scale = 0.5 * speed_scale * speed_scale;
+  const double rounding = 1e-14 * (std::abs(energy.elastic) + energy.kinetic);
+  const double lost = std::max(std::abs(lost_in_step) - rounding, 0.0) / scale;
+  return lost / std::max(1.0 - std::abs(lost_before) / (scale * accuracy), 0.02);
+}
+
+}  // namespace impactrig::models
