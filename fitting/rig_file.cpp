@@ -412,6 +412,8 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   if (auto environment = root.table("environment")) {
     if (const auto gravity = environment->quantity("gravity", "m/s^2"))
       file.rig.gravity = gravity->value;
+    if (const auto direction = environment->quantity("gravity_direction", "rad"))
+      file.rig.gravity_direction = direction->value;
     if (const auto mains = environment->quantity("mains_frequency", "Hz")) {
       if (!(mains->value > 0.0))
         environment->refuse("mains_frequency", "must be greater than zero");

@@ -126,10 +126,13 @@ void ContactLog::conclude(double t, const ContactTotals& totals, const ContactFo
 }
 
 bool left_for_good(const Rig& rig, double reach, const RigidPart& rigid, const BeamEnergy& energy) {
-  if (!(rigid.rate < 0.0) || RigidSwing(rig).shortest_return() < longest_default_run) return false;
+  if (!(rigid.rate < 0.0)) return false;
   const double rotation = 0.5 * rig.beam.hinge_inertia() * rigid.rate * rigid.rate;
   const double vibration = std::max(energy.kinetic - rotation, 0.0) + std::max(energy.elastic, 0.0);
-  return -rigid.angle * rig.contact.position > reach * std::sqrt(vibration);
+  if (!(-rigid.angle * rig.contact.position > reach * std::sqrt(vibration))) return false;
+  const RigidSwing swing(rig);
+  return swing.shortest_return() >= longest_default_run &&
+         !swing.pulled_back(rigid.angle, rigid.rate);
 }
 
 }  // namespace impactrig::models

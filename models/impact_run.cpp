@@ -125,6 +125,7 @@ void ImpactRun::swing_to_touch() {
   const double speed = touch_velocity(rig_);
   const double rate = speed / rig_.contact.position;
   set_scales(0.5 * rig_.beam.hinge_inertia() * rate * rate, speed);
+  approach_ = speed;
   t_end_ = std::numeric_limits<double>::infinity();
   stepper_.start(0.0, y, f_);
 }
@@ -132,6 +133,7 @@ void ImpactRun::swing_to_touch() {
 void ImpactRun::first_touch() {
   time_of_touch_ = stepper_.time();
   const Vector& y = stepper_.state();
+  damped_before_ = y[2 * n_ + 2];
   approach_ = struck(y).velocity;
   log_.begin(energy(y));
   set_scales(result_.energy.initial, approach_);
@@ -219,6 +221,11 @@ void ImpactRun::integrate() {
       }
     }
     const Vector& y = stepper_.state();
+    if (result_.episodes.empty() && rigid_part(y).rate < -0.1 * approach_ / rig_.contact.position)
+      throw std::runtime_error(fmt::format(
+          "the bar turned back {:g} rad before it touched the stop: released, it bends, "
+          "and what that takes is missing; release it from further away",
+          -rigid_part(y).angle));
     if (until_gone && !result_.episodes.empty() && contact_.phase() == Phase::free &&
         left_for_good(rig_, elastic_reach_, rigid_part(y), energy(y))) {
       done_ = true;

@@ -38,7 +38,9 @@ class ImpactRun {
     return beam_->struck_acceleration(y.head(n_), y.segment(n_, n_), slope.segment(n_, n_));
   }
 
-  ContactTotals totals(const Vector& y) const { return {y[2 * n_], y[2 * n_ + 1], y[2 * n_ + 2]}; }
+  ContactTotals totals(const Vector& y) const {
+    return {y[2 * n_], y[2 * n_ + 1], y[2 * n_ + 2] - damped_before_};
+  }
 
   BeamEnergy energy(const Vector& y) const { return beam_->energy(y.head(n_), y.segment(n_, n_)); }
 
@@ -77,6 +79,7 @@ class ImpactRun {
   double t_end_ = 0.0;
   double first_step_ = 0.0, longest_step_ = 0.0;
   double time_of_touch_ = 0.0;
+  double damped_before_ = 0.0;  // during the swing to first touch [J]
   double elastic_reach_;  // √(2 C): how far √energy can move the struck point elastically [m/√J]
   double approach_ = 0.0;  // speed at first touch [m/s]
   double velocity_place_ = 0.0, displacement_place_ = 0.0, laser_rest_ = 0.0;

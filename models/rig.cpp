@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "models/contact/damping_law.hpp"
@@ -149,6 +150,15 @@ double Beam::hinge_inertia() const {
   return sum;
 }
 
+double Rig::gravity_along() const {
+  return gravity * std::cos(gravity_direction);
+}
+
+double Rig::gravity_across() const {
+  const double sine = std::sin(gravity_direction);
+  return std::abs(sine) < 1e-15 ? 0.0 : gravity * sine;  // 180 degrees is not a number of radians
+}
+
 bool damped(const Rig& rig) {
   return rig.hinge.viscous > 0.0 || rig.beam.damping != BarDamping{};
 }
@@ -163,6 +173,8 @@ std::string beyond_small_motion(const Rig& rig) {
   std::vector<std::string_view> keys;
   if (rig.beam.damping != BarDamping{}) keys.push_back("beam.damping");
   if (rig.hinge.viscous > 0.0) keys.push_back("hinge.viscous");
+  if (rig.gravity > 0.0 && rig.gravity_direction != 0.0)
+    keys.push_back("environment.gravity_direction");
   if (rig.start.release_angle && spring_bends_bar(rig)) keys.push_back("start.release_angle");
   return fmt::format("{}", fmt::join(keys, ", "));
 }
@@ -186,6 +198,10 @@ void validate(const Rig& rig, const Solver& solver) {
   if (!(rig.gravity >= 0.0 && std::isfinite(rig.gravity)))
     refuse("environment.gravity",
            fmt::format("must be finite and not negative, found {:g} m/s^2", rig.gravity));
+  if (!(std::abs(rig.gravity_direction) < std::numbers::pi * (1.0 + 1e-12)))
+    refuse("environment.gravity_direction",
+           fmt::format("must lie between -180 and 180 degrees, found {:g} rad",
+                       rig.gravity_direction));
   if (rig.start.release_angle) {
     if (!(*rig.start.release_angle > 0.0 && *rig.start.release_angle < 3.14159265358979))
       refuse("start.release_angle",

@@ -47,7 +47,7 @@ struct Beam {
 
 /// What the hinge does besides holding the bar; its angle is that of the bar's axis at the hinge.
 struct Hinge {
-  double spring = 0.0;   ///< k, at rest when the bar hangs straight [N m/rad]
+  double spring = 0.0;   ///< k, at rest when the bar is as at touch [N m/rad]
   double viscous = 0.0;  ///< c [N m s/rad]
 
   bool operator==(const Hinge&) const = default;
@@ -75,7 +75,7 @@ struct Contact {
 /// How the impact begins: a given speed of the struck point at first touch, or a release from rest.
 struct Start {
   double velocity = 0.0;  ///< closing speed of the struck point [m/s], > 0
-  /// From hanging straight [rad]; then `velocity` is not used.
+  /// From where the bar touches [rad]; then `velocity` is not used.
   std::optional<double> release_angle;
 };
 
@@ -85,7 +85,14 @@ struct Rig {
   Contact contact;
   Start start;
   Hinge hinge = {};
-  double gravity = 9.81;  ///< [m/s^2], along the hanging bar
+  double gravity = 9.81;  ///< [m/s^2]
+  /// Where gravity points, from the direction hinge to tip of the bar at touch towards closing
+  /// [rad]: 0 the bar hangs, π/2 it is pulled into the stop, π it stands upright.
+  double gravity_direction = 0.0;
+
+  /// Parts of gravity from the hinge to the tip and towards closing, of the bar at touch [m/s^2].
+  double gravity_along() const;
+  double gravity_across() const;
 };
 
 /// Whether anything but the contact takes energy.

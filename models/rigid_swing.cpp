@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "models/integration/dop853.hpp"
+#include "models/integration/gauss.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -15,27 +16,33 @@ namespace {
 // radian: the error of a step is 1e-15 of the way.
 constexpr double step_part = 0.05;
 constexpr int most_swing_steps = 100'000;
+constexpr int places = 180;  // where a potential is looked at
 
 }  // namespace
 
 RigidSwing::RigidSwing(const Rig& rig)
     : inertia_(rig.beam.hinge_inertia()),
-      weight_(rig.beam.first_moment() * rig.gravity),
+      along_(rig.beam.first_moment() * rig.gravity_along()),
+      across_(rig.beam.first_moment() * rig.gravity_across()),
       spring_(rig.hinge.spring),
       viscous_(rig.hinge.viscous + rig.beam.damping.mass * inertia_) {}
 
 double RigidSwing::potential(double angle) const {
   const double half = std::sin(0.5 * angle);
-  return 2.0 * weight_ * half * half + 0.5 * spring_ * angle * angle;
+  return 2.0 * along_ * half * half - across_ * std::sin(angle) + 0.5 * spring_ * angle * angle;
 }
 
 double RigidSwing::acceleration(double angle, double rate) const {
-  return -(weight_ * std::sin(angle) + spring_ * angle + viscous_ * rate) / inertia_;
+  return (across_ * std::cos(angle) - along_ * std::sin(angle) - spring_ * angle -
+          viscous_ * rate) /
+         inertia_;
 }
 
 std::optional<double> RigidSwing::rate_after_release(double angle) const {
   const double energy = potential(-angle);
   if (!(energy > 0.0 && acceleration(-angle, 0.0) > 0.0)) return std::nullopt;
+  for (int i = 1; i < places; ++i)  // over a hill on the way
+    if (!(energy > potential(-angle * i / places))) return std::nullopt;
   if (viscous_ == 0.0) return std::sqrt(2.0 * energy / inertia_);
   const Dop853::RightHandSide f = [&](double, const Eigen::VectorXd& y,
                                       Eigen::Ref<Eigen::VectorXd> slope) {
@@ -43,7 +50,8 @@ std::optional<double> RigidSwing::rate_after_release(double angle) const {
     slope[1] = acceleration(y[0], y[1]);
   };
   const Eigen::VectorXd weights = Eigen::VectorXd::Ones(2);
-  const double fastest = std::sqrt((weight_ + spring_) / inertia_) + viscous_ / inertia_;
+  const double fastest =
+      std::sqrt((std::hypot(along_, across_) + spring_) / inertia_) + viscous_ / inertia_;
   Dop853 swing(2);
   swing.start(0.0, Eigen::Vector2d(-angle, 0.0), f);
   for (int step = 0; step < most_swing_steps; ++step) {
@@ -67,22 +75,46 @@ std::optional<double> RigidSwing::rate_after_release(double angle) const {
 
 RigidSwing::State RigidSwing::near_touch(double time, double rate) const {
   const double decay = 0.5 * viscous_ / inertia_;
-  const double square = (weight_ + spring_) / inertia_ - decay * decay;
+  const double square = (along_ + spring_) / inertia_ - decay * decay;
   const double omega = std::sqrt(std::abs(square));
-  double sine = time, cosine = 1.0;  // of ω t, the sine by ω
-  if (square > 0.0) {
-    sine = std::sin(omega * time) / omega;
-    cosine = std::cos(omega * time);
-  } else if (square < 0.0) {
-    sine = std::sinh(omega * time) / omega;
-    cosine = std::cosh(omega * time);
-  }
-  const double growth = std::exp(-decay * time);
-  return {.angle = rate * growth * sine, .rate = rate * growth * (cosine - decay * sine)};
+  // angle and rate after touching at a unit rate
+  const auto unit = [&](double t) -> State {
+    double sine = t, cosine = 1.0;  // of ω t, the sine by ω
+    if (square > 0.0) {
+      sine = std::sin(omega * t) / omega;
+      cosine = std::cos(omega * t);
+    } else if (square < 0.0) {
+      sine = std::sinh(omega * t) / omega;
+      cosine = std::cosh(omega * t);
+    }
+    const double growth = std::exp(-decay * t);
+    return {.angle = growth * sine, .rate = growth * (cosine - decay * sine)};
+  };
+  const State by_rate = unit(time);
+  State state{.angle = rate * by_rate.angle, .rate = rate * by_rate.rate};
+  if (across_ == 0.0) return state;
+  // Duhamel's integral of a constant moment
+  const double pull = across_ / inertia_;
+  const GaussRule& rule = gauss_legendre(12);
+  const int panels = 1 + static_cast<int>((omega + decay) * std::abs(time));
+  for (int p = 0; p < panels; ++p)
+    for (std::size_t g = 0; g < rule.points.size(); ++g)
+      state.angle +=
+          pull * rule.weights[g] * time / panels * unit(time * (p + rule.points[g]) / panels).angle;
+  state.rate += pull * by_rate.angle;
+  return state;
+}
+
+bool RigidSwing::pulled_back(double angle, double rate) const {
+  if (!(across_ > 0.0)) return false;
+  double highest = 0.0;
+  for (int i = 0; i <= places; ++i)
+    highest = std::max(highest, potential(-std::numbers::pi * i / places));
+  return 0.5 * inertia_ * rate * rate + potential(angle) <= highest;
 }
 
 double RigidSwing::shortest_return() const {
-  const double stiffness = weight_ + spring_;
+  const double stiffness = std::hypot(along_, across_) + spring_;
   if (!(stiffness > 0.0)) return std::numeric_limits<double>::infinity();
   return std::numbers::pi * std::sqrt(inertia_ / stiffness);
 }

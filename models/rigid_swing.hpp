@@ -9,10 +9,11 @@ namespace impactrig::models {
 
 /// The straight bar turning about its hinge as a rigid body, away from the stop:
 ///
-///   I φ̈ = −S g sin φ − k φ − c φ̇
+///   I φ̈ = S g sin(γ − φ) − k φ − c φ̇
 ///
-/// φ is the angle from hanging straight [rad, closing > 0], I and S the second and first moment of
-/// mass about the hinge [kg m², kg m], k and c of the hinge, c with the bar's mass damping α I.
+/// φ is the angle from touch [rad, closing > 0], γ the direction of gravity (0: the bar hangs when
+/// it touches, and the first term is −S g sin φ), I and S the second and first moment of mass about
+/// the hinge [kg m², kg m], k and c of the hinge, c with the bar's mass damping α I.
 class RigidSwing {
  public:
   explicit RigidSwing(const Rig& rig);
@@ -34,12 +35,16 @@ class RigidSwing {
   /// The swing about touch, linearised: at a time from touch [s] of a bar that touches at a rate.
   State near_touch(double time, double rate) const;
 
-  /// Time a bar that leaves the stop takes at least until it swings back to it [s].
+  /// Whether weight presses the bar against the stop, and a bar that leaves it at an angle < 0 with
+  /// a rate < 0 has not the energy to fall over to the other side.
+  bool pulled_back(double angle, double rate) const;
+
+  /// Time a bar that is not pulled back takes at least until it swings back to the stop [s].
   double shortest_return() const;
 
  private:
-  double inertia_;  // I
-  double weight_;   // S g [N m]
+  double inertia_;         // I
+  double along_, across_;  // S g cos γ, S g sin γ [N m]
   double spring_, viscous_;
 };
 

@@ -155,6 +155,7 @@ Json rig_json(const fitting::RigFile& rig) {
       {"hinge",
        {{"spring_n_m_rad", rig.rig.hinge.spring}, {"viscous_n_m_s_rad", rig.rig.hinge.viscous}}},
       {"gravity_m_s2", rig.rig.gravity},
+      {"gravity_direction_rad", rig.rig.gravity_direction},
       {"sensors",
        {{"force", sensor_json(rig.force)},
         {"velocity", sensor_json(rig.velocity)},
@@ -185,6 +186,8 @@ fitting::RigFile rig_from(const JsonReader& json) {
     rig.rig.hinge = {.spring = json["hinge"]["spring_n_m_rad"].number(),
                      .viscous = json["hinge"]["viscous_n_m_s_rad"].number()};
   rig.rig.gravity = json["gravity_m_s2"].number();
+  if (json.has("gravity_direction_rad"))
+    rig.rig.gravity_direction = json["gravity_direction_rad"].number();
   rig.force = sensor_from(json["sensors"], "force");
   rig.velocity = sensor_from(json["sensors"], "velocity");
   rig.displacement = sensor_from(json["sensors"], "displacement");

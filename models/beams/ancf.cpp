@@ -70,7 +70,8 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
       axial_stiffness_(rig.beam.youngs_modulus * rig.beam.area),
       bending_stiffness_(rig.beam.youngs_modulus * rig.beam.second_moment),
       line_density_(rig.beam.density * rig.beam.area),
-      gravity_(rig.gravity),
+      gravity_(rig.gravity_along()),
+      gravity_across_(rig.gravity_across()),
       hinge_(rig.hinge),
       damping_(rig.beam.damping),
       inertia_(rig.beam.hinge_inertia()),
@@ -253,7 +254,7 @@ double AncfBeam::damping_power(ConstVector q, ConstVector v) const {
 }
 
 void AncfBeam::acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) {
-  a.head(dofs_).setZero();
+  a.head(dofs_) = -gravity_across_ * weight_;
   a.tail(dofs_) = -gravity_ * weight_;
   add_elastic_force(q, a);
   add_material_damping(q, v, a);
@@ -363,7 +364,8 @@ double AncfBeam::kinetic_energy(ConstVector v) const {
 BeamEnergy AncfBeam::energy(ConstVector q, ConstVector v) const {
   BeamEnergy energy;
   energy.kinetic = kinetic_energy(v);
-  energy.gravitational = gravity_ * weight_.dot(q.tail(dofs_));
+  energy.gravitational =
+      gravity_ * weight_.dot(q.tail(dofs_)) + gravity_across_ * weight_.dot(q.head(dofs_));
   const double turned = hinge_.spring > 0.0 ? hinge_angle(q).angle : 0.0;
   energy.spring = 0.5 * hinge_.spring * turned * turned;
   for (std::size_t e = 0; e < elements_.size(); ++e) {

@@ -105,10 +105,10 @@ class AncfBeam : public BeamDynamics {
   std::vector<Element> elements_;
   int dofs_;  // of one direction
   int struck_dof_;
-  double axial_stiffness_;    // EA [N]
-  double bending_stiffness_;  // EI [N m^2]
-  double line_density_;       // ρA [kg/m]
-  double gravity_;
+  double axial_stiffness_;           // EA [N]
+  double bending_stiffness_;         // EI [N m^2]
+  double line_density_;              // ρA [kg/m]
+  double gravity_, gravity_across_;  // from hinge to tip and towards closing, of the straight bar
   Hinge hinge_;
   BarDamping damping_;
   double inertia_;

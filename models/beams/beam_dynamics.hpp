@@ -16,7 +16,7 @@ struct BeamEnergy {
   double kinetic = 0.0;        ///< [J]
   double elastic = 0.0;        ///< [J]
   double spring = 0.0;         ///< in the hinge [J]
-  double gravitational = 0.0;  ///< relative to hanging straight and undeformed [J]
+  double gravitational = 0.0;  ///< relative to touching straight and undeformed [J]
 };
 
 /// A point of the bar's axis, seen from the stop: closing positive.

@@ -21,7 +21,8 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
       bending_(modes),
       length_(rig.beam.length),
       inertia_(rig.beam.hinge_inertia()),
-      gravity_(rig.gravity),
+      gravity_(rig.gravity_along()),
+      gravity_across_(rig.gravity_across()),
       hinge_(rig.hinge),
       damping_(rig.beam.damping),
       hinge_row_(Eigen::VectorXd::Unit(size(), 0)),
@@ -164,6 +165,8 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contac
   const auto axial_rate = v.segment(1, axial_);
   const auto bending_rate = v.tail(bending_);
 
+  const double gravity_x = gravity_ * cosine - gravity_across_ * sine;  // in the frame
+  const double gravity_y = -gravity_ * sine - gravity_across_ * cosine;
   mass_.setZero();
   rhs_ = -stiffness_.cwiseProduct(q);
   if (damping_.stiffness > 0.0) rhs_ -= damping_.stiffness * stiffness_.cwiseProduct(v);
@@ -184,8 +187,8 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contac
     // b of (6) in the frame, and gravity.
     coupled_rate_.noalias() = s.coupling * bending_rate;
     const double force_x =
-        spin * spin * x + 2.0 * spin * y_rate + bending_rate.dot(coupled_rate_) + gravity_ * cosine;
-    const double force_y = spin * spin * y - 2.0 * spin * x_rate - gravity_ * sine;
+        spin * spin * x + 2.0 * spin * y_rate + bending_rate.dot(coupled_rate_) + gravity_x;
+    const double force_y = spin * spin * y - 2.0 * spin * x_rate + gravity_y;
     mass_.selfadjointView<Eigen::Lower>().rankUpdate(column_x_, s.mass);
     mass_.selfadjointView<Eigen::Lower>().rankUpdate(column_y_, s.mass);
     rhs_ += s.mass * (force_x * column_x_ + force_y * column_y_);
@@ -303,7 +306,8 @@ BeamEnergy FloatingFrameBeam::energy(ConstVector q, ConstVector v) const {
     const double u = p.x_rate - v[0] * p.y;
     const double w = p.y_rate + v[0] * p.x;
     energy.kinetic += 0.5 * s.mass * (u * u + w * w);
-    energy.gravitational += s.mass * gravity_ * (s.x - (cosine * p.x - sine * p.y));
+    energy.gravitational += s.mass * (gravity_ * (s.x - (cosine * p.x - sine * p.y)) +
+                                      gravity_across_ * (sine * p.x + cosine * p.y));
   }
   return energy;
 }

@@ -76,8 +76,8 @@ class FloatingFrameBeam : public BeamDynamics {
   int axial_;
   int bending_;
   double length_;
-  double inertia_;  // about the hinge, straight [kg m^2]
-  double gravity_;
+  double inertia_;                   // about the hinge, straight [kg m^2]
+  double gravity_, gravity_across_;  // from hinge to tip and towards closing, of the straight bar
   Hinge hinge_;
   BarDamping damping_;
   Eigen::VectorXd hinge_row_;  // q to the angle at the hinge (n)

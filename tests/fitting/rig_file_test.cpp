@@ -270,6 +270,23 @@ TEST(RigFile, ReadsTheDampingOfTheBar) {
             std::string::npos);
 }
 
+TEST(RigFile, ReadsTheDirectionOfGravity) {
+  EXPECT_EQ(parse_rig_file(paper_rig, "rig.toml").rig.gravity_direction, 0.0);
+  const auto direction = [](const char* value) {
+    return parse_rig_file(paper_rig, "rig.toml", {{"environment.gravity_direction", value}})
+        .rig.gravity_direction;
+  };
+  EXPECT_NEAR(direction("30 deg"), std::numbers::pi / 6.0, 1e-15);
+  EXPECT_NEAR(direction("180 deg"), std::numbers::pi, 1e-15);
+  EXPECT_NEAR(direction("-180 deg"), -std::numbers::pi, 1e-15);
+  EXPECT_EQ(message_of(paper_rig, {{"environment.gravity_direction", "4 rad"}}),
+            "--set environment.gravity_direction: environment.gravity_direction: must lie between "
+            "-180 and 180 degrees, found 4 rad");
+  EXPECT_NE(message_of(paper_rig, {{"environment.gravity_direction", "3 m"}})
+                .find("--set environment.gravity_direction: "),
+            std::string::npos);
+}
+
 TEST(RigFile, AMissingFileIsAFileError) {
   EXPECT_THROW(read_rig_file("/nowhere/rig.toml"), datasets::FileError);
 }

@@ -94,7 +94,11 @@ class PlainBar {
 
   Complex potential(const ComplexVector& q) const {
     Complex sum = 0.0;
-    for (const Section& s : sections_) sum += s.mass * rig_.gravity * position(s, q)[1];
+    const double sine = std::sin(rig_.gravity_direction), cosine = std::cos(rig_.gravity_direction);
+    for (const Section& s : sections_) {
+      const auto r = position(s, q);
+      sum += s.mass * rig_.gravity * (cosine * r[1] + sine * r[0]);
+    }
     const double wave = std::sqrt(rig_.beam.youngs_modulus / rig_.beam.density);
     for (int k = 0; k < axial_; ++k)
       sum += 0.5 * std::pow(wave * (k + 0.5) * std::numbers::pi / rig_.beam.length, 2) * q[1 + k] *
@@ -171,6 +175,7 @@ Rig soft_rig() {
 Rig laden_rig() {
   Rig rig = soft_rig();
   rig.beam.masses = {{0.3, 0.4}, {0.8, 0.5}};
+  rig.gravity_direction = -0.7;
   return rig;
 }
 

@@ -213,6 +213,22 @@ TEST(Hinge, DamperTakesWhatTheSwingLoses) {
               1e-10);
 }
 
+TEST(Hinge, DampedSwingOfTheBarItselfArrivesAsTheRigidOne) {
+  Rig rig = held(5.0, 0.2);
+  rig.start.release_angle = 0.2;
+  Solver solver = rigid(1e-11);
+  solver.duration = 0.05;
+  SimulationOptions exact;
+  exact.exact = true;
+  const Simulation swung = simulate(rig, solver, exact);
+  const Simulation skipped = simulate(rig, solver);
+  EXPECT_THAT(skipped.skipped, testing::Contains(HasSubstr("the rigid bar's damped swing gives")));
+  EXPECT_NEAR(swung.episodes.at(0).approach_velocity / touch_velocity(rig), 1.0, 1e-9);
+  // what the swing took before touch is not in the balance of the impact
+  EXPECT_NEAR(swung.energy.damped / skipped.energy.damped, 1.0, 1e-8);
+  EXPECT_LT(std::abs(swung.energy.imbalance), 1e-9);
+}
+
 TEST(Hinge, ChangesTheImpactAlikeInBothModels) {
   Rig rig = paper_rig();
   rig.contact.damping = "exact";

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "models/beams/ancf.hpp"
+#include "models/beams/bending_modes.hpp"
 #include "models/beams/floating_frame.hpp"
 #include "models/integration/dop853.hpp"
 #include "models/modal/modal_beam.hpp"
@@ -199,6 +200,55 @@ TEST(LumpedMass, PullsSmallMotionBackByItsWeight) {
   for (const ModalBeam& beam : {ModalBeam(chain, rig), ModalBeam(modes, rig)}) {
     EXPECT_NEAR(beam.omega()[0] / std::sqrt(9.81 / 0.8), 1.0, 1e-4);
     for (int k = 1; k <= 2; ++k) EXPECT_NEAR(beam.omega()[k] / (k * unit), 1.0, 2e-3) << k;
+  }
+}
+
+TEST(LumpedMass, StretchesTheBarForItsOwnLongTime) {
+  // Small motion begins with the tension of the hanging bar, the full equations without: the weight
+  // turns the bar back less until it has bounced once on the bar's axial spring. With 2 kg on a
+  // bar of 0.09 kg that is 2π √(m L / EA), ten times as long as without.
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  rig.beam.density = 160.0;
+  rig.beam.youngs_modulus = 2e7;
+  SimulationOptions small;
+  small.motion = Motion::small;
+  const Solver solver = ancf(4, 2, 1e-4, 0.2);
+  const auto left_out = [&] { return simulate(rig, solver, small).neglected; };
+  rig.start.velocity = 1e-3;  // then hardly anything else is left out
+  rig.beam.masses = {{0.8, 2.0}};
+  const double square = 4.0 * std::numbers::pi * std::numbers::pi * 2.0 * 0.8 /
+                        (rig.beam.youngs_modulus * rig.beam.area);
+  EXPECT_GT(left_out(), 0.5 * 9.81 / 0.8 * square);
+}
+
+TEST(LumpedMass, TakesItsPartOfTheRotationOutOfTheCompliance) {
+  // the static sum over all modes of a fine mesh but the rigid rotation
+  Rig rig = paper_rig();
+  rig.beam.masses = {{0.8, 0.9}, {0.33, 0.4}};
+  for (double position : {0.2, 0.5, 0.8}) {
+    rig.contact.position = position;
+    const AncfBeam mesh(rig, {position < 0.8 ? 20 : 40, position < 0.8 ? 20 : 0});
+    const ModalBeam beam(mesh, rig);
+    const Eigen::Index bending = beam.modes() - 1;
+    const double sum =
+        beam.struck().tail(bending).cwiseQuotient(beam.omega().tail(bending)).squaredNorm();
+    EXPECT_NEAR(elastic_compliance(rig.beam, position) / sum, 1.0, 1e-6) << position;
+  }
+}
+
+TEST(LumpedMass, IsInTheInertiaOfEveryCoordinate) {
+  Rig rig = paper_rig();
+  rig.beam.masses = {{0.8, 0.9}, {0.33, 0.4}};
+  AncfBeam chain(rig, {3, 2});
+  FloatingFrameBeam frame(rig, Basis::cantilever, 3, 2);
+  for (BeamDynamics* beam :
+       {static_cast<BeamDynamics*>(&chain), static_cast<BeamDynamics*>(&frame)}) {
+    const int n = beam->size();
+    const Vector diagonal = beam->inertia_diagonal();
+    for (int i = 0; i < n; ++i)
+      EXPECT_NEAR(2.0 * beam->energy(Vector::Zero(n), Vector::Unit(n, i)).kinetic / diagonal[i],
+                  1.0, 1e-11);
   }
 }
 

@@ -80,7 +80,11 @@ class PlainChain {
 
   double gravitational(const Eigen::VectorXd& q) const {
     const Eigen::VectorXd along = q.tail(dofs());
-    const auto lift = [&](std::size_t e, double xi) { return field(along, e, xi)[0]; };
+    const Eigen::VectorXd across = q.head(dofs());
+    const double sine = std::sin(rig_.gravity_direction), cosine = std::cos(rig_.gravity_direction);
+    const auto lift = [&](std::size_t e, double xi) {
+      return cosine * field(along, e, xi)[0] + sine * field(across, e, xi)[0];
+    };
     return rig_.gravity * (line_density() * integral(lift) + lumped(lift));
   }
 

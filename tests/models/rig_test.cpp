@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "tests/models/scenes.hpp"
@@ -128,6 +129,52 @@ TEST(Validate, RefusesDampingThatFeedsTheBar) {
       {[](Rig& r, Solver&) { r.beam.damping.stiffness = infinity; },
        "beam.damping.stiffness: must be finite and not negative, found inf s"},
   });
+}
+
+TEST(Validate, RefusesGravityWithoutADirectionAndReleasesItLetsFallAway) {
+  expect_refusals({
+      {[](Rig& r, Solver&) { r.gravity_direction = 3.2; },
+       "environment.gravity_direction: must lie between -180 and 180 degrees, found 3.2 rad"},
+      {[](Rig& r, Solver&) { r.gravity_direction = nan; },
+       "environment.gravity_direction: must lie between -180 and 180 degrees, found nan rad"},
+      // upright it falls to the other side
+      {[](Rig& r, Solver&) {
+         r.gravity = 9.81;
+         r.gravity_direction = std::numbers::pi;
+         r.start.release_angle = 0.2;
+       },
+       "start.release_angle: released at 0.2 rad the bar does not swing against the stop"},
+      // from beyond the top
+      {[](Rig& r, Solver&) {
+         r.gravity = 9.81;
+         r.gravity_direction = 2.0;
+         r.start.release_angle = 1.2;
+       },
+       "start.release_angle: released at 1.2 rad the bar does not swing against the stop"},
+      // gravity holds it 0.4 rad away from the stop: it does not swing further than that beyond
+      {[](Rig& r, Solver&) {
+         r.gravity = 9.81;
+         r.gravity_direction = -0.4;
+         r.start.release_angle = 0.79;
+       },
+       "start.release_angle: released at 0.79 rad the bar does not swing against the stop"},
+      // nearly upright: the spring turns it and its energy would do, but for a hill on the way
+      {[](Rig& r, Solver&) {
+         r.gravity = 9.81;
+         r.gravity_direction = 3.1;
+         r.hinge.spring = 5.03;
+         r.start.release_angle = 1.31;
+       },
+       "start.release_angle: released at 1.31 rad the bar does not swing against the stop"},
+  });
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  rig.gravity_direction = -0.4;
+  rig.start.release_angle = 0.81;
+  EXPECT_NO_THROW(validate(rig, Solver{}));
+  rig.gravity_direction = -std::numbers::pi;
+  rig.start = {.velocity = 0.4, .release_angle = {}};
+  EXPECT_NO_THROW(validate(rig, Solver{}));
 }
 
 TEST(Validate, RefusesMassesThatAreNoneOrNotOnTheBar) {

@@ -10,6 +10,7 @@
 #include "models/beams/floating_frame.hpp"
 #include "models/impact_run.hpp"
 #include "models/integration/dop853.hpp"
+#include "models/mesh_error.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/plain_chain.hpp"
 #include "tests/models/scenes.hpp"
@@ -242,6 +243,7 @@ TEST(StructuralDamping, IsBeyondSmallMotion) {
                 testing::ThrowsMessage<std::invalid_argument>(
                     "small motion was asked for, but it does not know beam.damping; ask for the "
                     "full equations"));
+    EXPECT_TRUE(mesh_error(rig, ancf(4, 2, 1e-3, 2e-4)).has_value());
   }
 }
 

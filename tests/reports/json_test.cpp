@@ -95,6 +95,7 @@ TEST(FitJson, ComesBackAsItWentOut) {
     data.fit.predictions[0].energy.damped = 1.25e-3;
     data.fit.predictions[0].energy.spring = 2.5e-3;
     data.fit.rig.rig.beam.damping = {.mass = 2.0, .stiffness = 1e-6};
+    data.fit.rig.rig.gravity_direction = -0.3;
     data.fit.rig.rig.beam.masses = {{0.8, 0.1}, {0.4, 0.02}};
     const std::string once = reports::to_json(data);
     const std::string twice = reports::to_json(reports::report_from_json(once, "fit.json"));
