@@ -68,8 +68,12 @@ class AncfBeam : public BeamDynamics {
   /// Of one direction, as X is ordered (n/2, n/2).
   const BandMatrix& mass() const { return mass_; }
 
-  /// Generalised forces of the weight on U (n/2) [N, N m].
-  Eigen::VectorXd weight_force() const { return -gravity_ * weight_; }
+  /// Generalised forces of the weight on X and U (n) [N, N m].
+  Eigen::VectorXd weight_force() const {
+    Eigen::VectorXd force(size());
+    force << -gravity_across_ * weight_, -gravity_ * weight_;
+    return force;
+  }
 
   /// Displacement X of the bar's axis at x: four values of nodes, from the element's first [-].
   struct Row {

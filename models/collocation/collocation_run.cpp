@@ -172,6 +172,7 @@ void CollocationRun::take_attempt() {
 
 void CollocationRun::first_touch() {
   time_of_touch_ = t_;
+  totals_ = {};  // a damped swing before is not the impact's
   const BeamEnergy energy = bar_.energy();
   approach_ = bar_.struck().velocity;
   energy_scale_ = energy.kinetic;

@@ -109,7 +109,8 @@ void CollocationRun::sample_history() {
   const double begun = t_ - time_of_touch_;
   const double next =
       history.start + history.interval * static_cast<double>(history.force.size()) - begun;
-  const double reach = tried_.part * h;
+  // a sample on the very end belongs to the step, whichever way it is rounded
+  const double reach = tried_.part * h + 1e-9 * history.interval;
   if (next > reach) return;
   const auto count = static_cast<std::size_t>((reach - next) / history.interval) + 1;
   samples_.resize(count);

@@ -34,7 +34,6 @@ AncfChain::AncfChain(const AncfBeam& beam)
                  .bend_second = 6.0 * xi - 2.0,
                  .weight = rule.weights[g]};
   }
-  const Eigen::VectorXd weight = beam.weight_force();
   const auto entry = [&](int node_r, int part_r, int node_c, int part_c) {
     const int row = beam_dof(node_r, part_r);
     const int column = beam_dof(node_c, part_c);
@@ -50,10 +49,9 @@ AncfChain::AncfChain(const AncfBeam& beam)
             mass_.next[node](direction + r, direction + c) = entry(i, r, i + 1, c);
         }
         inertia_[4 * i + direction + r] = entry(i, r, i, r);
-        if (direction == 2 && beam_dof(i, r) >= 0)
-          weight_force_[4 * i + direction + r] = weight[beam_dof(i, r)];
       }
   }
+  from_beam(beam.weight_force(), weight_force_);
   // what is held has a mass of its own and no force, so that it stays
   mass_.diagonal[0](0, 0) = mass_.diagonal[0](2, 2) = 1.0;
 }

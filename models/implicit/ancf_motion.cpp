@@ -32,6 +32,7 @@ class AncfMotion final : public BarMotion {
         length_(rig.beam.length),
         compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
         accuracy_(std::max(solver.accuracy, 1e-13)),
+        weight_energy_(rig.gravity * rig.beam.first_moment()),
         stiffness_(static_cast<std::size_t>(chain_.nodes())),
         work_(static_cast<std::size_t>(chain_.coordinates())),
         newton_(newton_share * accuracy_) {
@@ -291,6 +292,7 @@ class AncfMotion final : public BarMotion {
   int struck_;
   double length_, compliance_;
   double accuracy_;
+  double weight_energy_;
   double speed_scale_ = 1.0, contact_time_ = 1.0;
   AncfBeam::Row velocity_spot_, displacement_spot_;
 
@@ -425,8 +427,8 @@ double AncfMotion<S>::error() const {
   const double left =
       series_remainder<S>(across) + std::min(1.0, inclination) * series_remainder<S>(along);
   const double motion = h_ * std::min(1.0, h_ / contact_time_) * left / speed_scale_;
-  return std::max(motion,
-                  energy_error(lost_in_step(), lost_, end_energy_, speed_scale_, accuracy_));
+  const EnergyLoss loss{lost_in_step(), lost_, end_energy_, weight_energy_};
+  return std::max(motion, loss.error(0.5 * speed_scale_ * speed_scale_, accuracy_));
 }
 
 template <int S>

@@ -37,6 +37,7 @@ class DenseMotion final : public BarMotion {
                                                                 : rig.contact.position),
         accuracy_(std::max(solver.accuracy, 1e-13)),
         damped_bar_(models::damped(rig)),
+        weight_energy_(rig.gravity * rig.beam.first_moment()),
         inertia_(beam_->inertia_diagonal()),
         newton_(newton_share * accuracy_) {
     q_ = v_ = end_q_ = end_v_ = scratch_ = Vector::Zero(n_);
@@ -186,6 +187,7 @@ class DenseMotion final : public BarMotion {
   double velocity_place_, displacement_place_;
   double accuracy_;
   bool damped_bar_;
+  double weight_energy_;
   Vector inertia_;
   double speed_scale_ = 1.0, contact_time_ = 1.0;
 
@@ -321,8 +323,8 @@ double DenseMotion<S>::error() const {
   const Series squares = series.cwiseAbs2().transpose() * inertia_;
   const double motion =
       h_ * std::min(1.0, h_ / contact_time_) * series_remainder<S>(squares.array()) / speed_scale_;
-  return std::max(motion,
-                  energy_error(lost_in_step(), lost_, end_energy_, speed_scale_, accuracy_));
+  const EnergyLoss loss{lost_in_step(), lost_, end_energy_, weight_energy_};
+  return std::max(motion, loss.error(0.5 * speed_scale_ * speed_scale_, accuracy_));
 }
 
 template <int S>

@@ -23,15 +23,21 @@ double series_remainder(const Eigen::Array<double, S, 1>& squares) {
   return last * std::min(1.0, 3.0 * last / std::max(before, 1e-300));
 }
 
-/// A method that lets fast vibration die must not let it take along energy that counts: what a step
-/// lost [J], as a part of the energy of a speed scale [m/s √kg], and more when the steps before
-/// have left little of the accuracy.
-inline double energy_error(double lost_in_step, double lost_before, const BeamEnergy& energy,
-                           double speed_scale, double accuracy) {
-  const double scale = 0.5 * speed_scale * speed_scale;
-  const double rounding = 1e-14 * (std::abs(energy.elastic) + energy.kinetic);
-  const double lost = std::max(std::abs(lost_in_step) - rounding, 0.0) / scale;
-  return lost / std::max(1.0 - std::abs(lost_before) / (scale * accuracy), 0.02);
-}
+/// A method that lets fast vibration die must not let it take along energy that counts.
+struct EnergyLoss {
+  double in_step = 0.0;  ///< [J]
+  double before = 0.0;   ///< in the steps before [J]
+  BeamEnergy energy;     ///< of the bar at the step's end
+  double weight = 0.0;   ///< what the weight could do at most [J]
+
+  /// The loss of the step as a part of the energy that counts [J], and more when the steps before
+  /// have left little of the accuracy; rounding of the energies is not held against the step.
+  double error(double scale, double accuracy) const {
+    const double rounding =
+        1e-14 * (std::abs(energy.elastic) + energy.kinetic + energy.spring) + 1e-15 * weight;
+    const double lost = std::max(std::abs(in_step) - rounding, 0.0) / scale;
+    return lost / std::max(1.0 - std::abs(before) / (scale * accuracy), 0.02);
+  }
+};
 
 }  // namespace impactrig::models
