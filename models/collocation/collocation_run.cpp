@@ -242,7 +242,6 @@ bool CollocationRun::leave_event() {
 }
 
 void CollocationRun::integrate() {
-  const bool until_gone = !solver_.duration;
   int level = bar_.ladder().level_below(first_);
   bool rejected = false;
   bool done = false;
@@ -275,21 +274,36 @@ void CollocationRun::integrate() {
       continue;
     }
     take_attempt();
-    done = tried_.event == Event::end;
     level = leave_event() ? bar_.ladder().level_below(first_) : next;
-    if (until_gone && contact_.phase() == Phase::free && !result_.episodes.empty() &&
-        left_for_good(rig_, elastic_reach_, bar_.rigid_part(), bar_.energy())) {
-      done = true;
-      result_.termination = "the bar has left the stop for good";
-    } else if (done && until_gone) {
-      result_.termination =
-          fmt::format("{:g} s after first touch the bar was still within reach of the stop",
-                      longest_default_run);
-      result_.warnings.push_back(
-          result_.termination +
-          "; later contacts are not in the result. State solver.duration to go on.");
-    }
+    done = ends_early() || tried_.event == Event::end;
   }
+}
+
+/// Whether nothing more can happen at the stop. Throws when a released bar does not reach it.
+bool CollocationRun::ends_early() {
+  if (result_.episodes.empty()) {
+    const RigidPart rigid = bar_.rigid_part();
+    if (rigid.rate < -0.1 * approach_ / rig_.contact.position)
+      throw std::runtime_error(fmt::format(
+          "the bar turned back {:g} rad before it touched the stop: released, it bends, and what "
+          "that takes is missing; release it from further away",
+          -rigid.angle));
+    return false;
+  }
+  if (solver_.duration) return false;
+  if (contact_.phase() == Phase::free &&
+      left_for_good(rig_, elastic_reach_, bar_.rigid_part(), bar_.energy())) {
+    result_.termination = "the bar has left the stop for good";
+    return true;
+  }
+  if (tried_.event == Event::end) {
+    result_.termination = fmt::format(
+        "{:g} s after first touch the bar was still within reach of the stop", longest_default_run);
+    result_.warnings.push_back(
+        result_.termination +
+        "; later contacts are not in the result. State solver.duration to go on.");
+  }
+  return false;
 }
 
 Simulation CollocationRun::simulate() {

@@ -61,6 +61,7 @@ class CollocationRun {
   int level_after_rejection(int level) const;
   int next_level() const;
   bool leave_event();
+  bool ends_early();
   void integrate();
   void conclude();
 

@@ -7,11 +7,11 @@
 
 #include "models/beams/ancf.hpp"
 #include "models/collocation/collocation.hpp"
-#include "models/impact_run.hpp"
 #include "models/implicit/ancf_chain.hpp"
 #include "models/implicit/ancf_motion.hpp"
 #include "models/implicit/block_tridiagonal.hpp"
 #include "models/implicit/radau_stages.hpp"
+#include "tests/models/reference/impact_run.hpp"
 #include "tests/models/scenes.hpp"
 
 namespace impactrig::tests {

@@ -157,7 +157,8 @@ TEST(LargeSwing, BetweenTwoContactsLastsHalfAPeriod) {
       const Episode& before = run.episodes[i - 1];
       const double k = before.separation_velocity / (2.0 * omega * rig.contact.position);
       const double half_period = 2.0 * boost::math::ellint_1(k) / omega;
-      EXPECT_NEAR((run.episodes[i].start - before.end) / half_period, 1.0, accuracy) << "swing " << i;
+      EXPECT_NEAR((run.episodes[i].start - before.end) / half_period, 1.0, accuracy)
+          << "swing " << i;
       EXPECT_NEAR(run.episodes[i].approach_velocity / before.separation_velocity, 1.0, accuracy);
     }
   }

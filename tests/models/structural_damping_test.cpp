@@ -8,11 +8,11 @@
 #include "models/beams/ancf.hpp"
 #include "models/beams/bending_modes.hpp"
 #include "models/beams/floating_frame.hpp"
-#include "models/impact_run.hpp"
 #include "models/integration/dop853.hpp"
 #include "models/mesh_error.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/plain_chain.hpp"
+#include "tests/models/reference/impact_run.hpp"
 #include "tests/models/scenes.hpp"
 #include "tests/models/virtual_work.hpp"
 

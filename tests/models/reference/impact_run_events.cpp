@@ -5,7 +5,7 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 
-#include "models/impact_run.hpp"
+#include "tests/models/reference/impact_run.hpp"
 
 namespace impactrig::models {
 namespace {

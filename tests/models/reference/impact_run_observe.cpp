@@ -3,7 +3,7 @@
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 
-#include "models/impact_run.hpp"
+#include "tests/models/reference/impact_run.hpp"
 
 namespace impactrig::models {
 namespace {

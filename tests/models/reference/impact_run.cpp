@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "models/impact_run.hpp"
+#include "tests/models/reference/impact_run.hpp"
 
 #include <fmt/format.h>
 

@@ -11,10 +11,10 @@
 
 namespace impactrig::models {
 
-/// One run of simulate(), of nobody else's: the beam under its contact, from event to event.
-/// simulate.cpp sets it up and drives it, impact_run_events.cpp finds where a phase of the contact
-/// ends within a step, impact_run_observe.cpp keeps what is worth keeping of a step. The state is y
-/// = [q (n), v (n), impulse, energy dissipated by the contact, energy damped in bar and hinge].
+/// simulate() by another family of integrators, for comparison: any beam under its contact,
+/// explicit and from event to event. impact_run_events.cpp finds where a phase of the contact ends
+/// within a step, impact_run_observe.cpp keeps what is worth keeping of a step. The state is y = [q
+/// (n), v (n), impulse, energy dissipated by the contact, energy damped in bar and hinge].
 class ImpactRun {
  public:
   ImpactRun(const Rig& rig, const Solver& solver, const SimulationOptions& options,
