@@ -129,10 +129,10 @@ FloatingFrameBeam::InFrame FloatingFrameBeam::in_frame(const Station& station, C
                                                        ConstVector v) const {
   const auto a = q.segment(1, axial_);
   const auto b = q.tail(bending_);
-  const Eigen::VectorXd coupled = station.coupling * b;
-  return {.x = station.x + station.axial.dot(a) - 0.5 * b.dot(coupled),
+  look_.noalias() = station.coupling * b;
+  return {.x = station.x + station.axial.dot(a) - 0.5 * b.dot(look_),
           .y = station.bending.dot(b),
-          .x_rate = station.axial.dot(v.segment(1, axial_)) - coupled.dot(v.tail(bending_)),
+          .x_rate = station.axial.dot(v.segment(1, axial_)) - look_.dot(v.tail(bending_)),
           .y_rate = station.bending.dot(v.tail(bending_))};
 }
 
@@ -225,10 +225,11 @@ double FloatingFrameBeam::struck_acceleration(ConstVector q, ConstVector v, Cons
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
   const auto rate = v.tail(bending_);
+  look_.noalias() = struck().coupling * rate;
+  const double shortening = rate.dot(look_);
   // what a does as a velocity would, and the part that is quadratic in v
   const double quadratic = 2.0 * v[0] * (cosine * p.x_rate - sine * p.y_rate) -
-                           v[0] * v[0] * (sine * p.x + cosine * p.y) -
-                           sine * rate.dot(struck().coupling * rate);
+                           v[0] * v[0] * (sine * p.x + cosine * p.y) - sine * shortening;
   return motion(struck(), q, a).velocity - quadratic;
 }
 

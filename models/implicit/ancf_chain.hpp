@@ -90,8 +90,9 @@ class AncfChain {
   template <int S>
   void add_material_damping(const StageArray<S>& q, const StageArray<S>& v, StageArray<S>& r) const;
 
+  /// Adds M a, a multiple of it.
   template <int S>
-  void add_inertia(const StageArray<S>& a, StageArray<S>& r) const;
+  void add_inertia(double factor, const StageArray<S>& a, StageArray<S>& r) const;
 
   std::vector<AncfBeam::Element> elements_;
   std::array<GaussPoint, 5> gauss_;
@@ -103,15 +104,15 @@ class AncfChain {
 };
 
 template <int S>
-void AncfChain::add_inertia(const StageArray<S>& a, StageArray<S>& r) const {
+void AncfChain::add_inertia(double factor, const StageArray<S>& a, StageArray<S>& r) const {
   for (int i = 0; i < nodes(); ++i) {
-    const Eigen::Matrix4d& own = mass_.diagonal[static_cast<std::size_t>(i)];
+    const Eigen::Matrix4d own = factor * mass_.diagonal[static_cast<std::size_t>(i)];
     for (int c = 0; c < 4; c += 2) {
       const int k = 4 * i + c;
       r.col(k) += own(c, c) * a.col(k) + own(c, c + 1) * a.col(k + 1);
       r.col(k + 1) += own(c + 1, c) * a.col(k) + own(c + 1, c + 1) * a.col(k + 1);
       if (i + 1 == nodes()) continue;
-      const Eigen::Matrix4d& next = mass_.next[static_cast<std::size_t>(i)];
+      const Eigen::Matrix4d next = factor * mass_.next[static_cast<std::size_t>(i)];
       r.col(k) += next(c, c) * a.col(k + 4) + next(c, c + 1) * a.col(k + 5);
       r.col(k + 1) += next(c + 1, c) * a.col(k + 4) + next(c + 1, c + 1) * a.col(k + 5);
       r.col(k + 4) += next(c, c) * a.col(k) + next(c + 1, c) * a.col(k + 1);
@@ -124,7 +125,7 @@ template <int S>
 void AncfChain::residual(const StageArray<S>& q, const StageArray<S>& a, StageArray<S>& r) const {
   using Lanes = Eigen::Array<double, S, 1>;
   for (int k = 0; k < coordinates(); ++k) r.col(k).setConstant(-weight_force_[k]);
-  add_inertia<S>(a, r);
+  add_inertia<S>(1.0, a, r);
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     const int k = 4 * static_cast<int>(e);
     const double l = elements_[e].length;
@@ -181,7 +182,7 @@ template <int S>
 void AncfChain::add_damping(const StageArray<S>& q, const StageArray<S>& v,
                             StageArray<S>& r) const {
   using Lanes = Eigen::Array<double, S, 1>;
-  if (damping_.mass > 0.0) add_inertia<S>(damping_.mass * v, r);
+  if (damping_.mass > 0.0) add_inertia<S>(damping_.mass, v, r);
   if (damping_.stiffness > 0.0) add_material_damping<S>(q, v, r);
   if (hinge_.viscous > 0.0) {
     const auto hinge = hinge_angle<Lanes>(q.col(1), q.col(3));

@@ -40,8 +40,11 @@ class DenseMotion final : public BarMotion {
         weight_energy_(rig.gravity * rig.beam.first_moment()),
         inertia_(beam_->inertia_diagonal()),
         newton_(newton_share * accuracy_) {
-    q_ = v_ = end_q_ = end_v_ = scratch_ = Vector::Zero(n_);
-    a_ = previous_ = stage_q_ = stage_v_ = residual_ = Stages::Zero(n_, S);
+    q_ = v_ = end_q_ = end_v_ = scratch_ = here_ = there_ = moved_ = at_q_ = at_v_ =
+        Vector::Zero(n_);
+    a_ = previous_ = whole_ = stage_q_ = stage_v_ = residual_ = change_ = Stages::Zero(n_, S);
+    projected_ = solved_ = Eigen::VectorXcd::Zero(n_);
+    matrix_ = Eigen::MatrixXcd::Zero(n_, n_);
     by_q_ = by_v_ = Matrix::Zero(n_, n_);
     by_force_ = to_struck_ = Vector::Zero(n_);
     factors_.resize(kept_factors);
@@ -85,8 +88,8 @@ class DenseMotion final : public BarMotion {
 
   void begin_part(double part) override {
     h_ *= part;
-    const Stages whole = a_;
-    predict(whole, part, 0.0, S);
+    whole_ = a_;
+    predict(whole_, part, 0.0, S);
     begin();
   }
 
@@ -144,7 +147,8 @@ class DenseMotion final : public BarMotion {
       shifted_legendre(origin + ratio * stages_.rule.points()[i], legendre);
       values.row(i).head(terms) = legendre.head(terms).transpose();
     }
-    a_.noalias() = from * (values * stages_.rule.to_series()).transpose();
+    const Eigen::Matrix<double, S, S> map = (values * to_series_).transpose();
+    a_.noalias() = from * map;
   }
 
   void begin() {
@@ -170,18 +174,38 @@ class DenseMotion final : public BarMotion {
   double lost_in_step() const { return total(energy_) + work_done_ - damped_ - total(end_energy_); }
 
   void place_stages() {
-    stage_v_.noalias() = h_ * a_ * stages_.to_velocity.transpose();
+    const Eigen::Matrix<double, S, S> integrals = h_ * stages_.to_velocity.transpose();
+    stage_v_.noalias() = a_ * integrals;
     stage_v_.colwise() += v_;
-    stage_q_.noalias() = h_ * stage_v_ * stages_.to_velocity.transpose();
+    stage_q_.noalias() = stage_v_ * integrals;
     stage_q_.colwise() += q_;
   }
 
   void renew_tangent();
   void make_factor(Factor& factor);
 
+  /// Adds to `sum` what the complex accelerations `solved_` of a pair of stages make of all.
+  void gather(int pair, Stages& sum) const {
+    for (int i = 0; i < S; ++i)
+      sum.col(i) +=
+          stages_.out_re(i, pair) * solved_.real() - stages_.out_im(i, pair) * solved_.imag();
+  }
+
+  /// Position and speed within the solved step, into `at_q_` and `at_v_`.
+  void move_to(double part) {
+    Series integrals;
+    shifted_legendre_integrals(part, integrals);
+    integrals = h_ * to_series_.transpose() * integrals;
+    at_v_ = v_;
+    at_v_.noalias() += a_ * integrals;
+    at_q_ = q_;
+    at_q_.noalias() += stage_v_ * integrals;
+  }
+
   std::unique_ptr<BeamDynamics> beam_;
   int n_;
   const RadauStages<S>& stages_ = RadauStages<S>::get();
+  Eigen::Matrix<double, S, S> to_series_ = stages_.rule.to_series();
   StepLadder ladder_;
   double compliance_;
   double velocity_place_, displacement_place_;
@@ -191,9 +215,11 @@ class DenseMotion final : public BarMotion {
   Vector inertia_;
   double speed_scale_ = 1.0, contact_time_ = 1.0;
 
-  Vector q_, v_, end_q_, end_v_, scratch_;
+  Vector q_, v_, end_q_, end_v_, scratch_, here_, there_, moved_, at_q_, at_v_;
   double h_ = 0.0, last_h_ = 0.0;
-  Stages a_, previous_, stage_q_, stage_v_, residual_;
+  Stages a_, previous_, whole_, stage_q_, stage_v_, residual_, change_;
+  Eigen::VectorXcd projected_, solved_;
+  Eigen::MatrixXcd matrix_;
   BeamEnergy energy_, end_energy_;
   double lost_ = 0.0;       // by the method since the start [J]
   double damped_ = 0.0;     // in bar and hinge over the step [J]
@@ -213,24 +239,23 @@ class DenseMotion final : public BarMotion {
 template <int S>
 void DenseMotion<S>::renew_tangent() {
   constexpr double part = 1e-4;
-  Vector here(n_), there(n_), moved(n_);
-  beam_->acceleration(q_, v_, 0.0, here);
-  beam_->acceleration(q_, v_, 1.0, there);
-  by_force_ = there - here;
+  beam_->acceleration(q_, v_, 0.0, here_);
+  beam_->acceleration(q_, v_, 1.0, there_);
+  by_force_ = there_ - here_;
   const double place = beam_->struck_point(q_, v_).displacement;
   for (int i = 0; i < n_; ++i) {
     const double speed = part * speed_scale_ / std::sqrt(inertia_[i]);
     const double way = speed * contact_time_;
-    moved = q_;
-    moved[i] += way;
-    beam_->acceleration(moved, v_, 0.0, there);
-    by_q_.col(i) = (there - here) / way;
-    to_struck_[i] = (beam_->struck_point(moved, v_).displacement - place) / way;
+    moved_ = q_;
+    moved_[i] += way;
+    beam_->acceleration(moved_, v_, 0.0, there_);
+    by_q_.col(i) = (there_ - here_) / way;
+    to_struck_[i] = (beam_->struck_point(moved_, v_).displacement - place) / way;
     if (!damped_bar_) continue;
-    moved = v_;
-    moved[i] += speed;
-    beam_->acceleration(q_, moved, 0.0, there);
-    by_v_.col(i) = (there - here) / speed;
+    moved_ = v_;
+    moved_[i] += speed;
+    beam_->acceleration(q_, moved_, 0.0, there_);
+    by_v_.col(i) = (there_ - here_) / speed;
   }
   for (Factor& factor : factors_) factor.h = 0.0;
 }
@@ -243,11 +268,13 @@ void DenseMotion<S>::make_factor(Factor& factor) {
   for (int j = 0; j < pairs; ++j) {
     const std::complex<double> z = h_ * stages_.eigenvalues[j];
     auto& system = factor.systems[static_cast<std::size_t>(j)];
-    Eigen::MatrixXcd matrix = -z * z * by_q_ - z * by_v_;
-    matrix.diagonal().array() += 1.0;
-    system.compute(matrix);
-    factor.pressed.col(j) = system.solve(by_force_.cast<std::complex<double>>());
-    const std::complex<double> own = (to_struck_.transpose() * factor.pressed.col(j))(0);
+    matrix_ = -z * z * by_q_ - z * by_v_;
+    matrix_.diagonal().array() += 1.0;
+    system.compute(matrix_);
+    projected_ = by_force_.cast<std::complex<double>>();
+    solved_ = system.solve(projected_);
+    factor.pressed.col(j) = solved_;
+    const std::complex<double> own(to_struck_.dot(solved_.real()), to_struck_.dot(solved_.imag()));
     const auto re = own.real() * stages_.into_re.row(j) - own.imag() * stages_.into_im.row(j);
     const auto im = own.real() * stages_.into_im.row(j) + own.imag() * stages_.into_re.row(j);
     acceleration += stages_.out_re.col(j) * re - stages_.out_im.col(j) * im;
@@ -264,16 +291,16 @@ bool DenseMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
     beam_->acceleration(stage_q_.col(i), stage_v_.col(i), force[i], scratch_);
     residual_.col(i) = a_.col(i) - scratch_;
   }
-  Stages change = Stages::Zero(n_, S);
+  change_.setZero();
   for (int j = 0; j < pairs; ++j) {
-    Eigen::VectorXcd x(n_);
-    x.real() = residual_ * stages_.into_re.row(j).transpose();
-    x.imag() = residual_ * stages_.into_im.row(j).transpose();
-    const Eigen::VectorXcd y = factor_->systems[static_cast<std::size_t>(j)].solve(x);
-    change +=
-        y.real() * stages_.out_re.col(j).transpose() - y.imag() * stages_.out_im.col(j).transpose();
+    projected_.setZero();
+    for (int i = 0; i < S; ++i)
+      projected_ +=
+          std::complex<double>(stages_.into_re(j, i), stages_.into_im(j, i)) * residual_.col(i);
+    solved_ = factor_->systems[static_cast<std::size_t>(j)].solve(projected_);
+    gather(j, change_);
   }
-  a_ -= change;
+  a_ -= change_;
   place_stages();
   displacement.resize(S);
   velocity.resize(S);
@@ -284,21 +311,20 @@ bool DenseMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
   }
   const double rounding = 16.0 * std::numeric_limits<double>::epsilon() *
                           std::sqrt(inertia_.dot(q_.cwiseAbs2())) / (h_ * speed_scale_);
-  return newton_.improved(excess_ * size_of(change), excess_ * rounding);
+  return newton_.improved(excess_ * size_of(change_), excess_ * rounding);
 }
 
 template <int S>
 void DenseMotion<S>::press(const NodeVector& change) {
   const Eigen::Matrix<double, pairs, 1> re = stages_.into_re * change;
   const Eigen::Matrix<double, pairs, 1> im = stages_.into_im * change;
-  Stages moved = Stages::Zero(n_, S);
+  change_.setZero();
   for (int j = 0; j < pairs; ++j) {
-    const Eigen::VectorXcd x = factor_->pressed.col(j) * std::complex<double>(re[j], im[j]);
-    moved +=
-        x.real() * stages_.out_re.col(j).transpose() - x.imag() * stages_.out_im.col(j).transpose();
+    solved_ = factor_->pressed.col(j) * std::complex<double>(re[j], im[j]);
+    gather(j, change_);
   }
-  a_ += moved;
-  newton_.pressed(excess_ * size_of(moved));
+  a_ += change_;
+  newton_.pressed(excess_ * size_of(change_));
 }
 
 template <int S>
@@ -319,8 +345,9 @@ void DenseMotion<S>::finish(const NodeVector& force, const NodeVector&) {
 
 template <int S>
 double DenseMotion<S>::error() const {
-  const Stages series = a_ * stages_.rule.to_series().transpose();
-  const Series squares = series.cwiseAbs2().transpose() * inertia_;
+  Series squares = Series::Zero();
+  for (int k = 0; k < n_; ++k)
+    squares += inertia_[k] * (to_series_ * a_.row(k).transpose()).cwiseAbs2();
   const double motion =
       h_ * std::min(1.0, h_ / contact_time_) * series_remainder<S>(squares.array()) / speed_scale_;
   const EnergyLoss loss{lost_in_step(), lost_, end_energy_, weight_energy_};
@@ -329,33 +356,30 @@ double DenseMotion<S>::error() const {
 
 template <int S>
 PointMotion DenseMotion<S>::struck_at(double part, double* acceleration) {
-  Series values;
-  shifted_legendre_integrals(part, values);
-  const Series integrals = stages_.rule.to_series().transpose() * values;
-  const Vector v = v_ + h_ * a_ * integrals;
-  const Vector q = q_ + h_ * stage_v_ * integrals;
+  move_to(part);
   if (acceleration) {
+    Series values;
     shifted_legendre(part, values);
-    scratch_ = a_ * (stages_.rule.to_series().transpose() * values);
-    *acceleration = beam_->struck_acceleration(q, v, scratch_);
+    values = to_series_.transpose() * values;
+    scratch_.noalias() = a_ * values;
+    *acceleration = beam_->struck_acceleration(at_q_, at_v_, scratch_);
   }
-  return beam_->struck_point(q, v);
+  return beam_->struck_point(at_q_, at_v_);
 }
 
 template <int S>
 void DenseMotion<S>::sample(double first, double spacing, std::span<Sample> samples) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double part = first + static_cast<double>(i) * spacing;
-    Vector q = q_, v = v_;
     if (part > 0.0) {
-      Series values;
-      shifted_legendre_integrals(part, values);
-      const Series integrals = stages_.rule.to_series().transpose() * values;
-      v += h_ * a_ * integrals;
-      q += h_ * stage_v_ * integrals;
+      move_to(part);
+    } else {
+      at_q_ = q_;
+      at_v_ = v_;
     }
-    samples[i] = {beam_->struck_point(q, v), beam_->point(velocity_place_, q, v).velocity,
-                  beam_->point(displacement_place_, q, v).displacement};
+    samples[i] = {beam_->struck_point(at_q_, at_v_),
+                  beam_->point(velocity_place_, at_q_, at_v_).velocity,
+                  beam_->point(displacement_place_, at_q_, at_v_).displacement};
   }
 }
 

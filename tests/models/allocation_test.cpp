@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "models/modal/bar_cache.hpp"
+#include "tests/models/scenes.hpp"
+
+namespace {
+
+long allocations = 0;
+
+}  // namespace
+
+// The linker hands every call of malloc in the project's own objects to these (--wrap).
+extern "C" {
+void* __real_malloc(std::size_t size);
+
+void* __wrap_malloc(std::size_t size) {
+  ++allocations;
+  return __real_malloc(size);
+}
+}
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = __real_malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace impactrig::tests {
+namespace {
+
+using namespace models;
+
+Rig damped_paper_rig() {
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  rig.contact.damping = "lankarani-nikravesh";
+  rig.contact.restitution = 0.5;
+  return rig;
+}
+
+struct Counted {
+  long allocations, steps;
+};
+
+Counted count(const Rig& rig, Solver solver, double duration, const SimulationOptions& options) {
+  solver.duration = duration;
+  const long before = allocations;
+  const Simulation run = simulate(rig, solver, options);
+  EXPECT_FALSE(run.episodes.empty());
+  return {allocations - before, run.cost.steps};
+}
+
+/// Runs that differ in their number of steps alone: the second stretch is free flight or contact
+/// like the first.
+void expect_no_allocation_in_steps(const Rig& rig, const Solver& solver,
+                                   const SimulationOptions& options) {
+  count(rig, solver, 3e-3, options);  // fills what is kept between runs
+  const Counted shorter = count(rig, solver, 1.5e-3, options);
+  const Counted longer = count(rig, solver, 3e-3, options);
+  EXPECT_GT(longer.steps, shorter.steps + 5);
+  EXPECT_EQ(longer.allocations, shorter.allocations);
+}
+
+TEST(TimeLoop, CountsAllocationsAtAll) {
+  const Counted run = count(damped_paper_rig(), ancf(7, 1, 1e-3, 0.0), 1e-3, {});
+  EXPECT_GT(run.allocations, 20);  // by Eigen and by the containers of the set-up
+}
+
+TEST(TimeLoop, OfAncfAllocatesNothing) {
+  SimulationOptions exact;
+  exact.exact = true;
+  for (const double accuracy : {1e-3, 1e-6})
+    expect_no_allocation_in_steps(damped_paper_rig(), ancf(7, 1, accuracy, 0.0), exact);
+}
+
+TEST(TimeLoop, OfDampedAncfAllocatesNothing) {
+  Rig rig = damped_paper_rig();
+  rig.beam.damping = {.mass = 1.0, .stiffness = 1e-8};
+  rig.hinge = {.spring = 100.0, .viscous = 0.1};
+  SimulationOptions exact;
+  exact.exact = true;
+  expect_no_allocation_in_steps(rig, ancf(7, 1, 1e-4, 0.0), exact);
+}
+
+TEST(TimeLoop, OfHybridAllocatesNothing) {
+  SimulationOptions exact;
+  exact.exact = true;
+  for (const double accuracy : {1e-3, 1e-6})
+    expect_no_allocation_in_steps(damped_paper_rig(), hybrid(Basis::pinned_free, 5, accuracy, 0.0),
+                                  exact);
+}
+
+TEST(TimeLoop, OfSmallMotionAllocatesNothing) {
+  BarCache cache;
+  SimulationOptions options;
+  options.bars = &cache;
+  options.motion = Motion::small;
+  expect_no_allocation_in_steps(damped_paper_rig(), ancf(14, 2, 1e-4, 0.0), options);
+}
+
+}  // namespace
+}  // namespace impactrig::tests
