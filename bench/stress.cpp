@@ -3,15 +3,16 @@
 // Random scenes far beyond any laboratory: does every one end in time with a sound answer or a
 // sentence? Each scene is a rig file drawn from a seed and its number alone, so that
 // `--only NUMBER` runs it again and `--rig NUMBER` prints it for the impactrig program. Each is
-// solved in a child process of limited time and memory, then solved again 30 times as accurately.
-// An answer is sound when every number in it is finite, contacts follow each other, no force pulls,
-// the energy balances or a warning says that it does not, and when peak force, duration and impulse
-// of the first contact agree with the second run within the accuracy asked for. Exit status 1 when
-// a scene fails.
+// solved in a child process of limited processor time and memory, then solved again 30 times as
+// accurately. An answer is sound when every number in it is finite, contacts follow each other, no
+// force pulls, the energy balances or a warning says that it does not, and when peak force,
+// duration and impulse of the first contact agree with the second run within the accuracy asked
+// for. Exit status 1 when a scene fails.
 
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -48,6 +49,7 @@ constexpr double evaluations_of_step = 13.0;        // events and extrema includ
 constexpr double finer = 30.0;                      // of the confirming run
 constexpr std::uintptr_t most_memory = 4ull << 30;  // of a child [bytes]
 constexpr double confirming_time = 4.0;             // as a multiple of the first run's limit
+constexpr double waiting = 20.0;                    // of wall clock, as a multiple of limits
 constexpr std::array families = {"impact", "to the end", "bounces", "grazing"};
 
 struct Study {
@@ -459,6 +461,14 @@ void judge_against(const models::Simulation& run, const models::Simulation& fine
       outcome.peak, outcome.duration, outcome.impulse, outcome.accuracy);
 }
 
+/// The process is killed after this long at work [s]: other work on the machine does not count.
+void limit_work(double seconds) {
+  const double whole = std::floor(seconds);
+  const itimerval timer{
+      {}, {static_cast<time_t>(whole), static_cast<suseconds_t>(1e6 * (seconds - whole))}};
+  setitimer(ITIMER_PROF, &timer, nullptr);
+}
+
 /// The child's work: one line after the first run, one at the end.
 void run_scene(const Study& study, const Scene& scene, int pipe) {
   Outcome outcome;
@@ -477,6 +487,7 @@ void run_scene(const Study& study, const Scene& scene, int pipe) {
   models::Simulation run;
   outcome.number = scene.number;
   outcome.accuracy = solver.accuracy;
+  limit_work(study.limit);
   guarded(outcome, [&] {
     options.history.interval = solver.duration.value_or(0.1) / 500.0;
     run = models::simulate(scene.file.rig, solver, options);
@@ -485,6 +496,7 @@ void run_scene(const Study& study, const Scene& scene, int pipe) {
   tell();
   if (outcome.kind != Kind::answered && outcome.kind != Kind::warned) return;
   Outcome finer_run;
+  limit_work(confirming_time * study.limit);
   guarded(finer_run, [&] {
     solver.accuracy = std::max(solver.accuracy / finer, 1e-13);
     options.history.interval = 0.0;
@@ -515,7 +527,7 @@ Outcome run_guarded(const Study& study, const Scene& scene) {
   }
   close(ends[1]);
   const auto started = Clock::now();
-  double limit = study.limit;
+  const double limit = waiting * (1.0 + confirming_time) * study.limit;
   bool late = false;
   std::string told;
   for (;;) {
@@ -530,11 +542,11 @@ Outcome run_guarded(const Study& study, const Scene& scene) {
     const ssize_t n = read(ends[0], buffer.data(), buffer.size());
     if (n <= 0) break;
     told.append(buffer.data(), static_cast<std::size_t>(n));
-    if (told.find('\n') != std::string::npos) limit = (1.0 + confirming_time) * study.limit;
   }
   close(ends[0]);
   int status = 0;
   waitpid(child, &status, 0);
+  late = late || (WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF);
 
   Outcome outcome;
   outcome.number = scene.number;
@@ -686,7 +698,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   program.add_option("--only", study.only, "Numbers of the scenes to run")->delimiter(',');
   program.add_option("--rig", study.rig, "Print the rig file of a scene instead");
-  program.add_option("--limit", study.limit, "For one run of a scene [s]")->capture_default_str();
+  program.add_option("--limit", study.limit, "Processor time for one run of a scene [s]")
+      ->capture_default_str();
   program.add_flag("--exact", study.exact, "Take no simplification");
   program.add_flag("--confirm-exact", study.confirm_exact, "Take none in the finer run");
   program.add_option("-o,--output", study.output, "Every scene, as JSON");
