@@ -49,6 +49,7 @@ constexpr double evaluations_of_step = 13.0;        // events and extrema includ
 constexpr double finer = 30.0;                      // of the confirming run
 constexpr std::uintptr_t most_memory = 4ull << 30;  // of a child [bytes]
 constexpr double confirming_time = 4.0;             // as a multiple of the first run's limit
+constexpr double grace = 1.5;                       // for a run to heed its limit, as a multiple
 constexpr double waiting = 20.0;                    // of wall clock, as a multiple of limits
 constexpr std::array families = {"impact", "to the end", "bounces", "grazing"};
 
@@ -321,6 +322,7 @@ struct Outcome {
   double seconds = 0.0;
   long evaluations = 0, contacts = 0;
   bool small_motion = false;
+  bool cut_short = false;  ///< by solver.time_limit
 
   double error() const { return std::max({peak, duration, impulse}); }
 };
@@ -335,7 +337,8 @@ Json to_json(const Outcome& o) {
           {"solve_s", o.seconds},
           {"evaluations", o.evaluations},
           {"contacts", o.contacts},
-          {"small_motion", o.small_motion}};
+          {"small_motion", o.small_motion},
+          {"cut_short", o.cut_short}};
 }
 
 Outcome from_json(const Json& json) {
@@ -354,6 +357,7 @@ Outcome from_json(const Json& json) {
   o.evaluations = json.at("evaluations");
   o.contacts = json.at("contacts");
   o.small_motion = json.at("small_motion");
+  o.cut_short = json.at("cut_short");
   return o;
 }
 
@@ -408,9 +412,9 @@ std::string unsound(const models::Simulation& run) {
   return "";
 }
 
-bool warns_of_energy(const models::Simulation& run) {
-  return std::ranges::any_of(run.warnings, [](const std::string& warning) {
-    return warning.find("energy does not balance") != std::string::npos;
+bool warns_of(const models::Simulation& run, const char* words) {
+  return std::ranges::any_of(run.warnings, [&](const std::string& warning) {
+    return warning.find(words) != std::string::npos;
   });
 }
 
@@ -433,12 +437,13 @@ void judge_alone(const models::Simulation& run, Outcome& outcome) {
   outcome.evaluations = run.cost.evaluations;
   outcome.contacts = static_cast<long>(run.episodes.size());
   outcome.small_motion = run.small_motion;
+  outcome.cut_short = warns_of(run, "solver.time_limit");
   outcome.kind = Kind::answered;
   if (!(outcome.sentence = not_finite(run)).empty()) {
     outcome.kind = Kind::not_finite;
   } else if (!(outcome.sentence = unsound(run)).empty()) {
     outcome.kind = Kind::unsound;
-  } else if (warns_of_energy(run)) {
+  } else if (warns_of(run, "energy does not balance")) {
     outcome.kind = Kind::warned;
   } else if (!(std::abs(run.energy.imbalance) <= 10.0 * run.solver.accuracy + 1e-10)) {
     outcome.kind = Kind::energy;
@@ -487,7 +492,8 @@ void run_scene(const Study& study, const Scene& scene, int pipe) {
   models::Simulation run;
   outcome.number = scene.number;
   outcome.accuracy = solver.accuracy;
-  limit_work(study.limit);
+  limit_work(grace * study.limit);
+  solver.time_limit = study.limit;
   guarded(outcome, [&] {
     options.history.interval = solver.duration.value_or(0.1) / 500.0;
     run = models::simulate(scene.file.rig, solver, options);
@@ -496,7 +502,8 @@ void run_scene(const Study& study, const Scene& scene, int pipe) {
   tell();
   if (outcome.kind != Kind::answered && outcome.kind != Kind::warned) return;
   Outcome finer_run;
-  limit_work(confirming_time * study.limit);
+  limit_work(grace * confirming_time * study.limit);
+  solver.time_limit = confirming_time * study.limit;
   guarded(finer_run, [&] {
     solver.accuracy = std::max(solver.accuracy / finer, 1e-13);
     options.history.interval = 0.0;
@@ -527,7 +534,7 @@ Outcome run_guarded(const Study& study, const Scene& scene) {
   }
   close(ends[1]);
   const auto started = Clock::now();
-  const double limit = waiting * (1.0 + confirming_time) * study.limit;
+  const double limit = waiting * grace * (1.0 + confirming_time) * study.limit;
   bool late = false;
   std::string told;
   for (;;) {
@@ -633,9 +640,11 @@ void print_summary(const Study& study, const std::vector<Outcome>& outcomes) {
     for (const char* family : families) fmt::print("{:>12}", counts[family]);
   }
   fmt::print(
-      "\n\nof the answers {} by small motion; of the late {} are as slow as the mesh's fastest "
-      "vibration explains\n",
-      std::ranges::count(outcomes, true, &Outcome::small_motion), explained);
+      "\n\nof the answers {} by small motion, {} cut short by solver.time_limit; of the late {} "
+      "are as "
+      "slow as the mesh's fastest vibration explains\n",
+      std::ranges::count(outcomes, true, &Outcome::small_motion),
+      std::ranges::count(outcomes, true, &Outcome::cut_short), explained);
   fmt::print("\nrefusals, numbers as #\n");
   for (const auto& [sentence, count] : refusals) fmt::print("  {:>5}  {}\n", count, sentence);
   print_worst(study, outcomes, "energy imbalance over the accuracy",

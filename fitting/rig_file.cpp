@@ -200,6 +200,7 @@ void read_solver(TableReader& table, RigFile& file) {
     solver.basis = static_cast<models::Basis>(*basis);
   if (const auto accuracy = table.number("accuracy")) solver.accuracy = *accuracy;
   if (const auto duration = table.quantity("duration", "s")) solver.duration = duration->value;
+  if (const auto limit = table.quantity("time_limit", "s")) solver.time_limit = limit->value;
   table.finish();
 }
 

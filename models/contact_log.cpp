@@ -35,9 +35,14 @@ void ContactLog::touch(double t, double speed, const ContactTotals& totals, Cont
   at_start_ = at_deepest_ = totals;
 }
 
-void ContactLog::deepest(double depth, const ContactTotals& totals) {
+void ContactLog::deepest(double depth, const ContactTotals& totals, const ContactForce& contact) {
   Episode& episode = result_.episodes.back();
   if (depth <= episode.max_penetration) return;
+  if (depth > contact.limit_penetration())
+    throw std::runtime_error(
+        fmt::format("the penetration of {:g} m is beyond the range of the elastic law, {:g} m; the "
+                    "contact is too soft or the impact too hard for it",
+                    depth, contact.limit_penetration()));
   episode.max_penetration = depth;
   at_deepest_ = totals;
 }
@@ -117,12 +122,6 @@ void ContactLog::conclude(double t, const ContactTotals& totals, const ContactFo
                     "the law divides by it. Forces after {:g} s depend on this choice.",
                     grazing_, 100.0 * grazing_fraction,
                     result_.episodes.size() > 1 ? result_.episodes[1].start : 0.0));
-  if (result_.max_penetration > contact.limit_penetration())
-    throw std::runtime_error(
-        fmt::format("the penetration of {:g} m is beyond the range of the elastic law, {:g} m; the "
-                    "contact is too soft or the impact too "
-                    "hard for it",
-                    result_.max_penetration, contact.limit_penetration()));
 }
 
 bool left_for_good(const Rig& rig, double reach, const RigidPart& rigid, const BeamEnergy& energy) {

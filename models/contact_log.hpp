@@ -30,8 +30,9 @@ class ContactLog {
   void touch(double t, double speed, const ContactTotals& totals, ContactForce& contact);
   void separate(double t, double speed, const ContactTotals& totals, ContactForce& contact);
 
-  /// A depth reached; kept when it is the deepest of the episode.
-  void deepest(double depth, const ContactTotals& totals);
+  /// A depth reached; kept when it is the deepest of the episode. Throws std::runtime_error when it
+  /// is beyond the range of the elastic law.
+  void deepest(double depth, const ContactTotals& totals, const ContactForce& contact);
 
   /// A force reached; kept when it is the largest of the episode.
   void peak(double force, double t);

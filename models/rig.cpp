@@ -98,6 +98,7 @@ void validate_solver(const Solver& solver, const Rig& rig) {
     refuse("solver.accuracy",
            fmt::format("must lie between 1e-13 and 0.1, found {:g}", solver.accuracy));
   if (solver.duration) require_positive("solver.duration", *solver.duration, "s");
+  require_positive("solver.time_limit", solver.time_limit, "s");
   if (solver.model == BeamModel::ancf) {
     const bool at_tip = rig.contact.position == rig.beam.length;
     if (solver.elements[0] < 1 || solver.elements[1] < (at_tip ? 0 : 1) ||

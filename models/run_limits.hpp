@@ -10,7 +10,6 @@ namespace impactrig::models {
 /// otherwise be damped without bound.
 inline constexpr double grazing_fraction = 0.01;
 inline constexpr double longest_default_run = 0.1;  // [s]
-inline constexpr long most_steps = 20'000'000;
 inline constexpr std::size_t most_episodes = 100'000;
 
 }  // namespace impactrig::models

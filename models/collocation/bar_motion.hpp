@@ -37,8 +37,8 @@ class BarMotion {
   /// The straight bar at an angle [rad, negative before touch] turning at a rate [rad/s].
   virtual void start(double angle, double rate) = 0;
 
-  /// Errors are measured against this kinetic energy [J]; vibration in a time much shorter than a
-  /// contact needs to sink in [s] moves the force little.
+  /// Errors are measured against this energy [J], of what the contact has to stop first; vibration
+  /// much faster than it does so [s] moves the force little.
   virtual void set_scales(double kinetic, double contact_time) = 0;
 
   virtual PointMotion struck() const = 0;

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "models/history_recorder.hpp"
@@ -23,6 +25,39 @@ constexpr double motion_resolution = 1e-3;
 // The same far from the stop, of the gap.
 constexpr double gap_share = 0.1;
 constexpr int most_iterations = 12;
+// Step attempts between looks at the clock, which takes about as long as a short step.
+constexpr long attempts_per_look = 16;
+
+/// What of the bar the contact first has to stop: in how long a time, and with which energy. A
+/// short bar as a whole; of a long one, what moves with the struck point in that time. A point
+/// force meets an infinite beam's impedance 2 √2 m' (EI / m')^¼ √ω [Cremer2005, 5.2].
+struct Loading {
+  double time;    ///< [s]
+  double energy;  ///< [J]
+};
+
+Loading loading(const Rig& rig, const Solver& solver, const ContactForce& contact, double depth,
+                double approach, double kinetic) {
+  const double whole = depth / approach;
+  double time = whole;
+  if (solver.model != BeamModel::rigid) {
+    const double line_mass = rig.beam.density * rig.beam.area;
+    const double wave =
+        std::pow(rig.beam.youngs_modulus * rig.beam.second_moment / line_mass, 0.25);
+    const double stiffness = contact.elastic(depth) / depth;
+    const double mass = 2.0 * std::numbers::sqrt2 * line_mass * wave;  // times √time
+    time = std::min(time, std::pow(mass / stiffness, 2.0 / 3.0));
+  }
+  // strong damping presses with full force earlier
+  return {time / (1.0 + contact.damping_factor()), kinetic * std::pow(time / whole, 2)};
+}
+
+/// Of the calling thread [s].
+double processor_time() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 }  // namespace
 
@@ -170,6 +205,11 @@ void CollocationRun::take_attempt() {
   t_ += tried_.part * h;
 }
 
+void CollocationRun::set_scales() {
+  const Loading first = loading(rig_, solver_, contact_, depth_, approach_, energy_scale_);
+  bar_.set_scales(first.energy, first.time);
+}
+
 void CollocationRun::first_touch() {
   time_of_touch_ = t_;
   totals_ = {};  // a damped swing before is not the impact's
@@ -177,7 +217,7 @@ void CollocationRun::first_touch() {
   approach_ = bar_.struck().velocity;
   energy_scale_ = energy.kinetic;
   depth_ = penetration_storing(contact_, energy_scale_);
-  bar_.set_scales(energy_scale_, depth_ / approach_);
+  set_scales();
   log_.begin(energy);
   impulse_scale_ = 2.0 * energy_scale_ / approach_;
   force_scale_ = contact_.elastic(depth_);
@@ -246,8 +286,7 @@ void CollocationRun::integrate() {
   bool rejected = false;
   bool done = false;
   while (!done) {
-    if (result_.cost.steps + result_.cost.rejected > most_steps)
-      throw std::runtime_error("the integration makes no headway; ask for less accuracy");
+    if (out_of_time()) return;
     attempt(level);
     if (!(tried_.error <= 1.0)) {
       ++result_.cost.rejected;
@@ -279,6 +318,27 @@ void CollocationRun::integrate() {
   }
 }
 
+/// Whether the time allowed is over. Throws when no contact is over by then.
+bool CollocationRun::out_of_time() {
+  if ((result_.cost.steps + result_.cost.rejected) % attempts_per_look != 0) return false;
+  if (processor_time() - time_started_ < solver_.time_limit) return false;
+  const bool any = !result_.episodes.empty() && !result_.episodes.front().open;
+  const std::string reached = fmt::format(
+      "{:g} s of processor time, solver.time_limit, took the simulation to {:g} s {}",
+      solver_.time_limit, t_ - time_of_touch_,
+      result_.episodes.empty() ? "of the swing before first touch" : "after first touch");
+  const std::string remedy =
+      "State a shorter solver.duration, fewer elements or modes (an element much shorter than the "
+      "others vibrates fast), a larger solver.accuracy, or a longer solver.time_limit.";
+  if (!any)
+    throw std::runtime_error(
+        fmt::format("{}, before the first contact was over. {}", reached, remedy));
+  result_.termination = reached;
+  result_.warnings.push_back(
+      fmt::format("{}; what comes later is not in the result. {}", reached, remedy));
+  return true;
+}
+
 /// Whether nothing more can happen at the stop. Throws when a released bar does not reach it.
 bool CollocationRun::ends_early() {
   if (result_.episodes.empty()) {
@@ -308,13 +368,14 @@ bool CollocationRun::ends_early() {
 
 Simulation CollocationRun::simulate() {
   const auto started = std::chrono::steady_clock::now();
+  time_started_ = processor_time();
   if (rig_.start.release_angle && (options_.exact || spring_bends_bar(rig_))) {
     bar_.start(-*rig_.start.release_angle, 0.0);
     approach_ = touch_velocity(rig_);
     const double rate = approach_ / rig_.contact.position;
     energy_scale_ = 0.5 * rig_.beam.hinge_inertia() * rate * rate;
     depth_ = penetration_storing(contact_, energy_scale_);
-    bar_.set_scales(energy_scale_, depth_ / approach_);
+    set_scales();
     t_end_ = std::numeric_limits<double>::infinity();
     longest_ = bar_.ladder().longest;
     first_ = 1e-3 * *rig_.start.release_angle / rate;

@@ -50,6 +50,7 @@ class CollocationRun {
   double pull_between(double before, double here, const PointMotion& p1);
   double root_of_gap(double low, double high);
   bool land_on_event();
+  void set_scales();
   void first_touch();
   void take_attempt();
   void touch();
@@ -62,6 +63,7 @@ class CollocationRun {
   int next_level() const;
   bool leave_event();
   bool ends_early();
+  bool out_of_time();
   void integrate();
   void conclude();
 
@@ -86,6 +88,7 @@ class CollocationRun {
   ContactTotals totals_;
   double elastic_reach_;  // √(2 C): how far √energy can move the struck point elastically [m/√J]
   long evaluations_ = 0;
+  double time_started_ = 0.0;  // processor time [s]
   Simulation result_;
   ContactLog log_;
 };

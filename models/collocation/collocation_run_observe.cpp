@@ -16,8 +16,10 @@ double CollocationRun::integral(const NodeVector& at_nodes, double part) const {
 void CollocationRun::observe_deepest(double part) {
   const double depth = bar_.struck_at(part).displacement;
   if (depth <= log_.episode().max_penetration) return;
-  log_.deepest(depth, {totals_.impulse + integral(tried_.force, part),
-                       totals_.dissipated + integral(tried_.dissipation, part)});
+  log_.deepest(depth,
+               {totals_.impulse + integral(tried_.force, part),
+                totals_.dissipated + integral(tried_.dissipation, part)},
+               contact_);
 }
 
 /// The force's maximum between two places of the step, where its exact rate changes sign.

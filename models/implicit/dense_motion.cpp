@@ -17,8 +17,9 @@
 namespace impactrig::models {
 namespace {
 
-// Of the accuracy asked for, what Newton's method may leave of a step.
-constexpr double newton_share = 0.2;
+// Of the accuracy asked for, what Newton's method may leave of a step: so little that the error
+// estimate does not see it, or steps shrink for nothing.
+constexpr double newton_share = 0.01;
 constexpr int kept_factors = 6;
 
 /// S: stages of the method, an even number. Unknown are the accelerations a of the stages; they are

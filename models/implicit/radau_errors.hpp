@@ -30,13 +30,17 @@ struct EnergyLoss {
   BeamEnergy energy;     ///< of the bar at the step's end
   double weight = 0.0;   ///< what the weight could do at most [J]
 
+  /// Of the accuracy asked for, what all losses together may take: a lost energy moves force and
+  /// duration by its like, and by several times that where the bar turns at a shallow angle.
+  static constexpr double share = 0.1;
+
   /// The loss of the step as a part of the energy that counts [J], and more when the steps before
-  /// have left little of the accuracy; rounding of the energies is not held against the step.
+  /// have left little of its share; rounding of the energies is not held against the step.
   double error(double scale, double accuracy) const {
     const double rounding =
         1e-14 * (std::abs(energy.elastic) + energy.kinetic + energy.spring) + 1e-15 * weight;
     const double lost = std::max(std::abs(in_step) - rounding, 0.0) / scale;
-    return lost / std::max(1.0 - std::abs(before) / (scale * accuracy), 0.02);
+    return lost / std::max(1.0 - std::abs(before) / (scale * share * accuracy), 0.02);
   }
 };
 

@@ -24,7 +24,7 @@ class ModalMotion : public BarMotion {
 
   void start(double angle, double rate) override;
 
-  void set_scales(double kinetic, double) override { energy_scale_ = kinetic; }
+  void set_scales(double, double) override { energy_scale_ = energy().kinetic; }
 
   PointMotion struck() const override { return struck(state_); }
 
@@ -60,8 +60,8 @@ class ModalMotion : public BarMotion {
 
   void take(double part) override;
 
-  /// What the small motion left out so far, as a part of the bar's kinetic energy: of the order of
-  /// the relative error of peak force, duration and impulse.
+  /// What the small motion left out so far, as a part of the bar's kinetic energy at touch: of the
+  /// order of the relative error of peak force, duration and impulse.
   double neglected() const { return neglected_; }
 
  private:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "models/contact/contact_force.hpp"
 #include "models/contact/damping_law.hpp"
@@ -239,6 +240,46 @@ TEST(Simulate, RefusesAPenetrationBeyondTheElasticLaw) {
               testing::ThrowsMessage<std::runtime_error>(testing::MatchesRegex(
                   "the penetration of [0-9.e+-]+ m is beyond the range of the elastic law, "
                   "[0-9.e+-]+ m; the contact is too soft or the impact too hard for it")));
+}
+
+TEST(Simulate, RefusesItAsSoonAsItIsReached) {
+  // A thousand seconds of a bar that turns over and over: without the refusal no end.
+  Rig rig = paper_rig();
+  rig.contact.exponent = 3;
+  rig.contact.length = 1e-6;
+  rig.start.velocity = 50.0;
+  Solver solver = hybrid(Basis::pinned_free, 8, 1e-9, 1000.0);
+  solver.time_limit = 1e9;
+  EXPECT_THAT([&] { simulate(rig, solver); },
+              testing::ThrowsMessage<std::runtime_error>(
+                  testing::HasSubstr("beyond the range of the elastic law")));
+}
+
+TEST(Simulate, SaysWhatTakesSoLongWhenItsTimeIsOver) {
+  Solver solver = ancf(14, 2, 1e-6, 3e-3);
+  solver.time_limit = 1e-12;
+  EXPECT_THAT([&] { simulate(paper_rig(), solver); },
+              testing::ThrowsMessage<std::runtime_error>(
+                  testing::AllOf(testing::HasSubstr("solver.time_limit, took the simulation to"),
+                                 testing::HasSubstr("before the first contact was over"),
+                                 testing::HasSubstr("fewer elements"))));
+}
+
+TEST(Simulate, EndsWithTheContactsItHasWhenItsTimeIsOver) {
+  // A rigid bar on its stop for ten years: no machine gets there in a twentieth of a second.
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  rig.gravity_direction = 0.5 * std::numbers::pi;
+  rig.contact.damping = "none";
+  Solver solver = rigid(1e-3);
+  solver.duration = 3e8;
+  solver.time_limit = 0.05;
+  const Simulation run = simulate(rig, solver);
+  ASSERT_FALSE(run.episodes.empty());
+  EXPECT_FALSE(run.episodes.front().open);
+  EXPECT_LT(run.duration, 3e8);
+  EXPECT_THAT(run.termination, testing::HasSubstr("solver.time_limit"));
+  EXPECT_THAT(run.warnings, testing::Contains(testing::HasSubstr("what comes later is not")));
 }
 
 TEST(Simulate, ReportsItsSolverAndItsCost) {

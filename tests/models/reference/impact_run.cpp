@@ -23,6 +23,7 @@ constexpr double step_share = 0.25;
 // frequency may be underestimated. The error estimate alone lets steps dance around that limit and
 // feed the vibration: after 1e5 steps the energy had doubled.
 constexpr double longest_phase = 5.6;
+constexpr long most_steps = 20'000'000;
 
 }  // namespace
 

@@ -24,7 +24,7 @@ double maximum_of_cubic(double f0, double s0, double f1, double s1) {
 
 void ImpactRun::observe_deepest(double theta) {
   stepper_.dense(theta, f_, scratch_);
-  log_.deepest(gap_event(scratch_), totals(scratch_));
+  log_.deepest(gap_event(scratch_), totals(scratch_), contact_);
 }
 
 /// Where the force peaks between two places of the attempted step, found on the dense output; the
@@ -61,7 +61,7 @@ void ImpactRun::observe_extrema() {
     }
     observe_deepest(low);
   } else {
-    log_.deepest(p1.displacement, totals(y1));
+    log_.deepest(p1.displacement, totals(y1), contact_);
   }
   const double rate0 =
       contact_.force_rate(p0.displacement, p0.velocity, acceleration(y0, stepper_.slope()));
