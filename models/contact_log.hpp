@@ -39,6 +39,9 @@ class ContactLog {
 
   const Episode& episode() const { return result_.episodes.back(); }
 
+  /// Since first touch, when the episode was deepest [J].
+  double dissipated_at_deepest() const { return at_deepest_.dissipated; }
+
   double first_speed() const { return result_.episodes.front().approach_velocity; }
 
   /// Sums up at the end of the run, with the bar's energy then and its turning as a rigid body.

@@ -70,6 +70,8 @@ struct Contact {
   double stiffness_factor = 1.0;                ///< on the force at equal penetration [-]
   std::string damping = "lankarani-nikravesh";  ///< a name of damping_laws()
   double restitution = 1.0;                     ///< e in the damping law [-]
+
+  bool operator==(const Contact&) const = default;
 };
 
 /// How the impact begins: a given speed of the struck point at first touch, or a release from rest.
@@ -94,6 +96,9 @@ struct Rig {
   double gravity_along() const;
   double gravity_across() const;
 };
+
+/// A number of the rig, by reference.
+using RigParameter = double& (*)(Rig& rig);
 
 /// Whether anything but the contact takes energy.
 bool damped(const Rig& rig);

@@ -28,7 +28,7 @@ constexpr double safety = 4.0;
 
 // Of the accuracy asked for, what full equations are solved to: scenes may magnify errors (a bar
 // that turns back just before it stands on its head: 18 times). A rigid bar costs next to nothing.
-constexpr double share_of_full = 0.5, share_of_rigid = 0.03;
+constexpr double share_of_full = 0.3, share_of_rigid = 0.03;
 
 /// A bar that can stretch begins without tension; until its first axial vibration is over the
 /// weight does not turn it back as small motion has it. As a part of the energy.
@@ -55,7 +55,15 @@ Simulation simulate_small_motion(const Rig& rig, const Solver& solver,
   BarCache& cache = options.bars ? *options.bars : own;
   const std::shared_ptr<const ModalBar> bar = cache.bar(rig, solver);
   ModalMotion motion(*bar, Collocation::of(nodes_for(solver.accuracy)), options.history);
-  Simulation result = CollocationRun(rig, solver, options, motion).simulate();
+  CollocationRun run(rig, solver, options, motion);
+  std::optional<ModalSensitivities> sensitivities;
+  const bool begins_at_touch = !rig.start.release_angle || !spring_bends_bar(rig);
+  if (!options.sensitivities.empty() && begins_at_touch) {
+    sensitivities.emplace(rig, solver, options, motion);
+    run.follow(*sensitivities);
+  }
+  Simulation result = run.simulate();
+  if (sensitivities) result.sensitivities = sensitivities->take_results();
   result.small_motion = true;
   result.neglected = safety * (motion.neglected() + missing_tension(rig, solver, result.duration));
   result.skipped.push_back(fmt::format(

@@ -85,6 +85,18 @@ struct MeshError {
   double largest() const;
 };
 
+/// Derivatives of what simulate() gives by one number of the rig; events move with it. Of the first
+/// contact, and NaN where that does not end.
+struct Sensitivity {
+  double peak_force = 0.0;
+  double max_penetration = 0.0;
+  double duration = 0.0;
+  double impulse = 0.0;
+  double separation_velocity = 0.0;
+  Restitution restitution = {.law = 0.0};  ///< `law` stays zero
+  History history;  ///< sample by sample at the same times; none asked for: empty
+};
+
 /// What simulate() gives. `termination` says in a sentence why the run ended.
 struct Simulation {
   Solver solver;                 ///< as used
@@ -102,6 +114,8 @@ struct Simulation {
   bool small_motion = false;  ///< solved as Motion::small
   /// Estimated relative error of peak force, duration and impulse by the simplifications taken.
   double neglected = 0.0;
+  /// As asked for, in that order; empty where the full equations were solved.
+  std::vector<Sensitivity> sensitivities;
   std::optional<MeshError> mesh_error;  ///< not estimated by simulate() itself
   std::vector<std::string> skipped;     ///< simplifications taken: what, why it is safe here
   std::vector<std::string> warnings;    ///< one sentence each
@@ -122,6 +136,8 @@ struct SimulationOptions {
   BarCache* bars = nullptr;
   Motion motion = Motion::by_accuracy;
   bool exact = false;  ///< take no simplification
+  /// Numbers of the rig by which to differentiate. Small motion that begins at touch only.
+  std::vector<RigParameter> sensitivities = {};
 };
 
 /// Predicts one impact of the rig. Throws std::invalid_argument as validate() does or when small

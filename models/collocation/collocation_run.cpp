@@ -154,6 +154,15 @@ double CollocationRun::force_error() const {
   return std::max(impulse / impulse_scale_, loss / energy_scale_) / tolerance;
 }
 
+/// What the force's derivatives leave out, by which the parameters' own size would change the
+/// impulse. They are less smooth than the force where it begins and ends.
+double CollocationRun::derivative_error() const {
+  double worst = 0.0;
+  for (int i = 0; i < followed_->count(); ++i)
+    worst = std::max(worst, truncation(followed_->force_series(i)) * followed_->size(i));
+  return worst * bar_.step() / impulse_scale_ / std::max(solver_.accuracy, 1e-13);
+}
+
 double CollocationRun::motion_error() const {
   const int s = rule_.nodes();
   const NodeVector series = rule_.to_series() * tried_.displacement;
@@ -186,6 +195,10 @@ void CollocationRun::solve_attempt() {
   tried_.error = std::max(force_error(), bar_.error() / (solver_.accuracy * step_share));
   if (contact_.phase() != Phase::pressed) tried_.error = std::max(tried_.error, motion_error());
   tried_.at_end = bar_.struck_at_end();
+  if (followed_ && tried_.error <= 1.0) {
+    followed_->solve(tried_.force, tried_.displacement, tried_.velocity);
+    tried_.error = std::max(tried_.error, derivative_error());
+  }
 }
 
 void CollocationRun::take_attempt() {
@@ -196,6 +209,14 @@ void CollocationRun::take_attempt() {
   totals_.impulse += integral(tried_.force, tried_.part);
   totals_.dissipated += integral(tried_.dissipation, tried_.part);
   totals_.damped += bar_.damped();
+  if (followed_) {
+    using End = ModalSensitivities::End;
+    const End end = tried_.event == Event::gap    ? End::gap
+                    : tried_.event == Event::pull ? End::pull
+                    : tried_.event == Event::end  ? End::time
+                                                  : End::step;
+    followed_->take(tried_.part, end);
+  }
   bar_.take(tried_.part);
   if (tried_.event == Event::none && contact_.phase() == Phase::pressed)
     last_series_ = tried_.force_series;
@@ -237,9 +258,14 @@ void CollocationRun::first_touch() {
 }
 
 void CollocationRun::touch() {
-  if (result_.episodes.empty()) first_touch();
+  const bool first = result_.episodes.empty();
+  if (first) first_touch();
   bar_.expect_contact();
-  log_.touch(t_ - time_of_touch_, bar_.struck().velocity, totals_, contact_);
+  const double speed = bar_.struck().velocity;
+  log_.touch(t_ - time_of_touch_, speed, totals_, contact_);
+  if (!followed_) return;
+  if (first) followed_->begin();
+  followed_->touch(contact_, speed, first);
 }
 
 int CollocationRun::level_after_rejection(int level) const {
@@ -270,6 +296,7 @@ bool CollocationRun::leave_event() {
         return true;
       }
       log_.separate(t_ - time_of_touch_, bar_.struck().velocity, totals_, contact_);
+      if (followed_ && result_.episodes.size() == 1) followed_->separate(result_);
       return false;
     case Event::pull:
       contact_.set_phase(contact_.phase() == Phase::pressed ? Phase::slack : Phase::pressed);

@@ -6,6 +6,7 @@
 #include "models/collocation/bar_motion.hpp"
 #include "models/contact/contact_force.hpp"
 #include "models/contact_log.hpp"
+#include "models/modal/modal_sensitivities.hpp"
 #include "models/simulation.hpp"
 
 namespace impactrig::models {
@@ -20,6 +21,10 @@ class CollocationRun {
  public:
   CollocationRun(const Rig& rig, const Solver& solver, const SimulationOptions& options,
                  BarMotion& bar);
+
+  /// The run is followed with derivatives; not owned. For a ModalMotion that begins at touch.
+  void follow(ModalSensitivities& sensitivities) { followed_ = &sensitivities; }
+
   Simulation simulate();
 
  private:
@@ -45,6 +50,7 @@ class CollocationRun {
   double truncation(const NodeVector& series) const;
   double force_error() const;
   double motion_error() const;
+  double derivative_error() const;
   void find_event();
   double gap_between(double before, const PointMotion& p0, double here, const PointMotion& p1);
   double pull_between(double before, double here, const PointMotion& p1);
@@ -55,6 +61,7 @@ class CollocationRun {
   void take_attempt();
   void touch();
   void observe_attempt();
+  void note_peak(double force, double part);
   void observe_peak(double low, double high);
   void observe_deepest(double part);
   void sample_history();
@@ -91,6 +98,8 @@ class CollocationRun {
   double time_started_ = 0.0;  // processor time [s]
   Simulation result_;
   ContactLog log_;
+  ModalSensitivities* followed_ = nullptr;
+  double peak_part_ = -1.0;  // where in the step the force was largest so far in its contact
 };
 
 }  // namespace impactrig::models

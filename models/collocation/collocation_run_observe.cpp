@@ -20,12 +20,19 @@ void CollocationRun::observe_deepest(double part) {
                {totals_.impulse + integral(tried_.force, part),
                 totals_.dissipated + integral(tried_.dissipation, part)},
                contact_);
+  if (followed_ && result_.episodes.size() == 1)
+    followed_->deepest(part, log_.dissipated_at_deepest());
+}
+
+/// A force reached within the step; kept when it is the largest of its contact.
+void CollocationRun::note_peak(double force, double part) {
+  if (force <= log_.episode().peak_force) return;
+  log_.peak(force, t_ - time_of_touch_ + part * bar_.step());
+  peak_part_ = part;
 }
 
 /// The force's maximum between two places of the step, where its exact rate changes sign.
 void CollocationRun::observe_peak(double low, double high) {
-  const double h = bar_.step();
-  const double begun = t_ - time_of_touch_;
   const auto rate_at = [&](double place, double& force) {
     double acceleration = 0.0;
     const PointMotion p = bar_.struck_at(place, &acceleration);
@@ -34,9 +41,9 @@ void CollocationRun::observe_peak(double low, double high) {
   };
   double force = 0.0;
   double at_low = rate_at(low, force);
-  log_.peak(force, begun + low * h);
+  note_peak(force, low);
   double at_high = rate_at(high, force);
-  log_.peak(force, begun + high * h);
+  note_peak(force, high);
   if (!(at_low > 0.0 && at_high < 0.0)) return;
   // regula falsi, the end that stays halved; the force is flat there: 1e-8 of the step is enough
   int stays = 0;
@@ -44,7 +51,7 @@ void CollocationRun::observe_peak(double low, double high) {
     const double place = low + (high - low) * at_low / (at_low - at_high);
     const double rate = rate_at(place, force);
     ++evaluations_;
-    log_.peak(force, begun + place * h);
+    note_peak(force, place);
     if (std::abs(rate) < 1e-10 * (at_low - at_high)) return;
     if (rate > 0.0) {
       if (stays == 1) at_high *= 0.5;
@@ -66,9 +73,9 @@ void CollocationRun::observe_attempt() {
   if (contact_.phase() == Phase::free) return;
   const int s = rule_.nodes();
   const double part = tried_.part;
-  const double begun = t_ - time_of_touch_;
   const bool pressed = contact_.phase() == Phase::pressed;
   rates_.noalias() = rule_.rates() * tried_.force_series;
+  peak_part_ = -1.0;
   PointMotion p0 = bar_.struck();
   double before = 0.0;
   for (int i = 0; i <= s && before < part; ++i) {
@@ -86,8 +93,7 @@ void CollocationRun::observe_attempt() {
                                      contact_.force(p1.displacement, p1.velocity));
       if (larger > 0.95 * log_.episode().peak_force) observe_peak(before, here);
     }
-    if (pressed)
-      log_.peak(contact_.force(p1.displacement, p1.velocity), begun + here * bar_.step());
+    if (pressed) note_peak(contact_.force(p1.displacement, p1.velocity), here);
     if (p0.velocity > 0.0 && p1.velocity <= 0.0) {
       double turn = before + (here - before) * p0.velocity / (p0.velocity - p1.velocity);
       double acceleration = 0.0;
@@ -101,6 +107,7 @@ void CollocationRun::observe_attempt() {
     p0 = p1;
   }
   if (p0.velocity > 0.0 && p0.displacement > log_.episode().max_penetration) observe_deepest(part);
+  if (followed_ && peak_part_ >= 0.0 && result_.episodes.size() == 1) followed_->peak(peak_part_);
 }
 
 /// The samples that fall into the step, up to its end or event.
@@ -117,6 +124,7 @@ void CollocationRun::sample_history() {
   const auto count = static_cast<std::size_t>((reach - next) / history.interval) + 1;
   samples_.resize(count);
   bar_.sample(std::max(0.0, next / h), history.interval / h, samples_);
+  if (followed_) followed_->sample(std::max(0.0, next / h), history.interval / h, count);
   for (const BarMotion::Sample& sample : samples_) {
     const auto& [displacement, velocity] = sample.struck;
     // at a phase's end rounding may put the sample just beyond it, where the law would pull

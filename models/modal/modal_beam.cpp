@@ -98,6 +98,42 @@ void ModalBeam::solve_modes() {
   hinge_ = basis.transpose() * hinge;
 }
 
+ModalSlope ModalBeam::slope(const SmallMotion& change, const Eigen::VectorXd& row,
+                            const Eigen::VectorXd& row_change) const {
+  const Eigen::Index m = omega_.size();
+  const Eigen::VectorXd& h = motion_.hinge;
+  const Eigen::MatrixXd coupled = motion_.spring * (change.hinge * h.transpose());
+  const Eigen::MatrixXd stiffness = change.stiffness + change.gravity + coupled +
+                                    coupled.transpose() + change.spring * h * h.transpose();
+  const Eigen::MatrixXd k = shapes_.transpose() * stiffness * shapes_;
+  const Eigen::MatrixXd mass = shapes_.transpose() * change.mass * shapes_;
+  Eigen::MatrixXd turned(m, m);  // column k: mode k's change in the modes
+  for (Eigen::Index i = 0; i < m; ++i)
+    for (Eigen::Index j = 0; j < m; ++j) {
+      const double square = omega_[i] * omega_[i];
+      turned(j, i) = i == j ? -0.5 * mass(i, i)
+                            : (k(j, i) - square * mass(j, i)) / (square - omega_[j] * omega_[j]);
+    }
+  ModalSlope slope;
+  slope.shapes = shapes_ * turned;
+  slope.omega.resize(m);
+  for (Eigen::Index i = 0; i < m; ++i)
+    slope.omega[i] =
+        omega_[i] > 0.0 ? (k(i, i) - omega_[i] * omega_[i] * mass(i, i)) / (2.0 * omega_[i]) : 0.0;
+  slope.struck = slope.shapes.transpose() * row + shapes_.transpose() * row_change;
+  slope.rigid = slope.shapes.transpose() * (motion_.mass * motion_.rigid) +
+                shapes_.transpose() * (change.mass * motion_.rigid + motion_.mass * change.rigid);
+  return slope;
+}
+
+ModalBeam ModalBeam::moved(const ModalSlope& slope, double amount) const {
+  ModalBeam bar = *this;
+  bar.omega_ += amount * slope.omega;
+  bar.struck_ += amount * slope.struck;
+  bar.rigid_ += amount * slope.rigid;
+  return bar;
+}
+
 double ModalBeam::shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const {
   static thread_local Eigen::VectorXd slope, slope_rate;
   slope.noalias() = slopes_ * a;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "models/beams/beam_dynamics.hpp"
+#include "models/modal/modal_slope.hpp"
 #include "models/modal/small_motion.hpp"
 
 namespace impactrig::models {
@@ -29,6 +30,18 @@ class ModalBeam {
 
   /// Deflection of the struck point under a unit force there, the rigid rotation taken out [m/N].
   double elastic_compliance() const { return elastic_compliance_; }
+
+  /// How the modes change with a parameter on which the small motion depends like this. `row`: of
+  /// the struck point, and how that changes (n). First-order perturbation: each frequency must be
+  /// its mode's alone.
+  ModalSlope slope(const SmallMotion& change, const Eigen::VectorXd& row,
+                   const Eigen::VectorXd& row_change) const;
+
+  /// The bar with frequencies, struck point and rigid rotation moved along a slope; for its
+  /// responses alone.
+  ModalBeam moved(const ModalSlope& slope, double amount) const;
+
+  const Eigen::MatrixXd& shapes() const { return shapes_; }
 
   BeamEnergy energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
   /// Kinetic energy of the bar's points moving towards the hinge as it bends and turns, to the

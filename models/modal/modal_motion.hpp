@@ -60,6 +60,16 @@ class ModalMotion : public BarMotion {
 
   void take(double part) override;
 
+  const ModalBeam& beam() const { return beam_; }
+
+  const ModalState& state() const { return state_; }  ///< at the step's beginning
+
+  const ModalStep& solved_step() const { return *step_; }
+
+  const Eigen::VectorXd& velocity_row() const { return velocity_row_; }
+
+  const Eigen::VectorXd& displacement_row() const { return displacement_row_; }
+
   /// What the small motion left out so far, as a part of the bar's kinetic energy at touch: of the
   /// order of the relative error of peak force, duration and impulse.
   double neglected() const { return neglected_; }

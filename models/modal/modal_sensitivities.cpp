@@ -1,0 +1,509 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/modal/modal_sensitivities.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "models/history_recorder.hpp"
+#include "models/make_beam.hpp"
+#include "models/run_limits.hpp"
+
+namespace impactrig::models {
+namespace {
+
+// Of a parameter's size, and of how far a bar's modes are moved: truncation and rounding of the
+// stencil are both below 1e-9.
+constexpr double parameter_step = 3e-4;
+constexpr double mode_step = 1e-4;
+
+Rig rig_at(const Rig& rig, RigParameter parameter, double change) {
+  Rig there = rig;
+  parameter(there) += change;
+  return there;
+}
+
+/// How far a parameter may change for the rig to change by its like: its own size, for the radii of
+/// a groove the little by which they differ, for places along the bar the way to the next.
+double size_of(const Rig& rig, RigParameter parameter) {
+  Rig copy = rig;
+  const double* place = &parameter(copy);
+  const double beyond = rig.beam.length - rig.contact.position;
+  if ((place == &copy.contact.position || place == &copy.beam.length) && beyond > 0.0)
+    return std::min(beyond, rig.contact.position);
+  const bool of_groove = copy.contact.counterface == Counterface::groove &&
+                         (place == &copy.contact.radius || place == &copy.contact.counter_radius);
+  const double size =
+      of_groove ? std::abs(copy.contact.counter_radius - copy.contact.radius) : std::abs(*place);
+  return size > 0.0 ? size : 1.0;
+}
+
+/// A restitution coefficient keeps inside [0, 1].
+Stencil stencil_for(const Rig& rig, RigParameter parameter, double spacing) {
+  Rig copy = rig;
+  if (&parameter(copy) != &copy.contact.restitution) return Stencil::centred();
+  if (copy.contact.restitution + 2.0 * spacing > 1.0) return Stencil::backward();
+  return copy.contact.restitution < 2.0 * spacing ? Stencil::forward() : Stencil::centred();
+}
+
+void make_unknown(Sensitivity& result) {
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  result.peak_force = result.max_penetration = result.duration = result.impulse =
+      result.separation_velocity = unknown;
+  result.restitution = {0.0, unknown, unknown, unknown};
+}
+
+}  // namespace
+
+/// Σ weight value(place) / spacing over a direction's stencil.
+template <typename Function>
+double ModalSensitivities::slope_of(const Direction& d, double spacing, Function value_at) const {
+  double sum = 0.0;
+  for (std::size_t j = 0; j < d.stencil.weights.size(); ++j)
+    if (d.stencil.weights[j] != 0.0) sum += d.stencil.weights[j] * value_at(j);
+  return sum / spacing;
+}
+
+ModalSensitivities::ModalSensitivities(const Rig& rig, const Solver& solver,
+                                       const SimulationOptions& options, const ModalMotion& motion)
+    : rig_(rig),
+      options_(options),
+      motion_(motion),
+      beam_(motion.beam()),
+      rule_(motion.rule()) {
+  for (const RigParameter parameter : options.sensitivities) {
+    Direction& d = directions_.emplace_back();
+    d.parameter = parameter;
+    d.size = size_of(rig, parameter);
+    d.spacing = parameter_step * d.size;
+    d.stencil = stencil_for(rig, parameter, d.spacing);
+    d.start_speed = slope_of(d, d.spacing, [&](std::size_t j) {
+      const Rig there = rig_at(rig, parameter, d.stencil.offsets[j] * d.spacing);
+      return touch_velocity(there) / there.contact.position;
+    });
+    find_contacts(rig, d);
+    find_slope(rig, solver, options.history, d);
+    make_unknown(d.result);
+  }
+}
+
+void ModalSensitivities::find_contacts(const Rig& rig, Direction& d) const {
+  if (rig_at(rig, d.parameter, d.spacing).contact == rig.contact) return;
+  for (const double offset : d.stencil.offsets)
+    d.contacts.emplace_back(rig_at(rig, d.parameter, offset * d.spacing));
+}
+
+/// Of the modes, where the parameter changes the bar.
+void ModalSensitivities::find_slope(const Rig& rig, const Solver& solver,
+                                    const HistoryRequest& history, Direction& d) const {
+  const Rig other = rig_at(rig, d.parameter, d.spacing);
+  if (other.beam == rig.beam && other.hinge == rig.hinge && other.gravity == rig.gravity &&
+      other.gravity_direction == rig.gravity_direction &&
+      other.contact.position == rig.contact.position)
+    return;
+  const auto row_of = [](const BeamDynamics& beam, double asked, double struck) {
+    return beam.small_motion_row(asked > 0.0 ? asked : struck);
+  };
+  const std::unique_ptr<BeamDynamics> here = make_beam(rig, solver);
+  SmallMotion change = here->small_motion();
+  Eigen::VectorXd struck = Eigen::VectorXd::Zero(change.rigid.size());
+  Eigen::VectorXd velocity = struck, displacement = struck;
+  change.mass.setZero();
+  change.stiffness.setZero();
+  change.gravity.setZero();
+  change.hinge.setZero();
+  change.rigid.setZero();
+  change.spring = 0.0;
+  for (std::size_t j = 0; j < d.stencil.weights.size(); ++j) {
+    const double weight = d.stencil.weights[j] / d.spacing;
+    if (weight == 0.0) continue;
+    const Rig there = rig_at(rig, d.parameter, d.stencil.offsets[j] * d.spacing);
+    const std::unique_ptr<BeamDynamics> beam = make_beam(there, solver);
+    const SmallMotion motion = beam->small_motion();
+    change.mass += weight * motion.mass;
+    change.stiffness += weight * motion.stiffness;
+    change.gravity += weight * motion.gravity;
+    change.hinge += weight * motion.hinge;
+    change.rigid += weight * motion.rigid;
+    change.spring += weight * motion.spring;
+    const double position = there.contact.position;
+    struck += weight * row_of(*beam, 0.0, position);
+    velocity += weight * row_of(*beam, history.velocity_position, position);
+    displacement += weight * row_of(*beam, history.displacement_position, position);
+  }
+  const double position = rig.contact.position;
+  d.slope = beam_.slope(change, row_of(*here, 0.0, position), struck);
+  const auto spot = [&](double asked, const Eigen::VectorXd& row_change) -> Eigen::VectorXd {
+    return d.slope.shapes.transpose() * row_of(*here, asked, position) +
+           beam_.shapes().transpose() * row_change;
+  };
+  d.velocity_row = spot(history.velocity_position, velocity);
+  d.displacement_row = spot(history.displacement_position, displacement);
+  const auto step_along = [](const Eigen::VectorXd& value, const Eigen::VectorXd& slope) {
+    const double largest = slope.cwiseAbs().maxCoeff();
+    return largest > 0.0 ? mode_step * value.cwiseAbs().maxCoeff() / largest
+                         : std::numeric_limits<double>::infinity();
+  };
+  d.bar_spacing = std::min({step_along(beam_.omega(), d.slope.omega),
+                            step_along(beam_.struck(), d.slope.struck),
+                            step_along(beam_.rigid(), d.slope.rigid)});
+  if (!std::isfinite(d.bar_spacing)) {
+    d.slope = {};
+    return;
+  }
+  for (const double offset : d.stencil.offsets)
+    d.bars.push_back(beam_.moved(d.slope, offset * d.bar_spacing));
+}
+
+const std::vector<ModalStep>& ModalSensitivities::steps_of(Direction& d, double h) const {
+  std::vector<ModalStep>& steps = d.steps[h];
+  if (steps.empty())
+    for (const ModalBeam& bar : d.bars) steps.emplace_back(bar, rule_, h);
+  return steps;
+}
+
+/// Slopes of what the history shows before touch.
+void ModalSensitivities::begin_history(const Rig& rig, const HistoryRequest& wanted,
+                                       Direction& d) const {
+  if (!(wanted.interval > 0.0)) return;
+  History& sum = d.result.history;
+  for (std::size_t j = 0; j < d.stencil.weights.size(); ++j) {
+    const Rig there = rig_at(rig, d.parameter, d.stencil.offsets[j] * d.spacing);
+    const double speed = touch_velocity(there);
+    const auto speed_at = [&](double x) {
+      return x > 0.0 ? speed * x / there.contact.position : speed;
+    };
+    History lead;
+    models::begin_history(there, wanted, speed, speed_at(wanted.velocity_position),
+                          speed_at(wanted.displacement_position), lead);
+    sum.start = lead.start;
+    sum.interval = lead.interval;
+    for (const auto values :
+         {&History::force, &History::penetration, &History::velocity, &History::displacement}) {
+      (sum.*values).resize((lead.*values).size(), 0.0);
+      for (std::size_t k = 0; k < (lead.*values).size(); ++k)
+        (sum.*values)[k] += d.stencil.weights[j] / d.spacing * (lead.*values)[k];
+    }
+  }
+}
+
+void ModalSensitivities::begin() {
+  const double rate = touch_velocity(rig_) / rig_.contact.position;
+  for (Direction& d : directions_) {
+    d.state.a = Eigen::VectorXd::Zero(beam_.modes());
+    d.state.rate = beam_.rigid() * d.start_speed;
+    if (!d.bars.empty()) d.state.rate += d.slope.rigid * rate;
+    d.end = d.state;
+    begin_history(rig_, options_.history, d);
+  }
+}
+
+void ModalSensitivities::touch(const ContactForce& contact, double speed, bool first) {
+  contact_ = &contact;
+  law_speed_ = contact.damping_factor() > 0.0 ? contact.damping_factor() / contact.mu() : speed;
+  const bool grazing = law_speed_ > speed * (1.0 + 1e-12);
+  for (Direction& d : directions_) {
+    const double slope = struck(d, d.state, motion_.state()).rate;
+    if (first) d.first_speed = slope;
+    d.speed = grazing ? grazing_fraction * d.first_speed : slope;
+    for (ContactForce& there : d.contacts) there.begin_episode(law_speed_);
+  }
+}
+
+ModalSensitivities::Struck ModalSensitivities::struck(const Direction& d, const ModalState& slope,
+                                                      const ModalState& state) const {
+  Struck s{beam_.struck().dot(slope.a), beam_.struck().dot(slope.rate)};
+  if (d.bars.empty()) return s;
+  s.depth += d.slope.struck.dot(state.a);
+  s.rate += d.slope.struck.dot(state.rate);
+  return s;
+}
+
+/// Of μ = d / approach speed.
+double ModalSensitivities::mu_slope(const Direction& d) const {
+  const double own = d.contacts.empty() ? 0.0 : slope_of(d, d.spacing, [&](std::size_t j) {
+    return d.contacts[j].mu();
+  });
+  return own - contact_->mu() / law_speed_ * d.speed;
+}
+
+/// Of the pressing force, penetration and rate held.
+double ModalSensitivities::law_slope(const Direction& d, double depth, double rate) const {
+  const double own = d.contacts.empty() ? 0.0 : slope_of(d, d.spacing, [&](std::size_t j) {
+    return d.contacts[j].pressed(depth, rate).force;
+  });
+  return own - contact_->elastic(depth) * rate * contact_->mu() / law_speed_ * d.speed;
+}
+
+void ModalSensitivities::solve(const NodeVector& force, const NodeVector& displacement,
+                               const NodeVector& velocity) {
+  const int s = rule_.nodes();
+  const BarMotion::Response& response = motion_.solved_step().response().of_force;
+  force_ = force;
+  force_series_ = rule_.to_series() * force;
+  if (contact_->phase() == ContactForce::Phase::pressed) {
+    to_depth_.resize(s);
+    to_rate_.resize(s);
+    NodeMatrix jacobian = NodeMatrix::Identity(s, s);
+    for (int i = 0; i < s; ++i) {
+      const ContactForce::Response law = contact_->pressed(displacement[i], velocity[i]);
+      to_depth_[i] = law.to_depth;
+      to_rate_[i] = law.to_rate;
+      jacobian.row(i) -= law.to_depth * response.displacement_of_force.row(i) +
+                         law.to_rate * response.velocity_of_force.row(i);
+    }
+    inverse_ = jacobian.inverse();
+  }
+  for (Direction& d : directions_) solve(d, displacement, velocity);
+}
+
+/// Struck point and force at the nodes; then what the contact dissipates there.
+void ModalSensitivities::solve(Direction& d, const NodeVector& displacement,
+                               const NodeVector& velocity) {
+  const int s = rule_.nodes();
+  const ModalStep& step = motion_.solved_step();
+  const ModalState& state = motion_.state();
+  const ModalStep::Response& r = step.response();
+  NodeVector depth = r.displacement_of_a * d.state.a + r.displacement_of_rate * d.state.rate;
+  NodeVector rate = r.velocity_of_a * d.state.a + r.velocity_of_rate * d.state.rate;
+  if (!d.bars.empty()) {
+    const std::vector<ModalStep>& steps = steps_of(d, step.h());
+    for (std::size_t j = 0; j < steps.size(); ++j) {
+      const double weight = d.stencil.weights[j] / d.bar_spacing;
+      if (weight == 0.0) continue;
+      const ModalStep::Response& there = steps[j].response();
+      depth +=
+          weight * (there.displacement_of_a * state.a + there.displacement_of_rate * state.rate +
+                    there.of_force.displacement_of_force * force_);
+      rate += weight * (there.velocity_of_a * state.a + there.velocity_of_rate * state.rate +
+                        there.of_force.velocity_of_force * force_);
+    }
+  }
+  d.force.setZero(s);
+  if (contact_->phase() == ContactForce::Phase::pressed) {
+    NodeVector drive = to_depth_.cwiseProduct(depth) + to_rate_.cwiseProduct(rate);
+    for (int i = 0; i < s; ++i) drive[i] += law_slope(d, displacement[i], velocity[i]);
+    d.force = inverse_ * drive;
+    depth += r.of_force.displacement_of_force * d.force;
+    rate += r.of_force.velocity_of_force * d.force;
+  }
+  d.force_series = rule_.to_series() * d.force;
+  d.dissipation.setZero(s);
+  if (contact_->phase() != ContactForce::Phase::free)
+    for (int i = 0; i < s; ++i)
+      d.dissipation[i] = dissipation_slope(d, displacement[i], velocity[i], depth[i], rate[i]);
+}
+
+double ModalSensitivities::dissipation_slope(Direction& d, double displacement, double velocity,
+                                             double depth, double rate) const {
+  const double elastic = contact_->elastic(displacement);
+  const double stiffness = contact_->pressed(displacement, 0.0).to_depth;
+  const double mu = contact_->mu();
+  double own = 0.0;
+  if (!d.contacts.empty()) {
+    for (ContactForce& there : d.contacts) there.set_phase(contact_->phase());
+    own = slope_of(d, d.spacing, [&](std::size_t j) {
+      return d.contacts[j].dissipation(displacement, velocity);
+    });
+  }
+  if (contact_->phase() == ContactForce::Phase::slack)
+    return own - stiffness * velocity * depth - elastic * rate;
+  return own + stiffness * mu * velocity * velocity * depth + 2.0 * elastic * mu * velocity * rate -
+         elastic * velocity * velocity * mu / law_speed_ * d.speed;
+}
+
+double ModalSensitivities::integral(const NodeVector& at_nodes, double part) const {
+  const double h = motion_.step();
+  if (part >= 1.0) return h * rule_.weights().dot(at_nodes);
+  const NodeVector series = rule_.to_series() * at_nodes;
+  return part * h * (rule_.restriction(part) * series)[0];
+}
+
+void ModalSensitivities::look(double part, Place& place) const {
+  place.part = part;
+  place.series = rule_.restriction(part) * force_series_;
+  place.force = place.series.sum();
+  place.state = motion_.state();
+  if (part > 0.0) advance(beam_, part * motion_.step(), place.series, motion_.state(), place.state);
+  accelerate(place);
+}
+
+void ModalSensitivities::accelerate(Place& place) const {
+  place.acceleration =
+      -beam_.omega().cwiseAbs2().cwiseProduct(place.state.a) - beam_.struck() * place.force;
+}
+
+/// The state's slope there, at the same time from the step's beginning.
+void ModalSensitivities::state_at(const Place& place, Direction& d, ModalState& to) const {
+  to = d.state;
+  if (!(place.part > 0.0)) return;
+  const double h = place.part * motion_.step();
+  advance(beam_, h, rule_.restriction(place.part) * d.force_series, d.state, to);
+  ModalState there = to;
+  for (std::size_t j = 0; j < d.bars.size(); ++j) {
+    const double weight = d.stencil.weights[j] / d.bar_spacing;
+    if (weight == 0.0) continue;
+    advance(d.bars[j], h, place.series, motion_.state(), there);
+    to.a += weight * there.a;
+    to.rate += weight * there.rate;
+  }
+}
+
+void ModalSensitivities::peak(double part) {
+  look(part, place_);
+  const double depth = beam_.struck().dot(place_.state.a);
+  const double rate = beam_.struck().dot(place_.state.rate);
+  const ContactForce::Response law = contact_->pressed(depth, rate);
+  for (Direction& d : directions_) {
+    state_at(place_, d, d.end);
+    const Struck s = struck(d, d.end, place_.state);
+    d.result.peak_force = law.to_depth * s.depth + law.to_rate * s.rate + law_slope(d, depth, rate);
+  }
+}
+
+void ModalSensitivities::deepest(double part, double dissipated) {
+  look(part, place_);
+  dissipated_at_deepest_ = dissipated;
+  const double acceleration = beam_.struck().dot(place_.acceleration);
+  for (Direction& d : directions_) {
+    state_at(place_, d, d.end);
+    const Struck s = struck(d, d.end, place_.state);
+    const double shift = -s.rate / acceleration;
+    d.result.max_penetration = s.depth;
+    d.compression = d.impulse + integral(d.force, part) + place_.force * shift;
+    d.dissipated_at_deepest = d.dissipated + integral(d.dissipation, part);
+  }
+}
+
+/// One sample: the state's slopes are in d.end.
+void ModalSensitivities::show(const Place& place, Direction& d) const {
+  const Struck s = struck(d, d.end, place.state);
+  const double depth = beam_.struck().dot(place.state.a);
+  const double rate = beam_.struck().dot(place.state.rate);
+  const double acceleration = beam_.struck().dot(place.acceleration);
+  const double moved_depth = s.depth - d.time * rate;
+  History& history = d.result.history;
+  double force = 0.0;
+  if (contact_->phase() == ContactForce::Phase::pressed) {
+    const ContactForce::Response law = contact_->pressed(depth, rate);
+    force = law.to_depth * moved_depth + law.to_rate * (s.rate - d.time * acceleration) +
+            law_slope(d, depth, rate);
+  }
+  const Eigen::VectorXd& across = motion_.displacement_row();
+  const Eigen::VectorXd& along = motion_.velocity_row();
+  double displacement = across.dot(d.end.a) - d.time * across.dot(place.state.rate);
+  double velocity = along.dot(d.end.rate) - d.time * along.dot(place.acceleration);
+  if (!d.bars.empty()) {
+    displacement += d.displacement_row.dot(place.state.a);
+    velocity += d.velocity_row.dot(place.state.rate);
+  }
+  history.force.push_back(force);
+  history.penetration.push_back(moved_depth);
+  history.velocity.push_back(velocity);
+  history.displacement.push_back(displacement);
+}
+
+void ModalSensitivities::sample(double first, double spacing, std::size_t count) {
+  const double interval = options_.history.interval;
+  const bool single = interval <= ModalStep::longest(beam_);
+  if (single && !sampling_) sampling_.emplace(beam_, rule_, interval);
+  look(first, place_);
+  for (Direction& d : directions_) state_at(place_, d, d.end);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double part = first + static_cast<double>(k) * spacing;
+    if (k > 0 && single) step_sample(part - spacing, spacing);
+    if (k > 0 && !single) {
+      look(part, place_);
+      for (Direction& d : directions_) state_at(place_, d, d.end);
+    }
+    for (Direction& d : directions_) show(place_, d);
+  }
+}
+
+/// From sample to sample, all slopes with the state.
+void ModalSensitivities::step_sample(double from, double spacing) {
+  const int s = rule_.nodes();
+  NodeMatrix values(s, s);  // of the step's Legendre polynomials at the sample's own nodes
+  NodeVector legendre(s);
+  for (int i = 0; i < s; ++i) {
+    shifted_legendre(from + rule_.points()[i] * spacing, legendre);
+    values.row(i) = legendre;
+  }
+  const NodeVector force = values * force_series_;
+  for (Direction& d : directions_) {
+    sampling_->advance(d.end, values * d.force_series, scratch_);
+    if (!d.bars.empty()) {
+      const std::vector<ModalStep>& steps = steps_of(d, sampling_->h());
+      for (std::size_t j = 0; j < steps.size(); ++j) {
+        const double weight = d.stencil.weights[j] / d.bar_spacing;
+        if (weight == 0.0) continue;
+        steps[j].advance(place_.state, force, there_);
+        scratch_.a += weight * there_.a;
+        scratch_.rate += weight * there_.rate;
+      }
+    }
+    std::swap(d.end, scratch_);
+  }
+  sampling_->advance(place_.state, force, scratch_);
+  std::swap(place_.state, scratch_);
+  shifted_legendre(from + spacing, legendre);
+  place_.force = legendre.dot(force_series_);
+  accelerate(place_);
+}
+
+void ModalSensitivities::take(double part, End end) {
+  look(part, place_);
+  const double rate = beam_.struck().dot(place_.state.rate);
+  const double acceleration = beam_.struck().dot(place_.acceleration);
+  const double power = contact_->dissipation(beam_.struck().dot(place_.state.a), rate);
+  for (Direction& d : directions_) {
+    state_at(place_, d, d.end);
+    const Struck s = struck(d, d.end, place_.state);
+    double shift = 0.0;  // slope of the step's length
+    if (end == End::gap) shift = -s.depth / rate;
+    if (end == End::pull)
+      shift = -(mu_slope(d) * rate + contact_->mu() * s.rate) / (contact_->mu() * acceleration);
+    if (end == End::time) shift = -d.time;
+    d.end.a += shift * place_.state.rate;
+    d.end.rate += shift * place_.acceleration;
+    d.impulse += integral(d.force, part) + shift * place_.force;
+    d.dissipated += integral(d.dissipation, part) + shift * power;
+    d.time += shift;
+    std::swap(d.state, d.end);
+  }
+}
+
+void ModalSensitivities::separate(const Simulation& result) {
+  const Episode& e = result.episodes.front();
+  const Restitution& r = result.restitution;
+  const double compression = e.impulse / (1.0 + r.kinetic);
+  const double stored = contact_->stored(e.max_penetration);
+  const double work_in = stored + dissipated_at_deepest_;
+  const double work_out = stored - (e.dissipated - dissipated_at_deepest_);
+  for (Direction& d : directions_) {
+    Sensitivity& to = d.result;
+    to.duration = d.time;
+    to.impulse = d.impulse;
+    to.separation_velocity = -struck(d, d.state, motion_.state()).rate;
+    to.restitution.kinematic =
+        (to.separation_velocity - r.kinematic * d.first_speed) / e.approach_velocity;
+    to.restitution.kinetic = (d.impulse - (1.0 + r.kinetic) * d.compression) / compression;
+    double stored_slope = contact_->elastic(e.max_penetration) * to.max_penetration;
+    if (!d.contacts.empty())
+      stored_slope += slope_of(
+          d, d.spacing, [&](std::size_t j) { return d.contacts[j].stored(e.max_penetration); });
+    const double in_slope = stored_slope + d.dissipated_at_deepest;
+    const double out_slope = stored_slope - (d.dissipated - d.dissipated_at_deepest);
+    to.restitution.energetic =
+        work_out > 0.0 ? 0.5 * r.energetic * (out_slope / work_out - in_slope / work_in) : 0.0;
+  }
+}
+
+std::vector<Sensitivity> ModalSensitivities::take_results() {
+  std::vector<Sensitivity> results;
+  for (Direction& d : directions_) results.push_back(std::move(d.result));
+  return results;
+}
+
+}  // namespace impactrig::models
