@@ -30,9 +30,17 @@ struct Section {
   double area = 0.0;
   double second_moment = 0.0;
   double radius = 0.0;
+  double shear_coefficient = 0.0;  // 0: the shape is not known
 };
 
-Section read_section(TableReader table) {
+/// [Cowper1966]; `hollow` is inner over outer radius: 0 a full circle, near 1 a thin tube.
+double round_shear_coefficient(double hollow, double nu) {
+  const double m = hollow * hollow;
+  const double square = (1.0 + m) * (1.0 + m);
+  return 6.0 * (1.0 + nu) * square / ((7.0 + 6.0 * nu) * square + (20.0 + 12.0 * nu) * m);
+}
+
+Section read_section(TableReader table, double poisson_ratio) {
   Section section;
   const std::vector<std::string_view> shapes = {"circle", "rectangle", "tube"};
   const auto shape = table.choice("shape", shapes);
@@ -43,11 +51,13 @@ Section read_section(TableReader table) {
     const double r = section.radius = table.required_quantity("radius", "m", "15 mm");
     section.area = std::numbers::pi * r * r;
     section.second_moment = std::numbers::pi * std::pow(r, 4) / 4.0;
+    section.shear_coefficient = round_shear_coefficient(0.0, poisson_ratio);
   } else if (*shape == 1) {
     const double width = table.required_quantity("width", "m", "40 mm");
     const double height = table.required_quantity("height", "m", "10 mm");
     section.area = width * height;
     section.second_moment = width * std::pow(height, 3) / 12.0;
+    section.shear_coefficient = 10.0 * (1.0 + poisson_ratio) / (12.0 + 11.0 * poisson_ratio);
   } else {
     const double outer = section.radius = table.required_quantity("radius", "m", "15 mm");
     const double wall = table.required_quantity("wall", "m", "2 mm");
@@ -57,15 +67,34 @@ Section read_section(TableReader table) {
     const double inner = outer - wall;
     section.area = std::numbers::pi * (outer * outer - inner * inner);
     section.second_moment = std::numbers::pi * (std::pow(outer, 4) - std::pow(inner, 4)) / 4.0;
+    section.shear_coefficient = round_shear_coefficient(inner / outer, poisson_ratio);
   }
   table.finish();
   return section;
 }
 
-void read_beam(TableReader& table, models::Rig& rig, Section& section, double& poisson_ratio) {
+void read_theory(TableReader& table, models::Beam& beam, const Section& section) {
+  if (const auto theory = table.choice("theory", {"euler-bernoulli", "timoshenko"}))
+    beam.theory = static_cast<models::BeamTheory>(*theory);
+  const auto coefficient = table.number("shear_coefficient");
+  if (!beam.shears()) {
+    if (coefficient)
+      table.refuse("shear_coefficient",
+                   "a bar of Euler-Bernoulli's theory does not shear; add theory = \"timoshenko\"");
+    return;
+  }
+  beam.shear_coefficient = coefficient.value_or(section.shear_coefficient);
+  if (!coefficient && section.shear_coefficient == 0.0)
+    table.refuse("shear_coefficient",
+                 "is missing; area and second moment do not say how the section shears, state it, "
+                 "for example shear_coefficient = 0.85");
+}
+
+void read_beam(TableReader& table, models::Rig& rig, Section& section) {
   rig.beam.length = table.required_quantity("length", "m", "0.8 m");
+  rig.beam.poisson_ratio = table.number("poisson_ratio").value_or(rig.beam.poisson_ratio);
   if (auto inner = table.table("section")) {
-    section = read_section(*inner);
+    section = read_section(*inner, rig.beam.poisson_ratio);
   } else if (table.has("area") || table.has("second_moment")) {
     section.area = table.required_quantity("area", "m^2", "706.9 mm^2");
     section.second_moment = table.required_quantity("second_moment", "m^4", "39761 mm^4");
@@ -76,7 +105,7 @@ void read_beam(TableReader& table, models::Rig& rig, Section& section, double& p
   rig.beam.second_moment = section.second_moment;
   rig.beam.youngs_modulus = table.required_quantity("youngs_modulus", "Pa", "68.952 GPa");
   rig.beam.density = table.required_quantity("density", "kg/m^3", "2766.7 kg/m^3");
-  poisson_ratio = table.number("poisson_ratio").value_or(0.3);
+  read_theory(table, rig.beam, section);
   if (auto damping = table.table("damping")) {
     if (const auto mass = damping->quantity("mass", "1/s")) rig.beam.damping.mass = mass->value;
     if (const auto stiffness = damping->quantity("stiffness", "s"))
@@ -111,8 +140,7 @@ void read_counterface(TableReader& table, models::Contact& contact) {
   face->finish();
 }
 
-void read_contact(TableReader& table, models::Rig& rig, const Section& section,
-                  double poisson_ratio) {
+void read_contact(TableReader& table, models::Rig& rig, const Section& section) {
   models::Contact& contact = rig.contact;
   contact.law = table.text("law").value_or(contact.law);
   contact.damping = table.text("damping").value_or(contact.damping);
@@ -142,7 +170,7 @@ void read_contact(TableReader& table, models::Rig& rig, const Section& section,
   contact.radius = radius ? radius->value : section.radius;
   const auto modulus = table.quantity("modulus", "Pa");
   contact.modulus = modulus ? modulus->value : rig.beam.youngs_modulus;
-  contact.poisson_ratio = table.number("poisson_ratio").value_or(poisson_ratio);
+  contact.poisson_ratio = table.number("poisson_ratio").value_or(rig.beam.poisson_ratio);
   const auto counter_modulus = table.quantity("counter_modulus", "Pa");
   if (!counter_modulus && line_contact)
     table.refuse("counter_modulus", "is missing; add counter_modulus = \"68.952 GPa\"");
@@ -401,11 +429,10 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   root.integer("schema");
   root.text("title");
   Section section;
-  double poisson_ratio = 0.3;
   TableReader beam = required_table(root, "beam");
-  read_beam(beam, file.rig, section, poisson_ratio);
+  read_beam(beam, file.rig, section);
   TableReader contact = required_table(root, "contact");
-  read_contact(contact, file.rig, section, poisson_ratio);
+  read_contact(contact, file.rig, section);
   if (auto hinge = root.table("hinge")) read_hinge(*hinge, file.rig.hinge);
   TableReader start = required_table(root, "start");
   read_start(start, file.rig.start);

@@ -31,6 +31,11 @@ void require_not_negative(std::string_view key, double value, std::string_view u
     refuse(key, fmt::format("must be finite and not negative, found {:g} {}", value, unit));
 }
 
+void require_poisson_ratio(std::string_view key, double nu) {
+  if (!(nu > -1.0 && nu <= 0.5))
+    refuse(key, fmt::format("must lie between -1 and 0.5, found {:g}", nu));
+}
+
 void validate_beam(const Beam& beam) {
   require_positive("beam.length", beam.length, "m");
   require_positive("beam.section (area)", beam.area, "m^2");
@@ -39,6 +44,10 @@ void validate_beam(const Beam& beam) {
   require_positive("beam.density", beam.density, "kg/m^3");
   require_not_negative("beam.damping.mass", beam.damping.mass, "1/s");
   require_not_negative("beam.damping.stiffness", beam.damping.stiffness, "s");
+  if (beam.shears()) {
+    require_positive("beam.shear_coefficient", beam.shear_coefficient, "");
+    require_poisson_ratio("beam.poisson_ratio", beam.poisson_ratio);
+  }
   for (std::size_t i = 0; i < beam.masses.size(); ++i) {
     const LumpedMass& lump = beam.masses[i];
     const std::string key = fmt::format("beam.masses[{}]", i);
@@ -78,8 +87,7 @@ void validate_contact(const Contact& contact, const Beam& beam) {
   for (const auto& [key, nu] :
        {std::pair{"contact.poisson_ratio", contact.poisson_ratio},
         std::pair{"contact.counter_poisson_ratio", contact.counter_poisson_ratio}})
-    if (!(nu > -1.0 && nu <= 0.5))
-      refuse(key, fmt::format("must lie between -1 and 0.5, found {:g}", nu));
+    require_poisson_ratio(key, nu);
   if (contact.exponent != 1 && contact.exponent != 3)
     refuse("contact.exponent",
            fmt::format("must be 1 (as the paper prints it) or 3 (consistent in units), found {}",
@@ -134,6 +142,10 @@ std::string_view name(BeamModel model) {
   throw std::logic_error("name: beam model out of range");
 }
 
+std::string_view name(BeamTheory theory) {
+  return theory == BeamTheory::timoshenko ? "timoshenko" : "euler-bernoulli";
+}
+
 std::string_view name(Basis basis) {
   return basis == Basis::cantilever ? "cantilever" : "pinned-free";
 }
@@ -146,6 +158,7 @@ double Beam::first_moment() const {
 
 double Beam::hinge_inertia() const {
   double sum = bar_mass() * length * length / 3.0;
+  if (shears()) sum += density * second_moment * length;
   for (const LumpedMass& lump : masses) sum += lump.mass * lump.position * lump.position;
   return sum;
 }

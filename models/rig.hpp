@@ -27,6 +27,12 @@ struct BarDamping {
   bool operator==(const BarDamping&) const = default;
 };
 
+/// Euler-Bernoulli: sections stay normal to the axis, without inertia of their own. Timoshenko:
+/// they shear against it and have rotary inertia.
+enum class BeamTheory { euler_bernoulli, timoshenko };
+
+std::string_view name(BeamTheory theory);
+
 /// A straight uniform bar, x from the hinge, and the masses it carries.
 struct Beam {
   double length = 0.0;          ///< [m]
@@ -36,13 +42,18 @@ struct Beam {
   double density = 0.0;         ///< rho [kg/m^3]
   std::vector<LumpedMass> masses = {};
   BarDamping damping = {};
+  BeamTheory theory = BeamTheory::euler_bernoulli;
+  double poisson_ratio = 0.3;      ///< ν [-]
+  double shear_coefficient = 0.0;  ///< κ of Timoshenko's theory: shear force κGA γ [-]
 
   bool operator==(const Beam&) const = default;
+
+  bool shears() const { return theory == BeamTheory::timoshenko; }
 
   double bar_mass() const { return density * area * length; }  ///< without `masses` [kg]
 
   double first_moment() const;   ///< ∫ x dm [kg m]
-  double hinge_inertia() const;  ///< ∫ x² dm [kg m^2]
+  double hinge_inertia() const;  ///< ∫ x² dm, with the sections' own of a Timoshenko bar [kg m^2]
 };
 
 /// What the hinge does besides holding the bar; its angle is that of the bar's axis at the hinge.

@@ -146,6 +146,9 @@ Json rig_json(const fitting::RigFile& rig) {
         {"second_moment_m4", beam.second_moment},
         {"youngs_modulus_pa", beam.youngs_modulus},
         {"density_kg_m3", beam.density},
+        {"theory", name(beam.theory)},
+        {"poisson_ratio", beam.poisson_ratio},
+        {"shear_coefficient", beam.shear_coefficient},
         {"masses", masses_json(beam.masses)},
         {"damping", {{"mass_1_s", beam.damping.mass}, {"stiffness_s", beam.damping.stiffness}}}}},
       {"contact", contact_json(rig.rig.contact)},
@@ -177,6 +180,12 @@ fitting::RigFile rig_from(const JsonReader& json) {
   if (beam.has("damping"))
     rig.rig.beam.damping = {.mass = beam["damping"]["mass_1_s"].number(),
                             .stiffness = beam["damping"]["stiffness_s"].number()};
+  if (beam.has("theory")) {
+    if (beam["theory"].text() == name(models::BeamTheory::timoshenko))
+      rig.rig.beam.theory = models::BeamTheory::timoshenko;
+    rig.rig.beam.poisson_ratio = beam["poisson_ratio"].number();
+    rig.rig.beam.shear_coefficient = beam["shear_coefficient"].number();
+  }
   if (beam.has("masses")) rig.rig.beam.masses = masses_from(beam["masses"]);
   rig.rig.contact = contact_from(json["contact"]);
   rig.rig.start.velocity = json["start"]["velocity_m_s"].number();

@@ -39,7 +39,7 @@ void diagonalise(Eigen::MatrixXd& matrix, Eigen::MatrixXd& basis) {
 
 }  // namespace
 
-ModalBeam::ModalBeam(const BeamDynamics& beam, const Rig& rig)
+ModalBeam::ModalBeam(const SmallMotionBeam& beam, const Rig& rig)
     : beam_(beam),
       motion_(beam.small_motion()),
       masses_(rig.beam.masses) {

@@ -12,7 +12,7 @@ namespace impactrig::models {
 /// A bar's small motion in its own modes: ä + ω² a = −r F, with unit modal mass, a (m).
 class ModalBeam {
  public:
-  ModalBeam(const BeamDynamics& beam, const Rig& rig);
+  ModalBeam(const SmallMotionBeam& beam, const Rig& rig);
 
   int modes() const { return static_cast<int>(omega_.size()); }
 
@@ -40,7 +40,7 @@ class ModalBeam {
  private:
   void solve_modes();
 
-  const BeamDynamics& beam_;
+  const SmallMotionBeam& beam_;
   SmallMotion motion_;
   Eigen::MatrixXd shapes_;  // (n, m), M-orthonormal
   Eigen::MatrixXd weight_;  // the hanging weight's stiffness (m, m)

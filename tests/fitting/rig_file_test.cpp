@@ -120,6 +120,44 @@ TEST(RigFile, ReadsEverySection) {
   EXPECT_NEAR(plain.second_moment, 4e-8, 1e-22);
 }
 
+// Cowper (1966): circle, rectangle; a tube between a circle and a thin tube.
+TEST(RigFile, ATimoshenkoBarHasTheShearCoefficientOfItsShape) {
+  const auto beam = [](const std::string& section) {
+    return parse_rig_file(with("section = { shape = \"circle\", radius = \"15 mm\" }",
+                               "theory = \"timoshenko\"\nsection = " + section),
+                          "rig.toml", {{"contact.radius", "15 mm"}, {"beam.poisson_ratio", "0.25"}})
+        .rig.beam;
+  };
+  const models::Beam circle = beam(R"({ shape = "circle", radius = "15 mm" })");
+  EXPECT_EQ(circle.theory, models::BeamTheory::timoshenko);
+  EXPECT_DOUBLE_EQ(circle.poisson_ratio, 0.25);
+  EXPECT_DOUBLE_EQ(circle.shear_coefficient, 6.0 * 1.25 / (7.0 + 6.0 * 0.25));
+  EXPECT_DOUBLE_EQ(
+      beam(R"({ shape = "rectangle", width = "40 mm", height = "10 mm" })").shear_coefficient,
+      12.5 / (12.0 + 11.0 * 0.25));
+  const auto tube = [&](const std::string& wall) {
+    return beam("{ shape = \"tube\", radius = \"15 mm\", wall = \"" + wall + "\" }")
+        .shear_coefficient;
+  };
+  EXPECT_NEAR(tube("1 um"), 2.0 * 1.25 / (4.0 + 3.0 * 0.25), 1e-4);
+  EXPECT_NEAR(tube("14.99 mm"), circle.shear_coefficient, 1e-4);
+  EXPECT_DOUBLE_EQ(beam(R"({ area = "7 cm^2", second_moment = "4 cm^4" }
+shear_coefficient = 0.7)")
+                       .shear_coefficient,
+                   0.7);
+}
+
+TEST(RigFile, AShearCoefficientIsStatedWhereItIsNeededOnly) {
+  const std::string round = "section = { shape = \"circle\", radius = \"15 mm\" }";
+  const std::string plain = R"(section = { area = "7 cm^2", second_moment = "4 cm^4" })";
+  EXPECT_EQ(message_of(with(round, plain + "\ntheory = \"timoshenko\"")),
+            "rig.toml:2: beam.shear_coefficient: is missing; area and second moment do not say how "
+            "the section shears, state it, for example shear_coefficient = 0.85");
+  EXPECT_EQ(message_of(with(round, round + "\nshear_coefficient = 0.9")),
+            "rig.toml:5:21: beam.shear_coefficient: a bar of Euler-Bernoulli's theory does not "
+            "shear; add theory = \"timoshenko\"");
+}
+
 TEST(RigFile, ABareNumberIsRefusedWhereAUnitIsMeant) {
   EXPECT_EQ(message_of(with("length = \"0.8 m\"", "length = 0.8")),
             "rig.toml:3:10: beam.length: the bare number 0.8 has no unit; write it in quotes with "
