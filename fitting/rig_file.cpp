@@ -73,39 +73,74 @@ Section read_section(TableReader table, double poisson_ratio) {
   return section;
 }
 
-void read_theory(TableReader& table, models::Beam& beam, const Section& section) {
-  if (const auto theory = table.choice("theory", {"euler-bernoulli", "timoshenko"}))
-    beam.theory = static_cast<models::BeamTheory>(*theory);
+/// As stated, or as the shape has it.
+double read_shear_coefficient(TableReader& table, const Section& section) {
   const auto coefficient = table.number("shear_coefficient");
-  if (!beam.shears()) {
-    if (coefficient)
-      table.refuse("shear_coefficient",
-                   "a bar of Euler-Bernoulli's theory does not shear; add theory = \"timoshenko\"");
-    return;
-  }
-  beam.shear_coefficient = coefficient.value_or(section.shear_coefficient);
   if (!coefficient && section.shear_coefficient == 0.0)
     table.refuse("shear_coefficient",
                  "is missing; area and second moment do not say how the section shears, state it, "
                  "for example shear_coefficient = 0.85");
+  return coefficient.value_or(section.shear_coefficient);
 }
 
-void read_beam(TableReader& table, models::Rig& rig, Section& section) {
-  rig.beam.length = table.required_quantity("length", "m", "0.8 m");
-  rig.beam.poisson_ratio = table.number("poisson_ratio").value_or(rig.beam.poisson_ratio);
+/// A bar of segments: the section of each, in their order.
+std::vector<Section> read_segments(TableReader& table, models::Beam& beam) {
+  std::vector<Section> sections;
+  for (TableReader& inner : table.tables("segments")) {
+    models::BeamSegment segment{.length = inner.required_quantity("length", "m", "0.3 m")};
+    auto section = inner.table("section");
+    if (!section)
+      inner.refuse("section",
+                   "is missing; add section = { shape = \"circle\", radius = \"15 mm\" }");
+    sections.push_back(read_section(*section, beam.poisson_ratio));
+    segment.area = sections.back().area;
+    segment.second_moment = sections.back().second_moment;
+    if (beam.shears()) segment.shear_coefficient = read_shear_coefficient(inner, sections.back());
+    if (const auto modulus = inner.quantity("youngs_modulus", "Pa"))
+      segment.youngs_modulus = modulus->value;
+    if (const auto density = inner.quantity("density", "kg/m^3")) segment.density = density->value;
+    inner.finish();
+    beam.segments.push_back(segment);
+    beam.length += segment.length;
+  }
+  // to the digits a rig file has: 0.1 m and 0.2 m are 0.3 m
+  beam.length = std::stod(fmt::format("{:.14g}", beam.length));
+  for (const char* key : {"length", "section", "area", "second_moment", "shear_coefficient"})
+    if (table.has(key))
+      table.refuse(key, "beam.segments say this of each segment; keep one of the two");
+  return sections;
+}
+
+std::vector<Section> read_uniform(TableReader& table, models::Beam& beam) {
+  beam.length = table.required_quantity("length", "m", "0.8 m");
+  Section section;
   if (auto inner = table.table("section")) {
-    section = read_section(*inner, rig.beam.poisson_ratio);
+    section = read_section(*inner, beam.poisson_ratio);
   } else if (table.has("area") || table.has("second_moment")) {
     section.area = table.required_quantity("area", "m^2", "706.9 mm^2");
     section.second_moment = table.required_quantity("second_moment", "m^4", "39761 mm^4");
   } else {
     table.refuse("section", "is missing; add section = { shape = \"circle\", radius = \"15 mm\" }");
   }
-  rig.beam.area = section.area;
-  rig.beam.second_moment = section.second_moment;
+  beam.area = section.area;
+  beam.second_moment = section.second_moment;
+  if (beam.shears())
+    beam.shear_coefficient = read_shear_coefficient(table, section);
+  else if (table.has("shear_coefficient"))
+    table.refuse("shear_coefficient",
+                 "a bar of Euler-Bernoulli's theory does not shear; add theory = \"timoshenko\"");
+  return {section};
+}
+
+/// The section of each segment, of a uniform bar its only one.
+std::vector<Section> read_beam(TableReader& table, models::Rig& rig) {
+  rig.beam.poisson_ratio = table.number("poisson_ratio").value_or(rig.beam.poisson_ratio);
+  if (const auto theory = table.choice("theory", {"euler-bernoulli", "timoshenko"}))
+    rig.beam.theory = static_cast<models::BeamTheory>(*theory);
+  const std::vector<Section> sections =
+      table.has("segments") ? read_segments(table, rig.beam) : read_uniform(table, rig.beam);
   rig.beam.youngs_modulus = table.required_quantity("youngs_modulus", "Pa", "68.952 GPa");
   rig.beam.density = table.required_quantity("density", "kg/m^3", "2766.7 kg/m^3");
-  read_theory(table, rig.beam, section);
   if (auto damping = table.table("damping")) {
     if (const auto mass = damping->quantity("mass", "1/s")) rig.beam.damping.mass = mass->value;
     if (const auto stiffness = damping->quantity("stiffness", "s"))
@@ -118,6 +153,7 @@ void read_beam(TableReader& table, models::Rig& rig, Section& section) {
     lump.finish();
   }
   table.finish();
+  return sections;
 }
 
 void read_counterface(TableReader& table, models::Contact& contact) {
@@ -140,11 +176,21 @@ void read_counterface(TableReader& table, models::Contact& contact) {
   face->finish();
 }
 
-void read_contact(TableReader& table, models::Rig& rig, const Section& section) {
+/// Number of the segment that holds a place of the bar, the first of two at a step.
+std::size_t segment_at(const models::Beam& beam, double x) {
+  std::size_t i = 0;
+  double end = beam.segments.empty() ? beam.length : beam.segments[0].length;
+  while (i + 1 < beam.segments.size() && x > end * (1.0 + 1e-12)) end += beam.segments[++i].length;
+  return i;
+}
+
+void read_contact(TableReader& table, models::Rig& rig, const std::vector<Section>& sections) {
   models::Contact& contact = rig.contact;
   contact.law = table.text("law").value_or(contact.law);
   contact.damping = table.text("damping").value_or(contact.damping);
   contact.position = table.required_quantity("position", "m", "0.69 m");
+  const std::size_t struck = segment_at(rig.beam, contact.position);
+  const Section& section = sections[struck];
   read_counterface(table, contact);
   const bool line_contact = contact.law != "linear";
   if (line_contact) {
@@ -169,7 +215,11 @@ void read_contact(TableReader& table, models::Rig& rig, const Section& section) 
                  "radius = \"15 mm\"");
   contact.radius = radius ? radius->value : section.radius;
   const auto modulus = table.quantity("modulus", "Pa");
-  contact.modulus = modulus ? modulus->value : rig.beam.youngs_modulus;
+  const double beam_modulus =
+      rig.beam.segments.empty()
+          ? rig.beam.youngs_modulus
+          : rig.beam.segments[struck].youngs_modulus.value_or(rig.beam.youngs_modulus);
+  contact.modulus = modulus ? modulus->value : beam_modulus;
   contact.poisson_ratio = table.number("poisson_ratio").value_or(rig.beam.poisson_ratio);
   const auto counter_modulus = table.quantity("counter_modulus", "Pa");
   if (!counter_modulus && line_contact)
@@ -428,11 +478,10 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   TableReader root(document, path, "", overridden);
   root.integer("schema");
   root.text("title");
-  Section section;
   TableReader beam = required_table(root, "beam");
-  read_beam(beam, file.rig, section);
+  const std::vector<Section> sections = read_beam(beam, file.rig);
   TableReader contact = required_table(root, "contact");
-  read_contact(contact, file.rig, section);
+  read_contact(contact, file.rig, sections);
   if (auto hinge = root.table("hinge")) read_hinge(*hinge, file.rig.hinge);
   TableReader start = required_table(root, "start");
   read_start(start, file.rig.start);

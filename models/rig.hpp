@@ -33,7 +33,20 @@ enum class BeamTheory { euler_bernoulli, timoshenko };
 
 std::string_view name(BeamTheory theory);
 
-/// A straight uniform bar, x from the hinge, and the masses it carries.
+/// A length of bar with a section of its own, and a material where it is not the bar's.
+struct BeamSegment {
+  double length = 0.0;                        ///< [m]
+  double area = 0.0;                          ///< A [m^2]
+  double second_moment = 0.0;                 ///< I [m^4]
+  double shear_coefficient = 0.0;             ///< κ [-]
+  std::optional<double> youngs_modulus = {};  ///< E [Pa]
+  std::optional<double> density = {};         ///< rho [kg/m^3]
+
+  bool operator==(const BeamSegment&) const = default;
+};
+
+/// A straight bar, x from the hinge, and the masses it carries. It is uniform, or made of segments:
+/// then `length` is theirs together and area, second moment and shear coefficient are not used.
 struct Beam {
   double length = 0.0;          ///< [m]
   double area = 0.0;            ///< A [m^2]
@@ -46,12 +59,13 @@ struct Beam {
   double poisson_ratio = 0.3;      ///< ν [-]
   double shear_coefficient = 0.0;  ///< κ of Timoshenko's theory: shear force κGA γ [-]
 
+  std::vector<BeamSegment> segments = {};  ///< from the hinge on
+
   bool operator==(const Beam&) const = default;
 
   bool shears() const { return theory == BeamTheory::timoshenko; }
 
-  double bar_mass() const { return density * area * length; }  ///< without `masses` [kg]
-
+  double bar_mass() const;       ///< without `masses` [kg]
   double first_moment() const;   ///< ∫ x dm [kg m]
   double hinge_inertia() const;  ///< ∫ x² dm, with the sections' own of a Timoshenko bar [kg m^2]
 };

@@ -2,6 +2,7 @@
 #include "models/beams/assumed_modes.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -11,7 +12,7 @@
 namespace impactrig::models {
 
 AssumedModes::AssumedModes(const Beam& beam, Basis basis, int count) : beam_(beam), omega_(count) {
-  if (!beam.shears()) {
+  if (!beam.shears() && beam.segments.empty()) {
     closed_ = bending_modes(beam, basis, count);
     for (int k = 0; k < count; ++k)
       omega_[k] = closed_[static_cast<std::size_t>(k)].angular_frequency();
@@ -25,7 +26,8 @@ void AssumedModes::solve(const Beam& beam, Basis basis, int count) {
   bare.beam = beam;
   bare.beam.masses.clear();
   bare.gravity = 0.0;
-  elements_ = bar_elements(beam, beam.length, {32 + 4 * count, 0});
+  const int pieces = static_cast<int>(bar_pieces(beam).size());
+  elements_ = bar_elements(beam, beam.length, {std::max(32 + 4 * count, 4 * pieces), 0});
   const SmallMotion motion = LinearBar(bare, elements_).small_motion();
   values_ = Eigen::MatrixXd::Zero(motion.rigid.size() + 1, count);
   if (count == 0) return;

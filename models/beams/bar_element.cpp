@@ -1,9 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/beams/bar_element.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "models/integration/gauss.hpp"
 
 namespace impactrig::models {
+namespace {
+
+// Of a side: the struck point may be at a step to the rounding of both.
+constexpr double smallest_part = 1e-9;
+
+}  // namespace
 
 double BarElement::shear_share() const {
   return 12.0 * bending_stiffness * shear_compliance / (length * length);
@@ -79,32 +88,104 @@ BarElement::Matrix BarElement::stiffness() const {
   return k;
 }
 
-std::vector<BarElement> bar_pieces(const Beam& beam) {
-  BarElement piece{.length = beam.length,
-                   .axial_stiffness = beam.youngs_modulus * beam.area,
-                   .bending_stiffness = beam.youngs_modulus * beam.second_moment,
-                   .line_density = beam.density * beam.area};
-  if (beam.shears()) {
-    const double shear_modulus = beam.youngs_modulus / (2.0 * (1.0 + beam.poisson_ratio));
-    piece.shear_compliance = 1.0 / (beam.shear_coefficient * shear_modulus * beam.area);
-    piece.rotary_inertia = beam.density * beam.second_moment;
+namespace {
+
+/// The two sides of the struck point, [from, to].
+struct Side {
+  double from = 0.0, to = 0.0;
+};
+
+std::array<Side, 2> sides(const Beam& beam, double struck) {
+  return {Side{0.0, struck}, Side{struck, beam.length}};
+}
+
+/// What of the bar's pieces lies on one side; nothing shorter than rounding.
+std::vector<BarElement> pieces_of(const Beam& beam, const Side& side) {
+  std::vector<BarElement> pieces = bar_pieces(beam);
+  for (BarElement& piece : pieces) {
+    const double from = std::max(piece.x, side.from);
+    piece.length = std::min(piece.x + piece.length, side.to) - from;
+    piece.x = from;
   }
-  return {piece};
+  std::erase_if(pieces, [&](const BarElement& piece) {
+    return !(piece.length > smallest_part * (side.to - side.from));
+  });
+  return pieces;
+}
+
+/// Shares of the elements, at least one a piece, so that a bending wave meets as many everywhere.
+std::vector<int> distribute(const std::vector<BarElement>& pieces, int elements) {
+  std::vector<int> shares(pieces.size(), 1);
+  const auto waves = [&](std::size_t i) {  // in one element
+    const double number = std::pow(pieces[i].line_density / pieces[i].bending_stiffness, 0.25);
+    return pieces[i].length * number / shares[i];
+  };
+  for (int left = elements - static_cast<int>(pieces.size()); left > 0; --left) {
+    std::size_t coarsest = 0;
+    for (std::size_t i = 1; i < pieces.size(); ++i)
+      if (waves(i) > waves(coarsest)) coarsest = i;
+    ++shares[coarsest];
+  }
+  return shares;
+}
+
+}  // namespace
+
+BarElement bar_piece(const Beam& beam, const BeamSegment& segment, double x) {
+  const double modulus = segment.youngs_modulus.value_or(beam.youngs_modulus);
+  const double density = segment.density.value_or(beam.density);
+  BarElement piece{.x = x,
+                   .length = segment.length,
+                   .axial_stiffness = modulus * segment.area,
+                   .bending_stiffness = modulus * segment.second_moment,
+                   .line_density = density * segment.area};
+  if (beam.shears()) {
+    const double shear_modulus = modulus / (2.0 * (1.0 + beam.poisson_ratio));
+    piece.shear_compliance = 1.0 / (segment.shear_coefficient * shear_modulus * segment.area);
+    piece.rotary_inertia = density * segment.second_moment;
+  }
+  return piece;
+}
+
+std::vector<BarElement> bar_pieces(const Beam& beam) {
+  std::vector<BarElement> pieces;
+  for_each_piece(beam, [&](const BarElement& piece) { pieces.push_back(piece); });
+  return pieces;
 }
 
 std::vector<BarElement> bar_elements(const Beam& beam, double struck, std::array<int, 2> elements) {
-  BarElement element = bar_pieces(beam).front();
   std::vector<BarElement> bar;
-  const std::array<double, 2> parts = {struck, beam.length - struck};
   double x = 0.0;
-  for (std::size_t part = 0; part < 2; ++part)
-    for (int i = 0; i < elements[part]; ++i) {
-      element.x = x;
-      element.length = parts[part] / elements[part];
-      bar.push_back(element);
-      x += element.length;
-    }
+  for (std::size_t side = 0; side < 2; ++side) {
+    if (elements[side] == 0) continue;
+    const std::vector<BarElement> pieces = pieces_of(beam, sides(beam, struck)[side]);
+    const std::vector<int> shares = distribute(pieces, elements[side]);
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+      for (int k = 0; k < shares[i]; ++k) {
+        BarElement element = pieces[i];
+        element.x = x;
+        element.length = pieces[i].length / shares[i];
+        bar.push_back(element);
+        x += element.length;
+      }
+  }
   return bar;
+}
+
+std::array<int, 2> fewest_elements(const Beam& beam, double struck) {
+  const auto count = [&](const Side& side) {
+    return static_cast<int>(pieces_of(beam, side).size());
+  };
+  const std::array<Side, 2> both = sides(beam, struck);
+  return {count(both[0]), count(both[1])};
+}
+
+double mass_between(const std::vector<BarElement>& pieces, double from, double to) {
+  double mass = 0.0;
+  for (const BarElement& piece : pieces)
+    mass += piece.line_density *
+            std::max(std::min(piece.x + piece.length, to) - std::max(piece.x, from), 0.0);
+  return mass;
 }
 
 std::size_t element_at(const std::vector<BarElement>& elements, double x) {

@@ -44,11 +44,36 @@ struct BarElement {
   double shear_share() const;  ///< Φ [-]
 };
 
+/// A segment of the bar, x from the hinge.
+BarElement bar_piece(const Beam& beam, const BeamSegment& segment, double x);
+
 /// The parts of the bar within which nothing of its section changes, from hinge to tip.
 std::vector<BarElement> bar_pieces(const Beam& beam);
 
-/// The bar from hinge to tip: so many elements up to the struck point, so many beyond.
+/// The same one after the other, without memory.
+template <typename Visitor>
+void for_each_piece(const Beam& beam, Visitor&& visit) {
+  if (beam.segments.empty()) {
+    visit(
+        bar_piece(beam, {beam.length, beam.area, beam.second_moment, beam.shear_coefficient}, 0.0));
+    return;
+  }
+  double x = 0.0;
+  for (const BeamSegment& segment : beam.segments) {
+    visit(bar_piece(beam, segment, x));
+    x += segment.length;
+  }
+}
+
+/// The bar from hinge to tip: so many elements up to the struck point, so many beyond. They end
+/// where the section changes too, and share a side by the lengths of its bending waves.
 std::vector<BarElement> bar_elements(const Beam& beam, double struck, std::array<int, 2> elements);
+
+/// How few elements the sides of the struck point can have.
+std::array<int, 2> fewest_elements(const Beam& beam, double struck);
+
+/// Of the bar without its lumped masses [kg].
+double mass_between(const std::vector<BarElement>& pieces, double from, double to);
 
 /// The element that holds a place of the bar; the first of two at a node.
 std::size_t element_at(const std::vector<BarElement>& elements, double x);

@@ -47,8 +47,8 @@ class ModalBeam {
   Eigen::VectorXd omega_, struck_, rigid_;
   Eigen::VectorXd hinge_;  // angle at the hinge under unit modal coordinates (m)
   double elastic_compliance_ = 0.0;
-  Eigen::MatrixXd slopes_;     // of the modes at evenly spread stations (stations, m)
-  double station_mass_ = 0.0;  // [kg]
+  Eigen::MatrixXd slopes_;        // of the modes at evenly spread stations (stations, m)
+  Eigen::VectorXd station_mass_;  // of the bar between them [kg] (stations)
   std::vector<LumpedMass> masses_;
   double spacing_ = 0.0;  // [m]
 };

@@ -158,6 +158,46 @@ TEST(RigFile, AShearCoefficientIsStatedWhereItIsNeededOnly) {
             "shear; add theory = \"timoshenko\"");
 }
 
+TEST(RigFile, ABarOfSegments) {
+  const std::string length = "length = \"0.8 m\"";
+  const std::string section = "section = { shape = \"circle\", radius = \"15 mm\" }";
+  std::string text = with(section, "");
+  text.erase(text.find(length), length.size());
+  const std::string segments = R"(
+[[beam.segments]]
+length = "0.1 m"
+section = { shape = "circle", radius = "15 mm" }
+[[beam.segments]]
+length = "0.2 m"
+section = { shape = "tube", radius = "12 mm", wall = "2 mm" }
+youngs_modulus = "210 GPa"
+density = "7850 kg/m^3"
+)";
+  const RigFile file =
+      parse_rig_file(text + segments, "rig.toml",
+                     {{"contact.position", "0.3 m"}, {"sensors", "{}"}, {"solver", "{}"}});
+  const models::Beam& beam = file.rig.beam;
+  EXPECT_EQ(beam.length, 0.3);
+  ASSERT_EQ(beam.segments.size(), 2u);
+  EXPECT_FALSE(beam.segments[0].youngs_modulus);
+  EXPECT_DOUBLE_EQ(*beam.segments[1].youngs_modulus, 210e9);
+  EXPECT_DOUBLE_EQ(*beam.segments[1].density, 7850.0);
+  EXPECT_NEAR(beam.segments[1].area, std::numbers::pi * (144e-6 - 100e-6), 1e-17);
+  EXPECT_EQ(file.solver.elements[1], 0);  // struck at the tip
+  // the stop meets the segment it strikes
+  EXPECT_DOUBLE_EQ(file.rig.contact.radius, 0.012);
+  EXPECT_DOUBLE_EQ(file.rig.contact.modulus, 210e9);
+  EXPECT_DOUBLE_EQ(parse_rig_file(text + segments, "rig.toml",
+                                  {{"contact.position", "0.1 m"}, {"sensors", "{}"}})
+                       .rig.contact.radius,
+                   0.015);
+  EXPECT_NE(message_of(with(section, "") + segments)
+                .find("beam.length: beam.segments say this of each segment; keep one of the two"),
+            std::string::npos);
+  EXPECT_NE(message_of(text + segments + "radius = \"1 mm\"\n").find("beam.segments[1].radius"),
+            std::string::npos);
+}
+
 TEST(RigFile, ABareNumberIsRefusedWhereAUnitIsMeant) {
   EXPECT_EQ(message_of(with("length = \"0.8 m\"", "length = 0.8")),
             "rig.toml:3:10: beam.length: the bare number 0.8 has no unit; write it in quotes with "
