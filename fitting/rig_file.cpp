@@ -30,9 +30,17 @@ struct Section {
   double area = 0.0;
   double second_moment = 0.0;
   double radius = 0.0;
+  double shear_coefficient = 0.0;  // 0: the shape is not known
 };
 
-Section read_section(TableReader table) {
+/// [Cowper1966]; `hollow` is inner over outer radius: 0 a full circle, near 1 a thin tube.
+double round_shear_coefficient(double hollow, double nu) {
+  const double m = hollow * hollow;
+  const double square = (1.0 + m) * (1.0 + m);
+  return 6.0 * (1.0 + nu) * square / ((7.0 + 6.0 * nu) * square + (20.0 + 12.0 * nu) * m);
+}
+
+Section read_section(TableReader table, double poisson_ratio) {
   Section section;
   const std::vector<std::string_view> shapes = {"circle", "rectangle", "tube"};
   const auto shape = table.choice("shape", shapes);
@@ -43,11 +51,13 @@ Section read_section(TableReader table) {
     const double r = section.radius = table.required_quantity("radius", "m", "15 mm");
     section.area = std::numbers::pi * r * r;
     section.second_moment = std::numbers::pi * std::pow(r, 4) / 4.0;
+    section.shear_coefficient = round_shear_coefficient(0.0, poisson_ratio);
   } else if (*shape == 1) {
     const double width = table.required_quantity("width", "m", "40 mm");
     const double height = table.required_quantity("height", "m", "10 mm");
     section.area = width * height;
     section.second_moment = width * std::pow(height, 3) / 12.0;
+    section.shear_coefficient = 10.0 * (1.0 + poisson_ratio) / (12.0 + 11.0 * poisson_ratio);
   } else {
     const double outer = section.radius = table.required_quantity("radius", "m", "15 mm");
     const double wall = table.required_quantity("wall", "m", "2 mm");
@@ -57,26 +67,80 @@ Section read_section(TableReader table) {
     const double inner = outer - wall;
     section.area = std::numbers::pi * (outer * outer - inner * inner);
     section.second_moment = std::numbers::pi * (std::pow(outer, 4) - std::pow(inner, 4)) / 4.0;
+    section.shear_coefficient = round_shear_coefficient(inner / outer, poisson_ratio);
   }
   table.finish();
   return section;
 }
 
-void read_beam(TableReader& table, models::Rig& rig, Section& section, double& poisson_ratio) {
-  rig.beam.length = table.required_quantity("length", "m", "0.8 m");
+/// As stated, or as the shape has it.
+double read_shear_coefficient(TableReader& table, const Section& section) {
+  const auto coefficient = table.number("shear_coefficient");
+  if (!coefficient && section.shear_coefficient == 0.0)
+    table.refuse("shear_coefficient",
+                 "is missing; area and second moment do not say how the section shears, state it, "
+                 "for example shear_coefficient = 0.85");
+  return coefficient.value_or(section.shear_coefficient);
+}
+
+/// A bar of segments: the section of each, in their order.
+std::vector<Section> read_segments(TableReader& table, models::Beam& beam) {
+  std::vector<Section> sections;
+  for (TableReader& inner : table.tables("segments")) {
+    models::BeamSegment segment{.length = inner.required_quantity("length", "m", "0.3 m")};
+    auto section = inner.table("section");
+    if (!section)
+      inner.refuse("section",
+                   "is missing; add section = { shape = \"circle\", radius = \"15 mm\" }");
+    sections.push_back(read_section(*section, beam.poisson_ratio));
+    segment.area = sections.back().area;
+    segment.second_moment = sections.back().second_moment;
+    if (beam.shears()) segment.shear_coefficient = read_shear_coefficient(inner, sections.back());
+    if (const auto modulus = inner.quantity("youngs_modulus", "Pa"))
+      segment.youngs_modulus = modulus->value;
+    if (const auto density = inner.quantity("density", "kg/m^3")) segment.density = density->value;
+    inner.finish();
+    beam.segments.push_back(segment);
+    beam.length += segment.length;
+  }
+  // to the digits a rig file has: 0.1 m and 0.2 m are 0.3 m
+  beam.length = std::stod(fmt::format("{:.14g}", beam.length));
+  for (const char* key : {"length", "section", "area", "second_moment", "shear_coefficient"})
+    if (table.has(key))
+      table.refuse(key, "beam.segments say this of each segment; keep one of the two");
+  return sections;
+}
+
+std::vector<Section> read_uniform(TableReader& table, models::Beam& beam) {
+  beam.length = table.required_quantity("length", "m", "0.8 m");
+  Section section;
   if (auto inner = table.table("section")) {
-    section = read_section(*inner);
+    section = read_section(*inner, beam.poisson_ratio);
   } else if (table.has("area") || table.has("second_moment")) {
     section.area = table.required_quantity("area", "m^2", "706.9 mm^2");
     section.second_moment = table.required_quantity("second_moment", "m^4", "39761 mm^4");
   } else {
     table.refuse("section", "is missing; add section = { shape = \"circle\", radius = \"15 mm\" }");
   }
-  rig.beam.area = section.area;
-  rig.beam.second_moment = section.second_moment;
+  beam.area = section.area;
+  beam.second_moment = section.second_moment;
+  if (beam.shears())
+    beam.shear_coefficient = read_shear_coefficient(table, section);
+  else if (table.has("shear_coefficient"))
+    table.refuse("shear_coefficient",
+                 "a bar of Euler-Bernoulli's theory does not shear; add theory = \"timoshenko\"");
+  return {section};
+}
+
+/// The section of each segment, of a uniform bar its only one.
+std::vector<Section> read_beam(TableReader& table, models::Rig& rig) {
+  rig.beam.poisson_ratio = table.number("poisson_ratio").value_or(rig.beam.poisson_ratio);
+  if (const auto theory = table.choice("theory", {"euler-bernoulli", "timoshenko"}))
+    rig.beam.theory = static_cast<models::BeamTheory>(*theory);
+  const std::vector<Section> sections =
+      table.has("segments") ? read_segments(table, rig.beam) : read_uniform(table, rig.beam);
   rig.beam.youngs_modulus = table.required_quantity("youngs_modulus", "Pa", "68.952 GPa");
   rig.beam.density = table.required_quantity("density", "kg/m^3", "2766.7 kg/m^3");
-  poisson_ratio = table.number("poisson_ratio").value_or(0.3);
   if (auto damping = table.table("damping")) {
     if (const auto mass = damping->quantity("mass", "1/s")) rig.beam.damping.mass = mass->value;
     if (const auto stiffness = damping->quantity("stiffness", "s"))
@@ -89,6 +153,7 @@ void read_beam(TableReader& table, models::Rig& rig, Section& section, double& p
     lump.finish();
   }
   table.finish();
+  return sections;
 }
 
 void read_counterface(TableReader& table, models::Contact& contact) {
@@ -111,12 +176,21 @@ void read_counterface(TableReader& table, models::Contact& contact) {
   face->finish();
 }
 
-void read_contact(TableReader& table, models::Rig& rig, const Section& section,
-                  double poisson_ratio) {
+/// Number of the segment that holds a place of the bar, the first of two at a step.
+std::size_t segment_at(const models::Beam& beam, double x) {
+  std::size_t i = 0;
+  double end = beam.segments.empty() ? beam.length : beam.segments[0].length;
+  while (i + 1 < beam.segments.size() && x > end * (1.0 + 1e-12)) end += beam.segments[++i].length;
+  return i;
+}
+
+void read_contact(TableReader& table, models::Rig& rig, const std::vector<Section>& sections) {
   models::Contact& contact = rig.contact;
   contact.law = table.text("law").value_or(contact.law);
   contact.damping = table.text("damping").value_or(contact.damping);
   contact.position = table.required_quantity("position", "m", "0.69 m");
+  const std::size_t struck = segment_at(rig.beam, contact.position);
+  const Section& section = sections[struck];
   read_counterface(table, contact);
   const bool line_contact = contact.law != "linear";
   if (line_contact) {
@@ -141,8 +215,12 @@ void read_contact(TableReader& table, models::Rig& rig, const Section& section,
                  "radius = \"15 mm\"");
   contact.radius = radius ? radius->value : section.radius;
   const auto modulus = table.quantity("modulus", "Pa");
-  contact.modulus = modulus ? modulus->value : rig.beam.youngs_modulus;
-  contact.poisson_ratio = table.number("poisson_ratio").value_or(poisson_ratio);
+  const double beam_modulus =
+      rig.beam.segments.empty()
+          ? rig.beam.youngs_modulus
+          : rig.beam.segments[struck].youngs_modulus.value_or(rig.beam.youngs_modulus);
+  contact.modulus = modulus ? modulus->value : beam_modulus;
+  contact.poisson_ratio = table.number("poisson_ratio").value_or(rig.beam.poisson_ratio);
   const auto counter_modulus = table.quantity("counter_modulus", "Pa");
   if (!counter_modulus && line_contact)
     table.refuse("counter_modulus", "is missing; add counter_modulus = \"68.952 GPa\"");
@@ -401,12 +479,10 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   TableReader root(document, path, "", overridden);
   root.integer("schema");
   root.text("title");
-  Section section;
-  double poisson_ratio = 0.3;
   TableReader beam = required_table(root, "beam");
-  read_beam(beam, file.rig, section, poisson_ratio);
+  const std::vector<Section> sections = read_beam(beam, file.rig);
   TableReader contact = required_table(root, "contact");
-  read_contact(contact, file.rig, section, poisson_ratio);
+  read_contact(contact, file.rig, sections);
   if (auto hinge = root.table("hinge")) read_hinge(*hinge, file.rig.hinge);
   TableReader start = required_table(root, "start");
   read_start(start, file.rig.start);

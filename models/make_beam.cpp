@@ -5,6 +5,7 @@
 
 #include "models/beams/ancf.hpp"
 #include "models/beams/floating_frame.hpp"
+#include "models/beams/linear_bar.hpp"
 
 namespace impactrig::models {
 
@@ -19,6 +20,13 @@ std::unique_ptr<BeamDynamics> make_beam(const Rig& rig, const Solver& solver) {
       return std::make_unique<AncfBeam>(rig, solver.elements);
   }
   throw std::logic_error("make_beam: beam model out of range");
+}
+
+std::unique_ptr<SmallMotionBeam> make_small_motion_beam(const Rig& rig, const Solver& solver) {
+  if (solver.model == BeamModel::ancf)
+    return std::make_unique<LinearBar>(
+        rig, bar_elements(rig.beam, rig.contact.position, solver.elements));
+  return make_beam(rig, solver);
 }
 
 }  // namespace impactrig::models

@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "models/beams/bar_element.hpp"
+
 namespace impactrig::models {
 namespace {
 
@@ -87,10 +89,12 @@ Solver choose_mesh(const Rig& rig, const Solver& solver, double& error) {
 }
 
 std::array<int, 2> split_elements(int total, const Rig& rig) {
-  if (rig.contact.position >= rig.beam.length) return {total, 0};
+  if (rig.contact.position >= rig.beam.length)
+    return {std::max(total, fewest_elements(rig.beam, rig.contact.position)[0]), 0};
   const int first = static_cast<int>(std::lround(total * rig.contact.position / rig.beam.length));
   const int before = std::clamp(first, 1, std::max(total - 1, 1));
-  return {before, std::max(total - before, 1)};
+  const std::array<int, 2> fewest = fewest_elements(rig.beam, rig.contact.position);
+  return {std::max(before, fewest[0]), std::max({total - before, 1, fewest[1]})};
 }
 
 }  // namespace impactrig::models

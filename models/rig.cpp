@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
+#include "models/beams/bar_element.hpp"
 #include "models/contact/damping_law.hpp"
 #include "models/contact/elastic_law.hpp"
 #include "models/rigid_swing.hpp"
@@ -31,14 +33,47 @@ void require_not_negative(std::string_view key, double value, std::string_view u
     refuse(key, fmt::format("must be finite and not negative, found {:g} {}", value, unit));
 }
 
+void require_poisson_ratio(std::string_view key, double nu) {
+  if (!(nu > -1.0 && nu <= 0.5))
+    refuse(key, fmt::format("must lie between -1 and 0.5, found {:g}", nu));
+}
+
+void validate_section(const std::string& where, double area, double second_moment,
+                      double shear_coefficient, bool shears) {
+  require_positive(where + ".section (area)", area, "m^2");
+  require_positive(where + ".section (second moment)", second_moment, "m^4");
+  if (shears) require_positive(where + ".shear_coefficient", shear_coefficient, "");
+}
+
+void validate_segments(const Beam& beam) {
+  double length = 0.0;
+  for (std::size_t i = 0; i < beam.segments.size(); ++i) {
+    const BeamSegment& segment = beam.segments[i];
+    const std::string key = fmt::format("beam.segments[{}]", i);
+    require_positive(key + ".length", segment.length, "m");
+    validate_section(key, segment.area, segment.second_moment, segment.shear_coefficient,
+                     beam.shears());
+    if (segment.youngs_modulus)
+      require_positive(key + ".youngs_modulus", *segment.youngs_modulus, "Pa");
+    if (segment.density) require_positive(key + ".density", *segment.density, "kg/m^3");
+    length += segment.length;
+  }
+  if (!(std::abs(length - beam.length) <= 1e-12 * length))
+    refuse("beam.length", fmt::format("the bar is {:g} m long, its segments are together {:g} m",
+                                      beam.length, length));
+}
+
 void validate_beam(const Beam& beam) {
   require_positive("beam.length", beam.length, "m");
-  require_positive("beam.section (area)", beam.area, "m^2");
-  require_positive("beam.section (second moment)", beam.second_moment, "m^4");
   require_positive("beam.youngs_modulus", beam.youngs_modulus, "Pa");
   require_positive("beam.density", beam.density, "kg/m^3");
+  if (beam.segments.empty())
+    validate_section("beam", beam.area, beam.second_moment, beam.shear_coefficient, beam.shears());
+  else
+    validate_segments(beam);
   require_not_negative("beam.damping.mass", beam.damping.mass, "1/s");
   require_not_negative("beam.damping.stiffness", beam.damping.stiffness, "s");
+  if (beam.shears()) require_poisson_ratio("beam.poisson_ratio", beam.poisson_ratio);
   for (std::size_t i = 0; i < beam.masses.size(); ++i) {
     const LumpedMass& lump = beam.masses[i];
     const std::string key = fmt::format("beam.masses[{}]", i);
@@ -78,8 +113,7 @@ void validate_contact(const Contact& contact, const Beam& beam) {
   for (const auto& [key, nu] :
        {std::pair{"contact.poisson_ratio", contact.poisson_ratio},
         std::pair{"contact.counter_poisson_ratio", contact.counter_poisson_ratio}})
-    if (!(nu > -1.0 && nu <= 0.5))
-      refuse(key, fmt::format("must lie between -1 and 0.5, found {:g}", nu));
+    require_poisson_ratio(key, nu);
   if (contact.exponent != 1 && contact.exponent != 3)
     refuse("contact.exponent",
            fmt::format("must be 1 (as the paper prints it) or 3 (consistent in units), found {}",
@@ -109,6 +143,12 @@ void validate_solver(const Solver& solver, const Rig& rig) {
               "needs at least one element on each side of the struck point and 4096 in all, found "
               "[{}, {}]",
               solver.elements[0], solver.elements[1]));
+    const std::array<int, 2> fewest = fewest_elements(rig.beam, rig.contact.position);
+    if (solver.elements[0] < fewest[0] || solver.elements[1] < fewest[1])
+      refuse("solver.elements",
+             fmt::format("elements end where the bar changes: hinge to struck point needs at least "
+                         "{}, struck point to tip {}, found [{}, {}]",
+                         fewest[0], fewest[1], solver.elements[0], solver.elements[1]));
     if (at_tip && solver.elements[1] != 0)
       refuse("solver.elements",
              fmt::format("the struck point is the bar's tip: the second number must be 0, found {}",
@@ -116,6 +156,11 @@ void validate_solver(const Solver& solver, const Rig& rig) {
   }
   if (solver.model == BeamModel::hybrid && !(solver.modes >= 1 && solver.modes <= 60))
     refuse("solver.modes", fmt::format("must lie between 1 and 60, found {}", solver.modes));
+  if (solver.model == BeamModel::hybrid && solver.axial_modes > 0 && !rig.beam.segments.empty())
+    refuse("solver.axial_modes",
+           fmt::format("axial shapes are those of a uniform bar, this one has segments: must be 0, "
+                       "found {}; ANCF elements stretch",
+                       solver.axial_modes));
   if (solver.model == BeamModel::hybrid && !(solver.axial_modes >= 0 && solver.axial_modes <= 60))
     refuse("solver.axial_modes",
            fmt::format("must lie between 0 and 60, found {}", solver.axial_modes));
@@ -135,18 +180,36 @@ std::string_view name(BeamModel model) {
   throw std::logic_error("name: beam model out of range");
 }
 
+std::string_view name(BeamTheory theory) {
+  return theory == BeamTheory::timoshenko ? "timoshenko" : "euler-bernoulli";
+}
+
 std::string_view name(Basis basis) {
   return basis == Basis::cantilever ? "cantilever" : "pinned-free";
 }
 
+double Beam::bar_mass() const {
+  double sum = 0.0;
+  for_each_piece(*this, [&](const BarElement& piece) { sum += piece.line_density * piece.length; });
+  return sum;
+}
+
 double Beam::first_moment() const {
-  double sum = 0.5 * bar_mass() * length;
+  double sum = 0.0;
+  for_each_piece(*this, [&](const BarElement& piece) {
+    sum += piece.line_density * piece.length * (piece.x + 0.5 * piece.length);
+  });
   for (const LumpedMass& lump : masses) sum += lump.mass * lump.position;
   return sum;
 }
 
 double Beam::hinge_inertia() const {
-  double sum = bar_mass() * length * length / 3.0;
+  double sum = 0.0;
+  for_each_piece(*this, [&](const BarElement& piece) {
+    const double end = piece.x + piece.length;
+    const double square = (piece.x * piece.x + piece.x * end + end * end) / 3.0;
+    sum += (piece.line_density * square + piece.rotary_inertia) * piece.length;
+  });
   for (const LumpedMass& lump : masses) sum += lump.mass * lump.position * lump.position;
   return sum;
 }
@@ -165,9 +228,16 @@ bool damped(const Rig& rig) {
 }
 
 bool spring_bends_bar(const Rig& rig) {
-  // energy of the bending by the spring's moment, M² L / (6 EI), over that of the spring
-  const Beam& beam = rig.beam;
-  return rig.hinge.spring * beam.length / (3.0 * beam.youngs_modulus * beam.second_moment) > 0.01;
+  // energy of the bending by the spring's moment, ∫ M² (1 − x / L)² / (2 EI) dx, over that of the
+  // spring
+  double flexibility = 0.0;
+  for_each_piece(rig.beam, [&](const BarElement& piece) {
+    const double from = 1.0 - piece.x / rig.beam.length;
+    const double to = from - piece.length / rig.beam.length;
+    flexibility +=
+        piece.length * (from * from + from * to + to * to) / (3.0 * piece.bending_stiffness);
+  });
+  return rig.hinge.spring * flexibility > 0.01;
 }
 
 std::string beyond_small_motion(const Rig& rig) {

@@ -27,7 +27,26 @@ struct BarDamping {
   bool operator==(const BarDamping&) const = default;
 };
 
-/// A straight uniform bar, x from the hinge, and the masses it carries.
+/// Euler-Bernoulli: sections stay normal to the axis, without inertia of their own. Timoshenko:
+/// they shear against it and have rotary inertia.
+enum class BeamTheory { euler_bernoulli, timoshenko };
+
+std::string_view name(BeamTheory theory);
+
+/// A length of bar with a section of its own, and a material where it is not the bar's.
+struct BeamSegment {
+  double length = 0.0;                        ///< [m]
+  double area = 0.0;                          ///< A [m^2]
+  double second_moment = 0.0;                 ///< I [m^4]
+  double shear_coefficient = 0.0;             ///< κ [-]
+  std::optional<double> youngs_modulus = {};  ///< E [Pa]
+  std::optional<double> density = {};         ///< rho [kg/m^3]
+
+  bool operator==(const BeamSegment&) const = default;
+};
+
+/// A straight bar, x from the hinge, and the masses it carries. It is uniform, or made of segments:
+/// then `length` is theirs together and area, second moment and shear coefficient are not used.
 struct Beam {
   double length = 0.0;          ///< [m]
   double area = 0.0;            ///< A [m^2]
@@ -36,13 +55,19 @@ struct Beam {
   double density = 0.0;         ///< rho [kg/m^3]
   std::vector<LumpedMass> masses = {};
   BarDamping damping = {};
+  BeamTheory theory = BeamTheory::euler_bernoulli;
+  double poisson_ratio = 0.3;      ///< ν [-]
+  double shear_coefficient = 0.0;  ///< κ of Timoshenko's theory: shear force κGA γ [-]
+
+  std::vector<BeamSegment> segments = {};  ///< from the hinge on
 
   bool operator==(const Beam&) const = default;
 
-  double bar_mass() const { return density * area * length; }  ///< without `masses` [kg]
+  bool shears() const { return theory == BeamTheory::timoshenko; }
 
+  double bar_mass() const;       ///< without `masses` [kg]
   double first_moment() const;   ///< ∫ x dm [kg m]
-  double hinge_inertia() const;  ///< ∫ x² dm [kg m^2]
+  double hinge_inertia() const;  ///< ∫ x² dm, with the sections' own of a Timoshenko bar [kg m^2]
 };
 
 /// What the hinge does besides holding the bar; its angle is that of the bar's axis at the hinge.

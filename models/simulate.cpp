@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "models/beams/bar_element.hpp"
 #include "models/collocation/collocation_run.hpp"
 #include "models/implicit/ancf_motion.hpp"
 #include "models/implicit/dense_motion.hpp"
@@ -38,9 +39,15 @@ double missing_tension(const Rig& rig, const Solver& solver, double duration) {
   if (!stretches) return 0.0;
   // its period at most, by Dunkerley's formula
   const Beam& beam = rig.beam;
-  double square = 4.0 * std::pow(beam.length / std::numbers::pi, 2) * beam.density;
-  for (const LumpedMass& lump : beam.masses) square += lump.mass * lump.position / beam.area;
-  const double period = 2.0 * std::numbers::pi * std::sqrt(square / beam.youngs_modulus);
+  double flexibility = 0.0;  // of the whole bar, with as much of it at its end as is enough
+  for (const BarElement& piece : bar_pieces(beam))
+    flexibility += piece.length / piece.axial_stiffness;
+  const bool uniform = beam.segments.empty();
+  double square =
+      (uniform ? 4.0 / std::pow(std::numbers::pi, 2) : 1.0) * beam.bar_mass() * flexibility;
+  for (const LumpedMass& lump : beam.masses)
+    square += lump.mass * flexibility * (uniform ? lump.position / beam.length : 1.0);
+  const double period = 2.0 * std::numbers::pi * std::sqrt(square);
   const double time = std::min(duration, period);
   return 0.5 * rig.gravity * beam.first_moment() / beam.hinge_inertia() * time * time;
 }

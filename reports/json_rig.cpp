@@ -132,6 +132,37 @@ std::vector<models::LumpedMass> masses_from(const JsonReader& json) {
   return masses;
 }
 
+Json segments_json(const std::vector<models::BeamSegment>& segments) {
+  Json json = Json::array();
+  const auto maybe = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+  };
+  for (const models::BeamSegment& segment : segments)
+    json.push_back({{"length_m", segment.length},
+                    {"area_m2", segment.area},
+                    {"second_moment_m4", segment.second_moment},
+                    {"shear_coefficient", segment.shear_coefficient},
+                    {"youngs_modulus_pa", maybe(segment.youngs_modulus)},
+                    {"density_kg_m3", maybe(segment.density)}});
+  return json;
+}
+
+std::vector<models::BeamSegment> segments_from(const JsonReader& json) {
+  std::vector<models::BeamSegment> segments;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const JsonReader element = json.element(i);
+    models::BeamSegment& segment = segments.emplace_back();
+    segment.length = element["length_m"].number();
+    segment.area = element["area_m2"].number();
+    segment.second_moment = element["second_moment_m4"].number();
+    segment.shear_coefficient = element["shear_coefficient"].number();
+    if (element.has("youngs_modulus_pa"))
+      segment.youngs_modulus = element["youngs_modulus_pa"].number();
+    if (element.has("density_kg_m3")) segment.density = element["density_kg_m3"].number();
+  }
+  return segments;
+}
+
 }  // namespace
 
 Json rig_json(const fitting::RigFile& rig) {
@@ -146,6 +177,10 @@ Json rig_json(const fitting::RigFile& rig) {
         {"second_moment_m4", beam.second_moment},
         {"youngs_modulus_pa", beam.youngs_modulus},
         {"density_kg_m3", beam.density},
+        {"theory", name(beam.theory)},
+        {"poisson_ratio", beam.poisson_ratio},
+        {"shear_coefficient", beam.shear_coefficient},
+        {"segments", segments_json(beam.segments)},
         {"masses", masses_json(beam.masses)},
         {"damping", {{"mass_1_s", beam.damping.mass}, {"stiffness_s", beam.damping.stiffness}}}}},
       {"contact", contact_json(rig.rig.contact)},
@@ -177,6 +212,13 @@ fitting::RigFile rig_from(const JsonReader& json) {
   if (beam.has("damping"))
     rig.rig.beam.damping = {.mass = beam["damping"]["mass_1_s"].number(),
                             .stiffness = beam["damping"]["stiffness_s"].number()};
+  if (beam.has("theory")) {
+    if (beam["theory"].text() == name(models::BeamTheory::timoshenko))
+      rig.rig.beam.theory = models::BeamTheory::timoshenko;
+    rig.rig.beam.poisson_ratio = beam["poisson_ratio"].number();
+    rig.rig.beam.shear_coefficient = beam["shear_coefficient"].number();
+  }
+  if (beam.has("segments")) rig.rig.beam.segments = segments_from(beam["segments"]);
   if (beam.has("masses")) rig.rig.beam.masses = masses_from(beam["masses"]);
   rig.rig.contact = contact_from(json["contact"]);
   rig.rig.start.velocity = json["start"]["velocity_m_s"].number();

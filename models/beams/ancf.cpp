@@ -3,19 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "models/integration/gauss.hpp"
 
 namespace impactrig::models {
 namespace {
 
-/// Cubic Hermite shape functions of an element of length l at ξ in [0, 1], and d/dξ. (19)
-Eigen::Vector4d shape(double xi, double l) {
-  const double s = xi * xi;
-  return {1.0 - 3.0 * s + 2.0 * s * xi, l * (xi - 2.0 * s + s * xi), 3.0 * s - 2.0 * s * xi,
-          l * (s * xi - s)};
-}
-
+/// d/dξ of the cubic Hermite shape functions (19) of an element of unit length.
 Eigen::Vector4d shape_slope(double xi) {
   const double s = xi * xi;
   return {-6.0 * xi + 6.0 * s, 1.0 - 4.0 * xi + 3.0 * s, 6.0 * xi - 6.0 * s, 3.0 * s - 2.0 * xi};
@@ -25,16 +20,6 @@ Eigen::Vector4d shape_slope(double xi) {
 Eigen::Vector4d shape_curvature(double xi, double l) {
   return {(12.0 * xi - 6.0) / (l * l), (6.0 * xi - 4.0) / l, (6.0 - 12.0 * xi) / (l * l),
           (6.0 * xi - 2.0) / l};
-}
-
-/// ∫ S'S dx of an element, without ρA.
-Eigen::Matrix4d consistent_mass(double l) {
-  Eigen::Matrix4d m;
-  m << 156.0, 22.0 * l, 54.0, -13.0 * l,              //
-      22.0 * l, 4.0 * l * l, 13.0 * l, -3.0 * l * l,  //
-      54.0, 13.0 * l, 156.0, -22.0 * l,               //
-      -13.0 * l, -3.0 * l * l, -22.0 * l, 4.0 * l * l;
-  return m * (l / 420.0);
 }
 
 /// Rotations of both ends of an element against its chord: what bending is made of. In them a rigid
@@ -62,32 +47,30 @@ double bending_energy(const Eigen::Vector4d& u, double l) {
   return 2.0 / l * (r.first * r.first + r.first * r.second + r.second * r.second);
 }
 
+std::vector<BarElement> elements_of(const Rig& rig, std::array<int, 2> elements) {
+  if (rig.beam.shears())
+    throw std::invalid_argument(
+        "beam.theory: ANCF elements do not shear, and this run needs their full equations; take "
+        "solver.model = \"hybrid\", or a solver.accuracy that small motion reaches");
+  return bar_elements(rig.beam, rig.contact.position, elements);
+}
+
 }  // namespace
 
 AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
-    : dofs_(2 * (elements[0] + elements[1]) + 1),
+    : elements_(elements_of(rig, elements)),
+      linear_(rig, elements_),
+      dofs_(2 * (elements[0] + elements[1]) + 1),
       struck_dof_(2 * elements[0] - 1),
-      axial_stiffness_(rig.beam.youngs_modulus * rig.beam.area),
-      bending_stiffness_(rig.beam.youngs_modulus * rig.beam.second_moment),
-      line_density_(rig.beam.density * rig.beam.area),
       gravity_(rig.gravity_along()),
       gravity_across_(rig.gravity_across()),
       hinge_(rig.hinge),
       damping_(rig.beam.damping),
       inertia_(rig.beam.hinge_inertia()),
-      bar_length_(rig.beam.length),
       masses_(rig.beam.masses),
       reference_(dofs_),
       weight_(Eigen::VectorXd::Zero(dofs_)),
       mass_([&] {
-        const double lengths[2] = {rig.contact.position, rig.beam.length - rig.contact.position};
-        double x = 0.0;
-        for (int part = 0; part < 2; ++part)
-          for (int i = 0; i < elements[static_cast<std::size_t>(part)]; ++i) {
-            const double length = lengths[part] / elements[static_cast<std::size_t>(part)];
-            elements_.push_back({x, length});
-            x += length;
-          }
         BandMatrix mass(dofs_);
         const auto add = [&](std::size_t e, const Eigen::Matrix4d& m) {
           for (int i = 0; i < 4; ++i)
@@ -99,9 +82,9 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
             }
         };
         for (std::size_t e = 0; e < elements_.size(); ++e)
-          add(e, line_density_ * consistent_mass(elements_[e].length));
+          add(e, elements_[e].mass().topLeftCorner<4, 4>());
         for (const LumpedMass& lump : masses_) {
-          const std::size_t e = element_at(lump.position);
+          const std::size_t e = element_at(elements_, lump.position);
           const Nodal s = shape_at(e, lump.position);
           add(e, lump.mass * s * s.transpose());
         }
@@ -119,10 +102,10 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
     reference_[first_dof(e) + 2] = elements_[e].x + elements_[e].length;
     reference_[first_dof(e) + 3] = 1.0;
     const double l = elements_[e].length;
-    add_weight(e, line_density_ * l * Nodal(0.5, l / 12.0, 0.5, -l / 12.0));
+    add_weight(e, elements_[e].line_density * l * Nodal(0.5, l / 12.0, 0.5, -l / 12.0));
   }
   for (const LumpedMass& lump : masses_) {
-    const std::size_t e = element_at(lump.position);
+    const std::size_t e = element_at(elements_, lump.position);
     add_weight(e, lump.mass * shape_at(e, lump.position));
   }
 }
@@ -159,8 +142,8 @@ void AncfBeam::add_elastic_force(ConstVector q, VectorRef force) const {
     const double l = elements_[e].length;
     const Nodal x = gather(across, e);
     const Nodal u = gather(along, e);
-    Nodal force_x = -bending_stiffness_ * bending_force(x, l);
-    Nodal force_u = -bending_stiffness_ * bending_force(u, l);
+    Nodal force_x = -elements_[e].bending_stiffness * bending_force(x, l);
+    Nodal force_u = -elements_[e].bending_stiffness * bending_force(u, l);
     for (std::size_t g = 0; g < 5; ++g) {
       Nodal s = slope_shapes_[g];
       s[0] /= l;
@@ -168,7 +151,7 @@ void AncfBeam::add_elastic_force(ConstVector q, VectorRef force) const {
       const double x_slope = s.dot(x);
       const double u_slope = s.dot(u);
       const double strain = 0.5 * (x_slope * x_slope + u_slope * u_slope) - u_slope;
-      const double tension = axial_stiffness_ * strain * weights_[g] * l;
+      const double tension = elements_[e].axial_stiffness * strain * weights_[g] * l;
       force_x -= tension * x_slope * s;
       force_u -= tension * (u_slope - 1.0) * s;
     }
@@ -184,9 +167,9 @@ void AncfBeam::add_elastic_force(ConstVector q, VectorRef force) const {
 
 void AncfBeam::add_material_damping(ConstVector q, ConstVector v, VectorRef force) const {
   if (damping_.stiffness == 0.0) return;
-  const double axial = damping_.stiffness * axial_stiffness_;
-  const double bending = damping_.stiffness * bending_stiffness_;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const double axial = damping_.stiffness * elements_[e].axial_stiffness;
+    const double bending = damping_.stiffness * elements_[e].bending_stiffness;
     const double l = elements_[e].length;
     const Nodal x = gather(q.head(dofs_), e), x_rate = gather(v.head(dofs_), e);
     const Nodal u = gather(q.tail(dofs_), e), u_rate = gather(v.tail(dofs_), e);
@@ -269,19 +252,13 @@ PointMotion AncfBeam::struck_point(ConstVector q, ConstVector v) const {
   return {-q[struck_dof_], -v[struck_dof_]};
 }
 
-std::size_t AncfBeam::element_at(double x) const {
-  std::size_t e = 0;
-  while (e + 1 < elements_.size() && x > elements_[e + 1].x) ++e;
-  return e;
-}
-
 AncfBeam::Row AncfBeam::row_at(double x) const {
-  const std::size_t e = element_at(x);
+  const std::size_t e = element_at(elements_, x);
   return {e, shape_at(e, x)};
 }
 
 AncfBeam::Nodal AncfBeam::shape_at(std::size_t e, double x) const {
-  return shape((x - elements_[e].x) / elements_[e].length, elements_[e].length);
+  return elements_[e].deflection((x - elements_[e].x) / elements_[e].length).head<4>();
 }
 
 double AncfBeam::struck_acceleration(ConstVector /*q*/, ConstVector /*v*/, ConstVector a) const {
@@ -289,65 +266,25 @@ double AncfBeam::struck_acceleration(ConstVector /*q*/, ConstVector /*v*/, Const
 }
 
 PointMotion AncfBeam::point(double x, ConstVector q, ConstVector v) const {
-  const std::size_t e = element_at(x);
+  const std::size_t e = element_at(elements_, x);
   const Nodal s = shape_at(e, x);
   return {-s.dot(gather(q.head(dofs_), e)), -s.dot(gather(v.head(dofs_), e))};
 }
 
 std::vector<int> AncfBeam::coordinates_of(double x) const {
-  const std::size_t e = element_at(x);
+  const std::size_t e = element_at(elements_, x);
   if (e == 0) return {0, 1, 2};
   const int first = first_dof(e);
   return {first, first + 1, first + 2, first + 3};
 }
 
-/// X alone. Gravity acts through the tension it leaves in the hanging bar: the weight below, ρA g
-/// (L − x) and what hangs there.
+/// X alone. Gravity acts through the tension it leaves in the hanging bar.
 SmallMotion AncfBeam::small_motion() const {
-  SmallMotion motion;
-  motion.mass = motion.stiffness = motion.gravity = Eigen::MatrixXd::Zero(dofs_, dofs_);
-  motion.rigid = -reference_;
-  motion.hinge = -Eigen::VectorXd::Unit(dofs_, 0);
-  motion.spring = hinge_.spring;
-  for (int row = 0; row < dofs_; ++row)
-    for (int column = std::max(0, row - 3); column <= std::min(dofs_ - 1, row + 3); ++column)
-      motion.mass(row, column) = mass_.at(row, column);
-  for (std::size_t e = 0; e < elements_.size(); ++e) {
-    const auto [x, l] = elements_[e];
-    Eigen::Matrix4d elastic, weight = Eigen::Matrix4d::Zero();
-    for (int k = 0; k < 4; ++k)
-      elastic.col(k) = bending_stiffness_ * bending_force(Eigen::Vector4d::Unit(k), l);
-    for (std::size_t g = 0; g < 5; ++g) {
-      Nodal s = slope_shapes_[g];
-      s[0] /= l;
-      s[2] /= l;
-      const double below = bar_length_ - x - points_[g] * l;
-      weight += line_density_ * gravity_ * below * weights_[g] * l * s * s.transpose();
-    }
-    for (const LumpedMass& lump : masses_) {
-      const double part = std::clamp((lump.position - x) / l, 0.0, 1.0);  // of it hangs the mass
-      for (std::size_t g = 0; g < 5 && part > 0.0; ++g) {
-        Nodal s = shape_slope(part * points_[g]);
-        s[0] /= l;
-        s[2] /= l;
-        weight += lump.mass * gravity_ * weights_[g] * part * l * s * s.transpose();
-      }
-    }
-    const int nodes = e == 0 ? 3 : 4;  // the hinge does not move
-    const int first = e == 0 ? 0 : first_dof(e);
-    motion.stiffness.block(first, first, nodes, nodes) += elastic.bottomRightCorner(nodes, nodes);
-    motion.gravity.block(first, first, nodes, nodes) += weight.bottomRightCorner(nodes, nodes);
-  }
-  return motion;
+  return linear_.small_motion();
 }
 
 Eigen::VectorXd AncfBeam::small_motion_row(double x) const {
-  const std::size_t e = element_at(x);
-  const Nodal s = shape_at(e, x);
-  Eigen::VectorXd row = Eigen::VectorXd::Zero(dofs_);
-  const int nodes = e == 0 ? 3 : 4;
-  row.segment(e == 0 ? 0 : first_dof(e), nodes) = -s.tail(nodes);
-  return row;
+  return linear_.small_motion_row(x);
 }
 
 double AncfBeam::kinetic_energy(ConstVector v) const {
@@ -372,7 +309,8 @@ BeamEnergy AncfBeam::energy(ConstVector q, ConstVector v) const {
     const double l = elements_[e].length;
     const Nodal x = gather(q.head(dofs_), e);
     const Nodal u = gather(q.tail(dofs_), e);
-    energy.elastic += bending_stiffness_ * (bending_energy(x, l) + bending_energy(u, l));
+    energy.elastic +=
+        elements_[e].bending_stiffness * (bending_energy(x, l) + bending_energy(u, l));
     for (std::size_t g = 0; g < 5; ++g) {
       Nodal s = slope_shapes_[g];
       s[0] /= l;
@@ -380,7 +318,7 @@ BeamEnergy AncfBeam::energy(ConstVector q, ConstVector v) const {
       const double x_slope = s.dot(x);
       const double u_slope = s.dot(u);
       const double strain = 0.5 * (x_slope * x_slope + u_slope * u_slope) - u_slope;
-      energy.elastic += 0.5 * axial_stiffness_ * strain * strain * weights_[g] * l;
+      energy.elastic += 0.5 * elements_[e].axial_stiffness * strain * strain * weights_[g] * l;
     }
   }
   return energy;

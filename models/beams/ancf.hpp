@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "models/beams/band_cholesky.hpp"
+#include "models/beams/bar_element.hpp"
 #include "models/beams/beam_dynamics.hpp"
+#include "models/beams/linear_bar.hpp"
 
 namespace impactrig::models {
 
@@ -32,7 +34,8 @@ namespace impactrig::models {
 /// (value, slope)_1, ..., (value, slope)_N].
 class AncfBeam : public BeamDynamics {
  public:
-  /// elements: hinge to struck point, struck point to tip (0 when it is the tip).
+  /// elements: hinge to struck point, struck point to tip (0 when it is the tip). Throws
+  /// std::invalid_argument for a bar that shears.
   AncfBeam(const Rig& rig, std::array<int, 2> elements);
 
   int size() const override { return 2 * dofs_; }
@@ -50,16 +53,7 @@ class AncfBeam : public BeamDynamics {
   BeamEnergy energy(ConstVector q, ConstVector v) const override;
   RigidPart rigid_part(ConstVector q, ConstVector v) const override;
 
-  struct Element {
-    double x = 0.0;       // of its first node [m]
-    double length = 0.0;  // [m]
-  };
-
-  const std::vector<Element>& elements() const { return elements_; }
-
-  double axial_stiffness() const { return axial_stiffness_; }  ///< EA [N]
-
-  double bending_stiffness() const { return bending_stiffness_; }  ///< EI [N m^2]
+  const std::vector<BarElement>& elements() const { return elements_; }
 
   const Hinge& hinge() const { return hinge_; }
 
@@ -95,7 +89,6 @@ class AncfBeam : public BeamDynamics {
 
   int first_dof(std::size_t element) const { return 2 * static_cast<int>(element) - 1; }
 
-  std::size_t element_at(double x) const;
   Nodal shape_at(std::size_t element, double x) const;
   void add_weight(std::size_t element, const Nodal& share);
   Nodal gather(ConstVector part, std::size_t element) const;
@@ -106,17 +99,14 @@ class AncfBeam : public BeamDynamics {
   double hinge_rate(const HingeAngle& hinge, ConstVector v) const;
   void add_hinge_moment(ConstVector q, ConstVector v, VectorRef force) const;
 
-  std::vector<Element> elements_;
+  std::vector<BarElement> elements_;
+  LinearBar linear_;
   int dofs_;  // of one direction
   int struck_dof_;
-  double axial_stiffness_;           // EA [N]
-  double bending_stiffness_;         // EI [N m^2]
-  double line_density_;              // ρA [kg/m]
   double gravity_, gravity_across_;  // from hinge to tip and towards closing, of the straight bar
   Hinge hinge_;
   BarDamping damping_;
   double inertia_;
-  double bar_length_;
   std::vector<LumpedMass> masses_;
   std::array<Eigen::Vector4d, 5> slope_shapes_;  // dS/dξ at the Gauss points, for unit length
   std::array<double, 5> points_, weights_;

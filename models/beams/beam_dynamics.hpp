@@ -35,10 +35,8 @@ struct RigidPart {
 /// struck point by one force. The stop is touched when the struck point is where it hangs at rest;
 /// penetration is how far it is beyond. Coordinates are zero for the bar hanging straight. Not for
 /// concurrent use of one object: evaluations share scratch memory.
-class BeamDynamics {
+class BeamDynamics : public SmallMotionBeam {
  public:
-  virtual ~BeamDynamics() = default;
-
   virtual int size() const = 0;
 
   /// Generalised mass of each coordinate, hanging straight; scales the error of a step.
@@ -61,12 +59,6 @@ class BeamDynamics {
 
   /// The coordinates point(x, q, v) looks at, in q and likewise in v; the others may hold anything.
   virtual std::vector<int> coordinates_of(double x) const = 0;
-
-  /// The bar's motion across itself, linearised about hanging straight.
-  virtual SmallMotion small_motion() const = 0;
-
-  /// Displacement of a point under unit coordinates of small_motion(), closing > 0 (n).
-  virtual Eigen::VectorXd small_motion_row(double x) const = 0;
 
   /// What damping in bar and hinge takes [W].
   virtual double damping_power(ConstVector q, ConstVector v) const = 0;

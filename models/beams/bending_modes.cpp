@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "models/beams/bar_element.hpp"
 #include "models/integration/gauss.hpp"
 
 namespace impactrig::models {
@@ -84,29 +85,63 @@ std::vector<BendingMode> bending_modes(const Beam& beam, Basis basis, int count)
   return modes;
 }
 
+namespace {
+
+/// Inertia loads of the bar turning rigidly at 1 rad/s²: what those beyond s do to the section
+/// there.
+struct RigidLoad {
+  double moment = 0.0;  ///< [kg m^2]
+  double force = 0.0;   ///< [kg m]
+};
+
+RigidLoad rigid_load(const std::vector<BarElement>& pieces, const Beam& beam, double s) {
+  RigidLoad load;
+  for (const BarElement& piece : pieces) {
+    const double to = piece.x + piece.length;
+    const double from = std::max(piece.x, s);
+    if (!(to > from)) continue;
+    const double force = 0.5 * piece.line_density * (to * to - from * from);
+    load.force += force;
+    load.moment += piece.line_density * (to * to * to - from * from * from) / 3.0 - s * force +
+                   piece.rotary_inertia * (to - from);
+  }
+  for (const LumpedMass& lump : beam.masses)
+    if (lump.position > s) {
+      load.force += lump.mass * lump.position;
+      load.moment += lump.mass * lump.position * (lump.position - s);
+    }
+  return load;
+}
+
+}  // namespace
+
 double elastic_compliance(const Beam& beam, double x) {
   const double turned = x / beam.hinge_inertia();  // angular acceleration under a unit force
-  const double length = beam.length;
-  // bending moment at s, from the loads beyond it
-  const auto moment = [&](double s) {
-    double load =
-        beam.density * beam.area *
-        ((length * length * length - s * s * s) / 3.0 - 0.5 * s * (length * length - s * s));
-    for (const LumpedMass& lump : beam.masses)
-      load += lump.mass * lump.position * std::max(lump.position - s, 0.0);
-    return std::max(x - s, 0.0) - turned * load;
-  };
-  std::vector<double> corners = {0.0, x, length};
-  for (const LumpedMass& lump : beam.masses) corners.push_back(lump.position);
-  std::ranges::sort(corners);
+  const std::vector<BarElement> pieces = bar_pieces(beam);
   const GaussRule& rule = gauss_legendre(4);  // M² has degree six between the corners
   double sum = 0.0;
-  for (std::size_t i = 1; i < corners.size(); ++i) {
-    const double panel = corners[i] - corners[i - 1];
-    for (std::size_t g = 0; g < rule.points.size(); ++g)
-      sum += panel * rule.weights[g] * std::pow(moment(corners[i - 1] + panel * rule.points[g]), 2);
+  for (const BarElement& piece : pieces) {
+    const double end = piece.x + piece.length;
+    std::vector<double> corners = {piece.x, end};
+    const auto add_corner = [&](double at) {
+      if (at > piece.x && at < end) corners.push_back(at);
+    };
+    add_corner(x);
+    for (const LumpedMass& lump : beam.masses) add_corner(lump.position);
+    std::ranges::sort(corners);
+    for (std::size_t i = 1; i < corners.size(); ++i) {
+      const double panel = corners[i] - corners[i - 1];
+      for (std::size_t g = 0; g < rule.points.size(); ++g) {
+        const double s = corners[i - 1] + panel * rule.points[g];
+        const RigidLoad load = rigid_load(pieces, beam, s);
+        const double moment = std::max(x - s, 0.0) - turned * load.moment;
+        const double force = (x > s ? 1.0 : 0.0) - turned * load.force;
+        sum += panel * rule.weights[g] *
+               (moment * moment / piece.bending_stiffness + force * force * piece.shear_compliance);
+      }
+    }
   }
-  return sum / (beam.youngs_modulus * beam.second_moment);
+  return sum;
 }
 
 }  // namespace impactrig::models

@@ -44,8 +44,9 @@ class BendingMode {
 std::vector<BendingMode> bending_modes(const Beam& beam, Basis basis, int count);
 
 /// Deflection of the elastic hinged bar at x under a unit force there and the inertia loads of the
-/// rigid rotation it causes [m/N]: C = ∫ M² / EI dx. It bounds how far a given elastic and
-/// vibration energy E can move the point from where the mean rotation has it: √(2 E C).
+/// rigid rotation it causes [m/N]: C = ∫ M² / EI + Q² / κGA dx, Q² where it shears. It bounds how
+/// far a given elastic and vibration energy E can move the point from where the mean rotation has
+/// it: √(2 E C).
 double elastic_compliance(const Beam& beam, double x);
 
 }  // namespace impactrig::models

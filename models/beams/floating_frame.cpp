@@ -25,10 +25,12 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
       gravity_across_(rig.gravity_across()),
       hinge_(rig.hinge),
       damping_(rig.beam.damping),
+      timoshenko_(rig.beam.shears()),
       hinge_row_(Eigen::VectorXd::Unit(size(), 0)),
       axial_scale_(std::sqrt(2.0 / rig.beam.bar_mass())),
-      modes_(bending_modes(rig.beam, basis, modes)),
+      modes_(rig.beam, basis, modes),
       stiffness_(Eigen::VectorXd::Zero(size())),
+      rotary_(Eigen::MatrixXd::Zero(size(), size())),
       mass_(size(), size()),
       rhs_(size()),
       coupled_(modes),
@@ -41,16 +43,19 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
     const double wave_number = axial_wave_number(k + 1, length_);
     stiffness_[1 + k] = wave_speed_squared * wave_number * wave_number;
   }
-  for (int k = 0; k < bending_; ++k) {
-    const double omega = modes_[static_cast<std::size_t>(k)].angular_frequency();
-    stiffness_[1 + axial_ + k] = omega * omega;
-    hinge_row_[1 + axial_ + k] = modes_[static_cast<std::size_t>(k)].at(0.0).slope;
+  stiffness_.tail(bending_) = modes_.omega().cwiseAbs2();
+  hinge_row_.tail(bending_) = modes_.rotation_at_hinge();
+  if (rig.beam.shears()) {
+    const Eigen::MatrixXd rotary = modes_.rotary_inertia();
+    rotary_(0, 0) = rotary(0, 0);
+    rotary_.row(0).tail(bending_) = rotary.row(0).tail(bending_);
+    rotary_.col(0).tail(bending_) = rotary.col(0).tail(bending_);
+    rotary_.bottomRightCorner(bending_, bending_) = rotary.bottomRightCorner(bending_, bending_);
   }
-  const GaussRule& rule = gauss_legendre(20 + 4 * std::max(modes, axial_modes));
-  const double line_density = rig.beam.density * rig.beam.area;
-  for (std::size_t i = 0; i < rule.points.size(); ++i) {
-    Station station = section_at(length_ * rule.points[i]);
-    station.mass = line_density * length_ * rule.weights[i];
+  for (const AssumedModes::Place& place : modes_.places(20 + 4 * std::max(modes, axial_modes))) {
+    Station station = section_at(place.x);
+    station.mass = place.mass;
+    station.pull = place.width * place.below;
     stations_.push_back(std::move(station));
   }
   bar_stations_ = stations_.size();
@@ -91,9 +96,7 @@ FloatingFrameBeam::Station FloatingFrameBeam::section_at(double x) const {
   station.axial.resize(axial_);
   for (int k = 0; k < axial_; ++k)
     station.axial[k] = axial_scale_ * std::sin(axial_wave_number(k + 1, length_) * x);
-  station.bending.resize(bending_);
-  for (int k = 0; k < bending_; ++k)
-    station.bending[k] = modes_[static_cast<std::size_t>(k)].at(x).value;
+  station.bending = modes_.deflection(x);
   return station;
 }
 
@@ -101,12 +104,9 @@ void FloatingFrameBeam::add_coupling(double from, double to, int panels,
                                      Eigen::MatrixXd& coupling) const {
   const GaussRule& rule = gauss_legendre(8);
   const double panel = (to - from) / panels;
-  Eigen::VectorXd slopes(bending_);
   for (int p = 0; p < panels; ++p)
     for (std::size_t i = 0; i < rule.points.size(); ++i) {
-      const double x = from + panel * (p + rule.points[i]);
-      for (int k = 0; k < bending_; ++k)
-        slopes[k] = modes_[static_cast<std::size_t>(k)].at(x).slope;
+      const Eigen::VectorXd slopes = modes_.slope(from + panel * (p + rule.points[i]));
       coupling.noalias() += panel * rule.weights[i] * slopes * slopes.transpose();
     }
 }
@@ -202,6 +202,7 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contac
     rhs_.segment(1, axial_) += contact_force * sine * struck().axial;
     rhs_.tail(bending_) += contact_force * (cosine * struck().bending - sine * coupled_);
   }
+  if (timoshenko_) mass_ += rotary_;
   factor_.compute(mass_);
   a = rhs_;
   factor_.solveInPlace(a);
@@ -256,7 +257,8 @@ SmallMotion FloatingFrameBeam::small_motion() const {
   motion.mass.diagonal().setOnes();
   motion.mass(0, 0) = inertia_;
   motion.stiffness.diagonal().tail(bending_) = stiffness_.tail(bending_);
-  Eigen::VectorXd slopes(bending_);
+  motion.mass.row(0).tail(bending_) = rotary_.row(0).tail(bending_);
+  motion.mass.col(0).tail(bending_) = rotary_.col(0).tail(bending_);
   for (std::size_t i = 0; i < stations_.size(); ++i) {
     const Station& s = stations_[i];
     const Eigen::VectorXd moment = s.mass * s.x * s.bending;
@@ -272,11 +274,10 @@ SmallMotion FloatingFrameBeam::small_motion() const {
           s.mass * gravity_ * station_at(s.x).coupling;
       continue;
     }
-    // ∫ ρA g H dx = ∫ ρA g (L − x) S2'ᵀ S2' dx
-    for (int k = 0; k < bending_; ++k)
-      slopes[k] = modes_[static_cast<std::size_t>(k)].at(s.x).slope;
+    // ∫ ρA g H dx = ∫ m g S2'ᵀ S2' dx, m the mass of the bar below
+    const Eigen::VectorXd slopes = modes_.slope(s.x);
     motion.gravity.bottomRightCorner(bending_, bending_) +=
-        s.mass * gravity_ * (length_ - s.x) * slopes * slopes.transpose();
+        s.pull * gravity_ * slopes * slopes.transpose();
   }
   return motion;
 }
@@ -300,6 +301,7 @@ BeamEnergy FloatingFrameBeam::energy(ConstVector q, ConstVector v) const {
   BeamEnergy energy;
   energy.elastic = 0.5 * q.dot(stiffness_.cwiseProduct(q));
   energy.spring = 0.5 * hinge_.spring * std::pow(hinge_row_.dot(q), 2);
+  if (timoshenko_) energy.kinetic = 0.5 * v.dot(rotary_ * v);
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
   for (const Station& s : stations()) {
@@ -315,6 +317,7 @@ BeamEnergy FloatingFrameBeam::energy(ConstVector q, ConstVector v) const {
 
 RigidPart FloatingFrameBeam::rigid_part(ConstVector q, ConstVector v) const {
   RigidPart rigid;
+  if (timoshenko_) rigid = {.angle = -rotary_.row(0).dot(q), .rate = -rotary_.row(0).dot(v)};
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
   for (const Station& s : stations()) {

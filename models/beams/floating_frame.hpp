@@ -4,8 +4,8 @@
 #include <Eigen/Cholesky>
 #include <vector>
 
+#include "models/beams/assumed_modes.hpp"
 #include "models/beams/beam_dynamics.hpp"
-#include "models/beams/bending_modes.hpp"
 
 namespace impactrig::models {
 
@@ -18,11 +18,16 @@ namespace impactrig::models {
 ///   (2)-(4)
 /// and touches the stop at X = 0. S2 are the modes of the chosen basis with unit modal mass, S1 the
 /// modes sin((2k − 1) π x / 2L) likewise. Integrals over the bar are taken by one Gauss rule of 20
-/// + 4n points: products of two modes come out to rounding, the small products of four to a few
-/// digits less. Masses on the bar are further points of that sum; the shapes stay those of the bar
-/// alone, so the mass matrix is no longer diagonal when it hangs straight.
+/// + 4n points, in every element where the shapes come from a mesh: products of two modes come out
+/// to rounding, the small products of four to a few digits less. Masses on the bar are further
+/// points of that sum; the shapes stay those of the bar alone, so the mass matrix is no longer
+/// diagonal when it hangs straight.
 ///
 /// The axis at the hinge is at the angle ψ + v'(0), v'(0) = 0 for the cantilever's modes.
+///
+/// Timoshenko's bar has shapes (v, ϑ), ϑ the rotation of the sections against the frame; these turn
+/// at ψ̇ + ϑ̇ with rotary inertia ρI, a constant addition to the mass matrix, and the hinge at ψ +
+/// ϑ(0).
 ///
 /// Kelvin-Voigt damping acts on the modal rates ȧ and ḃ, which a rotation of the frame leaves
 /// alone.
@@ -52,6 +57,7 @@ class FloatingFrameBeam : public BeamDynamics {
   struct Station {
     double x = 0.0;
     double mass = 0.0;         // quadrature weight times ρA, or a lumped mass [kg]
+    double pull = 0.0;         // quadrature weight times the mass below; of the bar alone [kg m]
     Eigen::VectorXd axial;     // S1 (n_axial)
     Eigen::VectorXd bending;   // S2 (n_bending)
     Eigen::MatrixXd coupling;  // H (n_bending, n_bending)
@@ -80,10 +86,12 @@ class FloatingFrameBeam : public BeamDynamics {
   double gravity_, gravity_across_;  // from hinge to tip and towards closing, of the straight bar
   Hinge hinge_;
   BarDamping damping_;
+  bool timoshenko_;
   Eigen::VectorXd hinge_row_;  // q to the angle at the hinge (n)
   double axial_scale_ = 0.0;
-  std::vector<BendingMode> modes_;
+  AssumedModes modes_;
   Eigen::VectorXd stiffness_;  // modal, ω² (n), 0 for ψ
+  Eigen::MatrixXd rotary_;     // rotary inertia of the sections of a bar that shears (n, n)
   // Quadrature over the bar, then its lumped masses; and the struck point. Their coupling is worked
   // out when it is first needed: small motion does without.
   mutable std::vector<Station> stations_;

@@ -15,8 +15,6 @@ int beam_dof(int node, int part) {
 
 AncfChain::AncfChain(const AncfBeam& beam)
     : elements_(beam.elements()),
-      axial_stiffness_(beam.axial_stiffness()),
-      bending_stiffness_(beam.bending_stiffness()),
       hinge_(beam.hinge()),
       damping_(beam.damping()),
       mass_(elements_.size() + 1),
@@ -80,13 +78,13 @@ BeamEnergy AncfChain::energy(const Eigen::ArrayXd& q, const Eigen::ArrayXd& v) c
       return first * first + first * second + second * second;
     };
     energy.elastic +=
-        2.0 * bending_stiffness_ / l *
+        2.0 * elements_[e].bending_stiffness / l *
         (bending(p[1] - chord_x, p[5] - chord_x) + bending(p[3] - chord_u, p[7] - chord_u));
     for (const GaussPoint& g : gauss_) {
       const double slope_x = g.chord * chord_x + g.first * p[1] + g.second * p[5];
       const double slope_u = g.chord * chord_u + g.first * p[3] + g.second * p[7];
       const double strain = 0.5 * (slope_x * slope_x + slope_u * slope_u) - slope_u;
-      energy.elastic += 0.5 * axial_stiffness_ * l * g.weight * strain * strain;
+      energy.elastic += 0.5 * elements_[e].axial_stiffness * l * g.weight * strain * strain;
     }
   }
   return energy;
@@ -98,7 +96,7 @@ void AncfChain::stiffness(const Eigen::ArrayXd& q, ChainMatrix& k) const {
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     const Eigen::Matrix<double, 8, 1> p = q.segment<8>(4 * static_cast<Eigen::Index>(e)).matrix();
     const double l = elements_[e].length;
-    const double bending = bending_stiffness_ / (l * l * l);
+    const double bending = elements_[e].bending_stiffness / (l * l * l);
     Eigen::Matrix4d own;
     own << 12.0, 6.0 * l, -12.0, 6.0 * l,             //
         6.0 * l, 4.0 * l * l, -6.0 * l, 2.0 * l * l,  //
@@ -110,7 +108,8 @@ void AncfChain::stiffness(const Eigen::ArrayXd& q, ChainMatrix& k) const {
       const double slope_x = s[0] * p[0] + s[1] * p[1] + s[2] * p[4] + s[3] * p[5];
       const double slope_u = s[0] * p[2] + s[1] * p[3] + s[2] * p[6] + s[3] * p[7];
       const double strain = 0.5 * (slope_x * slope_x + slope_u * slope_u) - slope_u;
-      const Eigen::Matrix4d product = (axial_stiffness_ * l * g.weight) * s * s.transpose();
+      const Eigen::Matrix4d product =
+          (elements_[e].axial_stiffness * l * g.weight) * s * s.transpose();
       xx += (slope_x * slope_x + strain) * product;
       xu += slope_x * (slope_u - 1.0) * product;
       uu += ((slope_u - 1.0) * (slope_u - 1.0) + strain) * product;

@@ -94,9 +94,8 @@ class AncfChain {
   template <int S>
   void add_inertia(double factor, const StageArray<S>& a, StageArray<S>& r) const;
 
-  std::vector<AncfBeam::Element> elements_;
+  std::vector<BarElement> elements_;
   std::array<GaussPoint, 5> gauss_;
-  double axial_stiffness_, bending_stiffness_;
   Hinge hinge_;
   BarDamping damping_;
   ChainMatrix mass_;
@@ -130,7 +129,8 @@ void AncfChain::residual(const StageArray<S>& q, const StageArray<S>& a, StageAr
     const int k = 4 * static_cast<int>(e);
     const double l = elements_[e].length;
     const double over = 1.0 / l;
-    const double bending = bending_stiffness_ * over;
+    const double stretching = elements_[e].axial_stiffness * l;
+    const double bending = elements_[e].bending_stiffness * over;
     const Lanes chord_x = (q.col(k + 4) - q.col(k)) * over;
     const Lanes chord_u = (q.col(k + 6) - q.col(k + 2)) * over;
     const Lanes first_x = q.col(k + 1), second_x = q.col(k + 5);
@@ -148,7 +148,7 @@ void AncfChain::residual(const StageArray<S>& q, const StageArray<S>& a, StageAr
       const Lanes slope_x = g.chord * chord_x + g.first * first_x + g.second * second_x;
       const Lanes slope_u = g.chord * chord_u + g.first * first_u + g.second * second_u;
       const Lanes strain = 0.5 * (slope_x * slope_x + slope_u * slope_u) - slope_u;
-      const Lanes tension = (axial_stiffness_ * l * g.weight) * strain;
+      const Lanes tension = (stretching * g.weight) * strain;
       const Lanes along_x = tension * slope_x;
       const Lanes along_u = tension * (slope_u - 1.0);
       pull_x += g.chord * along_x;
@@ -200,9 +200,9 @@ template <int S>
 void AncfChain::add_material_damping(const StageArray<S>& q, const StageArray<S>& v,
                                      StageArray<S>& r) const {
   using Lanes = Eigen::Array<double, S, 1>;
-  const double axial = damping_.stiffness * axial_stiffness_;
-  const double bending = damping_.stiffness * bending_stiffness_;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const double axial = damping_.stiffness * elements_[e].axial_stiffness;
+    const double bending = damping_.stiffness * elements_[e].bending_stiffness;
     const int k = 4 * static_cast<int>(e);
     const double l = elements_[e].length;
     const double over = 1.0 / l;

@@ -12,7 +12,7 @@ constexpr double longest_step = 1.0;  // [s], of a bar without vibration
 
 }  // namespace
 
-ModalBar::ModalBar(std::unique_ptr<const BeamDynamics> beam, const Rig& rig)
+ModalBar::ModalBar(std::unique_ptr<const SmallMotionBeam> beam, const Rig& rig)
     : beam_(std::move(beam)),
       modes_(*beam_, rig),
       ladder_{std::min(ModalStep::longest(modes_), longest_step)} {}
@@ -29,7 +29,7 @@ std::shared_ptr<const ModalBar> BarCache::bar(const Rig& rig, const Solver& solv
                 solver.model, solver.elements, solver.modes,         solver.basis};
   const std::lock_guard lock(mutex_);
   if (!bar_ || key_ != key) {
-    bar_ = std::make_shared<const ModalBar>(make_beam(rig, solver), rig);
+    bar_ = std::make_shared<const ModalBar>(make_small_motion_beam(rig, solver), rig);
     key_ = key;
   }
   return bar_;

@@ -17,7 +17,7 @@ namespace impactrig::models {
 /// A bar in its modes with the responses of the steps taken so far. For concurrent use.
 class ModalBar {
  public:
-  ModalBar(std::unique_ptr<const BeamDynamics> beam, const Rig& rig);
+  ModalBar(std::unique_ptr<const SmallMotionBeam> beam, const Rig& rig);
 
   const ModalBeam& modes() const { return modes_; }
 
@@ -26,7 +26,7 @@ class ModalBar {
   const ModalStep& step(const Collocation& rule, int level) const;
 
  private:
-  std::unique_ptr<const BeamDynamics> beam_;
+  std::unique_ptr<const SmallMotionBeam> beam_;
   ModalBeam modes_;
   StepLadder ladder_;
   mutable std::mutex mutex_;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "models/beams/bar_element.hpp"
 #include "models/beams/bending_modes.hpp"
 
 namespace impactrig::models {
@@ -39,7 +40,7 @@ void diagonalise(Eigen::MatrixXd& matrix, Eigen::MatrixXd& basis) {
 
 }  // namespace
 
-ModalBeam::ModalBeam(const BeamDynamics& beam, const Rig& rig)
+ModalBeam::ModalBeam(const SmallMotionBeam& beam, const Rig& rig)
     : beam_(beam),
       motion_(beam.small_motion()),
       masses_(rig.beam.masses) {
@@ -49,7 +50,10 @@ ModalBeam::ModalBeam(const BeamDynamics& beam, const Rig& rig)
   rigid_ = shapes_.transpose() * (motion_.mass * motion_.rigid);
   constexpr int stations = 24;
   spacing_ = rig.beam.length / stations;
-  station_mass_ = rig.beam.bar_mass() / stations;
+  station_mass_.resize(stations);
+  const std::vector<BarElement> pieces = bar_pieces(rig.beam);
+  for (int i = 0; i < stations; ++i)
+    station_mass_[i] = mass_between(pieces, i * spacing_, (i + 1) * spacing_);
   Eigen::MatrixXd across(motion_.rigid.size(), stations + 1);
   for (int i = 0; i <= stations; ++i) across.col(i) = beam.small_motion_row(i * spacing_);
   const Eigen::MatrixXd rows = across.rightCols(stations) - across.leftCols(stations);
@@ -142,7 +146,7 @@ double ModalBeam::shortening_energy(const Eigen::VectorXd& a, const Eigen::Vecto
   for (Eigen::Index i = 0; i < slope.size(); ++i) {
     const double step = slope[i] * slope_rate[i] * spacing_;
     const double middle = drawn + 0.5 * step;
-    energy += 0.5 * station_mass_ * middle * middle;
+    energy += 0.5 * station_mass_[i] * middle * middle;
     for (const LumpedMass& lump : masses_) {
       const double part = lump.position / spacing_ - static_cast<double>(i);
       const bool last = i + 1 == slope.size();

@@ -13,7 +13,7 @@ namespace impactrig::models {
 /// A bar's small motion in its own modes: ä + ω² a = −r F, with unit modal mass, a (m).
 class ModalBeam {
  public:
-  ModalBeam(const BeamDynamics& beam, const Rig& rig);
+  ModalBeam(const SmallMotionBeam& beam, const Rig& rig);
 
   int modes() const { return static_cast<int>(omega_.size()); }
 
@@ -53,15 +53,15 @@ class ModalBeam {
  private:
   void solve_modes();
 
-  const BeamDynamics& beam_;
+  const SmallMotionBeam& beam_;
   SmallMotion motion_;
   Eigen::MatrixXd shapes_;  // (n, m), M-orthonormal
   Eigen::MatrixXd weight_;  // the hanging weight's stiffness (m, m)
   Eigen::VectorXd omega_, struck_, rigid_;
   Eigen::VectorXd hinge_;  // angle at the hinge under unit modal coordinates (m)
   double elastic_compliance_ = 0.0;
-  Eigen::MatrixXd slopes_;     // of the modes at evenly spread stations (stations, m)
-  double station_mass_ = 0.0;  // [kg]
+  Eigen::MatrixXd slopes_;        // of the modes at evenly spread stations (stations, m)
+  Eigen::VectorXd station_mass_;  // of the bar between them [kg] (stations)
   std::vector<LumpedMass> masses_;
   double spacing_ = 0.0;  // [m]
 };

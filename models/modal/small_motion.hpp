@@ -17,4 +17,16 @@ struct SmallMotion {
   Eigen::VectorXd rigid;      ///< q of a rigid rotation by 1 rad, closing (n)
 };
 
+/// A bar that can tell its small motion.
+class SmallMotionBeam {
+ public:
+  virtual ~SmallMotionBeam() = default;
+
+  /// The bar's motion across itself, linearised about hanging straight.
+  virtual SmallMotion small_motion() const = 0;
+
+  /// Displacement of a point under unit coordinates of small_motion(), closing > 0 (n).
+  virtual Eigen::VectorXd small_motion_row(double x) const = 0;
+};
+
 }  // namespace impactrig::models

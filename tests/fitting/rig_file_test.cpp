@@ -120,6 +120,84 @@ TEST(RigFile, ReadsEverySection) {
   EXPECT_NEAR(plain.second_moment, 4e-8, 1e-22);
 }
 
+// Cowper (1966): circle, rectangle; a tube between a circle and a thin tube.
+TEST(RigFile, ATimoshenkoBarHasTheShearCoefficientOfItsShape) {
+  const auto beam = [](const std::string& section) {
+    return parse_rig_file(with("section = { shape = \"circle\", radius = \"15 mm\" }",
+                               "theory = \"timoshenko\"\nsection = " + section),
+                          "rig.toml", {{"contact.radius", "15 mm"}, {"beam.poisson_ratio", "0.25"}})
+        .rig.beam;
+  };
+  const models::Beam circle = beam(R"({ shape = "circle", radius = "15 mm" })");
+  EXPECT_EQ(circle.theory, models::BeamTheory::timoshenko);
+  EXPECT_DOUBLE_EQ(circle.poisson_ratio, 0.25);
+  EXPECT_DOUBLE_EQ(circle.shear_coefficient, 6.0 * 1.25 / (7.0 + 6.0 * 0.25));
+  EXPECT_DOUBLE_EQ(
+      beam(R"({ shape = "rectangle", width = "40 mm", height = "10 mm" })").shear_coefficient,
+      12.5 / (12.0 + 11.0 * 0.25));
+  const auto tube = [&](const std::string& wall) {
+    return beam("{ shape = \"tube\", radius = \"15 mm\", wall = \"" + wall + "\" }")
+        .shear_coefficient;
+  };
+  EXPECT_NEAR(tube("1 um"), 2.0 * 1.25 / (4.0 + 3.0 * 0.25), 1e-4);
+  EXPECT_NEAR(tube("14.99 mm"), circle.shear_coefficient, 1e-4);
+  EXPECT_DOUBLE_EQ(beam(R"({ area = "7 cm^2", second_moment = "4 cm^4" }
+shear_coefficient = 0.7)")
+                       .shear_coefficient,
+                   0.7);
+}
+
+TEST(RigFile, AShearCoefficientIsStatedWhereItIsNeededOnly) {
+  const std::string round = "section = { shape = \"circle\", radius = \"15 mm\" }";
+  const std::string plain = R"(section = { area = "7 cm^2", second_moment = "4 cm^4" })";
+  EXPECT_EQ(message_of(with(round, plain + "\ntheory = \"timoshenko\"")),
+            "rig.toml:2: beam.shear_coefficient: is missing; area and second moment do not say how "
+            "the section shears, state it, for example shear_coefficient = 0.85");
+  EXPECT_EQ(message_of(with(round, round + "\nshear_coefficient = 0.9")),
+            "rig.toml:5:21: beam.shear_coefficient: a bar of Euler-Bernoulli's theory does not "
+            "shear; add theory = \"timoshenko\"");
+}
+
+TEST(RigFile, ABarOfSegments) {
+  const std::string length = "length = \"0.8 m\"";
+  const std::string section = "section = { shape = \"circle\", radius = \"15 mm\" }";
+  std::string text = with(section, "");
+  text.erase(text.find(length), length.size());
+  const std::string segments = R"(
+[[beam.segments]]
+length = "0.1 m"
+section = { shape = "circle", radius = "15 mm" }
+[[beam.segments]]
+length = "0.2 m"
+section = { shape = "tube", radius = "12 mm", wall = "2 mm" }
+youngs_modulus = "210 GPa"
+density = "7850 kg/m^3"
+)";
+  const RigFile file =
+      parse_rig_file(text + segments, "rig.toml",
+                     {{"contact.position", "0.3 m"}, {"sensors", "{}"}, {"solver", "{}"}});
+  const models::Beam& beam = file.rig.beam;
+  EXPECT_EQ(beam.length, 0.3);
+  ASSERT_EQ(beam.segments.size(), 2u);
+  EXPECT_FALSE(beam.segments[0].youngs_modulus);
+  EXPECT_DOUBLE_EQ(*beam.segments[1].youngs_modulus, 210e9);
+  EXPECT_DOUBLE_EQ(*beam.segments[1].density, 7850.0);
+  EXPECT_NEAR(beam.segments[1].area, std::numbers::pi * (144e-6 - 100e-6), 1e-17);
+  EXPECT_EQ(file.solver.elements[1], 0);  // struck at the tip
+  // the stop meets the segment it strikes
+  EXPECT_DOUBLE_EQ(file.rig.contact.radius, 0.012);
+  EXPECT_DOUBLE_EQ(file.rig.contact.modulus, 210e9);
+  EXPECT_DOUBLE_EQ(parse_rig_file(text + segments, "rig.toml",
+                                  {{"contact.position", "0.1 m"}, {"sensors", "{}"}})
+                       .rig.contact.radius,
+                   0.015);
+  EXPECT_NE(message_of(with(section, "") + segments)
+                .find("beam.length: beam.segments say this of each segment; keep one of the two"),
+            std::string::npos);
+  EXPECT_NE(message_of(text + segments + "radius = \"1 mm\"\n").find("beam.segments[1].radius"),
+            std::string::npos);
+}
+
 TEST(RigFile, ABareNumberIsRefusedWhereAUnitIsMeant) {
   EXPECT_EQ(message_of(with("length = \"0.8 m\"", "length = 0.8")),
             "rig.toml:3:10: beam.length: the bare number 0.8 has no unit; write it in quotes with "

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "models/beams/bar_element.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/scenes.hpp"
 
@@ -129,6 +130,37 @@ Scene laden_scene(std::mt19937& random) {
   return scene;
 }
 
+/// The same bars in up to four segments, half of them shearing.
+Scene built_scene(std::mt19937& random) {
+  Scene scene = random_scene(random);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  Beam& beam = scene.rig.beam;
+  beam.shear_coefficient = 0.886;
+  if (uniform(0.0, 1.0) < 0.5) {
+    beam.theory = BeamTheory::timoshenko;
+    if (scene.solver.model == BeamModel::ancf) scene.solver.accuracy = 1e-2;
+  }
+  double left = beam.length;
+  for (int i = 0; i < 4; ++i) {
+    const double length = i == 3 ? left : left * uniform(0.05, 0.8);
+    const double scale = uniform(0.4, 1.6);  // of the radius
+    beam.segments.push_back({.length = length,
+                             .area = beam.area * scale * scale,
+                             .second_moment = beam.second_moment * std::pow(scale, 4),
+                             .shear_coefficient = 0.886});
+    left -= length;
+  }
+  beam.segments[1].youngs_modulus = beam.youngs_modulus * uniform(0.3, 3.0);
+  beam.segments[2].density = beam.density * uniform(0.3, 3.0);
+  scene.solver.axial_modes = 0;
+  const std::array<int, 2> fewest = fewest_elements(beam, scene.rig.contact.position);
+  for (std::size_t side = 0; side < 2; ++side)
+    scene.solver.elements[side] = std::max(scene.solver.elements[side], fewest[side]);
+  return scene;
+}
+
 void run_scenes(int count, unsigned seed, Scene (*draw)(std::mt19937&), int most_refused) {
   std::mt19937 random(seed);
   double worst = 0.0;
@@ -161,6 +193,10 @@ TEST(Stress, ThreeHundredRandomScenesGiveSoundResultsOrASentence) {
 
 TEST(Stress, SoDoScenesWithMassesHeldHingesDampingAndGravityFromAnywhere) {
   run_scenes(60, 20261121, laden_scene, 6);
+}
+
+TEST(Stress, SoDoBarsOfSegmentsThatMayShear) {
+  run_scenes(100, 20261122, built_scene, 25);
 }
 
 }  // namespace

@@ -97,6 +97,12 @@ TEST(FitJson, ComesBackAsItWentOut) {
     data.fit.rig.rig.beam.damping = {.mass = 2.0, .stiffness = 1e-6};
     data.fit.rig.rig.gravity_direction = -0.3;
     data.fit.rig.rig.beam.masses = {{0.8, 0.1}, {0.4, 0.02}};
+    data.fit.rig.rig.beam.segments = {
+        {.length = 0.3, .area = 7e-4, .second_moment = 4e-8, .shear_coefficient = 0.9},
+        {.length = 0.5, .area = 3e-4, .second_moment = 1e-8, .density = 7850.0}};
+    data.fit.rig.rig.beam.theory = models::BeamTheory::timoshenko;
+    data.fit.rig.rig.beam.poisson_ratio = 0.33;
+    data.fit.rig.rig.beam.shear_coefficient = 0.88;
     const std::string once = reports::to_json(data);
     const std::string twice = reports::to_json(reports::report_from_json(once, "fit.json"));
     EXPECT_TRUE(once == twice);  // half a megabyte: not printed

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/beams/assumed_modes.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "models/beams/linear_bar.hpp"
+#include "models/integration/gauss.hpp"
+
+namespace impactrig::models {
+
+AssumedModes::AssumedModes(const Beam& beam, Basis basis, int count) : beam_(beam), omega_(count) {
+  if (!beam.shears() && beam.segments.empty()) {
+    closed_ = bending_modes(beam, basis, count);
+    for (int k = 0; k < count; ++k)
+      omega_[k] = closed_[static_cast<std::size_t>(k)].angular_frequency();
+  } else {
+    solve(beam, basis, count);
+  }
+}
+
+void AssumedModes::solve(const Beam& beam, Basis basis, int count) {
+  Rig bare;
+  bare.beam = beam;
+  bare.beam.masses.clear();
+  bare.gravity = 0.0;
+  const int pieces = static_cast<int>(bar_pieces(beam).size());
+  elements_ = bar_elements(beam, beam.length, {std::max(32 + 4 * count, 4 * pieces), 0});
+  const SmallMotion motion = LinearBar(bare, elements_).small_motion();
+  values_ = Eigen::MatrixXd::Zero(motion.rigid.size() + 1, count);
+  if (count == 0) return;
+  // clamped, the section at the hinge does not turn; pinned, the first mode is the rotation
+  const Eigen::Index held = basis == Basis::cantilever ? 1 : 0;
+  const Eigen::Index skipped = 1 - held;
+  const Eigen::Index n = motion.rigid.size() - held;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(
+      motion.stiffness.bottomRightCorner(n, n), motion.mass.bottomRightCorner(n, n));
+  if (modes.info() != Eigen::Success)
+    throw std::runtime_error("the bar's modes could not be computed");
+  omega_ = modes.eigenvalues().segment(skipped, count).cwiseSqrt();
+  values_.bottomRows(n) = modes.eigenvectors().middleCols(skipped, count);
+}
+
+Eigen::VectorXd AssumedModes::shown(double x,
+                                    BarElement::Shape (BarElement::*shape)(double) const) const {
+  const std::size_t e = element_at(elements_, x);
+  const BarElement& element = elements_[e];
+  const BarElement::Shape share = (element.*shape)((x - element.x) / element.length);
+  const Eigen::Index node = 2 * static_cast<Eigen::Index>(e);
+  Eigen::VectorXd sum = values_.middleRows<4>(node).transpose() * share.head<4>();
+  if (element.shears()) {
+    const Eigen::Index inside = 2 * static_cast<Eigen::Index>(elements_.size() + 1) + node;
+    sum += values_.middleRows<2>(inside).transpose() * share.tail<2>();
+  }
+  return sum;
+}
+
+Eigen::VectorXd AssumedModes::deflection(double x) const {
+  if (!elements_.empty()) return shown(x, &BarElement::deflection);
+  Eigen::VectorXd values(count());
+  for (int k = 0; k < count(); ++k) values[k] = closed_[static_cast<std::size_t>(k)].at(x).value;
+  return values;
+}
+
+Eigen::VectorXd AssumedModes::slope(double x) const {
+  if (!elements_.empty()) return shown(x, &BarElement::slope);
+  Eigen::VectorXd slopes(count());
+  for (int k = 0; k < count(); ++k) slopes[k] = closed_[static_cast<std::size_t>(k)].at(x).slope;
+  return slopes;
+}
+
+Eigen::VectorXd AssumedModes::rotation_at_hinge() const {
+  return elements_.empty() ? slope(0.0) : shown(0.0, &BarElement::rotation);
+}
+
+Eigen::MatrixXd AssumedModes::rotary_inertia() const {
+  Eigen::MatrixXd inertia = Eigen::MatrixXd::Zero(count() + 1, count() + 1);
+  const GaussRule& rule = gauss_legendre(3);  // the product of two quadratics
+  Eigen::VectorXd turned = Eigen::VectorXd::Ones(count() + 1);
+  for (const BarElement& element : elements_)
+    for (std::size_t g = 0; g < rule.points.size() && element.rotary_inertia > 0.0; ++g) {
+      const double x = element.x + rule.points[g] * element.length;
+      turned.tail(count()) = shown(x, &BarElement::rotation);
+      inertia +=
+          element.rotary_inertia * element.length * rule.weights[g] * turned * turned.transpose();
+    }
+  return inertia;
+}
+
+std::vector<AssumedModes::Place> AssumedModes::places(int fineness) const {
+  const bool meshed = !elements_.empty();
+  const std::vector<BarElement> parts = meshed ? elements_ : bar_pieces(beam_);
+  const GaussRule& rule = gauss_legendre(meshed ? 4 : fineness);  // the product of two cubics
+  std::vector<Place> places;
+  double below = 0.0;
+  for (const BarElement& part : parts) below += part.line_density * part.length;
+  for (const BarElement& part : parts) {
+    for (std::size_t g = 0; g < rule.points.size(); ++g) {
+      const double width = part.length * rule.weights[g];
+      places.push_back({.x = part.x + part.length * rule.points[g],
+                        .width = width,
+                        .mass = part.line_density * width,
+                        .below = below - part.line_density * part.length * rule.points[g]});
+    }
+    below -= part.line_density * part.length;
+  }
+  return places;
+}
+
+}  // namespace impactrig::models

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "models/rig.hpp"
+
+namespace impactrig::models {
+
+/// A two-node element of a straight bar, with the constants of its section.
+///
+/// Nodal values are (w, θ) of the first node, then of the second: deflection of the axis, rotation
+/// of the section; w' − θ is the shear strain. Interpolation is the static solution of a Timoshenko
+/// bar loaded at its ends, with Φ = 12 EI / (κGA l²) [FriedmanKosmatka1993]: w cubic, θ quadratic,
+/// no locking, exact for end loads. With Φ = 0 w is Hermite's cubic and θ = w', all there is.
+///
+/// In a bar that moves, inertia loads vary the shear force along the element: two more values a, b
+/// inside it, w = 4 (ξ − ξ²) a and θ = 4 (ξ − ξ²) b with its w of constant shear strain. Without
+/// them frequencies of a bar that shears would err with the second power of l only; with them it is
+/// the fourth. They do not couple elastically to the nodes. ξ runs from 0 to 1.
+struct BarElement {
+  using Shape = Eigen::Matrix<double, 6, 1>;   ///< of the four nodal values, a [m] and b [-]
+  using Matrix = Eigen::Matrix<double, 6, 6>;  ///< likewise; a and b zero with Φ = 0
+
+  double x = 0.0;                  ///< of its first node [m]
+  double length = 0.0;             ///< l [m]
+  double axial_stiffness = 0.0;    ///< EA [N]
+  double bending_stiffness = 0.0;  ///< EI [N m^2]
+  double line_density = 0.0;       ///< ρA [kg/m]
+  double shear_compliance = 0.0;   ///< 1 / (κGA) [1/N]; 0: sections stay normal to the axis
+  double rotary_inertia = 0.0;     ///< of the sections, ρI [kg m]
+
+  bool shears() const { return shear_compliance > 0.0; }
+
+  Shape deflection(double xi) const;  ///< w
+  Shape slope(double xi) const;       ///< w'
+  Shape rotation(double xi) const;    ///< θ
+
+  Matrix mass() const;       ///< ∫ ρA w'w + ρI θ'θ dx
+  Matrix stiffness() const;  ///< of bending and shear
+
+  double shear_share() const;  ///< Φ [-]
+};
+
+/// A segment of the bar, x from the hinge.
+BarElement bar_piece(const Beam& beam, const BeamSegment& segment, double x);
+
+/// The parts of the bar within which nothing of its section changes, from hinge to tip.
+std::vector<BarElement> bar_pieces(const Beam& beam);
+
+/// The same one after the other, without memory.
+template <typename Visitor>
+void for_each_piece(const Beam& beam, Visitor&& visit) {
+  if (beam.segments.empty()) {
+    visit(
+        bar_piece(beam, {beam.length, beam.area, beam.second_moment, beam.shear_coefficient}, 0.0));
+    return;
+  }
+  double x = 0.0;
+  for (const BeamSegment& segment : beam.segments) {
+    visit(bar_piece(beam, segment, x));
+    x += segment.length;
+  }
+}
+
+/// The bar from hinge to tip: so many elements up to the struck point, so many beyond. They end
+/// where the section changes too, and share a side by the lengths of its bending waves.
+std::vector<BarElement> bar_elements(const Beam& beam, double struck, std::array<int, 2> elements);
+
+/// How few elements the sides of the struck point can have.
+std::array<int, 2> fewest_elements(const Beam& beam, double struck);
+
+/// Of the bar without its lumped masses [kg].
+double mass_between(const std::vector<BarElement>& pieces, double from, double to);
+
+/// The element that holds a place of the bar; the first of two at a node.
+std::size_t element_at(const std::vector<BarElement>& elements, double x);
+
+}  // namespace impactrig::models

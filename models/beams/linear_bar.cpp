@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/beams/linear_bar.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "models/integration/gauss.hpp"
+
+namespace impactrig::models {
+
+LinearBar::LinearBar(const Rig& rig, std::vector<BarElement> elements)
+    : elements_(std::move(elements)),
+      masses_(rig.beam.masses),
+      gravity_(rig.gravity_along()),
+      spring_(rig.hinge.spring) {}
+
+int LinearBar::size() const {
+  return elements_.front().shears() ? 2 * nodal() - 1 : nodal();
+}
+
+std::array<int, 6> LinearBar::coordinates(std::size_t element) const {
+  const int e = static_cast<int>(element);
+  const int inside = elements_[element].shears() ? nodal() + 2 * e : -1;
+  return {2 * e - 1, 2 * e, 2 * e + 1, 2 * e + 2, inside, inside < 0 ? -1 : inside + 1};
+}
+
+/// With the lumped masses on it, each in one element.
+BarElement::Matrix LinearBar::mass_of(std::size_t e) const {
+  const BarElement& element = elements_[e];
+  BarElement::Matrix mass = element.mass();
+  for (const LumpedMass& lump : masses_) {
+    if (element_at(elements_, lump.position) != e) continue;
+    const BarElement::Shape s = element.deflection((lump.position - element.x) / element.length);
+    mass += lump.mass * s * s.transpose();
+  }
+  return mass;
+}
+
+/// Through the tension that the weight below an element leaves in the hanging bar: ∫ T w'w' dx.
+BarElement::Matrix LinearBar::hanging_weight_of(const BarElement& element, double below) const {
+  const GaussRule& rule = gauss_legendre(3);  // T linear, w' quadratic
+  BarElement::Matrix weight = BarElement::Matrix::Zero();
+  const auto add = [&](double xi, double mass, double part) {
+    const BarElement::Shape s = element.slope(xi);
+    weight += mass * gravity_ * part * element.length * s * s.transpose();
+  };
+  for (std::size_t g = 0; g < rule.points.size(); ++g) {
+    const double xi = rule.points[g];
+    add(xi, below + element.line_density * element.length * (1.0 - xi), rule.weights[g]);
+    for (const LumpedMass& lump : masses_) {
+      const double part = std::clamp((lump.position - element.x) / element.length, 0.0, 1.0);
+      if (part > 0.0) add(part * xi, lump.mass, part * rule.weights[g]);
+    }
+  }
+  return weight;
+}
+
+SmallMotion LinearBar::small_motion() const {
+  const int n = size();
+  SmallMotion motion;
+  motion.mass = motion.stiffness = motion.gravity = Eigen::MatrixXd::Zero(n, n);
+  motion.rigid = Eigen::VectorXd::Zero(n);
+  motion.hinge = -Eigen::VectorXd::Unit(n, 0);
+  motion.spring = spring_;
+  motion.rigid[0] = -1.0;
+  double below = 0.0;  // mass of the bar beyond the element
+  for (std::size_t e = elements_.size(); e-- > 0;) {
+    const BarElement& element = elements_[e];
+    const std::array<int, 6> places = coordinates(e);
+    const auto add = [&](Eigen::MatrixXd& to, const BarElement::Matrix& share) {
+      for (std::size_t r = 0; r < 6; ++r)
+        for (std::size_t c = 0; c < 6; ++c)
+          if (places[r] >= 0 && places[c] >= 0)
+            to(places[r], places[c]) += share(static_cast<int>(r), static_cast<int>(c));
+    };
+    add(motion.mass, mass_of(e));
+    add(motion.stiffness, element.stiffness());
+    add(motion.gravity, hanging_weight_of(element, below));
+    motion.rigid[places[2]] = -(element.x + element.length);
+    motion.rigid[places[3]] = -1.0;
+    below += element.line_density * element.length;
+  }
+  return motion;
+}
+
+Eigen::VectorXd LinearBar::small_motion_row(double x) const {
+  const std::size_t e = element_at(elements_, x);
+  const BarElement& element = elements_[e];
+  const BarElement::Shape s = element.deflection((x - element.x) / element.length);
+  const std::array<int, 6> places = coordinates(e);
+  Eigen::VectorXd row = Eigen::VectorXd::Zero(size());
+  for (std::size_t i = 0; i < 6; ++i)
+    if (places[i] >= 0) row[places[i]] = -s[static_cast<int>(i)];
+  return row;
+}
+
+}  // namespace impactrig::models

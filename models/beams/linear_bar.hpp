@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "models/beams/bar_element.hpp"
+#include "models/modal/small_motion.hpp"
+
+namespace impactrig::models {
+
+/// Finite elements of a hinged bar that moves little across itself, by Euler-Bernoulli's or
+/// Timoshenko's theory. The hinge holds the axis, spring and stop act on the section there and on
+/// the axis.
+///
+/// q = [θ_0, (w, θ)_1, ..., (w, θ)_N], w against closing, θ = dw/dx where the bar does not shear;
+/// where it does, the values a, b inside of each element follow.
+class LinearBar : public SmallMotionBeam {
+ public:
+  LinearBar(const Rig& rig, std::vector<BarElement> elements);
+
+  SmallMotion small_motion() const override;
+  Eigen::VectorXd small_motion_row(double x) const override;
+
+ private:
+  int nodal() const { return 2 * static_cast<int>(elements_.size()) + 1; }
+
+  int size() const;
+
+  /// Coordinate of each of an element's values; −1: held, or there is none.
+  std::array<int, 6> coordinates(std::size_t element) const;
+
+  BarElement::Matrix mass_of(std::size_t element) const;
+  BarElement::Matrix hanging_weight_of(const BarElement& element, double below) const;
+
+  std::vector<BarElement> elements_;
+  std::vector<LumpedMass> masses_;
+  double gravity_;  // from hinge to tip
+  double spring_;
+};
+
+}  // namespace impactrig::models
