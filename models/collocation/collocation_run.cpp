@@ -12,6 +12,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "models/beams/bar_element.hpp"
 #include "models/history_recorder.hpp"
 #include "models/run_limits.hpp"
 
@@ -41,9 +42,10 @@ Loading loading(const Rig& rig, const Solver& solver, const ContactForce& contac
   const double whole = depth / approach;
   double time = whole;
   if (solver.model != BeamModel::rigid) {
-    const double line_mass = rig.beam.density * rig.beam.area;
-    const double wave =
-        std::pow(rig.beam.youngs_modulus * rig.beam.second_moment / line_mass, 0.25);
+    const std::vector<BarElement> pieces = bar_pieces(rig.beam);
+    const BarElement& piece = pieces[element_at(pieces, rig.contact.position)];
+    const double line_mass = piece.line_density;
+    const double wave = std::pow(piece.bending_stiffness / line_mass, 0.25);
     const double stiffness = contact.elastic(depth) / depth;
     const double mass = 2.0 * std::numbers::sqrt2 * line_mass * wave;  // times √time
     time = std::min(time, std::pow(mass / stiffness, 2.0 / 3.0));

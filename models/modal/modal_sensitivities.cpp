@@ -102,10 +102,10 @@ void ModalSensitivities::find_slope(const Rig& rig, const Solver& solver,
       other.gravity_direction == rig.gravity_direction &&
       other.contact.position == rig.contact.position)
     return;
-  const auto row_of = [](const BeamDynamics& beam, double asked, double struck) {
+  const auto row_of = [](const SmallMotionBeam& beam, double asked, double struck) {
     return beam.small_motion_row(asked > 0.0 ? asked : struck);
   };
-  const std::unique_ptr<BeamDynamics> here = make_beam(rig, solver);
+  const std::unique_ptr<SmallMotionBeam> here = make_small_motion_beam(rig, solver);
   SmallMotion change = here->small_motion();
   Eigen::VectorXd struck = Eigen::VectorXd::Zero(change.rigid.size());
   Eigen::VectorXd velocity = struck, displacement = struck;
@@ -119,7 +119,7 @@ void ModalSensitivities::find_slope(const Rig& rig, const Solver& solver,
     const double weight = d.stencil.weights[j] / d.spacing;
     if (weight == 0.0) continue;
     const Rig there = rig_at(rig, d.parameter, d.stencil.offsets[j] * d.spacing);
-    const std::unique_ptr<BeamDynamics> beam = make_beam(there, solver);
+    const std::unique_ptr<SmallMotionBeam> beam = make_small_motion_beam(there, solver);
     const SmallMotion motion = beam->small_motion();
     change.mass += weight * motion.mass;
     change.stiffness += weight * motion.stiffness;
