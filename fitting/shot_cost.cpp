@@ -10,8 +10,8 @@
 namespace impactrig::fitting {
 namespace {
 
-// Central differences of a simulation accurate to 1e-8 or so: truncation and noise balance near
-// this part of the scale.
+// Of full equations: central differences of a simulation accurate to 1e-8 or so: truncation and
+// noise balance near this part of the scale.
 constexpr double difference_step = 2e-4;
 
 const Shown::Curve& curve_of(const Shown& shown, datasets::Quantity quantity) {
@@ -89,14 +89,22 @@ std::vector<ShotCost::Prediction> ShotCost::predict(const std::vector<models::Ri
   return predictions;
 }
 
-ShotCost::Prediction ShotCost::predict_cached(const std::vector<double>& values) const {
+/// With its derivatives by the physical variables where they are wanted and small motion has them.
+ShotCost::Prediction ShotCost::predict_cached(const std::vector<double>& values,
+                                              bool with_slopes) const {
   std::vector<double> key;
-  for (std::size_t i = 0; i < variables_.size(); ++i)
-    if (variables_[i]->physics) key.push_back(values[i]);
+  std::vector<models::RigParameter> by;
+  for (std::size_t i = 0; i < variables_.size(); ++i) {
+    if (!variables_[i]->physics) continue;
+    key.push_back(values[i]);
+    if (with_slopes && model_.motion() == models::Motion::small)
+      by.push_back(variables_[i]->physics->of);
+  }
   const auto found = cache_.find(key);
-  if (found != cache_.end()) return found->second;
+  if (found != cache_.end() && (by.empty() || !found->second->slopes.empty())) return found->second;
   if (cache_.size() > 8) cache_.clear();
-  return cache_[key] = predict({rig_at(values)}).front();
+  ++simulations_;
+  return cache_[key] = std::make_shared<const Shown>(model_.predict(rig_at(values), by));
 }
 
 /// Predictions on both sides of every physical variable, in order, and the distance between each
@@ -135,7 +143,8 @@ void ShotCost::fill_jacobian(const std::vector<double>& values, const Shown& sho
                              double** jacobians) const {
   std::vector<Prediction> pairs;
   std::vector<double> spans;
-  physics_pairs(values, central_, pairs, spans);
+  const bool exact = !shown.slopes.empty();
+  if (!exact) physics_pairs(values, central_, pairs, spans);
   std::size_t physical = 0;
   for (std::size_t i = 0; i < variables_.size(); ++i) {
     const Variable& v = *variables_[i];
@@ -153,10 +162,11 @@ void ShotCost::fill_jacobian(const std::vector<double>& values, const Shown& sho
         double derivative = 0.0;  // of what the model shows
         switch (v.role) {
           case Variable::Role::physics:
-            derivative = m.gain *
-                         (curve_of(*pairs[2 * pair], quantity).at(t - m.shift)[0] -
-                          curve_of(*pairs[2 * pair + 1], quantity).at(t - m.shift)[0]) /
-                         spans[pair];
+            derivative = exact ? m.gain * curve_of(shown.slopes[pair], quantity).at(t - m.shift)[0]
+                               : m.gain *
+                                     (curve_of(*pairs[2 * pair], quantity).at(t - m.shift)[0] -
+                                      curve_of(*pairs[2 * pair + 1], quantity).at(t - m.shift)[0]) /
+                                     spans[pair];
             break;
           case Variable::Role::touch:
             derivative = -m.gain * curve.at(t - m.shift)[1];
@@ -183,7 +193,7 @@ bool ShotCost::Evaluate(const double* const* parameters, double* residuals,
   for (std::size_t i = 0; i < values.size(); ++i)
     values[i] = parameters[i][0] * variables_[i]->scale;
   try {
-    const Prediction shown = predict_cached(values);
+    const Prediction shown = predict_cached(values, jacobians != nullptr);
     double* out = residuals;
     for (const FittedChannel& channel : channels_) {
       const Measurement m = measurement(channel.signal->quantity, values);
@@ -232,12 +242,19 @@ Eigen::VectorXd ShotCost::change_by(const ShotModel& other,
 
 Eigen::MatrixXd ShotCost::restitution_gradient(const std::vector<double>& values) const {
   Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(3, static_cast<Eigen::Index>(variables_.size()));
+  const Prediction here = predict_cached(values, true);
   std::vector<Prediction> pairs;
   std::vector<double> spans;
-  physics_pairs(values, true, pairs, spans);
+  if (here->slopes.empty()) physics_pairs(values, true, pairs, spans);
   std::size_t pair = 0;
   for (std::size_t i = 0; i < variables_.size(); ++i) {
     if (!variables_[i]->physics) continue;
+    if (!here->slopes.empty()) {
+      const models::Restitution& slope = here->slopes[pair++].restitution;
+      gradient.col(static_cast<Eigen::Index>(i)) =
+          Eigen::Vector3d(slope.kinematic, slope.kinetic, slope.energetic);
+      continue;
+    }
     const models::Restitution& a = pairs[2 * pair]->restitution;
     const models::Restitution& b = pairs[2 * pair + 1]->restitution;
     gradient.col(static_cast<Eigen::Index>(i)) =

@@ -23,8 +23,9 @@ struct FittedChannel {
 };
 
 /// Weighted differences of one recording: (measured − background − gain · shown(t − touch − delay))
-/// / (σ √correlation). Derivatives to touch, background, gain and delay are exact; those to the
-/// physics are central differences of simulations, run on all cores. Parameter blocks: the
+/// / (σ √correlation). Derivatives to touch, background, gain and delay are exact; so are those to
+/// the physics in small motion. With full equations they are differences of simulations, run on all
+/// cores. Parameter blocks: the
 /// variables that concern this recording, each of size 1, divided by its scale.
 class ShotCost : public ceres::CostFunction {
  public:
@@ -34,8 +35,8 @@ class ShotCost : public ceres::CostFunction {
   bool Evaluate(const double* const* parameters, double* residuals,
                 double** jacobians) const override;
 
-  /// Derivatives to the physics by central differences from now on, for the covariance; before, a
-  /// step ahead is enough for the solver and half the simulations.
+  /// Where derivatives to the physics are differences: central from now on, for the covariance;
+  /// before, a step ahead is enough for the solver and half the simulations.
   void use_central_differences() { central_ = true; }
 
   /// What went wrong when Evaluate last gave up.
@@ -48,8 +49,7 @@ class ShotCost : public ceres::CostFunction {
   std::vector<double> model_values(const FittedChannel& channel,
                                    const std::vector<double>& values) const;
 
-  /// Central difference quotients of restitution.{kinematic, kinetic, energetic} to each variable
-  /// (3, n_variables).
+  /// Derivatives of restitution.{kinematic, kinetic, energetic} to each variable (3, n_variables).
   Eigen::MatrixXd restitution_gradient(const std::vector<double>& values) const;
 
   /// By how much the weighted differences change when another model predicts (n_residuals).
@@ -78,7 +78,7 @@ class ShotCost : public ceres::CostFunction {
 
   Measurement measurement(datasets::Quantity quantity, const std::vector<double>& values) const;
   std::vector<Prediction> predict(const std::vector<models::Rig>& rigs) const;
-  Prediction predict_cached(const std::vector<double>& values) const;
+  Prediction predict_cached(const std::vector<double>& values, bool with_slopes = false) const;
   void physics_pairs(const std::vector<double>& values, bool central,
                      std::vector<Prediction>& predictions, std::vector<double>& spans) const;
   void fill_jacobian(const std::vector<double>& values, const Shown& shown,

@@ -16,11 +16,11 @@ namespace {
 constexpr double oversampling = 4.0;
 constexpr double coarsest = 0.5e-6;  // [s]
 
-Shown::Curve show(const std::optional<datasets::Sensor>& sensor, const models::History& history,
-                  const std::vector<double>& values) {
-  Shown::Curve curve{.start = history.start, .interval = history.interval, .values = values};
-  if (sensor) curve.values = datasets::sensor_response(*sensor, values, history.interval);
-  return curve;
+Shown::Curve curve(const std::optional<datasets::Sensor>& sensor, const models::History& history,
+                   const std::vector<double>& values) {
+  Shown::Curve shown{.start = history.start, .interval = history.interval, .values = values};
+  if (sensor) shown.values = datasets::sensor_response(*sensor, values, history.interval);
+  return shown;
 }
 
 }  // namespace
@@ -58,28 +58,38 @@ ShotModel ShotModel::finer() const {
   return model;
 }
 
-models::Simulation ShotModel::simulate(const models::Rig& rig, double interval) const {
+models::Simulation ShotModel::simulate(const models::Rig& rig, double interval,
+                                       const std::vector<models::RigParameter>& by) const {
   models::Solver solver = solver_;
   solver.duration = end_;
   models::SimulationOptions options;
   options.history = {.interval = interval, .lead = lead_};
   options.motion = motion_;
   options.bars = bars_.get();
+  options.sensitivities = by;
   if (file_->velocity) options.history.velocity_position = file_->velocity->position;
   if (file_->displacement) options.history.displacement_position = file_->displacement->position;
   return models::simulate(rig, solver, options);
 }
 
-Shown ShotModel::predict(const models::Rig& rig) const {
-  const models::Simulation simulation = simulate(rig, interval_);
+/// A history, or its derivatives: the sensors' chains are linear.
+Shown ShotModel::show(const models::History& history) const {
   Shown shown;
+  if (force_) shown.force = curve(file_->force, history, history.force);
+  if (velocity_) shown.velocity = curve(file_->velocity, history, history.velocity);
+  if (displacement_) shown.displacement = curve(file_->displacement, history, history.displacement);
+  return shown;
+}
+
+Shown ShotModel::predict(const models::Rig& rig,
+                         const std::vector<models::RigParameter>& by) const {
+  const models::Simulation simulation = simulate(rig, interval_, by);
+  Shown shown = show(simulation.history);
   shown.restitution = simulation.restitution;
-  if (force_) shown.force = show(file_->force, simulation.history, simulation.history.force);
-  if (velocity_)
-    shown.velocity = show(file_->velocity, simulation.history, simulation.history.velocity);
-  if (displacement_)
-    shown.displacement =
-        show(file_->displacement, simulation.history, simulation.history.displacement);
+  for (const models::Sensitivity& sensitivity : simulation.sensitivities) {
+    shown.slopes.push_back(show(sensitivity.history));
+    shown.slopes.back().restitution = sensitivity.restitution;
+  }
   return shown;
 }
 

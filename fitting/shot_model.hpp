@@ -30,6 +30,8 @@ struct Shown {
 
   std::optional<Curve> force, velocity, displacement;
   models::Restitution restitution;
+  /// Derivatives of all that by the parameters asked for; empty where the simulation has none.
+  std::vector<Shown> slopes = {};
 };
 
 /// The part of the measurement model that needs a simulation: from the rig's parameters to what a
@@ -41,8 +43,10 @@ class ShotModel {
   ShotModel(const RigFile& rig, const datasets::Impact& impact, double lead, double end,
             double step);
 
-  Shown predict(const models::Rig& rig) const;
-  models::Simulation simulate(const models::Rig& rig, double interval) const;
+  /// `by`: parameters of the rig by which to differentiate.
+  Shown predict(const models::Rig& rig, const std::vector<models::RigParameter>& by = {}) const;
+  models::Simulation simulate(const models::Rig& rig, double interval,
+                              const std::vector<models::RigParameter>& by = {}) const;
 
   double end() const { return end_; }
 
@@ -57,6 +61,8 @@ class ShotModel {
   ShotModel finer() const;
 
  private:
+  Shown show(const models::History& history) const;
+
   const RigFile* file_;
   models::Solver solver_;
   bool force_, velocity_, displacement_;

@@ -57,8 +57,8 @@ void ModalMotion::finish(const NodeVector& force, const NodeVector& force_series
 
 /// The state within the solved step.
 void ModalMotion::jump(double part, ModalState& to) {
-  const NodeVector series = rule_.restriction(part) * force_series_;
-  advance(beam_, part * step(), series, state_, to);
+  jump_.set(beam_, part * step(), rule_.nodes());
+  jump_.advance(rule_.restriction(part) * force_series_, state_, to);
 }
 
 PointMotion ModalMotion::struck_at(double part, double* acceleration) {

@@ -92,6 +92,7 @@ class ModalMotion : public BarMotion {
   ModalState state_, end_, scratch_;
   const ModalStep* step_ = nullptr;
   NodeVector force_series_;
+  ModalJump jump_;
   double energy_scale_ = 0.0;
   double neglected_ = 0.0;
 };

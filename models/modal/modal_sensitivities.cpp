@@ -322,10 +322,16 @@ double ModalSensitivities::integral(const NodeVector& at_nodes, double part) con
 
 void ModalSensitivities::look(double part, Place& place) const {
   place.part = part;
-  place.series = rule_.restriction(part) * force_series_;
+  place.restriction = rule_.restriction(part);
+  place.series = place.restriction * force_series_;
   place.force = place.series.sum();
   place.state = motion_.state();
-  if (part > 0.0) advance(beam_, part * motion_.step(), place.series, motion_.state(), place.state);
+  if (part >= 1.0) {
+    motion_.solved_step().advance(motion_.state(), force_, place.state);
+  } else if (part > 0.0) {
+    place.jump.set(beam_, part * motion_.step(), rule_.nodes());
+    place.jump.advance(place.series, motion_.state(), place.state);
+  }
   accelerate(place);
 }
 
@@ -335,18 +341,28 @@ void ModalSensitivities::accelerate(Place& place) const {
 }
 
 /// The state's slope there, at the same time from the step's beginning.
-void ModalSensitivities::state_at(const Place& place, Direction& d, ModalState& to) const {
+void ModalSensitivities::state_at(const Place& place, Direction& d, ModalState& to) {
   to = d.state;
   if (!(place.part > 0.0)) return;
+  const bool whole = place.part >= 1.0;
   const double h = place.part * motion_.step();
-  advance(beam_, h, rule_.restriction(place.part) * d.force_series, d.state, to);
-  ModalState there = to;
+  if (whole)
+    motion_.solved_step().advance(d.state, d.force, to);
+  else
+    place.jump.advance(place.restriction * d.force_series, d.state, to);
+  if (d.bars.empty()) return;
+  there_ = to;
   for (std::size_t j = 0; j < d.bars.size(); ++j) {
     const double weight = d.stencil.weights[j] / d.bar_spacing;
     if (weight == 0.0) continue;
-    advance(d.bars[j], h, place.series, motion_.state(), there);
-    to.a += weight * there.a;
-    to.rate += weight * there.rate;
+    if (whole) {
+      steps_of(d, motion_.step())[j].advance(motion_.state(), force_, there_);
+    } else {
+      jump_.set(d.bars[j], h, rule_.nodes());
+      jump_.advance(place.series, motion_.state(), there_);
+    }
+    to.a += weight * there_.a;
+    to.rate += weight * there_.rate;
   }
 }
 

@@ -76,6 +76,8 @@ class ModalSensitivities {
   /// The state within the step and how it changes in time.
   struct Place {
     double part = 0.0;
+    ModalJump jump;  // from the step's beginning
+    NodeMatrix restriction;
     NodeVector series;  // of the force up to there
     double force = 0.0;
     ModalState state;
@@ -96,7 +98,7 @@ class ModalSensitivities {
   const std::vector<ModalStep>& steps_of(Direction& d, double h) const;
   void look(double part, Place& place) const;
   void accelerate(Place& place) const;
-  void state_at(const Place& place, Direction& d, ModalState& to) const;
+  void state_at(const Place& place, Direction& d, ModalState& to);
   Struck struck(const Direction& d, const ModalState& slope, const ModalState& state) const;
   double law_slope(const Direction& d, double depth, double rate) const;
   double mu_slope(const Direction& d) const;
@@ -125,6 +127,7 @@ class ModalSensitivities {
   std::optional<ModalStep> sampling_;  // of the history's interval
   Place place_;
   ModalState scratch_, there_;
+  ModalJump jump_;
 };
 
 }  // namespace impactrig::models

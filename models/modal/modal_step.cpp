@@ -171,28 +171,34 @@ void ModalStep::advance(const ModalState& from, const NodeVector& force, ModalSt
   to.rate.noalias() += rate_of_force_ * force;
 }
 
-void advance(const ModalBeam& beam, double h, const NodeVector& series, const ModalState& from,
-             ModalState& to) {
-  const int s = static_cast<int>(series.size());
-  const bool forced = series.any();
-  for (int k = 0; k < beam.modes(); ++k) {
+void ModalJump::set(const ModalBeam& beam, double h, int terms) {
+  const int m = beam.modes();
+  cosine_.resize(m);
+  sine_over_omega_.resize(m);
+  minus_omega_sine_.resize(m);
+  a_of_series_.resize(m, terms);
+  rate_of_series_.resize(m, terms);
+  for (int k = 0; k < m; ++k) {
     const double omega = beam.omega()[k];
     const double theta = omega * h;
-    double a = 0.0, rate = 0.0;
-    if (forced) {
-      const KernelSeries kernel(theta, s);
-      for (int p = 0; p < s; ++p) {
-        const double sign = p % 2 == 0 ? 1.0 : -1.0;
-        a += series[p] * sine_moment(kernel, theta, p);
-        rate += series[p] * sign * kernel.cosine(p);
-      }
+    cosine_[k] = std::cos(theta);
+    sine_over_omega_[k] = sine_over(omega, h);
+    minus_omega_sine_[k] = -omega * std::sin(theta);
+    const KernelSeries kernel(theta, terms);
+    for (int p = 0; p < terms; ++p) {
+      const double sign = p % 2 == 0 ? 1.0 : -1.0;
+      a_of_series_(k, p) = -beam.struck()[k] * h * h * sine_moment(kernel, theta, p);
+      rate_of_series_(k, p) = -beam.struck()[k] * h * sign * kernel.cosine(p);
     }
-    const double cosine = std::cos(theta);
-    const double a0 = from.a[k];
-    const double rate0 = from.rate[k];
-    to.a[k] = cosine * a0 + sine_over(omega, h) * rate0 - beam.struck()[k] * h * h * a;
-    to.rate[k] = -omega * std::sin(theta) * a0 + cosine * rate0 - beam.struck()[k] * h * rate;
   }
+}
+
+void ModalJump::advance(const NodeVector& series, const ModalState& from, ModalState& to) const {
+  to.a.array() = cosine_ * from.a.array() + sine_over_omega_ * from.rate.array();
+  to.rate.array() = minus_omega_sine_ * from.a.array() + cosine_ * from.rate.array();
+  if (!series.any()) return;
+  to.a.noalias() += a_of_series_ * series;
+  to.rate.noalias() += rate_of_series_ * series;
 }
 
 }  // namespace impactrig::models

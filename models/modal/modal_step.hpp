@@ -51,8 +51,18 @@ class ModalStep {
   Response response_;
 };
 
-/// The state after a time h under a force given by the coefficients of its Legendre series over h.
-void advance(const ModalBeam& beam, double h, const NodeVector& series, const ModalState& from,
-             ModalState& to);
+/// The same over a time of any length, for a force given by the coefficients of its Legendre series
+/// over that time. Set anew for each length, without allocating once it has held as many terms.
+class ModalJump {
+ public:
+  void set(const ModalBeam& beam, double h, int terms);
+
+  /// `to` may not be `from`.
+  void advance(const NodeVector& series, const ModalState& from, ModalState& to) const;
+
+ private:
+  Eigen::ArrayXd cosine_, sine_over_omega_, minus_omega_sine_;
+  Eigen::MatrixXd a_of_series_, rate_of_series_;  // (m, terms)
+};
 
 }  // namespace impactrig::models

@@ -142,7 +142,9 @@ TEST_P(OneMode, AnswersAPolynomialForceAsDuhamelsIntegral) {
                   Eigen::VectorXd::Constant(1, std::abs(r) * h)};
   ModalState to = from, again = from;
   step.advance(from, force, to);
-  advance(pendulum.modes, h, series, from, again);
+  ModalJump jump;
+  jump.set(pendulum.modes, h, static_cast<int>(series.size()));
+  jump.advance(series, from, again);
   const auto free = [&](double t) {
     const double sine = omega == 0.0 ? t : std::sin(omega * t) / omega;
     return from.a[0] * std::cos(omega * t) + from.rate[0] * sine;
