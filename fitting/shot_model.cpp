@@ -74,7 +74,7 @@ Shown ShotModel::predict(const models::Rig& rig) const {
   const models::Simulation simulation = simulate(rig, interval_);
   Shown shown;
   shown.restitution = simulation.restitution;
-  if (force_) shown.force = show(file_->force, simulation.history, simulation.history.force);
+  if (force_) shown.force = show(file_->force, simulation.history, simulation.history.seen_force());
   if (velocity_)
     shown.velocity = show(file_->velocity, simulation.history, simulation.history.velocity);
   if (displacement_)

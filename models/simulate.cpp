@@ -15,6 +15,7 @@
 #include "models/modal/bar_cache.hpp"
 #include "models/modal/modal_motion.hpp"
 #include "models/run_limits.hpp"
+#include "models/stop/stopped_motion.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -45,13 +46,23 @@ int nodes_for(double accuracy) {
   return accuracy > 2e-4 ? 6 : accuracy > 2e-7 ? 8 : 12;
 }
 
+/// The bar against its stop.
+Simulation run(const Rig& rig, const Solver& solver, const SimulationOptions& options,
+               BarMotion& bar) {
+  if (!rig.stop) return CollocationRun(rig, solver, options, bar).simulate();
+  StoppedMotion stopped(bar, *rig.stop);
+  Simulation result = CollocationRun(rig, solver, options, stopped).simulate();
+  result.sensor = stopped.sensor(result.impulse);
+  return result;
+}
+
 Simulation simulate_small_motion(const Rig& rig, const Solver& solver,
                                  const SimulationOptions& options) {
   BarCache own;
   BarCache& cache = options.bars ? *options.bars : own;
   const std::shared_ptr<const ModalBar> bar = cache.bar(rig, solver);
   ModalMotion motion(*bar, Collocation::of(nodes_for(solver.accuracy)), options.history);
-  Simulation result = CollocationRun(rig, solver, options, motion).simulate();
+  Simulation result = run(rig, solver, options, motion);
   result.small_motion = true;
   result.neglected = safety * (motion.neglected() + missing_tension(rig, solver, result.duration));
   result.skipped.push_back(fmt::format(
@@ -102,7 +113,7 @@ Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOption
     const std::unique_ptr<BarMotion> motion = solver.model == BeamModel::ancf
                                                   ? make_ancf_motion(rig, solver, options.history)
                                                   : make_dense_motion(rig, solver, options.history);
-    result = CollocationRun(rig, solver, options, *motion).simulate();
+    result = run(rig, solver, options, *motion);
   }
   if (rig.start.release_angle && !options.exact && !spring_bends_bar(rig))
     result->skipped.push_back(fmt::format(

@@ -160,7 +160,7 @@ void CollocationRun::take_attempt() {
   const double h = bar_.step();
   totals_.impulse += integral(tried_.force, tried_.part);
   totals_.dissipated += integral(tried_.dissipation, tried_.part);
-  totals_.damped += bar_.damped();
+  totals_.damped += bar_.damped(tried_.part);
   bar_.take(tried_.part);
   if (tried_.event == Event::none && contact_.phase() == Phase::pressed)
     last_series_ = tried_.force_series;
@@ -194,6 +194,7 @@ void CollocationRun::first_touch() {
   };
   begin_history(rig_, options_.history, approach_, speed_at(options_.history.velocity_position),
                 speed_at(options_.history.displacement_position), result_.history);
+  if (rig_.stop) result_.history.sensor_force.resize(result_.history.force.size(), 0.0);
 }
 
 void CollocationRun::touch() {
