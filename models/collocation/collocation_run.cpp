@@ -100,15 +100,6 @@ bool CollocationRun::solve_step() {
   return false;
 }
 
-/// What a Legendre series of s terms leaves out, by its last pair: less where the pair before was
-/// much larger, which a corner nearby does not let it be.
-double CollocationRun::truncation(const NodeVector& series) const {
-  const int s = rule_.nodes();
-  const double last = std::hypot(series[s - 1], series[s - 2]);
-  const double before = std::hypot(series[s - 3], series[s - 4]);
-  return before > 3.0 * last ? 3.0 * last * last / before : last;
-}
-
 /// What the force and its dissipation leave out over the step, as impulse and energy, against the
 /// tolerance.
 double CollocationRun::force_error() const {

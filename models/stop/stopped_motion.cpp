@@ -115,12 +115,17 @@ double StoppedMotion::damped(double part) const {
   return bar_.damped(part) + taken;
 }
 
+/// Also of the sensor's force, against that of a spring with all the energy: what the force leaves
+/// out swings the head the more, the more of a swing a step is, up to one a node.
 double StoppedMotion::error() const {
-  if (!(head_.damped() && forced_)) return bar_.error();
+  if (!forced_) return bar_.error();
+  const double phase = head_.fastest() * step();
   const int s = rule_.nodes();
-  const NodeVector series = rule_.to_series() * power_;
-  const double left = std::hypot(series[s - 1], series[s - 2]) * step();
-  return std::max(bar_.error(), left / energy_scale_);
+  const double swung = std::min(phase, 1.0 * s) * std::min(1.0, phase / s);
+  const double force =
+      swung * truncation(force_series_) * std::sqrt(compliance_ / (2.0 * energy_scale_));
+  const double loss = truncation(rule_.to_series() * power_) * step() / energy_scale_;
+  return std::max({bar_.error(), force, head_.damped() ? loss : 0.0});
 }
 
 double StoppedMotion::force_at(double part) const {
