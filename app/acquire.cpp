@@ -51,7 +51,7 @@ acquisition::Trajectory trajectory_of(const fitting::RigFile& rig, const Options
   const models::History& h = simulation.history;
   return {.start = h.start,
           .interval = h.interval,
-          .force = h.force,
+          .force = h.seen_force(),
           .velocity = h.velocity,
           .displacement = h.displacement};
 }

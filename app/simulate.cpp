@@ -41,10 +41,11 @@ datasets::Record history_record(const models::History& history, const fitting::R
     channel.raw = values;
     record.channels.push_back(std::move(channel));
   };
-  add("Force", datasets::Quantity::force, history.force);
+  add("Force", datasets::Quantity::force, history.seen_force());
   add("Velocity", datasets::Quantity::velocity, history.velocity);
   add("Displacement", datasets::Quantity::displacement, history.displacement);
   add("Penetration", datasets::Quantity::displacement, history.penetration);
+  if (!history.sensor_force.empty()) add("Contact force", datasets::Quantity::force, history.force);
   return record;
 }
 

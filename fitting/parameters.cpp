@@ -12,6 +12,11 @@ namespace {
 
 using models::Rig;
 
+/// Of a rigid stop all zero: nothing a fit could start from.
+models::Stop& stop_of(Rig& rig) {
+  return rig.stop ? *rig.stop : rig.stop.emplace();
+}
+
 constexpr std::array parameters = {
     PhysicalParameter{"contact.restitution", "1", 0.0, 1.0, false,
                       [](Rig& r) -> double& { return r.contact.restitution; }},
@@ -33,6 +38,12 @@ constexpr std::array parameters = {
                       [](Rig& r) -> double& { return r.contact.counter_radius; }},
     PhysicalParameter{"contact.position", "m", 0.0, 0.0, false,
                       [](Rig& r) -> double& { return r.contact.position; }},
+    PhysicalParameter{"stop.mass", "kg", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return stop_of(r).mass; }},
+    PhysicalParameter{"stop.stiffness", "N/m", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return stop_of(r).stiffness; }},
+    PhysicalParameter{"stop.viscous", "N s/m", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return stop_of(r).viscous; }},
     PhysicalParameter{"beam.youngs_modulus", "Pa", 0.0, 0.0, false,
                       [](Rig& r) -> double& { return r.beam.youngs_modulus; }},
     PhysicalParameter{"beam.density", "kg/m^3", 0.0, 0.0, false,

@@ -241,6 +241,14 @@ void read_hinge(TableReader& table, models::Hinge& hinge) {
   table.finish();
 }
 
+models::Stop read_stop(TableReader& table) {
+  models::Stop stop{.mass = table.required_quantity("mass", "kg", "0.05 kg"),
+                    .stiffness = table.required_quantity("stiffness", "N/m", "2e8 N/m")};
+  if (const auto viscous = table.quantity("viscous", "N.s/m")) stop.viscous = viscous->value;
+  table.finish();
+  return stop;
+}
+
 void read_start(TableReader& table, models::Start& start) {
   const auto velocity = table.quantity("velocity", "m/s");
   const auto angle = table.quantity("release_angle", "rad");
@@ -484,6 +492,7 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   TableReader contact = required_table(root, "contact");
   read_contact(contact, file.rig, sections);
   if (auto hinge = root.table("hinge")) read_hinge(*hinge, file.rig.hinge);
+  if (auto stop = root.table("stop")) file.rig.stop = read_stop(*stop);
   TableReader start = required_table(root, "start");
   read_start(start, file.rig.start);
   if (auto environment = root.table("environment")) {

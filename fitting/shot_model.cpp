@@ -75,7 +75,7 @@ models::Simulation ShotModel::simulate(const models::Rig& rig, double interval,
 /// A history, or its derivatives: the sensors' chains are linear.
 Shown ShotModel::show(const models::History& history) const {
   Shown shown;
-  if (force_) shown.force = curve(file_->force, history, history.force);
+  if (force_) shown.force = curve(file_->force, history, history.seen_force());
   if (velocity_) shown.velocity = curve(file_->velocity, history, history.velocity);
   if (displacement_) shown.displacement = curve(file_->displacement, history, history.displacement);
   return shown;

@@ -14,7 +14,8 @@
 namespace impactrig::models {
 
 void ContactLog::begin(const BeamEnergy& energy) {
-  energy_at_touch_ = energy.kinetic + energy.elastic + energy.spring + energy.gravitational;
+  energy_at_touch_ =
+      energy.kinetic + energy.elastic + energy.spring + energy.gravitational + energy.stop;
   result_.energy.initial = energy.kinetic;
   result_.energy.gravitational = -energy.gravitational;
 }
@@ -97,14 +98,16 @@ void ContactLog::conclude(double t, const ContactTotals& totals, const ContactFo
   audit.kinetic = energy.kinetic;
   audit.elastic = energy.elastic;
   audit.spring = energy.spring;
+  audit.stop = energy.stop;
   audit.gravitational += energy.gravitational;
   audit.dissipated = totals.dissipated;
   audit.damped = totals.damped;
   audit.rigid_rotation = 0.5 * rig_.beam.hinge_inertia() * rigid.rate * rigid.rate;
   audit.vibration = audit.kinetic + audit.elastic - audit.rigid_rotation;
-  audit.imbalance = (energy.kinetic + energy.elastic + energy.spring + energy.gravitational +
-                     audit.contact_stored + audit.dissipated + audit.damped - energy_at_touch_) /
-                    audit.initial;
+  audit.imbalance =
+      (energy.kinetic + energy.elastic + energy.spring + energy.gravitational + energy.stop +
+       audit.contact_stored + audit.dissipated + audit.damped - energy_at_touch_) /
+      audit.initial;
   result_.restitution.law = rig_.contact.restitution;
   if (result_.episodes.empty() || result_.episodes.front().open) {
     const double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -127,7 +130,8 @@ void ContactLog::conclude(double t, const ContactTotals& totals, const ContactFo
 bool left_for_good(const Rig& rig, double reach, const RigidPart& rigid, const BeamEnergy& energy) {
   if (!(rigid.rate < 0.0)) return false;
   const double rotation = 0.5 * rig.beam.hinge_inertia() * rigid.rate * rigid.rate;
-  const double vibration = std::max(energy.kinetic - rotation, 0.0) + std::max(energy.elastic, 0.0);
+  const double vibration =
+      std::max(energy.kinetic - rotation, 0.0) + std::max(energy.elastic, 0.0) + energy.stop;
   if (!(-rigid.angle * rig.contact.position > reach * std::sqrt(vibration))) return false;
   const RigidSwing swing(rig);
   return swing.shortest_return() >= longest_default_run &&

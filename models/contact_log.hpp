@@ -11,7 +11,7 @@ namespace impactrig::models {
 struct ContactTotals {
   double impulse = 0.0;     ///< [N s]
   double dissipated = 0.0;  ///< [J]
-  double damped = 0.0;      ///< in bar and hinge, not in the contact [J]
+  double damped = 0.0;      ///< in bar, hinge and stop, not in the contact [J]
 };
 
 /// What happens at the stop, in the order it happens, whoever integrates: keeps the episodes and
@@ -58,8 +58,8 @@ class ContactLog {
 };
 
 /// Whether the rigid part of a free bar's motion has carried the struck point further than its
-/// vibration can bring it back, and its swing will not within the longest run. `reach`: √(2 C), C
-/// the point's elastic compliance.
+/// vibration and the stop's can bring them together again, and its swing will not within the
+/// longest run. `reach`: √(2 C), C the elastic compliance of point and stop.
 bool left_for_good(const Rig& rig, double reach, const RigidPart& rigid, const BeamEnergy& energy);
 
 }  // namespace impactrig::models

@@ -127,6 +127,12 @@ void validate_contact(const Contact& contact, const Beam& beam) {
                contact.counter_radius, contact.radius));
 }
 
+void validate_stop(const Stop& stop) {
+  require_positive("stop.mass", stop.mass, "kg");
+  require_positive("stop.stiffness", stop.stiffness, "N/m");
+  require_not_negative("stop.viscous", stop.viscous, "N.s/m");
+}
+
 void validate_solver(const Solver& solver, const Rig& rig) {
   if (!(solver.accuracy >= 1e-13 && solver.accuracy <= 0.1))
     refuse("solver.accuracy",
@@ -266,6 +272,7 @@ void validate(const Rig& rig, const Solver& solver) {
   elastic_law(rig.contact);
   require_not_negative("hinge.spring", rig.hinge.spring, "N.m/rad");
   require_not_negative("hinge.viscous", rig.hinge.viscous, "N.m.s/rad");
+  if (rig.stop) validate_stop(*rig.stop);
   if (!(rig.gravity >= 0.0 && std::isfinite(rig.gravity)))
     refuse("environment.gravity",
            fmt::format("must be finite and not negative, found {:g} m/s^2", rig.gravity));

@@ -99,6 +99,16 @@ struct Contact {
   bool operator==(const Contact&) const = default;
 };
 
+/// A stop that gives way: the struck head, a mass on the spring and damper of its sensor, which the
+/// ground carries.
+struct Stop {
+  double mass = 0.0;       ///< m of the head and what moves with it [kg], > 0
+  double stiffness = 0.0;  ///< k [N/m], > 0
+  double viscous = 0.0;    ///< c [N s/m]
+
+  bool operator==(const Stop&) const = default;
+};
+
 /// How the impact begins: a given speed of the struck point at first touch, or a release from rest.
 struct Start {
   double velocity = 0.0;  ///< closing speed of the struck point [m/s], > 0
@@ -112,7 +122,8 @@ struct Rig {
   Contact contact;
   Start start;
   Hinge hinge = {};
-  double gravity = 9.81;  ///< [m/s^2]
+  std::optional<Stop> stop = {};  ///< none: rigid
+  double gravity = 9.81;          ///< [m/s^2]
   /// Where gravity points, from the direction hinge to tip of the bar at touch towards closing
   /// [rad]: 0 the bar hangs, π/2 it is pulled into the stop, π it stands upright.
   double gravity_direction = 0.0;

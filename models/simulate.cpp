@@ -16,6 +16,7 @@
 #include "models/modal/bar_cache.hpp"
 #include "models/modal/modal_motion.hpp"
 #include "models/run_limits.hpp"
+#include "models/stop/stopped_motion.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -56,20 +57,31 @@ int nodes_for(double accuracy) {
   return accuracy > 2e-4 ? 6 : accuracy > 2e-7 ? 8 : 12;
 }
 
+/// The bar against its stop. `sensitivities` follow a rigid one.
+Simulation run(const Rig& rig, const Solver& solver, const SimulationOptions& options,
+               BarMotion& bar, ModalSensitivities* sensitivities = nullptr) {
+  if (!rig.stop) {
+    CollocationRun run(rig, solver, options, bar);
+    if (sensitivities) run.follow(*sensitivities);
+    return run.simulate();
+  }
+  StoppedMotion stopped(bar, *rig.stop);
+  Simulation result = CollocationRun(rig, solver, options, stopped).simulate();
+  result.sensor = stopped.sensor(result.impulse);
+  return result;
+}
+
 Simulation simulate_small_motion(const Rig& rig, const Solver& solver,
                                  const SimulationOptions& options) {
   BarCache own;
   BarCache& cache = options.bars ? *options.bars : own;
   const std::shared_ptr<const ModalBar> bar = cache.bar(rig, solver);
   ModalMotion motion(*bar, Collocation::of(nodes_for(solver.accuracy)), options.history);
-  CollocationRun run(rig, solver, options, motion);
   std::optional<ModalSensitivities> sensitivities;
   const bool begins_at_touch = !rig.start.release_angle || !spring_bends_bar(rig);
-  if (!options.sensitivities.empty() && begins_at_touch) {
+  if (!options.sensitivities.empty() && begins_at_touch && !rig.stop)
     sensitivities.emplace(rig, solver, options, motion);
-    run.follow(*sensitivities);
-  }
-  Simulation result = run.simulate();
+  Simulation result = run(rig, solver, options, motion, sensitivities ? &*sensitivities : nullptr);
   if (sensitivities) result.sensitivities = sensitivities->take_results();
   result.small_motion = true;
   result.neglected = safety * (motion.neglected() + missing_tension(rig, solver, result.duration));
@@ -119,7 +131,7 @@ Simulation simulate_full_equations(const Rig& rig, const Solver& solver,
   const std::unique_ptr<BarMotion> motion = solver.model == BeamModel::ancf
                                                 ? make_ancf_motion(rig, used, options.history)
                                                 : make_dense_motion(rig, used, options.history);
-  Simulation result = CollocationRun(rig, used, options, *motion).simulate();
+  Simulation result = run(rig, used, options, *motion);
   result.solver = solver;
   return result;
 }

@@ -17,7 +17,7 @@ struct Episode {
   double peak_time = 0.0;            ///< [s]
   double impulse = 0.0;              ///< [N s]
   double max_penetration = 0.0;      ///< [m]
-  double approach_velocity = 0.0;    ///< of the struck point at touch [m/s]
+  double approach_velocity = 0.0;    ///< of the struck point at touch, seen from the stop [m/s]
   double separation_velocity = 0.0;  ///< likewise at separation, > 0 when it leaves [m/s]
   double dissipated = 0.0;           ///< by the contact's damping [J]
   bool open = false;                 ///< still touching when the run ended
@@ -40,7 +40,8 @@ struct EnergyAudit {
   double gravitational = 0.0;   ///< relative to first touch
   double contact_stored = 0.0;  ///< not zero only when the run ends in contact
   double dissipated = 0.0;      ///< by the contact's damping
-  double damped = 0.0;          ///< in bar and hinge
+  double damped = 0.0;          ///< in bar, hinge and the stop's damper
+  double stop = 0.0;            ///< left in a compliant stop's head and spring
   /// Kinetic energy of the rigid bar with the same angular momentum about the hinge.
   double rigid_rotation = 0.0;
   double vibration = 0.0;  ///< kinetic + elastic - rigid_rotation
@@ -71,6 +72,20 @@ struct History {
   std::vector<double> velocity;     ///< closing > 0, at velocity_position [m/s] (n)
   /// Closing > 0, 0 at first touch, at displacement_position [m] (n).
   std::vector<double> displacement;
+  /// What the sensor of a compliant stop carries, compression > 0 [N] (n); empty where it is rigid.
+  std::vector<double> sensor_force;
+
+  /// What a force sensor in the stop sees [N] (n).
+  const std::vector<double>& seen_force() const {
+    return sensor_force.empty() ? force : sensor_force;
+  }
+};
+
+/// What the spring and damper of a compliant stop carried over the run.
+struct SensorForce {
+  double peak_force = 0.0;  ///< [N]
+  double peak_time = 0.0;   ///< [s] from first touch
+  double impulse = 0.0;     ///< [N s]
 };
 
 /// How much a mesh twice as fine changes the prediction, relative: nearly the error of the mesh,
@@ -99,12 +114,13 @@ struct Sensitivity {
 
 /// What simulate() gives. `termination` says in a sentence why the run ended.
 struct Simulation {
-  Solver solver;                 ///< as used
-  double peak_force = 0.0;       ///< over the run [N]
-  double peak_time = 0.0;        ///< [s] from first touch
-  double max_penetration = 0.0;  ///< [m]
-  double impulse = 0.0;          ///< over the run [N s]
-  double duration = 0.0;         ///< simulated, from first touch [s]
+  Solver solver;                      ///< as used
+  double peak_force = 0.0;            ///< over the run [N]
+  double peak_time = 0.0;             ///< [s] from first touch
+  double max_penetration = 0.0;       ///< [m]
+  double impulse = 0.0;               ///< over the run [N s]
+  double duration = 0.0;              ///< simulated, from first touch [s]
+  std::optional<SensorForce> sensor;  ///< of a compliant stop
   std::vector<Episode> episodes;
   Restitution restitution;
   EnergyAudit energy;
@@ -136,7 +152,8 @@ struct SimulationOptions {
   BarCache* bars = nullptr;
   Motion motion = Motion::by_accuracy;
   bool exact = false;  ///< take no simplification
-  /// Numbers of the rig by which to differentiate. Small motion that begins at touch only.
+  /// Numbers of the rig by which to differentiate. Small motion that begins at the touch of a rigid
+  /// stop only.
   std::vector<RigParameter> sensitivities = {};
 };
 

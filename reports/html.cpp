@@ -72,6 +72,7 @@ void thin(models::History& history) {
   for (auto* values :
        {&history.force, &history.penetration, &history.velocity, &history.displacement})
     keep(*values, kept);
+  if (!history.sensor_force.empty()) keep(history.sensor_force, kept);
   history.interval *= static_cast<double>(every);
 }
 
@@ -84,7 +85,7 @@ std::string page_json(ReportData data) {
   for (models::Simulation& run : data.fit.predictions) {
     thin(run.history);
     for (auto* values : {&run.history.force, &run.history.penetration, &run.history.velocity,
-                         &run.history.displacement})
+                         &run.history.displacement, &run.history.sensor_force})
       shorten(*values);
   }
   std::string out;

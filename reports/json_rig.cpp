@@ -163,6 +163,19 @@ std::vector<models::BeamSegment> segments_from(const JsonReader& json) {
   return segments;
 }
 
+Json stop_json(const std::optional<models::Stop>& stop) {
+  if (!stop) return nullptr;
+  return {{"mass_kg", stop->mass},
+          {"stiffness_n_m", stop->stiffness},
+          {"viscous_n_s_m", stop->viscous}};
+}
+
+models::Stop stop_from(const JsonReader& json) {
+  return {.mass = json["mass_kg"].number(),
+          .stiffness = json["stiffness_n_m"].number(),
+          .viscous = json["viscous_n_s_m"].number()};
+}
+
 }  // namespace
 
 Json rig_json(const fitting::RigFile& rig) {
@@ -189,6 +202,7 @@ Json rig_json(const fitting::RigFile& rig) {
         {"release_angle_rad", start.release_angle ? Json(*start.release_angle) : Json(nullptr)}}},
       {"hinge",
        {{"spring_n_m_rad", rig.rig.hinge.spring}, {"viscous_n_m_s_rad", rig.rig.hinge.viscous}}},
+      {"stop", stop_json(rig.rig.stop)},
       {"gravity_m_s2", rig.rig.gravity},
       {"gravity_direction_rad", rig.rig.gravity_direction},
       {"sensors",
@@ -227,6 +241,7 @@ fitting::RigFile rig_from(const JsonReader& json) {
   if (json.has("hinge"))
     rig.rig.hinge = {.spring = json["hinge"]["spring_n_m_rad"].number(),
                      .viscous = json["hinge"]["viscous_n_m_s_rad"].number()};
+  if (json.has("stop")) rig.rig.stop = stop_from(json["stop"]);
   rig.rig.gravity = json["gravity_m_s2"].number();
   if (json.has("gravity_direction_rad"))
     rig.rig.gravity_direction = json["gravity_direction_rad"].number();

@@ -100,7 +100,8 @@ Json energy_json(const models::EnergyAudit& energy) {
           {"contact_stored_j", energy.contact_stored},
           {"rigid_rotation_j", energy.rigid_rotation},
           {"damped_j", energy.damped},
-          {"spring_j", energy.spring}};
+          {"spring_j", energy.spring},
+          {"stop_j", energy.stop}};
 }
 
 models::EnergyAudit energy_from(const JsonReader& json) {
@@ -116,6 +117,7 @@ models::EnergyAudit energy_from(const JsonReader& json) {
   energy.rigid_rotation = json["rigid_rotation_j"].number();
   if (json.has("damped_j")) energy.damped = json["damped_j"].number();
   if (json.has("spring_j")) energy.spring = json["spring_j"].number();
+  if (json.has("stop_j")) energy.stop = json["stop_j"].number();
   return energy;
 }
 
@@ -130,6 +132,10 @@ Json simulation_json(const models::Simulation& simulation, const models::Contact
   json["peak_time_s"] = simulation.peak_time;
   json["max_penetration_m"] = simulation.max_penetration;
   json["impulse_ns"] = simulation.impulse;
+  if (const auto& sensor = simulation.sensor)
+    json["sensor"] = {{"peak_force_n", sensor->peak_force},
+                      {"peak_time_s", sensor->peak_time},
+                      {"impulse_ns", sensor->impulse}};
   json["episodes"] = Json::array();
   for (const models::Episode& episode : simulation.episodes)
     json["episodes"].push_back(episode_json(episode));
@@ -166,6 +172,10 @@ models::Simulation simulation_from(const JsonReader& json) {
   simulation.max_penetration = json["max_penetration_m"].number();
   simulation.impulse = json["impulse_ns"].number();
   simulation.duration = json["duration_s"].number();
+  if (json.has("sensor"))
+    simulation.sensor = {.peak_force = json["sensor"]["peak_force_n"].number(),
+                         .peak_time = json["sensor"]["peak_time_s"].number(),
+                         .impulse = json["sensor"]["impulse_ns"].number()};
   const JsonReader episodes = json["episodes"];
   for (std::size_t i = 0; i < episodes.size(); ++i)
     simulation.episodes.push_back(episode_from(episodes.element(i)));
@@ -183,9 +193,11 @@ models::Simulation simulation_from(const JsonReader& json) {
 }
 
 Json history_json(const models::History& history) {
-  return {{"start_s", history.start},         {"interval_s", history.interval},
-          {"force_n", history.force},         {"penetration_m", history.penetration},
-          {"velocity_m_s", history.velocity}, {"displacement_m", history.displacement}};
+  Json json = {{"start_s", history.start},         {"interval_s", history.interval},
+               {"force_n", history.force},         {"penetration_m", history.penetration},
+               {"velocity_m_s", history.velocity}, {"displacement_m", history.displacement}};
+  if (!history.sensor_force.empty()) json["sensor_force_n"] = history.sensor_force;
+  return json;
 }
 
 models::History history_from(const JsonReader& json) {
@@ -196,6 +208,7 @@ models::History history_from(const JsonReader& json) {
   history.penetration = json["penetration_m"].numbers();
   history.velocity = json["velocity_m_s"].numbers();
   history.displacement = json["displacement_m"].numbers();
+  if (json.has("sensor_force_n")) history.sensor_force = json["sensor_force_n"].numbers();
   return history;
 }
 

@@ -75,10 +75,10 @@ std::vector<Share> shares(const models::EnergyAudit& energy) {
   const double rest =
       energy.initial - energy.dissipated - energy.damped - energy.vibration - energy.rigid_rotation;
   return {{"lost", "dissipated in the contact", energy.dissipated},
-          {"damped", "damped in bar and hinge", energy.damped},
+          {"damped", "damped in bar, hinge and stop", energy.damped},
           {"vibration", "left in vibration", energy.vibration},
           {"rotation", "left in rigid rotation", energy.rigid_rotation},
-          {"rest", "rest: raised, in the hinge’s spring, pressed into the stop", rest}};
+          {"rest", "rest: raised, in the hinge’s spring, in the stop", rest}};
 }
 
 /// Stacked bar with its legend; text and widths only, so that it adapts to the screen and prints.
@@ -113,9 +113,9 @@ std::string energy_sentence(const models::EnergyAudit& energy) {
       "The bar came with {} of kinetic energy. The contact dissipated {} of it{}; {} was left in "
       "the bar’s vibration at the end of the run and {} in its rotation. ",
       quantity(energy.initial, "J"), percent(energy.dissipated / energy.initial),
-      energy.damped > 0.0
-          ? fmt::format(", damping in bar and hinge {}", percent(energy.damped / energy.initial))
-          : "",
+      energy.damped > 0.0 ? fmt::format(", damping in bar, hinge and stop {}",
+                                        percent(energy.damped / energy.initial))
+                          : "",
       percent(energy.vibration / energy.initial), percent(energy.rigid_rotation / energy.initial));
 }
 

@@ -108,6 +108,9 @@ std::string to_text(const models::Simulation& s, const models::Rig& rig) {
       "{:.9g} N s over {:.6g} ms\n",
       model, rig.contact.law, rig.contact.exponent, rig.contact.damping, rig.contact.restitution,
       s.peak_force, 1e6 * s.peak_time, 1e6 * s.max_penetration, s.impulse, 1e3 * s.duration);
+  if (s.sensor)
+    text += fmt::format("sensor            {:.9g} N at {:.6g} us, {:.9g} N s over the run\n",
+                        s.sensor->peak_force, 1e6 * s.sensor->peak_time, s.sensor->impulse);
   text += fmt::format("\n  {:>12} {:>12} {:>12} {:>12} {:>12} {:>12}\n", "touch [us]",
                       "leaves [us]", "peak [N]", "impulse [Ns]", "in [m/s]", "out [m/s]");
   for (const models::Episode& e : s.episodes)
@@ -124,7 +127,7 @@ std::string to_text(const models::Simulation& s, const models::Rig& rig) {
       "imbalance {:.1e}\n",
       whole, 100.0 * s.energy.dissipated / whole,
       s.energy.damped > 0.0
-          ? fmt::format("{:.2f} % in bar and hinge, ", 100.0 * s.energy.damped / whole)
+          ? fmt::format("{:.2f} % damped in bar, hinge and stop, ", 100.0 * s.energy.damped / whole)
           : "",
       100.0 * s.energy.vibration / whole, 100.0 * s.energy.rigid_rotation / whole,
       s.energy.imbalance);

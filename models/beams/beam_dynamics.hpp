@@ -17,6 +17,7 @@ struct BeamEnergy {
   double elastic = 0.0;        ///< [J]
   double spring = 0.0;         ///< in the hinge [J]
   double gravitational = 0.0;  ///< relative to touching straight and undeformed [J]
+  double stop = 0.0;           ///< of a compliant stop's head and spring; no bar knows it [J]
 };
 
 /// A point of the bar's axis, seen from the stop: closing positive.

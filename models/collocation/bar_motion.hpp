@@ -27,6 +27,7 @@ class BarMotion {
   struct Sample {
     PointMotion struck;
     double velocity = 0.0, displacement = 0.0;  // at the lasers' spots
+    double sensor_force = 0.0;                  // of a compliant stop
   };
 
   virtual ~BarMotion() = default;
@@ -70,8 +71,8 @@ class BarMotion {
   /// The step is solved, under the force of a Legendre series.
   virtual void finish(const NodeVector& force, const NodeVector& force_series) = 0;
 
-  /// Energy that damping in bar and hinge takes over the solved step [J].
-  virtual double damped() const { return 0.0; }
+  /// Energy that damping outside the contact takes over the first part of the solved step [J].
+  virtual double damped(double) const { return 0.0; }
 
   virtual PointMotion struck_at_end() const = 0;
 

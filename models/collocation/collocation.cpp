@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/collocation/collocation.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
 #include "models/integration/gauss.hpp"
@@ -147,6 +148,13 @@ Eigen::MatrixXd Collocation::make_convolutions(int block) const {
             points_[i] * rule.weights[q] * lagrange[j] * kernel.tail(block_size).transpose();
     }
   return result;
+}
+
+double truncation(const NodeVector& series) {
+  const Eigen::Index s = series.size();
+  const double last = std::hypot(series[s - 1], series[s - 2]);
+  const double before = std::hypot(series[s - 3], series[s - 4]);
+  return before > 3.0 * last ? 3.0 * last * last / before : last;
 }
 
 }  // namespace impactrig::models

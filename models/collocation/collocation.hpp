@@ -69,4 +69,8 @@ class Collocation {
   mutable std::array<Eigen::MatrixXd, blocks> convolutions_;
 };
 
+/// What a Legendre series of at least four terms leaves out, by its last pair: less where the pair
+/// before was much larger, which a corner nearby does not let it be.
+double truncation(const NodeVector& series);
+
 }  // namespace impactrig::models

@@ -137,15 +137,6 @@ bool CollocationRun::solve_step() {
   return false;
 }
 
-/// What a Legendre series of s terms leaves out, by its last pair: less where the pair before was
-/// much larger, which a corner nearby does not let it be.
-double CollocationRun::truncation(const NodeVector& series) const {
-  const int s = rule_.nodes();
-  const double last = std::hypot(series[s - 1], series[s - 2]);
-  const double before = std::hypot(series[s - 3], series[s - 4]);
-  return before > 3.0 * last ? 3.0 * last * last / before : last;
-}
-
 /// What the force and its dissipation leave out over the step, as impulse and energy, against the
 /// tolerance.
 double CollocationRun::force_error() const {
@@ -210,7 +201,7 @@ void CollocationRun::take_attempt() {
   const double h = bar_.step();
   totals_.impulse += integral(tried_.force, tried_.part);
   totals_.dissipated += integral(tried_.dissipation, tried_.part);
-  totals_.damped += bar_.damped();
+  totals_.damped += bar_.damped(tried_.part);
   if (followed_) {
     using End = ModalSensitivities::End;
     const End end = tried_.event == Event::gap    ? End::gap
@@ -257,6 +248,7 @@ void CollocationRun::first_touch() {
   };
   begin_history(rig_, options_.history, approach_, speed_at(options_.history.velocity_position),
                 speed_at(options_.history.displacement_position), result_.history);
+  if (rig_.stop) result_.history.sensor_force.resize(result_.history.force.size(), 0.0);
 }
 
 void CollocationRun::touch() {

@@ -47,7 +47,6 @@ class CollocationRun {
   bool solve_step();
   bool solve_force(const NodeVector& displacement, const NodeVector& velocity, NodeVector& change);
   void predict_force(double h);
-  double truncation(const NodeVector& series) const;
   double force_error() const;
   double motion_error() const;
   double derivative_error() const;

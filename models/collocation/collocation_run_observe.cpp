@@ -132,6 +132,7 @@ void CollocationRun::sample_history() {
     history.penetration.push_back(displacement);
     history.velocity.push_back(sample.velocity);
     history.displacement.push_back(sample.displacement - laser_rest_);
+    if (rig_.stop) history.sensor_force.push_back(sample.sensor_force);
   }
 }
 

@@ -121,7 +121,7 @@ class AncfMotion final : public BarMotion {
     if (chain_.damped()) damped_ = damped_in_step();
   }
 
-  double damped() const override { return damped_; }
+  double damped(double) const override { return damped_; }
 
   PointMotion struck_at_end() const override { return {-end_q_[struck_], -end_v_[struck_]}; }
 

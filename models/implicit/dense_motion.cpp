@@ -106,7 +106,7 @@ class DenseMotion final : public BarMotion {
 
   void finish(const NodeVector& force, const NodeVector&) override;
 
-  double damped() const override { return damped_; }
+  double damped(double) const override { return damped_; }
 
   PointMotion struck_at_end() const override { return beam_->struck_point(end_q_, end_v_); }
 

@@ -124,6 +124,24 @@ TEST_F(CommandLine, WritesAHistoryThatItCanReadAgain) {
   }
 }
 
+TEST_F(CommandLine, TellsTheSensorsForceFromTheContacts) {
+  const std::string file = path("stopped.h5");
+  const Outcome o = run("simulate " + rig + quick + " --json -o " + file +
+                        " --set stop.mass=\"50 g\" --set stop.stiffness=\"2e8 N/m\"");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json run_json = json::parse(o.out);
+  const json channels = json::parse(run("inspect --json " + file).out)["channels"];
+  ASSERT_EQ(channels.size(), 5U);
+  EXPECT_EQ(channels[0]["name"], "Force");
+  EXPECT_EQ(channels[4]["name"], "Contact force");
+  // the largest sample, 1 us from the next, and the peak
+  EXPECT_NEAR(channels[0]["max"].get<double>() / run_json["sensor"]["peak_force_n"].get<double>(),
+              1.0, 3e-3);
+  EXPECT_NEAR(channels[4]["max"].get<double>() / run_json["peak_force_n"].get<double>(), 1.0, 3e-3);
+  EXPECT_GT(run_json["sensor"]["peak_force_n"], 1.02 * run_json["peak_force_n"].get<double>());
+  EXPECT_GT(run_json["energy"]["stop_j"], 0.0);
+}
+
 TEST_F(CommandLine, RecordsFitsAndReportsASyntheticShot) {
   const std::string shot = path("shot.h5");
   Outcome o = run("acquire --source synthetic --rig " + rig + quick +
@@ -292,8 +310,9 @@ TEST_F(CommandLine, ARecordWithoutForceNeedsTheUsersWord) {
   EXPECT_EQ(o.out, "");
 }
 
-// The truth beside each shipped shot lies within the 95 % interval of what is fitted to it. Nobody chose
-// their seeds (datasets/samples/regenerate); how often that holds bench/coverage.cpp measures.
+// The truth beside each shipped shot lies within the 95 % interval of what is fitted to it. Nobody
+// chose their seeds (datasets/samples/regenerate); how often that holds bench/coverage.cpp
+// measures.
 class ShippedShot : public CommandLine, public testing::WithParamInterface<const char*> {};
 
 TEST_P(ShippedShot, HasItsTruthWithinTheIntervals) {

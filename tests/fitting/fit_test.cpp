@@ -125,6 +125,23 @@ TEST(Fit, KeepsTheFullEquationsWhereTheyAreSeen) {
   EXPECT_LT(std::abs(pull(result, "contact.stiffness_factor", 1.0)), 4.0);
 }
 
+// The head's resonance, 10 kHz, stands in the force: it tells the stiffness behind it.
+TEST(Fit, FindsTheStiffnessOfTheStop) {
+  RigFile rig = hybrid_rig();
+  rig.force->resonance.reset();
+  rig.rig.stop = models::Stop{.mass = 0.05, .stiffness = 2.2e8, .viscous = 150.0};
+  const datasets::Impact shot = synthetic_shot(rig, {.duration = 1.6e-3});
+  rig.rig.stop->stiffness = 1.9e8;
+  FitOptions options;
+  options.free = {"contact.restitution", "start.velocity", "stop.stiffness"};
+  const Fit result = fit({shot}, rig, options);
+  EXPECT_EQ(result.termination, "converged");
+  EXPECT_LT(std::abs(pull(result, "stop.stiffness", 2.2e8)), 3.5);
+  EXPECT_LT(std::abs(pull(result, "contact.restitution", 0.5)), 3.5);
+  EXPECT_LT(parameter(result, "stop.stiffness").std_error, 1e-2 * 2.2e8);
+  EXPECT_NEAR(result.goodness.chi2 / static_cast<double>(result.goodness.dof), 1.0, 0.1);
+}
+
 // The shot is made on a mesh twice as fine: too coarse a mesh is told, and the interval still
 // holds.
 TEST(Fit, WidensIntervalsByTheMeshError) {
@@ -217,6 +234,10 @@ TEST(Fit, RefusesWhatItCannotDo) {
   twice.free = {"contact.restitution", "contact.restitution"};
   EXPECT_EQ(message({shot}, twice),
             "'contact.restitution' is named twice among the free parameters");
+  FitOptions rigid;
+  rigid.free = {"stop.stiffness"};
+  EXPECT_EQ(message({shot}, rigid),
+            "'stop.stiffness' cannot be fitted with this rig: it has no value to start from");
   EXPECT_EQ(message({}, {}), "there is no impact to fit to");
   datasets::Impact silent;
   silent.recording = "empty.uff";

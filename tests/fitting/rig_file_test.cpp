@@ -302,6 +302,22 @@ TEST(RigFile, AMassThatMakesNoSenseIsRefusedWithItsPlace) {
       "--set beam.masses: beam.masses[0].mass: must be greater than zero, found -0.02 kg");
 }
 
+TEST(RigFile, ReadsTheStop) {
+  EXPECT_FALSE(parse_rig_file(paper_rig, "rig.toml").rig.stop);
+  const models::Rig rig =
+      parse_rig_file(
+          paper_rig, "rig.toml",
+          {{"stop.mass", "50 g"}, {"stop.stiffness", "0.2 kN/um"}, {"stop.viscous", "30 N.s/m"}})
+          .rig;
+  EXPECT_NEAR(rig.stop->mass, 0.05, 1e-15);
+  EXPECT_NEAR(rig.stop->stiffness, 2e8, 1e-6);
+  EXPECT_DOUBLE_EQ(rig.stop->viscous, 30.0);
+  EXPECT_NE(message_of(paper_rig, {{"stop.mass", "50 g"}}).find("stop.stiffness: is missing"),
+            std::string::npos);
+  EXPECT_EQ(message_of(paper_rig, {{"stop.mass", "-1 kg"}, {"stop.stiffness", "1e8 N/m"}}),
+            "--set stop.mass: stop.mass: must be greater than zero, found -1 kg");
+}
+
 TEST(RigFile, ReadsTheHinge) {
   const models::Rig plain = parse_rig_file(paper_rig, "rig.toml").rig;
   EXPECT_EQ(plain.hinge, models::Hinge{});

@@ -86,7 +86,7 @@ datasets::Impact synthetic_shot(const fitting::RigFile& rig, const ShotTruth& tr
   impact.start = true_touch + 3e-6;  // detection is never exact
   impact.end = true_touch + simulation.episodes.front().end;
   impact.approach_velocity = 1.003 * truth.velocity;
-  impact.force = record(datasets::Quantity::force, *rig.force, simulation.history.force,
+  impact.force = record(datasets::Quantity::force, *rig.force, simulation.history.seen_force(),
                         truth.force_noise, truth.force_offset, truth.force_delay, truth.force_hum);
   impact.velocity = record(datasets::Quantity::velocity, *rig.velocity, simulation.history.velocity,
                            truth.velocity_noise, 0.0, truth.velocity_delay, truth.velocity_hum);

@@ -91,6 +91,10 @@ TEST(FitJson, ComesBackAsItWentOut) {
     data.fit.rig.solver.duration = 3e-3;
     data.fit.predictions[0].solver.model = models::BeamModel::ancf;
     data.fit.rig.rig.start.release_angle = 0.2;
+    data.fit.rig.rig.stop = models::Stop{.mass = 0.05, .stiffness = 2e8, .viscous = 30.0};
+    data.fit.predictions[0].energy.stop = 3.5e-3;
+    data.fit.predictions[0].sensor = models::SensorForce{1700.0, 1e-4, 0.5};
+    data.fit.predictions[0].history.sensor_force = data.fit.predictions[0].history.force;
     data.fit.rig.rig.hinge = {.spring = 12.5, .viscous = 0.02};
     data.fit.predictions[0].energy.damped = 1.25e-3;
     data.fit.predictions[0].energy.spring = 2.5e-3;

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "models/collocation/bar_motion.hpp"
+#include "models/simulation.hpp"
+#include "models/stop/stop_head.hpp"
+
+namespace impactrig::models {
+
+/// A bar that meets a compliant stop: the struck point is seen from the stop's head, which the same
+/// force pushes away. The head answers the polynomial of the force exactly, so that it is the force
+/// alone that has to be resolved, as for the bar behind it.
+class StoppedMotion final : public BarMotion {
+ public:
+  StoppedMotion(BarMotion& bar, const Stop& stop);
+
+  const Collocation& rule() const override { return rule_; }
+
+  const StepLadder& ladder() const override { return bar_.ladder(); }
+
+  void start(double angle, double rate) override;
+  void set_scales(double kinetic, double contact_time) override;
+
+  PointMotion struck() const override { return seen(bar_.struck(), state_); }
+
+  BeamEnergy energy() const override;
+
+  RigidPart rigid_part() const override { return bar_.rigid_part(); }
+
+  double elastic_compliance() const override { return bar_.elastic_compliance() + compliance_; }
+
+  void expect_contact() override;
+  void begin_step(int level) override;
+  void begin_part(double part) override;
+
+  double step() const override { return bar_.step(); }
+
+  const Response& response() const override { return response_; }
+
+  bool improve(const NodeVector& force, NodeVector& displacement, NodeVector& velocity) override;
+
+  void press(const NodeVector& change) override { bar_.press(change); }
+
+  bool settled() const override { return bar_.settled(); }
+
+  void finish(const NodeVector& force, const NodeVector& force_series) override;
+  double damped(double part) const override;
+
+  PointMotion struck_at_end() const override { return seen(bar_.struck_at_end(), end_); }
+
+  double error() const override;
+  PointMotion struck_at(double part, double* acceleration) override;
+  void sample(double first, double spacing, std::span<Sample> samples) override;
+
+  bool parts_exact() const override { return bar_.parts_exact(); }
+
+  void take(double part) override;
+
+  /// What the sensor carried so far, since the contact force's impulse began [N s].
+  SensorForce sensor(double contact_impulse) const;
+
+ private:
+  using State = StopHead::State;
+
+  static PointMotion seen(const PointMotion& bar, const State& head) {
+    return {bar.displacement - head.displacement, bar.velocity - head.velocity};
+  }
+
+  static constexpr std::size_t kept_steps = 6;
+
+  void prepare();
+  State head_at(double part) const;
+  double force_at(double part) const;
+  NodeVector force_between(double begin, double end) const;
+
+  /// The sensor at a place of the solved step.
+  struct Look {
+    double place = 0.0;
+    State head;
+    double force = 0.0, rate = 0.0;  // [N], [N/s]
+  };
+
+  Look look_at(double place, const State& head) const;
+  Look look_from(const Look& look, double place) const;
+  void note(const Look& look);
+  bool note_between(const Look& from, const Look& to);
+  void observe_free(double part);
+  void observe_forced(double part);
+  void observe_sensor(double part);
+
+  BarMotion& bar_;
+  const Collocation& rule_;
+  StopHead head_;
+  double compliance_;  // of the sensor's spring [m/N]
+  double energy_scale_ = 1.0;
+
+  State state_, end_;
+  std::array<HeadStep, kept_steps> steps_;
+  std::size_t next_step_ = 0;
+  const HeadStep* step_ = nullptr;
+  HeadStep sampling_;  // of the history's interval
+  Response response_;
+  bool in_contact_ = false;
+
+  bool forced_ = false;                 // the solved step
+  NodeVector force_series_;             // over the step
+  NodeVector displacement_, velocity_;  // of the head at the nodes
+  NodeVector power_;                    // that the damper takes, at the nodes [W]
+
+  bool touched_ = false;
+  double time_ = 0.0;  // from first touch [s]
+  SensorForce sensor_;
+};
+
+}  // namespace impactrig::models
