@@ -412,8 +412,12 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   double poisson_ratio = 0.3;
   TableReader beam = required_table(root, "beam");
   read_beam(beam, file.rig, section, poisson_ratio);
-  TableReader contact = required_table(root, "contact");
-  read_contact(contact, file.rig, section, poisson_ratio);
+  if (auto contact = root.table("contact")) {
+    read_contact(*contact, file.rig, section, poisson_ratio);
+  } else {
+    file.rig.contact.law = file.rig.contact.damping = "none";
+    file.rig.contact.position = file.rig.beam.length;
+  }
   if (auto hinge = root.table("hinge")) read_hinge(*hinge, file.rig.hinge);
   if (auto stop = root.table("stop")) file.rig.stop = read_stop(*stop);
   TableReader start = required_table(root, "start");

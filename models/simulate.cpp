@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "models/collocation/collocation_run.hpp"
+#include "models/free_run.hpp"
 #include "models/implicit/ancf_motion.hpp"
 #include "models/implicit/dense_motion.hpp"
 #include "models/make_beam.hpp"
@@ -46,9 +47,10 @@ int nodes_for(double accuracy) {
   return accuracy > 2e-4 ? 6 : accuracy > 2e-7 ? 8 : 12;
 }
 
-/// The bar against its stop.
+/// The bar against its stop, if there is one.
 Simulation run(const Rig& rig, const Solver& solver, const SimulationOptions& options,
                BarMotion& bar) {
+  if (!rig.has_stop()) return FreeRun(rig, solver, options, bar).simulate();
   if (!rig.stop) return CollocationRun(rig, solver, options, bar).simulate();
   StoppedMotion stopped(bar, *rig.stop);
   Simulation result = CollocationRun(rig, solver, options, stopped).simulate();
@@ -115,7 +117,7 @@ Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOption
                                                   : make_dense_motion(rig, solver, options.history);
     result = run(rig, solver, options, *motion);
   }
-  if (rig.start.release_angle && !options.exact && !spring_bends_bar(rig))
+  if (rig.has_stop() && rig.start.release_angle && !options.exact && !spring_bends_bar(rig))
     result->skipped.push_back(fmt::format(
         "the swing from {:.4g} rad to first touch: the rigid bar's {} gives {:.6g} m/s at the "
         "struck point; a swing this slow hardly bends the bar",
