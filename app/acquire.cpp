@@ -113,6 +113,9 @@ void acquire_synthetic(const Options& options) {
     throw datasets::InputError(
         {.file = options.rig},
         "describes no sensors to record with; add [sensors.force] and [sensors.velocity]");
+  if (!rig.rig.has_stop())
+    throw datasets::InputError({.file = options.rig},
+                               "has no [contact]: the synthetic source records impacts");
   fitting::choose_mesh(rig);
   models::Simulation simulation;
   const acquisition::Trajectory trajectory = trajectory_of(rig, options, simulation);

@@ -27,7 +27,7 @@ struct Options {
 
 datasets::Record history_record(const models::History& history, const fitting::RigFile& rig) {
   datasets::Record record;
-  record.title = "simulated impact";
+  record.title = rig.rig.has_stop() ? "simulated impact" : "simulated swing";
   record.provenance.program = datasets::program_version();
   record.provenance.source_file = rig.path;
   record.provenance.sha256 = rig.sha256;
@@ -41,10 +41,10 @@ datasets::Record history_record(const models::History& history, const fitting::R
     channel.raw = values;
     record.channels.push_back(std::move(channel));
   };
-  add("Force", datasets::Quantity::force, history.seen_force());
+  if (rig.rig.has_stop()) add("Force", datasets::Quantity::force, history.seen_force());
   add("Velocity", datasets::Quantity::velocity, history.velocity);
   add("Displacement", datasets::Quantity::displacement, history.displacement);
-  add("Penetration", datasets::Quantity::displacement, history.penetration);
+  if (rig.rig.has_stop()) add("Penetration", datasets::Quantity::displacement, history.penetration);
   if (!history.sensor_force.empty()) add("Contact force", datasets::Quantity::force, history.force);
   return record;
 }

@@ -643,6 +643,8 @@ Fit Session::run() {
 
 Fit fit(const std::vector<datasets::Impact>& impacts, const RigFile& rig,
         const FitOptions& options) {
+  if (!rig.rig.has_stop())
+    throw std::invalid_argument("the rig has no [contact]: there is no impact to fit");
   return Session(impacts, rig, options).run();
 }
 

@@ -489,8 +489,12 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   root.text("title");
   TableReader beam = required_table(root, "beam");
   const std::vector<Section> sections = read_beam(beam, file.rig);
-  TableReader contact = required_table(root, "contact");
-  read_contact(contact, file.rig, sections);
+  if (auto contact = root.table("contact")) {
+    read_contact(*contact, file.rig, sections);
+  } else {
+    file.rig.contact.law = file.rig.contact.damping = "none";
+    file.rig.contact.position = file.rig.beam.length;
+  }
   if (auto hinge = root.table("hinge")) read_hinge(*hinge, file.rig.hinge);
   if (auto stop = root.table("stop")) file.rig.stop = read_stop(*stop);
   TableReader start = required_table(root, "start");

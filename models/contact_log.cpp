@@ -95,29 +95,15 @@ void ContactLog::conclude(double t, const ContactTotals& totals, const ContactFo
     result_.peak_time = episode.peak_time;
   }
   EnergyAudit& audit = result_.energy;
-  audit.kinetic = energy.kinetic;
-  audit.elastic = energy.elastic;
-  audit.spring = energy.spring;
-  audit.stop = energy.stop;
-  audit.gravitational += energy.gravitational;
   audit.dissipated = totals.dissipated;
   audit.damped = totals.damped;
-  audit.rigid_rotation = 0.5 * rig_.beam.hinge_inertia() * rigid.rate * rigid.rate;
-  audit.vibration = audit.kinetic + audit.elastic - audit.rigid_rotation;
-  audit.imbalance =
-      (energy.kinetic + energy.elastic + energy.spring + energy.gravitational + energy.stop +
-       audit.contact_stored + audit.dissipated + audit.damped - energy_at_touch_) /
-      audit.initial;
+  close_audit(rig_, energy_at_touch_, energy, rigid, audit);
   result_.restitution.law = rig_.contact.restitution;
   if (result_.episodes.empty() || result_.episodes.front().open) {
     const double unknown = std::numeric_limits<double>::quiet_NaN();
     result_.restitution = {rig_.contact.restitution, unknown, unknown, unknown};
   }
-  if (const double bound = 10.0 * accuracy_ + 1e-10; !(std::abs(audit.imbalance) <= bound))
-    result_.warnings.push_back(
-        fmt::format("the energy does not balance: {:.2g} of the initial energy is missing or too "
-                    "much; the forces may be as far off. Ask for more solver.accuracy.",
-                    audit.imbalance));
+  warn_of_imbalance(accuracy_, result_);
   if (grazing_ > 0)
     result_.warnings.push_back(
         fmt::format("{} contact(s) began slower than {:g} % of the first approach speed; their "
@@ -125,6 +111,29 @@ void ContactLog::conclude(double t, const ContactTotals& totals, const ContactFo
                     "the law divides by it. Forces after {:g} s depend on this choice.",
                     grazing_, 100.0 * grazing_fraction,
                     result_.episodes.size() > 1 ? result_.episodes[1].start : 0.0));
+}
+
+void close_audit(const Rig& rig, double begun, const BeamEnergy& energy, const RigidPart& rigid,
+                 EnergyAudit& audit) {
+  audit.kinetic = energy.kinetic;
+  audit.elastic = energy.elastic;
+  audit.spring = energy.spring;
+  audit.stop = energy.stop;
+  audit.gravitational += energy.gravitational;
+  audit.rigid_rotation = 0.5 * rig.beam.hinge_inertia() * rigid.rate * rigid.rate;
+  audit.vibration = audit.kinetic + audit.elastic - audit.rigid_rotation;
+  audit.imbalance = (energy.kinetic + energy.elastic + energy.spring + energy.gravitational +
+                     energy.stop + audit.contact_stored + audit.dissipated + audit.damped - begun) /
+                    audit.initial;
+}
+
+void warn_of_imbalance(double accuracy, Simulation& result) {
+  const double imbalance = result.energy.imbalance;
+  if (std::abs(imbalance) <= 10.0 * accuracy + 1e-10) return;
+  result.warnings.push_back(
+      fmt::format("the energy does not balance: {:.2g} of the initial energy is missing or too "
+                  "much; the forces may be as far off. Ask for more solver.accuracy.",
+                  imbalance));
 }
 
 bool left_for_good(const Rig& rig, double reach, const RigidPart& rigid, const BeamEnergy& energy) {

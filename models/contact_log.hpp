@@ -57,6 +57,14 @@ class ContactLog {
   long grazing_ = 0;
 };
 
+/// Enters where the energy is at the end of a run, with what the audit holds already: initial,
+/// minus the gravitational energy then, and all losses. `begun`: the bar's energy at first [J].
+void close_audit(const Rig& rig, double begun, const BeamEnergy& energy, const RigidPart& rigid,
+                 EnergyAudit& audit);
+
+/// Warns where more is missing than the accuracy of the forces lets expect.
+void warn_of_imbalance(double accuracy, Simulation& result);
+
 /// Whether the rigid part of a free bar's motion has carried the struck point further than its
 /// vibration and the stop's can bring them together again, and its swing will not within the
 /// longest run. `reach`: √(2 C), C the elastic compliance of point and stop.

@@ -48,7 +48,7 @@ Solver refined(const Solver& solver) {
 }
 
 std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver) {
-  if (solver.model == BeamModel::rigid) return std::nullopt;
+  if (solver.model == BeamModel::rigid || !rig.has_stop()) return std::nullopt;
   MeshError error;
   error.finer = refined(solver);
   const Rig plain = within_small_motion(rig);

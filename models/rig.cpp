@@ -133,6 +133,15 @@ void validate_stop(const Stop& stop) {
   require_not_negative("stop.viscous", stop.viscous, "N.s/m");
 }
 
+/// The bar swings freely: for how long, and whether it moves at all.
+void validate_free(const Rig& rig, const Solver& solver) {
+  if (!solver.duration)
+    refuse("solver.duration", "is missing: without [contact] the bar swings for as long as stated");
+  if (rig.stop) refuse("stop.mass", "there is no [contact] that could press on the stop");
+  if (rig.start.release_angle && !(RigidSwing(rig).available(-*rig.start.release_angle) > 0.0))
+    refuse("start.release_angle", "neither weight nor spring would move the bar from there");
+}
+
 void validate_solver(const Solver& solver, const Rig& rig) {
   if (!(solver.accuracy >= 1e-13 && solver.accuracy <= 0.1))
     refuse("solver.accuracy",
@@ -248,6 +257,7 @@ bool spring_bends_bar(const Rig& rig) {
 
 std::string beyond_small_motion(const Rig& rig) {
   std::vector<std::string_view> keys;
+  if (!rig.has_stop()) keys.push_back("a swing without [contact]");
   if (rig.beam.damping != BarDamping{}) keys.push_back("beam.damping");
   if (rig.hinge.viscous > 0.0) keys.push_back("hinge.viscous");
   if (rig.gravity > 0.0 && rig.gravity_direction != 0.0)
@@ -268,8 +278,10 @@ double touch_velocity(const Rig& rig) {
 
 void validate(const Rig& rig, const Solver& solver) {
   validate_beam(rig.beam);
-  validate_contact(rig.contact, rig.beam);
-  elastic_law(rig.contact);
+  if (rig.has_stop()) {
+    validate_contact(rig.contact, rig.beam);
+    elastic_law(rig.contact);
+  }
   require_not_negative("hinge.spring", rig.hinge.spring, "N.m/rad");
   require_not_negative("hinge.viscous", rig.hinge.viscous, "N.m.s/rad");
   if (rig.stop) validate_stop(*rig.stop);
@@ -289,11 +301,12 @@ void validate(const Rig& rig, const Solver& solver) {
       refuse("start.release_angle",
              "a release needs gravity or a spring; environment.gravity is zero and so is "
              "hinge.spring");
-    touch_velocity(rig);
+    if (rig.has_stop()) touch_velocity(rig);
   } else {
     require_positive("start.velocity", rig.start.velocity, "m/s");
   }
   validate_solver(solver, rig);
+  if (!rig.has_stop()) validate_free(rig, solver);
 }
 
 }  // namespace impactrig::models

@@ -89,7 +89,8 @@ struct Contact {
   double length = 0.0;                        ///< h, length of the line [m]
   double modulus = 0.0, poisson_ratio = 0.0;  ///< bar [Pa], [-]
   double counter_modulus = 0.0, counter_poisson_ratio = 0.0;  ///< stop [Pa], [-]
-  std::string law = "goldsmith";                              ///< a name of elastic_laws()
+  /// A name of elastic_laws(), or "none": there is no stop, and `position` is just a place.
+  std::string law = "goldsmith";
   int exponent = 1;        ///< of the length in the logarithm: 1 (the paper) or 3 (consistent)
   double stiffness = 0.0;  ///< law "linear" [N/m]
   double stiffness_factor = 1.0;                ///< on the force at equal penetration [-]
@@ -127,6 +128,8 @@ struct Rig {
   /// Where gravity points, from the direction hinge to tip of the bar at touch towards closing
   /// [rad]: 0 the bar hangs, π/2 it is pulled into the stop, π it stands upright.
   double gravity_direction = 0.0;
+
+  bool has_stop() const { return contact.law != "none"; }
 
   /// Parts of gravity from the hinge to the tip and towards closing, of the bar at touch [m/s^2].
   double gravity_along() const;

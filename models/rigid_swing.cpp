@@ -38,6 +38,13 @@ double RigidSwing::acceleration(double angle, double rate) const {
          inertia_;
 }
 
+double RigidSwing::available(double angle) const {
+  double lowest = potential(angle);
+  for (int i = -places; i <= places; ++i)
+    lowest = std::min(lowest, potential(std::numbers::pi * i / places));
+  return potential(angle) - lowest;
+}
+
 std::optional<double> RigidSwing::rate_after_release(double angle) const {
   const double energy = potential(-angle);
   if (!(energy > 0.0 && acceleration(-angle, 0.0) > 0.0)) return std::nullopt;

@@ -23,6 +23,9 @@ class RigidSwing {
 
   double acceleration(double angle, double rate) const;  ///< φ̈ [rad/s²]
 
+  /// What weight and spring could set free from an angle on [J].
+  double available(double angle) const;
+
   /// Rate with which the bar arrives at touch when it is released from rest at an angle before it
   /// [rad/s]; none when it does not arrive.
   std::optional<double> rate_after_release(double angle) const;

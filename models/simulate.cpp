@@ -10,6 +10,7 @@
 
 #include "models/beams/bar_element.hpp"
 #include "models/collocation/collocation_run.hpp"
+#include "models/free_run.hpp"
 #include "models/implicit/ancf_motion.hpp"
 #include "models/implicit/dense_motion.hpp"
 #include "models/make_beam.hpp"
@@ -57,9 +58,10 @@ int nodes_for(double accuracy) {
   return accuracy > 2e-4 ? 6 : accuracy > 2e-7 ? 8 : 12;
 }
 
-/// The bar against its stop. `sensitivities` follow a rigid one.
+/// The bar against its stop, if there is one. `sensitivities` follow a rigid stop.
 Simulation run(const Rig& rig, const Solver& solver, const SimulationOptions& options,
                BarMotion& bar, ModalSensitivities* sensitivities = nullptr) {
+  if (!rig.has_stop()) return FreeRun(rig, solver, options, bar).simulate();
   if (!rig.stop) {
     CollocationRun run(rig, solver, options, bar);
     if (sensitivities) run.follow(*sensitivities);
@@ -142,7 +144,7 @@ Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOption
   validate(rig, solver);
   std::optional<Simulation> result = try_small_motion(rig, solver, options);
   if (!result) result = simulate_full_equations(rig, solver, options);
-  if (rig.start.release_angle && !options.exact && !spring_bends_bar(rig))
+  if (rig.has_stop() && rig.start.release_angle && !options.exact && !spring_bends_bar(rig))
     result->skipped.push_back(fmt::format(
         "the swing from {:.4g} rad to first touch: the rigid bar's {} gives {:.6g} m/s at the "
         "struck point; a swing this slow hardly bends the bar",

@@ -33,7 +33,8 @@ struct Restitution {
 
 /// Where the energy is at the end of the run [J]; imbalance relative to the initial kinetic energy.
 struct EnergyAudit {
-  double initial = 0.0;  ///< kinetic, at first touch
+  /// Kinetic, at first touch. Without a stop: kinetic or what weight and spring can set free.
+  double initial = 0.0;
   double kinetic = 0.0;
   double elastic = 0.0;
   double spring = 0.0;          ///< stored in the hinge
@@ -63,7 +64,9 @@ struct HistoryRequest {
   double displacement_position = 0.0;  ///< [m]; 0 = the struck point
 };
 
-/// Uniform samples of the true motion; sample k is at start + k interval, first touch at 0.
+/// Uniform samples of the true motion; sample k is at start + k interval, first touch at 0. Without
+/// a stop the run begins at 0, has neither force nor penetration, and the displacement is that from
+/// hanging straight.
 struct History {
   double start = 0.0;
   double interval = 0.0;
@@ -157,9 +160,9 @@ struct SimulationOptions {
   std::vector<RigParameter> sensitivities = {};
 };
 
-/// Predicts one impact of the rig. Throws std::invalid_argument as validate() does or when small
-/// motion is asked for of a mesh too fine for it or of a rig it does not know, and
-/// std::runtime_error with a sentence when the integration cannot go on.
+/// Predicts one impact of the rig, or, without a stop, its swing. Throws std::invalid_argument as
+/// validate() does or when small motion is asked for of a mesh too fine for it or of a rig it does
+/// not know, and std::runtime_error with a sentence when the integration cannot go on.
 Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOptions& options = {});
 
 }  // namespace impactrig::models

@@ -93,21 +93,14 @@ std::string mesh_error_text(const models::MeshError& error) {
       100.0 * error.peak_force, 100.0 * error.duration, 100.0 * error.impulse, mesh);
 }
 
-}  // namespace
-
-std::string to_text(const models::Simulation& s, const models::Rig& rig) {
-  std::string model(models::name(s.solver.model));
-  if (s.solver.model == models::BeamModel::ancf)
-    model += fmt::format(", {} + {} elements", s.solver.elements[0], s.solver.elements[1]);
-  if (s.solver.model == models::BeamModel::hybrid)
-    model += fmt::format(", {} {} modes, {} axial", s.solver.modes, models::name(s.solver.basis),
-                         s.solver.axial_modes);
+/// What happened at the stop.
+std::string contact_text(const models::Simulation& s, const models::Contact& laws) {
   std::string text = fmt::format(
-      "model             {}\ncontact           {} (exponent {}), damping {}, e = {:g}\n"
+      "contact           {} (exponent {}), damping {}, e = {:g}\n"
       "peak force        {:.9g} N at {:.6g} us\ndeepest           {:.6g} um\nimpulse           "
       "{:.9g} N s over {:.6g} ms\n",
-      model, rig.contact.law, rig.contact.exponent, rig.contact.damping, rig.contact.restitution,
-      s.peak_force, 1e6 * s.peak_time, 1e6 * s.max_penetration, s.impulse, 1e3 * s.duration);
+      laws.law, laws.exponent, laws.damping, laws.restitution, s.peak_force, 1e6 * s.peak_time,
+      1e6 * s.max_penetration, s.impulse, 1e3 * s.duration);
   if (s.sensor)
     text += fmt::format("sensor            {:.9g} N at {:.6g} us, {:.9g} N s over the run\n",
                         s.sensor->peak_force, 1e6 * s.sensor->peak_time, s.sensor->impulse);
@@ -120,6 +113,21 @@ std::string to_text(const models::Simulation& s, const models::Rig& rig) {
   text += fmt::format(
       "\nrestitution       law {:.5g}, kinematic {:.5g}, kinetic {:.5g}, energetic {:.5g}\n",
       s.restitution.law, s.restitution.kinematic, s.restitution.kinetic, s.restitution.energetic);
+  return text;
+}
+
+}  // namespace
+
+std::string to_text(const models::Simulation& s, const models::Rig& rig) {
+  std::string model(models::name(s.solver.model));
+  if (s.solver.model == models::BeamModel::ancf)
+    model += fmt::format(", {} + {} elements", s.solver.elements[0], s.solver.elements[1]);
+  if (s.solver.model == models::BeamModel::hybrid)
+    model += fmt::format(", {} {} modes, {} axial", s.solver.modes, models::name(s.solver.basis),
+                         s.solver.axial_modes);
+  std::string text = fmt::format("model             {}\n", model);
+  text += rig.has_stop() ? contact_text(s, rig.contact)
+                         : fmt::format("free swing        {:.6g} s\n", s.duration);
   const double whole = s.energy.initial;
   text += fmt::format(
       "energy            {:.5g} J: {:.2f} % lost in the contact, {}{:.2f} % in vibration, {:.2f} % "

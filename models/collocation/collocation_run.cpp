@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -26,8 +25,6 @@ constexpr double motion_resolution = 1e-3;
 // The same far from the stop, of the gap.
 constexpr double gap_share = 0.1;
 constexpr int most_iterations = 12;
-// Step attempts between looks at the clock, which takes about as long as a short step.
-constexpr long attempts_per_look = 16;
 
 /// What of the bar the contact first has to stop: in how long a time, and with which energy. A
 /// short bar as a whole; of a long one, what moves with the struck point in that time. A point
@@ -52,13 +49,6 @@ Loading loading(const Rig& rig, const Solver& solver, const ContactForce& contac
   }
   // strong damping presses with full force earlier
   return {time / (1.0 + contact.damping_factor()), kinetic * std::pow(time / whole, 2)};
-}
-
-/// Of the calling thread [s].
-double processor_time() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 }  // namespace
@@ -341,8 +331,7 @@ void CollocationRun::integrate() {
 
 /// Whether the time allowed is over. Throws when no contact is over by then.
 bool CollocationRun::out_of_time() {
-  if ((result_.cost.steps + result_.cost.rejected) % attempts_per_look != 0) return false;
-  if (processor_time() - time_started_ < solver_.time_limit) return false;
+  if (!time_limit_.over(result_.cost.steps + result_.cost.rejected)) return false;
   const bool any = !result_.episodes.empty() && !result_.episodes.front().open;
   const std::string reached = fmt::format(
       "{:g} s of processor time, solver.time_limit, took the simulation to {:g} s {}",
@@ -389,7 +378,7 @@ bool CollocationRun::ends_early() {
 
 Simulation CollocationRun::simulate() {
   const auto started = std::chrono::steady_clock::now();
-  time_started_ = processor_time();
+  time_limit_ = TimeLimit(solver_.time_limit);
   if (rig_.start.release_angle && (options_.exact || spring_bends_bar(rig_))) {
     bar_.start(-*rig_.start.release_angle, 0.0);
     approach_ = touch_velocity(rig_);

@@ -8,6 +8,7 @@
 #include "models/contact_log.hpp"
 #include "models/modal/modal_sensitivities.hpp"
 #include "models/simulation.hpp"
+#include "models/time_limit.hpp"
 
 namespace impactrig::models {
 
@@ -94,7 +95,7 @@ class CollocationRun {
   ContactTotals totals_;
   double elastic_reach_;  // √(2 C): how far √energy can move the struck point elastically [m/√J]
   long evaluations_ = 0;
-  double time_started_ = 0.0;  // processor time [s]
+  TimeLimit time_limit_{0.0};
   Simulation result_;
   ContactLog log_;
   ModalSensitivities* followed_ = nullptr;

@@ -142,6 +142,33 @@ TEST_F(CommandLine, TellsTheSensorsForceFromTheContacts) {
   EXPECT_GT(run_json["energy"]["stop_j"], 0.0);
 }
 
+TEST_F(CommandLine, LetsABarWithoutAStopSwing) {
+  std::ofstream(path("free.toml")) << R"(
+[beam]
+length = "0.8 m"
+section = { shape = "circle", radius = "15 mm" }
+youngs_modulus = "68.952 GPa"
+density = "2766.7 kg/m^3"
+[start]
+release_angle = "60 deg"
+[solver]
+model = "rigid"
+accuracy = 1e-6
+duration = "0.5 s"
+)";
+  Outcome o = run("simulate " + path("free.toml") + " --interval 1e-3 -o " + path("free.h5"));
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_THAT(o.out, HasSubstr("free swing        0.5 s\nenergy"));
+  const json channels = json::parse(run("inspect --json " + path("free.h5")).out)["channels"];
+  ASSERT_EQ(channels.size(), 2U);
+  EXPECT_EQ(channels[0]["name"], "Velocity");
+  EXPECT_EQ(channels[1]["samples"], 501);
+  EXPECT_NEAR(channels[1]["first"].get<double>(), -0.8 * std::sqrt(0.75), 1e-12);
+  const json j = json::parse(run("simulate --json " + path("free.toml")).out);
+  EXPECT_TRUE(j["episodes"].empty());
+  EXPECT_TRUE(j["restitution"]["kinematic"].is_null());
+}
+
 TEST_F(CommandLine, RecordsFitsAndReportsASyntheticShot) {
   const std::string shot = path("shot.h5");
   Outcome o = run("acquire --source synthetic --rig " + rig + quick +

@@ -239,6 +239,9 @@ TEST(Fit, RefusesWhatItCannotDo) {
   EXPECT_EQ(message({shot}, rigid),
             "'stop.stiffness' cannot be fitted with this rig: it has no value to start from");
   EXPECT_EQ(message({}, {}), "there is no impact to fit to");
+  RigFile swing = rig;
+  swing.rig.contact.law = "none";
+  EXPECT_THROW(fit({shot}, swing), std::invalid_argument);
   datasets::Impact silent;
   silent.recording = "empty.uff";
   EXPECT_EQ(message({silent}, {}), "empty.uff has no force, velocity or displacement to fit to");

@@ -302,6 +302,25 @@ TEST(RigFile, AMassThatMakesNoSenseIsRefusedWithItsPlace) {
       "--set beam.masses: beam.masses[0].mass: must be greater than zero, found -0.02 kg");
 }
 
+TEST(RigFile, WithoutAContactIsAFreeSwing) {
+  const std::string free = R"(
+[beam]
+length = "0.8 m"
+section = { shape = "circle", radius = "15 mm" }
+youngs_modulus = "68.952 GPa"
+density = "2766.7 kg/m^3"
+[start]
+release_angle = "60 deg"
+)";
+  const RigFile file = parse_rig_file(free, "rig.toml", {{"solver.duration", "2 s"}});
+  EXPECT_FALSE(file.rig.has_stop());
+  EXPECT_EQ(file.rig.contact.position, 0.8);
+  EXPECT_EQ(file.solver.elements[1], 0);
+  EXPECT_EQ(message_of(free),
+            "rig.toml: solver.duration: is missing: without [contact] the bar swings for as long "
+            "as stated");
+}
+
 TEST(RigFile, ReadsTheStop) {
   EXPECT_FALSE(parse_rig_file(paper_rig, "rig.toml").rig.stop);
   const models::Rig rig =

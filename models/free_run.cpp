@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/free_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "models/contact_log.hpp"
+#include "models/rigid_swing.hpp"
+#include "models/time_limit.hpp"
+
+namespace impactrig::models {
+namespace {
+
+// Of the accuracy asked for, what a step may spend.
+constexpr double step_share = 0.1;
+constexpr int most_iterations = 12;
+// Vibration counts in full that lasts longer than the bar takes to turn by this [rad].
+constexpr double seen_turn = 1e-4;
+
+}  // namespace
+
+FreeRun::FreeRun(const Rig& rig, const Solver& solver, const SimulationOptions& options,
+                 BarMotion& bar)
+    : rig_(rig),
+      solver_(solver),
+      options_(options),
+      bar_(bar),
+      t_end_(*solver.duration) {
+  no_force_ = displacement_ = velocity_ = NodeVector::Zero(bar.rule().nodes());
+  result_.solver = solver;
+}
+
+void FreeRun::start() {
+  const double angle = -rig_.start.release_angle.value_or(0.0);
+  const double rate = rig_.start.release_angle ? 0.0 : rig_.start.velocity / rig_.contact.position;
+  bar_.start(angle, rate);
+  const double inertia = rig_.beam.hinge_inertia();
+  energy_scale_ = std::max(0.5 * inertia * rate * rate, RigidSwing(rig_).available(angle));
+  const double fastest = std::sqrt(2.0 * energy_scale_ / inertia);  // [rad/s]
+  bar_.set_scales(energy_scale_, seen_turn / fastest);
+  first_ = seen_turn / fastest;
+  const BeamEnergy energy = bar_.energy();
+  energy_at_start_ = energy.kinetic + energy.elastic + energy.spring + energy.gravitational;
+  result_.energy.initial = energy_scale_;
+  result_.energy.gravitational = -energy.gravitational;
+}
+
+/// Newton's method to rest.
+bool FreeRun::solve() {
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    result_.cost.evaluations += bar_.rule().nodes();
+    if (!bar_.improve(no_force_, displacement_, velocity_)) return false;
+    if (!bar_.settled()) continue;
+    bar_.finish(no_force_, no_force_);
+    error_ = bar_.error() / (solver_.accuracy * step_share);
+    return error_ <= 1.0;
+  }
+  return false;
+}
+
+bool FreeRun::try_step(int level) {
+  error_ = std::numeric_limits<double>::infinity();
+  bar_.begin_step(level);
+  return solve();
+}
+
+/// The step tried again, as long as is left of the run.
+bool FreeRun::land_on_end() {
+  const double left = t_end_ - t_;
+  if (bar_.step() <= left) return true;
+  error_ = std::numeric_limits<double>::infinity();
+  bar_.begin_part(left / bar_.step());
+  return solve();
+}
+
+void FreeRun::sample() {
+  History& history = result_.history;
+  const double interval = options_.history.interval;
+  if (!(interval > 0.0)) return;
+  const double h = bar_.step();
+  const double next = interval * static_cast<double>(history.velocity.size()) - t_;
+  const double reach = h + 1e-9 * interval;
+  if (next > reach) return;
+  samples_.resize(static_cast<std::size_t>((reach - next) / interval) + 1);
+  bar_.sample(std::max(0.0, next / h), interval / h, samples_);
+  for (const BarMotion::Sample& look : samples_) {
+    history.velocity.push_back(look.velocity);
+    history.displacement.push_back(look.displacement);
+  }
+}
+
+void FreeRun::conclude() {
+  result_.duration = t_;
+  result_.termination = "the duration asked for was reached";
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  result_.restitution = {unknown, unknown, unknown, unknown};
+  close_audit(rig_, energy_at_start_, bar_.energy(), bar_.rigid_part(), result_.energy);
+  warn_of_imbalance(solver_.accuracy, result_);
+}
+
+Simulation FreeRun::simulate() {
+  const auto started = std::chrono::steady_clock::now();
+  start();
+  result_.history.interval = options_.history.interval;
+  const TimeLimit limit(solver_.time_limit);
+  int level = bar_.ladder().level_below(first_);
+  bool rejected = false;
+  while (t_ < t_end_) {
+    if (limit.over(result_.cost.steps + result_.cost.rejected))
+      throw std::runtime_error(fmt::format(
+          "{:g} s of processor time, solver.time_limit, took the simulation to {:g} s after the "
+          "start. State a shorter solver.duration, fewer elements or modes, a larger "
+          "solver.accuracy, or a longer solver.time_limit.",
+          solver_.time_limit, t_));
+    if (level >= StepLadder::levels - 1)
+      throw std::runtime_error(fmt::format(
+          "the integration makes no headway {:g} s after the start; ask for less accuracy", t_));
+    if (!try_step(level)) {
+      ++result_.cost.rejected;
+      const double order = bar_.rule().nodes() + 1.0;
+      const double factor =
+          std::isfinite(error_) ? std::max(0.1, 0.9 * std::pow(error_, -1.0 / order)) : 0.25;
+      level = std::max(level + 1, bar_.ladder().level_below(factor * bar_.step()));
+      rejected = true;
+      continue;
+    }
+    const double order = bar_.rule().nodes() + 1.0;
+    const double growth =
+        std::clamp(0.9 * std::pow(std::max(error_, 1e-12), -1.0 / order), 0.2, 6.0);
+    const int next = bar_.ladder().level_below(growth * bar_.step());
+    const bool last = bar_.step() >= t_end_ - t_;
+    if (!land_on_end()) {
+      ++result_.cost.rejected;
+      level += 2;
+      rejected = true;
+      continue;
+    }
+    ++result_.cost.steps;
+    sample();
+    result_.energy.damped += bar_.damped(1.0);
+    t_ = last ? t_end_ : t_ + bar_.step();
+    bar_.take(1.0);
+    level = rejected ? std::max(next, level) : next;
+    rejected = false;
+  }
+  conclude();
+  result_.cost.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return std::move(result_);
+}
+
+}  // namespace impactrig::models

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "models/collocation/bar_motion.hpp"
+#include "models/simulation.hpp"
+
+namespace impactrig::models {
+
+/// One run of simulate() without a stop: the bar swings and vibrates from its start for the
+/// duration asked for, in steps as long as its own error allows.
+class FreeRun {
+ public:
+  FreeRun(const Rig& rig, const Solver& solver, const SimulationOptions& options, BarMotion& bar);
+  Simulation simulate();
+
+ private:
+  void start();
+  bool solve();
+  bool try_step(int level);
+  bool land_on_end();
+  void sample();
+  void conclude();
+
+  const Rig& rig_;
+  const Solver& solver_;
+  const SimulationOptions& options_;
+  BarMotion& bar_;
+  double energy_scale_ = 0.0;  // what the start gives [J]
+  double energy_at_start_ = 0.0;
+  double first_ = 0.0;  // step [s]
+  double t_ = 0.0, t_end_ = 0.0;
+  double error_ = 0.0;  // of the step tried, to be compared with 1
+  NodeVector no_force_, displacement_, velocity_;
+  std::vector<BarMotion::Sample> samples_;
+  Simulation result_;
+};
+
+}  // namespace impactrig::models
