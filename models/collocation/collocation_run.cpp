@@ -5,7 +5,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -52,13 +51,17 @@ void CollocationRun::predict_force(double h) {
   }
 }
 
+double CollocationRun::newton_tolerance() const {
+  return std::min(3e-3, 0.03 * std::sqrt(solver_.accuracy)) * force_scale_;
+}
+
 /// Newton's method for the change of the force at the nodes that brings it to the contact law, when
 /// the struck point moves like this without the change; false when it does not converge.
 bool CollocationRun::solve_force(const NodeVector& displacement, const NodeVector& velocity,
                                  NodeVector& change) {
   const int s = rule_.nodes();
   const BarMotion::Response& response = bar_.response();
-  const double close = std::min(3e-3, 0.03 * std::sqrt(solver_.accuracy)) * force_scale_;
+  const double close = newton_tolerance();
   NodeVector residual(s);
   NodeMatrix jacobian(s, s);
   change.setZero(s);
@@ -104,8 +107,8 @@ bool CollocationRun::solve_step() {
 /// much larger, which a corner nearby does not let it be.
 double CollocationRun::truncation(const NodeVector& series) const {
   const int s = rule_.nodes();
-  const double last = std::hypot(series[s - 1], series[s - 2]);
-  const double before = std::hypot(series[s - 3], series[s - 4]);
+  const double last = series.segment<2>(s - 2).norm();
+  const double before = series.segment<2>(s - 4).norm();
   return before > 3.0 * last ? 3.0 * last * last / before : last;
 }
 
@@ -115,42 +118,60 @@ double CollocationRun::force_error() const {
   if (contact_.phase() == Phase::free) return 0.0;
   const double tolerance = std::max(solver_.accuracy, 1e-13) * step_share;
   const double impulse = truncation(tried_.force_series) * bar_.step();
-  const double loss = truncation(rule_.to_series() * tried_.dissipation) * bar_.step();
+  const double loss = truncation(tried_.dissipation_series) * bar_.step();
   return std::max(impulse / impulse_scale_, loss / energy_scale_) / tolerance;
 }
 
 double CollocationRun::motion_error() const {
   const int s = rule_.nodes();
-  const NodeVector series = rule_.to_series() * tried_.displacement;
+  const NodeVector& series = tried_.displacement_series;
   const double gap =
       std::min(std::abs(bar_.struck().displacement), tried_.displacement.cwiseAbs().minCoeff());
-  return std::hypot(series[s - 1], series[s - 2]) / (motion_resolution * depth_ + gap_share * gap);
+  return series.segment<2>(s - 2).norm() / (motion_resolution * depth_ + gap_share * gap);
 }
 
-void CollocationRun::attempt(int level) {
-  bar_.begin_step(level);
-  solve_attempt();
-  find_event();
-}
-
-void CollocationRun::solve_attempt() {
-  const int s = rule_.nodes();
-  tried_.dissipation.setZero(s);
-  tried_.event = Event::none;
-  tried_.part = 1.0;
+void CollocationRun::propose() {
+  if (result_.cost.steps + result_.cost.rejected > most_steps)
+    throw std::runtime_error("the integration makes no headway; ask for less accuracy");
+  bar_.begin_step(level_);
   predict_force(bar_.step());
-  if (!solve_step()) {
-    tried_.error = std::numeric_limits<double>::infinity();
-    return;
-  }
+}
+
+bool CollocationRun::solve() {
+  const int s = rule_.nodes();
+  if (!solve_step()) return false;
   tried_.force_series = rule_.to_series() * tried_.force;
   bar_.finish(tried_.force, tried_.force_series);
+  tried_.at_end = bar_.struck_at_end();
+  tried_.dissipation.setZero(s);
   if (contact_.phase() != Phase::free)
     for (int i = 0; i < s; ++i)
       tried_.dissipation[i] = contact_.dissipation(tried_.displacement[i], tried_.velocity[i]);
+  tried_.dissipation_series = rule_.to_series() * tried_.dissipation;
+  tried_.displacement_series = rule_.to_series() * tried_.displacement;
+  return true;
+}
+
+CollocationRun::Attempt& CollocationRun::solution(long evaluations) {
+  evaluations_ += evaluations;
+  return tried_;
+}
+
+/// The error of the step tried.
+void CollocationRun::weigh(bool solved) {
+  tried_.event = Event::none;
+  tried_.part = 1.0;
+  if (!solved) {
+    tried_.error = std::numeric_limits<double>::infinity();
+    return;
+  }
   tried_.error = std::max(force_error(), bar_.error() / (solver_.accuracy * step_share));
   if (contact_.phase() != Phase::pressed) tried_.error = std::max(tried_.error, motion_error());
-  tried_.at_end = bar_.struck_at_end();
+}
+
+void CollocationRun::solve_attempt() {
+  predict_force(bar_.step());
+  weigh(solve());
 }
 
 void CollocationRun::take_attempt() {
@@ -241,42 +262,42 @@ bool CollocationRun::leave_event() {
   return false;
 }
 
-void CollocationRun::integrate() {
-  int level = bar_.ladder().level_below(first_);
-  bool rejected = false;
-  bool done = false;
-  while (!done) {
-    if (result_.cost.steps + result_.cost.rejected > most_steps)
-      throw std::runtime_error("the integration makes no headway; ask for less accuracy");
-    attempt(level);
-    if (!(tried_.error <= 1.0)) {
-      ++result_.cost.rejected;
-      if (level >= StepLadder::levels - 1)
-        throw std::runtime_error(
-            fmt::format("the integration stopped {:g} s after first touch: steps of {:g} s make no "
-                        "headway; ask for less accuracy",
-                        t_ - time_of_touch_, bar_.step()));
-      level = level_after_rejection(level);
-      rejected = true;
-      continue;
-    }
-    int next = next_level();
-    if (rejected) next = std::max(next, level);
-    rejected = false;
-    if (const double left = t_end_ - t_; tried_.part * bar_.step() >= left) {
-      tried_.part = left / bar_.step();
-      tried_.event = Event::end;
-    }
-    if (tried_.event != Event::none && !bar_.parts_exact() && !land_on_event()) {
-      ++result_.cost.rejected;
-      level = level + 2;
-      rejected = true;
-      continue;
-    }
-    take_attempt();
-    level = leave_event() ? bar_.ladder().level_below(first_) : next;
-    done = ends_early() || tried_.event == Event::end;
+void CollocationRun::reject(int level) {
+  ++result_.cost.rejected;
+  level_ = level;
+  rejected_ = true;
+}
+
+void CollocationRun::judge(bool solved) {
+  weigh(solved);
+  find_event();
+  if (tried_.error <= 1.0) {
+    take_or_land();
+    return;
   }
+  if (level_ >= StepLadder::levels - 1)
+    throw std::runtime_error(
+        fmt::format("the integration stopped {:g} s after first touch: steps of {:g} s make no "
+                    "headway; ask for less accuracy",
+                    t_ - time_of_touch_, bar_.step()));
+  reject(level_after_rejection(level_));
+}
+
+void CollocationRun::take_or_land() {
+  int next = next_level();
+  if (rejected_) next = std::max(next, level_);
+  rejected_ = false;
+  if (const double left = t_end_ - t_; tried_.part * bar_.step() >= left) {
+    tried_.part = left / bar_.step();
+    tried_.event = Event::end;
+  }
+  if (tried_.event != Event::none && !bar_.parts_exact() && !land_on_event()) {
+    reject(level_ + 2);
+    return;
+  }
+  take_attempt();
+  level_ = leave_event() ? bar_.ladder().level_below(first_) : next;
+  done_ = ends_early() || tried_.event == Event::end;
 }
 
 /// Whether nothing more can happen at the stop. Throws when a released bar does not reach it.
@@ -306,8 +327,8 @@ bool CollocationRun::ends_early() {
   return false;
 }
 
-Simulation CollocationRun::simulate() {
-  const auto started = std::chrono::steady_clock::now();
+void CollocationRun::begin() {
+  started_ = std::chrono::steady_clock::now();
   if (rig_.start.release_angle && (options_.exact || spring_bends_bar(rig_))) {
     bar_.start(-*rig_.start.release_angle, 0.0);
     approach_ = touch_velocity(rig_);
@@ -322,12 +343,23 @@ Simulation CollocationRun::simulate() {
     bar_.start(0.0, touch_velocity(rig_) / rig_.contact.position);
     touch();
   }
-  integrate();
+  level_ = bar_.ladder().level_below(first_);
+}
+
+void CollocationRun::complete() {
+  begin();
+  while (!done_) {
+    propose();
+    judge(solve());
+  }
+}
+
+Simulation CollocationRun::conclude() {
   log_.conclude(t_ - time_of_touch_, totals_, contact_, bar_.struck().displacement, bar_.energy(),
                 bar_.rigid_part());
   result_.cost.evaluations = evaluations_;
   result_.cost.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
   return std::move(result_);
 }
 

@@ -34,6 +34,8 @@ class ModalMotion : public BarMotion {
 
   double elastic_compliance() const override { return beam_.elastic_compliance(); }
 
+  const ModalState& state() const { return state_; }
+
   void begin_step(int level) override;
   void begin_part(double part) override;
 
@@ -48,6 +50,14 @@ class ModalMotion : public BarMotion {
   bool settled() const override { return true; }
 
   void finish(const NodeVector& force, const NodeVector& force_series) override;
+
+  /// The step as solved elsewhere; the state at its end is to be written.
+  ModalState& finish_elsewhere(const NodeVector& force_series) {
+    force_series_ = force_series;
+    return end_;
+  }
+
+  const ModalStep& modal_step() const { return *step_; }
 
   PointMotion struck_at_end() const override { return struck(end_); }
 
@@ -69,7 +79,7 @@ class ModalMotion : public BarMotion {
     return {beam_.struck().dot(state.a), beam_.struck().dot(state.rate)};
   }
 
-  void jump(double part, ModalState& to);
+  PointMotion jump(double part, ModalState& to, double* acceleration = nullptr);
 
   const ModalBar& bar_;
   const ModalBeam& beam_;

@@ -14,7 +14,7 @@
 #include "models/integration/gauss.hpp"
 #include "models/modal/modal_beam.hpp"
 #include "models/modal/modal_step.hpp"
-#include "models/modal/spherical_bessel.hpp"
+#include "tests/models/reference/spherical_bessel.hpp"
 #include "tests/models/scenes.hpp"
 
 namespace {
@@ -46,7 +46,7 @@ TEST(Collocation, SeriesAndRatesAreThoseOfAPolynomial) {
   const Eigen::VectorXd rates = rule.rates() * series;
   EXPECT_NEAR(rates[0], -2.0, 1e-12);
   EXPECT_NEAR(rates[7], 13.0, 1e-12);
-  const NodeVector part = rule.restriction(0.25) * series;
+  const NodeVector part = rule.restricted(series, 0.25);
   shifted_legendre(0.4, legendre);
   EXPECT_NEAR(legendre.dot(part), polynomial(0.1), 1e-13);
 }
