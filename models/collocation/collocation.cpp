@@ -19,6 +19,27 @@ void shifted_legendre(double x, Eigen::Ref<Eigen::VectorXd> values) {
   }
 }
 
+double legendre_sum(const NodeVector& series, double x) {
+  // (2p + 1) / (p + 1) and (p + 1) / (p + 2)
+  static const auto factors = [] {
+    std::array<std::array<double, 2>, most_nodes> list;
+    for (std::size_t p = 0; p < list.size(); ++p) {
+      const auto order = static_cast<double>(p);
+      list[p] = {(2.0 * order + 1.0) / (order + 1.0), (order + 1.0) / (order + 2.0)};
+    }
+    return list;
+  }();
+  const double t = 2.0 * x - 1.0;
+  double here = 0.0, above = 0.0;
+  for (Eigen::Index p = series.size() - 1; p >= 0; --p) {
+    const auto& [forward, back] = factors[static_cast<std::size_t>(p)];
+    const double below = series[p] + forward * t * here - back * above;
+    above = here;
+    here = below;
+  }
+  return here;
+}
+
 void shifted_legendre_integrals(double x, Eigen::Ref<Eigen::VectorXd> values) {
   const Eigen::Index n = values.size();
   const double t = 2.0 * x - 1.0;
@@ -114,14 +135,9 @@ NodeMatrix Collocation::integration() const {
   return integrals * to_series_;
 }
 
-NodeMatrix Collocation::restriction(double theta) const {
-  const int s = nodes();
-  NodeMatrix values(s, s);  // of the whole step's polynomials at the part's nodes
-  NodeVector legendre(s);
-  for (int i = 0; i < s; ++i) {
-    shifted_legendre(theta * points_[i], legendre);
-    values.row(i) = legendre.transpose();
-  }
+NodeVector Collocation::restricted(const NodeVector& series, double theta) const {
+  NodeVector values(nodes());
+  for (int i = 0; i < nodes(); ++i) values[i] = legendre_sum(series, theta * points_[i]);
   return to_series_ * values;
 }
 

@@ -16,6 +16,9 @@ using NodeMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most
 /// Shifted Legendre polynomials P_0(x) ... P_{n-1}(x), P_p(1) = 1, of x in [0, 1].
 void shifted_legendre(double x, Eigen::Ref<Eigen::VectorXd> values);
 
+/// Σ c_p P_p(x), by Clenshaw's recurrence.
+double legendre_sum(const NodeVector& series, double x);
+
 /// ∫₀ˣ P_p for p = 0 ... n-1.
 void shifted_legendre_integrals(double x, Eigen::Ref<Eigen::VectorXd> values);
 
@@ -49,8 +52,8 @@ class Collocation {
   /// Integrals from 0 to the nodes of values at the nodes (s, s): the Runge-Kutta matrix.
   NodeMatrix integration() const;
 
-  /// Coefficients, over the part [0, θ], of a series over [0, 1] (s, s).
-  NodeMatrix restriction(double theta) const;
+  /// Coefficients, over the part [0, θ], of a series over [0, 1].
+  NodeVector restricted(const NodeVector& series, double theta) const;
 
   /// Convolution of Legendre polynomials with Lagrange's at the nodes:
   /// column n, row i + s j: ∫₀^{c_i} P_n(c_i − σ) ℓ_j(σ) dσ, for n < 32 (block + 1).

@@ -6,17 +6,20 @@
 
 namespace impactrig::models {
 
-/// Between two places of the step on either side of a closing or opening of the gap.
-double CollocationRun::root_of_gap(double low, double high) {
+/// Between two places of the step on either side of a closing or opening of the gap, the first with
+/// this displacement.
+double CollocationRun::root_of_gap(double low, double at_low, double guess, double high) {
   const double h = bar_.step();
-  double middle = 0.5 * (low + high);
-  const double at_low = low > 0.0 ? bar_.struck_at(low).displacement : 0.0;
+  double middle = guess > low && guess < high ? guess : 0.5 * (low + high);
   const double sign =
       at_low != 0.0 ? (at_low < 0.0 ? 1.0 : -1.0) : (contact_.phase() == Phase::free ? 1.0 : -1.0);
   for (int i = 0; i < 60; ++i) {
-    const PointMotion p = bar_.struck_at(middle);
+    double acceleration = 0.0;
+    const PointMotion p = bar_.struck_at(middle, &acceleration);
     (sign * p.displacement > 0.0 ? high : low) = middle;
-    double next = middle - p.displacement / (p.velocity * h);
+    // Halley's method
+    const double newton = p.displacement / (p.velocity * h);
+    double next = middle - newton / (1.0 - 0.5 * newton * h * acceleration / p.velocity);
     if (!(next > low && next < high)) next = 0.5 * (low + high);
     if (std::abs(next - middle) < 1e-13) return next;
     middle = next;
@@ -29,7 +32,13 @@ double CollocationRun::gap_between(double before, const PointMotion& p0, double 
                                    const PointMotion& p1) {
   // the event is sign * displacement rising through zero
   const double sign = contact_.phase() == Phase::free ? 1.0 : -1.0;
-  if (sign * p1.displacement > 0.0) return root_of_gap(before, here);
+  // a phase begins at zero, whatever rounding leaves of it
+  const double at_low = before > 0.0 ? p0.displacement : 0.0;
+  const auto root = [&](double place, double displacement) {
+    const double chord = before + (place - before) * at_low / (at_low - displacement);
+    return root_of_gap(before, at_low, chord, place);
+  };
+  if (sign * p1.displacement > 0.0) return root(here, p1.displacement);
   if (!(sign * p0.velocity > 0.0 && sign * p1.velocity < 0.0)) return 2.0;
   // it turned on the way; by its mean deceleration, was that beyond the gap's zero, or nearly?
   const double h = bar_.step();
@@ -43,7 +52,8 @@ double CollocationRun::gap_between(double before, const PointMotion& p0, double 
     if (acceleration == 0.0) break;
     place = std::clamp(place - p.velocity / (acceleration * h), before, here);
   }
-  return sign * bar_.struck_at(place).displacement > 0.0 ? root_of_gap(before, place) : 2.0;
+  const double there = bar_.struck_at(place).displacement;
+  return sign * there > 0.0 ? root(place, there) : 2.0;
 }
 
 /// Likewise where the law begins or ceases to pull.

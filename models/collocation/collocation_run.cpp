@@ -5,7 +5,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -79,13 +78,17 @@ void CollocationRun::predict_force(double h) {
   }
 }
 
+double CollocationRun::newton_tolerance() const {
+  return std::min(3e-3, 0.03 * std::sqrt(solver_.accuracy)) * force_scale_;
+}
+
 /// Newton's method for the change of the force at the nodes that brings it to the contact law, when
 /// the struck point moves like this without the change; false when it does not converge.
 bool CollocationRun::solve_force(const NodeVector& displacement, const NodeVector& velocity,
                                  NodeVector& change) {
   const int s = rule_.nodes();
   const BarMotion::Response& response = bar_.response();
-  const double close = std::min(3e-3, 0.03 * std::sqrt(solver_.accuracy)) * force_scale_;
+  const double close = newton_tolerance();
   NodeVector residual(s);
   NodeMatrix jacobian(s, s);
   change.setZero(s);
@@ -133,7 +136,7 @@ double CollocationRun::force_error() const {
   if (contact_.phase() == Phase::free) return 0.0;
   const double tolerance = std::max(solver_.accuracy, 1e-13) * step_share;
   const double impulse = truncation(tried_.force_series) * bar_.step();
-  const double loss = truncation(rule_.to_series() * tried_.dissipation) * bar_.step();
+  const double loss = truncation(tried_.dissipation_series) * bar_.step();
   return std::max(impulse / impulse_scale_, loss / energy_scale_) / tolerance;
 }
 
@@ -148,40 +151,56 @@ double CollocationRun::derivative_error() const {
 
 double CollocationRun::motion_error() const {
   const int s = rule_.nodes();
-  const NodeVector series = rule_.to_series() * tried_.displacement;
+  const NodeVector& series = tried_.displacement_series;
   const double gap =
       std::min(std::abs(bar_.struck().displacement), tried_.displacement.cwiseAbs().minCoeff());
-  return std::hypot(series[s - 1], series[s - 2]) / (motion_resolution * depth_ + gap_share * gap);
+  return series.segment<2>(s - 2).norm() / (motion_resolution * depth_ + gap_share * gap);
 }
 
-void CollocationRun::attempt(int level) {
-  bar_.begin_step(level);
-  solve_attempt();
-  find_event();
-}
-
-void CollocationRun::solve_attempt() {
-  const int s = rule_.nodes();
-  tried_.dissipation.setZero(s);
-  tried_.event = Event::none;
-  tried_.part = 1.0;
+void CollocationRun::propose() {
+  bar_.begin_step(level_);
   predict_force(bar_.step());
-  if (!solve_step()) {
-    tried_.error = std::numeric_limits<double>::infinity();
-    return;
-  }
+}
+
+bool CollocationRun::solve() {
+  const int s = rule_.nodes();
+  if (!solve_step()) return false;
   tried_.force_series = rule_.to_series() * tried_.force;
   bar_.finish(tried_.force, tried_.force_series);
+  tried_.at_end = bar_.struck_at_end();
+  tried_.dissipation.setZero(s);
   if (contact_.phase() != Phase::free)
     for (int i = 0; i < s; ++i)
       tried_.dissipation[i] = contact_.dissipation(tried_.displacement[i], tried_.velocity[i]);
+  tried_.dissipation_series = rule_.to_series() * tried_.dissipation;
+  tried_.displacement_series = rule_.to_series() * tried_.displacement;
+  return true;
+}
+
+CollocationRun::Attempt& CollocationRun::solution(long evaluations) {
+  evaluations_ += evaluations;
+  return tried_;
+}
+
+/// The error of the step tried.
+void CollocationRun::weigh(bool solved) {
+  tried_.event = Event::none;
+  tried_.part = 1.0;
+  if (!solved) {
+    tried_.error = std::numeric_limits<double>::infinity();
+    return;
+  }
   tried_.error = std::max(force_error(), bar_.error() / (solver_.accuracy * step_share));
   if (contact_.phase() != Phase::pressed) tried_.error = std::max(tried_.error, motion_error());
-  tried_.at_end = bar_.struck_at_end();
   if (followed_ && tried_.error <= 1.0) {
     followed_->solve(tried_.force, tried_.displacement, tried_.velocity);
     tried_.error = std::max(tried_.error, derivative_error());
   }
+}
+
+void CollocationRun::solve_attempt() {
+  predict_force(bar_.step());
+  weigh(solve());
 }
 
 void CollocationRun::take_attempt() {
@@ -292,41 +311,46 @@ bool CollocationRun::leave_event() {
   return false;
 }
 
-void CollocationRun::integrate() {
-  int level = bar_.ladder().level_below(first_);
-  bool rejected = false;
-  bool done = false;
-  while (!done) {
-    if (out_of_time()) return;
-    attempt(level);
-    if (!(tried_.error <= 1.0)) {
-      ++result_.cost.rejected;
-      if (level >= StepLadder::levels - 1)
-        throw std::runtime_error(
-            fmt::format("the integration stopped {:g} s after first touch: steps of {:g} s make no "
-                        "headway; ask for less accuracy",
-                        t_ - time_of_touch_, bar_.step()));
-      level = level_after_rejection(level);
-      rejected = true;
-      continue;
-    }
-    int next = next_level();
-    if (rejected) next = std::max(next, level);
-    rejected = false;
-    if (const double left = t_end_ - t_; tried_.part * bar_.step() >= left) {
-      tried_.part = left / bar_.step();
-      tried_.event = Event::end;
-    }
-    if (tried_.event != Event::none && !bar_.parts_exact() && !land_on_event()) {
-      ++result_.cost.rejected;
-      level = level + 2;
-      rejected = true;
-      continue;
-    }
-    take_attempt();
-    level = leave_event() ? bar_.ladder().level_below(first_) : next;
-    done = ends_early() || tried_.event == Event::end;
+void CollocationRun::reject(int level) {
+  ++result_.cost.rejected;
+  level_ = level;
+  rejected_ = true;
+}
+
+void CollocationRun::judge(bool solved) {
+  weigh(solved);
+  find_event();
+  if (tried_.error <= 1.0)
+    take_or_land();
+  else
+    take_shorter();
+  done_ = done_ || out_of_time();
+}
+
+void CollocationRun::take_shorter() {
+  if (level_ >= StepLadder::levels - 1)
+    throw std::runtime_error(
+        fmt::format("the integration stopped {:g} s after first touch: steps of {:g} s make no "
+                    "headway; ask for less accuracy",
+                    t_ - time_of_touch_, bar_.step()));
+  reject(level_after_rejection(level_));
+}
+
+void CollocationRun::take_or_land() {
+  int next = next_level();
+  if (rejected_) next = std::max(next, level_);
+  rejected_ = false;
+  if (const double left = t_end_ - t_; tried_.part * bar_.step() >= left) {
+    tried_.part = left / bar_.step();
+    tried_.event = Event::end;
   }
+  if (tried_.event != Event::none && !bar_.parts_exact() && !land_on_event()) {
+    reject(level_ + 2);
+    return;
+  }
+  take_attempt();
+  level_ = leave_event() ? bar_.ladder().level_below(first_) : next;
+  done_ = ends_early() || tried_.event == Event::end;
 }
 
 /// Whether the time allowed is over. Throws when no contact is over by then.
@@ -376,8 +400,8 @@ bool CollocationRun::ends_early() {
   return false;
 }
 
-Simulation CollocationRun::simulate() {
-  const auto started = std::chrono::steady_clock::now();
+void CollocationRun::begin() {
+  started_ = std::chrono::steady_clock::now();
   time_limit_ = TimeLimit(solver_.time_limit);
   if (rig_.start.release_angle && (options_.exact || spring_bends_bar(rig_))) {
     bar_.start(-*rig_.start.release_angle, 0.0);
@@ -393,12 +417,23 @@ Simulation CollocationRun::simulate() {
     bar_.start(0.0, touch_velocity(rig_) / rig_.contact.position);
     touch();
   }
-  integrate();
+  level_ = bar_.ladder().level_below(first_);
+}
+
+void CollocationRun::complete() {
+  begin();
+  while (!done_) {
+    propose();
+    judge(solve());
+  }
+}
+
+Simulation CollocationRun::conclude() {
   log_.conclude(t_ - time_of_touch_, totals_, contact_, bar_.struck().displacement, bar_.energy(),
                 bar_.rigid_part());
   result_.cost.evaluations = evaluations_;
   result_.cost.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
   return std::move(result_);
 }
 

@@ -10,11 +10,10 @@ double CollocationRun::integral(const NodeVector& at_nodes, double part) const {
   const double h = bar_.step();
   if (part >= 1.0) return h * rule_.weights().dot(at_nodes);
   const NodeVector series = rule_.to_series() * at_nodes;
-  return part * h * (rule_.restriction(part) * series)[0];
+  return part * h * rule_.restricted(series, part)[0];
 }
 
-void CollocationRun::observe_deepest(double part) {
-  const double depth = bar_.struck_at(part).displacement;
+void CollocationRun::observe_deepest(double part, double depth) {
   if (depth <= log_.episode().max_penetration) return;
   log_.deepest(depth,
                {totals_.impulse + integral(tried_.force, part),
@@ -31,13 +30,32 @@ void CollocationRun::note_peak(double force, double part) {
   peak_part_ = part;
 }
 
+/// The deepest place between two where the motion turns.
+void CollocationRun::observe_turn(double before, const PointMotion& p0, double here,
+                                  const PointMotion& p1) {
+  const double h = bar_.step();
+  // it slows down on the way, but for what the highest modes do
+  if (p0.displacement + 2.0 * p0.velocity * (here - before) * h < log_.episode().max_penetration)
+    return;
+  double turn = before + (here - before) * p0.velocity / (p0.velocity - p1.velocity);
+  double depth = 0.0, acceleration = 0.0;
+  for (int k = 0; k < 2; ++k) {
+    const PointMotion p = bar_.struck_at(turn, &acceleration);
+    const double next = std::clamp(turn - p.velocity / (acceleration * h), before, here);
+    depth = p.displacement + 0.5 * p.velocity * (next - turn) * h;
+    turn = next;
+  }
+  observe_deepest(turn, depth);
+}
+
 /// The force's maximum between two places of the step, where its exact rate changes sign.
 void CollocationRun::observe_peak(double low, double high) {
   const auto rate_at = [&](double place, double& force) {
     double acceleration = 0.0;
     const PointMotion p = bar_.struck_at(place, &acceleration);
-    force = contact_.force(p.displacement, p.velocity);
-    return contact_.force_rate(p.displacement, p.velocity, acceleration);
+    const ContactForce::Response law = contact_.pressed(p.displacement, p.velocity);
+    force = law.force;
+    return law.to_depth * p.velocity + law.to_rate * acceleration;
   };
   double force = 0.0;
   double at_low = rate_at(low, force);
@@ -76,6 +94,12 @@ void CollocationRun::observe_attempt() {
   const bool pressed = contact_.phase() == Phase::pressed;
   rates_.noalias() = rule_.rates() * tried_.force_series;
   peak_part_ = -1.0;
+
+  struct {
+    double force, place;
+    PointMotion motion;
+  } highest = {0.9 * log_.episode().peak_force, 0.0, {}};
+
   PointMotion p0 = bar_.struck();
   double before = 0.0;
   for (int i = 0; i <= s && before < part; ++i) {
@@ -93,20 +117,17 @@ void CollocationRun::observe_attempt() {
                                      contact_.force(p1.displacement, p1.velocity));
       if (larger > 0.95 * log_.episode().peak_force) observe_peak(before, here);
     }
-    if (pressed) note_peak(contact_.force(p1.displacement, p1.velocity), here);
-    if (p0.velocity > 0.0 && p1.velocity <= 0.0) {
-      double turn = before + (here - before) * p0.velocity / (p0.velocity - p1.velocity);
-      double acceleration = 0.0;
-      for (int k = 0; k < 2; ++k) {
-        const PointMotion p = bar_.struck_at(turn, &acceleration);
-        turn = std::clamp(turn - p.velocity / (acceleration * bar_.step()), before, here);
-      }
-      observe_deepest(turn);
+    if (pressed) {
+      const double force = inside ? tried_.force[i] : legendre_sum(tried_.force_series, here);
+      if (force > highest.force) highest = {force, here, p1};
     }
+    if (p0.velocity > 0.0 && p1.velocity <= 0.0) observe_turn(before, p0, here, p1);
     before = here;
     p0 = p1;
   }
-  if (p0.velocity > 0.0 && p0.displacement > log_.episode().max_penetration) observe_deepest(part);
+  if (highest.place > 0.0)
+    note_peak(contact_.force(highest.motion.displacement, highest.motion.velocity), highest.place);
+  if (p0.velocity > 0.0) observe_deepest(part, p0.displacement);
   if (followed_ && peak_part_ >= 0.0 && result_.episodes.size() == 1) followed_->peak(peak_part_);
 }
 

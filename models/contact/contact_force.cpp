@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/contact/contact_force.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "models/contact/damping_law.hpp"
@@ -50,15 +51,16 @@ double ContactForce::force_rate(double penetration, double rate, double accelera
 }
 
 double penetration_storing(const ContactForce& contact, double energy) {
-  double high = 1e-12;
-  while (high > 1e-300 && contact.stored(0.5 * high) >= energy) high *= 0.5;
-  while (contact.stored(high) < energy) high *= 2.0;
-  double low = 0.5 * high;
+  // Newton's method for ln E of ln δ, which is nearly straight: E ~ δ² or so
+  double depth = 1e-6;
   for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (contact.stored(middle) < energy ? low : high) = middle;
+    const double stored = contact.stored(depth);
+    const double exponent = depth * contact.elastic(depth) / stored;
+    const double factor = std::pow(energy / stored, 1.0 / exponent);
+    depth *= std::clamp(factor, 1e-30, 1e30);
+    if (std::abs(factor - 1.0) < 1e-14) break;
   }
-  return high;
+  return depth;
 }
 
 }  // namespace impactrig::models

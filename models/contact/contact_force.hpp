@@ -29,6 +29,8 @@ class ContactForce {
   /// A new episode begins: μ = d / approach velocity [m/s, > 0].
   void begin_episode(double approach_velocity) { mu_ = factor_ / approach_velocity; }
 
+  const ElasticLaw& law() const { return law_; }
+
   double damping_factor() const { return factor_; }  ///< d [-]
 
   double mu() const { return mu_; }  ///< [s/m]

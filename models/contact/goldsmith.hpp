@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "models/contact/force_and_stiffness.hpp"
@@ -18,14 +19,14 @@ namespace impactrig::models {
 /// 3 is the consistent law (Dubowsky and Freudenstein 1971).
 ///
 /// The inverse is f = δ / (A u) with u = −W₋₁(−δ / (e A f*)), the lower branch of the Lambert W
-/// function, found here from u = 1 − ln y + ln u, y = δ / (A f*), by Newton's iteration.
+/// function, found here from u = 1 − ln y + ln u, y = δ / (A f*), by Fritsch's iteration.
 ///
 /// Valid for 0 <= f < f*: at f* the compliance A ln(f*/f) reaches zero. Beyond δ(0.9 f*) the force
 /// goes on along its tangent, so that an integrator's trial step stays finite; limit_penetration()
 /// tells where that begins.
 ///
 /// Source: [Goldsmith1960] as given in Shen et al. (31); [DubowskyFreudenstein1971]; inverse
-/// [Corless1996].
+/// [Corless1996], iteration [FritschEtAl1973].
 struct Goldsmith {
   static constexpr const char* name = "goldsmith";
 
@@ -38,13 +39,16 @@ struct Goldsmith {
   /// u = 1 + ln(f*/f) at a penetration in (0, limit_penetration()].
   double bracket(double penetration) const {
     const double log_y = std::log(penetration / (compliance * limit_force));
-    double u = 1.0 - log_y + std::log1p(-log_y);
-    // Four Newton steps reach rounding for f < 0.5 f*; the rest is for the neighbourhood of f*,
-    // where the root is nearly double.
+    double u = 1.0 - log_y + std::log(1.0 - log_y);
+    // Fourth order: two steps reach rounding for f < 0.5 f*; the rest is for the neighbourhood of
+    // f*, where the root is nearly double.
     for (int i = 0; i < 40; ++i) {
-      const double step = (u - std::log(u) - 1.0 + log_y) * u / (u - 1.0);
-      u -= step;
-      if (!(std::abs(step) > 4e-16 * u)) break;
+      const double z = log_y - 1.0 - std::log(u) + u;
+      const double near = 1.0 - u;
+      const double q = 2.0 * near * (near + z * (2.0 / 3.0));
+      const double part = z / near * (q - z) / (q - 2.0 * z);
+      u += u * part;
+      if (!(std::abs(part) > 5e-4 * std::min(1.0, near * near))) break;
     }
     return u;
   }

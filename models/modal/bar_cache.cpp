@@ -2,6 +2,8 @@
 #include "models/modal/bar_cache.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 
 #include "models/make_beam.hpp"
 
@@ -10,26 +12,97 @@ namespace {
 
 constexpr double longest_step = 1.0;  // [s], of a bar without vibration
 
+double longest_ladder(const ModalBeam& modes) {
+  return std::min(ModalStep::longest(modes), longest_step);
+}
+
+/// The same for every number near by, so that a bar's family does not depend on who else is in it.
+double nearest_power_of_two(double x) {
+  return std::exp2(std::round(std::log2(x)));
+}
+
 }  // namespace
 
 ModalBar::ModalBar(std::unique_ptr<const SmallMotionBeam> beam, const Rig& rig)
     : beam_(std::move(beam)),
       modes_(*beam_, rig),
-      ladder_{std::min(ModalStep::longest(modes_), longest_step)} {}
+      ladder_{longest_ladder(modes_)} {}
+
+ModalBar::ModalBar(std::shared_ptr<const ModalBar> other, const ModalBeam::Change& change)
+    : other_(std::move(other)),
+      modes_(other_->modes(), change),
+      ladder_{longest_ladder(modes_)} {}
+
+ModalBar::~ModalBar() {
+  for (const std::atomic<const Steps*>& steps : steps_) delete steps.load();
+}
 
 const ModalStep& ModalBar::step(const Collocation& rule, int level) const {
+  const int nodes = rule.nodes();
+  std::atomic<const Steps*>& kept = steps_[static_cast<std::size_t>(level)];
+  const auto find = [&]() -> const ModalStep* {
+    for (const Steps* steps = kept.load(std::memory_order_acquire); steps;
+         steps = steps->others.get())
+      if (steps->nodes == nodes) return &steps->step;
+    return nullptr;
+  };
+  if (const ModalStep* step = find()) return *step;
   const std::lock_guard lock(mutex_);
-  auto& step = steps_[{rule.nodes(), level}];
-  if (!step) step = std::make_unique<const ModalStep>(modes_, rule, ladder_.length_of(level));
-  return *step;
+  if (const ModalStep* step = find()) return *step;
+  auto added = std::make_unique<Steps>(
+      Steps{nodes, ModalStep(modes_, rule, ladder_.length_of(level)), nullptr});
+  added->others.reset(kept.load());
+  kept.store(added.release(), std::memory_order_release);
+  return kept.load()->step;
+}
+
+BarKey BarKey::of(const Rig& rig, const Solver& solver) {
+  return {rig.beam,     rig.hinge,       rig.contact.position, rig.gravity,
+          solver.model, solver.elements, solver.modes,         solver.basis};
+}
+
+std::size_t BarKey::Hash::operator()(const BarKey& key) const {
+  std::size_t hash = 0;
+  for (const double value :
+       {key.beam.length, key.beam.area, key.beam.second_moment, key.beam.youngs_modulus,
+        key.beam.density, key.hinge.spring, key.position, key.gravity})
+    hash = 31 * hash + std::hash<double>()(value);
+  return hash;
+}
+
+std::shared_ptr<const ModalBar> make_modal_bar(const Rig& rig, const Solver& solver) {
+  return std::make_shared<const ModalBar>(make_small_motion_beam(rig, solver), rig);
+}
+
+std::optional<Rig> BarFamily::representative(const Rig& rig) {
+  if (!rig.beam.masses.empty() || !rig.beam.segments.empty() || rig.beam.shears())
+    return std::nullopt;
+  Rig other = rig;
+  for (double Beam::*value :
+       {&Beam::area, &Beam::second_moment, &Beam::youngs_modulus, &Beam::density})
+    other.beam.*value = nearest_power_of_two(rig.beam.*value);
+  other.hinge.spring = 0.0;
+  return other;
+}
+
+BarFamily::BarFamily(const Rig& representative, const Solver& solver)
+    : beam_(representative.beam),
+      bar_(make_modal_bar(representative, solver)) {}
+
+std::shared_ptr<const ModalBar> BarFamily::bar(const Rig& rig) const {
+  const Beam& beam = rig.beam;
+  return std::make_shared<const ModalBar>(
+      bar_, ModalBeam::Change{.stiffness = beam.youngs_modulus * beam.second_moment /
+                                           (beam_.youngs_modulus * beam_.second_moment),
+                              .mass = beam.density * beam.area / (beam_.density * beam_.area),
+                              .spring = rig.hinge.spring});
 }
 
 std::shared_ptr<const ModalBar> BarCache::bar(const Rig& rig, const Solver& solver) {
-  const Key key{rig.beam,     rig.hinge,       rig.contact.position, rig.gravity,
-                solver.model, solver.elements, solver.modes,         solver.basis};
+  const BarKey key = BarKey::of(rig, solver);
   const std::lock_guard lock(mutex_);
   if (!bar_ || key_ != key) {
-    bar_ = std::make_shared<const ModalBar>(make_small_motion_beam(rig, solver), rig);
+    bar_ = make_modal_bar(rig, solver);
     key_ = key;
   }
   return bar_;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <map>
+#include <array>
+#include <atomic>
+#include <cstddef>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <utility>
 
 #include "models/collocation/step_ladder.hpp"
 #include "models/modal/modal_beam.hpp"
@@ -18,6 +19,10 @@ namespace impactrig::models {
 class ModalBar {
  public:
   ModalBar(std::unique_ptr<const SmallMotionBeam> beam, const Rig& rig);
+  ModalBar(std::shared_ptr<const ModalBar> other, const ModalBeam::Change& change);
+  ~ModalBar();
+  ModalBar(const ModalBar&) = delete;
+  ModalBar& operator=(const ModalBar&) = delete;
 
   const ModalBeam& modes() const { return modes_; }
 
@@ -26,11 +31,57 @@ class ModalBar {
   const ModalStep& step(const Collocation& rule, int level) const;
 
  private:
+  /// Steps of one level, of one rule each, in the order they were first asked for.
+  struct Steps {
+    int nodes;
+    ModalStep step;
+    std::unique_ptr<const Steps> others;
+  };
+
+  std::shared_ptr<const ModalBar> other_;  // whose beam the modes stand on
   std::unique_ptr<const SmallMotionBeam> beam_;
   ModalBeam modes_;
   StepLadder ladder_;
-  mutable std::mutex mutex_;
-  mutable std::map<std::pair<int, int>, std::unique_ptr<const ModalStep>> steps_;  // nodes, level
+  mutable std::mutex mutex_;  // of those who add steps
+  mutable std::array<std::atomic<const Steps*>, StepLadder::levels> steps_ = {};
+};
+
+/// What a bar in its modes depends on.
+struct BarKey {
+  Beam beam;
+  Hinge hinge;
+  double position, gravity;
+  BeamModel model;
+  std::array<int, 2> elements;
+  int modes;
+  Basis basis;
+
+  static BarKey of(const Rig& rig, const Solver& solver);
+
+  struct Hash {
+    std::size_t operator()(const BarKey& key) const;
+  };
+
+  bool operator==(const BarKey&) const = default;
+};
+
+std::shared_ptr<const ModalBar> make_modal_bar(const Rig& rig, const Solver& solver);
+
+/// Bars of the same length, struck point, mesh and weight a mass, without further masses, have
+/// nearly the same modes, whatever E, I, ρ, A and the hinge's spring are: those of each follow from
+/// the modes of one that stands for all.
+class BarFamily {
+ public:
+  /// The bar that stands for all; of beams that are in no family, none.
+  static std::optional<Rig> representative(const Rig& rig);
+
+  BarFamily(const Rig& representative, const Solver& solver);
+
+  std::shared_ptr<const ModalBar> bar(const Rig& rig) const;
+
+ private:
+  Beam beam_;
+  std::shared_ptr<const ModalBar> bar_;
 };
 
 /// What runs of the same bar share: its modes are computed again only when beam, struck point,
@@ -40,20 +91,8 @@ class BarCache {
   std::shared_ptr<const ModalBar> bar(const Rig& rig, const Solver& solver);
 
  private:
-  struct Key {
-    Beam beam;
-    Hinge hinge;
-    double position, gravity;
-    BeamModel model;
-    std::array<int, 2> elements;
-    int modes;
-    Basis basis;
-
-    bool operator==(const Key&) const = default;
-  };
-
   std::mutex mutex_;
-  std::optional<Key> key_;
+  std::optional<BarKey> key_;
   std::shared_ptr<const ModalBar> bar_;
 };
 

@@ -3,7 +3,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/Jacobi>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -20,18 +19,31 @@ namespace {
 /// entries; the rotations are gathered in the columns of `basis`. [GolubVanLoan2013, 8.5]
 void diagonalise(Eigen::MatrixXd& matrix, Eigen::MatrixXd& basis) {
   const Eigen::Index n = matrix.rows();
+  // both triangles are kept, so that all that is turned are columns
+  const auto turn = [n](double* p, double* q, double c, double s) {
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double x = p[k], y = q[k];
+      p[k] = c * x - s * y;
+      q[k] = s * x + c * y;
+    }
+  };
   for (int sweep = 0; sweep < 30; ++sweep) {
     bool rotated = false;
     for (Eigen::Index i = 0; i < n; ++i)
       for (Eigen::Index j = i + 1; j < n; ++j) {
-        const double product = std::abs(matrix(i, i) * matrix(j, j));
-        if (std::abs(matrix(i, j)) <= 1e-16 * std::sqrt(product)) continue;
-        Eigen::JacobiRotation<double> rotation;
-        rotation.makeJacobi(matrix, i, j);
-        matrix.applyOnTheLeft(i, j, rotation.adjoint());
-        matrix.applyOnTheRight(i, j, rotation);
-        basis.applyOnTheRight(i, j, rotation);
+        const double mixed = matrix(i, j), first = matrix(i, i), second = matrix(j, j);
+        if (mixed * mixed <= 1e-32 * std::abs(first * second)) continue;
+        const double slope = 0.5 * (second - first) / mixed;
+        const double t =
+            std::copysign(1.0, slope) / (std::abs(slope) + std::sqrt(1.0 + slope * slope));
+        const double c = 1.0 / std::sqrt(1.0 + t * t), s = t * c;
+        turn(matrix.col(i).data(), matrix.col(j).data(), c, s);
+        matrix.row(i) = matrix.col(i).transpose();
+        matrix.row(j) = matrix.col(j).transpose();
+        matrix(i, i) = first - t * mixed;
+        matrix(j, j) = second + t * mixed;
         matrix(i, j) = matrix(j, i) = 0.0;
+        turn(basis.col(i).data(), basis.col(j).data(), c, s);
         rotated = true;
       }
     if (!rotated) return;
@@ -58,6 +70,28 @@ ModalBeam::ModalBeam(const SmallMotionBeam& beam, const Rig& rig)
   for (int i = 0; i <= stations; ++i) across.col(i) = beam.small_motion_row(i * spacing_);
   const Eigen::MatrixXd rows = across.rightCols(stations) - across.leftCols(stations);
   slopes_ = rows.transpose() * shapes_ / spacing_;
+}
+
+ModalBeam::ModalBeam(const ModalBeam& other, const Change& change) : ModalBeam(other) {
+  const double ratio = change.stiffness / change.mass;
+  const double root = std::sqrt(change.mass);
+  motion_.spring = change.spring;
+  station_mass_ *= change.mass;
+  for (LumpedMass& lump : masses_) lump.mass *= change.mass;
+  elastic_compliance_ /= change.stiffness;
+  // in the other's modes, scaled to unit modal mass: its elastic part grows, its weight does not
+  Eigen::MatrixXd coupled =
+      (1.0 - ratio) * weight_ + change.spring / change.mass * hinge_ * hinge_.transpose();
+  coupled.diagonal() += ratio * omega_.cwiseAbs2();
+  Eigen::MatrixXd basis = Eigen::MatrixXd::Identity(modes(), modes());
+  diagonalise(coupled, basis);
+  omega_ = coupled.diagonal().cwiseMax(0.0).cwiseSqrt();
+  weight_ = basis.transpose() * weight_ * basis;
+  shapes_ = shapes_ * basis / root;
+  slopes_ = slopes_ * basis / root;
+  struck_ = basis.transpose() * struck_ / root;
+  hinge_ = basis.transpose() * hinge_ / root;
+  rigid_ = root * (basis.transpose() * rigid_);
 }
 
 /// The rigid rotation is taken out first: its only stiffness is that of weight and spring, which a

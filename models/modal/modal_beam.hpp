@@ -15,6 +15,17 @@ class ModalBeam {
  public:
   ModalBeam(const SmallMotionBeam& beam, const Rig& rig);
 
+  /// How a bar differs from one of the same length, struck point, mesh and weight a mass.
+  struct Change {
+    double stiffness = 1.0;  ///< its E I over the other's
+    double mass = 1.0;       ///< its ρ A over the other's, and every lumped mass likewise
+    double spring = 0.0;     ///< of its hinge [N m/rad]
+  };
+
+  /// The modes of such a bar from those of one without a spring: they are nearly the same, only
+  /// weight and spring bend them differently.
+  ModalBeam(const ModalBeam& other, const Change& change);
+
   int modes() const { return static_cast<int>(omega_.size()); }
 
   const Eigen::VectorXd& omega() const { return omega_; }  ///< [rad/s], the pendulum's first (m)

@@ -39,7 +39,7 @@ bool ModalMotion::improve(const NodeVector& force, NodeVector& displacement, Nod
   displacement.noalias() = response.displacement_of_a * state_.a;
   displacement.noalias() += response.displacement_of_rate * state_.rate;
   velocity.noalias() = response.velocity_of_a * state_.a;
-  velocity.noalias() += response.velocity_of_rate * state_.rate;
+  velocity.noalias() += response.displacement_of_a * state_.rate;
   if (!force.isZero(0.0)) {
     displacement.noalias() += response.of_force.displacement_of_force * force;
     velocity.noalias() += response.of_force.velocity_of_force * force;
@@ -56,21 +56,16 @@ void ModalMotion::finish(const NodeVector& force, const NodeVector& force_series
 }
 
 /// The state within the solved step.
-void ModalMotion::jump(double part, ModalState& to) {
-  jump_.set(beam_, part * step(), rule_.nodes());
-  jump_.advance(rule_.restriction(part) * force_series_, state_, to);
+PointMotion ModalMotion::jump(double part, ModalState& to, double* acceleration) {
+  const NodeVector series = rule_.restricted(force_series_, part);
+  return advance(beam_, part * step(), series, state_, to, acceleration);
 }
 
 PointMotion ModalMotion::struck_at(double part, double* acceleration) {
-  jump(part, scratch_);
-  if (acceleration) {
-    NodeVector legendre(rule_.nodes());
-    shifted_legendre(part, legendre);
-    const double force = legendre.dot(force_series_);
-    *acceleration = -beam_.struck().dot(beam_.omega().cwiseAbs2().cwiseProduct(scratch_.a)) -
-                    beam_.struck().squaredNorm() * force;
-  }
-  return struck(scratch_);
+  const PointMotion motion = jump(part, scratch_, acceleration);
+  if (acceleration)
+    *acceleration -= beam_.struck().squaredNorm() * legendre_sum(force_series_, part);
+  return motion;
 }
 
 void ModalMotion::take(double part) {

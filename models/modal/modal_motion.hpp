@@ -34,6 +34,8 @@ class ModalMotion : public BarMotion {
 
   double elastic_compliance() const override { return beam_.elastic_compliance(); }
 
+  const ModalState& state() const { return state_; }
+
   void begin_step(int level) override;
   void begin_part(double part) override;
 
@@ -49,6 +51,14 @@ class ModalMotion : public BarMotion {
 
   void finish(const NodeVector& force, const NodeVector& force_series) override;
 
+  /// The step as solved elsewhere; the state at its end is to be written.
+  ModalState& finish_elsewhere(const NodeVector& force_series) {
+    force_series_ = force_series;
+    return end_;
+  }
+
+  const ModalStep& modal_step() const { return *step_; }
+
   PointMotion struck_at_end() const override { return struck(end_); }
 
   double error() const override { return 0.0; }
@@ -61,10 +71,6 @@ class ModalMotion : public BarMotion {
   void take(double part) override;
 
   const ModalBeam& beam() const { return beam_; }
-
-  const ModalState& state() const { return state_; }  ///< at the step's beginning
-
-  const ModalStep& solved_step() const { return *step_; }
 
   const Eigen::VectorXd& velocity_row() const { return velocity_row_; }
 
@@ -79,7 +85,7 @@ class ModalMotion : public BarMotion {
     return {beam_.struck().dot(state.a), beam_.struck().dot(state.rate)};
   }
 
-  void jump(double part, ModalState& to);
+  PointMotion jump(double part, ModalState& to, double* acceleration = nullptr);
 
   const ModalBar& bar_;
   const ModalBeam& beam_;
@@ -92,7 +98,6 @@ class ModalMotion : public BarMotion {
   ModalState state_, end_, scratch_;
   const ModalStep* step_ = nullptr;
   NodeVector force_series_;
-  ModalJump jump_;
   double energy_scale_ = 0.0;
   double neglected_ = 0.0;
 };

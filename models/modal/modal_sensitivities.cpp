@@ -239,7 +239,7 @@ double ModalSensitivities::law_slope(const Direction& d, double depth, double ra
 void ModalSensitivities::solve(const NodeVector& force, const NodeVector& displacement,
                                const NodeVector& velocity) {
   const int s = rule_.nodes();
-  const BarMotion::Response& response = motion_.solved_step().response().of_force;
+  const BarMotion::Response& response = motion_.modal_step().response().of_force;
   force_ = force;
   force_series_ = rule_.to_series() * force;
   if (contact_->phase() == ContactForce::Phase::pressed) {
@@ -262,11 +262,11 @@ void ModalSensitivities::solve(const NodeVector& force, const NodeVector& displa
 void ModalSensitivities::solve(Direction& d, const NodeVector& displacement,
                                const NodeVector& velocity) {
   const int s = rule_.nodes();
-  const ModalStep& step = motion_.solved_step();
+  const ModalStep& step = motion_.modal_step();
   const ModalState& state = motion_.state();
   const ModalStep::Response& r = step.response();
   NodeVector depth = r.displacement_of_a * d.state.a + r.displacement_of_rate * d.state.rate;
-  NodeVector rate = r.velocity_of_a * d.state.a + r.velocity_of_rate * d.state.rate;
+  NodeVector rate = r.velocity_of_a * d.state.a + r.displacement_of_a * d.state.rate;
   if (!d.bars.empty()) {
     const std::vector<ModalStep>& steps = steps_of(d, step.h());
     for (std::size_t j = 0; j < steps.size(); ++j) {
@@ -276,7 +276,7 @@ void ModalSensitivities::solve(Direction& d, const NodeVector& displacement,
       depth +=
           weight * (there.displacement_of_a * state.a + there.displacement_of_rate * state.rate +
                     there.of_force.displacement_of_force * force_);
-      rate += weight * (there.velocity_of_a * state.a + there.velocity_of_rate * state.rate +
+      rate += weight * (there.velocity_of_a * state.a + there.displacement_of_a * state.rate +
                         there.of_force.velocity_of_force * force_);
     }
   }
@@ -317,20 +317,18 @@ double ModalSensitivities::integral(const NodeVector& at_nodes, double part) con
   const double h = motion_.step();
   if (part >= 1.0) return h * rule_.weights().dot(at_nodes);
   const NodeVector series = rule_.to_series() * at_nodes;
-  return part * h * (rule_.restriction(part) * series)[0];
+  return part * h * rule_.restricted(series, part)[0];
 }
 
 void ModalSensitivities::look(double part, Place& place) const {
   place.part = part;
-  place.restriction = rule_.restriction(part);
-  place.series = place.restriction * force_series_;
+  place.series = rule_.restricted(force_series_, part);
   place.force = place.series.sum();
   place.state = motion_.state();
   if (part >= 1.0) {
-    motion_.solved_step().advance(motion_.state(), force_, place.state);
+    motion_.modal_step().advance(motion_.state(), force_, place.state);
   } else if (part > 0.0) {
-    place.jump.set(beam_, part * motion_.step(), rule_.nodes());
-    place.jump.advance(place.series, motion_.state(), place.state);
+    advance(beam_, part * motion_.step(), place.series, motion_.state(), place.state);
   }
   accelerate(place);
 }
@@ -347,9 +345,9 @@ void ModalSensitivities::state_at(const Place& place, Direction& d, ModalState& 
   const bool whole = place.part >= 1.0;
   const double h = place.part * motion_.step();
   if (whole)
-    motion_.solved_step().advance(d.state, d.force, to);
+    motion_.modal_step().advance(d.state, d.force, to);
   else
-    place.jump.advance(place.restriction * d.force_series, d.state, to);
+    advance(beam_, h, rule_.restricted(d.force_series, place.part), d.state, to);
   if (d.bars.empty()) return;
   there_ = to;
   for (std::size_t j = 0; j < d.bars.size(); ++j) {
@@ -358,8 +356,7 @@ void ModalSensitivities::state_at(const Place& place, Direction& d, ModalState& 
     if (whole) {
       steps_of(d, motion_.step())[j].advance(motion_.state(), force_, there_);
     } else {
-      jump_.set(d.bars[j], h, rule_.nodes());
-      jump_.advance(place.series, motion_.state(), there_);
+      advance(d.bars[j], h, place.series, motion_.state(), there_);
     }
     to.a += weight * there_.a;
     to.rate += weight * there_.rate;

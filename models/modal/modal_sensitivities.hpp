@@ -76,8 +76,6 @@ class ModalSensitivities {
   /// The state within the step and how it changes in time.
   struct Place {
     double part = 0.0;
-    ModalJump jump;  // from the step's beginning
-    NodeMatrix restriction;
     NodeVector series;  // of the force up to there
     double force = 0.0;
     ModalState state;
@@ -127,7 +125,6 @@ class ModalSensitivities {
   std::optional<ModalStep> sampling_;  // of the history's interval
   Place place_;
   ModalState scratch_, there_;
-  ModalJump jump_;
 };
 
 }  // namespace impactrig::models

@@ -5,6 +5,7 @@
 
 #include "models/collocation/bar_motion.hpp"
 #include "models/collocation/collocation.hpp"
+#include "models/lanes/step_lanes.hpp"
 #include "models/modal/modal_beam.hpp"
 
 namespace impactrig::models {
@@ -23,7 +24,7 @@ class ModalStep {
   /// values at the nodes.
   struct Response {
     Eigen::MatrixXd displacement_of_a, displacement_of_rate;  // (s, m)
-    Eigen::MatrixXd velocity_of_a, velocity_of_rate;          // (s, m)
+    Eigen::MatrixXd velocity_of_a;  // (s, m); of the rate as the displacement of a
     BarMotion::Response of_force;
   };
 
@@ -41,28 +42,21 @@ class ModalStep {
   void coast(const ModalState& from, ModalState& to) const;
   void advance(const ModalState& from, const NodeVector& force, ModalState& to) const;
 
+  /// Writes what the step does into a lane of steps of as many modes and nodes.
+  void write_to(StepLanes& lanes, int lane) const;
+
  private:
-  void respond_to_state(const ModalBeam& beam, const Collocation& rule);
-  void respond_to_force(const ModalBeam& beam, const Collocation& rule);
+  void respond_to_force(const Collocation& rule, const Eigen::MatrixX2d& kernels);
 
   double h_;
   Eigen::ArrayXd cosine_, sine_over_omega_, minus_omega_sine_;
-  Eigen::MatrixXd a_of_force_, rate_of_force_;  // (m, s)
+  Eigen::MatrixXd a_of_force_, rate_of_force_;  // (s, m)
   Response response_;
 };
 
-/// The same over a time of any length, for a force given by the coefficients of its Legendre series
-/// over that time. Set anew for each length, without allocating once it has held as many terms.
-class ModalJump {
- public:
-  void set(const ModalBeam& beam, double h, int terms);
-
-  /// `to` may not be `from`.
-  void advance(const NodeVector& series, const ModalState& from, ModalState& to) const;
-
- private:
-  Eigen::ArrayXd cosine_, sine_over_omega_, minus_omega_sine_;
-  Eigen::MatrixXd a_of_series_, rate_of_series_;  // (m, terms)
-};
+/// The state after a time h under a force given by the coefficients of its Legendre series over h;
+/// tells how the struck point then moves, its acceleration without what the force then does to it.
+PointMotion advance(const ModalBeam& beam, double h, const NodeVector& series,
+                    const ModalState& from, ModalState& to, double* acceleration = nullptr);
 
 }  // namespace impactrig::models

@@ -109,7 +109,7 @@ double StoppedMotion::damped(double part) const {
     const State after = part < 1.0 ? head_at(part) : end_;
     taken = head_.energy(state_) - head_.energy(after);
   } else if (head_.damped()) {
-    const NodeVector series = rule_.restriction(part) * (rule_.to_series() * power_);
+    const NodeVector series = rule_.restricted(rule_.to_series() * power_, part);
     taken = part * step() * series[0];
   }
   return bar_.damped(part) + taken;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "models/modal/spherical_bessel.hpp"
+#include "tests/models/reference/spherical_bessel.hpp"
 
 #include <algorithm>
 #include <cmath>

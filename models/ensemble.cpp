@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/ensemble.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+#include <unordered_map>
+
+#include "models/lane_runs.hpp"
+
+namespace impactrig::models {
+namespace {
+
+/// The bars of an ensemble, each made once and kept while members need it. For concurrent use.
+class EnsembleBars {
+ public:
+  EnsembleBars(std::span<const Rig> rigs, const Solver& solver) : rigs_(rigs), solver_(solver) {
+    std::unordered_map<BarKey, std::shared_ptr<Shared>, BarKey::Hash> known;
+    for (const Rig& rig : rigs) {
+      std::shared_ptr<Shared>& shared = known[BarKey::of(rig, solver)];
+      if (!shared) shared = std::make_shared<Shared>();
+      ++shared->members;
+      of_member_.push_back(shared);
+    }
+  }
+
+  /// To be called once a member at most.
+  std::shared_ptr<const ModalBar> bar(std::size_t member) {
+    Shared& shared = *of_member_[member];
+    const std::lock_guard lock(shared.mutex);
+    if (!shared.bar) shared.bar = make(rigs_[member]);
+    return --shared.members == 0 ? std::move(shared.bar) : shared.bar;
+  }
+
+ private:
+  struct Shared {
+    std::mutex mutex;
+    std::shared_ptr<const ModalBar> bar;
+    std::size_t members = 0;  // that have not asked for it
+  };
+
+  std::shared_ptr<const ModalBar> make(const Rig& rig) {
+    const std::optional<Rig> representative = BarFamily::representative(rig);
+    if (!representative) return make_modal_bar(rig, solver_);
+    return family(*representative)->bar(rig);
+  }
+
+  std::shared_ptr<const BarFamily> family(const Rig& representative) {
+    const std::lock_guard lock(mutex_);
+    std::shared_ptr<const BarFamily>& family = families_[BarKey::of(representative, solver_)];
+    if (!family) family = std::make_shared<const BarFamily>(representative, solver_);
+    return family;
+  }
+
+  std::span<const Rig> rigs_;
+  const Solver& solver_;
+  std::vector<std::shared_ptr<Shared>> of_member_;
+  std::mutex mutex_;  // of the families
+  std::unordered_map<BarKey, std::shared_ptr<const BarFamily>, BarKey::Hash> families_;
+};
+
+class Ensemble {
+ public:
+  Ensemble(std::span<const Rig> rigs, const Solver& solver, const SimulationOptions& options)
+      : rigs_(rigs),
+        solver_(solver),
+        options_(options),
+        bars_(rigs, solver),
+        members_(rigs.size()) {
+    options_.bars = nullptr;
+  }
+
+  std::vector<EnsembleMember> run(std::size_t threads);
+
+ private:
+  class Worker;
+
+  std::span<const Rig> rigs_;
+  const Solver& solver_;
+  SimulationOptions options_;
+  EnsembleBars bars_;
+  std::atomic<std::size_t> next_ = 0;
+  std::vector<EnsembleMember> members_;
+};
+
+/// What one thread does: takes members until there are no more.
+class Ensemble::Worker : public LaneQueue {
+ public:
+  explicit Worker(Ensemble& ensemble) : ensemble_(ensemble) {}
+
+  void work() { LaneRuns(*this).work(); }
+
+  std::optional<Job> next() override {
+    while (true) {
+      const std::size_t member = ensemble_.next_++;
+      if (member >= ensemble_.rigs_.size()) return std::nullopt;
+      Job job{member, nullptr};
+      try {
+        job.run = small_motion(member);
+        if (job.run) return job;
+        solve_alone(member);
+      } catch (...) {
+        failed(job);
+      }
+    }
+  }
+
+  void finished(const Job& job) override {
+    Simulation result = job.run->conclude();
+    if (!asked() && !(result.neglected <= ensemble_.solver_.accuracy)) {
+      solve_alone(job.member);
+      return;
+    }
+    tell_swing(rig(job.member), ensemble_.options_, result);
+    member(job.member).simulation = std::move(result);
+  }
+
+  void failed(const Job& job) override {
+    try {
+      throw;
+    } catch (const std::runtime_error& error) {
+      // what is wrong with the scene the full equations tell
+      if (job.run && !asked())
+        solve_alone(job.member);
+      else
+        member(job.member).failure = error.what();
+    } catch (const std::exception& error) {
+      member(job.member).failure = error.what();
+    }
+  }
+
+ private:
+  const Rig& rig(std::size_t number) const { return ensemble_.rigs_[number]; }
+
+  EnsembleMember& member(std::size_t number) { return ensemble_.members_[number]; }
+
+  bool asked() const { return ensemble_.options_.motion == Motion::small; }
+
+  /// None where small motion may not be tried.
+  std::unique_ptr<SmallMotionRun> small_motion(std::size_t number) {
+    const Solver& solver = ensemble_.solver_;
+    validate(rig(number), solver);
+    if (ensemble_.options_.exact || ensemble_.options_.motion == Motion::full) return nullptr;
+    if (const std::string refusal = small_motion_refusal(rig(number), solver); !refusal.empty()) {
+      if (asked()) throw std::invalid_argument(refusal);
+      return nullptr;
+    }
+    return std::make_unique<SmallMotionRun>(rig(number), solver, ensemble_.options_,
+                                            ensemble_.bars_.bar(number));
+  }
+
+  /// By the full equations.
+  void solve_alone(std::size_t number) {
+    SimulationOptions options = ensemble_.options_;
+    options.motion = Motion::full;
+    try {
+      member(number).simulation = simulate(rig(number), ensemble_.solver_, options);
+    } catch (const std::exception& error) {
+      member(number).failure = error.what();
+    }
+  }
+
+  Ensemble& ensemble_;
+};
+
+std::vector<EnsembleMember> Ensemble::run(std::size_t threads) {
+  std::vector<std::exception_ptr> errors(threads);
+  const auto work = [&](std::size_t thread) {
+    try {
+      Worker(*this).work();
+    } catch (...) {
+      errors[thread] = std::current_exception();
+    }
+  };
+  std::vector<std::jthread> others;
+  for (std::size_t k = 1; k < threads; ++k) others.emplace_back(work, k);
+  work(0);
+  others.clear();
+  for (const std::exception_ptr& error : errors)
+    if (error) std::rethrow_exception(error);
+  return std::move(members_);
+}
+
+}  // namespace
+
+std::vector<EnsembleMember> simulate_ensemble(std::span<const Rig> rigs, const Solver& solver,
+                                              const EnsembleOptions& options) {
+  if (options.threads < 0)
+    throw std::invalid_argument("simulate_ensemble: the number of threads is negative");
+  const std::size_t cores = options.threads > 0 ? static_cast<std::size_t>(options.threads)
+                                                : std::max(1U, std::thread::hardware_concurrency());
+  const std::size_t groups = (rigs.size() + lane_count - 1) / lane_count;
+  return Ensemble(rigs, solver, options.simulation).run(std::clamp<std::size_t>(groups, 1, cores));
+}
+
+}  // namespace impactrig::models

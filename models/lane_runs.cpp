@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/lane_runs.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <variant>
+
+namespace impactrig::models {
+namespace {
+
+void write(LaneRow* rows, int lane, const auto& values) {
+  for (Eigen::Index i = 0; i < values.size(); ++i) rows[i].at[lane] = values[i];
+}
+
+void read(const LaneRow* rows, int lane, auto& values) {
+  for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = rows[i].at[lane];
+}
+
+/// False for a law that solve_steps() does not know.
+bool write_law(const ElasticLaw& law, StepLanes& rows, int lane) {
+  if (const auto* goldsmith = std::get_if<Goldsmith>(&law)) {
+    rows.compliance.at[lane] = goldsmith->compliance;
+    rows.limit_force.at[lane] = goldsmith->limit_force;
+    return true;
+  }
+  if (const auto* linear = std::get_if<LinearContact>(&law)) {
+    rows.compliance.at[lane] = 0.0;
+    rows.spring.at[lane] = linear->spring;
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+template <typename Action>
+void LaneRuns::guarded(int number, const Action& action) {
+  Lane& lane = lanes_[static_cast<std::size_t>(number)];
+  try {
+    action(lane);
+  } catch (...) {
+    queue_.failed(*lane.job);
+    drop(lane, number);
+  }
+}
+
+void LaneRuns::drop(Lane& lane, int number) {
+  lane = {};
+  rows().pressed.at[number] = rows().slack.at[number] = 0.0;
+}
+
+void LaneRuns::begin(Lane& lane, int number) {
+  SmallMotionRun& run = *lane.job->run;
+  run.run().begin();
+  lane.known_law = run.faces_rigid_stop() && write_law(run.run().contact().law(), rows(), number);
+  write(rows().struck, number, run.bar().modes().struck());
+  rows().tolerance.at[number] = run.run().newton_tolerance();
+}
+
+void LaneRuns::fill(int number) {
+  Lane& lane = lanes_[static_cast<std::size_t>(number)];
+  while (!lane.job) {
+    lane.job = queue_.next();
+    if (!lane.job) return;
+    const SmallMotionRun& run = *lane.job->run;
+    if (!block_) block_.emplace(run.bar().modes().modes(), run.rule());
+    guarded(number, [&](Lane& taken) { begin(taken, number); });
+  }
+}
+
+void LaneRuns::propose(Lane& lane, int number) {
+  CollocationRun& run = lane.job->run->run();
+  const ModalMotion& motion = lane.job->run->motion();
+  run.propose();
+  if (!lane.known_law) return;
+  if (lane.written != &motion.modal_step()) {
+    lane.written = &motion.modal_step();
+    lane.written->write_to(rows(), number);
+  }
+  write(rows().a, number, motion.state().a);
+  write(rows().rate, number, motion.state().rate);
+  write(rows().force, number, run.proposed().force);
+  const ContactForce::Phase phase = run.contact().phase();
+  rows().pressed.at[number] = phase == ContactForce::Phase::pressed ? 1.0 : 0.0;
+  rows().slack.at[number] = phase == ContactForce::Phase::slack ? 1.0 : 0.0;
+  rows().mu.at[number] = run.contact().mu();
+}
+
+void LaneRuns::read_solution(Lane& lane, int number) {
+  const auto evaluations = static_cast<long>(rows().iterations.at[number]) * rows().nodes;
+  CollocationRun::Attempt& solution = lane.job->run->run().solution(evaluations);
+  for (const auto& [from, to] : {std::pair{rows().force, &solution.force},
+                                 {rows().displacement, &solution.displacement},
+                                 {rows().velocity, &solution.velocity},
+                                 {rows().dissipation, &solution.dissipation},
+                                 {rows().force_series, &solution.force_series},
+                                 {rows().displacement_series, &solution.displacement_series},
+                                 {rows().dissipation_series, &solution.dissipation_series}}) {
+    to->resize(rows().nodes);
+    read(from, number, *to);
+  }
+  solution.at_end = {rows().end_displacement.at[number], rows().end_velocity.at[number]};
+  ModalState& end = lane.job->run->motion().finish_elsewhere(solution.force_series);
+  read(rows().end_a, number, end.a);
+  read(rows().end_rate, number, end.rate);
+}
+
+void LaneRuns::judge(Lane& lane, int number) {
+  CollocationRun& run = lane.job->run->run();
+  if (lane.known_law && rows().solved.at[number] != 0.0) {
+    read_solution(lane, number);
+    run.judge(true);
+  } else {
+    run.judge(run.solve());
+  }
+  if (!run.done()) return;
+  queue_.finished(*lane.job);
+  drop(lane, number);
+}
+
+void LaneRuns::work() {
+  while (true) {
+    bool busy = false;
+    for (int number = 0; number < lane_count; ++number) {
+      fill(number);
+      if (!lanes_[static_cast<std::size_t>(number)].job) continue;
+      busy = true;
+      guarded(number, [&](Lane& lane) { propose(lane, number); });
+    }
+    if (!busy) return;
+    solve_steps(rows());
+    for (int number = 0; number < lane_count; ++number)
+      if (lanes_[static_cast<std::size_t>(number)].job)
+        guarded(number, [&](Lane& lane) { judge(lane, number); });
+  }
+}
+
+}  // namespace impactrig::models

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Compiled for AVX-512 where the compiler can (CMakeLists.txt); called where
+// the processor can.
+#include "models/lanes/advance_modes.hpp"
+#include "models/lanes/processor.hpp"
+#include "models/lanes/solve_steps.hpp"
+#include "models/lanes/step_modes.hpp"
+
+namespace impactrig::models {
+
+void advance_modes_avx512(ModesUnderForce& modes) {
+  ModeAdvance<8>(modes).advance();
+}
+
+void step_modes_avx512(const ModesOverStep& modes) {
+  ModeStep<8>(modes).respond();
+}
+
+void solve_steps_avx512(StepLanes& lanes) {
+  solve_steps_by<8>(lanes);
+}
+
+}  // namespace impactrig::models

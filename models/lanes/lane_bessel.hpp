@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "models/lanes/lane_math.hpp"
+
+namespace impactrig::models {
+namespace {
+
+/// Spherical Bessel functions j_0(z) ... of N numbers z >= 0, of the first kind. Absolute error a
+/// few units of rounding. Source: [DLMF2010], 10.51 and 10.60.12.
+template <int N, int Most>
+class LaneBessel {
+ public:
+  using M = LaneMath<N>;
+  using Real = typename M::Real;
+  using Mask = typename M::Mask;
+
+  /// How many of them are above rounding for every z.
+  static int needed(Real z) {
+    double largest = 0.0;
+    for (int i = 0; i < N; ++i) largest = z[i] > largest ? z[i] : largest;
+    return static_cast<int>(largest + 16.0 + 6.0 * __builtin_cbrt(largest));
+  }
+
+  /// Miller's backward recurrence.
+  void evaluate(Real z, int terms) {
+    const Real used = M::larger(z, M::all(small));
+    const Real inverse = 1.0 / used;
+    const int enough = needed(z);
+    Real above = Real{}, here = M::all(1e-60), squares = Real{};
+    int n = (enough > terms ? enough : terms) + 4;
+    while (n >= 0) {
+      // four steps multiply by (2n / z)⁴ at most: far from what squares can hold
+      for (const int last = n > 3 ? n - 4 : -1; n > last; --n) {
+        const double weight = 2.0 * n + 1.0;
+        squares += weight * here * here;
+        if (n < terms) values_[n] = here;
+        const Real below = weight * inverse * here - above;
+        above = here;
+        here = below;
+      }
+      const Mask large = M::magnitude(here) > 1e40;
+      if (n < 0 || !M::any(large)) continue;
+      const Real down = large ? M::all(1e-60) : M::all(1.0);
+      here *= down;
+      above *= down;
+      squares *= down * down;
+      for (int k = n + 1; k < terms; ++k) values_[k] *= down;
+    }
+    scale(z, used, squares, terms);
+  }
+
+  Real operator[](int n) const { return values_[n]; }
+
+ private:
+  // below, two terms of the power series of j_n are as good as all
+  static constexpr double small = 1e-3;
+
+  /// Σ (2n + 1) j_n² = 1, the sign from whichever of the first two is larger.
+  void scale(Real z, Real used, Real squares, int terms) {
+    const auto [sine, cosine] = M::sine_cosine(used);
+    const Real first = sine / used;
+    const Real second = (first - cosine) / used;
+    const Mask from_first = M::magnitude(first) >= M::magnitude(second);
+    const Real next = terms > 1 ? values_[1] : Real{};
+    const Real factor =
+        M::with_sign(1.0 / M::root(squares), from_first ? values_[0] * first : next * second);
+    const Mask near = z < small;
+    for (int n = 0; n < terms; ++n) values_[n] *= factor;
+    if (!M::any(near)) return;
+    Real leading = M::all(1.0);  // zⁿ / (2n + 1)!!
+    const Real square = z * z;
+    for (int n = 0; n < terms; ++n) {
+      const Real second_term = square * (0.5 / (2.0 * n + 3.0));
+      const Real third_part = square * (0.25 / (2.0 * n + 5.0));
+      values_[n] = near ? leading * (1.0 - second_term * (1.0 - third_part)) : values_[n];
+      leading *= z * (1.0 / (2.0 * n + 3.0));
+    }
+  }
+
+  Real values_[Most];
+};
+
+}  // namespace
+}  // namespace impactrig::models
