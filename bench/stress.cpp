@@ -49,8 +49,8 @@ constexpr double evaluations_of_step = 13.0;        // events and extrema includ
 constexpr double finer = 30.0;                      // of the confirming run
 constexpr std::uintptr_t most_memory = 4ull << 30;  // of a child [bytes]
 constexpr double confirming_time = 4.0;             // as a multiple of the first run's limit
-constexpr double grace = 1.5;                       // for a run to heed its limit, as a multiple
-constexpr double waiting = 20.0;                    // of wall clock, as a multiple of limits
+constexpr double grace = 2.5;     // of the limit: small motion and full equations may both reach it
+constexpr double waiting = 20.0;  // of wall clock, as a multiple of limits
 constexpr std::array families = {"impact", "to the end", "bounces", "grazing"};
 
 struct Study {
