@@ -117,6 +117,7 @@ class SceneText {
     const double stiffness = std::log(modulus_ / 1e6) / std::log(2.1e5);
     const double density =
         1000.0 * std::pow(7.85, std::min(stiffness, 1.0)) * random_.uniform(0.7, 1.4);
+    mass_ = density * std::numbers::pi * radius_ * radius_ * length_;
     add("[beam]\nlength = \"{:.17g} m\"", length_);
     switch (choice(4)) {
       case 0:
@@ -174,11 +175,17 @@ class SceneText {
     const bool released = chance(0.08);
     double gravity = chance(0.3) ? 0.0 : chance(0.6) ? 9.81 : spread(0.01, 1000.0);
     if ((released || family() == "bounces" || grazing()) && gravity == 0.0) gravity = 9.81;
+    const double angle = released ? spread(1e-6, 3.1) : 0.0;
+    const double speed = grazing() ? spread(1e-6, 1e-2) : spread(1e-3, 50.0);
     if (released)
-      add("\n[start]\nrelease_angle = \"{:.17g} rad\"", spread(1e-6, 3.1));
+      add("\n[start]\nrelease_angle = \"{:.17g} rad\"", angle);
     else
-      add("\n[start]\nvelocity = \"{:.17g} m/s\"",
-          grazing() ? spread(1e-6, 1e-2) : spread(1e-3, 50.0));
+      add("\n[start]\nvelocity = \"{:.17g} m/s\"", speed);
+    // from what the impact does not see to what ends the swing within it
+    if (chance(0.2))
+      add("\n[hinge]\nfriction = \"{:.17g} N.m\"",
+          mass_ * (released ? gravity * length_ * angle * spread(1e-5, 1.0)
+                            : speed * speed * spread(1e-4, 1e3)));
     add("\n[environment]\ngravity = \"{:.17g} m/s^2\"", gravity);
   }
 
@@ -204,6 +211,7 @@ class SceneText {
   std::size_t family_ = 0;
   std::string text_;
   double length_ = 0.0, radius_ = 0.0, modulus_ = 0.0;
+  double mass_ = 0.0;  // of a round bar
   bool at_tip_ = false;
 };
 

@@ -238,6 +238,7 @@ void read_contact(TableReader& table, models::Rig& rig, const std::vector<Sectio
 void read_hinge(TableReader& table, models::Hinge& hinge) {
   if (const auto spring = table.quantity("spring", "N.m/rad")) hinge.spring = spring->value;
   if (const auto viscous = table.quantity("viscous", "N.m.s/rad")) hinge.viscous = viscous->value;
+  if (const auto friction = table.quantity("friction", "N.m")) hinge.friction = friction->value;
   table.finish();
 }
 

@@ -70,12 +70,14 @@ bool FreeRun::try_step(int level) {
   return solve();
 }
 
-/// The step tried again, as long as is left of the run.
-bool FreeRun::land_on_end() {
-  const double left = t_end_ - t_;
-  if (bar_.step() <= left) return true;
+/// The step tried again, as long as is left of the run or until friction in the hinge changes.
+bool FreeRun::land(double hinge_change) {
+  const double left = (t_end_ - t_) / bar_.step();
+  hinge_changes_ = hinge_change <= std::min(left, 1.0);
+  const double part = std::min(left, hinge_change);
+  if (part >= 1.0) return true;
   error_ = std::numeric_limits<double>::infinity();
-  bar_.begin_part(left / bar_.step());
+  bar_.begin_part(part);
   return solve();
 }
 
@@ -134,8 +136,14 @@ Simulation FreeRun::simulate() {
     const double growth =
         std::clamp(0.9 * std::pow(std::max(error_, 1e-12), -1.0 / order), 0.2, 6.0);
     const int next = bar_.ladder().level_below(growth * bar_.step());
-    const bool last = bar_.step() >= t_end_ - t_;
-    if (!land_on_end()) {
+    const double hinge_change = bar_.hinge_change();
+    if (hinge_change == 0.0) {
+      bar_.change_hinge();
+      ++result_.cost.rejected;
+      continue;
+    }
+    const bool last = std::min(hinge_change, 1.0) * bar_.step() >= t_end_ - t_;
+    if (!land(hinge_change)) {
       ++result_.cost.rejected;
       level += 2;
       rejected = true;
@@ -146,6 +154,7 @@ Simulation FreeRun::simulate() {
     result_.energy.damped += bar_.damped(1.0);
     t_ = last ? t_end_ : t_ + bar_.step();
     bar_.take(1.0);
+    if (hinge_changes_) bar_.change_hinge();
     level = rejected ? std::max(next, level) : next;
     rejected = false;
   }

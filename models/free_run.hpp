@@ -19,7 +19,7 @@ class FreeRun {
   void start();
   bool solve();
   bool try_step(int level);
-  bool land_on_end();
+  bool land(double hinge_change);
   void sample();
   void conclude();
 
@@ -31,7 +31,8 @@ class FreeRun {
   double energy_at_start_ = 0.0;
   double first_ = 0.0;  // step [s]
   double t_ = 0.0, t_end_ = 0.0;
-  double error_ = 0.0;  // of the step tried, to be compared with 1
+  double error_ = 0.0;          // of the step tried, to be compared with 1
+  bool hinge_changes_ = false;  // where the step ends
   NodeVector no_force_, displacement_, velocity_;
   std::vector<BarMotion::Sample> samples_;
   Simulation result_;

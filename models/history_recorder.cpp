@@ -14,13 +14,14 @@ void begin_history(const Rig& rig, const HistoryRequest& wanted, double struck_s
   history.interval = wanted.interval;
   history.start = -static_cast<double>(before) * wanted.interval;
   const RigidSwing swing(rig);
+  const double rate = struck_speed / rig.contact.position;
   for (long k = -before; k <= 0; ++k) {
     const double t = static_cast<double>(k) * wanted.interval;
-    const RigidSwing::State part = swing.near_touch(t, 1.0);
+    const RigidSwing::State state = swing.near_touch(t, rate);
     history.force.push_back(0.0);
-    history.penetration.push_back(struck_speed * part.angle);
-    history.velocity.push_back(velocity_speed * part.rate);
-    history.displacement.push_back(displacement_speed * part.angle);
+    history.penetration.push_back(struck_speed * state.angle / rate);
+    history.velocity.push_back(velocity_speed * state.rate / rate);
+    history.displacement.push_back(displacement_speed * state.angle / rate);
   }
 }
 

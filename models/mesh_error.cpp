@@ -24,7 +24,7 @@ Rig within_small_motion(const Rig& rig) {
   Rig plain = rig;
   plain.start.velocity = touch_velocity(rig);
   plain.start.release_angle.reset();
-  plain.hinge.viscous = 0.0;
+  plain.hinge.viscous = plain.hinge.friction = 0.0;
   plain.beam.damping = {};
   plain.gravity_direction = 0.0;
   return plain;

@@ -239,7 +239,7 @@ double Rig::gravity_across() const {
 }
 
 bool damped(const Rig& rig) {
-  return rig.hinge.viscous > 0.0 || rig.beam.damping != BarDamping{};
+  return rig.hinge.viscous > 0.0 || rig.hinge.friction > 0.0 || rig.beam.damping != BarDamping{};
 }
 
 bool spring_bends_bar(const Rig& rig) {
@@ -284,6 +284,7 @@ void validate(const Rig& rig, const Solver& solver) {
   }
   require_not_negative("hinge.spring", rig.hinge.spring, "N.m/rad");
   require_not_negative("hinge.viscous", rig.hinge.viscous, "N.m.s/rad");
+  require_not_negative("hinge.friction", rig.hinge.friction, "N.m");
   if (rig.stop) validate_stop(*rig.stop);
   if (!(rig.gravity >= 0.0 && std::isfinite(rig.gravity)))
     refuse("environment.gravity",

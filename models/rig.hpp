@@ -74,6 +74,8 @@ struct Beam {
 struct Hinge {
   double spring = 0.0;   ///< k, at rest when the bar is as at touch [N m/rad]
   double viscous = 0.0;  ///< c [N m s/rad]
+  /// T of Coulomb friction, against the rotation or holding the hinge up to that [N m].
+  double friction = 0.0;
 
   bool operator==(const Hinge&) const = default;
 };

@@ -25,7 +25,8 @@ RigidSwing::RigidSwing(const Rig& rig)
       along_(rig.beam.first_moment() * rig.gravity_along()),
       across_(rig.beam.first_moment() * rig.gravity_across()),
       spring_(rig.hinge.spring),
-      viscous_(rig.hinge.viscous + rig.beam.damping.mass * inertia_) {}
+      viscous_(rig.hinge.viscous + rig.beam.damping.mass * inertia_),
+      friction_(rig.hinge.friction) {}
 
 double RigidSwing::potential(double angle) const {
   const double half = std::sin(0.5 * angle);
@@ -46,15 +47,19 @@ double RigidSwing::available(double angle) const {
 }
 
 std::optional<double> RigidSwing::rate_after_release(double angle) const {
-  const double energy = potential(-angle);
-  if (!(energy > 0.0 && acceleration(-angle, 0.0) > 0.0)) return std::nullopt;
-  for (int i = 1; i < places; ++i)  // over a hill on the way
-    if (!(energy > potential(-angle * i / places))) return std::nullopt;
-  if (viscous_ == 0.0) return std::sqrt(2.0 * energy / inertia_);
+  const double braking = friction_ / inertia_;
+  if (!(acceleration(-angle, 0.0) > braking)) return std::nullopt;
+  // what is left where the bar has come to −φ
+  const auto energy = [&](double left) {
+    return potential(-angle) - potential(-left) - friction_ * (angle - left);
+  };
+  for (int i = 0; i < places; ++i)  // over a hill on the way
+    if (!(energy(angle * i / places) > 0.0)) return std::nullopt;
+  if (viscous_ == 0.0) return std::sqrt(2.0 * energy(0.0) / inertia_);
   const Dop853::RightHandSide f = [&](double, const Eigen::VectorXd& y,
                                       Eigen::Ref<Eigen::VectorXd> slope) {
     slope[0] = y[1];
-    slope[1] = acceleration(y[0], y[1]);
+    slope[1] = acceleration(y[0], y[1]) - braking;
   };
   const Eigen::VectorXd weights = Eigen::VectorXd::Ones(2);
   const double fastest =
@@ -99,9 +104,9 @@ RigidSwing::State RigidSwing::near_touch(double time, double rate) const {
   };
   const State by_rate = unit(time);
   State state{.angle = rate * by_rate.angle, .rate = rate * by_rate.rate};
-  if (across_ == 0.0) return state;
+  if (across_ == friction_) return state;
   // Duhamel's integral of a constant moment
-  const double pull = across_ / inertia_;
+  const double pull = (across_ - friction_) / inertia_;
   const GaussRule& rule = gauss_legendre(12);
   const int panels = 1 + static_cast<int>((omega + decay) * std::abs(time));
   for (int p = 0; p < panels; ++p)

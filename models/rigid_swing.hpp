@@ -9,11 +9,11 @@ namespace impactrig::models {
 
 /// The straight bar turning about its hinge as a rigid body, away from the stop:
 ///
-///   I φ̈ = S g sin(γ − φ) − k φ − c φ̇
+///   I φ̈ = S g sin(γ − φ) − k φ − c φ̇ − T sign φ̇
 ///
 /// φ is the angle from touch [rad, closing > 0], γ the direction of gravity (0: the bar hangs when
 /// it touches, and the first term is −S g sin φ), I and S the second and first moment of mass about
-/// the hinge [kg m², kg m], k and c of the hinge, c with the bar's mass damping α I.
+/// the hinge [kg m², kg m], k, c and T of the hinge, c with the bar's mass damping α I.
 class RigidSwing {
  public:
   explicit RigidSwing(const Rig& rig);
@@ -21,7 +21,7 @@ class RigidSwing {
   /// Of weight and spring, zero at touch [J].
   double potential(double angle) const;
 
-  double acceleration(double angle, double rate) const;  ///< φ̈ [rad/s²]
+  double acceleration(double angle, double rate) const;  ///< φ̈, friction apart [rad/s²]
 
   /// What weight and spring could set free from an angle on [J].
   double available(double angle) const;
@@ -35,7 +35,8 @@ class RigidSwing {
     double rate = 0.0;   ///< [rad/s]
   };
 
-  /// The swing about touch, linearised: at a time from touch [s] of a bar that touches at a rate.
+  /// The swing about touch, linearised: at a time from touch [s] of a bar that touches at a rate,
+  /// against friction all the way.
   State near_touch(double time, double rate) const;
 
   /// Whether weight presses the bar against the stop, and a bar that leaves it at an angle < 0 with
@@ -48,7 +49,7 @@ class RigidSwing {
  private:
   double inertia_;         // I
   double along_, across_;  // S g cos γ, S g sin γ [N m]
-  double spring_, viscous_;
+  double spring_, viscous_, friction_;
 };
 
 }  // namespace impactrig::models

@@ -41,7 +41,7 @@ struct EnergyAudit {
   double gravitational = 0.0;   ///< relative to first touch
   double contact_stored = 0.0;  ///< not zero only when the run ends in contact
   double dissipated = 0.0;      ///< by the contact's damping
-  double damped = 0.0;          ///< in bar, hinge and the stop's damper
+  double damped = 0.0;          ///< in bar, hinge (friction too) and the stop's damper
   double stop = 0.0;            ///< left in a compliant stop's head and spring
   /// Kinetic energy of the rigid bar with the same angular momentum about the hinge.
   double rigid_rotation = 0.0;

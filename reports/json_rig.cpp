@@ -201,7 +201,9 @@ Json rig_json(const fitting::RigFile& rig) {
        {{"velocity_m_s", start.velocity},
         {"release_angle_rad", start.release_angle ? Json(*start.release_angle) : Json(nullptr)}}},
       {"hinge",
-       {{"spring_n_m_rad", rig.rig.hinge.spring}, {"viscous_n_m_s_rad", rig.rig.hinge.viscous}}},
+       {{"spring_n_m_rad", rig.rig.hinge.spring},
+        {"viscous_n_m_s_rad", rig.rig.hinge.viscous},
+        {"friction_n_m", rig.rig.hinge.friction}}},
       {"stop", stop_json(rig.rig.stop)},
       {"gravity_m_s2", rig.rig.gravity},
       {"gravity_direction_rad", rig.rig.gravity_direction},
@@ -241,6 +243,8 @@ fitting::RigFile rig_from(const JsonReader& json) {
   if (json.has("hinge"))
     rig.rig.hinge = {.spring = json["hinge"]["spring_n_m_rad"].number(),
                      .viscous = json["hinge"]["viscous_n_m_s_rad"].number()};
+  if (json.has("hinge") && json["hinge"].has("friction_n_m"))
+    rig.rig.hinge.friction = json["hinge"]["friction_n_m"].number();
   if (json.has("stop")) rig.rig.stop = stop_from(json["stop"]);
   rig.rig.gravity = json["gravity_m_s2"].number();
   if (json.has("gravity_direction_rad"))

@@ -37,6 +37,7 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
       coupled_rate_(modes),
       column_x_(size()),
       column_y_(size()),
+      hinge_turns_(size()),
       factor_(size()) {
   const double wave_speed_squared = rig.beam.youngs_modulus / rig.beam.density;
   for (int k = 0; k < axial_; ++k) {
@@ -172,6 +173,7 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contac
   if (damping_.stiffness > 0.0) rhs_ -= damping_.stiffness * stiffness_.cwiseProduct(v);
   if (hinge_ != Hinge{})
     rhs_ -= (hinge_.spring * hinge_row_.dot(q) + hinge_.viscous * hinge_row_.dot(v)) * hinge_row_;
+  if (drive_.moment != 0.0) rhs_ -= drive_.moment * hinge_row_;
   for (const Station& s : stations()) {
     coupled_.noalias() = s.coupling * bending;
     const double x = s.x + s.axial.dot(axial) - 0.5 * bending.dot(coupled_);
@@ -207,6 +209,15 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contac
   a = rhs_;
   factor_.solveInPlace(a);
   if (damping_.mass > 0.0) a -= damping_.mass * v;
+  if (drive_.held) hold_hinge(a);
+}
+
+/// Adds to the accelerations of a free hinge those of the moment that holds it.
+void FloatingFrameBeam::hold_hinge(VectorRef a) {
+  hinge_turns_ = -hinge_row_;
+  factor_.solveInPlace(hinge_turns_);
+  holding_moment_ = (drive_.acceleration - hinge_rate(a)) / hinge_rate(hinge_turns_);
+  a += holding_moment_ * hinge_turns_;
 }
 
 PointMotion FloatingFrameBeam::motion(const Station& station, ConstVector q, ConstVector v) const {

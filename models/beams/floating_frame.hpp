@@ -52,6 +52,28 @@ class FloatingFrameBeam : public BeamDynamics {
   BeamEnergy energy(ConstVector q, ConstVector v) const override;
   RigidPart rigid_part(ConstVector q, ConstVector v) const override;
 
+  /// What turns the hinge besides its spring and damper, closing > 0: a moment [N m], or whatever
+  /// moment gives its angle an acceleration [rad/s^2].
+  struct HingeDrive {
+    bool held = false;
+    double moment = 0.0, acceleration = 0.0;
+  };
+
+  void drive(const HingeDrive& drive) { drive_ = drive; }
+
+  /// That held the hinge in the last acceleration(), closing > 0 [N m].
+  double holding_moment() const { return holding_moment_; }
+
+  double hinge_angle(ConstVector q) const { return -hinge_row_.dot(q); }
+
+  double hinge_rate(ConstVector v) const { return -hinge_row_.dot(v); }
+
+  /// Turns the whole bar so that its hinge has this angle and rate.
+  void set_hinge(double angle, double rate, VectorRef q, VectorRef v) const {
+    q[0] += hinge_angle(q) - angle;
+    v[0] += hinge_rate(v) - rate;
+  }
+
  private:
   /// A cross-section: its place, shape functions and coupling matrix.
   struct Station {
@@ -78,6 +100,7 @@ class FloatingFrameBeam : public BeamDynamics {
   const Station& cached_station(double x) const;
   InFrame in_frame(const Station& station, ConstVector q, ConstVector v) const;
   PointMotion motion(const Station& station, ConstVector q, ConstVector v) const;
+  void hold_hinge(VectorRef a);
 
   int axial_;
   int bending_;
@@ -87,7 +110,9 @@ class FloatingFrameBeam : public BeamDynamics {
   Hinge hinge_;
   BarDamping damping_;
   bool timoshenko_;
-  Eigen::VectorXd hinge_row_;  // q to the angle at the hinge (n)
+  Eigen::VectorXd hinge_row_;  // q to the angle at the hinge, opening > 0 (n)
+  HingeDrive drive_;
+  double holding_moment_ = 0.0;
   double axial_scale_ = 0.0;
   AssumedModes modes_;
   Eigen::VectorXd stiffness_;  // modal, ω² (n), 0 for ψ
@@ -99,10 +124,10 @@ class FloatingFrameBeam : public BeamDynamics {
   mutable Station struck_;
   mutable bool coupled_ready_ = false;
   mutable std::vector<Station> looked_at_;  // points asked for by point(), built once
-  mutable Eigen::VectorXd look_;  // scratch of looking at a point
+  mutable Eigen::VectorXd look_;            // scratch of looking at a point
   // scratch of acceleration()
   Eigen::MatrixXd mass_;
-  Eigen::VectorXd rhs_, coupled_, coupled_rate_, column_x_, column_y_;
+  Eigen::VectorXd rhs_, coupled_, coupled_rate_, column_x_, column_y_, hinge_turns_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
 

@@ -74,6 +74,14 @@ class BarMotion {
   /// Energy that damping outside the contact takes over the first part of the solved step [J].
   virtual double damped(double) const { return 0.0; }
 
+  /// Where in the solved step friction in the hinge changes first, as a part of it: above 1 where
+  /// it does not, 0 where the step should not have begun as it did.
+  virtual double hinge_change() { return 2.0; }
+
+  /// Friction changes as hinge_change() found: at the end of the step taken since, or where the
+  /// step has to be tried again.
+  virtual void change_hinge() {}
+
   virtual PointMotion struck_at_end() const = 0;
 
   /// Error of the bar's motion by the step, as a part of the speed its energy would give it; what

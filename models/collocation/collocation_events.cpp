@@ -91,6 +91,21 @@ void CollocationRun::find_event() {
   }
 }
 
+/// The step ends where friction in the hinge changes before any other event. False where it should
+/// not have begun as it did: then friction has changed, and the step is to be tried again.
+bool CollocationRun::begun_rightly() {
+  if (!(tried_.error <= 1.0)) return true;
+  const double part = bar_.hinge_change();
+  if (part == 0.0) {
+    bar_.change_hinge();
+    return false;
+  }
+  if (part > 1.0 || (tried_.event != Event::none && tried_.part <= part)) return true;
+  tried_.event = Event::hinge;
+  tried_.part = part;
+  return true;
+}
+
 /// Solves the step again so that it ends on its event: the polynomials within a step are of lower
 /// order than its end. False when the shorter step cannot be solved.
 bool CollocationRun::land_on_event() {

@@ -304,6 +304,9 @@ bool CollocationRun::leave_event() {
     case Event::pull:
       contact_.set_phase(contact_.phase() == Phase::pressed ? Phase::slack : Phase::pressed);
       return true;
+    case Event::hinge:
+      bar_.change_hinge();
+      return false;
     case Event::end:
       result_.termination = "the duration asked for was reached";
       return false;
@@ -320,7 +323,9 @@ void CollocationRun::reject(int level) {
 void CollocationRun::judge(bool solved) {
   weigh(solved);
   find_event();
-  if (tried_.error <= 1.0)
+  if (!begun_rightly())
+    reject(level_);
+  else if (tried_.error <= 1.0)
     take_or_land();
   else
     take_shorter();

@@ -24,7 +24,7 @@ namespace impactrig::models {
 /// solve() may be done elsewhere for several runs at a time; in the end conclude().
 class CollocationRun {
  public:
-  enum class Event { none, gap, pull, end };
+  enum class Event { none, gap, pull, hinge, end };
 
   /// A step tried: what it would make of the force and the struck point, σ in [0, 1].
   struct Attempt {
@@ -81,6 +81,7 @@ class CollocationRun {
   double motion_error() const;
   double derivative_error() const;
   void find_event();
+  bool begun_rightly();
   double gap_between(double before, const PointMotion& p0, double here, const PointMotion& p1);
   double pull_between(double before, double here, const PointMotion& p1);
   double root_of_gap(double low, double at_low, double guess, double high);

@@ -44,6 +44,21 @@ class AncfChain {
 
   const BarDamping& damping() const { return damping_; }
 
+  /// Rate of the hinge's angle, closing > 0.
+  template <int S>
+  Eigen::Array<double, S, 1> hinge_rate(const StageArray<S>& q, const StageArray<S>& v) const {
+    const auto hinge = hinge_angle<Eigen::Array<double, S, 1>>(q.col(1), q.col(3));
+    return hinge.by_across * v.col(1) + hinge.by_along * v.col(3);
+  }
+
+  /// Adds a moment on the hinge, closing > 0, that acts on the bar.
+  template <int S>
+  void add_hinge_moment(double moment, const StageArray<S>& q, StageArray<S>& r) const {
+    const auto hinge = hinge_angle<Eigen::Array<double, S, 1>>(q.col(1), q.col(3));
+    r.col(1) -= moment * hinge.by_across;
+    r.col(3) -= moment * hinge.by_along;
+  }
+
   /// Kinetic, elastic and gravitational, of one state (4 nodes each).
   BeamEnergy energy(const Eigen::ArrayXd& q, const Eigen::ArrayXd& v) const;
 

@@ -8,11 +8,13 @@
 
 #include "models/beams/ancf.hpp"
 #include "models/beams/bending_modes.hpp"
+#include "models/hinge_friction.hpp"
 #include "models/implicit/ancf_chain.hpp"
 #include "models/implicit/block_tridiagonal.hpp"
 #include "models/implicit/newton_progress.hpp"
 #include "models/implicit/radau_errors.hpp"
 #include "models/implicit/radau_stages.hpp"
+#include "models/implicit/slope_hold.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -33,6 +35,8 @@ class AncfMotion final : public BarMotion {
         compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
         accuracy_(std::max(solver.accuracy, 1e-13)),
         weight_energy_(rig.gravity * rig.beam.first_moment()),
+        friction_(rig.hinge.friction),
+        hold_(chain_),
         stiffness_(static_cast<std::size_t>(chain_.nodes())),
         work_(static_cast<std::size_t>(chain_.coordinates())),
         newton_(newton_share * accuracy_) {
@@ -41,6 +45,7 @@ class AncfMotion final : public BarMotion {
     a_ = previous_ = stage_q_ = stage_v_ = residual_ = Stages::Zero(S, n);
     beam_q_.setZero(beam_.size());
     beam_v_.setZero(beam_.size());
+    hinge_ = NodeVector::Zero(S);
     factors_.reserve(kept_factors);
     for (int i = 0; i < kept_factors; ++i)
       factors_.emplace_back(static_cast<std::size_t>(chain_.nodes()));
@@ -60,7 +65,9 @@ class AncfMotion final : public BarMotion {
     energy_ = chain_.energy(q_, v_);
     lost_ = 0.0;
     last_h_ = 0.0;
-    in_contact_ = false;
+    in_contact_ = held_ = false;
+    friction_.start(rate);
+    if (friction_.sticks()) hold_hinge();
     renew_tangent();
   }
 
@@ -118,7 +125,23 @@ class AncfMotion final : public BarMotion {
     end_energy_ = chain_.energy(end_q_, end_v_);
     const Lanes speed = v_[struck_] + velocity_of(a_.col(struck_));
     work_done_ = h_ * (stages_.rule.weights().array() * force.array() * speed).sum();
-    if (chain_.damped()) damped_ = damped_in_step();
+    damped_ = chain_.damped() ? damped_in_step() : 0.0;
+    if (friction_.acts()) look_at_hinge(force);
+  }
+
+  double hinge_change() override {
+    if (!friction_.acts()) return 2.0;
+    friction_change_ = friction_.change(stages_.rule, hinge_);
+    return friction_change_.part;
+  }
+
+  void change_hinge() override {
+    friction_.follow(friction_change_);
+    hold_hinge();
+    lost_ += total(energy_);
+    energy_ = chain_.energy(q_, v_);
+    lost_ -= total(energy_);
+    renew_tangent();
   }
 
   double damped(double) const override { return damped_; }
@@ -159,12 +182,43 @@ class AncfMotion final : public BarMotion {
   static constexpr int pairs = S / 2;
   using Complex = ComplexLanes<pairs>;
 
-  /// By the powers at the nodes.
-  double damped_in_step() {
+  void place_stages() {
     for (int k = 0; k < chain_.coordinates(); ++k) {
       stage_q_.col(k) = q_[k] + displacement_of(v_[k], a_.col(k));
       stage_v_.col(k) = v_[k] + velocity_of(a_.col(k));
     }
+  }
+
+  /// At rest; it stays so where friction holds it.
+  void hold_hinge() {
+    hold_.stop(q_, v_);
+    held_ = friction_.sticks();
+  }
+
+  /// At the stages of the solved step, and what friction took.
+  void look_at_hinge(const NodeVector& force) {
+    place_stages();
+    if (held_) {
+      unheld_residual(force);
+      hinge_ = hold_.moment(stage_q_, residual_).matrix();
+      return;
+    }
+    hinge_ = chain_.template hinge_rate<S>(stage_q_, stage_v_).matrix();
+    damped_ -= h_ * friction_.moment() * stages_.rule.weights().dot(hinge_);
+  }
+
+  /// Of the stages, the hinge let go.
+  void unheld_residual(const NodeVector& force) {
+    chain_.residual<S>(stage_q_, a_, residual_);
+    if (chain_.damped()) chain_.add_damping<S>(stage_q_, stage_v_, residual_);
+    if (friction_.slides())
+      chain_.template add_hinge_moment<S>(friction_.moment(), stage_q_, residual_);
+    residual_.col(struck_) -= force.array();
+  }
+
+  /// By the powers at the nodes.
+  double damped_in_step() {
+    place_stages();
     residual_.setZero();
     chain_.add_damping<S>(stage_q_, stage_v_, residual_);
     const Lanes power = (residual_ * stage_v_).rowwise().sum();
@@ -237,7 +291,7 @@ class AncfMotion final : public BarMotion {
     newton_.begin_step();
     // a change counts relative to the speed that counts, and more where the bar moves faster
     excess_ = std::max(1.0, std::sqrt(2.0 * energy_.kinetic) / speed_scale_);
-    turn_ = in_contact_ ? 0.0 : chord_angle() - tangent_angle_;
+    turn_ = in_contact_ || held_ ? 0.0 : chord_angle() - tangent_angle_;
     factor_ = &factor_for(h_);
   }
 
@@ -250,6 +304,7 @@ class AncfMotion final : public BarMotion {
   void renew_tangent() {
     chain_.stiffness(q_, stiffness_);
     hinge_block_ = chain_.hinge_block(q_, 1.0);
+    if (held_) hold_.release(stiffness_, hinge_block_);
     tangent_angle_ = chord_angle();
     for (Factor& factor : factors_) factor.h = 0.0;
     slow_ = false;
@@ -305,6 +360,12 @@ class AncfMotion final : public BarMotion {
   double damped_ = 0.0;     // in bar and hinge over the step [J]
   double work_done_ = 0.0;  // on the bar by the stop over the step [J]
 
+  HingeFriction friction_;
+  HingeFriction::Change friction_change_;
+  NodeVector hinge_;  // at the stages: its rate, or the moment that holds it
+  SlopeHold<S> hold_;
+  bool held_ = false;
+
   ChainMatrix stiffness_;
   Eigen::Matrix4d hinge_block_ = Eigen::Matrix4d::Zero();
   std::vector<Factor> factors_;
@@ -336,7 +397,7 @@ void AncfMotion<S>::make_factor(double h, Factor& factor) {
     put(z * z + z * damping.stiffness, j, shares.stiffness);
     put(z * z * chain_.hinge().spring + z * chain_.hinge().viscous, j, shares.first_node);
   }
-  factor.systems.factor(chain_.mass(), stiffness_, hinge_block_, shares);
+  factor.systems.factor(held_ ? hold_.mass() : chain_.mass(), stiffness_, hinge_block_, shares);
   std::ranges::fill(factor.pressed, Complex{});
   factor.pressed[static_cast<std::size_t>(struck_)].re.setOnes();
   factor.systems.solve_in_place(factor.pressed);
@@ -374,14 +435,14 @@ void AncfMotion<S>::solve(Stages& r) {
 template <int S>
 bool AncfMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
                             NodeVector& velocity) {
-  const int n = chain_.coordinates();
-  for (int k = 0; k < n; ++k) stage_q_.col(k) = q_[k] + displacement_of(v_[k], a_.col(k));
-  chain_.residual<S>(stage_q_, a_, residual_);
   if (chain_.damped()) {
-    for (int k = 0; k < n; ++k) stage_v_.col(k) = v_[k] + velocity_of(a_.col(k));
-    chain_.add_damping<S>(stage_q_, stage_v_, residual_);
+    place_stages();
+  } else {
+    for (int k = 0; k < chain_.coordinates(); ++k)
+      stage_q_.col(k) = q_[k] + displacement_of(v_[k], a_.col(k));
   }
-  residual_.col(struck_) -= force.array();
+  unheld_residual(force);
+  if (held_) hold_.constrain(a_, residual_);
   solve(residual_);
   a_ -= residual_;
   const Lanes a = a_.col(struck_);

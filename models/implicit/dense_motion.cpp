@@ -9,10 +9,11 @@
 #include <limits>
 
 #include "models/beams/bending_modes.hpp"
+#include "models/beams/floating_frame.hpp"
+#include "models/hinge_friction.hpp"
 #include "models/implicit/newton_progress.hpp"
 #include "models/implicit/radau_errors.hpp"
 #include "models/implicit/radau_stages.hpp"
-#include "models/make_beam.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -22,6 +23,12 @@ namespace {
 constexpr double newton_share = 0.01;
 constexpr int kept_factors = 6;
 
+std::unique_ptr<FloatingFrameBeam> make_frame(const Rig& rig, const Solver& solver) {
+  if (solver.model == BeamModel::rigid)
+    return std::make_unique<FloatingFrameBeam>(rig, Basis::cantilever, 0, 0);
+  return std::make_unique<FloatingFrameBeam>(rig, solver.basis, solver.modes, solver.axial_modes);
+}
+
 /// S: stages of the method, an even number. Unknown are the accelerations a of the stages; they are
 /// those the bar has there, a = f(q, q̇, F), and Newton's method takes the derivatives of f from
 /// differences.
@@ -29,7 +36,7 @@ template <int S>
 class DenseMotion final : public BarMotion {
  public:
   DenseMotion(const Rig& rig, const Solver& solver, const HistoryRequest& history)
-      : beam_(make_beam(rig, solver)),
+      : beam_(make_frame(rig, solver)),
         n_(beam_->size()),
         compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
         velocity_place_(history.velocity_position > 0.0 ? history.velocity_position
@@ -40,6 +47,7 @@ class DenseMotion final : public BarMotion {
         damped_bar_(models::damped(rig)),
         weight_energy_(rig.gravity * rig.beam.first_moment()),
         inertia_(beam_->inertia_diagonal()),
+        friction_(rig.hinge.friction),
         newton_(newton_share * accuracy_) {
     q_ = v_ = end_q_ = end_v_ = scratch_ = here_ = there_ = moved_ = at_q_ = at_v_ =
         Vector::Zero(n_);
@@ -49,6 +57,7 @@ class DenseMotion final : public BarMotion {
     by_q_ = by_v_ = Matrix::Zero(n_, n_);
     by_force_ = to_struck_ = Vector::Zero(n_);
     factors_.resize(kept_factors);
+    hinge_ = NodeVector::Zero(S);
   }
 
   const Collocation& rule() const override { return stages_.rule; }
@@ -60,6 +69,8 @@ class DenseMotion final : public BarMotion {
     energy_ = beam_->energy(q_, v_);
     lost_ = 0.0;
     last_h_ = 0.0;
+    friction_.start(rate);
+    drive_hinge();
     renew_tangent();
   }
 
@@ -107,6 +118,22 @@ class DenseMotion final : public BarMotion {
   void finish(const NodeVector& force, const NodeVector&) override;
 
   double damped(double) const override { return damped_; }
+
+  double hinge_change() override {
+    if (!friction_.acts()) return 2.0;
+    friction_change_ = friction_.change(stages_.rule, hinge_);
+    return friction_change_.part;
+  }
+
+  void change_hinge() override {
+    friction_.follow(friction_change_);
+    beam_->set_hinge(beam_->hinge_angle(q_), 0.0, q_, v_);
+    lost_ += total(energy_);
+    energy_ = beam_->energy(q_, v_);
+    lost_ -= total(energy_);
+    drive_hinge();
+    renew_tangent();
+  }
 
   PointMotion struck_at_end() const override { return beam_->struck_point(end_q_, end_v_); }
 
@@ -182,6 +209,13 @@ class DenseMotion final : public BarMotion {
     stage_q_.colwise() += q_;
   }
 
+  void drive_hinge() {
+    if (friction_.acts())
+      beam_->drive(
+          {.held = friction_.sticks(), .moment = friction_.sticks() ? 0.0 : friction_.moment()});
+  }
+
+  void look_at_hinge(const NodeVector& force);
   void renew_tangent();
   void make_factor(Factor& factor);
 
@@ -203,7 +237,7 @@ class DenseMotion final : public BarMotion {
     at_q_.noalias() += stage_v_ * integrals;
   }
 
-  std::unique_ptr<BeamDynamics> beam_;
+  std::unique_ptr<FloatingFrameBeam> beam_;
   int n_;
   const RadauStages<S>& stages_ = RadauStages<S>::get();
   Eigen::Matrix<double, S, S> to_series_ = stages_.rule.to_series();
@@ -214,6 +248,9 @@ class DenseMotion final : public BarMotion {
   bool damped_bar_;
   double weight_energy_;
   Vector inertia_;
+  HingeFriction friction_;
+  HingeFriction::Change friction_change_;
+  NodeVector hinge_;  // at the stages: its rate, or the moment that holds it
   double speed_scale_ = 1.0, contact_time_ = 1.0;
 
   Vector q_, v_, end_q_, end_v_, scratch_, here_, there_, moved_, at_q_, at_v_;
@@ -341,6 +378,21 @@ void DenseMotion<S>::finish(const NodeVector& force, const NodeVector&) {
       work_done_ -=
           weight * force[i] * beam_->struck_point(stage_q_.col(i), stage_v_.col(i)).velocity;
     if (damped_bar_) damped_ += weight * beam_->damping_power(stage_q_.col(i), stage_v_.col(i));
+  }
+  if (friction_.acts()) look_at_hinge(force);
+}
+
+/// At the stages of the solved step, and what friction took.
+template <int S>
+void DenseMotion<S>::look_at_hinge(const NodeVector& force) {
+  for (int i = 0; i < S; ++i) {
+    if (friction_.sticks()) {
+      beam_->acceleration(stage_q_.col(i), stage_v_.col(i), force[i], scratch_);
+      hinge_[i] = beam_->holding_moment();
+    } else {
+      hinge_[i] = beam_->hinge_rate(stage_v_.col(i));
+      damped_ -= h_ * stages_.rule.weights()[i] * friction_.moment() * hinge_[i];
+    }
   }
 }
 

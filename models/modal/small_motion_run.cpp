@@ -40,6 +40,13 @@ double missing_tension(const Rig& rig, const Solver& solver, double duration) {
   return 0.5 * rig.gravity * beam.first_moment() / beam.hinge_inertia() * time * time;
 }
 
+/// Small motion leaves friction in the hinge out: what it could change over the run, as a part of
+/// the first contact's impulse about the hinge.
+double missing_friction(const Rig& rig, const Simulation& run) {
+  if (rig.hinge.friction == 0.0) return 0.0;
+  return rig.hinge.friction * run.duration / (rig.contact.position * run.episodes.front().impulse);
+}
+
 int nodes_for(double accuracy) {
   return accuracy > 2e-4 ? 6 : accuracy > 2e-7 ? 8 : 12;
 }
@@ -79,12 +86,18 @@ Simulation SmallMotionRun::conclude() {
   if (stopped_) result.sensor = stopped_->sensor(result.impulse);
   if (sensitivities_) result.sensitivities = sensitivities_->take_results();
   result.small_motion = true;
+  const double friction = missing_friction(rig_, result);
   result.neglected =
-      safety * (motion_.neglected() + missing_tension(rig_, solver_, result.duration));
+      safety * (motion_.neglected() + missing_tension(rig_, solver_, result.duration) + friction);
   result.skipped.push_back(fmt::format(
       "foreshortening and large rotation: the bar was solved in its own modes; the energy this "
       "leaves out is {:.1e} of the whole, peak force, duration and impulse err by no more",
       result.neglected));
+  if (friction > 0.0)
+    result.skipped.push_back(fmt::format(
+        "friction in the hinge from first touch on: over {:.3g} s its impulse is at most {:.1e} of "
+        "the first contact's about the hinge",
+        result.duration, friction));
   return result;
 }
 

@@ -49,6 +49,10 @@ class StoppedMotion final : public BarMotion {
   void finish(const NodeVector& force, const NodeVector& force_series) override;
   double damped(double part) const override;
 
+  double hinge_change() override { return bar_.hinge_change(); }
+
+  void change_hinge() override { bar_.change_hinge(); }
+
   PointMotion struck_at_end() const override { return seen(bar_.struck_at_end(), end_); }
 
   double error() const override;

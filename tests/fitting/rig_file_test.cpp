@@ -342,10 +342,13 @@ TEST(RigFile, ReadsTheHinge) {
   EXPECT_EQ(plain.hinge, models::Hinge{});
   const models::Rig rig =
       parse_rig_file(paper_rig, "rig.toml",
-                     {{"hinge.spring", "3.5 N.m/rad"}, {"hinge.viscous", "20 mN.m.s/rad"}})
+                     {{"hinge.spring", "3.5 N.m/rad"},
+                      {"hinge.viscous", "20 mN.m.s/rad"},
+                      {"hinge.friction", "5 N.cm"}})
           .rig;
   EXPECT_DOUBLE_EQ(rig.hinge.spring, 3.5);
   EXPECT_DOUBLE_EQ(rig.hinge.viscous, 0.02);
+  EXPECT_DOUBLE_EQ(rig.hinge.friction, 0.05);
   EXPECT_NE(message_of(paper_rig, {{"hinge.spring", "3 N/m"}}).find("--set hinge.spring: "),
             std::string::npos);
   EXPECT_EQ(message_of(paper_rig, {{"hinge.spring", "-3 N.m/rad"}}),
@@ -353,7 +356,9 @@ TEST(RigFile, ReadsTheHinge) {
   EXPECT_EQ(message_of(paper_rig, {{"hinge.viscous", "-1 N.m.s/rad"}}),
             "--set hinge.viscous: hinge.viscous: must be finite and not negative, found -1 "
             "N.m.s/rad");
-  EXPECT_NE(message_of(paper_rig, {{"hinge.friction", "1"}}).find("there is no such key here"),
+  EXPECT_EQ(message_of(paper_rig, {{"hinge.friction", "-1 N.m"}}),
+            "--set hinge.friction: hinge.friction: must be finite and not negative, found -1 N.m");
+  EXPECT_NE(message_of(paper_rig, {{"hinge.stiction", "1"}}).find("there is no such key here"),
             std::string::npos);
 }
 

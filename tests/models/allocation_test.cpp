@@ -102,6 +102,15 @@ TEST(TimeLoop, OfHybridAllocatesNothing) {
                                   exact);
 }
 
+TEST(TimeLoop, OfAHingeWithFrictionAllocatesNothing) {
+  Rig rig = damped_paper_rig();
+  rig.hinge.friction = 2.0;
+  SimulationOptions exact;
+  exact.exact = true;
+  expect_no_allocation_in_steps(rig, ancf(7, 1, 1e-4, 0.0), exact);
+  expect_no_allocation_in_steps(rig, hybrid(Basis::pinned_free, 5, 1e-4, 0.0), exact);
+}
+
 TEST(TimeLoop, OfSmallMotionAllocatesNothing) {
   BarCache cache;
   SimulationOptions options;

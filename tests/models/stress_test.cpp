@@ -216,6 +216,23 @@ TEST(Stress, SoDoBarsOfSegmentsThatMayShear) {
   run_scenes(100, 20261122, built_scene, 25);
 }
 
+/// With friction in the hinge, from what the impact does not see to what ends the swing within it.
+Scene rubbing_scene(std::mt19937& random) {
+  Scene scene = random_scene(random);
+  const auto spread = [&](double low, double high) {
+    return std::exp(std::uniform_real_distribution<double>(std::log(low), std::log(high))(random));
+  };
+  Rig& rig = scene.rig;
+  const double rate = rig.start.velocity / rig.contact.position;
+  rig.hinge.friction = rig.beam.hinge_inertia() * rate * rate * spread(1e-3, 1e2);
+  *scene.solver.duration *= 0.3;
+  return scene;
+}
+
+TEST(Stress, SoDoScenesWithFrictionInTheHinge) {
+  run_scenes(100, 20261123, rubbing_scene, 10);
+}
+
 TEST(Stress, SoDoScenesWithAStopThatGivesWay) {
   run_scenes(200, 20261122, sprung_scene, 20);
 }
