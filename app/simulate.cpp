@@ -44,6 +44,10 @@ datasets::Record history_record(const models::History& history, const fitting::R
   if (rig.rig.has_stop()) add("Force", datasets::Quantity::force, history.seen_force());
   add("Velocity", datasets::Quantity::velocity, history.velocity);
   add("Displacement", datasets::Quantity::displacement, history.displacement);
+  if (rig.rig.hinge.rotation) {
+    add("Deflection", datasets::Quantity::displacement, history.deflection);
+    add("Extension", datasets::Quantity::displacement, history.extension);
+  }
   if (rig.rig.has_stop()) add("Penetration", datasets::Quantity::displacement, history.penetration);
   if (!history.sensor_force.empty()) add("Contact force", datasets::Quantity::force, history.force);
   return record;

@@ -239,6 +239,11 @@ void read_hinge(TableReader& table, models::Hinge& hinge) {
   if (const auto spring = table.quantity("spring", "N.m/rad")) hinge.spring = spring->value;
   if (const auto viscous = table.quantity("viscous", "N.m.s/rad")) hinge.viscous = viscous->value;
   if (const auto friction = table.quantity("friction", "N.m")) hinge.friction = friction->value;
+  if (auto rotation = table.table("rotation")) {
+    hinge.rotation = {.rate = rotation->required_quantity("rate", "rad/s", "6 rad/s")};
+    if (const auto time = rotation->quantity("time", "s")) hinge.rotation->time = time->value;
+    rotation->finish();
+  }
   table.finish();
 }
 
@@ -498,8 +503,10 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   }
   if (auto hinge = root.table("hinge")) read_hinge(*hinge, file.rig.hinge);
   if (auto stop = root.table("stop")) file.rig.stop = read_stop(*stop);
-  TableReader start = required_table(root, "start");
-  read_start(start, file.rig.start);
+  if (!file.rig.hinge.rotation || root.has("start")) {
+    TableReader start = required_table(root, "start");
+    read_start(start, file.rig.start);
+  }
   if (auto environment = root.table("environment")) {
     if (const auto gravity = environment->quantity("gravity", "m/s^2"))
       file.rig.gravity = gravity->value;

@@ -38,10 +38,13 @@ FreeRun::FreeRun(const Rig& rig, const Solver& solver, const SimulationOptions& 
 
 void FreeRun::start() {
   const double angle = -rig_.start.release_angle.value_or(0.0);
-  const double rate = rig_.start.release_angle ? 0.0 : rig_.start.velocity / rig_.contact.position;
+  const std::optional<HingeRotation>& rotation = rig_.hinge.rotation;
+  const double thrown = rig_.start.velocity / rig_.contact.position;
+  const double rate = rotation ? rotation->rate_at(0.0) : rig_.start.release_angle ? 0.0 : thrown;
   bar_.start(angle, rate);
   const double inertia = rig_.beam.hinge_inertia();
-  energy_scale_ = std::max(0.5 * inertia * rate * rate, RigidSwing(rig_).available(angle));
+  const double full = rotation ? rotation->rate : rate;
+  energy_scale_ = std::max(0.5 * inertia * full * full, RigidSwing(rig_).available(angle));
   const double fastest = std::sqrt(2.0 * energy_scale_ / inertia);  // [rad/s]
   bar_.set_scales(energy_scale_, seen_turn / fastest);
   first_ = seen_turn / fastest;
@@ -94,6 +97,9 @@ void FreeRun::sample() {
   for (const BarMotion::Sample& look : samples_) {
     history.velocity.push_back(look.velocity);
     history.displacement.push_back(look.displacement);
+    if (!rig_.hinge.rotation) continue;
+    history.deflection.push_back(look.deflection);
+    history.extension.push_back(look.extension);
   }
 }
 
@@ -152,6 +158,7 @@ Simulation FreeRun::simulate() {
     ++result_.cost.steps;
     sample();
     result_.energy.damped += bar_.damped(1.0);
+    result_.energy.driven += bar_.driven();
     t_ = last ? t_end_ : t_ + bar_.step();
     bar_.take(1.0);
     if (hinge_changes_) bar_.change_hinge();

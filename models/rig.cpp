@@ -133,12 +133,33 @@ void validate_stop(const Stop& stop) {
   require_not_negative("stop.viscous", stop.viscous, "N.s/m");
 }
 
+/// A turned hinge knows neither what else acts on it nor a stop.
+void validate_rotation(const Rig& rig) {
+  const HingeRotation& rotation = *rig.hinge.rotation;
+  if (!(rotation.rate != 0.0 && std::isfinite(rotation.rate)))
+    refuse("hinge.rotation.rate",
+           fmt::format("must be finite and not zero, found {:g} rad/s", rotation.rate));
+  require_not_negative("hinge.rotation.time", rotation.time, "s");
+  for (const auto& [key, value] :
+       {std::pair{"hinge.spring", rig.hinge.spring}, std::pair{"hinge.viscous", rig.hinge.viscous},
+        std::pair{"hinge.friction", rig.hinge.friction}})
+    if (value > 0.0)
+      refuse(key, "changes nothing where hinge.rotation states how the hinge turns; leave it out");
+  if (rig.has_stop())
+    refuse("hinge.rotation",
+           "a hinge that is turned as stated would press the bar against the stop without limit; "
+           "leave [contact] out");
+  if (rig.start.velocity != 0.0)
+    refuse("start.velocity", "hinge.rotation states how the bar starts; leave it out");
+}
+
 /// The bar swings freely: for how long, and whether it moves at all.
 void validate_free(const Rig& rig, const Solver& solver) {
   if (!solver.duration)
     refuse("solver.duration", "is missing: without [contact] the bar swings for as long as stated");
   if (rig.stop) refuse("stop.mass", "there is no [contact] that could press on the stop");
-  if (rig.start.release_angle && !(RigidSwing(rig).available(-*rig.start.release_angle) > 0.0))
+  if (rig.start.release_angle && !rig.hinge.rotation &&
+      !(RigidSwing(rig).available(-*rig.start.release_angle) > 0.0))
     refuse("start.release_angle", "neither weight nor spring would move the bar from there");
 }
 
@@ -201,6 +222,26 @@ std::string_view name(BeamTheory theory) {
 
 std::string_view name(Basis basis) {
   return basis == Basis::cantilever ? "cantilever" : "pinned-free";
+}
+
+double HingeRotation::angle_at(double t) const {
+  if (t >= time) return rate * (t - 0.5 * time);
+  // cos x − 1 without cancelling
+  const double turn = std::numbers::pi / time;
+  const double wave = std::sin(turn * t) / turn;
+  return 0.5 * rate / time * (t * t - wave * wave);
+}
+
+double HingeRotation::rate_at(double t) const {
+  if (t >= time) return rate;
+  const double turn = 2.0 * std::numbers::pi / time;
+  return rate / time * (t - std::sin(turn * t) / turn);
+}
+
+double HingeRotation::acceleration_at(double t) const {
+  if (t >= time) return 0.0;
+  const double wave = std::sin(std::numbers::pi * t / time);
+  return 2.0 * rate / time * wave * wave;
 }
 
 double Beam::bar_mass() const {
@@ -293,7 +334,9 @@ void validate(const Rig& rig, const Solver& solver) {
     refuse("environment.gravity_direction",
            fmt::format("must lie between -180 and 180 degrees, found {:g} rad",
                        rig.gravity_direction));
-  if (rig.start.release_angle) {
+  if (rig.hinge.rotation) {
+    validate_rotation(rig);
+  } else if (rig.start.release_angle) {
     if (!(*rig.start.release_angle > 0.0 && *rig.start.release_angle < 3.14159265358979))
       refuse("start.release_angle",
              fmt::format("must lie between 0 and 180 degrees, found {:g} rad",

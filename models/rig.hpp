@@ -70,12 +70,31 @@ struct Beam {
   double hinge_inertia() const;  ///< ∫ x² dm, with the sections' own of a Timoshenko bar [kg m^2]
 };
 
+/// A hinge that is turned as stated, whatever moment that takes: from rest smoothly up to a rate Ω
+/// within a time T, then on at that rate.
+///
+///   θ(t) = Ω/T [t²/2 + (T/2π)² (cos(2πt/T) − 1)] up to T,   Ω (t − T/2) after
+///
+/// T = 0: at Ω from the beginning. Source: [KaneEtAl1987], [SimoVuQuoc1986].
+struct HingeRotation {
+  double rate = 0.0;  ///< Ω, closing > 0 [rad/s]
+  double time = 0.0;  ///< T [s]
+
+  /// The hinge's angle since the start, its rate and acceleration at a time t >= 0 [s].
+  double angle_at(double t) const;
+  double rate_at(double t) const;
+  double acceleration_at(double t) const;
+
+  bool operator==(const HingeRotation&) const = default;
+};
+
 /// What the hinge does besides holding the bar; its angle is that of the bar's axis at the hinge.
 struct Hinge {
   double spring = 0.0;   ///< k, at rest when the bar is as at touch [N m/rad]
   double viscous = 0.0;  ///< c [N m s/rad]
   /// T of Coulomb friction, against the rotation or holding the hinge up to that [N m].
   double friction = 0.0;
+  std::optional<HingeRotation> rotation = {};  ///< none: the hinge turns freely
 
   bool operator==(const Hinge&) const = default;
 };

@@ -33,7 +33,8 @@ struct Restitution {
 
 /// Where the energy is at the end of the run [J]; imbalance relative to the initial kinetic energy.
 struct EnergyAudit {
-  /// Kinetic, at first touch. Without a stop: kinetic or what weight and spring can set free.
+  /// Kinetic, at first touch. Without a stop: kinetic or what weight and spring can set free; of a
+  /// turned hinge the rigid bar's at the full rate.
   double initial = 0.0;
   double kinetic = 0.0;
   double elastic = 0.0;
@@ -42,6 +43,7 @@ struct EnergyAudit {
   double contact_stored = 0.0;  ///< not zero only when the run ends in contact
   double dissipated = 0.0;      ///< by the contact's damping
   double damped = 0.0;          ///< in bar, hinge (friction too) and the stop's damper
+  double driven = 0.0;          ///< work of what turns the hinge as stated, since the start
   double stop = 0.0;            ///< left in a compliant stop's head and spring
   /// Kinetic energy of the rigid bar with the same angular momentum about the hinge.
   double rigid_rotation = 0.0;
@@ -77,6 +79,10 @@ struct History {
   std::vector<double> displacement;
   /// What the sensor of a compliant stop carries, compression > 0 [N] (n); empty where it is rigid.
   std::vector<double> sensor_force;
+
+  /// Of a hinge that is turned as stated: where the point at displacement_position is against the
+  /// straight bar at the hinge's angle, across it (closing > 0) and along it [m] (n).
+  std::vector<double> deflection, extension;
 
   /// What a force sensor in the stop sees [N] (n).
   const std::vector<double>& seen_force() const {

@@ -163,6 +163,25 @@ std::vector<models::BeamSegment> segments_from(const JsonReader& json) {
   return segments;
 }
 
+Json hinge_json(const models::Hinge& hinge) {
+  Json json = {{"spring_n_m_rad", hinge.spring},
+               {"viscous_n_m_s_rad", hinge.viscous},
+               {"friction_n_m", hinge.friction}};
+  if (hinge.rotation)
+    json["rotation"] = {{"rate_rad_s", hinge.rotation->rate}, {"time_s", hinge.rotation->time}};
+  return json;
+}
+
+models::Hinge hinge_from(const JsonReader& json) {
+  models::Hinge hinge{.spring = json["spring_n_m_rad"].number(),
+                      .viscous = json["viscous_n_m_s_rad"].number()};
+  if (json.has("friction_n_m")) hinge.friction = json["friction_n_m"].number();
+  if (json.has("rotation"))
+    hinge.rotation = {.rate = json["rotation"]["rate_rad_s"].number(),
+                      .time = json["rotation"]["time_s"].number()};
+  return hinge;
+}
+
 Json stop_json(const std::optional<models::Stop>& stop) {
   if (!stop) return nullptr;
   return {{"mass_kg", stop->mass},
@@ -200,10 +219,7 @@ Json rig_json(const fitting::RigFile& rig) {
       {"start",
        {{"velocity_m_s", start.velocity},
         {"release_angle_rad", start.release_angle ? Json(*start.release_angle) : Json(nullptr)}}},
-      {"hinge",
-       {{"spring_n_m_rad", rig.rig.hinge.spring},
-        {"viscous_n_m_s_rad", rig.rig.hinge.viscous},
-        {"friction_n_m", rig.rig.hinge.friction}}},
+      {"hinge", hinge_json(rig.rig.hinge)},
       {"stop", stop_json(rig.rig.stop)},
       {"gravity_m_s2", rig.rig.gravity},
       {"gravity_direction_rad", rig.rig.gravity_direction},
@@ -240,11 +256,7 @@ fitting::RigFile rig_from(const JsonReader& json) {
   rig.rig.start.velocity = json["start"]["velocity_m_s"].number();
   if (json["start"].has("release_angle_rad"))
     rig.rig.start.release_angle = json["start"]["release_angle_rad"].number();
-  if (json.has("hinge"))
-    rig.rig.hinge = {.spring = json["hinge"]["spring_n_m_rad"].number(),
-                     .viscous = json["hinge"]["viscous_n_m_s_rad"].number()};
-  if (json.has("hinge") && json["hinge"].has("friction_n_m"))
-    rig.rig.hinge.friction = json["hinge"]["friction_n_m"].number();
+  if (json.has("hinge")) rig.rig.hinge = hinge_from(json["hinge"]);
   if (json.has("stop")) rig.rig.stop = stop_from(json["stop"]);
   rig.rig.gravity = json["gravity_m_s2"].number();
   if (json.has("gravity_direction_rad"))

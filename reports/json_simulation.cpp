@@ -101,7 +101,8 @@ Json energy_json(const models::EnergyAudit& energy) {
           {"rigid_rotation_j", energy.rigid_rotation},
           {"damped_j", energy.damped},
           {"spring_j", energy.spring},
-          {"stop_j", energy.stop}};
+          {"stop_j", energy.stop},
+          {"driven_j", energy.driven}};
 }
 
 models::EnergyAudit energy_from(const JsonReader& json) {
@@ -118,6 +119,7 @@ models::EnergyAudit energy_from(const JsonReader& json) {
   if (json.has("damped_j")) energy.damped = json["damped_j"].number();
   if (json.has("spring_j")) energy.spring = json["spring_j"].number();
   if (json.has("stop_j")) energy.stop = json["stop_j"].number();
+  if (json.has("driven_j")) energy.driven = json["driven_j"].number();
   return energy;
 }
 

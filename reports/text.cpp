@@ -139,6 +139,8 @@ std::string to_text(const models::Simulation& s, const models::Rig& rig) {
           : "",
       100.0 * s.energy.vibration / whole, 100.0 * s.energy.rigid_rotation / whole,
       s.energy.imbalance);
+  if (s.energy.driven != 0.0)
+    text += fmt::format("driven            {:.6g} J by what turns the hinge\n", s.energy.driven);
   text += fmt::format("cost              {} steps, {} rejected, {} evaluations, {:.3g} ms\n",
                       s.cost.steps, s.cost.rejected, s.cost.evaluations, 1e3 * s.cost.seconds);
   if (s.mesh_error) text += mesh_error_text(*s.mesh_error);

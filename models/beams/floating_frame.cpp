@@ -249,6 +249,14 @@ PointMotion FloatingFrameBeam::point(double x, ConstVector q, ConstVector v) con
   return motion(cached_station(x), q, v);
 }
 
+FloatingFrameBeam::Departure FloatingFrameBeam::departure(double x, ConstVector q) const {
+  const InFrame p = in_frame(cached_station(x), q, q);
+  const double turned = -hinge_angle(q) - q[0];  // of the hinge in the frame
+  const double half = std::sin(0.5 * turned);
+  return {.deflection = std::sin(turned) * p.x - std::cos(turned) * p.y,
+          .extension = p.x - x - 2.0 * half * half * p.x + std::sin(turned) * p.y};
+}
+
 std::vector<int> FloatingFrameBeam::coordinates_of(double) const {
   std::vector<int> all(static_cast<std::size_t>(size()));
   std::iota(all.begin(), all.end(), 0);

@@ -32,7 +32,8 @@ namespace impactrig::models {
 /// Kelvin-Voigt damping acts on the modal rates ȧ and ḃ, which a rotation of the frame leaves
 /// alone.
 ///
-/// Valid while v' is small: the foreshortening is exact to second order in v'.
+/// Valid while v' is small: the foreshortening is exact to second order in v'; it is what stiffens a
+/// spinning bar. The energy ½ ∫ EI v''² of the bending lacks ½ ∫ EI v'² v''² of the next order.
 class FloatingFrameBeam : public BeamDynamics {
  public:
   FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int axial_modes);
@@ -63,6 +64,13 @@ class FloatingFrameBeam : public BeamDynamics {
 
   /// That held the hinge in the last acceleration(), closing > 0 [N m].
   double holding_moment() const { return holding_moment_; }
+
+  /// A point against the straight bar at the hinge's angle: across it, closing > 0, and along [m].
+  struct Departure {
+    double deflection = 0.0, extension = 0.0;
+  };
+
+  Departure departure(double x, ConstVector q) const;
 
   double hinge_angle(ConstVector q) const { return -hinge_row_.dot(q); }
 

@@ -28,6 +28,7 @@ class BarMotion {
     PointMotion struck;
     double velocity = 0.0, displacement = 0.0;  // at the lasers' spots
     double sensor_force = 0.0;                  // of a compliant stop
+    double deflection = 0.0, extension = 0.0;   // of a hinge that is turned as stated
   };
 
   virtual ~BarMotion() = default;
@@ -73,6 +74,9 @@ class BarMotion {
 
   /// Energy that damping outside the contact takes over the first part of the solved step [J].
   virtual double damped(double) const { return 0.0; }
+
+  /// Work of what turns the hinge as stated over the solved step [J].
+  virtual double driven() const { return 0.0; }
 
   /// Where in the solved step friction in the hinge changes first, as a part of it: above 1 where
   /// it does not, 0 where the step should not have begun as it did.

@@ -37,6 +37,7 @@ class AncfMotion final : public BarMotion {
         weight_energy_(rig.gravity * rig.beam.first_moment()),
         friction_(rig.hinge.friction),
         hold_(chain_),
+        rotation_(rig.hinge.rotation),
         stiffness_(static_cast<std::size_t>(chain_.nodes())),
         work_(static_cast<std::size_t>(chain_.coordinates())),
         newton_(newton_share * accuracy_) {
@@ -51,7 +52,9 @@ class AncfMotion final : public BarMotion {
       factors_.emplace_back(static_cast<std::size_t>(chain_.nodes()));
     const auto spot = [&](double x) { return beam_.row_at(x > 0.0 ? x : rig.contact.position); };
     velocity_spot_ = spot(history.velocity_position);
-    displacement_spot_ = spot(history.displacement_position);
+    displacement_place_ =
+        history.displacement_position > 0.0 ? history.displacement_position : rig.contact.position;
+    displacement_spot_ = beam_.row_at(displacement_place_);
   }
 
   const Collocation& rule() const override { return stages_.rule; }
@@ -65,9 +68,11 @@ class AncfMotion final : public BarMotion {
     energy_ = chain_.energy(q_, v_);
     lost_ = 0.0;
     last_h_ = 0.0;
-    in_contact_ = held_ = false;
+    in_contact_ = false;
+    t_ = 0.0;
+    angle_at_start_ = angle;
     friction_.start(rate);
-    if (friction_.sticks()) hold_hinge();
+    if (friction_.sticks()) hold_.stop(angle);
     renew_tangent();
   }
 
@@ -122,12 +127,15 @@ class AncfMotion final : public BarMotion {
       end_q_[k] = q_[k] + displacement_of(v_[k], a)[S - 1];
       end_v_[k] = v_[k] + velocity_of(a)[S - 1];
     }
+    if (rotation_) look_at_rotation(force);
     end_energy_ = chain_.energy(end_q_, end_v_);
     const Lanes speed = v_[struck_] + velocity_of(a_.col(struck_));
     work_done_ = h_ * (stages_.rule.weights().array() * force.array() * speed).sum();
     damped_ = chain_.damped() ? damped_in_step() : 0.0;
     if (friction_.acts()) look_at_hinge(force);
   }
+
+  double driven() const override { return driven_; }
 
   double hinge_change() override {
     if (!friction_.acts()) return 2.0;
@@ -137,7 +145,9 @@ class AncfMotion final : public BarMotion {
 
   void change_hinge() override {
     friction_.follow(friction_change_);
-    hold_hinge();
+    const double angle = SlopeHold<S>::angle_of(q_);
+    SlopeHold<S>::place(angle, 0.0, q_, v_);
+    hold_.stop(angle);
     lost_ += total(energy_);
     energy_ = chain_.energy(q_, v_);
     lost_ -= total(energy_);
@@ -172,6 +182,7 @@ class AncfMotion final : public BarMotion {
     energy_ = end_energy_;
     std::swap(previous_, a_);
     last_h_ = h_;
+    t_ += h_;
     if (slow_) renew_tangent();
   }
 
@@ -189,16 +200,36 @@ class AncfMotion final : public BarMotion {
     }
   }
 
-  /// At rest; it stays so where friction holds it.
-  void hold_hinge() {
-    hold_.stop(q_, v_);
-    held_ = friction_.sticks();
+  bool held() const { return rotation_ || friction_.sticks(); }
+
+  double turned_at(double t) const { return angle_at_start_ + rotation_->angle_at(t); }
+
+  /// As stated, at the stages of the step.
+  void turn_hinge() {
+    Lanes angle, rate, acceleration;
+    for (int i = 0; i < S; ++i) {
+      const double t = t_ + h_ * nodes_[i];
+      angle[i] = turned_at(t);
+      rate[i] = rotation_->rate_at(t);
+      acceleration[i] = rotation_->acceleration_at(t);
+    }
+    hold_.turn(angle, rate, acceleration);
+    set_turn(angle - tangent_angle_);
+  }
+
+  /// The work of what turns the hinge; the step ends at the hinge's very angle and rate.
+  void look_at_rotation(const NodeVector& force) {
+    place_stages();
+    unheld_residual(force);
+    const Lanes power = hold_.moment(stage_q_, residual_) * hold_.rate();
+    driven_ = h_ * (stages_.rule.weights().array() * power).sum();
+    SlopeHold<S>::place(turned_at(t_ + h_), rotation_->rate_at(t_ + h_), end_q_, end_v_);
   }
 
   /// At the stages of the solved step, and what friction took.
   void look_at_hinge(const NodeVector& force) {
     place_stages();
-    if (held_) {
+    if (friction_.sticks()) {
       unheld_residual(force);
       hinge_ = hold_.moment(stage_q_, residual_).matrix();
       return;
@@ -243,7 +274,9 @@ class AncfMotion final : public BarMotion {
     return h_ * std::sqrt(square) / speed_scale_;
   }
 
-  double lost_in_step() const { return total(energy_) + work_done_ - damped_ - total(end_energy_); }
+  double lost_in_step() const {
+    return total(energy_) + work_done_ + driven_ - damped_ - total(end_energy_);
+  }
 
   void to_beam() const {
     chain_.to_beam(q_, beam_q_);
@@ -291,7 +324,12 @@ class AncfMotion final : public BarMotion {
     newton_.begin_step();
     // a change counts relative to the speed that counts, and more where the bar moves faster
     excess_ = std::max(1.0, std::sqrt(2.0 * energy_.kinetic) / speed_scale_);
-    turn_ = in_contact_ || held_ ? 0.0 : chord_angle() - tangent_angle_;
+    if (rotation_)
+      turn_hinge();
+    else if (in_contact_ || friction_.sticks())
+      turned_ = false;
+    else
+      set_turn(Lanes::Constant(chord_angle() - tangent_angle_));
     factor_ = &factor_for(h_);
   }
 
@@ -304,8 +342,8 @@ class AncfMotion final : public BarMotion {
   void renew_tangent() {
     chain_.stiffness(q_, stiffness_);
     hinge_block_ = chain_.hinge_block(q_, 1.0);
-    if (held_) hold_.release(stiffness_, hinge_block_);
-    tangent_angle_ = chord_angle();
+    if (held()) hold_.release(SlopeHold<S>::angle_of(q_), stiffness_, hinge_block_);
+    tangent_angle_ = rotation_ ? turned_at(t_) : chord_angle();
     for (Factor& factor : factors_) factor.h = 0.0;
     slow_ = false;
   }
@@ -319,9 +357,14 @@ class AncfMotion final : public BarMotion {
     return factor;
   }
 
+  void set_turn(const Lanes& angle) {
+    turned_ = (angle != 0.0).any();
+    turn_cosine_ = angle.cos();
+    turn_sine_ = angle.sin();
+  }
+
   /// Turns every pair of coordinates (X, U), (X', U') by an angle, closing.
-  static void rotate(double angle, Stages& x) {
-    const double cosine = std::cos(angle), sine = std::sin(angle);
+  static void rotate(const Lanes& cosine, const Lanes& sine, Stages& x) {
     for (Eigen::Index k = 0; k < x.cols(); k += 4)
       for (Eigen::Index c = k; c < k + 2; ++c) {
         const Lanes across = x.col(c);
@@ -330,6 +373,7 @@ class AncfMotion final : public BarMotion {
       }
   }
 
+  void add_departure(double part, Sample& sample) const;
   void make_factor(double h, Factor& factor);
   void solve(Stages& r);
 
@@ -350,6 +394,7 @@ class AncfMotion final : public BarMotion {
   double weight_energy_;
   double speed_scale_ = 1.0, contact_time_ = 1.0;
   AncfBeam::Row velocity_spot_, displacement_spot_;
+  double displacement_place_ = 0.0;  // [m]
 
   Eigen::ArrayXd q_, v_;
   double h_ = 0.0, last_h_ = 0.0;
@@ -364,7 +409,10 @@ class AncfMotion final : public BarMotion {
   HingeFriction::Change friction_change_;
   NodeVector hinge_;  // at the stages: its rate, or the moment that holds it
   SlopeHold<S> hold_;
-  bool held_ = false;
+  std::optional<HingeRotation> rotation_;
+  double t_ = 0.0;               // from the start, of a turned hinge [s]
+  double angle_at_start_ = 0.0;  // [rad]
+  double driven_ = 0.0;          // work of what turns the hinge over the step [J]
 
   ChainMatrix stiffness_;
   Eigen::Matrix4d hinge_block_ = Eigen::Matrix4d::Zero();
@@ -374,7 +422,8 @@ class AncfMotion final : public BarMotion {
   bool slow_ = false;
   bool in_contact_ = false;
   double tangent_angle_ = 0.0;
-  double turn_ = 0.0;  // of the bar since the tangent was made [rad]
+  bool turned_ = false;  // the bar, since the tangent was made; by how much at the stages
+  Lanes turn_cosine_ = Lanes::Ones(), turn_sine_ = Lanes::Zero();
 
   std::vector<Complex> work_;
   NewtonProgress newton_;
@@ -397,7 +446,7 @@ void AncfMotion<S>::make_factor(double h, Factor& factor) {
     put(z * z + z * damping.stiffness, j, shares.stiffness);
     put(z * z * chain_.hinge().spring + z * chain_.hinge().viscous, j, shares.first_node);
   }
-  factor.systems.factor(held_ ? hold_.mass() : chain_.mass(), stiffness_, hinge_block_, shares);
+  factor.systems.factor(held() ? hold_.mass() : chain_.mass(), stiffness_, hinge_block_, shares);
   std::ranges::fill(factor.pressed, Complex{});
   factor.pressed[static_cast<std::size_t>(struck_)].re.setOnes();
   factor.systems.solve_in_place(factor.pressed);
@@ -417,7 +466,7 @@ void AncfMotion<S>::make_factor(double h, Factor& factor) {
 /// tangent was made has the same tangent, turned.
 template <int S>
 void AncfMotion<S>::solve(Stages& r) {
-  if (turn_ != 0.0) rotate(-turn_, r);
+  if (turned_) rotate(turn_cosine_, -turn_sine_, r);
   for (int k = 0; k < chain_.coordinates(); ++k) {
     Complex& x = work_[static_cast<std::size_t>(k)];
     x.re = (stages_.into_re * r.col(k).matrix()).array();
@@ -429,20 +478,20 @@ void AncfMotion<S>::solve(Stages& r) {
     gather(work_, k, change);
     r.col(k) = change;
   }
-  if (turn_ != 0.0) rotate(turn_, r);
+  if (turned_) rotate(turn_cosine_, turn_sine_, r);
 }
 
 template <int S>
 bool AncfMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
                             NodeVector& velocity) {
-  if (chain_.damped()) {
+  if (chain_.damped() || held()) {
     place_stages();
   } else {
     for (int k = 0; k < chain_.coordinates(); ++k)
       stage_q_.col(k) = q_[k] + displacement_of(v_[k], a_.col(k));
   }
   unheld_residual(force);
-  if (held_) hold_.constrain(a_, residual_);
+  if (held()) hold_.constrain(stage_q_, stage_v_, a_, residual_);
   solve(residual_);
   a_ -= residual_;
   const Lanes a = a_.col(struck_);
@@ -492,6 +541,23 @@ double AncfMotion<S>::error() const {
   return std::max(motion, loss.error(0.5 * speed_scale_ * speed_scale_, accuracy_));
 }
 
+/// Against the straight bar at the hinge's angle.
+template <int S>
+void AncfMotion<S>::add_departure(double part, Sample& sample) const {
+  double across = 0.0, along = 0.0;  // X, U
+  for (int i = 0; i < 4; ++i) {
+    const int k = 4 * (static_cast<int>(displacement_spot_.element) + i / 2) + i % 2;
+    const double shape = displacement_spot_.shape[i];
+    across += shape * (part > 0.0 ? motion_at(q_[k], v_[k], a_.col(k), part).displacement : q_[k]);
+    along += shape * (part > 0.0 ? motion_at(q_[k + 2], v_[k + 2], a_.col(k + 2), part).displacement
+                                 : q_[k + 2]);
+  }
+  const double angle = turned_at(t_ + std::max(part, 0.0) * h_);
+  const double sine = std::sin(angle), cosine = std::cos(angle), half = std::sin(0.5 * angle);
+  sample.deflection = -cosine * across + sine * (along - displacement_place_);
+  sample.extension = -sine * across - cosine * along - 2.0 * half * half * displacement_place_;
+}
+
 template <int S>
 void AncfMotion<S>::sample(double first, double spacing, std::span<Sample> samples) {
   const auto look = [&](const AncfBeam::Row& spot, double part) {
@@ -509,6 +575,7 @@ void AncfMotion<S>::sample(double first, double spacing, std::span<Sample> sampl
     const double part = first + static_cast<double>(i) * spacing;
     samples[i] = {part > 0.0 ? struck_at(part, nullptr) : struck(),
                   look(velocity_spot_, part).velocity, look(displacement_spot_, part).displacement};
+    if (rotation_) add_departure(part, samples[i]);
   }
 }
 

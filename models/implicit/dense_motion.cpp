@@ -48,6 +48,7 @@ class DenseMotion final : public BarMotion {
         weight_energy_(rig.gravity * rig.beam.first_moment()),
         inertia_(beam_->inertia_diagonal()),
         friction_(rig.hinge.friction),
+        rotation_(rig.hinge.rotation),
         newton_(newton_share * accuracy_) {
     q_ = v_ = end_q_ = end_v_ = scratch_ = here_ = there_ = moved_ = at_q_ = at_v_ =
         Vector::Zero(n_);
@@ -70,6 +71,8 @@ class DenseMotion final : public BarMotion {
     lost_ = 0.0;
     last_h_ = 0.0;
     friction_.start(rate);
+    t_ = 0.0;
+    angle_at_start_ = angle;
     drive_hinge();
     renew_tangent();
   }
@@ -119,6 +122,8 @@ class DenseMotion final : public BarMotion {
 
   double damped(double) const override { return damped_; }
 
+  double driven() const override { return driven_; }
+
   double hinge_change() override {
     if (!friction_.acts()) return 2.0;
     friction_change_ = friction_.change(stages_.rule, hinge_);
@@ -150,6 +155,7 @@ class DenseMotion final : public BarMotion {
     energy_ = end_energy_;
     std::swap(previous_, a_);
     last_h_ = h_;
+    t_ += h_;
     if (newton_.slow()) renew_tangent();
   }
 
@@ -199,7 +205,9 @@ class DenseMotion final : public BarMotion {
     return h_ * std::sqrt(square) / speed_scale_;
   }
 
-  double lost_in_step() const { return total(energy_) + work_done_ - damped_ - total(end_energy_); }
+  double lost_in_step() const {
+    return total(energy_) + work_done_ + driven_ - damped_ - total(end_energy_);
+  }
 
   void place_stages() {
     const Eigen::Matrix<double, S, S> integrals = h_ * stages_.to_velocity.transpose();
@@ -210,12 +218,19 @@ class DenseMotion final : public BarMotion {
   }
 
   void drive_hinge() {
+    if (rotation_) turn_hinge(0.0);
     if (friction_.acts())
       beam_->drive(
           {.held = friction_.sticks(), .moment = friction_.sticks() ? 0.0 : friction_.moment()});
   }
 
+  /// As stated, at a place of the step.
+  void turn_hinge(double part) {
+    beam_->drive({.held = true, .acceleration = rotation_->acceleration_at(t_ + part * h_)});
+  }
+
   void look_at_hinge(const NodeVector& force);
+  void look_at_rotation(const NodeVector& force);
   void renew_tangent();
   void make_factor(Factor& factor);
 
@@ -250,7 +265,11 @@ class DenseMotion final : public BarMotion {
   Vector inertia_;
   HingeFriction friction_;
   HingeFriction::Change friction_change_;
-  NodeVector hinge_;  // at the stages: its rate, or the moment that holds it
+  std::optional<HingeRotation> rotation_;
+  double t_ = 0.0;               // from the start, of a turned hinge [s]
+  double angle_at_start_ = 0.0;  // [rad]
+  double driven_ = 0.0;          // work of what turns the hinge over the step [J]
+  NodeVector hinge_;             // at the stages: its rate, or the moment that holds it
   double speed_scale_ = 1.0, contact_time_ = 1.0;
 
   Vector q_, v_, end_q_, end_v_, scratch_, here_, there_, moved_, at_q_, at_v_;
@@ -289,7 +308,7 @@ void DenseMotion<S>::renew_tangent() {
     beam_->acceleration(moved_, v_, 0.0, there_);
     by_q_.col(i) = (there_ - here_) / way;
     to_struck_[i] = (beam_->struck_point(moved_, v_).displacement - place) / way;
-    if (!damped_bar_) continue;
+    if (!damped_bar_ && !rotation_) continue;
     moved_ = v_;
     moved_[i] += speed;
     beam_->acceleration(q_, moved_, 0.0, there_);
@@ -326,6 +345,7 @@ bool DenseMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
                              NodeVector& velocity) {
   place_stages();
   for (int i = 0; i < S; ++i) {
+    if (rotation_) turn_hinge(stages_.rule.points()[i]);
     beam_->acceleration(stage_q_.col(i), stage_v_.col(i), force[i], scratch_);
     residual_.col(i) = a_.col(i) - scratch_;
   }
@@ -370,6 +390,7 @@ void DenseMotion<S>::finish(const NodeVector& force, const NodeVector&) {
   place_stages();
   end_q_ = stage_q_.col(S - 1);
   end_v_ = stage_v_.col(S - 1);
+  if (rotation_) look_at_rotation(force);
   end_energy_ = beam_->energy(end_q_, end_v_);
   work_done_ = damped_ = 0.0;
   for (int i = 0; i < S; ++i) {
@@ -380,6 +401,20 @@ void DenseMotion<S>::finish(const NodeVector& force, const NodeVector&) {
     if (damped_bar_) damped_ += weight * beam_->damping_power(stage_q_.col(i), stage_v_.col(i));
   }
   if (friction_.acts()) look_at_hinge(force);
+}
+
+/// The work of what turns the hinge; the step ends at the hinge's very angle and rate.
+template <int S>
+void DenseMotion<S>::look_at_rotation(const NodeVector& force) {
+  driven_ = 0.0;
+  for (int i = 0; i < S; ++i) {
+    turn_hinge(stages_.rule.points()[i]);
+    beam_->acceleration(stage_q_.col(i), stage_v_.col(i), force[i], scratch_);
+    driven_ += h_ * stages_.rule.weights()[i] * beam_->holding_moment() *
+               beam_->hinge_rate(stage_v_.col(i));
+  }
+  beam_->set_hinge(angle_at_start_ + rotation_->angle_at(t_ + h_), rotation_->rate_at(t_ + h_),
+                   end_q_, end_v_);
 }
 
 /// At the stages of the solved step, and what friction took.
@@ -433,6 +468,10 @@ void DenseMotion<S>::sample(double first, double spacing, std::span<Sample> samp
     samples[i] = {beam_->struck_point(at_q_, at_v_),
                   beam_->point(velocity_place_, at_q_, at_v_).velocity,
                   beam_->point(displacement_place_, at_q_, at_v_).displacement};
+    if (!rotation_) continue;
+    const FloatingFrameBeam::Departure departure = beam_->departure(displacement_place_, at_q_);
+    samples[i].deflection = departure.deflection;
+    samples[i].extension = departure.extension;
   }
 }
 

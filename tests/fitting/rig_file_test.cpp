@@ -340,12 +340,11 @@ TEST(RigFile, ReadsTheStop) {
 TEST(RigFile, ReadsTheHinge) {
   const models::Rig plain = parse_rig_file(paper_rig, "rig.toml").rig;
   EXPECT_EQ(plain.hinge, models::Hinge{});
-  const models::Rig rig =
-      parse_rig_file(paper_rig, "rig.toml",
-                     {{"hinge.spring", "3.5 N.m/rad"},
-                      {"hinge.viscous", "20 mN.m.s/rad"},
-                      {"hinge.friction", "5 N.cm"}})
-          .rig;
+  const models::Rig rig = parse_rig_file(paper_rig, "rig.toml",
+                                         {{"hinge.spring", "3.5 N.m/rad"},
+                                          {"hinge.viscous", "20 mN.m.s/rad"},
+                                          {"hinge.friction", "5 N.cm"}})
+                              .rig;
   EXPECT_DOUBLE_EQ(rig.hinge.spring, 3.5);
   EXPECT_DOUBLE_EQ(rig.hinge.viscous, 0.02);
   EXPECT_DOUBLE_EQ(rig.hinge.friction, 0.05);
@@ -359,6 +358,31 @@ TEST(RigFile, ReadsTheHinge) {
   EXPECT_EQ(message_of(paper_rig, {{"hinge.friction", "-1 N.m"}}),
             "--set hinge.friction: hinge.friction: must be finite and not negative, found -1 N.m");
   EXPECT_NE(message_of(paper_rig, {{"hinge.stiction", "1"}}).find("there is no such key here"),
+            std::string::npos);
+}
+
+TEST(RigFile, ReadsAHingeThatIsTurned) {
+  const std::string arm =
+      "[beam]\nlength = \"10 m\"\nsection = { area = \"100 cm^2\", second_moment = \"5e-6 m^4\" }\n"
+      "youngs_modulus = \"2.8 GPa\"\ndensity = \"120 kg/m^3\"\n"
+      "[solver]\nduration = \"20 s\"\n"
+      "[hinge]\nrotation = { rate = \"6 rad/s\", time = \"15 s\" }\n";
+  const models::Rig rig = parse_rig_file(arm, "rig.toml").rig;
+  ASSERT_TRUE(rig.hinge.rotation);
+  EXPECT_DOUBLE_EQ(rig.hinge.rotation->rate, 6.0);
+  EXPECT_DOUBLE_EQ(rig.hinge.rotation->time, 15.0);
+  EXPECT_FALSE(rig.start.release_angle);
+  const models::Rig turned = parse_rig_file(arm, "rig.toml",
+                                            {{"hinge.rotation", "{ rate = \"-30 deg/s\" }"},
+                                             {"start.release_angle", "0.2 rad"}})
+                                 .rig;
+  EXPECT_DOUBLE_EQ(turned.hinge.rotation->rate, -std::numbers::pi / 6.0);
+  EXPECT_EQ(turned.hinge.rotation->time, 0.0);
+  EXPECT_DOUBLE_EQ(*turned.start.release_angle, 0.2);
+  EXPECT_NE(message_of(arm, {{"hinge.rotation", "{ time = \"1 s\" }"}}).find("rotation.rate"),
+            std::string::npos);
+  EXPECT_NE(message_of(arm, {{"hinge.friction", "1 N.m"}})
+                .find("hinge.friction: changes nothing where hinge.rotation states"),
             std::string::npos);
 }
 

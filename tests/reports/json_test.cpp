@@ -95,7 +95,10 @@ TEST(FitJson, ComesBackAsItWentOut) {
     data.fit.predictions[0].energy.stop = 3.5e-3;
     data.fit.predictions[0].sensor = models::SensorForce{1700.0, 1e-4, 0.5};
     data.fit.predictions[0].history.sensor_force = data.fit.predictions[0].history.force;
-    data.fit.rig.rig.hinge = {.spring = 12.5, .viscous = 0.02, .friction = 0.3};
+    data.fit.rig.rig.hinge = {.spring = 12.5,
+                              .viscous = 0.02,
+                              .friction = 0.3,
+                              .rotation = models::HingeRotation{6.0, 15.0}};
     data.fit.predictions[0].energy.damped = 1.25e-3;
     data.fit.predictions[0].energy.spring = 2.5e-3;
     data.fit.rig.rig.beam.damping = {.mass = 2.0, .stiffness = 1e-6};
