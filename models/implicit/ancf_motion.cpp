@@ -32,6 +32,7 @@ class AncfMotion final : public BarMotion {
         chain_(beam_),
         struck_(4 * solver.elements[0]),
         length_(rig.beam.length),
+        place_(rig.contact.position),
         compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
         accuracy_(std::max(solver.accuracy, 1e-13)),
         weight_energy_(rig.gravity * rig.beam.first_moment()),
@@ -62,9 +63,11 @@ class AncfMotion final : public BarMotion {
   const StepLadder& ladder() const override { return ladder_; }
 
   void start(double angle, double rate) override {
-    beam_.set_rigid_motion(angle, rate, beam_q_, beam_v_);
+    beam_.set_steady_motion(angle, rate, beam_q_, beam_v_);
     chain_.from_beam(beam_q_, q_);
     chain_.from_beam(beam_v_, v_);
+    // the steady bar has the struck point's speed, a turned one its hinge's rate
+    if (rotation_) v_ *= std::hypot(q_[struck_], place_ - q_[struck_ + 2]) / place_;
     energy_ = chain_.energy(q_, v_);
     lost_ = 0.0;
     last_h_ = 0.0;
@@ -389,7 +392,8 @@ class AncfMotion final : public BarMotion {
   Lanes nodes_ = stages_.rule.points().array();
   StepLadder ladder_;
   int struck_;
-  double length_, compliance_;
+  double length_, place_;  // of the bar, of the struck point [m]
+  double compliance_;
   double accuracy_;
   double weight_energy_;
   double speed_scale_ = 1.0, contact_time_ = 1.0;

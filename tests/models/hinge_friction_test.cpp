@@ -132,8 +132,8 @@ std::vector<double> smoothed_tip(const Rig& rig, const Solver& solver, double sl
   using State = std::vector<double>;
   State y(static_cast<std::size_t>(2 * n));
   const double rate = rig.start.release_angle ? 0.0 : rig.start.velocity / rig.contact.position;
-  beam->set_rigid_motion(-rig.start.release_angle.value_or(0.0), rate,
-                         Eigen::Map<Vector>(y.data(), n), Eigen::Map<Vector>(y.data() + n, n));
+  beam->set_steady_motion(-rig.start.release_angle.value_or(0.0), rate,
+                          Eigen::Map<Vector>(y.data(), n), Eigen::Map<Vector>(y.data() + n, n));
   Vector a(n), other(n);
   const auto slope = [&](const State& s, State& d, double) {
     const Eigen::Map<const Vector> q(s.data(), n), v(s.data() + n, n);
@@ -281,7 +281,12 @@ TEST(HingeFriction, IsLeftOutOfSmallMotionOnlyWhereItCannotMatter) {
   ASSERT_TRUE(small.small_motion);
   EXPECT_THAT(small.skipped, Contains(HasSubstr("friction in the hinge from first touch on")));
   EXPECT_EQ(small.energy.damped, 0.0);
+  EXPECT_THAT(small.taken, Contains(Simplification::hinge_friction));
+  SimulationOptions kept;
+  kept.kept = {Simplification::hinge_friction};
+  EXPECT_FALSE(simulate(rig, solver, kept).small_motion);
   rig.hinge.friction = 0.0;
+  EXPECT_TRUE(simulate(rig, solver, kept).small_motion);
   EXPECT_THAT(simulate(rig, solver).skipped, Not(Contains(HasSubstr("friction"))));
   // the same scene with less, and more friction than the accuracy lets pass
   for (const double friction : {0.01, 0.1, 1.0, 10.0}) {
