@@ -252,13 +252,6 @@ TEST(Simulate, BarsThatShearAgreeWhateverTheirModel) {
   EXPECT_LT(std::abs(full.energy.imbalance), 1e-6);
 }
 
-TEST(Simulate, RefusesTheFullEquationsOfElementsThatShear) {
-  SimulationOptions exact;
-  exact.exact = true;
-  EXPECT_THAT([&] { simulate(shearing(0.015), ancf(7, 1, 1e-4, 1e-3), exact); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("beam.theory: ")));
-}
-
 // An undamped rigid bar rebounds as fast as it came.
 TEST(Simulate, ARigidBarHasRotaryInertia) {
   const Rig rig = shearing(0.1);
