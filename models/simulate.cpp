@@ -5,9 +5,8 @@
 #include <string>
 
 #include "models/free_run.hpp"
-#include "models/implicit/ancf_motion.hpp"
+#include "models/implicit/chain_motion.hpp"
 #include "models/implicit/dense_motion.hpp"
-#include "models/implicit/reissner_motion.hpp"
 #include "models/modal/small_motion_run.hpp"
 #include "models/stop/stopped_motion.hpp"
 

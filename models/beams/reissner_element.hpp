@@ -9,10 +9,10 @@
 
 namespace impactrig::models {
 
-/// A two-node element of a plane bar that shears, exact in its geometry [Reissner1972]. X is the
-/// displacement across the hanging bar, U along it, Θ the rotation of a section (X' of a bar that
-/// turns without shear, to first order). With the unit vectors t = (sin Θ, −cos Θ) normal to the
-/// section and n = (cos Θ, sin Θ) in it, and r' = (X', U' − 1),
+/// A two-node element of a plane bar that shears, exact in its geometry [Reissner1972,
+/// SimoVuQuoc1986]. X is the displacement across the hanging bar, U along it, Θ the rotation of a
+/// section (X' of a bar that turns without shear, to first order). With the unit vectors t = (sin
+/// Θ, −cos Θ) normal to the section and n = (cos Θ, sin Θ) in it, and r' = (X', U' − 1),
 ///
 ///   Γ = r'·t − 1,   γ = r'·n,   κ = Θ',   U = ½ ∫ EA Γ² + κGA γ² + EI κ² dx
 ///

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The geometrically exact bar that shears: its small motion, its equilibria in closed form and by
 // shooting, what a rotation leaves alone, and impacts against an explicit integrator.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -10,6 +10,7 @@
 #include <memory>
 #include <random>
 
+#include "models/beams/ancf.hpp"
 #include "models/beams/reissner_beam.hpp"
 #include "models/implicit/reissner_chain.hpp"
 #include "models/simulation.hpp"
@@ -479,6 +480,21 @@ TEST(ReissnerChain, IsTheBeamWithItsHingeHeld) {
       sum -= share.shape * own_q[share.coordinate];
     EXPECT_NEAR(sum, beam.point(place, s.q, s.v).displacement, 1e-15);
   }
+}
+
+TEST(ReissnerBeam, IsForBarsThatShearAndAncfForThoseThatDoNot) {
+  using testing::ThrowsMessage;
+  EXPECT_THAT(
+      [] {
+        ReissnerBeam(paper_rig(), {2, 1});
+      },
+      ThrowsMessage<std::invalid_argument>("ReissnerElement: the bar does not shear"));
+  EXPECT_THAT(
+      [] {
+        AncfBeam(shearing(0.015), {2, 1});
+      },
+      ThrowsMessage<std::invalid_argument>(
+          "beam.theory: AncfBeam does not shear, ReissnerBeam does"));
 }
 
 Rig struck_rig(double radius) {

@@ -1,0 +1,469 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "models/beams/bending_modes.hpp"
+#include "models/collocation/bar_motion.hpp"
+#include "models/implicit/newton_progress.hpp"
+#include "models/implicit/radau_errors.hpp"
+#include "models/implicit/radau_stages.hpp"
+#include "models/implicit/stage_array.hpp"
+#include "models/simulation.hpp"
+
+// Included by one file a chain: internal linkage lets the compiler inline what is called once.
+namespace impactrig::models {
+namespace {
+
+/// What chain_motion.hpp makes. S: stages of the method, an even number. Chain: AncfChain or
+/// ReissnerChain.
+template <int S, typename Chain>
+class ChainMotion final : public BarMotion {
+ public:
+  ChainMotion(const Rig& rig, const Solver& solver, const HistoryRequest& history)
+      : beam_(rig, solver.elements),
+        chain_(beam_),
+        struck_(Chain::stride * solver.elements[0]),
+        tip_(Chain::stride * (solver.elements[0] + solver.elements[1])),
+        length_(rig.beam.length),
+        compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
+        accuracy_(std::max(solver.accuracy, 1e-13)),
+        weight_energy_(rig.gravity * rig.beam.first_moment()),
+        tangent_(chain_.make_tangent()),
+        work_(static_cast<std::size_t>(chain_.coordinates())),
+        newton_(newton_share * accuracy_) {
+    const int n = chain_.coordinates();
+    q_ = v_ = end_q_ = end_v_ = Eigen::ArrayXd::Zero(n);
+    a_ = previous_ = stage_q_ = stage_v_ = residual_ = Stages::Zero(S, n);
+    beam_q_.setZero(beam_.size());
+    beam_v_.setZero(beam_.size());
+    factors_.reserve(kept_factors);
+    for (int i = 0; i < kept_factors; ++i) factors_.emplace_back(chain_);
+    const auto spot = [&](double x) {
+      return chain_.shares_at(beam_, x > 0.0 ? x : rig.contact.position);
+    };
+    velocity_spot_ = spot(history.velocity_position);
+    displacement_spot_ = spot(history.displacement_position);
+  }
+
+  const Collocation& rule() const override { return stages_.rule; }
+
+  const StepLadder& ladder() const override { return ladder_; }
+
+  void start(double angle, double rate) override {
+    beam_.set_rigid_motion(angle, rate, beam_q_, beam_v_);
+    chain_.from_beam(beam_q_, q_);
+    chain_.from_beam(beam_v_, v_);
+    energy_ = chain_.energy(q_, v_);
+    lost_ = 0.0;
+    last_h_ = 0.0;
+    in_contact_ = false;
+    renew_tangent();
+  }
+
+  void expect_contact() override {
+    in_contact_ = true;
+    renew_tangent();
+  }
+
+  void set_scales(double kinetic, double contact_time) override {
+    speed_scale_ = std::sqrt(2.0 * kinetic);
+    contact_time_ = contact_time;
+  }
+
+  PointMotion struck() const override { return {-q_[struck_], -v_[struck_]}; }
+
+  BeamEnergy energy() const override { return energy_; }
+
+  RigidPart rigid_part() const override {
+    to_beam();
+    return beam_.rigid_part(beam_q_, beam_v_);
+  }
+
+  double elastic_compliance() const override { return compliance_; }
+
+  void begin_step(int level) override {
+    h_ = ladder_.length_of(level);
+    predict(previous_, last_h_ > 0.0 ? h_ / last_h_ : 0.0, 1.0);
+    begin();
+  }
+
+  void begin_part(double part) override {
+    h_ *= part;
+    previous_guess_ = a_;
+    predict(previous_guess_, part, 0.0);
+    begin();
+  }
+
+  double step() const override { return h_; }
+
+  const Response& response() const override { return factor_->response; }
+
+  bool improve(const NodeVector& force, NodeVector& displacement, NodeVector& velocity) override;
+  void press(const NodeVector& change) override;
+
+  bool settled() const override { return newton_.settled(); }
+
+  void finish(const NodeVector& force, const NodeVector&) override {
+    slow_ = newton_.slow();
+    if (force.isZero(0.0)) in_contact_ = false;
+    for (int k = 0; k < chain_.coordinates(); ++k) {
+      const Lanes a = a_.col(k);
+      end_q_[k] = q_[k] + displacement_of(v_[k], a)[S - 1];
+      end_v_[k] = v_[k] + velocity_of(a)[S - 1];
+    }
+    end_energy_ = chain_.energy(end_q_, end_v_);
+    const Lanes speed = v_[struck_] + velocity_of(a_.col(struck_));
+    work_done_ = h_ * (stages_.rule.weights().array() * force.array() * speed).sum();
+    if (chain_.damped()) damped_ = damped_in_step();
+  }
+
+  double damped(double) const override { return damped_; }
+
+  PointMotion struck_at_end() const override { return {-end_q_[struck_], -end_v_[struck_]}; }
+
+  double error() const override;
+
+  PointMotion struck_at(double part, double* acceleration) override {
+    const Lanes a = a_.col(struck_);
+    const PointMotion p = motion_at(q_[struck_], v_[struck_], a, part);
+    if (acceleration) {
+      Series legendre;
+      shifted_legendre(part, legendre);
+      *acceleration = -legendre.dot(to_series(a));
+    }
+    return {-p.displacement, -p.velocity};
+  }
+
+  void sample(double first, double spacing, std::span<Sample> samples) override;
+
+  bool parts_exact() const override { return false; }
+
+  void take(double) override {
+    std::swap(q_, end_q_);
+    std::swap(v_, end_v_);
+    lost_ += lost_in_step();
+    energy_ = end_energy_;
+    std::swap(previous_, a_);
+    last_h_ = h_;
+    if (slow_) renew_tangent();
+  }
+
+ private:
+  // Of the accuracy asked for, what Newton's method may leave of a step.
+  static constexpr double newton_share = 0.2;
+  static constexpr int kept_factors = 6;
+
+  using Stages = StageArray<S>;
+  using Lanes = Eigen::Array<double, S, 1>;
+  using Series = Eigen::Matrix<double, S, 1>;
+  static constexpr int pairs = S / 2;
+  using Complex = ComplexLanes<pairs>;
+
+  /// By the powers at the nodes.
+  double damped_in_step() {
+    for (int k = 0; k < chain_.coordinates(); ++k) {
+      stage_q_.col(k) = q_[k] + displacement_of(v_[k], a_.col(k));
+      stage_v_.col(k) = v_[k] + velocity_of(a_.col(k));
+    }
+    residual_.setZero();
+    chain_.template add_damping<S>(stage_q_, stage_v_, residual_);
+    const Lanes power = (residual_ * stage_v_).rowwise().sum();
+    return h_ * (stages_.rule.weights().array() * power).sum();
+  }
+
+  /// The linear systems of a step of one length, at the tangent at hand.
+  struct Factor {
+    explicit Factor(const Chain& chain)
+        : systems(chain.template make_systems<pairs>()),
+          pressed(static_cast<std::size_t>(chain.coordinates())) {}
+
+    double h = 0.0;  ///< 0: of an older tangent
+    typename Chain::template Systems<pairs> systems;
+    std::vector<Complex> pressed;  ///< solution for a unit force at the struck point
+    Response response;
+  };
+
+  /// Of changed accelerations: the speed they make over the step.
+  double size_of(const Stages& change) const {
+    double square = 0.0;
+    for (int k = 0; k < chain_.coordinates(); ++k)
+      square += chain_.inertia()[k] * change.col(k).square().maxCoeff();
+    return h_ * std::sqrt(square) / speed_scale_;
+  }
+
+  double lost_in_step() const { return total(energy_) + work_done_ - damped_ - total(end_energy_); }
+
+  void to_beam() const {
+    chain_.to_beam(q_, beam_q_);
+    chain_.to_beam(v_, beam_v_);
+  }
+
+  /// What a coordinate gains to the nodes.
+  Lanes displacement_of(double v, const Lanes& a) const {
+    return h_ * (v * nodes_ + h_ * (stages_.to_displacement * a.matrix()).array());
+  }
+
+  Lanes velocity_of(const Lanes& a) const {
+    return h_ * (stages_.to_velocity * a.matrix()).array();
+  }
+
+  Series to_series(const Lanes& a) const { return to_series_ * a.matrix(); }
+
+  /// A coordinate within the step: of position, speed and acceleration at the nodes.
+  PointMotion motion_at(double q, double v, const Lanes& a, double part) const {
+    Series integrals;
+    shifted_legendre_integrals(part, integrals);
+    const Lanes speed = v + velocity_of(a);
+    return {q + h_ * integrals.dot(to_series(speed)), v + h_ * integrals.dot(to_series(a))};
+  }
+
+  /// Acceleration of the step from a polynomial over another, at its places origin + ratio c.
+  void predict(const Stages& from, double ratio, double origin) {
+    constexpr int terms = S;
+    if (ratio == 0.0) {
+      a_.setZero();
+      return;
+    }
+    const int kept = origin > 0.0 ? std::min(terms, 3) : terms;
+    Eigen::Matrix<double, S, S> values = Eigen::Matrix<double, S, S>::Zero();
+    Series legendre;
+    for (int i = 0; i < S; ++i) {
+      shifted_legendre(origin + ratio * nodes_[i], legendre);
+      values.row(i).head(kept) = legendre.head(kept).transpose();
+    }
+    const Eigen::Matrix<double, S, S> map = values * to_series_;
+    for (int k = 0; k < chain_.coordinates(); ++k) a_.col(k) = (map * from.col(k).matrix()).array();
+  }
+
+  void begin() {
+    newton_.begin_step();
+    // a change counts relative to the speed that counts, and more where the bar moves faster
+    excess_ = std::max(1.0, std::sqrt(2.0 * energy_.kinetic) / speed_scale_);
+    turn_ = in_contact_ ? 0.0 : chord_angle() - tangent_angle_;
+    factor_ = &factor_for(h_);
+  }
+
+  /// Of the chord from hinge to tip against hanging, closing > 0 [rad].
+  double chord_angle() const { return std::atan2(-q_[tip_], length_ - q_[tip_ + Chain::beside]); }
+
+  void renew_tangent() {
+    chain_.renew(q_, tangent_);
+    tangent_angle_ = chord_angle();
+    for (Factor& factor : factors_) factor.h = 0.0;
+    slow_ = false;
+  }
+
+  Factor& factor_for(double h) {
+    for (Factor& factor : factors_)
+      if (std::abs(factor.h - h) <= 1e-3 * h) return factor;
+    Factor& factor = factors_[next_factor_];
+    next_factor_ = (next_factor_ + 1) % factors_.size();
+    make_factor(h, factor);
+    return factor;
+  }
+
+  /// Turns every pair of coordinates by an angle, closing.
+  void rotate(double angle, Stages& x) const {
+    const double cosine = std::cos(angle), sine = std::sin(angle);
+    chain_.for_each_pair([&](int across, int along, int) {
+      const Lanes before = x.col(across);
+      x.col(across) = cosine * before + sine * x.col(along);
+      x.col(along) = cosine * x.col(along) - sine * before;
+    });
+  }
+
+  void make_factor(double h, Factor& factor);
+  void solve(Stages& r);
+
+  void gather(const std::vector<Complex>& x, int k, Lanes& out) const {
+    const Complex& value = x[static_cast<std::size_t>(k)];
+    out = (stages_.out_re * value.re.matrix() - stages_.out_im * value.im.matrix()).array();
+  }
+
+  typename Chain::Beam beam_;
+  Chain chain_;
+  const RadauStages<S>& stages_ = RadauStages<S>::get();
+  Eigen::Matrix<double, S, S> to_series_ = stages_.rule.to_series();
+  Lanes nodes_ = stages_.rule.points().array();
+  StepLadder ladder_;
+  int struck_, tip_;
+  double length_, compliance_;
+  double accuracy_;
+  double weight_energy_;
+  double speed_scale_ = 1.0, contact_time_ = 1.0;
+  std::array<ChainShare, 4> velocity_spot_, displacement_spot_;
+
+  Eigen::ArrayXd q_, v_;
+  double h_ = 0.0, last_h_ = 0.0;
+  Stages a_, previous_, previous_guess_, stage_q_, stage_v_, residual_;
+  Eigen::ArrayXd end_q_, end_v_;
+  BeamEnergy energy_, end_energy_;
+  double lost_ = 0.0;       // by the method since the start [J]
+  double damped_ = 0.0;     // in bar and hinge over the step [J]
+  double work_done_ = 0.0;  // on the bar by the stop over the step [J]
+
+  typename Chain::Tangent tangent_;
+  std::vector<Factor> factors_;
+  std::size_t next_factor_ = 0;
+  Factor* factor_ = nullptr;
+  bool slow_ = false;
+  bool in_contact_ = false;
+  double tangent_angle_ = 0.0;
+  double turn_ = 0.0;  // of the bar since the tangent was made [rad]
+
+  std::vector<Complex> work_;
+  NewtonProgress newton_;
+  double excess_ = 1.0;
+  mutable Eigen::VectorXd beam_q_, beam_v_;
+};
+
+template <int S, typename Chain>
+void ChainMotion<S, Chain>::make_factor(double h, Factor& factor) {
+  factor.h = h;
+  const BarDamping& damping = chain_.damping();
+  SystemShares<pairs> shares;
+  const auto put = [](const std::complex<double>& value, int j, Complex& share) {
+    share.re[j] = value.real();
+    share.im[j] = value.imag();
+  };
+  for (int j = 0; j < pairs; ++j) {
+    const std::complex<double> z = h * stages_.eigenvalues[j];
+    put(1.0 + z * damping.mass, j, shares.mass);
+    put(z * z + z * damping.stiffness, j, shares.stiffness);
+    put(z * z * chain_.hinge().spring + z * chain_.hinge().viscous, j, shares.first_node);
+  }
+  chain_.template factor<pairs>(tangent_, shares, factor.systems);
+  std::ranges::fill(factor.pressed, Complex{});
+  factor.pressed[static_cast<std::size_t>(struck_)].re.setOnes();
+  factor.systems.solve_in_place(factor.pressed);
+  // acceleration of the struck coordinate under a unit force at each node
+  const Complex& own = factor.pressed[static_cast<std::size_t>(struck_)];
+  Eigen::Matrix<double, S, S> acceleration = Eigen::Matrix<double, S, S>::Zero();
+  for (int j = 0; j < pairs; ++j) {
+    const auto re = own.re[j] * stages_.into_re.row(j) - own.im[j] * stages_.into_im.row(j);
+    const auto im = own.re[j] * stages_.into_im.row(j) + own.im[j] * stages_.into_re.row(j);
+    acceleration += stages_.out_re.col(j) * re - stages_.out_im.col(j) * im;
+  }
+  factor.response.displacement_of_force = -h * h * stages_.to_displacement * acceleration;
+  factor.response.velocity_of_force = -h * stages_.to_velocity * acceleration;
+}
+
+/// r becomes the accelerations that Newton's method takes off. A bar that has turned since the
+/// tangent was made has the same tangent, turned.
+template <int S, typename Chain>
+void ChainMotion<S, Chain>::solve(Stages& r) {
+  if (turn_ != 0.0) rotate(-turn_, r);
+  for (int k = 0; k < chain_.coordinates(); ++k) {
+    Complex& x = work_[static_cast<std::size_t>(k)];
+    x.re = (stages_.into_re * r.col(k).matrix()).array();
+    x.im = (stages_.into_im * r.col(k).matrix()).array();
+  }
+  factor_->systems.solve_in_place(work_);
+  Lanes change;
+  for (int k = 0; k < chain_.coordinates(); ++k) {
+    gather(work_, k, change);
+    r.col(k) = change;
+  }
+  if (turn_ != 0.0) rotate(turn_, r);
+}
+
+template <int S, typename Chain>
+bool ChainMotion<S, Chain>::improve(const NodeVector& force, NodeVector& displacement,
+                                    NodeVector& velocity) {
+  const int n = chain_.coordinates();
+  for (int k = 0; k < n; ++k) stage_q_.col(k) = q_[k] + displacement_of(v_[k], a_.col(k));
+  chain_.template residual<S>(stage_q_, a_, residual_);
+  if (chain_.damped()) {
+    for (int k = 0; k < n; ++k) stage_v_.col(k) = v_[k] + velocity_of(a_.col(k));
+    chain_.template add_damping<S>(stage_q_, stage_v_, residual_);
+  }
+  residual_.col(struck_) -= force.array();
+  solve(residual_);
+  a_ -= residual_;
+  const Lanes a = a_.col(struck_);
+  displacement = -(q_[struck_] + displacement_of(v_[struck_], a)).matrix();
+  velocity = -(v_[struck_] + velocity_of(a)).matrix();
+  // rounding of the positions, turned into forces by the stiffest elements
+  const double rounding = 16.0 * std::numeric_limits<double>::epsilon() *
+                          std::sqrt((chain_.inertia() * q_.square()).sum()) / (h_ * speed_scale_);
+  return newton_.improved(excess_ * size_of(residual_), excess_ * rounding);
+}
+
+template <int S, typename Chain>
+void ChainMotion<S, Chain>::press(const NodeVector& change) {
+  Complex share;
+  share.re = (stages_.into_re * change).array();
+  share.im = (stages_.into_im * change).array();
+  for (int k = 0; k < chain_.coordinates(); ++k) {
+    const Complex x = factor_->pressed[static_cast<std::size_t>(k)] * share;
+    residual_.col(k) = (stages_.out_re * x.re.matrix() - stages_.out_im * x.im.matrix()).array();
+  }
+  a_ += residual_;
+  newton_.pressed(excess_ * size_of(residual_));
+}
+
+/// Norms of the terms of the accelerations' Legendre series, across the bar and along it. Motion
+/// along the bar reaches the stop only where the bar is inclined or bent.
+template <int S, typename Chain>
+double ChainMotion<S, Chain>::error() const {
+  Lanes across = Lanes::Zero(), along = Lanes::Zero();
+  double inclination = 0.0;
+  double cosine = 1.0, sine = 0.0;
+  chain_.for_each_pair([&](int k, int beside, int node) {
+    if (k == node) {
+      const double angle = Chain::inclination(q_, node);
+      inclination = std::max(inclination, std::abs(angle));
+      cosine = std::cos(angle);
+      sine = std::sin(angle);
+    }
+    const Lanes x = (to_series_ * a_.col(k).matrix()).array();
+    const Lanes u = (to_series_ * a_.col(beside).matrix()).array();
+    across += chain_.inertia()[k] * (cosine * x + sine * u).square();
+    along += chain_.inertia()[k] * (cosine * u - sine * x).square();
+  });
+  chain_.for_each_rotation([&](int k) {
+    across += chain_.inertia()[k] * (to_series_ * a_.col(k).matrix()).array().square();
+  });
+  const double left =
+      series_remainder<S>(across) + std::min(1.0, inclination) * series_remainder<S>(along);
+  const double motion = h_ * std::min(1.0, h_ / contact_time_) * left / speed_scale_;
+  const EnergyLoss loss{lost_in_step(), lost_, end_energy_, weight_energy_};
+  return std::max(motion, loss.error(0.5 * speed_scale_ * speed_scale_, accuracy_));
+}
+
+template <int S, typename Chain>
+void ChainMotion<S, Chain>::sample(double first, double spacing, std::span<Sample> samples) {
+  const auto look = [&](const std::array<ChainShare, 4>& spot, double part) {
+    PointMotion sum;
+    for (const ChainShare& share : spot) {
+      const int k = share.coordinate;
+      const PointMotion p =
+          part > 0.0 ? motion_at(q_[k], v_[k], a_.col(k), part) : PointMotion{q_[k], v_[k]};
+      sum.displacement -= share.shape * p.displacement;
+      sum.velocity -= share.shape * p.velocity;
+    }
+    return sum;
+  };
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double part = first + static_cast<double>(i) * spacing;
+    samples[i] = {part > 0.0 ? struck_at(part, nullptr) : struck(),
+                  look(velocity_spot_, part).velocity, look(displacement_spot_, part).displacement};
+  }
+}
+
+template <typename Chain>
+std::unique_ptr<BarMotion> make_chain_motion(const Rig& rig, const Solver& solver,
+                                             const HistoryRequest& history) {
+  if (solver.accuracy > 5e-6) return std::make_unique<ChainMotion<4, Chain>>(rig, solver, history);
+  return std::make_unique<ChainMotion<8, Chain>>(rig, solver, history);
+}
+
+}  // namespace
+}  // namespace impactrig::models
