@@ -88,6 +88,7 @@ class CollocationRun {
   void set_scales();
   void first_touch();
   void take_attempt();
+  void add_to_totals();
   void touch();
   void observe_attempt();
   void note_peak(double force, double part);

@@ -76,8 +76,10 @@ void ModalMotion::take(double part) {
     std::swap(state_, end_);
   }
   // a bar that bends and turns draws its points towards the hinge; the energy of that motion is
-  // what the small motion leaves out
-  neglected_ = std::max(neglected_, beam_.shortening_energy(state_.a, state_.rate) / energy_scale_);
+  // what the small motion leaves out, and what is left out after a contact no longer moves it
+  shortening_ =
+      std::max(shortening_, beam_.shortening_energy(state_.a, state_.rate) / energy_scale_);
+  if (!force_series_.isZero(0.0)) neglected_ = shortening_;
 }
 
 /// From sample to sample by steps of their own, under the force as the step has it.

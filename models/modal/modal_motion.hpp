@@ -76,8 +76,8 @@ class ModalMotion : public BarMotion {
 
   const Eigen::VectorXd& displacement_row() const { return displacement_row_; }
 
-  /// What the small motion left out so far, as a part of the bar's kinetic energy at touch: of the
-  /// order of the relative error of peak force, duration and impulse.
+  /// What the small motion left out until the contact last pressed, as a part of the bar's kinetic
+  /// energy at touch: of the order of the relative error of peak force, duration and impulse.
   double neglected() const { return neglected_; }
 
  private:
@@ -99,7 +99,7 @@ class ModalMotion : public BarMotion {
   const ModalStep* step_ = nullptr;
   NodeVector force_series_;
   double energy_scale_ = 0.0;
-  double neglected_ = 0.0;
+  double shortening_ = 0.0, neglected_ = 0.0;
 };
 
 }  // namespace impactrig::models
