@@ -99,7 +99,7 @@ class FloatingFrameBeam : public BeamDynamics {
   mutable Station struck_;
   mutable bool coupled_ready_ = false;
   mutable std::vector<Station> looked_at_;  // points asked for by point(), built once
-  mutable Eigen::VectorXd look_;  // scratch of looking at a point
+  mutable Eigen::VectorXd look_;            // scratch of looking at a point
   // scratch of acceleration()
   Eigen::MatrixXd mass_;
   Eigen::VectorXd rhs_, coupled_, coupled_rate_, column_x_, column_y_;

@@ -240,8 +240,11 @@ void CollocationRun::add_to_totals() {
 void CollocationRun::take_attempt() {
   ++result_.cost.steps;
   observe_attempt();
-  sample_history();
   const double h = bar_.step();
+  sample_history(tried_.part * h, [&](double first, double spacing) {
+    bar_.sample(first / h, spacing / h, samples_);
+    if (followed_) followed_->sample(first / h, spacing / h, samples_.size());
+  });
   add_to_totals();
   totals_.damped += bar_.damped(tried_.part);
   if (followed_) {
@@ -386,6 +389,24 @@ void CollocationRun::take_or_land() {
   take_attempt();
   level_ = leave_event() ? bar_.ladder().level_below(first_) : next;
   done_ = ends_early() || tried_.event == Event::end;
+  if (!done_ && leap()) done_ = ends_early() || tried_.event == Event::end;
+}
+
+/// Flight without a look at the stop while the gap cannot close; false where that is not longer
+/// than a step.
+bool CollocationRun::leap() {
+  if (contact_.phase() != Phase::free || result_.episodes.empty()) return false;
+  const double left = t_end_ - t_;
+  const double time = std::min(bar_.clear_time(), left);
+  if (!(time > bar_.step())) return false;
+  ++result_.cost.steps;
+  sample_history(
+      time, [&](double first, double spacing) { bar_.sample_flight(first, spacing, samples_); });
+  bar_.fly(time);
+  last_series_.resize(0);
+  t_ += time;
+  if (time >= left) tried_.event = Event::end;
+  return true;
 }
 
 /// Whether the time allowed is over. Throws when no contact is over by then.

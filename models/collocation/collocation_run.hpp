@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <vector>
 
 #include "models/collocation/bar_motion.hpp"
@@ -95,7 +96,8 @@ class CollocationRun {
   void observe_peak(double low, double high);
   void observe_deepest(double part, double depth);
   void observe_turn(double before, const PointMotion& p0, double here, const PointMotion& p1);
-  void sample_history();
+  bool leap();
+  void sample_history(double time, const std::function<void(double, double)>& look);
   double integral(const NodeVector& at_nodes, double part) const;
   int level_after_rejection(int level) const;
   int next_level() const;

@@ -131,21 +131,18 @@ void CollocationRun::observe_attempt() {
   if (followed_ && peak_part_ >= 0.0 && result_.episodes.size() == 1) followed_->peak(peak_part_);
 }
 
-/// The samples that fall into the step, up to its end or event.
-void CollocationRun::sample_history() {
+/// The samples that fall into a time from here on, looked at by `look(first, spacing)` [s].
+void CollocationRun::sample_history(double time, const std::function<void(double, double)>& look) {
   History& history = result_.history;
   if (!(history.interval > 0.0)) return;
-  const double h = bar_.step();
   const double begun = t_ - time_of_touch_;
   const double next =
       history.start + history.interval * static_cast<double>(history.force.size()) - begun;
   // a sample on the very end belongs to the step, whichever way it is rounded
-  const double reach = tried_.part * h + 1e-9 * history.interval;
+  const double reach = time + 1e-9 * history.interval;
   if (next > reach) return;
-  const auto count = static_cast<std::size_t>((reach - next) / history.interval) + 1;
-  samples_.resize(count);
-  bar_.sample(std::max(0.0, next / h), history.interval / h, samples_);
-  if (followed_) followed_->sample(std::max(0.0, next / h), history.interval / h, count);
+  samples_.resize(static_cast<std::size_t>((reach - next) / history.interval) + 1);
+  look(std::max(0.0, next), history.interval);
   for (const BarMotion::Sample& sample : samples_) {
     const auto& [displacement, velocity] = sample.struck;
     // at a phase's end rounding may put the sample just beyond it, where the law would pull

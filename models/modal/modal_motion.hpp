@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 
@@ -24,11 +25,13 @@ class ModalMotion : public BarMotion {
 
   void start(double angle, double rate) override;
 
-  void set_scales(double, double) override { energy_scale_ = energy().kinetic; }
+  void set_scales(double kinetic, double) override {
+    energy_scale_ = std::max(kinetic, energy().kinetic);
+  }
 
   PointMotion struck() const override { return struck(state_); }
 
-  BeamEnergy energy() const override { return beam_.energy(state_.a, state_.rate); }
+  BeamEnergy energy() const override;
 
   RigidPart rigid_part() const override { return beam_.rigid_part(state_.a, state_.rate); }
 
@@ -68,6 +71,13 @@ class ModalMotion : public BarMotion {
 
   bool parts_exact() const override { return true; }
 
+  /// Every flight is stepped like a contact: linear also in the swing's angle.
+  void step_flights() { flies_ = false; }
+
+  double clear_time() const override;
+  void fly(double time) override;
+  void sample_flight(double first, double spacing, std::span<Sample> samples) override;
+
   void take(double part) override;
 
   const ModalBeam& beam() const { return beam_; }
@@ -85,6 +95,12 @@ class ModalMotion : public BarMotion {
     return {beam_.struck().dot(state.a), beam_.struck().dot(state.rate)};
   }
 
+  Sample look(const ModalState& state) const {
+    return {struck(state), velocity_row_.dot(state.rate), displacement_row_.dot(state.a)};
+  }
+
+  void note_shortening(bool pressed);
+
   PointMotion jump(double part, ModalState& to, double* acceleration = nullptr);
 
   const ModalBar& bar_;
@@ -99,6 +115,8 @@ class ModalMotion : public BarMotion {
   const ModalStep* step_ = nullptr;
   NodeVector force_series_;
   double energy_scale_ = 0.0;
+  bool flies_;
+  double dropped_ = 0.0;  // by flights, against what the modes have it [J]
   double shortening_ = 0.0, neglected_ = 0.0;
 };
 

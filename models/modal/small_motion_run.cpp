@@ -8,6 +8,8 @@
 #include <numbers>
 
 #include "models/beams/bar_element.hpp"
+#include "models/free_run.hpp"
+#include "models/modal/modal_flight.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -20,22 +22,36 @@ constexpr int most_modes = 260;
 // for safety.
 constexpr double safety = 2.0, safety_of_tension = 4.0;
 
+bool stretches(const Solver& solver) {
+  return solver.model == BeamModel::ancf ||
+         (solver.model == BeamModel::hybrid && solver.axial_modes > 0);
+}
+
+/// Of the whole bar, along its axis [m/N].
+double flexibility(const Beam& beam) {
+  double sum = 0.0;
+  for (const BarElement& piece : bar_pieces(beam)) sum += piece.length / piece.axial_stiffness;
+  return sum;
+}
+
+double whole_mass(const Beam& beam) {
+  double sum = beam.bar_mass();
+  for (const LumpedMass& lump : beam.masses) sum += lump.mass;
+  return sum;
+}
+
 /// A bar that can stretch begins without tension; until its first axial vibration is over the
 /// weight does not turn it back as small motion has it. As a part of the energy.
 double missing_tension(const Rig& rig, const Solver& solver, double end_of_contact) {
-  const bool stretches = solver.model == BeamModel::ancf ||
-                         (solver.model == BeamModel::hybrid && solver.axial_modes > 0);
-  if (!stretches) return 0.0;
+  if (!stretches(solver)) return 0.0;
   // its period at most, by Dunkerley's formula
   const Beam& beam = rig.beam;
-  double flexibility = 0.0;  // of the whole bar, with as much of it at its end as is enough
-  for (const BarElement& piece : bar_pieces(beam))
-    flexibility += piece.length / piece.axial_stiffness;
+  // the whole bar's flexibility, with as much of it at its end as is enough
+  const double all = flexibility(beam);
   const bool uniform = beam.segments.empty();
-  double square =
-      (uniform ? 4.0 / std::pow(std::numbers::pi, 2) : 1.0) * beam.bar_mass() * flexibility;
+  double square = (uniform ? 4.0 / std::pow(std::numbers::pi, 2) : 1.0) * beam.bar_mass() * all;
   for (const LumpedMass& lump : beam.masses)
-    square += lump.mass * flexibility * (uniform ? lump.position / beam.length : 1.0);
+    square += lump.mass * all * (uniform ? lump.position / beam.length : 1.0);
   const double period = 2.0 * std::numbers::pi * std::sqrt(square);
   const double time = std::min(end_of_contact, period);
   return 0.5 * rig.gravity * beam.first_moment() / beam.hinge_inertia() * time * time;
@@ -69,6 +85,7 @@ SmallMotionRun::SmallMotionRun(const Rig& rig, const Solver& solver,
       motion_(*bar_, Collocation::of(nodes_for(solver.accuracy)), options.history),
       stopped_(rig.stop ? std::make_unique<StoppedMotion>(motion_, *rig.stop) : nullptr),
       run_(rig, solver, options, stopped_ ? static_cast<BarMotion&>(*stopped_) : motion_) {
+  if (rig.stop || !options.sensitivities.empty()) motion_.step_flights();
   const bool begins_at_touch = !rig.start.release_angle || !spring_bends_bar(rig);
   if (options.sensitivities.empty() || !begins_at_touch || rig.stop) return;
   sensitivities_ = std::make_unique<ModalSensitivities>(rig, solver, options, motion_);
@@ -86,6 +103,27 @@ Simulation SmallMotionRun::conclude() {
   result.skipped.push_back(fmt::format(
       "foreshortening and large rotation: the bar was solved in its own modes; the energy this "
       "leaves out is {:.1e} of the whole, peak force, duration and impulse err by no more",
+      result.neglected));
+  return result;
+}
+
+Simulation swing_freely(const Rig& rig, const Solver& solver, const SimulationOptions& options,
+                        const ModalBar& bar) {
+  ModalMotion motion(bar, Collocation::of(nodes_for(solver.accuracy)), options.history);
+  FreeRun run(rig, solver, options, motion);
+  run.start();
+  const double tip = ModalFlight(bar.modes(), motion.state())
+                         .neglected(bar.modes().point(rig.beam.length), *solver.duration);
+  // a bar that can stretch begins without tension
+  const double stretch =
+      stretches(solver) ? rig.gravity * whole_mass(rig.beam) * flexibility(rig.beam) : 0.0;
+  Simulation result = run.fly();
+  result.small_motion = true;
+  result.neglected = (tip + stretch) / rig.beam.length;
+  result.skipped.push_back(fmt::format(
+      "what a swing changes in the bar's vibration: it vibrates as if it hung, about the swing of "
+      "a "
+      "pendulum in closed form; displacements err by less than {:.1e} of the bar's length",
       result.neglected));
   return result;
 }
