@@ -294,6 +294,11 @@ TEST(ReissnerBeam, HasTheSmallMotionOfTheLinearBar) {
   Rig rig = laden(0.05);
   rig.gravity = 0.0;
   rig.hinge.spring = 0.0;
+  for (const double scale : {1.0, 0.5})  // of the radius
+    rig.beam.segments.push_back({.length = 0.4,
+                                 .area = rig.beam.area * scale * scale,
+                                 .second_moment = rig.beam.second_moment * std::pow(scale, 4),
+                                 .shear_coefficient = 0.886});
   const ReissnerBeam beam(rig, {3, 2});
   const SmallMotion motion = beam.small_motion();
   const int n = beam.size() + ReissnerBeam::held;
