@@ -26,7 +26,7 @@ ReissnerBeam::ReissnerBeam(const Rig& rig, std::array<int, 2> elements)
       inertia_(rig.beam.hinge_inertia()),
       weight_force_(Eigen::VectorXd::Zero(size())),
       reference_(Eigen::VectorXd::Zero(size())),
-      scratch_(size()) {
+      mass_(size(), size()) {
   for (const Element& element : elements_) masses_.push_back(element.mass());
   for (const LumpedMass& lump : rig.beam.masses) {
     const Row row = row_at(lump.position);
@@ -40,22 +40,23 @@ ReissnerBeam::ReissnerBeam(const Rig& rig, std::array<int, 2> elements)
     shift[end] = rig.gravity_across();
     shift[end + Element::u0] = rig.gravity_along();
   }
-  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(size(), size());
+  std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     Values weight;
     Element::Vector::Map(weight.data()) = masses_[e] * shift;
     scatter(weight, e, -1.0, weight_force_);
     const int first = Element::own * static_cast<int>(e) - held;
-    const int skipped = e == 0 ? held : 0;
-    const int kept = Element::values - skipped;
-    mass.block(first + skipped, first + skipped, kept, kept) +=
-        masses_[e].bottomRightCorner(kept, kept);
+    for (int r = 0; r < Element::values; ++r)
+      for (int c = 0; c < Element::values; ++c)
+        if (first + r >= 0 && first + c >= 0 && masses_[e](r, c) != 0.0)
+          entries.emplace_back(first + r, first + c, masses_[e](r, c));
     reference_[first + static_cast<int>(Element::turn0)] = 1.0;
     reference_[first + static_cast<int>(Element::turn1)] = 1.0;
     reference_[first + static_cast<int>(Element::x1)] =
         elements_[e].bar().x + elements_[e].bar().length;
   }
-  factor_.compute(mass);
+  mass_.setFromTriplets(entries.begin(), entries.end());
+  factor_.compute(mass_);
 }
 
 ReissnerBeam::Values ReissnerBeam::gather(ConstVector q, std::size_t element) const {
@@ -73,24 +74,8 @@ void ReissnerBeam::scatter(const Values& values, std::size_t element, double fac
     if (first + i >= 0) to[first + i] += factor * values[static_cast<std::size_t>(i)];
 }
 
-void ReissnerBeam::multiply_mass(ConstVector x, VectorRef product) const {
-  product.setZero();
-  for (std::size_t e = 0; e < elements_.size(); ++e) {
-    const Values own = gather(x, e);
-    Values share;
-    Element::Vector::Map(share.data()) = masses_[e] * Element::Vector::Map(own.data());
-    scatter(share, e, 1.0, product);
-  }
-}
-
 Eigen::VectorXd ReissnerBeam::inertia_diagonal() const {
-  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(size());
-  for (std::size_t e = 0; e < elements_.size(); ++e) {
-    Values own;
-    Element::Vector::Map(own.data()) = masses_[e].diagonal();
-    scatter(own, e, 1.0, diagonal);
-  }
-  return diagonal;
+  return mass_.diagonal();
 }
 
 void ReissnerBeam::set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const {
@@ -128,7 +113,7 @@ void ReissnerBeam::acceleration(ConstVector q, ConstVector v, double contact_for
   a[0] -= hinge_.spring * q[0];
   subtract_damping(q, v, a);
   a[struck_] += contact_force;
-  factor_.solveInPlace(a);
+  a = factor_.solve(a).eval();
   a -= damping_.mass * v;
 }
 
@@ -172,17 +157,14 @@ Eigen::VectorXd ReissnerBeam::small_motion_row(double x) const {
 }
 
 double ReissnerBeam::damping_power(ConstVector q, ConstVector v) const {
-  scratch_.setZero();
-  subtract_damping(q, v, scratch_);
-  const double power = -scratch_.dot(v);
-  multiply_mass(v, scratch_);
-  return power + damping_.mass * scratch_.dot(v);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(size());
+  subtract_damping(q, v, force);
+  return damping_.mass * v.dot(mass_ * v) - force.dot(v);
 }
 
 BeamEnergy ReissnerBeam::energy(ConstVector q, ConstVector v) const {
   BeamEnergy energy;
-  multiply_mass(v, scratch_);
-  energy.kinetic = 0.5 * scratch_.dot(v);
+  energy.kinetic = 0.5 * v.dot(mass_ * v);
   energy.gravitational = -weight_force_.dot(q);
   energy.spring = 0.5 * hinge_.spring * q[0] * q[0];
   for (std::size_t e = 0; e < elements_.size(); ++e)
@@ -193,9 +175,8 @@ BeamEnergy ReissnerBeam::energy(ConstVector q, ConstVector v) const {
 /// With the moment of momentum ∫ρA (X Ẏ − Y Ẋ) + ρI Θ̇ dx, Y = −x + U, counted positive while
 /// closing.
 RigidPart ReissnerBeam::rigid_part(ConstVector q, ConstVector v) const {
-  multiply_mass(reference_, scratch_);
   RigidPart rigid;
-  rigid.angle = -scratch_.dot(q) / inertia_;
+  rigid.angle = -reference_.dot(mass_ * q) / inertia_;
   Eigen::VectorXd arm = reference_;
   const int pairs[] = {Element::x0, Element::xa, Element::xc};
   for (int first = -held; first < size(); first += Element::own)
@@ -205,8 +186,7 @@ RigidPart ReissnerBeam::rigid_part(ConstVector q, ConstVector v) const {
       arm[k] -= q[k + 1];
       arm[k + 1] = q[k];
     }
-  multiply_mass(arm, scratch_);
-  rigid.rate = -scratch_.dot(v) / inertia_;
+  rigid.rate = -arm.dot(mass_ * v) / inertia_;
   return rigid;
 }
 

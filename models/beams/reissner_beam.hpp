@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/SparseCholesky>
 #include <array>
 #include <vector>
 
@@ -67,7 +67,6 @@ class ReissnerBeam : public BeamDynamics {
 
   Values gather(ConstVector q, std::size_t element) const;
   void scatter(const Values& values, std::size_t element, double factor, VectorRef to) const;
-  void multiply_mass(ConstVector x, VectorRef product) const;
   void subtract_damping(ConstVector q, ConstVector v, VectorRef force) const;
 
   std::vector<ReissnerElement> elements_;
@@ -79,8 +78,9 @@ class ReissnerBeam : public BeamDynamics {
   std::vector<ReissnerElement::Matrix> masses_;
   Eigen::VectorXd weight_force_;
   Eigen::VectorXd reference_;  // X = x, Θ = 1: a rigid rotation, opening
-  Eigen::LLT<Eigen::MatrixXd> factor_;
-  mutable Eigen::VectorXd scratch_;
+  Eigen::SparseMatrix<double> mass_;
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>
+      factor_;
 };
 
 }  // namespace impactrig::models
