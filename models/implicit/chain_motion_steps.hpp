@@ -1,39 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "models/implicit/ancf_motion.hpp"
+#pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <limits>
+#include <memory>
+#include <vector>
 
-#include "models/beams/ancf.hpp"
 #include "models/beams/bending_modes.hpp"
-#include "models/implicit/ancf_chain.hpp"
-#include "models/implicit/block_tridiagonal.hpp"
+#include "models/collocation/bar_motion.hpp"
 #include "models/implicit/newton_progress.hpp"
 #include "models/implicit/radau_errors.hpp"
 #include "models/implicit/radau_stages.hpp"
+#include "models/implicit/stage_array.hpp"
+#include "models/simulation.hpp"
 
+// Included by one file a chain: internal linkage lets the compiler inline what is called once.
 namespace impactrig::models {
 namespace {
 
-// Of the accuracy asked for, what Newton's method may leave of a step.
-constexpr double newton_share = 0.2;
-constexpr int kept_factors = 6;
-
-/// S: stages of the method, an even number.
-template <int S>
-class AncfMotion final : public BarMotion {
+/// What chain_motion.hpp makes. S: stages of the method, an even number. Chain: AncfChain or
+/// ReissnerChain.
+template <int S, typename Chain>
+class ChainMotion final : public BarMotion {
  public:
-  AncfMotion(const Rig& rig, const Solver& solver, const HistoryRequest& history)
+  ChainMotion(const Rig& rig, const Solver& solver, const HistoryRequest& history)
       : beam_(rig, solver.elements),
         chain_(beam_),
-        struck_(4 * solver.elements[0]),
+        struck_(Chain::stride * solver.elements[0]),
+        tip_(Chain::stride * (solver.elements[0] + solver.elements[1])),
         length_(rig.beam.length),
         compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
         accuracy_(std::max(solver.accuracy, 1e-13)),
         weight_energy_(rig.gravity * rig.beam.first_moment()),
-        stiffness_(static_cast<std::size_t>(chain_.nodes())),
+        tangent_(chain_.make_tangent()),
         work_(static_cast<std::size_t>(chain_.coordinates())),
         newton_(newton_share * accuracy_) {
     const int n = chain_.coordinates();
@@ -42,9 +44,10 @@ class AncfMotion final : public BarMotion {
     beam_q_.setZero(beam_.size());
     beam_v_.setZero(beam_.size());
     factors_.reserve(kept_factors);
-    for (int i = 0; i < kept_factors; ++i)
-      factors_.emplace_back(static_cast<std::size_t>(chain_.nodes()));
-    const auto spot = [&](double x) { return beam_.row_at(x > 0.0 ? x : rig.contact.position); };
+    for (int i = 0; i < kept_factors; ++i) factors_.emplace_back(chain_);
+    const auto spot = [&](double x) {
+      return chain_.shares_at(beam_, x > 0.0 ? x : rig.contact.position);
+    };
     velocity_spot_ = spot(history.velocity_position);
     displacement_spot_ = spot(history.displacement_position);
   }
@@ -153,6 +156,10 @@ class AncfMotion final : public BarMotion {
   }
 
  private:
+  // Of the accuracy asked for, what Newton's method may leave of a step.
+  static constexpr double newton_share = 0.2;
+  static constexpr int kept_factors = 6;
+
   using Stages = StageArray<S>;
   using Lanes = Eigen::Array<double, S, 1>;
   using Series = Eigen::Matrix<double, S, 1>;
@@ -166,17 +173,19 @@ class AncfMotion final : public BarMotion {
       stage_v_.col(k) = v_[k] + velocity_of(a_.col(k));
     }
     residual_.setZero();
-    chain_.add_damping<S>(stage_q_, stage_v_, residual_);
+    chain_.template add_damping<S>(stage_q_, stage_v_, residual_);
     const Lanes power = (residual_ * stage_v_).rowwise().sum();
     return h_ * (stages_.rule.weights().array() * power).sum();
   }
 
   /// The linear systems of a step of one length, at the tangent at hand.
   struct Factor {
-    explicit Factor(std::size_t nodes) : systems(nodes), pressed(4 * nodes) {}
+    explicit Factor(const Chain& chain)
+        : systems(chain.template make_systems<pairs>()),
+          pressed(static_cast<std::size_t>(chain.coordinates())) {}
 
     double h = 0.0;  ///< 0: of an older tangent
-    BlockTridiagonal<pairs> systems;
+    typename Chain::template Systems<pairs> systems;
     std::vector<Complex> pressed;  ///< solution for a unit force at the struck point
     Response response;
   };
@@ -242,14 +251,10 @@ class AncfMotion final : public BarMotion {
   }
 
   /// Of the chord from hinge to tip against hanging, closing > 0 [rad].
-  double chord_angle() const {
-    const Eigen::Index tip = 4 * (chain_.nodes() - 1);
-    return std::atan2(-q_[tip], length_ - q_[tip + 2]);
-  }
+  double chord_angle() const { return std::atan2(-q_[tip_], length_ - q_[tip_ + Chain::beside]); }
 
   void renew_tangent() {
-    chain_.stiffness(q_, stiffness_);
-    hinge_block_ = chain_.hinge_block(q_, 1.0);
+    chain_.renew(q_, tangent_);
     tangent_angle_ = chord_angle();
     for (Factor& factor : factors_) factor.h = 0.0;
     slow_ = false;
@@ -264,15 +269,14 @@ class AncfMotion final : public BarMotion {
     return factor;
   }
 
-  /// Turns every pair of coordinates (X, U), (X', U') by an angle, closing.
-  static void rotate(double angle, Stages& x) {
+  /// Turns every pair of coordinates by an angle, closing.
+  void rotate(double angle, Stages& x) const {
     const double cosine = std::cos(angle), sine = std::sin(angle);
-    for (Eigen::Index k = 0; k < x.cols(); k += 4)
-      for (Eigen::Index c = k; c < k + 2; ++c) {
-        const Lanes across = x.col(c);
-        x.col(c) = cosine * across + sine * x.col(c + 2);
-        x.col(c + 2) = cosine * x.col(c + 2) - sine * across;
-      }
+    chain_.for_each_pair([&](int across, int along, int) {
+      const Lanes before = x.col(across);
+      x.col(across) = cosine * before + sine * x.col(along);
+      x.col(along) = cosine * x.col(along) - sine * before;
+    });
   }
 
   void make_factor(double h, Factor& factor);
@@ -283,18 +287,18 @@ class AncfMotion final : public BarMotion {
     out = (stages_.out_re * value.re.matrix() - stages_.out_im * value.im.matrix()).array();
   }
 
-  AncfBeam beam_;
-  AncfChain chain_;
+  typename Chain::Beam beam_;
+  Chain chain_;
   const RadauStages<S>& stages_ = RadauStages<S>::get();
   Eigen::Matrix<double, S, S> to_series_ = stages_.rule.to_series();
   Lanes nodes_ = stages_.rule.points().array();
   StepLadder ladder_;
-  int struck_;
+  int struck_, tip_;
   double length_, compliance_;
   double accuracy_;
   double weight_energy_;
   double speed_scale_ = 1.0, contact_time_ = 1.0;
-  AncfBeam::Row velocity_spot_, displacement_spot_;
+  std::array<ChainShare, 4> velocity_spot_, displacement_spot_;
 
   Eigen::ArrayXd q_, v_;
   double h_ = 0.0, last_h_ = 0.0;
@@ -305,8 +309,7 @@ class AncfMotion final : public BarMotion {
   double damped_ = 0.0;     // in bar and hinge over the step [J]
   double work_done_ = 0.0;  // on the bar by the stop over the step [J]
 
-  ChainMatrix stiffness_;
-  Eigen::Matrix4d hinge_block_ = Eigen::Matrix4d::Zero();
+  typename Chain::Tangent tangent_;
   std::vector<Factor> factors_;
   std::size_t next_factor_ = 0;
   Factor* factor_ = nullptr;
@@ -321,11 +324,11 @@ class AncfMotion final : public BarMotion {
   mutable Eigen::VectorXd beam_q_, beam_v_;
 };
 
-template <int S>
-void AncfMotion<S>::make_factor(double h, Factor& factor) {
+template <int S, typename Chain>
+void ChainMotion<S, Chain>::make_factor(double h, Factor& factor) {
   factor.h = h;
   const BarDamping& damping = chain_.damping();
-  typename BlockTridiagonal<pairs>::Shares shares;
+  SystemShares<pairs> shares;
   const auto put = [](const std::complex<double>& value, int j, Complex& share) {
     share.re[j] = value.real();
     share.im[j] = value.imag();
@@ -336,7 +339,7 @@ void AncfMotion<S>::make_factor(double h, Factor& factor) {
     put(z * z + z * damping.stiffness, j, shares.stiffness);
     put(z * z * chain_.hinge().spring + z * chain_.hinge().viscous, j, shares.first_node);
   }
-  factor.systems.factor(chain_.mass(), stiffness_, hinge_block_, shares);
+  chain_.template factor<pairs>(tangent_, shares, factor.systems);
   std::ranges::fill(factor.pressed, Complex{});
   factor.pressed[static_cast<std::size_t>(struck_)].re.setOnes();
   factor.systems.solve_in_place(factor.pressed);
@@ -354,8 +357,8 @@ void AncfMotion<S>::make_factor(double h, Factor& factor) {
 
 /// r becomes the accelerations that Newton's method takes off. A bar that has turned since the
 /// tangent was made has the same tangent, turned.
-template <int S>
-void AncfMotion<S>::solve(Stages& r) {
+template <int S, typename Chain>
+void ChainMotion<S, Chain>::solve(Stages& r) {
   if (turn_ != 0.0) rotate(-turn_, r);
   for (int k = 0; k < chain_.coordinates(); ++k) {
     Complex& x = work_[static_cast<std::size_t>(k)];
@@ -371,15 +374,15 @@ void AncfMotion<S>::solve(Stages& r) {
   if (turn_ != 0.0) rotate(turn_, r);
 }
 
-template <int S>
-bool AncfMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
-                            NodeVector& velocity) {
+template <int S, typename Chain>
+bool ChainMotion<S, Chain>::improve(const NodeVector& force, NodeVector& displacement,
+                                    NodeVector& velocity) {
   const int n = chain_.coordinates();
   for (int k = 0; k < n; ++k) stage_q_.col(k) = q_[k] + displacement_of(v_[k], a_.col(k));
-  chain_.residual<S>(stage_q_, a_, residual_);
+  chain_.template residual<S>(stage_q_, a_, residual_);
   if (chain_.damped()) {
     for (int k = 0; k < n; ++k) stage_v_.col(k) = v_[k] + velocity_of(a_.col(k));
-    chain_.add_damping<S>(stage_q_, stage_v_, residual_);
+    chain_.template add_damping<S>(stage_q_, stage_v_, residual_);
   }
   residual_.col(struck_) -= force.array();
   solve(residual_);
@@ -393,8 +396,8 @@ bool AncfMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
   return newton_.improved(excess_ * size_of(residual_), excess_ * rounding);
 }
 
-template <int S>
-void AncfMotion<S>::press(const NodeVector& change) {
+template <int S, typename Chain>
+void ChainMotion<S, Chain>::press(const NodeVector& change) {
   Complex share;
   share.re = (stages_.into_re * change).array();
   share.im = (stages_.into_im * change).array();
@@ -408,22 +411,26 @@ void AncfMotion<S>::press(const NodeVector& change) {
 
 /// Norms of the terms of the accelerations' Legendre series, across the bar and along it. Motion
 /// along the bar reaches the stop only where the bar is inclined or bent.
-template <int S>
-double AncfMotion<S>::error() const {
+template <int S, typename Chain>
+double ChainMotion<S, Chain>::error() const {
   Lanes across = Lanes::Zero(), along = Lanes::Zero();
   double inclination = 0.0;
-  for (int node = 0; node < chain_.nodes(); ++node) {
-    const int k = 4 * node;
-    const double angle = std::atan2(q_[k + 1], 1.0 - q_[k + 3]);
-    inclination = std::max(inclination, std::abs(angle));
-    const double cosine = std::cos(angle), sine = std::sin(angle);
-    for (int c = 0; c < 2; ++c) {
-      const Lanes x = (to_series_ * a_.col(k + c).matrix()).array();
-      const Lanes u = (to_series_ * a_.col(k + 2 + c).matrix()).array();
-      across += chain_.inertia()[k + c] * (cosine * x + sine * u).square();
-      along += chain_.inertia()[k + c] * (cosine * u - sine * x).square();
+  double cosine = 1.0, sine = 0.0;
+  chain_.for_each_pair([&](int k, int beside, int node) {
+    if (k == node) {
+      const double angle = Chain::inclination(q_, node);
+      inclination = std::max(inclination, std::abs(angle));
+      cosine = std::cos(angle);
+      sine = std::sin(angle);
     }
-  }
+    const Lanes x = (to_series_ * a_.col(k).matrix()).array();
+    const Lanes u = (to_series_ * a_.col(beside).matrix()).array();
+    across += chain_.inertia()[k] * (cosine * x + sine * u).square();
+    along += chain_.inertia()[k] * (cosine * u - sine * x).square();
+  });
+  chain_.for_each_rotation([&](int k) {
+    across += chain_.inertia()[k] * (to_series_ * a_.col(k).matrix()).array().square();
+  });
   const double left =
       series_remainder<S>(across) + std::min(1.0, inclination) * series_remainder<S>(along);
   const double motion = h_ * std::min(1.0, h_ / contact_time_) * left / speed_scale_;
@@ -431,16 +438,16 @@ double AncfMotion<S>::error() const {
   return std::max(motion, loss.error(0.5 * speed_scale_ * speed_scale_, accuracy_));
 }
 
-template <int S>
-void AncfMotion<S>::sample(double first, double spacing, std::span<Sample> samples) {
-  const auto look = [&](const AncfBeam::Row& spot, double part) {
+template <int S, typename Chain>
+void ChainMotion<S, Chain>::sample(double first, double spacing, std::span<Sample> samples) {
+  const auto look = [&](const std::array<ChainShare, 4>& spot, double part) {
     PointMotion sum;
-    for (int i = 0; i < 4; ++i) {
-      const int k = 4 * (static_cast<int>(spot.element) + i / 2) + i % 2;
+    for (const ChainShare& share : spot) {
+      const int k = share.coordinate;
       const PointMotion p =
           part > 0.0 ? motion_at(q_[k], v_[k], a_.col(k), part) : PointMotion{q_[k], v_[k]};
-      sum.displacement -= spot.shape[i] * p.displacement;
-      sum.velocity -= spot.shape[i] * p.velocity;
+      sum.displacement -= share.shape * p.displacement;
+      sum.velocity -= share.shape * p.velocity;
     }
     return sum;
   };
@@ -451,12 +458,12 @@ void AncfMotion<S>::sample(double first, double spacing, std::span<Sample> sampl
   }
 }
 
-}  // namespace
-
-std::unique_ptr<BarMotion> make_ancf_motion(const Rig& rig, const Solver& solver,
-                                            const HistoryRequest& history) {
-  if (solver.accuracy > 5e-6) return std::make_unique<AncfMotion<4>>(rig, solver, history);
-  return std::make_unique<AncfMotion<8>>(rig, solver, history);
+template <typename Chain>
+std::unique_ptr<BarMotion> make_chain_motion(const Rig& rig, const Solver& solver,
+                                             const HistoryRequest& history) {
+  if (solver.accuracy > 5e-6) return std::make_unique<ChainMotion<4, Chain>>(rig, solver, history);
+  return std::make_unique<ChainMotion<8, Chain>>(rig, solver, history);
 }
 
+}  // namespace
 }  // namespace impactrig::models
