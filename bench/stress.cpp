@@ -133,6 +133,7 @@ class SceneText {
     }
     add("youngs_modulus = \"{:.17g} Pa\"\npoisson_ratio = {:.6f}\ndensity = \"{:.17g} kg/m^3\"",
         modulus_, random_.uniform(0.0, 0.5), density);
+    if (chance(0.25)) add("theory = \"timoshenko\"");
   }
 
   void draw_contact() {

@@ -240,8 +240,9 @@ void read_hinge(TableReader& table, models::Hinge& hinge) {
   if (const auto viscous = table.quantity("viscous", "N.m.s/rad")) hinge.viscous = viscous->value;
   if (const auto friction = table.quantity("friction", "N.m")) hinge.friction = friction->value;
   if (auto rotation = table.table("rotation")) {
-    hinge.rotation = {.rate = rotation->required_quantity("rate", "rad/s", "6 rad/s")};
-    if (const auto time = rotation->quantity("time", "s")) hinge.rotation->time = time->value;
+    const double time = rotation->quantity("time", "s").value_or(datasets::UncertainValue{}).value;
+    hinge.rotation = {.rate = rotation->required_quantity("rate", "rad/s", "6 rad/s"),
+                      .time = time};
     rotation->finish();
   }
   table.finish();

@@ -6,6 +6,7 @@
 #include "models/beams/ancf.hpp"
 #include "models/beams/floating_frame.hpp"
 #include "models/beams/linear_bar.hpp"
+#include "models/beams/reissner_beam.hpp"
 
 namespace impactrig::models {
 
@@ -17,6 +18,7 @@ std::unique_ptr<BeamDynamics> make_beam(const Rig& rig, const Solver& solver) {
       return std::make_unique<FloatingFrameBeam>(rig, solver.basis, solver.modes,
                                                  solver.axial_modes);
     case BeamModel::ancf:
+      if (rig.beam.shears()) return std::make_unique<ReissnerBeam>(rig, solver.elements);
       return std::make_unique<AncfBeam>(rig, solver.elements);
   }
   throw std::logic_error("make_beam: beam model out of range");

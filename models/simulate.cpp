@@ -6,7 +6,7 @@
 #include <string>
 
 #include "models/free_run.hpp"
-#include "models/implicit/ancf_motion.hpp"
+#include "models/implicit/chain_motion.hpp"
 #include "models/implicit/dense_motion.hpp"
 #include "models/modal/small_motion_run.hpp"
 #include "models/stop/stopped_motion.hpp"
@@ -65,13 +65,18 @@ std::optional<Simulation> try_small_motion(const Rig& rig, const Solver& solver,
   return std::nullopt;
 }
 
+std::unique_ptr<BarMotion> make_motion(const Rig& rig, const Solver& solver,
+                                       const HistoryRequest& history) {
+  if (solver.model != BeamModel::ancf) return make_dense_motion(rig, solver, history);
+  if (rig.beam.shears()) return make_reissner_motion(rig, solver, history);
+  return make_ancf_motion(rig, solver, history);
+}
+
 Simulation simulate_full_equations(const Rig& rig, const Solver& solver,
                                    const SimulationOptions& options) {
   Solver used = solver;
   used.accuracy *= solver.model == BeamModel::rigid ? share_of_rigid : share_of_full;
-  const std::unique_ptr<BarMotion> motion = solver.model == BeamModel::ancf
-                                                ? make_ancf_motion(rig, used, options.history)
-                                                : make_dense_motion(rig, used, options.history);
+  const std::unique_ptr<BarMotion> motion = make_motion(rig, used, options.history);
   Simulation result = run(rig, used, options, *motion);
   result.solver = solver;
   return result;

@@ -51,8 +51,7 @@ double bending_energy(const Eigen::Vector4d& u, double l) {
 std::vector<BarElement> elements_of(const Rig& rig, std::array<int, 2> elements) {
   if (rig.beam.shears())
     throw std::invalid_argument(
-        "beam.theory: ANCF elements do not shear, and this run needs their full equations; take "
-        "solver.model = \"hybrid\", or a solver.accuracy that small motion reaches");
+        "beam.theory: AncfBeam does not shear, ReissnerBeam does");
   return bar_elements(rig.beam, rig.contact.position, elements);
 }
 

@@ -51,8 +51,10 @@ Eigen::VectorXd AssumedModes::shown(double x,
   const Eigen::Index node = 2 * static_cast<Eigen::Index>(e);
   Eigen::VectorXd sum = values_.middleRows<4>(node).transpose() * share.head<4>();
   if (element.shears()) {
-    const Eigen::Index inside = 2 * static_cast<Eigen::Index>(elements_.size() + 1) + node;
-    sum += values_.middleRows<2>(inside).transpose() * share.tail<2>();
+    const Eigen::Index inside = 2 * static_cast<Eigen::Index>(elements_.size() + 1) +
+                                BarElement::inside * static_cast<Eigen::Index>(e);
+    sum += values_.middleRows<BarElement::inside>(inside).transpose() *
+           share.tail<BarElement::inside>();
   }
   return sum;
 }

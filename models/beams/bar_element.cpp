@@ -27,8 +27,10 @@ BarElement::Shape BarElement::deflection(double xi) const {
   shape << over * (2.0 * c - 3.0 * s - phi * xi + 1.0 + phi),
       over * length * (c - (2.0 + 0.5 * phi) * s + (1.0 + 0.5 * phi) * xi),
       over * (-2.0 * c + 3.0 * s + phi * xi),
-      over * length * (c - (1.0 - 0.5 * phi) * s - 0.5 * phi * xi), 0.0, 0.0;
-  if (shears()) shape.tail<2>() << 4.0 * (xi - s), length * (2.0 * s - (4.0 * c + 2.0 * xi) / 3.0);
+      over * length * (c - (1.0 - 0.5 * phi) * s - 0.5 * phi * xi), 0.0, 0.0, 0.0;
+  if (shears())
+    shape.tail<inside>() << 4.0 * (xi - s), length * (2.0 * s - (4.0 * c + 2.0 * xi) / 3.0),
+        xi - 3.0 * s + 2.0 * c;
   return shape;
 }
 
@@ -39,8 +41,10 @@ BarElement::Shape BarElement::slope(double xi) const {
   const double chord = over * (6.0 * (xi - s) + phi) / length;
   Shape shape;
   shape << -chord, over * (3.0 * s - (4.0 + phi) * xi + 1.0 + 0.5 * phi), chord,
-      over * (3.0 * s - (2.0 - phi) * xi - 0.5 * phi), 0.0, 0.0;
-  if (shears()) shape.tail<2>() << (4.0 - 8.0 * xi) / length, 4.0 * (xi - s) - 2.0 / 3.0;
+      over * (3.0 * s - (2.0 - phi) * xi - 0.5 * phi), 0.0, 0.0, 0.0;
+  if (shears())
+    shape.tail<inside>() << (4.0 - 8.0 * xi) / length, 4.0 * (xi - s) - 2.0 / 3.0,
+        (1.0 - 6.0 * (xi - s)) / length;
   return shape;
 }
 
@@ -51,7 +55,7 @@ BarElement::Shape BarElement::rotation(double xi) const {
   const double chord = over * 6.0 * (xi - s) / length;
   Shape shape;
   shape << -chord, over * (3.0 * s - (4.0 + phi) * xi + 1.0 + phi), chord,
-      over * (3.0 * s - (2.0 - phi) * xi), 0.0, 0.0;
+      over * (3.0 * s - (2.0 - phi) * xi), 0.0, 0.0, 0.0;
   if (shears()) shape[5] = 4.0 * (xi - s);
   return shape;
 }
@@ -85,6 +89,7 @@ BarElement::Matrix BarElement::stiffness() const {
   if (!shears()) return k;
   k(4, 4) = 16.0 / (3.0 * l * shear_compliance);
   k(5, 5) = 16.0 * bending_stiffness / (3.0 * l) + 4.0 * l / (9.0 * shear_compliance);
+  k(6, 6) = 1.0 / (5.0 * l * shear_compliance);
   return k;
 }
 

@@ -16,13 +16,17 @@ namespace impactrig::models {
 /// bar loaded at its ends, with Φ = 12 EI / (κGA l²) [FriedmanKosmatka1993]: w cubic, θ quadratic,
 /// no locking, exact for end loads. With Φ = 0 w is Hermite's cubic and θ = w', all there is.
 ///
-/// In a bar that moves, inertia loads vary the shear force along the element: two more values a, b
-/// inside it, w = 4 (ξ − ξ²) a and θ = 4 (ξ − ξ²) b with its w of constant shear strain. Without
-/// them frequencies of a bar that shears would err with the second power of l only; with them it is
-/// the fourth. They do not couple elastically to the nodes. ξ runs from 0 to 1.
+/// In a bar that moves, inertia loads vary the shear force along the element: three more values a,
+/// b and c inside it, w = 4 (ξ − ξ²) a, θ = 4 (ξ − ξ²) b with its w of constant shear strain, and w
+/// = ξ (1 − ξ) (1 − 2ξ) c, make w any cubic and θ any quadratic, those of ReissnerElement where it
+/// moves little. Without them frequencies of a bar that shears would err with the second power of l
+/// only; with them it is the fourth. They couple elastically neither to the nodes nor to each
+/// other. ξ runs from 0 to 1.
 struct BarElement {
-  using Shape = Eigen::Matrix<double, 6, 1>;   ///< of the four nodal values, a [m] and b [-]
-  using Matrix = Eigen::Matrix<double, 6, 6>;  ///< likewise; a and b zero with Φ = 0
+  static constexpr int values = 7;  ///< four of the nodes, a [m], b [-] and c [m]
+  static constexpr int inside = 3;  ///< the last of them; zero with Φ = 0
+  using Shape = Eigen::Matrix<double, values, 1>;
+  using Matrix = Eigen::Matrix<double, values, values>;
 
   double x = 0.0;                  ///< of its first node [m]
   double length = 0.0;             ///< l [m]

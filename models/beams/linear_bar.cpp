@@ -15,13 +15,17 @@ LinearBar::LinearBar(const Rig& rig, std::vector<BarElement> elements)
       spring_(rig.hinge.spring) {}
 
 int LinearBar::size() const {
-  return elements_.front().shears() ? 2 * nodal() - 1 : nodal();
+  const int inside = elements_.front().shears() ? BarElement::inside : 0;
+  return nodal() + inside * static_cast<int>(elements_.size());
 }
 
-std::array<int, 6> LinearBar::coordinates(std::size_t element) const {
+std::array<int, BarElement::values> LinearBar::coordinates(std::size_t element) const {
   const int e = static_cast<int>(element);
-  const int inside = elements_[element].shears() ? nodal() + 2 * e : -1;
-  return {2 * e - 1, 2 * e, 2 * e + 1, 2 * e + 2, inside, inside < 0 ? -1 : inside + 1};
+  std::array<int, BarElement::values> places = {2 * e - 1, 2 * e, 2 * e + 1, 2 * e + 2, -1, -1, -1};
+  if (elements_[element].shears())
+    for (int i = 0; i < BarElement::inside; ++i)
+      places[static_cast<std::size_t>(4 + i)] = nodal() + BarElement::inside * e + i;
+  return places;
 }
 
 /// With the lumped masses on it, each in one element.
@@ -66,10 +70,10 @@ SmallMotion LinearBar::small_motion() const {
   double below = 0.0;  // mass of the bar beyond the element
   for (std::size_t e = elements_.size(); e-- > 0;) {
     const BarElement& element = elements_[e];
-    const std::array<int, 6> places = coordinates(e);
+    const std::array<int, BarElement::values> places = coordinates(e);
     const auto add = [&](Eigen::MatrixXd& to, const BarElement::Matrix& share) {
-      for (std::size_t r = 0; r < 6; ++r)
-        for (std::size_t c = 0; c < 6; ++c)
+      for (std::size_t r = 0; r < BarElement::values; ++r)
+        for (std::size_t c = 0; c < BarElement::values; ++c)
           if (places[r] >= 0 && places[c] >= 0)
             to(places[r], places[c]) += share(static_cast<int>(r), static_cast<int>(c));
     };
@@ -87,9 +91,9 @@ Eigen::VectorXd LinearBar::small_motion_row(double x) const {
   const std::size_t e = element_at(elements_, x);
   const BarElement& element = elements_[e];
   const BarElement::Shape s = element.deflection((x - element.x) / element.length);
-  const std::array<int, 6> places = coordinates(e);
+  const std::array<int, BarElement::values> places = coordinates(e);
   Eigen::VectorXd row = Eigen::VectorXd::Zero(size());
-  for (std::size_t i = 0; i < 6; ++i)
+  for (std::size_t i = 0; i < BarElement::values; ++i)
     if (places[i] >= 0) row[places[i]] = -s[static_cast<int>(i)];
   return row;
 }

@@ -15,7 +15,7 @@ namespace impactrig::models {
 /// the axis.
 ///
 /// q = [θ_0, (w, θ)_1, ..., (w, θ)_N], w against closing, θ = dw/dx where the bar does not shear;
-/// where it does, the values a, b inside of each element follow.
+/// where it does, the values a, b, c inside of each element follow.
 class LinearBar : public SmallMotionBeam {
  public:
   LinearBar(const Rig& rig, std::vector<BarElement> elements);
@@ -29,7 +29,7 @@ class LinearBar : public SmallMotionBeam {
   int size() const;
 
   /// Coordinate of each of an element's values; −1: held, or there is none.
-  std::array<int, 6> coordinates(std::size_t element) const;
+  std::array<int, BarElement::values> coordinates(std::size_t element) const;
 
   BarElement::Matrix mass_of(std::size_t element) const;
   BarElement::Matrix hanging_weight_of(const BarElement& element, double below) const;

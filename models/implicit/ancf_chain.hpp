@@ -8,18 +8,29 @@
 
 #include "models/beams/ancf.hpp"
 #include "models/implicit/block_tridiagonal.hpp"
+#include "models/implicit/stage_array.hpp"
 
 namespace impactrig::models {
 
-/// Values of S stages side by side (lanes), a column for each coordinate of a chain: 4 node + c, c
-/// = X, X', U, U'.
-template <int S>
-using StageArray = Eigen::Array<double, S, Eigen::Dynamic>;
-
-/// An AncfBeam ordered node by node, the hinge's two positions kept as coordinates that stay zero.
-/// Its forces are evaluated for all stages of a step at once.
+/// An AncfBeam ordered node by node, X, X', U, U', the hinge's two positions kept as coordinates
+/// that stay zero. Its forces are evaluated for all stages of a step at once.
 class AncfChain {
  public:
+  using Beam = AncfBeam;
+
+  /// Derivatives of the internal forces, and of the hinge's angle times themselves.
+  struct Tangent {
+    ChainMatrix stiffness;
+    Eigen::Matrix4d hinge;
+  };
+
+  /// The linear systems of K pairs of stages.
+  template <int K>
+  using Systems = BlockTridiagonal<K>;
+
+  static constexpr int stride = 4;  ///< from X of a node to X of the next
+  static constexpr int beside = 2;  ///< from X to U
+
   explicit AncfChain(const AncfBeam& beam);
 
   int nodes() const { return static_cast<int>(elements_.size()) + 1; }
@@ -69,6 +80,44 @@ class AncfChain {
   Eigen::Matrix4d hinge_block(const Eigen::ArrayXd& q, double coefficient) const;
 
   const Hinge& hinge() const { return hinge_; }
+
+  Tangent make_tangent() const {
+    return {ChainMatrix(static_cast<std::size_t>(nodes())), Eigen::Matrix4d::Zero()};
+  }
+
+  void renew(const Eigen::ArrayXd& q, Tangent& tangent) const {
+    stiffness(q, tangent.stiffness);
+    tangent.hinge = hinge_block(q, 1.0);
+  }
+
+  template <int K>
+  Systems<K> make_systems() const {
+    return Systems<K>(static_cast<std::size_t>(nodes()));
+  }
+
+  template <int K>
+  void factor(const Tangent& tangent, const SystemShares<K>& share, Systems<K>& systems) const {
+    systems.factor(mass_, tangent.stiffness, tangent.hinge, share);
+  }
+
+  /// visit(X, U, node): the coordinates that turn with the bar, and X of the node they belong to.
+  template <typename Visitor>
+  void for_each_pair(Visitor&& visit) const {
+    for (int node = 0; node < coordinates(); node += stride)
+      for (int k = node; k < node + beside; ++k) visit(k, k + beside, node);
+  }
+
+  /// Of those that do not turn with it: none.
+  template <typename Visitor>
+  void for_each_rotation(Visitor&&) const {}
+
+  /// Of the bar at a node, given by its X, closing < 0 [rad].
+  static double inclination(const Eigen::ArrayXd& q, int node) {
+    return std::atan2(q[node + 1], 1.0 - q[node + 3]);
+  }
+
+  /// What makes up X at x.
+  std::array<ChainShare, 4> shares_at(const AncfBeam& beam, double x) const;
 
   /// Between the order of the AncfBeam and that of the chain.
   void to_beam(const Eigen::ArrayXd& chain, Eigen::VectorXd& beam) const;

@@ -36,9 +36,7 @@ class BlockTridiagonal {
 
   explicit BlockTridiagonal(std::size_t nodes) : inverse_(nodes), lower_(nodes) {}
 
-  struct Shares {
-    Complex mass, stiffness, first_node;  // m, k, c
-  };
+  using Shares = SystemShares<K>;
 
   void factor(const ChainMatrix& mass, const ChainMatrix& stiffness,
               const Eigen::Matrix4d& first_node, const Shares& share) {

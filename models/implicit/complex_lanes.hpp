@@ -57,4 +57,10 @@ struct ComplexLanes {
   }
 };
 
+/// Shares of mass, stiffness and the hinge's derivatives in K linear systems: m, k, c.
+template <int K>
+struct SystemShares {
+  ComplexLanes<K> mass, stiffness, first_node;
+};
+
 }  // namespace impactrig::models

@@ -53,24 +53,28 @@ class SlopeHold {
     v[3] = -cosine * stretching + sine * slope * rate;
   }
 
-  /// Takes n · r_x at an angle out of the stiffness of bar and hinge, and apart in the mass matrix.
-  void release(double angle, ChainMatrix& stiffness, Eigen::Matrix4d& hinge) {
+  /// Takes n · r_x at an angle out of the tangent, and apart in the mass matrix.
+  void release(double angle, AncfChain::Tangent& tangent) {
     const Eigen::Vector4d normal(0.0, -std::cos(angle), 0.0, std::sin(angle));
     const Eigen::Matrix4d projector = Eigen::Matrix4d::Identity() - normal * normal.transpose();
     const auto free = [&](Eigen::Matrix4d& diagonal, Eigen::Matrix4d& next) {
       diagonal = projector * diagonal * projector;
       next = projector * next;
     };
-    free(stiffness.diagonal[0], stiffness.next[0]);
-    hinge.setZero();
+    free(tangent.stiffness.diagonal[0], tangent.stiffness.next[0]);
+    tangent.hinge.setZero();
     mass_.diagonal[0] = own_.diagonal[0];
     mass_.next[0] = own_.next[0];
     free(mass_.diagonal[0], mass_.next[0]);
     mass_.diagonal[0] += inertia_ * normal * normal.transpose();
   }
 
-  /// The mass matrix after release().
-  const ChainMatrix& mass() const { return mass_; }
+  /// The linear systems after release().
+  template <int K>
+  void factor(const AncfChain::Tangent& tangent, const SystemShares<K>& share,
+              AncfChain::Systems<K>& systems) const {
+    systems.factor(mass_, tangent.stiffness, tangent.hinge, share);
+  }
 
   /// Replaces the equation along n in a residual.
   void constrain(const StageArray<S>& q, const StageArray<S>& v, const StageArray<S>& a,

@@ -379,7 +379,7 @@ TEST(RigFile, ReadsAHingeThatIsTurned) {
   EXPECT_DOUBLE_EQ(turned.hinge.rotation->rate, -std::numbers::pi / 6.0);
   EXPECT_EQ(turned.hinge.rotation->time, 0.0);
   EXPECT_DOUBLE_EQ(*turned.start.release_angle, 0.2);
-  EXPECT_NE(message_of(arm, {{"hinge.rotation", "{ time = \"1 s\" }"}}).find("rotation.rate"),
+  EXPECT_NE(message_of(arm, {{"hinge.rotation", "{ time = \"1 s\" }"}}).find("hinge.rotation.rate"),
             std::string::npos);
   EXPECT_NE(message_of(arm, {{"hinge.friction", "1 N.m"}})
                 .find("hinge.friction: changes nothing where hinge.rotation states"),

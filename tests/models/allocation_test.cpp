@@ -85,6 +85,19 @@ TEST(TimeLoop, OfAncfAllocatesNothing) {
     expect_no_allocation_in_steps(damped_paper_rig(), ancf(7, 1, accuracy, 0.0), exact);
 }
 
+TEST(TimeLoop, OfABarThatShearsAllocatesNothing) {
+  Rig rig = damped_paper_rig();
+  rig.beam.theory = BeamTheory::timoshenko;
+  rig.beam.shear_coefficient = 0.886;
+  SimulationOptions exact;
+  exact.exact = true;
+  for (const double accuracy : {1e-3, 1e-6}) {
+    expect_no_allocation_in_steps(rig, ancf(7, 1, accuracy, 0.0), exact);
+    rig.beam.damping = {.mass = 1.0, .stiffness = 1e-8};
+    rig.hinge = {.spring = 100.0, .viscous = 0.1};
+  }
+}
+
 TEST(TimeLoop, OfDampedAncfAllocatesNothing) {
   Rig rig = damped_paper_rig();
   rig.beam.damping = {.mass = 1.0, .stiffness = 1e-8};

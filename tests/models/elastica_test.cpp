@@ -6,13 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
-#include <boost/math/special_functions/ellint_1.hpp>
-#include <boost/math/special_functions/ellint_2.hpp>
 #include <boost/numeric/odeint.hpp>
 #include <cmath>
 #include <numbers>
 
 #include "models/beams/ancf.hpp"
+#include "tests/models/elastica.hpp"
 #include "tests/models/scenes.hpp"
 #include "tests/support/convergence_study.hpp"
 
@@ -22,38 +21,6 @@ using namespace impactrig::models;
 using namespace impactrig::tests;
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
-
-/// Of the tip of a cantilever of unit length; `shortening` is along the undeformed bar.
-struct TipDeflection {
-  double across = 0.0;      // [-]
-  double shortening = 0.0;  // [-]
-};
-
-/// Inextensible cantilever under a dead load P across its tip, α = P L² / EI. Source:
-/// [BisshoppDrucker1945].
-struct Elastica {
-  explicit Elastica(double load) {
-    using boost::math::ellint_1;
-    using boost::math::ellint_2;
-    const auto load_of = [](double slope) {
-      const double k = std::sqrt(0.5 * (1.0 + std::sin(slope)));
-      const double amplitude = std::asin(std::numbers::sqrt2 / (2.0 * k));
-      return std::pow(ellint_1(k) - ellint_1(k, amplitude), 2);
-    };
-    double low = 0.0, high = 0.5 * std::numbers::pi;
-    for (int i = 0; i < 60; ++i) {
-      tip_slope = 0.5 * (low + high);
-      (load_of(tip_slope) < load ? low : high) = tip_slope;
-    }
-    const double k = std::sqrt(0.5 * (1.0 + std::sin(tip_slope)));
-    const double amplitude = std::asin(std::numbers::sqrt2 / (2.0 * k));
-    tip.across = 1.0 - 2.0 / std::sqrt(load) * (ellint_2(k) - ellint_2(k, amplitude));
-    tip.shortening = 1.0 - std::sqrt(2.0 * std::sin(tip_slope) / load);
-  }
-
-  double tip_slope = 0.0;  // angle to the undeformed bar [rad]
-  TipDeflection tip;
-};
 
 /// Bar of unit length, EI and line density with EA = 1 / extensibility, struck at its tip.
 Rig unit_rig(double extensibility) {

@@ -8,7 +8,7 @@
 #include "models/beams/ancf.hpp"
 #include "models/collocation/collocation.hpp"
 #include "models/implicit/ancf_chain.hpp"
-#include "models/implicit/ancf_motion.hpp"
+#include "models/implicit/chain_motion.hpp"
 #include "models/implicit/block_tridiagonal.hpp"
 #include "models/implicit/radau_stages.hpp"
 #include "tests/models/reference/impact_run.hpp"

@@ -96,7 +96,6 @@ TEST(SteppedBar, OfEqualSegmentsIsTheUniformBar) {
     EXPECT_NEAR(two.peak_force / one.peak_force, 1.0, 1e-9);
     EXPECT_NEAR(two.episodes[0].end / one.episodes[0].end, 1.0, 1e-9);
     EXPECT_NEAR(two.neglected / one.neglected, 1.0, 1e-6);
-    if (theory == BeamTheory::timoshenko) continue;
     SimulationOptions exact;
     exact.exact = true;
     const Simulation slow = simulate(uniform, ancf(6, 2, 1e-5, 1e-3), exact);

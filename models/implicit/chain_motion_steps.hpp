@@ -1,36 +1,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "models/implicit/ancf_motion.hpp"
+#pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
 
-#include "models/beams/ancf.hpp"
 #include "models/beams/bending_modes.hpp"
+#include "models/collocation/bar_motion.hpp"
 #include "models/hinge_friction.hpp"
-#include "models/implicit/ancf_chain.hpp"
-#include "models/implicit/block_tridiagonal.hpp"
 #include "models/implicit/newton_progress.hpp"
 #include "models/implicit/radau_errors.hpp"
 #include "models/implicit/radau_stages.hpp"
-#include "models/implicit/slope_hold.hpp"
+#include "models/implicit/stage_array.hpp"
+#include "models/simulation.hpp"
 
+// Included by one file a chain: internal linkage lets the compiler inline what is called once.
 namespace impactrig::models {
 namespace {
 
-// Of the accuracy asked for, what Newton's method may leave of a step.
-constexpr double newton_share = 0.2;
-constexpr int kept_factors = 6;
-
-/// S: stages of the method, an even number.
-template <int S>
-class AncfMotion final : public BarMotion {
+/// What chain_motion.hpp makes. S: stages of the method, an even number. Chain: AncfChain or
+/// ReissnerChain; Hold: SlopeHold or SectionHold, for a hinge whose angle is given.
+template <int S, typename Chain, template <int> typename Hold>
+class ChainMotion final : public BarMotion {
  public:
-  AncfMotion(const Rig& rig, const Solver& solver, const HistoryRequest& history)
+  ChainMotion(const Rig& rig, const Solver& solver, const HistoryRequest& history)
       : beam_(rig, solver.elements),
         chain_(beam_),
-        struck_(4 * solver.elements[0]),
+        struck_(Chain::stride * solver.elements[0]),
+        tip_(Chain::stride * (solver.elements[0] + solver.elements[1])),
         length_(rig.beam.length),
         place_(rig.contact.position),
         compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
@@ -39,7 +41,7 @@ class AncfMotion final : public BarMotion {
         friction_(rig.hinge.friction),
         hold_(chain_),
         rotation_(rig.hinge.rotation),
-        stiffness_(static_cast<std::size_t>(chain_.nodes())),
+        tangent_(chain_.make_tangent()),
         work_(static_cast<std::size_t>(chain_.coordinates())),
         newton_(newton_share * accuracy_) {
     const int n = chain_.coordinates();
@@ -49,13 +51,11 @@ class AncfMotion final : public BarMotion {
     beam_v_.setZero(beam_.size());
     hinge_ = NodeVector::Zero(S);
     factors_.reserve(kept_factors);
-    for (int i = 0; i < kept_factors; ++i)
-      factors_.emplace_back(static_cast<std::size_t>(chain_.nodes()));
-    const auto spot = [&](double x) { return beam_.row_at(x > 0.0 ? x : rig.contact.position); };
-    velocity_spot_ = spot(history.velocity_position);
-    displacement_place_ =
-        history.displacement_position > 0.0 ? history.displacement_position : rig.contact.position;
-    displacement_spot_ = beam_.row_at(displacement_place_);
+    for (int i = 0; i < kept_factors; ++i) factors_.emplace_back(chain_);
+    const auto spot = [&](double x) { return x > 0.0 ? x : place_; };
+    displacement_place_ = spot(history.displacement_position);
+    velocity_spot_ = chain_.shares_at(beam_, spot(history.velocity_position));
+    displacement_spot_ = chain_.shares_at(beam_, displacement_place_);
   }
 
   const Collocation& rule() const override { return stages_.rule; }
@@ -67,7 +67,7 @@ class AncfMotion final : public BarMotion {
     chain_.from_beam(beam_q_, q_);
     chain_.from_beam(beam_v_, v_);
     // the steady bar has the struck point's speed, a turned one its hinge's rate
-    if (rotation_) v_ *= std::hypot(q_[struck_], place_ - q_[struck_ + 2]) / place_;
+    if (rotation_) v_ *= std::hypot(q_[struck_], place_ - q_[struck_ + Chain::beside]) / place_;
     energy_ = chain_.energy(q_, v_);
     lost_ = 0.0;
     last_h_ = 0.0;
@@ -148,8 +148,8 @@ class AncfMotion final : public BarMotion {
 
   void change_hinge() override {
     friction_.follow(friction_change_);
-    const double angle = SlopeHold<S>::angle_of(q_);
-    SlopeHold<S>::place(angle, 0.0, q_, v_);
+    const double angle = Hold<S>::angle_of(q_);
+    Hold<S>::place(angle, 0.0, q_, v_);
     hold_.stop(angle);
     lost_ += total(energy_);
     energy_ = chain_.energy(q_, v_);
@@ -190,6 +190,10 @@ class AncfMotion final : public BarMotion {
   }
 
  private:
+  // Of the accuracy asked for, what Newton's method may leave of a step.
+  static constexpr double newton_share = 0.2;
+  static constexpr int kept_factors = 6;
+
   using Stages = StageArray<S>;
   using Lanes = Eigen::Array<double, S, 1>;
   using Series = Eigen::Matrix<double, S, 1>;
@@ -226,7 +230,7 @@ class AncfMotion final : public BarMotion {
     unheld_residual(force);
     const Lanes power = hold_.moment(stage_q_, residual_) * hold_.rate();
     driven_ = h_ * (stages_.rule.weights().array() * power).sum();
-    SlopeHold<S>::place(turned_at(t_ + h_), rotation_->rate_at(t_ + h_), end_q_, end_v_);
+    Hold<S>::place(turned_at(t_ + h_), rotation_->rate_at(t_ + h_), end_q_, end_v_);
   }
 
   /// At the stages of the solved step, and what friction took.
@@ -243,8 +247,8 @@ class AncfMotion final : public BarMotion {
 
   /// Of the stages, the hinge let go.
   void unheld_residual(const NodeVector& force) {
-    chain_.residual<S>(stage_q_, a_, residual_);
-    if (chain_.damped()) chain_.add_damping<S>(stage_q_, stage_v_, residual_);
+    chain_.template residual<S>(stage_q_, a_, residual_);
+    if (chain_.damped()) chain_.template add_damping<S>(stage_q_, stage_v_, residual_);
     if (friction_.slides())
       chain_.template add_hinge_moment<S>(friction_.moment(), stage_q_, residual_);
     residual_.col(struck_) -= force.array();
@@ -254,17 +258,19 @@ class AncfMotion final : public BarMotion {
   double damped_in_step() {
     place_stages();
     residual_.setZero();
-    chain_.add_damping<S>(stage_q_, stage_v_, residual_);
+    chain_.template add_damping<S>(stage_q_, stage_v_, residual_);
     const Lanes power = (residual_ * stage_v_).rowwise().sum();
     return h_ * (stages_.rule.weights().array() * power).sum();
   }
 
   /// The linear systems of a step of one length, at the tangent at hand.
   struct Factor {
-    explicit Factor(std::size_t nodes) : systems(nodes), pressed(4 * nodes) {}
+    explicit Factor(const Chain& chain)
+        : systems(chain.template make_systems<pairs>()),
+          pressed(static_cast<std::size_t>(chain.coordinates())) {}
 
     double h = 0.0;  ///< 0: of an older tangent
-    BlockTridiagonal<pairs> systems;
+    typename Chain::template Systems<pairs> systems;
     std::vector<Complex> pressed;  ///< solution for a unit force at the struck point
     Response response;
   };
@@ -337,15 +343,11 @@ class AncfMotion final : public BarMotion {
   }
 
   /// Of the chord from hinge to tip against hanging, closing > 0 [rad].
-  double chord_angle() const {
-    const Eigen::Index tip = 4 * (chain_.nodes() - 1);
-    return std::atan2(-q_[tip], length_ - q_[tip + 2]);
-  }
+  double chord_angle() const { return std::atan2(-q_[tip_], length_ - q_[tip_ + Chain::beside]); }
 
   void renew_tangent() {
-    chain_.stiffness(q_, stiffness_);
-    hinge_block_ = chain_.hinge_block(q_, 1.0);
-    if (held()) hold_.release(SlopeHold<S>::angle_of(q_), stiffness_, hinge_block_);
+    chain_.renew(q_, tangent_);
+    if (held()) hold_.release(Hold<S>::angle_of(q_), tangent_);
     tangent_angle_ = rotation_ ? turned_at(t_) : chord_angle();
     for (Factor& factor : factors_) factor.h = 0.0;
     slow_ = false;
@@ -366,14 +368,13 @@ class AncfMotion final : public BarMotion {
     turn_sine_ = angle.sin();
   }
 
-  /// Turns every pair of coordinates (X, U), (X', U') by an angle, closing.
-  static void rotate(const Lanes& cosine, const Lanes& sine, Stages& x) {
-    for (Eigen::Index k = 0; k < x.cols(); k += 4)
-      for (Eigen::Index c = k; c < k + 2; ++c) {
-        const Lanes across = x.col(c);
-        x.col(c) = cosine * across + sine * x.col(c + 2);
-        x.col(c + 2) = cosine * x.col(c + 2) - sine * across;
-      }
+  /// Turns every pair of coordinates by an angle, closing.
+  void rotate(const Lanes& cosine, const Lanes& sine, Stages& x) const {
+    chain_.for_each_pair([&](int across, int along, int) {
+      const Lanes before = x.col(across);
+      x.col(across) = cosine * before + sine * x.col(along);
+      x.col(along) = cosine * x.col(along) - sine * before;
+    });
   }
 
   void add_departure(double part, Sample& sample) const;
@@ -385,19 +386,19 @@ class AncfMotion final : public BarMotion {
     out = (stages_.out_re * value.re.matrix() - stages_.out_im * value.im.matrix()).array();
   }
 
-  AncfBeam beam_;
-  AncfChain chain_;
+  typename Chain::Beam beam_;
+  Chain chain_;
   const RadauStages<S>& stages_ = RadauStages<S>::get();
   Eigen::Matrix<double, S, S> to_series_ = stages_.rule.to_series();
   Lanes nodes_ = stages_.rule.points().array();
   StepLadder ladder_;
-  int struck_;
+  int struck_, tip_;
   double length_, place_;  // of the bar, of the struck point [m]
   double compliance_;
   double accuracy_;
   double weight_energy_;
   double speed_scale_ = 1.0, contact_time_ = 1.0;
-  AncfBeam::Row velocity_spot_, displacement_spot_;
+  std::array<ChainShare, 4> velocity_spot_, displacement_spot_;
   double displacement_place_ = 0.0;  // [m]
 
   Eigen::ArrayXd q_, v_;
@@ -412,14 +413,13 @@ class AncfMotion final : public BarMotion {
   HingeFriction friction_;
   HingeFriction::Change friction_change_;
   NodeVector hinge_;  // at the stages: its rate, or the moment that holds it
-  SlopeHold<S> hold_;
+  Hold<S> hold_;
   std::optional<HingeRotation> rotation_;
   double t_ = 0.0;               // from the start, of a turned hinge [s]
   double angle_at_start_ = 0.0;  // [rad]
   double driven_ = 0.0;          // work of what turns the hinge over the step [J]
 
-  ChainMatrix stiffness_;
-  Eigen::Matrix4d hinge_block_ = Eigen::Matrix4d::Zero();
+  typename Chain::Tangent tangent_;
   std::vector<Factor> factors_;
   std::size_t next_factor_ = 0;
   Factor* factor_ = nullptr;
@@ -435,11 +435,11 @@ class AncfMotion final : public BarMotion {
   mutable Eigen::VectorXd beam_q_, beam_v_;
 };
 
-template <int S>
-void AncfMotion<S>::make_factor(double h, Factor& factor) {
+template <int S, typename Chain, template <int> typename Hold>
+void ChainMotion<S, Chain, Hold>::make_factor(double h, Factor& factor) {
   factor.h = h;
   const BarDamping& damping = chain_.damping();
-  typename BlockTridiagonal<pairs>::Shares shares;
+  SystemShares<pairs> shares;
   const auto put = [](const std::complex<double>& value, int j, Complex& share) {
     share.re[j] = value.real();
     share.im[j] = value.imag();
@@ -450,7 +450,10 @@ void AncfMotion<S>::make_factor(double h, Factor& factor) {
     put(z * z + z * damping.stiffness, j, shares.stiffness);
     put(z * z * chain_.hinge().spring + z * chain_.hinge().viscous, j, shares.first_node);
   }
-  factor.systems.factor(held() ? hold_.mass() : chain_.mass(), stiffness_, hinge_block_, shares);
+  if (held())
+    hold_.template factor<pairs>(tangent_, shares, factor.systems);
+  else
+    chain_.template factor<pairs>(tangent_, shares, factor.systems);
   std::ranges::fill(factor.pressed, Complex{});
   factor.pressed[static_cast<std::size_t>(struck_)].re.setOnes();
   factor.systems.solve_in_place(factor.pressed);
@@ -468,8 +471,8 @@ void AncfMotion<S>::make_factor(double h, Factor& factor) {
 
 /// r becomes the accelerations that Newton's method takes off. A bar that has turned since the
 /// tangent was made has the same tangent, turned.
-template <int S>
-void AncfMotion<S>::solve(Stages& r) {
+template <int S, typename Chain, template <int> typename Hold>
+void ChainMotion<S, Chain, Hold>::solve(Stages& r) {
   if (turned_) rotate(turn_cosine_, -turn_sine_, r);
   for (int k = 0; k < chain_.coordinates(); ++k) {
     Complex& x = work_[static_cast<std::size_t>(k)];
@@ -485,9 +488,9 @@ void AncfMotion<S>::solve(Stages& r) {
   if (turned_) rotate(turn_cosine_, turn_sine_, r);
 }
 
-template <int S>
-bool AncfMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
-                            NodeVector& velocity) {
+template <int S, typename Chain, template <int> typename Hold>
+bool ChainMotion<S, Chain, Hold>::improve(const NodeVector& force, NodeVector& displacement,
+                                          NodeVector& velocity) {
   if (chain_.damped() || held()) {
     place_stages();
   } else {
@@ -507,8 +510,8 @@ bool AncfMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
   return newton_.improved(excess_ * size_of(residual_), excess_ * rounding);
 }
 
-template <int S>
-void AncfMotion<S>::press(const NodeVector& change) {
+template <int S, typename Chain, template <int> typename Hold>
+void ChainMotion<S, Chain, Hold>::press(const NodeVector& change) {
   Complex share;
   share.re = (stages_.into_re * change).array();
   share.im = (stages_.into_im * change).array();
@@ -522,22 +525,26 @@ void AncfMotion<S>::press(const NodeVector& change) {
 
 /// Norms of the terms of the accelerations' Legendre series, across the bar and along it. Motion
 /// along the bar reaches the stop only where the bar is inclined or bent.
-template <int S>
-double AncfMotion<S>::error() const {
+template <int S, typename Chain, template <int> typename Hold>
+double ChainMotion<S, Chain, Hold>::error() const {
   Lanes across = Lanes::Zero(), along = Lanes::Zero();
   double inclination = 0.0;
-  for (int node = 0; node < chain_.nodes(); ++node) {
-    const int k = 4 * node;
-    const double angle = std::atan2(q_[k + 1], 1.0 - q_[k + 3]);
-    inclination = std::max(inclination, std::abs(angle));
-    const double cosine = std::cos(angle), sine = std::sin(angle);
-    for (int c = 0; c < 2; ++c) {
-      const Lanes x = (to_series_ * a_.col(k + c).matrix()).array();
-      const Lanes u = (to_series_ * a_.col(k + 2 + c).matrix()).array();
-      across += chain_.inertia()[k + c] * (cosine * x + sine * u).square();
-      along += chain_.inertia()[k + c] * (cosine * u - sine * x).square();
+  double cosine = 1.0, sine = 0.0;
+  chain_.for_each_pair([&](int k, int beside, int node) {
+    if (k == node) {
+      const double angle = Chain::inclination(q_, node);
+      inclination = std::max(inclination, std::abs(angle));
+      cosine = std::cos(angle);
+      sine = std::sin(angle);
     }
-  }
+    const Lanes x = (to_series_ * a_.col(k).matrix()).array();
+    const Lanes u = (to_series_ * a_.col(beside).matrix()).array();
+    across += chain_.inertia()[k] * (cosine * x + sine * u).square();
+    along += chain_.inertia()[k] * (cosine * u - sine * x).square();
+  });
+  chain_.for_each_rotation([&](int k) {
+    across += chain_.inertia()[k] * (to_series_ * a_.col(k).matrix()).array().square();
+  });
   const double left =
       series_remainder<S>(across) + std::min(1.0, inclination) * series_remainder<S>(along);
   const double motion = h_ * std::min(1.0, h_ / contact_time_) * left / speed_scale_;
@@ -545,33 +552,16 @@ double AncfMotion<S>::error() const {
   return std::max(motion, loss.error(0.5 * speed_scale_ * speed_scale_, accuracy_));
 }
 
-/// Against the straight bar at the hinge's angle.
-template <int S>
-void AncfMotion<S>::add_departure(double part, Sample& sample) const {
-  double across = 0.0, along = 0.0;  // X, U
-  for (int i = 0; i < 4; ++i) {
-    const int k = 4 * (static_cast<int>(displacement_spot_.element) + i / 2) + i % 2;
-    const double shape = displacement_spot_.shape[i];
-    across += shape * (part > 0.0 ? motion_at(q_[k], v_[k], a_.col(k), part).displacement : q_[k]);
-    along += shape * (part > 0.0 ? motion_at(q_[k + 2], v_[k + 2], a_.col(k + 2), part).displacement
-                                 : q_[k + 2]);
-  }
-  const double angle = turned_at(t_ + std::max(part, 0.0) * h_);
-  const double sine = std::sin(angle), cosine = std::cos(angle), half = std::sin(0.5 * angle);
-  sample.deflection = -cosine * across + sine * (along - displacement_place_);
-  sample.extension = -sine * across - cosine * along - 2.0 * half * half * displacement_place_;
-}
-
-template <int S>
-void AncfMotion<S>::sample(double first, double spacing, std::span<Sample> samples) {
-  const auto look = [&](const AncfBeam::Row& spot, double part) {
+template <int S, typename Chain, template <int> typename Hold>
+void ChainMotion<S, Chain, Hold>::sample(double first, double spacing, std::span<Sample> samples) {
+  const auto look = [&](const std::array<ChainShare, 4>& spot, double part) {
     PointMotion sum;
-    for (int i = 0; i < 4; ++i) {
-      const int k = 4 * (static_cast<int>(spot.element) + i / 2) + i % 2;
+    for (const ChainShare& share : spot) {
+      const int k = share.coordinate;
       const PointMotion p =
           part > 0.0 ? motion_at(q_[k], v_[k], a_.col(k), part) : PointMotion{q_[k], v_[k]};
-      sum.displacement -= spot.shape[i] * p.displacement;
-      sum.velocity -= spot.shape[i] * p.velocity;
+      sum.displacement -= share.shape * p.displacement;
+      sum.velocity -= share.shape * p.velocity;
     }
     return sum;
   };
@@ -583,12 +573,30 @@ void AncfMotion<S>::sample(double first, double spacing, std::span<Sample> sampl
   }
 }
 
-}  // namespace
-
-std::unique_ptr<BarMotion> make_ancf_motion(const Rig& rig, const Solver& solver,
-                                            const HistoryRequest& history) {
-  if (solver.accuracy > 5e-6) return std::make_unique<AncfMotion<4>>(rig, solver, history);
-  return std::make_unique<AncfMotion<8>>(rig, solver, history);
+/// Against the straight bar at the hinge's angle.
+template <int S, typename Chain, template <int> typename Hold>
+void ChainMotion<S, Chain, Hold>::add_departure(double part, Sample& sample) const {
+  double across = 0.0, along = 0.0;  // X, U
+  for (const ChainShare& share : displacement_spot_) {
+    const auto place = [&](int k) {
+      return part > 0.0 ? motion_at(q_[k], v_[k], a_.col(k), part).displacement : q_[k];
+    };
+    across += share.shape * place(share.coordinate);
+    along += share.shape * place(share.coordinate + Chain::beside);
+  }
+  const double angle = turned_at(t_ + std::max(part, 0.0) * h_);
+  const double sine = std::sin(angle), cosine = std::cos(angle), half = std::sin(0.5 * angle);
+  sample.deflection = -cosine * across + sine * (along - displacement_place_);
+  sample.extension = -sine * across - cosine * along - 2.0 * half * half * displacement_place_;
 }
 
+template <typename Chain, template <int> typename Hold>
+std::unique_ptr<BarMotion> make_chain_motion(const Rig& rig, const Solver& solver,
+                                             const HistoryRequest& history) {
+  if (solver.accuracy > 5e-6)
+    return std::make_unique<ChainMotion<4, Chain, Hold>>(rig, solver, history);
+  return std::make_unique<ChainMotion<8, Chain, Hold>>(rig, solver, history);
+}
+
+}  // namespace
 }  // namespace impactrig::models

@@ -13,4 +13,8 @@ namespace impactrig::models {
 std::unique_ptr<BarMotion> make_ancf_motion(const Rig& rig, const Solver& solver,
                                             const HistoryRequest& history);
 
+/// The same of a ReissnerBeam.
+std::unique_ptr<BarMotion> make_reissner_motion(const Rig& rig, const Solver& solver,
+                                                const HistoryRequest& history);
+
 }  // namespace impactrig::models

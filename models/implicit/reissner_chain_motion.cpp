@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/implicit/chain_motion.hpp"
+#include "models/implicit/chain_motion_steps.hpp"
+#include "models/implicit/reissner_chain.hpp"
+#include "models/implicit/section_hold.hpp"
+
+namespace impactrig::models {
+
+std::unique_ptr<BarMotion> make_reissner_motion(const Rig& rig, const Solver& solver,
+                                                const HistoryRequest& history) {
+  return make_chain_motion<ReissnerChain, SectionHold>(rig, solver, history);
+}
+
+}  // namespace impactrig::models
