@@ -69,7 +69,7 @@ SmallMotionRun::SmallMotionRun(const Rig& rig, const Solver& solver,
       stopped_(rig.stop ? std::make_unique<StoppedMotion>(motion_, *rig.stop) : nullptr),
       run_(rig, solver, options, stopped_ ? static_cast<BarMotion&>(*stopped_) : motion_) {
   const bool begins_at_touch = !rig.start.release_angle || !spring_bends_bar(rig);
-  if (options.sensitivities.empty() || !begins_at_touch || rig.stop) return;
+  if (options.sensitivities.empty() || !begins_at_touch || !faces_single_rigid_stop()) return;
   sensitivities_ = std::make_unique<ModalSensitivities>(rig, solver, options, motion_);
   run_.follow(*sensitivities_);
 }
