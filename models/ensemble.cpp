@@ -102,7 +102,7 @@ class Ensemble::Worker : public LaneQueue {
       try {
         job.run = small_motion(member);
         if (job.run) return job;
-        solve_alone(member);
+        solve_alone(member, ensemble_.options_.motion);
       } catch (...) {
         failed(job);
       }
@@ -112,7 +112,7 @@ class Ensemble::Worker : public LaneQueue {
   void finished(const Job& job) override {
     Simulation result = job.run->conclude();
     if (!asked() && !(result.neglected <= ensemble_.solver_.accuracy)) {
-      solve_alone(job.member);
+      solve_alone(job.member, Motion::full);
       return;
     }
     tell_swing(rig(job.member), ensemble_.options_, result);
@@ -125,7 +125,7 @@ class Ensemble::Worker : public LaneQueue {
     } catch (const std::runtime_error& error) {
       // what is wrong with the scene the full equations tell
       if (job.run && !asked())
-        solve_alone(job.member);
+        solve_alone(job.member, Motion::full);
       else
         member(job.member).failure = error.what();
     } catch (const std::exception& error) {
@@ -140,11 +140,12 @@ class Ensemble::Worker : public LaneQueue {
 
   bool asked() const { return ensemble_.options_.motion == Motion::small; }
 
-  /// None where small motion may not be tried.
+  /// None where small motion may not be tried, or has no contact.
   std::unique_ptr<SmallMotionRun> small_motion(std::size_t number) {
     const Solver& solver = ensemble_.solver_;
     validate(rig(number), solver);
     if (ensemble_.options_.exact || ensemble_.options_.motion == Motion::full) return nullptr;
+    if (!rig(number).has_stop()) return nullptr;
     if (const std::string refusal = small_motion_refusal(rig(number), solver); !refusal.empty()) {
       if (asked()) throw std::invalid_argument(refusal);
       return nullptr;
@@ -153,10 +154,9 @@ class Ensemble::Worker : public LaneQueue {
                                             ensemble_.bars_.bar(number));
   }
 
-  /// By the full equations.
-  void solve_alone(std::size_t number) {
+  void solve_alone(std::size_t number, Motion motion) {
     SimulationOptions options = ensemble_.options_;
-    options.motion = Motion::full;
+    options.motion = motion;
     try {
       member(number).simulation = simulate(rig(number), ensemble_.solver_, options);
     } catch (const std::exception& error) {

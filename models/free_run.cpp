@@ -49,6 +49,7 @@ void FreeRun::start() {
   energy_at_start_ = energy.kinetic + energy.elastic + energy.spring + energy.gravitational;
   result_.energy.initial = energy_scale_;
   result_.energy.gravitational = -energy.gravitational;
+  result_.history.interval = options_.history.interval;
 }
 
 /// Newton's method to rest.
@@ -79,19 +80,20 @@ bool FreeRun::land_on_end() {
   return solve();
 }
 
-void FreeRun::sample() {
+/// The samples that fall into a time from here on, looked at by `look(first, spacing)` [s].
+template <typename Look>
+void FreeRun::sample(double time, Look look) {
   History& history = result_.history;
   const double interval = options_.history.interval;
   if (!(interval > 0.0)) return;
-  const double h = bar_.step();
   const double next = interval * static_cast<double>(history.velocity.size()) - t_;
-  const double reach = h + 1e-9 * interval;
+  const double reach = time + 1e-9 * interval;
   if (next > reach) return;
   samples_.resize(static_cast<std::size_t>((reach - next) / interval) + 1);
-  bar_.sample(std::max(0.0, next / h), interval / h, samples_);
-  for (const BarMotion::Sample& look : samples_) {
-    history.velocity.push_back(look.velocity);
-    history.displacement.push_back(look.displacement);
+  look(std::max(0.0, next), interval);
+  for (const BarMotion::Sample& sample : samples_) {
+    history.velocity.push_back(sample.velocity);
+    history.displacement.push_back(sample.displacement);
   }
 }
 
@@ -104,10 +106,21 @@ void FreeRun::conclude() {
   warn_of_imbalance(solver_.accuracy, result_);
 }
 
+Simulation FreeRun::fly() {
+  const auto started = std::chrono::steady_clock::now();
+  result_.cost.steps = 1;
+  sample(t_end_,
+         [&](double first, double spacing) { bar_.sample_flight(first, spacing, samples_); });
+  bar_.fly(t_end_);
+  t_ = t_end_;
+  conclude();
+  result_.cost.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return std::move(result_);
+}
+
 Simulation FreeRun::simulate() {
   const auto started = std::chrono::steady_clock::now();
-  start();
-  result_.history.interval = options_.history.interval;
   const TimeLimit limit(solver_.time_limit);
   int level = bar_.ladder().level_below(first_);
   bool rejected = false;
@@ -142,7 +155,8 @@ Simulation FreeRun::simulate() {
       continue;
     }
     ++result_.cost.steps;
-    sample();
+    const double h = bar_.step();
+    sample(h, [&](double first, double spacing) { bar_.sample(first / h, spacing / h, samples_); });
     result_.energy.damped += bar_.damped(1.0);
     t_ = last ? t_end_ : t_ + bar_.step();
     bar_.take(1.0);

@@ -9,18 +9,21 @@
 namespace impactrig::models {
 
 /// One run of simulate() without a stop: the bar swings and vibrates from its start for the
-/// duration asked for, in steps as long as its own error allows.
+/// duration asked for.
 class FreeRun {
  public:
   FreeRun(const Rig& rig, const Solver& solver, const SimulationOptions& options, BarMotion& bar);
-  Simulation simulate();
+
+  void start();
+  Simulation simulate();  ///< in steps as long as the bar's own error allows
+  Simulation fly();       ///< all at once: BarMotion::fly()
 
  private:
-  void start();
   bool solve();
   bool try_step(int level);
   bool land_on_end();
-  void sample();
+  template <typename Look>
+  void sample(double time, Look look);
   void conclude();
 
   const Rig& rig_;

@@ -294,12 +294,12 @@ bool spring_bends_bar(const Rig& rig) {
 
 std::string beyond_small_motion(const Rig& rig) {
   std::vector<std::string_view> keys;
-  if (!rig.has_stop()) keys.push_back("a swing without [contact]");
   if (rig.beam.damping != BarDamping{}) keys.push_back("beam.damping");
   if (rig.hinge.viscous > 0.0) keys.push_back("hinge.viscous");
   if (rig.gravity > 0.0 && rig.gravity_direction != 0.0)
     keys.push_back("environment.gravity_direction");
   if (rig.start.release_angle && spring_bends_bar(rig)) keys.push_back("start.release_angle");
+  if (!rig.has_stop() && rig.hinge.spring > 0.0) keys.push_back("hinge.spring without a stop");
   return fmt::format("{}", fmt::join(keys, ", "));
 }
 

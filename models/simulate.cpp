@@ -20,7 +20,11 @@ constexpr double share_of_full = 0.3, share_of_rigid = 0.03;
 /// The bar against its stop, if there is one.
 Simulation run(const Rig& rig, const Solver& solver, const SimulationOptions& options,
                BarMotion& bar) {
-  if (!rig.has_stop()) return FreeRun(rig, solver, options, bar).simulate();
+  if (!rig.has_stop()) {
+    FreeRun free(rig, solver, options, bar);
+    free.start();
+    return free.simulate();
+  }
   std::optional<StoppedMotion> stopped;
   if (rig.stop) stopped.emplace(bar, *rig.stop);
   BarMotion& seen = stopped ? static_cast<BarMotion&>(*stopped) : bar;
@@ -35,6 +39,7 @@ Simulation simulate_small_motion(const Rig& rig, const Solver& solver,
                                  const SimulationOptions& options) {
   BarCache own;
   BarCache& cache = options.bars ? *options.bars : own;
+  if (!rig.has_stop()) return swing_freely(rig, solver, options, *cache.bar(rig, solver));
   SmallMotionRun run(rig, solver, options, cache.bar(rig, solver));
   run.run().complete();
   return run.conclude();

@@ -104,6 +104,20 @@ class BarMotion {
   /// Whether a step may be taken in part as exactly as a whole.
   virtual bool parts_exact() const = 0;
 
+  /// For how long from the last step taken the points before the stops, with these gaps [m],
+  /// certainly stay away from them, in free flight [s]; zero where that is not known.
+  virtual double clear_time(std::span<const double>) const { return 0.0; }
+
+  /// Free flight for as long as that, or longer where there is no stop. Called where clear_time()
+  /// is not zero.
+  virtual void fly(double) {}
+
+  /// samples[k] is at first + k spacing [s] of the flight from where the bar is.
+  virtual void sample_flight(double, double, std::span<Sample>) {}
+
+  /// The point before a stop after a time of the flight from where the bar is [s].
+  virtual PointMotion struck_in_flight(int stop, double) { return struck(stop); }
+
   /// The solved step is taken, or the first part of it where parts_exact().
   virtual void take(double part) = 0;
 };

@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <chrono>
+#include <functional>
 #include <vector>
 
 #include "models/collocation/bar_motion.hpp"
@@ -76,10 +77,15 @@ class CollocationRun {
   };
 
   /// Newton's equations for stops that press together, all stops in turn.
-  struct Together {
+  struct Equations {
     Eigen::MatrixXd jacobian;
     Eigen::VectorXd residual, correction;
     Eigen::PartialPivLU<Eigen::MatrixXd> factor;
+  };
+
+  /// A stop under the forces found so far, and df/dδ, at the nodes.
+  struct Together {
+    NodeVector depth, rate, stiffness;
   };
 
   const StopStep& step_of(const ContactPoint& point) const {
@@ -97,6 +103,7 @@ class CollocationRun {
   bool solve_force(ContactPoint& point, StopStep& step);
   bool solve_forces();
   void linearise(ContactPoint& point);
+  double correct(ContactPoint& point);
   void weigh(bool solved);
   double derivative_error() const;
   void find_events();
@@ -106,7 +113,10 @@ class CollocationRun {
   void first_touch();
   void take_attempt();
   void touch(ContactPoint& point);
-  void sample_history();
+  void sample_history(double time, const std::function<void(double, double)>& look,
+                      const std::function<PointMotion(ContactPoint&, double)>& struck_at);
+  bool free() const;
+  bool leap();
   int level_after_rejection(int level) const;
   int next_level() const;
   bool leave_event(ContactPoint& point);
@@ -124,7 +134,9 @@ class CollocationRun {
   const Collocation& rule_;
   std::vector<StopStep> steps_;  // at the stops
   std::vector<ContactPoint> points_;
-  Together together_;
+  std::vector<double> gaps_;  // [m]
+  Equations equations_;
+  std::vector<Together> together_;
   double longest_ = 0.0;   // step [s]
   int level_ = 0;          // of the step to try next
   bool rejected_ = false;  // the one before was

@@ -35,7 +35,7 @@ void ContactPoint::predict_force() {
   const int s = rule_.nodes();
   step_.force.setZero(s);
   if (last_series_.size() == 0 || contact_.phase() != Phase::pressed) return;
-  const int terms = std::min(s, 4);
+  const int terms = std::min(std::max(4, s - 2), 6);
   NodeVector legendre(terms);
   for (int i = 0; i < s; ++i) {
     shifted_legendre(last_part_ + rule_.points()[i] * bar_.step() / last_h_, legendre);

@@ -56,6 +56,8 @@ class ContactPoint {
     return seen(bar_.struck_at(number_, part, acceleration));
   }
 
+  PointMotion struck_in_flight(double time) { return seen(bar_.struck_in_flight(number_, time)); }
+
   /// First guess of the step's force, by the low terms of the last one's.
   void predict_force();
 
@@ -89,8 +91,11 @@ class ContactPoint {
   /// How far behind its end the step tried passed the stop's gap, as a part of it.
   double lateness() const;
 
-  /// Extrema and sums of the part of the step that is taken, which began so long after first touch.
-  void take(double begun, double part);
+  /// Extrema of the part of the step that is taken, which began so long after first touch.
+  void observe(double begun, double part);
+
+  /// Its impulse and dissipation.
+  void add_to_totals(double part);
 
   /// For predict_force(), unless an event ended the step.
   void keep_series(double part, bool ended);
@@ -108,7 +113,6 @@ class ContactPoint {
   double pull_between(double before, double here, const PointMotion& p1);
   double root_of_gap(double low, double at_low, double guess, double high);
   double integral(const NodeVector& at_nodes, double part) const;
-  void observe(double part);
   void note_peak(double force, double part);
   void observe_peak(double low, double high);
   void observe_deepest(double part, double depth);

@@ -88,7 +88,8 @@ void ContactPoint::observe_peak(double low, double high) {
 
 /// Peak force and deepest penetration of the part of the step that is taken, between its beginning,
 /// the nodes and its end.
-void ContactPoint::observe(double part) {
+void ContactPoint::observe(double begun, double part) {
+  begun_ = begun;
   if (contact_.phase() == Phase::free) return;
   const int s = rule_.nodes();
   const bool pressed = contact_.phase() == Phase::pressed;
@@ -131,11 +132,20 @@ void ContactPoint::observe(double part) {
   if (followed_ && peak_part_ >= 0.0 && log_.in_first_episode(number_)) followed_->peak(peak_part_);
 }
 
-void ContactPoint::take(double begun, double part) {
-  begun_ = begun;
-  observe(part);
-  totals_.impulse += integral(step_.force, part);
-  totals_.dissipated += integral(step_.dissipation, part);
+/// Where the step is cut, the law at the exact motion knows more than the force's series.
+void ContactPoint::add_to_totals(double part) {
+  if (part >= 1.0 || contact_.phase() == Phase::free) {
+    totals_.impulse += integral(step_.force, part);
+    totals_.dissipated += integral(step_.dissipation, part);
+    return;
+  }
+  for (int i = 0; i < rule_.nodes(); ++i) {
+    const PointMotion p = struck_at(part * rule_.points()[i]);
+    const double weight = part * bar_.step() * rule_.weights()[i];
+    totals_.impulse += weight * contact_.force(p.displacement, p.velocity);
+    totals_.dissipated += weight * contact_.dissipation(p.displacement, p.velocity);
+  }
+  evaluations_ += rule_.nodes();
 }
 
 void ContactPoint::keep_series(double part, bool ended) {

@@ -97,40 +97,51 @@ class StepSolver {
   }
 
   void find_force() {
-    Real change[S] = {};
-    Real residual[S], jacobian[S][S];
-    for (int i = 0; i < S; ++i) x0_[i] = x_[i], v0_[i] = v_[i];
+    Real residual[S], jacobian[S][S], steepness[S], change[S];
     Mask active = pressed_;
     for (int iteration = 0; iteration < most_iterations && M::any(active); ++iteration) {
       for (int i = 0; i < S; ++i) {
         const Law here = law(x_[i]);
         const Real pull = 1.0 + mu_ * v_[i];
         const Real to_depth = here.stiffness * pull, to_rate = here.force * mu_;
+        steepness[i] = M::magnitude(to_depth);
         elastic_[i] = active ? here.force - here.stiffness * x_[i] : elastic_[i];
         stiffness_[i] = active ? here.stiffness : stiffness_[i];
-        residual[i] = force_[i] + change[i] - here.force * pull;
+        residual[i] = force_[i] - here.force * pull;
         for (int j = 0; j < S; ++j)
           jacobian[i][j] = -to_depth * at(lanes_.displacement_of_force[j * S + i]) -
                            to_rate * at(lanes_.velocity_of_force[j * S + i]);
         jacobian[i][i] += 1.0;
       }
       eliminate(jacobian, residual);
-      Real size = Real{};
-      for (int i = 0; i < S; ++i) {
-        size = M::larger(M::magnitude(residual[i]), size);
-        change[i] = active ? change[i] - residual[i] : change[i];
-      }
+      for (int i = 0; i < S; ++i) change[i] = active ? -residual[i] : Real{};
       at(lanes_.iterations) += active ? M::all(1.0) : Real{};
-      Real sum = Real{};  // not finite where one of them is not
-      for (int i = 0; i < S; ++i) sum += residual[i] * 0.0;
-      failed_ |= active & (sum != 0.0);
-      active &= size > at(lanes_.tolerance);
+      const Real left = move(change, steepness);
+      failed_ |= active & (left * 0.0 != 0.0);  // not finite
+      active &= left > at(lanes_.tolerance);
       active &= ~failed_;
-      for (int i = 0; i < S; ++i) x_[i] = x0_[i], v_[i] = v0_[i];
-      respond(change);
     }
     failed_ |= active;
-    for (int i = 0; i < S; ++i) force_[i] += change[i];
+  }
+
+  /// Changes the force and moves the struck point with it; what the law's curvature leaves of that,
+  /// as CollocationRun estimates it.
+  Real move(const Real* change, const Real* steepness) {
+    Real from[S], at_rate[S];
+    for (int i = 0; i < S; ++i) {
+      force_[i] += change[i];
+      from[i] = x_[i];
+      at_rate[i] = v_[i];
+    }
+    respond(change);
+    Real left = Real{};
+    for (int i = 0; i < S; ++i) {
+      const Real deeper = M::magnitude(x_[i] - from[i]);
+      const Real faster = M::magnitude(mu_ * (v_[i] - at_rate[i]));
+      const Real part = steepness[i] * deeper * (deeper / M::magnitude(from[i]) + faster);
+      left = M::larger(part, left) + 0.0 * part;  // not a number where one of them is not
+    }
+    return left;
   }
 
   /// Gauss's elimination without pivoting: the matrix is the identity and what a stiff spring adds
@@ -204,7 +215,7 @@ class StepSolver {
   int first_;
   Mask pressed_, slack_, linear_, failed_;
   Real mu_, compliance_, limit_force_, limit_;
-  Real force_[S], x_[S], v_[S], x0_[S], v0_[S], loss_[S];
+  Real force_[S], x_[S], v_[S], loss_[S];
   Real elastic_[S] = {}, stiffness_[S] = {};  // the law's tangent
 };
 
@@ -213,7 +224,6 @@ void solve_steps_by(StepLanes& lanes) {
   for (int first = 0; first < lane_count; first += N) {
     if (lanes.nodes == 6) StepSolver<N, 6>(lanes, first).solve();
     if (lanes.nodes == 8) StepSolver<N, 8>(lanes, first).solve();
-    if (lanes.nodes == 12) StepSolver<N, 12>(lanes, first).solve();
   }
 }
 

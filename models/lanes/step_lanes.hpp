@@ -15,7 +15,7 @@ struct alignas(64) LaneRow {
 /// give, and what CollocationRun::solution() takes back. Rows of m modes or s nodes; matrices by
 /// columns of s nodes.
 struct StepLanes {
-  int modes = 0, nodes = 0;           ///< m; s: 6, 8 or 12
+  int modes = 0, nodes = 0;           ///< m; s: 6 or 8
   const double *to_series = nullptr;  ///< of the rule, by columns (s, s)
 
   // the bar's response to a state (s, m), to a force (s, s), and its state after the step

@@ -175,9 +175,11 @@ ModalBeam ModalBeam::moved(const ModalSlope& slope, double amount) const {
   return bar;
 }
 
-double ModalBeam::shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const {
+double ModalBeam::shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate,
+                                    double frame) const {
   static thread_local Eigen::VectorXd slope, slope_rate;
   slope.noalias() = slopes_ * a;
+  slope.array() -= frame;
   slope_rate.noalias() = slopes_ * rate;
   double drawn = 0.0, energy = 0.0;
   for (Eigen::Index i = 0; i < slope.size(); ++i) {

@@ -63,8 +63,12 @@ class ModalBeam {
 
   BeamEnergy energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
   /// Kinetic energy of the bar's points moving towards the hinge as it bends and turns, to the
-  /// lowest order: ½ ∫ u̇² dm, u̇(x) = ∫₀ˣ w' ẇ' dξ [J]. Not part of the small motion.
-  double shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
+  /// lowest order: ½ ∫ u̇² dm, u̇(x) = ∫₀ˣ (w' − φ) ẇ' dξ [J], seen in a frame at the angle φ [rad].
+  /// Not part of the small motion.
+  double shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate,
+                           double frame) const;
+
+  bool sprung() const { return motion_.spring > 0.0; }  ///< a spring in the hinge
 
   RigidPart rigid_part(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
 

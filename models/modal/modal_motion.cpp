@@ -2,8 +2,11 @@
 #include "models/modal/modal_motion.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
+
+#include "models/modal/modal_flight.hpp"
 
 namespace impactrig::models {
 
@@ -12,7 +15,8 @@ ModalMotion::ModalMotion(const ModalBar& bar, const Collocation& rule,
     : bar_(bar),
       beam_(bar.modes()),
       rule_(rule),
-      sampling_interval_(history.interval) {
+      sampling_interval_(history.interval),
+      flies_(!beam_.sprung()) {
   const auto row = [&](double x) { return x > 0.0 ? beam_.point(x) : beam_.struck(); };
   if (!(history.interval > 0.0)) return;
   velocity_row_ = row(history.velocity_position);
@@ -21,9 +25,18 @@ ModalMotion::ModalMotion(const ModalBar& bar, const Collocation& rule,
 
 void ModalMotion::start(double angle, double rate) {
   state_.a = beam_.rigid() * angle;
+  // in flight the weight bends the bar by the sine of the swing's angle
+  if (flies_ && angle != 0.0) state_.a.tail(beam_.modes() - 1) *= std::sin(angle) / angle;
   state_.rate = beam_.rigid() * rate;
+  dropped_ = 0.0;
   scratch_ = end_ = sampled_[0] = sampled_[1] = state_;
   series_.assign(static_cast<std::size_t>(beam_.stops()), NodeVector::Zero(rule_.nodes()));
+}
+
+BeamEnergy ModalMotion::energy() const {
+  BeamEnergy energy = beam_.energy(state_.a, state_.rate);
+  energy.gravitational -= dropped_;
+  return energy;
 }
 
 void ModalMotion::begin_step(int level) {
@@ -100,16 +113,52 @@ void ModalMotion::take(double part) {
   } else {
     std::swap(state_, end_);
   }
-  // a bar that bends and turns draws its points towards the hinge; the energy of that motion is
-  // what the small motion leaves out
-  neglected_ = std::max(neglected_, beam_.shortening_energy(state_.a, state_.rate) / energy_scale_);
+  bool pressed = false;
+  for (int stop = 0; stop < beam_.stops(); ++stop) pressed = pressed || presses(stop);
+  note_shortening(pressed);
+  if (pressed) neglected_ = shortening_;
+}
+
+/// A bar that bends and turns draws its points towards the hinge: the energy of that motion is what
+/// the small motion leaves out, and what is left out after a contact no longer moves it. A flight
+/// is as well seen from a frame that turns with the bar.
+void ModalMotion::note_shortening(bool pressed) {
+  const bool turns = flies_ && !pressed;
+  const double frame = turns ? beam_.rigid_part(state_.a, state_.rate).angle : 0.0;
+  shortening_ =
+      std::max(shortening_, beam_.shortening_energy(state_.a, state_.rate, frame) / energy_scale_);
+}
+
+double ModalMotion::clear_time(std::span<const double> gaps) const {
+  return flies_ ? ModalFlight(beam_, state_).clear_time(gaps) : 0.0;
+}
+
+void ModalMotion::fly(double time) {
+  ModalFlight(beam_, state_).state_after(time, scratch_);
+  dropped_ += ModalFlight::drop(beam_, scratch_) - ModalFlight::drop(beam_, state_);
+  std::swap(state_, scratch_);
+  note_shortening(false);
+}
+
+void ModalMotion::sample_flight(double first, double spacing, std::span<Sample> samples) {
+  const ModalFlight flight(beam_, state_);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    flight.state_after(first + static_cast<double>(k) * spacing, scratch_);
+    const auto on_circle = [&](const Eigen::VectorXd& row) {
+      return ModalFlight::on_circle(beam_, row, scratch_);
+    };
+    samples[k] = {on_circle(beam_.struck()), on_circle(velocity_row_).velocity,
+                  on_circle(displacement_row_).displacement};
+  }
+}
+
+PointMotion ModalMotion::struck_in_flight(int stop, double time) {
+  ModalFlight(beam_, state_).state_after(time, scratch_);
+  return ModalFlight::on_circle(beam_, beam_.struck(stop), scratch_);
 }
 
 /// From sample to sample by steps of their own, under the forces as the step has them.
 void ModalMotion::sample(double first, double spacing, std::span<Sample> samples) {
-  const auto look = [&](const ModalState& state) {
-    return Sample{struck(0, state), velocity_row_.dot(state.rate), displacement_row_.dot(state.a)};
-  };
   if (!step_) {
     std::ranges::fill(samples, look(state_));
     return;

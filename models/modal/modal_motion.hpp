@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <vector>
@@ -25,11 +26,13 @@ class ModalMotion : public BarMotion {
 
   void start(double angle, double rate) override;
 
-  void set_scales(double, double) override { energy_scale_ = energy().kinetic; }
+  void set_scales(double kinetic, double) override {
+    energy_scale_ = std::max(kinetic, energy().kinetic);
+  }
 
   PointMotion struck(int stop) const override { return struck(stop, state_); }
 
-  BeamEnergy energy() const override { return beam_.energy(state_.a, state_.rate); }
+  BeamEnergy energy() const override;
 
   RigidPart rigid_part() const override { return beam_.rigid_part(state_.a, state_.rate); }
 
@@ -71,6 +74,14 @@ class ModalMotion : public BarMotion {
 
   bool parts_exact() const override { return true; }
 
+  /// Every flight is stepped like a contact: linear also in the swing's angle.
+  void step_flights() { flies_ = false; }
+
+  double clear_time(std::span<const double> gaps) const override;
+  void fly(double time) override;
+  void sample_flight(double first, double spacing, std::span<Sample> samples) override;
+  PointMotion struck_in_flight(int stop, double time) override;
+
   void take(double part) override;
 
   const ModalBeam& beam() const { return beam_; }
@@ -79,8 +90,8 @@ class ModalMotion : public BarMotion {
 
   const Eigen::VectorXd& displacement_row() const { return displacement_row_; }
 
-  /// What the small motion left out so far, as a part of the bar's kinetic energy at touch: of the
-  /// order of the relative error of peak force, duration and impulse.
+  /// What the small motion left out until the contact last pressed, as a part of the bar's kinetic
+  /// energy at touch: of the order of the relative error of peak force, duration and impulse.
   double neglected() const { return neglected_; }
 
  private:
@@ -89,6 +100,12 @@ class ModalMotion : public BarMotion {
   }
 
   bool presses(int stop) const { return !series_[static_cast<std::size_t>(stop)].isZero(0.0); }
+
+  Sample look(const ModalState& state) const {
+    return {struck(0, state), velocity_row_.dot(state.rate), displacement_row_.dot(state.a)};
+  }
+
+  void note_shortening(bool pressed);
 
   PointMotion jump(double part, ModalState& to, double* acceleration = nullptr);
   double free_acceleration(int stop, const ModalState& state) const;
@@ -106,7 +123,9 @@ class ModalMotion : public BarMotion {
   const ModalStep* step_ = nullptr;
   std::vector<NodeVector> series_;  // of the force of each stop
   double energy_scale_ = 0.0;
-  double neglected_ = 0.0;
+  bool flies_;
+  double dropped_ = 0.0;  // by flights, against what the modes have it [J]
+  double shortening_ = 0.0, neglected_ = 0.0;
 };
 
 }  // namespace impactrig::models

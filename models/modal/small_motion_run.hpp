@@ -46,6 +46,10 @@ class SmallMotionRun {
   std::unique_ptr<ModalSensitivities> sensitivities_;
 };
 
+/// Small motion of a bar without a stop.
+Simulation swing_freely(const Rig& rig, const Solver& solver, const SimulationOptions& options,
+                        const ModalBar& bar);
+
 /// What simulate() tells of a swing that it did not integrate.
 void tell_swing(const Rig& rig, const SimulationOptions& options, Simulation& result);
 

@@ -213,7 +213,7 @@ TEST(Ensemble, TellsWhyAMemberHasNoAnswerAndGoesOnWithTheOthers) {
   rigs[5].contact.law = "rubber";
   rigs[7].contact.exponent = 3;  // beyond the range of the law
   rigs[7].contact.length = 1e-3;
-  rigs[8].hinge.viscous = 1.0;              // not as small motion
+  rigs[8].hinge.viscous = 1.0;  // not as small motion
   rigs[11].beam.youngs_modulus = std::numeric_limits<double>::quiet_NaN();
   const Solver solver = hybrid(Basis::pinned_free, 5, 1e-4, 1e-3);
   for (const bool asked : {true, false}) {

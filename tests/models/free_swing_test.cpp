@@ -166,8 +166,10 @@ TEST(FreeSwing, SaysWhatItNeeds) {
   EXPECT_EQ(sentence(free_rig(1.0), solver, Motion::full),
             "solver.duration: is missing: without [contact] the bar swings for as long as stated");
   solver.duration = 0.1;
-  EXPECT_EQ(sentence(free_rig(1.0), solver, Motion::small),
-            "small motion was asked for, but it does not know a swing without [contact]; ask for "
+  Rig sprung = free_rig(1.0);
+  sprung.hinge.spring = 1.0;
+  EXPECT_EQ(sentence(sprung, solver, Motion::small),
+            "small motion was asked for, but it does not know hinge.spring without a stop; ask for "
             "the full equations");
   Rig rig = free_rig(1.0);
   rig.stop = Stop{.mass = 1.0, .stiffness = 1e8, .viscous = 0.0};

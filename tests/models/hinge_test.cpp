@@ -276,8 +276,8 @@ TEST(Hinge, SpringIsInSmallMotionAndDampingIsNot) {
     EXPECT_LT(b.neglected, 1e-4);
     EXPECT_NEAR(b.peak_force / a.peak_force, 1.0, b.neglected);
     EXPECT_NEAR(b.episodes.at(0).impulse / a.episodes.at(0).impulse, 1.0, b.neglected);
-    EXPECT_NEAR(b.energy.spring / a.energy.initial, a.energy.spring / a.energy.initial,
-                b.neglected);
+    // the end of the run, of which the estimate does not speak
+    EXPECT_NEAR(b.energy.spring / a.energy.initial, a.energy.spring / a.energy.initial, 1e-5);
   }
   rig.hinge.viscous = 1e-3;
   EXPECT_FALSE(simulate(rig, ancf(6, 2, 1e-3, 2e-4)).small_motion);

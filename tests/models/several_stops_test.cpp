@@ -366,6 +366,35 @@ TEST(SeveralStops, AnEnsembleSolvesThemToo) {
   }
 }
 
+// What is asked for with derivatives is not flown at once, and a single stop alone has any.
+TEST(SeveralStops, FlightsEndBeforeTheNextStop) {
+  Rig rig = with_stop(spring_rig(0.8), StopSide::far, 0.4, 5e-3);
+  rig = with_stop(rig, StopSide::near, 0.8, 1e-4);
+  rig.gravity = 9.81;
+  SimulationOptions flown = in(Motion::small), stepped = flown;
+  flown.history.interval = stepped.history.interval = 1e-4;
+  stepped.sensitivities = {[](Rig& r) -> double& { return r.start.velocity; }};
+  for (const Solver& solver : {rigid(1e-8, 0.2), hybrid(Basis::pinned_free, 2, 1e-8, 0.05)}) {
+    const Simulation a = simulate(rig, solver, flown);
+    const Simulation b = simulate(rig, solver, stepped);
+    EXPECT_LT(a.cost.steps, b.cost.steps);
+    EXPECT_TRUE(b.sensitivities.empty());
+    const bool vibrates = solver.model == BeamModel::hybrid;
+    const std::size_t count = vibrates ? 3 : 5;
+    ASSERT_GE(a.episodes.size(), count);
+    for (std::size_t k = 0; k < count; ++k) {
+      EXPECT_EQ(a.episodes[k].stop, b.episodes[k].stop);
+      // the pendulum's sine, at the widest: gap / position
+      EXPECT_NEAR(a.episodes[k].start, b.episodes[k].start, 1e-4 * b.episodes[k].start + 1e-9);
+      EXPECT_NEAR(a.episodes[k].impulse / b.episodes[k].impulse, 1.0, 1e-3);
+    }
+    ASSERT_EQ(a.history.further[0].penetration.size(), b.history.further[0].penetration.size());
+    for (std::size_t i = 0; i < 100; ++i)
+      EXPECT_NEAR(a.history.further[0].penetration[i], b.history.further[0].penetration[i], 5e-6);
+    EXPECT_LT(std::abs(a.energy.imbalance), 1e-3);
+  }
+}
+
 std::string refusal(const Rig& rig, const Solver& solver, const SimulationOptions& options = {}) {
   try {
     simulate(rig, solver, options);

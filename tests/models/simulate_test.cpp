@@ -288,7 +288,8 @@ TEST(Simulate, ReportsItsSolverAndItsCost) {
   EXPECT_EQ(run.solver.modes, 4);
   EXPECT_EQ(run.solver.basis, Basis::cantilever);
   EXPECT_GT(run.cost.steps, 10);
-  EXPECT_GE(run.cost.evaluations, 12 * (run.cost.steps + run.cost.rejected));
+  EXPECT_GT(run.cost.evaluations, 100);
+  EXPECT_LT(run.cost.evaluations, 12 * run.cost.steps);
   EXPECT_GT(run.cost.seconds, 0.0);
   EXPECT_LT(run.cost.seconds, 10.0);
 }

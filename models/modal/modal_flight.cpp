@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/modal/modal_flight.hpp"
+
+#include <algorithm>
+#include <boost/math/special_functions/ellint_1.hpp>
+#include <boost/math/special_functions/jacobi_elliptic.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace impactrig::models {
+namespace {
+
+// How much further than the modes at their largest the vibration may be thought to reach.
+constexpr double reach_margin = 1.05;
+
+/// Angle of the swing under a unit coordinate of the pendulum's mode [rad √kg⁻¹ m⁻¹].
+double angle_of_mode(const ModalBeam& beam) {
+  return beam.rigid()[0] / beam.rigid().squaredNorm();
+}
+
+PendulumSwing::State swing_of(const ModalBeam& beam, const ModalState& state) {
+  const double scale = angle_of_mode(beam);
+  return {scale * state.a[0], scale * state.rate[0]};
+}
+
+}  // namespace
+
+PendulumSwing::PendulumSwing(double omega, const State& from) : omega_(omega), from_(from) {
+  if (omega <= 0.0) return;
+  const double high = std::sin(0.5 * from.angle);
+  const double fast = 0.5 * from.rate / omega;
+  modulus_ = std::hypot(high, fast);
+  if (turns_over() || modulus_ == 0.0) return;
+  quarter_ = boost::math::ellint_1(modulus_);
+  const double rising =
+      boost::math::ellint_1(modulus_, std::asin(std::clamp(high / modulus_, -1.0, 1.0)));
+  phase_ = from.rate >= 0.0 ? rising : 2.0 * quarter_ - rising;
+}
+
+double PendulumSwing::widest() const {
+  if (omega_ <= 0.0)
+    return from_.rate == 0.0 ? std::abs(from_.angle) : std::numeric_limits<double>::infinity();
+  return turns_over() ? std::numeric_limits<double>::infinity() : 2.0 * std::asin(modulus_);
+}
+
+PendulumSwing::State PendulumSwing::after(double time) const {
+  if (omega_ <= 0.0) return {from_.angle + from_.rate * time, from_.rate};
+  if (modulus_ == 0.0) return from_;
+  const double period = 4.0 * quarter_;
+  double cosine = 0.0, delta = 0.0;
+  const double sine = boost::math::jacobi_elliptic(
+      modulus_, std::fmod(phase_ + omega_ * time, period), &cosine, &delta);
+  return {2.0 * std::asin(modulus_ * sine), 2.0 * modulus_ * omega_ * cosine};
+}
+
+double PendulumSwing::time_up_to(double angle) const {
+  const double never = std::numeric_limits<double>::infinity();
+  if (omega_ <= 0.0)
+    return from_.rate > 0.0 && angle > from_.angle ? (angle - from_.angle) / from_.rate : never;
+  const double sine = std::sin(0.5 * angle);
+  if (modulus_ == 0.0 || std::abs(sine) > modulus_) return never;
+  const double there = boost::math::ellint_1(modulus_, std::asin(sine / modulus_));
+  return (there > phase_ ? there - phase_ : there + 4.0 * quarter_ - phase_) / omega_;
+}
+
+ModalFlight::ModalFlight(const ModalBeam& beam, const ModalState& from)
+    : beam_(beam),
+      from_(from),
+      swing_(beam.omega()[0], swing_of(beam, from)) {}
+
+/// How far the vibration can move a point [m].
+double ModalFlight::reach(const Eigen::VectorXd& row) const {
+  double sum = 0.0;
+  for (int k = 1; k < beam_.modes(); ++k)
+    sum += std::abs(row[k]) * std::hypot(from_.a[k], from_.rate[k] / beam_.omega()[k]);
+  return sum;
+}
+
+double ModalFlight::clear_time(std::span<const double> gaps) const {
+  const bool weighs = beam_.omega()[0] > 0.0;
+  if (weighs && !(swing_.widest() < 0.5 * std::numbers::pi)) return 0.0;
+  double time = std::numeric_limits<double>::infinity();
+  for (std::size_t stop = 0; stop < gaps.size() && time > 0.0; ++stop)
+    time = std::min(time, clear_time_of(beam_.struck(static_cast<int>(stop)), gaps[stop]));
+  return time;
+}
+
+/// Of one stop; a point before one on the far side has a negative arm, and the swing is looked at
+/// from there.
+double ModalFlight::clear_time_of(const Eigen::VectorXd& row, double gap) const {
+  const double arm = row[0] / angle_of_mode(beam_);
+  const double angle = (gap - reach_margin * reach(row)) / std::abs(arm);
+  const PendulumSwing::State here = swing_.after(0.0);
+  if (arm >= 0.0) return here.angle < angle ? swing_.time_up_to(angle) : 0.0;
+  const PendulumSwing mirrored(beam_.omega()[0], {-here.angle, -here.rate});
+  return -here.angle < angle ? mirrored.time_up_to(angle) : 0.0;
+}
+
+double ModalFlight::neglected(const Eigen::VectorXd& row, double time) const {
+  const double unknown = std::numeric_limits<double>::infinity();
+  const double vibration = reach(row);
+  if (vibration == 0.0) return swing_.turns_over() ? unknown : 0.0;
+  if (!(swing_.widest() < 0.5 * std::numbers::pi)) return unknown;
+  const double turned = beam_.omega()[0] * time;
+  return vibration * std::pow(swing_.widest(), 2) * (0.3 + 0.15 * turned);
+}
+
+void ModalFlight::state_after(double time, ModalState& to) const {
+  advance(beam_, time, NodeVector::Zero(1), from_, to);
+  const PendulumSwing::State swing = swing_.after(time);
+  const double scale = angle_of_mode(beam_);
+  to.a[0] = swing.angle / scale;
+  to.rate[0] = swing.rate / scale;
+}
+
+double ModalFlight::drop(const ModalBeam& beam, const ModalState& state) {
+  const double scale = angle_of_mode(beam);
+  const double angle = scale * state.a[0];
+  const double sine = std::sin(0.5 * angle);
+  return std::pow(beam.omega()[0] / scale, 2) * (0.5 * angle * angle - 2.0 * sine * sine);
+}
+
+PointMotion ModalFlight::on_circle(const ModalBeam& beam, const Eigen::VectorXd& row,
+                                   const ModalState& state) {
+  const double scale = angle_of_mode(beam);
+  const double angle = scale * state.a[0], rate = scale * state.rate[0];
+  const double sine = std::sin(angle), cosine = std::cos(angle);
+  const Eigen::Index others = row.size() - 1;
+  const double x = row.dot(beam.rigid());
+  const double weighed = row[0] / scale - x;  // how the pendulum's mode bends
+  const double bent = weighed * sine + row.tail(others).dot(state.a.tail(others));
+  const double bending = weighed * rate * cosine + row.tail(others).dot(state.rate.tail(others));
+  return {x * sine + bent * cosine, (x * rate + bending) * cosine - bent * rate * sine};
+}
+
+}  // namespace impactrig::models
