@@ -35,7 +35,7 @@ class FreeRun {
   double first_ = 0.0;  // step [s]
   double t_ = 0.0, t_end_ = 0.0;
   double error_ = 0.0;  // of the step tried, to be compared with 1
-  NodeVector no_force_, displacement_, velocity_;
+  StopStep no_stop_;
   std::vector<BarMotion::Sample> samples_;
   Simulation result_;
 };

@@ -43,8 +43,14 @@ class ChainMotion final : public BarMotion {
     a_ = previous_ = stage_q_ = stage_v_ = residual_ = Stages::Zero(S, n);
     beam_q_.setZero(beam_.size());
     beam_v_.setZero(beam_.size());
+    for (const FurtherStop& stop : rig.further_stops) {
+      std::array<ChainShare, 4>& shares =
+          further_.emplace_back(chain_.shares_at(beam_, stop.contact.position));
+      for (ChainShare& share : shares)  // what is on the hinge is held
+        share.shape *= share.coordinate == 0 ? 0.0 : stop.direction();
+    }
     factors_.reserve(kept_factors);
-    for (int i = 0; i < kept_factors; ++i) factors_.emplace_back(chain_);
+    for (int i = 0; i < kept_factors; ++i) factors_.emplace_back(chain_, further_.size() + 1);
     const auto spot = [&](double x) {
       return chain_.shares_at(beam_, x > 0.0 ? x : rig.contact.position);
     };
@@ -77,7 +83,7 @@ class ChainMotion final : public BarMotion {
     contact_time_ = contact_time;
   }
 
-  PointMotion struck() const override { return {-q_[struck_], -v_[struck_]}; }
+  PointMotion struck(int stop) const override { return point_before(stop, q_, v_); }
 
   BeamEnergy energy() const override { return energy_; }
 
@@ -103,36 +109,43 @@ class ChainMotion final : public BarMotion {
 
   double step() const override { return h_; }
 
-  const Response& response() const override { return factor_->response; }
+  const Response& response(int point, int stop) const override {
+    return factor_->responses[index_of(point, stop)];
+  }
 
-  bool improve(const NodeVector& force, NodeVector& displacement, NodeVector& velocity) override;
-  void press(const NodeVector& change) override;
+  bool improve(std::span<StopStep> stops) override;
+  void press(std::span<const StopStep> stops) override;
 
   bool settled() const override { return newton_.settled(); }
 
-  void finish(const NodeVector& force, const NodeVector&) override {
+  void finish(std::span<const StopStep> stops) override {
     slow_ = newton_.slow();
-    if (force.isZero(0.0)) in_contact_ = false;
+    const auto presses = [](const StopStep& stop) { return !stop.force.isZero(0.0); };
+    if (std::ranges::none_of(stops, presses)) in_contact_ = false;
     for (int k = 0; k < chain_.coordinates(); ++k) {
       const Lanes a = a_.col(k);
       end_q_[k] = q_[k] + displacement_of(v_[k], a)[S - 1];
       end_v_[k] = v_[k] + velocity_of(a)[S - 1];
     }
     end_energy_ = chain_.energy(end_q_, end_v_);
-    const Lanes speed = v_[struck_] + velocity_of(a_.col(struck_));
-    work_done_ = h_ * (stages_.rule.weights().array() * force.array() * speed).sum();
+    work_done_ = 0.0;
+    for (std::size_t k = 0; k < stops.size(); ++k) {
+      const Across across = across_before(static_cast<int>(k));
+      const Lanes speed = across.v + velocity_of(across.a);
+      work_done_ += h_ * (stages_.rule.weights().array() * stops[k].force.array() * speed).sum();
+    }
     if (chain_.damped()) damped_ = damped_in_step();
   }
 
   double damped(double) const override { return damped_; }
 
-  PointMotion struck_at_end() const override { return {-end_q_[struck_], -end_v_[struck_]}; }
+  PointMotion struck_at_end(int stop) const override { return point_before(stop, end_q_, end_v_); }
 
   double error() const override;
 
-  PointMotion struck_at(double part, double* acceleration) override {
-    const Lanes a = a_.col(struck_);
-    const PointMotion p = motion_at(q_[struck_], v_[struck_], a, part);
+  PointMotion struck_at(int stop, double part, double* acceleration) override {
+    const auto [q, v, a] = across_before(stop);
+    const PointMotion p = motion_at(q, v, a, part);
     if (acceleration) {
       Series legendre;
       shifted_legendre(part, legendre);
@@ -180,15 +193,58 @@ class ChainMotion final : public BarMotion {
 
   /// The linear systems of a step of one length, at the tangent at hand.
   struct Factor {
-    explicit Factor(const Chain& chain)
+    Factor(const Chain& chain, std::size_t stops)
         : systems(chain.template make_systems<pairs>()),
-          pressed(static_cast<std::size_t>(chain.coordinates())) {}
+          pressed(stops, std::vector<Complex>(static_cast<std::size_t>(chain.coordinates()))),
+          responses(stops * stops) {}
 
     double h = 0.0;  ///< 0: of an older tangent
     typename Chain::template Systems<pairs> systems;
-    std::vector<Complex> pressed;  ///< solution for a unit force at the struck point
-    Response response;
+    std::vector<std::vector<Complex>> pressed;  ///< solution for a unit force of each stop
+    std::vector<Response> responses;            ///< at index_of()
   };
+
+  int stops() const { return 1 + static_cast<int>(further_.size()); }
+
+  std::size_t index_of(int point, int stop) const {
+    return static_cast<std::size_t>(point * stops() + stop);
+  }
+
+  /// Calls share(k, w) for each coordinate that makes the displacement −Σ w q_k before a stop.
+  template <typename Share>
+  void for_each_share(int stop, const Share& share) const {
+    if (stop == 0) {
+      share(struck_, 1.0);
+      return;
+    }
+    for (const ChainShare& own : further_[static_cast<std::size_t>(stop - 1)])
+      share(own.coordinate, own.shape);
+  }
+
+  PointMotion point_before(int stop, const Eigen::ArrayXd& q, const Eigen::ArrayXd& v) const {
+    PointMotion sum;
+    for_each_share(stop, [&](int k, double w) {
+      sum.displacement -= w * q[k];
+      sum.velocity -= w * v[k];
+    });
+    return sum;
+  }
+
+  /// Displacement across the bar before a stop, the other way, as a coordinate of its own.
+  struct Across {
+    double q = 0.0, v = 0.0;
+    Lanes a = Lanes::Zero();
+  };
+
+  Across across_before(int stop) const {
+    Across sum;
+    for_each_share(stop, [&](int k, double w) {
+      sum.q += w * q_[k];
+      sum.v += w * v_[k];
+      sum.a += w * a_.col(k);
+    });
+    return sum;
+  }
 
   /// Of changed accelerations: the speed they make over the step.
   double size_of(const Stages& change) const {
@@ -280,6 +336,7 @@ class ChainMotion final : public BarMotion {
   }
 
   void make_factor(double h, Factor& factor);
+  void respond_to(int stop, Factor& factor);
   void solve(Stages& r);
 
   void gather(const std::vector<Complex>& x, int k, Lanes& out) const {
@@ -294,6 +351,7 @@ class ChainMotion final : public BarMotion {
   Lanes nodes_ = stages_.rule.points().array();
   StepLadder ladder_;
   int struck_, tip_;
+  std::vector<std::array<ChainShare, 4>> further_;  // before further stops, towards each
   double length_, compliance_;
   double accuracy_;
   double weight_energy_;
@@ -340,19 +398,34 @@ void ChainMotion<S, Chain>::make_factor(double h, Factor& factor) {
     put(z * z * chain_.hinge().spring + z * chain_.hinge().viscous, j, shares.first_node);
   }
   chain_.template factor<pairs>(tangent_, shares, factor.systems);
-  std::ranges::fill(factor.pressed, Complex{});
-  factor.pressed[static_cast<std::size_t>(struck_)].re.setOnes();
-  factor.systems.solve_in_place(factor.pressed);
-  // acceleration of the struck coordinate under a unit force at each node
-  const Complex& own = factor.pressed[static_cast<std::size_t>(struck_)];
-  Eigen::Matrix<double, S, S> acceleration = Eigen::Matrix<double, S, S>::Zero();
-  for (int j = 0; j < pairs; ++j) {
-    const auto re = own.re[j] * stages_.into_re.row(j) - own.im[j] * stages_.into_im.row(j);
-    const auto im = own.re[j] * stages_.into_im.row(j) + own.im[j] * stages_.into_re.row(j);
-    acceleration += stages_.out_re.col(j) * re - stages_.out_im.col(j) * im;
+  for (int stop = 0; stop < stops(); ++stop) respond_to(stop, factor);
+}
+
+/// All points to a unit force of a stop.
+template <int S, typename Chain>
+void ChainMotion<S, Chain>::respond_to(int stop, Factor& factor) {
+  const double h = factor.h;
+  std::vector<Complex>& pressed = factor.pressed[static_cast<std::size_t>(stop)];
+  std::ranges::fill(pressed, Complex{});
+  for_each_share(stop, [&](int k, double w) { pressed[static_cast<std::size_t>(k)].re += w; });
+  factor.systems.solve_in_place(pressed);
+  for (int point = 0; point < stops(); ++point) {
+    // acceleration across the bar before the point under a unit force at each node
+    Complex own{};
+    for_each_share(point, [&](int k, double w) {
+      own.re += w * pressed[static_cast<std::size_t>(k)].re;
+      own.im += w * pressed[static_cast<std::size_t>(k)].im;
+    });
+    Eigen::Matrix<double, S, S> acceleration = Eigen::Matrix<double, S, S>::Zero();
+    for (int j = 0; j < pairs; ++j) {
+      const auto re = own.re[j] * stages_.into_re.row(j) - own.im[j] * stages_.into_im.row(j);
+      const auto im = own.re[j] * stages_.into_im.row(j) + own.im[j] * stages_.into_re.row(j);
+      acceleration += stages_.out_re.col(j) * re - stages_.out_im.col(j) * im;
+    }
+    Response& response = factor.responses[index_of(point, stop)];
+    response.displacement_of_force = -h * h * stages_.to_displacement * acceleration;
+    response.velocity_of_force = -h * stages_.to_velocity * acceleration;
   }
-  factor.response.displacement_of_force = -h * h * stages_.to_displacement * acceleration;
-  factor.response.velocity_of_force = -h * stages_.to_velocity * acceleration;
 }
 
 /// r becomes the accelerations that Newton's method takes off. A bar that has turned since the
@@ -375,8 +448,7 @@ void ChainMotion<S, Chain>::solve(Stages& r) {
 }
 
 template <int S, typename Chain>
-bool ChainMotion<S, Chain>::improve(const NodeVector& force, NodeVector& displacement,
-                                    NodeVector& velocity) {
+bool ChainMotion<S, Chain>::improve(std::span<StopStep> stops) {
   const int n = chain_.coordinates();
   for (int k = 0; k < n; ++k) stage_q_.col(k) = q_[k] + displacement_of(v_[k], a_.col(k));
   chain_.template residual<S>(stage_q_, a_, residual_);
@@ -384,12 +456,16 @@ bool ChainMotion<S, Chain>::improve(const NodeVector& force, NodeVector& displac
     for (int k = 0; k < n; ++k) stage_v_.col(k) = v_[k] + velocity_of(a_.col(k));
     chain_.template add_damping<S>(stage_q_, stage_v_, residual_);
   }
-  residual_.col(struck_) -= force.array();
+  for (std::size_t stop = 0; stop < stops.size(); ++stop)
+    for_each_share(static_cast<int>(stop),
+                   [&](int k, double w) { residual_.col(k) -= w * stops[stop].force.array(); });
   solve(residual_);
   a_ -= residual_;
-  const Lanes a = a_.col(struck_);
-  displacement = -(q_[struck_] + displacement_of(v_[struck_], a)).matrix();
-  velocity = -(v_[struck_] + velocity_of(a)).matrix();
+  for (std::size_t stop = 0; stop < stops.size(); ++stop) {
+    const auto [q, v, a] = across_before(static_cast<int>(stop));
+    stops[stop].displacement = -(q + displacement_of(v, a)).matrix();
+    stops[stop].velocity = -(v + velocity_of(a)).matrix();
+  }
   // rounding of the positions, turned into forces by the stiffest elements
   const double rounding = 16.0 * std::numeric_limits<double>::epsilon() *
                           std::sqrt((chain_.inertia() * q_.square()).sum()) / (h_ * speed_scale_);
@@ -397,13 +473,16 @@ bool ChainMotion<S, Chain>::improve(const NodeVector& force, NodeVector& displac
 }
 
 template <int S, typename Chain>
-void ChainMotion<S, Chain>::press(const NodeVector& change) {
-  Complex share;
-  share.re = (stages_.into_re * change).array();
-  share.im = (stages_.into_im * change).array();
-  for (int k = 0; k < chain_.coordinates(); ++k) {
-    const Complex x = factor_->pressed[static_cast<std::size_t>(k)] * share;
-    residual_.col(k) = (stages_.out_re * x.re.matrix() - stages_.out_im * x.im.matrix()).array();
+void ChainMotion<S, Chain>::press(std::span<const StopStep> stops) {
+  residual_.setZero();
+  for (std::size_t stop = 0; stop < stops.size(); ++stop) {
+    Complex share;
+    share.re = (stages_.into_re * stops[stop].change).array();
+    share.im = (stages_.into_im * stops[stop].change).array();
+    for (int k = 0; k < chain_.coordinates(); ++k) {
+      const Complex x = factor_->pressed[stop][static_cast<std::size_t>(k)] * share;
+      residual_.col(k) += (stages_.out_re * x.re.matrix() - stages_.out_im * x.im.matrix()).array();
+    }
   }
   a_ += residual_;
   newton_.pressed(excess_ * size_of(residual_));
@@ -453,7 +532,7 @@ void ChainMotion<S, Chain>::sample(double first, double spacing, std::span<Sampl
   };
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double part = first + static_cast<double>(i) * spacing;
-    samples[i] = {part > 0.0 ? struck_at(part, nullptr) : struck(),
+    samples[i] = {part > 0.0 ? struck_at(0, part, nullptr) : struck(0),
                   look(velocity_spot_, part).velocity, look(displacement_spot_, part).displacement};
   }
 }
