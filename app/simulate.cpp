@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "acquisition/exporter.hpp"
 #include "app/files.hpp"
 #include "app/program.hpp"
 #include "datasets/record.hpp"
 #include "fitting/rig_file.hpp"
+#include "models/explain.hpp"
 #include "models/mesh_error.hpp"
 #include "models/simulation.hpp"
 #include "reports/report_data.hpp"
@@ -15,6 +18,7 @@ namespace impactrig::app {
 namespace {
 
 constexpr double most_samples = 2e7;
+constexpr double longest_explanation = 10.0;  // what a run without one simplification may take [s]
 
 struct Options {
   std::string rig;
@@ -49,6 +53,31 @@ datasets::Record history_record(const models::History& history, const fitting::R
   return record;
 }
 
+std::string duration_text(double seconds) {
+  return seconds < 1.0 ? fmt::format("{:.3g} ms", 1e3 * seconds) : fmt::format("{:.3g} s", seconds);
+}
+
+/// What a simplification changed and saved.
+std::string effect(const models::Explanation& explanation) {
+  if (!explanation.failure.empty()) return "without it: " + explanation.failure;
+  const std::string saved =
+      fmt::format("takes {} instead of {}", duration_text(explanation.seconds),
+                  duration_text(explanation.seconds_without));
+  if (!std::isfinite(explanation.peak_force)) return saved;
+  return fmt::format(
+      "changes the first contact's peak force by {:.1e}, duration by {:.1e}, impulse by {:.1e}; {}",
+      explanation.peak_force, explanation.duration, explanation.impulse, saved);
+}
+
+void print_explanations(const std::string& chosen,
+                        const std::vector<models::Explanation>& explanations) {
+  fmt::print("\nSimplifications taken, each compared with the run without it:\n");
+  if (!chosen.empty()) fmt::print("  - {}\n", chosen);
+  if (chosen.empty() && explanations.empty()) fmt::print("  none\n");
+  for (const models::Explanation& explanation : explanations)
+    fmt::print("  - {}\n    {}\n", explanation.sentence, effect(explanation));
+}
+
 void simulate(const Options& options) {
   if (!options.output.empty()) {
     check_output(options.output, options.common.force);
@@ -78,11 +107,8 @@ void simulate(const Options& options) {
     fmt::print("{}\n", reports::simulation_to_json(simulation, rig.rig));
   else
     fmt::print("{}", reports::to_text(simulation, rig.rig));
-  if (options.explain && !options.common.json) {
-    fmt::print("\nSimplifications taken:\n");
-    if (simulation.skipped.empty()) fmt::print("  none\n");
-    for (const std::string& sentence : simulation.skipped) fmt::print("  - {}\n", sentence);
-  }
+  if (options.explain && !options.common.json)
+    print_explanations(chosen, models::explain(rig.rig, rig.solver, request, longest_explanation));
 }
 
 }  // namespace

@@ -144,7 +144,7 @@ class Ensemble::Worker : public LaneQueue {
   std::unique_ptr<SmallMotionRun> small_motion(std::size_t number) {
     const Solver& solver = ensemble_.solver_;
     validate(rig(number), solver);
-    if (ensemble_.options_.exact || ensemble_.options_.motion == Motion::full) return nullptr;
+    if (!allows(ensemble_.options_, Simplification::small_motion)) return nullptr;
     if (!rig(number).has_stop()) return nullptr;
     if (const std::string refusal = small_motion_refusal(rig(number), solver); !refusal.empty()) {
       if (asked()) throw std::invalid_argument(refusal);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -49,7 +50,7 @@ Simulation simulate_small_motion(const Rig& rig, const Solver& solver,
 std::optional<Simulation> try_small_motion(const Rig& rig, const Solver& solver,
                                            const SimulationOptions& options) {
   const bool asked = options.motion == Motion::small;
-  if (options.exact || options.motion == Motion::full) return std::nullopt;
+  if (!allows(options, Simplification::small_motion)) return std::nullopt;
   if (const std::string refusal = small_motion_refusal(rig, solver); !refusal.empty()) {
     if (asked) throw std::invalid_argument(refusal);
     return std::nullopt;
@@ -82,6 +83,11 @@ Simulation simulate_full_equations(const Rig& rig, const Solver& solver,
 }
 
 }  // namespace
+
+bool allows(const SimulationOptions& options, Simplification simplification) {
+  if (options.exact || std::ranges::count(options.kept, simplification) > 0) return false;
+  return simplification != Simplification::small_motion || options.motion != Motion::full;
+}
 
 Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOptions& options) {
   validate(rig, solver);

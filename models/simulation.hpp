@@ -115,6 +115,13 @@ struct Sensitivity {
   History history;  ///< sample by sample at the same times; none asked for: empty
 };
 
+/// What simulate() leaves out where a scene does not need it.
+enum class Simplification {
+  small_motion,    ///< foreshortening and large rotation of the bar
+  swing_to_touch,  ///< the swing from release to first touch; its end state is known
+  flight_at_once   ///< steps of a flight in which the gap cannot close
+};
+
 /// What simulate() gives. `termination` says in a sentence why the run ended.
 struct Simulation {
   Solver solver;                      ///< as used
@@ -136,7 +143,8 @@ struct Simulation {
   /// As asked for, in that order; empty where the full equations were solved.
   std::vector<Sensitivity> sensitivities;
   std::optional<MeshError> mesh_error;  ///< not estimated by simulate() itself
-  std::vector<std::string> skipped;     ///< simplifications taken: what, why it is safe here
+  std::vector<Simplification> taken;    ///< simplifications
+  std::vector<std::string> skipped;     ///< of each a sentence: what, why it is safe here
   std::vector<std::string> warnings;    ///< one sentence each
 };
 
@@ -154,11 +162,15 @@ struct SimulationOptions {
   /// Shared by runs of the same bar (models/modal/bar_cache.hpp); not owned.
   BarCache* bars = nullptr;
   Motion motion = Motion::by_accuracy;
-  bool exact = false;  ///< take no simplification
+  bool exact = false;                     ///< take no simplification
+  std::vector<Simplification> kept = {};  ///< simplifications not to take
   /// Numbers of the rig by which to differentiate. Small motion that begins at the touch of a rigid
   /// stop only.
   std::vector<RigParameter> sensitivities = {};
 };
+
+/// Whether a simplification may be taken.
+bool allows(const SimulationOptions& options, Simplification simplification);
 
 /// Predicts one impact of the rig, or, without a stop, its swing. Throws std::invalid_argument as
 /// validate() does or when small motion is asked for of a mesh too fine for it or of a rig it does

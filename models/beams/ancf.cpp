@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "models/integration/gauss.hpp"
@@ -125,13 +126,82 @@ Eigen::VectorXd AncfBeam::inertia_diagonal() const {
   return diagonal;
 }
 
-void AncfBeam::set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const {
+/// `stretch`: how much further from the hinge the nodes are than as the bar is made, and how that
+/// is spread.
+void AncfBeam::set_straight(const Eigen::VectorXd& stretch, double angle, double rate, VectorRef q,
+                            VectorRef v) const {
   // X = −x sin(angle), Y = −x cos(angle)
   const double half = std::sin(0.5 * angle);
-  q.head(dofs_) = -std::sin(angle) * reference_;
-  q.tail(dofs_) = 2.0 * half * half * reference_;
-  v.head(dofs_) = -std::cos(angle) * rate * reference_;
-  v.tail(dofs_) = std::sin(angle) * rate * reference_;
+  const Eigen::VectorXd along = reference_ + stretch;
+  q.head(dofs_) = -std::sin(angle) * along;
+  q.tail(dofs_) = 2.0 * half * half * reference_ - std::cos(angle) * stretch;
+  v.head(dofs_) = -std::cos(angle) * rate * along;
+  v.tail(dofs_) = std::sin(angle) * rate * along;
+}
+
+void AncfBeam::set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const {
+  set_straight(Eigen::VectorXd::Zero(dofs_), angle, rate, q, v);
+}
+
+void AncfBeam::set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const {
+  const double pull = gravity_ * std::cos(angle) + gravity_across_ * std::sin(angle);
+  const Eigen::VectorXd stretch = steady_stretch(pull, rate);
+  const double place = reference_[struck_dof_];
+  set_straight(stretch, angle, rate * place / (place + stretch[struck_dof_]), q, v);
+}
+
+/// Stretch of a straight bar by a field [m/s²] and its turning [rad/s] that pull from the hinge, by
+/// Newton's method; none where that finds none.
+Eigen::VectorXd AncfBeam::steady_stretch(double pull, double rate) const {
+  constexpr int most_iterations = 20;
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(dofs_);
+  Eigen::VectorXd stretch = none, force(dofs_);
+  double last = std::numeric_limits<double>::infinity();
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    BandMatrix stiffness(dofs_);
+    mass_.multiply(reference_ + stretch, force);
+    force = rate * rate * force + pull * weight_;
+    for (std::size_t e = 0; e < elements_.size(); ++e) add_axial(e, stretch, force, stiffness);
+    try {
+      BandCholesky(stiffness).solve_in_place(force);
+    } catch (const std::invalid_argument&) {
+      return none;
+    }
+    stretch += force;
+    const double change = force.norm() / reference_.norm();
+    if (!(change < 1.0)) return none;
+    // rounding is left
+    if (change < 1e-12 * stretch.norm() / reference_.norm() || change >= last) return stretch;
+    if (change < 1e-6) last = change;
+  }
+  return none;
+}
+
+/// What an element's stretch resists, along the bar, off the force; and its tangent.
+void AncfBeam::add_axial(std::size_t e, const Eigen::VectorXd& stretch, Eigen::VectorXd& force,
+                         BandMatrix& stiffness) const {
+  const double l = elements_[e].length;
+  const double bending = elements_[e].bending_stiffness;
+  const Nodal nodes = gather(stretch, e);
+  Nodal resisting = bending * bending_force(nodes, l);
+  Eigen::Matrix4d tangent;
+  for (int i = 0; i < 4; ++i) tangent.col(i) = bending * bending_force(Nodal::Unit(i), l);
+  for (std::size_t g = 0; g < 5; ++g) {
+    Nodal s = slope_shapes_[g];
+    s[0] /= l;
+    s[2] /= l;
+    const double slope = s.dot(nodes);
+    const double strain = slope + 0.5 * slope * slope;
+    const double axial = elements_[e].axial_stiffness * weights_[g] * l;
+    resisting += axial * strain * (1.0 + slope) * s;
+    tangent += axial * (1.0 + 3.0 * strain) * s * s.transpose();
+  }
+  for (int i = e == 0 ? 1 : 0; i < 4; ++i) {
+    const int row = e == 0 && i == 1 ? 0 : first_dof(e) + i;
+    force[row] -= resisting[i];
+    for (int j = e == 0 ? 1 : 0; j <= i; ++j)
+      stiffness.add(row, e == 0 && j == 1 ? 0 : first_dof(e) + j, tangent(i, j));
+  }
 }
 
 void AncfBeam::add_elastic_force(ConstVector q, VectorRef force) const {

@@ -42,6 +42,7 @@ class AncfBeam : public BeamDynamics {
 
   Eigen::VectorXd inertia_diagonal() const override;
   void set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
+  void set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
   void acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) override;
   PointMotion struck_point(ConstVector q, ConstVector v) const override;
   double struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const override;
@@ -90,6 +91,11 @@ class AncfBeam : public BeamDynamics {
   int first_dof(std::size_t element) const { return 2 * static_cast<int>(element) - 1; }
 
   Nodal shape_at(std::size_t element, double x) const;
+  Eigen::VectorXd steady_stretch(double pull, double rate) const;
+  void add_axial(std::size_t element, const Eigen::VectorXd& stretch, Eigen::VectorXd& force,
+                 BandMatrix& stiffness) const;
+  void set_straight(const Eigen::VectorXd& stretch, double angle, double rate, VectorRef q,
+                    VectorRef v) const;
   void add_weight(std::size_t element, const Nodal& share);
   Nodal gather(ConstVector part, std::size_t element) const;
   double kinetic_energy(ConstVector v) const;

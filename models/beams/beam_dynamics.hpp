@@ -47,6 +47,13 @@ class BeamDynamics : public SmallMotionBeam {
   /// a rate [rad/s].
   virtual void set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const = 0;
 
+  /// The same of a bar that has hung and turned like this for long: its weight and its turning
+  /// stretch it, the struck point goes as fast. Without that it would ring along its axis. Of a bar
+  /// that they tear or crush, as set_rigid_motion().
+  virtual void set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const {
+    set_rigid_motion(angle, rate, q, v);
+  }
+
   /// Accelerations under a contact force [N, compression > 0] at the struck point.
   virtual void acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) = 0;
 

@@ -155,6 +155,23 @@ void FloatingFrameBeam::set_rigid_motion(double angle, double rate, VectorRef q,
   v[0] = -rate;
 }
 
+void FloatingFrameBeam::set_steady_motion(double angle, double rate, VectorRef q,
+                                          VectorRef v) const {
+  set_rigid_motion(angle, rate, q, v);
+  if (axial_ == 0) return;
+  const double pull = gravity_ * std::cos(angle) + gravity_across_ * std::sin(angle);
+  Eigen::MatrixXd stiffness = stiffness_.segment(1, axial_).asDiagonal();
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(axial_);
+  for (const Station& s : stations_) {
+    stiffness -= rate * rate * s.mass * s.axial * s.axial.transpose();
+    force += s.mass * (pull + rate * rate * s.x) * s.axial;
+  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(stiffness);
+  if (factor.info() != Eigen::Success) return;
+  q.segment(1, axial_) = factor.solve(force);
+  v[0] *= struck_.x / (struck_.x + struck_.axial.dot(q.segment(1, axial_)));
+}
+
 void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contact_force,
                                      VectorRef a) {
   const double sine = std::sin(q[0]);

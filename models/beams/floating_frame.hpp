@@ -41,6 +41,7 @@ class FloatingFrameBeam : public BeamDynamics {
 
   Eigen::VectorXd inertia_diagonal() const override;
   void set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
+  void set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
   void acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) override;
   PointMotion struck_point(ConstVector q, ConstVector v) const override;
   double struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const override;

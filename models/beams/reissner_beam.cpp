@@ -21,6 +21,9 @@ ReissnerBeam::ReissnerBeam(const Rig& rig, std::array<int, 2> elements)
     : elements_(elements_of(rig, elements)),
       linear_(rig, bar_elements(rig.beam, rig.contact.position, elements)),
       struck_(Element::own * elements[0] - held),
+      struck_place_(rig.contact.position),
+      gravity_(rig.gravity_along()),
+      gravity_across_(rig.gravity_across()),
       hinge_(rig.hinge),
       damping_(rig.beam.damping),
       inertia_(rig.beam.hinge_inertia()),
@@ -37,8 +40,8 @@ ReissnerBeam::ReissnerBeam(const Rig& rig, std::array<int, 2> elements)
   }
   Element::Vector shift = Element::Vector::Zero();  // of the whole bar, by the weight's direction
   for (const std::size_t end : {Element::x0, Element::x1}) {
-    shift[end] = rig.gravity_across();
-    shift[end + Element::u0] = rig.gravity_along();
+    shift[end] = gravity_across_;
+    shift[end + Element::u0] = gravity_;
   }
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
@@ -91,6 +94,54 @@ void ReissnerBeam::set_rigid_motion(double angle, double rate, VectorRef q, Vect
     q.segment<3>(node) << -x * std::sin(angle), 2.0 * half * half * x, -angle;
     v.segment<3>(node) << -x * std::cos(angle) * rate, x * std::sin(angle) * rate, -rate;
   }
+}
+
+void ReissnerBeam::set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const {
+  const double pull = gravity_ * std::cos(angle) + gravity_across_ * std::sin(angle);
+  const Eigen::VectorXd stretch = steady_stretch(pull, rate);
+  const double turning = rate * struck_place_ / (struck_place_ + stretch[struck_ + 1]);
+  set_rigid_motion(angle, turning, q, v);
+  const double sine = std::sin(angle), cosine = std::cos(angle);
+  for (int k = 0; k + 1 < size(); ++k) {
+    const double more = stretch[k + 1];
+    if (more == 0.0) continue;
+    q[k] -= sine * more;
+    q[k + 1] -= cosine * more;
+    v[k] -= cosine * turning * more;
+    v[k + 1] += sine * turning * more;
+  }
+}
+
+/// Stretch of the straight bar, in the places of U, by a field [m/s²] and its turning [rad/s] that
+/// pull from the hinge; none where they tear it.
+Eigen::VectorXd ReissnerBeam::steady_stretch(double pull, double rate) const {
+  constexpr std::array along = {Element::u0, Element::ua, Element::uc, Element::u1};
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(size());
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const BarElement& bar = elements_[e].bar();
+    Element::Vector field = Element::Vector::Zero();
+    field[Element::u0] = pull + rate * rate * bar.x;
+    field[Element::u1] = pull + rate * rate * (bar.x + bar.length);
+    Values share;
+    Element::Vector::Map(share.data()) = masses_[e] * field;
+    scatter(share, e, 1.0, force);
+    const Element::Matrix stiffness = elements_[e].stiffness({}) - rate * rate * masses_[e];
+    const int first = Element::own * static_cast<int>(e) - held;
+    for (const int r : along)
+      for (const int c : along)
+        if (first + r >= 0 && first + c >= 0)
+          entries.emplace_back(first + r, first + c, stiffness(r, c));
+    for (const int r : {Element::turn0, Element::xa, Element::xc, Element::turn_b, Element::x1,
+                        Element::turn1})  // as they are
+      entries.emplace_back(first + r, first + r, 1.0);
+  }
+  Eigen::SparseMatrix<double> matrix(size(), size());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>
+      factor(matrix);
+  if (factor.info() != Eigen::Success) return Eigen::VectorXd::Zero(size());
+  return factor.solve(force);
 }
 
 void ReissnerBeam::subtract_damping(ConstVector q, ConstVector v, VectorRef force) const {

@@ -30,6 +30,7 @@ class ReissnerBeam : public BeamDynamics {
 
   Eigen::VectorXd inertia_diagonal() const override;
   void set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
+  void set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
   void acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) override;
   PointMotion struck_point(ConstVector q, ConstVector v) const override;
   double struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const override;
@@ -65,6 +66,7 @@ class ReissnerBeam : public BeamDynamics {
 
   int count() const { return static_cast<int>(elements_.size()); }
 
+  Eigen::VectorXd steady_stretch(double pull, double rate) const;
   Values gather(ConstVector q, std::size_t element) const;
   void scatter(const Values& values, std::size_t element, double factor, VectorRef to) const;
   void subtract_damping(ConstVector q, ConstVector v, VectorRef force) const;
@@ -72,6 +74,8 @@ class ReissnerBeam : public BeamDynamics {
   std::vector<ReissnerElement> elements_;
   LinearBar linear_;
   int struck_;
+  double struck_place_;              // [m]
+  double gravity_, gravity_across_;  // from hinge to tip and towards closing, of the straight bar
   Hinge hinge_;
   BarDamping damping_;
   double inertia_;

@@ -459,7 +459,7 @@ bool CollocationRun::ends_early() {
 void CollocationRun::begin() {
   started_ = std::chrono::steady_clock::now();
   time_limit_ = TimeLimit(solver_.time_limit);
-  if (rig_.start.release_angle && (options_.exact || spring_bends_bar(rig_))) {
+  if (rig_.start.release_angle && (!allows(options_, Simplification::swing_to_touch) || spring_bends_bar(rig_))) {
     bar_.start(-*rig_.start.release_angle, 0.0);
     approach_ = touch_velocity(rig_);
     const double rate = approach_ / rig_.contact.position;

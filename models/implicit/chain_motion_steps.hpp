@@ -57,7 +57,7 @@ class ChainMotion final : public BarMotion {
   const StepLadder& ladder() const override { return ladder_; }
 
   void start(double angle, double rate) override {
-    beam_.set_rigid_motion(angle, rate, beam_q_, beam_v_);
+    beam_.set_steady_motion(angle, rate, beam_q_, beam_v_);
     chain_.from_beam(beam_q_, q_);
     chain_.from_beam(beam_v_, v_);
     energy_ = chain_.energy(q_, v_);

@@ -56,7 +56,7 @@ class DenseMotion final : public BarMotion {
   const StepLadder& ladder() const override { return ladder_; }
 
   void start(double angle, double rate) override {
-    beam_->set_rigid_motion(angle, rate, q_, v_);
+    beam_->set_steady_motion(angle, rate, q_, v_);
     energy_ = beam_->energy(q_, v_);
     lost_ = 0.0;
     last_h_ = 0.0;

@@ -29,6 +29,7 @@ void ModalMotion::start(double angle, double rate) {
   if (flies_ && angle != 0.0) state_.a.tail(beam_.modes() - 1) *= std::sin(angle) / angle;
   state_.rate = beam_.rigid() * rate;
   dropped_ = 0.0;
+  flights_ = {};
   scratch_ = end_ = sampled_[0] = sampled_[1] = state_;
   force_series_ = NodeVector::Zero(rule_.nodes());
 }
@@ -111,6 +112,8 @@ void ModalMotion::fly(double time) {
   ModalFlight(beam_, state_).state_after(time, scratch_);
   dropped_ += ModalFlight::drop(beam_, scratch_) - ModalFlight::drop(beam_, state_);
   std::swap(state_, scratch_);
+  ++flights_.count;
+  flights_.time += time;
   note_shortening(false);
 }
 

@@ -86,6 +86,14 @@ class ModalMotion : public BarMotion {
 
   const Eigen::VectorXd& displacement_row() const { return displacement_row_; }
 
+  /// Flights taken at once so far.
+  struct Flights {
+    long count = 0;
+    double time = 0.0;  ///< [s]
+  };
+
+  const Flights& flights() const { return flights_; }
+
   /// What the small motion left out until the contact last pressed, as a part of the bar's kinetic
   /// energy at touch: of the order of the relative error of peak force, duration and impulse.
   double neglected() const { return neglected_; }
@@ -116,6 +124,7 @@ class ModalMotion : public BarMotion {
   NodeVector force_series_;
   double energy_scale_ = 0.0;
   bool flies_;
+  Flights flights_;
   double dropped_ = 0.0;  // by flights, against what the modes have it [J]
   double shortening_ = 0.0, neglected_ = 0.0;
 };

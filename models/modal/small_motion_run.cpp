@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "models/beams/bar_element.hpp"
 #include "models/free_run.hpp"
@@ -17,10 +16,9 @@ namespace {
 // Beyond, computing all modes costs more than it saves: the work grows with the cube of their
 // number.
 constexpr int most_modes = 260;
-// The first contact of small motion errs at most by what ModalMotion::neglected() says, and by
-// twice the share of the missing tension (150 random scenes against the full equations); twice that
-// for safety.
-constexpr double safety = 2.0, safety_of_tension = 4.0;
+// The first contact of small motion errs at most by what ModalMotion::neglected() says (150 random
+// scenes against the full equations); twice that for safety.
+constexpr double safety = 2.0;
 
 bool stretches(const Solver& solver) {
   return solver.model == BeamModel::ancf ||
@@ -40,21 +38,10 @@ double whole_mass(const Beam& beam) {
   return sum;
 }
 
-/// A bar that can stretch begins without tension; until its first axial vibration is over the
-/// weight does not turn it back as small motion has it. As a part of the energy.
-double missing_tension(const Rig& rig, const Solver& solver, double end_of_contact) {
+/// Largest strain of a bar that can stretch, by its weight [-]. Small motion has it as it is made.
+double strain_by_weight(const Rig& rig, const Solver& solver) {
   if (!stretches(solver)) return 0.0;
-  // its period at most, by Dunkerley's formula
-  const Beam& beam = rig.beam;
-  // the whole bar's flexibility, with as much of it at its end as is enough
-  const double all = flexibility(beam);
-  const bool uniform = beam.segments.empty();
-  double square = (uniform ? 4.0 / std::pow(std::numbers::pi, 2) : 1.0) * beam.bar_mass() * all;
-  for (const LumpedMass& lump : beam.masses)
-    square += lump.mass * all * (uniform ? lump.position / beam.length : 1.0);
-  const double period = 2.0 * std::numbers::pi * std::sqrt(square);
-  const double time = std::min(end_of_contact, period);
-  return 0.5 * rig.gravity * beam.first_moment() / beam.hinge_inertia() * time * time;
+  return rig.gravity * whole_mass(rig.beam) * flexibility(rig.beam) / rig.beam.length;
 }
 
 int nodes_for(double accuracy) {
@@ -85,7 +72,9 @@ SmallMotionRun::SmallMotionRun(const Rig& rig, const Solver& solver,
       motion_(*bar_, Collocation::of(nodes_for(solver.accuracy)), options.history),
       stopped_(rig.stop ? std::make_unique<StoppedMotion>(motion_, *rig.stop) : nullptr),
       run_(rig, solver, options, stopped_ ? static_cast<BarMotion&>(*stopped_) : motion_) {
-  if (rig.stop || !options.sensitivities.empty()) motion_.step_flights();
+  if (rig.stop || !options.sensitivities.empty() ||
+      !allows(options, Simplification::flight_at_once))
+    motion_.step_flights();
   const bool begins_at_touch = !rig.start.release_angle || !spring_bends_bar(rig);
   if (options.sensitivities.empty() || !begins_at_touch || rig.stop) return;
   sensitivities_ = std::make_unique<ModalSensitivities>(rig, solver, options, motion_);
@@ -97,13 +86,20 @@ Simulation SmallMotionRun::conclude() {
   if (stopped_) result.sensor = stopped_->sensor(result.impulse);
   if (sensitivities_) result.sensitivities = sensitivities_->take_results();
   result.small_motion = true;
-  const double end_of_contact = result.episodes.empty() ? 0.0 : result.episodes.back().end;
-  result.neglected = safety * motion_.neglected() +
-                     safety_of_tension * missing_tension(rig_, solver_, end_of_contact);
+  result.neglected = safety * motion_.neglected() + strain_by_weight(rig_, solver_);
+  result.taken.push_back(Simplification::small_motion);
   result.skipped.push_back(fmt::format(
       "foreshortening and large rotation: the bar was solved in its own modes; the energy this "
       "leaves out is {:.1e} of the whole, peak force, duration and impulse err by no more",
       result.neglected));
+  const ModalMotion::Flights& flights = motion_.flights();
+  if (flights.count > 0) {
+    result.taken.push_back(Simplification::flight_at_once);
+    result.skipped.push_back(fmt::format(
+        "looks at the stop for {:.4g} s in {} flight{}: the vibration could not reach it; the bar "
+        "was moved on in closed form, without error",
+        flights.time, flights.count, flights.count == 1 ? "" : "s"));
+  }
   return result;
 }
 
@@ -114,12 +110,10 @@ Simulation swing_freely(const Rig& rig, const Solver& solver, const SimulationOp
   run.start();
   const double tip = ModalFlight(bar.modes(), motion.state())
                          .neglected(bar.modes().point(rig.beam.length), *solver.duration);
-  // a bar that can stretch begins without tension
-  const double stretch =
-      stretches(solver) ? rig.gravity * whole_mass(rig.beam) * flexibility(rig.beam) : 0.0;
   Simulation result = run.fly();
   result.small_motion = true;
-  result.neglected = (tip + stretch) / rig.beam.length;
+  result.neglected = tip / rig.beam.length + strain_by_weight(rig, solver);
+  result.taken.push_back(Simplification::small_motion);
   result.skipped.push_back(fmt::format(
       "what a swing changes in the bar's vibration: it vibrates as if it hung, about the swing of "
       "a "
@@ -129,7 +123,9 @@ Simulation swing_freely(const Rig& rig, const Solver& solver, const SimulationOp
 }
 
 void tell_swing(const Rig& rig, const SimulationOptions& options, Simulation& result) {
-  if (!rig.has_stop() || !rig.start.release_angle || options.exact || spring_bends_bar(rig)) return;
+  if (!rig.has_stop() || !rig.start.release_angle || spring_bends_bar(rig)) return;
+  if (!allows(options, Simplification::swing_to_touch)) return;
+  result.taken.push_back(Simplification::swing_to_touch);
   result.skipped.push_back(fmt::format(
       "the swing from {:.4g} rad to first touch: the rigid bar's {} gives {:.6g} m/s at the "
       "struck point; a swing this slow hardly bends the bar",

@@ -81,8 +81,8 @@ std::vector<double> explicit_tip(const Rig& rig, const Solver& solver, double in
   using State = std::vector<double>;
   State y(static_cast<std::size_t>(2 * n));
   const double rate = rig.start.release_angle ? 0.0 : rig.start.velocity / rig.contact.position;
-  beam->set_rigid_motion(-rig.start.release_angle.value_or(0.0), rate,
-                         Eigen::Map<Vector>(y.data(), n), Eigen::Map<Vector>(y.data() + n, n));
+  beam->set_steady_motion(-rig.start.release_angle.value_or(0.0), rate,
+                          Eigen::Map<Vector>(y.data(), n), Eigen::Map<Vector>(y.data() + n, n));
   const auto slope = [&](const State& s, State& d, double) {
     const Eigen::Map<const Vector> q(s.data(), n), v(s.data() + n, n);
     std::copy(s.begin() + n, s.end(), d.begin());

@@ -35,7 +35,7 @@ class Pendulum {
 
   double period() const { return 4.0 * boost::math::ellint_1(modulus_) / omega_; }
 
-  /// From hanging straight, as set_rigid_motion() has it: negative before the first passage.
+  /// From hanging straight, as set_steady_motion() has it: negative before the first passage.
   double angle(double t) const {
     return -2.0 * std::asin(modulus_ * boost::math::jacobi_cd(modulus_, omega_ * t));
   }
@@ -67,7 +67,7 @@ Distance from_pendulum(const Rig& rig, const Solver& solver, double release, dou
   using State = std::vector<double>;
   State y(static_cast<std::size_t>(2 * n));
   Eigen::Map<Vector> q(y.data(), n), v(y.data() + n, n);
-  beam->set_rigid_motion(-release, 0.0, q, v);
+  beam->set_steady_motion(-release, 0.0, q, v);
   const auto slope = [&](const State& s, State& d, double) {
     const Eigen::Map<const Vector> sq(s.data(), n), sv(s.data() + n, n);
     std::copy(s.begin() + n, s.end(), d.begin());

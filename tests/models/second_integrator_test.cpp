@@ -31,7 +31,7 @@ class OtherIntegrator {
         contact_(rig),
         n_(beam.size()) {
     state_.assign(static_cast<std::size_t>(2 * n_), 0.0);
-    beam.set_rigid_motion(0.0, rig.start.velocity / rig.contact.position, q(state_), v(state_));
+    beam.set_steady_motion(0.0, rig.start.velocity / rig.contact.position, q(state_), v(state_));
     contact_.begin_episode(rig.start.velocity);
     contact_.set_phase(ContactForce::Phase::pressed);
   }

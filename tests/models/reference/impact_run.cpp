@@ -122,7 +122,7 @@ double ImpactRun::fastest_decay() {
 void ImpactRun::swing_to_touch() {
   const double angle = *rig_.start.release_angle;
   Vector y = Vector::Zero(2 * n_ + 3);
-  beam_->set_rigid_motion(-angle, 0.0, y.head(n_), y.segment(n_, n_));
+  beam_->set_steady_motion(-angle, 0.0, y.head(n_), y.segment(n_, n_));
   const double speed = touch_velocity(rig_);
   const double rate = speed / rig_.contact.position;
   set_scales(0.5 * rig_.beam.hinge_inertia() * rate * rate, speed);
@@ -255,7 +255,7 @@ Simulation ImpactRun::simulate() {
   } else {
     const double speed = touch_velocity(rig_);
     Vector y = Vector::Zero(2 * n_ + 3);
-    beam_->set_rigid_motion(0.0, speed / rig_.contact.position, y.head(n_), y.segment(n_, n_));
+    beam_->set_steady_motion(0.0, speed / rig_.contact.position, y.head(n_), y.segment(n_, n_));
     stepper_.start(0.0, y, f_);
     touch();
     stepper_.start(0.0, y, f_);
