@@ -489,7 +489,8 @@ void ChainMotion<S, Chain>::press(std::span<const StopStep> stops) {
 }
 
 /// Norms of the terms of the accelerations' Legendre series, across the bar and along it. Motion
-/// along the bar reaches the stop only where the bar is inclined or bent.
+/// along the bar reaches the stop only where the bar is inclined or bent; rotations of sections do
+/// not, but for what they move across.
 template <int S, typename Chain>
 double ChainMotion<S, Chain>::error() const {
   Lanes across = Lanes::Zero(), along = Lanes::Zero();
@@ -506,9 +507,6 @@ double ChainMotion<S, Chain>::error() const {
     const Lanes u = (to_series_ * a_.col(beside).matrix()).array();
     across += chain_.inertia()[k] * (cosine * x + sine * u).square();
     along += chain_.inertia()[k] * (cosine * u - sine * x).square();
-  });
-  chain_.for_each_rotation([&](int k) {
-    across += chain_.inertia()[k] * (to_series_ * a_.col(k).matrix()).array().square();
   });
   const double left =
       series_remainder<S>(across) + std::min(1.0, inclination) * series_remainder<S>(along);
