@@ -304,8 +304,8 @@ TEST(SeveralStops, HybridAndAncfBarsMeetThemAlike) {
 
 TEST(SeveralStops, FullEquationsAgreeWithSmallMotion) {
   const Rig rig = crowded_rig();
-  for (const Solver& solver :
-       {hybrid(Basis::pinned_free, 7, 1e-7, 1e-3), ancf(14, 2, 1e-7, 1e-3)}) {
+  for (const Solver& solver : {hybrid(Basis::pinned_free, 7, 1e-7, 1e-3), ancf(14, 2, 1e-7, 1e-3),
+                               ancf(4, 2, 1e-7, 1e-3)}) {  // a stop before the first element
     const Simulation small = simulate(rig, solver, in(Motion::small));
     const Simulation full = simulate(rig, solver, in(Motion::full));
     ASSERT_EQ(small.episodes.size(), full.episodes.size());
