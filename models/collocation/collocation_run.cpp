@@ -272,7 +272,8 @@ void CollocationRun::weigh(bool solved) {
     tried_.error = std::numeric_limits<double>::infinity();
     return;
   }
-  const double share = bar_.parts_exact() ? step_share_of_modes : step_share;
+  const bool modes = bar_.parts_exact() && solver_.model != BeamModel::rigid;  // that costs nothing
+  const double share = modes ? step_share_of_modes : step_share;
   const double tolerance = std::max(solver_.accuracy, 1e-13) * share;
   tried_.error = bar_.error() / (solver_.accuracy * step_share);
   for (const ContactPoint& point : points_) {
@@ -633,7 +634,8 @@ bool CollocationRun::ends_early() {
 void CollocationRun::begin() {
   started_ = std::chrono::steady_clock::now();
   time_limit_ = TimeLimit(solver_.time_limit);
-  if (rig_.start.release_angle && (!allows(options_, Simplification::swing_to_touch) || spring_bends_bar(rig_))) {
+  if (rig_.start.release_angle &&
+      (!allows(options_, Simplification::swing_to_touch) || spring_bends_bar(rig_))) {
     bar_.start(-*rig_.start.release_angle, 0.0);
     approach_ = touch_velocity(rig_);
     const double rate = approach_ / rig_.contact.position;
