@@ -35,7 +35,7 @@ datasets::Record history_record(const models::History& history, const fitting::R
   record.provenance.program = datasets::program_version();
   record.provenance.source_file = rig.path;
   record.provenance.sha256 = rig.sha256;
-  const auto add = [&](const char* name, datasets::Quantity quantity,
+  const auto add = [&](const std::string& name, datasets::Quantity quantity,
                        const std::vector<double>& values) {
     datasets::Channel channel;
     channel.name = name;
@@ -54,6 +54,12 @@ datasets::Record history_record(const models::History& history, const fitting::R
   }
   if (rig.rig.has_stop()) add("Penetration", datasets::Quantity::displacement, history.penetration);
   if (!history.sensor_force.empty()) add("Contact force", datasets::Quantity::force, history.force);
+  for (std::size_t i = 0; i < history.further.size(); ++i) {
+    add(fmt::format("Force at stop {}", i + 1), datasets::Quantity::force,
+        history.further[i].force);
+    add(fmt::format("Penetration at stop {}", i + 1), datasets::Quantity::displacement,
+        history.further[i].penetration);
+  }
   return record;
 }
 

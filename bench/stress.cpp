@@ -4,10 +4,10 @@
 // sentence? Each scene is a rig file drawn from a seed and its number alone, so that
 // `--only NUMBER` runs it again and `--rig NUMBER` prints it for the impactrig program. Each is
 // solved in a child process of limited processor time and memory, then solved again 30 times as
-// accurately. An answer is sound when every number in it is finite, contacts follow each other, no
-// force pulls, the energy balances or a warning says that it does not, and when peak force,
-// duration and impulse of the first contact agree with the second run within the accuracy asked
-// for. Exit status 1 when a scene fails.
+// accurately. Some have further stops. An answer is sound when every number in it is finite,
+// contacts follow each other, no force pulls, the energy balances or a warning says that it does
+// not, and when peak force, duration and impulse of the first contact agree with the second run
+// within the accuracy asked for. Exit status 1 when a scene fails.
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -267,6 +267,31 @@ double draw_duration(SceneText& text, const Scene& scene) {
   return std::min(wanted, std::max(affordable, 2.0 * scene.contact_time));
 }
 
+/// Tables of one to three further stops, in one scene of four; gaps from none to far beyond the
+/// penetration.
+std::string draw_further_stops(const Study& study, const Scene& scene) {
+  acquisition::RandomStream random(study.seed, fmt::format("further stops {}", scene.number));
+  if (random.uniform() >= 0.25) return "";
+  const models::Rig& rig = scene.file.rig;
+  const double turned = touch_velocity(rig) / rig.contact.position;
+  const double energy = 0.5 * rig.beam.hinge_inertia() * turned * turned;
+  const double depth = models::penetration_storing(models::ContactForce(rig), energy);
+  const int count = 1 + static_cast<int>(random.uniform(0.0, 3.0));
+  std::string text;
+  for (int k = 0; k < count; ++k) {
+    const bool far = random.uniform() < 0.5;
+    const double place = random.uniform() < 0.2 ? 1.0 : random.uniform(0.02, 0.999);
+    double gap = random.uniform() < 0.15 ? 0.0 : depth * std::exp(random.uniform(-5.0, 8.0));
+    if (far && rig.start.release_angle) gap += 1.001 * place * rig.beam.length;
+    const double e = std::max(random.uniform(), 0.005);
+    text += fmt::format(
+        "\n[[contacts]]\nside = \"{}\"\nposition = \"{:.17g} m\"\ngap = \"{:.17g} m\"\n"
+        "restitution = {:.17g}\nstiffness_factor = {:.17g}\n",
+        far ? "far" : "near", place * rig.beam.length, gap, e, std::exp(random.uniform(-2.0, 2.0)));
+  }
+  return text;
+}
+
 Scene draw_scene(const Study& study, long number) {
   SceneText text(study.seed, number);
   Scene scene;
@@ -281,10 +306,9 @@ Scene draw_scene(const Study& study, long number) {
   const double energy = 0.5 * rig.beam.hinge_inertia() * turned * turned;
   scene.contact_time = 3.0 * models::penetration_storing(models::ContactForce(rig), energy) / speed;
   const double duration = draw_duration(text, scene);
-  if (duration > 0.0) {
-    scene.toml += fmt::format("duration = \"{:.9g} s\"\n", duration);
-    scene.file = fitting::parse_rig_file(scene.toml, name);
-  }
+  if (duration > 0.0) scene.toml += fmt::format("duration = \"{:.9g} s\"\n", duration);
+  scene.toml += draw_further_stops(study, scene);
+  scene.file = fitting::parse_rig_file(scene.toml, name);
   scene.periods = (duration > 0.0 ? duration : 0.1) * fastest_vibration(rig, scene.file.solver) /
                   (2.0 * std::numbers::pi);
   scene.predicted = scene.periods * evaluations_of_step * evaluation_time(scene.file.solver);
@@ -398,6 +422,9 @@ std::string not_finite(const models::Simulation& run) {
   for (const std::vector<double>* samples : {&run.history.force, &run.history.penetration,
                                              &run.history.velocity, &run.history.displacement})
     for (const double value : *samples) look("a sample of the history", value);
+  for (const models::StopHistory& stop : run.history.further)
+    for (const std::vector<double>* samples : {&stop.force, &stop.penetration})
+      for (const double value : *samples) look("a sample at a further stop", value);
   return found;
 }
 
@@ -405,19 +432,24 @@ std::string not_finite(const models::Simulation& run) {
 std::string unsound(const models::Simulation& run) {
   if (run.episodes.empty()) return "no contact";
   if (!(run.peak_force > 0.0)) return fmt::format("a peak force of {:g} N", run.peak_force);
-  double before = 0.0;
+  std::vector<double> ends(std::max<std::size_t>(run.stops.size(), 1));
   for (const models::Episode& e : run.episodes) {
+    double& before = ends[static_cast<std::size_t>(e.stop)];
     if (e.start < before || e.end < e.start)
       return fmt::format("a contact from {:g} to {:g} s after one that ended at {:g} s", e.start,
                          e.end, before);
     if (e.impulse < -1e-12 * run.impulse) return fmt::format("an impulse of {:g} N s", e.impulse);
     if (e.dissipated < -run.solver.accuracy * run.energy.initial)
       return fmt::format("a contact that gives {:g} J", -e.dissipated);
-    if (e.peak_force > run.peak_force) return "a contact with more than the peak force";
+    if (e.stop == 0 && e.peak_force > run.peak_force)
+      return "a contact with more than the peak force";
     before = e.end;
   }
   for (const double force : run.history.force)
     if (force < 0.0) return fmt::format("a pulling force of {:g} N", force);
+  for (const models::StopHistory& stop : run.history.further)
+    for (const double force : stop.force)
+      if (force < 0.0) return fmt::format("a pulling force of {:g} N at a further stop", force);
   return "";
 }
 

@@ -184,8 +184,8 @@ std::size_t segment_at(const models::Beam& beam, double x) {
   return i;
 }
 
-void read_contact(TableReader& table, models::Rig& rig, const std::vector<Section>& sections) {
-  models::Contact& contact = rig.contact;
+void read_contact(TableReader& table, const models::Rig& rig, const std::vector<Section>& sections,
+                  models::Contact& contact) {
   contact.law = table.text("law").value_or(contact.law);
   contact.damping = table.text("damping").value_or(contact.damping);
   contact.position = table.required_quantity("position", "m", "0.69 m");
@@ -204,7 +204,7 @@ void read_contact(TableReader& table, models::Rig& rig, const std::vector<Sectio
         "stiffness",
         fmt::format(
             "only the law \"linear\" has a stiffness; \"{}\" follows from geometry and moduli, "
-            "scale it with contact.stiffness_factor",
+            "scale it with stiffness_factor",
             contact.law));
   table.quantity("stiffness", "N/m");
   const auto radius = table.quantity("radius", "m");
@@ -233,6 +233,27 @@ void read_contact(TableReader& table, models::Rig& rig, const std::vector<Sectio
     table.refuse("restitution", "is missing; add restitution = 0.5 (or damping = \"none\")");
   contact.restitution = restitution.value_or(1.0);
   table.finish();
+}
+
+/// [[contacts]]: what a table leaves open is as [contact] states it.
+std::vector<models::FurtherStop> read_further_stops(TableReader& root, const RigFile& file,
+                                                    const std::vector<Section>& sections) {
+  std::vector<models::FurtherStop> stops;
+  const toml::table* first = root.raw()["contact"].as_table();
+  for (TableReader& table : root.tables("contacts")) {
+    if (!first)
+      root.refuse("contacts", "there is no [contact]; state the stop that is struck first there");
+    toml::table inherited = *first;
+    if (table.has("law")) inherited.erase("stiffness");
+    table.inherit(inherited);
+    models::FurtherStop stop;
+    stop.gap = table.required_quantity("gap", "m", "0.1 mm");
+    if (const auto side = table.choice("side", {"near", "far"}))
+      stop.side = static_cast<models::StopSide>(*side);
+    read_contact(table, file.rig, sections, stop.contact);
+    stops.push_back(stop);
+  }
+  return stops;
 }
 
 void read_hinge(TableReader& table, models::Hinge& hinge) {
@@ -497,11 +518,12 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   TableReader beam = required_table(root, "beam");
   const std::vector<Section> sections = read_beam(beam, file.rig);
   if (auto contact = root.table("contact")) {
-    read_contact(*contact, file.rig, sections);
+    read_contact(*contact, file.rig, sections, file.rig.contact);
   } else {
     file.rig.contact.law = file.rig.contact.damping = "none";
     file.rig.contact.position = file.rig.beam.length;
   }
+  file.rig.further_stops = read_further_stops(root, file, sections);
   if (auto hinge = root.table("hinge")) read_hinge(*hinge, file.rig.hinge);
   if (auto stop = root.table("stop")) file.rig.stop = read_stop(*stop);
   if (!file.rig.hinge.rotation || root.has("start")) {

@@ -65,7 +65,8 @@ void TableReader::refuse(std::string_view key, std::string_view problem) const {
 
 const toml::node* TableReader::find(std::string_view key) {
   known_.emplace(key);
-  return table_.get(key);
+  const toml::node* own = table_.get(key);
+  return own || !other_ ? own : other_->get(key);
 }
 
 std::optional<datasets::UncertainValue> TableReader::quantity(std::string_view key,

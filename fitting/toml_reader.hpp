@@ -27,7 +27,12 @@ class TableReader {
   TableReader(const toml::table& table, std::string file, std::string path,
               const std::set<std::string>& overridden);
 
-  bool has(std::string_view key) const { return table_.contains(key); }
+  /// Keys that this table does not state are read from another one, which must live as long.
+  void inherit(const toml::table& other) { other_ = &other; }
+
+  bool has(std::string_view key) const {
+    return table_.contains(key) || (other_ && other_->contains(key));
+  }
 
   /// "0.69 m" in `unit`; none when the key is absent.
   std::optional<datasets::UncertainValue> quantity(std::string_view key, std::string_view unit);
@@ -56,6 +61,7 @@ class TableReader {
   const toml::node* find(std::string_view key);
 
   const toml::table& table_;
+  const toml::table* other_ = nullptr;
   std::string file_;
   std::string path_;
   const std::set<std::string>& overridden_;

@@ -13,6 +13,12 @@
 
 namespace impactrig::models {
 
+ContactLog::ContactLog(const Rig& rig, double accuracy, Simulation& result)
+    : rig_(rig),
+      accuracy_(accuracy),
+      result_(result),
+      last_(static_cast<std::size_t>(rig.stops())) {}
+
 void ContactLog::begin(const BeamEnergy& energy) {
   energy_at_touch_ =
       energy.kinetic + energy.elastic + energy.spring + energy.gravitational + energy.stop;
@@ -20,11 +26,13 @@ void ContactLog::begin(const BeamEnergy& energy) {
   result_.energy.gravitational = -energy.gravitational;
 }
 
-void ContactLog::touch(double t, double speed, const ContactTotals& totals, ContactForce& contact) {
+void ContactLog::touch(int stop, double t, double speed, const ContactTotals& totals,
+                       ContactForce& contact) {
   if (result_.episodes.size() >= most_episodes)
     throw std::runtime_error(
         fmt::format("more than {} contacts; state a shorter solver.duration", most_episodes));
   Episode episode;
+  episode.stop = stop;
   episode.start = t;
   episode.approach_velocity = speed;
   episode.open = true;
@@ -33,11 +41,12 @@ void ContactLog::touch(double t, double speed, const ContactTotals& totals, Cont
   if (speed < slowest) ++grazing_;
   contact.begin_episode(std::max(speed, slowest));
   contact.set_phase(ContactForce::Phase::pressed);
-  at_start_ = at_deepest_ = totals;
+  last(stop) = {result_.episodes.size() - 1, totals, totals};
 }
 
-void ContactLog::deepest(double depth, const ContactTotals& totals, const ContactForce& contact) {
-  Episode& episode = result_.episodes.back();
+void ContactLog::deepest(int stop, double depth, const ContactTotals& totals,
+                         const ContactForce& contact) {
+  Episode& episode = result_.episodes[last(stop).episode];
   if (depth <= episode.max_penetration) return;
   if (depth > contact.limit_penetration())
     throw std::runtime_error(
@@ -45,72 +54,95 @@ void ContactLog::deepest(double depth, const ContactTotals& totals, const Contac
                     "contact is too soft or the impact too hard for it",
                     depth, contact.limit_penetration()));
   episode.max_penetration = depth;
-  at_deepest_ = totals;
+  last(stop).at_deepest = totals;
 }
 
-void ContactLog::peak(double force, double t) {
-  Episode& episode = result_.episodes.back();
+void ContactLog::peak(int stop, double force, double t) {
+  Episode& episode = result_.episodes[last(stop).episode];
   if (force <= episode.peak_force) return;
   episode.peak_force = force;
   episode.peak_time = t;
 }
 
-void ContactLog::separate(double t, double speed, const ContactTotals& totals,
+void ContactLog::separate(int stop, double t, double speed, const ContactTotals& totals,
                           ContactForce& contact) {
-  Episode& episode = result_.episodes.back();
+  const auto& [number, at_start, at_deepest] = last(stop);
+  Episode& episode = result_.episodes[number];
   episode.end = t;
   episode.separation_velocity = -speed;
-  episode.impulse = totals.impulse - at_start_.impulse;
-  episode.dissipated = totals.dissipated - at_start_.dissipated;
+  episode.impulse = totals.impulse - at_start.impulse;
+  episode.dissipated = totals.dissipated - at_start.dissipated;
   episode.open = false;
   contact.set_phase(ContactForce::Phase::free);
-  if (result_.episodes.size() > 1) return;
-  const double compression = at_deepest_.impulse - at_start_.impulse;
+  if (number > 0) return;
+  const double compression = at_deepest.impulse - at_start.impulse;
   const double stored = contact.stored(episode.max_penetration);
-  const double work_in = stored + at_deepest_.dissipated - at_start_.dissipated;
-  const double work_out = stored - (totals.dissipated - at_deepest_.dissipated);
+  const double work_in = stored + at_deepest.dissipated - at_start.dissipated;
+  const double work_out = stored - (totals.dissipated - at_deepest.dissipated);
   result_.restitution.kinematic = episode.separation_velocity / episode.approach_velocity;
   result_.restitution.kinetic = (episode.impulse - compression) / compression;
   result_.restitution.energetic = std::sqrt(std::max(work_out, 0.0) / work_in);
 }
 
-void ContactLog::conclude(double t, const ContactTotals& totals, const ContactForce& contact,
-                          double penetration, const BeamEnergy& energy, const RigidPart& rigid) {
-  if (!result_.episodes.empty() && result_.episodes.back().open) {
-    Episode& episode = result_.episodes.back();
+StopTotals ContactLog::sum_up(int stop) const {
+  StopTotals sum;
+  for (const Episode& episode : result_.episodes) {
+    if (episode.stop != stop) continue;
+    sum.max_penetration = std::max(sum.max_penetration, episode.max_penetration);
+    if (episode.peak_force <= sum.peak_force) continue;
+    sum.peak_force = episode.peak_force;
+    sum.peak_time = episode.peak_time;
+  }
+  return sum;
+}
+
+void ContactLog::conclude(int stop, double t, const ContactTotals& totals,
+                          const ContactForce& contact, double penetration) {
+  if (contact.phase() != ContactForce::Phase::free) {
+    const auto& [number, at_start, at_deepest] = last(stop);
+    Episode& episode = result_.episodes[number];
     episode.end = t;
     episode.separation_velocity = std::numeric_limits<double>::quiet_NaN();
-    episode.impulse = totals.impulse - at_start_.impulse;
-    episode.dissipated = totals.dissipated - at_start_.dissipated;
-    result_.energy.contact_stored = contact.stored(penetration);
+    episode.impulse = totals.impulse - at_start.impulse;
+    episode.dissipated = totals.dissipated - at_start.dissipated;
+    result_.energy.contact_stored += contact.stored(penetration);
+  }
+  StopTotals sum = sum_up(stop);
+  sum.impulse = totals.impulse;
+  sum.dissipated = totals.dissipated;
+  result_.energy.dissipated += totals.dissipated;
+  if (!rig_.further_stops.empty()) result_.stops.push_back(sum);
+  if (stop > 0) return;
+  result_.impulse = totals.impulse;
+  result_.max_penetration = sum.max_penetration;
+  result_.peak_force = sum.peak_force;
+  result_.peak_time = sum.peak_time;
+}
+
+void ContactLog::conclude(double t, double damped, const BeamEnergy& energy,
+                          const RigidPart& rigid) {
+  if (std::ranges::any_of(result_.episodes, &Episode::open))
     result_.warnings.push_back(
         "the run ended in contact; state a longer solver.duration to see the separation.");
-  }
   result_.duration = t;
-  result_.impulse = totals.impulse;
-  for (const Episode& episode : result_.episodes) {
-    result_.max_penetration = std::max(result_.max_penetration, episode.max_penetration);
-    if (episode.peak_force <= result_.peak_force) continue;
-    result_.peak_force = episode.peak_force;
-    result_.peak_time = episode.peak_time;
-  }
-  EnergyAudit& audit = result_.energy;
-  audit.dissipated = totals.dissipated;
-  audit.damped = totals.damped;
-  close_audit(rig_, energy_at_touch_, energy, rigid, audit);
+  result_.energy.damped = damped;
+  close_audit(rig_, energy_at_touch_, energy, rigid, result_.energy);
   result_.restitution.law = rig_.contact.restitution;
   if (result_.episodes.empty() || result_.episodes.front().open) {
     const double unknown = std::numeric_limits<double>::quiet_NaN();
     result_.restitution = {rig_.contact.restitution, unknown, unknown, unknown};
   }
   warn_of_imbalance(accuracy_, result_);
-  if (grazing_ > 0)
-    result_.warnings.push_back(
-        fmt::format("{} contact(s) began slower than {:g} % of the first approach speed; their "
-                    "damping was taken at that speed, since "
-                    "the law divides by it. Forces after {:g} s depend on this choice.",
-                    grazing_, 100.0 * grazing_fraction,
-                    result_.episodes.size() > 1 ? result_.episodes[1].start : 0.0));
+  if (grazing_ > 0) tell_grazing();
+}
+
+void ContactLog::tell_grazing() {
+  result_.warnings.push_back(
+      fmt::format("{} contact(s) began slower than {:g} % of the first approach speed; their "
+                  "damping was taken at that speed, since "
+                  "the law divides by it. Forces after {:g} s depend on this choice.",
+                  grazing_, 100.0 * grazing_fraction,
+                  result_.episodes.size() > 1 ? result_.episodes[1].start : 0.0));
 }
 
 void close_audit(const Rig& rig, double begun, const BeamEnergy& energy, const RigidPart& rigid,
@@ -136,13 +168,36 @@ void warn_of_imbalance(double accuracy, Simulation& result) {
                   imbalance));
 }
 
-bool left_for_good(const Rig& rig, double reach, const RigidPart& rigid, const BeamEnergy& energy) {
+namespace {
+
+/// Whether a bar turning away from where it hangs, as a rigid body, cannot bring this point of it
+/// to a stop on the far side within the longest run; `near_by` is as good as there [m].
+bool out_of_reach(const Rig& rig, const RigidSwing& swing, const FurtherStop& stop, double near_by,
+                  const RigidPart& rigid) {
+  const double fastest = std::sqrt(rigid.rate * rigid.rate +
+                                   2.0 / rig.beam.hinge_inertia() * swing.available(rigid.angle));
+  const double way =
+      stop.gap / stop.contact.position + rigid.angle - near_by / stop.contact.position;
+  return way > fastest * longest_default_run;
+}
+
+}  // namespace
+
+bool left_for_good(const Rig& rig, std::span<const double> reach, const RigidPart& rigid,
+                   const BeamEnergy& energy) {
   if (!(rigid.rate < 0.0)) return false;
   const double rotation = 0.5 * rig.beam.hinge_inertia() * rigid.rate * rigid.rate;
-  const double vibration =
-      std::max(energy.kinetic - rotation, 0.0) + std::max(energy.elastic, 0.0) + energy.stop;
-  if (!(-rigid.angle * rig.contact.position > reach * std::sqrt(vibration))) return false;
+  const double vibration = std::sqrt(std::max(energy.kinetic - rotation, 0.0) +
+                                     std::max(energy.elastic, 0.0) + energy.stop);
+  if (!(-rigid.angle * rig.contact.position > reach[0] * vibration)) return false;
   const RigidSwing swing(rig);
+  for (std::size_t i = 0; i < rig.further_stops.size(); ++i) {
+    const FurtherStop& stop = rig.further_stops[i];
+    const double near_by = reach[i + 1] * vibration;
+    if (stop.side == StopSide::far && !out_of_reach(rig, swing, stop, near_by, rigid)) return false;
+    if (stop.side == StopSide::near && !(stop.gap - rigid.angle * stop.contact.position > near_by))
+      return false;
+  }
   return swing.shortest_return() >= longest_default_run &&
          !swing.pulled_back(rigid.angle, rigid.rate);
 }

@@ -32,7 +32,7 @@ FreeRun::FreeRun(const Rig& rig, const Solver& solver, const SimulationOptions& 
       options_(options),
       bar_(bar),
       t_end_(*solver.duration) {
-  no_force_ = displacement_ = velocity_ = NodeVector::Zero(bar.rule().nodes());
+  no_stop_.force = no_stop_.force_series = NodeVector::Zero(bar.rule().nodes());
   result_.solver = solver;
 }
 
@@ -59,9 +59,9 @@ void FreeRun::start() {
 bool FreeRun::solve() {
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     result_.cost.evaluations += bar_.rule().nodes();
-    if (!bar_.improve(no_force_, displacement_, velocity_)) return false;
+    if (!bar_.improve({&no_stop_, 1})) return false;
     if (!bar_.settled()) continue;
-    bar_.finish(no_force_, no_force_);
+    bar_.finish({&no_stop_, 1});
     error_ = bar_.error() / (solver_.accuracy * step_share);
     return error_ <= 1.0;
   }

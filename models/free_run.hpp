@@ -36,7 +36,7 @@ class FreeRun {
   double t_ = 0.0, t_end_ = 0.0;
   double error_ = 0.0;          // of the step tried, to be compared with 1
   bool hinge_changes_ = false;  // where the step ends
-  NodeVector no_force_, displacement_, velocity_;
+  StopStep no_stop_;
   std::vector<BarMotion::Sample> samples_;
   Simulation result_;
 };

@@ -23,6 +23,14 @@ void begin_history(const Rig& rig, const HistoryRequest& wanted, double struck_s
     history.velocity.push_back(velocity_speed * state.rate / rate);
     history.displacement.push_back(displacement_speed * state.angle / rate);
   }
+  for (const FurtherStop& stop : rig.further_stops) {
+    const double speed =
+        stop.direction() * struck_speed * stop.contact.position / rig.contact.position;
+    StopHistory& at_stop = history.further.emplace_back();
+    at_stop.force.resize(history.force.size(), 0.0);
+    for (const double penetration : history.penetration)
+      at_stop.penetration.push_back(penetration / struck_speed * speed - stop.gap);
+  }
 }
 
 }  // namespace impactrig::models

@@ -52,7 +52,8 @@ void LaneRuns::drop(Lane& lane, int number) {
 void LaneRuns::begin(Lane& lane, int number) {
   SmallMotionRun& run = *lane.job->run;
   run.run().begin();
-  lane.known_law = run.faces_rigid_stop() && write_law(run.run().contact().law(), rows(), number);
+  lane.known_law =
+      run.faces_single_rigid_stop() && write_law(run.run().contact().law(), rows(), number);
   write(rows().struck, number, run.bar().modes().struck());
   rows().tolerance.at[number] = run.run().newton_tolerance();
 }
@@ -88,7 +89,7 @@ void LaneRuns::propose(Lane& lane, int number) {
 
 void LaneRuns::read_solution(Lane& lane, int number) {
   const auto evaluations = static_cast<long>(rows().iterations.at[number]) * rows().nodes;
-  CollocationRun::Attempt& solution = lane.job->run->run().solution(evaluations);
+  StopStep& solution = lane.job->run->run().solution(evaluations);
   for (const auto& [from, to] : {std::pair{rows().force, &solution.force},
                                  {rows().displacement, &solution.displacement},
                                  {rows().velocity, &solution.velocity},

@@ -153,11 +153,40 @@ void validate_rotation(const Rig& rig) {
     refuse("start.velocity", "hinge.rotation states how the bar starts; leave it out");
 }
 
+/// Largest distance of a place on the bar, on its way to the touch, from where it is there [m].
+double way_to_touch(double position, double release_angle) {
+  return position * std::sin(std::min(release_angle, 0.5 * std::numbers::pi));
+}
+
+void validate_further_stops(const Rig& rig) {
+  for (std::size_t i = 0; i < rig.further_stops.size(); ++i) {
+    const FurtherStop& stop = rig.further_stops[i];
+    const std::string where = fmt::format("contacts[{}]", i);
+    try {
+      validate_contact(stop.contact, rig.beam);
+      elastic_law(stop.contact);
+    } catch (const std::invalid_argument& error) {
+      const std::string_view said = error.what();  // of "contact"
+      throw std::invalid_argument(where + std::string(said.substr(said.find('.'))));
+    }
+    require_not_negative(where + ".gap", stop.gap, "m");
+    if (stop.side == StopSide::near || !rig.start.release_angle) continue;
+    const double way = way_to_touch(stop.contact.position, *rig.start.release_angle);
+    if (stop.gap <= way)
+      refuse(where + ".gap",
+             fmt::format("{:g} m on the far side: the bar is released from behind this stop, whose "
+                         "gap must be more than {:g} m",
+                         stop.gap, way));
+  }
+}
+
 /// The bar swings freely: for how long, and whether it moves at all.
 void validate_free(const Rig& rig, const Solver& solver) {
   if (!solver.duration)
     refuse("solver.duration", "is missing: without [contact] the bar swings for as long as stated");
   if (rig.stop) refuse("stop.mass", "there is no [contact] that could press on the stop");
+  if (!rig.further_stops.empty())
+    refuse("contacts", "there is no [contact] besides; state the stop that is struck first there");
   if (rig.start.release_angle && !rig.hinge.rotation &&
       !(RigidSwing(rig).available(-*rig.start.release_angle) > 0.0))
     refuse("start.release_angle", "neither weight nor spring would move the bar from there");
@@ -220,6 +249,10 @@ std::string_view name(BeamTheory theory) {
   return theory == BeamTheory::timoshenko ? "timoshenko" : "euler-bernoulli";
 }
 
+std::string_view name(StopSide side) {
+  return side == StopSide::near ? "near" : "far";
+}
+
 std::string_view name(Basis basis) {
   return basis == Basis::cantilever ? "cantilever" : "pinned-free";
 }
@@ -268,6 +301,10 @@ double Beam::hinge_inertia() const {
   });
   for (const LumpedMass& lump : masses) sum += lump.mass * lump.position * lump.position;
   return sum;
+}
+
+const Contact& Rig::contact_of(int number) const {
+  return number == 0 ? contact : further_stops[static_cast<std::size_t>(number - 1)].contact;
 }
 
 double Rig::gravity_along() const {
@@ -324,6 +361,7 @@ void validate(const Rig& rig, const Solver& solver) {
   if (rig.has_stop()) {
     validate_contact(rig.contact, rig.beam);
     elastic_law(rig.contact);
+    validate_further_stops(rig);
   }
   require_not_negative("hinge.spring", rig.hinge.spring, "N.m/rad");
   require_not_negative("hinge.viscous", rig.hinge.viscous, "N.m.s/rad");

@@ -131,6 +131,23 @@ struct Stop {
   bool operator==(const Stop&) const = default;
 };
 
+/// Where a stop stands: where the bar swings to, or where it rebounds to.
+enum class StopSide { near, far };
+
+std::string_view name(StopSide side);
+
+/// A stop besides the one that is struck first, rigid and with a contact of its own.
+struct FurtherStop {
+  Contact contact;
+  StopSide side = StopSide::near;
+  double gap = 0.0;  ///< to the bar as it is at touch, straight [m], >= 0
+
+  /// Sign with which the bar's motion towards closing closes the gap.
+  double direction() const { return side == StopSide::near ? 1.0 : -1.0; }
+
+  bool operator==(const FurtherStop&) const = default;
+};
+
 /// How the impact begins: a given speed of the struck point at first touch, or a release from rest.
 struct Start {
   double velocity = 0.0;  ///< closing speed of the struck point [m/s], > 0
@@ -145,12 +162,18 @@ struct Rig {
   Start start;
   Hinge hinge = {};
   std::optional<Stop> stop = {};  ///< none: rigid
-  double gravity = 9.81;          ///< [m/s^2]
+  std::vector<FurtherStop> further_stops = {};
+  double gravity = 9.81;  ///< [m/s^2]
   /// Where gravity points, from the direction hinge to tip of the bar at touch towards closing
   /// [rad]: 0 the bar hangs, π/2 it is pulled into the stop, π it stands upright.
   double gravity_direction = 0.0;
 
   bool has_stop() const { return contact.law != "none"; }
+
+  /// How many there are; `contact` is that of number 0.
+  int stops() const { return has_stop() ? 1 + static_cast<int>(further_stops.size()) : 0; }
+
+  const Contact& contact_of(int number) const;
 
   /// Parts of gravity from the hinge to the tip and towards closing, of the bar at touch [m/s^2].
   double gravity_along() const;

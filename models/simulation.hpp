@@ -9,7 +9,7 @@
 
 namespace impactrig::models {
 
-/// One stay in contact, from touch to separation.
+/// One stay in contact at one stop, from touch to separation.
 struct Episode {
   double start = 0.0;                ///< [s] from first touch
   double end = 0.0;                  ///< [s]; the end of the run when `open`
@@ -21,6 +21,7 @@ struct Episode {
   double separation_velocity = 0.0;  ///< likewise at separation, > 0 when it leaves [m/s]
   double dissipated = 0.0;           ///< by the contact's damping [J]
   bool open = false;                 ///< still touching when the run ended
+  int stop = 0;                      ///< 0: struck first; from 1 on as in Rig::further_stops
 };
 
 /// The four numbers called restitution; all [-]. Of the first episode but for `law`.
@@ -29,6 +30,15 @@ struct Restitution {
   double kinematic = 0.0;  ///< Newton: separation over approach speed of the struck point
   double kinetic = 0.0;    ///< Poisson: impulse after over impulse before deepest penetration
   double energetic = 0.0;  ///< Stronge: square root of work returned over work taken by the contact
+};
+
+/// What happened at one stop over the run.
+struct StopTotals {
+  double peak_force = 0.0;       ///< [N]
+  double peak_time = 0.0;        ///< [s] from first touch
+  double max_penetration = 0.0;  ///< [m]
+  double impulse = 0.0;          ///< [N s]
+  double dissipated = 0.0;       ///< by the contact's damping [J]
 };
 
 /// Where the energy is at the end of the run [J]; imbalance relative to the initial kinetic energy.
@@ -40,8 +50,8 @@ struct EnergyAudit {
   double elastic = 0.0;
   double spring = 0.0;          ///< stored in the hinge
   double gravitational = 0.0;   ///< relative to first touch
-  double contact_stored = 0.0;  ///< not zero only when the run ends in contact
-  double dissipated = 0.0;      ///< by the contact's damping
+  double contact_stored = 0.0;  ///< in all stops; not zero only when the run ends in contact
+  double dissipated = 0.0;      ///< by the damping of all contacts
   double damped = 0.0;          ///< in bar, hinge (friction too) and the stop's damper
   double driven = 0.0;          ///< work of what turns the hinge as stated, since the start
   double stop = 0.0;            ///< left in a compliant stop's head and spring
@@ -66,19 +76,26 @@ struct HistoryRequest {
   double displacement_position = 0.0;  ///< [m]; 0 = the struck point
 };
 
+/// What a history shows at a further stop.
+struct StopHistory {
+  std::vector<double> force;        ///< compression > 0 [N] (n)
+  std::vector<double> penetration;  ///< > 0 in contact, negative: gap [m] (n)
+};
+
 /// Uniform samples of the true motion; sample k is at start + k interval, first touch at 0. Without
 /// a stop the run begins at 0, has neither force nor penetration, and the displacement is that from
 /// hanging straight.
 struct History {
   double start = 0.0;
   double interval = 0.0;
-  std::vector<double> force;        ///< contact force, compression > 0 [N] (n)
-  std::vector<double> penetration;  ///< > 0 in contact, negative: gap [m] (n)
+  std::vector<double> force;        ///< at the first stop, compression > 0 [N] (n)
+  std::vector<double> penetration;  ///< there, > 0 in contact, negative: gap [m] (n)
   std::vector<double> velocity;     ///< closing > 0, at velocity_position [m/s] (n)
   /// Closing > 0, 0 at first touch, at displacement_position [m] (n).
   std::vector<double> displacement;
   /// What the sensor of a compliant stop carries, compression > 0 [N] (n); empty where it is rigid.
   std::vector<double> sensor_force;
+  std::vector<StopHistory> further;  ///< as Rig::further_stops
 
   /// Of a hinge that is turned as stated: where the point at displacement_position is against the
   /// straight bar at the hinge's angle, across it (closing > 0) and along it [m] (n).
@@ -129,7 +146,8 @@ enum class Simplification {
   hinge_friction   ///< friction in the hinge whose impulse is too small to matter
 };
 
-/// What simulate() gives. `termination` says in a sentence why the run ended.
+/// What simulate() gives; peak, penetration, impulse and restitution are those of the first stop.
+/// `termination` says in a sentence why the run ended.
 struct Simulation {
   Solver solver;                      ///< as used
   double peak_force = 0.0;            ///< over the run [N]
@@ -138,7 +156,8 @@ struct Simulation {
   double impulse = 0.0;               ///< over the run [N s]
   double duration = 0.0;              ///< simulated, from first touch [s]
   std::optional<SensorForce> sensor;  ///< of a compliant stop
-  std::vector<Episode> episodes;
+  std::vector<Episode> episodes;      ///< at all stops, in the order they begin
+  std::vector<StopTotals> stops;      ///< of each, the first first; empty where there is but one
   Restitution restitution;
   EnergyAudit energy;
   Cost cost;
@@ -171,8 +190,8 @@ struct SimulationOptions {
   Motion motion = Motion::by_accuracy;
   bool exact = false;                     ///< take no simplification
   std::vector<Simplification> kept = {};  ///< simplifications not to take
-  /// Numbers of the rig by which to differentiate. Small motion that begins at the touch of a rigid
-  /// stop only.
+  /// Numbers of the rig by which to differentiate. Small motion that begins at the touch of a
+  /// single rigid stop only.
   std::vector<RigParameter> sensitivities = {};
 };
 

@@ -195,6 +195,26 @@ models::Stop stop_from(const JsonReader& json) {
           .viscous = json["viscous_n_s_m"].number()};
 }
 
+Json further_stops_json(const std::vector<models::FurtherStop>& stops) {
+  Json json = Json::array();
+  for (const models::FurtherStop& stop : stops)
+    json.push_back(
+        {{"side", name(stop.side)}, {"gap_m", stop.gap}, {"contact", contact_json(stop.contact)}});
+  return json;
+}
+
+std::vector<models::FurtherStop> further_stops_from(const JsonReader& json) {
+  std::vector<models::FurtherStop> stops;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const JsonReader element = json.element(i);
+    const bool far = element["side"].text() == name(models::StopSide::far);
+    stops.push_back({.contact = contact_from(element["contact"]),
+                     .side = far ? models::StopSide::far : models::StopSide::near,
+                     .gap = element["gap_m"].number()});
+  }
+  return stops;
+}
+
 }  // namespace
 
 Json rig_json(const fitting::RigFile& rig) {
@@ -216,6 +236,7 @@ Json rig_json(const fitting::RigFile& rig) {
         {"masses", masses_json(beam.masses)},
         {"damping", {{"mass_1_s", beam.damping.mass}, {"stiffness_s", beam.damping.stiffness}}}}},
       {"contact", contact_json(rig.rig.contact)},
+      {"contacts", further_stops_json(rig.rig.further_stops)},
       {"start",
        {{"velocity_m_s", start.velocity},
         {"release_angle_rad", start.release_angle ? Json(*start.release_angle) : Json(nullptr)}}},
@@ -253,6 +274,7 @@ fitting::RigFile rig_from(const JsonReader& json) {
   if (beam.has("segments")) rig.rig.beam.segments = segments_from(beam["segments"]);
   if (beam.has("masses")) rig.rig.beam.masses = masses_from(beam["masses"]);
   rig.rig.contact = contact_from(json["contact"]);
+  if (json.has("contacts")) rig.rig.further_stops = further_stops_from(json["contacts"]);
   rig.rig.start.velocity = json["start"]["velocity_m_s"].number();
   if (json["start"].has("release_angle_rad"))
     rig.rig.start.release_angle = json["start"]["release_angle_rad"].number();

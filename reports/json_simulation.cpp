@@ -71,7 +71,8 @@ Json episode_json(const models::Episode& episode) {
           {"separation_velocity_m_s", episode.separation_velocity},
           {"dissipated_j", episode.dissipated},
           {"peak_time_s", episode.peak_time},
-          {"open", episode.open}};
+          {"open", episode.open},
+          {"stop", episode.stop}};
 }
 
 models::Episode episode_from(const JsonReader& json) {
@@ -86,7 +87,24 @@ models::Episode episode_from(const JsonReader& json) {
   episode.dissipated = json["dissipated_j"].number();
   episode.peak_time = json["peak_time_s"].number();
   episode.open = json["open"].boolean();
+  if (json.has("stop")) episode.stop = static_cast<int>(json["stop"].integer());
   return episode;
+}
+
+Json stop_json(const models::StopTotals& stop) {
+  return {{"peak_force_n", stop.peak_force},
+          {"peak_time_s", stop.peak_time},
+          {"max_penetration_m", stop.max_penetration},
+          {"impulse_ns", stop.impulse},
+          {"dissipated_j", stop.dissipated}};
+}
+
+models::StopTotals stop_from(const JsonReader& json) {
+  return {.peak_force = json["peak_force_n"].number(),
+          .peak_time = json["peak_time_s"].number(),
+          .max_penetration = json["max_penetration_m"].number(),
+          .impulse = json["impulse_ns"].number(),
+          .dissipated = json["dissipated_j"].number()};
 }
 
 Json energy_json(const models::EnergyAudit& energy) {
@@ -141,6 +159,7 @@ Json simulation_json(const models::Simulation& simulation, const models::Contact
   json["episodes"] = Json::array();
   for (const models::Episode& episode : simulation.episodes)
     json["episodes"].push_back(episode_json(episode));
+  for (const models::StopTotals& stop : simulation.stops) json["stops"].push_back(stop_json(stop));
   json["restitution"] = {{"law", simulation.restitution.law},
                          {"kinematic", simulation.restitution.kinematic},
                          {"kinetic", simulation.restitution.kinetic},
@@ -181,6 +200,8 @@ models::Simulation simulation_from(const JsonReader& json) {
   const JsonReader episodes = json["episodes"];
   for (std::size_t i = 0; i < episodes.size(); ++i)
     simulation.episodes.push_back(episode_from(episodes.element(i)));
+  for (std::size_t i = 0; json.has("stops") && i < json["stops"].size(); ++i)
+    simulation.stops.push_back(stop_from(json["stops"].element(i)));
   const JsonReader restitution = json["restitution"];
   simulation.restitution = {restitution["law"].number(), restitution["kinematic"].number(),
                             restitution["kinetic"].number(), restitution["energetic"].number()};
@@ -199,6 +220,8 @@ Json history_json(const models::History& history) {
                {"force_n", history.force},         {"penetration_m", history.penetration},
                {"velocity_m_s", history.velocity}, {"displacement_m", history.displacement}};
   if (!history.sensor_force.empty()) json["sensor_force_n"] = history.sensor_force;
+  for (const models::StopHistory& stop : history.further)
+    json["further"].push_back({{"force_n", stop.force}, {"penetration_m", stop.penetration}});
   return json;
 }
 
@@ -211,6 +234,9 @@ models::History history_from(const JsonReader& json) {
   history.velocity = json["velocity_m_s"].numbers();
   history.displacement = json["displacement_m"].numbers();
   if (json.has("sensor_force_n")) history.sensor_force = json["sensor_force_n"].numbers();
+  for (std::size_t i = 0; json.has("further") && i < json["further"].size(); ++i)
+    history.further.push_back({json["further"].element(i)["force_n"].numbers(),
+                               json["further"].element(i)["penetration_m"].numbers()});
   return history;
 }
 

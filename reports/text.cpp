@@ -104,12 +104,14 @@ std::string contact_text(const models::Simulation& s, const models::Contact& law
   if (s.sensor)
     text += fmt::format("sensor            {:.9g} N at {:.6g} us, {:.9g} N s over the run\n",
                         s.sensor->peak_force, 1e6 * s.sensor->peak_time, s.sensor->impulse);
-  text += fmt::format("\n  {:>12} {:>12} {:>12} {:>12} {:>12} {:>12}\n", "touch [us]",
-                      "leaves [us]", "peak [N]", "impulse [Ns]", "in [m/s]", "out [m/s]");
+  text += fmt::format("\n  {:>12} {:>12} {:>12} {:>12} {:>12} {:>12}{}\n", "touch [us]",
+                      "leaves [us]", "peak [N]", "impulse [Ns]", "in [m/s]", "out [m/s]",
+                      s.stops.empty() ? "" : " stop");
   for (const models::Episode& e : s.episodes)
-    text += fmt::format("  {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g}\n",
-                        1e6 * e.start, 1e6 * e.end, e.peak_force, e.impulse, e.approach_velocity,
-                        e.separation_velocity);
+    text +=
+        fmt::format("  {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g}{}\n",
+                    1e6 * e.start, 1e6 * e.end, e.peak_force, e.impulse, e.approach_velocity,
+                    e.separation_velocity, s.stops.empty() ? "" : fmt::format(" {:>4}", e.stop));
   text += fmt::format(
       "\nrestitution       law {:.5g}, kinematic {:.5g}, kinetic {:.5g}, energetic {:.5g}\n",
       s.restitution.law, s.restitution.kinematic, s.restitution.kinetic, s.restitution.energetic);

@@ -50,8 +50,7 @@ double bending_energy(const Eigen::Vector4d& u, double l) {
 
 std::vector<BarElement> elements_of(const Rig& rig, std::array<int, 2> elements) {
   if (rig.beam.shears())
-    throw std::invalid_argument(
-        "beam.theory: AncfBeam does not shear, ReissnerBeam does");
+    throw std::invalid_argument("beam.theory: AncfBeam does not shear, ReissnerBeam does");
   return bar_elements(rig.beam, rig.contact.position, elements);
 }
 
@@ -66,6 +65,7 @@ AncfBeam::AncfBeam(const Rig& rig, std::array<int, 2> elements)
       gravity_across_(rig.gravity_across()),
       hinge_(rig.hinge),
       damping_(rig.beam.damping),
+      further_stops_(rig.further_stops),
       inertia_(rig.beam.hinge_inertia()),
       masses_(rig.beam.masses),
       reference_(dofs_),
@@ -305,13 +305,23 @@ double AncfBeam::damping_power(ConstVector q, ConstVector v) const {
   return power;
 }
 
-void AncfBeam::acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) {
+void AncfBeam::acceleration(ConstVector q, ConstVector v, std::span<const double> forces,
+                            VectorRef a) {
   a.head(dofs_) = -gravity_across_ * weight_;
   a.tail(dofs_) = -gravity_ * weight_;
   add_elastic_force(q, a);
   add_material_damping(q, v, a);
   add_hinge_moment(q, v, a);
-  a[struck_dof_] += contact_force;
+  a[struck_dof_] += forces[0];
+  for (std::size_t i = 1; i < forces.size(); ++i) {
+    const FurtherStop& stop = further_stops_[i - 1];
+    const auto [element, shape] = row_at(stop.contact.position);
+    const Nodal share = stop.direction() * forces[i] * shape;
+    if (element == 0)
+      a.head<3>() += share.tail<3>();
+    else
+      a.segment<4>(first_dof(element)) += share;
+  }
   factor_.solve_in_place(a.head(dofs_));
   factor_.solve_in_place(a.tail(dofs_));
   if (damping_.mass > 0.0) a -= damping_.mass * v;
@@ -332,6 +342,11 @@ AncfBeam::Nodal AncfBeam::shape_at(std::size_t e, double x) const {
 
 double AncfBeam::struck_acceleration(ConstVector /*q*/, ConstVector /*v*/, ConstVector a) const {
   return -a[struck_dof_];
+}
+
+double AncfBeam::point_acceleration(double x, ConstVector q, ConstVector /*v*/,
+                                    ConstVector a) const {
+  return point(x, q, a).velocity;
 }
 
 PointMotion AncfBeam::point(double x, ConstVector q, ConstVector v) const {

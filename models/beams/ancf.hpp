@@ -43,9 +43,12 @@ class AncfBeam : public BeamDynamics {
   Eigen::VectorXd inertia_diagonal() const override;
   void set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
   void set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
-  void acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) override;
+  using BeamDynamics::acceleration;
+  void acceleration(ConstVector q, ConstVector v, std::span<const double> forces,
+                    VectorRef a) override;
   PointMotion struck_point(ConstVector q, ConstVector v) const override;
   double struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const override;
+  double point_acceleration(double x, ConstVector q, ConstVector v, ConstVector a) const override;
   PointMotion point(double x, ConstVector q, ConstVector v) const override;
   std::vector<int> coordinates_of(double x) const override;
   SmallMotion small_motion() const override;
@@ -112,6 +115,7 @@ class AncfBeam : public BeamDynamics {
   double gravity_, gravity_across_;  // from hinge to tip and towards closing, of the straight bar
   Hinge hinge_;
   BarDamping damping_;
+  std::vector<FurtherStop> further_stops_;
   double inertia_;
   std::vector<LumpedMass> masses_;
   std::array<Eigen::Vector4d, 5> slope_shapes_;  // dS/dξ at the Gauss points, for unit length

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "models/modal/small_motion.hpp"
@@ -32,9 +33,9 @@ struct RigidPart {
   double rate = 0.0;   ///< [rad/s]
 };
 
-/// A bar on its hinge with generalised coordinates q (n) and velocities v (n), pressed at the
-/// struck point by one force. The stop is touched when the struck point is where it hangs at rest;
-/// penetration is how far it is beyond. Coordinates are zero for the bar hanging straight. Not for
+/// A bar on its hinge with generalised coordinates q (n) and velocities v (n), pressed by stops.
+/// The first is touched when the struck point is where it hangs at rest; penetration is how far it
+/// is beyond. Coordinates are zero for the bar hanging straight. Not for
 /// concurrent use of one object: evaluations share scratch memory.
 class BeamDynamics : public SmallMotionBeam {
  public:
@@ -54,13 +55,24 @@ class BeamDynamics : public SmallMotionBeam {
     set_rigid_motion(angle, rate, q, v);
   }
 
-  /// Accelerations under a contact force [N, compression > 0] at the struck point.
-  virtual void acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) = 0;
+  /// Accelerations under the contact forces [N, compression > 0] of the first stop and of further
+  /// ones, as many as are given.
+  virtual void acceleration(ConstVector q, ConstVector v, std::span<const double> forces,
+                            VectorRef a) = 0;
+
+  /// Under that of the first stop alone.
+  void acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) {
+    acceleration(q, v, {&contact_force, 1}, a);
+  }
 
   virtual PointMotion struck_point(ConstVector q, ConstVector v) const = 0;
 
   /// Rate of struck_point().velocity when v changes at the rate a [m/s^2].
   virtual double struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const = 0;
+
+  /// The same of any point, x from the hinge [m].
+  virtual double point_acceleration(double x, ConstVector q, ConstVector v,
+                                    ConstVector a) const = 0;
 
   /// Any point, x from the hinge [m].
   virtual PointMotion point(double x, ConstVector q, ConstVector v) const = 0;

@@ -25,6 +25,7 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
       gravity_across_(rig.gravity_across()),
       hinge_(rig.hinge),
       damping_(rig.beam.damping),
+      further_stops_(rig.further_stops),
       timoshenko_(rig.beam.shears()),
       hinge_row_(Eigen::VectorXd::Unit(size(), 0)),
       axial_scale_(std::sqrt(2.0 / rig.beam.bar_mass())),
@@ -173,7 +174,21 @@ void FloatingFrameBeam::set_steady_motion(double angle, double rate, VectorRef q
   v[0] *= struck_.x / (struck_.x + struck_.axial.dot(q.segment(1, axial_)));
 }
 
-void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contact_force,
+/// F ∂X/∂q at a station (14)-(17), to the right-hand side.
+void FloatingFrameBeam::add_contact_force(const Station& station, ConstVector q, double force) {
+  const double sine = std::sin(q[0]);
+  const double cosine = std::cos(q[0]);
+  const auto bending = q.tail(bending_);
+  coupled_.noalias() = station.coupling * bending;
+  const double x =
+      station.x + station.axial.dot(q.segment(1, axial_)) - 0.5 * bending.dot(coupled_);
+  const double y = station.bending.dot(bending);
+  rhs_[0] += force * (cosine * x - sine * y);
+  rhs_.segment(1, axial_) += force * sine * station.axial;
+  rhs_.tail(bending_) += force * (cosine * station.bending - sine * coupled_);
+}
+
+void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, std::span<const double> forces,
                                      VectorRef a) {
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
@@ -212,14 +227,11 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, double contac
     mass_.selfadjointView<Eigen::Lower>().rankUpdate(column_y_, s.mass);
     rhs_ += s.mass * (force_x * column_x_ + force_y * column_y_);
   }
-  if (contact_force != 0.0) {
-    // F ∂X/∂q at the struck point (14)-(17)
-    coupled_.noalias() = struck().coupling * bending;
-    const double x = struck().x + struck().axial.dot(axial) - 0.5 * bending.dot(coupled_);
-    const double y = struck().bending.dot(bending);
-    rhs_[0] += contact_force * (cosine * x - sine * y);
-    rhs_.segment(1, axial_) += contact_force * sine * struck().axial;
-    rhs_.tail(bending_) += contact_force * (cosine * struck().bending - sine * coupled_);
+  if (forces[0] != 0.0) add_contact_force(struck(), q, forces[0]);
+  for (std::size_t i = 1; i < forces.size(); ++i) {
+    const FurtherStop& stop = further_stops_[i - 1];
+    if (forces[i] != 0.0)
+      add_contact_force(cached_station(stop.contact.position), q, stop.direction() * forces[i]);
   }
   if (timoshenko_) mass_ += rotary_;
   factor_.compute(mass_);
@@ -250,16 +262,26 @@ PointMotion FloatingFrameBeam::struck_point(ConstVector q, ConstVector v) const 
 }
 
 double FloatingFrameBeam::struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const {
-  const InFrame p = in_frame(struck(), q, v);
+  return acceleration_of(struck(), q, v, a);
+}
+
+double FloatingFrameBeam::point_acceleration(double x, ConstVector q, ConstVector v,
+                                             ConstVector a) const {
+  return acceleration_of(cached_station(x), q, v, a);
+}
+
+double FloatingFrameBeam::acceleration_of(const Station& station, ConstVector q, ConstVector v,
+                                          ConstVector a) const {
+  const InFrame p = in_frame(station, q, v);
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
   const auto rate = v.tail(bending_);
-  look_.noalias() = struck().coupling * rate;
+  look_.noalias() = station.coupling * rate;
   const double shortening = rate.dot(look_);
   // what a does as a velocity would, and the part that is quadratic in v
   const double quadratic = 2.0 * v[0] * (cosine * p.x_rate - sine * p.y_rate) -
                            v[0] * v[0] * (sine * p.x + cosine * p.y) - sine * shortening;
-  return motion(struck(), q, a).velocity - quadratic;
+  return motion(station, q, a).velocity - quadratic;
 }
 
 PointMotion FloatingFrameBeam::point(double x, ConstVector q, ConstVector v) const {

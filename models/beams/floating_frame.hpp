@@ -43,9 +43,12 @@ class FloatingFrameBeam : public BeamDynamics {
   Eigen::VectorXd inertia_diagonal() const override;
   void set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
   void set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
-  void acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) override;
+  using BeamDynamics::acceleration;
+  void acceleration(ConstVector q, ConstVector v, std::span<const double> forces,
+                    VectorRef a) override;
   PointMotion struck_point(ConstVector q, ConstVector v) const override;
   double struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const override;
+  double point_acceleration(double x, ConstVector q, ConstVector v, ConstVector a) const override;
   PointMotion point(double x, ConstVector q, ConstVector v) const override;
   std::vector<int> coordinates_of(double x) const override;
   SmallMotion small_motion() const override;
@@ -110,6 +113,8 @@ class FloatingFrameBeam : public BeamDynamics {
   InFrame in_frame(const Station& station, ConstVector q, ConstVector v) const;
   PointMotion motion(const Station& station, ConstVector q, ConstVector v) const;
   void hold_hinge(VectorRef a);
+  double acceleration_of(const Station& station, ConstVector q, ConstVector v, ConstVector a) const;
+  void add_contact_force(const Station& station, ConstVector q, double force);
 
   int axial_;
   int bending_;
@@ -118,6 +123,7 @@ class FloatingFrameBeam : public BeamDynamics {
   double gravity_, gravity_across_;  // from hinge to tip and towards closing, of the straight bar
   Hinge hinge_;
   BarDamping damping_;
+  std::vector<FurtherStop> further_stops_;
   bool timoshenko_;
   Eigen::VectorXd hinge_row_;  // q to the angle at the hinge, opening > 0 (n)
   HingeDrive drive_;

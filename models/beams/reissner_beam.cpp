@@ -24,6 +24,7 @@ ReissnerBeam::ReissnerBeam(const Rig& rig, std::array<int, 2> elements)
       struck_place_(rig.contact.position),
       gravity_(rig.gravity_along()),
       gravity_across_(rig.gravity_across()),
+      further_stops_(rig.further_stops),
       hinge_(rig.hinge),
       damping_(rig.beam.damping),
       inertia_(rig.beam.hinge_inertia()),
@@ -154,7 +155,8 @@ void ReissnerBeam::subtract_damping(ConstVector q, ConstVector v, VectorRef forc
   }
 }
 
-void ReissnerBeam::acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) {
+void ReissnerBeam::acceleration(ConstVector q, ConstVector v, std::span<const double> forces,
+                                VectorRef a) {
   a = weight_force_;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     Values share{};
@@ -163,7 +165,14 @@ void ReissnerBeam::acceleration(ConstVector q, ConstVector v, double contact_for
   }
   a[0] -= hinge_.spring * q[0];
   subtract_damping(q, v, a);
-  a[struck_] += contact_force;
+  a[struck_] += forces[0];
+  for (std::size_t i = 1; i < forces.size(); ++i) {
+    const FurtherStop& stop = further_stops_[i - 1];
+    const Row row = row_at(stop.contact.position);
+    Values share;
+    Element::Vector::Map(share.data()) = row.shape;
+    scatter(share, row.element, stop.direction() * forces[i], a);
+  }
   a = factor_.solve(a).eval();
   a -= damping_.mass * v;
 }
@@ -175,6 +184,11 @@ PointMotion ReissnerBeam::struck_point(ConstVector q, ConstVector v) const {
 double ReissnerBeam::struck_acceleration(ConstVector /*q*/, ConstVector /*v*/,
                                          ConstVector a) const {
   return -a[struck_];
+}
+
+double ReissnerBeam::point_acceleration(double x, ConstVector q, ConstVector /*v*/,
+                                        ConstVector a) const {
+  return point(x, q, a).velocity;
 }
 
 ReissnerBeam::Row ReissnerBeam::row_at(double x) const {

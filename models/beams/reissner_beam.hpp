@@ -31,9 +31,12 @@ class ReissnerBeam : public BeamDynamics {
   Eigen::VectorXd inertia_diagonal() const override;
   void set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
   void set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
-  void acceleration(ConstVector q, ConstVector v, double contact_force, VectorRef a) override;
+  using BeamDynamics::acceleration;
+  void acceleration(ConstVector q, ConstVector v, std::span<const double> forces,
+                    VectorRef a) override;
   PointMotion struck_point(ConstVector q, ConstVector v) const override;
   double struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const override;
+  double point_acceleration(double x, ConstVector q, ConstVector v, ConstVector a) const override;
   PointMotion point(double x, ConstVector q, ConstVector v) const override;
   std::vector<int> coordinates_of(double x) const override;
   SmallMotion small_motion() const override;
@@ -76,6 +79,7 @@ class ReissnerBeam : public BeamDynamics {
   int struck_;
   double struck_place_;              // [m]
   double gravity_, gravity_across_;  // from hinge to tip and towards closing, of the straight bar
+  std::vector<FurtherStop> further_stops_;
   Hinge hinge_;
   BarDamping damping_;
   double inertia_;

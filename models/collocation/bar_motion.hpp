@@ -9,21 +9,33 @@
 
 namespace impactrig::models {
 
-/// A bar in motion as CollocationRun drives it, a step at a time, under a contact force given by
-/// its values at the collocation nodes of the step. The struck point answers changes of the force
-/// linearly, or nearly, so that contact law and bar are solved apart: the law with the bar's
-/// response, the bar by improve() until it is at rest with the force.
+/// What a step tried does at a stop, σ in [0, 1]; the bar's point before the stop moves as its
+/// PointMotion tells.
+struct StopStep {
+  NodeVector force, displacement, velocity, dissipation;  // at the nodes
+  NodeVector force_series, displacement_series, dissipation_series;
+  NodeVector change;  // of the force at the nodes, to be answered by press()
+  PointMotion at_end;
+};
+
+/// A bar in motion as CollocationRun drives it, a step at a time, under contact forces given by
+/// their values at the collocation nodes of the step. The points before the stops answer changes of
+/// the forces linearly, or nearly, so that contact laws and bar are solved apart: the laws with the
+/// bar's response, the bar by improve() until it is at rest with the forces.
+///
+/// Stops are numbered as in Rig::contact_of(). The displacement of the point before a stop is
+/// counted from where the bar hangs straight, towards the stop.
 ///
 /// Calls: start(); then for each step begin_step(), improve() and press() in turn, finish(), looks
 /// at the motion, and take().
 class BarMotion {
  public:
-  /// The struck point at the nodes under a unit force at each node (s, s).
+  /// A point at the nodes under a unit force at each node (s, s).
   struct Response {
     NodeMatrix displacement_of_force, velocity_of_force;
   };
 
-  /// What a history shows at one instant.
+  /// What a history shows at one instant, before the first stop.
   struct Sample {
     PointMotion struck;
     double velocity = 0.0, displacement = 0.0;  // at the lasers' spots
@@ -43,10 +55,12 @@ class BarMotion {
   /// much faster than it does so [s] moves the force little.
   virtual void set_scales(double kinetic, double contact_time) = 0;
 
-  virtual PointMotion struck() const = 0;
+  virtual PointMotion struck(int stop) const = 0;
   virtual BeamEnergy energy() const = 0;
   virtual RigidPart rigid_part() const = 0;
-  virtual double elastic_compliance() const = 0;  ///< of the struck point, the swing apart [m/N]
+
+  /// Of the point before the first stop, the swing apart [m/N].
+  virtual double elastic_compliance() const = 0;
 
   /// The steps that follow press.
   virtual void expect_contact() {}
@@ -57,22 +71,23 @@ class BarMotion {
   virtual void begin_part(double part) = 0;
   virtual double step() const = 0;  ///< length of the step tried [s]
 
-  virtual const Response& response() const = 0;
+  /// Of the point before a stop to the force of a stop.
+  virtual const Response& response(int point, int stop) const = 0;
 
-  /// Brings the bar nearer to its equations of motion under the force; tells how the struck point
-  /// then moves at the nodes. False when that leads nowhere.
-  virtual bool improve(const NodeVector& force, NodeVector& displacement, NodeVector& velocity) = 0;
+  /// Brings the bar nearer to its equations of motion under the forces; tells how the points then
+  /// move at the nodes. False when that leads nowhere.
+  virtual bool improve(std::span<StopStep> stops) = 0;
 
-  /// The force changes; so does the motion, by the response.
-  virtual void press(const NodeVector& change) = 0;
+  /// The forces change; so does the motion, by the response.
+  virtual void press(std::span<const StopStep> stops) = 0;
 
   /// Whether improve() and press() leave nothing to improve.
   virtual bool settled() const = 0;
 
-  /// The step is solved, under the force of a Legendre series.
-  virtual void finish(const NodeVector& force, const NodeVector& force_series) = 0;
+  /// The step is solved, under these forces and their series.
+  virtual void finish(std::span<const StopStep> stops) = 0;
 
-  /// Energy that damping outside the contact takes over the first part of the solved step [J].
+  /// Energy that damping outside the contacts takes over the first part of the solved step [J].
   virtual double damped(double) const { return 0.0; }
 
   /// Work of what turns the hinge as stated over the solved step [J].
@@ -86,14 +101,14 @@ class BarMotion {
   /// step has to be tried again.
   virtual void change_hinge() {}
 
-  virtual PointMotion struck_at_end() const = 0;
+  virtual PointMotion struck_at_end(int stop) const = 0;
 
   /// Error of the bar's motion by the step, as a part of the speed its energy would give it; what
-  /// the force leaves out apart.
+  /// the forces leave out apart.
   virtual double error() const = 0;
 
-  /// The struck point within the solved step.
-  virtual PointMotion struck_at(double part, double* acceleration = nullptr) = 0;
+  /// The point before a stop within the solved step.
+  virtual PointMotion struck_at(int stop, double part, double* acceleration = nullptr) = 0;
 
   /// samples[k] is at first + k spacing, as parts of the solved step.
   virtual void sample(double first, double spacing, std::span<Sample> samples) = 0;
@@ -101,9 +116,9 @@ class BarMotion {
   /// Whether a step may be taken in part as exactly as a whole.
   virtual bool parts_exact() const = 0;
 
-  /// For how long from the last step taken the struck point certainly stays away from the stop, in
-  /// free flight [s]; zero where that is not known.
-  virtual double clear_time() const { return 0.0; }
+  /// For how long from the last step taken the points before the stops, with these gaps [m],
+  /// certainly stay away from them, in free flight [s]; zero where that is not known.
+  virtual double clear_time(std::span<const double>) const { return 0.0; }
 
   /// Free flight for as long as that, or longer where there is no stop. Called where clear_time()
   /// is not zero.
@@ -111,6 +126,9 @@ class BarMotion {
 
   /// samples[k] is at first + k spacing [s] of the flight from where the bar is.
   virtual void sample_flight(double, double, std::span<Sample>) {}
+
+  /// The point before a stop after a time of the flight from where the bar is [s].
+  virtual PointMotion struck_in_flight(int stop, double) { return struck(stop); }
 
   /// The solved step is taken, or the first part of it where parts_exact().
   virtual void take(double part) = 0;

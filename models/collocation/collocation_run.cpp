@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +10,7 @@
 #include <stdexcept>
 
 #include "models/beams/bar_element.hpp"
+#include "models/beams/bending_modes.hpp"
 #include "models/history_recorder.hpp"
 #include "models/run_limits.hpp"
 
@@ -24,11 +24,9 @@ namespace {
 constexpr double step_share = 0.1, step_share_of_modes = 1.0;
 // Of the step that would just be good enough, the next one.
 constexpr double step_safety = 0.8;
-// How well the way of free flight is resolved where a touch is looked for, of the penetration.
-constexpr double motion_resolution = 1e-3;
-// The same far from the stop, of the gap.
-constexpr double gap_share = 0.1;
 constexpr int most_iterations = 12;
+// Events this close are one, as a part of the step.
+constexpr double coincidence = 1e-9;
 
 /// What of the bar the contact first has to stop: in how long a time, and with which energy. A
 /// short bar as a whole; of a long one, what moves with the struck point in that time. A point
@@ -38,13 +36,15 @@ struct Loading {
   double energy;  ///< [J]
 };
 
-Loading loading(const Rig& rig, const Solver& solver, const ContactForce& contact, double depth,
-                double approach, double kinetic) {
+Loading loading(const Rig& rig, const Solver& solver, const ContactPoint& point, double approach,
+                double kinetic) {
+  const ContactForce& contact = point.contact();
+  const double depth = point.depth();
   const double whole = depth / approach;
   double time = whole;
   if (solver.model != BeamModel::rigid) {
     const std::vector<BarElement> pieces = bar_pieces(rig.beam);
-    const BarElement& piece = pieces[element_at(pieces, rig.contact.position)];
+    const BarElement& piece = pieces[element_at(pieces, point.position())];
     const double line_mass = piece.line_density;
     const double wave = std::pow(piece.bending_stiffness / line_mass, 0.25);
     const double stiffness = contact.elastic(depth) / depth;
@@ -63,60 +63,56 @@ CollocationRun::CollocationRun(const Rig& rig, const Solver& solver,
       solver_(solver),
       options_(options),
       bar_(bar),
-      contact_(rig),
       rule_(bar.rule()),
-      elastic_reach_(std::sqrt(2.0 * bar.elastic_compliance())),
+      steps_(static_cast<std::size_t>(rig.stops())),
+      together_(steps_.size()),
       log_(rig, solver.accuracy, result_) {
   result_.solver = solver;
-}
-
-/// Extrapolates the last step's force, as far as its low terms tell.
-void CollocationRun::predict_force(double h) {
-  const int s = rule_.nodes();
-  tried_.force.setZero(s);
-  if (last_series_.size() == 0 || contact_.phase() != Phase::pressed) return;
-  const int terms = std::min(std::max(4, s - 2), 6);
-  NodeVector legendre(terms);
-  for (int i = 0; i < s; ++i) {
-    shifted_legendre(1.0 + rule_.points()[i] * h / last_h_, legendre);
-    tried_.force[i] = last_series_.head(terms).dot(legendre);
+  points_.reserve(steps_.size());
+  for (int stop = 0; stop < rig.stops(); ++stop) {
+    points_.emplace_back(rig, stop, bar, steps_[points_.size()], log_);
+    const double compliance = stop == 0
+                                  ? bar.elastic_compliance()
+                                  : models::elastic_compliance(rig.beam, points_.back().position());
+    elastic_reach_.push_back(std::sqrt(2.0 * compliance));
+    gaps_.push_back(points_.back().gap());
   }
 }
 
-double CollocationRun::newton_tolerance() const {
-  return std::min(1e-4, 1e-2 * solver_.accuracy) * force_scale_;
+double CollocationRun::newton_tolerance(const ContactPoint& point) const {
+  return std::min(1e-4, 1e-2 * solver_.accuracy) * point.force_scale();
 }
 
-/// Newton's method for the change of the force at the nodes that brings it to the contact law, when
-/// the struck point moves like this without the change; false when it does not converge. It ends
-/// when what the law's curvature leaves of the last change is below the tolerance: with df/dδ = k,
-/// about k Δδ² / δ and k μ Δδ Δδ̇.
-bool CollocationRun::solve_force(const NodeVector& displacement, const NodeVector& velocity,
-                                 NodeVector& change) {
+/// Newton's method for the change of a stop's force at the nodes that brings it to the contact law,
+/// when the point before it moves as the bar told without the change; false when it does not
+/// converge. It ends when what the law's curvature leaves of the last change is below the
+/// tolerance: with df/dδ = k, about k Δδ² / δ and k μ Δδ Δδ̇.
+bool CollocationRun::solve_force(ContactPoint& point, StopStep& step) {
   const int s = rule_.nodes();
-  const BarMotion::Response& response = bar_.response();
-  const double tolerance = newton_tolerance();
-  NodeVector residual(s), depth = displacement, rate = velocity;
+  const BarMotion::Response& response = bar_.response(point.number(), point.number());
+  const double tolerance = newton_tolerance(point);
+  NodeVector residual(s), depth = step.displacement, rate = step.velocity;
   NodeMatrix jacobian(s, s);
-  change.setZero(s);
+  NodeVector& change = step.change;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     NodeVector stiffness(s);
     for (int i = 0; i < s; ++i) {
-      const ContactForce::Response law = contact_.pressed(depth[i], rate[i]);
+      const ContactForce::Response law = point.contact().pressed(depth[i], rate[i]);
       stiffness[i] = law.to_depth;
-      residual[i] = tried_.force[i] + change[i] - law.force;
+      residual[i] = step.force[i] + change[i] - law.force;
       jacobian.row(i) = -law.to_depth * response.displacement_of_force.row(i) -
                         law.to_rate * response.velocity_of_force.row(i);
       jacobian(i, i) += 1.0;
     }
-    evaluations_ += s;
-    const NodeVector step = jacobian.partialPivLu().solve(residual);
-    change -= step;
-    const NodeVector deeper = response.displacement_of_force * step;
-    const NodeVector faster = response.velocity_of_force * step;
+    point.evaluated(s);
+    const NodeVector correction = jacobian.partialPivLu().solve(residual);
+    change -= correction;
+    const NodeVector deeper = response.displacement_of_force * correction;
+    const NodeVector faster = response.velocity_of_force * correction;
     double left = 0.0;
     for (int i = 0; i < s; ++i) {
-      const double curvature = std::abs(deeper[i] / depth[i]) + std::abs(contact_.mu() * faster[i]);
+      const double curvature =
+          std::abs(deeper[i] / depth[i]) + std::abs(point.contact().mu() * faster[i]);
       left = std::max(left, std::abs(stiffness[i] * deeper[i]) * curvature);
     }
     if (!std::isfinite(left)) return false;
@@ -127,33 +123,119 @@ bool CollocationRun::solve_force(const NodeVector& displacement, const NodeVecto
   return false;
 }
 
-/// Bar and contact law in turn, until neither moves the other.
-bool CollocationRun::solve_step() {
-  const BarMotion::Response& response = bar_.response();
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    if (!bar_.improve(tried_.force, tried_.displacement, tried_.velocity)) return false;
-    if (contact_.phase() == Phase::pressed) {
-      NodeVector change;
-      if (!solve_force(tried_.displacement, tried_.velocity, change)) return false;
-      tried_.force += change;
-      tried_.displacement += response.displacement_of_force * change;
-      tried_.velocity += response.velocity_of_force * change;
-      bar_.press(change);
+/// Rows of Newton's equations for a pressed stop that moves like this.
+void CollocationRun::linearise(ContactPoint& point) {
+  const int s = rule_.nodes();
+  const StopStep& step = step_of(point);
+  Together& own = together_[static_cast<std::size_t>(point.number())];
+  const int first = point.number() * s;
+  for (int i = 0; i < s; ++i) {
+    const ContactForce::Response law = point.contact().pressed(own.depth[i], own.rate[i]);
+    own.stiffness[i] = law.to_depth;
+    equations_.residual[first + i] = step.force[i] + step.change[i] - law.force;
+    for (const ContactPoint& other : points_) {
+      if (other.phase() != Phase::pressed) continue;
+      const BarMotion::Response& response = bar_.response(point.number(), other.number());
+      equations_.jacobian.block(first + i, other.number() * s, 1, s) =
+          -law.to_depth * response.displacement_of_force.row(i) -
+          law.to_rate * response.velocity_of_force.row(i);
     }
-    if (bar_.settled()) return true;
+    equations_.jacobian(first + i, first + i) += 1.0;
+  }
+  point.evaluated(s);
+}
+
+/// Takes the correction off, and tells what the law's curvature leaves of it as solve_force() has
+/// it.
+double CollocationRun::correct(ContactPoint& point) {
+  const int s = rule_.nodes();
+  Together& own = together_[static_cast<std::size_t>(point.number())];
+  NodeVector deeper = NodeVector::Zero(s), faster = deeper;
+  for (const ContactPoint& other : points_) {
+    const BarMotion::Response& response = bar_.response(point.number(), other.number());
+    const NodeVector correction = equations_.correction.segment(other.number() * s, s);
+    deeper += response.displacement_of_force * correction;
+    faster += response.velocity_of_force * correction;
+  }
+  double left = 0.0;
+  for (int i = 0; i < s; ++i) {
+    const double curvature =
+        std::abs(deeper[i] / own.depth[i]) + std::abs(point.contact().mu() * faster[i]);
+    left = std::max(left, std::abs(own.stiffness[i] * deeper[i]) * curvature);
+  }
+  step_of(point).change -= equations_.correction.segment(point.number() * s, s);
+  own.depth -= deeper;
+  own.rate -= faster;
+  return left;
+}
+
+/// The same for several stops that press at a time.
+bool CollocationRun::solve_forces() {
+  const int s = rule_.nodes();
+  const Eigen::Index n = static_cast<Eigen::Index>(points_.size()) * s;
+  for (const ContactPoint& point : points_) {
+    Together& own = together_[static_cast<std::size_t>(point.number())];
+    own.depth = step_of(point).displacement;
+    own.rate = step_of(point).velocity;
+    own.stiffness.resize(s);
+  }
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    equations_.residual.setZero(n);
+    equations_.jacobian.setIdentity(n, n);
+    for (ContactPoint& point : points_) {
+      if (point.phase() != Phase::pressed) continue;
+      equations_.jacobian.middleRows(point.number() * s, s).setZero();
+      linearise(point);
+    }
+    equations_.factor.compute(equations_.jacobian);
+    equations_.correction = equations_.factor.solve(equations_.residual);
+    bool close = true;
+    for (ContactPoint& point : points_) {
+      if (point.phase() != Phase::pressed) continue;
+      const double left = correct(point);
+      if (!std::isfinite(left)) return false;
+      close = close && left <= newton_tolerance(point);
+    }
+    if (close) return true;
   }
   return false;
 }
 
-/// What the force and its dissipation leave out over the step, as impulse and energy, against the
-/// tolerance.
-double CollocationRun::force_error() const {
-  if (contact_.phase() == Phase::free) return 0.0;
-  const double share = bar_.parts_exact() ? step_share_of_modes : step_share;
-  const double tolerance = std::max(solver_.accuracy, 1e-13) * share;
-  const double impulse = truncation(tried_.force_series) * bar_.step();
-  const double loss = truncation(tried_.dissipation_series) * bar_.step();
-  return std::max(impulse / impulse_scale_, loss / energy_scale_) / tolerance;
+/// Brings the forces to the contact laws where they press; false when that fails.
+bool CollocationRun::press() {
+  const auto pressed = [](const ContactPoint& point) { return point.phase() == Phase::pressed; };
+  const auto count = std::ranges::count_if(points_, pressed);
+  if (count == 0) return true;
+  for (StopStep& step : steps_) step.change.setZero(rule_.nodes());
+  if (count == 1) {
+    ContactPoint& point = *std::ranges::find_if(points_, pressed);
+    if (!solve_force(point, step_of(point))) return false;
+  } else if (!solve_forces()) {
+    return false;
+  }
+  for (const ContactPoint& point : points_) {
+    if (!pressed(point)) continue;
+    const NodeVector& change = step_of(point).change;
+    step_of(point).force += change;
+    for (const ContactPoint& other : points_) {
+      const BarMotion::Response& response = bar_.response(other.number(), point.number());
+      step_of(other).displacement += response.displacement_of_force * change;
+      step_of(other).velocity += response.velocity_of_force * change;
+    }
+  }
+  bar_.press(steps_);
+  return true;
+}
+
+/// Bar and contact laws in turn, until neither moves the other.
+bool CollocationRun::solve_step() {
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    if (!bar_.improve(steps_)) return false;
+    for (ContactPoint& point : points_) point.see_nodes();
+    if (!press()) return false;
+    if (bar_.settled()) return true;
+  }
+  return false;
 }
 
 /// What the force's derivatives leave out, by which the parameters' own size would change the
@@ -165,124 +247,200 @@ double CollocationRun::derivative_error() const {
   return worst * bar_.step() / impulse_scale_ / std::max(solver_.accuracy, 1e-13);
 }
 
-double CollocationRun::motion_error() const {
-  const int s = rule_.nodes();
-  const NodeVector& series = tried_.displacement_series;
-  const double gap =
-      std::min(std::abs(bar_.struck().displacement), tried_.displacement.cwiseAbs().minCoeff());
-  return series.segment<2>(s - 2).norm() / (motion_resolution * depth_ + gap_share * gap);
-}
-
 void CollocationRun::propose() {
   bar_.begin_step(level_);
-  predict_force(bar_.step());
+  for (ContactPoint& point : points_) point.predict_force();
 }
 
 bool CollocationRun::solve() {
-  const int s = rule_.nodes();
   if (!solve_step()) return false;
-  tried_.force_series = rule_.to_series() * tried_.force;
-  bar_.finish(tried_.force, tried_.force_series);
-  tried_.at_end = bar_.struck_at_end();
-  tried_.dissipation.setZero(s);
-  if (contact_.phase() != Phase::free)
-    for (int i = 0; i < s; ++i)
-      tried_.dissipation[i] = contact_.dissipation(tried_.displacement[i], tried_.velocity[i]);
-  tried_.dissipation_series = rule_.to_series() * tried_.dissipation;
-  tried_.displacement_series = rule_.to_series() * tried_.displacement;
+  for (StopStep& step : steps_) step.force_series = rule_.to_series() * step.force;
+  bar_.finish(steps_);
+  for (ContactPoint& point : points_) point.complete();
   return true;
 }
 
-CollocationRun::Attempt& CollocationRun::solution(long evaluations) {
-  evaluations_ += evaluations;
-  return tried_;
+StopStep& CollocationRun::solution(long evaluations) {
+  points_.front().evaluated(evaluations);
+  return steps_.front();
 }
 
 /// The error of the step tried.
 void CollocationRun::weigh(bool solved) {
-  tried_.event = Event::none;
   tried_.part = 1.0;
   if (!solved) {
     tried_.error = std::numeric_limits<double>::infinity();
     return;
   }
-  tried_.error = std::max(force_error(), bar_.error() / (solver_.accuracy * step_share));
-  if (contact_.phase() != Phase::pressed) tried_.error = std::max(tried_.error, motion_error());
+  const bool modes = bar_.parts_exact() && solver_.model != BeamModel::rigid;  // that costs nothing
+  const double share = modes ? step_share_of_modes : step_share;
+  const double tolerance = std::max(solver_.accuracy, 1e-13) * share;
+  tried_.error = bar_.error() / (solver_.accuracy * step_share);
+  for (const ContactPoint& point : points_) {
+    tried_.error = std::max({point.force_error(impulse_scale_, energy_scale_) / tolerance,
+                             tried_.error, point.motion_error()});
+  }
   if (followed_ && tried_.error <= 1.0) {
-    followed_->solve(tried_.force, tried_.displacement, tried_.velocity);
+    const StopStep& step = steps_.front();
+    followed_->solve(step.force, step.displacement, step.velocity);
     tried_.error = std::max(tried_.error, derivative_error());
   }
 }
 
 void CollocationRun::solve_attempt() {
-  predict_force(bar_.step());
+  for (ContactPoint& point : points_) point.predict_force();
   weigh(solve());
 }
 
-/// Impulse and dissipation of the part taken. Where the step is cut, the law at the exact motion
-/// knows more than the force's series.
-void CollocationRun::add_to_totals() {
-  const double part = tried_.part;
-  if (part >= 1.0 || contact_.phase() == Phase::free) {
-    totals_.impulse += integral(tried_.force, part);
-    totals_.dissipated += integral(tried_.dissipation, part);
+/// Where the first phases end within the step.
+void CollocationRun::find_events() {
+  tried_.end = End::step;
+  if (!std::isfinite(tried_.error)) {
+    for (ContactPoint& point : points_) point.forget_event();
     return;
   }
-  for (int i = 0; i < rule_.nodes(); ++i) {
-    const PointMotion p = bar_.struck_at(part * rule_.points()[i]);
-    const double weight = part * bar_.step() * rule_.weights()[i];
-    totals_.impulse += weight * contact_.force(p.displacement, p.velocity);
-    totals_.dissipated += weight * contact_.dissipation(p.displacement, p.velocity);
+  double first = 2.0;
+  for (ContactPoint& point : points_) {
+    point.find_event();
+    first = std::min(first, point.event_part());
   }
-  evaluations_ += rule_.nodes();
+  if (first > 1.0) return;
+  tried_.end = End::event;
+  tried_.part = first;
+  for (ContactPoint& point : points_)
+    if (point.event_part() > first + coincidence) point.forget_event();
+}
+
+/// The step ends where friction in the hinge changes before any other event. False where it should
+/// not have begun as it did: then friction has changed, and the step is to be tried again.
+bool CollocationRun::begun_rightly() {
+  if (!(tried_.error <= 1.0)) return true;
+  const double part = bar_.hinge_change();
+  if (part == 0.0) {
+    bar_.change_hinge();
+    return false;
+  }
+  if (part > 1.0 || (tried_.end == End::event && tried_.part <= part)) return true;
+  tried_.end = End::hinge;
+  tried_.part = part;
+  for (ContactPoint& point : points_) point.forget_event();
+  return true;
+}
+
+/// Solves the step again so that it ends on its event: the polynomials within a step are of lower
+/// order than its end. False when the shorter step cannot be solved.
+bool CollocationRun::land_on_event() {
+  const auto gap = std::ranges::find(points_, ContactPoint::Event::gap, &ContactPoint::event);
+  double part = tried_.part;
+  for (int correction = 0; correction < 3; ++correction) {
+    if (!(part > 0.0)) return false;
+    bar_.begin_part(part);
+    solve_attempt();
+    if (!(tried_.error <= 1.0)) return false;
+    if (tried_.end == End::run || gap == points_.end()) return true;
+    const double late = gap->lateness();
+    if (std::abs(late) < coincidence || std::abs(late) > 0.1) return true;
+    part = 1.0 - late;
+  }
+  return true;
 }
 
 void CollocationRun::take_attempt() {
   ++result_.cost.steps;
-  observe_attempt();
   const double h = bar_.step();
-  sample_history(tried_.part * h, [&](double first, double spacing) {
-    bar_.sample(first / h, spacing / h, samples_);
-    if (followed_) followed_->sample(first / h, spacing / h, samples_.size());
-  });
-  add_to_totals();
-  totals_.damped += bar_.damped(tried_.part);
+  for (ContactPoint& point : points_) point.observe(t_ - time_of_touch_, tried_.part);
+  const auto struck_at = [&](ContactPoint& point, double place) {
+    return point.struck_at(place / h);
+  };
+  sample_history(
+      tried_.part * h,
+      [&](double first, double spacing) {
+        bar_.sample(first / h, spacing / h, samples_);
+        if (followed_) followed_->sample(first / h, spacing / h, samples_.size());
+      },
+      struck_at);
+  for (ContactPoint& point : points_) point.add_to_totals(tried_.part);
+  damped_ += bar_.damped(tried_.part);
   if (followed_) {
-    using End = ModalSensitivities::End;
-    const End end = tried_.event == Event::gap    ? End::gap
-                    : tried_.event == Event::pull ? End::pull
-                    : tried_.event == Event::end  ? End::time
-                                                  : End::step;
-    followed_->take(tried_.part, end);
+    using Following = ModalSensitivities::End;
+    using Event = ContactPoint::Event;
+    const Event event = points_.front().event();
+    followed_->take(tried_.part, tried_.end == End::run ? Following::time
+                                 : event == Event::gap  ? Following::gap
+                                 : event == Event::pull ? Following::pull
+                                                        : Following::step);
   }
   bar_.take(tried_.part);
-  if (tried_.event == Event::none && contact_.phase() == Phase::pressed)
-    last_series_ = tried_.force_series;
-  else
-    last_series_.resize(0);
-  last_h_ = h;
+  for (ContactPoint& point : points_)
+    point.keep_series(tried_.part, point.event() != ContactPoint::Event::none);
   t_ += tried_.part * h;
 }
 
+/// The samples that fall into a time from here on: looked at by `look(first, spacing)` before the
+/// first stop and by `struck_at(point, place)` before others [s].
+void CollocationRun::sample_history(
+    double time, const std::function<void(double, double)>& look,
+    const std::function<PointMotion(ContactPoint&, double)>& struck_at) {
+  History& history = result_.history;
+  if (!(history.interval > 0.0)) return;
+  const double begun = t_ - time_of_touch_;
+  const double next =
+      history.start + history.interval * static_cast<double>(history.force.size()) - begun;
+  // a sample on the very end belongs to the step, whichever way it is rounded
+  const double reach = time + 1e-9 * history.interval;
+  if (next > reach) return;
+  const double first = std::max(0.0, next);
+  samples_.resize(static_cast<std::size_t>((reach - next) / history.interval) + 1);
+  look(first, history.interval);
+  const auto force = [&](const ContactPoint& point, const PointMotion& p) {
+    // at a phase's end rounding may put the sample just beyond it, where the law would pull
+    return std::max(point.contact().force(p.displacement, p.velocity), 0.0);
+  };
+  for (const BarMotion::Sample& sample : samples_) {
+    history.force.push_back(force(points_.front(), sample.struck));
+    history.penetration.push_back(sample.struck.displacement);
+    history.velocity.push_back(sample.velocity);
+    history.displacement.push_back(sample.displacement - laser_rest_);
+    if (rig_.stop) history.sensor_force.push_back(sample.sensor_force);
+  }
+  for (std::size_t i = 0; i < history.further.size(); ++i)
+    for (std::size_t k = 0; k < samples_.size(); ++k) {
+      const PointMotion p =
+          struck_at(points_[i + 1], first + static_cast<double>(k) * history.interval);
+      history.further[i].force.push_back(force(points_[i + 1], p));
+      history.further[i].penetration.push_back(p.displacement);
+    }
+}
+
+/// How fast the straight bar's point before a stop moves when the struck point closes at approach_.
+double CollocationRun::speed_before(const ContactPoint& point) const {
+  return point.number() == 0 ? approach_ : approach_ * point.position() / rig_.contact.position;
+}
+
 void CollocationRun::set_scales() {
-  const Loading first = loading(rig_, solver_, contact_, depth_, approach_, energy_scale_);
-  bar_.set_scales(first.energy, first.time);
+  double time = std::numeric_limits<double>::infinity(), energy = time;
+  for (ContactPoint& point : points_) {
+    const double speed = speed_before(point);
+    point.set_scales(energy_scale_, speed, solver_.accuracy);
+    const Loading load = loading(rig_, solver_, point, speed, energy_scale_);
+    time = std::min(time, load.time);
+    energy = std::min(energy, load.energy);
+  }
+  bar_.set_scales(energy, time);
 }
 
 void CollocationRun::first_touch() {
   time_of_touch_ = t_;
-  totals_ = {};  // a damped swing before is not the impact's
+  // a damped swing before is not the impact's
+  damped_ = 0.0;
+  for (ContactPoint& point : points_) point.begin_totals();
   const BeamEnergy energy = bar_.energy();
-  approach_ = bar_.struck().velocity;
+  approach_ = bar_.struck(0).velocity;
   energy_scale_ = energy.kinetic;
-  depth_ = penetration_storing(contact_, energy_scale_);
   set_scales();
   log_.begin(energy);
   impulse_scale_ = 2.0 * energy_scale_ / approach_;
-  force_scale_ = contact_.elastic(depth_);
-  longest_ = std::min(100.0 * depth_ / approach_, bar_.ladder().longest);
-  // A first step so short that the corner of the contact law at touch does not matter.
-  first_ = std::min(0.1, 3.0 * std::sqrt(solver_.accuracy)) * depth_ / approach_;
+  longest_ = std::min(100.0 * points_.front().depth() / approach_, bar_.ladder().longest);
   t_end_ = time_of_touch_ + solver_.duration.value_or(longest_default_run);
   if (!(options_.history.interval > 0.0)) return;
   samples_.resize(1);
@@ -296,15 +454,20 @@ void CollocationRun::first_touch() {
   if (rig_.stop) result_.history.sensor_force.resize(result_.history.force.size(), 0.0);
 }
 
-void CollocationRun::touch() {
+void CollocationRun::touch(ContactPoint& point) {
   const bool first = result_.episodes.empty();
+  if (first && point.number() > 0)
+    throw std::runtime_error(fmt::format(
+        "the bar met stop {} of [[contacts]] before that of [contact], which has to be struck "
+        "first; name that stop there, or leave it a gap",
+        point.number()));
   if (first) first_touch();
   bar_.expect_contact();
-  const double speed = bar_.struck().velocity;
-  log_.touch(t_ - time_of_touch_, speed, totals_, contact_);
+  const double speed = point.struck().velocity;
+  log_.touch(point.number(), t_ - time_of_touch_, speed, point.totals(), point.contact());
   if (!followed_) return;
   if (first) followed_->begin();
-  followed_->touch(contact_, speed, first);
+  followed_->touch(point.contact(), speed, first);
 }
 
 int CollocationRun::level_after_rejection(int level) const {
@@ -313,7 +476,10 @@ int CollocationRun::level_after_rejection(int level) const {
                             ? std::max(0.1, step_safety * std::pow(tried_.error, -1.0 / order))
                             : 0.25;
   const int by_error = std::max(level + 1, bar_.ladder().level_below(factor * bar_.step()));
-  if (tried_.event != Event::gap || contact_.phase() != Phase::pressed) return by_error;
+  const auto opens = [](const ContactPoint& point) {
+    return point.event() == ContactPoint::Event::gap && point.phase() == Phase::pressed;
+  };
+  if (std::ranges::none_of(points_, opens)) return by_error;
   // hardly beyond the contact's end, where the law does not go on smoothly, or all of that way
   const int until_end = bar_.ladder().level_below(tried_.part * bar_.step()) - 1;
   return until_end > level ? until_end : by_error;
@@ -326,30 +492,36 @@ int CollocationRun::next_level() const {
   return bar_.ladder().level_below(std::min(growth * bar_.step(), longest_));
 }
 
-/// What a step's event changes; true where it calls for the first step of a phase.
-bool CollocationRun::leave_event() {
-  switch (tried_.event) {
+/// What the event at a stop changes; true where it calls for the first step of a phase.
+bool CollocationRun::leave_event(ContactPoint& point) {
+  using Event = ContactPoint::Event;
+  ContactForce& contact = point.contact();
+  switch (point.event()) {
     case Event::none:
       return false;
     case Event::gap:
-      if (contact_.phase() == Phase::free) {
-        touch();
+      if (contact.phase() == Phase::free) {
+        touch(point);
         return true;
       }
-      log_.separate(t_ - time_of_touch_, bar_.struck().velocity, totals_, contact_);
+      log_.separate(point.number(), t_ - time_of_touch_, point.struck().velocity, point.totals(),
+                    contact);
       if (followed_ && result_.episodes.size() == 1) followed_->separate(result_);
       return false;
     case Event::pull:
-      contact_.set_phase(contact_.phase() == Phase::pressed ? Phase::slack : Phase::pressed);
+      contact.set_phase(contact.phase() == Phase::pressed ? Phase::slack : Phase::pressed);
       return true;
-    case Event::hinge:
-      bar_.change_hinge();
-      return false;
-    case Event::end:
-      result_.termination = "the duration asked for was reached";
-      return false;
   }
   return false;
+}
+
+/// What the step's events change; `next` becomes the level of a phase's first step where one
+/// begins.
+void CollocationRun::leave_events(int& next) {
+  double first = std::numeric_limits<double>::infinity();
+  for (ContactPoint& point : points_)
+    if (leave_event(point)) first = std::min(first, point.first_step());
+  if (std::isfinite(first)) next = bar_.ladder().level_below(first);
 }
 
 void CollocationRun::reject(int level) {
@@ -360,7 +532,7 @@ void CollocationRun::reject(int level) {
 
 void CollocationRun::judge(bool solved) {
   weigh(solved);
-  find_event();
+  find_events();
   if (!begun_rightly())
     reject(level_);
   else if (tried_.error <= 1.0)
@@ -385,32 +557,50 @@ void CollocationRun::take_or_land() {
   rejected_ = false;
   if (const double left = t_end_ - t_; tried_.part * bar_.step() >= left) {
     tried_.part = left / bar_.step();
-    tried_.event = Event::end;
+    tried_.end = End::run;
+    for (ContactPoint& point : points_) point.forget_event();
   }
-  if (tried_.event != Event::none && !bar_.parts_exact() && !land_on_event()) {
+  if (points_.size() > 1 && tried_.end == End::event && tried_.part < coincidence) {
+    // as good as due when the step began, with what happened then at another stop
+    ++result_.cost.rejected;
+    next = level_;
+    leave_events(next);
+    level_ = next;
+    return;
+  }
+  if (tried_.end != End::step && !bar_.parts_exact() && !land_on_event()) {
     reject(level_ + 2);
     return;
   }
   take_attempt();
-  level_ = leave_event() ? bar_.ladder().level_below(first_) : next;
-  done_ = ends_early() || tried_.event == Event::end;
-  if (!done_ && leap()) done_ = ends_early() || tried_.event == Event::end;
+  if (tried_.end == End::run) result_.termination = "the duration asked for was reached";
+  if (tried_.end == End::hinge) bar_.change_hinge();
+  leave_events(next);
+  level_ = next;
+  done_ = ends_early() || tried_.end == End::run;
+  if (!done_ && leap()) done_ = ends_early() || tried_.end == End::run;
 }
 
-/// Flight without a look at the stop while the gap cannot close; false where that is not longer
-/// than a step.
+bool CollocationRun::free() const {
+  return std::ranges::all_of(
+      points_, [](const ContactPoint& point) { return point.phase() == Phase::free; });
+}
+
+/// Flight without a look at the stops while no gap can close; false where that is not longer than a
+/// step.
 bool CollocationRun::leap() {
-  if (contact_.phase() != Phase::free || result_.episodes.empty()) return false;
+  if (!free() || result_.episodes.empty()) return false;
   const double left = t_end_ - t_;
-  const double time = std::min(bar_.clear_time(), left);
+  const double time = std::min(bar_.clear_time(gaps_), left);
   if (!(time > bar_.step())) return false;
   ++result_.cost.steps;
   sample_history(
-      time, [&](double first, double spacing) { bar_.sample_flight(first, spacing, samples_); });
+      time, [&](double first, double spacing) { bar_.sample_flight(first, spacing, samples_); },
+      [](ContactPoint& point, double place) { return point.struck_in_flight(place); });
   bar_.fly(time);
-  last_series_.resize(0);
+  for (ContactPoint& point : points_) point.drop_series();
   t_ += time;
-  if (time >= left) tried_.event = Event::end;
+  if (time >= left) tried_.end = End::run;
   return true;
 }
 
@@ -446,12 +636,11 @@ bool CollocationRun::ends_early() {
     return false;
   }
   if (solver_.duration) return false;
-  if (contact_.phase() == Phase::free &&
-      left_for_good(rig_, elastic_reach_, bar_.rigid_part(), bar_.energy())) {
+  if (free() && left_for_good(rig_, elastic_reach_, bar_.rigid_part(), bar_.energy())) {
     result_.termination = "the bar has left the stop for good";
     return true;
   }
-  if (tried_.event == Event::end) {
+  if (tried_.end == End::run) {
     result_.termination = fmt::format(
         "{:g} s after first touch the bar was still within reach of the stop", longest_default_run);
     result_.warnings.push_back(
@@ -464,21 +653,28 @@ bool CollocationRun::ends_early() {
 void CollocationRun::begin() {
   started_ = std::chrono::steady_clock::now();
   time_limit_ = TimeLimit(solver_.time_limit);
-  if (rig_.start.release_angle && (!allows(options_, Simplification::swing_to_touch) || spring_bends_bar(rig_))) {
+  if (rig_.start.release_angle &&
+      (!allows(options_, Simplification::swing_to_touch) || spring_bends_bar(rig_))) {
     bar_.start(-*rig_.start.release_angle, 0.0);
     approach_ = touch_velocity(rig_);
     const double rate = approach_ / rig_.contact.position;
     energy_scale_ = 0.5 * rig_.beam.hinge_inertia() * rate * rate;
-    depth_ = penetration_storing(contact_, energy_scale_);
     set_scales();
     t_end_ = std::numeric_limits<double>::infinity();
     longest_ = bar_.ladder().longest;
-    first_ = 1e-3 * *rig_.start.release_angle / rate;
-  } else {
-    bar_.start(0.0, touch_velocity(rig_) / rig_.contact.position);
-    touch();
+    level_ = bar_.ladder().level_below(1e-3 * *rig_.start.release_angle / rate);
+    return;
   }
-  level_ = bar_.ladder().level_below(first_);
+  bar_.start(0.0, touch_velocity(rig_) / rig_.contact.position);
+  touch(points_.front());
+  double first = points_.front().first_step();
+  for (ContactPoint& point : points_) {
+    const PointMotion p = point.struck();
+    if (point.phase() != Phase::free || p.displacement < 0.0 || p.velocity < 0.0) continue;
+    touch(point);
+    first = std::min(first, point.first_step());
+  }
+  level_ = bar_.ladder().level_below(first);
 }
 
 void CollocationRun::complete() {
@@ -490,9 +686,12 @@ void CollocationRun::complete() {
 }
 
 Simulation CollocationRun::conclude() {
-  log_.conclude(t_ - time_of_touch_, totals_, contact_, bar_.struck().displacement, bar_.energy(),
-                bar_.rigid_part());
-  result_.cost.evaluations = evaluations_;
+  const double t = t_ - time_of_touch_;
+  for (const ContactPoint& point : points_) {
+    log_.conclude(point.number(), t, point.totals(), point.contact(), point.struck().displacement);
+    result_.cost.evaluations += point.evaluations();
+  }
+  log_.conclude(t, damped_, bar_.energy(), bar_.rigid_part());
   result_.cost.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
   return std::move(result_);

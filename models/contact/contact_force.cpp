@@ -8,9 +8,9 @@
 
 namespace impactrig::models {
 
-ContactForce::ContactForce(const Rig& rig)
-    : law_(elastic_law(rig.contact)),
-      factor_(damping_law(rig.contact.damping).factor(rig.contact.restitution)) {}
+ContactForce::ContactForce(const Contact& contact)
+    : law_(elastic_law(contact)),
+      factor_(damping_law(contact.damping).factor(contact.restitution)) {}
 
 double ContactForce::stored(double penetration) const {
   return std::visit([&](const auto& law) { return law.energy(penetration); }, law_);

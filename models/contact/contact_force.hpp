@@ -20,7 +20,10 @@ class ContactForce {
     slack     ///< δ > 0, 1 + μ δ̇ < 0: the law would pull; the force is zero
   };
 
-  ContactForce(const Rig& rig);
+  explicit ContactForce(const Contact& contact);
+
+  /// Of the stop that is struck first.
+  explicit ContactForce(const Rig& rig) : ContactForce(rig.contact) {}
 
   void set_phase(Phase phase) { phase_ = phase; }
 

@@ -107,10 +107,6 @@ class AncfChain {
       for (int k = node; k < node + beside; ++k) visit(k, k + beside, node);
   }
 
-  /// Of those that do not turn with it: none.
-  template <typename Visitor>
-  void for_each_rotation(Visitor&&) const {}
-
   /// Of the bar at a node, given by its X, closing < 0 [rad].
   static double inclination(const Eigen::ArrayXd& q, int node) {
     return std::atan2(q[node + 1], 1.0 - q[node + 3]);

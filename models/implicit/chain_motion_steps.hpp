@@ -50,8 +50,14 @@ class ChainMotion final : public BarMotion {
     beam_q_.setZero(beam_.size());
     beam_v_.setZero(beam_.size());
     hinge_ = NodeVector::Zero(S);
+    for (const FurtherStop& stop : rig.further_stops) {
+      std::array<ChainShare, 4>& shares =
+          further_.emplace_back(chain_.shares_at(beam_, stop.contact.position));
+      for (ChainShare& share : shares)  // what is on the hinge is held
+        share.shape *= share.coordinate == 0 ? 0.0 : stop.direction();
+    }
     factors_.reserve(kept_factors);
-    for (int i = 0; i < kept_factors; ++i) factors_.emplace_back(chain_);
+    for (int i = 0; i < kept_factors; ++i) factors_.emplace_back(chain_, further_.size() + 1);
     const auto spot = [&](double x) { return x > 0.0 ? x : place_; };
     displacement_place_ = spot(history.displacement_position);
     velocity_spot_ = chain_.shares_at(beam_, spot(history.velocity_position));
@@ -89,7 +95,7 @@ class ChainMotion final : public BarMotion {
     contact_time_ = contact_time;
   }
 
-  PointMotion struck() const override { return {-q_[struck_], -v_[struck_]}; }
+  PointMotion struck(int stop) const override { return point_before(stop, q_, v_); }
 
   BeamEnergy energy() const override { return energy_; }
 
@@ -115,27 +121,34 @@ class ChainMotion final : public BarMotion {
 
   double step() const override { return h_; }
 
-  const Response& response() const override { return factor_->response; }
+  const Response& response(int point, int stop) const override {
+    return factor_->responses[index_of(point, stop)];
+  }
 
-  bool improve(const NodeVector& force, NodeVector& displacement, NodeVector& velocity) override;
-  void press(const NodeVector& change) override;
+  bool improve(std::span<StopStep> stops) override;
+  void press(std::span<const StopStep> stops) override;
 
   bool settled() const override { return newton_.settled(); }
 
-  void finish(const NodeVector& force, const NodeVector&) override {
+  void finish(std::span<const StopStep> stops) override {
     slow_ = newton_.slow();
-    if (force.isZero(0.0)) in_contact_ = false;
+    const auto presses = [](const StopStep& stop) { return !stop.force.isZero(0.0); };
+    if (std::ranges::none_of(stops, presses)) in_contact_ = false;
     for (int k = 0; k < chain_.coordinates(); ++k) {
       const Lanes a = a_.col(k);
       end_q_[k] = q_[k] + displacement_of(v_[k], a)[S - 1];
       end_v_[k] = v_[k] + velocity_of(a)[S - 1];
     }
-    if (rotation_) look_at_rotation(force);
+    if (rotation_) look_at_rotation(stops);
     end_energy_ = chain_.energy(end_q_, end_v_);
-    const Lanes speed = v_[struck_] + velocity_of(a_.col(struck_));
-    work_done_ = h_ * (stages_.rule.weights().array() * force.array() * speed).sum();
+    work_done_ = 0.0;
+    for (std::size_t k = 0; k < stops.size(); ++k) {
+      const Across across = across_before(static_cast<int>(k));
+      const Lanes speed = across.v + velocity_of(across.a);
+      work_done_ += h_ * (stages_.rule.weights().array() * stops[k].force.array() * speed).sum();
+    }
     damped_ = chain_.damped() ? damped_in_step() : 0.0;
-    if (friction_.acts()) look_at_hinge(force);
+    if (friction_.acts()) look_at_hinge(stops);
   }
 
   double driven() const override { return driven_; }
@@ -159,13 +172,13 @@ class ChainMotion final : public BarMotion {
 
   double damped(double) const override { return damped_; }
 
-  PointMotion struck_at_end() const override { return {-end_q_[struck_], -end_v_[struck_]}; }
+  PointMotion struck_at_end(int stop) const override { return point_before(stop, end_q_, end_v_); }
 
   double error() const override;
 
-  PointMotion struck_at(double part, double* acceleration) override {
-    const Lanes a = a_.col(struck_);
-    const PointMotion p = motion_at(q_[struck_], v_[struck_], a, part);
+  PointMotion struck_at(int stop, double part, double* acceleration) override {
+    const auto [q, v, a] = across_before(stop);
+    const PointMotion p = motion_at(q, v, a, part);
     if (acceleration) {
       Series legendre;
       shifted_legendre(part, legendre);
@@ -225,19 +238,19 @@ class ChainMotion final : public BarMotion {
   }
 
   /// The work of what turns the hinge; the step ends at the hinge's very angle and rate.
-  void look_at_rotation(const NodeVector& force) {
+  void look_at_rotation(std::span<const StopStep> stops) {
     place_stages();
-    unheld_residual(force);
+    unheld_residual(stops);
     const Lanes power = hold_.moment(stage_q_, residual_) * hold_.rate();
     driven_ = h_ * (stages_.rule.weights().array() * power).sum();
     Hold<S>::place(turned_at(t_ + h_), rotation_->rate_at(t_ + h_), end_q_, end_v_);
   }
 
   /// At the stages of the solved step, and what friction took.
-  void look_at_hinge(const NodeVector& force) {
+  void look_at_hinge(std::span<const StopStep> stops) {
     place_stages();
     if (friction_.sticks()) {
-      unheld_residual(force);
+      unheld_residual(stops);
       hinge_ = hold_.moment(stage_q_, residual_).matrix();
       return;
     }
@@ -246,12 +259,14 @@ class ChainMotion final : public BarMotion {
   }
 
   /// Of the stages, the hinge let go.
-  void unheld_residual(const NodeVector& force) {
+  void unheld_residual(std::span<const StopStep> stops) {
     chain_.template residual<S>(stage_q_, a_, residual_);
     if (chain_.damped()) chain_.template add_damping<S>(stage_q_, stage_v_, residual_);
     if (friction_.slides())
       chain_.template add_hinge_moment<S>(friction_.moment(), stage_q_, residual_);
-    residual_.col(struck_) -= force.array();
+    for (std::size_t stop = 0; stop < stops.size(); ++stop)
+      for_each_share(static_cast<int>(stop),
+                     [&](int k, double w) { residual_.col(k) -= w * stops[stop].force.array(); });
   }
 
   /// By the powers at the nodes.
@@ -265,15 +280,58 @@ class ChainMotion final : public BarMotion {
 
   /// The linear systems of a step of one length, at the tangent at hand.
   struct Factor {
-    explicit Factor(const Chain& chain)
+    Factor(const Chain& chain, std::size_t stops)
         : systems(chain.template make_systems<pairs>()),
-          pressed(static_cast<std::size_t>(chain.coordinates())) {}
+          pressed(stops, std::vector<Complex>(static_cast<std::size_t>(chain.coordinates()))),
+          responses(stops * stops) {}
 
     double h = 0.0;  ///< 0: of an older tangent
     typename Chain::template Systems<pairs> systems;
-    std::vector<Complex> pressed;  ///< solution for a unit force at the struck point
-    Response response;
+    std::vector<std::vector<Complex>> pressed;  ///< solution for a unit force of each stop
+    std::vector<Response> responses;            ///< at index_of()
   };
+
+  int stops() const { return 1 + static_cast<int>(further_.size()); }
+
+  std::size_t index_of(int point, int stop) const {
+    return static_cast<std::size_t>(point * stops() + stop);
+  }
+
+  /// Calls share(k, w) for each coordinate that makes the displacement −Σ w q_k before a stop.
+  template <typename Share>
+  void for_each_share(int stop, const Share& share) const {
+    if (stop == 0) {
+      share(struck_, 1.0);
+      return;
+    }
+    for (const ChainShare& own : further_[static_cast<std::size_t>(stop - 1)])
+      share(own.coordinate, own.shape);
+  }
+
+  PointMotion point_before(int stop, const Eigen::ArrayXd& q, const Eigen::ArrayXd& v) const {
+    PointMotion sum;
+    for_each_share(stop, [&](int k, double w) {
+      sum.displacement -= w * q[k];
+      sum.velocity -= w * v[k];
+    });
+    return sum;
+  }
+
+  /// Displacement across the bar before a stop, the other way, as a coordinate of its own.
+  struct Across {
+    double q = 0.0, v = 0.0;
+    Lanes a = Lanes::Zero();
+  };
+
+  Across across_before(int stop) const {
+    Across sum;
+    for_each_share(stop, [&](int k, double w) {
+      sum.q += w * q_[k];
+      sum.v += w * v_[k];
+      sum.a += w * a_.col(k);
+    });
+    return sum;
+  }
 
   /// Of changed accelerations: the speed they make over the step.
   double size_of(const Stages& change) const {
@@ -379,6 +437,7 @@ class ChainMotion final : public BarMotion {
 
   void add_departure(double part, Sample& sample) const;
   void make_factor(double h, Factor& factor);
+  void respond_to(int stop, Factor& factor);
   void solve(Stages& r);
 
   void gather(const std::vector<Complex>& x, int k, Lanes& out) const {
@@ -393,7 +452,8 @@ class ChainMotion final : public BarMotion {
   Lanes nodes_ = stages_.rule.points().array();
   StepLadder ladder_;
   int struck_, tip_;
-  double length_, place_;  // of the bar, of the struck point [m]
+  std::vector<std::array<ChainShare, 4>> further_;  // before further stops, towards each
+  double length_, place_;                           // of the bar, of the struck point [m]
   double compliance_;
   double accuracy_;
   double weight_energy_;
@@ -454,19 +514,34 @@ void ChainMotion<S, Chain, Hold>::make_factor(double h, Factor& factor) {
     hold_.template factor<pairs>(tangent_, shares, factor.systems);
   else
     chain_.template factor<pairs>(tangent_, shares, factor.systems);
-  std::ranges::fill(factor.pressed, Complex{});
-  factor.pressed[static_cast<std::size_t>(struck_)].re.setOnes();
-  factor.systems.solve_in_place(factor.pressed);
-  // acceleration of the struck coordinate under a unit force at each node
-  const Complex& own = factor.pressed[static_cast<std::size_t>(struck_)];
-  Eigen::Matrix<double, S, S> acceleration = Eigen::Matrix<double, S, S>::Zero();
-  for (int j = 0; j < pairs; ++j) {
-    const auto re = own.re[j] * stages_.into_re.row(j) - own.im[j] * stages_.into_im.row(j);
-    const auto im = own.re[j] * stages_.into_im.row(j) + own.im[j] * stages_.into_re.row(j);
-    acceleration += stages_.out_re.col(j) * re - stages_.out_im.col(j) * im;
+  for (int stop = 0; stop < stops(); ++stop) respond_to(stop, factor);
+}
+
+/// All points to a unit force of a stop.
+template <int S, typename Chain, template <int> typename Hold>
+void ChainMotion<S, Chain, Hold>::respond_to(int stop, Factor& factor) {
+  const double h = factor.h;
+  std::vector<Complex>& pressed = factor.pressed[static_cast<std::size_t>(stop)];
+  std::ranges::fill(pressed, Complex{});
+  for_each_share(stop, [&](int k, double w) { pressed[static_cast<std::size_t>(k)].re += w; });
+  factor.systems.solve_in_place(pressed);
+  for (int point = 0; point < stops(); ++point) {
+    // acceleration across the bar before the point under a unit force at each node
+    Complex own{};
+    for_each_share(point, [&](int k, double w) {
+      own.re += w * pressed[static_cast<std::size_t>(k)].re;
+      own.im += w * pressed[static_cast<std::size_t>(k)].im;
+    });
+    Eigen::Matrix<double, S, S> acceleration = Eigen::Matrix<double, S, S>::Zero();
+    for (int j = 0; j < pairs; ++j) {
+      const auto re = own.re[j] * stages_.into_re.row(j) - own.im[j] * stages_.into_im.row(j);
+      const auto im = own.re[j] * stages_.into_im.row(j) + own.im[j] * stages_.into_re.row(j);
+      acceleration += stages_.out_re.col(j) * re - stages_.out_im.col(j) * im;
+    }
+    Response& response = factor.responses[index_of(point, stop)];
+    response.displacement_of_force = -h * h * stages_.to_displacement * acceleration;
+    response.velocity_of_force = -h * stages_.to_velocity * acceleration;
   }
-  factor.response.displacement_of_force = -h * h * stages_.to_displacement * acceleration;
-  factor.response.velocity_of_force = -h * stages_.to_velocity * acceleration;
 }
 
 /// r becomes the accelerations that Newton's method takes off. A bar that has turned since the
@@ -489,21 +564,22 @@ void ChainMotion<S, Chain, Hold>::solve(Stages& r) {
 }
 
 template <int S, typename Chain, template <int> typename Hold>
-bool ChainMotion<S, Chain, Hold>::improve(const NodeVector& force, NodeVector& displacement,
-                                          NodeVector& velocity) {
+bool ChainMotion<S, Chain, Hold>::improve(std::span<StopStep> stops) {
   if (chain_.damped() || held()) {
     place_stages();
   } else {
     for (int k = 0; k < chain_.coordinates(); ++k)
       stage_q_.col(k) = q_[k] + displacement_of(v_[k], a_.col(k));
   }
-  unheld_residual(force);
+  unheld_residual(stops);
   if (held()) hold_.constrain(stage_q_, stage_v_, a_, residual_);
   solve(residual_);
   a_ -= residual_;
-  const Lanes a = a_.col(struck_);
-  displacement = -(q_[struck_] + displacement_of(v_[struck_], a)).matrix();
-  velocity = -(v_[struck_] + velocity_of(a)).matrix();
+  for (std::size_t stop = 0; stop < stops.size(); ++stop) {
+    const auto [q, v, a] = across_before(static_cast<int>(stop));
+    stops[stop].displacement = -(q + displacement_of(v, a)).matrix();
+    stops[stop].velocity = -(v + velocity_of(a)).matrix();
+  }
   // rounding of the positions, turned into forces by the stiffest elements
   const double rounding = 16.0 * std::numeric_limits<double>::epsilon() *
                           std::sqrt((chain_.inertia() * q_.square()).sum()) / (h_ * speed_scale_);
@@ -511,20 +587,24 @@ bool ChainMotion<S, Chain, Hold>::improve(const NodeVector& force, NodeVector& d
 }
 
 template <int S, typename Chain, template <int> typename Hold>
-void ChainMotion<S, Chain, Hold>::press(const NodeVector& change) {
-  Complex share;
-  share.re = (stages_.into_re * change).array();
-  share.im = (stages_.into_im * change).array();
-  for (int k = 0; k < chain_.coordinates(); ++k) {
-    const Complex x = factor_->pressed[static_cast<std::size_t>(k)] * share;
-    residual_.col(k) = (stages_.out_re * x.re.matrix() - stages_.out_im * x.im.matrix()).array();
+void ChainMotion<S, Chain, Hold>::press(std::span<const StopStep> stops) {
+  residual_.setZero();
+  for (std::size_t stop = 0; stop < stops.size(); ++stop) {
+    Complex share;
+    share.re = (stages_.into_re * stops[stop].change).array();
+    share.im = (stages_.into_im * stops[stop].change).array();
+    for (int k = 0; k < chain_.coordinates(); ++k) {
+      const Complex x = factor_->pressed[stop][static_cast<std::size_t>(k)] * share;
+      residual_.col(k) += (stages_.out_re * x.re.matrix() - stages_.out_im * x.im.matrix()).array();
+    }
   }
   a_ += residual_;
   newton_.pressed(excess_ * size_of(residual_));
 }
 
 /// Norms of the terms of the accelerations' Legendre series, across the bar and along it. Motion
-/// along the bar reaches the stop only where the bar is inclined or bent.
+/// along the bar reaches the stop only where the bar is inclined or bent; rotations of sections do
+/// not, but for what they move across.
 template <int S, typename Chain, template <int> typename Hold>
 double ChainMotion<S, Chain, Hold>::error() const {
   Lanes across = Lanes::Zero(), along = Lanes::Zero();
@@ -541,9 +621,6 @@ double ChainMotion<S, Chain, Hold>::error() const {
     const Lanes u = (to_series_ * a_.col(beside).matrix()).array();
     across += chain_.inertia()[k] * (cosine * x + sine * u).square();
     along += chain_.inertia()[k] * (cosine * u - sine * x).square();
-  });
-  chain_.for_each_rotation([&](int k) {
-    across += chain_.inertia()[k] * (to_series_ * a_.col(k).matrix()).array().square();
   });
   const double left =
       series_remainder<S>(across) + std::min(1.0, inclination) * series_remainder<S>(along);
@@ -567,7 +644,7 @@ void ChainMotion<S, Chain, Hold>::sample(double first, double spacing, std::span
   };
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double part = first + static_cast<double>(i) * spacing;
-    samples[i] = {part > 0.0 ? struck_at(part, nullptr) : struck(),
+    samples[i] = {part > 0.0 ? struck_at(0, part, nullptr) : struck(0),
                   look(velocity_spot_, part).velocity, look(displacement_spot_, part).displacement};
     if (rotation_) add_departure(part, samples[i]);
   }

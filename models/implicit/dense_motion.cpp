@@ -38,6 +38,8 @@ class DenseMotion final : public BarMotion {
   DenseMotion(const Rig& rig, const Solver& solver, const HistoryRequest& history)
       : beam_(make_frame(rig, solver)),
         n_(beam_->size()),
+        further_(rig.further_stops),
+        forces_(1 + further_.size(), 0.0),
         compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
         velocity_place_(history.velocity_position > 0.0 ? history.velocity_position
                                                         : rig.contact.position),
@@ -56,7 +58,7 @@ class DenseMotion final : public BarMotion {
     projected_ = solved_ = Eigen::VectorXcd::Zero(n_);
     matrix_ = Eigen::MatrixXcd::Zero(n_, n_);
     by_q_ = by_v_ = Matrix::Zero(n_, n_);
-    by_force_ = to_struck_ = Vector::Zero(n_);
+    by_force_ = to_point_ = Matrix::Zero(n_, std::max(rig.stops(), 1));
     factors_.resize(kept_factors);
     hinge_ = NodeVector::Zero(S);
   }
@@ -85,7 +87,7 @@ class DenseMotion final : public BarMotion {
     contact_time_ = contact_time;
   }
 
-  PointMotion struck() const override { return beam_->struck_point(q_, v_); }
+  PointMotion struck(int stop) const override { return point_before(stop, q_, v_); }
 
   BeamEnergy energy() const override { return energy_; }
 
@@ -111,15 +113,17 @@ class DenseMotion final : public BarMotion {
 
   double step() const override { return h_; }
 
-  const Response& response() const override { return factor_->response; }
+  const Response& response(int point, int stop) const override {
+    return factor_->responses[index_of(point, stop)];
+  }
 
-  bool improve(const NodeVector& force, NodeVector& displacement, NodeVector& velocity) override;
+  bool improve(std::span<StopStep> stops) override;
 
-  void press(const NodeVector& change) override;
+  void press(std::span<const StopStep> stops) override;
 
   bool settled() const override { return newton_.settled(); }
 
-  void finish(const NodeVector& force, const NodeVector&) override;
+  void finish(std::span<const StopStep> stops) override;
 
   double damped(double) const override { return damped_; }
 
@@ -141,10 +145,10 @@ class DenseMotion final : public BarMotion {
     renew_tangent();
   }
 
-  PointMotion struck_at_end() const override { return beam_->struck_point(end_q_, end_v_); }
+  PointMotion struck_at_end(int stop) const override { return point_before(stop, end_q_, end_v_); }
 
   double error() const override;
-  PointMotion struck_at(double part, double* acceleration) override;
+  PointMotion struck_at(int stop, double part, double* acceleration) override;
   void sample(double first, double spacing, std::span<Sample> samples) override;
 
   bool parts_exact() const override { return false; }
@@ -171,9 +175,27 @@ class DenseMotion final : public BarMotion {
   struct Factor {
     double h = 0.0;  ///< 0: of an older tangent
     std::array<Eigen::PartialPivLU<Eigen::MatrixXcd>, pairs> systems;
-    Eigen::Matrix<std::complex<double>, Eigen::Dynamic, pairs> pressed;  ///< under a unit force
-    Response response;
+    /// Under a unit force of each stop.
+    std::vector<Eigen::Matrix<std::complex<double>, Eigen::Dynamic, pairs>> pressed;
+    std::vector<Response> responses;  ///< at index_of()
   };
+
+  int stops() const { return 1 + static_cast<int>(further_.size()); }
+
+  std::size_t index_of(int point, int stop) const {
+    return static_cast<std::size_t>(point * stops() + stop);
+  }
+
+  const FurtherStop& further(int stop) const {
+    return further_[static_cast<std::size_t>(stop - 1)];
+  }
+
+  PointMotion point_before(int stop, ConstVector q, ConstVector v) const {
+    if (stop == 0) return beam_->struck_point(q, v);
+    const PointMotion p = beam_->point(further(stop).contact.position, q, v);
+    const double sign = further(stop).direction();
+    return {sign * p.displacement, sign * p.velocity};
+  }
 
   void predict(const Stages& from, double ratio, double origin, int terms) {
     Eigen::Matrix<double, S, S> values = Eigen::Matrix<double, S, S>::Zero();
@@ -230,10 +252,17 @@ class DenseMotion final : public BarMotion {
     beam_->drive({.held = true, .acceleration = rotation_->acceleration_at(t_ + part * h_)});
   }
 
-  void look_at_hinge(const NodeVector& force);
-  void look_at_rotation(const NodeVector& force);
+  /// A stage, into scratch_.
+  void accelerate(std::span<const StopStep> stops, int stage) {
+    for (std::size_t k = 0; k < stops.size(); ++k) forces_[k] = stops[k].force[stage];
+    beam_->acceleration(stage_q_.col(stage), stage_v_.col(stage), forces_, scratch_);
+  }
+
+  void look_at_hinge(std::span<const StopStep> stops);
+  void look_at_rotation(std::span<const StopStep> stops);
   void renew_tangent();
   void make_factor(Factor& factor);
+  void respond_to(int stop, Factor& factor);
 
   /// Adds to `sum` what the complex accelerations `solved_` of a pair of stages make of all.
   void gather(int pair, Stages& sum) const {
@@ -255,6 +284,8 @@ class DenseMotion final : public BarMotion {
 
   std::unique_ptr<FloatingFrameBeam> beam_;
   int n_;
+  std::vector<FurtherStop> further_;
+  std::vector<double> forces_;  // of the stops at a node, or a unit force of one [N]
   const RadauStages<S>& stages_ = RadauStages<S>::get();
   Eigen::Matrix<double, S, S> to_series_ = stages_.rule.to_series();
   StepLadder ladder_;
@@ -283,9 +314,9 @@ class DenseMotion final : public BarMotion {
   double damped_ = 0.0;     // in bar and hinge over the step [J]
   double work_done_ = 0.0;  // on the bar by the stop over the step [J]
 
-  // Derivatives of the acceleration, and of the struck point's displacement by q.
-  Matrix by_q_, by_v_;
-  Vector by_force_, to_struck_;
+  // Derivatives of the acceleration; by the force of each stop and, of the displacement before it,
+  // by q a column for each stop.
+  Matrix by_q_, by_v_, by_force_, to_point_;
   std::vector<Factor> factors_;
   std::size_t next_factor_ = 0;
   Factor* factor_ = nullptr;
@@ -298,9 +329,12 @@ template <int S>
 void DenseMotion<S>::renew_tangent() {
   constexpr double part = 1e-4;
   beam_->acceleration(q_, v_, 0.0, here_);
-  beam_->acceleration(q_, v_, 1.0, there_);
-  by_force_ = there_ - here_;
-  const double place = beam_->struck_point(q_, v_).displacement;
+  for (int k = 0; k < stops(); ++k) {
+    std::ranges::fill(forces_, 0.0);
+    forces_[static_cast<std::size_t>(k)] = 1.0;
+    beam_->acceleration(q_, v_, forces_, there_);
+    by_force_.col(k) = there_ - here_;
+  }
   for (int i = 0; i < n_; ++i) {
     const double speed = part * speed_scale_ / std::sqrt(inertia_[i]);
     const double way = speed * contact_time_;
@@ -308,7 +342,9 @@ void DenseMotion<S>::renew_tangent() {
     moved_[i] += way;
     beam_->acceleration(moved_, v_, 0.0, there_);
     by_q_.col(i) = (there_ - here_) / way;
-    to_struck_[i] = (beam_->struck_point(moved_, v_).displacement - place) / way;
+    for (int k = 0; k < stops(); ++k)
+      to_point_(i, k) =
+          (point_before(k, moved_, v_).displacement - point_before(k, q_, v_).displacement) / way;
     if (!damped_bar_ && !rotation_) continue;
     moved_ = v_;
     moved_[i] += speed;
@@ -321,33 +357,49 @@ void DenseMotion<S>::renew_tangent() {
 template <int S>
 void DenseMotion<S>::make_factor(Factor& factor) {
   factor.h = h_;
-  factor.pressed.resize(n_, pairs);
-  Eigen::Matrix<double, S, S> acceleration = Eigen::Matrix<double, S, S>::Zero();
   for (int j = 0; j < pairs; ++j) {
     const std::complex<double> z = h_ * stages_.eigenvalues[j];
-    auto& system = factor.systems[static_cast<std::size_t>(j)];
     matrix_ = -z * z * by_q_ - z * by_v_;
     matrix_.diagonal().array() += 1.0;
-    system.compute(matrix_);
-    projected_ = by_force_.cast<std::complex<double>>();
-    solved_ = system.solve(projected_);
-    factor.pressed.col(j) = solved_;
-    const std::complex<double> own(to_struck_.dot(solved_.real()), to_struck_.dot(solved_.imag()));
-    const auto re = own.real() * stages_.into_re.row(j) - own.imag() * stages_.into_im.row(j);
-    const auto im = own.real() * stages_.into_im.row(j) + own.imag() * stages_.into_re.row(j);
-    acceleration += stages_.out_re.col(j) * re - stages_.out_im.col(j) * im;
+    factor.systems[static_cast<std::size_t>(j)].compute(matrix_);
   }
-  factor.response.displacement_of_force = h_ * h_ * stages_.to_displacement * acceleration;
-  factor.response.velocity_of_force = h_ * stages_.to_velocity * acceleration;
+  factor.pressed.resize(static_cast<std::size_t>(stops()));
+  factor.responses.resize(factor.pressed.size() * factor.pressed.size());
+  for (int stop = 0; stop < stops(); ++stop) respond_to(stop, factor);
+}
+
+/// All points to a unit force of a stop.
+template <int S>
+void DenseMotion<S>::respond_to(int stop, Factor& factor) {
+  auto& pressed = factor.pressed[static_cast<std::size_t>(stop)];
+  pressed.resize(n_, pairs);
+  for (int j = 0; j < pairs; ++j) {
+    projected_ = by_force_.col(stop).template cast<std::complex<double>>();
+    solved_ = factor.systems[static_cast<std::size_t>(j)].solve(projected_);
+    pressed.col(j) = solved_;
+  }
+  for (int point = 0; point < stops(); ++point) {
+    Eigen::Matrix<double, S, S> acceleration = Eigen::Matrix<double, S, S>::Zero();
+    for (int j = 0; j < pairs; ++j) {
+      const auto to_point = to_point_.col(point);
+      const std::complex<double> own(to_point.dot(pressed.col(j).real()),
+                                     to_point.dot(pressed.col(j).imag()));
+      const auto re = own.real() * stages_.into_re.row(j) - own.imag() * stages_.into_im.row(j);
+      const auto im = own.real() * stages_.into_im.row(j) + own.imag() * stages_.into_re.row(j);
+      acceleration += stages_.out_re.col(j) * re - stages_.out_im.col(j) * im;
+    }
+    Response& response = factor.responses[index_of(point, stop)];
+    response.displacement_of_force = h_ * h_ * stages_.to_displacement * acceleration;
+    response.velocity_of_force = h_ * stages_.to_velocity * acceleration;
+  }
 }
 
 template <int S>
-bool DenseMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
-                             NodeVector& velocity) {
+bool DenseMotion<S>::improve(std::span<StopStep> stops) {
   place_stages();
   for (int i = 0; i < S; ++i) {
     if (rotation_) turn_hinge(stages_.rule.points()[i]);
-    beam_->acceleration(stage_q_.col(i), stage_v_.col(i), force[i], scratch_);
+    accelerate(stops, i);
     residual_.col(i) = a_.col(i) - scratch_;
   }
   change_.setZero();
@@ -361,12 +413,14 @@ bool DenseMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
   }
   a_ -= change_;
   place_stages();
-  displacement.resize(S);
-  velocity.resize(S);
-  for (int i = 0; i < S; ++i) {
-    const PointMotion p = beam_->struck_point(stage_q_.col(i), stage_v_.col(i));
-    displacement[i] = p.displacement;
-    velocity[i] = p.velocity;
+  for (std::size_t k = 0; k < stops.size(); ++k) {
+    stops[k].displacement.resize(S);
+    stops[k].velocity.resize(S);
+    for (int i = 0; i < S; ++i) {
+      const PointMotion p = point_before(static_cast<int>(k), stage_q_.col(i), stage_v_.col(i));
+      stops[k].displacement[i] = p.displacement;
+      stops[k].velocity[i] = p.velocity;
+    }
   }
   const double rounding = 16.0 * std::numeric_limits<double>::epsilon() *
                           std::sqrt(inertia_.dot(q_.cwiseAbs2())) / (h_ * speed_scale_);
@@ -374,43 +428,46 @@ bool DenseMotion<S>::improve(const NodeVector& force, NodeVector& displacement,
 }
 
 template <int S>
-void DenseMotion<S>::press(const NodeVector& change) {
-  const Eigen::Matrix<double, pairs, 1> re = stages_.into_re * change;
-  const Eigen::Matrix<double, pairs, 1> im = stages_.into_im * change;
+void DenseMotion<S>::press(std::span<const StopStep> stops) {
   change_.setZero();
-  for (int j = 0; j < pairs; ++j) {
-    solved_ = factor_->pressed.col(j) * std::complex<double>(re[j], im[j]);
-    gather(j, change_);
+  for (std::size_t k = 0; k < stops.size(); ++k) {
+    const Eigen::Matrix<double, pairs, 1> re = stages_.into_re * stops[k].change;
+    const Eigen::Matrix<double, pairs, 1> im = stages_.into_im * stops[k].change;
+    for (int j = 0; j < pairs; ++j) {
+      solved_ = factor_->pressed[k].col(j) * std::complex<double>(re[j], im[j]);
+      gather(j, change_);
+    }
   }
   a_ += change_;
   newton_.pressed(excess_ * size_of(change_));
 }
 
 template <int S>
-void DenseMotion<S>::finish(const NodeVector& force, const NodeVector&) {
+void DenseMotion<S>::finish(std::span<const StopStep> stops) {
   place_stages();
   end_q_ = stage_q_.col(S - 1);
   end_v_ = stage_v_.col(S - 1);
-  if (rotation_) look_at_rotation(force);
+  if (rotation_) look_at_rotation(stops);
   end_energy_ = beam_->energy(end_q_, end_v_);
   work_done_ = damped_ = 0.0;
   for (int i = 0; i < S; ++i) {
     const double weight = h_ * stages_.rule.weights()[i];
-    if (force[i] != 0.0)
-      work_done_ -=
-          weight * force[i] * beam_->struck_point(stage_q_.col(i), stage_v_.col(i)).velocity;
+    for (std::size_t k = 0; k < stops.size(); ++k)
+      if (const double force = stops[k].force[i]; force != 0.0)
+        work_done_ -= weight * force *
+                      point_before(static_cast<int>(k), stage_q_.col(i), stage_v_.col(i)).velocity;
     if (damped_bar_) damped_ += weight * beam_->damping_power(stage_q_.col(i), stage_v_.col(i));
   }
-  if (friction_.acts()) look_at_hinge(force);
+  if (friction_.acts()) look_at_hinge(stops);
 }
 
 /// The work of what turns the hinge; the step ends at the hinge's very angle and rate.
 template <int S>
-void DenseMotion<S>::look_at_rotation(const NodeVector& force) {
+void DenseMotion<S>::look_at_rotation(std::span<const StopStep> stops) {
   driven_ = 0.0;
   for (int i = 0; i < S; ++i) {
     turn_hinge(stages_.rule.points()[i]);
-    beam_->acceleration(stage_q_.col(i), stage_v_.col(i), force[i], scratch_);
+    accelerate(stops, i);
     driven_ += h_ * stages_.rule.weights()[i] * beam_->holding_moment() *
                beam_->hinge_rate(stage_v_.col(i));
   }
@@ -420,10 +477,10 @@ void DenseMotion<S>::look_at_rotation(const NodeVector& force) {
 
 /// At the stages of the solved step, and what friction took.
 template <int S>
-void DenseMotion<S>::look_at_hinge(const NodeVector& force) {
+void DenseMotion<S>::look_at_hinge(std::span<const StopStep> stops) {
   for (int i = 0; i < S; ++i) {
     if (friction_.sticks()) {
-      beam_->acceleration(stage_q_.col(i), stage_v_.col(i), force[i], scratch_);
+      accelerate(stops, i);
       hinge_[i] = beam_->holding_moment();
     } else {
       hinge_[i] = beam_->hinge_rate(stage_v_.col(i));
@@ -444,16 +501,19 @@ double DenseMotion<S>::error() const {
 }
 
 template <int S>
-PointMotion DenseMotion<S>::struck_at(double part, double* acceleration) {
+PointMotion DenseMotion<S>::struck_at(int stop, double part, double* acceleration) {
   move_to(part);
   if (acceleration) {
     Series values;
     shifted_legendre(part, values);
     values = to_series_.transpose() * values;
     scratch_.noalias() = a_ * values;
-    *acceleration = beam_->struck_acceleration(at_q_, at_v_, scratch_);
+    *acceleration = stop == 0 ? beam_->struck_acceleration(at_q_, at_v_, scratch_)
+                              : further(stop).direction() *
+                                    beam_->point_acceleration(further(stop).contact.position, at_q_,
+                                                              at_v_, scratch_);
   }
-  return beam_->struck_point(at_q_, at_v_);
+  return point_before(stop, at_q_, at_v_);
 }
 
 template <int S>

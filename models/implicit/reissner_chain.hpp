@@ -92,14 +92,6 @@ class ReissnerChain {
         if (node + place < coordinates()) visit(node + place, node + place + beside, node);
   }
 
-  /// visit(Θ): those that do not.
-  template <typename Visitor>
-  void for_each_rotation(Visitor&& visit) const {
-    for (int node = 0; node < coordinates(); node += stride)
-      for (const int place : {Element::turn0, Element::turn_b})
-        if (node + place < coordinates()) visit(node + place);
-  }
-
   /// Of the bar at a node, given by its X, closing < 0 [rad].
   static double inclination(const Eigen::ArrayXd& q, int node) { return q[node + Element::turn0]; }
 

@@ -22,6 +22,7 @@ struct ModesOverStep {
 
   int modes = 0, nodes = 0;                              ///< m, s
   const double *omega = nullptr, *struck = nullptr;      ///< as of ModalBeam (m)
+  const double *seen = nullptr;                          ///< likewise of the kernels' point (m)
   double h = 0.0;                                        ///< [s]
   const double *points = nullptr, *to_series = nullptr;  ///< of the rule (s), (s, s)
   /// (s, m), by columns.
@@ -29,8 +30,8 @@ struct ModesOverStep {
   double *cosine, *sine_over_omega, *minus_omega_sine;  ///< (m)
 
   int terms = 0;  ///< of the kernels' series, most_terms at most
-  /// Legendre series of Σ r² sin(ωτ) / ω and Σ r² cos(ωτ) over the step, with the sign of a force
-  /// that presses back (terms).
+  /// Legendre series of Σ r s sin(ωτ) / ω and Σ r s cos(ωτ) over the step, r the struck point, s
+  /// the one that is seen, with the sign of a force that presses back (terms).
   double *displacement_kernel, *velocity_kernel;
 };
 

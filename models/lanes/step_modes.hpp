@@ -21,7 +21,7 @@ class ModeStep {
       const ModeChunk<N> chunk(first, modes_.modes);
       const Real omega = chunk.load(modes_.omega), struck = chunk.load(modes_.struck);
       respond_to_state(chunk, omega, struck);
-      respond_to_force(chunk, omega, struck);
+      respond_to_force(chunk, omega, struck, chunk.load(modes_.seen));
     }
     for (int p = 0; p < modes_.terms; ++p) {
       modes_.displacement_kernel[p] = M::sum(displacement_kernel_[p]);
@@ -59,7 +59,7 @@ class ModeStep {
     chunk.store(whole.minus_omega_sine, modes_.minus_omega_sine);
   }
 
-  void respond_to_force(const ModeChunk<N>& chunk, Real omega, Real struck) {
+  void respond_to_force(const ModeChunk<N>& chunk, Real omega, Real struck, Real seen) {
     const double h = modes_.h;
     const Real z = M::larger(0.5 * h * omega, M::all(1e-9));
     const auto [sine, cosine] = M::sine_cosine(z);
@@ -80,7 +80,7 @@ class ModeStep {
         rate[p] = sign * of_cosine;
       }
       if (p >= terms) continue;
-      const Real share = -(2.0 * p + 1.0) * struck * struck;
+      const Real share = -(2.0 * p + 1.0) * struck * seen;
       displacement_kernel_[p] += h * share * of_sine;
       velocity_kernel_[p] += share * of_cosine;
     }

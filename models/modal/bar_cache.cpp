@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "models/make_beam.hpp"
 
@@ -57,7 +58,10 @@ const ModalStep& ModalBar::step(const Collocation& rule, int level) const {
 }
 
 BarKey BarKey::of(const Rig& rig, const Solver& solver) {
-  return {rig.beam,     rig.hinge,       rig.contact.position, rig.gravity,
+  std::vector<double> further;
+  for (const FurtherStop& stop : rig.further_stops)
+    further.push_back(stop.direction() * stop.contact.position);
+  return {rig.beam,     rig.hinge,       rig.contact.position, rig.gravity, std::move(further),
           solver.model, solver.elements, solver.modes,         solver.basis};
 }
 

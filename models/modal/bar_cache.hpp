@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <vector>
 
 #include "models/collocation/step_ladder.hpp"
 #include "models/modal/modal_beam.hpp"
@@ -51,6 +52,7 @@ struct BarKey {
   Beam beam;
   Hinge hinge;
   double position, gravity;
+  std::vector<double> further;  // positions of further stops, negative on the far side
   BeamModel model;
   std::array<int, 2> elements;
   int modes;

@@ -58,6 +58,8 @@ ModalBeam::ModalBeam(const SmallMotionBeam& beam, const Rig& rig)
       masses_(rig.beam.masses) {
   solve_modes();
   struck_ = point(rig.contact.position);
+  for (const FurtherStop& stop : rig.further_stops)
+    further_.push_back(stop.direction() * point(stop.contact.position));
   elastic_compliance_ = models::elastic_compliance(rig.beam, rig.contact.position);
   rigid_ = shapes_.transpose() * (motion_.mass * motion_.rigid);
   constexpr int stations = 24;
@@ -90,6 +92,7 @@ ModalBeam::ModalBeam(const ModalBeam& other, const Change& change) : ModalBeam(o
   shapes_ = shapes_ * basis / root;
   slopes_ = slopes_ * basis / root;
   struck_ = basis.transpose() * struck_ / root;
+  for (Eigen::VectorXd& row : further_) row = basis.transpose() * row / root;
   hinge_ = basis.transpose() * hinge_ / root;
   rigid_ = root * (basis.transpose() * rigid_);
 }

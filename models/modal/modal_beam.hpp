@@ -33,6 +33,13 @@ class ModalBeam {
   /// Displacement of the struck point, closing > 0, under unit modal coordinates [1/√kg] (m).
   const Eigen::VectorXd& struck() const { return struck_; }
 
+  int stops() const { return 1 + static_cast<int>(further_.size()); }
+
+  /// The same of the point before a stop, towards it (m).
+  const Eigen::VectorXd& struck(int stop) const {
+    return stop == 0 ? struck_ : further_[static_cast<std::size_t>(stop - 1)];
+  }
+
   /// The same of any point, x from the hinge [m].
   Eigen::VectorXd point(double x) const;
 
@@ -73,7 +80,8 @@ class ModalBeam {
   Eigen::MatrixXd shapes_;  // (n, m), M-orthonormal
   Eigen::MatrixXd weight_;  // the hanging weight's stiffness (m, m)
   Eigen::VectorXd omega_, struck_, rigid_;
-  Eigen::VectorXd hinge_;  // angle at the hinge under unit modal coordinates (m)
+  std::vector<Eigen::VectorXd> further_;  // of further stops
+  Eigen::VectorXd hinge_;                 // angle at the hinge under unit modal coordinates (m)
   double elastic_compliance_ = 0.0;
   Eigen::MatrixXd slopes_;        // of the modes at evenly spread stations (stations, m)
   Eigen::VectorXd station_mass_;  // of the bar between them [kg] (stations)

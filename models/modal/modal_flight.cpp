@@ -54,11 +54,11 @@ PendulumSwing::State PendulumSwing::after(double time) const {
   return {2.0 * std::asin(modulus_ * sine), 2.0 * modulus_ * omega_ * cosine};
 }
 
-double PendulumSwing::time_up_to(double low) const {
+double PendulumSwing::time_up_to(double angle) const {
   const double never = std::numeric_limits<double>::infinity();
   if (omega_ <= 0.0)
-    return from_.rate > 0.0 && low > from_.angle ? (low - from_.angle) / from_.rate : never;
-  const double sine = std::sin(0.5 * low);
+    return from_.rate > 0.0 && angle > from_.angle ? (angle - from_.angle) / from_.rate : never;
+  const double sine = std::sin(0.5 * angle);
   if (modulus_ == 0.0 || std::abs(sine) > modulus_) return never;
   const double there = boost::math::ellint_1(modulus_, std::asin(sine / modulus_));
   return (there > phase_ ? there - phase_ : there + 4.0 * quarter_ - phase_) / omega_;
@@ -77,13 +77,24 @@ double ModalFlight::reach(const Eigen::VectorXd& row) const {
   return sum;
 }
 
-double ModalFlight::clear_time() const {
+double ModalFlight::clear_time(std::span<const double> gaps) const {
   const bool weighs = beam_.omega()[0] > 0.0;
   if (weighs && !(swing_.widest() < 0.5 * std::numbers::pi)) return 0.0;
-  const double arm = std::abs(beam_.struck()[0] / angle_of_mode(beam_));
-  const double low = -reach_margin * reach(beam_.struck()) / arm;
-  if (!(swing_.after(0.0).angle < low)) return 0.0;
-  return swing_.time_up_to(low);
+  double time = std::numeric_limits<double>::infinity();
+  for (std::size_t stop = 0; stop < gaps.size() && time > 0.0; ++stop)
+    time = std::min(time, clear_time_of(beam_.struck(static_cast<int>(stop)), gaps[stop]));
+  return time;
+}
+
+/// Of one stop; a point before one on the far side has a negative arm, and the swing is looked at
+/// from there.
+double ModalFlight::clear_time_of(const Eigen::VectorXd& row, double gap) const {
+  const double arm = row[0] / angle_of_mode(beam_);
+  const double angle = (gap - reach_margin * reach(row)) / std::abs(arm);
+  const PendulumSwing::State here = swing_.after(0.0);
+  if (arm >= 0.0) return here.angle < angle ? swing_.time_up_to(angle) : 0.0;
+  const PendulumSwing mirrored(beam_.omega()[0], {-here.angle, -here.rate});
+  return -here.angle < angle ? mirrored.time_up_to(angle) : 0.0;
 }
 
 double ModalFlight::neglected(const Eigen::VectorXd& row, double time) const {

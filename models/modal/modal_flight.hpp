@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
+
 #include "models/modal/modal_beam.hpp"
 #include "models/modal/modal_step.hpp"
 
@@ -25,9 +27,8 @@ class PendulumSwing {
 
   State after(double time) const;
 
-  /// When it next comes up through an angle [s], `low` < 0 or as much as it swings; infinite when
-  /// it does not.
-  double time_up_to(double low) const;
+  /// When it next comes up through an angle [s]; infinite when it does not.
+  double time_up_to(double angle) const;
 
  private:
   double omega_;
@@ -45,9 +46,10 @@ class ModalFlight {
 
   const PendulumSwing& swing() const { return swing_; }
 
-  /// For how long the struck point certainly stays away from the stop [s]: until the swing has come
-  /// so near that the vibration could reach it. Zero when it is that near, or turns over.
-  double clear_time() const;
+  /// For how long the points before the stops, with these gaps [m], certainly stay away from them
+  /// [s]: until the swing has come so near that the vibration could reach one. Zero when it is that
+  /// near, or turns over.
+  double clear_time(std::span<const double> gaps) const;
 
   void state_after(double time, ModalState& to) const;
 
@@ -66,6 +68,7 @@ class ModalFlight {
 
  private:
   double reach(const Eigen::VectorXd& row) const;
+  double clear_time_of(const Eigen::VectorXd& row, double gap) const;
 
   const ModalBeam& beam_;
   const ModalState& from_;

@@ -31,7 +31,7 @@ void ModalMotion::start(double angle, double rate) {
   dropped_ = 0.0;
   flights_ = {};
   scratch_ = end_ = sampled_[0] = sampled_[1] = state_;
-  force_series_ = NodeVector::Zero(rule_.nodes());
+  series_.assign(static_cast<std::size_t>(beam_.stops()), NodeVector::Zero(rule_.nodes()));
 }
 
 BeamEnergy ModalMotion::energy() const {
@@ -48,37 +48,62 @@ void ModalMotion::begin_part(double) {
   throw std::logic_error("ModalMotion takes parts of a step exactly");
 }
 
-bool ModalMotion::improve(const NodeVector& force, NodeVector& displacement, NodeVector& velocity) {
-  const ModalStep::Response& response = step_->response();
-  displacement.noalias() = response.displacement_of_a * state_.a;
-  displacement.noalias() += response.displacement_of_rate * state_.rate;
-  velocity.noalias() = response.velocity_of_a * state_.a;
-  velocity.noalias() += response.displacement_of_a * state_.rate;
-  if (!force.isZero(0.0)) {
-    displacement.noalias() += response.of_force.displacement_of_force * force;
-    velocity.noalias() += response.of_force.velocity_of_force * force;
+bool ModalMotion::improve(std::span<StopStep> stops) {
+  const int count = static_cast<int>(stops.size());
+  for (int point = 0; point < count; ++point) {
+    StopStep& at = stops[static_cast<std::size_t>(point)];
+    step_->coast(point, state_, at.displacement, at.velocity);
+    for (int stop = 0; stop < count; ++stop) {
+      const NodeVector& force = stops[static_cast<std::size_t>(stop)].force;
+      if (force.isZero(0.0)) continue;
+      const Response& response = step_->response(point, stop);
+      at.displacement.noalias() += response.displacement_of_force * force;
+      at.velocity.noalias() += response.velocity_of_force * force;
+    }
   }
   return true;
 }
 
-void ModalMotion::finish(const NodeVector& force, const NodeVector& force_series) {
-  force_series_ = force_series;
-  if (force.isZero(0.0))
+void ModalMotion::finish(std::span<const StopStep> stops) {
+  for (std::size_t k = 0; k < stops.size(); ++k) series_[k] = stops[k].force_series;
+  if (stops[0].force.isZero(0.0))
     step_->coast(state_, end_);
   else
-    step_->advance(state_, force, end_);
+    step_->advance(state_, stops[0].force, end_);
+  for (std::size_t k = 1; k < stops.size(); ++k)
+    if (!stops[k].force.isZero(0.0)) step_->add(static_cast<int>(k), stops[k].force, end_);
 }
 
-/// The state within the solved step.
+/// The state within the solved step; tells how the struck point moves there.
 PointMotion ModalMotion::jump(double part, ModalState& to, double* acceleration) {
-  const NodeVector series = rule_.restricted(force_series_, part);
-  return advance(beam_, part * step(), series, state_, to, acceleration);
+  const double h = part * step();
+  const PointMotion motion =
+      advance(beam_, h, rule_.restricted(series_[0], part), state_, to, acceleration);
+  bool alone = true;
+  for (int stop = 1; stop < beam_.stops(); ++stop) {
+    if (!presses(stop)) continue;
+    alone = false;
+    add_force(beam_, stop, h, rule_.restricted(series_[static_cast<std::size_t>(stop)], part), to);
+  }
+  if (alone) return motion;
+  if (acceleration) *acceleration = free_acceleration(0, to);
+  return struck(0, to);
 }
 
-PointMotion ModalMotion::struck_at(double part, double* acceleration) {
-  const PointMotion motion = jump(part, scratch_, acceleration);
-  if (acceleration)
-    *acceleration -= beam_.struck().squaredNorm() * legendre_sum(force_series_, part);
+/// Of the point before a stop, without what forces do to it.
+double ModalMotion::free_acceleration(int stop, const ModalState& state) const {
+  return -(beam_.struck(stop).array() * beam_.omega().array().square() * state.a.array()).sum();
+}
+
+PointMotion ModalMotion::struck_at(int stop, double part, double* acceleration) {
+  PointMotion motion = jump(part, scratch_, acceleration);
+  if (stop > 0) motion = struck(stop, scratch_);
+  if (!acceleration) return motion;
+  if (stop > 0) *acceleration = free_acceleration(stop, scratch_);
+  const Eigen::VectorXd& row = beam_.struck(stop);
+  for (int other = 0; other < beam_.stops(); ++other)
+    *acceleration -=
+        row.dot(beam_.struck(other)) * legendre_sum(series_[static_cast<std::size_t>(other)], part);
   return motion;
 }
 
@@ -89,7 +114,8 @@ void ModalMotion::take(double part) {
   } else {
     std::swap(state_, end_);
   }
-  const bool pressed = !force_series_.isZero(0.0);
+  bool pressed = false;
+  for (int stop = 0; stop < beam_.stops(); ++stop) pressed = pressed || presses(stop);
   note_shortening(pressed);
   if (pressed) neglected_ = shortening_;
 }
@@ -104,8 +130,8 @@ void ModalMotion::note_shortening(bool pressed) {
       std::max(shortening_, beam_.shortening_energy(state_.a, state_.rate, frame) / energy_scale_);
 }
 
-double ModalMotion::clear_time() const {
-  return flies_ ? ModalFlight(beam_, state_).clear_time() : 0.0;
+double ModalMotion::clear_time(std::span<const double> gaps) const {
+  return flies_ ? ModalFlight(beam_, state_).clear_time(gaps) : 0.0;
 }
 
 void ModalMotion::fly(double time) {
@@ -129,7 +155,12 @@ void ModalMotion::sample_flight(double first, double spacing, std::span<Sample> 
   }
 }
 
-/// From sample to sample by steps of their own, under the force as the step has it.
+PointMotion ModalMotion::struck_in_flight(int stop, double time) {
+  ModalFlight(beam_, state_).state_after(time, scratch_);
+  return ModalFlight::on_circle(beam_, beam_.struck(stop), scratch_);
+}
+
+/// From sample to sample by steps of their own, under the forces as the step has them.
 void ModalMotion::sample(double first, double spacing, std::span<Sample> samples) {
   if (!step_) {
     std::ranges::fill(samples, look(state_));
@@ -138,30 +169,34 @@ void ModalMotion::sample(double first, double spacing, std::span<Sample> samples
   const bool single = sampling_interval_ <= ModalStep::longest(beam_);
   if (!sampling_ && single)
     sampling_ = std::make_unique<ModalStep>(beam_, rule_, sampling_interval_);
-  const int s = rule_.nodes();
-  const bool forced = !force_series_.isZero(0.0);
-  NodeVector force = NodeVector::Zero(s);
-  NodeVector legendre(s);
   jump(first, sampled_[0]);
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const double part = first + static_cast<double>(k) * spacing;
-    if (k > 0) {
-      if (single) {
-        for (int i = 0; forced && i < s; ++i) {
-          shifted_legendre(part - spacing + rule_.points()[i] * spacing, legendre);
-          force[i] = legendre.dot(force_series_);
-        }
-        if (forced)
-          sampling_->advance(sampled_[0], force, sampled_[1]);
-        else
-          sampling_->coast(sampled_[0], sampled_[1]);
-        std::swap(sampled_[0], sampled_[1]);
-      } else {
-        jump(part, sampled_[0]);
-      }
-    }
+    if (k > 0 && single)
+      advance_sample(part - spacing, spacing);
+    else if (k > 0)
+      jump(part, sampled_[0]);
     samples[k] = look(sampled_[0]);
   }
+}
+
+void ModalMotion::advance_sample(double from, double spacing) {
+  const int s = rule_.nodes();
+  NodeVector force(s), legendre(s);
+  const auto force_of = [&](int stop) -> const NodeVector& {
+    for (int i = 0; i < s; ++i) {
+      shifted_legendre(from + rule_.points()[i] * spacing, legendre);
+      force[i] = legendre.dot(series_[static_cast<std::size_t>(stop)]);
+    }
+    return force;
+  };
+  if (presses(0))
+    sampling_->advance(sampled_[0], force_of(0), sampled_[1]);
+  else
+    sampling_->coast(sampled_[0], sampled_[1]);
+  for (int stop = 1; stop < beam_.stops(); ++stop)
+    if (presses(stop)) sampling_->add(stop, force_of(stop), sampled_[1]);
+  std::swap(sampled_[0], sampled_[1]);
 }
 
 }  // namespace impactrig::models

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <vector>
 
 #include "models/collocation/bar_motion.hpp"
 #include "models/modal/bar_cache.hpp"
@@ -29,7 +30,7 @@ class ModalMotion : public BarMotion {
     energy_scale_ = std::max(kinetic, energy().kinetic);
   }
 
-  PointMotion struck() const override { return struck(state_); }
+  PointMotion struck(int stop) const override { return struck(stop, state_); }
 
   BeamEnergy energy() const override;
 
@@ -44,29 +45,31 @@ class ModalMotion : public BarMotion {
 
   double step() const override { return step_->h(); }
 
-  const Response& response() const override { return step_->response().of_force; }
+  const Response& response(int point, int stop) const override {
+    return step_->response(point, stop);
+  }
 
-  bool improve(const NodeVector& force, NodeVector& displacement, NodeVector& velocity) override;
+  bool improve(std::span<StopStep> stops) override;
 
-  void press(const NodeVector&) override {}
+  void press(std::span<const StopStep>) override {}
 
   bool settled() const override { return true; }
 
-  void finish(const NodeVector& force, const NodeVector& force_series) override;
+  void finish(std::span<const StopStep> stops) override;
 
   /// The step as solved elsewhere; the state at its end is to be written.
   ModalState& finish_elsewhere(const NodeVector& force_series) {
-    force_series_ = force_series;
+    series_[0] = force_series;
     return end_;
   }
 
   const ModalStep& modal_step() const { return *step_; }
 
-  PointMotion struck_at_end() const override { return struck(end_); }
+  PointMotion struck_at_end(int stop) const override { return struck(stop, end_); }
 
   double error() const override { return 0.0; }
 
-  PointMotion struck_at(double part, double* acceleration) override;
+  PointMotion struck_at(int stop, double part, double* acceleration) override;
   void sample(double first, double spacing, std::span<Sample> samples) override;
 
   bool parts_exact() const override { return true; }
@@ -74,9 +77,10 @@ class ModalMotion : public BarMotion {
   /// Every flight is stepped like a contact: linear also in the swing's angle.
   void step_flights() { flies_ = false; }
 
-  double clear_time() const override;
+  double clear_time(std::span<const double> gaps) const override;
   void fly(double time) override;
   void sample_flight(double first, double spacing, std::span<Sample> samples) override;
+  PointMotion struck_in_flight(int stop, double time) override;
 
   void take(double part) override;
 
@@ -99,17 +103,21 @@ class ModalMotion : public BarMotion {
   double neglected() const { return neglected_; }
 
  private:
-  PointMotion struck(const ModalState& state) const {
-    return {beam_.struck().dot(state.a), beam_.struck().dot(state.rate)};
+  PointMotion struck(int stop, const ModalState& state) const {
+    return {beam_.struck(stop).dot(state.a), beam_.struck(stop).dot(state.rate)};
   }
 
+  bool presses(int stop) const { return !series_[static_cast<std::size_t>(stop)].isZero(0.0); }
+
   Sample look(const ModalState& state) const {
-    return {struck(state), velocity_row_.dot(state.rate), displacement_row_.dot(state.a)};
+    return {struck(0, state), velocity_row_.dot(state.rate), displacement_row_.dot(state.a)};
   }
 
   void note_shortening(bool pressed);
 
   PointMotion jump(double part, ModalState& to, double* acceleration = nullptr);
+  double free_acceleration(int stop, const ModalState& state) const;
+  void advance_sample(double from, double spacing);
 
   const ModalBar& bar_;
   const ModalBeam& beam_;
@@ -121,7 +129,7 @@ class ModalMotion : public BarMotion {
 
   ModalState state_, end_, scratch_;
   const ModalStep* step_ = nullptr;
-  NodeVector force_series_;
+  std::vector<NodeVector> series_;  // of the force of each stop
   double energy_scale_ = 0.0;
   bool flies_;
   Flights flights_;

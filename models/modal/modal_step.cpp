@@ -53,6 +53,7 @@ ModalStep::ModalStep(const ModalBeam& beam, const Collocation& rule, double h)
               .nodes = s,
               .omega = beam.omega().data(),
               .struck = beam.struck().data(),
+              .seen = beam.struck().data(),
               .h = h,
               .points = rule.points().data(),
               .to_series = rule.to_series().data(),
@@ -67,11 +68,52 @@ ModalStep::ModalStep(const ModalBeam& beam, const Collocation& rule, double h)
               .terms = terms,
               .displacement_kernel = kernels.col(0).data(),
               .velocity_kernel = kernels.col(1).data()});
-  respond_to_force(rule, kernels);
+  respond_to_force(rule, kernels, response_.of_force);
+  if (beam.stops() > 1) respond_further(beam, rule, terms);
 }
 
-/// The struck point at the nodes, by the convolution of the kernels with the nodes' polynomials.
-void ModalStep::respond_to_force(const Collocation& rule, const Eigen::MatrixX2d& kernels) {
+/// The points before further stops; what two points do to each other they do both ways.
+void ModalStep::respond_further(const ModalBeam& beam, const Collocation& rule, int terms) {
+  const int s = rule.nodes();
+  const Eigen::MatrixXd rows(s, beam.modes());
+  further_.assign(static_cast<std::size_t>(beam.stops() - 1), {rows, rows, rows, rows, rows});
+  of_force_.resize(static_cast<std::size_t>(beam.stops() * beam.stops()));
+  Eigen::ArrayXd swing(beam.modes());
+  const int blocks = (terms + Collocation::block_size - 1) / Collocation::block_size;
+  for (int stop = 1; stop < beam.stops(); ++stop) {
+    Further& further = further_[static_cast<std::size_t>(stop - 1)];
+    for (int point = 0; point <= stop; ++point) {
+      Eigen::MatrixX2d kernels = Eigen::MatrixX2d::Zero(blocks * Collocation::block_size, 2);
+      step_modes({.modes = beam.modes(),
+                  .nodes = s,
+                  .omega = beam.omega().data(),
+                  .struck = beam.struck(stop).data(),
+                  .seen = beam.struck(point).data(),
+                  .h = h_,
+                  .points = rule.points().data(),
+                  .to_series = rule.to_series().data(),
+                  .displacement_of_a = further.displacement_of_a.data(),
+                  .displacement_of_rate = further.displacement_of_rate.data(),
+                  .velocity_of_a = further.velocity_of_a.data(),
+                  .a_of_force = further.a_of_force.data(),
+                  .rate_of_force = further.rate_of_force.data(),
+                  .cosine = swing.data(),
+                  .sine_over_omega = swing.data(),
+                  .minus_omega_sine = swing.data(),
+                  .terms = terms,
+                  .displacement_kernel = kernels.col(0).data(),
+                  .velocity_kernel = kernels.col(1).data()});
+      BarMotion::Response& response =
+          of_force_[static_cast<std::size_t>(point * beam.stops() + stop)];
+      respond_to_force(rule, kernels, response);
+      of_force_[static_cast<std::size_t>(stop * beam.stops() + point)] = response;
+    }
+  }
+}
+
+/// A point at the nodes, by the convolution of the kernels with the nodes' polynomials.
+void ModalStep::respond_to_force(const Collocation& rule, const Eigen::MatrixX2d& kernels,
+                                 BarMotion::Response& response) const {
   const int s = rule.nodes();
   Eigen::MatrixX2d at_nodes = Eigen::MatrixX2d::Zero(s * s, 2);
   const int blocks = static_cast<int>(kernels.rows()) / Collocation::block_size;
@@ -81,8 +123,22 @@ void ModalStep::respond_to_force(const Collocation& rule, const Eigen::MatrixX2d
           rule.convolutions(b) *
           kernels.col(c).segment(b * Collocation::block_size, Collocation::block_size);
   using Square = Eigen::Map<const Eigen::MatrixXd>;
-  response_.of_force.displacement_of_force = h_ * Square(at_nodes.col(0).data(), s, s);
-  response_.of_force.velocity_of_force = h_ * Square(at_nodes.col(1).data(), s, s);
+  response.displacement_of_force = h_ * Square(at_nodes.col(0).data(), s, s);
+  response.velocity_of_force = h_ * Square(at_nodes.col(1).data(), s, s);
+}
+
+void ModalStep::coast(int stop, const ModalState& from, NodeVector& displacement,
+                      NodeVector& velocity) const {
+  const auto coast_by = [&](const auto& rows) {
+    displacement.noalias() = rows.displacement_of_a * from.a;
+    displacement.noalias() += rows.displacement_of_rate * from.rate;
+    velocity.noalias() = rows.velocity_of_a * from.a;
+    velocity.noalias() += rows.displacement_of_a * from.rate;
+  };
+  if (stop == 0)
+    coast_by(response_);
+  else
+    coast_by(further_[static_cast<std::size_t>(stop - 1)]);
 }
 
 void ModalStep::coast(const ModalState& from, ModalState& to) const {
@@ -94,6 +150,12 @@ void ModalStep::advance(const ModalState& from, const NodeVector& force, ModalSt
   coast(from, to);
   to.a.noalias() += a_of_force_.transpose() * force;
   to.rate.noalias() += rate_of_force_.transpose() * force;
+}
+
+void ModalStep::add(int stop, const NodeVector& force, ModalState& to) const {
+  const Further& further = further_[static_cast<std::size_t>(stop - 1)];
+  to.a.noalias() += further.a_of_force.transpose() * force;
+  to.rate.noalias() += further.rate_of_force.transpose() * force;
 }
 
 void ModalStep::write_to(StepLanes& lanes, int lane) const {
@@ -129,6 +191,27 @@ PointMotion advance(const ModalBeam& beam, double h, const NodeVector& series,
   advance_modes(modes);
   if (acceleration) *acceleration = modes.acceleration;
   return {modes.displacement, modes.velocity};
+}
+
+void add_force(const ModalBeam& beam, int stop, double h, const NodeVector& series,
+               ModalState& to) {
+  static thread_local Eigen::VectorXd rest, a, rate;  // within steps: no allocation
+  rest.setZero(beam.modes());
+  a.resize(beam.modes());
+  rate.resize(beam.modes());
+  ModesUnderForce modes{.modes = beam.modes(),
+                        .terms = static_cast<int>(series.size()),
+                        .omega = beam.omega().data(),
+                        .struck = beam.struck(stop).data(),
+                        .h = h,
+                        .series = series.data(),
+                        .a = rest.data(),
+                        .rate = rest.data(),
+                        .end_a = a.data(),
+                        .end_rate = rate.data()};
+  advance_modes(modes);
+  to.a += a;
+  to.rate += rate;
 }
 
 }  // namespace impactrig::models

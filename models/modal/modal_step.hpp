@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "models/collocation/bar_motion.hpp"
 #include "models/collocation/collocation.hpp"
@@ -15,7 +16,7 @@ struct ModalState {
   Eigen::VectorXd a, rate;
 };
 
-/// Exact response of a bar's modes to a force that is a polynomial over a step, by Duhamel's
+/// Exact response of a bar's modes to forces that are polynomials over a step, by Duhamel's
 /// integral. The kernels sin ωτ and cos ωτ are expanded in Legendre polynomials; the coefficients
 /// are spherical Bessel functions of ωh/2, so that nothing limits ωh but their number.
 class ModalStep {
@@ -38,25 +39,53 @@ class ModalStep {
 
   const Response& response() const { return response_; }
 
-  /// The state at the step's end, free of force or under one.
+  /// Of the point before a stop to the force of a stop.
+  const BarMotion::Response& response(int point, int stop) const {
+    return point == 0 && stop == 0 ? response_.of_force
+                                   : of_force_[static_cast<std::size_t>(point * stops() + stop)];
+  }
+
+  /// The struck point, or that before another stop, under the state at the step's beginning.
+  void coast(int stop, const ModalState& from, NodeVector& displacement,
+             NodeVector& velocity) const;
+
+  /// The state at the step's end, free of force or under that of the first stop.
   void coast(const ModalState& from, ModalState& to) const;
   void advance(const ModalState& from, const NodeVector& force, ModalState& to) const;
+
+  /// What the force of a further stop adds to it.
+  void add(int stop, const NodeVector& force, ModalState& to) const;
 
   /// Writes what the step does into a lane of steps of as many modes and nodes.
   void write_to(StepLanes& lanes, int lane) const;
 
  private:
-  void respond_to_force(const Collocation& rule, const Eigen::MatrixX2d& kernels);
+  /// What belongs to the point before a further stop.
+  struct Further {
+    Eigen::MatrixXd displacement_of_a, displacement_of_rate, velocity_of_a;  // (s, m)
+    Eigen::MatrixXd a_of_force, rate_of_force;                               // (s, m)
+  };
+
+  int stops() const { return 1 + static_cast<int>(further_.size()); }
+
+  void respond_to_force(const Collocation& rule, const Eigen::MatrixX2d& kernels,
+                        BarMotion::Response& response) const;
+  void respond_further(const ModalBeam& beam, const Collocation& rule, int terms);
 
   double h_;
   Eigen::ArrayXd cosine_, sine_over_omega_, minus_omega_sine_;
   Eigen::MatrixXd a_of_force_, rate_of_force_;  // (s, m)
   Response response_;
+  std::vector<Further> further_;
+  std::vector<BarMotion::Response> of_force_;  // point by point; empty where there is one stop
 };
 
 /// The state after a time h under a force given by the coefficients of its Legendre series over h;
 /// tells how the struck point then moves, its acceleration without what the force then does to it.
 PointMotion advance(const ModalBeam& beam, double h, const NodeVector& series,
                     const ModalState& from, ModalState& to, double* acceleration = nullptr);
+
+/// What the force of a further stop adds to the state.
+void add_force(const ModalBeam& beam, int stop, double h, const NodeVector& series, ModalState& to);
 
 }  // namespace impactrig::models

@@ -84,7 +84,7 @@ SmallMotionRun::SmallMotionRun(const Rig& rig, const Solver& solver,
       !allows(options, Simplification::flight_at_once))
     motion_.step_flights();
   const bool begins_at_touch = !rig.start.release_angle || !spring_bends_bar(rig);
-  if (options.sensitivities.empty() || !begins_at_touch || rig.stop) return;
+  if (options.sensitivities.empty() || !begins_at_touch || !faces_single_rigid_stop()) return;
   sensitivities_ = std::make_unique<ModalSensitivities>(rig, solver, options, motion_);
   run_.follow(*sensitivities_);
 }

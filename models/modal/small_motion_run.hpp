@@ -29,7 +29,7 @@ class SmallMotionRun {
   const ModalBar& bar() const { return *bar_; }
 
   /// The bar's own response to the contact force is all there is.
-  bool faces_rigid_stop() const { return stopped_ == nullptr; }
+  bool faces_single_rigid_stop() const { return !stopped_ && rig_.further_stops.empty(); }
 
   const Collocation& rule() const { return motion_.rule(); }
 

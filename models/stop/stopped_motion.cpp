@@ -67,29 +67,30 @@ void StoppedMotion::prepare() {
     next_step_ = (next_step_ + 1) % kept_steps;
   }
   if (!step_->responds()) return;
-  const Response& bar = bar_.response();
+  const Response& bar = bar_.response(0, 0);
   response_.displacement_of_force = bar.displacement_of_force - step_->displacement_of_force();
   response_.velocity_of_force = bar.velocity_of_force - step_->velocity_of_force();
 }
 
-bool StoppedMotion::improve(const NodeVector& force, NodeVector& displacement,
-                            NodeVector& velocity) {
+bool StoppedMotion::improve(std::span<StopStep> stops) {
   if (in_contact_ && !step_->responds()) return false;
-  if (!bar_.improve(force, displacement, velocity)) return false;
+  if (!bar_.improve(stops)) return false;
+  const NodeVector& force = stops[0].force;
   step_->coast(state_, displacement_, velocity_);
   if (!force.isZero(0.0)) {
     displacement_.noalias() += step_->displacement_of_force() * force;
     velocity_.noalias() += step_->velocity_of_force() * force;
   }
-  displacement -= displacement_;
-  velocity -= velocity_;
+  stops[0].displacement -= displacement_;
+  stops[0].velocity -= velocity_;
   return true;
 }
 
-void StoppedMotion::finish(const NodeVector& force, const NodeVector& force_series) {
-  bar_.finish(force, force_series);
+void StoppedMotion::finish(std::span<const StopStep> stops) {
+  bar_.finish(stops);
+  const NodeVector& force = stops[0].force;
   forced_ = !force.isZero(0.0);
-  force_series_ = force_series;
+  force_series_ = stops[0].force_series;
   if (!forced_) {
     end_ = step_->coasted(state_);
     return;
@@ -150,8 +151,9 @@ StopHead::State StoppedMotion::head_at(double part) const {
   return jump.advanced(state_, force_between(0.0, part));
 }
 
-PointMotion StoppedMotion::struck_at(double part, double* acceleration) {
-  const PointMotion bar = bar_.struck_at(part, acceleration);
+PointMotion StoppedMotion::struck_at(int stop, double part, double* acceleration) {
+  const PointMotion bar = bar_.struck_at(stop, part, acceleration);
+  if (stop > 0) return bar;
   const State head = head_at(part);
   if (acceleration) *acceleration -= head_.acceleration(head, forced_ ? force_at(part) : 0.0);
   return seen(bar, head);
@@ -179,7 +181,7 @@ void StoppedMotion::take(double part) {
   state_ = part < 1.0 ? head_at(part) : end_;
   if (touched_) time_ += part * step();
   bar_.take(part);
-  in_contact_ = in_contact_ && struck().displacement >= 0.0;
+  in_contact_ = in_contact_ && struck(0).displacement >= 0.0;
 }
 
 /// Of the head at a place of the solved step.

@@ -10,9 +10,9 @@
 
 namespace impactrig::models {
 
-/// A bar that meets a compliant stop: the struck point is seen from the stop's head, which the same
-/// force pushes away. The head answers the polynomial of the force exactly, so that it is the force
-/// alone that has to be resolved, as for the bar behind it.
+/// A bar that meets a compliant stop first: the struck point is seen from the stop's head, which
+/// the same force pushes away. The head answers the polynomial of the force exactly, so that it is
+/// the force alone that has to be resolved, as for the bar behind it.
 class StoppedMotion final : public BarMotion {
  public:
   StoppedMotion(BarMotion& bar, const Stop& stop);
@@ -24,7 +24,9 @@ class StoppedMotion final : public BarMotion {
   void start(double angle, double rate) override;
   void set_scales(double kinetic, double contact_time) override;
 
-  PointMotion struck() const override { return seen(bar_.struck(), state_); }
+  PointMotion struck(int stop) const override {
+    return stop == 0 ? seen(bar_.struck(0), state_) : bar_.struck(stop);
+  }
 
   BeamEnergy energy() const override;
 
@@ -38,25 +40,29 @@ class StoppedMotion final : public BarMotion {
 
   double step() const override { return bar_.step(); }
 
-  const Response& response() const override { return response_; }
+  const Response& response(int point, int stop) const override {
+    return point == 0 && stop == 0 ? response_ : bar_.response(point, stop);
+  }
 
-  bool improve(const NodeVector& force, NodeVector& displacement, NodeVector& velocity) override;
+  bool improve(std::span<StopStep> stops) override;
 
-  void press(const NodeVector& change) override { bar_.press(change); }
+  void press(std::span<const StopStep> stops) override { bar_.press(stops); }
 
   bool settled() const override { return bar_.settled(); }
 
-  void finish(const NodeVector& force, const NodeVector& force_series) override;
+  void finish(std::span<const StopStep> stops) override;
   double damped(double part) const override;
 
   double hinge_change() override { return bar_.hinge_change(); }
 
   void change_hinge() override { bar_.change_hinge(); }
 
-  PointMotion struck_at_end() const override { return seen(bar_.struck_at_end(), end_); }
+  PointMotion struck_at_end(int stop) const override {
+    return stop == 0 ? seen(bar_.struck_at_end(0), end_) : bar_.struck_at_end(stop);
+  }
 
   double error() const override;
-  PointMotion struck_at(double part, double* acceleration) override;
+  PointMotion struck_at(int stop, double part, double* acceleration) override;
   void sample(double first, double spacing, std::span<Sample> samples) override;
 
   bool parts_exact() const override { return bar_.parts_exact(); }

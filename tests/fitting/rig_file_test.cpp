@@ -275,6 +275,75 @@ TEST(RigFile, ReadsTheMassesOnTheBar) {
             1u);
 }
 
+TEST(RigFile, FurtherStopsInheritWhatTheyDoNotState) {
+  const std::string text = std::string(paper_rig) +
+                           "\n[[contacts]]\nside = \"far\"\ngap = \"0.1 mm\"\n"
+                           "[[contacts]]\nposition = \"30 cm\"\ngap = \"0 m\"\n"
+                           "counterface = { shape = \"plane\" }\nrestitution = 0.8\n"
+                           "[[contacts]]\nposition = \"0.8 m\"\ngap = \"1 um\"\n"
+                           "law = \"linear\"\nstiffness = \"2e7 N/m\"\ndamping = \"exact\"\n";
+  const models::Rig rig = parse_rig_file(text, "rig.toml").rig;
+  ASSERT_EQ(rig.further_stops.size(), 3u);
+  EXPECT_EQ(rig.further_stops[0], (models::FurtherStop{rig.contact, models::StopSide::far, 1e-4}));
+  models::FurtherStop second{rig.contact, models::StopSide::near, 0.0};
+  second.contact.position = 0.3;
+  second.contact.counterface = models::Counterface::plane;
+  second.contact.counter_radius = 0.0;
+  second.contact.restitution = 0.8;
+  EXPECT_EQ(rig.further_stops[1], second);
+  const models::FurtherStop& third = rig.further_stops[2];
+  EXPECT_EQ(third.contact.law, "linear");
+  EXPECT_EQ(third.contact.damping, "exact");
+  EXPECT_DOUBLE_EQ(third.contact.stiffness, 2e7);
+  EXPECT_EQ(third.contact.restitution, rig.contact.restitution);
+  EXPECT_DOUBLE_EQ(third.gap, 1e-6);
+  EXPECT_EQ(parse_rig_file(paper_rig, "rig.toml", {{"contacts", "[{ gap = \"1 mm\" }]"}})
+                .rig.further_stops.size(),
+            1u);
+}
+
+TEST(RigFile, ABarOfSegmentsMeetsAFurtherStopWithTheSegmentThere) {
+  const std::string text =
+      with(
+          "length = \"0.8 m\"\nsection = { shape = \"circle\", radius = \"15 mm\" }\n",
+          "segments = [{ length = \"0.5 m\", section = { shape = \"circle\", radius = \"12 mm\" }, "
+          "youngs_modulus = \"200 GPa\" }, "
+          "{ length = \"0.3 m\", section = { shape = \"circle\", radius = \"15 mm\" } }]\n") +
+      "\n[[contacts]]\nposition = \"0.2 m\"\ngap = \"1 um\"\n";
+  const models::Rig rig = parse_rig_file(text, "rig.toml").rig;
+  EXPECT_DOUBLE_EQ(rig.contact.radius, 0.015);
+  EXPECT_DOUBLE_EQ(rig.further_stops[0].contact.radius, 0.012);
+  EXPECT_DOUBLE_EQ(rig.further_stops[0].contact.modulus, 200e9);
+}
+
+TEST(RigFile, AFurtherStopThatMakesNoSenseIsRefusedWithItsPlace) {
+  const auto stop = [](const std::string& lines) {
+    return message_of(std::string(paper_rig) + "\n[[contacts]]\n" + lines);
+  };
+  const auto line = [](long after) {
+    return fmt::format("rig.toml:{}:",
+                       2 + std::ranges::count(std::string(paper_rig), '\n') + after);
+  };
+  EXPECT_EQ(stop("gap = \"1 um\"\nposition = \"0.9 m\""),
+            line(2) +
+                "12: contacts[0].position: the struck point, 0.9 m from the hinge, lies beyond the "
+                "bar's end at 0.8 m");
+  EXPECT_NE(stop("side = \"far\"").find("contacts[0].gap: is missing; add gap = \"0.1 mm\""),
+            std::string::npos);
+  EXPECT_EQ(stop("gap = \"1 um\"\nside = \"left\""),
+            line(2) + "8: contacts[0].side: expected one of near, far, found \"left\"");
+  EXPECT_EQ(stop("gap = \"-1 um\""),
+            line(1) + "7: contacts[0].gap: must be finite and not negative, found -1e-06 m");
+  EXPECT_NE(stop("gap = \"1 um\"\nplace = 3").find("contacts[0].place: there is no such key here"),
+            std::string::npos);
+  const std::string text(paper_rig);
+  const std::size_t begin = text.find("[contact]"), end = text.find("[start]");
+  EXPECT_NE(
+      message_of(text.substr(0, begin) + text.substr(end) + "\n[[contacts]]\ngap = \"1 um\"\n")
+          .find("contacts: there is no [contact]; state the stop that is struck first there"),
+      std::string::npos);
+}
+
 TEST(RigFile, AMassThatMakesNoSenseIsRefusedWithItsPlace) {
   const auto lump = [](const std::string& lines) {
     return message_of(std::string(paper_rig) + "\n[[beam.masses]]\n" + lines);

@@ -132,5 +132,38 @@ TEST(TimeLoop, OfSmallMotionAllocatesNothing) {
   expect_no_allocation_in_steps(damped_paper_rig(), ancf(14, 2, 1e-4, 0.0), options);
 }
 
+/// Two stops that press at a time for as long as the bar is held between them.
+Rig held_rig() {
+  Rig rig = damped_paper_rig();
+  rig.further_stops = {{.contact = rig.contact, .side = StopSide::near, .gap = 0.0},
+                       {.contact = rig.contact, .side = StopSide::far, .gap = 2e-6}};
+  rig.further_stops[0].contact.position = 0.4;
+  rig.further_stops[1].contact.position = 0.2;
+  return rig;
+}
+
+TEST(TimeLoop, OfSeveralStopsAllocatesNothingButEpisodes) {
+  BarCache cache;
+  SimulationOptions small, exact;
+  small.bars = &cache;
+  small.motion = Motion::small;
+  exact.exact = true;
+  for (const auto& [solver, options] : {std::pair{ancf(14, 2, 1e-4, 0.0), small},
+                                        {ancf(7, 1, 1e-4, 0.0), exact},
+                                        {hybrid(Basis::pinned_free, 5, 1e-4, 0.0), exact}}) {
+    const Rig rig = held_rig();
+    count(rig, solver, 3e-4, options);
+    Solver shorter = solver, longer = solver;
+    shorter.duration = 4e-5;
+    longer.duration = 9e-5;
+    const Simulation a = simulate(rig, shorter, options), b = simulate(rig, longer, options);
+    ASSERT_EQ(a.episodes.size(), b.episodes.size());
+    const Counted few = count(rig, solver, 4e-5, options);
+    const Counted many = count(rig, solver, 9e-5, options);
+    EXPECT_GT(many.steps, few.steps + 3);
+    EXPECT_EQ(many.allocations, few.allocations);
+  }
+}
+
 }  // namespace
 }  // namespace impactrig::tests

@@ -210,17 +210,18 @@ double flown_with(int halvings, double accuracy) {
   const std::unique_ptr<BarMotion> bar = make_ancf_motion(rig, solver, {});
   bar->start(-0.5, 0.0);
   bar->set_scales(1e-10, 1.0);  // so small an energy makes Newton exact to rounding
-  NodeVector force = NodeVector::Zero(bar->rule().nodes()), displacement, velocity;
+  StopStep step;
+  step.force = step.force_series = NodeVector::Zero(bar->rule().nodes());
   const int level = 12 + 2 * halvings;
   for (double left = 0.25; left > 1e-9; left -= bar->ladder().length_of(level)) {
     bar->begin_step(level);
     do {
-      if (!bar->improve(force, displacement, velocity)) return std::nan("");
+      if (!bar->improve({&step, 1})) return std::nan("");
     } while (!bar->settled());
-    bar->finish(force, force);
+    bar->finish({&step, 1});
     bar->take(1.0);
   }
-  return bar->struck().displacement;
+  return bar->struck(0).displacement;
 }
 
 TEST(AncfMotion, HasTheOrderOfRadauInPosition) {

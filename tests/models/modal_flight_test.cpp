@@ -93,7 +93,7 @@ TEST(ModalFlight, StaysClearOfTheStop) {
       state.rate[k] += 3e-4 * normal(generator) * beam.omega()[1];
     }
     const ModalFlight flight(beam, state);
-    const double time = flight.clear_time();
+    const double time = flight.clear_time(std::array{0.0});
     if (time == 0.0) continue;
     ++flights;
     ModalState there = state;

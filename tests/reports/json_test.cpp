@@ -93,6 +93,13 @@ TEST(FitJson, ComesBackAsItWentOut) {
     data.fit.rig.rig.start.release_angle = 0.2;
     data.fit.rig.rig.stop = models::Stop{.mass = 0.05, .stiffness = 2e8, .viscous = 30.0};
     data.fit.predictions[0].energy.stop = 3.5e-3;
+    data.fit.rig.rig.further_stops = {
+        {.contact = data.fit.rig.rig.contact, .side = models::StopSide::far, .gap = 2e-4},
+        {.contact = data.fit.rig.rig.contact, .gap = 1e-6}};
+    data.fit.rig.rig.further_stops[1].contact.position = 0.4;
+    data.fit.predictions[0].episodes.back().stop = 2;
+    data.fit.predictions[0].stops = {{1700.0, 1e-4, 1e-5, 0.5, 0.01}, {}, {100.0, 2e-4, 1e-6, 0.1}};
+    data.fit.predictions[0].history.further = {{{1.0, 0.0}, {1e-6, -1e-6}}, {{0.0}, {-2e-6}}};
     data.fit.predictions[0].sensor = models::SensorForce{1700.0, 1e-4, 0.5};
     data.fit.predictions[0].history.sensor_force = data.fit.predictions[0].history.force;
     data.fit.rig.rig.hinge = {.spring = 12.5,

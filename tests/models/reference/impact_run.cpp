@@ -161,7 +161,7 @@ void ImpactRun::first_touch() {
 void ImpactRun::touch() {
   const Vector& y = stepper_.state();
   if (result_.episodes.empty()) first_touch();
-  log_.touch(stepper_.time() - time_of_touch_, struck(y).velocity, totals(y), contact_);
+  log_.touch(0, stepper_.time() - time_of_touch_, struck(y).velocity, totals(y), contact_);
 }
 
 void ImpactRun::integrate() {
@@ -210,7 +210,7 @@ void ImpactRun::integrate() {
         touch();
       } else {
         const Vector& y = stepper_.state();
-        log_.separate(stepper_.time() - time_of_touch_, struck(y).velocity, totals(y), contact_);
+        log_.separate(0, stepper_.time() - time_of_touch_, struck(y).velocity, totals(y), contact_);
       }
       stepper_.start(stepper_.time(), stepper_.state(), f_);
       h = std::min(first_step_, next);
@@ -228,7 +228,7 @@ void ImpactRun::integrate() {
           "and what that takes is missing; release it from further away",
           -rigid_part(y).angle));
     if (until_gone && !result_.episodes.empty() && contact_.phase() == Phase::free &&
-        left_for_good(rig_, elastic_reach_, rigid_part(y), energy(y))) {
+        left_for_good(rig_, {&elastic_reach_, 1}, rigid_part(y), energy(y))) {
       done_ = true;
       result_.termination = "the bar has left the stop for good";
     } else if (done_ && until_gone) {
@@ -244,8 +244,9 @@ void ImpactRun::integrate() {
 
 void ImpactRun::conclude() {
   const Vector& y = stepper_.state();
-  log_.conclude(stepper_.time() - time_of_touch_, totals(y), contact_, struck(y).displacement,
-                energy(y), rigid_part(y));
+  const double t = stepper_.time() - time_of_touch_;
+  log_.conclude(0, t, totals(y), contact_, struck(y).displacement);
+  log_.conclude(t, lost_to_damping(y), energy(y), rigid_part(y));
 }
 
 Simulation ImpactRun::simulate() {

@@ -38,9 +38,9 @@ class ImpactRun {
     return beam_->struck_acceleration(y.head(n_), y.segment(n_, n_), slope.segment(n_, n_));
   }
 
-  ContactTotals totals(const Vector& y) const {
-    return {y[2 * n_], y[2 * n_ + 1], y[2 * n_ + 2] - damped_before_};
-  }
+  ContactTotals totals(const Vector& y) const { return {y[2 * n_], y[2 * n_ + 1]}; }
+
+  double lost_to_damping(const Vector& y) const { return y[2 * n_ + 2] - damped_before_; }
 
   BeamEnergy energy(const Vector& y) const { return beam_->energy(y.head(n_), y.segment(n_, n_)); }
 

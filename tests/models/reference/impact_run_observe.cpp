@@ -24,7 +24,7 @@ double maximum_of_cubic(double f0, double s0, double f1, double s1) {
 
 void ImpactRun::observe_deepest(double theta) {
   stepper_.dense(theta, f_, scratch_);
-  log_.deepest(gap_event(scratch_), totals(scratch_), contact_);
+  log_.deepest(0, gap_event(scratch_), totals(scratch_), contact_);
 }
 
 /// Where the force peaks between two places of the attempted step, found on the dense output; the
@@ -36,7 +36,7 @@ double ImpactRun::peak_in_attempt(double from, double to, double& force) {
     return -contact_.force(p.displacement, p.velocity);
   };
   const double theta = boost::math::tools::brent_find_minima(negative_force, from, to, 40).first;
-  if (-negative_force(theta) <= log_.episode().peak_force) return theta;
+  if (-negative_force(theta) <= log_.episode(0).peak_force) return theta;
   probe_.start(stepper_.time(), stepper_.state(), f_);
   probe_.attempt(theta * stepper_.step(), weights_, f_);
   const PointMotion p = struck(probe_.attempted());
@@ -61,7 +61,7 @@ void ImpactRun::observe_extrema() {
     }
     observe_deepest(low);
   } else {
-    log_.deepest(p1.displacement, totals(y1), contact_);
+    log_.deepest(0, p1.displacement, totals(y1), contact_);
   }
   const double rate0 =
       contact_.force_rate(p0.displacement, p0.velocity, acceleration(y0, stepper_.slope()));
@@ -76,7 +76,7 @@ void ImpactRun::observe_extrema() {
     theta = peak_in_attempt(0.0, 1.0, force);
   else if (top > 0.0)
     theta = peak_in_attempt(std::max(0.0, top - 0.25), std::min(1.0, top + 0.25), force);
-  log_.peak(force, stepper_.time() + theta * stepper_.step() - time_of_touch_);
+  log_.peak(0, force, stepper_.time() + theta * stepper_.step() - time_of_touch_);
 }
 
 void ImpactRun::sample_history() {

@@ -2,20 +2,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/collocation/collocation_run.hpp"
+#include "models/collocation/contact_point.hpp"
 
 namespace impactrig::models {
 
 /// Between two places of the step on either side of a closing or opening of the gap, the first with
 /// this displacement.
-double CollocationRun::root_of_gap(double low, double at_low, double guess, double high) {
+double ContactPoint::root_of_gap(double low, double at_low, double guess, double high) {
   const double h = bar_.step();
   double middle = guess > low && guess < high ? guess : 0.5 * (low + high);
   const double sign =
       at_low != 0.0 ? (at_low < 0.0 ? 1.0 : -1.0) : (contact_.phase() == Phase::free ? 1.0 : -1.0);
   for (int i = 0; i < 60; ++i) {
     double acceleration = 0.0;
-    const PointMotion p = bar_.struck_at(middle, &acceleration);
+    const PointMotion p = struck_at(middle, &acceleration);
     (sign * p.displacement > 0.0 ? high : low) = middle;
     // Halley's method
     const double newton = p.displacement / (p.velocity * h);
@@ -28,8 +28,8 @@ double CollocationRun::root_of_gap(double low, double at_low, double guess, doub
 }
 
 /// Where the gap closes or opens between two looks at the struck point; 2 where it does not.
-double CollocationRun::gap_between(double before, const PointMotion& p0, double here,
-                                   const PointMotion& p1) {
+double ContactPoint::gap_between(double before, const PointMotion& p0, double here,
+                                 const PointMotion& p1) {
   // the event is sign * displacement rising through zero
   const double sign = contact_.phase() == Phase::free ? 1.0 : -1.0;
   // a phase begins at zero, whatever rounding leaves of it
@@ -48,42 +48,42 @@ double CollocationRun::gap_between(double before, const PointMotion& p0, double 
   double place = before + turn * (here - before);
   double acceleration = 0.0;
   for (int k = 0; k < 3; ++k) {
-    const PointMotion p = bar_.struck_at(place, &acceleration);
+    const PointMotion p = struck_at(place, &acceleration);
     if (acceleration == 0.0) break;
     place = std::clamp(place - p.velocity / (acceleration * h), before, here);
   }
-  const double there = bar_.struck_at(place).displacement;
+  const double there = struck_at(place).displacement;
   return sign * there > 0.0 ? root(place, there) : 2.0;
 }
 
 /// Likewise where the law begins or ceases to pull.
-double CollocationRun::pull_between(double before, double here, const PointMotion& p1) {
+double ContactPoint::pull_between(double before, double here, const PointMotion& p1) {
   if (contact_.phase() == Phase::free || !(contact_.mu() > 0.0)) return 2.0;
   const double turns = contact_.phase() == Phase::pressed ? -1.0 : 1.0;
   if (!(turns * contact_.pull(p1.velocity) > 0.0)) return 2.0;
   double low = before, high = here;
   for (int k = 0; k < 60 && high - low > 1e-14; ++k) {
     const double middle = 0.5 * (low + high);
-    (turns * contact_.pull(bar_.struck_at(middle).velocity) > 0.0 ? high : low) = middle;
+    (turns * contact_.pull(struck_at(middle).velocity) > 0.0 ? high : low) = middle;
   }
   return high;
 }
 
-/// The first end of the phase within the step, looked for between the nodes and both ends.
-void CollocationRun::find_event() {
-  if (!std::isfinite(tried_.error)) return;
+/// Looked for between the nodes and both ends.
+void ContactPoint::find_event() {
+  forget_event();
   const int s = rule_.nodes();
   double before = 0.0;
-  PointMotion p0 = bar_.struck();
+  PointMotion p0 = struck();
   for (int i = 0; i <= s; ++i) {
     const double here = i < s ? rule_.points()[i] : 1.0;
     const PointMotion p1 =
-        i < s ? PointMotion{tried_.displacement[i], tried_.velocity[i]} : tried_.at_end;
+        i < s ? PointMotion{step_.displacement[i], step_.velocity[i]} : step_.at_end;
     const double gap = gap_between(before, p0, here, p1);
     const double pull = pull_between(before, here, p1);
     if (gap <= 1.0 || pull <= 1.0) {
-      tried_.event = gap <= pull ? Event::gap : Event::pull;
-      tried_.part = std::min(gap, pull);
+      event_ = gap <= pull ? Event::gap : Event::pull;
+      event_part_ = std::min(gap, pull);
       return;
     }
     before = here;
@@ -91,39 +91,9 @@ void CollocationRun::find_event() {
   }
 }
 
-/// The step ends where friction in the hinge changes before any other event. False where it should
-/// not have begun as it did: then friction has changed, and the step is to be tried again.
-bool CollocationRun::begun_rightly() {
-  if (!(tried_.error <= 1.0)) return true;
-  const double part = bar_.hinge_change();
-  if (part == 0.0) {
-    bar_.change_hinge();
-    return false;
-  }
-  if (part > 1.0 || (tried_.event != Event::none && tried_.part <= part)) return true;
-  tried_.event = Event::hinge;
-  tried_.part = part;
-  return true;
-}
-
-/// Solves the step again so that it ends on its event: the polynomials within a step are of lower
-/// order than its end. False when the shorter step cannot be solved.
-bool CollocationRun::land_on_event() {
-  const Event event = tried_.event;
-  double part = tried_.part;
-  for (int correction = 0; correction < 3; ++correction) {
-    if (!(part > 0.0)) return false;
-    bar_.begin_part(part);
-    solve_attempt();
-    if (!(tried_.error <= 1.0)) return false;
-    tried_.event = event;
-    if (event != Event::gap) return true;
-    const PointMotion& p = tried_.at_end;
-    const double late = p.velocity != 0.0 ? p.displacement / (p.velocity * bar_.step()) : 0.0;
-    if (std::abs(late) < 1e-9 || std::abs(late) > 0.1) return true;
-    part = 1.0 - late;
-  }
-  return true;
+double ContactPoint::lateness() const {
+  const PointMotion& p = step_.at_end;
+  return p.velocity != 0.0 ? p.displacement / (p.velocity * bar_.step()) : 0.0;
 }
 
 }  // namespace impactrig::models

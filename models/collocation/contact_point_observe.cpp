@@ -2,45 +2,46 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/collocation/collocation_run.hpp"
+#include "models/collocation/contact_point.hpp"
 
 namespace impactrig::models {
 
-double CollocationRun::integral(const NodeVector& at_nodes, double part) const {
+double ContactPoint::integral(const NodeVector& at_nodes, double part) const {
   const double h = bar_.step();
   if (part >= 1.0) return h * rule_.weights().dot(at_nodes);
   const NodeVector series = rule_.to_series() * at_nodes;
   return part * h * rule_.restricted(series, part)[0];
 }
 
-void CollocationRun::observe_deepest(double part, double depth) {
-  if (depth <= log_.episode().max_penetration) return;
-  log_.deepest(depth,
-               {totals_.impulse + integral(tried_.force, part),
-                totals_.dissipated + integral(tried_.dissipation, part)},
+void ContactPoint::observe_deepest(double part, double depth) {
+  if (depth <= log_.episode(number_).max_penetration) return;
+  log_.deepest(number_, depth,
+               {totals_.impulse + integral(step_.force, part),
+                totals_.dissipated + integral(step_.dissipation, part)},
                contact_);
-  if (followed_ && result_.episodes.size() == 1)
-    followed_->deepest(part, log_.dissipated_at_deepest());
+  if (followed_ && log_.in_first_episode(number_))
+    followed_->deepest(part, log_.dissipated_at_deepest(number_));
 }
 
 /// A force reached within the step; kept when it is the largest of its contact.
-void CollocationRun::note_peak(double force, double part) {
-  if (force <= log_.episode().peak_force) return;
-  log_.peak(force, t_ - time_of_touch_ + part * bar_.step());
+void ContactPoint::note_peak(double force, double part) {
+  if (force <= log_.episode(number_).peak_force) return;
+  log_.peak(number_, force, begun_ + part * bar_.step());
   peak_part_ = part;
 }
 
 /// The deepest place between two where the motion turns.
-void CollocationRun::observe_turn(double before, const PointMotion& p0, double here,
-                                  const PointMotion& p1) {
+void ContactPoint::observe_turn(double before, const PointMotion& p0, double here,
+                                const PointMotion& p1) {
   const double h = bar_.step();
   // it slows down on the way, but for what the highest modes do
-  if (p0.displacement + 2.0 * p0.velocity * (here - before) * h < log_.episode().max_penetration)
+  if (p0.displacement + 2.0 * p0.velocity * (here - before) * h <
+      log_.episode(number_).max_penetration)
     return;
   double turn = before + (here - before) * p0.velocity / (p0.velocity - p1.velocity);
   double depth = 0.0, acceleration = 0.0;
   for (int k = 0; k < 2; ++k) {
-    const PointMotion p = bar_.struck_at(turn, &acceleration);
+    const PointMotion p = struck_at(turn, &acceleration);
     const double next = std::clamp(turn - p.velocity / (acceleration * h), before, here);
     depth = p.displacement + 0.5 * p.velocity * (next - turn) * h;
     turn = next;
@@ -49,10 +50,10 @@ void CollocationRun::observe_turn(double before, const PointMotion& p0, double h
 }
 
 /// The force's maximum between two places of the step, where its exact rate changes sign.
-void CollocationRun::observe_peak(double low, double high) {
+void ContactPoint::observe_peak(double low, double high) {
   const auto rate_at = [&](double place, double& force) {
     double acceleration = 0.0;
-    const PointMotion p = bar_.struck_at(place, &acceleration);
+    const PointMotion p = struck_at(place, &acceleration);
     const ContactForce::Response law = contact_.pressed(p.displacement, p.velocity);
     force = law.force;
     return law.to_depth * p.velocity + law.to_rate * acceleration;
@@ -87,38 +88,38 @@ void CollocationRun::observe_peak(double low, double high) {
 
 /// Peak force and deepest penetration of the part of the step that is taken, between its beginning,
 /// the nodes and its end.
-void CollocationRun::observe_attempt() {
+void ContactPoint::observe(double begun, double part) {
+  begun_ = begun;
   if (contact_.phase() == Phase::free) return;
   const int s = rule_.nodes();
-  const double part = tried_.part;
   const bool pressed = contact_.phase() == Phase::pressed;
-  rates_.noalias() = rule_.rates() * tried_.force_series;
+  rates_.noalias() = rule_.rates() * step_.force_series;
   peak_part_ = -1.0;
 
   struct {
     double force, place;
     PointMotion motion;
-  } highest = {0.9 * log_.episode().peak_force, 0.0, {}};
+  } highest = {0.9 * log_.episode(number_).peak_force, 0.0, {}};
 
-  PointMotion p0 = bar_.struck();
+  PointMotion p0 = struck();
   double before = 0.0;
   for (int i = 0; i <= s && before < part; ++i) {
     const bool inside = i < s && rule_.points()[i] < part;
     const double here = inside ? rule_.points()[i] : part;
-    PointMotion p1 = tried_.at_end;
+    PointMotion p1 = step_.at_end;
     if (inside)
-      p1 = {tried_.displacement[i], tried_.velocity[i]};
+      p1 = {step_.displacement[i], step_.velocity[i]};
     else if (part < 1.0)
-      p1 = bar_.struck_at(part);
+      p1 = struck_at(part);
     // the series' rate may miss the sign where it is small: a maximum shared with the next interval
     // is seen by both
     if (pressed && rates_[i] >= 0.0 && rates_[i + 1] <= 0.0) {
       const double larger = std::max(contact_.force(p0.displacement, p0.velocity),
                                      contact_.force(p1.displacement, p1.velocity));
-      if (larger > 0.95 * log_.episode().peak_force) observe_peak(before, here);
+      if (larger > 0.95 * log_.episode(number_).peak_force) observe_peak(before, here);
     }
     if (pressed) {
-      const double force = inside ? tried_.force[i] : legendre_sum(tried_.force_series, here);
+      const double force = inside ? step_.force[i] : legendre_sum(step_.force_series, here);
       if (force > highest.force) highest = {force, here, p1};
     }
     if (p0.velocity > 0.0 && p1.velocity <= 0.0) observe_turn(before, p0, here, p1);
@@ -128,30 +129,32 @@ void CollocationRun::observe_attempt() {
   if (highest.place > 0.0)
     note_peak(contact_.force(highest.motion.displacement, highest.motion.velocity), highest.place);
   if (p0.velocity > 0.0) observe_deepest(part, p0.displacement);
-  if (followed_ && peak_part_ >= 0.0 && result_.episodes.size() == 1) followed_->peak(peak_part_);
+  if (followed_ && peak_part_ >= 0.0 && log_.in_first_episode(number_)) followed_->peak(peak_part_);
 }
 
-/// The samples that fall into a time from here on, looked at by `look(first, spacing)` [s].
-void CollocationRun::sample_history(double time, const std::function<void(double, double)>& look) {
-  History& history = result_.history;
-  if (!(history.interval > 0.0)) return;
-  const double begun = t_ - time_of_touch_;
-  const double next =
-      history.start + history.interval * static_cast<double>(history.force.size()) - begun;
-  // a sample on the very end belongs to the step, whichever way it is rounded
-  const double reach = time + 1e-9 * history.interval;
-  if (next > reach) return;
-  samples_.resize(static_cast<std::size_t>((reach - next) / history.interval) + 1);
-  look(std::max(0.0, next), history.interval);
-  for (const BarMotion::Sample& sample : samples_) {
-    const auto& [displacement, velocity] = sample.struck;
-    // at a phase's end rounding may put the sample just beyond it, where the law would pull
-    history.force.push_back(std::max(contact_.force(displacement, velocity), 0.0));
-    history.penetration.push_back(displacement);
-    history.velocity.push_back(sample.velocity);
-    history.displacement.push_back(sample.displacement - laser_rest_);
-    if (rig_.stop) history.sensor_force.push_back(sample.sensor_force);
+/// Where the step is cut, the law at the exact motion knows more than the force's series.
+void ContactPoint::add_to_totals(double part) {
+  if (part >= 1.0 || contact_.phase() == Phase::free) {
+    totals_.impulse += integral(step_.force, part);
+    totals_.dissipated += integral(step_.dissipation, part);
+    return;
   }
+  for (int i = 0; i < rule_.nodes(); ++i) {
+    const PointMotion p = struck_at(part * rule_.points()[i]);
+    const double weight = part * bar_.step() * rule_.weights()[i];
+    totals_.impulse += weight * contact_.force(p.displacement, p.velocity);
+    totals_.dissipated += weight * contact_.dissipation(p.displacement, p.velocity);
+  }
+  evaluations_ += rule_.nodes();
+}
+
+void ContactPoint::keep_series(double part, bool ended) {
+  if (!ended && contact_.phase() == Phase::pressed)
+    last_series_ = step_.force_series;
+  else
+    drop_series();
+  last_h_ = bar_.step();
+  last_part_ = part;
 }
 
 }  // namespace impactrig::models

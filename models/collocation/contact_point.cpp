@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/collocation/contact_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace impactrig::models {
+namespace {
+
+// How well the way of free flight is resolved where a touch is looked for, of the penetration.
+constexpr double motion_resolution = 1e-3;
+// The same far from the stop, of the gap.
+constexpr double gap_share = 0.1;
+
+}  // namespace
+
+ContactPoint::ContactPoint(const Rig& rig, int number, BarMotion& bar, StopStep& step,
+                           ContactLog& log)
+    : number_(number),
+      position_(rig.contact_of(number).position),
+      gap_(number == 0 ? 0.0 : rig.further_stops[static_cast<std::size_t>(number - 1)].gap),
+      bar_(bar),
+      rule_(bar.rule()),
+      step_(step),
+      log_(log),
+      contact_(rig.contact_of(number)) {}
+
+void ContactPoint::set_scales(double energy, double approach, double accuracy) {
+  depth_ = penetration_storing(contact_, energy);
+  force_scale_ = contact_.elastic(depth_);
+  first_step_ = std::min(0.1, 3.0 * std::sqrt(accuracy)) * depth_ / approach;
+}
+
+void ContactPoint::predict_force() {
+  const int s = rule_.nodes();
+  step_.force.setZero(s);
+  if (last_series_.size() == 0 || contact_.phase() != Phase::pressed) return;
+  const int terms = std::min(std::max(4, s - 2), 6);
+  NodeVector legendre(terms);
+  for (int i = 0; i < s; ++i) {
+    shifted_legendre(last_part_ + rule_.points()[i] * bar_.step() / last_h_, legendre);
+    step_.force[i] = last_series_.head(terms).dot(legendre);
+  }
+}
+
+void ContactPoint::complete() {
+  const int s = rule_.nodes();
+  step_.at_end = seen(bar_.struck_at_end(number_));
+  step_.dissipation.setZero(s);
+  if (contact_.phase() != Phase::free)
+    for (int i = 0; i < s; ++i)
+      step_.dissipation[i] = contact_.dissipation(step_.displacement[i], step_.velocity[i]);
+  step_.dissipation_series = rule_.to_series() * step_.dissipation;
+  step_.displacement_series = rule_.to_series() * step_.displacement;
+}
+
+double ContactPoint::force_error(double impulse, double energy) const {
+  if (contact_.phase() == Phase::free) return 0.0;
+  const double left = truncation(step_.force_series) * bar_.step();
+  const double loss = truncation(step_.dissipation_series) * bar_.step();
+  return std::max(left / impulse, loss / energy);
+}
+
+double ContactPoint::motion_error() const {
+  if (contact_.phase() == Phase::pressed) return 0.0;
+  const int s = rule_.nodes();
+  const double gap =
+      std::min(std::abs(struck().displacement), step_.displacement.cwiseAbs().minCoeff());
+  return step_.displacement_series.segment<2>(s - 2).norm() /
+         (motion_resolution * depth_ + gap_share * gap);
+}
+
+}  // namespace impactrig::models
