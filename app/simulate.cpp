@@ -81,7 +81,7 @@ std::string effect(const models::Explanation& explanation) {
 
 void print_explanations(const std::string& chosen,
                         const std::vector<models::Explanation>& explanations) {
-  fmt::print("\nSimplifications taken, each compared with the run without it:\n");
+  fmt::print("\nSimplifications taken:\n");
   if (!chosen.empty()) fmt::print("  - {}\n", chosen);
   if (chosen.empty() && explanations.empty()) fmt::print("  none\n");
   for (const models::Explanation& explanation : explanations)

@@ -107,6 +107,7 @@ TEST_F(CommandLine, ExplainsASwingItDidNotIntegrate) {
       run("simulate " + path("released.toml") + " --explain --set solver.model=rigid");
   EXPECT_EQ(o.code, 0) << o.err;
   EXPECT_THAT(o.out, HasSubstr("the swing from 0.1047 rad to first touch"));
+  EXPECT_THAT(o.out, HasSubstr("changes the first contact's peak force by"));
   const Outcome exact =
       run("simulate " + path("released.toml") + " --explain --exact --set solver.model=rigid");
   EXPECT_THAT(exact.out, HasSubstr("Simplifications taken:\n  none"));
