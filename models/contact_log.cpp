@@ -154,9 +154,10 @@ void close_audit(const Rig& rig, double begun, const BeamEnergy& energy, const R
   audit.gravitational += energy.gravitational;
   audit.rigid_rotation = 0.5 * rig.beam.hinge_inertia() * rigid.rate * rigid.rate;
   audit.vibration = audit.kinetic + audit.elastic - audit.rigid_rotation;
-  audit.imbalance = (energy.kinetic + energy.elastic + energy.spring + energy.gravitational +
-                     energy.stop + audit.contact_stored + audit.dissipated + audit.damped - audit.driven - begun) /
-                    audit.initial;
+  audit.imbalance =
+      (energy.kinetic + energy.elastic + energy.spring + energy.gravitational + energy.stop +
+       audit.contact_stored + audit.dissipated + audit.damped - audit.driven - begun) /
+      audit.initial;
 }
 
 void warn_of_imbalance(double accuracy, Simulation& result) {

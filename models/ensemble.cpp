@@ -110,6 +110,10 @@ class Ensemble::Worker : public LaneQueue {
   }
 
   void finished(const Job& job) override {
+    if (job.run->run().smallness() < 1.0) {
+      solve_alone(job.member, ensemble_.options_.motion);
+      return;
+    }
     Simulation result = job.run->conclude();
     if (!asked() && !(result.neglected <= ensemble_.solver_.accuracy)) {
       solve_alone(job.member, Motion::full);

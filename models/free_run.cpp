@@ -46,7 +46,7 @@ void FreeRun::start() {
   const double full = rotation ? rotation->rate : rate;
   energy_scale_ = std::max(0.5 * inertia * full * full, RigidSwing(rig_).available(angle));
   const double fastest = std::sqrt(2.0 * energy_scale_ / inertia);  // [rad/s]
-  bar_.set_scales(energy_scale_, seen_turn / fastest);
+  bar_.set_scales({.energy = energy_scale_, .contact_time = seen_turn / fastest});
   first_ = seen_turn / fastest;
   const BeamEnergy energy = bar_.energy();
   energy_at_start_ = energy.kinetic + energy.elastic + energy.spring + energy.gravitational;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace impactrig::models {
 namespace {
@@ -24,6 +25,31 @@ double root(const NodeVector& series, double positive, double negative) {
     (legendre_sum(series, middle) > 0.0 ? positive : negative) = middle;
   }
   return negative;
+}
+
+struct Crossing {
+  double above, below;  ///< places of a step
+};
+
+/// Where a smooth function falls below zero first, looked at at many places of a step and at the
+/// lowest between three of them: a bar that vibrates comes to rest for an instant.
+template <typename Function>
+std::optional<Crossing> first_below_zero(const Function& function) {
+  constexpr int places = 48;
+  const auto place = [](double i) { return i / places; };
+  double before = function(0.0), here = function(place(1.0));
+  if (here < 0.0) return Crossing{0.0, place(1.0)};
+  for (int i = 1; i < places; ++i) {
+    const double next = function(place(i + 1));
+    if (here < before && here <= next) {
+      const double lowest = place(i + 0.5 * (before - next) / (before - 2.0 * here + next));
+      if (function(lowest) < 0.0) return Crossing{place(i - 1), lowest};
+    }
+    if (next < 0.0) return Crossing{place(i), place(i + 1)};
+    before = here;
+    here = next;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -53,19 +79,22 @@ HingeFriction::Change HingeFriction::change(const Collocation& rule,
   const double first = legendre_sum(series, 0.0);
   const bool doubted = sticks() && fleeting_ && std::abs(first) < doubtful * torque_;
   if (sticks() && !doubted && left(first) < 0.0) return {0.0, after(first)};
-  double before = 0.0;
-  for (int i = 0; i < rule.nodes(); ++i) {
-    const double here = rule.points()[i];
-    const double value = at_nodes[i];
-    if (left(value) < 0.0) {
-      NodeVector margin = -std::copysign(1.0, value) * series;
-      if (sticks()) margin[0] += (1.0 + excess) * torque_;
-      const double soonest = doubted ? rule.points()[0] : shortest_part;
-      return {std::max(root(margin, before, here), soonest), after(value)};
-    }
-    before = here;
-  }
-  return {};
+  const std::optional<Crossing> crossing =
+      first_below_zero([&](double place) { return left(legendre_sum(series, place)); });
+  if (!crossing) return {};
+  const double value = legendre_sum(series, crossing->below);
+  NodeVector margin = -std::copysign(1.0, value) * series;
+  if (sticks()) margin[0] += (1.0 + excess) * torque_;
+  const double soonest = doubted ? rule.points()[0] : shortest_part;
+  return {std::max(root(margin, crossing->above, crossing->below), soonest), after(value)};
+}
+
+double HingeFriction::lateness(const Collocation& rule, const NodeVector& at_nodes) const {
+  const NodeVector series = rule.to_series() * at_nodes;
+  const double value = legendre_sum(series, 1.0);
+  const double rate = rule.rates().row(rule.nodes() + 1).dot(series);
+  if (rate == 0.0) return 0.0;
+  return (sticks() ? value - std::copysign((1.0 + excess) * torque_, value) : value) / rate;
 }
 
 }  // namespace impactrig::models

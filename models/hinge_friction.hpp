@@ -39,6 +39,10 @@ class HingeFriction {
   /// [rad/s], the moments that hold it where it sticks [N m].
   Change change(const Collocation& rule, const NodeVector& at_nodes) const;
 
+  /// How far behind a step's end the state would end, as a part of the step, by the same of a step
+  /// that ends near there.
+  double lateness(const Collocation& rule, const NodeVector& at_nodes) const;
+
  private:
   double torque_;  // T [N m]
   State state_ = State::sticks;

@@ -193,7 +193,7 @@ void validate_free(const Rig& rig, const Solver& solver) {
 }
 
 void validate_solver(const Solver& solver, const Rig& rig) {
-  if (!(solver.accuracy >= 1e-13 && solver.accuracy <= 0.1))
+  if (!(solver.accuracy >= Solver::finest_accuracy && solver.accuracy <= Solver::coarsest_accuracy))
     refuse("solver.accuracy",
            fmt::format("must lie between 1e-13 and 0.1, found {:g}", solver.accuracy));
   if (solver.duration) require_positive("solver.duration", *solver.duration, "s");

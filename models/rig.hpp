@@ -203,9 +203,10 @@ struct Solver {
   int modes = 7;                    ///< hybrid: bending modes
   int axial_modes = 0;              ///< hybrid
   Basis basis = Basis::cantilever;  ///< hybrid
-  double accuracy = 1e-6;           ///< relative, of the time integration
-  std::optional<double> duration;   ///< from first touch [s]; none: until the bar has left for good
-  double time_limit = 60.0;         ///< processor time a run may take [s]
+  static constexpr double finest_accuracy = 1e-13, coarsest_accuracy = 0.1;
+  double accuracy = 1e-6;          ///< relative, of the time integration
+  std::optional<double> duration;  ///< from first touch [s]; none: until the bar has left for good
+  double time_limit = 60.0;        ///< processor time a run may take [s]
 };
 
 /// Whether the spring of the hinge bends the bar noticeably: then a release from rest is no swing

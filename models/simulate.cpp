@@ -9,6 +9,7 @@
 #include "models/implicit/chain_motion.hpp"
 #include "models/implicit/dense_motion.hpp"
 #include "models/modal/small_motion_run.hpp"
+#include "models/settled_solution.hpp"
 #include "models/stop/stopped_motion.hpp"
 
 namespace impactrig::models {
@@ -18,32 +19,58 @@ namespace {
 // that turns back just before it stands on its head: 18 times). A rigid bar costs next to nothing.
 constexpr double share_of_full = 0.3, share_of_rigid = 0.03;
 
+struct Solved {
+  Simulation result;
+  double smallness = 1.0;  ///< CollocationRun's
+};
+
+/// A first contact much smaller than it was taken for is solved again, so that its errors are
+/// compared with its own size.
+template <typename Solve>
+Simulation solve_to_size(Solver solver, const Solve& solve) {
+  Solved solved = solve(solver);
+  if (solved.smallness < 1.0) {
+    solver.accuracy = std::max(solved.smallness * solver.accuracy, Solver::finest_accuracy);
+    solved = solve(solver);
+  }
+  return std::move(solved.result);
+}
+
 /// The bar against its stop, if there is one.
-Simulation run(const Rig& rig, const Solver& solver, const SimulationOptions& options,
-               BarMotion& bar) {
+Solved run(const Rig& rig, const Solver& solver, const SimulationOptions& options, BarMotion& bar) {
   if (!rig.has_stop()) {
     FreeRun free(rig, solver, options, bar);
     free.start();
-    return free.simulate();
+    return {free.simulate()};
   }
   std::optional<StoppedMotion> stopped;
   if (rig.stop) stopped.emplace(bar, *rig.stop);
   BarMotion& seen = stopped ? static_cast<BarMotion&>(*stopped) : bar;
   CollocationRun run(rig, solver, options, seen);
   run.complete();
-  Simulation result = run.conclude();
-  if (stopped) result.sensor = stopped->sensor(result.impulse);
-  return result;
+  Solved solved{.result = {}, .smallness = run.smallness()};
+  solved.result = run.conclude();
+  if (stopped) solved.result.sensor = stopped->sensor(solved.result.impulse);
+  return solved;
 }
 
 Simulation simulate_small_motion(const Rig& rig, const Solver& solver,
                                  const SimulationOptions& options) {
   BarCache own;
   BarCache& cache = options.bars ? *options.bars : own;
-  if (!rig.has_stop()) return swing_freely(rig, solver, options, *cache.bar(rig, solver));
-  SmallMotionRun run(rig, solver, options, cache.bar(rig, solver));
-  run.run().complete();
-  return run.conclude();
+  const std::shared_ptr<const ModalBar> bar = cache.bar(rig, solver);
+  if (options.motion != Motion::small && bar->modes().rounding() > solver.accuracy)
+    throw std::runtime_error("the modes of elements so different in length are inexact");
+  if (!rig.has_stop()) return swing_freely(rig, solver, options, *bar);
+  Simulation result = solve_to_size(solver, [&](const Solver& used) {
+    SmallMotionRun run(rig, used, options, bar);
+    run.run().complete();
+    Solved solved{.result = {}, .smallness = run.run().smallness()};
+    solved.result = run.conclude();
+    return solved;
+  });
+  result.solver = solver;
+  return result;
 }
 
 /// Small motion, where it may be tried and its own estimate of what it leaves out allows it.
@@ -76,8 +103,9 @@ Simulation simulate_full_equations(const Rig& rig, const Solver& solver,
                                    const SimulationOptions& options) {
   Solver used = solver;
   used.accuracy *= solver.model == BeamModel::rigid ? share_of_rigid : share_of_full;
-  const std::unique_ptr<BarMotion> motion = make_motion(rig, used, options.history);
-  Simulation result = run(rig, used, options, *motion);
+  Simulation result = solve_to_size(used, [&](const Solver& finer) {
+    return run(rig, finer, options, *make_motion(rig, finer, options.history));
+  });
   result.solver = solver;
   return result;
 }
@@ -98,7 +126,11 @@ bool allows_small_motion(const Rig& rig, const SimulationOptions& options) {
 Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOptions& options) {
   validate(rig, solver);
   std::optional<Simulation> result = try_small_motion(rig, solver, options);
-  if (!result) result = simulate_full_equations(rig, solver, options);
+  if (!result)
+    result = solve_until_settled(rig, solver, options,
+                                 [&](const Solver& used, const SimulationOptions& asked) {
+                                   return simulate_full_equations(rig, used, asked);
+                                 });
   tell_swing(rig, options, *result);
   return *std::move(result);
 }

@@ -32,8 +32,8 @@ namespace impactrig::models {
 /// Kelvin-Voigt damping acts on the modal rates ȧ and ḃ, which a rotation of the frame leaves
 /// alone.
 ///
-/// Valid while v' is small: the foreshortening is exact to second order in v'; it is what stiffens a
-/// spinning bar. The energy ½ ∫ EI v''² of the bending lacks ½ ∫ EI v'² v''² of the next order.
+/// Valid while v' is small: the foreshortening is exact to second order in v'; it is what stiffens
+/// a spinning bar. The energy ½ ∫ EI v''² of the bending lacks ½ ∫ EI v'² v''² of the next order.
 class FloatingFrameBeam : public BeamDynamics {
  public:
   FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int axial_modes);

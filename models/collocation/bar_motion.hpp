@@ -48,12 +48,20 @@ class BarMotion {
   virtual const Collocation& rule() const = 0;
   virtual const StepLadder& ladder() const = 0;
 
+  /// Of a step that does not miss how the contact acts on what moves fastest [s].
+  virtual double longest_step() const { return ladder().longest; }
+
   /// The straight bar at an angle [rad, negative before touch] turning at a rate [rad/s].
   virtual void start(double angle, double rate) = 0;
 
-  /// Errors are measured against this energy [J], of what the contact has to stop first; vibration
-  /// much faster than it does so [s] moves the force little.
-  virtual void set_scales(double kinetic, double contact_time) = 0;
+  struct Scales {
+    double energy = 0.5;        ///< of what the contact has to stop first [J]
+    double contact_time = 1.0;  ///< in which it does so [s]; faster vibration moves it little,
+    double damping = 0.0;       ///< but where its law is damped, by μ [s/m]
+  };
+
+  /// What errors are measured against.
+  virtual void set_scales(const Scales& scales) = 0;
 
   virtual PointMotion struck(int stop) const = 0;
   virtual BeamEnergy energy() const = 0;
@@ -96,6 +104,9 @@ class BarMotion {
   /// Where in the solved step friction in the hinge changes first, as a part of it: above 1 where
   /// it does not, 0 where the step should not have begun as it did.
   virtual double hinge_change() { return 2.0; }
+
+  /// How far behind its end the step tried passed that change, as a part of it.
+  virtual double hinge_lateness() const { return 0.0; }
 
   /// Friction changes as hinge_change() found: at the end of the step taken since, or where the
   /// step has to be tried again.

@@ -24,6 +24,10 @@ namespace {
 constexpr double step_share = 0.1, step_share_of_modes = 1.0;
 // Of the step that would just be good enough, the next one.
 constexpr double step_safety = 0.8;
+// A first contact smaller than this part of its scales is to be solved again.
+constexpr double smallest_part = 0.01;
+// The energy of the first contact, as a multiple of what the bar first has to be stopped of.
+constexpr double most_of_local = 30.0;
 constexpr int most_iterations = 12;
 // Events this close are one, as a part of the step.
 constexpr double coincidence = 1e-9;
@@ -244,7 +248,7 @@ double CollocationRun::derivative_error() const {
   double worst = 0.0;
   for (int i = 0; i < followed_->count(); ++i)
     worst = std::max(worst, truncation(followed_->force_series(i)) * followed_->size(i));
-  return worst * bar_.step() / impulse_scale_ / std::max(solver_.accuracy, 1e-13);
+  return worst * bar_.step() / impulse_scale_ / std::max(solver_.accuracy, Solver::finest_accuracy);
 }
 
 void CollocationRun::propose() {
@@ -274,7 +278,7 @@ void CollocationRun::weigh(bool solved) {
   }
   const bool modes = bar_.parts_exact() && solver_.model != BeamModel::rigid;  // that costs nothing
   const double share = modes ? step_share_of_modes : step_share;
-  const double tolerance = std::max(solver_.accuracy, 1e-13) * share;
+  const double tolerance = std::max(solver_.accuracy, Solver::finest_accuracy) * share;
   tried_.error = bar_.error() / (solver_.accuracy * step_share);
   for (const ContactPoint& point : points_) {
     tried_.error = std::max({point.force_error(impulse_scale_, energy_scale_) / tolerance,
@@ -337,8 +341,10 @@ bool CollocationRun::land_on_event() {
     bar_.begin_part(part);
     solve_attempt();
     if (!(tried_.error <= 1.0)) return false;
-    if (tried_.end == End::run || gap == points_.end()) return true;
-    const double late = gap->lateness();
+    if (tried_.end == End::run) return true;
+    const bool hinge = tried_.end == End::hinge;
+    if (!hinge && gap == points_.end()) return true;
+    const double late = hinge ? bar_.hinge_lateness() : gap->lateness();
     if (std::abs(late) < coincidence || std::abs(late) > 0.1) return true;
     part = 1.0 - late;
   }
@@ -418,15 +424,23 @@ double CollocationRun::speed_before(const ContactPoint& point) const {
 }
 
 void CollocationRun::set_scales() {
-  double time = std::numeric_limits<double>::infinity(), energy = time;
+  constexpr double endless = std::numeric_limits<double>::infinity();
+  BarMotion::Scales scales{.energy = endless, .contact_time = endless};
   for (ContactPoint& point : points_) {
     const double speed = speed_before(point);
     point.set_scales(energy_scale_, speed, solver_.accuracy);
     const Loading load = loading(rig_, solver_, point, speed, energy_scale_);
-    time = std::min(time, load.time);
-    energy = std::min(energy, load.energy);
+    point.set_local_energy(load.energy);
+    scales.contact_time = std::min(scales.contact_time, load.time);
+    scales.energy = std::min(scales.energy, load.energy);
+    scales.damping = std::max(scales.damping, point.contact().damping_factor() / speed);
   }
-  bar_.set_scales(energy, time);
+  bar_.set_scales(scales);
+  // a bar that turns past its stop, or of which hardly more than the struck point is stopped
+  const ContactPoint& first = points_.front();
+  impulse_scale_ =
+      2.0 / approach_ *
+      std::min({energy_scale_, most_of_local * scales.energy, first.force_scale() * first.depth()});
 }
 
 void CollocationRun::first_touch() {
@@ -439,7 +453,6 @@ void CollocationRun::first_touch() {
   energy_scale_ = energy.kinetic;
   set_scales();
   log_.begin(energy);
-  impulse_scale_ = 2.0 * energy_scale_ / approach_;
   longest_ = std::min(100.0 * points_.front().depth() / approach_, bar_.ladder().longest);
   t_end_ = time_of_touch_ + solver_.duration.value_or(longest_default_run);
   if (!(options_.history.interval > 0.0)) return;
@@ -489,7 +502,7 @@ int CollocationRun::next_level() const {
   const double order = rule_.nodes() + 1.0;
   const double growth =
       std::clamp(step_safety * std::pow(std::max(tried_.error, 1e-12), -1.0 / order), 0.2, 6.0);
-  return bar_.ladder().level_below(std::min(growth * bar_.step(), longest_));
+  return bar_.ladder().level_below(std::min({growth * bar_.step(), longest_, bar_.longest_step()}));
 }
 
 /// What the event at a stop changes; true where it calls for the first step of a phase.
@@ -683,6 +696,14 @@ void CollocationRun::complete() {
     propose();
     judge(solve());
   }
+}
+
+double CollocationRun::smallness() const {
+  if (result_.episodes.empty() || result_.episodes.front().open) return 1.0;
+  const Episode& first = result_.episodes.front();
+  const double part =
+      std::min(first.impulse / impulse_scale_, first.peak_force / points_.front().force_scale());
+  return std::min(1.0, part / smallest_part);
 }
 
 Simulation CollocationRun::conclude() {

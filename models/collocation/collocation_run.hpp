@@ -57,6 +57,11 @@ class CollocationRun {
   /// Takes the step, up to its event, or rejects it.
   void judge(bool solved);
 
+  /// By how much the first contact fell short of what its errors were compared with: of the
+  /// accuracy asked for, the part to solve it to again; 1 where the scales were right, as they are
+  /// but for a bar that hardly touches.
+  double smallness() const;
+
   Simulation conclude();
 
   const ContactForce& contact() const { return points_.front().contact(); }

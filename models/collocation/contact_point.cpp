@@ -26,8 +26,11 @@ ContactPoint::ContactPoint(const Rig& rig, int number, BarMotion& bar, StopStep&
       contact_(rig.contact_of(number)) {}
 
 void ContactPoint::set_scales(double energy, double approach, double accuracy) {
-  depth_ = penetration_storing(contact_, energy);
+  // a bar that turns about its hinge goes no deeper than the point is far from it
+  depth_ = std::min(penetration_storing(contact_, energy), position_);
   force_scale_ = contact_.elastic(depth_);
+  local_force_ = force_scale_;
+  accuracy_ = accuracy;
   first_step_ = std::min(0.1, 3.0 * std::sqrt(accuracy)) * depth_ / approach;
 }
 
@@ -54,11 +57,25 @@ void ContactPoint::complete() {
   step_.displacement_series = rule_.to_series() * step_.displacement;
 }
 
+/// How much of what the force's series leaves out comes back as the contact's answer to the motion
+/// it makes; at most all. It changes sign about twice a node, so that speed gathers little of it.
+double ContactPoint::answer() const {
+  const double stiffness = (step_.force.array() / step_.displacement.array()).abs().maxCoeff();
+  const double damping = contact_.mu() * step_.force.cwiseAbs().maxCoeff() / (2.0 * rule_.nodes());
+  const BarMotion::Response& response = bar_.response(number_, number_);
+  const auto largest = [](const NodeMatrix& of_force) {
+    return of_force.cwiseAbs().rowwise().sum().maxCoeff();
+  };
+  return std::min(1.0, stiffness * largest(response.displacement_of_force) +
+                           damping * largest(response.velocity_of_force));
+}
+
 double ContactPoint::force_error(double impulse, double energy) const {
   if (contact_.phase() == Phase::free) return 0.0;
-  const double left = truncation(step_.force_series) * bar_.step();
+  const double left = truncation(step_.force_series);
   const double loss = truncation(step_.dissipation_series) * bar_.step();
-  return std::max(left / impulse, loss / energy);
+  const double peak = std::max(log_.episode(number_).peak_force, local_force_);
+  return std::max({left * bar_.step() / impulse, left * answer() / peak, loss / energy});
 }
 
 double ContactPoint::motion_error() const {

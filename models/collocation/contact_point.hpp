@@ -41,6 +41,11 @@ class ContactPoint {
   /// accuracy asked for.
   void set_scales(double energy, double approach, double accuracy);
 
+  /// Of what the bar first has to be stopped, the energy [J].
+  void set_local_energy(double energy) {
+    local_force_ = contact_.elastic(penetration_storing(contact_, energy));
+  }
+
   double depth() const { return depth_; }  ///< of an impact with all the energy [m]
 
   double force_scale() const { return force_scale_; }  ///< likewise [N]
@@ -70,7 +75,7 @@ class ContactPoint {
   void complete();
 
   /// What force and dissipation leave out over the step tried, as impulse and energy, against these
-  /// [N s, J].
+  /// [N s, J], and as force, against the peak so far or that of the energy that has to go first.
   double force_error(double impulse, double energy) const;
 
   /// What the motion in free flight leaves out, against what matters for finding the touch.
@@ -107,14 +112,20 @@ class ContactPoint {
   const ContactTotals& totals() const { return totals_; }
 
  private:
+  struct Rates {
+    double low, high;
+  };
+
   PointMotion seen(const PointMotion& p) const { return {p.displacement - gap_, p.velocity}; }
 
   double gap_between(double before, const PointMotion& p0, double here, const PointMotion& p1);
   double pull_between(double before, double here, const PointMotion& p1);
   double root_of_gap(double low, double at_low, double guess, double high);
+  double answer() const;
   double integral(const NodeVector& at_nodes, double part) const;
   void note_peak(double force, double part);
-  void observe_peak(double low, double high);
+  Rates observe_peak(double low, double high);
+  void observe_ripples(double part);
   void observe_deepest(double part, double depth);
   void observe_turn(double before, const PointMotion& p0, double here, const PointMotion& p1);
 
@@ -126,7 +137,8 @@ class ContactPoint {
   ContactLog& log_;
   ContactForce contact_;
   ContactTotals totals_;
-  double depth_ = 0.0, force_scale_ = 0.0, first_step_ = 0.0;
+  double accuracy_ = 0.0;
+  double depth_ = 0.0, force_scale_ = 0.0, local_force_ = 0.0, first_step_ = 0.0;
   Event event_ = Event::none;
   double event_part_ = 2.0;
   double begun_ = 0.0;      // the step, after first touch [s]
@@ -135,6 +147,7 @@ class ContactPoint {
   double last_h_ = 0.0, last_part_ = 1.0;
   long evaluations_ = 0;
   ModalSensitivities* followed_ = nullptr;
+  bool rising_ = false;      // the force, where its series says that it does not
   double peak_part_ = -1.0;  // where in the step the force was largest so far in its contact
 };
 

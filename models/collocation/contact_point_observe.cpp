@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "models/collocation/contact_point.hpp"
@@ -49,8 +50,9 @@ void ContactPoint::observe_turn(double before, const PointMotion& p0, double her
   observe_deepest(turn, depth);
 }
 
-/// The force's maximum between two places of the step, where its exact rate changes sign.
-void ContactPoint::observe_peak(double low, double high) {
+/// The force's maximum between two places of the step, where its exact rate changes sign. Tells
+/// that rate at both.
+ContactPoint::Rates ContactPoint::observe_peak(double low, double high) {
   const auto rate_at = [&](double place, double& force) {
     double acceleration = 0.0;
     const PointMotion p = struck_at(place, &acceleration);
@@ -63,7 +65,8 @@ void ContactPoint::observe_peak(double low, double high) {
   note_peak(force, low);
   double at_high = rate_at(high, force);
   note_peak(force, high);
-  if (!(at_low > 0.0 && at_high < 0.0)) return;
+  const Rates rates{at_low, at_high};
+  if (!(at_low > 0.0 && at_high < 0.0)) return rates;
   // regula falsi, the end that stays halved; the force is flat there: 1e-8 of the step is enough
   int stays = 0;
   for (int i = 0; i < 40 && high - low > 1e-8; ++i) {
@@ -71,7 +74,7 @@ void ContactPoint::observe_peak(double low, double high) {
     const double rate = rate_at(place, force);
     ++evaluations_;
     note_peak(force, place);
-    if (std::abs(rate) < 1e-10 * (at_low - at_high)) return;
+    if (std::abs(rate) < 1e-10 * (at_low - at_high)) return rates;
     if (rate > 0.0) {
       if (stays == 1) at_high *= 0.5;
       low = place;
@@ -84,6 +87,29 @@ void ContactPoint::observe_peak(double low, double high) {
       stays = -1;
     }
   }
+  return rates;
+}
+
+/// Where the motion has ripples that the force's series does not show, and they could reach the
+/// peak, it is looked for all over the step.
+void ContactPoint::observe_ripples(double part) {
+  constexpr int places = 64;
+  const double ripple = truncation(step_.force_series);
+  const double peak = log_.episode(number_).peak_force;
+  if (ripple < accuracy_ * peak || step_.force.maxCoeff() + 3.0 * ripple < peak) return;
+  std::array<double, places + 1> force{};
+  for (int i = 0; i <= places; ++i) {
+    const PointMotion p = struck_at(part * i / places);
+    force[static_cast<std::size_t>(i)] = contact_.force(p.displacement, p.velocity);
+  }
+  evaluations_ += places;
+  const double highest = *std::ranges::max_element(force);
+  for (std::size_t i = 1; i < places; ++i)
+    if (force[i] >= force[i - 1] && force[i] >= force[i + 1] && force[i] + ripple > highest) {
+      const double place = part * static_cast<double>(i) / places;
+      observe_peak(place - part / places, place);
+      observe_peak(place, place + part / places);
+    }
 }
 
 /// Peak force and deepest penetration of the part of the step that is taken, between its beginning,
@@ -102,7 +128,7 @@ void ContactPoint::observe(double begun, double part) {
   } highest = {0.9 * log_.episode(number_).peak_force, 0.0, {}};
 
   PointMotion p0 = struck();
-  double before = 0.0;
+  double before = 0.0, before_that = 0.0;
   for (int i = 0; i <= s && before < part; ++i) {
     const bool inside = i < s && rule_.points()[i] < part;
     const double here = inside ? rule_.points()[i] : part;
@@ -112,23 +138,30 @@ void ContactPoint::observe(double begun, double part) {
     else if (part < 1.0)
       p1 = struck_at(part);
     // the series' rate may miss the sign where it is small: a maximum shared with the next interval
-    // is seen by both
-    if (pressed && rates_[i] >= 0.0 && rates_[i + 1] <= 0.0) {
+    // is seen by both, and the exact rate may place it in an interval beside
+    if (pressed && (rising_ || (rates_[i] >= 0.0 && rates_[i + 1] <= 0.0))) {
       const double larger = std::max(contact_.force(p0.displacement, p0.velocity),
                                      contact_.force(p1.displacement, p1.velocity));
-      if (larger > 0.95 * log_.episode(number_).peak_force) observe_peak(before, here);
+      rising_ = false;
+      if (larger > 0.95 * log_.episode(number_).peak_force) {
+        const Rates exact = observe_peak(before, here);
+        rising_ = exact.high > 0.0;
+        if (exact.low < 0.0 && before > 0.0) observe_peak(before_that, before);
+      }
     }
     if (pressed) {
       const double force = inside ? step_.force[i] : legendre_sum(step_.force_series, here);
       if (force > highest.force) highest = {force, here, p1};
     }
     if (p0.velocity > 0.0 && p1.velocity <= 0.0) observe_turn(before, p0, here, p1);
+    before_that = before;
     before = here;
     p0 = p1;
   }
   if (highest.place > 0.0)
     note_peak(contact_.force(highest.motion.displacement, highest.motion.velocity), highest.place);
   if (p0.velocity > 0.0) observe_deepest(part, p0.displacement);
+  if (pressed) observe_ripples(part);
   if (followed_ && peak_part_ >= 0.0 && log_.in_first_episode(number_)) followed_->peak(peak_part_);
 }
 
@@ -153,6 +186,7 @@ void ContactPoint::keep_series(double part, bool ended) {
     last_series_ = step_.force_series;
   else
     drop_series();
+  if (ended) rising_ = false;
   last_h_ = bar_.step();
   last_part_ = part;
 }

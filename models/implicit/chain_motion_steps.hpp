@@ -36,7 +36,7 @@ class ChainMotion final : public BarMotion {
         length_(rig.beam.length),
         place_(rig.contact.position),
         compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
-        accuracy_(std::max(solver.accuracy, 1e-13)),
+        accuracy_(std::max(solver.accuracy, Solver::finest_accuracy)),
         weight_energy_(rig.gravity * rig.beam.first_moment()),
         friction_(rig.hinge.friction),
         hold_(chain_),
@@ -90,9 +90,10 @@ class ChainMotion final : public BarMotion {
     renew_tangent();
   }
 
-  void set_scales(double kinetic, double contact_time) override {
-    speed_scale_ = std::sqrt(2.0 * kinetic);
-    contact_time_ = contact_time;
+  void set_scales(const Scales& scales) override {
+    speed_scale_ = std::sqrt(2.0 * scales.energy);
+    contact_time_ = scales.contact_time;
+    damping_ = scales.damping;
   }
 
   PointMotion struck(int stop) const override { return point_before(stop, q_, v_); }
@@ -152,6 +153,8 @@ class ChainMotion final : public BarMotion {
   }
 
   double driven() const override { return driven_; }
+
+  double hinge_lateness() const override { return friction_.lateness(stages_.rule, hinge_); }
 
   double hinge_change() override {
     if (!friction_.acts()) return 2.0;
@@ -388,7 +391,7 @@ class ChainMotion final : public BarMotion {
   }
 
   void begin() {
-    newton_.begin_step();
+    newton_.begin_step(h_ / contact_time_);
     // a change counts relative to the speed that counts, and more where the bar moves faster
     excess_ = std::max(1.0, std::sqrt(2.0 * energy_.kinetic) / speed_scale_);
     if (rotation_)
@@ -457,7 +460,7 @@ class ChainMotion final : public BarMotion {
   double compliance_;
   double accuracy_;
   double weight_energy_;
-  double speed_scale_ = 1.0, contact_time_ = 1.0;
+  double speed_scale_ = 1.0, contact_time_ = 1.0, damping_ = 0.0;
   std::array<ChainShare, 4> velocity_spot_, displacement_spot_;
   double displacement_place_ = 0.0;  // [m]
 
@@ -624,9 +627,14 @@ double ChainMotion<S, Chain, Hold>::error() const {
   });
   const double left =
       series_remainder<S>(across) + std::min(1.0, inclination) * series_remainder<S>(along);
-  const double motion = h_ * std::min(1.0, h_ / contact_time_) * left / speed_scale_;
+  const double motion = h_ * weight_of_step(h_ / contact_time_) * left / speed_scale_;
+  double rate = 0.0;
+  if (in_contact_ && damping_ > 0.0) {
+    const Lanes struck = to_series(across_before(0).a).array().square();
+    rate = error_of_rate<S>(struck, rounding_of_acceleration(length_, h_), damping_, contact_time_);
+  }
   const EnergyLoss loss{lost_in_step(), lost_, end_energy_, weight_energy_};
-  return std::max(motion, loss.error(0.5 * speed_scale_ * speed_scale_, accuracy_));
+  return std::max({motion, rate, loss.error(0.5 * speed_scale_ * speed_scale_, accuracy_)});
 }
 
 template <int S, typename Chain, template <int> typename Hold>

@@ -41,11 +41,12 @@ class DenseMotion final : public BarMotion {
         further_(rig.further_stops),
         forces_(1 + further_.size(), 0.0),
         compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
+        struck_place_(rig.contact.position),
         velocity_place_(history.velocity_position > 0.0 ? history.velocity_position
                                                         : rig.contact.position),
         displacement_place_(history.displacement_position > 0.0 ? history.displacement_position
                                                                 : rig.contact.position),
-        accuracy_(std::max(solver.accuracy, 1e-13)),
+        accuracy_(std::max(solver.accuracy, Solver::finest_accuracy)),
         damped_bar_(models::damped(rig)),
         weight_energy_(rig.gravity * rig.beam.first_moment()),
         inertia_(beam_->inertia_diagonal()),
@@ -82,9 +83,10 @@ class DenseMotion final : public BarMotion {
 
   void expect_contact() override { renew_tangent(); }
 
-  void set_scales(double kinetic, double contact_time) override {
-    speed_scale_ = std::sqrt(2.0 * kinetic);
-    contact_time_ = contact_time;
+  void set_scales(const Scales& scales) override {
+    speed_scale_ = std::sqrt(2.0 * scales.energy);
+    contact_time_ = scales.contact_time;
+    damping_ = scales.damping;
   }
 
   PointMotion struck(int stop) const override { return point_before(stop, q_, v_); }
@@ -128,6 +130,8 @@ class DenseMotion final : public BarMotion {
   double damped(double) const override { return damped_; }
 
   double driven() const override { return driven_; }
+
+  double hinge_lateness() const override { return friction_.lateness(stages_.rule, hinge_); }
 
   double hinge_change() override {
     if (!friction_.acts()) return 2.0;
@@ -209,7 +213,7 @@ class DenseMotion final : public BarMotion {
   }
 
   void begin() {
-    newton_.begin_step();
+    newton_.begin_step(h_ / contact_time_);
     excess_ = std::max(1.0, std::sqrt(2.0 * energy_.kinetic) / speed_scale_);
     const auto found = std::ranges::find_if(
         factors_, [&](const Factor& factor) { return std::abs(factor.h - h_) <= 1e-3 * h_; });
@@ -290,7 +294,7 @@ class DenseMotion final : public BarMotion {
   Eigen::Matrix<double, S, S> to_series_ = stages_.rule.to_series();
   StepLadder ladder_;
   double compliance_;
-  double velocity_place_, displacement_place_;
+  double struck_place_, velocity_place_, displacement_place_;  // from the hinge [m]
   double accuracy_;
   bool damped_bar_;
   double weight_energy_;
@@ -302,7 +306,8 @@ class DenseMotion final : public BarMotion {
   double angle_at_start_ = 0.0;  // [rad]
   double driven_ = 0.0;          // work of what turns the hinge over the step [J]
   NodeVector hinge_;             // at the stages: its rate, or the moment that holds it
-  double speed_scale_ = 1.0, contact_time_ = 1.0;
+  double speed_scale_ = 1.0, contact_time_ = 1.0, damping_ = 0.0;
+  bool pressed_ = false;  // by a stop, over the step
 
   Vector q_, v_, end_q_, end_v_, scratch_, here_, there_, moved_, at_q_, at_v_;
   double h_ = 0.0, last_h_ = 0.0;
@@ -450,6 +455,8 @@ void DenseMotion<S>::finish(std::span<const StopStep> stops) {
   if (rotation_) look_at_rotation(stops);
   end_energy_ = beam_->energy(end_q_, end_v_);
   work_done_ = damped_ = 0.0;
+  pressed_ =
+      std::ranges::any_of(stops, [](const StopStep& stop) { return !stop.force.isZero(0.0); });
   for (int i = 0; i < S; ++i) {
     const double weight = h_ * stages_.rule.weights()[i];
     for (std::size_t k = 0; k < stops.size(); ++k)
@@ -495,9 +502,15 @@ double DenseMotion<S>::error() const {
   for (int k = 0; k < n_; ++k)
     squares += inertia_[k] * (to_series_ * a_.row(k).transpose()).cwiseAbs2();
   const double motion =
-      h_ * std::min(1.0, h_ / contact_time_) * series_remainder<S>(squares.array()) / speed_scale_;
+      h_ * weight_of_step(h_ / contact_time_) * series_remainder<S>(squares.array()) / speed_scale_;
+  double rate = 0.0;
+  if (pressed_ && damping_ > 0.0) {
+    const Series struck = to_series_ * (a_.transpose() * to_point_.col(0));
+    rate = error_of_rate<S>(struck.array().square(), rounding_of_acceleration(struck_place_, h_),
+                            damping_, contact_time_);
+  }
   const EnergyLoss loss{lost_in_step(), lost_, end_energy_, weight_energy_};
-  return std::max(motion, loss.error(0.5 * speed_scale_ * speed_scale_, accuracy_));
+  return std::max({motion, rate, loss.error(0.5 * speed_scale_ * speed_scale_, accuracy_)});
 }
 
 template <int S>

@@ -13,7 +13,9 @@ class NewtonProgress {
  public:
   explicit NewtonProgress(double tolerance) : tolerance_(tolerance) {}
 
-  void begin_step() {
+  /// A step that is this part of the contact's time.
+  void begin_step(double part) {
+    allowed_ = tolerance_ * std::min(1.0, most_steps * part);
     iterations_ = 0;
     moved_ = 0.0;
     rounded_ = false;
@@ -37,7 +39,7 @@ class NewtonProgress {
 
   bool settled() const {
     const double left = std::min(1.0, contraction_ / std::max(1.0 - contraction_, 0.1)) * moved_;
-    return rounded_ || left <= tolerance_;
+    return rounded_ || left <= allowed_;
   }
 
   /// Whether the iterations of the step converged slower than the linear system behind them should
@@ -45,7 +47,11 @@ class NewtonProgress {
   bool slow() const { return iterations_ > 1 && contraction_ > 0.01; }
 
  private:
+  // With more steps to a contact, each may leave less: they leave it with the same sign.
+  static constexpr double most_steps = 1000.0;
+
   double tolerance_;
+  double allowed_ = 0.0;
   int iterations_ = 0;
   double moved_ = 0.0;
   double contraction_ = 1.0;

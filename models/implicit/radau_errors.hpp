@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "models/beams/beam_dynamics.hpp"
 
@@ -21,6 +22,29 @@ double series_remainder(const Eigen::Array<double, S, 1>& squares) {
   const double last = std::sqrt(squares[S - 1] + squares[S - 2]);
   const double before = std::sqrt(squares[S - 3] + squares[S - 4]);
   return last * std::min(1.0, 3.0 * last / std::max(before, 1e-300));
+}
+
+/// How much an error of speed in a step counts that is this part of the contact's time: as the way
+/// it makes within the step, for what it does is vibration; the more, the more steps of random sign
+/// add theirs to it.
+inline double weight_of_step(double part) {
+  constexpr double few_steps = 1000.0;
+  return std::min(1.0, part) * std::sqrt(std::max(1.0, 1.0 / (few_steps * part)));
+}
+
+/// What a damped contact makes of the vibration that the method has let die before the struck point
+/// over the contact's time [s], as a part of its force: by the squares of the terms of that point's
+/// acceleration [m²/s⁴], less what may be rounding of it [m/s²]. Most of it comes and goes.
+template <int S>
+double error_of_rate(const Eigen::Array<double, S, 1>& squares, double rounding, double damping,
+                     double time) {
+  constexpr double share = 0.02;
+  return share * damping * time * std::max(series_remainder<S>(squares) - rounding, 0.0);
+}
+
+/// Of an acceleration, by the rounding of places this far from the hinge [m/s²].
+inline double rounding_of_acceleration(double length, double h) {
+  return 16.0 * std::numeric_limits<double>::epsilon() * length / (h * h);
 }
 
 /// A method that lets fast vibration die must not let it take along energy that counts.

@@ -49,6 +49,10 @@ class ModalBeam {
   /// Deflection of the struck point under a unit force there, the rigid rotation taken out [m/N].
   double elastic_compliance() const { return elastic_compliance_; }
 
+  /// What rounding may leave of the slowest bending mode's frequency, relative: much where one
+  /// element is far shorter than the others.
+  double rounding() const;
+
   /// How the modes change with a parameter on which the small motion depends like this. `row`: of
   /// the struck point, and how that changes (n). First-order perturbation: each frequency must be
   /// its mode's alone.

@@ -26,8 +26,8 @@ class ModalMotion : public BarMotion {
 
   void start(double angle, double rate) override;
 
-  void set_scales(double kinetic, double) override {
-    energy_scale_ = std::max(kinetic, energy().kinetic);
+  void set_scales(const Scales& scales) override {
+    energy_scale_ = std::max(scales.energy, energy().kinetic);
   }
 
   PointMotion struck(int stop) const override { return struck(stop, state_); }

@@ -97,7 +97,7 @@ Simulation SmallMotionRun::conclude() {
   const double end_of_contact = result.episodes.empty() ? 0.0 : result.episodes.back().end;
   const double friction = missing_friction(rig_, result, end_of_contact);
   result.neglected = safety * motion_.neglected() + strain_by_weight(rig_, solver_) +
-                     safety_of_friction * friction;
+                     bar_->modes().rounding() + safety_of_friction * friction;
   result.taken.push_back(Simplification::small_motion);
   result.skipped.push_back(fmt::format(
       "foreshortening and large rotation: the bar was solved in its own modes; the energy this "
@@ -130,7 +130,7 @@ Simulation swing_freely(const Rig& rig, const Solver& solver, const SimulationOp
                          .neglected(bar.modes().point(rig.beam.length), *solver.duration);
   Simulation result = run.fly();
   result.small_motion = true;
-  result.neglected = tip / rig.beam.length + strain_by_weight(rig, solver);
+  result.neglected = tip / rig.beam.length + strain_by_weight(rig, solver) + bar.modes().rounding();
   result.taken.push_back(Simplification::small_motion);
   result.skipped.push_back(fmt::format(
       "what a swing changes in the bar's vibration: it vibrates as if it hung, about the swing of "

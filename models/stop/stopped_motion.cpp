@@ -29,9 +29,18 @@ void StoppedMotion::start(double angle, double rate) {
   state_ = end_ = {};
 }
 
-void StoppedMotion::set_scales(double kinetic, double contact_time) {
-  bar_.set_scales(kinetic, contact_time);
-  energy_scale_ = kinetic;
+void StoppedMotion::set_scales(const Scales& scales) {
+  bar_.set_scales(scales);
+  energy_scale_ = scales.energy;
+  contact_damps_ = scales.damping > 0.0;
+}
+
+/// A damped contact lets the head's ringing die; nodes too few to see it would keep it.
+double StoppedMotion::longest_step() const {
+  constexpr double phase_of_node = 1.5;
+  const double longest = bar_.longest_step();
+  if (!in_contact_ || !contact_damps_) return longest;
+  return std::min(longest, phase_of_node * rule_.nodes() / head_.fastest());
 }
 
 BeamEnergy StoppedMotion::energy() const {

@@ -22,7 +22,8 @@ class StoppedMotion final : public BarMotion {
   const StepLadder& ladder() const override { return bar_.ladder(); }
 
   void start(double angle, double rate) override;
-  void set_scales(double kinetic, double contact_time) override;
+  void set_scales(const Scales& scales) override;
+  double longest_step() const override;
 
   PointMotion struck(int stop) const override {
     return stop == 0 ? seen(bar_.struck(0), state_) : bar_.struck(stop);
@@ -54,6 +55,8 @@ class StoppedMotion final : public BarMotion {
   double damped(double part) const override;
 
   double hinge_change() override { return bar_.hinge_change(); }
+
+  double hinge_lateness() const override { return bar_.hinge_lateness(); }
 
   void change_hinge() override { bar_.change_hinge(); }
 
@@ -114,6 +117,7 @@ class StoppedMotion final : public BarMotion {
   HeadStep sampling_;  // of the history's interval
   Response response_;
   bool in_contact_ = false;
+  bool contact_damps_ = false;
 
   bool forced_ = false;                 // the solved step
   NodeVector force_series_;             // over the step

@@ -8,8 +8,8 @@
 #include "models/beams/ancf.hpp"
 #include "models/collocation/collocation.hpp"
 #include "models/implicit/ancf_chain.hpp"
-#include "models/implicit/chain_motion.hpp"
 #include "models/implicit/block_tridiagonal.hpp"
+#include "models/implicit/chain_motion.hpp"
 #include "models/implicit/radau_stages.hpp"
 #include "tests/models/reference/impact_run.hpp"
 #include "tests/models/scenes.hpp"
@@ -209,7 +209,7 @@ double flown_with(int halvings, double accuracy) {
   Solver solver = ancf(2, 1, accuracy, 1.0);
   const std::unique_ptr<BarMotion> bar = make_ancf_motion(rig, solver, {});
   bar->start(-0.5, 0.0);
-  bar->set_scales(1e-10, 1.0);  // so small an energy makes Newton exact to rounding
+  bar->set_scales({.energy = 1e-10});  // so small an energy makes Newton exact to rounding
   StopStep step;
   step.force = step.force_series = NodeVector::Zero(bar->rule().nodes());
   const int level = 12 + 2 * halvings;

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/settled_solution.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+
+#include "models/beams/bar_element.hpp"
+
+namespace impactrig::models {
+namespace {
+
+// Where the tip moves this fast at first touch, of the speed of sound along the bar, the bar is
+// strained by as much.
+constexpr double much = 0.05;
+// Of two solutions that show what the coarser one errs by, the ratio of their accuracies.
+constexpr double apart = 10.0;
+constexpr double safety = 3.0;
+constexpr int most_attempts = 3;
+// Of the processor time allowed, what a solution may take that ends with the first contact.
+constexpr double share_of_time = 0.1;
+
+double tip_against_sound(const Rig& rig) {
+  double sound = std::numeric_limits<double>::infinity();
+  for (const BarElement& piece : bar_pieces(rig.beam))
+    sound = std::min(sound, std::sqrt(piece.axial_stiffness / piece.line_density));
+  return touch_velocity(rig) * rig.beam.length / rig.contact.position / sound;
+}
+
+bool first_contact_over(const Simulation& run) {
+  return !run.episodes.empty() && !run.episodes.front().open;
+}
+
+/// Largest relative difference of the first contacts' peak force, duration and impulse.
+double change_between(const Simulation& one, const Simulation& other) {
+  const Episode& a = one.episodes.front();
+  const Episode& b = other.episodes.front();
+  const auto change = [](double x, double y) { return std::abs(x - y) / std::abs(y); };
+  return std::max({change(a.peak_force, b.peak_force), change(a.end - a.start, b.end - b.start),
+                   change(a.impulse, b.impulse)});
+}
+
+/// Solves the first contact alone.
+class FirstContact {
+ public:
+  FirstContact(const Simulation& run, const Solver& solver, const SimulationOptions& options,
+               const SolveFully& solve)
+      : solver_(solver),
+        options_(options),
+        solve_(solve) {
+    const double until = 1.5 * run.episodes.front().end;
+    solver_.duration = solver.duration ? std::min(*solver.duration, until) : until;
+    solver_.time_limit *= share_of_time;
+    options_.history = {};
+  }
+
+  /// None where that takes too long, or fails.
+  std::optional<Simulation> at(double accuracy) const {
+    Solver solver = solver_;
+    solver.accuracy = accuracy;
+    try {
+      Simulation run = solve_(solver, options_);
+      if (first_contact_over(run)) return run;
+    } catch (const std::runtime_error&) {
+      // the run at the accuracy asked for stands, with a warning
+    }
+    return std::nullopt;
+  }
+
+ private:
+  Solver solver_;
+  SimulationOptions options_;
+  const SolveFully& solve_;
+};
+
+std::string warning_of(double change, double mach) {
+  const std::string found = change > 0.0 ? fmt::format("changes by {:.1e}", change)
+                                         : std::string("could not be shown to stay as it is");
+  return fmt::format(
+      "the first contact {} when it is solved more accurately: at touch the tip moves at {:.2g} of "
+      "the speed of sound in the bar, which strains it by as much, and such motion magnifies every "
+      "error. The beam theories, linear in the strain, do not hold there; strike more slowly, or "
+      "take a stiffer bar.",
+      found, mach);
+}
+
+}  // namespace
+
+Simulation solve_until_settled(const Rig& rig, const Solver& solver,
+                               const SimulationOptions& options, const SolveFully& solve) {
+  Simulation run = solve(solver, options);
+  if (!rig.has_stop() || solver.model == BeamModel::rigid || !first_contact_over(run)) return run;
+  const double mach = tip_against_sound(rig);
+  if (mach < much) return run;
+  const FirstContact first(run, solver, options, solve);
+  const double coarse = std::min(apart * solver.accuracy, Solver::coarsest_accuracy);
+  std::optional<Simulation> before = first.at(coarse);
+  std::optional<double> change;
+  if (before) change = change_between(*before, run);
+  if (change && *change <= solver.accuracy) return run;
+  double largest = change.value_or(0.0);
+
+  double accuracy = solver.accuracy;
+  before = first.at(accuracy);
+  for (int attempt = 0; before && attempt < most_attempts; ++attempt) {
+    const double wanted = solver.accuracy / (safety * change.value_or(1.0));
+    accuracy = std::max(accuracy * std::clamp(wanted, 1e-2, 1.0 / apart), Solver::finest_accuracy);
+    const std::optional<Simulation> finer = first.at(accuracy);
+    if (!finer) break;
+    change = change_between(*before, *finer);
+    largest = std::max(largest, *change);
+    if (*change <= solver.accuracy) {
+      Solver used = solver;
+      used.accuracy = accuracy;
+      run = solve(used, options);
+      run.solver = solver;
+      return run;
+    }
+    before = finer;
+  }
+  run.warnings.push_back(warning_of(largest, mach));
+  return run;
+}
+
+}  // namespace impactrig::models
