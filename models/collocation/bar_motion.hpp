@@ -33,6 +33,15 @@ class BarMotion {
   /// A point at the nodes under a unit force at each node (s, s).
   struct Response {
     NodeMatrix displacement_of_force, velocity_of_force;
+    double most_displacement = 0.0, most_velocity = 0.0;  ///< of a force of at most 1 N
+
+    void set_most() {
+      const auto largest_row_sum = [](const NodeMatrix& matrix) {
+        return matrix.cwiseAbs().rowwise().sum().maxCoeff();
+      };
+      most_displacement = largest_row_sum(displacement_of_force);
+      most_velocity = largest_row_sum(velocity_of_force);
+    }
   };
 
   /// What a history shows at one instant, before the first stop.

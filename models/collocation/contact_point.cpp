@@ -30,7 +30,6 @@ void ContactPoint::set_scales(double energy, double approach, double accuracy) {
   depth_ = std::min(penetration_storing(contact_, energy), position_);
   force_scale_ = contact_.elastic(depth_);
   local_force_ = force_scale_;
-  accuracy_ = accuracy;
   first_step_ = std::min(0.1, 3.0 * std::sqrt(accuracy)) * depth_ / approach;
 }
 
@@ -63,11 +62,7 @@ double ContactPoint::answer() const {
   const double stiffness = (step_.force.array() / step_.displacement.array()).abs().maxCoeff();
   const double damping = contact_.mu() * step_.force.cwiseAbs().maxCoeff() / (2.0 * rule_.nodes());
   const BarMotion::Response& response = bar_.response(number_, number_);
-  const auto largest = [](const NodeMatrix& of_force) {
-    return of_force.cwiseAbs().rowwise().sum().maxCoeff();
-  };
-  return std::min(1.0, stiffness * largest(response.displacement_of_force) +
-                           damping * largest(response.velocity_of_force));
+  return std::min(1.0, stiffness * response.most_displacement + damping * response.most_velocity);
 }
 
 double ContactPoint::force_error(double impulse, double energy) const {

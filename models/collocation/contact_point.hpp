@@ -125,7 +125,6 @@ class ContactPoint {
   double integral(const NodeVector& at_nodes, double part) const;
   void note_peak(double force, double part);
   Rates observe_peak(double low, double high);
-  void observe_ripples(double part);
   void observe_deepest(double part, double depth);
   void observe_turn(double before, const PointMotion& p0, double here, const PointMotion& p1);
 
@@ -137,7 +136,6 @@ class ContactPoint {
   ContactLog& log_;
   ContactForce contact_;
   ContactTotals totals_;
-  double accuracy_ = 0.0;
   double depth_ = 0.0, force_scale_ = 0.0, local_force_ = 0.0, first_step_ = 0.0;
   Event event_ = Event::none;
   double event_part_ = 2.0;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "models/collocation/contact_point.hpp"
@@ -90,28 +89,6 @@ ContactPoint::Rates ContactPoint::observe_peak(double low, double high) {
   return rates;
 }
 
-/// Where the motion has ripples that the force's series does not show, and they could reach the
-/// peak, it is looked for all over the step.
-void ContactPoint::observe_ripples(double part) {
-  constexpr int places = 64;
-  const double ripple = truncation(step_.force_series);
-  const double peak = log_.episode(number_).peak_force;
-  if (ripple < accuracy_ * peak || step_.force.maxCoeff() + 3.0 * ripple < peak) return;
-  std::array<double, places + 1> force{};
-  for (int i = 0; i <= places; ++i) {
-    const PointMotion p = struck_at(part * i / places);
-    force[static_cast<std::size_t>(i)] = contact_.force(p.displacement, p.velocity);
-  }
-  evaluations_ += places;
-  const double highest = *std::ranges::max_element(force);
-  for (std::size_t i = 1; i < places; ++i)
-    if (force[i] >= force[i - 1] && force[i] >= force[i + 1] && force[i] + ripple > highest) {
-      const double place = part * static_cast<double>(i) / places;
-      observe_peak(place - part / places, place);
-      observe_peak(place, place + part / places);
-    }
-}
-
 /// Peak force and deepest penetration of the part of the step that is taken, between its beginning,
 /// the nodes and its end.
 void ContactPoint::observe(double begun, double part) {
@@ -161,7 +138,6 @@ void ContactPoint::observe(double begun, double part) {
   if (highest.place > 0.0)
     note_peak(contact_.force(highest.motion.displacement, highest.motion.velocity), highest.place);
   if (p0.velocity > 0.0) observe_deepest(part, p0.displacement);
-  if (pressed) observe_ripples(part);
   if (followed_ && peak_part_ >= 0.0 && log_.in_first_episode(number_)) followed_->peak(peak_part_);
 }
 

@@ -544,6 +544,7 @@ void ChainMotion<S, Chain, Hold>::respond_to(int stop, Factor& factor) {
     Response& response = factor.responses[index_of(point, stop)];
     response.displacement_of_force = -h * h * stages_.to_displacement * acceleration;
     response.velocity_of_force = -h * stages_.to_velocity * acceleration;
+    response.set_most();
   }
 }
 

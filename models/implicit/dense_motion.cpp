@@ -396,6 +396,7 @@ void DenseMotion<S>::respond_to(int stop, Factor& factor) {
     Response& response = factor.responses[index_of(point, stop)];
     response.displacement_of_force = h_ * h_ * stages_.to_displacement * acceleration;
     response.velocity_of_force = h_ * stages_.to_velocity * acceleration;
+    response.set_most();
   }
 }
 

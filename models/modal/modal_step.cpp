@@ -125,6 +125,7 @@ void ModalStep::respond_to_force(const Collocation& rule, const Eigen::MatrixX2d
   using Square = Eigen::Map<const Eigen::MatrixXd>;
   response.displacement_of_force = h_ * Square(at_nodes.col(0).data(), s, s);
   response.velocity_of_force = h_ * Square(at_nodes.col(1).data(), s, s);
+  response.set_most();
 }
 
 void ModalStep::coast(int stop, const ModalState& from, NodeVector& displacement,

@@ -79,6 +79,7 @@ void StoppedMotion::prepare() {
   const Response& bar = bar_.response(0, 0);
   response_.displacement_of_force = bar.displacement_of_force - step_->displacement_of_force();
   response_.velocity_of_force = bar.velocity_of_force - step_->velocity_of_force();
+  response_.set_most();
 }
 
 bool StoppedMotion::improve(std::span<StopStep> stops) {
