@@ -11,7 +11,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <fstream>
 #include <functional>
 #include <limits>
@@ -20,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/timing.hpp"
 #include "datasets/record.hpp"
 #include "fitting/rig_file.hpp"
 #include "models/ensemble.hpp"
@@ -67,12 +67,6 @@ std::vector<models::Rig> draw(const Study& study, const models::Rig& rig, bool b
   return rigs;
 }
 
-double processor_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
 /// The largest relative deviation of peak force, duration and impulse of the first contact.
 double deviation(const models::Simulation& a, const models::Simulation& b) {
   if (a.episodes.size() != b.episodes.size()) return std::numeric_limits<double>::infinity();
@@ -117,9 +111,9 @@ nlohmann::ordered_json measure(const Study& study, double accuracy, bool bars) {
                            {"ensemble, every core", [&] { ensemble(0); }}};
   for (int k = 0; k < study.repetitions; ++k)
     for (Way& way : ways) {
-      const double started = processor_seconds();
+      const double started = bench::processor_seconds();
       way.run();
-      way.seconds = std::min(way.seconds, processor_seconds() - started);
+      way.seconds = std::min(way.seconds, bench::processor_seconds() - started);
     }
   double worst = 0.0;
   for (std::size_t i = 0; i < rigs.size(); ++i)

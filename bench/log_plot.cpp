@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace impactrig::bench {
 namespace {
@@ -78,10 +79,19 @@ std::string panel(const LogPlot& plot, double from) {
   return svg;
 }
 
-std::string legend(const LogPlot& plot) {
+std::vector<LogCurve> all_curves(const std::vector<LogPlot>& plots) {
+  std::vector<LogCurve> curves;
+  for (const LogPlot& plot : plots)
+    curves.insert(curves.end(), plot.curves.begin(), plot.curves.end());
+  return curves;
+}
+
+std::string legend(const std::vector<LogPlot>& plots) {
   std::string svg;
+  std::set<std::string> shown;
   double at = left;
-  for (const LogCurve& curve : plot.curves) {
+  for (const LogCurve& curve : all_curves(plots)) {
+    if (!shown.insert(curve.label).second) continue;
     svg += fmt::format("<path d=\"M{:.1f} 18 h22\" stroke=\"{}\" stroke-width=\"2\"{}/>\n", at,
                        curve.colour, curve.dashed ? " stroke-dasharray=\"5 3\"" : "");
     svg += text(at + 28.0, 22.0, "start", curve.label);
@@ -99,7 +109,7 @@ std::string log_svg(const std::vector<LogPlot>& plots) {
       "height=\"{1}\" font-family=\"sans-serif\" font-size=\"12\" fill=\"{2}\">\n"
       "<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n",
       whole, head + height + foot, ink);
-  if (!plots.empty()) svg += legend(plots.front());
+  svg += legend(plots);
   double from = left;
   for (const LogPlot& plot : plots) {
     svg += panel(plot, from);

@@ -20,7 +20,7 @@ struct LogPlot {
   std::vector<LogCurve> curves;
 };
 
-/// The plots side by side; the legend once, of the first.
+/// The plots side by side under one legend; curves of equal label look alike.
 std::string log_svg(const std::vector<LogPlot>& plots);
 
 }  // namespace impactrig::bench
