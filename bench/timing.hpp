@@ -15,16 +15,19 @@ inline double processor_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Processor time [s] of the quickest of `calls` calls at least, and of as many as `spent` [s]
-/// hold.
+/// Processor time [s] of the quickest of several calls: three at least, then for a tenth of a
+/// second; none is begun after a second.
 template <typename Call>
-double quickest(const Call& call, int calls, double spent) {
+double quickest(const Call& call) {
   double best = std::numeric_limits<double>::infinity();
   const double begun = processor_seconds();
-  for (int k = 0; k < calls || processor_seconds() - begun < spent; ++k) {
+  double spent = 0.0;
+  for (int k = 0; k == 0 || (spent < 1.0 && (k < 3 || spent < 0.1)); ++k) {
     const double started = processor_seconds();
     call();
-    best = std::min(best, processor_seconds() - started);
+    const double ended = processor_seconds();
+    best = std::min(best, ended - started);
+    spent = ended - begun;
   }
   return best;
 }
