@@ -86,16 +86,21 @@ std::vector<LogCurve> all_curves(const std::vector<LogPlot>& plots) {
   return curves;
 }
 
-std::string legend(const std::vector<LogPlot>& plots) {
+std::string legend(const std::vector<LogPlot>& plots, double whole) {
   std::string svg;
   std::set<std::string> shown;
-  double at = left;
+  double x = left, y = 16.0;
   for (const LogCurve& curve : all_curves(plots)) {
     if (!shown.insert(curve.label).second) continue;
-    svg += fmt::format("<path d=\"M{:.1f} 18 h22\" stroke=\"{}\" stroke-width=\"2\"{}/>\n", at,
-                       curve.colour, curve.dashed ? " stroke-dasharray=\"5 3\"" : "");
-    svg += text(at + 28.0, 22.0, "start", curve.label);
-    at += 28.0 + 6.6 * static_cast<double>(curve.label.size()) + 24.0;
+    const double entry = 28.0 + 6.6 * static_cast<double>(curve.label.size());
+    if (x > left && x + entry > whole) {
+      x = left;
+      y += 16.0;
+    }
+    svg += fmt::format("<path d=\"M{:.1f} {:.1f} h22\" stroke=\"{}\" stroke-width=\"2\"{}/>\n", x,
+                       y, curve.colour, curve.dashed ? " stroke-dasharray=\"5 3\"" : "");
+    svg += text(x + 28.0, y + 4.0, "start", curve.label);
+    x += entry + 24.0;
   }
   return svg;
 }
@@ -109,7 +114,7 @@ std::string log_svg(const std::vector<LogPlot>& plots) {
       "height=\"{1}\" font-family=\"sans-serif\" font-size=\"12\" fill=\"{2}\">\n"
       "<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n",
       whole, head + height + foot, ink);
-  svg += legend(plots);
+  svg += legend(plots, whole);
   double from = left;
   for (const LogPlot& plot : plots) {
     svg += panel(plot, from);
