@@ -117,6 +117,11 @@ bool allows(const SimulationOptions& options, Simplification simplification) {
   return simplification != Simplification::small_motion || options.motion != Motion::full;
 }
 
+bool follows_swing(const Rig& rig, const SimulationOptions& options) {
+  return rig.start.release_angle &&
+         (!allows(options, Simplification::swing_to_touch) || spring_bends_bar(rig));
+}
+
 bool allows_small_motion(const Rig& rig, const SimulationOptions& options) {
   const bool rubs = rig.hinge.friction > 0.0;
   return allows(options, Simplification::small_motion) &&

@@ -198,6 +198,9 @@ struct SimulationOptions {
 /// Whether a simplification may be taken.
 bool allows(const SimulationOptions& options, Simplification simplification);
 
+/// Whether a release from rest is followed until the bar touches.
+bool follows_swing(const Rig& rig, const SimulationOptions& options);
+
 /// Whether small motion may be taken, with all it leaves out of this rig.
 bool allows_small_motion(const Rig& rig, const SimulationOptions& options);
 

@@ -23,6 +23,10 @@ class LinearBar : public SmallMotionBeam {
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
 
+  std::vector<BarElement> stretching_elements() const override {
+    return elements_.front().shears() ? std::vector<BarElement>{} : elements_;
+  }
+
  private:
   int nodal() const { return 2 * static_cast<int>(elements_.size()) + 1; }
 

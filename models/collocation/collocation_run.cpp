@@ -435,6 +435,12 @@ void CollocationRun::set_scales() {
     scales.energy = std::min(scales.energy, load.energy);
     scales.damping = std::max(scales.damping, point.contact().damping_factor() / speed);
   }
+  if (!std::isfinite(energy_scale_ + points_.front().force_scale()) || energy_scale_ <= 0.0 ||
+      !(points_.front().depth() > 0.0))
+    throw std::runtime_error(fmt::format(
+        "an impact at {:g} m/s has an energy of {:g} J and would press with {:g} N: numbers out of "
+        "all range; look at start, beam and contact",
+        approach_, energy_scale_, points_.front().force_scale()));
   bar_.set_scales(scales);
   // a bar that turns past its stop, or of which hardly more than the struck point is stopped
   const ContactPoint& first = points_.front();
@@ -666,8 +672,7 @@ bool CollocationRun::ends_early() {
 void CollocationRun::begin() {
   started_ = std::chrono::steady_clock::now();
   time_limit_ = TimeLimit(solver_.time_limit);
-  if (rig_.start.release_angle &&
-      (!allows(options_, Simplification::swing_to_touch) || spring_bends_bar(rig_))) {
+  if (follows_swing(rig_, options_)) {
     bar_.start(-*rig_.start.release_angle, 0.0);
     approach_ = touch_velocity(rig_);
     const double rate = approach_ / rig_.contact.position;

@@ -97,6 +97,7 @@ void ContactPoint::observe(double begun, double part) {
   const int s = rule_.nodes();
   const bool pressed = contact_.phase() == Phase::pressed;
   rates_.noalias() = rule_.rates() * step_.force_series;
+  const double unsure = s * s * step_.force_series.tail<2>().norm();  // of rates
   peak_part_ = -1.0;
 
   struct {
@@ -116,7 +117,7 @@ void ContactPoint::observe(double begun, double part) {
       p1 = struck_at(part);
     // the series' rate may miss the sign where it is small: a maximum shared with the next interval
     // is seen by both, and the exact rate may place it in an interval beside
-    if (pressed && (rising_ || (rates_[i] >= 0.0 && rates_[i + 1] <= 0.0))) {
+    if (pressed && (rising_ || (rates_[i] >= -unsure && rates_[i + 1] <= unsure))) {
       const double larger = std::max(contact_.force(p0.displacement, p0.velocity),
                                      contact_.force(p1.displacement, p1.velocity));
       rising_ = false;

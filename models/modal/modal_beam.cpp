@@ -73,6 +73,38 @@ ModalBeam::ModalBeam(const SmallMotionBeam& beam, const Rig& rig)
   for (int i = 0; i <= stations; ++i) across.col(i) = beam.small_motion_row(i * spacing_);
   const Eigen::MatrixXd rows = across.rightCols(stations) - across.leftCols(stations);
   slopes_ = rows.transpose() * shapes_ / spacing_;
+  find_uneven_slopes();
+}
+
+void ModalBeam::find_uneven_slopes() {
+  const std::vector<BarElement> elements = beam_.stretching_elements();
+  const auto count = static_cast<Eigen::Index>(elements.size());
+  uneven_.resize(2 * count, modes());
+  axial_.resize(count);
+  for (Eigen::Index e = 0; e < count; ++e) {
+    const BarElement& element = elements[static_cast<std::size_t>(e)];
+    const double h = element.length;
+    const auto across = [&](double xi) { return point(element.x + xi * h); };
+    const Eigen::VectorXd second = across(0.0) - 2.0 * across(1.0 / 3.0) + across(2.0 / 3.0);
+    const Eigen::VectorXd third =
+        across(1.0) - across(0.0) + 3.0 * (across(1.0 / 3.0) - across(2.0 / 3.0));
+    const Eigen::VectorXd cubic = 4.5 * third, square = 4.5 * second - cubic;
+    uneven_.row(2 * e) = (square + 1.5 * cubic) / h;
+    uneven_.row(2 * e + 1) = 0.5 * cubic / h;
+    axial_[e] = element.axial_stiffness * h;
+  }
+}
+
+double ModalBeam::stretching_energy(const Eigen::VectorXd& a) const {
+  static thread_local Eigen::VectorXd slope;
+  slope.noalias() = uneven_ * a;
+  double energy = 0.0;
+  for (Eigen::Index e = 0; e < axial_.size(); ++e) {
+    const double first = slope[2 * e], second = slope[2 * e + 1];
+    const double third = 3.0 / 5.0 * first * second, fourth = 9.0 / 35.0 * second * second;
+    energy += 0.5 * axial_[e] * (third * third / 7.0 + fourth * fourth / 9.0);
+  }
+  return energy;
 }
 
 ModalBeam::ModalBeam(const ModalBeam& other, const Change& change) : ModalBeam(other) {
@@ -92,6 +124,8 @@ ModalBeam::ModalBeam(const ModalBeam& other, const Change& change) : ModalBeam(o
   weight_ = basis.transpose() * weight_ * basis;
   shapes_ = shapes_ * basis / root;
   slopes_ = slopes_ * basis / root;
+  uneven_ = uneven_ * basis / root;
+  axial_ *= change.stiffness;
   struck_ = basis.transpose() * struck_ / root;
   for (Eigen::VectorXd& row : further_) row = basis.transpose() * row / root;
   hinge_ = basis.transpose() * hinge_ / root;

@@ -72,12 +72,18 @@ class ModalBeam {
   double shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate,
                            double frame) const;
 
+  /// Of elements whose axes are cubics, what they are stretched by bending unevenly [J]: the square
+  /// of a slope that changes along an element as P₁ and P₂ has parts in P₃ and P₄, which the
+  /// stretch of its axis, of second degree, cannot take back. Not part of the small motion.
+  double stretching_energy(const Eigen::VectorXd& a) const;
+
   bool sprung() const { return motion_.spring > 0.0; }  ///< a spring in the hinge
 
   RigidPart rigid_part(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
 
  private:
   void solve_modes();
+  void find_uneven_slopes();
 
   const SmallMotionBeam& beam_;
   SmallMotion motion_;
@@ -91,6 +97,9 @@ class ModalBeam {
   Eigen::VectorXd station_mass_;  // of the bar between them [kg] (stations)
   std::vector<LumpedMass> masses_;
   double spacing_ = 0.0;  // [m]
+  // of each element that stretches: its slope's parts in P₁ and P₂, row by row (2 e, m), and EA h
+  Eigen::MatrixXd uneven_;
+  Eigen::VectorXd axial_;
 };
 
 }  // namespace impactrig::models

@@ -9,7 +9,6 @@
 #include "models/modal/modal_flight.hpp"
 
 namespace impactrig::models {
-
 ModalMotion::ModalMotion(const ModalBar& bar, const Collocation& rule,
                          const HistoryRequest& history)
     : bar_(bar),
@@ -117,7 +116,7 @@ void ModalMotion::take(double part) {
   bool pressed = false;
   for (int stop = 0; stop < beam_.stops(); ++stop) pressed = pressed || presses(stop);
   note_shortening(pressed);
-  if (pressed) neglected_ = shortening_;
+  if (pressed) neglected_ = shortening_ + stretching_;
 }
 
 /// A bar that bends and turns draws its points towards the hinge: the energy of that motion is what
@@ -128,6 +127,8 @@ void ModalMotion::note_shortening(bool pressed) {
   const double frame = turns ? beam_.rigid_part(state_.a, state_.rate).angle : 0.0;
   shortening_ =
       std::max(shortening_, beam_.shortening_energy(state_.a, state_.rate, frame) / energy_scale_);
+  if (pressed)
+    stretching_ = std::max(stretching_, beam_.stretching_energy(state_.a) / energy_scale_);
 }
 
 double ModalMotion::clear_time(std::span<const double> gaps) const {

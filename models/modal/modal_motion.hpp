@@ -134,7 +134,7 @@ class ModalMotion : public BarMotion {
   bool flies_;
   Flights flights_;
   double dropped_ = 0.0;  // by flights, against what the modes have it [J]
-  double shortening_ = 0.0, neglected_ = 0.0;
+  double shortening_ = 0.0, stretching_ = 0.0, neglected_ = 0.0;
 };
 
 }  // namespace impactrig::models

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
+
+#include "models/beams/bar_element.hpp"
 
 namespace impactrig::models {
 
@@ -27,6 +30,10 @@ class SmallMotionBeam {
 
   /// Displacement of a point under unit coordinates of small_motion(), closing > 0 (n).
   virtual Eigen::VectorXd small_motion_row(double x) const = 0;
+
+  /// Elements of which the bar of the full equations stretches where it bends unevenly: their axes
+  /// are cubics. Small motion does not know of it.
+  virtual std::vector<BarElement> stretching_elements() const { return {}; }
 };
 
 }  // namespace impactrig::models

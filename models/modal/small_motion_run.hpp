@@ -44,6 +44,7 @@ class SmallMotionRun {
   std::unique_ptr<StoppedMotion> stopped_;  // before a stop that gives way
   CollocationRun run_;
   std::unique_ptr<ModalSensitivities> sensitivities_;
+  double of_swing_ = 0.0;  // θ²/16: by how much a swing's period exceeds that of a small one
 };
 
 /// Small motion of a bar without a stop.

@@ -192,6 +192,58 @@ TEST(HardScene, AHingeIsStoppedWhereItComesToRest) {
   expect_accurate(rig, solver);
 }
 
+// A single element from hinge to tip stretches where it bends unevenly: full equations of that mesh
+// are stiffer by percents than its modes.
+TEST(HardScene, SmallMotionKnowsWhatUnevenBendingStretches) {
+  Rig rig = paper_rig();
+  rig.beam = round_bar(0.8, 0.003, 7e10, 2700.0);
+  rig.contact.position = 0.8;
+  rig.contact.law = "linear";
+  rig.contact.stiffness = 2500.0;
+  for (const double speed : {0.1, 0.5, 2.5}) {
+    rig.start.velocity = speed;
+    SimulationOptions small, full;
+    small.motion = Motion::small;
+    full.motion = Motion::full;
+    const Solver solver = ancf(1, 0, 1e-6, 0.03);
+    const Simulation run = simulate(rig, solver, small);
+    const Errors e = errors(run, simulate(rig, solver, full));
+    EXPECT_LT(std::max({e.peak, e.duration, e.impulse}), run.neglected) << speed;
+  }
+}
+
+// Between two nodes of a step, the highest place of the force's series was not that of the force.
+TEST(HardScene, ThePeakIsFoundWhereTheSeriesIsUnsure) {
+  Rig rig = paper_rig();
+  rig.beam = round_bar(0.8, 0.05072, 7e10, 2700.0);
+  rig.beam.masses = {{0.2, 0.002928}};
+  rig.hinge.spring = 9.07;
+  rig.contact.position = 0.4;
+  rig.contact.counterface = Counterface::plane;
+  rig.contact.radius = 0.05072;
+  rig.contact.exponent = 3;
+  rig.contact.modulus = rig.contact.counter_modulus = 7e10;
+  rig.contact.damping = "lankarani-nikravesh";
+  rig.contact.restitution = 0.6;
+  rig.start.velocity = 0.0145;
+  SimulationOptions small;
+  small.motion = Motion::small;
+  small.history.interval = 3e-7;
+  for (double accuracy = 1e-5; accuracy > 1e-6; accuracy *= 0.97) {
+    const Simulation run = simulate(rig, ancf(7, 8, accuracy, 3e-3), small);
+    EXPECT_LE(*std::ranges::max_element(run.history.force), run.peak_force * (1.0 + 1e-7));
+  }
+}
+
+TEST(HardScene, NumbersOutOfAllRangeAreTold) {
+  Rig rig = paper_rig();
+  for (const double speed : {1e200, 1e160, 1e-165, 1e-200}) {
+    rig.start.velocity = speed;
+    EXPECT_THAT([&] { simulate(rig, ancf(4, 1, 1e-6, 1e-3)); },
+                testing::ThrowsMessage<std::runtime_error>(HasSubstr("out of all range")));
+  }
+}
+
 // Beyond a tip that far outweighs its element the lowest modes drown in the rounding of the
 // highest: small motion had answered 4 % wrong.
 TEST(HardScene, ModesThatRoundingSpoilsAreNotUsed) {
