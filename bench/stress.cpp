@@ -526,7 +526,8 @@ std::string unsound(const models::Simulation& run) {
     if (e.start < before || e.end < e.start)
       return fmt::format("a contact from {:g} to {:g} s after one that ended at {:g} s", e.start,
                          e.end, before);
-    if (e.impulse < -1e-12 * run.impulse) return fmt::format("an impulse of {:g} N s", e.impulse);
+    if (e.impulse < -run.solver.accuracy * run.impulse)
+      return fmt::format("an impulse of {:g} N s", e.impulse);
     if (e.dissipated < -run.solver.accuracy * run.energy.initial)
       return fmt::format("a contact that gives {:g} J", -e.dissipated);
     if (e.stop == 0 && e.peak_force > run.peak_force)
