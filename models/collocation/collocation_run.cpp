@@ -25,7 +25,7 @@ constexpr double step_share = 0.1, step_share_of_modes = 1.0;
 // Of the step that would just be good enough, the next one.
 constexpr double step_safety = 0.8;
 // A first contact smaller than this part of its scales is to be solved again.
-constexpr double smallest_part = 0.1;
+constexpr double smallest_part = 0.01;
 // The energy of the first contact, as a multiple of what the bar first has to be stopped of.
 constexpr double most_of_local = 30.0;
 constexpr int most_iterations = 12;

@@ -60,7 +60,7 @@ class DenseMotion final : public BarMotion {
     matrix_ = Eigen::MatrixXcd::Zero(n_, n_);
     by_q_ = by_v_ = Matrix::Zero(n_, n_);
     by_force_ = to_point_ = Matrix::Zero(n_, std::max(rig.stops(), 1));
-    factors_.resize(kept_factors);
+    factors_.assign(kept_factors, Factor(n_, stops()));
     hinge_ = NodeVector::Zero(S);
   }
 
@@ -177,6 +177,13 @@ class DenseMotion final : public BarMotion {
 
   /// The linear systems of a step of one length, at the tangent at hand.
   struct Factor {
+    Factor(Eigen::Index size, int stops)
+        : pressed(static_cast<std::size_t>(stops)),
+          responses(pressed.size() * pressed.size()) {
+      for (auto& system : systems) system = Eigen::PartialPivLU<Eigen::MatrixXcd>(size);
+      for (auto& solution : pressed) solution.resize(size, pairs);
+    }
+
     double h = 0.0;  ///< 0: of an older tangent
     std::array<Eigen::PartialPivLU<Eigen::MatrixXcd>, pairs> systems;
     /// Under a unit force of each stop.
@@ -368,8 +375,6 @@ void DenseMotion<S>::make_factor(Factor& factor) {
     matrix_.diagonal().array() += 1.0;
     factor.systems[static_cast<std::size_t>(j)].compute(matrix_);
   }
-  factor.pressed.resize(static_cast<std::size_t>(stops()));
-  factor.responses.resize(factor.pressed.size() * factor.pressed.size());
   for (int stop = 0; stop < stops(); ++stop) respond_to(stop, factor);
 }
 
@@ -377,7 +382,6 @@ void DenseMotion<S>::make_factor(Factor& factor) {
 template <int S>
 void DenseMotion<S>::respond_to(int stop, Factor& factor) {
   auto& pressed = factor.pressed[static_cast<std::size_t>(stop)];
-  pressed.resize(n_, pairs);
   for (int j = 0; j < pairs; ++j) {
     projected_ = by_force_.col(stop).template cast<std::complex<double>>();
     solved_ = factor.systems[static_cast<std::size_t>(j)].solve(projected_);
