@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "models/beams/bar_element.hpp"
+#include "models/time_limit.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -48,9 +49,10 @@ double change_between(const Simulation& one, const Simulation& other) {
 class FirstContact {
  public:
   FirstContact(const Simulation& run, const Solver& solver, const SimulationOptions& options,
-               const SolveFully& solve)
+               const TimeLimit& limit, const SolveFully& solve)
       : solver_(solver),
         options_(options),
+        limit_(limit),
         solve_(solve) {
     const double until = 1.5 * run.episodes.front().end;
     solver_.duration = solver.duration ? std::min(*solver.duration, until) : until;
@@ -62,6 +64,7 @@ class FirstContact {
   std::optional<Simulation> at(double accuracy) const {
     Solver solver = solver_;
     solver.accuracy = accuracy;
+    solver.time_limit = std::min(solver.time_limit, limit_.left());
     try {
       Simulation run = solve_(solver, options_);
       if (first_contact_over(run)) return run;
@@ -74,6 +77,7 @@ class FirstContact {
  private:
   Solver solver_;
   SimulationOptions options_;
+  const TimeLimit& limit_;
   const SolveFully& solve_;
 };
 
@@ -92,11 +96,12 @@ std::string warning_of(double change, double mach) {
 
 Simulation solve_until_settled(const Rig& rig, const Solver& solver,
                                const SimulationOptions& options, const SolveFully& solve) {
+  const TimeLimit limit(solver.time_limit);
   Simulation run = solve(solver, options);
   if (!rig.has_stop() || solver.model == BeamModel::rigid || !first_contact_over(run)) return run;
   const double mach = tip_against_sound(rig);
   if (mach < much) return run;
-  const FirstContact first(run, solver, options, solve);
+  const FirstContact first(run, solver, options, limit, solve);
   const double coarse = std::min(apart * solver.accuracy, Solver::coarsest_accuracy);
   std::optional<Simulation> before = first.at(coarse);
   std::optional<double> change;
@@ -116,9 +121,14 @@ Simulation solve_until_settled(const Rig& rig, const Solver& solver,
     if (*change <= solver.accuracy) {
       Solver used = solver;
       used.accuracy = accuracy;
-      run = solve(used, options);
-      run.solver = solver;
-      return run;
+      used.time_limit = limit.left();
+      try {
+        Simulation settled = solve(used, options);
+        settled.solver = solver;
+        return settled;
+      } catch (const std::runtime_error&) {
+        break;  // no time is left for it
+      }
     }
     before = finer;
   }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -11,6 +13,7 @@
 #include "models/modal/small_motion_run.hpp"
 #include "models/settled_solution.hpp"
 #include "models/stop/stopped_motion.hpp"
+#include "models/time_limit.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -24,16 +27,25 @@ struct Solved {
   double smallness = 1.0;  ///< CollocationRun's
 };
 
-/// A first contact much smaller than it was taken for is solved again, so that its errors are
-/// compared with its own size.
+/// A first contact much smaller than it was taken for is solved again in the time that is left, so
+/// that its errors are compared with its own size.
 template <typename Solve>
 Simulation solve_to_size(Solver solver, const Solve& solve) {
+  const TimeLimit limit(solver.time_limit);
   Solved solved = solve(solver);
-  if (solved.smallness < 1.0) {
-    solver.accuracy = std::max(solved.smallness * solver.accuracy, Solver::finest_accuracy);
-    solved = solve(solver);
+  if (solved.smallness == 1.0) return std::move(solved.result);
+  solver.accuracy = std::max(solved.smallness * solver.accuracy, Solver::finest_accuracy);
+  solver.time_limit = limit.left();
+  try {
+    return solve(solver).result;
+  } catch (const std::runtime_error&) {
+    solved.result.warnings.push_back(fmt::format(
+        "the first contact is so small, for what the bar could give, that its errors may be {:.0f} "
+        "times the accuracy asked for, and solver.time_limit left no time to solve it again; state "
+        "a longer one",
+        1.0 / solved.smallness));
+    return std::move(solved.result);
   }
-  return std::move(solved.result);
 }
 
 /// The bar against its stop, if there is one.

@@ -16,6 +16,8 @@ class TimeLimit {
     return attempts % attempts_per_look == 0 && processor_time() > end_;
   }
 
+  double left() const { return end_ - processor_time(); }  ///< [s], negative when it is over
+
  private:
   static double processor_time() {
     timespec now{};
