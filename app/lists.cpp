@@ -13,10 +13,12 @@ namespace {
 void list_laws() {
   fmt::print("Elastic (contact.law)\n");
   for (const models::ElasticLawEntry& law : models::elastic_laws())
-    fmt::print("  {:<22}{}\n  {:<22}{}\n", law.name, law.description, "", law.source);
+    fmt::print("  {:<22}{}\n  {:<22}{}\n", law.text.name, law.text.description, "",
+               law.text.source);
   fmt::print("\nDamping (contact.damping): f = f0 (1 + d v/v_approach)\n");
   for (const models::DampingLaw& law : models::damping_laws())
-    fmt::print("  {:<22}{}\n  {:<22}{}\n", law.name, law.description, "", law.source);
+    fmt::print("  {:<22}{}\n  {:<22}{}\n", law.text.name, law.text.description, "",
+               law.text.source);
 }
 
 void list_formats() {

@@ -191,7 +191,7 @@ class SceneText {
         laws[static_cast<std::size_t>(choice(static_cast<int>(laws.size())))];
     double e = chance(0.05) ? 0.0 : chance(0.05) ? 1.0 : random_.uniform();
     e = std::max(e, damping.smallest_restitution);
-    add("damping = \"{}\"\nrestitution = {:.17g}", damping.name, e);
+    add("damping = \"{}\"\nrestitution = {:.17g}", damping.text.name, e);
   }
 
   void draw_start() {

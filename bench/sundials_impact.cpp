@@ -202,7 +202,9 @@ int events(double, N_Vector y, double* value, void* data) {
   const PointMotion p = equations.struck(y);
   const models::ContactForce& contact = equations.contact();
   value[0] = p.displacement;
-  value[1] = contact.phase() != Phase::free && contact.mu() > 0.0 ? contact.pull(p.velocity) : 1.0;
+  const double sign = contact.phase() == Phase::pressed ? 1.0 : -1.0;
+  value[1] =
+      contact.may_switch() ? sign * contact.switching(p.displacement, p.velocity).value : 1.0;
   return 0;
 }
 

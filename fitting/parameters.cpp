@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -17,6 +18,10 @@ models::Stop& stop_of(Rig& rig) {
   return rig.stop ? *rig.stop : rig.stop.emplace();
 }
 
+double& stated(std::optional<double>& value) {
+  return value ? *value : value.emplace();
+}
+
 constexpr std::array parameters = {
     PhysicalParameter{"contact.restitution", "1", 0.0, 1.0, false,
                       [](Rig& r) -> double& { return r.contact.restitution; }},
@@ -28,6 +33,12 @@ constexpr std::array parameters = {
                       [](Rig& r) -> double& { return r.contact.length; }},
     PhysicalParameter{"contact.stiffness", "N/m", 0.0, 0.0, false,
                       [](Rig& r) -> double& { return r.contact.stiffness; }},
+    PhysicalParameter{"contact.power", "1", 1.0, 5.0, false,
+                      [](Rig& r) -> double& { return r.contact.power; }},
+    PhysicalParameter{"contact.viscous", "N s/m", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return stated(r.contact.viscous); }},
+    PhysicalParameter{"contact.relaxation_time", "s", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return stated(r.contact.relaxation_time); }},
     PhysicalParameter{"contact.modulus", "Pa", 0.0, 0.0, false,
                       [](Rig& r) -> double& { return r.contact.modulus; }},
     PhysicalParameter{"contact.counter_modulus", "Pa", 0.0, 0.0, false,

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +14,7 @@
 #include <stdexcept>
 
 #include "fitting/toml_reader.hpp"
+#include "models/contact/damping_law.hpp"
 #include "models/contact/elastic_law.hpp"
 #include "models/mesh_error.hpp"
 
@@ -156,10 +158,10 @@ std::vector<Section> read_beam(TableReader& table, models::Rig& rig) {
   return sections;
 }
 
-void read_counterface(TableReader& table, models::Contact& contact) {
+void read_counterface(TableReader& table, bool needed, models::Contact& contact) {
   auto face = table.table("counterface");
   if (!face) {
-    if (contact.law != "linear")
+    if (needed)
       table.refuse("counterface",
                    "is missing; add counterface = { shape = \"groove\", radius = \"17.5 mm\" }");
     return;
@@ -170,6 +172,7 @@ void read_counterface(TableReader& table, models::Contact& contact) {
   contact.counterface = static_cast<models::Counterface>(*shape);
   if (contact.counterface == models::Counterface::plane) {
     face->quantity("radius", "m");
+    if (const auto depth = face->quantity("depth", "m")) contact.counter_depth = depth->value;
   } else {
     contact.counter_radius = face->required_quantity("radius", "m", "17.5 mm");
   }
@@ -184,6 +187,69 @@ std::size_t segment_at(const models::Beam& beam, double x) {
   return i;
 }
 
+/// Of the elastic law and of the damping law; an unknown one is told when the rig is validated.
+models::LawNeeds needs_of(const models::Contact& contact) {
+  const auto known = [](const auto& laws, std::string_view name) {
+    return std::ranges::find(laws, name, [](const auto& law) { return law.text.name; });
+  };
+  const auto elastic = known(models::elastic_laws(), contact.law);
+  const auto damping = known(models::damping_laws(), contact.damping);
+  models::LawNeeds needs;
+  if (elastic != models::elastic_laws().end()) needs = elastic->text.needs;
+  if (damping != models::damping_laws().end() &&
+      damping->text.form == models::DampingForm::hertzian)
+    needs.radii = needs.moduli = true;
+  return needs;
+}
+
+/// "1.6e10 N/m^1.5": factor and power of a power law; without a power that of a spring.
+void read_stiffness(TableReader& table, bool any_power, models::Contact& contact) {
+  if (!any_power) {
+    contact.stiffness = table.required_quantity("stiffness", "N/m", "1e8 N/m");
+    return;
+  }
+  const std::string text = table.text("stiffness").value_or("");
+  const std::size_t slash = text.rfind('/'), caret = text.rfind('^');
+  const bool split = slash != std::string::npos && caret != std::string::npos && slash < caret;
+  double power = 0.0;
+  const char* end = text.data() + text.size();
+  if (!split || std::from_chars(text.data() + caret + 1, end, power).ptr != end)
+    table.refuse("stiffness", fmt::format("expected a factor whose unit tells the power, for "
+                                          "example \"1.6e10 N/m^1.5\", found \"{}\"",
+                                          text));
+  try {
+    const double metres =
+        datasets::parse_quantity("1 " + text.substr(slash + 1, caret - slash - 1), "m").value;
+    contact.stiffness =
+        datasets::parse_quantity(text.substr(0, slash), "N").value / std::pow(metres, power);
+    contact.power = power;
+  } catch (const std::exception& error) {
+    table.refuse("stiffness", error.what());
+  }
+}
+
+/// What the damping law takes besides the restitution; then whether it needs that.
+bool read_damping(TableReader& table, models::Contact& contact) {
+  const auto value = [&](std::string_view key, std::string_view unit) -> std::optional<double> {
+    const auto quantity = table.quantity(key, unit);
+    return quantity ? std::optional(quantity->value) : std::nullopt;
+  };
+  contact.restitution_speed = value("restitution_speed", "m/s");
+  contact.viscous = value("viscous", "N.s/m");
+  contact.relaxation_time = value("relaxation_time", "s");
+  contact.effective_mass = value("effective_mass", "kg");
+  if (const auto tension = table.choice("tension", {"clip", "allow"}))
+    contact.tension = static_cast<models::Tension>(*tension);
+  const auto only_for = [&](std::string_view key, std::string_view law, bool stated) {
+    if (stated && contact.damping != law)
+      table.refuse(key, fmt::format("only the damping law \"{}\" takes it, this contact has \"{}\"",
+                                    law, contact.damping));
+  };
+  only_for("viscous", "viscous", contact.viscous.has_value());
+  only_for("relaxation_time", "kuwabara-kono", contact.relaxation_time.has_value());
+  return contact.damping != "none" && !contact.viscous && !contact.relaxation_time;
+}
+
 void read_contact(TableReader& table, const models::Rig& rig, const std::vector<Section>& sections,
                   models::Contact& contact) {
   contact.law = table.text("law").value_or(contact.law);
@@ -191,24 +257,22 @@ void read_contact(TableReader& table, const models::Rig& rig, const std::vector<
   contact.position = table.required_quantity("position", "m", "0.69 m");
   const std::size_t struck = segment_at(rig.beam, contact.position);
   const Section& section = sections[struck];
-  read_counterface(table, contact);
-  const bool line_contact = contact.law != "linear";
-  if (line_contact) {
+  const models::LawNeeds needs = needs_of(contact);
+  read_counterface(table, needs.radii, contact);
+  if (needs.length)
     contact.length = table.required_quantity("length", "m", "20 mm");
-  } else {
-    contact.stiffness = table.required_quantity("stiffness", "N/m", "1e8 N/m");
+  else
     contact.length = table.quantity("length", "m").value_or(datasets::UncertainValue{}).value;
-  }
-  if (line_contact && table.has("stiffness"))
-    table.refuse(
-        "stiffness",
-        fmt::format(
-            "only the law \"linear\" has a stiffness; \"{}\" follows from geometry and moduli, "
-            "scale it with stiffness_factor",
-            contact.law));
-  table.quantity("stiffness", "N/m");
+  if (needs.stiffness)
+    read_stiffness(table, needs.power, contact);
+  else if (table.has("stiffness"))
+    table.refuse("stiffness",
+                 fmt::format("the law \"{}\" follows from geometry and moduli; scale it with "
+                             "stiffness_factor, or take \"linear\" or "
+                             "\"lankarani-nikravesh-cylinder\"",
+                             contact.law));
   const auto radius = table.quantity("radius", "m");
-  if (!radius && section.radius == 0.0 && line_contact)
+  if (!radius && section.radius == 0.0 && needs.radii)
     table.refuse("radius",
                  "is missing; the section has no radius of its own, state that of the contact "
                  "patch, for example "
@@ -222,14 +286,17 @@ void read_contact(TableReader& table, const models::Rig& rig, const std::vector<
   contact.modulus = modulus ? modulus->value : beam_modulus;
   contact.poisson_ratio = table.number("poisson_ratio").value_or(rig.beam.poisson_ratio);
   const auto counter_modulus = table.quantity("counter_modulus", "Pa");
-  if (!counter_modulus && line_contact)
+  if (!counter_modulus && needs.moduli)
     table.refuse("counter_modulus", "is missing; add counter_modulus = \"68.952 GPa\"");
   if (counter_modulus) contact.counter_modulus = counter_modulus->value;
   contact.counter_poisson_ratio = table.number("counter_poisson_ratio").value_or(0.3);
   contact.exponent = table.integer("exponent").value_or(contact.exponent);
+  if (const auto unit = table.quantity("reference_length", "m"))
+    contact.reference_length = unit->value;
   contact.stiffness_factor = table.number("stiffness_factor").value_or(1.0);
+  const bool restitution_needed = read_damping(table, contact);
   const auto restitution = table.number("restitution");
-  if (!restitution && contact.damping != "none")
+  if (!restitution && restitution_needed)
     table.refuse("restitution", "is missing; add restitution = 0.5 (or damping = \"none\")");
   contact.restitution = restitution.value_or(1.0);
   table.finish();

@@ -57,7 +57,7 @@ Variable physics_variable(const PhysicalParameter& parameter, const RigFile& rig
   v.lower = parameter.upper > 0.0 ? parameter.lower : 0.05 * v.initial;
   v.upper = parameter.upper > 0.0 ? parameter.upper : 20.0 * v.initial;
   if (parameter.name == "contact.restitution")
-    v.lower = models::damping_law(rig.rig.contact.damping).smallest_restitution;
+    v.lower = models::damping_law(rig.rig.contact.damping).text.smallest_restitution;
   if (parameter.name == "contact.position") v.upper = rig.rig.beam.length;
   v.initial = std::clamp(v.initial, v.lower, v.upper);
   v.scale = parameter.unit == "1" ? 1.0 : v.initial;

@@ -44,6 +44,18 @@ void ContactLog::touch(int stop, double t, double speed, const ContactTotals& to
   last(stop) = {result_.episodes.size() - 1, totals, totals};
 }
 
+void ContactLog::slack(int stop, double t) {
+  if (last(stop).slack) return;
+  last(stop).slack = true;
+  if (slack_++ == 0) first_slack_ = t;
+}
+
+void ContactLog::lowest(double force, double t) {
+  if (force >= lowest_force_) return;
+  lowest_force_ = force;
+  lowest_at_ = t;
+}
+
 void ContactLog::deepest(int stop, double depth, const ContactTotals& totals,
                          const ContactForce& contact) {
   Episode& episode = result_.episodes[last(stop).episode];
@@ -66,7 +78,7 @@ void ContactLog::peak(int stop, double force, double t) {
 
 void ContactLog::separate(int stop, double t, double speed, const ContactTotals& totals,
                           ContactForce& contact) {
-  const auto& [number, at_start, at_deepest] = last(stop);
+  const auto& [number, at_start, at_deepest, slack] = last(stop);
   Episode& episode = result_.episodes[number];
   episode.end = t;
   episode.separation_velocity = -speed;
@@ -99,7 +111,7 @@ StopTotals ContactLog::sum_up(int stop) const {
 void ContactLog::conclude(int stop, double t, const ContactTotals& totals,
                           const ContactForce& contact, double penetration) {
   if (contact.phase() != ContactForce::Phase::free) {
-    const auto& [number, at_start, at_deepest] = last(stop);
+    const auto& [number, at_start, at_deepest, slack] = last(stop);
     Episode& episode = result_.episodes[number];
     episode.end = t;
     episode.separation_velocity = std::numeric_limits<double>::quiet_NaN();
@@ -112,6 +124,7 @@ void ContactLog::conclude(int stop, double t, const ContactTotals& totals,
   sum.dissipated = totals.dissipated;
   result_.energy.dissipated += totals.dissipated;
   if (!rig_.further_stops.empty()) result_.stops.push_back(sum);
+  tell_limits(stop, sum.max_penetration);
   if (stop > 0) return;
   result_.impulse = totals.impulse;
   result_.max_penetration = sum.max_penetration;
@@ -134,6 +147,32 @@ void ContactLog::conclude(double t, double damped, const BeamEnergy& energy,
   }
   warn_of_imbalance(accuracy_, result_);
   if (grazing_ > 0) tell_grazing();
+  tell_tension();
+}
+
+void ContactLog::tell_tension() {
+  if (slack_ > 0)
+    result_.warnings.push_back(
+        fmt::format("the damping law would have pulled in {} contact(s), first {:.4g} s after "
+                    "touch; the force was kept at zero until the gap opened. contact.tension = "
+                    "\"allow\" lets it pull.",
+                    slack_, first_slack_));
+  if (lowest_force_ < 0.0)
+    result_.warnings.push_back(
+        fmt::format("the contact pulls with up to {:.4g} N, {:.4g} s after touch, as "
+                    "contact.tension = \"allow\" has it.",
+                    -lowest_force_, lowest_at_));
+}
+
+/// Beyond what the elastic law holds for, and what its units leave open.
+void ContactLog::tell_limits(int stop, double depth) {
+  if (!(depth > 0.0)) return;
+  const Contact& contact = rig_.contact_of(stop);
+  const std::string where = stop == 0 ? "" : fmt::format("contacts[{}]: ", stop - 1);
+  for (const std::string& limit : elastic_limits(contact, depth))
+    result_.warnings.push_back(where + limit + ".");
+  if (const std::string unit = unit_dependence(contact, depth); !unit.empty())
+    result_.warnings.push_back(where + unit);
 }
 
 void ContactLog::tell_grazing() {

@@ -31,6 +31,12 @@ class ContactLog {
   void separate(int stop, double t, double speed, const ContactTotals& totals,
                 ContactForce& contact);
 
+  /// The laws begin to pull at a stop, whose force is kept at zero [s].
+  void slack(int stop, double t);
+
+  /// A force reached where contacts may pull [N], [s].
+  void lowest(double force, double t);
+
   /// A depth reached; kept when it is the deepest of the stop's episode. Throws std::runtime_error
   /// when it is beyond the range of the elastic law.
   void deepest(int stop, double depth, const ContactTotals& totals, const ContactForce& contact);
@@ -62,6 +68,7 @@ class ContactLog {
   struct Last {
     std::size_t episode = 0;
     ContactTotals at_start, at_deepest;
+    bool slack = false;
   };
 
   const Last& last(int stop) const { return last_[static_cast<std::size_t>(stop)]; }
@@ -70,6 +77,8 @@ class ContactLog {
 
   StopTotals sum_up(int stop) const;
   void tell_grazing();
+  void tell_tension();
+  void tell_limits(int stop, double depth);
 
   const Rig& rig_;
   double accuracy_;
@@ -77,6 +86,9 @@ class ContactLog {
   double energy_at_touch_ = 0.0;
   std::vector<Last> last_;  // of each stop
   long grazing_ = 0;
+  std::size_t slack_ = 0;     // episodes in which the laws would have pulled
+  double first_slack_ = 0.0;  // when first [s]
+  double lowest_force_ = 0.0, lowest_at_ = 0.0;
 };
 
 /// Enters where the energy is at the end of a run, with what the audit holds already: initial,

@@ -16,19 +16,19 @@ void read(const LaneRow* rows, int lane, auto& values) {
   for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = rows[i].at[lane];
 }
 
-/// False for a law that solve_steps() does not know.
-bool write_law(const ElasticLaw& law, StepLanes& rows, int lane) {
-  if (const auto* goldsmith = std::get_if<Goldsmith>(&law)) {
-    rows.compliance.at[lane] = goldsmith->compliance;
-    rows.limit_force.at[lane] = goldsmith->limit_force;
+/// False for laws that solve_steps() does not know.
+bool write_law(const ContactForce& contact, StepLanes& rows, int lane) {
+  if (contact.form() != DampingForm::proportional || contact.may_pull()) return false;
+  if (const auto* line = std::get_if<LogarithmicContact<>>(&contact.law())) {
+    rows.compliance.at[lane] = line->compliance;
+    rows.limit_force.at[lane] = line->limit_force;
     return true;
   }
-  if (const auto* linear = std::get_if<LinearContact>(&law)) {
-    rows.compliance.at[lane] = 0.0;
-    rows.spring.at[lane] = linear->spring;
-    return true;
-  }
-  return false;
+  const auto* power = std::get_if<PowerContact<>>(&contact.law());
+  if (!power || power->power != 1.0) return false;
+  rows.compliance.at[lane] = 0.0;
+  rows.spring.at[lane] = power->factor;
+  return true;
 }
 
 }  // namespace
@@ -52,8 +52,7 @@ void LaneRuns::drop(Lane& lane, int number) {
 void LaneRuns::begin(Lane& lane, int number) {
   SmallMotionRun& run = *lane.job->run;
   run.run().begin();
-  lane.known_law =
-      run.faces_single_rigid_stop() && write_law(run.run().contact().law(), rows(), number);
+  lane.known_law = run.faces_single_rigid_stop() && write_law(run.run().contact(), rows(), number);
   write(rows().struck, number, run.bar().modes().struck());
   rows().tolerance.at[number] = run.run().newton_tolerance();
 }
@@ -84,7 +83,7 @@ void LaneRuns::propose(Lane& lane, int number) {
   const ContactForce::Phase phase = run.contact().phase();
   rows().pressed.at[number] = phase == ContactForce::Phase::pressed ? 1.0 : 0.0;
   rows().slack.at[number] = phase == ContactForce::Phase::slack ? 1.0 : 0.0;
-  rows().mu.at[number] = run.contact().mu();
+  rows().mu.at[number] = run.contact().strength();
 }
 
 void LaneRuns::read_solution(Lane& lane, int number) {

@@ -86,34 +86,34 @@ void validate_beam(const Beam& beam) {
   }
 }
 
-void validate_contact(const Contact& contact, const Beam& beam) {
-  require_positive("contact.position", contact.position, "m");
-  if (contact.position > beam.length)
-    refuse(
-        "contact.position",
-        fmt::format("the struck point, {:g} m from the hinge, lies beyond the bar's end at {:g} m",
-                    contact.position, beam.length));
-  if (!(contact.restitution >= 0.0 && contact.restitution <= 1.0))
-    refuse("contact.restitution",
-           fmt::format("must lie between 0 and 1, found {:g}", contact.restitution));
-  const DampingLaw& damping = damping_law(contact.damping);
+void validate_damping(const Contact& contact) {
+  const DampingLawText& damping = damping_law(contact.damping).text;
   if (contact.restitution < damping.smallest_restitution)
     refuse("contact.restitution",
            fmt::format("{:g} needs more damping than the law '{}' can give; use {:g} or more",
                        contact.restitution, damping.name, damping.smallest_restitution));
-  require_positive("contact.stiffness_factor", contact.stiffness_factor, "");
-  if (contact.law == "linear") {
-    require_positive("contact.stiffness", contact.stiffness, "N/m");
-    return;
-  }
-  require_positive("contact.length", contact.length, "m");
-  require_positive("contact.radius", contact.radius, "m");
+  if (contact.restitution_speed)
+    require_positive("contact.restitution_speed", *contact.restitution_speed, "m/s");
+  if (contact.effective_mass)
+    require_positive("contact.effective_mass", *contact.effective_mass, "kg");
+  if (contact.viscous) require_not_negative("contact.viscous", *contact.viscous, "N s/m");
+  if (contact.relaxation_time)
+    require_not_negative("contact.relaxation_time", *contact.relaxation_time, "s");
+}
+
+void validate_moduli(const Contact& contact) {
   require_positive("contact.modulus", contact.modulus, "Pa");
   require_positive("contact.counter_modulus", contact.counter_modulus, "Pa");
   for (const auto& [key, nu] :
        {std::pair{"contact.poisson_ratio", contact.poisson_ratio},
         std::pair{"contact.counter_poisson_ratio", contact.counter_poisson_ratio}})
     require_poisson_ratio(key, nu);
+}
+
+void validate_radii(const Contact& contact) {
+  require_positive("contact.radius", contact.radius, "m");
+  if (contact.reference_length)
+    require_positive("contact.reference_length", *contact.reference_length, "m");
   if (contact.exponent != 1 && contact.exponent != 3)
     refuse("contact.exponent",
            fmt::format("must be 1 (as the paper prints it) or 3 (consistent in units), found {}",
@@ -125,6 +125,30 @@ void validate_contact(const Contact& contact, const Beam& beam) {
            fmt::format(
                "a groove of radius {:g} m cannot take a bar of radius {:g} m; it must be wider",
                contact.counter_radius, contact.radius));
+}
+
+void validate_contact(const Contact& contact, const Beam& beam) {
+  require_positive("contact.position", contact.position, "m");
+  if (contact.position > beam.length)
+    refuse(
+        "contact.position",
+        fmt::format("the struck point, {:g} m from the hinge, lies beyond the bar's end at {:g} m",
+                    contact.position, beam.length));
+  if (!(contact.restitution >= 0.0 && contact.restitution <= 1.0))
+    refuse("contact.restitution",
+           fmt::format("must lie between 0 and 1, found {:g}", contact.restitution));
+  validate_damping(contact);
+  require_positive("contact.stiffness_factor", contact.stiffness_factor, "");
+  const LawNeeds& needs = elastic_law_entry(contact.law).text.needs;
+  if (needs.stiffness)
+    require_positive("contact.stiffness", contact.stiffness, needs.power ? "N/m^n" : "N/m");
+  if (needs.power && !(contact.power >= 1.0 && contact.power <= 5.0))
+    refuse("contact.power", fmt::format("must lie between 1 and 5, found {:g}", contact.power));
+  if (needs.length) require_positive("contact.length", contact.length, "m");
+  if (needs.moduli || damping_law(contact.damping).text.form == DampingForm::hertzian)
+    validate_moduli(contact);
+  if (needs.radii || damping_law(contact.damping).text.form == DampingForm::hertzian)
+    validate_radii(contact);
 }
 
 void validate_stop(const Stop& stop) {
@@ -301,6 +325,11 @@ double Beam::hinge_inertia() const {
   });
   for (const LumpedMass& lump : masses) sum += lump.mass * lump.position * lump.position;
   return sum;
+}
+
+double Rig::effective_mass(int number) const {
+  const double arm = contact_of(number).position;
+  return beam.hinge_inertia() / (arm * arm);
 }
 
 const Contact& Rig::contact_of(int number) const {

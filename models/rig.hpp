@@ -101,22 +101,35 @@ struct Hinge {
 
 enum class Counterface { groove, cylinder, plane };
 
+/// What becomes of a contact force that would pull.
+enum class Tension { clip, allow };
+
 /// The line contact between the bar's side and the stop.
 struct Contact {
   double position = 0.0;  ///< L_p, hinge to struck point [m]
   Counterface counterface = Counterface::groove;
   double radius = 0.0;                        ///< R_1 of the bar's contact patch [m]
   double counter_radius = 0.0;                ///< R_2 of groove or cylinder [m]
+  double counter_depth = 0.0;                 ///< of a plane, down to what holds it; 0: none [m]
   double length = 0.0;                        ///< h, length of the line [m]
   double modulus = 0.0, poisson_ratio = 0.0;  ///< bar [Pa], [-]
   double counter_modulus = 0.0, counter_poisson_ratio = 0.0;  ///< stop [Pa], [-]
   /// A name of elastic_laws(), or "none": there is no stop, and `position` is just a place.
   std::string law = "goldsmith";
-  int exponent = 1;        ///< of the length in the logarithm: 1 (the paper) or 3 (consistent)
-  double stiffness = 0.0;  ///< law "linear" [N/m]
+  int exponent = 1;  ///< of the length in Goldsmith's logarithm: 1 (the paper) or 3 (consistent)
+  std::optional<double> reference_length = {};  ///< the unit of exponent 1; none: 1 m, told [m]
+  double stiffness = 0.0;                       ///< K of laws that take it [N/mⁿ]
+  double power = 1.0;                           ///< n of those [-]
   double stiffness_factor = 1.0;                ///< on the force at equal penetration [-]
   std::string damping = "lankarani-nikravesh";  ///< a name of damping_laws()
   double restitution = 1.0;                     ///< e in the damping law [-]
+  /// The speed at which e is meant, for all contacts; none: as the damping law has it [m/s].
+  std::optional<double> restitution_speed = {};
+  std::optional<double> viscous = {};          ///< c of the law "viscous"; none: of e [N s/m]
+  std::optional<double> relaxation_time = {};  ///< τ of the law "kuwabara-kono"; none: of e [s]
+  /// For damping laws made of a damping ratio; none: of the rigid bar about its hinge [kg].
+  std::optional<double> effective_mass = {};
+  Tension tension = Tension::clip;
 
   bool operator==(const Contact&) const = default;
 };
@@ -174,6 +187,9 @@ struct Rig {
   int stops() const { return has_stop() ? 1 + static_cast<int>(further_stops.size()) : 0; }
 
   const Contact& contact_of(int number) const;
+
+  /// Of the rigid bar about its hinge, seen from a struck point: I / x² [kg].
+  double effective_mass(int number) const;
 
   /// Parts of gravity from the hinge to the tip and towards closing, of the bar at touch [m/s^2].
   double gravity_along() const;

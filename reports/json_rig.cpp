@@ -5,6 +5,15 @@ namespace impactrig::reports {
 
 namespace {
 
+Json or_null(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+std::optional<double> if_stated(const JsonReader& json, const std::string& key) {
+  if (!json.has(key)) return std::nullopt;
+  return json[key].number();
+}
+
 Json contact_json(const models::Contact& contact) {
   const char* counterface = contact.counterface == models::Counterface::groove     ? "groove"
                             : contact.counterface == models::Counterface::cylinder ? "cylinder"
@@ -13,6 +22,7 @@ Json contact_json(const models::Contact& contact) {
           {"counterface", counterface},
           {"radius_m", contact.radius},
           {"counter_radius_m", contact.counter_radius},
+          {"counter_depth_m", contact.counter_depth},
           {"length_m", contact.length},
           {"modulus_pa", contact.modulus},
           {"poisson_ratio", contact.poisson_ratio},
@@ -20,10 +30,17 @@ Json contact_json(const models::Contact& contact) {
           {"counter_poisson_ratio", contact.counter_poisson_ratio},
           {"law", contact.law},
           {"exponent", contact.exponent},
+          {"reference_length_m", or_null(contact.reference_length)},
           {"stiffness_n_m", contact.stiffness},
+          {"power", contact.power},
           {"stiffness_factor", contact.stiffness_factor},
           {"damping", contact.damping},
-          {"restitution", contact.restitution}};
+          {"restitution", contact.restitution},
+          {"restitution_speed_m_s", or_null(contact.restitution_speed)},
+          {"viscous_n_s_m", or_null(contact.viscous)},
+          {"relaxation_time_s", or_null(contact.relaxation_time)},
+          {"effective_mass_kg", or_null(contact.effective_mass)},
+          {"tension", contact.tension == models::Tension::clip ? "clip" : "allow"}};
 }
 
 models::Contact contact_from(const JsonReader& json) {
@@ -51,6 +68,15 @@ models::Contact contact_from(const JsonReader& json) {
   contact.stiffness_factor = json["stiffness_factor"].number();
   contact.damping = json["damping"].text();
   contact.restitution = json["restitution"].number();
+  contact.counter_depth = if_stated(json, "counter_depth_m").value_or(0.0);
+  contact.power = if_stated(json, "power").value_or(1.0);
+  contact.reference_length = if_stated(json, "reference_length_m");
+  contact.restitution_speed = if_stated(json, "restitution_speed_m_s");
+  contact.viscous = if_stated(json, "viscous_n_s_m");
+  contact.relaxation_time = if_stated(json, "relaxation_time_s");
+  contact.effective_mass = if_stated(json, "effective_mass_kg");
+  if (json.has("tension") && json["tension"].text() == "allow")
+    contact.tension = models::Tension::allow;
   return contact;
 }
 

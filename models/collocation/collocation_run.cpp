@@ -56,7 +56,15 @@ Loading loading(const Rig& rig, const Solver& solver, const ContactPoint& point,
     time = std::min(time, std::pow(mass / stiffness, 2.0 / 3.0));
   }
   // strong damping presses with full force earlier
-  return {time / (1.0 + contact.damping_factor()), kinetic * std::pow(time / whole, 2)};
+  return {time / (1.0 + contact.damping_share(approach, depth)),
+          kinetic * std::pow(time / whole, 2)};
+}
+
+/// What the law's curvature leaves of a correction by these [N].
+double left_of(const ContactForce::Response& law, double depth, double deeper, double faster) {
+  return std::abs(deeper) *
+             (std::abs(law.to_depth * deeper / depth) + std::abs(law.mixed * faster)) +
+         std::abs(law.bend) * faster * faster;
 }
 
 }  // namespace
@@ -90,19 +98,19 @@ double CollocationRun::newton_tolerance(const ContactPoint& point) const {
 /// Newton's method for the change of a stop's force at the nodes that brings it to the contact law,
 /// when the point before it moves as the bar told without the change; false when it does not
 /// converge. It ends when what the law's curvature leaves of the last change is below the
-/// tolerance: with df/dδ = k, about k Δδ² / δ and k μ Δδ Δδ̇.
+/// tolerance: with df/dδ = k, about k Δδ² / δ and ∂²f/∂δ∂δ̇ Δδ Δδ̇.
 bool CollocationRun::solve_force(ContactPoint& point, StopStep& step) {
   const int s = rule_.nodes();
   const BarMotion::Response& response = bar_.response(point.number(), point.number());
   const double tolerance = newton_tolerance(point);
   NodeVector residual(s), depth = step.displacement, rate = step.velocity;
   NodeMatrix jacobian(s, s);
+  std::array<ContactForce::Response, most_nodes> laws;
   NodeVector& change = step.change;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    NodeVector stiffness(s);
     for (int i = 0; i < s; ++i) {
       const ContactForce::Response law = point.contact().pressed(depth[i], rate[i]);
-      stiffness[i] = law.to_depth;
+      laws[i] = law;
       residual[i] = step.force[i] + change[i] - law.force;
       jacobian.row(i) = -law.to_depth * response.displacement_of_force.row(i) -
                         law.to_rate * response.velocity_of_force.row(i);
@@ -115,9 +123,7 @@ bool CollocationRun::solve_force(ContactPoint& point, StopStep& step) {
     const NodeVector faster = response.velocity_of_force * correction;
     double left = 0.0;
     for (int i = 0; i < s; ++i) {
-      const double curvature =
-          std::abs(deeper[i] / depth[i]) + std::abs(point.contact().mu() * faster[i]);
-      left = std::max(left, std::abs(stiffness[i] * deeper[i]) * curvature);
+      left = std::max(left, left_of(laws[i], depth[i], deeper[i], faster[i]));
     }
     if (!std::isfinite(left)) return false;
     if (left <= tolerance) return true;
@@ -135,10 +141,10 @@ void CollocationRun::linearise(ContactPoint& point) {
   const int first = point.number() * s;
   for (int i = 0; i < s; ++i) {
     const ContactForce::Response law = point.contact().pressed(own.depth[i], own.rate[i]);
-    own.stiffness[i] = law.to_depth;
+    own.law[i] = law;
     equations_.residual[first + i] = step.force[i] + step.change[i] - law.force;
     for (const ContactPoint& other : points_) {
-      if (other.phase() != Phase::pressed) continue;
+      if (!other.contact().presses()) continue;
       const BarMotion::Response& response = bar_.response(point.number(), other.number());
       equations_.jacobian.block(first + i, other.number() * s, 1, s) =
           -law.to_depth * response.displacement_of_force.row(i) -
@@ -162,11 +168,8 @@ double CollocationRun::correct(ContactPoint& point) {
     faster += response.velocity_of_force * correction;
   }
   double left = 0.0;
-  for (int i = 0; i < s; ++i) {
-    const double curvature =
-        std::abs(deeper[i] / own.depth[i]) + std::abs(point.contact().mu() * faster[i]);
-    left = std::max(left, std::abs(own.stiffness[i] * deeper[i]) * curvature);
-  }
+  for (int i = 0; i < s; ++i)
+    left = std::max(left, left_of(own.law[i], own.depth[i], deeper[i], faster[i]));
   step_of(point).change -= equations_.correction.segment(point.number() * s, s);
   own.depth -= deeper;
   own.rate -= faster;
@@ -181,13 +184,12 @@ bool CollocationRun::solve_forces() {
     Together& own = together_[static_cast<std::size_t>(point.number())];
     own.depth = step_of(point).displacement;
     own.rate = step_of(point).velocity;
-    own.stiffness.resize(s);
   }
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     equations_.residual.setZero(n);
     equations_.jacobian.setIdentity(n, n);
     for (ContactPoint& point : points_) {
-      if (point.phase() != Phase::pressed) continue;
+      if (!point.contact().presses()) continue;
       equations_.jacobian.middleRows(point.number() * s, s).setZero();
       linearise(point);
     }
@@ -195,7 +197,7 @@ bool CollocationRun::solve_forces() {
     equations_.correction = equations_.factor.solve(equations_.residual);
     bool close = true;
     for (ContactPoint& point : points_) {
-      if (point.phase() != Phase::pressed) continue;
+      if (!point.contact().presses()) continue;
       const double left = correct(point);
       if (!std::isfinite(left)) return false;
       close = close && left <= newton_tolerance(point);
@@ -207,7 +209,7 @@ bool CollocationRun::solve_forces() {
 
 /// Brings the forces to the contact laws where they press; false when that fails.
 bool CollocationRun::press() {
-  const auto pressed = [](const ContactPoint& point) { return point.phase() == Phase::pressed; };
+  const auto pressed = [](const ContactPoint& point) { return point.contact().presses(); };
   const auto count = std::ranges::count_if(points_, pressed);
   if (count == 0) return true;
   for (StopStep& step : steps_) step.change.setZero(rule_.nodes());
@@ -371,10 +373,10 @@ void CollocationRun::take_attempt() {
     using Following = ModalSensitivities::End;
     using Event = ContactPoint::Event;
     const Event event = points_.front().event();
-    followed_->take(tried_.part, tried_.end == End::run ? Following::time
-                                 : event == Event::gap  ? Following::gap
-                                 : event == Event::pull ? Following::pull
-                                                        : Following::step);
+    followed_->take(tried_.part, tried_.end == End::run   ? Following::time
+                                 : event == Event::gap    ? Following::gap
+                                 : event == Event::change ? Following::change
+                                                          : Following::step);
   }
   bar_.take(tried_.part);
   for (ContactPoint& point : points_)
@@ -399,8 +401,9 @@ void CollocationRun::sample_history(
   samples_.resize(static_cast<std::size_t>((reach - next) / history.interval) + 1);
   look(first, history.interval);
   const auto force = [&](const ContactPoint& point, const PointMotion& p) {
+    const double there = point.contact().force(p.displacement, p.velocity);
     // at a phase's end rounding may put the sample just beyond it, where the law would pull
-    return std::max(point.contact().force(p.displacement, p.velocity), 0.0);
+    return point.contact().may_pull() ? there : std::max(there, 0.0);
   };
   for (const BarMotion::Sample& sample : samples_) {
     history.force.push_back(force(points_.front(), sample.struck));
@@ -433,7 +436,8 @@ void CollocationRun::set_scales() {
     point.set_local_energy(load.energy);
     scales.contact_time = std::min(scales.contact_time, load.time);
     scales.energy = std::min(scales.energy, load.energy);
-    scales.damping = std::max(scales.damping, point.contact().damping_factor() / speed);
+    scales.damping =
+        std::max(scales.damping, point.contact().damping_share(speed, point.depth()) / speed);
   }
   if (!std::isfinite(energy_scale_ + points_.front().force_scale()) || energy_scale_ <= 0.0 ||
       !(points_.front().depth() > 0.0))
@@ -496,7 +500,7 @@ int CollocationRun::level_after_rejection(int level) const {
                             : 0.25;
   const int by_error = std::max(level + 1, bar_.ladder().level_below(factor * bar_.step()));
   const auto opens = [](const ContactPoint& point) {
-    return point.event() == ContactPoint::Event::gap && point.phase() == Phase::pressed;
+    return point.event() == ContactPoint::Event::gap && point.contact().presses();
   };
   if (std::ranges::none_of(points_, opens)) return by_error;
   // hardly beyond the contact's end, where the law does not go on smoothly, or all of that way
@@ -527,8 +531,9 @@ bool CollocationRun::leave_event(ContactPoint& point) {
                     contact);
       if (followed_ && result_.episodes.size() == 1) followed_->separate(result_);
       return false;
-    case Event::pull:
-      contact.set_phase(contact.phase() == Phase::pressed ? Phase::slack : Phase::pressed);
+    case Event::change:
+      contact.set_phase(contact.switched());
+      if (contact.phase() == Phase::slack) log_.slack(point.number(), t_ - time_of_touch_);
       return true;
   }
   return false;

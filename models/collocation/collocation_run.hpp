@@ -90,7 +90,8 @@ class CollocationRun {
 
   /// A stop under the forces found so far, and df/dδ, at the nodes.
   struct Together {
-    NodeVector depth, rate, stiffness;
+    NodeVector depth, rate;
+    std::array<ContactForce::Response, most_nodes> law;
   };
 
   const StopStep& step_of(const ContactPoint& point) const {

@@ -23,7 +23,7 @@ ContactPoint::ContactPoint(const Rig& rig, int number, BarMotion& bar, StopStep&
       rule_(bar.rule()),
       step_(step),
       log_(log),
-      contact_(rig.contact_of(number)) {}
+      contact_(rig, number) {}
 
 void ContactPoint::set_scales(double energy, double approach, double accuracy) {
   // a bar that turns about its hinge goes no deeper than the point is far from it
@@ -36,7 +36,7 @@ void ContactPoint::set_scales(double energy, double approach, double accuracy) {
 void ContactPoint::predict_force() {
   const int s = rule_.nodes();
   step_.force.setZero(s);
-  if (last_series_.size() == 0 || contact_.phase() != Phase::pressed) return;
+  if (last_series_.size() == 0 || !contact_.presses()) return;
   const int terms = std::min(std::max(4, s - 2), 6);
   NodeVector legendre(terms);
   for (int i = 0; i < s; ++i) {
@@ -60,7 +60,11 @@ void ContactPoint::complete() {
 /// it makes; at most all. It changes sign about twice a node, so that speed gathers little of it.
 double ContactPoint::answer() const {
   const double stiffness = (step_.force.array() / step_.displacement.array()).abs().maxCoeff();
-  const double damping = contact_.mu() * step_.force.cwiseAbs().maxCoeff() / (2.0 * rule_.nodes());
+  double most = 0.0;
+  if (contact_.damped())
+    for (int i = 0; i < rule_.nodes(); ++i)
+      most = std::max(most, contact_.pressed(step_.displacement[i], step_.velocity[i]).to_rate);
+  const double damping = most / (2.0 * rule_.nodes());
   const BarMotion::Response& response = bar_.response(number_, number_);
   return std::min(1.0, stiffness * response.most_displacement + damping * response.most_velocity);
 }
@@ -74,7 +78,7 @@ double ContactPoint::force_error(double impulse, double energy) const {
 }
 
 double ContactPoint::motion_error() const {
-  if (contact_.phase() == Phase::pressed) return 0.0;
+  if (contact_.presses()) return 0.0;
   const int s = rule_.nodes();
   const double gap =
       std::min(std::abs(struck().displacement), step_.displacement.cwiseAbs().minCoeff());

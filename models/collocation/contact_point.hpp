@@ -13,7 +13,7 @@ namespace impactrig::models {
 /// ends, contact_point_observe.cpp keeps extrema and sums.
 class ContactPoint {
  public:
-  enum class Event { none, gap, pull };
+  enum class Event { none, gap, change };
   using Phase = ContactForce::Phase;
 
   /// `step` is to hold what a step does at the stop; none of the arguments is owned.
@@ -119,13 +119,14 @@ class ContactPoint {
   PointMotion seen(const PointMotion& p) const { return {p.displacement - gap_, p.velocity}; }
 
   double gap_between(double before, const PointMotion& p0, double here, const PointMotion& p1);
-  double pull_between(double before, double here, const PointMotion& p1);
+  double switch_between(double before, double here, const PointMotion& p1);
   double root_of_gap(double low, double at_low, double guess, double high);
   double answer() const;
   double integral(const NodeVector& at_nodes, double part) const;
   void note_peak(double force, double part);
   Rates observe_peak(double low, double high);
   void observe_deepest(double part, double depth);
+  void observe_ends(double part);
   void observe_turn(double before, const PointMotion& p0, double here, const PointMotion& p1);
 
   int number_;

@@ -56,15 +56,17 @@ double ContactPoint::gap_between(double before, const PointMotion& p0, double he
   return sign * there > 0.0 ? root(place, there) : 2.0;
 }
 
-/// Likewise where the law begins or ceases to pull.
-double ContactPoint::pull_between(double before, double here, const PointMotion& p1) {
-  if (contact_.phase() == Phase::free || !(contact_.mu() > 0.0)) return 2.0;
-  const double turns = contact_.phase() == Phase::pressed ? -1.0 : 1.0;
-  if (!(turns * contact_.pull(p1.velocity) > 0.0)) return 2.0;
+/// Likewise where the laws begin or cease to act.
+double ContactPoint::switch_between(double before, double here, const PointMotion& p1) {
+  if (!contact_.may_switch()) return 2.0;
+  const auto beyond = [&](const PointMotion& p) {
+    return contact_.switching(p.displacement, p.velocity).value < 0.0;
+  };
+  if (!beyond(p1)) return 2.0;
   double low = before, high = here;
   for (int k = 0; k < 60 && high - low > 1e-14; ++k) {
     const double middle = 0.5 * (low + high);
-    (turns * contact_.pull(struck_at(middle).velocity) > 0.0 ? high : low) = middle;
+    (beyond(struck_at(middle)) ? high : low) = middle;
   }
   return high;
 }
@@ -80,10 +82,10 @@ void ContactPoint::find_event() {
     const PointMotion p1 =
         i < s ? PointMotion{step_.displacement[i], step_.velocity[i]} : step_.at_end;
     const double gap = gap_between(before, p0, here, p1);
-    const double pull = pull_between(before, here, p1);
-    if (gap <= 1.0 || pull <= 1.0) {
-      event_ = gap <= pull ? Event::gap : Event::pull;
-      event_part_ = std::min(gap, pull);
+    const double change = switch_between(before, here, p1);
+    if (gap <= 1.0 || change <= 1.0) {
+      event_ = gap <= change ? Event::gap : Event::change;
+      event_part_ = std::min(gap, change);
       return;
     }
     before = here;

@@ -89,16 +89,29 @@ ContactPoint::Rates ContactPoint::observe_peak(double low, double high) {
   return rates;
 }
 
+/// Forces that begin or end with a jump.
+void ContactPoint::observe_ends(double part) {
+  const double h = bar_.step();
+  const PointMotion first = struck();
+  note_peak(contact_.force(first.displacement, first.velocity), 0.0);
+  if (!contact_.may_pull()) return;
+  const PointMotion last = part < 1.0 ? struck_at(part) : step_.at_end;
+  for (int i = 0; i < rule_.nodes(); ++i)
+    if (rule_.points()[i] < part) log_.lowest(step_.force[i], begun_ + rule_.points()[i] * h);
+  log_.lowest(contact_.force(last.displacement, last.velocity), begun_ + part * h);
+}
+
 /// Peak force and deepest penetration of the part of the step that is taken, between its beginning,
 /// the nodes and its end.
 void ContactPoint::observe(double begun, double part) {
   begun_ = begun;
   if (contact_.phase() == Phase::free) return;
   const int s = rule_.nodes();
-  const bool pressed = contact_.phase() == Phase::pressed;
+  const bool pressed = contact_.presses();
   rates_.noalias() = rule_.rates() * step_.force_series;
   const double unsure = s * s * step_.force_series.tail<2>().norm();  // of rates
   peak_part_ = -1.0;
+  if (pressed && contact_.form() != DampingForm::proportional) observe_ends(part);
 
   struct {
     double force, place;
@@ -159,7 +172,7 @@ void ContactPoint::add_to_totals(double part) {
 }
 
 void ContactPoint::keep_series(double part, bool ended) {
-  if (!ended && contact_.phase() == Phase::pressed)
+  if (!ended && contact_.presses())
     last_series_ = step_.force_series;
   else
     drop_series();

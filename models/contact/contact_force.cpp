@@ -2,65 +2,249 @@
 #include "models/contact/contact_force.hpp"
 
 #include <algorithm>
+#include <boost/math/tools/roots.hpp>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
 
-#include "models/contact/damping_law.hpp"
+#include "models/contact/free_impact.hpp"
 
 namespace impactrig::models {
+namespace {
 
-ContactForce::ContactForce(const Contact& contact)
-    : law_(elastic_law(contact)),
-      factor_(damping_law(contact.damping).factor(contact.restitution)) {}
+// Depths below it are as good as touch [m].
+constexpr double least_depth = 1e-100;
 
-double ContactForce::stored(double penetration) const {
-  return std::visit([&](const auto& law) { return law.energy(penetration); }, law_);
+double sphere_stiffness(const Contact& contact) {
+  Contact sphere = contact;
+  sphere.law = "hertz-point";
+  return std::get<PowerContact<>>(elastic_law(sphere)).factor;
 }
 
-double ContactForce::limit_penetration() const {
-  return std::visit([](const auto& law) { return law.limit_penetration(); }, law_);
+}  // namespace
+
+ContactForce::ContactForce(const Contact& contact, double mass)
+    : law_(elastic_law(contact)),
+      damping_(damping_law(contact.damping).text),
+      factor_(damping_law(contact.damping).factor(contact.restitution)),
+      mass_(contact.effective_mass.value_or(mass)),
+      restitution_(contact.restitution),
+      tension_(contact.tension),
+      stated_speed_(contact.restitution_speed) {
+  if (damping_.form == DampingForm::hertzian) sphere_stiffness_ = sphere_stiffness(contact);
+  if (damping_.form == DampingForm::constant) stated_strength_ = contact.viscous;
+  if (damping_.form == DampingForm::relaxing) stated_strength_ = contact.relaxation_time;
+  if (stated_strength_) factor_ = *stated_strength_ > 0.0 ? 1.0 : 0.0;
+}
+
+ContactForce::ContactForce(const Rig& rig, int stop)
+    : ContactForce(rig.contact_of(stop), rig.effective_mass(stop)) {}
+
+void ContactForce::begin_episode(double approach_velocity) {
+  if (damping_.speed == DampingSpeed::first && law_speed_ > 0.0) return;
+  law_speed_ = stated_speed_.value_or(approach_velocity);
+  strength_ = strength_at(law_speed_);
+  if (stated_strength_ || factor_ == 0.0) {
+    strength_to_speed_ = 0.0;
+    return;
+  }
+  switch (damping_.form) {
+    case DampingForm::proportional:
+    case DampingForm::implicit:
+    case DampingForm::hertzian:
+      strength_to_speed_ = -strength_ / law_speed_;
+      return;
+    case DampingForm::natural:
+    case DampingForm::tangent:
+    case DampingForm::closing:
+      strength_to_speed_ = 0.0;
+      return;
+    case DampingForm::constant:
+    case DampingForm::relaxing: {
+      // of a closed form, and of a root of one: centred, of the fourth order
+      const double step = 1e-3 * law_speed_;
+      const auto at = [&](double offset) { return strength_at(law_speed_ + offset * step); };
+      strength_to_speed_ = (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12.0 * step);
+      return;
+    }
+  }
+}
+
+double ContactForce::strength_at(double speed) const {
+  if (stated_strength_) return *stated_strength_;
+  if (factor_ == 0.0) return 0.0;
+  switch (damping_.form) {
+    case DampingForm::proportional:
+    case DampingForm::implicit:
+      return factor_ / speed;
+    case DampingForm::hertzian:
+      return factor_ * sphere_stiffness_ / speed;
+    case DampingForm::natural:
+    case DampingForm::tangent:
+    case DampingForm::closing:
+      return 2.0 * factor_ * std::sqrt(mass_);
+    case DampingForm::constant:  // k = m v² / δ² takes the energy as deep as f_0 does
+      return 2.0 * factor_ * mass_ * speed /
+             models::penetration_storing(law_, 0.5 * mass_ * speed * speed);
+    case DampingForm::relaxing:
+      return relaxation_at(speed);
+  }
+  throw std::logic_error("ContactForce: damping form out of range");
+}
+
+/// τ at which a free rigid impact rebounds with the restitution asked for.
+double ContactForce::relaxation_at(double speed) const {
+  ContactForce trial = *this;
+  trial.law_speed_ = speed;
+  trial.strength_to_speed_ = 0.0;
+  const auto excess = [&](double log_time) {
+    trial.strength_ = std::exp(log_time);
+    return free_impact(trial, mass_, speed, 64).rebound_ratio - restitution_;
+  };
+  // e = 1 − 1.15 · 3/2 τ f'/f v and so on: within two decades of depth / speed
+  const double depth = models::penetration_storing(law_, 0.5 * mass_ * speed * speed);
+  const double guess = std::log((1.0 - restitution_) * depth / speed);
+  double low = guess - 2.0, high = guess + 2.0;
+  while (excess(low) < 0.0 && low > guess - 40.0) low -= 3.0;
+  while (excess(high) > 0.0 && high < guess + 40.0) high += 3.0;
+  std::uintmax_t most = 100;
+  const auto root = boost::math::tools::toms748_solve(
+      excess, low, high, boost::math::tools::eps_tolerance<double>(50), most);
+  return std::exp(0.5 * (root.first + root.second));
+}
+
+/// Of a depth > 0.
+ContactForce::Weight ContactForce::weight(double depth) const {
+  if (damping_.form == DampingForm::constant) return {1.0, 0.0};
+  const double x = std::max(depth, least_depth);
+  if (damping_.form == DampingForm::hertzian) return {x * std::sqrt(x), 1.5 * std::sqrt(x)};
+  const ElasticState at = elastic_state(law_, x);
+  switch (damping_.form) {
+    case DampingForm::natural: {
+      const double z = std::sqrt(2.0 * at.energy);
+      const double g = at.force / z;
+      return {g, (at.stiffness - g * g) / z};
+    }
+    case DampingForm::tangent: {
+      const double root = std::sqrt(at.stiffness);
+      return {root, at.curvature / (2.0 * root)};
+    }
+    case DampingForm::closing: {
+      const double secant = at.force / x;
+      const double root = std::sqrt(secant);
+      return {root, (at.stiffness - secant) / (2.0 * x * root)};
+    }
+    case DampingForm::relaxing:
+      return {at.stiffness, at.curvature};
+    case DampingForm::proportional:
+    case DampingForm::implicit:
+    case DampingForm::constant:
+    case DampingForm::hertzian:
+      break;
+  }
+  throw std::logic_error("ContactForce: damping form out of range");
+}
+
+ContactForce::Response ContactForce::pressed(double penetration, double rate) const {
+  const auto [size, stiffness] = force_and_stiffness(law_, std::abs(penetration));
+  const double elastic = std::copysign(size, penetration);
+  const double s = strength_;
+  if (damping_.form == DampingForm::proportional) {
+    const double pull = 1.0 + s * rate;
+    return {elastic * pull, stiffness,      stiffness * pull,
+            elastic * s,    elastic * rate, stiffness * s};
+  }
+  if (damping_.form == DampingForm::implicit) {
+    const double pull = 1.0 - s * rate;
+    if (!(pull > 0.0)) {
+      const double nothing = std::numeric_limits<double>::quiet_NaN();
+      return {nothing, stiffness, nothing, nothing, nothing, nothing, nothing};
+    }
+    const double by = 1.0 / pull;
+    const double rise = elastic * by * by;
+    return {elastic * by,
+            stiffness,
+            stiffness * by,
+            rise * s,
+            rise * rate,
+            stiffness * s * by * by,
+            2.0 * rise * s * s * by};
+  }
+  if (s == 0.0 || phase_ == Phase::opening) return {elastic, stiffness, stiffness};
+  const Weight w = weight(std::abs(penetration));
+  const double slope = std::copysign(w.slope, penetration);
+  return {elastic + s * w.value * rate,
+          stiffness,
+          stiffness + s * slope * rate,
+          s * w.value,
+          w.value * rate,
+          s * slope};
 }
 
 double ContactForce::force(double penetration, double rate) const {
-  return phase_ == Phase::pressed ? elastic(penetration) * pull(rate) : 0.0;
+  if (!presses()) return 0.0;
+  if (damping_.form == DampingForm::proportional)
+    return elastic(penetration) * (1.0 + strength_ * rate);
+  return pressed(penetration, rate).force;
 }
 
 double ContactForce::dissipation(double penetration, double rate) const {
   switch (phase_) {
     case Phase::free:
       return 0.0;
-    case Phase::pressed:
-      return elastic(penetration) * mu_ * rate * rate;
     case Phase::slack:
       return -elastic(penetration) * rate;
+    case Phase::pressed:
+    case Phase::opening:
+      if (damping_.form == DampingForm::proportional)
+        return elastic(penetration) * strength_ * rate * rate;
+      return (pressed(penetration, rate).force - elastic(penetration)) * rate;
   }
   return 0.0;
 }
 
-ContactForce::Response ContactForce::pressed(double penetration, double rate) const {
-  const auto [size, stiffness] = std::visit(
-      [&](const auto& law) { return law.force_and_stiffness(std::abs(penetration)); }, law_);
-  const double elastic = std::copysign(size, penetration);
-  return {elastic * pull(rate), stiffness * pull(rate), elastic * mu_};
+bool ContactForce::may_switch() const {
+  if (phase_ == Phase::free || !(strength_ > 0.0)) return false;
+  if (damping_.form == DampingForm::closing) return true;
+  return tension_ == Tension::clip && damping_.form != DampingForm::implicit;
 }
 
-double ContactForce::force_rate(double penetration, double rate, double acceleration) const {
-  if (phase_ != Phase::pressed) return 0.0;
-  const double slope =
-      std::visit([&](const auto& law) { return law.stiffness(penetration); }, law_);
-  return slope * rate * pull(rate) + elastic(penetration) * mu_ * acceleration;
+ContactForce::Switch ContactForce::switching(double penetration, double rate) const {
+  const double sign = phase_ == Phase::pressed ? 1.0 : -1.0;
+  if (damping_.form == DampingForm::closing) return {sign * rate, 0.0, sign, 0.0};
+  if (damping_.form == DampingForm::proportional)
+    return {sign * (1.0 + strength_ * rate), 0.0, sign * strength_,
+            sign * strength_to_speed_ * rate};
+  const Response law = pressed(penetration, rate);
+  return {sign * law.force, sign * law.to_depth, sign * law.to_rate, sign * to_speed(law)};
 }
 
-double penetration_storing(const ContactForce& contact, double energy) {
-  // Newton's method for ln E of ln δ, which is nearly straight: E ~ δ² or so
-  double depth = 1e-6;
-  for (int i = 0; i < 60; ++i) {
-    const double stored = contact.stored(depth);
-    const double exponent = depth * contact.elastic(depth) / stored;
-    const double factor = std::pow(energy / stored, 1.0 / exponent);
-    depth *= std::clamp(factor, 1e-30, 1e30);
-    if (std::abs(factor - 1.0) < 1e-14) break;
-  }
-  return depth;
+ContactForce::Phase ContactForce::switched() const {
+  if (phase_ != Phase::pressed) return Phase::pressed;
+  return damping_.form == DampingForm::closing ? Phase::opening : Phase::slack;
+}
+
+bool ContactForce::differs(const ContactForce& other) const {
+  const bool by_mass = damping_.speed == DampingSpeed::none ||
+                       damping_.form == DampingForm::constant ||
+                       damping_.form == DampingForm::relaxing;
+  return law_ != other.law_ || factor_ != other.factor_ || restitution_ != other.restitution_ ||
+         sphere_stiffness_ != other.sphere_stiffness_ || stated_speed_ != other.stated_speed_ ||
+         stated_strength_ != other.stated_strength_ ||
+         (by_mass && !stated_strength_ && damped() && mass_ != other.mass_);
+}
+
+double ContactForce::damping_share(double speed, double depth) const {
+  if (factor_ == 0.0) return 0.0;
+  ContactForce trial = *this;
+  trial.law_speed_ = 0.0;
+  trial.begin_episode(speed);
+  trial.set_phase(Phase::pressed);
+  const double elastic = trial.elastic(depth);
+  const double damped = trial.pressed(depth, speed).force;
+  // an implicit law may have no force at this speed
+  return std::isfinite(damped) ? damped / elastic - 1.0 : factor_ / (1.0 - std::min(factor_, 0.9));
 }
 
 }  // namespace impactrig::models

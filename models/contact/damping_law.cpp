@@ -4,31 +4,65 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <boost/math/special_functions/log1p.hpp>
-#include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
+
+#include "models/contact/damping/carvalho_martins.hpp"
+#include "models/contact/damping/exact.hpp"
+#include "models/contact/damping/flores.hpp"
+#include "models/contact/damping/gonthier.hpp"
+#include "models/contact/damping/herbert_mcwhannell.hpp"
+#include "models/contact/damping/herbert_mcwhannell_implicit.hpp"
+#include "models/contact/damping/hertz_hysteresis.hpp"
+#include "models/contact/damping/hu_guo.hpp"
+#include "models/contact/damping/hunt_crossley.hpp"
+#include "models/contact/damping/jankowski.hpp"
+#include "models/contact/damping/kuwabara_kono.hpp"
+#include "models/contact/damping/lankarani_nikravesh.hpp"
+#include "models/contact/damping/lankarani_nikravesh_implicit.hpp"
+#include "models/contact/damping/lee_wang.hpp"
+#include "models/contact/damping/marhefka_orin.hpp"
+#include "models/contact/damping/no_damping.hpp"
+#include "models/contact/damping/safaeifar_farshidianfar.hpp"
+#include "models/contact/damping/tangent.hpp"
+#include "models/contact/damping/tsuji.hpp"
+#include "models/contact/damping/tsuji_exact.hpp"
+#include "models/contact/damping/tsuji_marshall.hpp"
+#include "models/contact/damping/viscous.hpp"
+#include "models/contact/damping/zhiying_qishao.hpp"
 
 namespace impactrig::models {
 namespace {
 
-double none(double) {
-  return 0.0;
-}
-
-/// μ = 3 (1 − e²) / (4 v⁻), Shen et al. (33), credited there to Hunt and Crossley.
-double lankarani_nikravesh(double e) {
-  return 0.75 * (1.0 - e * e);
+template <typename Law>
+constexpr DampingLaw entry() {
+  return {Law::text, Law::factor};
 }
 
 constexpr std::array laws = {
-    DampingLaw{"none", "purely elastic contact", "-", 0.0, none},
-    DampingLaw{"lankarani-nikravesh",
-               "d = 3(1-e^2)/4; the paper's; rebounds faster than e (0.725 for e = 0.5)",
-               "Lankarani and Nikravesh 1990; Shen et al. (33)", 0.0, lankarani_nikravesh},
-    DampingLaw{"exact", "d(1+e) = ln((1+d)/(1-ed)): a free rigid impact rebounds with e itself",
-               "Gonthier et al. 2004, for any elastic law", 0.005, exact_damping_factor},
+    entry<NoDamping>(),                   //
+    entry<LankaraniNikravesh>(),          //
+    entry<ExactRestitution>(),            //
+    entry<HuntCrossley>(),                //
+    entry<HerbertMcWhannell>(),           //
+    entry<LeeWang>(),                     //
+    entry<Gonthier>(),                    //
+    entry<ZhiyingQishao>(),               //
+    entry<Flores>(),                      //
+    entry<HuGuo>(),                       //
+    entry<CarvalhoMartins>(),             //
+    entry<SafaeifarFarshidianfar>(),      //
+    entry<MarhefkaOrin>(),                //
+    entry<LankaraniNikraveshImplicit>(),  //
+    entry<HerbertMcWhannellImplicit>(),   //
+    entry<Viscous>(),                     //
+    entry<Tsuji>(),                       //
+    entry<TsujiMarshall>(),               //
+    entry<TsujiExact>(),                  //
+    entry<TangentDamping>(),              //
+    entry<Jankowski>(),                   //
+    entry<KuwabaraKono>(),                //
+    entry<HertzHysteresis>(),             //
 };
 
 }  // namespace
@@ -40,62 +74,11 @@ std::span<const DampingLaw> damping_laws() {
 const DampingLaw& damping_law(std::string_view name) {
   std::string known;
   for (const DampingLaw& law : laws) {
-    if (law.name == name) return law;
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", law.name);
+    if (law.text.name == name) return law;
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", law.text.name);
   }
   throw std::invalid_argument(
       fmt::format("contact.damping: there is no damping law '{}'; known are {}", name, known));
-}
-
-double exact_damping_factor(double e) {
-  if (!(e > 0.0 && e <= 1.0))
-    throw std::invalid_argument(fmt::format("exact_damping_factor: e = {} is outside (0, 1]", e));
-  if (const double loss = 1.0 - e; loss < 1e-3)  // relative error loss^4
-    return 1.5 * loss / (1.0 - e + e * e) * (1.0 + 0.9 * loss * loss * (1.0 + loss));
-  if (e < 0.2) {
-    // Near d = 1/e the logarithm of 1 − e d loses all digits, and below e = 0.14 Newton's start
-    // lies left of the maximum of f and leaves for the root d = 0; this fixed point contracts by
-    // 0.1 at e = 0.2 and like d exp(−d) below.
-    double d = 1.0 / e;
-    for (int i = 0; i < 60; ++i) {
-      const double next = (1.0 - (1.0 + d) * std::exp(-d * (1.0 + e))) / e;
-      if (std::abs(next - d) <= 2e-16 * d) return next;
-      d = next;
-    }
-    return d;
-  }
-  double d = 1.5 * (1.0 - e) * (11.0 - e) / (1.0 + 9.0 * e);  // [CarvalhoMartins2019], e d < 1 here
-  for (int i = 0; i < 60; ++i) {
-    const double f = boost::math::log1pmx(-e * d) - boost::math::log1pmx(d);
-    const double slope = (1.0 + e) - 1.0 / (1.0 + d) - e / (1.0 - e * d);
-    double next = d - f / slope;
-    if (next * e >= 1.0) next = 0.5 * (d + 1.0 / e);
-    if (std::abs(next - d) <= 4e-16 * d) return next;
-    d = next;
-  }
-  return d;
-}
-
-double free_rebound_ratio(double d) {
-  if (!(d >= 0.0))
-    throw std::invalid_argument(fmt::format("free_rebound_ratio: d = {} is negative", d));
-  if (d == 0.0) return 1.0;
-  // With x = e d: −x − ln(1 − x) = d − ln(1 + d), x in (0, min(1, d)); Newton inside a shrinking
-  // bracket. Both sides are squares near 0: log1pmx(x) = ln(1 + x) − x keeps their digits.
-  const double target = -boost::math::log1pmx(d);
-  double low = 0.0;
-  double high = d < 1.0 ? d : 1.0;
-  double x = 0.5 * high;
-  for (int i = 0; i < 200 && high - low > 1e-16 * high; ++i) {
-    const double value =
-        x < 1.0 ? -boost::math::log1pmx(-x) : std::numeric_limits<double>::infinity();
-    (value < target ? low : high) = x;
-    const double newton = x - (value - target) * (1.0 - x) / x;
-    const double next = newton > low && newton < high ? newton : 0.5 * (low + high);
-    if (std::abs(next - x) <= 1e-16 * x) break;
-    x = next;
-  }
-  return x / d;
 }
 
 }  // namespace impactrig::models

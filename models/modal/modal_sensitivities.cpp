@@ -89,7 +89,7 @@ ModalSensitivities::ModalSensitivities(const Rig& rig, const Solver& solver,
 }
 
 void ModalSensitivities::find_contacts(const Rig& rig, Direction& d) const {
-  if (rig_at(rig, d.parameter, d.spacing).contact == rig.contact) return;
+  if (!ContactForce(rig_at(rig, d.parameter, d.spacing)).differs(ContactForce(rig))) return;
   for (const double offset : d.stencil.offsets)
     d.contacts.emplace_back(rig_at(rig, d.parameter, offset * d.spacing));
 }
@@ -201,13 +201,17 @@ void ModalSensitivities::begin() {
 
 void ModalSensitivities::touch(const ContactForce& contact, double speed, bool first) {
   contact_ = &contact;
-  law_speed_ = contact.damping_factor() > 0.0 ? contact.damping_factor() / contact.mu() : speed;
-  const bool grazing = law_speed_ > speed * (1.0 + 1e-12);
+  const bool grazing = contact.law_speed() > speed * (1.0 + 1e-12);
   for (Direction& d : directions_) {
     const double slope = struck(d, d.state, motion_.state()).rate;
     if (first) d.first_speed = slope;
-    d.speed = grazing ? grazing_fraction * d.first_speed : slope;
-    for (ContactForce& there : d.contacts) there.begin_episode(law_speed_);
+    if (contact.speed_is_stated())
+      d.speed = 0.0;
+    else if (contact.keeps_first_speed())
+      d.speed = d.first_speed;
+    else
+      d.speed = grazing ? grazing_fraction * d.first_speed : slope;
+    for (ContactForce& there : d.contacts) there.begin_episode(contact.law_speed());
   }
 }
 
@@ -220,20 +224,21 @@ ModalSensitivities::Struck ModalSensitivities::struck(const Direction& d, const 
   return s;
 }
 
-/// Of μ = d / approach speed.
-double ModalSensitivities::mu_slope(const Direction& d) const {
-  const double own = d.contacts.empty() ? 0.0 : slope_of(d, d.spacing, [&](std::size_t j) {
-    return d.contacts[j].mu();
-  });
-  return own - contact_->mu() / law_speed_ * d.speed;
-}
-
 /// Of the pressing force, penetration and rate held.
 double ModalSensitivities::law_slope(const Direction& d, double depth, double rate) const {
   const double own = d.contacts.empty() ? 0.0 : slope_of(d, d.spacing, [&](std::size_t j) {
     return d.contacts[j].pressed(depth, rate).force;
   });
-  return own - contact_->elastic(depth) * rate * contact_->mu() / law_speed_ * d.speed;
+  return own + contact_->to_speed(contact_->pressed(depth, rate)) * d.speed;
+}
+
+/// Of the function whose zero ends the phase, where the struck point's motion has these slopes.
+double ModalSensitivities::switch_slope(Direction& d, const ContactForce::Switch& there,
+                                        double depth, double rate, const Struck& slope) const {
+  const double own = d.contacts.empty() ? 0.0 : slope_of(d, d.spacing, [&](std::size_t j) {
+    return d.contacts[j].switching(depth, rate).value;
+  });
+  return own + there.to_depth * slope.depth + there.to_rate * slope.rate + there.to_speed * d.speed;
 }
 
 void ModalSensitivities::solve(const NodeVector& force, const NodeVector& displacement,
@@ -242,7 +247,9 @@ void ModalSensitivities::solve(const NodeVector& force, const NodeVector& displa
   const BarMotion::Response& response = motion_.modal_step().response().of_force;
   force_ = force;
   force_series_ = rule_.to_series() * force;
-  if (contact_->phase() == ContactForce::Phase::pressed) {
+  for (Direction& d : directions_)
+    for (ContactForce& there : d.contacts) there.set_phase(contact_->phase());
+  if (contact_->presses()) {
     to_depth_.resize(s);
     to_rate_.resize(s);
     NodeMatrix jacobian = NodeMatrix::Identity(s, s);
@@ -281,7 +288,7 @@ void ModalSensitivities::solve(Direction& d, const NodeVector& displacement,
     }
   }
   d.force.setZero(s);
-  if (contact_->phase() == ContactForce::Phase::pressed) {
+  if (contact_->presses()) {
     NodeVector drive = to_depth_.cwiseProduct(depth) + to_rate_.cwiseProduct(rate);
     for (int i = 0; i < s; ++i) drive[i] += law_slope(d, displacement[i], velocity[i]);
     d.force = inverse_ * drive;
@@ -298,19 +305,18 @@ void ModalSensitivities::solve(Direction& d, const NodeVector& displacement,
 double ModalSensitivities::dissipation_slope(Direction& d, double displacement, double velocity,
                                              double depth, double rate) const {
   const double elastic = contact_->elastic(displacement);
-  const double stiffness = contact_->pressed(displacement, 0.0).to_depth;
-  const double mu = contact_->mu();
   double own = 0.0;
-  if (!d.contacts.empty()) {
-    for (ContactForce& there : d.contacts) there.set_phase(contact_->phase());
+  if (!d.contacts.empty())
     own = slope_of(d, d.spacing, [&](std::size_t j) {
       return d.contacts[j].dissipation(displacement, velocity);
     });
-  }
+  const ContactForce::Response law = contact_->pressed(displacement, velocity);
   if (contact_->phase() == ContactForce::Phase::slack)
-    return own - stiffness * velocity * depth - elastic * rate;
-  return own + stiffness * mu * velocity * velocity * depth + 2.0 * elastic * mu * velocity * rate -
-         elastic * velocity * velocity * mu / law_speed_ * d.speed;
+    return own - law.stiffness * velocity * depth - elastic * rate;
+  // of (f − f_0) δ̇
+  return own + (law.to_depth - law.stiffness) * velocity * depth +
+         (law.force - elastic + law.to_rate * velocity) * rate +
+         contact_->to_speed(law) * velocity * d.speed;
 }
 
 double ModalSensitivities::integral(const NodeVector& at_nodes, double part) const {
@@ -398,7 +404,7 @@ void ModalSensitivities::show(const Place& place, Direction& d) const {
   const double moved_depth = s.depth - d.time * rate;
   History& history = d.result.history;
   double force = 0.0;
-  if (contact_->phase() == ContactForce::Phase::pressed) {
+  if (contact_->presses()) {
     const ContactForce::Response law = contact_->pressed(depth, rate);
     force = law.to_depth * moved_depth + law.to_rate * (s.rate - d.time * acceleration) +
             law_slope(d, depth, rate);
@@ -469,14 +475,18 @@ void ModalSensitivities::take(double part, End end) {
   look(part, place_);
   const double rate = beam_.struck().dot(place_.state.rate);
   const double acceleration = beam_.struck().dot(place_.acceleration);
-  const double power = contact_->dissipation(beam_.struck().dot(place_.state.a), rate);
+  const double depth = beam_.struck().dot(place_.state.a);
+  const double power = contact_->dissipation(depth, rate);
+  ContactForce::Switch change;
+  if (end == End::change) change = contact_->switching(depth, rate);
   for (Direction& d : directions_) {
     state_at(place_, d, d.end);
     const Struck s = struck(d, d.end, place_.state);
     double shift = 0.0;  // slope of the step's length
     if (end == End::gap) shift = -s.depth / rate;
-    if (end == End::pull)
-      shift = -(mu_slope(d) * rate + contact_->mu() * s.rate) / (contact_->mu() * acceleration);
+    if (end == End::change)
+      shift = -switch_slope(d, change, depth, rate, s) /
+              (change.to_depth * rate + change.to_rate * acceleration);
     if (end == End::time) shift = -d.time;
     d.end.a += shift * place_.state.rate;
     d.end.rate += shift * place_.acceleration;

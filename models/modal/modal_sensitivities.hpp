@@ -20,7 +20,7 @@ namespace impactrig::models {
 class ModalSensitivities {
  public:
   /// What decides where a step ends.
-  enum class End { step, gap, pull, time };
+  enum class End { step, gap, change, time };
 
   ModalSensitivities(const Rig& rig, const Solver& solver, const SimulationOptions& options,
                      const ModalMotion& motion);
@@ -99,7 +99,8 @@ class ModalSensitivities {
   void state_at(const Place& place, Direction& d, ModalState& to);
   Struck struck(const Direction& d, const ModalState& slope, const ModalState& state) const;
   double law_slope(const Direction& d, double depth, double rate) const;
-  double mu_slope(const Direction& d) const;
+  double switch_slope(Direction& d, const ContactForce::Switch& there, double depth, double rate,
+                      const Struck& slope) const;
   void solve(Direction& d, const NodeVector& displacement, const NodeVector& velocity);
   double dissipation_slope(Direction& d, double displacement, double velocity, double depth,
                            double rate) const;
@@ -116,7 +117,6 @@ class ModalSensitivities {
   std::vector<Direction> directions_;
 
   const ContactForce* contact_ = nullptr;
-  double law_speed_ = 0.0;              // [m/s]
   double dissipated_at_deepest_ = 0.0;  // [J]
 
   // of the solved step

@@ -3,7 +3,7 @@
 
 #include "acquisition/importer.hpp"
 #include "fitting/fit.hpp"
-#include "models/contact/damping_law.hpp"
+#include "models/contact/damping/exact.hpp"
 #include "reports/report_data.hpp"
 
 int main() {

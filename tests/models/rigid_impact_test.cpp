@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "models/contact/damping/exact.hpp"
 #include "models/contact/damping_law.hpp"
 #include "models/contact/elastic_law.hpp"
 #include "models/simulation.hpp"
@@ -126,7 +127,7 @@ TEST(GoldsmithImpact, PeaksAtTheForceTheLambertFunctionGives) {
       Rig rig = paper_rig();
       rig.contact.exponent = exponent;
       rig.start.velocity = speed;
-      const Goldsmith law = std::get<Goldsmith>(elastic_law(rig.contact));
+      const LogarithmicContact<> law = std::get<LogarithmicContact<>>(elastic_law(rig.contact));
       const double argument =
           -2.0 * effective_mass(rig) * speed * speed /
           (std::numbers::e * law.compliance * law.limit_force * law.limit_force);

@@ -24,6 +24,7 @@ inline models::Rig paper_rig() {
   rig.contact.length = 0.02;
   rig.contact.modulus = rig.contact.counter_modulus = 6.8952e10;
   rig.contact.poisson_ratio = rig.contact.counter_poisson_ratio = 0.3;
+  rig.contact.reference_length = 1.0;
   rig.contact.damping = "none";
   rig.start.velocity = 0.441;
   rig.gravity = 0.0;

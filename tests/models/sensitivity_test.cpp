@@ -99,11 +99,11 @@ struct Differences {
   History history;
 };
 
-Differences differences(const Rig& rig, const Solver& solver, const Named& parameter) {
+Differences differences(const Rig& rig, const Solver& solver, const Named& parameter, double step) {
   // central, of the sixth order
   constexpr std::array offsets = {-3.0, -2.0, -1.0, 1.0, 2.0, 3.0};
   constexpr std::array weights = {-1.0, 9.0, -45.0, 45.0, -9.0, 1.0};
-  const double spacing = 1e-3 * size_for(rig, parameter);
+  const double spacing = step * size_for(rig, parameter);
   Differences sum;
   for (std::size_t j = 0; j < weights.size(); ++j) {
     Rig there = rig;
@@ -136,7 +136,7 @@ bool beside_event(const Simulation& run, std::size_t sample) {
 /// Relative to the value's own size over that of the parameter: where a derivative is nearly zero
 /// the differences have nothing more exact to offer.
 void expect_equal_derivatives(const Rig& rig, const Solver& solver, double tolerance,
-                              std::size_t count = parameters.size()) {
+                              std::size_t count = parameters.size(), double spacing = 1e-3) {
   std::vector<RigParameter> by;
   for (std::size_t i = 0; i < count; ++i) by.push_back(parameters[i].of);
   const Simulation run = small(rig, solver, by);
@@ -145,7 +145,7 @@ void expect_equal_derivatives(const Rig& rig, const Solver& solver, double toler
   for (std::size_t i = 0; i < count; ++i) {
     SCOPED_TRACE(parameters[i].name);
     const double size = size_for(rig, parameters[i]);
-    const Differences d = differences(rig, solver, parameters[i]);
+    const Differences d = differences(rig, solver, parameters[i], spacing);
     const std::vector<double> slopes = numbers(run.sensitivities[i]);
     for (std::size_t k = 0; k < slopes.size(); ++k)
       EXPECT_NEAR(slopes[k] * size / values[k], d.numbers[k] * size / values[k], tolerance) << k;
@@ -196,7 +196,8 @@ TEST(Sensitivities, OfPullingContactsAreThoseOfDifferences) {
   for (std::size_t k = 0; k < history.force.size(); ++k)
     slack += history.penetration[k] > 0.0 && history.force[k] == 0.0 ? 1 : 0;
   ASSERT_GT(slack, 1);
-  expect_equal_derivatives(rig, solver, 1e-8, without_places);
+  // the runs' own rounding, 1e-11 after several contacts, is that over the spacing of differences
+  expect_equal_derivatives(rig, solver, 1e-8, without_places, 2e-3);
 }
 
 TEST(Sensitivities, OfAFreeImpactFollowScaling) {

@@ -415,7 +415,10 @@ TEST(SeveralStops, AreRefusedWhereTheyCannotBe) {
   Rig unknown = with_stop(spring_rig(), StopSide::far, 0.5, 1e-3);
   unknown.further_stops[0].contact.law = "hertz";
   EXPECT_EQ(refusal(unknown, solver),
-            "contacts[0].law: there is no elastic law 'hertz'; known are goldsmith, linear");
+            "contacts[0].law: there is no elastic law 'hertz'; known are goldsmith, "
+            "dubowsky-freudenstein, esdu-78035, johnson, radzimovsky, radzimovsky-1.60, "
+            "radzimovsky-half-width, liu, palmgren, brandlein, pereira, persson, "
+            "lankarani-nikravesh-cylinder, hertz-point, linear");
   Rig released = with_stop(spring_rig(), StopSide::far, 0.5, 0.01);
   released.gravity = 9.81;
   released.start.release_angle = 0.1;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "models/contact/contact_force.hpp"
+#include "models/contact/damping/exact.hpp"
 #include "models/contact/damping_law.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/scenes.hpp"
@@ -121,10 +122,11 @@ TEST(Simulate, WarnsOfGrazingTouches) {
   solver.duration = 1.6;  // two swings: 1, 0.05 and 0.0025 of the first speed
   const Simulation run = simulate(rig, solver);
   ASSERT_EQ(run.episodes.size(), 3u);
-  ASSERT_EQ(run.warnings.size(), 1u);
+  ASSERT_EQ(run.warnings.size(), 2u);
   EXPECT_THAT(run.warnings[0], HasSubstr("1 contact(s) began slower than 1 % of the first approach "
                                          "speed; their damping was taken at that speed, since the "
                                          "law divides by it. Forces after "));
+  EXPECT_THAT(run.warnings[1], HasSubstr("the damping law would have pulled in "));
 }
 
 TEST(Simulate, NeverPullsAlthoughTheLawWould) {
@@ -376,19 +378,21 @@ TEST(ContactForce, KnowsItsPhases) {
   ContactForce contact(rig);
   EXPECT_EQ(contact.damping_factor(), 0.5625);
   contact.begin_episode(0.5);
-  EXPECT_EQ(contact.mu(), 1.125);
+  EXPECT_EQ(contact.strength(), 1.125);
   EXPECT_EQ(contact.force(1e-6, 0.1), 0.0);  // free
   EXPECT_EQ(contact.dissipation(1e-6, 0.1), 0.0);
-  EXPECT_EQ(contact.force_rate(1e-6, 0.1, 5.0), 0.0);
   contact.set_phase(ContactForce::Phase::pressed);
   EXPECT_NEAR(contact.force(1e-6, 0.1), 1.1125, 1e-15);
   EXPECT_NEAR(contact.dissipation(1e-6, 0.1), 0.01125, 1e-15);  // f_0 μ v²
-  EXPECT_NEAR(contact.force_rate(1e-6, 0.1, 5.0), 1e6 * 0.1 * 1.1125 + 1.125 * 5.0, 1e-9);
+  EXPECT_NEAR(contact.pressed(1e-6, 0.1).to_depth, 1e6 * 1.1125, 1e-9);
+  EXPECT_NEAR(contact.pressed(1e-6, 0.1).to_rate, 1.125, 1e-15);
+  EXPECT_GT(contact.switching(1e-6, -0.8).value, 0.0);
+  EXPECT_LT(contact.switching(1e-6, -0.9).value, 0.0);
   EXPECT_EQ(contact.elastic(-1e-6), -1.0);  // continued for trial steps
   contact.set_phase(ContactForce::Phase::slack);
   EXPECT_EQ(contact.force(1e-6, -2.0), 0.0);
   EXPECT_NEAR(contact.dissipation(1e-6, -2.0), 2.0, 1e-15);  // the spring's energy is lost
-  EXPECT_NEAR(contact.pull(-2.0), -1.25, 1e-15);
+  EXPECT_NEAR(contact.switching(1e-6, -2.0).value, 1.25, 1e-15);
   EXPECT_EQ(contact.stored(2e-6), 2e-6);
 }
 

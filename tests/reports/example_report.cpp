@@ -377,14 +377,20 @@ fitting::RigFile example_rig() {
   rig.text = example_rig_text;
   rig.sha256 = "2c26b46b68ffc68ff99b453c1d30413413422d706483bfa0f98a5e886266e7ae";
   rig.rig.beam = {0.8, 7.0686e-4, 3.9761e-8, 68.952e9, 2766.7};
-  rig.rig.contact = {0.69,   models::Counterface::groove,
-                     0.015,  0.0175,
-                     0.02,   68.952e9,
-                     0.3,    68.952e9,
-                     0.3,    "goldsmith",
-                     1,      0.0,
-                     0.8714, "lankarani-nikravesh",
-                     0.512};
+  rig.rig.contact = {.position = 0.69,
+                     .counterface = models::Counterface::groove,
+                     .radius = 0.015,
+                     .counter_radius = 0.0175,
+                     .length = 0.02,
+                     .modulus = 68.952e9,
+                     .poisson_ratio = 0.3,
+                     .counter_modulus = 68.952e9,
+                     .counter_poisson_ratio = 0.3,
+                     .law = "goldsmith",
+                     .exponent = 1,
+                     .stiffness_factor = 0.8714,
+                     .damping = "lankarani-nikravesh",
+                     .restitution = 0.512};
   rig.rig.start.velocity = 0.44083;
   rig.solver.model = models::BeamModel::hybrid;
   rig.force = datasets::Sensor{};

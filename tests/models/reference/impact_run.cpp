@@ -205,7 +205,7 @@ void ImpactRun::integrate() {
     stepper_.accept();
     if (event) {
       if (at_pull) {
-        contact_.set_phase(contact_.phase() == Phase::pressed ? Phase::slack : Phase::pressed);
+        contact_.set_phase(contact_.switched());
       } else if (contact_.phase() == Phase::free) {
         touch();
       } else {

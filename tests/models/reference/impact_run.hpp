@@ -31,7 +31,10 @@ class ImpactRun {
 
   double gap_event(const Vector& y) const { return struck(y).displacement; }
 
-  double pull_event(const Vector& y) const { return contact_.pull(struck(y).velocity); }
+  double switch_event(const Vector& y) const {
+    const PointMotion p = struck(y);
+    return contact_.switching(p.displacement, p.velocity).value;
+  }
 
   /// Of the struck point, in a state of the given slope.
   double acceleration(const Vector& y, const Vector& slope) const {

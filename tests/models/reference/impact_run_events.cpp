@@ -53,14 +53,11 @@ bool ImpactRun::event_in_attempt(double& theta, bool& at_pull) {
     theta = root_of_event(false, 0.0, 1.0);
     at_pull = false;
   }
-  if (phase != Phase::free && contact_.mu() > 0.0) {
-    const double turns = phase == Phase::pressed ? -1.0 : 1.0;
-    if (turns * contact_.pull(to.velocity) > 0.0) {
-      const double root = root_of_event(true, 0.0, 1.0);
-      if (root < theta) {
-        theta = root;
-        at_pull = true;
-      }
+  if (contact_.may_switch() && contact_.switching(to.displacement, to.velocity).value < 0.0) {
+    const double root = root_of_event(true, 0.0, 1.0);
+    if (root < theta) {
+      theta = root;
+      at_pull = true;
     }
   }
   return theta <= 1.0;
@@ -99,7 +96,7 @@ double ImpactRun::excursion_in_attempt(double sign) {
 double ImpactRun::root_of_event(bool pull, double low, double high) {
   const auto value = [&](double theta) {
     stepper_.dense(theta, f_, scratch_);
-    return pull ? pull_event(scratch_) : gap_event(scratch_);
+    return pull ? switch_event(scratch_) : gap_event(scratch_);
   };
   double at_low = value(low);
   const double at_high = value(high);

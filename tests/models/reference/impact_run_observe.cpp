@@ -63,10 +63,13 @@ void ImpactRun::observe_extrema() {
   } else {
     log_.deepest(0, p1.displacement, totals(y1), contact_);
   }
-  const double rate0 =
-      contact_.force_rate(p0.displacement, p0.velocity, acceleration(y0, stepper_.slope()));
-  const double rate1 = contact_.force_rate(p1.displacement, p1.velocity,
-                                           acceleration(y1, stepper_.attempted_slope()));
+  const auto force_rate = [&](const PointMotion& p, double turn) {
+    if (!contact_.presses()) return 0.0;
+    const ContactForce::Response law = contact_.pressed(p.displacement, p.velocity);
+    return law.to_depth * p.velocity + law.to_rate * turn;
+  };
+  const double rate0 = force_rate(p0, acceleration(y0, stepper_.slope()));
+  const double rate1 = force_rate(p1, acceleration(y1, stepper_.attempted_slope()));
   double theta = 1.0;
   double force = contact_.force(p1.displacement, p1.velocity);
   const double h = stepper_.step();
