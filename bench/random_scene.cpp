@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -167,7 +168,8 @@ class SceneText {
                                            : random_.uniform(0.05, 0.999);
     add("\n[contact]\nposition = \"{:.17g} m\"", position * length_);
     add("radius = \"{:.17g} m\"", radius_);
-    switch (choice(3)) {
+    const int face = choice(3);
+    switch (face) {
       case 0:
         add("counterface = {{ shape = \"groove\", radius = \"{:.17g} m\" }}",
             radius_ * (1.0 + spread(1e-6, 1.0)));
@@ -177,20 +179,53 @@ class SceneText {
             radius_ * spread(0.01, 100.0));
         break;
       default:
-        add("counterface = {{ shape = \"plane\" }}");
+        add("counterface = {{ shape = \"plane\", depth = \"{:.17g} m\" }}", 3.0 * radius_);
     }
     const double line = radius_ * spread(0.1, 10.0);
     add("length = \"{:.17g} m\"\ncounter_modulus = \"{:.17g} Pa\"\ncounter_poisson_ratio = {:.6f}",
         line, modulus_ * spread(1e-4, 1e4), random_.uniform(0.0, 0.5));
-    if (chance(0.2))
+    draw_elastic_law(face, line);
+    draw_damping();
+  }
+
+  /// One that knows the counterface: 0 a groove, 1 a cylinder, 2 a plane.
+  void draw_elastic_law(int face, double line) {
+    if (chance(0.2)) {
       add("law = \"linear\"\nstiffness = \"{:.17g} N/m\"", modulus_ * line * spread(1e-4, 10.0));
-    else
+      return;
+    }
+    if (chance(0.4)) {
       add("law = \"goldsmith\"\nexponent = {}", chance(0.5) ? 1 : 3);
+      return;
+    }
+    if (chance(0.1)) {  // f = K δⁿ as stiff as the linear ones at a thousandth of the line
+      const double power = random_.uniform(1.0, 3.0);
+      add("law = \"lankarani-nikravesh-cylinder\"\nstiffness = \"{:.17g} N/m^{:.6f}\"",
+          modulus_ * line * spread(1e-4, 10.0) * std::pow(1e-3 * line, 1.0 - power), power);
+      return;
+    }
+    constexpr std::array everywhere = {"dubowsky-freudenstein", "johnson", "palmgren", "brandlein",
+                                       "hertz-point"};
+    constexpr std::array with_radius = {"esdu-78035", "radzimovsky", "radzimovsky-1.60", "pereira"};
+    constexpr std::array in_groove = {"liu", "persson"};
+    const auto pick = [&](const auto& names) {
+      add("law = \"{}\"", names[static_cast<std::size_t>(choice(static_cast<int>(names.size())))]);
+    };
+    if (face == 0 && chance(0.3))
+      pick(in_groove);
+    else if (face < 2 && chance(0.4))
+      pick(with_radius);
+    else
+      pick(everywhere);
+  }
+
+  void draw_damping() {
     const auto laws = models::damping_laws();
     const models::DampingLaw& damping =
         laws[static_cast<std::size_t>(choice(static_cast<int>(laws.size())))];
     double e = chance(0.05) ? 0.0 : chance(0.05) ? 1.0 : random_.uniform();
-    e = std::max(e, damping.smallest_restitution);
+    e = std::max(e, damping.text.smallest_restitution);
+    if (chance(0.15)) add("tension = \"allow\"");
     add("damping = \"{}\"\nrestitution = {:.17g}", damping.text.name, e);
   }
 

@@ -170,8 +170,9 @@ std::string not_finite(const models::Simulation& run) {
   return found;
 }
 
-/// What cannot be in a result, whatever the scene; "" when it is sound.
-std::string unsound(const models::Simulation& run) {
+/// What cannot be in a result, whatever the scene; "" when it is sound. Contacts pull where the rig
+/// file allows that.
+std::string unsound(const models::Simulation& run, bool may_pull) {
   if (run.episodes.empty()) return "no contact";
   if (!(run.peak_force > 0.0)) return fmt::format("a peak force of {:g} N", run.peak_force);
   std::vector<double> ends(std::max<std::size_t>(run.stops.size(), 1));
@@ -180,13 +181,15 @@ std::string unsound(const models::Simulation& run) {
     if (e.start < before || e.end < e.start)
       return fmt::format("a contact from {:g} to {:g} s after one that ended at {:g} s", e.start,
                          e.end, before);
-    if (e.impulse < -1e-12 * run.impulse) return fmt::format("an impulse of {:g} N s", e.impulse);
+    if (!may_pull && e.impulse < -1e-12 * run.impulse)
+      return fmt::format("an impulse of {:g} N s", e.impulse);
     if (e.dissipated < -run.solver.accuracy * run.energy.initial)
       return fmt::format("a contact that gives {:g} J", -e.dissipated);
     if (e.stop == 0 && e.peak_force > run.peak_force)
       return "a contact with more than the peak force";
     before = e.end;
   }
+  if (may_pull) return "";
   for (const double force : run.history.force)
     if (force < 0.0) return fmt::format("a pulling force of {:g} N", force);
   for (const models::StopHistory& stop : run.history.further)
@@ -214,7 +217,7 @@ void guarded(Outcome& outcome, Call call) {
   }
 }
 
-void judge_alone(const models::Simulation& run, Outcome& outcome) {
+void judge_alone(const models::Simulation& run, bool may_pull, Outcome& outcome) {
   outcome.imbalance = run.energy.imbalance;
   outcome.seconds = run.cost.seconds;
   outcome.evaluations = run.cost.evaluations;
@@ -224,7 +227,7 @@ void judge_alone(const models::Simulation& run, Outcome& outcome) {
   outcome.kind = Kind::answered;
   if (!(outcome.sentence = not_finite(run)).empty()) {
     outcome.kind = Kind::not_finite;
-  } else if (!(outcome.sentence = unsound(run)).empty()) {
+  } else if (!(outcome.sentence = unsound(run, may_pull)).empty()) {
     outcome.kind = Kind::unsound;
   } else if (warns_of(run, "energy does not balance") || warns_of(run, "the first contact ")) {
     outcome.kind = Kind::warned;
@@ -281,7 +284,7 @@ void run_scene(const Study& study, const Scene& scene, int pipe) {
   guarded(outcome, [&] {
     options.history.interval = solver.duration.value_or(0.1) / 500.0;
     run = models::simulate(scene.file.rig, solver, options);
-    judge_alone(run, outcome);
+    judge_alone(run, scene.file.rig.contact.tension == models::Tension::allow, outcome);
   });
   tell();
   if (outcome.kind != Kind::answered && outcome.kind != Kind::warned) return;

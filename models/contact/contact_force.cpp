@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/contact/contact_force.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <boost/math/tools/roots.hpp>
 #include <cmath>
@@ -111,7 +113,14 @@ double ContactForce::relaxation_at(double speed) const {
   std::uintmax_t most = 100;
   const auto root = boost::math::tools::toms748_solve(
       excess, low, high, boost::math::tools::eps_tolerance<double>(50), most);
-  return std::exp(0.5 * (root.first + root.second));
+  const double log_time = 0.5 * (root.first + root.second);
+  if (!(std::abs(excess(log_time)) < 1e-5))
+    throw std::runtime_error(fmt::format(
+        "contact.restitution: no damping of the law '{}' rebounds with {:g}; with so much of it a "
+        "contact that may pull holds the bar. Take contact.tension = \"clip\", a larger "
+        "restitution, or state contact.relaxation_time",
+        damping_.name, restitution_));
+  return std::exp(log_time);
 }
 
 /// Of a depth > 0.

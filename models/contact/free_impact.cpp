@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -29,6 +30,9 @@ class PhasePlane {
 
   double start() const { return start_; }
 
+  /// The angle came to rest on the way: the bodies creep and never part.
+  bool held() const { return held_; }
+
   struct Place {
     double penetration, rate, elastic, force;
   };
@@ -49,12 +53,14 @@ class PhasePlane {
     // q p = z (f / f_0 − 1)
     const double excess = here.force / here.elastic - 1.0;  // q cot φ
     const double turning = 1.0 + sine * sine * excess;
+    if (!(turning > 0.0)) held_ = true;
     return {-sine * cosine * excess / turning, root_mass_ * radius * sine / here.elastic / turning};
   }
 
  private:
   const ContactForce& contact_;
   double root_mass_, start_;
+  mutable bool held_ = false;
 };
 
 /// Angle from the end at which steps crowd, and its derivative: φ = π/2 · u⁶ (7 − 6u), flat at the
@@ -111,6 +117,10 @@ FreeImpact free_impact(const ContactForce& contact, double mass, double speed, i
     for (int i = 0; i < steps; ++i) {
       const double u = closing ? i * h : 1.0 + i * h;
       State next = step(u, h, state);
+      if (plane.held()) {
+        result.duration = std::numeric_limits<double>::infinity();
+        return result;
+      }
       double force = i + 1 == steps && !closing ? 0.0 : look(angle_at(u + h), next.log_radius);
       if (!closing && force < 0.0 && !law.may_pull()) {
         // the force ends within this step: where, to rounding

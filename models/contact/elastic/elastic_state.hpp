@@ -24,7 +24,7 @@ struct ElasticState {
 template <typename T>
 double value_of(const T& x) {
   if constexpr (std::is_arithmetic_v<T>)
-    return x;
+    return static_cast<double>(x);
   else
     return x.value();
 }

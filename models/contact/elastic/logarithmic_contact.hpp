@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include "models/contact/elastic/elastic_state.hpp"
@@ -134,6 +135,8 @@ struct LogarithmicContact {
   static Real solve_branch(Real log_y) {
     using std::abs;
     using std::log;
+    // a step this long leaves its fourth power
+    const Real short_enough = 4.0 * std::sqrt(std::sqrt(std::numeric_limits<Real>::epsilon()));
     Real u = 1.0 - log_y + log(1.0 - log_y);
     // Fourth order: two steps reach rounding for f < 0.5 f*; the rest is for the neighbourhood of
     // f*, where the root is nearly double.
@@ -143,7 +146,7 @@ struct LogarithmicContact {
       const Real q = 2.0 * near * (near + z * (2.0 / 3.0));
       const Real part = z / near * (q - z) / (q - 2.0 * z);
       u += u * part;
-      if (!(abs(part) > 5e-4 * std::min(Real(1.0), near * near))) break;
+      if (!(abs(part) > short_enough * std::min(Real(1.0), near * near))) break;
     }
     return u;
   }
