@@ -191,7 +191,7 @@ struct SimulationOptions {
   bool exact = false;                     ///< take no simplification
   std::vector<Simplification> kept = {};  ///< simplifications not to take
   /// Numbers of the rig by which to differentiate. Small motion that begins at the touch of a
-  /// single rigid stop only.
+  /// single rigid stop only, whose contact ends smoothly (ContactForce::ends_smoothly()).
   std::vector<RigParameter> sensitivities = {};
 };
 

@@ -244,13 +244,15 @@ bool CollocationRun::solve_step() {
   return false;
 }
 
-/// What the force's derivatives leave out, by which the parameters' own size would change the
-/// impulse. They are less smooth than the force where it begins and ends.
+/// What the derivatives of force and loss leave out, by which the parameters' own size would change
+/// impulse and energy. They are less smooth than the force where it begins and ends.
 double CollocationRun::derivative_error() const {
   double worst = 0.0;
   for (int i = 0; i < followed_->count(); ++i)
-    worst = std::max(worst, truncation(followed_->force_series(i)) * followed_->size(i));
-  return worst * bar_.step() / impulse_scale_ / std::max(solver_.accuracy, Solver::finest_accuracy);
+    worst = std::max(
+        {worst, truncation(followed_->force_series(i)) * followed_->size(i) / impulse_scale_,
+         truncation(followed_->dissipation_series(i)) * followed_->size(i) / energy_scale_});
+  return worst * bar_.step() / std::max(solver_.accuracy, Solver::finest_accuracy);
 }
 
 void CollocationRun::propose() {

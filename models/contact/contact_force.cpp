@@ -102,7 +102,7 @@ double ContactForce::relaxation_at(double speed) const {
   trial.strength_to_speed_ = 0.0;
   const auto excess = [&](double log_time) {
     trial.strength_ = std::exp(log_time);
-    return free_impact(trial, mass_, speed, 64).rebound_ratio - restitution_;
+    return free_impact(trial, mass_, speed, 256).rebound_ratio - restitution_;
   };
   // e = 1 − 1.15 · 3/2 τ f'/f v and so on: within two decades of depth / speed
   const double depth = models::penetration_storing(law_, 0.5 * mass_ * speed * speed);
@@ -211,6 +211,13 @@ double ContactForce::dissipation(double penetration, double rate) const {
       return (pressed(penetration, rate).force - elastic(penetration)) * rate;
   }
   return 0.0;
+}
+
+bool ContactForce::ends_smoothly() const {
+  const bool steep = damping_.form == DampingForm::natural ||
+                     damping_.form == DampingForm::tangent ||
+                     damping_.form == DampingForm::relaxing;
+  return !(steep && damped() && may_pull());
 }
 
 bool ContactForce::may_switch() const {

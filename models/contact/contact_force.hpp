@@ -95,6 +95,10 @@ class ContactForce {
     return response.to_strength * strength_to_speed_;
   }
 
+  /// Whether the force's derivatives stay bounded where the gap opens. They do not where a contact
+  /// may pull by a damping whose coefficient falls to zero with an infinite slope.
+  bool ends_smoothly() const;
+
   /// Whether the phase may end before the gap opens.
   bool may_switch() const;
 

@@ -37,6 +37,9 @@ class ModalSensitivities {
   /// Legendre series of a derivative of the force over the solved step [N a unit].
   const NodeVector& force_series(int i) const { return at(i).force_series; }
 
+  /// The same of the power lost in the contact [W a unit].
+  NodeVector dissipation_series(int i) const { return rule_.to_series() * at(i).dissipation; }
+
   double size(int i) const { return at(i).size; }  ///< by which its parameter changes the rig
 
   /// Within the solved step: the first contact's largest force and deepest penetration.

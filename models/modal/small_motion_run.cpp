@@ -85,7 +85,9 @@ SmallMotionRun::SmallMotionRun(const Rig& rig, const Solver& solver,
       !allows(options, Simplification::flight_at_once))
     motion_.step_flights();
   if (follows_swing(rig, options)) of_swing_ = std::pow(*rig.start.release_angle, 2) / 16.0;
-  if (options.sensitivities.empty() || of_swing_ > 0.0 || !faces_single_rigid_stop()) return;
+  if (options.sensitivities.empty() || of_swing_ > 0.0 || !faces_single_rigid_stop() ||
+      !run_.contact().ends_smoothly())
+    return;
   sensitivities_ = std::make_unique<ModalSensitivities>(rig, solver, options, motion_);
   run_.follow(*sensitivities_);
 }

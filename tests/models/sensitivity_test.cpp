@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "models/contact/contact_force.hpp"
 #include "models/modal/bar_cache.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/scenes.hpp"
@@ -198,6 +199,36 @@ TEST(Sensitivities, OfPullingContactsAreThoseOfDifferences) {
   ASSERT_GT(slack, 1);
   // the runs' own rounding, 1e-11 after several contacts, is that over the spacing of differences
   expect_equal_derivatives(rig, solver, 1e-8, without_places, 2e-3);
+}
+
+// One law of each form, through its end, its kink and its jumps.
+TEST(Sensitivities, OfEveryFormOfDampingAreThoseOfDifferences) {
+  for (const char* damping :
+       {"hunt-crossley", "marhefka-orin", "lankarani-nikravesh-implicit", "viscous", "tsuji",
+        "tangent", "jankowski", "kuwabara-kono", "hertz-hysteresis"})
+    for (const Tension tension : {Tension::clip, Tension::allow}) {
+      SCOPED_TRACE(testing::Message() << damping << (tension == Tension::clip ? "" : ", pulls"));
+      Rig rig = damped_rig();
+      rig.contact.law = "johnson";
+      rig.contact.damping = damping;
+      rig.contact.tension = tension;
+      rig.contact.restitution = 0.75;
+      const Solver solver = hybrid(Basis::pinned_free, 3, 1e-12, 4e-4);
+      if (ContactForce(rig).ends_smoothly())
+        expect_equal_derivatives(rig, solver, 1e-8, without_places);
+      else  // nothing rather than numbers that do not converge
+        EXPECT_TRUE(small(rig, solver, {parameters[0].of}).sensitivities.empty());
+    }
+}
+
+TEST(Sensitivities, OfEveryFormOfElasticLawAreThoseOfDifferences) {
+  for (const char* law : {"dubowsky-freudenstein", "hertz-point", "liu", "persson", "palmgren"}) {
+    SCOPED_TRACE(law);
+    Rig rig = damped_rig();
+    rig.contact.law = law;
+    rig.contact.stiffness_factor = 0.2;  // long enough for forces away from touch and separation
+    expect_equal_derivatives(rig, hybrid(Basis::pinned_free, 3, 1e-12, 6e-4), 1e-8, without_places);
+  }
 }
 
 TEST(Sensitivities, OfAFreeImpactFollowScaling) {
