@@ -45,7 +45,31 @@ bool lists(const Laws& laws, std::string_view name) {
                                          : fmt::format("did you mean '{}'?", nearest)));
 }
 
-/// Text or JSON to stdout, and the picture where one was asked for.
+/// Options that say nothing of what was asked are not passed over.
+void check_options(const Options& options, bool elastic) {
+  const auto refuse = [](const char* option, const std::string& problem) {
+    throw CLI::ValidationError(option, problem);
+  };
+  const bool placed = !options.penetration.empty() || !options.load.empty();
+  if (placed && !elastic)
+    refuse(options.load.empty() ? "--penetration" : "--force",
+           options.law.empty()
+               ? "is for one elastic law; name it"
+               : fmt::format("'{}' is a damping law; --restitution is for those", options.law));
+  if (options.restitution && elastic)
+    refuse("--restitution", fmt::format("'{}' is an elastic law; --penetration and --force are for "
+                                        "those",
+                                        options.law));
+  if (options.output.empty()) return;
+  if (options.law.empty() && options.compared.empty())
+    refuse("-o", "draws one law, or with --compare RIG all of them; name one");
+  if (!options.output.ends_with(".svg"))
+    refuse("-o",
+           fmt::format("'{}' is no picture that is drawn here; known is .svg", options.output));
+  check_output(options.output, options.overwrites());
+}
+
+/// Text or JSON to stdout.
 void answer(const Options& options, const std::string& text, const Json& json) {
   fmt::print("{}", options.common.json ? json.dump(2) + "\n" : text);
 }
@@ -99,7 +123,8 @@ void tell_damping(const Options& options, const LawScene& scene) {
 void tell_comparison(const Options& options, const LawScene& scene) {
   const LawComparison comparison = compare_laws(scene);
   for (const Refusal& refusal : comparison.refused)
-    fmt::print(stderr, "impactrig: {} left out: {}\n", refusal.law, refusal.reason);
+    if (!options.common.quiet)
+      fmt::print(stderr, "impactrig: {} left out: {}\n", refusal.law, refusal.reason);
   draw(options, comparison_picture(scene, comparison));
   answer(options, comparison_text(scene, comparison), comparison_json(scene, comparison));
 }
@@ -109,7 +134,7 @@ void laws(const Options& options) {
   const bool elastic = lists(models::elastic_laws(), options.law);
   if (!options.law.empty() && !elastic && !lists(models::damping_laws(), options.law))
     refuse_unknown(options.law);
-  if (!options.output.empty()) check_output(options.output, options.overwrites());
+  check_options(options, elastic);
   // a stiffness is meant for the law asked about
   if (elastic && std::ranges::find(overrides, "contact.stiffness", &fitting::Override::first) !=
                      overrides.end())
@@ -158,6 +183,7 @@ void add_laws(CLI::App& program) {
   table->excludes(law)->excludes(compare);
   compare->excludes(law)->excludes(rig);
   add_json(*command, options->common);
+  add_quiet(*command, options->common);
   add_set(*command, options->common);
   command->callback([options] { laws(*options); });
 }

@@ -219,6 +219,24 @@ TEST_F(Laws, PlacesBeyondTheLawAreRefused) {
   EXPECT_EQ(run("laws esdu-78035 --rig " + against("{ shape = \"plane\" }")).code, 3);
 }
 
+TEST_F(Laws, OptionsThatSayNothingOfTheQuestionAreRefused) {
+  const std::pair<const char*, const char*> refusals[] = {
+      {"exact --penetration \"1 um\"", "--penetration: 'exact' is a damping law"},
+      {"exact --force \"1 kN\"", "--force: 'exact' is a damping law"},
+      {"--force \"1 kN\"", "--force: is for one elastic law; name it"},
+      {"johnson --restitution 0.5", "--restitution: 'johnson' is an elastic law"},
+      {"-o laws.svg", "-o: draws one law, or with --compare RIG all of them"},
+      {"johnson -o laws.png", "-o: 'laws.png' is no picture that is drawn here; known is .svg"},
+      {"johnson --penetration \"1 um\" --force \"1 kN\"", "--penetration excludes --force"},
+  };
+  for (const auto& [arguments, message] : refusals) {
+    const Outcome o = run("laws " + std::string(arguments));
+    EXPECT_EQ(o.code, 2) << arguments;
+    EXPECT_EQ(o.out, "") << arguments;
+    EXPECT_THAT(o.err, HasSubstr(message));
+  }
+}
+
 TEST_F(Laws, TheTableIsTheSameBesideAllElasticLawsForProportionalDamping) {
   const json table = told("--table");
   std::map<std::string, std::vector<json>> rows;
@@ -255,6 +273,7 @@ TEST_F(Laws, AreComparedInOnePicture) {
   EXPECT_THAT(svg, HasSubstr("font-weight=\"600\">goldsmith</text>"));  // the rig's own, bold
   EXPECT_THAT(svg, HasSubstr("font-weight=\"600\">lankarani-nikravesh</text>"));
   EXPECT_THAT(svg, HasSubstr("Penetration [µm]"));
+  EXPECT_EQ(run("laws -q --compare " + rig).err, "");
   const json j = told("--compare " + rig);
   EXPECT_EQ(j["elastic"].size(), told("")["elastic"].size());
   for (const json& law : j["elastic"]) EXPECT_NEAR(number(law["rebound_ratio"]), 1.0, 1e-9);
