@@ -160,7 +160,8 @@ DampingFigures damping_figures(const LawScene& scene, const Contact& contact) {
   const models::DampingLaw& law = models::damping_law(contact.damping);
   const DampingForm form = law.text.form;
   const double e = contact.restitution;
-  DampingFigures figures{.restitution = e, .rebound = free_rebound(scene, contact)};
+  DampingFigures figures{.rebound = free_rebound(scene, contact)};
+  if (!contact.viscous && !contact.relaxation_time) figures.restitution = e;
   if (form == DampingForm::proportional || form == DampingForm::implicit)
     figures.factor = law.factor(e);
   if (made_of_damping_ratio(form) && !contact.viscous) figures.damping_ratio = law.factor(e);
@@ -179,7 +180,7 @@ DampingFigures damping_figures(const LawScene& scene, const Contact& contact) {
     point.tension = free_rebound(scene, trial);
     figures.curve.push_back(point);
   }
-  if (contact.damping != "none" && figures.rebound &&
+  if (contact.damping != "none" && figures.restitution && figures.rebound &&
       std::abs(*figures.rebound - e) > small_difference)
     figures.warnings.push_back(fmt::format(
         "a free rigid impact rebounds with {:.4f} where {:g} was asked for; the law 'exact' "

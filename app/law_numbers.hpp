@@ -73,7 +73,7 @@ struct ReboundPoint {
 };
 
 struct DampingFigures {
-  double restitution = 0.0;
+  std::optional<double> restitution = {};      ///< asked for; none: the rig states a coefficient
   std::optional<double> factor = {};           ///< d, of proportional and implicit laws
   std::optional<double> damping_ratio = {};    ///< ζ, of laws made of one
   std::optional<double> relaxation_time = {};  ///< τ [s]

@@ -131,7 +131,7 @@ std::vector<Group> grouped(const std::vector<DampingLoop>& loops, std::string_vi
 
 /// The names of a group in lines that fit the key.
 std::string names_of(const Group& group) {
-  constexpr std::size_t longest = 42;
+  constexpr std::size_t longest = 36;  // characters
   std::string text, line;
   for (const DampingLoop* loop : group) {
     const std::string name(loop->law->name);
@@ -183,7 +183,8 @@ reports::Figure elastic_panel(const LawScene& scene, const LawComparison& compar
           curve.law->name == scene.rig.contact.law);
     series.tag = fmt::format("{}", panel.series.size() + 1);
     series.label = std::string(curve.law->name) + (curve.stand_in.empty() ? "" : "*");
-    series.note = reports::quantity(curve.force, "N", 3);
+    const reports::DisplayUnit& unit = panel.y.unit;
+    series.note = reports::significant(unit.factor * curve.force, 3) + " " + unit.text;
     stand_ins = stand_ins || !curve.stand_in.empty();
     panel.series.push_back(std::move(series));
   }

@@ -163,7 +163,8 @@ std::string damping_text(const LawScene& scene, std::string_view name, const Dam
   const models::DampingLawText& law = models::damping_law(name).text;
   std::string text =
       head_text(law, fmt::format("law {} of {}", scene.rig.contact.law, scene.origin));
-  text += fmt::format("\nFor a restitution of {:g}:\n", of.restitution);
+  text += of.restitution ? fmt::format("\nFor a restitution of {:g}:\n", *of.restitution)
+                         : "\nFor the coefficient that the rig states:\n";
   if (of.factor) text += fmt::format("  factor d         {:.7g}\n", *of.factor);
   if (of.damping_ratio) text += fmt::format("  damping ratio    {:.7g}\n", *of.damping_ratio);
   if (of.relaxation_time)
@@ -184,7 +185,7 @@ std::string damping_text(const LawScene& scene, std::string_view name, const Dam
 Json damping_json(const LawScene& scene, std::string_view name, const DampingFigures& of) {
   const models::DampingLawText& law = models::damping_law(name).text;
   Json json = {{"law", law.name},
-               {"restitution", of.restitution},
+               {"restitution", or_null(of.restitution)},
                {"d", or_null(of.factor)},
                {"rebound_ratio", or_null(of.rebound)},
                {"damping_ratio", or_null(of.damping_ratio)},

@@ -170,6 +170,24 @@ TEST_F(Laws, TellWhatTensionChanges) {
   EXPECT_NEAR(number(pulled["rebound_ratio"]), 0.5, 1e-7);
 }
 
+// A linear oscillator: with tension exp(-pi zeta / sqrt(1 - zeta^2)), zeta = c / (2 sqrt(m k)).
+TEST_F(Laws, TellWhatAStatedDashpotDoes) {
+  const std::string stated =
+      "viscous --set contact.law=linear --set contact.stiffness=\"1e8 N/m\" --set "
+      "contact.damping=viscous --set contact.viscous=\"2 kN.s/m\" --set contact.tension=allow";
+  const json law = told(stated);
+  const double mass = 0.33376682 / (0.69 * 0.69);
+  const double zeta = 2e3 / (2.0 * std::sqrt(mass * 1e8));
+  EXPECT_NEAR(number(law["rebound_ratio"]), std::exp(-M_PI * zeta / std::sqrt(1.0 - zeta * zeta)),
+              1e-7);
+  EXPECT_TRUE(law["restitution"].is_null());
+  EXPECT_TRUE(law["damping_ratio"].is_null());
+  EXPECT_EQ(law["warnings"], json::array());
+  EXPECT_NEAR(number(law["curve"][9]["rebound_ratio_tension"]), 0.5, 1e-7);  // of e, not of c
+  // asked for a restitution the dashpot is its
+  EXPECT_NEAR(number(told(stated + " --restitution 0.3")["rebound_ratio"]), 0.3, 1e-7);
+}
+
 TEST_F(Laws, HonourTheSpeedAtWhichTheRestitutionIsMeant) {
   // half the speed's damping: d = 0.5625 * 0.441 / 0.882
   const json slow = told("lankarani-nikravesh --set contact.restitution_speed=\"0.882 m/s\"");
@@ -313,6 +331,14 @@ TEST_F(Laws, DrawOneLawAndKeepWhatExists) {
     EXPECT_EQ(run(drawing + file + " -f").code, 0);
     EXPECT_EQ(run(drawing + file + " --force").code, 0);
   }
+}
+
+TEST_F(Laws, OnlyGoldsmithsHasAnExponentInASimulation) {
+  const std::string quick = " --set solver.model=rigid --set solver.duration=\"0.4 ms\"";
+  EXPECT_THAT(run("simulate " + rig + quick).out,
+              HasSubstr("goldsmith (exponent 1), damping lankarani-nikravesh, e = 0.5"));
+  EXPECT_THAT(run("simulate " + rig + quick + " --set contact.law=johnson").out,
+              HasSubstr("contact           johnson, damping"));
 }
 
 TEST_F(Laws, WithoutAContactThereIsNone) {
