@@ -34,6 +34,11 @@ std::string with(const std::string& line, const std::string& replacement) {
   return text.replace(at, line.size(), replacement);
 }
 
+/// The paper's rig with keys of its contact added or replaced by others.
+std::string with_contact(const std::string& lines) {
+  return with("restitution = 0.5\n", lines + "\n");
+}
+
 TEST(RigFile, ReadsThePapersRigInSi) {
   const RigFile file = parse_rig_file(paper_rig, "rig.toml");
   const models::Rig& rig = file.rig;
@@ -303,6 +308,18 @@ TEST(RigFile, FurtherStopsInheritWhatTheyDoNotState) {
             1u);
 }
 
+TEST(RigFile, AFurtherStopOfAnotherDampingDoesNotInheritTheDashpot) {
+  const std::string text =
+      with_contact("damping = \"viscous\"\nviscous = \"2 kN.s/m\"\nrestitution = 0.5") +
+      "\n[[contacts]]\ngap = \"1 mm\"\nside = \"far\"\n";
+  const auto second = [&](const std::string& lines) {
+    return parse_rig_file(text + lines, "rig.toml").rig.further_stops.at(0).contact;
+  };
+  EXPECT_EQ(second("damping = \"exact\"\n").damping, "exact");
+  EXPECT_FALSE(second("damping = \"exact\"\n").viscous.has_value());
+  EXPECT_DOUBLE_EQ(*second("").viscous, 2e3);
+}
+
 TEST(RigFile, ABarOfSegmentsMeetsAFurtherStopWithTheSegmentThere) {
   const std::string text =
       with(
@@ -497,11 +514,6 @@ TEST(RigFile, ReadsTheDirectionOfGravity) {
   EXPECT_NE(message_of(paper_rig, {{"environment.gravity_direction", "3 m"}})
                 .find("--set environment.gravity_direction: "),
             std::string::npos);
-}
-
-/// The paper's rig with keys of its contact added or replaced by others.
-std::string with_contact(const std::string& lines) {
-  return with("restitution = 0.5\n", lines + "\n");
 }
 
 TEST(RigFile, ThePowerLawsUnitTellsItsPower) {
