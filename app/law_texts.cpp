@@ -177,8 +177,7 @@ std::string damping_text(const LawScene& scene, std::string_view name, const Dam
     text += fmt::format("  {:>5.2f} {:>9}{}\n", point.restitution, or_dash(point.clipped),
                         both ? fmt::format("  {:>12}", or_dash(point.tension)) : "");
   if (!of.curve.empty() && !of.curve.front().clipped)
-    text += fmt::format("  (-: the law needs a restitution of {:g} or more)\n",
-                        law.smallest_restitution);
+    text += "  (-: the law has no damping that returns so little)\n";
   return text + warnings_text(of.warnings);
 }
 
