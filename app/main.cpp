@@ -114,6 +114,7 @@ int main(int argc, char** argv) {
   add_fit(program);
   add_report(program);
   add_acquire(program);
+  add_laws(program);
   add_lists(program);
   return run(program, argc, argv);
 }

@@ -50,7 +50,8 @@ void add_demo(CLI::App& program);
 void add_fit(CLI::App& program);
 void add_import(CLI::App& program);
 void add_inspect(CLI::App& program);
-void add_lists(CLI::App& program);  ///< laws, formats, sources
+void add_laws(CLI::App& program);
+void add_lists(CLI::App& program);  ///< formats, sources
 void add_report(CLI::App& program);
 void add_simulate(CLI::App& program);
 void add_validate(CLI::App& program);

@@ -312,6 +312,10 @@ std::vector<models::FurtherStop> read_further_stops(TableReader& root, const Rig
       root.refuse("contacts", "there is no [contact]; state the stop that is struck first there");
     toml::table inherited = *first;
     if (table.has("law")) inherited.erase("stiffness");
+    if (table.has("damping")) {  // of the first stop's law
+      inherited.erase("viscous");
+      inherited.erase("relaxation_time");
+    }
     table.inherit(inherited);
     models::FurtherStop stop;
     stop.gap = table.required_quantity("gap", "m", "0.1 mm");

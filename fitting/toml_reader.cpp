@@ -28,6 +28,17 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+std::string_view nearest_name(std::string_view name, const std::vector<std::string_view>& known) {
+  std::string_view nearest;
+  std::size_t distance = 4;
+  for (const std::string_view other : known)
+    if (const std::size_t d = edit_distance(name, other); d < distance) {
+      distance = d;
+      nearest = other;
+    }
+  return nearest;
+}
+
 std::optional<std::string> overriding_key(std::string name,
                                           const std::set<std::string>& overridden) {
   while (!name.empty()) {
@@ -178,13 +189,7 @@ std::optional<std::size_t> TableReader::choice(std::string_view key,
 void TableReader::finish() const {
   for (const auto& [key, node] : table_) {
     if (known_.contains(key.str())) continue;
-    std::string_view nearest;
-    std::size_t distance = 4;
-    for (const std::string& name : known_)
-      if (const std::size_t d = edit_distance(key.str(), name); d < distance) {
-        distance = d;
-        nearest = name;
-      }
+    const std::string_view nearest = nearest_name(key.str(), {known_.begin(), known_.end()});
     std::string problem = "there is no such key here";
     if (!nearest.empty())
       problem += fmt::format("; did you mean {}?", nearest);

@@ -13,6 +13,9 @@
 
 namespace impactrig::fitting {
 
+/// The one of `known` that a mistyped name is at most 3 edits from, for "did you mean"; else empty.
+std::string_view nearest_name(std::string_view name, const std::vector<std::string_view>& known);
+
 /// The dotted key among `overridden` that a value came from: its own or that of a table it is in;
 /// none.
 std::optional<std::string> overriding_key(std::string name,

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "reports/line_tags.hpp"
+
 namespace impactrig::reports {
 
 namespace {
@@ -15,6 +17,9 @@ constexpr double margin_left = 58.0, margin_right = 12.0;  // tick labels; half 
 constexpr double head = 26.0;                              // axis title and legend above a panel
 constexpr double foot = 40.0;                              // x labels and title
 constexpr double gap = 10.0;                               // between panels
+constexpr double heading_height = 20.0;                    // above the first panel's head
+constexpr double key_row = 15.5;                           // of the labels at the right
+constexpr double tag_radius = 7.0;
 constexpr const char* grid_colour = "#e3e6ea";
 constexpr const char* label_colour = "#565e69";
 
@@ -113,6 +118,10 @@ std::vector<std::size_t> drawn(const Series& series, double pixels) {
   return min_max_indices(series.y, ascending ? static_cast<std::size_t>(pixels) : series.y.size());
 }
 
+std::string dash_attribute(const Series& series) {
+  return series.dashes.empty() ? "" : fmt::format(" stroke-dasharray=\"{}\"", series.dashes);
+}
+
 std::string path(const Series& series, const Scale& x, const Scale& y) {
   std::string d;
   bool pen_up = true;
@@ -128,8 +137,8 @@ std::string path(const Series& series, const Scale& x, const Scale& y) {
   if (d.empty()) return "";
   return fmt::format(
       "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-opacity=\"{}\" "
-      "stroke-linejoin=\"round\"/>",
-      d, series.colour, series.width, series.opacity);
+      "stroke-linejoin=\"round\"{}/>",
+      d, series.colour, series.width, series.opacity, dash_attribute(series));
 }
 
 /// A head at sample i that points where the next samples lie, at least 3 px away.
@@ -149,6 +158,67 @@ std::string arrow(const Series& series, std::size_t i, const Scale& x, const Sca
   return "";
 }
 
+/// A piece of the line, 18 px from the origin, at the height of small letters.
+std::string swatch(const Series& series) {
+  return fmt::format(
+      "<line x1=\"0\" y1=\"-4\" x2=\"18\" y2=\"-4\" stroke=\"{}\" stroke-width=\"{}\" "
+      "stroke-opacity=\"{}\"{}/>",
+      series.colour, std::max(1.4, series.width), series.opacity, dash_attribute(series));
+}
+
+std::string disc(const Pixel& at, const Series& series) {
+  return fmt::format(
+      "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"#ffffff\" stroke=\"{}\"/>{}", at[0],
+      at[1], tag_radius, series.colour,
+      text(at[0], at[1] + 3.2, "middle", series.tag, palette::ink, " font-size=\"9\""));
+}
+
+/// Discs on the lines that have a tag.
+std::string tags(const Panel& panel, const Scale& x, const Scale& y) {
+  std::vector<const Series*> tagged;
+  std::vector<std::vector<Pixel>> lines;
+  for (const Series& series : panel.series) {
+    if (series.tag.empty()) continue;
+    tagged.push_back(&series);
+    lines.emplace_back();
+    for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i)
+      if (std::isfinite(series.x[i]) && std::isfinite(series.y[i]))
+        lines.back().push_back({x(series.x[i]), y(series.y[i])});
+  }
+  std::string out;
+  const auto places = tag_places(lines, tag_radius);
+  for (std::size_t i = 0; i < tagged.size(); ++i)
+    if (places[i]) out += disc(*places[i], *tagged[i]);
+  return out;
+}
+
+/// The labels of a panel below each other, at the right of its plot.
+std::string key_column(const Figure& figure, const Panel& panel, double left, double top) {
+  constexpr double indent = 2.0 * tag_radius + 28.0;  // of labels, behind tag and swatch
+  const double right = figure.width - 4.0 * margin_right;
+  double baseline = top + 9.0;
+  std::string out = text(left, baseline, "start", figure.key_title) +
+                    text(right, baseline, "end", figure.note_title);
+  baseline += key_row + 2.0;
+  for (const Series& series : panel.series) {
+    if (series.label.empty()) continue;
+    const char* weight = series.width >= 2.0 ? " font-weight=\"600\"" : "";
+    if (!series.tag.empty()) out += disc({left + tag_radius, baseline - 3.5}, series);
+    out += fmt::format("<g transform=\"translate({:.1f},{:.1f})\">{}</g>",
+                       left + 2.0 * tag_radius + 5.0, baseline, swatch(series));
+    out += text(right, baseline, "end", series.note, palette::ink, weight);
+    for (std::size_t from = 0; from != std::string::npos; baseline += key_row) {
+      const std::size_t end = series.label.find('\n', from);
+      out += text(left + indent, baseline, "start", series.label.substr(from, end - from),
+                  palette::ink, weight);
+      from = end == std::string::npos ? end : end + 1;
+    }
+  }
+  for (const std::string& remark : figure.key_foot)
+    out += text(left, (baseline += key_row) - key_row + 8.0, "start", remark);
+  return out;
+}
+
 /// Right-aligned on the line of the axis title, so that it never lies on data.
 std::string legend(const Figure& figure, const Panel& panel, double baseline) {
   struct Entry {
@@ -157,11 +227,7 @@ std::string legend(const Figure& figure, const Panel& panel, double baseline) {
 
   std::vector<Entry> entries;
   for (const Series& series : panel.series)
-    if (!series.label.empty())
-      entries.push_back(
-          {series.label, fmt::format("<line x1=\"0\" y1=\"-4\" x2=\"18\" y2=\"-4\" stroke=\"{}\" "
-                                     "stroke-width=\"{}\" stroke-opacity=\"{}\"/>",
-                                     series.colour, std::max(1.4, series.width), series.opacity)});
+    if (!series.label.empty()) entries.push_back({series.label, swatch(series)});
   const auto add_band = [&](const Band& band, const char* fill) {
     if (!band.label.empty())
       entries.push_back({band.label, rectangle(0.0, -9.0, 18.0, 10.0, fill)});
@@ -206,7 +272,9 @@ std::string drawn_panel(const Figure& figure, const Panel& panel, const Scale& x
     for (const std::size_t i : series->arrows) out += arrow(*series, i, x, y);
   }
   out += text(4.0, top - 10.0, "start", axis_title(panel.y), palette::ink, " font-weight=\"600\"");
-  return out + legend(figure, panel, top - 10.0);
+  out += tags(panel, x, y);
+  return out + (figure.key > 0.0 ? key_column(figure, panel, x.to + 14.0, top)
+                                 : legend(figure, panel, top - 10.0));
 }
 
 std::string x_axis(const Figure& figure, const Scale& x, double bottom) {
@@ -224,19 +292,49 @@ std::string x_axis(const Figure& figure, const Scale& x, double bottom) {
 
 }  // namespace
 
-std::string svg(const Figure& figure) {
+namespace {
+
+struct Drawing {
+  std::string body;
+  double height;
+};
+
+Drawing drawing_of(const Figure& figure) {
   const std::array<double, 2> range = x_range(figure);
-  const Scale x{range[0], range[1], margin_left, figure.width - margin_right};
+  const Scale x{range[0], range[1], margin_left, figure.width - margin_right - figure.key};
   std::string body;
   double top = 0.0;
+  if (!figure.heading.empty()) {
+    body += text(4.0, 14.0, "start", figure.heading, palette::ink,
+                 " font-weight=\"600\" font-size=\"13\"");
+    top += heading_height;
+  }
   for (const Panel& panel : figure.panels) {
     top += head;
     body += drawn_panel(figure, panel, x, top);
     top += panel.height + gap;
   }
   const double bottom = top - gap;
-  return opened(figure.width, bottom + foot, figure.title) + body + x_axis(figure, x, bottom) +
-         "</svg>";
+  return {body + x_axis(figure, x, bottom), bottom + foot};
+}
+
+}  // namespace
+
+std::string svg(const Figure& figure) {
+  const Drawing drawing = drawing_of(figure);
+  return opened(figure.width, drawing.height, figure.title) + drawing.body + "</svg>";
+}
+
+std::string svg_beside(const std::string& title, const std::vector<Figure>& figures) {
+  std::string body;
+  double left = 0.0, height = 0.0;
+  for (const Figure& figure : figures) {
+    const Drawing drawing = drawing_of(figure);
+    body += fmt::format("<g transform=\"translate({:.1f},0)\">{}</g>", left, drawing.body);
+    left += figure.width;
+    height = std::max(height, drawing.height);
+  }
+  return opened(left, height, title) + body + "</svg>";
 }
 
 namespace {

@@ -35,12 +35,15 @@ struct Axis {
 };
 
 struct Series {
-  std::string label;         ///< in the legend; "" for none
+  std::string label;         ///< in the legend; "" for none; in a column it may have several lines
   std::vector<double> x, y;  ///< SI (n); samples that are not finite interrupt the line
   std::string colour = palette::ink;
   double width = 1.2;  ///< of the line, in the drawing's px (720 wide)
   double opacity = 1.0;
   std::vector<std::size_t> arrows;  ///< indices where a head shows the direction of time
+  std::string dashes = {};          ///< lengths of dash and gap [px], "6 3"; "" a solid line
+  std::string tag = {};             ///< a few characters on the line and beside its label; "" none
+  std::string note = {};            ///< right of the label, where labels stand in a column
 };
 
 /// Something marked off behind the data: between two values of x, or of y.
@@ -66,9 +69,17 @@ struct Figure {
   std::vector<Panel> panels;
   std::vector<Band> shaded;  ///< of x, through all panels
   int ticks = 7;             ///< wanted along x
+  std::string heading = {};  ///< above the first panel; "" none
+  /// Width of a column for the labels at the right [px]; 0: they stand above their panel.
+  double key = 0.0;
+  std::string key_title = {}, note_title = {};  ///< heads of that column
+  std::vector<std::string> key_foot = {};       ///< lines below it
 };
 
 std::string svg(const Figure& figure);
+
+/// Figures from left to right, each with axes of its own.
+std::string svg_beside(const std::string& title, const std::vector<Figure>& figures);
 
 /// A number as a dot and its interval as a whisker on a scale from 0 to `largest`, to stand in a
 /// table's cell; what is not finite, or an interval of no width, is not drawn.

@@ -96,11 +96,12 @@ std::string mesh_error_text(const models::MeshError& error) {
 /// What happened at the stop.
 std::string contact_text(const models::Simulation& s, const models::Contact& laws) {
   std::string text = fmt::format(
-      "contact           {} (exponent {}), damping {}, e = {:g}\n"
+      "contact           {}, damping {}, e = {:g}\n"
       "peak force        {:.9g} N at {:.6g} us\ndeepest           {:.6g} um\nimpulse           "
       "{:.9g} N s over {:.6g} ms\n",
-      laws.law, laws.exponent, laws.damping, laws.restitution, s.peak_force, 1e6 * s.peak_time,
-      1e6 * s.max_penetration, s.impulse, 1e3 * s.duration);
+      laws.law == "goldsmith" ? fmt::format("goldsmith (exponent {})", laws.exponent) : laws.law,
+      laws.damping, laws.restitution, s.peak_force, 1e6 * s.peak_time, 1e6 * s.max_penetration,
+      s.impulse, 1e3 * s.duration);
   if (s.sensor)
     text += fmt::format("sensor            {:.9g} N at {:.6g} us, {:.9g} N s over the run\n",
                         s.sensor->peak_force, 1e6 * s.sensor->peak_time, s.sensor->impulse);

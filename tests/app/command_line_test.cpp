@@ -3,16 +3,14 @@
 // The program as a user or a script sees it: exit code, stdout, stderr, files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
+
+#include "tests/app/command_line.hpp"
 
 namespace {
 
@@ -21,49 +19,15 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string samples = IMPACTRIG_SOURCE_DIR "/datasets/samples/";
-const std::string rig = samples + "shen2007.toml";
+using impactrig::tests::Outcome;
+using impactrig::tests::rig;
+using impactrig::tests::samples;
+using impactrig::tests::text_of;
 // Fast: a rigid bar, and no more of the record than the contact.
 const std::string quick = " --set solver.model=rigid --set solver.duration=\"0.4 ms\"";
 
-std::string text_of(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
-struct Outcome {
-  int code = 0;
-  std::string out, err;
-};
-
-class CommandLine : public testing::Test {
+class CommandLine : public impactrig::tests::CommandLine {
  protected:
-  void SetUp() override {
-    folder_ =
-        fs::temp_directory_path() /
-        (std::string("impactrig-") + testing::UnitTest::GetInstance()->current_test_info()->name() +
-         std::to_string(getpid()));
-    fs::create_directories(folder_);
-  }
-
-  void TearDown() override { fs::remove_all(folder_); }
-
-  Outcome run(const std::string& arguments) {
-    const std::string out = path("stdout"), err = path("stderr");
-    const int status =
-        std::system((IMPACTRIG_PROGRAM " " + arguments + " >" + out + " 2>" + err).c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(err)};
-  }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
-  std::string write(const std::string& name, const std::string& content) const {
-    std::ofstream(path(name), std::ios::binary) << content;
-    return path(name);
-  }
-
   /// A recording of a half-sine force and a velocity, as CSV.
   std::string recording(const std::string& header, double peak) const {
     std::string text = header + "\n";
@@ -77,8 +41,6 @@ class CommandLine : public testing::Test {
     }
     return write("shot.csv", text);
   }
-
-  fs::path folder_;
 };
 
 TEST_F(CommandLine, SimulatesTheRigidPendulumToItsClosedForm) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "datasets/input_error.hpp"
@@ -31,6 +32,11 @@ std::string with(const std::string& line, const std::string& replacement) {
   const std::size_t at = text.find(line);
   EXPECT_NE(at, std::string::npos) << line;
   return text.replace(at, line.size(), replacement);
+}
+
+/// The paper's rig with keys of its contact added or replaced by others.
+std::string with_contact(const std::string& lines) {
+  return with("restitution = 0.5\n", lines + "\n");
 }
 
 TEST(RigFile, ReadsThePapersRigInSi) {
@@ -302,6 +308,18 @@ TEST(RigFile, FurtherStopsInheritWhatTheyDoNotState) {
             1u);
 }
 
+TEST(RigFile, AFurtherStopOfAnotherDampingDoesNotInheritTheDashpot) {
+  const std::string text =
+      with_contact("damping = \"viscous\"\nviscous = \"2 kN.s/m\"\nrestitution = 0.5") +
+      "\n[[contacts]]\ngap = \"1 mm\"\nside = \"far\"\n";
+  const auto second = [&](const std::string& lines) {
+    return parse_rig_file(text + lines, "rig.toml").rig.further_stops.at(0).contact;
+  };
+  EXPECT_EQ(second("damping = \"exact\"\n").damping, "exact");
+  EXPECT_FALSE(second("damping = \"exact\"\n").viscous.has_value());
+  EXPECT_DOUBLE_EQ(*second("").viscous, 2e3);
+}
+
 TEST(RigFile, ABarOfSegmentsMeetsAFurtherStopWithTheSegmentThere) {
   const std::string text =
       with(
@@ -495,6 +513,117 @@ TEST(RigFile, ReadsTheDirectionOfGravity) {
             "-180 and 180 degrees, found 4 rad");
   EXPECT_NE(message_of(paper_rig, {{"environment.gravity_direction", "3 m"}})
                 .find("--set environment.gravity_direction: "),
+            std::string::npos);
+}
+
+TEST(RigFile, ThePowerLawsUnitTellsItsPower) {
+  const std::string law = "law = \"lankarani-nikravesh-cylinder\"\nrestitution = 0.5\n";
+  const auto contact = [&](const std::string& stiffness) {
+    return parse_rig_file(with_contact(law + "stiffness = \"" + stiffness + "\""), "rig.toml")
+        .rig.contact;
+  };
+  const models::Contact metres = contact("1.6e10 N/m^1.5");
+  EXPECT_DOUBLE_EQ(metres.stiffness, 1.6e10);
+  EXPECT_DOUBLE_EQ(metres.power, 1.5);
+  const models::Contact millimetres = contact("5e5 N/mm^1.5");
+  EXPECT_NEAR(millimetres.stiffness / (5e5 * std::pow(1e3, 1.5)), 1.0, 1e-14);
+  EXPECT_DOUBLE_EQ(millimetres.power, 1.5);
+  const models::Contact kilonewtons = contact("3 kN/um^1.1");
+  EXPECT_NEAR(kilonewtons.stiffness / (3e3 * std::pow(1e6, 1.1)), 1.0, 1e-14);
+  EXPECT_DOUBLE_EQ(kilonewtons.power, 1.1);
+}
+
+TEST(RigFile, AStiffnessWithoutItsPowerIsRefused) {
+  const auto message = [](const std::string& law, const std::string& stiffness) {
+    return message_of(
+        with_contact("law = \"" + law + "\"\nrestitution = 0.5\nstiffness = " + stiffness));
+  };
+  const std::string cylinder = "lankarani-nikravesh-cylinder";
+  EXPECT_NE(
+      message(cylinder, "\"1.6e10 N/m\"")
+          .find("contact.stiffness: expected a factor whose unit tells the power, for example "
+                "\"1.6e10 N/m^1.5\", found \"1.6e10 N/m\""),
+      std::string::npos)
+      << message(cylinder, "\"1.6e10 N/m\"");
+  EXPECT_NE(message(cylinder, "\"1.6e10 N/m^x\"").find("tells the power"), std::string::npos);
+  EXPECT_NE(message(cylinder, "\"1.6e10 N/s^1.5\"").find("contact.stiffness"), std::string::npos);
+  EXPECT_NE(message(cylinder, "\"1.6e10 N/m^0.5\"").find("must lie between 1 and 5, found 0.5"),
+            std::string::npos);
+  EXPECT_NE(message("goldsmith", "\"1e8 N/m\"")
+                .find("contact.stiffness: the law \"goldsmith\" follows from geometry and moduli"),
+            std::string::npos);
+  EXPECT_NE(message("linear", "\"1e8 N/m^1.5\"").find("contact.stiffness"), std::string::npos);
+}
+
+TEST(RigFile, ReadsWhatDampingLawsTake) {
+  const models::Contact silent = parse_rig_file(paper_rig, "rig.toml").rig.contact;
+  EXPECT_EQ(silent.tension, models::Tension::clip);
+  EXPECT_FALSE(silent.reference_length || silent.restitution_speed || silent.effective_mass);
+  const models::Contact stated =
+      parse_rig_file(with_contact("restitution = 0.5\ntension = \"allow\"\n"
+                                  "reference_length = \"1 mm\"\n"
+                                  "restitution_speed = \"20 cm/s\"\n"
+                                  "effective_mass = \"350 g\""),
+                     "rig.toml")
+          .rig.contact;
+  EXPECT_EQ(stated.tension, models::Tension::allow);
+  EXPECT_DOUBLE_EQ(*stated.reference_length, 1e-3);
+  EXPECT_DOUBLE_EQ(*stated.restitution_speed, 0.2);
+  EXPECT_DOUBLE_EQ(*stated.effective_mass, 0.35);
+  EXPECT_EQ(parse_rig_file(with_contact("restitution = 0.5\ntension = \"clip\""), "rig.toml")
+                .rig.contact.tension,
+            models::Tension::clip);
+}
+
+TEST(RigFile, AStatedDashpotOrRelaxationNeedsNoRestitution) {
+  const models::Contact viscous =
+      parse_rig_file(with_contact("damping = \"viscous\"\nviscous = \"2 kN.s/m\""), "rig.toml")
+          .rig.contact;
+  EXPECT_DOUBLE_EQ(*viscous.viscous, 2e3);
+  EXPECT_DOUBLE_EQ(viscous.restitution, 1.0);
+  const models::Contact relaxing =
+      parse_rig_file(with_contact("damping = \"kuwabara-kono\"\nrelaxation_time = \"5 us\""),
+                     "rig.toml")
+          .rig.contact;
+  EXPECT_DOUBLE_EQ(*relaxing.relaxation_time, 5e-6);
+}
+
+TEST(RigFile, WhatADampingLawDoesNotTakeIsRefused) {
+  EXPECT_NE(
+      message_of(with_contact("restitution = 0.5\nviscous = \"10 N.s/m\""))
+          .find("contact.viscous: only the damping law \"viscous\" takes it, this contact has "
+                "\"lankarani-nikravesh\""),
+      std::string::npos);
+  EXPECT_NE(message_of(with_contact("damping = \"viscous\"\nrestitution = 0.5\n"
+                                    "relaxation_time = \"1 us\""))
+                .find("contact.relaxation_time: only the damping law \"kuwabara-kono\" takes it, "
+                      "this contact has \"viscous\""),
+            std::string::npos);
+  EXPECT_NE(message_of(with_contact("restitution = 0.5\ntension = \"some\""))
+                .find("contact.tension: expected one of clip, allow, found \"some\""),
+            std::string::npos);
+  EXPECT_NE(message_of(with_contact("restitution = 0.5\nrestitution_speed = \"0 m/s\""))
+                .find("contact.restitution_speed"),
+            std::string::npos);
+  EXPECT_NE(message_of(with_contact("damping = \"herbert-mcwhannell-implicit\"\nrestitution = 0.4"))
+                .find("0.4 needs more damping than the law 'herbert-mcwhannell-implicit' can give; "
+                      "use 0.52 or more"),
+            std::string::npos);
+}
+
+TEST(RigFile, APlaneMayStateItsDepth) {
+  const std::string groove = "counterface = { shape = \"groove\", radius = \"17.5 mm\" }";
+  const std::string plane = with(groove,
+                                 "counterface = { shape = \"plane\", depth = \"30 mm\" }\n"
+                                 "law = \"johnson\"");
+  EXPECT_DOUBLE_EQ(parse_rig_file(plane, "rig.toml").rig.contact.counter_depth, 0.03);
+  const std::string bare = with(groove, "counterface = { shape = \"plane\" }\nlaw = \"johnson\"");
+  EXPECT_NE(message_of(bare).find("the law 'johnson' needs the depth of a plane"),
+            std::string::npos);
+  const std::string refused = with(groove,
+                                   "counterface = { shape = \"plane\", depth = \"30 mm\" }\n"
+                                   "law = \"esdu-78035\"");
+  EXPECT_NE(message_of(refused).find("the law 'esdu-78035' does not know a plane"),
             std::string::npos);
 }
 

@@ -204,7 +204,7 @@ TEST(LogarithmicContact, InverseIsExactToAFewUnitsTimesItsCondition) {
   const LogarithmicContact<Real> exact{4.2e-10, 9.1e6};
   const Real limit = exact.limit_penetration();
   Real worst = 0.0, worst_depth = 0.0;
-  for (Real part = 1.0; part > 1e-280L; part /= 1.37L) {
+  for (Real part = 1.0; part > 1e-280L; part /= part > 1e-3L ? 1.0013L : 1.37L) {
     const double x = static_cast<double>(limit * part);
     const Real u = exact.bracket(x), unit = std::numeric_limits<double>::epsilon();
     const Real off = std::abs(law.force(x) / exact.force(x) - 1.0L);
@@ -220,7 +220,7 @@ TEST(LogarithmicContact, InverseIsExactToAFewUnitsTimesItsCondition) {
 // The logarithm's root itself, by the residual of δ = A f u in extended precision.
 TEST(LogarithmicContact, InverseSolvesItsEquation) {
   const LogarithmicContact<Real> law{4.2e-10, 9.1e6};
-  for (Real part = 1.0; part > 1e-300L; part /= 17.3L) {
+  for (Real part = 1.0; part > 1e-300L; part /= part > 1e-3L ? 1.0013L : 17.3L) {
     const Real x = law.limit_penetration() * part;
     const Real f = law.force(x);
     EXPECT_NEAR(double(law.compliance * f * (1.0L + std::log(law.limit_force / f)) / x), 1.0,
@@ -301,6 +301,10 @@ TEST(ElasticLimits, NameTheLimitWithItsNumber) {
   EXPECT_THAT(elastic_limits(contact, deep(28.6e3)), IsEmpty());
   EXPECT_THAT(elastic_limits(contact, deep(29.46e3)),
               ElementsAre(HasSubstr("the contact's half width is 0.152 of the bar's radius at")));
+  contact.law = "hertz-point";  // √(R_eq δ) = 0.15 R_1 at 48.2 um
+  EXPECT_THAT(elastic_limits(contact, 48e-6), IsEmpty());
+  EXPECT_THAT(elastic_limits(contact, 48.5e-6),
+              ElementsAre(HasSubstr("the contact's radius is 0.15 of the bar's at")));
   contact.law = "pereira";
   EXPECT_THAT(elastic_limits(contact, 1e-6), IsEmpty());
   contact.counter_radius = contact.radius + 11e-3;

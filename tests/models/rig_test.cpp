@@ -8,11 +8,15 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "models/contact/damping_law.hpp"
+#include "models/contact/elastic_law.hpp"
+#include "tests/models/law_names.hpp"
 #include "tests/models/scenes.hpp"
 
 namespace {
 
 using namespace impactrig::models;
+using impactrig::tests::names_of;
 using impactrig::tests::paper_rig;
 using testing::ThrowsMessage;
 
@@ -74,17 +78,9 @@ TEST(Validate, RefusesContactsThatCannotBe) {
        "contact.restitution: 0.004 needs more damping than the law 'exact' can give; use 0.005 or "
        "more"},
       {[](Rig& r, Solver&) { r.contact.damping = "dashpot"; },
-       "contact.damping: there is no damping law 'dashpot'; known are none, "
-       "lankarani-nikravesh, exact, hunt-crossley, herbert-mcwhannell, lee-wang, gonthier, "
-       "zhiying-qishao, flores, hu-guo, carvalho-martins, safaeifar-farshidianfar, "
-       "marhefka-orin, lankarani-nikravesh-implicit, herbert-mcwhannell-implicit, viscous, "
-       "tsuji, tsuji-marshall, tsuji-exact, tangent, jankowski, kuwabara-kono, "
-       "hertz-hysteresis"},
+       "contact.damping: there is no damping law 'dashpot'; known are " + names_of(damping_laws())},
       {[](Rig& r, Solver&) { r.contact.law = "hertz"; },
-       "contact.law: there is no elastic law 'hertz'; known are goldsmith, "
-       "dubowsky-freudenstein, esdu-78035, johnson, radzimovsky, radzimovsky-1.60, "
-       "radzimovsky-half-width, liu, palmgren, brandlein, pereira, persson, "
-       "lankarani-nikravesh-cylinder, hertz-point, linear"},
+       "contact.law: there is no elastic law 'hertz'; known are " + names_of(elastic_laws())},
       {[](Rig& r, Solver&) { r.contact.stiffness_factor = 0.0; },
        "contact.stiffness_factor: must be greater than zero, found 0"},
       {[](Rig& r, Solver&) {

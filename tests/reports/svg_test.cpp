@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "reports/line_tags.hpp"
 #include "tests/reports/markup.hpp"
 
 namespace impactrig {
@@ -222,6 +223,79 @@ TEST(Escape, ReplacesWhatIsNoUtf8) {
             "a\xef\xbf\xbd"
             "b");
   EXPECT_EQ(reports::escaped("\xe2\x82"), "\xef\xbf\xbd\xef\xbf\xbd");  // cut short
+}
+
+/// Two straight lines over 0 ... 4 us that cross.
+reports::Figure crossing() {
+  reports::Figure figure = figure_of({0.0, 1.0, 2.0, 3.0, 4.0});
+  reports::Series other = figure.panels[0].series[0];
+  other.y = {4.0, 3.0, 2.0, 1.0, 0.0};
+  other.colour = "#654321";
+  other.label = "falling,\nslowly";
+  other.note = "4 N";
+  other.dashes = "6 3";
+  other.tag = "2";
+  figure.panels[0].series[0].tag = "1";
+  figure.panels[0].series.push_back(other);
+  return figure;
+}
+
+TEST(Svg, LabelsMayStandInAColumnWithTagsAndNotes) {
+  reports::Figure figure = crossing();
+  figure.key = 200.0;
+  figure.key_title = "line";
+  figure.note_title = "first";
+  figure.key_foot = {"both are straight"};
+  figure.heading = "Two lines";
+  const std::string svg = reports::svg(figure);
+  EXPECT_EQ(tests::markup_problem(svg), "");
+  for (const char* text : {">Two lines<", ">line<", ">first<", ">falling,<", ">slowly<", ">4 N<",
+                           ">both are straight<"})
+    EXPECT_THAT(svg, HasSubstr(text));
+  EXPECT_THAT(svg, HasSubstr("stroke-dasharray=\"6 3\""));
+  // a tag on the line and one in the column, right of the plot that ends at 720 - 12 - 200 px
+  const std::regex circle("<circle cx=\"([0-9.]+)\"[^>]*stroke=\"#654321\"");
+  std::vector<double> places;
+  for (std::sregex_iterator it(svg.begin(), svg.end(), circle), end; it != end; ++it)
+    places.push_back(std::stod((*it)[1]));
+  ASSERT_EQ(places.size(), 2U);
+  EXPECT_LE(places[0], 508.0);
+  EXPECT_GT(places[1], 508.0);
+}
+
+TEST(Svg, FiguresMayStandBesideEachOther) {
+  reports::Figure figure = crossing();
+  figure.width = 400.0;
+  reports::Figure higher = figure;
+  higher.panels[0].height = 300.0;
+  const std::string svg = reports::svg_beside("Two & two", {figure, higher});
+  EXPECT_EQ(tests::markup_problem(svg), "");
+  // head 26, panel 300, foot 40
+  EXPECT_THAT(svg, HasSubstr("viewBox=\"0 0 800 366\""));
+  EXPECT_THAT(svg, HasSubstr("translate(400.0,0)"));
+  EXPECT_THAT(svg, HasSubstr("Two &amp; two"));
+}
+
+TEST(LineTags, LieOnTheirLinesAndApart) {
+  // a fan of 12 lines from one corner, nearly on each other there
+  std::vector<std::vector<reports::Pixel>> lines;
+  for (int i = 0; i < 12; ++i) lines.push_back({{0.0, 0.0}, {300.0, 15.0 * i}, {330.0, 15.0 * i}});
+  const auto places = reports::tag_places(lines, 7.0);
+  ASSERT_EQ(places.size(), lines.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    ASSERT_TRUE(places[i].has_value());
+    const auto [x, y] = *places[i];
+    const double slope = 15.0 * static_cast<double>(i) / 300.0;
+    EXPECT_NEAR(y, slope * std::min(x, 300.0), 1e-9) << i;
+    for (std::size_t k = 0; k < i; ++k)
+      EXPECT_GT(std::hypot(x - (*places[k])[0], y - (*places[k])[1]), 14.0) << i << ' ' << k;
+  }
+}
+
+TEST(LineTags, ALineWithoutPointsHasNone) {
+  const auto places = reports::tag_places({{}, {{5.0, 5.0}}}, 7.0);
+  EXPECT_FALSE(places[0].has_value());
+  EXPECT_EQ(*places[1], (reports::Pixel{5.0, 5.0}));
 }
 
 }  // namespace

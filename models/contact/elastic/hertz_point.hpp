@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "models/contact/elastic/contact_numbers.hpp"
 #include "models/contact/elastic/elastic_law_entry.hpp"
@@ -33,6 +37,17 @@ struct HertzPointLaw {
   static PowerContact<T> make(const ContactNumbers<T>& c) {
     using std::sqrt;
     return {4.0 / 3.0 * c.effective_modulus() / T(sqrt(c.curvature())), T(1.5)};
+  }
+
+  static void limits(const ContactNumbers<>& c, double force, double penetration,
+                     std::vector<std::string>& beyond) {
+    const double radius = std::sqrt(penetration / c.curvature());
+    if (radius > 0.15 * c.radius)
+      beyond.push_back(
+          fmt::format("the contact's radius is {:.3g} of the bar's at {:.4g} N; the law "
+                      "'hertz-point' is good up "
+                      "to 0.15 of it",
+                      radius / c.radius, force));
   }
 };
 

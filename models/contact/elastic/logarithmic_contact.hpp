@@ -135,18 +135,19 @@ struct LogarithmicContact {
   static Real solve_branch(Real log_y) {
     using std::abs;
     using std::log;
-    // a step this long leaves its fourth power
+    // a step this long leaves its fourth power; towards f*, where the root is nearly double, less
+    // is gained by a step
     const Real short_enough = 4.0 * std::sqrt(std::sqrt(std::numeric_limits<Real>::epsilon()));
+    const Real shorter = std::sqrt(std::numeric_limits<Real>::epsilon());
     Real u = 1.0 - log_y + log(1.0 - log_y);
-    // Fourth order: two steps reach rounding for f < 0.5 f*; the rest is for the neighbourhood of
-    // f*, where the root is nearly double.
+    // two steps reach rounding for f < 0.08 f*
     for (int i = 0; i < 40; ++i) {
       const Real z = log_y - 1.0 - log(u) + u;
       const Real near = 1.0 - u;
       const Real q = 2.0 * near * (near + z * (2.0 / 3.0));
       const Real part = z / near * (q - z) / (q - 2.0 * z);
       u += u * part;
-      if (!(abs(part) > short_enough * std::min(Real(1.0), near * near))) break;
+      if (!(abs(part) > (near < -2.5 ? short_enough : shorter * near * near))) break;
     }
     return u;
   }
