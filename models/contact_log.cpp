@@ -38,7 +38,7 @@ void ContactLog::touch(int stop, double t, double speed, const ContactTotals& to
   episode.open = true;
   result_.episodes.push_back(episode);
   const double slowest = grazing_fraction * first_speed();
-  if (speed < slowest) ++grazing_;
+  if (speed < slowest && contact.takes_own_speed()) ++grazing_;
   contact.begin_episode(std::max(speed, slowest));
   contact.set_phase(ContactForce::Phase::pressed);
   last(stop) = {result_.episodes.size() - 1, totals, totals};

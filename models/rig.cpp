@@ -112,6 +112,7 @@ void validate_moduli(const Contact& contact) {
 
 void validate_radii(const Contact& contact) {
   require_positive("contact.radius", contact.radius, "m");
+  require_not_negative("contact.counterface.depth", contact.counter_depth, "m");
   if (contact.reference_length)
     require_positive("contact.reference_length", *contact.reference_length, "m");
   if (contact.exponent != 1 && contact.exponent != 3)
@@ -143,7 +144,10 @@ void validate_contact(const Contact& contact, const Beam& beam) {
   if (needs.stiffness)
     require_positive("contact.stiffness", contact.stiffness, needs.power ? "N/m^n" : "N/m");
   if (needs.power && !(contact.power >= 1.0 && contact.power <= 5.0))
-    refuse("contact.power", fmt::format("must lie between 1 and 5, found {:g}", contact.power));
+    refuse("contact.stiffness",
+           fmt::format(
+               "the power of the penetration, in its unit, must lie between 1 and 5, found {:g}",
+               contact.power));
   if (needs.length) require_positive("contact.length", contact.length, "m");
   if (needs.moduli || damping_law(contact.damping).text.form == DampingForm::hertzian)
     validate_moduli(contact);

@@ -47,6 +47,11 @@ void ContactForce::begin_episode(double approach_velocity) {
   if (damping_.speed == DampingSpeed::first && law_speed_ > 0.0) return;
   law_speed_ = stated_speed_.value_or(approach_velocity);
   strength_ = strength_at(law_speed_);
+  if (damping_.form == DampingForm::implicit && !(strength_ * approach_velocity < 1.0))
+    throw std::runtime_error(fmt::format(
+        "contact.restitution_speed: the law '{}' has no force at {:.4g} m/s where its restitution "
+        "is meant at {:.4g} m/s; state more than {:.4g} m/s, or none",
+        damping_.name, approach_velocity, law_speed_, factor_ * approach_velocity));
   if (stated_strength_ || factor_ == 0.0) {
     strength_to_speed_ = 0.0;
     return;

@@ -61,6 +61,11 @@ class ContactForce {
   /// Where that comes from: stated speeds do not change with the motion.
   bool speed_is_stated() const { return stated_speed_.has_value(); }
 
+  /// Whether each contact's approach speed sets its damping.
+  bool takes_own_speed() const {
+    return damped() && damping_.speed == DampingSpeed::own && !speed_is_stated();
+  }
+
   bool keeps_first_speed() const { return damping_.speed == DampingSpeed::first; }
 
   double elastic(double penetration) const {

@@ -108,7 +108,8 @@ std::vector<LawDerivative> derivatives_of(const Contact& contact, double penetra
     const Key& key = keys[static_cast<std::size_t>(i)];
     // a contact states what its law and counterface need, and no more
     if (Law::text.needs.*key.need && there.force.derivatives()[i] != 0.0)
-      add(key.name, key.unit, numbers.*key.value, i);
+      add(key.name, !Law::text.needs.power && key.need == &LawNeeds::stiffness ? "N/m" : key.unit,
+          numbers.*key.value, i);
   }
   add("contact.stiffness_factor", "1", contact.stiffness_factor, last);
   return result;
@@ -193,8 +194,9 @@ std::vector<std::string> elastic_limits(const Contact& contact, double penetrati
     beyond.push_back(fmt::format(
         "the law '{}' rises up to {:.4g} N and is no good near that; here it is at {:.4g} N",
         contact.law, own->limit_force, force));
-  if (const double a = half_width(contact, force);
-      a > widest * contact.radius && contact.law != PerssonLaw::text.name)
+  if (const double a = half_width(contact, force); a > widest * contact.radius &&
+                                                   contact.law != PerssonLaw::text.name &&
+                                                   contact.law != LiuLaw::text.name)
     beyond.push_back(fmt::format(
         "the contact's half width is {:.3g} of the bar's radius at {:.4g} N; the law '{}' is good "
         "up to {:g} of it{}",

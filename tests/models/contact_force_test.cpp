@@ -237,6 +237,29 @@ TEST(RestitutionSpeed, FixesTheSpeedAtWhichTheRestitutionIsMeant) {
   }
 }
 
+TEST(RestitutionSpeed, MustLeaveAnImplicitLawAForce) {
+  Contact contact = contact_for("goldsmith", "lankarani-nikravesh-implicit", 0.5);
+  contact.restitution_speed = 0.2;  // d 0.5625: no force from 0.3556 m/s on
+  ContactForce force(contact, mass);
+  EXPECT_NO_THROW(force.begin_episode(0.35));
+  EXPECT_THAT([&] { force.begin_episode(0.441); },
+              testing::ThrowsMessage<std::runtime_error>(
+                  "contact.restitution_speed: the law 'lankarani-nikravesh-implicit' has no force "
+                  "at 0.441 m/s where its restitution is meant at 0.2 m/s; state more than 0.2481 "
+                  "m/s, or none"));
+}
+
+// Two slow contacts after a fast one: only laws that divide by their speed are told of.
+TEST(GrazingTouch, IsToldOnlyWhereTheLawDividesByItsSpeed) {
+  for (const char* damping : {"exact", "marhefka-orin", "tsuji", "viscous", "none"}) {
+    Contact contact = contact_for("goldsmith", damping, 0.5);
+    const ContactForce force(contact, mass);
+    EXPECT_EQ(force.takes_own_speed(), std::string(damping) == "exact") << damping;
+    contact.restitution_speed = 0.3;
+    EXPECT_FALSE(ContactForce(contact, mass).takes_own_speed());
+  }
+}
+
 TEST(Viscous, TakesAStatedCoefficientOrThatOfTheSpringOfEqualWork) {
   Contact contact = contact_for("linear", "viscous", 0.4);
   EXPECT_NEAR(pressed(contact).strength(),

@@ -287,9 +287,10 @@ TEST(ElasticLaws, RefuseWhatTheyHaveNoFormulaFor) {
   EXPECT_EQ(message("johnson", Counterface::plane, 0.0),
             "contact.counterface.depth: is missing; the law 'johnson' needs the depth of a plane, "
             "down to what holds it, for example { shape = \"plane\", depth = \"30 mm\" }");
-  EXPECT_EQ(message("persson", Counterface::cylinder, 0.0),
-            "contact.counterface: the law 'persson' is for a groove; take johnson or "
-            "dubowsky-freudenstein for a cylinder");
+  EXPECT_EQ(
+      message("persson", Counterface::cylinder, 0.0),
+      "contact.counterface: the law 'persson' is for a groove; dubowsky-freudenstein knows every "
+      "counterface");
 }
 
 TEST(ElasticLimits, NameTheLimitWithItsNumber) {
@@ -301,6 +302,8 @@ TEST(ElasticLimits, NameTheLimitWithItsNumber) {
   EXPECT_THAT(elastic_limits(contact, deep(28.6e3)), IsEmpty());
   EXPECT_THAT(elastic_limits(contact, deep(29.46e3)),
               ElementsAre(HasSubstr("the contact's half width is 0.152 of the bar's radius at")));
+  contact.law = "liu";  // made for wide contacts
+  EXPECT_THAT(elastic_limits(contact, penetration_at(elastic_law(contact), 60e3)), IsEmpty());
   contact.law = "hertz-point";  // √(R_eq δ) = 0.15 R_1 at 48.2 um
   EXPECT_THAT(elastic_limits(contact, 48e-6), IsEmpty());
   EXPECT_THAT(elastic_limits(contact, 48.5e-6),

@@ -100,6 +100,15 @@ TEST(Validate, RefusesContactsThatCannotBe) {
        "contact.poisson_ratio: must lie between -1 and 0.5, found 0.6"},
       {[](Rig& r, Solver&) { r.contact.counter_poisson_ratio = -1.0; },
        "contact.counter_poisson_ratio: must lie between -1 and 0.5, found -1"},
+      {[](Rig& r, Solver&) {
+         r.contact.law = "lankarani-nikravesh-cylinder";
+         r.contact.stiffness = 1e9;
+         r.contact.power = 7.0;
+       },
+       "contact.stiffness: the power of the penetration, in its unit, must lie between 1 and 5, "
+       "found 7"},
+      {[](Rig& r, Solver&) { r.contact.counter_depth = -1e-3; },
+       "contact.counterface.depth: must be finite and not negative, found -0.001 m"},
       {[](Rig& r, Solver&) { r.contact.exponent = 2; },
        "contact.exponent: must be 1 (as the paper prints it) or 3 (consistent in units), found 2"},
       {[](Rig& r, Solver&) { r.contact.counter_radius = 0.0; },

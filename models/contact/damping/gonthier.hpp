@@ -7,7 +7,7 @@ namespace impactrig::models {
 
 /// f = f_0(δ) (1 + d δ̇ / v),   d = (1 − e²) / e
 ///
-/// Their closed approximation of the exact law: within 0.005 for e < 0.3, within 0.012 for e <=
+/// Their closed approximation of the exact law: within 0.005 for e < 0.3, within 0.013 for e <=
 /// 0.5; 0.876 for 0.9.
 ///
 /// Source: [GonthierEtAl2004].
@@ -16,7 +16,7 @@ struct Gonthier {
       .name = "gonthier",
       .description = "closed form near the exact law for small e",
       .formula = "d = (1-e^2) / e",
-      .validity = "e < 0.5: within 0.012 there; rebounds with 0.876 for 0.9",
+      .validity = "e < 0.5: within 0.013 there; rebounds with 0.876 for 0.9",
       .source = "GonthierEtAl2004",
       .smallest_restitution = 0.005};
 

@@ -70,8 +70,8 @@ inline void require_second_radius(std::string_view law, Counterface counterface)
 inline void require_groove(std::string_view law, Counterface counterface) {
   if (counterface != Counterface::groove)
     throw std::invalid_argument(fmt::format(
-        "contact.counterface: the law '{}' is for a groove; take johnson or dubowsky-freudenstein "
-        "for a cylinder",
+        "contact.counterface: the law '{}' is for a groove; dubowsky-freudenstein knows every "
+        "counterface",
         law));
 }
 
