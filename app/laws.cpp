@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "app/files.hpp"
 #include "app/law_numbers.hpp"
@@ -120,12 +121,25 @@ void tell_damping(const Options& options, const LawScene& scene) {
          damping_json(scene, options.law, figures));
 }
 
+/// The picture of a comparison is drawn in any case: without -o as laws.svg, unless that is there.
+void draw_comparison(const Options& options, const std::string& svg) {
+  const std::string name = options.output.empty() ? "laws.svg" : options.output;
+  const bool kept =
+      options.output.empty() && !options.overwrites() && std::filesystem::exists(name);
+  if (!kept) write_output(name, svg + "\n", options.overwrites());
+  if (options.common.quiet) return;
+  if (kept)
+    fmt::print(stderr, "impactrig: {} is kept; -o names another picture, -f overwrites\n", name);
+  else
+    fmt::print(stderr, "impactrig: picture in {}\n", name);
+}
+
 void tell_comparison(const Options& options, const LawScene& scene) {
   const LawComparison comparison = compare_laws(scene);
   for (const Refusal& refusal : comparison.refused)
     if (!options.common.quiet)
       fmt::print(stderr, "impactrig: {} left out: {}\n", refusal.law, refusal.reason);
-  draw(options, comparison_picture(scene, comparison));
+  draw_comparison(options, comparison_picture(scene, comparison));
   answer(options, comparison_text(scene, comparison), comparison_json(scene, comparison));
 }
 
@@ -175,8 +189,10 @@ void add_laws(CLI::App& program) {
       ->needs(law);
   CLI::Option* table = command->add_flag(
       "--table", options->table, "What e_in comes out as, all damping laws, three elastic ones");
-  CLI::Option* compare = command->add_option("--compare", options->compared,
-                                             "All laws for the contact of this rig file");
+  CLI::Option* compare =
+      command->add_option("--compare", options->compared,
+                          "All laws for the contact of this rig file, as a table and a "
+                          "picture: laws.svg unless -o names it");
   command->add_option("-o,--output", options->output, "Picture (.svg)")->excludes(table);
   command->add_flag("-f", options->common.force, "Overwrite files that exist");
   penetration->needs(law)->excludes(options->load_option);

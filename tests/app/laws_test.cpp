@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -280,6 +281,19 @@ TEST_F(Laws, TheTableIsTheSameBesideAllElasticLawsForProportionalDamping) {
   const Outcome o = run("laws --table");
   EXPECT_THAT(o.out, HasSubstr("lankarani-nikravesh, all three"));
   EXPECT_THAT(o.out, HasSubstr("hertz-hysteresis, goldsmith"));
+}
+
+TEST_F(Laws, ComparisonDrawsItsPictureUnaskedButKeepsAnOlderOne) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(path(""));
+  const Outcome first = run("laws --compare " + rig), second = run("laws --compare " + rig);
+  const Outcome third = run("laws -f --compare " + rig);
+  std::filesystem::current_path(before);
+  EXPECT_EQ(first.code + second.code + third.code, 0);
+  EXPECT_THAT(first.err, HasSubstr("picture in laws.svg"));
+  EXPECT_EQ(impactrig::tests::markup_problem(text_of(path("laws.svg"))), "");
+  EXPECT_THAT(second.err, HasSubstr("laws.svg is kept; -o names another picture, -f overwrites"));
+  EXPECT_THAT(third.err, HasSubstr("picture in laws.svg"));
 }
 
 TEST_F(Laws, AreComparedInOnePicture) {
