@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "acquisition/recording_reader.hpp"
 #include "datasets/record.hpp"
 
 namespace impactrig::acquisition {
@@ -26,6 +29,11 @@ struct ImportOptions {
   /// true: a recording without times and without a sample rate is an InputError that names
   /// --sample-rate. false (inspect): it is a warning, and SampleClock::interval is 0.
   bool require_clock = true;
+  /// Channels to read, by name or by index from 0; empty: all. HDF5 of somebody else's: paths of
+  /// data sets.
+  std::vector<std::string> channels;
+  double from = -std::numeric_limits<double>::infinity();  ///< time of the first sample read [s]
+  double to = std::numeric_limits<double>::infinity();     ///< of the last [s]
 };
 
 /// One recording format: its two functions in one file of importers/, one line in importers.cpp.
@@ -35,17 +43,26 @@ struct Importer {
   /// How sure the format is from the file's name and first bytes (up to 64 KiB): 0 not mine, 100
   /// certain. A specific format beats a generic one.
   int (*recognises)(std::string_view file_name, std::string_view head);
-  datasets::Record (*read)(const std::string& path, const ImportOptions& options);
+  /// Reads the head. Throws what open_recording throws.
+  std::unique_ptr<RecordingReader> (*open)(const std::string& path, const ImportOptions& options);
 };
 
 /// All formats, most specific first.
 std::span<const Importer> importers();
 
-/// Reads a recording of any known format; fills provenance with size, SHA-256, importer and program
-/// version. Samples that are not finite are marked as not valid. A file without recordings gives a
-/// record without channels and a warning. Channels over anything but time (a spectrum) have the
-/// attribute "domain" and no clock (interval 0). Throws datasets::FileError (cannot be opened) or
-/// datasets::InputError (unknown format, broken content).
+/// Opens a recording of any known format. Its provenance states size, importer and program
+/// version. Samples that are not finite are handed over as not valid, and a warning counts them. A
+/// file without recordings gives a head without channels and a warning. Channels over anything but
+/// time (a spectrum) have the attribute "domain" and no clock (interval 0). Throws
+/// datasets::FileError (cannot be opened) or datasets::InputError (unknown format, broken content).
+std::unique_ptr<RecordingReader> open_recording(const std::string& path,
+                                                const ImportOptions& options = {});
+
+/// What `options` asks for of an opened recording. Throws datasets::InputError, which lists the
+/// channels, for one that is not there.
+Selection selection_of(const RecordingHead& head, const ImportOptions& options);
+
+/// Opens a recording and reads what is asked for into memory; its provenance has the SHA-256 too.
 datasets::Record import_recording(const std::string& path, const ImportOptions& options = {});
 
 }  // namespace impactrig::acquisition

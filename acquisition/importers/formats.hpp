@@ -6,8 +6,8 @@
 
 #include "acquisition/importer.hpp"
 
-/// The formats that importers.cpp lists. Each pair is an Importer's `recognises` and `read`, and
-/// lives in a file of its own name.
+/// The formats that importers.cpp lists. Each pair is an Importer's `recognises` and its `open`, or
+/// a `read` of the whole file, and lives in a file of its own name.
 namespace impactrig::acquisition {
 
 int recognises_uff58b(std::string_view file_name, std::string_view head);

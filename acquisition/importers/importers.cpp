@@ -7,6 +7,7 @@
 
 #include "acquisition/importer.hpp"
 #include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/text_file.hpp"
 
 namespace impactrig::acquisition {
@@ -18,18 +19,24 @@ using datasets::SourcePosition;
 
 namespace {
 
+/// For formats whose files are small, or not yet read by blocks.
+template <Record (*read)(const std::string& path, const ImportOptions& options)>
+std::unique_ptr<RecordingReader> whole(const std::string& path, const ImportOptions& options) {
+  return reader_of(read(path, options));
+}
+
 /// A new format is a file beside this one, its two functions in formats.hpp, and a line here. Most
 /// specific first.
 constexpr std::array<Importer, 5> table = {{
-    {"impactrig-hdf5", "impactrig's own HDF5 (.h5)", recognises_hdf5, read_hdf5},  //
+    {"impactrig-hdf5", "impactrig's own HDF5 (.h5)", recognises_hdf5, whole<read_hdf5>},  //
     {"uff58b", "universal file with binary functions, dataset 58b (.uff .unv .bunv)",
-     recognises_uff58b, read_uff58},  //
+     recognises_uff58b, whole<read_uff58>},  //
     {"uff58", "universal file with functions in text, dataset 58 (.uff .unv)", recognises_uff58,
-     read_uff58},  //
+     whole<read_uff58>},  //
     {"polytec-ascii", "Polytec PSV and VibSoft text export (.txt)", recognises_polytec_ascii,
-     read_polytec_ascii},  //
+     whole<read_polytec_ascii>},  //
     {"csv", "table of numbers: comma, tab, semicolon or blank separated (.csv .txt .tsv .dat)",
-     recognises_csv, read_csv},  //
+     recognises_csv, whole<read_csv>},  //
 }};
 
 /// A score up to this one says "text with numbers" and no more.
@@ -44,7 +51,7 @@ std::string known_formats() {
   return list;
 }
 
-SourcePosition whole(const std::string& path) {
+SourcePosition place_of(const std::string& path) {
   SourcePosition place;
   place.file = path;
   return place;
@@ -53,12 +60,12 @@ SourcePosition whole(const std::string& path) {
 const Importer& named(const std::string& path, const std::string& id) {
   for (const Importer& importer : table)
     if (importer.id == id) return importer;
-  throw InputError(whole(path),
+  throw InputError(place_of(path),
                    fmt::format("there is no format '{}'; known are {}", id, known_formats()));
 }
 
 const Importer& recognised(const std::string& path, std::string_view head) {
-  if (head.empty()) throw InputError(whole(path), "the file is empty");
+  if (head.empty()) throw InputError(place_of(path), "the file is empty");
   std::string converted;
   std::string_view shown = head;
   if (shown.starts_with("\xEF\xBB\xBF")) shown.remove_prefix(3);
@@ -78,11 +85,11 @@ const Importer& recognised(const std::string& path, std::string_view head) {
   }
   if (best_score <= generic) {
     const std::string closed = closed_format(head);
-    if (!closed.empty()) throw InputError(whole(path), closed);
+    if (!closed.empty()) throw InputError(place_of(path), closed);
   }
   if (best == nullptr)
     throw InputError(
-        whole(path),
+        place_of(path),
         fmt::format("the content is of no known format; known are {} (--format states one)",
                     known_formats()));
   return *best;
@@ -96,53 +103,146 @@ void apply_sample_rate(Record& record, double rate) {
     if (channel.clock.interval > 0.0 && std::abs(rate * channel.clock.interval - 1.0) > 1e-12)
       channel.attributes["sample interval in file"] = fmt::format("{} s", channel.clock.interval);
     channel.clock.interval = 1.0 / rate;
-    channel.clock.times.clear();
   }
 }
 
-bool lacks_clock(const Channel& channel) {
+bool lacks_clock(const RecordingHead& head, std::size_t index) {
+  const Channel& channel = head.record.channels[index];
   const auto domain = channel.attributes.find("domain");
   const bool time = domain == channel.attributes.end() || domain->second == "time";
-  return time && channel.size() > 1 && channel.clock.times.empty() &&
-         !(channel.clock.interval > 0.0);
-}
-
-void check_clock(const std::string& path, Record& record, const ImportOptions& options) {
-  const auto lacking = std::find_if(record.channels.begin(), record.channels.end(), lacks_clock);
-  if (lacking == record.channels.end()) return;
-  const std::string problem = fmt::format(
-      "'{}' has neither times nor a sample rate: state it with --sample-rate, or the column with "
-      "--time-column",
-      lacking->name);
-  if (options.require_clock) throw InputError(whole(path), problem);
-  if (std::find(record.warnings.begin(), record.warnings.end(), problem) == record.warnings.end())
-    record.warnings.push_back(problem);
+  return time && head.samples[index] > 1 && !(channel.clock.interval > 0.0);
 }
 
 /// Samples that are infinite or not a number cannot be used: they are marked, whatever the format.
-void mark_non_finite(Record& record) {
-  for (Channel& channel : record.channels) {
-    if (std::holds_alternative<std::vector<std::int16_t>>(channel.raw) ||
-        std::holds_alternative<std::vector<std::int32_t>>(channel.raw))
-      continue;
-    const std::size_t n = channel.size();
-    std::size_t found = 0;
-    std::size_t first = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const bool finite = std::isfinite(channel.value(i)) &&
-                          (!channel.complex() || std::isfinite(channel.imaginary[i]));
-      if (finite || !channel.is_valid(i)) continue;
-      if (channel.valid.empty()) channel.valid.assign(n, 1);
-      channel.valid[i] = 0;
-      if (found++ == 0) first = i;
+class FiniteSamples final : public SampleSink {
+ public:
+  FiniteSamples(std::size_t channels, bool without_times, SampleSink& next)
+      : marks_(channels),
+        without_times_(without_times),
+        next_(next) {}
+
+  void take(std::size_t index, const SampleBlock& block) override {
+    SampleBlock checked = block;
+    if (without_times_) checked.times = {};
+    const bool finite = std::visit([](auto samples) { return all_finite(samples); }, block.raw) &&
+                        all_finite(block.imaginary);
+    Marks& marks = marks_[index];
+    if (!finite) {
+      std::visit([&](auto samples) { mark(samples, block, marks); }, block.raw);
+      checked.valid = valid_;
     }
-    if (found > 0)
+    marks.samples += block.size();
+    next_.take(index, checked);
+  }
+
+  void tell(Record& record) const {
+    for (std::size_t i = 0; i < marks_.size(); ++i) {
+      const Marks& marks = marks_[i];
+      if (marks.found == 0) continue;
       record.warnings.push_back(
           fmt::format("'{}': {} of {} samples {} not finite, the first is sample {}; marked as "
                       "not valid",
-                      channel.name, found, n, found == 1 ? "is" : "are", first));
+                      record.channels[i].name, marks.found, marks.samples,
+                      marks.found == 1 ? "is" : "are", marks.first));
+    }
   }
-}
+
+ private:
+  struct Marks {
+    std::uint64_t samples = 0;
+    std::uint64_t found = 0;
+    std::uint64_t first = 0;
+  };
+
+  template <typename T>
+  static bool all_finite(std::span<const T> samples) {
+    if constexpr (std::is_floating_point_v<T>) {
+      T sum{};  // a product with zero is zero, or not a number
+      for (const T sample : samples) sum += sample * T{};
+      return sum == T{};
+    } else {
+      return true;
+    }
+  }
+
+  template <typename T>
+  void mark(std::span<const T> samples, const SampleBlock& block, Marks& marks) {
+    valid_.assign(block.valid.begin(), block.valid.end());
+    valid_.resize(samples.size(), 1);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const bool finite = std::isfinite(static_cast<double>(samples[i])) &&
+                          (block.imaginary.empty() || std::isfinite(block.imaginary[i]));
+      if (finite || valid_[i] == 0) continue;
+      valid_[i] = 0;
+      if (marks.found++ == 0) marks.first = marks.samples + i;
+    }
+  }
+
+  std::vector<Marks> marks_;
+  bool without_times_;
+  SampleSink& next_;
+  std::vector<std::uint8_t> valid_;
+};
+
+/// What holds for recordings of every format.
+class CheckedRecording final : public RecordingReader {
+ public:
+  CheckedRecording(std::unique_ptr<RecordingReader> reader, const ImportOptions& options,
+                   const std::string& path)
+      : reader_(std::move(reader)),
+        head_(reader_->head()),
+        rate_(options.sample_rate),
+        require_clock_(options.require_clock),
+        path_(path) {
+    if (rate_) apply_sample_rate(head_.record, *rate_);
+    if (require_clock_) return;
+    for (std::size_t i = 0; i < head_.samples.size(); ++i)
+      if (lacks_clock(head_, i)) {
+        head_.record.warnings.push_back(no_clock(i));
+        break;
+      }
+  }
+
+  const RecordingHead& head() const override { return head_; }
+
+  void set_provenance(std::string_view importer, std::uint64_t bytes) {
+    datasets::Provenance& provenance = head_.record.provenance;
+    provenance.source_file = path_;
+    provenance.bytes = bytes;
+    if (provenance.importer.empty()) provenance.importer = importer;
+    provenance.program = datasets::program_version();
+  }
+
+  Record read(const Selection& wanted, SampleSink& sink) override {
+    const std::vector<std::size_t> chosen = selected_channels(head_, wanted);
+    if (require_clock_)
+      for (const std::size_t index : chosen)
+        if (lacks_clock(head_, index)) throw InputError(place_of(path_), no_clock(index));
+    FiniteSamples checked(chosen.size(), rate_.has_value(), sink);
+    Record record = reader_->read(wanted, checked);
+    if (rate_) apply_sample_rate(record, *rate_);
+    for (const std::string& warning : head_.record.warnings)
+      if (std::ranges::find(record.warnings, warning) == record.warnings.end())
+        record.warnings.push_back(warning);
+    checked.tell(record);
+    record.provenance = head_.record.provenance;
+    return record;
+  }
+
+ private:
+  std::string no_clock(std::size_t index) const {
+    return fmt::format(
+        "'{}' has neither times nor a sample rate: state it with --sample-rate, or the column with "
+        "--time-column",
+        head_.record.channels[index].name);
+  }
+
+  std::unique_ptr<RecordingReader> reader_;
+  RecordingHead head_;
+  std::optional<double> rate_;
+  bool require_clock_;
+  std::string path_;
+};
 
 }  // namespace
 
@@ -150,26 +250,44 @@ std::span<const Importer> importers() {
   return table;
 }
 
-Record import_recording(const std::string& path, const ImportOptions& options) {
+std::unique_ptr<RecordingReader> open_recording(const std::string& path,
+                                                const ImportOptions& options) {
   if (options.sample_rate && !(*options.sample_rate > 0.0))
-    throw InputError(whole(path), fmt::format("the stated sample rate of {} Hz is not positive",
-                                              *options.sample_rate));
-  const TextFile file(path);  // throws when it cannot be opened
+    throw InputError(place_of(path), fmt::format("the stated sample rate of {} Hz is not positive",
+                                                 *options.sample_rate));
+  const MappedFile file(path);  // throws when it cannot be opened
   const std::string_view head = file.bytes().substr(0, 65536);
   const Importer& importer =
       options.format.empty() ? recognised(path, head) : named(path, options.format);
+  auto checked = std::make_unique<CheckedRecording>(importer.open(path, options), options, path);
+  checked->set_provenance(importer.id, file.bytes().size());
+  return checked;
+}
 
-  Record record = importer.read(path, options);
-  if (options.sample_rate) apply_sample_rate(record, *options.sample_rate);
-  check_clock(path, record, options);
-  mark_non_finite(record);
+Selection selection_of(const RecordingHead& head, const ImportOptions& options) {
+  Selection wanted;
+  wanted.from = options.from;
+  wanted.to = options.to;
+  const Record& record = head.record;
+  for (const std::string& name : options.channels) {
+    const Channel* const channel = record.find(name);
+    if (channel == nullptr) {
+      std::string list;
+      for (const Channel& there : record.channels)
+        list += (list.empty() ? "'" : ", '") + there.name + "'";
+      throw InputError(place_of(record.provenance.source_file),
+                       fmt::format("there is no channel '{}'; the channels are {}", name,
+                                   list.empty() ? "none" : list));
+    }
+    wanted.channels.push_back(static_cast<std::size_t>(channel - record.channels.data()));
+  }
+  return wanted;
+}
 
-  datasets::Provenance& provenance = record.provenance;
-  provenance.source_file = path;
-  provenance.bytes = file.bytes().size();
-  provenance.sha256 = datasets::sha256_of(file.bytes());
-  if (provenance.importer.empty()) provenance.importer = importer.id;
-  provenance.program = datasets::program_version();
+Record import_recording(const std::string& path, const ImportOptions& options) {
+  const std::unique_ptr<RecordingReader> reader = open_recording(path, options);
+  Record record = read_into_memory(*reader, selection_of(reader->head(), options));
+  record.provenance.sha256 = datasets::sha256_of_file(path);
   return record;
 }
 

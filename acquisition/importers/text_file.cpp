@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "acquisition/importers/text_file.hpp"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstdint>
 #include <cstring>
 
@@ -17,29 +10,10 @@
 
 namespace impactrig::acquisition {
 
-using datasets::FileError;
 using datasets::InputError;
 using datasets::SourcePosition;
 
 namespace {
-
-/// A file descriptor that is closed.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-
-  int number() const { return number_; }
-
- private:
-  int number_;
-};
 
 void append_utf8(std::string& out, std::uint32_t code) {
   const auto byte = [&out](std::uint32_t value) { out += static_cast<char>(value); };
@@ -100,31 +74,6 @@ constexpr std::array<std::uint16_t, 32> windows_1252 = {
 
 }  // namespace
 
-TextFile::TextFile(std::string path) : path_(std::move(path)) {
-  const Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.number() < 0)
-    throw FileError(path_, fmt::format("cannot be opened: {}", std::strerror(errno)));
-
-  struct stat status {};
-
-  if (::fstat(file.number(), &status) != 0)
-    throw FileError(path_, fmt::format("cannot be read: {}", std::strerror(errno)));
-  if (S_ISDIR(status.st_mode)) throw FileError(path_, "is a directory, a recording is expected");
-  if (!S_ISREG(status.st_mode)) throw FileError(path_, "is not a file on a disk");
-  if (status.st_size == 0) return;
-  const auto size = static_cast<std::size_t>(status.st_size);
-  void* const memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number(), 0);
-  if (memory == MAP_FAILED)
-    throw FileError(path_, fmt::format("cannot be read: {}", std::strerror(errno)));
-  ::madvise(memory, size, MADV_SEQUENTIAL);
-  bytes_ = static_cast<const char*>(memory);
-  size_ = size;
-}
-
-TextFile::~TextFile() {
-  if (size_ > 0) ::munmap(const_cast<char*>(bytes_), size_);
-}
-
 std::string_view TextFile::text() {
   if (!text_.empty()) return text_;
   const std::string_view all = bytes();
@@ -132,7 +81,7 @@ std::string_view TextFile::text() {
   const std::string_view head = all.substr(0, 65536);
   if (looks_like_utf16(head)) {
     if (!all.starts_with("\xFF\xFE") && !all.starts_with("\xFE\xFF"))
-      throw InputError(byte_position(bytes_),
+      throw InputError(byte_position(all.data()),
                        "the text looks like UTF-16 without a byte order mark: save it as UTF-8");
     text_ = utf16_to_utf8(all);
     return text_;
@@ -146,10 +95,11 @@ std::string_view TextFile::text() {
 }
 
 SourcePosition TextFile::position(const char* at) const {
-  const bool in_file = at >= bytes_ && at <= bytes_ + size_;
-  const char* const start = in_file ? bytes_ : text_.data();
+  const std::string_view all = bytes();
+  const bool in_file = at >= all.data() && at <= all.data() + all.size();
+  const char* const start = in_file ? all.data() : text_.data();
   SourcePosition place;
-  place.file = path_;
+  place.file = path();
   const char* line = start;
   place.line = 1;
   for (;;) {
@@ -165,10 +115,7 @@ SourcePosition TextFile::position(const char* at) const {
 }
 
 SourcePosition TextFile::byte_position(const char* at) const {
-  SourcePosition place;
-  place.file = path_;
-  place.byte = static_cast<std::uint64_t>(at - bytes_);
-  return place;
+  return file_.byte_position(static_cast<std::size_t>(at - bytes().data()));
 }
 
 std::string_view take_line(const char*& at, const char* end) {

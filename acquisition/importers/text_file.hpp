@@ -3,24 +3,23 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "acquisition/importers/mapped_file.hpp"
 #include "datasets/input_error.hpp"
 
 namespace impactrig::acquisition {
 
-/// A file in memory (mapped), and what an error in it has to say about the place.
+/// A file's text, and what an error in it has to say about the place.
 class TextFile {
  public:
   /// Throws datasets::FileError when the file is missing, a directory or not readable.
-  explicit TextFile(std::string path);
-  ~TextFile();
-  TextFile(const TextFile&) = delete;
-  TextFile& operator=(const TextFile&) = delete;
+  explicit TextFile(std::string path) : file_(std::move(path)) {}
 
-  const std::string& path() const { return path_; }
+  const std::string& path() const { return file_.path(); }
 
   /// The bytes as they are.
-  std::string_view bytes() const { return {bytes_, size_}; }
+  std::string_view bytes() const { return file_.bytes(); }
 
   /// The text: without byte order mark, line ends with \n, UTF-16 turned into UTF-8. Latin-1 is
   /// left as it is. Throws datasets::InputError for UTF-16 without a byte order mark.
@@ -33,9 +32,7 @@ class TextFile {
   datasets::SourcePosition byte_position(const char* at) const;
 
  private:
-  std::string path_;
-  const char* bytes_ = "";
-  std::size_t size_ = 0;
+  MappedFile file_;
   std::string text_;  // the text when it is not a part of the bytes
 };
 

@@ -545,6 +545,12 @@ TEST(Uff58, WithoutPointsIsAnEmptyChannel) {
   EXPECT_THAT(record.warnings, ElementsAre("'Hammer' has no samples"));
 }
 
+ImportOptions stated_format(const std::string& id) {
+  ImportOptions options;
+  options.format = id;
+  return options;
+}
+
 TEST(Uff58, WithABrokenHeaderIsAnErrorThatNamesTheRecord) {
   Function function;
   function.type = 3;
@@ -568,7 +574,7 @@ TEST(Uff58, WithABrokenHeaderIsAnErrorThatNamesTheRecord) {
             place(function.text(), "   force!!") +
                 ": specific data type: expected an integer in columns 1 to 10, "
                 "found 'force!!'");
-  EXPECT_EQ(import_error("    -1\n  text\n    -1\n", {"uff58", {}, {}, {}, {}, {}, {}, true}),
+  EXPECT_EQ(import_error("    -1\n  text\n    -1\n", stated_format("uff58")),
             "FILE:2:1 (byte 7): expected the number of a dataset in columns 1 to 6, found 'text'");
 }
 

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/mapped_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace impactrig::acquisition {
+
+using datasets::FileError;
+
+namespace {
+
+/// A file descriptor that is closed.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+}  // namespace
+
+MappedFile::MappedFile(std::string path) : path_(std::move(path)) {
+  const Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.number() < 0)
+    throw FileError(path_, fmt::format("cannot be opened: {}", std::strerror(errno)));
+
+  struct stat status {};
+
+  if (::fstat(file.number(), &status) != 0)
+    throw FileError(path_, fmt::format("cannot be read: {}", std::strerror(errno)));
+  if (S_ISDIR(status.st_mode)) throw FileError(path_, "is a directory, a recording is expected");
+  if (!S_ISREG(status.st_mode)) throw FileError(path_, "is not a file on a disk");
+  if (status.st_size == 0) return;
+  const auto size = static_cast<std::size_t>(status.st_size);
+  void* const memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number(), 0);
+  if (memory == MAP_FAILED)
+    throw FileError(path_, fmt::format("cannot be read: {}", std::strerror(errno)));
+  ::madvise(memory, size, MADV_SEQUENTIAL);
+  bytes_ = static_cast<const char*>(memory);
+  size_ = size;
+}
+
+MappedFile::~MappedFile() {
+  if (size_ > 0) ::munmap(const_cast<char*>(bytes_), size_);
+}
+
+void MappedFile::release(std::size_t first, std::size_t last) const {
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  first = (first + page - 1) / page * page;
+  last = last >= size_ ? size_ : last / page * page;
+  if (first >= last) return;
+  ::madvise(const_cast<char*>(bytes_) + first, last - first, MADV_DONTNEED);
+}
+
+datasets::SourcePosition MappedFile::byte_position(std::size_t offset) const {
+  datasets::SourcePosition place;
+  place.file = path_;
+  place.byte = offset;
+  return place;
+}
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,433 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/stored_numbers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+
+namespace impactrig::acquisition {
+
+using datasets::InputError;
+using datasets::Record;
+
+std::size_t size_of(NumberKind kind) {
+  switch (kind) {
+    case NumberKind::i8:
+    case NumberKind::u8:
+      return 1;
+    case NumberKind::i16:
+    case NumberKind::u16:
+      return 2;
+    case NumberKind::i24:
+      return 3;
+    case NumberKind::i32:
+    case NumberKind::u32:
+    case NumberKind::f32:
+      return 4;
+    case NumberKind::i64:
+    case NumberKind::u64:
+    case NumberKind::f64:
+      return 8;
+  }
+  return 1;
+}
+
+void StoredNumbers::add(const NumberRun& run) {
+  if (run.count == 0) return;
+  size_ += run.count * run.repeats;
+  if (!runs_.empty()) {
+    NumberRun& last = runs_.back();
+    const bool alike = last.count == run.count && last.stride == run.stride && run.repeats == 1;
+    const std::uint64_t distance = run.offset - last.offset;
+    if (alike && last.repeats == 1 && run.offset > last.offset) {
+      last.period = distance;
+      last.repeats = 2;
+      return;
+    }
+    if (alike && last.repeats > 1 && distance == last.period * last.repeats) {
+      ++last.repeats;
+      return;
+    }
+  }
+  runs_.push_back(run);
+}
+
+std::uint64_t numbers_there(const MappedFile& file, std::uint64_t offset, std::uint64_t stride,
+                            NumberKind kind, std::uint64_t announced) {
+  const std::uint64_t size = file.bytes().size();
+  const std::uint64_t width = size_of(kind);
+  if (offset > size || size - offset < width) return 0;
+  if (stride == 0) return std::min<std::uint64_t>(announced, 1);
+  return std::min(announced, (size - offset - width) / stride + 1);
+}
+
+namespace {
+
+/// Numbers of a channel handed over at once: in bytes they stay in the processor's cache.
+constexpr std::uint64_t block_size = 32768;
+
+template <typename Number>
+Number byte_swapped(Number value) {
+  auto bytes = std::bit_cast<std::array<char, sizeof(Number)>>(value);
+  std::reverse(bytes.begin(), bytes.end());
+  return std::bit_cast<Number>(bytes);
+}
+
+/// Copies `count` numbers at a distance of `stride` bytes to doubles, floats or integers.
+template <typename Stored, bool Swapped, typename Value>
+void gather(const char* from, std::uint64_t count, std::uint64_t stride, Value* to) {
+  if (stride == sizeof(Stored)) stride = sizeof(Stored);  // lets the compiler see the common case
+  for (std::uint64_t i = 0; i < count; ++i, from += stride) {
+    Stored number;
+    std::memcpy(&number, from, sizeof(Stored));
+    if constexpr (Swapped) number = byte_swapped(number);
+    to[i] = static_cast<Value>(number);
+  }
+}
+
+template <typename Stored, typename Value>
+void gather(const char* from, std::uint64_t count, std::uint64_t stride, bool swapped, Value* to) {
+  if (sizeof(Stored) > 1 && swapped)
+    gather<Stored, true>(from, count, stride, to);
+  else if (stride == sizeof(Stored))
+    gather<Stored, false>(from, count, sizeof(Stored), to);
+  else
+    gather<Stored, false>(from, count, stride, to);
+}
+
+template <typename Value>
+void gather_24(const char* from, std::uint64_t count, std::uint64_t stride, bool big_endian,
+               Value* to) {
+  for (std::uint64_t i = 0; i < count; ++i, from += stride) {
+    const auto byte = [&](int k) {
+      return static_cast<std::uint32_t>(static_cast<unsigned char>(from[big_endian ? 2 - k : k]));
+    };
+    const std::uint32_t bits = byte(0) << 8 | byte(1) << 16 | byte(2) << 24;
+    to[i] = static_cast<Value>(static_cast<std::int32_t>(bits) >> 8);
+  }
+}
+
+template <typename Value>
+void convert(NumberKind kind, bool big_endian, const char* from, std::uint64_t count,
+             std::uint64_t stride, Value* to) {
+  const bool swapped = big_endian != (std::endian::native == std::endian::big);
+  switch (kind) {
+    case NumberKind::i8:
+      return gather<std::int8_t>(from, count, stride, swapped, to);
+    case NumberKind::u8:
+      return gather<std::uint8_t>(from, count, stride, swapped, to);
+    case NumberKind::i16:
+      return gather<std::int16_t>(from, count, stride, swapped, to);
+    case NumberKind::u16:
+      return gather<std::uint16_t>(from, count, stride, swapped, to);
+    case NumberKind::i24:
+      return gather_24(from, count, stride, big_endian, to);
+    case NumberKind::i32:
+      return gather<std::int32_t>(from, count, stride, swapped, to);
+    case NumberKind::u32:
+      return gather<std::uint32_t>(from, count, stride, swapped, to);
+    case NumberKind::i64:
+      return gather<std::int64_t>(from, count, stride, swapped, to);
+    case NumberKind::u64:
+      return gather<std::uint64_t>(from, count, stride, swapped, to);
+    case NumberKind::f32:
+      return gather<float>(from, count, stride, swapped, to);
+    case NumberKind::f64:
+      return gather<double>(from, count, stride, swapped, to);
+  }
+}
+
+/// Walks along the numbers of a channel.
+class NumberCursor {
+ public:
+  NumberCursor(const MappedFile& file, const StoredNumbers& numbers)
+      : file_(&file),
+        numbers_(&numbers) {}
+
+  void skip(std::uint64_t count) {
+    while (count > 0) {
+      const NumberRun& run = numbers_->runs()[run_];
+      if (at_ == 0 && repeat_ == 0 && count >= run.count * run.repeats) {
+        count -= run.count * run.repeats;
+        ++run_;
+        continue;
+      }
+      if (at_ == 0 && count >= run.count) {
+        const std::uint64_t whole = std::min(count / run.count, run.repeats - repeat_);
+        count -= whole * run.count;
+        advance_repeats(whole);
+        continue;
+      }
+      const std::uint64_t step = std::min(count, run.count - at_);
+      count -= step;
+      advance(step);
+    }
+  }
+
+  /// The next `count` numbers as they lie in the file, when they can be used there.
+  template <typename Value>
+  const Value* in_place(std::uint64_t count) {
+    const NumberRun& run = numbers_->runs()[run_];
+    const bool native = (numbers_->big_endian() == (std::endian::native == std::endian::big)) &&
+                        run.stride == sizeof(Value) && run.count - at_ >= count;
+    if (!native) return nullptr;
+    const char* const first = here();
+    if (reinterpret_cast<std::uintptr_t>(first) % alignof(Value) != 0) return nullptr;
+    note(count, run.stride);
+    advance(count);
+    return reinterpret_cast<const Value*>(first);
+  }
+
+  template <typename Value>
+  void read(std::uint64_t count, Value* to) {
+    while (count > 0) {
+      const NumberRun& run = numbers_->runs()[run_];
+      const std::uint64_t step = std::min(count, run.count - at_);
+      convert(numbers_->kind(), numbers_->big_endian(), here(), step, run.stride, to);
+      note(step, run.stride);
+      to += step;
+      count -= step;
+      advance(step);
+    }
+  }
+
+  /// The bytes looked at since the last call, [first, last).
+  std::pair<std::uint64_t, std::uint64_t> take_looked_at() {
+    const auto looked_at = looked_at_;
+    looked_at_ = nothing;
+    return looked_at;
+  }
+
+ private:
+  static constexpr std::pair<std::uint64_t, std::uint64_t> nothing{~std::uint64_t{0}, 0};
+
+  std::uint64_t offset() const {
+    const NumberRun& run = numbers_->runs()[run_];
+    return run.offset + repeat_ * run.period + at_ * run.stride;
+  }
+
+  const char* here() const { return file_->bytes().data() + offset(); }
+
+  void note(std::uint64_t count, std::uint64_t stride) {
+    looked_at_.first = std::min(looked_at_.first, offset());
+    looked_at_.second = std::max(looked_at_.second, offset() + count * stride);
+  }
+
+  void advance(std::uint64_t count) {
+    at_ += count;
+    if (at_ < numbers_->runs()[run_].count) return;
+    at_ = 0;
+    advance_repeats(1);
+  }
+
+  void advance_repeats(std::uint64_t count) {
+    repeat_ += count;
+    if (repeat_ < numbers_->runs()[run_].repeats) return;
+    repeat_ = 0;
+    ++run_;
+  }
+
+  const MappedFile* file_;
+  const StoredNumbers* numbers_;
+  std::size_t run_ = 0;
+  std::uint64_t repeat_ = 0;
+  std::uint64_t at_ = 0;
+  std::pair<std::uint64_t, std::uint64_t> looked_at_ = nothing;
+};
+
+/// One channel on its way out.
+class ChannelStream {
+ public:
+  ChannelStream(const MappedFile& file, const StoredChannel& channel, SampleRange range)
+      : channel_(&channel),
+        samples_(file, channel.samples),
+        imaginary_(file, channel.imaginary),
+        times_(file, channel.times),
+        left_(range.last - range.first) {
+    samples_.skip(range.first);
+    if (channel.imaginary.size() > 0) imaginary_.skip(range.first);
+    if (channel.times.size() > 0) times_.skip(range.first);
+  }
+
+  bool done() const { return left_ == 0; }
+
+  void hand_over(std::size_t index, SampleSink& sink) {
+    const std::uint64_t count = std::min(left_, block_size);
+    SampleBlock block;
+    block.raw = raw(count);
+    if (channel_->imaginary.size() > 0)
+      block.imaginary = read(imaginary_, count, imaginary_values_);
+    if (channel_->times.size() > 0) block.times = read(times_, count, time_values_);
+    sink.take(index, block);
+    left_ -= count;
+  }
+
+  void release(const MappedFile& file) {
+    for (NumberCursor* cursor : {&samples_, &imaginary_, &times_}) {
+      const auto [first, last] = cursor->take_looked_at();
+      if (first < last) file.release(first, last);
+    }
+  }
+
+ private:
+  template <typename Value>
+  static std::span<const Value> read(NumberCursor& cursor, std::uint64_t count,
+                                     std::vector<Value>& values) {
+    values.resize(count);
+    cursor.read(count, values.data());
+    return values;
+  }
+
+  template <typename Value>
+  std::span<const Value> own(std::uint64_t count, std::vector<Value>& values) {
+    if (const Value* const there = samples_.in_place<Value>(count)) return {there, count};
+    return read(samples_, count, values);
+  }
+
+  decltype(SampleBlock::raw) raw(std::uint64_t count) {
+    if (channel_->scaling) {
+      read(samples_, count, doubles_);
+      channel_->scaling(doubles_);
+      return std::span<const double>(doubles_);
+    }
+    switch (channel_->samples.kind()) {
+      case NumberKind::i8:
+      case NumberKind::u8:
+        return read(samples_, count, shorts_);
+      case NumberKind::i16:
+        return own(count, shorts_);
+      case NumberKind::u16:
+      case NumberKind::i24:
+        return read(samples_, count, integers_);
+      case NumberKind::i32:
+        return own(count, integers_);
+      case NumberKind::f32:
+        return own(count, floats_);
+      case NumberKind::f64:
+        return own(count, doubles_);
+      case NumberKind::u32:
+      case NumberKind::i64:
+      case NumberKind::u64:
+        return read(samples_, count, doubles_);
+    }
+    return read(samples_, count, doubles_);
+  }
+
+  const StoredChannel* channel_;
+  NumberCursor samples_;
+  NumberCursor imaginary_;
+  NumberCursor times_;
+  std::uint64_t left_;
+  std::vector<double> doubles_;
+  std::vector<float> floats_;
+  std::vector<std::int16_t> shorts_;
+  std::vector<std::int32_t> integers_;
+  std::vector<double> imaginary_values_;
+  std::vector<double> time_values_;
+};
+
+class NumbersReader final : public RecordingReader {
+ public:
+  NumbersReader(std::unique_ptr<MappedFile> file, Record record,
+                std::vector<StoredChannel> channels)
+      : file_(std::move(file)),
+        channels_(std::move(channels)) {
+    head_.record = std::move(record);
+    for (const StoredChannel& channel : channels_) {
+      check_within_file(channel.samples);
+      check_within_file(channel.imaginary);
+      check_within_file(channel.times);
+      head_.samples.push_back(channel.samples.size());
+    }
+  }
+
+  const RecordingHead& head() const override { return head_; }
+
+  Record read(const Selection& wanted, SampleSink& sink) override {
+    Record record = head_.record;
+    record.channels.clear();
+    std::vector<ChannelStream> streams;
+    for (const std::size_t index : selected_channels(head_, wanted)) {
+      const StoredChannel& stored = channels_[index];
+      record.channels.push_back(head_.record.channels[index]);
+      datasets::SampleClock& clock = record.channels.back().clock;
+      const SampleRange range = stored.times.size() == 0
+                                    ? samples_within(clock, stored.samples.size(), wanted)
+                                    : samples_between(stored.times, wanted, clock);
+      streams.emplace_back(*file_, stored, range);
+      if (stored.times.size() == 0)
+        clock.start += clock.interval * static_cast<double>(range.first);
+    }
+    for (bool more = true; more;) {
+      more = false;
+      for (std::size_t i = 0; i < streams.size(); ++i) {
+        if (streams[i].done()) continue;
+        streams[i].hand_over(i, sink);
+        more = more || !streams[i].done();
+      }
+      for (ChannelStream& stream : streams) stream.release(*file_);
+    }
+    return record;
+  }
+
+ private:
+  void check_within_file(const StoredNumbers& numbers) const {
+    const std::uint64_t size = file_->bytes().size();
+    for (const NumberRun& run : numbers.runs()) {
+      // in 64 digits: exact below 2^64, and announced numbers cannot overflow it
+      const long double last =
+          static_cast<long double>(run.offset) +
+          static_cast<long double>(run.period) * static_cast<long double>(run.repeats - 1) +
+          static_cast<long double>(run.stride) * static_cast<long double>(run.count - 1) +
+          static_cast<long double>(size_of(numbers.kind()));
+      if (last > static_cast<long double>(size))
+        throw InputError(file_->byte_position(std::min(run.offset, size)),
+                         "the file ends within the samples");
+    }
+  }
+
+  /// The samples whose stated times lie in the window; `clock` then starts at the first of them.
+  SampleRange samples_between(const StoredNumbers& times, const Selection& wanted,
+                              datasets::SampleClock& clock) const {
+    if (!wanted.has_window()) return {0, times.size()};
+    NumberCursor cursor(*file_, times);
+    SampleRange range{times.size(), times.size()};
+    std::vector<double> block;
+    double before = -std::numeric_limits<double>::infinity();
+    bool inside = false;
+    for (std::uint64_t i = 0; i < times.size(); i += block.size()) {
+      block.resize(std::min(block_size, times.size() - i));
+      cursor.read(block.size(), block.data());
+      for (std::size_t k = 0; k < block.size(); ++k) {
+        if (block[k] < before) return {0, times.size()};  // times that go back are not cut
+        before = block[k];
+        if (!inside && block[k] >= wanted.from) {
+          inside = true;
+          range.first = i + k;
+          clock.start = block[k];
+        }
+        if (inside && block[k] > wanted.to && range.last == times.size()) range.last = i + k;
+      }
+      const auto [first, last] = cursor.take_looked_at();
+      file_->release(first, last);
+    }
+    range.last = std::max(range.first, range.last);
+    return range;
+  }
+
+  std::unique_ptr<MappedFile> file_;
+  std::vector<StoredChannel> channels_;
+  RecordingHead head_;
+};
+
+}  // namespace
+
+std::unique_ptr<RecordingReader> reader_of_numbers(std::unique_ptr<MappedFile> file, Record record,
+                                                   std::vector<StoredChannel> channels) {
+  return std::make_unique<NumbersReader>(std::move(file), std::move(record), std::move(channels));
+}
+
+}  // namespace impactrig::acquisition

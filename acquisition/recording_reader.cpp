@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/recording_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace impactrig::acquisition {
+
+using datasets::Channel;
+using datasets::Record;
+using datasets::SampleClock;
+
+namespace {
+
+/// Samples handed over at once: they stay in the processor's cache on their way.
+constexpr std::size_t block_size = 65536;
+
+/// A head's count may be wrong: vectors grow beyond this only as samples come.
+constexpr std::uint64_t most_reserved = std::uint64_t{1} << 24;
+
+/// The samples whose stated times lie in the window. Times that go back and forth are not cut.
+SampleRange samples_within(const std::vector<double>& times, const Selection& wanted) {
+  if (!wanted.has_window() || !std::ranges::is_sorted(times)) return {0, times.size()};
+  const auto first = std::ranges::lower_bound(times, wanted.from);
+  const auto last = std::ranges::upper_bound(times, wanted.to);
+  return {static_cast<std::uint64_t>(first - times.begin()),
+          static_cast<std::uint64_t>(std::max(first, last) - times.begin())};
+}
+
+template <typename T>
+std::span<const T> part(const std::vector<T>& all, std::size_t first, std::size_t count) {
+  return all.empty() ? std::span<const T>{} : std::span<const T>(all).subspan(first, count);
+}
+
+class RecordInMemory final : public RecordingReader {
+ public:
+  explicit RecordInMemory(Record record) : full_(std::move(record)) {
+    for (const Channel& channel : full_.channels) head_.samples.push_back(channel.size());
+    head_.record.title = full_.title;
+    head_.record.started = full_.started;
+    head_.record.provenance = full_.provenance;
+    head_.record.warnings = full_.warnings;
+    head_.record.attributes = full_.attributes;
+    for (const Channel& channel : full_.channels) head_.record.channels.push_back(without(channel));
+  }
+
+  const RecordingHead& head() const override { return head_; }
+
+  Record read(const Selection& wanted, SampleSink& sink) override {
+    const std::vector<std::size_t> chosen = selected_channels(head_, wanted);
+    Record record = head_.record;
+    record.channels.clear();
+    for (const std::size_t index : chosen) {
+      const Channel& channel = full_.channels[index];
+      const SampleRange range =
+          channel.clock.uniform()
+              ? acquisition::samples_within(channel.clock, channel.size(), wanted)
+              : samples_within(channel.clock.times, wanted);
+      hand_over(channel, range, record.channels.size(), sink);
+      record.channels.push_back(without(channel));
+      if (range.first < channel.size())
+        record.channels.back().clock.start = channel.clock.time(range.first);
+    }
+    return record;
+  }
+
+ private:
+  static Channel without(const Channel& channel) {
+    Channel head;
+    head.name = channel.name;
+    head.quantity = channel.quantity;
+    head.unit = channel.unit;
+    head.clock = {channel.clock.start, channel.clock.interval, {}};
+    head.scale = channel.scale;
+    head.offset = channel.offset;
+    head.calibration = channel.calibration;
+    head.delay = channel.delay;
+    head.attributes = channel.attributes;
+    return head;
+  }
+
+  static void hand_over(const Channel& channel, SampleRange range, std::size_t index,
+                        SampleSink& sink) {
+    for (std::size_t first = range.first; first < range.last; first += block_size) {
+      const std::size_t count = std::min(block_size, static_cast<std::size_t>(range.last) - first);
+      SampleBlock block;
+      std::visit([&](const auto& raw) { block.raw = std::span(raw).subspan(first, count); },
+                 channel.raw);
+      block.imaginary = part(channel.imaginary, first, count);
+      block.times = part(channel.clock.times, first, count);
+      block.valid = part(channel.valid, first, count);
+      sink.take(index, block);
+    }
+  }
+
+  Record full_;
+  RecordingHead head_;
+};
+
+/// Appends what it is handed to channels' vectors.
+class MemorySink final : public SampleSink {
+ public:
+  explicit MemorySink(std::vector<std::uint64_t> expected)
+      : channels_(expected.size()),
+        expected_(std::move(expected)) {}
+
+  void take(std::size_t index, const SampleBlock& block) override {
+    Channel& channel = channels_[index];
+    const std::size_t before = channel.size();
+    std::visit([&](auto samples) { append(channel, samples, expected_[index]); }, block.raw);
+    append(channel.imaginary, block.imaginary);
+    append(channel.clock.times, block.times);
+    if (channel.valid.empty() && !block.valid.empty()) channel.valid.assign(before, 1);
+    if (!block.valid.empty())
+      append(channel.valid, block.valid);
+    else if (!channel.valid.empty())
+      channel.valid.resize(channel.size(), 1);
+  }
+
+  /// Moves the samples to the channels they belong to.
+  void deliver(Record& record) {
+    for (std::size_t i = 0; i < record.channels.size(); ++i) {
+      record.channels[i].raw = std::move(channels_[i].raw);
+      record.channels[i].imaginary = std::move(channels_[i].imaginary);
+      record.channels[i].clock.times = std::move(channels_[i].clock.times);
+      record.channels[i].valid = std::move(channels_[i].valid);
+    }
+  }
+
+ private:
+  template <typename T>
+  static void append(Channel& channel, std::span<const T> samples, std::uint64_t expected) {
+    if (channel.size() == 0 && !std::holds_alternative<std::vector<T>>(channel.raw))
+      channel.raw = std::vector<T>{};
+    auto& all = std::get<std::vector<T>>(channel.raw);
+    if (all.empty()) all.reserve(static_cast<std::size_t>(std::min(expected, most_reserved)));
+    all.insert(all.end(), samples.begin(), samples.end());
+  }
+
+  template <typename T>
+  static void append(std::vector<T>& all, std::span<const T> more) {
+    all.insert(all.end(), more.begin(), more.end());
+  }
+
+  std::vector<Channel> channels_;
+  std::vector<std::uint64_t> expected_;
+};
+
+}  // namespace
+
+std::size_t SampleBlock::size() const {
+  return std::visit([](auto samples) { return samples.size(); }, raw);
+}
+
+bool Selection::has_window() const {
+  return from > -std::numeric_limits<double>::infinity() ||
+         to < std::numeric_limits<double>::infinity();
+}
+
+SampleRange samples_within(const SampleClock& clock, std::uint64_t samples,
+                           const Selection& wanted) {
+  if (!(clock.interval > 0.0) || !wanted.has_window()) return {0, samples};
+  const auto end = static_cast<double>(samples);
+  // a window's edge that is a sample's time but for rounding takes the sample
+  constexpr double rounding = 1e-6;
+  const double first = std::ceil((wanted.from - clock.start) / clock.interval - rounding);
+  const double last = std::floor((wanted.to - clock.start) / clock.interval + rounding) + 1.0;
+  SampleRange range;
+  range.first = static_cast<std::uint64_t>(std::clamp(first, 0.0, end));
+  range.last = static_cast<std::uint64_t>(std::clamp(last, 0.0, end));
+  range.last = std::max(range.first, range.last);
+  return range;
+}
+
+std::vector<std::size_t> selected_channels(const RecordingHead& head, const Selection& wanted) {
+  const std::size_t n = head.record.channels.size();
+  std::vector<std::size_t> chosen = wanted.channels;
+  if (chosen.empty())
+    for (std::size_t i = 0; i < n; ++i) chosen.push_back(i);
+  for (const std::size_t index : chosen)
+    if (index >= n)
+      throw std::invalid_argument(
+          fmt::format("channel {} is asked for, the recording has {}", index, n));
+  return chosen;
+}
+
+std::unique_ptr<RecordingReader> reader_of(Record record) {
+  return std::make_unique<RecordInMemory>(std::move(record));
+}
+
+Record read_into_memory(RecordingReader& reader, const Selection& wanted) {
+  std::vector<std::uint64_t> expected;
+  for (const std::size_t index : selected_channels(reader.head(), wanted)) {
+    const SampleRange range = samples_within(reader.head().record.channels[index].clock,
+                                             reader.head().samples[index], wanted);
+    expected.push_back(range.last - range.first);
+  }
+  MemorySink sink(std::move(expected));
+  Record record = reader.read(wanted, sink);
+  sink.deliver(record);
+  return record;
+}
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "datasets/record.hpp"
+
+namespace impactrig::acquisition {
+
+/// Samples of one channel that follow each other, as the file holds them; what they mean is the
+/// channel's `scale` and `offset`. All that is not empty has the length of `raw`.
+struct SampleBlock {
+  std::variant<std::span<const double>, std::span<const float>, std::span<const std::int16_t>,
+               std::span<const std::int32_t>>
+      raw;
+  std::span<const double> imaginary{};    ///< of a complex channel
+  std::span<const double> times{};        ///< [s], where the clock is not uniform
+  std::span<const std::uint8_t> valid{};  ///< 1 sound, 0 not; empty: all sound
+
+  std::size_t size() const;
+};
+
+/// Where samples go as they are read.
+class SampleSink {
+ public:
+  virtual ~SampleSink() = default;
+  /// The next samples of a channel; `channel` counts the channels that were asked for, from 0. A
+  /// channel's blocks come in order and are of one type; blocks of channels may alternate. What
+  /// `block` points to lives until the return.
+  virtual void take(std::size_t channel, const SampleBlock& block) = 0;
+};
+
+/// What of a recording is asked for.
+struct Selection {
+  std::vector<std::size_t> channels;  ///< of the head, in the order wanted; empty: all
+  double from = -std::numeric_limits<double>::infinity();  ///< time of the first sample [s]
+  double to = std::numeric_limits<double>::infinity();     ///< of the last [s], inclusive
+
+  bool has_window() const;
+};
+
+/// What a recording says before its samples are read.
+struct RecordingHead {
+  datasets::Record record;             ///< channels without samples
+  std::vector<std::uint64_t> samples;  ///< one a channel
+  bool counted = true;  ///< false: `samples` and the clocks are estimates from the first and last
+                        ///< rows of a text that was not read through
+};
+
+/// A recording, opened: its head is read, its samples are read when asked for, in blocks, so that
+/// memory does not grow with the file.
+class RecordingReader {
+ public:
+  virtual ~RecordingReader() = default;
+
+  virtual const RecordingHead& head() const = 0;
+
+  /// Hands the samples asked for to `sink`. Returns the record of these channels, without samples:
+  /// clocks begin at the first sample handed over, and warnings tell what only reading could.
+  /// Throws datasets::InputError.
+  virtual datasets::Record read(const Selection& wanted, SampleSink& sink) = 0;
+};
+
+/// A run of samples, [first, last).
+struct SampleRange {
+  std::uint64_t first = 0;
+  std::uint64_t last = 0;
+};
+
+/// The samples of a uniform clock that lie in wanted's window. A clock without interval (no time
+/// information, or a spectrum) has them all.
+SampleRange samples_within(const datasets::SampleClock& clock, std::uint64_t samples,
+                           const Selection& wanted);
+
+/// The channels asked for, by index. Throws std::invalid_argument for one that is not there.
+std::vector<std::size_t> selected_channels(const RecordingHead& head, const Selection& wanted);
+
+/// A recording that is in memory already: what an importer makes that reads small files whole.
+std::unique_ptr<RecordingReader> reader_of(datasets::Record record);
+
+/// Reads what is asked for into memory.
+datasets::Record read_into_memory(RecordingReader& reader, const Selection& wanted = {});
+
+}  // namespace impactrig::acquisition
