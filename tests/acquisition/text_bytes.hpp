@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace impactrig::acquisition::tests {
+
+/// Small text recordings, one a dialect.
+inline std::vector<std::string> csv_seeds() {
+  return {
+      "Time [s],Force [N]\n0,1\n1e-6,2.5\n2e-6,-3\n3e-6,\n",
+      "Zeit;Kraft\ns;N\n0,0;1,5\n0,001;2,5\n0,002;nan\n",
+      "# time\tacceleration\n0.0 1.0\n0.1   2.0\n0.2\t3.0\n",
+      "X,CH1,Start,Increment\nSequence,Volt,-1e-3,1e-6\n0,1.2,\n1,1.4,\n2,\"1.6\",\n",
+      "Model,MSO64\nSample Interval,1e-9\nVertical Units,V\n\nLabels,,\nTIME,CH1\n0,1\n1e-9,2\n",
+  };
+}
+
+inline std::vector<std::string> polytec_seeds() {
+  return {
+      "Source File Name:\ta.pvd\r\nComponent:\tRoot\r\n\r\nSignal:\tTime - Vib Velocity - "
+      "Samples\r\n\r\nTime\tVelocity\r\n[ s ]\t[ m/s ]\r\n0\t0.1\r\n1e-6\t0.2\r\n",
+  };
+}
+
+/// A dataset 58 with the given first line of record 7 and numbers.
+inline std::string uff58_dataset(const std::string& identifier, const std::string& form,
+                                 const std::string& data) {
+  return "    -1\n" + identifier +
+         "\nForce\nNONE\n01-Jan-20 10:00:00\nNONE\nNONE\n"
+         "    1         0    0         0       NONE         1   3       NONE         1   3\n" +
+         form +
+         "\n        17    0    0    0 Time                 s                   \n"
+         "        13    0    0    0 Force                N                   \n"
+         "         0    0    0    0 NONE                 NONE                \n"
+         "         0    0    0    0 NONE                 NONE                \n" +
+         data + "    -1\n";
+}
+
+inline std::vector<std::string> uff58_seeds() {
+  return {
+      "    -1\n   151\nmodel\nNONE\nprogram\n    -1\n" +
+          uff58_dataset("    58",
+                        "         2         4         1  0.00000E+00  1.00000E-06  0.00000E+00",
+                        "  1.00000E+00  2.00000E+00 -3.00000E+00  4.00000E+00\n"),
+      uff58_dataset("    58",
+                    "         4         2         0  0.00000E+00  0.00000E+00  0.00000E+00",
+                    "  0.00000E+00  1.00000000000E+00  1.00000E-06  2.00000000000E+00\n"),
+      uff58_dataset("    58",
+                    "         5         2         1  0.00000E+00  1.00000E+00  0.00000E+00",
+                    "  1.00000E+00  2.00000E+00 -3.00000E+00  4.00000D+00\n"),
+  };
+}
+
+inline std::vector<std::string> uff58b_seeds() {
+  const std::string eight("\0\0\x80\x3f\0\0\0\x40", 8);
+  return {
+      uff58_dataset(
+          "    58b     1     2          11           8     0     0           0           0",
+          "         2         2         1  0.00000E+00  1.00000E-06  0.00000E+00", eight),
+      uff58_dataset(
+          "    58b     2     2          11          16     0     0           0           0",
+          "         4         2         1  0.00000E+00  1.00000E-06  0.00000E+00", eight + eight),
+  };
+}
+
+}  // namespace impactrig::acquisition::tests

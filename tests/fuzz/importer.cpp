@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Feeds bytes to one importer (IMPACTRIG_FUZZED_FORMAT) as a file: a record whose parts fit
+// together, or an InputError. Anything else ends the program.
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "acquisition/importer.hpp"
+#include "datasets/input_error.hpp"
+
+namespace {
+
+using namespace impactrig;
+
+void require(bool holds, const char* what) {
+  if (holds) return;
+  std::fprintf(stderr, "broken promise: %s\n", what);
+  std::abort();
+}
+
+/// A file in memory with a name.
+class MemoryFile {
+ public:
+  MemoryFile(const std::uint8_t* data, std::size_t size) : id_(memfd_create("fuzz", MFD_CLOEXEC)) {
+    require(id_ >= 0 && write(id_, data, size) == static_cast<ssize_t>(size), "a file in memory");
+  }
+
+  ~MemoryFile() { close(id_); }
+
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  std::string path() const { return "/proc/self/fd/" + std::to_string(id_); }
+
+ private:
+  int id_;
+};
+
+/// What is printed must be JSON without replacement of invalid UTF-8.
+void require_text(const std::string& text) {
+  static_cast<void>(nlohmann::json(text).dump());
+}
+
+class Counter final : public acquisition::SampleSink {
+ public:
+  explicit Counter(std::size_t channels) : samples(channels) {}
+
+  void take(std::size_t channel, const acquisition::SampleBlock& block) override {
+    require(channel < samples.size(), "a block belongs to a channel asked for");
+    const std::size_t n = block.size();
+    require(block.imaginary.empty() || block.imaginary.size() == n, "imaginary parts");
+    require(block.times.empty() || block.times.size() == n, "times");
+    require(block.valid.empty() || block.valid.size() == n, "marks");
+    samples[channel] += n;
+  }
+
+  std::vector<std::uint64_t> samples;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const MemoryFile file(data, size);
+  acquisition::ImportOptions options;
+  options.format = IMPACTRIG_FUZZED_FORMAT;
+  options.require_clock = false;
+  try {
+    const auto reader = acquisition::open_recording(file.path(), options);
+    const acquisition::RecordingHead& head = reader->head();
+    require(head.samples.size() == head.record.channels.size(), "one count a channel");
+    Counter counter(head.samples.size());
+    const datasets::Record record = reader->read({}, counter);
+    require(record.channels.size() == head.record.channels.size(), "all channels");
+    if (head.counted) require(counter.samples == head.samples, "the samples announced");
+    for (const datasets::Channel& channel : record.channels) {
+      require_text(channel.name);
+      require_text(channel.unit);
+      for (const auto& [key, value] : channel.attributes) require_text(key + value);
+    }
+    for (const auto& [key, value] : record.attributes) require_text(key + value);
+    for (const std::string& warning : record.warnings) require_text(warning);
+    require_text(record.title + record.started);
+  } catch (const datasets::InputError& error) {
+    require_text(error.what());
+  } catch (const datasets::FileError& error) {
+    require_text(error.what());
+  }
+  return 0;
+}
