@@ -90,9 +90,9 @@ class RecordInMemory final : public RecordingReader {
       std::visit([&](const auto& raw) { block.raw = std::span(raw).subspan(first, count); },
                  channel.raw);
       block.imaginary = part(channel.imaginary, first, count);
-      block.times = part(channel.clock.times, first, count);
       block.valid = part(channel.valid, first, count);
       sink.take(index, block);
+      if (!channel.clock.uniform()) sink.take_times(index, part(channel.clock.times, first, count));
     }
   }
 
@@ -112,12 +112,15 @@ class MemorySink final : public SampleSink {
     const std::size_t before = channel.size();
     std::visit([&](auto samples) { append(channel, samples, expected_[index]); }, block.raw);
     append(channel.imaginary, block.imaginary);
-    append(channel.clock.times, block.times);
     if (channel.valid.empty() && !block.valid.empty()) channel.valid.assign(before, 1);
     if (!block.valid.empty())
       append(channel.valid, block.valid);
     else if (!channel.valid.empty())
       channel.valid.resize(channel.size(), 1);
+  }
+
+  void take_times(std::size_t index, std::span<const double> times) override {
+    append(channels_[index].clock.times, times);
   }
 
   /// Moves the samples to the channels they belong to.

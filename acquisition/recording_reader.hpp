@@ -20,7 +20,6 @@ struct SampleBlock {
                std::span<const std::int32_t>>
       raw;
   std::span<const double> imaginary{};    ///< of a complex channel
-  std::span<const double> times{};        ///< [s], where the clock is not uniform
   std::span<const std::uint8_t> valid{};  ///< 1 sound, 0 not; empty: all sound
 
   std::size_t size() const;
@@ -34,6 +33,9 @@ class SampleSink {
   /// channel's blocks come in order and are of one type; blocks of channels may alternate. What
   /// `block` points to lives until the return.
   virtual void take(std::size_t channel, const SampleBlock& block) = 0;
+  /// The next stated times [s] of a channel whose clock is not uniform, in order, one a sample in
+  /// the end; they may come before, between or after the blocks.
+  virtual void take_times(std::size_t channel, std::span<const double> times) = 0;
 };
 
 /// What of a recording is asked for.

@@ -4,293 +4,343 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <cstring>
 
 #include "acquisition/importers/column_heads.hpp"
+#include "acquisition/importers/csv_columns.hpp"
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/text_table.hpp"
 #include "acquisition/importers/time_axis.hpp"
-#include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
 
 using datasets::Channel;
 using datasets::InputError;
-using datasets::Quantity;
 using datasets::Record;
-using datasets::SourcePosition;
 
 namespace {
 
-SourcePosition whole(const TextFile& file) {
-  SourcePosition place;
-  place.file = file.path();
-  return place;
-}
+/// Files up to this size [bytes] are read whole at once: their rows are counted, and what a column
+/// is, is decided by all of them.
+constexpr std::size_t read_at_once = std::size_t{1} << 25;
 
-/// One head a column: what the file says, then what the user says, then a name where there is none.
-std::vector<ColumnHead> complete_heads(const TextFile& file, const TableHead& head,
-                                       std::size_t columns, const ImportOptions& options) {
-  std::vector<ColumnHead> heads = head.columns;
-  heads.resize(std::max(heads.size(), columns));
-  if (options.units.size() > heads.size())
-    throw InputError(whole(file), fmt::format("{} units are stated but the file has {} columns",
-                                              options.units.size(), heads.size()));
-  for (std::size_t c = 0; c < heads.size(); ++c) {
-    if (c < options.units.size() && !options.units[c].empty()) heads[c].unit = options.units[c];
-    if (heads[c].name.empty()) heads[c].name = fmt::format("column {}", c);
+/// Rows read and handed over at once of larger files.
+constexpr std::size_t rows_at_once = 16384;
+
+/// Rows at the start of a larger file that say what its columns are.
+constexpr std::size_t probed_rows = 100000;
+
+/// What the head of a file and its first rows say.
+struct CsvHead {
+  CsvHead(const std::string& path, const ImportOptions& options)
+      : file(path),
+        layout(find_table(file, options)),
+        head(read_head(layout)),
+        // a delimiter at the end of each row ends the last cell; it begins another only where the
+        // header names one
+        columns(std::max(layout.cells, std::min(layout.written_cells, head.columns.size()))),
+        heads(complete_heads(file, head, columns, options)) {
+    for (std::size_t c = 0; c < columns; ++c) names.push_back(heads[c].name);
   }
-  return heads;
-}
 
-bool is_time_name(std::string_view name) {
-  constexpr std::array<std::string_view, 16> words = {
-      "time",       "t",         "zeit",   "temps",       "tiempo", "tempo",
-      "seconds",    "second",    "x-axis", "elapsed",     "x_time", "time_s",
-      "time stamp", "timestamp", "x [s]",  "elapsed time"};
-  return std::find(words.begin(), words.end(), lowered(name)) != words.end();
-}
+  /// Decides by these rows what the columns are.
+  void settle(const Table& rows, const ImportOptions& options, Record& record) {
+    record.attributes = head.attributes;
+    roles = find_roles(file, heads, rows, options);
+    take_units_of_keys(head, roles, layout.dialect.delimiter, heads);
+    describe(layout, head, heads, roles, record);
+  }
 
-bool is_time_unit(const std::string& unit) {
-  return !unit.empty() && datasets::quantity_of_unit(unit) == Quantity::time;
-}
-
-/// False for a column that its head calls something else.
-bool may_be_time(const ColumnHead& head) {
-  if (!head.unit.empty()) return false;
-  const std::string name = lowered(head.name);
-  for (const std::string_view word :
-       {"displacement", "distance", "position", "deflection", "force", "load", "velocity", "speed",
-        "acc", "volt", "strain", "angle", "freq", "pressure"})
-    if (name.find(word) != std::string::npos) return false;
-  return true;
-}
-
-bool increases(const std::vector<double>& values) {
-  for (std::size_t i = 1; i < values.size(); ++i)
-    if (!(values[i] > values[i - 1])) return false;
-  return values.size() > 1;
-}
-
-/// 0, 1, 2, ... or 1, 2, 3, ...
-bool counts(const std::vector<double>& values) {
-  if (values.empty() || (values[0] != 0.0 && values[0] != 1.0)) return false;
-  for (std::size_t i = 1; i < values.size(); ++i)
-    if (values[i] != values[i - 1] + 1.0) return false;
-  return true;
-}
-
-std::optional<std::size_t> column_named(const std::vector<ColumnHead>& heads,
-                                        const std::string& wanted) {
-  for (std::size_t c = 0; c < heads.size(); ++c)
-    if (heads[c].name == wanted) return c;
-  for (std::size_t c = 0; c < heads.size(); ++c)
-    if (lowered(heads[c].name) == lowered(wanted)) return c;
-  const auto index = integer_in(wanted);
-  if (index && *index >= 0 && static_cast<std::size_t>(*index) < heads.size())
-    return static_cast<std::size_t>(*index);
-  return std::nullopt;
-}
-
-/// Which columns are not channels, and why.
-struct Roles {
-  std::optional<std::size_t> time;
-  std::optional<std::size_t> index;  ///< counts the samples
-  std::string reason;                ///< why `time` is the time
+  TextFile file;
+  TableLayout layout;
+  TableHead head;
+  std::size_t columns;
+  std::vector<ColumnHead> heads;  ///< may be more than columns
+  std::vector<std::string> names;
+  CsvRoles roles;
 };
 
-Roles find_roles(const TextFile& file, const std::vector<ColumnHead>& heads, const Table& table,
-                 const ImportOptions& options) {
-  Roles roles;
-  const auto& columns = table.columns;
-  if (options.time_column && *options.time_column != "none") {
-    roles.time = column_named(heads, *options.time_column);
-    roles.reason = "stated";
-    if (!roles.time || *roles.time >= columns.size())
-      throw InputError(whole(file),
-                       fmt::format("there is no column '{}' for the time; the columns are {}",
-                                   *options.time_column, [&heads] {
-                                     std::string list;
-                                     for (const ColumnHead& head : heads)
-                                       list += (list.empty() ? "'" : ", '") + head.name + "'";
-                                     return list;
-                                   }()));
-    return roles;
-  }
-  const bool first_counts = counts(columns.front().values);
-  if (options.time_column) {
-    if (first_counts && columns.size() > 1) roles.index = 0;
-    return roles;
-  }
-  for (std::size_t c = 0; c < columns.size() && !roles.time; ++c)
-    if (is_time_name(heads[c].name) && (heads[c].unit.empty() || is_time_unit(heads[c].unit))) {
-      roles.time = c;
-      roles.reason = "by its name";
-    }
-  for (std::size_t c = 0; c < columns.size() && !roles.time; ++c)
-    if (is_time_unit(heads[c].unit)) {
-      roles.time = c;
-      roles.reason = "by its unit";
-    }
-  if (roles.time || columns.size() < 2) return roles;
-  if (first_counts) {
-    roles.index = 0;
-  } else if (may_be_time(heads.front()) && increases(columns.front().values)) {
-    roles.time = 0;
-    roles.reason = "the first column, since it increases throughout";
-  }
-  return roles;
+void tell_of_column_without_values(const ColumnHead& head, Record& record) {
+  record.warnings.push_back(
+      fmt::format("'{}' is named in the header but has no values", head.name));
 }
 
-/// Times in seconds. Dividing keeps decimal digits where multiplying by 0.001 would not.
-void to_seconds(std::vector<double>& times, const datasets::UnitConversion& conversion) {
-  const double inverse = std::round(1.0 / conversion.factor);
-  const bool divides = inverse >= 1.0 && std::abs(inverse * conversion.factor - 1.0) < 1e-15;
-  for (double& time : times)
-    time = (divides ? time / inverse : time * conversion.factor) + conversion.offset;
-}
-
-datasets::SampleClock clock_from_column(const TextFile& file, const ColumnHead& head,
-                                        Column&& column, Record& record) {
-  if (column.missing > 0)
-    throw InputError(
-        file.position(column.first_missing),
-        fmt::format(
-            "{}: a time is missing; state --time-column none and --sample-rate to do without "
-            "this column",
-            head.name));
-  std::string unit = head.unit;
-  if (unit.empty()) {
-    record.warnings.push_back(fmt::format(
-        "the time column '{}' states no unit: it is taken as s (--units states another)",
-        head.name));
-    unit = "s";
-  }
-  const auto conversion = datasets::conversion(unit, "s");
-  if (!conversion)
-    throw InputError(
-        whole(file),
-        fmt::format("the time column '{}' has the unit '{}', which is not one of time: "
-                    "state it with --units",
-                    head.name, unit));
-  if (conversion->factor != 1.0 || conversion->offset != 0.0)
-    to_seconds(column.values, *conversion);
-  TimeAxis axis = time_axis(std::move(column.values));
-  if (!axis.warning.empty()) record.warnings.push_back(std::move(axis.warning));
-  return axis.clock;
-}
-
-/// The unit and quantity of a channel. A "kg" under an acceleration is the laboratory's kilo-g.
-void set_unit(Channel& channel, const ColumnHead& head, Record& record) {
-  channel.unit = head.unit;
-  const std::string words = lowered(head.name + " " + head.description);
-  if (head.unit == "kg" && words.find("accel") != std::string::npos) {
-    channel.unit = "kg (kilo-g)";
-    channel.attributes["unit in file"] = head.unit;
-    const std::string note =
-        "the unit 'kg' of an acceleration is read as kilo-g (1000 g); --units states another";
-    if (std::find(record.warnings.begin(), record.warnings.end(), note) == record.warnings.end())
-      record.warnings.push_back(note);
-  }
-  channel.quantity = datasets::quantity_of_unit(channel.unit);
-  if (!head.description.empty()) channel.attributes["description"] = head.description;
-}
-
-Channel channel_from_column(const TextFile& file, const ColumnHead& head, Column&& column,
-                            const datasets::SampleClock& clock, Record& record) {
-  Channel channel;
-  channel.name = head.name;
-  channel.clock = clock;
-  if (column.missing == column.values.size()) channel.clock.times.clear();
-  set_unit(channel, head, record);
+/// The samples of a channel from its column.
+void fill(const CsvHead& csv, Column&& column, Channel& channel, Record& record) {
   const std::size_t n = column.values.size();
-  if (n > 0 && column.missing == n) {
-    record.warnings.push_back(fmt::format("'{}' has no value in any row", head.name));
+  if (column.missing == n) {
+    if (n > 0) record.warnings.push_back(fmt::format("'{}' has no value in any row", channel.name));
+    channel.clock.times.clear();
     channel.raw = std::vector<double>{};
-    return channel;
+    return;
   }
-  if (column.missing > 0) record.warnings.push_back(missing_values(file, head.name, column));
+  if (column.missing > 0)
+    record.warnings.push_back(missing_values(csv.file, channel.name, column, n));
   channel.raw = std::move(column.values);
   channel.valid = std::move(column.valid);
-  return channel;
 }
 
-/// Units that the head states by a key ("Vertical Units,V") go to the columns that state none
-/// themselves. One unit is for all of them; several are one a channel.
-void take_units_of_keys(const TableHead& head, const Roles& roles, char delimiter,
-                        std::vector<ColumnHead>& heads) {
-  for (const auto& [key, value] : head.attributes) {
-    const std::string word = lowered(key);
-    const bool vertical = word == "vertical units" || word == "vertical unit" ||
-                          word == "y units" || word == "y unit";
-    const bool horizontal = word == "horizontal units" || word == "horizontal unit" ||
-                            word == "x units" || word == "x unit";
-    if (horizontal && roles.time && heads[*roles.time].unit.empty())
-      heads[*roles.time].unit = value;
-    if (!vertical) continue;
-    const auto units = cells_of(value, delimiter);
-    std::size_t channel = 0;
-    for (std::size_t c = 0; c < heads.size(); ++c) {
-      if (c == roles.time || c == roles.index) continue;
-      if (heads[c].unit.empty() && (units.size() == 1 || channel < units.size()))
-        heads[c].unit = units[units.size() == 1 ? 0 : channel];
-      ++channel;
+Record read_whole(CsvHead& csv, const ImportOptions& options) {
+  Table table = read_table(csv.file, csv.layout, csv.names);
+  Record record;
+  csv.settle(table, options, record);
+  const CsvRoles& roles = csv.roles;
+  if (const std::string cut = cut_row(csv.file, table); !cut.empty())
+    record.warnings.push_back(cut);
+
+  datasets::SampleClock clock = clock_from_head(csv.head);
+  if (roles.time) {
+    const ColumnHead& head = csv.heads[*roles.time];
+    Column& times = table.columns[*roles.time];
+    to_seconds(csv.file, head, time_conversion(csv.file, head, record), times);
+    TimeAxis axis = time_axis(std::move(times.values));
+    if (!axis.warning.empty()) record.warnings.push_back(std::move(axis.warning));
+    clock = std::move(axis.clock);
+    compare_with_head(csv.head, table.rows, clock, record);
+  }
+  for (std::size_t c = 0; c < csv.heads.size(); ++c) {
+    if (!roles.is_channel(c)) continue;
+    Channel channel = channel_of(csv.head, c, csv.heads[c], record);
+    channel.clock = clock;
+    if (c >= csv.columns) tell_of_column_without_values(csv.heads[c], record);
+    fill(csv, c < csv.columns ? std::move(table.columns[c]) : Column{}, channel, record);
+    record.channels.push_back(std::move(channel));
+  }
+  return record;
+}
+
+/// A large file: its first rows say what it holds, the rest is read by blocks.
+class LargeCsv final : public RecordingReader {
+ public:
+  LargeCsv(std::unique_ptr<CsvHead> csv, const ImportOptions& options) : csv_(std::move(csv)) {
+    const CsvRoles& roles = csv_->roles;
+    Record& record = head_.record;
+    RowReader rows(csv_->file, csv_->layout, csv_->names);
+    Table probe = rows.read(probed_rows);
+    csv_->settle(probe, options, record);
+    if (roles.time) conversion_ = time_conversion(csv_->file, csv_->heads[*roles.time], record);
+    estimate(probe, static_cast<std::size_t>(rows.at() - csv_->layout.data));
+    for (std::size_t c = 0; c < csv_->heads.size(); ++c) {
+      if (!roles.is_channel(c)) continue;
+      record.channels.push_back(channel_of(csv_->head, c, csv_->heads[c], record));
+      record.channels.back().clock = clock_;
+      columns_.push_back(c);
+      head_.samples.push_back(c < csv_->columns ? rows_ : 0);
+      if (c >= csv_->columns) tell_of_column_without_values(csv_->heads[c], record);
     }
+    head_.counted = false;
   }
-}
 
-void describe(const TableLayout& layout, const TableHead& head,
-              const std::vector<ColumnHead>& heads, const Roles& roles, Record& record) {
-  auto& says = record.attributes;
-  const auto line = [](int number) {
-    return number > 0 ? fmt::format("line {}", number) : std::string("none");
+  const RecordingHead& head() const override { return head_; }
+
+  Record read(const Selection& wanted, SampleSink& sink) override {
+    const std::vector<std::size_t> chosen = selected_channels(head_, wanted);
+    std::vector<Column> told(chosen.size());  // of each channel, what is missing; no values
+    std::vector<std::size_t> columns;
+    for (const std::size_t index : chosen) columns.push_back(columns_[index]);
+
+    TimeAxisCheck check = expected_times(wanted);
+    std::string cut;
+    const std::uint64_t rows = pass(columns, wanted, [&](Table& piece, Piece part) {
+      for (std::size_t i = 0; i < columns.size(); ++i)
+        if (columns[i] < csv_->columns)
+          hand_over(piece.columns[columns[i]], part, i, told[i], sink);
+      if (roles().time) check.add(part.of(piece.columns[*roles().time].values));
+      if (cut.empty()) cut = cut_row(csv_->file, piece);
+    });
+
+    Record record = head_.record;
+    record.channels.clear();
+    if (!cut.empty()) record.warnings.push_back(cut);
+    const datasets::SampleClock clock =
+        settled_clock(wanted, check, rows, chosen.size(), sink, record);
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      record.channels.push_back(head_.record.channels[chosen[i]]);
+      record.channels.back().clock = clock;
+      const std::string missing =
+          missing_values(csv_->file, record.channels.back().name, told[i], rows);
+      if (!missing.empty()) record.warnings.push_back(missing);
+    }
+    return record;
+  }
+
+ private:
+  /// Rows [first, last) of a table.
+  struct Piece {
+    std::size_t first = 0;
+    std::size_t last = 0;
+
+    template <typename T>
+    std::span<const T> of(const std::vector<T>& values) const {
+      return std::span<const T>(values).subspan(first, last - first);
+    }
   };
-  says["delimiter"] = delimiter_name(layout.dialect.delimiter);
-  says["decimal"] = std::string(1, layout.dialect.decimal);
-  says["column names"] = line(head.names_line);
-  says["unit row"] = line(head.units_line);
-  says["first data line"] = fmt::format("{}", layout.head.size() + 1);
-  says["time column"] =
-      roles.time ? fmt::format("{} ({})", heads[*roles.time].name, roles.reason) : "none";
-  if (roles.index) says["index column"] = heads[*roles.index].name;
-}
 
-/// The clock of a file without a time column: from a Start and Increment, or from a key of the
-/// header.
-datasets::SampleClock clock_from_head(const TableHead& head) {
-  datasets::SampleClock clock;
-  clock.start = head.start.value_or(0.0);
-  clock.interval =
-      head.increment ? *head.increment : stated_interval(head.attributes).value_or(0.0);
-  return clock;
-}
+  const CsvRoles& roles() const { return csv_->roles; }
 
-/// A header may state the interval too: with more digits than the times have, or another one.
-void compare_with_head(const TableHead& head, std::size_t rows, datasets::SampleClock& clock,
-                       Record& record) {
-  const auto stated = stated_interval(head.attributes);
-  if (!stated) return;
-  const double deviation = std::abs(*stated - clock.interval);
-  if (clock.uniform() && rows > 1) {
-    // no further apart than the rounding of the times allows
-    const double last = clock.time(rows - 1);
-    const double rounding = 8.0 * std::numeric_limits<double>::epsilon() *
-                            std::max(std::abs(clock.start), std::abs(last));
-    if (deviation * static_cast<double>(rows - 1) <= rounding) clock.interval = *stated;
+  /// The time column in seconds.
+  std::vector<double>& times_of(Table& table) const {
+    const std::size_t time = *roles().time;
+    to_seconds(csv_->file, csv_->heads[time], conversion_, table.columns[time]);
+    return table.columns[time].values;
   }
-  if (deviation > 1e-3 * *stated)
-    record.warnings.push_back(
-        fmt::format("the header states a sample interval of {:.9g} s but the time column steps by "
-                    "{:.9g} s: the time column is used",
-                    *stated, clock.interval));
-}
 
-/// "quantity of column 2: strain", as our own export says it where the unit does not.
-void take_stated_quantity(const TableHead& head, std::size_t column, Channel& channel) {
-  const auto found = head.attributes.find(fmt::format("quantity of column {}", column));
-  if (found == head.attributes.end()) return;
-  channel.quantity = datasets::quantity_named(found->second).value_or(channel.quantity);
-}
+  /// Rows and clock from the first rows and the last.
+  void estimate(Table& probe, std::size_t probed_bytes) {
+    const std::string_view text = csv_->file.text();
+    const auto all = static_cast<double>(text.data() + text.size() - csv_->layout.data);
+    const double share = static_cast<double>(probe.rows) / static_cast<double>(probed_bytes);
+    rows_ = static_cast<std::uint64_t>(std::max(1.0, std::round(all * share)));
+    clock_ = clock_from_head(csv_->head);
+    if (!roles().time) return;
+    const std::vector<double> first = times_of(probe);
+    RowReader end(csv_->file, csv_->layout, csv_->names);
+    end.seek(start_of_last_lines(text, 3));
+    Table last = end.read(3);
+    first_ = first.front();
+    last_ = last.rows > 0 ? times_of(last).back() : first.back();
+    const double step = (first.back() - first_) / static_cast<double>(first.size() - 1);
+    const double by_time = std::round((last_ - first_) / step) + 1.0;
+    // rows grow longer with their numbers: where the times agree roughly, they count better
+    if (std::abs(by_time / static_cast<double>(rows_) - 1.0) < 0.5)
+      rows_ = static_cast<std::uint64_t>(by_time);
+    TimeAxisCheck check(first_, first.back(), first.size());
+    check.add(first);
+    clock_ = check.axis().clock;
+    if (rows_ > 1) clock_.interval = (last_ - first_) / static_cast<double>(rows_ - 1);
+    sorted_ = std::ranges::is_sorted(first);
+  }
+
+  static const char* start_of_last_lines(std::string_view text, int lines) {
+    std::size_t at = text.size();
+    while (at > 0 && (text[at - 1] == '\n' || text[at - 1] == '\r')) --at;
+    for (; lines > 0 && at > 0; --lines) at = text.rfind('\n', at - 1);
+    return text.data() + at + 1;
+  }
+
+  /// The times that are to be expected in the window.
+  TimeAxisCheck expected_times(const Selection& wanted) const {
+    const SampleRange range = samples_within(clock_, rows_, wanted);
+    if (range.last == range.first) return {first_, first_, 0};
+    if (range.first == 0 && range.last == rows_) return {first_, last_, rows_};
+    return {clock_.time(range.first), clock_.time(range.last - 1), range.last - range.first};
+  }
+
+  /// Reads rows with these columns and the time, hands those in the window to `use` piece by piece,
+  /// and returns how many they are.
+  template <typename Use>
+  std::uint64_t pass(const std::vector<std::size_t>& columns, const Selection& wanted,
+                     const Use& use) {
+    RowReader rows(csv_->file, csv_->layout, csv_->names);
+    std::vector<bool> needed(csv_->columns, false);
+    for (const std::size_t column : columns)
+      if (column < csv_->columns) needed[column] = true;
+    if (roles().time) needed[*roles().time] = true;
+    rows.read_only(needed);
+    const bool by_time = roles().time && wanted.has_window() && sorted_;
+    if (by_time) rows.seek(row_before(wanted.from));
+    std::uint64_t before = 0;
+    std::uint64_t used = 0;
+    while (!rows.at_end()) {
+      Table piece = rows.read(rows_at_once);
+      Piece part{0, piece.rows};
+      if (roles().time) {
+        const std::vector<double>& times = times_of(piece);
+        if (by_time) {
+          part.first = static_cast<std::size_t>(std::ranges::lower_bound(times, wanted.from) -
+                                                times.begin());
+          part.last =
+              static_cast<std::size_t>(std::ranges::upper_bound(times, wanted.to) - times.begin());
+        }
+      } else {
+        const SampleRange range = samples_within(clock_, ~std::uint64_t{0} >> 12, wanted);
+        part.first =
+            static_cast<std::size_t>(std::clamp(range.first, before, before + piece.rows) - before);
+        part.last =
+            static_cast<std::size_t>(std::clamp(range.last, before, before + piece.rows) - before);
+      }
+      part.last = std::max(part.first, part.last);
+      const bool past = part.last < piece.rows && used + (part.last - part.first) > 0;
+      if (part.last > part.first || piece.cut_row != nullptr) use(piece, part);
+      used += part.last - part.first;
+      before += piece.rows;
+      csv_->file.release_before(rows.at());
+      if (past) break;
+    }
+    return used;
+  }
+
+  /// The start of a row whose time is before `time`, not many rows away: times increase.
+  const char* row_before(double time) {
+    const std::string_view text = csv_->file.text();
+    const char* low = csv_->layout.data;
+    const char* high = text.data() + text.size();
+    RowReader rows(csv_->file, csv_->layout, csv_->names);
+    while (high - low > (1 << 16)) {
+      const char* middle = low + (high - low) / 2;
+      const char* const line = static_cast<const char*>(
+          std::memchr(middle, '\n', static_cast<std::size_t>(high - middle)));
+      if (line == nullptr) break;
+      rows.seek(line + 1);
+      Table row = rows.read(1);
+      if (row.rows == 1 && times_of(row).front() < time)
+        low = line + 1;
+      else
+        high = middle;
+    }
+    return low;
+  }
+
+  static void hand_over(const Column& column, Piece part, std::size_t index, Column& told,
+                        SampleSink& sink) {
+    SampleBlock block;
+    block.raw = part.of(column.values);
+    if (!column.valid.empty()) block.valid = part.of(column.valid);
+    if (block.size() > 0) sink.take(index, block);
+    if (column.missing == 0) return;
+    const auto missing = static_cast<std::size_t>(std::ranges::count(block.valid, 0));
+    if (told.missing == 0) told.first_missing = column.first_missing;
+    told.missing += missing;
+  }
+
+  /// The clock of the rows read. Where the times were not the ones expected, or are not uniform,
+  /// their column is read again.
+  datasets::SampleClock settled_clock(const Selection& wanted, TimeAxisCheck& check,
+                                      std::uint64_t rows, std::size_t channels, SampleSink& sink,
+                                      Record& record) {
+    if (!roles().time) {
+      datasets::SampleClock clock = clock_;
+      clock.start +=
+          clock.interval * static_cast<double>(samples_within(clock, rows_, wanted).first);
+      return clock;
+    }
+    const std::size_t time = *roles().time;
+    if (!check.as_expected()) {
+      check = TimeAxisCheck(check.first(), check.last(), rows);
+      pass({}, wanted,
+           [&](Table& piece, Piece part) { check.add(part.of(piece.columns[time].values)); });
+    }
+    TimeAxis axis = check.axis();
+    if (!axis.warning.empty()) record.warnings.push_back(axis.warning);
+    if (!check.uniform())
+      pass({}, wanted, [&](Table& piece, Piece part) {
+        for (std::size_t i = 0; i < channels; ++i)
+          sink.take_times(i, part.of(piece.columns[time].values));
+      });
+    compare_with_head(csv_->head, rows, axis.clock, record);
+    return axis.clock;
+  }
+
+  std::unique_ptr<CsvHead> csv_;
+  datasets::UnitConversion conversion_;
+  std::vector<std::size_t> columns_;  // of the channels
+  std::uint64_t rows_ = 0;            // estimated
+  datasets::SampleClock clock_;       // likewise
+  double first_ = 0.0;                // time of the first row and of the last [s]
+  double last_ = 0.0;
+  bool sorted_ = false;  // the first rows' times increase
+  RecordingHead head_;
+};
 
 }  // namespace
 
@@ -309,43 +359,16 @@ int recognises_csv(std::string_view file_name, std::string_view head) {
   return head.find_first_of("0123456789") != std::string_view::npos ? 10 : 0;
 }
 
-Record read_csv(const std::string& path, const ImportOptions& options) {
-  TextFile file(path);
-  TableLayout layout = find_table(file, options);
-  const TableHead head = read_head(layout);
-  // a delimiter at the end of each row ends the last cell; it begins another only where the header
-  // names one
-  const std::size_t columns =
-      std::max(layout.cells, std::min(layout.written_cells, head.columns.size()));
-  std::vector<ColumnHead> heads = complete_heads(file, head, columns, options);
+std::unique_ptr<RecordingReader> open_csv(const std::string& path, const ImportOptions& options) {
+  auto csv = std::make_unique<CsvHead>(path, options);
+  if (csv->file.bytes().size() > read_at_once)
+    return std::make_unique<LargeCsv>(std::move(csv), options);
+  return reader_of(read_whole(*csv, options));
+}
 
-  std::vector<std::string> names;
-  for (std::size_t c = 0; c < columns; ++c) names.push_back(heads[c].name);
-  Table table = read_table(file, layout, names);
-
-  Record record;
-  record.attributes = head.attributes;
-  const Roles roles = find_roles(file, heads, table, options);
-  take_units_of_keys(head, roles, layout.dialect.delimiter, heads);
-  describe(layout, head, heads, roles, record);
-  if (const std::string cut = cut_row(file, table); !cut.empty()) record.warnings.push_back(cut);
-
-  datasets::SampleClock clock =
-      roles.time ? clock_from_column(file, heads[*roles.time],
-                                     std::move(table.columns[*roles.time]), record)
-                 : clock_from_head(head);
-  if (roles.time) compare_with_head(head, table.rows, clock, record);
-  for (std::size_t c = 0; c < heads.size(); ++c) {
-    if (c == roles.time || c == roles.index) continue;
-    Column column = c < columns ? std::move(table.columns[c]) : Column{};
-    if (c >= columns)
-      record.warnings.push_back(
-          fmt::format("'{}' is named in the header but has no values", heads[c].name));
-    record.channels.push_back(
-        channel_from_column(file, heads[c], std::move(column), clock, record));
-    take_stated_quantity(head, c, record.channels.back());
-  }
-  return record;
+std::unique_ptr<RecordingReader> open_csv_by_blocks(const std::string& path,
+                                                    const ImportOptions& options) {
+  return std::make_unique<LargeCsv>(std::make_unique<CsvHead>(path, options), options);
 }
 
 }  // namespace impactrig::acquisition

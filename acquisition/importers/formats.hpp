@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -18,7 +19,10 @@ int recognises_polytec_ascii(std::string_view file_name, std::string_view head);
 datasets::Record read_polytec_ascii(const std::string& path, const ImportOptions& options);
 
 int recognises_csv(std::string_view file_name, std::string_view head);
-datasets::Record read_csv(const std::string& path, const ImportOptions& options);
+std::unique_ptr<RecordingReader> open_csv(const std::string& path, const ImportOptions& options);
+/// As open_csv does for large files, whatever the size.
+std::unique_ptr<RecordingReader> open_csv_by_blocks(const std::string& path,
+                                                    const ImportOptions& options);
 
 int recognises_hdf5(std::string_view file_name, std::string_view head);
 datasets::Record read_hdf5(const std::string& path, const ImportOptions& options);

@@ -36,7 +36,7 @@ constexpr std::array<Importer, 5> table = {{
     {"polytec-ascii", "Polytec PSV and VibSoft text export (.txt)", recognises_polytec_ascii,
      whole<read_polytec_ascii>},  //
     {"csv", "table of numbers: comma, tab, semicolon or blank separated (.csv .txt .tsv .dat)",
-     recognises_csv, whole<read_csv>},  //
+     recognises_csv, open_csv},  //
 }};
 
 /// A score up to this one says "text with numbers" and no more.
@@ -123,7 +123,6 @@ class FiniteSamples final : public SampleSink {
 
   void take(std::size_t index, const SampleBlock& block) override {
     SampleBlock checked = block;
-    if (without_times_) checked.times = {};
     const bool finite = std::visit([](auto samples) { return all_finite(samples); }, block.raw) &&
                         all_finite(block.imaginary);
     Marks& marks = marks_[index];
@@ -133,6 +132,10 @@ class FiniteSamples final : public SampleSink {
     }
     marks.samples += block.size();
     next_.take(index, checked);
+  }
+
+  void take_times(std::size_t index, std::span<const double> times) override {
+    if (!without_times_) next_.take_times(index, times);
   }
 
   void tell(Record& record) const {

@@ -222,7 +222,7 @@ Record read_polytec_ascii(const std::string& path, const ImportOptions& options)
   }
   for (std::size_t c = 1; c < head.columns.size(); ++c) {
     if (table.columns[c].missing > 0)
-      record.warnings.push_back(missing_values(file, names[c], table.columns[c]));
+      record.warnings.push_back(missing_values(file, names[c], table.columns[c], table.rows));
     record.channels.push_back(
         channel_from_column(head.columns[c], std::move(table.columns[c]), signal, abscissa));
   }

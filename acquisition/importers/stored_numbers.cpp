@@ -260,8 +260,8 @@ class ChannelStream {
     block.raw = raw(count);
     if (channel_->imaginary.size() > 0)
       block.imaginary = read(imaginary_, count, imaginary_values_);
-    if (channel_->times.size() > 0) block.times = read(times_, count, time_values_);
     sink.take(index, block);
+    if (channel_->times.size() > 0) sink.take_times(index, read(times_, count, time_values_));
     left_ -= count;
   }
 

@@ -94,6 +94,16 @@ std::string_view TextFile::text() {
   return all;
 }
 
+void TextFile::release_before(const char* at) {
+  const std::string_view all = bytes();
+  if (at < all.data() || at > all.data() + all.size()) return;
+  const auto last = static_cast<std::size_t>(at - all.data());
+  if (last < released_) released_ = 0;
+  if (last - released_ < (std::size_t{1} << 20)) return;
+  file_.release(released_, last);
+  released_ = last;
+}
+
 SourcePosition TextFile::position(const char* at) const {
   const std::string_view all = bytes();
   const bool in_file = at >= all.data() && at <= all.data() + all.size();

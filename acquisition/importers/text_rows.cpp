@@ -16,196 +16,191 @@ namespace {
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
-/// Reads rows with one pass over the text and no allocation a cell.
-class RowReader {
- public:
-  RowReader(TextFile& file, const TableLayout& layout, const std::vector<std::string>& names)
-      : file_(file),
-        names_(names),
-        delimiter_(layout.dialect.delimiter),
-        key_cells_(layout.key_cells),
-        style_{layout.dialect.decimal, false},
-        at_(layout.data) {
-    const std::string_view text = file.text();
-    end_ = text.data() + text.size();
-    table_.columns.resize(names.size());
-    const char* probe = at_;
-    const std::size_t row_bytes = take_line(probe, end_).size() + 1;
-    const std::size_t rows = static_cast<std::size_t>(end_ - at_) / row_bytes;
-    for (Column& column : table_.columns) column.values.reserve(rows + rows / 8 + 1);
-  }
-
-  Table read() {
-    while (at_ != end_) read_line();
-    return std::move(table_);
-  }
-
- private:
-  bool at_line_end() const { return at_ == end_ || *at_ == '\n' || *at_ == '\r'; }
-
-  bool is_blank(char c) const { return c == ' ' || (c == '\t' && delimiter_ != '\t'); }
-
-  void skip_blanks() {
-    while (at_ != end_ && is_blank(*at_)) ++at_;
-  }
-
-  void skip_line_end() {
-    while (at_ != end_ && *at_ == '\r') ++at_;
-    if (at_ != end_ && *at_ == '\n') ++at_;
-  }
-
-  void read_line() {
-    const char* const line = at_;
-    skip_blanks();
-    if (at_line_end()) return skip_line_end();
-    if (*at_ == '#' || *at_ == '%') {
-      take_line(at_, end_);
-      return;
-    }
-    skip_key_cells();
-    const std::size_t n = table_.columns.size();
-    for (std::size_t c = 0; c < n; ++c) {
-      if (!read_cell(c)) return;
-      if (c + 1 == n) break;
-      if (delimiter_ != ' ' && at_ != end_ && *at_ == delimiter_) {
-        ++at_;
-        continue;
-      }
-      if (at_line_end()) return short_row(line, c + 1);
-    }
-    finish_row();
-    ++table_.rows;
-  }
-
-  void skip_key_cells() {
-    for (std::size_t c = 0; c < key_cells_; ++c) {
-      while (!at_line_end() && *at_ != delimiter_) ++at_;
-      if (!at_line_end()) ++at_;
-    }
-  }
-
-  /// Reads a cell and the blanks behind it; false when the row has ended in a way that is dealt
-  /// with.
-  bool read_cell(std::size_t c) {
-    skip_blanks();
-    Column& column = table_.columns[c];
-    double value = 0.0;
-    const char* q = scan_number(at_, end_, style_, value);
-    if (q != at_) {
-      while (q != end_ && is_blank(*q)) ++q;
-      const bool ends = q == end_ || *q == '\n' || *q == '\r' || *q == delimiter_ ||
-                        (delimiter_ == ' ' && q[-1] <= ' ');
-      if (ends) {
-        column.values.push_back(value);
-        if (!column.valid.empty()) column.valid.push_back(1);
-        at_ = q;
-        return true;
-      }
-    }
-    unusual_cell(c);
-    return true;
-  }
-
-  /// Anything but a plain number: quoted, missing, infinite, or an error.
-  void unusual_cell(std::size_t c) {
-    const char* const start = at_;
-    bool quoted = false;
-    while (at_ != end_ && *at_ != '\n' && *at_ != '\r' && (quoted || !ends_cell(*at_))) {
-      if (*at_ == '"') quoted = !quoted;
-      ++at_;
-    }
-    const std::string_view cell(start, static_cast<std::size_t>(at_ - start));
-    skip_blanks();
-    const auto value = cell_value(cell, style_.decimal);
-    if (!value) {
-      const std::string found = to_utf8(trimmed(cell).substr(0, 40));
-      const bool out_of_range = std::all_of(found.begin(), found.end(), [this](char letter) {
-        return detail::is_digit(letter) || letter == style_.decimal ||
-               std::strchr("+-eEdD", letter) != nullptr;
-      });
-      const bool has_digit = std::any_of(found.begin(), found.end(), detail::is_digit);
-      throw InputError(file_.position(start),
-                       out_of_range && has_digit && scan_only(cell)
-                           ? fmt::format("{}: {} does not fit a double", names_[c], found)
-                           : fmt::format("{}: expected a number, found '{}'", names_[c], found));
-    }
-    Column& column = table_.columns[c];
-    if (std::isnan(*value)) {
-      if (column.valid.empty()) {
-        column.valid.reserve(column.values.capacity());
-        column.valid.assign(column.values.size(), 1);
-      }
-      if (column.missing++ == 0) column.first_missing = start;
-      column.values.push_back(nothing);
-      column.valid.push_back(0);
-    } else {
-      column.values.push_back(*value);
-      if (!column.valid.empty()) column.valid.push_back(1);
-    }
-  }
-
-  /// True when a cell has the form of a number, whatever its size.
-  bool scan_only(std::string_view cell) const {
-    const std::size_t exponent = cell.find_first_of("eEdD");
-    return exponent != std::string_view::npos &&
-           number_in(cell.substr(0, exponent), style_).has_value() &&
-           integer_in(cell.substr(exponent + 1)).has_value();
-  }
-
-  bool ends_cell(char c) const {
-    return delimiter_ == ' ' ? (c == ' ' || c == '\t') : c == delimiter_;
-  }
-
-  /// Only empty cells may follow the last column.
-  void finish_row() {
-    while (at_ != end_ && (is_blank(*at_) || *at_ == delimiter_)) ++at_;
-    if (!at_line_end()) {
-      const char* const extra = at_;
-      const std::string_view rest = trimmed(take_line(at_, end_)).substr(0, 40);
-      throw InputError(file_.position(extra),
-                       fmt::format("the row goes on with '{}' after its {} {}", to_utf8(rest),
-                                   names_.size(), names_.size() == 1 ? "cell" : "cells"));
-    }
-    skip_line_end();
-  }
-
-  void short_row(const char* line, std::size_t cells) {
-    if (at_ == end_ && table_.rows > 0) {  // the file ends here: drop what was begun
-      for (Column& column : table_.columns) {
-        if (column.values.size() > table_.rows) column.values.resize(table_.rows);
-        if (!column.valid.empty() && column.valid.size() > table_.rows) {
-          if (column.valid.back() == 0) --column.missing;
-          column.valid.resize(table_.rows);
-        }
-      }
-      table_.cut_row = line;
-      return;
-    }
-    throw InputError(file_.position(line),
-                     fmt::format("the row has {} {}, expected {} ({} is missing)", cells,
-                                 cells == 1 ? "cell" : "cells", names_.size(), names_[cells]));
-  }
-
-  TextFile& file_;
-  const std::vector<std::string>& names_;
-  char delimiter_;
-  std::size_t key_cells_;
-  NumberStyle style_;
-  const char* at_;
-  const char* end_ = nullptr;
-  Table table_;
-};
-
 }  // namespace
 
-Table read_table(TextFile& file, const TableLayout& layout, const std::vector<std::string>& names) {
-  return RowReader(file, layout, names).read();
+RowReader::RowReader(TextFile& file, const TableLayout& layout,
+                     const std::vector<std::string>& names)
+    : file_(file),
+      names_(names),
+      delimiter_(layout.dialect.delimiter),
+      key_cells_(layout.key_cells),
+      style_{layout.dialect.decimal, false},
+      at_(layout.data),
+      needed_(names.size(), true) {
+  const std::string_view text = file.text();
+  end_ = text.data() + text.size();
 }
 
-std::string missing_values(const TextFile& file, const std::string& name, const Column& column) {
+Table RowReader::read(std::size_t most) {
+  table_ = {};
+  table_.columns.resize(names_.size());
+  const char* probe = at_;
+  const std::size_t row_bytes = take_line(probe, end_).size() + 1;
+  const std::size_t rows = std::min(most, static_cast<std::size_t>(end_ - at_) / row_bytes);
+  for (std::size_t c = 0; c < names_.size(); ++c)
+    if (needed_[c]) table_.columns[c].values.reserve(rows + rows / 8 + 1);
+  while (at_ != end_ && table_.rows < most && table_.cut_row == nullptr) read_line();
+  return std::move(table_);
+}
+
+void RowReader::skip_blanks() {
+  while (at_ != end_ && is_blank(*at_)) ++at_;
+}
+
+void RowReader::skip_line_end() {
+  while (at_ != end_ && *at_ == '\r') ++at_;
+  if (at_ != end_ && *at_ == '\n') ++at_;
+}
+
+void RowReader::read_line() {
+  const char* const line = at_;
+  skip_blanks();
+  if (at_line_end()) return skip_line_end();
+  if (*at_ == '#' || *at_ == '%') {
+    take_line(at_, end_);
+    return;
+  }
+  skip_key_cells();
+  const std::size_t n = table_.columns.size();
+  for (std::size_t c = 0; c < n; ++c) {
+    if (needed_[c])
+      read_cell(c);
+    else
+      skip_cell();
+    if (c + 1 == n) break;
+    if (delimiter_ != ' ' && at_ != end_ && *at_ == delimiter_) {
+      ++at_;
+      continue;
+    }
+    if (at_line_end()) return short_row(line, c + 1);
+  }
+  finish_row();
+  ++table_.rows;
+  first_row_ = false;
+}
+
+void RowReader::skip_key_cells() {
+  for (std::size_t c = 0; c < key_cells_; ++c) {
+    while (!at_line_end() && *at_ != delimiter_) ++at_;
+    if (!at_line_end()) ++at_;
+  }
+}
+
+/// Reads a cell and the blanks behind it.
+void RowReader::read_cell(std::size_t c) {
+  skip_blanks();
+  Column& column = table_.columns[c];
+  double value = 0.0;
+  const char* q = scan_number(at_, end_, style_, value);
+  if (q != at_) {
+    while (q != end_ && is_blank(*q)) ++q;
+    const bool ends = q == end_ || *q == '\n' || *q == '\r' || *q == delimiter_ ||
+                      (delimiter_ == ' ' && q[-1] <= ' ');
+    if (ends) {
+      column.values.push_back(value);
+      if (!column.valid.empty()) column.valid.push_back(1);
+      at_ = q;
+      return;
+    }
+  }
+  unusual_cell(c);
+}
+
+void RowReader::skip_cell() {
+  skip_blanks();
+  bool quoted = false;
+  while (!at_line_end() && (quoted || !ends_cell(*at_))) {
+    if (*at_ == '"') quoted = !quoted;
+    ++at_;
+  }
+  skip_blanks();
+}
+
+/// Anything but a plain number: quoted, missing, infinite, or an error.
+void RowReader::unusual_cell(std::size_t c) {
+  const char* const start = at_;
+  bool quoted = false;
+  while (at_ != end_ && *at_ != '\n' && *at_ != '\r' && (quoted || !ends_cell(*at_))) {
+    if (*at_ == '"') quoted = !quoted;
+    ++at_;
+  }
+  const std::string_view cell(start, static_cast<std::size_t>(at_ - start));
+  skip_blanks();
+  const auto value = cell_value(cell, style_.decimal);
+  if (!value) {
+    const std::string found = to_utf8(trimmed(cell).substr(0, 40));
+    const bool out_of_range = std::all_of(found.begin(), found.end(), [this](char letter) {
+      return detail::is_digit(letter) || letter == style_.decimal ||
+             std::strchr("+-eEdD", letter) != nullptr;
+    });
+    const bool has_digit = std::any_of(found.begin(), found.end(), detail::is_digit);
+    throw InputError(file_.position(start),
+                     out_of_range && has_digit && scan_only(cell)
+                         ? fmt::format("{}: {} does not fit a double", names_[c], found)
+                         : fmt::format("{}: expected a number, found '{}'", names_[c], found));
+  }
+  Column& column = table_.columns[c];
+  if (std::isnan(*value)) {
+    if (column.valid.empty()) {
+      column.valid.reserve(column.values.capacity());
+      column.valid.assign(column.values.size(), 1);
+    }
+    if (column.missing++ == 0) column.first_missing = start;
+    column.values.push_back(nothing);
+    column.valid.push_back(0);
+  } else {
+    column.values.push_back(*value);
+    if (!column.valid.empty()) column.valid.push_back(1);
+  }
+}
+
+/// True when a cell has the form of a number, whatever its size.
+bool RowReader::scan_only(std::string_view cell) const {
+  const std::size_t exponent = cell.find_first_of("eEdD");
+  return exponent != std::string_view::npos &&
+         number_in(cell.substr(0, exponent), style_).has_value() &&
+         integer_in(cell.substr(exponent + 1)).has_value();
+}
+
+/// Only empty cells may follow the last column.
+void RowReader::finish_row() {
+  while (at_ != end_ && (is_blank(*at_) || *at_ == delimiter_)) ++at_;
+  if (!at_line_end()) {
+    const char* const extra = at_;
+    const std::string_view rest = trimmed(take_line(at_, end_)).substr(0, 40);
+    throw InputError(file_.position(extra),
+                     fmt::format("the row goes on with '{}' after its {} {}", to_utf8(rest),
+                                 names_.size(), names_.size() == 1 ? "cell" : "cells"));
+  }
+  skip_line_end();
+}
+
+void RowReader::short_row(const char* line, std::size_t cells) {
+  if (at_ == end_ && !first_row_) {  // the file ends here: drop what was begun
+    for (Column& column : table_.columns) {
+      if (column.values.size() > table_.rows) column.values.resize(table_.rows);
+      if (!column.valid.empty() && column.valid.size() > table_.rows) {
+        if (column.valid.back() == 0) --column.missing;
+        column.valid.resize(table_.rows);
+      }
+    }
+    table_.cut_row = line;
+    return;
+  }
+  throw InputError(file_.position(line),
+                   fmt::format("the row has {} {}, expected {} ({} is missing)", cells,
+                               cells == 1 ? "cell" : "cells", names_.size(), names_[cells]));
+}
+
+Table read_table(TextFile& file, const TableLayout& layout, const std::vector<std::string>& names) {
+  return RowReader(file, layout, names).read(std::numeric_limits<std::size_t>::max());
+}
+
+std::string missing_values(const TextFile& file, const std::string& name, const Column& column,
+                           std::uint64_t rows) {
   if (column.missing == 0) return {};
   return fmt::format("'{}': {} of {} values {} missing, the first at {}; marked as not valid", name,
-                     column.missing, column.values.size(), column.missing == 1 ? "is" : "are",
+                     column.missing, rows, column.missing == 1 ? "is" : "are",
                      file.position(column.first_missing).text());
 }
 

@@ -64,14 +64,66 @@ struct Table {
       nullptr;  ///< start of a last row that the file's end cut off; it is left out
 };
 
-/// Reads layout's rows; `names` (one a column) only name the culprit. Blank lines and lines that
-/// begin with # are skipped; empty cells and "nan" are missing values. Throws datasets::InputError
-/// with line and column for a cell that is no number and for a row with too few or too many cells.
+/// Reads a layout's rows with one pass over the text and no allocation a cell. Blank lines and
+/// lines that begin with # are skipped; empty cells and "nan" are missing values.
+class RowReader {
+ public:
+  /// `names` (one a column) only name the culprit of an error.
+  RowReader(TextFile& file, const TableLayout& layout, const std::vector<std::string>& names);
+
+  /// Columns that are not needed are passed over unread; their values stay empty.
+  void read_only(std::vector<bool> needed) { needed_ = std::move(needed); }
+
+  /// To the start of a line.
+  void seek(const char* line) { at_ = line; }
+
+  const char* at() const { return at_; }
+
+  bool at_end() const { return at_ == end_; }
+
+  /// The next rows, at most so many. Throws datasets::InputError with line and column for a cell
+  /// that is no number and for a row with too few or too many cells.
+  Table read(std::size_t most);
+
+ private:
+  bool at_line_end() const { return at_ == end_ || *at_ == '\n' || *at_ == '\r'; }
+
+  bool is_blank(char c) const { return c == ' ' || (c == '\t' && delimiter_ != '\t'); }
+
+  bool ends_cell(char c) const {
+    return delimiter_ == ' ' ? (c == ' ' || c == '\t') : c == delimiter_;
+  }
+
+  void skip_blanks();
+  void skip_line_end();
+  void read_line();
+  void skip_key_cells();
+  void read_cell(std::size_t column);
+  void skip_cell();
+  void unusual_cell(std::size_t column);
+  bool scan_only(std::string_view cell) const;
+  void finish_row();
+  void short_row(const char* line, std::size_t cells);
+
+  TextFile& file_;
+  const std::vector<std::string>& names_;
+  char delimiter_;
+  std::size_t key_cells_;
+  NumberStyle style_;
+  const char* at_;
+  const char* end_ = nullptr;
+  std::vector<bool> needed_;
+  bool first_row_ = true;
+  Table table_;
+};
+
+/// Reads all rows of a layout.
 Table read_table(TextFile& file, const TableLayout& layout, const std::vector<std::string>& names);
 
 /// "'Force': 2 of 500 values are missing, the first at run.csv:12:9 (byte 431); marked as not
 /// valid"; "" when none is.
-std::string missing_values(const TextFile& file, const std::string& name, const Column& column);
+std::string missing_values(const TextFile& file, const std::string& name, const Column& column,
+                           std::uint64_t rows);
 
 /// Says that the file's end cut a row off; "" when it did not.
 std::string cut_row(const TextFile& file, const Table& table);

@@ -41,7 +41,7 @@ long odd_part(long number) {
 
 }  // namespace
 
-double printed_resolution(const std::vector<double>& times) {
+double printed_resolution(std::span<const double> times) {
   const std::size_t stride = std::max<std::size_t>(1, times.size() / 1000);
   int digits = 1;
   double largest = 0.0;
@@ -56,61 +56,103 @@ double printed_resolution(const std::vector<double>& times) {
   return std::pow(10.0, std::floor(std::log10(largest)) - digits + 1);
 }
 
-TimeAxis time_axis(std::vector<double> times) {
+TimeAxisCheck::TimeAxisCheck(double first, double last, std::uint64_t samples)
+    : first_(first),
+      last_(last),
+      samples_(samples) {
+  if (samples > 1) step_ = (last - first) / static_cast<double>(samples - 1);
+}
+
+void TimeAxisCheck::add(std::span<const double> times) {
+  const std::uint64_t stride = std::max<std::uint64_t>(1, samples_ / 1000);
+  if (seen_ == 0 && !times.empty()) first_seen_ = times.front();
+  double before = last_seen_;
+  for (const double time : times) {
+    if (seen_ > 0) {
+      const double this_step = time - before;
+      if (!(this_step > 0.0) && !backwards_) backwards_ = Backwards{seen_, before, time};
+      const double line = first_ + step_ * static_cast<double>(seen_);
+      all_finite_ = all_finite_ && std::isfinite(time);
+      largest_step_error_ = std::max(largest_step_error_, std::abs(this_step - step_));
+      largest_deviation_ = std::max(largest_deviation_, std::abs(time - line));
+    }
+    if (seen_ % stride == 0 && examples_.size() < 2000) examples_.push_back(time);
+    before = time;
+    ++seen_;
+  }
+  last_seen_ = before;
+}
+
+bool TimeAxisCheck::as_expected() const {
+  return seen_ == samples_ && (seen_ == 0 || (first_seen_ == first_ && last_seen_ == last_));
+}
+
+bool TimeAxisCheck::even() const {
+  return all_finite_ && step_ > 0.0 && largest_step_error_ <= 1e-3 * step_ &&
+         largest_deviation_ <= 0.05 * step_;
+}
+
+double TimeAxisCheck::resolution() const {
+  std::vector<double> examples = examples_;
+  examples.push_back(last_seen_);
+  return printed_resolution(examples);
+}
+
+bool TimeAxisCheck::rounded() const {
+  if (!all_finite_ || !(step_ > 0.0)) return false;
+  const double printed = resolution();
+  // between a fifth of a step and a whole one, a lost sample looks the same as a rounded time
+  return printed > 0.0 && (printed <= 0.2 * step_ || printed > step_) &&
+         largest_deviation_ <= 1.01 * printed;
+}
+
+bool TimeAxisCheck::uniform() const {
+  return seen_ < 2 || even() || rounded();
+}
+
+TimeAxis TimeAxisCheck::axis() const {
   TimeAxis axis;
-  if (times.empty()) return axis;
-  axis.clock.start = times.front();
-  const std::size_t n = times.size();
-  if (n == 1) {
+  if (seen_ == 0) return axis;
+  axis.clock.start = first_;
+  if (seen_ == 1) {
     axis.warning = "there is one sample only: the sample interval is not known";
     return axis;
   }
-  const double step = (times.back() - times.front()) / static_cast<double>(n - 1);
-  double largest_step_error = 0.0;
-  double largest_deviation = 0.0;
-  bool all_finite = true;
-  std::optional<std::size_t> backwards;
-  for (std::size_t i = 1; i < n; ++i) {
-    const double this_step = times[i] - times[i - 1];
-    if (!(this_step > 0.0) && !backwards) backwards = i;
-    const double line = times.front() + step * static_cast<double>(i);
-    all_finite = all_finite && std::isfinite(times[i]);
-    largest_step_error = std::max(largest_step_error, std::abs(this_step - step));
-    largest_deviation = std::max(largest_deviation, std::abs(times[i] - line));
-  }
-  const bool even = all_finite && step > 0.0 && largest_step_error <= 1e-3 * step &&
-                    largest_deviation <= 0.05 * step;
-  const double largest = std::max(std::abs(times.front()), std::abs(times.back()));
-  const double resolution = even || !(step > 0.0) ? 0.0 : printed_resolution(times);
-  // between a fifth of a step and a whole one, a lost sample looks the same as a rounded time
-  const bool rounded = all_finite && resolution > 0.0 &&
-                       (resolution <= 0.2 * step || resolution > step) &&
-                       largest_deviation <= 1.01 * resolution;
-  if (even || rounded) {
+  const bool even_steps = even();
+  if (even_steps || rounded()) {
     // the last bits of the mean step are rounding of the times: leave them off where a shorter
     // number says the same
+    const double largest = std::max(std::abs(first_), std::abs(last_));
     const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * largest;
-    axis.clock.interval = fewest_digits(step, rounding / static_cast<double>(n - 1));
-    if (!even)
+    axis.clock.interval = fewest_digits(step_, rounding / static_cast<double>(samples_ - 1));
+    if (!even_steps)
       axis.warning = fmt::format(
           "the times are rounded to {:.3g} s: they are taken as uniform, with the mean step of "
           "{:.9g} s",
-          resolution, step);
+          resolution(), step_);
     return axis;
   }
-  axis.clock.interval = step;
-  if (backwards) {
-    axis.warning =
-        fmt::format("time does not increase from sample {} ({:.9g} s) to sample {} ({:.9g} s)",
-                    *backwards - 1, times[*backwards - 1], *backwards, times[*backwards]);
+  axis.clock.interval = step_;
+  if (backwards_) {
+    axis.warning = fmt::format(
+        "time does not increase from sample {} ({:.9g} s) to sample {} ({:.9g} s)",
+        backwards_->sample - 1, backwards_->before, backwards_->sample, backwards_->time);
   } else {
     axis.warning = fmt::format(
         "the samples are not evenly spaced (steps differ from their mean of {:.6g} s by up to "
         "{:.3g} s): every "
         "time is kept",
-        step, largest_step_error);
+        step_, largest_step_error_);
   }
-  axis.clock.times = std::move(times);
+  return axis;
+}
+
+TimeAxis time_axis(std::vector<double> times) {
+  if (times.empty()) return {};
+  TimeAxisCheck check(times.front(), times.back(), times.size());
+  check.add(times);
+  TimeAxis axis = check.axis();
+  if (!check.uniform()) axis.clock.times = std::move(times);
   return axis;
 }
 

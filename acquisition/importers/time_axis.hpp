@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,9 +23,58 @@ struct TimeAxis {
 /// digits the times were printed with; then start and mean step are kept, else all times.
 TimeAxis time_axis(std::vector<double> times);
 
+/// Judges times as they come, as time_axis() does, without keeping them.
+class TimeAxisCheck {
+ public:
+  /// So many times are expected, from `first` to `last` [s].
+  TimeAxisCheck(double first, double last, std::uint64_t samples);
+
+  void add(std::span<const double> times);
+
+  /// False when other times came than were expected: the judgement is then worth nothing.
+  bool as_expected() const;
+
+  std::uint64_t samples() const { return seen_; }
+
+  /// Of the times that came.
+  double first() const { return first_seen_; }
+
+  double last() const { return last_seen_; }
+
+  /// True when start and mean step stand for all times.
+  bool uniform() const;
+
+  /// The clock, without times where it is not uniform, and what there is to say.
+  TimeAxis axis() const;
+
+ private:
+  bool even() const;
+  bool rounded() const;
+  double resolution() const;
+
+  double first_;
+  double last_;
+  std::uint64_t samples_;
+  double step_ = 0.0;
+  std::uint64_t seen_ = 0;
+  double first_seen_ = 0.0;
+  double last_seen_ = 0.0;
+  double largest_step_error_ = 0.0;
+  double largest_deviation_ = 0.0;
+  bool all_finite_ = true;
+
+  struct Backwards {
+    std::uint64_t sample;
+    double before, time;
+  };
+
+  std::optional<Backwards> backwards_;
+  std::vector<double> examples_;  // a thousand of the times, to see how they were printed
+};
+
 /// The last digit a list of times was printed with, at its largest magnitude [s]; 0 when it looks
 /// like full precision.
-double printed_resolution(const std::vector<double>& times);
+double printed_resolution(std::span<const double> times);
 
 /// The round rate [Hz] that a writer with six digits must have meant by `interval` [s]: the nearest
 /// rate with the fewest prime factors beside 2 and 5 among those that give the same six digits.

@@ -49,18 +49,23 @@ void require_text(const std::string& text) {
 
 class Counter final : public acquisition::SampleSink {
  public:
-  explicit Counter(std::size_t channels) : samples(channels) {}
+  explicit Counter(std::size_t channels) : samples(channels), times(channels) {}
 
   void take(std::size_t channel, const acquisition::SampleBlock& block) override {
     require(channel < samples.size(), "a block belongs to a channel asked for");
     const std::size_t n = block.size();
     require(block.imaginary.empty() || block.imaginary.size() == n, "imaginary parts");
-    require(block.times.empty() || block.times.size() == n, "times");
     require(block.valid.empty() || block.valid.size() == n, "marks");
     samples[channel] += n;
   }
 
+  void take_times(std::size_t channel, std::span<const double> stated) override {
+    require(channel < samples.size(), "times belong to a channel asked for");
+    times[channel] += stated.size();
+  }
+
   std::vector<std::uint64_t> samples;
+  std::vector<std::uint64_t> times;
 };
 
 }  // namespace
@@ -78,6 +83,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const datasets::Record record = reader->read({}, counter);
     require(record.channels.size() == head.record.channels.size(), "all channels");
     if (head.counted) require(counter.samples == head.samples, "the samples announced");
+    for (std::size_t i = 0; i < counter.times.size(); ++i)
+      require(counter.times[i] == 0 || counter.times[i] == counter.samples[i], "one time a sample");
     for (const datasets::Channel& channel : record.channels) {
       require_text(channel.name);
       require_text(channel.unit);

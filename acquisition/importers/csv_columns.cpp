@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/csv_columns.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "datasets/units.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Channel;
+using datasets::InputError;
+using datasets::Quantity;
+using datasets::Record;
+using datasets::SourcePosition;
+
+namespace {
+
+SourcePosition whole(const TextFile& file) {
+  SourcePosition place;
+  place.file = file.path();
+  return place;
+}
+
+bool is_time_name(std::string_view name) {
+  constexpr std::array<std::string_view, 16> words = {
+      "time",       "t",         "zeit",   "temps",       "tiempo", "tempo",
+      "seconds",    "second",    "x-axis", "elapsed",     "x_time", "time_s",
+      "time stamp", "timestamp", "x [s]",  "elapsed time"};
+  return std::find(words.begin(), words.end(), lowered(name)) != words.end();
+}
+
+bool is_time_unit(const std::string& unit) {
+  return !unit.empty() && datasets::quantity_of_unit(unit) == Quantity::time;
+}
+
+/// False for a column that its head calls something else.
+bool may_be_time(const ColumnHead& head) {
+  if (!head.unit.empty()) return false;
+  const std::string name = lowered(head.name);
+  for (const std::string_view word :
+       {"displacement", "distance", "position", "deflection", "force", "load", "velocity", "speed",
+        "acc", "volt", "strain", "angle", "freq", "pressure"})
+    if (name.find(word) != std::string::npos) return false;
+  return true;
+}
+
+bool increases(const std::vector<double>& values) {
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (!(values[i] > values[i - 1])) return false;
+  return values.size() > 1;
+}
+
+/// 0, 1, 2, ... or 1, 2, 3, ...
+bool counts(const std::vector<double>& values) {
+  if (values.empty() || (values[0] != 0.0 && values[0] != 1.0)) return false;
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (values[i] != values[i - 1] + 1.0) return false;
+  return true;
+}
+
+std::optional<std::size_t> column_named(const std::vector<ColumnHead>& heads,
+                                        const std::string& wanted) {
+  for (std::size_t c = 0; c < heads.size(); ++c)
+    if (heads[c].name == wanted) return c;
+  for (std::size_t c = 0; c < heads.size(); ++c)
+    if (lowered(heads[c].name) == lowered(wanted)) return c;
+  const auto index = integer_in(wanted);
+  if (index && *index >= 0 && static_cast<std::size_t>(*index) < heads.size())
+    return static_cast<std::size_t>(*index);
+  return std::nullopt;
+}
+
+/// The unit and quantity of a channel. A "kg" under an acceleration is the laboratory's kilo-g.
+void set_unit(Channel& channel, const ColumnHead& head, Record& record) {
+  channel.unit = head.unit;
+  const std::string words = lowered(head.name + " " + head.description);
+  if (head.unit == "kg" && words.find("accel") != std::string::npos) {
+    channel.unit = "kg (kilo-g)";
+    channel.attributes["unit in file"] = head.unit;
+    const std::string note =
+        "the unit 'kg' of an acceleration is read as kilo-g (1000 g); --units states another";
+    if (std::find(record.warnings.begin(), record.warnings.end(), note) == record.warnings.end())
+      record.warnings.push_back(note);
+  }
+  channel.quantity = datasets::quantity_of_unit(channel.unit);
+  if (!head.description.empty()) channel.attributes["description"] = head.description;
+}
+
+/// "quantity of column 2: strain", as our own export says it where the unit does not.
+void take_stated_quantity(const TableHead& head, std::size_t column, Channel& channel) {
+  const auto found = head.attributes.find(fmt::format("quantity of column {}", column));
+  if (found == head.attributes.end()) return;
+  channel.quantity = datasets::quantity_named(found->second).value_or(channel.quantity);
+}
+
+}  // namespace
+
+std::vector<ColumnHead> complete_heads(const TextFile& file, const TableHead& head,
+                                       std::size_t columns, const ImportOptions& options) {
+  std::vector<ColumnHead> heads = head.columns;
+  heads.resize(std::max(heads.size(), columns));
+  if (options.units.size() > heads.size())
+    throw InputError(whole(file), fmt::format("{} units are stated but the file has {} columns",
+                                              options.units.size(), heads.size()));
+  for (std::size_t c = 0; c < heads.size(); ++c) {
+    if (c < options.units.size() && !options.units[c].empty()) heads[c].unit = options.units[c];
+    if (heads[c].name.empty()) heads[c].name = fmt::format("column {}", c);
+  }
+  return heads;
+}
+
+CsvRoles find_roles(const TextFile& file, const std::vector<ColumnHead>& heads, const Table& table,
+                    const ImportOptions& options) {
+  CsvRoles roles;
+  const auto& columns = table.columns;
+  if (options.time_column && *options.time_column != "none") {
+    roles.time = column_named(heads, *options.time_column);
+    roles.reason = "stated";
+    if (!roles.time || *roles.time >= columns.size())
+      throw InputError(whole(file),
+                       fmt::format("there is no column '{}' for the time; the columns are {}",
+                                   *options.time_column, [&heads] {
+                                     std::string list;
+                                     for (const ColumnHead& head : heads)
+                                       list += (list.empty() ? "'" : ", '") + head.name + "'";
+                                     return list;
+                                   }()));
+    return roles;
+  }
+  const bool first_counts = counts(columns.front().values);
+  if (options.time_column) {
+    if (first_counts && columns.size() > 1) roles.index = 0;
+    return roles;
+  }
+  for (std::size_t c = 0; c < columns.size() && !roles.time; ++c)
+    if (is_time_name(heads[c].name) && (heads[c].unit.empty() || is_time_unit(heads[c].unit))) {
+      roles.time = c;
+      roles.reason = "by its name";
+    }
+  for (std::size_t c = 0; c < columns.size() && !roles.time; ++c)
+    if (is_time_unit(heads[c].unit)) {
+      roles.time = c;
+      roles.reason = "by its unit";
+    }
+  if (roles.time || columns.size() < 2) return roles;
+  if (first_counts) {
+    roles.index = 0;
+  } else if (may_be_time(heads.front()) && increases(columns.front().values)) {
+    roles.time = 0;
+    roles.reason = "the first column, since it increases throughout";
+  }
+  return roles;
+}
+
+void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delimiter,
+                        std::vector<ColumnHead>& heads) {
+  for (const auto& [key, value] : head.attributes) {
+    const std::string word = lowered(key);
+    const bool vertical = word == "vertical units" || word == "vertical unit" ||
+                          word == "y units" || word == "y unit";
+    const bool horizontal = word == "horizontal units" || word == "horizontal unit" ||
+                            word == "x units" || word == "x unit";
+    if (horizontal && roles.time && heads[*roles.time].unit.empty())
+      heads[*roles.time].unit = value;
+    if (!vertical) continue;
+    const auto units = cells_of(value, delimiter);
+    std::size_t channel = 0;
+    for (std::size_t c = 0; c < heads.size(); ++c) {
+      if (c == roles.time || c == roles.index) continue;
+      if (heads[c].unit.empty() && (units.size() == 1 || channel < units.size()))
+        heads[c].unit = units[units.size() == 1 ? 0 : channel];
+      ++channel;
+    }
+  }
+}
+
+void describe(const TableLayout& layout, const TableHead& head,
+              const std::vector<ColumnHead>& heads, const CsvRoles& roles, Record& record) {
+  auto& says = record.attributes;
+  const auto line = [](int number) {
+    return number > 0 ? fmt::format("line {}", number) : std::string("none");
+  };
+  says["delimiter"] = delimiter_name(layout.dialect.delimiter);
+  says["decimal"] = std::string(1, layout.dialect.decimal);
+  says["column names"] = line(head.names_line);
+  says["unit row"] = line(head.units_line);
+  says["first data line"] = fmt::format("{}", layout.head.size() + 1);
+  says["time column"] =
+      roles.time ? fmt::format("{} ({})", heads[*roles.time].name, roles.reason) : "none";
+  if (roles.index) says["index column"] = heads[*roles.index].name;
+}
+
+datasets::UnitConversion time_conversion(const TextFile& file, const ColumnHead& head,
+                                         Record& record) {
+  std::string unit = head.unit;
+  if (unit.empty()) {
+    record.warnings.push_back(fmt::format(
+        "the time column '{}' states no unit: it is taken as s (--units states another)",
+        head.name));
+    unit = "s";
+  }
+  const auto conversion = datasets::conversion(unit, "s");
+  if (!conversion)
+    throw InputError(
+        whole(file),
+        fmt::format("the time column '{}' has the unit '{}', which is not one of time: "
+                    "state it with --units",
+                    head.name, unit));
+  return *conversion;
+}
+
+void to_seconds(const TextFile& file, const ColumnHead& head,
+                const datasets::UnitConversion& conversion, Column& column) {
+  if (column.missing > 0)
+    throw InputError(
+        file.position(column.first_missing),
+        fmt::format(
+            "{}: a time is missing; state --time-column none and --sample-rate to do without "
+            "this column",
+            head.name));
+  if (conversion.factor == 1.0 && conversion.offset == 0.0) return;
+  // dividing keeps decimal digits where multiplying by 0.001 would not
+  const double inverse = std::round(1.0 / conversion.factor);
+  const bool divides = inverse >= 1.0 && std::abs(inverse * conversion.factor - 1.0) < 1e-15;
+  for (double& time : column.values)
+    time = (divides ? time / inverse : time * conversion.factor) + conversion.offset;
+}
+
+datasets::SampleClock clock_from_head(const TableHead& head) {
+  datasets::SampleClock clock;
+  clock.start = head.start.value_or(0.0);
+  clock.interval =
+      head.increment ? *head.increment : stated_interval(head.attributes).value_or(0.0);
+  return clock;
+}
+
+void compare_with_head(const TableHead& head, std::size_t rows, datasets::SampleClock& clock,
+                       Record& record) {
+  const auto stated = stated_interval(head.attributes);
+  if (!stated) return;
+  const double deviation = std::abs(*stated - clock.interval);
+  if (clock.uniform() && rows > 1) {
+    // no further apart than the rounding of the times allows
+    const double last = clock.time(rows - 1);
+    const double rounding = 8.0 * std::numeric_limits<double>::epsilon() *
+                            std::max(std::abs(clock.start), std::abs(last));
+    if (deviation * static_cast<double>(rows - 1) <= rounding) clock.interval = *stated;
+  }
+  if (deviation > 1e-3 * *stated)
+    record.warnings.push_back(
+        fmt::format("the header states a sample interval of {:.9g} s but the time column steps by "
+                    "{:.9g} s: the time column is used",
+                    *stated, clock.interval));
+}
+
+Channel channel_of(const TableHead& head, std::size_t column, const ColumnHead& says,
+                   Record& record) {
+  Channel channel;
+  channel.name = says.name;
+  set_unit(channel, says, record);
+  take_stated_quantity(head, column, channel);
+  return channel;
+}
+
+}  // namespace impactrig::acquisition

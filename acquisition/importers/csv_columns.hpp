@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acquisition/importers/column_heads.hpp"
+#include "acquisition/importers/text_table.hpp"
+#include "acquisition/importers/time_axis.hpp"
+#include "datasets/units.hpp"
+
+namespace impactrig::acquisition {
+
+/// Which columns are not channels, and why.
+struct CsvRoles {
+  std::optional<std::size_t> time;
+  std::optional<std::size_t> index;  ///< counts the samples
+  std::string reason;                ///< why `time` is the time
+
+  bool is_channel(std::size_t column) const { return column != time && column != index; }
+};
+
+/// One head a column: what the file says, then what the user says, then a name where there is none.
+std::vector<ColumnHead> complete_heads(const TextFile& file, const TableHead& head,
+                                       std::size_t columns, const ImportOptions& options);
+
+/// What the columns are, by what is stated, by their heads and by the rows in `table`.
+CsvRoles find_roles(const TextFile& file, const std::vector<ColumnHead>& heads, const Table& table,
+                    const ImportOptions& options);
+
+/// Units that the head states by a key ("Vertical Units,V") go to the columns that state none
+/// themselves. One unit is for all of them; several are one a channel.
+void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delimiter,
+                        std::vector<ColumnHead>& heads);
+
+/// How the file was read, as attributes of the record.
+void describe(const TableLayout& layout, const TableHead& head,
+              const std::vector<ColumnHead>& heads, const CsvRoles& roles,
+              datasets::Record& record);
+
+/// The unit of a time column as a conversion to seconds; a warning where it is not stated. Throws
+/// InputError for a unit that is none of time.
+datasets::UnitConversion time_conversion(const TextFile& file, const ColumnHead& head,
+                                         datasets::Record& record);
+
+/// Times in seconds. Throws InputError when one is missing.
+void to_seconds(const TextFile& file, const ColumnHead& head,
+                const datasets::UnitConversion& conversion, Column& column);
+
+/// The clock of a file without a time column: from a Start and Increment, or from a key of the
+/// header.
+datasets::SampleClock clock_from_head(const TableHead& head);
+
+/// A header may state the interval too: with more digits than the times have, or another one.
+void compare_with_head(const TableHead& head, std::size_t rows, datasets::SampleClock& clock,
+                       datasets::Record& record);
+
+/// A channel by its head, without samples and clock.
+datasets::Channel channel_of(const TableHead& head, std::size_t column, const ColumnHead& says,
+                             datasets::Record& record);
+
+}  // namespace impactrig::acquisition
