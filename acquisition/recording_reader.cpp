@@ -61,8 +61,7 @@ class RecordInMemory final : public RecordingReader {
               : samples_within(channel.clock.times, wanted);
       hand_over(channel, range, record.channels.size(), sink);
       record.channels.push_back(without(channel));
-      if (range.first < channel.size())
-        record.channels.back().clock.start = channel.clock.time(range.first);
+      if (range.first < range.last) settle(channel, range, record.channels.back().clock);
     }
     return record;
   }
@@ -80,6 +79,14 @@ class RecordInMemory final : public RecordingReader {
     head.delay = channel.delay;
     head.attributes = channel.attributes;
     return head;
+  }
+
+  /// The clock of a part of a channel, without times.
+  static void settle(const Channel& channel, SampleRange range, SampleClock& clock) {
+    clock.start = channel.clock.time(range.first);
+    if (channel.clock.uniform() || range.last - range.first < 2) return;
+    clock.interval = (channel.clock.time(range.last - 1) - clock.start) /
+                     static_cast<double>(range.last - range.first - 1);
   }
 
   static void hand_over(const Channel& channel, SampleRange range, std::size_t index,

@@ -242,6 +242,7 @@ class LargeCsv final : public RecordingReader {
     std::uint64_t before = 0;
     std::uint64_t used = 0;
     while (!rows.at_end()) {
+      const char* const start = rows.at();
       Table piece = rows.read(rows_at_once);
       Piece part{0, piece.rows};
       if (roles().time) {
@@ -264,7 +265,7 @@ class LargeCsv final : public RecordingReader {
       if (part.last > part.first || piece.cut_row != nullptr) use(piece, part);
       used += part.last - part.first;
       before += piece.rows;
-      csv_->file.release_before(rows.at());
+      csv_->file.release(start, rows.at());
       if (past) break;
     }
     return used;

@@ -13,7 +13,10 @@ namespace impactrig::acquisition {
 
 int recognises_uff58b(std::string_view file_name, std::string_view head);
 int recognises_uff58(std::string_view file_name, std::string_view head);
-datasets::Record read_uff58(const std::string& path, const ImportOptions& options);
+std::unique_ptr<RecordingReader> open_uff58(const std::string& path, const ImportOptions& options);
+/// As open_uff58 does for large files, whatever the size.
+std::unique_ptr<RecordingReader> open_uff58_by_blocks(const std::string& path,
+                                                      const ImportOptions& options);
 
 int recognises_polytec_ascii(std::string_view file_name, std::string_view head);
 datasets::Record read_polytec_ascii(const std::string& path, const ImportOptions& options);

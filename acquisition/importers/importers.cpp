@@ -30,9 +30,9 @@ std::unique_ptr<RecordingReader> whole(const std::string& path, const ImportOpti
 constexpr std::array<Importer, 5> table = {{
     {"impactrig-hdf5", "impactrig's own HDF5 (.h5)", recognises_hdf5, whole<read_hdf5>},  //
     {"uff58b", "universal file with binary functions, dataset 58b (.uff .unv .bunv)",
-     recognises_uff58b, whole<read_uff58>},  //
+     recognises_uff58b, open_uff58},  //
     {"uff58", "universal file with functions in text, dataset 58 (.uff .unv)", recognises_uff58,
-     whole<read_uff58>},  //
+     open_uff58},  //
     {"polytec-ascii", "Polytec PSV and VibSoft text export (.txt)", recognises_polytec_ascii,
      whole<read_polytec_ascii>},  //
     {"csv", "table of numbers: comma, tab, semicolon or blank separated (.csv .txt .tsv .dat)",

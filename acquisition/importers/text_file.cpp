@@ -94,14 +94,11 @@ std::string_view TextFile::text() {
   return all;
 }
 
-void TextFile::release_before(const char* at) {
+void TextFile::release(const char* first, const char* last) const {
   const std::string_view all = bytes();
-  if (at < all.data() || at > all.data() + all.size()) return;
-  const auto last = static_cast<std::size_t>(at - all.data());
-  if (last < released_) released_ = 0;
-  if (last - released_ < (std::size_t{1} << 20)) return;
-  file_.release(released_, last);
-  released_ = last;
+  if (first < all.data() || last > all.data() + all.size() || first >= last) return;
+  file_.release(static_cast<std::size_t>(first - all.data()),
+                static_cast<std::size_t>(last - all.data()));
 }
 
 SourcePosition TextFile::position(const char* at) const {

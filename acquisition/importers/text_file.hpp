@@ -25,9 +25,9 @@ class TextFile {
   /// left as it is. Throws datasets::InputError for UTF-16 without a byte order mark.
   std::string_view text();
 
-  /// Gives back the memory of what lies before a character of text() or bytes(); it may still be
-  /// looked at.
-  void release_before(const char* at);
+  /// Gives back the memory of a part of bytes(); it may still be looked at. Does nothing for a text
+  /// that is no part of them.
+  void release(const char* first, const char* last) const;
 
   /// Line, column and byte of a character of text() or bytes(). Counts from the start of the file:
   /// for errors only.
@@ -37,7 +37,6 @@ class TextFile {
 
  private:
   MappedFile file_;
-  std::size_t released_ = 0;
   std::string text_;  // the text when it is not a part of the bytes
 };
 

@@ -25,29 +25,68 @@ using datasets::SourcePosition;
 
 namespace {
 
-class UffReader {
+/// Points handed over at once.
+constexpr std::size_t points_at_once = 32768;
+
+/// Files up to this size [bytes] have their numbers counted when they are opened.
+constexpr std::size_t counted_at_once = std::size_t{1} << 25;
+
+/// A dataset 58 whose header is read and whose numbers are found.
+struct Function {
+  UffHeader header;
+  Uff58Extent extent;
+  bool lines_count = true;  ///< false: behind binary data
+};
+
+/// What a channel is made of.
+struct Source {
+  std::size_t function = 0;
+  bool is_abscissa = false;  ///< an abscissa that no clock can hold is data of its own
+  bool over_time = false;
+  bool stated_times = false;  ///< the clock is not uniform
+  double time_factor = 1.0;   ///< abscissa to [s]
+};
+
+class UffRecording final : public RecordingReader {
  public:
-  explicit UffReader(const std::string& path) : file_(path) {
+  UffRecording(const std::string& path, std::size_t counted_up_to) : file_(path) {
     std::string_view bytes = file_.bytes();
+    trusting_ = bytes.size() > counted_up_to;
     if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
     at_ = bytes.data();
     end_ = bytes.data() + bytes.size();
+    scan();
   }
 
-  Record read() {
+  const RecordingHead& head() const override { return head_; }
+
+  Record read(const Selection& wanted, SampleSink& sink) override {
+    Record record = head_.record;
+    const std::vector<Channel> channels = std::move(record.channels);
+    record.channels.clear();
+    for (const std::size_t index : selected_channels(head_, wanted)) {
+      record.channels.push_back(channels[index]);
+      read_channel(index, wanted, record, sink);
+    }
+    return record;
+  }
+
+ private:
+  void scan() {
+    Record& record = head_.record;
     while (find_dataset()) {
       const char* const start = at_;
       try {
         read_dataset();
       } catch (const UffHeaderCut& cut) {
-        if (record_.channels.empty())
+        if (record.channels.empty())
           throw InputError(place(cut.at), "the file ends within the header of a dataset 58");
         warn(fmt::format("the file ends within the header of the dataset at {}: it is left out",
                          place(start).text()));
         break;
       }
     }
-    if (record_.channels.empty()) {
+    if (record.channels.empty()) {
       std::string list;
       for (const auto& [number, count] : seen_)
         list += fmt::format("{}{}{}", list.empty() ? "" : ", ", number,
@@ -55,17 +94,15 @@ class UffReader {
       warn(fmt::format("no recordings in this file: it has no dataset 58, only {}",
                        list.empty() ? "nothing" : list));
     }
-    record_.provenance.importer = binary_seen_ ? "uff58b" : "uff58";
-    return std::move(record_);
+    record.provenance.importer = binary_seen_ ? "uff58b" : "uff58";
   }
 
- private:
   SourcePosition place(const char* at) const {
     return binary_data_seen_ ? file_.byte_position(at) : file_.position(at);
   }
 
   void warn(const std::string& sentence) {
-    auto& warnings = record_.warnings;
+    auto& warnings = head_.record.warnings;
     if (std::find(warnings.begin(), warnings.end(), sentence) == warnings.end())
       warnings.push_back(sentence);
   }
@@ -126,46 +163,48 @@ class UffReader {
     const std::string name = uff_text(line_of_dataset());
     const std::string description = uff_text(line_of_dataset());
     const std::string program = uff_text(line_of_dataset());
-    if (record_.title.empty()) record_.title = name;
-    if (!description.empty()) record_.attributes["model description"] = description;
-    if (!program.empty()) record_.attributes["written by"] = program;
+    if (head_.record.title.empty()) head_.record.title = name;
+    if (!description.empty()) head_.record.attributes["model description"] = description;
+    if (!program.empty()) head_.record.attributes["written by"] = program;
   }
 
   void read_units() {
     const std::string_view line = line_of_dataset();
-    record_.attributes["units code"] = uff_text(uff_columns(line, 1, 10));
-    record_.attributes["units"] = uff_text(uff_columns(line, 11, 20));
+    head_.record.attributes["units code"] = uff_text(uff_columns(line, 1, 10));
+    head_.record.attributes["units"] = uff_text(uff_columns(line, 11, 20));
     const std::string_view factors = line_of_dataset();
     constexpr std::array<std::string_view, 3> names = {"length factor", "force factor",
                                                        "temperature factor"};
     for (std::size_t i = 0; i < names.size(); ++i)
       if (const auto factor = number_in(uff_columns(factors, 1 + 25 * i, 25), {'.', true}))
-        record_.attributes[std::string(names[i])] = fmt::format("{}", *factor);
+        head_.record.attributes[std::string(names[i])] = fmt::format("{}", *factor);
     if (const auto offset = number_in(uff_columns(line_of_dataset(), 1, 25), {'.', true}))
-      record_.attributes["temperature offset"] = fmt::format("{}", *offset);
+      head_.record.attributes["temperature offset"] = fmt::format("{}", *offset);
   }
 
   void read_function(std::string_view identifier) {
-    const UffHeader header = read_uff58_header(file_, identifier, at_, !binary_data_seen_);
-    binary_seen_ = binary_seen_ || header.form.binary;
-    const char* const start = at_;
-    std::optional<Uff58Data> data;
+    Function function;
+    function.header = read_uff58_header(file_, identifier, at_, !binary_data_seen_);
+    binary_seen_ = binary_seen_ || function.header.form.binary;
+    function.lines_count = !binary_data_seen_;
     try {
-      data = read_uff58_data(file_, at_, header.form, !binary_data_seen_);
+      function.extent =
+          find_uff58_data(file_, at_, function.header.form, function.lines_count, trusting_);
     } catch (const InputError&) {
       // the last dataset was cut off before its data: what came before it is whole
-      if (record_.channels.empty() || start != end_) throw;
-      throw UffHeaderCut{start};
+      if (head_.record.channels.empty() || at_ != end_) throw;
+      throw UffHeaderCut{at_};
     }
-    if (header.form.binary) binary_data_seen_ = true;
-    add_channel(header, std::move(*data));
+    at_ = function.extent.closing;
+    if (function.header.form.binary) binary_data_seen_ = true;
+    add_channel(std::move(function));
   }
 
   std::string channel_name(const UffHeader& header) const {
     if (!header.id[0].empty() && header.id[0] != "NONE") return header.id[0];
     if (!header.response_entity.empty()) return header.response_entity;
     if (!header.ordinate.label.empty()) return header.ordinate.label;
-    return fmt::format("function {}", record_.channels.size() + 1);
+    return fmt::format("function {}", head_.record.channels.size() + 1);
   }
 
   void set_unit(const UffHeader& header, Channel& channel) {
@@ -219,14 +258,44 @@ class UffReader {
                     to_utf8(header.increment_text), 1.0 / channel.clock.interval, *rate));
   }
 
-  void set_clock(const UffHeader& header, std::vector<double>&& abscissa, Channel& channel) {
-    const bool over_time =
+  /// The factor of an abscissa's unit to seconds.
+  double time_factor(const std::string& unit) {
+    if (unit.empty() || unit == "s") return 1.0;
+    const auto conversion = datasets::conversion(unit, "s");
+    if (conversion) return conversion->factor;
+    warn(fmt::format("the abscissa's unit '{}' is not one of time: it is taken as s", unit));
+    return 1.0;
+  }
+
+  /// The first and the last stated abscissa.
+  std::pair<double, double> abscissa_ends(const Function& function) {
+    if (function.extent.points == 0) return {0.0, 0.0};
+    Uff58Reader reader(file_, function.header.form, function.extent, function.lines_count);
+    const double first = reader.read(1).abscissa.front();
+    double last = first;
+    for (const char* released = reader.at();;) {
+      const Uff58Block block = reader.read(points_at_once);
+      if (block.size() == 0) break;
+      last = block.abscissa.back();
+      file_.release(released, reader.at());
+      released = reader.at();
+    }
+    return {first, last};
+  }
+
+  void set_clock(const Function& function, Source& source, Channel& channel) {
+    const UffHeader& header = function.header;
+    source.over_time =
         uff58_is_time(header.abscissa.type, header.function_type, header.abscissa.unit);
-    if (!over_time) {
-      const double first = abscissa.empty() ? header.start : abscissa.front();
+    if (!source.over_time) {
+      double first = header.start;
       double increment = header.increment;
-      if (abscissa.size() > 1)
-        increment = (abscissa.back() - abscissa.front()) / static_cast<double>(abscissa.size() - 1);
+      if (!header.form.even) {
+        const auto ends = abscissa_ends(function);
+        first = function.extent.points > 0 ? ends.first : header.start;
+        if (function.extent.points > 1)
+          increment = (ends.second - ends.first) / static_cast<double>(function.extent.points - 1);
+      }
       const std::string_view domain = header.abscissa.type == 18 ? "frequency" : "other";
       set_abscissa(channel, domain, header.abscissa.unit, first, increment);
       warn(
@@ -236,61 +305,140 @@ class UffReader {
       return;
     }
     channel.attributes["domain"] = "time";
-    double factor = 1.0;
-    const std::string& unit = header.abscissa.unit;
-    if (!unit.empty() && unit != "s") {
-      const auto conversion = datasets::conversion(unit, "s");
-      if (conversion) {
-        factor = conversion->factor;
-      } else {
-        warn(fmt::format("the abscissa's unit '{}' is not one of time: it is taken as s", unit));
-      }
-    }
-    if (header.form.even) {
-      channel.clock.start = factor * header.start;
-      channel.clock.interval = header.increment > 0.0 ? factor * header.increment : 0.0;
-      if (!uff58_read_exact_clock(header.id[4], channel.clock)) offer_nice_rate(header, channel);
+    source.time_factor = time_factor(header.abscissa.unit);
+    if (!header.form.even) {
+      const TimeAxisCheck check = time_axis_of(function, source.time_factor);
+      const TimeAxis axis = check.axis();
+      source.stated_times = !check.uniform();
+      if (!axis.warning.empty()) warn(axis.warning);
+      channel.clock = axis.clock;
       return;
     }
-    if (factor != 1.0)
-      for (double& time : abscissa) time *= factor;
-    TimeAxis axis = time_axis(std::move(abscissa));
-    if (!axis.warning.empty()) warn(axis.warning);
-    channel.clock = std::move(axis.clock);
+    channel.clock.start = source.time_factor * header.start;
+    channel.clock.interval = header.increment > 0.0 ? source.time_factor * header.increment : 0.0;
+    if (!uff58_read_exact_clock(header.id[4], channel.clock)) offer_nice_rate(header, channel);
   }
 
-  void add_channel(const UffHeader& header, Uff58Data&& data) {
+  /// Judges the stated times of a function.
+  TimeAxisCheck time_axis_of(const Function& function, double factor) {
+    const auto [first, last] = abscissa_ends(function);
+    TimeAxisCheck check(factor * first, factor * last, function.extent.points);
+    Uff58Reader reader(file_, function.header.form, function.extent, function.lines_count);
+    for (Uff58Block block = reader.read(points_at_once); block.size() > 0;
+         block = reader.read(points_at_once)) {
+      for (double& time : block.abscissa) time *= factor;
+      check.add(block.abscissa);
+    }
+    return check;
+  }
+
+  void add_channel(Function&& function) {
+    const UffHeader& header = function.header;
     Channel channel;
     channel.name = channel_name(header);
     add_attributes(header, channel);
     set_unit(header, channel);
     if (header.form.points == 0) warn(fmt::format("'{}' has no samples", channel.name));
-    for (const std::string& warning : data.warnings)
+    for (const std::string& warning : function.extent.warnings)
       warn(fmt::format("'{}': {}", channel.name, warning));
+    Source source;
+    source.function = functions_.size();
     const bool uneven_spectrum =
         !header.form.even &&
         !uff58_is_time(header.abscissa.type, header.function_type, header.abscissa.unit);
-    if (uneven_spectrum) {  // an abscissa that no clock can hold is data of its own
+    if (uneven_spectrum) {
       Channel axis;
       axis.name = channel.name + " (abscissa)";
       axis.unit = header.abscissa.unit;
       axis.quantity = datasets::quantity_of_unit(axis.unit);
-      axis.raw = data.abscissa;
       set_abscissa(axis, header.abscissa.type == 18 ? "frequency" : "other", axis.unit, 0.0, 0.0);
-      record_.channels.push_back(std::move(axis));
+      add(std::move(axis), {source.function, true}, function.extent);
     }
-    set_clock(header, std::move(data.abscissa), channel);
-    channel.raw = std::move(data.ordinate);
-    channel.imaginary = std::move(data.imaginary);
-    if (record_.started.empty() && header.id[2] != "NONE") record_.started = iso_date(header.id[2]);
-    record_.channels.push_back(std::move(channel));
+    set_clock(function, source, channel);
+    if (head_.record.started.empty() && header.id[2] != "NONE")
+      head_.record.started = iso_date(header.id[2]);
+    add(std::move(channel), source, function.extent);
+    functions_.push_back(std::move(function));
+  }
+
+  void add(Channel&& channel, const Source& source, const Uff58Extent& extent) {
+    head_.record.channels.push_back(std::move(channel));
+    head_.samples.push_back(extent.points);
+    head_.counted = head_.counted && extent.counted;
+    sources_.push_back(source);
+  }
+
+  /// Hands over the channel's samples; `record.channels.back()` is its head.
+  void read_channel(std::size_t index, const Selection& wanted, Record& record, SampleSink& sink) {
+    const Source& source = sources_[index];
+    const Function& function = functions_[source.function];
+    const std::size_t number = record.channels.size() - 1;
+    Channel& channel = record.channels.back();
+    const bool stated = source.stated_times;
+    const SampleRange range = source.over_time && !stated
+                                  ? samples_within(channel.clock, function.extent.points, wanted)
+                                  : SampleRange{0, function.extent.points};
+    Uff58Reader reader(file_, function.header.form, function.extent, function.lines_count);
+    std::uint64_t before = 0;
+    bool first = true;
+    while (before < range.last) {
+      const char* const start = reader.at();
+      Uff58Block block = reader.read(points_at_once);
+      const std::size_t n = block.size();
+      if (n == 0) break;
+      for (double& time : block.abscissa) time *= source.time_factor;
+      std::size_t from =
+          static_cast<std::size_t>(std::clamp(range.first, before, before + n) - before);
+      std::size_t to =
+          static_cast<std::size_t>(std::clamp(range.last, before, before + n) - before);
+      if (stated && wanted.has_window()) {
+        while (from < to && block.abscissa[from] < wanted.from) ++from;
+        while (to > from && block.abscissa[to - 1] > wanted.to) --to;
+      }
+      if (from < to) {
+        if (stated && first) channel.clock.start = block.abscissa[from];
+        first = false;
+        hand_over(block, source, from, to - from, number, stated, sink);
+      }
+      before += n;
+      file_.release(start, reader.at());
+    }
+    if (!stated) channel.clock.start += channel.clock.interval * static_cast<double>(range.first);
+    if (before < range.last)
+      record.warnings.push_back(
+          fmt::format("'{}': the header announces {} points, {} are there: these are read",
+                      channel.name, function.header.form.points, before));
+    if (function.extent.counted) return;
+    for (const std::string& warning : reader.warnings())
+      record.warnings.push_back(fmt::format("'{}': {}", channel.name, warning));
+  }
+
+  static void hand_over(const Uff58Block& block, const Source& source, std::size_t first,
+                        std::size_t count, std::size_t number, bool stated, SampleSink& sink) {
+    const auto part = [first, count](const std::vector<double>& values) {
+      return std::span<const double>(values).subspan(first, count);
+    };
+    SampleBlock samples;
+    if (source.is_abscissa) {
+      samples.raw = part(block.abscissa);
+    } else {
+      std::visit(
+          [&](const auto& ordinate) { samples.raw = std::span(ordinate).subspan(first, count); },
+          block.ordinate);
+      if (!block.imaginary.empty()) samples.imaginary = part(block.imaginary);
+    }
+    sink.take(number, samples);
+    if (stated) sink.take_times(number, part(block.abscissa));
   }
 
   TextFile file_;
   const char* at_ = nullptr;
   const char* end_ = nullptr;
-  Record record_;
-  std::map<long, int> seen_;  // datasets by number
+  bool trusting_ = false;  // that what a text's header announces is there
+  RecordingHead head_;
+  std::vector<Function> functions_;
+  std::vector<Source> sources_;  // one a channel
+  std::map<long, int> seen_;     // datasets by number
   std::map<std::string, Quantity>
       quantities_;  // of units: a file repeats a few of them thousands of times
   bool binary_seen_ = false;
@@ -341,8 +489,13 @@ int recognises_uff58(std::string_view, std::string_view head) {
   return uff_kind(head) == UffKind::none ? 0 : 95;
 }
 
-Record read_uff58(const std::string& path, const ImportOptions&) {
-  return UffReader(path).read();
+std::unique_ptr<RecordingReader> open_uff58(const std::string& path, const ImportOptions&) {
+  return std::make_unique<UffRecording>(path, counted_at_once);
+}
+
+std::unique_ptr<RecordingReader> open_uff58_by_blocks(const std::string& path,
+                                                      const ImportOptions&) {
+  return std::make_unique<UffRecording>(path, 0);
 }
 
 }  // namespace impactrig::acquisition

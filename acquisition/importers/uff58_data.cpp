@@ -36,11 +36,12 @@ std::size_t numbers_a_point(const Uff58Form& form) {
 }
 
 /// Takes a flat sequence of numbers apart. `values` holds whole points only.
-void divide(const Uff58Form& form, std::vector<double>&& values, Uff58Data& data) {
+Uff58Block divided(const Uff58Form& form, std::span<const double> values) {
+  Uff58Block data;
   const std::size_t stride = numbers_a_point(form);
   if (stride == 1) {
-    data.ordinate = std::move(values);
-    return;
+    data.ordinate = std::vector<double>(values.begin(), values.end());
+    return data;
   }
   const std::size_t n = values.size() / stride;
   std::vector<double> ordinate(n);
@@ -53,43 +54,82 @@ void divide(const Uff58Form& form, std::vector<double>&& values, Uff58Data& data
     if (form.complex()) data.imaginary[i] = *point;
   }
   data.ordinate = std::move(ordinate);
+  return data;
 }
 
+}  // namespace
+
 /// Numbers in columns, line by line.
-class AsciiReader {
+class Uff58Reader::Text {
  public:
-  AsciiReader(const TextFile& file, const char*& at, const Uff58Form& form, bool lines_count)
+  Text(const TextFile& file, const char* start, const Uff58Form& form, bool lines_count)
       : file_(file),
-        at_(at),
+        at_(start),
         form_(form),
         lines_count_(lines_count),
         widths_(line_widths(form)) {}
 
-  Uff58Data read() {
+  const char* at() const { return at_; }
+
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+  /// Reads lines until there are so many numbers, or up to the closing line; false there.
+  bool read_numbers(std::size_t most) {
     const std::string_view text = file_.bytes();
     const char* const end = text.data() + text.size();
-    const std::uint64_t announced = form_.points * numbers_a_point(form_);
-    // a number takes at least 13 columns, whatever the header says
-    values_.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(
-        announced + widths_.size(), static_cast<std::uint64_t>(end - at_) / 13 + widths_.size())));
-    const char* const start = at_;
-    while (at_ != end) {
+    while (at_ != end && values_.size() < most) {
       const char* const line_start = at_;
       const std::string_view line = take_line(at_, end);
       if (is_uff_delimiter(line)) {
         at_ = line_start;
-        break;
+        return false;
       }
       // only a cut file ends without closing line and line end: its last number may lack digits
       cut_ = at_ == end && end[-1] != '\n';
       read_line(line, at_ == end);
     }
-    settle(start, announced);
-    divide(form_, std::move(values_), data_);
-    return std::move(data_);
+    return at_ != end;
+  }
+
+  /// Counts the points that are there, against those announced.
+  std::uint64_t count() {
+    const char* const start = at_;
+    std::uint64_t numbers = 0;
+    for (bool more = true; more;) {
+      const char* const first = at_;
+      more = read_numbers(numbers_at_once);
+      numbers += values_.size();
+      values_.clear();
+      file_.release(first, at_);
+    }
+    const std::size_t stride = numbers_a_point(form_);
+    const std::uint64_t announced =
+        form_.points > ~std::uint64_t{0} / stride ? ~std::uint64_t{0} : form_.points * stride;
+    if (numbers == 0 && announced > 0)
+      throw InputError(place(start),
+                       fmt::format("{} points are announced and no number is there", form_.points));
+    // a last line may be filled up
+    if (numbers > announced && numbers - announced < widths_.size()) return form_.points;
+    return numbers / stride;
+  }
+
+  /// The next whole points, of `left` that are there; the start of a line that remains is for the
+  /// next call.
+  Uff58Block read(std::size_t most, std::uint64_t& left) {
+    const std::size_t stride = numbers_a_point(form_);
+    const std::uint64_t asked = std::min<std::uint64_t>(most, left);
+    read_numbers(asked * stride);
+    const auto points =
+        static_cast<std::size_t>(std::min<std::uint64_t>(values_.size() / stride, asked));
+    left -= points;
+    Uff58Block block = divided(form_, std::span(values_).first(points * stride));
+    values_.erase(values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(points * stride));
+    return block;
   }
 
  private:
+  static constexpr std::size_t numbers_at_once = 65536;
+
   datasets::SourcePosition place(const char* at) const {
     return lines_count_ ? file_.position(at) : file_.byte_position(at);
   }
@@ -100,7 +140,7 @@ class AsciiReader {
     values_.resize(before);
     if (read_by_blanks(line)) {
       if (!by_blanks_)
-        data_.warnings.push_back(
+        warnings_.push_back(
             fmt::format("the numbers from {} on are not in columns of the standard's width: they "
                         "are read by the blanks between them",
                         place(line.data()).text()));
@@ -184,33 +224,18 @@ class AsciiReader {
     throw InputError(place(line.data()), "the line goes on after its last column");
   }
 
-  /// Compares what was read with what was announced.
-  void settle(const char* start, std::uint64_t announced) {
-    const std::size_t stride = numbers_a_point(form_);
-    if (values_.empty() && announced > 0)
-      throw InputError(place(start),
-                       fmt::format("{} points are announced and no number is there", form_.points));
-    if (values_.size() > announced && values_.size() - announced < widths_.size()) {
-      values_.resize(static_cast<std::size_t>(announced));  // a last line filled up
-      return;
-    }
-    values_.resize(values_.size() - values_.size() % stride);
-    const std::size_t found = values_.size() / stride;
-    if (found != form_.points)
-      data_.warnings.push_back(fmt::format(
-          "the header announces {} points, {} are there: these are read", form_.points, found));
-  }
-
   const TextFile& file_;
-  const char*& at_;
+  const char* at_;
   const Uff58Form& form_;
   bool lines_count_;
   std::span<const int> widths_;
   std::vector<double> values_;
-  Uff58Data data_;
+  std::vector<std::string> warnings_;
   bool by_blanks_ = false;
   bool cut_ = false;
 };
+
+namespace {
 
 template <typename Number>
 Number read_number(const char* bytes, bool little_endian) {
@@ -275,94 +300,126 @@ const char* find_closing_line(const char* at, const char* end) {
   return end;
 }
 
-/// A block of binary data, once its end is found.
-struct Block {
-  const char* start = nullptr;
-  const char* closing = nullptr;  ///< the closing -1, or the end of the file
-  std::uint64_t length = 0;
-  PointLayout layout;
-  std::size_t points = 0;
-};
-
 /// The block is as long as its points are, or as announced: the length that a -1 follows is it.
 /// Otherwise it goes on to the next -1.
-Block find_block(const TextFile& file, const char* start, const Uff58Form& form,
-                 std::vector<std::string>& warnings) {
+Uff58Extent find_binary(const TextFile& file, const char* start, const Uff58Form& form) {
   const std::string_view bytes = file.bytes();
   const char* const end = bytes.data() + bytes.size();
   const auto available = static_cast<std::uint64_t>(end - start);
-  Block block;
-  block.start = start;
-  block.layout = point_layout(form, false);
+  Uff58Extent extent;
+  extent.start = start;
+  PointLayout layout = point_layout(form, false);
   const PointLayout wide = point_layout(form, true);
   // more points than bytes can be no true count; the products below must not overflow
   const std::uint64_t points = std::min(form.points, available + 1);
-  const std::array<std::uint64_t, 3> lengths = {points * block.layout.size(), points * wide.size(),
+  const std::array<std::uint64_t, 3> lengths = {points * layout.size(), points * wide.size(),
                                                 form.announced_bytes};
+  std::uint64_t length = 0;
   for (const std::uint64_t candidate : lengths) {
-    if (candidate > available || block.closing != nullptr) continue;
-    block.closing = closing_line(start + candidate, end);
-    block.length = candidate;
+    if (candidate > available || extent.closing != nullptr) continue;
+    extent.closing = closing_line(start + candidate, end);
+    length = candidate;
   }
-  if (block.closing == nullptr) {
-    block.closing = find_closing_line(start, end);
-    block.length = static_cast<std::uint64_t>(block.closing - start);
-    if (block.closing == end) {
-      block.length = std::min(block.length, std::max(form.announced_bytes, lengths[0]));
-      warnings.emplace_back("the file ends without the closing -1: it may have been cut off");
+  if (extent.closing == nullptr) {
+    extent.closing = find_closing_line(start, end);
+    length = static_cast<std::uint64_t>(extent.closing - start);
+    if (extent.closing == end) {
+      length = std::min(length, std::max(form.announced_bytes, lengths[0]));
+      extent.warnings.emplace_back(
+          "the file ends without the closing -1: it may have been cut off");
     }
   }
-  if (block.length == lengths[1] && block.length != lengths[0]) block.layout = wide;
-  block.points = static_cast<std::size_t>(block.length) / block.layout.size();
-  if (form.announced_bytes != 0 && form.announced_bytes != block.length)
-    warnings.push_back(fmt::format("the identifier line announces {} bytes of data, {} are there",
-                                   form.announced_bytes, block.length));
-  if (block.points != form.points)
-    warnings.push_back(fmt::format("the header announces {} points, {} are there: these are read",
-                                   form.points, block.points));
-  return block;
-}
-
-/// Takes points of several numbers apart.
-void divide(const Uff58Form& form, const Block& block, Uff58Data& data) {
-  const auto number = [&form](const char* p, std::size_t size) {
-    return size == 8 ? read_number<double>(p, form.little_endian)
-                     : static_cast<double>(read_number<float>(p, form.little_endian));
-  };
-  const PointLayout& layout = block.layout;
-  std::vector<double> ordinate(block.points);
-  if (!form.even) data.abscissa.resize(block.points);
-  if (form.complex()) data.imaginary.resize(block.points);
-  for (std::size_t i = 0; i < block.points; ++i) {
-    const char* p = block.start + i * layout.size();
-    if (!form.even) data.abscissa[i] = number(p, layout.abscissa);
-    p += layout.abscissa;
-    ordinate[i] = number(p, layout.number);
-    if (form.complex()) data.imaginary[i] = number(p + layout.number, layout.number);
-  }
-  data.ordinate = std::move(ordinate);
-}
-
-Uff58Data read_binary(const TextFile& file, const char*& at, const Uff58Form& form) {
-  Uff58Data data;
-  const Block block = find_block(file, at, form, data.warnings);
-  if (block.points == 0 && form.points > 0)
-    throw InputError(file.byte_position(at),
+  if (length == lengths[1] && length != lengths[0]) layout = wide;
+  extent.abscissa_bytes = static_cast<std::uint32_t>(layout.abscissa);
+  extent.number_bytes = static_cast<std::uint32_t>(layout.number);
+  extent.points = length / layout.size();
+  if (form.announced_bytes != 0 && form.announced_bytes != length)
+    extent.warnings.push_back(
+        fmt::format("the identifier line announces {} bytes of data, {} are there",
+                    form.announced_bytes, length));
+  if (extent.points == 0 && form.points > 0)
+    throw InputError(file.byte_position(start),
                      fmt::format("{} points are announced and no data are there", form.points));
-  at = block.closing;
-  if (!form.even || form.complex()) {
-    divide(form, block, data);
-  } else if (form.double_precision()) {
-    data.ordinate = read_numbers<double>(block.start, block.points, form.little_endian);
-  } else {
-    data.ordinate = read_numbers<float>(block.start, block.points, form.little_endian);
-  }
-  return data;
+  return extent;
+}
+
+/// The closing line of text data whose lines are all as long as the first and as many as announced;
+/// null when it is not there.
+const char* closing_line_by_count(const char* start, const char* end, const Uff58Form& form) {
+  const std::uint64_t numbers_a_line = line_widths(form).size();
+  const auto available = static_cast<std::uint64_t>(end - start);
+  if (form.points == 0 || form.points > available) return nullptr;
+  const char* next = start;
+  take_line(next, end);
+  const auto line = static_cast<std::uint64_t>(next - start);
+  const std::uint64_t lines =
+      (form.points * numbers_a_point(form) + numbers_a_line - 1) / numbers_a_line;
+  if (lines > available / line) return nullptr;
+  const char* at = start + (lines - 1) * line;
+  if (at > start && at[-1] != '\n') return nullptr;
+  take_line(at, end);
+  next = at;
+  return is_uff_delimiter(take_line(next, end)) ? at : nullptr;
 }
 
 }  // namespace
 
-std::size_t Uff58Data::size() const {
+/// Points side by side.
+class Uff58Reader::Binary {
+ public:
+  Binary(const Uff58Form& form, const Uff58Extent& extent)
+      : form_(form),
+        extent_(extent),
+        at_(extent.start) {}
+
+  const char* at() const { return at_; }
+
+  Uff58Block read(std::size_t most, std::uint64_t& left) {
+    const auto points = static_cast<std::size_t>(std::min<std::uint64_t>(most, left));
+    left -= points;
+    Uff58Block block;
+    if (!form_.even || form_.complex())
+      divide(points, block);
+    else if (form_.double_precision())
+      block.ordinate = read_numbers<double>(at_, points, form_.little_endian);
+    else
+      block.ordinate = read_numbers<float>(at_, points, form_.little_endian);
+    at_ += points * point_bytes();
+    return block;
+  }
+
+ private:
+  std::size_t point_bytes() const {
+    return extent_.abscissa_bytes + extent_.number_bytes * (form_.complex() ? 2U : 1U);
+  }
+
+  double number(const char* p, std::size_t size) const {
+    return size == 8 ? read_number<double>(p, form_.little_endian)
+                     : static_cast<double>(read_number<float>(p, form_.little_endian));
+  }
+
+  /// Takes points of several numbers apart.
+  void divide(std::size_t points, Uff58Block& block) const {
+    std::vector<double> ordinate(points);
+    if (!form_.even) block.abscissa.resize(points);
+    if (form_.complex()) block.imaginary.resize(points);
+    for (std::size_t i = 0; i < points; ++i) {
+      const char* p = at_ + i * point_bytes();
+      if (!form_.even) block.abscissa[i] = number(p, extent_.abscissa_bytes);
+      p += extent_.abscissa_bytes;
+      ordinate[i] = number(p, extent_.number_bytes);
+      if (form_.complex())
+        block.imaginary[i] = number(p + extent_.number_bytes, extent_.number_bytes);
+    }
+    block.ordinate = std::move(ordinate);
+  }
+
+  const Uff58Form& form_;
+  const Uff58Extent& extent_;
+  const char* at_;
+};
+
+std::size_t Uff58Block::size() const {
   return std::visit([](const auto& samples) { return samples.size(); }, ordinate);
 }
 
@@ -372,10 +429,56 @@ bool is_uff_delimiter(std::string_view line) {
   return text == "-1" && text.data() - line.data() == 4;
 }
 
-Uff58Data read_uff58_data(const TextFile& file, const char*& at, const Uff58Form& form,
-                          bool lines_count) {
-  if (form.binary) return read_binary(file, at, form);
-  return AsciiReader(file, at, form, lines_count).read();
+Uff58Extent find_uff58_data(const TextFile& file, const char* start, const Uff58Form& form,
+                            bool lines_count, bool trusting) {
+  Uff58Extent extent;
+  if (form.binary) {
+    extent = find_binary(file, start, form);
+  } else {
+    const std::string_view bytes = file.bytes();
+    extent.start = start;
+    if (trusting) extent.closing = closing_line_by_count(start, bytes.data() + bytes.size(), form);
+    extent.counted = extent.closing == nullptr;
+    extent.points = form.points;
+    if (extent.counted) extent.points = Uff58Reader::count(file, form, lines_count, extent);
+  }
+  if (extent.points != form.points)
+    extent.warnings.push_back(
+        fmt::format("the header announces {} points, {} are there: these are read", form.points,
+                    extent.points));
+  return extent;
+}
+
+Uff58Reader::Uff58Reader(const TextFile& file, const Uff58Form& form, const Uff58Extent& extent,
+                         bool lines_count)
+    : left_(extent.points) {
+  if (form.binary)
+    binary_ = std::make_unique<Binary>(form, extent);
+  else
+    text_ = std::make_unique<Text>(file, extent.start, form, lines_count);
+}
+
+Uff58Reader::~Uff58Reader() = default;
+
+std::uint64_t Uff58Reader::count(const TextFile& file, const Uff58Form& form, bool lines_count,
+                                 Uff58Extent& extent) {
+  Text text(file, extent.start, form, lines_count);
+  const std::uint64_t points = text.count();
+  extent.closing = text.at();
+  extent.warnings = text.warnings();
+  return points;
+}
+
+Uff58Block Uff58Reader::read(std::size_t most) {
+  return text_ ? text_->read(most, left_) : binary_->read(most, left_);
+}
+
+const char* Uff58Reader::at() const {
+  return text_ ? text_->at() : binary_->at();
+}
+
+std::vector<std::string> Uff58Reader::warnings() const {
+  return text_ ? text_->warnings() : std::vector<std::string>{};
 }
 
 }  // namespace impactrig::acquisition
