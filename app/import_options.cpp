@@ -30,6 +30,16 @@ void add_import_arguments(CLI::App& command, ImportArguments& arguments) {
       ->group(group);
 }
 
+void add_selection_arguments(CLI::App& command, ImportArguments& arguments) {
+  const char* group = "What to read (default: all)";
+  command
+      .add_option("--channel", arguments.channels, "Channel, by name or index from 0; repeatable")
+      ->allow_extra_args(false)
+      ->group(group);
+  command.add_option("--from", arguments.from, "Time of the first sample [s]")->group(group);
+  command.add_option("--to", arguments.to, "Time of the last sample [s]")->group(group);
+}
+
 acquisition::ImportOptions import_options(const ImportArguments& arguments) {
   acquisition::ImportOptions options;
   options.format = arguments.format;
@@ -45,6 +55,9 @@ acquisition::ImportOptions import_options(const ImportArguments& arguments) {
       throw CLI::ValidationError("--sample-rate", "must be greater than zero");
     options.sample_rate = arguments.sample_rate;
   }
+  options.channels = arguments.channels;
+  options.from = arguments.from;
+  options.to = arguments.to;
   std::istringstream units(arguments.units);
   for (std::string unit; std::getline(units, unit, ',');) options.units.push_back(unit);
   return options;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/importer.hpp"
@@ -19,41 +20,79 @@ using nlohmann::ordered_json;
 struct Options {
   std::string file;
   ImportArguments reading;
+  bool no_statistics = false;
   CommonOptions common;
 };
+
+/// Impacts are looked for in recordings of up to so many samples, as those must be in memory.
+constexpr std::uint64_t most_searched = 16'000'000;
 
 ordered_json number(double value) {
   return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
 }
 
-ordered_json channel_json(const datasets::Channel& channel) {
-  const acquisition::ChannelStatistics s = acquisition::statistics(channel);
-  const double interval = channel.clock.interval;
-  ordered_json json = {{"name", channel.name},
-                       {"quantity", datasets::name(channel.quantity)},
-                       {"unit", channel.unit},
-                       {"samples", s.samples},
-                       {"sample_rate_hz", number(interval > 0.0 ? 1.0 / interval : NAN)},
-                       {"interval_s", number(interval > 0.0 ? interval : NAN)},
-                       {"start_s", number(channel.size() > 0 ? channel.clock.time(0) : NAN)},
-                       {"uniform", channel.clock.uniform()},
-                       {"first", number(s.first)},
-                       {"last", number(s.last)},
-                       {"min", number(s.min)},
-                       {"max", number(s.max)},
-                       {"mean", number(s.mean)},
-                       {"rms", number(s.rms)},
-                       {"sum", number(s.sum)},
-                       {"sum_of_squares", number(s.sum_of_squares)},
-                       {"invalid", s.invalid}};
-  if (channel.complex()) {
-    json["complex"] = true;
-    json["sum_re"] = number(s.complex_sum.real());
-    json["sum_im"] = number(s.complex_sum.imag());
-    json["sum_abs2"] = number(s.sum_abs2);
+/// Figures of every channel, as its samples come.
+class Gathering final : public acquisition::SampleSink {
+ public:
+  Gathering(const acquisition::RecordingHead& head, const std::vector<std::size_t>& chosen)
+      : statistics_(chosen.size()),
+        complex_(chosen.size(), false) {
+    for (const std::size_t index : chosen) heads_.push_back(head.record.channels[index]);
   }
-  if (!channel.attributes.empty()) json["attributes"] = channel.attributes;
-  return json;
+
+  void take(std::size_t channel, const acquisition::SampleBlock& block) override {
+    statistics_[channel].add(block, heads_[channel].scale, heads_[channel].offset);
+    complex_[channel] = complex_[channel] || !block.imaginary.empty();
+  }
+
+  void take_times(std::size_t channel, std::span<const double>) override {
+    uneven_.insert(channel);
+  }
+
+  acquisition::ChannelStatistics statistics(std::size_t channel) const {
+    return statistics_[channel].figures();
+  }
+
+  bool complex(std::size_t channel) const { return complex_[channel]; }
+
+  bool uniform(std::size_t channel) const { return !uneven_.contains(channel); }
+
+ private:
+  std::vector<datasets::Channel> heads_;
+  std::vector<acquisition::StatisticsGathering> statistics_;
+  std::vector<bool> complex_;
+  std::set<std::size_t> uneven_;
+};
+
+/// What the head says of a channel.
+ordered_json head_json(const datasets::Channel& channel, std::uint64_t samples) {
+  const double interval = channel.clock.interval;
+  return {{"name", channel.name},
+          {"quantity", datasets::name(channel.quantity)},
+          {"unit", channel.unit},
+          {"samples", samples},
+          {"sample_rate_hz", number(interval > 0.0 ? 1.0 / interval : NAN)},
+          {"interval_s", number(interval > 0.0 ? interval : NAN)},
+          {"start_s", number(samples > 0 ? channel.clock.start : NAN)}};
+}
+
+void add_statistics(const Gathering& gathering, std::size_t channel, ordered_json& json) {
+  const acquisition::ChannelStatistics s = gathering.statistics(channel);
+  json["uniform"] = gathering.uniform(channel);
+  json["first"] = number(s.first);
+  json["last"] = number(s.last);
+  json["min"] = number(s.min);
+  json["max"] = number(s.max);
+  json["mean"] = number(s.mean);
+  json["rms"] = number(s.rms);
+  json["sum"] = number(s.sum);
+  json["sum_of_squares"] = number(s.sum_of_squares);
+  json["invalid"] = s.invalid;
+  if (!gathering.complex(channel)) return;
+  json["complex"] = true;
+  json["sum_re"] = number(s.complex_sum.real());
+  json["sum_im"] = number(s.complex_sum.imag());
+  json["sum_abs2"] = number(s.sum_abs2);
 }
 
 /// Impacts of every channel that could show one, each searched alone.
@@ -108,16 +147,18 @@ void print_text(const ordered_json& json) {
     fmt::print("{:>3}  {:<{}}  {:<13}{:<8}{:>10}  {:>12}  {:>12}  {:>12}  {:>12}  {:>12}\n",
                index++, c["name"].get<std::string>(), widest, c["quantity"].get<std::string>(),
                c["unit"].get<std::string>(), c["samples"].get<std::size_t>(),
-               value(c["sample_rate_hz"]), value(c["start_s"]), value(c["min"]), value(c["max"]),
-               value(c["rms"]));
+               value(c["sample_rate_hz"]), value(c["start_s"]),
+               value(c.value("min", ordered_json())), value(c.value("max", ordered_json())),
+               value(c.value("rms", ordered_json())));
   if (json.contains("attributes")) {
     fmt::print("\nas read:");
     for (const auto& [key, text] : json["attributes"].items())
       fmt::print("  {} = {}", key, text.get<std::string>());
     fmt::print("\n");
   }
-  if (!json["impacts"].empty()) fmt::print("\nimpacts:\n");
-  for (const auto& i : json["impacts"])
+  const ordered_json impacts = json.value("impacts", ordered_json::array());
+  if (!impacts.empty()) fmt::print("\nimpacts:\n");
+  for (const auto& i : impacts)
     fmt::print("  {}: at {} s, peak {} {}, width {} s, impulse {} {}{}\n",
                i["channel"].get<std::string>(), value(i["start_s"]), value(i["peak"]),
                i["unit"].get<std::string>(), value(i["width_s"]), value(i["impulse"]),
@@ -127,22 +168,76 @@ void print_text(const ordered_json& json) {
     fmt::print("\nwarning: {}\n", warning.get<std::string>());
 }
 
+/// Channels with figures over their samples; `record` becomes what was read.
+ordered_json read_channels(acquisition::RecordingReader& reader,
+                           const acquisition::Selection& wanted, datasets::Record& record) {
+  const std::vector<std::size_t> chosen = acquisition::selected_channels(reader.head(), wanted);
+  Gathering gathering(reader.head(), chosen);
+  record = reader.read(wanted, gathering);
+  ordered_json list = ordered_json::array();
+  for (std::size_t i = 0; i < record.channels.size(); ++i) {
+    const datasets::Channel& channel = record.channels[i];
+    ordered_json json = head_json(channel, gathering.statistics(i).samples);
+    add_statistics(gathering, i, json);
+    if (!channel.attributes.empty()) json["attributes"] = channel.attributes;
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+/// Channels by the head alone.
+ordered_json list_channels(const acquisition::RecordingHead& head,
+                           const acquisition::Selection& wanted) {
+  ordered_json list = ordered_json::array();
+  for (const std::size_t index : acquisition::selected_channels(head, wanted)) {
+    ordered_json json = head_json(head.record.channels[index], head.samples[index]);
+    if (!head.counted) json["samples_estimated"] = true;
+    if (!head.record.channels[index].attributes.empty())
+      json["attributes"] = head.record.channels[index].attributes;
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+std::uint64_t samples_of(const ordered_json& channels) {
+  std::uint64_t samples = 0;
+  for (const auto& channel : channels) samples += channel["samples"].get<std::uint64_t>();
+  return samples;
+}
+
+/// Impacts where the samples fit into memory; else a sentence.
+ordered_json find_all_impacts(acquisition::RecordingReader& reader,
+                              const acquisition::Selection& wanted, const ordered_json& channels,
+                              std::vector<std::string>& warnings) {
+  const std::uint64_t samples = samples_of(channels);
+  if (samples <= most_searched)
+    return impacts_json(acquisition::read_into_memory(reader, wanted), warnings);
+  warnings.push_back(fmt::format(
+      "impacts are looked for in up to {} million samples, these are {} million: --channel, "
+      "--from and --to say where to look",
+      most_searched / 1'000'000, samples / 1'000'000));
+  return ordered_json::array();
+}
+
 void inspect(const Options& options) {
   acquisition::ImportOptions reading = import_options(options.reading);
   reading.require_clock = false;
-  const datasets::Record record = acquisition::import_recording(options.file, reading);
+  const auto reader = acquisition::open_recording(options.file, reading);
+  const acquisition::Selection wanted = acquisition::selection_of(reader->head(), reading);
+  datasets::Record record = reader->head().record;
+  ordered_json channels = options.no_statistics ? list_channels(reader->head(), wanted)
+                                                : read_channels(*reader, wanted, record);
   std::vector<std::string> warnings = record.warnings;
   ordered_json json = {{"schema", "impactrig/inspect/1"},
                        {"file", options.file},
                        {"format", record.provenance.importer},
-                       {"bytes", record.provenance.bytes},
-                       {"sha256", record.provenance.sha256}};
+                       {"bytes", record.provenance.bytes}};
+  if (!options.no_statistics) json["sha256"] = datasets::sha256_of_file(options.file);
   if (!record.started.empty()) json["started"] = record.started;
-  json["channels"] = ordered_json::array();
-  for (const datasets::Channel& channel : record.channels)
-    json["channels"].push_back(channel_json(channel));
+  json["channels"] = channels;
   if (!record.attributes.empty()) json["attributes"] = record.attributes;
-  json["impacts"] = impacts_json(record, warnings);
+  if (!options.no_statistics)
+    json["impacts"] = find_all_impacts(*reader, wanted, channels, warnings);
   json["warnings"] = warnings;
   if (options.common.json)
     fmt::print("{}\n", json.dump(2, ' ', false, ordered_json::error_handler_t::replace));
@@ -157,7 +252,10 @@ void add_inspect(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "inspect", "Show what is in a recording: channels, statistics, impacts, warnings");
   command->add_option("file", options->file, "A recording of any format")->required();
+  add_selection_arguments(*command, options->reading);
   add_import_arguments(*command, options->reading);
+  command->add_flag("--no-statistics", options->no_statistics,
+                    "Only what the head says: at once, whatever the size");
   add_json(*command, options->common);
   command->callback([options] { inspect(*options); });
 }
