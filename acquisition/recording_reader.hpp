@@ -6,7 +6,6 @@
 #include <limits>
 #include <memory>
 #include <span>
-#include <variant>
 #include <vector>
 
 #include "datasets/record.hpp"
@@ -16,9 +15,7 @@ namespace impactrig::acquisition {
 /// Samples of one channel that follow each other, as the file holds them; what they mean is the
 /// channel's `scale` and `offset`. All that is not empty has the length of `raw`.
 struct SampleBlock {
-  std::variant<std::span<const double>, std::span<const float>, std::span<const std::int16_t>,
-               std::span<const std::int32_t>>
-      raw;
+  datasets::RawSpan raw;
   std::span<const double> imaginary{};    ///< of a complex channel
   std::span<const std::uint8_t> valid{};  ///< 1 sound, 0 not; empty: all sound
 

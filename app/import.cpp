@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <future>
+
 #include "acquisition/exporter.hpp"
 #include "acquisition/importer.hpp"
 #include "app/files.hpp"
 #include "app/import_options.hpp"
 #include "app/program.hpp"
+#include "app/progress.hpp"
 #include "datasets/input_error.hpp"
+#include "datasets/record_writer.hpp"
 
 namespace impactrig::app {
 namespace {
@@ -18,31 +22,124 @@ struct Options {
   CommonOptions common;
 };
 
-/// Several files become one record with the channels of all, in order; the first one's provenance
-/// leads.
-void import(const Options& options) {
-  check_output(options.output, options.common.force);
-  check_ending(options.output);
-  datasets::Record record;
+/// Recordings of up to so many samples are held in memory, which HDF5 then compresses.
+constexpr std::uint64_t most_held = std::uint64_t{1} << 20;
+
+/// A recording to import.
+struct Input {
+  std::string path;
+  std::unique_ptr<acquisition::RecordingReader> reader;
+  acquisition::Selection wanted;
+};
+
+std::vector<Input> open_inputs(const Options& options) {
+  const acquisition::ImportOptions reading = import_options(options.reading);
+  std::vector<Input> inputs;
   for (const std::string& path : options.files) {
-    datasets::Record next = acquisition::import_recording(path, import_options(options.reading));
-    if (next.channels.empty())
+    Input input{path, acquisition::open_recording(path, reading), {}};
+    const acquisition::RecordingHead& head = input.reader->head();
+    if (head.record.channels.empty())
       throw datasets::InputError(
           {.file = path},
           "there are no recordings in this file; `impactrig inspect` shows what it holds");
-    if (record.channels.empty()) {
-      record = std::move(next);
-      continue;
+    input.wanted = acquisition::selection_of(head, reading);
+    inputs.push_back(std::move(input));
+  }
+  return inputs;
+}
+
+std::uint64_t samples_of(const std::vector<Input>& inputs) {
+  std::uint64_t samples = 0;
+  for (const Input& input : inputs) {
+    const acquisition::RecordingHead& head = input.reader->head();
+    for (const std::size_t index : acquisition::selected_channels(head, input.wanted)) {
+      const auto range = acquisition::samples_within(head.record.channels[index].clock,
+                                                     head.samples[index], input.wanted);
+      samples += range.last - range.first;
     }
-    record.provenance.edits.push_back({"join recording",
-                                       "",
-                                       {{"file", path},
-                                        {"sha256", next.provenance.sha256},
-                                        {"channels", std::to_string(next.channels.size())}}});
-    for (datasets::Channel& channel : next.channels) record.channels.push_back(std::move(channel));
-    for (std::string& warning : next.warnings) record.warnings.push_back(std::move(warning));
+  }
+  return samples;
+}
+
+/// Several files become one record with the channels of all, in order; the first one's provenance
+/// leads.
+void join(datasets::Record&& next, datasets::Record& record) {
+  if (record.channels.empty()) {
+    record = std::move(next);
+    return;
+  }
+  record.provenance.edits.push_back({"join recording",
+                                     "",
+                                     {{"file", next.provenance.source_file},
+                                      {"sha256", next.provenance.sha256},
+                                      {"channels", std::to_string(next.channels.size())}}});
+  for (datasets::Channel& channel : next.channels) record.channels.push_back(std::move(channel));
+  for (std::string& warning : next.warnings) record.warnings.push_back(std::move(warning));
+}
+
+/// The next recording's samples on their way to a file.
+class ToFile final : public acquisition::SampleSink {
+ public:
+  ToFile(datasets::RecordWriter& writer, Progress& progress, std::size_t first_channel)
+      : writer_(writer),
+        progress_(progress),
+        first_(first_channel) {}
+
+  void take(std::size_t channel, const acquisition::SampleBlock& block) override {
+    writer_.append(first_ + channel, block.raw, block.imaginary, block.valid);
+    progress_.add(block.size());
+  }
+
+  void take_times(std::size_t channel, std::span<const double> times) override {
+    writer_.append_times(first_ + channel, times);
+  }
+
+ private:
+  datasets::RecordWriter& writer_;
+  Progress& progress_;
+  std::size_t first_;
+};
+
+/// Samples go from the files to ours block by block.
+datasets::Record import_by_blocks(const Options& options, std::vector<Input>& inputs) {
+  std::vector<std::string> names;
+  for (const Input& input : inputs)
+    for (const std::size_t index :
+         acquisition::selected_channels(input.reader->head(), input.wanted))
+      names.push_back(input.reader->head().record.channels[index].name);
+  datasets::RecordWriter writer(options.output, names);
+  Progress progress("importing", samples_of(inputs), options.common.quiet);
+  datasets::Record record;
+  for (Input& input : inputs) {
+    auto sha256 = std::async(std::launch::async, datasets::sha256_of_file, input.path);
+    ToFile sink(writer, progress, record.channels.size());
+    datasets::Record next = input.reader->read(input.wanted, sink);
+    next.provenance.sha256 = sha256.get();
+    join(std::move(next), record);
+  }
+  writer.finish(record);
+  return record;
+}
+
+datasets::Record import_at_once(const Options& options, std::vector<Input>& inputs) {
+  datasets::Record record;
+  for (Input& input : inputs) {
+    datasets::Record next = acquisition::read_into_memory(*input.reader, input.wanted);
+    next.provenance.sha256 = datasets::sha256_of_file(input.path);
+    join(std::move(next), record);
   }
   acquisition::export_recording(record, options.output);
+  return record;
+}
+
+void import(const Options& options) {
+  check_output(options.output, options.common.force);
+  check_ending(options.output);
+  std::vector<Input> inputs = open_inputs(options);
+  const bool hdf5 = options.output.ends_with(".h5") || options.output.ends_with(".hdf5");
+  const datasets::Record record = hdf5 && samples_of(inputs) > most_held
+                                      ? import_by_blocks(options, inputs)
+                                      : import_at_once(options, inputs);
   if (options.common.quiet) return;
   for (const std::string& warning : record.warnings) fmt::print(stderr, "warning: {}\n", warning);
   fmt::print(stderr, "{} channel(s) written to {}\n", record.channels.size(), options.output);
@@ -57,6 +154,7 @@ void add_import(CLI::App& program) {
   command->add_option("file", options->files, "Recordings")->required();
   command->add_option("-o,--output", options->output, "Result; its ending says the format")
       ->required();
+  add_selection_arguments(*command, options->reading);
   add_import_arguments(*command, options->reading);
   add_quiet(*command, options->common);
   add_force(*command, options->common);

@@ -125,6 +125,13 @@ Hdf5Handle Hdf5Reader::open_attribute(const Node& owner, const char* name) const
   return attribute;
 }
 
+std::size_t Hdf5Reader::length(const Node& data) const {
+  const std::size_t numbers = count(data, 1);
+  const Hdf5Handle type(H5Dget_type(data.id()), H5Tclose);
+  if (!is_number(type.id())) damaged(data.path, "is not made of numbers");
+  return numbers;
+}
+
 std::size_t Hdf5Reader::count(const Node& node, int rank) const {
   const Hdf5Handle space(H5Dget_space(node.id()), H5Sclose);
   std::array<hsize_t, 2> shape{1, 1};
@@ -169,6 +176,19 @@ void Hdf5Reader::read_numbers(const Node& data, hid_t memory_type, void* to) con
   const Hdf5Handle type(H5Dget_type(data.id()), H5Tclose);
   if (!is_number(type.id())) damaged(data.path, "is not made of numbers");
   if (H5Dread(data.id(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, to) < 0)
+    damaged(data.path, "cannot be read");
+}
+
+void Hdf5Reader::read_numbers(const Node& data, hid_t memory_type, std::uint64_t first,
+                              std::size_t count, void* to) const {
+  const Hdf5Handle type(H5Dget_type(data.id()), H5Tclose);
+  if (!is_number(type.id())) damaged(data.path, "is not made of numbers");
+  const hsize_t start = first;
+  const hsize_t size = count;
+  const Hdf5Handle memory(H5Screate_simple(1, &size, nullptr), H5Sclose);
+  const Hdf5Handle space(H5Dget_space(data.id()), H5Sclose);
+  if (H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, &start, nullptr, &size, nullptr) < 0 ||
+      H5Dread(data.id(), memory_type, memory.id(), space.id(), H5P_DEFAULT, to) < 0)
     damaged(data.path, "cannot be read");
 }
 

@@ -50,6 +50,13 @@ class Hdf5Reader {
   template <typename Number>
   std::vector<Number> numbers(const Node& data) const;
 
+  /// Some that follow each other.
+  template <typename Number>
+  std::vector<Number> numbers(const Node& data, std::uint64_t first, std::size_t count) const;
+
+  /// How many numbers a list has, once they are known to be in this file.
+  std::size_t length(const Node& data) const;
+
   std::vector<std::string> optional_texts(const Node& parent, const char* name) const;
   std::map<std::string, std::string> optional_pairs(const Node& parent, const char* name) const;
 
@@ -64,6 +71,8 @@ class Hdf5Reader {
 
   void read_number(const Node& owner, const char* name, hid_t memory_type, void* to) const;
   void read_numbers(const Node& data, hid_t memory_type, void* to) const;
+  void read_numbers(const Node& data, hid_t memory_type, std::uint64_t first, std::size_t count,
+                    void* to) const;
   std::vector<std::string> text_data(const Node& data, int rank) const;  ///< row by row
 
   std::string file_;
@@ -89,6 +98,14 @@ template <typename Number>
 std::vector<Number> Hdf5Reader::numbers(const Node& data) const {
   std::vector<Number> values(count(data, 1));
   read_numbers(data, hdf5_memory_type(Number{}), values.data());
+  return values;
+}
+
+template <typename Number>
+std::vector<Number> Hdf5Reader::numbers(const Node& data, std::uint64_t first,
+                                        std::size_t count) const {
+  std::vector<Number> values(count);
+  if (count > 0) read_numbers(data, hdf5_memory_type(Number{}), first, count, values.data());
   return values;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -29,6 +30,10 @@ struct SampleClock {
 /// Samples as the file holds them. What they mean is Channel::scale and Channel::offset.
 using RawSamples = std::variant<std::vector<double>, std::vector<float>, std::vector<std::int16_t>,
                                 std::vector<std::int32_t>>;
+
+/// Some of them that follow each other.
+using RawSpan = std::variant<std::span<const double>, std::span<const float>,
+                             std::span<const std::int16_t>, std::span<const std::int32_t>>;
 
 /// What a calibration says of a channel: how the recorded unit becomes the physical one.
 struct Calibration {

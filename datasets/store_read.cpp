@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -27,32 +28,66 @@ namespace impactrig::datasets {
 
 namespace {
 
-RawSamples read_samples(const Hdf5Reader& reader, const Node& node) {
+enum class SampleType { f64, f32, i16, i32 };
+
+SampleType type_of(const Hdf5Reader& reader, const Node& node) {
   const Hdf5Handle type(H5Dget_type(node.id()), H5Tclose);
   const H5T_class_t kind = H5Tget_class(type.id());
   const std::size_t size = H5Tget_size(type.id());
   const bool is_signed = kind == H5T_INTEGER && H5Tget_sign(type.id()) == H5T_SGN_2;
-  if (kind == H5T_FLOAT && size == 8) return reader.numbers<double>(node);
-  if (kind == H5T_FLOAT && size == 4) return reader.numbers<float>(node);
-  if (is_signed && size == 2) return reader.numbers<std::int16_t>(node);
-  if (is_signed && size == 4) return reader.numbers<std::int32_t>(node);
+  if (kind == H5T_FLOAT && size == 8) return SampleType::f64;
+  if (kind == H5T_FLOAT && size == 4) return SampleType::f32;
+  if (is_signed && size == 2) return SampleType::i16;
+  if (is_signed && size == 4) return SampleType::i32;
   reader.damaged(node.path, "is of a number type that no recording has");
 }
 
-/// An optional companion of the samples, one value each.
-template <typename Number>
-std::vector<Number> read_companion(const Hdf5Reader& reader, const Node& group, const char* name,
-                                   std::size_t samples) {
-  if (!reader.has(group, name)) return {};
-  const Node node = reader.data(group, name);
-  std::vector<Number> values = reader.numbers<Number>(node);
-  if (values.size() != samples)
-    reader.damaged(node.path, fmt::format("has {} values for {} samples", values.size(), samples));
-  return values;
+RawSamples read_samples(const Hdf5Reader& reader, const Node& node, SampleType type,
+                        std::uint64_t first, std::size_t count) {
+  switch (type) {
+    case SampleType::f64:
+      return reader.numbers<double>(node, first, count);
+    case SampleType::f32:
+      return reader.numbers<float>(node, first, count);
+    case SampleType::i16:
+      return reader.numbers<std::int16_t>(node, first, count);
+    case SampleType::i32:
+      return reader.numbers<std::int32_t>(node, first, count);
+  }
+  return {};
 }
 
-Channel read_channel(const Hdf5Reader& reader, const Node& group,
-                     std::vector<std::string>& warnings) {
+/// The data sets of a channel.
+struct ChannelNodes {
+  Node samples;
+  SampleType type = SampleType::f64;
+  std::size_t count = 0;
+  std::optional<Node> times{}, imaginary{}, valid{};  ///< one value a sample each
+};
+
+std::optional<Node> companion(const Hdf5Reader& reader, const Node& group, const char* name,
+                              std::size_t samples) {
+  if (!reader.has(group, name)) return std::nullopt;
+  Node node = reader.data(group, name);
+  const std::size_t length = reader.length(node);
+  if (length != samples)
+    reader.damaged(node.path, fmt::format("has {} values for {} samples", length, samples));
+  return node;
+}
+
+ChannelNodes open_channel(const Hdf5Reader& reader, const Node& group) {
+  ChannelNodes nodes{reader.data(group, "samples")};
+  nodes.type = type_of(reader, nodes.samples);
+  nodes.count = reader.length(nodes.samples);
+  nodes.times = companion(reader, group, "times", nodes.count);
+  nodes.imaginary = companion(reader, group, "imaginary", nodes.count);
+  nodes.valid = companion(reader, group, "valid", nodes.count);
+  return nodes;
+}
+
+/// A channel without samples.
+Channel read_head(const Hdf5Reader& reader, const Node& group, const Node& samples,
+                  std::vector<std::string>& warnings) {
   Channel channel;
   channel.name = reader.scalar_text(group, "name");
   const std::string quantity = reader.scalar_text(group, "quantity");
@@ -62,16 +97,11 @@ Channel read_channel(const Hdf5Reader& reader, const Node& group,
         fmt::format("Channel '{}': this program does not know its quantity '{}' and takes it as "
                     "'other'.",
                     channel.name, quantity));
-  const Node samples = reader.data(group, "samples");
-  channel.raw = read_samples(reader, samples);
   channel.unit = reader.scalar_text(group, "unit");
   channel.scale = reader.number<double>(samples, "scale_factor");
   channel.offset = reader.number<double>(samples, "add_offset");
   channel.clock.start = reader.number<double>(samples, "start");
   channel.clock.interval = reader.number<double>(samples, "interval");
-  channel.clock.times = read_companion<double>(reader, group, "times", channel.size());
-  channel.imaginary = read_companion<double>(reader, group, "imaginary", channel.size());
-  channel.valid = read_companion<std::uint8_t>(reader, group, "valid", channel.size());
   channel.attributes = reader.optional_pairs(group, "attributes");
   return channel;
 }
@@ -93,24 +123,6 @@ void read_calibration(const Hdf5Reader& reader, const Node& group, Channel& chan
     delay.removed = reader.number<std::uint8_t>(reader.data(group, "delay"), "removed") != 0;
     channel.delay = delay;
   }
-}
-
-std::vector<Channel> read_channels(const Hdf5Reader& reader, const Node& entry,
-                                   std::vector<std::string>& warnings) {
-  const Node raw = reader.group(entry, "raw");
-  const Node calibrations = reader.group(entry, "calibration");
-  std::vector<std::pair<std::uint64_t, std::string>> order;
-  for (const std::string& name : reader.names(raw))
-    order.emplace_back(reader.number<std::uint64_t>(reader.group(raw, name), "index"), name);
-  std::ranges::sort(order);
-
-  std::vector<Channel> channels;
-  for (const auto& [index, name] : order) {
-    channels.push_back(read_channel(reader, reader.group(raw, name), warnings));
-    if (reader.has(calibrations, name.c_str()))
-      read_calibration(reader, reader.group(calibrations, name), channels.back());
-  }
-  return channels;
 }
 
 Provenance read_provenance(const Hdf5Reader& reader, const Node& entry) {
@@ -190,28 +202,114 @@ void check_start(const Hdf5Reader& reader, const FileStart& start, const std::st
 
 }  // namespace
 
+class StoredRecord::File {
+ public:
+  explicit File(const std::string& path) : start_(read_start(path)), reader_(path, start_.bytes) {
+    const Hdf5Session session;
+    try {
+      open(path);
+    } catch (...) {
+      close();
+      throw;
+    }
+  }
+
+  ~File() {
+    const Hdf5Session session;
+    close();
+  }
+
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  const Record& head() const { return head_; }
+
+  const ChannelNodes& nodes(std::size_t channel) const { return channels_.at(channel); }
+
+  Channel piece(std::size_t index, std::uint64_t first, std::size_t count) const {
+    const Hdf5Session session;
+    const ChannelNodes& nodes = channels_.at(index);
+    Channel channel = head_.channels[index];
+    channel.raw = read_samples(reader_, nodes.samples, nodes.type, first, count);
+    if (nodes.times) channel.clock.times = reader_.numbers<double>(*nodes.times, first, count);
+    if (nodes.imaginary)
+      channel.imaginary = reader_.numbers<double>(*nodes.imaginary, first, count);
+    if (nodes.valid) channel.valid = reader_.numbers<std::uint8_t>(*nodes.valid, first, count);
+    return channel;
+  }
+
+ private:
+  void open(const std::string& path) {
+    check_start(reader_, start_, path);
+    const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    H5Pset_fclose_degree(access.id(), H5F_CLOSE_STRONG);
+    file_.emplace(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
+    if (!file_->valid()) reader_.refuse("is damaged: HDF5 cannot open it");
+    const Node root{Hdf5Handle(H5Gopen2(file_->id(), "/", H5P_DEFAULT), H5Gclose), "/"};
+    if (!root.handle.valid()) reader_.damaged("/", "cannot be opened");
+    check_format(reader_, root);
+    const Node entry = reader_.group(root, "entry");
+    head_.title = reader_.scalar_text(entry, "title");
+    if (reader_.has(entry, "start_time")) head_.started = reader_.scalar_text(entry, "start_time");
+    head_.warnings = reader_.optional_texts(entry, "warnings");
+    open_channels(entry);
+    head_.provenance = read_provenance(reader_, entry);
+    head_.attributes = reader_.optional_pairs(entry, "attributes");
+  }
+
+  void open_channels(const Node& entry) {
+    const Node raw = reader_.group(entry, "raw");
+    const Node calibrations = reader_.group(entry, "calibration");
+    std::vector<std::pair<std::uint64_t, std::string>> order;
+    for (const std::string& name : reader_.names(raw))
+      order.emplace_back(reader_.number<std::uint64_t>(reader_.group(raw, name), "index"), name);
+    std::ranges::sort(order);
+    for (const auto& [index, name] : order) {
+      const Node group = reader_.group(raw, name);
+      channels_.push_back(open_channel(reader_, group));
+      head_.channels.push_back(read_head(reader_, group, channels_.back().samples, head_.warnings));
+      if (reader_.has(calibrations, name))
+        read_calibration(reader_, reader_.group(calibrations, name), head_.channels.back());
+    }
+  }
+
+  void close() {
+    channels_.clear();
+    file_.reset();
+  }
+
+  FileStart start_;
+  Hdf5Reader reader_;
+  std::optional<Hdf5Handle> file_;
+  std::vector<ChannelNodes> channels_;
+  Record head_;
+};
+
+StoredRecord::StoredRecord(const std::string& path) : file_(std::make_unique<File>(path)) {}
+
+StoredRecord::~StoredRecord() = default;
+
+const Record& StoredRecord::head() const {
+  return file_->head();
+}
+
+std::uint64_t StoredRecord::samples(std::size_t channel) const {
+  return file_->nodes(channel).count;
+}
+
+bool StoredRecord::has_times(std::size_t channel) const {
+  return file_->nodes(channel).times.has_value();
+}
+
+Channel StoredRecord::piece(std::size_t channel, std::uint64_t first, std::size_t count) const {
+  return file_->piece(channel, first, count);
+}
+
 Record read_record(const std::string& path) {
-  const FileStart start = read_start(path);
-  const Hdf5Session session;
-  const Hdf5Reader reader(path, start.bytes);
-  check_start(reader, start, path);
-
-  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_fclose_degree(access.id(), H5F_CLOSE_STRONG);
-  const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
-  if (!file.valid()) reader.refuse("is damaged: HDF5 cannot open it");
-  const Node root{Hdf5Handle(H5Gopen2(file.id(), "/", H5P_DEFAULT), H5Gclose), "/"};
-  if (!root.handle.valid()) reader.damaged("/", "cannot be opened");
-  check_format(reader, root);
-
-  const Node entry = reader.group(root, "entry");
-  Record record;
-  record.title = reader.scalar_text(entry, "title");
-  if (reader.has(entry, "start_time")) record.started = reader.scalar_text(entry, "start_time");
-  record.warnings = reader.optional_texts(entry, "warnings");
-  record.channels = read_channels(reader, entry, record.warnings);
-  record.provenance = read_provenance(reader, entry);
-  record.attributes = reader.optional_pairs(entry, "attributes");
+  const StoredRecord stored(path);
+  Record record = stored.head();
+  for (std::size_t i = 0; i < record.channels.size(); ++i)
+    record.channels[i] = stored.piece(i, 0, static_cast<std::size_t>(stored.samples(i)));
   return record;
 }
 

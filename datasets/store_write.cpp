@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <set>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -25,176 +24,50 @@
 #include "datasets/quicklook.hpp"
 #include "datasets/store.hpp"
 #include "datasets/store_layout.hpp"
+#include "datasets/store_parts.hpp"
 
 namespace impactrig::datasets {
 
 namespace {
 
-/// What a viewer plots of one channel.
-void add_quicklook(hid_t parent, const std::string& name, const Channel& channel) {
-  const Quicklook look = quicklook_of(channel, layout::quicklook_points);
-  const Hdf5Handle group = add_group(parent, name, "NXdata");
-  add_text(group.id(), "title", channel.name);
-  add_text(group.id(), "signal", "value");
-  add_text_list(group.id(), "axes", "time");
-  add_number(group.id(), "time_indices", std::int64_t{0});
-  add_number(group.id(), "samples", static_cast<std::uint64_t>(channel.size()));
-
-  const Hdf5Handle time = add_data(group.id(), "time", look.time);
-  add_text(time.id(), "units", "s");
-  add_text(time.id(), "long_name", "time (s)");
-  std::vector<Hdf5Handle> data;
-  const auto add_signal = [&](const char* set, const std::vector<double>& values,
-                              std::string_view label) {
-    data.push_back(add_data(group.id(), set, values));
-    add_text(data.back().id(), "units", look.unit);
-    add_text(data.back().id(), "long_name",
-             look.unit.empty() ? std::string(label) : fmt::format("{} ({})", label, look.unit));
-  };
-  add_signal("value", look.values, channel.name);
-  if (channel.complex()) {
-    add_signal("imaginary", look.imaginary, "imaginary part of " + channel.name);
-    add_text_list(group.id(), "auxiliary_signals", "imaginary");
-  }
-  attach_time(group.id(), time, data);
-}
-
 void add_raw(hid_t parent, const std::string& name, std::size_t index, const Channel& channel) {
   const Hdf5Handle group = add_group(parent, name, "NXcollection");
-  add_number(group.id(), "index", static_cast<std::uint64_t>(index));
-  add_scalar_text(group.id(), "name", channel.name);
-  add_scalar_text(group.id(), "quantity", impactrig::datasets::name(channel.quantity));
-  add_scalar_text(group.id(), "unit", channel.unit);
-
+  describe_channel(group.id(), index, channel);
   const Hdf5Handle samples = std::visit(
       [&](const auto& raw) { return add_data(group.id(), "samples", raw); }, channel.raw);
-  const bool scaled = channel.scale != 1.0 || channel.offset != 0.0;
-  add_text(samples.id(), "units", scaled ? "1" : channel.unit);
-  add_text(samples.id(), "physical_units", channel.unit);
-  add_number(samples.id(), "scale_factor", channel.scale);
-  add_number(samples.id(), "add_offset", channel.offset);
-  add_number(samples.id(), "start", channel.clock.start);
-  add_number(samples.id(), "interval", channel.clock.interval);
-  if (!channel.clock.uniform()) {
-    const Hdf5Handle times = add_data(group.id(), "times", channel.clock.times);
-    add_text(times.id(), "units", "s");
-  }
-  if (channel.complex()) {
-    const Hdf5Handle imaginary = add_data(group.id(), "imaginary", channel.imaginary);
-    add_text(imaginary.id(), "units", channel.unit);
-  }
-  if (!channel.valid.empty()) {
-    const Hdf5Handle valid = add_data(group.id(), "valid", channel.valid);
-    add_text(valid.id(), "flag_meanings", "0: not sound, 1: sound");
-  }
-  add_pairs(group.id(), "attributes", channel.attributes);
-}
-
-void add_calibration(hid_t parent, const std::string& name, const Channel& channel) {
-  if (!channel.calibration && !channel.delay) return;
-  const Hdf5Handle group = add_group(parent, name, "NXcollection");
-  if (channel.calibration) {
-    const Calibration& calibration = *channel.calibration;
-    const std::string& physical = calibration.physical_unit;
-    const bool simple = physical.find_first_of(" ./*()") == std::string::npos;
-    const std::string unit =
-        calibration.recorded_unit + (simple ? "/" + physical : "/(" + physical + ")");
-    add_text(add_scalar(group.id(), "sensitivity", calibration.sensitivity).id(), "units", unit);
-    add_text(add_scalar(group.id(), "sensitivity_errors", calibration.uncertainty).id(), "units",
-             unit);
-    add_scalar_text(group.id(), "recorded_unit", calibration.recorded_unit);
-    add_scalar_text(group.id(), "physical_unit", calibration.physical_unit);
-    add_scalar_text(group.id(), "source", calibration.source);
-  }
-  if (channel.delay) {
-    const Hdf5Handle delay = add_scalar(group.id(), "delay", channel.delay->value);
-    add_text(delay.id(), "units", "s");
-    add_number(delay.id(), "removed", static_cast<std::uint8_t>(channel.delay->removed));
-    add_text(add_scalar(group.id(), "delay_errors", channel.delay->uncertainty).id(), "units", "s");
-  }
-}
-
-void add_provenance(hid_t parent, const Provenance& provenance) {
-  const Hdf5Handle group = add_group(parent, "provenance", "NXcollection");
-  add_scalar_text(group.id(), "source_file", provenance.source_file);
-  add_scalar(group.id(), "bytes", provenance.bytes);
-  add_scalar_text(group.id(), "sha256", provenance.sha256);
-  add_scalar_text(group.id(), "importer", provenance.importer);
-  add_scalar_text(group.id(), "program", provenance.program);
-  if (provenance.edits.empty()) return;
-  const Hdf5Handle edits = add_group(group.id(), "edits", "NXcollection");
-  for (std::size_t i = 0; i < provenance.edits.size(); ++i) {
-    const Edit& edit = provenance.edits[i];
-    const Hdf5Handle one = add_group(edits.id(), fmt::format("edit_{:06}", i), "NXcollection");
-    add_scalar_text(one.id(), "what", edit.what);
-    add_scalar_text(one.id(), "channel", edit.channel);
-    add_pairs(one.id(), "parameters", edit.parameters);
-  }
-}
-
-/// Names of [a-z][a-z0-9_]*, one a channel, as close to the channels' own as that allows.
-std::vector<std::string> group_names(const std::vector<Channel>& channels) {
-  std::vector<std::string> names;
-  std::set<std::string> taken;
-  for (const Channel& channel : channels) {
-    std::string base;
-    for (const char c : channel.name) {
-      const bool upper = c >= 'A' && c <= 'Z';
-      const bool plain = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
-      if (upper) base += static_cast<char>(c - 'A' + 'a');
-      if (plain) base += c;
-      if (!upper && !plain && !base.empty() && base.back() != '_') base += '_';
-    }
-    base.resize(std::min<std::size_t>(base.size(), 40));
-    while (base.ends_with('_')) base.pop_back();
-    if (base.empty() || (base.front() >= '0' && base.front() <= '9'))
-      base = base.empty() ? "channel" : "channel_" + base;
-    std::string name = base;
-    for (int copy = 2; !taken.insert(name).second; ++copy) name = fmt::format("{}_{}", base, copy);
-    names.push_back(name);
-  }
-  return names;
-}
-
-/// The channel a viewer opens with: the first force, else the first; none without samples.
-std::size_t first_shown(const std::vector<Channel>& channels) {
-  const auto shown = [](const Channel& channel) { return channel.size() > 0; };
-  auto found = std::ranges::find_if(channels, [&](const Channel& channel) {
-    return shown(channel) && channel.quantity == Quantity::force;
-  });
-  if (found == channels.end()) found = std::ranges::find_if(channels, shown);
-  return static_cast<std::size_t>(found - channels.begin());
+  describe_samples(samples.id(), channel);
+  if (!channel.clock.uniform())
+    describe_times(add_data(group.id(), "times", channel.clock.times).id());
+  if (channel.complex())
+    describe_imaginary(add_data(group.id(), "imaginary", channel.imaginary).id(), channel);
+  if (!channel.valid.empty()) describe_valid(add_data(group.id(), "valid", channel.valid).id());
 }
 
 void add_channels(hid_t entry, const std::vector<Channel>& channels) {
-  const std::vector<std::string> names = group_names(channels);
+  std::vector<std::string> titles;
+  for (const Channel& channel : channels) titles.push_back(channel.name);
+  const std::vector<std::string> names = group_names(titles);
   const Hdf5Handle raw = add_group(entry, "raw", "NXcollection");
   const Hdf5Handle calibration = add_group(entry, "calibration", "NXcollection");
   const Hdf5Handle quicklook = add_group(entry, "quicklook", "NXcollection");
+  std::vector<ShownChannel> shown;
   for (std::size_t i = 0; i < channels.size(); ++i) {
-    add_raw(raw.id(), names[i], i, channels[i]);
-    add_calibration(calibration.id(), names[i], channels[i]);
-    if (channels[i].size() > 0) add_quicklook(quicklook.id(), names[i], channels[i]);
+    const Channel& channel = channels[i];
+    add_raw(raw.id(), names[i], i, channel);
+    add_calibration(calibration.id(), names[i], channel);
+    if (channel.size() > 0)
+      add_quicklook(quicklook.id(), names[i], channel.name, channel.size(),
+                    quicklook_of(channel, layout::quicklook_points));
+    shown.push_back({names[i], channel.quantity, channel.size()});
   }
-  const std::size_t shown = first_shown(channels);
-  if (shown == channels.size()) return;
-  add_text(entry, "default", "quicklook");
-  add_text(quicklook.id(), "default", names[shown]);
+  show_first(entry, quicklook.id(), shown);
 }
 
 void add_record(hid_t file, const Record& record) {
-  add_text(file, "NX_class", "NXroot");
-  add_text(file, "default", "entry");
-  add_text(file, "format", layout::format);
-  add_text(file, "format_version", layout::format_version);
-  add_text(file, "creator", program_version());
+  add_file_head(file);
   const Hdf5Handle entry = add_group(file, "entry", "NXentry");
-  add_scalar_text(entry.id(), "title", record.title);
-  if (!record.started.empty()) add_scalar_text(entry.id(), "start_time", record.started);
   add_channels(entry.id(), record.channels);
-  add_provenance(entry.id(), record.provenance);
-  add_text_data(entry.id(), "warnings", record.warnings);
-  add_pairs(entry.id(), "attributes", record.attributes);
+  describe_record(entry.id(), record);
 }
 
 /// The bytes of a file that HDF5 lays out in memory, kept when HDF5 closes it. (H5Fget_file_image

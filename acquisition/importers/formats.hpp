@@ -28,7 +28,7 @@ std::unique_ptr<RecordingReader> open_csv_by_blocks(const std::string& path,
                                                     const ImportOptions& options);
 
 int recognises_hdf5(std::string_view file_name, std::string_view head);
-datasets::Record read_hdf5(const std::string& path, const ImportOptions& options);
+std::unique_ptr<RecordingReader> open_hdf5(const std::string& path, const ImportOptions& options);
 
 /// What a file is that we know but do not read, and how its content can be brought here; "" for
 /// anything else.

@@ -1,23 +1,99 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
 #include "acquisition/importers/formats.hpp"
 #include "datasets/store.hpp"
 
 namespace impactrig::acquisition {
 
+using datasets::Channel;
+using datasets::Record;
+
+namespace {
+
+/// Samples read at once: a piece of the file.
+constexpr std::uint64_t read_at_once = 65536;
+
+class OurRecording final : public RecordingReader {
+ public:
+  explicit OurRecording(const std::string& path) : stored_(path) {
+    head_.record = stored_.head();
+    for (std::size_t i = 0; i < head_.record.channels.size(); ++i)
+      head_.samples.push_back(stored_.samples(i));
+    // the provenance will name this file; where the record first came from stays with it
+    datasets::Provenance& origin = head_.record.provenance;
+    auto& says = head_.record.attributes;
+    if (!origin.source_file.empty()) says.emplace("origin file", origin.source_file);
+    if (!origin.sha256.empty()) says.emplace("origin sha256", origin.sha256);
+    if (!origin.importer.empty()) says.emplace("origin format", origin.importer);
+    if (!origin.program.empty()) says.emplace("origin program", origin.program);
+    origin.importer.clear();
+  }
+
+  const RecordingHead& head() const override { return head_; }
+
+  Record read(const Selection& wanted, SampleSink& sink) override {
+    Record record = head_.record;
+    record.channels.clear();
+    for (const std::size_t index : selected_channels(head_, wanted)) {
+      record.channels.push_back(head_.record.channels[index]);
+      read_channel(index, wanted, record.channels.size() - 1, record.channels.back(), sink);
+    }
+    return record;
+  }
+
+ private:
+  void read_channel(std::size_t index, const Selection& wanted, std::size_t number, Channel& head,
+                    SampleSink& sink) const {
+    const std::uint64_t samples = head_.samples[index];
+    const bool stated = stored_.has_times(index);
+    const SampleRange range =
+        stated ? SampleRange{0, samples} : samples_within(head.clock, samples, wanted);
+    bool first_block = true;
+    for (std::uint64_t at = range.first; at < range.last;) {
+      // pieces end where the file's do
+      const std::uint64_t count = std::min(range.last - at, read_at_once - at % read_at_once);
+      const Channel piece = stored_.piece(index, at, static_cast<std::size_t>(count));
+      at += count;
+      std::size_t first = 0;
+      std::size_t last = static_cast<std::size_t>(count);
+      if (stated && wanted.has_window()) {
+        while (first < last && piece.clock.times[first] < wanted.from) ++first;
+        while (last > first && piece.clock.times[last - 1] > wanted.to) --last;
+      }
+      if (first == last) continue;
+      if (stated && first_block) head.clock.start = piece.clock.times[first];
+      first_block = false;
+      hand_over(piece, first, last - first, number, sink);
+    }
+    if (!stated) head.clock.start += head.clock.interval * static_cast<double>(range.first);
+  }
+
+  static void hand_over(const Channel& piece, std::size_t first, std::size_t count,
+                        std::size_t number, SampleSink& sink) {
+    SampleBlock block;
+    std::visit([&](const auto& raw) { block.raw = std::span(raw).subspan(first, count); },
+               piece.raw);
+    if (!piece.imaginary.empty())
+      block.imaginary = std::span(piece.imaginary).subspan(first, count);
+    if (!piece.valid.empty()) block.valid = std::span(piece.valid).subspan(first, count);
+    sink.take(number, block);
+    if (!piece.clock.times.empty())
+      sink.take_times(number, std::span(piece.clock.times).subspan(first, count));
+  }
+
+  datasets::StoredRecord stored_;
+  RecordingHead head_;
+};
+
+}  // namespace
+
 int recognises_hdf5(std::string_view, std::string_view head) {
   return datasets::looks_like_hdf5(head) ? 100 : 0;
 }
 
-datasets::Record read_hdf5(const std::string& path, const ImportOptions&) {
-  datasets::Record record = datasets::read_record(path);
-  // the provenance will name this file; where the record first came from stays with it
-  const datasets::Provenance& origin = record.provenance;
-  if (!origin.source_file.empty()) record.attributes.emplace("origin file", origin.source_file);
-  if (!origin.sha256.empty()) record.attributes.emplace("origin sha256", origin.sha256);
-  if (!origin.importer.empty()) record.attributes.emplace("origin format", origin.importer);
-  if (!origin.program.empty()) record.attributes.emplace("origin program", origin.program);
-  record.provenance.importer.clear();
-  return record;
+std::unique_ptr<RecordingReader> open_hdf5(const std::string& path, const ImportOptions&) {
+  return std::make_unique<OurRecording>(path);
 }
 
 }  // namespace impactrig::acquisition

@@ -287,7 +287,7 @@ class ChannelStream {
     return read(samples_, count, values);
   }
 
-  decltype(SampleBlock::raw) raw(std::uint64_t count) {
+  datasets::RawSpan raw(std::uint64_t count) {
     if (channel_->scaling) {
       read(samples_, count, doubles_);
       channel_->scaling(doubles_);

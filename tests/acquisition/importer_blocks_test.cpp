@@ -8,6 +8,7 @@
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "datasets/input_error.hpp"
+#include "datasets/store.hpp"
 #include "tests/acquisition/text_bytes.hpp"
 #include "tests/acquisition/written_file.hpp"
 
@@ -336,6 +337,30 @@ TEST(StoredNumbers, StatedTimesCutTheWindow) {
   EXPECT_EQ(part.channels[0].values(), (std::vector<double>{0.3, 0.35}));
   EXPECT_EQ(part.channels[0].clock.times, (std::vector<double>{0.3, 0.35}));
   EXPECT_EQ(part.channels[0].clock.start, 0.3);
+}
+
+TEST(OurRecording, IsReadByWindows) {
+  for (const auto time : {microseconds, uneven}) {
+    const tests::WrittenFile table_file(table(150000, time), ".csv");
+    const Record whole = import_recording(table_file.path());
+    const tests::WrittenFile file("", ".h5");
+    datasets::write_record(whole, file.path());
+    const auto reader = open_recording(file.path());
+    EXPECT_EQ(reader->head().samples, (std::vector<std::uint64_t>{150000, 150000}));
+    const Record again = read_into_memory(*reader);
+    EXPECT_EQ(again.channels[0].clock.times, whole.channels[0].clock.times);
+    EXPECT_EQ(again.channels[0].valid, whole.channels[0].valid);
+    EXPECT_EQ(again.channels[1].raw, whole.channels[1].raw);
+    Selection wanted;
+    wanted.channels = {1};
+    wanted.from = 0.1;
+    wanted.to = 0.100099;
+    const Record part = read_into_memory(*reader, wanted);
+    ASSERT_EQ(part.channels.size(), 1U);
+    EXPECT_EQ(part.channels[0].size(), time == uneven ? 99U : 100U);
+    EXPECT_EQ(part.channels[0].value(0), 100000.0);
+    EXPECT_DOUBLE_EQ(part.channels[0].clock.start, 0.1);
+  }
 }
 
 TEST(Import, OfChannelsByNameAndAWindow) {
