@@ -379,7 +379,7 @@ class UffRecording final : public RecordingReader {
                                   ? samples_within(channel.clock, function.extent.points, wanted)
                                   : SampleRange{0, function.extent.points};
     Uff58Reader reader(file_, function.header.form, function.extent, function.lines_count);
-    std::uint64_t before = 0;
+    std::uint64_t before = reader.skip(range.first);
     bool first = true;
     while (before < range.last) {
       const char* const start = reader.at();

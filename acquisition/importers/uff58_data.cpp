@@ -113,6 +113,18 @@ class Uff58Reader::Text {
     return numbers / stride;
   }
 
+  /// Passes over whole lines that are all as long as the first.
+  std::uint64_t skip(std::uint64_t points) {
+    const std::string_view text = file_.bytes();
+    const std::uint64_t a_line = widths_.size() / numbers_a_point(form_);
+    const std::uint64_t lines = points / a_line;
+    const char* next = at_;
+    take_line(next, text.data() + text.size());
+    if (widths_.size() % numbers_a_point(form_) != 0) return 0;
+    at_ += lines * static_cast<std::uint64_t>(next - at_);
+    return lines * a_line;
+  }
+
   /// The next whole points, of `left` that are there; the start of a line that remains is for the
   /// next call.
   Uff58Block read(std::size_t most, std::uint64_t& left) {
@@ -374,6 +386,11 @@ class Uff58Reader::Binary {
 
   const char* at() const { return at_; }
 
+  std::uint64_t skip(std::uint64_t points) {
+    at_ += points * point_bytes();
+    return points;
+  }
+
   Uff58Block read(std::size_t most, std::uint64_t& left) {
     const auto points = static_cast<std::size_t>(std::min<std::uint64_t>(most, left));
     left -= points;
@@ -451,7 +468,8 @@ Uff58Extent find_uff58_data(const TextFile& file, const char* start, const Uff58
 
 Uff58Reader::Uff58Reader(const TextFile& file, const Uff58Form& form, const Uff58Extent& extent,
                          bool lines_count)
-    : left_(extent.points) {
+    : left_(extent.points),
+      even_lines_(!extent.counted) {
   if (form.binary)
     binary_ = std::make_unique<Binary>(form, extent);
   else
@@ -467,6 +485,14 @@ std::uint64_t Uff58Reader::count(const TextFile& file, const Uff58Form& form, bo
   extent.closing = text.at();
   extent.warnings = text.warnings();
   return points;
+}
+
+std::uint64_t Uff58Reader::skip(std::uint64_t points) {
+  points = std::min(points, left_);
+  if (text_ && !even_lines_) return 0;
+  const std::uint64_t skipped = text_ ? text_->skip(points) : binary_->skip(points);
+  left_ -= skipped;
+  return skipped;
 }
 
 Uff58Block Uff58Reader::read(std::size_t most) {

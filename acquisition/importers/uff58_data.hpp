@@ -61,6 +61,9 @@ class Uff58Reader {
   Uff58Reader(const Uff58Reader&) = delete;
   Uff58Reader& operator=(const Uff58Reader&) = delete;
 
+  /// Passes over points, at most so many, where they need not be looked at; returns how many.
+  std::uint64_t skip(std::uint64_t points);
+
   /// The next points, at most so many; none at the end. Throws datasets::InputError for what
   /// is no number.
   Uff58Block read(std::size_t most);
@@ -77,6 +80,7 @@ class Uff58Reader {
   class Text;
   class Binary;
   std::uint64_t left_;
+  bool even_lines_;  // every line but the last is as long as the first
   std::unique_ptr<Text> text_;
   std::unique_ptr<Binary> binary_;
 };

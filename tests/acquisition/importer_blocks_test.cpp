@@ -157,6 +157,15 @@ TEST(LargeUff, IsReadByBlocksAsWhereItsNumbersAreCounted) {
       EXPECT_EQ(part.channels[0].size(), std::min<std::size_t>(points, 50001) - 2);
       EXPECT_NEAR(part.channels[0].clock.start, 2e-6, 1e-15);
       EXPECT_NEAR(part.channels[0].value(0), std::sin(0.2), 1e-6);
+      if (!even) continue;
+      for (const std::size_t first : {3U, 4U, 90001U}) {  // in lines of six
+        if (first >= points) continue;
+        wanted.from = 1e-6 * static_cast<double>(first);
+        wanted.to = 1.0;
+        const Record rest = read_into_memory(*reader, wanted);
+        ASSERT_EQ(rest.channels[0].size(), points - first);
+        EXPECT_NEAR(rest.channels[0].value(0), std::sin(0.1 * static_cast<double>(first)), 1e-5);
+      }
     }
   }
 }
@@ -181,6 +190,27 @@ TEST(LargeUff, WhoseNumbersAreFewerThanAnnouncedTellsAfterReading) {
   EXPECT_THAT(record.warnings,
               testing::ElementsAre(
                   "'Force': the header announces 100 points, 95 are there: these are read"));
+}
+
+TEST(LargeUff, InBinaryIsReadByWindows) {
+  std::string data;
+  for (std::size_t i = 0; i < 100000; ++i) {
+    const float number = static_cast<float>(i);
+    data.append(reinterpret_cast<const char*>(&number), 4);
+  }
+  const tests::WrittenFile file(
+      tests::uff58_dataset(
+          "    58b     1     2          11      400000     0     0           0           0",
+          "         2    100000         1  0.00000E+00  1.00000E-06  0.00000E+00", data),
+      ".uff");
+  const auto reader = open_uff58(file.path(), {});
+  Selection wanted;
+  wanted.from = 0.07;
+  wanted.to = 0.08;
+  const Record part = read_into_memory(*reader, wanted);
+  ASSERT_EQ(part.channels.at(0).size(), 10001U);
+  EXPECT_EQ(part.channels[0].value(0), 70000.0);
+  EXPECT_DOUBLE_EQ(part.channels[0].clock.start, 0.07);
 }
 
 /// Numbers 0, 1, 2, ... of a kind, one byte between two of them.
