@@ -20,6 +20,30 @@ datasets::Record read_polytec_ascii(const std::string& path, const ImportOptions
 int recognises_csv(std::string_view file_name, std::string_view head);
 datasets::Record read_csv(const std::string& path, const ImportOptions& options);
 
+int recognises_tek_wfm(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_tek_wfm(const std::string& path,
+                                              const ImportOptions& options);
+
+int recognises_tek_isf(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_tek_isf(const std::string& path,
+                                              const ImportOptions& options);
+
+int recognises_lecroy_trc(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_lecroy_trc(const std::string& path,
+                                                 const ImportOptions& options);
+
+int recognises_keysight_bin(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_keysight_bin(const std::string& path,
+                                                   const ImportOptions& options);
+
+int recognises_rigol_bin(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_rigol_bin(const std::string& path,
+                                                const ImportOptions& options);
+
+int recognises_rigol_wfm(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_rigol_wfm(const std::string& path,
+                                                const ImportOptions& options);
+
 int recognises_hdf5(std::string_view file_name, std::string_view head);
 datasets::Record read_hdf5(const std::string& path, const ImportOptions& options);
 
