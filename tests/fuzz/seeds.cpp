@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/acquisition/catman_bytes.hpp"
 #include "tests/acquisition/lecroy_trc_bytes.hpp"
 #include "tests/acquisition/rigol_wfm_bytes.hpp"
 #include "tests/acquisition/tek_isf_bytes.hpp"
@@ -25,7 +26,8 @@ struct Seeds {
 };
 
 /// A format's seeds are made by the builders its tests use.
-constexpr std::array<Seeds, 10> table = {{
+constexpr std::array<Seeds, 11> table = {{
+    {"catman", catman_seeds},              //
     {"keysight-bin", keysight_bin_seeds},  //
     {"lecroy-trc", lecroy_trc_seeds},      //
     {"rigol-bin", rigol_bin_seeds},        //
