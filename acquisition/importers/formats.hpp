@@ -47,6 +47,10 @@ std::unique_ptr<RecordingReader> open_rigol_wfm(const std::string& path,
 int recognises_catman(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_catman(const std::string& path, const ImportOptions& options);
 
+int recognises_imc_raw(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_imc_raw(const std::string& path,
+                                              const ImportOptions& options);
+
 int recognises_hdf5(std::string_view file_name, std::string_view head);
 datasets::Record read_hdf5(const std::string& path, const ImportOptions& options);
 

@@ -27,7 +27,7 @@ std::unique_ptr<RecordingReader> whole(const std::string& path, const ImportOpti
 
 /// A new format is a file beside this one, its two functions in formats.hpp, and a line here. Most
 /// specific first.
-constexpr std::array<Importer, 12> table = {{
+constexpr std::array<Importer, 13> table = {{
     {"impactrig-hdf5", "impactrig's own HDF5 (.h5)", recognises_hdf5, whole<read_hdf5>},  //
     {"uff58b", "universal file with binary functions, dataset 58b (.uff .unv .bunv)",
      recognises_uff58b, whole<read_uff58>},  //
@@ -42,8 +42,9 @@ constexpr std::array<Importer, 12> table = {{
      open_keysight_bin},                                                            //
     {"rigol-bin", "Rigol waveforms (.bin)", recognises_rigol_bin, open_rigol_bin},  //
     {"rigol-wfm", "Rigol DS1000Z and DS1000E/D waveform (.wfm)", recognises_rigol_wfm,
-     open_rigol_wfm},                                                               //
-    {"catman", "HBM catman binary export (.bin)", recognises_catman, open_catman},  //
+     open_rigol_wfm},                                                                 //
+    {"catman", "HBM catman binary export (.bin)", recognises_catman, open_catman},    //
+    {"imc-raw", "imc FAMOS raw file (.raw .dat)", recognises_imc_raw, open_imc_raw},  //
     {"csv", "table of numbers: comma, tab, semicolon or blank separated (.csv .txt .tsv .dat)",
      recognises_csv, whole<read_csv>},  //
 }};

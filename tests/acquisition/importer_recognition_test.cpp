@@ -110,9 +110,6 @@ INSTANTIATE_TEST_SUITE_P(
         Closed{"MDF     4.10"sv,
                "an ASAM MDF measurement file, which is not read: export it as CSV with the program "
                "that wrote it"},
-        Closed{"|CF,2,1,1;"sv,
-               "an imc FAMOS raw file, which is not read: export it as CSV with the program that "
-               "wrote it"},
         Closed{"PK\x03\x04"sv,
                "a ZIP archive (a workbook, or a sigrok session), which is not read: save the table "
                "in it as CSV"},

@@ -131,7 +131,8 @@ INSTANTIATE_TEST_SUITE_P(
                     "scope/bin_agilent_1.bin", "scope/bin_agilent_4.bin",
                     "scope/tek_analog_waveform.wfm", "scope/tek_golden_analog.wfm",
                     "scope/trc_lecroy_3.trc", "scope/trc_lecroy_4.trc", "scope/wfm_DS1054Z-A.wfm",
-                    "scope/wfm_DS1102D-A.wfm", "catman/job_4byte.bin"),
+                    "scope/wfm_DS1102D-A.wfm", "catman/job_4byte.bin", "imc/datasetA_1.raw",
+                    "imc/datasetA_21.raw"),
     [](const auto& instance) {
       std::string name = instance.param;
       for (char& c : name)

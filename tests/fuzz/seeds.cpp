@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/acquisition/catman_bytes.hpp"
+#include "tests/acquisition/imc_raw_bytes.hpp"
 #include "tests/acquisition/lecroy_trc_bytes.hpp"
 #include "tests/acquisition/rigol_wfm_bytes.hpp"
 #include "tests/acquisition/tek_isf_bytes.hpp"
@@ -26,8 +27,9 @@ struct Seeds {
 };
 
 /// A format's seeds are made by the builders its tests use.
-constexpr std::array<Seeds, 11> table = {{
+constexpr std::array<Seeds, 12> table = {{
     {"catman", catman_seeds},              //
+    {"imc-raw", imc_raw_seeds},            //
     {"keysight-bin", keysight_bin_seeds},  //
     {"lecroy-trc", lecroy_trc_seeds},      //
     {"rigol-bin", rigol_bin_seeds},        //
