@@ -172,6 +172,10 @@ TEST(Catman, ThatIsCutOffGivesWhatIsThere) {
             fmt::format("FILE (byte {}): the file ends before its first sample", data));
   EXPECT_EQ(import_error(whole.substr(0, 200)),
             "FILE (byte 167): the file ends within a channel's extended header");
+  Catman empty;
+  empty.columns.clear();
+  EXPECT_EQ(import_error(empty.bytes().substr(0, 117)),
+            "FILE (byte 117): the file ends within the places of the channels' lengths");
   EXPECT_EQ(import_error(whole.substr(0, 350)),
             "FILE (byte 334): the file ends within a channel's sensor");
 }
