@@ -44,7 +44,7 @@ class ByteCursor {
 
   /// The next bytes; `what` names them in an error: "the length of a channel's name".
   std::string_view bytes(std::uint64_t count, std::string_view what) {
-    if (left() < count)
+    if (left() < count || at_ > file_->bytes().size())
       throw datasets::InputError(position(), fmt::format("the file ends within {}", what));
     const std::string_view found = file_->bytes().substr(at_, count);
     at_ += count;

@@ -20,7 +20,7 @@ struct Signature {
 
 constexpr std::string_view as_csv = "export it as CSV with the program that wrote it";
 
-constexpr std::array<Signature, 23> signatures = {{
+constexpr std::array<Signature, 11> signatures = {{
     {0, std::string_view("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", 8),
      "an OLE2 compound file, as Polytec's .svd, .pvd and .set are",
      "no open reader exists: export it from PSV or VibSoft as universal file (UFF) or ASCII"},
@@ -34,19 +34,6 @@ constexpr std::array<Signature, 23> signatures = {{
      "export it as CSV, or cut its header off"},
     {0, "MDF     ", "an ASAM MDF measurement file", as_csv},
     {0, "UnFinMF ", "an unfinished ASAM MDF measurement file", as_csv},
-    {0, "WAVEDESC", "a LeCroy waveform (.trc)", "save it as CSV on the oscilloscope"},
-    {11, "WAVEDESC", "a LeCroy waveform (.trc)", "save it as CSV on the oscilloscope"},
-    {2, ":WFM#", "a Tektronix waveform (.wfm)", "save it as CSV on the oscilloscope"},
-    {0, ":WFMP", "a Tektronix waveform (.isf)", "save it as CSV on the oscilloscope"},
-    {0, "AG10", "a Keysight waveform (.bin)", "save it as CSV on the oscilloscope"},
-    {0, "AG01", "an Agilent waveform (.bin)", "save it as CSV on the oscilloscope"},
-    {0, "RG01", "a Rigol waveform (.bin)", "save it as CSV on the oscilloscope"},
-    {0, "RG03", "a Rigol waveform (.bin)", "save it as CSV on the oscilloscope"},
-    {0, std::string_view("\xA5\xA5\x00\x00", 4), "a Rigol waveform (.wfm)",
-     "save it as CSV on the oscilloscope"},
-    {0, "\x01\xFF\xFF\xFF", "a Rigol waveform (.wfm)", "save it as CSV on the oscilloscope"},
-    {0, "\x94\x13", "an HBM catman recording (.bin)", as_csv},
-    {0, "|CF,", "an imc FAMOS raw file", as_csv},
     {0, std::string_view("PK\x03\x04", 4), "a ZIP archive (a workbook, or a sigrok session)",
      "save the table in it as CSV"},
     {0, "\x1F\x8B", "a gzip-compressed file", "unpack it first"},

@@ -27,6 +27,37 @@ std::unique_ptr<RecordingReader> open_csv(const std::string& path, const ImportO
 std::unique_ptr<RecordingReader> open_csv_by_blocks(const std::string& path,
                                                     const ImportOptions& options);
 
+int recognises_tek_wfm(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_tek_wfm(const std::string& path,
+                                              const ImportOptions& options);
+
+int recognises_tek_isf(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_tek_isf(const std::string& path,
+                                              const ImportOptions& options);
+
+int recognises_lecroy_trc(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_lecroy_trc(const std::string& path,
+                                                 const ImportOptions& options);
+
+int recognises_keysight_bin(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_keysight_bin(const std::string& path,
+                                                   const ImportOptions& options);
+
+int recognises_rigol_bin(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_rigol_bin(const std::string& path,
+                                                const ImportOptions& options);
+
+int recognises_rigol_wfm(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_rigol_wfm(const std::string& path,
+                                                const ImportOptions& options);
+
+int recognises_catman(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_catman(const std::string& path, const ImportOptions& options);
+
+int recognises_imc_raw(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_imc_raw(const std::string& path,
+                                              const ImportOptions& options);
+
 int recognises_hdf5(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_hdf5(const std::string& path, const ImportOptions& options);
 

@@ -27,17 +27,27 @@ std::unique_ptr<RecordingReader> whole(const std::string& path, const ImportOpti
 
 /// A new format is a file beside this one, its two functions in formats.hpp, and a line here. Most
 /// specific first.
-constexpr std::array<Importer, 5> table = {{
+constexpr auto table = std::to_array<Importer>({
     {"impactrig-hdf5", "impactrig's own HDF5 (.h5)", recognises_hdf5, open_hdf5},  //
     {"uff58b", "universal file with binary functions, dataset 58b (.uff .unv .bunv)",
      recognises_uff58b, open_uff58},  //
     {"uff58", "universal file with functions in text, dataset 58 (.uff .unv)", recognises_uff58,
      open_uff58},  //
     {"polytec-ascii", "Polytec PSV and VibSoft text export (.txt)", recognises_polytec_ascii,
-     whole<read_polytec_ascii>},  //
+     whole<read_polytec_ascii>},                                                                  //
+    {"tek-wfm", "Tektronix waveform, versions 1 to 3 (.wfm)", recognises_tek_wfm, open_tek_wfm},  //
+    {"tek-isf", "Tektronix internal save format (.isf)", recognises_tek_isf, open_tek_isf},       //
+    {"lecroy-trc", "LeCroy waveform (.trc)", recognises_lecroy_trc, open_lecroy_trc},             //
+    {"keysight-bin", "Agilent and Keysight waveforms (.bin)", recognises_keysight_bin,
+     open_keysight_bin},                                                            //
+    {"rigol-bin", "Rigol waveforms (.bin)", recognises_rigol_bin, open_rigol_bin},  //
+    {"rigol-wfm", "Rigol DS1000Z and DS1000E/D waveform (.wfm)", recognises_rigol_wfm,
+     open_rigol_wfm},                                                                 //
+    {"catman", "HBM catman binary export (.bin)", recognises_catman, open_catman},    //
+    {"imc-raw", "imc FAMOS raw file (.raw .dat)", recognises_imc_raw, open_imc_raw},  //
     {"csv", "table of numbers: comma, tab, semicolon or blank separated (.csv .txt .tsv .dat)",
      recognises_csv, open_csv},  //
-}};
+});
 
 /// A score up to this one says "text with numbers" and no more.
 constexpr int generic = 20;

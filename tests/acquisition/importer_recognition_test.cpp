@@ -110,24 +110,6 @@ INSTANTIATE_TEST_SUITE_P(
         Closed{"MDF     4.10"sv,
                "an ASAM MDF measurement file, which is not read: export it as CSV with the program "
                "that wrote it"},
-        Closed{"#9000000346WAVEDESC"sv,
-               "a LeCroy waveform (.trc), which is not read: save it as CSV on the oscilloscope"},
-        Closed{
-            "\x0F\x0F:WFM#003"sv,
-            "a Tektronix waveform (.wfm), which is not read: save it as CSV on the oscilloscope"},
-        Closed{
-            ":WFMPRE:BYT_NR 2"sv,
-            "a Tektronix waveform (.isf), which is not read: save it as CSV on the oscilloscope"},
-        Closed{"AG10\x01\x00"sv,
-               "a Keysight waveform (.bin), which is not read: save it as CSV on the oscilloscope"},
-        Closed{"\xA5\xA5\x00\x00"sv,
-               "a Rigol waveform (.wfm), which is not read: save it as CSV on the oscilloscope"},
-        Closed{"\x94\x13\x00\x80"sv,
-               "an HBM catman recording (.bin), which is not read: export it as CSV with the "
-               "program that wrote it"},
-        Closed{"|CF,2,1,1;"sv,
-               "an imc FAMOS raw file, which is not read: export it as CSV with the program that "
-               "wrote it"},
         Closed{"PK\x03\x04"sv,
                "a ZIP archive (a workbook, or a sigrok session), which is not read: save the table "
                "in it as CSV"},

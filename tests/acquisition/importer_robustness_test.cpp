@@ -126,7 +126,13 @@ INSTANTIATE_TEST_SUITE_P(
                     "text/drop_tower_accel_1.csv", "text/rigol_ds1054z.csv",
                     "text/rigol_ds1102d.csv", "text/rigol_ds1102e.csv", "text/shock_base.txt",
                     "text/tek_mso64.csv", "polytec_ascii/time_ref1_voltage.txt",
-                    "polytec_ascii/time_velocity_clipboard.txt", "lvm/impact_5kg_headerless.lvm"),
+                    "polytec_ascii/time_velocity_clipboard.txt", "lvm/impact_5kg_headerless.lvm",
+                    "scope/bin_DHO824-ch1.bin", "scope/bin_MSO5000-A.bin",
+                    "scope/bin_agilent_1.bin", "scope/bin_agilent_4.bin",
+                    "scope/tek_analog_waveform.wfm", "scope/tek_golden_analog.wfm",
+                    "scope/trc_lecroy_3.trc", "scope/trc_lecroy_4.trc", "scope/wfm_DS1054Z-A.wfm",
+                    "scope/wfm_DS1102D-A.wfm", "catman/job_4byte.bin", "imc/datasetA_1.raw",
+                    "imc/datasetA_21.raw"),
     [](const auto& instance) {
       std::string name = instance.param;
       for (char& c : name)

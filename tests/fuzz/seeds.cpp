@@ -8,7 +8,14 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/acquisition/catman_bytes.hpp"
+#include "tests/acquisition/imc_raw_bytes.hpp"
+#include "tests/acquisition/lecroy_trc_bytes.hpp"
+#include "tests/acquisition/rigol_wfm_bytes.hpp"
+#include "tests/acquisition/tek_isf_bytes.hpp"
+#include "tests/acquisition/tek_wfm_bytes.hpp"
 #include "tests/acquisition/text_bytes.hpp"
+#include "tests/acquisition/waveform_container_bytes.hpp"
 
 namespace {
 
@@ -20,11 +27,19 @@ struct Seeds {
 };
 
 /// A format's seeds are made by the builders its tests use.
-constexpr std::array<Seeds, 4> table = {{
-    {"csv", csv_seeds},                //
-    {"polytec-ascii", polytec_seeds},  //
-    {"uff58", uff58_seeds},            //
-    {"uff58b", uff58b_seeds},          //
+constexpr std::array<Seeds, 12> table = {{
+    {"catman", catman_seeds},              //
+    {"imc-raw", imc_raw_seeds},            //
+    {"keysight-bin", keysight_bin_seeds},  //
+    {"lecroy-trc", lecroy_trc_seeds},      //
+    {"rigol-bin", rigol_bin_seeds},        //
+    {"rigol-wfm", rigol_wfm_seeds},        //
+    {"tek-isf", tek_isf_seeds},            //
+    {"tek-wfm", tek_wfm_seeds},            //
+    {"csv", csv_seeds},                    //
+    {"polytec-ascii", polytec_seeds},      //
+    {"uff58", uff58_seeds},                //
+    {"uff58b", uff58b_seeds},              //
 }};
 
 }  // namespace

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "acquisition/importers/byte_cursor.hpp"
+#include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/header_fields.hpp"
+#include "acquisition/importers/stored_numbers.hpp"
+
+/// LeCroy waveforms: the block WAVEDESC, then texts and times, then the samples.
+///
+/// Source of the layout: Teledyne LeCroy, MAUI Oscilloscopes Remote Control and Automation Manual,
+/// "Waveform Template" (LECROY_2_3); the answer of a 9304A to TMPL? (LECROY_2_2). Offsets below are
+/// counted from WAVEDESC.
+namespace impactrig::acquisition {
+
+using datasets::Channel;
+using datasets::InputError;
+using datasets::Record;
+
+namespace {
+
+constexpr std::string_view way_out = "save it as CSV or as binary of template LECROY_2_3";
+
+/// A block's header ("#9000020746") may stand before the descriptor; more than that does not.
+constexpr std::size_t farthest = 256;
+
+constexpr std::array<std::string_view, 10> record_types = {
+    "single sweep", "interleaved", "histogram",         "graph",        "filter coefficients",
+    "complex",      "extrema",     "sequence obsolete", "centered RIS", "peak detect"};
+
+constexpr std::array<std::string_view, 5> couplings = {"DC 50 Ohm", "ground", "DC 1 MOhm", "ground",
+                                                       "AC 1 MOhm"};
+
+class TrcReader {
+ public:
+  explicit TrcReader(std::unique_ptr<MappedFile> file) : file_(std::move(file)), in_(*file_) {
+    const std::size_t found = file_->bytes().substr(0, farthest).find("WAVEDESC");
+    if (found == std::string_view::npos)
+      throw InputError(file_->byte_position(0),
+                       fmt::format("expected 'WAVEDESC' in the first {} bytes", farthest));
+    base_ = found;
+    const std::string name = text(16, 16, "the name of the template");
+    if (name != "LECROY_2_2" && name != "LECROY_2_3")
+      throw InputError(file_->byte_position(base_ + 16),
+                       fmt::format("this is a LeCroy waveform of the template '{}', expected "
+                                   "LECROY_2_2 or LECROY_2_3: {}",
+                                   name, way_out));
+    // 1 is little-endian, 0 big-endian: in both the byte at 34 tells
+    in_.seek(base_ + 34);
+    in_.set_big_endian(in_.read<std::uint8_t>("the byte order") != 1);
+  }
+
+  std::unique_ptr<RecordingReader> open() {
+    describe();
+    find_samples();
+    add_sweep();
+    if (segments_ > 1) tell_of_segments();
+    return reader_of_numbers(std::move(file_), std::move(record_), std::move(stored_));
+  }
+
+ private:
+  template <typename Number>
+  Number field(std::uint64_t offset, std::string_view what) {
+    in_.seek(base_ + offset);
+    return in_.read<Number>(what);
+  }
+
+  std::string text(std::uint64_t offset, std::uint64_t size, std::string_view what) {
+    in_.seek(base_ + offset);
+    return fixed_text(in_.bytes(size, what));
+  }
+
+  /// A block's length: signed in the file.
+  std::uint64_t length(std::uint64_t offset, std::string_view what) {
+    const auto bytes = field<std::int32_t>(offset, what);
+    if (bytes < 0)
+      throw InputError(file_->byte_position(base_ + offset),
+                       fmt::format("{} is {}, expected 0 or more", what, bytes));
+    return static_cast<std::uint64_t>(bytes);
+  }
+
+  void describe() {
+    const auto source = field<std::uint16_t>(344, "the source of the waveform");
+    const std::string label = text(96, 16, "the trace label");
+    channel_.name = source < 4       ? fmt::format("CH {}", source + 1)
+                    : !label.empty() ? label
+                                     : "waveform";
+    set_attribute(channel_, "trace label", label);
+    set_unit(channel_, text(196, 48, "the vertical unit"));
+    const auto gain = field<float>(156, "the vertical gain");
+    const auto offset = field<float>(160, "the vertical offset");
+    set_scale(channel_, gain, -static_cast<double>(offset), *file_, base_ + 156);
+    // "S" is LeCroy's second
+    const std::string written = text(244, 48, "the horizontal unit");
+    unit_ = written == "S" ? "s" : written;
+    interval_ = meant_by_float(field<float>(176, "the sample interval"));
+    set_axis(channel_, field<double>(180, "the time of the first sample"), interval_, unit_);
+
+    const auto coupling = field<std::uint16_t>(326, "the coupling");
+    if (coupling < couplings.size()) set_attribute(channel_, "coupling", couplings[coupling]);
+    channel_.attributes["probe attenuation"] =
+        fmt::format("{}", field<float>(328, "the probe attenuation"));
+    channel_.attributes["nominal bits"] =
+        fmt::format("{}", field<std::int16_t>(172, "the number of bits"));
+    set_attribute(record_, "instrument", text(76, 16, "the instrument's name"));
+    record_.attributes["instrument number"] =
+        fmt::format("{}", field<std::int32_t>(92, "the instrument's number"));
+    set_attribute(record_, "template", text(16, 16, "the name of the template"));
+    record_.attributes["byte order"] = in_.big_endian() ? "big-endian" : "little-endian";
+    const auto second = field<double>(296, "the trigger time");
+    record_.started = iso_time(
+        field<std::int16_t>(308, "the trigger time"), field<std::uint8_t>(307, "the trigger time"),
+        field<std::uint8_t>(306, "the trigger time"), field<std::uint8_t>(305, "the trigger time"),
+        field<std::uint8_t>(304, "the trigger time"), second);
+    const auto type = field<std::uint16_t>(316, "the type of the record");
+    const bool known = type < record_types.size();
+    const std::string_view type_name = known ? record_types[type] : "unknown";
+    record_.attributes["record type"] = type_name;
+    if (!known || (type >= 2 && type <= 5))
+      throw InputError(file_->byte_position(base_ + 316),
+                       fmt::format("this waveform is of the type '{}' ({}), expected samples over "
+                                   "time: save it as CSV",
+                                   type_name, type));
+    second_array_ = type == 6 || type == 9;
+  }
+
+  void find_samples() {
+    const auto type = field<std::uint16_t>(32, "the type of the samples");
+    if (type > 1)
+      throw InputError(
+          file_->byte_position(base_ + 32),
+          fmt::format("the type of the samples (COMM_TYPE) is {}, expected 0 (bytes) or 1 (words)",
+                      type));
+    kind_ = type == 0 ? NumberKind::i8 : NumberKind::i16;
+    trigger_times_ = base_ + length(36, "the length of the descriptor") +
+                     length(40, "the length of the user text") +
+                     length(44, "the length of the reserved descriptor");
+    const std::uint64_t times = length(48, "the length of the trigger times");
+    const std::uint64_t ris_times = length(52, "the length of the RIS times");
+    trigger_times_bytes_ = times;
+    samples_ = trigger_times_ + times + ris_times + length(56, "the length of the reserved array");
+    const std::uint64_t bytes = length(60, "the length of the samples");
+    second_samples_ = samples_ + bytes;
+    points_ = length(116, "the number of samples");
+    if (points_ > bytes / size_of(kind_)) {
+      record_.warnings.push_back(
+          fmt::format("'{}': {} samples are announced, their {} bytes have {}", channel_.name,
+                      points_, bytes, bytes / size_of(kind_)));
+      points_ = bytes / size_of(kind_);
+    }
+    const std::uint64_t segments = length(144, "the number of segments");
+    segments_ = segments == 0 ? 1 : segments;
+  }
+
+  void add(const Channel& channel, std::uint64_t offset, std::uint64_t points) {
+    stored_.push_back(
+        {numbers_at(*file_, offset, points, kind_, in_.big_endian(), channel.name, record_)});
+    record_.channels.push_back(channel);
+    if (record_.channels.size() == 1 && points > 0 && stored_.front().samples.size() == 0)
+      throw InputError(file_->byte_position(file_->bytes().size()),
+                       "the file ends before its first sample");
+  }
+
+  void add_sweep() {
+    add(channel_, samples_, points_);
+    if (!second_array_) return;
+    // extrema and peak detect: the first array is the roof, the second the floor
+    const std::uint64_t bytes = length(64, "the length of the second samples");
+    if (bytes == 0) return;
+    record_.channels.front().name += " max";
+    channel_.name += " min";
+    add(channel_, second_samples_, bytes / size_of(kind_));
+  }
+
+  /// The segments of a sequence lie one behind the other. They stay one channel, in which impacts
+  /// are found as in any other; TRIGTIME has for each segment the seconds since the first trigger,
+  /// and those from its own trigger to its first sample.
+  void tell_of_segments() {
+    const std::uint64_t there = stored_.front().samples.size();
+    record_.warnings.push_back(
+        fmt::format("'{}' is a sequence of {} segments of {} samples: they follow each other as if "
+                    "there were no time between them; true within a segment only",
+                    channel_.name, segments_, points_ / segments_));
+    Channel& channel = record_.channels.front();
+    channel.attributes["segments"] = fmt::format("{}", segments_);
+    channel.attributes["samples a segment"] = fmt::format("{}", points_ / segments_);
+    if (there < points_) return;
+    constexpr std::uint64_t most_told = 1000;
+    std::string triggers;
+    std::string starts;
+    in_.seek(trigger_times_);
+    for (std::uint64_t i = 0; i < std::min({segments_, trigger_times_bytes_ / 16, most_told});
+         ++i) {
+      triggers += fmt::format("{}{:.12g}", i > 0 ? ", " : "", in_.read<double>("a trigger time"));
+      starts += fmt::format("{}{:.12g}", i > 0 ? ", " : "", in_.read<double>("a trigger time"));
+    }
+    set_attribute(channel, "triggers since the first [s]", triggers);
+    set_attribute(channel, "segment starts after their triggers [s]", starts);
+  }
+
+  std::unique_ptr<MappedFile> file_;
+  ByteCursor in_;
+  std::uint64_t base_ = 0;
+  Record record_;
+  Channel channel_;
+  std::vector<StoredChannel> stored_;
+  std::string unit_;
+  double interval_ = 0.0;
+  bool second_array_ = false;
+  NumberKind kind_ = NumberKind::i8;
+  std::uint64_t trigger_times_ = 0;
+  std::uint64_t trigger_times_bytes_ = 0;
+  std::uint64_t samples_ = 0;
+  std::uint64_t second_samples_ = 0;
+  std::uint64_t points_ = 0;
+  std::uint64_t segments_ = 1;
+};
+
+}  // namespace
+
+int recognises_lecroy_trc(std::string_view, std::string_view head) {
+  const std::size_t found = head.substr(0, farthest).find("WAVEDESC");
+  if (found == std::string_view::npos) return 0;
+  return found == 0 || head.front() == '#' ? 100 : 80;
+}
+
+std::unique_ptr<RecordingReader> open_lecroy_trc(const std::string& path, const ImportOptions&) {
+  return TrcReader(std::make_unique<MappedFile>(path)).open();
+}
+
+}  // namespace impactrig::acquisition
