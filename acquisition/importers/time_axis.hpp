@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -35,6 +36,10 @@ std::optional<double> nice_rate(double interval);
 /// unset (interval 0).
 void set_abscissa(datasets::Channel& channel, std::string_view domain, std::string_view unit,
                   double first, double increment);
+
+/// Seconds and microseconds since 1970-01-01 00:00 UTC as "2020-04-30T19:12:52.5Z", with the digits
+/// that are not zero; "" outside of the years 1 to 9999.
+std::string iso_utc(std::int64_t seconds, std::uint32_t microseconds);
 
 /// "30-Apr-20 19:12:52" as "2020-04-30T19:12:52"; anything else as it is. Years 70 to 99 are of the
 /// last century.

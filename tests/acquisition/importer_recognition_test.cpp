@@ -91,8 +91,9 @@ INSTANTIATE_TEST_SUITE_P(
                "open reader exists: export it "
                "from PSV or VibSoft as universal file (UFF) or ASCII"},
         Closed{
-            "TDSm\x0E\x00\x00\x00"sv,
-            "an NI TDMS file, which is not read: export it as CSV with the program that wrote it"},
+            "TDSh\x0E\x00\x00\x00"sv,
+            "the index of an NI TDMS file (.tdms_index), which is not read: state the .tdms file "
+            "beside it, which holds the samples"},
         Closed{"RIFF\x24\x00\x00\x00WAVEfmt "sv,
                "a WAVE audio file, which is not read: export it as CSV with the program that wrote "
                "it"},

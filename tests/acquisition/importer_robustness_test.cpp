@@ -126,7 +126,11 @@ INSTANTIATE_TEST_SUITE_P(
                     "text/drop_tower_accel_1.csv", "text/rigol_ds1054z.csv",
                     "text/rigol_ds1102d.csv", "text/rigol_ds1102e.csv", "text/shock_base.txt",
                     "text/tek_mso64.csv", "polytec_ascii/time_ref1_voltage.txt",
-                    "polytec_ascii/time_velocity_clipboard.txt", "lvm/impact_5kg_headerless.lvm"),
+                    "polytec_ascii/time_velocity_clipboard.txt", "lvm/impact_5kg_headerless.lvm",
+                    "tdms/raw1_scaled.tdms", "tdms/example_no_waveform.tdms",
+                    "tdms_scenarios/daqmx_multiple_raw_data_buffers.tdms",
+                    "tdms_scenarios/scn_chunked_segment.tdms",
+                    "tdms_scenarios/scn_timestamp_data.tdms"),
     [](const auto& instance) {
       std::string name = instance.param;
       for (char& c : name)
