@@ -21,6 +21,9 @@ datasets::Record read_polytec_ascii(const std::string& path, const ImportOptions
 int recognises_tdms(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_tdms(const std::string& path, const ImportOptions& options);
 
+int recognises_mdf4(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_mdf4(const std::string& path, const ImportOptions& options);
+
 int recognises_csv(std::string_view file_name, std::string_view head);
 datasets::Record read_csv(const std::string& path, const ImportOptions& options);
 

@@ -27,13 +27,14 @@ std::unique_ptr<RecordingReader> whole(const std::string& path, const ImportOpti
 
 /// A new format is a file beside this one, its two functions in formats.hpp, and a line here. Most
 /// specific first.
-constexpr std::array<Importer, 6> table = {{
+constexpr std::array<Importer, 7> table = {{
     {"impactrig-hdf5", "impactrig's own HDF5 (.h5)", recognises_hdf5, whole<read_hdf5>},  //
     {"uff58b", "universal file with binary functions, dataset 58b (.uff .unv .bunv)",
      recognises_uff58b, whole<read_uff58>},  //
     {"uff58", "universal file with functions in text, dataset 58 (.uff .unv)", recognises_uff58,
      whole<read_uff58>},                                                          //
     {"tdms", "NI TDMS, DAQmx raw data too (.tdms)", recognises_tdms, open_tdms},  //
+    {"mdf4", "ASAM MDF 4 (.mf4 .mdf)", recognises_mdf4, open_mdf4},               //
     {"polytec-ascii", "Polytec PSV and VibSoft text export (.txt)", recognises_polytec_ascii,
      whole<read_polytec_ascii>},  //
     {"csv", "table of numbers: comma, tab, semicolon or blank separated (.csv .txt .tsv .dat)",

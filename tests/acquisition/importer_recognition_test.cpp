@@ -108,9 +108,13 @@ INSTANTIATE_TEST_SUITE_P(
         Closed{"LabVIEW Measurement\t"sv,
                "a LabVIEW measurement file (LVM) with a header, which is not read: export it as "
                "CSV, or cut its header off"},
-        Closed{"MDF     4.10"sv,
-               "an ASAM MDF measurement file, which is not read: export it as CSV with the program "
-               "that wrote it"},
+        Closed{"MDF     3.30"sv,
+               "an ASAM MDF measurement file before version 4, which is not read: save it as MDF 4 "
+               "with the program that wrote it"},
+        Closed{
+            "UnFinMF 3.30"sv,
+            "an unfinished ASAM MDF measurement file before version 4, which is not read: save it "
+            "as MDF 4 with the program that wrote it"},
         Closed{"#9000000346WAVEDESC"sv,
                "a LeCroy waveform (.trc), which is not read: save it as CSV on the oscilloscope"},
         Closed{

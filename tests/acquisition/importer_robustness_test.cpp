@@ -120,17 +120,16 @@ TEST_P(DamagedRecording, WithDigitsExchangedIsReadOrRefused) {
 
 INSTANTIATE_TEST_SUITE_P(
     Shared, DamagedRecording,
-    testing::Values("uff/binary8byte.uff", "uff/catman_time_history.uff", "uff/header_1858.uff",
-                    "uff/mps_first_set_fixed.uff", "uff/sample_58_ascii.uff",
-                    "uff/sample_58b_bin.uff", "uff/testlab_161_164_18_15_82.uff",
-                    "text/drop_tower_accel_1.csv", "text/rigol_ds1054z.csv",
-                    "text/rigol_ds1102d.csv", "text/rigol_ds1102e.csv", "text/shock_base.txt",
-                    "text/tek_mso64.csv", "polytec_ascii/time_ref1_voltage.txt",
-                    "polytec_ascii/time_velocity_clipboard.txt", "lvm/impact_5kg_headerless.lvm",
-                    "tdms/raw1_scaled.tdms", "tdms/example_no_waveform.tdms",
-                    "tdms_scenarios/daqmx_multiple_raw_data_buffers.tdms",
-                    "tdms_scenarios/scn_chunked_segment.tdms",
-                    "tdms_scenarios/scn_timestamp_data.tdms"),
+    testing::Values(
+        "uff/binary8byte.uff", "uff/catman_time_history.uff", "uff/header_1858.uff",
+        "uff/mps_first_set_fixed.uff", "uff/sample_58_ascii.uff", "uff/sample_58b_bin.uff",
+        "uff/testlab_161_164_18_15_82.uff", "text/drop_tower_accel_1.csv", "text/rigol_ds1054z.csv",
+        "text/rigol_ds1102d.csv", "text/rigol_ds1102e.csv", "text/shock_base.txt",
+        "text/tek_mso64.csv", "polytec_ascii/time_ref1_voltage.txt",
+        "polytec_ascii/time_velocity_clipboard.txt", "lvm/impact_5kg_headerless.lvm",
+        "mdf4/test_batch_cut_0.mf4", "tdms/raw1_scaled.tdms", "tdms/example_no_waveform.tdms",
+        "tdms_scenarios/daqmx_multiple_raw_data_buffers.tdms",
+        "tdms_scenarios/scn_chunked_segment.tdms", "tdms_scenarios/scn_timestamp_data.tdms"),
     [](const auto& instance) {
       std::string name = instance.param;
       for (char& c : name)

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/acquisition/mdf4_bytes.hpp"
 #include "tests/acquisition/tdms_bytes.hpp"
 #include "tests/acquisition/text_bytes.hpp"
 
@@ -21,8 +22,9 @@ struct Seeds {
 };
 
 /// A format's seeds are made by the builders its tests use.
-constexpr std::array<Seeds, 5> table = {{
+constexpr std::array<Seeds, 6> table = {{
     {"csv", csv_seeds},                //
+    {"mdf4", mdf4_seeds},              //
     {"polytec-ascii", polytec_seeds},  //
     {"tdms", tdms_seeds},              //
     {"uff58", uff58_seeds},            //
