@@ -59,6 +59,16 @@ const Channel* Record::find(std::string_view name_or_index) const {
     return only ? &*first : nullptr;
   }
 
+  const auto in_group = [&](const Channel& channel) {
+    const auto group = channel.attributes.find("group");
+    return group != channel.attributes.end() &&
+           name_or_index.size() == group->second.size() + 1 + channel.name.size() &&
+           name_or_index.starts_with(group->second) && name_or_index.ends_with(channel.name) &&
+           name_or_index[group->second.size()] == '/';
+  };
+  const auto grouped = std::ranges::find_if(channels, in_group);
+  if (grouped != channels.end()) return &*grouped;
+
   std::size_t index = 0;
   const char* const last = name_or_index.data() + name_or_index.size();
   const auto [end, error] = std::from_chars(name_or_index.data(), last, index);

@@ -102,7 +102,8 @@ struct Record {
   std::map<std::string, std::string> attributes;  ///< whatever else the file's header says
 
   /// The channel of that name (the first that has it exactly, else the only one that matches
-  /// without regard to case), or of that index from 0 ("2"); null when there is none.
+  /// without regard to case), of that name in the group that its attribute "group" states
+  /// ("Impacts/Force"), or of that index from 0 ("2"); null when there is none.
   const Channel* find(std::string_view name_or_index) const;
 };
 

@@ -21,6 +21,12 @@ std::unique_ptr<RecordingReader> open_uff58_by_blocks(const std::string& path,
 int recognises_polytec_ascii(std::string_view file_name, std::string_view head);
 datasets::Record read_polytec_ascii(const std::string& path, const ImportOptions& options);
 
+int recognises_tdms(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_tdms(const std::string& path, const ImportOptions& options);
+
+int recognises_mdf4(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_mdf4(const std::string& path, const ImportOptions& options);
+
 int recognises_csv(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_csv(const std::string& path, const ImportOptions& options);
 /// As open_csv does for large files, whatever the size.

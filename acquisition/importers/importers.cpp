@@ -32,7 +32,9 @@ constexpr auto table = std::to_array<Importer>({
     {"uff58b", "universal file with binary functions, dataset 58b (.uff .unv .bunv)",
      recognises_uff58b, open_uff58},  //
     {"uff58", "universal file with functions in text, dataset 58 (.uff .unv)", recognises_uff58,
-     open_uff58},  //
+     open_uff58},                                                                 //
+    {"tdms", "NI TDMS, DAQmx raw data too (.tdms)", recognises_tdms, open_tdms},  //
+    {"mdf4", "ASAM MDF 4 (.mf4 .mdf)", recognises_mdf4, open_mdf4},               //
     {"polytec-ascii", "Polytec PSV and VibSoft text export (.txt)", recognises_polytec_ascii,
      whole<read_polytec_ascii>},                                                                  //
     {"tek-wfm", "Tektronix waveform, versions 1 to 3 (.wfm)", recognises_tek_wfm, open_tek_wfm},  //

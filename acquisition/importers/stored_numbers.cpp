@@ -8,6 +8,8 @@
 #include <bit>
 #include <cstring>
 
+#include "acquisition/importers/time_axis.hpp"
+
 namespace impactrig::acquisition {
 
 using datasets::InputError;
@@ -40,7 +42,8 @@ void StoredNumbers::add(const NumberRun& run) {
   size_ += run.count * run.repeats;
   if (!runs_.empty()) {
     NumberRun& last = runs_.back();
-    const bool alike = last.count == run.count && last.stride == run.stride && run.repeats == 1;
+    const bool alike = last.count == run.count && last.stride == run.stride && run.repeats == 1 &&
+                       last.other_order == run.other_order;
     const std::uint64_t distance = run.offset - last.offset;
     if (alike && last.repeats == 1 && run.offset > last.offset) {
       last.period = distance;
@@ -66,8 +69,20 @@ std::uint64_t numbers_there(const MappedFile& file, std::uint64_t offset, std::u
 
 namespace {
 
-/// Numbers of a channel handed over at once: in bytes they stay in the processor's cache.
+/// Numbers of a channel handed over at once, at most: they stay in the processor's cache.
 constexpr std::uint64_t block_size = 32768;
+
+/// Numbers handed over at once where channels lie interleaved, so that the rows are still in the
+/// cache when the next channel is read, or where there are so many channels that their blocks fill
+/// the memory.
+std::uint64_t block_size_for(std::uint64_t largest_stride, std::size_t channels) {
+  constexpr std::uint64_t rows = std::uint64_t{1} << 18;  // [bytes], a part of the second cache
+  constexpr std::uint64_t all = std::uint64_t{1} << 22;   // numbers of all channels, 32 MB
+  const std::uint64_t fit =
+      std::max<std::uint64_t>(rows / std::max<std::uint64_t>(largest_stride, 1), 1024);
+  const std::uint64_t share = std::max<std::uint64_t>(all / std::max<std::size_t>(channels, 1), 64);
+  return std::min({block_size, fit, share});
+}
 
 template <typename Number>
 Number byte_swapped(Number value) {
@@ -110,9 +125,11 @@ void gather_24(const char* from, std::uint64_t count, std::uint64_t stride, bool
   }
 }
 
+}  // namespace
+
 template <typename Value>
-void convert(NumberKind kind, bool big_endian, const char* from, std::uint64_t count,
-             std::uint64_t stride, Value* to) {
+void convert_numbers(NumberKind kind, bool big_endian, const char* from, std::uint64_t count,
+                     std::uint64_t stride, Value* to) {
   const bool swapped = big_endian != (std::endian::native == std::endian::big);
   switch (kind) {
     case NumberKind::i8:
@@ -139,6 +156,15 @@ void convert(NumberKind kind, bool big_endian, const char* from, std::uint64_t c
       return gather<double>(from, count, stride, swapped, to);
   }
 }
+
+template void convert_numbers(NumberKind, bool, const char*, std::uint64_t, std::uint64_t, double*);
+template void convert_numbers(NumberKind, bool, const char*, std::uint64_t, std::uint64_t, float*);
+template void convert_numbers(NumberKind, bool, const char*, std::uint64_t, std::uint64_t,
+                              std::int16_t*);
+template void convert_numbers(NumberKind, bool, const char*, std::uint64_t, std::uint64_t,
+                              std::int32_t*);
+
+namespace {
 
 /// Walks along the numbers of a channel.
 class NumberCursor {
@@ -171,7 +197,7 @@ class NumberCursor {
   template <typename Value>
   const Value* in_place(std::uint64_t count) {
     const NumberRun& run = numbers_->runs()[run_];
-    const bool native = (numbers_->big_endian() == (std::endian::native == std::endian::big)) &&
+    const bool native = big_endian(run) == (std::endian::native == std::endian::big) &&
                         run.stride == sizeof(Value) && run.count - at_ >= count;
     if (!native) return nullptr;
     const char* const first = here();
@@ -186,7 +212,7 @@ class NumberCursor {
     while (count > 0) {
       const NumberRun& run = numbers_->runs()[run_];
       const std::uint64_t step = std::min(count, run.count - at_);
-      convert(numbers_->kind(), numbers_->big_endian(), here(), step, run.stride, to);
+      convert_numbers(numbers_->kind(), big_endian(run), here(), step, run.stride, to);
       note(step, run.stride);
       to += step;
       count -= step;
@@ -208,6 +234,8 @@ class NumberCursor {
     const NumberRun& run = numbers_->runs()[run_];
     return run.offset + repeat_ * run.period + at_ * run.stride;
   }
+
+  bool big_endian(const NumberRun& run) const { return numbers_->big_endian() != run.other_order; }
 
   const char* here() const { return file_->bytes().data() + offset(); }
 
@@ -254,14 +282,18 @@ class ChannelStream {
 
   bool done() const { return left_ == 0; }
 
-  void hand_over(std::size_t index, SampleSink& sink) {
-    const std::uint64_t count = std::min(left_, block_size);
+  void hand_over(std::size_t index, std::uint64_t most, SampleSink& sink) {
+    const std::uint64_t count = std::min(left_, most);
     SampleBlock block;
     block.raw = raw(count);
     if (channel_->imaginary.size() > 0)
       block.imaginary = read(imaginary_, count, imaginary_values_);
     sink.take(index, block);
-    if (channel_->times.size() > 0) sink.take_times(index, read(times_, count, time_values_));
+    if (channel_->times.size() > 0) {
+      read(times_, count, time_values_);
+      if (channel_->times_scaling) channel_->times_scaling(time_values_);
+      sink.take_times(index, time_values_);
+    }
     left_ -= count;
   }
 
@@ -350,22 +382,26 @@ class NumbersReader final : public RecordingReader {
     Record record = head_.record;
     record.channels.clear();
     std::vector<ChannelStream> streams;
+    std::uint64_t largest_stride = 1;
     for (const std::size_t index : selected_channels(head_, wanted)) {
       const StoredChannel& stored = channels_[index];
+      if (!stored.samples.runs().empty())
+        largest_stride = std::max(largest_stride, stored.samples.runs().front().stride);
       record.channels.push_back(head_.record.channels[index]);
       datasets::SampleClock& clock = record.channels.back().clock;
       const SampleRange range = stored.times.size() == 0
                                     ? samples_within(clock, stored.samples.size(), wanted)
-                                    : samples_between(stored.times, wanted, clock);
+                                    : samples_between(stored, wanted, clock);
       streams.emplace_back(*file_, stored, range);
       if (stored.times.size() == 0)
         clock.start += clock.interval * static_cast<double>(range.first);
     }
+    const std::uint64_t most = block_size_for(largest_stride, streams.size());
     for (bool more = true; more;) {
       more = false;
       for (std::size_t i = 0; i < streams.size(); ++i) {
         if (streams[i].done()) continue;
-        streams[i].hand_over(i, sink);
+        streams[i].hand_over(i, most, sink);
         more = more || !streams[i].done();
       }
       for (ChannelStream& stream : streams) stream.release(*file_);
@@ -390,8 +426,9 @@ class NumbersReader final : public RecordingReader {
   }
 
   /// The samples whose stated times lie in the window; `clock` then starts at the first of them.
-  SampleRange samples_between(const StoredNumbers& times, const Selection& wanted,
+  SampleRange samples_between(const StoredChannel& channel, const Selection& wanted,
                               datasets::SampleClock& clock) const {
+    const StoredNumbers& times = channel.times;
     if (!wanted.has_window()) return {0, times.size()};
     NumberCursor cursor(*file_, times);
     SampleRange range{times.size(), times.size()};
@@ -401,6 +438,7 @@ class NumbersReader final : public RecordingReader {
     for (std::uint64_t i = 0; i < times.size(); i += block.size()) {
       block.resize(std::min(block_size, times.size() - i));
       cursor.read(block.size(), block.data());
+      if (channel.times_scaling) channel.times_scaling(block);
       for (std::size_t k = 0; k < block.size(); ++k) {
         if (block[k] < before) return {0, times.size()};  // times that go back are not cut
         before = block[k];
@@ -423,7 +461,46 @@ class NumbersReader final : public RecordingReader {
   RecordingHead head_;
 };
 
+/// Times looked at when a recording is opened.
+constexpr std::uint64_t most_times = std::uint64_t{1} << 20;
+
 }  // namespace
+
+void read_numbers(const MappedFile& file, const StoredNumbers& numbers, std::uint64_t first,
+                  std::span<double> to) {
+  if (to.empty()) return;
+  NumberCursor cursor(file, numbers);
+  cursor.skip(first);
+  cursor.read(to.size(), to.data());
+}
+
+std::string set_stored_times(const MappedFile& file, const StoredNumbers& times,
+                             const std::function<void(std::span<double>)>& times_scaling,
+                             datasets::SampleClock& clock, StoredChannel& channel) {
+  const std::uint64_t n = times.size();
+  if (n == 0) return {};
+  std::string warning;
+  if (n <= most_times) {
+    std::vector<double> all(n);
+    read_numbers(file, times, 0, all);
+    if (times_scaling) times_scaling(all);
+    TimeAxis axis = time_axis(std::move(all));
+    clock.start = axis.clock.start;
+    clock.interval = axis.clock.interval;
+    if (n == 1 || axis.clock.uniform()) return axis.warning;
+    warning = axis.warning;
+  } else {
+    std::array<double, 2> ends{};
+    read_numbers(file, times, 0, std::span(ends).first(1));
+    read_numbers(file, times, n - 1, std::span(ends).last(1));
+    if (times_scaling) times_scaling(ends);
+    clock.start = ends[0];
+    clock.interval = (ends[1] - ends[0]) / static_cast<double>(n - 1);
+  }
+  channel.times = times;
+  channel.times_scaling = times_scaling;
+  return warning;
+}
 
 std::unique_ptr<RecordingReader> reader_of_numbers(std::unique_ptr<MappedFile> file, Record record,
                                                    std::vector<StoredChannel> channels) {

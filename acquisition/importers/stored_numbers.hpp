@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "acquisition/importers/mapped_file.hpp"
@@ -25,6 +26,7 @@ struct NumberRun {
   std::uint64_t stride = 0;   ///< from one number to the next [bytes]
   std::uint64_t repeats = 1;  ///< > 0
   std::uint64_t period = 0;   ///< from one repetition to the next [bytes]
+  bool other_order = false;   ///< true: in the other byte order than StoredNumbers::big_endian says
 };
 
 /// Where the numbers of a channel lie in a binary file, in their order.
@@ -67,7 +69,26 @@ struct StoredChannel {
   /// What the file does to its numbers beyond Channel::scale and offset (a polynomial, a table).
   /// Where it is set, samples are handed over in double precision and changed by it.
   std::function<void(std::span<double>)> scaling{};
+  std::function<void(std::span<double>)>
+      times_scaling{};  ///< makes seconds of `times`; none: as is
 };
+
+/// Reads numbers, from the one with index `first` on, as many as `to` takes.
+void read_numbers(const MappedFile& file, const StoredNumbers& numbers, std::uint64_t first,
+                  std::span<double> to);
+
+/// Converts numbers that lie in memory at a distance of `stride` bytes. Value is double, float,
+/// std::int32_t or std::int16_t and holds the kind.
+template <typename Value>
+void convert_numbers(NumberKind kind, bool big_endian, const char* from, std::uint64_t count,
+                     std::uint64_t stride, Value* to);
+
+/// Gives a channel the clock that a channel of times stands for: uniform where they are so few that
+/// they can be looked at now (a million) and even; else every time is read with its sample. Returns
+/// a sentence for the user where that needs one.
+std::string set_stored_times(const MappedFile& file, const StoredNumbers& times,
+                             const std::function<void(std::span<double>)>& times_scaling,
+                             datasets::SampleClock& clock, StoredChannel& channel);
 
 /// Reads numbers as they lie in a file: by blocks, only what is asked for, without a copy where the
 /// machine's own numbers lie side by side. `record` has one channel a StoredChannel, without

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -186,6 +187,25 @@ void set_abscissa(datasets::Channel& channel, std::string_view domain, std::stri
   channel.attributes["abscissa unit"] = unit;
   channel.attributes["abscissa first"] = fmt::format("{}", first);
   channel.attributes["abscissa increment"] = fmt::format("{}", increment);
+}
+
+std::string iso_utc(std::int64_t seconds, std::uint32_t microseconds) {
+  constexpr std::int64_t year_1 = -62135596800;
+  constexpr std::int64_t year_10000 = 253402300800;
+  if (seconds < year_1 || seconds >= year_10000) return {};
+  const std::chrono::sys_seconds point{std::chrono::seconds(seconds)};
+  const auto day = std::chrono::floor<std::chrono::days>(point);
+  const std::chrono::year_month_day date{day};
+  const std::chrono::hh_mm_ss clock{point - day};
+  std::string text =
+      fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", static_cast<int>(date.year()),
+                  static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                  clock.hours().count(), clock.minutes().count(), clock.seconds().count());
+  if (microseconds != 0) {
+    text += fmt::format(".{:06}", microseconds);
+    text.resize(text.find_last_not_of('0') + 1);
+  }
+  return text + "Z";
 }
 
 std::string uff_date(std::string_view text) {

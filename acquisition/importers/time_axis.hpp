@@ -87,6 +87,10 @@ std::optional<double> nice_rate(double interval);
 void set_abscissa(datasets::Channel& channel, std::string_view domain, std::string_view unit,
                   double first, double increment);
 
+/// Seconds and microseconds since 1970-01-01 00:00 UTC as "2020-04-30T19:12:52.5Z", with the digits
+/// that are not zero; "" outside of the years 1 to 9999.
+std::string iso_utc(std::int64_t seconds, std::uint32_t microseconds);
+
 /// "30-Apr-20 19:12:52" as "2020-04-30T19:12:52"; anything else as it is. Years 70 to 99 are of the
 /// last century.
 std::string iso_date(std::string_view text);

@@ -91,8 +91,9 @@ INSTANTIATE_TEST_SUITE_P(
                "open reader exists: export it "
                "from PSV or VibSoft as universal file (UFF) or ASCII"},
         Closed{
-            "TDSm\x0E\x00\x00\x00"sv,
-            "an NI TDMS file, which is not read: export it as CSV with the program that wrote it"},
+            "TDSh\x0E\x00\x00\x00"sv,
+            "the index of an NI TDMS file (.tdms_index), which is not read: state the .tdms file "
+            "beside it, which holds the samples"},
         Closed{"RIFF\x24\x00\x00\x00WAVEfmt "sv,
                "a WAVE audio file, which is not read: export it as CSV with the program that wrote "
                "it"},
@@ -107,9 +108,13 @@ INSTANTIATE_TEST_SUITE_P(
         Closed{"LabVIEW Measurement\t"sv,
                "a LabVIEW measurement file (LVM) with a header, which is not read: export it as "
                "CSV, or cut its header off"},
-        Closed{"MDF     4.10"sv,
-               "an ASAM MDF measurement file, which is not read: export it as CSV with the program "
-               "that wrote it"},
+        Closed{"MDF     3.30"sv,
+               "an ASAM MDF measurement file before version 4, which is not read: save it as MDF 4 "
+               "with the program that wrote it"},
+        Closed{
+            "UnFinMF 3.30"sv,
+            "an unfinished ASAM MDF measurement file before version 4, which is not read: save it "
+            "as MDF 4 with the program that wrote it"},
         Closed{"PK\x03\x04"sv,
                "a ZIP archive (a workbook, or a sigrok session), which is not read: save the table "
                "in it as CSV"},

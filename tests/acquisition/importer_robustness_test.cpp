@@ -7,6 +7,7 @@
 #include "acquisition/importer.hpp"
 #include "acquisition/statistics.hpp"
 #include "datasets/input_error.hpp"
+#include "tests/acquisition/shared_recordings.hpp"
 #include "tests/acquisition/written_file.hpp"
 
 namespace impactrig::acquisition {
@@ -60,11 +61,10 @@ void expect_record_or_error(const std::string& bytes, const std::string& ending)
   }
 }
 
-class DamagedRecording : public testing::TestWithParam<const char*> {
+class DamagedRecording : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
-    const fs::path file = fs::path(IMPACTRIG_SHARED_DIR) / "recordings" / GetParam();
-    if (!fs::exists(file)) GTEST_SKIP() << "no recordings at " << IMPACTRIG_SHARED_DIR;
+    const fs::path file = tests::shared_recordings() / GetParam();
     bytes_ = tests::bytes_of(file.string());
     ending_ = file.extension().string();
     // the head holds what can go wrong; a part of the data is enough behind it
@@ -118,27 +118,10 @@ TEST_P(DamagedRecording, WithDigitsExchangedIsReadOrRefused) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Shared, DamagedRecording,
-    testing::Values("uff/binary8byte.uff", "uff/catman_time_history.uff", "uff/header_1858.uff",
-                    "uff/mps_first_set_fixed.uff", "uff/sample_58_ascii.uff",
-                    "uff/sample_58b_bin.uff", "uff/testlab_161_164_18_15_82.uff",
-                    "text/drop_tower_accel_1.csv", "text/rigol_ds1054z.csv",
-                    "text/rigol_ds1102d.csv", "text/rigol_ds1102e.csv", "text/shock_base.txt",
-                    "text/tek_mso64.csv", "polytec_ascii/time_ref1_voltage.txt",
-                    "polytec_ascii/time_velocity_clipboard.txt", "lvm/impact_5kg_headerless.lvm",
-                    "scope/bin_DHO824-ch1.bin", "scope/bin_MSO5000-A.bin",
-                    "scope/bin_agilent_1.bin", "scope/bin_agilent_4.bin",
-                    "scope/tek_analog_waveform.wfm", "scope/tek_golden_analog.wfm",
-                    "scope/trc_lecroy_3.trc", "scope/trc_lecroy_4.trc", "scope/wfm_DS1054Z-A.wfm",
-                    "scope/wfm_DS1102D-A.wfm", "catman/job_4byte.bin", "imc/datasetA_1.raw",
-                    "imc/datasetA_21.raw"),
-    [](const auto& instance) {
-      std::string name = instance.param;
-      for (char& c : name)
-        if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-      return name;
-    });
+INSTANTIATE_TEST_SUITE_P(Shared, DamagedRecording,
+                         testing::ValuesIn(tests::names_of_shared_recordings()),
+                         [](const auto& instance) { return tests::test_name_of(instance.param); });
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(DamagedRecording);
 
 TEST(Noise, IsReadOrRefused) {
   for (unsigned seed = 0; seed < 300; ++seed) {

@@ -11,7 +11,9 @@
 #include "tests/acquisition/catman_bytes.hpp"
 #include "tests/acquisition/imc_raw_bytes.hpp"
 #include "tests/acquisition/lecroy_trc_bytes.hpp"
+#include "tests/acquisition/mdf4_bytes.hpp"
 #include "tests/acquisition/rigol_wfm_bytes.hpp"
+#include "tests/acquisition/tdms_bytes.hpp"
 #include "tests/acquisition/tek_isf_bytes.hpp"
 #include "tests/acquisition/tek_wfm_bytes.hpp"
 #include "tests/acquisition/text_bytes.hpp"
@@ -27,20 +29,22 @@ struct Seeds {
 };
 
 /// A format's seeds are made by the builders its tests use.
-constexpr std::array<Seeds, 12> table = {{
+constexpr auto table = std::to_array<Seeds>({
     {"catman", catman_seeds},              //
+    {"csv", csv_seeds},                    //
     {"imc-raw", imc_raw_seeds},            //
     {"keysight-bin", keysight_bin_seeds},  //
     {"lecroy-trc", lecroy_trc_seeds},      //
+    {"mdf4", mdf4_seeds},                  //
+    {"polytec-ascii", polytec_seeds},      //
     {"rigol-bin", rigol_bin_seeds},        //
     {"rigol-wfm", rigol_wfm_seeds},        //
+    {"tdms", tdms_seeds},                  //
     {"tek-isf", tek_isf_seeds},            //
     {"tek-wfm", tek_wfm_seeds},            //
-    {"csv", csv_seeds},                    //
-    {"polytec-ascii", polytec_seeds},      //
     {"uff58", uff58_seeds},                //
     {"uff58b", uff58b_seeds},              //
-}};
+});
 
 }  // namespace
 

@@ -1,0 +1,469 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+
+#include "datasets/input_error.hpp"
+#include "tests/acquisition/mdf4_bytes.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using tests::bytes_of_number;
+using tests::import_error;
+using tests::imported;
+using tests::mdf_time;
+using tests::MdfChannelBlock;
+using tests::MdfFile;
+
+MdfChannelBlock described(const std::string& name, std::uint8_t data_type, std::uint32_t bits,
+                          std::uint32_t byte, std::uint8_t bit = 0) {
+  MdfChannelBlock channel;
+  channel.name = name;
+  channel.data_type = data_type;
+  channel.bits = bits;
+  channel.byte = byte;
+  channel.bit = bit;
+  return channel;
+}
+
+/// A file of one group without times.
+std::string file_of(const std::vector<MdfChannelBlock>& channels, const std::string& records,
+                    std::uint32_t record_bytes) {
+  MdfFile file;
+  const std::uint64_t data = file.block("DT", {}, records);
+  const std::uint64_t group =
+      file.group(file.channels(channels), records.size() / record_bytes, record_bytes);
+  return file.with(file.data_group(group, data));
+}
+
+std::vector<double> read_as(std::uint8_t data_type, std::uint32_t bits, const std::string& records,
+                            std::uint8_t bit = 0) {
+  const auto bytes = static_cast<std::uint32_t>((bit + bits + 7) / 8);
+  return imported(file_of({described("a", data_type, bits, 0, bit)}, records, bytes))
+      .channels.at(0)
+      .values();
+}
+
+class MdfInBothByteOrders : public testing::TestWithParam<bool> {
+ protected:
+  template <typename Number>
+  std::string numbers(const std::vector<Number>& values) const {
+    return tests::bytes_of_numbers(values, GetParam());
+  }
+
+  std::uint8_t unsigned_{GetParam()};
+  std::uint8_t signed_ = static_cast<std::uint8_t>(2 + unsigned_);
+  std::uint8_t float_ = static_cast<std::uint8_t>(4 + unsigned_);
+  std::uint8_t complex_ = static_cast<std::uint8_t>(15 + unsigned_);
+};
+
+INSTANTIATE_TEST_SUITE_P(Mdf4, MdfInBothByteOrders, testing::Bool());
+
+TEST_P(MdfInBothByteOrders, EveryKindOfNumberIsRead) {
+  EXPECT_THAT(read_as(unsigned_, 8, numbers(std::vector<std::uint8_t>{200, 1})),
+              ElementsAre(200, 1));
+  EXPECT_THAT(read_as(signed_, 8, numbers(std::vector<std::int8_t>{-100, 1})),
+              ElementsAre(-100, 1));
+  EXPECT_THAT(read_as(unsigned_, 16, numbers(std::vector<std::uint16_t>{60000})),
+              ElementsAre(60000));
+  EXPECT_THAT(read_as(signed_, 16, numbers(std::vector<std::int16_t>{-30000})),
+              ElementsAre(-30000));
+  EXPECT_THAT(read_as(unsigned_, 32, numbers(std::vector<std::uint32_t>{4000000000})),
+              ElementsAre(4000000000));
+  EXPECT_THAT(read_as(signed_, 32, numbers(std::vector<std::int32_t>{-70000})),
+              ElementsAre(-70000));
+  EXPECT_THAT(read_as(unsigned_, 64, numbers(std::vector<std::uint64_t>{5000000000})),
+              ElementsAre(5000000000));
+  EXPECT_THAT(read_as(signed_, 64, numbers(std::vector<std::int64_t>{-5000000000})),
+              ElementsAre(-5000000000));
+  EXPECT_THAT(read_as(float_, 32, numbers(std::vector<float>{0.5F})), ElementsAre(0.5));
+  EXPECT_THAT(read_as(float_, 64, numbers(std::vector<double>{0.1})), ElementsAre(0.1));
+  // half precision: 1, -2, the largest, the smallest (IEEE 754: 0x3C00, 0xC000, 0x7BFF, 0x0001)
+  EXPECT_THAT(read_as(float_, 16, numbers(std::vector<std::uint16_t>{0x3C00, 0xC000, 0x7BFF, 1})),
+              ElementsAre(1, -2, 65504, 5.9604644775390625e-08));
+}
+
+TEST_P(MdfInBothByteOrders, BitsMayBeginAndEndWithinABytes) {
+  // 12 bits from bit 4 on of 0xABCD are 0xABC, from bit 2 on 10 bits are 0x2F3
+  const std::string word = numbers(std::vector<std::uint16_t>{0xABCD});
+  EXPECT_THAT(read_as(unsigned_, 12, word, 4), ElementsAre(0xABC));
+  EXPECT_THAT(read_as(signed_, 12, word, 4), ElementsAre(0xABC - 0x1000));
+  EXPECT_THAT(read_as(unsigned_, 10, word, 2), ElementsAre(0x2F3));
+  EXPECT_THAT(read_as(unsigned_, 1, "\x20", 5), ElementsAre(1));
+  EXPECT_THAT(read_as(signed_, 1, "\x20", 5), ElementsAre(-1));
+  // 64 bits from bit 1 on take nine bytes: (2^64 - 2) / 2 with the ninth's lowest bit
+  const std::string nine = GetParam() ? std::string("\x01") + std::string(8, '\0')
+                                      : std::string(8, '\0') + std::string("\x01");
+  EXPECT_THAT(read_as(unsigned_, 64, nine, 1), ElementsAre(9223372036854775808.0));
+  EXPECT_THAT(read_as(signed_, 64, nine, 1), ElementsAre(-9223372036854775808.0));
+}
+
+TEST_P(MdfInBothByteOrders, ComplexNumbersHaveTwoParts) {
+  const std::string records =
+      numbers(std::vector<float>{1, 2}) + numbers(std::vector<double>{3, 4});
+  const auto record = imported(
+      file_of({described("s", complex_, 64, 0), described("d", complex_, 128, 8)}, records, 24));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1));
+  EXPECT_THAT(record.channels.at(0).imaginary, ElementsAre(2));
+  EXPECT_THAT(record.channels.at(1).values(), ElementsAre(3));
+  EXPECT_THAT(record.channels.at(1).imaginary, ElementsAre(4));
+}
+
+/// Records of a time in ticks of a millisecond (u32) and a value (i16), 7 bytes with a last one
+/// that nobody reads.
+struct Ticks {
+  std::string bytes;
+  std::size_t count = 0;
+
+  explicit Ticks(const std::vector<std::uint32_t>& ticks) : count(ticks.size()) {
+    for (std::size_t i = 0; i < ticks.size(); ++i)
+      bytes +=
+          bytes_of_number(ticks[i]) + bytes_of_number(static_cast<std::int16_t>(100 * i)) + "x";
+  }
+
+  static std::vector<MdfChannelBlock> channels(MdfFile& file) {
+    MdfChannelBlock time = mdf_time();
+    time.data_type = 0;
+    time.bits = 32;
+    time.conversion = file.conversion(1, {0.5, 1e-3});
+    MdfChannelBlock force = described("F", 2, 16, 4);
+    force.unit = "kN";
+    force.conversion = file.conversion(1, {-1, 0.5});
+    return {time, force};
+  }
+};
+
+TEST(Mdf4, TheMasterGivesTheClock) {
+  for (const bool even : {true, false}) {
+    const Ticks ticks(even ? std::vector<std::uint32_t>{0, 2, 4, 6}
+                           : std::vector<std::uint32_t>{0, 1, 5, 6});
+    MdfFile file;
+    const std::uint64_t comment = file.text("<HDcomment><TX>run &lt;7&gt;</TX></HDcomment>", "MD");
+    const std::uint64_t group = file.group(file.channels(Ticks::channels(file)), 4, 7);
+    const std::uint64_t data = file.block("DT", {}, ticks.bytes);
+    const auto record =
+        imported(file.with(file.data_group(group, data), 1500000000250000000, 0, comment));
+    ASSERT_EQ(record.channels.size(), 1U);
+    const datasets::Channel& force = record.channels[0];
+    EXPECT_EQ(force.name, "F");
+    EXPECT_EQ(force.unit, "kN");
+    EXPECT_EQ(force.quantity, datasets::Quantity::force);
+    EXPECT_EQ(force.scale, 0.5);
+    EXPECT_THAT(force.values(), ElementsAre(-1, 49, 99, 149));
+    EXPECT_EQ(force.attributes.at("group"), "group 0");
+    EXPECT_EQ(force.attributes.at("acquisition"), "10ms");
+    EXPECT_EQ(record.started, "2017-07-14T02:40:00.25Z");
+    EXPECT_EQ(record.attributes.at("comment"), "run <7>");
+    EXPECT_EQ(record.attributes.at("version"), "4.10");
+    EXPECT_EQ(record.attributes.at("written by"), "tests");
+    EXPECT_EQ(force.clock.start, 0.5);
+    EXPECT_EQ(force.clock.uniform(), even);
+    if (even)
+      EXPECT_DOUBLE_EQ(force.clock.interval, 2e-3);
+    else
+      EXPECT_THAT(force.clock.times, ElementsAre(0.5, 0.501, 0.505, 0.506));
+  }
+}
+
+TEST(Mdf4, LocalTimeHasNoZone) {
+  MdfFile file;
+  EXPECT_EQ(imported(file.with(0, 1500000000000000000, 1)).started, "2017-07-14T02:40:00");
+}
+
+TEST(Mdf4, AVirtualMasterCountsRecords) {
+  MdfFile file;
+  MdfChannelBlock master = mdf_time();
+  master.type = 3;
+  master.conversion = file.conversion(1, {-1, 0.25});
+  const std::uint64_t group = file.group(file.channels({master, described("a", 0, 8, 0)}), 3, 1);
+  const auto record = imported(file.with(file.data_group(group, file.block("DT", {}, "abc"))));
+  EXPECT_EQ(record.channels.at(0).clock.start, -1.0);
+  EXPECT_EQ(record.channels.at(0).clock.interval, 0.25);
+}
+
+TEST(Mdf4, AMasterThatIsNoTimeIsAChannelOfItsOwn) {
+  MdfFile file;
+  MdfChannelBlock master = mdf_time();
+  master.name = "crank";
+  master.sync = 2;
+  const std::uint64_t group = file.group(file.channels({master}), 1, 8);
+  const auto record =
+      imported(file.with(file.data_group(group, file.block("DT", {}, bytes_of_number(1.5)))));
+  EXPECT_EQ(record.channels.at(0).name, "crank");
+  EXPECT_EQ(record.channels.at(0).attributes.at("domain"), "angle");
+  EXPECT_EQ(record.channels.at(0).clock.interval, 0.0);
+}
+
+// The same records in one block, cut at every place into a list, compressed, transposed, with
+// record ids: all windows are parts of the whole.
+TEST(Mdf4, RecordsAreTheSameHoweverTheyAreStored) {
+  const Ticks ticks({0, 1, 5, 6, 9, 10});
+  const auto made = [&](int form, std::size_t cut) {
+    MdfFile file;
+    std::uint64_t data = 0;
+    if (form == 0) data = file.block("DT", {}, ticks.bytes);
+    if (form == 1) data = file.compressed(ticks.bytes);
+    if (form == 2) data = file.compressed(ticks.bytes, 7);
+    if (form == 3) {
+      const std::uint64_t second =
+          file.list({file.compressed(ticks.bytes.substr(cut), static_cast<std::uint32_t>(5))});
+      const std::uint64_t first =
+          file.list({file.block("DT", {}, ticks.bytes.substr(0, cut))}, second);
+      data = file.block("HL", {first}, std::string(8, '\0'));
+    }
+    if (form == 4) {
+      std::string with_ids;
+      for (std::size_t i = 0; i < ticks.count; ++i) with_ids += "\1" + ticks.bytes.substr(7 * i, 7);
+      data = file.block("DT", {}, with_ids);
+    }
+    const std::uint64_t empty = file.group(0, 0, 3);
+    const std::uint64_t group =
+        file.group(file.channels(Ticks::channels(file)), ticks.count, 7, 0, form == 4 ? empty : 0);
+    return file.with(file.data_group(group, data, form == 4 ? 1 : 0));
+  };
+  for (int form = 0; form < 5; ++form)
+    for (std::size_t cut = 1; cut < (form == 3 ? ticks.bytes.size() : 2); ++cut) {
+      SCOPED_TRACE(fmt::format("form {}, cut at {}", form, cut));
+      const std::string file = made(form, cut);
+      EXPECT_THAT(imported(file).channels.at(0).values(), ElementsAre(-1, 49, 99, 149, 199, 249));
+      ImportOptions options;
+      options.from = 0.501;
+      options.to = 0.5065;
+      options.channels = {"F"};
+      const auto part = imported(file, options);
+      EXPECT_THAT(part.channels.at(0).values(), ElementsAre(49, 99, 149));
+      EXPECT_THAT(part.channels.at(0).clock.times, ElementsAre(0.501, 0.505, 0.506));
+    }
+}
+
+TEST(Mdf4, AWindowOfAUniformClockIsCounted) {
+  const Ticks ticks({0, 2, 4, 6});
+  MdfFile file;
+  const std::uint64_t group = file.group(file.channels(Ticks::channels(file)), 4, 7);
+  ImportOptions options;
+  options.from = 0.502;
+  options.to = 0.504;
+  const auto record =
+      imported(file.with(file.data_group(group, file.block("DT", {}, ticks.bytes))), options);
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(49, 99));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.start, 0.502);
+}
+
+TEST(Mdf4, InvalidationBitsMarkSamples) {
+  MdfFile file;
+  MdfChannelBlock channel = described("a", 0, 8, 0);
+  channel.flags = 2;
+  channel.invalid_bit = 9;
+  const std::uint64_t group = file.group(file.channels({channel}), 3, 1, 2);
+  const std::uint64_t data =
+      file.block("DT", {}, std::string("\x0A\xFF\x00\x0B\x00\x02\x0C\x00\xFD", 9));
+  const auto record = imported(file.with(file.data_group(group, data)));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(10, 11, 12));
+  EXPECT_THAT(record.channels.at(0).valid, ElementsAre(1, 0, 1));
+}
+
+std::vector<double> converted(std::uint8_t type, const std::vector<double>& parameters,
+                              const std::vector<double>& raw) {
+  MdfFile file;
+  MdfChannelBlock channel = described("a", 4, 64, 0);
+  channel.conversion = file.conversion(type, parameters, file.text("mV"));
+  const std::uint64_t group = file.group(file.channels({channel}), raw.size(), 8);
+  const auto record = imported(
+      file.with(file.data_group(group, file.block("DT", {}, tests::bytes_of_numbers(raw)))));
+  EXPECT_EQ(record.channels.at(0).unit, "mV");
+  return record.channels.at(0).values();
+}
+
+TEST(Mdf4Conversions, FollowTheirDefinition) {
+  EXPECT_THAT(converted(0, {}, {1, 2}), ElementsAre(1, 2));
+  EXPECT_THAT(converted(1, {3, 2}, {1, 2}), ElementsAre(5, 7));
+  EXPECT_THAT(converted(2, {1, 2, 3, 0, 1, 1}, {1, 2}), ElementsAre(3, 11.0 / 3.0));
+  EXPECT_THAT(converted(2, {0, 6, 4, 0, 0, 2}, {1, 2}), ElementsAre(5, 8));
+  const std::vector<double> table = {0, 0, 1, 10, 3, 50};
+  EXPECT_THAT(converted(4, table, {-1, 0, 0.5, 2, 3, 9}), ElementsAre(0, 0, 5, 30, 50, 50));
+  EXPECT_THAT(converted(5, table, {-1, 0.4, 0.6, 1.9, 2.1, 9}), ElementsAre(0, 0, 10, 10, 50, 50));
+  EXPECT_THAT(converted(6, {0, 1, 10, 2, 3, 20, -7}, {0, 1, 1.5, 2, 9}),
+              ElementsAre(10, 10, -7, 20, -7));
+}
+
+TEST(Mdf4Conversions, ThatCannotBeAppliedLeaveTheRawNumbersWithoutUnit) {
+  const auto told = [](std::uint8_t type, const std::vector<double>& parameters) {
+    MdfFile file;
+    MdfChannelBlock channel = described("a", 0, 8, 0);
+    channel.unit = "N";
+    channel.conversion = file.conversion(type, parameters);
+    const std::uint64_t group = file.group(file.channels({channel}), 1, 1);
+    const auto record = imported(file.with(file.data_group(group, file.block("DT", {}, "\5"))));
+    EXPECT_THAT(record.channels.at(0).values(), ElementsAre(5));
+    EXPECT_EQ(record.channels.at(0).unit, "");
+    return record.warnings.at(0);
+  };
+  const std::string begin = "'a' is read unscaled, without its unit 'N': its conversion ";
+  EXPECT_EQ(told(3, {}), begin + "is a formula in text");
+  EXPECT_EQ(told(7, {1}), begin + "gives texts");
+  EXPECT_EQ(told(9, {}), begin + "is of the type 9");
+  EXPECT_EQ(told(1, {NAN, 1}), begin + "is not finite");
+  EXPECT_EQ(told(4, {1, 1, 1, 2}), begin + "is a table whose keys do not increase");
+}
+
+TEST(Mdf4, WhatIsNoNumberIsLeftOutAndTold) {
+  MdfChannelBlock variable = described("v", 0, 64, 0);
+  variable.type = 1;
+  const auto record = imported(file_of({described("s", 6, 8, 0), variable, described("b", 10, 8, 0),
+                                        described("c", 14, 8, 0), described("a", 0, 8, 0)},
+                                       "12345678", 8));
+  EXPECT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.warnings.at(0),
+            "4 channels of texts, byte arrays or structures are left out: 's', 'v', 'b', ...");
+}
+
+TEST(Mdf4, CutAndUnfinishedFilesGiveWhatIsThere) {
+  const Ticks ticks({0, 2, 4, 6});
+  MdfFile cut;
+  const std::uint64_t group = cut.group(cut.channels(Ticks::channels(cut)), 4, 7);
+  const std::uint64_t header = cut.data_group(group, 0);
+  const std::uint64_t data = cut.block("DT", {}, ticks.bytes);
+  cut.put(header + 24 + 16, bytes_of_number(data));
+  const std::string bytes = cut.with(header);
+  const auto record = imported(bytes.substr(0, bytes.size() - 8));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(-1, 49));
+  EXPECT_EQ(record.warnings.at(0), "group 0 announces 4 records, 2 are there");
+  const auto nothing = imported(bytes.substr(0, data));
+  EXPECT_EQ(nothing.channels.at(0).size(), 0U);
+  EXPECT_EQ(nothing.warnings.at(0), "the file ends before its data do");
+
+  MdfFile open("4.10    ", "UnFinMF ", 5);  // records not counted, length of data not written
+  const std::uint64_t open_group = open.group(open.channels(Ticks::channels(open)), 0, 7);
+  const std::uint64_t open_header = open.data_group(open_group, 0);
+  const std::uint64_t open_data = open.block("DT", {}, ticks.bytes);
+  open.put(open_data + 8, bytes_of_number(std::uint64_t{24}));
+  open.put(open_header + 24 + 16, bytes_of_number(open_data));
+  const auto unfinished = imported(open.with(open_header));
+  EXPECT_THAT(unfinished.channels.at(0).values(), ElementsAre(-1, 49, 99, 149));
+  EXPECT_EQ(unfinished.warnings.at(0),
+            "the recording was not finished (aborted?): what is there is read");
+}
+
+TEST(Mdf4, UnsortedGroupsAreRefusedOrLeftOut) {
+  const char* const sentence =
+      "channel groups that share a block of data (an unsorted file) are not read: sort the file "
+      "with the "
+      "program that wrote it";
+  MdfFile file;
+  const std::uint64_t second = file.group(file.channels({described("b", 0, 8, 0)}), 2, 1);
+  const std::uint64_t first = file.group(file.channels({described("a", 0, 8, 0)}), 2, 1, 0, second);
+  const std::uint64_t unsorted = file.data_group(first, 0, 1);
+  EXPECT_EQ(import_error(file.with(unsorted)),
+            fmt::format("FILE (byte {}): {}", unsorted, sentence));
+  const std::uint64_t group = file.group(file.channels({described("c", 0, 8, 0)}), 2, 1);
+  const auto record =
+      imported(file.with(file.data_group(group, file.block("DT", {}, "ab"), 0, unsorted)));
+  EXPECT_EQ(record.channels.at(0).name, "c");
+  EXPECT_EQ(record.warnings.at(0), sentence);
+}
+
+std::string error_in(const std::string& bytes) {
+  ImportOptions options;
+  options.require_clock = false;
+  const std::string error = import_error(bytes, options);
+  const std::size_t colon = error.find("): ");
+  return colon == std::string::npos ? error : error.substr(colon + 3);
+}
+
+std::string data_error(const std::function<std::uint64_t(MdfFile&)>& data) {
+  MdfFile file;
+  const std::uint64_t at = data(file);
+  const std::uint64_t group = file.group(file.channels({described("a", 0, 8, 0)}), 8, 1);
+  return error_in(file.with(file.data_group(group, at)));
+}
+
+TEST(Mdf4Errors, OfDataSayWhatWasFound) {
+  EXPECT_EQ(data_error([](MdfFile& f) { return f.compressed("12345678", 0, 9); }),
+            "the compressed data are damaged, or are not the 9 bytes announced");
+  EXPECT_EQ(data_error([](MdfFile& f) { return f.compressed("12345678", 0, 7); }),
+            "the compressed data are damaged, or are not the 7 bytes announced");
+  EXPECT_EQ(data_error([](MdfFile& f) { return f.compressed("12345678", 0, 20000000); }),
+            "a compressed block of 19 bytes announces 20000000 bytes: it is refused");
+  EXPECT_EQ(
+      data_error([](MdfFile& f) { return f.compressed(std::string(70000, 'x'), 0, 67108865); }),
+      "a compressed block of 70016 bytes announces 67108865 bytes: it is refused");
+  EXPECT_EQ(data_error([](MdfFile& f) { return f.compressed("12345678", 0, 0, 2); }),
+            "the data are compressed by method 2, which is not read: save the file with deflate or "
+            "uncompressed");
+  EXPECT_EQ(data_error([](MdfFile& f) {
+              return f.block("DZ", {}, std::string("SD") + std::string(22, '\0'));
+            }),
+            "expected compressed records (DT), found a compressed block SD");
+  EXPECT_EQ(
+      data_error([](MdfFile& f) { return f.block("DV", {}, "12345678"); }),
+      "the data are stored by columns (MDF 4.2), which is not read: save the file as MDF 4.1 with "
+      "the program that wrote it");
+  EXPECT_EQ(data_error([](MdfFile& f) { return f.text("12345678"); }),
+            "expected a block of data (DT, DZ, DL, HL), found a block TX");
+  EXPECT_EQ(data_error([](MdfFile& f) {
+              const std::uint64_t data = f.block("DT", {}, "1234");
+              return f.list({data, data});
+            }),
+            "a block of data is referred to twice: blocks are chained in a circle");
+}
+
+TEST(Mdf4Errors, OfBlocksSayWhatWasFound) {
+  ImportOptions mdf;
+  mdf.format = "mdf4";
+  EXPECT_EQ(import_error("not an MDF file at all", mdf),
+            "FILE (byte 0): expected 'MDF' at the start, found 'not an M'");
+  EXPECT_EQ(import_error(MdfFile("3.30    ").with(0), mdf),
+            "FILE (byte 8): this is MDF version 3.30, which is not read: save it as MDF 4 with the "
+            "program "
+            "that wrote it");
+  EXPECT_EQ(import_error(MdfFile().with(0).substr(0, 70)),
+            "FILE (byte 70): the file ends within the header of an MDF file");
+  MdfFile file;
+  const std::uint64_t text = file.text("text");
+  EXPECT_EQ(error_in(file.with(text)), "expected a data group (DG), found a block TX");
+  EXPECT_EQ(error_in(file.with(8)), "expected a data group, found '4.10'");
+  EXPECT_EQ(error_in(file.with(64)),
+            "a data group is referred to twice: blocks are chained in a circle");
+  const std::uint64_t loop = file.data_group(0, 0);
+  file.put(loop + 24, bytes_of_number(loop));
+  EXPECT_EQ(error_in(file.with(loop)),
+            "a data group is referred to twice: blocks are chained in a circle");
+  MdfFile lying;
+  const std::uint64_t group = lying.data_group(0, 0);
+  lying.put(group + 16, bytes_of_number(~std::uint64_t{0}));
+  EXPECT_EQ(error_in(lying.with(group)), "a block DG of 64 bytes with 18446744073709551615 links");
+  lying.put(group + 8, bytes_of_number(~std::uint64_t{0}));
+  lying.put(group + 16, bytes_of_number(std::uint64_t{1} << 60));
+  EXPECT_EQ(error_in(lying.with(group)), "the file ends within a data group");
+}
+
+TEST(Mdf4Errors, OfChannelsNameThem) {
+  EXPECT_EQ(error_in(file_of({described("a", 0, 16, 1)}, "1234", 2)),
+            "'a' lies in bytes 1 to 2 of records that have 2");
+  EXPECT_EQ(error_in(file_of({described("a", 0, 65, 0)}, "1234", 2)),
+            "'a' has numbers of type 0 with 65 bits from bit 0 on");
+  EXPECT_EQ(error_in(file_of({described("a", 4, 24, 0)}, "1234", 4)),
+            "'a' has numbers of type 4 with 24 bits from bit 0 on");
+  MdfChannelBlock flagged = described("a", 0, 8, 0);
+  flagged.flags = 2;
+  flagged.invalid_bit = 8;
+  EXPECT_EQ(error_in(file_of({flagged}, "1234", 1)),
+            "the invalidation bit 8 of 'a' lies outside of the records");
+  EXPECT_EQ(error_in(file_of({}, "1", 0x2000000)), "a channel group has records of 33554432 bytes");
+  MdfFile file;
+  MdfChannelBlock channel = described("a", 0, 8, 0);
+  channel.conversion = file.text("x");
+  EXPECT_EQ(error_in(file.with(file.data_group(file.group(file.channels({channel}), 1, 1), 0))),
+            "expected a conversion (CC), found a block TX");
+  channel.conversion = file.conversion(1, {1});
+  EXPECT_EQ(error_in(file.with(file.data_group(file.group(file.channels({channel}), 1, 1), 0))),
+            "a conversion of type 1 states 1 parameters");
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition
