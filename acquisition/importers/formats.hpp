@@ -17,6 +17,9 @@ datasets::Record read_uff58(const std::string& path, const ImportOptions& option
 int recognises_polytec_ascii(std::string_view file_name, std::string_view head);
 datasets::Record read_polytec_ascii(const std::string& path, const ImportOptions& options);
 
+int recognises_lvm(std::string_view file_name, std::string_view head);
+datasets::Record read_lvm(const std::string& path, const ImportOptions& options);
+
 int recognises_csv(std::string_view file_name, std::string_view head);
 datasets::Record read_csv(const std::string& path, const ImportOptions& options);
 

@@ -104,9 +104,6 @@ INSTANTIATE_TEST_SUITE_P(
                "a MATLAB MAT-file (version 7), which is not read: load it in MATLAB and write it "
                "as CSV with writematrix, or as "
                "universal file"},
-        Closed{"LabVIEW Measurement\t"sv,
-               "a LabVIEW measurement file (LVM) with a header, which is not read: export it as "
-               "CSV, or cut its header off"},
         Closed{"MDF     4.10"sv,
                "an ASAM MDF measurement file, which is not read: export it as CSV with the program "
                "that wrote it"},

@@ -126,7 +126,8 @@ INSTANTIATE_TEST_SUITE_P(
                     "text/drop_tower_accel_1.csv", "text/rigol_ds1054z.csv",
                     "text/rigol_ds1102d.csv", "text/rigol_ds1102e.csv", "text/shock_base.txt",
                     "text/tek_mso64.csv", "polytec_ascii/time_ref1_voltage.txt",
-                    "polytec_ascii/time_velocity_clipboard.txt", "lvm/impact_5kg_headerless.lvm"),
+                    "polytec_ascii/time_velocity_clipboard.txt", "lvm/impact_5kg_headerless.lvm",
+                    "lvm/hammer_short_decimal_comma.lvm", "lvm/multi_time_column.lvm"),
     [](const auto& instance) {
       std::string name = instance.param;
       for (char& c : name)

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/acquisition/lvm_bytes.hpp"
 #include "tests/acquisition/text_bytes.hpp"
 
 namespace {
@@ -20,8 +21,9 @@ struct Seeds {
 };
 
 /// A format's seeds are made by the builders its tests use.
-constexpr std::array<Seeds, 4> table = {{
+constexpr std::array<Seeds, 5> table = {{
     {"csv", csv_seeds},                //
+    {"lvm", lvm_seeds},                //
     {"polytec-ascii", polytec_seeds},  //
     {"uff58", uff58_seeds},            //
     {"uff58b", uff58b_seeds},          //
