@@ -20,16 +20,12 @@ struct Signature {
 
 constexpr std::string_view as_csv = "export it as CSV with the program that wrote it";
 
-constexpr std::array<Signature, 22> signatures = {{
+constexpr std::array<Signature, 20> signatures = {{
     {0, std::string_view("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", 8),
      "an OLE2 compound file, as Polytec's .svd, .pvd and .set are",
      "no open reader exists: export it from PSV or VibSoft as universal file (UFF) or ASCII"},
     {0, "TDSm", "an NI TDMS file", as_csv},
     {8, "WAVE", "a WAVE audio file", as_csv},
-    {0, "MATLAB 5.0 MAT-file", "a MATLAB MAT-file (version 5)",
-     "load it in MATLAB and write it as CSV with writematrix, or as universal file"},
-    {0, "MATLAB 7.", "a MATLAB MAT-file (version 7)",
-     "load it in MATLAB and write it as CSV with writematrix, or as universal file"},
     {0, "MDF     ", "an ASAM MDF measurement file", as_csv},
     {0, "UnFinMF ", "an unfinished ASAM MDF measurement file", as_csv},
     {0, "WAVEDESC", "a LeCroy waveform (.trc)", "save it as CSV on the oscilloscope"},

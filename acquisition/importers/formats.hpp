@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,9 @@ datasets::Record read_polytec_ascii(const std::string& path, const ImportOptions
 
 int recognises_lvm(std::string_view file_name, std::string_view head);
 datasets::Record read_lvm(const std::string& path, const ImportOptions& options);
+
+int recognises_mat(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_mat(const std::string& path, const ImportOptions& options);
 
 int recognises_csv(std::string_view file_name, std::string_view head);
 datasets::Record read_csv(const std::string& path, const ImportOptions& options);

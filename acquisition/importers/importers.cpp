@@ -27,7 +27,7 @@ std::unique_ptr<RecordingReader> whole(const std::string& path, const ImportOpti
 
 /// A new format is a file beside this one, its two functions in formats.hpp, and a line here. Most
 /// specific first.
-constexpr std::array<Importer, 6> table = {{
+constexpr std::array<Importer, 7> table = {{
     {"impactrig-hdf5", "impactrig's own HDF5 (.h5)", recognises_hdf5, whole<read_hdf5>},  //
     {"uff58b", "universal file with binary functions, dataset 58b (.uff .unv .bunv)",
      recognises_uff58b, whole<read_uff58>},  //
@@ -35,6 +35,7 @@ constexpr std::array<Importer, 6> table = {{
      whole<read_uff58>},  //
     {"polytec-ascii", "Polytec PSV and VibSoft text export (.txt)", recognises_polytec_ascii,
      whole<read_polytec_ascii>},  //
+    {"mat", "MATLAB MAT-file (.mat)", recognises_mat, open_mat},  //
     {"lvm", "LabVIEW measurement file, with or without header (.lvm)", recognises_lvm,
      whole<read_lvm>},  //
     {"csv", "table of numbers: comma, tab, semicolon or blank separated (.csv .txt .tsv .dat)",

@@ -96,14 +96,6 @@ INSTANTIATE_TEST_SUITE_P(
         Closed{"RIFF\x24\x00\x00\x00WAVEfmt "sv,
                "a WAVE audio file, which is not read: export it as CSV with the program that wrote "
                "it"},
-        Closed{"MATLAB 5.0 MAT-file, Platform"sv,
-               "a MATLAB MAT-file (version 5), which is not read: load it in MATLAB and write it "
-               "as CSV with writematrix, or as "
-               "universal file"},
-        Closed{"MATLAB 7.3 MAT-file, Platform"sv,
-               "a MATLAB MAT-file (version 7), which is not read: load it in MATLAB and write it "
-               "as CSV with writematrix, or as "
-               "universal file"},
         Closed{"MDF     4.10"sv,
                "an ASAM MDF measurement file, which is not read: export it as CSV with the program "
                "that wrote it"},

@@ -127,7 +127,9 @@ INSTANTIATE_TEST_SUITE_P(
                     "text/rigol_ds1102d.csv", "text/rigol_ds1102e.csv", "text/shock_base.txt",
                     "text/tek_mso64.csv", "polytec_ascii/time_ref1_voltage.txt",
                     "polytec_ascii/time_velocity_clipboard.txt", "lvm/impact_5kg_headerless.lvm",
-                    "lvm/hammer_short_decimal_comma.lvm", "lvm/multi_time_column.lvm"),
+                    "lvm/hammer_short_decimal_comma.lvm", "lvm/multi_time_column.lvm",
+                    "mat/tek_analog.mat", "mat/testcomplex_7.4_GLNX86.mat",
+                    "mat/testdouble_6.1_SOL2.mat", "mat/teststruct_7.4_GLNX86.mat"),
     [](const auto& instance) {
       std::string name = instance.param;
       for (char& c : name)

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/acquisition/lvm_bytes.hpp"
+#include "tests/acquisition/mat_bytes.hpp"
 #include "tests/acquisition/text_bytes.hpp"
 
 namespace {
@@ -21,9 +22,10 @@ struct Seeds {
 };
 
 /// A format's seeds are made by the builders its tests use.
-constexpr std::array<Seeds, 5> table = {{
+constexpr std::array<Seeds, 6> table = {{
     {"csv", csv_seeds},                //
     {"lvm", lvm_seeds},                //
+    {"mat", mat_seeds},                //
     {"polytec-ascii", polytec_seeds},  //
     {"uff58", uff58_seeds},            //
     {"uff58b", uff58b_seeds},          //
