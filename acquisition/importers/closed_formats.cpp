@@ -20,12 +20,11 @@ struct Signature {
 
 constexpr std::string_view as_csv = "export it as CSV with the program that wrote it";
 
-constexpr std::array<Signature, 20> signatures = {{
+constexpr std::array<Signature, 19> signatures = {{
     {0, std::string_view("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", 8),
      "an OLE2 compound file, as Polytec's .svd, .pvd and .set are",
      "no open reader exists: export it from PSV or VibSoft as universal file (UFF) or ASCII"},
     {0, "TDSm", "an NI TDMS file", as_csv},
-    {8, "WAVE", "a WAVE audio file", as_csv},
     {0, "MDF     ", "an ASAM MDF measurement file", as_csv},
     {0, "UnFinMF ", "an unfinished ASAM MDF measurement file", as_csv},
     {0, "WAVEDESC", "a LeCroy waveform (.trc)", "save it as CSV on the oscilloscope"},
@@ -41,7 +40,7 @@ constexpr std::array<Signature, 20> signatures = {{
     {0, "\x01\xFF\xFF\xFF", "a Rigol waveform (.wfm)", "save it as CSV on the oscilloscope"},
     {0, "\x94\x13", "an HBM catman recording (.bin)", as_csv},
     {0, "|CF,", "an imc FAMOS raw file", as_csv},
-    {0, std::string_view("PK\x03\x04", 4), "a ZIP archive (a workbook, or a sigrok session)",
+    {0, std::string_view("PK\x03\x04", 4), "a ZIP archive (a workbook, for example)",
      "save the table in it as CSV"},
     {0, "\x1F\x8B", "a gzip-compressed file", "unpack it first"},
     {0, "%PDF", "a PDF document", "a recording is expected"},
@@ -53,9 +52,6 @@ std::string closed_format(std::string_view head) {
   for (const Signature& signature : signatures) {
     if (head.size() < signature.offset) continue;
     if (!head.substr(signature.offset).starts_with(signature.bytes)) continue;
-    const bool riff =
-        head.starts_with("RIFF") || head.starts_with("RIFX") || head.starts_with("RF64");
-    if (signature.bytes == "WAVE" && !riff) continue;
     return fmt::format("this is {}, which is not read: {}", signature.what, signature.way_out);
   }
   return {};

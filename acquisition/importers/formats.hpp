@@ -24,6 +24,12 @@ datasets::Record read_lvm(const std::string& path, const ImportOptions& options)
 int recognises_mat(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_mat(const std::string& path, const ImportOptions& options);
 
+int recognises_wav(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_wav(const std::string& path, const ImportOptions& options);
+
+int recognises_sigrok(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_sigrok(const std::string& path, const ImportOptions& options);
+
 int recognises_csv(std::string_view file_name, std::string_view head);
 datasets::Record read_csv(const std::string& path, const ImportOptions& options);
 

@@ -93,9 +93,6 @@ INSTANTIATE_TEST_SUITE_P(
         Closed{
             "TDSm\x0E\x00\x00\x00"sv,
             "an NI TDMS file, which is not read: export it as CSV with the program that wrote it"},
-        Closed{"RIFF\x24\x00\x00\x00WAVEfmt "sv,
-               "a WAVE audio file, which is not read: export it as CSV with the program that wrote "
-               "it"},
         Closed{"MDF     4.10"sv,
                "an ASAM MDF measurement file, which is not read: export it as CSV with the program "
                "that wrote it"},
@@ -118,8 +115,8 @@ INSTANTIATE_TEST_SUITE_P(
                "an imc FAMOS raw file, which is not read: export it as CSV with the program that "
                "wrote it"},
         Closed{"PK\x03\x04"sv,
-               "a ZIP archive (a workbook, or a sigrok session), which is not read: save the table "
-               "in it as CSV"},
+               "a ZIP archive (a workbook, for example), which is not read: save the table in it as "
+               "CSV"},
         Closed{"\x1F\x8B\x08"sv, "a gzip-compressed file, which is not read: unpack it first"},
         Closed{"%PDF-1.7"sv, "a PDF document, which is not read: a recording is expected"}));
 

@@ -115,7 +115,9 @@ INSTANTIATE_TEST_SUITE_P(
                     "lvm/multi_time_column.lvm", "lvm/no_decimal_separator.lvm",
                     "mat/tek_analog.mat", "mat/testcomplex_7.4_GLNX86.mat",
                     "mat/testdouble_6.1_SOL2.mat", "mat/testdouble_7.4_GLNX86.mat",
-                    "mat/testmatrix_6.5.1_GLNX86.mat"),
+                    "mat/testmatrix_6.5.1_GLNX86.mat", "wav/living_room_ir.wav",
+                    "wav/test-44100Hz-2ch-32bit-float-le.wav", "wav/test-44100Hz-le-1ch-4bytes.wav",
+                    "wav/test-8000Hz-le-2ch-1byteu.wav", "wav/test-8000Hz-le-3ch-5S-24bit.wav"),
     [](const auto& instance) {
       std::string name = instance.param;
       for (char& c : name)

@@ -10,7 +10,9 @@
 
 #include "tests/acquisition/lvm_bytes.hpp"
 #include "tests/acquisition/mat_bytes.hpp"
+#include "tests/acquisition/sigrok_bytes.hpp"
 #include "tests/acquisition/text_bytes.hpp"
+#include "tests/acquisition/wav_bytes.hpp"
 
 namespace {
 
@@ -22,11 +24,13 @@ struct Seeds {
 };
 
 /// A format's seeds are made by the builders its tests use.
-constexpr std::array<Seeds, 6> table = {{
+constexpr std::array<Seeds, 8> table = {{
     {"csv", csv_seeds},                //
     {"lvm", lvm_seeds},                //
     {"mat", mat_seeds},                //
     {"polytec-ascii", polytec_seeds},  //
+    {"sigrok", sigrok_seeds},          //
+    {"wav", wav_seeds},                //
     {"uff58", uff58_seeds},            //
     {"uff58b", uff58b_seeds},          //
 }};
