@@ -36,6 +36,12 @@ datasets::Record read_csv(const std::string& path, const ImportOptions& options)
 int recognises_hdf5(std::string_view file_name, std::string_view head);
 datasets::Record read_hdf5(const std::string& path, const ImportOptions& options);
 
+int recognises_foreign_hdf5(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_foreign_hdf5(const std::string& path,
+                                                   const ImportOptions& options);
+/// A MAT-file of version 7.3.
+std::unique_ptr<RecordingReader> open_mat73(const std::string& path, const ImportOptions& options);
+
 /// What a file is that we know but do not read, and how its content can be brought here; "" for
 /// anything else.
 std::string closed_format(std::string_view head);

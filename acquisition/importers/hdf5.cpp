@@ -5,7 +5,9 @@
 namespace impactrig::acquisition {
 
 int recognises_hdf5(std::string_view, std::string_view head) {
-  return datasets::looks_like_hdf5(head) ? 100 : 0;
+  if (!datasets::looks_like_hdf5(head)) return 0;
+  // an attribute of the root, which is the first object of the file
+  return head.find("impactrig-recording") != std::string_view::npos ? 100 : 50;
 }
 
 datasets::Record read_hdf5(const std::string& path, const ImportOptions&) {

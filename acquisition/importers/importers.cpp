@@ -27,14 +27,16 @@ std::unique_ptr<RecordingReader> whole(const std::string& path, const ImportOpti
 
 /// A new format is a file beside this one, its two functions in formats.hpp, and a line here. Most
 /// specific first.
-constexpr std::array<Importer, 9> table = {{
+constexpr std::array<Importer, 10> table = {{
     {"impactrig-hdf5", "impactrig's own HDF5 (.h5)", recognises_hdf5, whole<read_hdf5>},  //
     {"uff58b", "universal file with binary functions, dataset 58b (.uff .unv .bunv)",
      recognises_uff58b, whole<read_uff58>},  //
     {"uff58", "universal file with functions in text, dataset 58 (.uff .unv)", recognises_uff58,
      whole<read_uff58>},  //
     {"polytec-ascii", "Polytec PSV and VibSoft text export (.txt)", recognises_polytec_ascii,
-     whole<read_polytec_ascii>},                                                              //
+     whole<read_polytec_ascii>},  //
+    {"hdf5", "HDF5 of other programs: data sets of numbers by their paths (.h5 .hdf5 .nxs)",
+     recognises_foreign_hdf5, open_foreign_hdf5},                                             //
     {"mat", "MATLAB MAT-file (.mat)", recognises_mat, open_mat},                              //
     {"wav", "WAVE sound file: RIFF, RIFX, RF64 (.wav)", recognises_wav, open_wav},            //
     {"sigrok", "sigrok session with analog channels (.sr)", recognises_sigrok, open_sigrok},  //

@@ -689,19 +689,23 @@ class LvmReader {
   // ---- what the segments mean
 
   void check_counts(const Segment& segment) {
+    std::map<std::pair<std::uint64_t, std::uint64_t>, std::string> differ;  // names by counts
     for (const Part& part : segment.parts) {
       const std::uint64_t n = part.values.size();
       if (!part.said || *part.said == n) continue;
-      if (n > *part.said && one_heading_) {
-        warn(
-            fmt::format("'{}': the header declares {} samples, there are {}: packets without a "
-                        "header of their own follow, and whether time passed between them is not "
-                        "told",
-                        part.name, *part.said, n));
-      } else {
-        warn(fmt::format("'{}': the header declares {} samples, there are {}", part.name,
-                         *part.said, n));
-      }
+      std::string& names = differ[{*part.said, n}];
+      if (names.size() < 200)
+        names += fmt::format("{}'{}'", names.empty() ? "" : ", ", part.name);
+      else if (!names.ends_with("..."))
+        names += ", ...";
+    }
+    for (const auto& [counts, names] : differ) {
+      const auto [said, n] = counts;
+      warn(fmt::format("{}: the header declares {} samples, there are {}{}", names, said, n,
+                       n > said && one_heading_
+                           ? ": packets without a header of their own follow, and whether time "
+                             "passed between them is not told"
+                           : ""));
     }
   }
 
@@ -791,10 +795,9 @@ class LvmReader {
     }
     TimeAxis axis = time_axis(std::move(part.x));
     if (delta > 0.0)
-      warn(
-          fmt::format("'{}': Delta_X is {:.9g} but the X column steps by {:.9g}: the X column is "
-                      "used",
-                      channel.name, delta, axis.clock.interval));
+      warn(fmt::format("{}Delta_X is {:.9g} but the X column steps by {:.9g}: the X column is used",
+                       multi_ ? "'" + channel.name + "': " : std::string(), delta,
+                       axis.clock.interval));
     if (!axis.warning.empty()) warn(fmt::format("'{}': {}", channel.name, axis.warning));
     clock = std::move(axis.clock);
     clock.start = clock.start * factor + shift;
@@ -835,6 +838,12 @@ Record read_headerless(const std::string& path, const ImportOptions& options) {
   Record record = read_csv(path, options);
   record.warnings.insert(record.warnings.begin(),
                          "the file has no header: it is read as a table of numbers");
+  std::string& time_column = record.attributes["time column"];
+  if (time_column.starts_with("column 0 (")) {
+    time_column[7] = '1';
+    for (std::string& warning : record.warnings)
+      if (warning.starts_with("the time column 'column 0'")) warning[24] = '1';
+  }
   for (Channel& channel : record.channels) {
     const std::string name = channel.name;
     if (const auto number = integer_in(name.starts_with("column ") ? name.substr(7) : ""))

@@ -9,7 +9,8 @@
 
 namespace impactrig::acquisition {
 
-/// A file's bytes, mapped (or unpacked in memory): a page is read when it is looked at, and given back by release().
+/// A file's bytes, mapped (or unpacked in memory): a page is read when it is looked at, and given
+/// back by release().
 class MappedFile {
  public:
   /// Throws datasets::FileError when the file is missing, a directory or not readable.

@@ -157,6 +157,13 @@ int recognises_mat(std::string_view file_name, std::string_view head) {
 }
 
 std::unique_ptr<RecordingReader> open_mat(const std::string& path, const ImportOptions& options) {
+  {
+    const MappedFile file(path);
+    constexpr std::string_view hdf5 = "\x89HDF\r\n\x1a\n";
+    if (file.bytes().starts_with(hdf5) ||
+        (file.bytes().size() > 512 && file.bytes().substr(512).starts_with(hdf5)))
+      return open_mat73(path, options);
+  }
   return MatRecord(read_mat_contents(path)).reader(options);
 }
 

@@ -85,7 +85,8 @@ class ClockFinder {
       if (stated) break;
       const std::string word = last_word(arrays_[i].name);
       const std::string group(group_of(arrays_[i].name));
-      if (!none && arrays_[i].real && arrays_[i].samples > 1 && among(time_words, word))
+      if (!none && arrays_[i].real && arrays_[i].samples > 1 &&
+          (arrays_[i].time || among(time_words, word)))
         times_.emplace(std::pair(group, arrays_[i].samples), i);
       if (arrays_[i].real && arrays_[i].samples == 1) take_number(word, group, i);
     }
@@ -137,7 +138,9 @@ class ClockFinder {
 
   bool by_times(std::size_t index, const std::string& group) {
     const auto found = times_.find(std::pair(group, arrays_[index].samples));
-    return found != times_.end() && use_times(index, found->second, "by its name");
+    return found != times_.end() &&
+           use_times(index, found->second,
+                     arrays_[found->second].time ? "as the file says" : "by its name");
   }
 
   bool use_times(std::size_t index, std::size_t times, std::string_view why) {

@@ -16,6 +16,7 @@ struct NamedArray {
   std::string name;  ///< "run.force", "/entry/force": groups are told by the last '.' or '/'
   std::uint64_t samples = 0;
   bool real = true;
+  bool time = false;     ///< the file says that it is
   double seconds = 1.0;  ///< of one of its unit, where it holds times
 };
 

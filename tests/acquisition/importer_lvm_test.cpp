@@ -77,7 +77,7 @@ TEST(Lvm, TheXColumnIsBelievedWhereDeltaDisagrees) {
   const auto record = imported(one_segment("0|1|2\n0.005|3|4\n0.01|5|6\n", "1.953125E-5"));
   EXPECT_EQ(record.channels[0].clock.interval, 0.005);
   EXPECT_THAT(record.warnings[0],
-              "'force': Delta_X is 1.953125e-05 but the X column steps by 0.005: "
+              "Delta_X is 1.953125e-05 but the X column steps by 0.005: "
               "the X column is used");
 }
 
@@ -127,9 +127,10 @@ TEST(Lvm, PacketsWithoutHeaderAreAppended) {
   const LvmFile file{'\t', "Tab", ".", "No", "No", ""};
   const auto record = imported(one_segment("|1|2\n|3|4\n|5|6\n", "0.001", file, "2"));
   EXPECT_THAT(record.channels[0].values(), ElementsAre(1, 3, 5));
-  EXPECT_THAT(record.warnings[0],
-              "'force': the header declares 2 samples, there are 3: packets without a header of "
-              "their own follow, and whether time passed between them is not told");
+  EXPECT_THAT(
+      record.warnings[0],
+      "'force', 'accel': the header declares 2 samples, there are 3: packets without a header of "
+      "their own follow, and whether time passed between them is not told");
   // channels of different length leave cells empty in each packet: nothing is missing
   const std::string keys =
       "Channels|2|||\nSamples|1|2|\nX_Dimension|Time|Time|\nX0|0|0|\nDelta_X|0.002|0.001|\n";
@@ -261,6 +262,9 @@ TEST(Lvm, WithoutHeaderItIsATableWhoseColumnsEnd) {
   EXPECT_THAT(record.channels[2].valid, ElementsAre());
   EXPECT_EQ(record.channels[0].clock.interval, 5e-6);
   EXPECT_EQ(record.warnings[0], "the file has no header: it is read as a table of numbers");
+  EXPECT_EQ(record.warnings[1],
+            "the time column 'column 1' states no unit: it is taken as s "
+            "(--units states another)");
   EXPECT_EQ(record.warnings.back(), "'column 4' ends after 1 of 4 rows");
 }
 

@@ -103,21 +103,20 @@ TEST_P(Recording, AgreesWithAnotherReader) {
 
 INSTANTIATE_TEST_SUITE_P(
     Shared, Recording,
-    testing::Values("uff/binary8byte.uff", "uff/catman_time_history.uff", "uff/header_1858.uff",
-                    "uff/mps_first_set_fixed.uff", "uff/sample_58_ascii.uff",
-                    "uff/sample_58b_bin.uff", "uff/testlab_161_164_18_15_82.uff",
-                    "text/drop_tower_accel_1.csv", "text/rigol_ds1054z.csv",
-                    "text/rigol_ds1102d.csv", "text/rigol_ds1102e.csv", "text/shock_base.txt",
-                    "text/tek_mso64.csv", "polytec_ascii/time_ref1_voltage.txt",
-                    "polytec_ascii/time_velocity_clipboard.txt", "lvm/force_pounds_downsampled.lvm",
-                    "lvm/hammer_short_decimal_comma.lvm", "lvm/hammer_short_newline_end.lvm",
-                    "lvm/impact_5kg_headerless.lvm", "lvm/long_three_channels.lvm",
-                    "lvm/multi_time_column.lvm", "lvm/no_decimal_separator.lvm",
-                    "mat/tek_analog.mat", "mat/testcomplex_7.4_GLNX86.mat",
-                    "mat/testdouble_6.1_SOL2.mat", "mat/testdouble_7.4_GLNX86.mat",
-                    "mat/testmatrix_6.5.1_GLNX86.mat", "wav/living_room_ir.wav",
-                    "wav/test-44100Hz-2ch-32bit-float-le.wav", "wav/test-44100Hz-le-1ch-4bytes.wav",
-                    "wav/test-8000Hz-le-2ch-1byteu.wav", "wav/test-8000Hz-le-3ch-5S-24bit.wav"),
+    testing::Values(
+        "uff/binary8byte.uff", "uff/catman_time_history.uff", "uff/header_1858.uff",
+        "uff/mps_first_set_fixed.uff", "uff/sample_58_ascii.uff", "uff/sample_58b_bin.uff",
+        "uff/testlab_161_164_18_15_82.uff", "text/drop_tower_accel_1.csv", "text/rigol_ds1054z.csv",
+        "text/rigol_ds1102d.csv", "text/rigol_ds1102e.csv", "text/shock_base.txt",
+        "text/tek_mso64.csv", "polytec_ascii/time_ref1_voltage.txt",
+        "polytec_ascii/time_velocity_clipboard.txt", "lvm/force_pounds_downsampled.lvm",
+        "lvm/hammer_short_decimal_comma.lvm", "lvm/hammer_short_newline_end.lvm",
+        "lvm/impact_5kg_headerless.lvm", "lvm/long_three_channels.lvm", "lvm/multi_time_column.lvm",
+        "lvm/no_decimal_separator.lvm", "mat/tek_analog.mat", "mat/testcomplex_7.4_GLNX86.mat",
+        "mat/testdouble_6.1_SOL2.mat", "mat/testdouble_7.4_GLNX86.mat",
+        "mat/testhdf5_7.4_GLNX86.mat", "mat/testmatrix_6.5.1_GLNX86.mat", "wav/living_room_ir.wav",
+        "wav/test-44100Hz-2ch-32bit-float-le.wav", "wav/test-44100Hz-le-1ch-4bytes.wav",
+        "wav/test-8000Hz-le-2ch-1byteu.wav", "wav/test-8000Hz-le-3ch-5S-24bit.wav"),
     [](const auto& instance) {
       std::string name = instance.param;
       for (char& c : name)

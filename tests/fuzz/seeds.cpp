@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/acquisition/hdf5_bytes.hpp"
 #include "tests/acquisition/lvm_bytes.hpp"
 #include "tests/acquisition/mat_bytes.hpp"
 #include "tests/acquisition/sigrok_bytes.hpp"
@@ -24,8 +25,9 @@ struct Seeds {
 };
 
 /// A format's seeds are made by the builders its tests use.
-constexpr std::array<Seeds, 8> table = {{
+constexpr std::array<Seeds, 9> table = {{
     {"csv", csv_seeds},                //
+    {"hdf5", hdf5_seeds},              //
     {"lvm", lvm_seeds},                //
     {"mat", mat_seeds},                //
     {"polytec-ascii", polytec_seeds},  //
