@@ -130,7 +130,8 @@ INSTANTIATE_TEST_SUITE_P(
                     "lvm/hammer_short_decimal_comma.lvm", "lvm/multi_time_column.lvm",
                     "mat/tek_analog.mat", "mat/testcomplex_7.4_GLNX86.mat",
                     "mat/testdouble_6.1_SOL2.mat", "mat/teststruct_7.4_GLNX86.mat",
-                    "wav/test-8000Hz-le-2ch-1byteu.wav", "wav/test-44100Hz-le-1ch-4bytes.wav"),
+                    "mat/testhdf5_7.4_GLNX86.mat", "wav/test-8000Hz-le-2ch-1byteu.wav",
+                    "wav/test-44100Hz-le-1ch-4bytes.wav"),
     [](const auto& instance) {
       std::string name = instance.param;
       for (char& c : name)
