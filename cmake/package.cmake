@@ -10,6 +10,8 @@ install(FILES
   ${PROJECT_BINARY_DIR}/impactrig-config.cmake
   ${PROJECT_BINARY_DIR}/impactrig-config-version.cmake
   cmake/dependencies.cmake
+  cmake/FindLibZip.cmake
+  cmake/FindSndFile.cmake
   cmake/FindUDUNITS2.cmake
   DESTINATION ${package_dir})
 install(DIRECTORY datasets/samples DESTINATION ${CMAKE_INSTALL_DATADIR}/impactrig)

@@ -60,6 +60,10 @@ class OverflowMarks final : public SampleSink {
         samples_(chosen_.size()),
         next_(next) {}
 
+  void take_times(std::size_t index, std::span<const double> times) override {
+    next_.take_times(index, times);
+  }
+
   void take(std::size_t index, const SampleBlock& block) override {
     const Channel& channel = record_.channels[chosen_[index]];
     valid_.assign(block.size(), 1);

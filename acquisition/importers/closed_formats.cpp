@@ -20,28 +20,21 @@ struct Signature {
 
 constexpr std::string_view as_csv = "export it as CSV with the program that wrote it";
 
-constexpr std::array<Signature, 11> signatures = {{
+constexpr auto signatures = std::to_array<Signature>({
     {0, std::string_view("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", 8),
      "an OLE2 compound file, as Polytec's .svd, .pvd and .set are",
      "no open reader exists: export it from PSV or VibSoft as universal file (UFF) or ASCII"},
     {0, "TDSh", "the index of an NI TDMS file (.tdms_index)",
      "state the .tdms file beside it, which holds the samples"},
-    {8, "WAVE", "a WAVE audio file", as_csv},
-    {0, "MATLAB 5.0 MAT-file", "a MATLAB MAT-file (version 5)",
-     "load it in MATLAB and write it as CSV with writematrix, or as universal file"},
-    {0, "MATLAB 7.", "a MATLAB MAT-file (version 7)",
-     "load it in MATLAB and write it as CSV with writematrix, or as universal file"},
-    {0, "LabVIEW Measurement", "a LabVIEW measurement file (LVM) with a header",
-     "export it as CSV, or cut its header off"},
     {0, "MDF     ", "an ASAM MDF measurement file before version 4",
      "save it as MDF 4 with the program that wrote it"},
     {0, "UnFinMF ", "an unfinished ASAM MDF measurement file before version 4",
      "save it as MDF 4 with the program that wrote it"},
-    {0, std::string_view("PK\x03\x04", 4), "a ZIP archive (a workbook, or a sigrok session)",
+    {0, std::string_view("PK\x03\x04", 4), "a ZIP archive (a workbook, for example)",
      "save the table in it as CSV"},
     {0, "\x1F\x8B", "a gzip-compressed file", "unpack it first"},
     {0, "%PDF", "a PDF document", "a recording is expected"},
-}};
+});
 
 }  // namespace
 
@@ -49,9 +42,6 @@ std::string closed_format(std::string_view head) {
   for (const Signature& signature : signatures) {
     if (head.size() < signature.offset) continue;
     if (!head.substr(signature.offset).starts_with(signature.bytes)) continue;
-    const bool riff =
-        head.starts_with("RIFF") || head.starts_with("RIFX") || head.starts_with("RF64");
-    if (signature.bytes == "WAVE" && !riff) continue;
     return fmt::format("this is {}, which is not read: {}", signature.what, signature.way_out);
   }
   return {};

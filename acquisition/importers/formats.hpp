@@ -26,6 +26,17 @@ std::unique_ptr<RecordingReader> open_tdms(const std::string& path, const Import
 
 int recognises_mdf4(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_mdf4(const std::string& path, const ImportOptions& options);
+int recognises_lvm(std::string_view file_name, std::string_view head);
+datasets::Record read_lvm(const std::string& path, const ImportOptions& options);
+
+int recognises_mat(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_mat(const std::string& path, const ImportOptions& options);
+
+int recognises_wav(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_wav(const std::string& path, const ImportOptions& options);
+
+int recognises_sigrok(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_sigrok(const std::string& path, const ImportOptions& options);
 
 int recognises_csv(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_csv(const std::string& path, const ImportOptions& options);
@@ -66,6 +77,12 @@ std::unique_ptr<RecordingReader> open_imc_raw(const std::string& path,
 
 int recognises_hdf5(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_hdf5(const std::string& path, const ImportOptions& options);
+
+int recognises_foreign_hdf5(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_foreign_hdf5(const std::string& path,
+                                                   const ImportOptions& options);
+/// A MAT-file of version 7.3.
+std::unique_ptr<RecordingReader> open_mat73(const std::string& path, const ImportOptions& options);
 
 /// What a file is that we know but do not read, and how its content can be brought here; "" for
 /// anything else.

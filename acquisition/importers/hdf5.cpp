@@ -89,7 +89,9 @@ class OurRecording final : public RecordingReader {
 }  // namespace
 
 int recognises_hdf5(std::string_view, std::string_view head) {
-  return datasets::looks_like_hdf5(head) ? 100 : 0;
+  if (!datasets::looks_like_hdf5(head)) return 0;
+  // an attribute of the root, which is the first object of the file
+  return head.find("impactrig-recording") != std::string_view::npos ? 100 : 50;
 }
 
 std::unique_ptr<RecordingReader> open_hdf5(const std::string& path, const ImportOptions&) {

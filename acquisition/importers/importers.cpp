@@ -47,6 +47,13 @@ constexpr auto table = std::to_array<Importer>({
      open_rigol_wfm},                                                                 //
     {"catman", "HBM catman binary export (.bin)", recognises_catman, open_catman},    //
     {"imc-raw", "imc FAMOS raw file (.raw .dat)", recognises_imc_raw, open_imc_raw},  //
+    {"hdf5", "HDF5 of other programs: data sets of numbers by their paths (.h5 .hdf5 .nxs)",
+     recognises_foreign_hdf5, open_foreign_hdf5},                                             //
+    {"mat", "MATLAB MAT-file (.mat)", recognises_mat, open_mat},                              //
+    {"wav", "WAVE sound file: RIFF, RIFX, RF64 (.wav)", recognises_wav, open_wav},            //
+    {"sigrok", "sigrok session with analog channels (.sr)", recognises_sigrok, open_sigrok},  //
+    {"lvm", "LabVIEW measurement file, with or without header (.lvm)", recognises_lvm,
+     whole<read_lvm>},  //
     {"csv", "table of numbers: comma, tab, semicolon or blank separated (.csv .txt .tsv .dat)",
      recognises_csv, open_csv},  //
 });

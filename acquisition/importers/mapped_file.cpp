@@ -57,11 +57,18 @@ MappedFile::MappedFile(std::string path) : path_(std::move(path)) {
   size_ = size;
 }
 
+MappedFile::MappedFile(std::string path, std::string unpacked)
+    : path_(std::move(path)),
+      unpacked_(std::move(unpacked)),
+      bytes_(unpacked_.data()),
+      size_(unpacked_.size()) {}
+
 MappedFile::~MappedFile() {
-  if (size_ > 0) ::munmap(const_cast<char*>(bytes_), size_);
+  if (size_ > 0 && unpacked_.empty()) ::munmap(const_cast<char*>(bytes_), size_);
 }
 
 void MappedFile::release(std::size_t first, std::size_t last) const {
+  if (!unpacked_.empty()) return;  // it could not be read again
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
   first = (first + page - 1) / page * page;
   last = last >= size_ ? size_ : last / page * page;

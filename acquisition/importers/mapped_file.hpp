@@ -9,11 +9,14 @@
 
 namespace impactrig::acquisition {
 
-/// A file's bytes, mapped: a page is read when it is looked at, and given back by release().
+/// A file's bytes, mapped (or unpacked in memory): a page is read when it is looked at, and given
+/// back by release().
 class MappedFile {
  public:
   /// Throws datasets::FileError when the file is missing, a directory or not readable.
   explicit MappedFile(std::string path);
+  /// Bytes that were unpacked from a file, with the file's name.
+  MappedFile(std::string path, std::string unpacked);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
@@ -31,6 +34,7 @@ class MappedFile {
 
  private:
   std::string path_;
+  std::string unpacked_;
   const char* bytes_ = "";
   std::size_t size_ = 0;
 };

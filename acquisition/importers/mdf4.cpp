@@ -327,16 +327,19 @@ class MdfRecording final : public RecordingReader {
     for (std::uint64_t i = range.first; i < range.last; i += rows) {
       const std::uint64_t count = std::min(rows, range.last - i);
       const char* const records = bytes.view(i * group.record_bytes, count * group.record_bytes);
-      SampleBlock block;
-      if (group.times) block.times = times_of(group, records, count);
       for (const std::size_t place : places)
-        hand_over(group, channels_[chosen[place]], records, count, place, block, sink);
+        hand_over(group, channels_[chosen[place]], records, count, place, sink);
+      if (group.times) {
+        const std::span<const double> times = times_of(group, records, count);
+        for (const std::size_t place : places) sink.take_times(place, times);
+      }
       release(records, count * group.record_bytes);
     }
   }
 
   void hand_over(const Group& group, const MdfChannel& channel, const char* records,
-                 std::uint64_t count, std::size_t place, SampleBlock block, SampleSink& sink) {
+                 std::uint64_t count, std::size_t place, SampleSink& sink) {
+    SampleBlock block;
     const Field& field = channel.field;
     const auto read = [&](auto& values) {
       read_field(field, records, count, group.record_bytes, values);

@@ -94,20 +94,6 @@ INSTANTIATE_TEST_SUITE_P(
             "TDSh\x0E\x00\x00\x00"sv,
             "the index of an NI TDMS file (.tdms_index), which is not read: state the .tdms file "
             "beside it, which holds the samples"},
-        Closed{"RIFF\x24\x00\x00\x00WAVEfmt "sv,
-               "a WAVE audio file, which is not read: export it as CSV with the program that wrote "
-               "it"},
-        Closed{"MATLAB 5.0 MAT-file, Platform"sv,
-               "a MATLAB MAT-file (version 5), which is not read: load it in MATLAB and write it "
-               "as CSV with writematrix, or as "
-               "universal file"},
-        Closed{"MATLAB 7.3 MAT-file, Platform"sv,
-               "a MATLAB MAT-file (version 7), which is not read: load it in MATLAB and write it "
-               "as CSV with writematrix, or as "
-               "universal file"},
-        Closed{"LabVIEW Measurement\t"sv,
-               "a LabVIEW measurement file (LVM) with a header, which is not read: export it as "
-               "CSV, or cut its header off"},
         Closed{"MDF     3.30"sv,
                "an ASAM MDF measurement file before version 4, which is not read: save it as MDF 4 "
                "with the program that wrote it"},
@@ -115,9 +101,10 @@ INSTANTIATE_TEST_SUITE_P(
             "UnFinMF 3.30"sv,
             "an unfinished ASAM MDF measurement file before version 4, which is not read: save it "
             "as MDF 4 with the program that wrote it"},
-        Closed{"PK\x03\x04"sv,
-               "a ZIP archive (a workbook, or a sigrok session), which is not read: save the table "
-               "in it as CSV"},
+        Closed{
+            "PK\x03\x04"sv,
+            "a ZIP archive (a workbook, for example), which is not read: save the table in it as "
+            "CSV"},
         Closed{"\x1F\x8B\x08"sv, "a gzip-compressed file, which is not read: unpack it first"},
         Closed{"%PDF-1.7"sv, "a PDF document, which is not read: a recording is expected"}));
 

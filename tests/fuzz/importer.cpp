@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 
 #include "acquisition/importer.hpp"
 #include "datasets/input_error.hpp"
@@ -24,21 +25,30 @@ void require(bool holds, const char* what) {
   std::abort();
 }
 
-/// A file in memory with a name.
+/// A file in memory with a name. HDF5 wants one that lies in a folder.
 class MemoryFile {
  public:
-  MemoryFile(const std::uint8_t* data, std::size_t size) : id_(memfd_create("fuzz", MFD_CLOEXEC)) {
+  MemoryFile(const std::uint8_t* data, std::size_t size)
+      : in_folder_(std::string_view(IMPACTRIG_FUZZED_FORMAT).ends_with("hdf5")),
+        path_("/dev/shm/fuzz-XXXXXX"),
+        id_(in_folder_ ? mkstemp(path_.data()) : memfd_create("fuzz", MFD_CLOEXEC)) {
     require(id_ >= 0 && write(id_, data, size) == static_cast<ssize_t>(size), "a file in memory");
+    if (!in_folder_) path_ = "/proc/self/fd/" + std::to_string(id_);
   }
 
-  ~MemoryFile() { close(id_); }
+  ~MemoryFile() {
+    if (in_folder_) unlink(path_.c_str());
+    close(id_);
+  }
 
   MemoryFile(const MemoryFile&) = delete;
   MemoryFile& operator=(const MemoryFile&) = delete;
 
-  std::string path() const { return "/proc/self/fd/" + std::to_string(id_); }
+  const std::string& path() const { return path_; }
 
  private:
+  bool in_folder_;
+  std::string path_;
   int id_;
 };
 

@@ -9,14 +9,19 @@
 #include <vector>
 
 #include "tests/acquisition/catman_bytes.hpp"
+#include "tests/acquisition/hdf5_bytes.hpp"
 #include "tests/acquisition/imc_raw_bytes.hpp"
 #include "tests/acquisition/lecroy_trc_bytes.hpp"
+#include "tests/acquisition/lvm_bytes.hpp"
+#include "tests/acquisition/mat_bytes.hpp"
 #include "tests/acquisition/mdf4_bytes.hpp"
 #include "tests/acquisition/rigol_wfm_bytes.hpp"
+#include "tests/acquisition/sigrok_bytes.hpp"
 #include "tests/acquisition/tdms_bytes.hpp"
 #include "tests/acquisition/tek_isf_bytes.hpp"
 #include "tests/acquisition/tek_wfm_bytes.hpp"
 #include "tests/acquisition/text_bytes.hpp"
+#include "tests/acquisition/wav_bytes.hpp"
 #include "tests/acquisition/waveform_container_bytes.hpp"
 
 namespace {
@@ -32,18 +37,23 @@ struct Seeds {
 constexpr auto table = std::to_array<Seeds>({
     {"catman", catman_seeds},              //
     {"csv", csv_seeds},                    //
+    {"hdf5", hdf5_seeds},                  //
     {"imc-raw", imc_raw_seeds},            //
     {"keysight-bin", keysight_bin_seeds},  //
     {"lecroy-trc", lecroy_trc_seeds},      //
+    {"lvm", lvm_seeds},                    //
+    {"mat", mat_seeds},                    //
     {"mdf4", mdf4_seeds},                  //
     {"polytec-ascii", polytec_seeds},      //
     {"rigol-bin", rigol_bin_seeds},        //
     {"rigol-wfm", rigol_wfm_seeds},        //
+    {"sigrok", sigrok_seeds},              //
     {"tdms", tdms_seeds},                  //
     {"tek-isf", tek_isf_seeds},            //
     {"tek-wfm", tek_wfm_seeds},            //
     {"uff58", uff58_seeds},                //
     {"uff58b", uff58b_seeds},              //
+    {"wav", wav_seeds},                    //
 });
 
 }  // namespace

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "acquisition/importers/byte_cursor.hpp"
+#include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/mat5.hpp"
+#include "acquisition/importers/named_arrays.hpp"
+#include "acquisition/importers/stored_numbers.hpp"
+#include "acquisition/importers/text_file.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Channel;
+using datasets::Record;
+
+namespace {
+
+/// A matrix longer than this holds samples one way and channels the other.
+constexpr std::uint64_t longest_small_matrix = 100;
+constexpr std::uint64_t most_channels = 1000;  ///< of one matrix
+
+double number_at(const MappedFile& file, const StoredNumbers& numbers, std::uint64_t at) {
+  ByteCursor cursor(file, numbers.big_endian(), at);
+  constexpr std::string_view what = "a number";
+  switch (numbers.kind()) {
+    case NumberKind::i8:
+      return cursor.read<std::int8_t>(what);
+    case NumberKind::u8:
+      return cursor.read<std::uint8_t>(what);
+    case NumberKind::i16:
+      return cursor.read<std::int16_t>(what);
+    case NumberKind::u16:
+      return cursor.read<std::uint16_t>(what);
+    case NumberKind::i32:
+      return cursor.read<std::int32_t>(what);
+    case NumberKind::u32:
+      return cursor.read<std::uint32_t>(what);
+    case NumberKind::i64:
+      return static_cast<double>(cursor.read<std::int64_t>(what));
+    case NumberKind::u64:
+      return static_cast<double>(cursor.read<std::uint64_t>(what));
+    case NumberKind::f32:
+      return cursor.read<float>(what);
+    default:
+      return cursor.read<double>(what);
+  }
+}
+
+std::vector<double> values_of(const MappedFile& file, const StoredNumbers& numbers) {
+  std::vector<double> values;
+  values.reserve(numbers.size());
+  for (const NumberRun& run : numbers.runs())
+    for (std::uint64_t i = 0; i < run.count; ++i)
+      values.push_back(number_at(file, numbers, run.offset + i * run.stride));
+  return values;
+}
+
+StoredNumbers numbers(NumberKind kind, bool big_endian, std::uint64_t offset, std::uint64_t count,
+                      std::uint64_t step) {
+  StoredNumbers stored(kind, big_endian);
+  stored.add({offset, count, step * size_of(kind), 1, 0});
+  return stored;
+}
+
+/// Makes channels of arrays.
+class MatRecord {
+ public:
+  explicit MatRecord(MatContents contents) : contents_(std::move(contents)) {
+    record_.attributes["MAT-file version"] = contents_.version;
+    if (!contents_.header.empty()) record_.attributes["header"] = contents_.header;
+    for (const auto& [name, text] : contents_.texts) record_.attributes.emplace(name, text);
+    record_.warnings = std::move(contents_.warnings);
+    for (const MatArray& array : contents_.arrays) add(array);
+    if (record_.channels.empty())
+      record_.warnings.emplace_back("there are no numbers in this file: there are no channels");
+  }
+
+  std::unique_ptr<RecordingReader> reader(const ImportOptions& options) {
+    set_clocks(options);
+    return reader_of_numbers(std::move(contents_.file), std::move(record_), std::move(stored_));
+  }
+
+ private:
+  void add(const MatArray& array) {
+    const std::uint64_t longer = std::max(array.rows, array.columns);
+    const std::uint64_t shorter = std::min(array.rows, array.columns);
+    if (longer <= longest_small_matrix || shorter < 2 || shorter > most_channels)
+      return add_channel(array, array.name, 0, array.count, 1);
+    const bool by_columns = array.rows >= array.columns;
+    for (std::uint64_t i = 0; i < shorter; ++i) {
+      const std::string name = fmt::format("{}:{}", array.name, i + 1);
+      const std::uint64_t first = by_columns ? i * array.rows : i;
+      if (first >= array.count) break;
+      const std::uint64_t left = array.count - first;
+      add_channel(array, name, first,
+                  by_columns ? std::min(array.rows, left) : (left - 1) / array.rows + 1,
+                  by_columns ? 1 : array.rows);
+    }
+  }
+
+  void add_channel(const MatArray& array, const std::string& name, std::uint64_t first,
+                   std::uint64_t count, std::uint64_t step) {
+    Channel channel;
+    channel.name = name;
+    channel.attributes["size"] = fmt::format("{} x {}", array.rows, array.columns);
+    StoredChannel stored;
+    stored.samples = numbers(array.kind, contents_.big_endian,
+                             array.offset + first * size_of(array.kind), count, step);
+    if (array.complex)
+      stored.imaginary =
+          numbers(array.imaginary_kind, contents_.big_endian,
+                  array.imaginary_offset + first * size_of(array.imaginary_kind), count, step);
+    record_.channels.push_back(std::move(channel));
+    stored_.push_back(std::move(stored));
+  }
+
+  void set_clocks(const ImportOptions& options) {
+    std::vector<NamedArray> arrays;
+    for (std::size_t i = 0; i < stored_.size(); ++i)
+      arrays.push_back(
+          {record_.channels[i].name, stored_[i].samples.size(), stored_[i].imaginary.size() == 0});
+    ArrayClocks found = clocks_by_name(
+        contents_.file->path(), arrays,
+        [this](std::size_t i) { return values_of(*contents_.file, stored_[i].samples); }, options);
+    for (std::size_t i = 0; i < stored_.size(); ++i) {
+      const ArrayClock& clock = found.clocks[i];
+      record_.channels[i].clock.start = clock.start;
+      record_.channels[i].clock.interval = clock.interval;
+      if (clock.times) stored_[i].times = stored_[*clock.times].samples;
+    }
+    for (std::string& warning : found.warnings) record_.warnings.push_back(std::move(warning));
+    if (found.time_column.empty()) return;
+    record_.attributes["time column"] = found.time_column;
+    const auto unit = contents_.texts.find("horizontalUnits");
+    if (unit == contents_.texts.end() || unit->second != "s")
+      record_.warnings.push_back(
+          fmt::format("the time is taken as s, since no unit is stated: {}", found.time_column));
+  }
+
+  MatContents contents_;
+  Record record_;
+  std::vector<StoredChannel> stored_;
+};
+
+}  // namespace
+
+int recognises_mat(std::string_view file_name, std::string_view head) {
+  if (head.starts_with("MATLAB 5.0 MAT-file") || head.starts_with("MATLAB 7.")) return 100;
+  // version 5 as others write it: any text, then version and byte order
+  if (head.size() >= 128 && (head.substr(124, 4) == std::string_view("\x00\x01IM", 4) ||
+                             head.substr(124, 4) == std::string_view("\x01\x00MI", 4)))
+    return 90;
+  if (!looks_like_mat4(head)) return 0;
+  return file_name.ends_with(".mat") || file_name.ends_with(".MAT") ? 90 : 60;
+}
+
+std::unique_ptr<RecordingReader> open_mat(const std::string& path, const ImportOptions& options) {
+  {
+    const MappedFile file(path);
+    constexpr std::string_view hdf5 = "\x89HDF\r\n\x1a\n";
+    if (file.bytes().starts_with(hdf5) ||
+        (file.bytes().size() > 512 && file.bytes().substr(512).starts_with(hdf5)))
+      return open_mat73(path, options);
+  }
+  return MatRecord(read_mat_contents(path)).reader(options);
+}
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,578 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// MAT-files of versions 4 and 5 (that is, -v4, -v6 and -v7). Layout: MathWorks, "MAT-File Format",
+// 2019.
+#include "acquisition/importers/mat5.hpp"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <optional>
+
+#include "acquisition/importers/byte_cursor.hpp"
+#include "acquisition/importers/text_file.hpp"
+#include "datasets/input_error.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::InputError;
+
+namespace {
+
+constexpr std::uint64_t most_unpacked = std::uint64_t{256} << 20;  ///< of one file [bytes]
+constexpr int deepest = 16;                                        ///< structures in structures
+constexpr std::uint64_t longest_name = 256;                        ///< MATLAB: 63 [bytes]
+constexpr std::uint64_t longest_text = 2000;                       ///< of an attribute [bytes]
+
+// data types of an element
+constexpr std::uint32_t mi_int8 = 1;
+constexpr std::uint32_t mi_uint8 = 2;
+constexpr std::uint32_t mi_uint16 = 4;
+constexpr std::uint32_t mi_int32 = 5;
+constexpr std::uint32_t mi_uint32 = 6;
+constexpr std::uint32_t mi_matrix = 14;
+constexpr std::uint32_t mi_compressed = 15;
+constexpr std::uint32_t mi_utf8 = 16;
+constexpr std::uint32_t mi_utf16 = 17;
+
+std::optional<NumberKind> kind_of(std::uint32_t type) {
+  switch (type) {
+    case mi_int8:
+      return NumberKind::i8;
+    case mi_uint8:
+      return NumberKind::u8;
+    case 3:
+      return NumberKind::i16;
+    case mi_uint16:
+      return NumberKind::u16;
+    case mi_int32:
+      return NumberKind::i32;
+    case mi_uint32:
+      return NumberKind::u32;
+    case 7:
+      return NumberKind::f32;
+    case 9:
+      return NumberKind::f64;
+    case 12:
+      return NumberKind::i64;
+    case 13:
+      return NumberKind::u64;
+    default:
+      return std::nullopt;
+  }
+}
+
+/// What a class that is no array of numbers is called.
+std::string_view class_name(unsigned number) {
+  switch (number) {
+    case 1:
+      return "a cell array";
+    case 3:
+      return "an object";
+    case 5:
+      return "a sparse matrix";
+    case 16:
+      return "a function handle";
+    case 17:
+      return "an object";
+    default:
+      return "of an unknown class";
+  }
+}
+
+/// A data element: what its tag says.
+struct Element {
+  std::uint32_t type = 0;
+  std::uint64_t data = 0;  ///< first byte
+  std::uint64_t end = 0;   ///< behind the last byte that is there
+  std::uint64_t next = 0;  ///< the next tag
+  bool cut = false;        ///< it declares more bytes than there are
+};
+
+/// A part of the file, [first, last).
+struct Part {
+  std::uint64_t first = 0;
+  std::uint64_t last = 0;
+};
+
+class MatParser {
+ public:
+  explicit MatParser(const std::string& path) {
+    contents_.file = std::make_unique<MappedFile>(path);
+  }
+
+  MatContents read() {
+    const std::string_view head = bytes();
+    const bool five =
+        head.size() >= 128 && (head.substr(126, 2) == "IM" || head.substr(126, 2) == "MI");
+    if (five)
+      read_5();
+    else if (looks_like_mat4(head))
+      read_4();
+    else
+      throw InputError(
+          contents_.file->byte_position(0),
+          "expected the header of a MAT-file: 128 bytes that end with 'IM' or 'MI', or "
+          "the 20 bytes of version 4");
+    if (!skipped_.empty())
+      contents_.warnings.push_back(fmt::format(
+          "not read: {}{}", skipped_,
+          more_skipped_ > 0 ? fmt::format(" and {} more", more_skipped_) : std::string()));
+    return std::move(contents_);
+  }
+
+ private:
+  std::string_view bytes() const { return contents_.file->bytes(); }
+
+  void warn(std::string text) {
+    if (contents_.warnings.size() < 100) contents_.warnings.push_back(std::move(text));
+  }
+
+  void skip(const std::string& name, std::string_view why) {
+    if (skipped_.size() > 500) {
+      ++more_skipped_;
+      return;
+    }
+    if (!skipped_.empty()) skipped_ += ", ";
+    skipped_ += fmt::format("'{}' ({})", name, why);
+  }
+
+  template <typename Number>
+  Number number(std::uint64_t at) const {
+    return ByteCursor(*contents_.file, contents_.big_endian, at).read<Number>("a field");
+  }
+
+  // ---- version 5
+
+  void read_5() {
+    const std::string_view head = bytes();
+    contents_.version = "5";
+    contents_.big_endian = head[126] == 'M';
+    std::string_view text = head.substr(0, 116);
+    while (!text.empty() && (text.back() == ' ' || text.back() == '\0')) text.remove_suffix(1);
+    contents_.header = to_utf8(text);
+    const auto version = number<std::uint16_t>(124);
+    if (version == 0x0200)
+      throw InputError(contents_.file->byte_position(124),
+                       "this is a MAT-file of version 7.3, but there is no HDF5 signature at byte "
+                       "512: it is damaged or cut");
+    if (version != 0x0100)
+      throw InputError(
+          contents_.file->byte_position(124),
+          fmt::format("version 0x{:04X} of MAT-files is not known, expected 0x0100", version));
+    std::vector<Part> parts = top_level();
+    if (packed_) parts = unpack(parts);
+    for (const Part& part : parts) {
+      const auto element = element_at(part.first, part.last);
+      if (!element || element->type != mi_matrix) continue;
+      read_matrix(*element, {}, 0);
+    }
+  }
+
+  /// The tag at `at`; none when fewer than 8 bytes are left.
+  std::optional<Element> element_at(std::uint64_t at, std::uint64_t last) const {
+    if (last > bytes().size() || at > last || last - at < 8) return std::nullopt;
+    Element element;
+    const auto first = number<std::uint32_t>(at);
+    const std::uint32_t small = first >> 16;
+    std::uint64_t size = 0;
+    if (small != 0) {  // up to 4 bytes within the tag itself
+      element.type = first & 0xFFFF;
+      element.data = at + 4;
+      size = small;
+      element.next = at + 8;
+      element.cut = size > 4;
+      element.end = element.data + std::min<std::uint64_t>(size, 4);
+      return element;
+    }
+    element.type = first;
+    size = number<std::uint32_t>(at + 4);
+    element.data = at + 8;
+    const std::uint64_t left = last - element.data;
+    element.cut = size > left;
+    element.end = element.data + std::min(size, left);
+    const std::uint64_t padded = element.type == mi_compressed ? size : (size + 7) / 8 * 8;
+    element.next = element.data + std::min(padded, left);
+    return element;
+  }
+
+  std::vector<Part> top_level() {
+    std::vector<Part> parts;
+    std::uint64_t at = 128;
+    const std::uint64_t last = bytes().size();
+    while (const auto element = element_at(at, last)) {
+      if (element->type == mi_compressed) packed_ = true;
+      if (element->type != mi_compressed && element->type != mi_matrix) {
+        warn(
+            fmt::format("the file goes on at byte {} with data of type {}, which is no array: the "
+                        "rest is left out",
+                        at, element->type));
+        return parts;
+      }
+      if (element->cut)
+        warn(fmt::format("the file ends within the array that begins at byte {}", at));
+      parts.push_back({at, element->next});
+      at = element->next;
+    }
+    if (at != last) warn("the file ends within an array's tag");
+    return parts;
+  }
+
+  /// The same file without compression, in memory.
+  std::vector<Part> unpack(const std::vector<Part>& parts) {
+    std::vector<Part> unpacked;
+    std::string all;
+    for (const Part& part : parts) {
+      const auto element = element_at(part.first, part.last);
+      if (!element) continue;
+      const std::uint64_t first = all.size();
+      if (element->type == mi_compressed) {
+        inflate_to(all, *element);
+      } else {
+        check_total(all.size() + (part.last - part.first), part.first);
+        all.append(bytes().substr(part.first, part.last - part.first));
+      }
+      unpacked.push_back({first, all.size()});
+    }
+    contents_.file = std::make_unique<MappedFile>(contents_.file->path(), std::move(all));
+    return unpacked;
+  }
+
+  void check_total(std::uint64_t size, std::uint64_t at) const {
+    if (size > most_unpacked)
+      throw InputError(
+          contents_.file->byte_position(at),
+          fmt::format("the arrays up to here are more than {} MB once they are inflated: load the "
+                      "file in MATLAB and save it with -v6 or -v7.3",
+                      most_unpacked >> 20));
+  }
+
+  /// Appends what a compressed element holds: one array, as long as its own tag declares.
+  void inflate_to(std::string& all, const Element& packed) {
+    struct Stream {
+      z_stream z{};
+      bool ready = inflateInit(&z) == Z_OK;
+
+      ~Stream() {
+        if (ready) inflateEnd(&z);
+      }
+    } stream;
+
+    if (!stream.ready) throw std::bad_alloc();
+    const std::uint64_t first = all.size();
+    std::uint64_t wanted = 8;  // the tag, then what it declares
+    bool tag_read = false;
+    std::array<char, 65536> piece{};
+    std::string_view source = bytes().substr(packed.data, packed.end - packed.data);
+    int state = Z_OK;
+    while (state == Z_OK && all.size() - first < wanted) {
+      const std::uint64_t room =
+          std::min<std::uint64_t>(piece.size(), wanted - (all.size() - first));
+      if (stream.z.avail_in == 0) {
+        const std::size_t step = std::min<std::size_t>(source.size(), std::size_t{1} << 30);
+        stream.z.next_in =
+            reinterpret_cast<Bytef*>(const_cast<char*>(source.data()));  // zlib only reads it
+        stream.z.avail_in = static_cast<uInt>(step);
+        source.remove_prefix(step);
+      }
+      stream.z.next_out = reinterpret_cast<Bytef*>(piece.data());
+      stream.z.avail_out = static_cast<uInt>(room);
+      state = inflate(&stream.z, Z_NO_FLUSH);
+      const std::uint64_t got = room - stream.z.avail_out;
+      check_total(all.size() + got, packed.data);
+      all.append(piece.data(), got);
+      if (!tag_read && all.size() - first == 8) {
+        tag_read = true;
+        wanted += declared_size(std::string_view(all).substr(first));
+      }
+    }
+    if (all.size() - first < wanted)
+      warn(
+          fmt::format("the compressed array at byte {} is damaged or cut: {} of {} bytes could be "
+                      "inflated",
+                      packed.data, all.size() - first, wanted));
+  }
+
+  std::uint64_t declared_size(std::string_view tag) const {
+    const auto byte = [&](std::size_t i) {
+      return static_cast<std::uint32_t>(
+          static_cast<unsigned char>(tag[contents_.big_endian ? 7 - i : 4 + i]));
+    };
+    return byte(0) | byte(1) << 8 | byte(2) << 16 | byte(3) << 24;
+  }
+
+  /// An array and, where it is a structure, its fields.
+  void read_matrix(const Element& matrix, const std::string& given_name, int depth) {
+    std::uint64_t at = matrix.data;
+    const auto next = [&]() -> std::optional<Element> {
+      const auto element = element_at(at, matrix.end);
+      if (element) at = element->next;
+      return element;
+    };
+    const auto flags = next();
+    const auto shape = flags ? next() : std::nullopt;
+    const auto label = shape ? next() : std::nullopt;
+    if (!label) {
+      if (matrix.end > matrix.data)
+        skip(given_name.empty() ? fmt::format("byte {}", matrix.data) : given_name, "cut");
+      return;
+    }
+    std::string name = given_name;
+    if (depth == 0) name = to_utf8(text_of(*label, longest_name));
+    if (flags->type != mi_uint32 || flags->end - flags->data < 8 || shape->type != mi_int32)
+      return skip(name, "damaged");
+    const auto word = number<std::uint32_t>(flags->data);
+    const unsigned class_number = word & 0xFF;
+    const bool complex = (word & 0x0800) != 0;
+    // unnamed at the top: where MATLAB keeps what its objects consist of
+    if (depth == 0 && name.empty()) return skip("unnamed data of objects", "not published");
+    MatArray array;
+    array.name = name;
+    if (!set_shape(*shape, array)) return skip(name, "damaged: its size is not one");
+    if (class_number == 2) return read_structure(matrix, at, array, depth);
+    if (class_number == 4) return read_text(next(), array);
+    if (class_number < 6 || class_number > 15) return skip(name, class_name(class_number));
+    const auto real = next();
+    const auto imaginary = complex && real ? next() : std::nullopt;
+    add_numbers(array, real, complex, imaginary);
+  }
+
+  bool set_shape(const Element& shape, MatArray& array) const {
+    const std::uint64_t dimensions = (shape.end - shape.data) / 4;
+    if (dimensions < 2 || dimensions > 32) return false;
+    array.rows = 1;
+    array.columns = 1;
+    for (std::uint64_t i = 0; i < dimensions; ++i) {
+      const auto length = number<std::int32_t>(shape.data + 4 * i);
+      if (length < 0) return false;
+      std::uint64_t& side = i == 1 && dimensions == 2 ? array.columns : array.rows;
+      const auto factor = static_cast<std::uint64_t>(length);
+      if (factor != 0 && side > (std::uint64_t{1} << 62) / factor) return false;
+      side *= factor;
+    }
+    return array.columns == 0 || array.rows <= (std::uint64_t{1} << 62) / array.columns;
+  }
+
+  std::string_view text_of(const Element& element, std::uint64_t most) const {
+    std::string_view text =
+        bytes().substr(element.data, std::min<std::uint64_t>(element.end - element.data, most));
+    return text.substr(0, text.find('\0'));
+  }
+
+  void add_numbers(MatArray& array, const std::optional<Element>& real, bool complex,
+                   const std::optional<Element>& imaginary) {
+    const std::uint64_t declared = array.rows * array.columns;
+    if (declared == 0) return skip(array.name, "empty");
+    if (!real || (complex && !imaginary)) return skip(array.name, "cut");
+    const auto kind = kind_of(real->type);
+    const auto imaginary_kind = complex ? kind_of(imaginary->type) : NumberKind::f64;
+    if (!kind || !imaginary_kind)
+      return skip(array.name, fmt::format("damaged: its numbers are of type {}",
+                                          kind ? imaginary->type : real->type));
+    array.kind = *kind;
+    array.offset = real->data;
+    array.count = std::min(declared, (real->end - real->data) / size_of(*kind));
+    array.complex = complex;
+    if (complex) {
+      array.imaginary_kind = *imaginary_kind;
+      array.imaginary_offset = imaginary->data;
+      array.count =
+          std::min(array.count, (imaginary->end - imaginary->data) / size_of(*imaginary_kind));
+    }
+    if (array.count == 0) return skip(array.name, "cut");
+    if (array.count < declared)
+      warn(fmt::format("'{}' declares {} x {} numbers, {} are there", array.name, array.rows,
+                       array.columns, array.count));
+    contents_.arrays.push_back(array);
+  }
+
+  void read_text(const std::optional<Element>& element, const MatArray& array) {
+    if (array.rows * array.columns == 0) return;
+    if (array.rows != 1) return skip(array.name, "text of several lines");
+    if (!element) return skip(array.name, "cut");
+    std::string text;
+    if (element->type == mi_uint16 || element->type == mi_utf16) {
+      text = contents_.big_endian ? "\xFE\xFF" : "\xFF\xFE";
+      text += bytes().substr(element->data,
+                             std::min<std::uint64_t>(element->end - element->data, longest_text));
+      text = utf16_to_utf8(text);
+    } else if (element->type == mi_utf8 || element->type == mi_uint8 || element->type == mi_int8) {
+      text = text_of(*element, longest_text);
+    } else {
+      return skip(array.name, fmt::format("text of type {}", element->type));
+    }
+    contents_.texts.emplace(array.name, to_utf8(text));
+  }
+
+  void read_structure(const Element& matrix, std::uint64_t at, const MatArray& array, int depth) {
+    if (depth >= deepest) return skip(array.name, "nested too deeply");
+    const auto width = element_at(at, matrix.end);
+    const auto names = width ? element_at(width->next, matrix.end) : std::nullopt;
+    if (!names || width->type != mi_int32 || width->end - width->data < 4 || names->type != mi_int8)
+      return skip(array.name, "damaged");
+    const auto length = number<std::int32_t>(width->data);
+    if (length < 1 || static_cast<std::uint64_t>(length) > longest_name)
+      return skip(array.name, "damaged: its names have no length");
+    const auto step = static_cast<std::uint64_t>(length);
+    const std::uint64_t fields = (names->end - names->data) / step;
+    const std::uint64_t structures = array.rows * array.columns;
+    std::uint64_t from = names->next;
+    for (std::uint64_t s = 0; s < structures && fields > 0; ++s)
+      for (std::uint64_t f = 0; f < fields; ++f) {
+        const auto field = element_at(from, matrix.end);
+        if (!field) {
+          if (from != matrix.end || s + 1 < structures || f < fields) skip(array.name, "cut");
+          return;
+        }
+        from = field->next;
+        if (field->type != mi_matrix) continue;
+        Element label;
+        label.data = names->data + f * step;
+        label.end = label.data + step;
+        const std::string which = structures > 1 ? fmt::format("({})", s + 1) : std::string();
+        read_matrix(*field,
+                    fmt::format("{}{}.{}", array.name, which, to_utf8(text_of(label, step))),
+                    depth + 1);
+      }
+  }
+
+  // ---- version 4
+
+  void read_4() {
+    contents_.version = "4";
+    std::uint64_t at = 0;
+    while (at < bytes().size()) {
+      if (bytes().size() - at < 20) return warn("the file ends within an array's header");
+      const auto type_little = ByteCursor(*contents_.file, false, at).read<std::uint32_t>("a type");
+      contents_.big_endian = type_little > 9999;
+      const std::uint32_t type = number<std::uint32_t>(at);
+      const auto rows = number<std::int32_t>(at + 4);
+      const auto columns = number<std::int32_t>(at + 8);
+      const auto complex = number<std::int32_t>(at + 12);
+      const auto name_length = number<std::int32_t>(at + 16);
+      if (type > 4999 || type / 100 % 10 != 0 || type / 10 % 10 > 5 || type % 10 > 2 || rows < 0 ||
+          columns < 0 || complex < 0 || complex > 1 || name_length < 1)
+        return warn(fmt::format("what follows at byte {} is no array: it is left out", at));
+      if (type / 1000 > 1)
+        throw InputError(
+            contents_.file->byte_position(at),
+            fmt::format("the numbers are those of {}, which are not read: load the file in MATLAB "
+                        "and save it with -v6",
+                        type / 1000 == 4 ? "a Cray" : "a VAX"));
+      constexpr std::array<NumberKind, 6> kinds = {NumberKind::f64, NumberKind::f32,
+                                                   NumberKind::i32, NumberKind::i16,
+                                                   NumberKind::u16, NumberKind::u8};
+      const NumberKind kind = kinds[type / 10 % 10];
+      const auto length = static_cast<std::uint64_t>(name_length);
+      if (bytes().size() - at - 20 < length)
+        return warn(fmt::format("the file ends within the name of the array at byte {}", at));
+      Element label;
+      label.data = at + 20;
+      label.end = label.data + length;
+      MatArray array;
+      array.name = to_utf8(text_of(label, longest_name));
+      array.rows = static_cast<std::uint64_t>(rows);
+      array.columns = static_cast<std::uint64_t>(columns);
+      array.kind = kind;
+      array.offset = label.end;
+      const std::uint64_t declared = array.rows * array.columns;
+      const std::uint64_t width = size_of(kind);
+      // each side is below 2^31: no product of these overflows
+      const std::uint64_t part_bytes =
+          declared > (std::uint64_t{1} << 60) ? ~std::uint64_t{0} : declared * width;
+      const std::uint64_t left = bytes().size() - array.offset;
+      array.complex = complex == 1;
+      array.count = std::min(declared, left / width);
+      if (array.complex) {
+        array.imaginary_kind = kind;
+        array.imaginary_offset = array.offset + std::min(part_bytes, left);
+        array.count = std::min(array.count, (bytes().size() - array.imaginary_offset) / width);
+      }
+      add_4(array, type % 10, declared);
+      const std::uint64_t parts = array.complex ? 2 : 1;
+      if (part_bytes > left / parts) return;
+      at = array.offset + parts * part_bytes;
+    }
+  }
+
+  void add_4(const MatArray& array, std::uint32_t kind, std::uint64_t declared) {
+    if (declared == 0) return skip(array.name, "empty");
+    if (kind == 2) return skip(array.name, "a sparse matrix");
+    if (kind == 1) {
+      if (array.rows != 1) return skip(array.name, "text of several lines");
+      std::string text;
+      for (std::uint64_t i = 0; i < std::min(array.count, longest_text); ++i)
+        text += static_cast<char>(character(array, i));
+      contents_.texts.emplace(array.name, to_utf8(text));
+      return;
+    }
+    if (array.count == 0) return skip(array.name, "cut");
+    if (array.count < declared)
+      warn(fmt::format("'{}' declares {} x {} numbers, {} are there", array.name, array.rows,
+                       array.columns, array.count));
+    contents_.arrays.push_back(array);
+  }
+
+  /// Characters are numbers, of any type.
+  int character(const MatArray& array, std::uint64_t index) const {
+    const std::uint64_t at = array.offset + index * size_of(array.kind);
+    double code = 0.0;
+    switch (array.kind) {
+      case NumberKind::f64:
+        code = number<double>(at);
+        break;
+      case NumberKind::f32:
+        code = number<float>(at);
+        break;
+      case NumberKind::i32:
+        code = number<std::int32_t>(at);
+        break;
+      case NumberKind::i16:
+        code = number<std::int16_t>(at);
+        break;
+      case NumberKind::u16:
+        code = number<std::uint16_t>(at);
+        break;
+      default:
+        code = number<std::uint8_t>(at);
+    }
+    return code >= 0.0 && code < 256.0 ? static_cast<int>(code) : '?';
+  }
+
+  MatContents contents_;
+  bool packed_ = false;
+  std::string skipped_;
+  std::uint64_t more_skipped_ = 0;
+};
+
+}  // namespace
+
+bool looks_like_mat4(std::string_view head) {
+  if (head.size() < 22) return false;
+  const auto field = [&head](std::size_t index, bool big) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      value = value << 8 | static_cast<unsigned char>(head[4 * index + (big ? i : 3 - i)]);
+    return value;
+  };
+  const bool big = field(0, false) > 9999;
+  const std::uint32_t type = field(0, big);
+  const std::uint32_t length = field(4, big);
+  if (type > 4999 || type / 100 % 10 != 0 || type / 10 % 10 > 5 || type % 10 > 2) return false;
+  if (field(1, big) >> 31 != 0 || field(2, big) >> 31 != 0 || field(3, big) > 1) return false;
+  if (length < 2 || length > longest_name || head.size() < 20 + length) return false;
+  const std::string_view name = head.substr(20, length - 1);
+  return head[20 + length - 1] == '\0' &&
+         std::isalpha(static_cast<unsigned char>(name.front())) != 0 &&
+         std::ranges::all_of(name, [](char c) {
+           return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+         });
+}
+
+MatContents read_mat_contents(const std::string& path) {
+  return MatParser(path).read();
+}
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "acquisition/importers/mapped_file.hpp"
+#include "acquisition/importers/stored_numbers.hpp"
+
+namespace impactrig::acquisition {
+
+/// A numeric array of a MAT-file: column after column.
+struct MatArray {
+  std::string name;        ///< "run.force": a field of a structure
+  std::uint64_t rows = 0;  ///< of the first column; beyond two dimensions: all of them
+  std::uint64_t columns = 0;
+  NumberKind kind = NumberKind::f64;
+  std::uint64_t offset = 0;  ///< of the first number
+  std::uint64_t count = 0;   ///< numbers that are there, rows x columns at most
+  bool complex = false;
+  std::uint64_t imaginary_offset = 0;
+  NumberKind imaginary_kind = NumberKind::f64;
+};
+
+/// What a MAT-file of version 4 or 5 holds.
+struct MatContents {
+  std::unique_ptr<MappedFile> file;  ///< where `offset` counts; unpacked when it was compressed
+  bool big_endian = false;
+  std::string version;  ///< "4", "5"
+  std::string header;   ///< its text
+  std::vector<MatArray> arrays;
+  std::map<std::string, std::string> texts;
+  std::vector<std::string> warnings;  ///< one sentence each
+};
+
+/// True for the first bytes of a MAT-file of version 4, which has no signature: a plausible header
+/// of 20 bytes and a name.
+bool looks_like_mat4(std::string_view head);
+
+/// Lists the arrays. Throws datasets::InputError.
+MatContents read_mat_contents(const std::string& path);
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/named_arrays.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string_view>
+
+#include "acquisition/importers/column_heads.hpp"
+#include "acquisition/importers/time_axis.hpp"
+#include "datasets/input_error.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+constexpr std::array<std::string_view, 12> time_words = {
+    "t",    "time",      "times",      "time_s", "t_s",        "tvec",
+    "zeit", "timestamp", "timestamps", "x_time", "timevector", "time_vector"};
+constexpr std::array<std::string_view, 10> interval_words = {
+    "dt",       "ts",      "sampleinterval",   "sample_interval",   "deltat",
+    "delta_t",  "delta_x", "samplinginterval", "sampling_interval",
+    "tinterval"  // PicoScope
+};
+constexpr std::array<std::string_view, 11> rate_words = {"fs",
+                                                         "samplerate",
+                                                         "sample_rate",
+                                                         "samplingrate",
+                                                         "sampling_rate",
+                                                         "srate",
+                                                         "sfreq",
+                                                         "sample_frequency",
+                                                         "sampling_frequency",
+                                                         "samplingfrequency",
+                                                         "samplefrequency"};
+constexpr std::string_view start_word = "tstart";  // PicoScope, beside Tinterval
+
+std::string_view group_of(std::string_view name) {
+  const std::size_t end = name.find_last_of("./");
+  return end == std::string_view::npos ? std::string_view{} : name.substr(0, end);
+}
+
+std::string last_word(std::string_view name) {
+  const std::size_t end = name.find_last_of("./");
+  return lowered(end == std::string_view::npos ? name : name.substr(end + 1));
+}
+
+template <std::size_t N>
+bool among(const std::array<std::string_view, N>& words, const std::string& name) {
+  return std::ranges::find(words, name) != words.end();
+}
+
+bool increases(const std::vector<double>& values) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values[i]) || (i > 0 && !(values[i] > values[i - 1]))) return false;
+  return values.size() > 1;
+}
+
+/// What an array's times came to.
+struct TimesFound {
+  ArrayClock clock;
+  bool usable = false;
+};
+
+class ClockFinder {
+ public:
+  ClockFinder(const std::string& path, const std::vector<NamedArray>& arrays,
+              const std::function<std::vector<double>(std::size_t)>& values,
+              const ImportOptions& options)
+      : path_(path),
+        arrays_(arrays),
+        values_(values),
+        wanted_(options.time_column) {}
+
+  ArrayClocks find() {
+    result_.clocks.resize(arrays_.size());
+    const bool none = wanted_ == "none";
+    const bool stated = wanted_ && !none;
+    const std::size_t column = stated ? stated_column() : 0;
+    for (std::size_t i = 0; i < arrays_.size(); ++i) {
+      if (stated) break;
+      const std::string word = last_word(arrays_[i].name);
+      const std::string group(group_of(arrays_[i].name));
+      if (!none && arrays_[i].real && arrays_[i].samples > 1 &&
+          (arrays_[i].time || among(time_words, word)))
+        times_.emplace(std::pair(group, arrays_[i].samples), i);
+      if (arrays_[i].real && arrays_[i].samples == 1) take_number(word, group, i);
+    }
+    for (std::size_t i = 0; i < arrays_.size(); ++i) {
+      if (arrays_[i].samples < 2) continue;
+      if (stated) {
+        if (arrays_[i].samples == arrays_[column].samples) use_times(i, column, "stated");
+        continue;
+      }
+      const std::string group(group_of(arrays_[i].name));
+      if (!by_times(i, group) && !by_times(i, {}) && !by_number(i, group)) by_number(i, {});
+    }
+    return std::move(result_);
+  }
+
+ private:
+  std::size_t stated_column() const {
+    for (std::size_t i = 0; i < arrays_.size(); ++i)
+      if (arrays_[i].name == *wanted_ && arrays_[i].real) return i;
+    std::string list;
+    for (const NamedArray& array : arrays_) {
+      if (list.size() > 400) {
+        list += ", ...";
+        break;
+      }
+      list += (list.empty() ? "'" : ", '") + array.name + "'";
+    }
+    datasets::SourcePosition place;
+    place.file = path_;
+    throw datasets::InputError(
+        place, fmt::format("there is no array '{}' of real numbers for the time; the arrays are {}",
+                           *wanted_, list.empty() ? "none" : list));
+  }
+
+  void take_number(const std::string& word, const std::string& group, std::size_t index) {
+    const bool interval = among(interval_words, word);
+    const bool rate = among(rate_words, word);
+    if (!interval && !rate && word != start_word) return;
+    const std::vector<double> value = values_(index);
+    if (value.size() != 1 || !std::isfinite(value[0])) return;
+    if (word == start_word) {
+      starts_.emplace(group, value[0]);
+      return;
+    }
+    const double seconds = interval ? value[0] : 1.0 / value[0];
+    if (!(seconds > 0.0) || !std::isfinite(seconds)) return;
+    intervals_.emplace(group, std::pair(seconds, index));
+  }
+
+  bool by_times(std::size_t index, const std::string& group) {
+    const auto found = times_.find(std::pair(group, arrays_[index].samples));
+    return found != times_.end() &&
+           use_times(index, found->second,
+                     arrays_[found->second].time ? "as the file says" : "by its name");
+  }
+
+  bool use_times(std::size_t index, std::size_t times, std::string_view why) {
+    auto [found, is_new] = axes_.try_emplace(times);
+    TimesFound& axis = found->second;
+    if (is_new) axis = look_at(times, why);
+    if (axis.usable) result_.clocks[index] = axis.clock;
+    return axis.usable;
+  }
+
+  TimesFound look_at(std::size_t index, std::string_view why) {
+    TimesFound found;
+    const std::string& name = arrays_[index].name;
+    std::vector<double> values = values_(index);
+    if (!increases(values)) {
+      if (values.size() > 1)
+        result_.warnings.push_back(
+            fmt::format("'{}' does not increase throughout: it is not taken as the time", name));
+      return found;
+    }
+    TimeAxis axis = time_axis(std::move(values));
+    if (!axis.warning.empty())
+      result_.warnings.push_back(fmt::format("'{}': {}", name, axis.warning));
+    found.clock.start = axis.clock.start * arrays_[index].seconds;
+    found.clock.interval = axis.clock.interval * arrays_[index].seconds;
+    if (!axis.clock.uniform()) found.clock.times = index;
+    found.usable = true;
+    told(name, why);
+    return found;
+  }
+
+  bool by_number(std::size_t index, const std::string& group) {
+    const auto found = intervals_.find(group);
+    if (found == intervals_.end()) return false;
+    ArrayClock& clock = result_.clocks[index];
+    clock.interval = found->second.first;
+    const auto start = starts_.find(group);
+    if (start != starts_.end()) clock.start = start->second;
+    const std::size_t source = found->second.second;
+    if (told_numbers_.insert(source).second) {
+      told(arrays_[source].name,
+           fmt::format("an interval of {:.9g} s by its name", clock.interval));
+    }
+    return true;
+  }
+
+  void told(std::string_view name, std::string_view why) {
+    if (result_.time_column.size() > 400) return;
+    if (!result_.time_column.empty()) result_.time_column += "; ";
+    result_.time_column += fmt::format("{} ({})", name, why);
+  }
+
+  const std::string& path_;
+  const std::vector<NamedArray>& arrays_;
+  const std::function<std::vector<double>(std::size_t)>& values_;
+  const std::optional<std::string>& wanted_;
+  ArrayClocks result_;
+  std::map<std::pair<std::string, std::uint64_t>, std::size_t> times_;  ///< by group and length
+  std::map<std::string, std::pair<double, std::size_t>> intervals_;     ///< by group
+  std::map<std::string, double> starts_;                                ///< by group
+  std::map<std::size_t, TimesFound> axes_;
+  std::set<std::size_t> told_numbers_;
+};
+
+}  // namespace
+
+ArrayClocks clocks_by_name(const std::string& path, const std::vector<NamedArray>& arrays,
+                           const std::function<std::vector<double>(std::size_t)>& values,
+                           const ImportOptions& options) {
+  return ClockFinder(path, arrays, values, options).find();
+}
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acquisition/importer.hpp"
+
+namespace impactrig::acquisition {
+
+/// An array of numbers in a file that has names but no convention for them (MAT, HDF5).
+struct NamedArray {
+  std::string name;  ///< "run.force", "/entry/force": groups are told by the last '.' or '/'
+  std::uint64_t samples = 0;
+  bool real = true;
+  bool time = false;     ///< the file says that it is
+  double seconds = 1.0;  ///< of one of its unit, where it holds times
+};
+
+/// When the samples of an array were taken, as the names tell.
+struct ArrayClock {
+  double start = 0.0;     ///< [s]
+  double interval = 0.0;  ///< [s]; 0: nothing in the file tells
+  /// The array that holds its times, where they are not uniform.
+  std::optional<std::size_t> times;
+};
+
+struct ArrayClocks {
+  std::vector<ArrayClock> clocks;     ///< one an array
+  std::vector<std::string> warnings;  ///< one sentence each
+  std::string time_column;            ///< what was taken as time and why; "" = nothing
+};
+
+/// Finds the array that holds the times ("t", "time", ...: as long as others and increasing
+/// throughout), else a single number that is the sampling interval ("dt", "sampleInterval", ...) or
+/// rate ("Fs", "SampleRate", ...). What stands in an array's own group counts before what stands
+/// at the top. `values` reads an array of numbers. Throws datasets::InputError when a stated time
+/// column is not there.
+ArrayClocks clocks_by_name(const std::string& path, const std::vector<NamedArray>& arrays,
+                           const std::function<std::vector<double>(std::size_t)>& values,
+                           const ImportOptions& options);
+
+}  // namespace impactrig::acquisition

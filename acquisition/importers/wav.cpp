@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <sndfile.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/mapped_file.hpp"
+#include "acquisition/importers/text_file.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Channel;
+using datasets::InputError;
+using datasets::Record;
+
+namespace {
+
+/// Samples of all channels that are read at once.
+constexpr std::size_t block_samples = 65536;
+
+bool is_wave(std::string_view head) {
+  const bool riff =
+      head.starts_with("RIFF") || head.starts_with("RIFX") || head.starts_with("RF64");
+  return riff && head.size() >= 12 && head.substr(8, 4) == "WAVE";
+}
+
+/// libsndfile's view on the mapped bytes: it never sees the file system.
+class SoundBytes {
+ public:
+  explicit SoundBytes(std::string_view bytes) : bytes_(bytes) {}
+
+  static sf_count_t length(void* self) {
+    return static_cast<sf_count_t>(static_cast<SoundBytes*>(self)->bytes_.size());
+  }
+
+  static sf_count_t seek(sf_count_t offset, int whence, void* self) {
+    auto& sound = *static_cast<SoundBytes*>(self);
+    const auto size = static_cast<sf_count_t>(sound.bytes_.size());
+    sf_count_t from = 0;
+    if (whence == SEEK_CUR) from = sound.at_;
+    if (whence == SEEK_END) from = size;
+    // a position that a damaged header makes up may be anywhere
+    sf_count_t to = 0;
+    if (__builtin_add_overflow(from, offset, &to) || to < 0) return -1;
+    sound.at_ = std::min(to, size);
+    return sound.at_;
+  }
+
+  static sf_count_t read(void* to, sf_count_t count, void* self) {
+    auto& sound = *static_cast<SoundBytes*>(self);
+    const auto left = static_cast<sf_count_t>(sound.bytes_.size()) - sound.at_;
+    const sf_count_t there = std::clamp<sf_count_t>(count, 0, left);
+    std::memcpy(to, sound.bytes_.data() + sound.at_, static_cast<std::size_t>(there));
+    sound.at_ += there;
+    return there;
+  }
+
+  static sf_count_t write(const void*, sf_count_t, void*) { return 0; }
+
+  static sf_count_t tell(void* self) { return static_cast<SoundBytes*>(self)->at_; }
+
+ private:
+  std::string_view bytes_;
+  sf_count_t at_ = 0;
+};
+
+/// How samples are handed over: as they lie in the file where a type of ours holds them.
+enum class Handed { i16, i32, f32, f64 };
+
+struct Coding {
+  Handed handed = Handed::f64;
+  double scale = 1.0;  ///< what makes full scale 1.0 of them
+  std::string_view name;
+};
+
+/// libsndfile puts integers of up to 24 bits at the upper end of the next type: value x 2^8 for 8
+/// and 24 bits. Divided by full scale that is the same number.
+std::optional<Coding> coding_of(int subtype) {
+  constexpr double full_16 = 1.0 / 32768.0;
+  constexpr double full_32 = 1.0 / 2147483648.0;
+  switch (subtype) {
+    case SF_FORMAT_PCM_U8:
+      return Coding{Handed::i16, full_16, "PCM, 8 bits"};
+    case SF_FORMAT_PCM_16:
+      return Coding{Handed::i16, full_16, "PCM, 16 bits"};
+    case SF_FORMAT_PCM_24:
+      return Coding{Handed::i32, full_32, "PCM, 24 bits"};
+    case SF_FORMAT_PCM_32:
+      return Coding{Handed::i32, full_32, "PCM, 32 bits"};
+    case SF_FORMAT_FLOAT:
+      return Coding{Handed::f32, 1.0, "floating point, 32 bits"};
+    case SF_FORMAT_DOUBLE:
+      return Coding{Handed::f64, 1.0, "floating point, 64 bits"};
+    case SF_FORMAT_ULAW:
+      return Coding{Handed::i16, full_16, "G.711 u-law"};
+    case SF_FORMAT_ALAW:
+      return Coding{Handed::i16, full_16, "G.711 A-law"};
+    default:
+      return std::nullopt;
+  }
+}
+
+std::string subtype_name(int subtype) {
+  SF_FORMAT_INFO info{};
+  info.format = subtype;
+  if (sf_command(nullptr, SFC_GET_FORMAT_INFO, &info, sizeof info) != 0 || info.name == nullptr)
+    return fmt::format("coding 0x{:x}", subtype);
+  return info.name;
+}
+
+class WavReader final : public RecordingReader {
+ public:
+  explicit WavReader(const std::string& path) : file_(path), bytes_(file_.bytes()) {
+    if (!is_wave(file_.bytes()))
+      throw InputError(file_.byte_position(0),
+                       "expected 'RIFF', 'RIFX' or 'RF64' and 'WAVE' at byte 8");
+    SF_VIRTUAL_IO access{SoundBytes::length, SoundBytes::seek, SoundBytes::read, SoundBytes::write,
+                         SoundBytes::tell};
+    sound_.reset(sf_open_virtual(&access, SFM_READ, &info_, &bytes_));
+    if (!sound_)
+      throw InputError(file_.byte_position(0),
+                       fmt::format("libsndfile cannot read it: {}", to_utf8(sf_strerror(nullptr))));
+    const int subtype = info_.format & SF_FORMAT_SUBMASK;
+    const auto coding = coding_of(subtype);
+    if (!coding)
+      throw InputError(file_.byte_position(0),
+                       fmt::format("the samples are coded as {}, which loses what a measurement "
+                                   "needs and is not read: save it as PCM or floating point",
+                                   subtype_name(subtype)));
+    coding_ = *coding;
+    // floating point as it is, also beyond full scale
+    sf_command(sound_.get(), SFC_SET_NORM_FLOAT, nullptr, SF_FALSE);
+    sf_command(sound_.get(), SFC_SET_NORM_DOUBLE, nullptr, SF_FALSE);
+    describe();
+  }
+
+  const RecordingHead& head() const override { return head_; }
+
+  Record read(const Selection& wanted, SampleSink& sink) override {
+    const std::vector<std::size_t> chosen = selected_channels(head_, wanted);
+    Record record = head_.record;
+    record.channels.clear();
+    if (chosen.empty()) return record;
+    const datasets::SampleClock& clock = head_.record.channels.front().clock;
+    const SampleRange range = samples_within(clock, head_.samples.front(), wanted);
+    for (const std::size_t index : chosen) {
+      record.channels.push_back(head_.record.channels[index]);
+      record.channels.back().clock.start =
+          clock.start + clock.interval * static_cast<double>(range.first);
+    }
+    switch (coding_.handed) {
+      case Handed::i16:
+        hand_over<std::int16_t>(sf_readf_short, chosen, range, sink);
+        break;
+      case Handed::i32:
+        hand_over<std::int32_t>(sf_readf_int, chosen, range, sink);
+        break;
+      case Handed::f32:
+        hand_over<float>(sf_readf_float, chosen, range, sink);
+        break;
+      case Handed::f64:
+        hand_over<double>(sf_readf_double, chosen, range, sink);
+        break;
+    }
+    return record;
+  }
+
+ private:
+  struct Close {
+    void operator()(SNDFILE* sound) const { sf_close(sound); }
+  };
+
+  void describe() {
+    Record& record = head_.record;
+    record.attributes["coding"] = coding_.name;
+    const std::array<std::pair<int, const char*>, 5> texts = {{{SF_STR_TITLE, "title"},
+                                                               {SF_STR_COMMENT, "comment"},
+                                                               {SF_STR_DATE, "date"},
+                                                               {SF_STR_ARTIST, "artist"},
+                                                               {SF_STR_SOFTWARE, "software"}}};
+    for (const auto& [which, name] : texts) {
+      const char* const text = sf_get_string(sound_.get(), which);
+      if (text != nullptr && *text != '\0') record.attributes[name] = to_utf8(text);
+    }
+    SF_BROADCAST_INFO broadcast{};
+    if (sf_command(sound_.get(), SFC_GET_BROADCAST_INFO, &broadcast, sizeof broadcast) == SF_TRUE) {
+      const std::string date =
+          to_utf8({broadcast.origination_date, sizeof broadcast.origination_date});
+      const std::string time =
+          to_utf8({broadcast.origination_time, sizeof broadcast.origination_time});
+      if (date.find_first_of("123456789") != std::string::npos) record.started = date + "T" + time;
+    }
+    tell_cut();
+    const auto title = record.attributes.find("title");
+    if (title != record.attributes.end()) record.title = title->second;
+    const std::uint64_t frames = static_cast<std::uint64_t>(std::max<sf_count_t>(info_.frames, 0));
+    for (int c = 0; c < info_.channels; ++c) {
+      Channel channel;
+      channel.name = fmt::format("ch{}", c + 1);
+      channel.unit = "FS (full scale = 1.0)";
+      channel.quantity = datasets::Quantity::unknown;
+      channel.scale = coding_.scale;
+      if (info_.samplerate > 0) channel.clock.interval = 1.0 / info_.samplerate;
+      record.channels.push_back(std::move(channel));
+      head_.samples.push_back(frames);
+    }
+    if (record.channels.empty())
+      record.warnings.emplace_back("the file has no channels");
+    else
+      record.warnings.emplace_back(
+          "a WAVE file holds no physical units: samples are parts of full scale, whose value a "
+          "calibration must state (sensitivity in the rig file, per FS)");
+  }
+
+  /// The file's size as its header has it; a recorder that was stopped leaves another one.
+  void tell_cut() {
+    const std::string_view all = file_.bytes();
+    const bool big = all.starts_with("RIFX");
+    std::uint32_t declared = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      declared = declared << 8 | static_cast<unsigned char>(all[big ? 4 + i : 7 - i]);
+    if (all.starts_with("RF64") || declared == 0xFFFFFFFF) return;
+    if (declared + std::uint64_t{8} > all.size())
+      head_.record.warnings.push_back(
+          fmt::format("the file is cut: its header declares {} bytes, {} are there",
+                      declared + std::uint64_t{8}, all.size()));
+  }
+
+  template <typename Sample>
+  void hand_over(sf_count_t (*read_frames)(SNDFILE*, Sample*, sf_count_t),
+                 const std::vector<std::size_t>& chosen, SampleRange range, SampleSink& sink) {
+    if (range.first >= range.last) return;
+    const auto all = static_cast<std::size_t>(info_.channels);
+    const std::size_t most = std::max<std::size_t>(block_samples / all, 1);
+    std::vector<Sample> frames(most * all);
+    std::vector<Sample> samples(most);
+    if (sf_seek(sound_.get(), static_cast<sf_count_t>(range.first), SEEK_SET) < 0)
+      throw InputError(file_.byte_position(0),
+                       fmt::format("libsndfile does not find sample {}", range.first));
+    for (std::uint64_t at = range.first; at < range.last;) {
+      const std::uint64_t wanted = std::min<std::uint64_t>(most, range.last - at);
+      const sf_count_t got =
+          read_frames(sound_.get(), frames.data(), static_cast<sf_count_t>(wanted));
+      if (got <= 0 || static_cast<std::uint64_t>(got) > wanted)
+        throw InputError(file_.byte_position(file_.bytes().size()),
+                         fmt::format("the file ends within the samples: {} of {} are there", at,
+                                     head_.samples.front()));
+      const auto count = static_cast<std::size_t>(got);
+      for (std::size_t k = 0; k < chosen.size(); ++k) {
+        for (std::size_t i = 0; i < count; ++i) samples[i] = frames[i * all + chosen[k]];
+        SampleBlock block;
+        block.raw = std::span<const Sample>(samples.data(), count);
+        sink.take(k, block);
+      }
+      at += count;
+    }
+  }
+
+  MappedFile file_;
+  SoundBytes bytes_;
+  SF_INFO info_{};
+  std::unique_ptr<SNDFILE, Close> sound_;
+  Coding coding_;
+  RecordingHead head_;
+};
+
+}  // namespace
+
+int recognises_wav(std::string_view, std::string_view head) {
+  return is_wave(head) ? 100 : 0;
+}
+
+std::unique_ptr<RecordingReader> open_wav(const std::string& path, const ImportOptions&) {
+  return std::make_unique<WavReader>(path);
+}
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace impactrig::acquisition::tests {
+
+/// Writes an HDF5 file in memory, with the library, as other programs do.
+class Hdf5File {
+ public:
+  explicit Hdf5File(hsize_t user_block = 0) {
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    H5Pset_fapl_core(access, 65536, false);
+    const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
+    if (user_block > 0) H5Pset_userblock(creation, user_block);
+    file_ = H5Fcreate("in memory", H5F_ACC_TRUNC, creation, access);
+    H5Pclose(access);
+    H5Pclose(creation);
+  }
+
+  ~Hdf5File() { H5Fclose(file_); }
+
+  Hdf5File(const Hdf5File&) = delete;
+  Hdf5File& operator=(const Hdf5File&) = delete;
+
+  hid_t id() const { return file_; }
+
+  void group(const std::string& path) const {
+    H5Gclose(H5Gcreate2(file_, path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  }
+
+  /// `stored`: type in the file; `chunk`: empty for a plain data set, else compressed pieces.
+  template <typename Number>
+  void data(const std::string& path, const std::vector<hsize_t>& shape,
+            const std::vector<Number>& values, hid_t memory, hid_t stored,
+            const std::vector<hsize_t>& chunk = {}) const {
+    const hid_t space =
+        shape.empty() ? H5Screate(H5S_SCALAR)
+                      : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr);
+    const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+    if (!chunk.empty()) {
+      H5Pset_chunk(creation, static_cast<int>(chunk.size()), chunk.data());
+      H5Pset_shuffle(creation);
+      H5Pset_deflate(creation, 6);
+    }
+    const hid_t set =
+        H5Dcreate2(file_, path.c_str(), stored, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+    H5Dwrite(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    H5Dclose(set);
+    H5Pclose(creation);
+    H5Sclose(space);
+  }
+
+  void doubles(const std::string& path, const std::vector<double>& values) const {
+    data<double>(path, {values.size()}, values, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  }
+
+  void text(const std::string& path, const std::string& name, const std::string& value,
+            bool variable = false) const {
+    const hid_t object = H5Oopen(file_, path.c_str(), H5P_DEFAULT);
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, variable ? H5T_VARIABLE : value.size());
+    const hid_t space = H5Screate(H5S_SCALAR);
+    const hid_t attribute = H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT);
+    const char* const letters = value.c_str();
+    H5Awrite(attribute, type, variable ? static_cast<const void*>(&letters) : letters);
+    H5Aclose(attribute);
+    H5Sclose(space);
+    H5Tclose(type);
+    H5Oclose(object);
+  }
+
+  void number(const std::string& path, const std::string& name, double value) const {
+    const hid_t object = H5Oopen(file_, path.c_str(), H5P_DEFAULT);
+    const hid_t space = H5Screate(H5S_SCALAR);
+    const hid_t attribute =
+        H5Acreate2(object, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value);
+    H5Aclose(attribute);
+    H5Sclose(space);
+    H5Oclose(object);
+  }
+
+  std::string bytes() const {
+    H5Fflush(file_, H5F_SCOPE_LOCAL);
+    const ssize_t size = H5Fget_file_image(file_, nullptr, 0);
+    std::string image(static_cast<std::size_t>(size), '\0');
+    H5Fget_file_image(file_, image.data(), image.size());
+    return image;
+  }
+
+ private:
+  hid_t file_;
+};
+
+/// MATLAB's own block before the HDF5 file.
+inline std::string mat73_bytes(const Hdf5File& file) {
+  std::string bytes = file.bytes();
+  if (bytes.starts_with("\x89HDF")) bytes.insert(0, 512, '\0');  // HDF5 leaves the block away
+  std::string text = "MATLAB 7.3 MAT-file, written by a test";
+  text.resize(116, ' ');
+  text += std::string(8, '\0') + std::string("\x00\x02IM", 4);
+  return bytes.replace(0, text.size(), text);
+}
+
+inline std::vector<std::string> hdf5_seeds() {
+  std::vector<std::string> seeds;
+  {
+    const Hdf5File file;
+    file.group("/entry");
+    file.data<float>("/entry/force", {3}, {1, 2, 3}, H5T_NATIVE_FLOAT, H5T_IEEE_F32BE);
+    file.text("/entry/force", "units", "N");
+    file.number("/entry/force", "dt", 0.001);
+    file.data<std::int16_t>("/table", {8, 2},
+                            {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16},
+                            H5T_NATIVE_INT16, H5T_STD_I16LE, {4, 2});
+    seeds.push_back(file.bytes());
+  }
+  {
+    const Hdf5File file;
+    file.group("/entry");
+    file.text("/entry", "axes", "clock", true);
+    file.doubles("/entry/clock", {0, 1, 3});
+    file.text("/entry/clock", "units", "ms", true);
+    file.doubles("/entry/force", {1, 2, 3});
+    seeds.push_back(file.bytes());
+  }
+  {
+    const Hdf5File file(512);
+    file.group("/run");
+    file.doubles("/run/time", {0, 1, 2});
+    file.text("/run/time", "MATLAB_class", "double");
+    seeds.push_back(mat73_bytes(file));
+  }
+  return seeds;
+}
+
+}  // namespace impactrig::acquisition::tests

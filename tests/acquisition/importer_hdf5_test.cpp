@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// HDF5 files of other programs; our own are tested where they are written, in tests/datasets.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "acquisition/importer.hpp"
+#include "acquisition/importers/child_process.hpp"
+#include "tests/acquisition/hdf5_bytes.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using tests::Hdf5File;
+using tests::import_error;
+using tests::imported;
+
+TEST(ForeignHdf5, DataSetsAreNamedByTheirPaths) {
+  const Hdf5File file;
+  file.group("/entry");
+  file.data<double>("/entry/force", {3}, {1, 2, 3}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.text("/entry/force", "units", "N");
+  file.number("/entry/force", "fs", 4.0);
+  file.number("/entry/force", "t0", -1.0);
+  file.data<double>("/gain", {}, {2.5}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.text("/", "who", "a laboratory", true);
+  const auto record = imported(file.bytes());
+  EXPECT_EQ(record.provenance.importer, "hdf5");
+  ASSERT_EQ(record.channels.size(), 1U);
+  const datasets::Channel& force = record.channels[0];
+  EXPECT_EQ(force.name, "/entry/force");
+  EXPECT_EQ(force.unit, "N");
+  EXPECT_EQ(force.quantity, datasets::Quantity::force);
+  EXPECT_EQ(force.clock.interval, 0.25);
+  EXPECT_EQ(force.clock.start, -1.0);
+  EXPECT_THAT(force.values(), ElementsAre(1, 2, 3));
+  EXPECT_EQ(record.attributes.at("/gain"), "2.5");
+  EXPECT_EQ(record.attributes.at("who"), "a laboratory");
+  EXPECT_THAT(record.warnings, ElementsAre());
+}
+
+TEST(ForeignHdf5, EveryTypeOfNumberIsRead) {
+  const Hdf5File file;
+  const std::vector<double> values{100, 2, 3};
+  const std::vector<std::pair<std::string, hid_t>> types = {
+      {"a", H5T_STD_I8BE},  {"b", H5T_STD_U8LE},   {"c", H5T_STD_I16BE},  {"d", H5T_STD_I16LE},
+      {"e", H5T_STD_U16BE}, {"f", H5T_STD_I32LE},  {"g", H5T_STD_U32BE},  {"h", H5T_STD_I64LE},
+      {"i", H5T_STD_U64LE}, {"j", H5T_IEEE_F32BE}, {"k", H5T_IEEE_F64BE}, {"l", H5T_IEEE_F64LE}};
+  for (const auto& [name, type] : types)
+    file.data<double>("/" + name, {3}, values, H5T_NATIVE_DOUBLE, type);
+  const auto record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), types.size());
+  for (const datasets::Channel& channel : record.channels)
+    EXPECT_THAT(channel.values(), ElementsAre(100, 2, 3)) << channel.name;
+  EXPECT_TRUE(std::holds_alternative<std::vector<std::int16_t>>(record.channels[2].raw));
+}
+
+TEST(ForeignHdf5, TablesAreColumnsAlongTheirLongerSide) {
+  std::vector<std::int16_t> values(600);
+  std::iota(values.begin(), values.end(), std::int16_t{0});
+  const Hdf5File file;
+  file.data<std::int16_t>("/rows", {300, 2}, values, H5T_NATIVE_INT16, H5T_STD_I16LE, {64, 2});
+  file.data<std::int16_t>("/columns", {2, 300}, values, H5T_NATIVE_INT16, H5T_STD_I16LE);
+  file.data<std::int16_t>("/cube", {2, 3, 100}, values, H5T_NATIVE_INT16, H5T_STD_I16LE);
+  file.number("/", "sample_rate", 1000.0);
+  ImportOptions options;
+  options.from = 0.298;
+  const auto record = imported(file.bytes(), options);
+  ASSERT_EQ(record.channels.size(), 4U);
+  EXPECT_EQ(record.channels[1].name, "/columns:2");
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(598, 599));
+  EXPECT_EQ(record.channels[2].name, "/rows:1");
+  EXPECT_THAT(record.channels[2].values(), ElementsAre(596, 598));
+  EXPECT_EQ(record.channels[2].clock.start, 0.298);
+  EXPECT_THAT(record.warnings, ElementsAre("not read: '/cube' (3 dimensions)"));
+  options.channels = {"/rows:2"};
+  options.to = 0.298;
+  EXPECT_THAT(imported(file.bytes(), options).channels[0].values(), ElementsAre(597));
+}
+
+TEST(ForeignHdf5, AxesOfNexusAndNamesGiveTheTime) {
+  const Hdf5File file;
+  file.group("/entry");
+  file.text("/entry", "axes", "clock", true);
+  file.doubles("/entry/clock", {0, 500, 1000});
+  file.text("/entry/clock", "units", "ms", true);
+  file.doubles("/entry/force", {1, 2, 3});
+  file.group("/uneven");
+  file.doubles("/uneven/time", {0, 1, 3, 4});
+  file.doubles("/uneven/x", {5, 6, 7, 8});
+  ImportOptions options;
+  options.from = 1;
+  const auto record = imported(file.bytes(), options);
+  ASSERT_EQ(record.channels.size(), 4U);
+  EXPECT_EQ(record.channels[1].clock.interval, 0.5);
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(3));
+  EXPECT_THAT(record.channels[3].clock.times, ElementsAre(1, 3, 4));
+  EXPECT_THAT(record.channels[3].values(), ElementsAre(6, 7, 8));
+  EXPECT_EQ(record.attributes.at("time column"),
+            "/entry/clock (as the file says); /uneven/time (by its name)");
+}
+
+TEST(ForeignHdf5, LinksAndLoopsAreNotFollowed) {
+  const Hdf5File file;
+  file.group("/a");
+  file.doubles("/a/x", {1});
+  H5Lcreate_hard(file.id(), "/", file.id(), "/a/loop", H5P_DEFAULT, H5P_DEFAULT);
+  H5Lcreate_soft("/a", file.id(), "/soft", H5P_DEFAULT, H5P_DEFAULT);
+  H5Lcreate_external("other.h5", "/x", file.id(), "/outside", H5P_DEFAULT, H5P_DEFAULT);
+  std::string deep = "/d";
+  for (int i = 0; i < 30; ++i) {
+    file.group(deep);
+    deep += "/d";
+  }
+  const auto record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_THAT(record.warnings[0], HasSubstr("'/a/loop' (a group that is listed already)"));
+  EXPECT_THAT(record.warnings[0], HasSubstr("(nested too deeply)"));
+  EXPECT_THAT(record.warnings[0], HasSubstr("'/outside' (a link), '/soft' (a link)"));
+}
+
+TEST(ForeignHdf5, WhatIsNotReadIsNamed) {
+  const Hdf5File file;
+  const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+  const hsize_t size = 1000000;
+  H5Pset_chunk(creation, 1, &size);
+  H5Pset_nbit(creation);
+  const hid_t space = H5Screate_simple(1, &size, nullptr);
+  H5Dclose(
+      H5Dcreate2(file.id(), "/nbit", H5T_STD_I16LE, space, H5P_DEFAULT, creation, H5P_DEFAULT));
+  H5Pclose(creation);
+  H5Dclose(H5Dcreate2(file.id(), "/unwritten", H5T_STD_I16LE, space, H5P_DEFAULT, H5P_DEFAULT,
+                      H5P_DEFAULT));
+  H5Dclose(H5Dcreate2(file.id(), "/reference", H5T_STD_REF_OBJ, space, H5P_DEFAULT, H5P_DEFAULT,
+                      H5P_DEFAULT));
+  H5Sclose(space);
+  const auto record = imported(file.bytes());
+  EXPECT_EQ(record.channels.size(), 0U);
+  EXPECT_EQ(record.warnings[0],
+            "not read: '/nbit' (packed by filter 5, only deflate, shuffle and Fletcher32 are "
+            "read), '/reference' (references), '/unwritten' (it declares 2000000 bytes and holds "
+            "0)");
+  EXPECT_EQ(record.warnings[1], "there are no data sets of numbers: there are no channels");
+}
+
+TEST(ForeignHdf5, MatlabFilesAreNamedAsMatlabDoes) {
+  const Hdf5File file(512);
+  file.group("/run");
+  std::vector<double> matrix(303);
+  std::iota(matrix.begin(), matrix.end(), 0.0);
+  // MATLAB's 101 x 3: HDF5's shape is the other way round
+  file.data<double>("/run/m", {3, 101}, matrix, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.data<double>("/small", {2, 3}, {1, 2, 3, 4, 5, 6}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.data<double>("/run/Fs", {1, 1}, {50}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.data<std::uint16_t>("/note", {3, 1}, {'h', 'i', 't'}, H5T_NATIVE_UINT16, H5T_STD_U16LE);
+  file.text("/note", "MATLAB_class", "char");
+  file.group("/#refs#");
+  file.doubles("/#refs#/a", {1, 2});
+  const auto record = imported(tests::mat73_bytes(file), {}, ".mat");
+  EXPECT_EQ(record.provenance.importer, "mat");
+  ASSERT_EQ(record.channels.size(), 5U);
+  EXPECT_EQ(record.channels[0].name, "run.Fs");
+  EXPECT_EQ(record.channels[2].name, "run.m:2");
+  EXPECT_EQ(record.channels[2].value(0), 101.0);
+  EXPECT_EQ(record.channels[2].clock.interval, 0.02);
+  EXPECT_EQ(record.channels[2].attributes.at("size"), "101 x 3");
+  EXPECT_EQ(record.channels[4].name, "small");
+  EXPECT_THAT(record.channels[4].values(), ElementsAre(1, 2, 3, 4, 5, 6));
+  EXPECT_EQ(record.attributes.at("note"), "hit");
+}
+
+TEST(ForeignHdf5, ComplexNumbersArePairs) {
+  const Hdf5File file;
+  const hid_t pair = H5Tcreate(H5T_COMPOUND, 16);
+  H5Tinsert(pair, "real", 0, H5T_IEEE_F64LE);
+  H5Tinsert(pair, "imag", 8, H5T_IEEE_F64LE);
+  file.data<double>("/z", {2}, {1, 2, 3, 4}, pair, pair);
+  H5Tclose(pair);
+  const auto record = imported(file.bytes());
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1, 3));
+  EXPECT_THAT(record.channels[0].imaginary, ElementsAre(2, 4));
+}
+
+TEST(ForeignHdf5, ErrorsSayWhatWasFound) {
+  ImportOptions options;
+  options.format = "hdf5";
+  EXPECT_EQ(import_error("some text", options),
+            "FILE (byte 0): expected the signature of HDF5 at byte 0, 512, 1024, ...");
+  const Hdf5File file;
+  file.doubles("/x", std::vector<double>(1000, 1.0));
+  const std::string whole = file.bytes();
+  EXPECT_EQ(import_error(whole.substr(0, whole.size() / 2)),
+            "FILE: HDF5 cannot open it: it is damaged or cut");
+  options.time_column = "clock";
+  EXPECT_EQ(import_error(whole, options),
+            "FILE: there is no array 'clock' of real numbers for the time; the arrays are '/x'");
+}
+
+TEST(ForeignHdf5, DamagedPiecesAreNamed) {
+  const Hdf5File file;
+  std::vector<double> values(4096);
+  std::iota(values.begin(), values.end(), 0.0);
+  file.data<double>("/x", {4096}, values, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, {4096});
+  file.number("/x", "dt", 1.0);
+  std::string bytes = file.bytes();
+  // the piece is what is compressed: its first two bytes are zlib's
+  const std::size_t piece = bytes.find("\x78\x9c", 2048);
+  ASSERT_NE(piece, std::string::npos);
+  for (std::size_t i = 2; i < 400; ++i) bytes[piece + i] = '\x55';
+  EXPECT_EQ(import_error(bytes), "FILE: is damaged: /x cannot be read");
+}
+
+TEST(ChildProcess, TellsHowTheChildEnded) {
+  const auto ending = [](const std::function<void(const PipeWriter&)>& work) {
+    ChildProcess child(work, 1);
+    std::uint64_t number = 0;
+    EXPECT_TRUE(child.number(number));
+    EXPECT_EQ(number, 7U);
+    EXPECT_FALSE(child.number(number));
+    return child.wait();
+  };
+  EXPECT_EQ(ending([](const PipeWriter& out) { out.number(7); }), "");
+  EXPECT_EQ(ending([](const PipeWriter& out) {
+              out.number(7);
+              std::abort();
+            }),
+            "it was ended by signal 6");
+  EXPECT_EQ(ending([](const PipeWriter& out) {
+              out.number(7);
+              throw 1;
+            }),
+            "it failed with code 3");
+  EXPECT_EQ(ending([](const PipeWriter& out) {
+              out.number(7);
+              for (;;) static_cast<void>(getpid());
+            }),
+            "it took too long");
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "acquisition/importer.hpp"
+#include "tests/acquisition/mat_bytes.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using tests::import_error;
+using tests::imported;
+using tests::MatBytes;
+
+class Mat : public testing::TestWithParam<bool> {
+ protected:
+  MatBytes b{GetParam()};
+};
+
+INSTANTIATE_TEST_SUITE_P(ByteOrder, Mat, testing::Bool(),
+                         [](const auto& instance) { return instance.param ? "Big" : "Little"; });
+
+TEST_P(Mat, EveryTypeOfNumberIsRead) {
+  const auto one = [this](const std::string& name, std::uint32_t class_number,
+                          const std::string& element) {
+    return b.matrix(b.head(class_number, {1, 3}, name) + element);
+  };
+  const auto record = imported(
+      b.header() + one("d", 6, b.element(9, b.numbers<double>({-1.5, 2, 3e300}))) +
+      one("s", 7, b.element(7, b.numbers<float>({-1.5F, 2, 3}))) +
+      one("as_i8", 6, b.small(1, std::string("\xFF\x02\x03", 3))) +
+      one("as_u8", 6, b.small(2, std::string("\xFF\x02\x03", 3))) +
+      one("as_i16", 6, b.element(3, b.numbers<std::int16_t>({-1, 2, 3}))) +
+      one("as_u16", 6, b.element(4, b.numbers<std::uint16_t>({65535, 2, 3}))) +
+      one("as_i32", 6, b.element(5, b.numbers<std::int32_t>({-1, 2, 3}))) +
+      one("as_u32", 6, b.element(6, b.numbers<std::uint32_t>({4294967295U, 2, 3}))) +
+      one("i64", 14, b.element(12, b.numbers<std::int64_t>({-1, 2, 3}))) +
+      one("u64", 15, b.element(13, b.numbers<std::uint64_t>({std::uint64_t{1} << 53, 2, 3}))));
+  ASSERT_EQ(record.channels.size(), 10U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(-1.5, 2, 3e300));
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(-1.5, 2, 3));
+  EXPECT_THAT(record.channels[2].values(), ElementsAre(-1, 2, 3));
+  EXPECT_THAT(record.channels[3].values(), ElementsAre(255, 2, 3));
+  EXPECT_THAT(record.channels[4].values(), ElementsAre(-1, 2, 3));
+  EXPECT_THAT(record.channels[5].values(), ElementsAre(65535, 2, 3));
+  EXPECT_THAT(record.channels[6].values(), ElementsAre(-1, 2, 3));
+  EXPECT_THAT(record.channels[7].values(), ElementsAre(4294967295.0, 2, 3));
+  EXPECT_THAT(record.channels[8].values(), ElementsAre(-1, 2, 3));
+  EXPECT_THAT(record.channels[9].values(), ElementsAre(9007199254740992.0, 2, 3));
+  EXPECT_EQ(record.channels[2].name, "as_i8");
+  EXPECT_EQ(record.attributes.at("header"), "MATLAB 5.0 MAT-file, written by a test");
+}
+
+TEST_P(Mat, CompressedArraysAreTheSame) {
+  const std::string time = b.doubles("t", {0, 0.25, 0.5});
+  const std::string force = b.doubles("force", {1, 2, 3});
+  const std::string note = b.text("note", "hit");
+  for (const std::string& bytes :
+       {b.header() + time + force + note,
+        b.header() + b.compressed(time) + b.compressed(force) + b.compressed(note),
+        b.header() + b.compressed(time) + force + note}) {
+    const auto record = imported(bytes);
+    ASSERT_EQ(record.channels.size(), 2U);
+    EXPECT_EQ(record.channels[1].name, "force");
+    EXPECT_THAT(record.channels[1].values(), ElementsAre(1, 2, 3));
+    EXPECT_EQ(record.channels[1].clock.interval, 0.25);
+    EXPECT_EQ(record.attributes.at("note"), "hit");
+    EXPECT_EQ(record.attributes.at("time column"), "t (by its name)");
+    EXPECT_THAT(record.warnings,
+                ElementsAre("the time is taken as s, since no unit is stated: t (by its name)"));
+  }
+}
+
+TEST_P(Mat, ComplexNumbersHaveTwoParts) {
+  const auto record =
+      imported(b.header() +
+               b.matrix(b.head(0x0806, {3, 1}, "z") + b.element(9, b.numbers<double>({1, 2, 3})) +
+                        b.element(3, b.numbers<std::int16_t>({4, 5, 6}))));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1, 2, 3));
+  EXPECT_THAT(record.channels[0].imaginary, ElementsAre(4, 5, 6));
+}
+
+TEST_P(Mat, NumbersOfStructuresAreNamedByTheirFields) {
+  const auto record = imported(b.header() +
+                               b.structure("run", {"force", "unit", "more"},
+                                           b.doubles("", {1, 2}) + b.text("", "N") +
+                                               b.structure("", {"x"}, b.doubles("", {7}))) +
+                               b.structure("s", {"y"}, b.doubles("", {8}) + b.doubles("", {9}), 2));
+  ASSERT_EQ(record.channels.size(), 4U);
+  EXPECT_EQ(record.channels[0].name, "run.force");
+  EXPECT_EQ(record.channels[1].name, "run.more.x");
+  EXPECT_EQ(record.channels[2].name, "s(1).y");
+  EXPECT_EQ(record.channels[3].name, "s(2).y");
+  EXPECT_EQ(record.attributes.at("run.unit"), "N");
+}
+
+TEST_P(Mat, WhatIsNoNumberIsNamed) {
+  const auto record =
+      imported(b.header() + b.matrix(b.head(1, {1, 1}, "c") + b.doubles("", {1})) +
+               b.matrix(b.head(5, {2, 2}, "sparse") + b.element(5, "")) +
+               b.matrix(b.head(16, {1, 1}, "f") + b.doubles("", {1})) +
+               b.matrix(b.head(6, {0, 0}, "nothing") + b.element(9, "")) + b.doubles("x", {1}));
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("not read: 'c' (a cell array), 'sparse' (a sparse matrix), 'f' (a function "
+                  "handle), 'nothing' (empty)"));
+}
+
+TEST_P(Mat, LongMatricesAreChannelsSmallOnesAreNot) {
+  std::vector<double> values(303);
+  std::iota(values.begin(), values.end(), 0.0);
+  const auto columns = imported(b.header() + b.doubles("m", values, 3));
+  ASSERT_EQ(columns.channels.size(), 3U);
+  EXPECT_EQ(columns.channels[1].name, "m:2");
+  EXPECT_EQ(columns.channels[1].value(0), 101.0);
+  EXPECT_EQ(columns.channels[1].size(), 101U);
+  EXPECT_EQ(columns.channels[1].attributes.at("size"), "101 x 3");
+  const auto rows = imported(b.header() + b.doubles("m", values, 101));
+  ASSERT_EQ(rows.channels.size(), 3U);
+  EXPECT_EQ(rows.channels[1].value(1), 4.0);
+  EXPECT_EQ(rows.channels[1].size(), 101U);
+  values.resize(300);
+  const auto small = imported(b.header() + b.doubles("m", values, 3));
+  ASSERT_EQ(small.channels.size(), 1U);
+  EXPECT_EQ(small.channels[0].size(), 300U);
+}
+
+TEST_P(Mat, TimesByNameOfTheOwnGroupFirst) {
+  const std::string fields = b.doubles("", {0, 1, 2}) + b.doubles("", {4, 5, 6});
+  const auto record =
+      imported(b.header() + b.doubles("time", {0, 0.5, 1}) + b.doubles("force", {1, 2, 3}) +
+               b.structure("run", {"t", "a"}, fields) + b.doubles("other", {1, 2}) +
+               b.doubles("dt", {0.125}));
+  EXPECT_EQ(record.find("force")->clock.interval, 0.5);
+  EXPECT_EQ(record.find("run.a")->clock.interval, 1.0);
+  EXPECT_EQ(record.find("other")->clock.interval, 0.125);
+  EXPECT_EQ(record.attributes.at("time column"),
+            "time (by its name); run.t (by its name); dt (an interval of 0.125 s by its name)");
+}
+
+TEST_P(Mat, UnevenTimesAreKept) {
+  const std::string bytes =
+      b.header() + b.doubles("t", {0, 1, 3}) + b.doubles("force", {1, 2, 3}) + b.doubles("Fs", {4});
+  const auto record = imported(bytes);
+  EXPECT_THAT(record.channels[1].clock.times, ElementsAre(0, 1, 3));
+  EXPECT_THAT(record.warnings, Contains(HasSubstr("'t': the samples are not evenly spaced")));
+  ImportOptions options;
+  options.time_column = "none";
+  EXPECT_EQ(imported(bytes, options).channels[1].clock.interval, 0.25);
+  const auto back = imported(b.header() + b.doubles("t", {0, 2, 1}) + b.doubles("x", {1, 2, 3}));
+  EXPECT_EQ(back.channels[1].clock.interval, 0.0);
+  EXPECT_EQ(back.warnings[0], "'t' does not increase throughout: it is not taken as the time");
+}
+
+TEST_P(Mat, AWindowOfAChannelIsThatPartOfTheWhole) {
+  const std::string time = b.doubles("t", {0, 1, 2, 3});
+  const std::string values = b.doubles("x", {5, 6, 7, 8});
+  ImportOptions options;
+  options.channels = {"x"};
+  options.from = 1;
+  options.to = 2;
+  for (const std::string& file :
+       {b.header() + time + values, b.header() + b.compressed(time) + values}) {
+    const auto part = imported(file, options);
+    ASSERT_EQ(part.channels.size(), 1U);
+    EXPECT_THAT(part.channels[0].values(), ElementsAre(6, 7));
+    EXPECT_EQ(part.channels[0].clock.start, 1.0);
+  }
+}
+
+TEST_P(Mat, CutFilesGiveWhatIsThere) {
+  const std::string whole =
+      b.header() + b.doubles("t", {0, 1, 2, 3}) + b.doubles("x", {5, 6, 7, 8});
+  const auto record = imported(whole.substr(0, whole.size() - 12));
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(5, 6));
+  EXPECT_THAT(record.warnings[0], HasSubstr("the file ends within the array that begins at byte "));
+  EXPECT_THAT(record.warnings[1], "'x' declares 4 x 1 numbers, 2 are there");
+  for (std::size_t size = 128; size < whole.size(); ++size)
+    EXPECT_NO_THROW(imported(whole.substr(0, size))) << size;
+  const std::string packed = b.header() + b.compressed(b.doubles("x", {5, 6, 7, 8}));
+  for (std::size_t size = 128; size < packed.size(); ++size)
+    EXPECT_NO_THROW(imported(packed.substr(0, size))) << size;
+}
+
+TEST_P(Mat, SizesThatLieChangeNothing) {
+  for (const std::int32_t size : {-1, 0x7FFFFFFF, 0}) {
+    const auto record = imported(
+        b.header() +
+        b.matrix(b.head(6, {size, size, size}, "x") + b.element(9, b.numbers<double>({1}))) +
+        b.doubles("y", {2}));
+    EXPECT_EQ(record.channels.back().name, "y");
+  }
+  const auto more = imported(b.header() + b.matrix(b.head(6, {1000000, 1000}, "x") +
+                                                   b.element(9, b.numbers<double>({1, 2}))));
+  EXPECT_THAT(more.channels[0].values(), ElementsAre(1, 2));
+}
+
+TEST_P(Mat, Version4IsRead) {
+  const auto record =
+      imported(b.matrix_4(0, 3, 1, "t", b.numbers<double>({0, 1, 2})) +
+                   b.matrix_4(10, 3, 1, "f", b.numbers<float>({1.5F, 2, 3})) +
+                   b.matrix_4(20, 3, 1, "i", b.numbers<std::int32_t>({-1, 2, 3})) +
+                   b.matrix_4(30, 3, 1, "s", b.numbers<std::int16_t>({-1, 2, 3})) +
+                   b.matrix_4(40, 3, 1, "u", b.numbers<std::uint16_t>({65535, 2, 3})) +
+                   b.matrix_4(50, 3, 1, "b", std::string("\xFF\x02\x03", 3)) +
+                   b.matrix_4(0, 1, 2, "z", b.numbers<double>({1, 2, 3, 4}), 1) +
+                   b.matrix_4(1, 1, 2, "unit", b.numbers<double>({'N', 'm'})) +
+                   b.matrix_4(2, 1, 3, "sp", b.numbers<double>({1, 1, 1})) +
+                   b.matrix_4(0, 2, 1, "cut", b.numbers<double>({9})),
+               {}, ".mat");
+  ASSERT_EQ(record.channels.size(), 8U);
+  EXPECT_EQ(record.attributes.at("MAT-file version"), "4");
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(1.5, 2, 3));
+  EXPECT_THAT(record.channels[2].values(), ElementsAre(-1, 2, 3));
+  EXPECT_THAT(record.channels[3].values(), ElementsAre(-1, 2, 3));
+  EXPECT_THAT(record.channels[4].values(), ElementsAre(65535, 2, 3));
+  EXPECT_THAT(record.channels[5].values(), ElementsAre(255, 2, 3));
+  EXPECT_EQ(record.channels[5].clock.interval, 1.0);
+  EXPECT_THAT(record.channels[6].values(), ElementsAre(1, 2));
+  EXPECT_THAT(record.channels[6].imaginary, ElementsAre(3, 4));
+  EXPECT_THAT(record.channels[7].values(), ElementsAre(9));
+  EXPECT_EQ(record.attributes.at("unit"), "Nm");
+  EXPECT_THAT(record.warnings, Contains("not read: 'sp' (a sparse matrix)"));
+}
+
+TEST_P(Mat, ErrorsNameThePlace) {
+  std::string other = b.header();
+  other.replace(124, 2, b.number<std::uint16_t>(0x0300));
+  EXPECT_EQ(import_error(other),
+            "FILE (byte 124): version 0x0300 of MAT-files is not known, expected 0x0100");
+  ImportOptions options;
+  options.time_column = "clock";
+  EXPECT_EQ(import_error(b.header() + b.doubles("x", {1, 2}), options),
+            "FILE: there is no array 'clock' of real numbers for the time; the arrays are 'x'");
+  options = {};
+  options.format = "mat";
+  EXPECT_EQ(import_error("some text", options),
+            "FILE (byte 0): expected the header of a MAT-file: 128 bytes that end with 'IM' or "
+            "'MI', or the 20 bytes of version 4");
+  EXPECT_EQ(
+      import_error(b.matrix_4(b.big_endian ? 3000 - 1000 : 3000, 1, 1, "x", std::string(8, '\0')),
+                   options),
+      "FILE (byte 0): the numbers are those of a VAX, which are not read: load the file in "
+      "MATLAB and save it with -v6");
+}
+
+/// An array of `size` zero bytes, compressed: a thousandth of it.
+std::string compressed_zeros(const MatBytes& b, std::uint32_t size) {
+  z_stream z{};
+  deflateInit(&z, Z_BEST_SPEED);
+  std::string packed;
+  std::string piece(std::size_t{1} << 20, '\0');
+  std::string room(piece.size(), '\0');
+  const auto feed = [&](std::string& bytes, int flush) {
+    z.next_in = reinterpret_cast<Bytef*>(bytes.data());
+    z.avail_in = static_cast<uInt>(bytes.size());
+    do {
+      z.next_out = reinterpret_cast<Bytef*>(room.data());
+      z.avail_out = static_cast<uInt>(room.size());
+      deflate(&z, flush);
+      packed.append(room, 0, room.size() - z.avail_out);
+    } while (z.avail_out == 0);
+  };
+  std::string tag = b.number<std::uint32_t>(14) + b.number(size);
+  feed(tag, Z_NO_FLUSH);
+  for (std::uint32_t done = 0; done < size; done += 1U << 20) feed(piece, Z_NO_FLUSH);
+  feed(tag, Z_FINISH);
+  deflateEnd(&z);
+  return b.number<std::uint32_t>(15) + b.number(static_cast<std::uint32_t>(packed.size())) + packed;
+}
+
+TEST_P(Mat, ABombIsRefused) {
+  const std::string bytes = b.header() + compressed_zeros(b, 257U << 20);
+  EXPECT_LT(bytes.size(), 2U << 20);
+  EXPECT_EQ(import_error(bytes),
+            "FILE (byte 136): the arrays up to here are more than 256 MB once they are inflated: "
+            "load the file in MATLAB and save it with -v6 or -v7.3");
+  // what declares little inflates to no more
+  const auto record =
+      imported(b.header() + b.compressed(b.doubles("x", {1}) + std::string(1U << 24, '\0')));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1));
+}
+
+TEST_P(Mat, StructuresNestedWithoutEndAreLeftOut) {
+  std::string inner = b.doubles("", {1});
+  for (int i = 0; i < 40; ++i) inner = b.structure(i == 39 ? "s" : "", {"f"}, inner);
+  EXPECT_THAT(imported(b.header() + inner).warnings[0], HasSubstr("(nested too deeply)"));
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "acquisition/importer.hpp"
+#include "tests/acquisition/wav_bytes.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using tests::import_error;
+using tests::imported;
+using tests::WavFile;
+
+const std::string calibrate =
+    "a WAVE file holds no physical units: samples are parts of full scale, whose value a "
+    "calibration must state (sensitivity in the rig file, per FS)";
+
+class Wav : public testing::TestWithParam<bool> {
+ protected:
+  Wav() { wav.big_endian = GetParam(); }
+
+  std::vector<double> values() const { return imported(wav.bytes()).channels.at(0).values(); }
+
+  WavFile wav;
+};
+
+INSTANTIATE_TEST_SUITE_P(ByteOrder, Wav, testing::Bool(),
+                         [](const auto& instance) { return instance.param ? "Big" : "Little"; });
+
+TEST_P(Wav, EveryTypeOfNumberIsRead) {
+  wav.data = wav.numbers<std::int16_t>({16384, -32768, 1});
+  EXPECT_THAT(values(), ElementsAre(0.5, -1, 1.0 / 32768));
+  EXPECT_TRUE(
+      std::holds_alternative<std::vector<std::int16_t>>(imported(wav.bytes()).channels[0].raw));
+  wav.bits = 8;
+  wav.data = std::string("\x80\xC0\x00\xFF", 4);
+  EXPECT_THAT(values(), ElementsAre(0, 0.5, -1, 127.0 / 128));
+  wav.bits = 24;
+  wav.data = GetParam() ? std::string("\x40\0\0\x80\0\0\0\0\1", 9)
+                        : std::string("\0\0\x40\0\0\x80\1\0\0", 9);
+  EXPECT_THAT(values(), ElementsAre(0.5, -1, 1.0 / 8388608));
+  wav.bits = 32;
+  wav.data = wav.numbers<std::int32_t>({1 << 30, -2147483647 - 1, 1});
+  EXPECT_THAT(values(), ElementsAre(0.5, -1, 1.0 / 2147483648.0));
+  wav.format = 3;
+  wav.data = wav.numbers<float>({0.5F, -1.5F});
+  EXPECT_THAT(values(), ElementsAre(0.5, -1.5));
+  wav.bits = 64;
+  wav.data = wav.numbers<double>({0.1, -3e300});
+  EXPECT_THAT(values(), ElementsAre(0.1, -3e300));
+}
+
+TEST_P(Wav, ChannelsHaveRateUnitAndAWarning) {
+  wav.channels = 2;
+  wav.rate = 44100;
+  wav.data = wav.numbers<std::int16_t>({16384, -16384, 8192, -8192});
+  wav.more_chunks = wav.chunk("LIST", "INFO" + wav.chunk("INAM", "run 7"));
+  const auto record = imported(wav.bytes());
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[1].name, "ch2");
+  EXPECT_EQ(record.channels[1].unit, "FS (full scale = 1.0)");
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(-0.5, -0.25));
+  EXPECT_EQ(record.channels[1].clock.interval, 1.0 / 44100);
+  EXPECT_EQ(record.attributes.at("coding"), "PCM, 16 bits");
+  EXPECT_EQ(record.title, "run 7");
+  EXPECT_THAT(record.warnings, ElementsAre(calibrate));
+}
+
+TEST_P(Wav, AWindowOfAChannelIsThatPartOfTheWhole) {
+  wav.channels = 3;
+  std::vector<std::int32_t> samples;
+  for (std::int32_t i = 0; i < 3 * 70000; ++i) samples.push_back(i * 1000);
+  wav.bits = 32;
+  wav.data = wav.numbers(samples);
+  ImportOptions options;
+  options.channels = {"ch2"};
+  options.from = 60000.0 / 8000.0;
+  const auto whole = imported(wav.bytes());
+  const auto part = imported(wav.bytes(), options);
+  ASSERT_EQ(part.channels.size(), 1U);
+  ASSERT_EQ(part.channels[0].size(), 10000U);
+  EXPECT_EQ(part.channels[0].clock.start, 7.5);
+  for (const std::size_t i : {std::size_t{0}, std::size_t{9999}})
+    EXPECT_EQ(part.channels[0].value(i), whole.channels[1].value(60000 + i));
+}
+
+TEST_P(Wav, CutFilesGiveWhatIsThere) {
+  wav.data = wav.numbers<std::int16_t>({16384, -16384, 8192, -8192});
+  const std::string bytes = wav.bytes();
+  const auto record = imported(bytes.substr(0, bytes.size() - 4));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(0.5, -0.5));
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("the file is cut: its header declares 52 bytes, 48 are there", calibrate));
+}
+
+TEST(WavVariants, ExtensibleRf64AndLogarithmicAreRead) {
+  WavFile wav;
+  wav.data = wav.numbers<std::int16_t>({16384, -32768});
+  wav.format = 0xFFFE;
+  EXPECT_THAT(imported(wav.bytes()).channels[0].values(), ElementsAre(0.5, -1));
+  wav.format = 1;
+  wav.rf64 = true;
+  EXPECT_THAT(imported(wav.bytes()).channels[0].values(), ElementsAre(0.5, -1));
+  wav.rf64 = false;
+  wav.format = 7;
+  wav.bits = 8;
+  wav.data = std::string("\xFF\x80\x00", 3);  // 0, the largest, the smallest of G.711
+  EXPECT_THAT(imported(wav.bytes()).channels[0].values(),
+              ElementsAre(0, 32124.0 / 32768, -32124.0 / 32768));
+}
+
+TEST(WavVariants, WhatIsNotReadSaysSo) {
+  WavFile wav;
+  wav.format = 2;  // Microsoft ADPCM
+  wav.bits = 4;
+  wav.data = std::string(256, '\0');
+  EXPECT_THAT(import_error(wav.bytes()), HasSubstr("FILE (byte 0): "));
+  ImportOptions options;
+  options.format = "wav";
+  EXPECT_EQ(import_error("some text", options),
+            "FILE (byte 0): expected 'RIFF', 'RIFX' or 'RF64' and 'WAVE' at byte 8");
+  EXPECT_THAT(import_error(std::string("RIFF\4\0\0\0WAVE", 12), options),
+              HasSubstr("FILE (byte 0): libsndfile cannot read it: "));
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition
