@@ -179,9 +179,12 @@ class FiniteSamples final : public SampleSink {
   template <typename T>
   static bool all_finite(std::span<const T> samples) {
     if constexpr (std::is_floating_point_v<T>) {
-      T sum{};  // a product with zero is zero, or not a number
-      for (const T sample : samples) sum += sample * T{};
-      return sum == T{};
+      std::array<T, 16> sums{};  // a product with zero is zero, or not a number; each sum waits for
+      std::size_t i = 0;         // itself only, so that the processor adds many at once
+      for (; i + sums.size() <= samples.size(); i += sums.size())
+        for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += samples[i + k] * T{};
+      for (; i < samples.size(); ++i) sums[0] += samples[i] * T{};
+      return std::ranges::all_of(sums, [](T sum) { return sum == T{}; });
     } else {
       return true;
     }
