@@ -51,29 +51,93 @@ void diagonalise(Eigen::MatrixXd& matrix, Eigen::MatrixXd& basis) {
   }
 }
 
+/// Of a bending wave of a given frequency, how many are in the piece; only ratios matter.
+double waves(const BarElement& piece) {
+  return piece.length * std::pow(piece.line_density / piece.bending_stiffness, 0.25);
+}
+
+/// The bar's pieces, those alike taken together, cut at the struck point.
+std::vector<BarElement> unlike_spans(const Rig& rig) {
+  std::vector<BarElement> spans;
+  for (const BarElement& piece : bar_pieces(rig.beam)) {
+    const bool like = !spans.empty() && spans.back().line_density == piece.line_density &&
+                      spans.back().bending_stiffness == piece.bending_stiffness;
+    if (like)
+      spans.back().length = piece.x + piece.length - spans.back().x;
+    else
+      spans.push_back(piece);
+  }
+  const double struck = rig.contact.position;
+  const std::size_t cut = element_at(spans, struck);
+  const double before = struck - spans[cut].x, beyond = spans[cut].length - before;
+  const double shortest = 1e-9 * rig.beam.length;
+  if (before <= shortest || beyond <= shortest) return spans;
+  BarElement second = spans[cut];
+  spans[cut].length = before;
+  second.x = struck;
+  second.length = beyond;
+  spans.insert(spans.begin() + static_cast<std::ptrdiff_t>(cut) + 1, second);
+  return spans;
+}
+
+std::vector<BarElement> station_spans(const Rig& rig) {
+  constexpr std::size_t usual = 24, fewest_of_span = 2;
+  const std::vector<BarElement> spans = unlike_spans(rig);
+  std::vector<std::size_t> shares(spans.size(), fewest_of_span);
+  for (std::size_t all = fewest_of_span * spans.size(); all < usual; ++all) {
+    std::size_t coarsest = 0;
+    for (std::size_t i = 1; i < spans.size(); ++i)
+      if (waves(spans[i]) * static_cast<double>(shares[coarsest]) >
+          waves(spans[coarsest]) * static_cast<double>(shares[i]))
+        coarsest = i;
+    ++shares[coarsest];
+  }
+  std::vector<BarElement> stations;
+  for (std::size_t i = 0; i < spans.size(); ++i)
+    for (std::size_t k = 0; k < shares[i]; ++k) {
+      BarElement station = spans[i];
+      station.length /= static_cast<double>(shares[i]);
+      station.x += static_cast<double>(k) * station.length;
+      stations.push_back(station);
+    }
+  return stations;
+}
+
 }  // namespace
 
 ModalBeam::ModalBeam(const SmallMotionBeam& beam, const Rig& rig)
     : beam_(beam),
-      motion_(beam.small_motion()),
-      masses_(rig.beam.masses) {
+      motion_(beam.small_motion()) {
   solve_modes();
   struck_ = point(rig.contact.position);
   for (const FurtherStop& stop : rig.further_stops)
     further_.push_back(stop.direction() * point(stop.contact.position));
   elastic_compliance_ = models::elastic_compliance(rig.beam, rig.contact.position);
   rigid_ = shapes_.transpose() * (motion_.mass * motion_.rigid);
-  constexpr int stations = 24;
-  spacing_ = rig.beam.length / stations;
-  station_mass_.resize(stations);
-  const std::vector<BarElement> pieces = bar_pieces(rig.beam);
-  for (int i = 0; i < stations; ++i)
-    station_mass_[i] = mass_between(pieces, i * spacing_, (i + 1) * spacing_);
-  Eigen::MatrixXd across(motion_.rigid.size(), stations + 1);
-  for (int i = 0; i <= stations; ++i) across.col(i) = beam.small_motion_row(i * spacing_);
-  const Eigen::MatrixXd rows = across.rightCols(stations) - across.leftCols(stations);
-  slopes_ = rows.transpose() * shapes_ / spacing_;
+  find_stations(rig);
   find_uneven_slopes();
+}
+
+void ModalBeam::find_stations(const Rig& rig) {
+  const std::vector<BarElement> spans = station_spans(rig);
+  const auto count = static_cast<Eigen::Index>(spans.size());
+  for (Eigen::VectorXd* values : {&stations_.x, &stations_.length, &stations_.mass})
+    values->resize(count);
+  Eigen::MatrixXd rows(motion_.rigid.size(), count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const BarElement& span = spans[static_cast<std::size_t>(i)];
+    stations_.x[i] = span.x;
+    stations_.length[i] = span.length;
+    stations_.mass[i] = span.line_density * span.length;
+    rows.col(i) = (beam_.small_motion_row(span.x + span.length) - beam_.small_motion_row(span.x)) /
+                  span.length;
+  }
+  stations_.slopes = rows.transpose() * shapes_;
+  for (const LumpedMass& lump : rig.beam.masses) {
+    const auto station = static_cast<Eigen::Index>(element_at(spans, lump.position));
+    const double part = (lump.position - stations_.x[station]) / stations_.length[station];
+    stations_.lumps.push_back({station, std::min(part, 1.0), lump.mass});
+  }
 }
 
 void ModalBeam::find_uneven_slopes() {
@@ -107,12 +171,26 @@ double ModalBeam::stretching_energy(const Eigen::VectorXd& a) const {
   return energy;
 }
 
+void ModalBeam::add_stretching_force(const Eigen::VectorXd& a, Eigen::VectorXd& force) const {
+  static thread_local Eigen::VectorXd slope, pull;
+  slope.noalias() = uneven_ * a;
+  pull.resize(slope.size());
+  for (Eigen::Index e = 0; e < axial_.size(); ++e) {
+    const double first = slope[2 * e], second = slope[2 * e + 1];
+    const double third = 3.0 / 5.0 * first * second, fourth = 9.0 / 35.0 * second * second;
+    pull[2 * e] = axial_[e] * third / 7.0 * 3.0 / 5.0 * second;
+    pull[2 * e + 1] =
+        axial_[e] * (third / 7.0 * 3.0 / 5.0 * first + fourth / 9.0 * 18.0 / 35.0 * second);
+  }
+  force.noalias() -= uneven_.transpose() * pull;
+}
+
 ModalBeam::ModalBeam(const ModalBeam& other, const Change& change) : ModalBeam(other) {
   const double ratio = change.stiffness / change.mass;
   const double root = std::sqrt(change.mass);
   motion_.spring = change.spring;
-  station_mass_ *= change.mass;
-  for (LumpedMass& lump : masses_) lump.mass *= change.mass;
+  stations_.mass *= change.mass;
+  for (Stations::Lump& lump : stations_.lumps) lump.mass *= change.mass;
   elastic_compliance_ /= change.stiffness;
   // in the other's modes, scaled to unit modal mass: its elastic part grows, its weight does not
   Eigen::MatrixXd coupled =
@@ -123,7 +201,7 @@ ModalBeam::ModalBeam(const ModalBeam& other, const Change& change) : ModalBeam(o
   omega_ = coupled.diagonal().cwiseMax(0.0).cwiseSqrt();
   weight_ = basis.transpose() * weight_ * basis;
   shapes_ = shapes_ * basis / root;
-  slopes_ = slopes_ * basis / root;
+  stations_.slopes = stations_.slopes * basis / root;
   uneven_ = uneven_ * basis / root;
   axial_ *= change.stiffness;
   struck_ = basis.transpose() * struck_ / root;
@@ -222,20 +300,16 @@ ModalBeam ModalBeam::moved(const ModalSlope& slope, double amount) const {
 double ModalBeam::shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate,
                                     double frame) const {
   static thread_local Eigen::VectorXd slope, slope_rate;
-  slope.noalias() = slopes_ * a;
+  slope.noalias() = stations_.slopes * a;
   slope.array() -= frame;
-  slope_rate.noalias() = slopes_ * rate;
+  slope_rate.noalias() = stations_.slopes * rate;
   double drawn = 0.0, energy = 0.0;
   for (Eigen::Index i = 0; i < slope.size(); ++i) {
-    const double step = slope[i] * slope_rate[i] * spacing_;
+    const double step = slope[i] * slope_rate[i] * stations_.length[i];
     const double middle = drawn + 0.5 * step;
-    energy += 0.5 * station_mass_[i] * middle * middle;
-    for (const LumpedMass& lump : masses_) {
-      const double part = lump.position / spacing_ - static_cast<double>(i);
-      const bool last = i + 1 == slope.size();
-      if (part > 0.0 && (part <= 1.0 || last))
-        energy += 0.5 * lump.mass * std::pow(drawn + std::min(part, 1.0) * step, 2);
-    }
+    energy += 0.5 * stations_.mass[i] * middle * middle;
+    for (const Stations::Lump& lump : stations_.lumps)
+      if (lump.station == i) energy += 0.5 * lump.mass * std::pow(drawn + lump.part * step, 2);
     drawn += step;
   }
   return energy;

@@ -77,12 +77,33 @@ class ModalBeam {
   /// stretch of its axis, of second degree, cannot take back. Not part of the small motion.
   double stretching_energy(const Eigen::VectorXd& a) const;
 
+  /// Adds what that energy does to the modes (m).
+  void add_stretching_force(const Eigen::VectorXd& a, Eigen::VectorXd& force) const;
+
+  /// The bar in short pieces that end where it changes and at the struck point, so that a bending
+  /// wave meets as many everywhere.
+  struct Stations {
+    struct Lump {
+      Eigen::Index station;
+      double part;  ///< of the station's length
+      double mass;  ///< [kg]
+    };
+
+    Eigen::VectorXd x, length;  ///< where each begins, and how long it is [m] (stations)
+    Eigen::VectorXd mass;       ///< of the bar in each [kg] (stations)
+    Eigen::MatrixXd slopes;     ///< of the modes, mean over each (stations, m)
+    std::vector<Lump> lumps;    ///< further masses
+  };
+
+  const Stations& stations() const { return stations_; }
+
   bool sprung() const { return motion_.spring > 0.0; }  ///< a spring in the hinge
 
   RigidPart rigid_part(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
 
  private:
   void solve_modes();
+  void find_stations(const Rig& rig);
   void find_uneven_slopes();
 
   const SmallMotionBeam& beam_;
@@ -93,10 +114,7 @@ class ModalBeam {
   std::vector<Eigen::VectorXd> further_;  // of further stops
   Eigen::VectorXd hinge_;                 // angle at the hinge under unit modal coordinates (m)
   double elastic_compliance_ = 0.0;
-  Eigen::MatrixXd slopes_;        // of the modes at evenly spread stations (stations, m)
-  Eigen::VectorXd station_mass_;  // of the bar between them [kg] (stations)
-  std::vector<LumpedMass> masses_;
-  double spacing_ = 0.0;  // [m]
+  Stations stations_;
   // of each element that stretches: its slope's parts in P₁ and P₂, row by row (2 e, m), and EA h
   Eigen::MatrixXd uneven_;
   Eigen::VectorXd axial_;

@@ -15,7 +15,8 @@ ModalMotion::ModalMotion(const ModalBar& bar, const Collocation& rule,
       beam_(bar.modes()),
       rule_(rule),
       sampling_interval_(history.interval),
-      flies_(!beam_.sprung()) {
+      flies_(!beam_.sprung()),
+      pull_(beam_) {
   const auto row = [&](double x) { return x > 0.0 ? beam_.point(x) : beam_.struck(); };
   if (!(history.interval > 0.0)) return;
   velocity_row_ = row(history.velocity_position);
@@ -29,6 +30,7 @@ void ModalMotion::start(double angle, double rate) {
   state_.rate = beam_.rigid() * rate;
   dropped_ = 0.0;
   flights_ = {};
+  first_contact_ = FirstContact::to_come;
   scratch_ = end_ = sampled_[0] = sampled_[1] = state_;
   series_.assign(static_cast<std::size_t>(beam_.stops()), NodeVector::Zero(rule_.nodes()));
 }
@@ -107,16 +109,25 @@ PointMotion ModalMotion::struck_at(int stop, double part, double* acceleration) 
 }
 
 void ModalMotion::take(double part) {
+  bool pressed = false;
+  for (int stop = 0; stop < beam_.stops(); ++stop) pressed = pressed || presses(stop);
+  if (pressed && first_contact_ == FirstContact::to_come) {
+    first_contact_ = FirstContact::lasts;
+    pull_.touch(state_);
+  }
   if (part < 1.0) {
     jump(part, scratch_);
     std::swap(state_, scratch_);
   } else {
     std::swap(state_, end_);
   }
-  bool pressed = false;
-  for (int stop = 0; stop < beam_.stops(); ++stop) pressed = pressed || presses(stop);
   note_shortening(pressed);
   if (pressed) neglected_ = shortening_ + stretching_;
+  if (first_contact_ != FirstContact::lasts) return;
+  if (pressed)
+    pull_.follow(state_, *step_, part, rule_.restricted(series_[0], part)[0]);
+  else
+    first_contact_ = FirstContact::over;
 }
 
 /// A bar that bends and turns draws its points towards the hinge: the energy of that motion is what
@@ -139,6 +150,7 @@ void ModalMotion::fly(double time) {
   ModalFlight(beam_, state_).state_after(time, scratch_);
   dropped_ += ModalFlight::drop(beam_, scratch_) - ModalFlight::drop(beam_, state_);
   std::swap(state_, scratch_);
+  first_contact_ = FirstContact::over;
   ++flights_.count;
   flights_.time += time;
   note_shortening(false);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "models/collocation/bar_motion.hpp"
+#include "models/modal/axial_pull.hpp"
 #include "models/modal/bar_cache.hpp"
 #include "models/modal/modal_beam.hpp"
 #include "models/modal/modal_step.hpp"
@@ -102,6 +103,9 @@ class ModalMotion : public BarMotion {
   /// energy at touch: of the order of the relative error of peak force, duration and impulse.
   double neglected() const { return neglected_; }
 
+  /// What the pull along the bar would have changed until the first contact ended.
+  const AxialPull& missing_pull() const { return pull_; }
+
  private:
   PointMotion struck(int stop, const ModalState& state) const {
     return {beam_.struck(stop).dot(state.a), beam_.struck(stop).dot(state.rate)};
@@ -135,6 +139,11 @@ class ModalMotion : public BarMotion {
   Flights flights_;
   double dropped_ = 0.0;  // by flights, against what the modes have it [J]
   double shortening_ = 0.0, stretching_ = 0.0, neglected_ = 0.0;
+
+  enum class FirstContact { to_come, lasts, over };
+
+  AxialPull pull_;
+  FirstContact first_contact_ = FirstContact::to_come;
 };
 
 }  // namespace impactrig::models
