@@ -126,7 +126,8 @@ class ContactPoint {
   void note_peak(double force, double part);
   Rates observe_peak(double low, double high);
   void observe_deepest(double part, double depth);
-  void observe_ends(double part);
+  void observe_jump();
+  void observe_pull(double part);
   void observe_turn(double before, const PointMotion& p0, double here, const PointMotion& p1);
 
   int number_;
