@@ -66,7 +66,7 @@ void read_stiffness(TableReader& table, bool any_power, models::Contact& contact
     contact.stiffness = table.required_quantity("stiffness", "N/m", "1e8 N/m");
     return;
   }
-  const std::string text = table.text("stiffness").value_or("");
+  const std::string text = table.required_text("stiffness", "1.6e10 N/m^1.5");
   const std::size_t slash = text.rfind('/'), caret = text.rfind('^');
   const bool split = slash != std::string::npos && caret != std::string::npos && slash < caret;
   double power = 0.0;

@@ -549,6 +549,13 @@ TEST(RigFile, AStiffnessWithoutItsPowerIsRefused) {
   EXPECT_NE(message(cylinder, "\"1.6e10 N/s^1.5\"").find("contact.stiffness"), std::string::npos);
   EXPECT_NE(message(cylinder, "\"1.6e10 N/m^0.5\"").find("must lie between 1 and 5, found 0.5"),
             std::string::npos);
+  const std::string silent = "law = \"" + cylinder + "\"\nrestitution = 0.5\n";
+  EXPECT_NE(message_of(with_contact(silent))
+                .find("contact.stiffness: is missing; add stiffness = \"1.6e10 N/m^1.5\""),
+            std::string::npos);
+  EXPECT_NE(message_of(with_contact(silent + "stifness = \"1.6e10 N/m^1.5\""))
+                .find("contact.stifness: there is no such key here; did you mean stiffness?"),
+            std::string::npos);
   EXPECT_NE(message("goldsmith", "\"1e8 N/m\"")
                 .find("contact.stiffness: the law \"goldsmith\" follows from geometry and moduli"),
             std::string::npos);
