@@ -9,6 +9,8 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include "models/contact/damping_law.hpp"
 #include "models/contact/elastic_law.hpp"
@@ -60,30 +62,40 @@ models::LawNeeds needs_of(const models::Contact& contact) {
   return needs;
 }
 
-/// "1.6e10 N/m^1.5": factor and power of a power law; without a power that of a spring.
+/// "1.6e10 N/m^1.5": factor and power of a power law; none where the unit tells no power. Throws
+/// std::invalid_argument as parse_quantity() does.
+std::optional<std::pair<double, double>> factor_and_power(const std::string& text) {
+  const std::size_t slash = text.rfind('/'), caret = text.rfind('^');
+  if (slash == std::string::npos || caret == std::string::npos || slash > caret)
+    return std::nullopt;
+  double power = 0.0;
+  const char* end = text.data() + text.size();
+  if (std::from_chars(text.data() + caret + 1, end, power).ptr != end) return std::nullopt;
+  const double metres =
+      datasets::parse_quantity("1 " + text.substr(slash + 1, caret - slash - 1), "m").value;
+  const double factor = datasets::parse_quantity(text.substr(0, slash), "N").value;
+  return std::pair(factor / std::pow(metres, power), power);
+}
+
 void read_stiffness(TableReader& table, bool any_power, models::Contact& contact) {
   if (!any_power) {
     contact.stiffness = table.required_quantity("stiffness", "N/m", "1e8 N/m");
     return;
   }
   const std::string text = table.required_text("stiffness", "1.6e10 N/m^1.5");
-  const std::size_t slash = text.rfind('/'), caret = text.rfind('^');
-  const bool split = slash != std::string::npos && caret != std::string::npos && slash < caret;
-  double power = 0.0;
-  const char* end = text.data() + text.size();
-  if (!split || std::from_chars(text.data() + caret + 1, end, power).ptr != end)
-    table.refuse("stiffness", fmt::format("expected a factor whose unit tells the power, for "
-                                          "example \"1.6e10 N/m^1.5\", found \"{}\"",
-                                          text));
+  std::string why;
   try {
-    const double metres =
-        datasets::parse_quantity("1 " + text.substr(slash + 1, caret - slash - 1), "m").value;
-    contact.stiffness =
-        datasets::parse_quantity(text.substr(0, slash), "N").value / std::pow(metres, power);
-    contact.power = power;
-  } catch (const std::exception& error) {
-    table.refuse("stiffness", error.what());
+    if (const auto stated = factor_and_power(text)) {
+      std::tie(contact.stiffness, contact.power) = *stated;
+      return;
+    }
+  } catch (const std::invalid_argument& error) {
+    why = error.what();
+    why = ": " + why.substr(0, why.find(';'));  // behind it an example of the factor alone
   }
+  table.refuse("stiffness", fmt::format("expected a factor whose unit tells the power, for example "
+                                        "\"1.6e10 N/m^1.5\", found \"{}\"{}",
+                                        text, why));
 }
 
 /// What the damping law takes besides the restitution; then whether it needs that.
