@@ -77,7 +77,13 @@ std::string to_text(const ReportData& data) {
                     channel.residual_rms, channel.unit, channel.noise, channel.unit);
   text += fmt::format("  chi-square / degrees of freedom: {:.4g} / {}\n", fit.goodness.chi2,
                       fit.goodness.dof);
-  return text + warnings_text(fit.warnings);
+  text += warnings_text(fit.warnings);
+  if (fit.termination != "converged")
+    text += fmt::format(
+        "\nwarning: The fit did not converge: {}. Values and intervals are provisional. Start "
+        "nearer to the answer (--set), or free fewer parameters (--free).\n",
+        fit.termination);
+  return text;
 }
 
 namespace {
