@@ -98,8 +98,8 @@ void read_stiffness(TableReader& table, bool any_power, models::Contact& contact
                                         text, why));
 }
 
-/// What the damping law takes besides the restitution; then whether it needs that.
-bool read_damping(TableReader& table, models::Contact& contact) {
+/// What the damping law takes besides the restitution.
+void read_damping(TableReader& table, models::Contact& contact) {
   const auto value = [&](std::string_view key, std::string_view unit) -> std::optional<double> {
     const auto quantity = table.quantity(key, unit);
     return quantity ? std::optional(quantity->value) : std::nullopt;
@@ -117,7 +117,6 @@ bool read_damping(TableReader& table, models::Contact& contact) {
   };
   only_for("viscous", "viscous", contact.viscous.has_value());
   only_for("relaxation_time", "kuwabara-kono", contact.relaxation_time.has_value());
-  return contact.damping != "none" && !contact.viscous && !contact.relaxation_time;
 }
 
 }  // namespace
@@ -164,9 +163,9 @@ void read_contact(TableReader& table, const models::Beam& beam, const std::vecto
   if (const auto unit = table.quantity("reference_length", "m"))
     contact.reference_length = unit->value;
   contact.stiffness_factor = table.number("stiffness_factor").value_or(1.0);
-  const bool restitution_needed = read_damping(table, contact);
+  read_damping(table, contact);
   const auto restitution = table.number("restitution");
-  if (!restitution && restitution_needed)
+  if (!restitution && contact.takes_restitution())
     table.refuse("restitution", "is missing; add restitution = 0.5 (or damping = \"none\")");
   contact.restitution = restitution.value_or(1.0);
   table.finish();
