@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -161,7 +162,40 @@ class QuantityReader {
     return value;
   }
 
-  /// "-12.34(5)e-3" with the uncertainty in the last digits, or "12.34(0.05)".
+  struct Spread {
+    std::string figures;
+    bool has_point = false;
+    std::optional<int> power;
+  };
+
+  /// "(5)", "(0.05)" or "(5e-2)"; no figures where there is none.
+  Spread parenthesis() {
+    Spread spread;
+    if (!(rest_.size() > 1 && rest_.front() == '(' && is_digit(rest_[1]))) return spread;
+    take('(');
+    spread.figures = digits();
+    spread.has_point = take('.');
+    if (spread.has_point) spread.figures += fmt::format(".{}", digits());
+    const std::size_t left = rest_.size();
+    const int power = exponent();
+    if (rest_.size() < left) spread.power = power;
+    if (!take(')'))
+      refuse(fmt::format("\"{}\" has no closing parenthesis", text_), "1.00(1)", unit_);
+    return spread;
+  }
+
+  /// Behind an exponent: whether there is one uncertainty at most, and that either within what the
+  /// exponent scales or with an exponent of its own.
+  bool unambiguous(Spread& spread) {
+    const Spread behind = parenthesis();
+    if (behind.figures.empty()) return !spread.power;
+    if (!spread.figures.empty() || !behind.power) return false;
+    spread = behind;
+    return true;
+  }
+
+  /// "-12.34(5)e-3" with the uncertainty in the last digits, "12.34(0.05)", or "1.6e10(2e8)" with
+  /// one that has an exponent of its own.
   UncertainValue number() {
     const char* const begin = rest_.data();
     const bool negative = take('-');
@@ -179,21 +213,20 @@ class QuantityReader {
     if (rest_.size() > 1 && rest_.front() == ',' && is_digit(rest_[1]))
       refuse(fmt::format("\"{}\" has a comma in its number", text_), "1.5", unit_);
 
-    std::string spread;
-    if (rest_.size() > 1 && rest_.front() == '(' && is_digit(rest_[1])) {
-      take('(');
-      spread = digits();
-      const bool absolute = take('.');
-      if (absolute) spread += fmt::format(".{}", digits());
-      if (!take(')'))
-        refuse(fmt::format("\"{}\" has no closing parenthesis", text_), "1.00(1)", unit_);
-      if (absolute) decimals = 0;
-    }
+    Spread spread = parenthesis();
+    const std::size_t left = rest_.size();
     const int power = exponent();
+    if (rest_.size() < left && !unambiguous(spread))
+      refuse(fmt::format("\"{}\" leaves open how large its uncertainty is", text_), "1.6(2)e3",
+             unit_);
     if (number_.empty()) number_ = {begin, static_cast<std::size_t>(rest_.data() - begin)};
     const double magnitude = decimal(figures, power);
-    return {negative ? -magnitude : magnitude,
-            spread.empty() ? 0.0 : decimal(spread, power - decimals)};
+    UncertainValue result{negative ? -magnitude : magnitude, 0.0};
+    if (spread.power)
+      result.uncertainty = decimal(spread.figures, *spread.power);
+    else if (!spread.figures.empty())
+      result.uncertainty = decimal(spread.figures, power - (spread.has_point ? 0 : decimals));
+    return result;
   }
 
   std::string_view text_;

@@ -56,10 +56,11 @@ struct UncertainValue {
   double uncertainty = 0.0;
 };
 
-/// Reads "0.69 m", "68.952 GPa", "2700(20) kg/m^3" (uncertainty in the last digits), "69.0 ± 0.7
-/// GPa", "69.0 +- 0.7 GPa", "0.3" or "30 %" (where `unit` is "1") and converts to `unit`. A bare
-/// number where a unit is meant is refused. Throws std::invalid_argument with a sentence that shows
-/// a correct example: 0.69 has no unit; a length is needed here, for example "0.69 m".
+/// Reads "0.69 m", "68.952 GPa", "2700(20) kg/m^3" (uncertainty in the last digits), "1.6e10(2e8)
+/// N/m", "69.0 ± 0.7 GPa", "69.0 +- 0.7 GPa", "0.3" or "30 %" (where `unit` is "1") and converts to
+/// `unit`. A bare number where a unit is meant is refused. Throws std::invalid_argument with a
+/// sentence that shows a correct example: 0.69 has no unit; a length is needed here, for example
+/// "0.69 m".
 UncertainValue parse_quantity(std::string_view text, std::string_view unit);
 
 }  // namespace impactrig::datasets

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -13,9 +11,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "fitting/rig_file_contact.hpp"
 #include "fitting/toml_reader.hpp"
-#include "models/contact/damping_law.hpp"
-#include "models/contact/elastic_law.hpp"
 #include "models/mesh_error.hpp"
 
 namespace impactrig::fitting {
@@ -85,19 +82,21 @@ double read_shear_coefficient(TableReader& table, const Section& section) {
   return coefficient.value_or(section.shear_coefficient);
 }
 
-/// A bar of segments: the section of each, in their order.
-std::vector<Section> read_segments(TableReader& table, models::Beam& beam) {
-  std::vector<Section> sections;
+/// A bar of segments: the radius of each one's surface, in their order; 0 where it is not round
+/// [m].
+std::vector<double> read_segments(TableReader& table, models::Beam& beam) {
+  std::vector<double> radii;
   for (TableReader& inner : table.tables("segments")) {
     models::BeamSegment segment{.length = inner.required_quantity("length", "m", "0.3 m")};
     auto section = inner.table("section");
     if (!section)
       inner.refuse("section",
                    "is missing; add section = { shape = \"circle\", radius = \"15 mm\" }");
-    sections.push_back(read_section(*section, beam.poisson_ratio));
-    segment.area = sections.back().area;
-    segment.second_moment = sections.back().second_moment;
-    if (beam.shears()) segment.shear_coefficient = read_shear_coefficient(inner, sections.back());
+    const Section shape = read_section(*section, beam.poisson_ratio);
+    radii.push_back(shape.radius);
+    segment.area = shape.area;
+    segment.second_moment = shape.second_moment;
+    if (beam.shears()) segment.shear_coefficient = read_shear_coefficient(inner, shape);
     if (const auto modulus = inner.quantity("youngs_modulus", "Pa"))
       segment.youngs_modulus = modulus->value;
     if (const auto density = inner.quantity("density", "kg/m^3")) segment.density = density->value;
@@ -110,10 +109,10 @@ std::vector<Section> read_segments(TableReader& table, models::Beam& beam) {
   for (const char* key : {"length", "section", "area", "second_moment", "shear_coefficient"})
     if (table.has(key))
       table.refuse(key, "beam.segments say this of each segment; keep one of the two");
-  return sections;
+  return radii;
 }
 
-std::vector<Section> read_uniform(TableReader& table, models::Beam& beam) {
+std::vector<double> read_uniform(TableReader& table, models::Beam& beam) {
   beam.length = table.required_quantity("length", "m", "0.8 m");
   Section section;
   if (auto inner = table.table("section")) {
@@ -131,15 +130,15 @@ std::vector<Section> read_uniform(TableReader& table, models::Beam& beam) {
   else if (table.has("shear_coefficient"))
     table.refuse("shear_coefficient",
                  "a bar of Euler-Bernoulli's theory does not shear; add theory = \"timoshenko\"");
-  return {section};
+  return {section.radius};
 }
 
-/// The section of each segment, of a uniform bar its only one.
-std::vector<Section> read_beam(TableReader& table, models::Rig& rig) {
+/// The surface's radius in each segment, of a uniform bar its only one.
+std::vector<double> read_beam(TableReader& table, models::Rig& rig) {
   rig.beam.poisson_ratio = table.number("poisson_ratio").value_or(rig.beam.poisson_ratio);
   if (const auto theory = table.choice("theory", {"euler-bernoulli", "timoshenko"}))
     rig.beam.theory = static_cast<models::BeamTheory>(*theory);
-  const std::vector<Section> sections =
+  std::vector<double> radii =
       table.has("segments") ? read_segments(table, rig.beam) : read_uniform(table, rig.beam);
   rig.beam.youngs_modulus = table.required_quantity("youngs_modulus", "Pa", "68.952 GPa");
   rig.beam.density = table.required_quantity("density", "kg/m^3", "2766.7 kg/m^3");
@@ -155,176 +154,7 @@ std::vector<Section> read_beam(TableReader& table, models::Rig& rig) {
     lump.finish();
   }
   table.finish();
-  return sections;
-}
-
-void read_counterface(TableReader& table, bool needed, models::Contact& contact) {
-  auto face = table.table("counterface");
-  if (!face) {
-    if (needed)
-      table.refuse("counterface",
-                   "is missing; add counterface = { shape = \"groove\", radius = \"17.5 mm\" }");
-    return;
-  }
-  const auto shape = face->choice("shape", {"groove", "cylinder", "plane"});
-  if (!shape)
-    face->refuse("shape", "is missing; add shape = \"groove\", \"cylinder\" or \"plane\"");
-  contact.counterface = static_cast<models::Counterface>(*shape);
-  if (contact.counterface == models::Counterface::plane) {
-    face->quantity("radius", "m");
-    if (const auto depth = face->quantity("depth", "m")) contact.counter_depth = depth->value;
-  } else {
-    contact.counter_radius = face->required_quantity("radius", "m", "17.5 mm");
-  }
-  face->finish();
-}
-
-/// Number of the segment that holds a place of the bar, the first of two at a step.
-std::size_t segment_at(const models::Beam& beam, double x) {
-  std::size_t i = 0;
-  double end = beam.segments.empty() ? beam.length : beam.segments[0].length;
-  while (i + 1 < beam.segments.size() && x > end * (1.0 + 1e-12)) end += beam.segments[++i].length;
-  return i;
-}
-
-/// Of the elastic law and of the damping law; an unknown one is told when the rig is validated.
-models::LawNeeds needs_of(const models::Contact& contact) {
-  const auto known = [](const auto& laws, std::string_view name) {
-    return std::ranges::find(laws, name, [](const auto& law) { return law.text.name; });
-  };
-  const auto elastic = known(models::elastic_laws(), contact.law);
-  const auto damping = known(models::damping_laws(), contact.damping);
-  models::LawNeeds needs;
-  if (elastic != models::elastic_laws().end()) needs = elastic->text.needs;
-  if (damping != models::damping_laws().end() &&
-      damping->text.form == models::DampingForm::hertzian)
-    needs.radii = needs.moduli = true;
-  return needs;
-}
-
-/// "1.6e10 N/m^1.5": factor and power of a power law; without a power that of a spring.
-void read_stiffness(TableReader& table, bool any_power, models::Contact& contact) {
-  if (!any_power) {
-    contact.stiffness = table.required_quantity("stiffness", "N/m", "1e8 N/m");
-    return;
-  }
-  const std::string text = table.text("stiffness").value_or("");
-  const std::size_t slash = text.rfind('/'), caret = text.rfind('^');
-  const bool split = slash != std::string::npos && caret != std::string::npos && slash < caret;
-  double power = 0.0;
-  const char* end = text.data() + text.size();
-  if (!split || std::from_chars(text.data() + caret + 1, end, power).ptr != end)
-    table.refuse("stiffness", fmt::format("expected a factor whose unit tells the power, for "
-                                          "example \"1.6e10 N/m^1.5\", found \"{}\"",
-                                          text));
-  try {
-    const double metres =
-        datasets::parse_quantity("1 " + text.substr(slash + 1, caret - slash - 1), "m").value;
-    contact.stiffness =
-        datasets::parse_quantity(text.substr(0, slash), "N").value / std::pow(metres, power);
-    contact.power = power;
-  } catch (const std::exception& error) {
-    table.refuse("stiffness", error.what());
-  }
-}
-
-/// What the damping law takes besides the restitution; then whether it needs that.
-bool read_damping(TableReader& table, models::Contact& contact) {
-  const auto value = [&](std::string_view key, std::string_view unit) -> std::optional<double> {
-    const auto quantity = table.quantity(key, unit);
-    return quantity ? std::optional(quantity->value) : std::nullopt;
-  };
-  contact.restitution_speed = value("restitution_speed", "m/s");
-  contact.viscous = value("viscous", "N.s/m");
-  contact.relaxation_time = value("relaxation_time", "s");
-  contact.effective_mass = value("effective_mass", "kg");
-  if (const auto tension = table.choice("tension", {"clip", "allow"}))
-    contact.tension = static_cast<models::Tension>(*tension);
-  const auto only_for = [&](std::string_view key, std::string_view law, bool stated) {
-    if (stated && contact.damping != law)
-      table.refuse(key, fmt::format("only the damping law \"{}\" takes it, this contact has \"{}\"",
-                                    law, contact.damping));
-  };
-  only_for("viscous", "viscous", contact.viscous.has_value());
-  only_for("relaxation_time", "kuwabara-kono", contact.relaxation_time.has_value());
-  return contact.damping != "none" && !contact.viscous && !contact.relaxation_time;
-}
-
-void read_contact(TableReader& table, const models::Rig& rig, const std::vector<Section>& sections,
-                  models::Contact& contact) {
-  contact.law = table.text("law").value_or(contact.law);
-  contact.damping = table.text("damping").value_or(contact.damping);
-  contact.position = table.required_quantity("position", "m", "0.69 m");
-  const std::size_t struck = segment_at(rig.beam, contact.position);
-  const Section& section = sections[struck];
-  const models::LawNeeds needs = needs_of(contact);
-  read_counterface(table, needs.radii, contact);
-  if (needs.length)
-    contact.length = table.required_quantity("length", "m", "20 mm");
-  else
-    contact.length = table.quantity("length", "m").value_or(datasets::UncertainValue{}).value;
-  if (needs.stiffness)
-    read_stiffness(table, needs.power, contact);
-  else if (table.has("stiffness"))
-    table.refuse("stiffness",
-                 fmt::format("the law \"{}\" follows from geometry and moduli; scale it with "
-                             "stiffness_factor, or take \"linear\" or "
-                             "\"lankarani-nikravesh-cylinder\"",
-                             contact.law));
-  const auto radius = table.quantity("radius", "m");
-  if (!radius && section.radius == 0.0 && needs.radii)
-    table.refuse("radius",
-                 "is missing; the section has no radius of its own, state that of the contact "
-                 "patch, for example "
-                 "radius = \"15 mm\"");
-  contact.radius = radius ? radius->value : section.radius;
-  const auto modulus = table.quantity("modulus", "Pa");
-  const double beam_modulus =
-      rig.beam.segments.empty()
-          ? rig.beam.youngs_modulus
-          : rig.beam.segments[struck].youngs_modulus.value_or(rig.beam.youngs_modulus);
-  contact.modulus = modulus ? modulus->value : beam_modulus;
-  contact.poisson_ratio = table.number("poisson_ratio").value_or(rig.beam.poisson_ratio);
-  const auto counter_modulus = table.quantity("counter_modulus", "Pa");
-  if (!counter_modulus && needs.moduli)
-    table.refuse("counter_modulus", "is missing; add counter_modulus = \"68.952 GPa\"");
-  if (counter_modulus) contact.counter_modulus = counter_modulus->value;
-  contact.counter_poisson_ratio = table.number("counter_poisson_ratio").value_or(0.3);
-  contact.exponent = table.integer("exponent").value_or(contact.exponent);
-  if (const auto unit = table.quantity("reference_length", "m"))
-    contact.reference_length = unit->value;
-  contact.stiffness_factor = table.number("stiffness_factor").value_or(1.0);
-  const bool restitution_needed = read_damping(table, contact);
-  const auto restitution = table.number("restitution");
-  if (!restitution && restitution_needed)
-    table.refuse("restitution", "is missing; add restitution = 0.5 (or damping = \"none\")");
-  contact.restitution = restitution.value_or(1.0);
-  table.finish();
-}
-
-/// [[contacts]]: what a table leaves open is as [contact] states it.
-std::vector<models::FurtherStop> read_further_stops(TableReader& root, const RigFile& file,
-                                                    const std::vector<Section>& sections) {
-  std::vector<models::FurtherStop> stops;
-  const toml::table* first = root.raw()["contact"].as_table();
-  for (TableReader& table : root.tables("contacts")) {
-    if (!first)
-      root.refuse("contacts", "there is no [contact]; state the stop that is struck first there");
-    toml::table inherited = *first;
-    if (table.has("law")) inherited.erase("stiffness");
-    if (table.has("damping")) {  // of the first stop's law
-      inherited.erase("viscous");
-      inherited.erase("relaxation_time");
-    }
-    table.inherit(inherited);
-    models::FurtherStop stop;
-    stop.gap = table.required_quantity("gap", "m", "0.1 mm");
-    if (const auto side = table.choice("side", {"near", "far"}))
-      stop.side = static_cast<models::StopSide>(*side);
-    read_contact(table, file.rig, sections, stop.contact);
-    stops.push_back(stop);
-  }
-  return stops;
+  return radii;
 }
 
 void read_hinge(TableReader& table, models::Hinge& hinge) {
@@ -587,14 +417,14 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   root.integer("schema");
   root.text("title");
   TableReader beam = required_table(root, "beam");
-  const std::vector<Section> sections = read_beam(beam, file.rig);
+  const std::vector<double> radii = read_beam(beam, file.rig);
   if (auto contact = root.table("contact")) {
-    read_contact(*contact, file.rig, sections, file.rig.contact);
+    read_contact(*contact, file.rig.beam, radii, file.rig.contact);
   } else {
     file.rig.contact.law = file.rig.contact.damping = "none";
     file.rig.contact.position = file.rig.beam.length;
   }
-  file.rig.further_stops = read_further_stops(root, file, sections);
+  file.rig.further_stops = read_further_stops(root, file.rig.beam, radii);
   if (auto hinge = root.table("hinge")) read_hinge(*hinge, file.rig.hinge);
   if (auto stop = root.table("stop")) file.rig.stop = read_stop(*stop);
   if (!file.rig.hinge.rotation || root.has("start")) {

@@ -101,13 +101,16 @@ std::optional<datasets::UncertainValue> TableReader::quantity(std::string_view k
 double TableReader::required_quantity(std::string_view key, std::string_view unit,
                                       std::string_view example) {
   const auto value = quantity(key, unit);
-  if (!value) {
-    for (const auto& [other, node] : table_)
-      if (!known_.contains(other.str()) && edit_distance(other.str(), key) < 4)
-        refuse(other.str(), fmt::format("there is no such key here; did you mean {}?", key));
-    refuse(key, fmt::format("is missing; add {} = \"{}\"", key, example));
-  }
+  if (!value) refuse_missing(key, example);
   return value->value;
+}
+
+/// Names a key that may have been meant.
+void TableReader::refuse_missing(std::string_view key, std::string_view example) const {
+  for (const auto& [other, node] : table_)
+    if (!known_.contains(other.str()) && edit_distance(other.str(), key) < 4)
+      refuse(other.str(), fmt::format("there is no such key here; did you mean {}?", key));
+  refuse(key, fmt::format("is missing; add {} = \"{}\"", key, example));
 }
 
 std::optional<double> TableReader::number(std::string_view key) {
@@ -131,6 +134,12 @@ std::optional<std::string> TableReader::text(std::string_view key) {
   if (!node) return std::nullopt;
   if (auto value = node->value_exact<std::string>()) return value;
   refuse(key, "expected a text in quotes");
+}
+
+std::string TableReader::required_text(std::string_view key, std::string_view example) {
+  auto value = text(key);
+  if (!value) refuse_missing(key, example);
+  return *std::move(value);
 }
 
 std::optional<std::string> TableReader::name_or_index(std::string_view key) {

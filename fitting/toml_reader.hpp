@@ -43,6 +43,7 @@ class TableReader {
   std::optional<double> number(std::string_view key);  ///< dimensionless, a plain number
   std::optional<int> integer(std::string_view key);
   std::optional<std::string> text(std::string_view key);
+  std::string required_text(std::string_view key, std::string_view example);
   std::optional<std::string> name_or_index(std::string_view key);
   std::optional<std::vector<int>> integers(std::string_view key);  ///< an array or one number
   std::optional<TableReader> table(std::string_view key);
@@ -62,6 +63,7 @@ class TableReader {
 
  private:
   const toml::node* find(std::string_view key);
+  [[noreturn]] void refuse_missing(std::string_view key, std::string_view example) const;
 
   const toml::table& table_;
   const toml::table* other_ = nullptr;

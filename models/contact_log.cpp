@@ -154,7 +154,7 @@ void ContactLog::tell_tension() {
   if (slack_ > 0)
     result_.warnings.push_back(
         fmt::format("the damping law would have pulled in {} contact(s), first {:.4g} s after "
-                    "touch; the force was kept at zero until the gap opened. contact.tension = "
+                    "touch; the force was kept at zero while it would. contact.tension = "
                     "\"allow\" lets it pull.",
                     slack_, first_slack_));
   if (lowest_force_ < 0.0)

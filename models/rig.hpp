@@ -131,6 +131,9 @@ struct Contact {
   std::optional<double> effective_mass = {};
   Tension tension = Tension::clip;
 
+  /// Whether the damping law is made of e: "none" is not, nor one whose coefficient is stated.
+  bool takes_restitution() const { return damping != "none" && !viscous && !relaxation_time; }
+
   bool operator==(const Contact&) const = default;
 };
 

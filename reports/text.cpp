@@ -64,7 +64,10 @@ std::string to_text(const ReportData& data) {
   for (const std::string& sentence : fit.not_identifiable)
     text += fmt::format("  ! {}\n", sentence);
   text += "\nRestitution: four different numbers for a flexible bar\n";
-  text += estimate_line("law", fit, "law", "in the damping law");
+  if (fit.rig.rig.contact.takes_restitution())
+    text += estimate_line("law", fit, "law", "in the damping law");
+  else
+    text += fmt::format("  {:<10} {:>9}   not used by this law\n", "law", "-");
   text += estimate_line("kinematic", fit, "kinematic",
                         "separation over approach speed of the struck point");
   text += estimate_line("kinetic", fit, "kinetic", "impulse after over before deepest penetration");
@@ -77,7 +80,13 @@ std::string to_text(const ReportData& data) {
                     channel.residual_rms, channel.unit, channel.noise, channel.unit);
   text += fmt::format("  chi-square / degrees of freedom: {:.4g} / {}\n", fit.goodness.chi2,
                       fit.goodness.dof);
-  return text + warnings_text(fit.warnings);
+  text += warnings_text(fit.warnings);
+  if (fit.termination != "converged")
+    text += fmt::format(
+        "\nwarning: The fit did not converge: {}. Values and intervals are provisional. Start "
+        "nearer to the answer (--set), or free fewer parameters (--free).\n",
+        fit.termination);
+  return text;
 }
 
 namespace {
@@ -96,12 +105,12 @@ std::string mesh_error_text(const models::MeshError& error) {
 /// What happened at the stop.
 std::string contact_text(const models::Simulation& s, const models::Contact& laws) {
   std::string text = fmt::format(
-      "contact           {}, damping {}, e = {:g}\n"
+      "contact           {}, damping {}{}\n"
       "peak force        {:.9g} N at {:.6g} us\ndeepest           {:.6g} um\nimpulse           "
       "{:.9g} N s over {:.6g} ms\n",
       laws.law == "goldsmith" ? fmt::format("goldsmith (exponent {})", laws.exponent) : laws.law,
-      laws.damping, laws.restitution, s.peak_force, 1e6 * s.peak_time, 1e6 * s.max_penetration,
-      s.impulse, 1e3 * s.duration);
+      laws.damping, laws.takes_restitution() ? fmt::format(", e = {:g}", laws.restitution) : "",
+      s.peak_force, 1e6 * s.peak_time, 1e6 * s.max_penetration, s.impulse, 1e3 * s.duration);
   if (s.sensor)
     text += fmt::format("sensor            {:.9g} N at {:.6g} us, {:.9g} N s over the run\n",
                         s.sensor->peak_force, 1e6 * s.sensor->peak_time, s.sensor->impulse);
@@ -114,8 +123,9 @@ std::string contact_text(const models::Simulation& s, const models::Contact& law
                     1e6 * e.start, 1e6 * e.end, e.peak_force, e.impulse, e.approach_velocity,
                     e.separation_velocity, s.stops.empty() ? "" : fmt::format(" {:>4}", e.stop));
   text += fmt::format(
-      "\nrestitution       law {:.5g}, kinematic {:.5g}, kinetic {:.5g}, energetic {:.5g}\n",
-      s.restitution.law, s.restitution.kinematic, s.restitution.kinetic, s.restitution.energetic);
+      "\nrestitution       law {}, kinematic {:.5g}, kinetic {:.5g}, energetic {:.5g}\n",
+      laws.takes_restitution() ? fmt::format("{:.5g}", s.restitution.law) : "not used by this law",
+      s.restitution.kinematic, s.restitution.kinetic, s.restitution.energetic);
   return text;
 }
 

@@ -56,15 +56,22 @@ void ContactPoint::complete() {
   step_.displacement_series = rule_.to_series() * step_.displacement;
 }
 
+/// Largest ∂f/∂δ̇ of the solved step [N s/m].
+double ContactPoint::most_damping() const {
+  if (!contact_.damped()) return 0.0;
+  if (contact_.form() == DampingForm::proportional)
+    return contact_.strength() * step_.force.cwiseAbs().maxCoeff();
+  double most = 0.0;
+  for (int i = 0; i < rule_.nodes(); ++i)
+    most = std::max(most, contact_.pressed(step_.displacement[i], step_.velocity[i]).to_rate);
+  return most;
+}
+
 /// How much of what the force's series leaves out comes back as the contact's answer to the motion
 /// it makes; at most all. It changes sign about twice a node, so that speed gathers little of it.
 double ContactPoint::answer() const {
   const double stiffness = (step_.force.array() / step_.displacement.array()).abs().maxCoeff();
-  double most = 0.0;
-  if (contact_.damped())
-    for (int i = 0; i < rule_.nodes(); ++i)
-      most = std::max(most, contact_.pressed(step_.displacement[i], step_.velocity[i]).to_rate);
-  const double damping = most / (2.0 * rule_.nodes());
+  const double damping = most_damping() / (2.0 * rule_.nodes());
   const BarMotion::Response& response = bar_.response(number_, number_);
   return std::min(1.0, stiffness * response.most_displacement + damping * response.most_velocity);
 }

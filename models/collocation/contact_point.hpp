@@ -121,12 +121,14 @@ class ContactPoint {
   double gap_between(double before, const PointMotion& p0, double here, const PointMotion& p1);
   double switch_between(double before, double here, const PointMotion& p1);
   double root_of_gap(double low, double at_low, double guess, double high);
+  double most_damping() const;
   double answer() const;
   double integral(const NodeVector& at_nodes, double part) const;
   void note_peak(double force, double part);
   Rates observe_peak(double low, double high);
   void observe_deepest(double part, double depth);
-  void observe_ends(double part);
+  void observe_jump();
+  void observe_pull(double part);
   void observe_turn(double before, const PointMotion& p0, double here, const PointMotion& p1);
 
   int number_;

@@ -89,12 +89,15 @@ ContactPoint::Rates ContactPoint::observe_peak(double low, double high) {
   return rates;
 }
 
-/// Forces that begin or end with a jump.
-void ContactPoint::observe_ends(double part) {
-  const double h = bar_.step();
+/// A force that begins with a jump is largest there.
+void ContactPoint::observe_jump() {
   const PointMotion first = struck();
   note_peak(contact_.force(first.displacement, first.velocity), 0.0);
-  if (!contact_.may_pull()) return;
+}
+
+/// The lowest force where the contact may pull, at the nodes and at the end.
+void ContactPoint::observe_pull(double part) {
+  const double h = bar_.step();
   const PointMotion last = part < 1.0 ? struck_at(part) : step_.at_end;
   for (int i = 0; i < rule_.nodes(); ++i)
     if (rule_.points()[i] < part) log_.lowest(step_.force[i], begun_ + rule_.points()[i] * h);
@@ -111,7 +114,8 @@ void ContactPoint::observe(double begun, double part) {
   rates_.noalias() = rule_.rates() * step_.force_series;
   const double unsure = s * s * step_.force_series.tail<2>().norm();  // of rates
   peak_part_ = -1.0;
-  if (pressed && contact_.form() != DampingForm::proportional) observe_ends(part);
+  if (pressed && contact_.form() != DampingForm::proportional) observe_jump();
+  if (pressed && contact_.may_pull()) observe_pull(part);
 
   struct {
     double force, place;

@@ -73,6 +73,75 @@ double slope_of(double u) {
   return 0.5 * std::numbers::pi * 42.0 * std::pow(u, 5) * (1.0 - u);
 }
 
+/// Half of the impact as a way of u: closing from 0 to the deepest point at 1, or opening from
+/// there back to 0.
+struct Half {
+  bool closing;
+  int steps;
+
+  double width() const { return (closing ? 1.0 : -1.0) / steps; }
+
+  double place(int i) const { return closing ? i * width() : 1.0 + i * width(); }
+
+  double angle(double u) const { return closing ? angle_of(u) : std::numbers::pi - angle_of(u); }
+
+  /// d/du.
+  State slope(const PhasePlane& plane, double u, const State& state) const {
+    const double turn = slope_of(u);
+    if (!(turn > 0.0)) return State{};
+    return plane.slope(angle(u), state) * (closing ? turn : -turn);
+  }
+
+  /// Runge and Kutta's of the fourth order.
+  State step(const PhasePlane& plane, double u, double h, const State& s) const {
+    const State k1 = slope(plane, u, s);
+    const State k2 = slope(plane, u + 0.5 * h, s + k1 * (0.5 * h));
+    const State k3 = slope(plane, u + 0.5 * h, s + k2 * (0.5 * h));
+    const State k4 = slope(plane, u + h, s + k3 * h);
+    return s + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0);
+  }
+};
+
+struct End {
+  double angle;
+  State state;
+};
+
+/// Where the force ends within a step from u, to rounding.
+End end_of_force(const PhasePlane& plane, const Half& half, double u, const State& state) {
+  const double h = half.width();
+  double low = 0.0, high = 1.0;
+  State there;
+  for (int k = 0; k < 60; ++k) {
+    const double part = 0.5 * (low + high);
+    there = half.step(plane, u, part * h, state);
+    const double force = plane.at(half.angle(u + part * h), there.log_radius).force;
+    (force > 0.0 ? low : high) = part;
+  }
+  return {half.angle(u + high * h), there};
+}
+
+/// Takes a place of the phase plane into the result and tells the force there.
+double look(const PhasePlane& plane, double angle, double log_radius, bool loop,
+            FreeImpact& result) {
+  const PhasePlane::Place here = plane.at(angle, log_radius);
+  if (!std::isfinite(here.force + log_radius))
+    throw std::runtime_error("free_impact: the law has no finite force on the way");
+  result.peak_force = std::max(result.peak_force, here.force);
+  result.lowest_force = std::min(result.lowest_force, here.force);
+  result.max_penetration = std::max(result.max_penetration, here.penetration);
+  if (loop) result.loop.push_back({here.penetration, here.force});
+  return here.force;
+}
+
+/// The force ended before the gap opened.
+void conclude(const PhasePlane& plane, const End& end, bool loop, FreeImpact& result) {
+  result.lowest_force = 0.0;
+  if (loop) result.loop.back() = {plane.at(end.angle, end.state.log_radius).penetration, 0.0};
+  result.rebound_ratio = -std::cos(end.angle) * std::exp(end.state.log_radius - plane.start());
+  result.duration = end.state.time;
+}
+
 }  // namespace
 
 FreeImpact free_impact(const ContactForce& contact, double mass, double speed, int steps,
@@ -82,61 +151,22 @@ FreeImpact free_impact(const ContactForce& contact, double mass, double speed, i
   const PhasePlane plane(law, mass, speed);
   State state{plane.start(), 0.0};
   FreeImpact result;
-
-  const auto look = [&](double at_angle, double log_radius) {
-    const PhasePlane::Place here = plane.at(at_angle, log_radius);
-    if (!std::isfinite(here.force + log_radius))
-      throw std::runtime_error("free_impact: the law has no finite force on the way");
-    result.peak_force = std::max(result.peak_force, here.force);
-    result.lowest_force = std::min(result.lowest_force, here.force);
-    result.max_penetration = std::max(result.max_penetration, here.penetration);
-    if (loop) result.loop.push_back({here.penetration, here.force});
-    return here.force;
-  };
-
-  look(0.0, state.log_radius);
+  look(plane, 0.0, state.log_radius, loop, result);
   for (const bool closing : {true, false}) {
     if (!closing && law.form() == DampingForm::closing) law.set_phase(ContactForce::Phase::opening);
-    const auto slope = [&](double u, const State& s) {
-      const double turn = slope_of(u);
-      if (!(turn > 0.0)) return State{};
-      const double end = angle_of(u);
-      return plane.slope(closing ? end : std::numbers::pi - end, s) * (closing ? turn : -turn);
-    };
-    const auto step = [&](double u, double h, const State& s) {
-      const State k1 = slope(u, s);
-      const State k2 = slope(u + 0.5 * h, s + k1 * (0.5 * h));
-      const State k3 = slope(u + 0.5 * h, s + k2 * (0.5 * h));
-      const State k4 = slope(u + h, s + k3 * h);
-      return s + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0);
-    };
-    const double h = (closing ? 1.0 : -1.0) / steps;
-    const auto angle_at = [&](double u) {
-      return closing ? angle_of(u) : std::numbers::pi - angle_of(u);
-    };
+    const Half half{closing, steps};
     for (int i = 0; i < steps; ++i) {
-      const double u = closing ? i * h : 1.0 + i * h;
-      State next = step(u, h, state);
+      const double u = half.place(i), h = half.width();
+      const State next = half.step(plane, u, h, state);
       if (plane.held()) {
         result.duration = std::numeric_limits<double>::infinity();
         return result;
       }
-      double force = i + 1 == steps && !closing ? 0.0 : look(angle_at(u + h), next.log_radius);
+      const bool last = !closing && i + 1 == steps;  // the force is zero there
+      const double force =
+          last ? 0.0 : look(plane, half.angle(u + h), next.log_radius, loop, result);
       if (!closing && force < 0.0 && !law.may_pull()) {
-        // the force ends within this step: where, to rounding
-        double low = 0.0, high = 1.0;
-        for (int k = 0; k < 60; ++k) {
-          const double part = 0.5 * (low + high);
-          next = step(u, part * h, state);
-          force = plane.at(angle_at(u + part * h), next.log_radius).force;
-          (force > 0.0 ? low : high) = part;
-        }
-        result.lowest_force = 0.0;
-        if (loop)
-          result.loop.back() = {plane.at(angle_at(u + high * h), next.log_radius).penetration, 0.0};
-        result.rebound_ratio =
-            -std::cos(angle_at(u + high * h)) * std::exp(next.log_radius - plane.start());
-        result.duration = next.time;
+        conclude(plane, end_of_force(plane, half, u, state), loop, result);
         return result;
       }
       state = next;

@@ -242,6 +242,9 @@ TEST(ParseQuantity, ReadsUncertainties) {
   expect_quantity("(69.0 \u00b1 0.7) GPa", "Pa", 69e9, 0.7e9);
   expect_quantity("20.0 \u00b1 0.5 degC", "K", 293.15, 0.5);
   expect_quantity("69.0 \u00b1 0 GPa", "Pa", 69e9, 0.0);
+  expect_quantity("1.6e10(2e8) N/m", "N/m", 1.6e10, 2e8);
+  expect_quantity("1.6e7(0.2e6) N/mm", "N/m", 1.6e10, 2e8);
+  expect_quantity("16000000000(2e8) N/m", "N/m", 1.6e10, 2e8);
 }
 
 std::string refusal(std::string_view text, std::string_view unit) {
@@ -301,6 +304,9 @@ TEST(ParseQuantity, RefusesWhatIsNoQuantity) {
             "\"0.69 +- -0.1 m\" has no number after the \u00b1" + tail + "\"1 \u00b1 0.1 m\"");
   EXPECT_EQ(refusal("0.69(1) \u00b1 0.1 m", "m"),
             "\"0.69(1) +- 0.1 m\" has two uncertainties" + tail + "\"1(1) m\"");
+  for (const std::string open : {"1.6e3(2) m", "1.6(2e2)e3 m", "1.6(2)e3(2e2) m"})
+    EXPECT_EQ(refusal(open, "m"), "\"" + open + "\" leaves open how large its uncertainty is" +
+                                      tail + "\"1.6(2)e3 m\"");
   EXPECT_EQ(
       refusal("0.69 m \u00b1 0.01 m", "m"),
       "\"0.69 m +- 0.01 m\" has its uncertainty behind the unit" + tail + "\"0.69 \u00b1 0.1 m\"");

@@ -531,6 +531,12 @@ TEST(RigFile, ThePowerLawsUnitTellsItsPower) {
   const models::Contact kilonewtons = contact("3 kN/um^1.1");
   EXPECT_NEAR(kilonewtons.stiffness / (3e3 * std::pow(1e6, 1.1)), 1.0, 1e-14);
   EXPECT_DOUBLE_EQ(kilonewtons.power, 1.1);
+  // an uncertainty may follow the value, as of any quantity
+  for (const char* text : {"1.6e10(2e8) N/m^1.5", "1.60(2)e10 N/m^1.5", "1.6e10 ± 2e8 N/m^1.5",
+                           "1.6e10 +/- 2e8 N/m^1.5"}) {
+    EXPECT_DOUBLE_EQ(contact(text).stiffness, 1.6e10) << text;
+    EXPECT_DOUBLE_EQ(contact(text).power, 1.5) << text;
+  }
 }
 
 TEST(RigFile, AStiffnessWithoutItsPowerIsRefused) {
@@ -547,7 +553,18 @@ TEST(RigFile, AStiffnessWithoutItsPowerIsRefused) {
       << message(cylinder, "\"1.6e10 N/m\"");
   EXPECT_NE(message(cylinder, "\"1.6e10 N/m^x\"").find("tells the power"), std::string::npos);
   EXPECT_NE(message(cylinder, "\"1.6e10 N/s^1.5\"").find("contact.stiffness"), std::string::npos);
+  EXPECT_NE(message(cylinder, "\"1.6e10(2) N/m^1.5\"")
+                .find("found \"1.6e10(2) N/m^1.5\": \"1.6e10(2) N\" leaves open how large its "
+                      "uncertainty is"),
+            std::string::npos);
   EXPECT_NE(message(cylinder, "\"1.6e10 N/m^0.5\"").find("must lie between 1 and 5, found 0.5"),
+            std::string::npos);
+  const std::string silent = "law = \"" + cylinder + "\"\nrestitution = 0.5\n";
+  EXPECT_NE(message_of(with_contact(silent))
+                .find("contact.stiffness: is missing; add stiffness = \"1.6e10 N/m^1.5\""),
+            std::string::npos);
+  EXPECT_NE(message_of(with_contact(silent + "stifness = \"1.6e10 N/m^1.5\""))
+                .find("contact.stifness: there is no such key here; did you mean stiffness?"),
             std::string::npos);
   EXPECT_NE(message("goldsmith", "\"1e8 N/m\"")
                 .find("contact.stiffness: the law \"goldsmith\" follows from geometry and moduli"),

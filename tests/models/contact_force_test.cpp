@@ -272,6 +272,28 @@ TEST(Viscous, TakesAStatedCoefficientOrThatOfTheSpringOfEqualWork) {
               2.0 * damping_law("viscous").factor(0.4) * std::sqrt(0.1 * 1.4e8), 1e-9);
 }
 
+// A bar that swings on beyond its stop leaves faster than the exact law knows: 1 + μ δ̇ < 0.
+TEST(Tension, IsToldWhetherClippedOrAllowed) {
+  Rig rig = paper_rig();
+  rig.contact.position = 0.4;
+  rig.contact.damping = "exact";
+  rig.contact.restitution = 0.3;
+  const Solver solver =
+      impactrig::tests::hybrid(impactrig::models::Basis::pinned_free, 9, 1e-8, 1e-3);
+  SimulationOptions options;
+  options.history.interval = 1e-6;
+  const Simulation clipped = simulate(rig, solver, options);
+  EXPECT_THAT(clipped.warnings,
+              testing::Contains(testing::HasSubstr("the damping law would have pulled in ")));
+  EXPECT_GE(*std::ranges::min_element(clipped.history.force), 0.0);
+  rig.contact.tension = Tension::allow;
+  const Simulation pulling = simulate(rig, solver, options);
+  EXPECT_THAT(pulling.warnings,
+              testing::Contains(testing::HasSubstr("the contact pulls with up to ")));
+  EXPECT_LT(*std::ranges::min_element(pulling.history.force), -1.0);
+  EXPECT_LT(std::abs(pulling.energy.imbalance), 1e-7);
+}
+
 TEST(FreeImpact, IsOfTheFourthOrder) {
   const ContactForce contact = pressed(contact_for("goldsmith", "lankarani-nikravesh", 0.3));
   const double exact = free_rebound_ratio(contact.damping_factor());

@@ -127,6 +127,8 @@ TEST(Simulate, WarnsOfGrazingTouches) {
                                          "speed; their damping was taken at that speed, since the "
                                          "law divides by it. Forces after "));
   EXPECT_THAT(run.warnings[1], HasSubstr("the damping law would have pulled in "));
+  EXPECT_THAT(run.warnings[1], HasSubstr("; the force was kept at zero while it would. "
+                                         "contact.tension = \"allow\" lets it pull."));
 }
 
 TEST(Simulate, NeverPullsAlthoughTheLawWould) {

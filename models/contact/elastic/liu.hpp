@@ -9,6 +9,7 @@
 #include "models/contact/elastic/elastic_law_entry.hpp"
 #include "models/contact/elastic/elastic_state.hpp"
 #include "models/contact/elastic/penetration_storing.hpp"
+#include "models/contact/elastic/penetration_under.hpp"
 
 namespace impactrig::models {
 
@@ -73,24 +74,12 @@ struct LiuContact {
     return 0.75 * force(penetration) * part * part;
   }
 
-  /// δ(f) [m]: the root of δ³ = 2 (f/c)² (ΔR + δ).
+  /// δ(f) [m]: the root of δ³ = p (ΔR + δ), p = 2 (f/c)², which is below √p + ∛(p ΔR).
   T penetration(const T& force) const {
-    using std::cbrt;
-    using std::sqrt;
     if (!(force > 0.0)) return T(0.0);
     const double ratio = value_of(force) / value_of(factor);
     const double p = 2.0 * ratio * ratio;
-    // from above, where the cubic is convex
-    double depth = sqrt(p) + cbrt(p * value_of(clearance));
-    for (int i = 0; i < 60; ++i) {
-      const double square = depth * depth;
-      const double step = (depth * square - p * (value_of(clearance) + depth)) / (3.0 * square - p);
-      depth -= step;
-      if (!(std::abs(step) > 1e-15 * depth)) break;
-    }
-    // the last step carries the derivatives
-    const ForceAndStiffness<T> there = force_and_stiffness(T(depth));
-    return T(depth) - (there.force - force) / there.stiffness;
+    return penetration_under(*this, force, std::sqrt(p) + std::cbrt(p * value_of(clearance)));
   }
 
   /// δ(U) [m].

@@ -13,6 +13,7 @@
 #include "models/contact/elastic/elastic_law_entry.hpp"
 #include "models/contact/elastic/elastic_state.hpp"
 #include "models/contact/elastic/penetration_storing.hpp"
+#include "models/contact/elastic/penetration_under.hpp"
 
 namespace impactrig::models {
 
@@ -81,20 +82,12 @@ struct PerssonContact {
   /// δ(f) [m].
   T penetration(const T& force) const {
     if (!(force > 0.0)) return T(0.0);
-    // f is convex and starts with a slope: from above Newton's method descends to the root
-    double depth =
+    // f is convex and starts with a slope
+    double guess =
         2.0 * value_of(force) / (std::numbers::pi * value_of(factor)) * value_of(clearance);
     const double limit = value_of(limit_penetration());
-    if (depth > limit && value_of(this->force(T(limit))) > value_of(force)) depth = limit;
-    for (int i = 0; i < 60; ++i) {
-      const ForceAndStiffness<T> there = force_and_stiffness(T(depth));
-      const double step = (value_of(there.force) - value_of(force)) / value_of(there.stiffness);
-      depth -= step;
-      if (!(std::abs(step) > 1e-15 * depth)) break;
-    }
-    // the last step carries the derivatives
-    const ForceAndStiffness<T> there = force_and_stiffness(T(depth));
-    return T(depth) - (there.force - force) / there.stiffness;
+    if (guess > limit && value_of(this->force(T(limit))) > value_of(force)) guess = limit;
+    return penetration_under(*this, force, guess);
   }
 
   /// δ(U) [m].

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reports/text.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/reports/example_report.hpp"
+
+namespace {
+
+using namespace impactrig;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(FitText, EndsWithWhyItDidNotConverge) {
+  reports::ReportData data = tests::example_report();
+  EXPECT_THAT(reports::to_text(data), Not(HasSubstr("did not converge")));
+  data.fit.termination = "stopped after 61 iterations without converging";
+  EXPECT_THAT(
+      reports::to_text(data),
+      testing::EndsWith("\nwarning: The fit did not converge: stopped after 61 iterations "
+                        "without converging. Values and intervals are provisional. Start "
+                        "nearer to the answer (--set), or free fewer parameters (--free).\n"));
+}
+
+// e = 1 of a law without damping, or an e beside a stated coefficient, decides nothing.
+TEST(RestitutionText, SaysWhereTheLawTakesNone) {
+  reports::ReportData data = tests::example_report();
+  models::Contact& contact = data.fit.rig.rig.contact;
+  contact.restitution = data.fit.predictions.front().restitution.law = 0.5;
+  const auto simulated = [&] {
+    return reports::to_text(data.fit.predictions.front(), data.fit.rig.rig);
+  };
+  EXPECT_THAT(simulated(), HasSubstr(", e = 0.5\n"));
+  EXPECT_THAT(simulated(), HasSubstr("restitution       law 0.5, kinematic "));
+  EXPECT_THAT(reports::to_text(data), HasSubstr("in the damping law\n"));
+  const auto expect_unused = [&] {
+    EXPECT_THAT(simulated(), Not(HasSubstr("e = 0.5")));
+    EXPECT_THAT(simulated(), HasSubstr("restitution       law not used by this law, kinematic "));
+    EXPECT_THAT(reports::to_text(data), HasSubstr("not used by this law\n"));
+    EXPECT_THAT(reports::to_text(data), Not(HasSubstr("in the damping law")));
+  };
+  contact.damping = "none";
+  expect_unused();
+  contact.damping = "kuwabara-kono";
+  EXPECT_THAT(simulated(), HasSubstr("law 0.5, kinematic "));
+  contact.relaxation_time = 1e-6;
+  expect_unused();
+  contact.relaxation_time.reset();
+  contact.damping = "viscous";
+  contact.viscous = 300.0;
+  expect_unused();
+}
+
+}  // namespace
