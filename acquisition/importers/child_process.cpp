@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -22,6 +23,7 @@ namespace {
   // a crash ends the child quietly: no core, and no handler of the program's
   for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU, SIGPIPE, SIGALRM})
     std::signal(signal, SIG_DFL);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // it does not outlive the program
   const rlimit none{0, 0};
   setrlimit(RLIMIT_CORE, &none);
   const rlimit time{cpu_seconds, cpu_seconds};

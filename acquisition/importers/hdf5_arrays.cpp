@@ -31,8 +31,9 @@ constexpr std::size_t longest_path = 1000;   ///< [bytes]
 constexpr std::uint64_t largest_chunk = std::uint64_t{128} << 20;  ///< [bytes]
 constexpr std::uint64_t largest_expansion = 1100;                  ///< deflate: 1032
 constexpr std::size_t block_size = 65536;                          ///< samples handed over at once
-constexpr unsigned seconds_to_list = 30;                           ///< of processor time
-constexpr unsigned seconds_to_read = 3600;
+constexpr unsigned seconds_to_list =
+    8;  ///< of processor time: damage makes HDF5 go round in circles
+constexpr double slowest_reading = 1e6;  ///< [numbers/s of processor time]
 constexpr std::uint64_t end_of_blocks = ~std::uint64_t{0};
 
 // ---- in the child: HDF5
@@ -648,8 +649,11 @@ Hdf5Listing list_hdf5(const std::string& path) {
 
 void read_hdf5_slices(const std::string& path, const std::vector<Hdf5Slice>& slices,
                       SampleSink& sink) {
-  ChildProcess child =
-      start([&](const PipeWriter& out) { send_slices(path, slices, out); }, seconds_to_read);
+  double numbers = 0.0;
+  for (const Hdf5Slice& slice : slices) numbers += static_cast<double>(slice.count);
+  const double seconds = std::min(seconds_to_list + numbers / slowest_reading, 1e6);
+  ChildProcess child = start([&](const PipeWriter& out) { send_slices(path, slices, out); },
+                             static_cast<unsigned>(seconds));
   std::vector<std::uint64_t> left;
   for (const Hdf5Slice& slice : slices) left.push_back(slice.count);
   Blocks blocks;
