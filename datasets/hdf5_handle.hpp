@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <mutex>
 #include <utility>
 
@@ -51,7 +50,7 @@ class Hdf5Handle {
 class Hdf5Session {
  public:
   Hdf5Session() : lock_(mutex()) {
-    [[maybe_unused]] static const bool once = quiet_at_exit();
+    [[maybe_unused]] static const bool once = without_cleaning_at_exit();
     H5Eget_auto2(H5E_DEFAULT, &print_, &print_data_);
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   }
@@ -67,12 +66,11 @@ class Hdf5Session {
     return only;
   }
 
-  /// After a damaged file HDF5 1.10.8 cannot free all it took and says "infinite loop closing
-  /// library" at exit, unless its printing is off by then. Registered after HDF5's own handler,
-  /// ours comes first.
-  static bool quiet_at_exit() {
-    H5open();
-    return std::atexit([] { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }) == 0;
+  /// After a damaged file, or one that could not be closed, HDF5 1.10.8 crashes or complains when it
+  /// frees what is left at the end of the program. What we open we close, so it need not.
+  static bool without_cleaning_at_exit() {
+    H5dont_atexit();
+    return H5open() >= 0;
   }
 
   std::lock_guard<std::mutex> lock_;

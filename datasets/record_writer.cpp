@@ -221,10 +221,9 @@ class RecordWriter::File {
     }
   }
 
-  /// HDF5 1.10.8 crashes when it cannot write its last pages on closing: the file is made empty
-  /// first, so that there is room for them.
+  /// HDF5 1.10.8 cannot close a file whose last pages find no room: it is made empty first.
   void abandon() {
-    if (::truncate(part_.c_str(), 0) != 0) errno = 0;
+    [[maybe_unused]] const int emptied = ::truncate(part_.c_str(), 0);
     channels_.clear();
     entry_.reset();
     file_.reset();
