@@ -3,8 +3,10 @@
 
 #include <future>
 
+#include "acquisition/channel_map.hpp"
 #include "acquisition/exporter.hpp"
 #include "acquisition/importer.hpp"
+#include "app/channel_map_file.hpp"
 #include "app/files.hpp"
 #include "app/import_options.hpp"
 #include "app/program.hpp"
@@ -18,6 +20,8 @@ namespace {
 struct Options {
   std::vector<std::string> files;
   std::string output;
+  std::string map;
+  bool suggest_map = false;
   ImportArguments reading;
   CommonOptions common;
 };
@@ -37,6 +41,8 @@ std::vector<Input> open_inputs(const Options& options) {
   std::vector<Input> inputs;
   for (const std::string& path : options.files) {
     Input input{path, acquisition::open_recording(path, reading), {}};
+    if (!options.map.empty())
+      input.reader = acquisition::mapped(std::move(input.reader), read_channel_map(options.map));
     const acquisition::RecordingHead& head = input.reader->head();
     if (head.record.channels.empty())
       throw datasets::InputError(
@@ -132,7 +138,18 @@ datasets::Record import_at_once(const Options& options, std::vector<Input>& inpu
   return record;
 }
 
+/// A draft of the map of the files' channels, on stdout or in a file.
+void suggest_map(const Options& options) {
+  acquisition::ImportOptions reading = import_options(options.reading);
+  reading.require_clock = false;
+  const auto reader = acquisition::open_recording(options.files.front(), reading);
+  write_output(options.output.empty() ? "-" : options.output,
+               acquisition::suggested_map(reader->head().record), options.common.force);
+}
+
 void import(const Options& options) {
+  if (options.suggest_map) return suggest_map(options);
+  if (options.output.empty()) throw CLI::RequiredError("--output");
   check_output(options.output, options.common.force);
   check_ending(options.output);
   std::vector<Input> inputs = open_inputs(options);
@@ -152,8 +169,13 @@ void add_import(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "import", "Convert recordings of any format to our HDF5 (or .uff, .csv)");
   command->add_option("file", options->files, "Recordings")->required();
-  command->add_option("-o,--output", options->output, "Result; its ending says the format")
-      ->required();
+  command->add_option("-o,--output", options->output, "Result; its ending says the format");
+  command
+      ->add_option("--map", options->map,
+                   "What the channels are: names, roles, units, sensitivities (TOML)")
+      ->check(CLI::ExistingFile);
+  command->add_flag("--suggest-map", options->suggest_map,
+                    "Write a draft of such a map, to stdout or to -o, and import nothing");
   add_selection_arguments(*command, options->reading);
   add_import_arguments(*command, options->reading);
   add_quiet(*command, options->common);

@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "fitting/rig_file_contact.hpp"
+#include "fitting/sensor_keys.hpp"
 #include "fitting/toml_reader.hpp"
 #include "models/mesh_error.hpp"
 
@@ -233,50 +234,6 @@ int read_order(TableReader& table) {
   return order;
 }
 
-datasets::Delay read_delay(TableReader& table) {
-  datasets::Delay delay;
-  if (!table.has("delay")) return delay;
-  if (table.raw().get("delay")->is_table()) {
-    auto inner = *table.table("delay");
-    delay.value = inner.quantity("value", "s").value_or(datasets::UncertainValue{}).value;
-    delay.uncertainty =
-        inner.quantity("uncertainty", "s").value_or(datasets::UncertainValue{}).value;
-    inner.finish();
-  } else {
-    const auto value = *table.quantity("delay", "s");
-    delay = {.value = value.value, .uncertainty = value.uncertainty};
-  }
-  if (!(delay.uncertainty >= 0.0)) table.refuse("delay", "its uncertainty must not be negative");
-  return delay;
-}
-
-/// A sensitivity as recorded unit (V or pC) a physical unit, stated either way round ("4 pC/N",
-/// "125 mm/s/V").
-datasets::UncertainValue read_sensitivity(TableReader& table, std::string_view physical,
-                                          std::string& recorded) {
-  const std::string text = *table.text("sensitivity");
-  for (const char* electrical : {"V", "pC"})
-    for (const bool inverted : {false, true}) {
-      const std::string unit = inverted ? fmt::format("({})/{}", physical, electrical)
-                                        : fmt::format("{}/({})", electrical, physical);
-      datasets::UncertainValue value;
-      try {
-        value = datasets::parse_quantity(text, unit);
-      } catch (const std::invalid_argument&) {
-        continue;  // of another dimension: the next way to state it
-      }
-      if (!(value.value > 0.0))
-        table.refuse("sensitivity",
-                     "must be greater than zero; a sensor that inverts has polarity = -1");
-      recorded = electrical;
-      if (!inverted) return value;
-      return {1.0 / value.value, value.uncertainty / (value.value * value.value)};
-    }
-  table.refuse("sensitivity",
-               fmt::format("expected volts or coulombs a {}, for example \"{}\", found \"{}\"",
-                           physical, physical == "N" ? "4 pC/N" : "125 mm/s/V", text));
-}
-
 Sensor read_sensor(TableReader& table, datasets::Quantity quantity, const models::Rig& rig) {
   Sensor sensor;
   sensor.quantity = quantity;
@@ -290,14 +247,8 @@ Sensor read_sensor(TableReader& table, datasets::Quantity quantity, const models
   if (auto amplifier = table.table("amplifier")) {
     if (amplifier->has("gain")) {
       if (!sensor.sensitivity || sensor.recorded_unit != "pC")
-        amplifier->refuse("gain",
-                          "needs a sensitivity in coulombs, for example sensitivity = \"4 pC/N\"");
-      const auto gain = *amplifier->quantity("gain", "V/pC");
-      const double relative =
-          std::hypot(gain.uncertainty / gain.value,
-                     sensor.sensitivity->uncertainty / sensor.sensitivity->value);
-      const double value = gain.value * sensor.sensitivity->value;
-      sensor.sensitivity = {value, relative * value};
+        refuse_gain_without_sensitivity(*amplifier);
+      sensor.sensitivity = with_gain(*amplifier, *sensor.sensitivity);
       sensor.recorded_unit = "V";
     }
     const int amplifier_order = read_order(*amplifier);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // The program as a user or a script sees it: exit code, stdout, stderr, files.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -103,6 +104,48 @@ TEST_F(CommandLine, TellsTheSensorsForceFromTheContacts) {
   EXPECT_NEAR(channels[4]["max"].get<double>() / run_json["peak_force_n"].get<double>(), 1.0, 3e-3);
   EXPECT_GT(run_json["sensor"]["peak_force_n"], 1.02 * run_json["peak_force_n"].get<double>());
   EXPECT_GT(run_json["energy"]["stop_j"], 0.0);
+}
+
+TEST_F(CommandLine, ImportsByAMapThatItSuggests) {
+  const std::string file =
+      write("shot.csv", "Time [s],CH1 [V],CH2 [m/s]\n0,0.1,1\n1e-6,0.2,2\n2e-6,0.3,3\n");
+  ASSERT_EQ(run("import --suggest-map " + file + " -o " + path("map.toml")).code, 0);
+  std::string map = text_of(path("map.toml"));
+  EXPECT_THAT(map, HasSubstr("[[channels]]\nmatch = \"CH1\"\nunit = \"V\"\n# role = \"force\"\n"));
+  EXPECT_THAT(map, HasSubstr("match = \"CH2\"\nunit = \"m/s\"\nrole = \"velocity\"\n"));
+  EXPECT_EQ(run("import " + file + " --map " + path("map.toml") + " -o " + path("a.h5")).code, 0);
+  for (const std::string key : {"role = \"force\"", "sensitivity = \"4 pC/N\"", "gain"})
+    map.replace(map.find("# " + key), 2, "");
+  const std::string complete = write("complete.toml", map);
+  Outcome o = run("import " + file + " --map " + complete + " -o " + path("b.h5"));
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json channels = json::parse(run("inspect --json " + path("b.h5")).out)["channels"];
+  ASSERT_EQ(channels.size(), 2U);
+  EXPECT_EQ(channels[0]["quantity"], "force");
+  EXPECT_EQ(channels[0]["unit"], "N");
+  EXPECT_NEAR(channels[0]["last"].get<double>(), 75.0, 1e-12);  // 0.3 V by 4 pC/N and 1 mV/pC
+  o = run("import " + file + " --map " + write("bad.toml", "[[channels]]\nmatch=\"CH1\"\nrol=1\n") +
+          " -o " + path("c.h5"));
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("bad.toml:3:5"));
+  EXPECT_THAT(o.err, HasSubstr("role"));
+  EXPECT_EQ(run("import " + file).code, 2);
+}
+
+TEST_F(CommandLine, InspectsByTheHeadAndByParts) {
+  std::string text = "Time [s],Force [N],Velocity [m/s]\n";
+  for (int i = 0; i < 100; ++i) text += fmt::format("{}e-6,{},{}\n", i, i, -i);
+  const std::string file = write("shot.csv", text);
+  json j = json::parse(run("inspect --json --no-statistics " + file).out);
+  EXPECT_EQ(j["channels"][1]["samples"], 100);
+  EXPECT_FALSE(j["channels"][1].contains("sum"));
+  EXPECT_FALSE(j.contains("sha256"));
+  j = json::parse(run("inspect --json --channel Velocity --from 10e-6 --to 19e-6 " + file).out);
+  ASSERT_EQ(j["channels"].size(), 1U);
+  EXPECT_EQ(j["channels"][0]["samples"], 10);
+  EXPECT_EQ(j["channels"][0]["sum"], -145.0);
+  EXPECT_EQ(run("import --channel Velocity " + file + " -o " + path("part.h5")).code, 0);
+  EXPECT_EQ(json::parse(run("inspect --json " + path("part.h5")).out)["channels"].size(), 1U);
 }
 
 TEST_F(CommandLine, LetsABarWithoutAStopSwing) {

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/channel_map.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "datasets/input_error.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using datasets::Channel;
+using datasets::Quantity;
+using datasets::Record;
+
+Record recording() {
+  Record record;
+  record.provenance.source_file = "shot.wav";
+  record.channels.resize(3);
+  const char* names[] = {"ch1", "ch2", "Temp"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    record.channels[i].name = names[i];
+    record.channels[i].clock = {0.0, 1e-3, {}};
+    record.channels[i].raw = std::vector<std::int16_t>{100, -200};
+    record.channels[i].scale = 1e-3;
+  }
+  record.channels[1].unit = "mV";
+  record.channels[2].unit = "degC";
+  record.channels[2].quantity = Quantity::temperature;
+  return record;
+}
+
+Record read(const ChannelMap& map, const Selection& wanted = {}) {
+  const auto reader = mapped(reader_of(recording()), map);
+  return read_into_memory(*reader, wanted);
+}
+
+std::string refused(const ChannelMap& map) {
+  try {
+    read(map);
+  } catch (const datasets::InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+ChannelMapping matching(const std::string& match) {
+  ChannelMapping mapping;
+  mapping.match = match;
+  return mapping;
+}
+
+TEST(Pattern, StarsStandForAnyCharactersAndMarksForOne) {
+  EXPECT_TRUE(matches_pattern("Force 1", "Force*"));
+  EXPECT_TRUE(matches_pattern("Force 1", "*1"));
+  EXPECT_TRUE(matches_pattern("Force 1", "F*e ?"));
+  EXPECT_TRUE(matches_pattern("aab", "*ab"));
+  EXPECT_TRUE(matches_pattern("", "*"));
+  EXPECT_FALSE(matches_pattern("Force 12", "Force ?"));
+  EXPECT_FALSE(matches_pattern("force", "Force"));
+  EXPECT_FALSE(matches_pattern("", "?"));
+}
+
+TEST(ChannelMap, MakesVoltsAForceWithoutTouchingSamples) {
+  ChannelMapping force = matching("ch2");
+  force.name = "Force";
+  force.role = Quantity::force;
+  force.sensitivity = datasets::UncertainValue{4e-3, 1e-5};
+  force.recorded_unit = "V";
+  force.polarity = -1.0;
+  force.position = 0.69;
+  force.delay = datasets::Delay{2e-6, 1e-7, false};
+  const Record record = read({"map.toml", false, {force}});
+  ASSERT_EQ(record.channels.size(), 1U);
+  const Channel& channel = record.channels[0];
+  EXPECT_EQ(channel.name, "Force");
+  EXPECT_EQ(channel.unit, "N");
+  EXPECT_EQ(channel.quantity, Quantity::force);
+  EXPECT_EQ(std::get<std::vector<std::int16_t>>(channel.raw)[0], 100);
+  // 100 counts of 1 uV are 0.1 mV; 4 mV/N, inverted
+  EXPECT_DOUBLE_EQ(channel.value(0), -0.025);
+  EXPECT_EQ(channel.calibration->uncertainty, 1e-5);
+  EXPECT_EQ(channel.delay->value, 2e-6);
+  EXPECT_EQ(channel.attributes.at("position"), "0.69 m");
+  ASSERT_EQ(record.provenance.edits.size(), 1U);
+  EXPECT_EQ(record.provenance.edits[0].parameters.at("name in file"), "ch2");
+  EXPECT_EQ(record.provenance.edits[0].parameters.at("sensitivity"), "0.004 V/(N)");
+}
+
+TEST(ChannelMap, OrdersChannelsAndKeepsOthersWhenAsked) {
+  ChannelMapping temperature;
+  temperature.index = 2;
+  const auto names = [](const Record& record) {
+    std::vector<std::string> list;
+    for (const Channel& channel : record.channels) list.push_back(channel.name);
+    return list;
+  };
+  EXPECT_THAT(names(read({"m", false, {temperature, matching("ch?")}})),
+              testing::ElementsAre("Temp", "ch1", "ch2"));
+  EXPECT_THAT(names(read({"m", true, {temperature}})), testing::ElementsAre("Temp", "ch1", "ch2"));
+  Selection second;
+  second.channels = {1};
+  EXPECT_THAT(names(read({"m", true, {temperature}}, second)), testing::ElementsAre("ch1"));
+}
+
+TEST(ChannelMap, RefusesWhatDoesNotFit) {
+  EXPECT_EQ(refused({"map.toml", false, {matching("Force")}}),
+            "map.toml: no channel of shot.wav matches 'Force'; the channels are 'ch1', 'ch2', "
+            "'Temp'");
+  ChannelMapping several = matching("ch*");
+  several.name = "Force";
+  EXPECT_EQ(refused({"map.toml", false, {several}}),
+            "map.toml: 'ch*' matches 2 channels, which cannot all be called 'Force'");
+  ChannelMapping force = matching("ch2");
+  force.role = Quantity::force;
+  EXPECT_EQ(refused({"map.toml", false, {force}}),
+            "map.toml: 'ch2' is recorded in 'mV': as force it needs a sensitivity, for example "
+            "sensitivity = \"4 pC/N\"");
+  force.match = "ch1";
+  EXPECT_EQ(refused({"map.toml", false, {force}}),
+            "map.toml: 'ch1' states no unit: as force it needs one, for example unit = \"N\"");
+  force.sensitivity = datasets::UncertainValue{4.0, 0.0};
+  force.recorded_unit = "pC";
+  force.match = "ch2";
+  EXPECT_EQ(refused({"map.toml", false, {force}}),
+            "map.toml: 'ch2' is recorded in 'mV', its sensitivity is in pC a unit: state the "
+            "recorded unit, for example unit = \"pC\"");
+  ChannelMapping twin = matching("ch1");
+  twin.name = "Temp";
+  EXPECT_EQ(refused({"map.toml", true, {matching("Temp"), twin}}),
+            "map.toml: two channels would be called 'Temp'");
+  ChannelMapping beyond;
+  beyond.index = 7;
+  EXPECT_EQ(refused({"map.toml", false, {beyond}}),
+            "map.toml: no channel of shot.wav matches index 7; the channels are 'ch1', 'ch2', "
+            "'Temp'");
+}
+
+TEST(ChannelMap, TakesAStatedUnitInPlaceOfTheFiles) {
+  ChannelMapping velocity = matching("ch1");
+  velocity.unit = "mm/s";
+  velocity.role = Quantity::velocity;
+  const Channel channel = read({"m", false, {velocity}}).channels.at(0);
+  EXPECT_EQ(channel.unit, "mm/s");
+  EXPECT_EQ(channel.quantity, Quantity::velocity);
+  EXPECT_DOUBLE_EQ(channel.value(0), 0.1);
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition
