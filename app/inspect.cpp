@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -129,15 +130,33 @@ ordered_json impacts_json(const datasets::Record& record, std::vector<std::strin
   return list;
 }
 
+std::string shown(const ordered_json& value) {
+  return value.is_null() ? std::string("-") : fmt::format("{:.6g}", value.get<double>());
+}
+
+/// A vibration has many pulses: the first few of each channel are shown.
+void print_impacts(const ordered_json& impacts) {
+  constexpr int most = 6;
+  if (!impacts.empty()) fmt::print("\nimpacts:\n");
+  std::map<std::string, int> found;
+  for (const auto& i : impacts) {
+    const auto channel = i["channel"].get<std::string>();
+    if (++found[channel] > most) continue;
+    fmt::print("  {}: at {} s, peak {} {}, width {} s, impulse {} {}{}\n", channel,
+               shown(i["start_s"]), shown(i["peak"]), i["unit"].get<std::string>(),
+               shown(i["width_s"]), shown(i["impulse"]), i["impulse_unit"].get<std::string>(),
+               i["flags"].empty() ? "" : fmt::format(" ({})", i["flags"].dump()));
+  }
+  for (const auto& [channel, count] : found)
+    if (count > most) fmt::print("  {}: {} more (--json lists them all)\n", channel, count - most);
+}
+
 void print_text(const ordered_json& json) {
   fmt::print("{}: {}\n\n", json["file"].get<std::string>(), json["format"].get<std::string>());
   if (json["channels"].empty()) fmt::print("no channels\n");
   std::size_t widest = 7;
   for (const auto& c : json["channels"])
     widest = std::max(widest, c["name"].get<std::string>().size());
-  const auto value = [](const ordered_json& v) {
-    return v.is_null() ? std::string("-") : fmt::format("{:.6g}", v.get<double>());
-  };
   if (!json["channels"].empty())
     fmt::print("  #  {:<{}}  {:<13}{:<8}{:>10}  {:>12}  {:>12}  {:>12}  {:>12}  {:>12}\n",
                "channel", widest, "quantity", "unit", "samples", "rate [Hz]", "start [s]", "min",
@@ -147,23 +166,16 @@ void print_text(const ordered_json& json) {
     fmt::print("{:>3}  {:<{}}  {:<13}{:<8}{:>10}  {:>12}  {:>12}  {:>12}  {:>12}  {:>12}\n",
                index++, c["name"].get<std::string>(), widest, c["quantity"].get<std::string>(),
                c["unit"].get<std::string>(), c["samples"].get<std::size_t>(),
-               value(c["sample_rate_hz"]), value(c["start_s"]),
-               value(c.value("min", ordered_json())), value(c.value("max", ordered_json())),
-               value(c.value("rms", ordered_json())));
+               shown(c["sample_rate_hz"]), shown(c["start_s"]),
+               shown(c.value("min", ordered_json())), shown(c.value("max", ordered_json())),
+               shown(c.value("rms", ordered_json())));
   if (json.contains("attributes")) {
     fmt::print("\nas read:");
     for (const auto& [key, text] : json["attributes"].items())
       fmt::print("  {} = {}", key, text.get<std::string>());
     fmt::print("\n");
   }
-  const ordered_json impacts = json.value("impacts", ordered_json::array());
-  if (!impacts.empty()) fmt::print("\nimpacts:\n");
-  for (const auto& i : impacts)
-    fmt::print("  {}: at {} s, peak {} {}, width {} s, impulse {} {}{}\n",
-               i["channel"].get<std::string>(), value(i["start_s"]), value(i["peak"]),
-               i["unit"].get<std::string>(), value(i["width_s"]), value(i["impulse"]),
-               i["impulse_unit"].get<std::string>(),
-               i["flags"].empty() ? "" : fmt::format(" ({})", i["flags"].dump()));
+  print_impacts(json.value("impacts", ordered_json::array()));
   for (const auto& warning : json["warnings"])
     fmt::print("\nwarning: {}\n", warning.get<std::string>());
 }

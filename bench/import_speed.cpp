@@ -9,18 +9,22 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <string>
 #include <vector>
 
 #include "acquisition/importer.hpp"
 #include "bench/timing.hpp"
+#include "datasets/record_writer.hpp"
 
 namespace {
 
@@ -83,13 +87,118 @@ void write_uff58b(const std::string& path, std::size_t bytes) {
   file << "    -1\n";
 }
 
-// ---- yardsticks: read by a megabyte and convert, nothing else ----
+/// Little-endian numbers and texts one after another.
+class Bytes {
+ public:
+  template <typename Number>
+  void number(Number value) {
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+
+  void text(std::string_view text) { bytes_ += text; }
+
+  void counted(std::string_view text) {
+    number(static_cast<std::uint32_t>(text.size()));
+    bytes_ += text;
+  }
+
+  const std::string& all() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+template <typename Number>
+void write_samples(std::ofstream& file, std::size_t samples) {
+  std::vector<Number> block(65536);
+  for (std::size_t i = 0; i < samples; i += block.size()) {
+    for (std::size_t k = 0; k < block.size(); ++k) block[k] = static_cast<Number>(sample(i + k));
+    file.write(reinterpret_cast<const char*>(block.data()),
+               static_cast<std::streamsize>(sizeof(Number) * std::min(block.size(), samples - i)));
+  }
+}
+
+/// One segment with eight channels, one after another or interleaved.
+template <typename Number, std::uint32_t type, bool interleaved>
+void write_tdms(const std::string& path, std::size_t bytes) {
+  constexpr std::size_t channels = 8;
+  const std::uint64_t samples = bytes / sizeof(Number) / channels;
+  Bytes objects;
+  objects.number(std::uint32_t{channels});
+  for (std::size_t c = 0; c < channels; ++c) {
+    objects.counted(fmt::format("/'shot'/'channel {}'", c));
+    objects.number(std::uint32_t{20});
+    objects.number(type);
+    objects.number(std::uint32_t{1});
+    objects.number(samples);
+    objects.number(std::uint32_t{1});
+    objects.counted("wf_increment");
+    objects.number(std::uint32_t{10});
+    objects.number(1e-6);
+  }
+  Bytes lead;
+  lead.text("TDSm");
+  lead.number(std::uint32_t{interleaved ? 0x2EU : 0x0EU});
+  lead.number(std::uint32_t{4713});
+  lead.number(std::uint64_t{objects.all().size() + samples * channels * sizeof(Number)});
+  lead.number(std::uint64_t{objects.all().size()});
+  std::ofstream file(path, std::ios::binary);
+  file << lead.all() << objects.all();
+  write_samples<Number>(file, samples * channels);
+}
+
+void write_wav(const std::string& path, std::size_t bytes) {
+  const auto data = static_cast<std::uint32_t>(bytes / 4 * 4);
+  Bytes head;
+  head.text("RIFF");
+  head.number(std::uint32_t{36 + data});
+  head.text("WAVEfmt ");
+  head.number(std::uint32_t{16});
+  head.number(std::uint16_t{1});  // PCM
+  head.number(std::uint16_t{2});
+  head.number(std::uint32_t{48000});
+  head.number(std::uint32_t{48000 * 4});
+  head.number(std::uint16_t{4});
+  head.number(std::uint16_t{16});
+  head.text("data");
+  head.number(data);
+  std::ofstream file(path, std::ios::binary);
+  file << head.all();
+  write_samples<std::int16_t>(file, data / 2);
+}
+
+/// Our own file, as `import` writes it.
+void write_hdf5(const std::string& path, std::size_t bytes) {
+  datasets::RecordWriter writer(path, {"Force"});
+  std::vector<float> block(65536);
+  for (std::size_t i = 0; i < bytes / 4; i += block.size()) {
+    for (std::size_t k = 0; k < block.size(); ++k) block[k] = static_cast<float>(sample(i + k));
+    writer.append(0, std::span<const float>(block));
+  }
+  datasets::Record record;
+  record.channels.resize(1);
+  record.channels[0].name = "Force";
+  record.channels[0].clock.interval = 1e-6;
+  writer.finish(record);
+}
+
+// ---- yardsticks: read pieces that stay in the cache, convert and sum, nothing else ----
+
+/// Eight sums side by side, so that the addition costs as little as the conversion.
+double sum_of(const std::vector<double>& values) {
+  std::array<double, 8> sums{};
+  const std::size_t whole = values.size() / 8 * 8;
+  for (std::size_t i = 0; i < whole; i += 8)
+    for (std::size_t k = 0; k < 8; ++k) sums[k] += values[i + k];
+  for (std::size_t i = whole; i < values.size(); ++i) sums[0] += values[i];
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
 
 /// Reads a file piece by piece; `use` is handed the pieces.
 template <typename Use>
-void read_by_megabytes(const std::string& path, const Use& use) {
+void read_by_pieces(const std::string& path, const Use& use) {
   const int file = open(path.c_str(), O_RDONLY);
-  std::vector<char> piece(1U << 20);
+  std::vector<char> piece(1U << 17);
   for (ssize_t count = 0; (count = read(file, piece.data(), piece.size())) > 0;)
     use(piece.data(), static_cast<std::size_t>(count));
   close(file);
@@ -99,7 +208,7 @@ template <typename Number>
 double read_binary(const std::string& path) {
   double sum = 0.0;
   std::vector<double> values;
-  read_by_megabytes(path, [&](const char* bytes, std::size_t count) {
+  read_by_pieces(path, [&](const char* bytes, std::size_t count) {
     const std::size_t n = count / sizeof(Number);
     values.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -107,7 +216,7 @@ double read_binary(const std::string& path) {
       std::memcpy(&number, bytes + i * sizeof(Number), sizeof(Number));
       values[i] = 1.0 * static_cast<double>(number) + 0.0;
     }
-    for (const double value : values) sum += value;
+    sum += sum_of(values);
   });
   return sum;
 }
@@ -116,7 +225,7 @@ double read_binary(const std::string& path) {
 /// cuts are lost, it is a yardstick.
 double read_text(const std::string& path) {
   double sum = 0.0;
-  read_by_megabytes(path, [&sum](const char* at, std::size_t count) {
+  read_by_pieces(path, [&sum](const char* at, std::size_t count) {
     const char* const end = at + count;
     while (at != end) {
       double value = 0.0;
@@ -145,7 +254,7 @@ class Sum final : public acquisition::SampleSink {
             values_[i] = scale * static_cast<double>(samples[i]) + offset;
         },
         block.raw);
-    for (const double value : values_) sum += value;
+    sum += sum_of(values_);
   }
 
   void take_times(std::size_t, std::span<const double> times) override {
@@ -177,6 +286,11 @@ const std::vector<Format> formats = {
     {"csv", ".csv", write_csv, read_text},
     {"uff58", ".uff", write_uff58, read_text},
     {"uff58b", ".uff", write_uff58b, read_binary<float>},
+    {"tdms", ".tdms", write_tdms<float, 9, false>, read_binary<float>},
+    {"tdms-16", ".tdms", write_tdms<std::int16_t, 2, false>, read_binary<std::int16_t>},
+    {"tdms-rows", ".tdms", write_tdms<float, 9, true>, read_binary<float>},
+    {"wav", ".wav", write_wav, read_binary<std::int16_t>},
+    {"our-hdf5", ".h5", write_hdf5, read_binary<float>},
 };
 
 /// The quickest of `rounds`, alternating so that both see the same machine. [s]

@@ -14,42 +14,28 @@ namespace impactrig::acquisition {
 
 using datasets::FileError;
 
-namespace {
-
-/// A file descriptor that is closed.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
+MappedFile::MappedFile(std::string path)
+    : path_(std::move(path)),
+      file_(::open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
+  if (file_ < 0) throw FileError(path_, fmt::format("cannot be opened: {}", std::strerror(errno)));
+  try {
+    map();
+  } catch (...) {
+    ::close(file_);
+    throw;
   }
+}
 
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-
-  int number() const { return number_; }
-
- private:
-  int number_;
-};
-
-}  // namespace
-
-MappedFile::MappedFile(std::string path) : path_(std::move(path)) {
-  const Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.number() < 0)
-    throw FileError(path_, fmt::format("cannot be opened: {}", std::strerror(errno)));
-
+void MappedFile::map() {
   struct stat status {};
 
-  if (::fstat(file.number(), &status) != 0)
+  if (::fstat(file_, &status) != 0)
     throw FileError(path_, fmt::format("cannot be read: {}", std::strerror(errno)));
   if (S_ISDIR(status.st_mode)) throw FileError(path_, "is a directory, a recording is expected");
   if (!S_ISREG(status.st_mode)) throw FileError(path_, "is not a file on a disk");
   if (status.st_size == 0) return;
   const auto size = static_cast<std::size_t>(status.st_size);
-  void* const memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number(), 0);
+  void* const memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file_, 0);
   if (memory == MAP_FAILED)
     throw FileError(path_, fmt::format("cannot be read: {}", std::strerror(errno)));
   ::madvise(memory, size, MADV_SEQUENTIAL);
@@ -65,6 +51,24 @@ MappedFile::MappedFile(std::string path, std::string unpacked)
 
 MappedFile::~MappedFile() {
   if (size_ > 0 && unpacked_.empty()) ::munmap(const_cast<char*>(bytes_), size_);
+  if (file_ >= 0) ::close(file_);
+}
+
+void MappedFile::copy(std::size_t offset, std::size_t count, void* to) const {
+  if (file_ < 0) {
+    std::memcpy(to, bytes_ + offset, count);
+    return;
+  }
+  auto* at = static_cast<char*>(to);
+  while (count > 0) {
+    const ssize_t got = ::pread(file_, at, count, static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw FileError(path_, fmt::format("cannot be read: {}", std::strerror(errno)));
+    if (got == 0) throw FileError(path_, "has become shorter while it was read");
+    at += got;
+    offset += static_cast<std::size_t>(got);
+    count -= static_cast<std::size_t>(got);
+  }
 }
 
 void MappedFile::release(std::size_t first, std::size_t last) const {

@@ -166,11 +166,50 @@ template void convert_numbers(NumberKind, bool, const char*, std::uint64_t, std:
 
 namespace {
 
+/// Bytes looked at through a window at once: a part of the processor's second cache.
+constexpr std::uint64_t window_bytes = std::uint64_t{1} << 18;
+
+template <typename Value>
+constexpr NumberKind own_kind = NumberKind::f64;
+template <>
+constexpr NumberKind own_kind<float> = NumberKind::f32;
+template <>
+constexpr NumberKind own_kind<std::int16_t> = NumberKind::i16;
+template <>
+constexpr NumberKind own_kind<std::int32_t> = NumberKind::i32;
+
+/// A piece of a file in memory, which channels that lie interleaved look at one after another.
+class FileWindow {
+ public:
+  explicit FileWindow(const MappedFile& file) : file_(file) {}
+
+  const MappedFile& file() const { return file_; }
+
+  /// `count` bytes at `offset`; where they have to be fetched, `margin` more on both sides.
+  const char* view(std::uint64_t offset, std::uint64_t count, std::uint64_t margin) {
+    if (offset < first_ || offset + count > first_ + held_) {
+      first_ = offset - std::min(offset, margin);
+      const std::uint64_t end =
+          std::min<std::uint64_t>(offset + count + margin, file_.bytes().size());
+      held_ = end - first_;
+      if (bytes_.size() < held_) bytes_.resize(held_);
+      file_.copy(first_, held_, bytes_.data());
+    }
+    return bytes_.data() + (offset - first_);
+  }
+
+ private:
+  const MappedFile& file_;
+  std::uint64_t first_ = 0;
+  std::uint64_t held_ = 0;
+  std::vector<char> bytes_;
+};
+
 /// Walks along the numbers of a channel.
 class NumberCursor {
  public:
-  NumberCursor(const MappedFile& file, const StoredNumbers& numbers)
-      : file_(&file),
+  NumberCursor(FileWindow& window, const StoredNumbers& numbers)
+      : window_(&window),
         numbers_(&numbers) {}
 
   void skip(std::uint64_t count) {
@@ -193,43 +232,27 @@ class NumberCursor {
     }
   }
 
-  /// The next `count` numbers as they lie in the file, when they can be used there.
-  template <typename Value>
-  const Value* in_place(std::uint64_t count) {
-    const NumberRun& run = numbers_->runs()[run_];
-    const bool native = big_endian(run) == (std::endian::native == std::endian::big) &&
-                        run.stride == sizeof(Value) && run.count - at_ >= count;
-    if (!native) return nullptr;
-    const char* const first = here();
-    if (reinterpret_cast<std::uintptr_t>(first) % alignof(Value) != 0) return nullptr;
-    note(count, run.stride);
-    advance(count);
-    return reinterpret_cast<const Value*>(first);
-  }
-
   template <typename Value>
   void read(std::uint64_t count, Value* to) {
     while (count > 0) {
       const NumberRun& run = numbers_->runs()[run_];
-      const std::uint64_t step = std::min(count, run.count - at_);
-      convert_numbers(numbers_->kind(), big_endian(run), here(), step, run.stride, to);
-      note(step, run.stride);
+      std::uint64_t step = std::min(count, run.count - at_);
+      if (is_own<Value>(run)) {
+        window_->file().copy(offset(), step * sizeof(Value), to);
+      } else {
+        step = std::min(step, std::max<std::uint64_t>(
+                                  window_bytes / std::max<std::uint64_t>(run.stride, 1), 1));
+        const std::uint64_t bytes = (step - 1) * run.stride + size_of(numbers_->kind());
+        const char* const here = window_->view(offset(), bytes, run.stride);
+        convert_numbers(numbers_->kind(), big_endian(run), here, step, run.stride, to);
+      }
       to += step;
       count -= step;
       advance(step);
     }
   }
 
-  /// The bytes looked at since the last call, [first, last).
-  std::pair<std::uint64_t, std::uint64_t> take_looked_at() {
-    const auto looked_at = looked_at_;
-    looked_at_ = nothing;
-    return looked_at;
-  }
-
  private:
-  static constexpr std::pair<std::uint64_t, std::uint64_t> nothing{~std::uint64_t{0}, 0};
-
   std::uint64_t offset() const {
     const NumberRun& run = numbers_->runs()[run_];
     return run.offset + repeat_ * run.period + at_ * run.stride;
@@ -237,11 +260,11 @@ class NumberCursor {
 
   bool big_endian(const NumberRun& run) const { return numbers_->big_endian() != run.other_order; }
 
-  const char* here() const { return file_->bytes().data() + offset(); }
-
-  void note(std::uint64_t count, std::uint64_t stride) {
-    looked_at_.first = std::min(looked_at_.first, offset());
-    looked_at_.second = std::max(looked_at_.second, offset() + count * stride);
+  /// True where the file holds the machine's own numbers side by side.
+  template <typename Value>
+  bool is_own(const NumberRun& run) const {
+    return numbers_->kind() == own_kind<Value> && run.stride == sizeof(Value) &&
+           big_endian(run) == (std::endian::native == std::endian::big);
   }
 
   void advance(std::uint64_t count) {
@@ -258,22 +281,21 @@ class NumberCursor {
     ++run_;
   }
 
-  const MappedFile* file_;
+  FileWindow* window_;
   const StoredNumbers* numbers_;
   std::size_t run_ = 0;
   std::uint64_t repeat_ = 0;
   std::uint64_t at_ = 0;
-  std::pair<std::uint64_t, std::uint64_t> looked_at_ = nothing;
 };
 
 /// One channel on its way out.
 class ChannelStream {
  public:
-  ChannelStream(const MappedFile& file, const StoredChannel& channel, SampleRange range)
+  ChannelStream(FileWindow& window, const StoredChannel& channel, SampleRange range)
       : channel_(&channel),
-        samples_(file, channel.samples),
-        imaginary_(file, channel.imaginary),
-        times_(file, channel.times),
+        samples_(window, channel.samples),
+        imaginary_(window, channel.imaginary),
+        times_(window, channel.times),
         left_(range.last - range.first) {
     samples_.skip(range.first);
     if (channel.imaginary.size() > 0) imaginary_.skip(range.first);
@@ -297,13 +319,6 @@ class ChannelStream {
     left_ -= count;
   }
 
-  void release(const MappedFile& file) {
-    for (NumberCursor* cursor : {&samples_, &imaginary_, &times_}) {
-      const auto [first, last] = cursor->take_looked_at();
-      if (first < last) file.release(first, last);
-    }
-  }
-
  private:
   template <typename Value>
   static std::span<const Value> read(NumberCursor& cursor, std::uint64_t count,
@@ -311,12 +326,6 @@ class ChannelStream {
     values.resize(count);
     cursor.read(count, values.data());
     return values;
-  }
-
-  template <typename Value>
-  std::span<const Value> own(std::uint64_t count, std::vector<Value>& values) {
-    if (const Value* const there = samples_.in_place<Value>(count)) return {there, count};
-    return read(samples_, count, values);
   }
 
   datasets::RawSpan raw(std::uint64_t count) {
@@ -330,16 +339,16 @@ class ChannelStream {
       case NumberKind::u8:
         return read(samples_, count, shorts_);
       case NumberKind::i16:
-        return own(count, shorts_);
+        return read(samples_, count, shorts_);
       case NumberKind::u16:
       case NumberKind::i24:
         return read(samples_, count, integers_);
       case NumberKind::i32:
-        return own(count, integers_);
+        return read(samples_, count, integers_);
       case NumberKind::f32:
-        return own(count, floats_);
+        return read(samples_, count, floats_);
       case NumberKind::f64:
-        return own(count, doubles_);
+        return read(samples_, count, doubles_);
       case NumberKind::u32:
       case NumberKind::i64:
       case NumberKind::u64:
@@ -382,6 +391,7 @@ class NumbersReader final : public RecordingReader {
     Record record = head_.record;
     record.channels.clear();
     std::vector<ChannelStream> streams;
+    FileWindow window(*file_);
     std::uint64_t largest_stride = 1;
     for (const std::size_t index : selected_channels(head_, wanted)) {
       const StoredChannel& stored = channels_[index];
@@ -392,7 +402,7 @@ class NumbersReader final : public RecordingReader {
       const SampleRange range = stored.times.size() == 0
                                     ? samples_within(clock, stored.samples.size(), wanted)
                                     : samples_between(stored, wanted, clock);
-      streams.emplace_back(*file_, stored, range);
+      streams.emplace_back(window, stored, range);
       if (stored.times.size() == 0)
         clock.start += clock.interval * static_cast<double>(range.first);
     }
@@ -404,7 +414,6 @@ class NumbersReader final : public RecordingReader {
         streams[i].hand_over(i, most, sink);
         more = more || !streams[i].done();
       }
-      for (ChannelStream& stream : streams) stream.release(*file_);
     }
     return record;
   }
@@ -430,7 +439,8 @@ class NumbersReader final : public RecordingReader {
                               datasets::SampleClock& clock) const {
     const StoredNumbers& times = channel.times;
     if (!wanted.has_window()) return {0, times.size()};
-    NumberCursor cursor(*file_, times);
+    FileWindow window(*file_);
+    NumberCursor cursor(window, times);
     SampleRange range{times.size(), times.size()};
     std::vector<double> block;
     double before = -std::numeric_limits<double>::infinity();
@@ -449,8 +459,6 @@ class NumbersReader final : public RecordingReader {
         }
         if (inside && block[k] > wanted.to && range.last == times.size()) range.last = i + k;
       }
-      const auto [first, last] = cursor.take_looked_at();
-      file_->release(first, last);
     }
     range.last = std::max(range.first, range.last);
     return range;
@@ -469,7 +477,8 @@ constexpr std::uint64_t most_times = std::uint64_t{1} << 20;
 void read_numbers(const MappedFile& file, const StoredNumbers& numbers, std::uint64_t first,
                   std::span<double> to) {
   if (to.empty()) return;
-  NumberCursor cursor(file, numbers);
+  FileWindow window(file);
+  NumberCursor cursor(window, numbers);
   cursor.skip(first);
   cursor.read(to.size(), to.data());
 }

@@ -90,10 +90,11 @@ std::string set_stored_times(const MappedFile& file, const StoredNumbers& times,
                              const std::function<void(std::span<double>)>& times_scaling,
                              datasets::SampleClock& clock, StoredChannel& channel);
 
-/// Reads numbers as they lie in a file: by blocks, only what is asked for, without a copy where the
-/// machine's own numbers lie side by side. `record` has one channel a StoredChannel, without
-/// samples. Integers of 8 bits become 16, those of 16 without sign and of 24 become 32, wider ones
-/// double (exact up to 2^53). Throws datasets::InputError when numbers lie outside of the file.
+/// Reads numbers as they lie in a file: by blocks, only what is asked for, without a conversion
+/// where the machine's own numbers lie side by side. `record` has one channel a StoredChannel,
+/// without samples. Integers of 8 bits become 16, those of 16 without sign and of 24 become 32,
+/// wider ones double (exact up to 2^53). Throws datasets::InputError when numbers lie outside of
+/// the file.
 std::unique_ptr<RecordingReader> reader_of_numbers(std::unique_ptr<MappedFile> file,
                                                    datasets::Record record,
                                                    std::vector<StoredChannel> channels);

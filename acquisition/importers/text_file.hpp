@@ -29,6 +29,11 @@ class TextFile {
   /// that is no part of them.
   void release(const char* first, const char* last) const;
 
+  /// Copies a part of bytes(): for much, faster than looking at it.
+  void copy(const char* first, std::size_t count, void* to) const {
+    file_.copy(static_cast<std::size_t>(first - bytes().data()), count, to);
+  }
+
   /// Line, column and byte of a character of text() or bytes(). Counts from the start of the file:
   /// for errors only.
   datasets::SourcePosition position(const char* at) const;

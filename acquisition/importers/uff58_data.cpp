@@ -259,14 +259,13 @@ Number read_number(const char* bytes, bool little_endian) {
 }
 
 template <typename Number>
-std::vector<Number> read_numbers(const char* bytes, std::size_t n, bool little_endian) {
+std::vector<Number> read_numbers(const TextFile& file, const char* bytes, std::size_t n,
+                                 bool little_endian) {
   std::vector<Number> values(n);
-  if (little_endian == (std::endian::native == std::endian::little)) {
-    std::memcpy(values.data(), bytes, n * sizeof(Number));
-  } else {
-    for (std::size_t i = 0; i < n; ++i)
-      values[i] = read_number<Number>(bytes + i * sizeof(Number), little_endian);
-  }
+  file.copy(bytes, n * sizeof(Number), values.data());
+  if (little_endian == (std::endian::native == std::endian::little)) return values;
+  for (Number& value : values)
+    value = read_number<Number>(reinterpret_cast<const char*>(&value), little_endian);
   return values;
 }
 
@@ -379,8 +378,9 @@ const char* closing_line_by_count(const char* start, const char* end, const Uff5
 /// Points side by side.
 class Uff58Reader::Binary {
  public:
-  Binary(const Uff58Form& form, const Uff58Extent& extent)
-      : form_(form),
+  Binary(const TextFile& file, const Uff58Form& form, const Uff58Extent& extent)
+      : file_(file),
+        form_(form),
         extent_(extent),
         at_(extent.start) {}
 
@@ -398,9 +398,9 @@ class Uff58Reader::Binary {
     if (!form_.even || form_.complex())
       divide(points, block);
     else if (form_.double_precision())
-      block.ordinate = read_numbers<double>(at_, points, form_.little_endian);
+      block.ordinate = read_numbers<double>(file_, at_, points, form_.little_endian);
     else
-      block.ordinate = read_numbers<float>(at_, points, form_.little_endian);
+      block.ordinate = read_numbers<float>(file_, at_, points, form_.little_endian);
     at_ += points * point_bytes();
     return block;
   }
@@ -431,6 +431,7 @@ class Uff58Reader::Binary {
     block.ordinate = std::move(ordinate);
   }
 
+  const TextFile& file_;
   const Uff58Form& form_;
   const Uff58Extent& extent_;
   const char* at_;
@@ -471,7 +472,7 @@ Uff58Reader::Uff58Reader(const TextFile& file, const Uff58Form& form, const Uff5
     : left_(extent.points),
       even_lines_(!extent.counted) {
   if (form.binary)
-    binary_ = std::make_unique<Binary>(form, extent);
+    binary_ = std::make_unique<Binary>(file, form, extent);
   else
     text_ = std::make_unique<Text>(file, extent.start, form, lines_count);
 }

@@ -34,7 +34,7 @@ bool is_wave(std::string_view head) {
 /// libsndfile's view on the mapped bytes: it never sees the file system.
 class SoundBytes {
  public:
-  explicit SoundBytes(std::string_view bytes) : bytes_(bytes) {}
+  explicit SoundBytes(const MappedFile& file) : file_(file), bytes_(file.bytes()) {}
 
   static sf_count_t length(void* self) {
     return static_cast<sf_count_t>(static_cast<SoundBytes*>(self)->bytes_.size());
@@ -57,7 +57,11 @@ class SoundBytes {
     auto& sound = *static_cast<SoundBytes*>(self);
     const auto left = static_cast<sf_count_t>(sound.bytes_.size()) - sound.at_;
     const sf_count_t there = std::clamp<sf_count_t>(count, 0, left);
-    std::memcpy(to, sound.bytes_.data() + sound.at_, static_cast<std::size_t>(there));
+    try {
+      sound.file_.copy(sound.at(), static_cast<std::size_t>(there), to);
+    } catch (const datasets::FileError&) {
+      return 0;  // libsndfile is C: no exception may pass it
+    }
     sound.at_ += there;
     return there;
   }
@@ -66,7 +70,10 @@ class SoundBytes {
 
   static sf_count_t tell(void* self) { return static_cast<SoundBytes*>(self)->at_; }
 
+  std::size_t at() const { return static_cast<std::size_t>(at_); }
+
  private:
+  const MappedFile& file_;
   std::string_view bytes_;
   sf_count_t at_ = 0;
 };
@@ -117,7 +124,7 @@ std::string subtype_name(int subtype) {
 
 class WavReader final : public RecordingReader {
  public:
-  explicit WavReader(const std::string& path) : file_(path), bytes_(file_.bytes()) {
+  explicit WavReader(const std::string& path) : file_(path), bytes_(file_) {
     if (!is_wave(file_.bytes()))
       throw InputError(file_.byte_position(0),
                        "expected 'RIFF', 'RIFX' or 'RF64' and 'WAVE' at byte 8");
@@ -254,9 +261,12 @@ class WavReader final : public RecordingReader {
                                      head_.samples.front()));
       const auto count = static_cast<std::size_t>(got);
       for (std::size_t k = 0; k < chosen.size(); ++k) {
-        for (std::size_t i = 0; i < count; ++i) samples[i] = frames[i * all + chosen[k]];
         SampleBlock block;
-        block.raw = std::span<const Sample>(samples.data(), count);
+        block.raw = std::span<const Sample>(frames.data(), count);
+        if (all > 1) {
+          for (std::size_t i = 0; i < count; ++i) samples[i] = frames[i * all + chosen[k]];
+          block.raw = std::span<const Sample>(samples.data(), count);
+        }
         sink.take(k, block);
       }
       at += count;
