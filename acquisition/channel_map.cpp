@@ -130,6 +130,11 @@ class MappedRecording final : public RecordingReader {
       channel.unit = mapping.unit;
       channel.quantity = datasets::quantity_of_unit(channel.unit);
     }
+    if (mapping.full_scale) {
+      says["full scale"] = fmt::format("{} {}", *mapping.full_scale, channel.unit);
+      channel.scale *= *mapping.full_scale;
+      channel.offset *= *mapping.full_scale;
+    }
     if (mapping.sensitivity) to_physical(mapping, channel, says);
     if (mapping.polarity < 0.0) {
       says["polarity"] = "-1";
@@ -228,7 +233,9 @@ std::string suggested_map(const Record& record) {
       "# role (force, velocity, displacement, acceleration, ...); unit of the recorded numbers;\n"
       "# sensitivity (\"4 pC/N\", \"125 mm/s/V\") and gain (\"1 mV/pC\") where volts or coulombs "
       "are\n"
-      "# recorded; polarity = -1; position = \"0.69 m\" from the hinge; delay = \"2(1) us\".\n\n"
+      "# recorded; full_scale = \"10 V\" in place of unit where parts of full scale are; polarity "
+      "= -1;\n"
+      "# position = \"0.69 m\" from the hinge; delay = \"2(1) us\".\n\n"
       "others = \"drop\"  # or \"keep\": channels that are not named here\n",
       record.provenance.source_file);
   for (std::size_t i = 0; i < record.channels.size(); ++i) {
@@ -237,7 +244,9 @@ std::string suggested_map(const Record& record) {
     text += "\n[[channels]]\n";
     text += twice ? fmt::format("index = {}  # {}\n", i, channel.name)
                   : fmt::format("match = {}\n", quoted(channel.name));
-    if (channel.unit.empty()) {
+    if (channel.unit.starts_with("FS")) {
+      text += "# full_scale = \"10 V\"  # the file holds parts of full scale\n";
+    } else if (channel.unit.empty()) {
       text += "# unit = \"V\"  # the file states none\n";
     } else {
       text += fmt::format("unit = {}\n", quoted(channel.unit));

@@ -19,6 +19,8 @@ struct ChannelMapping {
   std::string name;                  ///< in place of the file's; "" = the file's
   std::optional<datasets::Quantity> role;
   std::string unit;  ///< of the file's numbers, in place of what the file says; "" = the file's
+  /// What 1.0 in the file stands for, in `unit`; > 0 (a WAVE file holds parts of full scale).
+  std::optional<double> full_scale;
   /// Recorded unit an SI unit of the role, gain included; > 0.
   std::optional<datasets::UncertainValue> sensitivity;
   std::string recorded_unit;       ///< of `sensitivity`: "V" or "pC"

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <set>
 
 #include "app/files.hpp"
@@ -26,6 +27,26 @@ void read_which(TableReader& table, ChannelMapping& mapping) {
   } else if (mapping.match.empty()) {
     mapping.match = table.required_text("match", "Force*");
   }
+}
+
+/// full_scale = "10 V": a number and the unit that the file's numbers then have.
+void read_full_scale(TableReader& table, ChannelMapping& mapping) {
+  const auto text = table.text("full_scale");
+  if (!text) return;
+  if (!mapping.unit.empty())
+    table.refuse("full_scale", "states the unit too: leave the key unit away");
+  double value = 0.0;
+  const char* const end = text->data() + text->size();
+  const auto [unit, error] = std::from_chars(text->data(), end, value);
+  const char* first = unit;
+  while (first != end && *first == ' ') ++first;
+  if (error != std::errc{} || !(value > 0.0) || first == end)
+    table.refuse("full_scale",
+                 fmt::format("expected a positive value with a unit, for example \"10 V\", found "
+                             "\"{}\"",
+                             *text));
+  mapping.full_scale = value;
+  mapping.unit = std::string(first, end);
 }
 
 void read_role(TableReader& table, ChannelMapping& mapping) {
@@ -58,6 +79,7 @@ ChannelMapping read_mapping(TableReader& table) {
   read_which(table, mapping);
   mapping.name = table.text("name").value_or("");
   mapping.unit = table.text("unit").value_or("");
+  read_full_scale(table, mapping);
   read_role(table, mapping);
   read_sensitivity(table, mapping);
   if (const auto polarity = table.integer("polarity")) {

@@ -222,8 +222,8 @@ class WavReader final : public RecordingReader {
       record.warnings.emplace_back("the file has no channels");
     else
       record.warnings.emplace_back(
-          "a WAVE file holds no physical units: samples are parts of full scale, whose value a "
-          "calibration must state (sensitivity in the rig file, per FS)");
+          "a WAVE file holds no physical units: samples are parts of full scale; a map says what "
+          "full scale is (import --map, full_scale = \"10 V\")");
   }
 
   /// The file's size as its header has it; a recorder that was stopped leaves another one.

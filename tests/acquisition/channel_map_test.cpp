@@ -136,6 +136,18 @@ TEST(ChannelMap, RefusesWhatDoesNotFit) {
             "'Temp'");
 }
 
+TEST(ChannelMap, KnowsWhatFullScaleIs) {
+  ChannelMapping force = matching("ch1");
+  force.unit = "V";
+  force.full_scale = 10.0;
+  force.role = Quantity::force;
+  force.sensitivity = datasets::UncertainValue{0.1, 0.0};
+  force.recorded_unit = "V";
+  const Record record = read({"m", false, {force}});
+  EXPECT_DOUBLE_EQ(record.channels.at(0).value(0), 10.0);  // 0.1 of 10 V by 0.1 V/N
+  EXPECT_EQ(record.provenance.edits.at(0).parameters.at("full scale"), "10 V");
+}
+
 TEST(ChannelMap, TakesAStatedUnitInPlaceOfTheFiles) {
   ChannelMapping velocity = matching("ch1");
   velocity.unit = "mm/s";

@@ -16,8 +16,8 @@ using tests::imported;
 using tests::WavFile;
 
 const std::string calibrate =
-    "a WAVE file holds no physical units: samples are parts of full scale, whose value a "
-    "calibration must state (sensitivity in the rig file, per FS)";
+    "a WAVE file holds no physical units: samples are parts of full scale; a map says what full "
+    "scale is (import --map, full_scale = \"10 V\")";
 
 class Wav : public testing::TestWithParam<bool> {
  protected:

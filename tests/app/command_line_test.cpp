@@ -130,6 +130,13 @@ TEST_F(CommandLine, ImportsByAMapThatItSuggests) {
   EXPECT_THAT(o.err, HasSubstr("bad.toml:3:5"));
   EXPECT_THAT(o.err, HasSubstr("role"));
   EXPECT_EQ(run("import " + file).code, 2);
+  for (const char* const wrong : {"10", "V", "-1 V", ""}) {
+    const std::string bad =
+        write("scale.toml", fmt::format("[[channels]]\nindex = 0\nfull_scale = \"{}\"\n", wrong));
+    o = run("import " + file + " --map " + bad + " -o " + path("d.h5"));
+    EXPECT_EQ(o.code, 3);
+    EXPECT_THAT(o.err, HasSubstr("expected a positive value with a unit, for example \"10 V\""));
+  }
 }
 
 TEST_F(CommandLine, InspectsByTheHeadAndByParts) {
