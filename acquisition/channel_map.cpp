@@ -80,10 +80,17 @@ class MappedRecording final : public RecordingReader {
             mapping.index ? fmt::format("index {}", *mapping.index) : "'" + mapping.match + "'",
             list_of(there)));
       if (found.size() > 1 && !mapping.name.empty())
-        refuse(fmt::format("'{}' matches {} channels, which cannot all be called '{}'",
-                           mapping.match, found.size(), mapping.name));
+        refuse(
+            fmt::format("'{}' matches {} channels, which cannot all be called '{}' (index = "
+                        "picks one)",
+                        mapping.match, found.size(), mapping.name));
+      const std::size_t before = channels_.size();
       for (const std::size_t index : found)
         if (taken.insert(index).second) channels_.push_back({index, &mapping});
+      if (channels_.size() == before)
+        refuse(fmt::format(
+            "{} matches only what an entry above it took: put it first",
+            mapping.index ? fmt::format("index {}", *mapping.index) : "'" + mapping.match + "'"));
     }
     if (!map_.keep_others) return;
     for (std::size_t i = 0; i < there.size(); ++i)
@@ -125,6 +132,11 @@ class MappedRecording final : public RecordingReader {
       says["name in file"] = channel.name;
       channel.name = mapping.name;
     }
+    if (mapping.full_scale && !channel.unit.empty() && !channel.unit.starts_with("FS"))
+      refuse(
+          fmt::format("'{}' is recorded in '{}', not in parts of full scale: leave full_scale "
+                      "away",
+                      channel.name, channel.unit));
     if (!mapping.unit.empty() && mapping.unit != channel.unit) {
       says["unit in file"] = channel.unit.empty() ? "not stated" : channel.unit;
       channel.unit = mapping.unit;
@@ -240,10 +252,11 @@ std::string suggested_map(const Record& record) {
       record.provenance.source_file);
   for (std::size_t i = 0; i < record.channels.size(); ++i) {
     const Channel& channel = record.channels[i];
-    const bool twice = std::ranges::count(record.channels, channel.name, &Channel::name) > 1;
+    const bool no_name = std::ranges::count(record.channels, channel.name, &Channel::name) > 1 ||
+                         channel.name.find_first_of("*?") != std::string::npos;
     text += "\n[[channels]]\n";
-    text += twice ? fmt::format("index = {}  # {}\n", i, channel.name)
-                  : fmt::format("match = {}\n", quoted(channel.name));
+    text += no_name ? fmt::format("index = {}  # {}\n", i, channel.name)
+                    : fmt::format("match = {}\n", quoted(channel.name));
     if (channel.unit.starts_with("FS")) {
       text += "# full_scale = \"10 V\"  # the file holds parts of full scale\n";
     } else if (channel.unit.empty()) {

@@ -179,8 +179,9 @@ SampleRange samples_within(const SampleClock& clock, std::uint64_t samples,
   const double first = std::ceil((wanted.from - clock.start) / clock.interval - rounding);
   const double last = std::floor((wanted.to - clock.start) / clock.interval + rounding) + 1.0;
   SampleRange range;
-  range.first = static_cast<std::uint64_t>(std::clamp(first, 0.0, end));
-  range.last = static_cast<std::uint64_t>(std::clamp(last, 0.0, end));
+  // written so that an edge that is not a number cuts nothing
+  range.first = first > 0.0 ? static_cast<std::uint64_t>(std::min(first, end)) : 0;
+  range.last = last < end ? static_cast<std::uint64_t>(std::max(last, 0.0)) : samples;
   range.last = std::max(range.first, range.last);
   return range;
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 #include <set>
 
 #include "app/files.hpp"
@@ -40,7 +41,7 @@ void read_full_scale(TableReader& table, ChannelMapping& mapping) {
   const auto [unit, error] = std::from_chars(text->data(), end, value);
   const char* first = unit;
   while (first != end && *first == ' ') ++first;
-  if (error != std::errc{} || !(value > 0.0) || first == end)
+  if (error != std::errc{} || !(value > 0.0) || !std::isfinite(value) || first == end)
     table.refuse("full_scale",
                  fmt::format("expected a positive value with a unit, for example \"10 V\", found "
                              "\"{}\"",

@@ -79,6 +79,12 @@ void join(datasets::Record&& next, datasets::Record& record) {
                                      {{"file", next.provenance.source_file},
                                       {"sha256", next.provenance.sha256},
                                       {"channels", std::to_string(next.channels.size())}}});
+  for (datasets::Edit& edit : next.provenance.edits)
+    record.provenance.edits.push_back(std::move(edit));
+  if (next.started != record.started && !next.started.empty() && !record.started.empty())
+    record.warnings.push_back(
+        fmt::format("{} started at {}, the first file at {}: their times are not put on one axis",
+                    next.provenance.source_file, next.started, record.started));
   for (datasets::Channel& channel : next.channels) record.channels.push_back(std::move(channel));
   for (std::string& warning : next.warnings) record.warnings.push_back(std::move(warning));
 }

@@ -55,6 +55,8 @@ acquisition::ImportOptions import_options(const ImportArguments& arguments) {
       throw CLI::ValidationError("--sample-rate", "must be greater than zero");
     options.sample_rate = arguments.sample_rate;
   }
+  if (!(arguments.from <= arguments.to))
+    throw CLI::ValidationError("--from", "must not be later than --to; both are times in seconds");
   options.channels = arguments.channels;
   options.from = arguments.from;
   options.to = arguments.to;

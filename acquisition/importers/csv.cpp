@@ -30,6 +30,9 @@ constexpr std::size_t rows_at_once = 16384;
 /// Rows at the start of a larger file that say what its columns are.
 constexpr std::size_t probed_rows = 100000;
 
+/// For a count of rows that is not known.
+constexpr std::uint64_t any_number = ~std::uint64_t{0} >> 12;
+
 /// What the head of a file and its first rows say.
 struct CsvHead {
   CsvHead(const std::string& path, const ImportOptions& options)
@@ -195,7 +198,7 @@ class LargeCsv final : public RecordingReader {
     if (!roles().time) return;
     const std::vector<double> first = times_of(probe);
     RowReader end(csv_->file, csv_->layout, csv_->names);
-    end.seek(start_of_last_lines(text, 3));
+    end.seek(std::max(start_of_last_lines(text, 3), csv_->layout.data));
     Table last = end.read(3);
     first_ = first.front();
     last_ = last.rows > 0 ? times_of(last).back() : first.back();
@@ -254,7 +257,7 @@ class LargeCsv final : public RecordingReader {
               static_cast<std::size_t>(std::ranges::upper_bound(times, wanted.to) - times.begin());
         }
       } else {
-        const SampleRange range = samples_within(clock_, ~std::uint64_t{0} >> 12, wanted);
+        const SampleRange range = samples_within(clock_, any_number, wanted);
         part.first =
             static_cast<std::size_t>(std::clamp(range.first, before, before + piece.rows) - before);
         part.last =
@@ -312,7 +315,7 @@ class LargeCsv final : public RecordingReader {
     if (!roles().time) {
       datasets::SampleClock clock = clock_;
       clock.start +=
-          clock.interval * static_cast<double>(samples_within(clock, rows_, wanted).first);
+          clock.interval * static_cast<double>(samples_within(clock, any_number, wanted).first);
       return clock;
     }
     const std::size_t time = *roles().time;

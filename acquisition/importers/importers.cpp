@@ -135,12 +135,17 @@ bool lacks_clock(const RecordingHead& head, std::size_t index) {
 /// Samples that are infinite or not a number cannot be used: they are marked, whatever the format.
 class FiniteSamples final : public SampleSink {
  public:
-  FiniteSamples(std::size_t channels, bool without_times, SampleSink& next)
+  /// `ranges`: the samples of each channel that go on; none: all, with their times.
+  FiniteSamples(std::size_t channels, std::vector<SampleRange> ranges, SampleSink& next)
       : marks_(channels),
-        without_times_(without_times),
+        seen_(channels),
+        ranges_(std::move(ranges)),
         next_(next) {}
 
-  void take(std::size_t index, const SampleBlock& block) override {
+  void take(std::size_t index, const SampleBlock& whole) override {
+    const SampleBlock block = ranges_.empty() ? whole : within(ranges_[index], seen_[index], whole);
+    seen_[index] += whole.size();
+    if (block.size() == 0) return;
     SampleBlock checked = block;
     const bool finite = std::visit([](auto samples) { return all_finite(samples); }, block.raw) &&
                         all_finite(block.imaginary);
@@ -154,7 +159,11 @@ class FiniteSamples final : public SampleSink {
   }
 
   void take_times(std::size_t index, std::span<const double> times) override {
-    if (!without_times_) next_.take_times(index, times);
+    if (ranges_.empty()) next_.take_times(index, times);
+  }
+
+  bool any() const {
+    return std::ranges::any_of(marks_, [](const Marks& marks) { return marks.samples > 0; });
   }
 
   void tell(Record& record) const {
@@ -203,8 +212,22 @@ class FiniteSamples final : public SampleSink {
     }
   }
 
+  /// The part of a block that lies in a range; the block's first sample is sample `first`.
+  static SampleBlock within(SampleRange range, std::uint64_t first, const SampleBlock& block) {
+    const std::uint64_t end = first + block.size();
+    const auto from = static_cast<std::size_t>(std::clamp(range.first, first, end) - first);
+    const auto to = static_cast<std::size_t>(std::clamp(range.last, first, end) - first);
+    const std::size_t count = std::max(from, to) - from;
+    SampleBlock part;
+    std::visit([&](auto raw) { part.raw = raw.subspan(from, count); }, block.raw);
+    if (!block.imaginary.empty()) part.imaginary = block.imaginary.subspan(from, count);
+    if (!block.valid.empty()) part.valid = block.valid.subspan(from, count);
+    return part;
+  }
+
   std::vector<Marks> marks_;
-  bool without_times_;
+  std::vector<std::uint64_t> seen_;
+  std::vector<SampleRange> ranges_;
   SampleSink& next_;
   std::vector<std::uint8_t> valid_;
 };
@@ -243,9 +266,20 @@ class CheckedRecording final : public RecordingReader {
     if (require_clock_)
       for (const std::size_t index : chosen)
         if (lacks_clock(head_, index)) throw InputError(place_of(path_), no_clock(index));
-    FiniteSamples checked(chosen.size(), rate_.has_value(), sink);
-    Record record = reader_->read(wanted, checked);
-    if (rate_) apply_sample_rate(record, *rate_);
+    // with another rate than the file's, the window is not the file's either
+    Selection of_file = wanted;
+    if (rate_) of_file = {wanted.channels};
+    FiniteSamples checked(chosen.size(),
+                          rate_ ? ranges(chosen, wanted) : std::vector<SampleRange>{}, sink);
+    Record record = reader_->read(of_file, checked);
+    if (rate_) {
+      apply_sample_rate(record, *rate_);
+      for (std::size_t i = 0; i < chosen.size(); ++i) {
+        datasets::SampleClock& clock = record.channels[i].clock;
+        clock.start += clock.interval * static_cast<double>(range_of(clock, wanted).first);
+      }
+    }
+    if (wanted.has_window() && !checked.any()) refuse_window(chosen, wanted);
     for (const std::string& warning : head_.record.warnings)
       if (std::ranges::find(record.warnings, warning) == record.warnings.end())
         record.warnings.push_back(warning);
@@ -260,6 +294,38 @@ class CheckedRecording final : public RecordingReader {
         "'{}' has neither times nor a sample rate: state it with --sample-rate, or the column with "
         "--time-column",
         head_.record.channels[index].name);
+  }
+
+  /// The samples of a re-rated clock in the window, however many there are.
+  static SampleRange range_of(const datasets::SampleClock& clock, const Selection& wanted) {
+    return samples_within(clock, ~std::uint64_t{0} >> 12, wanted);
+  }
+
+  std::vector<SampleRange> ranges(const std::vector<std::size_t>& chosen,
+                                  const Selection& wanted) const {
+    std::vector<SampleRange> list;
+    for (const std::size_t index : chosen)
+      list.push_back(range_of(head_.record.channels[index].clock, wanted));
+    return list;
+  }
+
+  /// Where the head has samples but the window none.
+  void refuse_window(const std::vector<std::size_t>& chosen, const Selection& wanted) const {
+    double first = std::numeric_limits<double>::infinity();
+    double last = -first;
+    for (const std::size_t index : chosen) {
+      if (head_.samples[index] == 0) continue;
+      const datasets::SampleClock& clock = head_.record.channels[index].clock;
+      first = std::min(first, clock.start);
+      last = std::max(last,
+                      clock.start + clock.interval * static_cast<double>(head_.samples[index] - 1));
+    }
+    if (first > last) return;
+    throw InputError(
+        place_of(path_),
+        fmt::format("there is no sample between {:.9g} and {:.9g} s: the recording goes "
+                    "from {:.9g} to {:.9g} s",
+                    wanted.from, wanted.to, first, last));
   }
 
   std::unique_ptr<RecordingReader> reader_;

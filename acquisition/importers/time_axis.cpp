@@ -40,10 +40,18 @@ long odd_part(long number) {
   return number;
 }
 
+/// Every how many times one is looked at: not a multiple of 2 or 5, as those times are rounder than
+/// the others.
+std::uint64_t example_stride(std::uint64_t times) {
+  std::uint64_t stride = std::max<std::uint64_t>(1, times / 1000);
+  while (stride > 1 && (stride % 2 == 0 || stride % 5 == 0)) ++stride;
+  return stride;
+}
+
 }  // namespace
 
 double printed_resolution(std::span<const double> times) {
-  const std::size_t stride = std::max<std::size_t>(1, times.size() / 1000);
+  const std::uint64_t stride = example_stride(times.size());
   int digits = 1;
   double largest = 0.0;
   for (std::size_t i = 0; i < times.size(); i += stride)
@@ -65,7 +73,7 @@ TimeAxisCheck::TimeAxisCheck(double first, double last, std::uint64_t samples)
 }
 
 void TimeAxisCheck::add(std::span<const double> times) {
-  const std::uint64_t stride = std::max<std::uint64_t>(1, samples_ / 1000);
+  const std::uint64_t stride = example_stride(samples_);
   if (seen_ == 0 && !times.empty()) first_seen_ = times.front();
   double before = last_seen_;
   for (const double time : times) {

@@ -110,7 +110,16 @@ TEST(ChannelMap, RefusesWhatDoesNotFit) {
   ChannelMapping several = matching("ch*");
   several.name = "Force";
   EXPECT_EQ(refused({"map.toml", false, {several}}),
-            "map.toml: 'ch*' matches 2 channels, which cannot all be called 'Force'");
+            "map.toml: 'ch*' matches 2 channels, which cannot all be called 'Force' (index = picks "
+            "one)");
+  EXPECT_EQ(refused({"map.toml", false, {matching("*"), matching("ch1")}}),
+            "map.toml: 'ch1' matches only what an entry above it took: put it first");
+  ChannelMapping scaled = matching("ch2");
+  scaled.unit = "V";
+  scaled.full_scale = 10.0;
+  EXPECT_EQ(refused({"map.toml", false, {scaled}}),
+            "map.toml: 'ch2' is recorded in 'mV', not in parts of full scale: leave full_scale "
+            "away");
   ChannelMapping force = matching("ch2");
   force.role = Quantity::force;
   EXPECT_EQ(refused({"map.toml", false, {force}}),

@@ -404,6 +404,19 @@ TEST(Import, OfChannelsByNameAndAWindow) {
   EXPECT_EQ(record.channels[0].size(), 100U);
   EXPECT_EQ(record.channels[0].value(0), 100.0);
   EXPECT_DOUBLE_EQ(record.channels[0].clock.start, 1e-4);
+  options.sample_rate = 1e5;  // the window is that of the stated rate
+  options.from = 1e-3;
+  options.to = 1.99e-3;
+  const Record rated = import_recording(file.path(), options);
+  ASSERT_EQ(rated.channels[0].size(), 100U);
+  EXPECT_EQ(rated.channels[0].value(0), 100.0);
+  EXPECT_DOUBLE_EQ(rated.channels[0].clock.start, 1e-3);
+  EXPECT_EQ(rated.channels[0].clock.interval, 1e-5);
+  options.sample_rate.reset();
+  options.from = 5.0;
+  options.to = 6.0;
+  EXPECT_EQ(tests::import_error(table(1000, microseconds), options, ".csv"),
+            "FILE: there is no sample between 5 and 6 s: the recording goes from 0 to 0.000999 s");
   options.channels = {"Torque"};
   EXPECT_EQ(tests::import_error(table(3, microseconds), options, ".csv"),
             "FILE: there is no channel 'Torque'; the channels are 'Force', 'Velocity'");

@@ -53,6 +53,14 @@ TEST(TimeAxis, KeepsTimesThatAreNotUniform) {
             "s): every time is kept");
 }
 
+// One time in a hundred would be a multiple of 0.01 s.
+TEST(TimeAxis, OfALostStretchOfRoundTimesIsNotUniform) {
+  std::vector<double> times;
+  for (int i = 0; i < 100101; ++i)
+    if (i < 50000 || i >= 50100) times.push_back(1e-4 * i);
+  EXPECT_FALSE(time_axis(printed(times, 6)).clock.uniform());
+}
+
 TEST(TimeAxis, OfALostSampleIsNotUniform) {
   std::vector<double> times = line(1000, 0.0, 0.001);
   times.erase(times.begin() + 500);

@@ -151,6 +151,8 @@ TEST_F(CommandLine, InspectsByTheHeadAndByParts) {
   ASSERT_EQ(j["channels"].size(), 1U);
   EXPECT_EQ(j["channels"][0]["samples"], 10);
   EXPECT_EQ(j["channels"][0]["sum"], -145.0);
+  EXPECT_EQ(run("inspect --from 0 --to nan " + file).code, 2);
+  EXPECT_EQ(run("inspect --from 2e-6 --to 1e-6 " + file).code, 2);
   EXPECT_EQ(run("import --channel Velocity " + file + " -o " + path("part.h5")).code, 0);
   EXPECT_EQ(json::parse(run("inspect --json " + path("part.h5")).out)["channels"].size(), 1U);
 }
