@@ -21,15 +21,6 @@ constexpr std::size_t block_size = 65536;
 /// A head's count may be wrong: vectors grow beyond this only as samples come.
 constexpr std::uint64_t most_reserved = std::uint64_t{1} << 24;
 
-/// The samples whose stated times lie in the window. Times that go back and forth are not cut.
-SampleRange samples_within(const std::vector<double>& times, const Selection& wanted) {
-  if (!wanted.has_window() || !std::ranges::is_sorted(times)) return {0, times.size()};
-  const auto first = std::ranges::lower_bound(times, wanted.from);
-  const auto last = std::ranges::upper_bound(times, wanted.to);
-  return {static_cast<std::uint64_t>(first - times.begin()),
-          static_cast<std::uint64_t>(std::max(first, last) - times.begin())};
-}
-
 template <typename T>
 std::span<const T> part(const std::vector<T>& all, std::size_t first, std::size_t count) {
   return all.empty() ? std::span<const T>{} : std::span<const T>(all).subspan(first, count);
@@ -55,13 +46,10 @@ class RecordInMemory final : public RecordingReader {
     record.channels.clear();
     for (const std::size_t index : chosen) {
       const Channel& channel = full_.channels[index];
-      const SampleRange range =
-          channel.clock.uniform()
-              ? acquisition::samples_within(channel.clock, channel.size(), wanted)
-              : samples_within(channel.clock.times, wanted);
+      Channel head = without(channel);
+      const SampleRange range = range_of(channel, wanted, head.clock);
       hand_over(channel, range, record.channels.size(), sink);
-      record.channels.push_back(without(channel));
-      if (range.first < range.last) settle(channel, range, record.channels.back().clock);
+      record.channels.push_back(std::move(head));
     }
     return record;
   }
@@ -81,12 +69,18 @@ class RecordInMemory final : public RecordingReader {
     return head;
   }
 
-  /// The clock of a part of a channel, without times.
-  static void settle(const Channel& channel, SampleRange range, SampleClock& clock) {
-    clock.start = channel.clock.time(range.first);
-    if (channel.clock.uniform() || range.last - range.first < 2) return;
-    clock.interval = (channel.clock.time(range.last - 1) - clock.start) /
-                     static_cast<double>(range.last - range.first - 1);
+  /// The samples of a window, whose clock `clock` becomes.
+  static SampleRange range_of(const Channel& channel, const Selection& wanted, SampleClock& clock) {
+    if (channel.clock.uniform()) {
+      const SampleRange range = samples_within(channel.clock, channel.size(), wanted);
+      clock.start = channel.clock.time(range.first);
+      return range;
+    }
+    if (!wanted.has_window()) return {0, channel.size()};
+    TimeWindow window(wanted);
+    window.add(channel.clock.times);
+    window.settle(clock);
+    return window.range();
   }
 
   static void hand_over(const Channel& channel, SampleRange range, std::size_t index,
@@ -184,6 +178,34 @@ SampleRange samples_within(const SampleClock& clock, std::uint64_t samples,
   range.last = last < end ? static_cast<std::uint64_t>(std::max(last, 0.0)) : samples;
   range.last = std::max(range.first, range.last);
   return range;
+}
+
+void TimeWindow::add(std::span<const double> times) {
+  for (const double time : times) {
+    increasing_ = increasing_ && !(time < before_);
+    before_ = time;
+    if (time >= wanted_.from && time <= wanted_.to) {
+      if (!inside_) {
+        inside_ = true;
+        range_.first = seen_;
+        first_ = time;
+      }
+      range_.last = seen_ + 1;
+      last_ = time;
+    }
+    ++seen_;
+  }
+}
+
+SampleRange TimeWindow::range() const {
+  return increasing_ ? range_ : SampleRange{0, seen_};
+}
+
+void TimeWindow::settle(SampleClock& clock) const {
+  if (!increasing_ || !inside_) return;
+  clock.start = first_;
+  const std::uint64_t samples = range_.last - range_.first;
+  if (samples > 1) clock.interval = (last_ - first_) / static_cast<double>(samples - 1);
 }
 
 std::vector<std::size_t> selected_channels(const RecordingHead& head, const Selection& wanted) {

@@ -77,6 +77,30 @@ struct SampleRange {
 SampleRange samples_within(const datasets::SampleClock& clock, std::uint64_t samples,
                            const Selection& wanted);
 
+/// Finds the samples of a window among stated times that come piece by piece. Times that go back
+/// are not cut.
+class TimeWindow {
+ public:
+  explicit TimeWindow(const Selection& wanted) : wanted_(wanted) {}
+
+  void add(std::span<const double> times);
+
+  SampleRange range() const;
+
+  /// Makes a clock that of these samples: start and mean step.
+  void settle(datasets::SampleClock& clock) const;
+
+ private:
+  const Selection& wanted_;
+  std::uint64_t seen_ = 0;
+  double before_ = -std::numeric_limits<double>::infinity();
+  bool increasing_ = true;
+  bool inside_ = false;
+  SampleRange range_{};
+  double first_ = 0.0;  // times of the range's ends
+  double last_ = 0.0;
+};
+
 /// The channels asked for, by index. Throws std::invalid_argument for one that is not there.
 std::vector<std::size_t> selected_channels(const RecordingHead& head, const Selection& wanted);
 

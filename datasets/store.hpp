@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "datasets/impact.hpp"
 #include "datasets/record.hpp"
@@ -35,6 +36,9 @@ class StoredRecord {
 
   std::uint64_t samples(std::size_t channel) const;
   bool has_times(std::size_t channel) const;
+
+  /// A piece of the stated times of a channel that has them [s]. Throws InputError.
+  std::vector<double> times(std::size_t channel, std::uint64_t first, std::size_t count) const;
 
   /// A piece of a channel's samples with all that goes with them. Throws InputError.
   Channel piece(std::size_t channel, std::uint64_t first, std::size_t count) const;

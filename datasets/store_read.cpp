@@ -226,6 +226,11 @@ class StoredRecord::File {
 
   const ChannelNodes& nodes(std::size_t channel) const { return channels_.at(channel); }
 
+  std::vector<double> times(std::size_t index, std::uint64_t first, std::size_t count) const {
+    const Hdf5Session session;
+    return reader_.numbers<double>(channels_.at(index).times.value(), first, count);
+  }
+
   Channel piece(std::size_t index, std::uint64_t first, std::size_t count) const {
     const Hdf5Session session;
     const ChannelNodes& nodes = channels_.at(index);
@@ -299,6 +304,11 @@ std::uint64_t StoredRecord::samples(std::size_t channel) const {
 
 bool StoredRecord::has_times(std::size_t channel) const {
   return file_->nodes(channel).times.has_value();
+}
+
+std::vector<double> StoredRecord::times(std::size_t channel, std::uint64_t first,
+                                        std::size_t count) const {
+  return file_->times(channel, first, count);
 }
 
 Channel StoredRecord::piece(std::size_t channel, std::uint64_t first, std::size_t count) const {

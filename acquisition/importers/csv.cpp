@@ -211,7 +211,28 @@ class LargeCsv final : public RecordingReader {
     check.add(first);
     clock_ = check.axis().clock;
     if (rows_ > 1) clock_.interval = (last_ - first_) / static_cast<double>(rows_ - 1);
-    sorted_ = std::ranges::is_sorted(first);
+    sorted_ = std::ranges::is_sorted(first) && increases_throughout();
+  }
+
+  /// Looks at rows all over the file: times that go back anywhere for long are seen.
+  bool increases_throughout() {
+    constexpr std::size_t places = 256;
+    const std::string_view text = csv_->file.text();
+    const char* const end = text.data() + text.size();
+    const auto bytes = static_cast<std::size_t>(end - csv_->layout.data);
+    RowReader rows(csv_->file, csv_->layout, csv_->names);
+    double before = first_;
+    for (std::size_t i = 1; i < places; ++i) {
+      const char* at = csv_->layout.data + bytes / places * i;
+      take_line(at, end);
+      rows.seek(at);
+      Table row = rows.read(1);
+      if (row.rows == 0) break;
+      const double time = times_of(row).front();
+      if (time < before) return false;
+      before = time;
+    }
+    return last_ >= before;
   }
 
   static const char* start_of_last_lines(std::string_view text, int lines) {

@@ -45,41 +45,40 @@ class OurRecording final : public RecordingReader {
  private:
   void read_channel(std::size_t index, const Selection& wanted, std::size_t number, Channel& head,
                     SampleSink& sink) const {
-    const std::uint64_t samples = head_.samples[index];
-    const bool stated = stored_.has_times(index);
-    const SampleRange range =
-        stated ? SampleRange{0, samples} : samples_within(head.clock, samples, wanted);
-    bool first_block = true;
+    const SampleRange range = range_of(index, wanted, head.clock);
     for (std::uint64_t at = range.first; at < range.last;) {
       // pieces end where the file's do
       const std::uint64_t count = std::min(range.last - at, read_at_once - at % read_at_once);
-      const Channel piece = stored_.piece(index, at, static_cast<std::size_t>(count));
+      hand_over(stored_.piece(index, at, static_cast<std::size_t>(count)), number, sink);
       at += count;
-      std::size_t first = 0;
-      std::size_t last = static_cast<std::size_t>(count);
-      if (stated && wanted.has_window()) {
-        while (first < last && piece.clock.times[first] < wanted.from) ++first;
-        while (last > first && piece.clock.times[last - 1] > wanted.to) --last;
-      }
-      if (first == last) continue;
-      if (stated && first_block) head.clock.start = piece.clock.times[first];
-      first_block = false;
-      hand_over(piece, first, last - first, number, sink);
     }
-    if (!stated) head.clock.start += head.clock.interval * static_cast<double>(range.first);
   }
 
-  static void hand_over(const Channel& piece, std::size_t first, std::size_t count,
-                        std::size_t number, SampleSink& sink) {
+  /// The samples of a window, whose clock `clock` becomes.
+  SampleRange range_of(std::size_t index, const Selection& wanted,
+                       datasets::SampleClock& clock) const {
+    const std::uint64_t samples = head_.samples[index];
+    if (!stored_.has_times(index)) {
+      const SampleRange range = samples_within(clock, samples, wanted);
+      clock.start += clock.interval * static_cast<double>(range.first);
+      return range;
+    }
+    if (!wanted.has_window()) return {0, samples};
+    TimeWindow found(wanted);
+    for (std::uint64_t at = 0; at < samples; at += read_at_once)
+      found.add(
+          stored_.times(index, at, static_cast<std::size_t>(std::min(read_at_once, samples - at))));
+    found.settle(clock);
+    return found.range();
+  }
+
+  static void hand_over(const Channel& piece, std::size_t number, SampleSink& sink) {
     SampleBlock block;
-    std::visit([&](const auto& raw) { block.raw = std::span(raw).subspan(first, count); },
-               piece.raw);
-    if (!piece.imaginary.empty())
-      block.imaginary = std::span(piece.imaginary).subspan(first, count);
-    if (!piece.valid.empty()) block.valid = std::span(piece.valid).subspan(first, count);
+    std::visit([&](const auto& raw) { block.raw = std::span(raw); }, piece.raw);
+    block.imaginary = piece.imaginary;
+    block.valid = piece.valid;
     sink.take(number, block);
-    if (!piece.clock.times.empty())
-      sink.take_times(number, std::span(piece.clock.times).subspan(first, count));
+    if (!piece.clock.times.empty()) sink.take_times(number, piece.clock.times);
   }
 
   datasets::StoredRecord stored_;

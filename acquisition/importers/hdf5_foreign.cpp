@@ -111,7 +111,7 @@ class ForeignReader final : public RecordingReader {
       Hdf5Slice slice = slices_[index];
       const SampleRange range = slice.times == nullptr
                                     ? samples_within(channel.clock, slice.count, wanted)
-                                    : range_of_times(slice, wanted, channel.clock.start);
+                                    : range_of_times(slice, wanted, channel.clock);
       if (slice.times == nullptr)
         channel.clock.start += channel.clock.interval * static_cast<double>(range.first);
       slice.first = range.first;
@@ -330,16 +330,15 @@ class ForeignReader final : public RecordingReader {
     if (!list.empty()) head_.record.warnings.push_back("not read: " + list);
   }
 
-  SampleRange range_of_times(const Hdf5Slice& slice, const Selection& wanted, double& start) const {
+  SampleRange range_of_times(const Hdf5Slice& slice, const Selection& wanted,
+                             datasets::SampleClock& clock) const {
     if (!wanted.has_window()) return {0, slice.count};
     std::vector<double> times = all_of(path_, *slice.times);
     for (double& time : times) time *= slice.seconds;
-    if (!std::ranges::is_sorted(times)) return {0, slice.count};
-    const auto first = std::ranges::lower_bound(times, wanted.from);
-    const auto last = std::max(first, std::ranges::upper_bound(times, wanted.to));
-    if (first != times.end()) start = *first;
-    return {static_cast<std::uint64_t>(first - times.begin()),
-            static_cast<std::uint64_t>(last - times.begin())};
+    TimeWindow found(wanted);
+    found.add(times);
+    found.settle(clock);
+    return found.range();
   }
 
   std::string path_;

@@ -297,27 +297,15 @@ class MdfRecording final : public RecordingReader {
   SampleRange between(const Group& group, RecordBytes& bytes, const Selection& wanted,
                       datasets::SampleClock& clock) {
     if (!wanted.has_window()) return {0, group.records};
-    SampleRange range{group.records, group.records};
-    double before = -std::numeric_limits<double>::infinity();
-    bool inside = false;
+    TimeWindow found(wanted);
     const std::uint64_t rows = rows_at_once(group);
     for (std::uint64_t i = 0; i < group.records; i += rows) {
       const std::uint64_t count = std::min(rows, group.records - i);
-      const char* const records = bytes.view(i * group.record_bytes, count * group.record_bytes);
-      for (std::uint64_t k = i; const double time : times_of(group, records, count)) {
-        if (time < before) return {0, group.records};  // times that go back are not cut
-        before = time;
-        if (!inside && time >= wanted.from) {
-          inside = true;
-          range.first = k;
-          clock.start = time;
-        }
-        if (inside && time > wanted.to && range.last == group.records) range.last = k;
-        ++k;
-      }
+      found.add(
+          times_of(group, bytes.view(i * group.record_bytes, count * group.record_bytes), count));
     }
-    range.last = std::max(range.first, range.last);
-    return range;
+    found.settle(clock);
+    return found.range();
   }
 
   void hand_over(const Group& group, RecordBytes& bytes, SampleRange range,

@@ -441,27 +441,16 @@ class NumbersReader final : public RecordingReader {
     if (!wanted.has_window()) return {0, times.size()};
     FileWindow window(*file_);
     NumberCursor cursor(window, times);
-    SampleRange range{times.size(), times.size()};
+    TimeWindow found(wanted);
     std::vector<double> block;
-    double before = -std::numeric_limits<double>::infinity();
-    bool inside = false;
     for (std::uint64_t i = 0; i < times.size(); i += block.size()) {
       block.resize(std::min(block_size, times.size() - i));
       cursor.read(block.size(), block.data());
       if (channel.times_scaling) channel.times_scaling(block);
-      for (std::size_t k = 0; k < block.size(); ++k) {
-        if (block[k] < before) return {0, times.size()};  // times that go back are not cut
-        before = block[k];
-        if (!inside && block[k] >= wanted.from) {
-          inside = true;
-          range.first = i + k;
-          clock.start = block[k];
-        }
-        if (inside && block[k] > wanted.to && range.last == times.size()) range.last = i + k;
-      }
+      found.add(block);
     }
-    range.last = std::max(range.first, range.last);
-    return range;
+    found.settle(clock);
+    return found.range();
   }
 
   std::unique_ptr<MappedFile> file_;

@@ -319,16 +319,25 @@ class UffRecording final : public RecordingReader {
     if (!uff58_read_exact_clock(header.id[4], channel.clock)) offer_nice_rate(header, channel);
   }
 
+  /// Hands the abscissas of a function, times `factor`, to `use` piece by piece.
+  template <typename Use>
+  void for_each_abscissa(const Function& function, double factor, const Use& use) {
+    Uff58Reader reader(file_, function.header.form, function.extent, function.lines_count);
+    for (const char* start = reader.at();; start = reader.at()) {
+      Uff58Block block = reader.read(points_at_once);
+      if (block.size() == 0) return;
+      for (double& abscissa : block.abscissa) abscissa *= factor;
+      use(std::span<const double>(block.abscissa));
+      file_.release(start, reader.at());
+    }
+  }
+
   /// Judges the stated times of a function.
   TimeAxisCheck time_axis_of(const Function& function, double factor) {
     const auto [first, last] = abscissa_ends(function);
     TimeAxisCheck check(factor * first, factor * last, function.extent.points);
-    Uff58Reader reader(file_, function.header.form, function.extent, function.lines_count);
-    for (Uff58Block block = reader.read(points_at_once); block.size() > 0;
-         block = reader.read(points_at_once)) {
-      for (double& time : block.abscissa) time *= factor;
-      check.add(block.abscissa);
-    }
+    for_each_abscissa(function, factor,
+                      [&check](std::span<const double> times) { check.add(times); });
     return check;
   }
 
@@ -375,35 +384,23 @@ class UffRecording final : public RecordingReader {
     const std::size_t number = record.channels.size() - 1;
     Channel& channel = record.channels.back();
     const bool stated = source.stated_times;
-    const SampleRange range = source.over_time && !stated
-                                  ? samples_within(channel.clock, function.extent.points, wanted)
-                                  : SampleRange{0, function.extent.points};
+    const SampleRange range = range_of(function, source, wanted, channel.clock);
     Uff58Reader reader(file_, function.header.form, function.extent, function.lines_count);
     std::uint64_t before = reader.skip(range.first);
-    bool first = true;
     while (before < range.last) {
       const char* const start = reader.at();
       Uff58Block block = reader.read(points_at_once);
       const std::size_t n = block.size();
       if (n == 0) break;
       for (double& time : block.abscissa) time *= source.time_factor;
-      std::size_t from =
+      const std::size_t from =
           static_cast<std::size_t>(std::clamp(range.first, before, before + n) - before);
-      std::size_t to =
+      const std::size_t to =
           static_cast<std::size_t>(std::clamp(range.last, before, before + n) - before);
-      if (stated && wanted.has_window()) {
-        while (from < to && block.abscissa[from] < wanted.from) ++from;
-        while (to > from && block.abscissa[to - 1] > wanted.to) --to;
-      }
-      if (from < to) {
-        if (stated && first) channel.clock.start = block.abscissa[from];
-        first = false;
-        hand_over(block, source, from, to - from, number, stated, sink);
-      }
+      if (from < to) hand_over(block, source, from, to - from, number, stated, sink);
       before += n;
       file_.release(start, reader.at());
     }
-    if (!stated) channel.clock.start += channel.clock.interval * static_cast<double>(range.first);
     if (before < range.last)
       record.warnings.push_back(
           fmt::format("'{}': the header announces {} points, {} are there: these are read",
@@ -411,6 +408,23 @@ class UffRecording final : public RecordingReader {
     if (function.extent.counted) return;
     for (const std::string& warning : reader.warnings())
       record.warnings.push_back(fmt::format("'{}': {}", channel.name, warning));
+  }
+
+  /// The samples of a window, whose clock `clock` becomes.
+  SampleRange range_of(const Function& function, const Source& source, const Selection& wanted,
+                       datasets::SampleClock& clock) {
+    const std::uint64_t points = function.extent.points;
+    if (!source.over_time || !wanted.has_window()) return {0, points};
+    if (!source.stated_times) {
+      const SampleRange range = samples_within(clock, points, wanted);
+      clock.start += clock.interval * static_cast<double>(range.first);
+      return range;
+    }
+    TimeWindow found(wanted);
+    for_each_abscissa(function, source.time_factor,
+                      [&found](std::span<const double> times) { found.add(times); });
+    found.settle(clock);
+    return found.range();
   }
 
   static void hand_over(const Uff58Block& block, const Source& source, std::size_t first,

@@ -110,6 +110,25 @@ TEST(LargeCsv, GivesTheChannelsAndTheWindowAskedFor) {
   }
 }
 
+/// Two passes over the same times.
+double twice(std::size_t i) {
+  return 1e-6 * static_cast<double>(i % 75000);
+}
+
+TEST(LargeCsv, WhoseTimesGoBackIsNotCut) {
+  const tests::WrittenFile file(table(150000, twice), ".csv");
+  Selection wanted;
+  wanted.from = 0.01;
+  wanted.to = 0.02;
+  const Record record = by_blocks(file.path(), wanted);
+  EXPECT_EQ(record.channels[0].size(), 150000U);
+  EXPECT_THAT(record.warnings, testing::Contains(testing::HasSubstr("time does not increase")));
+  const Record whole = import_recording(file.path());
+  const tests::WrittenFile ours("", ".h5");
+  datasets::write_record(whole, ours.path());
+  EXPECT_EQ(read_into_memory(*open_recording(ours.path()), wanted).channels[0].size(), 150000U);
+}
+
 TEST(LargeCsv, WithoutATimeColumnCountsItsRows) {
   std::string text = "Sample Interval,1e-3\nForce [N],Velocity [m/s]\n";
   for (int i = 0; i < 50000; ++i) text += fmt::format("{},{}\n", 3 * i, -i);
@@ -388,6 +407,7 @@ TEST(OurRecording, IsReadByWindows) {
     const Record part = read_into_memory(*reader, wanted);
     ASSERT_EQ(part.channels.size(), 1U);
     EXPECT_EQ(part.channels[0].size(), time == uneven ? 99U : 100U);
+    EXPECT_NEAR(part.channels[0].clock.interval, 1e-6, 1e-13);
     EXPECT_EQ(part.channels[0].value(0), 100000.0);
     EXPECT_DOUBLE_EQ(part.channels[0].clock.start, 0.1);
   }
