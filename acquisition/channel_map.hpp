@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "acquisition/recording_reader.hpp"
+#include "datasets/conditioning.hpp"
 #include "datasets/record.hpp"
 #include "datasets/units.hpp"
 
@@ -34,6 +35,8 @@ struct ChannelMap {
   std::string file;          ///< where it is written
   bool keep_others = false;  ///< channels that it does not name follow, as they are
   std::vector<ChannelMapping> channels;
+  /// What is done to the mapped channels once they are in memory (apply_steps); `mapped` leaves it.
+  std::vector<datasets::ConditioningStep> conditioning{};
 };
 
 /// A recording with the channels of a map, in the map's order. Samples stay as they are: unit,

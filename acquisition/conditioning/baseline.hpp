@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "datasets/conditioning.hpp"
 #include "datasets/record.hpp"
 
 namespace impactrig::acquisition {
 
-/// From when to when, both included, on the channel's own clock [s].
-struct TimeSpan {
-  double begin = 0.0;
-  double end = 0.0;
-};
+using datasets::TimeSpan;
 
 /// Takes the robust mean over `quiet` (before the trigger) off a channel. The samples stay; only
 /// Channel::offset changes. Not for velocity or displacement, whose level before touch is the

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/conditioning/dropouts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "acquisition/conditioning/background.hpp"
+#include "acquisition/conditioning/samples.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Channel;
+using datasets::Edit;
+using datasets::Quantity;
+
+namespace {
+
+constexpr double gate = 8.0;            ///< standard deviations
+constexpr double least_part = 0.02;     ///< of what the signal spans
+constexpr double comes_back = 2.0;      ///< departure over the change across
+constexpr double on_course = 0.1;       ///< of that departure
+constexpr std::size_t block = 64;       ///< samples of a local scatter, three blocks together
+constexpr std::size_t neighbours = 12;  ///< samples that say how the signal goes
+constexpr std::size_t cluster = 3;      ///< samples between two that stand out for one edge
+
+double as_double(std::size_t n) {
+  return static_cast<double>(n);
+}
+
+/// Departure of each sample from the cubic through its four neighbours; 0 at the two at each end.
+std::vector<double> departures(std::span<const double> y) {
+  std::vector<double> result(y.size(), 0.0);
+  for (std::size_t i = 2; i + 2 < y.size(); ++i)
+    result[i] = y[i] - (4.0 * (y[i - 1] + y[i + 1]) - y[i - 2] - y[i + 2]) / 6.0;
+  return result;
+}
+
+double scatter(std::span<const double> departures) {
+  std::vector<double> sizes(departures.begin(), departures.end());
+  for (double& size : sizes) size = std::abs(size);
+  return normal_mad * median(std::move(sizes));
+}
+
+/// What the signal spans, a percent at each end left out.
+double span_of(std::span<const double> y) {
+  constexpr std::size_t most = std::size_t{1} << 16;
+  const std::size_t stride = (y.size() + most - 1) / most;
+  std::vector<double> sample;
+  for (std::size_t i = 0; i < y.size(); i += stride) sample.push_back(y[i]);
+  std::ranges::sort(sample);
+  const std::size_t edge = sample.size() / 100;
+  return sample[sample.size() - 1 - edge] - sample[edge];
+}
+
+/// Samples that stand out, as stretches [begin, end).
+std::vector<SampleRange> edges_in(std::span<const double> y) {
+  const std::vector<double> departure = departures(y);
+  const std::span<const double> all(departure);
+  const std::span<const double> inner = all.subspan(2, y.size() - 4);
+  const std::size_t stride = std::max<std::size_t>(1, inner.size() >> 18);
+  std::vector<double> sample;
+  for (std::size_t i = 0; i < inner.size(); i += stride) sample.push_back(inner[i]);
+  const double floor =
+      std::max({gate * scatter(sample), least_part * span_of(y), gate * 0.75 * quantum_of(y)});
+  std::vector<SampleRange> edges;
+  for (std::size_t from = 0; from < inner.size(); from += block) {
+    const std::size_t to = std::min(from + block, inner.size());
+    const auto part = inner.subspan(from, to - from);
+    const auto stands_out = [](double limit) {
+      return [limit](double d) { return std::abs(d) > limit; };
+    };
+    if (std::ranges::none_of(part, stands_out(floor))) continue;
+    const std::size_t left = from > block ? from - block : 0;
+    const std::size_t right = std::min(to + block, inner.size());
+    const double limit = std::max(floor, gate * scatter(inner.subspan(left, right - left)));
+    for (std::size_t i = from; i < to; ++i) {
+      if (std::abs(inner[i]) <= limit) continue;
+      const std::size_t sample_index = i + 2;
+      if (!edges.empty() && sample_index <= edges.back().end + cluster)
+        edges.back().end = sample_index + 1;
+      else
+        edges.push_back({sample_index, sample_index + 1});
+    }
+  }
+  return edges;
+}
+
+/// The line through sound samples beside a stretch, with the samples of other stretches left out.
+struct Line {
+  double value, slope;  ///< at the stretch's edge; [1/sample]
+};
+
+std::optional<Line> line_beside(std::span<const double> y, const std::vector<std::uint8_t>& valid,
+                                std::size_t edge, bool before) {
+  double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+  for (std::size_t k = 0; k < neighbours; ++k) {
+    if (before ? edge <= k : edge + k >= y.size()) break;
+    const std::size_t i = before ? edge - 1 - k : edge + k;
+    if (!valid.empty() && valid[i] == 0) break;
+    const double x = before ? -as_double(k) - 1.0 : as_double(k);
+    n += 1.0;
+    sx += x;
+    sy += y[i];
+    sxx += x * x;
+    sxy += x * y[i];
+  }
+  if (n < 4.0) return std::nullopt;
+  const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+  return Line{(sy - slope * sx) / n, slope};
+}
+
+/// The Hermite cubic over [begin, end) between the lines on either side.
+struct Bridge {
+  std::size_t begin, end;
+  Line left, right;
+
+  double at(std::size_t i) const {
+    const double length = as_double(end - begin);
+    const double s = (as_double(i - begin) + 0.5) / length;
+    const double r = 1.0 - s;
+    return (1.0 + 2.0 * s) * r * r * left.value + s * r * r * length * left.slope +
+           s * s * (1.0 + 2.0 * r) * right.value - s * s * r * length * right.slope;
+  }
+};
+
+std::optional<Bridge> bridge_over(std::span<const double> y, const std::vector<std::uint8_t>& valid,
+                                  std::size_t begin, std::size_t end) {
+  const auto left = line_beside(y, valid, begin, true);
+  const auto right = line_beside(y, valid, end, false);
+  if (!left || !right) return std::nullopt;
+  return Bridge{begin, end, *left, *right};
+}
+
+/// The dropout that [begin, end) is, if it is one: without the samples at its ends that are on
+/// their course.
+std::optional<Dropout> dropout_in(std::span<const double> y, const std::vector<std::uint8_t>& valid,
+                                  std::size_t begin, std::size_t end) {
+  const auto bridge = bridge_over(y, valid, begin, end);
+  if (!bridge) return std::nullopt;
+  Dropout dropout{begin, end, 0.0};
+  std::vector<double> sizes;
+  for (std::size_t i = begin; i < end; ++i) {
+    const double departure = y[i] - bridge->at(i);
+    sizes.push_back(std::abs(departure));
+    if (std::abs(departure) > std::abs(dropout.departure)) dropout.departure = departure;
+  }
+  // Of a long stretch the typical sample must be off, of a spike the largest one.
+  const double off = sizes.size() > 4 * cluster ? median(sizes) : std::abs(dropout.departure);
+  while (sizes[dropout.begin - begin] < on_course * off) ++dropout.begin;
+  while (sizes[dropout.end - 1 - begin] < on_course * off) --dropout.end;
+  if (!(off > comes_back * std::abs(bridge->right.value - bridge->left.value))) return std::nullopt;
+  return dropout;
+}
+
+}  // namespace
+
+std::vector<Dropout> find_dropouts(std::span<const double> values,
+                                   const std::vector<std::uint8_t>& valid, std::size_t longest) {
+  if (values.size() < 2 * neighbours) return {};
+  const std::vector<SampleRange> edges = edges_in(values);
+  std::vector<Dropout> dropouts;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    // The longest stretch first: a dropout may have spikes within.
+    std::size_t last = e;
+    while (last + 1 < edges.size() && edges[last + 1].end - edges[e].begin <= longest + 4) ++last;
+    for (;; --last) {
+      const auto dropout = dropout_in(values, valid, edges[e].begin, edges[last].end);
+      if (dropout && dropout->end - dropout->begin <= longest) {
+        dropouts.push_back(*dropout);
+        e = last;
+        break;
+      }
+      if (last == e) break;
+    }
+  }
+  return dropouts;
+}
+
+Edit repair_dropouts(Channel& channel, const datasets::RepairDropouts& repair) {
+  if (channel.quantity == Quantity::force || channel.quantity == Quantity::acceleration)
+    throw std::invalid_argument(
+        fmt::format("channel '{}' is a {}, in which an impact itself is a spike; dropouts are "
+                    "repaired in velocity and displacement",
+                    channel.name, name(channel.quantity)));
+  if (!(repair.longest > 0.0))
+    throw std::invalid_argument(
+        fmt::format("a longest dropout of {:g} s is not positive", repair.longest));
+  std::vector<double> values = sound_values(channel);
+  const double longest = std::min(1e9, repair.longest / channel.clock.interval + 1.0);
+  const auto dropouts = find_dropouts(values, channel.valid, static_cast<std::size_t>(longest));
+  Edit edit{"repair dropouts", channel.name, {}};
+  edit.parameters["longest"] = fmt::format("{} s", repair.longest);
+  edit.parameters["found"] = std::to_string(dropouts.size());
+  if (dropouts.empty()) return edit;
+
+  if (channel.valid.empty()) channel.valid.assign(values.size(), 1);
+  const std::vector<std::uint8_t> sound = channel.valid;
+  const std::vector<double> recorded = values;
+  std::size_t samples = 0;
+  for (const Dropout& dropout : dropouts) {
+    const auto bridge = bridge_over(recorded, sound, dropout.begin, dropout.end);
+    for (std::size_t i = dropout.begin; i < dropout.end; ++i) {
+      if (bridge) values[i] = bridge->at(i);
+      channel.valid[i] = 0;
+      ++samples;
+    }
+  }
+  edit.parameters["samples"] = fmt::format("{} bridged and marked invalid", samples);
+  edit.parameters["first"] = fmt::format("{:.9g} s", channel.clock.time(dropouts.front().begin));
+  replace_values(channel, std::move(values));
+  return edit;
+}
+
+}  // namespace impactrig::acquisition

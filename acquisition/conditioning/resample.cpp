@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/conditioning/resample.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/interpolators/makima.hpp>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include "acquisition/conditioning/samples.hpp"
+#include "acquisition/conditioning/trace.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Channel;
+using datasets::Edit;
+
+namespace {
+
+constexpr int crossings = 32;     ///< of the sinc on either side
+constexpr int table_step = 4096;  ///< values a zero crossing
+constexpr double cutoff = 0.9;    ///< of the lower Nyquist frequency
+constexpr double beta = 9.0;      ///< of the Kaiser window
+constexpr double most = 0x1p31;   ///< samples
+
+/// sinc(x) under its window, x in zero crossings, 0 <= x <= crossings.
+double windowed_sinc(double x) {
+  const double part = x / crossings;
+  const double window = std::cyl_bessel_i(0.0, beta * std::sqrt(std::max(0.0, 1.0 - part * part))) /
+                        std::cyl_bessel_i(0.0, beta);
+  const double angle = std::numbers::pi * x;
+  return window * (x == 0.0 ? 1.0 : std::sin(angle) / angle);
+}
+
+/// Sound samples at uneven times become samples at even ones, from the first time on.
+std::vector<double> joined_evenly(const Channel& channel, double interval) {
+  std::vector<double> times, values;
+  for (std::size_t i = 0; i < channel.size(); ++i) {
+    const double value = channel.value(i);
+    if (!channel.is_valid(i) || !std::isfinite(value)) continue;
+    times.push_back(channel.clock.times[i]);
+    values.push_back(value);
+  }
+  const bool forwards = std::ranges::adjacent_find(times, std::greater_equal{}) == times.end();
+  if (times.size() < 4 || !forwards)
+    throw std::invalid_argument(
+        fmt::format("channel '{}' cannot be resampled: its times must increase, with at least 4 "
+                    "sound samples",
+                    channel.name));
+  const double first = times.front(), last = times.back();
+  boost::math::interpolators::makima curve(std::move(times), std::move(values));
+  std::vector<double> even(static_cast<std::size_t>((last - first) / interval * (1.0 + 1e-12)) + 1);
+  for (std::size_t i = 0; i < even.size(); ++i)
+    even[i] = curve(std::min(last, first + interval * static_cast<double>(i)));
+  return even;
+}
+
+/// Marks each new sample that has an invalid one within a step of either clock.
+std::vector<std::uint8_t> marks_on(const Channel& channel, double start, double interval,
+                                   std::size_t n) {
+  std::vector<std::uint8_t> valid;
+  if (channel.valid.empty()) return valid;
+  const double reach = std::max(interval, channel.clock.interval);
+  for (std::size_t i = 0; i < channel.size(); ++i) {
+    if (channel.is_valid(i)) continue;
+    if (valid.empty()) valid.assign(n, 1);
+    const double time = channel.clock.time(i);
+    const double from = std::max(0.0, std::ceil((time - reach - start) / interval + 1e-6));
+    const double to = std::min(static_cast<double>(n) - 1.0,
+                               std::floor((time + reach - start) / interval - 1e-6));
+    for (double k = from; k <= to; ++k) valid[static_cast<std::size_t>(k)] = 0;
+  }
+  return valid;
+}
+
+}  // namespace
+
+BandLimited::BandLimited(std::span<const double> values, double stretch)
+    : values_(values),
+      stretch_(stretch / cutoff) {
+  kernel_.reserve(crossings * table_step + 2);
+  for (int i = 0; i <= crossings * table_step; ++i)
+    kernel_.push_back(windowed_sinc(static_cast<double>(i) / table_step));
+  kernel_.push_back(0.0);
+}
+
+double BandLimited::sample(std::ptrdiff_t i) const {
+  const auto n = static_cast<std::ptrdiff_t>(values_.size());
+  if (i >= 0 && i < n) return values_[static_cast<std::size_t>(i)];
+  const bool before = i < 0;
+  const std::ptrdiff_t inner = std::clamp<std::ptrdiff_t>(before ? -i : 2 * (n - 1) - i, 0, n - 1);
+  const double edge = before ? values_.front() : values_.back();
+  return 2.0 * edge - values_[static_cast<std::size_t>(inner)];
+}
+
+double BandLimited::operator()(double index) const {
+  const double reach = crossings * stretch_;
+  const auto first = static_cast<std::ptrdiff_t>(std::ceil(index - reach));
+  const auto last = static_cast<std::ptrdiff_t>(std::floor(index + reach));
+  double sum = 0.0, weights = 0.0;
+  for (std::ptrdiff_t i = first; i <= last; ++i) {
+    const double place = std::abs(static_cast<double>(i) - index) / stretch_ * table_step;
+    const auto k = static_cast<std::size_t>(place);
+    const double part = place - static_cast<double>(k);
+    const double weight = kernel_[k] + part * (kernel_[k + 1] - kernel_[k]);
+    sum += weight * sample(i);
+    weights += weight;
+  }
+  return sum / weights;  // a constant stays what it is
+}
+
+Edit resample(Channel& channel, const datasets::Resample& to) {
+  if (!(to.rate > 0.0) || !std::isfinite(to.rate))
+    throw std::invalid_argument(fmt::format("a sample rate of {:g} Hz is not positive", to.rate));
+  const double start = channel.clock.uniform() || channel.size() == 0 ? channel.clock.start
+                                                                      : channel.clock.times.front();
+  const double interval = 1.0 / to.rate;
+  const bool uneven = !channel.clock.uniform() && channel.size() > 0 && !channel.complex();
+  Edit edit{"resample", channel.name, {}};
+  std::vector<double> source;
+  double source_interval = channel.clock.interval;
+  if (uneven) {
+    const double span = channel.clock.times.back() - channel.clock.times.front();
+    if (!(span / interval < most))
+      throw std::invalid_argument(fmt::format(
+          "channel '{}' at {:g} Hz would have more than 2^31 samples", channel.name, to.rate));
+    source_interval = std::min(interval, span / static_cast<double>(channel.size() - 1));
+    source = joined_evenly(channel, source_interval);
+    edit.parameters["from"] = "uneven times, joined by modified Akima cubics";
+  } else {
+    source = sound_values(channel, 4);
+    edit.parameters["from"] = fmt::format("{} Hz", 1.0 / source_interval);
+  }
+  const double count =
+      std::floor(source_interval * static_cast<double>(source.size() - 1) / interval + 1e-6) + 1.0;
+  if (!(count < most))
+    throw std::invalid_argument(fmt::format(
+        "channel '{}' at {:g} Hz would have more than 2^31 samples", channel.name, to.rate));
+
+  const double ratio = interval / source_interval;
+  std::vector<double> values(static_cast<std::size_t>(count));
+  if (std::abs(ratio - 1.0) < 1e-12) {
+    values.assign(source.begin(), source.begin() + static_cast<std::ptrdiff_t>(values.size()));
+  } else {
+    const BandLimited signal(source, std::max(1.0, ratio));
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = signal(ratio * static_cast<double>(i));
+  }
+  channel.valid = marks_on(channel, start, interval, values.size());
+  channel.clock = {start, interval, {}};
+  edit.parameters["to"] = fmt::format("{} Hz", to.rate);
+  edit.parameters["kernel"] = fmt::format("sinc, {} crossings, Kaiser window {}", crossings, beta);
+  replace_values(channel, std::move(values));
+  return edit;
+}
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "datasets/conditioning.hpp"
+#include "datasets/record.hpp"
+
+namespace impactrig::acquisition {
+
+/// The samples of a real time history at uniform steps, invalid ones bridged by straight lines; in
+/// the channel's unit. Throws std::invalid_argument when the channel is not such a history, has
+/// fewer than `least` samples, or none that is sound.
+std::vector<double> sound_values(const datasets::Channel& channel, std::size_t least = 1);
+
+/// New samples in the channel's unit, as many as before.
+void replace_values(datasets::Channel& channel, std::vector<double>&& values);
+
+/// The indices [begin, end) of the samples within a span; may be empty.
+struct SampleRange {
+  std::size_t begin = 0, end = 0;
+
+  std::size_t size() const { return end - begin; }
+};
+
+SampleRange samples_in(const datasets::Channel& channel, const datasets::TimeSpan& span);
+
+/// "-0.001 s to 0 s", with commas between several.
+std::string text_of(std::span<const datasets::TimeSpan> spans);
+
+}  // namespace impactrig::acquisition

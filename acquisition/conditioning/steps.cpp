@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/conditioning/steps.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "acquisition/channel_map.hpp"
+#include "acquisition/conditioning/baseline.hpp"
+#include "acquisition/conditioning/calculus.hpp"
+#include "acquisition/conditioning/decay.hpp"
+#include "acquisition/conditioning/delay.hpp"
+#include "acquisition/conditioning/dropouts.hpp"
+#include "acquisition/conditioning/hum.hpp"
+#include "acquisition/conditioning/low_pass.hpp"
+#include "acquisition/conditioning/resample.hpp"
+#include "acquisition/conditioning/trace.hpp"
+#include "datasets/input_error.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Channel;
+using datasets::Edit;
+using datasets::Impact;
+using datasets::InputError;
+using datasets::Record;
+
+namespace {
+
+constexpr double notable_loss = 0.01;  ///< of a peak, to a low-pass
+
+/// The channels that a step means: indices, since steps add channels.
+std::vector<std::size_t> channels_meant(const Record& record, const std::string& name) {
+  if (const Channel* const channel = record.find(name))
+    return {static_cast<std::size_t>(channel - record.channels.data())};
+  const auto quantity = datasets::quantity_named(name);
+  std::vector<std::size_t> by_pattern, by_quantity;
+  for (std::size_t i = 0; i < record.channels.size(); ++i) {
+    if (matches_pattern(record.channels[i].name, name)) by_pattern.push_back(i);
+    if (quantity && record.channels[i].quantity == *quantity) by_quantity.push_back(i);
+  }
+  if (!by_pattern.empty()) return by_pattern;
+  if (!by_quantity.empty()) return by_quantity;
+  std::string names;
+  for (const Channel& channel : record.channels)
+    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", channel.name);
+  throw std::invalid_argument(
+      fmt::format("there is no channel '{}'; the channels are {}", name, names));
+}
+
+/// A record on its way through the steps.
+class Conditioning {
+ public:
+  Conditioning(Record& record, const SensorSet& sensors) : record_(record), sensors_(sensors) {}
+
+  void apply(const datasets::ConditioningStep& step) {
+    for (const std::size_t index : channels_meant(record_, step.channel))
+      std::visit([&](const auto& action) { act(action, index); }, step.action);
+  }
+
+ private:
+  Channel& channel(std::size_t index) { return record_.channels[index]; }
+
+  void note(Edit&& edit) { record_.provenance.edits.push_back(std::move(edit)); }
+
+  Impact first_impact() const {
+    std::vector<Impact> impacts;
+    std::string reason;
+    try {
+      impacts = find_impacts(record_);
+    } catch (const InputError& error) {
+      reason = fmt::format(" ({})", error.problem());
+    }
+    if (impacts.empty())
+      throw std::invalid_argument(
+          fmt::format("no impact is found to tell what is quiet{}; state quiet = {{ from = "
+                      "\"...\", to = \"...\" }}",
+                      reason));
+    return impacts.front();
+  }
+
+  TimeSpan before_touch(std::size_t index) {
+    const double start = channel(index).clock.start;
+    const double touch = first_impact().start;
+    const double guard = std::max(3.0 * channel(index).clock.interval, 0.05 * (touch - start));
+    return {start, touch - guard};
+  }
+
+  TimeSpan quiet(const std::optional<TimeSpan>& stated, std::size_t index) {
+    return stated ? *stated : before_touch(index);
+  }
+
+  void act(const datasets::RemoveBaseline& action, std::size_t index) {
+    note(remove_baseline(channel(index), quiet(action.quiet, index)));
+  }
+
+  void act(const datasets::RemoveDrift& action, std::size_t index) {
+    note(remove_drift(channel(index), quiet(action.quiet, index)));
+  }
+
+  void act(datasets::RemoveDecay action, std::size_t index) {
+    if (action.quiet.empty()) action.quiet.push_back(before_touch(index));
+    note(remove_decay(channel(index), action));
+  }
+
+  void act(datasets::UndoLowCut action, std::size_t index) {
+    action.quiet = quiet(action.quiet, index);
+    note(undo_low_cut(channel(index), action));
+  }
+
+  void act(const datasets::LowPass& action, std::size_t index) {
+    LowPassed result = low_pass(channel(index), action);
+    note(std::move(result.edit));
+    if (result.lost < notable_loss) return;
+    record_.warnings.push_back(
+        fmt::format("The low-pass at {:g} Hz takes {:.2g} % off the largest value of '{}'; a "
+                    "prediction is not filtered so.",
+                    action.cutoff, 100.0 * result.lost, channel(index).name));
+  }
+
+  void act(datasets::RemoveHum action, std::size_t index) {
+    if (action.quiet.empty()) action.quiet.push_back(before_touch(index));
+    note(remove_hum(channel(index), action));
+  }
+
+  void act(const datasets::RepairDropouts& action, std::size_t index) {
+    note(repair_dropouts(channel(index), action));
+  }
+
+  void act(const datasets::AlignTo& action, std::size_t index) {
+    const std::vector<std::size_t> references = channels_meant(record_, action.reference);
+    if (references.size() > 1)
+      throw std::invalid_argument(fmt::format("'{}' names {} channels to align to; name one",
+                                              action.reference, references.size()));
+    if (references.front() == index)
+      throw std::invalid_argument(
+          fmt::format("channel '{}' is to be aligned to itself", channel(index).name));
+    const Channel& reference = channel(references.front());
+    const Impact impact = first_impact();
+    const bool struck = (reference.quantity == datasets::Quantity::force) !=
+                        (channel(index).quantity == datasets::Quantity::force);
+    const double margin = 2.0 * impact.width + action.range;
+    const TimeSpan window{impact.start - margin,
+                          struck ? impact.peak_time : impact.end + 2.0 * impact.width};
+    note(align(reference, channel(index), window, action.range,
+               chain_of(channel(index)) - chain_of(reference)));
+  }
+
+  void act(const datasets::Resample& action, std::size_t index) {
+    note(resample(channel(index), action));
+  }
+
+  void act(const datasets::Integrate& action, std::size_t index) {
+    IntegrationOptions options;
+    options.quiet = action.quiet;
+    options.zero_at = action.zero_at.value_or(channel(index).clock.start);
+    add(integrate(channel(index), options), action.name);
+  }
+
+  void act(const datasets::Differentiate& action, std::size_t index) {
+    add(differentiate(channel(index)), action.name);
+  }
+
+  void add(Derived&& derived, const std::string& name) {
+    if (!name.empty()) derived.channel.name = name;
+    if (record_.find(derived.channel.name) != nullptr)
+      throw std::invalid_argument(
+          fmt::format("there is a channel '{}' already; state another name", derived.channel.name));
+    derived.edit.parameters["result"] = derived.channel.name;
+    record_.channels.push_back(std::move(derived.channel));
+    note(std::move(derived.edit));
+  }
+
+  double chain_of(const Channel& channel) const {
+    for (const auto* sensor : {&sensors_.force, &sensors_.velocity, &sensors_.displacement})
+      if (*sensor && (*sensor)->quantity == channel.quantity) return chain_delay(**sensor);
+    return 0.0;
+  }
+
+  Record& record_;
+  const SensorSet& sensors_;
+};
+
+}  // namespace
+
+double chain_delay(const datasets::Sensor& sensor) {
+  using std::numbers::pi;
+  double delay = 0.0;
+  // Butterworth of order n at w: 1/(w sin(pi/2n)); one degree of freedom at w: 1/(Q w).
+  if (sensor.high_cut)
+    delay +=
+        1.0 / (2.0 * pi * sensor.high_cut->frequency * std::sin(0.5 * pi / sensor.high_cut->order));
+  if (sensor.resonance)
+    delay += 1.0 / (2.0 * pi * sensor.resonance->frequency * sensor.resonance->quality);
+  return delay;
+}
+
+void apply_steps(std::span<const datasets::ConditioningStep> steps, Record& record,
+                 const SensorSet& sensors) {
+  Conditioning conditioning(record, sensors);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    try {
+      conditioning.apply(steps[i]);
+    } catch (const std::invalid_argument& error) {
+      throw InputError(whole_file(record.provenance.source_file),
+                       fmt::format("conditioning step {}: {}", i + 1, error.what()));
+    }
+  }
+}
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "acquisition/conditioning/steps.hpp"
+#include "datasets/input_error.hpp"
+#include "datasets/sensor_response.hpp"
+#include "tests/acquisition/scene.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+using datasets::ConditioningStep;
+using datasets::Record;
+using namespace tests;
+
+constexpr Sampling at;  // from -1 ms, 1 MHz, 4 ms
+
+double force_at(double t) {
+  return half_sine(t, 1500.0, 200e-6);
+}
+
+double velocity_at(double t) {
+  const double done = std::clamp(t / 200e-6, 0.0, 1.0);
+  return 0.44 - 0.32 * (1.0 - std::cos(std::numbers::pi * done));
+}
+
+Record shot() {
+  auto force = sampled(at, [](double t) { return force_at(t) + 12.0; });
+  add_noise(force, 2.0, 1);
+  auto velocity = sampled(at, velocity_at);
+  add_noise(velocity, 1e-3, 2);
+  Record record = record_of({force_of(at, force), velocity_of(at, velocity)});
+  record.channels[0].name = "Ref1";
+  return record;
+}
+
+TEST(ApplySteps, FindsChannelsByNamePatternAndQuantity) {
+  for (const char* name : {"Ref1", "ref1", "R*", "force", "0"}) {
+    Record record = shot();
+    apply_steps(std::vector<ConditioningStep>{{name, datasets::RemoveBaseline{}}}, record);
+    EXPECT_NEAR(record.channels[0].value(100), shot().channels[0].value(100) - 12.0, 0.3) << name;
+    ASSERT_EQ(record.provenance.edits.size(), 1U);
+    EXPECT_EQ(record.provenance.edits[0].channel, "Ref1");
+  }
+  Record record = shot();
+  apply_steps(std::vector<ConditioningStep>{{"*", datasets::LowPass{100e3, 4}}}, record);
+  EXPECT_EQ(record.provenance.edits.size(), 2U);
+}
+
+// Touch is at 0: the quiet stretch is what lies before it.
+TEST(ApplySteps, TakesWhatLiesBeforeTouchAsQuiet) {
+  Record record = shot();
+  apply_steps(std::vector<ConditioningStep>{{"force", datasets::RemoveDrift{}}}, record);
+  const auto& parameters = record.provenance.edits.at(0).parameters;
+  EXPECT_EQ(parameters.at("from"), "-0.001 s");
+  EXPECT_NEAR(std::stod(parameters.at("to")), -50e-6, 5e-6);
+}
+
+TEST(ApplySteps, DoesThemInTheirOrder) {
+  Record record = shot();
+  apply_steps(std::vector<ConditioningStep>{{"velocity", datasets::Integrate{"way", {}, -1e-3}},
+                                            {"way", datasets::Differentiate{"back"}},
+                                            {"back", datasets::LowPass{20e3, 4}},
+                                            {"back", datasets::Resample{200e3}}},
+              record);
+  ASSERT_EQ(record.channels.size(), 4U);
+  EXPECT_EQ(record.channels[2].name, "way");
+  EXPECT_EQ(record.channels[2].quantity, datasets::Quantity::displacement);
+  EXPECT_EQ(record.channels[2].value(0), 0.0);
+  EXPECT_EQ(record.channels[3].clock.interval, 1.0 / 200e3);
+  EXPECT_NEAR(record.channels[3].value(100), 0.44, 3e-3);
+  std::vector<std::string> what;
+  for (const auto& edit : record.provenance.edits) what.push_back(edit.what);
+  EXPECT_THAT(
+      what, testing::ElementsAre("integrate", "differentiate", "low-pass, zero phase", "resample"));
+}
+
+TEST(ApplySteps, WarnsOfAPeakThatALowPassLowers) {
+  Record record = shot();
+  apply_steps(std::vector<ConditioningStep>{{"force", datasets::LowPass{100e3, 4}}}, record);
+  EXPECT_THAT(record.warnings, testing::IsEmpty());
+  apply_steps(std::vector<ConditioningStep>{{"force", datasets::LowPass{4e3, 4}}}, record);
+  ASSERT_EQ(record.warnings.size(), 1U);
+  EXPECT_THAT(record.warnings[0], testing::StartsWith("The low-pass at 4000 Hz takes "));
+}
+
+// What a fit accounts for as filters stays in: only the rest comes off the clock.
+TEST(ApplySteps, AlignLeavesTheDelayOfKnownFilters) {
+  SensorSet sensors;
+  sensors.velocity.emplace();
+  sensors.velocity->quantity = datasets::Quantity::velocity;
+  sensors.velocity->high_cut = datasets::BandLimit{100e3, 2};
+  const double chain = chain_delay(*sensors.velocity);
+  EXPECT_NEAR(chain, std::numbers::sqrt2 / (2.0 * std::numbers::pi * 100e3), 1e-12);
+  for (const double delay : {0.0, 4e-6}) {
+    Record record = shot();
+    auto seen = datasets::sensor_response(
+        *sensors.velocity, sampled(at, [&](double t) { return velocity_at(t - delay); }), 1e-6);
+    add_noise(seen, 1e-4, 5);
+    record.channels[1].raw = seen;
+    apply_steps(std::vector<ConditioningStep>{{"velocity", datasets::AlignTo{"force", 50e-6}}},
+                record, sensors);
+    ASSERT_TRUE(record.channels[1].delay);
+    EXPECT_NEAR(record.channels[1].delay->value, delay,
+                4.0 * record.channels[1].delay->uncertainty);
+    EXPECT_LT(record.channels[1].delay->uncertainty, 1.5e-6);
+  }
+}
+
+std::string refusal(const ConditioningStep& step, Record record = shot()) {
+  try {
+    apply_steps(std::vector<ConditioningStep>{{"force", datasets::RemoveBaseline{}}, step}, record);
+  } catch (const datasets::InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(ApplySteps, SaysWhichStepFailsAndWhy) {
+  EXPECT_EQ(refusal({"Acc", datasets::LowPass{1e3, 4}}),
+            "shot.csv: conditioning step 2: there is no channel 'Acc'; the channels are 'Ref1', "
+            "'Velocity'");
+  EXPECT_EQ(refusal({"force", datasets::RepairDropouts{}}),
+            "shot.csv: conditioning step 2: channel 'Ref1' is a force, in which an impact itself "
+            "is a spike; dropouts are repaired in velocity and displacement");
+  EXPECT_EQ(refusal({"velocity", datasets::AlignTo{"Velocity", 1e-6}}),
+            "shot.csv: conditioning step 2: channel 'Velocity' is to be aligned to itself");
+  EXPECT_EQ(refusal({"velocity", datasets::Integrate{"Ref1", {}, {}}}),
+            "shot.csv: conditioning step 2: there is a channel 'Ref1' already; state another name");
+  Record quiet = record_of({velocity_of(at, std::vector<double>(at.samples, 1.0))});
+  try {
+    apply_steps(std::vector<ConditioningStep>{{"velocity", datasets::RemoveBaseline{}}}, quiet);
+    FAIL();
+  } catch (const datasets::InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "shot.csv: conditioning step 1: no impact is found to tell what is quiet; state "
+                 "quiet = { from = \"...\", to = \"...\" }");
+  }
+}
+
+}  // namespace
+
+}  // namespace impactrig::acquisition

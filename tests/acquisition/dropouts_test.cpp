@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/conditioning/dropouts.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+
+#include "tests/acquisition/scene.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+using datasets::RepairDropouts;
+using namespace tests;
+
+/// 0.44 m/s, thrown back to -0.2 m/s by a half-sine force of 200 us, then a vibration at 3 kHz.
+double swing(double t) {
+  const double done = std::clamp(t / 200e-6, 0.0, 1.0);
+  const double turn = 0.5 * (1.0 - std::cos(std::numbers::pi * done));
+  const double ringing =
+      t > 200e-6 ? 0.05 * std::sin(2.0 * std::numbers::pi * 3e3 * (t - 200e-6)) : 0.0;
+  return 0.44 + 9.81 * 0.01 * t - 0.64 * turn + ringing;
+}
+
+/// A laser's loss as measurement-chain.md describes it: towards zero, with a spike at each edge.
+void lose(std::vector<double>& y, std::size_t begin, std::size_t end, double spike) {
+  for (std::size_t i = begin; i < end; ++i) y[i] *= 0.02;
+  y[begin] += spike;
+  y[end - 1] -= spike;
+}
+
+TEST(RepairDropouts, FindsEveryLossAndBridgesIt) {
+  const Sampling at;
+  const double noise = 1.25e-3;
+  for (const std::size_t length : {std::size_t{20}, std::size_t{60}, std::size_t{200}})
+    for (const double time : {-0.7e-3, -0.3e-3, 0.6e-3, 2.0e-3})
+      for (const double spike : {0.0, 0.5, 2.0}) {
+        const std::vector<double> truth = sampled(at, swing);
+        std::vector<double> y = truth;
+        add_noise(y, noise, 7);
+        const auto begin = static_cast<std::size_t>((time - at.start) / at.interval);
+        lose(y, begin, begin + length, spike);
+        auto velocity = velocity_of(at, y);
+        const auto edit = repair_dropouts(velocity, {});
+        SCOPED_TRACE(testing::Message() << length << " samples at " << time << ", spike " << spike);
+        EXPECT_EQ(edit.parameters.at("found"), "1");
+        ASSERT_EQ(velocity.valid.size(), at.samples);
+        std::size_t marked = 0;
+        for (std::size_t i = 0; i < at.samples; ++i) {
+          const bool lost = i >= begin && i < begin + length;
+          // The edges may take a sample or two of their neighbours along.
+          if (lost) {
+            ASSERT_EQ(velocity.valid[i], 0) << i;
+          }
+          if (i + 3 < begin || i > begin + length + 3) {
+            ASSERT_EQ(velocity.valid[i], 1) << i;
+          }
+          marked += velocity.valid[i] == 0;
+          if (lost) {
+            // Over 200 us a vibration of 3 kHz and 0.05 m/s cannot be known from outside.
+            const double known = time < 0.0 ? 6.0 * noise : 0.12;
+            ASSERT_NEAR(velocity.value(i), truth[i], known) << i;
+          } else if (velocity.valid[i] == 1) {
+            ASSERT_EQ(velocity.value(i), y[i]) << i;
+          }
+        }
+        EXPECT_LE(marked, length + 6);
+      }
+}
+
+TEST(RepairDropouts, FindsSpikes) {
+  const Sampling at;
+  std::vector<double> y = sampled(at, swing);
+  add_noise(y, 1.25e-3, 9);
+  for (const std::size_t i : {std::size_t{300}, std::size_t{1100}, std::size_t{2500}}) y[i] += 0.3;
+  y[3000] -= 0.4;
+  y[3001] -= 0.3;
+  auto velocity = velocity_of(at, y);
+  EXPECT_EQ(repair_dropouts(velocity, {}).parameters.at("found"), "4");
+  for (const std::size_t i :
+       {std::size_t{300}, std::size_t{1100}, std::size_t{2500}, std::size_t{3000}})
+    EXPECT_EQ(velocity.valid[i], 0) << i;
+  EXPECT_EQ(velocity.valid[3001], 0);
+  EXPECT_LE(std::ranges::count(velocity.valid, 0), 4 * 5 + 1);
+}
+
+// Where it must not act: the impact itself, at every sample rate and noise.
+TEST(RepairDropouts, TakesNoImpactForALoss) {
+  for (const double interval : {1e-7, 1e-6, 5e-6, 20e-6, 50e-6, 100e-6, 500e-6})
+    for (const double noise : {0.0, 1e-6, 1e-4, 1.25e-3, 5e-3, 20e-3})
+      for (int seed = 1; seed <= 4; ++seed) {
+        const Sampling at{.start = -200.0 * interval,
+                          .interval = interval,
+                          .samples = interval < 5e-7 ? 40000U : 4000U};
+        std::vector<double> y = sampled(at, swing);
+        add_noise(y, noise, static_cast<std::uint64_t>(seed));
+        auto velocity = velocity_of(at, y);
+        EXPECT_EQ(repair_dropouts(velocity, {}).parameters.at("found"), "0")
+            << interval << " s, noise " << noise;
+        EXPECT_TRUE(velocity.valid.empty());
+        EXPECT_EQ(velocity.values(), y);
+      }
+}
+
+// Steps of a counter, and a decoder whose level changes for good.
+TEST(RepairDropouts, TakesNoStepForALoss) {
+  const Sampling at;
+  std::vector<double> counter = sampled(at, [](double t) { return 0.44 * t; });
+  round_to(counter, 1.3e-6);
+  auto displacement = channel_of("x", datasets::Quantity::displacement, at, counter);
+  EXPECT_EQ(repair_dropouts(displacement, {}).parameters.at("found"), "0");
+
+  std::vector<double> y = sampled(at, swing);
+  add_noise(y, 1.25e-3, 2);
+  for (std::size_t i = 2200; i < y.size(); ++i) y[i] += 0.7;
+  auto velocity = velocity_of(at, y);
+  EXPECT_EQ(repair_dropouts(velocity, {}).parameters.at("found"), "0");
+}
+
+TEST(RepairDropouts, LeavesLossesThatAreLongerThanAskedFor) {
+  const Sampling at;
+  std::vector<double> y = sampled(at, swing);
+  add_noise(y, 1.25e-3, 3);
+  lose(y, 2500, 2700, 0.0);
+  auto velocity = velocity_of(at, y);
+  EXPECT_EQ(repair_dropouts(velocity, {100e-6}).parameters.at("found"), "0");
+  EXPECT_EQ(repair_dropouts(velocity, {210e-6}).parameters.at("found"), "1");
+}
+
+TEST(RepairDropouts, AreForLasersOnly) {
+  const Sampling at;
+  auto force = force_of(at, std::vector<double>(at.samples, 0.0));
+  try {
+    repair_dropouts(force, {});
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "channel 'Force' is a force, in which an impact itself is a spike; dropouts are "
+                 "repaired in velocity and displacement");
+  }
+  auto velocity = velocity_of(at, std::vector<double>(at.samples, 0.0));
+  EXPECT_THROW(repair_dropouts(velocity, {0.0}), std::invalid_argument);
+  EXPECT_EQ(repair_dropouts(velocity, {}).parameters.at("found"), "0");
+}
+
+}  // namespace
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/conditioning/hum.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "tests/acquisition/scene.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+using datasets::Channel;
+using datasets::RemoveHum;
+using datasets::TimeSpan;
+using namespace tests;
+
+constexpr double pi = std::numbers::pi;
+
+/// 0.5 s before the trigger at 20 kHz, 0.2 s after it.
+constexpr Sampling long_record{.start = -0.5, .interval = 50e-6, .samples = 14000};
+
+double hum_at(double t, double frequency) {
+  return 3.0 * std::sin(2.0 * pi * frequency * t + 0.7) +
+         0.9 * std::cos(2.0 * pi * 3.0 * frequency * t - 0.2);
+}
+
+double pulse_at(double t) {
+  return half_sine(t, 1500.0, 2e-3);
+}
+
+double largest_error(const Channel& channel, const std::vector<double>& truth) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    largest = std::max(largest, std::abs(channel.value(i) - truth[i]));
+  return largest;
+}
+
+TEST(RemoveHum, FindsFrequencyAmplitudesAndPhases) {
+  for (const double frequency : {50.0, 49.93, 60.0 * 0.9995}) {
+    const auto truth = sampled(long_record, pulse_at);
+    auto force = force_of(long_record, sampled(long_record, [&](double t) {
+                            return pulse_at(t) + hum_at(t, frequency);
+                          }));
+    const RemoveHum hum{frequency > 55.0 ? 60.0 : 50.0, 5, {TimeSpan{-0.5, -1e-3}}};
+    const auto edit = remove_hum(force, hum);
+    EXPECT_LT(largest_error(force, truth), 2e-3) << frequency;  // of 3.9
+    EXPECT_NEAR(std::stod(edit.parameters.at("frequency")), frequency, 1e-3);
+  }
+}
+
+// The stated error covers what is left: hum known to s over a long quiet time.
+TEST(RemoveHum, StatesItsErrorHonestly) {
+  int within = 0;
+  constexpr int trials = 60;
+  for (int seed = 1; seed <= trials; ++seed) {
+    std::vector<double> noise(long_record.samples, 0.0);
+    add_noise(noise, 2.0, static_cast<std::uint64_t>(seed));
+    auto force = force_of(long_record, noise);
+    auto& samples = std::get<std::vector<double>>(force.raw);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      samples[i] += hum_at(long_record.time(i), 50.02);
+    const auto edit = remove_hum(force, {50.0, 3, {TimeSpan{-0.5, -1e-3}}});
+    const double stated = std::stod(edit.parameters.at("uncertainty"));
+    const double left = largest_error(force, noise);
+    if (left < 3.0 * stated) ++within;
+    EXPECT_LT(stated, 0.5) << seed;
+  }
+  EXPECT_GE(within, trials - 3);
+}
+
+TEST(RemoveHum, TakesNothingOffWhereThereIsNone) {
+  std::vector<double> noise(long_record.samples, 0.0);
+  add_noise(noise, 2.0, 5);
+  auto force = force_of(long_record, noise);
+  const auto edit = remove_hum(force, {50.0, 5, {TimeSpan{-0.5, -1e-3}}});
+  EXPECT_EQ(force.values(), noise);
+  EXPECT_EQ(edit.parameters.at("found"), "nothing above the noise, so nothing was taken off");
+}
+
+TEST(RemoveHum, UsesSeveralQuietStretchesOfDifferentLevels) {
+  auto force = force_of(long_record, sampled(long_record, [](double t) {
+                          return pulse_at(t) + hum_at(t, 50.0) + (t > 1e-3 ? 25.0 : 0.0);
+                        }));
+  remove_hum(force, {50.0, 3, {TimeSpan{-0.5, -1e-3}, TimeSpan{5e-3, 0.2}}});
+  for (std::size_t i = 0; i < long_record.samples; ++i) {
+    const double t = long_record.time(i);
+    ASSERT_NEAR(force.value(i), pulse_at(t) + (t > 1e-3 ? 25.0 : 0.0), 2e-3) << t;
+  }
+}
+
+// 0.5 ms of quiet time are a fortieth of a period: hum and drift are the same there.
+TEST(RemoveHum, RefusesAStretchTooShortToTell) {
+  const Sampling at{.start = -0.5e-3, .interval = 1e-6, .samples = 5500};
+  std::vector<double> values = sampled(at, [](double t) { return pulse_at(t) + hum_at(t, 50.0); });
+  add_noise(values, 0.5, 2);
+  auto force = force_of(at, values);
+  try {
+    remove_hum(force, {50.0, 1, {TimeSpan{-0.5e-3, -10e-6}}});
+    // Nothing significant may be found either; then nothing is taken off.
+    EXPECT_EQ(force.values(), values);
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("do not tell hum from drift"), std::string::npos);
+  }
+}
+
+TEST(RemoveHum, IgnoresInvalidSamples) {
+  const auto truth = sampled(long_record, pulse_at);
+  auto force = force_of(
+      long_record, sampled(long_record, [](double t) { return pulse_at(t) + hum_at(t, 50.0); }));
+  force.valid.assign(long_record.samples, 1);
+  auto& samples = std::get<std::vector<double>>(force.raw);
+  for (std::size_t i = 1000; i < 1200; ++i) {
+    samples[i] = -400.0;
+    force.valid[i] = 0;
+  }
+  remove_hum(force, {50.0, 3, {TimeSpan{-0.5, -1e-3}}});
+  EXPECT_EQ(force.value(1100), -400.0);
+  for (std::size_t i = 1200; i < long_record.samples; ++i)
+    ASSERT_NEAR(force.value(i), truth[i], 2e-3);
+}
+
+TEST(RemoveHum, RefusesWhatIsNoHum) {
+  auto force = force_of(long_record, std::vector<double>(long_record.samples, 0.0));
+  const std::vector<TimeSpan> quiet{{-0.5, 0.0}};
+  EXPECT_THROW(remove_hum(force, {0.0, 3, quiet}), std::invalid_argument);
+  EXPECT_THROW(remove_hum(force, {50.0, 0, quiet}), std::invalid_argument);
+  EXPECT_THROW(remove_hum(force, {4000.0, 2, quiet}), std::invalid_argument);
+  EXPECT_THROW(remove_hum(force, {50.0, 3, {TimeSpan{-0.5, -0.4995}}}), std::invalid_argument);
+}
+
+}  // namespace
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/conditioning/resample.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "tests/acquisition/scene.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+using namespace tests;
+
+constexpr double pi = std::numbers::pi;
+constexpr Sampling at{.start = -2e-3, .interval = 1e-6, .samples = 8000};
+
+/// Largest error within the inner part, away from what the ends prolong.
+double inner_error(const datasets::Channel& channel, const std::function<double(double)>& truth,
+                   double margin) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < channel.size(); ++i) {
+    const double t = channel.clock.time(i);
+    if (t < at.start + margin || t > at.time(at.samples - 1) - margin) continue;
+    largest = std::max(largest, std::abs(channel.value(i) - truth(t)));
+  }
+  return largest;
+}
+
+TEST(Resample, KeepsWhatIsBelowBothNyquistFrequencies) {
+  for (const double rate : {5e6, 1.2345e6, 999e3, 400e3, 102.4e3})
+    for (const double part : {0.05, 0.4, 0.8}) {
+      const double frequency = part * 0.5 * std::min(1e6, rate);
+      const auto wave = [&](double t) { return 2.0 + std::sin(2.0 * pi * frequency * t + 0.3); };
+      auto force = force_of(at, sampled(at, wave));
+      resample(force, {rate});
+      EXPECT_NEAR(force.clock.interval, 1.0 / rate, 1e-18);
+      EXPECT_EQ(force.clock.start, at.start);
+      EXPECT_LT(inner_error(force, wave, 40.0 / std::min(1e6, rate)), 2e-4) << rate << " " << part;
+    }
+}
+
+TEST(Resample, TakesOffWhatAnotherRateCannotHold) {
+  for (const double rate : {400e3, 102.4e3}) {
+    const double frequency = 0.52 * rate;  // just above the new Nyquist frequency
+    auto force =
+        force_of(at, sampled(at, [&](double t) { return std::sin(2.0 * pi * frequency * t); }));
+    resample(force, {rate});
+    EXPECT_LT(inner_error(
+                  force, [](double) { return 0.0; }, 40.0 / rate),
+              5e-4)
+        << rate;
+  }
+}
+
+TEST(Resample, LeavesALineAndACountAlone) {
+  auto force = force_of(at, sampled(at, [](double t) { return 3.0 - 1e3 * t; }));
+  resample(force, {250e3});
+  ASSERT_EQ(force.size(), 2000U);
+  for (std::size_t i = 0; i < force.size(); ++i)
+    ASSERT_NEAR(force.value(i), 3.0 - 1e3 * force.clock.time(i), 1e-6);
+  const auto before = force.values();
+  resample(force, {250e3});
+  EXPECT_EQ(force.values(), before);
+}
+
+TEST(Resample, MarksWhatComesFromInvalidSamples) {
+  auto velocity = velocity_of(at, std::vector<double>(at.samples, 0.4));
+  velocity.valid.assign(at.samples, 1);
+  velocity.valid[1000] = 0;
+  resample(velocity, {500e3});
+  EXPECT_EQ(velocity.valid[500], 0);
+  EXPECT_EQ(velocity.valid[498], 1);
+  EXPECT_EQ(velocity.valid[502], 1);
+}
+
+TEST(Resample, JoinsUnevenTimes) {
+  const auto wave = [](double t) { return std::sin(2.0 * pi * 2e3 * t); };
+  Noise noise(11);
+  datasets::Channel force = force_of(at, {});
+  std::vector<double> times, values;
+  for (std::size_t i = 0; i < at.samples; ++i) {
+    times.push_back(at.time(i) + 0.3e-6 * (2.0 * noise.uniform() - 1.0));
+    values.push_back(wave(times.back()));
+  }
+  force.clock = {times.front(), at.interval, times};
+  force.raw = values;
+  const auto edit = resample(force, {1e6});
+  EXPECT_TRUE(force.clock.uniform());
+  EXPECT_EQ(edit.parameters.at("from"), "uneven times, joined by modified Akima cubics");
+  EXPECT_NEAR(force.clock.time(force.size() - 1), times.back(), 1.5e-6);
+  // Modified Akima cubics are of second order at worst: (w h)² = 1.6e-4.
+  EXPECT_LT(inner_error(force, wave, 40e-6), 1.6e-4);
+}
+
+TEST(Resample, RefusesSenselessRates) {
+  auto force = force_of(at, std::vector<double>(at.samples, 0.0));
+  EXPECT_THROW(resample(force, {0.0}), std::invalid_argument);
+  EXPECT_THROW(resample(force, {-1.0}), std::invalid_argument);
+  EXPECT_THROW(resample(force, {INFINITY}), std::invalid_argument);
+  EXPECT_THROW(resample(force, {1e15}), std::invalid_argument);
+  auto back = force;
+  back.clock.times = std::vector<double>(at.samples, 1.0);
+  EXPECT_THROW(resample(back, {1e6}), std::invalid_argument);
+}
+
+}  // namespace
+
+}  // namespace impactrig::acquisition
