@@ -9,6 +9,7 @@
 
 #include "app/files.hpp"
 #include "datasets/input_error.hpp"
+#include "fitting/conditioning_keys.hpp"
 #include "fitting/sensor_keys.hpp"
 #include "fitting/toml_reader.hpp"
 
@@ -115,6 +116,7 @@ acquisition::ChannelMap read_channel_map(const std::string& path) {
   map.file = path;
   map.keep_others = root.choice("others", {"drop", "keep"}).value_or(0) == 1;
   for (TableReader& table : root.tables("channels")) map.channels.push_back(read_mapping(table));
+  map.conditioning = fitting::read_conditioning(root);
   root.finish();
   if (map.channels.empty() && !map.keep_others)
     throw datasets::InputError(

@@ -10,9 +10,11 @@
 #include <sstream>
 
 #include "acquisition/conditioning/condition.hpp"
+#include "acquisition/conditioning/steps.hpp"
 #include "acquisition/importer.hpp"
 #include "datasets/input_error.hpp"
 #include "fitting/fit.hpp"
+#include "fitting/plausibility.hpp"
 #include "fitting/rig_file.hpp"
 
 namespace impactrig::app {
@@ -32,10 +34,11 @@ std::string host_name() {
   return gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
-/// Later impacts of a recording are left alone; the report says so.
-datasets::Impact first_impact(const datasets::Record& record, bool needs_force,
-                              std::vector<std::string>& warnings) {
-  std::vector<datasets::Impact> impacts = acquisition::find_impacts(record);
+/// The impact that is asked for; others of the recording are left alone, and a warning says so.
+datasets::Impact chosen_impact(const datasets::Record& record, const FitJob& job, bool needs_force,
+                               std::vector<std::string>& warnings) {
+  const std::vector<datasets::Impact> impacts =
+      acquisition::find_impacts(record, detection_options(job.detection));
   const std::string& file = record.provenance.source_file;
   if (impacts.empty())
     throw datasets::InputError({.file = file},
@@ -43,7 +46,11 @@ datasets::Impact first_impact(const datasets::Record& record, bool needs_force,
                                "the noise. Check that the right channel is named in "
                                "sensors.force.channel and that the trigger fired; `impactrig "
                                "inspect` shows what is in the file");
-  datasets::Impact& impact = impacts.front();
+  if (impacts.size() < static_cast<std::size_t>(job.impact))
+    throw datasets::InputError(
+        {.file = file}, fmt::format("holds {} impact{}, so there is no number {}", impacts.size(),
+                                    impacts.size() == 1 ? "" : "s", job.impact));
+  datasets::Impact impact = impacts[static_cast<std::size_t>(job.impact) - 1];
   if (!impact.force && needs_force)
     throw datasets::InputError({.file = file},
                                "has no force channel; name it with sensors.force.channel (and "
@@ -62,10 +69,19 @@ datasets::Impact first_impact(const datasets::Record& record, bool needs_force,
                     "laser looks from the other side, state sensors.velocity.polarity = -1",
                     impact.approach_velocity));
   if (impacts.size() > 1)
-    warnings.push_back(fmt::format("{} holds {} impacts; the first, at {:.6g} s, was fitted.", file,
-                                   impacts.size(), impacts.front().start));
-  impacts.front().recording = std::filesystem::path(file).filename().string();
-  return impacts.front();
+    warnings.push_back(fmt::format("{} holds {} impacts; number {}, at {:.6g} s, was fitted.", file,
+                                   impacts.size(), job.impact, impact.start));
+  impact.recording = std::filesystem::path(file).filename().string();
+  return impact;
+}
+
+/// Flags an impact whose impulse does not fit the rig.
+void check_momentum(const fitting::RigFile& rig, datasets::Impact& impact,
+                    std::vector<std::string>& warnings) {
+  const auto balance = fitting::momentum_balance(impact, rig);
+  if (!balance || balance->plausible) return;
+  impact.flags.push_back(datasets::ImpactFlag::implausible);
+  warnings.push_back(fmt::format("{}: {}", impact.recording, balance->sentence));
 }
 
 /// Nothing is guessed: of two channels of a kind the rig file names one.
@@ -105,10 +121,12 @@ fitting::FitOptions fit_options(const FitJob& job) {
 std::string result_text(const FitJob& job, const reports::ResultProvenance& provenance) {
   const ImportArguments& r = job.reading;
   std::string text = fmt::format(
-      "impactrig {} {}\nfree {}\nchannels {}\nwindow {}\nrig {}\nread {}|{}|{}|{}|{}|{}|{}\n",
+      "impactrig {} {}\nfree {}\nchannels {}\nwindow {}\nrig {}\nread {}|{}|{}|{}|{}|{}|{}\n"
+      "trigger {}|{}|{}|{}|{}\n",
       provenance.version, provenance.git, job.free, job.channels, job.window,
       provenance.config_sha256, r.format, r.delimiter, r.decimal, r.time_column, r.units,
-      r.skip_lines, r.sample_rate);
+      r.skip_lines, r.sample_rate, job.detection.trigger, job.detection.threshold,
+      job.detection.pre_trigger, job.detection.post_trigger, job.impact);
   for (const reports::InputFile& input : provenance.inputs) text += input.sha256 + "\n";
   return text;
 }
@@ -127,10 +145,15 @@ void add_fit_job(CLI::App& command, FitJob& job) {
   command.add_option("--window", job.window, "Fit no more than this after first touch [s]")
       ->check(CLI::PositiveNumber);
   command.add_option("--title", job.title, "Title of the report");
+  command
+      .add_option("--impact", job.impact,
+                  "Which impact of a recording to fit, from 1; default the first")
+      ->check(CLI::PositiveNumber);
   add_set(command, job.common);
   add_quiet(command, job.common);
   add_force(command, job.common);
   add_import_arguments(command, job.reading);
+  add_detection_arguments(command, job.detection);
 }
 
 reports::ReportData run_fit_job(const FitJob& job) {
@@ -146,10 +169,12 @@ reports::ReportData run_fit_job(const FitJob& job) {
     if (!job.common.quiet) fmt::print(stderr, "reading {}\n", path);
     datasets::Record record = acquisition::condition(acquisition::import_recording(path, reading),
                                                      {rig.force, rig.velocity, rig.displacement});
+    acquisition::apply_steps(rig.conditioning, record, {rig.force, rig.velocity, rig.displacement});
     for (const std::string& warning : record.warnings)
       warnings.push_back(fmt::format("{}: {}", path, warning));
     refuse_choice(record, rig);
-    impacts.push_back(first_impact(record, options.use_force, warnings));
+    impacts.push_back(chosen_impact(record, job, options.use_force, warnings));
+    check_momentum(rig, impacts.back(), warnings);
     for (const reports::InputFile& input : data.provenance.inputs)
       if (input.sha256 == record.provenance.sha256)
         throw datasets::InputError(

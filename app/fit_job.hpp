@@ -18,7 +18,9 @@ struct FitJob {
   std::string channels;  ///< comma between
   std::string title;
   double window = 0.0;  ///< [s]
+  int impact = 1;       ///< which of a recording's impacts, from 1
   ImportArguments reading;
+  DetectionArguments detection;
   CommonOptions common;
 };
 

@@ -4,6 +4,7 @@
 #include <future>
 
 #include "acquisition/channel_map.hpp"
+#include "acquisition/conditioning/steps.hpp"
 #include "acquisition/exporter.hpp"
 #include "acquisition/importer.hpp"
 #include "app/channel_map_file.hpp"
@@ -29,6 +30,9 @@ struct Options {
 /// Recordings of up to so many samples are held in memory, which HDF5 then compresses.
 constexpr std::uint64_t most_held = std::uint64_t{1} << 20;
 
+/// Conditioning keeps a few copies of a channel.
+constexpr std::uint64_t most_conditioned = 64'000'000;
+
 /// A recording to import.
 struct Input {
   std::string path;
@@ -36,13 +40,12 @@ struct Input {
   acquisition::Selection wanted;
 };
 
-std::vector<Input> open_inputs(const Options& options) {
+std::vector<Input> open_inputs(const Options& options, const acquisition::ChannelMap& map) {
   const acquisition::ImportOptions reading = import_options(options.reading);
   std::vector<Input> inputs;
   for (const std::string& path : options.files) {
     Input input{path, acquisition::open_recording(path, reading), {}};
-    if (!options.map.empty())
-      input.reader = acquisition::mapped(std::move(input.reader), read_channel_map(options.map));
+    if (!options.map.empty()) input.reader = acquisition::mapped(std::move(input.reader), map);
     const acquisition::RecordingHead& head = input.reader->head();
     if (head.record.channels.empty())
       throw datasets::InputError(
@@ -133,11 +136,13 @@ datasets::Record import_by_blocks(const Options& options, std::vector<Input>& in
   return record;
 }
 
-datasets::Record import_at_once(const Options& options, std::vector<Input>& inputs) {
+datasets::Record import_at_once(const Options& options, std::vector<Input>& inputs,
+                                const std::vector<datasets::ConditioningStep>& steps) {
   datasets::Record record;
   for (Input& input : inputs) {
     datasets::Record next = acquisition::read_into_memory(*input.reader, input.wanted);
     next.provenance.sha256 = datasets::sha256_of_file(input.path);
+    acquisition::apply_steps(steps, next);
     join(std::move(next), record);
   }
   acquisition::export_recording(record, options.output);
@@ -158,11 +163,20 @@ void import(const Options& options) {
   if (options.output.empty()) throw CLI::RequiredError("--output");
   check_output(options.output, options.common.force);
   check_ending(options.output);
-  std::vector<Input> inputs = open_inputs(options);
+  acquisition::ChannelMap map;
+  if (!options.map.empty()) map = read_channel_map(options.map);
+  std::vector<Input> inputs = open_inputs(options, map);
+  const std::uint64_t samples = samples_of(inputs);
+  if (!map.conditioning.empty() && samples > most_conditioned)
+    throw datasets::InputError(
+        {.file = inputs.front().path},
+        fmt::format("{} million samples are too many to be conditioned, which takes them into "
+                    "memory; {} million are the most: --channel, --from and --to say which",
+                    samples / 1'000'000, most_conditioned / 1'000'000));
   const bool hdf5 = options.output.ends_with(".h5") || options.output.ends_with(".hdf5");
-  const datasets::Record record = hdf5 && samples_of(inputs) > most_held
+  const datasets::Record record = hdf5 && samples > most_held && map.conditioning.empty()
                                       ? import_by_blocks(options, inputs)
-                                      : import_at_once(options, inputs);
+                                      : import_at_once(options, inputs, map.conditioning);
   if (options.common.quiet) return;
   for (const std::string& warning : record.warnings) fmt::print(stderr, "warning: {}\n", warning);
   fmt::print(stderr, "{} channel(s) written to {}\n", record.channels.size(), options.output);

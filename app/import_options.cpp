@@ -40,6 +40,40 @@ void add_selection_arguments(CLI::App& command, ImportArguments& arguments) {
   command.add_option("--to", arguments.to, "Time of the last sample [s]")->group(group);
 }
 
+void add_detection_arguments(CLI::App& command, DetectionArguments& arguments) {
+  const char* group = "How impacts are found (from noise and peak unless stated)";
+  command
+      .add_option("--trigger", arguments.trigger,
+                  "Channel to look for impacts in: name or index; default the force, else the "
+                  "acceleration, else the velocity")
+      ->group(group);
+  command
+      .add_option("--threshold", arguments.threshold,
+                  "Departure that is an impact [N, m/s^2 or m/s]")
+      ->check(CLI::PositiveNumber)
+      ->group(group);
+  command
+      .add_option("--pre-trigger", arguments.pre_trigger,
+                  "Time kept before first touch, whose noise is judged [s]; default 0.5e-3")
+      ->check(CLI::PositiveNumber)
+      ->group(group);
+  command
+      .add_option("--post-trigger", arguments.post_trigger,
+                  "Time kept after first touch; later contacts within it are further hits [s]; "
+                  "default 5e-3")
+      ->check(CLI::PositiveNumber)
+      ->group(group);
+}
+
+acquisition::DetectionOptions detection_options(const DetectionArguments& arguments) {
+  acquisition::DetectionOptions options;
+  options.trigger_channel = arguments.trigger;
+  options.threshold = arguments.threshold;
+  if (arguments.pre_trigger > 0.0) options.pre_trigger = arguments.pre_trigger;
+  if (arguments.post_trigger > 0.0) options.post_trigger = arguments.post_trigger;
+  return options;
+}
+
 acquisition::ImportOptions import_options(const ImportArguments& arguments) {
   acquisition::ImportOptions options;
   options.format = arguments.format;

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "acquisition/conditioning/condition.hpp"
+#include "acquisition/conditioning/steps.hpp"
 #include "acquisition/importer.hpp"
 #include "acquisition/statistics.hpp"
 #include "app/import_options.hpp"
 #include "app/program.hpp"
 #include "datasets/input_error.hpp"
+#include "fitting/plausibility.hpp"
 
 namespace impactrig::app {
 namespace {
@@ -20,6 +23,8 @@ using nlohmann::ordered_json;
 
 struct Options {
   std::string file;
+  std::string rig;  ///< what the sensors are and how the recording is conditioned; "" = as recorded
+  DetectionArguments detection;
   ImportArguments reading;
   bool no_statistics = false;
   CommonOptions common;
@@ -96,36 +101,85 @@ void add_statistics(const Gathering& gathering, std::size_t channel, ordered_jso
   json["sum_abs2"] = number(s.sum_abs2);
 }
 
-/// Impacts of every channel that could show one, each searched alone.
-ordered_json impacts_json(const datasets::Record& record, std::vector<std::string>& warnings) {
+ordered_json impact_json(const datasets::Impact& impact, const datasets::Channel& channel) {
+  using enum datasets::Quantity;
+  ordered_json flags = ordered_json::array();
+  for (const datasets::ImpactFlag flag : impact.flags) flags.push_back(datasets::name(flag));
+  const char* const impulse_unit = channel.quantity == force          ? "N s"
+                                   : channel.quantity == acceleration ? "m/s"
+                                                                      : "m";
+  ordered_json json = {
+      {"channel", channel.name},         {"unit", datasets::si_unit(channel.quantity)},
+      {"start_s", number(impact.start)}, {"end_s", number(impact.end)},
+      {"peak", number(impact.peak)},     {"peak_time_s", number(impact.peak_time)},
+      {"width_s", number(impact.width)}, {"impulse", number(impact.impulse)},
+      {"impulse_unit", impulse_unit},    {"flags", flags}};
+  if (impact.velocity) json["approach_velocity_m_s"] = number(impact.approach_velocity);
+  return json;
+}
+
+/// Impacts in one channel of a record; a sentence where they cannot be looked for.
+void add_impacts(const datasets::Record& record, std::size_t index,
+                 acquisition::DetectionOptions options, ordered_json& list,
+                 std::vector<std::string>& warnings) {
+  const datasets::Channel& channel = record.channels[index];
+  options.trigger_channel = std::to_string(index);
+  try {
+    for (const datasets::Impact& impact : acquisition::find_impacts(record, options))
+      list.push_back(impact_json(impact, channel));
+  } catch (const datasets::InputError& error) {
+    warnings.push_back(
+        fmt::format("impacts of '{}' were not looked for: {}", channel.name, error.problem()));
+  }
+}
+
+/// Impacts of the trigger channel, else of every channel that could show one, each searched alone.
+ordered_json impacts_json(const datasets::Record& record, const DetectionArguments& detection,
+                          std::vector<std::string>& warnings) {
   ordered_json list = ordered_json::array();
+  const acquisition::DetectionOptions options = detection_options(detection);
+  if (!detection.trigger.empty()) {
+    const datasets::Channel* const channel = record.find(detection.trigger);
+    if (channel == nullptr)
+      throw datasets::InputError(
+          {.file = record.provenance.source_file},
+          fmt::format("there is no single channel '{}' to look for impacts in", detection.trigger));
+    add_impacts(record, static_cast<std::size_t>(channel - record.channels.data()), options, list,
+                warnings);
+    return list;
+  }
   for (std::size_t i = 0; i < record.channels.size(); ++i) {
     const datasets::Channel& channel = record.channels[i];
     using enum datasets::Quantity;
     if (channel.quantity != force && channel.quantity != acceleration) continue;
     if (channel.complex() || !channel.clock.uniform() || !(channel.clock.interval > 0.0)) continue;
-    acquisition::DetectionOptions options;
-    options.trigger_channel = std::to_string(i);
-    try {
-      for (const datasets::Impact& impact : acquisition::find_impacts(record, options)) {
-        ordered_json flags = ordered_json::array();
-        for (const datasets::ImpactFlag flag : impact.flags) flags.push_back(datasets::name(flag));
-        const std::string unit(datasets::si_unit(channel.quantity));
-        list.push_back({{"channel", channel.name},
-                        {"unit", unit},
-                        {"start_s", number(impact.start)},
-                        {"end_s", number(impact.end)},
-                        {"peak", number(impact.peak)},
-                        {"peak_time_s", number(impact.peak_time)},
-                        {"width_s", number(impact.width)},
-                        {"impulse", number(impact.impulse)},
-                        {"impulse_unit", channel.quantity == force ? "N s" : "m/s"},
-                        {"flags", flags}});
-      }
-    } catch (const datasets::InputError& error) {
-      warnings.push_back(
-          fmt::format("impacts of '{}' were not looked for: {}", channel.name, error.problem()));
+    add_impacts(record, i, options, list, warnings);
+  }
+  return list;
+}
+
+/// Impacts as a fit with this rig sees them: through its sensors, conditioned, held against it.
+ordered_json impacts_on_rig(const datasets::Record& recorded, const Options& options,
+                            std::vector<std::string>& warnings) {
+  const fitting::RigFile rig = fitting::read_rig_file(options.rig);
+  const acquisition::SensorSet sensors{rig.force, rig.velocity, rig.displacement};
+  datasets::Record record = acquisition::condition(recorded, sensors);
+  acquisition::apply_steps(rig.conditioning, record, sensors);
+  for (std::size_t i = recorded.warnings.size(); i < record.warnings.size(); ++i)
+    warnings.push_back(record.warnings[i]);
+  ordered_json list = ordered_json::array();
+  for (datasets::Impact& impact :
+       acquisition::find_impacts(record, detection_options(options.detection))) {
+    const auto balance = fitting::momentum_balance(impact, rig);
+    if (balance && !balance->plausible) {
+      impact.flags.push_back(datasets::ImpactFlag::implausible);
+      warnings.push_back(balance->sentence);
     }
+    const auto trigger =
+        std::ranges::find(record.channels, impact.trigger, &datasets::Channel::name);
+    ordered_json json = impact_json(impact, *trigger);
+    if (balance) json["impulse_ratio"] = number(balance->ratio);
+    list.push_back(std::move(json));
   }
   return list;
 }
@@ -220,10 +274,13 @@ std::uint64_t samples_of(const ordered_json& channels) {
 /// Impacts where the samples fit into memory; else a sentence.
 ordered_json find_all_impacts(acquisition::RecordingReader& reader,
                               const acquisition::Selection& wanted, const ordered_json& channels,
-                              std::vector<std::string>& warnings) {
+                              const Options& options, std::vector<std::string>& warnings) {
   const std::uint64_t samples = samples_of(channels);
-  if (samples <= most_searched)
-    return impacts_json(acquisition::read_into_memory(reader, wanted), warnings);
+  if (samples <= most_searched) {
+    const datasets::Record record = acquisition::read_into_memory(reader, wanted);
+    return options.rig.empty() ? impacts_json(record, options.detection, warnings)
+                               : impacts_on_rig(record, options, warnings);
+  }
   warnings.push_back(fmt::format(
       "impacts are looked for in up to {} million samples, these are {} million: --channel, "
       "--from and --to say where to look",
@@ -251,7 +308,7 @@ void inspect(const Options& options) {
   json["channels"] = channels;
   if (!record.attributes.empty()) json["attributes"] = record.attributes;
   if (!options.no_statistics)
-    json["impacts"] = find_all_impacts(*reader, wanted, channels, warnings);
+    json["impacts"] = find_all_impacts(*reader, wanted, channels, options, warnings);
   json["warnings"] = warnings;
   if (options.common.json)
     fmt::print("{}\n", json.dump(2, ' ', false, ordered_json::error_handler_t::replace));
@@ -266,6 +323,9 @@ void add_inspect(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "inspect", "Show what is in a recording: channels, statistics, impacts, warnings");
   command->add_option("file", options->file, "A recording of any format")->required();
+  command->add_option("--rig", options->rig,
+                      "Rig file: impacts as a fit sees them, held against the rig");
+  add_detection_arguments(*command, options->detection);
   add_selection_arguments(*command, options->reading);
   add_import_arguments(*command, options->reading);
   command->add_flag("--no-statistics", options->no_statistics,

@@ -14,24 +14,50 @@ struct FlagText {
   std::string_view sentence;
 };
 
-constexpr std::array<FlagText, 6> flag_texts{{
+constexpr std::array<FlagText, 14> flag_texts{{
     {ImpactFlag::clipped, "clipped",
      "The signal reaches the end of its range or has flat tops, so peak and impulse are too small; "
      "record again with a larger range, or fit without the clipped samples."},
     {ImpactFlag::double_hit, "double-hit",
      "There is a second contact within the window; end the window before it, or compare with a "
      "simulation that runs through both contacts."},
+    {ImpactFlag::multiple_hits, "multiple-hits",
+     "There are three or more contacts within the window; check for rattling of the stop or a "
+     "loose "
+     "sensor, and end the window before the second contact."},
     {ImpactFlag::no_hit, "no-hit",
      "Nothing rises above the noise; check the trigger channel, its unit and its polarity."},
     {ImpactFlag::too_short, "too-short",
-     "The record begins after the contact does, or ends before it; lengthen the pre-trigger or the "
-     "record, and do not use impulse and restitution of this impact."},
+     "The record does not hold the whole contact; do not use impulse, duration and restitution of "
+     "this impact."},
+    {ImpactFlag::missed_start, "missed-start",
+     "The record begins after first touch; lengthen the pre-trigger, or trigger at a lower level."},
+    {ImpactFlag::truncated_tail, "truncated-tail",
+     "The record ends before the contact does; record for longer after the trigger."},
     {ImpactFlag::dropout, "dropout",
      "Some samples within the window are invalid and are left out; check the vibrometer's focus "
      "and reflective tape, or the recorder's overruns."},
     {ImpactFlag::undersampled, "undersampled",
      "The contact has fewer than 20 samples, so its peak and duration are uncertain; record at a "
      "higher sample rate."},
+    {ImpactFlag::noisy, "noisy",
+     "The noise before the trigger is more than 2 % of the signal, and single samples (peak, first "
+     "touch) are as uncertain; use a finer range, shield the cable, or low-pass the record."},
+    {ImpactFlag::unsteady, "unsteady",
+     "The force wanders before the trigger by more than 2 % of its peak (drift, hum, or ringing of "
+     "the impact before); wait longer before the shot, or take it off with the conditioning steps "
+     "drift, decay or hum."},
+    {ImpactFlag::baseline_shift, "baseline-shift",
+     "The force does not come back to its level before the impact by more than 1 % of its peak: an "
+     "amplifier that was overloaded, a lower limit too high for the pulse, or a ground loop; lower "
+     "the gain or the lower limit, and do not integrate beyond the contact."},
+    {ImpactFlag::inverted, "inverted",
+     "The force is negative in the contact, or the bar moves away from the stop before it; state "
+     "polarity = -1 for that sensor."},
+    {ImpactFlag::implausible, "implausible",
+     "Impulse and approach speed do not fit the rig by a factor that no restitution explains; "
+     "check "
+     "units, sensitivities, gains and ranges of both channels."},
 }};
 
 const FlagText& text_of(ImpactFlag flag) {
@@ -46,6 +72,11 @@ std::string_view name(ImpactFlag flag) {
 
 std::string_view sentence(ImpactFlag flag) {
   return text_of(flag).sentence;
+}
+
+std::optional<ImpactFlag> flag_named(std::string_view name) {
+  const auto* const found = std::ranges::find(flag_texts, name, &FlagText::name);
+  return found == flag_texts.end() ? std::nullopt : std::optional(found->flag);
 }
 
 bool Impact::has(ImpactFlag flag) const {

@@ -13,16 +13,25 @@ namespace impactrig::datasets {
 
 /// What is wrong with an impact as it was recorded.
 enum class ImpactFlag {
-  clipped,      ///< flat tops or values at the range: peak and impulse are too small
-  double_hit,   ///< a second contact within the window
-  no_hit,       ///< nothing rises above the noise
-  too_short,    ///< the record ends before the contact does, or begins after it started
-  dropout,      ///< invalid samples within the window
-  undersampled  ///< fewer than 20 samples over the contact
+  clipped,         ///< flat tops or values at the range: peak and impulse are too small
+  double_hit,      ///< a second contact within the window
+  multiple_hits,   ///< three or more contacts within the window (beside double_hit)
+  no_hit,          ///< nothing rises above the noise
+  too_short,       ///< the record does not hold the whole contact, for one of the next two reasons
+  missed_start,    ///< it begins after first touch
+  truncated_tail,  ///< it ends before the contact does
+  dropout,         ///< invalid samples within the window
+  undersampled,    ///< fewer than 20 samples over the contact
+  noisy,           ///< noise before touch above 2 % of the signal
+  unsteady,        ///< force before touch wanders by more than 2 % of the peak
+  baseline_shift,  ///< force after the contact is off its level before by more than 1 % of the peak
+  inverted,        ///< force is tension, or the bar comes from the wrong side
+  implausible      ///< impulse and approach speed do not fit the rig: a wrong unit or sensitivity
 };
 
-std::string_view name(ImpactFlag flag);      ///< "double-hit"
-std::string_view sentence(ImpactFlag flag);  ///< what it means and what to do, for a report
+std::string_view name(ImpactFlag flag);                       ///< "double-hit"
+std::string_view sentence(ImpactFlag flag);                   ///< what it means, what to do
+std::optional<ImpactFlag> flag_named(std::string_view name);  ///< none when there is no such flag
 
 /// One channel around the impact: calibrated, SI, known delay taken off, baseline taken off.
 /// Compression and closing motion are positive.
@@ -47,6 +56,7 @@ struct ImpactSignal {
 /// One impact found in a recording, ready to be compared with a model.
 struct Impact {
   std::string recording;   ///< file it was found in
+  std::string trigger;     ///< channel it was found in
   double start = 0.0;      ///< first touch as the trigger channel shows it [s, record's time axis]
   double end = 0.0;        ///< end of the first contact [s]
   double peak = 0.0;       ///< of the trigger channel [SI]

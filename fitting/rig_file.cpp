@@ -10,7 +10,9 @@
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
+#include <variant>
 
+#include "fitting/conditioning_keys.hpp"
 #include "fitting/rig_file_contact.hpp"
 #include "fitting/sensor_keys.hpp"
 #include "fitting/toml_reader.hpp"
@@ -400,6 +402,10 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   else
     file.solver.accuracy = default_accuracy;
   if (auto sensors = root.table("sensors")) read_sensors(*sensors, file);
+  file.conditioning = read_conditioning(root);
+  for (datasets::ConditioningStep& step : file.conditioning)
+    if (auto* const hum = std::get_if<datasets::RemoveHum>(&step.action); hum && !hum->frequency)
+      hum->frequency = file.mains_frequency;
   root.finish();
   try {
     models::validate(file.rig, file.solver);

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "datasets/conditioning.hpp"
 #include "datasets/sensor.hpp"
 #include "models/rig.hpp"
 
@@ -21,6 +22,7 @@ struct RigFile {
   models::Solver solver;
   bool mesh_stated = false;  ///< the file names elements, or a model without
   std::optional<datasets::Sensor> force, velocity, displacement;
+  std::vector<datasets::ConditioningStep> conditioning;  ///< what is done to recordings, in order
   double mains_frequency = 50.0;  ///< of the hum in the recordings [Hz]
 };
 

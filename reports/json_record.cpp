@@ -50,12 +50,8 @@ std::optional<datasets::ImpactSignal> signal_from(const JsonReader& impact,
 }
 
 datasets::ImpactFlag flag_from(const JsonReader& json) {
-  using datasets::ImpactFlag;
   const std::string name = json.text();
-  for (const ImpactFlag flag :
-       {ImpactFlag::clipped, ImpactFlag::double_hit, ImpactFlag::no_hit, ImpactFlag::too_short,
-        ImpactFlag::dropout, ImpactFlag::undersampled})
-    if (name == datasets::name(flag)) return flag;
+  if (const auto flag = datasets::flag_named(name)) return *flag;
   json.fail("no flag of an impact is called \"" + name + "\"");
 }
 

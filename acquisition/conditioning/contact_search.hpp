@@ -22,7 +22,7 @@ struct Contact {
   double baseline = 0.0;       ///< at first touch [SI]; of a velocity: its value there
   bool begins_inside = false;  ///< the record starts after first touch
   bool ends_inside = false;    ///< the record ends before the contact does
-  bool double_hit = false;
+  int further_hits = 0;        ///< contacts after it within post_trigger
 };
 
 /// A signal that goes from a baseline to a peak and back: force, acceleration.

@@ -10,6 +10,7 @@
 #include "acquisition/conditioning/background.hpp"
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/conditioning/contact_search.hpp"
+#include "acquisition/conditioning/impact_flags.hpp"
 #include "acquisition/conditioning/trace.hpp"
 #include "datasets/input_error.hpp"
 
@@ -17,15 +18,12 @@ namespace impactrig::acquisition {
 
 using datasets::Channel;
 using datasets::Impact;
-using datasets::ImpactFlag;
 using datasets::ImpactSignal;
 using datasets::InputError;
 using datasets::Quantity;
 using datasets::Record;
 
 namespace {
-
-constexpr double enough_samples = 20.0;  ///< over a contact
 
 double as_double(std::size_t n) {
   return static_cast<double>(n);
@@ -69,16 +67,8 @@ const Channel& trigger_channel(const Record& record, const DetectionOptions& opt
                    "the channels in a rig file under [sensors.force] and [sensors.velocity]");
 }
 
-/// What find_impacts needs of a channel, computed once a record.
-struct Source {
-  const Channel* channel;
-  Trace trace;
-  double range;    ///< [SI]; 0 unknown
-  double quantum;  ///< digitiser step [SI]; 0 not seen
-};
-
-Source source_of(const Channel& channel, const std::string& file) {
-  Source source{&channel, trace_of(channel, file), 0.0, 0.0};
+RecordedSignal source_of(const Channel& channel, const std::string& file) {
+  RecordedSignal source{&channel, trace_of(channel, file), 0.0, 0.0};
   source.quantum = quantum_of(source.trace.values);
   const auto stated = channel.attributes.find("sensor.range");
   if (stated != channel.attributes.end())
@@ -93,7 +83,7 @@ struct Window {
   double floor;  ///< end of the previous impact; nothing before it is quiet
 };
 
-void describe_noise(const Source& source, double onset_time, const Window& window,
+void describe_noise(const RecordedSignal& source, double onset_time, const Window& window,
                     const DetectionOptions& options, ImpactSignal& signal) {
   const Trace& trace = source.trace;
   const double floor = std::max(0.0, std::ceil(trace.index(window.floor)));
@@ -111,8 +101,8 @@ void describe_noise(const Source& source, double onset_time, const Window& windo
 }
 
 /// None when the channel has no sample within the window.
-std::optional<ImpactSignal> signal_of(const Source& source, double onset_time, const Window& window,
-                                      const DetectionOptions& options) {
+std::optional<ImpactSignal> signal_of(const RecordedSignal& source, double onset_time,
+                                      const Window& window, const DetectionOptions& options) {
   const Trace& trace = source.trace;
   const double n = as_double(trace.values.size());
   // A ten-thousandth of a step of grace: times are rounded.
@@ -148,7 +138,7 @@ void subtract_baseline(ImpactSignal& signal, double baseline) {
 }
 
 /// The force's level before touch when the trigger is another channel.
-double level_before(const Source& source, double onset_time, const Window& window,
+double level_before(const RecordedSignal& source, double onset_time, const Window& window,
                     const DetectionOptions& options) {
   const Trace& trace = source.trace;
   const double floor = std::max(0.0, std::ceil(trace.index(window.floor)));
@@ -159,7 +149,7 @@ double level_before(const Source& source, double onset_time, const Window& windo
 }
 
 /// Mean before touch, dropouts left out; of the samples there are when there are few.
-double approach_velocity(const Source& velocity, double onset_time, const Window& window,
+double approach_velocity(const RecordedSignal& velocity, double onset_time, const Window& window,
                          const DetectionOptions& options) {
   const Trace& trace = velocity.trace;
   const double floor = std::max(0.0, std::ceil(trace.index(window.floor)));
@@ -173,73 +163,8 @@ double approach_velocity(const Source& velocity, double onset_time, const Window
   return median({trace.values.begin() + begin, trace.values.begin() + end});
 }
 
-// --- Flags --------------------------------------------------------------------------------------
-
-/// A flat top that no smooth crest makes: three or more equal extreme samples, above half of the
-/// peak, and beyond them the signal falls off faster than a parabola through digitiser steps would
-/// (a crest one step high over a run of m samples is 9 steps high over 3 m).
-bool flat_top(const std::vector<double>& y, const Contact& contact, double quantum) {
-  const double top = y[contact.peak_index];
-  const auto same = [&](std::size_t i) {
-    return std::abs(y[i] - top) <= 1e-9 * std::abs(contact.peak);
-  };
-  std::size_t first = contact.peak_index, last = contact.peak_index;
-  while (first > 0 && same(first - 1)) --first;
-  while (last + 1 < y.size() && same(last + 1)) ++last;
-  const std::size_t run = last - first + 1;
-  if (run < 3) return false;
-  const std::size_t left = first > run ? first - run : 0;
-  const std::size_t right = std::min(last + run, y.size() - 1);
-  const double fall = std::max(std::abs(top - y[left]), std::abs(top - y[right]));
-  return fall > 13.5 * quantum;
-}
-
-/// Whether a signal reaches its known range, or its invalid samples stand above half of its peak.
-bool over_range(const Source& source, std::size_t first, std::size_t last, double half_peak,
-                double baseline) {
-  for (std::size_t i = first; i <= last; ++i) {
-    const double value = source.trace.values[i];
-    if (source.range > 0.0 && std::abs(value) >= 0.999 * source.range) return true;
-    if (half_peak > 0.0 && !source.trace.is_valid(i) && std::abs(value - baseline) >= half_peak)
-      return true;
-  }
-  return false;
-}
-
-bool has_invalid(const std::optional<ImpactSignal>& signal) {
-  return signal && !signal->valid.empty();
-}
-
-std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
-                                 const Source& trigger) {
-  std::vector<ImpactFlag> flags;
-  const std::vector<double>& y = trigger.trace.values;
-  const auto first = static_cast<std::size_t>(contact.onset);
-  const std::size_t last = std::min(y.size() - 1, static_cast<std::size_t>(contact.end));
-  const bool pulse = trigger.trace.quantity != Quantity::velocity;
-  const bool clipped = over_range(trigger, first, last, pulse ? 0.5 * std::abs(contact.peak) : 0.0,
-                                  contact.baseline) ||
-                       (pulse && flat_top(y, contact, trigger.quantum));
-  bool dropout =
-      has_invalid(impact.force) || has_invalid(impact.velocity) || has_invalid(impact.displacement);
-  // Clipped samples that the recorder marked are clipped, not lost.
-  if (clipped && dropout && !has_invalid(impact.velocity) && !has_invalid(impact.displacement)) {
-    dropout = false;
-    const ImpactSignal& force = *impact.force;
-    for (std::size_t i = 0; i < force.values.size(); ++i)
-      dropout = dropout ||
-                (force.valid[i] == 0 && std::abs(force.values[i]) < 0.5 * std::abs(contact.peak));
-  }
-  if (clipped) flags.push_back(ImpactFlag::clipped);
-  if (contact.double_hit) flags.push_back(ImpactFlag::double_hit);
-  if (contact.begins_inside || contact.ends_inside) flags.push_back(ImpactFlag::too_short);
-  if (dropout) flags.push_back(ImpactFlag::dropout);
-  if (contact.end - contact.onset < enough_samples) flags.push_back(ImpactFlag::undersampled);
-  return flags;
-}
-
-Impact impact_of(const Contact& contact, const Source& trigger,
-                 const std::vector<const Source*>& sources, const Window& window,
+Impact impact_of(const Contact& contact, const RecordedSignal& trigger,
+                 const std::vector<const RecordedSignal*>& sources, const Window& window,
                  const DetectionOptions& options) {
   const Trace& trace = trigger.trace;
   Impact impact;
@@ -249,7 +174,7 @@ Impact impact_of(const Contact& contact, const Source& trigger,
   impact.peak_time = trace.time(as_double(contact.peak_index));
   impact.width = contact.width * trace.interval;
   impact.impulse = contact.impulse * trace.interval;
-  for (const Source* const source : sources) {
+  for (const RecordedSignal* const source : sources) {
     auto signal = signal_of(*source, impact.start, window, options);
     if (!signal) continue;
     if (signal->quantity == Quantity::force) {
@@ -264,7 +189,7 @@ Impact impact_of(const Contact& contact, const Source& trigger,
       impact.displacement = std::move(signal);
     }
   }
-  impact.flags = flags_of(impact, contact, trigger);
+  impact.flags = flags_of(impact, contact, sources, window.floor, options);
   return impact;
 }
 
@@ -274,15 +199,15 @@ std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& o
   refuse_senseless(options);
   const std::string& file = record.provenance.source_file;
   const Channel& chosen = trigger_channel(record, options);
-  const Source trigger = source_of(chosen, file);
+  const RecordedSignal trigger = source_of(chosen, file);
   const std::vector<Contact> contacts = trigger.trace.quantity == Quantity::velocity
                                             ? find_jumps(trigger.trace, options)
                                             : find_pulses(trigger.trace, options);
   if (contacts.empty()) return {};
 
-  std::vector<Source> others;
+  std::vector<RecordedSignal> others;
   others.reserve(3);
-  std::vector<const Source*> sources{&trigger};
+  std::vector<const RecordedSignal*> sources{&trigger};
   for (const Quantity quantity : {Quantity::force, Quantity::velocity, Quantity::displacement}) {
     if (quantity == chosen.quantity) continue;
     if (const Channel* const channel = first_of(record, quantity)) {
@@ -301,6 +226,7 @@ std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& o
       window.end = std::min(window.end, trigger.trace.time(contacts[i + 1].onset - 1.0));
     impacts.push_back(impact_of(contacts[i], trigger, sources, window, options));
     impacts.back().recording = file;
+    impacts.back().trigger = chosen.name;
     window.floor = trigger.trace.time(contacts[i].end);
   }
   return impacts;

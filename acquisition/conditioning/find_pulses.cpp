@@ -294,13 +294,14 @@ double integral(const Excursion& z, double from, double to) {
   return sum;
 }
 
-/// A later pulse of the same sign that ringing cannot be, before sample `limit`: it is more than
+/// Later pulses of the same sign that ringing cannot be, before sample `limit`: each is more than
 /// twice what the signal swings the other way before and right after it, and no single sample.
-bool hit_again(const Excursion& z, const Contact& contact, const Descent& d, std::size_t limit) {
+int further_hits(const Excursion& z, const Contact& contact, const Descent& d, std::size_t limit) {
   const double threshold = z.threshold(d.peak);
   const double rest = std::max(5.0, 0.05 * contact.width);
   const double least = std::max(1.0, 0.05 * contact.width);  // samples above the threshold
   limit = std::min(limit, z.y.size());
+  int hits = 0;
   double other_way = 0.0;
   std::size_t last_above = d.stop_index;
   for (std::size_t j = d.stop_index; j < limit; ++j) {
@@ -319,9 +320,9 @@ bool hit_again(const Excursion& z, const Contact& contact, const Descent& d, std
     last_above = j;
     for (std::size_t k = j; k < std::min(z.y.size(), j + (j - begin)); ++k)
       other_way = std::max(other_way, -z.at(k));
-    if (rested && as_double(longest) >= least && lobe > stands_out * other_way) return true;
+    if (rested && as_double(longest) >= least && lobe > stands_out * other_way) ++hits;
   }
-  return false;
+  return hits;
 }
 
 std::optional<Contact> PulseSearch::measure(std::size_t crossing, std::size_t floor,
@@ -377,7 +378,8 @@ std::optional<Contact> PulseSearch::measure_from(const Baseline& baseline, std::
   contact.impulse = z.sign * integral(z, contact.onset, contact.end);
   contact.baseline = baseline.at(static_cast<std::size_t>(contact.onset));
   const double post = options_.post_trigger / trace_.interval;
-  contact.double_hit = hit_again(z, contact, d, static_cast<std::size_t>(contact.onset + post) + 1);
+  contact.further_hits =
+      further_hits(z, contact, d, static_cast<std::size_t>(contact.onset + post) + 1);
   return contact;
 }
 

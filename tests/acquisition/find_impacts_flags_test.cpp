@@ -226,6 +226,140 @@ TEST(UndersampledFlag, IsSilentAboveTwentySamples) {
   }
 }
 
+// --- multiple hits ------------------------------------------------------------------------------
+
+TEST(MultipleHitsFlag, FiresFromTheThirdContactOn) {
+  const Sampling at;
+  for (const int hits : {1, 2, 3, 4}) {
+    const Impact impact = impact_in(sampled(at, [&](double t) {
+      double force = 0.0;
+      for (int k = 0; k < hits; ++k) force += (k == 0 ? 1.0 : 0.4) * pulse(t - 0.5e-3 * k);
+      return force;
+    }));
+    EXPECT_EQ(impact.has(ImpactFlag::double_hit), hits > 1) << hits;
+    EXPECT_EQ(impact.has(ImpactFlag::multiple_hits), hits > 2) << hits;
+  }
+}
+
+// --- missed start, truncated tail ---------------------------------------------------------------
+
+TEST(TooShortFlag, SaysAtWhichEnd) {
+  const Sampling late{.start = 40e-6, .interval = 1e-6, .samples = 4000};
+  const Impact missed = impact_in(sampled(late, pulse), late);
+  EXPECT_TRUE(missed.has(ImpactFlag::too_short));
+  EXPECT_TRUE(missed.has(ImpactFlag::missed_start));
+  EXPECT_FALSE(missed.has(ImpactFlag::truncated_tail));
+  const Sampling short_one{.start = -1e-3, .interval = 1e-6, .samples = 1120};
+  const Impact cut = impact_in(sampled(short_one, pulse), short_one);
+  EXPECT_TRUE(cut.has(ImpactFlag::too_short));
+  EXPECT_FALSE(cut.has(ImpactFlag::missed_start));
+  EXPECT_TRUE(cut.has(ImpactFlag::truncated_tail));
+  const Impact whole = impact_in(sampled(Sampling{}, pulse));
+  EXPECT_FALSE(whole.has(ImpactFlag::missed_start) || whole.has(ImpactFlag::truncated_tail));
+}
+
+// --- noisy --------------------------------------------------------------------------------------
+
+TEST(NoisyFlag, FiresAboveTwoPercent) {
+  for (const double part : {0.002, 0.015, 0.025, 0.06})
+    for (int seed = 1; seed <= 5; ++seed) {
+      auto force = sampled(Sampling{}, pulse);
+      add_noise(force, part * 1500.0, static_cast<std::uint64_t>(seed));
+      const auto impacts = find_impacts(record_of({force_of(Sampling{}, force)}));
+      ASSERT_EQ(impacts.size(), 1U);
+      EXPECT_EQ(impacts[0].has(ImpactFlag::noisy), part > 0.02) << part << " " << seed;
+    }
+}
+
+TEST(NoisyFlag, IsForTheVelocityToo) {
+  const Sampling at;
+  for (const double noise : {1e-3, 40e-3}) {
+    auto velocity = sampled(at, [](double t) {
+      return 0.44 - 0.3 * (1.0 - std::cos(pi * std::clamp(t / duration, 0.0, 1.0)));
+    });
+    add_noise(velocity, noise, 3);
+    const auto impacts =
+        find_impacts(record_of({force_of(at, sampled(at, pulse)), velocity_of(at, velocity)}));
+    ASSERT_EQ(impacts.size(), 1U);
+    EXPECT_EQ(impacts[0].has(ImpactFlag::noisy), noise > 0.01) << noise;
+  }
+}
+
+// --- unsteady -----------------------------------------------------------------------------------
+
+TEST(UnsteadyFlag, FiresOnDriftHumAndEarlierRinging) {
+  // Each spans `part` of the peak within the 0.475 ms that are judged.
+  const auto wandering = [](double part, int kind, double t) {
+    if (kind == 0) return t < 0.0 ? part * 1500.0 * t / 0.475e-3 : 0.0;          // drift
+    if (kind == 1) return part * 750.0 * std::sin(2.0 * pi * 1500.0 * t + 1.0);  // hum, ringing
+    return t < 0.0 ? part * 1500.0 * std::exp(-std::max(0.0, t + 0.475e-3) / 0.1e-3)
+                   : 0.0;  // decay
+  };
+  for (int kind = 0; kind < 3; ++kind)
+    for (const double part : {0.0, 0.005, 0.04}) {
+      const Impact impact = impact_in(
+          sampled(Sampling{}, [&](double t) { return pulse(t) + wandering(part, kind, t); }));
+      EXPECT_EQ(impact.has(ImpactFlag::unsteady), part > 0.02) << kind << " " << part;
+    }
+}
+
+TEST(UnsteadyFlag, IsSilentOnNoise) {
+  for (const double noise : {1.0, 20.0, 60.0})
+    for (int seed = 1; seed <= 40; ++seed) {
+      auto force = sampled(Sampling{}, pulse);
+      add_noise(force, noise, static_cast<std::uint64_t>(seed));
+      const auto impacts = find_impacts(record_of({force_of(Sampling{}, force)}));
+      ASSERT_EQ(impacts.size(), 1U);
+      EXPECT_FALSE(impacts[0].has(ImpactFlag::unsteady)) << noise << " " << seed;
+    }
+}
+
+// --- baseline shift -----------------------------------------------------------------------------
+
+TEST(BaselineShiftFlag, FiresWhereTheForceDoesNotComeBack) {
+  for (const double part : {-0.04, -0.015, 0.0, 0.015, 0.04})
+    for (const double decay : {2e-3, 1.0}) {
+      const Impact impact = impact_in(sampled(Sampling{}, [&](double t) {
+        const double after = t > duration ? part * 1500.0 * std::exp(-(t - duration) / decay) : 0.0;
+        return pulse(t) + after;
+      }));
+      EXPECT_EQ(impact.has(ImpactFlag::baseline_shift), part != 0.0) << part << " " << decay;
+    }
+}
+
+// A sensor that rings has a mean of zero, however much.
+TEST(BaselineShiftFlag, IsSilentOnRinging) {
+  for (const double frequency : {1e3, 3e3, 8e3, 20e3})
+    for (const double part : {0.02, 0.1, 0.3}) {
+      const Impact impact = impact_in(sampled(Sampling{}, [&](double t) {
+        const double after = t > duration ? part * 1500.0 *
+                                                std::exp(-(t - duration) * frequency * pi / 20.0) *
+                                                -std::sin(2.0 * pi * frequency * (t - duration))
+                                          : 0.0;
+        return pulse(t) + after;
+      }));
+      EXPECT_FALSE(impact.has(ImpactFlag::baseline_shift)) << frequency << " " << part;
+    }
+}
+
+// --- inverted -----------------------------------------------------------------------------------
+
+TEST(InvertedFlag, FiresOnTensionAndOnABarThatLeaves) {
+  const Sampling at;
+  EXPECT_TRUE(impact_in(sampled(at, [](double t) { return -pulse(t); })).has(ImpactFlag::inverted));
+  EXPECT_FALSE(impact_in(sampled(at, pulse)).has(ImpactFlag::inverted));
+  for (const double sign : {1.0, -1.0}) {
+    auto velocity = sampled(at, [&](double t) {
+      return sign * (0.44 - 0.3 * (1.0 - std::cos(pi * std::clamp(t / duration, 0.0, 1.0))));
+    });
+    add_noise(velocity, 1e-3, 3);
+    const auto impacts =
+        find_impacts(record_of({force_of(at, sampled(at, pulse)), velocity_of(at, velocity)}));
+    ASSERT_EQ(impacts.size(), 1U);
+    EXPECT_EQ(impacts[0].has(ImpactFlag::inverted), sign < 0.0);
+  }
+}
+
 }  // namespace
 
 }  // namespace impactrig::acquisition

@@ -5,10 +5,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 
 #include "tests/app/command_line.hpp"
@@ -137,6 +139,96 @@ TEST_F(CommandLine, ImportsByAMapThatItSuggests) {
     EXPECT_EQ(o.code, 3);
     EXPECT_THAT(o.err, HasSubstr("expected a positive value with a unit, for example \"10 V\""));
   }
+}
+
+/// 5 ms at 1 MHz: hum of 40 N, a pulse of 1500 N, a velocity that drops out for 60 samples.
+std::string shot_to_condition() {
+  std::string text = "Time [s],Ref1 [V],Vib [m/s]\n";
+  for (int i = 0; i < 60000; ++i) {
+    const double t = (i - 40000) * 1e-6;
+    const double pulse =
+        t > 0.0 && t < 200e-6 ? 1500.0 * std::sin(std::numbers::pi * t / 200e-6) : 0.0;
+    const double hum = 40.0 * std::sin(2.0 * std::numbers::pi * 50.0 * t + 0.3);
+    const double done = std::clamp(t / 200e-6, 0.0, 1.0);
+    double speed = 0.44 - 0.3 * (1.0 - std::cos(std::numbers::pi * done));
+    if (i >= 39500 && i < 39560) speed = 0.01;
+    text += fmt::format("{:.6f},{:.7f},{:.7f}\n", t, (pulse + hum) * 4e-3,
+                        speed + 1e-4 * ((i * 7919) % 13 - 6));
+  }
+  return text;
+}
+
+const std::string conditioning = R"(
+[[conditioning]]
+channel = "force"
+step = "hum"
+quiet = { from = "-40 ms", to = "-1 ms" }
+[[conditioning]]
+channel = "velocity"
+step = "dropouts"
+[[conditioning]]
+channel = "velocity"
+step = "integrate"
+name = "Way"
+)";
+
+TEST_F(CommandLine, ConditionsWhatAMapAsksFor) {
+  const std::string file = write("shot.csv", shot_to_condition());
+  const std::string map = write("map.toml", R"(
+[[channels]]
+match = "Ref*"
+name = "Force"
+role = "force"
+sensitivity = "4 mV/N"
+[[channels]]
+match = "Vib"
+role = "velocity"
+)" + conditioning);
+  Outcome o = run("import " + file + " --map " + map + " -o " + path("shot.h5"));
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json read = json::parse(run("inspect --json " + path("shot.h5")).out);
+  ASSERT_EQ(read["channels"].size(), 3U);
+  EXPECT_EQ(read["channels"][1]["invalid"], 60);
+  EXPECT_EQ(read["channels"][2]["name"], "Way");
+  EXPECT_EQ(read["channels"][2]["quantity"], "displacement");
+  ASSERT_EQ(read["impacts"].size(), 1U);
+  EXPECT_NEAR(read["impacts"][0]["peak"].get<double>(), 1500.0, 1.0);
+}
+
+TEST_F(CommandLine, InspectsOnARig) {
+  const std::string file = write("shot.csv", shot_to_condition());
+  const auto on_rig = [&](const std::string& sensitivity, const std::string& more) {
+    const std::string text = text_of(rig);
+    const std::string sensors = "[sensors.force]\nchannel = \"Ref1\"\nsensitivity = \"" +
+                                sensitivity + "\"\n[sensors.velocity]\nchannel = \"Vib\"\n";
+    const std::string here =
+        write("rig.toml", text.substr(0, text.find("[sensors.force]")) + sensors + more);
+    const Outcome o = run("inspect --json " + file + " --rig " + here);
+    EXPECT_EQ(o.code, 0) << o.err;
+    return json::parse(o.out);
+  };
+  json read = on_rig("4 mV/N", conditioning);
+  ASSERT_EQ(read["impacts"].size(), 1U);
+  EXPECT_NEAR(read["impacts"][0]["peak"].get<double>(), 1500.0, 1.0);
+  EXPECT_NEAR(read["impacts"][0]["approach_velocity_m_s"].get<double>(), 0.44, 1e-3);
+  EXPECT_NEAR(read["impacts"][0]["impulse_ratio"].get<double>(), 0.6, 0.5);
+  EXPECT_EQ(read["impacts"][0]["flags"], json::array({"dropout"}));
+  read = on_rig("4 V/N", conditioning);
+  EXPECT_EQ(read["impacts"][0]["flags"], json::array({"dropout", "implausible"}));
+  EXPECT_THAT(read["warnings"].back().get<std::string>(),
+              HasSubstr("times too small (nearly the factor of N for kN, or mV for V)"));
+}
+
+TEST_F(CommandLine, TakesTheTriggerThatIsChosen) {
+  const std::string file = write("shot.csv", shot_to_condition());
+  const json by_velocity =
+      json::parse(run("inspect --json " + file + " --trigger Vib").out)["impacts"];
+  ASSERT_EQ(by_velocity.size(), 1U);
+  EXPECT_EQ(by_velocity[0]["channel"], "Vib");
+  EXPECT_EQ(by_velocity[0]["unit"], "m/s");
+  EXPECT_EQ(run("inspect " + file + " --trigger Nothing").code, 3);
+  EXPECT_EQ(run("inspect " + file + " --threshold -1").code, 2);
+  EXPECT_EQ(run("fit " + samples + "shen2007-1.uff --rig " + rig + " --impact 2").code, 3);
 }
 
 TEST_F(CommandLine, InspectsByTheHeadAndByParts) {

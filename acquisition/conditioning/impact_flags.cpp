@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/conditioning/impact_flags.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "acquisition/conditioning/background.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Impact;
+using datasets::ImpactFlag;
+using datasets::ImpactSignal;
+using datasets::Quantity;
+
+namespace {
+
+constexpr double enough_samples = 20.0;   ///< over a contact
+constexpr double much_noise = 0.02;       ///< of a signal, one standard deviation
+constexpr double much_wandering = 0.02;   ///< of a peak
+constexpr double much_shift = 0.01;       ///< of a peak
+constexpr std::size_t quiet_blocks = 16;  ///< of the time before touch
+constexpr std::size_t least_after = 16;   ///< samples that say where a force comes to rest
+
+double as_double(std::size_t n) {
+  return static_cast<double>(n);
+}
+
+/// A flat top that no smooth crest makes: three or more equal extreme samples, above half of the
+/// peak, and beyond them the signal falls off faster than a parabola through digitiser steps would
+/// (a crest one step high over a run of m samples is 9 steps high over 3 m).
+bool flat_top(const std::vector<double>& y, const Contact& contact, double quantum) {
+  const double top = y[contact.peak_index];
+  const auto same = [&](std::size_t i) {
+    return std::abs(y[i] - top) <= 1e-9 * std::abs(contact.peak);
+  };
+  std::size_t first = contact.peak_index, last = contact.peak_index;
+  while (first > 0 && same(first - 1)) --first;
+  while (last + 1 < y.size() && same(last + 1)) ++last;
+  const std::size_t run = last - first + 1;
+  if (run < 3) return false;
+  const std::size_t left = first > run ? first - run : 0;
+  const std::size_t right = std::min(last + run, y.size() - 1);
+  const double fall = std::max(std::abs(top - y[left]), std::abs(top - y[right]));
+  return fall > 13.5 * quantum;
+}
+
+/// Whether a signal reaches its known range, or its invalid samples stand above half of its peak.
+bool over_range(const RecordedSignal& signal, std::size_t first, std::size_t last, double half_peak,
+                double baseline) {
+  for (std::size_t i = first; i <= last; ++i) {
+    const double value = signal.trace.values[i];
+    if (signal.range > 0.0 && std::abs(value) >= 0.999 * signal.range) return true;
+    if (half_peak > 0.0 && !signal.trace.is_valid(i) && std::abs(value - baseline) >= half_peak)
+      return true;
+  }
+  return false;
+}
+
+bool clipped(const RecordedSignal& trigger, const Contact& contact) {
+  const std::vector<double>& y = trigger.trace.values;
+  const bool pulse = trigger.trace.quantity != Quantity::velocity;
+  const auto first = static_cast<std::size_t>(contact.onset);
+  const std::size_t last = std::min(y.size() - 1, static_cast<std::size_t>(contact.end));
+  return over_range(trigger, first, last, pulse ? 0.5 * std::abs(contact.peak) : 0.0,
+                    contact.baseline) ||
+         (pulse && flat_top(y, contact, trigger.quantum));
+}
+
+bool has_invalid(const std::optional<ImpactSignal>& signal) {
+  return signal && !signal->valid.empty();
+}
+
+/// Clipped samples that the recorder marked are clipped, not lost.
+bool dropout(const Impact& impact, const Contact& contact, bool is_clipped) {
+  if (has_invalid(impact.velocity) || has_invalid(impact.displacement)) return true;
+  if (!has_invalid(impact.force)) return false;
+  if (!is_clipped) return true;
+  const ImpactSignal& force = *impact.force;
+  for (std::size_t i = 0; i < force.values.size(); ++i)
+    if (force.valid[i] == 0 && std::abs(force.values[i]) < 0.5 * std::abs(contact.peak))
+      return true;
+  return false;
+}
+
+/// The largest force within the contact, signed; the trigger may be another channel.
+double force_peak(const Impact& impact) {
+  const ImpactSignal& force = *impact.force;
+  double peak = 0.0;
+  for (std::size_t i = 0; i < force.values.size(); ++i) {
+    const double t = force.time(i);
+    if (t < impact.start || t > impact.end) continue;
+    if (std::abs(force.values[i]) > std::abs(peak)) peak = force.values[i];
+  }
+  return peak;
+}
+
+bool noisy(const Impact& impact) {
+  if (impact.force && impact.force->noise > much_noise * std::abs(force_peak(impact))) return true;
+  if (!impact.velocity) return false;
+  const auto [least, most] = std::ranges::minmax(impact.velocity->values);
+  return impact.velocity->noise > much_noise * (most - least);
+}
+
+const RecordedSignal* force_among(const std::vector<const RecordedSignal*>& signals) {
+  for (const RecordedSignal* const signal : signals)
+    if (signal->trace.quantity == Quantity::force) return signal;
+  return nullptr;
+}
+
+/// Whether the force before touch wanders: the means of 16 blocks spread by more than their noise.
+bool unsteady(const RecordedSignal& force, const Impact& impact, double peak, double floor,
+              const DetectionOptions& options) {
+  const Trace& trace = force.trace;
+  const double first = std::max(0.0, std::ceil(trace.index(floor)));
+  const auto quiet =
+      quiet_before(trace, trace.index(impact.start), static_cast<std::size_t>(first), options);
+  if (!quiet || quiet->end - quiet->begin < 4 * quiet_blocks) return false;
+  double least = INFINITY, most = -INFINITY;
+  const std::size_t n = quiet->end - quiet->begin;
+  for (std::size_t b = 0; b < quiet_blocks; ++b) {
+    const std::size_t from = quiet->begin + n * b / quiet_blocks;
+    const std::size_t to = quiet->begin + n * (b + 1) / quiet_blocks;
+    double mean = 0.0;
+    for (std::size_t i = from; i < to; ++i) mean += trace.values[i] / as_double(to - from);
+    least = std::min(least, mean);
+    most = std::max(most, mean);
+  }
+  // White noise only: what is correlated over a block is wandering.
+  const double noise = step_noise({trace.values.data() + quiet->begin, n}) /
+                       std::sqrt(as_double(n) / as_double(quiet_blocks));
+  return most - least > much_wandering * std::abs(peak) + 6.0 * noise;
+}
+
+/// Whether the force after the contact lies off its level before. Ringing has a median near zero
+/// and scatters more than that.
+bool shifted(const Impact& impact, double peak) {
+  const ImpactSignal& force = *impact.force;
+  const double from = impact.end + impact.width, to = impact.end + 6.0 * impact.width;
+  std::vector<double> after;
+  for (std::size_t i = 0; i < force.values.size(); ++i) {
+    const double t = force.time(i);
+    if (t >= from && t <= to && (force.valid.empty() || force.valid[i]))
+      after.push_back(force.values[i]);
+  }
+  if (after.size() < least_after) return false;
+  const Spread spread = robust_spread(after);
+  return std::abs(spread.centre) >
+         std::max({much_shift * std::abs(peak), spread.sigma, force.noise, 2.0 * force.quantum});
+}
+
+/// Tension in the contact, or a bar that comes from the other side.
+bool inverted(const Impact& impact, double peak) {
+  if (impact.force && peak < 0.0) return true;
+  if (!impact.velocity) return false;
+  return impact.approach_velocity < -3.0 * impact.velocity->noise;
+}
+
+}  // namespace
+
+std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
+                                 const std::vector<const RecordedSignal*>& signals, double floor,
+                                 const DetectionOptions& options) {
+  std::vector<ImpactFlag> flags;
+  const auto flag = [&flags](bool is, ImpactFlag which) {
+    if (is) flags.push_back(which);
+  };
+  const bool is_clipped = clipped(*signals.front(), contact);
+  const double peak = impact.force ? force_peak(impact) : 0.0;
+  const RecordedSignal* const force = impact.force ? force_among(signals) : nullptr;
+  flag(is_clipped, ImpactFlag::clipped);
+  flag(contact.further_hits > 0, ImpactFlag::double_hit);
+  flag(contact.further_hits > 1, ImpactFlag::multiple_hits);
+  flag(contact.begins_inside || contact.ends_inside, ImpactFlag::too_short);
+  flag(contact.begins_inside, ImpactFlag::missed_start);
+  flag(contact.ends_inside, ImpactFlag::truncated_tail);
+  flag(dropout(impact, contact, is_clipped), ImpactFlag::dropout);
+  flag(contact.end - contact.onset < enough_samples, ImpactFlag::undersampled);
+  flag(noisy(impact), ImpactFlag::noisy);
+  if (force != nullptr) {
+    flag(unsteady(*force, impact, peak, floor, options), ImpactFlag::unsteady);
+    flag(contact.further_hits == 0 && !contact.ends_inside && shifted(impact, peak),
+         ImpactFlag::baseline_shift);
+  }
+  flag(inverted(impact, peak), ImpactFlag::inverted);
+  return flags;
+}
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fitting/plausibility.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string_view>
+
+#include "models/simulation.hpp"
+
+namespace impactrig::fitting {
+
+using datasets::Impact;
+using datasets::ImpactSignal;
+
+namespace {
+
+constexpr double any_restitution = 2.5;  ///< beyond it no restitution explains a ratio
+constexpr double any_speed = 10.0;       ///< where the approach speed is the rig file's only
+constexpr double alike = 1.8;            ///< between a ratio and a known factor: e is open
+
+struct KnownFactor {
+  double factor;
+  std::string_view force, velocity;
+};
+
+constexpr std::array<KnownFactor, 5> known_factors{{
+    {1e6, "mN for kN", "um/s for m/s"},
+    {1e3, "N for kN, or mV for V", "mm/s for m/s"},
+    {100.0, "a gain or range of 100", "cm/s for m/s"},
+    {10.0, "kgf (9.81 N), or a gain or range of 10", "a decoder range of 10"},
+    {4.448, "lbf (4.448 N)", "a decoder range of 4 or 5"},
+}};
+
+bool within(double ratio, double limit) {
+  return ratio > 1.0 / limit && ratio < limit;
+}
+
+/// "1000 times too large (that is the factor of N for kN, or mV for V)".
+std::string off_by(double ratio, bool force) {
+  const double factor = ratio > 1.0 ? ratio : 1.0 / ratio;
+  std::string text = fmt::format("{:.2g} times too {}", factor, ratio > 1.0 ? "large" : "small");
+  if (factor >= 100.0)
+    text = fmt::format("{:.0f} times too {}", factor, ratio > 1.0 ? "large" : "small");
+  const auto distance = [&](const KnownFactor& known) {
+    return std::abs(std::log(factor / known.factor));
+  };
+  const auto* const known = std::ranges::min_element(known_factors, {}, distance);
+  if (distance(*known) < std::log(alike))
+    text += fmt::format(" (nearly the factor of {})", force ? known->force : known->velocity);
+  return text;
+}
+
+/// Of the force over the first contact, by the trapezoidal rule [N s].
+double impulse_of(const ImpactSignal& force, double from, double to) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < force.values.size(); ++i) {
+    const double t = force.time(i);
+    if (t >= from && t <= to) sum += force.values[i] * force.interval;
+  }
+  return sum;
+}
+
+/// Over the time that the measured contact took.
+std::optional<models::Simulation> predicted(const RigFile& file, double contact) {
+  models::Rig rig = file.rig;
+  models::Solver solver = file.solver;
+  if (solver.model != models::BeamModel::rigid) solver.model = models::BeamModel::hybrid;
+  solver.modes = 7;
+  solver.axial_modes = 0;
+  solver.accuracy = 1e-3;
+  solver.duration = 1.5 * contact;
+  solver.time_limit = 2.0;
+  try {
+    return models::simulate(rig, solver);
+  } catch (const std::invalid_argument&) {
+  } catch (const std::runtime_error&) {
+  }
+  return std::nullopt;  // the fit will say what is wrong
+}
+
+/// What of the two records is off by itself, where the rig states its approach speed.
+std::string culprit(double impulse_ratio, double speed_ratio) {
+  const bool force = !within(impulse_ratio, any_restitution);
+  const bool velocity = !within(speed_ratio, any_restitution);
+  std::string text;
+  if (force)
+    text += fmt::format(" Against the approach speed that the rig file states the force is {}.",
+                        off_by(impulse_ratio, true));
+  if (velocity)
+    text += fmt::format(" The measured approach speed is {} against the rig file's.",
+                        off_by(speed_ratio, false));
+  return text;
+}
+
+}  // namespace
+
+std::optional<MomentumBalance> momentum_balance(const Impact& impact, const RigFile& file) {
+  if (!impact.force || !file.rig.has_stop()) return std::nullopt;
+  const double contact = impact.end - impact.start;
+  if (!(contact > 0.0)) return std::nullopt;
+  const auto simulation = predicted(file, contact);
+  if (!simulation || simulation->episodes.empty()) return std::nullopt;
+  const double speed = simulation->episodes.front().approach_velocity;
+  const double impulse = simulation->impulse;
+  if (!(speed > 0.0) || !(impulse > 0.0)) return std::nullopt;
+
+  const bool measured_speed = impact.velocity && impact.approach_velocity > 0.0;
+  const double speed_ratio = measured_speed ? impact.approach_velocity / speed : 1.0;
+  MomentumBalance balance;
+  balance.measured = impulse_of(*impact.force, impact.start, impact.end);
+  balance.expected = impulse * speed_ratio;
+  balance.ratio = balance.measured / balance.expected;
+  if (!(balance.ratio > 0.0)) return std::nullopt;  // another flag: polarity
+  balance.plausible = within(balance.ratio, measured_speed ? any_restitution : any_speed);
+  if (balance.plausible) return balance;
+  balance.sentence = fmt::format(
+      "The force's impulse, {:.3g} N s, is {} for a bar of this rig that arrives with {:.3g} m/s "
+      "({}): {:.3g} N s are expected.",
+      balance.measured, off_by(balance.ratio, true), speed * speed_ratio,
+      measured_speed ? "as measured" : "as the rig file says", balance.expected);
+  if (measured_speed) balance.sentence += culprit(balance.measured / impulse, speed_ratio);
+  return balance;
+}
+
+}  // namespace impactrig::fitting

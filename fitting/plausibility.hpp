@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "datasets/impact.hpp"
+#include "fitting/rig_file.hpp"
+
+namespace impactrig::fitting {
+
+/// What impulse and approach speed say of each other.
+struct MomentumBalance {
+  double measured = 0.0;  ///< impulse of the force over the first contact [N s]
+  double expected = 0.0;  ///< of the rig at the measured approach speed, else at its own [N s]
+  double ratio = 1.0;     ///< measured over expected
+  bool plausible = true;
+  std::string sentence{};  ///< what is off, by what factor, which unit that may be; else empty
+};
+
+/// Whether the force's impulse is what this rig needs to stop the bar and throw it back.
+///
+/// The rig is simulated once in 7 modes at its own approach speed; an impulse is nearly
+/// proportional to that speed. Restitution between 0 and 1 changes it by a factor of 2 at most, so
+/// a ratio beyond 2.5 either way is a wrong unit, sensitivity, gain or rig; beyond 10 where no
+/// velocity was recorded. Where the rig states its approach speed, what of the two records is off
+/// by itself is named.
+///
+/// None when the impact has no force, the rig no contact, or cannot be simulated.
+std::optional<MomentumBalance> momentum_balance(const datasets::Impact& impact, const RigFile& rig);
+
+}  // namespace impactrig::fitting
