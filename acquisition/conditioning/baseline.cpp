@@ -19,7 +19,7 @@ namespace {
 /// The course of a channel within a span, in its own unit.
 QuietFit course_within(const Channel& channel, const TimeSpan& quiet, int degree,
                        std::size_t least) {
-  const SampleRange range = samples_in(channel, quiet);
+  const IndexRange range = samples_in(channel, quiet);
   if (range.size() < least)
     throw std::invalid_argument(
         fmt::format("channel '{}' has {} samples between {} s and {} s; at least {} are needed to "

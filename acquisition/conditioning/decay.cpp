@@ -34,7 +34,7 @@ Quiet quiet_samples(const Channel& channel, const datasets::RemoveDecay& decay) 
   Quiet quiet;
   quiet.origin = std::numeric_limits<double>::infinity();
   for (const TimeSpan& span : decay.quiet) {
-    const SampleRange range = samples_in(channel, span);
+    const IndexRange range = samples_in(channel, span);
     for (std::size_t i = range.begin; i < range.end; ++i) {
       if (!channel.is_valid(i)) continue;
       quiet.times.push_back(channel.clock.time(i));

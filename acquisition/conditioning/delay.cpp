@@ -57,7 +57,7 @@ Signal segment_of(const Channel& channel, const TimeSpan& span) {
   // half samples; both channels pass the same filter, so that what links them is left as it is.
   const std::vector<double> all = zero_phase_low_pass(sound_values(channel), channel.clock.interval,
                                                       {band / channel.clock.interval, 4});
-  const SampleRange range = samples_in(channel, span);
+  const IndexRange range = samples_in(channel, span);
   if (range.size() < least_samples)
     throw std::invalid_argument(
         fmt::format("channel '{}' has {} samples between {:g} s and {:g} s; at least {} are needed "
@@ -191,6 +191,22 @@ double correlation_of(const LinkFit& fit) {
   return std::max(0.5 / band, correlation_time({r.data(), static_cast<std::size_t>(r.size())}));
 }
 
+/// Variance of a sum of residuals times weights: their autocovariances up to a quarter of the
+/// record, tapered so that it stays positive [NeweyWest1987]. Noise that rings needs it: its
+/// correlation time is short, and what it does to sums that ring as fast is not.
+double coloured_variance(const Eigen::VectorXd& residuals, const Eigen::VectorXd& weights) {
+  const Eigen::Index n = residuals.size(), most = n / 4;
+  double variance = 0.0;
+  for (Eigen::Index lag = 0; lag < most; ++lag) {
+    const double covariance =
+        residuals.head(n - lag).dot(residuals.tail(n - lag)) / static_cast<double>(n);
+    const double product = weights.head(n - lag).dot(weights.tail(n - lag));
+    const double taper = 1.0 - static_cast<double>(lag) / static_cast<double>(most);
+    variance += (lag == 0 ? 1.0 : 2.0) * taper * covariance * product;
+  }
+  return std::max(0.0, variance);
+}
+
 /// Standard error of the delay beside all coefficients.
 double delay_error(const Link& link, int terms, const LinkFit& fit) {
   Eigen::MatrixXd jacobian = columns(link, terms, fit.delay);
@@ -222,9 +238,11 @@ double delay_error(const Link& link, int terms, const LinkFit& fit) {
   const Eigen::MatrixXd others = jacobian.leftCols(p);
   const Eigen::VectorXd own =
       jacobian.col(p) - others * others.colPivHouseholderQr().solve(jacobian.col(p));
-  const double freedom = std::max(1.0, static_cast<double>(jacobian.rows() - p - 1));
-  const double variance = fit.squares / freedom * correlation_of(fit);
-  return std::sqrt(variance) / (own.norm() * scale);
+  const double n = static_cast<double>(jacobian.rows());
+  const double freedom = std::max(1.0, n - static_cast<double>(p) - 1.0);
+  const double white = fit.squares / freedom * correlation_of(fit) / own.squaredNorm();
+  const double coloured = n / freedom * coloured_variance(fit.residuals, own / own.squaredNorm());
+  return std::sqrt(std::max(white, coloured)) / scale;
 }
 
 double misfit_of(const Link& link, int terms, const LinkFit& fit) {
@@ -343,21 +361,16 @@ DelayEstimate estimate_delay(const Channel& reference, const Channel& channel,
   return result;
 }
 
-Edit align(const Channel& reference, Channel& channel, const TimeSpan& window, double range,
-           double expected_chain) {
-  const DelayEstimate found = estimate_delay(reference, channel, window, range);
-  const double removed = found.value - expected_chain;
-  channel.clock.start -= removed;
+Edit remove_estimated_delay(const DelayEstimate& estimate, const std::string& reference,
+                            Channel& channel) {
+  channel.clock.start -= estimate.value;
   const double known = channel.delay && channel.delay->removed ? channel.delay->value : 0.0;
-  channel.delay = {known + removed, found.uncertainty, true};
-  Edit edit{"align", channel.name, {{"reference", reference.name}}};
-  edit.parameters["delay"] = fmt::format("{:.4g} s", found.value);
-  edit.parameters["uncertainty"] = fmt::format("{:.2g} s", found.uncertainty);
-  if (expected_chain != 0.0)
-    edit.parameters["of it filters, left in"] = fmt::format("{:.4g} s", expected_chain);
-  edit.parameters["window"] = fmt::format("{:g} s to {:g} s", window.begin, window.end);
-  edit.parameters["terms"] = std::to_string(found.terms);
-  edit.parameters["left over"] = fmt::format("{:.2g} of what follows", found.misfit);
+  channel.delay = {known + estimate.value, estimate.uncertainty, true};
+  Edit edit{"align", channel.name, {{"reference", reference}}};
+  edit.parameters["delay"] = fmt::format("{:.4g} s", estimate.value);
+  edit.parameters["uncertainty"] = fmt::format("{:.2g} s", estimate.uncertainty);
+  edit.parameters["terms"] = std::to_string(estimate.terms);
+  edit.parameters["left over"] = fmt::format("{:.2g} of what follows", estimate.misfit);
   return edit;
 }
 

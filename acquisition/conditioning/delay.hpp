@@ -42,9 +42,8 @@ struct DelayEstimate {
 DelayEstimate estimate_delay(const datasets::Channel& reference, const datasets::Channel& channel,
                              const datasets::TimeSpan& window, double range);
 
-/// Estimates the delay and takes `estimate.value - expected_chain` off the channel's clock;
-/// `expected_chain` [s] is what a fit will account for as filters of both channels.
-datasets::Edit align(const datasets::Channel& reference, datasets::Channel& channel,
-                     const datasets::TimeSpan& window, double range, double expected_chain = 0.0);
+/// Takes an estimated delay off the channel's clock, beside what was taken off before.
+datasets::Edit remove_estimated_delay(const DelayEstimate& estimate, const std::string& reference,
+                                      datasets::Channel& channel);
 
 }  // namespace impactrig::acquisition

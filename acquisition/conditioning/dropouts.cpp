@@ -58,7 +58,7 @@ double span_of(std::span<const double> y) {
 }
 
 /// Samples that stand out, as stretches [begin, end).
-std::vector<SampleRange> edges_in(std::span<const double> y) {
+std::vector<IndexRange> edges_in(std::span<const double> y) {
   const std::vector<double> departure = departures(y);
   const std::span<const double> all(departure);
   const std::span<const double> inner = all.subspan(2, y.size() - 4);
@@ -67,7 +67,7 @@ std::vector<SampleRange> edges_in(std::span<const double> y) {
   for (std::size_t i = 0; i < inner.size(); i += stride) sample.push_back(inner[i]);
   const double floor =
       std::max({gate * scatter(sample), least_part * span_of(y), gate * 0.75 * quantum_of(y)});
-  std::vector<SampleRange> edges;
+  std::vector<IndexRange> edges;
   for (std::size_t from = 0; from < inner.size(); from += block) {
     const std::size_t to = std::min(from + block, inner.size());
     const auto part = inner.subspan(from, to - from);
@@ -162,7 +162,7 @@ std::optional<Dropout> dropout_in(std::span<const double> y, const std::vector<s
 std::vector<Dropout> find_dropouts(std::span<const double> values,
                                    const std::vector<std::uint8_t>& valid, std::size_t longest) {
   if (values.size() < 2 * neighbours) return {};
-  const std::vector<SampleRange> edges = edges_in(values);
+  const std::vector<IndexRange> edges = edges_in(values);
   std::vector<Dropout> dropouts;
   for (std::size_t e = 0; e < edges.size(); ++e) {
     // The longest stretch first: a dropout may have spikes within.

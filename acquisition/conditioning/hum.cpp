@@ -43,7 +43,7 @@ std::vector<Point> points_of(const Channel& channel, const RemoveHum& hum,
   const auto most = static_cast<std::size_t>(std::max(1.0, std::floor(widest / step)));
   std::vector<Point> points;
   for (std::size_t s = 0; s < hum.quiet.size(); ++s) {
-    const SampleRange range = samples_in(channel, hum.quiet[s]);
+    const IndexRange range = samples_in(channel, hum.quiet[s]);
     const double middle = 0.5 * static_cast<double>(range.begin + range.end);
     const double half = std::max(1.0, 0.5 * static_cast<double>(range.size()));
     for (std::size_t i = range.begin; i < range.end;) {

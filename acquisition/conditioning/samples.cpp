@@ -45,13 +45,13 @@ void replace_values(Channel& channel, std::vector<double>&& values) {
   channel.offset = 0.0;
 }
 
-SampleRange samples_in(const Channel& channel, const TimeSpan& span) {
+IndexRange samples_in(const Channel& channel, const TimeSpan& span) {
   const double n = static_cast<double>(channel.size());
   const auto& clock = channel.clock;
   // A ten-thousandth of a step of grace: times are rounded.
   const double from = std::ceil((span.begin - clock.start) / clock.interval - 1e-4);
   const double to = std::floor((span.end - clock.start) / clock.interval + 1e-4) + 1.0;
-  SampleRange range;
+  IndexRange range;
   range.begin = static_cast<std::size_t>(std::clamp(from, 0.0, n));
   range.end = std::max(range.begin, static_cast<std::size_t>(std::clamp(to, 0.0, n)));
   return range;

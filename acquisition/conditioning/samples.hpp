@@ -20,13 +20,13 @@ std::vector<double> sound_values(const datasets::Channel& channel, std::size_t l
 void replace_values(datasets::Channel& channel, std::vector<double>&& values);
 
 /// The indices [begin, end) of the samples within a span; may be empty.
-struct SampleRange {
+struct IndexRange {
   std::size_t begin = 0, end = 0;
 
   std::size_t size() const { return end - begin; }
 };
 
-SampleRange samples_in(const datasets::Channel& channel, const datasets::TimeSpan& span);
+IndexRange samples_in(const datasets::Channel& channel, const datasets::TimeSpan& span);
 
 /// "-0.001 s to 0 s", with commas between several.
 std::string text_of(std::span<const datasets::TimeSpan> spans);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -20,8 +19,10 @@
 #include "acquisition/conditioning/hum.hpp"
 #include "acquisition/conditioning/low_pass.hpp"
 #include "acquisition/conditioning/resample.hpp"
+#include "acquisition/conditioning/samples.hpp"
 #include "acquisition/conditioning/trace.hpp"
 #include "datasets/input_error.hpp"
+#include "datasets/sensor_response.hpp"
 
 namespace impactrig::acquisition {
 
@@ -148,8 +149,10 @@ class Conditioning {
     const double margin = 2.0 * impact.width + action.range;
     const TimeSpan window{impact.start - margin,
                           struck ? impact.peak_time : impact.end + 2.0 * impact.width};
-    note(align(reference, channel(index), window, action.range,
-               chain_of(channel(index)) - chain_of(reference)));
+    const DelayEstimate found =
+        estimate_delay(through_chain_of(channel(index), reference),
+                       through_chain_of(reference, channel(index)), window, action.range);
+    note(remove_estimated_delay(found, reference.name, channel(index)));
   }
 
   void act(const datasets::Resample& action, std::size_t index) {
@@ -177,10 +180,14 @@ class Conditioning {
     note(std::move(derived.edit));
   }
 
-  double chain_of(const Channel& channel) const {
+  /// A channel as another one's sensor would have filtered it too.
+  Channel through_chain_of(const Channel& other, const Channel& channel) const {
+    Channel result = channel;
     for (const auto* sensor : {&sensors_.force, &sensors_.velocity, &sensors_.displacement})
-      if (*sensor && (*sensor)->quantity == channel.quantity) return chain_delay(**sensor);
-    return 0.0;
+      if (*sensor && (*sensor)->quantity == other.quantity)
+        replace_values(result, datasets::sensor_response(**sensor, sound_values(channel),
+                                                         channel.clock.interval));
+    return result;
   }
 
   Record& record_;
@@ -188,18 +195,6 @@ class Conditioning {
 };
 
 }  // namespace
-
-double chain_delay(const datasets::Sensor& sensor) {
-  using std::numbers::pi;
-  double delay = 0.0;
-  // Butterworth of order n at w: 1/(w sin(pi/2n)); one degree of freedom at w: 1/(Q w).
-  if (sensor.high_cut)
-    delay +=
-        1.0 / (2.0 * pi * sensor.high_cut->frequency * std::sin(0.5 * pi / sensor.high_cut->order));
-  if (sensor.resonance)
-    delay += 1.0 / (2.0 * pi * sensor.resonance->frequency * sensor.resonance->quality);
-  return delay;
-}
 
 void apply_steps(std::span<const datasets::ConditioningStep> steps, Record& record,
                  const SensorSet& sensors) {

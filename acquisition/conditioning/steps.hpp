@@ -16,15 +16,12 @@ namespace impactrig::acquisition {
 /// and does not say it, that is what lies before first touch, as find_impacts sees the first impact
 /// when the step is reached (5 % of it and 3 samples left out).
 ///
-/// `sensors` say what a fit accounts for as filters: the delay of those is left in by AlignTo.
+/// `sensors` are those whose filters a fit accounts for: AlignTo passes each channel through the
+/// other's, so that what it takes off is the delay beside them.
 ///
 /// Throws datasets::InputError, with the recording as place and the step's number from 1, when a
 /// channel is not there, the impact that a step needs is not found, or a step refuses the channel.
 void apply_steps(std::span<const datasets::ConditioningStep> steps, datasets::Record& record,
                  const SensorSet& sensors = {});
-
-/// The delay of a sensor's chain for slow signals: the slope of its phase at low frequency, of
-/// resonance and high cut; a low cut has none [s].
-double chain_delay(const datasets::Sensor& sensor);
 
 }  // namespace impactrig::acquisition

@@ -118,19 +118,18 @@ TEST(EstimateDelay, OfAnIntegral) {
   EXPECT_NEAR(estimate_delay(shifted, reference, window, 20e-6).value, -0.9e-6, 2e-9);
 }
 
-TEST(Align, TakesTheDelayOffTheClock) {
-  const auto reference = velocity_of(at, sampled(at, struck_velocity));
-  auto late = reference;
-  late.name = "late";
-  late.clock.start += 5e-6;
-  const auto edit = align(reference, late, {-0.3e-3, 0.6e-3}, 20e-6, 1e-6);
-  EXPECT_NEAR(late.clock.start, at.start + 1e-6, 1e-9);
-  ASSERT_TRUE(late.delay);
-  EXPECT_NEAR(late.delay->value, 4e-6, 1e-9);
+TEST(RemoveEstimatedDelay, TakesItOffTheClockBesideWhatWasKnown) {
+  auto late = velocity_of(at, sampled(at, struck_velocity));
+  late.delay = datasets::Delay{2e-6, 1e-6, true};
+  const auto edit = remove_estimated_delay({5e-6, 0.2e-6, 0.01, 2}, "Force", late);
+  EXPECT_NEAR(late.clock.start, at.start - 5e-6, 1e-12);
+  EXPECT_NEAR(late.delay->value, 7e-6, 1e-12);
+  EXPECT_EQ(late.delay->uncertainty, 0.2e-6);
   EXPECT_TRUE(late.delay->removed);
   EXPECT_EQ(edit.what, "align");
-  EXPECT_EQ(edit.parameters.at("reference"), "Velocity");
-  EXPECT_EQ(edit.parameters.at("of it filters, left in"), "1e-06 s");
+  EXPECT_EQ(edit.parameters.at("reference"), "Force");
+  EXPECT_EQ(edit.parameters.at("delay"), "5e-06 s");
+  EXPECT_EQ(edit.parameters.at("uncertainty"), "2e-07 s");
 }
 
 std::string refusal(const datasets::Channel& reference, const datasets::Channel& channel,
