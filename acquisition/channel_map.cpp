@@ -247,7 +247,8 @@ std::string suggested_map(const Record& record) {
       "are\n"
       "# recorded; full_scale = \"10 V\" in place of unit where parts of full scale are; polarity "
       "= -1;\n"
-      "# position = \"0.69 m\" from the hinge; delay = \"2(1) us\".\n\n"
+      "# position = \"0.69 m\" from the hinge; delay = \"2(1) us\". Steps of conditioning may\n"
+      "# follow: [[conditioning]] with channel = \"velocity\" and step = \"dropouts\", ...\n\n"
       "others = \"drop\"  # or \"keep\": channels that are not named here\n",
       record.provenance.source_file);
   for (std::size_t i = 0; i < record.channels.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <future>
 
 #include "acquisition/channel_map.hpp"
+#include "acquisition/conditioning/average_shots.hpp"
 #include "acquisition/conditioning/steps.hpp"
 #include "acquisition/exporter.hpp"
 #include "acquisition/importer.hpp"
@@ -23,6 +24,8 @@ struct Options {
   std::string output;
   std::string map;
   bool suggest_map = false;
+  bool average = false;
+  DetectionArguments detection;
   ImportArguments reading;
   CommonOptions common;
 };
@@ -138,13 +141,17 @@ datasets::Record import_by_blocks(const Options& options, std::vector<Input>& in
 
 datasets::Record import_at_once(const Options& options, std::vector<Input>& inputs,
                                 const std::vector<datasets::ConditioningStep>& steps) {
-  datasets::Record record;
+  std::vector<datasets::Record> records;
   for (Input& input : inputs) {
-    datasets::Record next = acquisition::read_into_memory(*input.reader, input.wanted);
-    next.provenance.sha256 = datasets::sha256_of_file(input.path);
-    acquisition::apply_steps(steps, next);
-    join(std::move(next), record);
+    records.push_back(acquisition::read_into_memory(*input.reader, input.wanted));
+    records.back().provenance.sha256 = datasets::sha256_of_file(input.path);
+    acquisition::apply_steps(steps, records.back());
   }
+  datasets::Record record;
+  if (options.average)
+    record = acquisition::average_shots(records, detection_options(options.detection));
+  else
+    for (datasets::Record& next : records) join(std::move(next), record);
   acquisition::export_recording(record, options.output);
   return record;
 }
@@ -167,14 +174,16 @@ void import(const Options& options) {
   if (!options.map.empty()) map = read_channel_map(options.map);
   std::vector<Input> inputs = open_inputs(options, map);
   const std::uint64_t samples = samples_of(inputs);
-  if (!map.conditioning.empty() && samples > most_conditioned)
+  const bool whole = options.average || !map.conditioning.empty();
+  if (whole && samples > most_conditioned)
     throw datasets::InputError(
         {.file = inputs.front().path},
-        fmt::format("{} million samples are too many to be conditioned, which takes them into "
-                    "memory; {} million are the most: --channel, --from and --to say which",
+        fmt::format("{} million samples are too many to be conditioned or averaged, which takes "
+                    "them into memory; {} million are the most: --channel, --from and --to say "
+                    "which",
                     samples / 1'000'000, most_conditioned / 1'000'000));
   const bool hdf5 = options.output.ends_with(".h5") || options.output.ends_with(".hdf5");
-  const datasets::Record record = hdf5 && samples > most_held && map.conditioning.empty()
+  const datasets::Record record = hdf5 && samples > most_held && !whole
                                       ? import_by_blocks(options, inputs)
                                       : import_at_once(options, inputs, map.conditioning);
   if (options.common.quiet) return;
@@ -196,6 +205,11 @@ void add_import(CLI::App& program) {
       ->check(CLI::ExistingFile);
   command->add_flag("--suggest-map", options->suggest_map,
                     "Write a draft of such a map, to stdout or to -o, and import nothing");
+  command->add_flag(
+      "--average", options->average,
+      "Files are repeated shots: write their mean, laid on each other by the trigger, "
+      "and their standard deviation");
+  add_detection_arguments(*command, options->detection);
   add_selection_arguments(*command, options->reading);
   add_import_arguments(*command, options->reading);
   add_quiet(*command, options->common);

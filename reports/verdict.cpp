@@ -125,6 +125,13 @@ Verdict verdict(const fitting::Fit& fit) {
                           "and the stiffness trade against "
                           "each other there, and their intervals are too narrow.",
                           file_name(impact.recording))};
+  for (const datasets::Impact& impact : fit.impacts)
+    if (impact.has(datasets::ImpactFlag::implausible))
+      return {Grade::open, "Impulse and speed do not fit this rig",
+              fmt::format("In {} they differ by a factor that no restitution explains: a unit, a "
+                          "sensitivity or a gain is wrong, or the rig file describes another bar. "
+                          "See the warnings before what follows.",
+                          file_name(impact.recording))};
   if (fit.channels.empty())
     return {Grade::open, "Nothing was compared",
             "No channel of the recording was compared with the prediction."};

@@ -62,9 +62,11 @@ const Channel& trigger_channel(const Record& record, const DetectionOptions& opt
   }
   for (const Quantity quantity : {Quantity::force, Quantity::acceleration, Quantity::velocity})
     if (const Channel* const channel = first_of(record, quantity)) return *channel;
-  throw InputError(whole_file(file),
-                   "there is no force, acceleration or velocity to look for impacts in; describe "
-                   "the channels in a rig file under [sensors.force] and [sensors.velocity]");
+  throw InputError(
+      whole_file(file),
+      "there is no force, acceleration or velocity to look for impacts in; describe "
+      "the channels in a rig file under [sensors.force] and [sensors.velocity], or their "
+      "roles in a map");
 }
 
 RecordedSignal source_of(const Channel& channel, const std::string& file) {

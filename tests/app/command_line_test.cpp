@@ -195,6 +195,32 @@ role = "velocity"
   EXPECT_NEAR(read["impacts"][0]["peak"].get<double>(), 1500.0, 1.0);
 }
 
+TEST_F(CommandLine, AveragesRepeatedShots) {
+  const std::string one = samples + "shen2007-1.uff";
+  const std::string map = " --map " + write("map.toml", R"(
+[[channels]]
+match = "Force"
+role = "force"
+sensitivity = "4 mV/N"
+[[channels]]
+match = "Velocity"
+role = "velocity"
+sensitivity = "125 mm/s/V"
+)") + " ";
+  Outcome o = run("import " + one + " " + one + map + "--average -o " + path("mean.h5"));
+  ASSERT_EQ(o.code, 0) << o.err;
+  ASSERT_EQ(run("import " + one + map + "-o " + path("one.h5")).code, 0);
+  const json mean = json::parse(run("inspect --json " + path("mean.h5")).out);
+  const json first = json::parse(run("inspect --json " + path("one.h5")).out);
+  ASSERT_EQ(mean["channels"].size(), 2 * first["channels"].size());
+  EXPECT_EQ(mean["channels"][1]["name"], "Force, standard deviation");
+  EXPECT_EQ(mean["channels"][0]["max"], first["channels"][0]["max"]);
+  EXPECT_EQ(mean["channels"][1]["max"], 0.0);
+  o = run("import " + one + map + "--average -o " + path("none.h5"));
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("a mean needs two shots at least, and 1 of 1 can be used"));
+}
+
 TEST_F(CommandLine, InspectsOnARig) {
   const std::string file = write("shot.csv", shot_to_condition());
   const auto on_rig = [&](const std::string& sensitivity, const std::string& more) {

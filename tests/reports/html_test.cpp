@@ -345,6 +345,8 @@ TEST(Verdict, SpeaksOfTheFirstThingThatMakesTheRestMeaningless) {
   reports::ReportData data = tests::example_report();
   data.fit.impacts[0].flags = {datasets::ImpactFlag::no_hit};
   EXPECT_EQ(reports::verdict(data.fit).headline, "No impact found");
+  data.fit.impacts[0].flags = {datasets::ImpactFlag::implausible};
+  EXPECT_EQ(reports::verdict(data.fit).headline, "Impulse and speed do not fit this rig");
   EXPECT_EQ(reports::verdict(fitting::Fit{}).headline, "Nothing was compared");
 }
 

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/conditioning/average_shots.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "acquisition/conditioning/delay.hpp"
+#include "acquisition/conditioning/resample.hpp"
+#include "acquisition/conditioning/samples.hpp"
+#include "acquisition/conditioning/trace.hpp"
+#include "datasets/input_error.hpp"
+#include "datasets/units.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Channel;
+using datasets::Edit;
+using datasets::Impact;
+using datasets::ImpactFlag;
+using datasets::InputError;
+using datasets::Record;
+
+namespace {
+
+constexpr double alike = 0.05;  ///< spread of peaks
+constexpr std::array unusable{ImpactFlag::clipped, ImpactFlag::double_hit, ImpactFlag::too_short};
+
+/// A shot and where its impact is.
+struct Shot {
+  const Record* record;
+  Impact impact;
+  double shift = 0.0;  ///< its times less the first shot's [s]
+};
+
+const Channel& trigger_of(const Shot& shot) {
+  return *std::ranges::find(shot.record->channels, shot.impact.trigger, &Channel::name);
+}
+
+/// Why a shot cannot be used; empty when it can.
+std::string reason_against(const std::vector<Impact>& impacts) {
+  if (impacts.empty()) return "there is no impact in it";
+  for (const ImpactFlag flag : unusable)
+    if (impacts.front().has(flag)) return fmt::format("its impact is {}", name(flag));
+  return {};
+}
+
+std::vector<Shot> usable_shots(std::span<const Record> records, const DetectionOptions& options,
+                               std::vector<std::string>& warnings) {
+  std::vector<Shot> shots;
+  for (const Record& record : records) {
+    std::vector<Impact> impacts = find_impacts(record, options);
+    const std::string reason = reason_against(impacts);
+    if (reason.empty())
+      shots.push_back({&record, std::move(impacts.front())});
+    else
+      warnings.push_back(
+          fmt::format("{} is not in the mean: {}.", record.provenance.source_file, reason));
+  }
+  if (shots.size() < 2)
+    throw InputError(whole_file(records.empty() ? "" : records.front().provenance.source_file),
+                     fmt::format("a mean needs two shots at least, and {} of {} can be used{}{}",
+                                 shots.size(), records.size(), warnings.empty() ? "" : ": ",
+                                 warnings.empty() ? "" : warnings.back()));
+  return shots;
+}
+
+/// Lays a shot on the first one: first touch on first touch, then trigger on trigger.
+void lay_on(const Shot& first, Shot& shot) {
+  shot.shift = shot.impact.start - first.impact.start;
+  Channel moved = trigger_of(shot);
+  moved.clock.start -= shot.shift;
+  const double width = first.impact.width;
+  const datasets::TimeSpan window{first.impact.start - width, first.impact.end + width};
+  try {
+    shot.shift += estimate_delay(trigger_of(first), moved, window, 0.25 * width).value;
+  } catch (const std::invalid_argument&) {
+    // Too few samples, or no likeness: first touch is what there is.
+  }
+}
+
+/// A channel of a shot, to be read anywhere.
+struct Reading {
+  const Channel* channel;
+  std::vector<double> values;  ///< in the first shot's unit
+  double shift;
+
+  double index(double time) const {
+    return (time + shift - channel->clock.start) / channel->clock.interval;
+  }
+
+  bool sound(double at) const {
+    const auto below = static_cast<std::size_t>(std::max(0.0, std::floor(at)));
+    const std::size_t above = std::min(below + 1, values.size() - 1);
+    return channel->is_valid(std::min(below, values.size() - 1)) && channel->is_valid(above);
+  }
+};
+
+/// None when the shot has no such channel.
+std::optional<Reading> reading_of(const Shot& shot, const Channel& like) {
+  const auto& channels = shot.record->channels;
+  const auto found = std::ranges::find(channels, like.name, &Channel::name);
+  if (found == channels.end()) return std::nullopt;
+  const std::string& file = shot.record->provenance.source_file;
+  refuse_unusable_clock(*found, file);
+  Reading reading{&*found, sound_values(*found), shot.shift};
+  if (found->unit == like.unit) return reading;
+  const auto conversion = datasets::conversion(found->unit, like.unit);
+  if (!conversion)
+    throw InputError(whole_file(file), fmt::format("channel '{}' is in '{}' here and in '{}' in "
+                                                   "the first shot",
+                                                   like.name, found->unit, like.unit));
+  for (double& value : reading.values) value = conversion->factor * value + conversion->offset;
+  return reading;
+}
+
+/// Sums over shots, sample by sample.
+struct Sums {
+  std::vector<double> n, mean, squares;
+
+  explicit Sums(std::size_t size) : n(size, 0.0), mean(size, 0.0), squares(size, 0.0) {}
+
+  void add(std::size_t i, double value) {  // Welford
+    n[i] += 1.0;
+    const double step = value - mean[i];
+    mean[i] += step / n[i];
+    squares[i] += step * (value - mean[i]);
+  }
+};
+
+/// The times of the first shot's channel that every reading reaches: [begin, end).
+IndexRange common_samples(const Channel& first, const std::vector<Reading>& readings) {
+  double begin = 0.0, end = static_cast<double>(first.size());
+  for (const Reading& reading : readings) {
+    const double ratio = first.clock.interval / reading.channel->clock.interval;
+    const double at_start = reading.index(first.clock.start);
+    begin = std::max(begin, std::ceil(-at_start / ratio - 1e-9));
+    const double last = static_cast<double>(reading.values.size() - 1);
+    end = std::min(end, std::floor((last - at_start) / ratio + 1e-9) + 1.0);
+  }
+  if (!(begin < end)) return {};
+  return {static_cast<std::size_t>(begin), static_cast<std::size_t>(end)};
+}
+
+Sums sums_of(const Channel& first, const IndexRange& range, const std::vector<Reading>& readings) {
+  Sums sums(range.size());
+  for (const Reading& reading : readings) {
+    const double ratio = first.clock.interval / reading.channel->clock.interval;
+    const BandLimited signal(reading.values, std::max(1.0, ratio));
+    for (std::size_t i = range.begin; i < range.end; ++i) {
+      const double at = reading.index(first.clock.time(i));
+      if (!reading.sound(at)) continue;
+      const double nearest = std::round(at);
+      // On a sample, and at no other rate, the sample itself.
+      const bool exact = std::abs(at - nearest) < 1e-9 && ratio <= 1.0;
+      sums.add(i - range.begin,
+               exact ? reading.values[static_cast<std::size_t>(nearest)] : signal(at));
+    }
+  }
+  return sums;
+}
+
+/// The mean and its neighbour, the standard deviation.
+std::array<Channel, 2> channels_of(const Channel& first, const IndexRange& range,
+                                   const Sums& sums) {
+  Channel mean = first;
+  mean.clock.start = first.clock.time(range.begin);
+  mean.valid.clear();
+  mean.attributes["shots"] = fmt::format("{:.0f}", *std::ranges::max_element(sums.n));
+  Channel spread = mean;
+  spread.name = first.name + ", standard deviation";
+  spread.quantity = datasets::Quantity::other;
+  spread.calibration.reset();
+  std::vector<double> deviation(sums.n.size(), 0.0);
+  for (std::size_t i = 0; i < sums.n.size(); ++i) {
+    if (sums.n[i] >= 2.0) {
+      deviation[i] = std::sqrt(sums.squares[i] / (sums.n[i] - 1.0));
+      continue;
+    }
+    if (mean.valid.empty()) mean.valid.assign(sums.n.size(), 1);
+    mean.valid[i] = 0;
+  }
+  spread.valid = mean.valid;
+  replace_values(mean, std::vector<double>(sums.mean));
+  replace_values(spread, std::move(deviation));
+  return {std::move(mean), std::move(spread)};
+}
+
+/// Relative standard deviation of the shots' peaks.
+double spread_of_peaks(const std::vector<Shot>& shots) {
+  Sums sums(1);
+  for (const Shot& shot : shots) sums.add(0, shot.impact.peak);
+  return std::sqrt(sums.squares[0] / (sums.n[0] - 1.0)) / std::abs(sums.mean[0]);
+}
+
+void note_shots(const std::vector<Shot>& shots, Record& result) {
+  for (std::size_t k = 1; k < shots.size(); ++k) {
+    const datasets::Provenance& from = shots[k].record->provenance;
+    result.provenance.edits.push_back({"average shots",
+                                       "",
+                                       {{"file", from.source_file},
+                                        {"sha256", from.sha256},
+                                        {"shift", fmt::format("{:.9g} s", shots[k].shift)}}});
+  }
+  const double spread = spread_of_peaks(shots);
+  result.provenance.edits.push_back(
+      {"average shots",
+       "",
+       {{"shots", std::to_string(shots.size())},
+        {"trigger", shots.front().impact.trigger},
+        {"peaks", fmt::format("standard deviation {:.2g} %", 100.0 * spread)}}});
+  if (spread > alike)
+    result.warnings.push_back(
+        fmt::format("The peaks of the shots differ with a standard deviation of {:.2g} %; contact "
+                    "is not linear, so fit the shots one by one instead of their mean.",
+                    100.0 * spread));
+}
+
+}  // namespace
+
+Record average_shots(std::span<const Record> records, const DetectionOptions& options) {
+  std::vector<std::string> warnings;
+  std::vector<Shot> shots = usable_shots(records, options, warnings);
+  for (std::size_t k = 1; k < shots.size(); ++k) lay_on(shots.front(), shots[k]);
+
+  const Record& first = *shots.front().record;
+  Record result = first;
+  result.channels.clear();
+  for (std::string& warning : warnings) result.warnings.push_back(std::move(warning));
+  for (const Channel& channel : first.channels) {
+    std::vector<Reading> readings;
+    for (const Shot& shot : shots)
+      if (auto reading = reading_of(shot, channel)) readings.push_back(std::move(*reading));
+    const IndexRange range =
+        readings.size() == shots.size() ? common_samples(channel, readings) : IndexRange{};
+    if (range.size() == 0) {
+      result.warnings.push_back(
+          fmt::format("Channel '{}' is not in every shot, and so not in the mean.", channel.name));
+      continue;
+    }
+    for (Channel& made : channels_of(channel, range, sums_of(channel, range, readings)))
+      result.channels.push_back(std::move(made));
+  }
+  note_shots(shots, result);
+  return result;
+}
+
+}  // namespace impactrig::acquisition

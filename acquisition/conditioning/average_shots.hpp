@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+
+#include "acquisition/conditioning/condition.hpp"
+#include "datasets/record.hpp"
+
+namespace impactrig::acquisition {
+
+/// The mean of repeated shots, channel by channel: noise falls by the root of their number, and
+/// what differs from shot to shot stands beside it.
+///
+/// Each shot's first impact is laid on that of the first shot by estimate_delay of the trigger
+/// channel (by first touch where that refuses), and its channels are read there between samples
+/// (BandLimited). The mean has the first shot's clock, as far as every shot reaches. Channels are
+/// taken by their names; those that not every shot has are left out. For each there is a second
+/// channel, "NAME, standard deviation", over the shots. A sample is the mean of the sound ones, and
+/// invalid where there are fewer than two.
+///
+/// A shot without impact, or whose impact is clipped, hit twice or cut, is left out with a warning;
+/// so is said when peaks spread by more than 5 %: contact is not linear, so the mean of unlike
+/// shots is the shot of no rig. The edit holds files, shifts and the spread.
+///
+/// Throws datasets::InputError when fewer than two shots are left, a clock is not uniform, or units
+/// of one channel cannot be converted; what find_impacts throws.
+datasets::Record average_shots(std::span<const datasets::Record> shots,
+                               const DetectionOptions& options = {});
+
+}  // namespace impactrig::acquisition

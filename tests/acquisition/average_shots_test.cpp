@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/conditioning/average_shots.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "datasets/input_error.hpp"
+#include "tests/acquisition/scene.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+using datasets::Record;
+using namespace tests;
+
+double force_at(double t) {
+  return sine_squared(t, 1500.0, 200e-6);
+}
+
+double velocity_at(double t) {
+  return 0.44 - 0.3 * (1.0 - std::cos(std::numbers::pi * std::clamp(t / 200e-6, 0.0, 1.0)));
+}
+
+/// Shot number `k`: touch at its own time, a rate of its own, noise.
+Record shot(int k, double noise, double scale = 1.0, const Sampling& at = {}) {
+  const double touch = 37.3e-6 * k;
+  auto force = sampled(at, [&](double t) { return scale * force_at(t - touch); });
+  auto velocity = sampled(at, [&](double t) { return velocity_at(t - touch); });
+  add_noise(force, noise, static_cast<std::uint64_t>(k + 1));
+  add_noise(velocity, noise * 1e-4, static_cast<std::uint64_t>(k + 100));
+  Record record = record_of({force_of(at, force), velocity_of(at, velocity)});
+  record.provenance.source_file = "shot" + std::to_string(k) + ".csv";
+  return record;
+}
+
+double rms_error(const datasets::Channel& channel, double (*truth)(double)) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < channel.size(); ++i) {
+    const double error = channel.value(i) - truth(channel.clock.time(i));
+    squares += error * error / static_cast<double>(channel.size());
+  }
+  return std::sqrt(squares);
+}
+
+// Noise falls with the root of the number; the standard deviation beside it is the noise.
+TEST(AverageShots, TakesNoiseOff) {
+  std::vector<Record> shots;
+  for (int k = 0; k < 16; ++k) shots.push_back(shot(k, 8.0));
+  const Record mean = average_shots(shots);
+  ASSERT_EQ(mean.channels.size(), 4U);
+  EXPECT_EQ(mean.channels[0].name, "Force");
+  EXPECT_EQ(mean.channels[0].quantity, datasets::Quantity::force);
+  EXPECT_EQ(mean.channels[1].name, "Force, standard deviation");
+  EXPECT_EQ(mean.channels[1].quantity, datasets::Quantity::other);
+  EXPECT_EQ(mean.channels[0].attributes.at("shots"), "16");
+  // A sixteenth part of the variance, interpolation's 0.9 of the band and 0.3 us of alignment
+  // aside.
+  EXPECT_NEAR(rms_error(mean.channels[0], force_at), 8.0 / 4.0, 0.4);
+  EXPECT_NEAR(rms_error(mean.channels[2], velocity_at), 8e-4 / 4.0, 0.4e-4);
+  double spread = 0.0;
+  for (const double value : mean.channels[1].values())
+    spread += value / static_cast<double>(mean.channels[1].size());
+  EXPECT_NEAR(spread, 8.0, 0.6);
+}
+
+// Without noise the mean is each of them, to what interpolation costs.
+TEST(AverageShots, OfOneShotManyTimesIsThatShot) {
+  const Sampling slow{.start = -1.1e-3, .interval = 1.6e-6, .samples = 2600};
+  const std::vector<Record> shots{shot(0, 0.0), shot(3, 0.0), shot(1, 0.0, 1.0, slow)};
+  const Record mean = average_shots(shots);
+  for (std::size_t i = 0; i < mean.channels[0].size(); ++i) {
+    const double t = mean.channels[0].clock.time(i);
+    ASSERT_NEAR(mean.channels[0].value(i), force_at(t), 1.5) << t;
+    ASSERT_LT(mean.channels[1].value(i), 2.0) << t;
+  }
+  EXPECT_EQ(mean.provenance.source_file, "shot0.csv");
+  ASSERT_EQ(mean.provenance.edits.size(), 3U);
+  EXPECT_EQ(mean.provenance.edits[0].parameters.at("file"), "shot3.csv");
+  EXPECT_NEAR(std::stod(mean.provenance.edits[0].parameters.at("shift")), 111.9e-6, 0.1e-6);
+  EXPECT_EQ(mean.provenance.edits[2].parameters.at("shots"), "3");
+}
+
+TEST(AverageShots, LeavesOutWhatIsNoGoodShot) {
+  const Sampling at;
+  Record clipped = shot(1, 2.0);
+  for (double& value : std::get<std::vector<double>>(clipped.channels[0].raw))
+    value = std::min(value, 1200.0);
+  Record empty = shot(2, 2.0);
+  std::ranges::fill(std::get<std::vector<double>>(empty.channels[0].raw), 0.0);
+  const std::vector<Record> shots{shot(0, 2.0), clipped, empty, shot(3, 2.0)};
+  const Record mean = average_shots(shots);
+  EXPECT_THAT(mean.warnings,
+              testing::ElementsAre("shot1.csv is not in the mean: its impact is clipped.",
+                                   "shot2.csv is not in the mean: there is no impact in it."));
+  EXPECT_EQ(mean.channels[0].attributes.at("shots"), "2");
+  try {
+    average_shots(std::vector<Record>{shot(0, 2.0), clipped});
+    FAIL();
+  } catch (const datasets::InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "shot0.csv: a mean needs two shots at least, and 1 of 2 can be used: shot1.csv is "
+                 "not in the mean: its impact is clipped.");
+  }
+}
+
+TEST(AverageShots, SaysThatShotsAreUnlike) {
+  const std::vector<Record> shots{shot(0, 2.0), shot(1, 2.0, 1.2)};
+  const Record mean = average_shots(shots);
+  ASSERT_EQ(mean.warnings.size(), 1U);
+  EXPECT_THAT(mean.warnings[0], testing::StartsWith("The peaks of the shots differ"));
+}
+
+TEST(AverageShots, ConvertsUnitsAndLeavesInvalidSamplesOut) {
+  Record second = shot(0, 0.0);
+  second.provenance.source_file = "second.csv";
+  second.channels[1].unit = "mm/s";
+  for (double& value : std::get<std::vector<double>>(second.channels[1].raw)) value *= 1e3;
+  second.channels[1].valid.assign(second.channels[1].size(), 1);
+  for (std::size_t i = 2000; i < 2100; ++i) second.channels[1].valid[i] = 0;
+  const std::vector<Record> shots{shot(0, 0.0), second};
+  const Record mean = average_shots(shots);
+  EXPECT_EQ(mean.channels[2].unit, "m/s");
+  EXPECT_NEAR(mean.channels[2].value(100), 0.44, 1e-9);
+  EXPECT_EQ(mean.channels[2].valid[2050], 0);
+  EXPECT_EQ(mean.channels[2].valid[1900], 1);
+  EXPECT_TRUE(mean.channels[0].valid.empty());
+  second.channels[1].unit = "N";
+  EXPECT_THROW(average_shots(std::vector<Record>{shot(0, 0.0), second}), datasets::InputError);
+}
+
+}  // namespace
+
+}  // namespace impactrig::acquisition
