@@ -418,7 +418,9 @@ void Session::report_channels(Fit& fit) {
         out.time.push_back(signal.time(k) - touch);
       out.residual_rms =
           std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, measured.size())));
-      out.metrics = metrics(measured, computed);
+      const bool contiguous = !channel.used.empty() &&
+                              channel.used.back() - channel.used.front() + 1 == channel.used.size();
+      out.metrics = metrics(measured, computed, contiguous);
       fit.channels.push_back(std::move(out));
     }
     simulations_ += cost->simulations();

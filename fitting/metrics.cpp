@@ -3,38 +3,39 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "fitting/metrics/inequality.hpp"
+#include "fitting/metrics/iso18571.hpp"
+#include "fitting/metrics/magnitude_phase.hpp"
+#include "fitting/metrics/residuals.hpp"
 
 namespace impactrig::fitting {
 
 std::map<std::string, double> metrics(std::span<const double> measured,
-                                      std::span<const double> computed) {
-  const double n = static_cast<double>(measured.size());
-  double mm = 0.0, cc = 0.0, mc = 0.0, m_sum = 0.0, c_sum = 0.0, squares = 0.0, peak = 0.0;
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    const double m = measured[i];
-    const double c = computed[i];
-    mm += m * m;
-    cc += c * c;
-    mc += m * c;
-    m_sum += m;
-    c_sum += c;
-    squares += (c - m) * (c - m);
-    peak = std::max(peak, std::abs(m));
+                                      std::span<const double> computed, bool contiguous) {
+  constexpr std::size_t most_rated_in_a_fit = 10'000;  // some 60 ms
+  const HistoryPair pair{measured, computed};
+  const auto finite = [](double x) { return std::isfinite(x); };
+  if (!std::ranges::all_of(measured, finite) || !std::ranges::all_of(computed, finite)) return {};
+  if (measured.empty() || peak_of(measured) == 0.0) return {};
+  const MagnitudePhase geers = sprague_geers(pair);
+  const double pearson = correlation(pair);
+  std::map<std::string, double> result = {{"nrmse", root_mean_square_error(pair).of_peak},
+                                          {"correlation", std::isfinite(pearson) ? pearson : 0.0},
+                                          {"sprague_geers_magnitude", geers.magnitude},
+                                          {"sprague_geers_phase", geers.phase},
+                                          {"sprague_geers_comprehensive", geers.comprehensive},
+                                          {"theil_u", theil_u(pair)},
+                                          {"whang", whang(pair)}};
+  if (contiguous && measured.size() >= 2 && measured.size() <= most_rated_in_a_fit) {
+    const Iso18571 iso = iso18571(pair);
+    result["iso18571_corridor"] = iso.corridor;
+    result["iso18571_phase"] = iso.phase;
+    result["iso18571_magnitude"] = iso.magnitude;
+    result["iso18571_slope"] = iso.slope;
+    result["iso18571_rating"] = iso.rating;
   }
-  if (measured.empty() || peak == 0.0) return {};
-  const double m_variance = mm - m_sum * m_sum / n;
-  const double c_variance = cc - c_sum * c_sum / n;
-  const double covariance = mc - m_sum * c_sum / n;
-  const double magnitude = std::sqrt(cc / mm) - 1.0;
-  const double cosine = cc > 0.0 ? std::clamp(mc / std::sqrt(mm * cc), -1.0, 1.0) : 0.0;
-  const double phase = std::acos(cosine) / std::numbers::pi;
-  const bool vary = m_variance > 0.0 && c_variance > 0.0;
-  return {{"nrmse", std::sqrt(squares / n) / peak},
-          {"correlation", vary ? covariance / std::sqrt(m_variance * c_variance) : 0.0},
-          {"sprague_geers_magnitude", magnitude},
-          {"sprague_geers_phase", phase},
-          {"sprague_geers_comprehensive", std::hypot(magnitude, phase)}};
+  return result;
 }
 
 }  // namespace impactrig::fitting

@@ -59,8 +59,31 @@ TEST(Metrics, TheDivisorOfNrmseIsThePeak) {
   EXPECT_DOUBLE_EQ(metrics(m, c).at("nrmse"), 0.25);
 }
 
+// "haversine_pulse" of the same table; ISO 18571 only where samples follow each other and are few.
+TEST(Metrics, RateAHistoryThatHasNoGaps) {
+  const auto m = sampled(401, 1e-6, [](double t) {
+    return t >= 50e-6 && t <= 270e-6 ? 4500 * std::sin(pi * (t - 50e-6) / 220e-6) : 0.0;
+  });
+  const auto c = sampled(401, 1e-6, [](double t) {
+    return t >= 60e-6 && t <= 260e-6 ? 4800 * std::sin(pi * (t - 60e-6) / 200e-6) : 0.0;
+  });
+  const auto values = metrics(m, c);
+  EXPECT_NEAR(values.at("theil_u"), 0.04832953233145978, 1e-10);
+  EXPECT_NEAR(values.at("whang"), 0.04668756244510931, 1e-10);
+  EXPECT_NEAR(values.at("iso18571_rating"),
+              0.4 * values.at("iso18571_corridor") +
+                  0.2 * (values.at("iso18571_phase") + values.at("iso18571_magnitude") +
+                         values.at("iso18571_slope")),
+              1e-15);
+  EXPECT_FALSE(metrics(m, c, false).contains("iso18571_rating"));
+  const std::vector<double> many(10'001, 1.0);
+  EXPECT_FALSE(metrics(many, many).contains("iso18571_rating"));
+}
+
 TEST(Metrics, NothingIsSaidOfSilence) {
   EXPECT_TRUE(metrics(std::vector{0.0, 0.0}, std::vector{1.0, 2.0}).empty());
+  EXPECT_TRUE(metrics(std::vector{1.0, 0.0}, std::vector<double>{1.0, NAN}).empty());
+  EXPECT_TRUE(metrics({}, {}).empty());
 }
 
 }  // namespace
