@@ -30,7 +30,8 @@ using datasets::Record;
 
 namespace {
 
-constexpr double alike = 0.05;  ///< spread of peaks
+constexpr double alike = 0.05;      ///< spread of peaks
+constexpr double on_sample = 1e-3;  ///< of a step
 constexpr std::array unusable{ImpactFlag::clipped, ImpactFlag::double_hit, ImpactFlag::too_short};
 
 /// A shot and where its impact is.
@@ -158,8 +159,8 @@ Sums sums_of(const Channel& first, const IndexRange& range, const std::vector<Re
       const double at = reading.index(first.clock.time(i));
       if (!reading.sound(at)) continue;
       const double nearest = std::round(at);
-      // On a sample, and at no other rate, the sample itself.
-      const bool exact = std::abs(at - nearest) < 1e-9 && ratio <= 1.0;
+      // Nearly on a sample, and at no other rate, the sample itself.
+      const bool exact = std::abs(at - nearest) < on_sample && ratio <= 1.0;
       sums.add(i - range.begin,
                exact ? reading.values[static_cast<std::size_t>(nearest)] : signal(at));
     }

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // fuzz_seeds FORMAT DIR: writes the files that fuzzing of a format starts from.
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "datasets/store.hpp"
 #include "tests/acquisition/catman_bytes.hpp"
 #include "tests/acquisition/hdf5_bytes.hpp"
 #include "tests/acquisition/imc_raw_bytes.hpp"
@@ -23,6 +26,7 @@
 #include "tests/acquisition/text_bytes.hpp"
 #include "tests/acquisition/wav_bytes.hpp"
 #include "tests/acquisition/waveform_container_bytes.hpp"
+#include "tests/datasets/sample_record.hpp"
 
 namespace {
 
@@ -33,11 +37,31 @@ struct Seeds {
   std::vector<std::string> (*make)();
 };
 
+std::string own_hdf5(const impactrig::datasets::Record& record) {
+  const std::string path = std::filesystem::temp_directory_path() / "impactrig-fuzz-seed.h5";
+  impactrig::datasets::write_record(record, path);
+  std::ifstream stream(path, std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(stream)), {});
+  std::filesystem::remove(path);
+  return bytes;
+}
+
+/// A record with every field, and one that is as small as can be.
+std::vector<std::string> own_hdf5_seeds() {
+  impactrig::datasets::Record small;
+  small.channels.resize(1);
+  small.channels[0].name = "F";
+  small.channels[0].clock.interval = 1.0;
+  small.channels[0].raw = std::vector<std::int16_t>{1, 2, 3};
+  return {own_hdf5(::tests::sample_record()), own_hdf5(small)};
+}
+
 /// A format's seeds are made by the builders its tests use.
 constexpr auto table = std::to_array<Seeds>({
     {"catman", catman_seeds},              //
     {"csv", csv_seeds},                    //
     {"hdf5", hdf5_seeds},                  //
+    {"impactrig-hdf5", own_hdf5_seeds},    //
     {"imc-raw", imc_raw_seeds},            //
     {"keysight-bin", keysight_bin_seeds},  //
     {"lecroy-trc", lecroy_trc_seeds},      //
