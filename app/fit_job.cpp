@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "acquisition/conditioning/condition.hpp"
+#include "acquisition/conditioning/needed_channels.hpp"
 #include "acquisition/conditioning/steps.hpp"
 #include "acquisition/importer.hpp"
 #include "datasets/input_error.hpp"
@@ -100,6 +101,21 @@ void refuse_choice(const datasets::Record& record, const fitting::RigFile& rig) 
             count, names));
 }
 
+/// In SI, conditioned as the rig file asks; only the channels that its sensors name are read.
+datasets::Record conditioned_recording(const std::string& path,
+                                       const acquisition::ImportOptions& reading,
+                                       const fitting::RigFile& rig) {
+  const auto reader = acquisition::open_recording(path, reading);
+  acquisition::SensorSet sensors{rig.force, rig.velocity, rig.displacement};
+  acquisition::Selection wanted = acquisition::selection_of(reader->head(), reading);
+  acquisition::narrow_to_sensors(reader->head(), wanted, sensors);
+  datasets::Record recorded = acquisition::read_into_memory(*reader, wanted);
+  recorded.provenance.sha256 = datasets::sha256_of_file(path);
+  datasets::Record record = acquisition::condition(recorded, sensors);
+  acquisition::apply_steps(rig.conditioning, record, sensors);
+  return record;
+}
+
 fitting::FitOptions fit_options(const FitJob& job) {
   fitting::FitOptions options;
   options.free = split_names(job.free);
@@ -122,11 +138,11 @@ std::string result_text(const FitJob& job, const reports::ResultProvenance& prov
   const ImportArguments& r = job.reading;
   std::string text = fmt::format(
       "impactrig {} {}\nfree {}\nchannels {}\nwindow {}\nrig {}\nread {}|{}|{}|{}|{}|{}|{}\n"
-      "trigger {}|{}|{}|{}|{}\n",
+      "trigger {}|{}|{}|{}|{}\nfrom {} to {}\n",
       provenance.version, provenance.git, job.free, job.channels, job.window,
       provenance.config_sha256, r.format, r.delimiter, r.decimal, r.time_column, r.units,
       r.skip_lines, r.sample_rate, job.detection.trigger, job.detection.threshold,
-      job.detection.pre_trigger, job.detection.post_trigger, job.impact);
+      job.detection.pre_trigger, job.detection.post_trigger, job.impact, r.from, r.to);
   for (const reports::InputFile& input : provenance.inputs) text += input.sha256 + "\n";
   return text;
 }
@@ -152,6 +168,7 @@ void add_fit_job(CLI::App& command, FitJob& job) {
   add_set(command, job.common);
   add_quiet(command, job.common);
   add_force(command, job.common);
+  add_window_arguments(command, job.reading);
   add_import_arguments(command, job.reading);
   add_detection_arguments(command, job.detection);
 }
@@ -167,9 +184,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
   std::vector<std::string> warnings;
   for (const std::string& path : job.recordings) {
     if (!job.common.quiet) fmt::print(stderr, "reading {}\n", path);
-    datasets::Record record = acquisition::condition(acquisition::import_recording(path, reading),
-                                                     {rig.force, rig.velocity, rig.displacement});
-    acquisition::apply_steps(rig.conditioning, record, {rig.force, rig.velocity, rig.displacement});
+    datasets::Record record = conditioned_recording(path, reading, rig);
     for (const std::string& warning : record.warnings)
       warnings.push_back(fmt::format("{}: {}", path, warning));
     refuse_choice(record, rig);

@@ -36,6 +36,11 @@ void add_selection_arguments(CLI::App& command, ImportArguments& arguments) {
       .add_option("--channel", arguments.channels, "Channel, by name or index from 0; repeatable")
       ->allow_extra_args(false)
       ->group(group);
+  add_window_arguments(command, arguments);
+}
+
+void add_window_arguments(CLI::App& command, ImportArguments& arguments) {
+  const char* group = "What to read (default: all)";
   command.add_option("--from", arguments.from, "Time of the first sample [s]")->group(group);
   command.add_option("--to", arguments.to, "Time of the last sample [s]")->group(group);
 }

@@ -24,6 +24,8 @@ struct ImportArguments {
 void add_import_arguments(CLI::App& command, ImportArguments& arguments);
 /// --channel, --from and --to: what of a recording to read.
 void add_selection_arguments(CLI::App& command, ImportArguments& arguments);
+/// --from and --to alone.
+void add_window_arguments(CLI::App& command, ImportArguments& arguments);
 acquisition::ImportOptions import_options(const ImportArguments& arguments);
 
 /// How impacts are looked for, as typed.
