@@ -170,7 +170,7 @@ void add_acquire(CLI::App& program) {
       ->check(CLI::IsMember({"synthetic", "replay"}));
   command
       ->add_option("-o,--output", options->output,
-                   "Recording: .h5, .uff or .csv; several shots are numbered")
+                   "Recording: .h5, .mat, .uff or .csv; several shots are numbered")
       ->required();
   command->add_option("--rig", options->rig, "Synthetic: the rig to simulate, with its sensors");
   command->add_option("--seed", options->seed, "Synthetic: of noise, hum and trigger")

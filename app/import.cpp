@@ -196,7 +196,7 @@ void import(const Options& options) {
 void add_import(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand(
-      "import", "Convert recordings of any format to our HDF5 (or .uff, .csv)");
+      "import", "Convert recordings of any format to our HDF5 (or .mat, .uff, .csv)");
   command->add_option("file", options->files, "Recordings")->required();
   command->add_option("-o,--output", options->output, "Result; its ending says the format");
   command

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include "acquisition/exporter.hpp"
 #include "acquisition/importer.hpp"
 #include "acquisition/source.hpp"
 #include "app/program.hpp"
@@ -11,6 +12,9 @@ namespace {
 void list_formats() {
   for (const acquisition::Importer& importer : acquisition::importers())
     fmt::print("{:<16}{}\n", importer.id, importer.description);
+  fmt::print("\nwritten, by the ending of -o:\n");
+  for (const acquisition::Exporter& exporter : acquisition::exporters())
+    fmt::print("{:<16}{} ({})\n", exporter.id, exporter.description, exporter.endings);
 }
 
 void list_sources() {

@@ -127,7 +127,7 @@ void add_simulate(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("simulate", "Predict one impact of a rig");
   command->add_option("rig", options->rig, "Rig file (TOML)")->required();
-  command->add_option("-o,--output", options->output, "History: .h5, .csv or .uff");
+  command->add_option("-o,--output", options->output, "History: .h5, .mat, .csv or .uff");
   command->add_option("--interval", options->interval, "Sample interval of the history [s]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

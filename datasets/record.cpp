@@ -36,14 +36,18 @@ double Channel::value(std::size_t i) const {
 
 std::vector<double> Channel::values() const {
   std::vector<double> result(size());
+  values(0, result);
+  return result;
+}
+
+void Channel::values(std::size_t first, std::span<double> to) const {
   std::visit(
       [&](const auto& samples) {
-        std::ranges::transform(samples, result.begin(), [&](auto sample) {
-          return scaled(static_cast<double>(sample), scale, offset);
-        });
+        std::ranges::transform(
+            std::span(samples).subspan(first, to.size()), to.begin(),
+            [&](auto sample) { return scaled(static_cast<double>(sample), scale, offset); });
       },
       raw);
-  return result;
 }
 
 const Channel* Record::find(std::string_view name_or_index) const {

@@ -69,6 +69,8 @@ struct Channel {
   std::size_t size() const;
   double value(std::size_t i) const;
   std::vector<double> values() const;  ///< (n_samples), complex channels: real part
+  /// The values from sample `first` on, as many as `to` takes.
+  void values(std::size_t first, std::span<double> to) const;
 
   bool is_valid(std::size_t i) const { return valid.empty() || valid[i] != 0; }
 

@@ -15,11 +15,12 @@ namespace impactrig::acquisition {
 namespace {
 
 /// A new format is a file beside this one, its function in formats.hpp, and a line here.
-constexpr std::array<Exporter, 4> table = {{
+constexpr std::array<Exporter, 5> table = {{
     {"impactrig-hdf5", "impactrig's own HDF5", ".h5 .hdf5", datasets::write_record},  //
     {"uff58b", "universal file, binary functions in double precision", ".uff .bunv",
      write_uff58b},                                                                          //
     {"uff58", "universal file, functions as text with 13 digits", ".unv", write_uff58},      //
+    {"mat", "MATLAB MAT-file of version 5, a structure a channel", ".mat", write_mat},       //
     {"csv", "table of numbers, comma separated, read back bit for bit", ".csv", write_csv},  //
 }};
 

@@ -10,6 +10,7 @@ namespace impactrig::acquisition {
 
 void write_uff58b(const datasets::Record& record, const std::string& path);
 void write_uff58(const datasets::Record& record, const std::string& path);
+void write_mat(const datasets::Record& record, const std::string& path);
 void write_csv(const datasets::Record& record, const std::string& path);
 
 }  // namespace impactrig::acquisition

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "acquisition/importers/byte_cursor.hpp"
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/mat5.hpp"
+#include "acquisition/importers/mat_recording.hpp"
 #include "acquisition/importers/named_arrays.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/text_file.hpp"
@@ -20,42 +20,7 @@ namespace {
 /// A matrix longer than this holds samples one way and channels the other.
 constexpr std::uint64_t longest_small_matrix = 100;
 constexpr std::uint64_t most_channels = 1000;  ///< of one matrix
-
-double number_at(const MappedFile& file, const StoredNumbers& numbers, std::uint64_t at) {
-  ByteCursor cursor(file, numbers.big_endian(), at);
-  constexpr std::string_view what = "a number";
-  switch (numbers.kind()) {
-    case NumberKind::i8:
-      return cursor.read<std::int8_t>(what);
-    case NumberKind::u8:
-      return cursor.read<std::uint8_t>(what);
-    case NumberKind::i16:
-      return cursor.read<std::int16_t>(what);
-    case NumberKind::u16:
-      return cursor.read<std::uint16_t>(what);
-    case NumberKind::i32:
-      return cursor.read<std::int32_t>(what);
-    case NumberKind::u32:
-      return cursor.read<std::uint32_t>(what);
-    case NumberKind::i64:
-      return static_cast<double>(cursor.read<std::int64_t>(what));
-    case NumberKind::u64:
-      return static_cast<double>(cursor.read<std::uint64_t>(what));
-    case NumberKind::f32:
-      return cursor.read<float>(what);
-    default:
-      return cursor.read<double>(what);
-  }
-}
-
-std::vector<double> values_of(const MappedFile& file, const StoredNumbers& numbers) {
-  std::vector<double> values;
-  values.reserve(numbers.size());
-  for (const NumberRun& run : numbers.runs())
-    for (std::uint64_t i = 0; i < run.count; ++i)
-      values.push_back(number_at(file, numbers, run.offset + i * run.stride));
-  return values;
-}
+constexpr std::size_t longest_text = 2000;     ///< of an attribute [bytes]
 
 StoredNumbers numbers(NumberKind kind, bool big_endian, std::uint64_t offset, std::uint64_t count,
                       std::uint64_t step) {
@@ -70,8 +35,11 @@ class MatRecord {
   explicit MatRecord(MatContents contents) : contents_(std::move(contents)) {
     record_.attributes["MAT-file version"] = contents_.version;
     if (!contents_.header.empty()) record_.attributes["header"] = contents_.header;
-    for (const auto& [name, text] : contents_.texts) record_.attributes.emplace(name, text);
+    for (const auto& [name, text] : contents_.texts)
+      record_.attributes.emplace(name, to_utf8(std::string_view(text).substr(0, longest_text)));
     record_.warnings = std::move(contents_.warnings);
+    if (std::string skipped = skipped_arrays(contents_); !skipped.empty())
+      record_.warnings.push_back(std::move(skipped));
     for (const MatArray& array : contents_.arrays) add(array);
     if (record_.channels.empty())
       record_.warnings.emplace_back("there are no numbers in this file: there are no channels");
@@ -123,7 +91,12 @@ class MatRecord {
           {record_.channels[i].name, stored_[i].samples.size(), stored_[i].imaginary.size() == 0});
     ArrayClocks found = clocks_by_name(
         contents_.file->path(), arrays,
-        [this](std::size_t i) { return values_of(*contents_.file, stored_[i].samples); }, options);
+        [this](std::size_t i) {
+          std::vector<double> values(stored_[i].samples.size());
+          read_numbers(*contents_.file, stored_[i].samples, 0, values);
+          return values;
+        },
+        options);
     for (std::size_t i = 0; i < stored_.size(); ++i) {
       const ArrayClock& clock = found.clocks[i];
       record_.channels[i].clock.start = clock.start;
@@ -164,7 +137,9 @@ std::unique_ptr<RecordingReader> open_mat(const std::string& path, const ImportO
         (file.bytes().size() > 512 && file.bytes().substr(512).starts_with(hdf5)))
       return open_mat73(path, options);
   }
-  return MatRecord(read_mat_contents(path)).reader(options);
+  MatContents contents = read_mat_contents(path);
+  if (is_mat_recording(contents)) return reader_of_mat_recording(std::move(contents));
+  return MatRecord(std::move(contents)).reader(options);
 }
 
 }  // namespace impactrig::acquisition

@@ -24,7 +24,9 @@ namespace {
 constexpr std::uint64_t most_unpacked = std::uint64_t{256} << 20;  ///< of one file [bytes]
 constexpr int deepest = 16;                                        ///< structures in structures
 constexpr std::uint64_t longest_name = 256;                        ///< MATLAB: 63 [bytes]
-constexpr std::uint64_t longest_text = 2000;                       ///< of an attribute [bytes]
+constexpr std::uint64_t longest_text = std::uint64_t{1} << 20;     ///< [bytes]
+constexpr std::uint64_t most_text = std::uint64_t{1} << 26;        ///< of one file [bytes]
+constexpr std::size_t most_skipped = 10000;                        ///< that are remembered
 
 // data types of an element
 constexpr std::uint32_t mi_int8 = 1;
@@ -116,10 +118,6 @@ class MatParser {
           contents_.file->byte_position(0),
           "expected the header of a MAT-file: 128 bytes that end with 'IM' or 'MI', or "
           "the 20 bytes of version 4");
-    if (!skipped_.empty())
-      contents_.warnings.push_back(fmt::format(
-          "not read: {}{}", skipped_,
-          more_skipped_ > 0 ? fmt::format(" and {} more", more_skipped_) : std::string()));
     return std::move(contents_);
   }
 
@@ -131,12 +129,10 @@ class MatParser {
   }
 
   void skip(const std::string& name, std::string_view why) {
-    if (skipped_.size() > 500) {
-      ++more_skipped_;
-      return;
-    }
-    if (!skipped_.empty()) skipped_ += ", ";
-    skipped_ += fmt::format("'{}' ({})", name, why);
+    if (contents_.skipped.size() < most_skipped)
+      contents_.skipped.push_back({name, std::string(why)});
+    else
+      ++contents_.more_skipped;
   }
 
   template <typename Number>
@@ -392,6 +388,8 @@ class MatParser {
     if (array.rows * array.columns == 0) return;
     if (array.rows != 1) return skip(array.name, "text of several lines");
     if (!element) return skip(array.name, "cut");
+    text_bytes_ += std::min<std::uint64_t>(element->end - element->data, longest_text);
+    if (text_bytes_ > most_text) return skip(array.name, "more text than 64 MB");
     std::string text;
     if (element->type == mi_uint16 || element->type == mi_utf16) {
       text = contents_.big_endian ? "\xFE\xFF" : "\xFF\xFE";
@@ -399,15 +397,17 @@ class MatParser {
                              std::min<std::uint64_t>(element->end - element->data, longest_text));
       text = utf16_to_utf8(text);
     } else if (element->type == mi_utf8 || element->type == mi_uint8 || element->type == mi_int8) {
-      text = text_of(*element, longest_text);
+      text = to_utf8_with_controls(text_of(*element, longest_text));
     } else {
       return skip(array.name, fmt::format("text of type {}", element->type));
     }
-    contents_.texts.emplace(array.name, to_utf8(text));
+    contents_.texts.emplace(array.name, text);
   }
 
   void read_structure(const Element& matrix, std::uint64_t at, const MatArray& array, int depth) {
     if (depth >= deepest) return skip(array.name, "nested too deeply");
+    if (depth == 0) contents_.variables.push_back(array.name);
+    if (depth <= 1) contents_.structures.emplace(array.name, array.rows * array.columns);
     const auto width = element_at(at, matrix.end);
     const auto names = width ? element_at(width->next, matrix.end) : std::nullopt;
     if (!names || width->type != mi_int32 || width->end - width->data < 4 || names->type != mi_int8)
@@ -543,8 +543,7 @@ class MatParser {
 
   MatContents contents_;
   bool packed_ = false;
-  std::string skipped_;
-  std::uint64_t more_skipped_ = 0;
+  std::uint64_t text_bytes_ = 0;
 };
 
 }  // namespace
@@ -569,6 +568,19 @@ bool looks_like_mat4(std::string_view head) {
          std::ranges::all_of(name, [](char c) {
            return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
          });
+}
+
+std::string skipped_arrays(const MatContents& contents) {
+  std::string list;
+  std::uint64_t more = contents.more_skipped;
+  for (const auto& [name, why] : contents.skipped) {
+    if (list.size() > 500)
+      ++more;
+    else
+      list += fmt::format("{}'{}' ({})", list.empty() ? "not read: " : ", ", name, why);
+  }
+  if (more > 0) list += fmt::format(" and {} more", more);
+  return list;
 }
 
 MatContents read_mat_contents(const std::string& path) {

@@ -32,13 +32,27 @@ struct MatContents {
   std::string version;  ///< "4", "5"
   std::string header;   ///< its text
   std::vector<MatArray> arrays;
-  std::map<std::string, std::string> texts;
-  std::vector<std::string> warnings;  ///< one sentence each
+  std::map<std::string, std::string> texts;  ///< UTF-8, with the control characters they have
+  /// Arrays of structures at the top, and those in structures at the top: how many they are.
+  std::map<std::string, std::uint64_t> structures;
+  std::vector<std::string> variables;  ///< structures at the top, in the file's order
+  std::vector<std::string> warnings;   ///< one sentence each
+
+  struct Skipped {
+    std::string name;
+    std::string why;
+  };
+
+  std::vector<Skipped> skipped;  ///< what is no array of numbers, the first of them
+  std::uint64_t more_skipped = 0;
 };
 
 /// True for the first bytes of a MAT-file of version 4, which has no signature: a plausible header
 /// of 20 bytes and a name.
 bool looks_like_mat4(std::string_view head);
+
+/// "not read: 'c' (a cell array) and 3 more"; "" where nothing was skipped.
+std::string skipped_arrays(const MatContents& contents);
 
 /// Lists the arrays. Throws datasets::InputError.
 MatContents read_mat_contents(const std::string& path);

@@ -295,10 +295,12 @@ class ChannelStream {
       : channel_(&channel),
         samples_(window, channel.samples),
         imaginary_(window, channel.imaginary),
+        invalid_(window, channel.invalid),
         times_(window, channel.times),
         left_(range.last - range.first) {
     samples_.skip(range.first);
     if (channel.imaginary.size() > 0) imaginary_.skip(range.first);
+    if (channel.invalid.size() > 0) invalid_.skip(range.first);
     if (channel.times.size() > 0) times_.skip(range.first);
   }
 
@@ -310,6 +312,7 @@ class ChannelStream {
     block.raw = raw(count);
     if (channel_->imaginary.size() > 0)
       block.imaginary = read(imaginary_, count, imaginary_values_);
+    if (channel_->invalid.size() > 0) block.valid = marks(count);
     sink.take(index, block);
     if (channel_->times.size() > 0) {
       read(times_, count, time_values_);
@@ -326,6 +329,15 @@ class ChannelStream {
     values.resize(count);
     cursor.read(count, values.data());
     return values;
+  }
+
+  std::span<const std::uint8_t> marks(std::uint64_t count) {
+    read(invalid_, count, mark_values_);
+    valid_.resize(count);
+    std::ranges::transform(mark_values_, valid_.begin(), [](double mark) {
+      return mark == 0.0 ? std::uint8_t{1} : std::uint8_t{0};
+    });
+    return valid_;
   }
 
   datasets::RawSpan raw(std::uint64_t count) {
@@ -360,6 +372,7 @@ class ChannelStream {
   const StoredChannel* channel_;
   NumberCursor samples_;
   NumberCursor imaginary_;
+  NumberCursor invalid_;
   NumberCursor times_;
   std::uint64_t left_;
   std::vector<double> doubles_;
@@ -367,6 +380,8 @@ class ChannelStream {
   std::vector<std::int16_t> shorts_;
   std::vector<std::int32_t> integers_;
   std::vector<double> imaginary_values_;
+  std::vector<double> mark_values_;
+  std::vector<std::uint8_t> valid_;
   std::vector<double> time_values_;
 };
 
@@ -380,6 +395,7 @@ class NumbersReader final : public RecordingReader {
     for (const StoredChannel& channel : channels_) {
       check_within_file(channel.samples);
       check_within_file(channel.imaginary);
+      check_within_file(channel.invalid);
       check_within_file(channel.times);
       head_.samples.push_back(channel.samples.size());
     }

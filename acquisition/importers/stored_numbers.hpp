@@ -65,6 +65,7 @@ std::uint64_t numbers_there(const MappedFile& file, std::uint64_t offset, std::u
 struct StoredChannel {
   StoredNumbers samples;
   StoredNumbers imaginary{};  ///< of a complex channel: as many as samples; else none
+  StoredNumbers invalid{};    ///< of a channel with marks: 0 sound, else not; as many as samples
   StoredNumbers times{};  ///< [s], where the clock is not uniform: as many as samples; else none
   /// What the file does to its numbers beyond Channel::scale and offset (a polynomial, a table).
   /// Where it is set, samples are handed over in double precision and changed by it.

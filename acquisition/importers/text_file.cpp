@@ -139,14 +139,19 @@ std::string_view take_line(const char*& at, const char* end) {
 }
 
 std::string to_utf8(std::string_view text) {
+  std::string out = to_utf8_with_controls(text);
+  for (char& c : out)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
+  return out;
+}
+
+std::string to_utf8_with_controls(std::string_view text) {
   std::string out;
   out.reserve(text.size());
   const bool utf8 = is_utf8(text);
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7F) {
-      out += ' ';
-    } else if (utf8 || byte < 0x80) {
+    if (utf8 || byte < 0x80) {
       out += c;
     } else if (byte < 0xA0) {
       const std::uint16_t code = windows_1252[byte - 0x80U];

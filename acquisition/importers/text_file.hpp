@@ -53,6 +53,9 @@ std::string_view take_line(const char*& at, const char* end);
 /// (latin-1 with its additions); control characters become blanks.
 std::string to_utf8(std::string_view text);
 
+/// The same with control characters as they are: for text that is no attribute of a foreign file.
+std::string to_utf8_with_controls(std::string_view text);
+
 /// True for UTF-16, with or without byte order mark.
 bool looks_like_utf16(std::string_view head);
 

@@ -123,6 +123,17 @@ inline std::vector<std::string> mat_seeds() {
                     b.compressed(b.doubles("force", {1, 2, 3})) + b.text("note", "hit"));
     seeds.push_back(b.header() +
                     b.compressed(b.structure("run", {"a", "b", "unit"}, fields + fields, 2)));
+    seeds.push_back(
+        b.header() +
+        b.structure("recording", {"format", "title", "attributes"},
+                    b.text("", "impactrig-recording") + b.text("", "shot") +
+                        b.structure("", {"name", "value"},
+                                    b.text("", "a") + b.text("", "b") + b.text("", "c"), 2)) +
+        b.structure("F", {"name", "unit", "start", "interval", "time", "value", "invalid", "delay"},
+                    b.text("", "F") + b.text("", "N") + b.doubles("", {1}) + b.doubles("", {2}) +
+                        b.doubles("", {1, 3, 4}) + b.doubles("", {5, 6, 7}) +
+                        b.matrix(b.head(0x0209, {3, 1}, "") + b.small(2, {0, 1, 0})) +
+                        b.structure("", {"value"}, b.doubles("", {1}))));
     seeds.push_back(b.matrix_4(0, 3, 1, "t", b.numbers<double>({0, 1, 2})) +
                     b.matrix_4(30, 3, 1, "force", b.numbers<std::int16_t>({1, 2, 3})) +
                     b.matrix_4(51, 1, 2, "unit", "Nm") +

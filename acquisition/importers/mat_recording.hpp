@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "acquisition/importers/mat5.hpp"
+#include "acquisition/recording_reader.hpp"
+
+namespace impactrig::acquisition {
+
+/// True for what our own exporter wrote, saved again by MATLAB or not: a structure `recording` that
+/// says so.
+bool is_mat_recording(const MatContents& contents);
+
+/// Each structure beside it that has a start, an interval and values is a channel. docs/formats.md
+/// has the layout.
+std::unique_ptr<RecordingReader> reader_of_mat_recording(MatContents contents);
+
+}  // namespace impactrig::acquisition
