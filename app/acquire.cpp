@@ -129,7 +129,7 @@ void acquire_synthetic(const Options& options) {
     write_output(truth_path(path), truth_json(rig, simulation, record, options, seed), true);
     std::erase_if(record.attributes,
                   [](const auto& entry) { return entry.first.starts_with("truth."); });
-    acquisition::export_recording(record, path);
+    export_and_tell(record, path, options.common.quiet);
     if (!options.common.quiet) fmt::print(stderr, "{} written, its truth beside it\n", path);
   }
 }
@@ -145,7 +145,7 @@ void acquire_replay(const Options& options) {
   while (const auto record = source.next()) {
     const std::string path = shot_path(named, ++shot);
     check_output(path, options.common.force);
-    acquisition::export_recording(*record, path);
+    export_and_tell(*record, path, options.common.quiet);
     if (!options.common.quiet) fmt::print(stderr, "{} written\n", path);
   }
 }

@@ -40,6 +40,12 @@ void check_ending(const std::string& path) {
         "-o", fmt::format("'{}' ends in no format that is written; known are {}", path, known));
 }
 
+void export_and_tell(const datasets::Record& record, const std::string& path, bool quiet) {
+  const std::vector<std::string> warnings = acquisition::export_recording(record, path);
+  if (quiet) return;
+  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);
+}
+
 void write_output(const std::string& path, std::string_view content, bool force) {
   if (path == "-") {
     std::fwrite(content.data(), 1, content.size(), stdout);

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "datasets/record.hpp"
+
 namespace impactrig::app {
 
 /// Throws datasets::FileError when `path` exists and `force` is not set, or its folder does not
@@ -12,6 +14,9 @@ void check_output(const std::string& path, bool force);
 
 /// Throws CLI::ValidationError when no format has this ending: before the work as well.
 void check_ending(const std::string& path);
+
+/// Writes a recording in the format of its ending and says on stderr what that has no place for.
+void export_and_tell(const datasets::Record& record, const std::string& path, bool quiet);
 
 /// Writes a result under its name only when complete (path.part, then renamed); "-" is stdout. A
 /// file that exists is replaced only with `force` or when its content is the same. Throws

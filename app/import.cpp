@@ -152,7 +152,8 @@ datasets::Record import_at_once(const Options& options, std::vector<Input>& inpu
     record = acquisition::average_shots(records, detection_options(options.detection));
   else
     for (datasets::Record& next : records) join(std::move(next), record);
-  acquisition::export_recording(record, options.output);
+  for (std::string& warning : acquisition::export_recording(record, options.output))
+    record.warnings.push_back(std::move(warning));
   return record;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "acquisition/exporters/formats.hpp"
+#include "acquisition/exporters/not_kept.hpp"
 #include "acquisition/exporters/output_file.hpp"
 #include "acquisition/importers/time_axis.hpp"
 #include "datasets/input_error.hpp"
@@ -17,6 +18,8 @@ using datasets::FileError;
 using datasets::Record;
 
 namespace {
+
+constexpr std::size_t most_mark_text = 100000;  ///< [bytes]
 
 /// A table has one time column: every channel must fit it.
 void check_channels(const Record& record, const std::string& path) {
@@ -60,9 +63,25 @@ std::vector<double> times_of(const Channel& channel) {
   return times;
 }
 
+/// Marks as comments, which our importer reads back. Too many would not leave it the rows to look
+/// at: a warning tells.
+void print_marks(OutputFile& out, const Record& record, std::size_t first_column,
+                 std::vector<std::string>& warnings) {
+  std::size_t left = most_mark_text;
+  for (std::size_t c = 0; c < record.channels.size(); ++c) {
+    const std::string marks = listed(marked_samples(record.channels[c]), " ");
+    if (marks.size() > left) {
+      tell_of_marks(record.channels[c], "the head of a CSV file", warnings);
+      continue;
+    }
+    left -= marks.size();
+    if (!marks.empty()) out.print("# invalid samples of column {}: {}\n", c + first_column, marks);
+  }
+}
+
 }  // namespace
 
-void write_csv(const Record& record, const std::string& path) {
+std::vector<std::string> write_csv(const Record& record, const std::string& path) {
   if (record.channels.empty()) throw FileError(path, "the recording has no channels to write");
   check_channels(record, path);
   const Channel& first = record.channels.front();
@@ -79,6 +98,9 @@ void write_csv(const Record& record, const std::string& path) {
       out.print("# quantity of column {}: {}\n", c + (with_time ? 1 : 0),
                 datasets::name(channel.quantity));
   }
+  std::vector<std::string> warnings;
+  tell_of_calibrations(record, "a CSV file", warnings);
+  print_marks(out, record, with_time ? 1 : 0, warnings);
   if (with_time) out.print("time [s],");
   for (std::size_t c = 0; c < record.channels.size(); ++c)
     out.print("{}{}", heading(record.channels[c]), c + 1 < record.channels.size() ? "," : "\n");
@@ -88,6 +110,7 @@ void write_csv(const Record& record, const std::string& path) {
       out.print("{}{}", record.channels[c].value(i), c + 1 < record.channels.size() ? ',' : '\n');
   }
   out.finish();
+  return warnings;
 }
 
 }  // namespace impactrig::acquisition

@@ -14,9 +14,14 @@ namespace impactrig::acquisition {
 
 namespace {
 
+std::vector<std::string> write_hdf5(const datasets::Record& record, const std::string& path) {
+  datasets::write_record(record, path);
+  return {};
+}
+
 /// A new format is a file beside this one, its function in formats.hpp, and a line here.
 constexpr std::array<Exporter, 5> table = {{
-    {"impactrig-hdf5", "impactrig's own HDF5", ".h5 .hdf5", datasets::write_record},  //
+    {"impactrig-hdf5", "impactrig's own HDF5", ".h5 .hdf5", write_hdf5},  //
     {"uff58b", "universal file, binary functions in double precision", ".uff .bunv",
      write_uff58b},                                                                          //
     {"uff58", "universal file, functions as text with 13 digits", ".unv", write_uff58},      //
@@ -30,8 +35,8 @@ std::span<const Exporter> exporters() {
   return table;
 }
 
-void export_recording(const datasets::Record& record, const std::string& path,
-                      std::string_view format) {
+std::vector<std::string> export_recording(const datasets::Record& record, const std::string& path,
+                                          std::string_view format) {
   const std::string name = lowered(path.substr(path.find_last_of('/') + 1));
   const std::size_t dot = name.find_last_of('.');
   const std::string ending = dot == std::string::npos ? std::string() : name.substr(dot);
@@ -41,8 +46,7 @@ void export_recording(const datasets::Record& record, const std::string& path,
       for (const std::string_view known : cells_of(exporter.endings, ' '))
         chosen = chosen || known == ending;
     if (!chosen) continue;
-    exporter.write(record, path);
-    return;
+    return exporter.write(record, path);
   }
   std::string list;
   for (const Exporter& exporter : table)

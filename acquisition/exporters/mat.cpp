@@ -356,7 +356,7 @@ class VariableNames {
 
 }  // namespace
 
-void write_mat(const Record& record, const std::string& path) {
+std::vector<std::string> write_mat(const Record& record, const std::string& path) {
   std::vector<Bytes> variables;
   variables.push_back(head(record));
   VariableNames names;
@@ -378,6 +378,7 @@ void write_mat(const Record& record, const std::string& path) {
   out.write(start);
   for (const Bytes& bytes : variables) bytes.write(out);
   out.finish();
+  return {};
 }
 
 }  // namespace impactrig::acquisition

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "acquisition/exporters/formats.hpp"
+#include "acquisition/exporters/not_kept.hpp"
 #include "acquisition/exporters/output_file.hpp"
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/time_axis.hpp"
@@ -162,7 +163,7 @@ void print_text(OutputFile& out, const std::string& path, const Channel& channel
   if (in_line > 0) out.print("\n");
 }
 
-void write_uff(const Record& record, const std::string& path, bool binary) {
+std::vector<std::string> write_uff(const Record& record, const std::string& path, bool binary) {
   OutputFile out(path);
   for (const Channel& channel : record.channels) {
     const Form form = form_of(channel);
@@ -189,16 +190,21 @@ void write_uff(const Record& record, const std::string& path, bool binary) {
     out.print("    -1\n");
   }
   out.finish();
+  std::vector<std::string> warnings;
+  for (const Channel& channel : record.channels)
+    tell_of_marks(channel, "a universal file", warnings);
+  tell_of_calibrations(record, "a universal file", warnings);
+  return warnings;
 }
 
 }  // namespace
 
-void write_uff58b(const Record& record, const std::string& path) {
-  write_uff(record, path, true);
+std::vector<std::string> write_uff58b(const Record& record, const std::string& path) {
+  return write_uff(record, path, true);
 }
 
-void write_uff58(const Record& record, const std::string& path) {
-  write_uff(record, path, false);
+std::vector<std::string> write_uff58(const Record& record, const std::string& path) {
+  return write_uff(record, path, false);
 }
 
 }  // namespace impactrig::acquisition

@@ -39,6 +39,7 @@ struct CsvHead {
       : file(path),
         layout(find_table(file, options)),
         head(read_head(layout)),
+        marked(take_marked_rows(head)),
         // a delimiter at the end of each row ends the last cell; it begins another only where the
         // header names one
         columns(std::max(layout.cells, std::min(layout.written_cells, head.columns.size()))),
@@ -57,6 +58,7 @@ struct CsvHead {
   TextFile file;
   TableLayout layout;
   TableHead head;
+  MarkedRows marked;
   std::size_t columns;
   std::vector<ColumnHead> heads;  ///< may be more than columns
   std::vector<std::string> names;
@@ -107,6 +109,7 @@ Record read_whole(CsvHead& csv, const ImportOptions& options) {
     channel.clock = clock;
     if (c >= csv.columns) tell_of_column_without_values(csv.heads[c], record);
     fill(csv, c < csv.columns ? std::move(table.columns[c]) : Column{}, channel, record);
+    mark_rows(csv.marked, c, 0, channel.size(), channel.valid);
     record.channels.push_back(std::move(channel));
   }
   return record;
@@ -147,7 +150,7 @@ class LargeCsv final : public RecordingReader {
     const std::uint64_t rows = pass(columns, wanted, [&](Table& piece, Piece part) {
       for (std::size_t i = 0; i < columns.size(); ++i)
         if (columns[i] < csv_->columns)
-          hand_over(piece.columns[columns[i]], part, i, told[i], sink);
+          hand_over(piece.columns[columns[i]], columns[i], part, i, told[i], sink);
       if (roles().time) check.add(part.of(piece.columns[*roles().time].values));
       if (cut.empty()) cut = cut_row(csv_->file, piece);
     });
@@ -172,6 +175,7 @@ class LargeCsv final : public RecordingReader {
   struct Piece {
     std::size_t first = 0;
     std::size_t last = 0;
+    std::uint64_t row = 0;  ///< of the file, which row 0 of the table is
 
     template <typename T>
     std::span<const T> of(const std::vector<T>& values) const {
@@ -262,13 +266,14 @@ class LargeCsv final : public RecordingReader {
     if (roles().time) needed[*roles().time] = true;
     rows.read_only(needed);
     const bool by_time = roles().time && wanted.has_window() && sorted_;
-    if (by_time) rows.seek(row_before(wanted.from));
+    // rows that are marked by their number have to be counted
+    if (by_time && csv_->marked.empty()) rows.seek(row_before(wanted.from));
     std::uint64_t before = 0;
     std::uint64_t used = 0;
     while (!rows.at_end()) {
       const char* const start = rows.at();
       Table piece = rows.read(rows_at_once);
-      Piece part{0, piece.rows};
+      Piece part{0, piece.rows, before};
       if (roles().time) {
         const std::vector<double>& times = times_of(piece);
         if (by_time) {
@@ -316,16 +321,17 @@ class LargeCsv final : public RecordingReader {
     return low;
   }
 
-  static void hand_over(const Column& column, Piece part, std::size_t index, Column& told,
-                        SampleSink& sink) {
+  void hand_over(Column& values, std::size_t column, Piece part, std::size_t index, Column& told,
+                 SampleSink& sink) const {
     SampleBlock block;
-    block.raw = part.of(column.values);
-    if (!column.valid.empty()) block.valid = part.of(column.valid);
+    block.raw = part.of(values.values);
+    if (values.missing > 0) {
+      if (told.missing == 0) told.first_missing = values.first_missing;
+      told.missing += static_cast<std::size_t>(std::ranges::count(part.of(values.valid), 0));
+    }
+    mark_rows(csv_->marked, column, part.row, values.values.size(), values.valid);
+    if (!values.valid.empty()) block.valid = part.of(values.valid);
     if (block.size() > 0) sink.take(index, block);
-    if (column.missing == 0) return;
-    const auto missing = static_cast<std::size_t>(std::ranges::count(block.valid, 0));
-    if (told.missing == 0) told.first_missing = column.first_missing;
-    told.missing += missing;
   }
 
   /// The clock of the rows read. Where the times were not the ones expected, or are not uniform,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +10,7 @@
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/text_table.hpp"
 #include "acquisition/importers/time_axis.hpp"
+#include "acquisition/recording_reader.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
@@ -33,6 +36,18 @@ CsvRoles find_roles(const TextFile& file, const std::vector<ColumnHead>& heads, 
 /// themselves. One unit is for all of them; several are one a channel.
 void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delimiter,
                         std::vector<ColumnHead>& heads);
+
+/// Samples that a head marks as not valid, by column: runs in order that do not touch.
+using MarkedRows = std::map<std::size_t, std::vector<SampleRange>>;
+
+/// Takes "invalid samples of column 2: 17-21 40", as our own export writes it, out of the head.
+/// Rows count from 0. What is no such list stays.
+MarkedRows take_marked_rows(TableHead& head);
+
+/// Marks samples as not valid; the first of `valid`, which is empty or one a sample, is sample
+/// `first`.
+void mark_rows(const MarkedRows& marked, std::size_t column, std::uint64_t first,
+               std::size_t samples, std::vector<std::uint8_t>& valid);
 
 /// How the file was read, as attributes of the record.
 void describe(const TableLayout& layout, const TableHead& head,

@@ -82,6 +82,11 @@ Record round_trip(const Record& record, const std::string& ending) {
   return import_recording(path, options);
 }
 
+std::vector<std::string> export_warnings(const Record& record, const std::string& ending) {
+  const OutputPath path(ending);
+  return export_recording(record, path);
+}
+
 void expect_same_samples(const Channel& a, const Channel& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -192,6 +197,73 @@ TEST_P(ExactExport, OfARecordingWithoutClockComesBackWithoutOne) {
   ASSERT_EQ(back.channels.size(), 2U);
   EXPECT_EQ(back.channels[0].clock.interval, 0.0);
   expect_same_samples(record.channels[1], back.channels[1]);
+}
+
+TEST(Export, KeepsMarksOfSamplesThatAreNotValid) {
+  Record record = example(500);
+  std::get<std::vector<double>>(record.channels[0].raw)[7] =
+      std::numeric_limits<double>::quiet_NaN();
+  for (Channel& channel : record.channels) channel.valid.assign(500, 1);
+  for (const std::size_t i : {0, 7, 17, 18, 19, 40, 499}) record.channels[0].valid[i] = 0;
+  record.channels[1].valid.assign(500, 0);
+  for (const char* ending : {".csv", ".mat", ".h5"}) {
+    SCOPED_TRACE(ending);
+    const Record back = round_trip(record, ending);
+    for (std::size_t c = 0; c < 2; ++c) {
+      expect_same_samples(record.channels[c], back.channels[c]);
+      EXPECT_EQ(back.channels[c].valid, record.channels[c].valid);
+    }
+    for (const auto& [key, value] : back.attributes)
+      EXPECT_THAT(key, testing::Not(testing::HasSubstr("invalid"))) << value;
+  }
+  record.channels[0].clock = record.channels[1].clock = {};
+  EXPECT_EQ(round_trip(record, ".csv").channels[0].valid, record.channels[0].valid);
+}
+
+TEST(Export, TellsWhatAFormatHasNoPlaceFor) {
+  Record record = example(60);
+  EXPECT_THAT(export_warnings(record, ".uff"), testing::IsEmpty());
+  record.channels[0].valid.assign(60, 1);
+  for (const std::size_t i : {17, 18, 19, 40}) record.channels[0].valid[i] = 0;
+  record.channels[1].valid.assign(60, 1);
+  for (const std::size_t i : {1, 3, 5, 7, 9, 11}) record.channels[1].valid[i] = 0;
+  record.channels[0].calibration = datasets::Calibration{};
+  record.channels[0].delay = record.channels[1].delay = datasets::Delay{};
+  for (const char* ending : {".uff", ".unv"})
+    EXPECT_THAT(
+        export_warnings(record, ending),
+        testing::ElementsAre(
+            "'Force': 4 samples are marked as not valid (17-19, 40), for which a universal file "
+            "has no place: whoever reads it takes them as sound; .h5 and .mat files keep the marks",
+            "'Velocity, laser': 6 samples are marked as not valid (1, 3, 5, 7, 9, ...), for which "
+            "a universal file has no place: whoever reads it takes them as sound; .h5 and .mat "
+            "files keep the marks",
+            "a universal file has no place for the calibration of 'Force': .h5 and .mat files keep "
+            "it",
+            "a universal file has no place for the delay of 'Force', 'Velocity, laser': .h5 and "
+            ".mat files keep it"));
+  EXPECT_THAT(export_warnings(record, ".csv"),
+              testing::ElementsAre("a CSV file has no place for the calibration of 'Force': .h5 "
+                                   "and .mat files keep it",
+                                   "a CSV file has no place for the delay of 'Force', 'Velocity, "
+                                   "laser': .h5 and .mat files keep it"));
+  for (const char* ending : {".h5", ".mat"})
+    EXPECT_THAT(export_warnings(record, ending), testing::IsEmpty());
+}
+
+// The head of a table is looked for in its first 256 kB: so much has to be left for the rows.
+TEST(CsvExport, TellsOfMarksThatAreTooMany) {
+  Record record = example(100000);
+  Channel& channel = record.channels[1];
+  channel.valid.assign(channel.size(), 1);
+  for (std::size_t i = 0; i < 40000; i += 2) channel.valid[i] = 0;
+  EXPECT_THAT(export_warnings(record, ".csv"),
+              testing::ElementsAre(testing::HasSubstr(
+                  "20000 samples are marked as not valid (0, 2, 4, 6, 8, ...), for which the head "
+                  "of a CSV file has no place")));
+  std::fill(channel.valid.begin() + 30000, channel.valid.end(), std::uint8_t{1});
+  const Record back = round_trip(record, ".csv");
+  EXPECT_EQ(back.channels[1].valid, channel.valid);
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, ExactExport, testing::Values(".uff", ".csv", ".h5", ".mat"));

@@ -129,6 +129,29 @@ TEST(LargeCsv, WhoseTimesGoBackIsNotCut) {
   EXPECT_EQ(read_into_memory(*open_recording(ours.path()), wanted).channels[0].size(), 150000U);
 }
 
+TEST(LargeCsv, MarksTheRowsThatItsHeadNames) {
+  for (const auto time : {microseconds, uneven}) {
+    const tests::WrittenFile file(
+        "# invalid samples of column 2: 3 5-6 16380-16390 100000 149999\n"
+        "# invalid samples of column 1: 7-5\n" +
+            table(150000, time),
+        ".csv");
+    const Record small = read_into_memory(*open_csv(file.path(), {}));
+    EXPECT_EQ(std::ranges::count(small.channels[0].valid, 0), 150);  // the empty cells only
+    EXPECT_EQ(small.attributes.at("invalid samples of column 1"), "7-5");
+    EXPECT_EQ(std::ranges::count(small.channels[1].valid, 0), 16);
+    EXPECT_FALSE(small.channels[1].is_valid(16390));
+    expect_same(by_blocks(file.path()), small);
+    Selection wanted;
+    wanted.from = 0.099;
+    wanted.to = 0.101;
+    const Record part = by_blocks(file.path(), wanted);
+    EXPECT_EQ(part.channels[1].valid,
+              read_into_memory(*open_csv(file.path(), {}), wanted).channels[1].valid);
+    EXPECT_EQ(std::ranges::count(part.channels[1].valid, 0), 1);
+  }
+}
+
 TEST(LargeCsv, WithoutATimeColumnCountsItsRows) {
   std::string text = "Sample Interval,1e-3\nForce [N],Velocity [m/s]\n";
   for (int i = 0; i < 50000; ++i) text += fmt::format("{},{}\n", 3 * i, -i);

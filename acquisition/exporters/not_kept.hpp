@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "acquisition/recording_reader.hpp"
+#include "datasets/record.hpp"
+
+namespace impactrig::acquisition {
+
+/// Runs of samples that are marked as not valid and are finite: others are marked again by whoever
+/// reads them.
+std::vector<SampleRange> marked_samples(const datasets::Channel& channel);
+
+/// "17-21 40": the first and last sample of each run, from 0.
+std::string listed(const std::vector<SampleRange>& runs, std::string_view separator);
+
+/// Tells that calibrations and delays have no place in `format` ("a CSV file"), where there are
+/// some.
+void tell_of_calibrations(const datasets::Record& record, std::string_view format,
+                          std::vector<std::string>& warnings);
+
+/// The same of a channel's marks.
+void tell_of_marks(const datasets::Channel& channel, std::string_view format,
+                   std::vector<std::string>& warnings);
+
+}  // namespace impactrig::acquisition
