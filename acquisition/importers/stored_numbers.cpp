@@ -7,7 +7,9 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <numeric>
 
+#include "acquisition/importers/take_apart.hpp"
 #include "acquisition/importers/time_axis.hpp"
 
 namespace impactrig::acquisition {
@@ -198,11 +200,54 @@ class FileWindow {
     return bytes_.data() + (offset - first_);
   }
 
+  /// Rows of numbers that are all wanted are taken apart at once, which the processor does several
+  /// numbers at a time.
+  void expect_rows_of(std::uint64_t numbers) { wanted_in_row_ = numbers; }
+
+  /// Numbers of a run from `offset` on that lie side by side, since their rows have been taken
+  /// apart; null where they have not been.
+  const char* column(std::uint64_t offset, std::uint64_t count, std::uint64_t stride,
+                     std::size_t width) {
+    const std::uint64_t columns = stride / width;
+    if (columns < 2 || columns > 2 * wanted_in_row_ || stride % width != 0 ||
+        !can_take_apart(width))
+      return nullptr;
+    if (const char* const there = taken(offset, count, stride, width)) return there;
+    // the first of a row's numbers takes all apart; those it did not take, of another size or
+    // another order, are read one by one
+    const bool in_these_rows =
+        offset + stride > apart_first_ && offset < apart_first_ + apart_rows_ * stride_;
+    if (in_these_rows || (file_.bytes().size() - offset) / stride < count) return nullptr;
+    const char* const here = view(offset, count * stride, 0);
+    apart_first_ = offset;
+    apart_rows_ = count;
+    stride_ = stride;
+    width_ = width;
+    if (apart_.size() < count * stride) apart_.resize(count * stride);
+    take_apart(here, count, columns, width, apart_.data(), count * width);
+    return apart_.data();
+  }
+
  private:
+  const char* taken(std::uint64_t offset, std::uint64_t count, std::uint64_t stride,
+                    std::size_t width) const {
+    if (stride != stride_ || width != width_ || offset < apart_first_) return nullptr;
+    const std::uint64_t row = (offset - apart_first_) / stride;
+    const std::uint64_t in_row = (offset - apart_first_) % stride;
+    if (in_row % width != 0 || row + count > apart_rows_) return nullptr;
+    return apart_.data() + in_row * apart_rows_ + row * width;
+  }
+
   const MappedFile& file_;
   std::uint64_t first_ = 0;
   std::uint64_t held_ = 0;
   std::vector<char> bytes_;
+  std::uint64_t wanted_in_row_ = 0;
+  std::uint64_t apart_first_ = 0;  // what was taken apart last
+  std::uint64_t apart_rows_ = 0;
+  std::uint64_t stride_ = 0;
+  std::size_t width_ = 0;
+  std::vector<char> apart_;  // column after column
 };
 
 /// Walks along the numbers of a channel.
@@ -232,6 +277,21 @@ class NumberCursor {
     }
   }
 
+  /// The next numbers where they lie in memory as they are already, until the window is moved; null
+  /// where they do not.
+  template <typename Value>
+  const Value* in_place(std::uint64_t count) {
+    const NumberRun& run = numbers_->runs()[run_];
+    const bool own = numbers_->kind() == own_kind<Value> &&
+                     big_endian(run) == (std::endian::native == std::endian::big);
+    if (!own || run.stride == sizeof(Value) || count > run.count - at_ ||
+        count > window_bytes / std::max<std::uint64_t>(run.stride, 1))
+      return nullptr;
+    const char* const there = window_->column(offset(), count, run.stride, sizeof(Value));
+    if (there != nullptr) advance(count);
+    return reinterpret_cast<const Value*>(there);
+  }
+
   template <typename Value>
   void read(std::uint64_t count, Value* to) {
     while (count > 0) {
@@ -242,9 +302,14 @@ class NumberCursor {
       } else {
         step = std::min(step, std::max<std::uint64_t>(
                                   window_bytes / std::max<std::uint64_t>(run.stride, 1), 1));
-        const std::uint64_t bytes = (step - 1) * run.stride + size_of(numbers_->kind());
-        const char* const here = window_->view(offset(), bytes, run.stride);
-        convert_numbers(numbers_->kind(), big_endian(run), here, step, run.stride, to);
+        const std::size_t width = size_of(numbers_->kind());
+        std::uint64_t stride = width;
+        const char* here = window_->column(offset(), step, run.stride, width);
+        if (here == nullptr) {
+          here = window_->view(offset(), (step - 1) * run.stride + width, run.stride);
+          stride = run.stride;
+        }
+        convert_numbers(numbers_->kind(), big_endian(run), here, step, stride, to);
       }
       to += step;
       count -= step;
@@ -306,6 +371,11 @@ class ChannelStream {
 
   bool done() const { return left_ == 0; }
 
+  std::uint64_t first_byte() const {
+    const std::vector<NumberRun>& runs = channel_->samples.runs();
+    return runs.empty() ? 0 : runs.front().offset;
+  }
+
   void hand_over(std::size_t index, std::uint64_t most, SampleSink& sink) {
     const std::uint64_t count = std::min(left_, most);
     SampleBlock block;
@@ -340,6 +410,14 @@ class ChannelStream {
     return valid_;
   }
 
+  /// Samples alone in their block need no copy.
+  template <typename Value>
+  std::span<const Value> read_samples(std::uint64_t count, std::vector<Value>& values) {
+    if (count > 0 && channel_->imaginary.size() == 0 && channel_->invalid.size() == 0)
+      if (const Value* const there = samples_.in_place<Value>(count)) return {there, count};
+    return read(samples_, count, values);
+  }
+
   datasets::RawSpan raw(std::uint64_t count) {
     if (channel_->scaling) {
       read(samples_, count, doubles_);
@@ -349,22 +427,22 @@ class ChannelStream {
     switch (channel_->samples.kind()) {
       case NumberKind::i8:
       case NumberKind::u8:
-        return read(samples_, count, shorts_);
+        return read_samples(count, shorts_);
       case NumberKind::i16:
-        return read(samples_, count, shorts_);
+        return read_samples(count, shorts_);
       case NumberKind::u16:
       case NumberKind::i24:
-        return read(samples_, count, integers_);
+        return read_samples(count, integers_);
       case NumberKind::i32:
-        return read(samples_, count, integers_);
+        return read_samples(count, integers_);
       case NumberKind::f32:
-        return read(samples_, count, floats_);
+        return read_samples(count, floats_);
       case NumberKind::f64:
-        return read(samples_, count, doubles_);
+        return read_samples(count, doubles_);
       case NumberKind::u32:
       case NumberKind::i64:
       case NumberKind::u64:
-        return read(samples_, count, doubles_);
+        return read_samples(count, doubles_);
     }
     return read(samples_, count, doubles_);
   }
@@ -422,10 +500,14 @@ class NumbersReader final : public RecordingReader {
       if (stored.times.size() == 0)
         clock.start += clock.interval * static_cast<double>(range.first);
     }
+    window.expect_rows_of(streams.size());
+    std::vector<std::size_t> by_place(streams.size());
+    std::iota(by_place.begin(), by_place.end(), std::size_t{0});
+    std::ranges::sort(by_place, {}, [&](std::size_t i) { return streams[i].first_byte(); });
     const std::uint64_t most = block_size_for(largest_stride, streams.size());
     for (bool more = true; more;) {
       more = false;
-      for (std::size_t i = 0; i < streams.size(); ++i) {
+      for (const std::size_t i : by_place) {
         if (streams[i].done()) continue;
         streams[i].hand_over(i, most, sink);
         more = more || !streams[i].done();

@@ -12,6 +12,7 @@
 
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/mapped_file.hpp"
+#include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/text_file.hpp"
 
 namespace impactrig::acquisition {
@@ -149,6 +150,37 @@ class WavReader final : public RecordingReader {
   }
 
   const RecordingHead& head() const override { return head_; }
+
+  /// The first byte of samples that lie in the file as they are handed over, one chunk of whole
+  /// rows; none where libsndfile alone can read them.
+  std::optional<std::uint64_t> plain_samples() {
+    const int subtype = info_.format & SF_FORMAT_SUBMASK;
+    if (subtype != SF_FORMAT_PCM_16 && subtype != SF_FORMAT_PCM_32 && subtype != SF_FORMAT_FLOAT &&
+        subtype != SF_FORMAT_DOUBLE)
+      return std::nullopt;
+    if (head_.samples.empty() || sf_seek(sound_.get(), 0, SEEK_SET) != 0) return std::nullopt;
+    const std::uint64_t first = bytes_.at();  // where libsndfile goes on reading
+    const std::uint64_t size = file_.bytes().size();
+    const std::uint64_t row = size_of(kind()) * head_.samples.size();
+    if (first < 8 || first > size || file_.bytes().substr(first - 8, 4) != "data" ||
+        head_.samples.front() > (size - first) / row)
+      return std::nullopt;
+    return first;
+  }
+
+  NumberKind kind() const {
+    switch (coding_.handed) {
+      case Handed::i16:
+        return NumberKind::i16;
+      case Handed::i32:
+        return NumberKind::i32;
+      case Handed::f32:
+        return NumberKind::f32;
+      case Handed::f64:
+        return NumberKind::f64;
+    }
+    return NumberKind::f64;
+  }
 
   Record read(const Selection& wanted, SampleSink& sink) override {
     const std::vector<std::size_t> chosen = selected_channels(head_, wanted);
@@ -288,7 +320,18 @@ int recognises_wav(std::string_view, std::string_view head) {
 }
 
 std::unique_ptr<RecordingReader> open_wav(const std::string& path, const ImportOptions&) {
-  return std::make_unique<WavReader>(path);
+  auto wav = std::make_unique<WavReader>(path);
+  const auto first = wav->plain_samples();
+  if (!first) return wav;
+  auto file = std::make_unique<MappedFile>(path);
+  const RecordingHead& head = wav->head();
+  const std::uint64_t width = size_of(wav->kind());
+  std::vector<StoredChannel> channels(head.samples.size());
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    channels[c].samples = StoredNumbers(wav->kind(), file->bytes().starts_with("RIFX"));
+    channels[c].samples.add({*first + c * width, head.samples[c], channels.size() * width, 1, 0});
+  }
+  return reader_of_numbers(std::move(file), head.record, std::move(channels));
 }
 
 }  // namespace impactrig::acquisition
