@@ -50,9 +50,10 @@ class Hdf5Reader {
   template <typename Number>
   std::vector<Number> numbers(const Node& data) const;
 
-  /// Some that follow each other.
+  /// Some that follow each other, into a vector that may be used again.
   template <typename Number>
-  std::vector<Number> numbers(const Node& data, std::uint64_t first, std::size_t count) const;
+  void numbers(const Node& data, std::uint64_t first, std::size_t count,
+               std::vector<Number>& to) const;
 
   /// How many numbers a list has, once they are known to be in this file.
   std::size_t length(const Node& data) const;
@@ -102,11 +103,10 @@ std::vector<Number> Hdf5Reader::numbers(const Node& data) const {
 }
 
 template <typename Number>
-std::vector<Number> Hdf5Reader::numbers(const Node& data, std::uint64_t first,
-                                        std::size_t count) const {
-  std::vector<Number> values(count);
-  if (count > 0) read_numbers(data, hdf5_memory_type(Number{}), first, count, values.data());
-  return values;
+void Hdf5Reader::numbers(const Node& data, std::uint64_t first, std::size_t count,
+                         std::vector<Number>& to) const {
+  to.resize(count);
+  if (count > 0) read_numbers(data, hdf5_memory_type(Number{}), first, count, to.data());
 }
 
 }  // namespace impactrig::datasets

@@ -40,8 +40,9 @@ class StoredRecord {
   /// A piece of the stated times of a channel that has them [s]. Throws InputError.
   std::vector<double> times(std::size_t channel, std::uint64_t first, std::size_t count) const;
 
-  /// A piece of a channel's samples with all that goes with them. Throws InputError.
-  Channel piece(std::size_t channel, std::uint64_t first, std::size_t count) const;
+  /// A piece of a channel's samples with the times, imaginary parts and marks that go with them,
+  /// into a channel that may be used again for the same one's next piece. Throws InputError.
+  void piece(std::size_t channel, std::uint64_t first, std::size_t count, Channel& to) const;
 
  private:
   class File;

@@ -42,19 +42,25 @@ SampleType type_of(const Hdf5Reader& reader, const Node& node) {
   reader.damaged(node.path, "is of a number type that no recording has");
 }
 
-RawSamples read_samples(const Hdf5Reader& reader, const Node& node, SampleType type,
-                        std::uint64_t first, std::size_t count) {
+template <typename Number>
+void read_samples(const Hdf5Reader& reader, const Node& node, std::uint64_t first,
+                  std::size_t count, RawSamples& to) {
+  if (!std::holds_alternative<std::vector<Number>>(to)) to = std::vector<Number>{};
+  reader.numbers(node, first, count, std::get<std::vector<Number>>(to));
+}
+
+void read_samples(const Hdf5Reader& reader, const Node& node, SampleType type, std::uint64_t first,
+                  std::size_t count, RawSamples& to) {
   switch (type) {
     case SampleType::f64:
-      return reader.numbers<double>(node, first, count);
+      return read_samples<double>(reader, node, first, count, to);
     case SampleType::f32:
-      return reader.numbers<float>(node, first, count);
+      return read_samples<float>(reader, node, first, count, to);
     case SampleType::i16:
-      return reader.numbers<std::int16_t>(node, first, count);
+      return read_samples<std::int16_t>(reader, node, first, count, to);
     case SampleType::i32:
-      return reader.numbers<std::int32_t>(node, first, count);
+      return read_samples<std::int32_t>(reader, node, first, count, to);
   }
-  return {};
 }
 
 /// The data sets of a channel.
@@ -228,19 +234,18 @@ class StoredRecord::File {
 
   std::vector<double> times(std::size_t index, std::uint64_t first, std::size_t count) const {
     const Hdf5Session session;
-    return reader_.numbers<double>(channels_.at(index).times.value(), first, count);
+    std::vector<double> times;
+    reader_.numbers(channels_.at(index).times.value(), first, count, times);
+    return times;
   }
 
-  Channel piece(std::size_t index, std::uint64_t first, std::size_t count) const {
+  void piece(std::size_t index, std::uint64_t first, std::size_t count, Channel& to) const {
     const Hdf5Session session;
     const ChannelNodes& nodes = channels_.at(index);
-    Channel channel = head_.channels[index];
-    channel.raw = read_samples(reader_, nodes.samples, nodes.type, first, count);
-    if (nodes.times) channel.clock.times = reader_.numbers<double>(*nodes.times, first, count);
-    if (nodes.imaginary)
-      channel.imaginary = reader_.numbers<double>(*nodes.imaginary, first, count);
-    if (nodes.valid) channel.valid = reader_.numbers<std::uint8_t>(*nodes.valid, first, count);
-    return channel;
+    read_samples(reader_, nodes.samples, nodes.type, first, count, to.raw);
+    if (nodes.times) reader_.numbers(*nodes.times, first, count, to.clock.times);
+    if (nodes.imaginary) reader_.numbers(*nodes.imaginary, first, count, to.imaginary);
+    if (nodes.valid) reader_.numbers(*nodes.valid, first, count, to.valid);
   }
 
  private:
@@ -248,6 +253,8 @@ class StoredRecord::File {
     check_start(reader_, start_, path);
     const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     H5Pset_fclose_degree(access.id(), H5F_CLOSE_STRONG);
+    // every piece is read once: without a cache it goes where it is wanted, not there by way of it
+    H5Pset_cache(access.id(), 0, 1, 0, 1.0);
     file_.emplace(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
     if (!file_->valid()) reader_.refuse("is damaged: HDF5 cannot open it");
     const Node root{Hdf5Handle(H5Gopen2(file_->id(), "/", H5P_DEFAULT), H5Gclose), "/"};
@@ -311,15 +318,16 @@ std::vector<double> StoredRecord::times(std::size_t channel, std::uint64_t first
   return file_->times(channel, first, count);
 }
 
-Channel StoredRecord::piece(std::size_t channel, std::uint64_t first, std::size_t count) const {
-  return file_->piece(channel, first, count);
+void StoredRecord::piece(std::size_t channel, std::uint64_t first, std::size_t count,
+                         Channel& to) const {
+  file_->piece(channel, first, count, to);
 }
 
 Record read_record(const std::string& path) {
   const StoredRecord stored(path);
   Record record = stored.head();
   for (std::size_t i = 0; i < record.channels.size(); ++i)
-    record.channels[i] = stored.piece(i, 0, static_cast<std::size_t>(stored.samples(i)));
+    stored.piece(i, 0, static_cast<std::size_t>(stored.samples(i)), record.channels[i]);
   return record;
 }
 

@@ -46,10 +46,12 @@ class OurRecording final : public RecordingReader {
   void read_channel(std::size_t index, const Selection& wanted, std::size_t number, Channel& head,
                     SampleSink& sink) const {
     const SampleRange range = range_of(index, wanted, head.clock);
+    Channel piece;
     for (std::uint64_t at = range.first; at < range.last;) {
       // pieces end where the file's do
       const std::uint64_t count = std::min(range.last - at, read_at_once - at % read_at_once);
-      hand_over(stored_.piece(index, at, static_cast<std::size_t>(count)), number, sink);
+      stored_.piece(index, at, static_cast<std::size_t>(count), piece);
+      hand_over(piece, number, sink);
       at += count;
     }
   }
