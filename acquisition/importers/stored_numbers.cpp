@@ -223,8 +223,10 @@ class FileWindow {
     apart_rows_ = count;
     stride_ = stride;
     width_ = width;
-    if (apart_.size() < count * stride) apart_.resize(count * stride);
-    take_apart(here, count, columns, width, apart_.data(), count * width);
+    // not a power of two apart, where columns would push each other out of the cache
+    pitch_ = (count * width + 63) / 64 * 64 + 64;
+    if (apart_.size() < columns * pitch_) apart_.resize(columns * pitch_);
+    take_apart(here, count, columns, width, apart_.data(), pitch_);
     return apart_.data();
   }
 
@@ -235,7 +237,7 @@ class FileWindow {
     const std::uint64_t row = (offset - apart_first_) / stride;
     const std::uint64_t in_row = (offset - apart_first_) % stride;
     if (in_row % width != 0 || row + count > apart_rows_) return nullptr;
-    return apart_.data() + in_row * apart_rows_ + row * width;
+    return apart_.data() + in_row / width * pitch_ + row * width;
   }
 
   const MappedFile& file_;
@@ -247,6 +249,7 @@ class FileWindow {
   std::uint64_t apart_rows_ = 0;
   std::uint64_t stride_ = 0;
   std::size_t width_ = 0;
+  std::uint64_t pitch_ = 0;  // from column to column
   std::vector<char> apart_;  // column after column
 };
 
