@@ -32,10 +32,54 @@ bool is_wave(std::string_view head) {
   return riff && head.size() >= 12 && head.substr(8, 4) == "WAVE";
 }
 
-/// libsndfile's view on the mapped bytes: it never sees the file system.
+std::uint32_t size_at(std::string_view bytes, std::size_t at, bool big_endian) {
+  std::uint32_t size = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    size = size << 8 | static_cast<unsigned char>(bytes[at + (big_endian ? i : 3 - i)]);
+  return size;
+}
+
+/// Calls `use(at, content)` for chunks that follow each other from `at` on, as long as it returns
+/// true. Returns false when one does not fit into `bytes`; its content is what is there.
+template <typename Use>
+bool walk_chunks(std::string_view bytes, std::size_t at, bool big_endian, const Use& use) {
+  while (bytes.size() - at >= 8) {
+    const std::size_t size = size_at(bytes, at + 4, big_endian);
+    const std::string_view content = bytes.substr(at + 8, size);
+    if (!use(at, content)) return true;
+    if (content.size() < size) return false;
+    at = std::min(at + 8 + size + size % 2, bytes.size());
+  }
+  return true;
+}
+
+/// Lists before the samples whose parts do not fit into them, or that do not fit into the file:
+/// libsndfile 1.2.0 reads some for minutes.
+std::vector<std::size_t> damaged_lists(std::string_view bytes) {
+  std::vector<std::size_t> damaged;
+  if (bytes.size() < 12) return damaged;
+  const bool big_endian = bytes.starts_with("RIFX");
+  walk_chunks(bytes, 12, big_endian, [&](std::size_t at, std::string_view content) {
+    const std::string_view name = bytes.substr(at, 4);
+    const auto any = [](std::size_t, std::string_view) { return true; };
+    const bool whole = content.size() == size_at(bytes, at + 4, big_endian);
+    if ((name == "LIST" || name == "list") &&
+        (!whole || content.size() < 4 || !walk_chunks(content, 4, big_endian, any)))
+      damaged.push_back(at);
+    return name != "data";
+  });
+  return damaged;
+}
+
+/// libsndfile's view on the mapped bytes: it never sees the file system, nor damaged lists.
 class SoundBytes {
  public:
-  explicit SoundBytes(const MappedFile& file) : file_(file), bytes_(file.bytes()) {}
+  explicit SoundBytes(const MappedFile& file)
+      : file_(file),
+        bytes_(file.bytes()),
+        damaged_lists_(damaged_lists(bytes_)) {}
+
+  const std::vector<std::size_t>& damaged() const { return damaged_lists_; }
 
   static sf_count_t length(void* self) {
     return static_cast<sf_count_t>(static_cast<SoundBytes*>(self)->bytes_.size());
@@ -63,6 +107,8 @@ class SoundBytes {
     } catch (const datasets::FileError&) {
       return 0;  // libsndfile is C: no exception may pass it
     }
+    for (const std::size_t list : sound.damaged_lists_)
+      sound.rename(list, static_cast<char*>(to), static_cast<std::size_t>(there));
     sound.at_ += there;
     return there;
   }
@@ -74,8 +120,16 @@ class SoundBytes {
   std::size_t at() const { return static_cast<std::size_t>(at_); }
 
  private:
+  /// Makes the list at this place, where it is among the bytes just copied, one to pass over.
+  void rename(std::size_t list, char* copied, std::size_t count) const {
+    constexpr std::string_view passed_over = "JUNK";
+    for (std::size_t i = 0; i < passed_over.size(); ++i)
+      if (list + i >= at() && list + i < at() + count) copied[list + i - at()] = passed_over[i];
+  }
+
   const MappedFile& file_;
   std::string_view bytes_;
+  std::vector<std::size_t> damaged_lists_;
   sf_count_t at_ = 0;
 };
 
@@ -237,6 +291,9 @@ class WavReader final : public RecordingReader {
       if (date.find_first_of("123456789") != std::string::npos) record.started = date + "T" + time;
     }
     tell_cut();
+    for (const std::size_t list : bytes_.damaged())
+      head_.record.warnings.push_back(fmt::format(
+          "the list at byte {} is damaged, its parts do not fit into it: it is left out", list));
     const auto title = record.attributes.find("title");
     if (title != record.attributes.end()) record.title = title->second;
     const std::uint64_t frames = static_cast<std::uint64_t>(std::max<sf_count_t>(info_.frames, 0));
