@@ -129,6 +129,48 @@ TEST(LargeCsv, WhoseTimesGoBackIsNotCut) {
   EXPECT_EQ(read_into_memory(*open_recording(ours.path()), wanted).channels[0].size(), 150000U);
 }
 
+// Times of 1 us steps printed with so few digits that 37 or 3 rows share one: the window's own
+// times do not tell the step, all of them do.
+TEST(LargeCsv, WithRoundedTimesHasTheStepOfTheWholeInAWindow) {
+  for (const char* format : {"{:.5f}", "{:.6f}"}) {
+    std::string text = "Time [s],Force [N]\n";
+    for (int i = 0; i < 150000; ++i)
+      text += fmt::format(fmt::runtime(std::string(format) + ",{}\n"), 2.7e-7 * i, i);
+    const tests::WrittenFile file(text, ".csv");
+    Selection wanted;
+    wanted.from = 0.0300005;
+    wanted.to = 0.0300205;
+    const Record part = by_blocks(file.path(), wanted);
+    expect_same(part, read_into_memory(*open_csv(file.path(), {}), wanted));
+    ASSERT_GT(part.channels[0].size(), 70U);
+    EXPECT_NEAR(part.channels[0].clock.interval, 2.7e-7, 1e-11);
+    EXPECT_NEAR(part.channels[0].value(0), 0.0300005 / 2.7e-7, 20.0);
+    expect_same(by_blocks(file.path()), read_into_memory(*open_csv(file.path(), {})));
+  }
+}
+
+TEST(LargeCsv, AColumnWithoutAnyValueIsAChannelWithoutSamples) {
+  for (const bool late : {false, true})
+    for (const auto time : {microseconds, uneven}) {
+      std::string text = "Time [s],Nothing [N],Velocity [m/s],More [V]\n";
+      for (std::size_t i = 0; i < 120000; ++i)
+        text += fmt::format("{:.7f},{},{},\n", time(i), late && i == 110000 ? "5" : "", i);
+      const tests::WrittenFile file(text, ".csv");
+      const Record found = by_blocks(file.path());
+      expect_same(found, read_into_memory(*open_csv(file.path(), {})));
+      EXPECT_EQ(found.channels[0].size(), late ? 120000U : 0U);
+      EXPECT_EQ(found.channels[1].size(), 120000U);
+      EXPECT_EQ(found.channels[2].size(), 0U);
+      Selection wanted;
+      wanted.from = 0.05;
+      wanted.to = 0.06;
+      const Record part = by_blocks(file.path(), wanted);
+      const Record expected = read_into_memory(*open_csv(file.path(), {}), wanted);
+      for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_EQ(part.channels[c].valid, expected.channels[c].valid) << c;
+    }
+}
+
 TEST(LargeCsv, MarksTheRowsThatItsHeadNames) {
   for (const auto time : {microseconds, uneven}) {
     const tests::WrittenFile file(
