@@ -19,7 +19,11 @@ std::unique_ptr<RecordingReader> open_uff58_by_blocks(const std::string& path,
                                                       const ImportOptions& options);
 
 int recognises_polytec_ascii(std::string_view file_name, std::string_view head);
-datasets::Record read_polytec_ascii(const std::string& path, const ImportOptions& options);
+std::unique_ptr<RecordingReader> open_polytec_ascii(const std::string& path,
+                                                    const ImportOptions& options);
+/// As open_polytec_ascii does for large files, whatever the size.
+std::unique_ptr<RecordingReader> open_polytec_ascii_by_blocks(const std::string& path,
+                                                              const ImportOptions& options);
 
 int recognises_tdms(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_tdms(const std::string& path, const ImportOptions& options);

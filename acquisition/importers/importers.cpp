@@ -36,7 +36,7 @@ constexpr auto table = std::to_array<Importer>({
     {"tdms", "NI TDMS, DAQmx raw data too (.tdms)", recognises_tdms, open_tdms},  //
     {"mdf4", "ASAM MDF 4 (.mf4 .mdf)", recognises_mdf4, open_mdf4},               //
     {"polytec-ascii", "Polytec PSV and VibSoft text export (.txt)", recognises_polytec_ascii,
-     whole<read_polytec_ascii>},                                                                  //
+     open_polytec_ascii},                                                                         //
     {"tek-wfm", "Tektronix waveform, versions 1 to 3 (.wfm)", recognises_tek_wfm, open_tek_wfm},  //
     {"tek-isf", "Tektronix internal save format (.isf)", recognises_tek_isf, open_tek_isf},       //
     {"lecroy-trc", "LeCroy waveform (.trc)", recognises_lecroy_trc, open_lecroy_trc},             //

@@ -7,6 +7,7 @@
 
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/large_table.hpp"
 #include "acquisition/importers/text_table.hpp"
 #include "acquisition/importers/time_axis.hpp"
 #include "datasets/units.hpp"
@@ -127,28 +128,23 @@ struct Abscissa {
   std::string domain;           ///< "time", "frequency"
   datasets::SampleClock clock;  ///< in s over time, else in `unit`
   bool over_time = true;
+  double factor = 1.0;  ///< makes seconds of times
 };
 
-Abscissa read_abscissa(const ColumnHead& head, const Signal& signal, std::vector<double>&& x,
-                       Record& record) {
+/// What the head says of the abscissa: all but its clock.
+Abscissa abscissa_of(const ColumnHead& head, const Signal& signal, Record& record) {
   Abscissa abscissa;
   abscissa.name = head.name;
   abscissa.unit = head.unit;
   const auto to_seconds = datasets::conversion(head.unit, "s");
   abscissa.over_time = to_seconds.has_value();
+  if (to_seconds) abscissa.factor = to_seconds->factor;
   abscissa.domain = abscissa.over_time       ? "time"
                     : signal.domain == "FFT" ? "frequency"
                                              : lowered(signal.domain);
-  if (to_seconds && to_seconds->factor != 1.0)
-    for (double& time : x) time *= to_seconds->factor;
-  TimeAxis axis = time_axis(std::move(x));
-  abscissa.clock = std::move(axis.clock);
-  if (!abscissa.over_time) {
+  if (!abscissa.over_time)
     record.warnings.push_back(fmt::format("this is no time record: '{}' over {} [{}]",
                                           signal.channel, head.name, head.unit));
-  } else if (!axis.warning.empty()) {
-    record.warnings.push_back(std::move(axis.warning));
-  }
   return abscissa;
 }
 
@@ -162,8 +158,8 @@ void set_domain(const Abscissa& abscissa, Channel& channel) {
   }
 }
 
-Channel channel_from_column(const ColumnHead& head, Column&& column, const Signal& signal,
-                            const Abscissa& abscissa) {
+/// A channel without samples.
+Channel channel_of(const ColumnHead& head, const Signal& signal, const Abscissa& abscissa) {
   Channel channel;
   channel.name = head.name;
   channel.unit = head.unit;
@@ -172,9 +168,116 @@ Channel channel_from_column(const ColumnHead& head, Column&& column, const Signa
   if (!signal.channel.empty()) channel.attributes["signal"] = signal.channel;
   if (!signal.display.empty()) channel.attributes["display"] = signal.display;
   set_domain(abscissa, channel);
-  channel.raw = std::move(column.values);
-  channel.valid = std::move(column.valid);
   return channel;
+}
+
+/// An uneven abscissa that is no time is data of its own.
+Channel channel_of(const Abscissa& abscissa) {
+  Channel channel;
+  channel.name = abscissa.name;
+  channel.unit = abscissa.unit;
+  channel.quantity = datasets::quantity_of_unit(abscissa.unit);
+  set_domain(abscissa, channel);
+  return channel;
+}
+
+/// A file whose head has been read.
+struct PolytecText {
+  PolytecText(const std::string& path, const ImportOptions& options)
+      : file(path),
+        head(read_polytec_head(file, options)) {
+    for (std::size_t c = 0; c < std::min(options.units.size(), head.columns.size()); ++c)
+      if (!options.units[c].empty()) head.columns[c].unit = options.units[c];
+    for (const ColumnHead& column : head.columns) names.push_back(column.name);
+    const auto found = head.keys.find("Signal");
+    if (found != head.keys.end()) signal = split_signal(found->second);
+    record.attributes = head.keys;
+    record.attributes["decimal"] = std::string(1, head.layout.dialect.decimal);
+    record.title = signal.channel;
+  }
+
+  TextFile file;
+  PolytecHead head;
+  std::vector<std::string> names;
+  Signal signal;
+  Record record;  ///< without channels
+};
+
+Record read_whole(PolytecText& text) {
+  Table table = read_table(text.file, text.head.layout, text.names);
+  Record record = text.record;
+  if (const std::string cut = cut_row(text.file, table); !cut.empty())
+    record.warnings.push_back(cut);
+  const auto& columns = text.head.columns;
+  Abscissa abscissa = abscissa_of(columns.front(), text.signal, record);
+  std::vector<double>& x = table.columns.front().values;
+  if (abscissa.factor != 1.0)
+    for (double& time : x) time *= abscissa.factor;
+  TimeAxis axis = time_axis(std::move(x));
+  abscissa.clock = std::move(axis.clock);
+  if (abscissa.over_time && !axis.warning.empty())
+    record.warnings.push_back(std::move(axis.warning));
+  if (!abscissa.over_time && !abscissa.clock.uniform()) {
+    record.channels.push_back(channel_of(abscissa));
+    record.channels.back().raw = abscissa.clock.times;
+  }
+  for (std::size_t c = 1; c < columns.size(); ++c) {
+    Column& column = table.columns[c];
+    if (column.missing > 0)
+      record.warnings.push_back(missing_values(text.file, text.names[c], column, table.rows));
+    record.channels.push_back(channel_of(columns[c], text.signal, abscissa));
+    record.channels.back().raw = std::move(column.values);
+    record.channels.back().valid = std::move(column.valid);
+  }
+  return record;
+}
+
+/// Reads the first column of a large file: whether it is even, and from where on.
+bool read_abscissa(PolytecText& text, Abscissa& abscissa) {
+  constexpr std::size_t rows_at_once = 16384;
+  TimeAxisCheck check(0.0, 0.0, 0);
+  for (int round = 0; round < 2; ++round) {  // first the ends, then what lies between
+    if (round > 0) check = TimeAxisCheck(check.first(), check.last(), check.samples());
+    RowReader rows(text.file, text.head.layout, text.names);
+    std::vector<bool> needed(text.names.size(), false);
+    needed.front() = true;
+    rows.read_only(needed);
+    while (!rows.at_end()) {
+      const char* const start = rows.at();
+      check.add(rows.read(rows_at_once).columns.front().values);
+      text.file.release(start, rows.at());
+    }
+  }
+  abscissa.clock = check.axis().clock;
+  return check.uniform();
+}
+
+std::unique_ptr<RecordingReader> open_large(std::shared_ptr<PolytecText> text) {
+  LargeTable table;
+  table.record = text->record;
+  table.layout = text->head.layout;
+  table.names = text->names;
+  const auto& columns = text->head.columns;
+  Abscissa abscissa = abscissa_of(columns.front(), text->signal, table.record);
+  RowReader rows(text->file, text->head.layout, text->names);
+  table.first_rows = rows.read(probed_rows);
+  table.first_bytes = static_cast<std::size_t>(rows.at() - table.layout.data);
+  if (abscissa.over_time) {
+    table.time = 0;
+    table.to_seconds = [factor = abscissa.factor](Column& times) {
+      if (factor != 1.0)
+        for (double& time : times.values) time *= factor;
+    };
+  } else if (!read_abscissa(*text, abscissa)) {
+    table.record.channels.push_back(channel_of(abscissa));
+    table.columns.push_back(0);
+  }
+  for (std::size_t c = 1; c < columns.size(); ++c) {
+    table.record.channels.push_back(channel_of(columns[c], text->signal, abscissa));
+    table.columns.push_back(c);
+  }
+  table.file = std::shared_ptr<TextFile>(text, &text->file);
+  return reader_of_large_table(std::move(table));
 }
 
 }  // namespace
@@ -191,42 +294,17 @@ int recognises_polytec_ascii(std::string_view, std::string_view head) {
   return signal ? 90 : 0;
 }
 
-Record read_polytec_ascii(const std::string& path, const ImportOptions& options) {
-  TextFile file(path);
-  PolytecHead head = read_polytec_head(file, options);
-  for (std::size_t c = 0; c < std::min(options.units.size(), head.columns.size()); ++c)
-    if (!options.units[c].empty()) head.columns[c].unit = options.units[c];
+std::unique_ptr<RecordingReader> open_polytec_ascii(const std::string& path,
+                                                    const ImportOptions& options) {
+  auto text = std::make_shared<PolytecText>(path, options);
+  const std::string_view all = text->file.bytes();
+  if (all.size() > read_at_once) return open_large(std::move(text));
+  return reader_of(read_whole(*text));
+}
 
-  std::vector<std::string> names;
-  for (const ColumnHead& column : head.columns) names.push_back(column.name);
-  Table table = read_table(file, head.layout, names);
-
-  Record record;
-  record.attributes = head.keys;
-  record.attributes["decimal"] = std::string(1, head.layout.dialect.decimal);
-  const Signal signal =
-      split_signal(head.keys.count("Signal") > 0 ? head.keys["Signal"] : std::string());
-  record.title = signal.channel;
-  if (const std::string cut = cut_row(file, table); !cut.empty()) record.warnings.push_back(cut);
-
-  const Abscissa abscissa =
-      read_abscissa(head.columns.front(), signal, std::move(table.columns.front().values), record);
-  if (!abscissa.over_time && !abscissa.clock.uniform()) {
-    Channel channel;  // an uneven abscissa is data of its own
-    channel.name = abscissa.name;
-    channel.unit = abscissa.unit;
-    channel.quantity = datasets::quantity_of_unit(abscissa.unit);
-    channel.raw = abscissa.clock.times;
-    set_domain(abscissa, channel);
-    record.channels.push_back(std::move(channel));
-  }
-  for (std::size_t c = 1; c < head.columns.size(); ++c) {
-    if (table.columns[c].missing > 0)
-      record.warnings.push_back(missing_values(file, names[c], table.columns[c], table.rows));
-    record.channels.push_back(
-        channel_from_column(head.columns[c], std::move(table.columns[c]), signal, abscissa));
-  }
-  return record;
+std::unique_ptr<RecordingReader> open_polytec_ascii_by_blocks(const std::string& path,
+                                                              const ImportOptions& options) {
+  return open_large(std::make_shared<PolytecText>(path, options));
 }
 
 }  // namespace impactrig::acquisition

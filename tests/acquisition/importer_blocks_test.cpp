@@ -208,6 +208,43 @@ TEST(LargeCsv, WithoutATimeColumnCountsItsRows) {
   EXPECT_EQ(record.channels[0].clock.start, 40.0);
 }
 
+/// A Polytec export with so many rows over this; every thousandth cell is empty.
+template <typename Abscissa>
+std::string polytec(const std::string& domain, const std::string& unit, std::size_t rows,
+                    const Abscissa& abscissa) {
+  std::string text = "Source File Name:\tx.pvd\nSignal:\t" + domain +
+                     " - Vib Velocity - Samples\n\nX\tVibrometer\tRef1\n[ " + unit +
+                     " ]\t[ m/s ]\t[ V ]\n";
+  for (std::size_t i = 0; i < rows; ++i)
+    text += fmt::format("{:.7E}\t{}\t{:.6E}\n", abscissa(i),
+                        i % 1000 == 7 ? "" : fmt::format("{:.6E}", std::sin(0.01 * double(i))),
+                        double(i));
+  return text;
+}
+
+TEST(LargePolytecText, IsReadByBlocksAsItIsReadAtOnce) {
+  const auto hertz = [](std::size_t i) { return 0.5 * static_cast<double>(i); };
+  const auto squares = [](std::size_t i) { return static_cast<double>(i * i); };
+  for (const std::string& text :
+       {polytec("Time", "s", 120000, microseconds), polytec("Time", "ms", 120000, uneven),
+        polytec("FFT", "Hz", 60000, hertz), polytec("FFT", "Hz", 60000, squares),
+        polytec("Time", "s", 120000, twice), polytec("Time", "s", 1, microseconds),
+        polytec("Time", "s", 30000, microseconds) + "1.0E+00\t2"}) {
+    SCOPED_TRACE(text.substr(0, 40) + fmt::format(" {} bytes", text.size()));
+    const tests::WrittenFile file(text, ".txt");
+    const auto reader = open_polytec_ascii_by_blocks(file.path(), {});
+    expect_same(read_into_memory(*reader), read_into_memory(*open_polytec_ascii(file.path(), {})));
+  }
+  const tests::WrittenFile file(polytec("Time", "s", 120000, microseconds), ".txt");
+  Selection wanted;
+  wanted.channels = {1};
+  wanted.from = 0.1;
+  wanted.to = 0.100099;
+  const Record part = read_into_memory(*open_polytec_ascii_by_blocks(file.path(), {}), wanted);
+  ASSERT_EQ(part.channels[0].size(), 100U);
+  EXPECT_EQ(part.channels[0].value(0), 100000.0);
+}
+
 /// A dataset 58 in text with so many points; `even` or with stated times that no clock explains.
 std::string uff58(std::size_t points, bool even) {
   std::string data;
