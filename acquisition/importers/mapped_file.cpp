@@ -49,12 +49,19 @@ MappedFile::MappedFile(std::string path, std::string unpacked)
       bytes_(unpacked_.data()),
       size_(unpacked_.size()) {}
 
+MappedFile::MappedFile(std::string path, std::string_view shown, std::unique_ptr<ByteSource> source)
+    : path_(std::move(path)),
+      source_(std::move(source)),
+      bytes_(shown.data()),
+      size_(shown.size()) {}
+
 MappedFile::~MappedFile() {
-  if (size_ > 0 && unpacked_.empty()) ::munmap(const_cast<char*>(bytes_), size_);
+  if (size_ > 0 && unpacked_.empty() && !source_) ::munmap(const_cast<char*>(bytes_), size_);
   if (file_ >= 0) ::close(file_);
 }
 
 void MappedFile::copy(std::size_t offset, std::size_t count, void* to) const {
+  if (source_) return source_->copy(offset, count, to);
   if (file_ < 0) {
     std::memcpy(to, bytes_ + offset, count);
     return;
@@ -72,7 +79,7 @@ void MappedFile::copy(std::size_t offset, std::size_t count, void* to) const {
 }
 
 void MappedFile::release(std::size_t first, std::size_t last) const {
-  if (!unpacked_.empty()) return;  // it could not be read again
+  if (!unpacked_.empty() || source_) return;  // it could not be read again
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
   first = (first + page - 1) / page * page;
   last = last >= size_ ? size_ : last / page * page;

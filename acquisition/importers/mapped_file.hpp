@@ -2,12 +2,22 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <string_view>
 
 #include "datasets/input_error.hpp"
 
 namespace impactrig::acquisition {
+
+/// Bytes that are made when they are wanted.
+class ByteSource {
+ public:
+  virtual ~ByteSource() = default;
+  virtual void copy(std::size_t offset, std::size_t count, void* to) = 0;
+  /// True where going back takes long.
+  virtual bool only_forward() const = 0;
+};
 
 /// A file's bytes, mapped (or unpacked in memory): a page is read when it is looked at, and given
 /// back by release().
@@ -17,6 +27,8 @@ class MappedFile {
   explicit MappedFile(std::string path);
   /// Bytes that were unpacked from a file, with the file's name.
   MappedFile(std::string path, std::string unpacked);
+  /// Bytes that `source` makes; `shown`, which it holds, has those of them that are looked at.
+  MappedFile(std::string path, std::string_view shown, std::unique_ptr<ByteSource> source);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
@@ -33,6 +45,9 @@ class MappedFile {
   /// which the system has to find. Throws datasets::FileError when the file has become shorter.
   void copy(std::size_t offset, std::size_t count, void* to) const;
 
+  /// True where channels are better copied one after another than by turns.
+  bool only_forward() const { return source_ && source_->only_forward(); }
+
   /// The place of a byte, for errors.
   datasets::SourcePosition byte_position(std::size_t offset) const;
 
@@ -41,6 +56,7 @@ class MappedFile {
 
   std::string path_;
   std::string unpacked_;
+  std::unique_ptr<ByteSource> source_;
   int file_ = -1;
   const char* bytes_ = "";
   std::size_t size_ = 0;

@@ -4,7 +4,6 @@
 #include "acquisition/importers/mat5.hpp"
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -12,6 +11,7 @@
 #include <optional>
 
 #include "acquisition/importers/byte_cursor.hpp"
+#include "acquisition/importers/packed_mat.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/input_error.hpp"
 
@@ -21,12 +21,11 @@ using datasets::InputError;
 
 namespace {
 
-constexpr std::uint64_t most_unpacked = std::uint64_t{256} << 20;  ///< of one file [bytes]
-constexpr int deepest = 16;                                        ///< structures in structures
-constexpr std::uint64_t longest_name = 256;                        ///< MATLAB: 63 [bytes]
-constexpr std::uint64_t longest_text = std::uint64_t{1} << 20;     ///< [bytes]
-constexpr std::uint64_t most_text = std::uint64_t{1} << 26;        ///< of one file [bytes]
-constexpr std::size_t most_skipped = 10000;                        ///< that are remembered
+constexpr int deepest = 16;                                     ///< structures in structures
+constexpr std::uint64_t longest_name = 256;                     ///< MATLAB: 63 [bytes]
+constexpr std::uint64_t longest_text = std::uint64_t{1} << 20;  ///< [bytes]
+constexpr std::uint64_t most_text = std::uint64_t{1} << 26;     ///< of one file [bytes]
+constexpr std::size_t most_skipped = 10000;                     ///< that are remembered
 
 // data types of an element
 constexpr std::uint32_t mi_int8 = 1;
@@ -93,12 +92,6 @@ struct Element {
   bool cut = false;        ///< it declares more bytes than there are
 };
 
-/// A part of the file, [first, last).
-struct Part {
-  std::uint64_t first = 0;
-  std::uint64_t last = 0;
-};
-
 class MatParser {
  public:
   explicit MatParser(const std::string& path) {
@@ -158,9 +151,9 @@ class MatParser {
       throw InputError(
           contents_.file->byte_position(124),
           fmt::format("version 0x{:04X} of MAT-files is not known, expected 0x0100", version));
-    std::vector<Part> parts = top_level();
+    std::vector<FilePart> parts = top_level();
     if (packed_) parts = unpack(parts);
-    for (const Part& part : parts) {
+    for (const FilePart& part : parts) {
       const auto element = element_at(part.first, part.last);
       if (!element || element->type != mi_matrix) continue;
       read_matrix(*element, {}, 0);
@@ -194,8 +187,8 @@ class MatParser {
     return element;
   }
 
-  std::vector<Part> top_level() {
-    std::vector<Part> parts;
+  std::vector<FilePart> top_level() {
+    std::vector<FilePart> parts;
     std::uint64_t at = 128;
     const std::uint64_t last = bytes().size();
     while (const auto element = element_at(at, last)) {
@@ -216,87 +209,16 @@ class MatParser {
     return parts;
   }
 
-  /// The same file without compression, in memory.
-  std::vector<Part> unpack(const std::vector<Part>& parts) {
-    std::vector<Part> unpacked;
-    std::string all;
-    for (const Part& part : parts) {
-      const auto element = element_at(part.first, part.last);
-      if (!element) continue;
-      const std::uint64_t first = all.size();
-      if (element->type == mi_compressed) {
-        inflate_to(all, *element);
-      } else {
-        check_total(all.size() + (part.last - part.first), part.first);
-        all.append(bytes().substr(part.first, part.last - part.first));
-      }
-      unpacked.push_back({first, all.size()});
-    }
-    contents_.file = std::make_unique<MappedFile>(contents_.file->path(), std::move(all));
-    return unpacked;
-  }
-
-  void check_total(std::uint64_t size, std::uint64_t at) const {
-    if (size > most_unpacked)
-      throw InputError(
-          contents_.file->byte_position(at),
-          fmt::format("the arrays up to here are more than {} MB once they are inflated: load the "
-                      "file in MATLAB and save it with -v6 or -v7.3",
-                      most_unpacked >> 20));
-  }
-
-  /// Appends what a compressed element holds: one array, as long as its own tag declares.
-  void inflate_to(std::string& all, const Element& packed) {
-    struct Stream {
-      z_stream z{};
-      bool ready = inflateInit(&z) == Z_OK;
-
-      ~Stream() {
-        if (ready) inflateEnd(&z);
-      }
-    } stream;
-
-    if (!stream.ready) throw std::bad_alloc();
-    const std::uint64_t first = all.size();
-    std::uint64_t wanted = 8;  // the tag, then what it declares
-    bool tag_read = false;
-    std::array<char, 65536> piece{};
-    std::string_view source = bytes().substr(packed.data, packed.end - packed.data);
-    int state = Z_OK;
-    while (state == Z_OK && all.size() - first < wanted) {
-      const std::uint64_t room =
-          std::min<std::uint64_t>(piece.size(), wanted - (all.size() - first));
-      if (stream.z.avail_in == 0) {
-        const std::size_t step = std::min<std::size_t>(source.size(), std::size_t{1} << 30);
-        stream.z.next_in =
-            reinterpret_cast<Bytef*>(const_cast<char*>(source.data()));  // zlib only reads it
-        stream.z.avail_in = static_cast<uInt>(step);
-        source.remove_prefix(step);
-      }
-      stream.z.next_out = reinterpret_cast<Bytef*>(piece.data());
-      stream.z.avail_out = static_cast<uInt>(room);
-      state = inflate(&stream.z, Z_NO_FLUSH);
-      const std::uint64_t got = room - stream.z.avail_out;
-      check_total(all.size() + got, packed.data);
-      all.append(piece.data(), got);
-      if (!tag_read && all.size() - first == 8) {
-        tag_read = true;
-        wanted += declared_size(std::string_view(all).substr(first));
-      }
-    }
-    if (all.size() - first < wanted)
-      warn(
-          fmt::format("the compressed array at byte {} is damaged or cut: {} of {} bytes could be "
-                      "inflated",
-                      packed.data, all.size() - first, wanted));
-  }
-
-  std::uint64_t declared_size(std::string_view tag) const {
-    const auto byte = [&](std::size_t i) {
-      return static_cast<std::uint32_t>(
-          static_cast<unsigned char>(tag[contents_.big_endian ? 7 - i : 4 + i]));
-    };
-    return byte(0) | byte(1) << 8 | byte(2) << 16 | byte(3) << 24;
+  /// The same file without compression.
+  std::vector<FilePart> unpack(const std::vector<FilePart>& parts) {
+    std::vector<MatElement> elements;
+    for (const FilePart& part : parts)
+      if (const auto element = element_at(part.first, part.last))
+        elements.push_back({part, {element->data, element->end}, element->type == mi_compressed});
+    InflatedMat inflated = inflated_mat(std::move(contents_.file), elements, contents_.big_endian,
+                                        [this](std::string text) { warn(std::move(text)); });
+    contents_.file = std::move(inflated.file);
+    return std::move(inflated.elements);
   }
 
   /// An array and, where it is a structure, its fields.

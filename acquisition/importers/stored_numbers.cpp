@@ -512,7 +512,8 @@ class NumbersReader final : public RecordingReader {
       more = false;
       for (const std::size_t i : by_place) {
         if (streams[i].done()) continue;
-        streams[i].hand_over(i, most, sink);
+        do streams[i].hand_over(i, most, sink);
+        while (file_->only_forward() && !streams[i].done());
         more = more || !streams[i].done();
       }
     }
