@@ -31,7 +31,11 @@ std::unique_ptr<RecordingReader> open_tdms(const std::string& path, const Import
 int recognises_mdf4(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_mdf4(const std::string& path, const ImportOptions& options);
 int recognises_lvm(std::string_view file_name, std::string_view head);
-datasets::Record read_lvm(const std::string& path, const ImportOptions& options);
+std::unique_ptr<RecordingReader> open_lvm(const std::string& path, const ImportOptions& options);
+/// As open_lvm does for large files, whatever the size: by blocks where there is one segment on a
+/// clock that its header explains.
+std::unique_ptr<RecordingReader> open_lvm_by_blocks(const std::string& path,
+                                                    const ImportOptions& options);
 
 int recognises_mat(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_mat(const std::string& path, const ImportOptions& options);

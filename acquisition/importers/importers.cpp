@@ -19,12 +19,6 @@ using datasets::SourcePosition;
 
 namespace {
 
-/// For formats whose files are small, or not yet read by blocks.
-template <Record (*read)(const std::string& path, const ImportOptions& options)>
-std::unique_ptr<RecordingReader> whole(const std::string& path, const ImportOptions& options) {
-  return reader_of(read(path, options));
-}
-
 /// A new format is a file beside this one, its two functions in formats.hpp, and a line here. Most
 /// specific first.
 constexpr auto table = std::to_array<Importer>({
@@ -53,7 +47,7 @@ constexpr auto table = std::to_array<Importer>({
     {"wav", "WAVE sound file: RIFF, RIFX, RF64 (.wav)", recognises_wav, open_wav},            //
     {"sigrok", "sigrok session with analog channels (.sr)", recognises_sigrok, open_sigrok},  //
     {"lvm", "LabVIEW measurement file, with or without header (.lvm)", recognises_lvm,
-     whole<read_lvm>},  //
+     open_lvm},  //
     {"csv", "table of numbers: comma, tab, semicolon or blank separated (.csv .txt .tsv .dat)",
      recognises_csv, open_csv},  //
 });

@@ -13,6 +13,7 @@
 
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/large_table.hpp"
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "acquisition/importers/text_table.hpp"
@@ -133,6 +134,10 @@ struct Part {
   std::vector<double> x;            ///< one a value; empty: there is no X column
   DeltaCheck check;
   std::uint64_t missing = 0;
+  std::uint64_t counted = 0;    ///< samples, where they are counted only and `values` stays empty
+  std::uint64_t counted_x = 0;  ///< X values with them
+
+  std::uint64_t samples() const { return counted > 0 ? counted : values.size(); }
 };
 
 /// Channels that were recorded together.
@@ -238,10 +243,68 @@ class LvmReader {
         at_(file_.text().data()),
         end_(at_ + file_.text().size()) {}
 
+  /// Counts what a large file holds without keeping it. False where that does not tell all there is
+  /// to know: several segments, missing values, times that Delta_X does not explain.
+  bool count() {
+    counting_ = true;
+    read_file_header();
+    if (!read_segment() || !plain_) return false;
+    skip_between();
+    if (at_ != end_ || segments_.size() != 1) return false;
+    for (Part& part : segments_.front().parts) {
+      const bool without_x = part.x.empty() && part.counted_x == 0;
+      const bool explained = part.check.agrees && part.delta.value_or(0.0) > 0.0;
+      if (part.counted == 0 || !(without_x || explained)) return false;
+    }
+    finish();
+    return true;
+  }
+
+  const Record& record() const { return record_; }
+
+  std::vector<std::uint64_t> counts() const {
+    std::vector<std::uint64_t> list;
+    for (const Part& part : segments_.front().parts) list.push_back(part.counted);
+    return list;
+  }
+
+  /// Reads the values that were counted; `use(row)` is told before each row, `take(channel, value)`
+  /// of each value.
+  template <typename Use, typename Take>
+  void read_counted(const Use& use, const Take& take) {
+    const Segment& segment = segments_.front();
+    const std::size_t channels = segment.parts.size();
+    std::uint64_t row = 0;
+    for (const char* at = rows_first_; at != rows_last_;) {
+      const std::string_view line = take_line(at, rows_last_);
+      if (blank(line)) continue;
+      if (!use(row++, at)) return;
+      const char* cell = line.data();
+      const char* const last = line.data() + line.size();
+      for (std::size_t column = 0; cell <= last; ++column, ++cell) {
+        const bool is_x = multi_ ? column % 2 == 0 : column == 0;
+        const std::size_t channel = multi_ ? column / 2 : column - 1;
+        if (column > 0 && channel >= channels) break;
+        double value = nothing;
+        if (take_cell(cell, last, segment, column, value) && !is_x) take(channel, value);
+      }
+    }
+  }
+
+  void release(const char* first, const char* last) const { file_.release(first, last); }
+
+  const char* rows() const { return rows_first_; }
+
   Record read() {
     read_file_header();
     while (read_segment()) {
     }
+    finish();
+    return std::move(record_);
+  }
+
+ private:
+  void finish() {
     if (segments_.empty())
       warn("there is no segment with samples in this file: there are no channels");
     for (Segment& segment : segments_) deliver(segment);
@@ -250,10 +313,8 @@ class LvmReader {
                                             options_.units.size(), record_.channels.size()));
     if (special_blocks_ > 0)
       record_.attributes["special blocks left out"] = fmt::format("{}", special_blocks_);
-    return std::move(record_);
   }
 
- private:
   datasets::SourcePosition whole() const {
     datasets::SourcePosition place;
     place.file = file_.path();
@@ -521,19 +582,28 @@ class LvmReader {
     std::vector<double> x;                        // the only X column
     std::uint64_t row = 0;
     std::size_t cells_before = 0;
-    while (at_ != end_) {
+    rows_first_ = at_;
+    rows_last_ = end_;
+    if (packet != 0) plain_ = false;
+    const char* released = at_;
+    while (at_ != end_ && (plain_ || !counting_)) {
       const char* const start = at_;
       const std::string_view line = take_line(at_, end_);
       if (blank(line)) continue;
       if (ends_rows(line)) {
-        at_ = start;
+        at_ = rows_last_ = start;
         break;
+      }
+      if (counting_ && start - released > (1 << 22)) {
+        file_.release(released, start);
+        released = start;
       }
       const auto cells = static_cast<std::size_t>(std::ranges::count(line, separator_)) + 1;
       const bool whole_line = line.data() + line.size() != end_;
       if (!whole_line && cells < cells_before) {
         warn(fmt::format("the file ends within the row at {}: this row is left out",
                          file_.position(start).text()));
+        rows_last_ = start;
         break;
       }
       cells_before = cells;
@@ -587,7 +657,10 @@ class LvmReader {
         part.check.see(value, last_place(trimmed(cell), decimal_), part.delta.value_or(0.0));
       }
       if (is_x && multi_) pair_x = value;
-      if (is_x && !multi_ && there) {
+      if (is_x && !multi_ && there && counting_) {
+        if (x_rows_++ != row) plain_ = false;
+        if (row == 0) x.push_back(value);
+      } else if (is_x && !multi_ && there) {
         if (x.size() < row) charge(row - x.size());
         x.resize(row, nothing);
         x.push_back(value);
@@ -635,6 +708,7 @@ class LvmReader {
 
   /// Puts a value where its row says: rows in which it was missing are filled up.
   void take_value(Part& part, double value, double x, std::uint64_t place) {
+    if (counting_) return count_value(part, value, x, place);
     const std::size_t n = part.values.size();
     if (n < place) {
       charge(place - n);
@@ -653,6 +727,18 @@ class LvmReader {
       part.x.resize(part.values.size() - 1, nothing);
       part.x.push_back(x);
     }
+  }
+
+  /// The first X stands for all where they are counted.
+  void count_value(Part& part, double value, double x, std::uint64_t place) {
+    if (place != part.counted || std::isnan(value)) plain_ = false;
+    if (multi_ && !std::isnan(x)) {
+      if (part.counted_x++ != part.counted) plain_ = false;
+      if (part.x.empty()) part.x.push_back(x);
+    } else if (part.counted_x > 0) {
+      plain_ = false;
+    }
+    ++part.counted;
   }
 
   /// An empty cell takes its separator at least: what lacks more was never written by LabVIEW.
@@ -675,9 +761,19 @@ class LvmReader {
                         number_ > 1 ? fmt::format(" of segment {}", number_) : "", to_utf8(cell));
   }
 
-  static void share_x(Segment& segment, std::vector<double>&& x) {
-    if (x.empty()) return;
+  void share_x(Segment& segment, std::vector<double>&& x) {
+    if (x.empty()) {
+      if (x_rows_ > 0) plain_ = false;
+      return;
+    }
     for (Part& part : segment.parts) {
+      if (counting_) {
+        part.x = x;
+        if (x_rows_ < part.counted) plain_ = false;
+        part.check = segment.parts.front().check;
+        part.check.agrees = part.check.agrees && part.delta == segment.parts.front().delta;
+        continue;
+      }
       part.x.assign(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(
                                                std::min(x.size(), part.values.size())));
       part.x.resize(part.values.size(), nothing);
@@ -691,7 +787,7 @@ class LvmReader {
   void check_counts(const Segment& segment) {
     std::map<std::pair<std::uint64_t, std::uint64_t>, std::string> differ;  // names by counts
     for (const Part& part : segment.parts) {
-      const std::uint64_t n = part.values.size();
+      const std::uint64_t n = part.samples();
       if (!part.said || *part.said == n) continue;
       std::string& names = differ[{*part.said, n}];
       if (names.size() < 200)
@@ -817,9 +913,14 @@ class LvmReader {
   static constexpr std::size_t most_warnings = 100;
 
   TextFile file_;
-  const ImportOptions& options_;
+  const ImportOptions options_;
   const char* at_;
   const char* end_;
+  bool counting_ = false;
+  bool plain_ = true;  ///< nothing was met that counting does not tell
+  std::uint64_t x_rows_ = 0;
+  const char* rows_first_ = nullptr;  ///< of the segment read last
+  const char* rows_last_ = nullptr;
   char separator_ = '\t';
   char decimal_ = '\0';  ///< '\0': not known yet
   bool multi_ = false;
@@ -830,6 +931,72 @@ class LvmReader {
   int special_blocks_ = 0;
   Record record_;
   std::vector<Segment> segments_;
+};
+
+/// A large file of one segment, whose values are read by blocks.
+class LargeLvm final : public RecordingReader {
+ public:
+  explicit LargeLvm(std::unique_ptr<LvmReader> counted) : file_(std::move(counted)) {
+    head_.record = file_->record();
+    head_.samples = file_->counts();
+  }
+
+  const RecordingHead& head() const override { return head_; }
+
+  Record read(const Selection& wanted, SampleSink& sink) override {
+    const std::vector<std::size_t> chosen = selected_channels(head_, wanted);
+    Record record = head_.record;
+    record.channels.clear();
+    std::vector<Wanted> parts;
+    std::uint64_t last = 0;
+    for (const std::size_t index : chosen) {
+      record.channels.push_back(head_.record.channels[index]);
+      SampleClock& clock = record.channels.back().clock;
+      parts.push_back({index, samples_within(clock, head_.samples[index], wanted), {}});
+      clock.start += clock.interval * static_cast<double>(parts.back().range.first);
+      last = std::max(last, parts.back().range.last);
+    }
+    std::vector<std::vector<std::size_t>> of_channel(head_.samples.size());
+    for (std::size_t i = 0; i < parts.size(); ++i) of_channel[parts[i].channel].push_back(i);
+    std::uint64_t row = 0;
+    const char* released = file_->rows();
+    const auto hand_over = [&] {
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        if (!parts[i].values.empty())
+          sink.take(i, {std::span<const double>(parts[i].values), {}, {}});
+        parts[i].values.clear();
+      }
+    };
+    file_->read_counted(
+        [&](std::uint64_t next, const char* at) {
+          row = next;
+          if (row % rows_at_once == 0) {
+            hand_over();
+            file_->release(released, at);
+            released = at;
+          }
+          return row < last;
+        },
+        [&](std::size_t channel, double value) {
+          for (const std::size_t i : of_channel[channel])
+            if (row >= parts[i].range.first && row < parts[i].range.last)
+              parts[i].values.push_back(value);
+        });
+    hand_over();
+    return record;
+  }
+
+ private:
+  struct Wanted {
+    std::size_t channel;
+    SampleRange range;
+    std::vector<double> values;
+  };
+
+  static constexpr std::uint64_t rows_at_once = 16384;
+
+  std::unique_ptr<LvmReader> file_;
+  RecordingHead head_;
 };
 
 /// A table of numbers, but for its ending: LabVIEW can leave the header away. Columns are counted
@@ -879,7 +1046,7 @@ int recognises_lvm(std::string_view file_name, std::string_view head) {
   return lowered(file_name).ends_with(".lvm") && recognises_csv(file_name, head) > 0 ? 30 : 0;
 }
 
-Record read_lvm(const std::string& path, const ImportOptions& options) {
+std::unique_ptr<RecordingReader> open_lvm(const std::string& path, const ImportOptions& options) {
   {
     TextFile file(path);
     const std::string_view text = file.text();
@@ -888,9 +1055,17 @@ Record read_lvm(const std::string& path, const ImportOptions& options) {
         start != std::string_view::npos && text.substr(start).starts_with(first_word);
     const std::string_view head = text.substr(0, 65536);
     if (!headed && head.find(end_of_header) == std::string_view::npos)
-      return read_headerless(path, options);
+      return reader_of(read_headerless(path, options));
+    if (text.size() > read_at_once) return open_lvm_by_blocks(path, options);
   }
-  return LvmReader(path, options).read();
+  return reader_of(LvmReader(path, options).read());
+}
+
+std::unique_ptr<RecordingReader> open_lvm_by_blocks(const std::string& path,
+                                                    const ImportOptions& options) {
+  auto counted = std::make_unique<LvmReader>(path, options);
+  if (counted->count()) return std::make_unique<LargeLvm>(std::move(counted));
+  return reader_of(LvmReader(path, options).read());
 }
 
 }  // namespace impactrig::acquisition

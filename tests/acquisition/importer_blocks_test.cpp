@@ -245,6 +245,59 @@ TEST(LargePolytecText, IsReadByBlocksAsItIsReadAtOnce) {
   EXPECT_EQ(part.channels[0].value(0), 100000.0);
 }
 
+/// A LabVIEW file of one segment with two channels, the second of which ends earlier.
+std::string lvm(const std::string& x_columns, std::size_t rows, std::size_t shorter,
+                const std::string& delta) {
+  std::string text =
+      "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"
+      "Multi_Headings\tNo\nX_Columns\t" +
+      x_columns + "\nDate\t2020/01/01\nTime\t10:00:00\n***End_of_Header***\t\n\t\n";
+  const bool multi = x_columns == "Multi";
+  const auto line = [&](const std::string& key, const std::string& a, const std::string& b) {
+    text += multi ? key + "\t" + a + "\t\t" + b + "\n" : key + "\t" + a + "\t" + b + "\n";
+  };
+  line("Channels", "2", "");
+  line("Samples", std::to_string(rows), std::to_string(shorter));
+  line("Y_Unit_Label", "N", "V");
+  line("X_Dimension", "Time", "Time");
+  line("X0", "0.0", "0.0");
+  line("Delta_X", delta, delta);
+  text += "***End_of_Header***\t\t\n";
+  text += multi ? "X_Value\tForce\tX_Value\tVolt\tComment\n" : "X_Value\tForce\tVolt\tComment\n";
+  for (std::size_t i = 0; i < rows; ++i) {
+    const std::string x = x_columns == "No" ? "" : fmt::format("{:.6f}", 1e-6 * double(i));
+    text += fmt::format("{}\t{:.6f}", x, std::sin(0.01 * double(i)));
+    if (i < shorter) text += multi ? fmt::format("\t{}\t{}", x, i) : fmt::format("\t{}", i);
+    if (i == 5) text += i < shorter ? "\tbang" : "";
+    text += '\n';
+  }
+  return text;
+}
+
+TEST(LargeLvm, IsReadByBlocksAsItIsReadAtOnce) {
+  std::string gap = lvm("One", 40000, 40000, "0.000001");
+  const std::size_t row = gap.find("\t10\n");
+  gap.erase(row, 3);
+  for (const std::string& text :
+       {lvm("One", 50000, 50000, "0.000001"), lvm("Multi", 50000, 50000, "0.000001"),
+        lvm("Multi", 50000, 20000, "0.000001"), lvm("No", 50000, 50000, "0.000977"),
+        lvm("One", 50000, 50000, "0.000002"), gap,  // the last two as a whole
+        lvm("One", 50000, 50000, "0.000001") + "***Start_Special***\nx\n***End_Special***\n",
+        lvm("One", 30000, 30000, "0.000001") + "0.03\t1"}) {
+    SCOPED_TRACE(text.substr(90, 20) + fmt::format(" {} bytes", text.size()));
+    const tests::WrittenFile file(text, ".lvm");
+    const auto reader = open_lvm_by_blocks(file.path(), {});
+    const auto at_once = open_lvm(file.path(), {});
+    EXPECT_EQ(reader->head().samples, at_once->head().samples);
+    expect_same(read_into_memory(*reader), read_into_memory(*at_once));
+    Selection wanted;
+    wanted.channels = {1, 0};
+    wanted.from = 0.017;
+    wanted.to = 0.0179;
+    expect_same(read_into_memory(*reader, wanted), read_into_memory(*at_once, wanted));
+  }
+}
+
 /// A dataset 58 in text with so many points; `even` or with stated times that no clock explains.
 std::string uff58(std::size_t points, bool even) {
   std::string data;
