@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/text_file.hpp"
 #include "datasets/store.hpp"
 
 namespace impactrig::acquisition {
@@ -14,10 +17,49 @@ namespace {
 /// Samples read at once: a piece of the file.
 constexpr std::uint64_t read_at_once = 65536;
 
+/// Texts of ours are UTF-8; those of a damaged file may be anything.
+void mend(std::string& text) {
+  text = to_utf8_with_controls(text);
+}
+
+void mend(std::map<std::string, std::string>& texts) {
+  std::map<std::string, std::string> mended;
+  for (const auto& [key, value] : texts)
+    mended.emplace(to_utf8_with_controls(key), to_utf8_with_controls(value));
+  texts = std::move(mended);
+}
+
+void mend(Channel& channel) {
+  mend(channel.name);
+  mend(channel.unit);
+  mend(channel.attributes);
+  if (!channel.calibration) return;
+  mend(channel.calibration->recorded_unit);
+  mend(channel.calibration->physical_unit);
+  mend(channel.calibration->source);
+}
+
+void mend(Record& record) {
+  mend(record.title);
+  mend(record.started);
+  mend(record.attributes);
+  for (std::string& warning : record.warnings) mend(warning);
+  for (Channel& channel : record.channels) mend(channel);
+  datasets::Provenance& from = record.provenance;
+  for (std::string* const text : {&from.source_file, &from.sha256, &from.importer, &from.program})
+    mend(*text);
+  for (datasets::Edit& edit : from.edits) {
+    mend(edit.what);
+    mend(edit.channel);
+    mend(edit.parameters);
+  }
+}
+
 class OurRecording final : public RecordingReader {
  public:
   explicit OurRecording(const std::string& path) : stored_(path) {
     head_.record = stored_.head();
+    mend(head_.record);
     for (std::size_t i = 0; i < head_.record.channels.size(); ++i)
       head_.samples.push_back(stored_.samples(i));
     // the provenance will name this file; where the record first came from stays with it
