@@ -102,9 +102,9 @@ void refuse_choice(const datasets::Record& record, const fitting::RigFile& rig) 
 }
 
 /// In SI, conditioned as the rig file asks; only the channels that its sensors name are read.
-datasets::Record conditioned_recording(const std::string& path,
-                                       const acquisition::ImportOptions& reading,
+datasets::Record conditioned_recording(const std::string& path, const FitJob& job,
                                        const fitting::RigFile& rig) {
+  const acquisition::ImportOptions reading = import_options(job.reading);
   const auto reader = acquisition::open_recording(path, reading);
   acquisition::SensorSet sensors{rig.force, rig.velocity, rig.displacement};
   acquisition::Selection wanted = acquisition::selection_of(reader->head(), reading);
@@ -112,7 +112,7 @@ datasets::Record conditioned_recording(const std::string& path,
   datasets::Record recorded = acquisition::read_into_memory(*reader, wanted);
   recorded.provenance.sha256 = datasets::sha256_of_file(path);
   datasets::Record record = acquisition::condition(recorded, sensors);
-  acquisition::apply_steps(rig.conditioning, record, sensors);
+  acquisition::apply_steps(rig.conditioning, record, sensors, detection_options(job.detection));
   return record;
 }
 
@@ -177,14 +177,13 @@ reports::ReportData run_fit_job(const FitJob& job) {
   const auto started = std::chrono::steady_clock::now();
   const std::time_t wall_clock = std::time(nullptr);
   fitting::RigFile rig = fitting::read_rig_file(job.rig, split_overrides(job.common.overrides));
-  const acquisition::ImportOptions reading = import_options(job.reading);
   reports::ReportData data;
   const fitting::FitOptions options = fit_options(job);
   std::vector<datasets::Impact> impacts;
   std::vector<std::string> warnings;
   for (const std::string& path : job.recordings) {
     if (!job.common.quiet) fmt::print(stderr, "reading {}\n", path);
-    datasets::Record record = conditioned_recording(path, reading, rig);
+    datasets::Record record = conditioned_recording(path, job, rig);
     for (const std::string& warning : record.warnings)
       warnings.push_back(fmt::format("{}: {}", path, warning));
     refuse_choice(record, rig);

@@ -139,13 +139,24 @@ datasets::Record import_by_blocks(const Options& options, std::vector<Input>& in
   return record;
 }
 
+/// A shot counts once in a mean.
+void refuse_same_file(const std::vector<datasets::Record>& records) {
+  const datasets::Provenance& last = records.back().provenance;
+  for (std::size_t i = 0; i + 1 < records.size(); ++i)
+    if (records[i].provenance.sha256 == last.sha256)
+      throw datasets::InputError({.file = last.source_file},
+                                 fmt::format("is the same recording as {}; name each once",
+                                             records[i].provenance.source_file));
+}
+
 datasets::Record import_at_once(const Options& options, std::vector<Input>& inputs,
                                 const std::vector<datasets::ConditioningStep>& steps) {
   std::vector<datasets::Record> records;
   for (Input& input : inputs) {
     records.push_back(acquisition::read_into_memory(*input.reader, input.wanted));
     records.back().provenance.sha256 = datasets::sha256_of_file(input.path);
-    acquisition::apply_steps(steps, records.back());
+    acquisition::apply_steps(steps, records.back(), {}, detection_options(options.detection));
+    if (options.average) refuse_same_file(records);
   }
   datasets::Record record;
   if (options.average)

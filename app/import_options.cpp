@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/import_options.hpp"
 
+#include <cmath>
 #include <sstream>
 
 namespace impactrig::app {
@@ -45,6 +46,17 @@ void add_window_arguments(CLI::App& command, ImportArguments& arguments) {
   command.add_option("--to", arguments.to, "Time of the last sample [s]")->group(group);
 }
 
+/// CLI11's own check lets what is not a number through, and answers with a range of 300 digits.
+const CLI::Validator positive(
+    [](std::string& text) -> std::string {
+      double value = 0.0;
+      const bool number = CLI::detail::lexical_cast(text, value);
+      return number && value > 0.0 && std::isfinite(value)
+                 ? std::string()
+                 : "must be a number greater than zero, found " + text;
+    },
+    "POSITIVE");
+
 void add_detection_arguments(CLI::App& command, DetectionArguments& arguments) {
   const char* group = "How impacts are found (from noise and peak unless stated)";
   command
@@ -55,18 +67,18 @@ void add_detection_arguments(CLI::App& command, DetectionArguments& arguments) {
   command
       .add_option("--threshold", arguments.threshold,
                   "Departure that is an impact [N, m/s^2 or m/s]")
-      ->check(CLI::PositiveNumber)
+      ->check(positive)
       ->group(group);
   command
       .add_option("--pre-trigger", arguments.pre_trigger,
                   "Time kept before first touch, whose noise is judged [s]; default 0.5e-3")
-      ->check(CLI::PositiveNumber)
+      ->check(positive)
       ->group(group);
   command
       .add_option("--post-trigger", arguments.post_trigger,
                   "Time kept after first touch; later contacts within it are further hits [s]; "
                   "default 5e-3")
-      ->check(CLI::PositiveNumber)
+      ->check(positive)
       ->group(group);
 }
 

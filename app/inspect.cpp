@@ -164,7 +164,7 @@ ordered_json impacts_on_rig(const datasets::Record& recorded, const Options& opt
   const fitting::RigFile rig = fitting::read_rig_file(options.rig);
   const acquisition::SensorSet sensors{rig.force, rig.velocity, rig.displacement};
   datasets::Record record = acquisition::condition(recorded, sensors);
-  acquisition::apply_steps(rig.conditioning, record, sensors);
+  acquisition::apply_steps(rig.conditioning, record, sensors, detection_options(options.detection));
   for (std::size_t i = recorded.warnings.size(); i < record.warnings.size(); ++i)
     warnings.push_back(record.warnings[i]);
   ordered_json list = ordered_json::array();

@@ -54,7 +54,7 @@ std::string off_by(double ratio, bool force) {
   return text;
 }
 
-/// Of the force over the first contact, by the trapezoidal rule [N s].
+/// Of the force over the first contact, as a sum of rectangles [N s].
 double impulse_of(const ImpactSignal& force, double from, double to) {
   double sum = 0.0;
   for (std::size_t i = 0; i < force.values.size(); ++i) {
@@ -62,6 +62,18 @@ double impulse_of(const ImpactSignal& force, double from, double to) {
     if (t >= from && t <= to) sum += force.values[i] * force.interval;
   }
   return sum;
+}
+
+/// Of the struck point: the bar turns about its hinge as a whole before touch. None where the
+/// velocity does not go down to 0 Hz, or shows nothing beyond its noise.
+std::optional<double> measured_speed(const Impact& impact, const RigFile& file) {
+  if (!impact.velocity || !(impact.approach_velocity > 3.0 * impact.velocity->noise))
+    return std::nullopt;
+  if (!file.velocity) return impact.approach_velocity;
+  if (file.velocity->low_cut) return std::nullopt;
+  const double spot = file.velocity->position;
+  return spot > 0.0 ? impact.approach_velocity * file.rig.contact.position / spot
+                    : impact.approach_velocity;
 }
 
 /// Over the time that the measured contact took.
@@ -108,21 +120,21 @@ std::optional<MomentumBalance> momentum_balance(const Impact& impact, const RigF
   const double impulse = simulation->impulse;
   if (!(speed > 0.0) || !(impulse > 0.0)) return std::nullopt;
 
-  const bool measured_speed = impact.velocity && impact.approach_velocity > 0.0;
-  const double speed_ratio = measured_speed ? impact.approach_velocity / speed : 1.0;
+  const auto measured = measured_speed(impact, file);
+  const double speed_ratio = measured ? *measured / speed : 1.0;
   MomentumBalance balance;
   balance.measured = impulse_of(*impact.force, impact.start, impact.end);
   balance.expected = impulse * speed_ratio;
   balance.ratio = balance.measured / balance.expected;
   if (!(balance.ratio > 0.0)) return std::nullopt;  // another flag: polarity
-  balance.plausible = within(balance.ratio, measured_speed ? any_restitution : any_speed);
+  balance.plausible = within(balance.ratio, measured ? any_restitution : any_speed);
   if (balance.plausible) return balance;
   balance.sentence = fmt::format(
       "The force's impulse, {:.3g} N s, is {} for a bar of this rig that arrives with {:.3g} m/s "
       "({}): {:.3g} N s are expected.",
       balance.measured, off_by(balance.ratio, true), speed * speed_ratio,
-      measured_speed ? "as measured" : "as the rig file says", balance.expected);
-  if (measured_speed) balance.sentence += culprit(balance.measured / impulse, speed_ratio);
+      measured ? "as measured" : "as the rig file says", balance.expected);
+  if (measured) balance.sentence += culprit(balance.measured / impulse, speed_ratio);
   return balance;
 }
 

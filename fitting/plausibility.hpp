@@ -23,7 +23,8 @@ struct MomentumBalance {
 /// The rig is simulated once in 7 modes at its own approach speed; an impulse is nearly
 /// proportional to that speed. Restitution between 0 and 1 changes it by a factor of 2 at most, so
 /// a ratio beyond 2.5 either way is a wrong unit, sensitivity, gain or rig; beyond 10 where no
-/// velocity was recorded. Where the rig states its approach speed, what of the two records is off
+/// velocity was recorded, or one that does not go down to 0 Hz. A laser spot elsewhere on the bar
+/// is taken into account. Where the rig states its approach speed, what of the two records is off
 /// by itself is named.
 ///
 /// None when the impact has no force, the rig no contact, or cannot be simulated.

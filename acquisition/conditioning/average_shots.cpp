@@ -38,11 +38,22 @@ constexpr std::array unusable{ImpactFlag::clipped, ImpactFlag::double_hit, Impac
 struct Shot {
   const Record* record;
   Impact impact;
-  double shift = 0.0;  ///< its times less the first shot's [s]
+  double next = INFINITY;  ///< first touch of its second impact [s]
+  double shift = 0.0;      ///< its times less the first shot's [s]
 };
 
 const Channel& trigger_of(const Shot& shot) {
   return *std::ranges::find(shot.record->channels, shot.impact.trigger, &Channel::name);
+}
+
+/// Channels of different shots are told by their names.
+void refuse_equal_names(const Record& record) {
+  for (const Channel& channel : record.channels)
+    if (std::ranges::count(record.channels, channel.name, &Channel::name) > 1)
+      throw InputError(whole_file(record.provenance.source_file),
+                       fmt::format("has several channels named '{}'; give each a name of its own "
+                                   "in a map (--map)",
+                                   channel.name));
 }
 
 /// Why a shot cannot be used; empty when it can.
@@ -57,10 +68,11 @@ std::vector<Shot> usable_shots(std::span<const Record> records, const DetectionO
                                std::vector<std::string>& warnings) {
   std::vector<Shot> shots;
   for (const Record& record : records) {
-    std::vector<Impact> impacts = find_impacts(record, options);
+    refuse_equal_names(record);
+    const std::vector<Impact> impacts = find_impacts(record, options);
     const std::string reason = reason_against(impacts);
     if (reason.empty())
-      shots.push_back({&record, std::move(impacts.front())});
+      shots.push_back({&record, impacts.front(), impacts.size() > 1 ? impacts[1].start : INFINITY});
     else
       warnings.push_back(
           fmt::format("{} is not in the mean: {}.", record.provenance.source_file, reason));
@@ -92,6 +104,7 @@ struct Reading {
   const Channel* channel;
   std::vector<double> values;  ///< in the first shot's unit
   double shift;
+  double next;  ///< [s], on the first shot's times
 
   double index(double time) const {
     return (time + shift - channel->clock.start) / channel->clock.interval;
@@ -111,7 +124,7 @@ std::optional<Reading> reading_of(const Shot& shot, const Channel& like) {
   if (found == channels.end()) return std::nullopt;
   const std::string& file = shot.record->provenance.source_file;
   refuse_unusable_clock(*found, file);
-  Reading reading{&*found, sound_values(*found), shot.shift};
+  Reading reading{&*found, sound_values(*found), shot.shift, shot.next - shot.shift};
   if (found->unit == like.unit) return reading;
   const auto conversion = datasets::conversion(found->unit, like.unit);
   if (!conversion)
@@ -136,7 +149,7 @@ struct Sums {
   }
 };
 
-/// The times of the first shot's channel that every reading reaches: [begin, end).
+/// The times of the first shot's channel that every reading reaches before its next impact.
 IndexRange common_samples(const Channel& first, const std::vector<Reading>& readings) {
   double begin = 0.0, end = static_cast<double>(first.size());
   for (const Reading& reading : readings) {
@@ -145,6 +158,9 @@ IndexRange common_samples(const Channel& first, const std::vector<Reading>& read
     begin = std::max(begin, std::ceil(-at_start / ratio - 1e-9));
     const double last = static_cast<double>(reading.values.size() - 1);
     end = std::min(end, std::floor((last - at_start) / ratio + 1e-9) + 1.0);
+    // Two samples less than up to touch, which is known to a sample at best.
+    end =
+        std::min(end, std::floor((reading.next - first.clock.start) / first.clock.interval) - 2.0);
   }
   if (!(begin < end)) return {};
   return {static_cast<std::size_t>(begin), static_cast<std::size_t>(end)};

@@ -13,7 +13,8 @@ namespace impactrig::acquisition {
 ///
 /// Each shot's first impact is laid on that of the first shot by estimate_delay of the trigger
 /// channel (by first touch where that refuses), and its channels are read there between samples
-/// (BandLimited). The mean has the first shot's clock, as far as every shot reaches. Channels are
+/// (BandLimited). The mean has the first shot's clock, as far as every shot reaches
+/// and before any shot's second impact, since bounces do not coincide. Channels are
 /// taken by their names; those that not every shot has are left out. For each there is a second
 /// channel, "NAME, standard deviation", over the shots. A sample is the mean of the sound ones, and
 /// invalid where there are fewer than two.
@@ -23,7 +24,8 @@ namespace impactrig::acquisition {
 /// shots is the shot of no rig. The edit holds files, shifts and the spread.
 ///
 /// Throws datasets::InputError when fewer than two shots are left, a clock is not uniform, or units
-/// of one channel cannot be converted; what find_impacts throws.
+/// of one channel cannot be converted, or two channels of a shot have one name; what find_impacts
+/// throws.
 datasets::Record average_shots(std::span<const datasets::Record> shots,
                                const DetectionOptions& options = {});
 

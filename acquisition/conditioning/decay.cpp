@@ -141,8 +141,10 @@ Edit remove_decay(Channel& channel, const datasets::RemoveDecay& wanted) {
   edit.parameters["amplitude"] =
       fmt::format("{:.6g} {} at {:.9g} s", decay.amplitude, channel.unit, quiet.origin);
   std::vector<double> values = channel.values();
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] -= decay.at(channel.clock.time(i) - quiet.origin);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double time = channel.clock.time(i) - quiet.origin;
+    if (time >= 0.0) values[i] -= decay.at(time);  // before, it grows without bound
+  }
   replace_values(channel, std::move(values));
   return edit;
 }

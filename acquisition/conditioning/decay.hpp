@@ -6,8 +6,9 @@
 
 namespace impactrig::acquisition {
 
-/// Takes c + a exp(-(t - t₀)/T) off the whole channel: a charge amplifier on its way back to zero
-/// after an overload or a reset. c and a by least squares over the sound samples of the quiet
+/// Takes c + a exp(-(t - t₀)/T) off the channel from t₀ on: a charge amplifier on its way back to
+/// zero after an overload or a reset. What lies before t₀ stays: when the decay began, and what it
+/// was then, is not in the data. c and a by least squares over the sound samples of the quiet
 /// stretches (t₀ the first of them), T as stated or where the sum of squares is least between a
 /// hundredth of the time they span and 30 times it.
 ///

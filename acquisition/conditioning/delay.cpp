@@ -276,6 +276,15 @@ DelayEstimate estimate(const Link& link, double range) {
   const std::size_t other = best + 1 < fits.size() ? best + 1 : best - 1;
   result.uncertainty = std::hypot(result.uncertainty, fits[other].delay - fits[best].delay,
                                   between_samples * link.channel.interval);
+  // Other numbers of terms by their weights exp(-criterion/2), where half of the criterion counts:
+  // how many samples are independent is known to a factor of two.
+  double weights = 0.0, squares = 0.0;
+  for (std::size_t k = 0; k < fits.size(); ++k) {
+    const double weight = std::exp(-0.25 * (criterion(k) - criterion(best)));
+    weights += weight;
+    squares += weight * std::pow(fits[k].delay - fits[best].delay, 2);
+  }
+  result.uncertainty = std::hypot(result.uncertainty, std::sqrt(squares / weights));
   return result;
 }
 

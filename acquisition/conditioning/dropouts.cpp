@@ -90,7 +90,7 @@ std::vector<IndexRange> edges_in(std::span<const double> y) {
   return edges;
 }
 
-/// The line through sound samples beside a stretch, with the samples of other stretches left out.
+/// The line through the sound samples beside a stretch.
 struct Line {
   double value, slope;  ///< at the stretch's edge; [1/sample]
 };

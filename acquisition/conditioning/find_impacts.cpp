@@ -102,6 +102,17 @@ void describe_noise(const RecordedSignal& source, double onset_time, const Windo
   signal.noise_correlation = fit.correlation;
 }
 
+/// Samples of a motion at the end of its range say nothing of it. A fit leaves out a clipped
+/// force's by itself.
+void mark_clipped(double range, ImpactSignal& signal) {
+  if (!(range > 0.0)) return;
+  for (std::size_t i = 0; i < signal.values.size(); ++i) {
+    if (!at_range(signal.values[i], range)) continue;
+    if (signal.valid.empty()) signal.valid.assign(signal.values.size(), 1);
+    signal.valid[i] = 0;
+  }
+}
+
 /// None when the channel has no sample within the window.
 std::optional<ImpactSignal> signal_of(const RecordedSignal& source, double onset_time,
                                       const Window& window, const DetectionOptions& options) {
@@ -123,6 +134,7 @@ std::optional<ImpactSignal> signal_of(const RecordedSignal& source, double onset
     signal.valid.assign(trace.valid.begin() + first, trace.valid.begin() + last);
     if (std::ranges::find(signal.valid, 0) == signal.valid.end()) signal.valid.clear();
   }
+  if (signal.quantity != Quantity::force) mark_clipped(source.range, signal);
   if (const auto& calibration = source.channel->calibration;
       calibration && calibration->sensitivity != 0.0)
     signal.gain_uncertainty = std::abs(calibration->uncertainty / calibration->sensitivity);

@@ -242,7 +242,7 @@ Edit remove_hum(Channel& channel, const RemoveHum& hum) {
   double quiet = 0.0;  // [s]
   for (const TimeSpan& stretch : hum.quiet)
     quiet += channel.clock.interval * static_cast<double>(samples_in(channel, stretch).size());
-  const double widest = std::min(1.0 / (100.0 * stated * hum.harmonics), quiet / 256.0);
+  const double widest = std::min(1.0 / (20.0 * stated * hum.harmonics), quiet / 256.0);
   const std::vector<Point> points = points_of(channel, hum, values, widest);
   if (points.size() < 32)
     throw std::invalid_argument(
@@ -269,7 +269,7 @@ Edit remove_hum(Channel& channel, const RemoveHum& hum) {
         fmt::format("{:.4g} {}, uncertain by {:.2g}", fit.amplitude(m), channel.unit, fit.error(m));
   }
   error = largest_error(channel, points, fit, span * stated >= enough_periods);
-  if (error > 0.5 * amplitude)
+  if (!(error <= 0.5 * amplitude))
     throw std::invalid_argument(fmt::format(
         "the quiet samples of channel '{}' do not tell hum from drift: what would be taken off has "
         "an amplitude of {:.3g} {}, uncertain by up to {:.3g}; record at least a period of the "

@@ -51,7 +51,7 @@ bool over_range(const RecordedSignal& signal, std::size_t first, std::size_t las
                 double baseline) {
   for (std::size_t i = first; i <= last; ++i) {
     const double value = signal.trace.values[i];
-    if (signal.range > 0.0 && std::abs(value) >= 0.999 * signal.range) return true;
+    if (at_range(value, signal.range)) return true;
     if (half_peak > 0.0 && !signal.trace.is_valid(i) && std::abs(value - baseline) >= half_peak)
       return true;
   }
@@ -68,14 +68,37 @@ bool clipped(const RecordedSignal& trigger, const Contact& contact) {
          (pulse && flat_top(y, contact, trigger.quantum));
 }
 
-bool has_invalid(const std::optional<ImpactSignal>& signal) {
-  return signal && !signal->valid.empty();
+double range_of(const std::vector<const RecordedSignal*>& signals, Quantity quantity) {
+  for (const RecordedSignal* const signal : signals)
+    if (signal->trace.quantity == quantity) return signal->range;
+  return 0.0;
+}
+
+/// A motion that reaches its range anywhere in the window, as its approach counts too.
+bool motion_clipped(const Impact& impact, const std::vector<const RecordedSignal*>& signals) {
+  for (const auto* signal : {&impact.velocity, &impact.displacement}) {
+    if (!*signal) continue;
+    const double range = range_of(signals, (*signal)->quantity);
+    if (std::ranges::any_of((*signal)->values, [&](double v) { return at_range(v, range); }))
+      return true;
+  }
+  return false;
+}
+
+/// Invalid samples that are not at the end of the range.
+bool lost(const std::optional<ImpactSignal>& signal, double range) {
+  if (!signal || signal->valid.empty()) return false;
+  for (std::size_t i = 0; i < signal->values.size(); ++i)
+    if (signal->valid[i] == 0 && !at_range(signal->values[i], range)) return true;
+  return false;
 }
 
 /// Clipped samples that the recorder marked are clipped, not lost.
-bool dropout(const Impact& impact, const Contact& contact, bool is_clipped) {
-  if (has_invalid(impact.velocity) || has_invalid(impact.displacement)) return true;
-  if (!has_invalid(impact.force)) return false;
+bool dropout(const Impact& impact, const Contact& contact, bool is_clipped,
+             const std::vector<const RecordedSignal*>& signals) {
+  if (lost(impact.velocity, range_of(signals, Quantity::velocity))) return true;
+  if (lost(impact.displacement, range_of(signals, Quantity::displacement))) return true;
+  if (!impact.force || impact.force->valid.empty()) return false;
   if (!is_clipped) return true;
   const ImpactSignal& force = *impact.force;
   for (std::size_t i = 0; i < force.values.size(); ++i)
@@ -169,13 +192,13 @@ std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
   const bool is_clipped = clipped(*signals.front(), contact);
   const double peak = impact.force ? force_peak(impact) : 0.0;
   const RecordedSignal* const force = impact.force ? force_among(signals) : nullptr;
-  flag(is_clipped, ImpactFlag::clipped);
+  flag(is_clipped || motion_clipped(impact, signals), ImpactFlag::clipped);
   flag(contact.further_hits > 0, ImpactFlag::double_hit);
   flag(contact.further_hits > 1, ImpactFlag::multiple_hits);
   flag(contact.begins_inside || contact.ends_inside, ImpactFlag::too_short);
   flag(contact.begins_inside, ImpactFlag::missed_start);
   flag(contact.ends_inside, ImpactFlag::truncated_tail);
-  flag(dropout(impact, contact, is_clipped), ImpactFlag::dropout);
+  flag(dropout(impact, contact, is_clipped, signals), ImpactFlag::dropout);
   flag(contact.end - contact.onset < enough_samples, ImpactFlag::undersampled);
   flag(noisy(impact), ImpactFlag::noisy);
   if (force != nullptr) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "acquisition/conditioning/condition.hpp"
@@ -17,6 +18,11 @@ struct RecordedSignal {
   double range;    ///< [SI]; 0 unknown
   double quantum;  ///< digitiser step [SI]; 0 not seen
 };
+
+/// Whether a value [SI] lies at the end of a known range; 0: not known.
+inline bool at_range(double value, double range) {
+  return range > 0.0 && std::abs(value) >= 0.999 * range;
+}
 
 /// What is wrong with an impact as it was recorded: every ImpactFlag but no_hit and implausible.
 /// The first of `signals` is the trigger, in which `contact` was found; nothing before `floor` [s]

@@ -20,11 +20,11 @@ using datasets::Edit;
 
 namespace {
 
-constexpr int crossings = 32;     ///< of the sinc on either side
-constexpr int table_step = 4096;  ///< values a zero crossing
-constexpr double cutoff = 0.9;    ///< of the lower Nyquist frequency
-constexpr double beta = 9.0;      ///< of the Kaiser window
-constexpr double most = 0x1p31;   ///< samples
+constexpr int crossings = 32;                   ///< of the sinc on either side
+constexpr int table_step = 4096;                ///< values a zero crossing
+constexpr double cutoff = 0.9;                  ///< of the lower Nyquist frequency
+constexpr double beta = 9.0;                    ///< of the Kaiser window
+constexpr double fewest = 16.0, most = 0x1p26;  ///< samples of the result
 
 /// sinc(x) under its window, x in zero crossings, 0 <= x <= crossings.
 double windowed_sinc(double x) {
@@ -35,8 +35,9 @@ double windowed_sinc(double x) {
   return window * (x == 0.0 ? 1.0 : std::sin(angle) / angle);
 }
 
-/// Sound samples at uneven times become samples at even ones, from the first time on.
-std::vector<double> joined_evenly(const Channel& channel, double interval) {
+/// Sound samples at uneven times become samples at even ones from the first sound time on, which
+/// `start` becomes.
+std::vector<double> joined_evenly(const Channel& channel, double interval, double& start) {
   std::vector<double> times, values;
   for (std::size_t i = 0; i < channel.size(); ++i) {
     const double value = channel.value(i);
@@ -51,11 +52,20 @@ std::vector<double> joined_evenly(const Channel& channel, double interval) {
                     "sound samples",
                     channel.name));
   const double first = times.front(), last = times.back();
+  start = first;
   boost::math::interpolators::makima curve(std::move(times), std::move(values));
   std::vector<double> even(static_cast<std::size_t>((last - first) / interval * (1.0 + 1e-12)) + 1);
   for (std::size_t i = 0; i < even.size(); ++i)
     even[i] = curve(std::min(last, first + interval * static_cast<double>(i)));
   return even;
+}
+
+void refuse_count(const Channel& channel, double rate, double count) {
+  if (count >= fewest && count <= most) return;
+  throw std::invalid_argument(
+      fmt::format("channel '{}' would have {:.3g} samples at {:g} Hz; {:g} to {:.0f} million are "
+                  "possible",
+                  channel.name, std::floor(count), rate, fewest, most / 1e6));
 }
 
 /// Marks each new sample that has an invalid one within a step of either clock.
@@ -115,8 +125,8 @@ double BandLimited::operator()(double index) const {
 Edit resample(Channel& channel, const datasets::Resample& to) {
   if (!(to.rate > 0.0) || !std::isfinite(to.rate))
     throw std::invalid_argument(fmt::format("a sample rate of {:g} Hz is not positive", to.rate));
-  const double start = channel.clock.uniform() || channel.size() == 0 ? channel.clock.start
-                                                                      : channel.clock.times.front();
+  double start = channel.clock.uniform() || channel.size() == 0 ? channel.clock.start
+                                                                : channel.clock.times.front();
   const double interval = 1.0 / to.rate;
   const bool uneven = !channel.clock.uniform() && channel.size() > 0 && !channel.complex();
   Edit edit{"resample", channel.name, {}};
@@ -124,11 +134,9 @@ Edit resample(Channel& channel, const datasets::Resample& to) {
   double source_interval = channel.clock.interval;
   if (uneven) {
     const double span = channel.clock.times.back() - channel.clock.times.front();
-    if (!(span / interval < most))
-      throw std::invalid_argument(fmt::format(
-          "channel '{}' at {:g} Hz would have more than 2^31 samples", channel.name, to.rate));
+    refuse_count(channel, to.rate, span / interval);
     source_interval = std::min(interval, span / static_cast<double>(channel.size() - 1));
-    source = joined_evenly(channel, source_interval);
+    source = joined_evenly(channel, source_interval, start);
     edit.parameters["from"] = "uneven times, joined by modified Akima cubics";
   } else {
     source = sound_values(channel, 4);
@@ -136,10 +144,7 @@ Edit resample(Channel& channel, const datasets::Resample& to) {
   }
   const double count =
       std::floor(source_interval * static_cast<double>(source.size() - 1) / interval + 1e-6) + 1.0;
-  if (!(count < most))
-    throw std::invalid_argument(fmt::format(
-        "channel '{}' at {:g} Hz would have more than 2^31 samples", channel.name, to.rate));
-
+  refuse_count(channel, to.rate, count);
   const double ratio = interval / source_interval;
   std::vector<double> values(static_cast<std::size_t>(count));
   if (std::abs(ratio - 1.0) < 1e-12) {

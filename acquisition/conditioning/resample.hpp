@@ -36,7 +36,7 @@ class BandLimited {
 /// either rate is.
 ///
 /// Throws std::invalid_argument when the rate is not positive, or the channel has fewer than 4
-/// samples or would get more than 2³¹.
+/// samples or would get fewer than 16 or more than 2²⁶.
 datasets::Edit resample(datasets::Channel& channel, const datasets::Resample& to);
 
 }  // namespace impactrig::acquisition

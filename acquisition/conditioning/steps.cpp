@@ -58,7 +58,10 @@ std::vector<std::size_t> channels_meant(const Record& record, const std::string&
 /// A record on its way through the steps.
 class Conditioning {
  public:
-  Conditioning(Record& record, const SensorSet& sensors) : record_(record), sensors_(sensors) {}
+  Conditioning(Record& record, const SensorSet& sensors, const DetectionOptions& detection)
+      : record_(record),
+        sensors_(sensors),
+        detection_(detection) {}
 
   void apply(const datasets::ConditioningStep& step) {
     for (const std::size_t index : channels_meant(record_, step.channel))
@@ -74,7 +77,7 @@ class Conditioning {
     std::vector<Impact> impacts;
     std::string reason;
     try {
-      impacts = find_impacts(record_);
+      impacts = find_impacts(record_, detection_);
     } catch (const InputError& error) {
       reason = fmt::format(" ({})", error.problem());
     }
@@ -127,7 +130,13 @@ class Conditioning {
 
   void act(datasets::RemoveHum action, std::size_t index) {
     if (action.quiet.empty()) action.quiet.push_back(before_touch(index));
-    note(remove_hum(channel(index), action));
+    Edit edit = remove_hum(channel(index), action);
+    if (edit.parameters.contains("found"))
+      record_.warnings.push_back(fmt::format(
+          "No hum near {:g} Hz stands out of the quiet samples of '{}' ({}), so none was "
+          "taken off; an impact among them hides it.",
+          action.frequency.value_or(50.0), channel(index).name, edit.parameters.at("quiet")));
+    note(std::move(edit));
   }
 
   void act(const datasets::RepairDropouts& action, std::size_t index) {
@@ -192,13 +201,14 @@ class Conditioning {
 
   Record& record_;
   const SensorSet& sensors_;
+  const DetectionOptions& detection_;
 };
 
 }  // namespace
 
 void apply_steps(std::span<const datasets::ConditioningStep> steps, Record& record,
-                 const SensorSet& sensors) {
-  Conditioning conditioning(record, sensors);
+                 const SensorSet& sensors, const DetectionOptions& detection) {
+  Conditioning conditioning(record, sensors, detection);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     try {
       conditioning.apply(steps[i]);

@@ -30,7 +30,8 @@ void refuse_unusable_clock(const Channel& channel, const std::string& file) {
     }
     refuse(
         fmt::format("is sampled at uneven times (steps from {:.6g} s to {:.6g} s); resample it "
-                    "to a uniform step, or state the sample rate when importing",
+                    "(step = \"resample\" in a map for `impactrig import`), or state the sample "
+                    "rate when importing",
                     shortest, longest));
   }
   if (!(channel.clock.interval > 0.0) || !std::isfinite(channel.clock.interval))

@@ -133,6 +133,30 @@ TEST(AverageShots, ConvertsUnitsAndLeavesInvalidSamplesOut) {
   EXPECT_THROW(average_shots(std::vector<Record>{shot(0, 0.0), second}), datasets::InputError);
 }
 
+TEST(AverageShots, EndsBeforeASecondImpact) {
+  const Sampling at{.start = -1e-3, .interval = 1e-6, .samples = 12000};
+  Record bounced = shot(1, 2.0, 1.0, at);
+  auto& force = std::get<std::vector<double>>(bounced.channels[0].raw);
+  for (std::size_t i = 0; i < force.size(); ++i) force[i] += force_at(at.time(i) - 37.3e-6 - 7e-3);
+  const Record mean = average_shots(std::vector<Record>{shot(0, 2.0, 1.0, at), bounced});
+  const datasets::Channel& channel = mean.channels[0];
+  EXPECT_NEAR(channel.clock.time(channel.size() - 1), 7e-3, 10e-6);
+  for (std::size_t i = 2000; i < channel.size(); ++i) ASSERT_LT(channel.value(i), 12.0);
+}
+
+TEST(AverageShots, NeedsChannelsOfDifferentNames) {
+  Record twice = shot(1, 2.0);
+  twice.channels.push_back(twice.channels[0]);
+  try {
+    average_shots(std::vector<Record>{shot(0, 2.0), twice});
+    FAIL();
+  } catch (const datasets::InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "shot1.csv: has several channels named 'Force'; give each a name of its own in a "
+                 "map (--map)");
+  }
+}
+
 }  // namespace
 
 }  // namespace impactrig::acquisition

@@ -328,9 +328,11 @@ TEST(Condition, RefusesAClockThatIsNotUniform) {
   Channel channel = channel_in("F", Quantity::force, "N");
   channel.clock.times = {0.0, 1e-6, 4e-6};
   channel.clock.interval = 2e-6;
-  EXPECT_EQ(message_of(record_of({channel}), {}),
-            "shot.csv: channel 'F' is sampled at uneven times (steps from 1e-06 s to 3e-06 s); "
-            "resample it to a uniform step, or state the sample rate when importing");
+  EXPECT_EQ(
+      message_of(record_of({channel}), {}),
+      "shot.csv: channel 'F' is sampled at uneven times (steps from 1e-06 s to 3e-06 s); "
+      "resample it (step = \"resample\" in a map for `impactrig import`), or state the sample "
+      "rate when importing");
 }
 
 TEST(Condition, RefusesAClockWithoutStep) {

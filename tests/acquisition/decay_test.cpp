@@ -57,6 +57,19 @@ TEST(RemoveDecay, StatesItsErrorHonestly) {
   EXPECT_LT(std::abs(sum / 60.0), 0.5);  // four standard errors of the mean
 }
 
+// Quiet only after the contact: what the decay was before that is not in the data.
+TEST(RemoveDecay, LeavesWhatLiesBeforeTheQuietStretch) {
+  const auto recorded = sampled(at, [&](double t) {
+    return pulse(t) + (t > 1e-3 ? -100.0 * std::exp(-(t - 1e-3) / 0.5e-3) : 0.0);
+  });
+  auto force = force_of(at, recorded);
+  remove_decay(force, {{TimeSpan{1.5e-3, 20e-3}}, std::nullopt});
+  for (std::size_t i = 0; i < at.samples; ++i) {
+    const bool before = at.time(i) < 1.5e-3 - 1e-9;
+    ASSERT_NEAR(force.value(i), before ? recorded[i] : 0.0, before ? 0.0 : 1e-4) << i;
+  }
+}
+
 TEST(RemoveDecay, TakesAStatedTimeConstant) {
   auto force = force_of(at, sampled(at, [&](double t) { return pulse(t) + decay(t, 0.3); }));
   const auto edit = remove_decay(force, {{quiet.front()}, 0.3});

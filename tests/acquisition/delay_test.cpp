@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -64,6 +65,7 @@ TEST(EstimateDelay, OfAStruckBarStatesItsErrorHonestly) {
   const auto clean = sampled(at, [](double t) { return struck_velocity(t - 2.4e-6); });
   double squares = 0.0;
   int within = 0;
+  std::vector<double> stated;
   constexpr int trials = 40;
   for (int seed = 1; seed <= trials; ++seed) {
     auto force = sampled(at, force_at);
@@ -75,8 +77,10 @@ TEST(EstimateDelay, OfAStruckBarStatesItsErrorHonestly) {
     const double error = (found.value - 2.4e-6) / found.uncertainty;
     squares += error * error / trials;
     within += std::abs(error) < 2.0;
-    EXPECT_LT(found.uncertainty, 3e-6);
+    stated.push_back(found.uncertainty);
   }
+  std::ranges::sort(stated);
+  EXPECT_LT(stated[trials / 2], 2e-6);
   EXPECT_LT(squares, 2.0);
   EXPECT_GE(within, trials * 9 / 10);
 }

@@ -97,6 +97,25 @@ TEST(ClippedFlag, FiresWhereTheRecorderMarkedTheTop) {
   EXPECT_FALSE(impacts[0].has(ImpactFlag::dropout));  // clipped, not lost
 }
 
+// A velocity at its range is clipped, not lost; those samples say nothing.
+TEST(ClippedFlag, FiresOnAVelocityBeyondItsRange) {
+  const Sampling at;
+  for (const double range : {0.3, 0.6}) {
+    auto velocity =
+        velocity_of(at, sampled(at, [&](double t) {
+                      const double speed =
+                          0.44 - 0.3 * (1.0 - std::cos(pi * std::clamp(t / duration, 0.0, 1.0)));
+                      return std::clamp(speed, -range, range);
+                    }));
+    velocity.attributes["sensor.range"] = std::to_string(range);
+    const auto impacts = find_impacts(record_of({force_of(at, sampled(at, pulse)), velocity}));
+    ASSERT_EQ(impacts.size(), 1u);
+    EXPECT_EQ(impacts[0].has(ImpactFlag::clipped), range < 0.4);
+    EXPECT_FALSE(impacts[0].has(ImpactFlag::dropout));
+    EXPECT_EQ(impacts[0].velocity->valid.empty(), range > 0.4);
+  }
+}
+
 // --- double hit ---------------------------------------------------------------------------------
 
 TEST(DoubleHitFlag, FiresOnASecondContact) {

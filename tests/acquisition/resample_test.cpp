@@ -96,12 +96,30 @@ TEST(Resample, JoinsUnevenTimes) {
   EXPECT_LT(inner_error(force, wave, 40e-6), 1.6e-4);
 }
 
+// What is not sound at the beginning is no sample, and shifts none.
+TEST(Resample, OfUnevenTimesBeginsAtTheFirstSoundOne) {
+  datasets::Channel force = force_of(at, {});
+  std::vector<double> times, values;
+  for (std::size_t i = 0; i < at.samples; ++i) {
+    times.push_back(at.time(i) + (i % 2 == 0 ? 0.2e-6 : 0.0));
+    values.push_back(i < 500 ? NAN : times.back());
+  }
+  force.clock = {times.front(), at.interval, times};
+  force.raw = values;
+  resample(force, {1e6});
+  EXPECT_EQ(force.clock.start, times[500]);
+  for (std::size_t i = 100; i < force.size() - 100; ++i)
+    ASSERT_NEAR(force.value(i), force.clock.time(i), 1e-9);
+}
+
 TEST(Resample, RefusesSenselessRates) {
   auto force = force_of(at, std::vector<double>(at.samples, 0.0));
   EXPECT_THROW(resample(force, {0.0}), std::invalid_argument);
   EXPECT_THROW(resample(force, {-1.0}), std::invalid_argument);
   EXPECT_THROW(resample(force, {INFINITY}), std::invalid_argument);
   EXPECT_THROW(resample(force, {1e15}), std::invalid_argument);
+  EXPECT_THROW(resample(force, {1e-3}), std::invalid_argument);
+  EXPECT_THROW(resample(force, {100e9}), std::invalid_argument);
   auto back = force;
   back.clock.times = std::vector<double>(at.samples, 1.0);
   EXPECT_THROW(resample(back, {1e6}), std::invalid_argument);

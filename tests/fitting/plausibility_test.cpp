@@ -105,6 +105,29 @@ TEST(MomentumBalance, TakesTheRigsSpeedWhereNoneWasMeasured) {
   EXPECT_THAT(balance->sentence, testing::HasSubstr("(as the rig file says)"));
 }
 
+// The bar turns as a whole before touch: a spot at 0.1 m goes at 0.1/0.69 of the struck point.
+TEST(MomentumBalance, KnowsWhereTheLaserLooks) {
+  RigFile file = paper();
+  file.velocity->position = 0.1;
+  Impact impact = shot(0.5, 0.441);
+  impact.approach_velocity *= 0.1 / 0.69;
+  const auto balance = momentum_balance(impact, file);
+  ASSERT_TRUE(balance);
+  EXPECT_TRUE(balance->plausible) << balance->ratio;
+  EXPECT_NEAR(balance->ratio, 1.0, 0.1);
+}
+
+// A decoder that does not go down to 0 Hz shows no approach speed, whatever its offset.
+TEST(MomentumBalance, DoesNotTrustASpeedThatIsFilteredAway) {
+  RigFile file = paper();
+  file.velocity->low_cut = datasets::BandLimit{100.0, 1};
+  Impact impact = shot(0.5, 0.441);
+  impact.approach_velocity = 2e-3;
+  EXPECT_TRUE(momentum_balance(impact, file)->plausible);
+  impact.velocity->noise = 1e-3;
+  EXPECT_TRUE(momentum_balance(impact, paper())->plausible);
+}
+
 TEST(MomentumBalance, IsNoneWithoutForceOrContact) {
   Impact impact = shot(0.5, 0.441);
   impact.force.reset();
