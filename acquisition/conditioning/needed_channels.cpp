@@ -41,7 +41,7 @@ void narrow_to_sensors(const RecordingHead& head, Selection& wanted, SensorSet& 
   std::vector<std::size_t> chosen;
   for (const Need& need : needs) chosen.push_back(need.channel);
   std::ranges::sort(chosen);
-  chosen.erase(std::ranges::unique(chosen).begin(), chosen.end());
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
 
   datasets::Record alone;
   for (const std::size_t index : chosen) alone.channels.push_back(head.record.channels[index]);
