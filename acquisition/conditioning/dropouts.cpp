@@ -23,6 +23,7 @@ namespace {
 constexpr double gate = 8.0;            ///< standard deviations
 constexpr double least_part = 0.02;     ///< of what the signal spans
 constexpr double comes_back = 2.0;      ///< departure over the change across
+constexpr double line_fits = 4.0;       ///< departure over the scatter of its neighbours
 constexpr double on_course = 0.1;       ///< of that departure
 constexpr std::size_t block = 64;       ///< samples of a local scatter, three blocks together
 constexpr std::size_t neighbours = 12;  ///< samples that say how the signal goes
@@ -93,11 +94,12 @@ std::vector<IndexRange> edges_in(std::span<const double> y) {
 /// The line through the sound samples beside a stretch.
 struct Line {
   double value, slope;  ///< at the stretch's edge; [1/sample]
+  double scatter;       ///< rms of the samples about it
 };
 
 std::optional<Line> line_beside(std::span<const double> y, const std::vector<std::uint8_t>& valid,
                                 std::size_t edge, bool before) {
-  double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+  double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, syy = 0.0;
   for (std::size_t k = 0; k < neighbours; ++k) {
     if (before ? edge <= k : edge + k >= y.size()) break;
     const std::size_t i = before ? edge - 1 - k : edge + k;
@@ -108,10 +110,13 @@ std::optional<Line> line_beside(std::span<const double> y, const std::vector<std
     sy += y[i];
     sxx += x * x;
     sxy += x * y[i];
+    syy += y[i] * y[i];
   }
   if (n < 4.0) return std::nullopt;
   const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
-  return Line{(sy - slope * sx) / n, slope};
+  const double value = (sy - slope * sx) / n;
+  const double squares = syy - value * sy - slope * sxy;
+  return Line{value, slope, std::sqrt(std::max(0.0, squares / n))};
 }
 
 /// The Hermite cubic over [begin, end) between the lines on either side.
@@ -136,10 +141,31 @@ std::optional<Bridge> bridge_over(std::span<const double> y, const std::vector<s
   return Bridge{begin, end, *left, *right};
 }
 
+/// What a stretch is judged against.
+struct Measure {
+  double span;   ///< what the signal spans
+  double noise;  ///< of a sample
+};
+
+/// A laser without light shows zero: a flat stretch there between two steps, whatever the signal
+/// does across it. No bar at rest is that where it has a dozen samples within the longest dropout:
+/// it comes to rest and leaves in longer than a few of them.
+bool pinned_to_zero(std::span<const double> y, const Bridge& bridge, const Measure& measure) {
+  constexpr std::size_t edge = 3;  // two samples that stand out beside a step, and a spike
+  if (bridge.end - bridge.begin < 2 * edge + neighbours) return false;
+  const auto inner = y.subspan(bridge.begin + edge, bridge.end - bridge.begin - 2 * edge);
+  const double level = median({inner.begin(), inner.end()});
+  const double flat = std::max(6.0 * measure.noise, 0.01 * measure.span);
+  const double step = std::max(gate * measure.noise, least_part * measure.span);
+  return std::abs(level) < 0.03 * measure.span &&
+         std::ranges::all_of(inner, [&](double v) { return std::abs(v - level) <= flat; }) &&
+         std::abs(bridge.left.value - level) > step && std::abs(bridge.right.value - level) > step;
+}
+
 /// The dropout that [begin, end) is, if it is one: without the samples at its ends that are on
 /// their course.
 std::optional<Dropout> dropout_in(std::span<const double> y, const std::vector<std::uint8_t>& valid,
-                                  std::size_t begin, std::size_t end) {
+                                  std::size_t begin, std::size_t end, const Measure& measure) {
   const auto bridge = bridge_over(y, valid, begin, end);
   if (!bridge) return std::nullopt;
   Dropout dropout{begin, end, 0.0};
@@ -153,8 +179,12 @@ std::optional<Dropout> dropout_in(std::span<const double> y, const std::vector<s
   const double off = sizes.size() > 4 * cluster ? median(sizes) : std::abs(dropout.departure);
   while (sizes[dropout.begin - begin] < on_course * off) ++dropout.begin;
   while (sizes[dropout.end - 1 - begin] < on_course * off) --dropout.end;
-  if (!(off > comes_back * std::abs(bridge->right.value - bridge->left.value))) return std::nullopt;
-  return dropout;
+  const double across = std::abs(bridge->right.value - bridge->left.value);
+  // Lines that miss their own samples (an impact among them) say nothing of the stretch.
+  if (!(off > line_fits * std::max(bridge->left.scatter, bridge->right.scatter)))
+    return std::nullopt;
+  if (off > comes_back * across || pinned_to_zero(y, *bridge, measure)) return dropout;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -163,13 +193,14 @@ std::vector<Dropout> find_dropouts(std::span<const double> values,
                                    const std::vector<std::uint8_t>& valid, std::size_t longest) {
   if (values.size() < 2 * neighbours) return {};
   const std::vector<IndexRange> edges = edges_in(values);
+  const Measure measure{span_of(values), std::max(step_noise(values), 0.75 * quantum_of(values))};
   std::vector<Dropout> dropouts;
   for (std::size_t e = 0; e < edges.size(); ++e) {
     // The longest stretch first: a dropout may have spikes within.
     std::size_t last = e;
     while (last + 1 < edges.size() && edges[last + 1].end - edges[e].begin <= longest + 4) ++last;
     for (;; --last) {
-      const auto dropout = dropout_in(values, valid, edges[e].begin, edges[last].end);
+      const auto dropout = dropout_in(values, valid, edges[e].begin, edges[last].end, measure);
       if (dropout && dropout->end - dropout->begin <= longest) {
         dropouts.push_back(*dropout);
         e = last;

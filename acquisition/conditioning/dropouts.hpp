@@ -29,10 +29,12 @@ struct Dropout {
 ///
 /// (the two samples beside a step do so too). A stretch between such samples is a dropout when its
 /// departure (the median one, or the largest of up to 12 samples) from the Hermite cubic that joins
-/// the lines through 12 sound samples on either side is more than twice the change across it. So an
-/// impact, however few samples it has, is none: the velocity does not come back. Samples at the
-/// ends of the stretch that are off by less than a tenth of the largest departure do not belong to
-/// it.
+/// the lines through 12 sound samples on either side is more than twice the change across it, and
+/// four times the scatter of these samples about their lines. So an impact, however few samples it
+/// has, is none: the velocity does not come back. Within a contact, where it changes by as much, a
+/// stretch of at least 18 samples that is flat at zero (3 % of the span) between two steps is a
+/// dropout too. Samples at the ends of a stretch that are off by less than a tenth of that do not
+/// belong to it.
 std::vector<Dropout> find_dropouts(std::span<const double> values,
                                    const std::vector<std::uint8_t>& valid, std::size_t longest);
 

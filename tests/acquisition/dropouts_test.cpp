@@ -106,6 +106,54 @@ TEST(RepairDropouts, TakesNoImpactForALoss) {
       }
 }
 
+// Within the contact the velocity itself changes by as much: there zero tells.
+TEST(RepairDropouts, FindsAZeroWithinTheContact) {
+  const Sampling at;
+  for (const auto& [from, to] : {std::pair{20, 60}, {60, 110}, {140, 165}, {90, 180}, {150, 260}})
+    for (int seed = 1; seed <= 5; ++seed) {
+      const std::vector<double> truth = sampled(at, swing);
+      std::vector<double> y = truth;
+      const auto begin = static_cast<std::size_t>(1000 + from);
+      const auto end = static_cast<std::size_t>(1000 + to);
+      for (std::size_t i = begin; i < end; ++i) y[i] = 0.0;
+      add_noise(y, 1.25e-3, static_cast<std::uint64_t>(seed));
+      auto velocity = velocity_of(at, y);
+      SCOPED_TRACE(testing::Message() << from << " to " << to << " us, seed " << seed);
+      EXPECT_EQ(repair_dropouts(velocity, {}).parameters.at("found"), "1");
+      ASSERT_EQ(velocity.valid.size(), at.samples);
+      for (std::size_t i = begin; i < end; ++i) {
+        // What happens to lie on its course within a tenth of what is off may stay at the ends.
+        if (std::abs(truth[i]) > 0.05) {
+          ASSERT_EQ(velocity.valid[i], 0) << i;
+        }
+      }
+      EXPECT_LE(std::ranges::count(velocity.valid, 0), to - from + 6);
+    }
+}
+
+/// A bar that comes to rest, and is hit or bounces on after `rest` [s].
+double stopped(double t, double rest) {
+  if (t < 200e-6)
+    return 0.44 *
+           (1.0 - 0.5 * (1.0 - std::cos(std::numbers::pi * std::clamp(t / 200e-6, 0.0, 1.0))));
+  if (t < 200e-6 + rest) return 0.0;
+  return -0.1 * (1.0 - std::exp(-(t - 200e-6 - rest) / 60e-6));
+}
+
+// Where it must not act: a bar at rest is no dropout, at any rate and for any time.
+TEST(RepairDropouts, TakesNoBarAtRestForALoss) {
+  for (const double interval : {1e-6, 5e-6, 10e-6, 20e-6, 50e-6})
+    for (const double rest : {30e-6, 100e-6, 250e-6, 1e-3, 1.0})
+      for (const double noise : {0.0, 1e-4, 1.25e-3, 5e-3}) {
+        const Sampling at{.start = -200.0 * interval, .interval = interval, .samples = 4000};
+        std::vector<double> y = sampled(at, [&](double t) { return stopped(t, rest); });
+        add_noise(y, noise, 3);
+        auto velocity = velocity_of(at, y);
+        EXPECT_EQ(repair_dropouts(velocity, {}).parameters.at("found"), "0")
+            << interval << " s, at rest for " << rest << " s, noise " << noise;
+      }
+}
+
 // Steps of a counter, and a decoder whose level changes for good.
 TEST(RepairDropouts, TakesNoStepForALoss) {
   const Sampling at;
