@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "acquisition/importers/mapped_file.hpp"
+#include "acquisition/importers/mdf4_data.hpp"
+#include "acquisition/importers/stored_numbers.hpp"
+#include "acquisition/recording_reader.hpp"
+#include "datasets/record.hpp"
+
+namespace impactrig::acquisition {
+
+/// How a value lies in a record.
+struct MdfField {
+  enum class Shape { number, complex, bits, half_float };
+  Shape shape = Shape::number;
+  NumberKind kind = NumberKind::f64;  ///< number and complex
+  bool big_endian = false;
+  bool with_sign = false;        ///< bits
+  std::uint64_t offset = 0;      ///< of its first byte in the record
+  std::uint32_t bit = 0;         ///< bits: of its lowest bit
+  std::uint32_t bit_count = 64;  ///< bits
+
+  std::uint64_t bytes() const {
+    switch (shape) {
+      case Shape::number:
+        return size_of(kind);
+      case Shape::complex:
+        return 2 * size_of(kind);
+      case Shape::half_float:
+        return 2;
+      case Shape::bits:
+        break;
+    }
+    return (bit + bit_count + 7) / 8;
+  }
+};
+
+/// Reads a field of `count` records, `stride` bytes apart.
+void read_mdf_field(const MdfField& field, const char* records, std::uint64_t count,
+                    std::uint64_t stride, std::vector<double>& to);
+
+/// Changes numbers in place.
+using MdfScaling = std::function<void(std::span<double>)>;
+
+/// Channels whose values lie in the same records.
+struct MdfGroup {
+  std::vector<MdfFragment> fragments;
+  std::uint64_t record_bytes = 0;  ///< with record id and invalidation bytes
+  std::uint64_t records = 0;
+  std::optional<MdfField> times;  ///< of a time master whose clock is not uniform
+  MdfScaling times_scaling;
+};
+
+/// Where a channel's values lie.
+struct MdfChannel {
+  std::size_t group = 0;
+  MdfField field;
+  MdfScaling scaling;
+  std::optional<std::uint64_t> invalid_bit;  ///< in the record
+};
+
+/// Reads records by blocks; each gives the values of every channel asked for. `record` has one
+/// channel an MdfChannel, without samples.
+std::unique_ptr<RecordingReader> reader_of_mdf_records(std::unique_ptr<MappedFile> file,
+                                                       datasets::Record record,
+                                                       std::vector<MdfGroup> groups,
+                                                       std::vector<MdfChannel> channels);
+
+}  // namespace impactrig::acquisition
