@@ -1,0 +1,503 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/hdf5_sender.hpp"
+
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "acquisition/importers/text_file.hpp"
+#include "datasets/hdf5_handle.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Hdf5Handle;
+
+namespace {
+
+constexpr int deepest = 16;                  ///< groups in groups
+constexpr std::size_t most_objects = 10000;  ///< groups and data sets that are looked at
+constexpr unsigned most_attributes = 200;    ///< of one object
+constexpr std::size_t longest_text = 2000;   ///< of an attribute [bytes]
+constexpr std::size_t longest_path = 1000;   ///< [bytes]
+constexpr std::uint64_t largest_chunk = std::uint64_t{128} << 20;  ///< [bytes]
+constexpr std::uint64_t largest_expansion = 1100;                  ///< deflate: 1032
+
+struct OpenFile {
+  Hdf5Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose};
+  Hdf5Handle file{H5I_INVALID_HID, H5Fclose};
+
+  explicit OpenFile(const std::string& path) {
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    H5PLset_loading_state(0);  // no filter of a file loads a library
+    H5Pset_fclose_degree(access.id(), H5F_CLOSE_STRONG);
+    file = Hdf5Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
+  }
+};
+
+std::string fixed_text(std::string_view cell) {
+  cell = cell.substr(0, cell.find('\0'));
+  while (cell.ends_with(' ')) cell.remove_suffix(1);
+  return to_utf8(cell.substr(0, longest_text));
+}
+
+/// An attribute that is one text.
+std::optional<std::string> attribute_text(hid_t attribute, hid_t type) {
+  if (H5Tis_variable_str(type) > 0) {
+    const Hdf5Handle memory(H5Tcopy(type), H5Tclose);
+    char* text = nullptr;
+    if (H5Aread(attribute, memory.id(), static_cast<void*>(&text)) < 0 || text == nullptr)
+      return std::nullopt;
+    std::string result = fixed_text(text);
+    H5free_memory(text);
+    return result;
+  }
+  const std::size_t width = H5Tget_size(type);
+  if (width == 0 || width > 65536) return std::nullopt;
+  std::vector<char> cell(width);
+  if (H5Aread(attribute, type, cell.data()) < 0) return std::nullopt;
+  return fixed_text({cell.data(), cell.size()});
+}
+
+Hdf5Attributes attributes_of(hid_t object) {
+  Hdf5Attributes found;
+  const int count = H5Aget_num_attrs(object);
+  for (unsigned i = 0; i < std::min(static_cast<unsigned>(std::max(count, 0)), most_attributes);
+       ++i) {
+    const Hdf5Handle attribute(
+        H5Aopen_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, i, H5P_DEFAULT, H5P_DEFAULT),
+        H5Aclose);
+    if (!attribute.valid()) continue;
+    std::array<char, 256> name{};
+    if (H5Aget_name(attribute.id(), name.size(), name.data()) <= 0) continue;
+    const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
+    const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose);
+    if (H5Sget_simple_extent_npoints(space.id()) != 1) continue;
+    const H5T_class_t kind = H5Tget_class(type.id());
+    const std::string key = to_utf8(name.data());
+    if (kind == H5T_STRING) {
+      if (auto text = attribute_text(attribute.id(), type.id()))
+        found.texts.emplace(key, std::move(*text));
+    } else if (kind == H5T_INTEGER || kind == H5T_FLOAT) {
+      double value = 0.0;
+      if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, &value) >= 0)
+        found.numbers.emplace(key, value);
+    }
+  }
+  return found;
+}
+
+/// The type of ours that holds all numbers of a standard type; none for any other type.
+std::optional<ArrayNumbers> numbers_of(hid_t type) {
+  const std::array<std::pair<hid_t, ArrayNumbers>, 22> standard = {
+      {{H5T_STD_I8LE, ArrayNumbers::i16},      {H5T_STD_I8BE, ArrayNumbers::i16},
+       {H5T_STD_U8LE, ArrayNumbers::i16},      {H5T_STD_U8BE, ArrayNumbers::i16},
+       {H5T_STD_I16LE, ArrayNumbers::i16},     {H5T_STD_I16BE, ArrayNumbers::i16},
+       {H5T_STD_U16LE, ArrayNumbers::i32},     {H5T_STD_U16BE, ArrayNumbers::i32},
+       {H5T_STD_I32LE, ArrayNumbers::i32},     {H5T_STD_I32BE, ArrayNumbers::i32},
+       {H5T_STD_U32LE, ArrayNumbers::f64},     {H5T_STD_U32BE, ArrayNumbers::f64},
+       {H5T_STD_I64LE, ArrayNumbers::f64},     {H5T_STD_I64BE, ArrayNumbers::f64},
+       {H5T_STD_U64LE, ArrayNumbers::f64},     {H5T_STD_U64BE, ArrayNumbers::f64},
+       {H5T_IEEE_F32LE, ArrayNumbers::f32},    {H5T_IEEE_F32BE, ArrayNumbers::f32},
+       {H5T_IEEE_F64LE, ArrayNumbers::f64},    {H5T_IEEE_F64BE, ArrayNumbers::f64},
+       {H5T_NATIVE_DOUBLE, ArrayNumbers::f64}, {H5T_NATIVE_FLOAT, ArrayNumbers::f32}}};
+  for (const auto& [known, numbers] : standard)
+    if (H5Tequal(type, known) > 0) return numbers;
+  return std::nullopt;
+}
+
+hid_t memory_type(ArrayNumbers numbers) {
+  switch (numbers) {
+    case ArrayNumbers::i16:
+      return H5T_NATIVE_INT16;
+    case ArrayNumbers::i32:
+      return H5T_NATIVE_INT32;
+    case ArrayNumbers::f32:
+      return H5T_NATIVE_FLOAT;
+    default:
+      return H5T_NATIVE_DOUBLE;
+  }
+}
+
+std::size_t width_of(ArrayNumbers numbers) {
+  return numbers == ArrayNumbers::i16 ? 2 : numbers == ArrayNumbers::f64 ? 8 : 4;
+}
+
+/// Why a data set's bytes cannot be what it declares, or are not read; "" when they can.
+std::string storage_problem(hid_t data, const std::vector<std::uint64_t>& shape,
+                            std::uint64_t element, std::uint64_t file_bytes) {
+  const Hdf5Handle creation(H5Dget_create_plist(data), H5Pclose);
+  const H5D_layout_t layout = H5Pget_layout(creation.id());
+  if (H5Pget_external_count(creation.id()) != 0 ||
+      (layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED && layout != H5D_COMPACT))
+    return "kept in another file";
+  const int filters = H5Pget_nfilters(creation.id());
+  for (int i = 0; i < filters; ++i) {
+    unsigned flags = 0;
+    std::size_t values = 0;
+    unsigned config = 0;
+    const H5Z_filter_t filter = H5Pget_filter2(creation.id(), static_cast<unsigned>(i), &flags,
+                                               &values, nullptr, 0, nullptr, &config);
+    if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE &&
+        filter != H5Z_FILTER_FLETCHER32)
+      return fmt::format("packed by filter {}, only deflate, shuffle and Fletcher32 are read",
+                         filter);
+  }
+  const std::uint64_t stored = H5Dget_storage_size(data);
+  long double declared = static_cast<long double>(element);
+  for (const std::uint64_t side : shape) declared *= static_cast<long double>(side);
+  const auto most = static_cast<long double>(std::min(stored, file_bytes) *
+                                             (layout == H5D_CHUNKED ? largest_expansion : 1));
+  if (stored > file_bytes || declared > most)
+    return fmt::format("it declares {:.0f} bytes and holds {}", static_cast<double>(declared),
+                       stored);
+  if (layout != H5D_CHUNKED) return {};
+  std::array<hsize_t, H5S_MAX_RANK> chunk{};
+  const int rank = H5Pget_chunk(creation.id(), static_cast<int>(chunk.size()), chunk.data());
+  if (rank != static_cast<int>(shape.size())) return "damaged: its pieces have another shape";
+  long double bytes = static_cast<long double>(element);
+  for (int i = 0; i < rank; ++i)
+    bytes *= static_cast<long double>(chunk[static_cast<std::size_t>(i)]);
+  if (bytes > static_cast<long double>(largest_chunk))
+    return fmt::format("in pieces of {:.0f} MB, at most {} are read",
+                       static_cast<double>(bytes) / 1048576.0, largest_chunk >> 20);
+  return {};
+}
+
+class Walk {
+ public:
+  Walk(const std::string& path, std::uint64_t bytes, const PipeWriter& out)
+      : open_(path),
+        bytes_(bytes),
+        out_(out) {}
+
+  void run() {
+    if (!open_.file.valid()) return out_.text("HDF5 cannot open it: it is damaged or cut");
+    out_.text("");
+    const Hdf5Handle root(H5Gopen2(open_.file.id(), "/", H5P_DEFAULT), H5Gclose);
+    H5O_info_t info{};
+    if (root.valid() && H5Oget_info(root.id(), &info) >= 0) {
+      seen_.insert(info.addr);
+      group(root.id(), "/", 0);
+    }
+    out_.text("end");
+  }
+
+ private:
+  void skip(const std::string& path, std::string_view why) {
+    if (++skipped_ > 50) return;
+    out_.text("skipped");
+    out_.text(fmt::format("'{}' ({})", to_utf8(path), why));
+  }
+
+  void put(const Hdf5Attributes& attributes) {
+    out_.number(attributes.texts.size());
+    for (const auto& [key, text] : attributes.texts) {
+      out_.text(key);
+      out_.text(text);
+    }
+    out_.number(attributes.numbers.size());
+    for (const auto& [key, value] : attributes.numbers) {
+      out_.text(key);
+      out_.real(value);
+    }
+  }
+
+  void group(hid_t id, const std::string& path, int depth) {
+    const Hdf5Attributes attributes = attributes_of(id);
+    out_.text("group");
+    out_.text(path);
+    put(attributes);
+    std::vector<std::pair<std::string, bool>> links;  // name, hard
+    hsize_t at = 0;
+    H5Literate(id, H5_INDEX_NAME, H5_ITER_INC, &at, take_link, &links);
+    for (const auto& [name, hard] : links) {
+      if (++objects_ > most_objects) {
+        if (objects_ == most_objects + 1) skip(path, "more than 10000 objects");
+        return;
+      }
+      const std::string full = path == "/" ? "/" + name : path + "/" + name;
+      if (full.size() > longest_path) {
+        skip(full.substr(0, 100), "a path of over 1000 bytes");
+      } else if (!hard) {
+        skip(full, "a link");
+      } else {
+        object(id, name, full, depth);
+      }
+    }
+  }
+
+  static herr_t take_link(hid_t, const char* name, const H5L_info_t* info, void* to) {
+    auto& links = *static_cast<std::vector<std::pair<std::string, bool>>*>(to);
+    links.emplace_back(name, info->type == H5L_TYPE_HARD);
+    return links.size() > most_objects ? 1 : 0;
+  }
+
+  void object(hid_t parent, const std::string& name, const std::string& path, int depth) {
+    const Hdf5Handle node(H5Oopen(parent, name.c_str(), H5P_DEFAULT), H5Oclose);
+    if (!node.valid()) return skip(path, "damaged");
+    const H5I_type_t kind = H5Iget_type(node.id());
+    if (kind == H5I_DATASET) return data(node.id(), path);
+    if (kind != H5I_GROUP) return;
+    H5O_info_t info{};
+    if (H5Oget_info(node.id(), &info) < 0) return skip(path, "damaged");
+    // a group may be linked from several places, also from within itself
+    if (!seen_.insert(info.addr).second) return skip(path, "a group that is listed already");
+    if (depth >= deepest) return skip(path, "nested too deeply");
+    group(node.id(), path, depth + 1);
+  }
+
+  void data(hid_t id, const std::string& path) {
+    const Hdf5Handle type(H5Dget_type(id), H5Tclose);
+    const Hdf5Handle space(H5Dget_space(id), H5Sclose);
+    const H5S_class_t extent = H5Sget_simple_extent_type(space.id());
+    if (extent == H5S_NULL) return skip(path, "empty");
+    const int rank = H5Sget_simple_extent_ndims(space.id());
+    if (rank < 0 || rank > H5S_MAX_RANK) return skip(path, "damaged");
+    std::array<hsize_t, H5S_MAX_RANK> sides{};
+    H5Sget_simple_extent_dims(space.id(), sides.data(), nullptr);
+    Hdf5Array array;
+    array.path = path;
+    array.shape.assign(sides.begin(), sides.begin() + rank);
+    const H5T_class_t kind = H5Tget_class(type.id());
+    std::optional<ArrayNumbers> numbers;
+    if (kind == H5T_COMPOUND) {
+      array.complex = is_complex(type.id());
+      if (array.complex) numbers = ArrayNumbers::f64;
+    } else {
+      numbers = numbers_of(type.id());
+    }
+    if (!numbers) return skip(path, kind_name(kind));
+    array.numbers = *numbers;
+    if (std::ranges::find(array.shape, std::uint64_t{0}) != array.shape.end())
+      return skip(path, "empty");
+    const std::string problem = storage_problem(id, array.shape, H5Tget_size(type.id()), bytes_);
+    if (!problem.empty()) return skip(path, problem);
+    array.attributes = attributes_of(id);
+    const auto matlab = array.attributes.texts.find("MATLAB_class");
+    if (matlab != array.attributes.texts.end() && matlab->second == "char")
+      array.text = letters(id, array.shape);
+    out_.text("array");
+    out_.text(array.path);
+    out_.number(array.shape.size());
+    for (const std::uint64_t side : array.shape) out_.number(side);
+    out_.number(static_cast<std::uint64_t>(array.numbers));
+    out_.number(array.complex ? 1 : 0);
+    out_.text(array.text);
+    put(array.attributes);
+  }
+
+  /// MATLAB, h5py and others write a complex number as a pair.
+  static bool is_complex(hid_t type) {
+    if (H5Tget_nmembers(type) != 2) return false;
+    constexpr std::array<std::array<std::string_view, 2>, 2> names = {
+        {{"real", "imag"}, {"r", "i"}}};
+    for (const auto& pair : names) {
+      bool matches = true;
+      for (unsigned i = 0; i < 2; ++i) {
+        char* const name = H5Tget_member_name(type, i);
+        const Hdf5Handle member(H5Tget_member_type(type, i), H5Tclose);
+        matches = matches && name != nullptr && name == pair[i] && numbers_of(member.id());
+        H5free_memory(name);
+      }
+      if (matches) return true;
+    }
+    return false;
+  }
+
+  /// Text that MATLAB keeps as numbers, one line of it.
+  static std::string letters(hid_t id, const std::vector<std::uint64_t>& shape) {
+    std::uint64_t count = 1;
+    for (const std::uint64_t side : shape)
+      count = std::min<std::uint64_t>(count * std::min<std::uint64_t>(side, 10000), 10000);
+    if (count > longest_text) return {};
+    std::vector<std::uint16_t> codes(count);
+    if (H5Dread(id, H5T_NATIVE_UINT16, H5S_ALL, H5S_ALL, H5P_DEFAULT, codes.data()) < 0) return {};
+    std::string utf16 = "\xFF\xFE";
+    for (const std::uint16_t code : codes) {
+      utf16 += static_cast<char>(code & 0xFF);
+      utf16 += static_cast<char>(code >> 8);
+    }
+    return to_utf8(utf16_to_utf8(utf16));
+  }
+
+  static std::string_view kind_name(H5T_class_t kind) {
+    switch (kind) {
+      case H5T_STRING:
+        return "text";
+      case H5T_COMPOUND:
+        return "a table of records";
+      case H5T_REFERENCE:
+        return "references";
+      case H5T_ENUM:
+        return "an enumeration";
+      case H5T_VLEN:
+        return "lists of different length";
+      default:
+        return "of no standard type of numbers";
+    }
+  }
+
+  OpenFile open_;
+  std::uint64_t bytes_;
+  const PipeWriter& out_;
+  std::size_t objects_ = 0;
+  std::size_t skipped_ = 0;
+  std::set<haddr_t> seen_;
+};
+
+/// One slice on its way out.
+class SliceReader {
+ public:
+  SliceReader(hid_t file, const Hdf5Slice& slice) : slice_(&slice) {
+    const Hdf5Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
+    H5Pset_chunk_cache(access.id(), 12421, std::size_t{32} << 20, 1.0);
+    data_ = Hdf5Handle(H5Dopen2(file, slice.array->path.c_str(), access.id()), H5Dclose);
+    if (slice.times != nullptr)
+      times_ = Hdf5Handle(H5Dopen2(file, slice.times->path.c_str(), access.id()), H5Dclose);
+    at_ = slice.first;
+    left_ = slice.count;
+  }
+
+  bool done() const { return left_ == 0; }
+
+  /// False when HDF5 cannot read it.
+  bool send(std::size_t index, const PipeWriter& out) {
+    const std::uint64_t count = std::min<std::uint64_t>(hdf5_block_size, left_);
+    const std::size_t width = width_of(slice_->array->numbers);
+    bytes_.resize(count * width);
+    std::vector<double> imaginary;
+    if (slice_->array->complex) {
+      imaginary.resize(count);
+      if (!read(data_.id(), *slice_, part_type("real", "r").id(), count, bytes_.data()) ||
+          !read(data_.id(), *slice_, part_type("imag", "i").id(), count, imaginary.data()))
+        return false;
+    } else if (!read(data_.id(), *slice_, memory_type(slice_->array->numbers), count,
+                     bytes_.data())) {
+      return false;
+    }
+    std::vector<double> times;
+    if (slice_->times != nullptr) {
+      times.resize(count);
+      Hdf5Slice all;
+      all.array = slice_->times;
+      all.whole = true;
+      if (!read(times_.id(), all, H5T_NATIVE_DOUBLE, count, times.data())) return false;
+    }
+    out.number(index);
+    out.number(count);
+    out.bytes(bytes_.data(), bytes_.size());
+    if (slice_->array->complex) out.bytes(imaginary.data(), count * sizeof(double));
+    if (slice_->times != nullptr) out.bytes(times.data(), count * sizeof(double));
+    at_ += count;
+    left_ -= count;
+    return true;
+  }
+
+ private:
+  /// A compound with one of the file's members, as a double.
+  Hdf5Handle part_type(const char* name, const char* short_name) const {
+    const Hdf5Handle type(H5Dget_type(data_.id()), H5Tclose);
+    Hdf5Handle part(H5Tcreate(H5T_COMPOUND, sizeof(double)), H5Tclose);
+    const bool is_long = H5Tget_member_index(type.id(), name) >= 0;
+    H5Tinsert(part.id(), is_long ? name : short_name, 0, H5T_NATIVE_DOUBLE);
+    return part;
+  }
+
+  bool read(hid_t data, const Hdf5Slice& slice, hid_t type, std::uint64_t count, void* to) const {
+    const Hdf5Handle space(H5Dget_space(data), H5Sclose);
+    const auto& shape = slice.array->shape;
+    if (H5Sget_simple_extent_ndims(space.id()) != static_cast<int>(shape.size())) return false;
+    const hsize_t size = count;
+    const Hdf5Handle memory(H5Screate_simple(1, &size, nullptr), H5Sclose);
+    if (shape.empty()) return H5Dread(data, type, memory.id(), H5S_ALL, H5P_DEFAULT, to) >= 0;
+    if (slice.whole && shape.size() > 1)
+      return read_whole(data, space.id(), shape, type, count, to);
+    std::array<hsize_t, 2> start{};
+    std::array<hsize_t, 2> block{1, 1};
+    const std::size_t along = shape.size() == 1 ? 0 : slice.along;
+    start[along] = at_;
+    block[along] = count;
+    if (shape.size() == 2) start[1 - along] = slice.other;
+    if (shape.size() > 2 || H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr,
+                                                block.data(), nullptr) < 0)
+      return false;
+    return H5Dread(data, type, memory.id(), space.id(), H5P_DEFAULT, to) >= 0;
+  }
+
+  /// Numbers in the file's order from a data set of several dimensions: rows of the fastest
+  /// dimension, one after another.
+  bool read_whole(hid_t data, hid_t space, const std::vector<std::uint64_t>& shape, hid_t type,
+                  std::uint64_t count, void* to) const {
+    const std::size_t rank = shape.size();
+    const std::size_t width = H5Tget_size(type);
+    auto* out = static_cast<char*>(to);
+    std::uint64_t at = at_;
+    while (count > 0) {
+      std::vector<hsize_t> start(rank);
+      std::uint64_t rest = at;
+      for (std::size_t d = rank; d-- > 0;) {
+        start[d] = rest % shape[d];
+        rest /= shape[d];
+      }
+      std::vector<hsize_t> block(rank, 1);
+      block[rank - 1] = std::min<std::uint64_t>(count, shape[rank - 1] - start[rank - 1]);
+      // whole rows together, where nothing is cut off
+      if (start[rank - 1] == 0 && block[rank - 1] == shape[rank - 1])
+        block[rank - 2] =
+            std::min<std::uint64_t>(count / shape[rank - 1], shape[rank - 2] - start[rank - 2]);
+      const hsize_t size = block[rank - 1] * block[rank - 2];
+      const Hdf5Handle memory(H5Screate_simple(1, &size, nullptr), H5Sclose);
+      if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr) <
+              0 ||
+          H5Dread(data, type, memory.id(), space, H5P_DEFAULT, out) < 0)
+        return false;
+      out += size * width;
+      at += size;
+      count -= size;
+    }
+    return true;
+  }
+
+  const Hdf5Slice* slice_;
+  Hdf5Handle data_{H5I_INVALID_HID, H5Dclose};
+  Hdf5Handle times_{H5I_INVALID_HID, H5Dclose};
+  std::uint64_t at_ = 0;
+  std::uint64_t left_ = 0;
+  std::vector<char> bytes_;
+};
+
+}  // namespace
+
+void send_hdf5_listing(const std::string& path, std::uint64_t bytes, const PipeWriter& out) {
+  Walk(path, bytes, out).run();
+}
+
+void send_hdf5_slices(const std::string& path, const std::vector<Hdf5Slice>& slices,
+                      const PipeWriter& out) {
+  const OpenFile open(path);
+  std::vector<SliceReader> readers;
+  for (const Hdf5Slice& slice : slices) readers.emplace_back(open.file.id(), slice);
+  // all channels in step: those of one table find its pieces unpacked
+  for (bool more = open.file.valid(); more;) {
+    more = false;
+    for (std::size_t i = 0; i < readers.size(); ++i) {
+      if (readers[i].done()) continue;
+      if (!readers[i].send(i, out)) {
+        out.number(hdf5_end_of_blocks);
+        out.number(i);
+        return;
+      }
+      more = more || !readers[i].done();
+    }
+  }
+  out.number(hdf5_end_of_blocks);
+  out.number(hdf5_end_of_blocks);
+}
+
+}  // namespace impactrig::acquisition
