@@ -77,21 +77,33 @@ void require_samples(const MappedFile& file, const std::vector<StoredChannel>& s
                      "the file ends before its first sample");
 }
 
-std::unique_ptr<RecordingReader> open_1000z(std::unique_ptr<MappedFile> file) {
-  Fields fields(*file);
-  Record record;
+/// What the header of a DS1000Z says of all its inputs.
+struct Header1000z {
+  unsigned enabled = 0;      ///< a bit an input
+  std::uint64_t stride = 1;  ///< bytes from one sample of an input to the next
+  std::uint64_t points = 0;  ///< of each input
+  std::uint64_t data = 0;    ///< byte of the first sample
+  double interval = 0.0;     ///< [s]
+  double delay = 0.0;        ///< [s]
+  bool other_zero = false;   ///< known to one count only
+
+  bool has(std::uint64_t input) const { return (enabled >> input & 1U) != 0; }
+};
+
+Header1000z header_1000z(Fields& fields, Record& record) {
   const std::string model = fields.text(8, 20);
   const std::string firmware = fields.text(28, 20);
   set_attribute(record, "model", model);
   set_attribute(record, "firmware", firmware);
-  const auto enabled = fields.at<std::uint8_t>(88);
+  Header1000z header;
+  header.enabled = fields.at<std::uint8_t>(88);
   const auto depth = fields.at<std::uint32_t>(116);
-  const double interval = interval_of(fields.at<float>(120), 1e9);
-  const double delay = static_cast<double>(fields.at<std::int64_t>(72)) * 1e-12;
-  const std::uint64_t data =
+  header.interval = interval_of(fields.at<float>(120), 1e9);
+  header.delay = static_cast<double>(fields.at<std::int64_t>(72)) * 1e-12;
+  header.data =
       std::uint64_t{fields.at<std::uint32_t>(260)} + std::uint64_t{fields.at<std::uint32_t>(256)};
   std::uint64_t inputs = 0;
-  for (int i = 0; i < 4; ++i) inputs += enabled >> i & 1U;
+  for (std::uint64_t input = 0; input < 4; ++input) inputs += header.has(input) ? 1 : 0;
   if (inputs == 0)
     fields.fail(88,
                 "no analog input was switched on: digital inputs are not read, save them as "
@@ -99,107 +111,149 @@ std::unique_ptr<RecordingReader> open_1000z(std::unique_ptr<MappedFile> file) {
   if (fields.at<std::uint32_t>(108) != 0)
     record.warnings.push_back("the digital inputs are not read");
   // bytes of the inputs alternate; of three there are four, one of them idle
-  const std::uint64_t stride = inputs == 3 ? 4 : inputs;
-  const std::uint64_t points = depth / stride;
+  header.stride = inputs == 3 ? 4 : inputs;
+  header.points = depth / header.stride;
   // this firmware puts the zero elsewhere with two inputs: to one count, by its own CSV files
-  const bool other_zero = firmware == "00.04.04.SP3" && inputs == 2;
-  if (other_zero)
+  header.other_zero = firmware == "00.04.04.SP3" && inputs == 2;
+  if (header.other_zero)
     record.warnings.push_back(
         fmt::format("the zero of firmware {} with two inputs is known to one count of the "
                     "digitizer only",
                     firmware));
+  return header;
+}
 
+/// An input of a DS1000Z, counted from 0, without its samples.
+Channel channel_1000z(const MappedFile& file, Fields& fields, const Header1000z& header,
+                      std::uint64_t input) {
+  const std::uint64_t head = 124 + 28 * input;
+  Channel channel;
+  channel.name = fmt::format("CH {}", input + 1);
+  constexpr std::array<std::string_view, 4> units = {"W", "A", "V", ""};
+  const auto unit = fields.at<std::uint8_t>(head + 17);
+  set_unit(channel, unit < units.size() ? units[unit] : std::string_view());
+  const bool inverted = fields.at<std::uint8_t>(head + 16) != 0;
+  const double division = static_cast<double>(fields.at<float>(head + 8)) * (inverted ? -1 : 1);
+  const double shift = fields.at<float>(head + 12);
+  // 20 counts a division around 127; the trace lies a division above that
+  double bias = division;
+  if (header.other_zero) bias = shift < 0.0 ? division / 5.0 : 0.0;
+  set_scale(channel, division / 20.0, bias - shift - 127.0 * division / 20.0, file, head + 8);
+  set_axis(channel, header.delay - static_cast<double>(header.points) * header.interval / 2.0,
+           header.interval, "s");
+  channel.attributes["volts per division"] = fmt::format("{}", std::abs(division));
+  constexpr std::array<std::string_view, 3> couplings = {"DC", "AC", "ground"};
+  const auto coupling = fields.at<std::uint8_t>(head + 1);
+  if (coupling < couplings.size()) set_attribute(channel, "coupling", couplings[coupling]);
+  return channel;
+}
+
+/// Where the samples of an input begin: of two inputs the first has the odd bytes, of four the last
+/// comes first.
+std::uint64_t samples_1000z(const Header1000z& header, std::uint64_t input) {
+  std::uint64_t place = 0;
+  if (header.stride == 2) place = (header.enabled & ((1U << input) - 1U)) == 0 ? 1 : 0;
+  if (header.stride == 4) place = 3 - input;
+  return header.data + place;
+}
+
+std::unique_ptr<RecordingReader> open_1000z(std::unique_ptr<MappedFile> file) {
+  Fields fields(*file);
+  Record record;
+  const Header1000z header = header_1000z(fields, record);
   std::vector<StoredChannel> stored;
   for (std::uint64_t input = 0; input < 4; ++input) {
-    if ((enabled >> input & 1U) == 0) continue;
-    const std::uint64_t head = 124 + 28 * input;
-    Channel channel;
-    channel.name = fmt::format("CH {}", input + 1);
-    constexpr std::array<std::string_view, 4> units = {"W", "A", "V", ""};
-    const auto unit = fields.at<std::uint8_t>(head + 17);
-    set_unit(channel, unit < units.size() ? units[unit] : std::string_view());
-    const bool inverted = fields.at<std::uint8_t>(head + 16) != 0;
-    const double division = static_cast<double>(fields.at<float>(head + 8)) * (inverted ? -1 : 1);
-    const double shift = fields.at<float>(head + 12);
-    // 20 counts a division around 127; the trace lies a division above that
-    double bias = division;
-    if (other_zero) bias = shift < 0.0 ? division / 5.0 : 0.0;
-    set_scale(channel, division / 20.0, bias - shift - 127.0 * division / 20.0, *file, head + 8);
-    set_axis(channel, delay - static_cast<double>(points) * interval / 2.0, interval, "s");
-    channel.attributes["volts per division"] = fmt::format("{}", std::abs(division));
-    constexpr std::array<std::string_view, 3> couplings = {"DC", "AC", "ground"};
-    const auto coupling = fields.at<std::uint8_t>(head + 1);
-    if (coupling < couplings.size()) set_attribute(channel, "coupling", couplings[coupling]);
-    // of two inputs the first has the odd bytes, of four the last comes first
-    std::uint64_t place = 0;
-    if (stride == 2) place = (enabled & ((1U << input) - 1U)) == 0 ? 1 : 0;
-    if (stride == 4) place = 3 - input;
-    const std::uint64_t there = numbers_there(*file, data + place, stride, NumberKind::u8, points);
-    if (there < points) record.warnings.push_back(cut_off(channel.name, there, points));
+    if (!header.has(input)) continue;
+    Channel channel = channel_1000z(*file, fields, header, input);
+    const std::uint64_t begin = samples_1000z(header, input);
+    const std::uint64_t there =
+        numbers_there(*file, begin, header.stride, NumberKind::u8, header.points);
+    if (there < header.points)
+      record.warnings.push_back(cut_off(channel.name, there, header.points));
     StoredNumbers numbers(NumberKind::u8);
-    numbers.add({data + place, there, stride});
+    numbers.add({begin, there, header.stride});
     stored.push_back({numbers});
     record.channels.push_back(std::move(channel));
   }
-  if (points > 0) require_samples(*file, stored);
+  if (header.points > 0) require_samples(*file, stored);
   return reader_of_numbers(std::move(file), std::move(record), std::move(stored));
 }
 
-std::unique_ptr<RecordingReader> open_1000e(std::unique_ptr<MappedFile> file) {
-  constexpr std::uint64_t data = 276;
-  Fields fields(*file);
-  Record record;
+/// What the header of a DS1000E or D says of both its inputs.
+struct Header1000e {
+  std::array<bool, 2> enabled{};
+  std::array<std::uint64_t, 2> depths{};  ///< samples in the file
+  std::uint64_t skip = 0;                 ///< of them that are not sound
+  bool alternating = false;               ///< each input has its own time base
+};
+
+constexpr std::array<std::uint64_t, 2> heads_1000e = {36, 60};
+
+Header1000e header_1000e(Fields& fields, std::uint64_t file_size, Record& record) {
+  Header1000e header;
   const auto roll_stop = fields.at<std::uint32_t>(20);
-  const std::array<std::uint64_t, 2> heads = {36, 60};
-  const std::array<bool, 2> enabled = {fields.at<std::uint8_t>(heads[0] + 13) != 0,
-                                       fields.at<std::uint8_t>(heads[1] + 13) != 0};
+  header.enabled = {fields.at<std::uint8_t>(heads_1000e[0] + 13) != 0,
+                    fields.at<std::uint8_t>(heads_1000e[1] + 13) != 0};
   const std::uint64_t depth1 = fields.at<std::uint32_t>(28);
   const auto depth2_stated = fields.at<std::uint32_t>(232);
-  const std::array<std::uint64_t, 2> depths = {
-      depth1, depth2_stated == 0 ? depth1 : std::uint64_t{depth2_stated}};
+  header.depths = {depth1, depth2_stated == 0 ? depth1 : std::uint64_t{depth2_stated}};
   // older models have samples at 272 or 256: DS1000C with this magic
-  const std::uint64_t announced = (enabled[0] ? depth1 : 0) + (enabled[1] ? depths[1] : 0);
-  const std::uint64_t size = file->bytes().size();
-  if (announced > 0 && (size == 256 + announced || size == 272 + announced))
+  const std::uint64_t announced =
+      (header.enabled[0] ? depth1 : 0) + (header.enabled[1] ? header.depths[1] : 0);
+  if (announced > 0 && (file_size == 256 + announced || file_size == 272 + announced))
     fields.fail(0,
                 "this is a waveform of a Rigol DS1000C, which is not read: save it as CSV on "
                 "the oscilloscope");
-  if (!enabled[0] && !enabled[1])
-    fields.fail(heads[0] + 13,
+  if (!header.enabled[0] && !header.enabled[1])
+    fields.fail(heads_1000e[0] + 13,
                 "no analog input was switched on: digital inputs are not read, save "
                 "them as CSV on the oscilloscope");
   if (fields.at<std::uint8_t>(120) % 2 != 0)
     record.warnings.push_back("the digital inputs are not read");
-  const bool alternating = fields.at<std::uint8_t>(142) == 4;  // each input has its own time base
-  const std::uint64_t skip = roll_stop == 0 ? 0 : std::uint64_t{roll_stop} + 2;
+  header.alternating = fields.at<std::uint8_t>(142) == 4;
+  header.skip = roll_stop == 0 ? 0 : std::uint64_t{roll_stop} + 2;
+  return header;
+}
 
+/// An input of a DS1000E or D, counted from 0, without its samples.
+Channel channel_1000e(const MappedFile& file, Fields& fields, const Header1000e& header,
+                      std::uint64_t input) {
+  const std::uint64_t head = heads_1000e[input];
+  Channel channel;
+  channel.name = fmt::format("CH {}", input + 1);
+  set_unit(channel, "V");
+  const double probe = fields.at<float>(head + 8);
+  const double division = 1e-6 * fields.at<std::int32_t>(head + 16) * probe;
+  const bool inverted = fields.at<std::uint8_t>(head + 14) != 0;
+  const double shift = fields.at<std::int16_t>(head + 20);
+  // 25 counts a division, downwards from 125
+  const double count = division / 25.0;
+  set_scale(channel, -count, (125.0 - shift) * count, file, head + 16);
+  channel.attributes["volts per division"] = fmt::format("{}", division);
+  channel.attributes["probe attenuation"] = fmt::format("{}", probe);
+  if (inverted) channel.attributes["inverted"] = "yes";
+  const std::uint64_t time = header.alternating && input == 1 ? 236 : 84;
+  const double interval = interval_of(fields.at<float>(time + 16));
+  const double delay = static_cast<double>(fields.at<std::int64_t>(time + 28)) * 1e-12;
+  set_axis(channel, delay - static_cast<double>(header.depths[input]) * interval / 2.0, interval,
+           "s");
+  return channel;
+}
+
+std::unique_ptr<RecordingReader> open_1000e(std::unique_ptr<MappedFile> file) {
+  Fields fields(*file);
+  Record record;
+  const Header1000e header = header_1000e(fields, file->bytes().size(), record);
   std::vector<StoredChannel> stored;
-  std::uint64_t offset = data;
+  std::uint64_t offset = 276;
   for (std::uint64_t input = 0; input < 2; ++input) {
-    if (!enabled[input]) continue;
-    const std::uint64_t head = heads[input];
-    Channel channel;
-    channel.name = fmt::format("CH {}", input + 1);
-    set_unit(channel, "V");
-    const double probe = fields.at<float>(head + 8);
-    const double division = 1e-6 * fields.at<std::int32_t>(head + 16) * probe;
-    const bool inverted = fields.at<std::uint8_t>(head + 14) != 0;
-    const double shift = fields.at<std::int16_t>(head + 20);
-    // 25 counts a division, downwards from 125
-    const double count = division / 25.0;
-    set_scale(channel, -count, (125.0 - shift) * count, *file, head + 16);
-    channel.attributes["volts per division"] = fmt::format("{}", division);
-    channel.attributes["probe attenuation"] = fmt::format("{}", probe);
-    if (inverted) channel.attributes["inverted"] = "yes";
-    const std::uint64_t time = alternating && input == 1 ? 236 : 84;
-    const double interval = interval_of(fields.at<float>(time + 16));
-    const double delay = static_cast<double>(fields.at<std::int64_t>(time + 28)) * 1e-12;
-    const std::uint64_t depth = depths[input];
-    set_axis(channel, delay - static_cast<double>(depth) * interval / 2.0, interval, "s");
-    const std::uint64_t points = depth > skip ? depth - skip : 0;
+    if (!header.enabled[input]) continue;
+    Channel channel = channel_1000e(*file, fields, header, input);
+    const std::uint64_t depth = header.depths[input];
+    const std::uint64_t points = depth > header.skip ? depth - header.skip : 0;
     stored.push_back(
         {numbers_at(*file, offset, points, NumberKind::u8, false, channel.name, record)});
-    if (skip > 0)
+    if (header.skip > 0)
       record.warnings.push_back(fmt::format("'{}': rolling was stopped: {} of {} samples are sound",
                                             channel.name, points, depth));
     offset += depth;
