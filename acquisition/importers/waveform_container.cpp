@@ -125,67 +125,102 @@ class ContainerReader {
     return wide_ ? in_.read<std::uint64_t>(what) : in_.read<std::uint32_t>(what);
   }
 
+  /// The header of a waveform, as it stands in the file.
+  struct Header {
+    std::uint32_t size = 0;  ///< [bytes]
+    std::uint32_t type = 0;
+    std::uint32_t buffers = 0;
+    std::uint32_t points = 0;
+    std::uint32_t count = 0;  ///< hits
+    double interval = 0.0;
+    double origin = 0.0;
+    std::uint32_t x_unit = 0;
+    std::uint32_t y_unit = 0;
+    std::string date;
+    std::string time;
+    std::string frame;
+    std::string label;
+    double time_tag = 0.0;  ///< [s]
+    std::uint32_t segment = 0;
+  };
+
   void read_waveform(std::uint32_t number) {
+    const Header header = read_header(number);
+    const Channel channel = channel_of(header, number);
+    if (record_.started.empty()) record_.started = started(header.date, header.time);
+    set_attribute(record_, "instrument", header.frame);
+    for (std::uint32_t b = 0; b < header.buffers && !cut_; ++b) {
+      header_cut_ = true;
+      read_buffer(channel, header.points);
+    }
+  }
+
+  /// Leaves the cursor behind the header.
+  Header read_header(std::uint32_t number) {
     const std::string_view what = "a waveform's header";
     header_cut_ = true;
     const std::uint64_t start = in_.at();
-    const auto header_size = in_.read<std::uint32_t>(what);
+    Header header;
+    header.size = in_.read<std::uint32_t>(what);
     constexpr std::uint32_t shortest = 128;  // without time tag and segment index
-    if (header_size < shortest) {
+    if (header.size < shortest) {
       header_cut_ = false;
       throw InputError(file_->byte_position(start),
                        fmt::format("the header of waveform {} is said to have {} bytes, expected "
                                    "{} or more",
-                                   number, header_size, shortest));
+                                   number, header.size, shortest));
     }
-    const auto type = in_.read<std::uint32_t>(what);
-    const auto buffers = in_.read<std::uint32_t>(what);
-    const auto points = in_.read<std::uint32_t>(what);
-    const auto count = in_.read<std::uint32_t>(what);
+    header.type = in_.read<std::uint32_t>(what);
+    header.buffers = in_.read<std::uint32_t>(what);
+    header.points = in_.read<std::uint32_t>(what);
+    header.count = in_.read<std::uint32_t>(what);
     in_.skip(4 + 8);  // what the screen showed
-    const auto interval = meant_by_float(in_.read<double>(what));
-    const auto origin = meant_by_float(in_.read<double>(what));
-    const auto x_unit = in_.read<std::uint32_t>(what);
-    const auto y_unit = in_.read<std::uint32_t>(what);
-    const std::string date = fixed_text(in_.bytes(16, what));
-    const std::string time = fixed_text(in_.bytes(16, what));
-    const std::string frame = fixed_text(in_.bytes(24, what));
-    const std::string label = fixed_text(in_.bytes(16, what));
-    double time_tag = 0.0;
-    std::uint32_t segment = 0;
-    if (header_size >= 140) {
-      time_tag = in_.read<double>(what);
-      segment = in_.read<std::uint32_t>(what);
+    header.interval = meant_by_float(in_.read<double>(what));
+    header.origin = meant_by_float(in_.read<double>(what));
+    header.x_unit = in_.read<std::uint32_t>(what);
+    header.y_unit = in_.read<std::uint32_t>(what);
+    header.date = fixed_text(in_.bytes(16, what));
+    header.time = fixed_text(in_.bytes(16, what));
+    header.frame = fixed_text(in_.bytes(24, what));
+    header.label = fixed_text(in_.bytes(16, what));
+    if (header.size >= 140) {
+      header.time_tag = in_.read<double>(what);
+      header.segment = in_.read<std::uint32_t>(what);
     }
     in_.seek(start);
-    in_.bytes(header_size, what);
-    if (format_.cookie == "RG" && header_size == 144 && stated_size_ != file_->bytes().size()) {
-      header_cut_ = false;
-      throw InputError(
-          file_->byte_position(start),
-          fmt::format("this export ({}) is several files in one, whose samples are bytes "
-                      "without their scale, and is not read: save it anew, or as CSV",
-                      frame.substr(0, frame.find(':'))));
-    }
+    in_.bytes(header.size, what);
+    refuse_several_files(header, start);
+    return header;
+  }
 
+  /// An export of several files begins like a waveform; its stated size gives it away.
+  void refuse_several_files(const Header& header, std::uint64_t start) {
+    if (format_.cookie != "RG" || header.size != 144 || stated_size_ == file_->bytes().size())
+      return;
+    header_cut_ = false;
+    throw InputError(
+        file_->byte_position(start),
+        fmt::format("this export ({}) is several files in one, whose samples are bytes "
+                    "without their scale, and is not read: save it anew, or as CSV",
+                    header.frame.substr(0, header.frame.find(':'))));
+  }
+
+  /// The channel of a waveform, without its samples.
+  Channel channel_of(const Header& header, std::uint32_t number) {
     Channel channel;
-    channel.name = label.empty() ? fmt::format("CH {}", number) : input_name(label);
-    if (label.empty()) unnamed_ = true;
-    if (segment > 0) channel.attributes["segment"] = fmt::format("{}", segment);
-    set_attribute(channel, "label", label);
+    channel.name = header.label.empty() ? fmt::format("CH {}", number) : input_name(header.label);
+    if (header.label.empty()) unnamed_ = true;
+    if (header.segment > 0) channel.attributes["segment"] = fmt::format("{}", header.segment);
+    set_attribute(channel, "label", header.label);
     set_attribute(channel, "waveform type",
-                  type < waveform_types.size() ? waveform_types[type] : "unknown");
-    if (count > 1) channel.attributes["hits"] = fmt::format("{}", count);
-    if (time_tag != 0.0) channel.attributes["time tag"] = fmt::format("{} s", time_tag);
-    set_unit(channel, unit_of(y_unit));
-    set_axis(channel, format_.origin_before_trigger ? 0.0 - origin : origin, interval,
-             unit_of(x_unit));
-    if (record_.started.empty()) record_.started = started(date, time);
-    set_attribute(record_, "instrument", frame);
-    for (std::uint32_t b = 0; b < buffers && !cut_; ++b) {
-      header_cut_ = true;
-      read_buffer(channel, points);
-    }
+                  header.type < waveform_types.size() ? waveform_types[header.type] : "unknown");
+    if (header.count > 1) channel.attributes["hits"] = fmt::format("{}", header.count);
+    if (header.time_tag != 0.0)
+      channel.attributes["time tag"] = fmt::format("{} s", header.time_tag);
+    set_unit(channel, unit_of(header.y_unit));
+    set_axis(channel, format_.origin_before_trigger ? 0.0 - header.origin : header.origin,
+             header.interval, unit_of(header.x_unit));
+    return channel;
   }
 
   void read_buffer(Channel channel, std::uint64_t points) {
