@@ -321,7 +321,8 @@ TEST_F(Laws, AreComparedInOnePicture) {
 }
 
 TEST_F(Laws, ThatRefuseTheCounterfaceAreToldWhenCompared) {
-  const Outcome o = run("laws --compare " + against("{ shape = \"plane\" }"));
+  const Outcome o =
+      run("laws --compare " + against("{ shape = \"plane\" }") + " -o " + path("laws.svg"));
   ASSERT_EQ(o.code, 0) << o.err;
   EXPECT_THAT(o.err,
               HasSubstr("esdu-78035 left out: contact.counterface: the law 'esdu-78035' does "
