@@ -96,6 +96,8 @@ class Session {
   std::unique_ptr<ShotCost> cost_of(const Shot& shot) const;
   std::vector<double> values_of(const Shot& shot) const;
   void report_parameters(const Uncertainty& spread, double inflation, Fit& fit) const;
+  double report_goodness(double priors, Goodness& goodness) const;
+  void report_predictions(Fit& fit);
   void report_channels(Fit& fit);
   void report_restitution(const Uncertainty& spread, double inflation, Fit& fit);
   void warn(Fit& fit, double reduced) const;
@@ -570,6 +572,27 @@ void Session::estimate_mesh_shift(const Eigen::MatrixXd& jacobian, const Uncerta
   set_motion(motion);
 }
 
+/// From chi2, the samples and the unknowns. Returns chi2 by degree of freedom.
+double Session::report_goodness(double priors, Goodness& goodness) const {
+  const double count = samples();
+  const double unknowns = static_cast<double>(variables_.size());
+  const double dof = std::max(1.0, count + priors - unknowns);
+  goodness.dof = std::lround(dof);
+  goodness.aicc = goodness.chi2 + 2.0 * unknowns +
+                  2.0 * unknowns * (unknowns + 1.0) / std::max(1.0, count - unknowns - 1.0);
+  goodness.bic = goodness.chi2 + unknowns * std::log(count);
+  return goodness.chi2 / dof;
+}
+
+void Session::report_predictions(Fit& fit) {
+  for (const Shot& shot : shots_) {
+    const double interval = std::min(1e-6, shot.channels.front().signal->interval);
+    fit.predictions.push_back(
+        shot.model->simulate(cost_of(shot)->rig_at(values_of(shot)), interval));
+    if (!skipped_.empty()) fit.predictions.back().skipped.push_back(skipped_);
+  }
+}
+
 Fit Session::run() {
   const auto started = std::chrono::steady_clock::now();
   choose_motion();
@@ -609,14 +632,7 @@ Fit Session::run() {
     }
   }
   estimate_mesh_shift(jacobian, spread);
-  const double count = samples();
-  const double unknowns = static_cast<double>(variables_.size());
-  const double dof = std::max(1.0, count + priors - unknowns);
-  fit.goodness.dof = std::lround(dof);
-  const double reduced = fit.goodness.chi2 / dof;
-  fit.goodness.aicc = fit.goodness.chi2 + 2.0 * unknowns +
-                      2.0 * unknowns * (unknowns + 1.0) / std::max(1.0, count - unknowns - 1.0);
-  fit.goodness.bic = fit.goodness.chi2 + unknowns * std::log(count);
+  const double reduced = report_goodness(priors, fit.goodness);
   const double inflation = !noise_known_ || reduced > misfit ? std::sqrt(reduced) : 1.0;
 
   report_parameters(spread, inflation, fit);
@@ -624,12 +640,7 @@ Fit Session::run() {
   fit.rig = rig_;
   for (const Variable& v : variables_)
     if (v.physics && v.recording <= 0) v.physics->of(fit.rig.rig) = v.value;
-  for (const Shot& shot : shots_) {
-    const double interval = std::min(1e-6, shot.channels.front().signal->interval);
-    fit.predictions.push_back(
-        shot.model->simulate(cost_of(shot)->rig_at(values_of(shot)), interval));
-    if (!skipped_.empty()) fit.predictions.back().skipped.push_back(skipped_);
-  }
+  report_predictions(fit);
   report_restitution(spread, inflation, fit);
   fit.impacts = impacts_;
   fit.termination = termination_;

@@ -39,7 +39,7 @@ bool within(double ratio, double limit) {
   return ratio > 1.0 / limit && ratio < limit;
 }
 
-/// "1000 times too large (that is the factor of N for kN, or mV for V)".
+/// "1000 times too large (nearly the factor of N for kN, or mV for V)".
 std::string off_by(double ratio, bool force) {
   const double factor = ratio > 1.0 ? ratio : 1.0 / ratio;
   std::string text = fmt::format("{:.2g} times too {}", factor, ratio > 1.0 ? "large" : "small");

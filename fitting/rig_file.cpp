@@ -336,6 +336,27 @@ datasets::SourcePosition position_of(const toml::table& document, const std::str
   return where;
 }
 
+void read_environment(TableReader& environment, RigFile& file) {
+  if (const auto gravity = environment.quantity("gravity", "m/s^2"))
+    file.rig.gravity = gravity->value;
+  if (const auto direction = environment.quantity("gravity_direction", "rad"))
+    file.rig.gravity_direction = direction->value;
+  if (const auto mains = environment.quantity("mains_frequency", "Hz")) {
+    if (!(mains->value > 0.0)) environment.refuse("mains_frequency", "must be greater than zero");
+    file.mains_frequency = mains->value;
+  }
+  environment.finish();
+}
+
+/// Hum is of the mains unless its step says otherwise.
+std::vector<datasets::ConditioningStep> read_steps(TableReader& root, double mains_frequency) {
+  std::vector<datasets::ConditioningStep> steps = read_conditioning(root);
+  for (datasets::ConditioningStep& step : steps)
+    if (auto* const hum = std::get_if<datasets::RemoveHum>(&step.action); hum && !hum->frequency)
+      hum->frequency = mains_frequency;
+  return steps;
+}
+
 TableReader required_table(TableReader& root, std::string_view key) {
   auto table = root.table(key);
   if (!table) root.refuse(key, fmt::format("the table [{}] is missing", key));
@@ -384,28 +405,14 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
     TableReader start = required_table(root, "start");
     read_start(start, file.rig.start);
   }
-  if (auto environment = root.table("environment")) {
-    if (const auto gravity = environment->quantity("gravity", "m/s^2"))
-      file.rig.gravity = gravity->value;
-    if (const auto direction = environment->quantity("gravity_direction", "rad"))
-      file.rig.gravity_direction = direction->value;
-    if (const auto mains = environment->quantity("mains_frequency", "Hz")) {
-      if (!(mains->value > 0.0))
-        environment->refuse("mains_frequency", "must be greater than zero");
-      file.mains_frequency = mains->value;
-    }
-    environment->finish();
-  }
+  if (auto environment = root.table("environment")) read_environment(*environment, file);
   file.solver.elements = models::split_elements(default_elements, file.rig);
   if (auto solver = root.table("solver"))
     read_solver(*solver, file);
   else
     file.solver.accuracy = default_accuracy;
   if (auto sensors = root.table("sensors")) read_sensors(*sensors, file);
-  file.conditioning = read_conditioning(root);
-  for (datasets::ConditioningStep& step : file.conditioning)
-    if (auto* const hum = std::get_if<datasets::RemoveHum>(&step.action); hum && !hum->frequency)
-      hum->frequency = file.mains_frequency;
+  file.conditioning = read_steps(root, file.mains_frequency);
   root.finish();
   try {
     models::validate(file.rig, file.solver);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -73,7 +74,8 @@ class Conditioning {
 
   void note(Edit&& edit) { record_.provenance.edits.push_back(std::move(edit)); }
 
-  Impact first_impact() const {
+  /// `remedy` ends the sentence that says there is none.
+  Impact first_impact(std::string_view remedy) const {
     std::vector<Impact> impacts;
     std::string reason;
     try {
@@ -82,16 +84,16 @@ class Conditioning {
       reason = fmt::format(" ({})", error.problem());
     }
     if (impacts.empty())
-      throw std::invalid_argument(
-          fmt::format("no impact is found to tell what is quiet{}; state quiet = {{ from = "
-                      "\"...\", to = \"...\" }}",
-                      reason));
+      throw std::invalid_argument(fmt::format("no impact is found{}, {}", reason, remedy));
     return impacts.front();
   }
 
   TimeSpan before_touch(std::size_t index) {
     const double start = channel(index).clock.start;
-    const double touch = first_impact().start;
+    const double touch =
+        first_impact(
+            "so what is quiet is not known; state quiet = { from = \"...\", to = \"...\" }")
+            .start;
     const double guard = std::max(3.0 * channel(index).clock.interval, 0.05 * (touch - start));
     return {start, touch - guard};
   }
@@ -152,7 +154,8 @@ class Conditioning {
       throw std::invalid_argument(
           fmt::format("channel '{}' is to be aligned to itself", channel(index).name));
     const Channel& reference = channel(references.front());
-    const Impact impact = first_impact();
+    const Impact impact =
+        first_impact("by which channels could be aligned; choose another --trigger or --threshold");
     const bool struck = (reference.quantity == datasets::Quantity::force) !=
                         (channel(index).quantity == datasets::Quantity::force);
     const double margin = 2.0 * impact.width + action.range;

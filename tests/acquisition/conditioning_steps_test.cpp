@@ -140,9 +140,20 @@ TEST(ApplySteps, SaysWhichStepFailsAndWhy) {
     apply_steps(std::vector<ConditioningStep>{{"velocity", datasets::RemoveBaseline{}}}, quiet);
     FAIL();
   } catch (const datasets::InputError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "shot.csv: conditioning step 1: no impact is found, so what is quiet is not known; "
+        "state quiet = { from = \"...\", to = \"...\" }");
+  }
+  quiet.channels.push_back(force_of(at, std::vector<double>(at.samples, 0.0)));
+  try {
+    apply_steps(std::vector<ConditioningStep>{{"velocity", datasets::AlignTo{"force", 50e-6}}},
+                quiet);
+    FAIL();
+  } catch (const datasets::InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "shot.csv: conditioning step 1: no impact is found to tell what is quiet; state "
-                 "quiet = { from = \"...\", to = \"...\" }");
+                 "shot.csv: conditioning step 1: no impact is found, by which channels could be "
+                 "aligned; choose another --trigger or --threshold");
   }
 }
 
