@@ -15,6 +15,8 @@
 #include "acquisition/importer.hpp"
 #include "datasets/input_error.hpp"
 #include "fitting/fit.hpp"
+#include "fitting/fit_keys.hpp"
+#include "fitting/parameters.hpp"
 #include "fitting/plausibility.hpp"
 #include "fitting/rig_file.hpp"
 
@@ -116,20 +118,38 @@ datasets::Record conditioned_recording(const std::string& path, const FitJob& jo
   return record;
 }
 
-fitting::FitOptions fit_options(const FitJob& job) {
-  fitting::FitOptions options;
-  options.free = split_names(job.free);
-  options.window = job.window;
-  if (job.channels.empty()) return options;
-  options.use_force = options.use_velocity = options.use_displacement = false;
-  for (const std::string& name : split_names(job.channels)) {
-    if (name != "force" && name != "velocity" && name != "displacement")
-      throw CLI::ValidationError("--channels",
-                                 "expected force, velocity or displacement, found " + name);
-    (name == "force"      ? options.use_force
-     : name == "velocity" ? options.use_velocity
-                          : options.use_displacement) = true;
-  }
+/// The rig file's [fit], and on top of it what the command line states.
+fitting::FitOptions fit_options(const FitJob& job, const fitting::RigFile& rig) {
+  fitting::FitOptions options = rig.fit;
+  const auto each = [](const char* option, const std::vector<std::string>& texts, auto&& read) {
+    for (const std::string& text : texts) try {
+        read(text);
+      } catch (const std::invalid_argument& error) {
+        throw CLI::ValidationError(option, error.what());
+      }
+  };
+  if (!job.free.empty()) options.free = split_names(job.free);
+  if (job.window > 0.0) options.window = job.window;
+  if (!job.loss.empty()) options.loss = fitting::loss_named(job.loss);
+  each("--fix", split_names(job.fix), [&](const std::string& name) {
+    fitting::unit_of(name);
+    options.setting(name).fixed = true;
+  });
+  each("--shared", split_names(job.shared), [&](const std::string& name) {
+    fitting::unit_of(name);
+    options.setting(name).shared = true;
+  });
+  each("--own", split_names(job.own), [&](const std::string& name) {
+    fitting::unit_of(name);
+    options.setting(name).shared = false;
+  });
+  each("--prior", job.priors, [&](const std::string& text) { fitting::read_prior(text, options); });
+  each("--bounds", job.bounds,
+       [&](const std::string& text) { fitting::read_bounds(text, options); });
+  each("--tie", job.ties, [&](const std::string& text) { fitting::read_tie(text, options); });
+  if (!job.channels.empty())
+    each("--channels", {job.channels},
+         [&](const std::string& names) { fitting::choose_channels(split_names(names), options); });
   return options;
 }
 
@@ -137,12 +157,15 @@ fitting::FitOptions fit_options(const FitJob& job) {
 std::string result_text(const FitJob& job, const reports::ResultProvenance& provenance) {
   const ImportArguments& r = job.reading;
   std::string text = fmt::format(
-      "impactrig {} {}\nfree {}\nchannels {}\nwindow {}\nrig {}\nread {}|{}|{}|{}|{}|{}|{}\n"
+      "impactrig {} {}\nfree {}\nfix {}\nshared {}\nown {}\nprior {}\nbounds {}\ntie {}\nloss {}\n"
+      "channels {}\nwindow {}\nrig {}\nread {}|{}|{}|{}|{}|{}|{}\n"
       "trigger {}|{}|{}|{}|{}\nfrom {} to {}\n",
-      provenance.version, provenance.git, job.free, job.channels, job.window,
-      provenance.config_sha256, r.format, r.delimiter, r.decimal, r.time_column, r.units,
-      r.skip_lines, r.sample_rate, job.detection.trigger, job.detection.threshold,
-      job.detection.pre_trigger, job.detection.post_trigger, job.impact, r.from, r.to);
+      provenance.version, provenance.git, job.free, job.fix, job.shared, job.own,
+      fmt::join(job.priors, ";"), fmt::join(job.bounds, ";"), fmt::join(job.ties, ";"), job.loss,
+      job.channels, job.window, provenance.config_sha256, r.format, r.delimiter, r.decimal,
+      r.time_column, r.units, r.skip_lines, r.sample_rate, job.detection.trigger,
+      job.detection.threshold, job.detection.pre_trigger, job.detection.post_trigger, job.impact,
+      r.from, r.to);
   for (const reports::InputFile& input : provenance.inputs) text += input.sha256 + "\n";
   return text;
 }
@@ -156,6 +179,15 @@ void add_fit_job(CLI::App& command, FitJob& job) {
   command.add_option("--free", job.free,
                      "Parameters to fit, comma between; default "
                      "contact.restitution,contact.stiffness_factor,start.velocity");
+  command.add_option("--fix", job.fix, "Parameters not to fit, comma between (sensors.force.gain)");
+  command.add_option("--prior", job.priors,
+                     "NAME=VALUE +- UNCERTAINTY, for example of a calibration");
+  command.add_option("--bounds", job.bounds, "NAME=LOW:HIGH");
+  command.add_option("--tie", job.ties, "NAME=FACTOR*OTHER: the one goes with the other");
+  command.add_option("--shared", job.shared, "Parameters that all recordings share, comma between");
+  command.add_option("--own", job.own, "Parameters of which each recording has its own");
+  command.add_option("--loss", job.loss, "What a residual costs: squares, huber, cauchy, tukey")
+      ->check(CLI::IsMember({"squares", "huber", "cauchy", "tukey"}));
   command.add_option("--channels", job.channels,
                      "Channels to fit, comma between; default force,velocity");
   command.add_option("--window", job.window, "Fit no more than this after first touch [s]")
@@ -178,7 +210,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
   const std::time_t wall_clock = std::time(nullptr);
   fitting::RigFile rig = fitting::read_rig_file(job.rig, split_overrides(job.common.overrides));
   reports::ReportData data;
-  const fitting::FitOptions options = fit_options(job);
+  const fitting::FitOptions options = fit_options(job, rig);
   std::vector<datasets::Impact> impacts;
   std::vector<std::string> warnings;
   for (const std::string& path : job.recordings) {

@@ -14,7 +14,10 @@ namespace impactrig::app {
 struct FitJob {
   std::vector<std::string> recordings;
   std::string rig;
-  std::string free;      ///< comma between
+  std::string free;                               ///< comma between
+  std::string fix, shared, own;                   ///< names of parameters, comma between
+  std::vector<std::string> priors, bounds, ties;  ///< fitting/fit_keys.hpp
+  std::string loss;
   std::string channels;  ///< comma between
   std::string title;
   double window = 0.0;  ///< [s]

@@ -24,10 +24,27 @@ std::string carriers(const Eigen::VectorXd& direction, const std::vector<std::st
   return text;
 }
 
-}  // namespace
+/// From the covariance; a sentence on every pair that is hardly told apart.
+void find_correlations(const std::vector<std::string>& names, const std::vector<bool>& held,
+                       Uncertainty& result) {
+  const Eigen::Index n = result.covariance.rows();
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const double spread = std::sqrt(result.covariance(i, i) * result.covariance(j, j));
+      if (!(spread > 0.0)) continue;
+      const double r = result.correlations(i, j) = result.correlations(j, i) =
+          result.covariance(i, j) / spread;
+      const bool told_of = !held[static_cast<std::size_t>(i)] && !held[static_cast<std::size_t>(j)];
+      if (told_of && std::abs(r) > strong_correlation)
+        result.sentences.push_back(fmt::format(
+            "{} and {} can hardly be told apart (correlation {:.4f}); fix one of them or give it "
+            "a prior",
+            names[static_cast<std::size_t>(j)], names[static_cast<std::size_t>(i)], r));
+    }
+}
 
-Uncertainty uncertainty(const Eigen::MatrixXd& jacobian, const std::vector<std::string>& names,
-                        const std::vector<bool>& held) {
+/// (J'J)⁻¹ of what is determined, and a sentence on what is not; no correlations yet.
+Uncertainty invert(const Eigen::MatrixXd& jacobian, const std::vector<std::string>& names) {
   const Eigen::Index n = jacobian.cols();
   Uncertainty result{.covariance = Eigen::MatrixXd::Zero(n, n),
                      .correlations = Eigen::MatrixXd::Identity(n, n),
@@ -66,19 +83,31 @@ Uncertainty uncertainty(const Eigen::MatrixXd& jacobian, const std::vector<std::
       if (result.identifiable[static_cast<std::size_t>(i)] &&
           result.identifiable[static_cast<std::size_t>(j)])
         result.covariance(i, j) = inverse(i, j) * inverse_norms[i] * inverse_norms[j];
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < i; ++j) {
-      const double spread = std::sqrt(result.covariance(i, i) * result.covariance(j, j));
-      if (!(spread > 0.0)) continue;
-      const double r = result.correlations(i, j) = result.correlations(j, i) =
-          result.covariance(i, j) / spread;
-      const bool told_of = !held[static_cast<std::size_t>(i)] && !held[static_cast<std::size_t>(j)];
-      if (told_of && std::abs(r) > strong_correlation)
-        result.sentences.push_back(fmt::format(
-            "{} and {} can hardly be told apart (correlation {:.4f}); fix one of them or give it "
-            "a prior",
-            names[static_cast<std::size_t>(j)], names[static_cast<std::size_t>(i)], r));
-    }
+  return result;
+}
+
+}  // namespace
+
+Uncertainty uncertainty(const Eigen::MatrixXd& jacobian, const std::vector<std::string>& names,
+                        const std::vector<bool>& held) {
+  Uncertainty result = invert(jacobian, names);
+  find_correlations(names, held, result);
+  return result;
+}
+
+Uncertainty uncertainty(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals,
+                        Loss loss, Eigen::Index data, const std::vector<std::string>& names,
+                        const std::vector<bool>& held) {
+  if (loss == Loss::squares) return uncertainty(jacobian, names, held);
+  Eigen::MatrixXd bread = jacobian, filling = jacobian;
+  for (Eigen::Index i = 0; i < data; ++i) {
+    const LossValue at = evaluate(loss, residuals[i]);
+    bread.row(i) *= std::sqrt(std::max(0.0, at.slope));
+    filling.row(i) *= at.influence;
+  }
+  Uncertainty result = invert(bread, names);
+  result.covariance = result.covariance * (filling.transpose() * filling) * result.covariance;
+  find_correlations(names, held, result);
   return result;
 }
 

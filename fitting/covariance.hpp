@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "fitting/loss.hpp"
+
 namespace impactrig::fitting {
 
 /// What a Jacobian tells about the parameters at the optimum.
@@ -24,6 +26,17 @@ struct Uncertainty {
 /// not where `held` marks one of the two: a parameter with a prior, or first touch, which goes with
 /// the channels' delays as a matter of course.
 Uncertainty uncertainty(const Eigen::MatrixXd& jacobian, const std::vector<std::string>& names,
+                        const std::vector<bool>& held);
+
+/// The same where residuals were judged by a loss ρ instead of their squares: the sandwich
+///
+///   H⁻¹ (Σ ψ_i² J_i' J_i) H⁻¹,   H = Σ max(ψ'_i, 0) J_i' J_i,   ψ = ρ'/2
+///
+/// over the first `data` rows; rows behind them are priors, squared as ever with ψ² = 1. Scatter
+/// beyond the noise that was stated is in it, as far as the loss lets it in. Of squares it is
+/// (J'J)⁻¹, for which the noise must be right. Source: [HuberRonchetti2009].
+Uncertainty uncertainty(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals,
+                        Loss loss, Eigen::Index data, const std::vector<std::string>& names,
                         const std::vector<bool>& held);
 
 }  // namespace impactrig::fitting

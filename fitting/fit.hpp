@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "datasets/impact.hpp"
+#include "fitting/fit_options.hpp"
 #include "fitting/rig_file.hpp"
 #include "models/simulation.hpp"
 
@@ -31,8 +32,9 @@ struct Parameter {
   /// What a mesh twice as fine would add to the value, to first order; ci95 is widened by it.
   double mesh_shift = 0.0;
   bool nuisance = false;  ///< of the measuring chain or the timing, not of the physics
-  /// Mean and standard uncertainty, from a calibration.
+  /// Mean and standard uncertainty, from a calibration or the user.
   std::optional<std::array<double, 2>> prior;
+  std::string tied_to;  ///< the parameter it goes with; empty where it is free itself
 };
 
 /// A fitted channel with everything a plot of it needs.
@@ -82,18 +84,15 @@ struct Fit {
   std::vector<std::string> warnings;
 };
 
-struct FitOptions {
-  /// Rig-file keys; empty: restitution, stiffness factor, approach speed.
-  std::vector<std::string> free;
-  double window = 0.0;  ///< fitted after first touch [s]; 0 = as long as rig and recording allow
-  bool use_force = true, use_velocity = true, use_displacement = false;
-};
-
 /// Fits the free parameters to impacts, each compared through its sensors' chains, weighted by the
-/// noise seen before the trigger. Parameters of the physics are shared by all impacts; approach
-/// speed, first touch, offsets, gains and delays are each recording's own. Throws
+/// noise seen before the trigger and whitened by its colour. Unless the options say otherwise,
+/// parameters of the physics are shared by all impacts; approach speed, first touch, offsets, gains
+/// and delays are each recording's own. Throws
 /// std::invalid_argument on an unknown parameter or when there is nothing to fit to.
 Fit fit(const std::vector<datasets::Impact>& impacts, const RigFile& rig,
-        const FitOptions& options = {});
+        const FitOptions& options);
+
+/// As the rig file's [fit] states it.
+Fit fit(const std::vector<datasets::Impact>& impacts, const RigFile& rig);
 
 }  // namespace impactrig::fitting

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <stdexcept>
@@ -21,6 +22,26 @@ models::Stop& stop_of(Rig& rig) {
 double& stated(std::optional<double>& value) {
   return value ? *value : value.emplace();
 }
+
+double& first_order(std::optional<datasets::BandLimit>& limit) {
+  return limit ? limit->frequency : limit.emplace().frequency;
+}
+
+datasets::Resonance& resonance_of(datasets::Sensor& sensor) {
+  return sensor.resonance ? *sensor.resonance : sensor.resonance.emplace();
+}
+
+constexpr std::array chain_parameters = {
+    ChainParameter{"resonance.frequency", "Hz",
+                   [](datasets::Sensor& s) -> double& { return resonance_of(s).frequency; }},
+    ChainParameter{"resonance.quality", "1",
+                   [](datasets::Sensor& s) -> double& { return resonance_of(s).quality; }},
+    ChainParameter{"low_cut", "Hz",
+                   [](datasets::Sensor& s) -> double& { return first_order(s.low_cut); }},
+    ChainParameter{"high_cut", "Hz",
+                   [](datasets::Sensor& s) -> double& { return first_order(s.high_cut); }},
+    ChainParameter{"position", "m", [](datasets::Sensor& s) -> double& { return s.position; }},
+};
 
 constexpr std::array parameters = {
     PhysicalParameter{"contact.restitution", "1", 0.0, 1.0, false,
@@ -59,6 +80,16 @@ constexpr std::array parameters = {
                       [](Rig& r) -> double& { return r.beam.youngs_modulus; }},
     PhysicalParameter{"beam.density", "kg/m^3", 0.0, 0.0, false,
                       [](Rig& r) -> double& { return r.beam.density; }},
+    PhysicalParameter{"beam.length", "m", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return r.beam.length; }},
+    PhysicalParameter{"beam.damping.mass", "1/s", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return r.beam.damping.mass; }},
+    PhysicalParameter{"beam.damping.stiffness", "s", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return r.beam.damping.stiffness; }},
+    PhysicalParameter{"hinge.spring", "N m/rad", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return r.hinge.spring; }},
+    PhysicalParameter{"hinge.viscous", "N m s/rad", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return r.hinge.viscous; }},
 };
 
 }  // namespace
@@ -67,16 +98,51 @@ std::span<const PhysicalParameter> physical_parameters() {
   return parameters;
 }
 
-const PhysicalParameter& physical_parameter(std::string_view name) {
-  std::string known;
-  for (const PhysicalParameter& parameter : parameters) {
-    if (parameter.name == name) return parameter;
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", parameter.name);
+const PhysicalParameter* find_physical_parameter(std::string_view name) {
+  const auto found = std::ranges::find(parameters, name, &PhysicalParameter::name);
+  return found == parameters.end() ? nullptr : &*found;
+}
+
+const ChainParameter* find_chain_parameter(std::string_view name) {
+  const auto found = std::ranges::find(chain_parameters, name, &ChainParameter::name);
+  return found == chain_parameters.end() ? nullptr : &*found;
+}
+
+std::optional<SensorKey> sensor_key(std::string_view name) {
+  for (const datasets::Quantity quantity : {datasets::Quantity::force, datasets::Quantity::velocity,
+                                            datasets::Quantity::displacement}) {
+    const std::string head = fmt::format("sensors.{}.", datasets::name(quantity));
+    if (!name.starts_with(head)) continue;
+    std::string_view rest = name.substr(head.size());
+    if (rest.starts_with("amplifier.")) rest.remove_prefix(std::string_view("amplifier.").size());
+    return SensorKey{quantity, std::string(rest)};
   }
-  throw std::invalid_argument(
-      fmt::format("'{}' cannot be fitted; parameters are {}, and sensors.CHANNEL.gain and "
-                  "sensors.CHANNEL.delay",
-                  name, known));
+  return std::nullopt;
+}
+
+std::string unit_of(std::string_view name) {
+  if (const PhysicalParameter* physical = find_physical_parameter(name))
+    return std::string(physical->unit);
+  if (name == "impact.time") return "s";
+  if (const auto key = sensor_key(name)) {
+    const std::string unit(datasets::si_unit(key->quantity));
+    if (key->what == "gain") return "1";
+    if (key->what == "delay") return "s";
+    if (key->what == "drift") return unit + "/s";
+    if (key->what == "offset" || key->what.starts_with("hum.")) return unit;
+    if (const ChainParameter* chain = find_chain_parameter(key->what))
+      return std::string(chain->unit);
+  }
+  std::string known;
+  for (const PhysicalParameter& parameter : parameters)
+    known += fmt::format("{}, ", parameter.name);
+  std::string of_chain;
+  for (const ChainParameter& parameter : chain_parameters)
+    of_chain += fmt::format(", {}", parameter.name);
+  throw std::invalid_argument(fmt::format(
+      "'{}' cannot be fitted; parameters are {}impact.time, and sensors.CHANNEL. with gain, delay, "
+      "offset, drift{}",
+      name, known, of_chain));
 }
 
 }  // namespace impactrig::fitting

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
+#include "datasets/sensor.hpp"
 #include "models/rig.hpp"
 
 namespace impactrig::fitting {
@@ -17,10 +20,30 @@ struct PhysicalParameter {
   double& (*of)(models::Rig& rig);
 };
 
+/// A number of a sensor's chain that a fit may free, by its key under sensors.CHANNEL; a band limit
+/// by its frequency, whatever its order.
+struct ChainParameter {
+  std::string_view name;
+  std::string_view unit;  ///< SI
+  double& (*of)(datasets::Sensor& sensor);
+};
+
 /// Every parameter of the physics there is; a new one is one line here.
 std::span<const PhysicalParameter> physical_parameters();
 
-/// Throws std::invalid_argument on an unknown name (and lists the known ones).
-const PhysicalParameter& physical_parameter(std::string_view name);
+const PhysicalParameter* find_physical_parameter(std::string_view name);  ///< none: nullptr
+const ChainParameter* find_chain_parameter(std::string_view name);        ///< none: nullptr
+
+/// "sensors.force.amplifier.high_cut": force, high_cut.
+struct SensorKey {
+  datasets::Quantity quantity;
+  std::string what;
+};
+
+std::optional<SensorKey> sensor_key(std::string_view name);  ///< none where it is no sensor's
+
+/// SI unit of whatever a fit may free, "1" when dimensionless. Throws std::invalid_argument on an
+/// unknown name (and lists the known ones).
+std::string unit_of(std::string_view name);
 
 }  // namespace impactrig::fitting

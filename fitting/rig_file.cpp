@@ -13,6 +13,7 @@
 #include <variant>
 
 #include "fitting/conditioning_keys.hpp"
+#include "fitting/fit_keys.hpp"
 #include "fitting/rig_file_contact.hpp"
 #include "fitting/sensor_keys.hpp"
 #include "fitting/toml_reader.hpp"
@@ -413,6 +414,7 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
     file.solver.accuracy = default_accuracy;
   if (auto sensors = root.table("sensors")) read_sensors(*sensors, file);
   file.conditioning = read_steps(root, file.mains_frequency);
+  if (auto fit = root.table("fit")) file.fit = read_fit(*fit);
   root.finish();
   try {
     models::validate(file.rig, file.solver);
@@ -420,6 +422,12 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
     throw InputError(position_of(document, path, overridden, error.what()), error.what());
   }
   return file;
+}
+
+const std::optional<datasets::Sensor>& sensor_of(const RigFile& rig, datasets::Quantity quantity) {
+  if (quantity == datasets::Quantity::force) return rig.force;
+  if (quantity == datasets::Quantity::velocity) return rig.velocity;
+  return rig.displacement;
 }
 
 RigFile read_rig_file(const std::string& path, const std::vector<Override>& overrides) {

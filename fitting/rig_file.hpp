@@ -8,6 +8,7 @@
 
 #include "datasets/conditioning.hpp"
 #include "datasets/sensor.hpp"
+#include "fitting/fit_options.hpp"
 #include "models/rig.hpp"
 
 namespace impactrig::fitting {
@@ -23,8 +24,12 @@ struct RigFile {
   bool mesh_stated = false;  ///< the file names elements, or a model without
   std::optional<datasets::Sensor> force, velocity, displacement;
   std::vector<datasets::ConditioningStep> conditioning;  ///< what is done to recordings, in order
-  double mains_frequency = 50.0;  ///< of the hum in the recordings [Hz]
+  double mains_frequency = 50.0;                         ///< of the hum in the recordings [Hz]
+  FitOptions fit;  ///< what is fitted to recordings of this rig, and how
 };
+
+/// The sensor of a quantity, none where the rig file describes none.
+const std::optional<datasets::Sensor>& sensor_of(const RigFile& rig, datasets::Quantity quantity);
 
 /// A key=value of the command line ("beam.length", "0.9 m"); the value may be quoted or not.
 using Override = std::pair<std::string, std::string>;

@@ -5,14 +5,18 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
+#include <span>
 #include <thread>
 
 namespace impactrig::fitting {
 namespace {
 
-// Of full equations: central differences of a simulation accurate to 1e-8 or so: truncation and
-// noise balance near this part of the scale.
+using Role = Variable::Role;
+
+// Of full equations whose slopes small motion does not tell: central differences of a simulation
+// accurate to 1e-8 or so; truncation and noise balance near this part of the scale.
 constexpr double difference_step = 2e-4;
+constexpr std::size_t predictions_kept = 8;
 
 const Shown::Curve& curve_of(const Shown& shown, datasets::Quantity quantity) {
   if (quantity == datasets::Quantity::force) return *shown.force;
@@ -20,189 +24,333 @@ const Shown::Curve& curve_of(const Shown& shown, datasets::Quantity quantity) {
   return *shown.displacement;
 }
 
-}  // namespace
-
-ShotCost::ShotCost(const RigFile& rig, const ShotModel& model, std::vector<FittedChannel> channels,
-                   std::vector<const Variable*> variables)
-    : rig_(rig),
-      model_(model),
-      channels_(std::move(channels)),
-      variables_(std::move(variables)) {
-  for (const FittedChannel& channel : channels_)
-    residuals_ += static_cast<int>(channel.used.size());
-  set_num_residuals(residuals_);
-  for (std::size_t i = 0; i < variables_.size(); ++i) mutable_parameter_block_sizes()->push_back(1);
+bool needs_simulation(const Variable& v) {
+  return v.role == Role::physics || v.role == Role::chain;
 }
 
-models::Rig ShotCost::rig_at(const std::vector<double>& values) const {
+/// (a - b) / span, all over.
+void divide_difference(std::optional<Shown::Curve>& a, const std::optional<Shown::Curve>& b,
+                       double span) {
+  if (!a) return;
+  for (std::size_t k = 0; k < a->values.size(); ++k)
+    a->values[k] = (a->values[k] - b->values[k]) / span;
+}
+
+Shown difference(const Shown& above, const Shown& below, double span) {
+  Shown result = above;
+  divide_difference(result.force, below.force, span);
+  divide_difference(result.velocity, below.velocity, span);
+  divide_difference(result.displacement, below.displacement, span);
+  const models::Restitution &a = above.restitution, &b = below.restitution;
+  result.restitution = {};
+  result.restitution.kinematic = (a.kinematic - b.kinematic) / span;
+  result.restitution.kinetic = (a.kinetic - b.kinetic) / span;
+  result.restitution.energetic = (a.energetic - b.energetic) / span;
+  return result;
+}
+
+}  // namespace
+
+ShotCost::ShotCost(const RigFile& rig, const ShotModel& model,
+                   const std::vector<FittedChannel>& channels,
+                   const std::vector<Variable>& variables, const std::vector<std::size_t>& numbers,
+                   Loss loss)
+    : rig_(rig),
+      model_(model),
+      channels_(channels),
+      variables_(variables),
+      loss_(loss) {
+  for (const std::size_t number : numbers) {
+    const Variable& v = variables_[number];
+    const std::size_t unknown = v.tie ? v.tie->to : number;
+    auto block = std::ranges::find(blocks_, unknown);
+    if (block == blocks_.end()) block = blocks_.insert(blocks_.end(), unknown);
+    slots_.push_back({&v,
+                      static_cast<std::size_t>(block - blocks_.begin()),
+                      v.tie ? v.tie->factor : 1.0,
+                      v.tie ? v.tie->offset : 0.0,
+                      {}});
+  }
+  double origin = 0.0;  // of the background's time: the impact as found [s]
+  for (const Slot& slot : slots_)
+    if (slot.variable->role == Role::touch) origin = slot.variable->initial;
+  for (const FittedChannel& channel : channels_) {
+    residuals_ += static_cast<int>(channel.used.size());
+    for (Slot& slot : slots_)
+      if (slot.variable->role == Role::background &&
+          slot.variable->quantity == channel.signal->quantity)
+        for (const std::size_t k : channel.used)
+          slot.background.push_back(slot.variable->background.at(channel.signal->time(k) - origin));
+  }
+  set_num_residuals(residuals_);
+  mutable_parameter_block_sizes()->assign(blocks_.size(), 1);
+}
+
+ShotCost::Values ShotCost::values_of(const double* const* parameters) const {
+  Values values;
+  for (const Slot& slot : slots_)
+    values.push_back(slot.offset + slot.factor * parameters[slot.block][0] *
+                                       variables_[blocks_[slot.block]].scale);
+  return values;
+}
+
+ShotCost::Values ShotCost::present_values() const {
+  Values values;
+  for (const Slot& slot : slots_)
+    values.push_back(slot.offset + slot.factor * variables_[blocks_[slot.block]].value);
+  return values;
+}
+
+models::Rig ShotCost::rig_at(const Values& values) const {
   models::Rig rig = rig_.rig;
-  for (std::size_t i = 0; i < variables_.size(); ++i)
-    if (variables_[i]->physics) variables_[i]->physics->of(rig) = values[i];
+  for (std::size_t i = 0; i < slots_.size(); ++i)
+    if (slots_[i].variable->physics) slots_[i].variable->physics->of(rig) = values[i];
   return rig;
 }
 
-double ShotCost::Measurement::value(const Shown::Curve& curve, double t) const {
-  double sum = gain * curve.at(t - shift)[0];
-  for (const Term& term : background)
-    if (term.amplitude != 0.0) sum += term.amplitude * term.shape.at(t - origin);
-  return sum;
+models::Rig ShotCost::rig() const {
+  return rig_at(present_values());
+}
+
+SensorChains ShotCost::chains_at(const Values& values) const {
+  SensorChains chains = model_.chains();
+  for (std::size_t i = 0; i < slots_.size(); ++i)
+    if (const Variable& v = *slots_[i].variable; v.chain) {
+      auto& sensor = chains.of(v.quantity);
+      if (!sensor) sensor.emplace().quantity = v.quantity;
+      v.chain->of(*sensor) = values[i];
+    }
+  return chains;
+}
+
+/// In the order of the slots of each kind.
+WantedSlopes ShotCost::wanted_slopes() const {
+  WantedSlopes wanted;
+  for (const Slot& slot : slots_) {
+    if (slot.variable->physics) wanted.rig.push_back(slot.variable->physics->of);
+    if (slot.variable->chain)
+      wanted.chain.push_back({slot.variable->quantity, slot.variable->chain});
+  }
+  return wanted;
 }
 
 ShotCost::Measurement ShotCost::measurement(datasets::Quantity quantity,
-                                            const std::vector<double>& values) const {
+                                            const Values& values) const {
   Measurement m;
-  for (std::size_t i = 0; i < variables_.size(); ++i) {
-    const Variable& v = *variables_[i];
-    if (v.role == Variable::Role::touch) {
-      m.origin = v.initial;
-      m.shift += values[i];
-    }
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    const Variable& v = *slots_[i].variable;
+    if (v.role == Role::touch) m.shift += values[i];
     if (v.quantity != quantity) continue;
-    if (v.role == Variable::Role::background) m.background.push_back({v.background, values[i]});
-    if (v.role == Variable::Role::gain) m.gain = values[i];
-    if (v.role == Variable::Role::delay)
+    if (v.role == Role::gain) m.gain = values[i];
+    if (v.role == Role::delay)
       m.shift += values[i] - v.initial;  // the known part is off the clock already
   }
   return m;
 }
 
-std::vector<ShotCost::Prediction> ShotCost::predict(const std::vector<models::Rig>& rigs) const {
-  std::vector<Prediction> predictions(rigs.size());
-  std::vector<std::exception_ptr> errors(rigs.size());
+/// With its slopes where they are wanted and small motion has them.
+ShotCost::Prediction ShotCost::predict(const Values& values, bool with_slopes) const {
+  Values key;
+  for (std::size_t i = 0; i < slots_.size(); ++i)
+    if (needs_simulation(*slots_[i].variable)) key.push_back(values[i]);
+  const bool slopes = with_slopes && model_.motion() == models::Motion::small && !key.empty();
+  const auto found = cache_.find(key);
+  if (found != cache_.end() && (!slopes || !found->second->slopes.empty())) return found->second;
+  if (cache_.size() > predictions_kept) cache_.clear();
+  ++simulations_;
+  return cache_[key] = std::make_shared<const Shown>(model_.predict(
+             rig_at(values), chains_at(values), slopes ? wanted_slopes() : WantedSlopes{}));
+}
+
+/// On all cores.
+std::vector<ShotCost::Prediction> ShotCost::predict_all(const std::vector<Values>& places) const {
+  std::vector<Prediction> predictions(places.size());
+  std::vector<std::exception_ptr> errors(places.size());
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
-    for (std::size_t i = next++; i < rigs.size(); i = next++) try {
-        predictions[i] = std::make_shared<const Shown>(model_.predict(rigs[i]));
+    for (std::size_t i = next++; i < places.size(); i = next++) try {
+        predictions[i] =
+            std::make_shared<const Shown>(model_.predict(rig_at(places[i]), chains_at(places[i])));
       } catch (...) {
         errors[i] = std::current_exception();
       }
   };
   const std::size_t workers =
-      std::min<std::size_t>(rigs.size(), std::max(1U, std::thread::hardware_concurrency()));
+      std::min<std::size_t>(places.size(), std::max(1U, std::thread::hardware_concurrency()));
   std::vector<std::jthread> threads;
   for (std::size_t k = 1; k < workers; ++k) threads.emplace_back(work);
   work();
   threads.clear();
-  simulations_ += static_cast<long>(rigs.size());
+  simulations_ += static_cast<long>(places.size());
   for (const std::exception_ptr& error : errors)
     if (error) std::rethrow_exception(error);
   return predictions;
 }
 
-/// With its derivatives by the physical variables where they are wanted and small motion has them.
-ShotCost::Prediction ShotCost::predict_cached(const std::vector<double>& values,
-                                              bool with_slopes) const {
-  std::vector<double> key;
-  std::vector<models::RigParameter> by;
-  for (std::size_t i = 0; i < variables_.size(); ++i) {
-    if (!variables_[i]->physics) continue;
-    key.push_back(values[i]);
-    if (with_slopes && model_.motion() == models::Motion::small)
-      by.push_back(variables_[i]->physics->of);
-  }
-  const auto found = cache_.find(key);
-  if (found != cache_.end() && (by.empty() || !found->second->slopes.empty())) return found->second;
-  if (cache_.size() > 8) cache_.clear();
-  ++simulations_;
-  return cache_[key] = std::make_shared<const Shown>(model_.predict(rig_at(values), by));
-}
-
-/// Predictions on both sides of every physical variable, in order, and the distance between each
-/// pair.
-void ShotCost::physics_pairs(const std::vector<double>& values, bool central,
-                             std::vector<Prediction>& predictions,
-                             std::vector<double>& spans) const {
-  const Prediction here = predict_cached(values);
-  std::vector<std::size_t> places;
-  std::vector<models::Rig> rigs;
-  const auto add_side = [&](std::size_t variable, double value) {
-    predictions.push_back(here);
-    if (value == values[variable]) return;
-    std::vector<double> there = values;
-    there[variable] = value;
-    places.push_back(predictions.size() - 1);
-    rigs.push_back(rig_at(there));
-  };
-  for (std::size_t i = 0; i < variables_.size(); ++i) {
-    const Variable& v = *variables_[i];
-    if (!v.physics) continue;
-    const double step = difference_step * v.scale;
-    const bool room_ahead = values[i] + step <= v.upper;
-    const bool room_behind = values[i] - step >= v.lower;
-    const double ahead = room_ahead ? values[i] + step : values[i];
-    const double behind = room_behind && (central || !room_ahead) ? values[i] - step : values[i];
-    add_side(i, ahead);
-    add_side(i, behind);
-    spans.push_back(ahead - behind);
-  }
-  const std::vector<Prediction> fresh = predict(rigs);
-  for (std::size_t k = 0; k < fresh.size(); ++k) predictions[places[k]] = fresh[k];
-}
-
-void ShotCost::fill_jacobian(const std::vector<double>& values, const Shown& shown,
-                             double** jacobians) const {
-  std::vector<Prediction> pairs;
+/// Differences of simulations to both sides of every physical slot, then every chain slot, as far
+/// as its bounds leave room.
+std::vector<Shown> ShotCost::physics_differences(const Values& values) const {
+  std::vector<Values> places;
   std::vector<double> spans;
-  const bool exact = !shown.slopes.empty();
-  if (!exact) physics_pairs(values, central_, pairs, spans);
-  std::size_t physical = 0;
-  for (std::size_t i = 0; i < variables_.size(); ++i) {
-    const Variable& v = *variables_[i];
-    const std::size_t pair = v.physics ? physical++ : 0;
-    if (!jacobians[i]) continue;
-    double* out = jacobians[i];
-    for (const FittedChannel& channel : channels_) {
-      const datasets::Quantity quantity = channel.signal->quantity;
-      const Measurement m = measurement(quantity, values);
-      const double weight = v.scale / (channel.sigma * std::sqrt(channel.correlation));
-      const Shown::Curve& curve = curve_of(shown, quantity);
-      const bool of_channel = v.quantity == quantity;
-      for (const std::size_t k : channel.used) {
-        const double t = channel.signal->time(k);
-        double derivative = 0.0;  // of what the model shows
-        switch (v.role) {
-          case Variable::Role::physics:
-            derivative = exact ? m.gain * curve_of(shown.slopes[pair], quantity).at(t - m.shift)[0]
-                               : m.gain *
-                                     (curve_of(*pairs[2 * pair], quantity).at(t - m.shift)[0] -
-                                      curve_of(*pairs[2 * pair + 1], quantity).at(t - m.shift)[0]) /
-                                     spans[pair];
-            break;
-          case Variable::Role::touch:
-            derivative = -m.gain * curve.at(t - m.shift)[1];
-            break;
-          case Variable::Role::delay:
-            if (of_channel) derivative = -m.gain * curve.at(t - m.shift)[1];
-            break;
-          case Variable::Role::background:
-            if (of_channel) derivative = v.background.at(t - m.origin);
-            break;
-          case Variable::Role::gain:
-            if (of_channel) derivative = curve.at(t - m.shift)[0];
-            break;
-        }
-        *out++ = -weight * derivative;
+  for (const bool chain : {false, true})
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      const Variable& v = *slots_[i].variable;
+      if (chain ? v.chain == nullptr : v.physics == nullptr) continue;
+      const double step = difference_step * v.scale;
+      const bool ahead = values[i] + step <= v.upper || v.tie;
+      const bool behind = values[i] - step >= v.lower || v.tie;
+      for (const double side : {ahead ? step : 0.0, behind ? -step : 0.0}) {
+        places.push_back(values);
+        places.back()[i] += side;
       }
+      spans.push_back((ahead ? step : 0.0) + (behind ? step : 0.0));
     }
+  const std::vector<Prediction> shown = predict_all(places);
+  std::vector<Shown> slopes;
+  for (std::size_t k = 0; k < spans.size(); ++k)
+    slopes.push_back(difference(*shown[2 * k], *shown[2 * k + 1], spans[k]));
+  return slopes;
+}
+
+/// Of every slot that needs a simulation, in the order of the slots; `held` keeps those that were
+/// made here.
+std::vector<const Shown*> ShotCost::slopes_at(const Values& values, const Shown& shown,
+                                              std::vector<Shown>& held) const {
+  const std::vector<Shown>* slopes = &shown.slopes;
+  if (slopes->empty() && small_slopes_) {
+    ++simulations_;
+    held =
+        model_.in_small_motion().predict(rig_at(values), chains_at(values), wanted_slopes()).slopes;
+    slopes = &held;
   }
+  if (slopes->empty()) {
+    held = physics_differences(values);
+    slopes = &held;
+  }
+  std::size_t physics = 0;
+  for (const Slot& slot : slots_) physics += slot.variable->physics ? 1 : 0;
+  std::vector<const Shown*> result(slots_.size(), nullptr);
+  std::size_t next = 0, next_chain = physics;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    if (slots_[i].variable->physics) result[i] = &slopes->at(next++);
+    if (slots_[i].variable->chain) result[i] = &slopes->at(next_chain++);
+  }
+  return result;
+}
+
+void ShotCost::whiten(const FittedChannel& channel, std::span<double> of_used) const {
+  std::size_t begin = 0;
+  for (std::size_t i = 1; i <= channel.used.size(); ++i)
+    if (i == channel.used.size() || channel.used[i] != channel.used[i - 1] + 1) {
+      channel.noise.whiten(of_used.subspan(begin, i - begin));
+      begin = i;
+    }
+}
+
+void ShotCost::differences(const Values& values, const Shown& shown, double* residuals) const {
+  double* out = residuals;
+  for (const FittedChannel& channel : channels_) {
+    const Measurement m = measurement(channel.signal->quantity, values);
+    const Shown::Curve& curve = curve_of(shown, channel.signal->quantity);
+    const std::span<double> part(out, channel.used.size());
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      const std::size_t k = channel.used[i];
+      part[i] = channel.measured[k] - m.gain * curve.at(channel.signal->time(k) - m.shift)[0];
+    }
+    for (std::size_t s = 0; s < slots_.size(); ++s)
+      if (slots_[s].variable->role == Role::background &&
+          slots_[s].variable->quantity == channel.signal->quantity && values[s] != 0.0)
+        for (std::size_t i = 0; i < part.size(); ++i)
+          part[i] -= values[s] * slots_[s].background[i];
+    whiten(channel, part);
+    out += part.size();
+  }
+}
+
+/// Of the weighted differences of one channel by the value of one slot, not yet whitened.
+void ShotCost::derivative(const Slot& slot, const FittedChannel& channel, const Measurement& m,
+                          const Shown::Curve& curve, const Shown* slope,
+                          std::span<double> out) const {
+  const datasets::Quantity quantity = channel.signal->quantity;
+  const Variable& v = *slot.variable;
+  const bool of_channel = v.quantity == quantity;
+  std::ranges::fill(out, 0.0);
+  const auto place = [&](std::size_t i) { return channel.signal->time(channel.used[i]) - m.shift; };
+  switch (v.role) {
+    case Role::physics:
+    case Role::chain: {
+      if (v.role == Role::chain && !of_channel) return;
+      const Shown::Curve& slopes = curve_of(*slope, quantity);
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] = -m.gain * slopes.at(place(i))[0];
+      return;
+    }
+    case Role::delay:
+    case Role::touch:
+      if (v.role == Role::delay && !of_channel) return;
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] = m.gain * curve.at(place(i))[1];
+      return;
+    case Role::background:
+      if (!of_channel) return;
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] = -slot.background[i];
+      return;
+    case Role::gain:
+      if (!of_channel) return;
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] = -curve.at(place(i))[0];
+      return;
+  }
+}
+
+void ShotCost::evaluate(const Values& values, Eigen::VectorXd& residuals,
+                        Eigen::MatrixXd* jacobian) const {
+  const Prediction shown = predict(values, jacobian != nullptr);
+  residuals.resize(residuals_);
+  differences(values, *shown, residuals.data());
+  if (!jacobian) return;
+  jacobian->setZero(residuals_, static_cast<Eigen::Index>(blocks_.size()));
+  std::vector<Shown> held;
+  std::vector<const Shown*> slopes(slots_.size(), nullptr);
+  if (std::ranges::any_of(slots_, [](const Slot& s) { return needs_simulation(*s.variable); }))
+    slopes = slopes_at(values, *shown, held);
+  Eigen::Index row = 0;
+  Eigen::VectorXd column;
+  for (const FittedChannel& channel : channels_) {
+    const Measurement m = measurement(channel.signal->quantity, values);
+    const Shown::Curve& curve = curve_of(*shown, channel.signal->quantity);
+    column.resize(static_cast<Eigen::Index>(channel.used.size()));
+    const std::span<double> out(column.data(), channel.used.size());
+    for (std::size_t s = 0; s < slots_.size(); ++s) {
+      const Variable& v = *slots_[s].variable;
+      if (v.quantity != datasets::Quantity::unknown && v.quantity != channel.signal->quantity)
+        continue;
+      derivative(slots_[s], channel, m, curve, slopes[s], out);
+      whiten(channel, out);
+      jacobian->block(row, static_cast<Eigen::Index>(slots_[s].block), column.size(), 1) +=
+          slots_[s].factor * column;
+    }
+    row += column.size();
+  }
+}
+
+void ShotCost::linearise(Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const {
+  evaluate(present_values(), residuals, jacobian);
 }
 
 bool ShotCost::Evaluate(const double* const* parameters, double* residuals,
                         double** jacobians) const {
-  std::vector<double> values(variables_.size());
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] = parameters[i][0] * variables_[i]->scale;
   try {
-    const Prediction shown = predict_cached(values, jacobians != nullptr);
-    double* out = residuals;
-    for (const FittedChannel& channel : channels_) {
-      const Measurement m = measurement(channel.signal->quantity, values);
-      const Shown::Curve& curve = curve_of(*shown, channel.signal->quantity);
-      const double weight = 1.0 / (channel.sigma * std::sqrt(channel.correlation));
-      for (const std::size_t k : channel.used)
-        *out++ = weight * (channel.signal->values[k] - m.value(curve, channel.signal->time(k)));
+    Eigen::VectorXd differences;
+    Eigen::MatrixXd slopes;
+    evaluate(values_of(parameters), differences, jacobians ? &slopes : nullptr);
+    for (Eigen::Index i = 0; i < differences.size(); ++i) {
+      const LossResidual r = loss_residual(loss_, differences[i]);
+      residuals[i] = r.value;
+      if (jacobians && loss_ != Loss::squares) slopes.row(i) *= r.slope;
     }
-    if (jacobians) fill_jacobian(values, *shown, jacobians);
+    if (!jacobians) return true;
+    for (std::size_t b = 0; b < blocks_.size(); ++b)
+      if (jacobians[b])
+        Eigen::Map<Eigen::VectorXd>(jacobians[b], residuals_) =
+            variables_[blocks_[b]].scale * slopes.col(static_cast<Eigen::Index>(b));
   } catch (const std::exception& error) {
     failure_ = error.what();
     return false;
@@ -210,58 +358,49 @@ bool ShotCost::Evaluate(const double* const* parameters, double* residuals,
   return true;
 }
 
-std::vector<double> ShotCost::model_values(const FittedChannel& channel,
-                                           const std::vector<double>& values) const {
-  const Prediction shown = predict_cached(values);
-  const Measurement m = measurement(channel.signal->quantity, values);
-  const Shown::Curve& curve = curve_of(*shown, channel.signal->quantity);
+std::vector<double> ShotCost::model_values(const FittedChannel& channel) const {
+  const Values values = present_values();
+  const Prediction shown = predict(values, false);
+  const datasets::Quantity quantity = channel.signal->quantity;
+  const Measurement m = measurement(quantity, values);
+  const Shown::Curve& curve = curve_of(*shown, quantity);
+  double origin = 0.0;
+  for (const Slot& slot : slots_)
+    if (slot.variable->role == Role::touch) origin = slot.variable->initial;
   std::vector<double> model(channel.signal->values.size());
-  for (std::size_t k = 0; k < model.size(); ++k) model[k] = m.value(curve, channel.signal->time(k));
+  for (std::size_t k = 0; k < model.size(); ++k) {
+    const double t = channel.signal->time(k);
+    model[k] = m.gain * curve.at(t - m.shift)[0];
+    for (std::size_t s = 0; s < slots_.size(); ++s)
+      if (slots_[s].variable->role == Role::background &&
+          slots_[s].variable->quantity == quantity && values[s] != 0.0)
+        model[k] += values[s] * slots_[s].variable->background.at(t - origin);
+  }
   return model;
 }
 
-Eigen::VectorXd ShotCost::change_by(const ShotModel& other,
-                                    const std::vector<double>& values) const {
-  const Prediction shown = predict_cached(values);
-  const Shown changed = other.predict(rig_at(values));
+Eigen::VectorXd ShotCost::change_by(const ShotModel& other) const {
+  const Values values = present_values();
+  const Prediction shown = predict(values, false);
+  const Shown changed = other.predict(rig_at(values), chains_at(values));
   ++simulations_;
-  Eigen::VectorXd change(residuals_);
-  Eigen::Index row = 0;
-  for (const FittedChannel& channel : channels_) {
-    const datasets::Quantity quantity = channel.signal->quantity;
-    const Measurement m = measurement(quantity, values);
-    const double weight = m.gain / (channel.sigma * std::sqrt(channel.correlation));
-    for (const std::size_t k : channel.used) {
-      const double t = channel.signal->time(k) - m.shift;
-      change[row++] =
-          weight * (curve_of(*shown, quantity).at(t)[0] - curve_of(changed, quantity).at(t)[0]);
-    }
-  }
-  return change;
+  Eigen::VectorXd before(residuals_), after(residuals_);
+  differences(values, *shown, before.data());
+  differences(values, changed, after.data());
+  return after - before;
 }
 
-Eigen::MatrixXd ShotCost::restitution_gradient(const std::vector<double>& values) const {
-  Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(3, static_cast<Eigen::Index>(variables_.size()));
-  const Prediction here = predict_cached(values, true);
-  std::vector<Prediction> pairs;
-  std::vector<double> spans;
-  if (here->slopes.empty()) physics_pairs(values, true, pairs, spans);
-  std::size_t pair = 0;
-  for (std::size_t i = 0; i < variables_.size(); ++i) {
-    if (!variables_[i]->physics) continue;
-    if (!here->slopes.empty()) {
-      const models::Restitution& slope = here->slopes[pair++].restitution;
-      gradient.col(static_cast<Eigen::Index>(i)) =
-          Eigen::Vector3d(slope.kinematic, slope.kinetic, slope.energetic);
-      continue;
-    }
-    const models::Restitution& a = pairs[2 * pair]->restitution;
-    const models::Restitution& b = pairs[2 * pair + 1]->restitution;
-    gradient.col(static_cast<Eigen::Index>(i)) =
-        Eigen::Vector3d(a.kinematic - b.kinematic, a.kinetic - b.kinetic,
-                        a.energetic - b.energetic) /
-        spans[pair];
-    ++pair;
+Eigen::MatrixXd ShotCost::restitution_gradient() const {
+  Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(3, static_cast<Eigen::Index>(blocks_.size()));
+  const Values values = present_values();
+  const Prediction here = predict(values, true);
+  std::vector<Shown> held;
+  const std::vector<const Shown*> slopes = slopes_at(values, *here, held);
+  for (std::size_t s = 0; s < slots_.size(); ++s) {
+    if (!slots_[s].variable->physics) continue;
+    const models::Restitution& slope = slopes[s]->restitution;
+    gradient.col(static_cast<Eigen::Index>(slots_[s].block)) +=
+        slots_[s].factor * Eigen::Vector3d(slope.kinematic, slope.kinetic, slope.energetic);
   }
   return gradient;
 }

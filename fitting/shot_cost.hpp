@@ -3,11 +3,14 @@
 
 #include <ceres/cost_function.h>
 
+#include <Eigen/Core>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "fitting/loss.hpp"
+#include "fitting/noise_model.hpp"
 #include "fitting/shot_model.hpp"
 #include "fitting/variables.hpp"
 
@@ -16,81 +19,102 @@ namespace impactrig::fitting {
 /// A channel of a recording as the fit weighs it.
 struct FittedChannel {
   const datasets::ImpactSignal* signal = nullptr;
-  double sigma = 0.0;             ///< standard deviation of a sample [SI]
-  double correlation = 1.0;       ///< samples that count as one
-  bool noise_known = true;        ///< sigma was seen before the trigger
-  std::vector<std::size_t> used;  ///< indices of the samples fitted
+  std::vector<double> measured;  ///< what is fitted: the signal's values, or others in their place
+  NoiseModel noise;
+  bool noise_known = true;        ///< it was seen before the trigger
+  std::vector<std::size_t> used;  ///< indices of the samples fitted, ascending
 };
 
-/// Weighted differences of one recording: (measured − background − gain · shown(t − touch − delay))
-/// / (σ √correlation). Derivatives to touch, background, gain and delay are exact; so are those to
-/// the physics in small motion. With full equations they are differences of simulations, run on all
-/// cores. Parameter blocks: the
-/// variables that concern this recording, each of size 1, divided by its scale.
+/// Weighted differences of one recording: measured − background − gain · shown(t − touch − delay),
+/// whitened by the channel's noise stretch by stretch of consecutive samples. Derivatives to touch,
+/// background, gain and delay are exact; so are those to the physics in small motion. The full
+/// equations take those of small motion where that is close (`small_slopes`), else differences of
+/// simulations, run on all cores. Parameter blocks: the unknowns that concern this recording, each
+/// of size 1, divided by its scale; a number tied to an unknown moves with it.
 class ShotCost : public ceres::CostFunction {
  public:
-  ShotCost(const RigFile& rig, const ShotModel& model, std::vector<FittedChannel> channels,
-           std::vector<const Variable*> variables);
+  /// `numbers`: of the variables that concern this recording. Model, channels and variables must
+  /// live as long.
+  ShotCost(const RigFile& rig, const ShotModel& model, const std::vector<FittedChannel>& channels,
+           const std::vector<Variable>& variables, const std::vector<std::size_t>& numbers,
+           Loss loss);
 
+  /// The residuals that the solver squares: with a loss other than squares, loss_residual() of the
+  /// weighted differences.
   bool Evaluate(const double* const* parameters, double* residuals,
                 double** jacobians) const override;
 
-  /// Where derivatives to the physics are differences: central from now on, for the covariance;
-  /// before, a step ahead is enough for the solver and half the simulations.
-  void use_central_differences() { central_ = true; }
+  /// Weighted differences and their derivatives by the unknowns in their own units (n_residuals,
+  /// n_blocks), at the variables' present values. Throws what the simulation throws.
+  void linearise(Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
+
+  /// Numbers of the unknowns that are the parameter blocks, in order.
+  const std::vector<std::size_t>& blocks() const { return blocks_; }
+
+  /// Slopes of the full equations are those of small motion from now on.
+  void take_small_slopes() { small_slopes_ = true; }
 
   /// What went wrong when Evaluate last gave up.
   const std::string& failure() const { return failure_; }
 
   long simulations() const { return simulations_; }
 
-  /// Model values of a channel at all its samples, for these values of the variables (not divided
-  /// by their scale).
-  std::vector<double> model_values(const FittedChannel& channel,
-                                   const std::vector<double>& values) const;
+  /// Model values of a channel at all its samples, at the variables' present values.
+  std::vector<double> model_values(const FittedChannel& channel) const;
 
-  /// Derivatives of restitution.{kinematic, kinetic, energetic} to each variable (3, n_variables).
-  Eigen::MatrixXd restitution_gradient(const std::vector<double>& values) const;
+  /// Derivatives of restitution.{kinematic, kinetic, energetic} to each block (3, n_blocks).
+  Eigen::MatrixXd restitution_gradient() const;
 
   /// By how much the weighted differences change when another model predicts (n_residuals).
-  Eigen::VectorXd change_by(const ShotModel& other, const std::vector<double>& values) const;
+  Eigen::VectorXd change_by(const ShotModel& other) const;
 
-  models::Rig rig_at(const std::vector<double>& values) const;
+  /// The rig at the variables' present values.
+  models::Rig rig() const;
 
  private:
   using Prediction = std::shared_ptr<const Shown>;
+  using Values = std::vector<double>;  // of slots_
 
-  struct Measurement {  // of one channel
-
-    struct Term {
-      BackgroundShape shape;
-      double amplitude;
-    };
-
-    std::vector<Term> background;
-    double gain = 1.0;
-    double origin = 0.0;  // of the background's time: the impact as found [s]
-    double shift = 0.0;   // first touch as this channel shows it, on the record's axis [s]
-
-    /// What the model shows at an instant of the record's axis.
-    double value(const Shown::Curve& curve, double t) const;
+  /// A number of this recording: that of a block times a factor, and an offset.
+  struct Slot {
+    const Variable* variable;
+    std::size_t block;
+    double factor, offset;
+    std::vector<double> background;  // its shape at the used samples of its channel
   };
 
-  Measurement measurement(datasets::Quantity quantity, const std::vector<double>& values) const;
-  std::vector<Prediction> predict(const std::vector<models::Rig>& rigs) const;
-  Prediction predict_cached(const std::vector<double>& values, bool with_slopes = false) const;
-  void physics_pairs(const std::vector<double>& values, bool central,
-                     std::vector<Prediction>& predictions, std::vector<double>& spans) const;
-  void fill_jacobian(const std::vector<double>& values, const Shown& shown,
-                     double** jacobians) const;
+  struct Measurement {  // of one channel
+    double gain = 1.0;
+    double shift = 0.0;  // first touch as this channel shows it, on the record's axis [s]
+  };
+
+  Values values_of(const double* const* parameters) const;
+  Values present_values() const;
+  models::Rig rig_at(const Values& values) const;
+  SensorChains chains_at(const Values& values) const;
+  WantedSlopes wanted_slopes() const;
+  Measurement measurement(datasets::Quantity quantity, const Values& values) const;
+  Prediction predict(const Values& values, bool with_slopes) const;
+  std::vector<Prediction> predict_all(const std::vector<Values>& places) const;
+  std::vector<Shown> physics_differences(const Values& values) const;
+  std::vector<const Shown*> slopes_at(const Values& values, const Shown& shown,
+                                      std::vector<Shown>& held) const;
+  void differences(const Values& values, const Shown& shown, double* residuals) const;
+  void derivative(const Slot& slot, const FittedChannel& channel, const Measurement& m,
+                  const Shown::Curve& curve, const Shown* slope, std::span<double> out) const;
+  void whiten(const FittedChannel& channel, std::span<double> of_used) const;
+  void evaluate(const Values& values, Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
 
   const RigFile& rig_;
   const ShotModel& model_;
-  std::vector<FittedChannel> channels_;
-  std::vector<const Variable*> variables_;
+  const std::vector<FittedChannel>& channels_;
+  const std::vector<Variable>& variables_;
+  std::vector<Slot> slots_;
+  std::vector<std::size_t> blocks_;
+  Loss loss_;
   int residuals_ = 0;
-  bool central_ = false;
-  mutable std::map<std::vector<double>, Prediction> cache_;
+  bool small_slopes_ = false;
+  mutable std::map<Values, Prediction> cache_;
   mutable std::string failure_;
   mutable long simulations_ = 0;
 };

@@ -15,6 +15,8 @@ namespace {
 // below the noise.
 constexpr double oversampling = 4.0;
 constexpr double coarsest = 0.5e-6;  // [s]
+// Of a number of a sensor's chain, for a central difference of closed forms.
+constexpr double chain_step = 1e-4;
 
 Shown::Curve curve(const std::optional<datasets::Sensor>& sensor, const models::History& history,
                    const std::vector<double>& values) {
@@ -40,9 +42,19 @@ std::array<double, 2> Shown::Curve::at(double t) const {
   return {b + s * (c1 + s * (c2 + s * c3)), (c1 + s * (2.0 * c2 + 3.0 * s * c3)) / interval};
 }
 
+std::optional<datasets::Sensor>& SensorChains::of(datasets::Quantity quantity) {
+  if (quantity == datasets::Quantity::force) return force;
+  return quantity == datasets::Quantity::velocity ? velocity : displacement;
+}
+
+const std::optional<datasets::Sensor>& SensorChains::of(datasets::Quantity quantity) const {
+  if (quantity == datasets::Quantity::force) return force;
+  return quantity == datasets::Quantity::velocity ? velocity : displacement;
+}
+
 ShotModel::ShotModel(const RigFile& rig, const datasets::Impact& impact, double lead, double end,
                      double step)
-    : file_(&rig),
+    : chains_{rig.force, rig.velocity, rig.displacement},
       solver_(rig.solver),
       force_(impact.force.has_value()),
       velocity_(impact.velocity.has_value()),
@@ -50,6 +62,12 @@ ShotModel::ShotModel(const RigFile& rig, const datasets::Impact& impact, double 
       lead_(lead),
       end_(end),
       interval_(std::min(step / oversampling, coarsest)) {}
+
+ShotModel ShotModel::in_small_motion() const {
+  ShotModel model = *this;
+  model.motion_ = models::Motion::small;
+  return model;
+}
 
 ShotModel ShotModel::finer() const {
   ShotModel model = *this;
@@ -60,6 +78,12 @@ ShotModel ShotModel::finer() const {
 
 models::Simulation ShotModel::simulate(const models::Rig& rig, double interval,
                                        const std::vector<models::RigParameter>& by) const {
+  return simulate(rig, chains_, interval, by);
+}
+
+models::Simulation ShotModel::simulate(const models::Rig& rig, const SensorChains& chains,
+                                       double interval,
+                                       const std::vector<models::RigParameter>& by) const {
   models::Solver solver = solver_;
   solver.duration = end_;
   models::SimulationOptions options;
@@ -67,29 +91,64 @@ models::Simulation ShotModel::simulate(const models::Rig& rig, double interval,
   options.motion = motion_;
   options.bars = bars_.get();
   options.sensitivities = by;
-  if (file_->velocity) options.history.velocity_position = file_->velocity->position;
-  if (file_->displacement) options.history.displacement_position = file_->displacement->position;
+  if (chains.velocity) options.history.velocity_position = chains.velocity->position;
+  if (chains.displacement) options.history.displacement_position = chains.displacement->position;
   return models::simulate(rig, solver, options);
 }
 
 /// A history, or its derivatives: the sensors' chains are linear.
-Shown ShotModel::show(const models::History& history) const {
+Shown ShotModel::show(const models::History& history, const SensorChains& chains) const {
   Shown shown;
-  if (force_) shown.force = curve(file_->force, history, history.seen_force());
-  if (velocity_) shown.velocity = curve(file_->velocity, history, history.velocity);
-  if (displacement_) shown.displacement = curve(file_->displacement, history, history.displacement);
+  if (force_) shown.force = curve(chains.force, history, history.seen_force());
+  if (velocity_) shown.velocity = curve(chains.velocity, history, history.velocity);
+  if (displacement_) shown.displacement = curve(chains.displacement, history, history.displacement);
   return shown;
 }
 
-Shown ShotModel::predict(const models::Rig& rig,
-                         const std::vector<models::RigParameter>& by) const {
-  const models::Simulation simulation = simulate(rig, interval_, by);
-  Shown shown = show(simulation.history);
+/// By a number of one sensor's chain: a central difference of the chain's response to the history,
+/// which is smooth in it; the other channels do not change. Where a laser points, two simulations
+/// show: they take the same steps and their histories are linear in the bar's coordinates.
+Shown ShotModel::chain_slope(const models::Rig& rig, const models::History& history,
+                             SensorChains chains, const WantedSlopes::Chain& by) const {
+  datasets::Sensor& sensor = *chains.of(by.quantity);
+  double& number = by.parameter->of(sensor);
+  const double middle = number;
+  const double step = chain_step * middle;
+  const auto shown_at = [&](double value) {
+    number = value;
+    if (by.parameter->name != "position") return show(history, chains);
+    return show(simulate(rig, chains, history.interval, {}).history, chains);
+  };
+  Shown slope = shown_at(
+      std::min(middle + step, by.parameter->name == "position" ? rig.beam.length : middle + step));
+  const double above = number;
+  const Shown below = shown_at(middle - step);
+  const double span = above - number;
+  const auto difference = [&](std::optional<Shown::Curve>& to,
+                              const std::optional<Shown::Curve>& from) {
+    if (!to) return;
+    for (std::size_t k = 0; k < to->values.size(); ++k)
+      to->values[k] = (to->values[k] - from->values[k]) / span;
+  };
+  difference(slope.force, below.force);
+  difference(slope.velocity, below.velocity);
+  difference(slope.displacement, below.displacement);
+  slope.restitution = {};
+  return slope;
+}
+
+Shown ShotModel::predict(const models::Rig& rig, const SensorChains& chains,
+                         const WantedSlopes& wanted) const {
+  const models::Simulation simulation = simulate(rig, chains, interval_, wanted.rig);
+  Shown shown = show(simulation.history, chains);
   shown.restitution = simulation.restitution;
   for (const models::Sensitivity& sensitivity : simulation.sensitivities) {
-    shown.slopes.push_back(show(sensitivity.history));
+    shown.slopes.push_back(show(sensitivity.history, chains));
     shown.slopes.back().restitution = sensitivity.restitution;
   }
+  if (shown.slopes.size() < wanted.rig.size()) return shown;  // the equations have none
+  for (const WantedSlopes::Chain& by : wanted.chain)
+    shown.slopes.push_back(chain_slope(rig, simulation.history, chains, by));
   return shown;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "datasets/impact.hpp"
+#include "fitting/parameters.hpp"
 #include "fitting/rig_file.hpp"
 #include "models/modal/bar_cache.hpp"
 #include "models/simulation.hpp"
@@ -34,6 +35,25 @@ struct Shown {
   std::vector<Shown> slopes = {};
 };
 
+/// The sensors of a recording, each with its chain.
+struct SensorChains {
+  std::optional<datasets::Sensor> force, velocity, displacement;
+
+  std::optional<datasets::Sensor>& of(datasets::Quantity quantity);
+  const std::optional<datasets::Sensor>& of(datasets::Quantity quantity) const;
+};
+
+/// By what a prediction is to be differentiated, besides first touch, gains and delays.
+struct WantedSlopes {
+  struct Chain {
+    datasets::Quantity quantity;
+    const ChainParameter* parameter;
+  };
+
+  std::vector<models::RigParameter> rig;
+  std::vector<Chain> chain;  ///< their slopes come after those of the rig
+};
+
 /// The part of the measurement model that needs a simulation: from the rig's parameters to what a
 /// recording's sensors show.
 class ShotModel {
@@ -43,8 +63,8 @@ class ShotModel {
   ShotModel(const RigFile& rig, const datasets::Impact& impact, double lead, double end,
             double step);
 
-  /// `by`: parameters of the rig by which to differentiate.
-  Shown predict(const models::Rig& rig, const std::vector<models::RigParameter>& by = {}) const;
+  Shown predict(const models::Rig& rig, const SensorChains& chains,
+                const WantedSlopes& wanted = {}) const;
   models::Simulation simulate(const models::Rig& rig, double interval,
                               const std::vector<models::RigParameter>& by = {}) const;
 
@@ -57,13 +77,24 @@ class ShotModel {
   /// Which equations predict from now on.
   void set_motion(models::Motion motion) { motion_ = motion; }
 
+  /// The same in small motion, whose slopes a fit may take where those of the full equations are
+  /// not known.
+  ShotModel in_small_motion() const;
+
   /// The same with twice the elements or modes.
   ShotModel finer() const;
 
- private:
-  Shown show(const models::History& history) const;
+  /// Sensors as the rig file describes them.
+  const SensorChains& chains() const { return chains_; }
 
-  const RigFile* file_;
+ private:
+  models::Simulation simulate(const models::Rig& rig, const SensorChains& chains, double interval,
+                              const std::vector<models::RigParameter>& by) const;
+  Shown show(const models::History& history, const SensorChains& chains) const;
+  Shown chain_slope(const models::Rig& rig, const models::History& history, SensorChains chains,
+                    const WantedSlopes::Chain& by) const;
+
+  SensorChains chains_;
   models::Solver solver_;
   bool force_, velocity_, displacement_;
   double lead_, end_, interval_;

@@ -164,6 +164,27 @@ std::optional<std::vector<int>> TableReader::integers(std::string_view key) {
   return values;
 }
 
+std::optional<std::vector<std::string>> TableReader::texts(std::string_view key) {
+  const toml::node* node = find(key);
+  if (!node) return std::nullopt;
+  const toml::array* array = node->as_array();
+  if (!array) return std::vector<std::string>{*text(key)};
+  std::vector<std::string> values;
+  for (const toml::node& element : *array) {
+    auto value = element.value_exact<std::string>();
+    if (!value) refuse(key, "expected texts in quotes");
+    values.push_back(*std::move(value));
+  }
+  return values;
+}
+
+std::optional<bool> TableReader::flag(std::string_view key) {
+  const toml::node* node = find(key);
+  if (!node) return std::nullopt;
+  if (const auto value = node->value_exact<bool>()) return value;
+  refuse(key, "expected true or false");
+}
+
 std::optional<TableReader> TableReader::table(std::string_view key) {
   const toml::node* node = find(key);
   if (!node) return std::nullopt;

@@ -45,7 +45,9 @@ class TableReader {
   std::optional<std::string> text(std::string_view key);
   std::string required_text(std::string_view key, std::string_view example);
   std::optional<std::string> name_or_index(std::string_view key);
-  std::optional<std::vector<int>> integers(std::string_view key);  ///< an array or one number
+  std::optional<std::vector<int>> integers(std::string_view key);       ///< an array or one number
+  std::optional<std::vector<std::string>> texts(std::string_view key);  ///< an array or one text
+  std::optional<bool> flag(std::string_view key);                       ///< true or false
   std::optional<TableReader> table(std::string_view key);
   std::vector<TableReader> tables(std::string_view key);  ///< an array of tables, none when absent
 

@@ -51,16 +51,11 @@ Variable physics_variable(const PhysicalParameter& parameter, const RigFile& rig
     const double seen = impacts[static_cast<std::size_t>(recording)].approach_velocity;
     if (seen > 0.0) v.initial = seen;
   }
-  if (!(v.initial != 0.0 && std::isfinite(v.initial)))
-    throw std::invalid_argument(
-        fmt::format("'{}' cannot be fitted with this rig: it has no value to start from", v.name));
   v.lower = parameter.upper > 0.0 ? parameter.lower : 0.05 * v.initial;
   v.upper = parameter.upper > 0.0 ? parameter.upper : 20.0 * v.initial;
   if (parameter.name == "contact.restitution")
     v.lower = models::damping_law(rig.rig.contact.damping).text.smallest_restitution;
   if (parameter.name == "contact.position") v.upper = rig.rig.beam.length;
-  v.initial = std::clamp(v.initial, v.lower, v.upper);
-  v.scale = parameter.unit == "1" ? 1.0 : v.initial;
   return v;
 }
 
@@ -100,18 +95,64 @@ void add_background(const ImpactSignal& signal, const Variable& blank, double ma
     add(name, {kind, order * mains}).prior = {0.0, hum_part * largest};
 }
 
-/// Background, gain and delay of one channel.
-void add_channel_variables(const ImpactSignal& signal, int recording, double mains_frequency,
-                           const std::vector<std::string>& asked,
-                           std::vector<Variable>& variables) {
-  const std::string key = fmt::format("sensors.{}.", datasets::name(signal.quantity));
-  const auto wanted = [&](std::string_view what) {
-    return std::ranges::find(asked, fmt::format("{}{}", key, what)) != asked.end();
-  };
+/// What a fit may free, by full name, of the settings and names given.
+class Wishes {
+ public:
+  Wishes(const RigFile& rig, const FitOptions& options) : options_(options) {
+    names_ = options.free.empty() ? default_free(rig) : options.free;
+    for (const ParameterSetting& setting : options.settings)
+      if (!setting.fixed && std::ranges::find(names_, base(setting.name)) == names_.end())
+        names_.push_back(base(setting.name));
+    for (const std::string& name : names_) {
+      if (std::ranges::count(names_, name) > 1)
+        throw std::invalid_argument(
+            fmt::format("'{}' is named twice among the free parameters", name));
+      unit_of(name);
+    }
+    for (const ParameterSetting& setting : options.settings) unit_of(base(setting.name));
+  }
+
+  const std::vector<std::string>& names() const { return names_; }
+
+  bool asks_for(std::string_view name) const {
+    return std::ranges::find(names_, name) != names_.end();
+  }
+
+  bool fixes(std::string_view name) const {
+    const ParameterSetting* setting = options_.setting_of(name);
+    return setting && setting->fixed;
+  }
+
+  bool shares(std::string_view name, bool by_itself) const {
+    const ParameterSetting* setting = options_.setting_of(name);
+    return setting && setting->shared ? *setting->shared : by_itself;
+  }
+
+  /// Of one recording's parameter, or else of that of all recordings.
+  const ParameterSetting* of(const Variable& v) const {
+    const ParameterSetting* own = options_.setting_of(v.name);
+    return own ? own : options_.setting_of(base(v.name));
+  }
+
+ private:
+  /// "start.velocity" of "start.velocity[2]".
+  static std::string base(const std::string& name) { return name.substr(0, name.find('[')); }
+
+  const FitOptions& options_;
+  std::vector<std::string> names_;
+};
+
+double largest_of(const ImpactSignal& signal) {
   double largest = 0.0;
   for (const double value : signal.values)
     if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
-  if (!(largest > 0.0)) largest = 1.0;
+  return largest > 0.0 ? largest : 1.0;
+}
+
+/// Background, gain, delay and chain of one channel.
+void add_channel_variables(const ImpactSignal& signal, int recording, const RigFile& rig,
+                           const Wishes& wishes, std::vector<Variable>& variables) {
+  const std::string key = fmt::format("sensors.{}.", datasets::name(signal.quantity));
   Variable blank;
   blank.quantity = signal.quantity;
   blank.recording = recording;
@@ -119,8 +160,8 @@ void add_channel_variables(const ImpactSignal& signal, int recording, double mai
   blank.unit = std::string(datasets::si_unit(signal.quantity));
   blank.lower = -unbounded;
   blank.upper = unbounded;
-  add_background(signal, blank, mains_frequency, largest, variables);
-  if (signal.gain_uncertainty > 0.0 || wanted("gain")) {
+  add_background(signal, blank, rig.mains_frequency, largest_of(signal), variables);
+  if (signal.gain_uncertainty > 0.0 || wishes.asks_for(key + "gain")) {
     Variable gain = blank;
     gain.role = Variable::Role::gain;
     gain.name += "gain";
@@ -132,7 +173,7 @@ void add_channel_variables(const ImpactSignal& signal, int recording, double mai
     if (signal.gain_uncertainty > 0.0) gain.prior = {1.0, signal.gain_uncertainty};
     variables.push_back(gain);
   }
-  if (signal.delay_uncertainty > 0.0 || wanted("delay")) {
+  if (signal.delay_uncertainty > 0.0 || wishes.asks_for(key + "delay")) {
     Variable delay = blank;
     delay.role = Variable::Role::delay;
     delay.name += "delay";
@@ -142,19 +183,112 @@ void add_channel_variables(const ImpactSignal& signal, int recording, double mai
     if (signal.delay_uncertainty > 0.0) delay.prior = {signal.delay, signal.delay_uncertainty};
     variables.push_back(delay);
   }
+  for (const std::string& name : wishes.names()) {
+    const auto wanted = sensor_key(name);
+    if (!wanted || wanted->quantity != signal.quantity) continue;
+    const ChainParameter* chain = find_chain_parameter(wanted->what);
+    if (!chain) continue;
+    auto sensor = sensor_of(rig, signal.quantity);
+    Variable v = blank;
+    v.role = Variable::Role::chain;
+    v.chain = chain;
+    v.name = name;
+    v.unit = chain->unit;
+    v.initial = sensor ? chain->of(*sensor) : 0.0;
+    v.lower = 0.05 * v.initial;
+    v.upper = chain->name == "position" ? rig.rig.beam.length : 20.0 * v.initial;
+    variables.push_back(v);
+  }
 }
 
-void refuse_unknown(const std::vector<std::string>& asked) {
-  for (const std::string& name : asked) {
-    if (std::ranges::count(asked, name) > 1)
+/// Physics shared by the recordings, or of each.
+void add_physics(const std::vector<Impact>& impacts, const RigFile& rig, const Wishes& wishes,
+                 std::vector<Variable>& variables) {
+  for (const std::string& name : wishes.names()) {
+    const PhysicalParameter* parameter = find_physical_parameter(name);
+    if (!parameter) continue;
+    if (wishes.shares(name, !parameter->of_shot)) {
+      variables.push_back(physics_variable(*parameter, rig, impacts, -1));
+      continue;
+    }
+    for (int shot = 0; shot < static_cast<int>(impacts.size()); ++shot)
+      variables.push_back(physics_variable(*parameter, rig, impacts, shot));
+  }
+}
+
+Variable first_touch(const Impact& impact, int shot) {
+  Variable touch;
+  touch.role = Variable::Role::touch;
+  touch.recording = shot;
+  touch.name = "impact.time";
+  touch.unit = "s";
+  touch.initial = impact.start;
+  touch.lower = -unbounded;
+  touch.upper = unbounded;
+  touch.scale = 1e-6;
+  return touch;
+}
+
+/// One of the measuring chain for all recordings, where that is wished: the first one stays.
+void share(const Wishes& wishes, std::vector<Variable>& variables) {
+  std::vector<Variable> kept;
+  for (Variable& v : variables) {
+    if (v.role != Variable::Role::physics && v.role != Variable::Role::touch && v.recording >= 0 &&
+        wishes.shares(v.name, false)) {
+      if (std::ranges::find(kept, v.name, &Variable::name) != kept.end()) continue;
+      v.recording = -1;
+    }
+    kept.push_back(v);
+  }
+  variables = std::move(kept);
+}
+
+/// What the user states of a variable, and a scale that goes with it.
+void apply(const ParameterSetting* setting, Variable& v) {
+  const double by_itself = v.initial;
+  if (setting) {
+    if (setting->initial) v.initial = *setting->initial;
+    if (setting->prior) v.prior = setting->prior;
+    if (setting->lower) v.lower = *setting->lower;
+    if (setting->upper) v.upper = *setting->upper;
+    if (!(v.lower < v.upper))
+      throw std::invalid_argument(fmt::format("'{}' has no room between its bounds {:g} and {:g}",
+                                              v.name, v.lower, v.upper));
+  }
+  const bool from_rig = v.role == Variable::Role::physics || v.role == Variable::Role::chain;
+  if (from_rig && !(v.initial != 0.0 && std::isfinite(v.initial)))
+    throw std::invalid_argument(
+        fmt::format("'{}' cannot be fitted with this rig: it has no value to start from", v.name));
+  if (from_rig && by_itself == 0.0 && !setting->lower) v.lower = 0.0;
+  if (from_rig && by_itself == 0.0 && !setting->upper) v.upper = 100.0 * v.initial;
+  v.initial = std::clamp(v.initial, v.lower, v.upper);
+  if (from_rig) v.scale = v.unit == "1" && v.initial < 5.0 ? 1.0 : v.initial;
+  v.value = v.initial;
+}
+
+/// Finds what a tie names: in the same recording, or shared.
+void tie_up(const Wishes& wishes, std::vector<Variable>& variables) {
+  for (Variable& v : variables) {
+    const ParameterSetting* setting = wishes.of(v);
+    if (!setting || !setting->tie) continue;
+    const Tie& tie = *setting->tie;
+    const std::string here = fmt::format("{}[{}]", tie.to, v.recording + 1);
+    for (std::size_t i = 0; i < variables.size(); ++i)
+      if (variables[i].name == tie.to || (v.recording >= 0 && variables[i].name == here))
+        v.tie = {i, tie.factor, tie.offset};
+    if (!v.tie)
+      throw std::invalid_argument(fmt::format(
+          "'{}' is tied to '{}', which is not among the free parameters", v.name, tie.to));
+    v.prior.reset();
+  }
+  for (Variable& v : variables) {
+    if (!v.tie) continue;
+    const Variable& other = variables[v.tie->to];
+    if (other.tie)
       throw std::invalid_argument(
-          fmt::format("'{}' is named twice among the free parameters", name));
-    if (name == "impact.time") continue;
-    bool of_channel = false;
-    for (const char* channel : {"force", "velocity", "displacement"})
-      for (const char* what : {"offset", "drift", "gain", "delay"})
-        of_channel = of_channel || name == fmt::format("sensors.{}.{}", channel, what);
-    if (!of_channel) physical_parameter(name);
+          fmt::format("'{}' is tied to '{}', which is tied itself; tie both to the same one",
+                      v.name, other.name));
+    v.initial = v.value = v.tie->factor * other.value + v.tie->offset;
   }
 }
 
@@ -188,44 +322,28 @@ bool is_fitted(const Impact& impact, const std::optional<ImpactSignal>& signal,
 
 std::vector<Variable> make_variables(const std::vector<Impact>& impacts, const RigFile& rig,
                                      const FitOptions& options) {
-  const std::vector<std::string> asked = options.free.empty() ? default_free(rig) : options.free;
-  refuse_unknown(asked);
-  if (rig.rig.contact.damping == "none" &&
-      std::ranges::find(asked, "contact.restitution") != asked.end())
+  const Wishes wishes(rig, options);
+  if (rig.rig.contact.damping == "none" && wishes.asks_for("contact.restitution"))
     throw std::invalid_argument(
         "'contact.restitution' cannot be fitted: contact.damping is \"none\", which has no "
         "restitution");
-  const int shots = static_cast<int>(impacts.size());
   std::vector<Variable> variables;
-  for (const std::string& name : asked) {
-    if (name.starts_with("sensors.") || name == "impact.time") continue;
-    const PhysicalParameter& parameter = physical_parameter(name);
-    if (parameter.of_shot)
-      for (int shot = 0; shot < shots; ++shot)
-        variables.push_back(physics_variable(parameter, rig, impacts, shot));
-    else
-      variables.push_back(physics_variable(parameter, rig, impacts, -1));
-  }
+  add_physics(impacts, rig, wishes, variables);
+  const int shots = static_cast<int>(impacts.size());
   for (int shot = 0; shot < shots; ++shot) {
     const Impact& impact = impacts[static_cast<std::size_t>(shot)];
-    Variable touch;
-    touch.role = Variable::Role::touch;
-    touch.recording = shot;
-    touch.name = "impact.time";
-    touch.unit = "s";
-    touch.initial = impact.start;
-    touch.lower = -unbounded;
-    touch.upper = unbounded;
-    touch.scale = 1e-6;
-    variables.push_back(touch);
+    variables.push_back(first_touch(impact, shot));
     for (const auto* signal : {&impact.force, &impact.velocity, &impact.displacement})
       if (is_fitted(impact, *signal, options))
-        add_channel_variables(**signal, shot, rig.mains_frequency, asked, variables);
+        add_channel_variables(**signal, shot, rig, wishes, variables);
   }
+  std::erase_if(variables, [&](const Variable& v) { return wishes.fixes(v.name); });
+  share(wishes, variables);
   for (Variable& v : variables) {
-    v.value = v.initial;
     if (shots > 1 && v.recording >= 0) v.name += fmt::format("[{}]", v.recording + 1);
+    apply(wishes.of(v), v);
   }
+  tie_up(wishes, variables);
   return variables;
 }
 

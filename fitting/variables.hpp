@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "datasets/impact.hpp"
-#include "fitting/fit.hpp"
+#include "fitting/fit_options.hpp"
 #include "fitting/parameters.hpp"
+#include "fitting/rig_file.hpp"
 
 namespace impactrig::fitting {
 
@@ -23,16 +24,24 @@ struct BackgroundShape {
   double at(double t) const;
 };
 
-/// One unknown of a fit: a parameter of the physics, or of what stands between the impact and a
-/// recording.
+/// One number of a fit: a parameter of the physics, or of what stands between the impact and a
+/// recording. It is an unknown, or tied to one.
 struct Variable {
-  enum class Role { physics, touch, background, gain, delay };
+  enum class Role { physics, touch, background, gain, delay, chain };
+
+  /// value = factor · that of variable number `to` + offset.
+  struct Line {
+    std::size_t to;
+    double factor;
+    double offset;
+  };
 
   Role role = Role::physics;
   const PhysicalParameter* physics = nullptr;  ///< role physics
+  const ChainParameter* chain = nullptr;       ///< role chain
   BackgroundShape background;                  ///< role background
   datasets::Quantity quantity =
-      datasets::Quantity::unknown;  ///< channel of background, gain, delay
+      datasets::Quantity::unknown;  ///< channel of background, gain, delay, chain
   int recording = -1;               ///< -1: shared by all
   std::string name;
   std::string unit;
@@ -41,6 +50,7 @@ struct Variable {
   double lower = 0.0, upper = 0.0;
   double scale = 1.0;  ///< typical change; the solver works on value / scale
   std::optional<std::array<double, 2>> prior;  ///< mean, standard uncertainty
+  std::optional<Line> tie;
 
   bool concerns(int shot) const { return recording < 0 || recording == shot; }
 };
@@ -50,10 +60,11 @@ struct Variable {
 bool is_fitted(const datasets::Impact& impact, const std::optional<datasets::ImpactSignal>& signal,
                const FitOptions& options);
 
-/// The unknowns of a fit: what the user frees (by default restitution, stiffness factor, approach
+/// The numbers of a fit: what the user frees (by default restitution, stiffness factor, approach
 /// speed), and for every recording first touch, each channel's offset, drift and mains hum, and
-/// gains and delays whose calibration states an uncertainty. Throws std::invalid_argument on a name
-/// that cannot be fitted or is named twice.
+/// gains and delays whose calibration states an uncertainty; each with what the options state of
+/// it. Throws std::invalid_argument on a name that cannot be fitted or is named twice, on bounds
+/// without room, and on a tie to what is not fitted.
 std::vector<Variable> make_variables(const std::vector<datasets::Impact>& impacts,
                                      const RigFile& rig, const FitOptions& options);
 

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fitting/loss.hpp"
+
+namespace impactrig::fitting {
+
+/// This parameter is a line of another one: value = factor · value of `to` + offset.
+struct Tie {
+  std::string to;       ///< a name as in FitOptions::free
+  double factor = 1.0;  ///< [unit of this / unit of `to`]
+  double offset = 0.0;  ///< [unit of this]
+
+  bool operator==(const Tie&) const = default;
+};
+
+/// What a user states of one parameter of a fit; what is silent is as the fit has it by itself.
+struct ParameterSetting {
+  std::string name;                    ///< as in FitOptions::free
+  std::optional<double> initial = {};  ///< where the search begins [SI]
+  std::optional<double> lower = {}, upper = {};
+  std::optional<std::array<double, 2>> prior = {};  ///< value, standard uncertainty
+  std::optional<bool> shared = {};  ///< one value for all recordings, or one for each
+  std::optional<Tie> tie = {};
+  bool fixed = false;  ///< not fitted, whatever else says it is
+
+  bool operator==(const ParameterSetting&) const = default;
+};
+
+/// What is fitted to what, and how. The [fit] table of a rig file (docs/fitting.md).
+struct FitOptions {
+  /// Rig-file keys; empty: restitution, stiffness factor, approach speed, as far as the rig has
+  /// them. A parameter with a setting is free besides these, unless that is fixed.
+  std::vector<std::string> free;
+  std::vector<ParameterSetting> settings;
+  double window = 0.0;  ///< fitted after first touch [s]; 0 = as long as rig and recording allow
+  bool use_force = true, use_velocity = true, use_displacement = false;
+  Loss loss = Loss::squares;
+
+  const ParameterSetting* setting_of(std::string_view name) const;  ///< none: nullptr
+
+  /// Where what is stated of a parameter goes; made when it is the first.
+  ParameterSetting& setting(std::string_view name);
+};
+
+}  // namespace impactrig::fitting

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fitting/fit_problem.hpp"
+
+#include <ceres/normal_prior.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "fitting/quiet_noise.hpp"
+
+namespace impactrig::fitting {
+namespace {
+
+using datasets::Impact;
+using datasets::ImpactFlag;
+using datasets::ImpactSignal;
+
+constexpr double unseen_noise = 1e-3;   // of the peak, where the record shows no noise at all
+constexpr double margin_part = 0.1;     // of the contact: first touch moves during the fit
+constexpr double margin_least = 20e-6;  // [s]
+
+double margin_of(const Shot& shot) {
+  return std::max(margin_least, margin_part * shot.contact);
+}
+
+/// Sound, and below where a clipped force ends.
+bool fits(const Impact& impact, const ImpactSignal& signal, double ceiling, std::size_t k) {
+  const double value = signal.values[k];
+  if (!signal.valid.empty() && !signal.valid[k]) return false;
+  return std::isfinite(value) && (value < ceiling || !impact.has(ImpactFlag::clipped));
+}
+
+double ceiling_of(const Impact& impact, const ImpactSignal& signal) {
+  const bool told_by_flag_alone = impact.has(ImpactFlag::clipped) && signal.valid.empty() &&
+                                  signal.quantity == datasets::Quantity::force;
+  if (!told_by_flag_alone) return std::numeric_limits<double>::infinity();
+  return 0.999 * *std::ranges::max_element(signal.values);
+}
+
+}  // namespace
+
+FitProblem::FitProblem(const std::vector<Impact>& impacts, const RigFile& rig,
+                       const FitOptions& options)
+    : loss_(options.loss) {
+  if (impacts.empty()) throw std::invalid_argument("there is no impact to fit to");
+  auto own = std::make_shared<RigFile>(rig);
+  if (own->rig.start.release_angle) {
+    own->rig.start.velocity = models::touch_velocity(own->rig);
+    own->rig.start.release_angle.reset();
+  }
+  rig_ = own;
+  variables_ = std::make_unique<std::vector<Variable>>(make_variables(impacts, *rig_, options));
+  for (std::size_t i = 0; i < impacts.size(); ++i)
+    add_shot(impacts[i], static_cast<int>(i), options);
+  std::vector<bool> told(variables_->size(), false);
+  for (const Shot& shot : shots_)
+    for (const std::size_t number : shot.numbers) {
+      const Variable& v = (*variables_)[number];
+      told[v.tie ? v.tie->to : number] = true;
+    }
+  for (std::size_t i = 0; i < variables_->size(); ++i) {
+    if (told[i] && !(*variables_)[i].tie) unknowns_.push_back(i);
+    if (told[i] && (*variables_)[i].prior) priors_.push_back(i);
+  }
+}
+
+FitProblem FitProblem::copy() const {
+  FitProblem other;
+  other.rig_ = rig_;
+  other.variables_ = std::make_unique<std::vector<Variable>>(*variables_);
+  other.unknowns_ = unknowns_;
+  other.priors_ = priors_;
+  other.loss_ = loss_;
+  other.noise_known_ = noise_known_;
+  other.small_slopes_ = small_slopes_;
+  for (const Shot& shot : shots_)
+    other.shots_.push_back(
+        {shot.impact, shot.window, shot.contact, shot.channels, shot.numbers, shot.model, nullptr});
+  other.rebuild_costs();
+  return other;
+}
+
+FittedChannel FitProblem::weigh(const Impact& impact, const ImpactSignal& signal) {
+  FittedChannel channel;
+  channel.signal = &signal;
+  channel.measured = signal.values;
+  double sigma = std::max(signal.noise, signal.quantum / std::sqrt(12.0));
+  double largest = 0.0;
+  for (const double value : signal.values)
+    largest = std::max(largest, std::isfinite(value) ? std::abs(value) : 0.0);
+  if (sigma > 1e-9 * largest) {
+    const double quiet_end =
+        impact.start - std::max(5.0 * signal.interval, margin_part * (impact.end - impact.start));
+    channel.noise = quiet_noise(signal, quiet_end, rig_->mains_frequency, sigma);
+    return channel;
+  }
+  sigma = unseen_noise * (largest > 0.0 ? largest : 1.0);
+  channel.noise = NoiseModel(sigma, 1.0);
+  channel.noise_known = noise_known_ = false;
+  warnings_.push_back(
+      fmt::format("{} shows no noise before the trigger in {}; it was weighed with {:g} % of its "
+                  "peak and all intervals follow from the scatter of the residuals instead.",
+                  signal.channel, impact.recording, 100.0 * unseen_noise));
+  return channel;
+}
+
+void FitProblem::add_shot(const Impact& impact, int number, const FitOptions& options) {
+  Shot shot;
+  shot.impact = &impact;
+  shot.contact = impact.end - impact.start;
+  double last = -std::numeric_limits<double>::infinity();
+  double first = std::numeric_limits<double>::infinity();
+  double finest = std::numeric_limits<double>::infinity();
+  for (const auto* candidate : {&impact.force, &impact.velocity, &impact.displacement}) {
+    if (!*candidate || (*candidate)->values.empty()) continue;
+    const ImpactSignal& signal = **candidate;
+    const auto [least, most] = std::ranges::minmax(signal.values);
+    if (least == most)
+      warnings_.push_back(
+          fmt::format("{} of {} is constant and was left out; is the sensor connected?",
+                      signal.channel, impact.recording));
+    if (!is_fitted(impact, *candidate, options)) continue;
+    if (impact.start - signal.start < 20.0 * signal.interval)
+      warnings_.push_back(
+          fmt::format("{} of {} has fewer than 20 samples before first touch: its noise and "
+                      "baseline are hardly known. Record a longer pre-trigger.",
+                      signal.channel, impact.recording));
+    shot.channels.push_back(weigh(impact, signal));
+    first = std::min(first, signal.start);
+    last = std::max(last, signal.time(signal.values.size() - 1));
+    finest = std::min(finest, signal.interval);
+  }
+  if (shot.channels.empty())
+    throw std::invalid_argument(
+        fmt::format("{} has no force, velocity or displacement to fit to", impact.recording));
+  shot.window = last - impact.start;
+  if (options.window > 0.0) shot.window = std::min(shot.window, options.window);
+  if (rig_->solver.duration) shot.window = std::min(shot.window, *rig_->solver.duration);
+  if (!(shot.window > 0.0))
+    throw std::invalid_argument(
+        fmt::format("{} ends at first touch; there is nothing to fit to", impact.recording));
+  for (std::size_t i = 0; i < variables_->size(); ++i) {
+    const Variable& v = (*variables_)[i];
+    const bool fitted = v.quantity == datasets::Quantity::unknown ||
+                        std::ranges::any_of(shot.channels, [&](const FittedChannel& c) {
+                          return c.signal->quantity == v.quantity;
+                        });
+    if (v.concerns(number) && fitted) shot.numbers.push_back(i);
+  }
+  shot.model = std::make_shared<ShotModel>(*rig_, impact, impact.start - first + margin_of(shot),
+                                           shot.window + margin_of(shot), finest);
+  shots_.push_back(std::move(shot));
+}
+
+std::vector<double> FitProblem::values() const {
+  std::vector<double> values;
+  for (const Variable& v : *variables_) values.push_back(v.value);
+  return values;
+}
+
+void FitProblem::set_values(const std::vector<double>& values) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    Variable& v = (*variables_)[i];
+    v.value = std::clamp(values[i], v.lower, v.upper);
+  }
+  follow_ties();
+}
+
+void FitProblem::set_initial_values() {
+  for (Variable& v : *variables_) v.value = v.initial;
+  follow_ties();
+}
+
+void FitProblem::set_prior_mean(std::size_t number, double mean) {
+  (*(*variables_)[number].prior)[0] = mean;
+}
+
+void FitProblem::follow_ties() {
+  for (Variable& v : *variables_)
+    if (v.tie) v.value = v.tie->factor * (*variables_)[v.tie->to].value + v.tie->offset;
+}
+
+void FitProblem::choose_samples(double contacts) {
+  for (Shot& shot : shots_) {
+    const double window = std::min(shot.window, contacts * shot.contact);
+    shot.model->set_end(window + margin_of(shot));
+    for (FittedChannel& channel : shot.channels) {
+      const ImpactSignal& signal = *channel.signal;
+      const double ceiling = ceiling_of(*shot.impact, signal);
+      channel.used.clear();
+      for (std::size_t k = 0; k < signal.values.size(); ++k)
+        if (signal.time(k) <= shot.impact->start + window && fits(*shot.impact, signal, ceiling, k))
+          channel.used.push_back(k);
+    }
+  }
+  rebuild_costs();
+}
+
+void FitProblem::rebuild_costs() {
+  for (Shot& shot : shots_) {
+    if (shot.cost) past_simulations_ += shot.cost->simulations();
+    shot.cost = std::make_unique<ShotCost>(*rig_, *shot.model, shot.channels, *variables_,
+                                           shot.numbers, loss_);
+    if (small_slopes_) shot.cost->take_small_slopes();
+  }
+}
+
+void FitProblem::set_motion(models::Motion motion) {
+  for (Shot& shot : shots_) shot.model->set_motion(motion);
+  rebuild_costs();
+}
+
+models::Motion FitProblem::motion() const {
+  return shots_.front().model->motion();
+}
+
+void FitProblem::take_small_slopes() {
+  small_slopes_ = true;
+  for (Shot& shot : shots_) shot.cost->take_small_slopes();
+}
+
+SearchEnd FitProblem::search(const Search& how, const std::vector<std::size_t>& held) {
+  std::vector<double> x(variables_->size());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = (*variables_)[i].value / (*variables_)[i].scale;
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(ownership);
+  for (const Shot& shot : shots_) {
+    std::vector<double*> blocks;
+    for (const std::size_t i : shot.cost->blocks()) blocks.push_back(&x[i]);
+    problem.AddResidualBlock(shot.cost.get(), nullptr, blocks);
+  }
+  for (const std::size_t i : unknowns_) {
+    const Variable& v = (*variables_)[i];
+    if (std::isfinite(v.lower)) problem.SetParameterLowerBound(&x[i], 0, v.lower / v.scale);
+    if (std::isfinite(v.upper)) problem.SetParameterUpperBound(&x[i], 0, v.upper / v.scale);
+    if (how.hold_background && v.prior && v.role == Variable::Role::background)
+      problem.SetParameterBlockConstant(&x[i]);
+  }
+  for (const std::size_t i : held) problem.SetParameterBlockConstant(&x[i]);
+  std::vector<std::unique_ptr<ceres::NormalPrior>> priors;
+  for (const std::size_t i : priors_) {
+    const Variable& v = (*variables_)[i];
+    ceres::Matrix weight(1, 1);
+    ceres::Vector mean(1);
+    weight(0, 0) = v.scale / (*v.prior)[1];
+    mean[0] = (*v.prior)[0] / v.scale;
+    priors.push_back(std::make_unique<ceres::NormalPrior>(weight, mean));
+    problem.AddResidualBlock(priors.back().get(), nullptr, &x[i]);
+  }
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::DENSE_QR;
+  solver.max_num_iterations = how.most_iterations;
+  solver.function_tolerance = how.tolerance;
+  solver.initial_trust_region_radius = how.trust_radius;
+  solver.parameter_tolerance = 1e-8;
+  solver.gradient_tolerance = 1e-14;
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  if (summary.termination_type == ceres::FAILURE) {
+    std::string why = summary.message;
+    for (const Shot& shot : shots_)
+      if (!shot.cost->failure().empty()) why = shot.cost->failure();
+    throw std::runtime_error("the fit could not start: " + why);
+  }
+  std::vector<double> values(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) values[i] = x[i] * (*variables_)[i].scale;
+  set_values(values);
+  return {.cost = summary.final_cost,
+          .converged = summary.termination_type == ceres::CONVERGENCE,
+          .iterations = summary.num_successful_steps,
+          .message = summary.message};
+}
+
+Eigen::Index FitProblem::data_size() const {
+  Eigen::Index size = 0;
+  for (const Shot& shot : shots_) size += shot.cost->num_residuals();
+  return size;
+}
+
+void FitProblem::linearise(Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const {
+  const auto count = static_cast<Eigen::Index>(unknowns_.size());
+  residuals.resize(data_size() + static_cast<Eigen::Index>(priors_.size()));
+  if (jacobian) jacobian->setZero(residuals.size(), count);
+  std::vector<Eigen::Index> place(variables_->size(), -1);
+  for (std::size_t k = 0; k < unknowns_.size(); ++k)
+    place[unknowns_[k]] = static_cast<Eigen::Index>(k);
+  Eigen::Index row = 0;
+  for (const Shot& shot : shots_) {
+    Eigen::VectorXd differences;
+    Eigen::MatrixXd slopes;
+    shot.cost->linearise(differences, jacobian ? &slopes : nullptr);
+    residuals.segment(row, differences.size()) = differences;
+    for (std::size_t b = 0; jacobian && b < shot.cost->blocks().size(); ++b)
+      jacobian->block(row, place[shot.cost->blocks()[b]], differences.size(), 1) =
+          slopes.col(static_cast<Eigen::Index>(b));
+    row += differences.size();
+  }
+  for (const std::size_t i : priors_) {
+    const Variable& v = (*variables_)[i];
+    residuals[row] = (v.value - (*v.prior)[0]) / (*v.prior)[1];
+    if (jacobian) (*jacobian)(row, place[i]) = 1.0 / (*v.prior)[1];
+    ++row;
+  }
+}
+
+long FitProblem::simulations() const {
+  long count = past_simulations_;
+  for (const Shot& shot : shots_) count += shot.cost->simulations();
+  return count;
+}
+
+}  // namespace impactrig::fitting

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "datasets/impact.hpp"
+#include "fitting/fit_options.hpp"
+#include "fitting/rig_file.hpp"
+#include "fitting/shot_cost.hpp"
+#include "fitting/shot_model.hpp"
+#include "fitting/variables.hpp"
+
+namespace impactrig::fitting {
+
+/// One recording of a fit with what was chosen for it.
+struct Shot {
+  const datasets::Impact* impact = nullptr;
+  double window = 0.0;   ///< fitted after first touch [s]
+  double contact = 0.0;  ///< duration of the first contact as seen [s]
+  std::vector<FittedChannel> channels;
+  std::vector<std::size_t> numbers;  ///< of the variables that concern it
+  std::shared_ptr<ShotModel> model;
+  std::unique_ptr<ShotCost> cost;
+};
+
+/// How far a search goes.
+struct Search {
+  double tolerance = 2e-7;       ///< Ceres' function tolerance
+  double trust_radius = 1e4;     ///< Ceres' first one; large: hardly any damping
+  bool hold_background = false;  ///< leave mains hum as it is
+  int most_iterations = 60;
+};
+
+struct SearchEnd {
+  double cost = 0.0;  ///< ½ Σρ of data and priors
+  bool converged = false;
+  int iterations = 0;
+  std::string message;
+};
+
+/// What a fit minimises: the variables, the recordings' weighted differences from what the model
+/// and the sensors' chains make of them, priors and bounds. Variables carry the present values;
+/// searches move them.
+class FitProblem {
+ public:
+  /// The impacts must live as long. Throws std::invalid_argument where there is nothing to fit.
+  FitProblem(const std::vector<datasets::Impact>& impacts, const RigFile& rig,
+             const FitOptions& options);
+
+  /// Another problem of the same models, with values of its own: to search in at the same time.
+  FitProblem copy() const;
+
+  const RigFile& rig() const { return *rig_; }
+
+  const std::vector<Variable>& variables() const { return *variables_; }
+
+  double value(std::size_t number) const { return (*variables_)[number].value; }
+
+  std::vector<double> values() const;  ///< of all variables
+  /// Sets the unknowns and, with them, what is tied to them.
+  void set_values(const std::vector<double>& values);
+  void set_initial_values();
+
+  /// Replaces the mean of a variable's prior.
+  void set_prior_mean(std::size_t number, double mean);
+
+  /// Numbers of the variables that are unknowns: not tied, and with something to tell them.
+  const std::vector<std::size_t>& unknowns() const { return unknowns_; }
+
+  std::vector<Shot>& shots() { return shots_; }
+
+  const std::vector<Shot>& shots() const { return shots_; }
+
+  /// Takes the sound samples from each record's beginning to a share of its window, in contact
+  /// durations, or all.
+  void choose_samples(double contacts);
+
+  /// After a change of a channel's `used` or `noise`.
+  void rebuild_costs();
+
+  void set_motion(models::Motion motion);
+  models::Motion motion() const;
+
+  /// Slopes of the full equations are those of small motion from now on.
+  void take_small_slopes();
+
+  /// Levenberg-Marquardt from the present values; `held` variables stay. Throws std::runtime_error
+  /// where it cannot start.
+  SearchEnd search(const Search& how, const std::vector<std::size_t>& held = {});
+
+  /// Weighted differences of the data and of the priors, and their derivatives by the unknowns in
+  /// their own units (n_data + n_priors, n_unknowns), at the present values.
+  void linearise(Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
+
+  Eigen::Index data_size() const;  ///< residuals that are data
+
+  /// Of the unknowns, one a residual: priors, in the order of linearise().
+  const std::vector<std::size_t>& priors() const { return priors_; }
+
+  Loss loss() const { return loss_; }
+
+  long simulations() const;
+
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+  bool noise_known() const { return noise_known_; }
+
+ private:
+  FitProblem() = default;
+  void add_shot(const datasets::Impact& impact, int number, const FitOptions& options);
+  FittedChannel weigh(const datasets::Impact& impact, const datasets::ImpactSignal& signal);
+  void follow_ties();
+
+  std::shared_ptr<const RigFile> rig_;
+  std::unique_ptr<std::vector<Variable>> variables_;
+  std::vector<std::size_t> unknowns_, priors_;
+  std::vector<Shot> shots_;
+  Loss loss_ = Loss::squares;
+  bool noise_known_ = true, small_slopes_ = false;
+  std::vector<std::string> warnings_;
+  long past_simulations_ = 0;  // of costs that are gone
+};
+
+}  // namespace impactrig::fitting

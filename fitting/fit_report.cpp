@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fitting/fit_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+#include "fitting/metrics.hpp"
+#include "models/mesh_error.hpp"
+
+namespace impactrig::fitting {
+namespace {
+
+using datasets::ImpactFlag;
+using datasets::ImpactSignal;
+
+// A shift by the mesh is worth a warning from this part of a standard error on.
+constexpr double telling_shift = 0.5;
+// The error of a mesh against the change to one twice as fine: errors fall about tenfold.
+constexpr double beyond_finer = 1.1;
+
+/// Samples that count as independent.
+double independent_samples(const FitProblem& problem) {
+  double count = 0.0;
+  for (const Shot& shot : problem.shots())
+    for (const FittedChannel& channel : shot.channels)
+      count += static_cast<double>(channel.used.size()) * channel.noise.independent_share();
+  return count;
+}
+
+/// Variables as lines of the unknowns: (n_variables, n_unknowns); a row of zeros where nothing
+/// tells a variable.
+Eigen::MatrixXd lines_of(const FitProblem& problem) {
+  const std::vector<Variable>& variables = problem.variables();
+  Eigen::MatrixXd lines =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(variables.size()),
+                            static_cast<Eigen::Index>(problem.unknowns().size()));
+  for (std::size_t i = 0; i < variables.size(); ++i) {
+    const auto& tie = variables[i].tie;
+    const auto found = std::ranges::find(problem.unknowns(), tie ? tie->to : i);
+    if (found != problem.unknowns().end())
+      lines(static_cast<Eigen::Index>(i), found - problem.unknowns().begin()) =
+          tie ? tie->factor : 1.0;
+  }
+  return lines;
+}
+
+Eigen::MatrixXd correlations_of(const Eigen::MatrixXd& covariance) {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols());
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i)
+    for (Eigen::Index j = 0; j < covariance.cols(); ++j)
+      if (const double size = std::sqrt(covariance(i, i) * covariance(j, j)); i != j && size > 0.0)
+        result(i, j) = covariance(i, j) / size;
+  return result;
+}
+
+bool at_bound(const Variable& v) {
+  if (v.tie) return false;
+  const double near = 1e-6 * (std::isfinite(v.upper - v.lower) ? v.upper - v.lower : 1.0);
+  return v.value - v.lower <= near || v.upper - v.value <= near;
+}
+
+double first_touch(const FitProblem& problem, const Shot& shot) {
+  for (const std::size_t i : shot.numbers)
+    if (problem.variables()[i].role == Variable::Role::touch) return problem.value(i);
+  return shot.impact->start;
+}
+
+ChannelFit channel_fit(const Shot& shot, const FittedChannel& channel, double touch) {
+  const ImpactSignal& signal = *channel.signal;
+  ChannelFit out;
+  out.quantity = datasets::name(signal.quantity);
+  out.channel = signal.channel;
+  out.unit = datasets::si_unit(signal.quantity);
+  out.noise = signal.noise;
+  out.measured = signal.values;
+  out.model = shot.cost->model_values(channel);
+  out.used.assign(signal.values.size(), 0);
+  std::vector<double> measured, computed;
+  double squares = 0.0;
+  for (const std::size_t k : channel.used) {
+    out.used[k] = 1;
+    measured.push_back(out.measured[k]);
+    computed.push_back(out.model[k]);
+    squares += (measured.back() - computed.back()) * (measured.back() - computed.back());
+  }
+  for (std::size_t k = 0; k < signal.values.size(); ++k) out.time.push_back(signal.time(k) - touch);
+  out.residual_rms =
+      std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, measured.size())));
+  const bool contiguous = !channel.used.empty() &&
+                          channel.used.back() - channel.used.front() + 1 == channel.used.size();
+  out.metrics = metrics(measured, computed, contiguous);
+  return out;
+}
+
+void warn_of_residuals(double inflation, bool robust, Fit& fit) {
+  for (const ChannelFit& channel : fit.channels) {
+    const double ratio = channel.residual_rms / channel.noise;
+    if (!(channel.noise > 0.0 && ratio > std::sqrt(misfit))) continue;
+    std::string then;
+    if (inflation > 1.0)
+      then = fmt::format(
+          " Standard errors were multiplied by {:.3g}; they do not cover a wrong model.",
+          inflation);
+    else if (robust)
+      then = " Standard errors follow from the scatter that was seen.";
+    fit.warnings.push_back(fmt::format(
+        "The residuals of {} are {:.3g} times its noise before the trigger: the model or the "
+        "calibration does not explain all that was measured.{} Look at the residuals; try another "
+        "law or a finer mesh, free a gain or delay, or shorten the fitted window.",
+        channel.channel, ratio, then));
+  }
+}
+
+void warn_of_mesh(Fit& fit) {
+  std::string shifts;
+  for (const Parameter& p : fit.parameters)
+    if (!p.nuisance && std::abs(p.mesh_shift) > telling_shift * p.std_error)
+      shifts += fmt::format(
+          "{}{} by {:+.2g}{} ({:.2g} standard errors)", shifts.empty() ? "" : ", ", p.name,
+          p.mesh_shift, p.unit == "1" ? "" : " " + p.unit, std::abs(p.mesh_shift) / p.std_error);
+  if (shifts.empty()) return;
+  const models::Solver finer = models::refined(fit.rig.solver);
+  fit.warnings.push_back(fmt::format(
+      "The mesh is coarser than the data are good: one twice as fine would move {}. The intervals "
+      "were widened by that; with {} they would be narrower.",
+      shifts,
+      finer.model == models::BeamModel::ancf
+          ? fmt::format("solver.elements = [{}, {}]", finer.elements[0], finer.elements[1])
+          : fmt::format("solver.modes = {}", finer.modes)));
+}
+
+}  // namespace
+
+double report_goodness(const FitProblem& problem, Goodness& goodness) {
+  const double count = independent_samples(problem);
+  const double unknowns = static_cast<double>(problem.unknowns().size());
+  const double dof = std::max(1.0, count + static_cast<double>(problem.priors().size()) - unknowns);
+  goodness.dof = std::lround(dof);
+  goodness.aicc = goodness.chi2 + 2.0 * unknowns +
+                  2.0 * unknowns * (unknowns + 1.0) / std::max(1.0, count - unknowns - 1.0);
+  goodness.bic = goodness.chi2 + unknowns * std::log(count);
+  return goodness.chi2 / dof;
+}
+
+void report_parameters(const FitProblem& problem, const FitEnd& end, Fit& fit) {
+  const double dof = std::max(1.0, static_cast<double>(fit.goodness.dof));
+  const double quantile = boost::math::quantile(boost::math::students_t(dof), 0.975);
+  const Eigen::MatrixXd lines = lines_of(problem);
+  const Eigen::MatrixXd covariance = lines * end.spread.covariance * lines.transpose();
+  for (std::size_t i = 0; i < problem.variables().size(); ++i) {
+    const Variable& v = problem.variables()[i];
+    const auto row = static_cast<Eigen::Index>(i);
+    Parameter p;
+    p.name = v.name;
+    p.unit = v.unit;
+    p.value = v.value;
+    p.std_error = end.inflation * std::sqrt(covariance(row, row));
+    if (end.mesh_shift.size() > 0) p.mesh_shift = lines.row(row).dot(end.mesh_shift);
+    const double half = quantile * p.std_error + beyond_finer * std::abs(p.mesh_shift);
+    p.ci95 = {v.value - half, v.value + half};
+    if (!v.tie) p.ci95 = {std::max(p.ci95[0], v.lower), std::min(p.ci95[1], v.upper)};
+    p.initial = v.initial;
+    p.lower = v.lower;
+    p.upper = v.upper;
+    p.at_bound = at_bound(v);
+    for (Eigen::Index k = 0; k < lines.cols(); ++k)
+      if (lines(row, k) != 0.0)
+        p.identifiable = end.spread.identifiable[static_cast<std::size_t>(k)];
+    p.nuisance = v.role != Variable::Role::physics;
+    p.prior = v.prior;
+    if (v.tie) p.tied_to = problem.variables()[v.tie->to].name;
+    fit.parameters.push_back(std::move(p));
+  }
+  fit.correlations = correlations_of(covariance);
+  fit.not_identifiable = end.spread.sentences;
+}
+
+void report_channels(const FitProblem& problem, Fit& fit) {
+  int recording = 0;
+  for (const Shot& shot : problem.shots()) {
+    for (const FittedChannel& channel : shot.channels) {
+      fit.channels.push_back(channel_fit(shot, channel, first_touch(problem, shot)));
+      fit.channels.back().recording = recording;
+    }
+    ++recording;
+  }
+}
+
+void report_restitution(const FitProblem& problem, const FitEnd& end, Fit& fit) {
+  const Shot& shot = problem.shots().front();
+  const Eigen::MatrixXd by_block = shot.cost->restitution_gradient();
+  Eigen::MatrixXd gradient =
+      Eigen::MatrixXd::Zero(3, static_cast<Eigen::Index>(problem.unknowns().size()));
+  for (std::size_t b = 0; b < shot.cost->blocks().size(); ++b) {
+    const auto place = std::ranges::find(problem.unknowns(), shot.cost->blocks()[b]);
+    gradient.col(place - problem.unknowns().begin()) = by_block.col(static_cast<Eigen::Index>(b));
+  }
+  const models::Restitution& r = fit.predictions.front().restitution;
+  const double values[] = {r.kinematic, r.kinetic, r.energetic};
+  const char* names[] = {"kinematic", "kinetic", "energetic"};
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const double variance =
+        gradient.row(k).dot(end.spread.covariance * gradient.row(k).transpose());
+    const double half = problem.rig().solver.accuracy * std::abs(values[k]) +
+                        1.96 * end.inflation * std::sqrt(std::max(0.0, variance));
+    fit.restitution[names[k]] = {values[k], {values[k] - half, values[k] + half}};
+  }
+  const double stated = problem.rig().rig.contact.restitution;
+  Estimate law{stated, {stated, stated}};
+  for (const Parameter& p : fit.parameters)
+    if (p.name == "contact.restitution") law = {p.value, p.ci95};
+  fit.restitution["law"] = law;
+}
+
+RigFile fitted_rig(const FitProblem& problem) {
+  RigFile rig = problem.rig();
+  for (const Variable& v : problem.variables()) {
+    if (v.recording > 0) continue;
+    if (v.physics) v.physics->of(rig.rig) = v.value;
+    if (!v.chain) continue;
+    auto& sensor = v.quantity == datasets::Quantity::force      ? rig.force
+                   : v.quantity == datasets::Quantity::velocity ? rig.velocity
+                                                                : rig.displacement;
+    if (sensor) v.chain->of(*sensor) = v.value;
+  }
+  return rig;
+}
+
+void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit) {
+  warn_of_residuals(end.inflation, problem.loss() != Loss::squares, fit);
+  warn_of_mesh(fit);
+  for (const Parameter& p : fit.parameters)
+    if (p.at_bound)
+      fit.warnings.push_back(fmt::format(
+          "{} ended at its bound {:g} {}; its interval means little. Widen what the model can do, "
+          "or fix it.",
+          p.name, p.value, p.unit == "1" ? "" : p.unit));
+  for (const Shot& shot : problem.shots())
+    for (const ImpactFlag flag : shot.impact->flags)
+      fit.warnings.push_back(
+          fmt::format("{}: {}", shot.impact->recording, datasets::sentence(flag)));
+  const RigFile& rig = problem.rig();
+  if (!rig.force && !rig.velocity && !rig.displacement)
+    fit.warnings.push_back(
+        "The rig file describes no sensors: channels were taken as perfect, without delay. Add "
+        "[sensors.force] and [sensors.velocity].");
+  for (const models::Simulation& prediction : fit.predictions)
+    for (const std::string& warning : prediction.warnings)
+      if (std::ranges::find(fit.warnings, warning) == fit.warnings.end())
+        fit.warnings.push_back(warning);
+}
+
+}  // namespace impactrig::fitting

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fitting/covariance.hpp"
+#include "fitting/fit.hpp"
+#include "fitting/fit_problem.hpp"
+
+namespace impactrig::fitting {
+
+/// A reduced chi-square above this is no chance: the noise itself is known to a tenth from the few
+/// hundred samples before a trigger.
+inline constexpr double misfit = 1.25;
+
+/// What is known of a problem's parameters where its search ended.
+struct FitEnd {
+  Uncertainty spread;          ///< of the unknowns, in their order
+  double inflation = 1.0;      ///< of all standard errors, where the residuals exceed the noise
+  Eigen::VectorXd mesh_shift;  ///< of the unknowns; empty where there is none to tell
+};
+
+/// Degrees of freedom, information criteria; returns chi-square by degree of freedom. chi2 is
+/// already in.
+double report_goodness(const FitProblem& problem, Goodness& goodness);
+
+/// Values, intervals and correlations of all variables, those tied to others with them. goodness is
+/// already in.
+void report_parameters(const FitProblem& problem, const FitEnd& end, Fit& fit);
+
+/// Measured, model and metrics of every fitted channel.
+void report_channels(const FitProblem& problem, Fit& fit);
+
+/// The four restitutions of the first recording; rig and predictions are already in.
+void report_restitution(const FitProblem& problem, const FitEnd& end, Fit& fit);
+
+/// The rig and its sensors at the fitted values that all recordings share, or of the only one.
+RigFile fitted_rig(const FitProblem& problem);
+
+/// Warnings on residuals, mesh, bounds, flags; everything else is already in.
+void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit);
+
+}  // namespace impactrig::fitting

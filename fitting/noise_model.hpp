@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace impactrig::fitting {
+
+/// Stationary noise of a sampled channel, as an autoregression:
+///
+///   x_k = a_1 x_{k−1} + … + a_p x_{k−p} + ε_k,   ε independent, normal
+///
+/// Whitening takes from each sample what the samples before it foretell. The first p samples of a
+/// stretch are foretold from as many as there are, with the predictors of lower order that
+/// Levinson's recursion passes through; so a whitened stretch has exactly the likelihood of the
+/// noise (it is the Cholesky factor of the inverse covariance, applied).
+class NoiseModel {
+ public:
+  NoiseModel() = default;
+
+  /// White, or taken for white: independent samples of the standard deviation `sigma`, of which
+  /// `correlation` (>= 1) together count as one.
+  NoiseModel(double sigma, double correlation);
+
+  /// Of noise seen alone, its trends taken off: reflection coefficients by Burg's recursion, the
+  /// order by the Bayesian information criterion among 0 to a twentieth of the samples, at most
+  /// 24. The standard deviation is set to `sigma`. White below 100 samples.
+  /// Source: [Burg1975], [Schwarz1978].
+  static NoiseModel estimate(std::span<const double> quiet, double sigma);
+
+  double sigma() const { return sigma_; }  ///< of a sample [SI]
+
+  int order() const { return static_cast<int>(predictors_.size()); }
+
+  /// Of whitened samples that count as independent: 1, unless the noise was taken for white though
+  /// it is not.
+  double independent_share() const { return predictors_.empty() ? 1.0 / correlation_ : 1.0; }
+
+  /// How many samples of a long record tell as much of a constant as one would of white noise of
+  /// the same sigma: spectral density at zero frequency over variance.
+  double correlation_time() const;
+
+  /// Makes consecutive residuals or derivatives of residuals, in their unit, independent and of
+  /// unit standard deviation, in place.
+  void whiten(std::span<double> stretch) const;
+
+  /// What whiten() makes into `white`: from independent standard normal values to noise.
+  void colour(std::span<double> white) const;
+
+ private:
+  double sigma_ = 1.0;
+  double correlation_ = 1.0;
+  std::vector<std::vector<double>> predictors_;  // of order 1, 2, … p
+  std::vector<double> deviations_;  // of the prediction error of order 0, 1, … p [SI]
+};
+
+}  // namespace impactrig::fitting

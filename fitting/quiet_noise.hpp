@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "datasets/impact.hpp"
+#include "fitting/noise_model.hpp"
+
+namespace impactrig::fitting {
+
+/// The noise of a channel, from its samples before `until` [s] less a line (a parabola for a
+/// displacement) and mains hum of this frequency [Hz] where the stretch is long enough to tell it.
+/// Of the standard deviation `sigma`, which detection knows; where fewer than 100 sound samples
+/// follow each other there, white with the signal's noise_correlation.
+NoiseModel quiet_noise(const datasets::ImpactSignal& signal, double until, double mains_frequency,
+                       double sigma);
+
+}  // namespace impactrig::fitting
