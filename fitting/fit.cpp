@@ -39,9 +39,10 @@ constexpr double near_minimum = 1e8;
 // error. Up to the third figure its slopes serve the full equations.
 constexpr double smallest_motion = 1e-3;
 constexpr double harmless_shift = 0.1;
+constexpr double near_harmless = 0.3;
 constexpr double like_small_motion = 0.1;
 
-constexpr Search first_search = {.tolerance = rough, .hold_background = true};
+constexpr Search first_search = {.tolerance = rough, .hold_hum = true};
 constexpr Search last_search = {.trust_radius = near_minimum};
 
 class Session {
@@ -61,6 +62,7 @@ class Session {
   double spread();
   template <typename Change>
   Eigen::VectorXd shift_by(const Change& change) const;
+  double largest(const Eigen::VectorXd& shift) const;
   double shift_by_full_motion() const;
   void prefer_full_motion();
   void estimate_mesh_shift();
@@ -178,26 +180,21 @@ double Session::spread() {
   return residuals_.head(problem_.data_size()).squaredNorm();
 }
 
-/// By how much the unknowns would move if other models predicted, to first order: change(model) is
-/// the other model of a shot.
+/// By how much the unknowns would move, to first order, if the residuals changed by change(shot).
 template <typename Change>
 Eigen::VectorXd Session::shift_by(const Change& change) const {
   Eigen::VectorXd changes = Eigen::VectorXd::Zero(jacobian_.rows());
   Eigen::Index row = 0;
   for (const Shot& shot : problem_.shots()) {
-    const Eigen::VectorXd part = shot.cost->change_by(change(*shot.model));
+    const Eigen::VectorXd part = change(shot);
     changes.segment(row, part.size()) = part;
     row += part.size();
   }
   return -end_.spread.covariance * (jacobian_.transpose() * changes);
 }
 
-/// The largest shift of a parameter of the impact, in standard errors.
-double Session::shift_by_full_motion() const {
-  const Eigen::VectorXd shift = shift_by([](ShotModel model) {
-    model.set_motion(models::Motion::full);
-    return model;
-  });
+/// The largest of some shifts, of a parameter of the impact, in standard errors.
+double Session::largest(const Eigen::VectorXd& shift) const {
   double largest = 0.0;
   for (std::size_t k = 0; k < problem_.unknowns().size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
@@ -208,13 +205,29 @@ double Session::shift_by_full_motion() const {
   return largest;
 }
 
+/// Screened on a coarse mesh: what both equations differ by is a matter of the bar's large motion,
+/// hardly of its high modes. Where that is anywhere near what matters, the mesh itself decides.
+double Session::shift_by_full_motion() const {
+  const auto by_full_motion = [&](bool coarse) {
+    return largest(shift_by([&](const Shot& shot) {
+      const ShotModel small = coarse ? shot.model->coarser() : *shot.model;
+      ShotModel full = small;
+      full.set_motion(models::Motion::full);
+      return shot.cost->change(coarse ? small : *shot.model, full);
+    }));
+  };
+  const double coarse = by_full_motion(true);
+  return coarse < near_harmless * harmless_shift ? coarse : by_full_motion(false);
+}
+
 /// A mesh twice as fine, compared in small motion: what large rotation adds is the same on both.
 void Session::estimate_mesh_shift() {
   if (problem_.rig().solver.model == models::BeamModel::rigid) return;
   const models::Motion motion = problem_.motion();
   try {
     problem_.set_motion(models::Motion::small);
-    end_.mesh_shift = shift_by([](const ShotModel& model) { return model.finer(); });
+    end_.mesh_shift = shift_by(
+        [](const Shot& shot) { return shot.cost->change(*shot.model, shot.model->finer()); });
   } catch (const std::exception& error) {
     warnings_.push_back(fmt::format("The mesh error could not be estimated: {}", error.what()));
   }

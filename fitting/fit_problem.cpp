@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fitting/fit_problem.hpp"
 
+#include <ceres/iteration_callback.h>
 #include <ceres/normal_prior.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
@@ -23,6 +24,28 @@ using datasets::ImpactSignal;
 constexpr double unseen_noise = 1e-3;   // of the peak, where the record shows no noise at all
 constexpr double margin_part = 0.1;     // of the contact: first touch moves during the fit
 constexpr double margin_least = 20e-6;  // [s]
+
+constexpr double edge = 1e-12;  // of a scale, beyond a bound by rounding
+
+constexpr int most_invalid_steps = 20;  // beyond bounds, or where a simulation fails
+
+/// Ceres looks at its function tolerance after steps that succeed only. A step that changes the
+/// cost by less and fails does so for the rounding of the simulation: there is nothing more to
+/// gain.
+class StopAtRounding : public ceres::IterationCallback {
+ public:
+  explicit StopAtRounding(double tolerance) : tolerance_(tolerance) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    const bool in_vain = summary.iteration > 0 && summary.step_is_valid &&
+                         !summary.step_is_successful &&
+                         std::abs(summary.cost_change) <= tolerance_ * summary.cost;
+    return in_vain ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  double tolerance_;
+};
 
 double margin_of(const Shot& shot) {
   return std::max(margin_least, margin_part * shot.contact);
@@ -211,6 +234,7 @@ void FitProblem::rebuild_costs() {
 }
 
 void FitProblem::set_motion(models::Motion motion) {
+  if (motion == this->motion() && shots_.front().cost) return;
   for (Shot& shot : shots_) shot.model->set_motion(motion);
   rebuild_costs();
 }
@@ -224,12 +248,24 @@ void FitProblem::take_small_slopes() {
   for (Shot& shot : shots_) shot.cost->take_small_slopes();
 }
 
+/// Bounds cost Ceres a line search at every step and seldom matter: first without.
 SearchEnd FitProblem::search(const Search& how, const std::vector<std::size_t>& held) {
-  std::vector<double> x(variables_->size());
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] = (*variables_)[i].value / (*variables_)[i].scale;
-  ceres::Problem::Options ownership;
-  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem problem(ownership);
+  const std::vector<double> start = values();
+  SearchEnd end = search_once(how, held, false);
+  if (end.valid) return end;
+  set_values(start);
+  end = search_once(how, held, true);
+  if (end.valid) return end;
+  for (const Shot& shot : shots_)
+    if (!shot.cost->failure().empty()) end.message = shot.cost->failure();
+  throw std::runtime_error("the fit could not start: " + end.message);
+}
+
+/// Blocks, priors and, where wanted, bounds of a Ceres problem, which does not own the priors.
+FitProblem::Priors FitProblem::state(const Search& how, const std::vector<std::size_t>& held,
+                                     bool bounded, std::vector<double>& x,
+                                     ceres::Problem& problem) const {
+  Priors priors;
   for (const Shot& shot : shots_) {
     std::vector<double*> blocks;
     for (const std::size_t i : shot.cost->blocks()) blocks.push_back(&x[i]);
@@ -237,13 +273,14 @@ SearchEnd FitProblem::search(const Search& how, const std::vector<std::size_t>& 
   }
   for (const std::size_t i : unknowns_) {
     const Variable& v = (*variables_)[i];
-    if (std::isfinite(v.lower)) problem.SetParameterLowerBound(&x[i], 0, v.lower / v.scale);
-    if (std::isfinite(v.upper)) problem.SetParameterUpperBound(&x[i], 0, v.upper / v.scale);
-    if (how.hold_background && v.prior && v.role == Variable::Role::background)
+    if (bounded && std::isfinite(v.lower))
+      problem.SetParameterLowerBound(&x[i], 0, v.lower / v.scale);
+    if (bounded && std::isfinite(v.upper))
+      problem.SetParameterUpperBound(&x[i], 0, v.upper / v.scale);
+    if (how.hold_hum && v.role == Variable::Role::background && v.background.periodic())
       problem.SetParameterBlockConstant(&x[i]);
   }
   for (const std::size_t i : held) problem.SetParameterBlockConstant(&x[i]);
-  std::vector<std::unique_ptr<ceres::NormalPrior>> priors;
   for (const std::size_t i : priors_) {
     const Variable& v = (*variables_)[i];
     ceres::Matrix weight(1, 1);
@@ -253,6 +290,17 @@ SearchEnd FitProblem::search(const Search& how, const std::vector<std::size_t>& 
     priors.push_back(std::make_unique<ceres::NormalPrior>(weight, mean));
     problem.AddResidualBlock(priors.back().get(), nullptr, &x[i]);
   }
+  return priors;
+}
+
+SearchEnd FitProblem::search_once(const Search& how, const std::vector<std::size_t>& held,
+                                  bool bounded) {
+  std::vector<double> x(variables_->size());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = (*variables_)[i].value / (*variables_)[i].scale;
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(ownership);
+  const Priors priors = state(how, held, bounded, x, problem);
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.max_num_iterations = how.most_iterations;
@@ -260,22 +308,25 @@ SearchEnd FitProblem::search(const Search& how, const std::vector<std::size_t>& 
   solver.initial_trust_region_radius = how.trust_radius;
   solver.parameter_tolerance = 1e-8;
   solver.gradient_tolerance = 1e-14;
+  solver.max_num_consecutive_invalid_steps = most_invalid_steps;
   solver.logging_type = ceres::SILENT;
+  StopAtRounding stop(how.tolerance);
+  solver.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
-  if (summary.termination_type == ceres::FAILURE) {
-    std::string why = summary.message;
-    for (const Shot& shot : shots_)
-      if (!shot.cost->failure().empty()) why = shot.cost->failure();
-    throw std::runtime_error("the fit could not start: " + why);
-  }
+  SearchEnd end{.valid = summary.termination_type != ceres::FAILURE,
+                .cost = summary.final_cost,
+                .converged = summary.termination_type == ceres::CONVERGENCE ||
+                             summary.termination_type == ceres::USER_SUCCESS,
+                .iterations = summary.num_successful_steps,
+                .message = summary.message};
   std::vector<double> values(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) values[i] = x[i] * (*variables_)[i].scale;
+  for (const std::size_t i : unknowns_)
+    end.valid = end.valid && values[i] >= (*variables_)[i].lower - edge * (*variables_)[i].scale &&
+                values[i] <= (*variables_)[i].upper + edge * (*variables_)[i].scale;
   set_values(values);
-  return {.cost = summary.final_cost,
-          .converged = summary.termination_type == ceres::CONVERGENCE,
-          .iterations = summary.num_successful_steps,
-          .message = summary.message};
+  return end;
 }
 
 Eigen::Index FitProblem::data_size() const {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <ceres/problem.h>
+
 #include <Eigen/Core>
 #include <memory>
 #include <string>
@@ -28,14 +30,15 @@ struct Shot {
 
 /// How far a search goes.
 struct Search {
-  double tolerance = 2e-7;       ///< Ceres' function tolerance
-  double trust_radius = 1e4;     ///< Ceres' first one; large: hardly any damping
-  bool hold_background = false;  ///< leave mains hum as it is
+  double tolerance = 2e-7;    ///< Ceres' function tolerance
+  double trust_radius = 1e4;  ///< Ceres' first one; large: hardly any damping
+  bool hold_hum = false;      ///< leave mains hum as it is
   int most_iterations = 60;
 };
 
 struct SearchEnd {
-  double cost = 0.0;  ///< ½ Σρ of data and priors
+  bool valid = false;  ///< within bounds, and it could start
+  double cost = 0.0;   ///< ½ Σρ of data and priors
   bool converged = false;
   int iterations = 0;
   std::string message;
@@ -113,6 +116,10 @@ class FitProblem {
   void add_shot(const datasets::Impact& impact, int number, const FitOptions& options);
   FittedChannel weigh(const datasets::Impact& impact, const datasets::ImpactSignal& signal);
   void follow_ties();
+  using Priors = std::vector<std::unique_ptr<ceres::CostFunction>>;
+  Priors state(const Search& how, const std::vector<std::size_t>& held, bool bounded,
+               std::vector<double>& x, ceres::Problem& problem) const;
+  SearchEnd search_once(const Search& how, const std::vector<std::size_t>& held, bool bounded);
 
   std::shared_ptr<const RigFile> rig_;
   std::unique_ptr<std::vector<Variable>> variables_;

@@ -7,6 +7,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
+#include "fitting/all_cores.hpp"
 #include "fitting/metrics.hpp"
 #include "models/mesh_error.hpp"
 
@@ -78,21 +79,29 @@ ChannelFit channel_fit(const Shot& shot, const FittedChannel& channel, double to
   out.measured = signal.values;
   out.model = shot.cost->model_values(channel);
   out.used.assign(signal.values.size(), 0);
-  std::vector<double> measured, computed;
   double squares = 0.0;
   for (const std::size_t k : channel.used) {
     out.used[k] = 1;
-    measured.push_back(out.measured[k]);
-    computed.push_back(out.model[k]);
-    squares += (measured.back() - computed.back()) * (measured.back() - computed.back());
+    squares += (out.measured[k] - out.model[k]) * (out.measured[k] - out.model[k]);
   }
   for (std::size_t k = 0; k < signal.values.size(); ++k) out.time.push_back(signal.time(k) - touch);
   out.residual_rms =
-      std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, measured.size())));
-  const bool contiguous = !channel.used.empty() &&
-                          channel.used.back() - channel.used.front() + 1 == channel.used.size();
-  out.metrics = metrics(measured, computed, contiguous);
+      std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, channel.used.size())));
   return out;
+}
+
+/// Of the samples that were fitted.
+std::map<std::string, double> metrics_of(const ChannelFit& channel) {
+  std::vector<double> measured, computed;
+  std::size_t first = channel.used.size(), last = 0;
+  for (std::size_t k = 0; k < channel.used.size(); ++k) {
+    if (!channel.used[k]) continue;
+    measured.push_back(channel.measured[k]);
+    computed.push_back(channel.model[k]);
+    first = std::min(first, k);
+    last = k;
+  }
+  return metrics(measured, computed, !measured.empty() && last - first + 1 == measured.size());
 }
 
 void warn_of_residuals(double inflation, bool robust, Fit& fit) {
@@ -187,6 +196,9 @@ void report_channels(const FitProblem& problem, Fit& fit) {
     }
     ++recording;
   }
+  run_on_all_cores(fit.channels.size(), [&](std::size_t i, std::size_t) {
+    fit.channels[i].metrics = metrics_of(fit.channels[i]);
+  });
 }
 
 void report_restitution(const FitProblem& problem, const FitEnd& end, Fit& fit) {

@@ -2,11 +2,11 @@
 #include "fitting/shot_cost.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <exception>
 #include <span>
-#include <thread>
+
+#include "fitting/all_cores.hpp"
 
 namespace impactrig::fitting {
 namespace {
@@ -101,6 +101,19 @@ ShotCost::Values ShotCost::present_values() const {
   return values;
 }
 
+/// A number that a simulation needs, where a search without bounds took it too far; a rounding is
+/// not.
+const ShotCost::Slot* ShotCost::beyond_bounds(const Values& values) const {
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    const Variable& v = *slots_[i].variable;
+    const double rounding = 1e-12 * v.scale;
+    if (needs_simulation(v) && !v.tie &&
+        !(values[i] >= v.lower - rounding && values[i] <= v.upper + rounding))
+      return &slots_[i];
+  }
+  return nullptr;
+}
+
 models::Rig ShotCost::rig_at(const Values& values) const {
   models::Rig rig = rig_.rig;
   for (std::size_t i = 0; i < slots_.size(); ++i)
@@ -162,28 +175,13 @@ ShotCost::Prediction ShotCost::predict(const Values& values, bool with_slopes) c
              rig_at(values), chains_at(values), slopes ? wanted_slopes() : WantedSlopes{}));
 }
 
-/// On all cores.
 std::vector<ShotCost::Prediction> ShotCost::predict_all(const std::vector<Values>& places) const {
   std::vector<Prediction> predictions(places.size());
-  std::vector<std::exception_ptr> errors(places.size());
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < places.size(); i = next++) try {
-        predictions[i] =
-            std::make_shared<const Shown>(model_.predict(rig_at(places[i]), chains_at(places[i])));
-      } catch (...) {
-        errors[i] = std::current_exception();
-      }
-  };
-  const std::size_t workers =
-      std::min<std::size_t>(places.size(), std::max(1U, std::thread::hardware_concurrency()));
-  std::vector<std::jthread> threads;
-  for (std::size_t k = 1; k < workers; ++k) threads.emplace_back(work);
-  work();
-  threads.clear();
+  run_on_all_cores(places.size(), [&](std::size_t i, std::size_t) {
+    predictions[i] =
+        std::make_shared<const Shown>(model_.predict(rig_at(places[i]), chains_at(places[i])));
+  });
   simulations_ += static_cast<long>(places.size());
-  for (const std::exception_ptr& error : errors)
-    if (error) std::rethrow_exception(error);
   return predictions;
 }
 
@@ -302,7 +300,8 @@ void ShotCost::derivative(const Slot& slot, const FittedChannel& channel, const 
 
 void ShotCost::evaluate(const Values& values, Eigen::VectorXd& residuals,
                         Eigen::MatrixXd* jacobian) const {
-  const Prediction shown = predict(values, jacobian != nullptr);
+  // the slopes at once: nearly all points a solver looks at become the next to linearise at
+  const Prediction shown = predict(values, jacobian != nullptr || slopes_ahead_);
   residuals.resize(residuals_);
   differences(values, *shown, residuals.data());
   if (!jacobian) return;
@@ -340,7 +339,12 @@ bool ShotCost::Evaluate(const double* const* parameters, double* residuals,
   try {
     Eigen::VectorXd differences;
     Eigen::MatrixXd slopes;
-    evaluate(values_of(parameters), differences, jacobians ? &slopes : nullptr);
+    const Values values = values_of(parameters);
+    if (const Slot* outside = beyond_bounds(values)) {
+      failure_ = outside->variable->name + " left its bounds";
+      return false;
+    }
+    evaluate(values, differences, jacobians ? &slopes : nullptr);
     for (Eigen::Index i = 0; i < differences.size(); ++i) {
       const LossResidual r = loss_residual(loss_, differences[i]);
       residuals[i] = r.value;
@@ -379,14 +383,17 @@ std::vector<double> ShotCost::model_values(const FittedChannel& channel) const {
   return model;
 }
 
-Eigen::VectorXd ShotCost::change_by(const ShotModel& other) const {
+Eigen::VectorXd ShotCost::change(const ShotModel& one, const ShotModel& other) const {
   const Values values = present_values();
-  const Prediction shown = predict(values, false);
-  const Shown changed = other.predict(rig_at(values), chains_at(values));
-  ++simulations_;
   Eigen::VectorXd before(residuals_), after(residuals_);
-  differences(values, *shown, before.data());
-  differences(values, changed, after.data());
+  if (&one == &model_) {
+    differences(values, *predict(values, false), before.data());
+  } else {
+    differences(values, one.predict(rig_at(values), chains_at(values)), before.data());
+    ++simulations_;
+  }
+  differences(values, other.predict(rig_at(values), chains_at(values)), after.data());
+  ++simulations_;
   return after - before;
 }
 

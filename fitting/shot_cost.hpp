@@ -54,6 +54,9 @@ class ShotCost : public ceres::CostFunction {
   /// Slopes of the full equations are those of small motion from now on.
   void take_small_slopes() { small_slopes_ = true; }
 
+  /// For a search that takes its slopes from elsewhere.
+  void leave_slopes() { slopes_ahead_ = false; }
+
   /// What went wrong when Evaluate last gave up.
   const std::string& failure() const { return failure_; }
 
@@ -65,8 +68,9 @@ class ShotCost : public ceres::CostFunction {
   /// Derivatives of restitution.{kinematic, kinetic, energetic} to each block (3, n_blocks).
   Eigen::MatrixXd restitution_gradient() const;
 
-  /// By how much the weighted differences change when another model predicts (n_residuals).
-  Eigen::VectorXd change_by(const ShotModel& other) const;
+  /// By how much the weighted differences change when `other` predicts instead of `one`
+  /// (n_residuals).
+  Eigen::VectorXd change(const ShotModel& one, const ShotModel& other) const;
 
   /// The rig at the variables' present values.
   models::Rig rig() const;
@@ -90,6 +94,7 @@ class ShotCost : public ceres::CostFunction {
 
   Values values_of(const double* const* parameters) const;
   Values present_values() const;
+  const Slot* beyond_bounds(const Values& values) const;
   models::Rig rig_at(const Values& values) const;
   SensorChains chains_at(const Values& values) const;
   WantedSlopes wanted_slopes() const;
@@ -113,7 +118,7 @@ class ShotCost : public ceres::CostFunction {
   std::vector<std::size_t> blocks_;
   Loss loss_;
   int residuals_ = 0;
-  bool small_slopes_ = false;
+  bool small_slopes_ = false, slopes_ahead_ = true;
   mutable std::map<Values, Prediction> cache_;
   mutable std::string failure_;
   mutable long simulations_ = 0;

@@ -81,8 +81,8 @@ class ShotModel {
   /// not known.
   ShotModel in_small_motion() const;
 
-  /// The same with twice the elements or modes.
-  ShotModel finer() const;
+  ShotModel finer() const;    ///< the same with twice the elements or modes
+  ShotModel coarser() const;  ///< the same with few (models::coarsened)
 
   /// Sensors as the rig file describes them.
   const SensorChains& chains() const { return chains_; }

@@ -20,15 +20,13 @@ using datasets::ImpactSignal;
 
 constexpr double unbounded = std::numeric_limits<double>::infinity();
 
-// What a channel may be off, as parts of its largest value: more than that is no zero error but a
-// model that does not fit. The force's baseline is off already; a vibrometer's zero is not seen
-// before touch.
+// What a channel is taken to be off, as parts of its largest value: standard deviations of normal
+// priors, which keep what a few milliseconds hardly tell apart near zero. The force's baseline is
+// off already; a vibrometer's zero is not seen before touch.
 constexpr double force_offset_part = 0.02;
 constexpr double velocity_offset_part = 0.1;
 constexpr double drift_part = 0.02;  // over the record
-// Mains hum is taken to be of this order, likewise a part of the largest value: a few milliseconds
-// of record hardly tell its fundamental from offset and drift.
-constexpr double hum_part = 0.01;
+constexpr double hum_part = 0.01;    // of mains hum and of its third harmonic
 
 std::vector<std::string> default_free(const RigFile& rig) {
   std::vector<std::string> free;
@@ -77,15 +75,13 @@ void add_background(const ImpactSignal& signal, const Variable& blank, double ma
   if (signal.quantity != datasets::Quantity::displacement) {
     const double part =
         signal.quantity == datasets::Quantity::force ? force_offset_part : velocity_offset_part;
-    offset.lower = -part * largest;
-    offset.upper = part * largest;
+    offset.prior = {0.0, part * largest};
   }
   Variable& drift = add("drift", {Kind::line});
   drift.unit += "/s";
   drift.scale = 1.0 * largest;
   const double recorded = signal.interval * static_cast<double>(signal.values.size());
-  drift.upper = drift_part * largest / recorded;
-  drift.lower = -drift.upper;
+  drift.prior = {0.0, drift_part * largest / recorded};
   if (signal.quantity == datasets::Quantity::displacement) return;
   const double mains = 2.0 * std::numbers::pi * mains_frequency;
   for (const auto& [name, kind, order] : {std::tuple{"hum.sin", Kind::sine, 1.0},

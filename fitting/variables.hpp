@@ -22,6 +22,8 @@ struct BackgroundShape {
   double angular_frequency = 0.0;  ///< of sine and cosine [rad/s]
 
   double at(double t) const;
+
+  bool periodic() const { return kind == Kind::sine || kind == Kind::cosine; }
 };
 
 /// One number of a fit: a parameter of the physics, or of what stands between the impact and a

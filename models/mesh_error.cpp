@@ -47,6 +47,19 @@ Solver refined(const Solver& solver) {
   return finer;
 }
 
+Solver coarsened(const Solver& solver) {
+  constexpr int few_modes = 4, few_elements = 16;
+  Solver coarser = solver;
+  coarser.modes = std::min(solver.modes, few_modes);
+  coarser.axial_modes = 0;
+  auto& [before, beyond] = coarser.elements;
+  while (before + beyond > few_elements && before % 2 == 0 && beyond % 2 == 0) {
+    before /= 2;
+    beyond /= 2;
+  }
+  return coarser;
+}
+
 std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver) {
   if (solver.model == BeamModel::rigid || !rig.has_stop()) return std::nullopt;
   MeshError error;

@@ -10,6 +10,10 @@ namespace impactrig::models {
 /// Twice the elements or modes; the same for a rigid bar.
 Solver refined(const Solver& solver);
 
+/// At most 4 modes, axial_modes none, or 16 elements where both parts can be divided alike: enough
+/// for what a rotation does that is large, or a comparison of two equations of motion.
+Solver coarsened(const Solver& solver);
+
 /// By two runs as small motion; none for a rigid bar, or where one of the runs is not possible.
 std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver);
 
