@@ -131,6 +131,11 @@ fitting::FitOptions fit_options(const FitJob& job, const fitting::RigFile& rig) 
   if (!job.free.empty()) options.free = split_names(job.free);
   if (job.window > 0.0) options.window = job.window;
   if (!job.loss.empty()) options.loss = fitting::loss_named(job.loss);
+  if (job.profile) options.profile = true;
+  if (job.bootstrap > 0) options.bootstrap = job.bootstrap;
+  if (!job.bootstrap_kind.empty())
+    options.bootstrap_kind = fitting::bootstrap_named(job.bootstrap_kind);
+  if (job.seed) options.seed = *job.seed;
   each("--fix", split_names(job.fix), [&](const std::string& name) {
     fitting::unit_of(name);
     options.setting(name).fixed = true;
@@ -157,15 +162,17 @@ fitting::FitOptions fit_options(const FitJob& job, const fitting::RigFile& rig) 
 std::string result_text(const FitJob& job, const reports::ResultProvenance& provenance) {
   const ImportArguments& r = job.reading;
   std::string text = fmt::format(
-      "impactrig {} {}\nfree {}\nfix {}\nshared {}\nown {}\nprior {}\nbounds {}\ntie {}\nloss {}\n"
+      "impactrig {} {}\nfree {}\nfix {}\nshared {}\nown {}\nprior {}\nbounds {}\ntie {}\nloss "
+      "{}\nprofile {}\n"
+      "bootstrap {} {} {}\n"
       "channels {}\nwindow {}\nrig {}\nread {}|{}|{}|{}|{}|{}|{}\n"
       "trigger {}|{}|{}|{}|{}\nfrom {} to {}\n",
       provenance.version, provenance.git, job.free, job.fix, job.shared, job.own,
       fmt::join(job.priors, ";"), fmt::join(job.bounds, ";"), fmt::join(job.ties, ";"), job.loss,
-      job.channels, job.window, provenance.config_sha256, r.format, r.delimiter, r.decimal,
-      r.time_column, r.units, r.skip_lines, r.sample_rate, job.detection.trigger,
-      job.detection.threshold, job.detection.pre_trigger, job.detection.post_trigger, job.impact,
-      r.from, r.to);
+      job.profile, job.bootstrap, job.bootstrap_kind, job.seed.value_or(1), job.channels,
+      job.window, provenance.config_sha256, r.format, r.delimiter, r.decimal, r.time_column,
+      r.units, r.skip_lines, r.sample_rate, job.detection.trigger, job.detection.threshold,
+      job.detection.pre_trigger, job.detection.post_trigger, job.impact, r.from, r.to);
   for (const reports::InputFile& input : provenance.inputs) text += input.sha256 + "\n";
   return text;
 }
@@ -188,6 +195,12 @@ void add_fit_job(CLI::App& command, FitJob& job) {
   command.add_option("--own", job.own, "Parameters of which each recording has its own");
   command.add_option("--loss", job.loss, "What a residual costs: squares, huber, cauchy, tukey")
       ->check(CLI::IsMember({"squares", "huber", "cauchy", "tukey"}));
+  command.add_flag("--profile", job.profile, "Profile likelihood of the impact's parameters");
+  command.add_option("--bootstrap", job.bootstrap, "Refits of drawn data; 1000 for 95 %")
+      ->check(CLI::Range(2, 1000000));
+  command.add_option("--bootstrap-kind", job.bootstrap_kind, "parametric (default) or residual")
+      ->check(CLI::IsMember({"parametric", "residual"}));
+  command.add_option("--seed", job.seed, "Of the bootstrap; default 1");
   command.add_option("--channels", job.channels,
                      "Channels to fit, comma between; default force,velocity");
   command.add_option("--window", job.window, "Fit no more than this after first touch [s]")

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,10 @@ struct FitJob {
   std::string fix, shared, own;                   ///< names of parameters, comma between
   std::vector<std::string> priors, bounds, ties;  ///< fitting/fit_keys.hpp
   std::string loss;
+  bool profile = false;
+  int bootstrap = 0;
+  std::string bootstrap_kind;
+  std::optional<std::uint64_t> seed;
   std::string channels;  ///< comma between
   std::string title;
   double window = 0.0;  ///< [s]

@@ -49,6 +49,7 @@ class Session {
  public:
   Session(const std::vector<Impact>& impacts, const RigFile& rig, const FitOptions& options)
       : impacts_(impacts),
+        options_(options),
         problem_(impacts, rig, options) {}
 
   Fit run();
@@ -67,8 +68,10 @@ class Session {
   void prefer_full_motion();
   void estimate_mesh_shift();
   Fit report(double chi2);
+  void widen_view(Fit& fit);
 
   const std::vector<Impact>& impacts_;
+  const FitOptions& options_;
   FitProblem problem_;
   std::vector<std::string> warnings_;
   SearchEnd last_;
@@ -262,6 +265,38 @@ Fit Session::report(double chi2) {
   return fit;
 }
 
+/// Intervals of other kinds, where the options ask for them.
+void Session::widen_view(Fit& fit) {
+  if (options_.profile && problem_.loss() != Loss::squares) {
+    fit.warnings.push_back(fmt::format(
+        "No profile likelihood was made: a likelihood goes with the loss squares, not with {}.",
+        name(problem_.loss())));
+  } else if (options_.profile) {
+    std::vector<std::size_t> numbers;
+    std::vector<double> std_errors;
+    for (const std::size_t i : problem_.unknowns()) {
+      if (problem_.variables()[i].role != Variable::Role::physics) continue;
+      numbers.push_back(i);
+      std_errors.push_back(fit.parameters[i].std_error);
+    }
+    fit.profiles = profiles(problem_, numbers, std_errors, end_.inflation);
+    for (const Profile& profile : fit.profiles)
+      if (profile.found_better)
+        fit.warnings.push_back(
+            fmt::format("The profile of {} found values that fit better: the fit ended in a false "
+                        "minimum. Start from another {} or fix a parameter.",
+                        profile.name, profile.name));
+  }
+  if (options_.bootstrap > 0) {
+    fit.bootstrap = bootstrap(
+        problem_, jacobian_, end_.inflation,
+        {.kind = options_.bootstrap_kind, .draws = options_.bootstrap, .seed = options_.seed});
+    if (fit.bootstrap->failed > 0)
+      fit.warnings.push_back(fmt::format("{} of {} fits of the bootstrap did not converge.",
+                                         fit.bootstrap->failed, fit.bootstrap->draws));
+  }
+}
+
 Fit Session::run() {
   const auto started = std::chrono::steady_clock::now();
   choose_motion();
@@ -282,6 +317,7 @@ Fit Session::run() {
   }
   estimate_mesh_shift();
   Fit fit = report(chi2);
+  widen_view(fit);
   fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return fit;
 }

@@ -11,7 +11,9 @@
 #include <Eigen/Core>
 
 #include "datasets/impact.hpp"
+#include "fitting/bootstrap.hpp"
 #include "fitting/fit_options.hpp"
+#include "fitting/profile.hpp"
 #include "fitting/rig_file.hpp"
 #include "models/simulation.hpp"
 
@@ -72,6 +74,8 @@ struct Fit {
   std::vector<std::string> not_identifiable;
   std::vector<ChannelFit> channels;
   Goodness goodness;
+  std::vector<Profile> profiles;                ///< where the options ask for them
+  std::optional<Bootstrap> bootstrap;           ///< likewise
   std::map<std::string, Estimate> restitution;  ///< law, kinematic, kinetic, energetic
   std::vector<datasets::Impact> impacts;        ///< as measured, one a recording
   /// At the fitted values, with history, one a recording.

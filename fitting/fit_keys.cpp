@@ -109,6 +109,17 @@ FitOptions read_fit(TableReader& table) {
   const auto losses = loss_names();
   if (const auto loss = table.choice("loss", {losses.begin(), losses.end()}))
     options.loss = static_cast<Loss>(*loss);
+  options.profile = table.flag("profile").value_or(false);
+  if (const auto draws = table.integer("bootstrap")) {
+    if (*draws < 0 || *draws == 1) table.refuse("bootstrap", "must be 0, or 2 and more");
+    options.bootstrap = *draws;
+  }
+  if (const auto kind = table.choice("bootstrap_kind", {"parametric", "residual"}))
+    options.bootstrap_kind = static_cast<BootstrapKind>(*kind);
+  if (const auto seed = table.integer("seed")) {
+    if (*seed < 0) table.refuse("seed", "must not be negative");
+    options.seed = static_cast<std::uint64_t>(*seed);
+  }
   read_settings(table, "", options);
   table.finish();
   return options;

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "fitting/bootstrap_kind.hpp"
 #include "fitting/loss.hpp"
 
 namespace impactrig::fitting {
@@ -42,6 +44,10 @@ struct FitOptions {
   double window = 0.0;  ///< fitted after first touch [s]; 0 = as long as rig and recording allow
   bool use_force = true, use_velocity = true, use_displacement = false;
   Loss loss = Loss::squares;
+  bool profile = false;  ///< profile likelihood of the physics
+  int bootstrap = 0;     ///< draws
+  BootstrapKind bootstrap_kind = BootstrapKind::parametric;
+  std::uint64_t seed = 1;  ///< of the bootstrap
 
   const ParameterSetting* setting_of(std::string_view name) const;  ///< none: nullptr
 

@@ -27,7 +27,8 @@ Json parameter_json(const fitting::Parameter& parameter) {
           {"upper", parameter.upper},
           {"prior", parameter.prior ? pair_json(*parameter.prior) : Json(nullptr)},
           {"nuisance", parameter.nuisance},
-          {"identifiable", parameter.identifiable}};
+          {"identifiable", parameter.identifiable},
+          {"tied_to", parameter.tied_to.empty() ? Json(nullptr) : Json(parameter.tied_to)}};
 }
 
 fitting::Parameter parameter_from(const JsonReader& json) {
@@ -45,6 +46,7 @@ fitting::Parameter parameter_from(const JsonReader& json) {
   if (json.has("mesh_shift")) parameter.mesh_shift = json["mesh_shift"].number();
   parameter.identifiable = json["identifiable"].boolean();
   parameter.nuisance = json["nuisance"].boolean();
+  if (json.has("tied_to")) parameter.tied_to = json["tied_to"].text();
   if (json.has("prior")) parameter.prior = json["prior"].pair();
   return parameter;
 }
@@ -175,6 +177,10 @@ Json report_json(const ReportData& data) {
   for (const fitting::ChannelFit& channel : fit.channels)
     json["metrics"][channel_name(fit, channel)] = channel.metrics;
   add_restitution(json, fit);
+  json["profiles"] = Json::array();
+  for (const fitting::Profile& profile : fit.profiles)
+    json["profiles"].push_back(profile_json(profile));
+  json["bootstrap"] = fit.bootstrap ? bootstrap_json(*fit.bootstrap) : Json(nullptr);
   json["impacts"] = Json::array();
   for (const datasets::Impact& impact : fit.impacts) json["impacts"].push_back(impact_json(impact));
   json["termination"] = fit.termination;
@@ -259,6 +265,10 @@ fitting::Fit fit_from(const JsonReader& json) {
   const JsonReader restitution = json["restitution"];
   for (const std::string& key : restitution.keys())
     fit.restitution[key] = {restitution[key]["value"].number(), restitution[key]["ci95"].pair()};
+  if (json.has("profiles"))
+    for (std::size_t i = 0; i < json["profiles"].size(); ++i)
+      fit.profiles.push_back(profile_from(json["profiles"].element(i)));
+  if (json.has("bootstrap")) fit.bootstrap = bootstrap_from(json["bootstrap"]);
   const JsonReader predictions = json["predictions"];
   for (std::size_t i = 0; i < predictions.size(); ++i) {
     fit.predictions.push_back(simulation_from(predictions.element(i)));

@@ -27,6 +27,11 @@ datasets::Impact impact_from(const JsonReader& json);
 Json record_json(const datasets::Record& record, const std::vector<std::size_t>& counts);
 datasets::Record record_from(const JsonReader& json, std::vector<std::size_t>& counts);
 
+Json profile_json(const fitting::Profile& profile);
+fitting::Profile profile_from(const JsonReader& json);
+Json bootstrap_json(const fitting::Bootstrap& bootstrap);
+fitting::Bootstrap bootstrap_from(const JsonReader& json);
+
 Json provenance_json(const ResultProvenance& provenance);
 ResultProvenance provenance_from(const JsonReader& json);
 

@@ -22,6 +22,7 @@ std::string remark(const fitting::Parameter& parameter, const DisplayUnit& shown
                                                   (shown.text.empty() ? "" : " " + shown.text)
                                             : "");
   }
+  if (!parameter.tied_to.empty()) return "tied to " + parameter.tied_to;
   if (!parameter.identifiable) return "these data cannot tell";
   if (!(parameter.std_error > 0.0) || !std::isfinite(parameter.std_error))
     return "uncertainty could not be estimated";
@@ -165,10 +166,11 @@ std::string html_parameters(const ReportData& data) {
   return html_section(
       "parameters", "Fitted parameters",
       "<p>Values with their standard errors, rounded to two digits of the error. A prior is what a "
-      "calibration said, or was assumed of mains hum, before the fit: mean ± standard "
+      "calibration or the user said, or was assumed of background and mains hum, before the fit: "
+      "mean ± standard "
       "uncertainty.</p>\n" +
           html_table(data.fit) + html_list(data.fit.not_identifiable, "remarks") +
-          html_correlations(data.fit));
+          html_intervals(data.fit) + html_correlations(data.fit));
 }
 
 }  // namespace impactrig::reports

@@ -27,6 +27,7 @@ std::string parameter_line(const fitting::Parameter& p) {
                         to_error(p.ci95[0], p.std_error), to_error(p.ci95[1], p.std_error), unit);
   if (p.at_bound) line += "   at its bound";
   if (!p.nuisance) line += fmt::format("   (started at {:.4g})", p.initial);
+  if (!p.tied_to.empty()) line += fmt::format("   (tied to {})", p.tied_to);
   if (p.prior) line += fmt::format("   (prior: {:.4g} ± {:.2g})", (*p.prior)[0], (*p.prior)[1]);
   return line + "\n";
 }
@@ -39,6 +40,33 @@ std::string estimate_line(const char* label, const fitting::Fit& fit, const char
   const double error = (ci[1] - ci[0]) / 4.0;
   return fmt::format("  {:<10} {:>9}   {} to {}   {}\n", label, to_error(value, error),
                      to_error(ci[0], error), to_error(ci[1], error), meaning);
+}
+
+/// Intervals of other kinds than the covariance's.
+std::string intervals_text(const fitting::Fit& fit) {
+  std::string text;
+  const auto error_of = [&](const std::string& name) {
+    for (const fitting::Parameter& p : fit.parameters)
+      if (p.name == name) return p.std_error;
+    return 0.0;
+  };
+  if (!fit.profiles.empty()) text += "\n95 % by profile likelihood\n";
+  for (const fitting::Profile& p : fit.profiles) {
+    const auto limit = [&](const std::optional<double>& value) {
+      return value ? to_error(*value, error_of(p.name)) : std::string("no limit");
+    };
+    text += fmt::format("  {:<31} {} to {}{}\n", p.name, limit(p.lower), limit(p.upper),
+                        p.unit == "1" ? "" : " " + p.unit);
+  }
+  if (!fit.bootstrap) return text;
+  text +=
+      fmt::format("\n95 % by bootstrap ({}, {} refits, {:.2f} s)\n",
+                  fitting::name(fit.bootstrap->kind), fit.bootstrap->draws, fit.bootstrap->seconds);
+  for (const fitting::Bootstrap::Parameter& p : fit.bootstrap->parameters)
+    text += fmt::format("  {:<31} {} to {}   (standard error {:.2g}, bias {:.2g} of it)\n", p.name,
+                        to_error(p.ci95[0], p.std_error), to_error(p.ci95[1], p.std_error),
+                        p.std_error, p.bias / p.std_error);
+  return text;
 }
 
 std::string warnings_text(const std::vector<std::string>& warnings) {
@@ -63,6 +91,7 @@ std::string to_text(const ReportData& data) {
       if (p.nuisance == nuisance) text += parameter_line(p);
   for (const std::string& sentence : fit.not_identifiable)
     text += fmt::format("  ! {}\n", sentence);
+  text += intervals_text(fit);
   text += "\nRestitution: four different numbers for a flexible bar\n";
   if (fit.rig.rig.contact.takes_restitution())
     text += estimate_line("law", fit, "law", "in the damping law");

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fitting/bootstrap_kind.hpp"
+#include "fitting/fit_problem.hpp"
+
+namespace impactrig::fitting {
+
+struct BootstrapOptions {
+  BootstrapKind kind = BootstrapKind::parametric;
+  int draws = 0;
+  std::uint64_t seed = 1;
+};
+
+/// What refits of drawn data say of the variables.
+struct Bootstrap {
+  struct Parameter {
+    std::string name;
+    double bias = 0.0;                    ///< mean of the draws less the best fit [SI]
+    double std_error = 0.0;               ///< standard deviation of the draws [SI]
+    std::array<double, 2> ci95 = {0, 0};  ///< basic: 2 · best fit − quantiles of the draws
+    std::vector<double> draws = {};       ///< in their order [SI] (n_draws - failed)
+  };
+
+  BootstrapKind kind = BootstrapKind::parametric;
+  std::uint64_t seed = 1;
+  int draws = 0;   ///< asked for
+  int failed = 0;  ///< of these, refits that did not converge; not in the figures
+  std::vector<Parameter> parameters = {};  ///< of the physics
+  double seconds = 0.0;
+};
+
+/// Refits `options.draws` sets of drawn data, on all cores; the same seed gives the same draws on
+/// any number of them. `problem` stands at the best fit, where `jacobian` is that of
+/// FitProblem::linearise(). Refits go by the best fit's Jacobian as long as that converges, to a
+/// hundredth of a standard error.
+Bootstrap bootstrap(const FitProblem& problem, const Eigen::MatrixXd& jacobian, double inflation,
+                    const BootstrapOptions& options);
+
+}  // namespace impactrig::fitting
