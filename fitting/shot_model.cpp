@@ -105,18 +105,19 @@ ShotModel ShotModel::coarser() const {
 
 models::Simulation ShotModel::simulate(const models::Rig& rig, double interval,
                                        const std::vector<models::RigParameter>& by) const {
-  return simulate(rig, chains_, interval, by);
+  return simulate(rig, chains_, interval, by, true);
 }
 
 models::Simulation ShotModel::simulate(const models::Rig& rig, const SensorChains& chains,
-                                       double interval,
-                                       const std::vector<models::RigParameter>& by) const {
+                                       double interval, const std::vector<models::RigParameter>& by,
+                                       bool judge) const {
   models::Solver solver = solver_;
   solver.duration = end_;
   if (motion_ == models::Motion::small) solver.accuracy = std::min(solver.accuracy, fine_accuracy);
   models::SimulationOptions options;
   options.history = {.interval = interval, .lead = lead_};
   options.motion = motion_;
+  options.judge_small_motion = judge;
   options.bars = bars_.get();
   options.sensitivities = by;
   if (chains.velocity) options.history.velocity_position = chains.velocity->position;
@@ -145,7 +146,7 @@ Shown ShotModel::chain_slope(const models::Rig& rig, const models::History& hist
   const auto shown_at = [&](double value) {
     number = value;
     if (by.parameter->name != "position") return show(history, chains);
-    return show(simulate(rig, chains, history.interval, {}).history, chains);
+    return show(simulate(rig, chains, history.interval, {}, false).history, chains);
   };
   Shown slope = shown_at(
       std::min(middle + step, by.parameter->name == "position" ? rig.beam.length : middle + step));
@@ -167,7 +168,7 @@ Shown ShotModel::chain_slope(const models::Rig& rig, const models::History& hist
 
 Shown ShotModel::predict(const models::Rig& rig, const SensorChains& chains,
                          const WantedSlopes& wanted) const {
-  const models::Simulation simulation = simulate(rig, chains, interval_, wanted.rig);
+  const models::Simulation simulation = simulate(rig, chains, interval_, wanted.rig, false);
   Shown shown = show(simulation.history, chains);
   shown.restitution = simulation.restitution;
   for (const models::Sensitivity& sensitivity : simulation.sensitivities) {

@@ -89,7 +89,7 @@ class ShotModel {
 
  private:
   models::Simulation simulate(const models::Rig& rig, const SensorChains& chains, double interval,
-                              const std::vector<models::RigParameter>& by) const;
+                              const std::vector<models::RigParameter>& by, bool judge) const;
   Shown show(const models::History& history, const SensorChains& chains) const;
   Shown chain_slope(const models::Rig& rig, const models::History& history, SensorChains chains,
                     const WantedSlopes::Chain& by) const;

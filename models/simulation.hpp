@@ -193,6 +193,9 @@ struct SimulationOptions {
   /// Numbers of the rig by which to differentiate. Small motion that begins at the touch of a
   /// single rigid stop only, whose contact ends smoothly (ContactForce::ends_smoothly()).
   std::vector<RigParameter> sensitivities = {};
+  /// Estimate what small motion neglects. For callers that know it, with Motion::small, which takes
+  /// that whatever it is: false saves half of a run, and Simulation::neglected is 0.
+  bool judge_small_motion = true;
 };
 
 /// Whether a simplification may be taken.

@@ -113,7 +113,7 @@ void ModalMotion::take(double part) {
   for (int stop = 0; stop < beam_.stops(); ++stop) pressed = pressed || presses(stop);
   if (pressed && first_contact_ == FirstContact::to_come) {
     first_contact_ = FirstContact::lasts;
-    pull_.touch(state_);
+    if (judges_) pull_.touch(state_);
   }
   if (part < 1.0) {
     jump(part, scratch_);
@@ -124,6 +124,7 @@ void ModalMotion::take(double part) {
   note_shortening(pressed);
   if (pressed) neglected_ = shortening_ + stretching_;
   if (first_contact_ != FirstContact::lasts) return;
+  if (pressed && !judges_) return;
   if (pressed)
     pull_.follow(state_, *step_, part, rule_.restricted(series_[0], part)[0]);
   else
@@ -134,6 +135,7 @@ void ModalMotion::take(double part) {
 /// the small motion leaves out, and what is left out after a contact no longer moves it. A flight
 /// is as well seen from a frame that turns with the bar.
 void ModalMotion::note_shortening(bool pressed) {
+  if (!judges_) return;
   const bool turns = flies_ && !pressed;
   const double frame = turns ? beam_.rigid_part(state_.a, state_.rate).angle : 0.0;
   shortening_ =

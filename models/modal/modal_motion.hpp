@@ -78,6 +78,9 @@ class ModalMotion : public BarMotion {
   /// Every flight is stepped like a contact: linear also in the swing's angle.
   void step_flights() { flies_ = false; }
 
+  /// What this leaves out is not estimated: neglected() and missing_pull() stay as they are.
+  void leave_judging() { judges_ = false; }
+
   double clear_time(std::span<const double> gaps) const override;
   void fly(double time) override;
   void sample_flight(double first, double spacing, std::span<Sample> samples) override;
@@ -143,6 +146,7 @@ class ModalMotion : public BarMotion {
   enum class FirstContact { to_come, lasts, over };
 
   AxialPull pull_;
+  bool judges_ = true;
   FirstContact first_contact_ = FirstContact::to_come;
 };
 

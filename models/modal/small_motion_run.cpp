@@ -92,6 +92,7 @@ SmallMotionRun::SmallMotionRun(const Rig& rig, const Solver& solver,
                                std::shared_ptr<const ModalBar> bar)
     : rig_(rig),
       solver_(solver),
+      options_(options),
       bar_(std::move(bar)),
       motion_(*bar_, Collocation::of(nodes_for(solver.accuracy)), options.history),
       stopped_(rig.stop ? std::make_unique<StoppedMotion>(motion_, *rig.stop) : nullptr),
@@ -99,6 +100,7 @@ SmallMotionRun::SmallMotionRun(const Rig& rig, const Solver& solver,
   if (rig.stop || !options.sensitivities.empty() ||
       !allows(options, Simplification::flight_at_once))
     motion_.step_flights();
+  if (!judges()) motion_.leave_judging();
   if (follows_swing(rig, options)) of_swing_ = std::pow(*rig.start.release_angle, 2) / 16.0;
   if (options.sensitivities.empty() || of_swing_ > 0.0 || !faces_single_rigid_stop() ||
       !run_.contact().ends_smoothly())
@@ -107,11 +109,16 @@ SmallMotionRun::SmallMotionRun(const Rig& rig, const Solver& solver,
   run_.follow(*sensitivities_);
 }
 
+bool SmallMotionRun::judges() const {
+  return options_.judge_small_motion || options_.motion != Motion::small;
+}
+
 Simulation SmallMotionRun::conclude() {
   Simulation result = run_.conclude();
   if (stopped_) result.sensor = stopped_->sensor(result.impulse);
   if (sensitivities_) result.sensitivities = sensitivities_->take_results();
   result.small_motion = true;
+  if (!judges()) return result;
   const double end_of_contact = result.episodes.empty() ? 0.0 : result.episodes.back().end;
   const double friction = missing_friction(rig_, result, end_of_contact);
   const double rate = touch_velocity(rig_) / rig_.contact.position;

@@ -37,8 +37,11 @@ class SmallMotionRun {
   Simulation conclude();
 
  private:
+  bool judges() const;
+
   const Rig& rig_;
   const Solver& solver_;
+  const SimulationOptions& options_;
   std::shared_ptr<const ModalBar> bar_;
   ModalMotion motion_;
   std::unique_ptr<StoppedMotion> stopped_;  // before a stop that gives way
