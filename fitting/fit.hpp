@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "datasets/impact.hpp"
+#include "fitting/diagnostics/channel_diagnostics.hpp"
 #include "fitting/fit_options.hpp"
 #include "fitting/rig_file.hpp"
 #include "models/simulation.hpp"
@@ -50,6 +51,8 @@ struct ChannelFit {
   std::vector<double> model;              ///< as the sensor would show it (n)
   std::vector<std::uint8_t> used;         ///< 1 where the sample entered the fit (n)
   std::map<std::string, double> metrics;  ///< names: metrics.hpp
+  /// Where the model fails; none of a fit stored before there were any.
+  std::optional<ChannelDiagnostics> diagnostics = {};
 };
 
 struct Estimate {
