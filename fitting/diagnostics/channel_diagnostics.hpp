@@ -26,11 +26,11 @@ struct Whiteness {
 
 /// Distribution of the whitened residuals after touch.
 struct Normality {
-  double statistic = 0.0;         ///< Anderson and Darling's A², mean and variance estimated
-  double p_value = 1.0;           ///< of that from a normal distribution
-  double skewness = 0.0;          ///< [-]
-  double excess_kurtosis = 0.0;   ///< [-], 0 for a normal distribution
-  std::string words;              ///< "normal", "heavy tails", "light tails", "skewed upwards", …
+  double statistic = 0.0;        ///< Anderson and Darling's A², mean and variance estimated
+  double p_value = 1.0;          ///< of that from a normal distribution
+  double skewness = 0.0;         ///< [-]
+  double excess_kurtosis = 0.0;  ///< [-], 0 for a normal distribution
+  std::string words;  ///< "normal", "heavy-tailed", "light-tailed", "skewed upwards", …
   std::vector<double> quantiles;  ///< at probabilities (i + ½) / n, in standard deviations (n)
 };
 

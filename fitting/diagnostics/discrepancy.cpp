@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace impactrig::fitting {
@@ -229,10 +230,22 @@ Smoothed smooth(std::span<const double> w, const Character& delta, const Discrep
   return out;
 }
 
-/// Numbers and a curve of a few points a length.
+/// Samples of δ to keep: a few a length, at most some hundred around the contact and as many after.
+std::vector<std::size_t> kept(std::size_t count, double length, const DiscrepancyTask& task) {
+  constexpr double points_a_length = 4.0, around = 2.5;
+  constexpr std::size_t most = 130;
+  const auto border = std::min(
+      count, static_cast<std::size_t>(std::max(1.0, around * task.contact / task.interval)));
+  const auto by_length = static_cast<std::size_t>(length / (points_a_length * task.interval));
+  std::vector<std::size_t> out;
+  for (const auto& [from, to] : {std::pair{std::size_t{0}, border}, std::pair{border, count}}) {
+    const std::size_t every = std::max({std::size_t{1}, by_length, (to - from + most - 1) / most});
+    for (std::size_t i = from; i < to; i += every) out.push_back(i);
+  }
+  return out;
+}
+
 void report(const Smoothed& found, const DiscrepancyTask& task, Discrepancy& out) {
-  constexpr double points_a_length = 4.0;
-  constexpr std::size_t most_points = 600;
   double squares = 0.0;
   for (std::size_t i = 0; i < found.mean.size(); ++i) {
     squares += found.mean[i] * found.mean[i];
@@ -242,10 +255,7 @@ void report(const Smoothed& found, const DiscrepancyTask& task, Discrepancy& out
     out.largest_time = task.interval * static_cast<double>(i + 1);
   }
   out.rms = std::sqrt(squares / static_cast<double>(found.mean.size()));
-  const auto by_length = static_cast<std::size_t>(out.length / (points_a_length * task.interval));
-  const std::size_t every =
-      std::max({std::size_t{1}, by_length, (found.mean.size() + most_points - 1) / most_points});
-  for (std::size_t i = 0; i < found.mean.size(); i += every) {
+  for (const std::size_t i : kept(found.mean.size(), out.length, task)) {
     out.time.push_back(task.interval * static_cast<double>(i + 1));
     out.mean.push_back(found.mean[i]);
     out.error.push_back(found.error[i]);

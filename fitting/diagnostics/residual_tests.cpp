@@ -45,7 +45,7 @@ std::string shape_words(const Normality& found, double n) {
   if (skewed && (!tailed || by_skewness > 0.5 * std::abs(found.excess_kurtosis)))
     return found.skewness > 0.0 ? "skewed upwards" : "skewed downwards";
   if (!tailed) return "not normal";
-  return found.excess_kurtosis > 0.0 ? "heavy tails" : "light tails";
+  return found.excess_kurtosis > 0.0 ? "heavy-tailed" : "light-tailed";
 }
 
 struct Moments {

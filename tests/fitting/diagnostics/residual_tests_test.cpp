@@ -76,11 +76,11 @@ TEST(NormalityTest, SaysWhatIsNotNormal) {
   for (double& value : squared) value = value * value;
   for (std::size_t i = 0; i < sine.size(); ++i)
     sine[i] = std::sin(2.0 * std::numbers::pi * 0.137 * static_cast<double>(i));
-  EXPECT_EQ(normality(cubed, 0.0).words, "heavy tails");
+  EXPECT_EQ(normality(cubed, 0.0).words, "heavy-tailed");
   EXPECT_EQ(normality(squared, 0.0).words, "skewed upwards");
   for (double& value : squared) value = -value;
   EXPECT_EQ(normality(squared, 0.0).words, "skewed downwards");
-  EXPECT_EQ(normality(sine, 0.0).words, "light tails");
+  EXPECT_EQ(normality(sine, 0.0).words, "light-tailed");
 }
 
 // Steps as large as the noise: without their width the test takes them for a shape.
