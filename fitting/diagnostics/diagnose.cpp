@@ -13,8 +13,8 @@
 namespace impactrig::fitting {
 namespace {
 
-constexpr std::size_t fewest_before = 50;
 constexpr double coarse_step = 1.5;  // of the noise's standard deviation
+constexpr double unseen = 1e-9;      // of the largest value: no noise but rounding
 constexpr const char* phase_names[] = {"before touch", "compression", "restitution",
                                        "free vibration", "later contacts"};
 
@@ -132,7 +132,10 @@ ChannelDiagnostics diagnose(const ChannelResiduals& channel, double level) {
   out.noise_correlation = noise.correlation_time;
   out.noise_samples = static_cast<long>(noise.samples);
   out.coarse = channel.quantum > coarse_step * noise.deviation;
-  out.judged = noise.samples >= fewest_before && (noise.deviation > 0.0 || out.coarse);
+  double largest = 0.0;
+  for (const double value : channel.model) largest = std::max(largest, std::abs(value));
+  const bool seen = noise.deviation > unseen * largest;
+  out.judged = out.noise_samples >= fewest_quiet_samples && (seen || out.coarse);
   if (out.judged && out.coarse) judge_coarse(channel, out);
   if (out.judged && !out.coarse) judge_all(channel, noise, quiet, out);
   out.sentence = diagnosis_sentence(channel, out);

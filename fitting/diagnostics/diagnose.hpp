@@ -9,6 +9,9 @@
 
 namespace impactrig::fitting {
 
+/// Fewer samples before touch do not tell the noise.
+inline constexpr long fewest_quiet_samples = 50;
+
 /// When what happens, after first touch [s].
 struct ImpactPhases {
   double deepest = 0.0;                      ///< the first contact turns from closing to opening
@@ -37,7 +40,7 @@ struct ChannelResiduals {
 ///
 /// Where the digitiser's step is above 1.5 standard deviations of that noise, rounding makes
 /// residuals that follow each other whatever the model: then only the levels are tested, of what
-/// exceeds half a step. Needs 50 samples before touch.
+/// exceeds half a step. Needs fewest_quiet_samples before touch.
 ChannelDiagnostics diagnose(const ChannelResiduals& channel, double level);
 
 /// Where the residuals are too large, what they look like and what to do about it, in a sentence.

@@ -109,10 +109,11 @@ std::string where(const std::string& phase) {
 
 std::string diagnosis_sentence(const ChannelResiduals& channel, const ChannelDiagnostics& found) {
   if (!found.judged)
-    return fmt::format(
-        "The {}'s residuals were not judged: {} samples before touch do not tell its noise; record "
-        "a longer pre-trigger.",
-        channel.quantity, found.noise_samples);
+    return fmt::format("The {}'s residuals were not judged: {} samples before touch {}.",
+                       channel.quantity, found.noise_samples,
+                       found.noise_samples < 50
+                           ? "do not tell its noise; record a longer pre-trigger"
+                           : "show no noise to compare them with");
   if (found.sound)
     return fmt::format("The {}'s residuals are what {} leads to expect.", channel.quantity,
                        found.coarse ? "the digitiser's step" : "its noise before touch");

@@ -4,7 +4,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 namespace impactrig::fitting {
@@ -230,18 +229,19 @@ Smoothed smooth(std::span<const double> w, const Character& delta, const Discrep
   return out;
 }
 
-/// Samples of δ to keep: a few a length, at most some hundred around the contact and as many after.
+/// Samples of δ to keep: a few a length, at most 250 around the contact and 60 after.
 std::vector<std::size_t> kept(std::size_t count, double length, const DiscrepancyTask& task) {
   constexpr double points_a_length = 4.0, around = 2.5;
-  constexpr std::size_t most = 130;
+  constexpr std::size_t most_around = 250, most_later = 60;
   const auto border = std::min(
       count, static_cast<std::size_t>(std::max(1.0, around * task.contact / task.interval)));
   const auto by_length = static_cast<std::size_t>(length / (points_a_length * task.interval));
   std::vector<std::size_t> out;
-  for (const auto& [from, to] : {std::pair{std::size_t{0}, border}, std::pair{border, count}}) {
-    const std::size_t every = std::max({std::size_t{1}, by_length, (to - from + most - 1) / most});
-    for (std::size_t i = from; i < to; i += every) out.push_back(i);
-  }
+  const auto step = [&](std::size_t samples, std::size_t most) {
+    return std::max({std::size_t{1}, by_length, (samples + most - 1) / most});
+  };
+  for (std::size_t i = 0; i < border; i += step(border, most_around)) out.push_back(i);
+  for (std::size_t i = border; i < count; i += step(count - border, most_later)) out.push_back(i);
   return out;
 }
 
@@ -266,9 +266,10 @@ void report(const Smoothed& found, const DiscrepancyTask& task, Discrepancy& out
 
 Discrepancy discrepancy(const DiscrepancyTask& task, const NoiseColour& noise) {
   constexpr double shortest_samples = 4.0;
-  constexpr std::size_t fewest = 30;
+  constexpr std::size_t fewest = 30, most = 20000;
   Discrepancy out;
-  const std::vector<double> w = whitened(task.residual, noise);
+  const std::vector<double> w =
+      whitened(task.residual.first(std::min(task.residual.size(), most)), noise);
   const std::size_t count = present(w);
   if (count < fewest || !(energy(w) > 0.0) || !(noise.deviation > 0.0)) return out;
   const Best best = Search(w, task, noise).run(shortest_samples * task.interval, task.contact);

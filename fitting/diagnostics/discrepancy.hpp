@@ -28,6 +28,7 @@ struct DiscrepancyTask {
 /// likelihood costs O(n). What drives it may be weaker, by 0.03 in a², once the contact has ended.
 /// ε is the autoregressive noise seen before touch, its size free. a / σ, l and which of the two by
 /// marginal likelihood on a grid, l from 4 samples to the duration of the contact.
+/// At most 20 000 samples are looked at.
 ///
 /// Significance: Λ = 2 ln(L / L₀) times ν₀ / (ν₀ + K), ν₀ = n₀ / (2 τ₀) independent samples before
 /// touch that tell the noise's spectral density, K = n Δt / l such in δ; half a chi-squared of one
