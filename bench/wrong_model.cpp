@@ -48,27 +48,41 @@ std::vector<Case> right_models() {
 std::vector<Case> wrong_models() {
   const Overrides law = {{"contact.law", "hertz-point"}};
   const Overrides stop = {{"stop.mass", "50 g"}, {"stop.stiffness", "2e8 N/m"}};
+  const Overrides linear = {{"contact.law", "linear"}, {"contact.stiffness", "5e7 N/m"}};
+  // 1 % of the peak force, 2 % of the speed
+  const tests::ShotTruth noisy = {.force_noise = 20.0, .velocity_noise = 1e-2};
   const Overrides viscous = {{"contact.damping", "viscous"}};
-  return {
-      {"lankarani-nikravesh", "none", {}, {{"contact.damping", "none"}}},
-      {"lankarani-nikravesh", "viscous", {}, viscous},
-      {"lankarani-nikravesh", "tsuji", {}, {{"contact.damping", "tsuji"}}},
-      {"goldsmith", "hertz-point", {}, law},
-      {"goldsmith", "linear", {}, {{"contact.law", "linear"}, {"contact.stiffness", "5e7 N/m"}}},
-      {"laser at 0.69 m", "laser at 0.72 m", {}, {{"sensors.velocity.position", "0.72 m"}}},
-      {"stop of 50 g on 2e8 N/m", "rigid stop", stop, {}},
-      {"8 modes", "4 modes", {{"solver.modes", "8"}}, {}},
-      {"8 modes", "2 modes", {{"solver.modes", "8"}}, {{"solver.modes", "2"}}},
-      {"force 1.5 us late",
-       "delays without uncertainty",
-       trusted_delays,
-       trusted_delays,
-       {.force_delay = 1.5e-6}},
-      {"force 0.3 us late",
-       "delays without uncertainty",
-       trusted_delays,
-       trusted_delays,
-       {.force_delay = 0.3e-6}}};
+  return {{"lankarani-nikravesh", "none", {}, {{"contact.damping", "none"}}},
+          {"lankarani-nikravesh", "viscous", {}, viscous},
+          {"lankarani-nikravesh", "tsuji", {}, {{"contact.damping", "tsuji"}}},
+          {"goldsmith", "hertz-point", {}, law},
+          {"goldsmith", "linear", {}, linear},
+          {"laser at 0.69 m", "laser at 0.72 m", {}, {{"sensors.velocity.position", "0.72 m"}}},
+          {"stop of 50 g on 2e8 N/m", "rigid stop", stop, {}},
+          {"8 modes", "4 modes", {{"solver.modes", "8"}}, {}},
+          {"8 modes", "2 modes", {{"solver.modes", "8"}}, {{"solver.modes", "2"}}},
+          {"force 1.5 us late",
+           "delays without uncertainty",
+           trusted_delays,
+           trusted_delays,
+           {.force_delay = 1.5e-6}},
+          {"force 0.3 us late",
+           "delays without uncertainty",
+           trusted_delays,
+           trusted_delays,
+           {.force_delay = 0.3e-6}},
+          {"lankarani-nikravesh, noisy", "viscous", {}, viscous, noisy},
+          {"goldsmith, noisy", "linear", {}, linear, noisy},
+          {"laser at 0.69 m, noisy",
+           "laser at 0.70 m",
+           {},
+           {{"sensors.velocity.position", "0.70 m"}},
+           noisy},
+          {"stop of 10 g on 1e9 N/m, noisy",
+           "rigid stop",
+           {{"stop.mass", "10 g"}, {"stop.stiffness", "1e9 N/m"}},
+           {},
+           noisy}};
 }
 
 fitting::RigFile rig_with(const Overrides& more) {

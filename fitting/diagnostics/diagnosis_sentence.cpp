@@ -111,7 +111,7 @@ std::string diagnosis_sentence(const ChannelResiduals& channel, const ChannelDia
   if (!found.judged)
     return fmt::format("The {}'s residuals were not judged: {} samples before touch {}.",
                        channel.quantity, found.noise_samples,
-                       found.noise_samples < 50
+                       found.noise_samples < fewest_quiet_samples
                            ? "do not tell its noise; record a longer pre-trigger"
                            : "show no noise to compare them with");
   if (found.sound)

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "tests/fitting/diagnostics/noise.hpp"
@@ -102,6 +103,7 @@ TEST(Diagnose, ForgivesACoarseDigitiser) {
   const double step = 10.0;
   ChannelResiduals channel = channel_of(gaussian_noise(before + after, 5));
   for (std::size_t i = 0; i < channel.residual.size(); ++i) {
+    if (at(channel, i) > 0.0) channel.model[i] += 4.4;  // shown as 0 where nothing else moves
     const double truth = channel.model[i] + 0.2 * channel.residual[i];
     channel.residual[i] = step * std::round(truth / step) - channel.model[i];
   }
@@ -126,6 +128,21 @@ TEST(Diagnose, DoesNotJudgeWithoutNoiseToCompareWith) {
   const ChannelDiagnostics found = diagnose(channel, 0.05);
   EXPECT_FALSE(found.judged);
   EXPECT_THAT(found.sentence, HasSubstr("record a longer pre-trigger"));
+}
+
+// A unit mistaken by nine orders, samples that are no numbers, an impact without an end.
+TEST(Diagnose, SurvivesWhatIsFarOff) {
+  ChannelResiduals channel = channel_of(gaussian_noise(before + after, 7));
+  for (std::size_t i = 0; i < channel.residual.size(); ++i)
+    if (at(channel, i) >= 0.0) channel.residual[i] += 1e9 * pulse(at(channel, i));
+  channel.residual[before + 50] = std::numeric_limits<double>::infinity();
+  channel.model[before + 60] = std::numeric_limits<double>::quiet_NaN();
+  channel.phases = {};
+  const ChannelDiagnostics found = diagnose(channel, 0.05);
+  EXPECT_FALSE(found.sound);
+  EXPECT_GE(found.p_value, 0.0);
+  EXPECT_GT(level(found, "free vibration").ratio, 1e9);
+  EXPECT_NEAR(found.discrepancy.largest, 5e11, 1e10);
 }
 
 TEST(Diagnose, DoesNotJudgeAgainstNoNoise) {
