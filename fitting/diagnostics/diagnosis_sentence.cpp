@@ -69,7 +69,8 @@ std::string next_step(const std::string& quantity, const Structure& s) {
         "laws of the contact if it stays",
         quantity);
   if (s.kind == "gain")
-    return fmt::format("check sensors.{0}.sensitivity, or free sensors.{0}.gain", quantity);
+    return fmt::format("check sensors.{0}.sensitivity{1}, or free sensors.{0}.gain", quantity,
+                       quantity == "force" ? "" : " and where the laser points");
   if (s.kind == "vibration" && model_vibrates(s))
     return quantity == "force"
                ? "check the bar's data and solver.modes or elements, and a compliant stop"
