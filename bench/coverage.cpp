@@ -80,6 +80,7 @@ struct Shot {
   std::vector<bool> inside;                 // (names)
   double reduced = 0.0;
   long simulations = 0;
+  bool sound = true;  // no channel's diagnostics find fault
 };
 
 datasets::Record record_shot(const Study& study, const fitting::RigFile& rig, std::uint64_t seed) {
@@ -130,6 +131,8 @@ Shot fit_shot(const Study& study, std::uint64_t seed) {
   const fitting::Fit fit = fitting::fit({impacts.at(0)}, rig);
   shot.reduced = fit.goodness.chi2 / static_cast<double>(fit.goodness.dof);
   shot.simulations = fit.simulations;
+  for (const fitting::ChannelFit& channel : fit.channels)
+    shot.sound = shot.sound && channel.diagnostics->sound;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto p = std::ranges::find(fit.parameters, names[i], &fitting::Parameter::name);
     shot.value.push_back(p->value);
@@ -194,11 +197,14 @@ void run(const Study& study) {
                             {"value", shot.value},
                             {"std_error", shot.error},
                             {"reduced_chi2", shot.reduced},
-                            {"simulations", shot.simulations}});
+                            {"simulations", shot.simulations},
+                            {"sound", shot.sound}});
   }
   print_summary(shots, json);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  fmt::print("{} of {} called unsound by their diagnostics\n",
+             std::ranges::count(shots, false, &Shot::sound), study.shots);
   fmt::print("{} shots from seed {}, {:.2f} s a shot\n", study.shots, study.seed,
              seconds / study.shots);
   if (!study.output.empty()) std::ofstream(study.output) << json.dump(1) << "\n";

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "fitting/covariance.hpp"
+#include "fitting/fit_diagnostics.hpp"
 #include "fitting/fit_problem.hpp"
 #include "fitting/fit_report.hpp"
 
@@ -254,6 +255,7 @@ Fit Session::report(double chi2) {
   }
   report_restitution(problem_, end_, fit);
   fit.impacts = impacts_;
+  add_diagnostics(fit);
   fit.termination = last_.converged ? "converged"
                                     : fmt::format("stopped after {} iterations without converging",
                                                   last_.iterations);

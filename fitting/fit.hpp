@@ -12,6 +12,7 @@
 
 #include "datasets/impact.hpp"
 #include "fitting/bootstrap.hpp"
+#include "fitting/diagnostics/channel_diagnostics.hpp"
 #include "fitting/fit_options.hpp"
 #include "fitting/profile.hpp"
 #include "fitting/rig_file.hpp"
@@ -52,6 +53,8 @@ struct ChannelFit {
   std::vector<double> model;              ///< as the sensor would show it (n)
   std::vector<std::uint8_t> used;         ///< 1 where the sample entered the fit (n)
   std::map<std::string, double> metrics;  ///< names: metrics.hpp
+  /// Where the model fails; none of a fit stored before there were any.
+  std::optional<ChannelDiagnostics> diagnostics = {};
 };
 
 struct Estimate {

@@ -81,6 +81,12 @@ std::string page_json(ReportData data) {
   for (fitting::ChannelFit& channel : data.fit.channels) {
     thin(channel);
     for (auto* values : {&channel.time, &channel.measured, &channel.model}) shorten(*values);
+    if (!channel.diagnostics) continue;
+    fitting::ChannelDiagnostics& found = *channel.diagnostics;
+    for (auto* values :
+         {&found.whiteness.autocorrelation, &found.whiteness.before, &found.normality.quantiles,
+          &found.discrepancy.time, &found.discrepancy.mean, &found.discrepancy.error})
+      shorten(*values);
   }
   for (models::Simulation& run : data.fit.predictions) {
     thin(run.history);

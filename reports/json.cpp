@@ -85,13 +85,16 @@ std::string channel_name(const fitting::Fit& fit, const fitting::ChannelFit& cha
 void add_channels(Json& json, const fitting::Fit& fit) {
   json["channels"] = Json::array();
   for (const fitting::ChannelFit& channel : fit.channels)
-    json["channels"].push_back({{"name", channel_name(fit, channel)},
-                                {"residual_rms", channel.residual_rms},
-                                {"unit", channel.unit},
-                                {"noise", channel.noise},
-                                {"quantity", channel.quantity},
-                                {"channel", channel.channel},
-                                {"recording", channel.recording}});
+    json["channels"].push_back(
+        {{"name", channel_name(fit, channel)},
+         {"residual_rms", channel.residual_rms},
+         {"unit", channel.unit},
+         {"noise", channel.noise},
+         {"quantity", channel.quantity},
+         {"channel", channel.channel},
+         {"recording", channel.recording},
+         {"diagnostics",
+          channel.diagnostics ? diagnostics_json(*channel.diagnostics) : Json(nullptr)}});
 }
 
 void add_curves(Json& json, const fitting::Fit& fit) {
@@ -117,6 +120,7 @@ fitting::ChannelFit channel_from(const JsonReader& json, const JsonReader& curve
                                        recordings, channel.recording));
   channel.residual_rms = json["residual_rms"].number();
   channel.noise = json["noise"].number();
+  if (json.has("diagnostics")) channel.diagnostics = diagnostics_from(json["diagnostics"]);
   channel.time = curve["time_s"].numbers();
   channel.measured = curve["measured"].numbers();
   channel.model = curve["model"].numbers();

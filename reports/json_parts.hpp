@@ -21,6 +21,9 @@ models::History history_from(const JsonReader& json);
 Json rig_json(const fitting::RigFile& rig);
 fitting::RigFile rig_from(const JsonReader& json);
 
+Json diagnostics_json(const fitting::ChannelDiagnostics& diagnostics);
+fitting::ChannelDiagnostics diagnostics_from(const JsonReader& json);
+
 Json impact_json(const datasets::Impact& impact);
 datasets::Impact impact_from(const JsonReader& json);
 /// `counts`: samples of each channel, for a record that holds none.

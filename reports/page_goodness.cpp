@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "reports/diagnosis.hpp"
 #include "reports/svg.hpp"
 #include "reports/wording.hpp"
 
@@ -138,6 +139,7 @@ std::string html_goodness(const ReportData& data) {
       "shape when every Sprague–Geers C is at most 0.1; these limits are this report’s own.</p>\n",
       significant(fit.goodness.aicc, 5), significant(fit.goodness.bic, 5), fit.iterations,
       fit.simulations, quantity(fit.seconds, "s"), escaped(fit.termination));
+  body += html_diagnostics(fit);
   return html_section("goodness", "How good the fit is", body);
 }
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reports/diagnosis.hpp"
+
 namespace impactrig::reports {
 namespace {
 
@@ -75,6 +77,15 @@ std::string warnings_text(const std::vector<std::string>& warnings) {
   return text;
 }
 
+/// What a channel's diagnostics say; of a sound one nothing but that.
+std::string diagnosis_text(const fitting::ChannelFit& channel) {
+  if (!channel.diagnostics) return "";
+  std::string text = fmt::format("  {}\n", channel.diagnostics->sentence);
+  if (channel.diagnostics->discrepancy.significant)
+    text += fmt::format("  {}\n", discrepancy_sentence(channel));
+  return text;
+}
+
 }  // namespace
 
 std::string to_text(const ReportData& data) {
@@ -109,6 +120,7 @@ std::string to_text(const ReportData& data) {
                     channel.residual_rms, channel.unit, channel.noise, channel.unit);
   text += fmt::format("  chi-square / degrees of freedom: {:.4g} / {}\n", fit.goodness.chi2,
                       fit.goodness.dof);
+  for (const fitting::ChannelFit& channel : fit.channels) text += diagnosis_text(channel);
   text += warnings_text(fit.warnings);
   if (fit.termination != "converged")
     text += fmt::format(

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "reports/diagnosis.hpp"
 #include "reports/numbers.hpp"
 #include "reports/wording.hpp"
 
@@ -135,12 +136,17 @@ Verdict verdict(const fitting::Fit& fit) {
   if (fit.channels.empty())
     return {Grade::open, "Nothing was compared",
             "No channel of the recording was compared with the prediction."};
-  const std::string rest = differences(fit) + restitution_sentence(fit) + reservations(fit);
+  const std::string diagnosis = diagnosis_summary(fit);
+  const std::string rest = differences(fit) + (diagnosis.empty() ? "" : " " + diagnosis) +
+                           restitution_sentence(fit) + reservations(fit);
   if (fit.termination != "converged")
     return {Grade::open, "Provisional: the fit did not converge",
             fmt::format("It ended with: {}. {}", fit.termination, rest)};
   if (std::all_of(fit.channels.begin(), fit.channels.end(), within_noise))
-    return {Grade::explained, "Explained to within the noise", rest};
+    return {Grade::explained,
+            any_unsound(fit) ? "Explained to about the noise, but for a small part that is none"
+                             : "Explained to within the noise",
+            rest};
   if (std::all_of(fit.channels.begin(), fit.channels.end(), right_in_shape))
     return {Grade::in_shape, "Explained in shape, not to within the noise", rest};
   return {Grade::not_explained, "Not explained by this model", rest};

@@ -71,13 +71,27 @@ datasets::Impact synthetic_shot(const fitting::RigFile& rig, const ShotTruth& tr
     const double mains = 2.0 * std::numbers::pi * 50.0;
     const double phase = hum > 0.0 ? uniform(generator) : 0.0;
     const double third = hum > 0.0 ? uniform(generator) : 0.0;
+    const double phi = truth.noise_memory;
+    double last = phi > 0.0 ? normal(generator) : 0.0;
+    const auto coloured = [&] {
+      last = phi * last + std::sqrt(1.0 - phi * phi) * normal(generator);
+      return noise * last;
+    };
+    const double quantum = truth.step * noise;
+    signal.quantum = quantum;
+    signal.noise = std::hypot(noise, quantum / std::sqrt(12.0));
+    signal.noise_correlation = (1.0 + phi) / (1.0 - phi);
+    const auto digitised = [&](double value) {
+      return quantum > 0.0 ? quantum * std::round(value / quantum) : value;
+    };
     for (double t = -lead; t < truth.duration - 20e-6; t += interval) {
       const double place = (t - late - simulation.history.start) / fine;
       const auto k = static_cast<std::size_t>(place);
       const double part = place - static_cast<double>(k);
+      const double random = phi > 0.0 ? coloured() : noise * normal(generator);
       signal.values.push_back(
-          offset + (1.0 - part) * shown[k] + part * shown[k + 1] + noise * normal(generator) +
-          hum * (std::sin(mains * t + phase) + 0.3 * std::sin(3.0 * mains * t + third)));
+          digitised(offset + (1.0 - part) * shown[k] + part * shown[k + 1] + random +
+                    hum * (std::sin(mains * t + phase) + 0.3 * std::sin(3.0 * mains * t + third))));
     }
     return signal;
   };

@@ -23,7 +23,9 @@ struct ShotTruth {
   double velocity_delay = 0.0;   ///< [s]
   double force_hum = 0.0;        ///< 50 Hz amplitude, 0.3 of it at 150 Hz, phases drawn [N]
   double velocity_hum = 0.0;     ///< [m/s]
-  double duration = 3.2e-3;      ///< recorded after first touch [s]
+  double noise_memory = 0.0;  ///< φ of noise x_t = φ x_{t−1} + e_t, its deviation unchanged [-]
+  double step = 0.0;          ///< of the digitiser, in parts of each channel's noise
+  double duration = 3.2e-3;   ///< recorded after first touch [s]
   std::uint64_t seed = 1;
 };
 

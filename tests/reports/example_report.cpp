@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "fitting/diagnostics/diagnose.hpp"
+
 namespace impactrig::tests {
 
 namespace {
@@ -352,6 +354,22 @@ reports::ResultProvenance example_provenance() {
   return out;
 }
 
+/// Of all samples, fitted or not.
+fitting::ChannelDiagnostics example_diagnostics(const fitting::ChannelFit& channel,
+                                                const models::Simulation& run, double quantum) {
+  fitting::ChannelResiduals residuals;
+  residuals.quantity = channel.quantity;
+  residuals.unit = channel.unit;
+  residuals.start = channel.time.front();
+  residuals.interval = 1e-6;
+  residuals.model = channel.model;
+  for (std::size_t i = 0; i < channel.time.size(); ++i)
+    residuals.residual.push_back(channel.measured[i] - channel.model[i]);
+  residuals.quantum = quantum;
+  residuals.phases = {run.episodes.front().peak_time, run.episodes.front().end, {}};
+  return fitting::diagnose(residuals, 0.025);
+}
+
 void add_recording(reports::ReportData& data, int index) {
   const double velocity = 0.44083 * (1.0 + 0.2 * index);
   const std::string file = fmt::format("shot {}.uff", 17 + index);
@@ -363,8 +381,12 @@ void add_recording(reports::ReportData& data, int index) {
                       through_resonance(truth.history.force, 45e3, 20.0, 1e-6), 6.0, 0.25, seed));
   data.fit.channels.push_back(example_channel("velocity", run.history.velocity,
                                               truth.history.velocity, 1.5e-3, 5e-4, seed + 1));
-  for (std::size_t c = data.fit.channels.size() - 2; c < data.fit.channels.size(); ++c)
-    data.fit.channels[c].recording = index;
+  for (std::size_t c = data.fit.channels.size() - 2; c < data.fit.channels.size(); ++c) {
+    fitting::ChannelFit& channel = data.fit.channels[c];
+    channel.recording = index;
+    channel.diagnostics =
+        example_diagnostics(channel, run, channel.quantity == "force" ? 0.25 : 5e-4);
+  }
   data.fit.impacts.push_back(example_impact(file, run));
   data.fit.predictions.push_back(run);
   data.records.push_back(example_record(file));

@@ -174,7 +174,7 @@ TEST(Html, IsTheSameFromAFileAsFromTheFit) {
 }
 
 TEST(Html, StaysWellBelowOneMegabyteForAShot) {
-  EXPECT_LT(reports::to_html(tests::example_report()).size(), 700'000u);
+  EXPECT_LT(reports::to_html(tests::example_report()).size(), 750'000u);
 }
 
 // 400 000 samples a channel; one spike outside the fitted window must survive.
