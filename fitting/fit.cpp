@@ -643,6 +643,7 @@ Fit Session::run() {
   report_predictions(fit);
   report_restitution(spread, inflation, fit);
   fit.impacts = impacts_;
+  for (const Impact& impact : impacts_) fit.direct.push_back(direct_restitution(impact, rig_));
   fit.termination = termination_;
   fit.iterations = iterations_;
   fit.warnings = warnings_;

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "datasets/impact.hpp"
+#include "fitting/direct_restitution.hpp"
 #include "fitting/rig_file.hpp"
 #include "models/simulation.hpp"
 
@@ -72,6 +73,8 @@ struct Fit {
   Goodness goodness;
   std::map<std::string, Estimate> restitution;  ///< law, kinematic, kinetic, energetic
   std::vector<datasets::Impact> impacts;        ///< as measured, one a recording
+  /// Read from the records without a model of the impact, one a recording.
+  std::vector<DirectRestitution> direct;
   /// At the fitted values, with history, one a recording.
   std::vector<models::Simulation> predictions;
   RigFile rig;              ///< at the fitted values

@@ -57,6 +57,9 @@ std::string html_list(const std::vector<std::string>& sentences, const char* css
 /// <section id=...><h2>...</h2>body</section>
 std::string html_section(const char* id, const std::string& title, const std::string& body_html);
 
+/// Of html_restitution: what the records show without a model, beside the fit.
+std::string html_direct(const fitting::Fit& fit);
+
 /// The page's sections, in order.
 std::string html_summary(const ReportData& data);      ///< head, verdict, key numbers, warnings
 std::string html_measured(const ReportData& data);     ///< histories and residuals
