@@ -19,6 +19,7 @@
 #include "fitting/metrics.hpp"
 #include "fitting/shot_cost.hpp"
 #include "fitting/shot_model.hpp"
+#include "fitting/solver_options.hpp"
 #include "fitting/variables.hpp"
 #include "models/contact/damping_law.hpp"
 #include "models/mesh_error.hpp"
@@ -36,14 +37,6 @@ using datasets::ImpactSignal;
 constexpr double first_window = 1.2;
 // A first pass that ends with more than this reduced chi-square is started again from other places.
 constexpr double poor_fit = 4.0;
-// Ceres stops when a step changes the cost by less than this part: in the first pass a start for
-// the second is enough, at the end a thousandth of a standard error is, since the cost is about
-// half the number of samples.
-constexpr double rough = 1e-3;
-constexpr double final_tolerance = 2e-7;
-// Ceres' trust region where the start is good: hardly any damping, which would make the solver
-// creep along the directions that offset, drift and hum nearly share.
-constexpr double near_minimum = 1e8;
 // A reduced chi-square above this is no chance: the noise itself is known to a tenth from the few
 // hundred samples before a trigger.
 constexpr double misfit = 1.25;
@@ -272,14 +265,8 @@ double Session::solve(Stage stage) {
     priors.push_back(std::make_unique<ceres::NormalPrior>(weight, mean));
     problem.AddResidualBlock(priors.back().get(), nullptr, &x[i]);
   }
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::DENSE_QR;
-  solver.max_num_iterations = 60;
-  solver.function_tolerance = stage == Stage::last ? final_tolerance : rough;
-  if (stage == Stage::last) solver.initial_trust_region_radius = near_minimum;
-  solver.parameter_tolerance = 1e-8;
-  solver.gradient_tolerance = 1e-14;
-  solver.logging_type = ceres::SILENT;
+  const ceres::Solver::Options solver =
+      solver_options(stage == Stage::last ? SolverPass::final : SolverPass::rough);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   for (const auto& cost : costs) simulations_ += cost->simulations();
