@@ -14,9 +14,10 @@ constexpr double flank_sigmas = 5.0;    // where a flank begins to count, in sta
 constexpr double flank_height = 4.0;    // where it ends, over where it begins
 constexpr double rise_part = 0.005;     // of the peak: the first flank begins there at least
 constexpr double fall_part = 0.01;      // the last, which is often flat
-constexpr double smoothed_part = 0.01;  // of the contact: half a mean for the last flank
-constexpr double near_part = 0.02;      // of the contact: half a parabola for a speed
-constexpr double search_part = 0.15;    // of the contact: how far off the hints may be
+constexpr double smoothed_part = 0.02;  // of the contact: half a mean for the last flank
+constexpr double speed_part = 0.03;     // of the contact: half a parabola for a speed
+constexpr double near_part = 0.02;    // of the contact: longest flank, and kept free beside events
+constexpr double search_part = 0.15;  // of the contact: how far off the hints may be
 constexpr double after_contacts = 3.0;  // contact durations over which vibration is averaged
 
 /// A running integral by trapezoids, at any instant.
@@ -47,9 +48,18 @@ class Integral {
   std::vector<double> sums_;
 };
 
+/// All alike, or (1 − |u|³)³ with u from -1 to 1 over the window: then a small shift of the window
+/// changes little, whatever the noise.
+enum class Weights { even, tapered };
+
+double tapered(double t, double from, double to) {
+  const double u = std::abs(2.0 * t - from - to) / (to - from);
+  return u < 1.0 ? std::pow(1.0 - u * u * u, 3) : 0.0;
+}
+
 /// Polynomial of least squares through samples, about an instant.
 Eigen::VectorXd polynomial(std::span<const double> values, const ContactRecord& record, double from,
-                           double to, double about, int degree) {
+                           double to, double about, int degree, Weights weights = Weights::even) {
   const auto last = static_cast<std::ptrdiff_t>(values.size()) - 1;
   const auto index = [&](double t) { return (t - record.start) / record.interval; };
   const auto first = std::clamp<std::ptrdiff_t>(
@@ -65,8 +75,9 @@ Eigen::VectorXd polynomial(std::span<const double> values, const ContactRecord& 
     const double x = (record.time(k) - about) / scale;
     powers[0] = 1.0;
     for (int d = 1; d <= degree; ++d) powers[d] = powers[d - 1] * x;
-    normal += powers * powers.transpose();
-    right += values[k] * powers;
+    const double weight = weights == Weights::tapered ? tapered(record.time(k), from, to) : 1.0;
+    normal += weight * powers * powers.transpose();
+    right += weight * values[k] * powers;
   }
   Eigen::VectorXd solution = normal.ldlt().solve(right);
   for (int d = 1; d <= degree; ++d) solution[d] /= std::pow(scale, d);
@@ -86,6 +97,7 @@ class PhaseSearch {
         end_(end),
         duration_(end - begin),
         near_(std::max(near_part * duration_, 2.0 * record.interval)),
+        half_(std::max(speed_part * duration_, 3.0 * record.interval)),
         force_(record.force, record.start, record.interval),
         speed_(record.velocity, record.start, record.interval) {}
 
@@ -105,7 +117,7 @@ class PhaseSearch {
   void average_rebound(ContactPhases& phases) const;
 
   const ContactRecord& record_;
-  double begin_, end_, duration_, near_;
+  double begin_, end_, duration_, near_, half_;
   Integral force_, speed_;
   double level_ = 0.0;
 };
@@ -150,19 +162,6 @@ std::optional<Flank> PhaseSearch::flank(const std::vector<double>& force, double
                                    record_.interval / std::sqrt(3.0))};
 }
 
-/// Means over 2 m + 1 samples: a straight flank keeps its place.
-std::vector<double> means(const std::vector<double>& values, std::size_t m) {
-  std::vector<double> out = values;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    sum += values[i];
-    if (i < 2 * m) continue;
-    out[i - m] = sum / static_cast<double>(2 * m + 1);
-    sum -= values[i - 2 * m];
-  }
-  return out;
-}
-
 /// The greatest of the penetrations at which the speed crosses zero downwards.
 double PhaseSearch::deepest(double touch, double separation) const {
   const std::size_t from = index(touch) + 1, to = index(separation);
@@ -176,12 +175,12 @@ double PhaseSearch::deepest(double touch, double separation) const {
   }
   if (best <= from || best >= to) return NAN;  // never turns round within the contact
   const double about = record_.time(best);
-  const Eigen::VectorXd c =
-      polynomial(record_.velocity, record_, about - near_, about + near_, about, 2);
+  const Eigen::VectorXd c = polynomial(record_.velocity, record_, about - half_, about + half_,
+                                       about, 2, Weights::tapered);
   if (!(c[1] < 0.0)) return about;
   const double root = c[1] * c[1] - 4.0 * c[0] * c[2];
   const double shift = root >= 0.0 ? -2.0 * c[0] / (c[1] - std::sqrt(root)) : -c[0] / c[1];
-  return std::abs(shift) <= near_ ? about + shift : about;
+  return std::abs(shift) <= half_ ? about + shift : about;
 }
 
 void PhaseSearch::approach_and_rebound(ContactPhases& phases) const {
@@ -189,7 +188,8 @@ void PhaseSearch::approach_and_rebound(ContactPhases& phases) const {
       polynomial(record_.velocity, record_, record_.start, phases.touch - near_, phases.touch, 1);
   phases.approach = before[0];
   const double t = phases.separation;
-  phases.rebound = -polynomial(record_.velocity, record_, t - near_, t + near_, t, 2)[0];
+  phases.rebound =
+      -polynomial(record_.velocity, record_, t - half_, t + half_, t, 2, Weights::tapered)[0];
 }
 
 /// The mean speed after separation up to the next contact, and its error: the spread over the root
@@ -224,7 +224,7 @@ ContactPhases PhaseSearch::run(double touch_shift, double separation_shift) {
   ContactPhases phases;
   level_ = level_of(record_.force, rise_part);
   const auto half = static_cast<std::size_t>(smoothed_part * duration_ / record_.interval);
-  const std::vector<double> smoothed = means(record_.force, half);
+  const std::vector<double> smoothed = running_means(record_.force, half);
   const std::size_t first = index(begin_ - search_part * duration_);
   const std::size_t last = index(end_ + search_part * duration_);
   const auto rise = flank(record_.force, level_, first, 1, last);
@@ -257,6 +257,18 @@ ContactPhases contact_phases(const ContactRecord& record, double begin, double e
   if (record.force.size() < 16 || record.velocity.size() != record.force.size() || !(end > begin))
     return {};
   return PhaseSearch(record, begin, end).run(touch_shift, separation_shift);
+}
+
+std::vector<double> running_means(const std::vector<double>& values, std::size_t m) {
+  std::vector<double> out = values;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    sum += values[i];
+    if (i < 2 * m) continue;
+    out[i - m] = sum / static_cast<double>(2 * m + 1);
+    sum -= values[i - 2 * m];
+  }
+  return out;
 }
 
 std::vector<double> penetration_of(const ContactRecord& record, double touch) {

@@ -40,14 +40,19 @@ struct ContactPhases {
 /// First touch and separation: the force's flank between L and 4 L, but no more than 2 % of the
 /// contact, a straight line continued to zero; L is 0.5 % of the peak at touch and 1 % at
 /// separation, or five standard deviations before touch where that is more. The falling flank,
-/// often flat, is that of means over 2 % of the contact. Their uncertainty is how far the line was
+/// often flat, is that of means over 4 % of the contact. Their uncertainty is how far the line was
 /// continued, and one sample, each over √3: a force that begins as δ^(3/2) is met half that way
 /// late. Integrals are trapezoids, with fractions of a sample at both ends. Values and crossings of
-/// the speed are those of a parabola over 2 % of the contact to both sides.
+/// the speed are those of a parabola over 3 % of the contact to both sides, its weights falling to
+/// zero at the ends.
 ///
 /// `touch_shift` and `separation_shift` [s] move these instants, to learn what their errors do.
 ContactPhases contact_phases(const ContactRecord& record, double begin, double end,
                              double touch_shift = 0.0, double separation_shift = 0.0);
+
+/// Means over 2 m + 1 samples; the first and last m stay as they are. A straight flank keeps its
+/// place.
+std::vector<double> running_means(const std::vector<double>& values, std::size_t m);
 
 /// Penetration from first touch on, at the record's samples (n) [m].
 std::vector<double> penetration_of(const ContactRecord& record, double touch);

@@ -56,6 +56,7 @@ std::vector<ContactPhases> with_noise(const DirectReading& reading, bool of_forc
     source.fill(noise);
     Trial trial;
     (of_force ? trial.force_noise : trial.motion_noise) = &noise;
+    trial.smooth_speed = of_force;
     readings.push_back(reading.phases(trial));
   }
   return readings;

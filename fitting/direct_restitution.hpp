@@ -68,13 +68,14 @@ struct DirectRestitution {
 /// displacement is differentiated.
 ///
 /// Uncertainty. Noise: 256 repetitions of the record with noise of the stated size and correlation
-/// added (the fixed draws make the result repeatable; itself 4.5 %). Relative delay, u² = u_F² +
-/// u_v²: shifts by ±√3 u and 0, weighed 1/6, 2/3, 1/6, the Gauss-Hermite rule, so that a bent
-/// dependence counts as it is. Gains, force baseline, velocity zero, touch and separation: half
-/// the difference of one standard uncertainty up and down; gains cancel in the ratios. The force's
-/// baseline may wander by the trend seen before touch. A velocity's zero is not seen before touch;
-/// it is taken to be as uncertain as the velocity's mean over the contact is off zero, since a
-/// penetration that begins at zero ends there too, lasting indentation aside, but no less than
+/// added (the fixed draws make the result repeatable; itself 4.5 %); the force's with the speed
+/// smoothed, so that an instant that moves does not count the motion's noise again. Relative delay,
+/// u² = u_F² + u_v²: shifts by ±√3 u and 0, weighed 1/6, 2/3, 1/6, the Gauss-Hermite rule, so that
+/// a bent dependence counts as it is. Gains, force baseline, velocity zero, touch and separation:
+/// half the difference of one standard uncertainty up and down; gains cancel in the ratios. The
+/// force's baseline may wander by the trend seen before touch. A velocity's zero is not seen before
+/// touch; it is taken to be as uncertain as the velocity's mean over the contact is off zero, since
+/// a penetration that begins at zero ends there too, lasting indentation aside, but no less than
 /// touch and separation leave open. Of the correction for the sensors' chain a tenth is taken as
 /// uncertain, and all of what the sampling does not resolve. The interval is value ± the root sum
 /// of squares of 1.96 u, the delay's part being the change at ±1.96 u itself.

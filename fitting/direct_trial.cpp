@@ -13,6 +13,7 @@ namespace {
 
 constexpr double around = 3.0;         // contact durations read before and after the contact
 constexpr double guard_part = 0.05;    // of the contact: kept free before touch
+constexpr double smooth_part = 0.02;   // of the contact: half a mean
 constexpr double derived_part = 0.01;  // of the contact: half a parabola for a speed
 
 bool sound(const ImpactSignal& signal, std::size_t i) {
@@ -68,7 +69,14 @@ DirectReading::DirectReading(const datasets::Impact& impact, const RigFile& rig)
   motion_window_ = window_of(motion());
   force_ = sound_samples(*impact.force, force_window_);
   motion_ = sound_samples(motion(), motion_window_);
+  quiet_end_ = impact.start -
+               std::max(guard_part * (impact.end - impact.start), 3.0 * impact.force->interval);
   take_baseline();
+  plain_force_ = force_of({});
+  plain_speed_ = speed_of({});
+  smooth_speed_ = plain_speed_;
+  const double half = smooth_part * (impact.end - impact.start) / motion().interval;
+  smooth_speed_.values = running_means(plain_speed_.values, static_cast<std::size_t>(half));
 }
 
 const ImpactSignal& DirectReading::motion() const {
@@ -102,11 +110,6 @@ std::vector<double> DirectReading::sound_samples(const ImpactSignal& signal, Win
   return values;
 }
 
-double DirectReading::quiet_end() const {
-  const double contact = impact_.end - impact_.start;
-  return impact_.start - std::max(guard_part * contact, 3.0 * impact_.force->interval);
-}
-
 /// The trend of the force before touch, continued to the middle of the contact: what the mean
 /// leaves open, beyond what noise alone would show.
 void DirectReading::take_baseline() {
@@ -115,7 +118,7 @@ void DirectReading::take_baseline() {
   const double origin = impact_.start;
   for (std::size_t i = 0; i < force_.size(); ++i) {
     const double t = signal.time(force_window_.first + i);
-    if (t > quiet_end()) break;
+    if (t > quiet_end_) break;
     n += 1.0;
     sum_t += t - origin;
     sum_tt += (t - origin) * (t - origin);
@@ -130,10 +133,6 @@ void DirectReading::take_baseline() {
   wander_ = std::sqrt(std::max(0.0, slope * slope - variance)) * way;
 }
 
-bool DirectReading::resolved() const {
-  return undo_chain(force_sensor_, force_, impact_.force->interval, ChainUndo::resolved).complete;
-}
-
 bool DirectReading::force_lost(double from, double to) const {
   return lost_between(*impact_.force, from, to);
 }
@@ -142,45 +141,64 @@ bool DirectReading::motion_lost(double from, double to) const {
   return lost_between(motion(), from, to);
 }
 
-ContactRecord DirectReading::record(const Trial& trial) const {
-  const ImpactSignal& signal = *impact_.force;
-  std::vector<double> force = force_, motion = motion_;
-  for (std::size_t i = 0; trial.force_noise && i < force.size(); ++i)
-    force[i] += (*trial.force_noise)[i];
-  for (std::size_t i = 0; trial.motion_noise && i < motion.size(); ++i)
-    motion[i] += (*trial.motion_noise)[i];
-
+double DirectReading::level_before(const std::vector<double>& force) const {
   double level = 0.0, count = 0.0;
   for (std::size_t i = 0; i < force.size(); ++i) {
-    if (signal.time(force_window_.first + i) > quiet_end()) break;
+    if (impact_.force->time(force_window_.first + i) > quiet_end_) break;
     level += force[i];
     count += 1.0;
   }
-  if (count > 0.0) level /= count;
+  return count > 0.0 ? level / count : 0.0;
+}
+
+Undone DirectReading::force_of(const Trial& trial) const {
+  std::vector<double> force = force_;
+  for (std::size_t i = 0; trial.force_noise && i < force.size(); ++i)
+    force[i] += (*trial.force_noise)[i];
+  const double level = level_before(force);
   for (double& value : force) value = trial.force_gain * (value - level) + trial.force_offset;
+  return undo_chain(force_sensor_, force, impact_.force->interval, trial.chain);
+}
 
-  Undone force_then = undo_chain(force_sensor_, force, signal.interval, trial.chain);
-  Undone motion_then = undo_chain(motion_sensor_, motion, this->motion().interval, trial.chain);
+/// As a speed.
+Undone DirectReading::speed_of(const Trial& trial) const {
+  std::vector<double> shown = motion_;
+  for (std::size_t i = 0; trial.motion_noise && i < shown.size(); ++i)
+    shown[i] += (*trial.motion_noise)[i];
+  const double interval = motion().interval;
+  Undone undone = undo_chain(motion_sensor_, shown, interval, trial.chain);
   if (!impact_.velocity) {
-    const double half = derived_part * (impact_.end - impact_.start) / this->motion().interval;
-    motion_then.values = slopes(motion_then.values, this->motion().interval,
-                                std::max<std::ptrdiff_t>(1, std::lround(half)));
+    const double half = derived_part * (impact_.end - impact_.start) / interval;
+    undone.values = slopes(undone.values, interval, std::max<std::ptrdiff_t>(1, std::lround(half)));
   }
-  for (double& value : motion_then.values) value = trial.motion_gain * value + trial.speed_offset;
+  for (double& value : undone.values) value = trial.motion_gain * value + trial.speed_offset;
+  return undone;
+}
 
+ContactRecord DirectReading::record(const Trial& trial) const {
+  const bool same_force = trial.force_noise == nullptr && trial.force_gain == 1.0 &&
+                          trial.force_offset == 0.0 && trial.chain == ChainUndo::resolved;
+  const bool same_speed = trial.motion_noise == nullptr && trial.motion_gain == 1.0 &&
+                          trial.speed_offset == 0.0 && trial.chain == ChainUndo::resolved;
+  const Undone force = same_force ? plain_force_ : force_of(trial);
+  const Undone speed = trial.smooth_speed ? smooth_speed_
+                       : same_speed       ? plain_speed_
+                                          : speed_of(trial);
+  const ImpactSignal &of_force = *impact_.force, &of_motion = motion();
   ContactRecord record;
-  record.interval = signal.interval;
-  const double motion_start =
-      this->motion().time(motion_window_.first) - motion_then.delay + trial.later;
-  const double force_start = signal.time(force_window_.first) - force_then.delay;
-  const auto last = static_cast<double>(motion_then.values.size()) - 1.0;
-  for (std::size_t i = 0; i < force.size(); ++i) {
-    const double t = force_start + signal.interval * static_cast<double>(i);
-    const double place = (t - motion_start) / this->motion().interval;
+  record.interval = of_force.interval;
+  record.force.reserve(force.values.size());
+  record.velocity.reserve(force.values.size());
+  const double speed_start = of_motion.time(motion_window_.first) - speed.delay + trial.later;
+  const double force_start = of_force.time(force_window_.first) - force.delay;
+  const auto last = static_cast<double>(speed.values.size()) - 1.0;
+  for (std::size_t i = 0; i < force.values.size(); ++i) {
+    const double t = force_start + of_force.interval * static_cast<double>(i);
+    const double place = (t - speed_start) / of_motion.interval;
     if (place < 0.0 || place > last) continue;  // only where both were recorded
     if (record.force.empty()) record.start = t;
-    record.force.push_back(force_then.values[i]);
-    record.velocity.push_back(between(motion_then.values, place));
+    record.force.push_back(force.values[i]);
+    record.velocity.push_back(between(speed.values, place));
   }
   return record;
 }
@@ -195,11 +213,13 @@ NoiseSource::NoiseSource(double sigma, double correlation, std::uint64_t seed)
       generator_(seed) {}
 
 void NoiseSource::fill(std::vector<double>& values) {
-  const double fresh = std::sqrt(1.0 - memory_ * memory_);
-  double state = normal_(generator_);
-  for (double& value : values) {
-    value = sigma_ * state;
-    state = memory_ * state + fresh * normal_(generator_);
+  const double fresh = sigma_ * std::sqrt(1.0 - memory_ * memory_);
+  std::uint64_t signs = generator_();
+  double state = signs & 1 ? sigma_ : -sigma_;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = state;
+    signs = i % 63 == 0 ? generator_() : signs >> 1;
+    state = memory_ * state + (signs & 1 ? fresh : -fresh);
   }
 }
 

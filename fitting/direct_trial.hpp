@@ -23,6 +23,8 @@ struct Trial {
   double separation = 0.0;                            ///< of the instant of separation [s]
   const std::vector<double>* force_noise = nullptr;   ///< added, at force_samples() [N]
   const std::vector<double>* motion_noise = nullptr;  ///< added, at motion_samples()
+  /// The speed by means over 4 % of the contact: an instant that moves then meets no other noise.
+  bool smooth_speed = false;
   ChainUndo chain = ChainUndo::resolved;
 };
 
@@ -47,8 +49,8 @@ class DirectReading {
   /// By which the force before touch may have wandered at the contact [N].
   double force_wander() const { return wander_; }
 
-  /// Whether the sampling resolves all of both chains.
-  bool resolved() const;
+  /// Whether the sampling resolves all of the force's chain.
+  bool resolved() const { return plain_force_.complete; }
 
   /// Whether samples between two instants of the force's or motion's own clock are lost.
   bool force_lost(double from, double to) const;
@@ -62,17 +64,23 @@ class DirectReading {
   Window window_of(const datasets::ImpactSignal& signal) const;
   std::vector<double> sound_samples(const datasets::ImpactSignal& signal, Window& window) const;
   void take_baseline();
-  double quiet_end() const;
+  double level_before(const std::vector<double>& force) const;
+  Undone force_of(const Trial& trial) const;
+  Undone speed_of(const Trial& trial) const;
 
   const datasets::Impact& impact_;
   datasets::Sensor force_sensor_, motion_sensor_;
   Window force_window_{}, motion_window_{};
   std::vector<double> force_, motion_;  // as recorded, gaps closed
+  double quiet_end_ = 0.0;              // before it nothing touches [s]
   double wander_ = 0.0;
+  Undone plain_force_, plain_speed_;  // of a trial that changes neither
+  Undone smooth_speed_;
 };
 
-/// Noise of that standard deviation [SI] and integrated autocorrelation time [samples]: of first
-/// order, x_k = φ x_{k-1} + √(1 − φ²) ε, φ = (τ − 1)/(τ + 1).
+/// Noise of that standard deviation σ [SI] and integrated autocorrelation time τ [samples]: of
+/// first order, x_k = φ x_{k-1} + √(1 − φ²) ε, φ = (τ − 1)/(τ + 1), ε = ±σ with even chances. Means
+/// and sums of many samples, which is all that it is for, do not tell it from normal noise.
 class NoiseSource {
  public:
   NoiseSource(double sigma, double correlation, std::uint64_t seed);
@@ -81,7 +89,6 @@ class NoiseSource {
  private:
   double sigma_, memory_;
   std::mt19937_64 generator_;
-  std::normal_distribution<double> normal_;
 };
 
 }  // namespace impactrig::fitting

@@ -119,11 +119,12 @@ std::string html_direct_loop(const fitting::Fit& fit, std::size_t recording) {
     for (const double x : series.x) depth = std::max(depth, x);
     for (const double y : series.y) force = std::max(force, y);
   }
-  figure.x = {"Penetration", display_unit(depth, "m"), {}};
+  figure.x = {"Penetration", display_unit(depth, "m"), {{-0.03 * depth, 1.04 * depth}}};
   panel.y = {"Force", display_unit(force, "N"), {}};
   figure.panels = {panel};
   return fmt::format(
-      "<figure class=\"loop direct\">{}<figcaption>Force over penetration of the first contact: measured "
+      "<figure class=\"loop direct\">{}<figcaption>Force over penetration of the first contact: "
+      "measured "
       "(the velocity's integral, both sensors' responses taken off) and as the fitted model has "
       "it. The area is the energy dissipated.</figcaption></figure>\n",
       svg(figure));
