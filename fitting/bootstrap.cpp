@@ -61,7 +61,7 @@ class Refit {
     try {
       if (problem_.loss() == Loss::squares && follow_chords()) return problem_.values();
       problem_.set_values(best_);
-      if (!problem_.search({.trust_radius = 1e8}).converged) return {};
+      if (!problem_.search(last_search).converged) return {};
     } catch (const std::exception&) {
       return {};  // a simulation that fails on drawn data: told by its count
     }

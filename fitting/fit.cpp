@@ -9,6 +9,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "fitting/all_cores.hpp"
 #include "fitting/covariance.hpp"
 #include "fitting/fit_diagnostics.hpp"
 #include "fitting/fit_problem.hpp"
@@ -28,13 +29,6 @@ constexpr double growing_windows[] = {1.2, 1.7, 2.5, 4.0, 8.0};
 constexpr double whole = std::numeric_limits<double>::infinity();
 // A first pass that ends with more than this reduced chi-square is started again from other places.
 constexpr double poor_fit = 4.0;
-// A pass that a later one goes on from need not end where the cost changes by less than this part;
-// the last one goes on to a thousandth of a standard error, as the cost is about half the number of
-// samples.
-constexpr double rough = 1e-3;
-// Ceres' trust region where the start is good: hardly any damping, which would make the solver
-// creep along the directions that offset, drift and hum nearly share.
-constexpr double near_minimum = 1e8;
 // Small motion predicts the fit where it leaves out less than this part of the energy, and to the
 // end where the full equations would move no parameter by more than this part of its standard
 // error. Up to the third figure its slopes serve the full equations.
@@ -42,9 +36,6 @@ constexpr double smallest_motion = 1e-3;
 constexpr double harmless_shift = 0.1;
 constexpr double near_harmless = 0.3;
 constexpr double like_small_motion = 0.1;
-
-constexpr Search first_search = {.tolerance = rough, .hold_hum = true};
-constexpr Search last_search = {.trust_radius = near_minimum};
 
 class Session {
  public:
@@ -255,6 +246,10 @@ Fit Session::report(double chi2) {
   }
   report_restitution(problem_, end_, fit);
   fit.impacts = impacts_;
+  fit.direct.resize(impacts_.size());
+  run_on_all_cores(impacts_.size(), [&](std::size_t i, std::size_t) {
+    fit.direct[i] = direct_restitution(impacts_[i], problem_.rig());
+  });
   add_diagnostics(fit);
   fit.termination = last_.converged ? "converged"
                                     : fmt::format("stopped after {} iterations without converging",

@@ -13,6 +13,7 @@
 #include "datasets/impact.hpp"
 #include "fitting/bootstrap.hpp"
 #include "fitting/diagnostics/channel_diagnostics.hpp"
+#include "fitting/direct_restitution.hpp"
 #include "fitting/fit_options.hpp"
 #include "fitting/profile.hpp"
 #include "fitting/rig_file.hpp"
@@ -81,6 +82,8 @@ struct Fit {
   std::optional<Bootstrap> bootstrap;           ///< likewise
   std::map<std::string, Estimate> restitution;  ///< law, kinematic, kinetic, energetic
   std::vector<datasets::Impact> impacts;        ///< as measured, one a recording
+  /// Read from the records without a model of the impact, one a recording.
+  std::vector<DirectRestitution> direct;
   /// At the fitted values, with history, one a recording.
   std::vector<models::Simulation> predictions;
   RigFile rig;              ///< at the fitted values

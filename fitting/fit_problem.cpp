@@ -27,8 +27,6 @@ constexpr double margin_least = 20e-6;  // [s]
 
 constexpr double edge = 1e-12;  // of a scale, beyond a bound by rounding
 
-constexpr int most_invalid_steps = 20;  // beyond bounds, or where a simulation fails
-
 /// Ceres looks at its function tolerance after steps that succeed only. A step that changes the
 /// cost by less and fails does so for the rounding of the simulation: there is nothing more to
 /// gain.
@@ -301,15 +299,7 @@ SearchEnd FitProblem::search_once(const Search& how, const std::vector<std::size
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(ownership);
   const Priors priors = state(how, held, bounded, x, problem);
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::DENSE_QR;
-  solver.max_num_iterations = how.most_iterations;
-  solver.function_tolerance = how.tolerance;
-  solver.initial_trust_region_radius = how.trust_radius;
-  solver.parameter_tolerance = 1e-8;
-  solver.gradient_tolerance = 1e-14;
-  solver.max_num_consecutive_invalid_steps = most_invalid_steps;
-  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Options solver = solver_options(how);
   StopAtRounding stop(how.tolerance);
   solver.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;

@@ -13,6 +13,7 @@
 #include "fitting/rig_file.hpp"
 #include "fitting/shot_cost.hpp"
 #include "fitting/shot_model.hpp"
+#include "fitting/solver_options.hpp"
 #include "fitting/variables.hpp"
 
 namespace impactrig::fitting {
@@ -26,14 +27,6 @@ struct Shot {
   std::vector<std::size_t> numbers;  ///< of the variables that concern it
   std::shared_ptr<ShotModel> model;
   std::unique_ptr<ShotCost> cost;
-};
-
-/// How far a search goes.
-struct Search {
-  double tolerance = 2e-7;    ///< Ceres' function tolerance
-  double trust_radius = 1e4;  ///< Ceres' first one; large: hardly any damping
-  bool hold_hum = false;      ///< leave mains hum as it is
-  int most_iterations = 60;
 };
 
 struct SearchEnd {

@@ -17,7 +17,7 @@ constexpr double farthest = 30.0;                    // standard errors
 constexpr int most_points = 24;                      // of a side
 constexpr double unknown_step = 0.01;  // of a parameter's scale, where no standard error is known
 constexpr double noise_of_search = 0.02;  // in Δχ²
-constexpr Search follow = {.tolerance = 1e-7, .trust_radius = 1e8};
+constexpr Search follow = {.tolerance = 1e-7};
 
 struct Point {
   double value, delta;

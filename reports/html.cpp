@@ -88,6 +88,10 @@ std::string page_json(ReportData data) {
           &found.discrepancy.time, &found.discrepancy.mean, &found.discrepancy.error})
       shorten(*values);
   }
+  for (fitting::DirectRestitution& direct : data.fit.direct)
+    for (auto* values :
+         {&direct.hysteresis.time, &direct.hysteresis.penetration, &direct.hysteresis.force})
+      shorten(*values);
   for (models::Simulation& run : data.fit.predictions) {
     thin(run.history);
     for (auto* values : {&run.history.force, &run.history.penetration, &run.history.velocity,

@@ -187,6 +187,10 @@ Json report_json(const ReportData& data) {
   json["bootstrap"] = fit.bootstrap ? bootstrap_json(*fit.bootstrap) : Json(nullptr);
   json["impacts"] = Json::array();
   for (const datasets::Impact& impact : fit.impacts) json["impacts"].push_back(impact_json(impact));
+  json["direct_restitution"] = Json::array();
+  for (std::size_t r = 0; r < fit.direct.size(); ++r)
+    json["direct_restitution"].push_back(
+        direct_json(fit.direct[r], r < fit.impacts.size() ? fit.impacts[r].recording : ""));
   json["termination"] = fit.termination;
   json["warnings"] = fit.warnings;
   json["iterations"] = fit.iterations;
@@ -256,6 +260,11 @@ fitting::Fit fit_from(const JsonReader& json) {
   const JsonReader impacts = json["impacts"];
   for (std::size_t i = 0; i < impacts.size(); ++i)
     fit.impacts.push_back(impact_from(impacts.element(i)));
+  if (json.has("direct_restitution")) {
+    const JsonReader direct = json["direct_restitution"];
+    for (std::size_t i = 0; i < direct.size(); ++i)
+      fit.direct.push_back(direct_from(direct.element(i)));
+  }
   const JsonReader channels = json["channels"], curves = json["curves"];
   if (channels.size() != curves.size())
     curves.fail(

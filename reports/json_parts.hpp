@@ -26,6 +26,8 @@ fitting::ChannelDiagnostics diagnostics_from(const JsonReader& json);
 
 Json impact_json(const datasets::Impact& impact);
 datasets::Impact impact_from(const JsonReader& json);
+Json direct_json(const fitting::DirectRestitution& direct, const std::string& recording);
+fitting::DirectRestitution direct_from(const JsonReader& json);
 /// `counts`: samples of each channel, for a record that holds none.
 Json record_json(const datasets::Record& record, const std::vector<std::size_t>& counts);
 datasets::Record record_from(const JsonReader& json, std::vector<std::size_t>& counts);

@@ -225,7 +225,8 @@ std::string html_balances(const fitting::Fit& fit) {
 std::string html_restitution(const ReportData& data) {
   return html_section("restitution", "Two truths about e",
                       html_explanation(data.fit) + html_estimates(data.fit) +
-                          html_by_recording(data.fit) + html_balances(data.fit));
+                          html_by_recording(data.fit) + html_direct(data.fit) +
+                          html_balances(data.fit));
 }
 
 }  // namespace impactrig::reports

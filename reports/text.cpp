@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "reports/diagnosis.hpp"
+#include "reports/direct_wording.hpp"
 
 namespace impactrig::reports {
 namespace {
@@ -71,6 +72,29 @@ std::string intervals_text(const fitting::Fit& fit) {
   return text;
 }
 
+/// What a record shows without a model, beside the fit.
+std::string direct_text(const fitting::Fit& fit) {
+  std::string text;
+  for (std::size_t r = 0; r < fit.direct.size(); ++r) {
+    text += fit.direct.size() > 1
+                ? fmt::format("\nRead directly from {}, without a model\n",
+                              r < fit.impacts.size() ? fit.impacts[r].recording : "")
+                : "\nRead directly from the record, without a model\n";
+    for (const DirectPair& pair : direct_pairs(fit, r)) {
+      const fitting::DirectEstimate& e = *pair.direct;
+      if (!e.given()) continue;
+      const fitting::Contribution* const source = pair.main_source();
+      text += fmt::format("  {:<31} {:>10} ± {:<9.2g} 95 %: {} to {}{}{}\n", pair.name,
+                          to_error(e.value, e.std_error), e.std_error,
+                          to_error(e.ci95[0], e.std_error), to_error(e.ci95[1], e.std_error),
+                          pair.unit == std::string("1") ? "" : fmt::format(" {}", pair.unit),
+                          source == nullptr ? "" : fmt::format("   (mostly {})", source->source));
+    }
+    text += fmt::format("  {}\n", direct_explanation(fit, r));
+  }
+  return text;
+}
+
 std::string warnings_text(const std::vector<std::string>& warnings) {
   std::string text;
   for (const std::string& warning : warnings) text += fmt::format("\nwarning: {}\n", warning);
@@ -113,6 +137,7 @@ std::string to_text(const ReportData& data) {
   text += estimate_line("kinetic", fit, "kinetic", "impulse after over before deepest penetration");
   text += estimate_line("energetic", fit, "energetic",
                         "root of work returned over work taken by the contact");
+  text += direct_text(fit);
   text += "\nResiduals\n";
   for (const fitting::ChannelFit& channel : fit.channels)
     text +=

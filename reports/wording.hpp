@@ -60,6 +60,9 @@ std::string html_section(const char* id, const std::string& title, const std::st
 /// Of the parameters' section: intervals of profile likelihood and bootstrap; "" without them.
 std::string html_intervals(const fitting::Fit& fit);
 
+/// Of html_restitution: what the records show without a model, beside the fit.
+std::string html_direct(const fitting::Fit& fit);
+
 /// The page's sections, in order.
 std::string html_summary(const ReportData& data);      ///< head, verdict, key numbers, warnings
 std::string html_measured(const ReportData& data);     ///< histories and residuals

@@ -359,5 +359,24 @@ TEST(Verdict, MentionsClippingAndBounds) {
   EXPECT_THAT(sentence, HasSubstr("One parameter cannot be told from these data."));
 }
 
+// The invented record's kinetic restitution is four standard errors off, the others are not.
+TEST(Page, SetsTheModelAgainstWhatTheRecordShowsWithoutOne) {
+  reports::ReportData data = tests::example_report();
+  const std::string page = reports::to_html(data), text = visible(page);
+  EXPECT_TRUE(has(text, "Without a model"));
+  EXPECT_TRUE(has(text, "The model&#39;s kinematic and energetic restitution lie within"));
+  EXPECT_TRUE(has(text, "kinetic restitution,"));
+  EXPECT_TRUE(has(text, "is outside the direct interval"));
+  EXPECT_TRUE(has(text, "in the delay between the channels would explain it"));
+  EXPECT_TRUE(has(text, "The record is too short."));
+  EXPECT_TRUE(has(page, "Contact force over penetration, measured and modelled"));
+  EXPECT_TRUE(has(text, "standard uncertainty by source"));
+  EXPECT_EQ(reports::to_html(reports::report_from_json(reports::to_json(data), "")), page);
+  data.fit.direct[0].notes = {"The laser points 40 mm from the struck point."};
+  EXPECT_TRUE(has(visible(reports::to_html(data)), "What is said above of the record"));
+  data.fit.direct.clear();
+  EXPECT_FALSE(has(visible(reports::to_html(data)), "Without a model"));
+}
+
 }  // namespace
 }  // namespace impactrig

@@ -72,6 +72,17 @@ TEST(FitJson, HasTheNamesOfTheDesignPage) {
             (std::set<std::string>{"law", "kinematic", "kinetic", "energetic"}));
   EXPECT_EQ(json["restitution"]["law"]["value"], 0.512);
   EXPECT_EQ(json["restitution"]["law"]["ci95"][1], 0.5341);
+  const Json& direct = json["direct_restitution"][0];
+  EXPECT_EQ(direct["recording"], "shot 17.uff");
+  for (const char* name : {"kinematic", "kinematic_smoothed", "kinetic", "energetic"}) {
+    EXPECT_EQ(direct[name]["ci95"].size(), 2u) << name;
+    EXPECT_TRUE(direct[name].contains("value") && direct[name].contains("std_error")) << name;
+  }
+  EXPECT_EQ(direct["kinetic"]["budget"][0]["source"], "force noise");
+  EXPECT_EQ(direct["kinematic_smoothed"]["absent"], "The record is too short.");
+  EXPECT_TRUE(direct["kinematic_smoothed"]["value"].is_null());
+  EXPECT_FALSE(direct["kinetic"].contains("absent"));
+  EXPECT_EQ(direct["hysteresis"]["force_n"].size(), direct["hysteresis"]["penetration_m"].size());
   EXPECT_EQ(json["impacts"][0]["recording"], "shot 17.uff");
   EXPECT_EQ(json["impacts"][0]["start_s"], 0.0005);
   EXPECT_EQ(json["impacts"][0]["flags"][0], "double-hit");

@@ -22,6 +22,13 @@ TEST(FitText, EndsWithWhyItDidNotConverge) {
                         "nearer to the answer (--set), or free fewer parameters (--free).\n"));
 }
 
+TEST(FitText, SetsTheModelAgainstWhatTheRecordShows) {
+  const std::string text = reports::to_text(tests::example_report());
+  EXPECT_THAT(text, HasSubstr("Read directly from the record, without a model\n  kinematic  "));
+  EXPECT_THAT(text, HasSubstr("(mostly relative delay)"));
+  EXPECT_THAT(text, HasSubstr("is outside the direct interval"));
+}
+
 // e = 1 of a law without damping, or an e beside a stated coefficient, decides nothing.
 TEST(RestitutionText, SaysWhereTheLawTakesNone) {
   reports::ReportData data = tests::example_report();

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reports/direct_wording.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "reports/numbers.hpp"
+
+namespace impactrig::reports {
+
+namespace {
+
+constexpr double likely_delay =
+    5.0;  // standard uncertainties: a delay error beyond it is no excuse
+
+const fitting::Contribution* row(const fitting::DirectEstimate& estimate, std::string_view source) {
+  const auto found = std::ranges::find(estimate.budget, source, &fitting::Contribution::source);
+  return found == estimate.budget.end() ? nullptr : &*found;
+}
+
+double relative_delay(const datasets::Impact& impact) {
+  const auto& motion = impact.velocity ? impact.velocity : impact.displacement;
+  return std::hypot(impact.force ? impact.force->delay_uncertainty : 0.0,
+                    motion ? motion->delay_uncertainty : 0.0);
+}
+
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
+  return text;
+}
+
+/// What shift of one channel would bring the model's number and the direct one together.
+std::string delay_excuse(const DirectPair& pair, const datasets::Impact& impact) {
+  const fitting::Contribution* const delay = row(*pair.direct, "relative delay");
+  const double unsure = relative_delay(impact);
+  if (delay == nullptr || !(delay->std_error > 0.0) || !(unsure > 0.0)) return "";
+  const double shift = std::abs(pair.fitted - pair.direct->value) / delay->std_error * unsure;
+  if (!(shift < likely_delay * unsure)) return "";
+  return fmt::format("An error of {} in the delay between the channels would explain it. ",
+                     quantity(shift, "s", 2));
+}
+
+/// One sentence or two for a number that the model has elsewhere.
+std::string difference(const DirectPair& pair, const fitting::DirectRestitution& direct,
+                       const datasets::Impact& impact) {
+  const std::string name = pair.name;
+  std::string text =
+      fmt::format("The model's {} restitution, {}, is outside the direct interval, {} to {}. ",
+                  name, significant(pair.fitted, 3), significant(pair.direct->ci95[0], 3),
+                  significant(pair.direct->ci95[1], 3));
+  if (!direct.notes.empty()) return text + "What is said above of the record may be the reason. ";
+  if (name == "kinematic")
+    return text +
+           "The struck point's speed at the instant of separation is mostly vibration: modes that "
+           "the model lacks, or has at another frequency, show there first. ";
+  const std::string excuse = delay_excuse(pair, impact);
+  if (!excuse.empty()) return text + excuse;
+  if (name == "kinetic")
+    return text +
+           "The measured force is spread otherwise over compression and restitution than the "
+           "model's: look at the force's residual about the deepest point. ";
+  return text +
+         "The contact takes another share of the work than the damping law with its fitted e: "
+         "another law may fit better, or the measured force and speed are not of one point. ";
+}
+
+}  // namespace
+
+bool DirectPair::inside() const {
+  return direct->given() && direct->ci95[0] <= fitted && fitted <= direct->ci95[1];
+}
+
+const fitting::Contribution* DirectPair::main_source() const {
+  const auto largest =
+      std::ranges::max_element(direct->budget, {}, &fitting::Contribution::std_error);
+  return largest == direct->budget.end() || !(largest->std_error > 0.0) ? nullptr : &*largest;
+}
+
+std::vector<DirectPair> direct_pairs(const fitting::Fit& fit, std::size_t recording) {
+  if (recording >= fit.direct.size()) return {};
+  const fitting::DirectRestitution& direct = fit.direct[recording];
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  models::Restitution model{none, none, none, none};
+  double dissipated = none, depth = none;
+  if (recording < fit.predictions.size()) {
+    const models::Simulation& run = fit.predictions[recording];
+    model = run.restitution;
+    if (!run.episodes.empty()) {
+      dissipated = run.episodes.front().dissipated;
+      depth = run.episodes.front().max_penetration;
+    }
+  }
+  return {{"kinematic", "1", &direct.kinematic, model.kinematic},
+          {"kinematic, vibration averaged", "1", &direct.smoothed, none},
+          {"kinetic", "1", &direct.kinetic, model.kinetic},
+          {"energetic", "1", &direct.energetic, model.energetic},
+          {"dissipated energy", "J", &direct.hysteresis.dissipated, dissipated},
+          {"greatest penetration", "m", &direct.hysteresis.max_penetration, depth}};
+}
+
+std::string direct_explanation(const fitting::Fit& fit, std::size_t recording) {
+  std::string text;
+  if (recording >= fit.direct.size() || recording >= fit.impacts.size()) return text;
+  const fitting::DirectRestitution& direct = fit.direct[recording];
+  for (const std::string& note : direct.notes) text += note + " ";
+  std::vector<std::string> agree, missing;
+  std::string apart, why;
+  for (const DirectPair& pair : direct_pairs(fit, recording)) {
+    if (pair.unit != std::string_view("1") || pair.direct == &direct.smoothed) continue;
+    if (!pair.direct->given()) {
+      missing.emplace_back(pair.name);
+      why = pair.direct->absent;
+    } else if (pair.inside()) {
+      agree.emplace_back(pair.name);
+    } else if (std::isfinite(pair.fitted)) {
+      apart += difference(pair, direct, fit.impacts[recording]);
+    }
+  }
+  if (!agree.empty())
+    text += fmt::format(
+        "The model's {} restitution {} within what force and velocity show without a model. ",
+        listed(agree), agree.size() == 1 ? "lies" : "lie");
+  text += apart;
+  if (!missing.empty()) text += fmt::format("No direct {} restitution: {} ", listed(missing), why);
+  if (!text.empty()) text.pop_back();
+  return text;
+}
+
+}  // namespace impactrig::reports

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "reports/report_data.hpp"
+
+namespace impactrig::reports {
+
+/// A number read from the record directly, beside what the fitted model has.
+struct DirectPair {
+  const char* name;                       ///< "kinetic"
+  const char* unit;                       ///< SI
+  const fitting::DirectEstimate* direct;  ///< never null
+  double fitted;                          ///< NaN where the model has none
+  bool inside() const;                    ///< the model's is within the direct 95 % interval
+  const fitting::Contribution* main_source() const;  ///< of the uncertainty; null without a budget
+};
+
+/// kinematic, smoothed, kinetic, energetic, dissipated energy, greatest penetration of a recording;
+/// empty where the fit has no direct reading of it.
+std::vector<DirectPair> direct_pairs(const fitting::Fit& fit, std::size_t recording);
+
+/// Whether the model agrees with what was read directly and, where it does not, what an engineer
+/// would look at: plain text, several sentences.
+std::string direct_explanation(const fitting::Fit& fit, std::size_t recording);
+
+}  // namespace impactrig::reports
