@@ -158,21 +158,47 @@ fitting::FitOptions fit_options(const FitJob& job, const fitting::RigFile& rig) 
   return options;
 }
 
+/// The rig file's own model and those of --against.
+std::vector<fitting::Candidate> candidates(const FitJob& job, const fitting::RigFile& own) {
+  std::vector<fitting::Alternatives> alternatives;
+  for (const std::string& text : job.against) try {
+      alternatives.push_back(fitting::read_alternatives(text));
+    } catch (const std::invalid_argument& error) {
+      throw CLI::ValidationError("--against", error.what());
+    }
+  std::vector<fitting::Candidate> result = {{"the rig file's own", own}};
+  for (const auto& [label, changes] : fitting::combinations(alternatives)) {
+    fitting::Candidate candidate{label, {}};
+    std::vector<fitting::Override> overrides = split_overrides(job.common.overrides);
+    overrides.insert(overrides.end(), changes.begin(), changes.end());
+    try {
+      candidate.rig = fitting::read_rig_file(job.rig, overrides);
+      fitting::choose_mesh(candidate.rig);
+    } catch (const datasets::InputError& error) {
+      candidate.failure = error.what();
+    }
+    if (candidate.failure.empty() && candidate.rig.text == own.text) continue;
+    result.push_back(std::move(candidate));
+  }
+  return result;
+}
+
 /// Everything that decides the numbers, as text: what the result key is made of.
 std::string result_text(const FitJob& job, const reports::ResultProvenance& provenance) {
   const ImportArguments& r = job.reading;
   std::string text = fmt::format(
       "impactrig {} {}\nfree {}\nfix {}\nshared {}\nown {}\nprior {}\nbounds {}\ntie {}\nloss "
-      "{}\nprofile {}\n"
+      "{}\nagainst {}\nprofile {}\n"
       "bootstrap {} {} {}\n"
       "channels {}\nwindow {}\nrig {}\nread {}|{}|{}|{}|{}|{}|{}\n"
       "trigger {}|{}|{}|{}|{}\nfrom {} to {}\n",
       provenance.version, provenance.git, job.free, job.fix, job.shared, job.own,
       fmt::join(job.priors, ";"), fmt::join(job.bounds, ";"), fmt::join(job.ties, ";"), job.loss,
-      job.profile, job.bootstrap, job.bootstrap_kind, job.seed.value_or(1), job.channels,
-      job.window, provenance.config_sha256, r.format, r.delimiter, r.decimal, r.time_column,
-      r.units, r.skip_lines, r.sample_rate, job.detection.trigger, job.detection.threshold,
-      job.detection.pre_trigger, job.detection.post_trigger, job.impact, r.from, r.to);
+      fmt::join(job.against, ";"), job.profile, job.bootstrap, job.bootstrap_kind,
+      job.seed.value_or(1), job.channels, job.window, provenance.config_sha256, r.format,
+      r.delimiter, r.decimal, r.time_column, r.units, r.skip_lines, r.sample_rate,
+      job.detection.trigger, job.detection.threshold, job.detection.pre_trigger,
+      job.detection.post_trigger, job.impact, r.from, r.to);
   for (const reports::InputFile& input : provenance.inputs) text += input.sha256 + "\n";
   return text;
 }
@@ -195,6 +221,9 @@ void add_fit_job(CLI::App& command, FitJob& job) {
   command.add_option("--own", job.own, "Parameters of which each recording has its own");
   command.add_option("--loss", job.loss, "What a residual costs: squares, huber, cauchy, tukey")
       ->check(CLI::IsMember({"squares", "huber", "cauchy", "tukey"}));
+  command.add_option("--against", job.against,
+                     "KEY=VALUE,VALUE: compare models, all combinations of several of these "
+                     "(contact.damping=viscous,hunt-crossley)");
   command.add_flag("--profile", job.profile, "Profile likelihood of the impact's parameters");
   command.add_option("--bootstrap", job.bootstrap, "Refits of drawn data; 1000 for 95 %")
       ->check(CLI::Range(2, 1000000));
@@ -248,6 +277,12 @@ reports::ReportData run_fit_job(const FitJob& job) {
                models::name(rig.solver.model));
   data.fit = fitting::fit(impacts, rig, options);
   data.fit.warnings.insert(data.fit.warnings.begin(), warnings.begin(), warnings.end());
+  if (!job.against.empty()) {
+    fitting::FitOptions alone = options;
+    alone.profile = false;
+    alone.bootstrap = 0;
+    data.models = fitting::compare_models(impacts, candidates(job, rig), alone);
+  }
   data.title = !job.title.empty()
                    ? job.title
                    : fmt::format("Impact of {}",

@@ -20,6 +20,7 @@ struct FitJob {
   std::string fix, shared, own;                   ///< names of parameters, comma between
   std::vector<std::string> priors, bounds, ties;  ///< fitting/fit_keys.hpp
   std::string loss;
+  std::vector<std::string> against;  ///< KEY=VALUE,VALUE: models to compare
   bool profile = false;
   int bootstrap = 0;
   std::string bootstrap_kind;

@@ -2,10 +2,12 @@
 //
 // How often the 95 % intervals of a fit hold the truth. Each shot has a seed of its own: truths
 // (restitution 0.3 to 0.8, stiffness factor 0.8 to 1.25, speed 0.3 to 0.5 m/s), calibration errors
-// and everything else the laboratory adds are drawn from it. A pull is (fitted - true) over the
-// standard error: mean 0, standard deviation 1 where the intervals are honest. Disturbances can be
-// left out, to see which one the fit does not understand; the truth can be simulated with other
-// solver settings than the fit's, to see what a mesh error does.
+// of gains and delays and everything else the laboratory adds are drawn from it. A pull is (fitted
+// - true) over the standard error: mean 0, standard deviation 1 where the intervals are honest.
+// Intervals of profile likelihood and bootstrap beside those of the covariance where asked for.
+// Disturbances can be left out, to see which one the fit does not understand; the truth can be
+// simulated with other solver settings than the fit's, to see what a mesh error does. The truth is
+// solved to 1e-9.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -24,6 +26,7 @@
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/random_stream.hpp"
 #include "acquisition/synthetic.hpp"
+#include "fitting/all_cores.hpp"
 #include "fitting/fit.hpp"
 #include "fitting/rig_file.hpp"
 #include "models/simulation.hpp"
@@ -32,8 +35,11 @@ namespace {
 
 using namespace impactrig;
 
-const std::vector<std::string> names = {"contact.restitution", "contact.stiffness_factor",
-                                        "start.velocity"};
+const std::vector<std::string> names = {"contact.restitution",   "contact.stiffness_factor",
+                                        "start.velocity",        "sensors.force.gain",
+                                        "sensors.force.delay",   "sensors.velocity.gain",
+                                        "sensors.velocity.delay"};
+const std::vector<std::string> kinds = {"covariance", "profile", "bootstrap"};
 const std::vector<std::string> disturbances = {"hum",   "drift",  "speckle",     "offset",
                                                "noise", "digits", "calibration", "dropouts"};
 
@@ -48,6 +54,9 @@ struct Study {
   double duration = 4e-3;
   std::string day = "good";
   std::string output;
+  bool profile = false;
+  int bootstrap = 0;
+  std::string bootstrap_kind = "parametric";
 };
 
 std::vector<fitting::Override> overrides(const std::vector<std::string>& assignments) {
@@ -74,16 +83,24 @@ void leave_out(const std::vector<std::string>& without, acquisition::SyntheticOp
   }
 }
 
-struct Shot {
-  std::uint64_t seed = 0;
-  std::vector<double> truth, value, error;  // (names)
-  std::vector<bool> inside;                 // (names)
-  double reduced = 0.0;
-  long simulations = 0;
-  bool sound = true;  // no channel's diagnostics find fault
+/// One parameter of one shot.
+struct Pull {
+  bool fitted = false;
+  double truth = 0.0, value = 0.0, error = 0.0;
+  std::map<std::string, bool> inside;  // by kind of interval
 };
 
-datasets::Record record_shot(const Study& study, const fitting::RigFile& rig, std::uint64_t seed) {
+struct Shot {
+  std::uint64_t seed = 0;
+  std::vector<Pull> pulls;  // (names)
+  double reduced = 0.0;
+  long simulations = 0;
+  bool sound = true;  // as the diagnostics of its channels say
+};
+
+/// The record, and into `truth` what gains and delays really are.
+datasets::Record record_shot(const Study& study, const fitting::RigFile& rig, std::uint64_t seed,
+                             std::map<std::string, double>& truth_of) {
   constexpr double margin = 50e-6;
   acquisition::SyntheticOptions options;
   models::SimulationOptions request;
@@ -91,6 +108,7 @@ datasets::Record record_shot(const Study& study, const fitting::RigFile& rig, st
   if (rig.velocity) request.history.velocity_position = rig.velocity->position;
   models::Solver solver = rig.solver;
   solver.duration = study.duration - study.pre_trigger + margin;
+  solver.accuracy = 1e-9;
   const models::Simulation truth = models::simulate(rig.rig, solver, request);
   const acquisition::SensorSet sensors = {rig.force, rig.velocity, rig.displacement};
   const double fastest =
@@ -103,6 +121,12 @@ datasets::Record record_shot(const Study& study, const fitting::RigFile& rig, st
   options.seed = seed;
   if (study.day == "good") acquisition::draw_calibration_errors(sensors, seed, options);
   leave_out(study.without, options);
+  truth_of["sensors.force.gain"] = 1.0 + options.force.gain_error;
+  truth_of["sensors.velocity.gain"] = 1.0 + options.velocity.gain_error;
+  truth_of["sensors.force.delay"] =
+      (rig.force ? rig.force->delay.value : 0.0) + options.force.delay_error;
+  truth_of["sensors.velocity.delay"] =
+      (rig.velocity ? rig.velocity->delay.value : 0.0) + options.velocity.delay_error;
   const models::History& h = truth.history;
   return acquisition::synthesise({.start = h.start,
                                   .interval = h.interval,
@@ -112,20 +136,48 @@ datasets::Record record_shot(const Study& study, const fitting::RigFile& rig, st
                                  sensors, options);
 }
 
+bool within(double truth, double low, double high) {
+  return low <= truth && truth <= high;
+}
+
+Pull pull_of(const Study& study, const fitting::Fit& fit, const std::string& name, double truth) {
+  Pull pull{.fitted = true, .truth = truth};
+  const auto p = std::ranges::find(fit.parameters, name, &fitting::Parameter::name);
+  if (p == fit.parameters.end()) return {};
+  pull.value = p->value;
+  pull.error = p->std_error;
+  // a truth from the same mesh is not to be found in what the interval holds for the mesh's error
+  const double mesh = study.truth_set.empty() ? mesh_part * std::abs(p->mesh_shift) : 0.0;
+  pull.inside["covariance"] = within(truth, p->ci95[0] + mesh, p->ci95[1] - mesh);
+  for (const fitting::Profile& profile : fit.profiles)
+    if (profile.name == name)
+      pull.inside["profile"] =
+          within(truth, profile.lower.value_or(-HUGE_VAL), profile.upper.value_or(HUGE_VAL));
+  if (fit.bootstrap)
+    for (const fitting::Bootstrap::Parameter& b : fit.bootstrap->parameters)
+      if (b.name == name) pull.inside["bootstrap"] = within(truth, b.ci95[0], b.ci95[1]);
+  return pull;
+}
+
 Shot fit_shot(const Study& study, std::uint64_t seed) {
   acquisition::RandomStream random(seed, "truth");
   Shot shot;
   shot.seed = seed;
-  shot.truth = {random.uniform(0.3, 0.8), random.uniform(0.8, 1.25), random.uniform(0.3, 0.5)};
   std::vector<fitting::Override> settings = overrides(study.set);
   for (const fitting::Override& other : overrides(study.truth_set)) settings.push_back(other);
   fitting::RigFile truth = fitting::read_rig_file(study.rig, settings);
-  truth.rig.contact.restitution = shot.truth[0];
-  truth.rig.contact.stiffness_factor = shot.truth[1];
-  truth.rig.start.velocity = shot.truth[2];
-  const datasets::Record record = record_shot(study, truth, seed);
+  std::map<std::string, double> truth_of;
+  truth_of["contact.restitution"] = truth.rig.contact.restitution = random.uniform(0.3, 0.8);
+  truth_of["contact.stiffness_factor"] = truth.rig.contact.stiffness_factor =
+      random.uniform(0.8, 1.25);
+  truth_of["start.velocity"] = truth.rig.start.velocity = random.uniform(0.3, 0.5);
+  const datasets::Record record = record_shot(study, truth, seed, truth_of);
 
-  const fitting::RigFile rig = fitting::read_rig_file(study.rig, overrides(study.set));
+  fitting::RigFile rig = fitting::read_rig_file(study.rig, overrides(study.set));
+  rig.fit.profile = study.profile;
+  rig.fit.bootstrap = study.bootstrap;
+  rig.fit.bootstrap_kind = fitting::bootstrap_named(study.bootstrap_kind);
+  rig.fit.seed = seed;
   const std::vector<datasets::Impact> impacts = acquisition::find_impacts(
       acquisition::condition(record, {rig.force, rig.velocity, rig.displacement}));
   const fitting::Fit fit = fitting::fit({impacts.at(0)}, rig);
@@ -133,49 +185,69 @@ Shot fit_shot(const Study& study, std::uint64_t seed) {
   shot.simulations = fit.simulations;
   for (const fitting::ChannelFit& channel : fit.channels)
     shot.sound = shot.sound && channel.diagnostics->sound;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto p = std::ranges::find(fit.parameters, names[i], &fitting::Parameter::name);
-    shot.value.push_back(p->value);
-    shot.error.push_back(p->std_error);
-    // a truth from the same mesh is not to be found in what the interval holds for the mesh's error
-    const double mesh = study.truth_set.empty() ? mesh_part * std::abs(p->mesh_shift) : 0.0;
-    shot.inside.push_back(p->ci95[0] + mesh <= shot.truth[i] && shot.truth[i] <= p->ci95[1] - mesh);
-  }
+  for (const std::string& name : names)
+    shot.pulls.push_back(pull_of(study, fit, name, truth_of[name]));
   return shot;
 }
 
-void print_summary(const std::vector<Shot>& shots, nlohmann::ordered_json& json) {
-  using boost::math::binomial_distribution;
-  const double n = static_cast<double>(shots.size());
-  fmt::print("{:<26} {:>8} {:>17} {:>7} {:>6} {:>7} {:>13}\n", "parameter", "inside",
-             "coverage, 95 % CI", "mean", "sd", "worst", "median error");
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    double sum = 0.0, squares = 0.0, worst = 0.0, inside = 0.0;
-    std::vector<double> errors;
-    for (const Shot& shot : shots) {
-      const double pull = (shot.value[i] - shot.truth[i]) / shot.error[i];
-      sum += pull;
-      squares += pull * pull;
-      if (std::abs(pull) > std::abs(worst)) worst = pull;
-      inside += shot.inside[i] ? 1.0 : 0.0;
-      errors.push_back(shot.error[i] / shot.truth[i]);
-    }
-    std::ranges::sort(errors);
-    const double mean = sum / n;
-    const double sd = n > 1.0 ? std::sqrt((squares - n * mean * mean) / (n - 1.0)) : 0.0;
-    const double low = binomial_distribution<>::find_lower_bound_on_p(n, inside, 0.025);
-    const double high = binomial_distribution<>::find_upper_bound_on_p(n, inside, 0.025);
-    fmt::print("{:<26} {:>4}/{:<3} {:>6.1f} to {:>5.1f} % {:>7.2f} {:>6.2f} {:>7.2f} {:>12.3g}%\n",
-               names[i], inside, n, 100.0 * low, 100.0 * high, mean, sd, worst,
-               100.0 * errors[errors.size() / 2]);
-    json["parameters"].push_back({{"name", names[i]},
-                                  {"inside", inside},
-                                  {"coverage_ci95", {low, high}},
-                                  {"pull_mean", mean},
-                                  {"pull_sd", sd},
-                                  {"pull_worst", worst},
-                                  {"median_relative_error", errors[errors.size() / 2]}});
+/// Mean, standard deviation and worst of the pulls of a parameter; median of its relative error.
+void print_pulls(const std::vector<Shot>& shots, std::size_t i, nlohmann::ordered_json& json) {
+  double sum = 0.0, squares = 0.0, worst = 0.0, n = 0.0;
+  std::vector<double> errors;
+  for (const Shot& shot : shots) {
+    const Pull& p = shot.pulls[i];
+    if (!p.fitted) continue;
+    const double pull = (p.value - p.truth) / p.error;
+    n += 1.0;
+    sum += pull;
+    squares += pull * pull;
+    if (std::abs(pull) > std::abs(worst)) worst = pull;
+    errors.push_back(p.error);
   }
+  if (errors.empty()) return;
+  std::ranges::sort(errors);
+  const double mean = sum / n;
+  const double sd = n > 1.0 ? std::sqrt((squares - n * mean * mean) / (n - 1.0)) : 0.0;
+  fmt::print("{:<26} {:>6.2f} ± {:<5.2f} {:>6.2f} {:>7.2f} {:>11.3g}\n", names[i], mean,
+             sd / std::sqrt(n), sd, worst, errors[errors.size() / 2]);
+  json["parameters"].push_back({{"name", names[i]},
+                                {"pull_mean", mean},
+                                {"pull_sd", sd},
+                                {"pull_worst", worst},
+                                {"median_std_error", errors[errors.size() / 2]}});
+}
+
+void print_coverage(const std::vector<Shot>& shots, std::size_t i, const std::string& kind,
+                    nlohmann::ordered_json& json) {
+  using boost::math::binomial_distribution;
+  double n = 0.0, inside = 0.0;
+  for (const Shot& shot : shots)
+    if (const auto found = shot.pulls[i].inside.find(kind); found != shot.pulls[i].inside.end()) {
+      n += 1.0;
+      inside += found->second ? 1.0 : 0.0;
+    }
+  if (n == 0.0) return;
+  const double low = binomial_distribution<>::find_lower_bound_on_p(n, inside, 0.025);
+  const double high = binomial_distribution<>::find_upper_bound_on_p(n, inside, 0.025);
+  fmt::print("{:<26} {:<11} {:>5}/{:<5} {:>6.1f} %   {:>5.1f} to {:.1f} %\n", names[i], kind,
+             inside, n, 100.0 * inside / n, 100.0 * low, 100.0 * high);
+  json["coverage"].push_back({{"name", names[i]},
+                              {"kind", kind},
+                              {"inside", inside},
+                              {"shots", n},
+                              {"ci95", {low, high}}});
+}
+
+void print_summary(const std::vector<Shot>& shots, nlohmann::ordered_json& json) {
+  fmt::print("{:<26} {:>14} {:>6} {:>7} {:>11}\n", "pulls", "mean", "sd", "worst", "std. error");
+  for (std::size_t i = 0; i < names.size(); ++i) print_pulls(shots, i, json);
+  fmt::print("\n{:<26} {:<11} {:>11} {:>8}   {}\n", "95 % intervals", "kind", "hold truth", "share",
+             "of that 95 %");
+  for (std::size_t i = 0; i < names.size(); ++i)
+    for (const std::string& kind : kinds) print_coverage(shots, i, kind, json);
+  const auto unsound = std::ranges::count_if(shots, [](const Shot& shot) { return !shot.sound; });
+  fmt::print("{} of {} fits called unsound by their diagnostics\n", unsound, shots.size());
+  json["unsound"] = unsound;
 }
 
 void run(const Study& study) {
@@ -189,16 +261,18 @@ void run(const Study& study) {
                                  {"truth_set", study.truth_set},
                                  {"set", study.set},
                                  {"day", study.day}};
-  for (int k = 0; k < study.shots; ++k) {
-    shots.push_back(fit_shot(study, study.seed + static_cast<std::uint64_t>(k)));
-    const Shot& shot = shots.back();
-    json["fits"].push_back({{"seed", shot.seed},
-                            {"truth", shot.truth},
-                            {"value", shot.value},
-                            {"std_error", shot.error},
-                            {"reduced_chi2", shot.reduced},
-                            {"simulations", shot.simulations},
-                            {"sound", shot.sound}});
+  shots.resize(static_cast<std::size_t>(study.shots));
+  fitting::run_on_all_cores(shots.size(), [&](std::size_t k, std::size_t) {
+    shots[k] = fit_shot(study, study.seed + k);
+  });
+  for (const Shot& shot : shots) {
+    nlohmann::ordered_json fit = {{"seed", shot.seed},
+                                  {"reduced_chi2", shot.reduced},
+                                  {"simulations", shot.simulations},
+                                  {"sound", shot.sound}};
+    for (std::size_t i = 0; i < names.size(); ++i)
+      fit["pulls"][names[i]] = {shot.pulls[i].truth, shot.pulls[i].value, shot.pulls[i].error};
+    json["fits"].push_back(fit);
   }
   print_summary(shots, json);
   const double seconds =
@@ -226,6 +300,10 @@ int main(int argc, char** argv) {
   program.add_option("--without", study.without, "Disturbances to leave out")
       ->check(CLI::IsMember(disturbances))
       ->delimiter(',');
+  program.add_flag("--profile", study.profile, "Intervals by profile likelihood as well");
+  program.add_option("--bootstrap", study.bootstrap, "Refits for intervals by bootstrap");
+  program.add_option("--bootstrap-kind", study.bootstrap_kind, "parametric or residual")
+      ->capture_default_str();
   program.add_option("-o,--output", study.output, "Every fit, as JSON");
   CLI11_PARSE(program, argc, argv);
   try {

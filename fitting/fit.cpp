@@ -9,9 +9,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "fitting/all_cores.hpp"
 #include "fitting/covariance.hpp"
-#include "fitting/fit_diagnostics.hpp"
 #include "fitting/fit_problem.hpp"
 #include "fitting/fit_report.hpp"
 
@@ -246,17 +244,13 @@ Fit Session::report(double chi2) {
   }
   report_restitution(problem_, end_, fit);
   fit.impacts = impacts_;
-  fit.direct.resize(impacts_.size());
-  run_on_all_cores(impacts_.size(), [&](std::size_t i, std::size_t) {
-    fit.direct[i] = direct_restitution(impacts_[i], problem_.rig());
-  });
-  add_diagnostics(fit);
   fit.termination = last_.converged ? "converged"
                                     : fmt::format("stopped after {} iterations without converging",
                                                   last_.iterations);
   fit.iterations = iterations_;
   fit.warnings = problem_.warnings();
   fit.warnings.insert(fit.warnings.end(), warnings_.begin(), warnings_.end());
+  if (options_.for_report) report_more(problem_, fit);
   report_warnings(problem_, end_, fit);
   fit.simulations = problem_.simulations() + static_cast<long>(problem_.shots().size());
   return fit;

@@ -61,16 +61,14 @@ ChannelResiduals residuals_of(const ChannelFit& channel) {
 
 }  // namespace
 
-void add_diagnostics(Fit& fit) {
+ChannelDiagnostics diagnostics_of(const Fit& fit, const ChannelFit& channel) {
   const double level =
       family_level / static_cast<double>(std::max<std::size_t>(1, fit.channels.size()));
-  for (ChannelFit& channel : fit.channels) {
-    const auto recording = static_cast<std::size_t>(channel.recording);
-    ChannelResiduals residuals = residuals_of(channel);
-    residuals.quantum = quantum_of(fit.impacts.at(recording), channel.quantity);
-    residuals.phases = phases_of(fit.predictions.at(recording));
-    channel.diagnostics = diagnose(residuals, level);
-  }
+  const auto recording = static_cast<std::size_t>(channel.recording);
+  ChannelResiduals residuals = residuals_of(channel);
+  residuals.quantum = quantum_of(fit.impacts.at(recording), channel.quantity);
+  residuals.phases = phases_of(fit.predictions.at(recording));
+  return diagnose(residuals, level);
 }
 
 }  // namespace impactrig::fitting

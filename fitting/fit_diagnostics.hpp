@@ -5,9 +5,9 @@
 
 namespace impactrig::fitting {
 
-/// Fills ChannelFit::diagnostics of every channel from its curves, the impacts' digitiser steps and
-/// the phases of the predictions. Of fits whose model is right, at most 5 % have a channel that is
-/// called unsound.
-void add_diagnostics(Fit& fit);
+/// Of one of the fit's channels, from its curves, the impacts' digitiser steps and the phases of
+/// the predictions. Of fits whose model is right, at most 5 % have a channel that is called
+/// unsound.
+ChannelDiagnostics diagnostics_of(const Fit& fit, const ChannelFit& channel);
 
 }  // namespace impactrig::fitting

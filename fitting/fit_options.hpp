@@ -44,6 +44,9 @@ struct FitOptions {
   double window = 0.0;  ///< fitted after first touch [s]; 0 = as long as rig and recording allow
   bool use_force = true, use_velocity = true, use_displacement = false;
   Loss loss = Loss::squares;
+  /// Metrics, diagnostics and direct estimates, which a report shows. Without, a fit is parameters,
+  /// intervals and curves: for fits of which only those are looked at.
+  bool for_report = true;
   bool profile = false;  ///< profile likelihood of the physics
   int bootstrap = 0;     ///< draws
   BootstrapKind bootstrap_kind = BootstrapKind::parametric;

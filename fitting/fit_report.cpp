@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "fitting/all_cores.hpp"
+#include "fitting/fit_diagnostics.hpp"
 #include "fitting/metrics.hpp"
 #include "models/mesh_error.hpp"
 
@@ -196,8 +197,22 @@ void report_channels(const FitProblem& problem, Fit& fit) {
     }
     ++recording;
   }
-  run_on_all_cores(fit.channels.size(), [&](std::size_t i, std::size_t) {
-    fit.channels[i].metrics = metrics_of(fit.channels[i]);
+}
+
+void report_more(const FitProblem& problem, Fit& fit) {
+  fit.direct.resize(fit.impacts.size());
+  const std::size_t channels = fit.channels.size();
+  run_on_all_cores(fit.direct.size() + 2 * channels, [&](std::size_t i, std::size_t) {
+    if (i < fit.direct.size()) {
+      fit.direct[i] = direct_restitution(fit.impacts[i], problem.rig());
+      return;
+    }
+    i -= fit.direct.size();
+    ChannelFit& channel = fit.channels[i % channels];
+    if (i < channels)
+      channel.diagnostics = diagnostics_of(fit, channel);
+    else
+      channel.metrics = metrics_of(channel);
   });
 }
 

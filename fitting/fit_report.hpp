@@ -29,8 +29,12 @@ double report_goodness(const FitProblem& problem, Goodness& goodness);
 /// already in.
 void report_parameters(const FitProblem& problem, const FitEnd& end, Fit& fit);
 
-/// Measured, model and metrics of every fitted channel.
+/// Measured and model of every fitted channel.
 void report_channels(const FitProblem& problem, Fit& fit);
+
+/// What a report shows besides: metrics and diagnostics of every channel, direct estimates of every
+/// recording, on all cores. Impacts, channels and predictions are already in.
+void report_more(const FitProblem& problem, Fit& fit);
 
 /// The four restitutions of the first recording; rig and predictions are already in.
 void report_restitution(const FitProblem& problem, const FitEnd& end, Fit& fit);

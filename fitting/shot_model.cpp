@@ -13,8 +13,8 @@ namespace {
 
 // Finer than the recording by this: interpolation and the chain's linear hold are off by a
 // hundred-thousandth of the peak at 1 MHz and contacts of 200 us, of which noise leaves nothing.
-constexpr double oversampling = 2.0;
-constexpr double coarsest = 0.5e-6;  // [s]
+constexpr double oversampling = 4.0;
+constexpr double coarsest = 0.25e-6;  // [s]
 // In small motion, where it costs little: what a step of the solver changes must not drown in what
 // the next simulation rounds differently.
 constexpr double fine_accuracy = 1e-9;

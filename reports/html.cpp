@@ -158,7 +158,7 @@ std::string to_html(const ReportData& data) {
                  {"contacts", html_contacts(data)},
                  {"parameters", html_parameters(data)},
                  {"restitution", html_restitution(data)},
-                 {"goodness", html_goodness(data)},
+                 {"goodness", html_goodness(data) + html_models(data)},
                  {"quality", html_quality(data)},
                  {"provenance", html_provenance(data)},
                  {"footer", escaped(data.provenance.tool + " " + data.provenance.version)},

@@ -185,6 +185,7 @@ Json report_json(const ReportData& data) {
   for (const fitting::Profile& profile : fit.profiles)
     json["profiles"].push_back(profile_json(profile));
   json["bootstrap"] = fit.bootstrap ? bootstrap_json(*fit.bootstrap) : Json(nullptr);
+  json["models"] = data.models ? models_json(*data.models) : Json(nullptr);
   json["impacts"] = Json::array();
   for (const datasets::Impact& impact : fit.impacts) json["impacts"].push_back(impact_json(impact));
   json["direct_restitution"] = Json::array();
@@ -322,6 +323,7 @@ ReportData report_from_json(const std::string& text, const std::string& file_nam
   const JsonReader records = json["records"];
   for (std::size_t r = 0; r < records.size(); ++r)
     data.records.push_back(record_from(records.element(r), data.sample_counts.emplace_back()));
+  if (json.has("models")) data.models = models_from(json["models"]);
   data.provenance = provenance_from(json["provenance"]);
   return data;
 }

@@ -37,6 +37,9 @@ fitting::Profile profile_from(const JsonReader& json);
 Json bootstrap_json(const fitting::Bootstrap& bootstrap);
 fitting::Bootstrap bootstrap_from(const JsonReader& json);
 
+Json models_json(const fitting::ModelComparison& models);
+fitting::ModelComparison models_from(const JsonReader& json);
+
 Json provenance_json(const ResultProvenance& provenance);
 ResultProvenance provenance_from(const JsonReader& json);
 

@@ -3,11 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "datasets/record.hpp"
 #include "fitting/fit.hpp"
+#include "fitting/model_comparison.hpp"
 
 namespace impactrig::reports {
 
@@ -42,6 +44,7 @@ struct ReportData {
   /// Conditioned, with provenance and edits; samples may be absent.
   std::vector<datasets::Record> records;
   ResultProvenance provenance;
+  std::optional<fitting::ModelComparison> models;  ///< of other models, where they were asked for
   /// Samples a channel had, [record][channel], where `records` holds none: after report_from_json.
   std::vector<std::vector<std::size_t>> sample_counts;
 };

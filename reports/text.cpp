@@ -95,6 +95,25 @@ std::string direct_text(const fitting::Fit& fit) {
   return text;
 }
 
+std::string models_text(const fitting::ModelComparison& models) {
+  std::string text =
+      "\nModels, best first                            chi2/dof      delta     weight  held out\n";
+  for (const fitting::ModelScore& s : models.scores) {
+    if (!s.failure.empty()) {
+      text += fmt::format("  {:<42} could not be fitted: {}\n", s.label, s.failure);
+      continue;
+    }
+    const auto ratio = [](double chi2, long dof) {
+      return chi2 / static_cast<double>(std::max(1L, dof));
+    };
+    text += fmt::format("  {:<42} {:>9.4g} {:>10.4g} {:>10.2g} {:>9}\n", s.label,
+                        ratio(s.chi2, s.dof), s.delta, s.weight,
+                        s.held_out ? fmt::format("{:.4g}", ratio(s.held_out->chi2, s.held_out->dof))
+                                   : std::string("-"));
+  }
+  return text + "  " + models.sentence + "\n";
+}
+
 std::string warnings_text(const std::vector<std::string>& warnings) {
   std::string text;
   for (const std::string& warning : warnings) text += fmt::format("\nwarning: {}\n", warning);
@@ -146,6 +165,7 @@ std::string to_text(const ReportData& data) {
   text += fmt::format("  chi-square / degrees of freedom: {:.4g} / {}\n", fit.goodness.chi2,
                       fit.goodness.dof);
   for (const fitting::ChannelFit& channel : fit.channels) text += diagnosis_text(channel);
+  if (data.models) text += models_text(*data.models);
   text += warnings_text(fit.warnings);
   if (fit.termination != "converged")
     text += fmt::format(

@@ -70,7 +70,8 @@ std::string html_restitution(const ReportData& data);  ///< the four restitution
 std::string html_parameters(const ReportData& data);   ///< table, correlations
 std::string html_contacts(const ReportData& data);     ///< loop and contacts of the prediction
 std::string html_goodness(const ReportData& data);     ///< chi2, residuals against noise, metrics
-std::string html_quality(const ReportData& data);      ///< noise, calibration
+std::string html_models(const ReportData& data);   ///< other models; "" where none were asked for
+std::string html_quality(const ReportData& data);  ///< noise, calibration
 std::string html_provenance(const ReportData& data);  ///< inputs, edits, rig file, how to reproduce
 
 }  // namespace impactrig::reports
