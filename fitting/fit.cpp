@@ -12,6 +12,7 @@
 #include "fitting/covariance.hpp"
 #include "fitting/fit_problem.hpp"
 #include "fitting/fit_report.hpp"
+#include "fitting/identifiability.hpp"
 
 namespace impactrig::fitting {
 namespace {
@@ -243,6 +244,12 @@ Fit Session::report(double chi2) {
     if (!skipped_.empty()) fit.predictions.back().skipped.push_back(skipped_);
   }
   report_restitution(problem_, end_, fit);
+  fit.identifiability = identifiability(problem_, jacobian_, end_.inflation,
+                                        fit.predictions.front().episodes.empty()
+                                            ? 0.0
+                                            : fit.predictions.front().episodes.front().peak_force);
+  if (!fit.identifiability.remedy.empty())
+    fit.not_identifiable.push_back(fit.identifiability.remedy);
   fit.impacts = impacts_;
   fit.termination = last_.converged ? "converged"
                                     : fmt::format("stopped after {} iterations without converging",

@@ -15,6 +15,7 @@
 #include "fitting/diagnostics/channel_diagnostics.hpp"
 #include "fitting/direct_restitution.hpp"
 #include "fitting/fit_options.hpp"
+#include "fitting/identifiability.hpp"
 #include "fitting/profile.hpp"
 #include "fitting/rig_file.hpp"
 #include "models/simulation.hpp"
@@ -76,6 +77,7 @@ struct Fit {
   Eigen::MatrixXd correlations;  ///< (n_parameters, n_parameters)
   /// A sentence each: which combination the data cannot tell.
   std::vector<std::string> not_identifiable;
+  Identifiability identifiability;
   std::vector<ChannelFit> channels;
   Goodness goodness;
   std::vector<Profile> profiles;                ///< where the options ask for them

@@ -175,6 +175,7 @@ Json report_json(const ReportData& data) {
     json["parameters"].push_back(parameter_json(parameter));
   json["correlations"] = correlations_json(fit.correlations);
   json["not_identifiable"] = fit.not_identifiable;
+  json["identifiability"] = identifiability_json(fit.identifiability);
   add_channels(json, fit);
   json["goodness"] = goodness_json(fit.goodness);
   json["metrics"] = Json::object();
@@ -258,6 +259,8 @@ fitting::Fit fit_from(const JsonReader& json) {
     fit.parameters.push_back(parameter_from(parameters.element(i)));
   fit.correlations = correlations_from(json["correlations"], fit.parameters.size());
   fit.not_identifiable = json["not_identifiable"].texts();
+  if (json.has("identifiability"))
+    fit.identifiability = identifiability_from(json["identifiability"]);
   const JsonReader impacts = json["impacts"];
   for (std::size_t i = 0; i < impacts.size(); ++i)
     fit.impacts.push_back(impact_from(impacts.element(i)));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
+#include <limits>
 
 #include "reports/json_parts.hpp"
 
@@ -15,7 +16,46 @@ std::optional<double> limit_from(double value) {
   return std::isnan(value) ? std::nullopt : std::optional(value);
 }
 
+Json error_json(double error) {
+  return std::isfinite(error) ? Json(error) : Json(nullptr);
+}
+
 }  // namespace
+
+Json identifiability_json(const fitting::Identifiability& found) {
+  Json combinations = Json::array();
+  for (const fitting::Combination& c : found.combinations) {
+    Json exponents = Json::object();
+    for (const auto& [name, exponent] : c.exponents) exponents[name] = exponent;
+    combinations.push_back(
+        {{"exponents", exponents}, {"relative_error", error_json(c.relative_error)}});
+  }
+  return {{"combinations", combinations},
+          {"contact_stiffness",
+           {{"force_n", found.contact.force},
+            {"stiffness_n_m", found.contact.stiffness},
+            {"relative_error", error_json(found.contact.relative_error)}}},
+          {"remedy", found.remedy}};
+}
+
+fitting::Identifiability identifiability_from(const JsonReader& json) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  fitting::Identifiability found;
+  const JsonReader combinations = json["combinations"];
+  for (std::size_t i = 0; i < combinations.size(); ++i) {
+    const JsonReader from = combinations.element(i);
+    fitting::Combination c;
+    for (const std::string& name : from["exponents"].keys())
+      c.exponents.emplace_back(name, from["exponents"][name].number());
+    c.relative_error = from["relative_error"].number_or(infinity);
+    found.combinations.push_back(std::move(c));
+  }
+  const JsonReader contact = json["contact_stiffness"];
+  found.contact = {contact["force_n"].number(), contact["stiffness_n_m"].number(),
+                   contact["relative_error"].number_or(infinity)};
+  found.remedy = json["remedy"].text();
+  return found;
+}
 
 Json profile_json(const fitting::Profile& profile) {
   return {{"name", profile.name},

@@ -32,6 +32,8 @@ fitting::DirectRestitution direct_from(const JsonReader& json);
 Json record_json(const datasets::Record& record, const std::vector<std::size_t>& counts);
 datasets::Record record_from(const JsonReader& json, std::vector<std::size_t>& counts);
 
+Json identifiability_json(const fitting::Identifiability& found);
+fitting::Identifiability identifiability_from(const JsonReader& json);
 Json profile_json(const fitting::Profile& profile);
 fitting::Profile profile_from(const JsonReader& json);
 Json bootstrap_json(const fitting::Bootstrap& bootstrap);
