@@ -26,11 +26,11 @@ struct ShotDeviation {
 /// ε ~ N(0, s²) as each shot's own standard error says.
 struct BetweenShots {
   std::size_t shots = 0;
-  double mean = 0.0;                ///< µ, weighted by 1 / (s² + τ²)
-  double std_error = 0.0;           ///< of µ
-  std::array<double, 2> ci95 = {};  ///< of µ
-  double tau = 0.0;                 ///< standard deviation between shots
-  std::array<double, 2> tau_ci95 = {};
+  double mean = 0.0;                    ///< µ, weighted by 1 / (s² + τ²)
+  double std_error = 0.0;               ///< of µ
+  std::array<double, 2> ci95 = {};      ///< of µ
+  double tau = 0.0;                     ///< standard deviation between shots
+  std::array<double, 2> tau_ci95 = {};  ///< both 0 where Q is below all χ² of the interval
   double q = 0.0;        ///< Cochran's: Σ ((y − ȳ) / s)², ȳ weighted by 1 / s²
   long dof = 0;          ///< shots − 1
   double p_value = 1.0;  ///< of a Q at least as large, were τ 0
