@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fitting/parameters.hpp"
+#include "fitting/fit_report.hpp"
 #include "reports/campaign_wording.hpp"
 #include "reports/wording.hpp"
 
@@ -26,6 +26,7 @@ void add_parameters(const fitting::Fit& fit, CampaignShot& shot) {
                             .value = p.value,
                             .std_error = known ? p.std_error : 0.0,
                             .ci95 = p.ci95,
+                            .mesh_shift = p.mesh_shift,
                             .compared = p.tied_to.empty()});
   }
 }
@@ -108,9 +109,13 @@ CampaignQuantity quantity_of(const Campaign& campaign, const ShotNumber& first) 
     }
     quantity.shots.push_back(i);
     values.push_back({number->value, number->std_error});
+    quantity.mesh_shift += number->mesh_shift;
   }
   if (values.size() < 2) return quantity;
   quantity.between = fitting::between_shots(values);
+  quantity.mesh_shift /= static_cast<double>(values.size());
+  const double mesh = fitting::beyond_finer * std::abs(quantity.mesh_shift);
+  quantity.ci95 = {quantity.between.ci95[0] - mesh, quantity.between.ci95[1] + mesh};
   quantity.sentence = between_sentence(quantity);
   if (!of_speed(quantity.name)) {
     add_trend(campaign, quantity);

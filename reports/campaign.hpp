@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -22,7 +23,8 @@ struct ShotNumber {
   double value = std::numeric_limits<double>::quiet_NaN();
   double std_error = 0.0;  ///< 0 or NaN: could not be estimated
   std::array<double, 2> ci95 = {0, 0};
-  bool compared = true;  ///< between shots; what follows from parameters only is not
+  double mesh_shift = 0.0;  ///< fitting::Parameter::mesh_shift: of all shots alike, so no scatter
+  bool compared = true;     ///< between shots; what follows from parameters only is not
 };
 
 /// One recording of a campaign, fitted by itself: a row of the summary.
@@ -60,7 +62,9 @@ struct CampaignQuantity {
   std::vector<std::size_t> shots;  ///< indices of those that count
   std::vector<std::size_t> left_out;
   fitting::BetweenShots between;
-  std::string sentence;  ///< what that amounts to
+  double mesh_shift = 0.0;          ///< mean of the shots' [SI]
+  std::array<double, 2> ci95 = {};  ///< of the mean, widened by the mesh error, which all share
+  std::string sentence;             ///< what that amounts to
   std::optional<fitting::SpeedTrend> trend;
   std::string trend_sentence;  ///< "" where the speeds say nothing
 };

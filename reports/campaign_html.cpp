@@ -56,6 +56,7 @@ std::string html_head(const Campaign& campaign) {
 std::string html_quantity(const Campaign& campaign, const CampaignQuantity& quantity) {
   std::string out =
       fmt::format("<h3>{}</h3>\n<p>{}", escaped(quantity.label), escaped(quantity.sentence));
+  if (const std::string mesh = mesh_sentence(quantity); !mesh.empty()) out += " " + escaped(mesh);
   if (const std::string names = outlier_names(campaign, quantity); !names.empty())
     out += " " + escaped("Stands out: " + names + ".");
   if (!quantity.trend_sentence.empty()) out += " " + escaped(quantity.trend_sentence);

@@ -30,12 +30,20 @@ Marks marks(const std::string& label, const char* colour) {
   return out;
 }
 
+/// What a shot's own errors say, without the mesh error, which is all shots' alike.
+std::array<double, 2> own_interval(const ShotNumber& number) {
+  if (number.mesh_shift == 0.0) return number.ci95;
+  const double half = 1.96 * number.std_error;
+  return {number.value - half, number.value + half};
+}
+
 void add(Marks& marks, double x, double half_width, const ShotNumber& number) {
   for (const double end : {x + half_width, x - half_width, gap}) {
     marks.values.x.push_back(end);
     marks.values.y.push_back(std::isfinite(end) ? number.value : gap);
   }
-  for (const double end : {number.ci95[0], number.ci95[1], gap}) {
+  const std::array<double, 2> interval = own_interval(number);
+  for (const double end : {interval[0], interval[1], gap}) {
     marks.intervals.x.push_back(std::isfinite(end) ? x : gap);
     marks.intervals.y.push_back(end);
   }
@@ -59,7 +67,7 @@ bool stands_out(const CampaignQuantity& quantity, std::size_t i) {
 /// sample (svg.cpp).
 void add_all(const Campaign& campaign, const CampaignQuantity& quantity, double half_width,
              const std::vector<double>& x, Panel& panel) {
-  Marks inside = marks("a shot, with its 95 % interval", palette::measured);
+  Marks inside = marks("a shot, with the 95 % interval of its own errors", palette::measured);
   Marks outside = marks("stands out", palette::model);
   for (std::size_t i = quantity.shots.size(); i-- > 0;) {
     const CampaignShot& shot = campaign.shots[quantity.shots[i]];

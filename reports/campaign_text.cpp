@@ -12,6 +12,7 @@ std::string to_text(const Campaign& campaign) {
     out += fmt::format("{}\n  mean of {} shots    {}\n  from shot to shot  {}\n  {}\n",
                        quantity.name, quantity.between.shots, mean_text(quantity),
                        tau_text(quantity), quantity.sentence);
+    if (const std::string mesh = mesh_sentence(quantity); !mesh.empty()) out += "  " + mesh + "\n";
     if (const std::string names = outlier_names(campaign, quantity); !names.empty())
       out += "  Stands out: " + names + ".\n";
     if (!quantity.trend_sentence.empty()) out += "  " + quantity.trend_sentence + "\n";

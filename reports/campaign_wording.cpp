@@ -91,8 +91,17 @@ std::string mean_text(const CampaignQuantity& quantity) {
   return with_unit(
       fmt::format("{} ±\u00a0{} (95\u00a0%: {})", to_precision_of(b.mean, b.std_error, unit),
                   significant(b.std_error * unit.factor, 2),
-                  interval_text(b.ci95, b.std_error, unit)),
+                  interval_text(quantity.ci95, b.std_error, unit)),
       unit.text);
+}
+
+std::string mesh_sentence(const CampaignQuantity& quantity) {
+  if (!(std::abs(quantity.mesh_shift) > quantity.between.std_error)) return "";
+  return fmt::format(
+      "A mesh twice as fine would move all shots by about {}, {} standard errors of the mean; the "
+      "mean’s interval was widened by that.",
+      spread_text(quantity.mesh_shift, quantity),
+      significant(std::abs(quantity.mesh_shift) / quantity.between.std_error, 2));
 }
 
 std::string tau_text(const CampaignQuantity& quantity) {

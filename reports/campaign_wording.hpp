@@ -17,6 +17,9 @@ std::string trend_sentence(const CampaignQuantity& quantity);
 /// "0.5012 ± 0.0011 (95 %: 0.4990 to 0.5034)", with its unit.
 std::string mean_text(const CampaignQuantity& quantity);
 
+/// That the mesh is coarser than the mean is good; "" where it is not.
+std::string mesh_sentence(const CampaignQuantity& quantity);
+
 /// "0.0040 (95 %: 0.0031 to 0.0057)", with its unit; "none seen" where the shots agree so well that
 /// no τ would have let them.
 std::string tau_text(const CampaignQuantity& quantity);
