@@ -21,6 +21,8 @@
 namespace impactrig::app {
 namespace {
 
+constexpr std::size_t longest_sentence = 4096;  ///< what any pipe holds
+
 struct Worker {
   std::size_t item = 0;
   int sentence = -1;  ///< pipe it is written to
@@ -56,9 +58,11 @@ class HeldSignals {
 [[noreturn]] void be_worker(const std::function<WorkEnd(std::size_t)>& work, std::size_t item,
                             int pipe) {
   const WorkEnd end = work(item);
+  // read when this process has ended, so it must fit into the pipe
+  const std::string sentence = end.sentence.substr(0, longest_sentence);
   std::size_t written = 0;
-  while (written < end.sentence.size()) {
-    const ssize_t n = write(pipe, end.sentence.data() + written, end.sentence.size() - written);
+  while (written < sentence.size()) {
+    const ssize_t n = write(pipe, sentence.data() + written, sentence.size() - written);
     if (n <= 0) break;
     written += static_cast<std::size_t>(n);
   }
