@@ -50,6 +50,11 @@ struct Importer {
 /// All formats, most specific first.
 std::span<const Importer> importers();
 
+/// Whether a file of a folder is meant as a recording: a format's own first bytes, or the ending of
+/// a table. Any text with a number in it may be a table when it is named; found in a folder it is
+/// not. false for what cannot be read.
+bool looks_like_recording(const std::string& path);
+
 /// Opens a recording of any known format. Its provenance states size, importer and program
 /// version. Samples that are not finite are handed over as not valid, and a warning counts them. A
 /// file without recordings gives a head without channels and a warning. Channels over anything but

@@ -184,7 +184,8 @@ std::vector<fitting::Candidate> candidates(const FitJob& job, const fitting::Rig
 }
 
 /// Everything that decides the numbers, as text: what the result key is made of.
-std::string result_text(const FitJob& job, const reports::ResultProvenance& provenance) {
+std::string result_text(const FitJob& job, const std::string& config_sha256,
+                        const std::vector<std::string>& inputs_sha256) {
   const ImportArguments& r = job.reading;
   std::string text = fmt::format(
       "impactrig {} {}\nfree {}\nfix {}\nshared {}\nown {}\nprior {}\nbounds {}\ntie {}\nloss "
@@ -192,15 +193,32 @@ std::string result_text(const FitJob& job, const reports::ResultProvenance& prov
       "bootstrap {} {} {}\n"
       "channels {}\nwindow {}\nrig {}\nread {}|{}|{}|{}|{}|{}|{}\n"
       "trigger {}|{}|{}|{}|{}\nfrom {} to {}\n",
-      provenance.version, provenance.git, job.free, job.fix, job.shared, job.own,
+      IMPACTRIG_VERSION, IMPACTRIG_COMMIT, job.free, job.fix, job.shared, job.own,
       fmt::join(job.priors, ";"), fmt::join(job.bounds, ";"), fmt::join(job.ties, ";"), job.loss,
       fmt::join(job.against, ";"), job.profile, job.bootstrap, job.bootstrap_kind,
-      job.seed.value_or(1), job.channels, job.window, provenance.config_sha256, r.format,
-      r.delimiter, r.decimal, r.time_column, r.units, r.skip_lines, r.sample_rate,
-      job.detection.trigger, job.detection.threshold, job.detection.pre_trigger,
-      job.detection.post_trigger, job.impact, r.from, r.to);
-  for (const reports::InputFile& input : provenance.inputs) text += input.sha256 + "\n";
+      job.seed.value_or(1), job.channels, job.window, config_sha256, r.format, r.delimiter,
+      r.decimal, r.time_column, r.units, r.skip_lines, r.sample_rate, job.detection.trigger,
+      job.detection.threshold, job.detection.pre_trigger, job.detection.post_trigger, job.impact,
+      r.from, r.to);
+  for (const std::string& input : inputs_sha256) text += input + "\n";
   return text;
+}
+
+/// Program, command, rig and host; the rest is of the run.
+reports::ResultProvenance origin(const fitting::RigFile& rig, std::time_t wall_clock) {
+  reports::ResultProvenance out;
+  out.tool = "impactrig";
+  out.version = IMPACTRIG_VERSION;
+  out.build = IMPACTRIG_BUILD;
+  out.git = IMPACTRIG_COMMIT;
+  out.command = command_line();
+  out.config = rig.text;
+  out.config_sha256 = rig.sha256;
+  std::tm local{};
+  localtime_r(&wall_clock, &local);
+  out.started = fmt::format("{:%Y-%m-%dT%H:%M:%S%z}", local);
+  out.host = host_name();
+  return out;
 }
 
 }  // namespace
@@ -247,13 +265,27 @@ void add_fit_job(CLI::App& command, FitJob& job) {
   add_detection_arguments(command, job.detection);
 }
 
+std::string result_key(const FitJob& job, const std::string& config_sha256,
+                       const std::vector<std::string>& inputs_sha256) {
+  return datasets::sha256_of(result_text(job, config_sha256, inputs_sha256));
+}
+
+reports::ResultProvenance provenance_of(const FitJob& job) {
+  const fitting::RigFile rig =
+      fitting::read_rig_file(job.rig, split_overrides(job.common.overrides));
+  fit_options(job, rig);
+  return origin(rig, std::time(nullptr));
+}
+
 reports::ReportData run_fit_job(const FitJob& job) {
   const auto started = std::chrono::steady_clock::now();
   const std::time_t wall_clock = std::time(nullptr);
   fitting::RigFile rig = fitting::read_rig_file(job.rig, split_overrides(job.common.overrides));
   reports::ReportData data;
+  data.provenance = origin(rig, wall_clock);
   const fitting::FitOptions options = fit_options(job, rig);
   std::vector<datasets::Impact> impacts;
+  std::vector<std::string> hashes;
   std::vector<std::string> warnings;
   for (const std::string& path : job.recordings) {
     if (!job.common.quiet) fmt::print(stderr, "reading {}\n", path);
@@ -268,6 +300,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
         throw datasets::InputError(
             {.file = path}, fmt::format("is the same recording as {}; name each once", input.name));
     data.provenance.inputs.push_back({path, record.provenance.bytes, record.provenance.sha256});
+    hashes.push_back(record.provenance.sha256);
     data.records.push_back(std::move(record));
   }
   if (const std::string chosen = fitting::choose_mesh(rig); !chosen.empty())
@@ -287,20 +320,9 @@ reports::ReportData run_fit_job(const FitJob& job) {
                    ? job.title
                    : fmt::format("Impact of {}",
                                  std::filesystem::path(job.recordings.front()).filename().string());
-  data.provenance.tool = "impactrig";
-  data.provenance.version = IMPACTRIG_VERSION;
-  data.provenance.build = IMPACTRIG_BUILD;
-  data.provenance.git = IMPACTRIG_COMMIT;
-  data.provenance.command = command_line();
-  data.provenance.config = rig.text;
-  data.provenance.config_sha256 = rig.sha256;
-  std::tm local{};
-  localtime_r(&wall_clock, &local);
-  data.provenance.started = fmt::format("{:%Y-%m-%dT%H:%M:%S%z}", local);
-  data.provenance.host = host_name();
   data.provenance.wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  data.provenance.result_key = datasets::sha256_of(result_text(job, data.provenance));
+  data.provenance.result_key = result_key(job, rig.sha256, hashes);
   return data;
 }
 

@@ -40,4 +40,13 @@ void add_fit_job(CLI::App& command, FitJob& job);
 /// datasets::InputError when a recording holds no impact.
 reports::ReportData run_fit_job(const FitJob& job);
 
+/// Of a run that begins now: program, command, host, and the rig file with its overrides. Throws
+/// what reading the rig file and the options throws, so that a bad one fails before the work.
+reports::ResultProvenance provenance_of(const FitJob& job);
+
+/// SHA-256 over all that decides the numbers: content of the recordings, resolved rig file,
+/// options, version. Equal keys, equal results.
+std::string result_key(const FitJob& job, const std::string& config_sha256,
+                       const std::vector<std::string>& inputs_sha256);
+
 }  // namespace impactrig::app

@@ -112,6 +112,7 @@ int main(int argc, char** argv) {
   add_inspect(program);
   add_simulate(program);
   add_fit(program);
+  add_campaign(program);
   add_compare(program);
   add_report(program);
   add_acquire(program);

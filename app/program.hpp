@@ -46,6 +46,7 @@ const std::vector<std::string>& command_line();
 void set_command_line(int argc, char** argv);
 
 void add_acquire(CLI::App& program);
+void add_campaign(CLI::App& program);
 void add_compare(CLI::App& program);
 void add_demo(CLI::App& program);
 void add_fit(CLI::App& program);

@@ -4,13 +4,25 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <limits>
 #include <thread>
 #include <vector>
 
 namespace impactrig::fitting {
 
+namespace {
+
+std::atomic<std::size_t> most_cores = std::numeric_limits<std::size_t>::max();
+
+}  // namespace
+
+void limit_cores(std::size_t cores) {
+  most_cores = std::max<std::size_t>(1, cores);
+}
+
 std::size_t workers_for(std::size_t items) {
-  return std::min<std::size_t>(items, std::max(1U, std::thread::hardware_concurrency()));
+  return std::min(
+      {items, most_cores.load(), std::max<std::size_t>(1, std::thread::hardware_concurrency())});
 }
 
 void run_on_all_cores(std::size_t items,

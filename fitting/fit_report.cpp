@@ -20,8 +20,6 @@ using datasets::ImpactSignal;
 
 // A shift by the mesh is worth a warning from this part of a standard error on.
 constexpr double telling_shift = 0.5;
-// The error of a mesh against the change to one twice as fine: errors fall about tenfold.
-constexpr double beyond_finer = 1.1;
 
 /// Samples that count as independent.
 double independent_samples(const FitProblem& problem) {

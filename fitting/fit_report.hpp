@@ -14,6 +14,9 @@ namespace impactrig::fitting {
 /// hundred samples before a trigger.
 inline constexpr double misfit = 1.25;
 
+/// The error of a mesh against the change to one twice as fine: errors fall about tenfold.
+inline constexpr double beyond_finer = 1.1;
+
 /// What is known of a problem's parameters where its search ended.
 struct FitEnd {
   Uncertainty spread;          ///< of the unknowns, in their order

@@ -12,6 +12,7 @@ struct EmbeddedFile {
   std::string_view sha256;
 };
 
+extern const EmbeddedFile campaign_css, campaign_html, campaign_js;    ///< of reports/page
 extern const EmbeddedFile dygraph_min_css, dygraph_min_js;  ///< of libjs-dygraphs
 extern const EmbeddedFile dygraphs_licence_txt;
 extern const EmbeddedFile page_html, report_css, report_js;  ///< of reports/page

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "reports/embedded.hpp"
+#include "reports/page_template.hpp"
 #include "reports/report_data.hpp"
 #include "reports/svg.hpp"
 #include "reports/wording.hpp"
@@ -98,15 +99,7 @@ std::string page_json(ReportData data) {
                          &run.history.displacement, &run.history.sensor_force})
       shorten(*values);
   }
-  std::string out;
-  for (const char c : to_json(data)) {
-    // No </script>, no <!-- inside the element; < occurs in JSON only within strings.
-    if (c == '<')
-      out += "\\u003c";
-    else
-      out += c;
-  }
-  return out;
+  return script_safe(to_json(data));
 }
 
 /// A sentence when the page holds less than the recording.
@@ -127,22 +120,6 @@ std::string without_source_map(std::string_view text) {
   for (const char* hint : {"//# sourceMappingURL", "/*# sourceMappingURL"})
     if (const std::size_t at = out.rfind(hint); at != std::string::npos) out.resize(at);
   return out;
-}
-
-/// Replaces each {{name}} of the template, once, left to right; what is put in is not looked at
-/// again.
-std::string filled(std::string_view page,
-                   const std::vector<std::pair<std::string_view, std::string>>& parts) {
-  std::string out;
-  while (true) {
-    const std::size_t open = page.find("{{"), close = page.find("}}", open);
-    out += page.substr(0, open);
-    if (open == std::string_view::npos || close == std::string_view::npos) return out;
-    const std::string_view name = page.substr(open + 2, close - open - 2);
-    for (const auto& [key, value] : parts)
-      if (key == name) out += value;
-    page.remove_prefix(close + 2);
-  }
 }
 
 }  // namespace

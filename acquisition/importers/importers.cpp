@@ -335,6 +335,18 @@ std::span<const Importer> importers() {
   return table;
 }
 
+bool looks_like_recording(const std::string& path) try {
+  const MappedFile file(path);
+  const std::string_view head = file.bytes().substr(0, 65536);
+  const std::string file_name = path.substr(path.find_last_of('/') + 1);
+  return !head.empty() && std::ranges::any_of(table, [&](const Importer& importer) {
+    return importer.recognises(file_name, head) >= generic;
+  });
+
+} catch (const datasets::FileError&) {
+  return false;
+}
+
 std::unique_ptr<RecordingReader> open_recording(const std::string& path,
                                                 const ImportOptions& options) {
   if (options.sample_rate && !(*options.sample_rate > 0.0))

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reports/campaign.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fitting/fit_report.hpp"
+#include "reports/campaign_wording.hpp"
+#include "reports/wording.hpp"
+
+namespace impactrig::reports {
+namespace {
+
+constexpr double normal95 = 1.959964;  // 97.5 % point of the normal distribution
+
+void add_parameters(const fitting::Fit& fit, CampaignShot& shot) {
+  for (const fitting::Parameter& p : fit.parameters) {
+    if (p.nuisance) continue;
+    const std::string label = parameter_label(p.name);
+    const bool known = p.identifiable && !p.at_bound && p.std_error > 0.0;
+    shot.numbers.push_back({.name = p.name,
+                            .label = label.empty() ? p.name : label,
+                            .unit = p.unit,
+                            .value = p.value,
+                            .std_error = known ? p.std_error : 0.0,
+                            .ci95 = p.ci95,
+                            .mesh_shift = p.mesh_shift,
+                            .compared = p.tied_to.empty()});
+  }
+}
+
+void add_restitutions(const fitting::Fit& fit, CampaignShot& shot) {
+  for (const char* key : {"kinematic", "kinetic", "energetic"})
+    if (const auto found = fit.restitution.find(key); found != fit.restitution.end()) {
+      const fitting::Estimate& estimate = found->second;
+      shot.numbers.push_back({.name = std::string("restitution.") + key,
+                              .label = fmt::format("Fitted restitution, {}", key),
+                              .unit = "1",
+                              .value = estimate.value,
+                              .std_error = (estimate.ci95[1] - estimate.ci95[0]) / 2.0 / normal95,
+                              .ci95 = estimate.ci95,
+                              .compared = false});
+    }
+  if (fit.direct.empty()) return;
+  const fitting::DirectRestitution& direct = fit.direct.front();
+  for (const auto& [key, estimate] :
+       {std::pair{"kinematic", &direct.kinematic}, std::pair{"kinetic", &direct.kinetic},
+        std::pair{"energetic", &direct.energetic}})
+    if (estimate->given())
+      shot.numbers.push_back({.name = std::string("direct.") + key,
+                              .label = fmt::format("Restitution read directly, {}", key),
+                              .unit = "1",
+                              .value = estimate->value,
+                              .std_error = estimate->std_error,
+                              .ci95 = estimate->ci95});
+}
+
+/// What is read directly needs a whole impact only, a parameter a fit that has come to its end.
+bool counts(const CampaignShot& shot, const ShotNumber& number) {
+  const bool whole =
+      std::none_of(shot.flags.begin(), shot.flags.end(), [](const std::string& flag) {
+        return flag == "no-hit" || flag == "too-short" || flag == "implausible";
+      });
+  const bool ended =
+      number.name.starts_with("direct.") || shot.verdict.grade != Verdict::Grade::open;
+  return whole && ended && std::isfinite(number.value) && std::isfinite(number.std_error) &&
+         number.std_error > 0.0;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// An approach speed has no trend with itself.
+bool of_speed(const std::string& name) {
+  return name == "start.velocity" || name == "start.release_angle";
+}
+
+void add_trend(const Campaign& campaign, CampaignQuantity& quantity) {
+  std::vector<fitting::ShotValue> values;
+  std::vector<double> speeds, errors;
+  for (const std::size_t i : quantity.shots) {
+    const CampaignShot& shot = campaign.shots[i];
+    if (!std::isfinite(shot.approach_speed)) continue;
+    const ShotNumber& number = *shot.number(quantity.name);
+    values.push_back({number.value, number.std_error});
+    speeds.push_back(shot.approach_speed);
+    errors.push_back(shot.speed_error);
+  }
+  quantity.trend = fitting::speed_trend(values, speeds, median(errors));
+}
+
+CampaignQuantity quantity_of(const Campaign& campaign, const ShotNumber& first) {
+  CampaignQuantity quantity;
+  quantity.name = first.name;
+  quantity.label = first.label;
+  quantity.unit = first.unit;
+  std::vector<fitting::ShotValue> values;
+  for (std::size_t i = 0; i < campaign.shots.size(); ++i) {
+    const ShotNumber* number = campaign.shots[i].number(first.name);
+    if (number == nullptr || !counts(campaign.shots[i], *number)) {
+      quantity.left_out.push_back(i);
+      continue;
+    }
+    quantity.shots.push_back(i);
+    values.push_back({number->value, number->std_error});
+    quantity.mesh_shift += number->mesh_shift;
+  }
+  if (values.size() < 2) return quantity;
+  quantity.between = fitting::between_shots(values);
+  quantity.mesh_shift /= static_cast<double>(values.size());
+  const double mesh = fitting::beyond_finer * std::abs(quantity.mesh_shift);
+  quantity.ci95 = {quantity.between.ci95[0] - mesh, quantity.between.ci95[1] + mesh};
+  quantity.sentence = between_sentence(quantity);
+  if (!of_speed(quantity.name)) {
+    add_trend(campaign, quantity);
+    quantity.trend_sentence = trend_sentence(quantity);
+  }
+  return quantity;
+}
+
+}  // namespace
+
+const ShotNumber* CampaignShot::number(const std::string& wanted) const {
+  for (const ShotNumber& number : numbers)
+    if (number.name == wanted) return &number;
+  return nullptr;
+}
+
+std::string word(const CampaignShot& shot) {
+  switch (shot.verdict.grade) {
+    case Verdict::Grade::explained:
+      return shot.flags.empty() ? "pass" : "warn";
+    case Verdict::Grade::in_shape:
+      return "warn";
+    default:
+      return "fail";
+  }
+}
+
+CampaignShot campaign_shot(const ReportData& data) {
+  const fitting::Fit& fit = data.fit;
+  CampaignShot shot;
+  shot.verdict = verdict(fit);
+  shot.converged = fit.termination == "converged";
+  add_parameters(fit, shot);
+  add_restitutions(fit, shot);
+  if (fit.goodness.dof > 0)
+    shot.reduced_chi2 = fit.goodness.chi2 / static_cast<double>(fit.goodness.dof);
+  if (!fit.impacts.empty()) {
+    const datasets::Impact& impact = fit.impacts.front();
+    for (const datasets::ImpactFlag flag : impact.flags)
+      shot.flags.emplace_back(datasets::name(flag));
+    if (impact.force) shot.peak_force = impact.peak;
+    if (impact.velocity) shot.approach_speed = impact.approach_velocity;
+  }
+  if (const ShotNumber* speed = shot.number("start.velocity"); speed != nullptr) {
+    shot.speed_error = speed->std_error;
+    if (!std::isfinite(shot.approach_speed)) shot.approach_speed = speed->value;
+  }
+  if (!data.provenance.inputs.empty()) {
+    shot.file = data.provenance.inputs.front().name;
+    shot.input_sha256 = data.provenance.inputs.front().sha256;
+  }
+  shot.result_key = data.provenance.result_key;
+  return shot;
+}
+
+void summarise(Campaign& campaign) {
+  campaign.quantities.clear();
+  const auto done = [&](const std::string& name) {
+    return std::any_of(campaign.quantities.begin(), campaign.quantities.end(),
+                       [&](const CampaignQuantity& q) { return q.name == name; });
+  };
+  for (const CampaignShot& shot : campaign.shots)
+    for (const ShotNumber& number : shot.numbers) {
+      if (!number.compared || done(number.name)) continue;
+      if (CampaignQuantity quantity = quantity_of(campaign, number); quantity.shots.size() > 1)
+        campaign.quantities.push_back(std::move(quantity));
+    }
+}
+
+}  // namespace impactrig::reports

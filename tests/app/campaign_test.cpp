@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// `impactrig campaign` as a user sees it: results, summary, what is reused, what fails.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/app/command_line.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+using impactrig::tests::Outcome;
+using impactrig::tests::rig;
+using impactrig::tests::samples;
+using impactrig::tests::text_of;
+
+// Few modes and no more of the record than the contact.
+const std::vector<std::string> quick = {"--set", "solver.model=hybrid",
+                                        "--set", "solver.modes=3",
+                                        "--set", "solver.duration=\"0.4 ms\""};
+
+class CampaignCommand : public impactrig::tests::CommandLine {
+ protected:
+  std::string shots() const {
+    std::string all;
+    for (const char* name : {"1.uff", "2.uff", "3.csv", "4.csv"})
+      all += samples + "shen2007-" + name + " ";
+    return all;
+  }
+
+  std::string command(const std::string& recordings) const {
+    std::string text = "campaign " + recordings + " --rig " + rig + " -o " + path("out");
+    for (const std::string& word : quick) text += " '" + word + "'";
+    return text;
+  }
+
+  json summary() const { return json::parse(text_of(path("out/summary.json"))); }
+};
+
+TEST_F(CampaignCommand, FitsEachByItselfAndReusesAllTheSecondTime) {
+  const Outcome first = run(command(shots()));
+  ASSERT_TRUE(first.code == 0 || first.code == 6) << first.err;
+  EXPECT_THAT(first.err, HasSubstr("4 recordings: 0 results reused, 4 to fit"));
+  EXPECT_THAT(first.out, HasSubstr("4 of 4 recordings fitted"));
+  const json once = summary();
+  EXPECT_EQ(once["schema"], "impactrig/campaign/1");
+  ASSERT_EQ(once["shots"].size(), 4U);
+  for (const json& shot : once["shots"]) {
+    EXPECT_TRUE(fs::exists(path("out/" + shot["result"].get<std::string>())));
+    EXPECT_TRUE(fs::exists(path("out/" + shot["report"].get<std::string>())));
+  }
+  EXPECT_EQ(once["quantities"][0]["name"], "contact.restitution");
+  EXPECT_FALSE(fs::exists(path("out/failed.json")));
+  EXPECT_THAT(text_of(path("out/index.html")), HasSubstr("reports/shen2007-3.csv.html"));
+  // a result is what fit -o writes: report takes it
+  EXPECT_EQ(run("report " + path("out/fits/shen2007-1.uff.json") + " -o " + path("one.html")).code,
+            0);
+  const auto written = fs::last_write_time(path("out/fits/shen2007-1.uff.json"));
+  const Outcome second = run(command(shots()));
+  EXPECT_EQ(second.code, first.code);
+  EXPECT_THAT(second.err, HasSubstr("4 recordings: 4 results reused, 0 to fit"));
+  EXPECT_EQ(fs::last_write_time(path("out/fits/shen2007-1.uff.json")), written);
+  EXPECT_EQ(summary()["shots"], once["shots"]);
+  EXPECT_EQ(summary()["quantities"], once["quantities"]);
+}
+
+TEST_F(CampaignCommand, GivesWhatAFitOfOneRecordingGives) {
+  const std::string one = samples + "shen2007-1.uff";
+  ASSERT_NE(run(command(one)).code, 5);
+  std::string fit = "fit " + one + " --rig " + rig + " -o " + path("one.json");
+  for (const std::string& word : quick) fit += " '" + word + "'";
+  ASSERT_NE(run(fit).code, 5);
+  const json alone = json::parse(text_of(path("one.json")));
+  const json among = json::parse(text_of(path("out/fits/shen2007-1.uff.json")));
+  EXPECT_EQ(among["parameters"], alone["parameters"]);
+  EXPECT_EQ(among["provenance"]["result_key"], alone["provenance"]["result_key"]);
+}
+
+TEST_F(CampaignCommand, ABrokenRecordingFailsAloneAndIsTriedAgain) {
+  fs::create_directories(path("in"));
+  fs::copy_file(samples + "shen2007-1.uff", path("in/a.uff"));
+  fs::copy_file(samples + "shen2007-3.csv", path("in/c.csv"));
+  fs::copy_file(rig, path("in/rig.toml"));  // no recording: not taken for one
+  write("in/b.csv", "Time [s],Force [N],Velocity [m/s]\n0,1,2\n1e-6,x,2\n");
+  const Outcome o = run(command(path("in")));
+  EXPECT_EQ(o.code, 5) << o.err;
+  EXPECT_THAT(o.out, HasSubstr("2 of 3 recordings fitted"));
+  const json failed = json::parse(text_of(path("out/failed.json")));
+  ASSERT_EQ(failed["failed"].size(), 1U);
+  EXPECT_EQ(failed["failed"][0]["file"], path("in/b.csv"));
+  EXPECT_THAT(failed["failed"][0]["sentence"].get<std::string>(), HasSubstr("b.csv"));
+  EXPECT_EQ(summary()["shots"].size(), 2U);
+  EXPECT_THAT(text_of(path("out/summary.csv")), HasSubstr("b.csv,failed,"));
+  fs::copy_file(samples + "shen2007-4.csv", path("in/b.csv"), fs::copy_options::overwrite_existing);
+  const Outcome mended = run(command(path("in")));
+  EXPECT_NE(mended.code, 5) << mended.err;
+  EXPECT_THAT(mended.err, HasSubstr("3 recordings: 2 results reused, 1 to fit"));
+  EXPECT_FALSE(fs::exists(path("out/failed.json")));
+}
+
+TEST_F(CampaignCommand, NamesThatCollideAreKeptApartAndCopiesCountOnce) {
+  for (const char* day : {"monday", "tuesday"}) fs::create_directories(path(day));
+  fs::copy_file(samples + "shen2007-1.uff", path("monday/shot.uff"));
+  fs::copy_file(samples + "shen2007-2.uff", path("tuesday/shot.uff"));
+  fs::copy_file(samples + "shen2007-2.uff", path("tuesday/copy.uff"));
+  const Outcome o = run(command(path("monday") + " " + path("tuesday")) + " --no-reports");
+  EXPECT_NE(o.code, 5) << o.err;
+  EXPECT_TRUE(fs::exists(path("out/fits/monday_shot.uff.json")));
+  EXPECT_THAT(o.out, HasSubstr("left out: " + path("tuesday/shot.uff") +
+                               ": is the same recording as " + path("tuesday/copy.uff")));
+  EXPECT_EQ(summary()["shots"].size(), 2U);
+  EXPECT_FALSE(fs::exists(path("out/reports")));
+}
+
+TEST_F(CampaignCommand, DoesNotReplaceResultsOfOtherOptionsUnasked) {
+  const std::string one = command(samples + "shen2007-1.uff");
+  ASSERT_NE(run(one).code, 5);
+  const Outcome other = run(one + " --window 3e-4");
+  EXPECT_EQ(other.code, 4);
+  EXPECT_THAT(other.err, HasSubstr("holds 1 of 1 results that were made from other recordings, "
+                                   "options or by another version; choose another folder, or add "
+                                   "--force"));
+  const Outcome forced = run(one + " --window 3e-4 --force");
+  EXPECT_THAT(forced.err, HasSubstr("1 to fit"));
+  EXPECT_NE(forced.code, 4);
+}
+
+TEST_F(CampaignCommand, RefusesAFolderOfSomethingElse) {
+  fs::create_directories(path("out"));
+  write("out/letter.txt", "dear colleague");
+  const Outcome o = run(command(samples + "shen2007-1.uff"));
+  EXPECT_EQ(o.code, 4);
+  EXPECT_THAT(o.err, HasSubstr("is a folder with something else in it"));
+}
+
+TEST_F(CampaignCommand, ABadRigFileFailsBeforeTheWork) {
+  const Outcome o = run(command(shots()) + " --set beam.lenght='\"1 m\"'");
+  EXPECT_EQ(o.code, 3);
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
+TEST_F(CampaignCommand, GoesOnWhereItWasInterrupted) {
+  std::vector<std::string> words = {IMPACTRIG_PROGRAM, "campaign"};
+  for (const char* name : {"1.uff", "2.uff", "3.csv", "4.csv"})
+    words.push_back(samples + "shen2007-" + name);
+  for (const std::string& word :
+       {std::string("--rig"), rig, std::string("-o"), path("out"), std::string("-j1")})
+    words.push_back(word);
+  words.insert(words.end(), quick.begin(), quick.end());
+  const pid_t process = fork();
+  ASSERT_GE(process, 0);
+  if (process == 0) {
+    std::freopen(path("stderr").c_str(), "w", stderr);
+    std::freopen(path("stdout").c_str(), "w", stdout);
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    execv(IMPACTRIG_PROGRAM, arguments.data());
+    _exit(127);
+  }
+  // as soon as there is a first result
+  for (int i = 0; i < 6000 && !fs::exists(path("out/fits/shen2007-1.uff.json")); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  kill(process, SIGINT);
+  int status = 0;
+  waitpid(process, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_THAT(text_of(path("stderr")), HasSubstr("the same command goes on from there"));
+  EXPECT_FALSE(fs::exists(path("out/summary.json")));
+  for (const auto& entry : fs::directory_iterator(path("out/fits")))
+    EXPECT_NE(entry.path().extension(), ".part");
+  const Outcome again = run(command(shots()));
+  EXPECT_NE(again.code, 5) << again.err;
+  EXPECT_THAT(again.err, Not(HasSubstr("4 recordings: 0 results reused")));
+  EXPECT_EQ(summary()["shots"].size(), 4U);
+}
+
+}  // namespace
