@@ -7,35 +7,18 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tests/fitting/fast_fit.hpp"
 #include "tests/fitting/synthetic_shot.hpp"
 
 namespace impactrig::fitting {
 namespace {
 
+using tests::hybrid_rig;
 using tests::paper_rig;
+using tests::parameter;
+using tests::pull;
 using tests::ShotTruth;
 using tests::synthetic_shot;
-
-const Parameter& parameter(const Fit& fit, const std::string& name) {
-  for (const Parameter& p : fit.parameters)
-    if (p.name == name) return p;
-  throw std::out_of_range(name);
-}
-
-/// A fast rig for studies: four pinned-free modes.
-RigFile hybrid_rig(const std::string& duration = "1.5 ms") {
-  return parse_rig_file(paper_rig, "rig.toml",
-                        {{"solver.model", "hybrid"},
-                         {"solver.basis", "pinned-free"},
-                         {"solver.modes", "4"},
-                         {"solver.duration", duration}});
-}
-
-/// Distance from the truth in standard errors.
-double pull(const Fit& fit, const std::string& name, double truth) {
-  const Parameter& p = parameter(fit, name);
-  return (p.value - truth) / p.std_error;
-}
 
 TEST(Fit, FindsTheTruthFromAfarWithAncf) {
   const RigFile rig = parse_rig_file(paper_rig, "rig.toml");

@@ -108,6 +108,14 @@ TEST(Loss, ConstantsHave95PercentEfficiency) {
     EXPECT_NEAR(efficiency(loss), 0.95, 2e-4) << name(loss);
 }
 
+// One minimum is left where the cost is convex: ρ'' >= 0 everywhere.
+TEST(Loss, FromAfarIsConvex) {
+  for (const Loss loss : all)
+    for (double r = -60.0; r <= 60.0; r += 0.1)
+      ASSERT_GE(evaluate(loss_from_afar(loss), r).slope, 0.0) << name(loss);
+  EXPECT_EQ(loss_from_afar(Loss::squares), Loss::squares);
+}
+
 TEST(Loss, IsCalledByItsName) {
   for (const Loss loss : all) EXPECT_EQ(loss_named(name(loss)), loss);
   EXPECT_EQ(loss_names().size(), all.size());
