@@ -274,6 +274,7 @@ reports::ResultProvenance provenance_of(const FitJob& job) {
   const fitting::RigFile rig =
       fitting::read_rig_file(job.rig, split_overrides(job.common.overrides));
   fit_options(job, rig);
+  candidates(job, rig);  // refuses what is badly written before the first recording is read
   return origin(rig, std::time(nullptr));
 }
 

@@ -116,7 +116,9 @@ double Session::pass(const Search& how, double contacts) {
   return 2.0 * last_.cost / std::max(1.0, static_cast<double>(problem_.data_size()) - free);
 }
 
+/// Cauchy and Tukey take a peak that is far off for outliers: they search from near only.
 void Session::search() {
+  problem_.set_loss(loss_from_afar(options_.loss));
   const double first = pass(first_search, first_window);
   const bool several_starts = std::ranges::any_of(problem_.variables(), [](const Variable& v) {
     return v.name == "contact.restitution" || v.name == "contact.stiffness_factor";
@@ -124,6 +126,9 @@ void Session::search() {
   if (first > poor_fit && several_starts) search_from_elsewhere(first);
   const double reached = pass(last_search, whole);
   if (reached > misfit) grow_window(reached);
+  if (problem_.loss() == options_.loss) return;
+  problem_.set_loss(options_.loss);
+  pass(last_search, whole);
 }
 
 /// Tries other restitutions and stiffnesses and keeps the best end.

@@ -18,22 +18,31 @@ std::optional<double> value_of(TableReader& table, std::string_view key, const s
   return value ? std::optional(value->value) : std::nullopt;
 }
 
+/// A text, which has room for the uncertainty; also where there is no unit.
+void read_prior(TableReader& table, const std::string& unit, ParameterSetting& setting) {
+  const bool bare = unit == "1" && table.has("prior") && table.raw().get("prior")->is_number();
+  const auto prior = bare ? std::nullopt : table.quantity("prior", unit);
+  if (bare || (prior && !(prior->uncertainty > 0.0)))
+    table.refuse("prior", fmt::format("needs its standard uncertainty, for example \"{}\"",
+                                      unit == "1" ? "1.0 +- 0.1" : "1.0 +- 0.1 " + unit));
+  if (prior) setting.prior = {prior->value, prior->uncertainty};
+}
+
 void read_setting(TableReader& table, const std::string& name, FitOptions& options) {
   const std::string unit = unit_of(name);
   ParameterSetting& setting = options.setting(name);
   setting.initial = value_of(table, "initial", unit);
   setting.lower = value_of(table, "lower", unit);
   setting.upper = value_of(table, "upper", unit);
-  if (const auto prior = table.quantity("prior", unit)) {
-    if (!(prior->uncertainty > 0.0))
-      table.refuse("prior",
-                   fmt::format("needs its standard uncertainty, for example \"1.0 +- 0.1 {}\"",
-                               unit == "1" ? "" : unit));
-    setting.prior = {prior->value, prior->uncertainty};
-  }
+  read_prior(table, unit, setting);
   setting.shared = table.flag("shared");
   setting.fixed = table.flag("fixed").value_or(false);
   if (const auto to = table.text("tied_to")) {
+    try {
+      unit_of(*to);
+    } catch (const std::invalid_argument& error) {
+      table.refuse("tied_to", error.what());
+    }
     setting.tie = Tie{.to = *to,
                       .factor = table.number("factor").value_or(1.0),
                       .offset = value_of(table, "offset", unit).value_or(0.0)};
@@ -138,7 +147,7 @@ void read_prior(std::string_view text, FitOptions& options) {
 void read_bounds(std::string_view text, FitOptions& options) {
   const auto [name, range] = split(text, "NAME=LOW:HIGH");
   const std::size_t colon = range.find(':');
-  if (colon == std::string_view::npos)
+  if (colon == std::string_view::npos || range.size() == 1)
     throw std::invalid_argument(fmt::format("expected LOW:HIGH, found \"{}\"", range));
   const std::string unit = unit_of(name);
   ParameterSetting& setting = options.setting(name);
@@ -159,6 +168,7 @@ void read_tie(std::string_view text, FitOptions& options) {
       throw std::invalid_argument(
           fmt::format("expected a number before the *, found \"{}\"", line.substr(0, star)));
   }
+  unit_of(tie.to);
   options.setting(name).tie = tie;
 }
 

@@ -237,6 +237,12 @@ void FitProblem::set_motion(models::Motion motion) {
   rebuild_costs();
 }
 
+void FitProblem::set_loss(Loss loss) {
+  if (loss == loss_) return;
+  loss_ = loss;
+  rebuild_costs();
+}
+
 models::Motion FitProblem::motion() const {
   return shots_.front().model->motion();
 }

@@ -98,6 +98,8 @@ class FitProblem {
 
   Loss loss() const { return loss_; }
 
+  void set_loss(Loss loss);
+
   long simulations() const;
 
   const std::vector<std::string>& warnings() const { return warnings_; }

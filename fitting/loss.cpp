@@ -19,6 +19,10 @@ constexpr double tukey_constant = 4.685;
 
 }  // namespace
 
+Loss loss_from_afar(Loss loss) {
+  return loss == Loss::squares ? loss : Loss::huber;
+}
+
 std::string_view name(Loss loss) {
   return names[static_cast<std::size_t>(loss)];
 }
@@ -65,9 +69,9 @@ LossValue evaluate(Loss loss, double r) {
 }
 
 LossResidual loss_residual(Loss loss, double r) {
-  if (loss == Loss::squares || r == 0.0) return {r, 1.0};
   const LossValue at = evaluate(loss, r);
   const double size = std::sqrt(2.0 * at.cost);
+  if (loss == Loss::squares || size == 0.0) return {r, 1.0};  // 0 also where r² underflows
   return {std::copysign(size, r), std::abs(at.influence) / size};
 }
 

@@ -17,6 +17,10 @@ namespace impactrig::fitting {
 /// The last two have more than one minimum. Source: [HollandWelsch1977].
 enum class Loss { squares, huber, cauchy, tukey };
 
+/// The loss to search with from afar: where one of several minima could be met, huber, which has
+/// one.
+Loss loss_from_afar(Loss loss);
+
 std::string_view name(Loss loss);
 Loss loss_named(std::string_view name);  ///< throws std::invalid_argument and lists the known ones
 std::span<const std::string_view> loss_names();

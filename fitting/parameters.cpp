@@ -43,6 +43,9 @@ constexpr std::array chain_parameters = {
     ChainParameter{"position", "m", [](datasets::Sensor& s) -> double& { return s.position; }},
 };
 
+constexpr std::array<std::string_view, 4> hums = {"hum.sin", "hum.cos", "hum.third_sin",
+                                                  "hum.third_cos"};
+
 constexpr std::array parameters = {
     PhysicalParameter{"contact.restitution", "1", 0.0, 1.0, false,
                       [](Rig& r) -> double& { return r.contact.restitution; }},
@@ -129,7 +132,7 @@ std::string unit_of(std::string_view name) {
     if (key->what == "gain") return "1";
     if (key->what == "delay") return "s";
     if (key->what == "drift") return unit + "/s";
-    if (key->what == "offset" || key->what.starts_with("hum.")) return unit;
+    if (key->what == "offset" || std::ranges::find(hums, key->what) != hums.end()) return unit;
     if (const ChainParameter* chain = find_chain_parameter(key->what))
       return std::string(chain->unit);
   }
@@ -137,6 +140,7 @@ std::string unit_of(std::string_view name) {
   for (const PhysicalParameter& parameter : parameters)
     known += fmt::format("{}, ", parameter.name);
   std::string of_chain;
+  for (const std::string_view hum : hums) of_chain += fmt::format(", {}", hum);
   for (const ChainParameter& parameter : chain_parameters)
     of_chain += fmt::format(", {}", parameter.name);
   throw std::invalid_argument(fmt::format(

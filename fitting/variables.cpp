@@ -257,9 +257,27 @@ void apply(const ParameterSetting* setting, Variable& v) {
         fmt::format("'{}' cannot be fitted with this rig: it has no value to start from", v.name));
   if (from_rig && by_itself == 0.0 && !setting->lower) v.lower = 0.0;
   if (from_rig && by_itself == 0.0 && !setting->upper) v.upper = 100.0 * v.initial;
+  if (setting && setting->initial && !(v.initial >= v.lower && v.initial <= v.upper))
+    throw std::invalid_argument(
+        fmt::format("'{}' cannot begin at {:g}, outside its bounds {:g} and {:g}", v.name,
+                    v.initial, v.lower, v.upper));
   v.initial = std::clamp(v.initial, v.lower, v.upper);
   if (from_rig) v.scale = v.unit == "1" && v.initial < 5.0 ? 1.0 : v.initial;
   v.value = v.initial;
+}
+
+/// A tied number has no place of its own for anything else that is stated.
+void refuse_idle_settings(const ParameterSetting& setting) {
+  const std::string& to = setting.tie->to;
+  if (setting.name == to) throw std::invalid_argument(fmt::format("'{}' is tied to itself", to));
+  const char* idle = setting.prior                    ? "prior"
+                     : setting.lower || setting.upper ? "bounds"
+                     : setting.initial                ? "initial value"
+                                                      : nullptr;
+  if (idle)
+    throw std::invalid_argument(
+        fmt::format("'{}' is tied to '{}', so that its {} would not be used; state it of '{}'",
+                    setting.name, to, idle, to));
 }
 
 /// Finds what a tie names: in the same recording, or shared.
@@ -267,6 +285,7 @@ void tie_up(const Wishes& wishes, std::vector<Variable>& variables) {
   for (Variable& v : variables) {
     const ParameterSetting* setting = wishes.of(v);
     if (!setting || !setting->tie) continue;
+    refuse_idle_settings(*setting);
     const Tie& tie = *setting->tie;
     const std::string here = fmt::format("{}[{}]", tie.to, v.recording + 1);
     for (std::size_t i = 0; i < variables.size(); ++i)

@@ -40,7 +40,7 @@ ModalStep::ModalStep(const ModalBeam& beam, const Collocation& rule, double h)
       minus_omega_sine_(beam.modes()),
       a_of_force_(rule.nodes(), beam.modes()),
       rate_of_force_(rule.nodes(), beam.modes()) {
-  if (h > longest(beam) * (1.0 + 1e-12))
+  if (h > longest(beam) * (1.0 + slack))
     throw std::logic_error("ModalStep: the step is too long for the highest mode");
   const int s = rule.nodes();
   for (Eigen::MatrixXd* matrix :

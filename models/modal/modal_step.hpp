@@ -29,7 +29,7 @@ class ModalStep {
     BarMotion::Response of_force;
   };
 
-  /// Throws std::logic_error when h is longer than longest().
+  /// Throws std::logic_error when h is longer than longest() by more than a hundredth.
   ModalStep(const ModalBeam& beam, const Collocation& rule, double h);
 
   /// The longest step whose kernels' series can be held [s]; infinite without vibration.

@@ -51,6 +51,7 @@ datasets::Impact synthetic_shot(const fitting::RigFile& rig, const ShotTruth& tr
   solver.duration = truth.duration;
   models::SimulationOptions options;
   options.history = {.interval = fine, .lead = 1.2 * lead};
+  options.history.velocity_position = rig.velocity->position;
   const models::Simulation simulation = models::simulate(true_rig, solver, options);
 
   std::mt19937_64 generator(truth.seed);

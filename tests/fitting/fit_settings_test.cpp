@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What a user states of single parameters: priors, ties, bounds, shared, own, fixed.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "fitting/fit.hpp"
+#include "fitting/fit_problem.hpp"
+#include "tests/fitting/fast_fit.hpp"
+
+namespace impactrig::fitting {
+namespace {
+
+using tests::hybrid_rig;
+using tests::parameter;
+using tests::pull;
+using tests::synthetic_shot;
+
+datasets::Impact shot(double restitution = 0.5, std::uint64_t seed = 1) {
+  return synthetic_shot(hybrid_rig(),
+                        {.restitution = restitution, .duration = 1.6e-3, .seed = seed});
+}
+
+bool has(const Fit& fit, const std::string& name) {
+  for (const Parameter& p : fit.parameters)
+    if (p.name == name) return true;
+  return false;
+}
+
+// Near its optimum a fit is linear: two independent sources, x ± s and m ± p, make
+// (x/s² + m/p²) / (1/s² + 1/p²) ± 1/√(1/s² + 1/p²). Searches end within a hundredth of a standard
+// error; curvature over two of them is as small.
+TEST(FitSettings, APriorPullsByTheClosedForm) {
+  const RigFile rig = hybrid_rig();
+  const datasets::Impact impact = shot();
+  const Parameter without = parameter(fit({impact}, rig), "contact.stiffness_factor");
+  for (const double width : {0.5, 2.0}) {
+    const double s = without.std_error, p = width * s, m = without.value + 2.0 * s;
+    FitOptions options;
+    options.setting("contact.stiffness_factor").prior = {m, p};
+    const Parameter with = parameter(fit({impact}, rig, options), "contact.stiffness_factor");
+    const double weight = 1.0 / (s * s) + 1.0 / (p * p);
+    EXPECT_NEAR(with.value, (without.value / (s * s) + m / (p * p)) / weight, 0.03 * s);
+    EXPECT_NEAR(with.std_error / std::sqrt(1.0 / weight), 1.0, 0.01);
+    EXPECT_EQ(with.prior, (std::optional<std::array<double, 2>>{{m, p}}));
+  }
+}
+
+/// ½ Σρ of data and priors with the rest fitted, as the whole fit has it.
+double least_cost(const datasets::Impact& impact, const RigFile& rig, const FitOptions& options) {
+  const std::vector<datasets::Impact> impacts = {impact};
+  FitProblem problem(impacts, rig, options);
+  problem.set_motion(models::Motion::small);
+  problem.choose_samples(std::numeric_limits<double>::infinity());
+  problem.search(last_search);
+  return problem.search(last_search).cost;
+}
+
+// By hand: rig files of three moduli, both bodies alike; a parabola through their least costs has
+// the best one at its vertex, and 1/s² is its curvature. One body alone would have twice the
+// standard error.
+TEST(FitSettings, ATieIsOneParameterByHand) {
+  const datasets::Impact impact = shot();
+  FitOptions options;
+  options.free = {"contact.restitution", "start.velocity", "contact.modulus"};
+  options.setting("contact.counter_modulus").tie = Tie{.to = "contact.modulus"};
+  const Fit found = fit({impact}, hybrid_rig(), options);
+  const Parameter& bar = parameter(found, "contact.modulus");
+  const Parameter& stop = parameter(found, "contact.counter_modulus");
+  EXPECT_EQ(stop.tied_to, "contact.modulus");
+  EXPECT_EQ(stop.value, bar.value);
+  EXPECT_NEAR(stop.std_error / bar.std_error, 1.0, 1e-12);
+
+  FitOptions rest;
+  rest.free = {"contact.restitution", "start.velocity"};
+  std::array<double, 3> cost{};
+  const double step = 2.0 * bar.std_error;
+  for (int k = 0; k < 3; ++k) {
+    RigFile rig = hybrid_rig();
+    rig.rig.contact.modulus = rig.rig.contact.counter_modulus = bar.value + (k - 1) * step;
+    cost[static_cast<std::size_t>(k)] = least_cost(impact, rig, rest);
+  }
+  const double curvature = (cost[0] - 2.0 * cost[1] + cost[2]) / (step * step);
+  const double vertex = bar.value - 0.5 * (cost[2] - cost[0]) / step / curvature;
+  EXPECT_NEAR((vertex - bar.value) / bar.std_error, 0.0, 0.03);
+  EXPECT_NEAR(bar.std_error * std::sqrt(curvature), 1.0, 0.02);
+}
+
+// value = factor · other + offset, and its interval goes along; both are in the rig that is made.
+TEST(FitSettings, ATieMayHaveAFactorAndAnOffset) {
+  FitOptions options;
+  options.setting("contact.modulus").tie =
+      Tie{.to = "beam.youngs_modulus", .factor = 0.5, .offset = 30e9};
+  options.free = {"contact.restitution", "start.velocity", "beam.youngs_modulus"};
+  const Fit found = fit({shot()}, hybrid_rig(), options);
+  const Parameter& to = parameter(found, "beam.youngs_modulus");
+  const Parameter& tied = parameter(found, "contact.modulus");
+  EXPECT_NEAR(tied.value / (0.5 * to.value + 30e9), 1.0, 1e-14);
+  EXPECT_NEAR(tied.std_error / (0.5 * to.std_error), 1.0, 1e-12);
+  EXPECT_EQ(found.rig.rig.contact.modulus, tied.value);
+  EXPECT_EQ(found.rig.rig.beam.youngs_modulus, to.value);
+}
+
+TEST(FitSettings, OwnGivesEachShotItsNumber) {
+  FitOptions options;
+  options.setting("contact.restitution").shared = false;
+  options.free = {"contact.restitution", "contact.stiffness_factor", "start.velocity"};
+  const Fit found = fit({shot(0.4, 1), shot(0.6, 2)}, hybrid_rig(), options);
+  EXPECT_LT(std::abs(pull(found, "contact.restitution[1]", 0.4)), 4.0);
+  EXPECT_LT(std::abs(pull(found, "contact.restitution[2]", 0.6)), 4.0);
+  EXPECT_LT(std::abs(pull(found, "contact.stiffness_factor", 1.0)), 4.0);
+}
+
+// Of a gain of 1.05 that both shots share, both tell.
+TEST(FitSettings, SharedTakesOneNumberForAllShots) {
+  const auto louder = [](datasets::Impact impact) {
+    for (double& value : impact.force->values) value *= 1.05;
+    impact.force->noise *= 1.05;
+    return impact;
+  };
+  const std::vector<datasets::Impact> impacts = {louder(shot(0.5, 1)), louder(shot(0.5, 2))};
+  FitOptions options;
+  options.setting("sensors.force.gain").shared = true;
+  const Fit shared = fit(impacts, hybrid_rig(), options);
+  EXPECT_LT(std::abs(pull(shared, "sensors.force.gain", 1.05)), 4.0);
+  options.setting("sensors.force.gain").shared = false;
+  const Fit own = fit(impacts, hybrid_rig(), options);
+  EXPECT_FALSE(has(own, "sensors.force.gain"));
+  EXPECT_LT(std::abs(pull(own, "sensors.force.gain[1]", 1.05)), 4.0);
+  EXPECT_LT(std::abs(pull(own, "sensors.force.gain[2]", 1.05)), 4.0);
+  EXPECT_LT(parameter(shared, "sensors.force.gain").std_error,
+            parameter(own, "sensors.force.gain[1]").std_error);
+}
+
+TEST(FitSettings, ABoundHoldsAndIsTold) {
+  FitOptions options;
+  options.setting("contact.restitution").lower = 0.6;
+  options.setting("contact.restitution").upper = 0.9;
+  const Fit found = fit({shot()}, hybrid_rig(), options);
+  const Parameter& p = parameter(found, "contact.restitution");
+  EXPECT_TRUE(p.at_bound);
+  EXPECT_NEAR(p.value, 0.6, 1e-6);
+  EXPECT_EQ(p.lower, 0.6);
+  EXPECT_EQ(p.upper, 0.9);
+  EXPECT_THAT(found.warnings,
+              testing::Contains("contact.restitution ended at its bound 0.6 ; its interval means "
+                                "little. Widen what the model can do, or fix it."));
+  options.setting("contact.restitution").lower = 0.3;
+  const Parameter free = parameter(fit({shot()}, hybrid_rig(), options), "contact.restitution");
+  EXPECT_FALSE(free.at_bound);
+  EXPECT_LT(std::abs((free.value - 0.5) / free.std_error), 4.0);
+}
+
+TEST(FitSettings, AFixedGainIsNotFitted) {
+  datasets::Impact impact = shot();
+  impact.force->gain_uncertainty = 0.02;
+  ASSERT_TRUE(has(fit({impact}, hybrid_rig()), "sensors.force.gain"));
+  FitOptions options;
+  options.setting("sensors.force.gain").fixed = true;
+  EXPECT_FALSE(has(fit({impact}, hybrid_rig(), options), "sensors.force.gain"));
+}
+
+TEST(FitSettings, AFixedParameterStaysWhereTheRigHasIt) {
+  FitOptions options;
+  options.setting("contact.stiffness_factor").fixed = true;
+  const Fit found = fit({shot()}, hybrid_rig(), options);
+  EXPECT_FALSE(has(found, "contact.stiffness_factor"));
+  EXPECT_EQ(found.rig.rig.contact.stiffness_factor, 1.0);
+  EXPECT_LT(std::abs(pull(found, "contact.restitution", 0.5)), 4.0);
+}
+
+TEST(FitSettings, BeginsWhereItIsTold) {
+  FitOptions options;
+  options.setting("contact.restitution").initial = 0.62;
+  const Fit found = fit({shot()}, hybrid_rig(), options);
+  EXPECT_EQ(parameter(found, "contact.restitution").initial, 0.62);
+  EXPECT_LT(std::abs(pull(found, "contact.restitution", 0.5)), 4.0);
+}
+
+std::string message(const FitOptions& options) {
+  try {
+    fit({shot()}, hybrid_rig(), options);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(FitSettings, RefusesWhatMakesNoSense) {
+  FitOptions bounds;
+  bounds.setting("contact.restitution").lower = 0.9;
+  bounds.setting("contact.restitution").upper = 0.3;
+  EXPECT_EQ(message(bounds), "'contact.restitution' has no room between its bounds 0.9 and 0.3");
+  FitOptions nowhere;
+  nowhere.setting("contact.modulus").tie = Tie{.to = "beam.youngs_modulus"};
+  EXPECT_EQ(message(nowhere),
+            "'contact.modulus' is tied to 'beam.youngs_modulus', which is not among the free "
+            "parameters");
+  FitOptions chain;
+  chain.free = {"contact.restitution", "start.velocity", "beam.youngs_modulus"};
+  chain.setting("contact.modulus").tie = Tie{.to = "beam.youngs_modulus"};
+  chain.setting("contact.counter_modulus").tie = Tie{.to = "contact.modulus"};
+  EXPECT_EQ(message(chain),
+            "'contact.counter_modulus' is tied to 'contact.modulus', which is tied itself; tie "
+            "both to the same one");
+  FitOptions itself;
+  itself.setting("contact.restitution").tie = Tie{.to = "contact.restitution"};
+  EXPECT_EQ(message(itself), "'contact.restitution' is tied to itself");
+  const auto tied = [] {
+    FitOptions options;
+    options.setting("contact.modulus").tie = Tie{.to = "contact.stiffness_factor"};
+    return options;
+  };
+  const auto idle = [](const std::string& what) {
+    return "'contact.modulus' is tied to 'contact.stiffness_factor', so that its " + what +
+           " would not be used; state it of 'contact.stiffness_factor'";
+  };
+  FitOptions prior = tied(), bound = tied(), start = tied();
+  prior.setting("contact.modulus").prior = {68e9, 1e9};
+  bound.setting("contact.modulus").upper = 70e9;
+  start.setting("contact.modulus").initial = 69e9;
+  EXPECT_EQ(message(prior), idle("prior"));
+  EXPECT_EQ(message(bound), idle("bounds"));
+  EXPECT_EQ(message(start), idle("initial value"));
+  FitOptions outside;
+  outside.setting("contact.restitution").initial = 0.2;
+  outside.setting("contact.restitution").lower = 0.3;
+  EXPECT_EQ(message(outside),
+            "'contact.restitution' cannot begin at 0.2, outside its bounds 0.3 and 1");
+  FitOptions hum;
+  hum.setting("sensors.force.hum.sine").fixed = true;
+  EXPECT_THAT(message(hum), testing::StartsWith("'sensors.force.hum.sine' cannot be fitted; "));
+}
+
+}  // namespace
+}  // namespace impactrig::fitting

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Intervals beside the covariance's: profile likelihood and bootstrap.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "fitting/bootstrap.hpp"
+#include "fitting/fit.hpp"
+#include "fitting/profile.hpp"
+#include "tests/fitting/fast_fit.hpp"
+
+namespace impactrig::fitting {
+namespace {
+
+using tests::hybrid_rig;
+using tests::parameter;
+using tests::synthetic_shot;
+
+datasets::Impact shot() {
+  return synthetic_shot(hybrid_rig(), {.duration = 1.6e-3, .seed = 3});
+}
+
+// Δχ² = ((θ − θ̂) / s)², and 1.96 s to both sides. (The restitution is bent: 3 % on its upper side.)
+TEST(Profile, OfANearlyLinearParameterIsTheParabola) {
+  FitOptions options;
+  options.profile = true;
+  const Fit found = fit({shot()}, hybrid_rig(), options);
+  ASSERT_EQ(found.profiles.size(), 3U);
+  for (const Profile& profile : found.profiles) {
+    if (profile.name == "contact.restitution") continue;
+    const Parameter& p = parameter(found, profile.name);
+    EXPECT_FALSE(profile.found_better);
+    ASSERT_TRUE(profile.lower && profile.upper) << profile.name;
+    EXPECT_TRUE(std::ranges::is_sorted(profile.value)) << profile.name;
+    EXPECT_NEAR((p.value - *profile.lower) / (1.959964 * p.std_error), 1.0, 0.01) << profile.name;
+    EXPECT_NEAR((*profile.upper - p.value) / (1.959964 * p.std_error), 1.0, 0.01) << profile.name;
+    for (std::size_t k = 0; k < profile.value.size(); ++k) {
+      const double off = (profile.value[k] - p.value) / p.std_error;
+      EXPECT_NEAR(std::sqrt(std::max(0.0, profile.delta_chi2[k])), std::abs(off),
+                  0.01 * std::abs(off) + 0.01)
+          << profile.name << " " << off;
+    }
+  }
+}
+
+// The stiffness of two bodies in contact is that of both together: of one alone, with the other
+// free, the data know the least it may be, not the most.
+TEST(Profile, IsOpenWhereTheDataDoNotBoundIt) {
+  FitOptions options;
+  options.free = {"contact.restitution", "start.velocity", "contact.modulus",
+                  "contact.counter_modulus"};
+  options.profile = true;
+  const Fit found = fit({shot()}, hybrid_rig(), options);
+  int open = 0;
+  for (const Profile& profile : found.profiles) {
+    if (!profile.name.ends_with("modulus")) continue;
+    EXPECT_FALSE(profile.upper) << profile.name;
+    open += profile.upper ? 0 : 1;
+  }
+  EXPECT_EQ(open, 2);
+}
+
+// Δχ² of the interval's ends, by hand: the other parameters fitted with this one fixed there.
+TEST(Profile, EndsWhereChiSquareHasRisenByItsQuantile) {
+  FitOptions options;
+  options.profile = true;
+  const datasets::Impact impact = shot();
+  const Fit found = fit({impact}, hybrid_rig(), options);
+  const Profile& profile = found.profiles.front();
+  ASSERT_EQ(profile.name, "contact.restitution");
+  const auto cost_at = [&](double restitution) {
+    RigFile rig = hybrid_rig();
+    rig.rig.contact.restitution = restitution;
+    FitOptions rest;
+    rest.free = {"contact.stiffness_factor", "start.velocity"};
+    const Fit fixed = fit({impact}, rig, rest);
+    double cost = fixed.goodness.chi2;
+    for (const Parameter& p : fixed.parameters)
+      if (p.prior) cost += std::pow((p.value - (*p.prior)[0]) / (*p.prior)[1], 2);
+    return cost;
+  };
+  const double least = cost_at(parameter(found, "contact.restitution").value);
+  EXPECT_NEAR(cost_at(*profile.lower) - least, 3.841, 0.06);
+  EXPECT_NEAR(cost_at(*profile.upper) - least, 3.841, 0.06);
+}
+
+// 300 draws know a standard deviation to 1 / √600 = 4.1 %; bound at four of that.
+TEST(Bootstrap, AgreesWithTheCovariance) {
+  for (const BootstrapKind kind : {BootstrapKind::parametric, BootstrapKind::residual}) {
+    FitOptions options;
+    options.bootstrap = 300;
+    options.bootstrap_kind = kind;
+    const Fit found = fit({shot()}, hybrid_rig(), options);
+    ASSERT_TRUE(found.bootstrap);
+    EXPECT_EQ(found.bootstrap->failed, 0);
+    ASSERT_EQ(found.bootstrap->parameters.size(), 3U);
+    for (const Bootstrap::Parameter& drawn : found.bootstrap->parameters) {
+      const Parameter& p = parameter(found, drawn.name);
+      EXPECT_EQ(drawn.draws.size(), 300U);
+      // the residuals are of one shot, of which few samples tell the restitution
+      const double bound = kind == BootstrapKind::parametric ? 0.165 : 0.5;
+      EXPECT_NEAR(drawn.std_error / p.std_error, 1.0, bound) << drawn.name << " " << name(kind);
+      EXPECT_LT(std::abs(drawn.bias), 4.0 * p.std_error / std::sqrt(300.0)) << drawn.name;
+      EXPECT_NEAR(drawn.ci95[1] - drawn.ci95[0], 2.0 * 1.96 * drawn.std_error,
+                  0.6 * drawn.std_error);
+    }
+  }
+}
+
+std::vector<double> draws(std::uint64_t seed) {
+  FitOptions options;
+  options.bootstrap = 12;
+  options.seed = seed;
+  return fit({shot()}, hybrid_rig(), options).bootstrap->parameters.front().draws;
+}
+
+// A draw depends on seed and number alone. One processor alone makes one worker of them.
+TEST(Bootstrap, OfTheSameSeedIsTheSame) {
+  const std::vector<double> once = draws(5);
+  EXPECT_EQ(once, draws(5));
+  EXPECT_NE(once, draws(6));
+  cpu_set_t all, one;
+  ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
+  CPU_ZERO(&one);
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu)
+    if (CPU_ISSET(cpu, &all)) {
+      CPU_SET(cpu, &one);
+      break;
+    }
+  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+  const std::vector<double> alone = draws(5);
+  sched_setaffinity(0, sizeof all, &all);
+  EXPECT_EQ(once, alone);
+}
+
+TEST(Bootstrap, IsCalledByItsKind) {
+  for (const BootstrapKind kind : {BootstrapKind::parametric, BootstrapKind::residual})
+    EXPECT_EQ(bootstrap_named(name(kind)), kind);
+  try {
+    bootstrap_named("jackknife");
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "there is no bootstrap 'jackknife'; there are parametric and residual");
+  }
+}
+
+}  // namespace
+}  // namespace impactrig::fitting
