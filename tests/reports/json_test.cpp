@@ -11,6 +11,7 @@
 
 #include "datasets/input_error.hpp"
 #include "reports/report_data.hpp"
+#include "reports/text.hpp"
 #include "tests/reports/example_report.hpp"
 
 namespace impactrig {
@@ -314,6 +315,69 @@ TEST(ExampleReport, AccountsForItsEnergy) {
   EXPECT_NEAR((energy.dissipated + energy.vibration + energy.rigid_rotation) / energy.initial, 1.0,
               5e-3);  // semi-implicit Euler with 0.05 us
   EXPECT_GT(data.fit.predictions[0].peak_force, 500.0);
+}
+
+// Intervals of other kinds: an open side, draws to the last bit, the kind by its name.
+TEST(FitJson, KeepsProfilesBootstrapAndTies) {
+  reports::ReportData data = tests::example_report();
+  const std::string name = data.fit.parameters[0].name;
+  data.fit.parameters[1].tied_to = name;
+  data.fit.profiles = {{.name = name,
+                        .unit = "1",
+                        .value = {0.48, 0.5, 0.512, 0.53},
+                        .delta_chi2 = {6.1, 1.0 / 3.0, 0.0, 2.5},
+                        .lower = 0.49,
+                        .upper = {},
+                        .found_better = true}};
+  data.fit.bootstrap = fitting::Bootstrap{.kind = fitting::BootstrapKind::residual,
+                                          .seed = 18446744073709551615ULL,
+                                          .draws = 4,
+                                          .failed = 1,
+                                          .parameters = {{.name = name,
+                                                          .bias = 1e-3 / 3.0,
+                                                          .std_error = 0.01,
+                                                          .ci95 = {0.49, 0.53},
+                                                          .draws = {0.5, 0.1 + 0.2, 0.52}}},
+                                          .seconds = 0.25};
+  const std::string stored = reports::to_json(data);
+  const reports::ReportData again = reports::report_from_json(stored, "fit.json");
+  EXPECT_EQ(again.fit.parameters[1].tied_to, name);
+  ASSERT_EQ(again.fit.profiles.size(), 1U);
+  EXPECT_EQ(again.fit.profiles[0].delta_chi2, data.fit.profiles[0].delta_chi2);
+  EXPECT_EQ(again.fit.profiles[0].lower, std::optional(0.49));
+  EXPECT_FALSE(again.fit.profiles[0].upper);
+  EXPECT_TRUE(again.fit.profiles[0].found_better);
+  ASSERT_TRUE(again.fit.bootstrap);
+  EXPECT_EQ(again.fit.bootstrap->kind, fitting::BootstrapKind::residual);
+  EXPECT_EQ(again.fit.bootstrap->seed, 18446744073709551615ULL);
+  EXPECT_EQ(again.fit.bootstrap->parameters[0].draws, data.fit.bootstrap->parameters[0].draws);
+  EXPECT_EQ(reports::to_json(again), stored);
+  EXPECT_EQ(reports::to_html(again), reports::to_html(data));
+  EXPECT_EQ(reports::to_text(again), reports::to_text(data));
+  EXPECT_THAT(reports::to_html(data), testing::HasSubstr("0.490 to no limit"));
+}
+
+TEST(FitJson, RefusesDamagedIntervals) {
+  const auto with = [](const char* kind, std::size_t points) {
+    return changed([&](Json& json) {
+      json["profiles"] = {{{"name", "a"},
+                           {"unit", "1"},
+                           {"value", std::vector<double>(points, 1.0)},
+                           {"delta_chi2", {0.0, 1.0}},
+                           {"ci95", {nullptr, nullptr}},
+                           {"found_better", false}}};
+      json["bootstrap"] = {
+          {"kind", kind},  {"seed", 1}, {"draws", 2}, {"failed", 0}, {"parameters", Json::array()},
+          {"seconds", 0.0}};
+    });
+  };
+  EXPECT_EQ(complaint(with("residual", 2)), "accepted");
+  EXPECT_EQ(complaint(with("residual", 3)),
+            "fit.json: /profiles/0: value and delta_chi2 must be of one length");
+  EXPECT_EQ(
+      complaint(with("jackknife", 2)),
+      "fit.json: /bootstrap/kind: there is no bootstrap 'jackknife'; there are parametric and "
+      "residual");
 }
 
 }  // namespace

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Options of `fit` that state more of single parameters, and other kinds of intervals.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/app/command_line.hpp"
+
+namespace {
+
+using impactrig::tests::CommandLine;
+using impactrig::tests::Outcome;
+using impactrig::tests::rig;
+using impactrig::tests::samples;
+using impactrig::tests::text_of;
+using nlohmann::json;
+using testing::HasSubstr;
+
+// Few modes, no more of the record than the contact: fast, and no matter of what it finds.
+const std::string fast = "fit " + samples + "shen2007-1.uff --rig " + rig +
+                         " --quiet --json --set solver.model=hybrid --set solver.modes=3 --set "
+                         "solver.duration=\"0.5 ms\" ";
+
+class FitOptions : public CommandLine {
+ protected:
+  json fitted(const std::string& options) {
+    const Outcome o = run(fast + options);
+    EXPECT_EQ(o.code, 0) << o.err;
+    return o.code == 0 ? json::parse(o.out) : json();
+  }
+
+  /// stderr of a call that is refused as wrong usage.
+  std::string refused(const std::string& options) {
+    const Outcome o = run(fast + options);
+    EXPECT_EQ(o.code, 2) << options;
+    EXPECT_EQ(o.out, "");
+    return o.err;
+  }
+};
+
+json parameter(const json& fit, const std::string& name) {
+  for (const json& p : fit["parameters"])
+    if (p["name"] == name) return p;
+  return {};
+}
+
+TEST_F(FitOptions, FixBoundTieAndPriorReachTheFit) {
+  const json j = fitted(
+      "--fix contact.stiffness_factor --bounds contact.restitution=0.9:0.95 --prior "
+      "'beam.density=2766.7 +- 1 kg/m^3' --free "
+      "contact.restitution,start.velocity,contact.modulus --tie "
+      "contact.counter_modulus=0.5*contact.modulus");
+  EXPECT_TRUE(parameter(j, "contact.stiffness_factor").is_null());
+  EXPECT_EQ(parameter(j, "contact.restitution")["lower"], 0.9);
+  EXPECT_EQ(parameter(j, "contact.restitution")["upper"], 0.95);
+  EXPECT_GE(parameter(j, "contact.restitution")["value"].get<double>(), 0.9);
+  EXPECT_EQ(parameter(j, "beam.density")["prior"][0], 2766.7);
+  EXPECT_EQ(parameter(j, "contact.counter_modulus")["tied_to"], "contact.modulus");
+  EXPECT_DOUBLE_EQ(parameter(j, "contact.counter_modulus")["value"].get<double>(),
+                   0.5 * parameter(j, "contact.modulus")["value"].get<double>());
+}
+
+TEST_F(FitOptions, SharedAndOwnNameTheirParameters) {
+  const json j =
+      fitted("--shared start.velocity --own contact.restitution " + samples + "shen2007-2.uff");
+  EXPECT_FALSE(parameter(j, "start.velocity").is_null());
+  EXPECT_FALSE(parameter(j, "contact.restitution[1]").is_null());
+  EXPECT_FALSE(parameter(j, "contact.restitution[2]").is_null());
+}
+
+TEST_F(FitOptions, IntervalsOfOtherKindsAreInTheResult) {
+  const json j = fitted("--profile --bootstrap 5 --bootstrap-kind residual --seed 9");
+  EXPECT_EQ(j["profiles"].size(), 3U);
+  EXPECT_EQ(j["bootstrap"]["kind"], "residual");
+  EXPECT_EQ(j["bootstrap"]["draws"], 5);
+  EXPECT_EQ(j["bootstrap"]["seed"], 9);
+  EXPECT_EQ(
+      j["bootstrap"]["parameters"][0]["draws"].size() + j["bootstrap"]["failed"].get<std::size_t>(),
+      5U);
+}
+
+// The command line goes over the rig file's [fit].
+TEST_F(FitOptions, TheRigFilesTableIsTheDefault) {
+  const std::string with_table =
+      write("rig.toml", text_of(rig) + "\n[fit]\nprofile = true\nloss = \"huber\"\n");
+  const std::string call = "fit " + samples + "shen2007-1.uff --rig " + with_table +
+                           " --quiet --json --set solver.model=hybrid --set solver.modes=3 --set "
+                           "solver.duration=\"0.5 ms\"";
+  const Outcome huber = run(call);
+  ASSERT_EQ(huber.code, 0) << huber.err;
+  EXPECT_THAT(huber.out, HasSubstr("No profile likelihood was made"));
+  const Outcome squares = run(call + " --loss squares");
+  ASSERT_EQ(squares.code, 0) << squares.err;
+  EXPECT_EQ(json::parse(squares.out)["profiles"].size(), 3U);
+}
+
+TEST_F(FitOptions, RefusesWithTheOptionsName) {
+  EXPECT_THAT(refused("--prior contact.restitution=0.5"),
+              HasSubstr("--prior: the prior of contact.restitution needs its standard uncertainty, "
+                        "for example \"1.0 +- 0.1\""));
+  EXPECT_THAT(refused("--bounds contact.restitution=0.5"),
+              HasSubstr("--bounds: expected LOW:HIGH, found \"0.5\""));
+  EXPECT_THAT(refused("--tie contact.modulus=half*beam.youngs_modulus"),
+              HasSubstr("--tie: expected a number before the *, found \"half\""));
+  EXPECT_THAT(refused("--fix contact.colour"),
+              HasSubstr("--fix: 'contact.colour' cannot be fitted; parameters are"));
+  EXPECT_THAT(refused("--own contact.colour"), HasSubstr("--own: 'contact.colour' cannot"));
+  EXPECT_THAT(refused("--shared contact.colour"), HasSubstr("--shared: 'contact.colour' cannot"));
+  EXPECT_THAT(refused("--loss absolute"), HasSubstr("--loss: absolute not in {"));
+  EXPECT_THAT(refused("--bootstrap-kind jackknife"),
+              HasSubstr("--bootstrap-kind: jackknife not in {"));
+  EXPECT_THAT(refused("--bootstrap 1"), HasSubstr("--bootstrap: Value 1 not in range"));
+  // only the rig file knows the other bound
+  const Outcome o = run(fast + "--bounds contact.restitution=0.9:0.3");
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("'contact.restitution' has no room between its bounds 0.9 and 0.3"));
+}
+
+}  // namespace
