@@ -7,10 +7,14 @@
 
 namespace impactrig::models {
 
+long samples_before_touch(const HistoryRequest& wanted) {
+  return static_cast<long>(std::ceil(wanted.lead / wanted.interval));
+}
+
 void begin_history(const Rig& rig, const HistoryRequest& wanted, double struck_speed,
                    double velocity_speed, double displacement_speed, History& history) {
   if (!(wanted.interval > 0.0)) return;
-  const long before = static_cast<long>(std::ceil(wanted.lead / wanted.interval));
+  const long before = samples_before_touch(wanted);
   history.interval = wanted.interval;
   history.start = -static_cast<double>(before) * wanted.interval;
   const RigidSwing swing(rig);

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "models/collocation/contact_point.hpp"
 
 namespace impactrig::models {
+namespace {
+
+constexpr double rounded = 1.0 - 8.0 * std::numeric_limits<double>::epsilon();
+
+}  // namespace
 
 double ContactPoint::integral(const NodeVector& at_nodes, double part) const {
   const double h = bar_.step();
@@ -73,6 +79,9 @@ ContactPoint::Rates ContactPoint::observe_peak(double low, double high) {
     const double rate = rate_at(place, force);
     ++evaluations_;
     note_peak(force, place);
+    // near the maximum forces differ by their rounding; the last place is the best one, and the
+    // derivatives there are not flat
+    if (force >= rounded * log_.episode(number_).peak_force) peak_part_ = place;
     if (std::abs(rate) < 1e-10 * (at_low - at_high)) return rates;
     if (rate > 0.0) {
       if (stays == 1) at_high *= 0.5;

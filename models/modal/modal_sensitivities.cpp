@@ -156,11 +156,17 @@ void ModalSensitivities::find_slope(const Rig& rig, const Solver& solver,
     d.bars.push_back(beam_.moved(d.slope, offset * d.bar_spacing));
 }
 
-const std::vector<ModalStep>& ModalSensitivities::steps_of(Direction& d, double h) const {
-  std::vector<ModalStep>& steps = d.steps[h];
-  if (steps.empty())
-    for (const ModalBeam& bar : d.bars) steps.emplace_back(bar, rule_, h);
-  return steps;
+const ModalStep& ModalSensitivities::slope_of_step(Direction& d, double h) const {
+  const auto found = d.steps.find(h);
+  if (found != d.steps.end()) return found->second;
+  std::vector<ModalStep> steps;
+  std::vector<double> weights;
+  for (std::size_t j = 0; j < d.bars.size(); ++j) {
+    if (d.stencil.weights[j] == 0.0) continue;
+    steps.emplace_back(d.bars[j], rule_, h);
+    weights.push_back(d.stencil.weights[j] / d.bar_spacing);
+  }
+  return d.steps.emplace(h, ModalStep::sum(steps, weights)).first->second;
 }
 
 /// Slopes of what the history shows before touch.
@@ -168,6 +174,15 @@ void ModalSensitivities::begin_history(const Rig& rig, const HistoryRequest& wan
                                        Direction& d) const {
   if (!(wanted.interval > 0.0)) return;
   History& sum = d.result.history;
+  if (d.start_speed == 0.0 && d.bars.empty()) {  // what comes before touch does not change
+    const long before = samples_before_touch(wanted);
+    sum.start = -static_cast<double>(before) * wanted.interval;
+    sum.interval = wanted.interval;
+    for (const auto values :
+         {&History::force, &History::penetration, &History::velocity, &History::displacement})
+      (sum.*values).resize(static_cast<std::size_t>(before) + 1, 0.0);
+    return;
+  }
   for (std::size_t j = 0; j < d.stencil.weights.size(); ++j) {
     const Rig there = rig_at(rig, d.parameter, d.stencil.offsets[j] * d.spacing);
     const double speed = touch_velocity(there);
@@ -225,11 +240,12 @@ ModalSensitivities::Struck ModalSensitivities::struck(const Direction& d, const 
 }
 
 /// Of the pressing force, penetration and rate held.
-double ModalSensitivities::law_slope(const Direction& d, double depth, double rate) const {
+double ModalSensitivities::law_slope(const Direction& d, double depth, double rate,
+                                     const ContactForce::Response& law) const {
   const double own = d.contacts.empty() ? 0.0 : slope_of(d, d.spacing, [&](std::size_t j) {
     return d.contacts[j].pressed(depth, rate).force;
   });
-  return own + contact_->to_speed(contact_->pressed(depth, rate)) * d.speed;
+  return own + contact_->to_speed(law) * d.speed;
 }
 
 /// Of the function whose zero ends the phase, where the struck point's motion has these slopes.
@@ -249,68 +265,66 @@ void ModalSensitivities::solve(const NodeVector& force, const NodeVector& displa
   force_series_ = rule_.to_series() * force;
   for (Direction& d : directions_)
     for (ContactForce& there : d.contacts) there.set_phase(contact_->phase());
+  laws_.clear();
+  if (contact_->phase() != ContactForce::Phase::free)
+    for (int i = 0; i < s; ++i)
+      laws_.push_back({displacement[i], velocity[i], contact_->elastic(displacement[i]),
+                       contact_->pressed(displacement[i], velocity[i])});
   if (contact_->presses()) {
-    to_depth_.resize(s);
-    to_rate_.resize(s);
     NodeMatrix jacobian = NodeMatrix::Identity(s, s);
     for (int i = 0; i < s; ++i) {
-      const ContactForce::Response law = contact_->pressed(displacement[i], velocity[i]);
-      to_depth_[i] = law.to_depth;
-      to_rate_[i] = law.to_rate;
+      const ContactForce::Response& law = laws_[static_cast<std::size_t>(i)].law;
       jacobian.row(i) -= law.to_depth * response.displacement_of_force.row(i) +
                          law.to_rate * response.velocity_of_force.row(i);
     }
     inverse_ = jacobian.inverse();
   }
-  for (Direction& d : directions_) solve(d, displacement, velocity);
+  for (Direction& d : directions_) solve(d);
 }
 
 /// Struck point and force at the nodes; then what the contact dissipates there.
-void ModalSensitivities::solve(Direction& d, const NodeVector& displacement,
-                               const NodeVector& velocity) {
+void ModalSensitivities::solve(Direction& d) {
   const int s = rule_.nodes();
+  d.force.setZero(s);
+  d.force_series.setZero(s);
+  d.dissipation.setZero(s);
+  if (laws_.empty()) return;
   const ModalStep& step = motion_.modal_step();
   const ModalState& state = motion_.state();
   const ModalStep::Response& r = step.response();
   NodeVector depth = r.displacement_of_a * d.state.a + r.displacement_of_rate * d.state.rate;
   NodeVector rate = r.velocity_of_a * d.state.a + r.displacement_of_a * d.state.rate;
   if (!d.bars.empty()) {
-    const std::vector<ModalStep>& steps = steps_of(d, step.h());
-    for (std::size_t j = 0; j < steps.size(); ++j) {
-      const double weight = d.stencil.weights[j] / d.bar_spacing;
-      if (weight == 0.0) continue;
-      const ModalStep::Response& there = steps[j].response();
-      depth +=
-          weight * (there.displacement_of_a * state.a + there.displacement_of_rate * state.rate +
-                    there.of_force.displacement_of_force * force_);
-      rate += weight * (there.velocity_of_a * state.a + there.displacement_of_a * state.rate +
-                        there.of_force.velocity_of_force * force_);
-    }
+    const ModalStep::Response& slope = slope_of_step(d, step.h()).response();
+    depth += slope.displacement_of_a * state.a + slope.displacement_of_rate * state.rate +
+             slope.of_force.displacement_of_force * force_;
+    rate += slope.velocity_of_a * state.a + slope.displacement_of_a * state.rate +
+            slope.of_force.velocity_of_force * force_;
   }
-  d.force.setZero(s);
   if (contact_->presses()) {
-    NodeVector drive = to_depth_.cwiseProduct(depth) + to_rate_.cwiseProduct(rate);
-    for (int i = 0; i < s; ++i) drive[i] += law_slope(d, displacement[i], velocity[i]);
+    NodeVector drive(s);
+    for (int i = 0; i < s; ++i) {
+      const NodeLaw& there = laws_[static_cast<std::size_t>(i)];
+      drive[i] = there.law.to_depth * depth[i] + there.law.to_rate * rate[i] +
+                 law_slope(d, there.displacement, there.velocity, there.law);
+    }
     d.force = inverse_ * drive;
     depth += r.of_force.displacement_of_force * d.force;
     rate += r.of_force.velocity_of_force * d.force;
   }
   d.force_series = rule_.to_series() * d.force;
-  d.dissipation.setZero(s);
-  if (contact_->phase() != ContactForce::Phase::free)
-    for (int i = 0; i < s; ++i)
-      d.dissipation[i] = dissipation_slope(d, displacement[i], velocity[i], depth[i], rate[i]);
+  for (int i = 0; i < s; ++i)
+    d.dissipation[i] = dissipation_slope(d, laws_[static_cast<std::size_t>(i)], depth[i], rate[i]);
 }
 
-double ModalSensitivities::dissipation_slope(Direction& d, double displacement, double velocity,
-                                             double depth, double rate) const {
-  const double elastic = contact_->elastic(displacement);
+double ModalSensitivities::dissipation_slope(Direction& d, const NodeLaw& there, double depth,
+                                             double rate) const {
+  const auto& [displacement, velocity, elastic, law] = there;
   double own = 0.0;
   if (!d.contacts.empty())
     own = slope_of(d, d.spacing, [&](std::size_t j) {
-      return d.contacts[j].dissipation(displacement, velocity);
+      return d.contacts[j].dissipation(there.displacement, there.velocity);
     });
-  const ContactForce::Response law = contact_->pressed(displacement, velocity);
   if (contact_->phase() == ContactForce::Phase::slack)
     return own - law.stiffness * velocity * depth - elastic * rate;
   // of (f − f_0) δ̇
@@ -356,14 +370,16 @@ void ModalSensitivities::state_at(const Place& place, Direction& d, ModalState& 
     advance(beam_, h, rule_.restricted(d.force_series, place.part), d.state, to);
   if (d.bars.empty()) return;
   there_ = to;
+  if (whole) {
+    slope_of_step(d, motion_.step()).advance(motion_.state(), force_, there_);
+    to.a += there_.a;
+    to.rate += there_.rate;
+    return;
+  }
   for (std::size_t j = 0; j < d.bars.size(); ++j) {
     const double weight = d.stencil.weights[j] / d.bar_spacing;
     if (weight == 0.0) continue;
-    if (whole) {
-      steps_of(d, motion_.step())[j].advance(motion_.state(), force_, there_);
-    } else {
-      advance(d.bars[j], h, place.series, motion_.state(), there_);
-    }
+    advance(d.bars[j], h, place.series, motion_.state(), there_);
     to.a += weight * there_.a;
     to.rate += weight * there_.rate;
   }
@@ -377,7 +393,8 @@ void ModalSensitivities::peak(double part) {
   for (Direction& d : directions_) {
     state_at(place_, d, d.end);
     const Struck s = struck(d, d.end, place_.state);
-    d.result.peak_force = law.to_depth * s.depth + law.to_rate * s.rate + law_slope(d, depth, rate);
+    d.result.peak_force =
+        law.to_depth * s.depth + law.to_rate * s.rate + law_slope(d, depth, rate, law);
   }
 }
 
@@ -395,24 +412,31 @@ void ModalSensitivities::deepest(double part, double dissipated) {
   }
 }
 
+/// What the sensors of the undisturbed run see at a place, as far as the slopes need it.
+ModalSensitivities::Seen ModalSensitivities::see(const Place& place) const {
+  Seen seen;
+  seen.rate = beam_.struck().dot(place.state.rate);
+  seen.displacement_rate = motion_.displacement_row().dot(place.state.rate);
+  seen.velocity_rate = motion_.velocity_row().dot(place.acceleration);
+  if (!contact_->presses()) return seen;
+  seen.depth = beam_.struck().dot(place.state.a);
+  seen.acceleration = beam_.struck().dot(place.acceleration);
+  seen.law = contact_->pressed(seen.depth, seen.rate);
+  return seen;
+}
+
 /// One sample: the state's slopes are in d.end.
-void ModalSensitivities::show(const Place& place, Direction& d) const {
+void ModalSensitivities::show(const Place& place, const Seen& seen, Direction& d) const {
   const Struck s = struck(d, d.end, place.state);
-  const double depth = beam_.struck().dot(place.state.a);
-  const double rate = beam_.struck().dot(place.state.rate);
-  const double acceleration = beam_.struck().dot(place.acceleration);
-  const double moved_depth = s.depth - d.time * rate;
+  const double moved_depth = s.depth - d.time * seen.rate;
   History& history = d.result.history;
   double force = 0.0;
-  if (contact_->presses()) {
-    const ContactForce::Response law = contact_->pressed(depth, rate);
-    force = law.to_depth * moved_depth + law.to_rate * (s.rate - d.time * acceleration) +
-            law_slope(d, depth, rate);
-  }
-  const Eigen::VectorXd& across = motion_.displacement_row();
-  const Eigen::VectorXd& along = motion_.velocity_row();
-  double displacement = across.dot(d.end.a) - d.time * across.dot(place.state.rate);
-  double velocity = along.dot(d.end.rate) - d.time * along.dot(place.acceleration);
+  if (contact_->presses())
+    force = seen.law.to_depth * moved_depth +
+            seen.law.to_rate * (s.rate - d.time * seen.acceleration) +
+            law_slope(d, seen.depth, seen.rate, seen.law);
+  double displacement = motion_.displacement_row().dot(d.end.a) - d.time * seen.displacement_rate;
+  double velocity = motion_.velocity_row().dot(d.end.rate) - d.time * seen.velocity_rate;
   if (!d.bars.empty()) {
     displacement += d.displacement_row.dot(place.state.a);
     velocity += d.velocity_row.dot(place.state.rate);
@@ -436,39 +460,53 @@ void ModalSensitivities::sample(double first, double spacing, std::size_t count)
       look(part, place_);
       for (Direction& d : directions_) state_at(place_, d, d.end);
     }
-    for (Direction& d : directions_) show(place_, d);
+    const Seen seen = see(place_);
+    for (Direction& d : directions_) show(place_, seen, d);
   }
 }
 
 /// From sample to sample, all slopes with the state.
 void ModalSensitivities::step_sample(double from, double spacing) {
+  const bool pressed = contact_->presses();
+  NodeMatrix values;  // of the step's Legendre polynomials at the sample's own nodes
+  if (pressed) values = legendre_at(from, spacing);
+  const auto step = [&](const ModalStep& by, const ModalState& state, const NodeVector& series,
+                        ModalState& to) {
+    if (pressed)
+      by.advance(state, values * series, to);
+    else
+      by.coast(state, to);
+  };
+  for (Direction& d : directions_) {
+    step(*sampling_, d.end, d.force_series, scratch_);
+    if (!d.bars.empty()) {
+      step(slope_of_step(d, sampling_->h()), place_.state, force_series_, there_);
+      scratch_.a += there_.a;
+      scratch_.rate += there_.rate;
+    }
+    std::swap(d.end, scratch_);
+  }
+  step(*sampling_, place_.state, force_series_, scratch_);
+  std::swap(place_.state, scratch_);
+  place_.force = 0.0;
+  if (pressed) {
+    NodeVector legendre(rule_.nodes());
+    shifted_legendre(from + spacing, legendre);
+    place_.force = legendre.dot(force_series_);
+  }
+  accelerate(place_);
+}
+
+/// The step's Legendre polynomials at the nodes of a part of it: (s, s), a row a node.
+NodeMatrix ModalSensitivities::legendre_at(double from, double spacing) const {
   const int s = rule_.nodes();
-  NodeMatrix values(s, s);  // of the step's Legendre polynomials at the sample's own nodes
+  NodeMatrix values(s, s);
   NodeVector legendre(s);
   for (int i = 0; i < s; ++i) {
     shifted_legendre(from + rule_.points()[i] * spacing, legendre);
     values.row(i) = legendre;
   }
-  const NodeVector force = values * force_series_;
-  for (Direction& d : directions_) {
-    sampling_->advance(d.end, values * d.force_series, scratch_);
-    if (!d.bars.empty()) {
-      const std::vector<ModalStep>& steps = steps_of(d, sampling_->h());
-      for (std::size_t j = 0; j < steps.size(); ++j) {
-        const double weight = d.stencil.weights[j] / d.bar_spacing;
-        if (weight == 0.0) continue;
-        steps[j].advance(place_.state, force, there_);
-        scratch_.a += weight * there_.a;
-        scratch_.rate += weight * there_.rate;
-      }
-    }
-    std::swap(d.end, scratch_);
-  }
-  sampling_->advance(place_.state, force, scratch_);
-  std::swap(place_.state, scratch_);
-  shifted_legendre(from + spacing, legendre);
-  place_.force = legendre.dot(force_series_);
-  accelerate(place_);
+  return values;
 }
 
 void ModalSensitivities::take(double part, End end) {

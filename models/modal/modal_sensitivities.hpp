@@ -63,7 +63,7 @@ class ModalSensitivities {
     ModalSlope slope;                    // empty where the bar does not change
     double bar_spacing = 0.0;            // of the stencil along `slope`
     std::vector<ModalBeam> bars;
-    std::map<double, std::vector<ModalStep>> steps;  // of `bars`, by their length
+    std::map<double, ModalStep> steps;  // slopes of a step along `slope`, by its length
     Eigen::VectorXd velocity_row, displacement_row;
 
     ModalState state, end;  // slopes of the state, its time free to move
@@ -89,6 +89,19 @@ class ModalSensitivities {
     double depth, rate;
   };
 
+  /// The contact law at a node of the solved step.
+  struct NodeLaw {
+    double displacement, velocity, elastic;
+    ContactForce::Response law;
+  };
+
+  /// The struck point and the sensors at a place; the first line and the law in contact only.
+  struct Seen {
+    double depth = 0.0, acceleration = 0.0;
+    double rate = 0.0, displacement_rate = 0.0, velocity_rate = 0.0;
+    ContactForce::Response law;
+  };
+
   const Direction& at(int i) const { return directions_[static_cast<std::size_t>(i)]; }
 
   void find_contacts(const Rig& rig, Direction& d) const;
@@ -96,21 +109,23 @@ class ModalSensitivities {
                   Direction& d) const;
   template <typename Function>
   double slope_of(const Direction& d, double spacing, Function value_at) const;
-  const std::vector<ModalStep>& steps_of(Direction& d, double h) const;
+  const ModalStep& slope_of_step(Direction& d, double h) const;
   void look(double part, Place& place) const;
   void accelerate(Place& place) const;
   void state_at(const Place& place, Direction& d, ModalState& to);
   Struck struck(const Direction& d, const ModalState& slope, const ModalState& state) const;
-  double law_slope(const Direction& d, double depth, double rate) const;
+  double law_slope(const Direction& d, double depth, double rate,
+                   const ContactForce::Response& law) const;
   double switch_slope(Direction& d, const ContactForce::Switch& there, double depth, double rate,
                       const Struck& slope) const;
-  void solve(Direction& d, const NodeVector& displacement, const NodeVector& velocity);
-  double dissipation_slope(Direction& d, double displacement, double velocity, double depth,
-                           double rate) const;
+  void solve(Direction& d);
+  double dissipation_slope(Direction& d, const NodeLaw& there, double depth, double rate) const;
   double integral(const NodeVector& at_nodes, double part) const;
   void begin_history(const Rig& rig, const HistoryRequest& wanted, Direction& d) const;
-  void show(const Place& place, Direction& d) const;
+  Seen see(const Place& place) const;
+  void show(const Place& place, const Seen& seen, Direction& d) const;
   void step_sample(double from, double spacing);
+  NodeMatrix legendre_at(double from, double spacing) const;
 
   const Rig& rig_;
   const SimulationOptions& options_;
@@ -123,7 +138,8 @@ class ModalSensitivities {
   double dissipated_at_deepest_ = 0.0;  // [J]
 
   // of the solved step
-  NodeVector force_, force_series_, to_depth_, to_rate_;
+  NodeVector force_, force_series_;
+  std::vector<NodeLaw> laws_;  // empty where nothing touches
   NodeMatrix inverse_;
   std::optional<ModalStep> sampling_;  // of the history's interval
   Place place_;

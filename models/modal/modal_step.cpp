@@ -72,6 +72,29 @@ ModalStep::ModalStep(const ModalBeam& beam, const Collocation& rule, double h)
   if (beam.stops() > 1) respond_further(beam, rule, terms);
 }
 
+ModalStep ModalStep::sum(std::span<const ModalStep> steps, std::span<const double> weights) {
+  ModalStep total = steps.front();
+  total.further_.clear();
+  total.of_force_.clear();
+  const auto combine = [&](const auto& part) {
+    auto& to = part(total);
+    to.setZero();
+    for (std::size_t j = 0; j < steps.size(); ++j)
+      if (weights[j] != 0.0) to += weights[j] * part(steps[j]);
+  };
+  combine([](auto& step) -> auto& { return step.cosine_; });
+  combine([](auto& step) -> auto& { return step.sine_over_omega_; });
+  combine([](auto& step) -> auto& { return step.minus_omega_sine_; });
+  combine([](auto& step) -> auto& { return step.a_of_force_; });
+  combine([](auto& step) -> auto& { return step.rate_of_force_; });
+  combine([](auto& step) -> auto& { return step.response_.displacement_of_a; });
+  combine([](auto& step) -> auto& { return step.response_.displacement_of_rate; });
+  combine([](auto& step) -> auto& { return step.response_.velocity_of_a; });
+  combine([](auto& step) -> auto& { return step.response_.of_force.displacement_of_force; });
+  combine([](auto& step) -> auto& { return step.response_.of_force.velocity_of_force; });
+  return total;
+}
+
 /// The points before further stops; what two points do to each other they do both ways.
 void ModalStep::respond_further(const ModalBeam& beam, const Collocation& rule, int terms) {
   const int s = rule.nodes();

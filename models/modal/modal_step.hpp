@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "models/collocation/bar_motion.hpp"
@@ -31,6 +32,10 @@ class ModalStep {
 
   /// Throws std::logic_error when h is longer than longest() by more than a hundredth.
   ModalStep(const ModalBeam& beam, const Collocation& rule, double h);
+
+  /// Steps of as many modes and nodes, to the force of the first stop alone: what each does,
+  /// weighted and summed.
+  static ModalStep sum(std::span<const ModalStep> steps, std::span<const double> weights);
 
   /// The longest step whose kernels' series can be held [s]; infinite without vibration.
   static double longest(const ModalBeam& beam);
