@@ -80,6 +80,7 @@ struct Fit {
   Identifiability identifiability;
   std::vector<ChannelFit> channels;
   Goodness goodness;
+  Loss loss = Loss::squares;
   std::vector<Profile> profiles;                ///< where the options ask for them
   std::optional<Bootstrap> bootstrap;           ///< likewise
   std::map<std::string, Estimate> restitution;  ///< law, kinematic, kinetic, energetic
@@ -92,7 +93,8 @@ struct Fit {
   std::string termination;  ///< "converged" or a sentence
   int iterations = 0;
   long simulations = 0;
-  double seconds = 0.0;
+  double seconds = 0.0;          ///< by the clock, without the next, profiles and bootstrap
+  double judging_seconds = 0.0;  ///< of metrics, diagnostics and direct estimates
   std::vector<std::string> warnings;
 };
 

@@ -115,6 +115,10 @@ FitOptions read_fit(TableReader& table) {
     if (!(window->value > 0.0)) table.refuse("window", "must be greater than zero");
     options.window = window->value;
   }
+  if (const auto limit = table.quantity("time_limit", "s")) {
+    if (!(limit->value > 0.0)) table.refuse("time_limit", "must be greater than zero");
+    options.time_limit = limit->value;
+  }
   const auto losses = loss_names();
   if (const auto loss = table.choice("loss", {losses.begin(), losses.end()}))
     options.loss = static_cast<Loss>(*loss);

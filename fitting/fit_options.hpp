@@ -41,6 +41,9 @@ struct FitOptions {
   /// them. A parameter with a setting is free besides these, unless that is fixed.
   std::vector<std::string> free;
   std::vector<ParameterSetting> settings;
+  /// Of the search for the best fit, by the clock [s]. One that is not over by then ends where it
+  /// is and says so; profiles and bootstrap come on top of it.
+  double time_limit = 600.0;
   double window = 0.0;  ///< fitted after first touch [s]; 0 = as long as rig and recording allow
   bool use_force = true, use_velocity = true, use_displacement = false;
   Loss loss = Loss::squares;

@@ -88,6 +88,23 @@ FitProblem::FitProblem(const std::vector<Impact>& impacts, const RigFile& rig,
     if (told[i] && !(*variables_)[i].tie) unknowns_.push_back(i);
     if (told[i] && (*variables_)[i].prior) priors_.push_back(i);
   }
+  warn_of_unused(options);
+}
+
+/// What is stated of a parameter that no recording tells.
+void FitProblem::warn_of_unused(const FitOptions& options) {
+  for (const ParameterSetting& setting : options.settings) {
+    if (setting.fixed) continue;
+    const bool used = std::ranges::any_of(shots_, [&](const Shot& shot) {
+      return std::ranges::any_of(shot.numbers, [&](std::size_t number) {
+        const std::string& name = (*variables_)[number].name;
+        return name == setting.name || name.starts_with(setting.name + "[");
+      });
+    });
+    if (!used)
+      warnings_.push_back(fmt::format(
+          "What is stated of {} was not used: no channel that is fitted tells it.", setting.name));
+  }
 }
 
 FitProblem FitProblem::copy() const {
@@ -252,6 +269,19 @@ void FitProblem::take_small_slopes() {
   for (Shot& shot : shots_) shot.cost->take_small_slopes();
 }
 
+void FitProblem::limit_time(double seconds) {
+  deadline_.reset();
+  if (std::isfinite(seconds))
+    deadline_ = std::chrono::steady_clock::now() +
+                std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                    std::chrono::duration<double>(seconds));
+}
+
+double FitProblem::time_left() const {
+  if (!deadline_) return std::numeric_limits<double>::infinity();
+  return std::chrono::duration<double>(*deadline_ - std::chrono::steady_clock::now()).count();
+}
+
 /// Bounds cost Ceres a line search at every step and seldom matter: first without.
 SearchEnd FitProblem::search(const Search& how, const std::vector<std::size_t>& held) {
   const std::vector<double> start = values();
@@ -308,6 +338,8 @@ SearchEnd FitProblem::search_once(const Search& how, const std::vector<std::size
   ceres::Solver::Options solver = solver_options(how);
   StopAtRounding stop(how.tolerance);
   solver.callbacks.push_back(&stop);
+  solver.max_solver_time_in_seconds =
+      std::clamp(time_left(), 0.0, solver.max_solver_time_in_seconds);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   SearchEnd end{.valid = summary.termination_type != ceres::FAILURE,

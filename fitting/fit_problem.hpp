@@ -4,7 +4,9 @@
 #include <ceres/problem.h>
 
 #include <Eigen/Core>
+#include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -83,6 +85,11 @@ class FitProblem {
   /// Slopes of the full equations are those of small motion from now on.
   void take_small_slopes();
 
+  /// No search goes on, and none begins, beyond this from now on [s]; infinite: no limit.
+  void limit_time(double seconds);
+
+  bool out_of_time() const { return time_left() <= 0.0; }
+
   /// Levenberg-Marquardt from the present values; `held` variables stay. Throws std::runtime_error
   /// where it cannot start.
   SearchEnd search(const Search& how, const std::vector<std::size_t>& held = {});
@@ -110,7 +117,9 @@ class FitProblem {
   FitProblem() = default;
   void add_shot(const datasets::Impact& impact, int number, const FitOptions& options);
   FittedChannel weigh(const datasets::Impact& impact, const datasets::ImpactSignal& signal);
+  void warn_of_unused(const FitOptions& options);
   void follow_ties();
+  double time_left() const;
   using Priors = std::vector<std::unique_ptr<ceres::CostFunction>>;
   Priors state(const Search& how, const std::vector<std::size_t>& held, bool bounded,
                std::vector<double>& x, ceres::Problem& problem) const;
@@ -122,6 +131,7 @@ class FitProblem {
   std::vector<Shot> shots_;
   Loss loss_ = Loss::squares;
   bool noise_known_ = true, small_slopes_ = false;
+  std::optional<std::chrono::steady_clock::time_point> deadline_;
   std::vector<std::string> warnings_;
   long past_simulations_ = 0;  // of costs that are gone
 };

@@ -20,6 +20,9 @@ using datasets::ImpactSignal;
 
 // A shift by the mesh is worth a warning from this part of a standard error on.
 constexpr double telling_shift = 0.5;
+// Of standard uncertainties between a fitted value and what was stated of it: 1 fit in 16 000 by
+// chance.
+constexpr double far_from_stated = 4.0;
 
 /// Samples that count as independent.
 double independent_samples(const FitProblem& problem) {
@@ -140,6 +143,23 @@ void warn_of_mesh(Fit& fit) {
           : fmt::format("solver.modes = {}", finer.modes)));
 }
 
+/// A calibration that the data contradict: the fit follows them, and nothing else tells.
+void warn_of_priors(const FitProblem& problem, Fit& fit) {
+  for (const std::size_t i : problem.priors()) {
+    const Variable& v = problem.variables()[i];
+    if (v.role == Variable::Role::background) continue;
+    const auto [mean, uncertainty] = *v.prior;
+    const double away = (v.value - mean) / uncertainty;
+    if (std::abs(away) < far_from_stated) continue;
+    fit.warnings.push_back(fmt::format(
+        "{} ended {:.3g} standard uncertainties {} what is stated of it, {:g} +- {:g}{}: a wrong "
+        "calibration, range or unit, or a model that needs it. Other parameters lean on it; check "
+        "the sensor before any number is used.",
+        v.name, std::abs(away), away > 0.0 ? "above" : "below", mean, uncertainty,
+        v.unit == "1" ? "" : " " + v.unit));
+  }
+}
+
 }  // namespace
 
 double report_goodness(const FitProblem& problem, Goodness& goodness) {
@@ -257,6 +277,7 @@ RigFile fitted_rig(const FitProblem& problem) {
 void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit) {
   warn_of_residuals(end.inflation, problem.loss() != Loss::squares, fit);
   warn_of_mesh(fit);
+  warn_of_priors(problem, fit);
   for (const Parameter& p : fit.parameters)
     if (p.at_bound)
       fit.warnings.push_back(fmt::format(

@@ -397,6 +397,18 @@ Eigen::VectorXd ShotCost::change(const ShotModel& one, const ShotModel& other) c
   return after - before;
 }
 
+double ShotCost::signal_size() const {
+  double squares = 0.0;
+  for (const FittedChannel& channel : channels_) {
+    const std::vector<double> model = model_values(channel);
+    std::vector<double> used;
+    for (const std::size_t k : channel.used) used.push_back(model[k]);
+    whiten(channel, used);
+    for (const double value : used) squares += value * value;
+  }
+  return std::sqrt(squares);
+}
+
 Eigen::MatrixXd ShotCost::restitution_gradient() const {
   Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(3, static_cast<Eigen::Index>(blocks_.size()));
   const Values values = present_values();

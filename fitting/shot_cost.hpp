@@ -72,6 +72,9 @@ class ShotCost : public ceres::CostFunction {
   /// (n_residuals).
   Eigen::VectorXd change(const ShotModel& one, const ShotModel& other) const;
 
+  /// Length of what the model shows, weighted as the differences are.
+  double signal_size() const;
+
   /// The rig at the variables' present values.
   models::Rig rig() const;
 

@@ -177,6 +177,7 @@ Json report_json(const ReportData& data) {
   json["not_identifiable"] = fit.not_identifiable;
   json["identifiability"] = identifiability_json(fit.identifiability);
   add_channels(json, fit);
+  json["loss"] = fitting::name(fit.loss);
   json["goodness"] = goodness_json(fit.goodness);
   json["metrics"] = Json::object();
   for (const fitting::ChannelFit& channel : fit.channels)
@@ -198,6 +199,7 @@ Json report_json(const ReportData& data) {
   json["iterations"] = fit.iterations;
   json["simulations"] = fit.simulations;
   json["fit_s"] = fit.seconds;
+  json["judging_s"] = fit.judging_seconds;
   json["predictions"] = predictions_json(fit);
   json["rig"] = rig_json(fit.rig);
   json["records"] = Json::array();
@@ -252,6 +254,14 @@ Json parsed(const std::string& text, const std::string& file_name) {
   }
 }
 
+fitting::Loss loss_from(const JsonReader& json) {
+  try {
+    return fitting::loss_named(json.text());
+  } catch (const std::invalid_argument& error) {
+    json.fail(error.what());
+  }
+}
+
 fitting::Fit fit_from(const JsonReader& json) {
   fitting::Fit fit;
   const JsonReader parameters = json["parameters"];
@@ -296,6 +306,8 @@ fitting::Fit fit_from(const JsonReader& json) {
   fit.iterations = static_cast<int>(json["iterations"].integer());
   fit.simulations = json["simulations"].integer();
   fit.seconds = json["fit_s"].number();
+  if (json.has("judging_s")) fit.judging_seconds = json["judging_s"].number();
+  if (json.has("loss")) fit.loss = loss_from(json["loss"]);
   fit.warnings = json["warnings"].texts();
   return fit;
 }

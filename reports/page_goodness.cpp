@@ -133,12 +133,14 @@ std::string html_goodness(const ReportData& data) {
   body += fmt::format(
       "<p class=\"note\">Between fits of the same samples the smaller is better: AICc {}, BIC {}. "
       "The "
-      "fit took {} iterations and {} simulations in {} and ended with: {}. The verdict above calls "
+      "fit took {} iterations and {} simulations in {}, with the loss {}, and ended with: {}. The "
+      "verdict above calls "
       "a "
       "recording explained when every residual is at most 1.5 times its noise, and explained in "
       "shape when every Sprague–Geers C is at most 0.1; these limits are this report’s own.</p>\n",
       significant(fit.goodness.aicc, 5), significant(fit.goodness.bic, 5), fit.iterations,
-      fit.simulations, quantity(fit.seconds, "s"), escaped(fit.termination));
+      fit.simulations, quantity(fit.seconds, "s"), fitting::name(fit.loss),
+      escaped(fit.termination));
   body += html_diagnostics(fit);
   return html_section("goodness", "How good the fit is", body);
 }

@@ -138,8 +138,10 @@ std::string to_text(const ReportData& data) {
     text +=
         fmt::format("  {}: first touch at {:.6g} s, peak {:.5g} N, contact {:.4g} us\n",
                     impact.recording, impact.start, impact.peak, 1e6 * (impact.end - impact.start));
-  text += fmt::format("\nFitted parameters ({}, {} iterations, {} simulations, {:.2f} s)\n",
-                      fit.termination, fit.iterations, fit.simulations, fit.seconds);
+  const std::string loss =
+      fit.loss == fitting::Loss::squares ? "" : fmt::format("loss {}, ", fitting::name(fit.loss));
+  text += fmt::format("\nFitted parameters ({}, {}{} iterations, {} simulations, {:.2g} s)\n",
+                      fit.termination, loss, fit.iterations, fit.simulations, fit.seconds);
   for (const bool nuisance : {false, true})
     for (const fitting::Parameter& p : fit.parameters)
       if (p.nuisance == nuisance) text += parameter_line(p);

@@ -32,6 +32,39 @@ bool has(const Fit& fit, const std::string& name) {
   return false;
 }
 
+TEST(FitSettings, ASearchEndsWhenItsTimeIsOver) {
+  const RigFile rig = hybrid_rig();
+  FitOptions options;
+  options.time_limit = 1e-9;
+  const Fit stopped = fit({shot()}, rig, options);
+  EXPECT_THAT(stopped.termination, testing::HasSubstr("fit.time_limit"));
+  EXPECT_EQ(stopped.iterations, 0);
+  EXPECT_EQ(parameter(stopped, "contact.restitution").value, 0.5);  // where it began
+  EXPECT_GT(parameter(stopped, "contact.restitution").std_error, 0.0);
+  EXPECT_EQ(fit({shot()}, rig).termination, "converged");
+}
+
+TEST(FitSettings, WhatIsStatedOfAChannelThatIsNotFittedIsTold) {
+  FitOptions options;
+  options.setting("sensors.displacement.gain").prior = {1.0, 0.01};
+  const auto unused =
+      testing::Contains(testing::StartsWith("What is stated of sensors.displacement.gain"));
+  EXPECT_THAT(fit({shot()}, hybrid_rig(), options).warnings, unused);
+  options.setting("sensors.displacement.gain").fixed = true;
+  EXPECT_THAT(fit({shot()}, hybrid_rig(), options).warnings, testing::Not(unused));
+}
+
+// A force whose certificate, of 0.5 %, is wrong by 10 %.
+TEST(FitSettings, ACalibrationThatTheDataContradictIsTold) {
+  const RigFile rig = hybrid_rig();
+  datasets::Impact impact = shot();
+  impact.force->gain_uncertainty = 0.005;
+  const auto told = testing::Contains(testing::StartsWith("sensors.force.gain ended"));
+  EXPECT_THAT(fit({impact}, rig).warnings, testing::Not(told));
+  for (double& value : impact.force->values) value *= 1.1;
+  EXPECT_THAT(fit({impact}, rig).warnings, told);
+}
+
 // Near its optimum a fit is linear: two independent sources, x ± s and m ± p, make
 // (x/s² + m/p²) / (1/s² + 1/p²) ± 1/√(1/s² + 1/p²). Searches end within a hundredth of a standard
 // error; curvature over two of them is as small.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fitting/fit.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -106,6 +107,30 @@ TEST(Fit, KeepsTheFullEquationsWhereTheyAreSeen) {
   EXPECT_FALSE(result.predictions.at(0).small_motion);
   EXPECT_LT(std::abs(pull(result, "contact.restitution", 0.5)), 4.0);
   EXPECT_LT(std::abs(pull(result, "contact.stiffness_factor", 1.0)), 4.0);
+}
+
+// The same noise on what the full equations show and on what small motion shows: by how much the
+// two fits part is what small motion does to a fit, in standard errors.
+TEST(Fit, SaysWhatSmallMotionDoesToItAtMost) {
+  for (const double velocity : {0.1, 0.2, 0.441}) {
+    SCOPED_TRACE(velocity);
+    const RigFile rig = hybrid_rig(
+        "1.5 ms",
+        {{"solver.accuracy", "1e-7"}, {"start.velocity", fmt::format("\"{} m/s\"", velocity)}});
+    ShotTruth truth{.velocity = velocity, .duration = 1.6e-3, .motion = models::Motion::full};
+    const Fit of_full = fit({synthetic_shot(rig, truth)}, rig);
+    truth.motion = models::Motion::small;
+    const Fit of_small = fit({synthetic_shot(rig, truth)}, rig);
+    ASSERT_TRUE(of_full.predictions.at(0).small_motion);
+    const std::string said = of_full.predictions.at(0).skipped.back();
+    const std::size_t number = said.find("more than ") + std::string("more than ").size();
+    const double at_most = std::stod(said.substr(number));
+    for (std::size_t i = 0; i < of_full.parameters.size(); ++i) {
+      const Parameter &a = of_full.parameters[i], &b = of_small.parameters[i];
+      if (a.nuisance) continue;
+      EXPECT_LE(std::abs(a.value - b.value) / a.std_error, at_most + 0.003) << a.name;
+    }
+  }
 }
 
 // Slopes by a number of the bar come from bars that vibrate a little faster: the longest step,

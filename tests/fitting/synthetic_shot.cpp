@@ -39,10 +39,13 @@ high_cut = "250 kHz"
 delay = { value = "2 us", uncertainty = "0.1 us" }
 )";
 
-datasets::Impact synthetic_shot(const fitting::RigFile& rig, const ShotTruth& truth) {
-  constexpr double fine = 1e-7;      // [s]
-  constexpr double interval = 1e-6;  // [s]
-  constexpr double lead = 1e-3;      // [s]
+namespace {
+
+constexpr double fine = 1e-7;      // of the truth [s]
+constexpr double interval = 1e-6;  // of the recording [s]
+constexpr double lead = 1e-3;      // recorded before first touch [s]
+
+models::Simulation true_impact(const fitting::RigFile& rig, const ShotTruth& truth) {
   models::Rig true_rig = rig.rig;
   true_rig.contact.restitution = truth.restitution;
   true_rig.contact.stiffness_factor = truth.stiffness_factor;
@@ -50,61 +53,98 @@ datasets::Impact synthetic_shot(const fitting::RigFile& rig, const ShotTruth& tr
   models::Solver solver = rig.solver;
   solver.duration = truth.duration;
   models::SimulationOptions options;
+  options.motion = truth.motion;
   options.history = {.interval = fine, .lead = 1.2 * lead};
   options.history.velocity_position = rig.velocity->position;
-  const models::Simulation simulation = models::simulate(true_rig, solver, options);
+  return models::simulate(true_rig, solver, options);
+}
 
-  std::mt19937_64 generator(truth.seed);
-  std::normal_distribution<double> normal;
-  const auto record = [&](datasets::Quantity quantity, const datasets::Sensor& sensor,
-                          const std::vector<double>& history, double noise, double offset,
-                          double late, double hum) {
+/// What one channel adds to what its sensor shows.
+struct Additions {
+  double noise = 0.0, offset = 0.0, hum = 0.0;  // [SI]
+  double late = 0.0;                            // [s]
+};
+
+class Recorder {
+ public:
+  Recorder(const ShotTruth& truth, const models::History& history)
+      : truth_(truth),
+        start_(history.start),
+        generator_(truth.seed) {}
+
+  datasets::ImpactSignal record(const datasets::Sensor& sensor, datasets::Quantity quantity,
+                                const std::vector<double>& history, const Additions& added) {
     const std::vector<double> shown = datasets::sensor_response(sensor, history, fine);
     datasets::ImpactSignal signal;
     signal.quantity = quantity;
     signal.channel = std::string(datasets::name(quantity));
     signal.start = true_touch - lead;
     signal.interval = interval;
-    signal.noise = noise;
     signal.delay = sensor.delay.value;
     signal.delay_uncertainty = sensor.delay.uncertainty;
-    std::uniform_real_distribution<double> uniform(0.0, 2.0 * std::numbers::pi);
-    const double mains = 2.0 * std::numbers::pi * 50.0;
-    const double phase = hum > 0.0 ? uniform(generator) : 0.0;
-    const double third = hum > 0.0 ? uniform(generator) : 0.0;
-    const double phi = truth.noise_memory;
-    double last = phi > 0.0 ? normal(generator) : 0.0;
-    const auto coloured = [&] {
-      last = phi * last + std::sqrt(1.0 - phi * phi) * normal(generator);
-      return noise * last;
-    };
-    const double quantum = truth.step * noise;
-    signal.quantum = quantum;
-    signal.noise = std::hypot(noise, quantum / std::sqrt(12.0));
-    signal.noise_correlation = (1.0 + phi) / (1.0 - phi);
-    const auto digitised = [&](double value) {
-      return quantum > 0.0 ? quantum * std::round(value / quantum) : value;
-    };
-    for (double t = -lead; t < truth.duration - 20e-6; t += interval) {
-      const double place = (t - late - simulation.history.start) / fine;
+    signal.quantum = truth_.step * added.noise;
+    signal.noise = std::hypot(added.noise, signal.quantum / std::sqrt(12.0));
+    signal.noise_correlation = (1.0 + truth_.noise_memory) / (1.0 - truth_.noise_memory);
+    draw_phases(added.hum > 0.0);
+    last_ = truth_.noise_memory > 0.0 ? normal_(generator_) : 0.0;
+    for (double t = -lead; t < truth_.duration - 20e-6; t += interval) {
+      const double place = (t - added.late - start_) / fine;
       const auto k = static_cast<std::size_t>(place);
       const double part = place - static_cast<double>(k);
-      const double random = phi > 0.0 ? coloured() : noise * normal(generator);
-      signal.values.push_back(
-          digitised(offset + (1.0 - part) * shown[k] + part * shown[k + 1] + random +
-                    hum * (std::sin(mains * t + phase) + 0.3 * std::sin(3.0 * mains * t + third))));
+      signal.values.push_back(digitised(added.offset + (1.0 - part) * shown[k] +
+                                            part * shown[k + 1] + added.noise * next_noise() +
+                                            added.hum * hum(t),
+                                        signal.quantum));
     }
     return signal;
-  };
+  }
+
+ private:
+  void draw_phases(bool hums) {
+    std::uniform_real_distribution<double> uniform(0.0, 2.0 * std::numbers::pi);
+    phase_ = hums ? uniform(generator_) : 0.0;
+    third_ = hums ? uniform(generator_) : 0.0;
+  }
+
+  double hum(double t) const {
+    const double mains = 2.0 * std::numbers::pi * 50.0;
+    return std::sin(mains * t + phase_) + 0.3 * std::sin(3.0 * mains * t + third_);
+  }
+
+  /// Of unit standard deviation.
+  double next_noise() {
+    const double phi = truth_.noise_memory;
+    last_ = phi * last_ + std::sqrt(1.0 - phi * phi) * normal_(generator_);
+    return last_;
+  }
+
+  static double digitised(double value, double quantum) {
+    return quantum > 0.0 ? quantum * std::round(value / quantum) : value;
+  }
+
+  const ShotTruth& truth_;
+  double start_;
+  std::mt19937_64 generator_;
+  std::normal_distribution<double> normal_;
+  double phase_ = 0.0, third_ = 0.0, last_ = 0.0;
+};
+
+}  // namespace
+
+datasets::Impact synthetic_shot(const fitting::RigFile& rig, const ShotTruth& truth) {
+  const models::Simulation simulation = true_impact(rig, truth);
   datasets::Impact impact;
   impact.recording = "synthetic";
   impact.start = true_touch + 3e-6;  // detection is never exact
   impact.end = true_touch + simulation.episodes.front().end;
   impact.approach_velocity = 1.003 * truth.velocity;
-  impact.force = record(datasets::Quantity::force, *rig.force, simulation.history.seen_force(),
-                        truth.force_noise, truth.force_offset, truth.force_delay, truth.force_hum);
-  impact.velocity = record(datasets::Quantity::velocity, *rig.velocity, simulation.history.velocity,
-                           truth.velocity_noise, 0.0, truth.velocity_delay, truth.velocity_hum);
+  Recorder recorder(truth, simulation.history);
+  impact.force =
+      recorder.record(*rig.force, datasets::Quantity::force, simulation.history.seen_force(),
+                      {truth.force_noise, truth.force_offset, truth.force_hum, truth.force_delay});
+  impact.velocity =
+      recorder.record(*rig.velocity, datasets::Quantity::velocity, simulation.history.velocity,
+                      {truth.velocity_noise, 0.0, truth.velocity_hum, truth.velocity_delay});
   return impact;
 }
 

@@ -487,6 +487,8 @@ reports::ReportData example_report(int recordings) {
   data.fit.rig = example_rig();
   data.fit.termination = "converged";
   data.fit.iterations = 9;
+  data.fit.loss = fitting::Loss::huber;
+  data.fit.judging_seconds = 0.075;
   data.fit.simulations = 97;
   data.fit.seconds = 0.71;
   data.fit.warnings = {
