@@ -26,10 +26,10 @@
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/random_stream.hpp"
 #include "acquisition/synthetic.hpp"
+#include "bench/recorded_shot.hpp"
 #include "fitting/all_cores.hpp"
 #include "fitting/fit.hpp"
 #include "fitting/rig_file.hpp"
-#include "models/simulation.hpp"
 
 namespace {
 
@@ -39,7 +39,7 @@ const std::vector<std::string> names = {"contact.restitution",   "contact.stiffn
                                         "start.velocity",        "sensors.force.gain",
                                         "sensors.force.delay",   "sensors.velocity.gain",
                                         "sensors.velocity.delay"};
-const std::vector<std::string> kinds = {"covariance", "profile", "bootstrap"};
+const std::vector<std::string> kinds = {"covariance", "profile", "parametric", "residual"};
 const std::vector<std::string> disturbances = {"hum",   "drift",  "speckle",     "offset",
                                                "noise", "digits", "calibration", "dropouts"};
 
@@ -56,7 +56,6 @@ struct Study {
   std::string output;
   bool profile = false;
   int bootstrap = 0;
-  std::string bootstrap_kind = "parametric";
 };
 
 std::vector<fitting::Override> overrides(const std::vector<std::string>& assignments) {
@@ -98,42 +97,26 @@ struct Shot {
   bool sound = true;  // as the diagnostics of its channels say
 };
 
-/// The record, and into `truth` what gains and delays really are.
+/// The record, and into `truth_of` what gains and delays really are.
 datasets::Record record_shot(const Study& study, const fitting::RigFile& rig, std::uint64_t seed,
                              std::map<std::string, double>& truth_of) {
-  constexpr double margin = 50e-6;
-  acquisition::SyntheticOptions options;
-  models::SimulationOptions request;
-  request.history = {.interval = 0.05 / options.sample_rate, .lead = study.pre_trigger + margin};
-  if (rig.velocity) request.history.velocity_position = rig.velocity->position;
-  models::Solver solver = rig.solver;
-  solver.duration = study.duration - study.pre_trigger + margin;
-  solver.accuracy = 1e-9;
-  const models::Simulation truth = models::simulate(rig.rig, solver, request);
-  const acquisition::SensorSet sensors = {rig.force, rig.velocity, rig.displacement};
-  const double fastest =
-      std::ranges::max(truth.history.velocity, {}, [](double v) { return std::abs(v); });
-  options = study.day == "bad"
-                ? acquisition::bad_day(sensors, truth.peak_force, std::abs(fastest))
-                : acquisition::good_laboratory_day(sensors, truth.peak_force, std::abs(fastest));
-  options.pre_trigger = study.pre_trigger;
-  options.duration = study.duration;
-  options.seed = seed;
-  if (study.day == "good") acquisition::draw_calibration_errors(sensors, seed, options);
-  leave_out(study.without, options);
-  truth_of["sensors.force.gain"] = 1.0 + options.force.gain_error;
-  truth_of["sensors.velocity.gain"] = 1.0 + options.velocity.gain_error;
+  const bool good = study.day == "good";
+  const bench::RecordedShot shot = bench::record_shot(
+      rig, {.pre_trigger = study.pre_trigger,
+            .duration = study.duration,
+            .day = good ? acquisition::good_laboratory_day : acquisition::bad_day,
+            .change = [&](acquisition::SyntheticOptions& options, double) {
+              options.seed = seed;
+              if (good) acquisition::draw_calibration_errors(bench::sensors_of(rig), seed, options);
+              leave_out(study.without, options);
+            }});
+  truth_of["sensors.force.gain"] = 1.0 + shot.options.force.gain_error;
+  truth_of["sensors.velocity.gain"] = 1.0 + shot.options.velocity.gain_error;
   truth_of["sensors.force.delay"] =
-      (rig.force ? rig.force->delay.value : 0.0) + options.force.delay_error;
+      (rig.force ? rig.force->delay.value : 0.0) + shot.options.force.delay_error;
   truth_of["sensors.velocity.delay"] =
-      (rig.velocity ? rig.velocity->delay.value : 0.0) + options.velocity.delay_error;
-  const models::History& h = truth.history;
-  return acquisition::synthesise({.start = h.start,
-                                  .interval = h.interval,
-                                  .force = h.force,
-                                  .velocity = h.velocity,
-                                  .displacement = h.displacement},
-                                 sensors, options);
+      (rig.velocity ? rig.velocity->delay.value : 0.0) + shot.options.velocity.delay_error;
+  return shot.record;
 }
 
 bool within(double truth, double low, double high) {
@@ -154,10 +137,15 @@ Pull pull_of(const Study& study, const fitting::Fit& fit, const std::string& nam
     if (profile.name == name)
       pull.inside["profile"] =
           within(truth, profile.lower.value_or(-HUGE_VAL), profile.upper.value_or(HUGE_VAL));
-  if (fit.bootstrap)
-    for (const fitting::Bootstrap::Parameter& b : fit.bootstrap->parameters)
-      if (b.name == name) pull.inside["bootstrap"] = within(truth, b.ci95[0], b.ci95[1]);
   return pull;
+}
+
+void add_bootstrap(const fitting::Fit& fit, fitting::BootstrapKind kind, Shot& shot) {
+  for (const fitting::Bootstrap::Parameter& b : fit.bootstrap->parameters)
+    if (const auto place = std::ranges::find(names, b.name); place != names.end()) {
+      Pull& pull = shot.pulls[static_cast<std::size_t>(place - names.begin())];
+      pull.inside[std::string(fitting::name(kind))] = within(pull.truth, b.ci95[0], b.ci95[1]);
+    }
 }
 
 Shot fit_shot(const Study& study, std::uint64_t seed) {
@@ -176,11 +164,9 @@ Shot fit_shot(const Study& study, std::uint64_t seed) {
 
   fitting::RigFile rig = fitting::read_rig_file(study.rig, overrides(study.set));
   rig.fit.profile = study.profile;
-  rig.fit.bootstrap = study.bootstrap;
-  rig.fit.bootstrap_kind = fitting::bootstrap_named(study.bootstrap_kind);
   rig.fit.seed = seed;
-  const std::vector<datasets::Impact> impacts = acquisition::find_impacts(
-      acquisition::condition(record, {rig.force, rig.velocity, rig.displacement}));
+  const std::vector<datasets::Impact> impacts =
+      acquisition::find_impacts(acquisition::condition(record, bench::sensors_of(rig)));
   const fitting::Fit fit = fitting::fit({impacts.at(0)}, rig);
   shot.reduced = fit.goodness.chi2 / static_cast<double>(fit.goodness.dof);
   shot.simulations = fit.simulations;
@@ -188,6 +174,14 @@ Shot fit_shot(const Study& study, std::uint64_t seed) {
     shot.sound = shot.sound && channel.diagnostics->sound;
   for (const std::string& name : names)
     shot.pulls.push_back(pull_of(study, fit, name, truth_of[name]));
+  if (study.bootstrap > 0)
+    for (const auto kind : {fitting::BootstrapKind::parametric, fitting::BootstrapKind::residual}) {
+      fitting::FitOptions again = rig.fit;
+      again.for_report = again.profile = false;
+      again.bootstrap = study.bootstrap;
+      again.bootstrap_kind = kind;
+      add_bootstrap(fitting::fit({impacts.at(0)}, rig, again), kind, shot);
+    }
   return shot;
 }
 
@@ -278,8 +272,6 @@ void run(const Study& study) {
   print_summary(shots, json);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  fmt::print("{} of {} called unsound by their diagnostics\n",
-             std::ranges::count(shots, false, &Shot::sound), study.shots);
   fmt::print("{} shots from seed {}, {:.2f} s a shot\n", study.shots, study.seed,
              seconds / study.shots);
   if (!study.output.empty()) std::ofstream(study.output) << json.dump(1) << "\n";
@@ -302,9 +294,8 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember(disturbances))
       ->delimiter(',');
   program.add_flag("--profile", study.profile, "Intervals by profile likelihood as well");
-  program.add_option("--bootstrap", study.bootstrap, "Refits for intervals by bootstrap");
-  program.add_option("--bootstrap-kind", study.bootstrap_kind, "parametric or residual")
-      ->capture_default_str();
+  program.add_option("--bootstrap", study.bootstrap,
+                     "Refits for intervals by parametric and by residual bootstrap");
   program.add_option("-o,--output", study.output, "Every fit, as JSON");
   CLI11_PARSE(program, argc, argv);
   try {

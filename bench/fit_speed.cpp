@@ -15,11 +15,10 @@
 #include <vector>
 
 #include "acquisition/conditioning/condition.hpp"
-#include "acquisition/synthetic.hpp"
+#include "bench/recorded_shot.hpp"
 #include "bench/timing.hpp"
 #include "fitting/fit.hpp"
 #include "fitting/rig_file.hpp"
-#include "models/simulation.hpp"
 
 namespace {
 
@@ -27,39 +26,19 @@ using namespace impactrig;
 
 constexpr double pre_trigger = 0.3e-3;  // [s]
 constexpr double duration = 3e-3;       // [s]
-constexpr double margin = 50e-6;        // [s]
 
 const std::vector<std::string> parameters = {"contact.restitution", "contact.stiffness_factor",
                                              "start.velocity",      "contact.position",
                                              "beam.youngs_modulus", "beam.density"};
 
-datasets::Record record_of(const fitting::RigFile& rig) {
-  models::SimulationOptions request;
-  request.history = {.interval = 5e-8, .lead = pre_trigger + margin};
-  if (rig.velocity) request.history.velocity_position = rig.velocity->position;
-  models::Solver solver = rig.solver;
-  solver.duration = duration - pre_trigger + margin;
-  const models::Simulation truth = models::simulate(rig.rig, solver, request);
-  const acquisition::SensorSet sensors = {rig.force, rig.velocity, rig.displacement};
-  acquisition::SyntheticOptions options =
-      acquisition::good_laboratory_day(sensors, truth.peak_force, rig.rig.start.velocity);
-  options.pre_trigger = pre_trigger;
-  options.duration = duration;
-  const models::History& h = truth.history;
-  return acquisition::synthesise({.start = h.start,
-                                  .interval = h.interval,
-                                  .force = h.force,
-                                  .velocity = h.velocity,
-                                  .displacement = h.displacement},
-                                 sensors, options);
-}
-
 void measure(const std::string& path, const std::string& model,
-             const std::vector<fitting::Override>& settings, int repeats, int most) {
+             const std::vector<fitting::Override>& settings, int repeats, int least, int most) {
   const fitting::RigFile rig = fitting::read_rig_file(path, settings);
-  const auto impacts = acquisition::find_impacts(
-      acquisition::condition(record_of(rig), {rig.force, rig.velocity, rig.displacement}));
-  for (int count = 1; count <= most; ++count)
+  const bench::RecordedShot shot =
+      bench::record_shot(rig, {.pre_trigger = pre_trigger, .duration = duration});
+  const auto impacts =
+      acquisition::find_impacts(acquisition::condition(shot.record, bench::sensors_of(rig)));
+  for (int count = least; count <= most; ++count)
     for (const bool for_report : {false, true}) {
       fitting::FitOptions options;
       options.for_report = for_report;
@@ -89,20 +68,23 @@ void measure(const std::string& path, const std::string& model,
 
 int main(int argc, char** argv) {
   std::string rig = IMPACTRIG_SOURCE_DIR "/datasets/samples/shen2007.toml";
-  int repeats = 5, most = 6;
+  int repeats = 5, least = 1, most = 6;
   bool hybrid_only = false;
   CLI::App program("What a fit costs against the number of free parameters");
   program.add_option("--rig", rig, "Rig file")->capture_default_str();
   program.add_option("--repeats", repeats, "Of every fit")->check(CLI::Range(1, 1000));
   program.add_option("--parameters", most, "Free parameters at most")->check(CLI::Range(1, 6));
+  program.add_option("--from", least, "Free parameters at least")->check(CLI::Range(1, 6));
   program.add_flag("--hybrid-only", hybrid_only, "Without ANCF");
   CLI11_PARSE(program, argc, argv);
   fmt::print("{:<14} {:>4} {:<6} {:>9} {:>9} {:>9} {:>5} {:>11} {:>8} {:>10}\n", "model", "free",
              "what", "least ms", "median ms", "cpu ms", "steps", "simulations", "miss/se",
              "chi2/dof");
   try {
-    measure(rig, "hybrid, 12", {{"solver.model", "hybrid"}, {"solver.modes", "12"}}, repeats, most);
-    if (!hybrid_only) measure(rig, "ANCF [14, 2]", {{"solver.elements", "[14, 2]"}}, repeats, most);
+    measure(rig, "hybrid, 12", {{"solver.model", "hybrid"}, {"solver.modes", "12"}}, repeats, least,
+            most);
+    if (!hybrid_only)
+      measure(rig, "ANCF [14, 2]", {{"solver.elements", "[14, 2]"}}, repeats, least, most);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/recorded_shot.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/simulation.hpp"
+
+namespace impactrig::bench {
+namespace {
+
+constexpr double margin = 50e-6;  // of the truth beyond the recording [s]
+constexpr double finer = 20.0;    // than the recording's samples
+
+}  // namespace
+
+acquisition::SensorSet sensors_of(const fitting::RigFile& rig) {
+  return {rig.force, rig.velocity, rig.displacement};
+}
+
+RecordedShot record_shot(const fitting::RigFile& rig, const Recording& how) {
+  models::SimulationOptions request;
+  request.history = {.interval = 1.0 / (finer * acquisition::SyntheticOptions{}.sample_rate),
+                     .lead = how.pre_trigger + margin};
+  if (rig.velocity) request.history.velocity_position = rig.velocity->position;
+  models::Solver solver = rig.solver;
+  solver.duration = how.duration - how.pre_trigger + margin;
+  solver.accuracy = how.accuracy;
+  const models::Simulation truth = models::simulate(rig.rig, solver, request);
+  const models::History& h = truth.history;
+  const double fastest = std::ranges::max(h.velocity, {}, [](double v) { return std::abs(v); });
+  RecordedShot shot;
+  shot.options = how.day(sensors_of(rig), truth.peak_force, std::abs(fastest));
+  shot.options.pre_trigger = how.pre_trigger;
+  shot.options.duration = how.duration;
+  if (how.change) how.change(shot.options, truth.peak_force);
+  shot.record = acquisition::synthesise({.start = h.start,
+                                         .interval = h.interval,
+                                         .force = h.force,
+                                         .velocity = h.velocity,
+                                         .displacement = h.displacement},
+                                        sensors_of(rig), shot.options);
+  return shot;
+}
+
+}  // namespace impactrig::bench
