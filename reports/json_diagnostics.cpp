@@ -8,16 +8,16 @@ namespace {
 using fitting::ChannelDiagnostics;
 
 Json level_json(const fitting::PhaseLevel& level) {
-  return {{"phase", level.phase},
-          {"samples", level.samples},
-          {"rms", level.rms},
-          {"ratio", level.ratio},
-          {"p_value", level.p_value}};
+  return {{"phase", level.phase},     {"samples", level.samples},
+          {"rms", level.rms},         {"ratio", level.ratio},
+          {"p_value", level.p_value}, {"concentration", level.concentration}};
 }
 
 fitting::PhaseLevel level_from(const JsonReader& json) {
-  return {json["phase"].text(), json["samples"].integer(), json["rms"].number(),
-          json["ratio"].number(), json["p_value"].number()};
+  return {
+      json["phase"].text(),     json["samples"].integer(),
+      json["rms"].number(),     json["ratio"].number(),
+      json["p_value"].number(), json.has("concentration") ? json["concentration"].number() : 0.0};
 }
 
 Json structure_json(const fitting::Structure& structure) {

@@ -13,6 +13,9 @@ struct PhaseLevel {
   double rms = 0.0;      ///< of the residuals [unit of the channel]
   double ratio = 0.0;    ///< rms over noise [-]
   double p_value = 1.0;  ///< of so much from noise alone
+  /// Part of the samples that holds nine tenths of the residuals' energy [-]: 0.45 of normal noise,
+  /// 0.60 of a vibration, little of spikes and dropouts.
+  double concentration = 0.0;
 };
 
 /// How alike neighbouring residuals are after touch, once whitened by the colour seen before it.

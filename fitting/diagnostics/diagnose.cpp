@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "fitting/diagnostics/discrepancy.hpp"
 #include "fitting/diagnostics/residual_tests.hpp"
@@ -40,6 +42,16 @@ std::vector<double> beyond_half_a_step(const std::vector<double>& residual, doub
   return out;
 }
 
+/// Part of the samples that holds nine tenths of their sum.
+double concentration(std::vector<double> energies) {
+  std::ranges::sort(energies, std::greater<>());
+  double left = 0.0;
+  for (const double energy : energies) left += 0.9 * energy;
+  std::size_t count = 0;
+  while (count < energies.size() && left > 0.0) left -= energies[count++];
+  return static_cast<double>(count) / static_cast<double>(energies.size());
+}
+
 /// Levels of raw residuals; significance by the whitened ones.
 std::vector<PhaseLevel> levels(const ChannelResiduals& channel, std::span<const double> white,
                                const NoiseColour& noise) {
@@ -47,10 +59,12 @@ std::vector<PhaseLevel> levels(const ChannelResiduals& channel, std::span<const 
   std::vector<PhaseLevel> out(count);
   std::vector<double> squares(count, 0.0);
   std::vector<std::size_t> samples(count, 0);
+  std::vector<std::vector<double>> energies(count);
   for (std::size_t i = 0; i < channel.residual.size(); ++i) {
     if (!std::isfinite(channel.residual[i])) continue;
     const std::size_t phase = phase_at(time_of(channel, i), channel.phases);
-    out[phase].rms += channel.residual[i] * channel.residual[i];
+    energies[phase].push_back(channel.residual[i] * channel.residual[i]);
+    out[phase].rms += energies[phase].back();
     ++out[phase].samples;
     if (!std::isfinite(white[i])) continue;
     squares[phase] += white[i] * white[i];
@@ -58,8 +72,10 @@ std::vector<PhaseLevel> levels(const ChannelResiduals& channel, std::span<const 
   }
   for (std::size_t k = 0; k < count; ++k) {
     out[k].phase = phase_names[k];
-    if (out[k].samples > 0)
+    if (out[k].samples > 0) {
       out[k].rms = std::sqrt(out[k].rms / static_cast<double>(out[k].samples));
+      out[k].concentration = concentration(std::move(energies[k]));
+    }
     out[k].ratio = out[k].rms / noise.deviation;
     out[k].p_value = k == 0 ? 1.0 : level_p_value(squares[k], samples[k], noise);
   }

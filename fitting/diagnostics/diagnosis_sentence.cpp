@@ -11,6 +11,9 @@ namespace {
 
 // A structure is named where it explains this part of what noise does not.
 constexpr double telling_share = 0.25;
+// Nine tenths of what is left of a free vibration in so few samples: no model errs like that, but a
+// disturbance does.
+constexpr double few_samples = 0.15;
 
 /// The most energy beyond noise among phases that have significantly more than noise; null where
 /// none has.
@@ -81,7 +84,17 @@ std::string next_step(const std::string& quantity, const Structure& s) {
   return fmt::format("check the zero of the {} and condition its drift away", quantity);
 }
 
+bool is_disturbed(const PhaseLevel& level) {
+  return level.phase == "free vibration" && level.concentration < few_samples;
+}
+
 std::string next_step(const std::string& quantity, const PhaseLevel& level) {
+  if (is_disturbed(level))
+    return quantity == "force"
+               ? "spikes, a foreign blow or a contact that the model does not make: look at the "
+                 "record, shorten the fitted window, or take the loss tukey"
+               : "a laser's dropout, a spike or a contact that the model does not make: look at "
+                 "the record, mark it with the conditioning step dropouts, or take the loss tukey";
   if (level.phase == "before touch")
     return "the baseline wanders, or the fit bends it to make up for what the model lacks: look at "
            "the other phases first";
@@ -128,7 +141,11 @@ std::string diagnosis_sentence(const ChannelResiduals& channel, const ChannelDia
     text += fmt::format("are {:.3g} times the noise {}", worst->ratio, where(worst->phase));
   else
     text += "are hardly larger than the noise, but follow each other as noise does not";
-  if (like != nullptr) text += " and look like " + looks_like(*like);
+  if (like != nullptr)
+    text += " and look like " + looks_like(*like);
+  else if (worst != nullptr && is_disturbed(*worst))
+    text += fmt::format(", nine tenths of that in {:.2g} % of the samples there",
+                        100.0 * worst->concentration);
   text += "; ";
   if (like != nullptr)
     text += next_step(channel.quantity, *like);

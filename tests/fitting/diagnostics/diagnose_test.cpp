@@ -72,6 +72,27 @@ TEST(Diagnose, CountsEachPhase) {
             "The force's residuals are what its noise before touch leads to expect.");
 }
 
+// Closed forms: of x² of a normal x, nine tenths are above its 55.4th percentile; of sin² above its
+// 40.4th.
+TEST(Diagnose, KnowsHowMuchIsInFewSamples) {
+  ChannelResiduals channel = channel_of(gaussian_noise(before + after, 11));
+  EXPECT_NEAR(level(diagnose(channel, 0.05), "free vibration").concentration, 0.4455, 0.02);
+  for (std::size_t i = before + 300; i < channel.residual.size(); ++i)
+    channel.residual[i] = 40.0 * std::sin(2e4 * std::numbers::pi * at(channel, i));
+  EXPECT_NEAR(level(diagnose(channel, 0.05), "free vibration").concentration, 0.596, 0.01);
+}
+
+TEST(Diagnose, NamesADisturbanceThatNoModelMakes) {
+  ChannelResiduals channel = channel_of(gaussian_noise(before + after, 12));
+  channel.quantity = "velocity";
+  for (std::size_t i = before + 900; i < before + 950; ++i)
+    channel.residual[i] += i % 2 == 0 ? 60.0 : 30.0;
+  const ChannelDiagnostics found = diagnose(channel, 0.05);
+  EXPECT_FALSE(found.sound);
+  EXPECT_LT(level(found, "free vibration").concentration, 50.0 / 1100.0);
+  EXPECT_THAT(found.sentence, HasSubstr("% of the samples there; a laser's dropout"));
+}
+
 TEST(Diagnose, NamesThePhaseThatFails) {
   ChannelResiduals channel = channel_of(gaussian_noise(before + after, 2));
   std::vector<double> more = gaussian_noise(before + after, 3);
