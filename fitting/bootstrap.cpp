@@ -124,8 +124,11 @@ class Refit {
   const std::vector<std::vector<Remainder>>& remainders_;
 };
 
+/// At place (n + 1) p: between the k-th draw from below and from above lies a further one with
+/// probability 1 − 2k / (n + 1), however few there are. Source: [HyndmanFan1996], definition 6.
 double quantile_of(const std::vector<double>& sorted, double p) {
-  const double place = p * static_cast<double>(sorted.size() - 1);
+  const double n = static_cast<double>(sorted.size());
+  const double place = std::clamp(p * (n + 1.0) - 1.0, 0.0, n - 1.0);
   const auto below = static_cast<std::size_t>(place);
   const auto above = std::min(below + 1, sorted.size() - 1);
   return sorted[below] + (place - static_cast<double>(below)) * (sorted[above] - sorted[below]);

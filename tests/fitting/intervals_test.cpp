@@ -112,6 +112,19 @@ TEST(Bootstrap, AgreesWithTheCovariance) {
   }
 }
 
+// Between the least and the largest of 39 draws lies a fortieth with probability 38 / 40.
+TEST(Bootstrap, OfThirtyNineDrawsTakesTheOutermost) {
+  FitOptions options;
+  options.bootstrap = 39;
+  const Fit found = fit({shot()}, hybrid_rig(), options);
+  for (const Bootstrap::Parameter& drawn : found.bootstrap->parameters) {
+    const auto [least, most] = std::ranges::minmax(drawn.draws);
+    const double best = parameter(found, drawn.name).value;
+    EXPECT_NEAR(drawn.ci95[0], 2.0 * best - most, 1e-12 * best) << drawn.name;
+    EXPECT_NEAR(drawn.ci95[1], 2.0 * best - least, 1e-12 * best) << drawn.name;
+  }
+}
+
 std::vector<double> draws(std::uint64_t seed) {
   FitOptions options;
   options.bootstrap = 12;
