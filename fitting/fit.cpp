@@ -53,7 +53,7 @@ class Session {
   void choose_motion();
   double pass(const Search& how, double contacts);
   void search();
-  double search_from_elsewhere(double reduced);
+  void search_from_elsewhere(double reduced);
   void grow_window(double reduced);
   double spread();
   template <typename Change>
@@ -131,21 +131,20 @@ double Session::pass(const Search& how, double contacts) {
 /// Cauchy and Tukey take a peak that is far off for outliers: they search from near only.
 void Session::search() {
   problem_.set_loss(loss_from_afar(options_.loss));
-  double first = pass(first_search, first_window);
+  const double first = pass(first_search, first_window);
   const bool several_starts = std::ranges::any_of(problem_.variables(), [](const Variable& v) {
     return v.name == "contact.restitution" || v.name == "contact.stiffness_factor";
   });
-  if (first > poor_fit && several_starts) first = search_from_elsewhere(first);
+  if (first > poor_fit && several_starts) search_from_elsewhere(first);
   const double reached = pass(last_search, whole);
-  // a model that does not explain the first contact will not meet the later ones either
-  if (reached > misfit && first <= poor_fit) grow_window(reached);
+  if (reached > misfit) grow_window(reached);
   if (problem_.loss() == options_.loss) return;
   problem_.set_loss(options_.loss);
   pass(last_search, whole);
 }
 
-/// Tries other restitutions and stiffnesses and keeps the best end; returns what that reached.
-double Session::search_from_elsewhere(double reduced) {
+/// Tries other restitutions and stiffnesses and keeps the best end.
+void Session::search_from_elsewhere(double reduced) {
   std::vector<double> best = problem_.values();
   for (const double restitution : {0.25, 0.8})
     for (const double stiffness : {0.4, 2.5}) {
@@ -163,7 +162,6 @@ double Session::search_from_elsewhere(double reduced) {
       best = problem_.values();
     }
   problem_.set_values(best);
-  return reduced;
 }
 
 /// The whole window at once may lead into a false minimum, where the model meets the stop a second
