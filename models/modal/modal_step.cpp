@@ -92,6 +92,7 @@ ModalStep ModalStep::sum(std::span<const ModalStep> steps, std::span<const doubl
   combine([](auto& step) -> auto& { return step.response_.velocity_of_a; });
   combine([](auto& step) -> auto& { return step.response_.of_force.displacement_of_force; });
   combine([](auto& step) -> auto& { return step.response_.of_force.velocity_of_force; });
+  total.response_.of_force.set_most();
   return total;
 }
 
