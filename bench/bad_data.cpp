@@ -50,15 +50,19 @@ datasets::Channel& channel_of(datasets::Record& record, const std::string& name)
   return *std::ranges::find(record.channels, name, &datasets::Channel::name);
 }
 
+void set_values(datasets::Channel& channel, std::vector<double> values) {
+  channel.raw = std::move(values);
+  channel.scale = 1.0;
+  channel.offset = 0.0;
+}
+
 void change_values(datasets::Record& record, const std::string& name,
                    const std::function<double(double t, double value)>& change) {
   datasets::Channel& channel = channel_of(record, name);
   std::vector<double> values = channel.values();
   for (std::size_t k = 0; k < values.size(); ++k)
     values[k] = change(channel.clock.time(k), values[k]);
-  channel.raw = std::move(values);
-  channel.scale = 1.0;
-  channel.offset = 0.0;
+  set_values(channel, std::move(values));
 }
 
 double largest(datasets::Record& record, const std::string& name) {
@@ -104,17 +108,15 @@ void add_overload_tail(datasets::Record& record, RandomStream&) {
   });
 }
 
-void repeat_times(datasets::Record& record, RandomStream&) {
-  // the recorder lost a block of 200 samples of the velocity and put the rest together
+/// The recorder lost a block of the velocity and put the rest together.
+void lose_samples(datasets::Record& record, RandomStream&) {
   datasets::Channel& channel = channel_of(record, "Velocity");
   std::vector<double> values = channel.values();
   const auto at = static_cast<std::ptrdiff_t>((first_touch(record) + 400e-6 - channel.clock.start) /
                                               channel.clock.interval);
   values.erase(values.begin() + at, values.begin() + at + 200);
   values.resize(values.size() + 200, values.back());
-  channel.raw = std::move(values);
-  channel.scale = 1.0;
-  channel.offset = 0.0;
+  set_values(channel, std::move(values));
 }
 
 std::vector<Kind> kinds() {
@@ -140,7 +142,7 @@ std::vector<Kind> kinds() {
           {.name = "spikes on 0.4 % of the samples", .damage = add_spikes},
           {.name = "overloaded amplifier's tail", .damage = add_overload_tail},
           {.name = "somebody else's blow", .damage = add_foreign_blow},
-          {.name = "200 samples of velocity lost", .damage = repeat_times},
+          {.name = "200 samples of velocity lost", .damage = lose_samples},
           {.name = "force 20 us late",
            .record = [](Options& o, double) { o.force.delay_error = 20e-6; }},
           {.name = "force's gain 10 % off",
@@ -176,9 +178,7 @@ void cut_before(datasets::Record& record, double time) {
         static_cast<std::ptrdiff_t>((time - channel.clock.start) / channel.clock.interval);
     values.erase(values.begin(), values.begin() + lost);
     channel.clock.start += channel.clock.interval * static_cast<double>(lost);
-    channel.raw = std::move(values);
-    channel.scale = 1.0;
-    channel.offset = 0.0;
+    set_values(channel, std::move(values));
   }
 }
 
@@ -234,17 +234,10 @@ End read_end(int code, const std::string& base, double truth) {
 }
 
 End run_shot(const Study& study, const Kind& kind, std::uint64_t seed, const std::string& base) {
-  RandomStream random(seed, "truth");
-  std::vector<fitting::Override> overrides;
   std::string settings;
-  for (const std::string& text : study.set) {
-    overrides.emplace_back(text.substr(0, text.find('=')), text.substr(text.find('=') + 1));
-    settings += fmt::format(" --set '{}'", text);
-  }
-  fitting::RigFile truth = fitting::read_rig_file(study.rig, overrides);
-  truth.rig.contact.restitution = random.uniform(0.3, 0.8);
-  truth.rig.contact.stiffness_factor = random.uniform(0.8, 1.25);
-  truth.rig.start.velocity = random.uniform(0.3, 0.5);
+  for (const std::string& text : study.set) settings += fmt::format(" --set '{}'", text);
+  fitting::RigFile truth = fitting::read_rig_file(study.rig, bench::overrides(study.set));
+  bench::draw_truth(seed, truth.rig);
   bench::RecordedShot shot = bench::record_shot(
       truth, {.pre_trigger = kind.pre_trigger,
               .duration = kind.duration,

@@ -24,7 +24,6 @@
 #include <vector>
 
 #include "acquisition/conditioning/condition.hpp"
-#include "acquisition/random_stream.hpp"
 #include "acquisition/synthetic.hpp"
 #include "bench/recorded_shot.hpp"
 #include "fitting/all_cores.hpp"
@@ -57,16 +56,6 @@ struct Study {
   bool profile = false;
   int bootstrap = 0;
 };
-
-std::vector<fitting::Override> overrides(const std::vector<std::string>& assignments) {
-  std::vector<fitting::Override> list;
-  for (const std::string& text : assignments) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos) throw CLI::ValidationError("--set", "needs key=value");
-    list.push_back({text.substr(0, equals), text.substr(equals + 1)});
-  }
-  return list;
-}
 
 void leave_out(const std::vector<std::string>& without, acquisition::SyntheticOptions& options) {
   const auto leaves = [&](const char* what) { return std::ranges::count(without, what) > 0; };
@@ -149,20 +138,20 @@ void add_bootstrap(const fitting::Fit& fit, fitting::BootstrapKind kind, Shot& s
 }
 
 Shot fit_shot(const Study& study, std::uint64_t seed) {
-  acquisition::RandomStream random(seed, "truth");
   Shot shot;
   shot.seed = seed;
-  std::vector<fitting::Override> settings = overrides(study.set);
-  for (const fitting::Override& other : overrides(study.truth_set)) settings.push_back(other);
+  std::vector<fitting::Override> settings = bench::overrides(study.set);
+  for (const fitting::Override& other : bench::overrides(study.truth_set))
+    settings.push_back(other);
   fitting::RigFile truth = fitting::read_rig_file(study.rig, settings);
   std::map<std::string, double> truth_of;
-  truth_of["contact.restitution"] = truth.rig.contact.restitution = random.uniform(0.3, 0.8);
-  truth_of["contact.stiffness_factor"] = truth.rig.contact.stiffness_factor =
-      random.uniform(0.8, 1.25);
-  truth_of["start.velocity"] = truth.rig.start.velocity = random.uniform(0.3, 0.5);
+  bench::draw_truth(seed, truth.rig);
+  truth_of["contact.restitution"] = truth.rig.contact.restitution;
+  truth_of["contact.stiffness_factor"] = truth.rig.contact.stiffness_factor;
+  truth_of["start.velocity"] = truth.rig.start.velocity;
   const datasets::Record record = record_shot(study, truth, seed, truth_of);
 
-  fitting::RigFile rig = fitting::read_rig_file(study.rig, overrides(study.set));
+  fitting::RigFile rig = fitting::read_rig_file(study.rig, bench::overrides(study.set));
   rig.fit.profile = study.profile;
   rig.fit.seed = seed;
   const std::vector<datasets::Impact> impacts =

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bench/recorded_shot.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 
+#include "acquisition/random_stream.hpp"
 #include "models/simulation.hpp"
 
 namespace impactrig::bench {
@@ -16,6 +18,23 @@ constexpr double finer = 20.0;    // than the recording's samples
 
 acquisition::SensorSet sensors_of(const fitting::RigFile& rig) {
   return {rig.force, rig.velocity, rig.displacement};
+}
+
+std::vector<fitting::Override> overrides(const std::vector<std::string>& assignments) {
+  std::vector<fitting::Override> list;
+  for (const std::string& text : assignments) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) throw CLI::ValidationError("--set", "needs key=value");
+    list.push_back({text.substr(0, equals), text.substr(equals + 1)});
+  }
+  return list;
+}
+
+void draw_truth(std::uint64_t seed, models::Rig& rig) {
+  acquisition::RandomStream random(seed, "truth");
+  rig.contact.restitution = random.uniform(0.3, 0.8);
+  rig.contact.stiffness_factor = random.uniform(0.8, 1.25);
+  rig.start.velocity = random.uniform(0.3, 0.5);
 }
 
 RecordedShot record_shot(const fitting::RigFile& rig, const Recording& how) {

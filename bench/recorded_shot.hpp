@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "acquisition/synthetic.hpp"
 #include "datasets/record.hpp"
@@ -10,6 +13,12 @@
 namespace impactrig::bench {
 
 acquisition::SensorSet sensors_of(const fitting::RigFile& rig);
+
+/// "key=value", each. Throws CLI::ValidationError.
+std::vector<fitting::Override> overrides(const std::vector<std::string>& assignments);
+
+/// Restitution 0.3 to 0.8, stiffness factor 0.8 to 1.25, speed 0.3 to 0.5 m/s, uniform.
+void draw_truth(std::uint64_t seed, models::Rig& rig);
 
 /// How a shot is recorded.
 struct Recording {
