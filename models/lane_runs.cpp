@@ -52,7 +52,8 @@ void LaneRuns::drop(Lane& lane, int number) {
 void LaneRuns::begin(Lane& lane, int number) {
   SmallMotionRun& run = *lane.job->run;
   run.run().begin();
-  lane.known_law = run.faces_single_rigid_stop() && write_law(run.run().contact(), rows(), number);
+  lane.known_law = run.faces_single_rigid_stop() && !run.bar().modes().damped() &&
+                   write_law(run.run().contact(), rows(), number);
   write(rows().struck, number, run.bar().modes().struck());
   rows().tolerance.at[number] = run.run().newton_tolerance();
 }

@@ -368,8 +368,9 @@ bool spring_bends_bar(const Rig& rig) {
 
 std::string beyond_small_motion(const Rig& rig) {
   std::vector<std::string_view> keys;
-  if (rig.beam.damping != BarDamping{}) keys.push_back("beam.damping");
-  if (rig.hinge.viscous > 0.0) keys.push_back("hinge.viscous");
+  if (!rig.has_stop() && rig.beam.damping != BarDamping{})
+    keys.push_back("beam.damping without a stop");
+  if (!rig.has_stop() && rig.hinge.viscous > 0.0) keys.push_back("hinge.viscous without a stop");
   if (rig.gravity > 0.0 && rig.gravity_direction != 0.0)
     keys.push_back("environment.gravity_direction");
   if (rig.start.release_angle && spring_bends_bar(rig)) keys.push_back("start.release_angle");

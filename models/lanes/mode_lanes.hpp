@@ -7,6 +7,7 @@ namespace impactrig::models {
 struct ModesUnderForce {
   int modes = 0, terms = 0;                          ///< m; of the series, 16 at most
   const double *omega = nullptr, *struck = nullptr;  ///< as of ModalBeam (m)
+  const double *damping = nullptr;                   ///< likewise; none: undamped (m)
   double h = 0.0;                                    ///< [s]
   const double *series = nullptr;                    ///< [N] (terms); none: no force
   const double *a = nullptr, *rate = nullptr;        ///< before (m)
@@ -22,20 +23,23 @@ struct ModesOverStep {
 
   int modes = 0, nodes = 0;                              ///< m, s
   const double *omega = nullptr, *struck = nullptr;      ///< as of ModalBeam (m)
+  const double *damping = nullptr;                       ///< likewise; none: undamped (m)
   const double *seen = nullptr;                          ///< likewise of the kernels' point (m)
   double h = 0.0;                                        ///< [s]
   const double *points = nullptr, *to_series = nullptr;  ///< of the rule (s), (s, s)
   /// (s, m), by columns.
-  double *displacement_of_a, *displacement_of_rate, *velocity_of_a, *a_of_force, *rate_of_force;
-  double *cosine, *sine_over_omega, *minus_omega_sine;  ///< (m)
+  double *displacement_of_a, *displacement_of_rate, *velocity_of_a, *velocity_of_rate;
+  double *a_of_force, *rate_of_force;
+  double *a_of_a, *a_of_rate, *rate_of_a, *rate_of_rate;  ///< (m)
 
   int terms = 0;  ///< of the kernels' series, most_terms at most
   /// Legendre series of Σ r s sin(ωτ) / ω and Σ r s cos(ωτ) over the step, r the struck point, s
-  /// the one that is seen, with the sign of a force that presses back (terms).
+  /// the one that is seen, with the sign of a force that presses back (terms); with damping of what
+  /// then stands for them.
   double *displacement_kernel, *velocity_kernel;
 };
 
-/// Duhamel's integral, several modes at a time. These use what the processor has.
+/// Duhamel's integral, several undamped modes at a time. These use what the processor has.
 void advance_modes(ModesUnderForce &modes);
 void step_modes(const ModesOverStep &modes);
 

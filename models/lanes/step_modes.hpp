@@ -52,11 +52,13 @@ class ModeStep {
       chunk.store(struck * part.cosine, modes_.displacement_of_a + i, s);
       chunk.store(struck * part.sine_over_omega, modes_.displacement_of_rate + i, s);
       chunk.store(struck * part.minus_omega_sine, modes_.velocity_of_a + i, s);
+      chunk.store(struck * part.cosine, modes_.velocity_of_rate + i, s);
     }
     const Swing whole = swing(omega, modes_.h);
-    chunk.store(whole.cosine, modes_.cosine);
-    chunk.store(whole.sine_over_omega, modes_.sine_over_omega);
-    chunk.store(whole.minus_omega_sine, modes_.minus_omega_sine);
+    chunk.store(whole.cosine, modes_.a_of_a);
+    chunk.store(whole.sine_over_omega, modes_.a_of_rate);
+    chunk.store(whole.minus_omega_sine, modes_.rate_of_a);
+    chunk.store(whole.cosine, modes_.rate_of_rate);
   }
 
   void respond_to_force(const ModeChunk<N>& chunk, Real omega, Real struck, Real seen) {

@@ -23,7 +23,7 @@ AxialPull::AxialPull(const ModalBeam& beam) : beam_(beam), inertia_(beam.rigid()
   const Eigen::VectorXd of_modes = Eigen::VectorXd::Zero(beam.modes());
   before_ = after_ = {at_stations, at_stations, at_stations};
   slope_rate_ = pull_ = at_stations;
-  force_ = held_ = middle_ = of_modes;
+  force_ = held_ = middle_ = way_ = drag_ = of_modes;
   last_ = missing_ = end_ = answer_ = rest_ = {of_modes, of_modes};
 }
 
@@ -89,6 +89,10 @@ void AxialPull::find_force(const ModalState& state, double h) {
   force_ += turning * turning * middle_;
   beam_.add_stretching_force(middle_, force_);
   force_ -= beam_.rigid() * (beam_.rigid().dot(force_) / inertia_);
+  if (!beam_.damped()) return;
+  way_ = state.a - last_.a;
+  beam_.coupled_drag(way_, drag_);
+  force_ -= drag_ / h;
 }
 
 void AxialPull::follow(const ModalState& state, const ModalStep& step, double part,
@@ -103,6 +107,9 @@ void AxialPull::follow(const ModalState& state, const ModalStep& step, double pa
   const auto nodes = step.response().displacement_of_a.rows();
   move_on(beam_, step, part, NodeVector::Zero(nodes), missing_, end_);
   end_.a += held_;
+  const double blow = beam_.damped() ? -drag_[0] : 0.0;
+  end_.a[0] += 0.5 * blow * part * step.h();
+  end_.rate[0] += blow;
   answer(step, part, from, contact_force);
   std::swap(missing_, end_);
   std::swap(before_, after_);

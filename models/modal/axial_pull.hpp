@@ -18,9 +18,9 @@ namespace impactrig::models {
 ///   u̇(x) = ∫₀ˣ s ṡ dξ,   N(x) = ∫ₓᴸ (φ̇² ξ + 2 φ̇ v̇ + φ̈ v + ü) dm,   Qⱼ = −∫ N s wⱼ' dx + φ̇² aⱼ
 ///
 /// N [N] is the pull, u the foreshortening, Qⱼ what pull and turning frame do to a mode [N/√kg]. To
-/// it comes what uneven bending stretches (ModalBeam::stretching_energy()). Q is taken as constant
-/// within a step, the contact answers as a linear spring. To first
-/// order: what is missing does not change Q itself.
+/// it comes what uneven bending stretches (ModalBeam::stretching_energy()), and what damping
+/// couples modes by (ModalBeam::coupled_drag()). Q is taken as constant within a step, the contact
+/// answers as a linear spring. To first order: what is missing does not change Q itself.
 class AxialPull {
  public:
   explicit AxialPull(const ModalBeam& beam);
@@ -57,7 +57,7 @@ class AxialPull {
   const ModalBeam& beam_;
   double inertia_;
   Look before_, after_;
-  Eigen::VectorXd slope_rate_, pull_, force_, held_, middle_;
+  Eigen::VectorXd slope_rate_, pull_, force_, held_, middle_, way_, drag_;
   ModalState last_, missing_, end_, answer_, rest_;
   double deepest_ = 0.0, stiffness_ = 0.0, largest_ = 0.0;
   double impulse_ = 0.0, missing_impulse_ = 0.0, share_ = 0.0, of_peak_ = 0.0, of_depth_ = 0.0;

@@ -85,7 +85,7 @@ std::optional<Rig> BarFamily::representative(const Rig& rig) {
   for (double Beam::*value :
        {&Beam::area, &Beam::second_moment, &Beam::youngs_modulus, &Beam::density})
     other.beam.*value = nearest_power_of_two(rig.beam.*value);
-  other.hinge.spring = 0.0;
+  other.hinge.spring = other.hinge.viscous = 0.0;
   return other;
 }
 
@@ -99,7 +99,8 @@ std::shared_ptr<const ModalBar> BarFamily::bar(const Rig& rig) const {
       bar_, ModalBeam::Change{.stiffness = beam.youngs_modulus * beam.second_moment /
                                            (beam_.youngs_modulus * beam_.second_moment),
                               .mass = beam.density * beam.area / (beam_.density * beam_.area),
-                              .spring = rig.hinge.spring});
+                              .spring = rig.hinge.spring,
+                              .viscous = rig.hinge.viscous});
 }
 
 std::shared_ptr<const ModalBar> BarCache::bar(const Rig& rig, const Solver& solver) {

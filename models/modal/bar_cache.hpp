@@ -70,8 +70,8 @@ struct BarKey {
 std::shared_ptr<const ModalBar> make_modal_bar(const Rig& rig, const Solver& solver);
 
 /// Bars of the same length, struck point, mesh and weight a mass, without further masses, have
-/// nearly the same modes, whatever E, I, ρ, A and the hinge's spring are: those of each follow from
-/// the modes of one that stands for all.
+/// nearly the same modes, whatever E, I, ρ, A and the hinge's spring and damper are: those of each
+/// follow from the modes of one that stands for all.
 class BarFamily {
  public:
   /// The bar that stands for all; of beams that are in no family, none.

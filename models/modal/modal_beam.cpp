@@ -107,8 +107,10 @@ std::vector<BarElement> station_spans(const Rig& rig) {
 
 ModalBeam::ModalBeam(const SmallMotionBeam& beam, const Rig& rig)
     : beam_(beam),
-      motion_(beam.small_motion()) {
+      motion_(beam.small_motion()),
+      viscous_(ViscousDamping::of(rig)) {
   solve_modes();
+  find_damping();
   struck_ = point(rig.contact.position);
   for (const FurtherStop& stop : rig.further_stops)
     further_.push_back(stop.direction() * point(stop.contact.position));
@@ -208,6 +210,8 @@ ModalBeam::ModalBeam(const ModalBeam& other, const Change& change) : ModalBeam(o
   for (Eigen::VectorXd& row : further_) row = basis.transpose() * row / root;
   hinge_ = basis.transpose() * hinge_ / root;
   rigid_ = root * (basis.transpose() * rigid_);
+  viscous_.hinge = change.viscous;
+  find_damping();
 }
 
 /// The rigid rotation is taken out first: its only stiffness is that of weight and spring, which a
@@ -261,8 +265,36 @@ double ModalBeam::rounding() const {
   return share * std::numeric_limits<double>::epsilon() * ratio * ratio;
 }
 
-ModalSlope ModalBeam::slope(const SmallMotion& change, const Eigen::VectorXd& row,
-                            const Eigen::VectorXd& row_change) const {
+/// The elastic stiffness in a mode is what weight and spring leave of ω².
+void ModalBeam::find_damping() {
+  const Eigen::ArrayXd turned = hinge_.array().square();
+  const Eigen::ArrayXd elastic =
+      omega_.array().square() - weight_.diagonal().array() - motion_.spring * turned;
+  damping_ = viscous_.mass + viscous_.stiffness * elastic + viscous_.hinge * turned;
+  damped_ = viscous_ != ViscousDamping{};
+}
+
+double ModalBeam::fastest() const {
+  double fastest = 0.0;
+  for (Eigen::Index i = 0; i < omega_.size(); ++i) {
+    const double half = 0.5 * std::abs(damping_[i]);
+    const double creep =
+        half > omega_[i] ? std::sqrt((half - omega_[i]) * (half + omega_[i])) : 0.0;
+    fastest = std::max(fastest, creep > 0.0 ? half + creep : omega_[i]);
+  }
+  return fastest;
+}
+
+void ModalBeam::coupled_drag(const Eigen::VectorXd& a, Eigen::VectorXd& drag) const {
+  drag.noalias() = -viscous_.stiffness * (weight_ * a);
+  drag.array() += viscous_.stiffness * weight_.diagonal().array() * a.array();
+  const double hinge = viscous_.hinge - viscous_.stiffness * motion_.spring;
+  const double turned = hinge_.dot(a);
+  drag.array() += hinge * (turned * hinge_.array() - hinge_.array().square() * a.array());
+}
+
+ModalSlope ModalBeam::slope(const SmallMotion& change, const ViscousDamping& damping,
+                            const Eigen::VectorXd& row, const Eigen::VectorXd& row_change) const {
   const Eigen::Index m = omega_.size();
   const Eigen::VectorXd& h = motion_.hinge;
   const Eigen::MatrixXd coupled = motion_.spring * (change.hinge * h.transpose());
@@ -283,6 +315,18 @@ ModalSlope ModalBeam::slope(const SmallMotion& change, const Eigen::VectorXd& ro
   for (Eigen::Index i = 0; i < m; ++i)
     slope.omega[i] =
         omega_[i] > 0.0 ? (k(i, i) - omega_[i] * omega_[i] * mass(i, i)) / (2.0 * omega_[i]) : 0.0;
+  const Eigen::ArrayXd turned_change =
+      2.0 * hinge_.array() *
+      (shapes_.transpose() * change.hinge + slope.shapes.transpose() * h).array();
+  const auto in_modes = [&](const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& other) {
+    return (shapes_.array() * (matrix * other).array()).colwise().sum().transpose().eval();
+  };
+  slope.damping =
+      damping.mass + damping.hinge * hinge_.array().square() + viscous_.hinge * turned_change;
+  if (damping.stiffness != 0.0 || viscous_.stiffness != 0.0)
+    slope.damping.array() += damping.stiffness * in_modes(motion_.stiffness, shapes_) +
+                             viscous_.stiffness * (in_modes(change.stiffness, shapes_) +
+                                                   2.0 * in_modes(motion_.stiffness, slope.shapes));
   slope.struck = slope.shapes.transpose() * row + shapes_.transpose() * row_change;
   slope.rigid = slope.shapes.transpose() * (motion_.mass * motion_.rigid) +
                 shapes_.transpose() * (change.mass * motion_.rigid + motion_.mass * change.rigid);
@@ -292,6 +336,8 @@ ModalSlope ModalBeam::slope(const SmallMotion& change, const Eigen::VectorXd& ro
 ModalBeam ModalBeam::moved(const ModalSlope& slope, double amount) const {
   ModalBeam bar = *this;
   bar.omega_ += amount * slope.omega;
+  bar.damping_ += amount * slope.damping;
+  bar.damped_ = damped_ || slope.damping.any();
   bar.struck_ += amount * slope.struck;
   bar.rigid_ += amount * slope.rigid;
   return bar;

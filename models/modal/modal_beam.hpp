@@ -10,7 +10,8 @@
 
 namespace impactrig::models {
 
-/// A bar's small motion in its own modes: ä + ω² a = −r F, with unit modal mass, a (m).
+/// A bar's small motion in its own modes: ä + d ȧ + ω² a = −r F, with unit modal mass, a (m). They
+/// are those of the undamped bar; what damping couples one to another is left out: coupled_drag().
 class ModalBeam {
  public:
   ModalBeam(const SmallMotionBeam& beam, const Rig& rig);
@@ -20,6 +21,7 @@ class ModalBeam {
     double stiffness = 1.0;  ///< its E I over the other's
     double mass = 1.0;       ///< its ρ A over the other's, and every lumped mass likewise
     double spring = 0.0;     ///< of its hinge [N m/rad]
+    double viscous = 0.0;    ///< likewise [N m s/rad]
   };
 
   /// The modes of such a bar from those of one without a spring: they are nearly the same, only
@@ -29,6 +31,17 @@ class ModalBeam {
   int modes() const { return static_cast<int>(omega_.size()); }
 
   const Eigen::VectorXd& omega() const { return omega_; }  ///< [rad/s], the pendulum's first (m)
+
+  const Eigen::VectorXd& damping() const { return damping_; }  ///< d [1/s] (m)
+
+  bool damped() const { return damped_; }  ///< whether any mode is
+
+  /// Of the fastest that modes vibrate or creep with, |λ| of e^{λt} [1/s].
+  double fastest() const;
+
+  /// Momentum that a mode takes from others by damping, and is left out, while they move by `a`
+  /// (m).
+  void coupled_drag(const Eigen::VectorXd& a, Eigen::VectorXd& drag) const;
 
   /// Displacement of the struck point, closing > 0, under unit modal coordinates [1/√kg] (m).
   const Eigen::VectorXd& struck() const { return struck_; }
@@ -53,14 +66,14 @@ class ModalBeam {
   /// element is far shorter than the others.
   double rounding() const;
 
-  /// How the modes change with a parameter on which the small motion depends like this. `row`: of
-  /// the struck point, and how that changes (n). First-order perturbation: each frequency must be
-  /// its mode's alone.
-  ModalSlope slope(const SmallMotion& change, const Eigen::VectorXd& row,
-                   const Eigen::VectorXd& row_change) const;
+  /// How the modes change with a parameter on which small motion and damping depend like this.
+  /// `row`: of the struck point, and how that changes (n). First-order perturbation: each frequency
+  /// must be its mode's alone.
+  ModalSlope slope(const SmallMotion& change, const ViscousDamping& damping,
+                   const Eigen::VectorXd& row, const Eigen::VectorXd& row_change) const;
 
-  /// The bar with frequencies, struck point and rigid rotation moved along a slope; for its
-  /// responses alone.
+  /// The bar with frequencies, damping, struck point and rigid rotation moved along a slope; for
+  /// its responses alone.
   ModalBeam moved(const ModalSlope& slope, double amount) const;
 
   const Eigen::MatrixXd& shapes() const { return shapes_; }
@@ -103,6 +116,7 @@ class ModalBeam {
 
  private:
   void solve_modes();
+  void find_damping();
   void find_stations(const Rig& rig);
   void find_uneven_slopes();
 
@@ -111,6 +125,9 @@ class ModalBeam {
   Eigen::MatrixXd shapes_;  // (n, m), M-orthonormal
   Eigen::MatrixXd weight_;  // the hanging weight's stiffness (m, m)
   Eigen::VectorXd omega_, struck_, rigid_;
+  ViscousDamping viscous_;
+  Eigen::VectorXd damping_;
+  bool damped_ = false;
   std::vector<Eigen::VectorXd> further_;  // of further stops
   Eigen::VectorXd hinge_;                 // angle at the hinge under unit modal coordinates (m)
   double elastic_compliance_ = 0.0;

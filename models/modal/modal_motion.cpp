@@ -15,7 +15,7 @@ ModalMotion::ModalMotion(const ModalBar& bar, const Collocation& rule,
       beam_(bar.modes()),
       rule_(rule),
       sampling_interval_(history.interval),
-      flies_(!beam_.sprung()),
+      flies_(!beam_.sprung() && !beam_.damped()),
       pull_(beam_) {
   const auto row = [&](double x) { return x > 0.0 ? beam_.point(x) : beam_.struck(); };
   if (!(history.interval > 0.0)) return;
@@ -42,6 +42,7 @@ BeamEnergy ModalMotion::energy() const {
 }
 
 void ModalMotion::begin_step(int level) {
+  level_ = level;
   step_ = &bar_.step(rule_, level);
 }
 
@@ -76,7 +77,7 @@ void ModalMotion::finish(std::span<const StopStep> stops) {
 }
 
 /// The state within the solved step; tells how the struck point moves there.
-PointMotion ModalMotion::jump(double part, ModalState& to, double* acceleration) {
+PointMotion ModalMotion::jump(double part, ModalState& to, double* acceleration) const {
   const double h = part * step();
   const PointMotion motion =
       advance(beam_, h, rule_.restricted(series_[0], part), state_, to, acceleration);
@@ -93,7 +94,50 @@ PointMotion ModalMotion::jump(double part, ModalState& to, double* acceleration)
 
 /// Of the point before a stop, without what forces do to it.
 double ModalMotion::free_acceleration(int stop, const ModalState& state) const {
-  return -(beam_.struck(stop).array() * beam_.omega().array().square() * state.a.array()).sum();
+  return -(beam_.struck(stop).array() * (beam_.omega().array().square() * state.a.array() +
+                                         beam_.damping().array() * state.rate.array()))
+              .sum();
+}
+
+/// What the bar has less, but for the work of the stops, which twice the nodes see.
+double ModalMotion::damped(double part) const {
+  if (!beam_.damped()) return 0.0;
+  static thread_local ModalState within;  // at every step: no allocation
+  if (part < 1.0) {
+    within = end_;
+    jump(part, within);
+  }
+  const auto total = [&](const ModalState& state) {
+    const BeamEnergy energy = beam_.energy(state.a, state.rate);
+    return energy.kinetic + energy.elastic + energy.spring + energy.gravitational;
+  };
+  return total(state_) - total(part < 1.0 ? within : end_) - work_on_stops(part);
+}
+
+double ModalMotion::work_on_stops(double part) const {
+  bool pressed = false;
+  for (int stop = 0; stop < beam_.stops(); ++stop) pressed = pressed || presses(stop);
+  if (!pressed) return 0.0;
+  const Collocation& fine = Collocation::of(most_nodes);
+  std::optional<ModalStep> shorter;
+  if (part < 1.0) shorter.emplace(beam_, fine, part * step());
+  const ModalStep& whole = shorter ? *shorter : bar_.step(fine, level_);
+  const auto force_of = [&](int stop) {
+    NodeVector force(fine.nodes());
+    for (int i = 0; i < fine.nodes(); ++i)
+      force[i] = legendre_sum(series_[static_cast<std::size_t>(stop)], part * fine.points()[i]);
+    return force;
+  };
+  double work = 0.0;
+  NodeVector displacement, velocity;
+  for (int point = 0; point < beam_.stops(); ++point) {
+    if (!presses(point)) continue;
+    whole.coast(point, state_, displacement, velocity);
+    for (int stop = 0; stop < beam_.stops(); ++stop)
+      velocity += whole.response(point, stop).velocity_of_force * force_of(stop);
+    work += part * step() * fine.weights().dot(velocity.cwiseProduct(force_of(point)));
+  }
+  return work;
 }
 
 PointMotion ModalMotion::struck_at(int stop, double part, double* acceleration) {

@@ -70,6 +70,8 @@ class ModalMotion : public BarMotion {
 
   double error() const override { return 0.0; }
 
+  double damped(double part) const override;
+
   PointMotion struck_at(int stop, double part, double* acceleration) override;
   void sample(double first, double spacing, std::span<Sample> samples) override;
 
@@ -106,7 +108,8 @@ class ModalMotion : public BarMotion {
   /// energy at touch: of the order of the relative error of peak force, duration and impulse.
   double neglected() const { return neglected_; }
 
-  /// What the pull along the bar would have changed until the first contact ended.
+  /// What the pull along the bar, and damping's coupling of the modes, would have changed until the
+  /// first contact ended.
   const AxialPull& missing_pull() const { return pull_; }
 
  private:
@@ -122,7 +125,8 @@ class ModalMotion : public BarMotion {
 
   void note_shortening(bool pressed);
 
-  PointMotion jump(double part, ModalState& to, double* acceleration = nullptr);
+  PointMotion jump(double part, ModalState& to, double* acceleration = nullptr) const;
+  double work_on_stops(double part) const;
   double free_acceleration(int stop, const ModalState& state) const;
   void advance_sample(double from, double spacing);
 
@@ -136,6 +140,7 @@ class ModalMotion : public BarMotion {
 
   ModalState state_, end_, scratch_;
   const ModalStep* step_ = nullptr;
+  int level_ = 0;                   // of that
   std::vector<NodeVector> series_;  // of the force of each stop
   double energy_scale_ = 0.0;
   bool flies_;

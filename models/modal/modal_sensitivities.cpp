@@ -106,6 +106,7 @@ void ModalSensitivities::find_slope(const Rig& rig, const Solver& solver,
     return beam.small_motion_row(asked > 0.0 ? asked : struck);
   };
   const std::unique_ptr<SmallMotionBeam> here = make_small_motion_beam(rig, solver);
+  ViscousDamping damping;
   SmallMotion change = here->small_motion();
   Eigen::VectorXd struck = Eigen::VectorXd::Zero(change.rigid.size());
   Eigen::VectorXd velocity = struck, displacement = struck;
@@ -127,13 +128,17 @@ void ModalSensitivities::find_slope(const Rig& rig, const Solver& solver,
     change.hinge += weight * motion.hinge;
     change.rigid += weight * motion.rigid;
     change.spring += weight * motion.spring;
+    const ViscousDamping resisting = ViscousDamping::of(there);
+    damping.mass += weight * resisting.mass;
+    damping.stiffness += weight * resisting.stiffness;
+    damping.hinge += weight * resisting.hinge;
     const double position = there.contact.position;
     struck += weight * row_of(*beam, 0.0, position);
     velocity += weight * row_of(*beam, history.velocity_position, position);
     displacement += weight * row_of(*beam, history.displacement_position, position);
   }
   const double position = rig.contact.position;
-  d.slope = beam_.slope(change, row_of(*here, 0.0, position), struck);
+  d.slope = beam_.slope(change, damping, row_of(*here, 0.0, position), struck);
   const auto spot = [&](double asked, const Eigen::VectorXd& row_change) -> Eigen::VectorXd {
     return d.slope.shapes.transpose() * row_of(*here, asked, position) +
            beam_.shapes().transpose() * row_change;
@@ -145,9 +150,9 @@ void ModalSensitivities::find_slope(const Rig& rig, const Solver& solver,
     return largest > 0.0 ? mode_step * value.cwiseAbs().maxCoeff() / largest
                          : std::numeric_limits<double>::infinity();
   };
-  d.bar_spacing = std::min({step_along(beam_.omega(), d.slope.omega),
-                            step_along(beam_.struck(), d.slope.struck),
-                            step_along(beam_.rigid(), d.slope.rigid)});
+  d.bar_spacing = std::min(
+      {step_along(beam_.omega(), d.slope.omega), step_along(beam_.omega(), d.slope.damping),
+       step_along(beam_.struck(), d.slope.struck), step_along(beam_.rigid(), d.slope.rigid)});
   if (!std::isfinite(d.bar_spacing)) {
     d.slope = {};
     return;
@@ -293,12 +298,12 @@ void ModalSensitivities::solve(Direction& d) {
   const ModalState& state = motion_.state();
   const ModalStep::Response& r = step.response();
   NodeVector depth = r.displacement_of_a * d.state.a + r.displacement_of_rate * d.state.rate;
-  NodeVector rate = r.velocity_of_a * d.state.a + r.displacement_of_a * d.state.rate;
+  NodeVector rate = r.velocity_of_a * d.state.a + r.velocity_of_rate * d.state.rate;
   if (!d.bars.empty()) {
     const ModalStep::Response& slope = slope_of_step(d, step.h()).response();
     depth += slope.displacement_of_a * state.a + slope.displacement_of_rate * state.rate +
              slope.of_force.displacement_of_force * force_;
-    rate += slope.velocity_of_a * state.a + slope.displacement_of_a * state.rate +
+    rate += slope.velocity_of_a * state.a + slope.velocity_of_rate * state.rate +
             slope.of_force.velocity_of_force * force_;
   }
   if (contact_->presses()) {
@@ -354,8 +359,9 @@ void ModalSensitivities::look(double part, Place& place) const {
 }
 
 void ModalSensitivities::accelerate(Place& place) const {
-  place.acceleration =
-      -beam_.omega().cwiseAbs2().cwiseProduct(place.state.a) - beam_.struck() * place.force;
+  place.acceleration = -beam_.omega().cwiseAbs2().cwiseProduct(place.state.a) -
+                       beam_.damping().cwiseProduct(place.state.rate) -
+                       beam_.struck() * place.force;
 }
 
 /// The state's slope there, at the same time from the step's beginning.

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "models/lanes/mode_lanes.hpp"
+#include "models/modal/mode_kernel.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -26,48 +27,60 @@ int terms_needed(double theta) {
   return std::min(static_cast<int>(z + 14.0 + 6.0 * std::cbrt(z)), most_terms);
 }
 
+void move(ModesUnderForce& modes) {
+  modes.damping ? advance_damped_modes(modes) : advance_modes(modes);
+}
+
+void respond(const ModesOverStep& modes) {
+  modes.damping ? step_damped_modes(modes) : step_modes(modes);
+}
+
 }  // namespace
 
 double ModalStep::longest(const ModalBeam& beam) {
-  const double highest = beam.omega().maxCoeff();
+  const double highest = beam.fastest();
   return highest > 0.0 ? longest_phase / highest : std::numeric_limits<double>::infinity();
 }
 
 ModalStep::ModalStep(const ModalBeam& beam, const Collocation& rule, double h)
     : h_(h),
-      cosine_(beam.modes()),
-      sine_over_omega_(beam.modes()),
-      minus_omega_sine_(beam.modes()),
+      a_of_a_(beam.modes()),
+      a_of_rate_(beam.modes()),
+      rate_of_a_(beam.modes()),
+      rate_of_rate_(beam.modes()),
       a_of_force_(rule.nodes(), beam.modes()),
       rate_of_force_(rule.nodes(), beam.modes()) {
   if (h > longest(beam) * (1.0 + slack))
     throw std::logic_error("ModalStep: the step is too long for the highest mode");
   const int s = rule.nodes();
-  for (Eigen::MatrixXd* matrix :
-       {&response_.displacement_of_a, &response_.displacement_of_rate, &response_.velocity_of_a})
+  for (Eigen::MatrixXd* matrix : {&response_.displacement_of_a, &response_.displacement_of_rate,
+                                  &response_.velocity_of_a, &response_.velocity_of_rate})
     matrix->resize(s, beam.modes());
-  const int terms = std::max(terms_needed(h * beam.omega().maxCoeff()), s);
+  const int terms = std::max(terms_needed(h * beam.fastest()), s);
   const int blocks = (terms + Collocation::block_size - 1) / Collocation::block_size;
   Eigen::MatrixX2d kernels = Eigen::MatrixX2d::Zero(blocks * Collocation::block_size, 2);
-  step_modes({.modes = beam.modes(),
-              .nodes = s,
-              .omega = beam.omega().data(),
-              .struck = beam.struck().data(),
-              .seen = beam.struck().data(),
-              .h = h,
-              .points = rule.points().data(),
-              .to_series = rule.to_series().data(),
-              .displacement_of_a = response_.displacement_of_a.data(),
-              .displacement_of_rate = response_.displacement_of_rate.data(),
-              .velocity_of_a = response_.velocity_of_a.data(),
-              .a_of_force = a_of_force_.data(),
-              .rate_of_force = rate_of_force_.data(),
-              .cosine = cosine_.data(),
-              .sine_over_omega = sine_over_omega_.data(),
-              .minus_omega_sine = minus_omega_sine_.data(),
-              .terms = terms,
-              .displacement_kernel = kernels.col(0).data(),
-              .velocity_kernel = kernels.col(1).data()});
+  respond({.modes = beam.modes(),
+           .nodes = s,
+           .omega = beam.omega().data(),
+           .struck = beam.struck().data(),
+           .damping = beam.damped() ? beam.damping().data() : nullptr,
+           .seen = beam.struck().data(),
+           .h = h,
+           .points = rule.points().data(),
+           .to_series = rule.to_series().data(),
+           .displacement_of_a = response_.displacement_of_a.data(),
+           .displacement_of_rate = response_.displacement_of_rate.data(),
+           .velocity_of_a = response_.velocity_of_a.data(),
+           .velocity_of_rate = response_.velocity_of_rate.data(),
+           .a_of_force = a_of_force_.data(),
+           .rate_of_force = rate_of_force_.data(),
+           .a_of_a = a_of_a_.data(),
+           .a_of_rate = a_of_rate_.data(),
+           .rate_of_a = rate_of_a_.data(),
+           .rate_of_rate = rate_of_rate_.data(),
+           .terms = terms,
+           .displacement_kernel = kernels.col(0).data(),
+           .velocity_kernel = kernels.col(1).data()});
   respond_to_force(rule, kernels, response_.of_force);
   if (beam.stops() > 1) respond_further(beam, rule, terms);
 }
@@ -82,14 +95,16 @@ ModalStep ModalStep::sum(std::span<const ModalStep> steps, std::span<const doubl
     for (std::size_t j = 0; j < steps.size(); ++j)
       if (weights[j] != 0.0) to += weights[j] * part(steps[j]);
   };
-  combine([](auto& step) -> auto& { return step.cosine_; });
-  combine([](auto& step) -> auto& { return step.sine_over_omega_; });
-  combine([](auto& step) -> auto& { return step.minus_omega_sine_; });
+  combine([](auto& step) -> auto& { return step.a_of_a_; });
+  combine([](auto& step) -> auto& { return step.a_of_rate_; });
+  combine([](auto& step) -> auto& { return step.rate_of_a_; });
+  combine([](auto& step) -> auto& { return step.rate_of_rate_; });
   combine([](auto& step) -> auto& { return step.a_of_force_; });
   combine([](auto& step) -> auto& { return step.rate_of_force_; });
   combine([](auto& step) -> auto& { return step.response_.displacement_of_a; });
   combine([](auto& step) -> auto& { return step.response_.displacement_of_rate; });
   combine([](auto& step) -> auto& { return step.response_.velocity_of_a; });
+  combine([](auto& step) -> auto& { return step.response_.velocity_of_rate; });
   combine([](auto& step) -> auto& { return step.response_.of_force.displacement_of_force; });
   combine([](auto& step) -> auto& { return step.response_.of_force.velocity_of_force; });
   total.response_.of_force.set_most();
@@ -100,7 +115,7 @@ ModalStep ModalStep::sum(std::span<const ModalStep> steps, std::span<const doubl
 void ModalStep::respond_further(const ModalBeam& beam, const Collocation& rule, int terms) {
   const int s = rule.nodes();
   const Eigen::MatrixXd rows(s, beam.modes());
-  further_.assign(static_cast<std::size_t>(beam.stops() - 1), {rows, rows, rows, rows, rows});
+  further_.assign(static_cast<std::size_t>(beam.stops() - 1), {rows, rows, rows, rows, rows, rows});
   of_force_.resize(static_cast<std::size_t>(beam.stops() * beam.stops()));
   Eigen::ArrayXd swing(beam.modes());
   const int blocks = (terms + Collocation::block_size - 1) / Collocation::block_size;
@@ -108,25 +123,28 @@ void ModalStep::respond_further(const ModalBeam& beam, const Collocation& rule, 
     Further& further = further_[static_cast<std::size_t>(stop - 1)];
     for (int point = 0; point <= stop; ++point) {
       Eigen::MatrixX2d kernels = Eigen::MatrixX2d::Zero(blocks * Collocation::block_size, 2);
-      step_modes({.modes = beam.modes(),
-                  .nodes = s,
-                  .omega = beam.omega().data(),
-                  .struck = beam.struck(stop).data(),
-                  .seen = beam.struck(point).data(),
-                  .h = h_,
-                  .points = rule.points().data(),
-                  .to_series = rule.to_series().data(),
-                  .displacement_of_a = further.displacement_of_a.data(),
-                  .displacement_of_rate = further.displacement_of_rate.data(),
-                  .velocity_of_a = further.velocity_of_a.data(),
-                  .a_of_force = further.a_of_force.data(),
-                  .rate_of_force = further.rate_of_force.data(),
-                  .cosine = swing.data(),
-                  .sine_over_omega = swing.data(),
-                  .minus_omega_sine = swing.data(),
-                  .terms = terms,
-                  .displacement_kernel = kernels.col(0).data(),
-                  .velocity_kernel = kernels.col(1).data()});
+      respond({.modes = beam.modes(),
+               .nodes = s,
+               .omega = beam.omega().data(),
+               .struck = beam.struck(stop).data(),
+               .damping = beam.damped() ? beam.damping().data() : nullptr,
+               .seen = beam.struck(point).data(),
+               .h = h_,
+               .points = rule.points().data(),
+               .to_series = rule.to_series().data(),
+               .displacement_of_a = further.displacement_of_a.data(),
+               .displacement_of_rate = further.displacement_of_rate.data(),
+               .velocity_of_a = further.velocity_of_a.data(),
+               .velocity_of_rate = further.velocity_of_rate.data(),
+               .a_of_force = further.a_of_force.data(),
+               .rate_of_force = further.rate_of_force.data(),
+               .a_of_a = swing.data(),
+               .a_of_rate = swing.data(),
+               .rate_of_a = swing.data(),
+               .rate_of_rate = swing.data(),
+               .terms = terms,
+               .displacement_kernel = kernels.col(0).data(),
+               .velocity_kernel = kernels.col(1).data()});
       BarMotion::Response& response =
           of_force_[static_cast<std::size_t>(point * beam.stops() + stop)];
       respond_to_force(rule, kernels, response);
@@ -158,7 +176,7 @@ void ModalStep::coast(int stop, const ModalState& from, NodeVector& displacement
     displacement.noalias() = rows.displacement_of_a * from.a;
     displacement.noalias() += rows.displacement_of_rate * from.rate;
     velocity.noalias() = rows.velocity_of_a * from.a;
-    velocity.noalias() += rows.displacement_of_a * from.rate;
+    velocity.noalias() += rows.velocity_of_rate * from.rate;
   };
   if (stop == 0)
     coast_by(response_);
@@ -167,8 +185,8 @@ void ModalStep::coast(int stop, const ModalState& from, NodeVector& displacement
 }
 
 void ModalStep::coast(const ModalState& from, ModalState& to) const {
-  to.a.array() = cosine_ * from.a.array() + sine_over_omega_ * from.rate.array();
-  to.rate.array() = minus_omega_sine_ * from.a.array() + cosine_ * from.rate.array();
+  to.a.array() = a_of_a_ * from.a.array() + a_of_rate_ * from.rate.array();
+  to.rate.array() = rate_of_a_ * from.a.array() + rate_of_rate_ * from.rate.array();
 }
 
 void ModalStep::advance(const ModalState& from, const NodeVector& force, ModalState& to) const {
@@ -194,9 +212,9 @@ void ModalStep::write_to(StepLanes& lanes, int lane) const {
   write(lanes.velocity_of_a, response_.velocity_of_a.data(), s * m);
   write(lanes.displacement_of_force, response_.of_force.displacement_of_force.data(), s * s);
   write(lanes.velocity_of_force, response_.of_force.velocity_of_force.data(), s * s);
-  write(lanes.cosine, cosine_.data(), m);
-  write(lanes.sine_over_omega, sine_over_omega_.data(), m);
-  write(lanes.minus_omega_sine, minus_omega_sine_.data(), m);
+  write(lanes.cosine, a_of_a_.data(), m);
+  write(lanes.sine_over_omega, a_of_rate_.data(), m);
+  write(lanes.minus_omega_sine, rate_of_a_.data(), m);
   write(lanes.a_of_force, a_of_force_.data(), s * m);
   write(lanes.rate_of_force, rate_of_force_.data(), s * m);
 }
@@ -207,13 +225,14 @@ PointMotion advance(const ModalBeam& beam, double h, const NodeVector& series,
                         .terms = static_cast<int>(series.size()),
                         .omega = beam.omega().data(),
                         .struck = beam.struck().data(),
+                        .damping = beam.damped() ? beam.damping().data() : nullptr,
                         .h = h,
                         .series = series.any() ? series.data() : nullptr,
                         .a = from.a.data(),
                         .rate = from.rate.data(),
                         .end_a = to.a.data(),
                         .end_rate = to.rate.data()};
-  advance_modes(modes);
+  move(modes);
   if (acceleration) *acceleration = modes.acceleration;
   return {modes.displacement, modes.velocity};
 }
@@ -228,13 +247,14 @@ void add_force(const ModalBeam& beam, int stop, double h, const NodeVector& seri
                         .terms = static_cast<int>(series.size()),
                         .omega = beam.omega().data(),
                         .struck = beam.struck(stop).data(),
+                        .damping = beam.damped() ? beam.damping().data() : nullptr,
                         .h = h,
                         .series = series.data(),
                         .a = rest.data(),
                         .rate = rest.data(),
                         .end_a = a.data(),
                         .end_rate = rate.data()};
-  advance_modes(modes);
+  move(modes);
   to.a += a;
   to.rate += rate;
 }

@@ -19,14 +19,15 @@ struct ModalState {
 
 /// Exact response of a bar's modes to forces that are polynomials over a step, by Duhamel's
 /// integral. The kernels sin ωτ and cos ωτ are expanded in Legendre polynomials; the coefficients
-/// are spherical Bessel functions of ωh/2, so that nothing limits ωh but their number.
+/// are spherical Bessel functions of ωh/2, so that nothing limits ωh but their number. Likewise
+/// those of damped modes (ModeKernel).
 class ModalStep {
  public:
   /// The struck point at the nodes, under the state at the step's beginning and under the force's
   /// values at the nodes.
   struct Response {
     Eigen::MatrixXd displacement_of_a, displacement_of_rate;  // (s, m)
-    Eigen::MatrixXd velocity_of_a;  // (s, m); of the rate as the displacement of a
+    Eigen::MatrixXd velocity_of_a, velocity_of_rate;          // (s, m)
     BarMotion::Response of_force;
   };
 
@@ -61,14 +62,15 @@ class ModalStep {
   /// What the force of a further stop adds to it.
   void add(int stop, const NodeVector& force, ModalState& to) const;
 
-  /// Writes what the step does into a lane of steps of as many modes and nodes.
+  /// Writes what the step does into a lane of steps of as many modes and nodes, all undamped.
   void write_to(StepLanes& lanes, int lane) const;
 
  private:
   /// What belongs to the point before a further stop.
   struct Further {
-    Eigen::MatrixXd displacement_of_a, displacement_of_rate, velocity_of_a;  // (s, m)
-    Eigen::MatrixXd a_of_force, rate_of_force;                               // (s, m)
+    Eigen::MatrixXd displacement_of_a, displacement_of_rate;  // (s, m)
+    Eigen::MatrixXd velocity_of_a, velocity_of_rate;          // (s, m)
+    Eigen::MatrixXd a_of_force, rate_of_force;                // (s, m)
   };
 
   int stops() const { return 1 + static_cast<int>(further_.size()); }
@@ -78,7 +80,7 @@ class ModalStep {
   void respond_further(const ModalBeam& beam, const Collocation& rule, int terms);
 
   double h_;
-  Eigen::ArrayXd cosine_, sine_over_omega_, minus_omega_sine_;
+  Eigen::ArrayXd a_of_a_, a_of_rate_, rate_of_a_, rate_of_rate_;
   Eigen::MatrixXd a_of_force_, rate_of_force_;  // (s, m)
   Response response_;
   std::vector<Further> further_;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "models/beams/bar_element.hpp"
+#include "models/rig.hpp"
 
 namespace impactrig::models {
 
@@ -18,6 +19,19 @@ struct SmallMotion {
   Eigen::VectorXd hinge;      ///< h: angle of the axis at the hinge, closing > 0 (n)
   double spring = 0.0;        ///< k, of the hinge [N m/rad]
   Eigen::VectorXd rigid;      ///< q of a rigid rotation by 1 rad, closing (n)
+};
+
+/// What resists the small motion of a bar and its hinge: C = α M + τ K + c hᵀ h.
+struct ViscousDamping {
+  double mass = 0.0;       ///< α [1/s]
+  double stiffness = 0.0;  ///< τ [s]
+  double hinge = 0.0;      ///< c [N m s/rad]
+
+  static ViscousDamping of(const Rig& rig) {
+    return {rig.beam.damping.mass, rig.beam.damping.stiffness, rig.hinge.viscous};
+  }
+
+  bool operator==(const ViscousDamping&) const = default;
 };
 
 /// A bar that can tell its small motion.

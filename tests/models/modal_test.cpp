@@ -4,7 +4,10 @@
 
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
+#include <complex>
+#include <numbers>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "models/beams/ancf.hpp"
@@ -14,6 +17,7 @@
 #include "models/integration/gauss.hpp"
 #include "models/modal/modal_beam.hpp"
 #include "models/modal/modal_step.hpp"
+#include "models/modal/mode_kernel.hpp"
 #include "tests/models/reference/spherical_bessel.hpp"
 #include "tests/models/scenes.hpp"
 
@@ -21,6 +25,37 @@ namespace {
 
 using namespace impactrig::models;
 using namespace impactrig::tests;
+
+// Long double, by composite quadrature; at μ = 2πi k the first of them is zero, at −700 all there
+// is lies in a hundredth of the way.
+TEST(ExponentialMoments, AreThoseOfQuadrature) {
+  using Long = std::complex<long double>;
+  const GaussRule& gauss = gauss_legendre(20);
+  for (const std::complex<double> mu :
+       {std::complex(0.0, 0.0), std::complex(-1e-12, 1e-12), std::complex(0.0, 1.9e-3),
+        std::complex(-2.1e-3, 0.0), std::complex(-0.5, 0.0), std::complex(0.0, 1.0),
+        std::complex(0.0, 2.0 * std::numbers::pi), std::complex(0.0, 60.0 * std::numbers::pi),
+        std::complex(-3.0, 40.0), std::complex(-50.0, 0.0), std::complex(-30.0, 300.0),
+        std::complex(-700.0, 0.0)}) {
+    std::vector<std::complex<double>> moments(120);
+    exponential_moments(mu, moments);
+    const int panels = 60 + static_cast<int>(std::abs(mu));
+    std::vector<Long> expected(moments.size());
+    Eigen::VectorXd legendre(120);
+    for (int p = 0; p < panels; ++p)
+      for (std::size_t q = 0; q < gauss.points.size(); ++q) {
+        const double x = (p + gauss.points[q]) / panels;
+        shifted_legendre(x, legendre);
+        const Long share = std::exp(Long(mu) * static_cast<long double>(x)) *
+                           static_cast<long double>(gauss.weights[q] / panels);
+        for (std::size_t n = 0; n < expected.size(); ++n)
+          expected[n] += share * static_cast<long double>(legendre[static_cast<Eigen::Index>(n)]);
+      }
+    for (std::size_t n = 0; n < moments.size(); ++n)
+      EXPECT_LT(std::abs(std::complex<double>(expected[n]) - moments[n]), 3e-14)
+          << n << " of " << mu;
+  }
+}
 
 TEST(SphericalBessel, AgreesWithBoost) {
   for (const double z :
@@ -51,16 +86,18 @@ TEST(Collocation, SeriesAndRatesAreThoseOfAPolynomial) {
   EXPECT_NEAR(legendre.dot(part), polynomial(0.1), 1e-13);
 }
 
-/// A rigid bar whose weight is such that it swings at a frequency.
-Rig swinging_at(double omega) {
+/// A rigid bar whose weight is such that it swings at a frequency, and its hinge's damper such that
+/// it loses speed at a rate.
+Rig swinging_at(double omega, double damping) {
   Rig rig = paper_rig();
+  rig.hinge.viscous = damping * rig.beam.hinge_inertia();
   rig.gravity = omega * omega * rig.beam.length / 1.5;
   return rig;
 }
 
-/// One mode of a given frequency.
+/// One mode of a given frequency and damping d [1/s].
 struct Pendulum {
-  explicit Pendulum(double omega) : rig(swinging_at(omega)) {}
+  explicit Pendulum(double omega, double damping = 0.0) : rig(swinging_at(omega, damping)) {}
 
   Rig rig;
   FloatingFrameBeam bar{rig, Basis::cantilever, 0, 0};
@@ -101,31 +138,46 @@ TEST(ModalBeam, KeepsTheSlowSwingBesideTheFastestVibration) {
   EXPECT_NEAR(modes.omega()[0] / std::sqrt(1.5 * 9.81 / 0.8), 1.0, 1e-5);
 }
 
+/// After a blow, and its rate: ä + d ȧ + ω² a = 0, a(0) = 0, ȧ(0) = 1, in closed form.
+double blow(double omega, double damping, double time, bool rate) {
+  const long double w = omega, half = 0.5L * damping, t = time;
+  const long double square = (w - half) * (w + half), root = std::sqrt(std::abs(square));
+  const long double decay = std::exp(-half * t);
+  long double answer = t, even = 1.0L;
+  if (square > 0.0L) {
+    answer = std::sin(root * t) / root;
+    even = std::cos(root * t);
+  } else if (square < 0.0L) {
+    answer = std::sinh(root * t) / root;
+    even = std::cosh(root * t);
+  }
+  return static_cast<double>(decay * (rate ? even - half * answer : answer));
+}
+
 /// ∫₀ᵗ k(t − s) F(s/h) ds by a fine composite rule.
-double duhamel(double omega, double h, double t, const NodeVector& series, bool rate) {
+double duhamel(double omega, double damping, double h, double t, const NodeVector& series,
+               bool rate) {
   const GaussRule gauss = gauss_legendre(20);
-  const int panels = 4 + static_cast<int>(omega * t);
+  const int panels = 4 + static_cast<int>((omega + damping) * t);
   double sum = 0.0;
   Eigen::VectorXd legendre(series.size());
   for (int p = 0; p < panels; ++p)
     for (std::size_t q = 0; q < gauss.points.size(); ++q) {
       const double s = t * (p + gauss.points[q]) / panels;
       shifted_legendre(s / h, legendre);
-      const double lag = t - s;
-      const double kernel = rate           ? std::cos(omega * lag)
-                            : omega == 0.0 ? lag
-                                           : std::sin(omega * lag) / omega;
-      sum += t / panels * gauss.weights[q] * kernel * legendre.dot(series);
+      sum +=
+          t / panels * gauss.weights[q] * blow(omega, damping, t - s, rate) * legendre.dot(series);
     }
   return sum;
 }
 
-class OneMode : public testing::TestWithParam<double> {};
+/// Phase ωh and damping d h of a step.
+class OneMode : public testing::TestWithParam<std::pair<double, double>> {};
 
 TEST_P(OneMode, AnswersAPolynomialForceAsDuhamelsIntegral) {
   const double h = 1e-3;
-  const double omega = GetParam() / h;
-  const Pendulum pendulum(omega);
+  const double omega = GetParam().first / h, damping = GetParam().second / h;
+  const Pendulum pendulum(omega, damping);
   const Collocation& rule = Collocation::of(8);
   const ModalStep step(pendulum.modes, rule, h);
   NodeVector series(8);
@@ -144,30 +196,55 @@ TEST_P(OneMode, AnswersAPolynomialForceAsDuhamelsIntegral) {
   step.advance(from, force, to);
   advance(pendulum.modes, h, series, from, again);
   const auto free = [&](double t) {
-    const double sine = omega == 0.0 ? t : std::sin(omega * t) / omega;
-    return from.a[0] * std::cos(omega * t) + from.rate[0] * sine;
+    const double answer = blow(omega, damping, t, false);
+    return from.a[0] * (blow(omega, damping, t, true) + damping * answer) + from.rate[0] * answer;
   };
-  const double expected = free(h) - r * duhamel(omega, h, h, series, false);
+  const auto free_rate = [&](double t) {
+    return from.rate[0] * blow(omega, damping, t, true) -
+           from.a[0] * omega * omega * blow(omega, damping, t, false);
+  };
+  const double expected = free(h) - r * duhamel(omega, damping, h, h, series, false);
   EXPECT_NEAR(to.a[0], expected, 1e-12 * most);
   EXPECT_NEAR(again.a[0], expected, 1e-12 * most);
-  const double rate = from.rate[0] * std::cos(omega * h) - from.a[0] * omega * std::sin(omega * h) -
-                      r * duhamel(omega, h, h, series, true);
+  const double rate = free_rate(h) - r * duhamel(omega, damping, h, h, series, true);
   EXPECT_NEAR(to.rate[0], rate, 1e-11 * most / h);
   EXPECT_NEAR(again.rate[0], rate, 1e-11 * most / h);
   const ModalStep::Response& response = step.response();
   const NodeVector displacement = response.displacement_of_a * from.a +
                                   response.displacement_of_rate * from.rate +
                                   response.of_force.displacement_of_force * force;
+  const NodeVector velocity =
+      response.velocity_of_a * from.a + response.velocity_of_rate * from.rate;
   for (int i = 0; i < 8; ++i) {
     const double t = h * rule.points()[i];
-    EXPECT_NEAR(displacement[i], r * (free(t) - r * duhamel(omega, h, t, series, false)),
+    EXPECT_NEAR(displacement[i], r * (free(t) - r * duhamel(omega, damping, h, t, series, false)),
                 1e-12 * std::abs(r) * most);
+    EXPECT_NEAR(velocity[i], r * free_rate(t), 1e-11 * std::abs(r) * most / h);
     EXPECT_NEAR(response.of_force.velocity_of_force.row(i).dot(force),
-                -r * r * duhamel(omega, h, t, series, true), 1e-11 * std::abs(r) * most / h);
+                -r * r * duhamel(omega, damping, h, t, series, true),
+                1e-11 * std::abs(r) * most / h);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Phases, OneMode, testing::Values(0.0, 1e-7, 1e-4, 0.1, 2.0, 30.0, 300.0));
+using Phase = std::pair<double, double>;
+
+INSTANTIATE_TEST_SUITE_P(Undamped, OneMode,
+                         testing::Values(Phase{0.0, 0.0}, Phase{1e-7, 0.0}, Phase{1e-4, 0.0},
+                                         Phase{0.1, 0.0}, Phase{2.0, 0.0}, Phase{30.0, 0.0},
+                                         Phase{300.0, 0.0}));
+
+INSTANTIATE_TEST_SUITE_P(Damped, OneMode,
+                         testing::Values(Phase{0.0, 5.0}, Phase{0.0, 1e-9}, Phase{1e-4, 1e-5},
+                                         Phase{1e-4, 1e-2}, Phase{0.1, 0.01}, Phase{2.0, 0.3},
+                                         Phase{30.0, 1.0}, Phase{300.0, 20.0}));
+
+// About critical damping, two exponentials differ by less and less.
+INSTANTIATE_TEST_SUITE_P(Creeping, OneMode,
+                         testing::Values(Phase{2.0, 4.0}, Phase{2.0, 4.0 - 1e-12},
+                                         Phase{2.0, 4.0 + 1e-12}, Phase{2.0, 4.0 + 1e-9},
+                                         Phase{2.0, 4.0 - 1e-7}, Phase{2.0, 4.0 - 4e-7},
+                                         Phase{2.0, 4.001}, Phase{2.0, 40.0}, Phase{30.0, 70.0},
+                                         Phase{30.0, 300.0}));
 
 TEST(ModalStep, RefusesAStepItsSeriesCannotHold) {
   const Pendulum pendulum(1e6);
