@@ -51,7 +51,6 @@ class Refit {
         remainders_(remainders) {
     scaled_ = jacobian * decomposition_.asDiagonal();
     qr_.compute(scaled_);
-    for (const Shot& shot : problem_.shots()) shot.cost->leave_slopes();
   }
 
   /// Values of all variables; empty where the refit failed.

@@ -53,8 +53,11 @@ class Session {
   void choose_motion();
   double pass(const Search& how, double contacts);
   void search();
-  void search_from_elsewhere(double reduced);
-  void grow_window(double reduced);
+  double search_from_start(const Search& first);
+  void search_from_elsewhere(const Search& how, double reduced);
+  double grow_window();
+  template <typename Attempt>
+  double try_again(double reduced, const Attempt& attempt);
   double spread();
   template <typename Change>
   Eigen::VectorXd shift_by(const Change& change) const;
@@ -117,7 +120,7 @@ void Session::prefer_full_motion() {
 
 /// Searches from the present values within a window; returns the reduced chi-square reached.
 double Session::pass(const Search& how, double contacts) {
-  problem_.choose_samples(contacts);
+  problem_.choose_samples(contacts, how.rough);
   if (problem_.out_of_time()) {
     last_.converged = false;
     return whole;
@@ -131,20 +134,42 @@ double Session::pass(const Search& how, double contacts) {
 /// Cauchy and Tukey take a peak that is far off for outliers: they search from near only.
 void Session::search() {
   problem_.set_loss(loss_from_afar(options_.loss));
-  const double first = pass(first_search, first_window);
-  const bool several_starts = std::ranges::any_of(problem_.variables(), [](const Variable& v) {
-    return v.name == "contact.restitution" || v.name == "contact.stiffness_factor";
-  });
-  if (first > poor_fit && several_starts) search_from_elsewhere(first);
-  const double reached = pass(last_search, whole);
-  if (reached > misfit) grow_window(reached);
+  Search fine = first_search;
+  fine.rough = false;
+  double reached = search_from_start(first_search);
+  if (reached > misfit) reached = try_again(reached, [&] { return search_from_start(fine); });
+  if (reached > misfit) try_again(reached, [&] { return grow_window(); });
   if (problem_.loss() == options_.loss) return;
   problem_.set_loss(options_.loss);
   pass(last_search, whole);
 }
 
+/// The first window, from other places too where that ends badly, and then the whole one; returns
+/// the reduced chi-square reached.
+double Session::search_from_start(const Search& first) {
+  const double reached = pass(first, first_window);
+  const bool several_starts = std::ranges::any_of(problem_.variables(), [](const Variable& v) {
+    return v.name == "contact.restitution" || v.name == "contact.stiffness_factor";
+  });
+  if (reached > poor_fit && several_starts) search_from_elsewhere(first, reached);
+  return pass(last_search, whole);
+}
+
+/// A false minimum may be the end of another way from the start: keeps what fits better.
+template <typename Attempt>
+double Session::try_again(double reduced, const Attempt& attempt) {
+  const std::vector<double> best = problem_.values();
+  const SearchEnd end = last_;
+  problem_.set_initial_values();
+  const double reached = attempt();
+  if (reached < reduced) return reached;
+  problem_.set_values(best);
+  last_ = end;
+  return reduced;
+}
+
 /// Tries other restitutions and stiffnesses and keeps the best end.
-void Session::search_from_elsewhere(double reduced) {
+void Session::search_from_elsewhere(const Search& how, double reduced) {
   std::vector<double> best = problem_.values();
   for (const double restitution : {0.25, 0.8})
     for (const double stiffness : {0.4, 2.5}) {
@@ -156,7 +181,7 @@ void Session::search_from_elsewhere(double reduced) {
         if (v.name == "contact.stiffness_factor") start[i] = stiffness * v.initial;
       }
       problem_.set_values(start);
-      const double reached = pass(first_search, first_window);
+      const double reached = pass(how, first_window);
       if (reached >= reduced) continue;
       reduced = reached;
       best = problem_.values();
@@ -165,15 +190,10 @@ void Session::search_from_elsewhere(double reduced) {
 }
 
 /// The whole window at once may lead into a false minimum, where the model meets the stop a second
-/// time too early or too late. Looks on from contact to contact and keeps what fits better.
-void Session::grow_window(double reduced) {
-  const std::vector<double> best = problem_.values();
-  const SearchEnd end = last_;
-  problem_.set_initial_values();
+/// time too early or too late. Looks on from contact to contact.
+double Session::grow_window() {
   for (const double contacts : growing_windows) pass(first_search, contacts);
-  if (pass(last_search, whole) < reduced) return;
-  problem_.set_values(best);
-  last_ = end;
+  return pass(last_search, whole);
 }
 
 /// Linearises where the search ended; returns chi-square of the data.

@@ -27,22 +27,47 @@ constexpr double margin_least = 20e-6;  // [s]
 
 constexpr double edge = 1e-12;  // of a scale, beyond a bound by rounding
 
-/// Ceres looks at its function tolerance after steps that succeed only. A step that changes the
-/// cost by less and fails does so for the rounding of the simulation: there is nothing more to
-/// gain.
-class StopAtRounding : public ceres::IterationCallback {
+/// Watches a search from step to step.
+class SearchWatch : public ceres::IterationCallback {
  public:
-  explicit StopAtRounding(double tolerance) : tolerance_(tolerance) {}
+  SearchWatch(double tolerance, const std::vector<Shot>& shots)
+      : tolerance_(tolerance),
+        shots_(shots) {
+    look_ahead(true);
+  }
 
+  SearchWatch(const SearchWatch&) = delete;
+  SearchWatch& operator=(const SearchWatch&) = delete;
+
+  ~SearchWatch() override { look_ahead(false); }
+
+  /// Ceres looks at its function tolerance after steps that succeed only. A step that changes the
+  /// cost by less and fails does so for the rounding of the simulation: there is nothing more to
+  /// gain.
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    const bool in_vain = summary.iteration > 0 && summary.step_is_valid &&
-                         !summary.step_is_successful &&
-                         std::abs(summary.cost_change) <= tolerance_ * summary.cost;
-    return in_vain ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    if (summary.iteration > 0 && summary.step_is_valid && !summary.step_is_successful &&
+        std::abs(summary.cost_change) <= tolerance_ * summary.cost)
+      return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    if (summary.iteration > 0 && summary.step_is_successful) look_ahead(!is_last(summary));
+    gradient_ = summary.gradient_norm;
+    return ceres::SOLVER_CONTINUE;
   }
 
  private:
+  /// Whether the next step probably changes the cost by less than the tolerance, after which nobody
+  /// asks for slopes: close to a minimum, a step gains as the square of the gradient.
+  bool is_last(const ceres::IterationSummary& summary) const {
+    const double part = summary.gradient_norm / gradient_;
+    return summary.cost_change * part * part < tolerance_ * summary.cost;
+  }
+
+  void look_ahead(bool ahead) {
+    for (const Shot& shot : shots_) shot.cost->look_ahead(ahead);
+  }
+
   double tolerance_;
+  const std::vector<Shot>& shots_;
+  double gradient_ = 0.0;  // at the last step's beginning
 };
 
 double margin_of(const Shot& shot) {
@@ -223,10 +248,11 @@ void FitProblem::follow_ties() {
     if (v.tie) v.value = v.tie->factor * (*variables_)[v.tie->to].value + v.tie->offset;
 }
 
-void FitProblem::choose_samples(double contacts) {
+void FitProblem::choose_samples(double contacts, bool rough) {
   for (Shot& shot : shots_) {
     const double window = std::min(shot.window, contacts * shot.contact);
     shot.model->set_end(window + margin_of(shot));
+    shot.model->set_rough(rough);
     for (FittedChannel& channel : shot.channels) {
       const ImpactSignal& signal = *channel.signal;
       const double ceiling = ceiling_of(*shot.impact, signal);
@@ -336,8 +362,8 @@ SearchEnd FitProblem::search_once(const Search& how, const std::vector<std::size
   ceres::Problem problem(ownership);
   const Priors priors = state(how, held, bounded, x, problem);
   ceres::Solver::Options solver = solver_options(how);
-  StopAtRounding stop(how.tolerance);
-  solver.callbacks.push_back(&stop);
+  SearchWatch watch(how.tolerance, shots_);
+  solver.callbacks.push_back(&watch);
   solver.max_solver_time_in_seconds =
       std::clamp(time_left(), 0.0, solver.max_solver_time_in_seconds);
   ceres::Solver::Summary summary;

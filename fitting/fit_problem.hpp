@@ -73,8 +73,8 @@ class FitProblem {
   const std::vector<Shot>& shots() const { return shots_; }
 
   /// Takes the sound samples from each record's beginning to a share of its window, in contact
-  /// durations, or all.
-  void choose_samples(double contacts);
+  /// durations, or all; what is predicted of them from now on may be rough.
+  void choose_samples(double contacts, bool rough = false);
 
   /// After a change of a channel's `used` or `noise`.
   void rebuild_costs();

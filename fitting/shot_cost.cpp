@@ -300,7 +300,6 @@ void ShotCost::derivative(const Slot& slot, const FittedChannel& channel, const 
 
 void ShotCost::evaluate(const Values& values, Eigen::VectorXd& residuals,
                         Eigen::MatrixXd* jacobian) const {
-  // the slopes at once: nearly all points a solver looks at become the next to linearise at
   const Prediction shown = predict(values, jacobian != nullptr || slopes_ahead_);
   residuals.resize(residuals_);
   differences(values, *shown, residuals.data());

@@ -54,8 +54,9 @@ class ShotCost : public ceres::CostFunction {
   /// Slopes of the full equations are those of small motion from now on.
   void take_small_slopes() { small_slopes_ = true; }
 
-  /// For a search that takes its slopes from elsewhere.
-  void leave_slopes() { slopes_ahead_ = false; }
+  /// Whether Evaluate predicts the slopes with the residuals, before they are asked for: it is
+  /// cheaper than to come back for them.
+  void look_ahead(bool ahead) { slopes_ahead_ = ahead; }
 
   /// What went wrong when Evaluate last gave up.
   const std::string& failure() const { return failure_; }
@@ -121,7 +122,7 @@ class ShotCost : public ceres::CostFunction {
   std::vector<std::size_t> blocks_;
   Loss loss_;
   int residuals_ = 0;
-  bool small_slopes_ = false, slopes_ahead_ = true;
+  bool small_slopes_ = false, slopes_ahead_ = false;
   mutable std::map<Values, Prediction> cache_;
   mutable std::string failure_;
   mutable long simulations_ = 0;

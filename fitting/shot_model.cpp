@@ -18,6 +18,8 @@ constexpr double coarsest = 0.25e-6;  // [s]
 // In small motion, where it costs little: what a step of the solver changes must not drown in what
 // the next simulation rounds differently.
 constexpr double fine_accuracy = 1e-9;
+// Of noise that is a thousandth of the peak, a thousandth.
+constexpr double rough_accuracy = 1e-6;
 // Of a number of a sensor's chain, for a central difference of closed forms.
 constexpr double chain_step = 1e-4;
 
@@ -113,7 +115,8 @@ models::Simulation ShotModel::simulate(const models::Rig& rig, const SensorChain
                                        bool judge) const {
   models::Solver solver = solver_;
   solver.duration = end_;
-  if (motion_ == models::Motion::small) solver.accuracy = std::min(solver.accuracy, fine_accuracy);
+  if (motion_ == models::Motion::small)
+    solver.accuracy = std::min(solver.accuracy, rough_ ? rough_accuracy : fine_accuracy);
   models::SimulationOptions options;
   options.history = {.interval = interval, .lead = lead_};
   options.motion = motion_;
@@ -168,7 +171,8 @@ Shown ShotModel::chain_slope(const models::Rig& rig, const models::History& hist
 
 Shown ShotModel::predict(const models::Rig& rig, const SensorChains& chains,
                          const WantedSlopes& wanted) const {
-  const models::Simulation simulation = simulate(rig, chains, interval_, wanted.rig, false);
+  const double interval = rough_ ? oversampling * interval_ : interval_;
+  const models::Simulation simulation = simulate(rig, chains, interval, wanted.rig, false);
   Shown shown = show(simulation.history, chains);
   shown.restitution = simulation.restitution;
   for (const models::Sensitivity& sensitivity : simulation.sensitivities) {

@@ -72,6 +72,10 @@ class ShotModel {
 
   void set_end(double end) { end_ = end; }
 
+  /// Predictions from now on are good enough to search by from afar, no more: sampled like the
+  /// recording or finer, solved to a thousandth of its usual noise.
+  void set_rough(bool rough) { rough_ = rough; }
+
   models::Motion motion() const { return motion_; }
 
   /// Which equations predict from now on.
@@ -98,6 +102,7 @@ class ShotModel {
   models::Solver solver_;
   bool force_, velocity_, displacement_;
   double lead_, end_, interval_;
+  bool rough_ = false;
   models::Motion motion_ = models::Motion::full;
   std::shared_ptr<models::BarCache> bars_ = std::make_shared<models::BarCache>();
 };

@@ -13,10 +13,12 @@ struct Search {
   /// the directions that offset, drift and hum nearly share.
   double trust_radius = 1e8;
   bool hold_hum = false;  ///< leave mains hum as it is
+  bool rough = false;     ///< by predictions just good enough to start another search from
 };
 
 /// From afar: a start for the next search is enough.
-inline constexpr Search first_search = {.tolerance = 1e-3, .trust_radius = 1e4, .hold_hum = true};
+inline constexpr Search first_search = {
+    .tolerance = 1e-3, .trust_radius = 1e4, .hold_hum = true, .rough = true};
 
 /// From near the minimum, to the end: less than a hundredth of a standard error is left in 25 of
 /// NIST's 27 regressions (the other two end at the limit of iterations and say so).

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Searches from afar by rough predictions, from near by fine ones.
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "fitting/fit_problem.hpp"
+#include "tests/fitting/fast_fit.hpp"
+
+namespace impactrig::fitting {
+namespace {
+
+using tests::hybrid_rig;
+using tests::synthetic_shot;
+
+struct Linearised {
+  Eigen::VectorXd residuals;
+  Eigen::MatrixXd jacobian;
+
+  Linearised(FitProblem& problem, bool rough) {
+    problem.choose_samples(1.2, rough);
+    problem.linearise(residuals, &jacobian);
+  }
+};
+
+// At the truth, where residuals are noise: what a rough prediction is off by must be less than what
+// a first search may leave, a thousandth of chi-square; its slopes only lead there.
+TEST(Search, RoughPredictionsAreGoodEnoughToStartFrom) {
+  const RigFile rig = hybrid_rig();
+  const std::vector<datasets::Impact> impacts = {synthetic_shot(rig, {.duration = 1.6e-3})};
+  FitProblem problem(impacts, rig, {});
+  problem.set_motion(models::Motion::small);
+  const Linearised fine(problem, false), rough(problem, true);
+  ASSERT_EQ(fine.residuals.size(), rough.residuals.size());
+  const double off = (rough.residuals - fine.residuals).norm() / fine.residuals.norm();
+  EXPECT_LT(off, std::sqrt(first_search.tolerance));
+  EXPECT_GT(off, 0.0);
+  for (Eigen::Index k = 0; k < fine.jacobian.cols(); ++k)
+    EXPECT_LT((rough.jacobian.col(k) - fine.jacobian.col(k)).norm(),
+              0.05 * fine.jacobian.col(k).norm())
+        << problem.variables()[problem.unknowns()[static_cast<std::size_t>(k)]].name;
+}
+
+// A search from near does not know how the values it begins at were found: rough or fine, it ends
+// at the same place, to a hundredth of a standard error.
+TEST(Search, EndsAtTheSamePlaceAfterARoughOne) {
+  const RigFile rig = hybrid_rig();
+  const std::vector<datasets::Impact> impacts = {
+      synthetic_shot(rig, {.duration = 1.6e-3, .seed = 5})};
+  std::vector<std::vector<double>> ends;
+  Eigen::VectorXd errors;
+  for (const bool rough : {true, false}) {
+    FitProblem problem(impacts, rig, {});
+    problem.set_motion(models::Motion::small);
+    Search first = first_search;
+    first.rough = rough;
+    problem.choose_samples(1.2, first.rough);
+    problem.search(first);
+    problem.choose_samples(std::numeric_limits<double>::infinity());
+    EXPECT_TRUE(problem.search(last_search).converged);
+    ends.push_back(problem.values());
+    Eigen::VectorXd residuals;
+    Eigen::MatrixXd jacobian;
+    problem.linearise(residuals, &jacobian);
+    errors = (jacobian.transpose() * jacobian).inverse().diagonal().cwiseSqrt();
+    if (ends.size() < 2) continue;
+    for (std::size_t k = 0; k < problem.unknowns().size(); ++k) {
+      const std::size_t i = problem.unknowns()[k];
+      EXPECT_NEAR(ends[0][i], ends[1][i], 0.01 * errors[static_cast<Eigen::Index>(k)])
+          << problem.variables()[i].name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace impactrig::fitting
