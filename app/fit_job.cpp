@@ -148,6 +148,10 @@ fitting::FitOptions fit_options(const FitJob& job, const fitting::RigFile& rig) 
     fitting::unit_of(name);
     options.setting(name).shared = false;
   });
+  each("--log", split_names(job.log), [&](const std::string& name) {
+    fitting::unit_of(name);
+    options.setting(name).by_logarithm = true;
+  });
   each("--prior", job.priors, [&](const std::string& text) { fitting::read_prior(text, options); });
   each("--bounds", job.bounds,
        [&](const std::string& text) { fitting::read_bounds(text, options); });
@@ -188,12 +192,13 @@ std::string result_text(const FitJob& job, const std::string& config_sha256,
                         const std::vector<std::string>& inputs_sha256) {
   const ImportArguments& r = job.reading;
   std::string text = fmt::format(
-      "impactrig {} {}\nfree {}\nfix {}\nshared {}\nown {}\nprior {}\nbounds {}\ntie {}\nloss "
+      "impactrig {} {}\nfree {}\nfix {}\nshared {}\nown {}\nlog {}\nprior {}\nbounds {}\ntie "
+      "{}\nloss "
       "{}\nagainst {}\nprofile {}\n"
       "bootstrap {} {} {}\n"
       "channels {}\nwindow {}\nrig {}\nread {}|{}|{}|{}|{}|{}|{}\n"
       "trigger {}|{}|{}|{}|{}\nfrom {} to {}\n",
-      IMPACTRIG_VERSION, IMPACTRIG_COMMIT, job.free, job.fix, job.shared, job.own,
+      IMPACTRIG_VERSION, IMPACTRIG_COMMIT, job.free, job.fix, job.shared, job.own, job.log,
       fmt::join(job.priors, ";"), fmt::join(job.bounds, ";"), fmt::join(job.ties, ";"), job.loss,
       fmt::join(job.against, ";"), job.profile, job.bootstrap, job.bootstrap_kind,
       job.seed.value_or(1), job.channels, job.window, config_sha256, r.format, r.delimiter,
@@ -237,12 +242,15 @@ void add_fit_job(CLI::App& command, FitJob& job) {
   command.add_option("--tie", job.ties, "NAME=FACTOR*OTHER: the one goes with the other");
   command.add_option("--shared", job.shared, "Parameters that all recordings share, comma between");
   command.add_option("--own", job.own, "Parameters of which each recording has its own");
+  command.add_option("--log", job.log,
+                     "Parameters searched by their logarithms, comma between: stay above zero");
   command.add_option("--loss", job.loss, "What a residual costs: squares, huber, cauchy, tukey")
       ->check(CLI::IsMember({"squares", "huber", "cauchy", "tukey"}));
   command.add_option("--against", job.against,
                      "KEY=VALUE,VALUE: compare models, all combinations of several of these "
                      "(contact.damping=viscous,hunt-crossley)");
-  command.add_flag("--profile", job.profile, "Profile likelihood of the impact's parameters");
+  command.add_flag("--profile", job.profile,
+                   "Profile likelihood of the impact's and the sensors' parameters");
   command.add_option("--bootstrap", job.bootstrap, "Refits of drawn data; 1000 for 95 %")
       ->check(CLI::Range(2, 1000000));
   command.add_option("--bootstrap-kind", job.bootstrap_kind, "parametric (default) or residual")

@@ -17,7 +17,7 @@ struct FitJob {
   std::vector<std::string> recordings;
   std::string rig;
   std::string free;                               ///< comma between
-  std::string fix, shared, own;                   ///< names of parameters, comma between
+  std::string fix, shared, own, log;              ///< names of parameters, comma between
   std::vector<std::string> priors, bounds, ties;  ///< fitting/fit_keys.hpp
   std::string loss;
   std::vector<std::string> against;  ///< KEY=VALUE,VALUE: models to compare

@@ -143,8 +143,9 @@ Bootstrap::Parameter summary(const Variable& v, std::vector<double> draws) {
   result.bias = mean - v.value;
   result.std_error = std::sqrt(squares / (n - 1.0));
   std::ranges::sort(draws);
-  result.ci95 = {2.0 * v.value - quantile_of(draws, 0.975),
-                 2.0 * v.value - quantile_of(draws, 0.025)};
+  const double low = quantile_of(draws, 0.025), high = quantile_of(draws, 0.975);
+  result.ci95 = {2.0 * v.value - high, 2.0 * v.value - low};
+  if (v.by_logarithm) result.ci95 = {v.value * v.value / high, v.value * v.value / low};
   return result;
 }
 
@@ -179,7 +180,7 @@ Bootstrap bootstrap(const FitProblem& problem, const Eigen::MatrixXd& jacobian, 
       std::ranges::count_if(ends, [](const std::vector<double>& end) { return end.empty(); }));
   for (std::size_t i = 0; i < problem.variables().size(); ++i) {
     const Variable& v = problem.variables()[i];
-    if (v.role != Variable::Role::physics) continue;
+    if (!v.of_interest()) continue;
     std::vector<double> draws;
     for (const std::vector<double>& end : ends)
       if (!end.empty()) draws.push_back(end[i]);

@@ -33,7 +33,7 @@ struct Bootstrap {
   std::uint64_t seed = 1;
   int draws = 0;   ///< asked for
   int failed = 0;  ///< of these, refits that did not converge; not in the figures
-  std::vector<Parameter> parameters = {};  ///< of the physics
+  std::vector<Parameter> parameters = {};  ///< of the physics and the sensors
   double seconds = 0.0;
 };
 

@@ -347,7 +347,7 @@ void Session::widen_view(Fit& fit) {
     std::vector<std::size_t> numbers;
     std::vector<double> std_errors;
     for (const std::size_t i : problem_.unknowns()) {
-      if (problem_.variables()[i].role != Variable::Role::physics) continue;
+      if (!problem_.variables()[i].of_interest()) continue;
       numbers.push_back(i);
       std_errors.push_back(fit.parameters[i].std_error);
     }

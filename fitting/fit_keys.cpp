@@ -37,6 +37,7 @@ void read_setting(TableReader& table, const std::string& name, FitOptions& optio
   read_prior(table, unit, setting);
   setting.shared = table.flag("shared");
   setting.fixed = table.flag("fixed").value_or(false);
+  setting.by_logarithm = table.choice("scale", {"linear", "log"}).value_or(0) == 1;
   if (const auto to = table.text("tied_to")) {
     try {
       unit_of(*to);

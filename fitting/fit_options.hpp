@@ -31,6 +31,8 @@ struct ParameterSetting {
   std::optional<bool> shared = {};  ///< one value for all recordings, or one for each
   std::optional<Tie> tie = {};
   bool fixed = false;  ///< not fitted, whatever else says it is
+  /// Searched, and its interval found, by its logarithm: greater than zero however unsure it is.
+  bool by_logarithm = false;
 
   bool operator==(const ParameterSetting&) const = default;
 };
@@ -50,7 +52,7 @@ struct FitOptions {
   /// Metrics, diagnostics and direct estimates, which a report shows. Without, a fit is parameters,
   /// intervals and curves: for fits of which only those are looked at.
   bool for_report = true;
-  bool profile = false;  ///< profile likelihood of the physics
+  bool profile = false;  ///< profile likelihood of the physics and the sensors
   int bootstrap = 0;     ///< draws
   BootstrapKind bootstrap_kind = BootstrapKind::parametric;
   std::uint64_t seed = 1;  ///< of the bootstrap

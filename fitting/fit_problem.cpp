@@ -2,8 +2,8 @@
 #include "fitting/fit_problem.hpp"
 
 #include <ceres/iteration_callback.h>
-#include <ceres/normal_prior.h>
 #include <ceres/problem.h>
+#include <ceres/sized_cost_function.h>
 #include <ceres/solver.h>
 #include <fmt/format.h>
 
@@ -68,6 +68,24 @@ class SearchWatch : public ceres::IterationCallback {
   double tolerance_;
   const std::vector<Shot>& shots_;
   double gradient_ = 0.0;  // at the last step's beginning
+};
+
+/// What is known of a variable beside the data: (value − mean) / uncertainty.
+class PriorCost : public ceres::SizedCostFunction<1, 1> {
+ public:
+  explicit PriorCost(const Variable& variable) : variable_(variable) {}
+
+  bool Evaluate(const double* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const auto [mean, uncertainty] = *variable_.prior;
+    const double value = variable_.value_at(parameters[0][0]);
+    residuals[0] = (value - mean) / uncertainty;
+    if (jacobians && jacobians[0]) jacobians[0][0] = variable_.slope_at(value) / uncertainty;
+    return true;
+  }
+
+ private:
+  const Variable& variable_;
 };
 
 double margin_of(const Shot& shot) {
@@ -333,21 +351,16 @@ FitProblem::Priors FitProblem::state(const Search& how, const std::vector<std::s
   }
   for (const std::size_t i : unknowns_) {
     const Variable& v = (*variables_)[i];
-    if (bounded && std::isfinite(v.lower))
-      problem.SetParameterLowerBound(&x[i], 0, v.lower / v.scale);
+    if (bounded && std::isfinite(v.coordinate(v.lower)))
+      problem.SetParameterLowerBound(&x[i], 0, v.coordinate(v.lower));
     if (bounded && std::isfinite(v.upper))
-      problem.SetParameterUpperBound(&x[i], 0, v.upper / v.scale);
+      problem.SetParameterUpperBound(&x[i], 0, v.coordinate(v.upper));
     if (how.hold_hum && v.role == Variable::Role::background && v.background.periodic())
       problem.SetParameterBlockConstant(&x[i]);
   }
   for (const std::size_t i : held) problem.SetParameterBlockConstant(&x[i]);
   for (const std::size_t i : priors_) {
-    const Variable& v = (*variables_)[i];
-    ceres::Matrix weight(1, 1);
-    ceres::Vector mean(1);
-    weight(0, 0) = v.scale / (*v.prior)[1];
-    mean[0] = (*v.prior)[0] / v.scale;
-    priors.push_back(std::make_unique<ceres::NormalPrior>(weight, mean));
+    priors.push_back(std::make_unique<PriorCost>((*variables_)[i]));
     problem.AddResidualBlock(priors.back().get(), nullptr, &x[i]);
   }
   return priors;
@@ -356,7 +369,8 @@ FitProblem::Priors FitProblem::state(const Search& how, const std::vector<std::s
 SearchEnd FitProblem::search_once(const Search& how, const std::vector<std::size_t>& held,
                                   bool bounded) {
   std::vector<double> x(variables_->size());
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] = (*variables_)[i].value / (*variables_)[i].scale;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    x[i] = (*variables_)[i].coordinate((*variables_)[i].value);
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(ownership);
@@ -375,7 +389,7 @@ SearchEnd FitProblem::search_once(const Search& how, const std::vector<std::size
                 .iterations = summary.num_successful_steps,
                 .message = summary.message};
   std::vector<double> values(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) values[i] = x[i] * (*variables_)[i].scale;
+  for (std::size_t i = 0; i < x.size(); ++i) values[i] = (*variables_)[i].value_at(x[i]);
   for (const std::size_t i : unknowns_)
     end.valid = end.valid && values[i] >= (*variables_)[i].lower - edge * (*variables_)[i].scale &&
                 values[i] <= (*variables_)[i].upper + edge * (*variables_)[i].scale;

@@ -189,6 +189,8 @@ void report_parameters(const FitProblem& problem, const FitEnd& end, Fit& fit) {
     if (end.mesh_shift.size() > 0) p.mesh_shift = lines.row(row).dot(end.mesh_shift);
     const double half = quantile * p.std_error + beyond_finer * std::abs(p.mesh_shift);
     p.ci95 = {v.value - half, v.value + half};
+    if (v.by_logarithm)
+      p.ci95 = {v.value * std::exp(-half / v.value), v.value * std::exp(half / v.value)};
     if (!v.tie) p.ci95 = {std::max(p.ci95[0], v.lower), std::min(p.ci95[1], v.upper)};
     p.initial = v.initial;
     p.lower = v.lower;

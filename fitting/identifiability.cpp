@@ -116,8 +116,9 @@ std::string remedy_for(const Identifiability& found) {
     of_contact = of_contact || (name.starts_with("contact.") && name != "contact.restitution");
   }
   std::string text = fmt::format(
-      "The data know {} {}, though {} {}. Fix one of {} (--fix), or give one a prior "
-      "(--prior NAME=VALUE+-UNCERTAINTY)",
+      "The data know {} {}, though {} {}. Fix one of {} (--fix), give one a prior "
+      "(--prior NAME=VALUE+-UNCERTAINTY), search them by their logarithms (--log NAMES), in which "
+      "a product is a straight line",
       text_of(worst), error_text(worst.relative_error), text_of(best),
       error_text(best.relative_error), names);
   if (of_contact && found.contact.force > 0.0)

@@ -89,8 +89,8 @@ ShotCost::ShotCost(const RigFile& rig, const ShotModel& model,
 ShotCost::Values ShotCost::values_of(const double* const* parameters) const {
   Values values;
   for (const Slot& slot : slots_)
-    values.push_back(slot.offset + slot.factor * parameters[slot.block][0] *
-                                       variables_[blocks_[slot.block]].scale);
+    values.push_back(slot.offset + slot.factor * variables_[blocks_[slot.block]].value_at(
+                                                     parameters[slot.block][0]));
   return values;
 }
 
@@ -350,10 +350,12 @@ bool ShotCost::Evaluate(const double* const* parameters, double* residuals,
       if (jacobians && loss_ != Loss::squares) slopes.row(i) *= r.slope;
     }
     if (!jacobians) return true;
-    for (std::size_t b = 0; b < blocks_.size(); ++b)
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      const Variable& v = variables_[blocks_[b]];
       if (jacobians[b])
         Eigen::Map<Eigen::VectorXd>(jacobians[b], residuals_) =
-            variables_[blocks_[b]].scale * slopes.col(static_cast<Eigen::Index>(b));
+            v.slope_at(v.value_at(parameters[b][0])) * slopes.col(static_cast<Eigen::Index>(b));
+    }
   } catch (const std::exception& error) {
     failure_ = error.what();
     return false;

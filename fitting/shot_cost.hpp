@@ -30,7 +30,7 @@ struct FittedChannel {
 /// background, gain and delay are exact; so are those to the physics in small motion. The full
 /// equations take those of small motion where that is close (`small_slopes`), else differences of
 /// simulations, run on all cores. Parameter blocks: the unknowns that concern this recording, each
-/// of size 1, divided by its scale; a number tied to an unknown moves with it.
+/// of size 1, by its coordinate; a number tied to an unknown moves with it.
 class ShotCost : public ceres::CostFunction {
  public:
   /// `numbers`: of the variables that concern this recording. Model, channels and variables must

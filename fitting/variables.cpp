@@ -264,6 +264,11 @@ void apply(const ParameterSetting* setting, Variable& v) {
   v.initial = std::clamp(v.initial, v.lower, v.upper);
   if (from_rig) v.scale = v.unit == "1" && v.initial < 5.0 ? 1.0 : v.initial;
   v.value = v.initial;
+  v.by_logarithm = setting && setting->by_logarithm;
+  if (v.by_logarithm && !(v.initial > 0.0 && v.lower >= 0.0))
+    throw std::invalid_argument(fmt::format(
+        "'{}' cannot be fitted by its logarithm: it, or its lower bound, may not be below zero",
+        v.name));
 }
 
 /// A tied number has no place of its own for anything else that is stated.
@@ -273,6 +278,7 @@ void refuse_idle_settings(const ParameterSetting& setting) {
   const char* idle = setting.prior                    ? "prior"
                      : setting.lower || setting.upper ? "bounds"
                      : setting.initial                ? "initial value"
+                     : setting.by_logarithm           ? "scale"
                                                       : nullptr;
   if (idle)
     throw std::invalid_argument(

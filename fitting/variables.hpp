@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,9 +51,25 @@ struct Variable {
   double initial = 0.0;
   double value = 0.0;
   double lower = 0.0, upper = 0.0;
-  double scale = 1.0;  ///< typical change; the solver works on value / scale
+  double scale = 1.0;  ///< typical change
+  bool by_logarithm = false;
   std::optional<std::array<double, 2>> prior;  ///< mean, standard uncertainty
   std::optional<Line> tie;
+
+  /// What the solver works on: value / scale, or ln(value / scale).
+  double coordinate(double at_value) const {
+    return by_logarithm ? std::log(at_value / scale) : at_value / scale;
+  }
+
+  double value_at(double coordinate) const {
+    return by_logarithm ? scale * std::exp(coordinate) : scale * coordinate;
+  }
+
+  /// d value / d coordinate there.
+  double slope_at(double at_value) const { return by_logarithm ? at_value : scale; }
+
+  /// Of the impact or of a sensor, not of a record's timing and background.
+  bool of_interest() const { return role != Role::touch && role != Role::background; }
 
   bool concerns(int shot) const { return recording < 0 || recording == shot; }
 };

@@ -28,11 +28,18 @@ std::string profile_text(const fitting::Profile& profile, const fitting::Paramet
   return limit(profile.lower) + " to " + limit(profile.upper);
 }
 
-/// One row a parameter of the impact, one column a kind of interval.
+/// Whether other intervals than that of the covariance were found.
+bool has_other_interval(const fitting::Fit& fit, const fitting::Parameter& p) {
+  const auto is_of = [&](const auto& other) { return other.name == p.name; };
+  return std::ranges::any_of(fit.profiles, is_of) ||
+         (fit.bootstrap && std::ranges::any_of(fit.bootstrap->parameters, is_of));
+}
+
+/// One row a parameter, one column a kind of interval.
 std::string html_kinds(const fitting::Fit& fit) {
   std::string rows;
   for (const fitting::Parameter& p : fit.parameters) {
-    if (p.nuisance) continue;
+    if (!has_other_interval(fit, p)) continue;
     const DisplayUnit unit = unit_for(p);
     std::string profile = "–", bootstrap = "–", bias = "–";
     for (const fitting::Profile& other : fit.profiles)

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -73,13 +74,20 @@ TEST_F(FitOptions, SharedAndOwnNameTheirParameters) {
 
 TEST_F(FitOptions, IntervalsOfOtherKindsAreInTheResult) {
   const json j = fitted("--profile --bootstrap 5 --bootstrap-kind residual --seed 9");
-  EXPECT_EQ(j["profiles"].size(), 3U);
+  EXPECT_EQ(j["profiles"].size(), 7U);  // and of two gains and delays
   EXPECT_EQ(j["bootstrap"]["kind"], "residual");
   EXPECT_EQ(j["bootstrap"]["draws"], 5);
   EXPECT_EQ(j["bootstrap"]["seed"], 9);
   EXPECT_EQ(
       j["bootstrap"]["parameters"][0]["draws"].size() + j["bootstrap"]["failed"].get<std::size_t>(),
       5U);
+}
+
+TEST_F(FitOptions, AnIntervalByTheLogarithmIsAsWideByAFactor) {
+  const json p = parameter(fitted("--log contact.stiffness_factor"), "contact.stiffness_factor");
+  const double value = p["value"], low = p["ci95"][0], high = p["ci95"][1];
+  EXPECT_NEAR(std::log(high / value), std::log(value / low), 1e-9);
+  EXPECT_GT(high, value);
 }
 
 // The command line goes over the rig file's [fit].
@@ -94,7 +102,7 @@ TEST_F(FitOptions, TheRigFilesTableIsTheDefault) {
   EXPECT_THAT(huber.out, HasSubstr("No profile likelihood was made"));
   const Outcome squares = run(call + " --loss squares");
   ASSERT_EQ(squares.code, 0) << squares.err;
-  EXPECT_EQ(json::parse(squares.out)["profiles"].size(), 3U);
+  EXPECT_EQ(json::parse(squares.out)["profiles"].size(), 7U);
 }
 
 TEST_F(FitOptions, RefusesWithTheOptionsName) {

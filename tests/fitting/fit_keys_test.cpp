@@ -70,6 +70,7 @@ upper = 0.9
 shared = false
 [fit.beam.density]
 prior = "2.77(1) g/cm^3"
+scale = "log"
 [fit.contact.modulus]
 tied_to = "beam.youngs_modulus"
 factor = 0.9
@@ -89,6 +90,7 @@ prior = "100(5) kHz"
   const auto& density = *options.setting_of("beam.density")->prior;
   EXPECT_NEAR(density[0], 2770.0, 1e-9);
   EXPECT_NEAR(density[1], 10.0, 1e-9);
+  EXPECT_TRUE(options.setting_of("beam.density")->by_logarithm);
   EXPECT_EQ(*options.setting_of("contact.modulus")->tie,
             (Tie{.to = "beam.youngs_modulus", .factor = 0.9, .offset = 1e9}));
   EXPECT_TRUE(options.setting_of("sensors.force.gain")->fixed);

@@ -84,6 +84,24 @@ TEST(FitSettings, APriorPullsByTheClosedForm) {
   }
 }
 
+// The same optimum, prior or not, and the interval as far by a factor as it was by a difference.
+TEST(FitSettings, ByItsLogarithmAParameterHasTheSameOptimum) {
+  const datasets::Impact impact = shot();
+  for (const bool told : {false, true}) {
+    FitOptions options;
+    ParameterSetting& setting = options.setting("contact.stiffness_factor");
+    if (told) setting.prior = {1.0005, 3e-4};
+    const Parameter linear = parameter(fit({impact}, hybrid_rig(), options), setting.name);
+    setting.by_logarithm = true;
+    const Parameter log = parameter(fit({impact}, hybrid_rig(), options), setting.name);
+    EXPECT_NEAR(log.value, linear.value, 0.02 * linear.std_error);
+    EXPECT_NEAR(log.std_error / linear.std_error, 1.0, 1e-3);
+    EXPECT_NEAR(std::log(log.ci95[1] / log.value), (linear.ci95[1] - linear.value) / linear.value,
+                1e-2 * linear.std_error);
+    EXPECT_NEAR(std::log(log.value / log.ci95[0]), std::log(log.ci95[1] / log.value), 1e-12);
+  }
+}
+
 /// ½ Σρ of data and priors with the rest fitted, as the whole fit has it.
 double least_cost(const datasets::Impact& impact, const RigFile& rig, const FitOptions& options) {
   const std::vector<datasets::Impact> impacts = {impact};
@@ -260,11 +278,19 @@ TEST(FitSettings, RefusesWhatMakesNoSense) {
   EXPECT_EQ(message(prior), idle("prior"));
   EXPECT_EQ(message(bound), idle("bounds"));
   EXPECT_EQ(message(start), idle("initial value"));
+  FitOptions log = tied();
+  log.setting("contact.modulus").by_logarithm = true;
+  EXPECT_EQ(message(log), idle("scale"));
   FitOptions outside;
   outside.setting("contact.restitution").initial = 0.2;
   outside.setting("contact.restitution").lower = 0.3;
   EXPECT_EQ(message(outside),
             "'contact.restitution' cannot begin at 0.2, outside its bounds 0.3 and 1");
+  FitOptions delay;
+  delay.setting("sensors.force.delay").by_logarithm = true;
+  EXPECT_EQ(message(delay),
+            "'sensors.force.delay' cannot be fitted by its logarithm: it, or its lower bound, may "
+            "not be below zero");
   FitOptions hum;
   hum.setting("sensors.force.hum.sine").fixed = true;
   EXPECT_THAT(message(hum), testing::StartsWith("'sensors.force.hum.sine' cannot be fitted; "));

@@ -30,7 +30,7 @@ TEST(Profile, OfANearlyLinearParameterIsTheParabola) {
   FitOptions options;
   options.profile = true;
   const Fit found = fit({shot()}, hybrid_rig(), options);
-  ASSERT_EQ(found.profiles.size(), 3U);
+  ASSERT_EQ(found.profiles.size(), 5U);  // two delays besides
   for (const Profile& profile : found.profiles) {
     if (profile.name == "contact.restitution") continue;
     const Parameter& p = parameter(found, profile.name);
@@ -98,7 +98,7 @@ TEST(Bootstrap, AgreesWithTheCovariance) {
     const Fit found = fit({shot()}, hybrid_rig(), options);
     ASSERT_TRUE(found.bootstrap);
     EXPECT_EQ(found.bootstrap->failed, 0);
-    ASSERT_EQ(found.bootstrap->parameters.size(), 3U);
+    ASSERT_EQ(found.bootstrap->parameters.size(), 5U);
     for (const Bootstrap::Parameter& drawn : found.bootstrap->parameters) {
       const Parameter& p = parameter(found, drawn.name);
       EXPECT_EQ(drawn.draws.size(), 300U);
@@ -110,6 +110,41 @@ TEST(Bootstrap, AgreesWithTheCovariance) {
                   0.6 * drawn.std_error);
     }
   }
+}
+
+// Gains and delays have every kind of interval; what their certificates say of them counts in each.
+TEST(Intervals, AreOfTheSensorsToo) {
+  datasets::Impact impact = shot();
+  impact.force->gain_uncertainty = 0.005;
+  FitOptions options;
+  options.profile = true;
+  options.bootstrap = 300;
+  const Fit found = fit({impact}, hybrid_rig(), options);
+  for (const char* name : {"sensors.force.gain", "sensors.velocity.delay"}) {
+    const Parameter& p = parameter(found, name);
+    const auto profile = std::ranges::find(found.profiles, name, &Profile::name);
+    ASSERT_NE(profile, found.profiles.end()) << name;
+    EXPECT_NEAR((*profile->upper - *profile->lower) / (2.0 * 1.959964 * p.std_error), 1.0, 0.02)
+        << name;
+    const auto drawn =
+        std::ranges::find(found.bootstrap->parameters, name, &Bootstrap::Parameter::name);
+    ASSERT_NE(drawn, found.bootstrap->parameters.end()) << name;
+    EXPECT_NEAR(drawn->std_error / p.std_error, 1.0, 0.165) << name;
+  }
+}
+
+// By its logarithm a parameter is drawn about by factors.
+TEST(Bootstrap, OfAParameterByItsLogarithmGoesByFactors) {
+  FitOptions options;
+  options.bootstrap = 39;
+  options.setting("start.velocity").by_logarithm = true;
+  const Fit found = fit({shot()}, hybrid_rig(), options);
+  const auto drawn =
+      std::ranges::find(found.bootstrap->parameters, "start.velocity", &Bootstrap::Parameter::name);
+  const auto [least, most] = std::ranges::minmax(drawn->draws);
+  const double best = parameter(found, "start.velocity").value;
+  EXPECT_NEAR(drawn->ci95[0], best * best / most, 1e-12 * best);
+  EXPECT_NEAR(drawn->ci95[1], best * best / least, 1e-12 * best);
 }
 
 // Between the least and the largest of 39 draws lies a fortieth with probability 38 / 40.
