@@ -125,6 +125,11 @@ class ContactForce {
   /// Whether another contact, or one of another bar, presses otherwise.
   bool differs(const ContactForce& other) const;
 
+  /// Whether it differs at most by the strength of its damping.
+  bool differs_by_strength(const ContactForce& other) const {
+    return law_ == other.law_ && damping_.form == other.damping_.form;
+  }
+
   double limit_penetration() const { return models::limit_penetration(law_); }
 
  private:

@@ -92,6 +92,14 @@ void ModalSensitivities::find_contacts(const Rig& rig, Direction& d) const {
   if (!ContactForce(rig_at(rig, d.parameter, d.spacing)).differs(ContactForce(rig))) return;
   for (const double offset : d.stencil.offsets)
     d.contacts.emplace_back(rig_at(rig, d.parameter, offset * d.spacing));
+  Rig copy = rig;
+  const DampingForm form = d.contacts.front().form();
+  const bool strength_apart =
+      form == DampingForm::proportional || form == DampingForm::implicit;  // of the stiffness
+  if (d.contacts.front().differs_by_strength(d.contacts.back()))
+    d.law_change = LawChange::by_strength;
+  else if (strength_apart && &d.parameter(copy) == &copy.contact.stiffness_factor)
+    d.law_change = LawChange::by_factor;
 }
 
 /// Of the modes, where the parameter changes the bar.
@@ -232,6 +240,8 @@ void ModalSensitivities::touch(const ContactForce& contact, double speed, bool f
     else
       d.speed = grazing ? grazing_fraction * d.first_speed : slope;
     for (ContactForce& there : d.contacts) there.begin_episode(contact.law_speed());
+    if (d.law_change == LawChange::by_strength)
+      d.strength = slope_of(d, d.spacing, [&](std::size_t j) { return d.contacts[j].strength(); });
   }
 }
 
@@ -247,10 +257,14 @@ ModalSensitivities::Struck ModalSensitivities::struck(const Direction& d, const 
 /// Of the pressing force, penetration and rate held.
 double ModalSensitivities::law_slope(const Direction& d, double depth, double rate,
                                      const ContactForce::Response& law) const {
-  const double own = d.contacts.empty() ? 0.0 : slope_of(d, d.spacing, [&](std::size_t j) {
-    return d.contacts[j].pressed(depth, rate).force;
-  });
-  return own + contact_->to_speed(law) * d.speed;
+  const auto own = [&] {
+    if (d.contacts.empty()) return 0.0;
+    if (d.law_change == LawChange::by_strength) return law.to_strength * d.strength;
+    if (d.law_change == LawChange::by_factor) return law.force / rig_.contact.stiffness_factor;
+    return slope_of(d, d.spacing,
+                    [&](std::size_t j) { return d.contacts[j].pressed(depth, rate).force; });
+  };
+  return own() + contact_->to_speed(law) * d.speed;
 }
 
 /// Of the function whose zero ends the phase, where the struck point's motion has these slopes.

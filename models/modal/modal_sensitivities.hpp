@@ -53,15 +53,20 @@ class ModalSensitivities {
   std::vector<Sensitivity> take_results();
 
  private:
+  /// How a parameter changes the contact's force, penetration and rate held.
+  enum class LawChange { by_strength, by_factor, otherwise };
+
   struct Direction {
     RigParameter parameter;
     Stencil stencil;
     double size = 1.0;                   // of the parameter, as it matters
     double spacing = 0.0;                // of the stencil, in the parameter's unit
     std::vector<ContactForce> contacts;  // at its places; empty where the contact does not change
-    double start_speed = 0.0;            // slope of the angular rate at touch [rad/s a unit]
-    ModalSlope slope;                    // empty where the bar does not change
-    double bar_spacing = 0.0;            // of the stencil along `slope`
+    LawChange law_change = LawChange::otherwise;
+    double strength = 0.0;     // slope of the damping's s, where the force changes by it
+    double start_speed = 0.0;  // slope of the angular rate at touch [rad/s a unit]
+    ModalSlope slope;          // empty where the bar does not change
+    double bar_spacing = 0.0;  // of the stencil along `slope`
     std::vector<ModalBeam> bars;
     std::map<double, ModalStep> steps;  // slopes of a step along `slope`, by its length
     Eigen::VectorXd velocity_row, displacement_row;
