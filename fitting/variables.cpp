@@ -19,6 +19,8 @@ using datasets::Impact;
 using datasets::ImpactSignal;
 
 constexpr double unbounded = std::numeric_limits<double>::infinity();
+// Of where it starts: zero has no logarithm.
+constexpr double least_by_logarithm = 1e-6;
 
 // What a channel is taken to be off, as parts of its largest value: standard deviations of normal
 // priors, which keep what a few milliseconds hardly tell apart near zero. The force's baseline is
@@ -247,9 +249,6 @@ void apply(const ParameterSetting* setting, Variable& v) {
     if (setting->prior) v.prior = setting->prior;
     if (setting->lower) v.lower = *setting->lower;
     if (setting->upper) v.upper = *setting->upper;
-    if (!(v.lower < v.upper))
-      throw std::invalid_argument(fmt::format("'{}' has no room between its bounds {:g} and {:g}",
-                                              v.name, v.lower, v.upper));
   }
   const bool from_rig = v.role == Variable::Role::physics || v.role == Variable::Role::chain;
   if (from_rig && !(v.initial != 0.0 && std::isfinite(v.initial)))
@@ -257,6 +256,9 @@ void apply(const ParameterSetting* setting, Variable& v) {
         fmt::format("'{}' cannot be fitted with this rig: it has no value to start from", v.name));
   if (from_rig && by_itself == 0.0 && !setting->lower) v.lower = 0.0;
   if (from_rig && by_itself == 0.0 && !setting->upper) v.upper = 100.0 * v.initial;
+  if (!(v.lower < v.upper))
+    throw std::invalid_argument(
+        fmt::format("'{}' has no room between its bounds {:g} and {:g}", v.name, v.lower, v.upper));
   if (setting && setting->initial && !(v.initial >= v.lower && v.initial <= v.upper))
     throw std::invalid_argument(
         fmt::format("'{}' cannot begin at {:g}, outside its bounds {:g} and {:g}", v.name,
@@ -269,6 +271,7 @@ void apply(const ParameterSetting* setting, Variable& v) {
     throw std::invalid_argument(fmt::format(
         "'{}' cannot be fitted by its logarithm: it, or its lower bound, may not be below zero",
         v.name));
+  if (v.by_logarithm) v.lower = std::max(v.lower, least_by_logarithm * v.initial);
 }
 
 /// A tied number has no place of its own for anything else that is stated.

@@ -233,6 +233,33 @@ TEST(FitSettings, BeginsWhereItIsTold) {
   EXPECT_LT(std::abs(pull(found, "contact.restitution", 0.5)), 4.0);
 }
 
+// The bar of the rig file has no damping: the search begins where it is told, and the bounds go
+// with that. The shot is of a bar with it.
+TEST(FitSettings, BeginsWhereItIsToldThoughTheRigHasNone) {
+  const datasets::Impact impact =
+      synthetic_shot(hybrid_rig("1.5 ms", {{"beam.damping.stiffness", "0.2 us"}}),
+                     {.duration = 1.6e-3, .seed = 4});
+  FitOptions options;
+  options.setting("beam.damping.stiffness").initial = 1e-7;
+  const Fit found = fit({impact}, hybrid_rig(), options);
+  EXPECT_LT(std::abs(pull(found, "beam.damping.stiffness", 2e-7)), 4.0);
+  EXPECT_LT(parameter(found, "beam.damping.stiffness").std_error, 1e-8);
+  EXPECT_DOUBLE_EQ(parameter(found, "beam.damping.stiffness").upper, 1e-5);
+}
+
+// The data want less than nothing of it: zero is out of a logarithm's reach.
+TEST(FitSettings, ByItsLogarithmAParameterStaysAboveZero) {
+  FitOptions options;
+  ParameterSetting& damping = options.setting("beam.damping.stiffness");
+  damping.initial = 1e-8;
+  damping.prior = {-1e-7, 1e-10};
+  damping.by_logarithm = true;
+  const Parameter found = parameter(fit({shot()}, hybrid_rig(), options), damping.name);
+  EXPECT_TRUE(found.at_bound);
+  EXPECT_GT(found.value, 0.0);
+  EXPECT_LT(found.value, 1e-12);
+}
+
 std::string message(const FitOptions& options) {
   try {
     fit({shot()}, hybrid_rig(), options);
