@@ -137,6 +137,7 @@ ContactForce::Weight ContactForce::weight(double depth) const {
   switch (damping_.form) {
     case DampingForm::natural: {
       const double z = std::sqrt(2.0 * at.energy);
+      if (z == 0.0) return {0.0, 0.0};  // of a steep law at touch, where it underflows
       const double g = at.force / z;
       return {g, (at.stiffness - g * g) / z};
     }

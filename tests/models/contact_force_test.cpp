@@ -90,6 +90,20 @@ TEST_P(EveryDampingLaw, HasTheDerivativesOfDifferences) {
       }
 }
 
+// The energy at a steep power of a shallow depth underflows sooner than the force.
+TEST_P(EveryDampingLaw, HasAFiniteForceAtTouch) {
+  const auto expect_finite = [&](const Contact& contact) {
+    const ContactForce law = pressed(contact);
+    EXPECT_TRUE(std::isfinite(law.pressed(0.0, 0.3).force)) << contact.law;
+    EXPECT_TRUE(std::isfinite(law.dissipation(0.0, 0.3))) << contact.law;
+  };
+  for (const char* elastic : elastic_names) expect_finite(contact_for(elastic, GetParam(), 0.6));
+  Contact steep = contact_for("lankarani-nikravesh-cylinder", GetParam(), 0.6);
+  steep.stiffness = 1e18;
+  steep.power = 2.96;
+  expect_finite(steep);
+}
+
 // Power in: f v = dU/dt + what is lost, in every phase; a closing contact never gives energy.
 TEST_P(EveryDampingLaw, LosesWhatItDoesNotStore) {
   for (const char* elastic : elastic_names) {
