@@ -47,6 +47,19 @@ Stencil stencil_for(const Rig& rig, RigParameter parameter, double spacing) {
   return copy.contact.restitution < 2.0 * spacing ? Stencil::forward() : Stencil::centred();
 }
 
+/// A sum that begins empty.
+template <typename Matrix>
+void add(double weight, const Matrix& part, Matrix& sum) {
+  if (sum.size() == 0)
+    sum = weight * part;
+  else
+    sum += weight * part;
+}
+
+Eigen::VectorXd row_of(const SmallMotionBeam& beam, double asked, double struck) {
+  return beam.small_motion_row(asked > 0.0 ? asked : struck);
+}
+
 void make_unknown(Sensitivity& result) {
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   result.peak_force = result.max_penetration = result.duration = result.impulse =
@@ -110,63 +123,68 @@ void ModalSensitivities::find_slope(const Rig& rig, const Solver& solver,
       other.gravity_direction == rig.gravity_direction &&
       other.contact.position == rig.contact.position)
     return;
-  const auto row_of = [](const SmallMotionBeam& beam, double asked, double struck) {
-    return beam.small_motion_row(asked > 0.0 ? asked : struck);
-  };
   const std::unique_ptr<SmallMotionBeam> here = make_small_motion_beam(rig, solver);
-  ViscousDamping damping;
-  SmallMotion change = here->small_motion();
-  Eigen::VectorXd struck = Eigen::VectorXd::Zero(change.rigid.size());
-  Eigen::VectorXd velocity = struck, displacement = struck;
-  change.mass.setZero();
-  change.stiffness.setZero();
-  change.gravity.setZero();
-  change.hinge.setZero();
-  change.rigid.setZero();
-  change.spring = 0.0;
-  for (std::size_t j = 0; j < d.stencil.weights.size(); ++j) {
-    const double weight = d.stencil.weights[j] / d.spacing;
-    if (weight == 0.0) continue;
-    const Rig there = rig_at(rig, d.parameter, d.stencil.offsets[j] * d.spacing);
-    const std::unique_ptr<SmallMotionBeam> beam = make_small_motion_beam(there, solver);
-    const SmallMotion motion = beam->small_motion();
-    change.mass += weight * motion.mass;
-    change.stiffness += weight * motion.stiffness;
-    change.gravity += weight * motion.gravity;
-    change.hinge += weight * motion.hinge;
-    change.rigid += weight * motion.rigid;
-    change.spring += weight * motion.spring;
-    const ViscousDamping resisting = ViscousDamping::of(there);
-    damping.mass += weight * resisting.mass;
-    damping.stiffness += weight * resisting.stiffness;
-    damping.hinge += weight * resisting.hinge;
-    const double position = there.contact.position;
-    struck += weight * row_of(*beam, 0.0, position);
-    velocity += weight * row_of(*beam, history.velocity_position, position);
-    displacement += weight * row_of(*beam, history.displacement_position, position);
-  }
+  const BarChange change = change_of_bar(rig, solver, history, d);
   const double position = rig.contact.position;
-  d.slope = beam_.slope(change, damping, row_of(*here, 0.0, position), struck);
+  d.slope = beam_.slope(change.motion, change.damping, row_of(*here, 0.0, position), change.struck);
   const auto spot = [&](double asked, const Eigen::VectorXd& row_change) -> Eigen::VectorXd {
     return d.slope.shapes.transpose() * row_of(*here, asked, position) +
            beam_.shapes().transpose() * row_change;
   };
-  d.velocity_row = spot(history.velocity_position, velocity);
-  d.displacement_row = spot(history.displacement_position, displacement);
-  const auto step_along = [](const Eigen::VectorXd& value, const Eigen::VectorXd& slope) {
+  d.velocity_row = spot(history.velocity_position, change.velocity);
+  d.displacement_row = spot(history.displacement_position, change.displacement);
+  const auto step_along = [](double size, const Eigen::VectorXd& slope) {
     const double largest = slope.cwiseAbs().maxCoeff();
-    return largest > 0.0 ? mode_step * value.cwiseAbs().maxCoeff() / largest
-                         : std::numeric_limits<double>::infinity();
+    return largest > 0.0 ? mode_step * size / largest : std::numeric_limits<double>::infinity();
   };
-  d.bar_spacing = std::min(
-      {step_along(beam_.omega(), d.slope.omega), step_along(beam_.omega(), d.slope.damping),
-       step_along(beam_.struck(), d.slope.struck), step_along(beam_.rigid(), d.slope.rigid)});
+  const auto largest_of = [](const Eigen::VectorXd& values) {
+    return values.cwiseAbs().maxCoeff();
+  };
+  // a weightless rigid bar without a damper has no rate: then the parameter's own size has to do
+  const double rate = std::max(beam_.fastest(), d.size * largest_of(d.slope.damping));
+  d.bar_spacing = std::min({step_along(largest_of(beam_.omega()), d.slope.omega),
+                            step_along(rate, d.slope.damping),
+                            step_along(largest_of(beam_.struck()), d.slope.struck),
+                            step_along(largest_of(beam_.rigid()), d.slope.rigid)});
   if (!std::isfinite(d.bar_spacing)) {
     d.slope = {};
     return;
   }
   for (const double offset : d.stencil.offsets)
     d.bars.push_back(beam_.moved(d.slope, offset * d.bar_spacing));
+}
+
+/// Of small motion, damping and the rows of struck point and lasers.
+ModalSensitivities::BarChange ModalSensitivities::change_of_bar(const Rig& rig,
+                                                                const Solver& solver,
+                                                                const HistoryRequest& history,
+                                                                const Direction& d) const {
+  BarChange change;
+  for (std::size_t j = 0; j < d.stencil.weights.size(); ++j) {
+    const double weight = d.stencil.weights[j] / d.spacing;
+    if (weight == 0.0) continue;
+    const Rig there = rig_at(rig, d.parameter, d.stencil.offsets[j] * d.spacing);
+    const std::unique_ptr<SmallMotionBeam> beam = make_small_motion_beam(there, solver);
+    const double position = there.contact.position;
+    change.add(weight, beam->small_motion(), ViscousDamping::of(there));
+    add(weight, row_of(*beam, 0.0, position), change.struck);
+    add(weight, row_of(*beam, history.velocity_position, position), change.velocity);
+    add(weight, row_of(*beam, history.displacement_position, position), change.displacement);
+  }
+  return change;
+}
+
+void ModalSensitivities::BarChange::add(double weight, const SmallMotion& other,
+                                        const ViscousDamping& resisting) {
+  models::add(weight, other.mass, motion.mass);
+  models::add(weight, other.stiffness, motion.stiffness);
+  models::add(weight, other.gravity, motion.gravity);
+  models::add(weight, other.hinge, motion.hinge);
+  models::add(weight, other.rigid, motion.rigid);
+  motion.spring += weight * other.spring;
+  damping.mass += weight * resisting.mass;
+  damping.stiffness += weight * resisting.stiffness;
+  damping.hinge += weight * resisting.hinge;
 }
 
 const ModalStep& ModalSensitivities::slope_of_step(Direction& d, double h) const {

@@ -107,11 +107,22 @@ class ModalSensitivities {
     ContactForce::Response law;
   };
 
+  /// Slopes of what a bar's modes are made of.
+  struct BarChange {
+    SmallMotion motion;
+    ViscousDamping damping;
+    Eigen::VectorXd struck, velocity, displacement;  // rows of the points (n)
+
+    void add(double weight, const SmallMotion& other, const ViscousDamping& resisting);
+  };
+
   const Direction& at(int i) const { return directions_[static_cast<std::size_t>(i)]; }
 
   void find_contacts(const Rig& rig, Direction& d) const;
   void find_slope(const Rig& rig, const Solver& solver, const HistoryRequest& history,
                   Direction& d) const;
+  BarChange change_of_bar(const Rig& rig, const Solver& solver, const HistoryRequest& history,
+                          const Direction& d) const;
   template <typename Function>
   double slope_of(const Direction& d, double spacing, Function value_at) const;
   const ModalStep& slope_of_step(Direction& d, double h) const;

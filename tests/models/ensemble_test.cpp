@@ -162,7 +162,10 @@ TEST(Ensemble, LeavesToTheFullEquationsWhatSmallMotionCannot) {
   Rig fast = paper_rig();
   fast.start.velocity = 5.0;
   Rig slow = paper_rig();
-  const std::vector<Rig> rigs = {damped, leaning, fast, slow};
+  Rig rubbing = paper_rig();
+  rubbing.hinge.viscous = 1e-3;
+  rubbing.beam.youngs_modulus *= 1.1;
+  const std::vector<Rig> rigs = {damped, leaning, fast, slow, rubbing};
   const Solver solver = hybrid(Basis::pinned_free, 3, 1e-4, 1e-3);
   expect_agreement(rigs, solver);
   const std::vector<EnsembleMember> members = simulate_ensemble(rigs, solver);
@@ -170,6 +173,7 @@ TEST(Ensemble, LeavesToTheFullEquationsWhatSmallMotionCannot) {
   EXPECT_FALSE(members[1].simulation.small_motion);
   EXPECT_FALSE(members[2].simulation.small_motion);
   EXPECT_TRUE(members[3].simulation.small_motion);
+  EXPECT_TRUE(members[4].simulation.small_motion);
 }
 
 TEST(Ensemble, IsTheSameToTheLastBitWithAnyThreadsAndNeighbours) {

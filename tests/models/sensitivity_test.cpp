@@ -204,6 +204,25 @@ TEST(Sensitivities, OfDampedBarsAreThoseOfDifferences) {
   expect_equal_derivatives(rig, hybrid(Basis::cantilever, 5, 1e-12, 5e-4), 1e-8, of_damped_bars);
 }
 
+// A weightless rigid bar has no frequency to measure changes against, without a damper no rate at
+// all.
+TEST(Sensitivities, OfARigidBarWithADamperAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  rig.gravity = 0.0;
+  Solver solver = rigid(1e-12);
+  solver.duration = 4e-3;
+  const Named damper{"viscous hinge", [](Rig& r) -> double& { return r.hinge.viscous; }};
+  rig.hinge.viscous = 20.0;
+  expect_equal_derivatives(rig, solver, 1e-8, {&damper, 1});
+  rig.hinge.viscous = 0.0;
+  const Simulation without = small(rig, solver, {damper.of});
+  rig.hinge.viscous = 1e-3;
+  const Simulation with = small(rig, solver);
+  const double change = 1e-3 * without.sensitivities.at(0).impulse;
+  EXPECT_LT(change, 0.0);
+  EXPECT_NEAR((with.impulse - without.impulse) / change, 1.0, 1e-4);
+}
+
 /// Several contacts, some of them grazing, and a run that ends in the middle of one.
 TEST(Sensitivities, GoOnThroughContactsThatFollow) {
   Rig rig = damped_rig();

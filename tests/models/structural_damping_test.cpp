@@ -9,7 +9,7 @@
 #include "models/beams/bending_modes.hpp"
 #include "models/beams/floating_frame.hpp"
 #include "models/integration/dop853.hpp"
-#include "models/mesh_error.hpp"
+#include "models/modal/modal_beam.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/plain_chain.hpp"
 #include "tests/models/reference/impact_run.hpp"
@@ -232,6 +232,27 @@ TEST(StructuralDamping, StrongOneDoesNotMakeTheStepsUnstable) {
   const Simulation run = ImpactRun(rig, solver, options, beam).simulate();
   EXPECT_LT(std::abs(run.energy.imbalance), 1e-5);
   EXPECT_LT(run.cost.rejected, run.cost.steps / 10);
+}
+
+// What a mode keeps of C = α M + τ K + c hᵀ h and what is left out are all of it.
+TEST(StructuralDamping, OfModesAndTheirCouplingIsAllThereIs) {
+  Rig rig = damped_rig(30.0, 2e-6);
+  rig.gravity = 9.81;
+  rig.beam.masses = {{0.8, 0.4}};
+  rig.hinge = {.spring = 500.0, .viscous = 0.3};
+  const AncfBeam mesh(rig, {5, 2});
+  const ModalBeam modes(mesh, rig);
+  const SmallMotion motion = mesh.small_motion();
+  const Eigen::MatrixXd whole =
+      30.0 * motion.mass + 2e-6 * motion.stiffness + 0.3 * motion.hinge * motion.hinge.transpose();
+  const Vector a = Vector::LinSpaced(modes.modes(), 1.0, -0.4);
+  Vector drag;
+  modes.coupled_drag(a, drag);
+  EXPECT_GT(drag.norm(), 1e-9 * (whole * modes.shapes()).norm()) << "nothing is coupled";
+  const Vector expected = modes.shapes().transpose() * (whole * (modes.shapes() * a));
+  const Vector found = modes.damping().cwiseProduct(a) + drag;
+  for (Eigen::Index i = 0; i < a.size(); ++i)
+    EXPECT_NEAR(found[i], expected[i], 1e-9 * (whole * modes.shapes()).norm()) << i;
 }
 
 /// The same scene by the full equations and by small motion, whose estimate has to cover what they
