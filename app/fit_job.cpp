@@ -192,9 +192,8 @@ std::string result_text(const FitJob& job, const std::string& config_sha256,
                         const std::vector<std::string>& inputs_sha256) {
   const ImportArguments& r = job.reading;
   std::string text = fmt::format(
-      "impactrig {} {}\nfree {}\nfix {}\nshared {}\nown {}\nlog {}\nprior {}\nbounds {}\ntie "
-      "{}\nloss "
-      "{}\nagainst {}\nprofile {}\n"
+      "impactrig {} {}\nfree {}\nfix {}\nshared {}\nown {}\nlog {}\n"
+      "prior {}\nbounds {}\ntie {}\nloss {}\nagainst {}\nprofile {}\n"
       "bootstrap {} {} {}\n"
       "channels {}\nwindow {}\nrig {}\nread {}|{}|{}|{}|{}|{}|{}\n"
       "trigger {}|{}|{}|{}|{}\nfrom {} to {}\n",

@@ -31,6 +31,31 @@ void move(ModesUnderForce& modes) {
   modes.damping ? advance_damped_modes(modes) : advance_modes(modes);
 }
 
+/// What is known of the modes over a step, under the force of a stop and seen at the point before
+/// another.
+ModesOverStep modes_over(const ModalBeam& beam, const Collocation& rule, double h, int stop,
+                         int point) {
+  ModesOverStep modes{};
+  modes.modes = beam.modes();
+  modes.nodes = rule.nodes();
+  modes.omega = beam.omega().data();
+  modes.struck = beam.struck(stop).data();
+  modes.damping = beam.damped() ? beam.damping().data() : nullptr;
+  modes.seen = beam.struck(point).data();
+  modes.h = h;
+  modes.points = rule.points().data();
+  modes.to_series = rule.to_series().data();
+  return modes;
+}
+
+template <typename Rows>
+void write_rows(Rows& rows, ModesOverStep& modes) {
+  modes.displacement_of_a = rows.displacement_of_a.data();
+  modes.displacement_of_rate = rows.displacement_of_rate.data();
+  modes.velocity_of_a = rows.velocity_of_a.data();
+  modes.velocity_of_rate = rows.velocity_of_rate.data();
+}
+
 void respond(const ModesOverStep& modes) {
   modes.damping ? step_damped_modes(modes) : step_modes(modes);
 }
@@ -59,28 +84,18 @@ ModalStep::ModalStep(const ModalBeam& beam, const Collocation& rule, double h)
   const int terms = std::max(terms_needed(h * beam.fastest()), s);
   const int blocks = (terms + Collocation::block_size - 1) / Collocation::block_size;
   Eigen::MatrixX2d kernels = Eigen::MatrixX2d::Zero(blocks * Collocation::block_size, 2);
-  respond({.modes = beam.modes(),
-           .nodes = s,
-           .omega = beam.omega().data(),
-           .struck = beam.struck().data(),
-           .damping = beam.damped() ? beam.damping().data() : nullptr,
-           .seen = beam.struck().data(),
-           .h = h,
-           .points = rule.points().data(),
-           .to_series = rule.to_series().data(),
-           .displacement_of_a = response_.displacement_of_a.data(),
-           .displacement_of_rate = response_.displacement_of_rate.data(),
-           .velocity_of_a = response_.velocity_of_a.data(),
-           .velocity_of_rate = response_.velocity_of_rate.data(),
-           .a_of_force = a_of_force_.data(),
-           .rate_of_force = rate_of_force_.data(),
-           .a_of_a = a_of_a_.data(),
-           .a_of_rate = a_of_rate_.data(),
-           .rate_of_a = rate_of_a_.data(),
-           .rate_of_rate = rate_of_rate_.data(),
-           .terms = terms,
-           .displacement_kernel = kernels.col(0).data(),
-           .velocity_kernel = kernels.col(1).data()});
+  ModesOverStep modes = modes_over(beam, rule, h, 0, 0);
+  write_rows(response_, modes);
+  modes.a_of_force = a_of_force_.data();
+  modes.rate_of_force = rate_of_force_.data();
+  modes.a_of_a = a_of_a_.data();
+  modes.a_of_rate = a_of_rate_.data();
+  modes.rate_of_a = rate_of_a_.data();
+  modes.rate_of_rate = rate_of_rate_.data();
+  modes.terms = terms;
+  modes.displacement_kernel = kernels.col(0).data();
+  modes.velocity_kernel = kernels.col(1).data();
+  respond(modes);
   respond_to_force(rule, kernels, response_.of_force);
   if (beam.stops() > 1) respond_further(beam, rule, terms);
 }
@@ -123,28 +138,15 @@ void ModalStep::respond_further(const ModalBeam& beam, const Collocation& rule, 
     Further& further = further_[static_cast<std::size_t>(stop - 1)];
     for (int point = 0; point <= stop; ++point) {
       Eigen::MatrixX2d kernels = Eigen::MatrixX2d::Zero(blocks * Collocation::block_size, 2);
-      respond({.modes = beam.modes(),
-               .nodes = s,
-               .omega = beam.omega().data(),
-               .struck = beam.struck(stop).data(),
-               .damping = beam.damped() ? beam.damping().data() : nullptr,
-               .seen = beam.struck(point).data(),
-               .h = h_,
-               .points = rule.points().data(),
-               .to_series = rule.to_series().data(),
-               .displacement_of_a = further.displacement_of_a.data(),
-               .displacement_of_rate = further.displacement_of_rate.data(),
-               .velocity_of_a = further.velocity_of_a.data(),
-               .velocity_of_rate = further.velocity_of_rate.data(),
-               .a_of_force = further.a_of_force.data(),
-               .rate_of_force = further.rate_of_force.data(),
-               .a_of_a = swing.data(),
-               .a_of_rate = swing.data(),
-               .rate_of_a = swing.data(),
-               .rate_of_rate = swing.data(),
-               .terms = terms,
-               .displacement_kernel = kernels.col(0).data(),
-               .velocity_kernel = kernels.col(1).data()});
+      ModesOverStep modes = modes_over(beam, rule, h_, stop, point);
+      write_rows(further, modes);
+      modes.a_of_force = further.a_of_force.data();
+      modes.rate_of_force = further.rate_of_force.data();
+      modes.a_of_a = modes.a_of_rate = modes.rate_of_a = modes.rate_of_rate = swing.data();
+      modes.terms = terms;
+      modes.displacement_kernel = kernels.col(0).data();
+      modes.velocity_kernel = kernels.col(1).data();
+      respond(modes);
       BarMotion::Response& response =
           of_force_[static_cast<std::size_t>(point * beam.stops() + stop)];
       respond_to_force(rule, kernels, response);
