@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace impactrig::fitting {
 namespace {
@@ -17,6 +18,13 @@ using models::Rig;
 /// Of a rigid stop all zero: nothing a fit could start from.
 models::Stop& stop_of(Rig& rig) {
   return rig.stop ? *rig.stop : rig.stop.emplace();
+}
+
+/// Of a stop there is not, likewise.
+template <std::size_t K>
+models::FurtherStop& further(Rig& rig) {
+  if (rig.further_stops.size() < K) rig.further_stops.resize(K);
+  return rig.further_stops[K - 1];
 }
 
 double& stated(std::optional<double>& value) {
@@ -46,7 +54,7 @@ constexpr std::array chain_parameters = {
 constexpr std::array<std::string_view, 4> hums = {"hum.sin", "hum.cos", "hum.third_sin",
                                                   "hum.third_cos"};
 
-constexpr std::array parameters = {
+constexpr std::array of_rig = {
     PhysicalParameter{"contact.restitution", "1", 0.0, 1.0, false,
                       [](Rig& r) -> double& { return r.contact.restitution; }},
     PhysicalParameter{"contact.stiffness_factor", "1", 0.01, 100.0, false,
@@ -85,6 +93,8 @@ constexpr std::array parameters = {
                       [](Rig& r) -> double& { return r.beam.density; }},
     PhysicalParameter{"beam.length", "m", 0.0, 0.0, false,
                       [](Rig& r) -> double& { return r.beam.length; }},
+    PhysicalParameter{"beam.shear_coefficient", "1", 0.05, 2.0, false,
+                      [](Rig& r) -> double& { return r.beam.shear_coefficient; }},
     PhysicalParameter{"beam.damping.mass", "1/s", 0.0, 0.0, false,
                       [](Rig& r) -> double& { return r.beam.damping.mass; }},
     PhysicalParameter{"beam.damping.stiffness", "s", 0.0, 0.0, false,
@@ -95,15 +105,46 @@ constexpr std::array parameters = {
                       [](Rig& r) -> double& { return r.hinge.viscous; }},
 };
 
+/// Of the further stop K; its keys are those of [[contacts]] behind its number.
+template <std::size_t K>
+std::array<PhysicalParameter, 6> of_further_stop() {
+  static const std::array names = {
+      fmt::format("contacts.{}.restitution", K), fmt::format("contacts.{}.stiffness_factor", K),
+      fmt::format("contacts.{}.length", K),      fmt::format("contacts.{}.stiffness", K),
+      fmt::format("contacts.{}.position", K),    fmt::format("contacts.{}.gap", K)};
+  return {PhysicalParameter{names[0], "1", 0.0, 1.0, false,
+                            [](Rig& r) -> double& { return further<K>(r).contact.restitution; }},
+          {names[1], "1", 0.01, 100.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.stiffness_factor; }},
+          {names[2], "m", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.length; }},
+          {names[3], "N/m", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.stiffness; }},
+          {names[4], "m", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.position; }},
+          {names[5], "m", 0.0, 0.0, false, [](Rig& r) -> double& { return further<K>(r).gap; }}};
+}
+
+std::vector<PhysicalParameter> all_parameters() {
+  std::vector<PhysicalParameter> all(of_rig.begin(), of_rig.end());
+  const auto append = [&](const auto& more) { all.insert(all.end(), more.begin(), more.end()); };
+  append(of_further_stop<1>());
+  append(of_further_stop<2>());
+  append(of_further_stop<3>());
+  return all;
+}
+
 }  // namespace
 
 std::span<const PhysicalParameter> physical_parameters() {
-  return parameters;
+  static const std::vector<PhysicalParameter> all = all_parameters();
+  return all;
 }
 
 const PhysicalParameter* find_physical_parameter(std::string_view name) {
-  const auto found = std::ranges::find(parameters, name, &PhysicalParameter::name);
-  return found == parameters.end() ? nullptr : &*found;
+  const std::span<const PhysicalParameter> all = physical_parameters();
+  const auto found = std::ranges::find(all, name, &PhysicalParameter::name);
+  return found == all.end() ? nullptr : &*found;
 }
 
 const ChainParameter* find_chain_parameter(std::string_view name) {
@@ -137,14 +178,14 @@ std::string unit_of(std::string_view name) {
       return std::string(chain->unit);
   }
   std::string known;
-  for (const PhysicalParameter& parameter : parameters)
-    known += fmt::format("{}, ", parameter.name);
+  for (const PhysicalParameter& parameter : of_rig) known += fmt::format("{}, ", parameter.name);
   std::string of_chain;
   for (const std::string_view hum : hums) of_chain += fmt::format(", {}", hum);
   for (const ChainParameter& parameter : chain_parameters)
     of_chain += fmt::format(", {}", parameter.name);
   throw std::invalid_argument(fmt::format(
-      "'{}' cannot be fitted; parameters are {}impact.time, and sensors.CHANNEL. with gain, delay, "
+      "'{}' cannot be fitted; parameters are {}impact.time, contacts.1. (2, 3) with restitution, "
+      "stiffness_factor, length, stiffness, position, gap, and sensors.CHANNEL. with gain, delay, "
       "offset, drift{}",
       name, known, of_chain));
 }

@@ -107,22 +107,21 @@ ShotModel ShotModel::coarser() const {
 
 models::Simulation ShotModel::simulate(const models::Rig& rig, double interval,
                                        const std::vector<models::RigParameter>& by) const {
-  return simulate(rig, chains_, interval, by, true);
+  models::SimulationOptions options;
+  options.history.interval = interval;
+  options.sensitivities = by;
+  return simulate(rig, chains_, std::move(options));
 }
 
 models::Simulation ShotModel::simulate(const models::Rig& rig, const SensorChains& chains,
-                                       double interval, const std::vector<models::RigParameter>& by,
-                                       bool judge) const {
+                                       models::SimulationOptions options) const {
   models::Solver solver = solver_;
   solver.duration = end_;
   if (motion_ == models::Motion::small)
     solver.accuracy = std::min(solver.accuracy, rough_ ? rough_accuracy : fine_accuracy);
-  models::SimulationOptions options;
-  options.history = {.interval = interval, .lead = lead_};
+  options.history.lead = lead_;
   options.motion = motion_;
-  options.judge_small_motion = judge;
   options.bars = bars_.get();
-  options.sensitivities = by;
   if (chains.velocity) options.history.velocity_position = chains.velocity->position;
   if (chains.displacement) options.history.displacement_position = chains.displacement->position;
   return models::simulate(rig, solver, options);
@@ -137,25 +136,44 @@ Shown ShotModel::show(const models::History& history, const SensorChains& chains
   return shown;
 }
 
+/// By the place of a laser's spot, where the motion tells how it changes along the bar.
+Shown ShotModel::spot_slope(const models::History& history, const SensorChains& chains,
+                            datasets::Quantity quantity) const {
+  models::History change;
+  change.start = history.start;
+  change.interval = history.interval;
+  change.force = change.velocity = change.displacement =
+      std::vector<double>(history.force.size(), 0.0);
+  if (quantity == datasets::Quantity::velocity)
+    change.velocity = history.velocity_slope;
+  else
+    change.displacement = history.displacement_slope;
+  return show(change, chains);
+}
+
 /// By a number of one sensor's chain: a central difference of the chain's response to the history,
-/// which is smooth in it; the other channels do not change. Where a laser points, two simulations
-/// show: they take the same steps and their histories are linear in the bar's coordinates.
+/// which is smooth in it; the other channels do not change. Where a laser points, full equations
+/// show by two simulations: they take the same steps and their histories are linear in the bar's
+/// coordinates.
 Shown ShotModel::chain_slope(const models::Rig& rig, const models::History& history,
                              SensorChains chains, const WantedSlopes::Chain& by) const {
+  const bool spot = by.parameter->name == "position";
+  if (spot && !history.velocity_slope.empty()) return spot_slope(history, chains, by.quantity);
   datasets::Sensor& sensor = *chains.of(by.quantity);
   double& number = by.parameter->of(sensor);
   const double middle = number;
   const double step = chain_step * middle;
   const auto shown_at = [&](double value) {
     number = value;
-    if (by.parameter->name != "position") return show(history, chains);
-    return show(simulate(rig, chains, history.interval, {}, false).history, chains);
+    if (!spot) return show(history, chains);
+    models::SimulationOptions options;
+    options.history.interval = history.interval;
+    return show(simulate(rig, chains, options).history, chains);
   };
-  Shown slope = shown_at(
-      std::min(middle + step, by.parameter->name == "position" ? rig.beam.length : middle + step));
-  const double above = number;
+  const double above = spot ? std::min(middle + step, rig.beam.length) : middle + step;
+  Shown slope = shown_at(above);
   const Shown below = shown_at(middle - step);
-  const double span = above - number;
+  const double span = above - (middle - step);
   const auto difference = [&](std::optional<Shown::Curve>& to,
                               const std::optional<Shown::Curve>& from) {
     if (!to) return;
@@ -172,7 +190,13 @@ Shown ShotModel::chain_slope(const models::Rig& rig, const models::History& hist
 Shown ShotModel::predict(const models::Rig& rig, const SensorChains& chains,
                          const WantedSlopes& wanted) const {
   const double interval = rough_ ? oversampling * interval_ : interval_;
-  const models::Simulation simulation = simulate(rig, chains, interval, wanted.rig, false);
+  models::SimulationOptions options;
+  options.history.interval = interval;
+  options.history.spot_slopes = std::ranges::any_of(
+      wanted.chain, [](const WantedSlopes::Chain& by) { return by.parameter->name == "position"; });
+  options.sensitivities = wanted.rig;
+  options.judge_small_motion = false;
+  const models::Simulation simulation = simulate(rig, chains, options);
   Shown shown = show(simulation.history, chains);
   shown.restitution = simulation.restitution;
   for (const models::Sensitivity& sensitivity : simulation.sensitivities) {

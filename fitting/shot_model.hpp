@@ -92,8 +92,10 @@ class ShotModel {
   const SensorChains& chains() const { return chains_; }
 
  private:
-  models::Simulation simulate(const models::Rig& rig, const SensorChains& chains, double interval,
-                              const std::vector<models::RigParameter>& by, bool judge) const;
+  Shown spot_slope(const models::History& history, const SensorChains& chains,
+                   datasets::Quantity quantity) const;
+  models::Simulation simulate(const models::Rig& rig, const SensorChains& chains,
+                              models::SimulationOptions options) const;
   Shown show(const models::History& history, const SensorChains& chains) const;
   Shown chain_slope(const models::Rig& rig, const models::History& history, SensorChains chains,
                     const WantedSlopes::Chain& by) const;

@@ -26,6 +26,9 @@ void begin_history(const Rig& rig, const HistoryRequest& wanted, double struck_s
     history.penetration.push_back(struck_speed * state.angle / rate);
     history.velocity.push_back(velocity_speed * state.rate / rate);
     history.displacement.push_back(displacement_speed * state.angle / rate);
+    if (!wanted.spot_slopes) continue;
+    history.velocity_slope.push_back(state.rate);
+    history.displacement_slope.push_back(state.angle);
   }
   for (const FurtherStop& stop : rig.further_stops) {
     const double speed =

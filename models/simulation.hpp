@@ -74,6 +74,7 @@ struct HistoryRequest {
   double lead = 0.0;               ///< before first touch [s], continued backwards as a rigid swing
   double velocity_position = 0.0;  ///< laser spot, from the hinge [m]; 0 = the struck point
   double displacement_position = 0.0;  ///< [m]; 0 = the struck point
+  bool spot_slopes = false;            ///< also how both change along the bar; small motion only
 };
 
 /// What a history shows at a further stop.
@@ -93,6 +94,9 @@ struct History {
   std::vector<double> velocity;     ///< closing > 0, at velocity_position [m/s] (n)
   /// Closing > 0, 0 at first touch, at displacement_position [m] (n).
   std::vector<double> displacement;
+  /// How both change along the bar at the lasers' spots [1/s], [-] (n); empty where not asked for
+  /// or not known.
+  std::vector<double> velocity_slope, displacement_slope;
   /// What the sensor of a compliant stop carries, compression > 0 [N] (n); empty where it is rigid.
   std::vector<double> sensor_force;
   std::vector<StopHistory> further;  ///< as Rig::further_stops
@@ -134,6 +138,7 @@ struct Sensitivity {
   double duration = 0.0;
   double impulse = 0.0;
   double separation_velocity = 0.0;
+  double sensor_peak_force = 0.0;          ///< SensorForce::peak_force, over the run
   Restitution restitution = {.law = 0.0};  ///< `law` stays zero
   History history;  ///< sample by sample at the same times; none asked for: empty
 };
@@ -190,8 +195,8 @@ struct SimulationOptions {
   Motion motion = Motion::by_accuracy;
   bool exact = false;                     ///< take no simplification
   std::vector<Simplification> kept = {};  ///< simplifications not to take
-  /// Numbers of the rig by which to differentiate. Small motion that begins at the touch of a
-  /// single rigid stop only, whose contact ends smoothly (ContactForce::ends_smoothly()).
+  /// Numbers of the rig by which to differentiate. Small motion that begins at touch only, against
+  /// stops whose contacts end smoothly (ContactForce::ends_smoothly()).
   std::vector<RigParameter> sensitivities = {};
   /// Estimate what small motion neglects. For callers that know it, with Motion::small, which takes
   /// that whatever it is: false saves half of a run, and Simulation::neglected is 0.

@@ -47,9 +47,10 @@ class BarMotion {
   /// What a history shows at one instant, before the first stop.
   struct Sample {
     PointMotion struck;
-    double velocity = 0.0, displacement = 0.0;  // at the lasers' spots
-    double sensor_force = 0.0;                  // of a compliant stop
-    double deflection = 0.0, extension = 0.0;   // of a hinge that is turned as stated
+    double velocity = 0.0, displacement = 0.0;              // at the lasers' spots
+    double velocity_slope = 0.0, displacement_slope = 0.0;  // there, along the bar, where known
+    double sensor_force = 0.0;                              // of a compliant stop
+    double deflection = 0.0, extension = 0.0;               // of a hinge that is turned as stated
   };
 
   virtual ~BarMotion() = default;
@@ -59,6 +60,9 @@ class BarMotion {
 
   /// Of a step that does not miss how the contact acts on what moves fastest [s].
   virtual double longest_step() const { return ladder().longest; }
+
+  /// Whether it knows Sample::velocity_slope and displacement_slope as asked for.
+  virtual bool knows_spot_slopes() const { return false; }
 
   /// The straight bar at an angle [rad, negative before touch] turning at a rate [rad/s].
   virtual void start(double angle, double rate) = 0;
@@ -149,6 +153,9 @@ class BarMotion {
 
   /// The point before a stop after a time of the flight from where the bar is [s].
   virtual PointMotion struck_in_flight(int stop, double) { return struck(stop); }
+
+  /// The first part of the solved step is to be taken: what is worth keeping of it.
+  virtual void observe(double) {}
 
   /// The solved step is taken, or the first part of it where parts_exact().
   virtual void take(double part) = 0;

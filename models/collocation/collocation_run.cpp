@@ -249,9 +249,8 @@ bool CollocationRun::solve_step() {
 double CollocationRun::derivative_error() const {
   double worst = 0.0;
   for (int i = 0; i < followed_->count(); ++i)
-    worst = std::max(
-        {worst, truncation(followed_->force_series(i)) * followed_->size(i) / impulse_scale_,
-         truncation(followed_->dissipation_series(i)) * followed_->size(i) / energy_scale_});
+    worst = std::max({worst, followed_->force_truncation(i) * followed_->size(i) / impulse_scale_,
+                      followed_->dissipation_truncation(i) * followed_->size(i) / energy_scale_});
   return worst * bar_.step() / std::max(solver_.accuracy, Solver::finest_accuracy);
 }
 
@@ -289,8 +288,7 @@ void CollocationRun::weigh(bool solved) {
                              tried_.error, point.motion_error()});
   }
   if (followed_ && tried_.error <= 1.0) {
-    const StopStep& step = steps_.front();
-    followed_->solve(step.force, step.displacement, step.velocity);
+    followed_->solve(steps_);
     tried_.error = std::max(tried_.error, derivative_error());
   }
 }
@@ -371,19 +369,27 @@ void CollocationRun::take_attempt() {
       struck_at);
   for (ContactPoint& point : points_) point.add_to_totals(tried_.part);
   damped_ += bar_.damped(tried_.part);
-  if (followed_) {
-    using Following = ModalSensitivities::End;
-    using Event = ContactPoint::Event;
-    const Event event = points_.front().event();
-    followed_->take(tried_.part, tried_.end == End::run   ? Following::time
-                                 : event == Event::gap    ? Following::gap
-                                 : event == Event::change ? Following::change
-                                                          : Following::step);
-  }
+  bar_.observe(tried_.part);
+  if (followed_) follow_step();
   bar_.take(tried_.part);
   for (ContactPoint& point : points_)
     point.keep_series(tried_.part, point.event() != ContactPoint::Event::none);
   t_ += tried_.part * h;
+}
+
+/// Its end moves with the first event there.
+void CollocationRun::follow_step() {
+  using Following = ModalSensitivities::End;
+  using Event = ContactPoint::Event;
+  const auto ended = std::ranges::find_if(
+      points_, [](const ContactPoint& point) { return point.event() != Event::none; });
+  if (tried_.end == End::run)
+    followed_->take(tried_.part, Following::time, 0);
+  else if (ended == points_.end())
+    followed_->take(tried_.part, Following::step, 0);
+  else
+    followed_->take(tried_.part, ended->event() == Event::gap ? Following::gap : Following::change,
+                    ended->number());
 }
 
 /// The samples that fall into a time from here on: looked at by `look(first, spacing)` before the
@@ -412,6 +418,10 @@ void CollocationRun::sample_history(
     history.penetration.push_back(sample.struck.displacement);
     history.velocity.push_back(sample.velocity);
     history.displacement.push_back(sample.displacement - laser_rest_);
+    if (bar_.knows_spot_slopes()) {
+      history.velocity_slope.push_back(sample.velocity_slope);
+      history.displacement_slope.push_back(sample.displacement_slope - slope_rest_);
+    }
     if (rig_.stop) history.sensor_force.push_back(sample.sensor_force);
   }
   for (std::size_t i = 0; i < history.further.size(); ++i)
@@ -471,10 +481,13 @@ void CollocationRun::first_touch() {
   samples_.resize(1);
   bar_.sample(0.0, 0.0, samples_);
   laser_rest_ = samples_[0].displacement;
+  slope_rest_ = samples_[0].displacement_slope;
   const auto speed_at = [&](double x) {
     return x > 0.0 ? approach_ * x / rig_.contact.position : approach_;
   };
-  begin_history(rig_, options_.history, approach_, speed_at(options_.history.velocity_position),
+  HistoryRequest wanted = options_.history;
+  wanted.spot_slopes = bar_.knows_spot_slopes();
+  begin_history(rig_, wanted, approach_, speed_at(options_.history.velocity_position),
                 speed_at(options_.history.displacement_position), result_.history);
   if (rig_.stop) result_.history.sensor_force.resize(result_.history.force.size(), 0.0);
 }
@@ -492,7 +505,7 @@ void CollocationRun::touch(ContactPoint& point) {
   log_.touch(point.number(), t_ - time_of_touch_, speed, point.totals(), point.contact());
   if (!followed_) return;
   if (first) followed_->begin();
-  followed_->touch(point.contact(), speed, first);
+  followed_->touch(point.number(), point.contact(), speed);
 }
 
 int CollocationRun::level_after_rejection(int level) const {
@@ -531,7 +544,8 @@ bool CollocationRun::leave_event(ContactPoint& point) {
       }
       log_.separate(point.number(), t_ - time_of_touch_, point.struck().velocity, point.totals(),
                     contact);
-      if (followed_ && result_.episodes.size() == 1) followed_->separate(result_);
+      if (followed_ && point.number() == 0 && log_.in_first_episode(0))
+        followed_->separate(result_);
       return false;
     case Event::change:
       contact.set_phase(contact.switched());

@@ -29,8 +29,8 @@ class CollocationRun {
   CollocationRun(const Rig& rig, const Solver& solver, const SimulationOptions& options,
                  BarMotion& bar);
 
-  /// The run is followed with derivatives; not owned. For a ModalMotion that begins at the touch of
-  /// a single stop.
+  /// The run is followed with derivatives; not owned. For a ModalMotion that begins at touch,
+  /// before a stop that gives way or not.
   void follow(ModalSensitivities& sensitivities) {
     followed_ = &sensitivities;
     points_.front().follow(sensitivities);
@@ -119,6 +119,7 @@ class CollocationRun {
   void set_scales();
   void first_touch();
   void take_attempt();
+  void follow_step();
   void touch(ContactPoint& point);
   void sample_history(double time, const std::function<void(double, double)>& look,
                       const std::function<PointMotion(ContactPoint&, double)>& struck_at);
@@ -153,7 +154,7 @@ class CollocationRun {
   double t_ = 0.0, time_of_touch_ = 0.0, t_end_ = 0.0;
   Attempt tried_;
   std::vector<BarMotion::Sample> samples_;
-  double laser_rest_ = 0.0;  // displacement seen at first touch [m]
+  double laser_rest_ = 0.0, slope_rest_ = 0.0;  // displacement seen at first touch [m], [-]
 
   double approach_ = 0.0, impulse_scale_ = 0.0, energy_scale_ = 0.0;
   double damped_ = 0.0;  // in bar, hinge and compliant stop since first touch [J]

@@ -108,7 +108,9 @@ std::vector<BarElement> station_spans(const Rig& rig) {
 ModalBeam::ModalBeam(const SmallMotionBeam& beam, const Rig& rig)
     : beam_(beam),
       motion_(beam.small_motion()),
-      viscous_(ViscousDamping::of(rig)) {
+      viscous_(ViscousDamping::of(rig)),
+      length_(rig.beam.length),
+      struck_position_(rig.contact.position) {
   solve_modes();
   find_damping();
   struck_ = point(rig.contact.position);
@@ -268,8 +270,9 @@ double ModalBeam::rounding() const {
 /// The elastic stiffness in a mode is what weight and spring leave of ω².
 void ModalBeam::find_damping() {
   const Eigen::ArrayXd turned = hinge_.array().square();
-  const Eigen::ArrayXd elastic =
-      omega_.array().square() - weight_.diagonal().array() - motion_.spring * turned;
+  const Eigen::ArrayXd squares = omega_.array().square();
+  Eigen::ArrayXd elastic = squares - weight_.diagonal().array() - motion_.spring * turned;
+  elastic = (elastic > 1e-12 * squares).select(elastic, 0.0);  // a rigid bar's is rounding
   damping_ = viscous_.mass + viscous_.stiffness * elastic + viscous_.hinge * turned;
   damped_ = viscous_ != ViscousDamping{};
 }
@@ -293,8 +296,7 @@ void ModalBeam::coupled_drag(const Eigen::VectorXd& a, Eigen::VectorXd& drag) co
   drag.array() += hinge * (turned * hinge_.array() - hinge_.array().square() * a.array());
 }
 
-ModalSlope ModalBeam::slope(const SmallMotion& change, const ViscousDamping& damping,
-                            const Eigen::VectorXd& row, const Eigen::VectorXd& row_change) const {
+ModalSlope ModalBeam::slope(const SmallMotion& change, const ViscousDamping& damping) const {
   const Eigen::Index m = omega_.size();
   const Eigen::VectorXd& h = motion_.hinge;
   const Eigen::MatrixXd coupled = motion_.spring * (change.hinge * h.transpose());
@@ -327,7 +329,6 @@ ModalSlope ModalBeam::slope(const SmallMotion& change, const ViscousDamping& dam
     slope.damping.array() += damping.stiffness * in_modes(motion_.stiffness, shapes_) +
                              viscous_.stiffness * (in_modes(change.stiffness, shapes_) +
                                                    2.0 * in_modes(motion_.stiffness, slope.shapes));
-  slope.struck = slope.shapes.transpose() * row + shapes_.transpose() * row_change;
   slope.rigid = slope.shapes.transpose() * (motion_.mass * motion_.rigid) +
                 shapes_.transpose() * (change.mass * motion_.rigid + motion_.mass * change.rigid);
   return slope;
@@ -339,8 +340,24 @@ ModalBeam ModalBeam::moved(const ModalSlope& slope, double amount) const {
   bar.damping_ += amount * slope.damping;
   bar.damped_ = damped_ || slope.damping.any();
   bar.struck_ += amount * slope.struck;
+  for (std::size_t k = 0; k < further_.size(); ++k) bar.further_[k] += amount * slope.further[k];
   bar.rigid_ += amount * slope.rigid;
   return bar;
+}
+
+ModalBeam ModalBeam::with_mode(double omega, double damping, double struck) const {
+  ModalBeam more = *this;
+  const auto append = [](double value, Eigen::VectorXd& values) {
+    values.conservativeResize(values.size() + 1);
+    values.tail<1>()[0] = value;
+  };
+  append(omega, more.omega_);
+  append(damping, more.damping_);
+  append(struck, more.struck_);
+  append(0.0, more.rigid_);
+  for (Eigen::VectorXd& row : more.further_) append(0.0, row);
+  more.damped_ = damped_ || damping != 0.0;
+  return more;
 }
 
 double ModalBeam::shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate,
@@ -363,6 +380,13 @@ double ModalBeam::shortening_energy(const Eigen::VectorXd& a, const Eigen::Vecto
 
 Eigen::VectorXd ModalBeam::point(double x) const {
   return shapes_.transpose() * beam_.small_motion_row(x);
+}
+
+Eigen::VectorXd ModalBeam::point_slope(double x) const {
+  constexpr double part = 1e-5;  // of the length: bending waves of the highest modes are longer
+  const double low = std::max(x - part * length_, 0.0);
+  const double high = std::min(x + part * length_, length_);
+  return (point(high) - point(low)) / (high - low);
 }
 
 BeamEnergy ModalBeam::energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const {

@@ -46,6 +46,8 @@ class ModalBeam {
   /// Displacement of the struck point, closing > 0, under unit modal coordinates [1/√kg] (m).
   const Eigen::VectorXd& struck() const { return struck_; }
 
+  double struck_position() const { return struck_position_; }  ///< from the hinge [m]
+
   int stops() const { return 1 + static_cast<int>(further_.size()); }
 
   /// The same of the point before a stop, towards it (m).
@@ -55,6 +57,9 @@ class ModalBeam {
 
   /// The same of any point, x from the hinge [m].
   Eigen::VectorXd point(double x) const;
+
+  /// How that changes along the bar: its angle there (m).
+  Eigen::VectorXd point_slope(double x) const;
 
   /// Modal velocities of a rigid rotation at 1 rad/s, closing (m).
   const Eigen::VectorXd& rigid() const { return rigid_; }
@@ -66,15 +71,25 @@ class ModalBeam {
   /// element is far shorter than the others.
   double rounding() const;
 
-  /// How the modes change with a parameter on which small motion and damping depend like this.
-  /// `row`: of the struck point, and how that changes (n). First-order perturbation: each frequency
-  /// must be its mode's alone.
-  ModalSlope slope(const SmallMotion& change, const ViscousDamping& damping,
-                   const Eigen::VectorXd& row, const Eigen::VectorXd& row_change) const;
+  /// How the modes change with a parameter on which small motion and damping depend like this; the
+  /// points before the stops apart, of which row_slope() tells. First-order perturbation: each
+  /// frequency must be its mode's alone.
+  ModalSlope slope(const SmallMotion& change, const ViscousDamping& damping) const;
 
-  /// The bar with frequencies, damping, struck point and rigid rotation moved along a slope; for
+  /// How a point's displacement under unit modal coordinates changes, whose row (n) is this and
+  /// changes like that (m).
+  Eigen::VectorXd row_slope(const ModalSlope& slope, const Eigen::VectorXd& row,
+                            const Eigen::VectorXd& row_change) const {
+    return slope.shapes.transpose() * row + shapes_.transpose() * row_change;
+  }
+
+  /// The bar with frequencies, damping, struck points and rigid rotation moved along a slope; for
   /// its responses alone.
   ModalBeam moved(const ModalSlope& slope, double amount) const;
+
+  /// The bar with a mode more that the first stop sees, as the head of a stop that gives way is
+  /// one; for its responses alone.
+  ModalBeam with_mode(double omega, double damping, double struck) const;
 
   const Eigen::MatrixXd& shapes() const { return shapes_; }
 
@@ -130,6 +145,7 @@ class ModalBeam {
   bool damped_ = false;
   std::vector<Eigen::VectorXd> further_;  // of further stops
   Eigen::VectorXd hinge_;                 // angle at the hinge under unit modal coordinates (m)
+  double length_, struck_position_;       // [m]
   double elastic_compliance_ = 0.0;
   Stations stations_;
   // of each element that stretches: its slope's parts in P₁ and P₂, row by row (2 e, m), and EA h

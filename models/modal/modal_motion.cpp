@@ -21,6 +21,12 @@ ModalMotion::ModalMotion(const ModalBar& bar, const Collocation& rule,
   if (!(history.interval > 0.0)) return;
   velocity_row_ = row(history.velocity_position);
   displacement_row_ = row(history.displacement_position);
+  if (!history.spot_slopes) return;
+  const auto slope = [&](double x) {
+    return beam_.point_slope(x > 0.0 ? x : beam_.struck_position());
+  };
+  velocity_slope_ = slope(history.velocity_position);
+  displacement_slope_ = slope(history.displacement_position);
 }
 
 void ModalMotion::start(double angle, double rate) {
@@ -211,6 +217,9 @@ void ModalMotion::sample_flight(double first, double spacing, std::span<Sample> 
     };
     samples[k] = {on_circle(beam_.struck()), on_circle(velocity_row_).velocity,
                   on_circle(displacement_row_).displacement};
+    if (!knows_spot_slopes()) continue;
+    samples[k].velocity_slope = on_circle(velocity_slope_).velocity;
+    samples[k].displacement_slope = on_circle(displacement_slope_).displacement;
   }
 }
 

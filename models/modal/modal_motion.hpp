@@ -25,6 +25,8 @@ class ModalMotion : public BarMotion {
 
   const StepLadder& ladder() const override { return bar_.ladder(); }
 
+  bool knows_spot_slopes() const override { return velocity_slope_.size() > 0; }
+
   void start(double angle, double rate) override;
 
   void set_scales(const Scales& scales) override {
@@ -120,7 +122,11 @@ class ModalMotion : public BarMotion {
   bool presses(int stop) const { return !series_[static_cast<std::size_t>(stop)].isZero(0.0); }
 
   Sample look(const ModalState& state) const {
-    return {struck(0, state), velocity_row_.dot(state.rate), displacement_row_.dot(state.a)};
+    Sample sample{struck(0, state), velocity_row_.dot(state.rate), displacement_row_.dot(state.a)};
+    if (!knows_spot_slopes()) return sample;
+    sample.velocity_slope = velocity_slope_.dot(state.rate);
+    sample.displacement_slope = displacement_slope_.dot(state.a);
+    return sample;
   }
 
   void note_shortening(bool pressed);
@@ -133,7 +139,8 @@ class ModalMotion : public BarMotion {
   const ModalBar& bar_;
   const ModalBeam& beam_;
   const Collocation& rule_;
-  Eigen::VectorXd velocity_row_, displacement_row_;  // of the lasers' spots
+  Eigen::VectorXd velocity_row_, displacement_row_;      // of the lasers' spots
+  Eigen::VectorXd velocity_slope_, displacement_slope_;  // along the bar there; empty: not asked
   double sampling_interval_;
   std::unique_ptr<ModalStep> sampling_;  // of the history's interval
   std::array<ModalState, 2> sampled_;

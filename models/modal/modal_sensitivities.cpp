@@ -6,59 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "models/history_recorder.hpp"
-#include "models/make_beam.hpp"
 #include "models/run_limits.hpp"
 
 namespace impactrig::models {
 namespace {
-
-// Of a parameter's size, and of how far a bar's modes are moved: truncation and rounding of the
-// stencil are both below 1e-9.
-constexpr double parameter_step = 3e-4;
-constexpr double mode_step = 1e-4;
-
-Rig rig_at(const Rig& rig, RigParameter parameter, double change) {
-  Rig there = rig;
-  parameter(there) += change;
-  return there;
-}
-
-/// How far a parameter may change for the rig to change by its like: its own size, for the radii of
-/// a groove the little by which they differ, for places along the bar the way to the next.
-double size_of(const Rig& rig, RigParameter parameter) {
-  Rig copy = rig;
-  const double* place = &parameter(copy);
-  const double beyond = rig.beam.length - rig.contact.position;
-  if ((place == &copy.contact.position || place == &copy.beam.length) && beyond > 0.0)
-    return std::min(beyond, rig.contact.position);
-  const bool of_groove = copy.contact.counterface == Counterface::groove &&
-                         (place == &copy.contact.radius || place == &copy.contact.counter_radius);
-  const double size =
-      of_groove ? std::abs(copy.contact.counter_radius - copy.contact.radius) : std::abs(*place);
-  return size > 0.0 ? size : 1.0;
-}
-
-/// A restitution coefficient keeps inside [0, 1].
-Stencil stencil_for(const Rig& rig, RigParameter parameter, double spacing) {
-  Rig copy = rig;
-  if (&parameter(copy) != &copy.contact.restitution) return Stencil::centred();
-  if (copy.contact.restitution + 2.0 * spacing > 1.0) return Stencil::backward();
-  return copy.contact.restitution < 2.0 * spacing ? Stencil::forward() : Stencil::centred();
-}
-
-/// A sum that begins empty.
-template <typename Matrix>
-void add(double weight, const Matrix& part, Matrix& sum) {
-  if (sum.size() == 0)
-    sum = weight * part;
-  else
-    sum += weight * part;
-}
-
-Eigen::VectorXd row_of(const SmallMotionBeam& beam, double asked, double struck) {
-  return beam.small_motion_row(asked > 0.0 ? asked : struck);
-}
 
 void make_unknown(Sensitivity& result) {
   const double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -67,307 +18,251 @@ void make_unknown(Sensitivity& result) {
   result.restitution = {0.0, unknown, unknown, unknown};
 }
 
-}  // namespace
-
-/// Σ weight value(place) / spacing over a direction's stencil.
-template <typename Function>
-double ModalSensitivities::slope_of(const Direction& d, double spacing, Function value_at) const {
-  double sum = 0.0;
-  for (std::size_t j = 0; j < d.stencil.weights.size(); ++j)
-    if (d.stencil.weights[j] != 0.0) sum += d.stencil.weights[j] * value_at(j);
-  return sum / spacing;
+/// A row of the bar's modes, as of those with the stop's head.
+Eigen::VectorXd widened(const Eigen::VectorXd& row, Eigen::Index modes) {
+  Eigen::VectorXd wide = Eigen::VectorXd::Zero(modes);
+  wide.head(row.size()) = row;
+  return wide;
 }
 
+std::optional<ModalBeam> with_head(const Rig& rig, const ModalBeam& bar) {
+  if (!rig.stop) return std::nullopt;
+  const StopHead::Mode head = StopHead(*rig.stop).mode();
+  return bar.with_mode(head.omega, head.damping, head.struck);
+}
+
+}  // namespace
+
 ModalSensitivities::ModalSensitivities(const Rig& rig, const Solver& solver,
-                                       const SimulationOptions& options, const ModalMotion& motion)
+                                       const SimulationOptions& options, const ModalMotion& motion,
+                                       const StoppedMotion* stopped)
     : rig_(rig),
       options_(options),
       motion_(motion),
-      beam_(motion.beam()),
-      rule_(motion.rule()) {
-  for (const RigParameter parameter : options.sensitivities) {
-    Direction& d = directions_.emplace_back();
-    d.parameter = parameter;
-    d.size = size_of(rig, parameter);
-    d.spacing = parameter_step * d.size;
-    d.stencil = stencil_for(rig, parameter, d.spacing);
-    d.start_speed = slope_of(d, d.spacing, [&](std::size_t j) {
-      const Rig there = rig_at(rig, parameter, d.stencil.offsets[j] * d.spacing);
-      return touch_velocity(there) / there.contact.position;
-    });
-    find_contacts(rig, d);
-    find_slope(rig, solver, options.history, d);
-    make_unknown(d.result);
-  }
+      stopped_(stopped),
+      with_head_(with_head(rig, motion.beam())),
+      modes_(with_head_ ? *with_head_ : motion.beam()),
+      rule_(motion.rule()),
+      velocity_row_(widened(motion.velocity_row(), modes_.modes())),
+      displacement_row_(widened(motion.displacement_row(), modes_.modes())),
+      stops_(static_cast<std::size_t>(rig.stops())),
+      force_(stops_.size()),
+      series_(stops_.size()),
+      parts_(stops_.size()) {
+  if (rig.stop) sensor_row_ = ParameterEffect::SensorRow::of(*rig.stop);
+  for (std::size_t k = 1; k < stops_.size(); ++k) stops_[k].gap = rig.further_stops[k - 1].gap;
+  place_.series.resize(stops_.size());
+  place_.force.resize(stops_.size());
+  state_.a = state_.rate = Eigen::VectorXd::Zero(modes_.modes());
+  for (const RigParameter parameter : options.sensitivities)
+    directions_.emplace_back(*this, solver, parameter);
 }
 
-void ModalSensitivities::find_contacts(const Rig& rig, Direction& d) const {
-  if (!ContactForce(rig_at(rig, d.parameter, d.spacing)).differs(ContactForce(rig))) return;
-  for (const double offset : d.stencil.offsets)
-    d.contacts.emplace_back(rig_at(rig, d.parameter, offset * d.spacing));
-  Rig copy = rig;
-  const DampingForm form = d.contacts.front().form();
-  const bool strength_apart =
-      form == DampingForm::proportional || form == DampingForm::implicit;  // of the stiffness
-  if (d.contacts.front().differs_by_strength(d.contacts.back()))
-    d.law_change = LawChange::by_strength;
-  else if (strength_apart && &d.parameter(copy) == &copy.contact.stiffness_factor)
-    d.law_change = LawChange::by_factor;
+ModalSensitivities::Direction::Direction(const ModalSensitivities& all, const Solver& solver,
+                                         RigParameter parameter)
+    : effect(all.rig_, solver, all.options_.history, parameter, all.motion_.beam(), all.modes_,
+             all.rule_),
+      speed(all.stops_.size()),
+      first_speed(all.stops_.size()),
+      force(all.stops_.size()),
+      series(all.stops_.size()) {
+  make_unknown(result);
 }
 
-/// Of the modes, where the parameter changes the bar.
-void ModalSensitivities::find_slope(const Rig& rig, const Solver& solver,
-                                    const HistoryRequest& history, Direction& d) const {
-  const Rig other = rig_at(rig, d.parameter, d.spacing);
-  if (other.beam == rig.beam && other.hinge == rig.hinge && other.gravity == rig.gravity &&
-      other.gravity_direction == rig.gravity_direction &&
-      other.contact.position == rig.contact.position)
-    return;
-  const std::unique_ptr<SmallMotionBeam> here = make_small_motion_beam(rig, solver);
-  const BarChange change = change_of_bar(rig, solver, history, d);
-  const double position = rig.contact.position;
-  d.slope = beam_.slope(change.motion, change.damping, row_of(*here, 0.0, position), change.struck);
-  const auto spot = [&](double asked, const Eigen::VectorXd& row_change) -> Eigen::VectorXd {
-    return d.slope.shapes.transpose() * row_of(*here, asked, position) +
-           beam_.shapes().transpose() * row_change;
-  };
-  d.velocity_row = spot(history.velocity_position, change.velocity);
-  d.displacement_row = spot(history.displacement_position, change.displacement);
-  const auto step_along = [](double size, const Eigen::VectorXd& slope) {
-    const double largest = slope.cwiseAbs().maxCoeff();
-    return largest > 0.0 ? mode_step * size / largest : std::numeric_limits<double>::infinity();
-  };
-  const auto largest_of = [](const Eigen::VectorXd& values) {
-    return values.cwiseAbs().maxCoeff();
-  };
-  // a weightless rigid bar without a damper has no rate: then the parameter's own size has to do
-  const double rate = std::max(beam_.fastest(), d.size * largest_of(d.slope.damping));
-  d.bar_spacing = std::min({step_along(largest_of(beam_.omega()), d.slope.omega),
-                            step_along(rate, d.slope.damping),
-                            step_along(largest_of(beam_.struck()), d.slope.struck),
-                            step_along(largest_of(beam_.rigid()), d.slope.rigid)});
-  if (!std::isfinite(d.bar_spacing)) {
-    d.slope = {};
-    return;
-  }
-  for (const double offset : d.stencil.offsets)
-    d.bars.push_back(beam_.moved(d.slope, offset * d.bar_spacing));
+/// The run's own state.
+void ModalSensitivities::see_state() {
+  const Eigen::Index bar = motion_.state().a.size();
+  state_.a.head(bar) = motion_.state().a;
+  state_.rate.head(bar) = motion_.state().rate;
+  if (!stopped_) return;
+  const double root = std::sqrt(rig_.stop->mass);
+  state_.a[bar] = root * stopped_->head().displacement;
+  state_.rate[bar] = root * stopped_->head().velocity;
 }
 
-/// Of small motion, damping and the rows of struck point and lasers.
-ModalSensitivities::BarChange ModalSensitivities::change_of_bar(const Rig& rig,
-                                                                const Solver& solver,
-                                                                const HistoryRequest& history,
-                                                                const Direction& d) const {
-  BarChange change;
-  for (std::size_t j = 0; j < d.stencil.weights.size(); ++j) {
-    const double weight = d.stencil.weights[j] / d.spacing;
-    if (weight == 0.0) continue;
-    const Rig there = rig_at(rig, d.parameter, d.stencil.offsets[j] * d.spacing);
-    const std::unique_ptr<SmallMotionBeam> beam = make_small_motion_beam(there, solver);
-    const double position = there.contact.position;
-    change.add(weight, beam->small_motion(), ViscousDamping::of(there));
-    add(weight, row_of(*beam, 0.0, position), change.struck);
-    add(weight, row_of(*beam, history.velocity_position, position), change.velocity);
-    add(weight, row_of(*beam, history.displacement_position, position), change.displacement);
-  }
-  return change;
-}
-
-void ModalSensitivities::BarChange::add(double weight, const SmallMotion& other,
-                                        const ViscousDamping& resisting) {
-  models::add(weight, other.mass, motion.mass);
-  models::add(weight, other.stiffness, motion.stiffness);
-  models::add(weight, other.gravity, motion.gravity);
-  models::add(weight, other.hinge, motion.hinge);
-  models::add(weight, other.rigid, motion.rigid);
-  motion.spring += weight * other.spring;
-  damping.mass += weight * resisting.mass;
-  damping.stiffness += weight * resisting.stiffness;
-  damping.hinge += weight * resisting.hinge;
-}
-
-const ModalStep& ModalSensitivities::slope_of_step(Direction& d, double h) const {
-  const auto found = d.steps.find(h);
-  if (found != d.steps.end()) return found->second;
-  std::vector<ModalStep> steps;
-  std::vector<double> weights;
-  for (std::size_t j = 0; j < d.bars.size(); ++j) {
-    if (d.stencil.weights[j] == 0.0) continue;
-    steps.emplace_back(d.bars[j], rule_, h);
-    weights.push_back(d.stencil.weights[j] / d.bar_spacing);
-  }
-  return d.steps.emplace(h, ModalStep::sum(steps, weights)).first->second;
-}
-
-/// Slopes of what the history shows before touch.
-void ModalSensitivities::begin_history(const Rig& rig, const HistoryRequest& wanted,
-                                       Direction& d) const {
-  if (!(wanted.interval > 0.0)) return;
-  History& sum = d.result.history;
-  if (d.start_speed == 0.0 && d.bars.empty()) {  // what comes before touch does not change
-    const long before = samples_before_touch(wanted);
-    sum.start = -static_cast<double>(before) * wanted.interval;
-    sum.interval = wanted.interval;
-    for (const auto values :
-         {&History::force, &History::penetration, &History::velocity, &History::displacement})
-      (sum.*values).resize(static_cast<std::size_t>(before) + 1, 0.0);
-    return;
-  }
-  for (std::size_t j = 0; j < d.stencil.weights.size(); ++j) {
-    const Rig there = rig_at(rig, d.parameter, d.stencil.offsets[j] * d.spacing);
-    const double speed = touch_velocity(there);
-    const auto speed_at = [&](double x) {
-      return x > 0.0 ? speed * x / there.contact.position : speed;
-    };
-    History lead;
-    models::begin_history(there, wanted, speed, speed_at(wanted.velocity_position),
-                          speed_at(wanted.displacement_position), lead);
-    sum.start = lead.start;
-    sum.interval = lead.interval;
-    for (const auto values :
-         {&History::force, &History::penetration, &History::velocity, &History::displacement}) {
-      (sum.*values).resize((lead.*values).size(), 0.0);
-      for (std::size_t k = 0; k < (lead.*values).size(); ++k)
-        (sum.*values)[k] += d.stencil.weights[j] / d.spacing * (lead.*values)[k];
-    }
-  }
+/// The step at hand.
+const ModalStep& ModalSensitivities::step() {
+  if (!stopped_) return motion_.modal_step();
+  const double h = motion_.step();
+  const auto found = own_steps_.find(h);
+  if (found != own_steps_.end()) return found->second;
+  return own_steps_.emplace(h, ModalStep(modes_, rule_, h)).first->second;
 }
 
 void ModalSensitivities::begin() {
   const double rate = touch_velocity(rig_) / rig_.contact.position;
   for (Direction& d : directions_) {
-    d.state.a = Eigen::VectorXd::Zero(beam_.modes());
-    d.state.rate = beam_.rigid() * d.start_speed;
-    if (!d.bars.empty()) d.state.rate += d.slope.rigid * rate;
+    d.state.a = Eigen::VectorXd::Zero(modes_.modes());
+    d.state.rate = modes_.rigid() * d.effect.start_rate();
+    if (d.effect.moves_modes()) d.state.rate += d.effect.modes().rigid * rate;
     d.end = d.state;
-    begin_history(rig_, options_.history, d);
+    d.result.history = d.effect.lead(options_.history);
+    if (stopped_) d.result.history.sensor_force.resize(d.result.history.force.size(), 0.0);
   }
 }
 
-void ModalSensitivities::touch(const ContactForce& contact, double speed, bool first) {
-  contact_ = &contact;
+void ModalSensitivities::touch(int stop, const ContactForce& contact, double speed) {
+  const auto number = static_cast<std::size_t>(stop);
+  const bool first_here = !stops_[number].contact;
+  stops_[number].contact = &contact;
+  see_state();
   const bool grazing = contact.law_speed() > speed * (1.0 + 1e-12);
   for (Direction& d : directions_) {
-    const double slope = struck(d, d.state, motion_.state()).rate;
-    if (first) d.first_speed = slope;
+    const double slope = struck(d, number, d.state, state_).rate;
+    if (first_here) d.first_speed[number] = slope;
     if (contact.speed_is_stated())
-      d.speed = 0.0;
+      d.speed[number] = 0.0;
     else if (contact.keeps_first_speed())
-      d.speed = d.first_speed;
+      d.speed[number] = d.first_speed[number];
     else
-      d.speed = grazing ? grazing_fraction * d.first_speed : slope;
-    for (ContactForce& there : d.contacts) there.begin_episode(contact.law_speed());
-    if (d.law_change == LawChange::by_strength)
-      d.strength = slope_of(d, d.spacing, [&](std::size_t j) { return d.contacts[j].strength(); });
+      d.speed[number] = grazing ? grazing_fraction * d.first_speed[0] : slope;
+    d.effect.law(stop).begin_episode(contact.law_speed());
   }
 }
 
-ModalSensitivities::Struck ModalSensitivities::struck(const Direction& d, const ModalState& slope,
+ModalSensitivities::Struck ModalSensitivities::struck(const Direction& d, std::size_t stop,
+                                                      const ModalState& slope,
                                                       const ModalState& state) const {
-  Struck s{beam_.struck().dot(slope.a), beam_.struck().dot(slope.rate)};
-  if (d.bars.empty()) return s;
-  s.depth += d.slope.struck.dot(state.a);
-  s.rate += d.slope.struck.dot(state.rate);
+  const auto number = static_cast<int>(stop);
+  const Eigen::VectorXd& row = modes_.struck(number);
+  Struck s{row.dot(slope.a) - d.effect.law(number).gap(), row.dot(slope.rate)};
+  if (!d.effect.moves_modes()) return s;
+  s.depth += d.effect.struck(number).dot(state.a);
+  s.rate += d.effect.struck(number).dot(state.rate);
   return s;
 }
 
 /// Of the pressing force, penetration and rate held.
-double ModalSensitivities::law_slope(const Direction& d, double depth, double rate,
-                                     const ContactForce::Response& law) const {
-  const auto own = [&] {
-    if (d.contacts.empty()) return 0.0;
-    if (d.law_change == LawChange::by_strength) return law.to_strength * d.strength;
-    if (d.law_change == LawChange::by_factor) return law.force / rig_.contact.stiffness_factor;
-    return slope_of(d, d.spacing,
-                    [&](std::size_t j) { return d.contacts[j].pressed(depth, rate).force; });
-  };
-  return own() + contact_->to_speed(law) * d.speed;
+double ModalSensitivities::law_slope(const Direction& d, std::size_t stop, const Seen& seen) const {
+  return d.effect.law(static_cast<int>(stop)).of_force(seen.depth, seen.rate, seen.law) +
+         stops_[stop].contact->to_speed(seen.law) * d.speed[stop];
 }
 
-/// Of the function whose zero ends the phase, where the struck point's motion has these slopes.
-double ModalSensitivities::switch_slope(Direction& d, const ContactForce::Switch& there,
-                                        double depth, double rate, const Struck& slope) const {
-  const double own = d.contacts.empty() ? 0.0 : slope_of(d, d.spacing, [&](std::size_t j) {
-    return d.contacts[j].switching(depth, rate).value;
-  });
-  return own + there.to_depth * slope.depth + there.to_rate * slope.rate + there.to_speed * d.speed;
-}
-
-void ModalSensitivities::solve(const NodeVector& force, const NodeVector& displacement,
-                               const NodeVector& velocity) {
-  const int s = rule_.nodes();
-  const BarMotion::Response& response = motion_.modal_step().response().of_force;
-  force_ = force;
-  force_series_ = rule_.to_series() * force;
-  for (Direction& d : directions_)
-    for (ContactForce& there : d.contacts) there.set_phase(contact_->phase());
-  laws_.clear();
-  if (contact_->phase() != ContactForce::Phase::free)
-    for (int i = 0; i < s; ++i)
-      laws_.push_back({displacement[i], velocity[i], contact_->elastic(displacement[i]),
-                       contact_->pressed(displacement[i], velocity[i])});
-  if (contact_->presses()) {
-    NodeMatrix jacobian = NodeMatrix::Identity(s, s);
-    for (int i = 0; i < s; ++i) {
-      const ContactForce::Response& law = laws_[static_cast<std::size_t>(i)].law;
-      jacobian.row(i) -= law.to_depth * response.displacement_of_force.row(i) +
-                         law.to_rate * response.velocity_of_force.row(i);
+void ModalSensitivities::solve(std::span<const StopStep> steps) {
+  see_state();
+  for (std::size_t k = 0; k < stops_.size(); ++k) {
+    Pressed& stop = stops_[k];
+    force_[k] = steps[k].force;
+    series_[k] = steps[k].force_series;
+    stop.laws.clear();
+    if (!stop.contact) continue;
+    for (Direction& d : directions_)
+      d.effect.law(static_cast<int>(k)).set_phase(stop.contact->phase());
+    if (stop.contact->phase() == ContactForce::Phase::free) continue;
+    for (int i = 0; i < rule_.nodes(); ++i) {
+      const double depth = steps[k].displacement[i], rate = steps[k].velocity[i];
+      stop.laws.push_back(
+          {depth, rate, stop.contact->elastic(depth), stop.contact->pressed(depth, rate)});
     }
-    inverse_ = jacobian.inverse();
   }
+  linearise();
   for (Direction& d : directions_) solve(d);
 }
 
-/// Struck point and force at the nodes; then what the contact dissipates there.
-void ModalSensitivities::solve(Direction& d) {
+/// The laws' equations for the slopes of the forces that press.
+void ModalSensitivities::linearise() {
   const int s = rule_.nodes();
-  d.force.setZero(s);
-  d.force_series.setZero(s);
-  d.dissipation.setZero(s);
-  if (laws_.empty()) return;
-  const ModalStep& step = motion_.modal_step();
-  const ModalState& state = motion_.state();
-  const ModalStep::Response& r = step.response();
-  NodeVector depth = r.displacement_of_a * d.state.a + r.displacement_of_rate * d.state.rate;
-  NodeVector rate = r.velocity_of_a * d.state.a + r.velocity_of_rate * d.state.rate;
-  if (!d.bars.empty()) {
-    const ModalStep::Response& slope = slope_of_step(d, step.h()).response();
-    depth += slope.displacement_of_a * state.a + slope.displacement_of_rate * state.rate +
-             slope.of_force.displacement_of_force * force_;
-    rate += slope.velocity_of_a * state.a + slope.velocity_of_rate * state.rate +
-            slope.of_force.velocity_of_force * force_;
+  Eigen::Index rows = 0;
+  for (Pressed& stop : stops_) {
+    stop.first_row = stop.presses() ? rows : -1;
+    if (stop.presses()) rows += s;
   }
-  if (contact_->presses()) {
-    NodeVector drive(s);
-    for (int i = 0; i < s; ++i) {
-      const NodeLaw& there = laws_[static_cast<std::size_t>(i)];
-      drive[i] = there.law.to_depth * depth[i] + there.law.to_rate * rate[i] +
-                 law_slope(d, there.displacement, there.velocity, there.law);
+  drive_.resize(rows);
+  jacobian_.setIdentity(rows, rows);
+  for (std::size_t p = 0; p < stops_.size(); ++p)
+    for (std::size_t q = 0; q < stops_.size(); ++q) {
+      const Pressed& point = stops_[p];
+      if (!point.presses() || !stops_[q].presses()) continue;
+      const BarMotion::Response& response =
+          step().response(static_cast<int>(p), static_cast<int>(q));
+      for (int i = 0; i < s; ++i) {
+        const ContactForce::Response& law = point.laws[static_cast<std::size_t>(i)].law;
+        jacobian_.block(point.first_row + i, stops_[q].first_row, 1, s) -=
+            law.to_depth * response.displacement_of_force.row(i) +
+            law.to_rate * response.velocity_of_force.row(i);
+      }
     }
-    d.force = inverse_ * drive;
-    depth += r.of_force.displacement_of_force * d.force;
-    rate += r.of_force.velocity_of_force * d.force;
-  }
-  d.force_series = rule_.to_series() * d.force;
-  for (int i = 0; i < s; ++i)
-    d.dissipation[i] = dissipation_slope(d, laws_[static_cast<std::size_t>(i)], depth[i], rate[i]);
+  if (rows > 0) inverse_ = jacobian_.inverse();
 }
 
-double ModalSensitivities::dissipation_slope(Direction& d, const NodeLaw& there, double depth,
+/// Of the points before the stops that touch, without what the forces' slopes do.
+void ModalSensitivities::find_free_slopes(Direction& d) {
+  const ModalStep* change = d.effect.moves_modes() ? &d.effect.step(motion_.step()) : nullptr;
+  NodeVector depth, rate;
+  for (std::size_t p = 0; p < stops_.size(); ++p) {
+    Pressed& stop = stops_[p];
+    if (stop.laws.empty()) continue;
+    const auto number = static_cast<int>(p);
+    step().coast(number, d.state, stop.depth, stop.rate);
+    stop.depth.array() -= d.effect.law(number).gap();
+    if (!change) continue;
+    change->coast(number, state_, depth, rate);
+    stop.depth += depth;
+    stop.rate += rate;
+    for (std::size_t q = 0; q < stops_.size(); ++q) {
+      if (force_[q].isZero(0.0)) continue;
+      const BarMotion::Response& response = change->response(number, static_cast<int>(q));
+      stop.depth += response.displacement_of_force * force_[q];
+      stop.rate += response.velocity_of_force * force_[q];
+    }
+  }
+}
+
+/// The forces at the nodes; then what the first contact dissipates there.
+void ModalSensitivities::solve(Direction& d) {
+  const int s = rule_.nodes();
+  find_free_slopes(d);
+  for (std::size_t p = 0; p < stops_.size(); ++p) {
+    const Pressed& stop = stops_[p];
+    if (!stop.presses()) continue;
+    for (int i = 0; i < s; ++i) {
+      const NodeLaw& there = stop.laws[static_cast<std::size_t>(i)];
+      drive_[stop.first_row + i] =
+          there.law.to_depth * stop.depth[i] + there.law.to_rate * stop.rate[i] +
+          law_slope(d, p, {there.displacement, there.velocity, 0.0, there.law});
+    }
+  }
+  if (drive_.size() > 0) answer_.noalias() = inverse_ * drive_;
+  d.dissipation.setZero(s);
+  Pressed& first = stops_[0];
+  for (std::size_t q = 0; q < stops_.size(); ++q) {
+    d.force[q].setZero(s);
+    d.series[q].setZero(s);
+    if (!stops_[q].presses()) continue;
+    d.force[q] = answer_.segment(stops_[q].first_row, s);
+    d.series[q] = rule_.to_series() * d.force[q];
+    if (first.laws.empty()) continue;
+    const BarMotion::Response& response = step().response(0, static_cast<int>(q));
+    first.depth += response.displacement_of_force * d.force[q];
+    first.rate += response.velocity_of_force * d.force[q];
+  }
+  for (std::size_t i = 0; i < first.laws.size(); ++i) {
+    const auto node = static_cast<Eigen::Index>(i);
+    d.dissipation[node] = dissipation_slope(d, first.laws[i], first.depth[node], first.rate[node]);
+  }
+}
+
+double ModalSensitivities::dissipation_slope(const Direction& d, const NodeLaw& there, double depth,
                                              double rate) const {
   const auto& [displacement, velocity, elastic, law] = there;
-  double own = 0.0;
-  if (!d.contacts.empty())
-    own = slope_of(d, d.spacing, [&](std::size_t j) {
-      return d.contacts[j].dissipation(there.displacement, there.velocity);
-    });
-  if (contact_->phase() == ContactForce::Phase::slack)
+  const ContactForce& contact = *stops_[0].contact;
+  const double own = d.effect.law(0).of_dissipation(displacement, velocity);
+  if (contact.phase() == ContactForce::Phase::slack)
     return own - law.stiffness * velocity * depth - elastic * rate;
   // of (f − f_0) δ̇
   return own + (law.to_depth - law.stiffness) * velocity * depth +
          (law.force - elastic + law.to_rate * velocity) * rate +
-         contact_->to_speed(law) * velocity * d.speed;
+         contact.to_speed(law) * velocity * d.speed[0];
+}
+
+double ModalSensitivities::force_truncation(int i) const {
+  double worst = 0.0;
+  for (const NodeVector& series : at(i).series) worst = std::max(worst, truncation(series));
+  return worst;
+}
+
+double ModalSensitivities::dissipation_truncation(int i) const {
+  return truncation(rule_.to_series() * at(i).dissipation);
 }
 
 double ModalSensitivities::integral(const NodeVector& at_nodes, double part) const {
@@ -377,162 +272,180 @@ double ModalSensitivities::integral(const NodeVector& at_nodes, double part) con
   return part * h * rule_.restricted(series, part)[0];
 }
 
-void ModalSensitivities::look(double part, Place& place) const {
-  place.part = part;
-  place.series = rule_.restricted(force_series_, part);
-  place.force = place.series.sum();
-  place.state = motion_.state();
-  if (part >= 1.0) {
-    motion_.modal_step().advance(motion_.state(), force_, place.state);
-  } else if (part > 0.0) {
-    advance(beam_, part * motion_.step(), place.series, motion_.state(), place.state);
+/// Goes to a place of the solved step.
+void ModalSensitivities::look(double part) {
+  place_.part = part;
+  place_.state = state_;
+  for (std::size_t k = 0; k < stops_.size(); ++k) {
+    place_.series[k] = rule_.restricted(series_[k], part);
+    place_.force[k] = place_.series[k].sum();
   }
-  accelerate(place);
+  if (part >= 1.0)
+    step().advance(state_, force_, place_.state);
+  else if (part > 0.0)
+    advance(modes_, part * motion_.step(), place_.series, state_, place_.state);
+  accelerate();
 }
 
-void ModalSensitivities::accelerate(Place& place) const {
-  place.acceleration = -beam_.omega().cwiseAbs2().cwiseProduct(place.state.a) -
-                       beam_.damping().cwiseProduct(place.state.rate) -
-                       beam_.struck() * place.force;
+void ModalSensitivities::accelerate() {
+  place_.acceleration = -modes_.omega().cwiseAbs2().cwiseProduct(place_.state.a) -
+                        modes_.damping().cwiseProduct(place_.state.rate);
+  for (std::size_t k = 0; k < stops_.size(); ++k)
+    place_.acceleration -= modes_.struck(static_cast<int>(k)) * place_.force[k];
+  seen_.clear();
+  for (std::size_t k = 0; k < stops_.size(); ++k) seen_.push_back(see(k));
 }
 
-/// The state's slope there, at the same time from the step's beginning.
-void ModalSensitivities::state_at(const Place& place, Direction& d, ModalState& to) {
-  to = d.state;
-  if (!(place.part > 0.0)) return;
-  const bool whole = place.part >= 1.0;
-  const double h = place.part * motion_.step();
-  if (whole)
-    motion_.modal_step().advance(d.state, d.force, to);
-  else
-    advance(beam_, h, rule_.restricted(d.force_series, place.part), d.state, to);
-  if (d.bars.empty()) return;
-  there_ = to;
+ModalSensitivities::Seen ModalSensitivities::see(std::size_t stop) const {
+  const Eigen::VectorXd& row = modes_.struck(static_cast<int>(stop));
+  Seen seen{row.dot(place_.state.a) - stops_[stop].gap, row.dot(place_.state.rate),
+            row.dot(place_.acceleration)};
+  if (stops_[stop].presses()) seen.law = stops_[stop].contact->pressed(seen.depth, seen.rate);
+  return seen;
+}
+
+/// The state's slope at the place, at the same time from the step's beginning: d.end.
+void ModalSensitivities::state_here(Direction& d) {
+  d.end = d.state;
+  if (!(place_.part > 0.0)) return;
+  const bool whole = place_.part >= 1.0;
+  const double h = place_.part * motion_.step();
   if (whole) {
-    slope_of_step(d, motion_.step()).advance(motion_.state(), force_, there_);
-    to.a += there_.a;
-    to.rate += there_.rate;
+    step().advance(d.state, d.force, d.end);
+  } else {
+    for (std::size_t k = 0; k < stops_.size(); ++k)
+      parts_[k] = rule_.restricted(d.series[k], place_.part);
+    advance(modes_, h, parts_, d.state, d.end);
+  }
+  if (!d.effect.moves_modes()) return;
+  if (!whole) {
+    d.effect.add_advance(h, place_.series, state_, d.end);
     return;
   }
-  for (std::size_t j = 0; j < d.bars.size(); ++j) {
-    const double weight = d.stencil.weights[j] / d.bar_spacing;
-    if (weight == 0.0) continue;
-    advance(d.bars[j], h, place.series, motion_.state(), there_);
-    to.a += weight * there_.a;
-    to.rate += weight * there_.rate;
-  }
+  there_ = d.end;
+  d.effect.step(motion_.step()).advance(state_, force_, there_);
+  d.end.a += there_.a;
+  d.end.rate += there_.rate;
 }
 
 void ModalSensitivities::peak(double part) {
-  look(part, place_);
-  const double depth = beam_.struck().dot(place_.state.a);
-  const double rate = beam_.struck().dot(place_.state.rate);
-  const ContactForce::Response law = contact_->pressed(depth, rate);
+  look(part);
+  const Seen& seen = seen_[0];
   for (Direction& d : directions_) {
-    state_at(place_, d, d.end);
-    const Struck s = struck(d, d.end, place_.state);
+    state_here(d);
+    const Struck s = struck(d, 0, d.end, place_.state);
     d.result.peak_force =
-        law.to_depth * s.depth + law.to_rate * s.rate + law_slope(d, depth, rate, law);
+        seen.law.to_depth * s.depth + seen.law.to_rate * s.rate + law_slope(d, 0, seen);
   }
 }
 
 void ModalSensitivities::deepest(double part, double dissipated) {
-  look(part, place_);
+  look(part);
   dissipated_at_deepest_ = dissipated;
-  const double acceleration = beam_.struck().dot(place_.acceleration);
   for (Direction& d : directions_) {
-    state_at(place_, d, d.end);
-    const Struck s = struck(d, d.end, place_.state);
-    const double shift = -s.rate / acceleration;
+    state_here(d);
+    const Struck s = struck(d, 0, d.end, place_.state);
+    const double shift = -s.rate / seen_[0].acceleration;
     d.result.max_penetration = s.depth;
-    d.compression = d.impulse + integral(d.force, part) + place_.force * shift;
+    d.compression = d.impulse + integral(d.force[0], part) + place_.force[0] * shift;
     d.dissipated_at_deepest = d.dissipated + integral(d.dissipation, part);
   }
 }
 
-/// What the sensors of the undisturbed run see at a place, as far as the slopes need it.
-ModalSensitivities::Seen ModalSensitivities::see(const Place& place) const {
-  Seen seen;
-  seen.rate = beam_.struck().dot(place.state.rate);
-  seen.displacement_rate = motion_.displacement_row().dot(place.state.rate);
-  seen.velocity_rate = motion_.velocity_row().dot(place.acceleration);
-  if (!contact_->presses()) return seen;
-  seen.depth = beam_.struck().dot(place.state.a);
-  seen.acceleration = beam_.struck().dot(place.acceleration);
-  seen.law = contact_->pressed(seen.depth, seen.rate);
-  return seen;
+/// Of what the sensor of a stop that gives way carries at the place, whose time is held.
+double ModalSensitivities::sensor_slope(const Direction& d) const {
+  const Eigen::Index head = modes_.modes() - 1;
+  const ParameterEffect::SensorRow& change = d.effect.sensor_row();
+  return sensor_row_.of_a * d.end.a[head] + sensor_row_.of_rate * d.end.rate[head] +
+         change.of_a * place_.state.a[head] + change.of_rate * place_.state.rate[head];
+}
+
+void ModalSensitivities::note_sensor_peak() {
+  if (!stopped_ || !stopped_->peak_part()) return;
+  look(*stopped_->peak_part());
+  for (Direction& d : directions_) {
+    state_here(d);
+    d.result.sensor_peak_force = sensor_slope(d);
+  }
 }
 
 /// One sample: the state's slopes are in d.end.
-void ModalSensitivities::show(const Place& place, const Seen& seen, Direction& d) const {
-  const Struck s = struck(d, d.end, place.state);
-  const double moved_depth = s.depth - d.time * seen.rate;
+void ModalSensitivities::show(Direction& d) const {
   History& history = d.result.history;
-  double force = 0.0;
-  if (contact_->presses())
-    force = seen.law.to_depth * moved_depth +
-            seen.law.to_rate * (s.rate - d.time * seen.acceleration) +
-            law_slope(d, seen.depth, seen.rate, seen.law);
-  double displacement = motion_.displacement_row().dot(d.end.a) - d.time * seen.displacement_rate;
-  double velocity = motion_.velocity_row().dot(d.end.rate) - d.time * seen.velocity_rate;
-  if (!d.bars.empty()) {
-    displacement += d.displacement_row.dot(place.state.a);
-    velocity += d.velocity_row.dot(place.state.rate);
+  for (std::size_t k = 0; k < stops_.size(); ++k) {
+    const Seen& seen = seen_[k];
+    const Struck s = struck(d, k, d.end, place_.state);
+    const double moved_depth = s.depth - d.time * seen.rate;
+    double force = 0.0;
+    if (stops_[k].presses())
+      force = seen.law.to_depth * moved_depth +
+              seen.law.to_rate * (s.rate - d.time * seen.acceleration) + law_slope(d, k, seen);
+    (k == 0 ? history.force : history.further[k - 1].force).push_back(force);
+    (k == 0 ? history.penetration : history.further[k - 1].penetration).push_back(moved_depth);
   }
-  history.force.push_back(force);
-  history.penetration.push_back(moved_depth);
+  double displacement =
+      displacement_row_.dot(d.end.a) - d.time * displacement_row_.dot(place_.state.rate);
+  double velocity = velocity_row_.dot(d.end.rate) - d.time * velocity_row_.dot(place_.acceleration);
+  if (d.effect.moves_modes()) {
+    displacement += d.effect.displacement_row().dot(place_.state.a);
+    velocity += d.effect.velocity_row().dot(place_.state.rate);
+  }
   history.velocity.push_back(velocity);
   history.displacement.push_back(displacement);
+  if (!stopped_) return;
+  const Eigen::Index head = modes_.modes() - 1;
+  const double sensor_rate =
+      sensor_row_.of_a * place_.state.rate[head] + sensor_row_.of_rate * place_.acceleration[head];
+  history.sensor_force.push_back(sensor_slope(d) - d.time * sensor_rate);
 }
 
 void ModalSensitivities::sample(double first, double spacing, std::size_t count) {
   const double interval = options_.history.interval;
-  const bool single = interval <= ModalStep::longest(beam_);
-  if (single && !sampling_) sampling_.emplace(beam_, rule_, interval);
-  look(first, place_);
-  for (Direction& d : directions_) state_at(place_, d, d.end);
+  const bool single = interval <= ModalStep::longest(modes_);
+  if (single && !sampling_) sampling_.emplace(modes_, rule_, interval);
   for (std::size_t k = 0; k < count; ++k) {
     const double part = first + static_cast<double>(k) * spacing;
-    if (k > 0 && single) step_sample(part - spacing, spacing);
-    if (k > 0 && !single) {
-      look(part, place_);
-      for (Direction& d : directions_) state_at(place_, d, d.end);
+    if (k > 0 && single) {
+      step_sample(part - spacing, spacing);
+    } else {
+      look(part);
+      for (Direction& d : directions_) state_here(d);
     }
-    const Seen seen = see(place_);
-    for (Direction& d : directions_) show(place_, seen, d);
+    for (Direction& d : directions_) show(d);
   }
 }
 
 /// From sample to sample, all slopes with the state.
 void ModalSensitivities::step_sample(double from, double spacing) {
-  const bool pressed = contact_->presses();
+  bool pressed = false;
+  for (const Pressed& stop : stops_) pressed = pressed || stop.presses();
   NodeMatrix values;  // of the step's Legendre polynomials at the sample's own nodes
   if (pressed) values = legendre_at(from, spacing);
-  const auto step = [&](const ModalStep& by, const ModalState& state, const NodeVector& series,
-                        ModalState& to) {
-    if (pressed)
-      by.advance(state, values * series, to);
-    else
-      by.coast(state, to);
+  const auto go = [&](const ModalStep& by, const ModalState& state,
+                      std::span<const NodeVector> series, ModalState& to) {
+    if (!pressed) return by.coast(state, to);
+    for (std::size_t k = 0; k < parts_.size(); ++k) parts_[k] = values * series[k];
+    by.advance(state, parts_, to);
   };
   for (Direction& d : directions_) {
-    step(*sampling_, d.end, d.force_series, scratch_);
-    if (!d.bars.empty()) {
-      step(slope_of_step(d, sampling_->h()), place_.state, force_series_, there_);
+    scratch_ = d.end;
+    go(*sampling_, d.end, d.series, scratch_);
+    if (d.effect.moves_modes()) {
+      there_ = scratch_;
+      go(d.effect.step(sampling_->h()), place_.state, series_, there_);
       scratch_.a += there_.a;
       scratch_.rate += there_.rate;
     }
     std::swap(d.end, scratch_);
   }
-  step(*sampling_, place_.state, force_series_, scratch_);
+  scratch_ = place_.state;
+  go(*sampling_, place_.state, series_, scratch_);
   std::swap(place_.state, scratch_);
-  place_.force = 0.0;
-  if (pressed) {
-    NodeVector legendre(rule_.nodes());
-    shifted_legendre(from + spacing, legendre);
-    place_.force = legendre.dot(force_series_);
-  }
-  accelerate(place_);
+  NodeVector legendre(rule_.nodes());
+  shifted_legendre(from + spacing, legendre);
+  for (std::size_t k = 0; k < stops_.size(); ++k)
+    place_.force[k] = stops_[k].presses() ? legendre.dot(series_[k]) : 0.0;
+  accelerate();
 }
 
 /// The step's Legendre polynomials at the nodes of a part of it: (s, s), a row a node.
@@ -547,26 +460,31 @@ NodeMatrix ModalSensitivities::legendre_at(double from, double spacing) const {
   return values;
 }
 
-void ModalSensitivities::take(double part, End end) {
-  look(part, place_);
-  const double rate = beam_.struck().dot(place_.state.rate);
-  const double acceleration = beam_.struck().dot(place_.acceleration);
-  const double depth = beam_.struck().dot(place_.state.a);
-  const double power = contact_->dissipation(depth, rate);
-  ContactForce::Switch change;
-  if (end == End::change) change = contact_->switching(depth, rate);
+/// Of the step's length, where its end is an event's: the state's slopes are in d.end.
+double ModalSensitivities::end_shift(const Direction& d, End end, std::size_t stop) const {
+  if (end == End::step) return 0.0;
+  if (end == End::time) return -d.time;
+  const Seen& seen = seen_[stop];
+  const Struck s = struck(d, stop, d.end, place_.state);
+  if (end == End::gap) return -s.depth / seen.rate;
+  const ContactForce::Switch change = stops_[stop].contact->switching(seen.depth, seen.rate);
+  const double slope = d.effect.law(static_cast<int>(stop)).of_switching(seen.depth, seen.rate) +
+                       change.to_depth * s.depth + change.to_rate * s.rate +
+                       change.to_speed * d.speed[stop];
+  return -slope / (change.to_depth * seen.rate + change.to_rate * seen.acceleration);
+}
+
+void ModalSensitivities::take(double part, End end, int stop) {
+  note_sensor_peak();
+  look(part);
+  const double power =
+      stops_[0].contact ? stops_[0].contact->dissipation(seen_[0].depth, seen_[0].rate) : 0.0;
   for (Direction& d : directions_) {
-    state_at(place_, d, d.end);
-    const Struck s = struck(d, d.end, place_.state);
-    double shift = 0.0;  // slope of the step's length
-    if (end == End::gap) shift = -s.depth / rate;
-    if (end == End::change)
-      shift = -switch_slope(d, change, depth, rate, s) /
-              (change.to_depth * rate + change.to_rate * acceleration);
-    if (end == End::time) shift = -d.time;
+    state_here(d);
+    const double shift = end_shift(d, end, static_cast<std::size_t>(stop));
     d.end.a += shift * place_.state.rate;
     d.end.rate += shift * place_.acceleration;
-    d.impulse += integral(d.force, part) + shift * place_.force;
+    d.impulse += integral(d.force[0], part) + shift * place_.force[0];
     d.dissipated += integral(d.dissipation, part) + shift * power;
     d.time += shift;
     std::swap(d.state, d.end);
@@ -574,24 +492,24 @@ void ModalSensitivities::take(double part, End end) {
 }
 
 void ModalSensitivities::separate(const Simulation& result) {
+  see_state();
   const Episode& e = result.episodes.front();
   const Restitution& r = result.restitution;
+  const ContactForce& contact = *stops_[0].contact;
   const double compression = e.impulse / (1.0 + r.kinetic);
-  const double stored = contact_->stored(e.max_penetration);
+  const double stored = contact.stored(e.max_penetration);
   const double work_in = stored + dissipated_at_deepest_;
   const double work_out = stored - (e.dissipated - dissipated_at_deepest_);
   for (Direction& d : directions_) {
     Sensitivity& to = d.result;
     to.duration = d.time;
     to.impulse = d.impulse;
-    to.separation_velocity = -struck(d, d.state, motion_.state()).rate;
+    to.separation_velocity = -struck(d, 0, d.state, state_).rate;
     to.restitution.kinematic =
-        (to.separation_velocity - r.kinematic * d.first_speed) / e.approach_velocity;
+        (to.separation_velocity - r.kinematic * d.first_speed[0]) / e.approach_velocity;
     to.restitution.kinetic = (d.impulse - (1.0 + r.kinetic) * d.compression) / compression;
-    double stored_slope = contact_->elastic(e.max_penetration) * to.max_penetration;
-    if (!d.contacts.empty())
-      stored_slope += slope_of(
-          d, d.spacing, [&](std::size_t j) { return d.contacts[j].stored(e.max_penetration); });
+    const double stored_slope = contact.elastic(e.max_penetration) * to.max_penetration +
+                                d.effect.law(0).of_stored(e.max_penetration);
     const double in_slope = stored_slope + d.dissipated_at_deepest;
     const double out_slope = stored_slope - (d.dissipated - d.dissipated_at_deepest);
     to.restitution.energetic =

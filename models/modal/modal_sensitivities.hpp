@@ -1,97 +1,79 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+#include <deque>
 #include <map>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "models/contact/contact_force.hpp"
 #include "models/modal/modal_motion.hpp"
+#include "models/modal/parameter_effect.hpp"
 #include "models/simulation.hpp"
-#include "models/stencil.hpp"
+#include "models/stop/stopped_motion.hpp"
 
 namespace impactrig::models {
 
 /// Follows a run of small motion from step to step with the derivatives of its state by numbers of
-/// the rig. Over a step the derivatives of the force at the nodes solve the contact law's linear
-/// equations; the modes carry them on exactly; the end of a phase moves its time. What the law and
-/// the bar's responses themselves change by comes from differences of these closed forms (Stencil,
-/// ModalSlope), never from those of a simulation.
+/// the rig. Over a step the derivatives of the forces at the nodes solve the contact laws' linear
+/// equations; the modes carry them on exactly; the end of a phase moves its time. The head of a
+/// stop that gives way is one mode more, which that stop's force pushes away. What laws and
+/// responses themselves change by is a ParameterEffect.
 class ModalSensitivities {
  public:
   /// What decides where a step ends.
   enum class End { step, gap, change, time };
 
+  /// `stopped`: the same motion before a stop that gives way; none: a rigid one.
   ModalSensitivities(const Rig& rig, const Solver& solver, const SimulationOptions& options,
-                     const ModalMotion& motion);
+                     const ModalMotion& motion, const StoppedMotion* stopped);
 
   void begin();  ///< at first touch
   /// A contact begins, whose law takes `speed` unless that is too slow.
-  void touch(const ContactForce& contact, double speed, bool first);
+  void touch(int stop, const ContactForce& contact, double speed);
 
-  /// The step at hand is solved.
-  void solve(const NodeVector& force, const NodeVector& displacement, const NodeVector& velocity);
+  /// The step at hand is solved, stop by stop.
+  void solve(std::span<const StopStep> steps);
 
   int count() const { return static_cast<int>(directions_.size()); }
 
-  /// Legendre series of a derivative of the force over the solved step [N a unit].
-  const NodeVector& force_series(int i) const { return at(i).force_series; }
+  /// How much the Legendre series of the stops' forces' derivatives leave out of the solved step,
+  /// at most [N a unit].
+  double force_truncation(int i) const;
 
-  /// The same of the power lost in the contact [W a unit].
-  NodeVector dissipation_series(int i) const { return rule_.to_series() * at(i).dissipation; }
+  /// The same of the power lost in the first stop's contact [W a unit].
+  double dissipation_truncation(int i) const;
 
-  double size(int i) const { return at(i).size; }  ///< by which its parameter changes the rig
+  /// By which its parameter changes the rig.
+  double size(int i) const { return at(i).effect.size(); }
 
   /// Within the solved step: the first contact's largest force and deepest penetration.
   void peak(double part);
   void deepest(double part, double dissipated);
   void sample(double first, double spacing, std::size_t count);
 
-  void take(double part, End end);
+  /// The part of the step that is taken; `stop`: where that ends by an event.
+  void take(double part, End end, int stop);
   void separate(const Simulation& result);
 
   std::vector<Sensitivity> take_results();
 
  private:
-  /// How a parameter changes the contact's force, penetration and rate held.
-  enum class LawChange { by_strength, by_factor, otherwise };
-
+  /// Slopes by one parameter, those at stops by their numbers.
   struct Direction {
-    RigParameter parameter;
-    Stencil stencil;
-    double size = 1.0;                   // of the parameter, as it matters
-    double spacing = 0.0;                // of the stencil, in the parameter's unit
-    std::vector<ContactForce> contacts;  // at its places; empty where the contact does not change
-    LawChange law_change = LawChange::otherwise;
-    double strength = 0.0;     // slope of the damping's s, where the force changes by it
-    double start_speed = 0.0;  // slope of the angular rate at touch [rad/s a unit]
-    ModalSlope slope;          // empty where the bar does not change
-    double bar_spacing = 0.0;  // of the stencil along `slope`
-    std::vector<ModalBeam> bars;
-    std::map<double, ModalStep> steps;  // slopes of a step along `slope`, by its length
-    Eigen::VectorXd velocity_row, displacement_row;
+    Direction(const ModalSensitivities& all, const Solver& solver, RigParameter parameter);
 
-    ModalState state, end;  // slopes of the state, its time free to move
-    double time = 0.0;      // slope of that time
-    double speed = 0.0;     // slope of the speed the damping law takes
-    double first_speed = 0.0;
-    NodeVector force, force_series, dissipation;
-    double impulse = 0.0, dissipated = 0.0;  // totals' slopes
+    ParameterEffect effect;
+    std::vector<double> speed, first_speed;  // that the damping law takes, and of the first contact
+    std::vector<NodeVector> force, series;   // at the nodes, and their Legendre series
+    ModalState state, end;                   // of the state, its time free to move
+    double time = 0.0;                       // of that time
+    NodeVector dissipation;                  // at the first stop's nodes
+    double impulse = 0.0, dissipated = 0.0;  // of the first stop's totals
     double compression = 0.0, dissipated_at_deepest = 0.0;
     Sensitivity result;
-  };
-
-  /// The state within the step and how it changes in time.
-  struct Place {
-    double part = 0.0;
-    NodeVector series;  // of the force up to there
-    double force = 0.0;
-    ModalState state;
-    Eigen::VectorXd acceleration;
-  };
-
-  struct Struck {
-    double depth, rate;
   };
 
   /// The contact law at a node of the solved step.
@@ -100,65 +82,83 @@ class ModalSensitivities {
     ContactForce::Response law;
   };
 
-  /// The struck point and the sensors at a place; the first line and the law in contact only.
-  struct Seen {
-    double depth = 0.0, acceleration = 0.0;
-    double rate = 0.0, displacement_rate = 0.0, velocity_rate = 0.0;
-    ContactForce::Response law;
+  /// A stop over the solved step.
+  struct Pressed {
+    const ContactForce* contact = nullptr;
+    double gap = 0.0;
+    std::vector<NodeLaw> laws;    // empty where nothing touches
+    Eigen::Index first_row = -1;  // in the equations of the forces; none where it does not press
+    NodeVector depth, rate;       // slopes at the nodes, in the direction at hand
+
+    bool presses() const { return contact && contact->presses(); }
   };
 
-  /// Slopes of what a bar's modes are made of.
-  struct BarChange {
-    SmallMotion motion;
-    ViscousDamping damping;
-    Eigen::VectorXd struck, velocity, displacement;  // rows of the points (n)
+  /// The state within the step and how it changes in time.
+  struct Place {
+    double part = 0.0;
+    std::vector<NodeVector> series;  // of the forces up to there
+    std::vector<double> force;
+    ModalState state;
+    Eigen::VectorXd acceleration;
+  };
 
-    void add(double weight, const SmallMotion& other, const ViscousDamping& resisting);
+  struct Struck {
+    double depth, rate;
+  };
+
+  /// What the point before a stop does, and the law where it presses.
+  struct Seen {
+    double depth, rate, acceleration;
+    ContactForce::Response law = {};
   };
 
   const Direction& at(int i) const { return directions_[static_cast<std::size_t>(i)]; }
 
-  void find_contacts(const Rig& rig, Direction& d) const;
-  void find_slope(const Rig& rig, const Solver& solver, const HistoryRequest& history,
-                  Direction& d) const;
-  BarChange change_of_bar(const Rig& rig, const Solver& solver, const HistoryRequest& history,
-                          const Direction& d) const;
-  template <typename Function>
-  double slope_of(const Direction& d, double spacing, Function value_at) const;
-  const ModalStep& slope_of_step(Direction& d, double h) const;
-  void look(double part, Place& place) const;
-  void accelerate(Place& place) const;
-  void state_at(const Place& place, Direction& d, ModalState& to);
-  Struck struck(const Direction& d, const ModalState& slope, const ModalState& state) const;
-  double law_slope(const Direction& d, double depth, double rate,
-                   const ContactForce::Response& law) const;
-  double switch_slope(Direction& d, const ContactForce::Switch& there, double depth, double rate,
-                      const Struck& slope) const;
+  void see_state();
+  const ModalStep& step();
+  void linearise();
   void solve(Direction& d);
-  double dissipation_slope(Direction& d, const NodeLaw& there, double depth, double rate) const;
+  void find_free_slopes(Direction& d);
+  double dissipation_slope(const Direction& d, const NodeLaw& there, double depth,
+                           double rate) const;
+  void look(double part);
+  void accelerate();
+  void state_here(Direction& d);
+  Struck struck(const Direction& d, std::size_t stop, const ModalState& slope,
+                const ModalState& state) const;
+  double law_slope(const Direction& d, std::size_t stop, const Seen& seen) const;
+  double end_shift(const Direction& d, End end, std::size_t stop) const;
   double integral(const NodeVector& at_nodes, double part) const;
-  void begin_history(const Rig& rig, const HistoryRequest& wanted, Direction& d) const;
-  Seen see(const Place& place) const;
-  void show(const Place& place, const Seen& seen, Direction& d) const;
+  Seen see(std::size_t stop) const;
+  double sensor_slope(const Direction& d) const;
+  void note_sensor_peak();
+  void show(Direction& d) const;
   void step_sample(double from, double spacing);
   NodeMatrix legendre_at(double from, double spacing) const;
 
   const Rig& rig_;
   const SimulationOptions& options_;
   const ModalMotion& motion_;
-  const ModalBeam& beam_;
+  const StoppedMotion* stopped_;
+  std::optional<ModalBeam> with_head_;
+  const ModalBeam& modes_;  // of the bar and of the head
   const Collocation& rule_;
-  std::vector<Direction> directions_;
-
-  const ContactForce* contact_ = nullptr;
+  Eigen::VectorXd velocity_row_, displacement_row_;
+  ParameterEffect::SensorRow sensor_row_;
+  std::deque<Direction> directions_;
   double dissipated_at_deepest_ = 0.0;  // [J]
 
   // of the solved step
-  NodeVector force_, force_series_;
-  std::vector<NodeLaw> laws_;  // empty where nothing touches
-  NodeMatrix inverse_;
-  std::optional<ModalStep> sampling_;  // of the history's interval
+  ModalState state_;  // at its beginning
+  std::vector<Pressed> stops_;
+  std::vector<NodeVector> force_, series_;
+  Eigen::MatrixXd jacobian_, inverse_;
+  Eigen::VectorXd drive_, answer_;
+  std::map<double, ModalStep> own_steps_;  // where the bar's do not know the head
+  std::optional<ModalStep> sampling_;      // of the history's interval
   Place place_;
+  std::vector<Seen> seen_;  // at the place
+  std::vector<NodeVector> parts_;
   ModalState scratch_, there_;
 };
 

@@ -102,8 +102,6 @@ ModalStep::ModalStep(const ModalBeam& beam, const Collocation& rule, double h)
 
 ModalStep ModalStep::sum(std::span<const ModalStep> steps, std::span<const double> weights) {
   ModalStep total = steps.front();
-  total.further_.clear();
-  total.of_force_.clear();
   const auto combine = [&](const auto& part) {
     auto& to = part(total);
     to.setZero();
@@ -123,6 +121,15 @@ ModalStep ModalStep::sum(std::span<const ModalStep> steps, std::span<const doubl
   combine([](auto& step) -> auto& { return step.response_.of_force.displacement_of_force; });
   combine([](auto& step) -> auto& { return step.response_.of_force.velocity_of_force; });
   total.response_.of_force.set_most();
+  for (std::size_t k = 0; k < total.further_.size(); ++k)
+    for (const auto matrix :
+         {&Further::displacement_of_a, &Further::displacement_of_rate, &Further::velocity_of_a,
+          &Further::velocity_of_rate, &Further::a_of_force, &Further::rate_of_force})
+      combine([&](auto& step) -> auto& { return step.further_[k].*matrix; });
+  for (std::size_t k = 0; k < total.of_force_.size(); ++k) {
+    combine([&](auto& step) -> auto& { return step.of_force_[k].displacement_of_force; });
+    combine([&](auto& step) -> auto& { return step.of_force_[k].velocity_of_force; });
+  }
   return total;
 }
 
@@ -197,6 +204,13 @@ void ModalStep::advance(const ModalState& from, const NodeVector& force, ModalSt
   to.rate.noalias() += rate_of_force_.transpose() * force;
 }
 
+void ModalStep::advance(const ModalState& from, std::span<const NodeVector> forces,
+                        ModalState& to) const {
+  advance(from, forces[0], to);
+  for (std::size_t k = 1; k < forces.size(); ++k)
+    if (!forces[k].isZero(0.0)) add(static_cast<int>(k), forces[k], to);
+}
+
 void ModalStep::add(int stop, const NodeVector& force, ModalState& to) const {
   const Further& further = further_[static_cast<std::size_t>(stop - 1)];
   to.a.noalias() += further.a_of_force.transpose() * force;
@@ -237,6 +251,13 @@ PointMotion advance(const ModalBeam& beam, double h, const NodeVector& series,
   move(modes);
   if (acceleration) *acceleration = modes.acceleration;
   return {modes.displacement, modes.velocity};
+}
+
+void advance(const ModalBeam& beam, double h, std::span<const NodeVector> series,
+             const ModalState& from, ModalState& to) {
+  advance(beam, h, series[0], from, to);
+  for (std::size_t k = 1; k < series.size(); ++k)
+    if (!series[k].isZero(0.0)) add_force(beam, static_cast<int>(k), h, series[k], to);
 }
 
 void add_force(const ModalBeam& beam, int stop, double h, const NodeVector& series,

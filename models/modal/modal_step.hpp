@@ -34,8 +34,7 @@ class ModalStep {
   /// Throws std::logic_error when h is longer than longest() by more than a hundredth.
   ModalStep(const ModalBeam& beam, const Collocation& rule, double h);
 
-  /// Steps of as many modes and nodes, to the force of the first stop alone: what each does,
-  /// weighted and summed.
+  /// Steps of as many modes, nodes and stops: what each does, weighted and summed.
   static ModalStep sum(std::span<const ModalStep> steps, std::span<const double> weights);
 
   /// The longest step whose kernels' series can be held [s]; infinite without vibration.
@@ -58,6 +57,9 @@ class ModalStep {
   /// The state at the step's end, free of force or under that of the first stop.
   void coast(const ModalState& from, ModalState& to) const;
   void advance(const ModalState& from, const NodeVector& force, ModalState& to) const;
+
+  /// Under the forces of all stops.
+  void advance(const ModalState& from, std::span<const NodeVector> forces, ModalState& to) const;
 
   /// What the force of a further stop adds to it.
   void add(int stop, const NodeVector& force, ModalState& to) const;
@@ -91,6 +93,10 @@ class ModalStep {
 /// tells how the struck point then moves, its acceleration without what the force then does to it.
 PointMotion advance(const ModalBeam& beam, double h, const NodeVector& series,
                     const ModalState& from, ModalState& to, double* acceleration = nullptr);
+
+/// The state after a time h under the forces of all stops, each given like that.
+void advance(const ModalBeam& beam, double h, std::span<const NodeVector> series,
+             const ModalState& from, ModalState& to);
 
 /// What the force of a further stop adds to the state.
 void add_force(const ModalBeam& beam, int stop, double h, const NodeVector& series, ModalState& to);

@@ -31,6 +31,10 @@ StopHead::StopHead(const Stop& stop)
       root_(std::sqrt(std::abs(square_))),
       fastest_(square_ >= 0.0 ? std::sqrt(stop.stiffness / stop.mass) : decay_ + root_) {}
 
+StopHead::Mode StopHead::mode() const {
+  return {std::sqrt(stiffness_ / mass_), viscous_ / mass_, -1.0 / std::sqrt(mass_)};
+}
+
 StopHead::Impulse StopHead::impulse(double t) const {
   const double angle = root_ * t;
   if (square_ >= 0.0) {

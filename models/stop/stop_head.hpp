@@ -27,7 +27,15 @@ class StopHead {
     double velocity = 0.0;
   };
 
+  /// The head as a mode of unit modal mass, b̈ + d ḃ + ω² b = −r F with b = √m x.
+  struct Mode {
+    double omega, damping;  ///< ω [rad/s], d [1/s]
+    double struck;          ///< r: displacement of the contact, closing > 0, under b = 1 [1/√kg]
+  };
+
   explicit StopHead(const Stop& stop);
+
+  Mode mode() const;
 
   double mass() const { return mass_; }
 

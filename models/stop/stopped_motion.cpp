@@ -38,7 +38,8 @@ void StoppedMotion::set_scales(const Scales& scales) {
 /// A damped contact lets the head's ringing die; nodes too few to see it would keep it.
 double StoppedMotion::longest_step() const {
   constexpr double phase_of_node = 1.5;
-  const double longest = bar_.longest_step();
+  double longest = bar_.longest_step();
+  if (responds_always_) longest = std::min(longest, HeadStep::longest_phase / head_.fastest());
   if (!in_contact_ || !contact_damps_) return longest;
   return std::min(longest, phase_of_node * rule_.nodes() / head_.fastest());
 }
@@ -187,7 +188,6 @@ void StoppedMotion::sample(double first, double spacing, std::span<Sample> sampl
 }
 
 void StoppedMotion::take(double part) {
-  observe_sensor(part);
   state_ = part < 1.0 ? head_at(part) : end_;
   if (touched_) time_ += part * step();
   bar_.take(part);
@@ -212,6 +212,7 @@ void StoppedMotion::note(const Look& look) {
   if (look.force <= sensor_.peak_force) return;
   sensor_.peak_force = look.force;
   sensor_.peak_time = time_ + look.place * step();
+  peak_part_ = look.place;
 }
 
 /// Keeps the force of the second look and, where its rate falls through zero on the way there, the
@@ -265,8 +266,9 @@ void StoppedMotion::observe_forced(double part) {
   }
 }
 
-/// The peak force in the sensor in the part of the step that is taken.
-void StoppedMotion::observe_sensor(double part) {
+/// The peak force in the sensor.
+void StoppedMotion::observe(double part) {
+  peak_part_.reset();
   if (!touched_) return;
   if (forced_)
     observe_forced(part);

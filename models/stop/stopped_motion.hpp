@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 
 #include "models/collocation/bar_motion.hpp"
 #include "models/simulation.hpp"
@@ -20,6 +21,8 @@ class StoppedMotion final : public BarMotion {
   const Collocation& rule() const override { return rule_; }
 
   const StepLadder& ladder() const override { return bar_.ladder(); }
+
+  bool knows_spot_slopes() const override { return bar_.knows_spot_slopes(); }
 
   void start(double angle, double rate) override;
   void set_scales(const Scales& scales) override;
@@ -70,7 +73,16 @@ class StoppedMotion final : public BarMotion {
 
   bool parts_exact() const override { return bar_.parts_exact(); }
 
+  void observe(double part) override;
   void take(double part) override;
+
+  /// Every step is to be one that the head answers a force over.
+  void keep_responding() { responds_always_ = true; }
+
+  const StopHead::State& head() const { return state_; }
+
+  /// Where the step observed last has the largest force in the sensor so far, as a part of it.
+  const std::optional<double>& peak_part() const { return peak_part_; }
 
   /// What the sensor carried so far, since the contact force's impulse began [N s].
   SensorForce sensor(double contact_impulse) const;
@@ -102,7 +114,6 @@ class StoppedMotion final : public BarMotion {
   bool note_between(const Look& from, const Look& to);
   void observe_free(double part);
   void observe_forced(double part);
-  void observe_sensor(double part);
 
   BarMotion& bar_;
   const Collocation& rule_;
@@ -118,6 +129,7 @@ class StoppedMotion final : public BarMotion {
   Response response_;
   bool in_contact_ = false;
   bool contact_damps_ = false;
+  bool responds_always_ = false;
 
   bool forced_ = false;                 // the solved step
   NodeVector force_series_;             // over the step
@@ -127,6 +139,7 @@ class StoppedMotion final : public BarMotion {
   bool touched_ = false;
   double time_ = 0.0;  // from first touch [s]
   SensorForce sensor_;
+  std::optional<double> peak_part_;
 };
 
 }  // namespace impactrig::models

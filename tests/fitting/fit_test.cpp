@@ -258,8 +258,15 @@ TEST(Fit, RefusesWhatItCannotDo) {
             "'contact.restitution' is named twice among the free parameters");
   FitOptions rigid;
   rigid.free = {"stop.stiffness"};
-  EXPECT_EQ(message({shot}, rigid),
-            "'stop.stiffness' cannot be fitted with this rig: it has no value to start from");
+  EXPECT_EQ(
+      message({shot}, rigid),
+      "'stop.stiffness' cannot be fitted with this rig: its stop is rigid; state stop.mass and "
+      "stop.stiffness");
+  FitOptions beyond;
+  beyond.free = {"contacts.2.gap"};
+  beyond.setting("contacts.2.gap").initial = 1e-5;
+  EXPECT_EQ(message({shot}, beyond),
+            "'contacts.2.gap' cannot be fitted with this rig: it has 0 further stops");
   EXPECT_EQ(message({}, {}), "there is no impact to fit to");
   RigFile swing = rig;
   swing.rig.contact.law = "none";

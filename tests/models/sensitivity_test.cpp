@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <string>
@@ -57,6 +58,32 @@ constexpr std::array of_damped_bars = {
     Named{"beam length", [](Rig& r) -> double& { return r.beam.length; }},
 };
 
+constexpr std::array of_compliant_stops = {
+    Named{"stop mass", [](Rig& r) -> double& { return r.stop->mass; }},
+    Named{"stop stiffness", [](Rig& r) -> double& { return r.stop->stiffness; }},
+    Named{"stop viscous", [](Rig& r) -> double& { return r.stop->viscous; }},
+    Named{"restitution", [](Rig& r) -> double& { return r.contact.restitution; }},
+    Named{"stiffness_factor", [](Rig& r) -> double& { return r.contact.stiffness_factor; }},
+    Named{"velocity", [](Rig& r) -> double& { return r.start.velocity; }},
+    Named{"youngs_modulus", [](Rig& r) -> double& { return r.beam.youngs_modulus; }},
+    Named{"position", [](Rig& r) -> double& { return r.contact.position; }},
+};
+
+constexpr std::array of_further_stops = {
+    Named{"gap", [](Rig& r) -> double& { return r.further_stops[0].gap; }},
+    Named{"its factor",
+          [](Rig& r) -> double& { return r.further_stops[0].contact.stiffness_factor; }},
+    Named{"its restitution",
+          [](Rig& r) -> double& { return r.further_stops[0].contact.restitution; }},
+    Named{"its position", [](Rig& r) -> double& { return r.further_stops[0].contact.position; }},
+    Named{"restitution", [](Rig& r) -> double& { return r.contact.restitution; }},
+    Named{"stiffness_factor", [](Rig& r) -> double& { return r.contact.stiffness_factor; }},
+    Named{"velocity", [](Rig& r) -> double& { return r.start.velocity; }},
+    Named{"youngs_modulus", [](Rig& r) -> double& { return r.beam.youngs_modulus; }},
+    Named{"density", [](Rig& r) -> double& { return r.beam.density; }},
+    Named{"position", [](Rig& r) -> double& { return r.contact.position; }},
+};
+
 Rig damped_rig() {
   Rig rig = paper_rig();
   rig.gravity = 9.81;
@@ -84,7 +111,8 @@ std::vector<double> numbers(const Simulation& run) {
           e.separation_velocity,
           run.restitution.kinematic,
           run.restitution.kinetic,
-          run.restitution.energetic};
+          run.restitution.energetic,
+          run.sensor ? run.sensor->peak_force : 1.0};
 }
 
 std::vector<double> numbers(const Sensitivity& s) {
@@ -95,16 +123,27 @@ std::vector<double> numbers(const Sensitivity& s) {
           s.separation_velocity,
           s.restitution.kinematic,
           s.restitution.kinetic,
-          s.restitution.energetic};
+          s.restitution.energetic,
+          s.sensor_peak_force};
 }
 
-constexpr std::array histories = {&History::force, &History::penetration, &History::velocity,
-                                  &History::displacement};
+/// What a history shows, one channel after the other.
+std::vector<std::vector<double>> channels(const History& history) {
+  std::vector<std::vector<double>> all = {history.force, history.penetration, history.velocity,
+                                          history.displacement};
+  if (!history.sensor_force.empty()) all.push_back(history.sensor_force);
+  for (const StopHistory& stop : history.further) {
+    all.push_back(stop.force);
+    all.push_back(stop.penetration);
+  }
+  return all;
+}
 
 double size_for(const Rig& rig, const Named& parameter) {
   Rig copy = rig;
   const std::string name = parameter.name;
   if (name == "position" || name == "beam length") return copy.beam.length - copy.contact.position;
+  if (name == "its position") return copy.beam.length - parameter.of(copy);
   return name.ends_with("radius") ? copy.contact.counter_radius - copy.contact.radius
                                   : parameter.of(copy);
 }
@@ -112,7 +151,7 @@ double size_for(const Rig& rig, const Named& parameter) {
 /// Differences of simulations by a parameter.
 struct Differences {
   std::vector<double> numbers;
-  History history;
+  std::vector<std::vector<double>> channels;
 };
 
 Differences differences(const Rig& rig, const Solver& solver, const Named& parameter, double step) {
@@ -129,24 +168,32 @@ Differences differences(const Rig& rig, const Solver& solver, const Named& param
     const std::vector<double> values = numbers(run);
     sum.numbers.resize(values.size(), 0.0);
     for (std::size_t k = 0; k < values.size(); ++k) sum.numbers[k] += weight * values[k];
-    for (const auto part : histories) {
-      (sum.history.*part).resize((run.history.*part).size(), 0.0);
-      for (std::size_t k = 0; k < (run.history.*part).size(); ++k)
-        (sum.history.*part)[k] += weight * (run.history.*part)[k];
+    const std::vector<std::vector<double>> parts = channels(run.history);
+    sum.channels.resize(parts.size());
+    for (std::size_t c = 0; c < parts.size(); ++c) {
+      sum.channels[c].resize(parts[c].size(), 0.0);
+      for (std::size_t k = 0; k < parts[c].size(); ++k) sum.channels[c][k] += weight * parts[c][k];
     }
   }
   return sum;
 }
 
 /// Whether the force begins or ends within ten samples: the differences straddle the corner.
-bool beside_event(const Simulation& run, std::size_t sample) {
-  const std::vector<double>& force = run.history.force;
+bool beside_event(const std::vector<double>& force, std::size_t sample) {
   const std::size_t first = sample < 10 ? 0 : sample - 10;
   const std::size_t last = std::min(sample + 11, force.size());
   const auto pressed = std::count_if(force.begin() + static_cast<std::ptrdiff_t>(first),
                                      force.begin() + static_cast<std::ptrdiff_t>(last),
                                      [](double f) { return f > 0.0; });
   return pressed > 0 && pressed < static_cast<std::ptrdiff_t>(last - first);
+}
+
+/// At any stop.
+bool beside_event(const Simulation& run, std::size_t sample) {
+  return beside_event(run.history.force, sample) ||
+         std::ranges::any_of(run.history.further, [&](const StopHistory& stop) {
+           return beside_event(stop.force, sample);
+         });
 }
 
 /// Relative to the value's own size over that of the parameter: where a derivative is nearly zero
@@ -165,21 +212,23 @@ void expect_equal_derivatives(const Rig& rig, const Solver& solver, double toler
     const std::vector<double> slopes = numbers(run.sensitivities[i]);
     for (std::size_t k = 0; k < slopes.size(); ++k)
       EXPECT_NEAR(slopes[k] * size / values[k], d.numbers[k] * size / values[k], tolerance) << k;
-    for (const auto part : histories) {
-      const std::vector<double>& mine = run.sensitivities[i].history.*part;
-      ASSERT_EQ(mine.size(), (run.history.*part).size());
+    const std::vector<std::vector<double>> mine = channels(run.sensitivities[i].history);
+    const std::vector<std::vector<double>> shown = channels(run.history);
+    ASSERT_EQ(mine.size(), shown.size());
+    for (std::size_t c = 0; c < mine.size(); ++c) {
+      ASSERT_EQ(mine[c].size(), shown[c].size()) << c;
       double scale = 0.0, worst = 0.0;
       std::size_t at = 0;
-      for (std::size_t k = 0; k < mine.size(); ++k) {
+      for (std::size_t k = 0; k < mine[c].size(); ++k) {
         if (beside_event(run, k)) continue;
-        scale = std::max(scale, std::abs((run.history.*part)[k]));
-        if (const double off = std::abs(mine[k] - (d.history.*part)[k]); off > worst) {
+        scale = std::max(scale, std::abs(shown[c][k]));
+        if (const double off = std::abs(mine[c][k] - d.channels[c][k]); off > worst) {
           worst = off;
           at = k;
         }
       }
       // fast vibration after the contact: a change of its frequency is a large one of its phase
-      EXPECT_LT(worst * size / scale, 30.0 * tolerance) << "sample " << at;
+      EXPECT_LT(worst * size / scale, 30.0 * tolerance) << "channel " << c << ", sample " << at;
     }
   }
 }
@@ -221,6 +270,41 @@ TEST(Sensitivities, OfARigidBarWithADamperAreThoseOfDifferences) {
   const double change = 1e-3 * without.sensitivities.at(0).impulse;
   EXPECT_LT(change, 0.0);
   EXPECT_NEAR((with.impulse - without.impulse) / change, 1.0, 1e-4);
+}
+
+// A head that rings, one that is damped, one that creeps back.
+TEST(Sensitivities, OfACompliantStopAreThoseOfDifferences) {
+  for (const double viscous : {300.0, 5e3, 4e4}) {
+    SCOPED_TRACE(viscous);
+    Rig rig = damped_rig();
+    rig.stop = Stop{.mass = 0.2, .stiffness = 1e9, .viscous = viscous};
+    const Solver solver = hybrid(Basis::pinned_free, 4, 1e-12, 5e-4);
+    ASSERT_TRUE(small(rig, solver).sensor);
+    expect_equal_derivatives(rig, solver, 1e-8, of_compliant_stops, 5e-4);
+  }
+}
+
+// Stops that press together, in turn, and the first of them on its sensor.
+TEST(Sensitivities, OfSeveralStopsAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  FurtherStop second{.contact = rig.contact, .side = StopSide::near, .gap = 2e-6};
+  second.contact.position = 0.5;
+  second.contact.restitution = 0.7;
+  rig.further_stops = {second};
+  const Solver solver = hybrid(Basis::pinned_free, 4, 1e-12, 4e-4);
+  ASSERT_GE(small(rig, solver).episodes.size(), 2u);
+  expect_equal_derivatives(rig, solver, 1e-8, of_further_stops);
+  rig.further_stops[0].side = StopSide::far;
+  rig.further_stops[0].gap = 1e-5;
+  rig.contact.restitution = 0.8;
+  Solver stiff = rigid(1e-12);
+  stiff.duration = 5e-4;
+  ASSERT_GE(small(rig, stiff).episodes.size(), 2u);
+  expect_equal_derivatives(rig, stiff, 1e-8, of_further_stops);
+  rig.stop = Stop{.mass = 0.2, .stiffness = 1e9, .viscous = 5e3};
+  ASSERT_GE(small(rig, stiff).episodes.size(), 2u);
+  expect_equal_derivatives(rig, stiff, 1e-8, of_further_stops);
+  expect_equal_derivatives(rig, stiff, 1e-8, of_compliant_stops);
 }
 
 /// Several contacts, some of them grazing, and a run that ends in the middle of one.

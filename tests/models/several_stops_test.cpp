@@ -367,7 +367,7 @@ TEST(SeveralStops, AnEnsembleSolvesThemToo) {
   }
 }
 
-// What is asked for with derivatives is not flown at once, and a single stop alone has any.
+// What is asked for with derivatives is not flown at once.
 TEST(SeveralStops, FlightsEndBeforeTheNextStop) {
   Rig rig = with_stop(spring_rig(0.8), StopSide::far, 0.4, 5e-3);
   rig = with_stop(rig, StopSide::near, 0.8, 1e-4);
@@ -379,7 +379,7 @@ TEST(SeveralStops, FlightsEndBeforeTheNextStop) {
     const Simulation a = simulate(rig, solver, flown);
     const Simulation b = simulate(rig, solver, stepped);
     EXPECT_LT(a.cost.steps, b.cost.steps);
-    EXPECT_TRUE(b.sensitivities.empty());
+    EXPECT_EQ(b.sensitivities.size(), 1u);
     const bool vibrates = solver.model == BeamModel::hybrid;
     const std::size_t count = vibrates ? 3 : 5;
     ASSERT_GE(a.episodes.size(), count) << a.termination;

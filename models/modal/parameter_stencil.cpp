@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/modal/parameter_stencil.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/beams/bending_modes.hpp"
+
+namespace impactrig::models {
+namespace {
+
+// Of a parameter's size: truncation and rounding of the stencil are both below 1e-9.
+constexpr double step = 3e-4;
+// Of the bar's length, how far a gap may be changed that is none, and of critical damping or of the
+// bar's stiffness, how far a damper or a spring.
+constexpr double of_closed_gap = 1e-5, of_none = 1e-3;
+
+/// The contact of which the parameter is this number, or none.
+const Contact* contact_with(const Rig& rig, const double* number, double Contact::*member) {
+  for (int stop = 0; stop < rig.stops(); ++stop)
+    if (const Contact& contact = rig.contact_of(stop); &(contact.*member) == number)
+      return &contact;
+  return nullptr;
+}
+
+/// Of what the rig may have none of: by what makes itself felt in the bar's slowest bending.
+double size_of_none(Rig& rig, const double* number) {
+  const double inertia = rig.beam.hinge_inertia();
+  const double compliance = elastic_compliance(rig.beam, rig.contact.position);
+  const double omega = 1.0 / std::sqrt(compliance * rig.effective_mass(0));
+  if (number == &rig.beam.damping.mass) return of_none * omega;
+  if (number == &rig.beam.damping.stiffness) return of_none / omega;
+  if (number == &rig.hinge.viscous) return of_none * inertia * omega;
+  if (number == &rig.hinge.spring) return of_none * inertia * omega * omega;
+  if (rig.stop && number == &rig.stop->viscous)
+    return of_none * std::sqrt(rig.stop->stiffness * rig.stop->mass);
+  for (const FurtherStop& stop : rig.further_stops)
+    if (number == &stop.gap) return of_closed_gap * rig.beam.length;
+  return 0.0;
+}
+
+/// Of most its own size, for the radii of a groove the little by which they differ, for places
+/// along the bar the way to the next.
+double size_of(Rig rig, RigParameter parameter) {
+  const double* number = &parameter(rig);
+  const double length = rig.beam.length;
+  const Contact* placed = contact_with(rig, number, &Contact::position);
+  if (number == &rig.beam.length) placed = &rig.contact;
+  if (placed && length > placed->position)
+    return std::min(length - placed->position, placed->position);
+  double size = std::abs(*number);
+  for (double Contact::*radius : {&Contact::radius, &Contact::counter_radius})
+    if (const Contact* contact = contact_with(rig, number, radius))
+      if (contact->counterface == Counterface::groove)
+        size = std::abs(contact->counter_radius - contact->radius);
+  size = std::max(size, size_of_none(rig, number));
+  return size > 0.0 ? size : 1.0;
+}
+
+/// A restitution coefficient keeps inside [0, 1].
+Stencil stencil_for(Rig rig, RigParameter parameter, double spacing) {
+  const Contact* contact = contact_with(rig, &parameter(rig), &Contact::restitution);
+  if (!contact) return Stencil::centred();
+  if (contact->restitution + 2.0 * spacing > 1.0) return Stencil::backward();
+  return contact->restitution < 2.0 * spacing ? Stencil::forward() : Stencil::centred();
+}
+
+}  // namespace
+
+ParameterStencil::ParameterStencil(const Rig& rig, RigParameter parameter)
+    : rig_(rig),
+      parameter_(parameter),
+      size_(size_of(rig, parameter)),
+      spacing_(step * size_),
+      stencil_(stencil_for(rig, parameter, spacing_)) {}
+
+Rig ParameterStencil::moved(double offset) const {
+  Rig there = rig_;
+  parameter_(there) += offset * spacing_;
+  return there;
+}
+
+}  // namespace impactrig::models

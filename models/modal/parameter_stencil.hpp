@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+
+#include "models/rig.hpp"
+#include "models/stencil.hpp"
+
+namespace impactrig::models {
+
+/// A number of the rig and values of it near by, from which derivatives by it are taken.
+class ParameterStencil {
+ public:
+  ParameterStencil(const Rig& rig, RigParameter parameter);
+
+  double& number(Rig& rig) const { return parameter_(rig); }
+
+  /// By how much it may change for the rig to change by its like.
+  double size() const { return size_; }
+
+  static constexpr std::size_t places = 5;
+
+  /// Whether a place counts.
+  bool counts(std::size_t place) const { return stencil_.weights[place] != 0.0; }
+
+  double weight(std::size_t place) const { return stencil_.weights[place] / spacing_; }
+
+  /// The rig there.
+  Rig rig_at(std::size_t place) const { return moved(stencil_.offsets[place]); }
+
+  /// The rig beside the one at hand.
+  Rig rig_beside() const { return moved(1.0); }
+
+  const Stencil& stencil() const { return stencil_; }
+
+  /// Σ weight value_at(place).
+  template <typename Function>
+  double slope(const Function& value_at) const {
+    double sum = 0.0;
+    for (std::size_t place = 0; place < places; ++place)
+      if (counts(place)) sum += stencil_.weights[place] * value_at(place);
+    return sum / spacing_;
+  }
+
+ private:
+  Rig moved(double offset) const;
+
+  const Rig& rig_;
+  RigParameter parameter_;
+  double size_, spacing_;
+  Stencil stencil_;
+};
+
+}  // namespace impactrig::models
