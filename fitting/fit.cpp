@@ -67,6 +67,7 @@ class Session {
   double shift_by_full_motion() const;
   void prefer_full_motion();
   void estimate_mesh_shift();
+  void keep_within_bounds(Eigen::VectorXd& shift) const;
   Fit report(double chi2);
   void widen_view(Fit& fit);
 
@@ -273,7 +274,7 @@ double Session::shift_by_full_motion() const {
       const ShotModel small = coarse ? shot.model->coarser() : *shot.model;
       ShotModel full = small;
       full.set_motion(models::Motion::full);
-      return shot.cost->change(coarse ? small : *shot.model, full);
+      return shot.cost->change(coarse ? small : *shot.model, full).differences;
     }));
   };
   const double coarse = by_full_motion(true);
@@ -286,12 +287,28 @@ void Session::estimate_mesh_shift() {
   const models::Motion motion = problem_.motion();
   try {
     problem_.set_motion(models::Motion::small);
-    end_.mesh_shift = shift_by(
-        [](const Shot& shot) { return shot.cost->change(*shot.model, shot.model->finer()); });
+    end_.mesh_shift = shift_by([&](const Shot& shot) {
+      ShotCost::Change change = shot.cost->change(*shot.model, shot.model->finer());
+      if (&shot == &problem_.shots().front()) end_.mesh_change = change.restitution;
+      return std::move(change.differences);
+    });
+    keep_within_bounds(end_.mesh_shift);
   } catch (const std::exception& error) {
     warnings_.push_back(fmt::format("The mesh error could not be estimated: {}", error.what()));
   }
   problem_.set_motion(motion);
+}
+
+/// Where an unknown cannot go as far, the others move as they do with it held there.
+void Session::keep_within_bounds(Eigen::VectorXd& shift) const {
+  const Eigen::MatrixXd& covariance = end_.spread.covariance;
+  for (std::size_t k = 0; k < problem_.unknowns().size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const Variable& v = problem_.variables()[problem_.unknowns()[k]];
+    const double way = std::clamp(v.value + shift[row], v.lower, v.upper) - v.value - shift[row];
+    if (way != 0.0 && covariance(row, row) > 0.0)
+      shift += covariance.col(row) * (way / covariance(row, row));
+  }
 }
 
 Fit Session::report(double chi2) {
@@ -363,6 +380,12 @@ void Session::widen_view(Fit& fit) {
     fit.bootstrap = bootstrap(
         problem_, jacobian_, end_.inflation,
         {.kind = options_.bootstrap_kind, .draws = options_.bootstrap, .seed = options_.seed});
+    if (fit.bootstrap->draws < Bootstrap::fewest_for_interval)
+      fit.warnings.push_back(
+          fmt::format("{} draws of the bootstrap tell standard errors, no 95 % interval: that "
+                      "takes {}, and some "
+                      "hundreds for one that is not a matter of chance.",
+                      fit.bootstrap->draws, Bootstrap::fewest_for_interval));
     if (fit.bootstrap->failed > 0)
       fit.warnings.push_back(fmt::format("{} of {} fits of the bootstrap did not converge.",
                                          fit.bootstrap->failed, fit.bootstrap->draws));

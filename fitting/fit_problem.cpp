@@ -134,20 +134,24 @@ FitProblem::FitProblem(const std::vector<Impact>& impacts, const RigFile& rig,
   warn_of_unused(options);
 }
 
-/// What is stated of a parameter that no recording tells.
+/// What is asked for or stated of a parameter that no recording tells.
 void FitProblem::warn_of_unused(const FitOptions& options) {
-  for (const ParameterSetting& setting : options.settings) {
-    if (setting.fixed) continue;
-    const bool used = std::ranges::any_of(shots_, [&](const Shot& shot) {
+  const auto used = [&](const std::string& asked) {
+    return std::ranges::any_of(shots_, [&](const Shot& shot) {
       return std::ranges::any_of(shot.numbers, [&](std::size_t number) {
         const std::string& name = (*variables_)[number].name;
-        return name == setting.name || name.starts_with(setting.name + "[");
+        return name == asked || name.starts_with(asked + "[");
       });
     });
-    if (!used)
+  };
+  for (const ParameterSetting& setting : options.settings)
+    if (!setting.fixed && !used(setting.name))
       warnings_.push_back(fmt::format(
           "What is stated of {} was not used: no channel that is fitted tells it.", setting.name));
-  }
+  for (const std::string& name : options.free)
+    if (!options.setting_of(name) && !used(name))
+      warnings_.push_back(
+          fmt::format("{} was not fitted: no channel that is fitted tells it.", name));
 }
 
 FitProblem FitProblem::copy() const {
@@ -326,23 +330,9 @@ double FitProblem::time_left() const {
   return std::chrono::duration<double>(*deadline_ - std::chrono::steady_clock::now()).count();
 }
 
-/// Bounds cost Ceres a line search at every step and seldom matter: first without.
-SearchEnd FitProblem::search(const Search& how, const std::vector<std::size_t>& held) {
-  const std::vector<double> start = values();
-  SearchEnd end = search_once(how, held, false);
-  if (end.valid) return end;
-  set_values(start);
-  end = search_once(how, held, true);
-  if (end.valid) return end;
-  for (const Shot& shot : shots_)
-    if (!shot.cost->failure().empty()) end.message = shot.cost->failure();
-  throw std::runtime_error("the fit could not start: " + end.message);
-}
-
-/// Blocks, priors and, where wanted, bounds of a Ceres problem, which does not own the priors.
+/// Blocks and priors of a Ceres problem, which does not own the priors.
 FitProblem::Priors FitProblem::state(const Search& how, const std::vector<std::size_t>& held,
-                                     bool bounded, std::vector<double>& x,
-                                     ceres::Problem& problem) const {
+                                     std::vector<double>& x, ceres::Problem& problem) const {
   Priors priors;
   for (const Shot& shot : shots_) {
     std::vector<double*> blocks;
@@ -351,10 +341,6 @@ FitProblem::Priors FitProblem::state(const Search& how, const std::vector<std::s
   }
   for (const std::size_t i : unknowns_) {
     const Variable& v = (*variables_)[i];
-    if (bounded && std::isfinite(v.coordinate(v.lower)))
-      problem.SetParameterLowerBound(&x[i], 0, v.coordinate(v.lower));
-    if (bounded && std::isfinite(v.upper))
-      problem.SetParameterUpperBound(&x[i], 0, v.coordinate(v.upper));
     if (how.hold_hum && v.role == Variable::Role::background && v.background.periodic())
       problem.SetParameterBlockConstant(&x[i]);
   }
@@ -366,15 +352,15 @@ FitProblem::Priors FitProblem::state(const Search& how, const std::vector<std::s
   return priors;
 }
 
-SearchEnd FitProblem::search_once(const Search& how, const std::vector<std::size_t>& held,
-                                  bool bounded) {
+SearchEnd FitProblem::search_once(const Search& how, const std::vector<std::size_t>& held) {
+  for (const Shot& shot : shots_) shot.cost->forget_failure();
   std::vector<double> x(variables_->size());
   for (std::size_t i = 0; i < x.size(); ++i)
     x[i] = (*variables_)[i].coordinate((*variables_)[i].value);
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(ownership);
-  const Priors priors = state(how, held, bounded, x, problem);
+  const Priors priors = state(how, held, x, problem);
   ceres::Solver::Options solver = solver_options(how);
   SearchWatch watch(how.tolerance, shots_);
   solver.callbacks.push_back(&watch);
@@ -382,7 +368,7 @@ SearchEnd FitProblem::search_once(const Search& how, const std::vector<std::size
       std::clamp(time_left(), 0.0, solver.max_solver_time_in_seconds);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
-  SearchEnd end{.valid = summary.termination_type != ceres::FAILURE,
+  SearchEnd end{.started = !summary.iterations.empty(),
                 .cost = summary.final_cost,
                 .converged = summary.termination_type == ceres::CONVERGENCE ||
                              summary.termination_type == ceres::USER_SUCCESS,
@@ -390,9 +376,16 @@ SearchEnd FitProblem::search_once(const Search& how, const std::vector<std::size
                 .message = summary.message};
   std::vector<double> values(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) values[i] = (*variables_)[i].value_at(x[i]);
-  for (const std::size_t i : unknowns_)
-    end.valid = end.valid && values[i] >= (*variables_)[i].lower - edge * (*variables_)[i].scale &&
-                values[i] <= (*variables_)[i].upper + edge * (*variables_)[i].scale;
+  for (const std::size_t i : unknowns_) {
+    const Variable& v = (*variables_)[i];
+    const double rounding = edge * v.scale;
+    if (values[i] < v.lower - rounding || values[i] > v.upper + rounding) end.strayed = true;
+  }
+  for (const Shot& shot : shots_) {
+    if (shot.cost->failure().empty()) continue;
+    end.strayed = true;
+    if (!end.started) end.message = shot.cost->failure();
+  }
   set_values(values);
   return end;
 }

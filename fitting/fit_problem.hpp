@@ -32,8 +32,9 @@ struct Shot {
 };
 
 struct SearchEnd {
-  bool valid = false;  ///< within bounds, and it could start
-  double cost = 0.0;   ///< ½ Σρ of data and priors
+  bool started = false;
+  bool strayed = false;  ///< tried beyond bounds, and may have ended for that
+  double cost = 0.0;     ///< ½ Σρ of data and priors
   bool converged = false;
   int iterations = 0;
   std::string message;
@@ -90,8 +91,9 @@ class FitProblem {
 
   bool out_of_time() const { return time_left() <= 0.0; }
 
-  /// Levenberg-Marquardt from the present values; `held` variables stay. Throws std::runtime_error
-  /// where it cannot start.
+  /// Levenberg-Marquardt from the present values; `held` variables stay. Where bounds are in the
+  /// way, the unknowns that press against theirs are held there, and released when that no longer
+  /// pays. Throws std::runtime_error where it cannot start.
   SearchEnd search(const Search& how, const std::vector<std::size_t>& held = {});
 
   /// Weighted differences of the data and of the priors, and their derivatives by the unknowns in
@@ -121,9 +123,11 @@ class FitProblem {
   void follow_ties();
   double time_left() const;
   using Priors = std::vector<std::unique_ptr<ceres::CostFunction>>;
-  Priors state(const Search& how, const std::vector<std::size_t>& held, bool bounded,
-               std::vector<double>& x, ceres::Problem& problem) const;
-  SearchEnd search_once(const Search& how, const std::vector<std::size_t>& held, bool bounded);
+  Priors state(const Search& how, const std::vector<std::size_t>& held, std::vector<double>& x,
+               ceres::Problem& problem) const;
+  SearchEnd search_once(const Search& how, const std::vector<std::size_t>& held);
+  SearchEnd search_along_bounds(const Search& how, const std::vector<std::size_t>& held,
+                                SearchEnd end);
 
   std::shared_ptr<const RigFile> rig_;
   std::unique_ptr<std::vector<Variable>> variables_;

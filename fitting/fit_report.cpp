@@ -59,9 +59,15 @@ Eigen::MatrixXd correlations_of(const Eigen::MatrixXd& covariance) {
   return result;
 }
 
+/// Searched so, or in proportion to one that is.
+bool by_logarithm(const FitProblem& problem, const Variable& v) {
+  if (!v.tie) return v.by_logarithm;
+  return v.tie->offset == 0.0 && problem.variables()[v.tie->to].by_logarithm;
+}
+
 bool at_bound(const Variable& v) {
   if (v.tie) return false;
-  const double near = 1e-6 * (std::isfinite(v.upper - v.lower) ? v.upper - v.lower : 1.0);
+  const double near = 1e-9 * v.scale;
   return v.value - v.lower <= near || v.upper - v.value <= near;
 }
 
@@ -187,10 +193,12 @@ void report_parameters(const FitProblem& problem, const FitEnd& end, Fit& fit) {
     p.value = v.value;
     p.std_error = end.inflation * std::sqrt(covariance(row, row));
     if (end.mesh_shift.size() > 0) p.mesh_shift = lines.row(row).dot(end.mesh_shift);
-    const double half = quantile * p.std_error + beyond_finer * std::abs(p.mesh_shift);
+    const double half = quantile * p.std_error;
     p.ci95 = {v.value - half, v.value + half};
-    if (v.by_logarithm)
+    if (by_logarithm(problem, v))
       p.ci95 = {v.value * std::exp(-half / v.value), v.value * std::exp(half / v.value)};
+    p.ci95[0] -= beyond_finer * std::abs(p.mesh_shift);
+    p.ci95[1] += beyond_finer * std::abs(p.mesh_shift);
     if (!v.tie) p.ci95 = {std::max(p.ci95[0], v.lower), std::min(p.ci95[1], v.upper)};
     p.initial = v.initial;
     p.lower = v.lower;
@@ -245,20 +253,27 @@ void report_restitution(const FitProblem& problem, const FitEnd& end, Fit& fit) 
     const auto place = std::ranges::find(problem.unknowns(), shot.cost->blocks()[b]);
     gradient.col(place - problem.unknowns().begin()) = by_block.col(static_cast<Eigen::Index>(b));
   }
+  const double dof = std::max(1.0, static_cast<double>(fit.goodness.dof));
+  const double quantile = boost::math::quantile(boost::math::students_t(dof), 0.975);
   const models::Restitution& r = fit.predictions.front().restitution;
+  const models::Restitution& finer = end.mesh_change;
+  const double changes[] = {finer.kinematic, finer.kinetic, finer.energetic};
   const double values[] = {r.kinematic, r.kinetic, r.energetic};
   const char* names[] = {"kinematic", "kinetic", "energetic"};
   for (Eigen::Index k = 0; k < 3; ++k) {
     const double variance =
         gradient.row(k).dot(end.spread.covariance * gradient.row(k).transpose());
-    const double half = problem.rig().solver.accuracy * std::abs(values[k]) +
-                        1.96 * end.inflation * std::sqrt(std::max(0.0, variance));
+    double half = problem.rig().solver.accuracy * std::abs(values[k]) +
+                  quantile * end.inflation * std::sqrt(std::max(0.0, variance));
+    if (end.mesh_shift.size() > 0)
+      half += beyond_finer * std::abs(changes[k] + gradient.row(k).dot(end.mesh_shift));
     fit.restitution[names[k]] = {values[k], {values[k] - half, values[k] + half}};
   }
   const double stated = problem.rig().rig.contact.restitution;
   Estimate law{stated, {stated, stated}};
   for (const Parameter& p : fit.parameters)
-    if (p.name == "contact.restitution") law = {p.value, p.ci95};
+    if (p.name == "contact.restitution" || p.name == "contact.restitution[1]")
+      law = {p.value, p.ci95};
   fit.restitution["law"] = law;
 }
 

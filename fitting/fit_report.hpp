@@ -22,6 +22,8 @@ struct FitEnd {
   Uncertainty spread;          ///< of the unknowns, in their order
   double inflation = 1.0;      ///< of all standard errors, where the residuals exceed the noise
   Eigen::VectorXd mesh_shift;  ///< of the unknowns; empty where there is none to tell
+  /// How much else a finer mesh changes the first recording's restitutions, parameters held.
+  models::Restitution mesh_change = {};
 };
 
 /// Degrees of freedom, information criteria; returns chi-square by degree of freedom. chi2 is

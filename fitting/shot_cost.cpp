@@ -384,18 +384,23 @@ std::vector<double> ShotCost::model_values(const FittedChannel& channel) const {
   return model;
 }
 
-Eigen::VectorXd ShotCost::change(const ShotModel& one, const ShotModel& other) const {
+ShotCost::Change ShotCost::change(const ShotModel& one, const ShotModel& other) const {
   const Values values = present_values();
-  Eigen::VectorXd before(residuals_), after(residuals_);
-  if (&one == &model_) {
-    differences(values, *predict(values, false), before.data());
-  } else {
-    differences(values, one.predict(rig_at(values), chains_at(values)), before.data());
-    ++simulations_;
-  }
-  differences(values, other.predict(rig_at(values), chains_at(values)), after.data());
-  ++simulations_;
-  return after - before;
+  const Prediction before =
+      &one == &model_
+          ? predict(values, false)
+          : std::make_shared<const Shown>(one.predict(rig_at(values), chains_at(values)));
+  const Shown after = other.predict(rig_at(values), chains_at(values));
+  simulations_ += &one == &model_ ? 1 : 2;
+  Eigen::VectorXd of_one(residuals_);
+  Change change{.differences = Eigen::VectorXd(residuals_), .restitution = {}};
+  differences(values, *before, of_one.data());
+  differences(values, after, change.differences.data());
+  change.differences -= of_one;
+  for (const auto which : {&models::Restitution::kinematic, &models::Restitution::kinetic,
+                           &models::Restitution::energetic})
+    change.restitution.*which = after.restitution.*which - before->restitution.*which;
+  return change;
 }
 
 double ShotCost::signal_size() const {

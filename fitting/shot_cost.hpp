@@ -61,6 +61,8 @@ class ShotCost : public ceres::CostFunction {
   /// What went wrong when Evaluate last gave up.
   const std::string& failure() const { return failure_; }
 
+  void forget_failure() { failure_.clear(); }
+
   long simulations() const { return simulations_; }
 
   /// Model values of a channel at all its samples, at the variables' present values.
@@ -69,9 +71,13 @@ class ShotCost : public ceres::CostFunction {
   /// Derivatives of restitution.{kinematic, kinetic, energetic} to each block (3, n_blocks).
   Eigen::MatrixXd restitution_gradient() const;
 
-  /// By how much the weighted differences change when `other` predicts instead of `one`
-  /// (n_residuals).
-  Eigen::VectorXd change(const ShotModel& one, const ShotModel& other) const;
+  /// What changes when another model predicts instead of one.
+  struct Change {
+    Eigen::VectorXd differences;      ///< weighted (n_residuals)
+    models::Restitution restitution;  ///< all but that of the law
+  };
+
+  Change change(const ShotModel& one, const ShotModel& other) const;
 
   /// Length of what the model shows, weighted as the differences are.
   double signal_size() const;

@@ -38,6 +38,12 @@ std::vector<std::string> default_free(const RigFile& rig) {
   return free;
 }
 
+/// Dampers, springs and gaps: without them a rig is still one.
+bool may_be_none(std::string_view name) {
+  return name.starts_with("beam.damping.") || name.starts_with("hinge.") ||
+         name == "stop.viscous" || name.ends_with(".gap");
+}
+
 Variable physics_variable(const PhysicalParameter& parameter, const RigFile& rig,
                           const std::vector<Impact>& impacts, int recording) {
   models::Rig copy = rig.rig;
@@ -51,12 +57,31 @@ Variable physics_variable(const PhysicalParameter& parameter, const RigFile& rig
     const double seen = impacts[static_cast<std::size_t>(recording)].approach_velocity;
     if (seen > 0.0) v.initial = seen;
   }
-  v.lower = parameter.upper > 0.0 ? parameter.lower : 0.05 * v.initial;
+  v.lower = parameter.upper > 0.0         ? parameter.lower
+            : may_be_none(parameter.name) ? 0.0
+                                          : 0.05 * v.initial;
   v.upper = parameter.upper > 0.0 ? parameter.upper : 20.0 * v.initial;
-  if (parameter.name == "contact.restitution")
-    v.lower = models::damping_law(rig.rig.contact.damping).text.smallest_restitution;
-  if (parameter.name == "contact.position") v.upper = rig.rig.beam.length;
+  for (int stop = 0; stop < rig.rig.stops(); ++stop) {
+    const models::Contact& contact = copy.contact_of(stop);
+    if (&contact.restitution == &parameter.of(copy))
+      v.lower = models::damping_law(contact.damping).text.smallest_restitution;
+    if (&contact.position == &parameter.of(copy)) v.upper = rig.rig.beam.length;
+  }
   return v;
+}
+
+/// Throws where the rig has not the stop that the parameter is of.
+void require_stop(const PhysicalParameter& parameter, const models::Rig& rig) {
+  models::Rig copy = rig;
+  parameter.of(copy);
+  if (copy.stop.has_value() == rig.stop.has_value() &&
+      copy.further_stops.size() == rig.further_stops.size())
+    return;
+  throw std::invalid_argument(
+      fmt::format("'{}' cannot be fitted with this rig: {}", parameter.name,
+                  copy.stop.has_value() == rig.stop.has_value()
+                      ? fmt::format("it has {} further stops", rig.further_stops.size())
+                      : std::string("its stop is rigid; state stop.mass and stop.stiffness")));
 }
 
 /// Adds what the channel shows besides the motion: offset, drift, and mains hum with its third
@@ -205,6 +230,7 @@ void add_physics(const std::vector<Impact>& impacts, const RigFile& rig, const W
   for (const std::string& name : wishes.names()) {
     const PhysicalParameter* parameter = find_physical_parameter(name);
     if (!parameter) continue;
+    require_stop(*parameter, rig.rig);
     if (wishes.shares(name, !parameter->of_shot)) {
       variables.push_back(physics_variable(*parameter, rig, impacts, -1));
       continue;
@@ -251,9 +277,14 @@ void apply(const ParameterSetting* setting, Variable& v) {
     if (setting->upper) v.upper = *setting->upper;
   }
   const bool from_rig = v.role == Variable::Role::physics || v.role == Variable::Role::chain;
+  if (from_rig && v.initial == 0.0 && v.prior && (*v.prior)[0] > 0.0) v.initial = (*v.prior)[0];
   if (from_rig && !(v.initial != 0.0 && std::isfinite(v.initial)))
     throw std::invalid_argument(
-        fmt::format("'{}' cannot be fitted with this rig: it has no value to start from", v.name));
+        fmt::format("'{}' cannot be fitted with this rig: it has no value to start from{}", v.name,
+                    v.physics ? fmt::format("; state fit.{}.initial", v.physics->name) : ""));
+  if (from_rig && v.initial < 0.0)
+    throw std::invalid_argument(
+        fmt::format("'{}' cannot begin at {:g}: it may not be below zero", v.name, v.initial));
   if (from_rig && by_itself == 0.0 && !setting->lower) v.lower = 0.0;
   if (from_rig && by_itself == 0.0 && !setting->upper) v.upper = 100.0 * v.initial;
   if (!(v.lower < v.upper))

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Searches of FitProblem where bounds are in the way: an active set [NocedalWright2006, 16.5]
+// around Levenberg-Marquardt. A bound that stops a search would pass for its end otherwise.
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "fitting/fit_problem.hpp"
+
+namespace impactrig::fitting {
+namespace {
+
+/// Cost and constraints about the present values, by the unknowns in units of their scales.
+struct LinearCost {
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd curvature;        // JᵀJ
+  Eigen::VectorXd lowest, highest;  // ways to the bounds
+};
+
+LinearCost linear_cost(const FitProblem& problem) {
+  Eigen::VectorXd residuals;
+  Eigen::MatrixXd jacobian;
+  problem.linearise(residuals, &jacobian);
+  for (Eigen::Index i = 0; i < problem.data_size(); ++i) {
+    const LossResidual loss = loss_residual(problem.loss(), residuals[i]);
+    residuals[i] = loss.value;
+    jacobian.row(i) *= loss.slope;
+  }
+  const auto n = static_cast<Eigen::Index>(problem.unknowns().size());
+  LinearCost cost;
+  cost.lowest.resize(n);
+  cost.highest.resize(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Variable& v = problem.variables()[problem.unknowns()[static_cast<std::size_t>(k)]];
+    jacobian.col(k) *= v.scale;
+    cost.lowest[k] = (v.lower - v.value) / v.scale;
+    cost.highest[k] = (v.upper - v.value) / v.scale;
+  }
+  cost.gradient = jacobian.transpose() * residuals;
+  cost.curvature = jacobian.transpose() * jacobian;
+  return cost;
+}
+
+/// Which unknowns are held, and how often each was.
+class ActiveSet {
+ public:
+  ActiveSet(const FitProblem& problem, const std::vector<std::size_t>& held)
+      : held_(problem.unknowns().size(), false),
+        times_(problem.unknowns().size(), 0) {
+    for (std::size_t k = 0; k < held_.size(); ++k)
+      fixed_.push_back(std::ranges::find(held, problem.unknowns()[k]) != held.end());
+  }
+
+  bool free(Eigen::Index k) const {
+    return !fixed_[static_cast<std::size_t>(k)] && !held_[static_cast<std::size_t>(k)];
+  }
+
+  bool at_bound(Eigen::Index k) const { return held_[static_cast<std::size_t>(k)]; }
+
+  void hold(Eigen::Index k) {
+    held_[static_cast<std::size_t>(k)] = true;
+    ++times_[static_cast<std::size_t>(k)];
+  }
+
+  /// The one whose release lowers the cost most, by more than `least`; -1: none. One that came back
+  /// twice stays.
+  Eigen::Index to_release(const LinearCost& cost, double least) const;
+
+  void release(Eigen::Index k) { held_[static_cast<std::size_t>(k)] = false; }
+
+  struct Bound {
+    Eigen::Index of = -1;  ///< none
+    bool lower = false;
+  };
+
+  /// The bound that first stops a free unknown on the way to the minimum, if that is lower by more
+  /// than `least`.
+  Bound to_hold(const LinearCost& cost, double least) const;
+
+ private:
+  std::vector<bool> fixed_, held_;
+  std::vector<int> times_;
+};
+
+Eigen::Index ActiveSet::to_release(const LinearCost& cost, double least) const {
+  Eigen::Index best = -1;
+  for (Eigen::Index k = 0; k < cost.gradient.size(); ++k) {
+    if (!at_bound(k) || times_[static_cast<std::size_t>(k)] > 2) continue;
+    const bool low = -cost.lowest[k] < cost.highest[k];
+    const bool inwards = low ? cost.gradient[k] < 0.0 : cost.gradient[k] > 0.0;
+    const double gain = 0.5 * std::pow(cost.gradient[k], 2) / cost.curvature(k, k);
+    if (!inwards || !(gain > least)) continue;
+    least = gain;
+    best = k;
+  }
+  return best;
+}
+
+ActiveSet::Bound ActiveSet::to_hold(const LinearCost& cost, double least) const {
+  std::vector<Eigen::Index> moving;
+  for (Eigen::Index k = 0; k < cost.gradient.size(); ++k)
+    if (free(k) && cost.curvature(k, k) > 0.0) moving.push_back(k);
+  if (moving.empty()) return {};
+  const Eigen::VectorXd size = cost.curvature.diagonal()(moving).cwiseSqrt();
+  const Eigen::MatrixXd curvature = size.cwiseInverse().asDiagonal() *
+                                    cost.curvature(moving, moving) *
+                                    size.cwiseInverse().asDiagonal();
+  const Eigen::VectorXd downhill = -size.cwiseInverse().cwiseProduct(cost.gradient(moving));
+  const Eigen::VectorXd scaled = curvature.ldlt().solve(downhill);
+  if (!scaled.allFinite() || !(0.5 * scaled.dot(downhill) > least)) return {};
+  Bound first;
+  double part = 1.0;  // of the way
+  for (std::size_t m = 0; m < moving.size(); ++m) {
+    const auto row = static_cast<Eigen::Index>(m);
+    const double way = scaled[row] / size[row];
+    const double room = way < 0.0 ? cost.lowest[moving[m]] : cost.highest[moving[m]];
+    if (way == 0.0 || !(room / way < part)) continue;
+    part = room / way;
+    first = {moving[m], way < 0.0};
+  }
+  return first;
+}
+
+}  // namespace
+
+SearchEnd FitProblem::search(const Search& how, const std::vector<std::size_t>& held) {
+  const SearchEnd end = search_once(how, held);
+  if (!end.started) throw std::runtime_error("the fit could not start: " + end.message);
+  return end.strayed ? search_along_bounds(how, held, end) : end;
+}
+
+SearchEnd FitProblem::search_along_bounds(const Search& how, const std::vector<std::size_t>& held,
+                                          SearchEnd end) {
+  ActiveSet active(*this, held);
+  const auto most = 6 * unknowns_.size();
+  for (std::size_t round = 0; round < most; ++round) {
+    if (out_of_time()) break;
+    const LinearCost cost = linear_cost(*this);
+    const double least = how.tolerance * end.cost;
+    const Eigen::Index release = active.to_release(cost, least);
+    const ActiveSet::Bound hold = release >= 0 ? ActiveSet::Bound{} : active.to_hold(cost, least);
+    if (release < 0 && hold.of < 0) return end;
+    if (release >= 0) active.release(release);
+    if (hold.of >= 0) {
+      active.hold(hold.of);
+      const std::size_t number = unknowns_[static_cast<std::size_t>(hold.of)];
+      std::vector<double> there = values();
+      there[number] = hold.lower ? (*variables_)[number].lower : (*variables_)[number].upper;
+      set_values(there);
+    }
+    std::vector<std::size_t> all = held;
+    for (std::size_t k = 0; k < unknowns_.size(); ++k)
+      if (active.at_bound(static_cast<Eigen::Index>(k))) all.push_back(unknowns_[k]);
+    const int before = end.iterations;
+    end = search_once(how, all);
+    end.iterations += before;
+    if (!end.started) throw std::runtime_error("the fit could not start: " + end.message);
+  }
+  end.converged = false;
+  end.message = "bounds that take turns";
+  return end;
+}
+
+}  // namespace impactrig::fitting
