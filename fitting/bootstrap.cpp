@@ -123,8 +123,8 @@ class Refit {
   const std::vector<std::vector<Remainder>>& remainders_;
 };
 
-/// At place (n + 1) p: between the k-th draw from below and from above lies a further one with
-/// probability 1 − 2k / (n + 1), however few there are. Source: [HyndmanFan1996], definition 6.
+/// At place (n + 1) p, as if the draws parted where a further one falls into equal probabilities.
+/// Source: [HyndmanFan1996], definition 6.
 double quantile_of(const std::vector<double>& sorted, double p) {
   const double n = static_cast<double>(sorted.size());
   const double place = std::clamp(p * (n + 1.0) - 1.0, 0.0, n - 1.0);
@@ -142,10 +142,12 @@ Bootstrap::Parameter summary(const Variable& v, std::vector<double> draws) {
   for (const double value : draws) squares += (value - mean) * (value - mean);
   result.bias = mean - v.value;
   result.std_error = std::sqrt(squares / (n - 1.0));
+  if (static_cast<int>(draws.size()) < Bootstrap::fewest_for_interval) return result;
   std::ranges::sort(draws);
   const double low = quantile_of(draws, 0.025), high = quantile_of(draws, 0.975);
   result.ci95 = {2.0 * v.value - high, 2.0 * v.value - low};
   if (v.by_logarithm) result.ci95 = {v.value * v.value / high, v.value * v.value / low};
+  result.ci95 = {std::max(result.ci95[0], v.lower), std::min(result.ci95[1], v.upper)};
   return result;
 }
 

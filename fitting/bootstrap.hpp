@@ -21,12 +21,17 @@ struct BootstrapOptions {
 
 /// What refits of drawn data say of the variables.
 struct Bootstrap {
+  /// Draws that a 95 % interval takes at least: with fewer a further one lies beyond all of them in
+  /// more than 5 %.
+  static constexpr int fewest_for_interval = 39;
+
   struct Parameter {
     std::string name;
-    double bias = 0.0;                    ///< mean of the draws less the best fit [SI]
-    double std_error = 0.0;               ///< standard deviation of the draws [SI]
-    std::array<double, 2> ci95 = {0, 0};  ///< basic: 2 · best fit − quantiles of the draws
-    std::vector<double> draws = {};       ///< in their order [SI] (n_draws - failed)
+    double bias = 0.0;       ///< mean of the draws less the best fit [SI]
+    double std_error = 0.0;  ///< standard deviation of the draws [SI]
+    /// Basic: 2 · best fit − quantiles of the draws, within bounds; 0 to 0 with too few draws.
+    std::array<double, 2> ci95 = {0, 0};
+    std::vector<double> draws = {};  ///< in their order [SI] (n_draws - failed)
   };
 
   BootstrapKind kind = BootstrapKind::parametric;

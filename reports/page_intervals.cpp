@@ -47,7 +47,8 @@ std::string html_kinds(const fitting::Fit& fit) {
     if (fit.bootstrap)
       for (const fitting::Bootstrap::Parameter& other : fit.bootstrap->parameters)
         if (other.name == p.name) {
-          bootstrap = interval_text(other.ci95, other.std_error, unit);
+          if (has_interval(other.ci95))
+            bootstrap = interval_text(other.ci95, other.std_error, unit);
           bias = significant(other.bias / other.std_error, 2);
         }
     rows += fmt::format(

@@ -8,6 +8,7 @@
 
 #include "reports/diagnosis.hpp"
 #include "reports/direct_wording.hpp"
+#include "reports/wording.hpp"
 
 namespace impactrig::reports {
 namespace {
@@ -66,9 +67,12 @@ std::string intervals_text(const fitting::Fit& fit) {
       fmt::format("\n95 % by bootstrap ({}, {} refits, {:.2f} s)\n",
                   fitting::name(fit.bootstrap->kind), fit.bootstrap->draws, fit.bootstrap->seconds);
   for (const fitting::Bootstrap::Parameter& p : fit.bootstrap->parameters)
-    text += fmt::format("  {:<31} {} to {}   (standard error {:.2g}, bias {:.2g} of it)\n", p.name,
-                        to_error(p.ci95[0], p.std_error), to_error(p.ci95[1], p.std_error),
-                        p.std_error, p.bias / p.std_error);
+    text +=
+        fmt::format("  {:<31} {}   (standard error {:.2g}, bias {:.2g} of it)\n", p.name,
+                    has_interval(p.ci95) ? fmt::format("{} to {}", to_error(p.ci95[0], p.std_error),
+                                                       to_error(p.ci95[1], p.std_error))
+                                         : std::string("–"),
+                    p.std_error, p.bias / p.std_error);
   return text;
 }
 
