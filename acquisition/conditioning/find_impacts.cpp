@@ -79,6 +79,43 @@ RecordedSignal source_of(const Channel& channel, const std::string& file) {
   return source;
 }
 
+/// How far a parabola goes up and down over n samples.
+double range_of(const QuietFit& course, std::size_t n) {
+  const double last = as_double(n - 1);
+  const auto [least, most] = std::minmax({course.at(0.0), course.at(last), course.at(0.5 * last),
+                                          course.at(0.25 * last), course.at(0.75 * last)});
+  return most - least;
+}
+
+/// A record that leans further than a contact's foot is high, by drift or by a part of a period of
+/// hum, begins off its level: pulses beside the parabola that most of it follows, of which the
+/// first has to stand out of that. None where that is not so.
+std::vector<Contact> find_pulses_beside_course(const RecordedSignal& trigger,
+                                               const DetectionOptions& options) {
+  constexpr double stands_out = 2.0, leans = 6.0;
+  const std::size_t n = trigger.trace.values.size();
+  if (n < 32) return {};
+  const QuietFit course = fit_quiet(trigger.trace.values, 0, n, 2, trigger.quantum);
+  const double range = range_of(course, n);
+  if (!(range > leans * course.sigma)) return {};
+  Trace level = trigger.trace;
+  for (std::size_t i = 0; i < n; ++i) level.values[i] -= course.at(as_double(i));
+  std::vector<Contact> contacts = find_pulses(level, options);
+  if (contacts.empty() || contacts.front().begins_inside ||
+      std::abs(contacts.front().peak) < stands_out * range)
+    return {};
+  for (Contact& contact : contacts) contact.baseline += course.at(contact.onset);
+  return contacts;
+}
+
+std::vector<Contact> find_contacts(const RecordedSignal& trigger, const DetectionOptions& options) {
+  if (trigger.trace.quantity == Quantity::velocity) return find_jumps(trigger.trace, options);
+  std::vector<Contact> contacts = find_pulses(trigger.trace, options);
+  if (!contacts.empty() && !contacts.front().begins_inside) return contacts;
+  std::vector<Contact> beside = find_pulses_beside_course(trigger, options);
+  return beside.empty() ? contacts : beside;
+}
+
 /// The part of a record that belongs to one impact [s].
 struct Window {
   double begin, end;
@@ -214,9 +251,7 @@ std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& o
   const std::string& file = record.provenance.source_file;
   const Channel& chosen = trigger_channel(record, options);
   const RecordedSignal trigger = source_of(chosen, file);
-  const std::vector<Contact> contacts = trigger.trace.quantity == Quantity::velocity
-                                            ? find_jumps(trigger.trace, options)
-                                            : find_pulses(trigger.trace, options);
+  const std::vector<Contact> contacts = find_contacts(trigger, options);
   if (contacts.empty()) return {};
 
   std::vector<RecordedSignal> others;

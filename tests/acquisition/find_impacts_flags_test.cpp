@@ -322,6 +322,27 @@ TEST(UnsteadyFlag, FiresOnDriftHumAndEarlierRinging) {
     }
 }
 
+// A record that leans by 40 % of the peak, or has a fifth of a period of strong hum in it: the
+// contact is none the less where it is.
+TEST(UnsteadyFlag, IsOfARecordThatLeansToo) {
+  for (const bool drifts : {true, false})
+    for (const double sign : {1.0, -1.0})
+      for (int phase = 0; phase < 8; ++phase) {
+        if (drifts && phase > 0) continue;
+        SCOPED_TRACE(testing::Message() << drifts << sign << " " << phase);
+        auto force = sampled(Sampling{}, [&](double t) {
+          const double hum = 0.2 * 1500.0 * std::sin(2.0 * pi * (50.0 * t + phase / 8.0));
+          return pulse(t) + (drifts ? sign * 150e3 * t : sign * hum);
+        });
+        add_noise(force, 3.0, 5);
+        const Impact impact = impact_in(force);
+        EXPECT_FALSE(impact.has(ImpactFlag::missed_start));
+        EXPECT_FALSE(impact.has(ImpactFlag::inverted));
+        EXPECT_NEAR(impact.start, 0.0, 10e-6);
+        EXPECT_NEAR(impact.peak / 1500.0, 1.0, 0.2);  // as high as the hum
+      }
+}
+
 TEST(UnsteadyFlag, IsSilentOnNoise) {
   for (const double noise : {1.0, 20.0, 60.0})
     for (int seed = 1; seed <= 40; ++seed) {
