@@ -8,6 +8,7 @@
 #include "app/program.hpp"
 #include "datasets/input_error.hpp"
 #include "datasets/record.hpp"
+#include "fitting/solver_options.hpp"
 
 namespace impactrig::app {
 namespace {
@@ -95,6 +96,7 @@ std::vector<std::pair<std::string, std::string>> split_overrides(
 }  // namespace impactrig::app
 
 int main(int argc, char** argv) {
+  impactrig::fitting::silence_solver();
   using namespace impactrig::app;
   set_command_line(argc, argv);
   CLI::App program{

@@ -34,6 +34,7 @@ struct Parameter {
   double lower = 0.0, upper = 0.0;  ///< bounds
   bool at_bound = false;
   bool identifiable = true;
+  bool by_logarithm = false;  ///< searched, and its interval made, by its logarithm
   /// What a mesh twice as fine would add to the value, to first order; ci95 is widened by it.
   double mesh_shift = 0.0;
   bool nuisance = false;  ///< of the measuring chain or the timing, not of the physics

@@ -195,7 +195,8 @@ void report_parameters(const FitProblem& problem, const FitEnd& end, Fit& fit) {
     if (end.mesh_shift.size() > 0) p.mesh_shift = lines.row(row).dot(end.mesh_shift);
     const double half = quantile * p.std_error;
     p.ci95 = {v.value - half, v.value + half};
-    if (by_logarithm(problem, v))
+    p.by_logarithm = by_logarithm(problem, v);
+    if (p.by_logarithm)
       p.ci95 = {v.value * std::exp(-half / v.value), v.value * std::exp(half / v.value)};
     p.ci95[0] -= beyond_finer * std::abs(p.mesh_shift);
     p.ci95[1] += beyond_finer * std::abs(p.mesh_shift);

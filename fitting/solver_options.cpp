@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fitting/solver_options.hpp"
 
+#include <glog/logging.h>
+
 namespace impactrig::fitting {
 namespace {
 
@@ -20,6 +22,10 @@ ceres::Solver::Options solver_options(const Search& search) {
   options.gradient_tolerance = 1e-14;
   options.logging_type = ceres::SILENT;
   return options;
+}
+
+void silence_solver() {
+  FLAGS_minloglevel = google::GLOG_FATAL;
 }
 
 }  // namespace impactrig::fitting

@@ -28,4 +28,8 @@ inline constexpr Search last_search = {};
 /// which square the condition number, are never formed. Silent.
 ceres::Solver::Options solver_options(const Search& search);
 
+/// From now on nothing that Ceres logs of steps that fail reaches stderr: they are a search's own
+/// business. For programs; of the whole process.
+void silence_solver();
+
 }  // namespace impactrig::fitting

@@ -173,15 +173,22 @@ CampaignShot campaign_shot(const ReportData& data) {
 
 void summarise(Campaign& campaign) {
   campaign.quantities.clear();
-  const auto done = [&](const std::string& name) {
-    return std::any_of(campaign.quantities.begin(), campaign.quantities.end(),
-                       [&](const CampaignQuantity& q) { return q.name == name; });
-  };
+  campaign.not_compared.clear();
+  std::vector<std::string> done;
   for (const CampaignShot& shot : campaign.shots)
     for (const ShotNumber& number : shot.numbers) {
-      if (!number.compared || done(number.name)) continue;
-      if (CampaignQuantity quantity = quantity_of(campaign, number); quantity.shots.size() > 1)
+      if (!number.compared || std::ranges::find(done, number.name) != done.end()) continue;
+      done.push_back(number.name);
+      CampaignQuantity quantity = quantity_of(campaign, number);
+      const std::size_t shots = quantity.shots.size();
+      if (shots > 1)
         campaign.quantities.push_back(std::move(quantity));
+      else if (campaign.shots.size() > 1)
+        campaign.not_compared.push_back(
+            fmt::format("{} is not compared: of {} shots {} tells it with a standard error; the "
+                        "others ended at "
+                        "a bound, or their fits give no verdict.",
+                        number.name, campaign.shots.size(), shots == 0 ? "none" : "one"));
     }
 }
 

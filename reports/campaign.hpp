@@ -76,13 +76,15 @@ struct Campaign {
   std::vector<CampaignFailure> failed;
   std::vector<CampaignFailure> left_out;     ///< named, but not to be counted
   std::vector<CampaignQuantity> quantities;  ///< of summarise()
+  /// Of summarise(): a sentence for every parameter that too few shots tell to be compared.
+  std::vector<std::string> not_compared;
   ResultProvenance provenance;
 };
 
 /// The row of a fit of one recording.
 CampaignShot campaign_shot(const ReportData& data);
 
-/// Fills `quantities`: random effects and trend of every number that at least two shots have.
+/// Fills `quantities` and `not_compared`: random effects and trend of every number that at least two shots have.
 /// Impacts that are not whole or not plausible, parameters of fits that did not converge, and
 /// values at a bound or without a standard error do not count.
 void summarise(Campaign& campaign);

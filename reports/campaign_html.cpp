@@ -70,10 +70,12 @@ std::string html_quantity(const Campaign& campaign, const CampaignQuantity& quan
 }
 
 std::string html_between(const Campaign& campaign) {
+  std::string out;
+  for (const std::string& sentence : campaign.not_compared)
+    out += "<p>" + escaped(sentence) + "</p>\n";
   if (campaign.quantities.empty())
     return html_section("between", "Between shots",
-                        "<p>At least two shots with a standard error are needed.</p>\n");
-  std::string out;
+                        out + "<p>At least two shots with a standard error are needed.</p>\n");
   for (const CampaignQuantity& quantity : campaign.quantities)
     out += html_quantity(campaign, quantity);
   return html_section(

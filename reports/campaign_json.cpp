@@ -94,6 +94,7 @@ std::string to_json(const Campaign& campaign) {
   json["quantities"] = Json::array();
   for (const CampaignQuantity& quantity : campaign.quantities)
     json["quantities"].push_back(quantity_json(campaign, quantity));
+  json["not_compared"] = campaign.not_compared;
   json["shots"] = Json::array();
   for (const CampaignShot& shot : campaign.shots) json["shots"].push_back(shot_json(shot));
   json["failed"] = failures_json(campaign.failed);

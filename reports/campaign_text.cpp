@@ -17,6 +17,7 @@ std::string to_text(const Campaign& campaign) {
       out += "  Stands out: " + names + ".\n";
     if (!quantity.trend_sentence.empty()) out += "  " + quantity.trend_sentence + "\n";
   }
+  for (const std::string& sentence : campaign.not_compared) out += sentence + "\n";
   for (const CampaignShot& shot : campaign.shots)
     if (word(shot) == "fail")
       out += fmt::format("fail: {}: {}\n", shot.file, shot.verdict.headline);

@@ -28,6 +28,7 @@ Json parameter_json(const fitting::Parameter& parameter) {
           {"prior", parameter.prior ? pair_json(*parameter.prior) : Json(nullptr)},
           {"nuisance", parameter.nuisance},
           {"identifiable", parameter.identifiable},
+          {"scale", parameter.by_logarithm ? "log" : "linear"},
           {"tied_to", parameter.tied_to.empty() ? Json(nullptr) : Json(parameter.tied_to)}};
 }
 
@@ -46,6 +47,7 @@ fitting::Parameter parameter_from(const JsonReader& json) {
   if (json.has("mesh_shift")) parameter.mesh_shift = json["mesh_shift"].number();
   parameter.identifiable = json["identifiable"].boolean();
   parameter.nuisance = json["nuisance"].boolean();
+  if (json.has("scale")) parameter.by_logarithm = json["scale"].text() == "log";
   if (json.has("tied_to")) parameter.tied_to = json["tied_to"].text();
   if (json.has("prior")) parameter.prior = json["prior"].pair();
   return parameter;

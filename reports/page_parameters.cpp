@@ -26,6 +26,7 @@ std::string remark(const fitting::Parameter& parameter, const DisplayUnit& shown
   if (!parameter.identifiable) return "these data cannot tell";
   if (!(parameter.std_error > 0.0) || !std::isfinite(parameter.std_error))
     return "uncertainty could not be estimated";
+  if (parameter.by_logarithm) return "by its logarithm: the interval goes by a factor";
   return "";
 }
 

@@ -116,6 +116,9 @@ TEST(Campaign, LeavesOutWhatHasNoVerdictOrNoStandardError) {
   campaign.shots[3].numbers[0].std_error = 0.0;
   reports::summarise(campaign);
   EXPECT_TRUE(campaign.quantities.empty());
+  EXPECT_THAT(reports::to_text(campaign),
+              HasSubstr("contact.restitution is not compared: of 4 shots one tells it"));
+  EXPECT_THAT(reports::to_json(campaign), HasSubstr("\"not_compared\""));
 }
 
 TEST(Campaign, FlagsTurnAPassIntoAWarning) {

@@ -322,6 +322,7 @@ TEST(FitJson, KeepsProfilesBootstrapAndTies) {
   reports::ReportData data = tests::example_report();
   const std::string name = data.fit.parameters[0].name;
   data.fit.parameters[1].tied_to = name;
+  data.fit.parameters[0].by_logarithm = true;
   data.fit.profiles = {{.name = name,
                         .unit = "1",
                         .value = {0.48, 0.5, 0.512, 0.53},
@@ -342,6 +343,8 @@ TEST(FitJson, KeepsProfilesBootstrapAndTies) {
   const std::string stored = reports::to_json(data);
   const reports::ReportData again = reports::report_from_json(stored, "fit.json");
   EXPECT_EQ(again.fit.parameters[1].tied_to, name);
+  EXPECT_TRUE(again.fit.parameters[0].by_logarithm);
+  EXPECT_FALSE(again.fit.parameters[1].by_logarithm);
   ASSERT_EQ(again.fit.profiles.size(), 1U);
   EXPECT_EQ(again.fit.profiles[0].delta_chi2, data.fit.profiles[0].delta_chi2);
   EXPECT_EQ(again.fit.profiles[0].lower, std::optional(0.49));
