@@ -10,16 +10,24 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr int most_moments = ModesOverStep::most_terms + 3;
 // Of |z|: below, three terms of the power series of i_n are as good as all.
 constexpr double small = 1e-3;
-// Of the phase with damping over h: below, two exponentials would differ by little more than
-// rounding, and two terms of the sine's power series are as good as all.
-constexpr double critical_phase = 1e-3;
+// Of the phase with damping over h: below, two exponentials would differ by little, and powers of
+// time up to this of the sine and the cosine are as good as all.
+constexpr double critical_phase = 0.05;
+constexpr std::size_t powers = 7;
+constexpr std::size_t most_moments = ModesOverStep::most_terms + powers;
 
 /// How many moments are above rounding.
 int moments_needed(double size) {
   return static_cast<int>(size + 16.0 + 6.0 * std::cbrt(size));
+}
+
+/// e^z − 1.
+Complex less_one(Complex z) {
+  const double half_sine = std::sin(0.5 * z.imag());
+  return {std::expm1(z.real()) * std::cos(z.imag()) - 2.0 * half_sine * half_sine,
+          std::exp(z.real()) * std::sin(z.imag())};
 }
 
 /// zⁿ / (2n + 1)!! (1 + z² / (2 (2n + 3)) + ...), times e^z.
@@ -68,11 +76,10 @@ void exponential_moments(Complex exponent, std::span<Complex> moments) {
     here = below;
   }
   // e^z i_0 and e^z i_1 in closed form; the larger of the two has lost nothing
-  const Complex whole = std::exp(exponent);
-  const Complex zeroth = 0.5 * inverse * (whole - 1.0);
+  const Complex zeroth = 0.5 * inverse * less_one(exponent);
   const Complex scale = std::norm(first) >= std::norm(second)
                             ? zeroth / first
-                            : inverse * (0.5 * (whole + 1.0) - zeroth) / second;
+                            : inverse * (0.5 * (std::exp(exponent) + 1.0) - zeroth) / second;
   for (int n = 0; n < std::min(count, from + 1); ++n) moments[static_cast<std::size_t>(n)] *= scale;
 }
 
@@ -100,25 +107,34 @@ ModeKernel::Value ModeKernel::at(double t) const {
   return {(late - early) / (2.0 * spread), (fast * early - slow * late) / (2.0 * spread)};
 }
 
+/// g = t e^{−dt/2} (1 − q t² / 3! + ...), ġ = e^{−dt/2} (1 − q t² / 2! + ...) − d g / 2, q the
+/// square.
+void ModeKernel::near_critical(double h, std::span<double> answer, std::span<double> rate) const {
+  const std::size_t count = answer.size();
+  std::array<Complex, most_moments> late;
+  exponential_moments(-half_damping_ * h, std::span(late).first(count + powers));
+  std::array<double, most_moments> moments;
+  for (std::size_t n = 0; n < count + powers; ++n) moments[n] = late[n].real();
+  std::ranges::fill(answer, 0.0);
+  std::ranges::fill(rate, 0.0);
+  double factor = 1.0;  // of the power of τ
+  for (std::size_t power = 0; power <= powers; ++power) {
+    const bool even = power % 2 == 0;
+    if (power > 0) {
+      multiply_by_time(std::span(moments).first(count + powers + 1 - power));
+      factor *= (even ? -square_ * h : h) / static_cast<double>(power);
+    }
+    for (std::size_t n = 0; n < count; ++n) (even ? rate[n] : answer[n]) += factor * moments[n];
+  }
+  for (std::size_t n = 0; n < count; ++n) rate[n] -= half_damping_ * answer[n];
+}
+
 void ModeKernel::moments(double h, std::span<double> answer, std::span<double> rate) const {
   const std::size_t count = std::min(answer.size(), rate.size());
   const double spread = std::sqrt(std::abs(square_));
   std::array<Complex, most_moments> late;
   if (spread * h < critical_phase) {
-    // g = t e^{−dt/2} (1 − q t² / 6), ġ = e^{−dt/2} (1 − q t² / 2) − d g / 2, q the square
-    exponential_moments(-half_damping_ * h, std::span(late).first(count + 3));
-    std::array<double, most_moments> moments;
-    for (std::size_t n = 0; n < count + 3; ++n) moments[n] = late[n].real();
-    for (std::size_t n = 0; n < count; ++n) rate[n] = moments[n];
-    multiply_by_time(std::span(moments).first(count + 3));
-    for (std::size_t n = 0; n < count; ++n) answer[n] = h * moments[n];
-    multiply_by_time(std::span(moments).first(count + 2));
-    for (std::size_t n = 0; n < count; ++n) rate[n] -= 0.5 * square_ * h * h * moments[n];
-    multiply_by_time(std::span(moments).first(count + 1));
-    for (std::size_t n = 0; n < count; ++n) {
-      answer[n] -= square_ * h * h * h / 6.0 * moments[n];
-      rate[n] -= half_damping_ * answer[n];
-    }
+    near_critical(h, answer.first(count), rate.first(count));
     return;
   }
   if (square_ > 0.0) {

@@ -33,6 +33,8 @@ class ModeKernel {
   void moments(double h, std::span<double> answer, std::span<double> rate) const;
 
  private:
+  void near_critical(double h, std::span<double> answer, std::span<double> rate) const;
+
   double omega_, half_damping_;
   double square_;  // of the frequency with damping, < 0 where the mode creeps [1/s²]
 };
