@@ -319,7 +319,8 @@ void FitProblem::take_small_slopes() {
 
 void FitProblem::limit_time(double seconds) {
   deadline_.reset();
-  if (std::isfinite(seconds))
+  constexpr double endless = 1e9;  // [s]
+  if (seconds < endless)
     deadline_ = std::chrono::steady_clock::now() +
                 std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                     std::chrono::duration<double>(seconds));

@@ -99,33 +99,40 @@ std::string text_of(const Combination& c) {
 }
 
 std::string error_text(double relative) {
-  return std::isfinite(relative) ? fmt::format("to {:.2g} %", 100.0 * relative) : "not at all";
+  return relative < 1.0 ? fmt::format("to {:.2g} %", 100.0 * relative) : "not at all";
 }
 
 /// Names of the worst known combination and three ways out of it.
-std::string remedy_for(const Identifiability& found) {
+std::string remedy_for(const FitProblem& problem, const Identifiability& found) {
   const Combination& worst = found.combinations.front();
   const Combination& best = found.combinations.back();
   if (worst.exponents.size() < 2 || !(worst.relative_error > hardly_known) ||
       worst.relative_error < far_worse * best.relative_error)
     return "";
   std::string names;
-  bool of_contact = false;
+  bool of_contact = false, linear = false, factor = false;
   for (const auto& [name, exponent] : worst.exponents) {
     names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
     of_contact = of_contact || (name.starts_with("contact.") && name != "contact.restitution");
+    factor = factor || name == "contact.stiffness_factor";
+    for (const Variable& v : problem.variables())
+      linear = linear || (v.name == name && !v.by_logarithm);
   }
   std::string text = fmt::format(
       "The data know {} {}, though {} {}. Fix one of {} (--fix), give one a prior "
-      "(--prior NAME=VALUE+-UNCERTAINTY), search them by their logarithms (--log NAMES), in which "
-      "a product is a straight line",
+      "(--prior NAME=VALUE+-UNCERTAINTY)",
       text_of(worst), error_text(worst.relative_error), text_of(best),
       error_text(best.relative_error), names);
+  if (linear)
+    text +=
+        ", search them by their logarithms (--log NAMES), in which a product is a straight line";
   if (of_contact && found.contact.force > 0.0)
     text += fmt::format(
-        ", or free contact.stiffness_factor in their place: what one impact tells of the contact "
-        "is "
-        "its stiffness at the peak, {:.4g} N/m at {:.4g} N, known {}",
+        ", or free {}: what one impact tells of the contact is its stiffness at the peak, {:.4g} "
+        "N/m "
+        "at {:.4g} N, known {}",
+        factor ? "contact.stiffness_factor alone of them"
+               : "contact.stiffness_factor in their place",
         found.contact.stiffness, found.contact.force, error_text(found.contact.relative_error));
   return text + ".";
 }
@@ -164,7 +171,7 @@ Identifiability identifiability(const FitProblem& problem, const Eigen::MatrixXd
   }
   if (peak_force > 0.0)
     result.contact = contact_stiffness(problem, physics, svd.matrixV(), errors, peak_force);
-  result.remedy = remedy_for(result);
+  result.remedy = remedy_for(problem, result);
   return result;
 }
 

@@ -640,7 +640,10 @@ bool CollocationRun::leap() {
   bar_.fly(time);
   for (ContactPoint& point : points_) point.drop_series();
   t_ += time;
-  if (time >= left) tried_.end = End::run;
+  if (time >= left) {
+    tried_.end = End::run;
+    result_.termination = "the duration asked for was reached";
+  }
   return true;
 }
 

@@ -46,6 +46,18 @@ TEST(Simulate, MissesNoContactByEndingEarly) {
   }
 }
 
+TEST(Simulate, SaysThatItEndedInAFlightTakenAtOnce) {
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  Solver solver = rigid(1e-9);
+  solver.duration = 0.2;
+  SimulationOptions options;
+  options.motion = Motion::small;
+  const Simulation run = simulate(rig, solver, options);
+  ASSERT_EQ(std::ranges::count(run.taken, Simplification::flight_at_once), 1);
+  EXPECT_EQ(run.termination, "the duration asked for was reached");
+}
+
 TEST(Simulate, StopsAtTheDurationAskedForAndSaysWhenThatIsInContact) {
   Solver solver = rigid(1e-9);
   solver.duration = 1e-4;
