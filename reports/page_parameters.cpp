@@ -22,12 +22,16 @@ std::string remark(const fitting::Parameter& parameter, const DisplayUnit& shown
                                                   (shown.text.empty() ? "" : " " + shown.text)
                                             : "");
   }
-  if (!parameter.tied_to.empty()) return "tied to " + parameter.tied_to;
   if (!parameter.identifiable) return "these data cannot tell";
   if (!(parameter.std_error > 0.0) || !std::isfinite(parameter.std_error))
     return "uncertainty could not be estimated";
-  if (parameter.by_logarithm) return "by its logarithm: the interval goes by a factor";
   return "";
+}
+
+/// How the number came about, where not by itself.
+std::string note_of(const fitting::Parameter& parameter) {
+  if (!parameter.tied_to.empty()) return "tied to " + parameter.tied_to;
+  return parameter.by_logarithm ? "by its logarithm: the interval goes by a factor" : "";
 }
 
 std::string prior_text(const fitting::Parameter& parameter, const DisplayUnit& shown) {
@@ -43,7 +47,7 @@ std::string html_row(const fitting::Parameter& parameter) {
                           : std::abs(parameter.value);
   const DisplayUnit shown = display_unit(size, parameter.unit);
   const std::string label = parameter_label(parameter.name);
-  const std::string note = remark(parameter, shown);
+  const std::string warning = remark(parameter, shown);
   const std::string head = label.empty()
                                ? html_code(parameter.name)
                                : escaped(label) + "<span>" + html_code(parameter.name) + "</span>";
@@ -51,12 +55,13 @@ std::string html_row(const fitting::Parameter& parameter) {
       "<tr{}><th scope=\"row\">{}</th><td class=\"n v\">{}</td><td class=\"e\">{}</td>"
       "<td class=\"u\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
       "<td class=\"r\">{}</td></tr>\n",
-      note.empty() ? "" : " class=\"flagged\"", head, value.value,
+      warning.empty() ? "" : " class=\"flagged\"", head, value.value,
       value.error.empty() ? "" : "± " + value.error, escaped(value.unit),
       has_interval(parameter.ci95) ? interval_text(parameter.ci95, parameter.std_error, shown)
                                    : "–",
       to_precision_of(parameter.initial, parameter.std_error, shown), prior_text(parameter, shown),
-      note.empty() ? "" : "<span class=\"flag\">" + escaped(note) + "</span>");
+      warning.empty() ? escaped(note_of(parameter))
+                      : "<span class=\"flag\">" + escaped(warning) + "</span>");
 }
 
 std::string html_table(const fitting::Fit& fit) {
