@@ -19,13 +19,13 @@ constexpr std::uint64_t numbers_at_once = 32768;
 constexpr std::uint64_t window_bytes = std::uint64_t{1} << 18;
 
 template <typename Value>
-constexpr NumberKind own_kind = NumberKind::f64;
+inline constexpr NumberKind own_kind = NumberKind::f64;
 template <>
-constexpr NumberKind own_kind<float> = NumberKind::f32;
+inline constexpr NumberKind own_kind<float> = NumberKind::f32;
 template <>
-constexpr NumberKind own_kind<std::int16_t> = NumberKind::i16;
+inline constexpr NumberKind own_kind<std::int16_t> = NumberKind::i16;
 template <>
-constexpr NumberKind own_kind<std::int32_t> = NumberKind::i32;
+inline constexpr NumberKind own_kind<std::int32_t> = NumberKind::i32;
 
 /// A piece of a file in memory, which channels that lie interleaved look at one after another.
 class FileWindow {
