@@ -8,6 +8,7 @@
 #include "acquisition/conditioning/steps.hpp"
 #include "acquisition/exporter.hpp"
 #include "acquisition/importer.hpp"
+#include "acquisition/recording_spool.hpp"
 #include "app/channel_map_file.hpp"
 #include "app/files.hpp"
 #include "app/import_options.hpp"
@@ -30,7 +31,7 @@ struct Options {
   CommonOptions common;
 };
 
-/// Recordings of up to so many samples are held in memory, which HDF5 then compresses.
+/// Recordings of up to so many samples are held in memory, where HDF5 compresses them.
 constexpr std::uint64_t most_held = std::uint64_t{1} << 20;
 
 /// Conditioning keeps a few copies of a channel.
@@ -95,47 +96,86 @@ void join(datasets::Record&& next, datasets::Record& record) {
   for (std::string& warning : next.warnings) record.warnings.push_back(std::move(warning));
 }
 
-/// The next recording's samples on their way to a file.
-class ToFile final : public acquisition::SampleSink {
+/// One of several recordings' samples on their way to where all go.
+class Onward final : public acquisition::SampleSink {
  public:
-  ToFile(datasets::RecordWriter& writer, Progress& progress, std::size_t first_channel)
-      : writer_(writer),
+  Onward(acquisition::SampleSink& next, Progress& progress, std::size_t first_channel)
+      : next_(next),
         progress_(progress),
         first_(first_channel) {}
 
   void take(std::size_t channel, const acquisition::SampleBlock& block) override {
-    writer_.append(first_ + channel, block.raw, block.imaginary, block.valid);
+    next_.take(first_ + channel, block);
     progress_.add(block.size());
   }
 
   void take_times(std::size_t channel, std::span<const double> times) override {
-    writer_.append_times(first_ + channel, times);
+    next_.take_times(first_ + channel, times);
   }
 
  private:
-  datasets::RecordWriter& writer_;
+  acquisition::SampleSink& next_;
   Progress& progress_;
   std::size_t first_;
 };
 
-/// Samples go from the files to ours block by block.
-datasets::Record import_by_blocks(const Options& options, std::vector<Input>& inputs) {
+/// Samples on their way to our HDF5.
+class ToHdf5 final : public acquisition::SampleSink {
+ public:
+  explicit ToHdf5(datasets::RecordWriter& writer) : writer_(writer) {}
+
+  void take(std::size_t channel, const acquisition::SampleBlock& block) override {
+    writer_.append(channel, block.raw, block.imaginary, block.valid);
+  }
+
+  void take_times(std::size_t channel, std::span<const double> times) override {
+    writer_.append_times(channel, times);
+  }
+
+ private:
+  datasets::RecordWriter& writer_;
+};
+
+std::vector<std::string> names_of_channels(const std::vector<Input>& inputs) {
   std::vector<std::string> names;
   for (const Input& input : inputs)
     for (const std::size_t index :
          acquisition::selected_channels(input.reader->head(), input.wanted))
       names.push_back(input.reader->head().record.channels[index].name);
-  datasets::RecordWriter writer(options.output, names);
+  return names;
+}
+
+/// Reads all recordings to `sink` block by block.
+datasets::Record read_by_blocks(const Options& options, std::vector<Input>& inputs,
+                                acquisition::SampleSink& sink) {
   Progress progress("importing", samples_of(inputs), options.common.quiet);
   datasets::Record record;
   for (Input& input : inputs) {
     auto sha256 = std::async(std::launch::async, datasets::sha256_of_file, input.path);
-    ToFile sink(writer, progress, record.channels.size());
-    datasets::Record next = input.reader->read(input.wanted, sink);
+    Onward onward(sink, progress, record.channels.size());
+    datasets::Record next = input.reader->read(input.wanted, onward);
     next.provenance.sha256 = sha256.get();
     join(std::move(next), record);
   }
+  return record;
+}
+
+/// Samples go from the files to ours block by block.
+datasets::Record import_to_hdf5(const Options& options, std::vector<Input>& inputs) {
+  datasets::RecordWriter writer(options.output, names_of_channels(inputs));
+  ToHdf5 sink(writer);
+  datasets::Record record = read_by_blocks(options, inputs, sink);
   writer.finish(record);
+  return record;
+}
+
+/// Other formats need to know how many samples there are, or all channels at a time: samples go by
+/// way of the disk.
+datasets::Record import_by_disk(const Options& options, std::vector<Input>& inputs) {
+  acquisition::RecordingSpool spool(options.output, names_of_channels(inputs).size());
+  datasets::Record record = read_by_blocks(options, inputs, spool);
+  for (std::string& warning : acquisition::export_recording(record, spool.finish(), options.output))
+    record.warnings.push_back(std::move(warning));
   return record;
 }
 
@@ -195,9 +235,11 @@ void import(const Options& options) {
                     "which",
                     samples / 1'000'000, most_conditioned / 1'000'000));
   const bool hdf5 = options.output.ends_with(".h5") || options.output.ends_with(".hdf5");
-  const datasets::Record record = hdf5 && samples > most_held && !whole
-                                      ? import_by_blocks(options, inputs)
-                                      : import_at_once(options, inputs, map.conditioning);
+  datasets::Record record;
+  if (whole || samples <= most_held)
+    record = import_at_once(options, inputs, map.conditioning);
+  else
+    record = hdf5 ? import_to_hdf5(options, inputs) : import_by_disk(options, inputs);
   if (options.common.quiet) return;
   for (const std::string& warning : record.warnings) fmt::print(stderr, "warning: {}\n", warning);
   fmt::print(stderr, "{} channel(s) written to {}\n", record.channels.size(), options.output);

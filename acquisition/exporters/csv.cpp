@@ -21,29 +21,41 @@ namespace {
 
 constexpr std::size_t most_mark_text = 100000;  ///< [bytes]
 
+/// Of channels of one length.
+bool same_times(const OutgoingChannel& a, const OutgoingChannel& b) {
+  if (&a == &b) return true;
+  if (a.uniform || b.uniform) return a.uniform == b.uniform;
+  bool same = true;
+  a.each([&](const Channel& part, std::uint64_t first) {
+    same = same && part.clock.times == b.part(first, part.size()).clock.times;
+  });
+  return same;
+}
+
 /// A table has one time column: every channel must fit it.
-void check_channels(const Record& record, const std::string& path) {
-  const Channel& first = record.channels.front();
-  for (const Channel& channel : record.channels) {
+void check_channels(const OutgoingRecording& recording, const std::string& path) {
+  const OutgoingChannel& first = recording.channels.front();
+  for (const OutgoingChannel& outgoing : recording.channels) {
+    const Channel& channel = *outgoing.head;
     const auto domain = channel.attributes.find("domain");
     if (domain != channel.attributes.end() && domain->second != "time")
       throw FileError(
           path, fmt::format(
                     "'{}' is over {}, a CSV file here holds time records: write a .uff or .h5 file",
                     channel.name, domain->second));
-    if (channel.complex())
+    if (outgoing.complex)
       throw FileError(
           path,
           fmt::format(
               "'{}' is complex, which a CSV file here does not hold: write a .uff or .h5 file",
               channel.name));
-    if (channel.size() != first.size() || channel.clock.start != first.clock.start ||
-        channel.clock.interval != first.clock.interval || channel.clock.times != first.clock.times)
+    if (outgoing.size != first.size || channel.clock.start != first.head->clock.start ||
+        channel.clock.interval != first.head->clock.interval || !same_times(outgoing, first))
       throw FileError(
           path, fmt::format(
                     "'{}' and '{}' were not sampled at the same times, and a CSV file has one time "
                     "column: write a .uff or .h5 file",
-                    first.name, channel.name));
+                    first.head->name, channel.name));
   }
 }
 
@@ -57,21 +69,42 @@ std::string heading(const Channel& channel) {
   return plain ? text : '"' + text + '"';
 }
 
-std::vector<double> times_of(const Channel& channel) {
-  std::vector<double> times(channel.size());
-  for (std::size_t i = 0; i < times.size(); ++i) times[i] = channel.clock.time(i);
+/// The times [s] of a part that begins with sample `first`.
+std::vector<double> times_of(const OutgoingChannel& channel, const Channel& part,
+                             std::uint64_t first) {
+  std::vector<double> times = part.clock.times;
+  if (!channel.uniform) return times;
+  times.resize(part.size());
+  for (std::size_t i = 0; i < times.size(); ++i) times[i] = channel.head->clock.time(first + i);
   return times;
+}
+
+/// Whether times of this clock, read back, give another interval.
+bool table_changes_interval(const OutgoingChannel& channel) {
+  const datasets::SampleClock& clock = channel.head->clock;
+  if (channel.size == 0) return clock.interval != 0.0;
+  TimeAxisCheck check(clock.time(0), clock.time(channel.size - 1), channel.size);
+  std::vector<double> times;
+  for (std::uint64_t first = 0; first < channel.size; first += times.size()) {
+    times.resize(
+        static_cast<std::size_t>(std::min<std::uint64_t>(samples_at_once, channel.size - first)));
+    for (std::size_t i = 0; i < times.size(); ++i) times[i] = clock.time(first + i);
+    check.add(times);
+  }
+  return check.axis().clock.interval != clock.interval;
 }
 
 /// Marks as comments, which our importer reads back. Too many would not leave it the rows to look
 /// at: a warning tells.
-void print_marks(OutputFile& out, const Record& record, std::size_t first_column,
+void print_marks(OutputFile& out, const OutgoingRecording& recording, std::size_t first_column,
                  std::vector<std::string>& warnings) {
   std::size_t left = most_mark_text;
-  for (std::size_t c = 0; c < record.channels.size(); ++c) {
-    const std::string marks = listed(marked_samples(record.channels[c]), " ");
-    if (marks.size() > left) {
-      tell_of_marks(record.channels[c], "the head of a CSV file", warnings);
+  for (std::size_t c = 0; c < recording.channels.size(); ++c) {
+    // a run takes two bytes at least
+    const MarkedSamples marked = marked_samples(recording.channels[c], most_mark_text / 2);
+    const std::string marks = listed(marked.runs, " ");
+    if (marked.more || marks.size() > left) {
+      tell_of_marks(recording.channels[c], "the head of a CSV file", warnings);
       continue;
     }
     left -= marks.size();
@@ -79,19 +112,39 @@ void print_marks(OutputFile& out, const Record& record, std::size_t first_column
   }
 }
 
+void print_rows(OutputFile& out, const OutgoingRecording& recording, bool with_time) {
+  const OutgoingChannel& clock = recording.channels.front();
+  // all channels at a time: fewer rows of more channels
+  const std::size_t rows_at_once =
+      std::max<std::size_t>(samples_at_once * 64 / recording.channels.size(), 64);
+  std::vector<Channel> parts(recording.channels.size());
+  for (std::uint64_t first = 0; first < clock.size; first += rows_at_once) {
+    const auto rows =
+        static_cast<std::size_t>(std::min<std::uint64_t>(rows_at_once, clock.size - first));
+    for (std::size_t c = 0; c < parts.size(); ++c)
+      parts[c] = recording.channels[c].part(first, rows);
+    const std::vector<double> times = times_of(clock, parts.front(), first);
+    for (std::size_t i = 0; i < rows; ++i) {
+      if (with_time) out.print("{},", times[i]);
+      for (std::size_t c = 0; c < parts.size(); ++c)
+        out.print("{}{}", parts[c].value(i), c + 1 < parts.size() ? ',' : '\n');
+    }
+  }
+}
+
 }  // namespace
 
-std::vector<std::string> write_csv(const Record& record, const std::string& path) {
+std::vector<std::string> write_csv(const OutgoingRecording& recording, const std::string& path) {
+  const Record& record = recording.record;
   if (record.channels.empty()) throw FileError(path, "the recording has no channels to write");
-  check_channels(record, path);
-  const Channel& first = record.channels.front();
-  const bool with_time = !first.clock.uniform() || first.clock.interval > 0.0;
-  const std::vector<double> times = times_of(first);
+  check_channels(recording, path);
+  const OutgoingChannel& first = recording.channels.front();
+  const bool with_time = !first.uniform || first.head->clock.interval > 0.0;
 
   OutputFile out(path);
   // comments only for what the table itself would not give back
-  if (with_time && first.clock.uniform() && time_axis(times).clock.interval != first.clock.interval)
-    out.print("# sample interval: {} s\n", first.clock.interval);
+  if (with_time && first.uniform && table_changes_interval(first))
+    out.print("# sample interval: {} s\n", first.head->clock.interval);
   for (std::size_t c = 0; c < record.channels.size(); ++c) {
     const Channel& channel = record.channels[c];
     if (channel.quantity != datasets::quantity_of_unit(channel.unit))
@@ -100,15 +153,11 @@ std::vector<std::string> write_csv(const Record& record, const std::string& path
   }
   std::vector<std::string> warnings;
   tell_of_calibrations(record, "a CSV file", warnings);
-  print_marks(out, record, with_time ? 1 : 0, warnings);
+  print_marks(out, recording, with_time ? 1 : 0, warnings);
   if (with_time) out.print("time [s],");
   for (std::size_t c = 0; c < record.channels.size(); ++c)
     out.print("{}{}", heading(record.channels[c]), c + 1 < record.channels.size() ? "," : "\n");
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    if (with_time) out.print("{},", times[i]);
-    for (std::size_t c = 0; c < record.channels.size(); ++c)
-      out.print("{}{}", record.channels[c].value(i), c + 1 < record.channels.size() ? ',' : '\n');
-  }
+  print_rows(out, recording, with_time);
   out.finish();
   return warnings;
 }

@@ -5,17 +5,29 @@
 
 #include "acquisition/exporter.hpp"
 #include "acquisition/exporters/formats.hpp"
+#include "acquisition/exporters/outgoing.hpp"
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/text_table.hpp"
 #include "datasets/input_error.hpp"
+#include "datasets/record_writer.hpp"
 #include "datasets/store.hpp"
 
 namespace impactrig::acquisition {
 
 namespace {
 
-std::vector<std::string> write_hdf5(const datasets::Record& record, const std::string& path) {
-  datasets::write_record(record, path);
+std::vector<std::string> write_hdf5(const OutgoingRecording& recording, const std::string& path) {
+  std::vector<std::string> names;
+  for (const OutgoingChannel& channel : recording.channels) names.push_back(channel.head->name);
+  datasets::RecordWriter writer(path, names);
+  for (std::size_t i = 0; i < recording.channels.size(); ++i)
+    recording.channels[i].each([&](const datasets::Channel& part, std::uint64_t) {
+      std::visit(
+          [&](const auto& raw) { writer.append(i, std::span(raw), part.imaginary, part.valid); },
+          part.raw);
+      if (!part.clock.uniform()) writer.append_times(i, part.clock.times);
+    });
+  writer.finish(recording.record);
   return {};
 }
 
@@ -35,18 +47,18 @@ std::span<const Exporter> exporters() {
   return table;
 }
 
-std::vector<std::string> export_recording(const datasets::Record& record, const std::string& path,
-                                          std::string_view format) {
+namespace {
+
+/// Throws datasets::FileError when no format is named so or has the path's ending.
+const Exporter& exporter_for(const std::string& path, std::string_view format) {
   const std::string name = lowered(path.substr(path.find_last_of('/') + 1));
   const std::size_t dot = name.find_last_of('.');
   const std::string ending = dot == std::string::npos ? std::string() : name.substr(dot);
   for (const Exporter& exporter : table) {
-    bool chosen = exporter.id == format;
-    if (format.empty())
-      for (const std::string_view known : cells_of(exporter.endings, ' '))
-        chosen = chosen || known == ending;
-    if (!chosen) continue;
-    return exporter.write(record, path);
+    if (exporter.id == format) return exporter;
+    if (!format.empty()) continue;
+    for (const std::string_view known : cells_of(exporter.endings, ' '))
+      if (known == ending) return exporter;
   }
   std::string list;
   for (const Exporter& exporter : table)
@@ -56,6 +68,24 @@ std::vector<std::string> export_recording(const datasets::Record& record, const 
                 ? fmt::format("the ending '{}' is of no format that is written; known are {}",
                               ending, list)
                 : fmt::format("there is no format '{}' to write; known are {}", format, list));
+}
+
+}  // namespace
+
+std::vector<std::string> export_recording(const datasets::Record& record, const std::string& path,
+                                          std::string_view format) {
+  const Exporter& exporter = exporter_for(path, format);
+  if (exporter.id == "impactrig-hdf5") {  // compressed, as what is in memory can be
+    datasets::write_record(record, path);
+    return {};
+  }
+  return exporter.write(outgoing(record), path);
+}
+
+std::vector<std::string> export_recording(const datasets::Record& record,
+                                          const SpooledRecording& samples, const std::string& path,
+                                          std::string_view format) {
+  return exporter_for(path, format).write(outgoing(record, samples), path);
 }
 
 }  // namespace impactrig::acquisition

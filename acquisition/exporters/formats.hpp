@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "datasets/record.hpp"
+#include "acquisition/exporters/outgoing.hpp"
 
 /// The formats that exporters.cpp lists: each an Exporter's `write`.
 namespace impactrig::acquisition {
 
-std::vector<std::string> write_uff58b(const datasets::Record& record, const std::string& path);
-std::vector<std::string> write_uff58(const datasets::Record& record, const std::string& path);
-std::vector<std::string> write_mat(const datasets::Record& record, const std::string& path);
-std::vector<std::string> write_csv(const datasets::Record& record, const std::string& path);
+std::vector<std::string> write_uff58b(const OutgoingRecording& recording, const std::string& path);
+std::vector<std::string> write_uff58(const OutgoingRecording& recording, const std::string& path);
+std::vector<std::string> write_mat(const OutgoingRecording& recording, const std::string& path);
+std::vector<std::string> write_csv(const OutgoingRecording& recording, const std::string& path);
 
 }  // namespace impactrig::acquisition

@@ -27,7 +27,6 @@ namespace {
 constexpr std::uint64_t most_bytes = (std::uint64_t{1} << 31) - 8;  ///< of a variable, for MATLAB
 constexpr std::size_t longest_name = 63;                            ///< of a variable, likewise
 constexpr std::size_t field_name_width = 32;
-constexpr std::size_t numbers_at_once = 8192;
 
 // data types of an element
 constexpr std::uint32_t mi_int8 = 1;
@@ -192,67 +191,70 @@ Bytes structure(const std::string& name, std::vector<Field> fields) {
   return structures(name, names, std::move(values));
 }
 
-/// Numbers, one column, made by `make(first, block)`.
-template <typename Number, typename Make>
-Bytes column(std::uint32_t type, std::size_t count, Make make) {
-  const std::size_t size = count * sizeof(Number);
-  if constexpr (sizeof(Number) <= 4) {
-    if (size <= 4) {  // within the tag
-      std::vector<Number> few(count);
-      make(0, std::span<Number>(few));
-      return element(type, bytes_of(std::span<const Number>(few)));
-    }
+/// Numbers, one column: those that `take(part, numbers)` appends for each part of a channel.
+template <typename Number, typename Take>
+Bytes column(std::uint32_t type, const OutgoingChannel& channel, Take take) {
+  const std::uint64_t size = channel.size * sizeof(Number);
+  if (size <= 4) {  // within the tag
+    std::vector<Number> few;
+    channel.each([&](const Channel& part, std::uint64_t) { take(part, few); });
+    return element(type, bytes_of(std::span<const Number>(few)));
   }
   Bytes bytes(tag(type, size));
-  bytes += Bytes(padded(size), [count, size, make](OutputFile& out) {
-    std::vector<Number> block;
-    for (std::size_t i = 0; i < count; i += block.size()) {
-      block.resize(std::min(numbers_at_once, count - i));
-      make(i, std::span<Number>(block));
-      out.write(bytes_of(std::span<const Number>(block)));
-    }
+  bytes += Bytes(padded(size), [&channel, size, take](OutputFile& out) {
+    std::vector<Number> numbers;
+    channel.each([&](const Channel& part, std::uint64_t) {
+      numbers.clear();
+      take(part, numbers);
+      out.write(bytes_of(std::span<const Number>(numbers)));
+    });
     out.write(std::string(padded(size) - size, '\0'));
   });
   return bytes;
 }
 
-template <typename Number>
-auto copy_of(const std::vector<Number>& all) {
-  return [&all](std::size_t first, std::span<Number> to) {
-    std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(first), to.size(), to.begin());
-  };
-}
-
 /// The values in the channel's unit: nothing is left to multiply.
-Bytes values(const Channel& channel) {
-  const std::size_t n = channel.size();
-  const auto* const singles = std::get_if<std::vector<float>>(&channel.raw);
-  const bool as_they_are = channel.scale == 1.0 && channel.offset == 0.0 && !channel.complex();
-  if (singles != nullptr && as_they_are)
-    return matrix(mx_single, n, 1, {}, column<float>(mi_single, n, copy_of(*singles)));
-  Bytes real = column<double>(mi_double, n, [&channel](std::size_t first, std::span<double> to) {
-    channel.values(first, to);
-  });
-  if (!channel.complex()) return matrix(mx_double, n, 1, {}, std::move(real));
-  real += column<double>(mi_double, n, copy_of(channel.imaginary));
+Bytes values(const OutgoingChannel& channel) {
+  const std::uint64_t n = channel.size;
+  const bool as_they_are =
+      channel.head->scale == 1.0 && channel.head->offset == 0.0 && !channel.complex;
+  if (channel.single && as_they_are)
+    return matrix(mx_single, n, 1, {},
+                  column<float>(mi_single, channel, [](const Channel& part, auto& to) {
+                    to = std::get<std::vector<float>>(part.raw);
+                  }));
+  Bytes real =
+      column<double>(mi_double, channel, [](const Channel& part, auto& to) { to = part.values(); });
+  if (!channel.complex) return matrix(mx_double, n, 1, {}, std::move(real));
+  real += column<double>(mi_double, channel,
+                         [](const Channel& part, auto& to) { to = part.imaginary; });
   return matrix(mx_double | complex, n, 1, {}, std::move(real));
 }
 
-Bytes times(const Channel& channel) {
-  if (channel.clock.uniform()) return empty();
-  const std::size_t n = channel.clock.times.size();
-  return matrix(mx_double, n, 1, {}, column<double>(mi_double, n, copy_of(channel.clock.times)));
+Bytes times(const OutgoingChannel& channel) {
+  if (channel.uniform) return empty();
+  return matrix(mx_double, channel.size, 1, {},
+                column<double>(mi_double, channel,
+                               [](const Channel& part, auto& to) { to = part.clock.times; }));
+}
+
+bool all_sound(const OutgoingChannel& channel) {
+  bool sound = true;
+  if (channel.marked)
+    channel.each([&sound](const Channel& part, std::uint64_t) {
+      sound = sound && std::ranges::find(part.valid, std::uint8_t{0}) == part.valid.end();
+    });
+  return sound;
 }
 
 /// true where a sample is not valid: `value(invalid) = NaN` is right with and without marks.
-Bytes marks(const Channel& channel) {
-  if (std::ranges::find(channel.valid, std::uint8_t{0}) == channel.valid.end()) return empty();
-  const std::size_t n = channel.valid.size();
-  return matrix(
-      mx_uint8 | logical, n, 1, {},
-      column<std::uint8_t>(mi_uint8, n, [&channel](std::size_t first, std::span<std::uint8_t> to) {
-        for (std::size_t i = 0; i < to.size(); ++i) to[i] = channel.is_valid(first + i) ? 0 : 1;
-      }));
+Bytes marks(const OutgoingChannel& channel) {
+  if (all_sound(channel)) return empty();
+  return matrix(mx_uint8 | logical, channel.size, 1, {},
+                column<std::uint8_t>(mi_uint8, channel, [](const Channel& part, auto& to) {
+                  for (std::size_t i = 0; i < part.size(); ++i)
+                    to.push_back(part.is_valid(i) ? 0 : 1);
+                }));
 }
 
 Bytes attributes(const std::map<std::string, std::string>& all) {
@@ -285,16 +287,17 @@ Bytes delay(const std::optional<datasets::Delay>& known) {
 }
 
 /// All channels have the same fields, so that MATLAB joins them: [Force, Velocity].
-Bytes variable(const std::string& name, const Channel& channel) {
+Bytes variable(const std::string& name, const OutgoingChannel& outgoing) {
+  const Channel& channel = *outgoing.head;
   std::vector<Field> fields;
   fields.push_back({"name", text(channel.name)});
   fields.push_back({"quantity", text(datasets::name(channel.quantity))});
   fields.push_back({"unit", text(channel.unit)});
   fields.push_back({"start", scalar(channel.clock.start)});
   fields.push_back({"interval", scalar(channel.clock.interval)});
-  fields.push_back({"time", times(channel)});
-  fields.push_back({"value", values(channel)});
-  fields.push_back({"invalid", marks(channel)});
+  fields.push_back({"time", times(outgoing)});
+  fields.push_back({"value", values(outgoing)});
+  fields.push_back({"invalid", marks(outgoing)});
   fields.push_back({"calibration", calibration(channel.calibration)});
   fields.push_back({"delay", delay(channel.delay)});
   fields.push_back({"attributes", attributes(channel.attributes)});
@@ -356,19 +359,20 @@ class VariableNames {
 
 }  // namespace
 
-std::vector<std::string> write_mat(const Record& record, const std::string& path) {
+std::vector<std::string> write_mat(const OutgoingRecording& recording, const std::string& path) {
   std::vector<Bytes> variables;
-  variables.push_back(head(record));
+  variables.push_back(head(recording.record));
   VariableNames names;
-  for (const Channel& channel : record.channels) {
-    Bytes bytes = variable(names.next(channel.name), channel);
+  for (const OutgoingChannel& channel : recording.channels) {
+    const std::string& name = channel.head->name;
+    Bytes bytes = variable(names.next(name), channel);
     if (bytes.size() > most_bytes)
       throw FileError(
           path,
           fmt::format("'{}' takes {:.1f} GB, a variable of a MAT-file of this version at most "
                       "2.1 GB: choose a part with --from and --to, or write a .h5 file, which "
                       "MATLAB reads with h5read",
-                      channel.name, static_cast<double>(bytes.size()) * 1e-9));
+                      name, static_cast<double>(bytes.size()) * 1e-9));
     variables.push_back(std::move(bytes));
   }
   std::string start = "MATLAB 5.0 MAT-file, created by " + datasets::program_version();

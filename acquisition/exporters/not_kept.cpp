@@ -22,17 +22,26 @@ std::string names_of(const Record& record, const Has& has) {
 
 }  // namespace
 
-std::vector<SampleRange> marked_samples(const Channel& channel) {
-  std::vector<SampleRange> runs;
-  for (std::size_t i = 0; i < channel.valid.size(); ++i) {
-    if (channel.is_valid(i) || !std::isfinite(channel.value(i))) continue;
-    if (channel.complex() && !std::isfinite(channel.imaginary[i])) continue;
-    if (!runs.empty() && runs.back().last == i)
-      ++runs.back().last;
-    else
-      runs.push_back({i, i + 1});
-  }
-  return runs;
+MarkedSamples marked_samples(const OutgoingChannel& channel, std::size_t most) {
+  MarkedSamples marked;
+  if (!channel.marked) return marked;
+  std::uint64_t last = 0;  // of the run before
+  channel.each([&](const Channel& part, std::uint64_t first) {
+    for (std::size_t i = 0; i < part.valid.size(); ++i) {
+      if (part.is_valid(i) || !std::isfinite(part.value(i))) continue;
+      if (part.complex() && !std::isfinite(part.imaginary[i])) continue;
+      const bool goes_on = marked.count > 0 && last == first + i;
+      last = first + i + 1;
+      ++marked.count;
+      if (!goes_on && marked.runs.size() == most) marked.more = true;
+      if (marked.more) continue;
+      if (goes_on)
+        marked.runs.back().last = last;
+      else
+        marked.runs.push_back({first + i, last});
+    }
+  });
+  return marked;
 }
 
 std::string listed(const std::vector<SampleRange>& runs, std::string_view separator) {
@@ -56,20 +65,16 @@ void tell_of_calibrations(const Record& record, std::string_view format,
   tell("delay", names_of(record, [](const Channel& c) { return c.delay.has_value(); }));
 }
 
-void tell_of_marks(const Channel& channel, std::string_view format,
+void tell_of_marks(const OutgoingChannel& channel, std::string_view format,
                    std::vector<std::string>& warnings) {
-  std::vector<SampleRange> runs = marked_samples(channel);
-  if (runs.empty()) return;
-  std::uint64_t samples = 0;
-  for (const SampleRange& run : runs) samples += run.last - run.first;
   constexpr std::size_t shown = 5;
-  const bool more = runs.size() > shown;
-  if (more) runs.resize(shown);
+  const MarkedSamples marked = marked_samples(channel, shown);
+  if (marked.count == 0) return;
   warnings.push_back(fmt::format(
       "'{}': {} {} marked as not valid ({}{}), for which {} has no place: whoever reads "
       "it takes them as sound; .h5 and .mat files keep the marks",
-      channel.name, samples, samples == 1 ? "sample is" : "samples are", listed(runs, ", "),
-      more ? ", ..." : "", format));
+      channel.head->name, marked.count, marked.count == 1 ? "sample is" : "samples are",
+      listed(marked.runs, ", "), marked.more ? ", ..." : "", format));
 }
 
 }  // namespace impactrig::acquisition

@@ -61,11 +61,12 @@ struct Form {
   double increment = 0.0;
 };
 
-Form form_of(const Channel& channel) {
+Form form_of(const OutgoingChannel& outgoing) {
+  const Channel& channel = *outgoing.head;
   Form form;
   const std::string domain = attribute(channel, "domain");
   form.over_time = domain.empty() || domain == "time";
-  form.even = channel.clock.uniform();
+  form.even = outgoing.uniform;
   form.start = form.over_time ? channel.clock.start : number_attribute(channel, "abscissa first");
   form.increment =
       form.over_time ? channel.clock.interval : number_attribute(channel, "abscissa increment");
@@ -78,7 +79,8 @@ bool survives(double value) {
 }
 
 void print_header(OutputFile& out, const std::string& path, const Record& record,
-                  const Channel& channel, const Form& form) {
+                  const OutgoingChannel& outgoing, const Form& form) {
+  const Channel& channel = *outgoing.head;
   const auto id = [&](int line) {
     return field(path, fmt::format("id line {}", line),
                  attribute(channel, fmt::format("id line {}", line)), 80);
@@ -97,7 +99,7 @@ void print_header(OutputFile& out, const std::string& path, const Record& record
             label(attribute(channel, "response entity"), 10), integer("response node"),
             integer("response direction"), label(attribute(channel, "reference entity"), 10),
             integer("reference node"), integer("reference direction"));
-  out.print("{:10}{:10}{:10}{:13.5E}{:13.5E}{:13.5E}\n", channel.complex() ? 6 : 4, channel.size(),
+  out.print("{:10}{:10}{:10}{:13.5E}{:13.5E}{:13.5E}\n", outgoing.complex ? 6 : 4, outgoing.size,
             form.even ? 1 : 0, form.even ? form.start : 0.0, form.even ? form.increment : 0.0, 0.0);
   const auto axis = [&out](int type, const std::string& name, const std::string& unit) {
     out.print("{:10}{:5}{:5}{:5} {:<20} {:<20}\n", type, 0, 0, 0, name, unit);
@@ -125,47 +127,48 @@ std::string little_endian(double value) {
   return bytes;
 }
 
-void write_binary(OutputFile& out, const Channel& channel, const Form& form) {
+void write_binary(OutputFile& out, const OutgoingChannel& channel, const Form& form) {
   std::string block;
-  const std::size_t n = channel.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!form.even) block += little_endian(channel.clock.times[i]);
-    block += little_endian(channel.value(i));
-    if (channel.complex()) block += little_endian(channel.imaginary[i]);
-    if (block.size() < 1 << 16) continue;
-    out.write(block);
+  channel.each([&](const Channel& part, std::uint64_t) {
     block.clear();
-  }
-  out.write(block);
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      if (!form.even) block += little_endian(part.clock.times[i]);
+      block += little_endian(part.value(i));
+      if (channel.complex) block += little_endian(part.imaginary[i]);
+    }
+    out.write(block);
+  });
 }
 
-void print_text(OutputFile& out, const std::string& path, const Channel& channel) {
-  const std::size_t n = channel.size();
+void print_text(OutputFile& out, const std::string& path, const OutgoingChannel& channel) {
   std::size_t in_line = 0;
-  const auto put = [&](double value, std::size_t i) {
+  const auto put = [&](double value, std::uint64_t i) {
     if (!std::isfinite(value))
       throw FileError(
           path,
           fmt::format(
               "sample {} of '{}' is not finite, which dataset 58 cannot hold as text: write a "
               ".uff file (58b)",
-              i, channel.name));
+              i, channel.head->name));
     out.print("{:20.12E}", value);
     if (++in_line == 4) {
       out.print("\n");
       in_line = 0;
     }
   };
-  for (std::size_t i = 0; i < n; ++i) {
-    put(channel.value(i), i);
-    if (channel.complex()) put(channel.imaginary[i], i);
-  }
+  channel.each([&](const Channel& part, std::uint64_t first) {
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      put(part.value(i), first + i);
+      if (channel.complex) put(part.imaginary[i], first + i);
+    }
+  });
   if (in_line > 0) out.print("\n");
 }
 
-std::vector<std::string> write_uff(const Record& record, const std::string& path, bool binary) {
+std::vector<std::string> write_uff(const OutgoingRecording& recording, const std::string& path,
+                                   bool binary) {
   OutputFile out(path);
-  for (const Channel& channel : record.channels) {
+  for (const OutgoingChannel& channel : recording.channels) {
     const Form form = form_of(channel);
     if (!form.even && !binary)
       throw FileError(
@@ -173,15 +176,15 @@ std::vector<std::string> write_uff(const Record& record, const std::string& path
           fmt::format(
               "the samples of '{}' are not evenly spaced, and dataset 58 holds times as text with "
               "six digits only: write a .uff file (58b)",
-              channel.name));
-    const std::size_t numbers = (form.even ? 1U : 2U) + (channel.complex() ? 1U : 0U);
+              channel.head->name));
+    const std::size_t numbers = (form.even ? 1U : 2U) + (channel.complex ? 1U : 0U);
     out.print("    -1\n    58");
     if (binary) {
       out.print("b{:6}{:6}{:12}{:12}{:6}{:6}{:12}{:12}", 1, 2, 11,
-                channel.size() * numbers * sizeof(double), 0, 0, 0, 0);
+                channel.size * numbers * sizeof(double), 0, 0, 0, 0);
     }
     out.print("\n");
-    print_header(out, path, record, channel, form);
+    print_header(out, path, recording.record, channel, form);
     if (binary) {
       write_binary(out, channel, form);
     } else {
@@ -191,20 +194,20 @@ std::vector<std::string> write_uff(const Record& record, const std::string& path
   }
   out.finish();
   std::vector<std::string> warnings;
-  for (const Channel& channel : record.channels)
+  for (const OutgoingChannel& channel : recording.channels)
     tell_of_marks(channel, "a universal file", warnings);
-  tell_of_calibrations(record, "a universal file", warnings);
+  tell_of_calibrations(recording.record, "a universal file", warnings);
   return warnings;
 }
 
 }  // namespace
 
-std::vector<std::string> write_uff58b(const Record& record, const std::string& path) {
-  return write_uff(record, path, true);
+std::vector<std::string> write_uff58b(const OutgoingRecording& recording, const std::string& path) {
+  return write_uff(recording, path, true);
 }
 
-std::vector<std::string> write_uff58(const Record& record, const std::string& path) {
-  return write_uff(record, path, false);
+std::vector<std::string> write_uff58(const OutgoingRecording& recording, const std::string& path) {
+  return write_uff(recording, path, false);
 }
 
 }  // namespace impactrig::acquisition

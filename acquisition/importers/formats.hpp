@@ -32,8 +32,8 @@ int recognises_mdf4(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_mdf4(const std::string& path, const ImportOptions& options);
 int recognises_lvm(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_lvm(const std::string& path, const ImportOptions& options);
-/// As open_lvm does for large files, whatever the size: by blocks where there is one segment on a
-/// clock that its header explains.
+/// As open_lvm does for large files, whatever the size: by blocks where counting tells all there is
+/// to know (one segment on the clock of its header), else by way of the disk.
 std::unique_ptr<RecordingReader> open_lvm_by_blocks(const std::string& path,
                                                     const ImportOptions& options);
 

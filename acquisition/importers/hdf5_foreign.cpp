@@ -48,15 +48,37 @@ class Doubles final : public SampleSink {
   std::vector<double> values;
 };
 
-std::vector<double> all_of(const std::string& path, const Hdf5Array& array) {
+/// Hands numbers on as they come.
+class EachBlock final : public SampleSink {
+ public:
+  using Use = std::function<void(std::span<const double>)>;
+
+  explicit EachBlock(const Use& use) : use_(use) {}
+
+  void take(std::size_t, const SampleBlock& block) override {
+    std::visit(
+        [this](auto samples) {
+          numbers_.assign(samples.begin(), samples.end());
+          use_(numbers_);
+        },
+        block.raw);
+  }
+
+  void take_times(std::size_t, std::span<const double>) override {}
+
+ private:
+  const Use& use_;
+  std::vector<double> numbers_;
+};
+
+void each_number_of(const std::string& path, const Hdf5Array& array, const EachBlock::Use& use) {
   Hdf5Slice slice;
   slice.array = &array;
   slice.whole = true;
   slice.count = 1;
   for (const std::uint64_t side : array.shape) slice.count *= side;
-  Doubles sink;
+  EachBlock sink(use);
   read_hdf5_slices(path, {slice}, sink);
-  return std::move(sink.values);
 }
 
 /// A number among attributes, by the first of these names.
@@ -259,7 +281,9 @@ class ForeignReader final : public RecordingReader {
       arrays.push_back(std::move(named));
     }
     const ArrayClocks found = clocks_by_name(
-        path_, arrays, [this](std::size_t i) { return all_of(path_, *slices_[i].array); }, options);
+        path_, arrays,
+        [this](std::size_t i, const auto& use) { each_number_of(path_, *slices_[i].array, use); },
+        options);
     for (const std::string& warning : found.warnings) head_.record.warnings.push_back(warning);
     if (!found.time_column.empty()) head_.record.attributes["time column"] = found.time_column;
     for (std::size_t i = 0; i < slices_.size(); ++i) {
@@ -333,10 +357,13 @@ class ForeignReader final : public RecordingReader {
   SampleRange range_of_times(const Hdf5Slice& slice, const Selection& wanted,
                              datasets::SampleClock& clock) const {
     if (!wanted.has_window()) return {0, slice.count};
-    std::vector<double> times = all_of(path_, *slice.times);
-    for (double& time : times) time *= slice.seconds;
     TimeWindow found(wanted);
-    found.add(times);
+    std::vector<double> times;
+    each_number_of(path_, *slice.times, [&](std::span<const double> numbers) {
+      times.assign(numbers.begin(), numbers.end());
+      for (double& time : times) time *= slice.seconds;
+      found.add(times);
+    });
     found.settle(clock);
     return found.range();
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "acquisition/importer.hpp"
+#include "acquisition/importers/all_finite.hpp"
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/text_file.hpp"
@@ -141,8 +142,9 @@ class FiniteSamples final : public SampleSink {
     seen_[index] += whole.size();
     if (block.size() == 0) return;
     SampleBlock checked = block;
-    const bool finite = std::visit([](auto samples) { return all_finite(samples); }, block.raw) &&
-                        all_finite(block.imaginary);
+    const bool finite =
+        std::visit([](auto samples) { return without_strange(samples); }, block.raw) &&
+        all_finite(block.imaginary);
     Marks& marks = marks_[index];
     if (!finite) {
       std::visit([&](auto samples) { mark(samples, block, marks); }, block.raw);
@@ -180,17 +182,11 @@ class FiniteSamples final : public SampleSink {
   };
 
   template <typename T>
-  static bool all_finite(std::span<const T> samples) {
-    if constexpr (std::is_floating_point_v<T>) {
-      std::array<T, 16> sums{};  // a product with zero is zero, or not a number; each sum waits for
-      std::size_t i = 0;         // itself only, so that the processor adds many at once
-      for (; i + sums.size() <= samples.size(); i += sums.size())
-        for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += samples[i + k] * T{};
-      for (; i < samples.size(); ++i) sums[0] += samples[i] * T{};
-      return std::ranges::all_of(sums, [](T sum) { return sum == T{}; });
-    } else {
+  static bool without_strange(std::span<const T> samples) {
+    if constexpr (std::is_floating_point_v<T>)
+      return all_finite(samples);
+    else
       return true;
-    }
   }
 
   template <typename T>

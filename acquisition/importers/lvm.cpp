@@ -12,17 +12,16 @@
 
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/large_table.hpp"
+#include "acquisition/importers/lvm_headerless.hpp"
 #include "acquisition/importers/lvm_heads.hpp"
 #include "acquisition/importers/lvm_recording.hpp"
 #include "acquisition/importers/lvm_rows.hpp"
 #include "acquisition/importers/lvm_text.hpp"
-#include "acquisition/importers/number.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "acquisition/importers/text_table.hpp"
 
 namespace impactrig::acquisition {
 
-using datasets::Channel;
 using datasets::Record;
 using datasets::SampleClock;
 
@@ -73,12 +72,14 @@ class LvmReader {
 
   const char* rows() const { return rows_.first(); }
 
-  Record read() {
+  /// Reads all: into memory, or to the disk.
+  std::unique_ptr<RecordingReader> read(bool to_disk) {
+    if (to_disk) recording_.use_spool();
     heads_.read_file_header();
     while (read_segment()) {
     }
     finish();
-    return std::move(recording_.record());
+    return recording_.reader();
   }
 
  private:
@@ -189,46 +190,6 @@ class LargeLvm final : public RecordingReader {
   RecordingHead head_;
 };
 
-/// A table of numbers, but for its ending: LabVIEW can leave the header away. Columns are counted
-/// from 1, as LabVIEW's users do, and end where their values do.
-Record read_headerless(const std::string& path, const ImportOptions& options) {
-  Record record = read_into_memory(*open_csv(path, options));
-  record.warnings.insert(record.warnings.begin(),
-                         "the file has no header: it is read as a table of numbers");
-  std::string& time_column = record.attributes["time column"];
-  if (time_column.starts_with("column 0 (")) {
-    time_column[7] = '1';
-    for (std::string& warning : record.warnings)
-      if (warning.starts_with("the time column 'column 0'")) warning[24] = '1';
-  }
-  for (Channel& channel : record.channels) {
-    const std::string name = channel.name;
-    if (const auto number = integer_in(name.starts_with("column ") ? name.substr(7) : ""))
-      channel.name = fmt::format("column {}", *number + 1);
-    const std::string about = fmt::format("'{}'", name);
-    const auto old = std::ranges::find_if(
-        record.warnings, [&about](const std::string& text) { return text.starts_with(about); });
-    std::size_t n = channel.valid.size();
-    while (n > 0 && channel.valid[n - 1] == 0) --n;
-    if (old != record.warnings.end()) old->replace(0, about.size(), "'" + channel.name + "'");
-    if (channel.valid.empty() || n == channel.valid.size()) continue;
-    const std::size_t rows = channel.valid.size();
-    std::get<std::vector<double>>(channel.raw).resize(n);
-    channel.valid.resize(n);
-    if (!channel.clock.times.empty()) channel.clock.times.resize(n);
-    const auto missing = std::ranges::count(channel.valid, std::uint8_t{0});
-    if (missing == 0) channel.valid.clear();
-    const std::string text =
-        fmt::format("'{}' ends after {} of {} rows{}", channel.name, n, rows,
-                    missing > 0 ? fmt::format(", {} values within are missing", missing) : "");
-    if (old != record.warnings.end())
-      *old = text;
-    else
-      record.warnings.push_back(text);
-  }
-  return record;
-}
-
 }  // namespace
 
 int recognises_lvm(std::string_view file_name, std::string_view head) {
@@ -245,17 +206,17 @@ std::unique_ptr<RecordingReader> open_lvm(const std::string& path, const ImportO
         start != std::string_view::npos && text.substr(start).starts_with(lvm_first_word);
     const std::string_view head = text.substr(0, 65536);
     if (!headed && head.find(lvm_end_of_header) == std::string_view::npos)
-      return reader_of(read_headerless(path, options));
+      return open_lvm_without_header(path, options, text.size() > read_at_once);
     if (text.size() > read_at_once) return open_lvm_by_blocks(path, options);
   }
-  return reader_of(LvmReader(path, options).read());
+  return LvmReader(path, options).read(false);
 }
 
 std::unique_ptr<RecordingReader> open_lvm_by_blocks(const std::string& path,
                                                     const ImportOptions& options) {
   auto counted = std::make_unique<LvmReader>(path, options);
   if (counted->count()) return std::make_unique<LargeLvm>(std::move(counted));
-  return reader_of(LvmReader(path, options).read());
+  return LvmReader(path, options).read(true);
 }
 
 }  // namespace impactrig::acquisition

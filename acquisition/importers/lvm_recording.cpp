@@ -43,7 +43,7 @@ double first_x(const LvmPart& part) {
 }
 
 double step_of(const LvmPart& part) {
-  const std::size_t n = part.x.size();
+  const std::uint64_t n = part.x.size();
   if (n > 1) return (part.x.back() - part.x.front()) / static_cast<double>(n - 1);
   return part.delta.value_or(0.0);
 }
@@ -58,12 +58,15 @@ bool continues(const LvmPart& part, const LvmPart& next, double shift) {
 }
 
 void append(LvmPart& part, LvmPart&& next, double shift) {
-  if (part.valid.empty() && !next.valid.empty()) part.valid.assign(part.values.size(), 1);
-  if (!part.valid.empty() && next.valid.empty()) next.valid.assign(next.values.size(), 1);
-  part.valid.insert(part.valid.end(), next.valid.begin(), next.valid.end());
-  part.values.insert(part.values.end(), next.values.begin(), next.values.end());
+  if (part.invalid.empty() && !next.invalid.empty()) part.invalid.append(part.values.size(), 0);
+  if (!part.invalid.empty() && next.invalid.empty()) next.invalid.append(next.values.size(), 0);
+  part.invalid.append(std::move(next.invalid));
+  part.values.append(std::move(next.values));
   part.missing += next.missing;
-  for (const double x : next.x) part.x.push_back(x + shift);
+  next.x.each([&](std::span<const double> piece) {
+    for (const double x : piece) part.x.push_back(x + shift);
+  });
+  part.x.settle();
   part.check.agrees = part.check.agrees && next.check.agrees;
   if (part.said && next.said && *next.said < std::numeric_limits<std::uint64_t>::max() - *part.said)
     *part.said += *next.said;
@@ -113,6 +116,7 @@ void LvmRecording::say(std::string_view key, std::string_view value) {
 }
 
 void LvmRecording::add(LvmSegment&& segment, bool one_heading) {
+  for (LvmPart& part : segment.parts) part.settle();
   check_counts(segment, one_heading);
   join(std::move(segment));
 }
@@ -188,17 +192,31 @@ void LvmRecording::deliver(LvmSegment& segment, bool multi) {
     if (!part.y_dimension.empty()) channel.attributes["Y_Dimension"] = part.y_dimension;
     if (segment.joined > 1) channel.attributes["segments"] = fmt::format("{}", segment.joined);
     if (part.said) channel.attributes["Samples"] = fmt::format("{}", *part.said);
-    set_clock(part, segment.shift, multi, channel);
+    StoredChannel stored;
+    set_clock(part, segment.shift, multi, channel, stored);
     if (part.missing > 0)
       warn(fmt::format("'{}': {} of {} values {} missing; marked as not valid", channel.name,
                        part.missing, part.values.size(), part.missing == 1 ? "is" : "are"));
-    channel.raw = std::move(part.values);
-    channel.valid = std::move(part.valid);
+    if (spool_) {
+      stored.samples = part.values.stored();
+      stored.invalid = part.invalid.stored();
+      stored_.push_back(std::move(stored));
+    } else {
+      channel.raw = part.values.take();
+      channel.valid = part.invalid.take();
+      for (std::uint8_t& mark : channel.valid) mark = mark == 0 ? 1 : 0;
+    }
     record_.channels.push_back(std::move(channel));
   }
 }
 
-void LvmRecording::set_clock(LvmPart& part, double shift, bool multi, Channel& channel) {
+std::unique_ptr<RecordingReader> LvmRecording::reader() {
+  if (!spool_) return reader_of(std::move(record_));
+  return reader_of_numbers(spool_->map(), std::move(record_), std::move(stored_));
+}
+
+void LvmRecording::set_clock(LvmPart& part, double shift, bool multi, Channel& channel,
+                             StoredChannel& stored) {
   const std::string dimension = lowered(part.x_dimension);
   const bool time = dimension.empty() || dimension == "time";
   if (!time) {
@@ -216,7 +234,10 @@ void LvmRecording::set_clock(LvmPart& part, double shift, bool multi, Channel& c
   SampleClock& clock = channel.clock;
   const double delta = part.delta.value_or(0.0);
   if (!part.delta_text.empty()) channel.attributes["Delta_X"] = part.delta_text;
-  const bool gaps = std::ranges::any_of(part.x, [](double value) { return !std::isfinite(value); });
+  bool gaps = false;
+  part.x.each([&gaps](std::span<const double> piece) {
+    gaps = gaps || !std::ranges::all_of(piece, [](double value) { return std::isfinite(value); });
+  });
   if (gaps)
     warn(fmt::format("'{}': X values are missing: {}", channel.name,
                      delta > 0.0 ? "Delta_X is used" : "the X column is not used"));
@@ -231,7 +252,9 @@ void LvmRecording::set_clock(LvmPart& part, double shift, bool multi, Channel& c
     clock.interval = delta * factor;
     return;
   }
-  TimeAxis axis = time_axis(std::move(part.x));
+  TimeAxisCheck check(part.x.front(), part.x.back(), part.x.size());
+  part.x.each([&check](std::span<const double> piece) { check.add(piece); });
+  TimeAxis axis = check.axis();
   if (delta > 0.0)
     warn(fmt::format("{}Delta_X is {:.9g} but the X column steps by {:.9g}: the X column is used",
                      multi ? "'" + channel.name + "': " : std::string(), delta,
@@ -240,7 +263,17 @@ void LvmRecording::set_clock(LvmPart& part, double shift, bool multi, Channel& c
   clock = std::move(axis.clock);
   clock.start = clock.start * factor + shift;
   clock.interval *= factor;
-  for (double& x : clock.times) x = x * factor + shift;
+  if (check.uniform()) return;
+  const auto to_seconds = [factor, shift](std::span<double> times) {
+    for (double& x : times) x = x * factor + shift;
+  };
+  if (spool_) {
+    stored.times = part.x.stored();
+    stored.times_scaling = to_seconds;
+  } else {
+    clock.times = part.x.take();
+    to_seconds(clock.times);
+  }
 }
 
 void LvmRecording::tell_rate_meant(const LvmPart& part) {

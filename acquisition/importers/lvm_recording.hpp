@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,8 @@
 #include <vector>
 
 #include "acquisition/importer.hpp"
+#include "acquisition/importers/spool.hpp"
+#include "acquisition/importers/stored_numbers.hpp"
 #include "datasets/record.hpp"
 
 namespace impactrig::acquisition {
@@ -49,15 +52,29 @@ struct LvmPart {
   std::optional<double> x0;           ///< in x_unit
   std::optional<double> delta;        ///< likewise
   std::optional<std::uint64_t> said;  ///< samples the header declares
-  std::vector<double> values;
-  std::vector<std::uint8_t> valid;  ///< empty: all are there
-  std::vector<double> x;            ///< one a value; empty: there is no X column
+  NumberList<double> values;
+  NumberList<std::uint8_t> invalid;  ///< 1 where a value is missing; empty: all are there
+  NumberList<double> x;              ///< one a value; empty: there is no X column
   LvmDeltaCheck check;
   std::uint64_t missing = 0;
   std::uint64_t counted = 0;    ///< samples, where they are counted only and `values` stays empty
   std::uint64_t counted_x = 0;  ///< X values with them
 
   std::uint64_t samples() const { return counted > 0 ? counted : values.size(); }
+
+  /// From here on numbers are kept in a spool, which must live as long; null: in memory.
+  void keep_in(Spool* spool) {
+    values = NumberList<double>(spool);
+    invalid = NumberList<std::uint8_t>(spool);
+    x = NumberList<double>(spool);
+  }
+
+  /// No more values come.
+  void settle() {
+    values.settle();
+    invalid.settle();
+    x.settle();
+  }
 };
 
 /// Channels that were recorded together.
@@ -79,7 +96,15 @@ class LvmRecording {
       : path_(std::move(path)),
         options_(options) {}
 
+  /// From here on values are kept on the disk, not in the record's channels.
+  void use_spool() { spool_ = std::make_unique<Spool>(path_); }
+
+  Spool* spool() const { return spool_.get(); }  ///< null: there is none
+
   datasets::Record& record() { return record_; }
+
+  /// Of the finished recording.
+  std::unique_ptr<RecordingReader> reader();
 
   const std::vector<LvmSegment>& segments() const { return segments_; }
 
@@ -101,13 +126,16 @@ class LvmRecording {
   /// To the segment before, when all channels are the same and go on in time.
   void join(LvmSegment&& segment);
   void deliver(LvmSegment& segment, bool multi);
-  void set_clock(LvmPart& part, double shift, bool multi, datasets::Channel& channel);
+  void set_clock(LvmPart& part, double shift, bool multi, datasets::Channel& channel,
+                 StoredChannel& stored);
   void tell_rate_meant(const LvmPart& part);
 
   std::string path_;
   const ImportOptions& options_;
   datasets::Record record_;
+  std::unique_ptr<Spool> spool_;
   std::vector<LvmSegment> segments_;
+  std::vector<StoredChannel> stored_;  ///< of the channels, where there is a spool
 };
 
 }  // namespace impactrig::acquisition

@@ -19,6 +19,8 @@ using datasets::InputError;
 
 namespace {
 
+constexpr std::size_t most_comments = 1'000'000;  ///< [bytes]
+
 /// The place of a number's last digit: 1e-6 of "0.000020", 1e-11 of "1.953125E-5"; 0 of an integer,
 /// which is taken as exact.
 double last_place(std::string_view text, char decimal) {
@@ -41,7 +43,9 @@ void LvmRows::read(LvmSegment& segment) {
   const std::size_t channels = segment.parts.size();
   const std::uint64_t packet = packet_length(segment);
   std::vector<std::uint64_t> due(channels, 0);  // samples that rows up to now ought to have
-  std::vector<double> x;                        // the only X column
+  NumberList<double> x(recording_.spool());     // the only X column
+  if (!counting_)
+    for (LvmPart& part : segment.parts) part.keep_in(recording_.spool());
   std::uint64_t row = 0;
   std::size_t cells_before = 0;
   rows_first_ = text_.at;
@@ -56,7 +60,7 @@ void LvmRows::read(LvmSegment& segment) {
       text_.at = rows_last_ = start;
       break;
     }
-    if (counting_ && start - released > (1 << 22)) {
+    if ((counting_ || recording_.spool() != nullptr) && start - released > (1 << 22)) {
       text_.file.release(released, start);
       released = start;
     }
@@ -94,7 +98,7 @@ std::uint64_t LvmRows::packet_length(const LvmSegment& segment) const {
 }
 
 void LvmRows::read_row(std::string_view line, LvmSegment& segment, std::uint64_t packet,
-                       std::uint64_t row, std::vector<std::uint64_t>& due, std::vector<double>& x) {
+                       std::uint64_t row, std::vector<std::uint64_t>& due, NumberList<double>& x) {
   const char* at = line.data();
   const char* const last = line.data() + line.size();
   const std::size_t channels = segment.parts.size();
@@ -121,7 +125,7 @@ void LvmRows::read_row(std::string_view line, LvmSegment& segment, std::uint64_t
       if (row == 0) x.push_back(value);
     } else if (is_x && !text_.multi && there) {
       if (x.size() < row) charge(row - x.size());
-      x.resize(row, nothing);
+      x.append(row - x.size(), nothing);
       x.push_back(value);
     }
     if (!is_x) {
@@ -166,22 +170,23 @@ std::string LvmRows::culprit(const LvmSegment& segment, std::size_t column) cons
 
 void LvmRows::take_value(LvmPart& part, double value, double x, std::uint64_t place) {
   if (counting_) return count_value(part, value, x, place);
-  const std::size_t n = part.values.size();
+  const std::uint64_t n = part.values.size();
   if (n < place) {
-    charge(place - n);
-    part.missing += place - n;
-    if (part.valid.empty()) part.valid.assign(n, 1);
-    part.values.resize(place, nothing);
-    part.valid.resize(place, 0);
-    if (!part.x.empty()) part.x.resize(place, nothing);
+    const std::uint64_t lacking = place - n;
+    charge(lacking);
+    part.missing += lacking;
+    if (part.invalid.empty()) part.invalid.append(n, 0);
+    part.values.append(lacking, nothing);
+    part.invalid.append(lacking, 1);
+    if (!part.x.empty()) part.x.append(place - part.x.size(), nothing);
   }
   const bool missing = std::isnan(value);
-  if (missing && part.valid.empty()) part.valid.assign(part.values.size(), 1);
+  if (missing && part.invalid.empty()) part.invalid.append(part.values.size(), 0);
   part.values.push_back(value);
-  if (!part.valid.empty()) part.valid.push_back(missing ? 0 : 1);
+  if (!part.invalid.empty()) part.invalid.push_back(missing ? 1 : 0);
   if (missing) ++part.missing;
   if (text_.multi && (!std::isnan(x) || !part.x.empty())) {
-    part.x.resize(part.values.size() - 1, nothing);
+    part.x.append(part.values.size() - 1 - part.x.size(), nothing);
     part.x.push_back(x);
   }
 }
@@ -213,12 +218,17 @@ void LvmRows::take_comment(const LvmSegment& segment, std::string_view cell, std
     return;
   }
   std::string& text = recording_.record().attributes["comments"];
+  if (text.size() > most_comments) {
+    recording_.warn(fmt::format("there are more than {} bytes of comments: the rest is left out",
+                                most_comments));
+    return;
+  }
   text += fmt::format("{}row {}{}: {}", text.empty() ? "" : "; ", row,
                       segment.first > 1 ? fmt::format(" of segment {}", segment.first) : "",
                       to_utf8(cell));
 }
 
-void LvmRows::share_x(LvmSegment& segment, std::vector<double>&& x) {
+void LvmRows::share_x(LvmSegment& segment, NumberList<double>&& x) {
   if (x.empty()) {
     if (x_rows_ > 0) plain_ = false;
     return;
@@ -227,13 +237,11 @@ void LvmRows::share_x(LvmSegment& segment, std::vector<double>&& x) {
     if (counting_) {
       part.x = x;
       if (x_rows_ < part.counted) plain_ = false;
-      part.check = segment.parts.front().check;
-      part.check.agrees = part.check.agrees && part.delta == segment.parts.front().delta;
-      continue;
+    } else {
+      const std::uint64_t there = std::min(x.size(), part.values.size());
+      part.x = x.first(there);
+      part.x.append(part.values.size() - there, nothing);
     }
-    part.x.assign(x.begin(),
-                  x.begin() + static_cast<std::ptrdiff_t>(std::min(x.size(), part.values.size())));
-    part.x.resize(part.values.size(), nothing);
     part.check = segment.parts.front().check;
     part.check.agrees = part.check.agrees && part.delta == segment.parts.front().delta;
   }

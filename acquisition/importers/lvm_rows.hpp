@@ -44,7 +44,7 @@ class LvmRows {
   /// follow without a header then leave cells empty that are not missing.
   std::uint64_t packet_length(const LvmSegment& segment) const;
   void read_row(std::string_view line, LvmSegment& segment, std::uint64_t packet, std::uint64_t row,
-                std::vector<std::uint64_t>& due, std::vector<double>& x);
+                std::vector<std::uint64_t>& due, NumberList<double>& x);
   /// Reads a cell; false when it is empty. `at` is left at the separator behind it.
   bool take_cell(const char*& at, const char* last, const LvmSegment& segment, std::size_t column,
                  double& value) const;
@@ -56,7 +56,7 @@ class LvmRows {
   /// An empty cell takes its separator at least: what lacks more was never written by LabVIEW.
   void charge(std::uint64_t missing);
   void take_comment(const LvmSegment& segment, std::string_view cell, std::uint64_t row);
-  void share_x(LvmSegment& segment, std::vector<double>&& x);
+  void share_x(LvmSegment& segment, NumberList<double>&& x);
 
   static constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 

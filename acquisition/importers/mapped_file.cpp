@@ -18,6 +18,14 @@ MappedFile::MappedFile(std::string path)
     : path_(std::move(path)),
       file_(::open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
   if (file_ < 0) throw FileError(path_, fmt::format("cannot be opened: {}", std::strerror(errno)));
+  map_or_close();
+}
+
+MappedFile::MappedFile(std::string path, int file) : path_(std::move(path)), file_(file) {
+  map_or_close();
+}
+
+void MappedFile::map_or_close() {
   try {
     map();
   } catch (...) {

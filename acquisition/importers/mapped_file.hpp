@@ -25,6 +25,8 @@ class MappedFile {
  public:
   /// Throws datasets::FileError when the file is missing, a directory or not readable.
   explicit MappedFile(std::string path);
+  /// An open file, which is closed with this; `path` is what errors name.
+  MappedFile(std::string path, int file);
   /// Bytes that were unpacked from a file, with the file's name.
   MappedFile(std::string path, std::string unpacked);
   /// Bytes that `source` makes; `shown`, which it holds, has those of them that are looked at.
@@ -52,6 +54,7 @@ class MappedFile {
   datasets::SourcePosition byte_position(std::size_t offset) const;
 
  private:
+  void map_or_close();
   void map();
 
   std::string path_;

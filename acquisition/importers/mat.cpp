@@ -91,10 +91,8 @@ class MatRecord {
           {record_.channels[i].name, stored_[i].samples.size(), stored_[i].imaginary.size() == 0});
     ArrayClocks found = clocks_by_name(
         contents_.file->path(), arrays,
-        [this](std::size_t i) {
-          std::vector<double> values(stored_[i].samples.size());
-          read_numbers(*contents_.file, stored_[i].samples, 0, values);
-          return values;
+        [this](std::size_t i, const auto& use) {
+          each_number(*contents_.file, stored_[i].samples, use);
         },
         options);
     for (std::size_t i = 0; i < stored_.size(); ++i) {

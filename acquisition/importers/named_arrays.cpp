@@ -54,11 +54,21 @@ bool among(const std::array<std::string_view, N>& words, const std::string& name
   return std::ranges::find(words, name) != words.end();
 }
 
-bool increases(const std::vector<double>& values) {
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (!std::isfinite(values[i]) || (i > 0 && !(values[i] > values[i - 1]))) return false;
-  return values.size() > 1;
-}
+/// What there is to know of times before they are judged.
+struct Ends {
+  double first = 0.0;
+  double last = 0.0;
+  std::uint64_t count = 0;
+  bool increasing = true;  ///< throughout, and finite
+
+  void add(std::span<const double> values) {
+    for (const double value : values) {
+      increasing = increasing && std::isfinite(value) && (count == 0 || value > last);
+      if (count++ == 0) first = value;
+      last = value;
+    }
+  }
+};
 
 /// What an array's times came to.
 struct TimesFound {
@@ -69,11 +79,10 @@ struct TimesFound {
 class ClockFinder {
  public:
   ClockFinder(const std::string& path, const std::vector<NamedArray>& arrays,
-              const std::function<std::vector<double>(std::size_t)>& values,
-              const ImportOptions& options)
+              const EachNumber& each_number, const ImportOptions& options)
       : path_(path),
         arrays_(arrays),
-        values_(values),
+        each_number_(each_number),
         wanted_(options.time_column) {}
 
   ArrayClocks find() {
@@ -125,13 +134,14 @@ class ClockFinder {
     const bool interval = among(interval_words, word);
     const bool rate = among(rate_words, word);
     if (!interval && !rate && word != start_word) return;
-    const std::vector<double> value = values_(index);
-    if (value.size() != 1 || !std::isfinite(value[0])) return;
+    Ends value;
+    each_number_(index, [&value](std::span<const double> numbers) { value.add(numbers); });
+    if (value.count != 1 || !std::isfinite(value.first)) return;
     if (word == start_word) {
-      starts_.emplace(group, value[0]);
+      starts_.emplace(group, value.first);
       return;
     }
-    const double seconds = interval ? value[0] : 1.0 / value[0];
+    const double seconds = interval ? value.first : 1.0 / value.first;
     if (!(seconds > 0.0) || !std::isfinite(seconds)) return;
     intervals_.emplace(group, std::pair(seconds, index));
   }
@@ -154,19 +164,22 @@ class ClockFinder {
   TimesFound look_at(std::size_t index, std::string_view why) {
     TimesFound found;
     const std::string& name = arrays_[index].name;
-    std::vector<double> values = values_(index);
-    if (!increases(values)) {
-      if (values.size() > 1)
+    Ends ends;
+    each_number_(index, [&ends](std::span<const double> values) { ends.add(values); });
+    if (!ends.increasing || ends.count < 2) {
+      if (ends.count > 1)
         result_.warnings.push_back(
             fmt::format("'{}' does not increase throughout: it is not taken as the time", name));
       return found;
     }
-    TimeAxis axis = time_axis(std::move(values));
+    TimeAxisCheck check(ends.first, ends.last, ends.count);
+    each_number_(index, [&check](std::span<const double> values) { check.add(values); });
+    const TimeAxis axis = check.axis();
     if (!axis.warning.empty())
       result_.warnings.push_back(fmt::format("'{}': {}", name, axis.warning));
     found.clock.start = axis.clock.start * arrays_[index].seconds;
     found.clock.interval = axis.clock.interval * arrays_[index].seconds;
-    if (!axis.clock.uniform()) found.clock.times = index;
+    if (!check.uniform()) found.clock.times = index;
     found.usable = true;
     told(name, why);
     return found;
@@ -195,7 +208,7 @@ class ClockFinder {
 
   const std::string& path_;
   const std::vector<NamedArray>& arrays_;
-  const std::function<std::vector<double>(std::size_t)>& values_;
+  const EachNumber& each_number_;
   const std::optional<std::string>& wanted_;
   ArrayClocks result_;
   std::map<std::pair<std::string, std::uint64_t>, std::size_t> times_;  ///< by group and length
@@ -208,9 +221,8 @@ class ClockFinder {
 }  // namespace
 
 ArrayClocks clocks_by_name(const std::string& path, const std::vector<NamedArray>& arrays,
-                           const std::function<std::vector<double>(std::size_t)>& values,
-                           const ImportOptions& options) {
-  return ClockFinder(path, arrays, values, options).find();
+                           const EachNumber& each_number, const ImportOptions& options) {
+  return ClockFinder(path, arrays, each_number, options).find();
 }
 
 }  // namespace impactrig::acquisition

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,10 @@ struct ArrayClock {
   std::optional<std::size_t> times;
 };
 
+/// Hands the numbers of array `index` to `use`, in pieces and in their order.
+using EachNumber =
+    std::function<void(std::size_t index, const std::function<void(std::span<const double>)>& use)>;
+
 struct ArrayClocks {
   std::vector<ArrayClock> clocks;     ///< one an array
   std::vector<std::string> warnings;  ///< one sentence each
@@ -37,10 +42,9 @@ struct ArrayClocks {
 /// Finds the array that holds the times ("t", "time", ...: as long as others and increasing
 /// throughout), else a single number that is the sampling interval ("dt", "sampleInterval", ...) or
 /// rate ("Fs", "SampleRate", ...). What stands in an array's own group counts before what stands
-/// at the top. `values` reads an array of numbers. Throws datasets::InputError when a stated time
-/// column is not there.
+/// at the top. An array that may hold the times is read twice, and not kept. Throws
+/// datasets::InputError when a stated time column is not there.
 ArrayClocks clocks_by_name(const std::string& path, const std::vector<NamedArray>& arrays,
-                           const std::function<std::vector<double>(std::size_t)>& values,
-                           const ImportOptions& options);
+                           const EachNumber& each_number, const ImportOptions& options);
 
 }  // namespace impactrig::acquisition

@@ -50,6 +50,9 @@ class StoredNumbers {
 
   const std::vector<NumberRun>& runs() const { return runs_; }
 
+  /// The first `count` of these.
+  StoredNumbers first(std::uint64_t count) const;
+
  private:
   NumberKind kind_ = NumberKind::f64;
   bool big_endian_ = false;
@@ -77,6 +80,10 @@ struct StoredChannel {
 /// Reads numbers, from the one with index `first` on, as many as `to` takes.
 void read_numbers(const MappedFile& file, const StoredNumbers& numbers, std::uint64_t first,
                   std::span<double> to);
+
+/// Hands all to `use`, in pieces and in their order.
+void each_number(const MappedFile& file, const StoredNumbers& numbers,
+                 const std::function<void(std::span<const double>)>& use);
 
 /// Converts numbers that lie in memory at a distance of `stride` bytes. Value is double, float,
 /// std::int32_t or std::int16_t and holds the kind.

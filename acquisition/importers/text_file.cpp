@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "acquisition/importers/number.hpp"
+#include "acquisition/importers/spool.hpp"
 
 namespace impactrig::acquisition {
 
@@ -14,6 +15,10 @@ using datasets::InputError;
 using datasets::SourcePosition;
 
 namespace {
+
+/// Larger texts that have to be rewritten are rewritten on the disk [bytes].
+constexpr std::size_t most_in_memory = std::size_t{1} << 25;
+constexpr std::size_t rewritten_at_once = std::size_t{1} << 20;  ///< [bytes]
 
 void append_utf8(std::string& out, std::uint32_t code) {
   const auto byte = [&out](std::uint32_t value) { out += static_cast<char>(value); };
@@ -76,6 +81,7 @@ constexpr std::array<std::uint16_t, 32> windows_1252 = {
 
 std::string_view TextFile::text() {
   if (!text_.empty()) return text_;
+  if (rewritten_) return rewritten_->bytes();
   const std::string_view all = bytes();
   if (all.starts_with("\xEF\xBB\xBF")) return all.substr(3);
   const std::string_view head = all.substr(0, 65536);
@@ -83,10 +89,18 @@ std::string_view TextFile::text() {
     if (!all.starts_with("\xFF\xFE") && !all.starts_with("\xFE\xFF"))
       throw InputError(byte_position(all.data()),
                        "the text looks like UTF-16 without a byte order mark: save it as UTF-8");
+    if (all.size() > most_in_memory) {
+      rewritten_ = utf16_to_utf8(file_, rewritten_at_once);
+      return rewritten_->bytes();
+    }
     text_ = utf16_to_utf8(all);
     return text_;
   }
   if (head.find('\r') != std::string_view::npos && head.find('\n') == std::string_view::npos) {
+    if (all.size() > most_in_memory) {
+      rewritten_ = with_line_feeds(file_, rewritten_at_once);
+      return rewritten_->bytes();
+    }
     text_ = std::string(all);
     std::replace(text_.begin(), text_.end(), '\r', '\n');
     return text_;
@@ -95,16 +109,18 @@ std::string_view TextFile::text() {
 }
 
 void TextFile::release(const char* first, const char* last) const {
-  const std::string_view all = bytes();
+  const MappedFile& file = rewritten_ ? *rewritten_ : file_;
+  const std::string_view all = file.bytes();
   if (first < all.data() || last > all.data() + all.size() || first >= last) return;
-  file_.release(static_cast<std::size_t>(first - all.data()),
-                static_cast<std::size_t>(last - all.data()));
+  file.release(static_cast<std::size_t>(first - all.data()),
+               static_cast<std::size_t>(last - all.data()));
 }
 
 SourcePosition TextFile::position(const char* at) const {
   const std::string_view all = bytes();
   const bool in_file = at >= all.data() && at <= all.data() + all.size();
-  const char* const start = in_file ? all.data() : text_.data();
+  const char* const rewritten = rewritten_ ? rewritten_->bytes().data() : text_.data();
+  const char* const start = in_file ? all.data() : rewritten;
   SourcePosition place;
   place.file = path();
   const char* line = start;
@@ -185,20 +201,28 @@ bool looks_like_utf16(std::string_view head) {
   return false;
 }
 
-std::string utf16_to_utf8(std::string_view bytes) {
-  const bool little = bytes.starts_with("\xFF\xFE");
-  const auto unit = [bytes, little](std::size_t i) {
-    const auto low = static_cast<unsigned char>(bytes[little ? i : i + 1]);
-    const auto high = static_cast<unsigned char>(bytes[little ? i + 1 : i]);
-    return static_cast<std::uint32_t>(low | high << 8);
-  };
+namespace {
+
+/// A unit of UTF-16.
+std::uint32_t unit_at(std::string_view bytes, std::size_t i, bool little) {
+  const auto low = static_cast<unsigned char>(bytes[little ? i : i + 1]);
+  const auto high = static_cast<unsigned char>(bytes[little ? i + 1 : i]);
+  return static_cast<std::uint32_t>(low | high << 8);
+}
+
+bool is_first_surrogate(std::uint32_t unit) {
+  return unit >= 0xD800 && unit < 0xDC00;
+}
+
+/// Bytes [first, last) of UTF-16.
+std::string utf16_part(std::string_view bytes, std::size_t first, std::size_t last, bool little) {
   std::string out;
-  out.reserve(bytes.size() / 2);
-  for (std::size_t i = 2; i + 1 < bytes.size(); i += 2) {
-    std::uint32_t code = unit(i);
-    if (code >= 0xD800 && code < 0xDC00 && i + 3 < bytes.size() && unit(i + 2) >= 0xDC00 &&
-        unit(i + 2) < 0xE000) {
-      code = 0x10000 + ((code - 0xD800) << 10) + (unit(i + 2) - 0xDC00);
+  out.reserve((last - first) / 2);
+  for (std::size_t i = first; i + 1 < last; i += 2) {
+    std::uint32_t code = unit_at(bytes, i, little);
+    const std::uint32_t next = i + 3 < last ? unit_at(bytes, i + 2, little) : 0;
+    if (is_first_surrogate(code) && next >= 0xDC00 && next < 0xE000) {
+      code = 0x10000 + ((code - 0xD800) << 10) + (next - 0xDC00);
       i += 2;
     } else if (code >= 0xD800 && code < 0xE000) {
       code = 0xFFFD;
@@ -206,6 +230,46 @@ std::string utf16_to_utf8(std::string_view bytes) {
     append_utf8(out, code);
   }
   return out;
+}
+
+bool is_little_endian(std::string_view bytes) {
+  return bytes.starts_with("\xFF\xFE");
+}
+
+}  // namespace
+
+std::string utf16_to_utf8(std::string_view bytes) {
+  return utf16_part(bytes, std::min<std::size_t>(2, bytes.size()), bytes.size(),
+                    is_little_endian(bytes));
+}
+
+std::unique_ptr<MappedFile> utf16_to_utf8(const MappedFile& file, std::size_t piece) {
+  const std::string_view bytes = file.bytes();
+  const bool little = is_little_endian(bytes);
+  Spool spool(file.path());
+  for (std::size_t first = std::min<std::size_t>(2, bytes.size()); first < bytes.size();) {
+    std::size_t last = first + std::max<std::size_t>(piece / 2 * 2, 4);
+    if (last >= bytes.size())
+      last = bytes.size();
+    else if (is_first_surrogate(unit_at(bytes, last - 2, little)))
+      last -= 2;  // its second one is in the next piece
+    spool.append(utf16_part(bytes, first, last, little));
+    file.release(first, last);
+    first = last;
+  }
+  return spool.map();
+}
+
+std::unique_ptr<MappedFile> with_line_feeds(const MappedFile& file, std::size_t piece) {
+  const std::string_view bytes = file.bytes();
+  Spool spool(file.path());
+  for (std::size_t first = 0; first < bytes.size(); first += piece) {
+    std::string part(bytes.substr(first, piece));
+    std::ranges::replace(part, '\r', '\n');
+    spool.append(part);
+    file.release(first, first + part.size());
+  }
+  return spool.map();
 }
 
 }  // namespace impactrig::acquisition

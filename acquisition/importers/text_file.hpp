@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -21,12 +22,13 @@ class TextFile {
   /// The bytes as they are.
   std::string_view bytes() const { return file_.bytes(); }
 
-  /// The text: without byte order mark, line ends with \n, UTF-16 turned into UTF-8. Latin-1 is
-  /// left as it is. Throws datasets::InputError for UTF-16 without a byte order mark.
+  /// The text: without byte order mark, line ends with \n, UTF-16 turned into UTF-8 (a large one on
+  /// the disk). Latin-1 is left as it is. Throws datasets::InputError for UTF-16 without a byte
+  /// order mark.
   std::string_view text();
 
-  /// Gives back the memory of a part of bytes(); it may still be looked at. Does nothing for a text
-  /// that is no part of them.
+  /// Gives back the memory of a part of bytes() or of a text on the disk; it may still be looked
+  /// at. Does nothing for a text in memory.
   void release(const char* first, const char* last) const;
 
   /// Copies a part of bytes(): for much, faster than looking at it.
@@ -42,7 +44,8 @@ class TextFile {
 
  private:
   MappedFile file_;
-  std::string text_;  // the text when it is not a part of the bytes
+  std::string text_;                       // the text when it is not a part of the bytes
+  std::unique_ptr<MappedFile> rewritten_;  // the same of a large one
 };
 
 /// The line that begins at `at`, without its end (\n or \r\n); `at` moves to the next line, at most
@@ -61,5 +64,11 @@ bool looks_like_utf16(std::string_view head);
 
 /// UTF-16 with byte order mark to UTF-8; unpaired surrogates become U+FFFD.
 std::string utf16_to_utf8(std::string_view bytes);
+
+/// The same of a file, on the disk, which holds `piece` bytes of it in memory at a time.
+std::unique_ptr<MappedFile> utf16_to_utf8(const MappedFile& file, std::size_t piece);
+
+/// A file whose lines end with \r as one whose lines end with \n, likewise.
+std::unique_ptr<MappedFile> with_line_feeds(const MappedFile& file, std::size_t piece);
 
 }  // namespace impactrig::acquisition

@@ -160,6 +160,26 @@ TEST_P(Mat, UnevenTimesAreKept) {
   EXPECT_EQ(back.warnings[0], "'t' does not increase throughout: it is not taken as the time");
 }
 
+TEST_P(Mat, ManyTimesAreJudgedAllOfThem) {
+  const MatBytes mat{GetParam()};
+  std::vector<double> times(100000);
+  std::vector<double> force(times.size());
+  for (std::size_t i = 0; i < times.size(); ++i) times[i] = 1e-3 * static_cast<double>(i);
+  const auto read = [&] {
+    return imported(mat.header() + mat.doubles("t", times) + mat.doubles("force", force), {},
+                    ".mat");
+  };
+  EXPECT_NEAR(read().channels[1].clock.interval, 1e-3, 1e-18);
+  EXPECT_TRUE(read().channels[1].clock.uniform());
+  times[70000] += 4e-4;
+  const auto uneven = read();
+  ASSERT_EQ(uneven.channels[1].clock.times.size(), times.size());
+  EXPECT_EQ(uneven.channels[1].clock.times[70000], times[70000]);
+  times[65536] = times[65535];  // where one piece ends and the next begins
+  EXPECT_THAT(read().warnings,
+              Contains("'t' does not increase throughout: it is not taken as the time"));
+}
+
 TEST_P(Mat, AWindowOfAChannelIsThatPartOfTheWhole) {
   const std::string time = b.doubles("t", {0, 1, 2, 3});
   const std::string values = b.doubles("x", {5, 6, 7, 8});

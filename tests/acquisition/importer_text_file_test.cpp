@@ -41,6 +41,47 @@ TEST(TextFile, TurnsUtf16IntoUtf8) {
   EXPECT_EQ(second.text(), expected);
 }
 
+// Whatever the pieces: also where a pair of surrogates would be cut in two.
+TEST(TextFile, TurnsUtf16OnTheDiskIntoTheSameUtf8) {
+  using namespace std::string_view_literals;
+  const std::string letters(
+      "a\0\xB5\0\xAC\x20\x3D\xD8\x00\xDE\x00\xD8\x3D\xD8\x3D\xD8\x00\xDEx\0\x3D\xD8"sv);
+  std::string swapped = letters;
+  for (std::size_t i = 0; i + 1 < swapped.size(); i += 2) std::swap(swapped[i], swapped[i + 1]);
+  for (const std::string& bytes :
+       {"\xFF\xFE" + letters, "\xFE\xFF" + swapped, "\xFF\xFE" + letters + "y"}) {
+    const WrittenFile written(bytes);
+    const MappedFile file(written.path());
+    const std::string expected = "a\u00B5\u20AC\U0001F600\uFFFD\uFFFD\U0001F600x\uFFFD";
+    EXPECT_EQ(utf16_to_utf8(bytes), expected);
+    for (std::size_t piece = 2; piece < 28; ++piece)
+      EXPECT_EQ(utf16_to_utf8(file, piece)->bytes(), expected) << piece;
+  }
+}
+
+TEST(TextFile, TakesCarriageReturnsAloneForLineEndsOnTheDiskToo) {
+  const WrittenFile written("a\rbc\r\rd");
+  const MappedFile file(written.path());
+  for (const std::size_t piece : {1U, 3U, 100U})
+    EXPECT_EQ(with_line_feeds(file, piece)->bytes(), "a\nbc\n\nd");
+}
+
+// 34 MB are rewritten on the disk; a place in them is still one of the text.
+TEST(TextFile, ALargeUtf16TextIsReadWithItsPlaces) {
+  std::string bytes = "\xFF\xFE";
+  const std::string row("1\0,\0002\0\n\0", 8);
+  for (std::size_t i = 0; i < (std::size_t{34} << 20) / row.size(); ++i) bytes += row;
+  const WrittenFile written(bytes, ".csv");
+  TextFile file(written.path());
+  const std::string_view text = file.text();
+  EXPECT_EQ(text.size(), (bytes.size() - 2) / 2);
+  EXPECT_TRUE(text.ends_with("1,2\n"));
+  EXPECT_EQ(file.text().data(), text.data());
+  EXPECT_EQ(file.position(text.data() + 6).text(), written.path() + ":2:3");
+  file.release(text.data(), text.data() + text.size());
+  EXPECT_TRUE(text.ends_with("1,2\n"));
+}
+
 TEST(TextFile, RefusesUtf16WithoutItsMark) {
   using namespace std::string_view_literals;
   EXPECT_EQ(

@@ -140,5 +140,17 @@ TEST(WavVariants, WhatIsNotReadSaysSo) {
               HasSubstr("FILE (byte 0): libsndfile cannot read it: "));
 }
 
+// Found by fuzzing: libsndfile did not come back from this one.
+TEST(Wav, AChunkThatIsLongerThanTheFileEndsIt) {
+  using namespace std::string_view_literals;
+  const std::string bytes =
+      std::string(
+          "RIFFH\0\0\0WAVEfmt \x10\0\0\0\1\0\2\0\x40\x1f\0\0\x80\xbb\0\0\6\0\x18\0"
+          "INFOINA\xd2\4"sv) +
+      std::string(35, '\xff') + "\xdf\xff\xff\xff";
+  EXPECT_THAT(import_error(bytes, {}, ".wav"),
+              testing::StartsWith("FILE (byte 0): libsndfile cannot read it: "));
+}
+
 }  // namespace
 }  // namespace impactrig::acquisition
