@@ -540,7 +540,7 @@ Record of_every_kind(std::size_t n) {
   for (std::size_t i = 0; i < n; ++i) {
     singles[i] = static_cast<float>(std::sin(0.01 * static_cast<double>(i)));
     shorts[i] = static_cast<std::int16_t>(i * 7919);
-    integers[i] = static_cast<std::int32_t>(i) * 1000003;
+    integers[i] = static_cast<std::int32_t>(i) * 10007;
     times[i] = 1e-5 * static_cast<double>(i * i);
     valid[i] = i % 9000 == 8191 || i % 9000 == 8192 ? 0 : 1;
   }
