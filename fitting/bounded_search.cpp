@@ -4,7 +4,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "fitting/fit_problem.hpp"
@@ -126,9 +125,15 @@ ActiveSet::Bound ActiveSet::to_hold(const LinearCost& cost, double least) const 
 }  // namespace
 
 SearchEnd FitProblem::search(const Search& how, const std::vector<std::size_t>& held) {
-  const SearchEnd end = search_once(how, held);
+  std::vector<std::size_t> all = held;
+  for (const std::size_t i : unknowns_) {
+    const Variable& v = (*variables_)[i];
+    if (how.hold_hum && v.role == Variable::Role::background && v.background.periodic())
+      all.push_back(i);
+  }
+  const SearchEnd end = search_once(how, all);
   if (!end.started) throw std::runtime_error("the fit could not start: " + end.message);
-  return end.strayed ? search_along_bounds(how, held, end) : end;
+  return end.strayed ? search_along_bounds(how, all, end) : end;
 }
 
 SearchEnd FitProblem::search_along_bounds(const Search& how, const std::vector<std::size_t>& held,

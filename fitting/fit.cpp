@@ -301,13 +301,15 @@ void Session::estimate_mesh_shift() {
 
 /// Where an unknown cannot go as far, the others move as they do with it held there.
 void Session::keep_within_bounds(Eigen::VectorXd& shift) const {
-  const Eigen::MatrixXd& covariance = end_.spread.covariance;
+  Eigen::MatrixXd covariance = end_.spread.covariance;
   for (std::size_t k = 0; k < problem_.unknowns().size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
     const Variable& v = problem_.variables()[problem_.unknowns()[k]];
     const double way = std::clamp(v.value + shift[row], v.lower, v.upper) - v.value - shift[row];
-    if (way != 0.0 && covariance(row, row) > 0.0)
-      shift += covariance.col(row) * (way / covariance(row, row));
+    if (way == 0.0 || !(covariance(row, row) > 0.0)) continue;
+    const Eigen::VectorXd along = covariance.col(row) / covariance(row, row);
+    shift += along * way;
+    covariance -= along * covariance.row(row);  // from here on of the others, this one held
   }
 }
 

@@ -332,18 +332,13 @@ double FitProblem::time_left() const {
 }
 
 /// Blocks and priors of a Ceres problem, which does not own the priors.
-FitProblem::Priors FitProblem::state(const Search& how, const std::vector<std::size_t>& held,
-                                     std::vector<double>& x, ceres::Problem& problem) const {
+FitProblem::Priors FitProblem::state(const std::vector<std::size_t>& held, std::vector<double>& x,
+                                     ceres::Problem& problem) const {
   Priors priors;
   for (const Shot& shot : shots_) {
     std::vector<double*> blocks;
     for (const std::size_t i : shot.cost->blocks()) blocks.push_back(&x[i]);
     problem.AddResidualBlock(shot.cost.get(), nullptr, blocks);
-  }
-  for (const std::size_t i : unknowns_) {
-    const Variable& v = (*variables_)[i];
-    if (how.hold_hum && v.role == Variable::Role::background && v.background.periodic())
-      problem.SetParameterBlockConstant(&x[i]);
   }
   for (const std::size_t i : held) problem.SetParameterBlockConstant(&x[i]);
   for (const std::size_t i : priors_) {
@@ -361,7 +356,7 @@ SearchEnd FitProblem::search_once(const Search& how, const std::vector<std::size
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(ownership);
-  const Priors priors = state(how, held, x, problem);
+  const Priors priors = state(held, x, problem);
   ceres::Solver::Options solver = solver_options(how);
   SearchWatch watch(how.tolerance, shots_);
   solver.callbacks.push_back(&watch);

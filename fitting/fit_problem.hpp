@@ -123,7 +123,7 @@ class FitProblem {
   void follow_ties();
   double time_left() const;
   using Priors = std::vector<std::unique_ptr<ceres::CostFunction>>;
-  Priors state(const Search& how, const std::vector<std::size_t>& held, std::vector<double>& x,
+  Priors state(const std::vector<std::size_t>& held, std::vector<double>& x,
                ceres::Problem& problem) const;
   SearchEnd search_once(const Search& how, const std::vector<std::size_t>& held);
   SearchEnd search_along_bounds(const Search& how, const std::vector<std::size_t>& held,

@@ -53,6 +53,10 @@ TEST(FitSettings, WhatIsStatedOfAChannelThatIsNotFittedIsTold) {
   EXPECT_THAT(fit({shot()}, hybrid_rig(), options).warnings, unused);
   options.setting("sensors.displacement.gain").fixed = true;
   EXPECT_THAT(fit({shot()}, hybrid_rig(), options).warnings, testing::Not(unused));
+  FitOptions asked;
+  asked.free = {"contact.restitution", "start.velocity", "sensors.displacement.gain"};
+  EXPECT_THAT(fit({shot()}, hybrid_rig(), asked).warnings,
+              testing::Contains(testing::StartsWith("sensors.displacement.gain was not fitted")));
 }
 
 // A force whose certificate, of 0.5 %, is wrong by 10 %.
@@ -311,7 +315,13 @@ TEST(FitSettings, ADamperThatIsNotThereCostsNothing) {
           synthetic_shot(hybrid_rig(), {.duration = 1.6e-3, .seed = seed})};
       FitOptions damped;
       damped.setting(name).initial = std::string_view(name).ends_with("stiffness") ? 1e-8 : 1e-2;
-      EXPECT_LT(chi2_of(impacts, damped), chi2_of(impacts, {}) + 0.02);
+      const Fit found = fit(impacts, hybrid_rig(), damped);
+      EXPECT_LT(found.goodness.chi2, chi2_of(impacts, {}) + 0.02);
+      for (const Parameter& p : found.parameters) {
+        const double rounding = 1e-9 * std::abs(p.mesh_shift);
+        EXPECT_GE(p.value + p.mesh_shift, p.lower - rounding) << p.name;
+        EXPECT_LE(p.value + p.mesh_shift, p.upper + rounding) << p.name;
+      }
     }
 }
 
