@@ -181,6 +181,27 @@ TEST(Fit, WidensIntervalsByTheMeshError) {
   EXPECT_THAT(result.warnings, testing::Contains(testing::HasSubstr("The mesh is coarser")));
 }
 
+// The noise alone would leave the finer mesh's restitutions outside.
+TEST(Fit, WidensIntervalsOfRestitutionByTheMeshError) {
+  const RigFile rig = parse_rig_file(paper_rig, "rig.toml", {{"solver.elements", "[14, 2]"}});
+  const RigFile finer = parse_rig_file(paper_rig, "rig.toml", {{"solver.elements", "[28, 4]"}});
+  FitOptions options;
+  options.window = 0.8e-3;
+  const Fit result =
+      fit({synthetic_shot(finer, {.force_noise = 0.5, .velocity_noise = 2.5e-4})}, rig, options);
+  models::SimulationOptions small;
+  small.motion = models::Motion::small;
+  const models::Restitution truth = models::simulate(finer.rig, finer.solver, small).restitution;
+  for (const auto& [name, value] : {std::pair{"kinematic", truth.kinematic},
+                                    {"kinetic", truth.kinetic},
+                                    {"energetic", truth.energetic}}) {
+    const Estimate& estimate = result.restitution.at(name);
+    EXPECT_LE(estimate.ci95[0], value) << name;
+    EXPECT_GE(estimate.ci95[1], value) << name;
+    EXPECT_LT(estimate.ci95[1] - estimate.ci95[0], 0.05 * value) << name;
+  }
+}
+
 TEST(Fit, SharesThePhysicsOfTwoShotsAndKeepsTheirSpeedsApart) {
   const RigFile rig = hybrid_rig();
   const Fit one = fit({synthetic_shot(rig, {.duration = 1.6e-3, .seed = 5})}, rig);

@@ -167,6 +167,23 @@ std::vector<double> draws(std::uint64_t seed) {
   return fit({shot()}, hybrid_rig(), options).bootstrap->parameters.front().draws;
 }
 
+TEST(Bootstrap, OfFewDrawsHasNoInterval) {
+  for (const int count : {38, 39}) {
+    FitOptions options;
+    options.bootstrap = count;
+    const Fit found = fit({shot()}, hybrid_rig(), options);
+    ASSERT_EQ(found.bootstrap->failed, 0);
+    const Bootstrap::Parameter& drawn = found.bootstrap->parameters.front();
+    EXPECT_GT(drawn.std_error, 0.0);
+    EXPECT_EQ(drawn.ci95[1] > drawn.ci95[0], count == 39);
+    const auto told = testing::Contains(testing::StartsWith("38 draws of the bootstrap"));
+    if (count == 39)
+      EXPECT_THAT(found.warnings, testing::Not(told));
+    else
+      EXPECT_THAT(found.warnings, told);
+  }
+}
+
 // A draw depends on seed and number alone. One processor alone makes one worker of them.
 TEST(Bootstrap, OfTheSameSeedIsTheSame) {
   const std::vector<double> once = draws(5);
