@@ -70,6 +70,8 @@ TEST_F(FitOptions, SharedAndOwnNameTheirParameters) {
   EXPECT_FALSE(parameter(j, "start.velocity").is_null());
   EXPECT_FALSE(parameter(j, "contact.restitution[1]").is_null());
   EXPECT_FALSE(parameter(j, "contact.restitution[2]").is_null());
+  EXPECT_EQ(j["restitution"]["law"]["value"], parameter(j, "contact.restitution[1]")["value"]);
+  EXPECT_EQ(j["restitution"]["law"]["ci95"], parameter(j, "contact.restitution[1]")["ci95"]);
 }
 
 TEST_F(FitOptions, IntervalsOfOtherKindsAreInTheResult) {

@@ -125,6 +125,43 @@ TEST(History, OfAPointFurtherInMovesInProportionForARigidBar) {
   EXPECT_NEAR(run.history.velocity[0], 0.441 / 3.0, 1e-14);
 }
 
+// By differences of what lasers beside the spot show: in the lead, in contact, stepped and flown at
+// once, before a stop that gives way.
+TEST(History, TellsHowMotionChangesAlongTheBar) {
+  for (const bool gives_way : {false, true})
+    for (const bool flies : {true, false}) {
+      SCOPED_TRACE(testing::Message() << gives_way << flies);
+      Rig rig = paper_rig();
+      rig.gravity = 9.81;
+      if (gives_way) rig.stop = Stop{.mass = 0.1, .stiffness = 5e8, .viscous = 1e3};
+      const auto shown = [&](double velocity, double displacement) {
+        SimulationOptions options;
+        options.motion = Motion::small;
+        options.history = {.interval = 1e-5,
+                           .lead = 5e-5,
+                           .velocity_position = velocity,
+                           .displacement_position = displacement,
+                           .spot_slopes = true};
+        if (!flies) options.kept = {Simplification::flight_at_once};
+        return simulate(rig, ancf(5, 1, 1e-9, 3e-3), options).history;
+      };
+      const double step = 1e-4;
+      const History here = shown(0.6, 0.35);
+      const History beyond = shown(0.6 + step, 0.35 + step),
+                    before = shown(0.6 - step, 0.35 - step);
+      ASSERT_EQ(here.velocity_slope.size(), here.velocity.size());
+      ASSERT_EQ(here.displacement_slope.size(), here.velocity.size());
+      for (std::size_t k = 0; k < here.velocity.size(); ++k) {
+        EXPECT_NEAR(here.velocity_slope[k],
+                    (beyond.velocity[k] - before.velocity[k]) / (2.0 * step), 1e-5)
+            << k;
+        EXPECT_NEAR(here.displacement_slope[k],
+                    (beyond.displacement[k] - before.displacement[k]) / (2.0 * step), 1e-9)
+            << k;
+      }
+    }
+}
+
 TEST(History, WithALeadInAFieldOfGravityIsASwing) {
   // backwards from touch as the small oscillation of the rigid bar, ω² = 3 g / 2 L
   Rig rig = paper_rig();
