@@ -284,6 +284,15 @@ TEST(Sensitivities, OfACompliantStopAreThoseOfDifferences) {
   }
 }
 
+// Its swings are far shorter than the steps the bar alone would take in flight, and part bar and
+// head at a speed whose rounding, 1e-11, is that over the spacing of differences.
+TEST(Sensitivities, OfALightStiffHeadAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  rig.stop = Stop{.mass = 2e-3, .stiffness = 2e10, .viscous = 2e3};
+  expect_equal_derivatives(rig, hybrid(Basis::pinned_free, 1, 1e-12, 1e-3), 1e-8,
+                           of_compliant_stops, 4e-3);
+}
+
 // Stops that press together, in turn, and the first of them on its sensor.
 TEST(Sensitivities, OfSeveralStopsAreThoseOfDifferences) {
   Rig rig = damped_rig();
