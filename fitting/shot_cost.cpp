@@ -13,8 +13,8 @@ namespace {
 
 using Role = Variable::Role;
 
-// Of full equations whose slopes small motion does not tell: central differences of a simulation
-// accurate to 1e-8 or so; truncation and noise balance near this part of the scale.
+// Of equations that have no slopes: central differences of a simulation accurate to 1e-8 or so;
+// truncation and noise balance near this part of the scale.
 constexpr double difference_step = 2e-4;
 constexpr std::size_t predictions_kept = 8;
 
@@ -161,18 +161,22 @@ ShotCost::Measurement ShotCost::measurement(datasets::Quantity quantity,
   return m;
 }
 
-/// With its slopes where they are wanted and small motion has them.
+/// With its slopes where they are wanted and the equations have them.
 ShotCost::Prediction ShotCost::predict(const Values& values, bool with_slopes) const {
   Values key;
   for (std::size_t i = 0; i < slots_.size(); ++i)
     if (needs_simulation(*slots_[i].variable)) key.push_back(values[i]);
-  const bool slopes = with_slopes && model_.motion() == models::Motion::small && !key.empty();
+  const bool of_small_motion = small_slopes_ && model_.motion() == models::Motion::full;
+  const bool slopes =
+      with_slopes && !of_small_motion && without_slopes_ != model_.motion() && !key.empty();
   const auto found = cache_.find(key);
   if (found != cache_.end() && (!slopes || !found->second->slopes.empty())) return found->second;
   if (cache_.size() > predictions_kept) cache_.clear();
   ++simulations_;
-  return cache_[key] = std::make_shared<const Shown>(model_.predict(
-             rig_at(values), chains_at(values), slopes ? wanted_slopes() : WantedSlopes{}));
+  const Prediction shown = std::make_shared<const Shown>(
+      model_.predict(rig_at(values), chains_at(values), slopes ? wanted_slopes() : WantedSlopes{}));
+  if (slopes && shown->slopes.empty()) without_slopes_ = model_.motion();
+  return cache_[key] = shown;
 }
 
 std::vector<ShotCost::Prediction> ShotCost::predict_all(const std::vector<Values>& places) const {

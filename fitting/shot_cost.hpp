@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -129,6 +130,7 @@ class ShotCost : public ceres::CostFunction {
   Loss loss_;
   int residuals_ = 0;
   bool small_slopes_ = false, slopes_ahead_ = false;
+  mutable std::optional<models::Motion> without_slopes_;
   mutable std::map<Values, Prediction> cache_;
   mutable std::string failure_;
   mutable long simulations_ = 0;

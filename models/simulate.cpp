@@ -11,6 +11,7 @@
 #include "models/implicit/chain_motion.hpp"
 #include "models/implicit/dense_motion.hpp"
 #include "models/modal/small_motion_run.hpp"
+#include "models/sensitivities/full_sensitivities.hpp"
 #include "models/settled_solution.hpp"
 #include "models/stop/stopped_motion.hpp"
 #include "models/time_limit.hpp"
@@ -59,9 +60,15 @@ Solved run(const Rig& rig, const Solver& solver, const SimulationOptions& option
   if (rig.stop) stopped.emplace(bar, *rig.stop);
   BarMotion& seen = stopped ? static_cast<BarMotion&>(*stopped) : bar;
   CollocationRun run(rig, solver, options, seen);
+  std::optional<FullSensitivities> sensitivities;
+  if (!options.sensitivities.empty() && contacts_end_smoothly(rig))
+    sensitivities.emplace(rig, solver, options, seen);
+  if (sensitivities && sensitivities->known()) run.follow(*sensitivities);
   run.complete();
   Solved solved{.result = {}, .smallness = run.smallness()};
   solved.result = run.conclude();
+  if (sensitivities && sensitivities->known())
+    solved.result.sensitivities = sensitivities->take_results();
   if (stopped) solved.result.sensor = stopped->sensor(solved.result.impulse);
   return solved;
 }

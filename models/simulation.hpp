@@ -171,7 +171,7 @@ struct Simulation {
   bool small_motion = false;  ///< solved as Motion::small
   /// Estimated relative error of peak force, duration and impulse by the simplifications taken.
   double neglected = 0.0;
-  /// As asked for, in that order; empty where the full equations were solved.
+  /// As asked for, in that order; empty where they are not known (SimulationOptions).
   std::vector<Sensitivity> sensitivities;
   std::optional<MeshError> mesh_error;  ///< not estimated by simulate() itself
   std::vector<Simplification> taken;    ///< simplifications
@@ -195,8 +195,9 @@ struct SimulationOptions {
   Motion motion = Motion::by_accuracy;
   bool exact = false;                     ///< take no simplification
   std::vector<Simplification> kept = {};  ///< simplifications not to take
-  /// Numbers of the rig by which to differentiate. Small motion that begins at touch only, against
-  /// stops whose contacts end smoothly (ContactForce::ends_smoothly()).
+  /// Numbers of the rig by which to differentiate. Against stops whose contacts end smoothly
+  /// (ContactForce::ends_smoothly()); in small motion of runs that begin at touch; of the full
+  /// equations against rigid stops, without friction in the hinge.
   std::vector<RigParameter> sensitivities = {};
   /// Estimate what small motion neglects. For callers that know it, with Motion::small, which takes
   /// that whatever it is: false saves half of a run, and Simulation::neglected is 0.

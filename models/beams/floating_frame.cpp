@@ -202,7 +202,7 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, std::span<con
   const double gravity_y = -gravity_ * sine - gravity_across_ * cosine;
   mass_.setZero();
   rhs_ = -stiffness_.cwiseProduct(q);
-  if (damping_.stiffness > 0.0) rhs_ -= damping_.stiffness * stiffness_.cwiseProduct(v);
+  if (damping_.stiffness != 0.0) rhs_ -= damping_.stiffness * stiffness_.cwiseProduct(v);
   if (hinge_ != Hinge{})
     rhs_ -= (hinge_.spring * hinge_row_.dot(q) + hinge_.viscous * hinge_row_.dot(v)) * hinge_row_;
   if (drive_.moment != 0.0) rhs_ -= drive_.moment * hinge_row_;
@@ -237,7 +237,7 @@ void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, std::span<con
   factor_.compute(mass_);
   a = rhs_;
   factor_.solveInPlace(a);
-  if (damping_.mass > 0.0) a -= damping_.mass * v;
+  if (damping_.mass != 0.0) a -= damping_.mass * v;
   if (drive_.held) hold_hinge(a);
 }
 

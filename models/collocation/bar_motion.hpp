@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "models/beams/beam_dynamics.hpp"
@@ -8,6 +9,10 @@
 #include "models/collocation/step_ladder.hpp"
 
 namespace impactrig::models {
+
+class MotionSlope;
+class RigEffect;
+struct HistoryRequest;
 
 /// What a step tried does at a stop, σ in [0, 1]; the bar's point before the stop moves as its
 /// PointMotion tells.
@@ -153,6 +158,11 @@ class BarMotion {
 
   /// The point before a stop after a time of the flight from where the bar is [s].
   virtual PointMotion struck_in_flight(int stop, double) { return struck(stop); }
+
+  /// Its derivative by a number of the rig, of which both are kept; none where it cannot be
+  /// followed.
+  virtual std::unique_ptr<MotionSlope> follow(const RigEffect& effect, const Solver& solver,
+                                              const HistoryRequest& history);
 
   /// The first part of the solved step is to be taken: what is worth keeping of it.
   virtual void observe(double) {}

@@ -127,8 +127,8 @@ void CollocationRun::weigh(bool solved) {
                              tried_.error, point.motion_error()});
   }
   if (followed_ && tried_.error <= 1.0) {
-    followed_->solve(steps_);
-    tried_.error = std::max(tried_.error, derivative_error());
+    constexpr double unsolved = std::numeric_limits<double>::infinity();
+    tried_.error = followed_->solve(steps_) ? std::max(tried_.error, derivative_error()) : unsolved;
   }
 }
 
@@ -218,7 +218,7 @@ void CollocationRun::take_attempt() {
 
 /// Its end moves with the first event there.
 void CollocationRun::follow_step() {
-  using Following = ModalSensitivities::End;
+  using Following = RunSensitivities::End;
   using Event = ContactPoint::Event;
   const auto ended = std::ranges::find_if(
       points_, [](const ContactPoint& point) { return point.event() != Event::none; });
@@ -343,7 +343,7 @@ void CollocationRun::touch(ContactPoint& point) {
   const double speed = point.struck().velocity;
   log_.touch(point.number(), t_ - time_of_touch_, speed, point.totals(), point.contact());
   if (!followed_) return;
-  if (first) followed_->begin();
+  if (first) followed_->begin(approach_);
   followed_->touch(point.number(), point.contact(), speed);
 }
 
@@ -537,6 +537,7 @@ void CollocationRun::begin() {
   time_limit_ = TimeLimit(solver_.time_limit);
   if (follows_swing(rig_, options_)) {
     bar_.start(-*rig_.start.release_angle, 0.0);
+    if (followed_) followed_->start();
     approach_ = touch_velocity(rig_);
     const double rate = approach_ / rig_.contact.position;
     energy_scale_ = 0.5 * rig_.beam.hinge_inertia() * rate * rate;
@@ -547,6 +548,7 @@ void CollocationRun::begin() {
     return;
   }
   bar_.start(0.0, touch_velocity(rig_) / rig_.contact.position);
+  if (followed_) followed_->start();
   touch(points_.front());
   double first = points_.front().first_step();
   for (ContactPoint& point : points_) {

@@ -10,7 +10,7 @@
 #include "models/collocation/contact_point.hpp"
 #include "models/contact/contact_force.hpp"
 #include "models/contact_log.hpp"
-#include "models/modal/modal_sensitivities.hpp"
+#include "models/sensitivities/run_sensitivities.hpp"
 #include "models/simulation.hpp"
 #include "models/time_limit.hpp"
 
@@ -29,9 +29,8 @@ class CollocationRun {
   CollocationRun(const Rig& rig, const Solver& solver, const SimulationOptions& options,
                  BarMotion& bar);
 
-  /// The run is followed with derivatives; not owned. For a ModalMotion that begins at touch,
-  /// before a stop that gives way or not.
-  void follow(ModalSensitivities& sensitivities) {
+  /// The run is followed with derivatives, by what knows the bar's motion; not owned.
+  void follow(RunSensitivities& sensitivities) {
     followed_ = &sensitivities;
     points_.front().follow(sensitivities);
   }
@@ -163,7 +162,7 @@ class CollocationRun {
   TimeLimit time_limit_{0.0};
   Simulation result_;
   ContactLog log_;
-  ModalSensitivities* followed_ = nullptr;
+  RunSensitivities* followed_ = nullptr;
 };
 
 }  // namespace impactrig::models

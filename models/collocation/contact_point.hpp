@@ -4,7 +4,7 @@
 #include "models/collocation/bar_motion.hpp"
 #include "models/contact/contact_force.hpp"
 #include "models/contact_log.hpp"
-#include "models/modal/modal_sensitivities.hpp"
+#include "models/sensitivities/run_sensitivities.hpp"
 
 namespace impactrig::models {
 
@@ -19,7 +19,7 @@ class ContactPoint {
   /// `step` is to hold what a step does at the stop; none of the arguments is owned.
   ContactPoint(const Rig& rig, int number, BarMotion& bar, StopStep& step, ContactLog& log);
 
-  void follow(ModalSensitivities& sensitivities) { followed_ = &sensitivities; }
+  void follow(RunSensitivities& sensitivities) { followed_ = &sensitivities; }
 
   int number() const { return number_; }
 
@@ -147,7 +147,7 @@ class ContactPoint {
   NodeVector last_series_;  // of the force over the last step; empty after an event
   double last_h_ = 0.0, last_part_ = 1.0;
   long evaluations_ = 0;
-  ModalSensitivities* followed_ = nullptr;
+  RunSensitivities* followed_ = nullptr;
   bool rising_ = false;      // the force, where its series says that it does not
   double peak_part_ = -1.0;  // where in the step the force was largest so far in its contact
 };

@@ -269,4 +269,10 @@ double ContactForce::damping_share(double speed, double depth) const {
   return std::isfinite(damped) ? damped / elastic - 1.0 : factor_ / (1.0 - std::min(factor_, 0.9));
 }
 
+bool contacts_end_smoothly(const Rig& rig) {
+  for (int stop = 0; stop < rig.stops(); ++stop)
+    if (!ContactForce(rig, stop).ends_smoothly()) return false;
+  return true;
+}
+
 }  // namespace impactrig::models

@@ -158,4 +158,7 @@ inline double penetration_storing(const ContactForce& contact, double energy) {
   return penetration_storing(contact.law(), energy);
 }
 
+/// Whether those at all stops do, as ContactForce::ends_smoothly() says.
+bool contacts_end_smoothly(const Rig& rig);
+
 }  // namespace impactrig::models

@@ -47,7 +47,7 @@ class AncfChain {
   void residual(const StageArray<S>& q, const StageArray<S>& a, StageArray<S>& r) const;
 
   /// Whether bar or hinge take energy.
-  bool damped() const { return hinge_.viscous > 0.0 || damping_ != BarDamping{}; }
+  bool damped() const { return hinge_.viscous != 0.0 || damping_ != BarDamping{}; }
 
   /// Adds the forces of damping in bar and hinge, as they resist.
   template <int S>
@@ -229,7 +229,7 @@ void AncfChain::residual(const StageArray<S>& q, const StageArray<S>& a, StageAr
     r.col(k + 6) += pull_u;
     r.col(k + 7) += moment_u1;
   }
-  if (hinge_.spring > 0.0) {
+  if (hinge_.spring != 0.0) {
     const auto hinge = hinge_angle<Lanes>(q.col(1), q.col(3));
     r.col(1) += hinge_.spring * hinge.angle * hinge.by_across;
     r.col(3) += hinge_.spring * hinge.angle * hinge.by_along;
@@ -242,9 +242,9 @@ template <int S>
 void AncfChain::add_damping(const StageArray<S>& q, const StageArray<S>& v,
                             StageArray<S>& r) const {
   using Lanes = Eigen::Array<double, S, 1>;
-  if (damping_.mass > 0.0) add_inertia<S>(damping_.mass, v, r);
-  if (damping_.stiffness > 0.0) add_material_damping<S>(q, v, r);
-  if (hinge_.viscous > 0.0) {
+  if (damping_.mass != 0.0) add_inertia<S>(damping_.mass, v, r);
+  if (damping_.stiffness != 0.0) add_material_damping<S>(q, v, r);
+  if (hinge_.viscous != 0.0) {
     const auto hinge = hinge_angle<Lanes>(q.col(1), q.col(3));
     const Lanes moment = hinge_.viscous * (hinge.by_across * v.col(1) + hinge.by_along * v.col(3));
     r.col(1) += moment * hinge.by_across;

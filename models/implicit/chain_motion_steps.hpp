@@ -13,6 +13,8 @@
 #include "models/beams/bending_modes.hpp"
 #include "models/collocation/bar_motion.hpp"
 #include "models/hinge_friction.hpp"
+#include "models/implicit/chain_points.hpp"
+#include "models/implicit/chain_slope.hpp"
 #include "models/implicit/newton_progress.hpp"
 #include "models/implicit/radau_errors.hpp"
 #include "models/implicit/radau_stages.hpp"
@@ -41,6 +43,7 @@ class ChainMotion final : public BarMotion {
         friction_(rig.hinge.friction),
         hold_(chain_),
         rotation_(rig.hinge.rotation),
+        points_(beam_, chain_, struck_, rig, history),
         tangent_(chain_.make_tangent()),
         work_(static_cast<std::size_t>(chain_.coordinates())),
         newton_(newton_share * accuracy_) {
@@ -50,18 +53,8 @@ class ChainMotion final : public BarMotion {
     beam_q_.setZero(beam_.size());
     beam_v_.setZero(beam_.size());
     hinge_ = NodeVector::Zero(S);
-    for (const FurtherStop& stop : rig.further_stops) {
-      std::array<ChainShare, 4>& shares =
-          further_.emplace_back(chain_.shares_at(beam_, stop.contact.position));
-      for (ChainShare& share : shares)  // what is on the hinge is held
-        share.shape *= share.coordinate == 0 ? 0.0 : stop.direction();
-    }
     factors_.reserve(kept_factors);
-    for (int i = 0; i < kept_factors; ++i) factors_.emplace_back(chain_, further_.size() + 1);
-    const auto spot = [&](double x) { return x > 0.0 ? x : place_; };
-    displacement_place_ = spot(history.displacement_position);
-    velocity_spot_ = chain_.shares_at(beam_, spot(history.velocity_position));
-    displacement_spot_ = chain_.shares_at(beam_, displacement_place_);
+    for (int i = 0; i < kept_factors; ++i) factors_.emplace_back(chain_, points_.stops.size());
   }
 
   const Collocation& rule() const override { return stages_.rule; }
@@ -109,14 +102,14 @@ class ChainMotion final : public BarMotion {
 
   void begin_step(int level) override {
     h_ = ladder_.length_of(level);
-    predict(previous_, last_h_ > 0.0 ? h_ / last_h_ : 0.0, 1.0);
+    predict(previous_, last_h_ > 0.0 ? h_ / last_h_ : 0.0, 1.0, a_);
     begin();
   }
 
   void begin_part(double part) override {
     h_ *= part;
     previous_guess_ = a_;
-    predict(previous_guess_, part, 0.0);
+    predict(previous_guess_, part, 0.0, a_);
     begin();
   }
 
@@ -194,6 +187,12 @@ class ChainMotion final : public BarMotion {
 
   bool parts_exact() const override { return false; }
 
+  std::unique_ptr<MotionSlope> follow(const RigEffect& effect, const Solver& solver,
+                                      const HistoryRequest& history) override {
+    if (rotation_ || friction_.acts()) return nullptr;
+    return std::make_unique<ChainSlope<ChainMotion>>(*this, effect, solver, history);
+  }
+
   void take(double) override {
     std::swap(q_, end_q_);
     std::swap(v_, end_v_);
@@ -206,6 +205,10 @@ class ChainMotion final : public BarMotion {
   }
 
  private:
+  friend class ChainSlope<ChainMotion>;
+  static constexpr int stages = S;
+  using ChainType = Chain;
+
   // Of the accuracy asked for, what Newton's method may leave of a step.
   static constexpr double newton_share = 0.2;
   static constexpr int kept_factors = 6;
@@ -294,7 +297,7 @@ class ChainMotion final : public BarMotion {
     std::vector<Response> responses;            ///< at index_of()
   };
 
-  int stops() const { return 1 + static_cast<int>(further_.size()); }
+  int stops() const { return static_cast<int>(points_.stops.size()); }
 
   std::size_t index_of(int point, int stop) const {
     return static_cast<std::size_t>(point * stops() + stop);
@@ -303,12 +306,7 @@ class ChainMotion final : public BarMotion {
   /// Calls share(k, w) for each coordinate that makes the displacement −Σ w q_k before a stop.
   template <typename Share>
   void for_each_share(int stop, const Share& share) const {
-    if (stop == 0) {
-      share(struck_, 1.0);
-      return;
-    }
-    for (const ChainShare& own : further_[static_cast<std::size_t>(stop - 1)])
-      share(own.coordinate, own.shape);
+    for (const auto& [k, w] : points_.stops[static_cast<std::size_t>(stop)]) share(k, w);
   }
 
   PointMotion point_before(int stop, const Eigen::ArrayXd& q, const Eigen::ArrayXd& v) const {
@@ -344,6 +342,12 @@ class ChainMotion final : public BarMotion {
     return h_ * std::sqrt(square) / speed_scale_;
   }
 
+  /// Of the positions, turned into forces by the stiffest elements: of size_of() a change.
+  double rounding() const {
+    return 16.0 * std::numeric_limits<double>::epsilon() *
+           std::sqrt((chain_.inertia() * q_.square()).sum()) / (h_ * speed_scale_);
+  }
+
   double lost_in_step() const {
     return total(energy_) + work_done_ + driven_ - damped_ - total(end_energy_);
   }
@@ -373,10 +377,10 @@ class ChainMotion final : public BarMotion {
   }
 
   /// Acceleration of the step from a polynomial over another, at its places origin + ratio c.
-  void predict(const Stages& from, double ratio, double origin) {
+  void predict(const Stages& from, double ratio, double origin, Stages& to) const {
     constexpr int terms = S;
     if (ratio == 0.0) {
-      a_.setZero();
+      to.setZero();
       return;
     }
     const int kept = origin > 0.0 ? std::min(terms, 3) : terms;
@@ -387,7 +391,7 @@ class ChainMotion final : public BarMotion {
       values.row(i).head(kept) = legendre.head(kept).transpose();
     }
     const Eigen::Matrix<double, S, S> map = values * to_series_;
-    for (int k = 0; k < chain_.coordinates(); ++k) a_.col(k) = (map * from.col(k).matrix()).array();
+    for (int k = 0; k < chain_.coordinates(); ++k) to.col(k) = (map * from.col(k).matrix()).array();
   }
 
   void begin() {
@@ -441,6 +445,7 @@ class ChainMotion final : public BarMotion {
   void add_departure(double part, Sample& sample) const;
   void make_factor(double h, Factor& factor);
   void respond_to(int stop, Factor& factor);
+  void add_response(std::size_t stop, const NodeVector& change, Stages& to) const;
   void solve(Stages& r);
 
   void gather(const std::vector<Complex>& x, int k, Lanes& out) const {
@@ -455,14 +460,11 @@ class ChainMotion final : public BarMotion {
   Lanes nodes_ = stages_.rule.points().array();
   StepLadder ladder_;
   int struck_, tip_;
-  std::vector<std::array<ChainShare, 4>> further_;  // before further stops, towards each
-  double length_, place_;                           // of the bar, of the struck point [m]
+  double length_, place_;  // of the bar, of the struck point [m]
   double compliance_;
   double accuracy_;
   double weight_energy_;
   double speed_scale_ = 1.0, contact_time_ = 1.0, damping_ = 0.0;
-  std::array<ChainShare, 4> velocity_spot_, displacement_spot_;
-  double displacement_place_ = 0.0;  // [m]
 
   Eigen::ArrayXd q_, v_;
   double h_ = 0.0, last_h_ = 0.0;
@@ -481,6 +483,7 @@ class ChainMotion final : public BarMotion {
   double t_ = 0.0;               // from the start, of a turned hinge [s]
   double angle_at_start_ = 0.0;  // [rad]
   double driven_ = 0.0;          // work of what turns the hinge over the step [J]
+  ChainPoints points_;
 
   typename Chain::Tangent tangent_;
   std::vector<Factor> factors_;
@@ -584,24 +587,27 @@ bool ChainMotion<S, Chain, Hold>::improve(std::span<StopStep> stops) {
     stops[stop].displacement = -(q + displacement_of(v, a)).matrix();
     stops[stop].velocity = -(v + velocity_of(a)).matrix();
   }
-  // rounding of the positions, turned into forces by the stiffest elements
-  const double rounding = 16.0 * std::numeric_limits<double>::epsilon() *
-                          std::sqrt((chain_.inertia() * q_.square()).sum()) / (h_ * speed_scale_);
-  return newton_.improved(excess_ * size_of(residual_), excess_ * rounding);
+  return newton_.improved(excess_ * size_of(residual_), excess_ * rounding());
+}
+
+/// Adds the accelerations that a change of a stop's force makes.
+template <int S, typename Chain, template <int> typename Hold>
+void ChainMotion<S, Chain, Hold>::add_response(std::size_t stop, const NodeVector& change,
+                                               Stages& to) const {
+  Complex share;
+  share.re = (stages_.into_re * change).array();
+  share.im = (stages_.into_im * change).array();
+  for (int k = 0; k < chain_.coordinates(); ++k) {
+    const Complex x = factor_->pressed[stop][static_cast<std::size_t>(k)] * share;
+    to.col(k) += (stages_.out_re * x.re.matrix() - stages_.out_im * x.im.matrix()).array();
+  }
 }
 
 template <int S, typename Chain, template <int> typename Hold>
 void ChainMotion<S, Chain, Hold>::press(std::span<const StopStep> stops) {
   residual_.setZero();
-  for (std::size_t stop = 0; stop < stops.size(); ++stop) {
-    Complex share;
-    share.re = (stages_.into_re * stops[stop].change).array();
-    share.im = (stages_.into_im * stops[stop].change).array();
-    for (int k = 0; k < chain_.coordinates(); ++k) {
-      const Complex x = factor_->pressed[stop][static_cast<std::size_t>(k)] * share;
-      residual_.col(k) += (stages_.out_re * x.re.matrix() - stages_.out_im * x.im.matrix()).array();
-    }
-  }
+  for (std::size_t stop = 0; stop < stops.size(); ++stop)
+    add_response(stop, stops[stop].change, residual_);
   a_ += residual_;
   newton_.pressed(excess_ * size_of(residual_));
 }
@@ -640,7 +646,7 @@ double ChainMotion<S, Chain, Hold>::error() const {
 
 template <int S, typename Chain, template <int> typename Hold>
 void ChainMotion<S, Chain, Hold>::sample(double first, double spacing, std::span<Sample> samples) {
-  const auto look = [&](const std::array<ChainShare, 4>& spot, double part) {
+  const auto look = [&](const ChainPoints::Shares& spot, double part) {
     PointMotion sum;
     for (const ChainShare& share : spot) {
       const int k = share.coordinate;
@@ -654,7 +660,8 @@ void ChainMotion<S, Chain, Hold>::sample(double first, double spacing, std::span
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double part = first + static_cast<double>(i) * spacing;
     samples[i] = {part > 0.0 ? struck_at(0, part, nullptr) : struck(0),
-                  look(velocity_spot_, part).velocity, look(displacement_spot_, part).displacement};
+                  look(points_.velocity_spot, part).velocity,
+                  look(points_.displacement_spot, part).displacement};
     if (rotation_) add_departure(part, samples[i]);
   }
 }
@@ -663,7 +670,7 @@ void ChainMotion<S, Chain, Hold>::sample(double first, double spacing, std::span
 template <int S, typename Chain, template <int> typename Hold>
 void ChainMotion<S, Chain, Hold>::add_departure(double part, Sample& sample) const {
   double across = 0.0, along = 0.0;  // X, U
-  for (const ChainShare& share : displacement_spot_) {
+  for (const ChainShare& share : points_.displacement_spot) {
     const auto place = [&](int k) {
       return part > 0.0 ? motion_at(q_[k], v_[k], a_.col(k), part).displacement : q_[k];
     };
@@ -672,8 +679,9 @@ void ChainMotion<S, Chain, Hold>::add_departure(double part, Sample& sample) con
   }
   const double angle = turned_at(t_ + std::max(part, 0.0) * h_);
   const double sine = std::sin(angle), cosine = std::cos(angle), half = std::sin(0.5 * angle);
-  sample.deflection = -cosine * across + sine * (along - displacement_place_);
-  sample.extension = -sine * across - cosine * along - 2.0 * half * half * displacement_place_;
+  sample.deflection = -cosine * across + sine * (along - points_.displacement_place);
+  sample.extension =
+      -sine * across - cosine * along - 2.0 * half * half * points_.displacement_place;
 }
 
 template <typename Chain, template <int> typename Hold>

@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "models/beams/bending_modes.hpp"
-#include "models/beams/floating_frame.hpp"
 #include "models/hinge_friction.hpp"
+#include "models/implicit/dense_slope.hpp"
 #include "models/implicit/newton_progress.hpp"
 #include "models/implicit/radau_errors.hpp"
 #include "models/implicit/radau_stages.hpp"
@@ -23,12 +23,6 @@ namespace {
 constexpr double newton_share = 0.01;
 constexpr int kept_factors = 6;
 
-std::unique_ptr<FloatingFrameBeam> make_frame(const Rig& rig, const Solver& solver) {
-  if (solver.model == BeamModel::rigid)
-    return std::make_unique<FloatingFrameBeam>(rig, Basis::cantilever, 0, 0);
-  return std::make_unique<FloatingFrameBeam>(rig, solver.basis, solver.modes, solver.axial_modes);
-}
-
 /// S: stages of the method, an even number. Unknown are the accelerations a of the stages; they are
 /// those the bar has there, a = f(q, q̇, F), and Newton's method takes the derivatives of f from
 /// differences.
@@ -36,20 +30,16 @@ template <int S>
 class DenseMotion final : public BarMotion {
  public:
   DenseMotion(const Rig& rig, const Solver& solver, const HistoryRequest& history)
-      : beam_(make_frame(rig, solver)),
-        n_(beam_->size()),
-        further_(rig.further_stops),
-        forces_(1 + further_.size(), 0.0),
+      : bar_(rig, solver, history),
+        beam_(*bar_.beam),
+        n_(beam_.size()),
+        forces_(1 + bar_.further.size(), 0.0),
         compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
         struck_place_(rig.contact.position),
-        velocity_place_(history.velocity_position > 0.0 ? history.velocity_position
-                                                        : rig.contact.position),
-        displacement_place_(history.displacement_position > 0.0 ? history.displacement_position
-                                                                : rig.contact.position),
         accuracy_(std::max(solver.accuracy, Solver::finest_accuracy)),
         damped_bar_(models::damped(rig)),
         weight_energy_(rig.gravity * rig.beam.first_moment()),
-        inertia_(beam_->inertia_diagonal()),
+        inertia_(beam_.inertia_diagonal()),
         friction_(rig.hinge.friction),
         rotation_(rig.hinge.rotation),
         newton_(newton_share * accuracy_) {
@@ -69,9 +59,9 @@ class DenseMotion final : public BarMotion {
   const StepLadder& ladder() const override { return ladder_; }
 
   void start(double angle, double rate) override {
-    beam_->set_steady_motion(angle, rate, q_, v_);
-    if (rotation_) beam_->set_hinge(angle, rate, q_, v_);
-    energy_ = beam_->energy(q_, v_);
+    beam_.set_steady_motion(angle, rate, q_, v_);
+    if (rotation_) beam_.set_hinge(angle, rate, q_, v_);
+    energy_ = beam_.energy(q_, v_);
     lost_ = 0.0;
     last_h_ = 0.0;
     friction_.start(rate);
@@ -93,14 +83,14 @@ class DenseMotion final : public BarMotion {
 
   BeamEnergy energy() const override { return energy_; }
 
-  RigidPart rigid_part() const override { return beam_->rigid_part(q_, v_); }
+  RigidPart rigid_part() const override { return beam_.rigid_part(q_, v_); }
 
   double elastic_compliance() const override { return compliance_; }
 
   void begin_step(int level) override {
     h_ = ladder_.length_of(level);
     if (last_h_ > 0.0)
-      predict(previous_, h_ / last_h_, 1.0, 3);
+      predict(previous_, h_ / last_h_, 1.0, 3, a_);
     else
       a_.setZero();
     begin();
@@ -109,7 +99,7 @@ class DenseMotion final : public BarMotion {
   void begin_part(double part) override {
     h_ *= part;
     whole_ = a_;
-    predict(whole_, part, 0.0, S);
+    predict(whole_, part, 0.0, S, a_);
     begin();
   }
 
@@ -141,9 +131,9 @@ class DenseMotion final : public BarMotion {
 
   void change_hinge() override {
     friction_.follow(friction_change_);
-    beam_->set_hinge(beam_->hinge_angle(q_), 0.0, q_, v_);
+    beam_.set_hinge(beam_.hinge_angle(q_), 0.0, q_, v_);
     lost_ += total(energy_);
-    energy_ = beam_->energy(q_, v_);
+    energy_ = beam_.energy(q_, v_);
     lost_ -= total(energy_);
     drive_hinge();
     renew_tangent();
@@ -157,6 +147,12 @@ class DenseMotion final : public BarMotion {
 
   bool parts_exact() const override { return false; }
 
+  std::unique_ptr<MotionSlope> follow(const RigEffect& effect, const Solver& solver,
+                                      const HistoryRequest& history) override {
+    if (rotation_ || friction_.acts()) return nullptr;
+    return std::make_unique<DenseSlope<DenseMotion>>(*this, effect, solver, history);
+  }
+
   void take(double) override {
     lost_ += lost_in_step();
     std::swap(q_, end_q_);
@@ -169,6 +165,8 @@ class DenseMotion final : public BarMotion {
   }
 
  private:
+  friend class DenseSlope<DenseMotion>;
+  static constexpr int stages = S;
   using Vector = Eigen::VectorXd;
   using Matrix = Eigen::MatrixXd;
   using Stages = Eigen::Matrix<double, Eigen::Dynamic, S>;  // a column for each stage
@@ -191,24 +189,17 @@ class DenseMotion final : public BarMotion {
     std::vector<Response> responses;  ///< at index_of()
   };
 
-  int stops() const { return 1 + static_cast<int>(further_.size()); }
+  int stops() const { return static_cast<int>(forces_.size()); }
 
   std::size_t index_of(int point, int stop) const {
     return static_cast<std::size_t>(point * stops() + stop);
   }
 
-  const FurtherStop& further(int stop) const {
-    return further_[static_cast<std::size_t>(stop - 1)];
-  }
-
   PointMotion point_before(int stop, ConstVector q, ConstVector v) const {
-    if (stop == 0) return beam_->struck_point(q, v);
-    const PointMotion p = beam_->point(further(stop).contact.position, q, v);
-    const double sign = further(stop).direction();
-    return {sign * p.displacement, sign * p.velocity};
+    return bar_.before(stop, q, v);
   }
 
-  void predict(const Stages& from, double ratio, double origin, int terms) {
+  void predict(const Stages& from, double ratio, double origin, int terms, Stages& to) const {
     Eigen::Matrix<double, S, S> values = Eigen::Matrix<double, S, S>::Zero();
     Series legendre;
     for (int i = 0; i < S; ++i) {
@@ -216,7 +207,7 @@ class DenseMotion final : public BarMotion {
       values.row(i).head(terms) = legendre.head(terms).transpose();
     }
     const Eigen::Matrix<double, S, S> map = (values * to_series_).transpose();
-    a_.noalias() = from * map;
+    to.noalias() = from * map;
   }
 
   void begin() {
@@ -243,32 +234,44 @@ class DenseMotion final : public BarMotion {
     return total(energy_) + work_done_ + driven_ - damped_ - total(end_energy_);
   }
 
-  void place_stages() {
+  void place_stages() { integrate(q_, v_, a_, stage_q_, stage_v_); }
+
+  /// From a state under the accelerations of the stages to the stages.
+  void integrate(const Vector& q, const Vector& v, const Stages& a, Stages& stage_q,
+                 Stages& stage_v) const {
     const Eigen::Matrix<double, S, S> integrals = h_ * stages_.to_velocity.transpose();
-    stage_v_.noalias() = a_ * integrals;
-    stage_v_.colwise() += v_;
-    stage_q_.noalias() = stage_v_ * integrals;
-    stage_q_.colwise() += q_;
+    stage_v.noalias() = a * integrals;
+    stage_v.colwise() += v;
+    stage_q.noalias() = stage_v * integrals;
+    stage_q.colwise() += q;
   }
 
   void drive_hinge() {
     if (rotation_) turn_hinge(0.0);
     if (friction_.acts())
-      beam_->drive(
+      beam_.drive(
           {.held = friction_.sticks(), .moment = friction_.sticks() ? 0.0 : friction_.moment()});
   }
 
   /// As stated, at a place of the step.
   void turn_hinge(double part) {
-    beam_->drive({.held = true, .acceleration = rotation_->acceleration_at(t_ + part * h_)});
+    beam_.drive({.held = true, .acceleration = rotation_->acceleration_at(t_ + part * h_)});
   }
 
   /// A stage, into scratch_.
   void accelerate(std::span<const StopStep> stops, int stage) {
     for (std::size_t k = 0; k < stops.size(); ++k) forces_[k] = stops[k].force[stage];
-    beam_->acceleration(stage_q_.col(stage), stage_v_.col(stage), forces_, scratch_);
+    beam_.acceleration(stage_q_.col(stage), stage_v_.col(stage), forces_, scratch_);
   }
 
+  /// Of the positions, turned into forces: of size_of() a change.
+  double rounding() const {
+    return 16.0 * std::numeric_limits<double>::epsilon() * std::sqrt(inertia_.dot(q_.cwiseAbs2())) /
+           (h_ * speed_scale_);
+  }
+
+  void correct(const Stages& residual, Stages& change);
+  void add_response(std::size_t stop, const NodeVector& change, Stages& to);
   void look_at_hinge(std::span<const StopStep> stops);
   void look_at_rotation(std::span<const StopStep> stops);
   void renew_tangent();
@@ -284,24 +287,39 @@ class DenseMotion final : public BarMotion {
 
   /// Position and speed within the solved step, into `at_q_` and `at_v_`.
   void move_to(double part) {
+    part_ = part;
+    move(part, q_, v_, a_, stage_v_, at_q_, at_v_);
+  }
+
+  void move(double part, const Vector& q, const Vector& v, const Stages& a, const Stages& stage_v,
+            Vector& at_q, Vector& at_v) const {
     Series integrals;
     shifted_legendre_integrals(part, integrals);
     integrals = h_ * to_series_.transpose() * integrals;
-    at_v_ = v_;
-    at_v_.noalias() += a_ * integrals;
-    at_q_ = q_;
-    at_q_.noalias() += stage_v_ * integrals;
+    at_v = v;
+    at_v.noalias() += a * integrals;
+    at_q = q;
+    at_q.noalias() += stage_v * integrals;
   }
 
-  std::unique_ptr<FloatingFrameBeam> beam_;
+  /// Where move_to() went.
+  const Vector& acceleration_there() {
+    Series values;
+    shifted_legendre(part_, values);
+    values = to_series_.transpose() * values;
+    scratch_.noalias() = a_ * values;
+    return scratch_;
+  }
+
+  FrameBar bar_;
+  FloatingFrameBeam& beam_;
   int n_;
-  std::vector<FurtherStop> further_;
   std::vector<double> forces_;  // of the stops at a node, or a unit force of one [N]
   const RadauStages<S>& stages_ = RadauStages<S>::get();
   Eigen::Matrix<double, S, S> to_series_ = stages_.rule.to_series();
   StepLadder ladder_;
   double compliance_;
-  double struck_place_, velocity_place_, displacement_place_;  // from the hinge [m]
+  double struck_place_;  // from the hinge [m]
   double accuracy_;
   bool damped_bar_;
   double weight_energy_;
@@ -316,6 +334,7 @@ class DenseMotion final : public BarMotion {
   double speed_scale_ = 1.0, contact_time_ = 1.0, damping_ = 0.0;
   bool pressed_ = false;  // by a stop, over the step
 
+  double part_ = 0.0;  // of the step, that was looked at last
   Vector q_, v_, end_q_, end_v_, scratch_, here_, there_, moved_, at_q_, at_v_;
   double h_ = 0.0, last_h_ = 0.0;
   Stages a_, previous_, whole_, stage_q_, stage_v_, residual_, change_;
@@ -340,11 +359,11 @@ class DenseMotion final : public BarMotion {
 template <int S>
 void DenseMotion<S>::renew_tangent() {
   constexpr double part = 1e-4;
-  beam_->acceleration(q_, v_, 0.0, here_);
+  beam_.acceleration(q_, v_, 0.0, here_);
   for (int k = 0; k < stops(); ++k) {
     std::ranges::fill(forces_, 0.0);
     forces_[static_cast<std::size_t>(k)] = 1.0;
-    beam_->acceleration(q_, v_, forces_, there_);
+    beam_.acceleration(q_, v_, forces_, there_);
     by_force_.col(k) = there_ - here_;
   }
   for (int i = 0; i < n_; ++i) {
@@ -352,7 +371,7 @@ void DenseMotion<S>::renew_tangent() {
     const double way = speed * contact_time_;
     moved_ = q_;
     moved_[i] += way;
-    beam_->acceleration(moved_, v_, 0.0, there_);
+    beam_.acceleration(moved_, v_, 0.0, there_);
     by_q_.col(i) = (there_ - here_) / way;
     for (int k = 0; k < stops(); ++k)
       to_point_(i, k) =
@@ -360,7 +379,7 @@ void DenseMotion<S>::renew_tangent() {
     if (!damped_bar_ && !rotation_) continue;
     moved_ = v_;
     moved_[i] += speed;
-    beam_->acceleration(q_, moved_, 0.0, there_);
+    beam_.acceleration(q_, moved_, 0.0, there_);
     by_v_.col(i) = (there_ - here_) / speed;
   }
   for (Factor& factor : factors_) factor.h = 0.0;
@@ -404,6 +423,31 @@ void DenseMotion<S>::respond_to(int stop, Factor& factor) {
   }
 }
 
+/// By what Newton's method takes off the accelerations.
+template <int S>
+void DenseMotion<S>::correct(const Stages& residual, Stages& change) {
+  change.setZero(n_, S);
+  for (int j = 0; j < pairs; ++j) {
+    projected_.setZero();
+    for (int i = 0; i < S; ++i)
+      projected_ +=
+          std::complex<double>(stages_.into_re(j, i), stages_.into_im(j, i)) * residual.col(i);
+    solved_ = factor_->systems[static_cast<std::size_t>(j)].solve(projected_);
+    gather(j, change);
+  }
+}
+
+/// Adds the accelerations that a change of a stop's force makes.
+template <int S>
+void DenseMotion<S>::add_response(std::size_t stop, const NodeVector& change, Stages& to) {
+  const Eigen::Matrix<double, pairs, 1> re = stages_.into_re * change;
+  const Eigen::Matrix<double, pairs, 1> im = stages_.into_im * change;
+  for (int j = 0; j < pairs; ++j) {
+    solved_ = factor_->pressed[stop].col(j) * std::complex<double>(re[j], im[j]);
+    gather(j, to);
+  }
+}
+
 template <int S>
 bool DenseMotion<S>::improve(std::span<StopStep> stops) {
   place_stages();
@@ -412,15 +456,7 @@ bool DenseMotion<S>::improve(std::span<StopStep> stops) {
     accelerate(stops, i);
     residual_.col(i) = a_.col(i) - scratch_;
   }
-  change_.setZero();
-  for (int j = 0; j < pairs; ++j) {
-    projected_.setZero();
-    for (int i = 0; i < S; ++i)
-      projected_ +=
-          std::complex<double>(stages_.into_re(j, i), stages_.into_im(j, i)) * residual_.col(i);
-    solved_ = factor_->systems[static_cast<std::size_t>(j)].solve(projected_);
-    gather(j, change_);
-  }
+  correct(residual_, change_);
   a_ -= change_;
   place_stages();
   for (std::size_t k = 0; k < stops.size(); ++k) {
@@ -432,22 +468,13 @@ bool DenseMotion<S>::improve(std::span<StopStep> stops) {
       stops[k].velocity[i] = p.velocity;
     }
   }
-  const double rounding = 16.0 * std::numeric_limits<double>::epsilon() *
-                          std::sqrt(inertia_.dot(q_.cwiseAbs2())) / (h_ * speed_scale_);
-  return newton_.improved(excess_ * size_of(change_), excess_ * rounding);
+  return newton_.improved(excess_ * size_of(change_), excess_ * rounding());
 }
 
 template <int S>
 void DenseMotion<S>::press(std::span<const StopStep> stops) {
   change_.setZero();
-  for (std::size_t k = 0; k < stops.size(); ++k) {
-    const Eigen::Matrix<double, pairs, 1> re = stages_.into_re * stops[k].change;
-    const Eigen::Matrix<double, pairs, 1> im = stages_.into_im * stops[k].change;
-    for (int j = 0; j < pairs; ++j) {
-      solved_ = factor_->pressed[k].col(j) * std::complex<double>(re[j], im[j]);
-      gather(j, change_);
-    }
-  }
+  for (std::size_t k = 0; k < stops.size(); ++k) add_response(k, stops[k].change, change_);
   a_ += change_;
   newton_.pressed(excess_ * size_of(change_));
 }
@@ -458,7 +485,7 @@ void DenseMotion<S>::finish(std::span<const StopStep> stops) {
   end_q_ = stage_q_.col(S - 1);
   end_v_ = stage_v_.col(S - 1);
   if (rotation_) look_at_rotation(stops);
-  end_energy_ = beam_->energy(end_q_, end_v_);
+  end_energy_ = beam_.energy(end_q_, end_v_);
   work_done_ = damped_ = 0.0;
   pressed_ =
       std::ranges::any_of(stops, [](const StopStep& stop) { return !stop.force.isZero(0.0); });
@@ -468,7 +495,7 @@ void DenseMotion<S>::finish(std::span<const StopStep> stops) {
       if (const double force = stops[k].force[i]; force != 0.0)
         work_done_ -= weight * force *
                       point_before(static_cast<int>(k), stage_q_.col(i), stage_v_.col(i)).velocity;
-    if (damped_bar_) damped_ += weight * beam_->damping_power(stage_q_.col(i), stage_v_.col(i));
+    if (damped_bar_) damped_ += weight * beam_.damping_power(stage_q_.col(i), stage_v_.col(i));
   }
   if (friction_.acts()) look_at_hinge(stops);
 }
@@ -480,11 +507,11 @@ void DenseMotion<S>::look_at_rotation(std::span<const StopStep> stops) {
   for (int i = 0; i < S; ++i) {
     turn_hinge(stages_.rule.points()[i]);
     accelerate(stops, i);
-    driven_ += h_ * stages_.rule.weights()[i] * beam_->holding_moment() *
-               beam_->hinge_rate(stage_v_.col(i));
+    driven_ +=
+        h_ * stages_.rule.weights()[i] * beam_.holding_moment() * beam_.hinge_rate(stage_v_.col(i));
   }
-  beam_->set_hinge(angle_at_start_ + rotation_->angle_at(t_ + h_), rotation_->rate_at(t_ + h_),
-                   end_q_, end_v_);
+  beam_.set_hinge(angle_at_start_ + rotation_->angle_at(t_ + h_), rotation_->rate_at(t_ + h_),
+                  end_q_, end_v_);
 }
 
 /// At the stages of the solved step, and what friction took.
@@ -493,9 +520,9 @@ void DenseMotion<S>::look_at_hinge(std::span<const StopStep> stops) {
   for (int i = 0; i < S; ++i) {
     if (friction_.sticks()) {
       accelerate(stops, i);
-      hinge_[i] = beam_->holding_moment();
+      hinge_[i] = beam_.holding_moment();
     } else {
-      hinge_[i] = beam_->hinge_rate(stage_v_.col(i));
+      hinge_[i] = beam_.hinge_rate(stage_v_.col(i));
       damped_ -= h_ * stages_.rule.weights()[i] * friction_.moment() * hinge_[i];
     }
   }
@@ -522,14 +549,14 @@ template <int S>
 PointMotion DenseMotion<S>::struck_at(int stop, double part, double* acceleration) {
   move_to(part);
   if (acceleration) {
-    Series values;
-    shifted_legendre(part, values);
-    values = to_series_.transpose() * values;
-    scratch_.noalias() = a_ * values;
-    *acceleration = stop == 0 ? beam_->struck_acceleration(at_q_, at_v_, scratch_)
-                              : further(stop).direction() *
-                                    beam_->point_acceleration(further(stop).contact.position, at_q_,
-                                                              at_v_, scratch_);
+    acceleration_there();
+    if (stop == 0) {
+      *acceleration = beam_.struck_acceleration(at_q_, at_v_, scratch_);
+    } else {
+      const FurtherStop& there = bar_.further[static_cast<std::size_t>(stop - 1)];
+      *acceleration = there.direction() *
+                      beam_.point_acceleration(there.contact.position, at_q_, at_v_, scratch_);
+    }
   }
   return point_before(stop, at_q_, at_v_);
 }
@@ -544,11 +571,11 @@ void DenseMotion<S>::sample(double first, double spacing, std::span<Sample> samp
       at_q_ = q_;
       at_v_ = v_;
     }
-    samples[i] = {beam_->struck_point(at_q_, at_v_),
-                  beam_->point(velocity_place_, at_q_, at_v_).velocity,
-                  beam_->point(displacement_place_, at_q_, at_v_).displacement};
+    samples[i] = {beam_.struck_point(at_q_, at_v_),
+                  beam_.point(bar_.velocity_place, at_q_, at_v_).velocity,
+                  beam_.point(bar_.displacement_place, at_q_, at_v_).displacement};
     if (!rotation_) continue;
-    const FloatingFrameBeam::Departure departure = beam_->departure(displacement_place_, at_q_);
+    const FloatingFrameBeam::Departure departure = beam_.departure(bar_.displacement_place, at_q_);
     samples[i].deflection = departure.deflection;
     samples[i].extension = departure.extension;
   }

@@ -42,7 +42,7 @@ class ReissnerChain {
   void residual(const StageArray<S>& q, const StageArray<S>& a, StageArray<S>& r) const;
 
   /// Whether bar or hinge take energy.
-  bool damped() const { return hinge_.viscous > 0.0 || damping_ != BarDamping{}; }
+  bool damped() const { return hinge_.viscous != 0.0 || damping_ != BarDamping{}; }
 
   /// Adds the forces of damping in bar and hinge, as they resist.
   template <int S>
@@ -181,8 +181,8 @@ void ReissnerChain::add_damping(const StageArray<S>& q, const StageArray<S>& v,
     const Values<S> rates = gather<S>(v, first);
     Values<S> force;
     force.fill(Lanes<S>::Zero());
-    if (damping_.mass > 0.0) add_inertia<S>(masses_[e], damping_.mass, rates, force);
-    if (damping_.stiffness > 0.0)
+    if (damping_.mass != 0.0) add_inertia<S>(masses_[e], damping_.mass, rates, force);
+    if (damping_.stiffness != 0.0)
       elements_[e].add_damping_force<Lanes<S>>(damping_.stiffness, gather<S>(q, first), rates,
                                                force);
     add<S>(force, first, r);

@@ -2,11 +2,9 @@
 #include "models/modal/parameter_effect.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
-#include "models/history_recorder.hpp"
 #include "models/make_beam.hpp"
 #include "models/stop/stop_head.hpp"
 
@@ -16,9 +14,6 @@ namespace {
 // How far modes are moved, of their size: truncation and rounding of the stencil are both below
 // 1e-9.
 constexpr double mode_step = 1e-4;
-
-constexpr std::array shown = {&History::force, &History::penetration, &History::velocity,
-                              &History::displacement};
 
 /// A sum that begins empty.
 template <typename Matrix>
@@ -75,14 +70,6 @@ struct BarChange {
   }
 };
 
-/// Whether the bars, and the points that are looked at, are the same.
-bool same_bar(const Rig& one, const Rig& other) {
-  for (int stop = 0; stop < one.stops(); ++stop)
-    if (one.contact_of(stop).position != other.contact_of(stop).position) return false;
-  return one.beam == other.beam && one.hinge == other.hinge && one.gravity == other.gravity &&
-         one.gravity_direction == other.gravity_direction;
-}
-
 double start_rate(const Rig& rig) {
   return touch_velocity(rig) / rig.contact.position;
 }
@@ -102,17 +89,13 @@ ParameterEffect::ParameterEffect(const Rig& rig, const Solver& solver,
                                  const HistoryRequest& history, RigParameter parameter,
                                  const ModalBeam& bar, const ModalBeam& modes,
                                  const Collocation& rule)
-    : modes_(modes),
+    : RigEffect(rig, parameter),
+      modes_(modes),
       rule_(rule),
-      by_(rig, parameter),
       start_rate_(
-          by_.slope([&](std::size_t place) { return models::start_rate(by_.rig_at(place)); })) {
-  laws_.reserve(static_cast<std::size_t>(rig.stops()));
-  for (int stop = 0; stop < rig.stops(); ++stop) laws_.emplace_back(rig, stop, by_);
-  const Rig beside = by_.rig_beside();
-  const bool same = same_bar(rig, beside);
-  if (same && rig.stop == beside.stop) return;
-  if (same)
+          by().slope([&](std::size_t place) { return models::start_rate(by().rig_at(place)); })) {
+  if (keeps_bar() && rig.stop == by().rig_beside().stop) return;
+  if (keeps_bar())
     keep_bar(bar);
   else
     find_bar(rig, solver, history, bar);
@@ -132,10 +115,10 @@ void ParameterEffect::find_bar(const Rig& rig, const Solver& solver, const Histo
   const std::unique_ptr<SmallMotionBeam> beam = make_small_motion_beam(rig, solver);
   BarChange change;
   for (std::size_t place = 0; place < ParameterStencil::places; ++place) {
-    if (!by_.counts(place)) continue;
-    const Rig there = by_.rig_at(place);
+    if (!by().counts(place)) continue;
+    const Rig there = by().rig_at(place);
     const std::unique_ptr<SmallMotionBeam> moved = make_small_motion_beam(there, solver);
-    change.add(by_.weight(place), moved->small_motion(), ViscousDamping::of(there),
+    change.add(by().weight(place), moved->small_motion(), ViscousDamping::of(there),
                Rows::of(*moved, there, history));
   }
   slope_ = bar.slope(change.motion, change.damping);
@@ -150,7 +133,7 @@ void ParameterEffect::find_bar(const Rig& rig, const Solver& solver, const Histo
 /// The mode of a stop's head, which is one with b = √m x.
 void ParameterEffect::find_head() {
   const auto slope_of = [&](const auto& value_of) {
-    return by_.slope([&](std::size_t place) { return value_of(*by_.rig_at(place).stop); });
+    return by().slope([&](std::size_t place) { return value_of(*by().rig_at(place).stop); });
   };
   const auto append = [](double value, Eigen::VectorXd& values) {
     values.conservativeResize(values.size() + 1);
@@ -174,14 +157,14 @@ void ParameterEffect::move_modes() {
   };
   // a weightless rigid bar without a damper has no rate: then the parameter's own size has to do
   const double fastest = modes_.fastest();
-  const double rate = fastest > 0.0 ? fastest : by_.size() * largest_of(slope_.damping);
+  const double rate = fastest > 0.0 ? fastest : by().size() * largest_of(slope_.damping);
   spacing_ = std::min({step_along(largest_of(modes_.omega()), slope_.omega),
                        step_along(rate, slope_.damping),
                        step_along(largest_of(modes_.rigid()), slope_.rigid)});
   for (int stop = 0; stop < modes_.stops(); ++stop)
     spacing_ = std::min(spacing_, step_along(largest_of(modes_.struck(stop)), struck(stop)));
   if (!std::isfinite(spacing_)) return;
-  for (const double offset : by_.stencil().offsets)
+  for (const double offset : by().stencil().offsets)
     moved_.push_back(modes_.moved(slope_, offset * spacing_));
 }
 
@@ -191,9 +174,9 @@ const ModalStep& ParameterEffect::step(double h) {
   std::vector<ModalStep> steps;
   std::vector<double> weights;
   for (std::size_t place = 0; place < moved_.size(); ++place) {
-    if (!by_.counts(place)) continue;
+    if (!by().counts(place)) continue;
     steps.emplace_back(moved_[place], rule_, h);
-    weights.push_back(by_.stencil().weights[place] / spacing_);
+    weights.push_back(by().stencil().weights[place] / spacing_);
   }
   return steps_.emplace(h, ModalStep::sum(steps, weights)).first->second;
 }
@@ -202,55 +185,12 @@ void ParameterEffect::add_advance(double h, std::span<const NodeVector> series,
                                   const ModalState& from, ModalState& to) {
   there_ = to;
   for (std::size_t place = 0; place < moved_.size(); ++place) {
-    if (!by_.counts(place)) continue;
+    if (!by().counts(place)) continue;
     advance(moved_[place], h, series, from, there_);
-    const double weight = by_.stencil().weights[place] / spacing_;
+    const double weight = by().stencil().weights[place] / spacing_;
     to.a += weight * there_.a;
     to.rate += weight * there_.rate;
   }
-}
-
-/// Where nothing before touch changes.
-History ParameterEffect::still(const HistoryRequest& wanted) const {
-  History zero;
-  const long before = samples_before_touch(wanted);
-  zero.start = -static_cast<double>(before) * wanted.interval;
-  zero.interval = wanted.interval;
-  const std::vector<double> zeros(static_cast<std::size_t>(before) + 1, 0.0);
-  for (const auto values : shown) zero.*values = zeros;
-  zero.further.assign(laws_.size() - 1, {zeros, zeros});
-  return zero;
-}
-
-History ParameterEffect::lead(const HistoryRequest& wanted) const {
-  History sum;
-  if (!(wanted.interval > 0.0)) return sum;
-  if (start_rate_ == 0.0 && !moves_modes() && !moves_gap()) return still(wanted);
-  const auto add = [](std::vector<double>& to, double weight, const std::vector<double>& part) {
-    to.resize(part.size(), 0.0);
-    for (std::size_t k = 0; k < part.size(); ++k) to[k] += weight * part[k];
-  };
-  for (std::size_t place = 0; place < ParameterStencil::places; ++place) {
-    if (!by_.counts(place)) continue;
-    const Rig there = by_.rig_at(place);
-    const double speed = touch_velocity(there);
-    const auto speed_at = [&](double x) {
-      return x > 0.0 ? speed * x / there.contact.position : speed;
-    };
-    History lead;
-    begin_history(there, wanted, speed, speed_at(wanted.velocity_position),
-                  speed_at(wanted.displacement_position), lead);
-    sum.start = lead.start;
-    sum.interval = lead.interval;
-    const double weight = by_.weight(place);
-    for (const auto values : shown) add(sum.*values, weight, lead.*values);
-    sum.further.resize(lead.further.size());
-    for (std::size_t k = 0; k < lead.further.size(); ++k) {
-      add(sum.further[k].force, weight, lead.further[k].force);
-      add(sum.further[k].penetration, weight, lead.further[k].penetration);
-    }
-  }
-  return sum;
 }
 
 }  // namespace impactrig::models

@@ -1,38 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
 #include <map>
 #include <span>
 #include <vector>
 
-#include "models/modal/law_effect.hpp"
 #include "models/modal/modal_step.hpp"
-#include "models/modal/parameter_stencil.hpp"
-#include "models/simulation.hpp"
+#include "models/sensitivities/rig_effect.hpp"
 
 namespace impactrig::models {
 
-/// What a parameter of the rig changes of a run of small motion, the run's own course apart: how it
-/// begins, the laws at its stops, the modes and their responses. All by differences of closed forms
-/// and by perturbation of the modes, none by differences of simulations.
-class ParameterEffect {
+/// What a parameter of the rig changes of a run of small motion, the run's own course apart:
+/// besides what any RigEffect knows the modes, by their perturbation, and their responses.
+class ParameterEffect : public RigEffect {
  public:
   /// `modes`: of the bar and, last, of the head of a stop that gives way.
   ParameterEffect(const Rig& rig, const Solver& solver, const HistoryRequest& history,
                   RigParameter parameter, const ModalBeam& bar, const ModalBeam& modes,
                   const Collocation& rule);
-  ParameterEffect(const ParameterEffect&) = delete;
-  ParameterEffect& operator=(const ParameterEffect&) = delete;
-
-  double size() const { return by_.size(); }
 
   /// Of the angular rate at touch [rad/s a unit].
   double start_rate() const { return start_rate_; }
-
-  LawEffect& law(int stop) { return laws_[static_cast<std::size_t>(stop)]; }
-
-  const LawEffect& law(int stop) const { return laws_[static_cast<std::size_t>(stop)]; }
 
   bool moves_modes() const { return !moved_.empty(); }
 
@@ -66,27 +54,16 @@ class ParameterEffect {
 
   const SensorRow& sensor_row() const { return sensor_row_; }
 
-  /// Of what the history shows up to touch.
-  History lead(const HistoryRequest& wanted) const;
-
  private:
   void find_bar(const Rig& rig, const Solver& solver, const HistoryRequest& history,
                 const ModalBeam& bar);
   void keep_bar(const ModalBeam& bar);
   void find_head();
-  History still(const HistoryRequest& wanted) const;
-
-  bool moves_gap() const {
-    return std::ranges::any_of(laws_, [](const LawEffect& law) { return law.gap() != 0.0; });
-  }
-
   void move_modes();
 
   const ModalBeam& modes_;
   const Collocation& rule_;
-  ParameterStencil by_;
   double start_rate_;
-  std::vector<LawEffect> laws_;
   ModalSlope slope_;
   SensorRow sensor_row_;
   Eigen::VectorXd velocity_row_, displacement_row_;

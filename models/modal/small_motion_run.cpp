@@ -69,13 +69,6 @@ double missing_pull(const AxialPull& pull, const Simulation& run, double safe) {
   return std::max(safe * missing, pull.of_depth());
 }
 
-/// Every contact.
-bool ends_smoothly(const Rig& rig) {
-  for (int stop = 0; stop < rig.stops(); ++stop)
-    if (!ContactForce(rig, stop).ends_smoothly()) return false;
-  return true;
-}
-
 int nodes_for(double accuracy) {
   return accuracy > 2e-7 ? 6 : 8;
 }
@@ -110,7 +103,7 @@ SmallMotionRun::SmallMotionRun(const Rig& rig, const Solver& solver,
     motion_.step_flights();
   if (!judges()) motion_.leave_judging();
   if (follows_swing(rig, options)) of_swing_ = std::pow(*rig.start.release_angle, 2) / 16.0;
-  if (options.sensitivities.empty() || of_swing_ > 0.0 || !ends_smoothly(rig)) return;
+  if (options.sensitivities.empty() || of_swing_ > 0.0 || !contacts_end_smoothly(rig)) return;
   if (stopped_) stopped_->keep_responding();
   sensitivities_ =
       std::make_unique<ModalSensitivities>(rig, solver, options, motion_, stopped_.get());

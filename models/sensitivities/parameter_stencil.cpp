@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "models/modal/parameter_stencil.hpp"
+#include "models/sensitivities/parameter_stencil.hpp"
 
 #include <algorithm>
 #include <cmath>

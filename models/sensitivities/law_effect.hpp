@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "models/contact/contact_force.hpp"
-#include "models/modal/parameter_stencil.hpp"
+#include "models/sensitivities/parameter_stencil.hpp"
 
 namespace impactrig::models {
 

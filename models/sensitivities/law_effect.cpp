@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "models/modal/law_effect.hpp"
+#include "models/sensitivities/law_effect.hpp"
 
 namespace impactrig::models {
 namespace {

@@ -25,6 +25,9 @@ class ParameterStencil {
 
   double weight(std::size_t place) const { return stencil_.weights[place] / spacing_; }
 
+  /// How far the number is from its value there.
+  double offset(std::size_t place) const { return stencil_.offsets[place] * spacing_; }
+
   /// The rig there.
   Rig rig_at(std::size_t place) const { return moved(stencil_.offsets[place]); }
 

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "models/implicit/chain_points.hpp"
+#include "models/implicit/point_curve.hpp"
+#include "models/sensitivities/motion_slope.hpp"
+#include "models/sensitivities/rig_effect.hpp"
+
+// Included by chain_motion_steps.hpp.
+namespace impactrig::models {
+namespace {
+
+/// The derivative of a ChainMotion. Its linearised equations are those of the stages, of which the
+/// residual is differentiated along the slope, and by the parameter at once, over the parameter's
+/// stencil; the motion's own factored systems solve them by iteration.
+template <typename Motion>
+class ChainSlope final : public MotionSlope {
+ public:
+  ChainSlope(Motion& motion, const RigEffect& effect, const Solver& solver,
+             const HistoryRequest& history)
+      : motion_(motion),
+        by_(effect.by()),
+        moved_(motion.points_.stops.size()) {
+    const int n = motion.chain_.coordinates();
+    q_ = v_ = Eigen::ArrayXd::Zero(n);
+    a_ = previous_ = stage_q_ = stage_v_ = residual_ = there_ = Stages::Zero(S, n);
+    if (effect.keeps_bar()) return;
+    bars_.resize(ParameterStencil::places);
+    for (std::size_t place = 0; place < bars_.size(); ++place) {
+      if (!by_.counts(place)) continue;
+      const Rig rig = by_.rig_at(place);
+      bars_[place] = std::make_unique<Bar>(rig, solver);
+      const Bar& bar = *bars_[place];
+      moved_.add(by_.weight(place), ChainPoints(bar.beam, bar.chain, motion.struck_, rig, history));
+    }
+  }
+
+  void start(std::span<const Start> starts) override {
+    Eigen::VectorXd beam_q(motion_.beam_.size()), beam_v(motion_.beam_.size());
+    Eigen::ArrayXd q, v;
+    q_.setZero();
+    v_.setZero();
+    for_each_place([&](std::size_t place) {
+      const auto& beam = bars_.empty() ? motion_.beam_ : bars_[place]->beam;
+      beam_q.setZero();
+      beam_v.setZero();
+      beam.set_steady_motion(starts[place].angle, starts[place].rate, beam_q, beam_v);
+      motion_.chain_.from_beam(beam_q, q);
+      motion_.chain_.from_beam(beam_v, v);
+      q_ += by_.weight(place) * q;
+      v_ += by_.weight(place) * v;
+    });
+    last_h_ = 0.0;
+  }
+
+  void begin_step(std::span<const NodeVector> forces) override {
+    forces_ = forces;
+    seen_ = false;
+    motion_.place_stages();
+    motion_.predict(previous_, last_h_ > 0.0 ? motion_.h_ / last_h_ : 0.0, 1.0, a_);
+  }
+
+  Change improve(std::span<const NodeVector> forces, std::span<Nodes> points) override {
+    place_stages();
+    differentiate_residual();
+    for (std::size_t stop = 0; stop < forces.size(); ++stop) {
+      for (const auto& [k, w] : motion_.points_.stops[stop])
+        residual_.col(k) -= w * forces[stop].array();
+      for (const auto& [k, w] : moved_.stops[stop]) residual_.col(k) -= w * forces_[stop].array();
+    }
+    motion_.solve(residual_);
+    a_ -= residual_;
+    for (std::size_t stop = 0; stop < points.size(); ++stop) look_at_nodes(stop, points[stop]);
+    const double speed = std::sqrt((motion_.chain_.inertia() * v_.square()).sum());
+    return {by_.size() * motion_.size_of(residual_), by_.size() * speed / motion_.speed_scale_,
+            rounding()};
+  }
+
+  double press(std::span<const NodeVector> changes) override {
+    residual_.setZero();
+    for (std::size_t stop = 0; stop < changes.size(); ++stop)
+      motion_.add_response(stop, changes[stop], residual_);
+    a_ += residual_;
+    return by_.size() * motion_.size_of(residual_);
+  }
+
+  PointMotion struck(int stop) const override {
+    const auto number = static_cast<std::size_t>(stop);
+    PointMotion sum;
+    for (const auto& [k, w] : motion_.points_.stops[number]) {
+      sum.displacement -= w * q_[k];
+      sum.velocity -= w * v_[k];
+    }
+    for (const auto& [k, w] : moved_.stops[number]) {
+      sum.displacement -= w * motion_.q_[k];
+      sum.velocity -= w * motion_.v_[k];
+    }
+    return sum;
+  }
+
+  void look(double part) override {
+    if (!seen_) see_points();
+    shifted_legendre(part, legendre_);
+    shifted_legendre_integrals(part, integrals_);
+  }
+
+  PointMotion struck_at_place(int stop) const override {
+    return stops_[static_cast<std::size_t>(stop)].at(integrals_);
+  }
+
+  Spots spots() const override {
+    return {.velocity = velocity_.at(integrals_).velocity,
+            .displacement = displacement_.at(integrals_).displacement,
+            .velocity_rate = run_velocity_.rate(legendre_),
+            .displacement_rate = run_displacement_.at(integrals_).velocity};
+  }
+
+  void take(double shift) override {
+    place_stages();
+    for (int k = 0; k < q_.size(); ++k) {
+      const Lanes a = motion_.a_.col(k);
+      q_[k] = stage_q_(S - 1, k) + shift * (motion_.v_[k] + motion_.velocity_of(a)[S - 1]);
+      v_[k] = stage_v_(S - 1, k) + shift * a[S - 1];
+    }
+    std::swap(previous_, a_);
+    last_h_ = motion_.h_;
+    seen_ = false;
+  }
+
+ private:
+  static constexpr int S = Motion::stages;
+  using Chain = typename Motion::ChainType;
+  using Stages = StageArray<S>;
+  using Lanes = Eigen::Array<double, S, 1>;
+
+  /// The bar where the parameter is moved.
+  struct Bar {
+    Bar(const Rig& rig, const Solver& solver) : beam(rig, solver.elements), chain(beam) {}
+
+    typename Chain::Beam beam;
+    Chain chain;
+  };
+
+  template <typename Visitor>
+  void for_each_place(const Visitor& visit) const {
+    for (std::size_t place = 0; place < ParameterStencil::places; ++place)
+      if (by_.counts(place)) visit(place);
+  }
+
+  void place_stages() {
+    for (int k = 0; k < q_.size(); ++k) {
+      stage_q_.col(k) = q_[k] + motion_.displacement_of(v_[k], a_.col(k));
+      stage_v_.col(k) = v_[k] + motion_.velocity_of(a_.col(k));
+    }
+  }
+
+  /// Without what forces do.
+  void differentiate_residual() {
+    residual_.setZero();
+    for_each_place([&](std::size_t place) {
+      const Chain& chain = bars_.empty() ? motion_.chain_ : bars_[place]->chain;
+      const double way = by_.offset(place);
+      const Stages q = motion_.stage_q_ + way * stage_q_;
+      chain.template residual<S>(q, motion_.a_ + way * a_, there_);
+      if (chain.damped())
+        chain.template add_damping<S>(q, motion_.stage_v_ + way * stage_v_, there_);
+      residual_ += by_.weight(place) * there_;
+    });
+  }
+
+  void look_at_nodes(std::size_t stop, Nodes& nodes) const {
+    Lanes displacement = Lanes::Zero(), velocity = Lanes::Zero();
+    for (const auto& [k, w] : motion_.points_.stops[stop]) {
+      const Lanes a = a_.col(k);
+      displacement -= w * (q_[k] + motion_.displacement_of(v_[k], a));
+      velocity -= w * (v_[k] + motion_.velocity_of(a));
+    }
+    for (const auto& [k, w] : moved_.stops[stop]) {
+      displacement -= w * motion_.stage_q_.col(k);
+      velocity -= w * motion_.stage_v_.col(k);
+    }
+    nodes.displacement = displacement.matrix();
+    nodes.velocity = velocity.matrix();
+  }
+
+  using Curve = PointCurve<S>;
+
+  /// Σ w of coordinates over the step.
+  static void add(const ChainPoints::Shares& shares, const Eigen::ArrayXd& q,
+                  const Eigen::ArrayXd& v, const Stages& a, Curve& sum) {
+    for (const auto& [k, w] : shares) {
+      sum.displacement -= w * q[k];
+      sum.velocity -= w * v[k];
+      sum.acceleration -= w * a.col(k).matrix();
+    }
+  }
+
+  /// Of slopes, the run's own by the slopes of the shares.
+  Curve curve(const ChainPoints::Shares& shares, const ChainPoints::Shares& moved) const {
+    Curve sum;
+    add(shares, q_, v_, a_, sum);
+    add(moved, motion_.q_, motion_.v_, motion_.a_, sum);
+    return sum.over(motion_.h_, motion_.stages_, motion_.to_series_);
+  }
+
+  Curve run_curve(const ChainPoints::Shares& shares) const {
+    Curve sum;
+    add(shares, motion_.q_, motion_.v_, motion_.a_, sum);
+    return sum.over(motion_.h_, motion_.stages_, motion_.to_series_);
+  }
+
+  /// Of the points over the step.
+  void see_points() {
+    const ChainPoints& points = motion_.points_;
+    stops_.clear();
+    for (std::size_t k = 0; k < points.stops.size(); ++k)
+      stops_.push_back(curve(points.stops[k], moved_.stops[k]));
+    velocity_ = curve(points.velocity_spot, moved_.velocity_spot);
+    displacement_ = curve(points.displacement_spot, moved_.displacement_spot);
+    run_velocity_ = run_curve(points.velocity_spot);
+    run_displacement_ = run_curve(points.displacement_spot);
+    seen_ = true;
+  }
+
+  /// Of the positions, turned into forces, over the stencil's spacing.
+  double rounding() const {
+    double farthest = 0.0;
+    for_each_place(
+        [&](std::size_t place) { farthest = std::max(farthest, std::abs(by_.offset(place))); });
+    return motion_.rounding() * by_.size() / farthest;
+  }
+
+  Motion& motion_;
+  const ParameterStencil& by_;
+  std::vector<std::unique_ptr<Bar>> bars_;  // at the stencil's places; empty where all are the same
+  ChainPoints moved_;                       // slopes of the shares
+  std::span<const NodeVector> forces_;
+  Eigen::ArrayXd q_, v_;
+  Stages a_, previous_, stage_q_, stage_v_, residual_, there_;
+  double last_h_ = 0.0;
+  bool seen_ = false;  // the points over the step at hand
+  std::vector<Curve> stops_;
+  Curve velocity_, displacement_, run_velocity_, run_displacement_;
+  NodeVector legendre_ = NodeVector::Zero(S), integrals_ = legendre_;  // at the place
+};
+
+}  // namespace
+}  // namespace impactrig::models

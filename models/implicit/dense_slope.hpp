@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "models/beams/floating_frame.hpp"
+#include "models/implicit/frame_bar.hpp"
+#include "models/implicit/point_curve.hpp"
+#include "models/sensitivities/motion_slope.hpp"
+#include "models/sensitivities/rig_effect.hpp"
+
+// Included by dense_motion.cpp.
+namespace impactrig::models {
+namespace {
+
+/// The derivative of a DenseMotion. Accelerations of the stages, and what is seen of the bar, are
+/// differentiated along the slope, and by the parameter at once, over the parameter's stencil; the
+/// motion's own factored systems solve the linearised equations by iteration.
+template <typename Motion>
+class DenseSlope final : public MotionSlope {
+ public:
+  DenseSlope(Motion& motion, const RigEffect& effect, const Solver& solver,
+             const HistoryRequest& history)
+      : motion_(motion),
+        by_(effect.by()) {
+    q_ = v_ = at_q_ = at_v_ = scratch_ = Vector::Zero(motion.n_);
+    a_ = previous_ = stage_q_ = stage_v_ = residual_ = Stages::Zero(motion.n_, S);
+    if (effect.keeps_bar()) return;
+    bars_.resize(ParameterStencil::places);
+    for (std::size_t place = 0; place < bars_.size(); ++place)
+      if (by_.counts(place))
+        bars_[place] = std::make_unique<FrameBar>(by_.rig_at(place), solver, history);
+  }
+
+  void start(std::span<const Start> starts) override {
+    q_.setZero();
+    v_.setZero();
+    for_each_place([&](std::size_t place) {
+      at_q_.setZero();
+      at_v_.setZero();
+      bar(place).beam->set_steady_motion(starts[place].angle, starts[place].rate, at_q_, at_v_);
+      q_ += by_.weight(place) * at_q_;
+      v_ += by_.weight(place) * at_v_;
+    });
+    last_h_ = 0.0;
+  }
+
+  void begin_step(std::span<const NodeVector> forces) override {
+    forces_ = forces;
+    seen_ = false;
+    motion_.place_stages();
+    if (last_h_ > 0.0)
+      motion_.predict(previous_, motion_.h_ / last_h_, 1.0, 3, a_);
+    else
+      a_.setZero();
+  }
+
+  Change improve(std::span<const NodeVector> forces, std::span<Nodes> points) override {
+    place_stages();
+    differentiate(forces);
+    motion_.correct(residual_, change_);
+    a_ -= change_;
+    place_stages();
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      points[k].displacement.resize(S);
+      points[k].velocity.resize(S);
+      for (int i = 0; i < S; ++i) {
+        const PointMotion p =
+            slope_before(static_cast<int>(k), motion_.stage_q_.col(i), motion_.stage_v_.col(i),
+                         stage_q_.col(i), stage_v_.col(i));
+        points[k].displacement[i] = p.displacement;
+        points[k].velocity[i] = p.velocity;
+      }
+    }
+    const double speed = std::sqrt(motion_.inertia_.dot(v_.cwiseAbs2()));
+    return {by_.size() * motion_.size_of(change_), by_.size() * speed / motion_.speed_scale_,
+            rounding()};
+  }
+
+  double press(std::span<const NodeVector> changes) override {
+    change_.setZero(motion_.n_, S);
+    for (std::size_t stop = 0; stop < changes.size(); ++stop)
+      motion_.add_response(stop, changes[stop], change_);
+    a_ += change_;
+    return by_.size() * motion_.size_of(change_);
+  }
+
+  PointMotion struck(int stop) const override {
+    return slope_before(stop, motion_.q_, motion_.v_, q_, v_);
+  }
+
+  void look(double part) override {
+    if (!seen_) see_points();
+    shifted_legendre(part, legendre_);
+    shifted_legendre_integrals(part, integrals_);
+  }
+
+  PointMotion struck_at_place(int stop) const override {
+    return stops_[static_cast<std::size_t>(stop)].at(integrals_);
+  }
+
+  Spots spots() const override {
+    return {.velocity = velocity_.at(integrals_).velocity,
+            .displacement = displacement_.at(integrals_).displacement,
+            .velocity_rate = run_velocity_.rate(legendre_),
+            .displacement_rate = run_displacement_.at(integrals_).velocity};
+  }
+
+  void take(double shift) override;
+
+ private:
+  static constexpr int S = Motion::stages;
+  using Vector = Eigen::VectorXd;
+  using Stages = typename Motion::Stages;
+
+  template <typename Visitor>
+  void for_each_place(const Visitor& visit) const {
+    for (std::size_t place = 0; place < ParameterStencil::places; ++place)
+      if (by_.counts(place)) visit(place);
+  }
+
+  FrameBar& bar(std::size_t place) const { return bars_.empty() ? motion_.bar_ : *bars_[place]; }
+
+  void place_stages() { motion_.integrate(q_, v_, a_, stage_q_, stage_v_); }
+
+  /// What the slopes lack of their equations, a' − d/dp f(q, v, F).
+  void differentiate(std::span<const NodeVector> forces) {
+    residual_ = a_;
+    for_each_place([&](std::size_t place) {
+      const double way = by_.offset(place);
+      for (int i = 0; i < S; ++i) {
+        for (std::size_t k = 0; k < forces.size(); ++k)
+          motion_.forces_[k] = forces_[k][i] + way * forces[k][i];
+        bar(place).beam->acceleration(motion_.stage_q_.col(i) + way * stage_q_.col(i),
+                                      motion_.stage_v_.col(i) + way * stage_v_.col(i),
+                                      motion_.forces_, scratch_);
+        residual_.col(i) -= by_.weight(place) * scratch_;
+      }
+    });
+  }
+
+  /// Of what is seen of a bar.
+  template <typename Seen>
+  PointMotion slope(const Seen& seen, ConstVector q, ConstVector v, ConstVector q_slope,
+                    ConstVector v_slope) const {
+    PointMotion sum;
+    for_each_place([&](std::size_t place) {
+      const double way = by_.offset(place);
+      const PointMotion p = seen(bar(place), q + way * q_slope, v + way * v_slope);
+      sum.displacement += by_.weight(place) * p.displacement;
+      sum.velocity += by_.weight(place) * p.velocity;
+    });
+    return sum;
+  }
+
+  PointMotion slope_before(int stop, ConstVector q, ConstVector v, ConstVector q_slope,
+                           ConstVector v_slope) const {
+    return slope([stop](const FrameBar& there, ConstVector at_q,
+                        ConstVector at_v) { return there.before(stop, at_q, at_v); },
+                 q, v, q_slope, v_slope);
+  }
+
+  template <typename Look>
+  PointCurve<S> curve(const Look& look) const;
+  void see_points();
+
+  /// Of the positions, turned into forces, over the stencil's spacing.
+  double rounding() const {
+    double farthest = 0.0;
+    for_each_place(
+        [&](std::size_t place) { farthest = std::max(farthest, std::abs(by_.offset(place))); });
+    return motion_.rounding() * by_.size() / farthest;
+  }
+
+  Motion& motion_;
+  const ParameterStencil& by_;
+  std::vector<std::unique_ptr<FrameBar>> bars_;  // at the stencil's places; empty: all the same
+  std::span<const NodeVector> forces_;
+  Vector q_, v_, at_q_, at_v_, scratch_;
+  Stages a_, previous_, stage_q_, stage_v_, residual_, change_;
+  double last_h_ = 0.0;
+  bool seen_ = false;  // the points over the step at hand
+  std::vector<PointCurve<S>> stops_;
+  PointCurve<S> velocity_, displacement_, run_velocity_, run_displacement_;
+  NodeVector legendre_ = NodeVector::Zero(S), integrals_ = legendre_;  // at the place
+};
+
+/// Of the points over the step: those of the nodes' velocities, of which the acceleration is made.
+template <typename Motion>
+template <typename Look>
+PointCurve<DenseSlope<Motion>::S> DenseSlope<Motion>::curve(const Look& look) const {
+  PointCurve<S> curve;
+  const PointMotion first = look(motion_.q_, motion_.v_, q_, v_);
+  curve.displacement = first.displacement;
+  curve.velocity = first.velocity;
+  Eigen::Matrix<double, S, 1> gained;
+  for (int i = 0; i < S; ++i)
+    gained[i] =
+        look(motion_.stage_q_.col(i), motion_.stage_v_.col(i), stage_q_.col(i), stage_v_.col(i))
+            .velocity -
+        first.velocity;
+  curve.acceleration = motion_.stages_.to_velocity.partialPivLu().solve(gained) / motion_.h_;
+  return curve.over(motion_.h_, motion_.stages_, motion_.to_series_);
+}
+
+template <typename Motion>
+void DenseSlope<Motion>::see_points() {
+  place_stages();
+  stops_.clear();
+  const auto slope_of = [&](const auto& seen) {
+    return curve([&](ConstVector q, ConstVector v, ConstVector q_slope, ConstVector v_slope) {
+      return slope(seen, q, v, q_slope, v_slope);
+    });
+  };
+  const auto run_of = [&](double place) {
+    return curve([&, place](ConstVector q, ConstVector v, ConstVector, ConstVector) {
+      return motion_.bar_.beam->point(place, q, v);
+    });
+  };
+  for (int k = 0; k < motion_.stops(); ++k)
+    stops_.push_back(slope_of([k](const FrameBar& there, ConstVector q, ConstVector v) {
+      return there.before(k, q, v);
+    }));
+  velocity_ = slope_of([](const FrameBar& there, ConstVector q, ConstVector v) {
+    return there.beam->point(there.velocity_place, q, v);
+  });
+  displacement_ = slope_of([](const FrameBar& there, ConstVector q, ConstVector v) {
+    return there.beam->point(there.displacement_place, q, v);
+  });
+  run_velocity_ = run_of(motion_.bar_.velocity_place);
+  run_displacement_ = run_of(motion_.bar_.displacement_place);
+  seen_ = true;
+}
+
+template <typename Motion>
+void DenseSlope<Motion>::take(double shift) {
+  place_stages();
+  q_ = stage_q_.col(S - 1) + shift * motion_.stage_v_.col(S - 1);
+  v_ = stage_v_.col(S - 1) + shift * motion_.a_.col(S - 1);
+  std::swap(previous_, a_);
+  last_h_ = motion_.h_;
+  seen_ = false;
+}
+
+}  // namespace
+}  // namespace impactrig::models

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/sensitivities/full_sensitivities.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+namespace impactrig::models {
+namespace {
+
+// Of the accuracy asked for, what the iteration may leave of a slope.
+constexpr double share = 0.01;
+constexpr int most_iterations = 50;
+
+MotionSlope::Start start_of(const Rig& rig, const SimulationOptions& options) {
+  if (follows_swing(rig, options)) return {-*rig.start.release_angle, 0.0};
+  return {0.0, touch_velocity(rig) / rig.contact.position};
+}
+
+}  // namespace
+
+FullSensitivities::FullSensitivities(const Rig& rig, const Solver& solver,
+                                     const SimulationOptions& options, BarMotion& motion)
+    : RunSensitivities(rig, options, motion),
+      motion_(motion),
+      tolerance_(share * std::max(solver.accuracy, Solver::finest_accuracy)),
+      points_(stops_.size()),
+      changes_(stops_.size()),
+      passing_(stops_.size()) {
+  for (const RigParameter parameter : options.sensitivities) {
+    auto effect = std::make_unique<RigEffect>(rig, parameter);
+    slopes_.push_back(motion.follow(*effect, solver, options.history));
+    known_ = known_ && slopes_.back();
+    add(std::move(effect));
+  }
+}
+
+void FullSensitivities::start() {
+  for (int i = 0; i < count(); ++i) {
+    const ParameterStencil& by = direction(i).effect->by();
+    std::array<MotionSlope::Start, ParameterStencil::places> starts;
+    for (std::size_t place = 0; place < starts.size(); ++place)
+      starts[place] = start_of(by.rig_at(place), options_);
+    slope(i).start(starts);
+  }
+}
+
+void FullSensitivities::begin_more(Direction& d) {
+  const auto i = static_cast<int>(&d - directions_.data());
+  slope(i).look(0.0);
+  d.rest = slope(i).spots().displacement;
+}
+
+/// The forces' slopes come to the laws under the points' as they are; returns by how much the
+/// motion's change for that.
+double FullSensitivities::press(int i) {
+  Direction& d = direction(i);
+  for (std::size_t k = 0; k < stops_.size(); ++k) {
+    stops_[k].depth = points_[k].displacement.array() - d.effect->law(static_cast<int>(k)).gap();
+    stops_[k].rate = points_[k].velocity;
+  }
+  drive_laws(d);
+  for (std::size_t k = 0; k < stops_.size(); ++k)
+    if (stops_[k].presses()) drive_.segment(stops_[k].first_row, rule_.nodes()) -= d.force[k];
+  if (drive_.size() == 0) return 0.0;
+  answer_.noalias() = inverse_ * drive_;
+  for (std::size_t k = 0; k < stops_.size(); ++k) {
+    changes_[k].setZero(rule_.nodes());
+    if (!stops_[k].presses()) continue;
+    changes_[k] = answer_.segment(stops_[k].first_row, rule_.nodes());
+    d.force[k] += changes_[k];
+  }
+  return slope(i).press(changes_);
+}
+
+bool FullSensitivities::solve(int i) {
+  Direction& d = direction(i);
+  for (NodeVector& force : d.force) force.setZero(rule_.nodes());
+  slope(i).begin_step(force_);
+  double before = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < most_iterations; ++k) {
+    const MotionSlope::Change change = slope(i).improve(d.force, points_);
+    const double size = change.size + press(i);
+    if (size <= std::max(tolerance_, change.rounding) * std::max(1.0, change.of)) return true;
+    if (!(size < 1e3 * before)) return false;
+    before = size;
+  }
+  return false;
+}
+
+void FullSensitivities::go_to_place() {
+  for (std::size_t k = 0; k < stops_.size(); ++k) {
+    Passing& p = passing_[k];
+    const PointMotion seen = motion_.struck_at(static_cast<int>(k), place_.part, &p.acceleration);
+    p.displacement = seen.displacement;
+    p.velocity = seen.velocity;
+  }
+}
+
+RunSensitivities::Struck FullSensitivities::struck(int i, std::size_t stop) const {
+  const PointMotion p = slope(i).struck(static_cast<int>(stop));
+  return {p.displacement, p.velocity};
+}
+
+RunSensitivities::Struck FullSensitivities::struck_at_place(int i, std::size_t stop) const {
+  const PointMotion p = slope(i).struck_at_place(static_cast<int>(stop));
+  return {p.displacement, p.velocity};
+}
+
+RunSensitivities::Spots FullSensitivities::spots(int i) const {
+  const MotionSlope::Spots s = slope(i).spots();
+  return {s.velocity, s.displacement, s.velocity_rate, s.displacement_rate};
+}
+
+}  // namespace impactrig::models

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "models/sensitivities/motion_slope.hpp"
+#include "models/sensitivities/run_sensitivities.hpp"
+
+namespace impactrig::models {
+
+/// Derivatives of a run of the full equations, against rigid stops: a MotionSlope a parameter, and
+/// the contact laws, solved in turn until both are at rest.
+class FullSensitivities final : public RunSensitivities {
+ public:
+  FullSensitivities(const Rig& rig, const Solver& solver, const SimulationOptions& options,
+                    BarMotion& motion);
+
+  /// False where the motion cannot be followed; then it is of no further use.
+  bool known() const { return known_; }
+
+  void start() override;
+
+ private:
+  void prepare() override { linearise_laws(); }
+
+  bool solve(int i) override;
+
+  const BarMotion::Response& response(int point, int stop) override {
+    return motion_.response(point, stop);
+  }
+
+  void go_to_place() override;
+
+  Passing passing(std::size_t stop) const override { return passing_[stop]; }
+
+  void follow_to_place(int i) override { slope(i).look(place_.part); }
+
+  Struck struck(int i, std::size_t stop) const override;
+  Struck struck_at_place(int i, std::size_t stop) const override;
+  Spots spots(int i) const override;
+
+  void move_on(int i, double shift) override { slope(i).take(shift); }
+
+  void begin_more(Direction& d) override;
+
+  MotionSlope& slope(int i) const { return *slopes_[static_cast<std::size_t>(i)]; }
+
+  double press(int i);
+
+  BarMotion& motion_;
+  double tolerance_;
+  bool known_ = true;
+  std::vector<std::unique_ptr<MotionSlope>> slopes_;  // a direction each
+  std::vector<MotionSlope::Nodes> points_;            // before the stops
+  std::vector<NodeVector> changes_;                   // of the forces' slopes
+  Eigen::VectorXd answer_;
+  std::vector<Passing> passing_;  // at the place
+};
+
+}  // namespace impactrig::models

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/models/differences.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "tests/models/scenes.hpp"
+
+namespace impactrig::tests {
+
+using namespace models;
+
+namespace {
+
+/// What is differentiated, one number after the other.
+std::vector<double> numbers(const Simulation& run) {
+  const Episode& e = run.episodes.front();
+  return {e.peak_force,
+          e.max_penetration,
+          e.end,
+          e.impulse,
+          e.separation_velocity,
+          run.restitution.kinematic,
+          run.restitution.kinetic,
+          run.restitution.energetic,
+          run.sensor ? run.sensor->peak_force : 1.0};
+}
+
+std::vector<double> numbers(const Sensitivity& s) {
+  return {s.peak_force,
+          s.max_penetration,
+          s.duration,
+          s.impulse,
+          s.separation_velocity,
+          s.restitution.kinematic,
+          s.restitution.kinetic,
+          s.restitution.energetic,
+          s.sensor_peak_force};
+}
+
+/// What a history shows, one channel after the other.
+std::vector<std::vector<double>> channels(const History& history) {
+  std::vector<std::vector<double>> all = {history.force, history.penetration, history.velocity,
+                                          history.displacement};
+  if (!history.sensor_force.empty()) all.push_back(history.sensor_force);
+  for (const StopHistory& stop : history.further) {
+    all.push_back(stop.force);
+    all.push_back(stop.penetration);
+  }
+  return all;
+}
+
+double size_for(const Rig& rig, const Named& parameter) {
+  Rig copy = rig;
+  const std::string name = parameter.name;
+  if (name == "position" || name == "beam length") return copy.beam.length - copy.contact.position;
+  if (name == "its position") return copy.beam.length - parameter.of(copy);
+  return name.ends_with("radius") ? copy.contact.counter_radius - copy.contact.radius
+                                  : parameter.of(copy);
+}
+
+/// Differences of simulations by a parameter.
+struct Differences {
+  std::vector<double> numbers;
+  std::vector<std::vector<double>> channels;
+};
+
+Differences differences(const Rig& rig, const Solver& solver, const Named& parameter, double step,
+                        Motion motion) {
+  // central, of the sixth order
+  constexpr std::array offsets = {-3.0, -2.0, -1.0, 1.0, 2.0, 3.0};
+  constexpr std::array weights = {-1.0, 9.0, -45.0, 45.0, -9.0, 1.0};
+  const double spacing = step * size_for(rig, parameter);
+  Differences sum;
+  for (std::size_t j = 0; j < weights.size(); ++j) {
+    Rig there = rig;
+    parameter.of(there) += offsets[j] * spacing;
+    const Simulation run = sharp(there, solver, motion);
+    const double weight = weights[j] / (60.0 * spacing);
+    const std::vector<double> values = numbers(run);
+    sum.numbers.resize(values.size(), 0.0);
+    for (std::size_t k = 0; k < values.size(); ++k) sum.numbers[k] += weight * values[k];
+    const std::vector<std::vector<double>> parts = channels(run.history);
+    sum.channels.resize(parts.size());
+    for (std::size_t c = 0; c < parts.size(); ++c) {
+      sum.channels[c].resize(parts[c].size(), 0.0);
+      for (std::size_t k = 0; k < parts[c].size(); ++k) sum.channels[c][k] += weight * parts[c][k];
+    }
+  }
+  return sum;
+}
+
+/// Whether the force begins or ends within ten samples: the differences straddle the corner.
+bool beside_event(const std::vector<double>& force, std::size_t sample) {
+  const std::size_t first = sample < 10 ? 0 : sample - 10;
+  const std::size_t last = std::min(sample + 11, force.size());
+  const auto pressed = std::count_if(force.begin() + static_cast<std::ptrdiff_t>(first),
+                                     force.begin() + static_cast<std::ptrdiff_t>(last),
+                                     [](double f) { return f > 0.0; });
+  return pressed > 0 && pressed < static_cast<std::ptrdiff_t>(last - first);
+}
+
+/// At any stop.
+bool beside_event(const Simulation& run, std::size_t sample) {
+  return beside_event(run.history.force, sample) ||
+         std::ranges::any_of(run.history.further, [&](const StopHistory& stop) {
+           return beside_event(stop.force, sample);
+         });
+}
+
+}  // namespace
+
+Rig damped_rig() {
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  rig.contact.damping = "lankarani-nikravesh";
+  rig.contact.restitution = 0.5;
+  return rig;
+}
+
+Simulation sharp(const Rig& rig, Solver solver, Motion motion, std::vector<RigParameter> by) {
+  solver.accuracy = 1e-12;
+  SimulationOptions options;
+  options.motion = motion;
+  options.exact = motion == Motion::full;
+  options.history = {.interval = 5e-6, .lead = 2e-5, .velocity_position = 0.6};
+  options.sensitivities = std::move(by);
+  return simulate(rig, solver, options);
+}
+
+void expect_equal_derivatives(const Rig& rig, const Solver& solver, double tolerance,
+                              std::span<const Named> of, double spacing, Motion motion) {
+  std::vector<RigParameter> by;
+  for (const Named& parameter : of) by.push_back(parameter.of);
+  const Simulation run = sharp(rig, solver, motion, by);
+  ASSERT_EQ(run.sensitivities.size(), of.size());
+  const std::vector<double> values = numbers(run);
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    SCOPED_TRACE(of[i].name);
+    const double size = size_for(rig, of[i]);
+    const Differences d = differences(rig, solver, of[i], spacing, motion);
+    const std::vector<double> slopes = numbers(run.sensitivities[i]);
+    for (std::size_t k = 0; k < slopes.size(); ++k)
+      EXPECT_NEAR(slopes[k] * size / values[k], d.numbers[k] * size / values[k], tolerance) << k;
+    const std::vector<std::vector<double>> mine = channels(run.sensitivities[i].history);
+    const std::vector<std::vector<double>> shown = channels(run.history);
+    ASSERT_EQ(mine.size(), shown.size());
+    for (std::size_t c = 0; c < mine.size(); ++c) {
+      ASSERT_EQ(mine[c].size(), shown[c].size()) << c;
+      double scale = 0.0, worst = 0.0;
+      std::size_t at = 0;
+      for (std::size_t k = 0; k < mine[c].size(); ++k) {
+        if (beside_event(run, k)) continue;
+        scale = std::max(scale, std::abs(shown[c][k]));
+        if (const double off = std::abs(mine[c][k] - d.channels[c][k]); off > worst) {
+          worst = off;
+          at = k;
+        }
+      }
+      // fast vibration after the contact: a change of its frequency is a large one of its phase
+      EXPECT_LT(worst * size / scale, 30.0 * tolerance) << "channel " << c << ", sample " << at;
+    }
+  }
+}
+
+}  // namespace impactrig::tests

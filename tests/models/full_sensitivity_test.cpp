@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <array>
+#include <span>
+
+#include "models/rigid_swing.hpp"
+#include "models/simulation.hpp"
+#include "tests/models/differences.hpp"
+#include "tests/models/scenes.hpp"
+
+namespace impactrig::tests {
+namespace {
+
+using namespace models;
+
+void expect_equal_full_derivatives(const Rig& rig, const Solver& solver,
+                                   std::span<const Named> of = parameters, double spacing = 5e-4) {
+  ASSERT_FALSE(sharp(rig, solver, Motion::full, {of[0].of}).sensitivities.empty());
+  expect_equal_derivatives(rig, solver, 1e-8, of, spacing, Motion::full);
+}
+
+TEST(FullSensitivities, OfARigidBarAreThoseOfDifferences) {
+  Solver solver = rigid(1e-12);
+  solver.duration = 5e-4;
+  expect_equal_full_derivatives(damped_rig(), solver);
+}
+
+TEST(FullSensitivities, OfAncfAreThoseOfDifferences) {
+  expect_equal_full_derivatives(damped_rig(), ancf(4, 1, 1e-12, 5e-4));
+}
+
+TEST(FullSensitivities, OfHybridAreThoseOfDifferences) {
+  expect_equal_full_derivatives(damped_rig(), hybrid(Basis::pinned_free, 4, 1e-12, 4.8e-4));
+}
+
+TEST(FullSensitivities, OfAShearingBarAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  rig.beam.theory = BeamTheory::timoshenko;
+  rig.beam.shear_coefficient = 0.9;
+  constexpr std::array of = {
+      Named{"restitution", [](Rig& r) -> double& { return r.contact.restitution; }},
+      Named{"youngs_modulus", [](Rig& r) -> double& { return r.beam.youngs_modulus; }},
+      Named{"shear_coefficient", [](Rig& r) -> double& { return r.beam.shear_coefficient; }},
+      Named{"density", [](Rig& r) -> double& { return r.beam.density; }},
+  };
+  expect_equal_full_derivatives(rig, ancf(3, 1, 1e-12, 4e-4), of);
+}
+
+// Of damping in bar and hinge too, of which the last is zero at first.
+TEST(FullSensitivities, OfDampedBarsAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  rig.beam.damping = {.mass = 20.0, .stiffness = 2e-7};
+  rig.hinge = {.spring = 50.0, .viscous = 5.0};
+  expect_equal_full_derivatives(rig, ancf(3, 1, 1e-12, 4.5e-4), of_damped_bars);
+  expect_equal_full_derivatives(rig, hybrid(Basis::pinned_free, 4, 1e-12, 4.5e-4), of_damped_bars);
+}
+
+// A rubber-like bar that bends by a good part of its length while it is stopped.
+TEST(FullSensitivities, OfLargeDeflectionAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  rig.beam.youngs_modulus = 2e8;
+  rig.start.velocity = 6.0;
+  rig.contact.position = 0.5;
+  rig.contact.modulus = 1e9;
+  const Solver solver = ancf(4, 2, 1e-12, 6e-3);
+  SimulationOptions small;
+  small.motion = Motion::small;
+  ASSERT_GT(simulate(rig, solver, small).neglected, 0.05);
+  expect_equal_full_derivatives(rig, solver, without_places, 2e-4);
+}
+
+TEST(FullSensitivities, OfSeveralStopsAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  FurtherStop second{.contact = rig.contact, .side = StopSide::near, .gap = 2e-6};
+  second.contact.position = 0.5;
+  second.contact.restitution = 0.7;
+  rig.further_stops = {second};
+  const Solver solver = hybrid(Basis::pinned_free, 4, 1e-12, 4e-4);
+  ASSERT_GE(sharp(rig, solver, Motion::full).episodes.size(), 2u);
+  expect_equal_full_derivatives(rig, solver, of_further_stops);
+  expect_equal_full_derivatives(rig, ancf(3, 2, 1e-12, 3e-4), of_further_stops);
+}
+
+// The swing from release to touch is followed: touch itself moves.
+TEST(FullSensitivities, OfAReleasedBarAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  rig.start = {.release_angle = 0.2};
+  rig.hinge.viscous = 0.05;
+  constexpr std::array of = {
+      Named{"release angle", [](Rig& r) -> double& { return *r.start.release_angle; }},
+      Named{"gravity", [](Rig& r) -> double& { return r.gravity; }},
+      Named{"viscous hinge", [](Rig& r) -> double& { return r.hinge.viscous; }},
+      Named{"restitution", [](Rig& r) -> double& { return r.contact.restitution; }},
+      Named{"density", [](Rig& r) -> double& { return r.beam.density; }},
+  };
+  Solver solver = rigid(1e-12);
+  solver.duration = 5e-4;
+  expect_equal_full_derivatives(rig, solver, of);
+  rig.beam.youngs_modulus = 1e8;  // and is followed with the vibration that release leaves
+  expect_equal_full_derivatives(rig, hybrid(Basis::pinned_free, 1, 1e-12, 5e-3), of);
+}
+
+// Rather nothing than numbers that do not hold.
+TEST(FullSensitivities, AreNotOfFrictionOrOfAStopThatGivesWay) {
+  const std::vector<RigParameter> by = {parameters[0].of};
+  const Solver solver = hybrid(Basis::pinned_free, 2, 1e-4, 5e-4);
+  Rig rubbing = damped_rig();
+  rubbing.hinge.friction = 0.1;
+  EXPECT_TRUE(sharp(rubbing, solver, Motion::full, by).sensitivities.empty());
+  Rig giving = damped_rig();
+  giving.stop = Stop{.mass = 0.2, .stiffness = 1e9};
+  EXPECT_TRUE(sharp(giving, solver, Motion::full, by).sensitivities.empty());
+}
+
+TEST(FullSensitivities, LeaveTheRunAsItIs) {
+  const Rig rig = damped_rig();
+  const Solver solver = ancf(4, 1, 1e-12, 5e-4);
+  const Simulation plain = sharp(rig, solver, Motion::full);
+  const Simulation followed = sharp(rig, solver, Motion::full, {parameters[0].of});
+  EXPECT_NEAR(followed.peak_force / plain.peak_force, 1.0, 1e-11);
+  EXPECT_NEAR(followed.episodes.front().end / plain.episodes.front().end, 1.0, 1e-11);
+}
+
+}  // namespace
+}  // namespace impactrig::tests
