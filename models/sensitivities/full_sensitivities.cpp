@@ -12,6 +12,8 @@ namespace {
 // Of the accuracy asked for, what the iteration may leave of a slope.
 constexpr double share = 0.01;
 constexpr int most_iterations = 50;
+// No iteration is trusted to leave less than this of a change.
+constexpr double fastest_rate = 0.01;
 
 MotionSlope::Start start_of(const Rig& rig, const SimulationOptions& options) {
   if (follows_swing(rig, options)) return {-*rig.start.release_angle, 0.0};
@@ -28,6 +30,7 @@ FullSensitivities::FullSensitivities(const Rig& rig, const Solver& solver,
       points_(stops_.size()),
       changes_(stops_.size()),
       passing_(stops_.size()) {
+  rates_.assign(options.sensitivities.size(), 1.0);
   for (const RigParameter parameter : options.sensitivities) {
     auto effect = std::make_unique<RigEffect>(rig, parameter);
     slopes_.push_back(motion.follow(*effect, solver, options.history));
@@ -78,14 +81,19 @@ bool FullSensitivities::solve(int i) {
   Direction& d = direction(i);
   for (NodeVector& force : d.force) force.setZero(rule_.nodes());
   slope(i).begin_step(force_);
+  double& rate = rates_[static_cast<std::size_t>(i)];
   double before = std::numeric_limits<double>::infinity();
   for (int k = 0; k < most_iterations; ++k) {
     const MotionSlope::Change change = slope(i).improve(d.force, points_);
     const double size = change.size + press(i);
-    if (size <= std::max(tolerance_, change.rounding) * std::max(1.0, change.of)) return true;
+    if (k > 0) rate = std::clamp(size / before, fastest_rate, 1.0);
+    const double left = rate * size;  // that the next iteration would change
+    const double scale = std::max(1.0, change.of);
+    if (left <= tolerance_ * scale || size <= change.rounding * scale) return true;
     if (!(size < 1e3 * before)) return false;
     before = size;
   }
+  rate = 1.0;
   return false;
 }
 

@@ -52,6 +52,7 @@ class FullSensitivities final : public RunSensitivities {
   double tolerance_;
   bool known_ = true;
   std::vector<std::unique_ptr<MotionSlope>> slopes_;  // a direction each
+  std::vector<double> rates_;                         // at which their iterations converge
   std::vector<MotionSlope::Nodes> points_;            // before the stops
   std::vector<NodeVector> changes_;                   // of the forces' slopes
   Eigen::VectorXd answer_;
