@@ -9,7 +9,6 @@
 #include "models/implicit/chain_points.hpp"
 #include "models/implicit/point_curve.hpp"
 #include "models/sensitivities/motion_slope.hpp"
-#include "models/sensitivities/rig_effect.hpp"
 
 // Included by chain_motion_steps.hpp.
 namespace impactrig::models {
@@ -24,7 +23,7 @@ class ChainSlope final : public MotionSlope {
   ChainSlope(Motion& motion, const RigEffect& effect, const Solver& solver,
              const HistoryRequest& history)
       : motion_(motion),
-        by_(effect.by()),
+        by_(stencil_of_motion(effect, solver)),
         moved_(motion.points_.stops.size()) {
     const int n = motion.chain_.coordinates();
     q_ = v_ = Eigen::ArrayXd::Zero(n);
@@ -236,7 +235,7 @@ class ChainSlope final : public MotionSlope {
   }
 
   Motion& motion_;
-  const ParameterStencil& by_;
+  ParameterStencil by_;
   std::vector<std::unique_ptr<Bar>> bars_;  // at the stencil's places; empty where all are the same
   ChainPoints moved_;                       // slopes of the shares
   std::span<const NodeVector> forces_;

@@ -10,7 +10,6 @@
 #include "models/implicit/frame_bar.hpp"
 #include "models/implicit/point_curve.hpp"
 #include "models/sensitivities/motion_slope.hpp"
-#include "models/sensitivities/rig_effect.hpp"
 
 // Included by dense_motion.cpp.
 namespace impactrig::models {
@@ -25,7 +24,7 @@ class DenseSlope final : public MotionSlope {
   DenseSlope(Motion& motion, const RigEffect& effect, const Solver& solver,
              const HistoryRequest& history)
       : motion_(motion),
-        by_(effect.by()) {
+        by_(stencil_of_motion(effect, solver)) {
     q_ = v_ = at_q_ = at_v_ = scratch_ = Vector::Zero(motion.n_);
     a_ = previous_ = stage_q_ = stage_v_ = residual_ = Stages::Zero(motion.n_, S);
     if (effect.keeps_bar()) return;
@@ -176,7 +175,7 @@ class DenseSlope final : public MotionSlope {
   }
 
   Motion& motion_;
-  const ParameterStencil& by_;
+  ParameterStencil by_;
   std::vector<std::unique_ptr<FrameBar>> bars_;  // at the stencil's places; empty: all the same
   std::span<const NodeVector> forces_;
   Vector q_, v_, at_q_, at_v_, scratch_;

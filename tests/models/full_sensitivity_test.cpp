@@ -3,6 +3,7 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include "models/rigid_swing.hpp"
 #include "models/simulation.hpp"
@@ -99,6 +100,26 @@ TEST(FullSensitivities, OfAReleasedBarAreThoseOfDifferences) {
   expect_equal_full_derivatives(rig, solver, of);
   rig.beam.youngs_modulus = 1e8;  // and is followed with the vibration that release leaves
   expect_equal_full_derivatives(rig, hybrid(Basis::pinned_free, 1, 1e-12, 5e-3), of);
+}
+
+// Runs of ordinary accuracy differentiate along a stencil of fewer places.
+TEST(FullSensitivities, AreAsAccurateAsTheRun) {
+  const std::vector<RigParameter> by = {parameters[0].of, parameters[1].of, parameters[7].of};
+  for (const Solver& solver :
+       {ancf(4, 1, 1e-6, 5e-4), hybrid(Basis::pinned_free, 4, 1e-6, 4.8e-4)}) {
+    SimulationOptions options;
+    options.exact = true;
+    options.sensitivities = by;
+    const Simulation plain = simulate(damped_rig(), solver, options);
+    const Simulation exact = sharp(damped_rig(), solver, Motion::full, by);
+    for (std::size_t i = 0; i < by.size(); ++i) {
+      const Sensitivity& is = plain.sensitivities.at(i);
+      const Sensitivity& should = exact.sensitivities.at(i);
+      EXPECT_NEAR(is.peak_force / should.peak_force, 1.0, 1e-5) << i;
+      EXPECT_NEAR(is.duration / should.duration, 1.0, 1e-5) << i;
+      EXPECT_NEAR(is.impulse / should.impulse, 1.0, 1e-5) << i;
+    }
+  }
 }
 
 // Rather nothing than numbers that do not hold.
