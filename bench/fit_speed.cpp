@@ -69,22 +69,25 @@ void measure(const std::string& path, const std::string& model,
 int main(int argc, char** argv) {
   std::string rig = IMPACTRIG_SOURCE_DIR "/datasets/samples/shen2007.toml";
   int repeats = 5, least = 1, most = 6;
-  bool hybrid_only = false;
+  bool hybrid_only = false, full = false;
   CLI::App program("What a fit costs against the number of free parameters");
   program.add_option("--rig", rig, "Rig file")->capture_default_str();
   program.add_option("--repeats", repeats, "Of every fit")->check(CLI::Range(1, 1000));
   program.add_option("--parameters", most, "Free parameters at most")->check(CLI::Range(1, 6));
   program.add_option("--from", least, "Free parameters at least")->check(CLI::Range(1, 6));
   program.add_flag("--hybrid-only", hybrid_only, "Without ANCF");
+  program.add_flag("--full", full, "A hinge damper of 5 N m s/rad, which takes the full equations");
   CLI11_PARSE(program, argc, argv);
   fmt::print("{:<14} {:>4} {:<6} {:>9} {:>9} {:>9} {:>5} {:>11} {:>8} {:>10}\n", "model", "free",
              "what", "least ms", "median ms", "cpu ms", "steps", "simulations", "miss/se",
              "chi2/dof");
+  std::vector<fitting::Override> hybrid = {{"solver.model", "hybrid"}, {"solver.modes", "12"}};
+  std::vector<fitting::Override> ancf = {{"solver.elements", "[14, 2]"}};
+  if (full)
+    for (auto* settings : {&hybrid, &ancf}) settings->emplace_back("hinge.viscous", "5 N*m*s/rad");
   try {
-    measure(rig, "hybrid, 12", {{"solver.model", "hybrid"}, {"solver.modes", "12"}}, repeats, least,
-            most);
-    if (!hybrid_only)
-      measure(rig, "ANCF [14, 2]", {{"solver.elements", "[14, 2]"}}, repeats, least, most);
+    measure(rig, "hybrid, 12", hybrid, repeats, least, most);
+    if (!hybrid_only) measure(rig, "ANCF [14, 2]", ancf, repeats, least, most);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;
