@@ -74,28 +74,28 @@ void ModalSensitivities::start() {
   }
 }
 
-void ModalSensitivities::begin_more(Direction& d) {
+void ModalSensitivities::begin_more(int i) {
+  Direction& d = direction(i);
   if (stopped_) d.result.history.sensor_force.resize(d.result.history.force.size(), 0.0);
 }
 
-RunSensitivities::Struck ModalSensitivities::struck(const Modes& m, std::size_t stop,
-                                                    const ModalState& slope,
-                                                    const ModalState& state) const {
+PointMotion ModalSensitivities::struck(const Modes& m, std::size_t stop, const ModalState& slope,
+                                       const ModalState& state) const {
   const auto number = static_cast<int>(stop);
   const Eigen::VectorXd& row = modes_.struck(number);
-  Struck s{row.dot(slope.a), row.dot(slope.rate)};
+  PointMotion s{row.dot(slope.a), row.dot(slope.rate)};
   if (!m.effect.moves_modes()) return s;
-  s.depth += m.effect.struck(number).dot(state.a);
-  s.rate += m.effect.struck(number).dot(state.rate);
+  s.displacement += m.effect.struck(number).dot(state.a);
+  s.velocity += m.effect.struck(number).dot(state.rate);
   return s;
 }
 
-RunSensitivities::Struck ModalSensitivities::struck(int i, std::size_t stop) const {
+PointMotion ModalSensitivities::struck(int i, std::size_t stop) const {
   const Modes& m = of_[static_cast<std::size_t>(i)];
   return struck(m, stop, m.state, state_);
 }
 
-RunSensitivities::Struck ModalSensitivities::struck_at_place(int i, std::size_t stop) const {
+PointMotion ModalSensitivities::struck_at_place(int i, std::size_t stop) const {
   const Modes& m = of_[static_cast<std::size_t>(i)];
   return struck(m, stop, m.end, here_);
 }

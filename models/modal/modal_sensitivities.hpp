@@ -44,20 +44,20 @@ class ModalSensitivities final : public RunSensitivities {
   void go_to_place() override;
   Passing passing(std::size_t stop) const override;
   void follow_to_place(int i) override;
-  Struck struck(int i, std::size_t stop) const override;
-  Struck struck_at_place(int i, std::size_t stop) const override;
+  PointMotion struck(int i, std::size_t stop) const override;
+  PointMotion struck_at_place(int i, std::size_t stop) const override;
   Spots spots(int i) const override;
   void move_on(int i, double shift) override;
   void go_to_sample(double part, double spacing, bool first) override;
-  void begin_more(Direction& d) override;
+  void begin_more(int i) override;
   void show_more(int i) override;
   void take_more() override;
 
   const ModalStep& step();
   void find_free_slopes(int i);
   void accelerate();
-  Struck struck(const Modes& m, std::size_t stop, const ModalState& slope,
-                const ModalState& state) const;
+  PointMotion struck(const Modes& m, std::size_t stop, const ModalState& slope,
+                     const ModalState& state) const;
   double sensor_slope(const Modes& m) const;
   void step_sample(double from, double spacing);
   NodeMatrix legendre_at(double from, double spacing) const;

@@ -49,10 +49,9 @@ void FullSensitivities::start() {
   }
 }
 
-void FullSensitivities::begin_more(Direction& d) {
-  const auto i = static_cast<int>(&d - directions_.data());
+void FullSensitivities::begin_more(int i) {
   slope(i).look(0.0);
-  d.rest = slope(i).spots().displacement;
+  direction(i).rest = slope(i).spots().displacement;
 }
 
 /// The forces' slopes come to the laws under the points' as they are; returns by how much the
@@ -104,21 +103,6 @@ void FullSensitivities::go_to_place() {
     p.displacement = seen.displacement;
     p.velocity = seen.velocity;
   }
-}
-
-RunSensitivities::Struck FullSensitivities::struck(int i, std::size_t stop) const {
-  const PointMotion p = slope(i).struck(static_cast<int>(stop));
-  return {p.displacement, p.velocity};
-}
-
-RunSensitivities::Struck FullSensitivities::struck_at_place(int i, std::size_t stop) const {
-  const PointMotion p = slope(i).struck_at_place(static_cast<int>(stop));
-  return {p.displacement, p.velocity};
-}
-
-RunSensitivities::Spots FullSensitivities::spots(int i) const {
-  const MotionSlope::Spots s = slope(i).spots();
-  return {s.velocity, s.displacement, s.velocity_rate, s.displacement_rate};
 }
 
 }  // namespace impactrig::models

@@ -36,13 +36,19 @@ class FullSensitivities final : public RunSensitivities {
 
   void follow_to_place(int i) override { slope(i).look(place_.part); }
 
-  Struck struck(int i, std::size_t stop) const override;
-  Struck struck_at_place(int i, std::size_t stop) const override;
-  Spots spots(int i) const override;
+  PointMotion struck(int i, std::size_t stop) const override {
+    return slope(i).struck(static_cast<int>(stop));
+  }
+
+  PointMotion struck_at_place(int i, std::size_t stop) const override {
+    return slope(i).struck_at_place(static_cast<int>(stop));
+  }
+
+  Spots spots(int i) const override { return slope(i).spots(); }
 
   void move_on(int i, double shift) override { slope(i).take(shift); }
 
-  void begin_more(Direction& d) override;
+  void begin_more(int i) override;
 
   MotionSlope& slope(int i) const { return *slopes_[static_cast<std::size_t>(i)]; }
 

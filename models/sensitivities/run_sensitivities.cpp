@@ -48,17 +48,17 @@ void RunSensitivities::begin(double speed) {
   see_state();
   for (int i = 0; i < count(); ++i) {
     Direction& d = direction(i);
-    d.result.history = d.effect->lead(options_.history, speed, struck(i, 0).rate);
+    d.result.history = d.effect->lead(options_.history, speed, struck(i, 0).velocity);
     d.time = d.impulse = d.dissipated = 0.0;
-    begin_more(d);
+    begin_more(i);
   }
 }
 
-/// Of the point's slope, how much deeper it is.
-RunSensitivities::Struck RunSensitivities::depth_of(const Direction& d, std::size_t stop,
-                                                    Struck slope) const {
-  slope.depth -= d.effect->law(static_cast<int>(stop)).gap();
-  return slope;
+/// At the place, the gap's own slope off.
+PointMotion RunSensitivities::against_stop(int i, std::size_t stop) const {
+  PointMotion p = struck_at_place(i, stop);
+  p.displacement -= direction(i).effect->law(static_cast<int>(stop)).gap();
+  return p;
 }
 
 void RunSensitivities::touch(int stop, const ContactForce& contact, double speed) {
@@ -69,7 +69,7 @@ void RunSensitivities::touch(int stop, const ContactForce& contact, double speed
   const bool grazing = contact.law_speed() > speed * (1.0 + 1e-12);
   for (int i = 0; i < count(); ++i) {
     Direction& d = direction(i);
-    const double slope = struck(i, number).rate;
+    const double slope = struck(i, number).velocity;
     if (first_here) d.first_speed[number] = slope;
     if (contact.speed_is_stated())
       d.speed[number] = 0.0;
@@ -216,9 +216,9 @@ void RunSensitivities::peak(double part) {
   for (int i = 0; i < count(); ++i) {
     Direction& d = direction(i);
     follow_to_place(i);
-    const Struck s = depth_of(d, 0, struck_at_place(i, 0));
+    const PointMotion s = against_stop(i, 0);
     d.result.peak_force =
-        seen.law.to_depth * s.depth + seen.law.to_rate * s.rate + law_slope(d, 0, seen);
+        seen.law.to_depth * s.displacement + seen.law.to_rate * s.velocity + law_slope(d, 0, seen);
   }
 }
 
@@ -228,9 +228,9 @@ void RunSensitivities::deepest(double part, double dissipated) {
   for (int i = 0; i < count(); ++i) {
     Direction& d = direction(i);
     follow_to_place(i);
-    const Struck s = depth_of(d, 0, struck_at_place(i, 0));
-    const double shift = -s.rate / seen_[0].acceleration;
-    d.result.max_penetration = s.depth;
+    const PointMotion s = against_stop(i, 0);
+    const double shift = -s.velocity / seen_[0].acceleration;
+    d.result.max_penetration = s.displacement;
     d.compression = d.impulse + integral(d.force[0], part) + place_.force[0] * shift;
     d.dissipated_at_deepest = d.dissipated + integral(d.dissipation, part);
   }
@@ -242,12 +242,12 @@ void RunSensitivities::show(int i) {
   History& history = d.result.history;
   for (std::size_t k = 0; k < stops_.size(); ++k) {
     const Seen& seen = seen_[k];
-    const Struck s = depth_of(d, k, struck_at_place(i, k));
-    const double moved_depth = s.depth - d.time * seen.rate;
+    const PointMotion s = against_stop(i, k);
+    const double moved_depth = s.displacement - d.time * seen.rate;
     double force = 0.0;
     if (stops_[k].presses())
       force = seen.law.to_depth * moved_depth +
-              seen.law.to_rate * (s.rate - d.time * seen.acceleration) + law_slope(d, k, seen);
+              seen.law.to_rate * (s.velocity - d.time * seen.acceleration) + law_slope(d, k, seen);
     (k == 0 ? history.force : history.further[k - 1].force).push_back(force);
     (k == 0 ? history.penetration : history.further[k - 1].penetration).push_back(moved_depth);
   }
@@ -275,11 +275,11 @@ double RunSensitivities::end_shift(int i, End end, std::size_t stop) const {
   if (end == End::step) return 0.0;
   if (end == End::time) return -d.time;
   const Seen& seen = seen_[stop];
-  const Struck s = depth_of(d, stop, struck_at_place(i, stop));
-  if (end == End::gap) return -s.depth / seen.rate;
+  const PointMotion s = against_stop(i, stop);
+  if (end == End::gap) return -s.displacement / seen.rate;
   const ContactForce::Switch change = stops_[stop].contact->switching(seen.depth, seen.rate);
   const double slope = d.effect->law(static_cast<int>(stop)).of_switching(seen.depth, seen.rate) +
-                       change.to_depth * s.depth + change.to_rate * s.rate +
+                       change.to_depth * s.displacement + change.to_rate * s.velocity +
                        change.to_speed * d.speed[stop];
   return -slope / (change.to_depth * seen.rate + change.to_rate * seen.acceleration);
 }
@@ -314,7 +314,7 @@ void RunSensitivities::separate(const Simulation& result) {
     Sensitivity& to = d.result;
     to.duration = d.time;
     to.impulse = d.impulse;
-    to.separation_velocity = -struck(i, 0).rate;
+    to.separation_velocity = -struck(i, 0).velocity;
     to.restitution.kinematic =
         (to.separation_velocity - r.kinematic * d.first_speed[0]) / e.approach_velocity;
     to.restitution.kinetic = (d.impulse - (1.0 + r.kinetic) * d.compression) / compression;

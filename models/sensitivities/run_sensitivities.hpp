@@ -8,6 +8,7 @@
 
 #include "models/collocation/bar_motion.hpp"
 #include "models/contact/contact_force.hpp"
+#include "models/sensitivities/motion_slope.hpp"
 #include "models/sensitivities/rig_effect.hpp"
 #include "models/simulation.hpp"
 
@@ -64,21 +65,12 @@ class RunSensitivities {
  protected:
   RunSensitivities(const Rig& rig, const SimulationOptions& options, const BarMotion& motion);
 
-  /// Slopes of a point before a stop, those of the gap apart, or of the motion itself.
-  struct Struck {
-    double depth = 0.0, rate = 0.0;
-  };
-
   /// What a point before a stop does, the gap apart.
   struct Passing {
     double displacement, velocity, acceleration;
   };
 
-  /// Slopes of what the lasers see at the place looked at, its time held; and how that goes on.
-  struct Spots {
-    double velocity, displacement;
-    double velocity_rate, displacement_rate;
-  };
+  using Spots = MotionSlope::Spots;
 
   /// Slopes by one parameter, those at stops by their numbers.
   struct Direction {
@@ -156,9 +148,11 @@ class RunSensitivities {
   virtual Passing passing(std::size_t stop) const = 0;  ///< at the place
   virtual void follow_to_place(int i) = 0;
 
-  virtual Struck struck(int i, std::size_t stop) const = 0;  ///< where the next step begins
-  virtual Struck struck_at_place(int i, std::size_t stop) const = 0;
-  virtual Spots spots(int i) const = 0;
+  /// Slopes of a point before a stop, those of the gap apart: where the next step begins, and at
+  /// the place.
+  virtual PointMotion struck(int i, std::size_t stop) const = 0;
+  virtual PointMotion struck_at_place(int i, std::size_t stop) const = 0;
+  virtual Spots spots(int i) const = 0;  ///< at the place, its time held
 
   /// The next step begins at the place, whose time has this slope more.
   virtual void move_on(int i, double shift) = 0;
@@ -166,7 +160,7 @@ class RunSensitivities {
   /// From one sample to the next, all slopes with the motion; by default as to any place.
   virtual void go_to_sample(double part, double spacing, bool first);
 
-  virtual void begin_more(Direction&) {}  ///< at first touch
+  virtual void begin_more(int) {}  ///< at first touch
 
   virtual void show_more(int) {}  ///< of a sample
 
@@ -189,7 +183,7 @@ class RunSensitivities {
   void find_dissipation(Direction& d);
   double dissipation_slope(const Direction& d, const NodeLaw& there, double depth,
                            double rate) const;
-  Struck depth_of(const Direction& d, std::size_t stop, Struck slope) const;
+  PointMotion against_stop(int i, std::size_t stop) const;
   double end_shift(int i, End end, std::size_t stop) const;
   double integral(const NodeVector& at_nodes, double part) const;
   void show(int i);
