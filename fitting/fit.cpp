@@ -90,16 +90,19 @@ class Session {
 /// parameters.
 void Session::choose_motion() {
   double neglected = 0.0;
+  const bool full_only = std::ranges::any_of(problem_.variables(), [](const Variable& v) {
+    return v.physics && v.physics->of_full_motion_only;
+  });
   try {
     problem_.set_motion(models::Motion::small);
     for (const Shot& shot : problem_.shots())
       neglected = std::max(neglected, shot.model->simulate(problem_.rig().rig, 0.0).neglected);
-    if (neglected <= smallest_motion) return;
+    if (neglected <= smallest_motion && !full_only) return;
   } catch (const std::exception&) {
     neglected = whole;  // the full equations have the last word on what is wrong with the rig
   }
   problem_.set_motion(models::Motion::full);
-  if (neglected <= like_small_motion) prefer_full_motion();
+  if (neglected <= like_small_motion && !full_only) prefer_full_motion();
 }
 
 /// The full equations, with the slopes of small motion where it has them.

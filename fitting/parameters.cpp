@@ -104,6 +104,8 @@ constexpr std::array of_rig = {
                       [](Rig& r) -> double& { return r.hinge.spring; }},
     PhysicalParameter{"hinge.viscous", "N m s/rad", 0.0, 0.0, false,
                       [](Rig& r) -> double& { return r.hinge.viscous; }},
+    PhysicalParameter{"hinge.friction", "N m", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return r.hinge.friction; }, true},
 };
 
 /// Of the further stop K; its keys are those of [[contacts]] behind its number.

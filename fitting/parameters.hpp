@@ -18,6 +18,7 @@ struct PhysicalParameter {
   double lower, upper;    ///< bounds; a zero upper bound: ten times the starting value
   bool of_shot;           ///< differs from recording to recording
   double& (*of)(models::Rig& rig);
+  bool of_full_motion_only = false;  ///< small motion knows nothing of it
 };
 
 /// A number of a sensor's chain that a fit may free, by its key under sensors.CHANNEL; a band limit
