@@ -6,10 +6,12 @@
 #include <csignal>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
 #include "app/campaign_items.hpp"
+#include "app/campaign_plan.hpp"
 #include "app/files.hpp"
 #include "app/fit_job.hpp"
 #include "app/progress.hpp"
@@ -30,6 +32,7 @@ struct Options {
   std::string output;
   int jobs = 0;
   bool reports = false;
+  bool dry = false;
   const CLI::Option* reports_stated = nullptr;  ///< that or --no-reports
 };
 
@@ -56,8 +59,8 @@ struct Run {
   bool quiet() const { return options.job.common.quiet; }
 };
 
-/// A new folder, or one that holds a campaign.
-void prepare_folder(const Run& run) {
+/// Throws datasets::FileError unless the folder is new or holds a campaign.
+void check_folder(const Run& run) {
   std::error_code failure;
   const fs::path folder = run.options.output;
   if (fs::exists(folder, failure) && !fs::is_directory(folder, failure))
@@ -67,6 +70,12 @@ void prepare_folder(const Run& run) {
     throw datasets::FileError(folder.string(),
                               "is a folder with something else in it; choose another name or add "
                               "--force to write a campaign into it");
+}
+
+void prepare_folder(const Run& run) {
+  check_folder(run);
+  std::error_code failure;
+  const fs::path folder = run.options.output;
   fs::create_directories(folder / "fits", failure);
   if (!failure && run.reports) fs::create_directories(folder / "reports", failure);
   if (failure) throw datasets::FileError(folder.string(), "cannot be made: " + failure.message());
@@ -112,26 +121,30 @@ void complete_report(const Run& run, const CampaignItem& item, const reports::Re
   write_output(report, reports::to_html(data), true);
 }
 
+/// A result that is there and has the same key.
+std::optional<reports::ReportData> stored_result(const Run& run, const CampaignItem& item) {
+  const std::string path = run.result_path(item);
+  if (fs::exists(path)) try {
+      reports::ReportData data = reports::report_from_json(read_text(path), path);
+      if (data.provenance.result_key == item.key) return data;
+    } catch (const datasets::InputError&) {
+      return std::nullopt;  // no result of this version
+    }
+  return std::nullopt;
+}
+
 /// Takes the results that are there with the same key; returns what is left to do. Throws
 /// datasets::FileError where results of something else are in the way.
 std::vector<CampaignItem> take_stored(Run& run) {
   std::vector<CampaignItem> todo;
   std::size_t others = 0;
   for (const CampaignItem& item : run.items) {
-    const std::string path = run.result_path(item);
-    bool same = false;
-    if (fs::exists(path)) try {
-        const reports::ReportData data = reports::report_from_json(read_text(path), path);
-        same = data.provenance.result_key == item.key;
-        if (same) {
-          complete_report(run, item, data);
-          keep(run, item, data);
-        }
-      } catch (const datasets::InputError&) {
-        same = false;  // no result of this version
-      }
-    if (same) continue;
-    others += fs::exists(path) ? 1 : 0;
+    if (const auto data = stored_result(run, item)) {
+      complete_report(run, item, *data);
+      keep(run, item, *data);
+      continue;
+    }
+    others += fs::exists(run.result_path(item)) ? 1 : 0;
     todo.push_back(item);
   }
   if (others > 0 && !run.options.job.common.force)
@@ -141,6 +154,24 @@ std::vector<CampaignItem> take_stored(Run& run) {
                     "another version; choose another folder, or add --force to make these anew",
                     others, run.items.size()));
   return todo;
+}
+
+/// What would be done to each recording, in their order; nothing is written.
+std::vector<PlannedItem> plan_of(const Run& run) {
+  std::vector<PlannedItem> plan;
+  for (const CampaignItem& item : run.items) {
+    const bool other = fs::exists(run.result_path(item));
+    const PlannedItem::What what = stored_result(run, item)       ? PlannedItem::What::reuse
+                                   : !other                       ? PlannedItem::What::fit
+                                   : run.options.job.common.force ? PlannedItem::What::replace
+                                                                  : PlannedItem::What::refuse;
+    plan.push_back({item.path, what, run.result_path(item)});
+  }
+  for (const reports::CampaignFailure& copy : run.campaign.left_out)
+    plan.push_back({copy.file, PlannedItem::What::leave_out, copy.sentence});
+  for (const reports::CampaignFailure& failed : run.campaign.failed)
+    plan.push_back({failed.file, PlannedItem::What::fail, failed.sentence});
+  return plan;
 }
 
 /// In the worker's process: everything that can go wrong is a code and a sentence.
@@ -247,6 +278,13 @@ void campaign(const Options& options) {
       !options.job.title.empty()
           ? options.job.title
           : fmt::format("Campaign of {}", fs::path(options.job.rig).filename().string());
+  if (options.dry) {
+    check_folder(run);
+    hash_items(run, run.campaign.provenance.config_sha256);
+    const std::vector<PlannedItem> plan = plan_of(run);
+    fmt::print("{}", options.job.common.json ? plan_json(plan) : plan_text(plan));
+    return;
+  }
   prepare_folder(run);
   hash_items(run, run.campaign.provenance.config_sha256);
   fit_all(run, take_stored(run));
@@ -277,6 +315,8 @@ void add_campaign(CLI::App& program) {
       ->check(CLI::Range(1, 4096));
   options->reports_stated = command->add_flag("--reports,!--no-reports", options->reports,
                                               "A report (HTML) each; default up to 100 recordings");
+  command->add_flag("--dry-run", options->dry,
+                    "Say what would be done to each recording, and do nothing");
   command->callback([options] { campaign(*options); });
 }
 

@@ -140,14 +140,10 @@ fitting::FitOptions fit_options(const FitJob& job, const fitting::RigFile& rig) 
     fitting::unit_of(name);
     options.setting(name).fixed = true;
   });
-  each("--shared", split_names(job.shared), [&](const std::string& name) {
-    fitting::unit_of(name);
-    options.setting(name).shared = true;
-  });
-  each("--own", split_names(job.own), [&](const std::string& name) {
-    fitting::unit_of(name);
-    options.setting(name).shared = false;
-  });
+  each("--shared", split_names(job.shared),
+       [&](const std::string& name) { fitting::choose_shared(name, true, options); });
+  each("--own", split_names(job.own),
+       [&](const std::string& name) { fitting::choose_shared(name, false, options); });
   each("--log", split_names(job.log), [&](const std::string& name) {
     fitting::unit_of(name);
     options.setting(name).by_logarithm = true;

@@ -115,7 +115,7 @@ bool within(double truth, double low, double high) {
 Pull pull_of(const Study& study, const fitting::Fit& fit, const std::string& name, double truth) {
   Pull pull{.fitted = true, .truth = truth};
   const auto p = std::ranges::find(fit.parameters, name, &fitting::Parameter::name);
-  if (p == fit.parameters.end()) return {};
+  if (p == fit.parameters.end() || !p->identifiable) return {};
   pull.value = p->value;
   pull.error = p->std_error;
   // a truth from the same mesh is not to be found in what the interval holds for the mesh's error

@@ -7,12 +7,14 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "fitting/line_fit.hpp"
 #include "fitting/random_effects.hpp"
 
 namespace impactrig::fitting {
 namespace {
 
 constexpr double level = 0.05;
+constexpr double least_spread = 3.0;  // of speeds, in standard errors
 
 struct Columns {
   Eigen::MatrixXd design;  ///< a column of ones
@@ -105,29 +107,37 @@ ShotAgreement agreement(const BetweenShots& found) {
 }
 
 std::optional<SpeedTrend> speed_trend(std::span<const ShotValue> shots,
-                                      std::span<const double> speeds, double speed_error) {
+                                      std::span<const ShotSpeed> speeds) {
   if (shots.size() != speeds.size())
     throw std::invalid_argument("speed trend: one speed a shot is needed");
   if (shots.size() < 4) return std::nullopt;
   SpeedTrend out;
-  for (const double speed : speeds) out.mean_speed += speed / static_cast<double>(speeds.size());
-  const double range = spread(speeds, out.mean_speed);
-  if (!(range > 0.0) || !std::isfinite(range) || range < 3.0 * speed_error) return std::nullopt;
-  Columns all = columns_of(shots);
-  all.design.conservativeResize(Eigen::NoChange, 2);
-  // in standard deviations, so that the columns are of one size
-  for (std::size_t i = 0; i < speeds.size(); ++i)
-    all.design(static_cast<Eigen::Index>(i), 1) = (speeds[i] - out.mean_speed) / range;
-  const RandomEffects fit = random_effects(all.design, all.values, all.variances);
-  out.slope = fit.coefficients[1] / range;
-  out.std_error = std::sqrt(fit.covariance(1, 1)) / range;
-  const double half = student_quantile(fit.dof) * out.std_error;
+  std::vector<double> values, errors;
+  for (const ShotSpeed& speed : speeds) {
+    values.push_back(speed.speed);
+    errors.push_back(speed.std_error);
+    out.mean_speed += speed.speed / static_cast<double>(speeds.size());
+  }
+  std::ranges::nth_element(errors, errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2));
+  const double range = spread(values, out.mean_speed);
+  if (!(range > 0.0) || !std::isfinite(range) || range < least_spread * errors[errors.size() / 2])
+    return std::nullopt;
+  std::vector<LinePoint> points;
+  for (std::size_t i = 0; i < shots.size(); ++i)
+    points.push_back({speeds[i].speed - out.mean_speed, shots[i].value, speeds[i].std_error,
+                      shots[i].std_error, speeds[i].correlation});
+  out.dof = static_cast<long>(shots.size()) - 2;
+  out.q = fit_line(points).q;
+  const double variance = line_variance_where_q_is(static_cast<double>(out.dof), points);
+  const LineFit line = fit_line(points, variance);
+  if (!line.converged) return std::nullopt;
+  out.slope = line.slope;
+  out.std_error = line.slope_error;
+  const double half = student_quantile(out.dof) * out.std_error;
   out.ci95 = {out.slope - half, out.slope + half};
-  out.p_value = two_sided(out.slope / out.std_error, fit.dof);
-  out.at_mean_speed = fit.coefficients[0];
-  out.tau = std::sqrt(fit.variance);
-  out.q = fit.q;
-  out.dof = fit.dof;
+  out.p_value = two_sided(out.slope / out.std_error, out.dof);
+  out.at_mean_speed = line.intercept;
+  out.tau = std::sqrt(variance);
   return out;
 }
 

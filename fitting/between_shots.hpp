@@ -62,7 +62,15 @@ enum class ShotAgreement {
 
 ShotAgreement agreement(const BetweenShots& found);
 
-/// How a quantity goes with the approach speed: y = a + b (x − x̄) + u + ε, as in BetweenShots.
+/// The approach speed of one shot.
+struct ShotSpeed {
+  double speed = 0.0;        ///< [m/s]
+  double std_error = 0.0;    ///< [m/s]; 0: taken for exact
+  double correlation = 0.0;  ///< of its error with that of the shot's value
+};
+
+/// How a quantity goes with the approach speed: y = a + b (x − x̄) + u + ε, as in BetweenShots,
+/// where x too is known to an error only.
 struct SpeedTrend {
   double slope = 0.0;  ///< b [unit of y by m/s]
   double std_error = 0.0;
@@ -75,10 +83,13 @@ struct SpeedTrend {
   long dof = 0;
 };
 
-/// None where speeds (n) [m/s] say nothing of it: fewer than four shots, or speeds that spread less
-/// than three times `speed_error`, their median standard error, where a slope is flattened by more
-/// than a tenth (λ = 1 − u² / s²). Same source and validity as between_shots.
+/// None where speeds (n) say nothing of it: fewer than four shots, or speeds that spread less than
+/// three times their median standard error, where the line's own error (line_fit.hpp), of first
+/// order in that ratio, is no longer good. τ² as in between_shots, from the scatter about the line;
+/// where that is below its expectation the slope's error is not made smaller. Valid as
+/// between_shots, and for errors of the speeds that differ from shot to shot: one that all share, a
+/// calibration, scales the slope. Source: [YorkEtAl2004], and those of between_shots.
 std::optional<SpeedTrend> speed_trend(std::span<const ShotValue> shots,
-                                      std::span<const double> speeds, double speed_error);
+                                      std::span<const ShotSpeed> speeds);
 
 }  // namespace impactrig::fitting

@@ -5,19 +5,23 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 
 namespace impactrig::fitting {
 namespace {
 
 constexpr double null_eigenvalue = 1e-12;
 constexpr double strong_correlation = 0.995;
+// Of an eigenvector of length 1: beyond what slopes that are good to a part in 1e5 leave there.
+constexpr double least_share = 1e-3;
+constexpr double untouched = 1e-4;
 
-/// "a, b and c" of the parameters that carry an eigenvector.
+/// "a, b, c" of the parameters that an undetermined way moves.
 std::string carriers(const Eigen::VectorXd& direction, const std::vector<std::string>& names,
                      std::vector<bool>& identifiable) {
   std::string text;
   for (Eigen::Index i = 0; i < direction.size(); ++i) {
-    if (std::abs(direction[i]) < 0.1) continue;
+    if (std::abs(direction[i]) < least_share) continue;
     identifiable[static_cast<std::size_t>(i)] = false;
     text += fmt::format("{}{}", text.empty() ? "" : ", ", names[static_cast<std::size_t>(i)]);
   }
@@ -31,9 +35,10 @@ void find_correlations(const std::vector<std::string>& names, const std::vector<
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < i; ++j) {
       const double spread = std::sqrt(result.covariance(i, i) * result.covariance(j, j));
-      if (!(spread > 0.0)) continue;
+      const bool known = result.identifiable[static_cast<std::size_t>(i)] &&
+                         result.identifiable[static_cast<std::size_t>(j)];
       const double r = result.correlations(i, j) = result.correlations(j, i) =
-          result.covariance(i, j) / spread;
+          known ? result.covariance(i, j) / spread : std::numeric_limits<double>::quiet_NaN();
       const bool told_of = !held[static_cast<std::size_t>(i)] && !held[static_cast<std::size_t>(j)];
       if (told_of && std::abs(r) > strong_correlation)
         result.sentences.push_back(fmt::format(
@@ -43,46 +48,53 @@ void find_correlations(const std::vector<std::string>& names, const std::vector<
     }
 }
 
-/// (J'J)⁻¹ of what is determined, and a sentence on what is not; no correlations yet.
-Uncertainty invert(const Eigen::MatrixXd& jacobian, const std::vector<std::string>& names) {
-  const Eigen::Index n = jacobian.cols();
-  Uncertainty result{.covariance = Eigen::MatrixXd::Zero(n, n),
-                     .correlations = Eigen::MatrixXd::Identity(n, n),
-                     .identifiable = std::vector<bool>(static_cast<std::size_t>(n), true),
-                     .sentences = {}};
-  const Eigen::VectorXd norms = jacobian.colwise().norm();
-  Eigen::VectorXd inverse_norms = Eigen::VectorXd::Zero(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (norms[i] > 0.0 && std::isfinite(norms[i])) {
-      inverse_norms[i] = 1.0 / norms[i];
+/// Lengths of the columns to the power of −1; 0, with a sentence, of those without influence.
+Eigen::VectorXd scales_of(const Eigen::MatrixXd& jacobian, const std::vector<std::string>& names,
+                          Uncertainty& result) {
+  Eigen::VectorXd scales = Eigen::VectorXd::Zero(jacobian.cols());
+  for (Eigen::Index i = 0; i < jacobian.cols(); ++i) {
+    const double norm = jacobian.col(i).norm();
+    if (norm > 0.0 && std::isfinite(norm)) {
+      scales[i] = 1.0 / norm;
       continue;
     }
     result.identifiable[static_cast<std::size_t>(i)] = false;
     result.sentences.push_back(fmt::format("{} has no influence on what was measured; fix it",
                                            names[static_cast<std::size_t>(i)]));
   }
-  const Eigen::MatrixXd scaled = jacobian * inverse_norms.asDiagonal();
+  return scales;
+}
+
+/// (J'J)⁻¹ of what is determined, and a sentence on what is not; no correlations yet.
+Uncertainty invert(const Eigen::MatrixXd& jacobian, const std::vector<std::string>& names) {
+  const Eigen::Index n = jacobian.cols();
+  Uncertainty result{.covariance = Eigen::MatrixXd::Zero(n, n),
+                     .correlations = Eigen::MatrixXd::Identity(n, n),
+                     .identifiable = std::vector<bool>(static_cast<std::size_t>(n), true),
+                     .undetermined = {},
+                     .sentences = {}};
+  const Eigen::VectorXd scales = scales_of(jacobian, names, result);
+  std::vector<Eigen::Index> live, idle;
+  for (Eigen::Index i = 0; i < n; ++i) (scales[i] > 0.0 ? live : idle).push_back(i);
+  result.undetermined = Eigen::MatrixXd::Identity(n, n)(Eigen::all, idle);
+  if (live.empty()) return result;
+  const Eigen::MatrixXd scaled = jacobian(Eigen::all, live) * scales(live).asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled.transpose() * scaled);
-  Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(n, n);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const double value = eigen.eigenvalues()[k];
-    const Eigen::VectorXd direction = eigen.eigenvectors().col(k);
-    if (value > null_eigenvalue) {
-      inverse += direction * direction.transpose() / value;
+  for (Eigen::Index k = 0; k < eigen.eigenvalues().size(); ++k) {
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(n);
+    direction(live) = eigen.eigenvectors().col(k);
+    const Eigen::VectorXd in_own_units = direction.cwiseProduct(scales);
+    if (const double value = eigen.eigenvalues()[k]; value > null_eigenvalue) {
+      result.covariance += in_own_units * in_own_units.transpose() / value;
       continue;
     }
-    const bool dead =
-        (direction.cwiseProduct(norms)).norm() == 0.0;  // a parameter already named above
-    if (!dead)
-      result.sentences.push_back(fmt::format(
-          "{}: only a combination of these is determined; fix one of them or give it a prior",
-          carriers(direction, names, result.identifiable)));
+    result.undetermined.conservativeResize(Eigen::NoChange, result.undetermined.cols() + 1);
+    result.undetermined.rightCols<1>() = in_own_units;
+    result.sentences.push_back(
+        fmt::format("{}: only a combination of these is determined; fix one of them or give it a "
+                    "prior",
+                    carriers(direction, names, result.identifiable)));
   }
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j)
-      if (result.identifiable[static_cast<std::size_t>(i)] &&
-          result.identifiable[static_cast<std::size_t>(j)])
-        result.covariance(i, j) = inverse(i, j) * inverse_norms[i] * inverse_norms[j];
   return result;
 }
 
@@ -109,6 +121,16 @@ Uncertainty uncertainty(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& 
   result.covariance = result.covariance * (filling.transpose() * filling) * result.covariance;
   find_correlations(names, held, result);
   return result;
+}
+
+bool determines(const Uncertainty& spread, const Eigen::VectorXd& gradient,
+                const Eigen::VectorXd& sizes, double value) {
+  for (Eigen::Index k = 0; k < spread.undetermined.cols(); ++k) {
+    const Eigen::VectorXd way = spread.undetermined.col(k);
+    const double largest = way.cwiseQuotient(sizes).cwiseAbs().maxCoeff();
+    if (std::abs(gradient.dot(way)) > untouched * std::abs(value) * largest) return false;
+  }
+  return true;
 }
 
 }  // namespace impactrig::fitting

@@ -90,16 +90,19 @@ class Session {
 /// parameters.
 void Session::choose_motion() {
   double neglected = 0.0;
+  const bool full_only = std::ranges::any_of(problem_.variables(), [](const Variable& v) {
+    return v.physics && v.physics->of_full_motion_only;
+  });
   try {
     problem_.set_motion(models::Motion::small);
     for (const Shot& shot : problem_.shots())
       neglected = std::max(neglected, shot.model->simulate(problem_.rig().rig, 0.0).neglected);
-    if (neglected <= smallest_motion) return;
+    if (neglected <= smallest_motion && !full_only) return;
   } catch (const std::exception&) {
     neglected = whole;  // the full equations have the last word on what is wrong with the rig
   }
   problem_.set_motion(models::Motion::full);
-  if (neglected <= like_small_motion) prefer_full_motion();
+  if (neglected <= like_small_motion && !full_only) prefer_full_motion();
 }
 
 /// The full equations, with the slopes of small motion where it has them.
@@ -306,7 +309,7 @@ void Session::keep_within_bounds(Eigen::VectorXd& shift) const {
     const auto row = static_cast<Eigen::Index>(k);
     const Variable& v = problem_.variables()[problem_.unknowns()[k]];
     const double way = std::clamp(v.value + shift[row], v.lower, v.upper) - v.value - shift[row];
-    if (way == 0.0 || !(covariance(row, row) > 0.0)) continue;
+    if (way == 0.0 || !end_.spread.identifiable[k] || !(covariance(row, row) > 0.0)) continue;
     const Eigen::VectorXd along = covariance.col(row) / covariance(row, row);
     shift += along * way;
     covariance -= along * covariance.row(row);  // from here on of the others, this one held
@@ -356,6 +359,17 @@ Fit Session::report(double chi2) {
   return fit;
 }
 
+/// Along what the data do not determine, draws stay where their search began: that is no spread.
+void forget_unknown(Fit& fit) {
+  constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
+  for (const Parameter& of_fit : fit.parameters)
+    for (Bootstrap::Parameter& p : fit.bootstrap->parameters) {
+      if (p.name != of_fit.name || of_fit.identifiable) continue;
+      p.bias = p.std_error = not_known;
+      p.ci95 = {not_known, not_known};
+    }
+}
+
 /// Intervals of other kinds, where the options ask for them.
 void Session::widen_view(Fit& fit) {
   if (options_.profile && problem_.loss() != Loss::squares) {
@@ -382,6 +396,7 @@ void Session::widen_view(Fit& fit) {
     fit.bootstrap = bootstrap(
         problem_, jacobian_, end_.inflation,
         {.kind = options_.bootstrap_kind, .draws = options_.bootstrap, .seed = options_.seed});
+    forget_unknown(fit);
     if (fit.bootstrap->draws < Bootstrap::fewest_for_interval)
       fit.warnings.push_back(
           fmt::format("{} draws of the bootstrap tell standard errors, no 95 % interval: that "

@@ -28,11 +28,12 @@ struct Parameter {
   std::string name;
   std::string unit;  ///< SI, "1" when dimensionless
   double value = 0.0;
-  double std_error = 0.0;  ///< 0 when it could not be estimated: see at_bound, identifiable
+  double std_error = 0.0;  ///< NaN, as ci95 and mesh_shift, where it is not identifiable
   std::array<double, 2> ci95 = {0, 0};
   double initial = 0.0;
   double lower = 0.0, upper = 0.0;  ///< bounds
   bool at_bound = false;
+  /// Whether the data determine it, not only combinations of it with others.
   bool identifiable = true;
   bool by_logarithm = false;  ///< searched, and its interval made, by its logarithm
   /// What a mesh twice as fine would add to the value, to first order; ci95 is widened by it.
@@ -75,7 +76,8 @@ struct Goodness {
 /// The answer: what explains the recordings, how sure that is, and where the model fails.
 struct Fit {
   std::vector<Parameter> parameters;
-  Eigen::MatrixXd correlations;  ///< (n_parameters, n_parameters)
+  /// (n_parameters, n_parameters); NaN beside a parameter that is not identifiable.
+  Eigen::MatrixXd correlations;
   /// A sentence each: which combination the data cannot tell.
   std::vector<std::string> not_identifiable;
   Identifiability identifiability;

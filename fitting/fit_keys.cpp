@@ -35,7 +35,11 @@ void read_setting(TableReader& table, const std::string& name, FitOptions& optio
   setting.lower = value_of(table, "lower", unit);
   setting.upper = value_of(table, "upper", unit);
   read_prior(table, unit, setting);
-  setting.shared = table.flag("shared");
+  if (const auto shared = table.flag("shared")) try {
+      choose_shared(name, *shared, options);
+    } catch (const std::invalid_argument& error) {
+      table.refuse("shared", error.what());
+    }
   setting.fixed = table.flag("fixed").value_or(false);
   setting.by_logarithm = table.choice("scale", {"linear", "log"}).value_or(0) == 1;
   if (const auto to = table.text("tied_to")) {
@@ -97,6 +101,14 @@ void choose_channels(const std::vector<std::string>& names, FitOptions& options)
      : name == "velocity" ? options.use_velocity
                           : options.use_displacement) = true;
   }
+}
+
+void choose_shared(const std::string& name, bool shared, FitOptions& options) {
+  unit_of(name);
+  if (const auto [key, recording] = parameter_key(name); recording > 0)
+    throw std::invalid_argument(
+        fmt::format("'{}' is one recording's; whether all share it is said of {}", name, key));
+  options.setting(name).shared = shared;
 }
 
 FitOptions read_fit(TableReader& table) {

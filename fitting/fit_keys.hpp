@@ -17,6 +17,10 @@ FitOptions read_fit(TableReader& table);
 /// std::invalid_argument on another one.
 void choose_channels(const std::vector<std::string>& names, FitOptions& options);
 
+/// One value for all recordings, or each its own. Throws std::invalid_argument on a name of one
+/// recording's.
+void choose_shared(const std::string& name, bool shared, FitOptions& options);
+
 /// One line each of the command line; these throw std::invalid_argument with a sentence.
 void read_prior(std::string_view text, FitOptions& options);   ///< "beam.density=2766(5) kg/m^3"
 void read_bounds(std::string_view text, FitOptions& options);  ///< "contact.restitution=0.3:0.9"

@@ -139,8 +139,9 @@ void FitProblem::warn_of_unused(const FitOptions& options) {
   const auto used = [&](const std::string& asked) {
     return std::ranges::any_of(shots_, [&](const Shot& shot) {
       return std::ranges::any_of(shot.numbers, [&](std::size_t number) {
-        const std::string& name = (*variables_)[number].name;
-        return name == asked || name.starts_with(asked + "[");
+        const Variable& v = (*variables_)[number];
+        const auto [key, recording] = parameter_key(asked);
+        return parameter_key(v.name).key == key && (recording == 0 || recording == v.recording + 1);
       });
     });
   };

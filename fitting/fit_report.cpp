@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <limits>
 
 #include "fitting/all_cores.hpp"
 #include "fitting/fit_diagnostics.hpp"
@@ -17,6 +18,8 @@ namespace {
 
 using datasets::ImpactFlag;
 using datasets::ImpactSignal;
+
+constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 
 // A shift by the mesh is worth a warning from this part of a standard error on.
 constexpr double telling_shift = 0.5;
@@ -33,6 +36,14 @@ double independent_samples(const FitProblem& problem) {
   return count;
 }
 
+/// The place among the unknowns of variable number i, or of what it is tied to; none where nothing
+/// tells it.
+std::optional<std::size_t> unknown_of(const FitProblem& problem, const Variable& v, std::size_t i) {
+  const auto found = std::ranges::find(problem.unknowns(), v.tie ? v.tie->to : i);
+  if (found == problem.unknowns().end()) return std::nullopt;
+  return static_cast<std::size_t>(found - problem.unknowns().begin());
+}
+
 /// Variables as lines of the unknowns: (n_variables, n_unknowns); a row of zeros where nothing
 /// tells a variable.
 Eigen::MatrixXd lines_of(const FitProblem& problem) {
@@ -40,22 +51,23 @@ Eigen::MatrixXd lines_of(const FitProblem& problem) {
   Eigen::MatrixXd lines =
       Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(variables.size()),
                             static_cast<Eigen::Index>(problem.unknowns().size()));
-  for (std::size_t i = 0; i < variables.size(); ++i) {
-    const auto& tie = variables[i].tie;
-    const auto found = std::ranges::find(problem.unknowns(), tie ? tie->to : i);
-    if (found != problem.unknowns().end())
-      lines(static_cast<Eigen::Index>(i), found - problem.unknowns().begin()) =
-          tie ? tie->factor : 1.0;
-  }
+  for (std::size_t i = 0; i < variables.size(); ++i)
+    if (const auto unknown = unknown_of(problem, variables[i], i))
+      lines(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(*unknown)) =
+          variables[i].tie ? variables[i].tie->factor : 1.0;
   return lines;
 }
 
-Eigen::MatrixXd correlations_of(const Eigen::MatrixXd& covariance) {
+Eigen::MatrixXd correlations_of(const Eigen::MatrixXd& covariance, const Fit& fit) {
   Eigen::MatrixXd result = Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols());
   for (Eigen::Index i = 0; i < covariance.rows(); ++i)
-    for (Eigen::Index j = 0; j < covariance.cols(); ++j)
-      if (const double size = std::sqrt(covariance(i, i) * covariance(j, j)); i != j && size > 0.0)
-        result(i, j) = covariance(i, j) / size;
+    for (Eigen::Index j = 0; j < covariance.cols(); ++j) {
+      if (i == j) continue;
+      const double size = std::sqrt(covariance(i, i) * covariance(j, j));
+      const bool known = fit.parameters[static_cast<std::size_t>(i)].identifiable &&
+                         fit.parameters[static_cast<std::size_t>(j)].identifiable;
+      result(i, j) = !known ? not_known : size > 0.0 ? covariance(i, j) / size : 0.0;
+    }
   return result;
 }
 
@@ -63,6 +75,18 @@ Eigen::MatrixXd correlations_of(const Eigen::MatrixXd& covariance) {
 bool by_logarithm(const FitProblem& problem, const Variable& v) {
   if (!v.tie) return v.by_logarithm;
   return v.tie->offset == 0.0 && problem.variables()[v.tie->to].by_logarithm;
+}
+
+/// 95 %, widened by the mesh's error and within bounds.
+std::array<double, 2> interval_of(const Variable& v, const Parameter& p, double quantile) {
+  const double half = quantile * p.std_error;
+  std::array<double, 2> interval = {v.value - half, v.value + half};
+  if (p.by_logarithm)
+    interval = {v.value * std::exp(-half / v.value), v.value * std::exp(half / v.value)};
+  const double mesh = beyond_finer * std::abs(p.mesh_shift);
+  interval = {interval[0] - mesh, interval[1] + mesh};
+  if (!v.tie) interval = {std::max(interval[0], v.lower), std::min(interval[1], v.upper)};
+  return interval;
 }
 
 bool at_bound(const Variable& v) {
@@ -166,6 +190,19 @@ void warn_of_priors(const FitProblem& problem, Fit& fit) {
   }
 }
 
+/// Of kinematic, kinetic and energetic restitution of the first recording, by the unknowns.
+Eigen::MatrixXd restitution_gradient(const FitProblem& problem) {
+  const ShotCost& cost = *problem.shots().front().cost;
+  const Eigen::MatrixXd by_block = cost.restitution_gradient();
+  Eigen::MatrixXd gradient =
+      Eigen::MatrixXd::Zero(3, static_cast<Eigen::Index>(problem.unknowns().size()));
+  for (std::size_t b = 0; b < cost.blocks().size(); ++b) {
+    const auto place = std::ranges::find(problem.unknowns(), cost.blocks()[b]);
+    gradient.col(place - problem.unknowns().begin()) = by_block.col(static_cast<Eigen::Index>(b));
+  }
+  return gradient;
+}
+
 }  // namespace
 
 double report_goodness(const FitProblem& problem, Goodness& goodness) {
@@ -191,29 +228,27 @@ void report_parameters(const FitProblem& problem, const FitEnd& end, Fit& fit) {
     p.name = v.name;
     p.unit = v.unit;
     p.value = v.value;
-    p.std_error = end.inflation * std::sqrt(covariance(row, row));
-    if (end.mesh_shift.size() > 0) p.mesh_shift = lines.row(row).dot(end.mesh_shift);
-    const double half = quantile * p.std_error;
-    p.ci95 = {v.value - half, v.value + half};
     p.by_logarithm = by_logarithm(problem, v);
-    if (p.by_logarithm)
-      p.ci95 = {v.value * std::exp(-half / v.value), v.value * std::exp(half / v.value)};
-    p.ci95[0] -= beyond_finer * std::abs(p.mesh_shift);
-    p.ci95[1] += beyond_finer * std::abs(p.mesh_shift);
-    if (!v.tie) p.ci95 = {std::max(p.ci95[0], v.lower), std::min(p.ci95[1], v.upper)};
+    const std::optional<std::size_t> unknown = unknown_of(problem, v, i);
+    p.identifiable = unknown && end.spread.identifiable[*unknown];
+    if (p.identifiable) {
+      p.std_error = end.inflation * std::sqrt(covariance(row, row));
+      if (end.mesh_shift.size() > 0) p.mesh_shift = lines.row(row).dot(end.mesh_shift);
+      p.ci95 = interval_of(v, p, quantile);
+    } else {
+      p.std_error = p.mesh_shift = not_known;
+      p.ci95 = {not_known, not_known};
+    }
     p.initial = v.initial;
     p.lower = v.lower;
     p.upper = v.upper;
     p.at_bound = at_bound(v);
-    for (Eigen::Index k = 0; k < lines.cols(); ++k)
-      if (lines(row, k) != 0.0)
-        p.identifiable = end.spread.identifiable[static_cast<std::size_t>(k)];
     p.nuisance = v.role != Variable::Role::physics;
     p.prior = v.prior;
     if (v.tie) p.tied_to = problem.variables()[v.tie->to].name;
     fit.parameters.push_back(std::move(p));
   }
-  fit.correlations = correlations_of(covariance);
+  fit.correlations = correlations_of(covariance, fit);
   fit.not_identifiable = end.spread.sentences;
 }
 
@@ -246,14 +281,10 @@ void report_more(const FitProblem& problem, Fit& fit) {
 }
 
 void report_restitution(const FitProblem& problem, const FitEnd& end, Fit& fit) {
-  const Shot& shot = problem.shots().front();
-  const Eigen::MatrixXd by_block = shot.cost->restitution_gradient();
-  Eigen::MatrixXd gradient =
-      Eigen::MatrixXd::Zero(3, static_cast<Eigen::Index>(problem.unknowns().size()));
-  for (std::size_t b = 0; b < shot.cost->blocks().size(); ++b) {
-    const auto place = std::ranges::find(problem.unknowns(), shot.cost->blocks()[b]);
-    gradient.col(place - problem.unknowns().begin()) = by_block.col(static_cast<Eigen::Index>(b));
-  }
+  const Eigen::MatrixXd gradient = restitution_gradient(problem);
+  Eigen::VectorXd sizes(gradient.cols());
+  for (Eigen::Index i = 0; i < sizes.size(); ++i)
+    sizes[i] = problem.variables()[problem.unknowns()[static_cast<std::size_t>(i)]].scale;
   const double dof = std::max(1.0, static_cast<double>(fit.goodness.dof));
   const double quantile = boost::math::quantile(boost::math::students_t(dof), 0.975);
   const models::Restitution& r = fit.predictions.front().restitution;
@@ -268,6 +299,7 @@ void report_restitution(const FitProblem& problem, const FitEnd& end, Fit& fit) 
                   quantile * end.inflation * std::sqrt(std::max(0.0, variance));
     if (end.mesh_shift.size() > 0)
       half += beyond_finer * std::abs(changes[k] + gradient.row(k).dot(end.mesh_shift));
+    if (!determines(end.spread, gradient.row(k), sizes, values[k])) half = not_known;
     fit.restitution[names[k]] = {values[k], {values[k] - half, values[k] + half}};
   }
   const double stated = problem.rig().rig.contact.restitution;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -103,6 +104,8 @@ constexpr std::array of_rig = {
                       [](Rig& r) -> double& { return r.hinge.spring; }},
     PhysicalParameter{"hinge.viscous", "N m s/rad", 0.0, 0.0, false,
                       [](Rig& r) -> double& { return r.hinge.viscous; }},
+    PhysicalParameter{"hinge.friction", "N m", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return r.hinge.friction; }, true},
 };
 
 /// Of the further stop K; its keys are those of [[contacts]] behind its number.
@@ -164,7 +167,19 @@ std::optional<SensorKey> sensor_key(std::string_view name) {
   return std::nullopt;
 }
 
-std::string unit_of(std::string_view name) {
+ParameterKey parameter_key(std::string_view name) {
+  const std::size_t bracket = name.rfind('[');
+  const ParameterKey whole{std::string(name), 0};
+  if (bracket == std::string_view::npos || !name.ends_with(']')) return whole;
+  int number = 0;
+  const char* const end = name.data() + name.size() - 1;
+  const auto [stop, error] = std::from_chars(name.data() + bracket + 1, end, number);
+  if (error != std::errc{} || stop != end || number < 1) return whole;
+  return {std::string(name.substr(0, bracket)), number};
+}
+
+std::string unit_of(std::string_view numbered) {
+  const std::string name = parameter_key(numbered).key;
   if (const PhysicalParameter* physical = find_physical_parameter(name))
     return std::string(physical->unit);
   if (name == "impact.time") return "s";
@@ -186,8 +201,8 @@ std::string unit_of(std::string_view name) {
   throw std::invalid_argument(fmt::format(
       "'{}' cannot be fitted; parameters are {}impact.time, contacts.1. (2, 3) with restitution, "
       "stiffness_factor, length, stiffness, position, gap, and sensors.CHANNEL. with gain, delay, "
-      "offset, drift{}",
-      name, known, of_chain));
+      "offset, drift{}; NAME[K] is that of recording K, where each has its own",
+      numbered, known, of_chain));
 }
 
 }  // namespace impactrig::fitting

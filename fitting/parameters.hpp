@@ -18,6 +18,7 @@ struct PhysicalParameter {
   double lower, upper;    ///< bounds; a zero upper bound: ten times the starting value
   bool of_shot;           ///< differs from recording to recording
   double& (*of)(models::Rig& rig);
+  bool of_full_motion_only = false;  ///< small motion knows nothing of it
 };
 
 /// A number of a sensor's chain that a fit may free, by its key under sensors.CHANNEL; a band limit
@@ -42,8 +43,16 @@ struct SensorKey {
 
 std::optional<SensorKey> sensor_key(std::string_view name);  ///< none where it is no sensor's
 
-/// SI unit of whatever a fit may free, "1" when dimensionless. Throws std::invalid_argument on an
-/// unknown name (and lists the known ones).
+/// "start.velocity[2]": start.velocity of recording 2; a name without number is of recording 0.
+struct ParameterKey {
+  std::string key;
+  int recording = 0;  ///< from 1
+};
+
+ParameterKey parameter_key(std::string_view name);
+
+/// SI unit of whatever a fit may free, "1" when dimensionless, of all recordings or of one. Throws
+/// std::invalid_argument on an unknown name (and lists the known ones).
 std::string unit_of(std::string_view name);
 
 }  // namespace impactrig::fitting

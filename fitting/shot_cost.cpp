@@ -16,6 +16,9 @@ using Role = Variable::Role;
 // Of equations that have no slopes: central differences of a simulation accurate to 1e-8 or so;
 // truncation and noise balance near this part of the scale.
 constexpr double difference_step = 2e-4;
+// What friction does is a straight line but for where the hinge turns round, and little: a step
+// that is seen beside the rounding of two simulations.
+constexpr double friction_step = 0.05;
 constexpr std::size_t predictions_kept = 8;
 
 const Shown::Curve& curve_of(const Shown& shown, datasets::Quantity quantity) {
@@ -198,7 +201,8 @@ std::vector<Shown> ShotCost::physics_differences(const Values& values) const {
     for (std::size_t i = 0; i < slots_.size(); ++i) {
       const Variable& v = *slots_[i].variable;
       if (chain ? v.chain == nullptr : v.physics == nullptr) continue;
-      const double step = difference_step * v.scale;
+      const bool friction = v.physics && v.physics->of_full_motion_only;
+      const double step = (friction ? friction_step : difference_step) * v.scale;
       const bool ahead = values[i] + step <= v.upper || v.tie;
       const bool behind = values[i] - step >= v.lower || v.tie;
       for (const double side : {ahead ? step : 0.0, behind ? -step : 0.0}) {

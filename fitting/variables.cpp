@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "fitting/wishes.hpp"
 #include "models/contact/damping_law.hpp"
 
 namespace impactrig::fitting {
@@ -29,14 +30,6 @@ constexpr double force_offset_part = 0.02;
 constexpr double velocity_offset_part = 0.1;
 constexpr double drift_part = 0.02;  // over the record
 constexpr double hum_part = 0.01;    // of mains hum and of its third harmonic
-
-std::vector<std::string> default_free(const RigFile& rig) {
-  std::vector<std::string> free;
-  if (rig.rig.contact.damping != "none") free.emplace_back("contact.restitution");
-  free.emplace_back("contact.stiffness_factor");
-  free.emplace_back("start.velocity");
-  return free;
-}
 
 /// Dampers, springs and gaps: without them a rig is still one.
 bool may_be_none(std::string_view name) {
@@ -118,53 +111,6 @@ void add_background(const ImpactSignal& signal, const Variable& blank, double ma
     add(name, {kind, order * mains}).prior = {0.0, hum_part * largest};
 }
 
-/// What a fit may free, by full name, of the settings and names given.
-class Wishes {
- public:
-  Wishes(const RigFile& rig, const FitOptions& options) : options_(options) {
-    names_ = options.free.empty() ? default_free(rig) : options.free;
-    for (const ParameterSetting& setting : options.settings)
-      if (!setting.fixed && std::ranges::find(names_, base(setting.name)) == names_.end())
-        names_.push_back(base(setting.name));
-    for (const std::string& name : names_) {
-      if (std::ranges::count(names_, name) > 1)
-        throw std::invalid_argument(
-            fmt::format("'{}' is named twice among the free parameters", name));
-      unit_of(name);
-    }
-    for (const ParameterSetting& setting : options.settings) unit_of(base(setting.name));
-  }
-
-  const std::vector<std::string>& names() const { return names_; }
-
-  bool asks_for(std::string_view name) const {
-    return std::ranges::find(names_, name) != names_.end();
-  }
-
-  bool fixes(std::string_view name) const {
-    const ParameterSetting* setting = options_.setting_of(name);
-    return setting && setting->fixed;
-  }
-
-  bool shares(std::string_view name, bool by_itself) const {
-    const ParameterSetting* setting = options_.setting_of(name);
-    return setting && setting->shared ? *setting->shared : by_itself;
-  }
-
-  /// Of one recording's parameter, or else of that of all recordings.
-  const ParameterSetting* of(const Variable& v) const {
-    const ParameterSetting* own = options_.setting_of(v.name);
-    return own ? own : options_.setting_of(base(v.name));
-  }
-
- private:
-  /// "start.velocity" of "start.velocity[2]".
-  static std::string base(const std::string& name) { return name.substr(0, name.find('[')); }
-
-  const FitOptions& options_;
-  std::vector<std::string> names_;
-};
-
 double largest_of(const ImpactSignal& signal) {
   double largest = 0.0;
   for (const double value : signal.values)
@@ -184,7 +130,7 @@ void add_channel_variables(const ImpactSignal& signal, int recording, const RigF
   blank.lower = -unbounded;
   blank.upper = unbounded;
   add_background(signal, blank, rig.mains_frequency, largest_of(signal), variables);
-  if (signal.gain_uncertainty > 0.0 || wishes.asks_for(key + "gain")) {
+  if (signal.gain_uncertainty > 0.0 || wishes.asks_for(key + "gain", recording)) {
     Variable gain = blank;
     gain.role = Variable::Role::gain;
     gain.name += "gain";
@@ -196,7 +142,7 @@ void add_channel_variables(const ImpactSignal& signal, int recording, const RigF
     if (signal.gain_uncertainty > 0.0) gain.prior = {1.0, signal.gain_uncertainty};
     variables.push_back(gain);
   }
-  if (signal.delay_uncertainty > 0.0 || wishes.asks_for(key + "delay")) {
+  if (signal.delay_uncertainty > 0.0 || wishes.asks_for(key + "delay", recording)) {
     Variable delay = blank;
     delay.role = Variable::Role::delay;
     delay.name += "delay";
@@ -208,7 +154,8 @@ void add_channel_variables(const ImpactSignal& signal, int recording, const RigF
   }
   for (const std::string& name : wishes.names()) {
     const auto wanted = sensor_key(name);
-    if (!wanted || wanted->quantity != signal.quantity) continue;
+    if (!wanted || wanted->quantity != signal.quantity || !wishes.asks_for(name, recording))
+      continue;
     const ChainParameter* chain = find_chain_parameter(wanted->what);
     if (!chain) continue;
     auto sensor = sensor_of(rig, signal.quantity);
@@ -236,7 +183,8 @@ void add_physics(const std::vector<Impact>& impacts, const RigFile& rig, const W
       continue;
     }
     for (int shot = 0; shot < static_cast<int>(impacts.size()); ++shot)
-      variables.push_back(physics_variable(*parameter, rig, impacts, shot));
+      if (wishes.asks_for(name, shot))
+        variables.push_back(physics_variable(*parameter, rig, impacts, shot));
   }
 }
 
@@ -268,7 +216,7 @@ void share(const Wishes& wishes, std::vector<Variable>& variables) {
 }
 
 /// What the user states of a variable, and a scale that goes with it.
-void apply(const ParameterSetting* setting, Variable& v) {
+void set_up(const std::optional<ParameterSetting>& setting, Variable& v) {
   const double by_itself = v.initial;
   if (setting) {
     if (setting->initial) v.initial = *setting->initial;
@@ -320,20 +268,32 @@ void refuse_idle_settings(const ParameterSetting& setting) {
                     setting.name, to, idle, to));
 }
 
-/// Finds what a tie names: in the same recording, or shared.
+/// Whether a name is that of a variable: of its recording, or else of the one that is looked from.
+bool is_named(const Variable& v, const std::string& name, int from) {
+  if (v.name == name) return true;
+  const ParameterKey wanted = parameter_key(name);
+  const int recording = wanted.recording > 0 ? wanted.recording - 1 : from;
+  return v.recording >= 0 && v.recording == recording && parameter_key(v.name).key == wanted.key;
+}
+
+/// Finds what a tie names: of the recording it names, else in the same recording, or shared.
 void tie_up(const Wishes& wishes, std::vector<Variable>& variables) {
   for (Variable& v : variables) {
-    const ParameterSetting* setting = wishes.of(v);
+    const std::optional<ParameterSetting> setting = wishes.of(v);
     if (!setting || !setting->tie) continue;
     refuse_idle_settings(*setting);
     const Tie& tie = *setting->tie;
-    const std::string here = fmt::format("{}[{}]", tie.to, v.recording + 1);
     for (std::size_t i = 0; i < variables.size(); ++i)
-      if (variables[i].name == tie.to || (v.recording >= 0 && variables[i].name == here))
-        v.tie = {i, tie.factor, tie.offset};
+      if (is_named(variables[i], tie.to, v.recording)) v.tie = {i, tie.factor, tie.offset};
     if (!v.tie)
       throw std::invalid_argument(fmt::format(
           "'{}' is tied to '{}', which is not among the free parameters", v.name, tie.to));
+    if (&variables[v.tie->to] == &v) {
+      if (parameter_key(setting->name).recording > 0)
+        throw std::invalid_argument(fmt::format("'{}' is tied to itself", v.name));
+      v.tie.reset();  // the one of all recordings' own that the others go with
+      continue;
+    }
     v.prior.reset();
   }
   for (Variable& v : variables) {
@@ -392,11 +352,12 @@ std::vector<Variable> make_variables(const std::vector<Impact>& impacts, const R
       if (is_fitted(impact, *signal, options))
         add_channel_variables(**signal, shot, rig, wishes, variables);
   }
-  std::erase_if(variables, [&](const Variable& v) { return wishes.fixes(v.name); });
   share(wishes, variables);
+  wishes.refuse_strangers(variables, shots);
+  std::erase_if(variables, [&](const Variable& v) { return wishes.fixes(v); });
   for (Variable& v : variables) {
     if (shots > 1 && v.recording >= 0) v.name += fmt::format("[{}]", v.recording + 1);
-    apply(wishes.of(v), v);
+    set_up(wishes.of(v), v);
   }
   tie_up(wishes, variables);
   return variables;

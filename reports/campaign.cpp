@@ -14,9 +14,23 @@ namespace impactrig::reports {
 namespace {
 
 constexpr double normal95 = 1.959964;  // 97.5 % point of the normal distribution
+constexpr double closest = 0.999;      // correlation with the speed, beyond which rounding decides
+
+/// Of errors of parameter i and of the approach speed; 0 where either has none.
+double correlation_with_speed(const fitting::Fit& fit, std::size_t i) {
+  const auto speed =
+      std::ranges::find(fit.parameters, std::string("start.velocity"), &fitting::Parameter::name);
+  if (speed == fit.parameters.end()) return 0.0;
+  const auto column = static_cast<Eigen::Index>(speed - fit.parameters.begin());
+  const auto row = static_cast<Eigen::Index>(i);
+  if (fit.correlations.rows() <= std::max(row, column)) return 0.0;
+  const double r = fit.correlations(row, column);
+  return std::isfinite(r) ? r : 0.0;
+}
 
 void add_parameters(const fitting::Fit& fit, CampaignShot& shot) {
-  for (const fitting::Parameter& p : fit.parameters) {
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+    const fitting::Parameter& p = fit.parameters[i];
     if (p.nuisance) continue;
     const std::string label = parameter_label(p.name);
     const bool known = p.identifiable && !p.at_bound && p.std_error > 0.0;
@@ -27,7 +41,8 @@ void add_parameters(const fitting::Fit& fit, CampaignShot& shot) {
                             .std_error = known ? p.std_error : 0.0,
                             .ci95 = p.ci95,
                             .mesh_shift = p.mesh_shift,
-                            .compared = p.tied_to.empty()});
+                            .compared = p.tied_to.empty(),
+                            .with_speed = correlation_with_speed(fit, i)});
   }
 }
 
@@ -69,13 +84,6 @@ bool counts(const CampaignShot& shot, const ShotNumber& number) {
          number.std_error > 0.0;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// An approach speed has no trend with itself.
 bool of_speed(const std::string& name) {
   return name == "start.velocity" || name == "start.release_angle";
@@ -83,16 +91,18 @@ bool of_speed(const std::string& name) {
 
 void add_trend(const Campaign& campaign, CampaignQuantity& quantity) {
   std::vector<fitting::ShotValue> values;
-  std::vector<double> speeds, errors;
+  std::vector<fitting::ShotSpeed> speeds;
   for (const std::size_t i : quantity.shots) {
     const CampaignShot& shot = campaign.shots[i];
-    if (!std::isfinite(shot.approach_speed)) continue;
+    const bool fitted = std::isfinite(shot.fitted_speed) && std::isfinite(shot.speed_error);
+    if (!fitted && !std::isfinite(shot.approach_speed)) continue;
     const ShotNumber& number = *shot.number(quantity.name);
     values.push_back({number.value, number.std_error});
-    speeds.push_back(shot.approach_speed);
-    errors.push_back(shot.speed_error);
+    speeds.push_back(fitted ? fitting::ShotSpeed{shot.fitted_speed, shot.speed_error,
+                                                 std::clamp(number.with_speed, -closest, closest)}
+                            : fitting::ShotSpeed{.speed = shot.approach_speed});
   }
-  quantity.trend = fitting::speed_trend(values, speeds, median(errors));
+  quantity.trend = fitting::speed_trend(values, speeds);
 }
 
 CampaignQuantity quantity_of(const Campaign& campaign, const ShotNumber& first) {
@@ -160,7 +170,10 @@ CampaignShot campaign_shot(const ReportData& data) {
     if (impact.velocity) shot.approach_speed = impact.approach_velocity;
   }
   if (const ShotNumber* speed = shot.number("start.velocity"); speed != nullptr) {
-    shot.speed_error = speed->std_error;
+    if (speed->std_error > 0.0) {
+      shot.fitted_speed = speed->value;
+      shot.speed_error = speed->std_error;
+    }
     if (!std::isfinite(shot.approach_speed)) shot.approach_speed = speed->value;
   }
   if (!data.provenance.inputs.empty()) {

@@ -25,6 +25,7 @@ struct ShotNumber {
   std::array<double, 2> ci95 = {0, 0};
   double mesh_shift = 0.0;  ///< fitting::Parameter::mesh_shift: of all shots alike, so no scatter
   bool compared = true;     ///< between shots; what follows from parameters only is not
+  double with_speed = 0.0;  ///< correlation of its error with that of the fitted approach speed
 };
 
 /// One recording of a campaign, fitted by itself: a row of the summary.
@@ -40,7 +41,9 @@ struct CampaignShot {
   double peak_force = std::numeric_limits<double>::quiet_NaN();  ///< measured [N]
   /// Before touch as the velocity channel shows it, else as fitted [m/s].
   double approach_speed = std::numeric_limits<double>::quiet_NaN();
-  double speed_error = 0.0;  ///< standard error of it [m/s]
+  /// As fitted, and its standard error; NaN where it was not, or is not known [m/s].
+  double fitted_speed = std::numeric_limits<double>::quiet_NaN();
+  double speed_error = std::numeric_limits<double>::quiet_NaN();
   std::string input_sha256;
   std::string result_key;
 
@@ -84,9 +87,9 @@ struct Campaign {
 /// The row of a fit of one recording.
 CampaignShot campaign_shot(const ReportData& data);
 
-/// Fills `quantities` and `not_compared`: random effects and trend of every number that at least two shots have.
-/// Impacts that are not whole or not plausible, parameters of fits that did not converge, and
-/// values at a bound or without a standard error do not count.
+/// Fills `quantities` and `not_compared`: random effects and trend of every number that at least
+/// two shots have. Impacts that are not whole or not plausible, parameters of fits that did not
+/// converge, and values at a bound or without a standard error do not count.
 void summarise(Campaign& campaign);
 
 /// One JSON document, schema "impactrig/campaign/1".

@@ -32,6 +32,12 @@ Json parameter_json(const fitting::Parameter& parameter) {
           {"tied_to", parameter.tied_to.empty() ? Json(nullptr) : Json(parameter.tied_to)}};
 }
 
+/// Fits were stored with zeros for what is not identifiable: as if it were perfectly known.
+void forget_interval(fitting::Parameter& parameter) {
+  parameter.std_error = parameter.mesh_shift = parameter.ci95[0] = parameter.ci95[1] =
+      std::numeric_limits<double>::quiet_NaN();
+}
+
 fitting::Parameter parameter_from(const JsonReader& json) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   fitting::Parameter parameter;
@@ -46,6 +52,7 @@ fitting::Parameter parameter_from(const JsonReader& json) {
   parameter.at_bound = json["at_bound"].boolean();
   if (json.has("mesh_shift")) parameter.mesh_shift = json["mesh_shift"].number();
   parameter.identifiable = json["identifiable"].boolean();
+  if (!parameter.identifiable) forget_interval(parameter);
   parameter.nuisance = json["nuisance"].boolean();
   if (json.has("scale")) parameter.by_logarithm = json["scale"].text() == "log";
   if (json.has("tied_to")) parameter.tied_to = json["tied_to"].text();

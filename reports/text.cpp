@@ -41,6 +41,9 @@ std::string estimate_line(const char* label, const fitting::Fit& fit, const char
   const auto found = fit.restitution.find(name);
   if (found == fit.restitution.end()) return "";
   const auto& [value, ci] = found->second;
+  if (!std::isfinite(ci[0]) || !std::isfinite(ci[1]))
+    return fmt::format("  {:<10} {:>9}   not identifiable   {}\n", label, to_error(value, 0.0),
+                       meaning);
   const double error = (ci[1] - ci[0]) / 4.0;
   return fmt::format("  {:<10} {:>9}   {} to {}   {}\n", label, to_error(value, error),
                      to_error(ci[0], error), to_error(ci[1], error), meaning);
@@ -66,13 +69,18 @@ std::string intervals_text(const fitting::Fit& fit) {
   text +=
       fmt::format("\n95 % by bootstrap ({}, {} refits, {:.2f} s)\n",
                   fitting::name(fit.bootstrap->kind), fit.bootstrap->draws, fit.bootstrap->seconds);
-  for (const fitting::Bootstrap::Parameter& p : fit.bootstrap->parameters)
+  for (const fitting::Bootstrap::Parameter& p : fit.bootstrap->parameters) {
+    if (!std::isfinite(p.std_error)) {
+      text += fmt::format("  {:<31} not identifiable\n", p.name);
+      continue;
+    }
     text +=
         fmt::format("  {:<31} {}   (standard error {:.2g}, bias {:.2g} of it)\n", p.name,
                     has_interval(p.ci95) ? fmt::format("{} to {}", to_error(p.ci95[0], p.std_error),
                                                        to_error(p.ci95[1], p.std_error))
                                          : std::string("–"),
                     p.std_error, p.bias / p.std_error);
+  }
   return text;
 }
 

@@ -81,8 +81,9 @@ std::string restitution_sentence(const fitting::Fit& fit) {
   if (e == nullptr) return "";
   const RoundedValue shown = rounded(e->value, e->std_error, "1");
   if (shown.error.empty())
-    return fmt::format(" The contact law’s e is {}; its uncertainty could not be estimated.",
-                       shown.value);
+    return fmt::format(
+        " The contact law’s e is {}; {}.", shown.value,
+        e->identifiable ? "its uncertainty could not be estimated" : "these data cannot tell it");
   std::string out = fmt::format(" The contact law’s e is {} ±\u00a0{}", shown.value, shown.error);
   if (has_interval(e->ci95))
     out += fmt::format(" (95\u00a0% interval {})", interval_text(e->ci95, e->std_error, {1.0, ""}));

@@ -2,11 +2,11 @@
 #include "reports/wording.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "fitting/parameters.hpp"
 #include "reports/svg.hpp"
 
 namespace impactrig::reports {
@@ -48,18 +48,8 @@ constexpr std::array<Label, 24> labels{{
 
 }  // namespace
 
-ParameterKey parameter_key(const std::string& name) {
-  const std::size_t bracket = name.rfind('[');
-  if (bracket == std::string::npos || name.back() != ']') return {name, 0};
-  int number = 0;
-  const char* const end = name.data() + name.size() - 1;
-  const auto [stop, error] = std::from_chars(name.data() + bracket + 1, end, number);
-  if (error != std::errc{} || stop != end) return {name, 0};
-  return {name.substr(0, bracket), number};
-}
-
 std::string parameter_label(const std::string& name) {
-  const auto [key, recording] = parameter_key(name);
+  const auto [key, recording] = fitting::parameter_key(name);
   const std::string suffix = recording > 0 ? fmt::format(", recording {}", recording) : "";
   for (const Label& label : labels)
     if (key == label.key) return label.text + suffix;
@@ -77,7 +67,7 @@ std::string parameter_label(const std::string& name) {
 const fitting::Parameter* find_parameter(const fitting::Fit& fit, const std::string& key,
                                          int recording) {
   for (const fitting::Parameter& parameter : fit.parameters) {
-    const ParameterKey found = parameter_key(parameter.name);
+    const fitting::ParameterKey found = fitting::parameter_key(parameter.name);
     if (found.key == key && (found.recording == 0 || found.recording == recording + 1))
       return &parameter;
   }

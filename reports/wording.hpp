@@ -12,14 +12,6 @@
 /// markup, everything else plain text.
 namespace impactrig::reports {
 
-/// "start.velocity[2]" -> {"start.velocity", 2}; 0 when it has no number.
-struct ParameterKey {
-  std::string key;
-  int recording = 0;
-};
-
-ParameterKey parameter_key(const std::string& name);
-
 /// "Restitution e of the contact law"; "" for a key without words of its own.
 std::string parameter_label(const std::string& name);
 

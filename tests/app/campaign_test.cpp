@@ -53,6 +53,32 @@ class CampaignCommand : public impactrig::tests::CommandLine {
   json summary() const { return json::parse(text_of(path("out/summary.json"))); }
 };
 
+TEST_F(CampaignCommand, DryRunSaysWhatWouldBeDoneAndDoesNothing) {
+  const std::string one = samples + "shen2007-1.uff ", two = samples + "shen2007-2.uff ";
+  const Outcome before = run(command(one + path("missing.uff")) + " --dry-run");
+  EXPECT_EQ(before.code, 0) << before.err;
+  EXPECT_THAT(before.out, HasSubstr("fit        " + one));
+  EXPECT_THAT(before.out, HasSubstr("fail       " + path("missing.uff")));
+  EXPECT_THAT(before.out, testing::EndsWith("2 recordings: 1 to fit, 1 that cannot be read\n"));
+  EXPECT_FALSE(fs::exists(path("out")));
+  ASSERT_EQ(run(command(one)).code % 6, 0);
+  fs::copy_file(samples + "shen2007-1.uff", path("copy.uff"));
+  const Outcome after = run(command(one + two + path("copy.uff")) + " --dry-run --json");
+  const json plan = json::parse(after.out);
+  EXPECT_EQ(plan["schema"], "impactrig/campaign-plan/1");
+  ASSERT_EQ(plan["recordings"].size(), 3U);
+  EXPECT_EQ(plan["recordings"][0]["action"], "reuse");
+  EXPECT_EQ(plan["recordings"][0]["result"], path("out") + "/fits/shen2007-1.uff.json");
+  EXPECT_EQ(plan["recordings"][1]["action"], "fit");
+  EXPECT_EQ(plan["recordings"][2]["action"], "leave out");
+  EXPECT_THAT(plan["recordings"][2]["sentence"].get<std::string>(), HasSubstr("same recording"));
+  EXPECT_EQ(summary()["shots"].size(), 1U);
+  const std::string other = command(one) + " --fix contact.stiffness_factor --dry-run";
+  EXPECT_THAT(run(other).out, HasSubstr("refuse     " + one));
+  EXPECT_THAT(run(other + " --force").out, HasSubstr("replace    " + one));
+  EXPECT_FALSE(fs::exists(path("out/fits/shen2007-2.uff.json")));
+}
+
 TEST_F(CampaignCommand, FitsEachByItselfAndReusesAllTheSecondTime) {
   const Outcome first = run(command(shots()));
   ASSERT_TRUE(first.code == 0 || first.code == 6) << first.err;

@@ -16,6 +16,7 @@ using impactrig::fitting::agreement;
 using impactrig::fitting::between_shots;
 using impactrig::fitting::BetweenShots;
 using impactrig::fitting::ShotAgreement;
+using impactrig::fitting::ShotSpeed;
 using impactrig::fitting::ShotValue;
 using impactrig::fitting::speed_trend;
 using impactrig::fitting::SpeedTrend;
@@ -119,10 +120,16 @@ TEST(BetweenShots, GivesThePublishedNumbersOfThirteenTrials) {
   EXPECT_NEAR(100.0 * found.i2, 92.12, 5e-3);  // as (Q − 12) / Q
 }
 
+std::vector<ShotSpeed> exactly(const std::vector<double>& speeds, double std_error = 0.0) {
+  std::vector<ShotSpeed> out;
+  for (const double speed : speeds) out.push_back({speed, std_error});
+  return out;
+}
+
 TEST(SpeedTrend, GivesThePublishedResidualScatterOfThirteenTrials) {
   std::vector<double> latitudes;
   for (const Trial& trial : bcg) latitudes.push_back(trial.latitude);
-  const auto found = speed_trend(bcg_log_ratios(), latitudes, 0.0);
+  const auto found = speed_trend(bcg_log_ratios(), exactly(latitudes));
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->q, 30.7331, 5e-5);
   EXPECT_EQ(found->dof, 11);
@@ -179,7 +186,7 @@ TEST(SpeedTrend, EqualErrorsGiveTheTextbooksRegression) {
   const std::array<double, 5> values = {1.0, 2.2, 2.8, 4.1, 4.9};
   std::vector<ShotValue> shots;
   for (const double value : values) shots.push_back({value, 0.01});
-  const auto found = speed_trend(shots, speeds, 0.001);
+  const auto found = speed_trend(shots, exactly(speeds));
   ASSERT_TRUE(found);
   // Sxx = 0.1, Sxy = 0.97, Syy = 9.5 (about the mean 3): b = 9.7, residual 0.091, s² = 0.091 / 3
   EXPECT_NEAR(found->slope, 9.7, 1e-10);
@@ -195,9 +202,9 @@ TEST(SpeedTrend, EqualErrorsGiveTheTextbooksRegression) {
 
 TEST(SpeedTrend, SaysNothingWhereTheSpeedsAreAlike) {
   const std::vector<ShotValue> shots(5, {1.0, 0.1});
-  EXPECT_FALSE(speed_trend(shots, std::vector<double>(5, 0.4), 0.0));
-  EXPECT_FALSE(speed_trend(shots, std::vector<double>{0.40, 0.41, 0.40, 0.41, 0.40}, 0.01));
-  EXPECT_TRUE(speed_trend(shots, std::vector<double>{0.40, 0.41, 0.40, 0.41, 0.40}, 0.001));
+  EXPECT_FALSE(speed_trend(shots, exactly(std::vector<double>(5, 0.4))));
+  EXPECT_FALSE(speed_trend(shots, exactly({0.40, 0.41, 0.40, 0.41, 0.40}, 0.01)));
+  EXPECT_TRUE(speed_trend(shots, exactly({0.40, 0.41, 0.40, 0.41, 0.40}, 0.001)));
 }
 
 TEST(SpeedTrend, IntervalOfTheSlopeHoldsAsOftenAsItSays) {
@@ -207,11 +214,49 @@ TEST(SpeedTrend, IntervalOfTheSlopeHoldsAsOftenAsItSays) {
   for (int i = 0; i < campaigns; ++i) {
     std::vector<ShotValue> shots = drawn(random, speeds.size(), 3.0);
     for (std::size_t k = 0; k < shots.size(); ++k) shots[k].value += 2.0 * speeds[k];
-    const auto found = speed_trend(shots, speeds, 0.0);
+    const auto found = speed_trend(shots, exactly(speeds));
     ASSERT_TRUE(found);
     held += found->ci95[0] <= 2.0 && 2.0 <= found->ci95[1] ? 1 : 0;
   }
   EXPECT_NEAR(static_cast<double>(held) / campaigns, 0.95, chance + 0.01);
+}
+
+// 30 speeds that spread by five of their standard errors, whose errors lean on those of the values:
+// a line that takes them for exact is too flat by more than a twentieth.
+TEST(SpeedTrend, IntervalHoldsWhereTheSpeedsAreUncertain) {
+  std::mt19937_64 random(20074);
+  std::normal_distribution<double> normal;
+  const double of_speed = 0.06, of_value = 0.05, r = -0.5, slope = 2.0;
+  constexpr int repeats = 1000;
+  const double luck = 4.0 * std::sqrt(0.95 * 0.05 / repeats);
+  for (const double tau : {0.0, 0.1}) {
+    int held = 0, held_if_exact = 0;
+    double sum = 0.0;
+    for (int i = 0; i < repeats; ++i) {
+      std::vector<ShotValue> shots;
+      std::vector<ShotSpeed> speeds;
+      for (int k = 0; k < 30; ++k) {
+        const double a = normal(random), b = normal(random);
+        const double speed = 0.1 * (1 + k % 10);
+        speeds.push_back({speed + of_speed * a, of_speed, r});
+        shots.push_back(
+            {slope * speed + tau * normal(random) + of_value * (r * a + std::sqrt(1.0 - r * r) * b),
+             of_value});
+      }
+      const auto found = speed_trend(shots, speeds);
+      ASSERT_TRUE(found);
+      sum += found->slope / repeats;
+      held += found->ci95[0] <= slope && slope <= found->ci95[1] ? 1 : 0;
+      for (ShotSpeed& speed : speeds) speed.std_error = 0.0;
+      const auto exact = speed_trend(shots, speeds);
+      held_if_exact += exact->ci95[0] <= slope && slope <= exact->ci95[1] ? 1 : 0;
+    }
+    EXPECT_NEAR(sum, slope, 0.02) << tau;
+    // without scatter of their own, known errors are judged by Student's t: held more often
+    EXPECT_GT(static_cast<double>(held) / repeats, 0.95 - luck) << tau;
+    EXPECT_LT(static_cast<double>(held) / repeats, 0.95 + luck) << tau;
+    EXPECT_LT(static_cast<double>(held_if_exact) / repeats, 0.95 - 2.0 * luck) << tau;
+  }
 }
 
 TEST(BetweenShots, RefusesWhatIsNoRepetition) {
@@ -220,7 +265,7 @@ TEST(BetweenShots, RefusesWhatIsNoRepetition) {
                std::invalid_argument);
   EXPECT_THROW(between_shots(std::vector<ShotValue>{{1.0, 0.1}, {std::nan(""), 0.1}}),
                std::invalid_argument);
-  EXPECT_THROW(speed_trend(std::vector<ShotValue>{{1.0, 0.1}}, std::vector<double>{}, 0.0),
+  EXPECT_THROW(speed_trend(std::vector<ShotValue>{{1.0, 0.1}}, std::vector<ShotSpeed>{}),
                std::invalid_argument);
 }
 

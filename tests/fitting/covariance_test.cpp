@@ -63,6 +63,49 @@ TEST(Uncertainty, NamesACombinationTheDataCannotTellApart) {
                                                 "determined; fix one of them or give it a prior"));
 }
 
+// The share of an undetermined way decides, however small: b and a can go to infinity together,
+// and c with them at a twentieth of their pace.
+TEST(Uncertainty, DoesNotTellWhatGoesWithAnUndeterminedWay) {
+  std::mt19937_64 generator(5);
+  std::normal_distribution<double> normal;
+  Eigen::MatrixXd j(50, 4);
+  for (Eigen::Index i = 0; i < j.rows(); ++i) {
+    const double a = normal(generator), c = normal(generator);
+    j.row(i) << a, -a - 0.05 * c, c, normal(generator);
+  }
+  const Uncertainty u = uncertainty(j, {"a", "b", "c", "d"}, std::vector<bool>(4, false));
+  EXPECT_THAT(u.identifiable, testing::ElementsAre(false, false, false, true));
+  ASSERT_EQ(u.undetermined.cols(), 1);
+  EXPECT_LT((j * u.undetermined).norm(), 1e-9 * u.undetermined.norm());
+  for (Eigen::Index k = 0; k < 3; ++k) EXPECT_TRUE(std::isnan(u.correlations(k, 3))) << k;
+  EXPECT_EQ(u.correlations(3, 3), 1.0);
+}
+
+// Of a and b the data know x = a + 2b: its variance, and that of the rest beside it, is that of
+// the fit in which x stands for both.
+TEST(Uncertainty, OfWhatIsDeterminedIsThatOfTheSmallerProblem) {
+  Eigen::MatrixXd whole(6, 4), smaller(6, 2);
+  for (int i = 0; i < 6; ++i) {
+    smaller.row(i) << 1.0 + i, static_cast<double>(i * i);
+    whole.row(i) << 1.0 + i, 2.0 * (1.0 + i), static_cast<double>(i * i), 0.0;
+  }
+  const Uncertainty u = uncertainty(whole, {"a", "b", "c", "idle"}, std::vector<bool>(4, false));
+  const Eigen::MatrixXd known = uncertainty(smaller, {"x", "c"}, {false, false}).covariance;
+  Eigen::MatrixXd lines = Eigen::MatrixXd::Zero(2, 4);
+  lines << 1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0;
+  EXPECT_LT((lines * u.covariance * lines.transpose() - known).norm(), 1e-12 * known.norm());
+  EXPECT_EQ(u.undetermined.cols(), 2);
+  const Eigen::Vector4d sizes(1.0, 1.0, 1.0, 1.0);
+  EXPECT_TRUE(determines(u, Eigen::Vector4d(1.0, 2.0, 5.0, 0.0), sizes, 1.0));
+  EXPECT_TRUE(determines(u, Eigen::Vector4d(1.0, 2.0, 5.0, 1e-5), sizes, 1.0));
+  EXPECT_FALSE(determines(u, Eigen::Vector4d(1.0, 2.0, 5.0, 1e-3), sizes, 1.0));
+  EXPECT_FALSE(determines(u, Eigen::Vector4d(1.0, 1.9, 5.0, 0.0), sizes, 1.0));
+  const Eigen::VectorXd change = Eigen::VectorXd::LinSpaced(6, -1.0, 3.0).cwiseAbs2();
+  const Eigen::Vector2d expected = known * (smaller.transpose() * change);
+  EXPECT_LT((lines * u.covariance * (whole.transpose() * change) - expected).norm(),
+            1e-12 * expected.norm());
+}
+
 TEST(Uncertainty, TellsOfStrongCorrelationsUnlessAPriorHoldsOneOfThem) {
   Eigen::MatrixXd j(100, 2);
   for (int i = 0; i < 100; ++i) j.row(i) << 1.0, 1.0 + 1e-3 * i;

@@ -37,6 +37,31 @@ std::string message_of(const std::string& lines) {
   return "no error";
 }
 
+TEST(FitKeys, ReadsOneRecordingsOwn) {
+  const FitOptions options = options_of(R"(
+free = ["contact.restitution", "start.velocity[2]"]
+[fit."start.velocity[2]"]
+prior = "0.44 +- 0.01 m/s"
+[fit.sensors.force."gain[1]"]
+tied_to = "sensors.force.gain[2]"
+)");
+  EXPECT_THAT(options.free, testing::ElementsAre("contact.restitution", "start.velocity[2]"));
+  ASSERT_NE(options.setting_of("start.velocity[2]"), nullptr);
+  EXPECT_TRUE(options.setting_of("start.velocity[2]")->prior);
+  ASSERT_NE(options.setting_of("sensors.force.gain[1]"), nullptr);
+  EXPECT_EQ(options.setting_of("sensors.force.gain[1]")->tie->to, "sensors.force.gain[2]");
+  EXPECT_THAT(message_of("[fit.\"start.velocity[2]\"]\nshared = true\n"),
+              testing::EndsWith("'start.velocity[2]' is one recording's; whether all share it is "
+                                "said of start.velocity"));
+  FitOptions of_line;
+  read_prior("start.velocity[2]=0.44 +- 0.01 m/s", of_line);
+  read_bounds("start.velocity[1]=0.3 m/s:0.5 m/s", of_line);
+  read_tie("sensors.force.gain[1]=0.5*sensors.force.gain[2]", of_line);
+  EXPECT_EQ(of_line.settings.size(), 3U);
+  EXPECT_EQ(of_line.setting_of("sensors.force.gain[1]")->tie->factor, 0.5);
+  EXPECT_THROW(choose_shared("start.velocity[2]", true, of_line), std::invalid_argument);
+}
+
 TEST(FitKeys, ReadsWhatIsFitted) {
   const FitOptions options = options_of(R"(
 free = ["contact.restitution", "start.velocity"]

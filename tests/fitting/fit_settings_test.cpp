@@ -195,6 +195,87 @@ TEST(FitSettings, SharedTakesOneNumberForAllShots) {
             parameter(own, "sensors.force.gain[1]").std_error);
 }
 
+// A name with a number is one recording's own. What is stated of all goes for the rest of it.
+TEST(FitSettings, OneRecordingsOwnMayBeNamed) {
+  FitOptions options;
+  options.free = {"contact.restitution", "start.velocity"};
+  options.setting("start.velocity").upper = 0.9;
+  options.setting("start.velocity[2]").prior = {0.45, 1e-9};
+  options.setting("start.velocity[2]").lower = 0.2;
+  options.setting("start.velocity[3]").fixed = true;
+  options.setting("sensors.force.gain[2]").tie = Tie{.to = "sensors.force.gain[1]", .factor = 2.0};
+  options.setting("sensors.force.gain[1]").initial = 0.9;
+  const RigFile rig = hybrid_rig("0.4 ms");
+  const Fit found = fit({shot(0.5, 1), shot(0.5, 2), shot(0.5, 3)}, rig, options);
+  EXPECT_FALSE(parameter(found, "start.velocity[1]").prior);
+  EXPECT_NEAR(parameter(found, "start.velocity[2]").value, 0.45, 1e-7);
+  EXPECT_EQ(parameter(found, "start.velocity[1]").upper, 0.9);
+  EXPECT_EQ(parameter(found, "start.velocity[2]").upper, 0.9);
+  EXPECT_EQ(parameter(found, "start.velocity[2]").lower, 0.2);
+  EXPECT_FALSE(has(found, "start.velocity[3]"));
+  EXPECT_EQ(parameter(found, "sensors.force.gain[1]").initial, 0.9);
+  EXPECT_EQ(parameter(found, "sensors.force.gain[2]").tied_to, "sensors.force.gain[1]");
+  EXPECT_DOUBLE_EQ(parameter(found, "sensors.force.gain[2]").value,
+                   2.0 * parameter(found, "sensors.force.gain[1]").value);
+  EXPECT_FALSE(has(found, "sensors.force.gain[3]"));
+  EXPECT_THAT(found.warnings, testing::Not(testing::Contains(testing::HasSubstr("was not used"))));
+}
+
+// All others may go with one of them; of one recording, the first is it.
+TEST(FitSettings, OwnNumbersMayGoWithOneOfThem) {
+  FitOptions options;
+  options.free = {"contact.restitution", "start.velocity[2]"};
+  options.setting("sensors.force.gain").tie = Tie{.to = "sensors.force.gain[2]"};
+  const RigFile rig = hybrid_rig("0.4 ms");
+  const Fit found = fit({shot(0.5, 1), shot(0.5, 2)}, rig, options);
+  EXPECT_FALSE(has(found, "start.velocity[1]"));
+  EXPECT_TRUE(has(found, "start.velocity[2]"));
+  EXPECT_EQ(parameter(found, "sensors.force.gain[1]").tied_to, "sensors.force.gain[2]");
+  EXPECT_EQ(parameter(found, "sensors.force.gain[2]").tied_to, "");
+  options = {};
+  options.setting("start.velocity[1]").prior = {0.45, 1e-9};
+  const Fit alone = fit({shot()}, rig, options);
+  EXPECT_NEAR(parameter(alone, "start.velocity").value, 0.45, 1e-7);
+  EXPECT_THAT(alone.warnings, testing::Not(testing::Contains(testing::HasSubstr("was not used"))));
+}
+
+TEST(FitSettings, ARecordingsOwnThatThereIsNotIsRefused) {
+  const auto message = [](const std::vector<datasets::Impact>& impacts, const FitOptions& options) {
+    try {
+      fit(impacts, hybrid_rig("0.4 ms"), options);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  FitOptions beyond;
+  beyond.setting("start.velocity[3]").fixed = true;
+  EXPECT_THAT(message({shot(0.5, 1), shot(0.5, 2)}, beyond),
+              testing::StartsWith("there is no 'start.velocity[3]': there are 2 recordings; each "
+                                  "recording's own are start.velocity, impact.time, "));
+  EXPECT_THAT(message({shot()}, beyond), testing::HasSubstr("': there is one recording; "));
+  FitOptions shared;
+  shared.free = {"contact.restitution[2]", "start.velocity"};
+  EXPECT_THAT(message({shot(0.5, 1), shot(0.5, 2)}, shared),
+              testing::StartsWith(
+                  "there is no 'contact.restitution[2]': contact.restitution is shared by all "
+                  "recordings, unless --own contact.restitution (fit.contact.restitution.shared = "
+                  "false) gives each its own; each recording's own are start.velocity, "));
+  FitOptions tied;
+  tied.setting("start.velocity").tie = Tie{.to = "contact.restitution[1]"};
+  EXPECT_THAT(message({shot(0.5, 1), shot(0.5, 2)}, tied),
+              testing::StartsWith("there is no 'contact.restitution[1]': "));
+  FitOptions self;
+  self.setting("start.velocity[2]").tie = Tie{.to = "start.velocity[2]"};
+  EXPECT_EQ(message({shot(0.5, 1), shot(0.5, 2)}, self), "'start.velocity[2]' is tied to itself");
+  FitOptions none;
+  none.free = {"start.velocity[0]"};
+  EXPECT_THAT(message({shot()}, none),
+              testing::AllOf(testing::StartsWith("'start.velocity[0]' cannot be fitted; "),
+                             testing::EndsWith("; NAME[K] is that of recording K, where each has "
+                                               "its own")));
+}
+
 TEST(FitSettings, ABoundHoldsAndIsTold) {
   FitOptions options;
   options.setting("contact.restitution").lower = 0.6;

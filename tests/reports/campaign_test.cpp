@@ -105,6 +105,20 @@ TEST(Campaign, SaysWhatAVariationMightStillBeWhereShotsAgree) {
   EXPECT_THAT(campaign.quantities.at(0).sentence, HasSubstr("such as a calibration"));
 }
 
+// The slope of York's line is that through the fitted speeds; those before touch are for the eye.
+TEST(Campaign, TrendKnowsThatSpeedsHaveErrors) {
+  reports::Campaign campaign = example();
+  reports::summarise(campaign);
+  ASSERT_TRUE(campaign.quantities.at(0).trend);
+  const double exact = campaign.quantities.at(0).trend->slope;
+  for (reports::CampaignShot& shot : campaign.shots) {
+    shot.fitted_speed = 2.0 * shot.approach_speed;
+    shot.speed_error = 1e-3;
+  }
+  reports::summarise(campaign);
+  EXPECT_NEAR(campaign.quantities.at(0).trend->slope, 0.5 * exact, 1e-9);
+}
+
 TEST(Campaign, LeavesOutWhatHasNoVerdictOrNoStandardError) {
   reports::Campaign campaign = example();
   campaign.shots[1].verdict.grade = reports::Verdict::Grade::open;
@@ -145,6 +159,11 @@ TEST(Campaign, TakesItsRowFromAFit) {
     EXPECT_EQ(number->std_error > 0.0, p.std_error > 0.0 && p.identifiable && !p.at_bound);
   }
   EXPECT_EQ(row.flags.size(), data.fit.impacts[0].flags.size());
+  ASSERT_EQ(data.fit.parameters[2].name, "start.velocity");
+  EXPECT_EQ(row.fitted_speed, data.fit.parameters[2].value);
+  EXPECT_EQ(row.speed_error, data.fit.parameters[2].std_error);
+  EXPECT_EQ(row.number("contact.restitution")->with_speed, data.fit.correlations(0, 2));
+  EXPECT_NE(row.number("contact.restitution")->with_speed, 0.0);
 }
 
 TEST(Campaign, TableHasOneRowARecordingAndAsManyCellsInEach) {

@@ -175,6 +175,28 @@ TEST(FitJson, WritesNullForWhatIsNotFiniteAndReadsItBack) {
   EXPECT_TRUE(std::isnan(back.fit.parameters[0].value));
 }
 
+// Stored with zeros it would read as perfectly known.
+TEST(FitJson, TellsNoErrorOfWhatIsNotIdentifiable) {
+  const std::string stored = changed([](Json& json) {
+    for (Json& p : json["parameters"])
+      if (p["name"] == "contact.stiffness_factor") {
+        p["identifiable"] = false;
+        p["std_error"] = p["mesh_shift"] = 0.0;
+        p["ci95"] = {p["value"], p["value"]};
+      }
+  });
+  const reports::ReportData data = reports::report_from_json(stored, "fit.json");
+  const Json parameter = Json::parse(reports::to_json(data))["parameters"][1];
+  EXPECT_EQ(parameter["name"], "contact.stiffness_factor");
+  EXPECT_TRUE(parameter["std_error"].is_null());
+  EXPECT_TRUE(parameter["mesh_shift"].is_null());
+  EXPECT_EQ(parameter["ci95"], Json::array({nullptr, nullptr}));
+  EXPECT_EQ(parameter["value"], 0.8714);
+  const std::string text = reports::to_text(data);
+  EXPECT_THAT(text, testing::ContainsRegex("contact.stiffness_factor +0.8714   not identifiable"));
+  EXPECT_THAT(text, testing::Not(testing::ContainsRegex("[^a-z]nan[^a-z]")));
+}
+
 TEST(FitJson, ReplacesBytesThatAreNoUtf8) {
   reports::ReportData data = tests::example_report();
   data.records[0].title = "Sch\xe4lkurve";  // Latin-1

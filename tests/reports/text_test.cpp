@@ -3,6 +3,9 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
+
+#include "reports/report_data.hpp"
 #include "tests/reports/example_report.hpp"
 
 namespace {
@@ -20,6 +23,26 @@ TEST(FitText, EndsWithWhyItDidNotConverge) {
       testing::EndsWith("\nwarning: The fit did not converge: stopped after 61 iterations "
                         "without converging. Values and intervals are provisional. Start "
                         "nearer to the answer (--set), or free fewer parameters (--free).\n"));
+}
+
+TEST(FitText, SaysWhatIsNotIdentifiable) {
+  reports::ReportData data = tests::example_report();
+  constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
+  fitting::Parameter& e = data.fit.parameters[0];
+  e.identifiable = false;
+  e.std_error = e.mesh_shift = e.ci95[0] = e.ci95[1] = not_known;
+  data.fit.restitution["law"].ci95 = data.fit.restitution["kinetic"].ci95 = e.ci95;
+  data.fit.bootstrap = fitting::Bootstrap{.draws = 40};
+  data.fit.bootstrap->parameters = {
+      {.name = e.name, .bias = not_known, .std_error = not_known, .ci95 = e.ci95}};
+  const std::string text = reports::to_text(data);
+  EXPECT_THAT(text, testing::ContainsRegex("contact.restitution +0.512   not identifiable"));
+  EXPECT_THAT(text, HasSubstr("  law            0.512   not identifiable   in the damping law\n"));
+  EXPECT_THAT(text, testing::ContainsRegex("kinetic +[0-9.]+   not identifiable"));
+  EXPECT_THAT(text, HasSubstr("  contact.restitution             not identifiable\n"));
+  EXPECT_THAT(text, Not(testing::ContainsRegex("[^a-z]nan[^a-z]")));
+  EXPECT_THAT(reports::to_html(data), Not(testing::ContainsRegex("[>( ]nan[<) ]")));
+  EXPECT_THAT(reports::to_html(data), HasSubstr("is 0.5120; these data cannot tell it."));
 }
 
 TEST(FitText, SetsTheModelAgainstWhatTheRecordShows) {
