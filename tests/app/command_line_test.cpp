@@ -278,6 +278,33 @@ TEST_F(CommandLine, InspectsByTheHeadAndByParts) {
   EXPECT_EQ(json::parse(run("inspect --json " + path("part.h5")).out)["channels"].size(), 1U);
 }
 
+// Two segments of LabVIEW's, the second an hour later: the first MB has the first one only.
+TEST_F(CommandLine, InspectsLargeTextsByTheirFirstMegabyte) {
+  std::string text =
+      "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t.\nMulti_Headings\tYes\n"
+      "X_Columns\tNo\nDate\t2020/01/01\nTime\t10:00:00\n***End_of_Header***\t\n\t\n";
+  constexpr std::size_t n = 1'100'000;
+  for (const char* const time : {"10:00:00", "11:00:00"}) {
+    text += fmt::format("Channels\t1\nSamples\t{}\nDate\t2020/01/01\nTime\t{}\n", n, time);
+    text += "Y_Unit_Label\tN\nX_Dimension\tTime\nDelta_X\t1e-6\n***End_of_Header***\t\n";
+    text += "X_Value\tForce\tComment\n";
+    for (std::size_t i = 0; i < n; ++i) text += "\t1.2345678901234\n";
+    text += '\n';
+  }
+  const std::string file = write("shot.lvm", text);
+  const std::string command = "inspect --no-statistics " + file;
+  json j = json::parse(run(command + " --json").out);
+  ASSERT_EQ(j["channels"].size(), 1U);
+  EXPECT_TRUE(j["channels"][0]["samples_estimated"]);
+  EXPECT_NEAR(j["channels"][0]["samples"].get<double>(), 2.0 * n, 100.0);
+  EXPECT_THAT(j["warnings"][0].get<std::string>(), HasSubstr("declares 1100000 samples"));
+  EXPECT_THAT(run(command).out, HasSubstr(" ~2200"));
+  j = json::parse(run(command + " --json --channel 'Force (segment 2)'").out);
+  ASSERT_EQ(j["channels"].size(), 1U);
+  EXPECT_EQ(j["channels"][0]["samples"], n);
+  EXPECT_FALSE(j["channels"][0].contains("samples_estimated"));
+}
+
 TEST_F(CommandLine, LetsABarWithoutAStopSwing) {
   std::ofstream(path("free.toml")) << R"(
 [beam]
