@@ -278,6 +278,44 @@ TEST_F(CommandLine, InspectsByTheHeadAndByParts) {
   EXPECT_EQ(json::parse(run("inspect --json " + path("part.h5")).out)["channels"].size(), 1U);
 }
 
+/// A sound of so many samples of 8 bits, none of which takes place on the disk.
+std::string silence(const std::string& path, std::uint32_t count) {
+  const auto number = [](std::uint32_t value, int bytes) {
+    std::string text;
+    for (int i = 0; i < bytes; ++i) text += static_cast<char>(value >> (8 * i) & 0xFF);
+    return text;
+  };
+  std::ofstream(path, std::ios::binary)
+      << "RIFF" + number(36 + count, 4) + "WAVEfmt " + number(16, 4) + number(1, 2) + number(1, 2) +
+             number(1'000'000, 4) + number(1'000'000, 4) + number(1, 2) + number(8, 2) + "data" +
+             number(count, 4);
+  std::filesystem::resize_file(path, 44 + std::uintmax_t{count});
+  return path;
+}
+
+// 65 s at 1 MHz.
+TEST_F(CommandLine, RefusesToConditionMoreThanMemoryHolds) {
+  const std::string file = silence(path("long.wav"), 65'000'000);
+  const std::string map = write(
+      "map.toml",
+      "[[channels]]\nmatch = \"ch1\"\n[[conditioning]]\nchannel = \"ch1\"\nstep = \"dropouts\"\n");
+  const std::string on_rig = " --rig " + rig;
+  for (const auto& [command, remedy] : std::vector<std::pair<std::string, std::string>>{
+           {"import " + file + " --map " + map + " -o " + path("long.h5"),
+            "--channel, --from and --to say which"},
+           {"fit " + file + on_rig, "--from and --to say which, and the rig file's sensors name"},
+           {"compare " + file + " " + file + on_rig, "`impactrig import` with --from and --to"}}) {
+    const Outcome o = run(command);
+    EXPECT_EQ(o.code, 3) << command;
+    EXPECT_THAT(o.err,
+                HasSubstr("long.wav: 65 million samples are too many to be conditioned or "
+                          "averaged, which takes them into memory; 64 million are the most: " +
+                          remedy));
+  }
+  EXPECT_THAT(run("fit " + file + on_rig + " --from 0 --to 1").err,
+              HasSubstr("there is no single channel 'Force'"));
+}
+
 // Two segments of LabVIEW's, the second an hour later: the first MB has the first one only.
 TEST_F(CommandLine, InspectsLargeTextsByTheirFirstMegabyte) {
   std::string text =
