@@ -82,9 +82,10 @@ RecordingHead expected_head(LvmRecording& recording, const LvmFirstLines& lines)
       recording.warn(std::move(text));
   } else if (!recording.segments().empty()) {
     const LvmSegment& last = recording.segments().back();
+    const std::uint64_t room = expectation(last, lines).rows;
     for (std::size_t c = 0; c < last.parts.size() && last.goes_on; ++c)
       samples[samples.size() - last.parts.size() + c] =
-          last.parts[c].said.value_or(last.parts[c].samples());
+          std::min(last.parts[c].said.value_or(last.parts[c].samples()), room);
     recording.warn(fmt::format(
         "only the first MB was looked at, which has {} segments that do not continue each other in "
         "time: about {} more are behind it, whose channels are not listed",

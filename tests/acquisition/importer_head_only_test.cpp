@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
+#include <random>
 #include <stdexcept>
 
 #include "acquisition/importer.hpp"
@@ -172,6 +174,55 @@ TEST(HeadOnly, OfALabViewTextInUtf16IsNotRewritten) {
   const tests::WrittenFile file(utf16(without_x.header() + segment(without_x, "", n)), ".lvm");
   const NoTemporaryFolder nowhere;
   EXPECT_EQ(opened(file, true)->head().samples, (std::vector<std::uint64_t>{n, n}));
+}
+
+// Its last segment in the first MB says that it is longer than the file.
+TEST(HeadOnly, OfALabViewSegmentThatDeclaresTooMuchHasWhatTheFileHasRoomFor) {
+  constexpr std::size_t n = large / 16;
+  const tests::WrittenFile file(without_x.header() + segment(without_x, "1000", 1000, "09:00:00") +
+                                    "\n" + segment(without_x, "9000000000000000000", n, "10:00:00"),
+                                ".lvm");
+  const RecordingHead head = opened(file, true)->head();
+  ASSERT_EQ(head.record.channels.size(), 4U);
+  EXPECT_EQ(head.samples[0], 1000U);
+  EXPECT_NEAR(static_cast<double>(head.samples[2]), n, 0.01 * n);
+}
+
+// Bytes of the head replaced, left out or doubled: a head whose parts fit together, or an error.
+TEST(HeadOnly, OfADamagedLabViewFileIsAHeadOrAnError) {
+  const std::string head = without_x.header() + segment(without_x, "20000", 20000, "09:00:00") +
+                           "\n" + segment(without_x, "30000", 0, "09:00:01");
+  const std::string more = rows(50000);
+  std::mt19937 random(7);
+  int heads = 0;
+  for (int i = 0; i < 60; ++i) {
+    std::string text = head;
+    for (int damage = 0; damage < 4; ++damage) {
+      const std::size_t second = text.size() - 300 + random() % 300;
+      const std::size_t at = random() % 2 == 0 ? random() % 600 : second;
+      if (random() % 3 == 0)
+        text.erase(at, random() % 20);
+      else if (random() % 2 == 0)
+        text.insert(at, text.substr(random() % 600, random() % 40));
+      else
+        text[at] = static_cast<char>(random() % 256);
+    }
+    const tests::WrittenFile file(text + more, ".lvm");
+    std::filesystem::resize_file(file.path(), large);
+    ImportOptions options;
+    options.format = "lvm";
+    options.head_only = true;
+    options.require_clock = false;
+    try {
+      const RecordingHead found = open_recording(file.path(), options)->head();
+      EXPECT_EQ(found.samples.size(), found.record.channels.size());
+      for (const std::uint64_t samples : found.samples) EXPECT_LT(samples, large) << i;
+      ++heads;
+    } catch (const datasets::InputError& error) {
+      EXPECT_NE(error.what(), std::string()) << i;
+    }
+  }
+  EXPECT_GT(heads, 10);
 }
 
 /// A table of two channels over time, its lines ending so.
