@@ -29,6 +29,9 @@ struct ImportOptions {
   /// true: a recording without times and without a sample rate is an InputError that names
   /// --sample-rate. false (inspect): it is a warning, and SampleClock::interval is 0.
   bool require_clock = true;
+  /// true (inspect --no-statistics): nothing but the head is wanted. That of a large text is then
+  /// what its first MB lets expect, and its read() throws std::logic_error.
+  bool head_only = false;
   /// Channels to read, by name or by index from 0; empty: all. HDF5 of somebody else's: paths of
   /// data sets.
   std::vector<std::string> channels;

@@ -101,6 +101,20 @@ class RecordInMemory final : public RecordingReader {
   RecordingHead head_;
 };
 
+class HeadAlone final : public RecordingReader {
+ public:
+  explicit HeadAlone(RecordingHead head) : head_(std::move(head)) {}
+
+  const RecordingHead& head() const override { return head_; }
+
+  Record read(const Selection&, SampleSink&) override {
+    throw std::logic_error("the recording was opened for its head alone");
+  }
+
+ private:
+  RecordingHead head_;
+};
+
 /// Appends what it is handed to channels' vectors.
 class MemorySink final : public SampleSink {
  public:
@@ -222,6 +236,10 @@ std::vector<std::size_t> selected_channels(const RecordingHead& head, const Sele
 
 std::unique_ptr<RecordingReader> reader_of(Record record) {
   return std::make_unique<RecordInMemory>(std::move(record));
+}
+
+std::unique_ptr<RecordingReader> reader_of_head(RecordingHead head) {
+  return std::make_unique<HeadAlone>(std::move(head));
 }
 
 Record read_into_memory(RecordingReader& reader, const Selection& wanted) {

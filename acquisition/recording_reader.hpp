@@ -107,6 +107,9 @@ std::vector<std::size_t> selected_channels(const RecordingHead& head, const Sele
 /// A recording that is in memory already: what an importer makes that reads small files whole.
 std::unique_ptr<RecordingReader> reader_of(datasets::Record record);
 
+/// A head without samples: read() throws std::logic_error.
+std::unique_ptr<RecordingReader> reader_of_head(RecordingHead head);
+
 /// Reads what is asked for into memory.
 datasets::Record read_into_memory(RecordingReader& reader, const Selection& wanted = {});
 

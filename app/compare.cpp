@@ -11,6 +11,7 @@
 #include "acquisition/conditioning/pair_histories.hpp"
 #include "acquisition/importer.hpp"
 #include "app/comparison_texts.hpp"
+#include "app/conditioning_limit.hpp"
 #include "app/import_options.hpp"
 #include "app/program.hpp"
 #include "datasets/input_error.hpp"
@@ -102,8 +103,14 @@ Side read_conditioned(const std::string& path, acquisition::ImportOptions readin
   // a window is one of the conditioned times
   reading.from = ImportArguments{}.from;
   reading.to = ImportArguments{}.to;
-  datasets::Record record = acquisition::condition(acquisition::import_recording(path, reading),
-                                                   {rig.force, rig.velocity, rig.displacement});
+  const auto reader = acquisition::open_recording(path, reading);
+  const acquisition::Selection all = acquisition::selection_of(reader->head(), reading);
+  refuse_too_many_to_condition(path, samples_of(reader->head(), all),
+                               "`impactrig import` with --from and --to makes a file of a part");
+  datasets::Record recorded = acquisition::read_into_memory(*reader, all);
+  recorded.provenance.sha256 = datasets::sha256_of_file(path);
+  datasets::Record record =
+      acquisition::condition(recorded, {rig.force, rig.velocity, rig.displacement});
   datasets::Channel channel = std::move(record.channels[chosen_channel(record, path, wanted, hit)]);
   record.channels.assign(1, std::move(channel));
   return {std::move(record)};

@@ -13,6 +13,7 @@
 #include "acquisition/conditioning/needed_channels.hpp"
 #include "acquisition/conditioning/steps.hpp"
 #include "acquisition/importer.hpp"
+#include "app/conditioning_limit.hpp"
 #include "datasets/input_error.hpp"
 #include "fitting/fit.hpp"
 #include "fitting/fit_keys.hpp"
@@ -111,6 +112,9 @@ datasets::Record conditioned_recording(const std::string& path, const FitJob& jo
   acquisition::SensorSet sensors{rig.force, rig.velocity, rig.displacement};
   acquisition::Selection wanted = acquisition::selection_of(reader->head(), reading);
   acquisition::narrow_to_sensors(reader->head(), wanted, sensors);
+  refuse_too_many_to_condition(path, samples_of(reader->head(), wanted),
+                               "--from and --to say which, and the rig file's sensors name the "
+                               "channels");
   datasets::Record recorded = acquisition::read_into_memory(*reader, wanted);
   recorded.provenance.sha256 = datasets::sha256_of_file(path);
   datasets::Record record = acquisition::condition(recorded, sensors);

@@ -10,6 +10,7 @@
 #include "acquisition/importer.hpp"
 #include "acquisition/recording_spool.hpp"
 #include "app/channel_map_file.hpp"
+#include "app/conditioning_limit.hpp"
 #include "app/files.hpp"
 #include "app/import_options.hpp"
 #include "app/program.hpp"
@@ -33,9 +34,6 @@ struct Options {
 
 /// Recordings of up to so many samples are held in memory, where HDF5 compresses them.
 constexpr std::uint64_t most_held = std::uint64_t{1} << 20;
-
-/// Conditioning keeps a few copies of a channel.
-constexpr std::uint64_t most_conditioned = 64'000'000;
 
 /// A recording to import.
 struct Input {
@@ -63,14 +61,7 @@ std::vector<Input> open_inputs(const Options& options, const acquisition::Channe
 
 std::uint64_t samples_of(const std::vector<Input>& inputs) {
   std::uint64_t samples = 0;
-  for (const Input& input : inputs) {
-    const acquisition::RecordingHead& head = input.reader->head();
-    for (const std::size_t index : acquisition::selected_channels(head, input.wanted)) {
-      const auto range = acquisition::samples_within(head.record.channels[index].clock,
-                                                     head.samples[index], input.wanted);
-      samples += range.last - range.first;
-    }
-  }
+  for (const Input& input : inputs) samples += app::samples_of(input.reader->head(), input.wanted);
   return samples;
 }
 
@@ -227,13 +218,9 @@ void import(const Options& options) {
   std::vector<Input> inputs = open_inputs(options, map);
   const std::uint64_t samples = samples_of(inputs);
   const bool whole = options.average || !map.conditioning.empty();
-  if (whole && samples > most_conditioned)
-    throw datasets::InputError(
-        {.file = inputs.front().path},
-        fmt::format("{} million samples are too many to be conditioned or averaged, which takes "
-                    "them into memory; {} million are the most: --channel, --from and --to say "
-                    "which",
-                    samples / 1'000'000, most_conditioned / 1'000'000));
+  if (whole)
+    refuse_too_many_to_condition(inputs.front().path, samples,
+                                 "--channel, --from and --to say which");
   const bool hdf5 = options.output.ends_with(".h5") || options.output.ends_with(".hdf5");
   datasets::Record record;
   if (whole || samples <= most_held)

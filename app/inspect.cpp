@@ -219,7 +219,9 @@ void print_text(const ordered_json& json) {
   for (const auto& c : json["channels"])
     fmt::print("{:>3}  {:<{}}  {:<13}{:<8}{:>10}  {:>12}  {:>12}  {:>12}  {:>12}  {:>12}\n",
                index++, c["name"].get<std::string>(), widest, c["quantity"].get<std::string>(),
-               c["unit"].get<std::string>(), c["samples"].get<std::size_t>(),
+               c["unit"].get<std::string>(),
+               fmt::format("{}{}", c.contains("samples_estimated") ? "~" : "",
+                           c["samples"].get<std::size_t>()),
                shown(c["sample_rate_hz"]), shown(c["start_s"]),
                shown(c.value("min", ordered_json())), shown(c.value("max", ordered_json())),
                shown(c.value("rms", ordered_json())));
@@ -288,10 +290,23 @@ ordered_json find_all_impacts(acquisition::RecordingReader& reader,
   return ordered_json::array();
 }
 
+/// Where a head alone is an estimate, it may lack channels that are asked for: of later segments.
+std::unique_ptr<acquisition::RecordingReader> open(const Options& options,
+                                                   acquisition::ImportOptions reading) {
+  reading.head_only = options.no_statistics;
+  auto reader = acquisition::open_recording(options.file, reading);
+  const acquisition::RecordingHead& head = reader->head();
+  const bool all_known = std::ranges::all_of(
+      reading.channels, [&](const std::string& name) { return head.record.find(name) != nullptr; });
+  if (head.counted || all_known) return reader;
+  reading.head_only = false;
+  return acquisition::open_recording(options.file, reading);
+}
+
 void inspect(const Options& options) {
   acquisition::ImportOptions reading = import_options(options.reading);
   reading.require_clock = false;
-  const auto reader = acquisition::open_recording(options.file, reading);
+  const auto reader = open(options, reading);
   const acquisition::Selection wanted = acquisition::selection_of(reader->head(), reading);
   datasets::Record record = reader->head().record;
   ordered_json channels = options.no_statistics ? list_channels(reader->head(), wanted)

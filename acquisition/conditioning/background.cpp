@@ -4,8 +4,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <numeric>
+#include <unsupported/Eigen/FFT>
 
 namespace impactrig::acquisition {
 
@@ -183,15 +185,36 @@ QuietFit fit_quiet(std::span<const double> values, std::size_t begin, std::size_
   return fit;
 }
 
+namespace {
+
+/// Sums of the products of samples `lag` apart, for all lags: the transform of the power spectrum.
+std::vector<double> lagged_products(std::span<const double> values) {
+  std::size_t size = 1;
+  while (size < 2 * values.size()) size *= 2;
+  std::vector<double> padded(size, 0.0);
+  std::ranges::copy(values, padded.begin());
+  std::vector<std::complex<double>> transform;
+  Eigen::FFT<double> fft;
+  fft.fwd(transform, padded);
+  for (std::complex<double>& value : transform) value = std::norm(value);
+  fft.inv(padded, transform);
+  return padded;
+}
+
+}  // namespace
+
 double correlation_time(std::span<const double> residuals) {
+  constexpr std::size_t few = 64;  // lags, which are summed up faster than transformed
   const std::size_t n = residuals.size();
   const double power =
       std::inner_product(residuals.begin(), residuals.end(), residuals.begin(), 0.0);
   if (!(power > 0.0)) return 1.0;
   double time = 1.0;
+  std::vector<double> products;
   for (std::size_t lag = 1; lag < n / 2; ++lag) {
-    double product = 0.0;
-    for (std::size_t i = lag; i < n; ++i) product += residuals[i] * residuals[i - lag];
+    if (lag == few) products = lagged_products(residuals);
+    double product = lag < few ? 0.0 : products[lag];
+    for (std::size_t i = lag; i < n && lag < few; ++i) product += residuals[i] * residuals[i - lag];
     time += 2.0 * product / power;
     if (as_double(lag) >= 5.0 * time) break;
   }

@@ -24,7 +24,7 @@ namespace {
 /// What the head of a file and its first rows say.
 struct CsvHead {
   CsvHead(const std::string& path, const ImportOptions& options)
-      : file(path),
+      : file(path, options.head_only),
         layout(find_table(file, options)),
         head(read_head(layout)),
         marked(take_marked_rows(head)),
@@ -107,13 +107,11 @@ Record read_whole(CsvHead& csv, const ImportOptions& options) {
 std::unique_ptr<RecordingReader> open_large(std::shared_ptr<CsvHead> csv,
                                             const ImportOptions& options) {
   LargeTable table;
-  RowReader rows(csv->file, csv->layout, csv->names);
-  table.first_rows = rows.read(probed_rows);
-  table.first_bytes = static_cast<std::size_t>(rows.at() - csv->layout.data);
-  csv->settle(table.first_rows, options, table.record);
   table.file = std::shared_ptr<TextFile>(csv, &csv->file);
   table.layout = csv->layout;
   table.names = csv->names;
+  table.read_first_rows(options.head_only);
+  csv->settle(table.first_rows, options, table.record);
   table.time = csv->roles.time;
   if (table.time) {
     const ColumnHead& head = csv->heads[*table.time];
@@ -132,7 +130,8 @@ std::unique_ptr<RecordingReader> open_large(std::shared_ptr<CsvHead> csv,
     table.columns.push_back(c);
     if (c >= csv->columns) tell_of_column_without_values(csv->heads[c], table.record);
   }
-  return reader_of_large_table(std::move(table));
+  auto reader = reader_of_large_table(std::move(table));
+  return options.head_only ? reader_of_head(reader->head()) : std::move(reader);
 }
 
 }  // namespace

@@ -177,14 +177,21 @@ class LargeTableReader final : public RecordingReader {
   }
 
   /// Rows and clock from the first rows and the last.
-  void estimate(Table& probe, std::size_t probed_bytes) {
+  void estimate(Table& probe, std::size_t bytes_of_rows) {
     const std::string_view text = file().text();
-    const auto all = static_cast<double>(text.data() + text.size() - table_.layout.data);
-    const double share = static_cast<double>(probe.rows) / static_cast<double>(probed_bytes);
+    const double all =
+        file().expected_size() - static_cast<double>(table_.layout.data - text.data());
+    const double share = static_cast<double>(probe.rows) / static_cast<double>(bytes_of_rows);
     rows_ = static_cast<std::uint64_t>(std::max(1.0, std::round(all * share)));
     clock_ = table_.clock;
     if (!table_.time) return;
     const std::vector<double> first = times_of(probe);
+    if (file().is_part()) {
+      TimeAxisCheck check(first.front(), first.back(), first.size());
+      check.add(first);
+      clock_ = check.axis().clock;
+      return;
+    }
     RowReader end(file(), table_.layout, table_.names);
     end.seek(std::max(start_of_last_lines(text, 3), table_.layout.data));
     Table last = end.read(3);
@@ -354,6 +361,20 @@ class LargeTableReader final : public RecordingReader {
 };
 
 }  // namespace
+
+void LargeTable::read_first_rows(bool head_only) {
+  RowReader rows(*file, layout, names);
+  std::size_t most = probed_rows;
+  if (head_only) {
+    const char* end = layout.data;
+    const std::string_view text = file->text();
+    take_line(end, text.data() + text.size());
+    const auto row_bytes = static_cast<std::size_t>(end - layout.data);
+    most = std::clamp<std::size_t>(probed_bytes / row_bytes, 2, probed_rows);
+  }
+  first_rows = rows.read(most);
+  first_bytes = static_cast<std::size_t>(rows.at() - layout.data);
+}
 
 std::unique_ptr<RecordingReader> reader_of_large_table(LargeTable table) {
   return std::make_unique<LargeTableReader>(std::move(table));

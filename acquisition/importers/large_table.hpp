@@ -22,6 +22,9 @@ constexpr std::size_t read_at_once = std::size_t{1} << 25;
 /// Rows at the start of a larger file that say what its columns are.
 constexpr std::size_t probed_rows = 100000;
 
+/// For a head alone these rows take at most so many bytes, but two are read.
+constexpr std::size_t probed_bytes = std::size_t{1} << 23;
+
 /// A table of numbers in a text too large for memory: what its head and its first rows say.
 struct LargeTable {
   std::shared_ptr<TextFile> file;
@@ -40,10 +43,14 @@ struct LargeTable {
   /// The last word on the clock of so many rows.
   std::function<void(std::uint64_t rows, datasets::SampleClock& clock, datasets::Record& record)>
       settle_clock{};
+
+  /// Reads `first_rows`, once file, layout and names are known.
+  void read_first_rows(bool head_only);
 };
 
-/// Reads it by blocks. Rows and clock of the head are estimates from the first rows and the last;
-/// what is read is what reading it whole would give.
+/// Reads it by blocks. Rows and clock of the head are estimates from the first rows and the last,
+/// or from the first alone where the text is_part(); what is read is what reading it whole would
+/// give.
 std::unique_ptr<RecordingReader> reader_of_large_table(LargeTable table);
 
 }  // namespace impactrig::acquisition

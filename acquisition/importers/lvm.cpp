@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/large_table.hpp"
+#include "acquisition/importers/lvm_expected.hpp"
 #include "acquisition/importers/lvm_headerless.hpp"
 #include "acquisition/importers/lvm_heads.hpp"
 #include "acquisition/importers/lvm_recording.hpp"
@@ -29,9 +31,10 @@ namespace {
 
 class LvmReader {
  public:
-  LvmReader(const std::string& path, const ImportOptions& options)
+  /// `head_only`: for estimated_head(), which is then all that may be called.
+  LvmReader(const std::string& path, const ImportOptions& options, bool head_only = false)
       : options_(options),
-        text_(path),
+        text_(path, head_only),
         recording_(path, options_),
         heads_(text_, options_, recording_),
         rows_(text_, recording_) {}
@@ -51,6 +54,26 @@ class LvmReader {
     }
     finish();
     return true;
+  }
+
+  /// What the first lines of a large file say. None when they do not reach to a row.
+  std::optional<RecordingHead> estimated_head() {
+    heads_.read_file_header();
+    heads_.skip_between();
+    const char* first = text_.at;
+    LvmFirstLines lines;
+    while (read_segment()) lines.rows += rows_.count();
+    if (lines.rows == 0) return std::nullopt;
+    if (number_ == 1) first = rows_.first();
+    lines.bytes = static_cast<double>(text_.end - first);
+    lines.bytes_behind =
+        text_.file.expected_size() - static_cast<double>(text_.end - text_.file.text().data());
+    lines.one_heading = text_.one_heading;
+    lines.several_x = text_.multi;
+    lines.segments = number_;
+    RecordingHead head = expected_head(recording_, lines);
+    add_special_blocks(head.record);
+    return head;
   }
 
   const Record& record() { return recording_.record(); }
@@ -85,9 +108,12 @@ class LvmReader {
  private:
   void finish() {
     recording_.finish(text_.multi);
+    add_special_blocks(recording_.record());
+  }
+
+  void add_special_blocks(Record& record) const {
     if (heads_.special_blocks() > 0)
-      recording_.record().attributes["special blocks left out"] =
-          fmt::format("{}", heads_.special_blocks());
+      record.attributes["special blocks left out"] = fmt::format("{}", heads_.special_blocks());
   }
 
   /// False when there is none left.
@@ -97,11 +123,13 @@ class LvmReader {
     const char* const start = text_.at;
     LvmHeader header;
     if (!heads_.read_segment_header(header, number_ + 1)) {
+      if (text_.is_part) return false;
       recording_.warn(
           fmt::format("the file ends within the header of segment {} at {}: it is left out",
                       number_ + 1, text_.file.position(start).text()));
       return false;
     }
+    if (text_.at == text_.end && text_.is_part) return false;
     ++number_;
     if (text_.at == text_.end) {
       recording_.warn(
@@ -112,6 +140,7 @@ class LvmReader {
     segment.first = number_;
     heads_.describe(header, segment);
     rows_.read(segment);
+    segment.goes_on = text_.at == text_.end && text_.is_part;
     recording_.add(std::move(segment), text_.one_heading);
     return true;
   }
@@ -190,6 +219,15 @@ class LargeLvm final : public RecordingReader {
   RecordingHead head_;
 };
 
+/// None where the whole file has to be read to know its head, or what is wrong with it.
+std::optional<RecordingHead> estimated_lvm_head(const std::string& path,
+                                                const ImportOptions& options) try {
+  return LvmReader(path, options, true).estimated_head();
+
+} catch (const datasets::InputError&) {
+  return std::nullopt;
+}
+
 }  // namespace
 
 int recognises_lvm(std::string_view file_name, std::string_view head) {
@@ -199,15 +237,19 @@ int recognises_lvm(std::string_view file_name, std::string_view head) {
 
 std::unique_ptr<RecordingReader> open_lvm(const std::string& path, const ImportOptions& options) {
   {
-    TextFile file(path);
+    TextFile file(path, true);
     const std::string_view text = file.text();
     const std::size_t start = text.find_first_not_of(" \t\r\n");
     const bool headed =
         start != std::string_view::npos && text.substr(start).starts_with(lvm_first_word);
     const std::string_view head = text.substr(0, 65536);
+    const bool large = file.is_part() || text.size() > read_at_once;
     if (!headed && head.find(lvm_end_of_header) == std::string_view::npos)
-      return open_lvm_without_header(path, options, text.size() > read_at_once);
-    if (text.size() > read_at_once) return open_lvm_by_blocks(path, options);
+      return open_lvm_without_header(path, options, large);
+    if (large && options.head_only)
+      if (auto expected = estimated_lvm_head(path, options))
+        return reader_of_head(std::move(*expected));
+    if (large) return open_lvm_by_blocks(path, options);
   }
   return LvmReader(path, options).read(false);
 }

@@ -147,7 +147,9 @@ std::unique_ptr<RecordingReader> open_lvm_without_header(const std::string& path
                                                          const ImportOptions& options,
                                                          bool by_blocks) {
   if (!by_blocks) return reader_of(read_whole(*open_csv(path, options)));
-  return std::make_unique<LargeHeaderless>(path, open_csv_by_blocks(path, options));
+  auto large = std::make_unique<LargeHeaderless>(path, open_csv_by_blocks(path, options));
+  if (options.head_only) return reader_of_head(large->head());
+  return large;
 }
 
 }  // namespace impactrig::acquisition

@@ -168,6 +168,7 @@ void LvmHeads::skip_special(const char* start) {
   ++special_blocks_;
   while (text_.at != text_.end)
     if (take_line(text_.at, text_.end).starts_with("***End_Special***")) return;
+  if (text_.is_part) return;
   recording_.warn(
       fmt::format("the special block at {} does not end: the rest of the file is left out",
                   text_.file.position(start).text()));

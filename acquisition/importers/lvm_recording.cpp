@@ -117,18 +117,23 @@ void LvmRecording::say(std::string_view key, std::string_view value) {
 
 void LvmRecording::add(LvmSegment&& segment, bool one_heading) {
   for (LvmPart& part : segment.parts) part.settle();
-  check_counts(segment, one_heading);
+  if (!segment.goes_on) check_counts(segment, one_heading);
   join(std::move(segment));
 }
 
-void LvmRecording::finish(bool multi) {
+void LvmRecording::finish(bool multi, bool whole) {
   if (segments_.empty())
     warn("there is no segment with samples in this file: there are no channels");
+  if (segments_.size() > 1 && whole)
+    warn(
+        fmt::format("the file has {} segments that do not continue each other in time: channels "
+                    "of the later ones are named '... (segment n)'",
+                    segments_.size()));
   for (LvmSegment& segment : segments_) deliver(segment, multi);
   if (options_.units.size() <= record_.channels.size()) return;
-  datasets::SourcePosition whole;
-  whole.file = path_;
-  throw InputError(whole, fmt::format("{} units are stated but the file has {} channels",
+  datasets::SourcePosition place;
+  place.file = path_;
+  throw InputError(place, fmt::format("{} units are stated but the file has {} channels",
                                       options_.units.size(), record_.channels.size()));
 }
 
@@ -167,6 +172,7 @@ void LvmRecording::join(LvmSegment&& segment) {
       for (std::size_t c = 0; c < before.parts.size(); ++c)
         append(before.parts[c], std::move(segment.parts[c]), shift - before.shift);
       ++before.joined;
+      before.goes_on = segment.goes_on;
       return;
     }
   }
@@ -175,11 +181,6 @@ void LvmRecording::join(LvmSegment&& segment) {
 }
 
 void LvmRecording::deliver(LvmSegment& segment, bool multi) {
-  if (segments_.size() > 1)
-    warn(
-        fmt::format("the file has {} segments that do not continue each other in time: channels "
-                    "of the later ones are named '... (segment n)'",
-                    segments_.size()));
   for (LvmPart& part : segment.parts) {
     Channel channel;
     channel.name = part.name;
@@ -194,7 +195,7 @@ void LvmRecording::deliver(LvmSegment& segment, bool multi) {
     if (part.said) channel.attributes["Samples"] = fmt::format("{}", *part.said);
     StoredChannel stored;
     set_clock(part, segment.shift, multi, channel, stored);
-    if (part.missing > 0)
+    if (part.missing > 0 && !segment.goes_on)
       warn(fmt::format("'{}': {} of {} values {} missing; marked as not valid", channel.name,
                        part.missing, part.values.size(), part.missing == 1 ? "is" : "are"));
     if (spool_) {

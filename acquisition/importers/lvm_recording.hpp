@@ -85,6 +85,7 @@ struct LvmSegment {
   int first = 1;         ///< number of this segment in the file
   int joined = 1;        ///< how many segments of the file it consists of
   bool comment = false;  ///< its last column has comments
+  bool goes_on = false;  ///< only its first rows were read
 };
 
 /// What the segments of a LabVIEW measurement file become: segments that go on where the one before
@@ -117,9 +118,10 @@ class LvmRecording {
   /// `one_heading`: packets may follow each other within the segment.
   void add(LvmSegment&& segment, bool one_heading);
 
-  /// Makes channels of the segments, once all are there; `multi`: each had an X column. Throws
-  /// datasets::InputError when the user states more units than there are channels.
-  void finish(bool multi);
+  /// Makes channels of the segments, once all are there, or, not `whole`, the first ones; `multi`:
+  /// each had an X column. Throws datasets::InputError when the user states more units than there
+  /// are channels.
+  void finish(bool multi, bool whole = true);
 
  private:
   void check_counts(const LvmSegment& segment, bool one_heading);

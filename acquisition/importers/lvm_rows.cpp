@@ -76,6 +76,7 @@ void LvmRows::read(LvmSegment& segment) {
     read_row(line, segment, packet, row, due, x);
     ++row;
   }
+  count_ = row;
   if (!text_.multi) share_x(segment, std::move(x));
 }
 

@@ -28,6 +28,8 @@ class LvmRows {
 
   const char* first() const { return rows_first_; }  ///< of the rows read last
 
+  std::uint64_t count() const { return count_; }  ///< of the rows read last
+
   /// Rows until a line of text or the end of the file. An empty cell is no sample: the column ends,
   /// or a value is missing when it goes on below.
   void read(LvmSegment& segment);
@@ -64,6 +66,7 @@ class LvmRows {
   LvmRecording& recording_;
   bool counting_ = false;
   bool plain_ = true;
+  std::uint64_t count_ = 0;
   std::uint64_t x_rows_ = 0;  ///< with an X, where they are counted
   std::uint64_t filled_ = 0;  ///< values that were missing
   const char* rows_first_ = nullptr;

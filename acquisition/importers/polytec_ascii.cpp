@@ -184,7 +184,7 @@ Channel channel_of(const Abscissa& abscissa) {
 /// A file whose head has been read.
 struct PolytecText {
   PolytecText(const std::string& path, const ImportOptions& options)
-      : file(path),
+      : file(path, options.head_only),
         head(read_polytec_head(file, options)) {
     for (std::size_t c = 0; c < std::min(options.units.size(), head.columns.size()); ++c)
       if (!options.units[c].empty()) head.columns[c].unit = options.units[c];
@@ -232,17 +232,20 @@ Record read_whole(PolytecText& text) {
   return record;
 }
 
-/// Reads the first column of a large file: whether it is even, and from where on.
-bool read_abscissa(PolytecText& text, Abscissa& abscissa) {
+/// Looks at the first column of a large file: whether it is even, and from where on. For a head
+/// alone the first rows tell.
+bool read_abscissa(PolytecText& text, const Table& first_rows, bool head_only, Abscissa& abscissa) {
   constexpr std::size_t rows_at_once = 16384;
   TimeAxisCheck check(0.0, 0.0, 0);
+  const std::vector<double>& first = first_rows.columns.front().values;
   for (int round = 0; round < 2; ++round) {  // first the ends, then what lies between
     if (round > 0) check = TimeAxisCheck(check.first(), check.last(), check.samples());
     RowReader rows(text.file, text.head.layout, text.names);
     std::vector<bool> needed(text.names.size(), false);
     needed.front() = true;
     rows.read_only(needed);
-    while (!rows.at_end()) {
+    if (head_only) check.add(first);
+    while (!head_only && !rows.at_end()) {
       const char* const start = rows.at();
       check.add(rows.read(rows_at_once).columns.front().values);
       text.file.release(start, rows.at());
@@ -252,23 +255,22 @@ bool read_abscissa(PolytecText& text, Abscissa& abscissa) {
   return check.uniform();
 }
 
-std::unique_ptr<RecordingReader> open_large(std::shared_ptr<PolytecText> text) {
+std::unique_ptr<RecordingReader> open_large(std::shared_ptr<PolytecText> text, bool head_only) {
   LargeTable table;
+  table.file = std::shared_ptr<TextFile>(text, &text->file);
   table.record = text->record;
   table.layout = text->head.layout;
   table.names = text->names;
   const auto& columns = text->head.columns;
   Abscissa abscissa = abscissa_of(columns.front(), text->signal, table.record);
-  RowReader rows(text->file, text->head.layout, text->names);
-  table.first_rows = rows.read(probed_rows);
-  table.first_bytes = static_cast<std::size_t>(rows.at() - table.layout.data);
+  table.read_first_rows(head_only);
   if (abscissa.over_time) {
     table.time = 0;
     table.to_seconds = [factor = abscissa.factor](Column& times) {
       if (factor != 1.0)
         for (double& time : times.values) time *= factor;
     };
-  } else if (!read_abscissa(*text, abscissa)) {
+  } else if (!read_abscissa(*text, table.first_rows, head_only, abscissa)) {
     table.record.channels.push_back(channel_of(abscissa));
     table.columns.push_back(0);
   }
@@ -276,8 +278,8 @@ std::unique_ptr<RecordingReader> open_large(std::shared_ptr<PolytecText> text) {
     table.record.channels.push_back(channel_of(columns[c], text->signal, abscissa));
     table.columns.push_back(c);
   }
-  table.file = std::shared_ptr<TextFile>(text, &text->file);
-  return reader_of_large_table(std::move(table));
+  auto reader = reader_of_large_table(std::move(table));
+  return head_only ? reader_of_head(reader->head()) : std::move(reader);
 }
 
 }  // namespace
@@ -298,13 +300,13 @@ std::unique_ptr<RecordingReader> open_polytec_ascii(const std::string& path,
                                                     const ImportOptions& options) {
   auto text = std::make_shared<PolytecText>(path, options);
   const std::string_view all = text->file.bytes();
-  if (all.size() > read_at_once) return open_large(std::move(text));
+  if (all.size() > read_at_once) return open_large(std::move(text), options.head_only);
   return reader_of(read_whole(*text));
 }
 
 std::unique_ptr<RecordingReader> open_polytec_ascii_by_blocks(const std::string& path,
                                                               const ImportOptions& options) {
-  return open_large(std::make_shared<PolytecText>(path, options));
+  return open_large(std::make_shared<PolytecText>(path, options), options.head_only);
 }
 
 }  // namespace impactrig::acquisition

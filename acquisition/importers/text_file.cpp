@@ -77,6 +77,13 @@ constexpr std::array<std::uint16_t, 32> windows_1252 = {
     0x2039, 0x0152, 0,      0x017D, 0,      0,      0x2018, 0x2019, 0x201C, 0x201D, 0x2022,
     0x2013, 0x2014, 0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0,      0x017E, 0x0178};
 
+/// Lines that end with \r as lines that end with \n.
+std::string line_feeds(std::string_view bytes) {
+  std::string text(bytes);
+  std::ranges::replace(text, '\r', '\n');
+  return text;
+}
+
 }  // namespace
 
 std::string_view TextFile::text() {
@@ -90,6 +97,8 @@ std::string_view TextFile::text() {
       throw InputError(byte_position(all.data()),
                        "the text looks like UTF-16 without a byte order mark: save it as UTF-8");
     if (all.size() > most_in_memory) {
+      if (take_first_lines(2, [](std::string_view bytes) { return utf16_to_utf8(bytes); }))
+        return text_;
       rewritten_ = utf16_to_utf8(file_, rewritten_at_once);
       return rewritten_->bytes();
     }
@@ -98,14 +107,25 @@ std::string_view TextFile::text() {
   }
   if (head.find('\r') != std::string_view::npos && head.find('\n') == std::string_view::npos) {
     if (all.size() > most_in_memory) {
+      if (take_first_lines(0, line_feeds)) return text_;
       rewritten_ = with_line_feeds(file_, rewritten_at_once);
       return rewritten_->bytes();
     }
-    text_ = std::string(all);
-    std::replace(text_.begin(), text_.end(), '\r', '\n');
+    text_ = line_feeds(all);
     return text_;
   }
   return all;
+}
+
+template <typename Rewrite>
+bool TextFile::take_first_lines(std::size_t start, const Rewrite& rewrite) {
+  if (!head_only_) return false;
+  const std::string part = rewrite(bytes().substr(0, telling_part));
+  text_ = whole_lines(part, part.size());
+  if (text_.empty()) return false;
+  expected_size_ = static_cast<double>(part.size()) / static_cast<double>(telling_part - start) *
+                   static_cast<double>(bytes().size() - start);
+  return true;
 }
 
 void TextFile::release(const char* first, const char* last) const {
@@ -152,6 +172,12 @@ std::string_view take_line(const char*& at, const char* end) {
   }
   if (stop != start && stop[-1] == '\r') --stop;
   return {start, static_cast<std::size_t>(stop - start)};
+}
+
+std::string_view whole_lines(std::string_view text, std::size_t most) {
+  text = text.substr(0, most);
+  const std::size_t last = text.rfind('\n');
+  return text.substr(0, last == std::string_view::npos ? 0 : last + 1);
 }
 
 std::string to_utf8(std::string_view text) {
@@ -264,8 +290,7 @@ std::unique_ptr<MappedFile> with_line_feeds(const MappedFile& file, std::size_t 
   const std::string_view bytes = file.bytes();
   Spool spool(file.path());
   for (std::size_t first = 0; first < bytes.size(); first += piece) {
-    std::string part(bytes.substr(first, piece));
-    std::ranges::replace(part, '\r', '\n');
+    const std::string part = line_feeds(bytes.substr(first, piece));
     spool.append(part);
     file.release(first, first + part.size());
   }

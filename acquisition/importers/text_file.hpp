@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -11,11 +12,18 @@
 
 namespace impactrig::acquisition {
 
+/// Bytes at the start of a large text that tell its head.
+constexpr std::size_t telling_part = std::size_t{1} << 20;
+
 /// A file's text, and what an error in it has to say about the place.
 class TextFile {
  public:
-  /// Throws datasets::FileError when the file is missing, a directory or not readable.
-  explicit TextFile(std::string path) : file_(std::move(path)) {}
+  /// `head_only`: of a text too large for memory that would have to be rewritten, only the first
+  /// lines are wanted. Throws datasets::FileError when the file is missing, a directory or not
+  /// readable.
+  explicit TextFile(std::string path, bool head_only = false)
+      : file_(std::move(path)),
+        head_only_(head_only) {}
 
   const std::string& path() const { return file_.path(); }
 
@@ -26,6 +34,12 @@ class TextFile {
   /// the disk). Latin-1 is left as it is. Throws datasets::InputError for UTF-16 without a byte
   /// order mark.
   std::string_view text();
+
+  /// True where text() has only the first lines of the file.
+  bool is_part() const { return expected_size_ > 0.0; }
+
+  /// Length of the whole text [bytes]: where text() is a part of it, as that lets expect.
+  double expected_size() { return is_part() ? expected_size_ : static_cast<double>(text().size()); }
 
   /// Gives back the memory of a part of bytes() or of a text on the disk; it may still be looked
   /// at. Does nothing for a text in memory.
@@ -43,7 +57,14 @@ class TextFile {
   datasets::SourcePosition byte_position(const char* at) const;
 
  private:
+  /// Where only the head is wanted: makes text_ the first lines of what `rewrite` makes of bytes,
+  /// of which the first `start` are a mark. False when the first line does not end soon enough.
+  template <typename Rewrite>
+  bool take_first_lines(std::size_t start, const Rewrite& rewrite);
+
   MappedFile file_;
+  bool head_only_;
+  double expected_size_ = 0.0;             // of the whole text, where text_ is a part of it
   std::string text_;                       // the text when it is not a part of the bytes
   std::unique_ptr<MappedFile> rewritten_;  // the same of a large one
 };
@@ -51,6 +72,9 @@ class TextFile {
 /// The line that begins at `at`, without its end (\n or \r\n); `at` moves to the next line, at most
 /// to `end`.
 std::string_view take_line(const char*& at, const char* end);
+
+/// The text up to the end of the last line that ends within `most` bytes; "" when none does.
+std::string_view whole_lines(std::string_view text, std::size_t most);
 
 /// Text of a file as UTF-8: what is valid UTF-8 stays, anything else is read as Windows-1252
 /// (latin-1 with its additions); control characters become blanks.

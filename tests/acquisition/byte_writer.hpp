@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <string>
 #include <string_view>
 
 namespace impactrig::acquisition::tests {
+
+/// What a number is written as.
+enum class NumberForm { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
 
 /// Bytes of a made-up file, written number by number in one byte order; gaps are zero.
 class ByteWriter {
@@ -19,6 +23,33 @@ class ByteWriter {
   template <typename Number>
   ByteWriter& add(Number value) {
     return put(bytes_.size(), value);
+  }
+
+  /// A number at the end, in this form.
+  ByteWriter& add(NumberForm form, double value) {
+    switch (form) {
+      case NumberForm::i8:
+        return add(static_cast<std::int8_t>(value));
+      case NumberForm::u8:
+        return add(static_cast<std::uint8_t>(value));
+      case NumberForm::i16:
+        return add(static_cast<std::int16_t>(value));
+      case NumberForm::u16:
+        return add(static_cast<std::uint16_t>(value));
+      case NumberForm::i32:
+        return add(static_cast<std::int32_t>(value));
+      case NumberForm::u32:
+        return add(static_cast<std::uint32_t>(value));
+      case NumberForm::i64:
+        return add(static_cast<std::int64_t>(value));
+      case NumberForm::u64:
+        return add(static_cast<std::uint64_t>(value));
+      case NumberForm::f32:
+        return add(static_cast<float>(value));
+      case NumberForm::f64:
+        return add(value);
+    }
+    return *this;
   }
 
   /// A number at a place.

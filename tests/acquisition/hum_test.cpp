@@ -53,6 +53,37 @@ TEST(RemoveHum, FindsFrequencyAmplitudesAndPhases) {
   }
 }
 
+/// 40 s before the trigger and 0.5 s after it.
+constexpr Sampling very_long_record{.start = -40.0, .interval = 500e-6, .samples = 81000};
+
+// Without noise nothing but rounding is left: 1e-9 of a turn over the quiet time.
+TEST(RemoveHum, FindsALongHumToRounding) {
+  for (const double frequency : {49.0312345678, 50.0, 50.0123456789, 50.9712345678}) {
+    const auto truth =
+        sampled(very_long_record, [](double t) { return half_sine(t, 1500.0, 0.2); });
+    auto force = force_of(very_long_record, sampled(very_long_record, [&](double t) {
+                            return half_sine(t, 1500.0, 0.2) + hum_at(t, frequency);
+                          }));
+    remove_hum(force, {50.0, 3, {TimeSpan{-40.0, -1e-3}}});
+    EXPECT_LT(largest_error(force, truth), 1e-7) << frequency;  // of 3.9
+  }
+}
+
+// Of two stretches apart the spectrum has side peaks 1/30 Hz apart, nearly as high as its peak; a
+// hum half as strong is not far.
+TEST(RemoveHum, FindsALongHumInStretchesApart) {
+  const auto level = [](double t) { return t < -20.0 ? 5.0 + 0.3 * t : -7.0 + 0.1 * t; };
+  for (int seed = 1; seed <= 20; ++seed) {
+    auto values = sampled(very_long_record, [&](double t) {
+      return level(t) + hum_at(t, 50.2468) + 1.2 * std::sin(2.0 * pi * 49.37 * t);
+    });
+    add_noise(values, 1.0, static_cast<std::uint64_t>(seed));
+    auto force = force_of(very_long_record, values);
+    const auto edit = remove_hum(force, {50.0, 3, {TimeSpan{-40.0, -37.0}, TimeSpan{-8.0, -5.0}}});
+    EXPECT_NEAR(std::stod(edit.parameters.at("frequency")), 50.2468, 2e-3) << seed;
+  }
+}
+
 // The stated error covers what is left: hum known to s over a long quiet time.
 TEST(RemoveHum, StatesItsErrorHonestly) {
   int within = 0;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -48,45 +49,17 @@ struct ImcRaw {
   bool one_group = false;  ///< all components in one group of keys
 
   void number(ByteWriter& out, int format, double value) const {
-    switch (format) {
-      case 1:
-        out.add(static_cast<std::uint8_t>(value));
-        break;
-      case 2:
-        out.add(static_cast<std::int8_t>(value));
-        break;
-      case 3:
-        out.add(static_cast<std::uint16_t>(value));
-        break;
-      case 5:
-        out.add(static_cast<std::uint32_t>(value));
-        break;
-      case 6:
-        out.add(static_cast<std::int32_t>(value));
-        break;
-      case 7:
-        out.add(static_cast<float>(value));
-        break;
-      case 8:
-        out.add(value);
-        break;
-      case 12:
-        out.add(static_cast<std::uint64_t>(value));
-        break;
-      case 13: {
-        const auto whole = static_cast<std::uint64_t>(value);
-        const auto low = static_cast<std::uint32_t>(whole);
-        const auto high = static_cast<std::uint16_t>(whole >> 32);
-        big_endian ? out.add(high).add(low) : out.add(low).add(high);
-        break;
-      }
-      case 14:
-        out.add(static_cast<std::int64_t>(value));
-        break;
-      default:
-        out.add(static_cast<std::int16_t>(value));
-        break;
+    if (format == 13) {
+      const auto whole = static_cast<std::uint64_t>(value);
+      const auto low = static_cast<std::uint32_t>(whole);
+      const auto high = static_cast<std::uint16_t>(whole >> 32);
+      big_endian ? out.add(high).add(low) : out.add(low).add(high);
+      return;
     }
+    using enum NumberForm;
+    constexpr std::array forms = {i16, u8,  i8,  u16, i16, u32, i32, f32,
+                                  f64, i16, i16, i16, u64, i16, i64};  // by format
+    out.add(forms[format > 14 ? 0 : static_cast<std::size_t>(format)], value);
   }
 
   std::string bytes() const {

@@ -6,6 +6,7 @@
 
 #include "acquisition/importer.hpp"
 #include "tests/acquisition/catman_bytes.hpp"
+#include "tests/acquisition/sound_channel.hpp"
 #include "tests/acquisition/written_file.hpp"
 
 namespace impactrig::acquisition {
@@ -19,6 +20,7 @@ using tests::Catman;
 using tests::CatmanColumn;
 using tests::import_error;
 using tests::imported;
+using tests::part_from;
 
 TEST(Catman, IsReadInEveryPrecision) {
   for (const std::uint8_t precision : std::vector<std::uint8_t>{0, 1}) {
@@ -138,10 +140,7 @@ TEST(Catman, OverflowsAreMarked) {
 TEST(Catman, WindowAndChannelAreThoseOfTheWhole) {
   Catman file;
   file.columns[1].samples = {1, -1000000, 3};
-  ImportOptions options;
-  options.channels = {"force"};
-  options.from = 0.0005;
-  const Record record = imported(file.bytes(), options);
+  const Record record = imported(file.bytes(), part_from(0.0005, "force"));
   ASSERT_EQ(record.channels.size(), 1U);
   EXPECT_THAT(record.channels[0].values(), ElementsAre(-1000000.0, 3.0));
   EXPECT_THAT(record.channels[0].valid, ElementsAre(0, 1));

@@ -6,6 +6,7 @@
 
 #include "acquisition/importer.hpp"
 #include "tests/acquisition/imc_raw_bytes.hpp"
+#include "tests/acquisition/sound_channel.hpp"
 #include "tests/acquisition/written_file.hpp"
 
 namespace impactrig::acquisition {
@@ -14,32 +15,28 @@ namespace {
 using datasets::Quantity;
 using datasets::Record;
 using testing::ElementsAre;
-using testing::IsEmpty;
+using tests::expect_head;
 using tests::imc_key;
 using tests::ImcComponent;
 using tests::ImcRaw;
 using tests::import_error;
 using tests::imported;
+using tests::part_from;
+using tests::sound_channel;
 
 TEST(ImcRaw, IsReadInBothByteOrders) {
   for (const bool big_endian : {false, true}) {
     ImcRaw file;
     file.big_endian = big_endian;
     const Record record = imported(file.bytes());
-    ASSERT_EQ(record.channels.size(), 1U);
-    const auto& channel = record.channels.front();
-    EXPECT_EQ(channel.name, "force");
-    EXPECT_EQ(channel.unit, "N");
+    const auto& channel = sound_channel(record, "imc-raw");
+    expect_head(channel, "force", "N", 0.25, 1e-3);
     EXPECT_EQ(channel.quantity, Quantity::force);
     EXPECT_THAT(channel.values(), ElementsAre(2.0, 3.0, 4.0));
     EXPECT_EQ(std::get<std::vector<float>>(channel.raw), (std::vector<float>{2, 4, 6}));
-    EXPECT_EQ(channel.clock.start, 0.25);
-    EXPECT_EQ(channel.clock.interval, 1e-3);
     EXPECT_EQ(channel.attributes.at("comment"), "ok");
     EXPECT_EQ(record.started, "2022-04-12T13:31:46.5");
     EXPECT_EQ(record.attributes.at("origin"), "test");
-    EXPECT_EQ(record.provenance.importer, "imc-raw");
-    EXPECT_THAT(record.warnings, IsEmpty());
   }
 }
 
@@ -80,9 +77,7 @@ TEST(ImcRaw, HasSeveralChannelsAndWindows) {
   const Record record = imported(file.bytes());
   ASSERT_EQ(record.channels.size(), 2U);
   EXPECT_THAT(record.channels[1].values(), ElementsAre(4.0, 8.0, 12.0));
-  ImportOptions options;
-  options.channels = {"head"};
-  options.from = 0.001;
+  const auto options = part_from(0.001, "head");
   EXPECT_THAT(imported(file.bytes(), options).channels.at(0).values(), ElementsAre(8.0, 12.0));
 }
 

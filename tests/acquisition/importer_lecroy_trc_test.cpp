@@ -6,6 +6,7 @@
 
 #include "acquisition/importer.hpp"
 #include "tests/acquisition/lecroy_trc_bytes.hpp"
+#include "tests/acquisition/sound_channel.hpp"
 #include "tests/acquisition/written_file.hpp"
 
 namespace impactrig::acquisition {
@@ -13,9 +14,11 @@ namespace {
 
 using datasets::Record;
 using testing::ElementsAre;
-using testing::IsEmpty;
+using tests::expect_head;
 using tests::import_error;
 using tests::imported;
+using tests::part;
+using tests::sound_channel;
 using tests::Trc;
 
 TEST(LecroyTrc, IsReadInBothByteOrdersAndWidths) {
@@ -28,21 +31,15 @@ TEST(LecroyTrc, IsReadInBothByteOrdersAndWidths) {
         file.type = type;
         file.before = before;
         const Record record = imported(file.bytes());
-        ASSERT_EQ(record.channels.size(), 1U);
-        const auto& channel = record.channels.front();
-        EXPECT_EQ(channel.name, "CH 2");
-        EXPECT_EQ(channel.unit, "V");
+        const auto& channel = sound_channel(record, "lecroy-trc");
+        expect_head(channel, "CH 2", "V", -2e-9, 1e-9);  // not 9.99999972e-10
         // 0.5 raw - 1
         EXPECT_THAT(channel.values(), ElementsAre(0.0, -3.0, 2.0));
         EXPECT_TRUE(std::holds_alternative<std::vector<std::int16_t>>(channel.raw));
-        EXPECT_EQ(channel.clock.start, -2e-9);
-        EXPECT_EQ(channel.clock.interval, 1e-9);  // not 9.99999972e-10
         EXPECT_EQ(channel.attributes.at("coupling"), "DC 1 MOhm");
         EXPECT_EQ(channel.attributes.at("probe attenuation"), "10");
         EXPECT_EQ(record.started, "2022-11-09T09:23:52.5");
         EXPECT_EQ(record.attributes.at("instrument"), "LECROYWR64Xi-A");
-        EXPECT_EQ(record.provenance.importer, "lecroy-trc");
-        EXPECT_THAT(record.warnings, IsEmpty());
       }
 }
 
@@ -102,10 +99,7 @@ TEST(LecroyTrc, OverFrequencyIsNoTimeRecord) {
 TEST(LecroyTrc, WindowIsThatOfTheWhole) {
   Trc file;
   file.samples = {2, 4, 6, 8};
-  ImportOptions options;
-  options.from = -1e-9;
-  options.to = 0.0;
-  const Record record = imported(file.bytes(), options);
+  const Record record = imported(file.bytes(), part(-1e-9, 0.0));
   EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1.0, 2.0));
 }
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "acquisition/importer.hpp"
+#include "tests/acquisition/sound_channel.hpp"
 #include "tests/acquisition/tek_isf_bytes.hpp"
 #include "tests/acquisition/written_file.hpp"
 
@@ -11,10 +12,12 @@ namespace {
 
 using datasets::Record;
 using testing::ElementsAre;
-using testing::IsEmpty;
+using tests::expect_head;
 using tests::import_error;
 using tests::imported;
 using tests::Isf;
+using tests::part;
+using tests::sound_channel;
 
 TEST(TekIsf, IsReadWithLongAndShortKeysInBothByteOrders) {
   for (const bool short_keys : {false, true})
@@ -23,20 +26,14 @@ TEST(TekIsf, IsReadWithLongAndShortKeysInBothByteOrders) {
       file.short_keys = short_keys;
       file.big_endian = big_endian;
       const Record record = imported(file.bytes());
-      ASSERT_EQ(record.channels.size(), 1U);
-      const auto& channel = record.channels.front();
-      EXPECT_EQ(channel.name, "CH 2");
-      EXPECT_EQ(channel.unit, "V");
+      const auto& channel = sound_channel(record, "tek-isf");
+      expect_head(channel, "CH 2", "V", -2e-6, 1e-6);
       // (raw - 2) 0.5 + 1; the sample PT_OFF is at XZERO
       EXPECT_THAT(channel.values(), ElementsAre(1.0, -2.0, 3.0));
       EXPECT_EQ(std::get<std::vector<std::int16_t>>(channel.raw),
                 (std::vector<std::int16_t>{2, -4, 6}));
-      EXPECT_EQ(channel.clock.start, -2e-6);
-      EXPECT_EQ(channel.clock.interval, 1e-6);
       EXPECT_EQ(record.title, "Ch2, DC coupling, 1.0E0 V/div; probe");
       EXPECT_EQ(record.attributes.at("BIT_NR"), "16");
-      EXPECT_EQ(record.provenance.importer, "tek-isf");
-      EXPECT_THAT(record.warnings, IsEmpty());
     }
 }
 
@@ -97,10 +94,7 @@ TEST(TekIsf, BlockMayBeOfUnknownLengthOrCutOff) {
 TEST(TekIsf, WindowIsThatOfTheWhole) {
   Isf file;
   file.samples = {2, 4, 6, 8};
-  ImportOptions options;
-  options.from = -1e-6;
-  options.to = 0.0;
-  const Record record = imported(file.bytes(), options);
+  const Record record = imported(file.bytes(), part(-1e-6, 0.0));
   EXPECT_THAT(record.channels.at(0).values(), ElementsAre(2.0, 3.0));
   EXPECT_DOUBLE_EQ(record.channels.at(0).clock.start, -1e-6);
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "acquisition/importer.hpp"
+#include "tests/acquisition/sound_channel.hpp"
 #include "tests/acquisition/tek_wfm_bytes.hpp"
 #include "tests/acquisition/written_file.hpp"
 
@@ -14,9 +15,11 @@ namespace {
 using datasets::Quantity;
 using datasets::Record;
 using testing::ElementsAre;
-using testing::IsEmpty;
+using tests::expect_head;
 using tests::import_error;
 using tests::imported;
+using tests::part;
+using tests::sound_channel;
 using tests::TekWfm;
 
 TEST(TekWfm, IsReadInEveryVersionAndByteOrder) {
@@ -27,20 +30,14 @@ TEST(TekWfm, IsReadInEveryVersionAndByteOrder) {
       file.version = version;
       file.big_endian = big_endian;
       const Record record = imported(file.bytes());
-      ASSERT_EQ(record.channels.size(), 1U);
-      const auto& channel = record.channels.front();
-      EXPECT_EQ(channel.name, "waveform");
-      EXPECT_EQ(channel.unit, "V");
+      const auto& channel = sound_channel(record, "tek-wfm");
+      expect_head(channel, "waveform", "V", -2e-6, 1e-6);
       EXPECT_EQ(channel.quantity, Quantity::voltage);
       EXPECT_EQ(std::get<std::vector<std::int16_t>>(channel.raw),
                 (std::vector<std::int16_t>{2, -4, 6}));
       EXPECT_THAT(channel.values(), ElementsAre(2.0, -1.0, 4.0));
-      EXPECT_EQ(channel.clock.start, -2e-6);
-      EXPECT_EQ(channel.clock.interval, 1e-6);
       EXPECT_EQ(record.started, "2022-04-12T11:31:47.25Z");
-      EXPECT_EQ(record.provenance.importer, "tek-wfm");
       EXPECT_EQ(record.attributes.at("version"), fmt::format("WFM#00{}", version));
-      EXPECT_THAT(record.warnings, IsEmpty());
     }
 }
 
@@ -76,11 +73,7 @@ TEST(TekWfm, FramesAreChannelsWithTheirOwnTrigger) {
 TEST(TekWfm, WindowAndChannelsAreThoseOfTheWhole) {
   TekWfm file;
   file.frames = {{1, 2, 3, 4, 5}, {6, 7, 8, 9, 10}};
-  ImportOptions options;
-  options.channels = {"1"};
-  options.from = -1.2e-6;
-  options.to = 1e-6;
-  const Record record = imported(file.bytes(), options);
+  const Record record = imported(file.bytes(), part(-1.2e-6, 1e-6, {"1"}));
   ASSERT_EQ(record.channels.size(), 1U);
   EXPECT_THAT(record.channels[0].values(), ElementsAre(4.5, 5.0, 5.5));
   EXPECT_DOUBLE_EQ(record.channels[0].clock.start, -1e-6);

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <cstdint>
-
 #include "acquisition/importer.hpp"
 #include "acquisition/uff58_codes.hpp"
+#include "tests/acquisition/uff58_function.hpp"
 #include "tests/acquisition/written_file.hpp"
 
 namespace impactrig::acquisition {
@@ -22,71 +18,9 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using tests::import_error;
 using tests::imported;
-
-/// One dataset 58 from its parts; what a test does not name is a sound time record of a force in N.
-struct Function {
-  std::string identifier = "    58";
-  std::string id1 = "Hammer";
-  std::string date = "30-Apr-20 19:12:52";
-  std::string id5 = "NONE";
-  std::string dof =
-      "    1         0    0         0 Stop               7  -3 NONE               0   0";
-  int type = 2;
-  long points = 3;
-  int even = 1;
-  std::string start = "  0.00000E+00";
-  std::string increment = "  1.00000E-03";
-  std::string abscissa = "        17    0    0    0 Time                 s                   ";
-  std::string ordinate = "        13    0    0    0 Force                N                   ";
-  std::string data = "  1.00000E+00 -2.00000E+00  3.00000E+00\n";
-  std::string end = "    -1\n";
-
-  std::string text() const {
-    std::string out = "    -1\n" + identifier + "\n" + id1 + "\nNONE\n" + date + "\nNONE\n" + id5 +
-                      "\n" + dof + "\n";
-    out += fmt::format("{:10}{:10}{:10}{}{}  0.00000E+00\n", type, points, even, start, increment);
-    out += abscissa + "\n" + ordinate + "\n";
-    out += "         0    0    0    0 NONE                 NONE                \n";
-    out += "         0    0    0    0 NONE                 NONE                \n";
-    return out + data + end;
-  }
-};
-
-/// The identifier line of 58b.
-std::string binary(int order, int format, long bytes) {
-  return fmt::format("    58b{:6}{:6}{:12}{:12}     0     0           0           0", order, format,
-                     11, bytes);
-}
-
-template <typename Number>
-std::string bytes_of(std::initializer_list<Number> numbers, bool little) {
-  std::string out;
-  for (const Number number : numbers) {
-    std::string raw(sizeof number, '\0');
-    for (std::size_t i = 0; i < sizeof number; ++i) {
-      const auto bits =
-          std::bit_cast<std::conditional_t<sizeof number == 4, std::uint32_t, std::uint64_t>>(
-              number);
-      raw[little ? i : sizeof number - 1 - i] = static_cast<char>(bits >> (8 * i) & 0xFF);
-    }
-    out += raw;
-  }
-  return out;
-}
-
-/// "FILE:2:5 (byte 11)": where `mark` begins in a text, `offset` bytes on.
-std::string place(const std::string& text, const std::string& mark, std::size_t offset = 0) {
-  const std::size_t byte = text.find(mark) + offset;
-  const std::string before = text.substr(0, byte);
-  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
-  return fmt::format("FILE:{}:{} (byte {})", line, byte - (before.rfind('\n') + 1) + 1, byte);
-}
-
-Channel only_channel(const Function& function) {
-  const Record record = imported(function.text());
-  EXPECT_EQ(record.channels.size(), 1U);
-  return record.channels.empty() ? Channel{} : record.channels.front();
-}
+using tests::uff58::Function;
+using tests::uff58::only_channel;
+using tests::uff58::place;
 
 TEST(Uff58, IsReadWithNameUnitQuantityAndClock) {
   const Record record = imported(Function{}.text());
@@ -280,158 +214,6 @@ TEST(Uff58, WithTextForANumberIsAnErrorAtItsPlace) {
       "  1.00000E+00  1.00000E+00  1.00000E+00  1.00000E+00  1.00000E+00  1.00000E+00 x\n    \n";
   EXPECT_EQ(import_error(function.text()), place(function.text(), "  1.00000E+00  1.0") +
                                                ": the line goes on after its last column");
-}
-
-// --- Binary data
-// ----------------------------------------------------------------------------------
-
-TEST(Uff58b, IsReadInBothByteOrdersAndPrecisions) {
-  for (const bool little : {true, false}) {
-    for (const int type : {2, 4}) {
-      Function function;
-      function.type = type;
-      function.data = type == 2 ? bytes_of<float>({1.5F, -2.5F, 0.1F}, little)
-                                : bytes_of<double>({1.5, -2.5, 0.1}, little);
-      function.identifier = binary(little ? 1 : 2, 2, static_cast<long>(function.data.size()));
-      const Record record = imported(function.text());
-      EXPECT_EQ(record.provenance.importer, "uff58b");
-      EXPECT_THAT(record.channels.front().values(),
-                  ElementsAre(1.5, -2.5, type == 2 ? static_cast<double>(0.1F) : 0.1));
-      EXPECT_EQ(std::holds_alternative<std::vector<float>>(record.channels.front().raw), type == 2);
-      EXPECT_THAT(record.warnings, IsEmpty());
-    }
-  }
-}
-
-TEST(Uff58b, MayCloseDirectlyOrAfterALineEnd) {
-  for (const char* end : {"    -1\n", "\n    -1\n", "\r\n    -1\r\n", "    -1"}) {
-    Function function;
-    function.data = bytes_of<float>({1.0F, 2.0F, 3.0F}, true);
-    function.identifier = binary(1, 2, 12);
-    function.end = end;
-    const Record record =
-        imported(function.text() + (std::string_view(end).back() == '\n' ? Function{}.text() : ""));
-    ASSERT_FALSE(record.channels.empty());
-    EXPECT_THAT(record.channels.front().values(), ElementsAre(1.0, 2.0, 3.0));
-    if (std::string_view(end).back() == '\n') {
-      EXPECT_EQ(record.channels.size(), 2U);
-    }
-  }
-}
-
-TEST(Uff58b, DataMayContainWhatLooksLikeAnEnd) {
-  Function function;
-  function.points = 4;
-  function.data = "\n    -1\n" + bytes_of<float>({3.0F, 4.0F}, true);
-  function.identifier = binary(1, 2, 16);
-  const Record record = imported(function.text());
-  ASSERT_EQ(record.channels.size(), 1U);
-  EXPECT_EQ(record.channels.front().size(), 4U);
-  EXPECT_EQ(record.channels.front().value(3), 4.0);
-}
-
-TEST(Uff58b, ComplexAndUnevenDataAreTakenApart) {
-  Function function;
-  function.type = 6;
-  function.points = 2;
-  function.data = bytes_of<double>({1.0, -1.0, 2.0, -2.0}, false);
-  function.identifier = binary(2, 2, 32);
-  Channel channel = only_channel(function);
-  EXPECT_THAT(channel.values(), ElementsAre(1.0, 2.0));
-  EXPECT_THAT(channel.imaginary, ElementsAre(-1.0, -2.0));
-
-  function.type = 2;
-  function.even = 0;
-  function.points = 3;
-  function.data = bytes_of<float>({0.0F, 1.0F, 0.5F, 2.0F, 2.0F, 3.0F}, true);
-  function.identifier = binary(1, 2, 24);
-  channel = only_channel(function);
-  EXPECT_THAT(channel.values(), ElementsAre(1.0, 2.0, 3.0));
-  EXPECT_THAT(channel.clock.times, ElementsAre(0.0, 0.5, 2.0));
-}
-
-// The standard stores the abscissa of double precision data in single precision; some writers in
-// double.
-TEST(Uff58b, UnevenDoubleDataHaveTimesOfEitherPrecision) {
-  Function function;
-  function.type = 4;
-  function.even = 0;
-  function.points = 2;
-  function.data = bytes_of<float>({0.25F}, true) + bytes_of<double>({1.0}, true) +
-                  bytes_of<float>({0.5F}, true) + bytes_of<double>({2.0}, true);
-  function.identifier = binary(1, 2, 24);
-  Channel channel = only_channel(function);
-  EXPECT_EQ(channel.clock.start, 0.25);
-  EXPECT_EQ(channel.clock.interval, 0.25);
-  EXPECT_THAT(channel.values(), ElementsAre(1.0, 2.0));
-
-  function.data = bytes_of<double>({0.1, 1.0, 0.3, 2.0}, true);
-  function.identifier = binary(1, 2, 16);  // one writer announces the ordinates alone
-  channel = only_channel(function);
-  EXPECT_EQ(channel.clock.start, 0.1);
-  EXPECT_THAT(channel.values(), ElementsAre(1.0, 2.0));
-}
-
-TEST(Uff58b, TheBytesThatAreThereCountNotTheAnnouncedOnes) {
-  Function function;
-  function.data = bytes_of<float>({1.0F, 2.0F, 3.0F}, true);
-  for (const long announced : {0L, 8L, 9999L, -5L}) {
-    function.identifier = binary(1, 2, announced);
-    const Record record = imported(function.text());
-    ASSERT_EQ(record.channels.size(), 1U) << announced;
-    EXPECT_THAT(record.channels.front().values(), ElementsAre(1.0, 2.0, 3.0));
-    if (announced > 0) {
-      EXPECT_THAT(record.warnings,
-                  ElementsAre(fmt::format(
-                      "'Hammer': the identifier line announces {} bytes of data, 12 are there",
-                      announced)));
-    }
-  }
-}
-
-TEST(Uff58b, ACutFileGivesWhatIsThere) {
-  Function function;
-  function.points = 2000000000;
-  function.data = bytes_of<float>({1.0F, 2.0F, 3.0F}, true).substr(0, 10);
-  function.identifier = binary(1, 2, 8000000000);
-  function.end = "";
-  const Record record = imported(function.text());
-  EXPECT_THAT(record.channels.front().values(), ElementsAre(1.0, 2.0));
-  EXPECT_THAT(
-      record.warnings,
-      ElementsAre("'Hammer': the file ends without the closing -1: it may have been cut off",
-                  "'Hammer': the identifier line announces 8000000000 bytes of data, 10 are there",
-                  "'Hammer': the header announces 2000000000 points, 2 are there: these are read",
-                  "the last dataset is not closed by -1: the file may have been cut off"));
-}
-
-TEST(Uff58b, WithoutDataIsAnError) {
-  Function function;
-  function.identifier = binary(1, 2, 12);
-  function.data = "";
-  EXPECT_EQ(import_error(function.text()),
-            fmt::format("FILE (byte {})", function.text().size() - 7) +
-                ": 3 points are announced and no data are there");
-}
-
-TEST(Uff58b, FloatsOfOtherMachinesAreNamedAndRefused) {
-  Function function;
-  function.identifier = binary(1, 1, 12);
-  EXPECT_EQ(import_error(function.text()),
-            "FILE:2:1 (byte 7): UFF 58b with DEC VAX floating-point numbers is not read: export it "
-            "with IEEE numbers or as "
-            "text (dataset 58)");
-  function.identifier = binary(2, 3, 12);
-  EXPECT_EQ(import_error(function.text()),
-            "FILE:2:1 (byte 7): UFF 58b with IBM 370 floating-point numbers is not read: export it "
-            "with IEEE numbers or as "
-            "text (dataset 58)");
-  function.identifier = binary(1, 7, 12);
-  EXPECT_EQ(import_error(function.text()),
-            "FILE:2:1 (byte 7): floating-point format 7 is unknown: expected 2 (IEEE)");
-  function.identifier = binary(3, 2, 12);
-  EXPECT_EQ(import_error(function.text()),
-            "FILE:2:1 (byte 7): byte order 3 is unknown: expected 1 (little) or 2 (big)");
 }
 
 // --- The header

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "acquisition/importer.hpp"
+#include "tests/acquisition/sound_channel.hpp"
 #include "tests/acquisition/waveform_container_bytes.hpp"
 #include "tests/acquisition/written_file.hpp"
 
@@ -12,9 +13,11 @@ namespace {
 using datasets::Record;
 using testing::Contains;
 using testing::ElementsAre;
-using testing::IsEmpty;
+using tests::expect_head;
 using tests::import_error;
 using tests::imported;
+using tests::part_from;
+using tests::sound_channel;
 using tests::WaveformFile;
 
 TEST(KeysightBin, IsReadInEveryVersion) {
@@ -23,17 +26,11 @@ TEST(KeysightBin, IsReadInEveryVersion) {
     WaveformFile file;
     file.cookie = cookie;
     const Record record = imported(file.bytes());
-    ASSERT_EQ(record.channels.size(), 1U);
-    const auto& channel = record.channels.front();
-    EXPECT_EQ(channel.name, "CH 2");
-    EXPECT_EQ(channel.unit, "V");
+    const auto& channel = sound_channel(record, "keysight-bin");
+    expect_head(channel, "CH 2", "V", -2e-6, 1e-6);
     EXPECT_EQ(std::get<std::vector<float>>(channel.raw), (std::vector<float>{1.5F, -2.0F, 3.0F}));
-    EXPECT_EQ(channel.clock.start, -2e-6);
-    EXPECT_EQ(channel.clock.interval, 1e-6);
     EXPECT_EQ(record.started, "2020-11-22T19:02:34");
     EXPECT_EQ(record.attributes.at("instrument"), "DSO-X 1102G:CN1");
-    EXPECT_EQ(record.provenance.importer, "keysight-bin");
-    EXPECT_THAT(record.warnings, IsEmpty());
   }
 }
 
@@ -113,10 +110,7 @@ TEST(KeysightBin, WindowAndChannelAreThoseOfTheWhole) {
   file.waveforms.resize(2);
   file.waveforms[1].label = "3";
   file.waveforms[1].buffers = {{1, 4, {4.0F, 5.0F, 6.0F}}};
-  ImportOptions options;
-  options.channels = {"CH 3"};
-  options.from = -1e-6;
-  const Record record = imported(file.bytes(), options);
+  const Record record = imported(file.bytes(), part_from(-1e-6, "CH 3"));
   ASSERT_EQ(record.channels.size(), 1U);
   EXPECT_THAT(record.channels[0].values(), ElementsAre(5.0, 6.0));
 }

@@ -47,32 +47,9 @@ struct TekWfm {
   std::size_t head_size() const { return curve() + 30; }
 
   void number(ByteWriter& out, double value) const {
-    switch (format) {
-      case 0:
-        out.add(static_cast<std::int16_t>(value));
-        break;
-      case 1:
-        out.add(static_cast<std::int32_t>(value));
-        break;
-      case 2:
-        out.add(static_cast<std::uint32_t>(value));
-        break;
-      case 3:
-        out.add(static_cast<std::uint64_t>(value));
-        break;
-      case 4:
-        out.add(static_cast<float>(value));
-        break;
-      case 5:
-        out.add(value);
-        break;
-      case 6:
-        out.add(static_cast<std::uint8_t>(value));
-        break;
-      default:
-        out.add(static_cast<std::int8_t>(value));
-        break;
-    }
+    using enum NumberForm;
+    constexpr std::array forms = {i16, i32, u32, u64, f32, f64, u8, i8};
+    out.add(forms[format < 0 || format > 7 ? 7 : static_cast<std::size_t>(format)], value);
   }
 
   static std::uint32_t size(std::size_t value) { return static_cast<std::uint32_t>(value); }

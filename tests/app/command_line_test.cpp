@@ -278,6 +278,71 @@ TEST_F(CommandLine, InspectsByTheHeadAndByParts) {
   EXPECT_EQ(json::parse(run("inspect --json " + path("part.h5")).out)["channels"].size(), 1U);
 }
 
+/// A sound of so many samples of 8 bits, none of which takes place on the disk.
+std::string silence(const std::string& path, std::uint32_t count) {
+  const auto number = [](std::uint32_t value, int bytes) {
+    std::string text;
+    for (int i = 0; i < bytes; ++i) text += static_cast<char>(value >> (8 * i) & 0xFF);
+    return text;
+  };
+  std::ofstream(path, std::ios::binary)
+      << "RIFF" + number(36 + count, 4) + "WAVEfmt " + number(16, 4) + number(1, 2) + number(1, 2) +
+             number(1'000'000, 4) + number(1'000'000, 4) + number(1, 2) + number(8, 2) + "data" +
+             number(count, 4);
+  std::filesystem::resize_file(path, 44 + std::uintmax_t{count});
+  return path;
+}
+
+// 65 s at 1 MHz.
+TEST_F(CommandLine, RefusesToConditionMoreThanMemoryHolds) {
+  const std::string file = silence(path("long.wav"), 65'000'000);
+  const std::string map = write(
+      "map.toml",
+      "[[channels]]\nmatch = \"ch1\"\n[[conditioning]]\nchannel = \"ch1\"\nstep = \"dropouts\"\n");
+  const std::string on_rig = " --rig " + rig;
+  for (const auto& [command, remedy] : std::vector<std::pair<std::string, std::string>>{
+           {"import " + file + " --map " + map + " -o " + path("long.h5"),
+            "--channel, --from and --to say which"},
+           {"fit " + file + on_rig, "--from and --to say which, and the rig file's sensors name"},
+           {"compare " + file + " " + file + on_rig, "`impactrig import` with --from and --to"}}) {
+    const Outcome o = run(command);
+    EXPECT_EQ(o.code, 3) << command;
+    EXPECT_THAT(o.err,
+                HasSubstr("long.wav: 65 million samples are too many to be conditioned or "
+                          "averaged, which takes them into memory; 64 million are the most: " +
+                          remedy));
+  }
+  EXPECT_THAT(run("fit " + file + on_rig + " --from 0 --to 1").err,
+              HasSubstr("there is no single channel 'Force'"));
+}
+
+// Two segments of LabVIEW's, the second an hour later: the first MB has the first one only.
+TEST_F(CommandLine, InspectsLargeTextsByTheirFirstMegabyte) {
+  std::string text =
+      "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t.\nMulti_Headings\tYes\n"
+      "X_Columns\tNo\nDate\t2020/01/01\nTime\t10:00:00\n***End_of_Header***\t\n\t\n";
+  constexpr std::size_t n = 1'100'000;
+  for (const char* const time : {"10:00:00", "11:00:00"}) {
+    text += fmt::format("Channels\t1\nSamples\t{}\nDate\t2020/01/01\nTime\t{}\n", n, time);
+    text += "Y_Unit_Label\tN\nX_Dimension\tTime\nDelta_X\t1e-6\n***End_of_Header***\t\n";
+    text += "X_Value\tForce\tComment\n";
+    for (std::size_t i = 0; i < n; ++i) text += "\t1.2345678901234\n";
+    text += '\n';
+  }
+  const std::string file = write("shot.lvm", text);
+  const std::string command = "inspect --no-statistics " + file;
+  json j = json::parse(run(command + " --json").out);
+  ASSERT_EQ(j["channels"].size(), 1U);
+  EXPECT_TRUE(j["channels"][0]["samples_estimated"]);
+  EXPECT_NEAR(j["channels"][0]["samples"].get<double>(), 2.0 * n, 100.0);
+  EXPECT_THAT(j["warnings"][0].get<std::string>(), HasSubstr("declares 1100000 samples"));
+  EXPECT_THAT(run(command).out, HasSubstr(" ~2200"));
+  j = json::parse(run(command + " --json --channel 'Force (segment 2)'").out);
+  ASSERT_EQ(j["channels"].size(), 1U);
+  EXPECT_EQ(j["channels"][0]["samples"], n);
+  EXPECT_FALSE(j["channels"][0].contains("samples_estimated"));
+}
+
 TEST_F(CommandLine, LetsABarWithoutAStopSwing) {
   std::ofstream(path("free.toml")) << R"(
 [beam]

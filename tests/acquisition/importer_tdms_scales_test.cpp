@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "tests/acquisition/tdms_bytes.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using testing::ElementsAre;
+using tests::imported;
+using tests::TdmsParts;
+using Shorts = std::vector<std::int16_t>;
+
+const TdmsParts little;
+
+datasets::Record scaled(const std::vector<std::string>& properties,
+                        const std::vector<double>& raw) {
+  auto all = properties;
+  all.push_back(little.property("unit_string", "N"));
+  all.push_back(little.property("wf_increment", 1.0));
+  return imported(little.segment({little.channel("a", little.index(10, raw.size()), all)},
+                                 little.numbers(raw)));
+}
+
+std::vector<std::string> scale(std::uint32_t index, const std::string& type,
+                               const std::vector<std::pair<std::string, double>>& parameters) {
+  const std::string prefix = "NI_Scale[" + std::to_string(index) + "]_";
+  std::vector<std::string> list = {little.property(prefix + "Scale_Type", type)};
+  for (const auto& [name, value] : parameters)
+    list.push_back(little.property(prefix + type + "_" + name, value));
+  return list;
+}
+
+std::vector<std::string> joined(std::vector<std::string> a, const std::vector<std::string>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+TEST(TdmsScales, AChainOfStraightLinesLeavesTheNumbersAsTheyAre) {
+  const auto properties =
+      joined(joined({little.property("NI_Number_Of_Scales", 3U)},
+                    scale(1, "Linear", {{"Slope", 2}, {"Y_Intercept", 1}, {"Input_Source", 0}})),
+             scale(2, "Linear", {{"Slope", 10}, {"Y_Intercept", -3}, {"Input_Source", 1}}));
+  const auto record = scaled(properties, {0, 1, 2});
+  EXPECT_EQ(record.channels.at(0).scale, 20.0);
+  EXPECT_EQ(record.channels.at(0).offset, 7.0);
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(7, 27, 47));
+  EXPECT_EQ(record.channels.at(0).attributes.at("scales"), "Linear, Linear");
+  EXPECT_TRUE(record.warnings.empty());
+}
+
+TEST(TdmsScales, AreNotAppliedToScaledData) {
+  auto properties = scale(0, "Linear", {{"Slope", 2}, {"Y_Intercept", 1}});
+  EXPECT_THAT(scaled(properties, {1}).channels.at(0).values(), ElementsAre(3));
+  properties.push_back(little.property("NI_Scaling_Status", "unscaled"));
+  EXPECT_THAT(scaled(properties, {1}).channels.at(0).values(), ElementsAre(3));
+  properties.back() = little.property("NI_Scaling_Status", "scaled");
+  EXPECT_THAT(scaled(properties, {1}).channels.at(0).values(), ElementsAre(1));
+}
+
+TEST(TdmsScales, OfTheGroupOrTheFileHoldForAChannelWithout) {
+  const auto line = scale(0, "Linear", {{"Slope", 2}, {"Y_Intercept", 1}});
+  for (const char* const path : {"/", "/'G'"})
+    EXPECT_THAT(imported(little.segment({little.object(path, little.none(), line),
+                                         little.channel("a", little.index(2, 1))},
+                                        little.numbers(Shorts{4})))
+                    .channels.at(0)
+                    .values(),
+                ElementsAre(9))
+        << path;
+}
+
+TEST(TdmsScales, PolynomialAndTableFollowTheirDefinition) {
+  const auto cubic = scale(0, "Polynomial",
+                           {{"Coefficients_Size", 4},
+                            {"Coefficients[0]", 1},
+                            {"Coefficients[1]", -2},
+                            {"Coefficients[2]", 0},
+                            {"Coefficients[3]", 3}});
+  EXPECT_THAT(scaled(cubic, {0, 1, -2}).channels.at(0).values(), ElementsAre(1, 2, -19));
+  const auto falling = scale(0, "Table",
+                             {{"Pre_Scaled_Values_Size", 3},
+                              {"Scaled_Values_Size", 3},
+                              {"Pre_Scaled_Values[0]", 4},
+                              {"Pre_Scaled_Values[1]", 2},
+                              {"Pre_Scaled_Values[2]", 0},
+                              {"Scaled_Values[0]", 40},
+                              {"Scaled_Values[1]", 10},
+                              {"Scaled_Values[2]", 0}});
+  EXPECT_THAT(scaled(falling, {-1, 0, 1, 2, 3, 4, 9}).channels.at(0).values(),
+              ElementsAre(0, 0, 5, 10, 25, 40, 40));
+}
+
+TEST(TdmsScales, SumAndDifferenceJoinScalesOfOneSignal) {
+  const auto lines =
+      joined(scale(1, "Linear", {{"Slope", 2}, {"Y_Intercept", 0}, {"Input_Source", 0}}),
+             scale(2, "Polynomial",
+                   {{"Coefficients_Size", 3},
+                    {"Coefficients[0]", 0},
+                    {"Coefficients[1]", 0},
+                    {"Coefficients[2]", 1},
+                    {"Input_Source", 0}}));
+  const auto add =
+      scale(3, "Add", {{"Left_Operand_Input_Source", 1}, {"Right_Operand_Input_Source", 2}});
+  const auto subtract =
+      scale(3, "Subtract", {{"Left_Operand_Input_Source", 1}, {"Right_Operand_Input_Source", 2}});
+  EXPECT_THAT(scaled(joined(lines, add), {3, 5}).channels.at(0).values(), ElementsAre(15, 35));
+  EXPECT_THAT(scaled(joined(lines, subtract), {3, 5}).channels.at(0).values(), ElementsAre(3, 15));
+}
+
+// The bridge itself, from its four resistors, gives the volts; the scale must find the strain.
+TEST(TdmsScales, StrainIsWhatUnbalancesTheBridge) {
+  const double G = 2.1;
+  const double nu = 0.3;
+  const double excitation = 5.0;
+  const double initial = 0.001;
+  const auto volts = [&](double r1, double r2, double r3, double r4) {
+    return (r3 / (r3 + r4) - r2 / (r1 + r2)) * excitation + initial;
+  };
+  for (const double e : {-3e-3, -1e-6, 0.0, 2e-3}) {
+    const double g = e * G;
+    const std::vector<std::pair<double, double>> bridges = {
+        {10183, volts(1 - g, 1 + g, 1 - g, 1 + g)},
+        {10184, volts(1 - nu * g, 1 + nu * g, 1 - g, 1 + g)},
+        {10185, volts(1 - nu * g, 1 + g, 1 - nu * g, 1 + g)},
+        {10188, volts(1, 1, 1 - nu * g, 1 + g)},
+        {10189, volts(1, 1, 1 - g, 1 + g)},
+        {10271, volts(1, 1, 1, 1 + g)},
+        {10272, volts(1, 1, 1, 1 + g)}};
+    for (const auto& [bridge, output] : bridges) {
+      const auto record = scaled(scale(0, "Strain",
+                                       {{"Configuration", bridge},
+                                        {"Poisson_Ratio", nu},
+                                        {"Gage_Resistance", 350},
+                                        {"Initial_Bridge_Voltage", initial},
+                                        {"Gage_Factor", G},
+                                        {"Voltage_Excitation", excitation}}),
+                                 {output});
+      // rounding of volts near 1 mV, seen through 1/(G · 5 V)
+      EXPECT_NEAR(record.channels.at(0).value(0), e, 1e-15) << bridge;
+    }
+  }
+}
+
+// Pt100 of IEC 60751: its table has 18.52 Ω at -200 °C, 60.26 at -100, 100 at 0, 138.51 at 100.
+TEST(TdmsScales, AResistanceThermometerFollowsItsTable) {
+  const auto properties = scale(0, "RTD",
+                                {{"Current_Excitation", 1e-3},
+                                 {"R0_Nominal_Resistance", 100},
+                                 {"A", 3.9083e-3},
+                                 {"B", -5.775e-7},
+                                 {"C", -4.183e-12},
+                                 {"Lead_Wire_Resistance", 0.5},
+                                 {"Resistance_Configuration", 2}});
+  const auto record = scaled(properties, {0.01952, 0.06126, 0.101, 0.13951});  // 2 wires of 0.5 Ω
+  // the table's last digit, 5 mΩ, is 13 mK
+  EXPECT_NEAR(record.channels.at(0).value(0), -200, 0.013);
+  EXPECT_NEAR(record.channels.at(0).value(1), -100, 0.013);
+  EXPECT_NEAR(record.channels.at(0).value(2), 0, 1e-9);
+  EXPECT_NEAR(record.channels.at(0).value(3), 100, 0.013);
+}
+
+TEST(TdmsScales, AThermistorFollowsSteinhartAndHart) {
+  const double a = 1.129e-3;
+  const double b = 2.341e-4;
+  const double c = 8.767e-8;
+  const double log_r = std::log(10000.0);
+  const double celsius = 1.0 / (a + b * log_r + c * log_r * log_r * log_r) - 273.15;
+  const std::vector<std::pair<std::string, double>> sensor = {
+      {"A", a}, {"B", b}, {"C", c}, {"Temperature_Offset", 273.15}};
+  auto by_current = sensor;
+  by_current.insert(by_current.end(), {{"Excitation_Type", 10134}, {"Excitation_Value", 1e-4}});
+  EXPECT_NEAR(scaled(scale(0, "Thermistor", by_current), {1.0}).channels.at(0).value(0), celsius,
+              1e-9);
+  auto by_voltage = sensor;
+  by_voltage.insert(
+      by_voltage.end(),
+      {{"Excitation_Type", 10322}, {"Excitation_Value", 2.5}, {"R1_Reference_Resistance", 5000}});
+  EXPECT_NEAR(
+      scaled(scale(0, "Thermistor", by_voltage), {2.5 * 10000 / 15000}).channels.at(0).value(0),
+      celsius, 1e-9);
+}
+
+TEST(TdmsScales, ThatCannotBeAppliedLeaveTheRawNumbersWithoutUnit) {
+  const auto told = [](const std::vector<std::string>& properties) {
+    const auto record = scaled(properties, {5});
+    EXPECT_THAT(record.channels.at(0).values(), ElementsAre(5));
+    EXPECT_EQ(record.channels.at(0).unit, "");
+    const std::string begin = "'a' is read unscaled, without its unit 'N': ";
+    EXPECT_TRUE(record.warnings.at(0).starts_with(begin)) << record.warnings.at(0);
+    return record.warnings.at(0).substr(begin.size());
+  };
+  EXPECT_EQ(told(scale(0, "Thermocouple", {})),
+            "its scale 0 is of the type 'Thermocouple', which is not supported");
+  EXPECT_EQ(told(scale(2, "Linear", {{"Slope", 2}})), "its scale 2 states no Linear_Y_Intercept");
+  EXPECT_EQ(told(scale(0, "Linear", {{"Slope", 2}, {"Y_Intercept", 1}, {"Input_Source", 0}})),
+            "its scales are chained in a circle, or too long");
+  EXPECT_EQ(told(scale(0, "Linear", {{"Slope", NAN}, {"Y_Intercept", 1}})),
+            "its scales are not finite");
+  EXPECT_EQ(told(scale(0, "Linear", {{"Slope", 1}, {"Y_Intercept", 1}, {"Input_Source", -3}})),
+            "its scale 0 states a source of -3");
+  EXPECT_EQ(
+      told(scale(2, "Add", {{"Left_Operand_Input_Source", 0}, {"Right_Operand_Input_Source", 1}})),
+      "its scales need more than one raw signal");
+  EXPECT_EQ(told(scale(0, "Table", {{"Pre_Scaled_Values_Size", 1}, {"Pre_Scaled_Values[0]", 1}})),
+            "its scale 0 is a table of 1 to 0 values");
+  EXPECT_EQ(told(scale(0, "Table",
+                       {{"Pre_Scaled_Values_Size", 2},
+                        {"Scaled_Values_Size", 2},
+                        {"Pre_Scaled_Values[0]", 1},
+                        {"Pre_Scaled_Values[1]", 1},
+                        {"Scaled_Values[0]", 1},
+                        {"Scaled_Values[1]", 1}})),
+            "its scale 0 is a table that goes back and forth");
+  EXPECT_EQ(told(scale(0, "Strain",
+                       {{"Configuration", 7}, {"Gage_Factor", 2}, {"Voltage_Excitation", 1}})),
+            "its scale 0 is a strain bridge of the unknown type 7");
+  EXPECT_EQ(
+      told(scale(0, "Thermistor",
+                 {{"A", 1}, {"B", 1}, {"C", 1}, {"Excitation_Type", 3}, {"Excitation_Value", 1}})),
+      "its scale 0 states an excitation of type 3");
+}
+
+TEST(TdmsScales, OfDaqmxChooseTheRawSignalTheyBeginWith) {
+  const std::vector<std::string> chain =
+      scale(2, "Linear", {{"Slope", 10}, {"Y_Intercept", 0}, {"Input_Source", 1}});
+  const std::string index = little.daqmx_index(2, {{3, 0, 0, 0}, {3, 0, 2, 1}}, {4});
+  const std::string data = little.numbers(Shorts{1, 2, 3, 4});
+  EXPECT_THAT(imported(little.segment({little.channel("a", index, chain)}, data, 0x80))
+                  .channels.at(0)
+                  .values(),
+              ElementsAre(20, 40));
+  const auto plain = imported(little.segment({little.channel("a", index)}, data, 0x80));
+  EXPECT_THAT(plain.channels.at(0).values(), ElementsAre(1, 3));
+  EXPECT_EQ(plain.warnings.at(0),
+            "'a' has 2 raw signals and no scale that joins them: the first is read");
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition
