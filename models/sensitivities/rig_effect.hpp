@@ -30,6 +30,9 @@ class RigEffect {
   /// Whether bar and hinge, and the places of the stops, stay as they are.
   bool keeps_bar() const { return keeps_bar_; }
 
+  /// Whether the hinge has dry friction beside the rig's own parameter.
+  bool rubs() const { return by_.rig_beside().hinge.friction > 0.0; }
+
   /// Of touch_velocity() [m/s a unit].
   double touch_speed() const { return touch_speed_; }
 

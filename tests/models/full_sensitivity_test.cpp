@@ -129,6 +129,10 @@ TEST(FullSensitivities, AreNotOfFrictionOrOfAStopThatGivesWay) {
   Rig rubbing = damped_rig();
   rubbing.hinge.friction = 0.1;
   EXPECT_TRUE(sharp(rubbing, solver, Motion::full, by).sensitivities.empty());
+  const std::vector<RigParameter> friction = {[](Rig& r) -> double& { return r.hinge.friction; }};
+  EXPECT_TRUE(sharp(damped_rig(), solver, Motion::full, friction).sensitivities.empty());
+  EXPECT_TRUE(
+      sharp(damped_rig(), ancf(2, 1, 1e-4, 5e-4), Motion::full, friction).sensitivities.empty());
   Rig giving = damped_rig();
   giving.stop = Stop{.mass = 0.2, .stiffness = 1e9};
   EXPECT_TRUE(sharp(giving, solver, Motion::full, by).sensitivities.empty());
