@@ -127,7 +127,8 @@ Simulation sharp(const Rig& rig, Solver solver, Motion motion, std::vector<RigPa
   SimulationOptions options;
   options.motion = motion;
   options.exact = motion == Motion::full;
-  options.history = {.interval = 5e-6, .lead = 2e-5, .velocity_position = 0.6};
+  options.history = {
+      .interval = 5e-6, .lead = 2e-5, .velocity_position = 0.6, .displacement_position = 0.35};
   options.sensitivities = std::move(by);
   return simulate(rig, solver, options);
 }
