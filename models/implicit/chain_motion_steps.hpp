@@ -189,7 +189,7 @@ class ChainMotion final : public BarMotion {
 
   std::unique_ptr<MotionSlope> follow(const RigEffect& effect, const Solver& solver,
                                       const HistoryRequest& history) override {
-    if (rotation_ || friction_.acts() || effect.rubs()) return nullptr;
+    if (rotation_ || friction_.acts() || effect.moves_friction()) return nullptr;
     return std::make_unique<ChainSlope<ChainMotion>>(*this, effect, solver, history);
   }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "models/implicit/chain_points.hpp"
-#include "models/implicit/point_curve.hpp"
+#include "models/implicit/seen_points.hpp"
 #include "models/sensitivities/motion_slope.hpp"
 
 // Included by chain_motion_steps.hpp.
@@ -44,7 +44,7 @@ class ChainSlope final : public MotionSlope {
     Eigen::ArrayXd q, v;
     q_.setZero();
     v_.setZero();
-    for_each_place([&](std::size_t place) {
+    by_.for_each_place([&](std::size_t place) {
       const auto& beam = bars_.empty() ? motion_.beam_ : bars_[place]->beam;
       beam_q.setZero();
       beam_v.setZero();
@@ -77,7 +77,7 @@ class ChainSlope final : public MotionSlope {
     for (std::size_t stop = 0; stop < points.size(); ++stop) look_at_nodes(stop, points[stop]);
     const double speed = std::sqrt((motion_.chain_.inertia() * v_.square()).sum());
     return {by_.size() * motion_.size_of(residual_), by_.size() * speed / motion_.speed_scale_,
-            rounding()};
+            motion_.rounding() * by_.size() / by_.farthest()};
   }
 
   double press(std::span<const NodeVector> changes) override {
@@ -104,20 +104,12 @@ class ChainSlope final : public MotionSlope {
 
   void look(double part) override {
     if (!seen_) see_points();
-    shifted_legendre(part, legendre_);
-    shifted_legendre_integrals(part, integrals_);
+    points_.look(part);
   }
 
-  PointMotion struck_at_place(int stop) const override {
-    return stops_[static_cast<std::size_t>(stop)].at(integrals_);
-  }
+  PointMotion struck_at_place(int stop) const override { return points_.struck(stop); }
 
-  Spots spots() const override {
-    return {.velocity = velocity_.at(integrals_).velocity,
-            .displacement = displacement_.at(integrals_).displacement,
-            .velocity_rate = run_velocity_.rate(legendre_),
-            .displacement_rate = run_displacement_.at(integrals_).velocity};
-  }
+  Spots spots() const override { return points_.spots(); }
 
   void take(double shift) override {
     place_stages();
@@ -145,12 +137,6 @@ class ChainSlope final : public MotionSlope {
     Chain chain;
   };
 
-  template <typename Visitor>
-  void for_each_place(const Visitor& visit) const {
-    for (std::size_t place = 0; place < ParameterStencil::places; ++place)
-      if (by_.counts(place)) visit(place);
-  }
-
   void place_stages() {
     for (int k = 0; k < q_.size(); ++k) {
       stage_q_.col(k) = q_[k] + motion_.displacement_of(v_[k], a_.col(k));
@@ -161,7 +147,7 @@ class ChainSlope final : public MotionSlope {
   /// Without what forces do.
   void differentiate_residual() {
     residual_.setZero();
-    for_each_place([&](std::size_t place) {
+    by_.for_each_place([&](std::size_t place) {
       const Chain& chain = bars_.empty() ? motion_.chain_ : bars_[place]->chain;
       const double way = by_.offset(place);
       const Stages q = motion_.stage_q_ + way * stage_q_;
@@ -216,22 +202,14 @@ class ChainSlope final : public MotionSlope {
   /// Of the points over the step.
   void see_points() {
     const ChainPoints& points = motion_.points_;
-    stops_.clear();
+    points_.stops.clear();
     for (std::size_t k = 0; k < points.stops.size(); ++k)
-      stops_.push_back(curve(points.stops[k], moved_.stops[k]));
-    velocity_ = curve(points.velocity_spot, moved_.velocity_spot);
-    displacement_ = curve(points.displacement_spot, moved_.displacement_spot);
-    run_velocity_ = run_curve(points.velocity_spot);
-    run_displacement_ = run_curve(points.displacement_spot);
+      points_.stops.push_back(curve(points.stops[k], moved_.stops[k]));
+    points_.velocity = curve(points.velocity_spot, moved_.velocity_spot);
+    points_.displacement = curve(points.displacement_spot, moved_.displacement_spot);
+    points_.run_velocity = run_curve(points.velocity_spot);
+    points_.run_displacement = run_curve(points.displacement_spot);
     seen_ = true;
-  }
-
-  /// Of the positions, turned into forces, over the stencil's spacing.
-  double rounding() const {
-    double farthest = 0.0;
-    for_each_place(
-        [&](std::size_t place) { farthest = std::max(farthest, std::abs(by_.offset(place))); });
-    return motion_.rounding() * by_.size() / farthest;
   }
 
   Motion& motion_;
@@ -243,9 +221,7 @@ class ChainSlope final : public MotionSlope {
   Stages a_, previous_, stage_q_, stage_v_, residual_, there_;
   double last_h_ = 0.0;
   bool seen_ = false;  // the points over the step at hand
-  std::vector<Curve> stops_;
-  Curve velocity_, displacement_, run_velocity_, run_displacement_;
-  NodeVector legendre_ = NodeVector::Zero(S), integrals_ = legendre_;  // at the place
+  SeenPoints<S> points_;
 };
 
 }  // namespace

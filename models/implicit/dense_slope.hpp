@@ -8,7 +8,7 @@
 
 #include "models/beams/floating_frame.hpp"
 #include "models/implicit/frame_bar.hpp"
-#include "models/implicit/point_curve.hpp"
+#include "models/implicit/seen_points.hpp"
 #include "models/sensitivities/motion_slope.hpp"
 
 // Included by dense_motion.cpp.
@@ -37,7 +37,7 @@ class DenseSlope final : public MotionSlope {
   void start(std::span<const Start> starts) override {
     q_.setZero();
     v_.setZero();
-    for_each_place([&](std::size_t place) {
+    by_.for_each_place([&](std::size_t place) {
       at_q_.setZero();
       at_v_.setZero();
       bar(place).beam->set_steady_motion(starts[place].angle, starts[place].rate, at_q_, at_v_);
@@ -76,7 +76,7 @@ class DenseSlope final : public MotionSlope {
     }
     const double speed = std::sqrt(motion_.inertia_.dot(v_.cwiseAbs2()));
     return {by_.size() * motion_.size_of(change_), by_.size() * speed / motion_.speed_scale_,
-            rounding()};
+            motion_.rounding() * by_.size() / by_.farthest()};
   }
 
   double press(std::span<const NodeVector> changes) override {
@@ -93,20 +93,12 @@ class DenseSlope final : public MotionSlope {
 
   void look(double part) override {
     if (!seen_) see_points();
-    shifted_legendre(part, legendre_);
-    shifted_legendre_integrals(part, integrals_);
+    points_.look(part);
   }
 
-  PointMotion struck_at_place(int stop) const override {
-    return stops_[static_cast<std::size_t>(stop)].at(integrals_);
-  }
+  PointMotion struck_at_place(int stop) const override { return points_.struck(stop); }
 
-  Spots spots() const override {
-    return {.velocity = velocity_.at(integrals_).velocity,
-            .displacement = displacement_.at(integrals_).displacement,
-            .velocity_rate = run_velocity_.rate(legendre_),
-            .displacement_rate = run_displacement_.at(integrals_).velocity};
-  }
+  Spots spots() const override { return points_.spots(); }
 
   void take(double shift) override;
 
@@ -115,12 +107,6 @@ class DenseSlope final : public MotionSlope {
   using Vector = Eigen::VectorXd;
   using Stages = typename Motion::Stages;
 
-  template <typename Visitor>
-  void for_each_place(const Visitor& visit) const {
-    for (std::size_t place = 0; place < ParameterStencil::places; ++place)
-      if (by_.counts(place)) visit(place);
-  }
-
   FrameBar& bar(std::size_t place) const { return bars_.empty() ? motion_.bar_ : *bars_[place]; }
 
   void place_stages() { motion_.integrate(q_, v_, a_, stage_q_, stage_v_); }
@@ -128,7 +114,7 @@ class DenseSlope final : public MotionSlope {
   /// What the slopes lack of their equations, a' − d/dp f(q, v, F).
   void differentiate(std::span<const NodeVector> forces) {
     residual_ = a_;
-    for_each_place([&](std::size_t place) {
+    by_.for_each_place([&](std::size_t place) {
       const double way = by_.offset(place);
       for (int i = 0; i < S; ++i) {
         for (std::size_t k = 0; k < forces.size(); ++k)
@@ -146,7 +132,7 @@ class DenseSlope final : public MotionSlope {
   PointMotion slope(const Seen& seen, ConstVector q, ConstVector v, ConstVector q_slope,
                     ConstVector v_slope) const {
     PointMotion sum;
-    for_each_place([&](std::size_t place) {
+    by_.for_each_place([&](std::size_t place) {
       const double way = by_.offset(place);
       const PointMotion p = seen(bar(place), q + way * q_slope, v + way * v_slope);
       sum.displacement += by_.weight(place) * p.displacement;
@@ -166,14 +152,6 @@ class DenseSlope final : public MotionSlope {
   PointCurve<S> curve(const Look& look) const;
   void see_points();
 
-  /// Of the positions, turned into forces, over the stencil's spacing.
-  double rounding() const {
-    double farthest = 0.0;
-    for_each_place(
-        [&](std::size_t place) { farthest = std::max(farthest, std::abs(by_.offset(place))); });
-    return motion_.rounding() * by_.size() / farthest;
-  }
-
   Motion& motion_;
   ParameterStencil by_;
   std::vector<std::unique_ptr<FrameBar>> bars_;  // at the stencil's places; empty: all the same
@@ -182,9 +160,7 @@ class DenseSlope final : public MotionSlope {
   Stages a_, previous_, stage_q_, stage_v_, residual_, change_;
   double last_h_ = 0.0;
   bool seen_ = false;  // the points over the step at hand
-  std::vector<PointCurve<S>> stops_;
-  PointCurve<S> velocity_, displacement_, run_velocity_, run_displacement_;
-  NodeVector legendre_ = NodeVector::Zero(S), integrals_ = legendre_;  // at the place
+  SeenPoints<S> points_;
 };
 
 /// Of the points over the step: those of the nodes' velocities, of which the acceleration is made.
@@ -208,7 +184,7 @@ PointCurve<DenseSlope<Motion>::S> DenseSlope<Motion>::curve(const Look& look) co
 template <typename Motion>
 void DenseSlope<Motion>::see_points() {
   place_stages();
-  stops_.clear();
+  points_.stops.clear();
   const auto slope_of = [&](const auto& seen) {
     return curve([&](ConstVector q, ConstVector v, ConstVector q_slope, ConstVector v_slope) {
       return slope(seen, q, v, q_slope, v_slope);
@@ -220,17 +196,17 @@ void DenseSlope<Motion>::see_points() {
     });
   };
   for (int k = 0; k < motion_.stops(); ++k)
-    stops_.push_back(slope_of([k](const FrameBar& there, ConstVector q, ConstVector v) {
+    points_.stops.push_back(slope_of([k](const FrameBar& there, ConstVector q, ConstVector v) {
       return there.before(k, q, v);
     }));
-  velocity_ = slope_of([](const FrameBar& there, ConstVector q, ConstVector v) {
+  points_.velocity = slope_of([](const FrameBar& there, ConstVector q, ConstVector v) {
     return there.beam->point(there.velocity_place, q, v);
   });
-  displacement_ = slope_of([](const FrameBar& there, ConstVector q, ConstVector v) {
+  points_.displacement = slope_of([](const FrameBar& there, ConstVector q, ConstVector v) {
     return there.beam->point(there.displacement_place, q, v);
   });
-  run_velocity_ = run_of(motion_.bar_.velocity_place);
-  run_displacement_ = run_of(motion_.bar_.displacement_place);
+  points_.run_velocity = run_of(motion_.bar_.velocity_place);
+  points_.run_displacement = run_of(motion_.bar_.displacement_place);
   seen_ = true;
 }
 

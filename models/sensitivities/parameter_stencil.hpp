@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "models/rig.hpp"
@@ -42,6 +44,20 @@ class ParameterStencil {
     if (stencil_.offsets[0] == -stencil_.offsets[4])
       by.stencil_.weights = {0.0, -0.5, 0.0, 0.5, 0.0};
     return by;
+  }
+
+  /// visit(place) where it counts.
+  template <typename Visitor>
+  void for_each_place(const Visitor& visit) const {
+    for (std::size_t place = 0; place < places; ++place)
+      if (counts(place)) visit(place);
+  }
+
+  /// How far the number is moved at most.
+  double farthest() const {
+    double most = 0.0;
+    for_each_place([&](std::size_t place) { most = std::max(most, std::abs(offset(place))); });
+    return most;
   }
 
   /// Σ weight value_at(place).

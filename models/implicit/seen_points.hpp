@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "models/implicit/point_curve.hpp"
+#include "models/sensitivities/motion_slope.hpp"
+
+namespace impactrig::models {
+
+/// What is seen of a motion's slope over a step: the points before the stops, what the lasers see,
+/// and how that goes on in the run itself.
+template <int S>
+struct SeenPoints {
+  std::vector<PointCurve<S>> stops;
+  PointCurve<S> velocity, displacement, run_velocity, run_displacement;
+
+  /// Goes to a place of the step.
+  void look(double part) {
+    shifted_legendre(part, legendre_);
+    shifted_legendre_integrals(part, integrals_);
+  }
+
+  PointMotion struck(int stop) const {
+    return stops[static_cast<std::size_t>(stop)].at(integrals_);
+  }
+
+  MotionSlope::Spots spots() const {
+    return {.velocity = velocity.at(integrals_).velocity,
+            .displacement = displacement.at(integrals_).displacement,
+            .velocity_rate = run_velocity.rate(legendre_),
+            .displacement_rate = run_displacement.at(integrals_).velocity};
+  }
+
+ private:
+  NodeVector legendre_ = NodeVector::Zero(S), integrals_ = legendre_;
+};
+
+}  // namespace impactrig::models
