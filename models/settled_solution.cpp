@@ -58,6 +58,7 @@ class FirstContact {
     solver_.duration = solver.duration ? std::min(*solver.duration, until) : until;
     solver_.time_limit *= share_of_time;
     options_.history = {};
+    options_.sensitivities = {};
   }
 
   /// None where that takes too long, or fails.

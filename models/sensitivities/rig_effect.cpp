@@ -24,6 +24,7 @@ bool same_bar(const Rig& one, const Rig& other) {
 RigEffect::RigEffect(const Rig& rig, RigParameter parameter)
     : by_(rig, parameter),
       keeps_bar_(same_bar(rig, by_.rig_beside())),
+      moves_friction_(by_.rig_beside().hinge.friction != rig.hinge.friction),
       touch_speed_(
           by_.slope([&](std::size_t place) { return touch_velocity(by_.rig_at(place)); })) {
   laws_.reserve(static_cast<std::size_t>(rig.stops()));

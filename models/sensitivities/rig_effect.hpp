@@ -30,8 +30,8 @@ class RigEffect {
   /// Whether bar and hinge, and the places of the stops, stay as they are.
   bool keeps_bar() const { return keeps_bar_; }
 
-  /// Whether the hinge has dry friction beside the rig's own parameter.
-  bool rubs() const { return by_.rig_beside().hinge.friction > 0.0; }
+  /// Whether it is the hinge's dry friction.
+  bool moves_friction() const { return moves_friction_; }
 
   /// Of touch_velocity() [m/s a unit].
   double touch_speed() const { return touch_speed_; }
@@ -49,7 +49,7 @@ class RigEffect {
 
   ParameterStencil by_;
   std::vector<LawEffect> laws_;
-  bool keeps_bar_;
+  bool keeps_bar_, moves_friction_;
   double touch_speed_;
 };
 
