@@ -133,6 +133,7 @@ TEST(FullSensitivities, AreNotOfFrictionOrOfAStopThatGivesWay) {
   EXPECT_TRUE(sharp(damped_rig(), solver, Motion::full, friction).sensitivities.empty());
   EXPECT_TRUE(
       sharp(damped_rig(), ancf(2, 1, 1e-4, 5e-4), Motion::full, friction).sensitivities.empty());
+  EXPECT_TRUE(sharp(damped_rig(), solver, Motion::small, friction).sensitivities.empty());
   Rig giving = damped_rig();
   giving.stop = Stop{.mass = 0.2, .stiffness = 1e9};
   EXPECT_TRUE(sharp(giving, solver, Motion::full, by).sensitivities.empty());
