@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -36,6 +37,11 @@ std::unique_ptr<RecordingReader> open_lvm(const std::string& path, const ImportO
 /// to know (one segment on the clock of its header), else by way of the disk.
 std::unique_ptr<RecordingReader> open_lvm_by_blocks(const std::string& path,
                                                     const ImportOptions& options);
+/// What the whole lines of the first `looked_at` bytes say; None where the whole file has to be
+/// read to know its head, or what is wrong with it.
+std::optional<RecordingHead> estimated_lvm_head(const std::string& path,
+                                                const ImportOptions& options,
+                                                std::size_t looked_at);
 
 int recognises_mat(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_mat(const std::string& path, const ImportOptions& options);

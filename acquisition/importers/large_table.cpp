@@ -235,8 +235,12 @@ class LargeTableReader final : public RecordingReader {
   static const char* start_of_last_lines(std::string_view text, int lines) {
     std::size_t at = text.size();
     while (at > 0 && (text[at - 1] == '\n' || text[at - 1] == '\r')) --at;
-    for (; lines > 0 && at > 0; --lines) at = text.rfind('\n', at - 1);
-    return text.data() + at + 1;
+    for (; lines > 0 && at > 0; --lines) {
+      const std::size_t feed = text.rfind('\n', at - 1);
+      if (feed == std::string_view::npos) return text.data();
+      at = feed;
+    }
+    return text.data() + std::min(at + 1, text.size());
   }
 
   /// The times that are to be expected in the window.
@@ -369,10 +373,12 @@ void LargeTable::read_first_rows(bool head_only) {
     const char* end = layout.data;
     const std::string_view text = file->text();
     take_line(end, text.data() + text.size());
-    const auto row_bytes = static_cast<std::size_t>(end - layout.data);
+    const auto row_bytes = std::max<std::size_t>(1, static_cast<std::size_t>(end - layout.data));
     most = std::clamp<std::size_t>(probed_bytes / row_bytes, 2, probed_rows);
   }
   first_rows = rows.read(most);
+  if (first_rows.rows == 0)
+    throw datasets::InputError(file->position(layout.data), "there is no row of values");
   first_bytes = static_cast<std::size_t>(rows.at() - layout.data);
 }
 

@@ -44,7 +44,8 @@ struct LargeTable {
   std::function<void(std::uint64_t rows, datasets::SampleClock& clock, datasets::Record& record)>
       settle_clock{};
 
-  /// Reads `first_rows`, once file, layout and names are known.
+  /// Reads `first_rows`, once file, layout and names are known. Throws InputError where there is
+  /// none.
   void read_first_rows(bool head_only);
 };
 

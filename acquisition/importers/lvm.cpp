@@ -31,10 +31,11 @@ namespace {
 
 class LvmReader {
  public:
-  /// `head_only`: for estimated_head(), which is then all that may be called.
-  LvmReader(const std::string& path, const ImportOptions& options, bool head_only = false)
+  /// `looked_at`: for estimated_head(), which is then all that may be called.
+  LvmReader(const std::string& path, const ImportOptions& options,
+            std::size_t looked_at = LvmText::all)
       : options_(options),
-        text_(path, head_only),
+        text_(path, looked_at),
         recording_(path, options_),
         heads_(text_, options_, recording_),
         rows_(text_, recording_) {}
@@ -219,15 +220,6 @@ class LargeLvm final : public RecordingReader {
   RecordingHead head_;
 };
 
-/// None where the whole file has to be read to know its head, or what is wrong with it.
-std::optional<RecordingHead> estimated_lvm_head(const std::string& path,
-                                                const ImportOptions& options) try {
-  return LvmReader(path, options, true).estimated_head();
-
-} catch (const datasets::InputError&) {
-  return std::nullopt;
-}
-
 }  // namespace
 
 int recognises_lvm(std::string_view file_name, std::string_view head) {
@@ -247,11 +239,20 @@ std::unique_ptr<RecordingReader> open_lvm(const std::string& path, const ImportO
     if (!headed && head.find(lvm_end_of_header) == std::string_view::npos)
       return open_lvm_without_header(path, options, large);
     if (large && options.head_only)
-      if (auto expected = estimated_lvm_head(path, options))
+      if (auto expected = estimated_lvm_head(path, options, telling_part))
         return reader_of_head(std::move(*expected));
     if (large) return open_lvm_by_blocks(path, options);
   }
   return LvmReader(path, options).read(false);
+}
+
+std::optional<RecordingHead> estimated_lvm_head(const std::string& path,
+                                                const ImportOptions& options,
+                                                std::size_t looked_at) try {
+  return LvmReader(path, options, looked_at).estimated_head();
+
+} catch (const datasets::InputError&) {
+  return std::nullopt;
 }
 
 std::unique_ptr<RecordingReader> open_lvm_by_blocks(const std::string& path,

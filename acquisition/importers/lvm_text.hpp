@@ -11,11 +11,13 @@ namespace impactrig::acquisition {
 
 /// A LabVIEW measurement file, the place its reading has come to, and how its cells are told apart.
 struct LvmText {
-  /// `head_only`: of a large file, its first lines are all that is looked at.
-  explicit LvmText(const std::string& path, bool head_only = false)
-      : file(path, head_only),
+  static constexpr std::size_t all = std::string_view::npos;
+
+  /// `looked_at`: bytes whose whole lines are all that is looked at.
+  explicit LvmText(const std::string& path, std::size_t looked_at = all)
+      : file(path, looked_at != all),
         at(file.text().data()),
-        end(at + (head_only ? whole_lines(file.text(), telling_part) : file.text()).size()),
+        end(at + (looked_at != all ? whole_lines(file.text(), looked_at) : file.text()).size()),
         is_part(file.is_part() || end != at + file.text().size()) {}
 
   TextFile file;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "acquisition/importers/formats.hpp"
+#include "datasets/input_error.hpp"
 #include "datasets/store.hpp"
 #include "tests/acquisition/large_texts.hpp"
 #include "tests/acquisition/written_file.hpp"
@@ -203,6 +204,16 @@ TEST(LargePolytecText, IsReadByBlocksAsItIsReadAtOnce) {
   const Record part = read_into_memory(*open_polytec_ascii_by_blocks(file.path(), {}), wanted);
   ASSERT_EQ(part.channels[0].size(), 100U);
   EXPECT_EQ(part.channels[0].value(0), 100000.0);
+}
+
+TEST(LargePolytecText, WithoutARowIsRefused) {
+  const tests::WrittenFile file(polytec("Time", "s", 0, microseconds), ".txt");
+  EXPECT_THROW(open_polytec_ascii_by_blocks(file.path(), {}), datasets::InputError);
+}
+
+TEST(LargeCsv, OfFewerLinesThanAreLookedAtIsReadAsItIsReadAtOnce) {
+  const tests::WrittenFile file("0,5\n1e-6,7\n", ".csv");
+  expect_same(by_blocks(file.path()), read_into_memory(*open_csv(file.path(), {})));
 }
 
 TEST(OurRecording, IsReadByWindows) {
