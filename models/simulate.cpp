@@ -62,8 +62,11 @@ Solved run(const Rig& rig, const Solver& solver, const SimulationOptions& option
   CollocationRun run(rig, solver, options, seen);
   std::optional<FullSensitivities> sensitivities;
   if (!options.sensitivities.empty() && contacts_end_smoothly(rig))
-    sensitivities.emplace(rig, solver, options, seen);
-  if (sensitivities && sensitivities->known()) run.follow(*sensitivities);
+    sensitivities.emplace(rig, solver, options, seen, stopped ? &*stopped : nullptr);
+  if (sensitivities && sensitivities->known()) {
+    if (stopped) stopped->keep_responding();
+    run.follow(*sensitivities);
+  }
   run.complete();
   Solved solved{.result = {}, .smallness = run.smallness()};
   solved.result = run.conclude();

@@ -197,7 +197,7 @@ struct SimulationOptions {
   std::vector<Simplification> kept = {};  ///< simplifications not to take
   /// Numbers of the rig by which to differentiate. Against stops whose contacts end smoothly
   /// (ContactForce::ends_smoothly()); in small motion of runs that begin at touch; of the full
-  /// equations against rigid stops, without friction in the hinge.
+  /// equations without friction in the hinge, of a hinge that is not turned as stated.
   std::vector<RigParameter> sensitivities = {};
   /// Estimate what small motion neglects. For callers that know it, with Motion::small, which takes
   /// that whatever it is: false saves half of a run, and Simulation::neglected is 0.

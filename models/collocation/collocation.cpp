@@ -135,6 +135,13 @@ NodeMatrix Collocation::integration() const {
   return integrals * to_series_;
 }
 
+NodeVector Collocation::values_between(const NodeVector& series, double begin, double end) const {
+  NodeVector values(nodes());
+  for (int i = 0; i < nodes(); ++i)
+    values[i] = legendre_sum(series, begin + (end - begin) * points_[i]);
+  return values;
+}
+
 NodeVector Collocation::restricted(const NodeVector& series, double theta) const {
   NodeVector values(nodes());
   for (int i = 0; i < nodes(); ++i) values[i] = legendre_sum(series, theta * points_[i]);

@@ -55,6 +55,9 @@ class Collocation {
   /// Coefficients, over the part [0, θ], of a series over [0, 1].
   NodeVector restricted(const NodeVector& series, double theta) const;
 
+  /// Values of a series over [0, 1] at the nodes of its part [begin, end].
+  NodeVector values_between(const NodeVector& series, double begin, double end) const;
+
   /// Convolution of Legendre polynomials with Lagrange's at the nodes:
   /// column n, row i + s j: ∫₀^{c_i} P_n(c_i − σ) ℓ_j(σ) dσ, for n < 32 (block + 1).
   const Eigen::MatrixXd& convolutions(int block) const;

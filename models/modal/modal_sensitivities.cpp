@@ -26,9 +26,8 @@ std::optional<ModalBeam> with_head(const Rig& rig, const ModalBeam& bar) {
 ModalSensitivities::ModalSensitivities(const Rig& rig, const Solver& solver,
                                        const SimulationOptions& options, const ModalMotion& motion,
                                        const StoppedMotion* stopped)
-    : RunSensitivities(rig, options, motion),
+    : RunSensitivities(rig, options, motion, stopped),
       motion_(motion),
-      stopped_(stopped),
       with_head_(with_head(rig, motion.beam())),
       modes_(with_head_ ? *with_head_ : motion.beam()),
       velocity_row_(widened(motion.velocity_row(), modes_.modes())),
@@ -72,11 +71,6 @@ void ModalSensitivities::start() {
     if (m.effect.moves_modes()) m.state.rate += m.effect.modes().rigid * rate;
     m.end = m.state;
   }
-}
-
-void ModalSensitivities::begin_more(int i) {
-  Direction& d = direction(i);
-  if (stopped_) d.result.history.sensor_force.resize(d.result.history.force.size(), 0.0);
 }
 
 PointMotion ModalSensitivities::struck(const Modes& m, std::size_t stop, const ModalState& slope,
@@ -205,16 +199,6 @@ double ModalSensitivities::sensor_slope(const Modes& m) const {
          change.of_a * here_.a[head] + change.of_rate * here_.rate[head];
 }
 
-/// The sensor's largest force.
-void ModalSensitivities::take_more() {
-  if (!stopped_ || !stopped_->peak_part()) return;
-  look(*stopped_->peak_part());
-  for (int i = 0; i < count(); ++i) {
-    follow_to_place(i);
-    direction(i).result.sensor_peak_force = sensor_slope(of_[static_cast<std::size_t>(i)]);
-  }
-}
-
 RunSensitivities::Spots ModalSensitivities::spots(int i) const {
   const Modes& m = of_[static_cast<std::size_t>(i)];
   Spots spots{.velocity = velocity_row_.dot(m.end.rate),
@@ -225,17 +209,12 @@ RunSensitivities::Spots ModalSensitivities::spots(int i) const {
     spots.velocity += m.effect.velocity_row().dot(here_.rate);
     spots.displacement += m.effect.displacement_row().dot(here_.a);
   }
-  return spots;
-}
-
-void ModalSensitivities::show_more(int i) {
-  if (!stopped_) return;
-  Direction& d = direction(i);
+  if (!stopped_) return spots;
   const Eigen::Index head = modes_.modes() - 1;
-  const double rate =
+  spots.sensor_force = sensor_slope(m);
+  spots.sensor_force_rate =
       sensor_row_.of_a * here_.rate[head] + sensor_row_.of_rate * acceleration_[head];
-  d.result.history.sensor_force.push_back(sensor_slope(of_[static_cast<std::size_t>(i)]) -
-                                          d.time * rate);
+  return spots;
 }
 
 void ModalSensitivities::go_to_sample(double part, double spacing, bool first) {

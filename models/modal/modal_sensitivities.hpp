@@ -49,9 +49,6 @@ class ModalSensitivities final : public RunSensitivities {
   Spots spots(int i) const override;
   void move_on(int i, double shift) override;
   void go_to_sample(double part, double spacing, bool first) override;
-  void begin_more(int i) override;
-  void show_more(int i) override;
-  void take_more() override;
 
   const ModalStep& step();
   void find_free_slopes(int i);
@@ -63,7 +60,6 @@ class ModalSensitivities final : public RunSensitivities {
   NodeMatrix legendre_at(double from, double spacing) const;
 
   const ModalMotion& motion_;
-  const StoppedMotion* stopped_;
   std::optional<ModalBeam> with_head_;
   const ModalBeam& modes_;  // of the bar and of the head
   Eigen::VectorXd velocity_row_, displacement_row_;

@@ -23,8 +23,9 @@ MotionSlope::Start start_of(const Rig& rig, const SimulationOptions& options) {
 }  // namespace
 
 FullSensitivities::FullSensitivities(const Rig& rig, const Solver& solver,
-                                     const SimulationOptions& options, BarMotion& motion)
-    : RunSensitivities(rig, options, motion),
+                                     const SimulationOptions& options, BarMotion& motion,
+                                     const StoppedMotion* stopped)
+    : RunSensitivities(rig, options, motion, stopped),
       motion_(motion),
       tolerance_(share * std::max(solver.accuracy, Solver::finest_accuracy)),
       points_(stops_.size()),

@@ -9,12 +9,12 @@
 
 namespace impactrig::models {
 
-/// Derivatives of a run of the full equations, against rigid stops: a MotionSlope a parameter, and
+/// Derivatives of a run of the full equations: a MotionSlope a parameter, and
 /// the contact laws, solved in turn until both are at rest.
 class FullSensitivities final : public RunSensitivities {
  public:
   FullSensitivities(const Rig& rig, const Solver& solver, const SimulationOptions& options,
-                    BarMotion& motion);
+                    BarMotion& motion, const StoppedMotion* stopped);
 
   /// False where the motion cannot be followed; then it is of no further use.
   bool known() const { return known_; }

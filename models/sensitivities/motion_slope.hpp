@@ -30,10 +30,11 @@ class MotionSlope {
     NodeVector displacement, velocity;
   };
 
-  /// Slopes of what the lasers see, and how fast that itself changes in time.
+  /// Slopes of what the lasers see and of what the sensor of a compliant stop carries, and how fast
+  /// that itself changes in time.
   struct Spots {
-    double velocity = 0.0, displacement = 0.0;
-    double velocity_rate = 0.0, displacement_rate = 0.0;
+    double velocity = 0.0, displacement = 0.0, sensor_force = 0.0;
+    double velocity_rate = 0.0, displacement_rate = 0.0, sensor_force_rate = 0.0;
   };
 
   /// Of an improvement, as parts of the speed that counts and for the parameter's size.

@@ -21,9 +21,10 @@ void make_unknown(Sensitivity& result) {
 }  // namespace
 
 RunSensitivities::RunSensitivities(const Rig& rig, const SimulationOptions& options,
-                                   const BarMotion& motion)
+                                   const BarMotion& motion, const StoppedMotion* stopped)
     : rig_(rig),
       options_(options),
+      stopped_(stopped),
       rule_(motion.rule()),
       stops_(static_cast<std::size_t>(rig.stops())),
       force_(stops_.size()),
@@ -49,6 +50,7 @@ void RunSensitivities::begin(double speed) {
   for (int i = 0; i < count(); ++i) {
     Direction& d = direction(i);
     d.result.history = d.effect->lead(options_.history, speed, struck(i, 0).velocity);
+    if (stopped_) d.result.history.sensor_force.resize(d.result.history.force.size(), 0.0);
     d.time = d.impulse = d.dissipated = 0.0;
     begin_more(i);
   }
@@ -254,7 +256,8 @@ void RunSensitivities::show(int i) {
   const Spots spots = this->spots(i);
   history.velocity.push_back(spots.velocity - d.time * spots.velocity_rate);
   history.displacement.push_back(spots.displacement - d.time * spots.displacement_rate - d.rest);
-  show_more(i);
+  if (stopped_)
+    history.sensor_force.push_back(spots.sensor_force - d.time * spots.sensor_force_rate);
 }
 
 void RunSensitivities::go_to_sample(double part, double, bool) {
@@ -284,8 +287,18 @@ double RunSensitivities::end_shift(int i, End end, std::size_t stop) const {
   return -slope / (change.to_depth * seen.rate + change.to_rate * seen.acceleration);
 }
 
+/// Where that is in the step: its time is held, since it is flat there.
+void RunSensitivities::find_sensor_peak() {
+  if (!stopped_ || !stopped_->peak_part()) return;
+  look(*stopped_->peak_part());
+  for (int i = 0; i < count(); ++i) {
+    follow_to_place(i);
+    direction(i).result.sensor_peak_force = spots(i).sensor_force;
+  }
+}
+
 void RunSensitivities::take(double part, End end, int stop) {
-  take_more();
+  find_sensor_peak();
   look(part);
   const double power =
       stops_[0].contact ? stops_[0].contact->dissipation(seen_[0].depth, seen_[0].rate) : 0.0;

@@ -11,6 +11,7 @@
 #include "models/sensitivities/motion_slope.hpp"
 #include "models/sensitivities/rig_effect.hpp"
 #include "models/simulation.hpp"
+#include "models/stop/stopped_motion.hpp"
 
 namespace impactrig::models {
 
@@ -63,7 +64,9 @@ class RunSensitivities {
   std::vector<Sensitivity> take_results();
 
  protected:
-  RunSensitivities(const Rig& rig, const SimulationOptions& options, const BarMotion& motion);
+  /// `stopped`: the run's motion before a compliant stop, if that is met first.
+  RunSensitivities(const Rig& rig, const SimulationOptions& options, const BarMotion& motion,
+                   const StoppedMotion* stopped);
 
   /// What a point before a stop does, the gap apart.
   struct Passing {
@@ -162,12 +165,9 @@ class RunSensitivities {
 
   virtual void begin_more(int) {}  ///< at first touch
 
-  virtual void show_more(int) {}  ///< of a sample
-
-  virtual void take_more() {}  ///< of the step
-
   const Rig& rig_;
   const SimulationOptions& options_;
+  const StoppedMotion* const stopped_;
   const Collocation& rule_;
   std::vector<Direction> directions_;
   // of the solved step
@@ -187,6 +187,7 @@ class RunSensitivities {
   double end_shift(int i, End end, std::size_t stop) const;
   double integral(const NodeVector& at_nodes, double part) const;
   void show(int i);
+  void find_sensor_peak();
 
   const BarMotion& motion_;
   Eigen::MatrixXd jacobian_;

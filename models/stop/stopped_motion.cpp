@@ -5,6 +5,9 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <cstdint>
+#include <utility>
+
+#include "models/stop/stopped_slope.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -140,20 +143,6 @@ double StoppedMotion::error() const {
   return std::max({bar_.error(), force, head_.damped() ? loss : 0.0});
 }
 
-double StoppedMotion::force_at(double part) const {
-  NodeVector legendre(rule_.nodes());
-  shifted_legendre(part, legendre);
-  return legendre.dot(force_series_);
-}
-
-/// At the nodes of a part of the step.
-NodeVector StoppedMotion::force_between(double begin, double end) const {
-  NodeVector force(rule_.nodes());
-  for (int i = 0; i < rule_.nodes(); ++i)
-    force[i] = force_at(begin + (end - begin) * rule_.points()[i]);
-  return force;
-}
-
 /// Within the solved step.
 StopHead::State StoppedMotion::head_at(double part) const {
   if (part == 0.0) return state_;
@@ -274,6 +263,13 @@ void StoppedMotion::observe(double part) {
     observe_forced(part);
   else
     observe_free(part);
+}
+
+std::unique_ptr<MotionSlope> StoppedMotion::follow(const RigEffect& effect, const Solver& solver,
+                                                   const HistoryRequest& history) {
+  std::unique_ptr<MotionSlope> bar = bar_.follow(effect, solver, history);
+  if (!bar) return nullptr;
+  return std::make_unique<StoppedSlope>(*this, std::move(bar), effect, solver);
 }
 
 SensorForce StoppedMotion::sensor(double contact_impulse) const {

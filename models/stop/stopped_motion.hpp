@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 
 #include "models/collocation/bar_motion.hpp"
@@ -79,7 +80,25 @@ class StoppedMotion final : public BarMotion {
   /// Every step is to be one that the head answers a force over.
   void keep_responding() { responds_always_ = true; }
 
+  std::unique_ptr<MotionSlope> follow(const RigEffect& effect, const Solver& solver,
+                                      const HistoryRequest& history) override;
+
   const StopHead::State& head() const { return state_; }
+
+  const StopHead& free_head() const { return head_; }
+
+  /// Of the step at hand.
+  const HeadStep& head_step() const { return *step_; }
+
+  struct Head {
+    StopHead::State state;
+    double force = 0.0;  ///< of the contact [N]
+  };
+
+  /// Within the solved step.
+  Head head_within(double part) const {
+    return {part < 1.0 ? head_at(part) : end_, forced_ ? force_at(part) : 0.0};
+  }
 
   /// Where the step observed last has the largest force in the sensor so far, as a part of it.
   const std::optional<double>& peak_part() const { return peak_part_; }
@@ -98,8 +117,12 @@ class StoppedMotion final : public BarMotion {
 
   void prepare();
   State head_at(double part) const;
-  double force_at(double part) const;
-  NodeVector force_between(double begin, double end) const;
+
+  double force_at(double part) const { return legendre_sum(force_series_, part); }
+
+  NodeVector force_between(double begin, double end) const {
+    return rule_.values_between(force_series_, begin, end);
+  }
 
   /// The sensor at a place of the solved step.
   struct Look {
