@@ -58,6 +58,14 @@ class ActiveSet {
 
   bool at_bound(Eigen::Index k) const { return held_[static_cast<std::size_t>(k)]; }
 
+  bool empty() const { return std::ranges::find(held_, true) == held_.end(); }
+
+  /// Those that a search before left at their bounds.
+  void hold_reached(const FitProblem& problem);
+
+  /// Numbers of all that do not move.
+  std::vector<std::size_t> numbers(const FitProblem& problem) const;
+
   void hold(Eigen::Index k) {
     held_[static_cast<std::size_t>(k)] = true;
     ++times_[static_cast<std::size_t>(k)];
@@ -82,6 +90,21 @@ class ActiveSet {
   std::vector<bool> fixed_, held_;
   std::vector<int> times_;
 };
+
+void ActiveSet::hold_reached(const FitProblem& problem) {
+  for (std::size_t k = 0; k < held_.size(); ++k) {
+    const Variable& v = problem.variables()[problem.unknowns()[k]];
+    const bool at_bound = v.value == v.lower || v.value == v.upper;
+    if (!fixed_[k] && at_bound && v.value != v.initial) hold(static_cast<Eigen::Index>(k));
+  }
+}
+
+std::vector<std::size_t> ActiveSet::numbers(const FitProblem& problem) const {
+  std::vector<std::size_t> all;
+  for (std::size_t k = 0; k < held_.size(); ++k)
+    if (fixed_[k] || held_[k]) all.push_back(problem.unknowns()[k]);
+  return all;
+}
 
 Eigen::Index ActiveSet::to_release(const LinearCost& cost, double least) const {
   Eigen::Index best = -1;
@@ -131,14 +154,13 @@ SearchEnd FitProblem::search(const Search& how, const std::vector<std::size_t>& 
     if (how.hold_hum && v.role == Variable::Role::background && v.background.periodic())
       all.push_back(i);
   }
-  const SearchEnd end = search_once(how, all);
+  ActiveSet active(*this, all);
+  active.hold_reached(*this);
+  const bool held_some = !active.empty();
+  SearchEnd end = search_once(how, active.numbers(*this));
   if (!end.started) throw std::runtime_error("the fit could not start: " + end.message);
-  return end.strayed ? search_along_bounds(how, all, end) : end;
-}
+  if (!end.strayed && !held_some) return end;
 
-SearchEnd FitProblem::search_along_bounds(const Search& how, const std::vector<std::size_t>& held,
-                                          SearchEnd end) {
-  ActiveSet active(*this, held);
   const auto most = 6 * unknowns_.size();
   for (std::size_t round = 0; round < most; ++round) {
     if (out_of_time()) break;
@@ -155,11 +177,8 @@ SearchEnd FitProblem::search_along_bounds(const Search& how, const std::vector<s
       there[number] = hold.lower ? (*variables_)[number].lower : (*variables_)[number].upper;
       set_values(there);
     }
-    std::vector<std::size_t> all = held;
-    for (std::size_t k = 0; k < unknowns_.size(); ++k)
-      if (active.at_bound(static_cast<Eigen::Index>(k))) all.push_back(unknowns_[k]);
     const int before = end.iterations;
-    end = search_once(how, all);
+    end = search_once(how, active.numbers(*this));
     end.iterations += before;
     if (!end.started) throw std::runtime_error("the fit could not start: " + end.message);
   }

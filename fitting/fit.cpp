@@ -53,9 +53,11 @@ class Session {
   void choose_motion();
   double pass(const Search& how, double contacts);
   void search();
-  double search_from_start(const Search& first);
-  void search_from_elsewhere(const Search& how, double reduced);
+  void search_first_window();
+  void search_from_elsewhere(double reduced);
+  double search_finely(const std::vector<double>& tried);
   double grow_window();
+  bool same_place(const std::vector<double>& a, const std::vector<double>& b) const;
   template <typename Attempt>
   double try_again(double reduced, const Attempt& attempt);
   double spread();
@@ -77,6 +79,8 @@ class Session {
   std::vector<std::string> warnings_;
   SearchEnd last_;
   int iterations_ = 0;
+  bool several_ends_ = false;     // of searches in the first window from different starts
+  double first_reached_ = whole;  // there, by predictions that are not rough
   bool out_of_time_ = false;
   Eigen::VectorXd residuals_;
   Eigen::MatrixXd jacobian_;  // at the end, of data and priors
@@ -138,25 +142,40 @@ double Session::pass(const Search& how, double contacts) {
 /// Cauchy and Tukey take a peak that is far off for outliers: they search from near only.
 void Session::search() {
   problem_.set_loss(loss_from_afar(options_.loss));
-  Search fine = first_search;
-  fine.rough = false;
-  double reached = search_from_start(first_search);
-  if (reached > misfit) reached = try_again(reached, [&] { return search_from_start(fine); });
-  if (reached > misfit) try_again(reached, [&] { return grow_window(); });
+  search_first_window();
+  const std::vector<double> tried = problem_.values();
+  double reached = pass(last_search, whole);
+  if (reached > misfit) reached = try_again(reached, [&] { return search_finely(tried); });
+  // where not even the first contact fits, looking on from contact to contact mends nothing
+  if (reached > misfit && first_reached_ <= poor_fit)
+    try_again(reached, [&] { return grow_window(); });
   if (problem_.loss() == options_.loss) return;
   problem_.set_loss(options_.loss);
   pass(last_search, whole);
 }
 
-/// The first window, from other places too where that ends badly, and then the whole one; returns
-/// the reduced chi-square reached.
-double Session::search_from_start(const Search& first) {
-  const double reached = pass(first, first_window);
+/// By rough predictions; from other places too where that ends badly.
+void Session::search_first_window() {
+  const double reached = pass(first_search, first_window);
   const bool several_starts = std::ranges::any_of(problem_.variables(), [](const Variable& v) {
     return v.name == "contact.restitution" || v.name == "contact.stiffness_factor";
   });
-  if (reached > poor_fit && several_starts) search_from_elsewhere(first, reached);
-  return pass(last_search, whole);
+  if (reached > poor_fit && several_starts) search_from_elsewhere(reached);
+}
+
+/// Rough predictions may have led astray, a sensor's resonance most easily: with fine ones from the
+/// start again, and from where rough searches ended best where they ended at several places.
+double Session::search_finely(const std::vector<double>& tried) {
+  Search fine = first_search;
+  fine.rough = false;
+  problem_.set_initial_values();
+  first_reached_ = pass(fine, first_window);
+  if (several_ends_)
+    first_reached_ = try_again(first_reached_, [&] {
+      problem_.set_values(tried);
+      return pass(fine, first_window);
+    });
+  return same_place(problem_.values(), tried) ? whole : pass(last_search, whole);
 }
 
 /// A false minimum may be the end of another way from the start: keeps what fits better.
@@ -164,38 +183,60 @@ template <typename Attempt>
 double Session::try_again(double reduced, const Attempt& attempt) {
   const std::vector<double> best = problem_.values();
   const SearchEnd end = last_;
-  problem_.set_initial_values();
   const double reached = attempt();
   if (reached < reduced) return reached;
   problem_.set_values(best);
+  problem_.choose_samples(whole, false);
   last_ = end;
   return reduced;
 }
 
-/// Tries other restitutions and stiffnesses and keeps the best end.
-void Session::search_from_elsewhere(const Search& how, double reduced) {
+/// Tries other restitutions and stiffnesses, and sensors other than stated where that is asked for,
+/// and keeps the best end; two starts, far apart, where these lead to the same place.
+void Session::search_from_elsewhere(double reduced) {
+  struct Start {
+    double restitution, stiffness, sensor;
+  };
+
+  constexpr Start starts[] = {
+      {0.25, 0.4, 0.8}, {0.8, 2.5, 1.25}, {0.25, 2.5, 1.25}, {0.8, 0.4, 0.8}};
   std::vector<double> best = problem_.values();
-  for (const double restitution : {0.25, 0.8})
-    for (const double stiffness : {0.4, 2.5}) {
-      problem_.set_initial_values();
-      std::vector<double> start = problem_.values();
-      for (std::size_t i = 0; i < start.size(); ++i) {
-        const Variable& v = problem_.variables()[i];
-        if (v.name == "contact.restitution") start[i] = restitution;
-        if (v.name == "contact.stiffness_factor") start[i] = stiffness * v.initial;
-      }
-      problem_.set_values(start);
-      const double reached = pass(how, first_window);
-      if (reached >= reduced) continue;
-      reduced = reached;
-      best = problem_.values();
+  int tried = 0;
+  for (const auto& [restitution, stiffness, sensor] : starts) {
+    if (reduced <= misfit || (tried++ == 2 && !several_ends_)) break;
+    problem_.set_initial_values();
+    std::vector<double> start = problem_.values();
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      const Variable& v = problem_.variables()[i];
+      if (v.name == "contact.restitution") start[i] = restitution;
+      if (v.name == "contact.stiffness_factor") start[i] = stiffness * v.initial;
+      if (v.chain) start[i] = sensor * v.initial;
     }
+    problem_.set_values(start);
+    const double reached = pass(first_search, first_window);
+    several_ends_ = several_ends_ || !same_place(problem_.values(), best);
+    if (reached >= reduced) continue;
+    reduced = reached;
+    best = problem_.values();
+  }
   problem_.set_values(best);
+}
+
+/// Of the impact's own parameters and the sensors'.
+bool Session::same_place(const std::vector<double>& a, const std::vector<double>& b) const {
+  constexpr double near = 0.02;
+  for (const std::size_t i : problem_.unknowns()) {
+    const Variable& v = problem_.variables()[i];
+    if (!v.physics && !v.chain) continue;
+    if (std::abs(a[i] - b[i]) > near * std::max(std::abs(a[i]), std::abs(b[i]))) return false;
+  }
+  return true;
 }
 
 /// The whole window at once may lead into a false minimum, where the model meets the stop a second
 /// time too early or too late. Looks on from contact to contact.
 double Session::grow_window() {
+  problem_.set_initial_values();
   for (const double contacts : growing_windows) pass(first_search, contacts);
   return pass(last_search, whole);
 }

@@ -9,8 +9,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "fitting/quiet_noise.hpp"
 
@@ -30,9 +32,11 @@ constexpr double edge = 1e-12;  // of a scale, beyond a bound by rounding
 /// Watches a search from step to step.
 class SearchWatch : public ceres::IterationCallback {
  public:
-  SearchWatch(double tolerance, const std::vector<Shot>& shots)
+  /// `strays`: whether the search has come beyond a bound.
+  SearchWatch(double tolerance, const std::vector<Shot>& shots, std::function<bool()> strays)
       : tolerance_(tolerance),
-        shots_(shots) {
+        shots_(shots),
+        strays_(std::move(strays)) {
     look_ahead(true);
   }
 
@@ -49,6 +53,8 @@ class SearchWatch : public ceres::IterationCallback {
         std::abs(summary.cost_change) <= tolerance_ * summary.cost)
       return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
     if (summary.iteration > 0 && summary.step_is_successful) look_ahead(!is_last(summary));
+    if (summary.step_is_successful) astray_ = strays_() ? astray_ + 1 : 0;
+    if (astray_ == most_astray) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
     gradient_ = summary.gradient_norm;
     return ceres::SOLVER_CONTINUE;
   }
@@ -65,9 +71,14 @@ class SearchWatch : public ceres::IterationCallback {
     for (const Shot& shot : shots_) shot.cost->look_ahead(ahead);
   }
 
+  // Steps beyond bounds, one after the other, that a search may yet come back from.
+  static constexpr int most_astray = 8;
+
   double tolerance_;
   const std::vector<Shot>& shots_;
+  std::function<bool()> strays_;
   double gradient_ = 0.0;  // at the last step's beginning
+  int astray_ = 0;
 };
 
 /// What is known of a variable beside the data: (value − mean) / uncertainty.
@@ -359,8 +370,16 @@ SearchEnd FitProblem::search_once(const Search& how, const std::vector<std::size
   ceres::Problem problem(ownership);
   const Priors priors = state(held, x, problem);
   ceres::Solver::Options solver = solver_options(how);
-  SearchWatch watch(how.tolerance, shots_);
+  const auto strays = [&] {
+    return std::ranges::any_of(unknowns_, [&](std::size_t i) {
+      const Variable& v = (*variables_)[i];
+      const double value = v.value_at(x[i]), rounding = edge * v.scale;
+      return value < v.lower - rounding || value > v.upper + rounding;
+    });
+  };
+  SearchWatch watch(how.tolerance, shots_, strays);
   solver.callbacks.push_back(&watch);
+  solver.update_state_every_iteration = true;
   solver.max_solver_time_in_seconds =
       std::clamp(time_left(), 0.0, solver.max_solver_time_in_seconds);
   ceres::Solver::Summary summary;
@@ -371,13 +390,9 @@ SearchEnd FitProblem::search_once(const Search& how, const std::vector<std::size
                              summary.termination_type == ceres::USER_SUCCESS,
                 .iterations = summary.num_successful_steps,
                 .message = summary.message};
+  end.strayed = strays();
   std::vector<double> values(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) values[i] = (*variables_)[i].value_at(x[i]);
-  for (const std::size_t i : unknowns_) {
-    const Variable& v = (*variables_)[i];
-    const double rounding = edge * v.scale;
-    if (values[i] < v.lower - rounding || values[i] > v.upper + rounding) end.strayed = true;
-  }
   for (const Shot& shot : shots_) {
     if (shot.cost->failure().empty()) continue;
     end.strayed = true;

@@ -126,8 +126,6 @@ class FitProblem {
   Priors state(const std::vector<std::size_t>& held, std::vector<double>& x,
                ceres::Problem& problem) const;
   SearchEnd search_once(const Search& how, const std::vector<std::size_t>& held);
-  SearchEnd search_along_bounds(const Search& how, const std::vector<std::size_t>& held,
-                                SearchEnd end);
 
   std::shared_ptr<const RigFile> rig_;
   std::unique_ptr<std::vector<Variable>> variables_;
