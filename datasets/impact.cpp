@@ -14,7 +14,7 @@ struct FlagText {
   std::string_view sentence;
 };
 
-constexpr std::array<FlagText, 14> flag_texts{{
+constexpr std::array<FlagText, 15> flag_texts{{
     {ImpactFlag::clipped, "clipped",
      "The signal reaches the end of its range or has flat tops, so peak and impulse are too small; "
      "record again with a larger range, or fit without the clipped samples."},
@@ -37,6 +37,10 @@ constexpr std::array<FlagText, 14> flag_texts{{
     {ImpactFlag::dropout, "dropout",
      "Some samples within the window are invalid and are left out; check the vibrometer's focus "
      "and reflective tape, or the recorder's overruns."},
+    {ImpactFlag::unmarked_dropout, "unmarked-dropout",
+     "The laser's signal leaves its course for a moment and comes back, as it does when the light "
+     "is lost, and nothing marks these samples; add the conditioning step dropouts, which leaves "
+     "them out, and check the vibrometer's focus and reflective tape."},
     {ImpactFlag::undersampled, "undersampled",
      "The contact has fewer than 20 samples, so its peak and duration are uncertain; record at a "
      "higher sample rate."},

@@ -21,9 +21,10 @@ enum class ImpactFlag {
   missed_start,    ///< it begins after first touch
   truncated_tail,  ///< it ends before the contact does
   dropout,         ///< invalid samples within the window
-  undersampled,    ///< fewer than 20 samples over the contact
-  noisy,           ///< noise before touch above 2 % of the signal
-  unsteady,        ///< force before touch wanders by more than 2 % of the peak
+  unmarked_dropout,  ///< the laser's signal does what it does in a dropout, and nobody marked it
+  undersampled,      ///< fewer than 20 samples over the contact
+  noisy,             ///< noise before touch above 2 % of the signal
+  unsteady,          ///< force before touch wanders by more than 2 % of the peak
   baseline_shift,  ///< force after the contact is off its level before by more than 1 % of the peak
   inverted,        ///< force is tension, or the bar comes from the wrong side
   implausible      ///< impulse and approach speed do not fit the rig: a wrong unit or sensitivity

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "acquisition/conditioning/background.hpp"
+#include "acquisition/conditioning/dropouts.hpp"
 
 namespace impactrig::acquisition {
 
@@ -16,12 +17,13 @@ using datasets::Quantity;
 
 namespace {
 
-constexpr double enough_samples = 20.0;   ///< over a contact
-constexpr double much_noise = 0.02;       ///< of a signal, one standard deviation
-constexpr double much_wandering = 0.02;   ///< of a peak
-constexpr double much_shift = 0.01;       ///< of a peak
-constexpr std::size_t quiet_blocks = 16;  ///< of the time before touch
-constexpr std::size_t least_after = 16;   ///< samples that say where a force comes to rest
+constexpr double enough_samples = 20.0;     ///< over a contact
+constexpr double longest_dropout = 300e-6;  ///< [s], as the conditioning step has it
+constexpr double much_noise = 0.02;         ///< of a signal, one standard deviation
+constexpr double much_wandering = 0.02;     ///< of a peak
+constexpr double much_shift = 0.01;         ///< of a peak
+constexpr std::size_t quiet_blocks = 16;    ///< of the time before touch
+constexpr std::size_t least_after = 16;     ///< samples that say where a force comes to rest
 
 double as_double(std::size_t n) {
   return static_cast<double>(n);
@@ -105,6 +107,18 @@ bool dropout(const Impact& impact, const Contact& contact, bool is_clipped,
     if (force.valid[i] == 0 && std::abs(force.values[i]) < 0.5 * std::abs(contact.peak))
       return true;
   return false;
+}
+
+/// Motion that steps away and back, of contacts with samples enough and none behind them: other
+/// motion may do so by itself.
+bool unmarked_dropout(const Impact& impact, const Contact& contact) {
+  if (contact.further_hits > 0 || contact.end - contact.onset < enough_samples) return false;
+  const auto found = [](const std::optional<ImpactSignal>& signal) {
+    if (!signal) return false;
+    const auto longest = static_cast<std::size_t>(longest_dropout / signal->interval);
+    return longest > 0 && !find_dropouts(signal->values, signal->valid, longest).empty();
+  };
+  return found(impact.velocity) || found(impact.displacement);
 }
 
 /// The largest force within the contact, signed; the trigger may be another channel.
@@ -199,6 +213,7 @@ std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
   flag(contact.begins_inside, ImpactFlag::missed_start);
   flag(contact.ends_inside, ImpactFlag::truncated_tail);
   flag(dropout(impact, contact, is_clipped, signals), ImpactFlag::dropout);
+  flag(unmarked_dropout(impact, contact), ImpactFlag::unmarked_dropout);
   flag(contact.end - contact.onset < enough_samples, ImpactFlag::undersampled);
   flag(noisy(impact), ImpactFlag::noisy);
   if (force != nullptr) {

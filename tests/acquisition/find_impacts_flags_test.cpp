@@ -229,6 +229,28 @@ TEST(DropoutFlag, FiresOnTheOtherChannelsToo) {
   for (const double value : impacts[0].velocity->values) EXPECT_EQ(value, 0.441);  // bridged
 }
 
+// The velocity turns round in the contact and swings on, which is none.
+TEST(UnmarkedDropoutFlag, FiresWhereALaserLosesItsLight) {
+  const Sampling at;
+  const auto impact_with = [&](std::size_t lost, std::size_t first) {
+    std::vector<double> velocity(at.samples);
+    for (std::size_t i = 0; i < at.samples; ++i) {
+      const double t = 1e-6 * (static_cast<double>(i) - 1000.0);
+      const double turned = std::clamp(t / 300e-6, 0.0, 1.0);
+      velocity[i] = 0.441 - 0.6 * std::pow(std::sin(1.5707963 * turned), 2) +
+                    (t > 0.0 ? 0.05 * std::sin(2e4 * t) : 0.0) +
+                    1e-3 * std::sin(7.1 * static_cast<double>(i * i % 997));
+    }
+    for (std::size_t i = first; i < first + lost; ++i) velocity[i] *= 0.02;
+    return find_impacts(record_of({force_of(at, sampled(at, pulse)), velocity_of(at, velocity)}))
+        .at(0);
+  };
+  EXPECT_FALSE(impact_with(0, 1100).has(ImpactFlag::unmarked_dropout));
+  EXPECT_TRUE(impact_with(30, 1040).has(ImpactFlag::unmarked_dropout));  // in the contact
+  EXPECT_TRUE(impact_with(30, 700).has(ImpactFlag::unmarked_dropout));
+  EXPECT_FALSE(impact_with(30, 700).has(ImpactFlag::dropout));
+}
+
 // --- undersampled -------------------------------------------------------------------------------
 
 TEST(UndersampledFlag, FiresBelowTwentySamples) {

@@ -8,19 +8,19 @@ namespace {
 using namespace impactrig::datasets;
 
 constexpr ImpactFlag all_flags[] = {
-    ImpactFlag::clipped,        ImpactFlag::double_hit,   ImpactFlag::multiple_hits,
-    ImpactFlag::no_hit,         ImpactFlag::too_short,    ImpactFlag::missed_start,
-    ImpactFlag::truncated_tail, ImpactFlag::dropout,      ImpactFlag::undersampled,
-    ImpactFlag::noisy,          ImpactFlag::unsteady,     ImpactFlag::baseline_shift,
-    ImpactFlag::inverted,       ImpactFlag::implausible};
+    ImpactFlag::clipped,        ImpactFlag::double_hit, ImpactFlag::multiple_hits,
+    ImpactFlag::no_hit,         ImpactFlag::too_short,  ImpactFlag::missed_start,
+    ImpactFlag::truncated_tail, ImpactFlag::dropout,    ImpactFlag::unmarked_dropout,
+    ImpactFlag::undersampled,   ImpactFlag::noisy,      ImpactFlag::unsteady,
+    ImpactFlag::baseline_shift, ImpactFlag::inverted,   ImpactFlag::implausible};
 
 TEST(ImpactFlag, HasANameOfItsOwn) {
   std::vector<std::string_view> names;
   for (const ImpactFlag flag : all_flags) names.push_back(name(flag));
   EXPECT_THAT(names, testing::ElementsAre("clipped", "double-hit", "multiple-hits", "no-hit",
                                           "too-short", "missed-start", "truncated-tail", "dropout",
-                                          "undersampled", "noisy", "unsteady", "baseline-shift",
-                                          "inverted", "implausible"));
+                                          "unmarked-dropout", "undersampled", "noisy", "unsteady",
+                                          "baseline-shift", "inverted", "implausible"));
   for (const ImpactFlag flag : all_flags) EXPECT_EQ(flag_named(name(flag)), flag);
   EXPECT_EQ(flag_named("no-such-flag"), std::nullopt);
 }
