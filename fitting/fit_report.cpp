@@ -331,9 +331,9 @@ void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit) {
   for (const Parameter& p : fit.parameters)
     if (p.at_bound)
       fit.warnings.push_back(fmt::format(
-          "{} ended at its bound {:g} {}; its interval means little. Widen what the model can do, "
+          "{} ended at its bound {:g}{}; its interval means little. Widen what the model can do, "
           "or fix it.",
-          p.name, p.value, p.unit == "1" ? "" : p.unit));
+          p.name, p.value, p.unit == "1" ? "" : " " + p.unit));
   for (const Shot& shot : problem.shots())
     for (const ImpactFlag flag : shot.impact->flags)
       fit.warnings.push_back(

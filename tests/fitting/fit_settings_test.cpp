@@ -287,7 +287,7 @@ TEST(FitSettings, ABoundHoldsAndIsTold) {
   EXPECT_EQ(p.lower, 0.6);
   EXPECT_EQ(p.upper, 0.9);
   EXPECT_THAT(found.warnings,
-              testing::Contains("contact.restitution ended at its bound 0.6 ; its interval means "
+              testing::Contains("contact.restitution ended at its bound 0.6; its interval means "
                                 "little. Widen what the model can do, or fix it."));
   options.setting("contact.restitution").lower = 0.3;
   const Parameter free = parameter(fit({shot()}, hybrid_rig(), options), "contact.restitution");
