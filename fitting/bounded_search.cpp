@@ -58,10 +58,8 @@ class ActiveSet {
 
   bool at_bound(Eigen::Index k) const { return held_[static_cast<std::size_t>(k)]; }
 
-  bool empty() const { return std::ranges::find(held_, true) == held_.end(); }
-
-  /// Those that a search before left at their bounds.
-  void hold_reached(const FitProblem& problem);
+  /// Those at their bounds; true where there are some. `moved`: but for those that begin there.
+  bool hold_reached(const FitProblem& problem, bool moved);
 
   /// Numbers of all that do not move.
   std::vector<std::size_t> numbers(const FitProblem& problem) const;
@@ -91,12 +89,16 @@ class ActiveSet {
   std::vector<int> times_;
 };
 
-void ActiveSet::hold_reached(const FitProblem& problem) {
+bool ActiveSet::hold_reached(const FitProblem& problem, bool moved) {
+  bool some = false;
   for (std::size_t k = 0; k < held_.size(); ++k) {
     const Variable& v = problem.variables()[problem.unknowns()[k]];
-    const bool at_bound = v.value == v.lower || v.value == v.upper;
-    if (!fixed_[k] && at_bound && v.value != v.initial) hold(static_cast<Eigen::Index>(k));
+    const bool reached = v.value == v.lower || v.value == v.upper;
+    if (fixed_[k] || held_[k] || !reached || (moved && v.value == v.initial)) continue;
+    hold(static_cast<Eigen::Index>(k));
+    some = true;
   }
+  return some;
 }
 
 std::vector<std::size_t> ActiveSet::numbers(const FitProblem& problem) const {
@@ -155,8 +157,7 @@ SearchEnd FitProblem::search(const Search& how, const std::vector<std::size_t>& 
       all.push_back(i);
   }
   ActiveSet active(*this, all);
-  active.hold_reached(*this);
-  const bool held_some = !active.empty();
+  const bool held_some = active.hold_reached(*this, true);  // by a search before
   SearchEnd end = search_once(how, active.numbers(*this));
   if (!end.started) throw std::runtime_error("the fit could not start: " + end.message);
   if (!end.strayed && !held_some) return end;
@@ -168,7 +169,9 @@ SearchEnd FitProblem::search(const Search& how, const std::vector<std::size_t>& 
     const double least = how.tolerance * end.cost;
     const Eigen::Index release = active.to_release(cost, least);
     const ActiveSet::Bound hold = release >= 0 ? ActiveSet::Bound{} : active.to_hold(cost, least);
-    if (release < 0 && hold.of < 0) return end;
+    // a search that was stopped beyond a bound is not at its end
+    if (release < 0 && hold.of < 0 && !(end.strayed && active.hold_reached(*this, false)))
+      return end;
     if (release >= 0) active.release(release);
     if (hold.of >= 0) {
       active.hold(hold.of);
