@@ -150,10 +150,7 @@ class Ensemble::Worker : public LaneQueue {
     validate(rig(number), solver);
     if (!allows_small_motion(rig(number), ensemble_.options_)) return nullptr;
     if (!rig(number).has_stop()) return nullptr;
-    if (const std::string refusal = small_motion_refusal(rig(number), solver); !refusal.empty()) {
-      if (asked()) throw std::invalid_argument(refusal);
-      return nullptr;
-    }
+    if (!small_motion_refusal(rig(number), solver).empty()) return nullptr;
     return std::make_unique<SmallMotionRun>(rig(number), solver, ensemble_.options_,
                                             ensemble_.bars_.bar(number));
   }

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -22,6 +24,11 @@ namespace {
 // Of the accuracy asked for, what full equations are solved to: scenes may magnify errors (a bar
 // that turns back just before it stands on its head: 18 times). A rigid bar costs next to nothing.
 constexpr double share_of_full = 0.3, share_of_rigid = 0.03;
+
+// Coordinates that a fine mesh is tried with, as long as they are fewer than this share of its
+// modes; what they leave out may be that share of the accuracy.
+constexpr std::array ritz_coordinates = {32, 40, 48, 60, 72, 90, 108, 130, 162, 200, 243, 300, 364};
+constexpr double share_worth_it = 0.5, share_of_vibration = 0.3;
 
 struct Solved {
   Simulation result;
@@ -76,23 +83,73 @@ Solved run(const Rig& rig, const Solver& solver, const SimulationOptions& option
   return solved;
 }
 
-Simulation simulate_small_motion(const Rig& rig, const Solver& solver,
-                                 const SimulationOptions& options) {
-  BarCache own;
-  BarCache& cache = options.bars ? *options.bars : own;
-  const std::shared_ptr<const ModalBar> bar = cache.bar(rig, solver);
+struct SolvedInModes {
+  Simulation result;
+  double left_out;  ///< SmallMotionRun's, against the accuracy that the run had
+};
+
+SolvedInModes solve_in_modes(const Rig& rig, const Solver& solver, const SimulationOptions& options,
+                             const std::shared_ptr<const ModalBar>& bar) {
   if (options.motion != Motion::small && bar->modes().rounding() > solver.accuracy)
     throw std::runtime_error("the modes of elements so different in length are inexact");
-  if (!rig.has_stop()) return swing_freely(rig, solver, options, *bar);
+  double left_out = 0.0;
   Simulation result = solve_to_size(solver, [&](const Solver& used) {
     SmallMotionRun run(rig, used, options, bar);
     run.run().complete();
     Solved solved{.result = {}, .smallness = run.run().smallness()};
     solved.result = run.conclude();
+    left_out = run.left_out() / used.accuracy;
     return solved;
   });
   result.solver = solver;
-  return result;
+  return {std::move(result), left_out};
+}
+
+/// A fine mesh in few coordinates; none where they would have to be so many that all modes are as
+/// quick. What is left out falls with their number by the power of six or so, by less where
+/// damping's force jumps: as the last two of them have it.
+std::optional<Simulation> leave_out_vibration(const Rig& rig, const Solver& solver,
+                                              const SimulationOptions& options, BarCache& bars) {
+  if (!may_leave_out_vibration(rig, solver, options)) return std::nullopt;
+  const bool computable = small_motion_refusal(rig, solver).empty();
+  const double most = computable ? share_worth_it * modes_of(solver) : modes_of(solver);
+  const TimeLimit limit(solver.time_limit);
+  Solver used = solver;
+  double power = 6.0, last_excess = 0.0;
+  double fewest = ritz_coordinates.front() * std::pow(1e-3 / solver.accuracy, 1.0 / power);
+  double last = 0.0;
+  for (const int coordinates : ritz_coordinates) {
+    if (coordinates < fewest) continue;
+    if (coordinates > most) break;
+    SolvedInModes solved =
+        solve_in_modes(rig, used, options, bars.ritz_bar(rig, solver, coordinates));
+    solved.result.solver = solver;
+    used.time_limit = limit.left();
+    const double others = solved.result.neglected / solver.accuracy - solved.left_out;
+    const double room = options.motion == Motion::small ? 1.0 : 1.0 - others;
+    if (room <= 0.0) return std::move(solved.result);  // it will not do as small motion anyway
+    const double excess = solved.left_out / std::min(share_of_vibration, room);
+    if (excess <= 1.0) return std::move(solved.result);
+    if (last > 0.0)
+      power = std::clamp(std::log(last_excess / excess) / std::log(coordinates / last), 2.0, 8.0);
+    last = coordinates;
+    last_excess = excess;
+    fewest = coordinates * std::pow(excess, 1.0 / power);
+  }
+  return std::nullopt;
+}
+
+/// None where there are more modes than can be computed.
+std::optional<Simulation> simulate_small_motion(const Rig& rig, const Solver& solver,
+                                                const SimulationOptions& options) {
+  BarCache own;
+  BarCache& cache = options.bars ? *options.bars : own;
+  if (std::optional<Simulation> result = leave_out_vibration(rig, solver, options, cache))
+    return result;
+  if (!small_motion_refusal(rig, solver).empty()) return std::nullopt;
+  const std::shared_ptr<const ModalBar> bar = cache.bar(rig, solver);
+  if (!rig.has_stop()) return swing_freely(rig, solver, options, *bar);
+  return solve_in_modes(rig, solver, options, bar).result;
 }
 
 /// Small motion, where it may be tried and its own estimate of what it leaves out allows it.
@@ -100,14 +157,14 @@ std::optional<Simulation> try_small_motion(const Rig& rig, const Solver& solver,
                                            const SimulationOptions& options) {
   const bool asked = options.motion == Motion::small;
   if (!allows_small_motion(rig, options)) return std::nullopt;
-  if (const std::string refusal = small_motion_refusal(rig, solver); !refusal.empty()) {
-    if (asked) throw std::invalid_argument(refusal);
-    return std::nullopt;
+  if (asked) {
+    std::optional<Simulation> result = simulate_small_motion(rig, solver, options);
+    if (!result) throw std::invalid_argument(small_motion_refusal(rig, solver));
+    return result;
   }
-  if (asked) return simulate_small_motion(rig, solver, options);
   try {
-    Simulation result = simulate_small_motion(rig, solver, options);
-    if (result.neglected <= solver.accuracy) return result;
+    std::optional<Simulation> result = simulate_small_motion(rig, solver, options);
+    if (result && result->neglected <= solver.accuracy) return result;
   } catch (const std::runtime_error&) {
     // what is wrong with the scene the full equations tell
   }

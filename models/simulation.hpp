@@ -146,6 +146,8 @@ struct Sensitivity {
 /// What simulate() leaves out where a scene does not need it.
 enum class Simplification {
   small_motion,    ///< foreshortening and large rotation of the bar
+  fast_vibration,  ///< vibration of a fine mesh too fast to matter; it follows the force as a
+                   ///< spring
   swing_to_touch,  ///< the swing from release to first touch; its end state is known
   flight_at_once,  ///< steps of a flight in which the gap cannot close
   hinge_friction   ///< friction in the hinge whose impulse is too small to matter

@@ -59,42 +59,65 @@ BarElement::Matrix LinearBar::hanging_weight_of(const BarElement& element, doubl
   return weight;
 }
 
+std::vector<LinearBar::Share> LinearBar::shares() const {
+  std::vector<Share> shares(elements_.size());
+  double below = 0.0;  // mass of the bar beyond the element
+  for (std::size_t e = elements_.size(); e-- > 0;) {
+    const BarElement& element = elements_[e];
+    shares[e] = {coordinates(e), mass_of(e), element.stiffness(),
+                 hanging_weight_of(element, below)};
+    below += element.line_density * element.length;
+  }
+  return shares;
+}
+
+Eigen::VectorXd LinearBar::hinge() const {
+  return -Eigen::VectorXd::Unit(size(), 0);
+}
+
+Eigen::VectorXd LinearBar::rigid() const {
+  Eigen::VectorXd rigid = Eigen::VectorXd::Zero(size());
+  rigid[0] = -1.0;
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const std::array<int, BarElement::values> places = coordinates(e);
+    rigid[places[2]] = -(elements_[e].x + elements_[e].length);
+    rigid[places[3]] = -1.0;
+  }
+  return rigid;
+}
+
 SmallMotion LinearBar::small_motion() const {
   const int n = size();
   SmallMotion motion;
   motion.mass = motion.stiffness = motion.gravity = Eigen::MatrixXd::Zero(n, n);
-  motion.rigid = Eigen::VectorXd::Zero(n);
-  motion.hinge = -Eigen::VectorXd::Unit(n, 0);
+  motion.rigid = rigid();
+  motion.hinge = hinge();
   motion.spring = spring_;
-  motion.rigid[0] = -1.0;
-  double below = 0.0;  // mass of the bar beyond the element
-  for (std::size_t e = elements_.size(); e-- > 0;) {
-    const BarElement& element = elements_[e];
-    const std::array<int, BarElement::values> places = coordinates(e);
-    const auto add = [&](Eigen::MatrixXd& to, const BarElement::Matrix& share) {
+  for (const Share& share : shares()) {
+    const auto add = [&](Eigen::MatrixXd& to, const BarElement::Matrix& of) {
       for (std::size_t r = 0; r < BarElement::values; ++r)
         for (std::size_t c = 0; c < BarElement::values; ++c)
-          if (places[r] >= 0 && places[c] >= 0)
-            to(places[r], places[c]) += share(static_cast<int>(r), static_cast<int>(c));
+          if (share.places[r] >= 0 && share.places[c] >= 0)
+            to(share.places[r], share.places[c]) += of(static_cast<int>(r), static_cast<int>(c));
     };
-    add(motion.mass, mass_of(e));
-    add(motion.stiffness, element.stiffness());
-    add(motion.gravity, hanging_weight_of(element, below));
-    motion.rigid[places[2]] = -(element.x + element.length);
-    motion.rigid[places[3]] = -1.0;
-    below += element.line_density * element.length;
+    add(motion.mass, share.mass);
+    add(motion.stiffness, share.stiffness);
+    add(motion.gravity, share.gravity);
   }
   return motion;
 }
 
-Eigen::VectorXd LinearBar::small_motion_row(double x) const {
+LinearBar::Row LinearBar::row_at(double x) const {
   const std::size_t e = element_at(elements_, x);
   const BarElement& element = elements_[e];
-  const BarElement::Shape s = element.deflection((x - element.x) / element.length);
-  const std::array<int, BarElement::values> places = coordinates(e);
+  return {coordinates(e), -element.deflection((x - element.x) / element.length)};
+}
+
+Eigen::VectorXd LinearBar::small_motion_row(double x) const {
+  const Row at = row_at(x);
   Eigen::VectorXd row = Eigen::VectorXd::Zero(size());
   for (std::size_t i = 0; i < BarElement::values; ++i)
-    if (places[i] >= 0) row[places[i]] = -s[static_cast<int>(i)];
+    if (at.places[i] >= 0) row[at.places[i]] = at.values[static_cast<int>(i)];
   return row;
 }
 

@@ -27,12 +27,37 @@ class LinearBar : public SmallMotionBeam {
     return elements_.front().shears() ? std::vector<BarElement>{} : elements_;
   }
 
- private:
-  int nodal() const { return 2 * static_cast<int>(elements_.size()) + 1; }
+  const std::vector<BarElement>& elements() const { return elements_; }
 
   int size() const;
 
-  /// Coordinate of each of an element's values; −1: held, or there is none.
+  /// What an element and the masses on it are.
+  struct Share {
+    std::array<int, BarElement::values> places;  ///< coordinates; −1: held, or there is none
+    BarElement::Matrix mass, stiffness, gravity;
+  };
+
+  std::vector<Share> shares() const;  ///< from the hinge to the tip
+
+  /// What small_motion_row() has that is not zero.
+  struct Row {
+    std::array<int, BarElement::values> places;  ///< −1: none
+    BarElement::Shape values;
+  };
+
+  Row row_at(double x) const;
+
+  Eigen::VectorXd hinge() const;  ///< SmallMotion::hinge
+  Eigen::VectorXd rigid() const;  ///< SmallMotion::rigid
+
+  double spring() const { return spring_; }
+
+  /// Whether the weight pulls at the bar.
+  bool hangs() const { return gravity_ != 0.0; }
+
+ private:
+  int nodal() const { return 2 * static_cast<int>(elements_.size()) + 1; }
+
   std::array<int, BarElement::values> coordinates(std::size_t element) const;
 
   BarElement::Matrix mass_of(std::size_t element) const;

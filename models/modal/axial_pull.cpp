@@ -30,6 +30,9 @@ AxialPull::AxialPull(const ModalBeam& beam) : beam_(beam), inertia_(beam.rigid()
 void AxialPull::touch(const ModalState& state) {
   look(state, before_);
   last_ = state;
+  const double energy =
+      0.5 * (state.rate.squaredNorm() + beam_.omega().cwiseProduct(state.a).squaredNorm());
+  stretches_ = !beam_.hardly_stretches(energy);
   missing_ = rest_;
   deepest_ = stiffness_ = largest_ = impulse_ = missing_impulse_ = share_ = of_peak_ = of_depth_ =
       0.0;
@@ -87,7 +90,7 @@ void AxialPull::find_force(const ModalState& state, double h) {
   middle_ = 0.5 * (last_.a + state.a);
   force_.noalias() = stations.slopes.transpose() * pull_;
   force_ += turning * turning * middle_;
-  beam_.add_stretching_force(middle_, force_);
+  if (stretches_) beam_.add_stretching_force(middle_, force_);
   force_ -= beam_.rigid() * (beam_.rigid().dot(force_) / inertia_);
   if (!beam_.damped()) return;
   way_ = state.a - last_.a;

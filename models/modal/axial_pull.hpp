@@ -56,6 +56,7 @@ class AxialPull {
 
   const ModalBeam& beam_;
   double inertia_;
+  bool stretches_ = true;  // by uneven bending
   Look before_, after_;
   Eigen::VectorXd slope_rate_, pull_, force_, held_, middle_, way_, drag_;
   ModalState last_, missing_, end_, answer_, rest_;

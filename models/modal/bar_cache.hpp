@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "models/collocation/step_ladder.hpp"
 #include "models/modal/modal_beam.hpp"
 #include "models/modal/modal_step.hpp"
+#include "models/modal/ritz_bar.hpp"
 #include "models/simulation.hpp"
 
 namespace impactrig::models {
@@ -20,6 +22,7 @@ namespace impactrig::models {
 class ModalBar {
  public:
   ModalBar(std::unique_ptr<const SmallMotionBeam> beam, const Rig& rig);
+  ModalBar(std::unique_ptr<const RitzBar> beam, const Rig& rig);
   ModalBar(std::shared_ptr<const ModalBar> other, const ModalBeam::Change& change);
   ~ModalBar();
   ModalBar(const ModalBar&) = delete;
@@ -27,11 +30,19 @@ class ModalBar {
 
   const ModalBeam& modes() const { return modes_; }
 
+  /// Where the modes are of a RitzBar, its residuals() and by about how much they put the modes out
+  /// of tune with the bar's [rad/s]; else empty (m).
+  const Eigen::VectorXd& residuals() const { return residuals_; }
+
+  const Eigen::VectorXd& detuning() const { return detuning_; }
+
   const StepLadder& ladder() const { return ladder_; }
 
   const ModalStep& step(const Collocation& rule, int level) const;
 
  private:
+  void find_detuning();
+
   /// Steps of one level, of one rule each, in the order they were first asked for.
   struct Steps {
     int nodes;
@@ -42,6 +53,7 @@ class ModalBar {
   std::shared_ptr<const ModalBar> other_;  // whose beam the modes stand on
   std::unique_ptr<const SmallMotionBeam> beam_;
   ModalBeam modes_;
+  Eigen::VectorXd residuals_, detuning_;
   StepLadder ladder_;
   mutable std::mutex mutex_;  // of those who add steps
   mutable std::array<std::atomic<const Steps*>, StepLadder::levels> steps_ = {};
@@ -69,6 +81,9 @@ struct BarKey {
 
 std::shared_ptr<const ModalBar> make_modal_bar(const Rig& rig, const Solver& solver);
 
+/// Of finite elements: the bar in so many coordinates.
+std::shared_ptr<const ModalBar> make_ritz_bar(const Rig& rig, const Solver& solver, int modes);
+
 /// Bars of the same length, struck point, mesh and weight a mass, without further masses, have
 /// nearly the same modes, whatever E, I, ρ, A and the hinge's spring and damper are: those of each
 /// follow from the modes of one that stands for all.
@@ -90,12 +105,21 @@ class BarFamily {
 /// weight or mesh are others than in the run before. For concurrent use.
 class BarCache {
  public:
-  std::shared_ptr<const ModalBar> bar(const Rig& rig, const Solver& solver);
+  std::shared_ptr<const ModalBar> bar(const Rig& rig, const Solver& solver) {
+    return find(rig, solver, 0);
+  }
+
+  /// make_ritz_bar().
+  std::shared_ptr<const ModalBar> ritz_bar(const Rig& rig, const Solver& solver, int modes) {
+    return find(rig, solver, modes);
+  }
 
  private:
+  std::shared_ptr<const ModalBar> find(const Rig& rig, const Solver& solver, int modes);
+
   std::mutex mutex_;
   std::optional<BarKey> key_;
-  std::shared_ptr<const ModalBar> bar_;
+  std::map<int, std::shared_ptr<const ModalBar>> bars_;  // by the number of coordinates; 0: all
 };
 
 }  // namespace impactrig::models

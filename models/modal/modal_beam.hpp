@@ -105,6 +105,10 @@ class ModalBeam {
   /// stretch of its axis, of second degree, cannot take back. Not part of the small motion.
   double stretching_energy(const Eigen::VectorXd& a) const;
 
+  /// Whether that is next to nothing for a bar of this energy [J], whatever its motion, and need
+  /// not be computed.
+  bool hardly_stretches(double energy) const { return most_stretching_ * energy < 1e-14; }
+
   /// Adds what that energy does to the modes (m).
   void add_stretching_force(const Eigen::VectorXd& a, Eigen::VectorXd& force) const;
 
@@ -131,9 +135,11 @@ class ModalBeam {
 
  private:
   void solve_modes();
+  void solve_nearly_modes();
   void find_damping();
   void find_stations(const Rig& rig);
   void find_uneven_slopes();
+  void bound_stretching();
 
   const SmallMotionBeam& beam_;
   SmallMotion motion_;
@@ -151,6 +157,7 @@ class ModalBeam {
   // of each element that stretches: its slope's parts in P₁ and P₂, row by row (2 e, m), and EA h
   Eigen::MatrixXd uneven_;
   Eigen::VectorXd axial_;
+  double most_stretching_ = 0.0;  // of that energy, over the square of the bar's [1/J]
 };
 
 }  // namespace impactrig::models

@@ -37,6 +37,8 @@ void ModalMotion::start(double angle, double rate) {
   dropped_ = 0.0;
   flights_ = {};
   first_contact_ = FirstContact::to_come;
+  left_out_ = {};
+  pressed_for_ = 0.0;
   scratch_ = end_ = sampled_[0] = sampled_[1] = state_;
   series_.assign(static_cast<std::size_t>(beam_.stops()), NodeVector::Zero(rule_.nodes()));
 }
@@ -172,6 +174,10 @@ void ModalMotion::take(double part) {
     std::swap(state_, end_);
   }
   note_shortening(pressed);
+  if (first_contact_ != FirstContact::to_come && bar_.residuals().size() > 0) {
+    pressed_for_ += part * step();
+    if (pressed) note_left_out(part);
+  }
   if (pressed) neglected_ = shortening_ + stretching_;
   if (first_contact_ != FirstContact::lasts) return;
   if (pressed && !judges_) return;
@@ -190,8 +196,37 @@ void ModalMotion::note_shortening(bool pressed) {
   const double frame = turns ? beam_.rigid_part(state_.a, state_.rate).angle : 0.0;
   shortening_ =
       std::max(shortening_, beam_.shortening_energy(state_.a, state_.rate, frame) / energy_scale_);
-  if (pressed)
+  if (pressed && !beam_.hardly_stretches(energy_scale_))
     stretching_ = std::max(stretching_, beam_.stretching_energy(state_.a) / energy_scale_);
+}
+
+/// Modes that are the bar's own err by their residual and by the phase that they gain or lose;
+/// others, that stand for many, by all of their vibration about where the forces hold them.
+void ModalMotion::note_left_out(double part) {
+  static thread_local Eigen::VectorXd pressing, off, off_rate;  // at every step: no allocation
+  const Eigen::VectorXd& residuals = bar_.residuals();
+  const Eigen::Index m = beam_.modes();
+  const auto force_of = [&](int stop) {
+    return legendre_sum(series_[static_cast<std::size_t>(stop)], part);
+  };
+  pressing.setZero(m);
+  off.setZero(m);
+  off_rate.setZero(m);
+  for (int stop = 0; stop < beam_.stops(); ++stop)
+    if (presses(stop)) pressing += force_of(stop) * beam_.struck(stop);
+  for (Eigen::Index k = 1; k < m; ++k) {
+    const double residual = residuals[k], omega = beam_.omega()[k];
+    const double share = std::min(residual + bar_.detuning()[k] * pressed_for_, 1.0);
+    off[k] = share * std::abs(state_.a[k] + pressing[k] / (omega * omega));
+    off_rate[k] = share * std::abs(state_.rate[k]);
+  }
+  const auto note = [](double& most, double value) { most = std::max(most, value); };
+  for (int stop = 0; stop < beam_.stops(); ++stop) {
+    const Eigen::VectorXd& row = beam_.struck(stop);
+    note(left_out_.displacement, off.dot(row.cwiseAbs()));
+    note(left_out_.power, force_of(stop) * off_rate.cwiseProduct(row).norm());
+  }
+  if (velocity_row_.size() > 0) note(left_out_.shown, off_rate.dot(velocity_row_.cwiseAbs()));
 }
 
 double ModalMotion::clear_time(std::span<const double> gaps) const {

@@ -110,6 +110,18 @@ class ModalMotion : public BarMotion {
   /// energy at touch: of the order of the relative error of peak force, duration and impulse.
   double neglected() const { return neglected_; }
 
+  /// How far vibration that a RitzBar does not have could have moved the struck points and the
+  /// velocity's spot until the contact last pressed: as far as what it has of it.
+  struct LeftOut {
+    double displacement = 0.0;  ///< of struck points [m]
+    /// Force times their velocity, vibrations out of step with each other [W].
+    double power = 0.0;
+    /// Of the velocity's spot, all in step, as at touch [m/s]; 0 where no history is asked for.
+    double shown = 0.0;
+  };
+
+  const LeftOut& left_out() const { return left_out_; }
+
   /// What the pull along the bar, and damping's coupling of the modes, would have changed until the
   /// first contact ended.
   const AxialPull& missing_pull() const { return pull_; }
@@ -130,6 +142,7 @@ class ModalMotion : public BarMotion {
   }
 
   void note_shortening(bool pressed);
+  void note_left_out(double part);
 
   PointMotion jump(double part, ModalState& to, double* acceleration = nullptr) const;
   double work_on_stops(double part) const;
@@ -154,6 +167,9 @@ class ModalMotion : public BarMotion {
   Flights flights_;
   double dropped_ = 0.0;  // by flights, against what the modes have it [J]
   double shortening_ = 0.0, stretching_ = 0.0, neglected_ = 0.0;
+
+  LeftOut left_out_;
+  double pressed_for_ = 0.0;  // [s], from first touch
 
   enum class FirstContact { to_come, lasts, over };
 

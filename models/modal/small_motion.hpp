@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "models/beams/bar_element.hpp"
@@ -19,6 +20,9 @@ struct SmallMotion {
   Eigen::VectorXd hinge;      ///< h: angle of the axis at the hinge, closing > 0 (n)
   double spring = 0.0;        ///< k, of the hinge [N m/rad]
   Eigen::VectorXd rigid;      ///< q of a rigid rotation by 1 rad, closing (n)
+  /// What rounding has left of the slowest bending mode's frequency, relative; where it is known
+  /// the coordinates are nearly the modes, slow ones first, and M is the unit matrix.
+  std::optional<double> rounding = {};
 };
 
 /// What resists the small motion of a bar and its hinge: C = α M + τ K + c hᵀ h.

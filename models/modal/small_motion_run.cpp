@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "models/beams/bar_element.hpp"
+#include "models/contact/contact_force.hpp"
 #include "models/free_run.hpp"
 #include "models/modal/modal_flight.hpp"
 
@@ -75,17 +76,29 @@ int nodes_for(double accuracy) {
 
 }  // namespace
 
+int modes_of(const Solver& solver) {
+  if (solver.model != BeamModel::ancf) return 1 + solver.modes;
+  return 2 * (solver.elements[0] + solver.elements[1]) + 1;
+}
+
 std::string small_motion_refusal(const Rig& rig, const Solver& solver) {
   if (const std::string keys = beyond_small_motion(rig); !keys.empty())
     return fmt::format(
         "small motion was asked for, but it does not know {}; ask for the full equations", keys);
-  const int modes = solver.model == BeamModel::ancf
-                        ? 2 * (solver.elements[0] + solver.elements[1]) + 1
-                        : 1 + solver.modes;
-  if (modes <= most_modes) return {};
+  if (modes_of(solver) <= most_modes) return {};
   return fmt::format(
-      "small motion was asked for, but {} modes are too many to be computed; at most {}", modes,
-      most_modes);
+      "small motion was asked for, but {} modes are too many to be computed; at most {}",
+      modes_of(solver), most_modes);
+}
+
+bool may_leave_out_vibration(const Rig& rig, const Solver& solver,
+                             const SimulationOptions& options) {
+  const bool known = solver.model == BeamModel::ancf && rig.has_stop() &&
+                     beyond_small_motion(rig).empty() && !follows_swing(rig, options);
+  return known && allows(options, Simplification::fast_vibration) &&
+         std::ranges::all_of(options.sensitivities, [&](RigParameter parameter) {
+           return RigEffect(rig, parameter).keeps_bar();
+         });
 }
 
 SmallMotionRun::SmallMotionRun(const Rig& rig, const Solver& solver,
@@ -123,6 +136,7 @@ Simulation SmallMotionRun::conclude() {
   if (stopped_) result.sensor = stopped_->sensor(result.impulse);
   if (sensitivities_) result.sensitivities = sensitivities_->take_results();
   result.small_motion = true;
+  if (bar_->residuals().size() > 0 && !result.episodes.empty()) find_left_out(result);
   if (!judges()) return result;
   const double end_of_contact = result.episodes.empty() ? 0.0 : result.episodes.back().end;
   const double friction = missing_friction(rig_, result, end_of_contact);
@@ -132,13 +146,14 @@ Simulation SmallMotionRun::conclude() {
   result.neglected =
       std::max(safe * motion_.neglected(), missing_pull(motion_.missing_pull(), result, safe)) +
       steady_strain(rig_, solver_, rate) + bar_->modes().rounding() +
-      safety_of_friction * friction + of_swing_;
+      safety_of_friction * friction + of_swing_ + left_out_;
   result.taken.push_back(Simplification::small_motion);
   result.skipped.push_back(fmt::format(
       "foreshortening and large rotation{}: the bar was solved in its own modes; what this "
       "leaves out changes peak force, duration and impulse of the first contact by less than "
       "{:.1e}",
       damped ? ", and what damping couples modes by" : "", result.neglected));
+  tell_left_out(result);
   if (friction > 0.0) {
     result.taken.push_back(Simplification::hinge_friction);
     result.skipped.push_back(fmt::format(
@@ -155,6 +170,28 @@ Simulation SmallMotionRun::conclude() {
         flights.time, flights.count, flights.count == 1 ? "" : "s"));
   }
   return result;
+}
+
+/// What of a force is damping's errs with the speed.
+void SmallMotionRun::find_left_out(const Simulation& result) {
+  const ModalMotion::LeftOut& left_out = motion_.left_out();
+  const double speed = touch_velocity(rig_), depth = result.max_penetration;
+  double of_speed = 0.0;
+  for (int stop = 0; stop < rig_.stops(); ++stop)
+    of_speed = std::max(of_speed, ContactForce(rig_, stop).damping_share(speed, depth));
+  const double of_damping = of_speed * left_out.power / (result.peak_force * speed);
+  left_out_ = std::max(left_out.displacement / depth + of_damping, left_out.shown / speed);
+}
+
+void SmallMotionRun::tell_left_out(Simulation& result) {
+  if (bar_->residuals().size() == 0) return;
+  const int kept = bar_->modes().modes();
+  result.taken.push_back(Simplification::fast_vibration);
+  result.skipped.push_back(fmt::format(
+      "vibration too fast to matter: {} coordinates stand for the {} modes of the mesh, the slow "
+      "ones as they are, the others as springs; what of their vibration is left out changes peak "
+      "force, duration and impulse of the first contact by less than {:.1e}",
+      kept, modes_of(solver_), left_out_));
 }
 
 Simulation swing_freely(const Rig& rig, const Solver& solver, const SimulationOptions& options,

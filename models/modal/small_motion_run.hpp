@@ -13,8 +13,16 @@
 
 namespace impactrig::models {
 
-/// Why a rig cannot be solved as small motion; empty when it can.
+/// How many modes a rig has in small motion.
+int modes_of(const Solver& solver);
+
+/// Why a rig cannot be solved as small motion in all its modes; empty when it can.
 std::string small_motion_refusal(const Rig& rig, const Solver& solver);
+
+/// Whether fewer coordinates than a mesh has may be enough: their forces are known beforehand, and
+/// nothing is asked for that moves them.
+bool may_leave_out_vibration(const Rig& rig, const Solver& solver,
+                             const SimulationOptions& options);
 
 /// One run of a bar in its modes.
 class SmallMotionRun {
@@ -36,8 +44,15 @@ class SmallMotionRun {
   /// What the run gave, and what small motion left out of it.
   Simulation conclude();
 
+  /// What vibration that a RitzBar does not have changes at most of peak, duration and impulse of
+  /// the first contact, and of histories that are asked for: as a part of the touch speed. Once
+  /// concluded.
+  double left_out() const { return left_out_; }
+
  private:
   bool judges() const;
+  void find_left_out(const Simulation& result);
+  void tell_left_out(Simulation& result);
 
   const Rig& rig_;
   const Solver& solver_;
@@ -47,6 +62,7 @@ class SmallMotionRun {
   std::unique_ptr<StoppedMotion> stopped_;  // before a stop that gives way
   CollocationRun run_;
   std::unique_ptr<ModalSensitivities> sensitivities_;
+  double left_out_ = 0.0;
   double of_swing_ = 0.0;  // θ²/16: by how much a swing's period exceeds that of a small one
 };
 

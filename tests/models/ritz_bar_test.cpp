@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Fine meshes in few coordinates, against the mesh in all its modes and against closed forms.
+#include "models/modal/ritz_bar.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "models/modal/bar_cache.hpp"
+#include "models/modal/small_motion_run.hpp"
+#include "models/simulation.hpp"
+#include "tests/models/scenes.hpp"
+
+namespace {
+
+using namespace impactrig::models;
+using namespace impactrig::tests;
+using testing::Contains;
+using testing::Not;
+
+/// Everything that a bar before stops can have.
+Rig involved_rig() {
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  rig.beam.segments = {{0.5, rig.beam.area, rig.beam.second_moment, 0.9},
+                       {0.3, 0.8 * rig.beam.area, 0.6 * rig.beam.second_moment, 0.85}};
+  rig.beam.masses = {{0.8, 0.1}, {0.33, 0.05}};
+  rig.hinge.spring = 20.0;
+  rig.contact.damping = "lankarani-nikravesh";
+  rig.contact.restitution = 0.6;
+  FurtherStop beyond;
+  beyond.contact = rig.contact;
+  beyond.contact.position = 0.4;
+  beyond.gap = 1e-5;
+  rig.further_stops = {beyond};
+  return rig;
+}
+
+Rig shearing(Rig rig) {
+  rig.beam.theory = BeamTheory::timoshenko;
+  rig.beam.shear_coefficient = 0.9;
+  rig.beam.poisson_ratio = 0.3;
+  return rig;
+}
+
+/// Displacement of a point under a steady unit force at another, without the rigid rotation [m/N].
+double compliance(const ModalBeam& bar, const Eigen::VectorXd& at, const Eigen::VectorXd& force) {
+  const Eigen::Index elastic = bar.modes() - 1;
+  return (at.array() * force.array() / bar.omega().array().square()).tail(elastic).sum();
+}
+
+double difference(const Simulation& a, const Simulation& b) {
+  const Episode& x = a.episodes.at(0);
+  const Episode& y = b.episodes.at(0);
+  return std::max({std::abs(x.peak_force / y.peak_force - 1.0), std::abs(x.end / y.end - 1.0),
+                   std::abs(x.impulse / y.impulse - 1.0)});
+}
+
+// Of beam theory, tan βL = tanh βL for the pinned-free bar. The mesh errs by (βh)⁴/720; its
+// stiffest elements vibrate 10⁶ times as fast, whose rounding the modes would have if they were
+// computed with them.
+TEST(RitzBar, HasTheSlowModesOfAVeryFineMeshToAllDigits) {
+  const Rig rig = paper_rig();
+  const auto bar = make_ritz_bar(rig, ancf(896, 128, 1e-6, 3e-3), 48);
+  const double scale = std::sqrt(rig.beam.youngs_modulus * rig.beam.second_moment /
+                                 (rig.beam.density * rig.beam.area)) /
+                       std::pow(rig.beam.length, 2);
+  const double beta[] = {3.926602312047919, 7.068582745628732, 10.210176122813030,
+                         13.351768777754094};
+  EXPECT_NEAR(bar->modes().omega()[0], 0.0, 1e-6);
+  for (int k = 0; k < 4; ++k)
+    EXPECT_NEAR(bar->modes().omega()[1 + k] / (scale * beta[k] * beta[k]), 1.0, 1e-10) << k;
+}
+
+// The steady deflections of all pairs of struck points, whatever few coordinates there are.
+TEST(RitzBar, BendsUnderSteadyForcesAsTheMeshDoes) {
+  for (const Rig& rig : {involved_rig(), shearing(involved_rig())}) {
+    const Solver solver = ancf(25, 7, 1e-6, 3e-3);
+    const auto whole = make_modal_bar(rig, solver);
+    const auto few = make_ritz_bar(rig, solver, 12);
+    ASSERT_EQ(few->modes().modes(), 12);
+    for (int at = 0; at < rig.stops(); ++at)
+      for (int force = 0; force < rig.stops(); ++force) {
+        const double expected =
+            compliance(whole->modes(), whole->modes().struck(at), whole->modes().struck(force));
+        const double found =
+            compliance(few->modes(), few->modes().struck(at), few->modes().struck(force));
+        // the weight's pull is no load, and bends only by what the coordinates have
+        EXPECT_NEAR(found / expected, 1.0, 2e-6) << at << ' ' << force;
+      }
+  }
+}
+
+// What is a mode of the mesh is told from what stands for many.
+TEST(RitzBar, TellsWhichModesAreTheMeshsOwn) {
+  for (const Rig& rig : {paper_rig(), involved_rig(), shearing(involved_rig())}) {
+    const Solver solver = ancf(35, 5, 1e-6, 3e-3);
+    const auto whole = make_modal_bar(rig, solver);
+    const auto few = make_ritz_bar(rig, solver, 30);
+    int own = 0;
+    for (int k = 1; k < few->modes().modes(); ++k) {
+      const double residual = few->residuals()[k];
+      const double off = std::abs(few->modes().omega()[k] / whole->modes().omega()[k] - 1.0);
+      if (residual > 0.03) continue;
+      ++own;
+      const double said = few->detuning()[k] / few->modes().omega()[k];
+      EXPECT_LT(off, 2.0 * said + 10.0 * whole->modes().rounding()) << k;
+    }
+    EXPECT_GT(own, 10);
+    EXPECT_GT(few->residuals().tail(5).minCoeff(), 0.03);
+  }
+}
+
+TEST(RitzBar, WithAllCoordinatesIsTheMesh) {
+  const Rig rig = involved_rig();
+  const Solver solver = ancf(9, 2, 1e-6, 3e-3);
+  const auto whole = make_modal_bar(rig, solver);
+  const auto all = make_ritz_bar(rig, solver, 1000);
+  ASSERT_EQ(all->modes().modes(), whole->modes().modes());
+  for (int k = 0; k < all->modes().modes(); ++k)
+    EXPECT_NEAR(all->modes().omega()[k] / whole->modes().omega()[k], 1.0, 1e-9) << k;
+  EXPECT_LT(all->residuals().maxCoeff(), 1e-6);
+}
+
+/// A run in so many coordinates; all: 0.
+struct FewRun {
+  Simulation result;
+  double left_out;
+};
+
+FewRun solve_in(const Rig& rig, const Solver& solver, int coordinates,
+                const HistoryRequest& history = {}) {
+  SimulationOptions options;
+  options.motion = Motion::small;
+  options.history = history;
+  SmallMotionRun run(
+      rig, solver, options,
+      coordinates == 0 ? make_modal_bar(rig, solver) : make_ritz_bar(rig, solver, coordinates));
+  run.run().complete();
+  Simulation result = run.conclude();
+  return {std::move(result), run.left_out()};
+}
+
+TEST(RitzBar, ErrsLessThanItSays) {
+  Rig damped = paper_rig();
+  damped.contact.damping = "lankarani-nikravesh";
+  damped.contact.restitution = 0.5;
+  Rig pulled = paper_rig();
+  pulled.contact.damping = "viscous";
+  pulled.contact.restitution = 0.5;
+  Rig giving = damped;
+  giving.stop = {.mass = 0.05, .stiffness = 2e8};
+  Rig point = paper_rig();
+  point.contact.law = "hertz-point";
+  Rig braked = paper_rig();
+  braked.hinge.viscous = 0.5;
+  braked.beam.damping.stiffness = 1e-7;
+  for (const Rig& rig : {paper_rig(), damped, pulled, giving, point, braked, involved_rig(),
+                         shearing(involved_rig()), shearing(paper_rig())}) {
+    const Solver solver = ancf(35, 5, 1e-9, 1.5e-3);
+    const FewRun whole = solve_in(rig, solver, 0);
+    for (const int coordinates : {20, 30, 40}) {
+      const FewRun few = solve_in(rig, solver, coordinates);
+      EXPECT_GT(few.left_out, 0.0);
+      EXPECT_LT(difference(few.result, whole.result), 2.0 * few.left_out)
+          << rig.contact.law << ' ' << rig.contact.damping << ' ' << coordinates;
+    }
+    // and falls steeply with them where the force does not jump
+    if (rig.contact.damping == "viscous") continue;
+    EXPECT_LT(solve_in(rig, solver, 40).left_out, 0.3 * solve_in(rig, solver, 20).left_out);
+  }
+}
+
+TEST(RitzBar, TellsWhatHistoriesLack) {
+  Rig rig = paper_rig();
+  const Solver solver = ancf(35, 5, 1e-9, 1.5e-3);
+  const HistoryRequest history{.interval = 1e-6, .velocity_position = 0.75};
+  const FewRun whole = solve_in(rig, solver, 0, history);
+  for (const int coordinates : {20, 30, 40}) {
+    const FewRun few = solve_in(rig, solver, coordinates, history);
+    double most = 0.0;
+    for (std::size_t i = 0; i < few.result.history.velocity.size(); ++i)
+      most = std::max(
+          most, std::abs(few.result.history.velocity[i] - whole.result.history.velocity.at(i)));
+    EXPECT_LT(most / rig.start.velocity, 2.0 * few.left_out) << coordinates;
+  }
+}
+
+const auto fast_vibration = Simplification::fast_vibration;
+
+SimulationOptions as(Motion motion) {
+  SimulationOptions options;
+  options.motion = motion;
+  return options;
+}
+
+TEST(FastVibration, IsLeftOutOfFineMeshesWithinTheAccuracy) {
+  for (const Rig& rig : {paper_rig(), involved_rig()}) {
+    const Simulation exact = solve_in(rig, ancf(112, 16, 1e-9, 1.5e-3), 0).result;
+    for (const double accuracy : {1e-3, 1e-4, 1e-5}) {
+      if (accuracy < 1e-3 && !rig.further_stops.empty()) continue;  // the more forces, the more
+      const Simulation result = simulate(rig, ancf(112, 16, accuracy, 1.5e-3));
+      ASSERT_THAT(result.taken, Contains(fast_vibration)) << accuracy;
+      EXPECT_LT(difference(result, exact), accuracy);
+    }
+  }
+}
+
+TEST(FastVibration, IsNotLeftOutWhereItMatters) {
+  const Rig rig = paper_rig();
+  const auto taken = [&](const Rig& scene, const Solver& solver, const SimulationOptions& options) {
+    return simulate(scene, solver, options).taken;
+  };
+  // hardly more modes than coordinates would be needed
+  EXPECT_THAT(taken(rig, ancf(14, 2, 1e-3, 1e-3), {}), Not(Contains(fast_vibration)));
+  EXPECT_THAT(taken(rig, ancf(42, 6, 1e-9, 1e-3), {}), Not(Contains(fast_vibration)));
+  const Solver fine = ancf(56, 8, 1e-3, 1e-3);
+  ASSERT_THAT(taken(rig, fine, {}), Contains(fast_vibration));
+  SimulationOptions kept;
+  kept.kept = {fast_vibration};
+  EXPECT_THAT(taken(rig, fine, kept), Not(Contains(fast_vibration)));
+  SimulationOptions exact;
+  exact.exact = true;
+  EXPECT_THAT(taken(rig, fine, exact), testing::IsEmpty());
+  // a force that jumps at touch makes it vibrate much
+  Rig jumping = rig;
+  jumping.contact.damping = "viscous";
+  jumping.contact.restitution = 0.3;
+  EXPECT_THAT(taken(jumping, fine, {}), Not(Contains(fast_vibration)));
+  // slopes by what the coordinates themselves depend on
+  SimulationOptions slopes;
+  slopes.sensitivities = {[](Rig& r) -> double& { return r.contact.length; }};
+  EXPECT_THAT(taken(rig, fine, slopes), Contains(fast_vibration));
+  slopes.sensitivities = {[](Rig& r) -> double& { return r.beam.density; }};
+  EXPECT_THAT(taken(rig, fine, slopes), Not(Contains(fast_vibration)));
+}
+
+// More modes than can be computed.
+TEST(FastVibration, LeftOutMakesVeryFineMeshesSmallMotions) {
+  const Rig rig = paper_rig();
+  const Simulation fine = simulate(rig, ancf(448, 64, 1e-6, 1.5e-3));
+  EXPECT_TRUE(fine.small_motion);
+  ASSERT_THAT(fine.taken, Contains(fast_vibration));
+  // meshes of a half: the error falls with the fourth power of the elements' length
+  const Simulation half = simulate(rig, ancf(224, 32, 1e-8, 1.5e-3), as(Motion::small));
+  EXPECT_LT(difference(fine, half), 1.1e-6);
+}
+
+TEST(FastVibration, HasNoPartInWhatTheFullEquationsGive) {
+  const Rig rig = paper_rig();
+  const Simulation few = simulate(rig, ancf(112, 16, 1e-4, 1e-3));
+  ASSERT_THAT(few.taken, Contains(fast_vibration));
+  const Simulation full = simulate(rig, ancf(112, 16, 1e-4, 1e-3), as(Motion::full));
+  EXPECT_LT(difference(few, full), 2e-4);
+}
+
+}  // namespace
