@@ -16,7 +16,6 @@
 namespace impactrig::acquisition {
 
 using datasets::Channel;
-using datasets::Edit;
 
 namespace {
 
@@ -24,6 +23,8 @@ constexpr int crossings = 32;                   ///< of the sinc on either side
 constexpr int table_step = 4096;                ///< values a zero crossing
 constexpr double cutoff = 0.9;                  ///< of the lower Nyquist frequency
 constexpr double beta = 9.0;                    ///< of the Kaiser window
+constexpr double gap_steps = 2.5;               ///< a longer one lacks two samples or more
+constexpr std::ptrdiff_t around_gap = 7;        ///< steps on either side that say what is usual
 constexpr double fewest = 16.0, most = 0x1p26;  ///< samples of the result
 
 /// sinc(x) under its window, x in zero crossings, 0 <= x <= crossings.
@@ -35,15 +36,18 @@ double windowed_sinc(double x) {
   return window * (x == 0.0 ? 1.0 : std::sin(angle) / angle);
 }
 
+bool is_sound(const Channel& channel, std::size_t i) {
+  return channel.is_valid(i) && std::isfinite(channel.value(i));
+}
+
 /// Sound samples at uneven times become samples at even ones from the first sound time on, which
 /// `start` becomes.
 std::vector<double> joined_evenly(const Channel& channel, double interval, double& start) {
   std::vector<double> times, values;
   for (std::size_t i = 0; i < channel.size(); ++i) {
-    const double value = channel.value(i);
-    if (!channel.is_valid(i) || !std::isfinite(value)) continue;
+    if (!is_sound(channel, i)) continue;
     times.push_back(channel.clock.times[i]);
-    values.push_back(value);
+    values.push_back(channel.value(i));
   }
   const bool forwards = std::ranges::adjacent_find(times, std::greater_equal{}) == times.end();
   if (times.size() < 4 || !forwards)
@@ -68,22 +72,69 @@ void refuse_count(const Channel& channel, double rate, double count) {
                   channel.name, std::floor(count), rate, fewest, most / 1e6));
 }
 
-/// Marks each new sample that has an invalid one within a step of either clock.
-std::vector<std::uint8_t> marks_on(const Channel& channel, double start, double interval,
-                                   std::size_t n) {
-  std::vector<std::uint8_t> valid;
-  if (channel.valid.empty()) return valid;
-  const double reach = std::max(interval, channel.clock.interval);
-  for (std::size_t i = 0; i < channel.size(); ++i) {
-    if (channel.is_valid(i)) continue;
-    if (valid.empty()) valid.assign(n, 1);
-    const double time = channel.clock.time(i);
-    const double from = std::max(0.0, std::ceil((time - reach - start) / interval + 1e-6));
-    const double to = std::min(static_cast<double>(n) - 1.0,
-                               std::floor((time + reach - start) / interval - 1e-6));
-    for (double k = from; k <= to; ++k) valid[static_cast<std::size_t>(k)] = 0;
+/// The new clock's samples, and which of them stand for nothing that was recorded.
+class Marks {
+ public:
+  Marks(double start, double interval, std::size_t n) : start_(start), interval_(interval), n_(n) {}
+
+  /// Marks the samples between two times [s], both left out; returns how many.
+  std::size_t add(double from, double to) {
+    const double first = std::max(0.0, std::ceil((from - start_) / interval_ + 1e-6));
+    const double last =
+        std::min(static_cast<double>(n_) - 1.0, std::floor((to - start_) / interval_ - 1e-6));
+    std::size_t added = 0;
+    for (double k = first; k <= last; ++k) {
+      if (valid_.empty()) valid_.assign(n_, 1);
+      added += valid_[static_cast<std::size_t>(k)];
+      valid_[static_cast<std::size_t>(k)] = 0;
+    }
+    return added;
   }
-  return valid;
+
+  std::vector<std::uint8_t>&& valid() && { return std::move(valid_); }
+
+ private:
+  double start_, interval_;
+  std::size_t n_;
+  std::vector<std::uint8_t> valid_;
+};
+
+/// Marks each new sample that has an invalid one within a step of either clock.
+void mark_invalid(const Channel& channel, double interval, Marks& marks) {
+  const double reach = std::max(interval, channel.clock.interval);
+  for (std::size_t i = 0; i < channel.size(); ++i)
+    if (!is_sound(channel, i))
+      marks.add(channel.clock.time(i) - reach, channel.clock.time(i) + reach);
+}
+
+/// Marks what falls into steps so much longer than those before and behind that samples are
+/// missing there, each of which counts as an invalid one. A change of the rate is no gap.
+void mark_gaps(const Channel& channel, double interval, Marks& marks, Resampled& result) {
+  const std::vector<double>& times = channel.clock.times;
+  const auto n = static_cast<std::ptrdiff_t>(times.size());
+  const auto step = [&](std::ptrdiff_t i) {  // from sample i to the next one
+    return times[static_cast<std::size_t>(i) + 1] - times[static_cast<std::size_t>(i)];
+  };
+  const auto usual = [&](std::ptrdiff_t from, std::ptrdiff_t to) {  // the median
+    std::vector<double> steps;
+    for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, from); i < std::min(to, n - 1); ++i)
+      steps.push_back(step(i));
+    if (steps.empty()) return 0.0;
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::ranges::nth_element(steps, middle);
+    return *middle;
+  };
+  for (std::ptrdiff_t i = 0; i + 1 < n; ++i) {
+    const double around = std::max(usual(i - around_gap, i), usual(i + 1, i + 1 + around_gap));
+    if (!(around > 0.0) || step(i) <= gap_steps * around) continue;
+    const double reach = std::max(interval, around);
+    const double from = times[static_cast<std::size_t>(i)];
+    const std::size_t marked = marks.add(from + around - reach, from + step(i) - around + reach);
+    if (marked == 0) continue;
+    ++result.gaps;
+    result.in_gaps += marked;
+    result.longest_gap = std::max(result.longest_gap, step(i));
+  }
 }
 
 }  // namespace
@@ -122,14 +173,16 @@ double BandLimited::operator()(double index) const {
   return sum / weights;  // a constant stays what it is
 }
 
-Edit resample(Channel& channel, const datasets::Resample& to) {
+Resampled resample(Channel& channel, const datasets::Resample& to) {
   if (!(to.rate > 0.0) || !std::isfinite(to.rate))
     throw std::invalid_argument(fmt::format("a sample rate of {:g} Hz is not positive", to.rate));
   double start = channel.clock.uniform() || channel.size() == 0 ? channel.clock.start
                                                                 : channel.clock.times.front();
   const double interval = 1.0 / to.rate;
   const bool uneven = !channel.clock.uniform() && channel.size() > 0 && !channel.complex();
-  Edit edit{"resample", channel.name, {}};
+  Resampled result;
+  result.edit = {"resample", channel.name, {}};
+  auto& parameters = result.edit.parameters;
   std::vector<double> source;
   double source_interval = channel.clock.interval;
   if (uneven) {
@@ -137,10 +190,10 @@ Edit resample(Channel& channel, const datasets::Resample& to) {
     refuse_count(channel, to.rate, span / interval);
     source_interval = std::min(interval, span / static_cast<double>(channel.size() - 1));
     source = joined_evenly(channel, source_interval, start);
-    edit.parameters["from"] = "uneven times, joined by modified Akima cubics";
+    parameters["from"] = "uneven times, joined by modified Akima cubics";
   } else {
     source = sound_values(channel, 4);
-    edit.parameters["from"] = fmt::format("{} Hz", 1.0 / source_interval);
+    parameters["from"] = fmt::format("{} Hz", 1.0 / source_interval);
   }
   const double count =
       std::floor(source_interval * static_cast<double>(source.size() - 1) / interval + 1e-6) + 1.0;
@@ -154,12 +207,18 @@ Edit resample(Channel& channel, const datasets::Resample& to) {
     for (std::size_t i = 0; i < values.size(); ++i)
       values[i] = signal(ratio * static_cast<double>(i));
   }
-  channel.valid = marks_on(channel, start, interval, values.size());
+  Marks marks(start, interval, values.size());
+  mark_invalid(channel, interval, marks);
+  if (uneven) mark_gaps(channel, interval, marks, result);
+  if (result.gaps > 0)
+    parameters["gaps"] = fmt::format("{}, the longest {} s: {} samples are not valid", result.gaps,
+                                     result.longest_gap, result.in_gaps);
+  channel.valid = std::move(marks).valid();
   channel.clock = {start, interval, {}};
-  edit.parameters["to"] = fmt::format("{} Hz", to.rate);
-  edit.parameters["kernel"] = fmt::format("sinc, {} crossings, Kaiser window {}", crossings, beta);
+  parameters["to"] = fmt::format("{} Hz", to.rate);
+  parameters["kernel"] = fmt::format("sinc, {} crossings, Kaiser window {}", crossings, beta);
   replace_values(channel, std::move(values));
-  return edit;
+  return result;
 }
 
 }  // namespace impactrig::acquisition

@@ -168,7 +168,15 @@ class Conditioning {
   }
 
   void act(const datasets::Resample& action, std::size_t index) {
-    note(resample(channel(index), action));
+    Resampled result = resample(channel(index), action);
+    note(std::move(result.edit));
+    if (result.gaps == 0) return;
+    record_.warnings.push_back(fmt::format(
+        "'{}' has {} gap{} in its times, {}{:g} s long: {} of the resampled values lie in {} and "
+        "are marked invalid.",
+        channel(index).name, result.gaps, result.gaps == 1 ? "" : "s",
+        result.gaps == 1 ? "" : "up to ", result.longest_gap, result.in_gaps,
+        result.gaps == 1 ? "it" : "them"));
   }
 
   void act(const datasets::Integrate& action, std::size_t index) {

@@ -89,6 +89,23 @@ TEST(ApplySteps, WarnsOfAPeakThatALowPassLowers) {
   EXPECT_THAT(record.warnings[0], testing::StartsWith("The low-pass at 4000 Hz takes "));
 }
 
+TEST(ApplySteps, WarnsOfGapsThatResamplingBridges) {
+  Record record = shot();
+  auto& force = record.channels[0];
+  std::vector<double> values, times;
+  for (std::size_t i = 0; i < at.samples; ++i) {
+    if (i >= 1100 && i < 1150) continue;
+    times.push_back(at.time(i));
+    values.push_back(force.value(i));
+  }
+  force.clock.times = times;
+  force.raw = values;
+  apply_steps(std::vector<ConditioningStep>{{"force", datasets::Resample{1e6}}}, record);
+  EXPECT_THAT(record.warnings,
+              testing::ElementsAre("'Ref1' has 1 gap in its times, 5.1e-05 s long: 50 of the "
+                                   "resampled values lie in it and are marked invalid."));
+}
+
 // What a fit accounts for as filters stays in: only the delay beside them comes off the clock.
 TEST(ApplySteps, AlignLeavesKnownFiltersIn) {
   SensorSet sensors;

@@ -88,12 +88,67 @@ TEST(Resample, JoinsUnevenTimes) {
   }
   force.clock = {times.front(), at.interval, times};
   force.raw = values;
-  const auto edit = resample(force, {1e6});
+  const auto edit = resample(force, {1e6}).edit;
   EXPECT_TRUE(force.clock.uniform());
   EXPECT_EQ(edit.parameters.at("from"), "uneven times, joined by modified Akima cubics");
   EXPECT_NEAR(force.clock.time(force.size() - 1), times.back(), 1.5e-6);
   // Modified Akima cubics are of second order at worst: (w h)² = 1.6e-4.
   EXPECT_LT(inner_error(force, wave, 40e-6), 1.6e-4);
+}
+
+/// A signal at 1 MHz less what `lost` takes out of it.
+datasets::Channel without(const std::function<bool(std::size_t)>& lost) {
+  datasets::Channel force = force_of(at, {});
+  std::vector<double> times, values;
+  for (std::size_t i = 0; i < at.samples; ++i) {
+    if (lost(i)) continue;
+    times.push_back(at.time(i));
+    values.push_back(std::sin(2.0 * pi * 2e3 * at.time(i)));
+  }
+  force.clock = {times.front(), 1e-6, times};
+  force.raw = values;
+  return force;
+}
+
+std::vector<std::size_t> invalid_samples(const datasets::Channel& channel) {
+  std::vector<std::size_t> invalid;
+  for (std::size_t i = 0; i < channel.size(); ++i)
+    if (!channel.is_valid(i)) invalid.push_back(i);
+  return invalid;
+}
+
+// Nobody recorded what is drawn over a gap.
+TEST(Resample, MarksWhatFallsIntoGaps) {
+  auto force = without([](std::size_t i) { return (i > 2000 && i <= 2050) || i == 4001; });
+  const auto result = resample(force, {1e6});
+  ASSERT_EQ(force.size(), at.samples);
+  std::vector<std::size_t> lost;
+  for (std::size_t i = 2001; i <= 2050; ++i) lost.push_back(i);  // a single one is no gap
+  EXPECT_EQ(invalid_samples(force), lost);
+  EXPECT_EQ(result.gaps, 1U);
+  EXPECT_EQ(result.in_gaps, 50U);
+  EXPECT_NEAR(result.longest_gap, 51e-6, 1e-12);
+  EXPECT_TRUE(result.edit.parameters.contains("gaps"));
+}
+
+// At half the rate each new sample stands for its neighbours too.
+TEST(Resample, MarksTheNeighboursOfAGapAtALowerRate) {
+  auto force = without([](std::size_t i) { return i > 2000 && i <= 2010; });
+  resample(force, {500e3});
+  EXPECT_EQ(invalid_samples(force), (std::vector<std::size_t>{1000, 1001, 1002, 1003, 1004, 1005}));
+}
+
+TEST(Resample, TakesAnotherRateForNoGap) {
+  auto force = without([](std::size_t i) { return (i < 3000 || i > 6000) && i % 10 != 0; });
+  EXPECT_EQ(resample(force, {1e6}).gaps, 0U);
+  EXPECT_TRUE(force.valid.empty());
+}
+
+TEST(Resample, MarksWhatIsNotANumber) {
+  auto velocity = velocity_of(at, std::vector<double>(at.samples, 0.4));
+  std::get<std::vector<double>>(velocity.raw)[1000] = NAN;
+  resample(velocity, {500e3});
+  EXPECT_EQ(invalid_samples(velocity), std::vector<std::size_t>{500});
 }
 
 // What is not sound at the beginning is no sample, and shifts none.
