@@ -22,6 +22,7 @@ constexpr double longest_dropout = 300e-6;  ///< [s], as the conditioning step h
 constexpr double much_noise = 0.02;         ///< of a signal, one standard deviation
 constexpr double much_wandering = 0.02;     ///< of a peak
 constexpr double much_shift = 0.01;         ///< of a peak
+constexpr std::size_t rail_samples = 32;    ///< equal ones on end that noise does not make
 constexpr std::size_t quiet_blocks = 16;    ///< of the time before touch
 constexpr std::size_t least_after = 16;     ///< samples that say where a force comes to rest
 
@@ -70,19 +71,58 @@ bool clipped(const RecordedSignal& trigger, const Contact& contact) {
          (pulse && flat_top(y, contact, trigger.quantum));
 }
 
+/// A rail that no range states: noise on the way, none for many samples on end at the extreme.
+/// A digitiser's level is none: its runs end where the noise is a step high, and without such noise
+/// a bar at rest or at constant speed has them too. Nor is zero, where lost lasers are.
+bool on_rail(const ImpactSignal& signal, double sign) {
+  const std::vector<double>& y = signal.values;
+  const auto valid = [&](std::size_t i) { return signal.valid.empty() || signal.valid[i] != 0; };
+  double top = -INFINITY, bottom = INFINITY;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    if (!valid(i)) continue;
+    top = std::max(top, sign * y[i]);
+    bottom = std::min(bottom, sign * y[i]);
+  }
+  const double span = top - bottom;
+  if (!(span > 0.0) || std::abs(top) <= 1e-3 * span) return false;
+  const auto same = [&](double a, double b) { return std::abs(a - b) <= 1e-9 * span; };
+  std::vector<double> off;  // what is on neither extreme
+  std::size_t run = 0, longest = 0, elsewhere = 0, longest_elsewhere = 0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const bool at_top = valid(i) && same(sign * y[i], top);
+    run = at_top ? run + 1 : 0;
+    longest = std::max(longest, run);
+    if (at_top || same(sign * y[i], bottom)) continue;
+    elsewhere = !off.empty() && same(y[i], off.back()) ? elsewhere + 1 : 1;
+    longest_elsewhere = std::max(longest_elsewhere, elsewhere);
+    off.push_back(y[i]);
+  }
+  if (longest < rail_samples || longest < 4 * longest_elsewhere || off.size() < rail_samples)
+    return false;
+  std::size_t turns = 0;  // of second differences: 0.73 of them in white noise, few on a curve
+  for (std::size_t i = 3; i < off.size(); ++i)
+    if ((off[i] - 2.0 * off[i - 1] + off[i - 2]) * (off[i - 1] - 2.0 * off[i - 2] + off[i - 3]) <
+        0.0)
+      ++turns;
+  const bool rough = 2 * turns > off.size();
+  return rough && step_noise(off) > std::max(0.7 * quantum_of(off), 1e-7 * span);
+}
+
 double range_of(const std::vector<const RecordedSignal*>& signals, Quantity quantity) {
   for (const RecordedSignal* const signal : signals)
     if (signal->trace.quantity == quantity) return signal->range;
   return 0.0;
 }
 
-/// A motion that reaches its range anywhere in the window, as its approach counts too.
+/// A motion that reaches its range, or a rail that is not stated, anywhere in the window, as its
+/// approach counts too.
 bool motion_clipped(const Impact& impact, const std::vector<const RecordedSignal*>& signals) {
   for (const auto* signal : {&impact.velocity, &impact.displacement}) {
     if (!*signal) continue;
     const double range = range_of(signals, (*signal)->quantity);
     if (std::ranges::any_of((*signal)->values, [&](double v) { return at_range(v, range); }))
       return true;
+    if (on_rail(**signal, 1.0) || on_rail(**signal, -1.0)) return true;
   }
   return false;
 }

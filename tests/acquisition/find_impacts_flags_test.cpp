@@ -116,6 +116,42 @@ TEST(ClippedFlag, FiresOnAVelocityBeyondItsRange) {
   }
 }
 
+/// A bar's velocity: constant, a contact with the force of `pulse`, constant.
+double bar_velocity(double t) {
+  return 0.5 - 0.45 * (1.0 - std::cos(pi * std::clamp(t / duration, 0.0, 1.0)));
+}
+
+bool velocity_is_clipped(std::vector<double> velocity, const Sampling& at = {}) {
+  const auto impacts = find_impacts(
+      record_of({force_of(at, sampled(at, pulse)), velocity_of(at, std::move(velocity))}));
+  EXPECT_EQ(impacts.size(), 1u);
+  return !impacts.empty() && impacts[0].has(ImpactFlag::clipped);
+}
+
+// Noise is everywhere but at the rail. No range is stated.
+TEST(ClippedFlag, FiresOnAVelocityAtARail) {
+  for (const auto& [least, most] : {std::pair{-0.3, 0.45}, {-0.3, 9.0}, {-9.0, 0.45}, {-9.0, 9.0}})
+    for (const double step : {0.0, 1e-4}) {
+      auto velocity = sampled({}, bar_velocity);
+      add_noise(velocity, 5e-4, 5);
+      if (step > 0.0) round_to(velocity, step);
+      for (double& value : velocity) value = std::clamp(value, least, most);
+      EXPECT_EQ(velocity_is_clipped(velocity), least > -1.0 || most < 1.0) << least << " " << most;
+    }
+}
+
+// Without noise above a digitiser step constant speeds are long runs of equal extreme samples.
+TEST(ClippedFlag, IsSilentOnConstantSpeedsOfADigitiser) {
+  for (const int bits : {6, 8, 10, 12, 16})
+    for (const double noise : {0.0, 1e-5, 2e-4, 1e-3}) {
+      auto velocity = sampled({}, bar_velocity);
+      add_noise(velocity, noise, 6);
+      round_to(velocity, 2.0 / std::pow(2.0, bits));
+      EXPECT_FALSE(velocity_is_clipped(velocity)) << bits << " " << noise;
+    }
+  EXPECT_FALSE(velocity_is_clipped(sampled({}, bar_velocity)));
+}
+
 // --- double hit ---------------------------------------------------------------------------------
 
 TEST(DoubleHitFlag, FiresOnASecondContact) {
