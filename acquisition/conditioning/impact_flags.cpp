@@ -22,9 +22,10 @@ constexpr double longest_dropout = 300e-6;  ///< [s], as the conditioning step h
 constexpr double much_noise = 0.02;         ///< of a signal, one standard deviation
 constexpr double much_wandering = 0.02;     ///< of a peak
 constexpr double much_shift = 0.01;         ///< of a peak
-constexpr std::size_t rail_samples = 32;    ///< equal ones on end that noise does not make
-constexpr std::size_t quiet_blocks = 16;    ///< of the time before touch
-constexpr std::size_t least_after = 16;     ///< samples that say where a force comes to rest
+constexpr std::size_t plateau_samples = 16;
+constexpr std::size_t rail_samples = 32;  ///< equal ones on end that noise does not make
+constexpr std::size_t quiet_blocks = 16;  ///< of the time before touch
+constexpr std::size_t least_after = 16;   ///< samples that say where a force comes to rest
 
 double as_double(std::size_t n) {
   return static_cast<double>(n);
@@ -49,6 +50,49 @@ bool flat_top(const std::vector<double>& y, const Contact& contact, double quant
   return fall > 13.5 * quantum;
 }
 
+/// A flat top with noise behind it: the samples about the peak that lie within the noise before
+/// touch are a level stretch, and the signal leaves it at both ends at once as steeply as it goes
+/// on. A crest curves within such a stretch, and a plateau that the contact makes rounds off.
+bool noisy_flat_top(const Trace& trace, const Contact& contact, double quantum,
+                    const DetectionOptions& options) {
+  const std::vector<double>& y = trace.values;
+  const auto quiet = quiet_before(trace, contact.onset, 0, options);
+  if (!quiet) return false;
+  const double sigma = fit_quiet(y, quiet->begin, quiet->end, 1, quantum).sigma;
+  if (!(sigma > 0.0)) return false;
+  const double sign = contact.peak < 0.0 ? -1.0 : 1.0;
+  const double height = std::abs(contact.peak);
+  const auto near_top = [&](std::size_t i) {
+    return sign * (y[i] - contact.baseline) >=
+           height - 9.0 * sigma;  // noise makes 3 to 4 of them at the peak
+  };
+  const std::size_t peak = contact.peak_index;
+  std::size_t first = peak, last = peak;
+  while (first > 0 && near_top(first - 1)) --first;
+  while (last + 1 < y.size() && near_top(last + 1)) ++last;
+  if (last - first + 1 < plateau_samples) return false;
+  // From here on the level is the plateau's own.
+  const double level = median({y.begin() + static_cast<std::ptrdiff_t>(first),
+                               y.begin() + static_cast<std::ptrdiff_t>(last) + 1});
+  const auto depth = [&](std::size_t i) { return sign * (level - y[i]); };
+  while (first < last && depth(first) > 2.5 * sigma) ++first;
+  while (last > first && depth(last) > 2.5 * sigma) --last;
+  const std::size_t run = last - first + 1;
+  const std::size_t part = std::max<std::size_t>(3, run / 12);
+  if (run < plateau_samples || first < 2 * part || last + 2 * part >= y.size()) return false;
+  const QuietFit course = fit_quiet(y, first, last + 1, 2, quantum);
+  // Of noise alone these are 2.2 and 1.7 standard errors of the mean at one standard deviation.
+  const double error = sigma / std::sqrt(as_double(run));
+  const double bend = 1.5 * std::abs(course.coefficients[2]);
+  const double lean = 2.0 * std::abs(course.coefficients[1]);
+  if (bend > 0.3 * sigma + 9.0 * error || lean > 0.3 * sigma + 9.0 * error) return false;
+  const auto steep = [&](double near, double far) {
+    return near > 10.0 * sigma && near > 0.6 * (far - near);
+  };
+  return steep(depth(first - part), depth(first - 2 * part)) &&
+         steep(depth(last + part), depth(last + 2 * part));
+}
+
 /// Whether a signal reaches its known range, or its invalid samples stand above half of its peak.
 bool over_range(const RecordedSignal& signal, std::size_t first, std::size_t last, double half_peak,
                 double baseline) {
@@ -61,14 +105,16 @@ bool over_range(const RecordedSignal& signal, std::size_t first, std::size_t las
   return false;
 }
 
-bool clipped(const RecordedSignal& trigger, const Contact& contact) {
+bool clipped(const RecordedSignal& trigger, const Contact& contact,
+             const DetectionOptions& options) {
   const std::vector<double>& y = trigger.trace.values;
   const bool pulse = trigger.trace.quantity != Quantity::velocity;
   const auto first = static_cast<std::size_t>(contact.onset);
   const std::size_t last = std::min(y.size() - 1, static_cast<std::size_t>(contact.end));
   return over_range(trigger, first, last, pulse ? 0.5 * std::abs(contact.peak) : 0.0,
                     contact.baseline) ||
-         (pulse && flat_top(y, contact, trigger.quantum));
+         (pulse && (flat_top(y, contact, trigger.quantum) ||
+                    noisy_flat_top(trigger.trace, contact, trigger.quantum, options)));
 }
 
 /// A rail that no range states: noise on the way, none for many samples on end at the extreme.
@@ -243,7 +289,7 @@ std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
   const auto flag = [&flags](bool is, ImpactFlag which) {
     if (is) flags.push_back(which);
   };
-  const bool is_clipped = clipped(*signals.front(), contact);
+  const bool is_clipped = clipped(*signals.front(), contact, options);
   const double peak = impact.force ? force_peak(impact) : 0.0;
   const RecordedSignal* const force = impact.force ? force_among(signals) : nullptr;
   flag(is_clipped || motion_clipped(impact, signals), ImpactFlag::clipped);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -62,6 +63,54 @@ TEST(ClippedFlag, FiresOnAFlatBottom) {
       {force_of(at, sampled(at, [&](double t) { return std::max(-1200.0, -pulse(t)); }))}));
   ASSERT_EQ(impacts.size(), 1u);
   EXPECT_TRUE(impacts[0].has(ImpactFlag::clipped));
+}
+
+// A charge amplifier at its limit, with the digitiser's noise behind it.
+TEST(ClippedFlag, FiresOnAFlatTopWithNoiseBehindIt) {
+  for (const double range : {750.0, 1200.0, 1350.0})
+    for (const double noise : {0.15, 1.0, 3.0})
+      for (const double sign : {1.0, -1.0})
+        EXPECT_TRUE(
+            impact_in(sampled({}, [&](double t) { return sign * std::min(range, pulse(t)); }), {},
+                      noise)
+                .has(ImpactFlag::clipped))
+            << range << " " << noise << " " << sign;
+}
+
+// Pulses that are flat by themselves: x^4, x^8 and x^20 instead of a parabola, yielding, a slope.
+// Without noise, or rounded to coarse steps, the flat ones have equal top samples as a rail has.
+TEST(ClippedFlag, IsSilentOnPlateausOfTheContact) {
+  const auto flat = [](double exponent) {
+    return [exponent](double t) {
+      const double x = std::abs(2.0 * t / duration - 1.0);
+      return x < 1.0 ? 1500.0 * (1.0 - std::pow(x, exponent)) : 0.0;
+    };
+  };
+  const auto yielding = [](double t) { return 1200.0 * std::tanh(pulse(t) / 700.0); };
+  const auto leaning = [](double t) { return std::min(pulse(t), 1100.0 + 200.0 * t / duration); };
+
+  struct Plateau {
+    const char* name;
+    std::function<double(double)> force;
+    double least_noise, largest_step;
+  };
+
+  const Plateau plateaus[] = {{"sine", pulse, 0.0, 16.0},        {"x^2", flat(2), 0.0, 16.0},
+                              {"x^4", flat(4), 0.1, 1.0},        {"x^8", flat(8), 0.1, 1.0},
+                              {"yielding", yielding, 0.0, 16.0}, {"x^20", flat(20), 0.1, 1.0},
+                              {"slope", leaning, 0.1, 1.0}};
+  for (const Plateau& plateau : plateaus)
+    for (const double noise : {0.0, 0.15, 1.0, 3.0, 20.0})
+      for (const double step : {0.0, 1.0, 16.0}) {
+        if (noise < plateau.least_noise || step > plateau.largest_step) continue;
+        auto values = sampled({}, plateau.force);
+        add_noise(values, noise, 9);
+        if (step > 0.0) round_to(values, step);
+        const auto impacts = find_impacts(record_of({force_of({}, values)}));
+        ASSERT_EQ(impacts.size(), 1u);
+        EXPECT_FALSE(impacts[0].has(ImpactFlag::clipped))
+            << plateau.name << " " << noise << " " << step;
+      }
 }
 
 // A crest of a coarse digitiser stays on one value for many samples.
