@@ -242,11 +242,13 @@ class Chain {
     }));
   }
 
-  /// Straight lines between the points of a table, its ends beyond them.
+  /// Straight lines between the points of a table, its ends beyond them. The numbers of the file
+  /// are looked up among the "scaled" values and become "pre-scaled" ones, against the names: so
+  /// NI's own plug-in for Excel reads such files, by the test of npTDMS 1 that holds its figures.
   Stage table(std::uint32_t index) {
     const Stage input = input_of(index, "Table_Input_Source");
-    std::vector<double> x = list(index, "Table_Pre_Scaled_Values", 0);
-    std::vector<double> y = list(index, "Table_Scaled_Values", 0);
+    std::vector<double> x = list(index, "Table_Scaled_Values", 0);
+    std::vector<double> y = list(index, "Table_Pre_Scaled_Values", 0);
     if (x.size() != y.size() || x.empty())
       throw Unsupported{
           fmt::format("its scale {} is a table of {} to {} values", index, x.size(), y.size())};

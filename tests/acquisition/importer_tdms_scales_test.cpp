@@ -73,7 +73,7 @@ TEST(TdmsScales, OfTheGroupOrTheFileHoldForAChannelWithout) {
         << path;
 }
 
-TEST(TdmsScales, PolynomialAndTableFollowTheirDefinition) {
+TEST(TdmsScales, APolynomialFollowsItsDefinition) {
   const auto cubic = scale(0, "Polynomial",
                            {{"Coefficients_Size", 4},
                             {"Coefficients[0]", 1},
@@ -81,17 +81,30 @@ TEST(TdmsScales, PolynomialAndTableFollowTheirDefinition) {
                             {"Coefficients[2]", 0},
                             {"Coefficients[3]", 3}});
   EXPECT_THAT(scaled(cubic, {0, 1, -2}).channels.at(0).values(), ElementsAre(1, 2, -19));
-  const auto falling = scale(0, "Table",
-                             {{"Pre_Scaled_Values_Size", 3},
-                              {"Scaled_Values_Size", 3},
-                              {"Pre_Scaled_Values[0]", 4},
-                              {"Pre_Scaled_Values[1]", 2},
-                              {"Pre_Scaled_Values[2]", 0},
-                              {"Scaled_Values[0]", 40},
-                              {"Scaled_Values[1]", 10},
-                              {"Scaled_Values[2]", 0}});
-  EXPECT_THAT(scaled(falling, {-1, 0, 1, 2, 3, 4, 9}).channels.at(0).values(),
-              ElementsAre(0, 0, 5, 10, 25, 40, 40));
+}
+
+std::vector<std::string> table_scale(const std::vector<double>& pre_scaled,
+                                     const std::vector<double>& scaled_values) {
+  std::vector<std::pair<std::string, double>> parameters = {
+      {"Pre_Scaled_Values_Size", static_cast<double>(pre_scaled.size())},
+      {"Scaled_Values_Size", static_cast<double>(scaled_values.size())}};
+  for (std::size_t i = 0; i < pre_scaled.size(); ++i)
+    parameters.emplace_back("Pre_Scaled_Values[" + std::to_string(i) + "]", pre_scaled[i]);
+  for (std::size_t i = 0; i < scaled_values.size(); ++i)
+    parameters.emplace_back("Scaled_Values[" + std::to_string(i) + "]", scaled_values[i]);
+  return scale(0, "Table", parameters);
+}
+
+// What NI's plug-in for Excel makes of such a table, as npTDMS's test of it states it: the file's
+// numbers are "scaled values" and become "pre-scaled" ones.
+TEST(TdmsScales, ATableLeadsFromScaledToPreScaledValues) {
+  EXPECT_THAT(
+      scaled(table_scale({2, 4, 8}, {1, 2, 3}), {0.5, 1, 1.5, 2.5, 3, 3.5}).channels.at(0).values(),
+      ElementsAre(2, 2, 3, 6, 8, 8));
+  // falling inputs; the outputs may go back and forth
+  EXPECT_THAT(
+      scaled(table_scale({40, 10, 20}, {4, 2, 0}), {-1, 0, 1, 2, 3, 4, 9}).channels.at(0).values(),
+      ElementsAre(20, 20, 15, 10, 25, 40, 40));
 }
 
 TEST(TdmsScales, SumAndDifferenceJoinScalesOfOneSignal) {
@@ -206,7 +219,7 @@ TEST(TdmsScales, ThatCannotBeAppliedLeaveTheRawNumbersWithoutUnit) {
       told(scale(2, "Add", {{"Left_Operand_Input_Source", 0}, {"Right_Operand_Input_Source", 1}})),
       "its scales need more than one raw signal");
   EXPECT_EQ(told(scale(0, "Table", {{"Pre_Scaled_Values_Size", 1}, {"Pre_Scaled_Values[0]", 1}})),
-            "its scale 0 is a table of 1 to 0 values");
+            "its scale 0 is a table of 0 to 1 values");
   EXPECT_EQ(told(scale(0, "Table",
                        {{"Pre_Scaled_Values_Size", 2},
                         {"Scaled_Values_Size", 2},
