@@ -15,6 +15,7 @@
 #include "acquisition/importers/byte_cursor.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/tdms_scaling.hpp"
+#include "acquisition/importers/time_axis.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
@@ -199,6 +200,38 @@ class Recording {
     return *time;
   }
 
+  /// What `wf_increment` counts: how many seconds its unit (wf_xunit_string) has; none where the
+  /// channel lies over anything else. Without a unit the abscissa's name (wf_xname) decides.
+  static std::optional<double> seconds_of(const TdmsProperties& properties) {
+    const auto text = [&](const char* name) {
+      const auto found = properties.find(name);
+      return found == properties.end() ? std::string() : text_of(found->second);
+    };
+    const std::string unit = text("wf_xunit_string");
+    if (!unit.empty()) {
+      if (datasets::quantity_of_unit(unit) == Quantity::frequency) return std::nullopt;
+      const auto conversion = datasets::conversion(unit, "s");
+      return conversion ? std::optional(conversion->factor) : std::nullopt;
+    }
+    const std::string name = text("wf_xname");
+    const bool frequency = name == "Frequency" || name == "frequency";
+    return frequency ? std::nullopt : std::optional(1.0);
+  }
+
+  static void set_other_abscissa(const TdmsProperties& properties, double first, double increment,
+                                 Channel& channel) {
+    const auto unit = properties.find("wf_xunit_string");
+    const std::string spelled = unit == properties.end() ? "" : text_of(unit->second);
+    const auto name = properties.find("wf_xname");
+    std::string domain = name == properties.end() ? "" : text_of(name->second);
+    const Quantity quantity = datasets::quantity_of_unit(spelled);
+    if (spelled.empty() || quantity == Quantity::frequency)
+      domain = "frequency";
+    else if (domain.empty() || domain == "Time" || domain == "time")
+      domain = quantity == Quantity::unknown ? "unknown" : std::string(datasets::name(quantity));
+    set_abscissa(channel, domain, spelled, first, increment);
+  }
+
   /// Uniform clocks from the waveform properties. Channels share a time origin: the earliest start.
   void set_uniform_clocks() {
     const auto before = [](const TdmsTime& a, const TdmsTime& b) {
@@ -216,8 +249,14 @@ class Recording {
         return std::isfinite(value) ? value : 0.0;
       };
       datasets::SampleClock& clock = record_.channels[i].clock;
-      clock.start = number("wf_start_offset");
-      clock.interval = std::max(0.0, number("wf_increment"));
+      const std::optional<double> unit = seconds_of(channels_[i]->properties);
+      if (!unit) {
+        set_other_abscissa(channels_[i]->properties, number("wf_start_offset"),
+                           number("wf_increment"), record_.channels[i]);
+        continue;
+      }
+      clock.start = *unit * number("wf_start_offset");
+      clock.interval = *unit * std::max(0.0, number("wf_increment"));
       const auto start = start_of(*channels_[i]);
       if (!start) continue;
       const double later = static_cast<double>(start->seconds - earliest->seconds) +

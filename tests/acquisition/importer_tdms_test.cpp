@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
+#include <tuple>
+
 #include "tests/acquisition/tdms_bytes.hpp"
 #include "tests/acquisition/written_file.hpp"
 
@@ -190,6 +192,39 @@ TEST_P(TdmsInBothByteOrders, WaveformPropertiesGiveTheClock) {
   EXPECT_THAT(
       record.warnings,
       ElementsAre("channels start at different times: time 0 is the start of the earliest"));
+}
+
+TEST(Tdms, TheAbscissaHasAUnit) {
+  const auto over = [](const std::string& name, const std::string& unit) {
+    std::vector<std::string> properties = {little.property("wf_increment", 2.5),
+                                           little.property("wf_start_offset", 10.0)};
+    if (!name.empty()) properties.push_back(little.property("wf_xname", name));
+    if (!unit.empty()) properties.push_back(little.property("wf_xunit_string", unit));
+    return imported(little.segment({little.channel("a", little.index(2, 2), properties)},
+                                   little.numbers(Shorts{1, 2})))
+        .channels.at(0);
+  };
+  for (const auto& [name, unit] :
+       {std::pair<std::string, std::string>{"", ""}, {"Time", "s"}, {"Time", ""}, {"X", "s"}}) {
+    EXPECT_EQ(over(name, unit).clock.interval, 2.5) << name << unit;
+    EXPECT_EQ(over(name, unit).clock.start, 10.0) << name << unit;
+    EXPECT_FALSE(over(name, unit).attributes.contains("domain")) << name << unit;
+  }
+  EXPECT_EQ(over("Time", "ms").clock.interval, 2.5e-3);
+  EXPECT_EQ(over("Time", "ms").clock.start, 10e-3);
+  for (const auto& [name, unit, domain] :
+       {std::tuple<std::string, std::string, std::string>{"Frequency", "Hz", "frequency"},
+        {"", "kHz", "frequency"},
+        {"Frequency", "", "frequency"},
+        {"Way", "mm", "Way"},
+        {"Time", "mm", "displacement"}}) {
+    const datasets::Channel channel = over(name, unit);
+    EXPECT_EQ(channel.clock.interval, 0.0) << name << unit;
+    EXPECT_EQ(channel.attributes.at("domain"), domain);
+    EXPECT_EQ(channel.attributes.at("abscissa unit"), unit);
+    EXPECT_EQ(channel.attributes.at("abscissa first"), "10");
+    EXPECT_EQ(channel.attributes.at("abscissa increment"), "2.5");
+  }
 }
 
 TEST(Tdms, SegmentsOfDifferentByteOrderJoin) {
