@@ -43,6 +43,18 @@ std::string field(const std::string& path, std::string_view what, const std::str
   return text;
 }
 
+/// "FS (full scale = 1.0)": where such a unit does not fit, what is in the parentheses comes off.
+struct UnitText {
+  std::string unit, comment;
+};
+
+UnitText unit_text(const std::string& unit, std::size_t width) {
+  const std::size_t open = unit.rfind(" (");
+  if (unit.size() <= width || open == std::string::npos || open == 0 || !unit.ends_with(')'))
+    return {unit, {}};
+  return {unit.substr(0, open), unit.substr(open + 2, unit.size() - open - 3)};
+}
+
 /// A label is decoration: at most `width` bytes of it, cut between characters.
 std::string label(std::string text, std::size_t width) {
   if (text.size() > width) {
@@ -111,10 +123,11 @@ void print_header(OutputFile& out, const std::string& path, const Record& record
          label(attribute(channel, "abscissa label"), 20),
          field(path, "the abscissa's unit", attribute(channel, "abscissa unit"), 20));
   }
-  const std::string ordinate = attribute(channel, "ordinate label");
-  axis(uff58_type(channel.quantity),
-       label(ordinate.empty() ? std::string(datasets::name(channel.quantity)) : ordinate, 20),
-       field(path, "the unit", channel.unit, 20));
+  const UnitText unit = unit_text(channel.unit, 20);
+  std::string ordinate = attribute(channel, "ordinate label");
+  if (ordinate.empty()) ordinate = unit.comment;
+  if (ordinate.empty()) ordinate = datasets::name(channel.quantity);
+  axis(uff58_type(channel.quantity), label(ordinate, 20), field(path, "the unit", unit.unit, 20));
   axis(0, "NONE",
        field(path, "the denominator's unit", attribute(channel, "denominator unit"), 20));
   axis(0, "NONE", "NONE");

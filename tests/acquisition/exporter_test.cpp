@@ -285,6 +285,19 @@ TEST(Export, RefusesWhatAFormatCannotHold) {
   EXPECT_EQ(export_error(record, ".uff"), "OUT: the name 'two\nlines' has a line break");
 }
 
+// What WAVE files give: the explanation of the unit is its ordinate label.
+TEST(Export, ToUffKeepsALongUnitWithoutItsComment) {
+  Record record = example(3);
+  record.channels[0].unit = "FS (full scale = 1.0)";
+  record.channels[0].quantity = Quantity::unknown;
+  for (const char* const ending : {".uff", ".unv"}) {
+    const Record back = round_trip(record, ending);
+    EXPECT_EQ(back.channels[0].unit, "FS") << ending;
+    EXPECT_EQ(back.channels[0].attributes.at("ordinate label"), "full scale = 1.0") << ending;
+    EXPECT_EQ(back.channels[0].quantity, Quantity::unknown) << ending;
+  }
+}
+
 TEST(Export, ChoosesByEndingOrByName) {
   const Record record = example(3);
   EXPECT_THAT(export_error(record, ".xyz"),
