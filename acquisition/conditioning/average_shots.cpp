@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -64,6 +65,32 @@ std::string reason_against(const std::vector<Impact>& impacts) {
   return {};
 }
 
+/// Takes out the shots of which `value` has the other sign than that of most (of the first, where
+/// as many have either), and says of which `what`. None has a sign where `value` is 0.
+template <typename Value>
+void leave_out_opposite(std::string_view what, const Value& value, std::vector<Shot>& shots,
+                        std::vector<std::string>& warnings) {
+  int balance = 0;
+  for (const Shot& shot : shots) balance += (value(shot) > 0.0) - (value(shot) < 0.0);
+  const auto first = std::ranges::find_if(shots, [&](const Shot& s) { return value(s) != 0.0; });
+  if (first == shots.end()) return;
+  const double sign = balance != 0 ? balance : value(*first);
+  std::erase_if(shots, [&](const Shot& shot) {
+    const bool opposite = value(shot) * sign < 0.0;
+    if (opposite)
+      warnings.push_back(fmt::format("{} is not in the mean: its {} has the opposite sign.",
+                                     shot.record->provenance.source_file, what));
+    return opposite;
+  });
+}
+
+double approach_of(const Shot& shot) {
+  const Impact& impact = shot.impact;
+  if (!impact.velocity) return 0.0;
+  const bool known = std::abs(impact.approach_velocity) > 3.0 * impact.velocity->noise;
+  return known ? impact.approach_velocity : 0.0;
+}
+
 std::vector<Shot> usable_shots(std::span<const Record> records, const DetectionOptions& options,
                                std::vector<std::string>& warnings) {
   std::vector<Shot> shots;
@@ -77,6 +104,9 @@ std::vector<Shot> usable_shots(std::span<const Record> records, const DetectionO
       warnings.push_back(
           fmt::format("{} is not in the mean: {}.", record.provenance.source_file, reason));
   }
+  leave_out_opposite(
+      "peak", [](const Shot& shot) { return shot.impact.peak; }, shots, warnings);
+  leave_out_opposite("approach velocity", approach_of, shots, warnings);
   if (shots.size() < 2)
     throw InputError(whole_file(records.empty() ? "" : records.front().provenance.source_file),
                      fmt::format("a mean needs two shots at least, and {} of {} can be used{}{}",

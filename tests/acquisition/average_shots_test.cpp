@@ -108,6 +108,27 @@ TEST(AverageShots, LeavesOutWhatIsNoGoodShot) {
   }
 }
 
+Record turned(Record record, std::size_t channel) {
+  for (double& value : std::get<std::vector<double>>(record.channels[channel].raw)) value = -value;
+  return record;
+}
+
+// A sensor with the wrong polarity would take a shot's share off the mean.
+TEST(AverageShots, LeavesOutTheOppositePolarity) {
+  for (const bool inverted_first : {false, true}) {
+    std::vector<Record> shots{shot(0, 2.0), turned(shot(1, 2.0), 0), shot(2, 2.0),
+                              turned(shot(3, 2.0), 1), shot(4, 2.0)};
+    if (inverted_first) std::swap(shots[0], shots[1]);
+    const Record mean = average_shots(shots);
+    EXPECT_THAT(mean.warnings,
+                testing::ElementsAre(
+                    "shot1.csv is not in the mean: its peak has the opposite sign.",
+                    "shot3.csv is not in the mean: its approach velocity has the opposite sign."));
+    EXPECT_EQ(mean.channels[0].attributes.at("shots"), "3");
+    EXPECT_LT(rms_error(mean.channels[0], force_at), 2.0);
+  }
+}
+
 TEST(AverageShots, SaysThatShotsAreUnlike) {
   const std::vector<Record> shots{shot(0, 2.0), shot(1, 2.0, 1.2)};
   const Record mean = average_shots(shots);
