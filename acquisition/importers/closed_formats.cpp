@@ -36,7 +36,47 @@ constexpr auto signatures = std::to_array<Signature>({
     {0, "%PDF", "a PDF document", "a recording is expected"},
 });
 
+/// Formats of which only the ending is known.
+struct Ending {
+  std::string_view ending;  ///< lower case
+  std::string_view what;
+  std::string_view way_out;
+};
+
+constexpr std::string_view from_polytec =
+    "export it from PSV or VibSoft as universal file (UFF) or ASCII";
+constexpr std::string_view from_its_program =
+    "export it as universal file (UFF), MAT or CSV with the program that wrote it";
+
+constexpr auto endings = std::to_array<Ending>({
+    {".svd", "Polytec PSV", from_polytec},
+    {".pvd", "Polytec VibSoft", from_polytec},
+    {".dxd", "Dewesoft", from_its_program},
+    {".dxz", "Dewesoft", from_its_program},
+    {".d7d", "Dewesoft", from_its_program},
+    {".d7z", "Dewesoft", from_its_program},
+    {".sie", "HBM SoMat", from_its_program},
+    {".spd", "a measuring program", from_its_program},
+    {".rdm", "a measuring program", from_its_program},
+    {".tst", "a measuring program", from_its_program},
+    {".wdf", "a measuring program", from_its_program},
+});
+
 }  // namespace
+
+std::string closed_ending(std::string_view file_name) {
+  const std::size_t dot = file_name.rfind('.');
+  if (dot == std::string_view::npos) return {};
+  std::string ending(file_name.substr(dot));
+  for (char& c : ending)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const auto found = std::ranges::find(endings, ending, &Ending::ending);
+  if (found == endings.end()) return {};
+  return fmt::format(
+      "the content is of no known format, and the ending '{}' is that of files of {}, which are "
+      "not read: {}",
+      ending, found->what, found->way_out);
+}
 
 std::string closed_format(std::string_view head) {
   for (const Signature& signature : signatures) {

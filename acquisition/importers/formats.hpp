@@ -102,4 +102,7 @@ std::unique_ptr<RecordingReader> open_mat73(const std::string& path, const Impor
 /// anything else.
 std::string closed_format(std::string_view head);
 
+/// The same by the ending of a file whose content is of no known format.
+std::string closed_ending(std::string_view file_name);
+
 }  // namespace impactrig::acquisition

@@ -101,6 +101,8 @@ const Importer& recognised(const std::string& path, std::string_view head) {
     const std::string closed = closed_format(head);
     if (!closed.empty()) throw InputError(place_of(path), closed);
   }
+  const std::string closed = best == nullptr ? closed_ending(file_name) : std::string();
+  if (!closed.empty()) throw InputError(place_of(path), closed);
   if (best == nullptr)
     throw InputError(
         place_of(path),

@@ -108,6 +108,22 @@ INSTANTIATE_TEST_SUITE_P(
         Closed{"\x1F\x8B\x08"sv, "a gzip-compressed file, which is not read: unpack it first"},
         Closed{"%PDF-1.7"sv, "a PDF document, which is not read: a recording is expected"}));
 
+TEST(ClosedFormatByEnding, IsNamedWhereTheContentIsOfNoKnownFormat) {
+  const auto unknown = "\x07\x01\xFE\x00\x02\x90"sv;
+  EXPECT_EQ(import_error(unknown, {}, ".pvd"),
+            "FILE: the content is of no known format, and the ending '.pvd' is that of files of "
+            "Polytec VibSoft, which are not read: export it from PSV or VibSoft as universal file "
+            "(UFF) or ASCII");
+  EXPECT_EQ(import_error(unknown, {}, ".DXD"),
+            "FILE: the content is of no known format, and the ending '.dxd' is that of files of "
+            "Dewesoft, which are not read: export it as universal file (UFF), MAT or CSV with the "
+            "program that wrote it");
+  EXPECT_THAT(import_error(unknown, {}, ".xyz"),
+              testing::StartsWith("FILE: the content is of no known format; known are "));
+  EXPECT_THAT(import_error("0,1\n1,2\n2,3\n", {}, ".tst"),  // a table, whatever its name
+              testing::StartsWith("FILE: 'column 1' has neither times nor a sample rate"));
+}
+
 TEST(Uff58Recognition, SeesBinaryFunctionsBehindOtherDatasets) {
   const std::string geometry = "    -1\n    15\n         1         0         0\n    -1\n";
   const auto importer_for = [](std::string_view head) {
