@@ -133,7 +133,8 @@ void add_impacts(const datasets::Record& record, std::size_t index,
   }
 }
 
-/// Impacts of the trigger channel, else of every channel that could show one, each searched alone.
+/// Impacts of the trigger channel, else of every force and acceleration, or every velocity where
+/// there are none, each searched alone.
 ordered_json impacts_json(const datasets::Record& record, const DetectionArguments& detection,
                           std::vector<std::string>& warnings) {
   ordered_json list = ordered_json::array();
@@ -148,11 +149,18 @@ ordered_json impacts_json(const datasets::Record& record, const DetectionArgumen
                 warnings);
     return list;
   }
+  using enum datasets::Quantity;
+  const bool pulses = std::ranges::any_of(record.channels, [](const datasets::Channel& channel) {
+    return channel.quantity == force || channel.quantity == acceleration;
+  });
   for (std::size_t i = 0; i < record.channels.size(); ++i) {
     const datasets::Channel& channel = record.channels[i];
-    using enum datasets::Quantity;
-    if (channel.quantity != force && channel.quantity != acceleration) continue;
-    if (channel.complex() || !channel.clock.uniform() || !(channel.clock.interval > 0.0)) continue;
+    if (pulses ? channel.quantity != force && channel.quantity != acceleration
+               : channel.quantity != velocity)
+      continue;
+    // What is over no time has no impacts; of uneven times a sentence says what to do.
+    const bool over_time = !channel.clock.uniform() || channel.clock.interval > 0.0;
+    if (channel.complex() || !over_time) continue;
     add_impacts(record, i, options, list, warnings);
   }
   return list;

@@ -260,6 +260,25 @@ TEST_F(CommandLine, TakesTheTriggerThatIsChosen) {
   EXPECT_EQ(run("fit " + samples + "shen2007-1.uff --rig " + rig + " --impact 2").code, 3);
 }
 
+// Where there is no force, the velocity shows impacts; of uneven times a sentence says why not.
+TEST_F(CommandLine, InspectLooksForImpactsInVelocitiesAndSaysWhereItCannot) {
+  std::string even = "time [s],Velocity [m/s]\n", uneven = "time [s],Force [N]\n";
+  for (int i = 0; i < 3000; ++i) {
+    const double t = 1e-6 * i - 1e-3;
+    const double done = std::clamp(t / 200e-6, 0.0, 1.0);
+    even += fmt::format("{:.9f},{}\n", t, 0.44 - 0.3 * (1.0 - std::cos(3.14159265 * done)));
+    if (i < 2000 || i > 2050) uneven += fmt::format("{:.9f},{}\n", t, i % 7);
+  }
+  const json found = json::parse(run("inspect --json " + write("v.csv", even)).out);
+  ASSERT_EQ(found["impacts"].size(), 1U);
+  EXPECT_NEAR(found["impacts"][0]["width_s"].get<double>(), 133e-6, 70e-6);
+  const json not_found = json::parse(run("inspect --json " + write("f.csv", uneven)).out);
+  EXPECT_TRUE(not_found["impacts"].empty());
+  EXPECT_THAT(not_found["warnings"].back().get<std::string>(),
+              testing::StartsWith("impacts of 'Force' were not looked for: channel 'Force' is "
+                                  "sampled at uneven times"));
+}
+
 TEST_F(CommandLine, InspectsByTheHeadAndByParts) {
   std::string text = "Time [s],Force [N],Velocity [m/s]\n";
   for (int i = 0; i < 100; ++i) text += fmt::format("{}e-6,{},{}\n", i, i, -i);
