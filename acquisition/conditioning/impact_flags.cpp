@@ -34,7 +34,8 @@ double as_double(std::size_t n) {
 /// A flat top that no smooth crest makes: three or more equal extreme samples, above half of the
 /// peak, and beyond them the signal falls off faster than a parabola through digitiser steps would
 /// (a crest one step high over a run of m samples is 9 steps high over 3 m).
-bool flat_top(const std::vector<double>& y, const Contact& contact, double quantum) {
+bool flat_top(const Trace& trace, const Contact& contact, double quantum) {
+  const std::vector<double>& y = trace.values;
   const double top = y[contact.peak_index];
   const auto same = [&](std::size_t i) {
     return std::abs(y[i] - top) <= 1e-9 * std::abs(contact.peak);
@@ -43,7 +44,9 @@ bool flat_top(const std::vector<double>& y, const Contact& contact, double quant
   while (first > 0 && same(first - 1)) --first;
   while (last + 1 < y.size() && same(last + 1)) ++last;
   const std::size_t run = last - first + 1;
-  if (run < 3) return false;
+  std::size_t sound = 0;  // what bridges invalid samples is level too
+  for (std::size_t i = first; i <= last; ++i) sound += trace.is_valid(i) ? 1 : 0;
+  if (sound < 3) return false;
   const std::size_t left = first > run ? first - run : 0;
   const std::size_t right = std::min(last + run, y.size() - 1);
   const double fall = std::max(std::abs(top - y[left]), std::abs(top - y[right]));
@@ -93,16 +96,27 @@ bool noisy_flat_top(const Trace& trace, const Contact& contact, double quantum,
          steep(depth(last + part), depth(last + 2 * part));
 }
 
-/// Whether a signal reaches its known range, or its invalid samples stand above half of its peak.
+/// Whether a signal reaches its known range, or invalid samples of it are a top that the recorder
+/// marked: finite ones above half of the peak that no sound sample of the contact is higher than.
+/// `half_peak` 0: these do not count.
 bool over_range(const RecordedSignal& signal, std::size_t first, std::size_t last, double half_peak,
                 double baseline) {
+  const Trace& trace = signal.trace;
+  for (std::size_t i = first; i <= last; ++i)
+    if (at_range(trace.values[i], signal.range)) return true;
+  if (!(half_peak > 0.0)) return false;
+  // As recorded: the trace bridges what is invalid.
+  const datasets::Channel& channel = *signal.channel;
+  const double level = channel.value(first);
+  double sound = 0.0, marked = 0.0;
   for (std::size_t i = first; i <= last; ++i) {
-    const double value = signal.trace.values[i];
-    if (at_range(value, signal.range)) return true;
-    if (half_peak > 0.0 && !signal.trace.is_valid(i) && std::abs(value - baseline) >= half_peak)
-      return true;
+    const double height = std::abs(channel.value(i) - level);
+    if (trace.is_valid(i))
+      sound = std::max(sound, height);
+    else if (!std::isnan(height) && std::abs(trace.values[i] - baseline) >= half_peak)
+      marked = std::max(marked, height);
   }
-  return false;
+  return marked > 0.0 && marked >= 0.999 * sound;
 }
 
 bool clipped(const RecordedSignal& trigger, const Contact& contact,
@@ -113,7 +127,7 @@ bool clipped(const RecordedSignal& trigger, const Contact& contact,
   const std::size_t last = std::min(y.size() - 1, static_cast<std::size_t>(contact.end));
   return over_range(trigger, first, last, pulse ? 0.5 * std::abs(contact.peak) : 0.0,
                     contact.baseline) ||
-         (pulse && (flat_top(y, contact, trigger.quantum) ||
+         (pulse && (flat_top(trigger.trace, contact, trigger.quantum) ||
                     noisy_flat_top(trigger.trace, contact, trigger.quantum, options)));
 }
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <tuple>
 
 #include "acquisition/conditioning/condition.hpp"
 #include "tests/acquisition/scene.hpp"
@@ -144,6 +145,29 @@ TEST(ClippedFlag, FiresWhereTheRecorderMarkedTheTop) {
   ASSERT_EQ(impacts.size(), 1u);
   EXPECT_TRUE(impacts[0].has(ImpactFlag::clipped));
   EXPECT_FALSE(impacts[0].has(ImpactFlag::dropout));  // clipped, not lost
+}
+
+// What is missing above half of the peak is lost, on the flank as on the crest.
+TEST(ClippedFlag, IsSilentOnMissingSamplesOfAForce) {
+  const Sampling at;
+  const auto missing = [&](std::size_t from, std::size_t count, double value) {
+    auto force = force_of(at, sampled(at, pulse));
+    force.valid.assign(at.samples, 1);
+    for (std::size_t i = from; i < from + count; ++i) {
+      std::get<std::vector<double>>(force.raw)[i] = value;
+      force.valid[i] = 0;
+    }
+    return find_impacts(record_of({force})).at(0);
+  };
+  for (const auto& [from, count, value] :
+       {std::tuple<std::size_t, std::size_t, double>{1100, 1, NAN},
+        {1050, 20, NAN},
+        {1060, 20, 0.0},
+        {1050, 20, 1300.0}}) {
+    const Impact impact = missing(from, count, value);
+    EXPECT_FALSE(impact.has(ImpactFlag::clipped)) << from << " " << value;
+    EXPECT_TRUE(impact.has(ImpactFlag::dropout)) << from << " " << value;
+  }
 }
 
 // A velocity at its range is clipped, not lost; those samples say nothing.
