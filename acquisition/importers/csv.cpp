@@ -38,7 +38,8 @@ struct CsvHead {
   /// Decides by these rows what the columns are.
   void settle(const Table& rows, const ImportOptions& options, Record& record) {
     record.attributes = head.attributes;
-    roles = find_roles(file, heads, rows, options);
+    roles = find_roles(file, layout, heads, rows, options);
+    tell_of_text(layout, heads, record);
     take_units_of_keys(head, roles, layout.dialect.delimiter, heads);
     describe(layout, head, heads, roles, record);
   }

@@ -171,9 +171,18 @@ std::vector<ColumnHead> complete_heads(const TextFile& file, const TableHead& he
   return heads;
 }
 
-CsvRoles find_roles(const TextFile& file, const std::vector<ColumnHead>& heads, const Table& table,
+void tell_of_text(const TableLayout& layout, const std::vector<ColumnHead>& heads, Record& record) {
+  for (const TextColumn& column : layout.text_columns)
+    record.warnings.push_back(fmt::format("'{}' holds text ('{}'), no numbers: it is left out",
+                                          heads[column.column].name,
+                                          to_utf8(column.example.substr(0, 40))));
+}
+
+CsvRoles find_roles(const TextFile& file, const TableLayout& layout,
+                    const std::vector<ColumnHead>& heads, const Table& table,
                     const ImportOptions& options) {
   CsvRoles roles;
+  for (const TextColumn& column : layout.text_columns) roles.text.push_back(column.column);
   const auto& columns = table.columns;
   if (options.time_column && *options.time_column != "none") {
     roles.time = column_named(heads, *options.time_column);
@@ -187,6 +196,9 @@ CsvRoles find_roles(const TextFile& file, const std::vector<ColumnHead>& heads, 
                                        list += (list.empty() ? "'" : ", '") + head.name + "'";
                                      return list;
                                    }()));
+    if (layout.holds_text(*roles.time))
+      throw InputError(whole(file), fmt::format("the column '{}' holds text, not the time",
+                                                heads[*roles.time].name));
     return roles;
   }
   const bool first_counts = counts(columns.front().values);
@@ -195,12 +207,13 @@ CsvRoles find_roles(const TextFile& file, const std::vector<ColumnHead>& heads, 
     return roles;
   }
   for (std::size_t c = 0; c < columns.size() && !roles.time; ++c)
-    if (is_time_name(heads[c].name) && (heads[c].unit.empty() || is_time_unit(heads[c].unit))) {
+    if (!layout.holds_text(c) && is_time_name(heads[c].name) &&
+        (heads[c].unit.empty() || is_time_unit(heads[c].unit))) {
       roles.time = c;
       roles.reason = "by its name";
     }
   for (std::size_t c = 0; c < columns.size() && !roles.time; ++c)
-    if (is_time_unit(heads[c].unit)) {
+    if (!layout.holds_text(c) && is_time_unit(heads[c].unit)) {
       roles.time = c;
       roles.reason = "by its unit";
     }
@@ -228,7 +241,7 @@ void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delim
     const auto units = cells_of(value, delimiter);
     std::size_t channel = 0;
     for (std::size_t c = 0; c < heads.size(); ++c) {
-      if (c == roles.time || c == roles.index) continue;
+      if (!roles.is_channel(c)) continue;
       if (heads[c].unit.empty() && (units.size() == 1 || channel < units.size()))
         heads[c].unit = units[units.size() == 1 ? 0 : channel];
       ++channel;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -20,8 +21,11 @@ struct CsvRoles {
   std::optional<std::size_t> time;
   std::optional<std::size_t> index;  ///< counts the samples
   std::string reason;                ///< why `time` is the time
+  std::vector<std::size_t> text;     ///< hold text
 
-  bool is_channel(std::size_t column) const { return column != time && column != index; }
+  bool is_channel(std::size_t column) const {
+    return column != time && column != index && std::ranges::find(text, column) == text.end();
+  }
 };
 
 /// One head a column: what the file says, then what the user says, then a name where there is none.
@@ -29,8 +33,13 @@ std::vector<ColumnHead> complete_heads(const TextFile& file, const TableHead& he
                                        std::size_t columns, const ImportOptions& options);
 
 /// What the columns are, by what is stated, by their heads and by the rows in `table`.
-CsvRoles find_roles(const TextFile& file, const std::vector<ColumnHead>& heads, const Table& table,
+CsvRoles find_roles(const TextFile& file, const TableLayout& layout,
+                    const std::vector<ColumnHead>& heads, const Table& table,
                     const ImportOptions& options);
+
+/// Says which columns are left out since they hold text.
+void tell_of_text(const TableLayout& layout, const std::vector<ColumnHead>& heads,
+                  datasets::Record& record);
 
 /// Units that the head states by a key ("Vertical Units,V") go to the columns that state none
 /// themselves. One unit is for all of them; several are one a channel.

@@ -26,9 +26,17 @@ RowReader::RowReader(TextFile& file, const TableLayout& layout,
       key_cells_(layout.key_cells),
       style_{layout.dialect.decimal, false},
       at_(layout.data),
-      needed_(names.size(), true) {
+      required_(names.size()) {
   const std::string_view text = file.text();
   end_ = text.data() + text.size();
+  for (const TextColumn& column : layout.text_columns) text_columns_.push_back(column.column);
+  while (required_ > 1 && layout.holds_text(required_ - 1)) --required_;
+  read_only(std::vector<bool>(names.size(), true));
+}
+
+void RowReader::read_only(std::vector<bool> needed) {
+  needed_ = std::move(needed);
+  for (const std::size_t column : text_columns_) needed_[column] = false;
 }
 
 Table RowReader::read(std::size_t most) {
@@ -72,7 +80,10 @@ void RowReader::read_line() {
       ++at_;
       continue;
     }
-    if (at_line_end()) return short_row(line, c + 1);
+    if (at_line_end()) {
+      if (c + 1 < required_) return short_row(line, c + 1);
+      break;
+    }
   }
   finish_row();
   ++table_.rows;

@@ -130,6 +130,37 @@ std::optional<Candidate> try_dialect(const std::vector<std::string_view>& lines,
   return std::nullopt;
 }
 
+/// True for a row that begins with a number and holds another, whatever its other cells are.
+bool has_numbers_beside_text(std::string_view line, Dialect dialect) {
+  const auto cells = cells_of(line, dialect.delimiter);
+  const auto is_number = [dialect](std::string_view cell) {
+    return number_in(cell, {dialect.decimal, false}).has_value();
+  };
+  return cells.size() > 1 && is_number(cells.front()) &&
+         std::any_of(cells.begin() + 1, cells.end(), is_number);
+}
+
+/// The same where each row holds text: a first row is followed by another with numbers, or by the
+/// end.
+std::optional<Candidate> try_dialect_with_text(const std::vector<std::string_view>& lines,
+                                               std::size_t from, Dialect dialect) {
+  if (dialect.delimiter == ' ') return std::nullopt;
+  std::optional<Candidate> found;
+  for (std::size_t i = from; i < lines.size(); ++i) {
+    if (is_skipped(lines[i])) continue;
+    const bool is_row = has_numbers_beside_text(lines[i], dialect);
+    if (!is_row && !found) continue;
+    if (!is_row) {
+      if (found->numeric_lines > 1) break;
+      found.reset();
+      continue;
+    }
+    if (!found) found = Candidate{dialect, i, shape_of(lines[i], dialect), 0};
+    ++found->numeric_lines;
+  }
+  return found;
+}
+
 bool better(const Candidate& a, const Candidate& b) {
   // an early start explains more of the file than a late one, but only if it holds: count rows
   // first
@@ -160,17 +191,48 @@ bool numbers_from(const std::vector<std::string_view>& cells, std::size_t first,
   return any;
 }
 
-/// A row above that begins with a number and is as long belongs to the table, whatever else it
-/// holds: reading it says what is wrong with it.
+/// How many columns a line above the rows names: 0 where it holds a number or nothing.
+std::size_t named_columns(std::string_view line, Dialect dialect) {
+  std::string_view text = trimmed(line);
+  if (!text.empty() && is_skipped(text)) text = trimmed(text.substr(text.find_first_not_of("#%")));
+  std::size_t named = 0;
+  std::size_t cells = 0;
+  for (const std::string_view cell : cells_of(text, dialect.delimiter)) {
+    ++cells;
+    if (number_in(cell, {dialect.decimal, false})) return 0;
+    if (!cell.empty()) named = cells;
+  }
+  return named;
+}
+
+/// The cells of a row above the first one, where it may be one too: it begins with a number and has
+/// numbers in all columns but is longer or shorter, or it is as long and holds something else.
+std::optional<std::size_t> cells_of_spoilt_row(std::string_view line, const TableLayout& layout) {
+  const auto cells = cells_of(line, layout.dialect.delimiter);
+  const char decimal = layout.dialect.decimal;
+  if (cells.empty() || !number_in(cells.front(), {decimal, false})) return std::nullopt;
+  if (cells.size() != layout.written_cells)
+    for (std::size_t c = 1; c < std::min(cells.size(), layout.cells); ++c)
+      if (!cell_value(cells[c], decimal)) return std::nullopt;
+  return cells.size();
+}
+
+/// Rows above belong to the table where they are as long, whatever else they hold, or where names
+/// stand above them: reading them says what is wrong with them.
 void take_spoilt_rows(const std::vector<std::string_view>& lines, std::size_t skipped,
                       TableLayout& layout) {
   std::size_t first = layout.head.size();
-  while (first > skipped) {
-    const auto above = cells_of(lines[first - 1], layout.dialect.delimiter);
-    const bool begins_with_number =
-        !above.empty() && number_in(above.front(), {layout.dialect.decimal, false}).has_value();
-    if (!begins_with_number || above.size() != layout.written_cells) break;
-    --first;
+  std::vector<std::size_t> lengths = {layout.written_cells, layout.cells};
+  std::size_t above = first;
+  for (; above > skipped; --above) {
+    const auto cells = cells_of_spoilt_row(lines[above - 1], layout);
+    if (!cells) break;
+    lengths.push_back(*cells);
+    if (*cells == layout.written_cells) first = above - 1;
+  }
+  if (above > skipped) {
+    const std::size_t named = named_columns(lines[above - 1], layout.dialect);
+    if (std::ranges::find(lengths, named) != lengths.end()) first = above;
   }
   layout.head.resize(first);
   layout.data = lines[first].data();
@@ -201,7 +263,60 @@ void take_rows_with_keys(const std::vector<std::string_view>& lines, TableLayout
   layout.written_cells -= empty;
 }
 
+/// Finds columns of text among the first rows: within the rows, or behind them where the line above
+/// them names a column there. They count in `cells` and `written_cells`.
+void find_text_columns(const std::vector<std::string_view>& lines, TableLayout& layout) {
+  if (layout.key_cells > 0) return;
+  const std::size_t named =
+      layout.head.empty() ? 0 : named_columns(layout.head.back(), layout.dialect);
+
+  struct Seen {
+    std::string_view text;
+    bool number = false;
+  };
+
+  std::vector<Seen> columns(std::max(named, layout.written_cells));
+  for (std::size_t i = layout.head.size(); i < lines.size(); ++i) {
+    if (is_skipped(lines[i])) continue;
+    const auto cells = cells_of(lines[i], layout.dialect.delimiter);
+    for (std::size_t c = 0; c < std::min(cells.size(), columns.size()); ++c) {
+      Seen& column = columns[c];
+      if (cells[c].empty() || column.number) continue;
+      if (cell_value(cells[c], layout.dialect.decimal))
+        column.number = true;
+      else if (column.text.empty())
+        column.text = cells[c];
+    }
+  }
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (columns[c].number || columns[c].text.empty()) continue;
+    layout.text_columns.push_back({c, columns[c].text});
+    layout.cells = std::max(layout.cells, c + 1);
+    layout.written_cells = std::max(layout.written_cells, layout.cells);
+  }
+}
+
+/// Those that the user does not exclude.
+std::vector<Dialect> possible_dialects(const ImportOptions& options) {
+  std::vector<Dialect> possible;
+  for (Dialect dialect : dialects) {
+    if (dialect.delimiter == ':') {
+      if (!options.delimiter) continue;
+      dialect.delimiter =
+          *options.delimiter;  // whatever the user says, also one that is not in the list
+    }
+    if (options.delimiter && dialect.delimiter != *options.delimiter) continue;
+    if (options.decimal) dialect.decimal = *options.decimal;
+    if (dialect.decimal != dialect.delimiter) possible.push_back(dialect);
+  }
+  return possible;
+}
+
 }  // namespace
+
+bool TableLayout::holds_text(std::size_t column) const {
+  return std::ranges::find(text_columns, column, &TextColumn::column) != text_columns.end();
+}
 
 std::optional<double> cell_value(std::string_view cell, char decimal) {
   const std::string_view text = without_quotes(cell);
@@ -255,17 +370,12 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   const auto skipped = static_cast<std::size_t>(std::max(0, options.skip_lines.value_or(0)));
 
   std::optional<Candidate> best;
-  for (Dialect dialect : dialects) {
-    if (dialect.delimiter == ':') {
-      if (!options.delimiter) continue;
-      dialect.delimiter =
-          *options.delimiter;  // whatever the user says, also one that is not in the list
+  for (const auto& tried : {try_dialect, try_dialect_with_text}) {
+    if (best) break;
+    for (const Dialect dialect : possible_dialects(options)) {
+      const auto candidate = tried(lines, skipped, dialect);
+      if (candidate && (!best || better(*candidate, *best))) best = candidate;
     }
-    if (options.delimiter && dialect.delimiter != *options.delimiter) continue;
-    if (options.decimal) dialect.decimal = *options.decimal;
-    if (dialect.decimal == dialect.delimiter) continue;
-    const auto candidate = try_dialect(lines, skipped, dialect);
-    if (candidate && (!best || better(*candidate, *best))) best = candidate;
   }
   if (!best) {
     datasets::SourcePosition place;
@@ -284,6 +394,7 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   layout.written_cells = best->first_row.written_cells;
   take_spoilt_rows(lines, skipped, layout);
   take_rows_with_keys(lines, layout);
+  find_text_columns(lines, layout);
   return layout;
 }
 

@@ -22,6 +22,12 @@ struct Dialect {
 /// "comma", "tab", "semicolon", "blank", "bar" or the character itself.
 std::string delimiter_name(char delimiter);
 
+/// A column without a number in the first rows, but with text.
+struct TextColumn {
+  std::size_t column = 0;
+  std::string_view example;  ///< the first text, in the file's own encoding
+};
+
 /// A file as a head of lines and a table of numbers under it.
 struct TableLayout {
   Dialect dialect;
@@ -34,10 +40,15 @@ struct TableLayout {
   /// `written_cells`.
   std::size_t key_cells = 0;
   std::vector<std::string_view> key_lines;  ///< the rows that have such keys
+  /// In order; within the rows, or behind them under a name. A row may end before those at its end.
+  std::vector<TextColumn> text_columns;
+
+  bool holds_text(std::size_t column) const;
 };
 
 /// Finds the first row of numbers and how the rows are written: the dialect in which most of the
-/// first rows are numbers wins, then the one with more columns. What `options` states is not
+/// first rows are numbers wins, then the one with more columns. Where no row is of numbers
+/// alone, one that begins with a number and holds another counts too. What `options` states is not
 /// searched. Throws datasets::InputError when there is no row of numbers.
 TableLayout find_table(TextFile& file, const ImportOptions& options);
 
@@ -71,8 +82,9 @@ class RowReader {
   /// `names` (one a column) only name the culprit of an error.
   RowReader(TextFile& file, const TableLayout& layout, const std::vector<std::string>& names);
 
-  /// Columns that are not needed are passed over unread; their values stay empty.
-  void read_only(std::vector<bool> needed) { needed_ = std::move(needed); }
+  /// Columns that are not needed are passed over unread, as columns of text are; their values stay
+  /// empty.
+  void read_only(std::vector<bool> needed);
 
   /// To the start of a line.
   void seek(const char* line) { at_ = line; }
@@ -113,6 +125,8 @@ class RowReader {
   const char* at_;
   const char* end_ = nullptr;
   std::vector<bool> needed_;
+  std::vector<std::size_t> text_columns_;
+  std::size_t required_;  ///< cells that a row must have: up to the last column of numbers
   bool first_row_ = true;
   Table table_;
 };

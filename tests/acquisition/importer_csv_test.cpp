@@ -356,6 +356,42 @@ TEST(Csv, RowsOfTheWrongLengthAreErrors) {
             "FILE:4:5 (byte 16): the row goes on with '4' after its 2 cells");
 }
 
+TEST(Csv, RowsOfTheWrongLengthAboveTheOthersAreErrorsToo) {
+  EXPECT_EQ(import_error("Time [s],Force [N]\n0.000,1.4\n0.001\n0.002,1.7\n0.003,1.8\n0.004,2\n"),
+            "FILE:3:1 (byte 29): the row has 1 cell, expected 2 (Force is missing)");
+  EXPECT_EQ(import_error("Time [s],F [N],v [m/s]\n0.000,1.4\n0.001,1.5,2\n0.002,1.7,3\n"),
+            "FILE:2:1 (byte 23): the row has 2 cells, expected 3 (v is missing)");
+  EXPECT_EQ(import_error("Time [s],Force [N]\n0.000,1.4\n0.001,,ERR\n0.002,1.7\n0.003,1.8\n"),
+            "FILE:3:8 (byte 36): the row goes on with 'ERR' after its 2 cells");
+  EXPECT_EQ(import_error("t [s],a [N],b [m/s]\n0.000,1,2\n0.001,2\n0.002,3\n0.003,4\n"),
+            "FILE:2:9 (byte 28): the row goes on with '2' after its 2 cells");
+  EXPECT_EQ(import_error("Time [s];Force [N];;fs\n0,000;1,5;;1000\n0,001;1,6\n0,002;1,7\n"),
+            "FILE:2:12 (byte 34): the row goes on with '1000' after its 2 cells");
+  // without names there must be a row as long as the others above the wrong one: what is alone in
+  // its shape may be a count of rows
+  EXPECT_EQ(import_error("0.000,1.4\n0.001\n0.002,1.7\n0.003,1.8\n"),
+            "FILE:2:1 (byte 10): the row has 1 cell, expected 2 (column 1 is missing)");
+  EXPECT_EQ(imported("4000\n0.002,1.7\n0.003,1.8\n").channels[0].size(), 2U);
+}
+
+TEST(Csv, LeavesAColumnOfTextOut) {
+  const char* const warning = "'Comment' holds text ('start of test'), no numbers: it is left out";
+  for (const char* text :
+       {"Time [s],Force [N],Comment\n0.000,1.5,start of test\n0.001,1.6\n0.002,1.7\n",
+        "Time [s],Force [N],Comment\n0.000,1.5\n0.001,1.6,start of test\n0.002,1.7,end\n",
+        "Time [s],Comment,Force [N]\n0.000,start of test,1.5\n0.001,,1.6\n0.002,,1.7\n"}) {
+    const Record record = imported(text);
+    EXPECT_THAT(names(record), ElementsAre("Force [N]")) << text;
+    EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5, 1.6, 1.7)) << text;
+    EXPECT_EQ(record.channels[0].clock.interval, 1e-3);
+    EXPECT_THAT(record.warnings, ElementsAre(warning)) << text;
+  }
+  ImportOptions options;
+  options.time_column = "Comment";
+  EXPECT_EQ(import_error("Force [N],Comment\n1.5,start\n1.6,\n1.7,\n", options),
+            "FILE: the column 'Comment' holds text, not the time");
+}
+
 TEST(Csv, ARowCutOffByTheEndOfTheFileIsLeftOut) {
   const Record record = imported("t,a,b\n0,1,2\n1,2,3\n2,");
   EXPECT_THAT(record.channels[1].values(), ElementsAre(2.0, 3.0));
