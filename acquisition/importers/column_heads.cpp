@@ -43,25 +43,72 @@ void drop_empty_end(Cells& cells) {
   while (!cells.empty() && cells.back().empty()) cells.pop_back();
 }
 
+/// A text divided where it has a tab or two blanks.
+Cells divided_at_gaps(std::string_view text) {
+  Cells cells;
+  std::size_t start = 0;
+  for (std::size_t i = 0; i <= text.size(); ++i) {
+    const bool ends = i == text.size() || text[i] == '\t' ||
+                      (text[i] == ' ' && i + 1 < text.size() && text[i + 1] == ' ');
+    if (!ends) continue;
+    const std::string_view cell = trimmed(text.substr(start, i - start));
+    if (!cell.empty()) cells.push_back(cell);
+    start = i;
+  }
+  return cells;
+}
+
+/// A text divided at its blanks, but a unit stays with the name before it: "force [N]", "force /
+/// N".
+Cells divided_with_units(std::string_view text) {
+  Cells words;
+  std::size_t start = 0;
+  int depth = 0;
+  for (std::size_t i = 0; i <= text.size(); ++i) {
+    if (i < text.size() && (text[i] == '[' || text[i] == '(')) ++depth;
+    if (i < text.size() && (text[i] == ']' || text[i] == ')')) --depth;
+    if (i < text.size() && (depth > 0 || (text[i] != ' ' && text[i] != '\t'))) continue;
+    if (i > start) words.push_back(text.substr(start, i - start));
+    start = i + 1;
+  }
+  Cells cells;
+  bool open = false;  // a slash was the word before
+  for (const std::string_view word : words) {
+    const bool is_slash = word == "/";
+    const bool follows =
+        open || is_slash || (bracketed(word) && !cells.empty() && !bracketed(cells.back()));
+    if (follows && !cells.empty()) {
+      const char* const first = cells.back().data();
+      cells.back() = {first, static_cast<std::size_t>(word.data() + word.size() - first)};
+    } else {
+      cells.push_back(word);
+    }
+    open = is_slash;
+  }
+  return cells;
+}
+
 /// The cells of a head line. A comment may be divided otherwise than the data under it: what gives
-/// as many cells as there are columns is taken.
+/// as many cells as there are columns is taken. Blanks divide words too: where they are the
+/// delimiter and nothing fits, there are no cells.
 Cells head_cells(std::string_view line, const TableLayout& layout) {
   const std::string_view text = without_comment_sign(line);
   const auto divided = [&text](char delimiter) {
     Cells cells = cells_of(text, delimiter);
-    std::erase_if(cells,
-                  [delimiter](std::string_view cell) { return delimiter == ' ' && cell.empty(); });
     drop_empty_end(cells);
     return cells;
   };
-  Cells own = divided(layout.dialect.delimiter);
-  if (layout.dialect.delimiter != ' ' && own.size() >= layout.cells) return own;
-  for (const char other : {'\t', ';', ',', '|', ' '}) {
-    Cells cells = divided(other);
-    const bool all_filled =
-        std::none_of(cells.begin(), cells.end(), [](auto cell) { return cell.empty(); });
-    if (cells.size() == layout.cells && all_filled) return cells;
-  }
+  const bool blank = layout.dialect.delimiter == ' ';
+  Cells own = blank ? Cells{} : divided(layout.dialect.delimiter);
+  if (!blank && own.size() >= layout.cells) return own;
+  const auto fits = [&layout](const Cells& cells) {
+    return cells.size() == layout.cells &&
+           std::none_of(cells.begin(), cells.end(), [](auto cell) { return cell.empty(); });
+  };
+  for (const auto& divide : {divided_at_gaps, divided_with_units})
+    if (Cells cells = divide(text); fits(cells)) return cells;
+  for (const char other : {'\t', ';', ',', '|'})
+    if (Cells cells = divided(other); fits(cells)) return cells;
   return own;
 }
 
@@ -155,6 +202,21 @@ void add_attribute(std::string_view line, const TableLayout& layout, TableHead& 
   if (!key.empty() && !value.empty()) head.attributes[key] = value;
 }
 
+/// True for a line of words that could name columns, but that does not fit them.
+bool may_be_names(std::string_view line, const TableLayout& layout) {
+  const std::string_view text = trimmed(without_comment_sign(line));
+  const Cells words = cells_of(text, ' ');
+  return words.size() > 1 && text.find_first_of(":=") == std::string_view::npos &&
+         !has_number(words, layout.dialect.decimal) && head_cells(line, layout).empty();
+}
+
+void tell_of_misfit(const TableLayout& layout, std::size_t line, TableHead& head) {
+  const std::string_view text = trimmed(layout.head[line]);
+  head.warnings.push_back(fmt::format(
+      "line {} above the rows ('{}') does not fit their {} column{}: they are numbered", line + 1,
+      to_utf8(text.substr(0, 60)), layout.cells, layout.cells == 1 ? "" : "s"));
+}
+
 /// The last two filled lines above the rows, as names and units or as names alone.
 void find_names_and_units(const TableLayout& layout, const std::vector<std::size_t>& filled,
                           Cells& names, Cells& units, TableHead& head) {
@@ -180,6 +242,15 @@ void find_names_and_units(const TableLayout& layout, const std::vector<std::size
   }
   names.clear();
   units.clear();
+  if (layout.dialect.delimiter == ' ' && filled.size() > 1 && is_unit_row(bottom) &&
+      may_be_names(layout.head[filled[filled.size() - 2]], layout)) {
+    tell_of_misfit(layout, filled[filled.size() - 2], head);
+    units = bottom;
+    head.units_line = bottom_line;
+    return;
+  }
+  if (bottom.empty() && may_be_names(layout.head[filled.back()], layout))
+    tell_of_misfit(layout, filled.back(), head);
   // a shorter line is taken for names only when it cannot be a title or a key with its value
   const bool all_named = bottom.size() >= layout.cells || (bottom.size() > 1 && layout.cells > 2);
   if (bottom.empty() || !all_named || has_number(bottom, decimal)) return;
@@ -221,6 +292,41 @@ void take_keys(const TableLayout& layout, TableHead& head) {
                   {source == head.attributes.end() ? "trace" : source->second, "", ""}};
 }
 
+/// A unit that stands for nothing else behind "in", a dash, a comma, a slash: "C" may be a channel.
+bool is_plain_unit(std::string_view text) {
+  constexpr std::string_view letters = "sNVgm";
+  if (text.size() == 1) return letters.find(text.front()) != std::string_view::npos;
+  const Quantity quantity = datasets::quantity_of_unit(to_utf8(text));
+  return quantity != Quantity::unknown && quantity != Quantity::other;
+}
+
+/// "Time in ms", "Time - ms", "Time, ms", "t/ms", "v/mm/s", and of times "Time_ms".
+std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
+  const auto divided = [text](std::size_t name, std::size_t unit) {
+    return ColumnHead{to_utf8(trimmed(text.substr(0, name))), to_utf8(trimmed(text.substr(unit))),
+                      ""};
+  };
+  if (text.starts_with("in ") && is_plain_unit(text.substr(3))) return divided(0, 3);
+  for (const std::string_view word : {" in ", " - ", ", "}) {
+    const std::size_t at = text.rfind(word);
+    if (at != std::string_view::npos && at > 0 &&
+        is_plain_unit(trimmed(text.substr(at + word.size()))))
+      return divided(at, at + word.size());
+  }
+  const std::size_t slash = text.find('/');
+  // "m/s" and "mV/g" are units, "t/ms" is a time though it could be tonnes
+  if (slash != std::string_view::npos && slash > 0 && !is_plain_unit(text) &&
+      !is_plain_unit(text.substr(0, slash)) && is_plain_unit(text.substr(slash + 1)))
+    return divided(slash, slash + 1);
+  const std::size_t line = text.rfind('_');
+  if (line == std::string_view::npos) return std::nullopt;
+  constexpr std::array<std::string_view, 5> times = {"time", "t", "timestamp", "zeit",
+                                                     "elapsed_time"};
+  const bool is_time = std::ranges::find(times, lowered(text.substr(0, line))) != times.end() &&
+                       datasets::quantity_of_unit(to_utf8(text.substr(line + 1))) == Quantity::time;
+  return is_time ? std::optional(divided(line, line + 1)) : std::nullopt;
+}
+
 }  // namespace
 
 std::string lowered(std::string_view text) {
@@ -253,8 +359,9 @@ ColumnHead split_head(std::string_view cell) {
   if (slash != std::string_view::npos && is_unit(text.substr(slash + 3))) {
     head.name = to_utf8(trimmed(text.substr(0, slash)));
     head.unit = to_utf8(trimmed(text.substr(slash + 3)));
+    return head;
   }
-  return head;
+  return unit_behind_a_word(text).value_or(head);
 }
 
 TableHead read_head(const TableLayout& layout) {

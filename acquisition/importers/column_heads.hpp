@@ -26,13 +26,14 @@ struct TableHead {
   std::optional<double> increment;  ///< likewise [s]
   int names_line = 0;               ///< from 1; 0 = there is none
   int units_line = 0;               ///< from 1; 0 = there is none
+  std::vector<std::string> warnings;
 };
 
 /// Reads names, units, sentences and key-value lines above a table.
 TableHead read_head(const TableLayout& layout);
 
-/// "Force [N]", "CH 1 (V)", "acceleration(g)", "t / s" and "Time" as name and unit. Parentheses and
-/// slashes count only around a unit that is understood.
+/// "Force [N]", "CH 1 (V)", "acceleration(g)", "t / s", "t/ms", "Time in ms", "Time, ms", "Time_ms"
+/// and "Time" as name and unit. All but brackets count only before a unit that is understood.
 ColumnHead split_head(std::string_view cell);
 
 /// The sample interval [s] that a header states by a key such as "Sample Interval" or "Sampling

@@ -39,6 +39,7 @@ struct CsvHead {
   void settle(const Table& rows, const ImportOptions& options, Record& record) {
     record.attributes = head.attributes;
     roles = find_roles(file, layout, heads, rows, options);
+    record.warnings = head.warnings;
     tell_of_text(layout, heads, record);
     take_units_of_keys(head, roles, layout.dialect.delimiter, heads);
     describe(layout, head, heads, roles, record);

@@ -132,6 +132,22 @@ TEST(ColumnHead, IsDividedIntoNameAndUnit) {
   EXPECT_EQ(divided("left (outer) [V]"), "left (outer)|V");
   EXPECT_EQ(divided("name []"), "name|");
   EXPECT_EQ(divided("left / right"), "left / right|");
+  EXPECT_EQ(divided("Time_ms"), "Time|ms");
+  EXPECT_EQ(divided("timestamp_ns"), "timestamp|ns");
+  EXPECT_EQ(divided("t/ms"), "t|ms");
+  EXPECT_EQ(divided("v/mm/s"), "v|mm/s");
+  EXPECT_EQ(divided("Time in ms"), "Time|ms");
+  EXPECT_EQ(divided("C1 in V"), "C1|V");
+  EXPECT_EQ(divided("in s"), "|s");
+  EXPECT_EQ(divided("Time - ms"), "Time|ms");
+  EXPECT_EQ(divided("Time, ms"), "Time|ms");
+  EXPECT_EQ(divided("F/N"), "F|N");
+  EXPECT_EQ(divided("m/s"), "m/s|");
+  EXPECT_EQ(divided("mV/g"), "mV/g|");
+  EXPECT_EQ(divided("N/A"), "N/A|");
+  EXPECT_EQ(divided("Channel, C"), "Channel, C|");
+  EXPECT_EQ(divided("left/right"), "left/right|");
+  EXPECT_EQ(divided("Force_N"), "Force_N|");
   EXPECT_EQ(divided(""), "|");
 }
 
@@ -146,6 +162,41 @@ TEST(Csv, WithoutAHeaderNumbersItsColumns) {
           "the time column 'column 0' states no unit: it is taken as s (--units states another)"));
   EXPECT_EQ(record.attributes.at("time column"),
             "column 0 (the first column, since it increases throughout)");
+}
+
+TEST(Csv, OfBlanksKeepsUnitsAndWordsWithTheirNames) {
+  for (const char* head :
+       {"# time [s] force [N] velocity [mm/s]\n", "time [ s ]  force [N]  velocity [mm/s]\n",
+        "time (s)\tforce (N)\tvelocity (mm/s)\n", "# time, s   force, N   velocity, mm/s\n",
+        "t / s force / N velocity / mm/s\n", "time force velocity\n[s] [N] [mm/s]\n",
+        "time  force  velocity\n[ s ] [ N ] [ mm/s ]\n"}) {
+    const Record record = imported(std::string(head) + "0.000 1.5 2.5\n0.001 1.6 2.6\n");
+    ASSERT_EQ(record.channels.size(), 2U) << head;
+    EXPECT_THAT(record.channels[0].name, testing::StartsWith("force")) << head;
+    EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5, 1.6)) << head;
+    EXPECT_THAT(record.channels[1].name, testing::StartsWith("velocity")) << head;
+    EXPECT_THAT(record.warnings, IsEmpty()) << head;
+    EXPECT_EQ(record.channels[1].unit, "mm/s") << head;
+  }
+  const Record words =
+      imported("Time   Force sensor   Beam velocity\n0.0  1.5  2.5\n0.1  1.6  2.6\n");
+  EXPECT_THAT(names(words), ElementsAre("Force sensor []", "Beam velocity []"));
+}
+
+TEST(Csv, OfBlanksHasNoNamesWhereTheyDoNotFitTheColumns) {
+  const Record record = imported("Time Force sensor Beam velocity\n0.0 1.5 2.5\n0.1 1.6 2.6\n");
+  EXPECT_THAT(names(record), ElementsAre("column 1 []", "column 2 []"));
+  EXPECT_EQ(record.attributes.at("header"), "Time Force sensor Beam velocity");
+  EXPECT_THAT(
+      record.warnings,
+      testing::Contains("line 1 above the rows ('Time Force sensor Beam velocity') does not "
+                        "fit their 3 columns: they are numbered"));
+  const Record units =
+      imported("Time Force sensor Beam velocity\ns N mm/s\n0.0 1.5 2.5\n0.1 1.6 2.6\n");
+  EXPECT_THAT(names(units), ElementsAre("column 1 [N]", "column 2 [mm/s]"));
+  EXPECT_EQ(units.attributes.at("unit row"), "line 2");
+  EXPECT_THAT(imported("# date: today\n0.0 1.5\n0.1 1.6\n").warnings,
+              testing::Not(testing::Contains(HasSubstr("above the rows"))));
 }
 
 TEST(Csv, MayStateUnitsInASentence) {
