@@ -14,6 +14,9 @@ using datasets::InputError;
 
 namespace {
 
+constexpr std::string_view thousands_hint =
+    ": it seems to have thousands separators, which are not read";
+
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
@@ -85,7 +88,7 @@ void RowReader::read_line() {
       break;
     }
   }
-  finish_row();
+  finish_row(line);
   ++table_.rows;
   first_row_ = false;
 }
@@ -148,7 +151,8 @@ void RowReader::unusual_cell(std::size_t c) {
     throw InputError(file_.position(start),
                      out_of_range && has_digit && scan_only(cell)
                          ? fmt::format("{}: {} does not fit a double", names_[c], found)
-                         : fmt::format("{}: expected a number, found '{}'", names_[c], found));
+                         : fmt::format("{}: expected a number, found '{}'{}", names_[c], found,
+                                       has_thousands_separators(cell) ? thousands_hint : ""));
   }
   Column& column = table_.columns[c];
   if (std::isnan(*value)) {
@@ -174,14 +178,21 @@ bool RowReader::scan_only(std::string_view cell) const {
 }
 
 /// Only empty cells may follow the last column.
-void RowReader::finish_row() {
+void RowReader::finish_row(const char* line) {
   while (at_ != end_ && (is_blank(*at_) || *at_ == delimiter_)) ++at_;
   if (!at_line_end()) {
     const char* const extra = at_;
     const std::string_view rest = trimmed(take_line(at_, end_)).substr(0, 40);
+    const char* before = extra;  // of what goes on, with the cell before it
+    for (int commas = 0; before != line && commas < 2; --before)
+      if (before[-1] == ',' && ++commas == 2) break;
+    const std::string_view last(before, static_cast<std::size_t>(extra - before) + rest.size());
     throw InputError(file_.position(extra),
-                     fmt::format("the row goes on with '{}' after its {} {}", to_utf8(rest),
-                                 names_.size(), names_.size() == 1 ? "cell" : "cells"));
+                     fmt::format("the row goes on with '{}' after its {} {}{}", to_utf8(rest),
+                                 names_.size(), names_.size() == 1 ? "cell" : "cells",
+                                 delimiter_ == ',' && has_thousands_separators(last)
+                                     ? ": commas may be thousands separators, which are not read"
+                                     : ""));
   }
   skip_line_end();
 }

@@ -95,6 +95,20 @@ bool is_skipped(std::string_view line) {
   return text.empty() || text.front() == '#' || text.front() == '%';
 }
 
+/// How many columns a line above the rows names: 0 where it holds a number or nothing.
+std::size_t named_columns(std::string_view line, Dialect dialect) {
+  std::string_view text = trimmed(line);
+  if (!text.empty() && is_skipped(text)) text = trimmed(text.substr(text.find_first_not_of("#%")));
+  std::size_t named = 0;
+  std::size_t cells = 0;
+  for (const std::string_view cell : cells_of(text, dialect.delimiter)) {
+    ++cells;
+    if (number_in(cell, {dialect.decimal, false})) return 0;
+    if (!cell.empty()) named = cells;
+  }
+  return named;
+}
+
 /// Where the rows begin in one dialect, and how well it explains what follows.
 struct Candidate {
   Dialect dialect;
@@ -140,8 +154,8 @@ bool has_numbers_beside_text(std::string_view line, Dialect dialect) {
          std::any_of(cells.begin() + 1, cells.end(), is_number);
 }
 
-/// The same where each row holds text: a first row is followed by another with numbers, or by the
-/// end.
+/// The same where each row holds text, under as many names: a first row is followed by another with
+/// numbers, or by the end.
 std::optional<Candidate> try_dialect_with_text(const std::vector<std::string_view>& lines,
                                                std::size_t from, Dialect dialect) {
   if (dialect.delimiter == ' ') return std::nullopt;
@@ -155,16 +169,30 @@ std::optional<Candidate> try_dialect_with_text(const std::vector<std::string_vie
       found.reset();
       continue;
     }
-    if (!found) found = Candidate{dialect, i, shape_of(lines[i], dialect), 0};
+    if (!found) {
+      found = Candidate{dialect, i, shape_of(lines[i], dialect), 0};
+      if (i == 0 || named_columns(lines[i - 1], dialect) < found->first_row.cells)
+        return std::nullopt;
+    }
     ++found->numeric_lines;
   }
   return found;
 }
 
-bool better(const Candidate& a, const Candidate& b) {
+/// True where one name with a unit stands over rows of several cells: their commas are decimal
+/// marks then, if they can be.
+bool has_one_name(const std::vector<std::string_view>& lines, const Candidate& found) {
+  if (found.first_line == 0 || found.dialect.delimiter != ',') return false;
+  const std::string_view above = trimmed(lines[found.first_line - 1]);
+  return named_columns(above, found.dialect) == 1 && above.find_first_of(":=") == above.npos &&
+         above.ends_with(']') && found.first_row.cells > 1;
+}
+
+bool better(const std::vector<std::string_view>& lines, const Candidate& a, const Candidate& b) {
   // an early start explains more of the file than a late one, but only if it holds: count rows
   // first
   if (a.numeric_lines != b.numeric_lines) return a.numeric_lines > b.numeric_lines;
+  if (has_one_name(lines, a) != has_one_name(lines, b)) return has_one_name(lines, b);
   return a.first_row.cells > b.first_row.cells;
 }
 
@@ -189,20 +217,6 @@ bool numbers_from(const std::vector<std::string_view>& cells, std::size_t first,
     any = true;
   }
   return any;
-}
-
-/// How many columns a line above the rows names: 0 where it holds a number or nothing.
-std::size_t named_columns(std::string_view line, Dialect dialect) {
-  std::string_view text = trimmed(line);
-  if (!text.empty() && is_skipped(text)) text = trimmed(text.substr(text.find_first_not_of("#%")));
-  std::size_t named = 0;
-  std::size_t cells = 0;
-  for (const std::string_view cell : cells_of(text, dialect.delimiter)) {
-    ++cells;
-    if (number_in(cell, {dialect.decimal, false})) return 0;
-    if (!cell.empty()) named = cells;
-  }
-  return named;
 }
 
 /// The cells of a row above the first one, where it may be one too: it begins with a number and has
@@ -296,6 +310,92 @@ void find_text_columns(const std::vector<std::string_view>& lines, TableLayout& 
   }
 }
 
+template <typename Try>
+std::optional<Candidate> best_of(const Try& try_one, const std::vector<std::string_view>& lines,
+                                 std::size_t from, const std::vector<Dialect>& possible) {
+  std::optional<Candidate> best;
+  for (const Dialect dialect : possible) {
+    const auto candidate = try_one(lines, from, dialect);
+    if (candidate && (!best || better(lines, *candidate, *best))) best = candidate;
+  }
+  return best;
+}
+
+datasets::SourcePosition place_of(TextFile& file, std::string_view text) {
+  return file.position(text.data());
+}
+
+/// Throws InputError for a number with thousands separators beside numbers alone.
+void refuse_thousands_separators(TextFile& file, const std::vector<std::string_view>& lines) {
+  for (const std::string_view line : lines) {
+    if (is_skipped(line)) continue;
+    for (const char delimiter : {'\t', ';', ',', '|'}) {
+      const auto cells = cells_of(line, delimiter);
+      const auto separated = std::ranges::find_if(cells, has_thousands_separators);
+      const bool others_are_numbers = std::ranges::all_of(cells, [](std::string_view cell) {
+        return cell_value(cell, '.') || cell_value(cell, ',') || has_thousands_separators(cell);
+      });
+      if (cells.size() < 2 || separated == cells.end() || !others_are_numbers) continue;
+      throw InputError(
+          place_of(file, *separated),
+          fmt::format("'{}': it seems to have thousands separators, which are not read",
+                      to_utf8(*separated)));
+    }
+  }
+}
+
+/// What commas may be that give rows more cells than there are names.
+enum class Commas { delimiters, thousands, decimal_marks };
+
+Commas judge_commas(const std::vector<std::string_view>& lines, const Candidate& found,
+                    std::size_t named) {
+  constexpr std::size_t rows_tried = 40;
+  const std::size_t cells = found.first_row.cells;
+  std::vector<bool> groups(cells, true);  // by column: goes on with the digits of the one before
+  bool whole = true;                      // no cell has decimals
+  for (std::size_t i = found.first_line; i < lines.size() && i < found.first_line + rows_tried;
+       ++i) {
+    if (is_skipped(lines[i])) continue;
+    const auto row = cells_of(lines[i], ',');
+    if (row.size() < cells) break;
+    for (std::size_t c = 0; c < cells; ++c) {
+      whole = whole && row[c].find_first_of(".eE") == std::string_view::npos;
+      groups[c] = groups[c] && c > 0 &&
+                  has_thousands_separators(std::string(row[c - 1]) + "," + std::string(row[c]));
+    }
+  }
+  if (std::ranges::find(groups, true) != groups.end() && !(whole && cells == 2 * named))
+    return Commas::thousands;
+  return whole && cells == 2 * named ? Commas::decimal_marks : Commas::delimiters;
+}
+
+/// Throws InputError where commas divide the rows into more cells than there are names, and may
+/// stand within numbers.
+void refuse_commas_within_numbers(TextFile& file, const std::vector<std::string_view>& lines,
+                                  const Candidate& found) {
+  if (found.dialect.delimiter != ',' || found.first_line == 0) return;
+  std::size_t above = found.first_line;
+  while (above > 0 && cell_value(cells_of(lines[above - 1], ',').front(), '.')) --above;
+  if (above == 0) return;
+  const std::string_view head = lines[above - 1];
+  const std::size_t named = named_columns(head, found.dialect);
+  const bool is_key = head.find_first_of(":=") != std::string_view::npos ||
+                      (named == 1 && trimmed(head).find(' ') != std::string_view::npos);
+  if (named == 0 || named >= found.first_row.cells || is_key) return;
+  const Commas commas = judge_commas(lines, found, named);
+  if (commas == Commas::delimiters) return;
+  throw InputError(
+      place_of(file, lines[found.first_line]),
+      fmt::format(
+          "the row has {} cells under the {} of line {}: commas may be {}--delimiter , takes "
+          "each for the end of a cell)",
+          found.first_row.cells,
+          named == 1 ? std::string("one name") : fmt::format("{} names", named), above,
+          commas == Commas::thousands ? "thousands separators, which are not read ("
+          : named == 1                ? "decimal marks (--decimal , reads them so; "
+                                      : "decimal marks too, which is not read ("));
+}
+
 /// Those that the user does not exclude.
 std::vector<Dialect> possible_dialects(const ImportOptions& options) {
   std::vector<Dialect> possible;
@@ -313,6 +413,36 @@ std::vector<Dialect> possible_dialects(const ImportOptions& options) {
 }
 
 }  // namespace
+
+bool has_thousands_separators(std::string_view cell) {
+  std::string_view rest = trimmed(without_quotes(cell));
+  if (!rest.empty() && (rest.front() == '-' || rest.front() == '+')) rest.remove_prefix(1);
+  const auto take_digits = [&rest] {
+    std::size_t digits = 0;
+    while (digits < rest.size() && detail::is_digit(rest[digits])) ++digits;
+    rest.remove_prefix(digits);
+    return digits;
+  };
+  if (rest.starts_with('0')) return false;
+  const std::size_t first = take_digits();
+  if (first == 0 || first > 3) return false;
+  constexpr std::array<std::string_view, 9> separators = {
+      ",", ".", "'", " ", "\u2019", "\u00A0", "\u202F", "\u2009", "\xA0"};
+  for (const std::string_view separator : separators) {
+    if (!rest.starts_with(separator)) continue;
+    while (rest.starts_with(separator)) {
+      rest.remove_prefix(separator.size());
+      if (take_digits() != 3) return false;
+    }
+    if (!rest.empty() && (rest.front() == '.' || rest.front() == ',') &&
+        rest.front() != separator[0]) {
+      rest.remove_prefix(1);
+      take_digits();
+    }
+    return rest.empty();
+  }
+  return false;
+}
 
 bool TableLayout::holds_text(std::size_t column) const {
   return std::ranges::find(text_columns, column, &TextColumn::column) != text_columns.end();
@@ -369,14 +499,12 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   const std::vector<std::string_view> lines = first_lines(text);
   const auto skipped = static_cast<std::size_t>(std::max(0, options.skip_lines.value_or(0)));
 
-  std::optional<Candidate> best;
-  for (const auto& tried : {try_dialect, try_dialect_with_text}) {
-    if (best) break;
-    for (const Dialect dialect : possible_dialects(options)) {
-      const auto candidate = tried(lines, skipped, dialect);
-      if (candidate && (!best || better(*candidate, *best))) best = candidate;
-    }
-  }
+  const std::vector<Dialect> possible = possible_dialects(options);
+  std::optional<Candidate> best = best_of(try_dialect, lines, skipped, possible);
+  if (!options.delimiter && (!best || best->dialect.delimiter == ' '))
+    refuse_thousands_separators(file, lines);
+  if (!best) best = best_of(try_dialect_with_text, lines, skipped, possible);
+  if (best && !options.delimiter) refuse_commas_within_numbers(file, lines, *best);
   if (!best) {
     datasets::SourcePosition place;
     place.file = file.path();

@@ -59,6 +59,9 @@ std::vector<std::string_view> cells_of(std::string_view line, char delimiter);
 /// for what is no number.
 std::optional<double> cell_value(std::string_view cell, char decimal);
 
+/// True for "1,234.5", "1.234,0", "1'234" and "1 234,5": digits in groups of three.
+bool has_thousands_separators(std::string_view cell);
+
 /// One column of numbers.
 struct Column {
   std::vector<double> values;       ///< NaN where there is no number
@@ -114,7 +117,7 @@ class RowReader {
   void skip_cell();
   void unusual_cell(std::size_t column);
   bool scan_only(std::string_view cell) const;
-  void finish_row();
+  void finish_row(const char* line);
   void short_row(const char* line, std::size_t cells);
 
   TextFile& file_;

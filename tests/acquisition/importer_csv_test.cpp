@@ -425,6 +425,59 @@ TEST(Csv, RowsOfTheWrongLengthAboveTheOthersAreErrorsToo) {
   EXPECT_EQ(imported("4000\n0.002,1.7\n0.003,1.8\n").channels[0].size(), 2U);
 }
 
+TEST(Csv, WithThousandsSeparatorsIsAnErrorThatSaysSo) {
+  const std::string hint = ": it seems to have thousands separators, which are not read";
+  for (const char* cell : {"1 234,5", "1.234,5", "1\u00A0234,5", "1\u202F234,5"})
+    EXPECT_EQ(
+        import_error(fmt::format("Zeit [s];Kraft [N]\n0,000;1,5\n0,001;2,5\n0,002;{}\n", cell)),
+        fmt::format("FILE:4:7 (byte 45): Kraft: expected a number, found '{}'{}", cell, hint));
+  for (const char* row : {"0.000,\"1,234.5\"", "0.000;1,234.5", "0.000;1'234.5", "0,000;1 234,5",
+                          "0.000,1 234.5", "0,000\t1 234,5"}) {
+    const std::string_view text(row);
+    const std::size_t at = text.find_first_of("\"1");
+    EXPECT_EQ(import_error(fmt::format(
+                  "{}\n{}\n{}\n", "Time [s]" + std::string(1, row[5]) + "Force [N]", row, row)),
+              fmt::format("FILE:2:{} (byte {}): '{}'{}", at + 1 + (row[at] == '"' ? 1 : 0),
+                          19 + at + (row[at] == '"' ? 1 : 0),
+                          text.substr(at).find('"') == 0 ? "1,234.5" : text.substr(at), hint))
+        << row;
+  }
+  for (const char* rows : {"0.000,1,234\n0.001,2,345\n", "0.000,1,234.5\n0.001,2,345.5\n",
+                           "0.000,999\n0.001,2,345\n0.002,3,456\n"})
+    EXPECT_THAT(
+        import_error(std::string("Time [s],Force [N]\n") + rows),
+        HasSubstr(
+            "the row has 3 cells under the 2 names of line 1: commas may be thousands "
+            "separators, which are not read (--delimiter , takes each for the end of a cell)"));
+  EXPECT_EQ(import_error("Time [s],Force [N]\n0.000,1.0\n0.001,2.0\n0.002,1,000.5\n"),
+            "FILE:4:9 (byte 47): the row goes on with '000.5' after its 2 cells: commas may be "
+            "thousands separators, which are not read");
+  EXPECT_EQ(import_error("1.5\n2.5\n2,345.5\n4.5\n"),
+            "FILE:3:3 (byte 10): the row goes on with '345.5' after its 1 cell: commas may be "
+            "thousands separators, which are not read");
+}
+
+TEST(Csv, CommasUnderFewerNamesAreDecimalMarksOrAnError) {
+  ImportOptions options;
+  options.sample_rate = 1000.0;
+  const Record record = imported("Kraft [N]\n1,5\n1,6\n1,7\n", options);
+  EXPECT_THAT(names(record), ElementsAre("Kraft [N]"));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5, 1.6, 1.7));
+  EXPECT_EQ(
+      import_error("Kraft\n1,5\n1,6\n", options),
+      "FILE:2:1 (byte 6): the row has 2 cells under the one name of line 1: commas may be "
+      "decimal marks (--decimal , reads them so; --delimiter , takes each for the end of a cell)");
+  EXPECT_EQ(
+      import_error("Zeit [s],Kraft [N]\n0,000,1,5\n0,001,1,6\n"),
+      "FILE:2:1 (byte 19): the row has 4 cells under the 2 names of line 1: commas may be "
+      "decimal marks too, which is not read (--delimiter , takes each for the end of a cell)");
+  options.delimiter = ',';
+  EXPECT_EQ(imported("Kraft\n1,5\n1,6\n", options).channels.size(), 2U);
+  options.delimiter.reset();
+  options.decimal = ',';
+  EXPECT_EQ(imported("Kraft\n1,5\n1,6\n", options).channels.size(), 1U);
+}
+
 TEST(Csv, LeavesAColumnOfTextOut) {
   const char* const warning = "'Comment' holds text ('start of test'), no numbers: it is left out";
   for (const char* text :
