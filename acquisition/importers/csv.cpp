@@ -75,6 +75,18 @@ void fill(const CsvHead& csv, Column&& column, Channel& channel, Record& record)
   channel.valid = std::move(column.valid);
 }
 
+/// The clock that a column of times stands for. What was said of another is not said again.
+datasets::SampleClock clock_of_column(const CsvHead& csv, std::size_t column, Table& table,
+                                      Record& record) {
+  const ColumnHead& head = csv.heads[column];
+  Column& times = table.columns[column];
+  to_seconds(csv.file, head, time_conversion(csv.file, head, record), times);
+  TimeAxis axis = time_axis(std::move(times.values));
+  const bool said = std::ranges::find(record.warnings, axis.warning) != record.warnings.end();
+  if (!axis.warning.empty() && !said) record.warnings.push_back(std::move(axis.warning));
+  return std::move(axis.clock);
+}
+
 Record read_whole(CsvHead& csv, const ImportOptions& options) {
   Table table = read_table(csv.file, csv.layout, csv.names);
   Record record;
@@ -85,15 +97,12 @@ Record read_whole(CsvHead& csv, const ImportOptions& options) {
 
   datasets::SampleClock clock = clock_from_head(csv.head);
   if (roles.time) {
-    const ColumnHead& head = csv.heads[*roles.time];
-    Column& times = table.columns[*roles.time];
-    to_seconds(csv.file, head, time_conversion(csv.file, head, record), times);
-    TimeAxis axis = time_axis(std::move(times.values));
-    if (!axis.warning.empty()) record.warnings.push_back(std::move(axis.warning));
-    clock = std::move(axis.clock);
+    clock = clock_of_column(csv, *roles.time, table, record);
     compare_with_head(csv.head, table.rows, clock, record);
   }
   for (std::size_t c = 0; c < csv.heads.size(); ++c) {
+    if (std::ranges::find(roles.further_times, c) != roles.further_times.end())
+      clock = clock_of_column(csv, c, table, record);
     if (!roles.is_channel(c)) continue;
     Channel channel = channel_of(csv.head, c, csv.heads[c], record);
     channel.clock = clock;
@@ -114,6 +123,14 @@ std::unique_ptr<RecordingReader> open_large(std::shared_ptr<CsvHead> csv,
   table.names = csv->names;
   table.read_first_rows(options.head_only);
   csv->settle(table.first_rows, options, table.record);
+  if (!csv->roles.further_times.empty()) {
+    // several clocks are kept by no table: such a file is held in memory
+    if (!options.head_only) return reader_of(read_whole(*csv, options));
+    table.record.warnings.push_back(
+        fmt::format("the channels behind '{}' have its times, which reading tells: those shown are "
+                    "of the first time column",
+                    csv->heads[csv->roles.further_times.front()].name));
+  }
   table.time = csv->roles.time;
   if (table.time) {
     const ColumnHead& head = csv->heads[*table.time];

@@ -64,6 +64,21 @@ bool counts(const std::vector<double>& values) {
   return true;
 }
 
+/// "Time B" behind the channels of "Time A": times of their own, that increase without a gap.
+void find_further_times(const std::vector<ColumnHead>& heads, const std::vector<Column>& columns,
+                        CsvRoles& roles) {
+  std::size_t before = *roles.time;
+  for (std::size_t c = before + 1; c < columns.size(); ++c) {
+    const std::string name = lowered(heads[c].name);
+    const bool is_named = is_time_name(name) || name.starts_with("time ") ||
+                          name.starts_with("time_") || name.starts_with("zeit ");
+    const bool is_time = is_named && (heads[c].unit.empty() || is_time_unit(heads[c].unit));
+    if (!is_time || columns[c].missing > 0 || !increases(columns[c].values)) continue;
+    if (c > before + 1) roles.further_times.push_back(c);
+    before = c;
+  }
+}
+
 std::optional<std::size_t> column_named(const std::vector<ColumnHead>& heads,
                                         const std::string& wanted) {
   for (std::size_t c = 0; c < heads.size(); ++c)
@@ -217,6 +232,7 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout,
       roles.time = c;
       roles.reason = "by its unit";
     }
+  if (roles.time) find_further_times(heads, columns, roles);
   if (roles.time || columns.size() < 2) return roles;
   if (first_counts) {
     roles.index = 0;
@@ -262,6 +278,10 @@ void describe(const TableLayout& layout, const TableHead& head,
   says["first data line"] = fmt::format("{}", layout.head.size() + 1);
   says["time column"] =
       roles.time ? fmt::format("{} ({})", heads[*roles.time].name, roles.reason) : "none";
+  std::string further;
+  for (const std::size_t c : roles.further_times)
+    further += (further.empty() ? "" : ", ") + heads[c].name;
+  if (!further.empty()) says["further time columns"] = further;
   if (roles.index) says["index column"] = heads[*roles.index].name;
 }
 

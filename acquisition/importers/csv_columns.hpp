@@ -22,9 +22,12 @@ struct CsvRoles {
   std::optional<std::size_t> index;  ///< counts the samples
   std::string reason;                ///< why `time` is the time
   std::vector<std::size_t> text;     ///< hold text
+  /// Columns of times behind channels of `time`, in order: the columns behind one have its clock.
+  std::vector<std::size_t> further_times;
 
   bool is_channel(std::size_t column) const {
-    return column != time && column != index && std::ranges::find(text, column) == text.end();
+    return column != time && column != index && std::ranges::find(text, column) == text.end() &&
+           std::ranges::find(further_times, column) == further_times.end();
   }
 };
 

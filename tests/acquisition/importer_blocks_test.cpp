@@ -132,6 +132,37 @@ TEST(LargeCsv, AColumnWithoutAnyValueIsAChannelWithoutSamples) {
     }
 }
 
+TEST(LargeCsv, WithTwoTimeColumnsIsReadAsItIsReadAtOnce) {
+  std::string text = "Time A [s],Force [N],Comment,Time B [s],Vel [m/s]\n";
+  for (int i = 0; i < 40000; ++i)
+    text += fmt::format("{:.6f},{},{},{:.6f},{}\n", i * 1e-6, i % 7, i == 3 ? "hit" : "",
+                        5e-6 + i * 2e-6, i % 5);
+  const tests::WrittenFile file(text, ".csv");
+  const Record at_once = read_into_memory(*open_csv(file.path(), {}));
+  expect_same(read_into_memory(*open_csv_by_blocks(file.path(), {})), at_once);
+  EXPECT_DOUBLE_EQ(at_once.channels[1].clock.interval, 2e-6);
+  ImportOptions head_only;
+  head_only.head_only = true;
+  const auto head = open_csv_by_blocks(file.path(), head_only);
+  EXPECT_EQ(head->head().record.channels.size(), 2U);
+  EXPECT_THAT(
+      head->head().record.warnings,
+      testing::Contains("the channels behind 'Time B' have its times, which reading tells: those "
+                        "shown are of the first time column"));
+}
+
+TEST(LargeCsv, WithAColumnOfTextIsReadByBlocksAsItIsReadAtOnce) {
+  std::string text = "time [s],Force [N],Event,Vel [m/s],Comment\n";
+  for (int i = 0; i < 40000; ++i)
+    text += fmt::format("{:.6f},{},{},{}{}\n", i * 1e-6, i % 7, i % 9 == 3 ? "hit" : "", i % 5,
+                        i % 11 == 0 ? ",start" : "");
+  const tests::WrittenFile file(text, ".csv");
+  const Record at_once = read_into_memory(*open_csv(file.path(), {}));
+  expect_same(by_blocks(file.path()), at_once);
+  EXPECT_EQ(at_once.channels.size(), 2U);
+  EXPECT_EQ(at_once.warnings.size(), 2U);
+}
+
 TEST(LargeCsv, MarksTheRowsThatItsHeadNames) {
   for (const auto time : {microseconds, uneven}) {
     const tests::WrittenFile file(

@@ -337,6 +337,36 @@ TEST(Csv, UnevenTimesAreKept) {
   EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("the samples are not evenly spaced")));
 }
 
+TEST(Csv, ColumnsBehindASecondTimeColumnHaveItsClock) {
+  const Record record = imported(
+      "Time A [s],Force [N],Time B [ms],Vel [m/s],Acc [g]\n"
+      "0.000,1.5,0.5,2.5,1\n0.001,1.6,2.5,2.6,2\n0.002,1.7,4.5,2.7,3\n");
+  EXPECT_THAT(names(record), ElementsAre("Force [N]", "Vel [m/s]", "Acc [g]"));
+  EXPECT_EQ(record.channels[0].clock.start, 0.0);
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-3);
+  for (const std::size_t c : {1U, 2U}) {
+    EXPECT_EQ(record.channels[c].clock.start, 0.5e-3);
+    EXPECT_DOUBLE_EQ(record.channels[c].clock.interval, 2e-3);
+  }
+  EXPECT_EQ(record.attributes.at("further time columns"), "Time B");
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(Csv, ASecondTimeColumnOfTheSameTimesIsNoOtherClock) {
+  const Record record =
+      imported("Time [s],Force [N],Time [s],Vel [m/s]\n0,1.5,0,2.5\n1,1.6,1,2.6\n5,1.7,5,2.7\n");
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].clock.times, record.channels[1].clock.times);
+  EXPECT_EQ(record.warnings.size(), 1U);  // the times are not even, said once
+}
+
+TEST(Csv, OfTwoTimeColumnsSideBySideTheSecondIsAChannel) {
+  EXPECT_THAT(names(imported("Time [s],Time abs [s],F [N]\n0,10,1\n1,11,2\n2,12,3\n")),
+              ElementsAre("Time abs [s]", "F [N]"));
+  EXPECT_THAT(names(imported("Time [s],F [N],Time over [ms],v [m/s]\n0,1,3,1\n1,2,2,2\n2,3,5,3\n")),
+              ElementsAre("F [N]", "Time over [ms]", "v [m/s]"));
+}
+
 TEST(Csv, ATimeColumnNeedsEveryTimeAndAUnitOfTime) {
   EXPECT_EQ(import_error("time [s],F\n0,1\n,2\n1,3\n"),
             "FILE:3:1 (byte 15): time: a time is missing; state --time-column none and "
