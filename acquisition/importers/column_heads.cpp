@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "datasets/units.hpp"
 
@@ -327,6 +328,77 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
   return is_time ? std::optional(divided(line, line + 1)) : std::nullopt;
 }
 
+/// A number and the unit behind it. The decimal mark is the table's, or the other one where only
+/// that makes sense and cells do not end with it.
+struct StatedValue {
+  double value = 0.0;
+  std::string_view unit;
+};
+
+std::optional<StatedValue> stated_value(std::string_view text, Dialect dialect) {
+  const char other = dialect.decimal == ',' ? '.' : ',';
+  for (const char decimal : {dialect.decimal, other}) {
+    if (decimal == dialect.delimiter) continue;
+    StatedValue stated;
+    const char* const last = text.data() + text.size();
+    const char* const end = scan_number(text.data(), last, {decimal, false}, stated.value);
+    if (end == text.data() || (end != last && (*end == '.' || *end == ','))) continue;
+    stated.unit = trimmed(std::string_view(end, static_cast<std::size_t>(last - end)));
+    return stated;
+  }
+  return std::nullopt;
+}
+
+/// "51.200" where commas are decimal marks: 51200 or 51.2.
+bool is_ambiguous(std::string_view text, Dialect dialect) {
+  const std::string_view number = text.substr(0, text.find(' '));
+  return dialect.decimal == ',' && number.find('.') != std::string_view::npos &&
+         has_thousands_separators(number);
+}
+
+/// Takes the sample interval that is stated by a key such as "Sample Interval" or "Sampling rate
+/// [kHz]".
+void find_interval(Dialect dialect, TableHead& head) {
+  constexpr std::array<std::string_view, 6> intervals = {
+      "sample interval", "sampling interval", "sample period", "sampling period", "delta t", "dt"};
+  constexpr std::array<std::string_view, 6> rates = {
+      "sample rate", "sampling rate", "samplerate", "sample frequency", "sampling frequency", "fs"};
+  std::string stated_by;
+  for (const auto& [key, text] : head.attributes) {
+    const ColumnHead says = split_head(key);
+    std::string word = lowered(says.name);
+    std::replace(word.begin(), word.end(), '_', ' ');
+    const bool is_interval = std::find(intervals.begin(), intervals.end(), word) != intervals.end();
+    const bool is_rate = std::find(rates.begin(), rates.end(), word) != rates.end();
+    if (!is_interval && !is_rate) continue;
+    if (is_ambiguous(text, dialect)) {
+      head.warnings.push_back(
+          fmt::format("the header states '{}' as '{}', whose point may be a decimal mark or divide "
+                      "thousands: it is not used (--sample-rate states it)",
+                      key, text));
+      continue;
+    }
+    const auto stated = stated_value(text, dialect);
+    if (!stated || !(stated->value > 0.0)) continue;
+    const std::string_view si = is_interval ? "s" : "Hz";
+    std::string unit = stated->unit.empty() ? says.unit : std::string(stated->unit);
+    if (unit.empty()) unit = si;
+    const auto conversion = datasets::conversion(unit, si);
+    if (!conversion) continue;
+    const double converted = conversion->factor * stated->value + conversion->offset;
+    const double seconds = is_interval ? converted : 1.0 / converted;
+    if (!head.interval) {
+      head.interval = seconds;
+      stated_by = key;
+    } else if (std::abs(seconds - *head.interval) > 1e-3 * *head.interval) {
+      head.warnings.push_back(
+          fmt::format("the header states a sample interval of {:.9g} s by '{}' and one of {:.9g} s "
+                      "by '{}': the first is used",
+                      *head.interval, stated_by, seconds, key));
+    }
+  }
+}
+
 }  // namespace
 
 std::string lowered(std::string_view text) {
@@ -379,35 +451,8 @@ TableHead read_head(const TableLayout& layout) {
     if (line != head.names_line && line != head.units_line)
       add_attribute(layout.head[i], layout, head);
   }
+  find_interval(layout.dialect, head);
   return head;
-}
-
-std::optional<double> stated_interval(const std::map<std::string, std::string>& attributes) {
-  constexpr std::array<std::string_view, 6> intervals = {
-      "sample interval", "sampling interval", "sample period", "sampling period", "delta t", "dt"};
-  constexpr std::array<std::string_view, 6> rates = {
-      "sample rate", "sampling rate", "samplerate", "sample frequency", "sampling frequency", "fs"};
-  for (const auto& [key, text] : attributes) {
-    const ColumnHead head = split_head(key);
-    std::string word = lowered(head.name);
-    std::replace(word.begin(), word.end(), '_', ' ');
-    const bool is_interval = std::find(intervals.begin(), intervals.end(), word) != intervals.end();
-    const bool is_rate = std::find(rates.begin(), rates.end(), word) != rates.end();
-    if (!is_interval && !is_rate) continue;
-    double value = 0.0;
-    const char* const end = scan_number(text.data(), text.data() + text.size(), {}, value);
-    if (end == text.data() || !(value > 0.0)) continue;
-    std::string unit(
-        trimmed(std::string_view(end, static_cast<std::size_t>(text.data() + text.size() - end))));
-    if (unit.empty()) unit = head.unit;
-    const std::string_view si = is_interval ? "s" : "Hz";
-    if (unit.empty()) unit = si;
-    const auto conversion = datasets::conversion(unit, si);
-    if (!conversion) continue;
-    const double converted = conversion->factor * value + conversion->offset;
-    return is_interval ? converted : 1.0 / converted;
-  }
-  return std::nullopt;
 }
 
 }  // namespace impactrig::acquisition

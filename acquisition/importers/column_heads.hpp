@@ -24,6 +24,7 @@ struct TableHead {
   std::map<std::string, std::string> attributes;  ///< "Sample Interval" -> "4e-11"
   std::optional<double> start;      ///< of a Start cell, as some oscilloscopes write it [s]
   std::optional<double> increment;  ///< likewise [s]
+  std::optional<double> interval;   ///< stated by a key: "Sampling rate [kHz]" -> "51.2" [s]
   int names_line = 0;               ///< from 1; 0 = there is none
   int units_line = 0;               ///< from 1; 0 = there is none
   std::vector<std::string> warnings;
@@ -35,10 +36,6 @@ TableHead read_head(const TableLayout& layout);
 /// "Force [N]", "CH 1 (V)", "acceleration(g)", "t / s", "t/ms", "Time in ms", "Time, ms", "Time_ms"
 /// and "Time" as name and unit. All but brackets count only before a unit that is understood.
 ColumnHead split_head(std::string_view cell);
-
-/// The sample interval [s] that a header states by a key such as "Sample Interval" or "Sampling
-/// rate [kHz]".
-std::optional<double> stated_interval(const std::map<std::string, std::string>& attributes);
 
 /// ASCII letters in lower case.
 std::string lowered(std::string_view text);

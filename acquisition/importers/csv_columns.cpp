@@ -324,14 +324,13 @@ void to_seconds(const TextFile& file, const ColumnHead& head,
 datasets::SampleClock clock_from_head(const TableHead& head) {
   datasets::SampleClock clock;
   clock.start = head.start.value_or(0.0);
-  clock.interval =
-      head.increment ? *head.increment : stated_interval(head.attributes).value_or(0.0);
+  clock.interval = head.increment ? *head.increment : head.interval.value_or(0.0);
   return clock;
 }
 
 void compare_with_head(const TableHead& head, std::size_t rows, datasets::SampleClock& clock,
                        Record& record) {
-  const auto stated = stated_interval(head.attributes);
+  const auto stated = head.interval;
   if (!stated) return;
   const double deviation = std::abs(*stated - clock.interval);
   if (clock.uniform() && rows > 1) {

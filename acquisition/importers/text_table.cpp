@@ -42,14 +42,14 @@ std::string_view without_quotes(std::string_view cell) {
 
 bool same_word(std::string_view cell, std::string_view lower) {
   return std::equal(cell.begin(), cell.end(), lower.begin(), lower.end(), [](char a, char b) {
-    return std::tolower(static_cast<unsigned char>(a)) == b;
+    return std::tolower(static_cast<unsigned char>(a)) == static_cast<unsigned char>(b);
   });
 }
 
-/// What stands for "no value": nothing, not-a-number as C, MATLAB and old Microsoft libraries print
-/// it.
+/// What stands for "no value": nothing, a dash, what meters show for it, not-a-number as C, MATLAB
+/// and old Microsoft libraries print it.
 bool is_missing(std::string_view cell) {
-  if (cell.empty()) return true;
+  if (cell.empty() || cell == "-" || same_word(cell, "n/a") || same_word(cell, "ol")) return true;
   if (cell.front() == '-' || cell.front() == '+') cell.remove_prefix(1);
   for (const std::string_view word :
        {"nan", "nan(ind)", "nan(snan)", "1.#qnan", "1.#ind", "#nan", "qnan"})
@@ -61,7 +61,7 @@ bool is_missing(std::string_view cell) {
 std::optional<double> infinity_in(std::string_view cell) {
   const bool negative = !cell.empty() && cell.front() == '-';
   if (!cell.empty() && (cell.front() == '-' || cell.front() == '+')) cell.remove_prefix(1);
-  for (const std::string_view word : {"inf", "infinity", "1.#inf"})
+  for (const std::string_view word : {"inf", "infinity", "1.#inf", "\u221E"})
     if (same_word(cell, word))
       return negative ? -std::numeric_limits<double>::infinity()
                       : std::numeric_limits<double>::infinity();
@@ -344,6 +344,50 @@ void refuse_thousands_separators(TextFile& file, const std::vector<std::string_v
   }
 }
 
+/// True for what begins as "2024-03-01", "1.3.2024" or "12:00:00.5".
+bool is_date_or_time(std::string_view cell) {
+  std::size_t at = 0;
+  const auto take_digits = [&] {
+    const std::size_t first = at;
+    while (at < cell.size() && detail::is_digit(cell[at])) ++at;
+    return at - first;
+  };
+  const std::size_t first = take_digits();
+  if (first == 0 || first > 4 || at == cell.size()) return false;
+  const char mark = cell[at];
+  if (std::string_view("-/.:").find(mark) == std::string_view::npos) return false;
+  ++at;
+  const std::size_t second = take_digits();
+  if (second == 0 || second > 2 || at == cell.size() || cell[at] != mark) return false;
+  ++at;
+  return take_digits() > 0;
+}
+
+/// Throws InputError for a date or a time of day beside numbers alone.
+void refuse_dates(TextFile& file, const std::vector<std::string_view>& lines,
+                  const std::vector<Dialect>& possible) {
+  for (const std::string_view line : lines) {
+    if (is_skipped(line)) continue;
+    for (const Dialect dialect : possible) {
+      const auto cells = cells_of(line, dialect.delimiter);
+      const auto date = std::ranges::find_if(cells, is_date_or_time);
+      if (date == cells.end()) continue;
+      bool any = false;
+      const bool others_are_numbers = std::ranges::all_of(cells, [&](std::string_view cell) {
+        const auto value = cell_value(cell, dialect.decimal);
+        any = any || (value && !std::isnan(*value));
+        return value || is_date_or_time(cell);
+      });
+      if (!any || !others_are_numbers) continue;
+      throw InputError(
+          place_of(file, *date),
+          fmt::format("'{}' is a date or a time of day, which is not read: replace such "
+                      "columns by one with the seconds since the first row",
+                      to_utf8(*date)));
+    }
+  }
+}
+
 /// What commas may be that give rows more cells than there are names.
 enum class Commas { delimiters, thousands, decimal_marks };
 
@@ -452,7 +496,11 @@ std::optional<double> cell_value(std::string_view cell, char decimal) {
   const std::string_view text = without_quotes(cell);
   if (is_missing(text)) return nothing;
   if (const auto value = number_in(text, {decimal, false})) return value;
-  return infinity_in(text);
+  constexpr std::string_view minus = "\u2212";  // as typography has it
+  if (!text.starts_with(minus)) return infinity_in(text);
+  const std::string usual = "-" + std::string(text.substr(minus.size()));
+  const auto value = number_in(usual, {decimal, false});
+  return value ? value : infinity_in(usual);
 }
 
 std::string delimiter_name(char delimiter) {
@@ -503,6 +551,7 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   std::optional<Candidate> best = best_of(try_dialect, lines, skipped, possible);
   if (!options.delimiter && (!best || best->dialect.delimiter == ' '))
     refuse_thousands_separators(file, lines);
+  if (!best) refuse_dates(file, lines, possible);
   if (!best) best = best_of(try_dialect_with_text, lines, skipped, possible);
   if (best && !options.delimiter) refuse_commas_within_numbers(file, lines, *best);
   if (!best) {

@@ -239,6 +239,34 @@ TEST(Csv, TakesItsClockFromAKeyWhenItHasNoTimeColumn) {
   }
 }
 
+TEST(Csv, WithDecimalCommasMayStateItsRateSoToo) {
+  for (const char* key :
+       {"Sampling rate;51,2 kHz", "Sampling rate [kHz];51,2", "Sampling rate;51200",
+        "Sample Period;0,00001953125", "Sample Period;0.00001953125"}) {
+    const Record record = imported(std::string(key) + "\nF [N];v [m/s]\n1,5;2,5\n1,4;2,6\n");
+    ASSERT_EQ(record.channels.size(), 2U) << key;
+    EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1.0 / 51200.0) << key;
+    EXPECT_THAT(record.warnings, IsEmpty()) << key;
+  }
+  const Record record = imported("Sampling rate;51.200\nF [N];v [m/s]\n1,5;2,5\n1,4;2,6\n");
+  EXPECT_EQ(record.channels[0].clock.interval, 0.0);
+  EXPECT_THAT(
+      record.warnings,
+      testing::Contains("the header states 'Sampling rate' as '51.200', whose point may be a "
+                        "decimal mark or divide thousands: it is not used (--sample-rate "
+                        "states it)"));
+}
+
+TEST(Csv, WhoseRateAndIntervalDisagreeSaysSo) {
+  const Record record =
+      imported("Sample rate,1000\nSample interval,0.01\nF [N],v [m/s]\n5,1\n4,2\n7,3\n");
+  EXPECT_EQ(record.channels[0].clock.interval, 0.01);
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("the header states a sample interval of 0.01 s by 'Sample interval' and one "
+                  "of 0.001 s by 'Sample rate': the first is used"));
+}
+
 TEST(Csv, OfAnOscilloscopeCountsSamplesAndStatesStartAndIncrement) {
   const Record record = imported(
       "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-3.0e-07,5.0e-10\n0,1,2,\n1,3,4,\n2,5,6,\n");
@@ -403,6 +431,33 @@ TEST(Csv, InfiniteValuesAreMarked) {
           "'F': 2 of 4 samples are not finite, the first is sample 1; marked as not valid"));
 }
 
+TEST(Csv, WhatMetersShowForNoValueIsMissing) {
+  const Record record = imported("time [s],F [N]\n0,1\n1,N/A\n2,n/a\n3,OL\n4,-\n5,\u22122.5\n");
+  EXPECT_THAT(record.channels[0].valid, ElementsAre(1, 0, 0, 0, 0, 1));
+  EXPECT_EQ(record.channels[0].value(5), -2.5);
+  EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("'F': 4 of 6 values are missing")));
+}
+
+// PicoScope writes the infinity sign for a sample beyond the range.
+TEST(Csv, SamplesBeyondTheRangeAreMarked) {
+  const Record record = imported(
+      "Time,Channel A\n(ms),(V)\n\n-1.0,0.5\n-0.5,\u221E\n0.0,-\u221E\n0.5,\u2212\u221E\n");
+  EXPECT_THAT(record.channels[0].valid, ElementsAre(1, 0, 0, 0));
+  EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("3 of 4 samples are not finite")));
+}
+
+TEST(Csv, DatesAndTimesOfDayAreAnErrorThatSaysSo) {
+  for (const char* rows : {"2024-03-01 12:00:00.000,1.5\n2024-03-01 12:00:00.001,1.6\n",
+                           "12:00:00.000,1.5\n12:00:00.001,1.6\n",
+                           "01.03.2024,12:00:00.000,1.5\n01.03.2024,12:00:00.001,1.6\n"}) {
+    const std::string_view text(rows);
+    EXPECT_EQ(import_error("When,F (N)\n" + std::string(rows)),
+              fmt::format("FILE:2:1 (byte 11): '{}' is a date or a time of day, which is not read: "
+                          "replace such columns by one with the seconds since the first row",
+                          text.substr(0, text.find(','))));
+  }
+}
+
 TEST(Csv, AColumnThatIsNamedButEmptyIsAnEmptyChannel) {
   for (const char* text :
        {"time [s],F [N],G [N]\n0,1\n1,2\n", "time [s],F [N],G [N]\n0,1,\n1,2,\n"}) {
@@ -420,10 +475,10 @@ TEST(Csv, CommentsAndEmptyLinesBetweenRowsAreSkipped) {
 }
 
 TEST(Csv, ATextForANumberIsAnErrorThatNamesPlaceAndColumn) {
-  EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,1\n1,n/a\n2,3\n"),
-            "FILE:3:3 (byte 30): velocity: expected a number, found 'n/a'");
-  EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,n/a\n1,n/a\n2,3\n3,4\n"),
-            "FILE:2:3 (byte 26): velocity: expected a number, found 'n/a'");
+  EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,1\n1,bad\n2,3\n"),
+            "FILE:3:3 (byte 30): velocity: expected a number, found 'bad'");
+  EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,bad\n1,bad\n2,3\n3,4\n"),
+            "FILE:2:3 (byte 26): velocity: expected a number, found 'bad'");
   EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,1\n1,2\n2,3e999\n"),
             "FILE:4:3 (byte 34): velocity: 3e999 does not fit a double");
   EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,1\n1,2.5.1\n2,3\n"),
