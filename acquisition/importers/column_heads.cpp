@@ -218,6 +218,14 @@ void tell_of_misfit(const TableLayout& layout, std::size_t line, TableHead& head
       to_utf8(text.substr(0, 60)), layout.cells, layout.cells == 1 ? "" : "s"));
 }
 
+/// "x-axis,1,2", as InfiniiVision oscilloscopes name their channels.
+bool are_numbered_channels(const Cells& names) {
+  return lowered(names.front()) == "x-axis" &&
+         std::all_of(names.begin() + 1, names.end(), [](std::string_view name) {
+           return name.empty() || integer_in(name).has_value();
+         });
+}
+
 /// The last two filled lines above the rows, as names and units or as names alone.
 void find_names_and_units(const TableLayout& layout, const std::vector<std::size_t>& filled,
                           Cells& names, Cells& units, TableHead& head) {
@@ -229,7 +237,8 @@ void find_names_and_units(const TableLayout& layout, const std::vector<std::size
     const std::size_t above = filled[filled.size() - 2];
     names = head_cells(layout.head[above], layout);
     units = bottom;
-    if (names.size() >= layout.cells && !has_number(names, decimal)) {
+    if (names.size() >= layout.cells &&
+        (!has_number(names, decimal) || (are_numbered_channels(names) && is_unit_row(bottom)))) {
       take_start_and_increment(names, units, decimal, head);
       const bool as_wide = bottom.size() >= layout.cells || head.start || head.increment;
       if (as_wide && (is_unit_row(units) || is_sentence_row(units))) {
@@ -264,6 +273,7 @@ std::vector<ColumnHead> heads_of(const Cells& names, const Cells& units) {
   const bool sentences = !units.empty() && is_sentence_row(units) && !is_unit_row(units);
   for (std::size_t c = 0; c < std::max(names.size(), units.size()); ++c) {
     ColumnHead column = c < names.size() ? split_head(names[c]) : ColumnHead{};
+    if (integer_in(column.name)) column.name = "CH " + column.name;
     const std::string_view unit = c < units.size() ? units[c] : std::string_view{};
     if (sentences) {
       const ColumnHead said = sentence(unit).value_or(ColumnHead{});
@@ -378,7 +388,7 @@ void find_interval(Dialect dialect, TableHead& head) {
                       key, text));
       continue;
     }
-    const auto stated = stated_value(text, dialect);
+    const auto stated = stated_value(without_channel(text), dialect);
     if (!stated || !(stated->value > 0.0)) continue;
     const std::string_view si = is_interval ? "s" : "Hz";
     std::string unit = stated->unit.empty() ? says.unit : std::string(stated->unit);
@@ -400,6 +410,13 @@ void find_interval(Dialect dialect, TableHead& head) {
 }
 
 }  // namespace
+
+std::string_view without_channel(std::string_view value) {
+  const std::size_t colon = value.find(':');
+  const bool is_channel = colon != std::string_view::npos && value.starts_with("CH") &&
+                          integer_in(value.substr(2, colon - 2)).has_value();
+  return is_channel ? trimmed(value.substr(colon + 1)) : value;
+}
 
 std::string lowered(std::string_view text) {
   std::string result(text);

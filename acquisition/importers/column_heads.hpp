@@ -37,6 +37,9 @@ TableHead read_head(const TableLayout& layout);
 /// and "Time" as name and unit. All but brackets count only before a unit that is understood.
 ColumnHead split_head(std::string_view cell);
 
+/// "V" of "CH1:V", as some oscilloscopes write values of their header.
+std::string_view without_channel(std::string_view value);
+
 /// ASCII letters in lower case.
 std::string lowered(std::string_view text);
 

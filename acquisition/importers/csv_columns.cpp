@@ -252,14 +252,14 @@ void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delim
     const bool horizontal = word == "horizontal units" || word == "horizontal unit" ||
                             word == "x units" || word == "x unit";
     if (horizontal && roles.time && heads[*roles.time].unit.empty())
-      heads[*roles.time].unit = value;
+      heads[*roles.time].unit = without_channel(value);
     if (!vertical) continue;
     const auto units = cells_of(value, delimiter);
     std::size_t channel = 0;
     for (std::size_t c = 0; c < heads.size(); ++c) {
       if (!roles.is_channel(c)) continue;
       if (heads[c].unit.empty() && (units.size() == 1 || channel < units.size()))
-        heads[c].unit = units[units.size() == 1 ? 0 : channel];
+        heads[c].unit = without_channel(units[units.size() == 1 ? 0 : channel]);
       ++channel;
     }
   }
@@ -288,6 +288,7 @@ void describe(const TableLayout& layout, const TableHead& head,
 datasets::UnitConversion time_conversion(const TextFile& file, const ColumnHead& head,
                                          Record& record) {
   std::string unit = head.unit;
+  if (unit.empty() && lowered(head.name).starts_with("second")) unit = "s";
   if (unit.empty()) {
     record.warnings.push_back(fmt::format(
         "the time column '{}' states no unit: it is taken as s (--units states another)",

@@ -276,6 +276,24 @@ TEST(Csv, OfAnOscilloscopeCountsSamplesAndStatesStartAndIncrement) {
   EXPECT_EQ(record.attributes.at("index column"), "X");
 }
 
+TEST(Csv, OfAnInfiniiVisionNumbersItsChannels) {
+  const Record record = imported(
+      "x-axis,1,2\nsecond,Volt,Volt\n-1.0E-03,+0.5E+00,1\n-0.9E-03,+0.6E+00,2\n-0.8E-03,0.7,3\n");
+  EXPECT_THAT(names(record), ElementsAre("CH 1 [Volt]", "CH 2 [Volt]"));
+  EXPECT_EQ(record.channels[0].clock.start, -1e-3);
+  EXPECT_EQ(record.channels[0].quantity, Quantity::voltage);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(Csv, OfASiglentHasChannelsBeforeItsKeysValues) {
+  const Record record = imported(
+      "Record Length,Analog:3\nSample Interval,CH1:0.000000200\nVertical Units,CH1:V\n"
+      "Second,Value\n-0.0000002,0.02\n0.0,0.03\n0.0000002,0.04\n");
+  EXPECT_THAT(names(record), ElementsAre("Value [V]"));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 2e-7);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
 // Tektronix TDS1000 and TDS2000 write their settings beside the first samples.
 TEST(Csv, MayHaveKeysBesideItsFirstSamples) {
   const Record record = imported(
