@@ -98,7 +98,8 @@ bool is_skipped(std::string_view line) {
 /// How many columns a line above the rows names: 0 where it holds a number or nothing.
 std::size_t named_columns(std::string_view line, Dialect dialect) {
   std::string_view text = trimmed(line);
-  if (!text.empty() && is_skipped(text)) text = trimmed(text.substr(text.find_first_not_of("#%")));
+  while (text.starts_with('#') || text.starts_with('%')) text.remove_prefix(1);
+  text = trimmed(text);
   std::size_t named = 0;
   std::size_t cells = 0;
   for (const std::string_view cell : cells_of(text, dialect.delimiter)) {

@@ -606,6 +606,12 @@ TEST(Csv, ARowCutOffByTheEndOfTheFileIsLeftOut) {
   EXPECT_THAT(record.warnings, testing::Contains(HasSubstr("the file ends within the row at ")));
 }
 
+TEST(Csv, MayHaveACommentSignAloneAboveItsRows) {
+  for (const char* line : {"#", "%", "##", "# "})
+    EXPECT_THAT(imported(std::string(line) + "\n0,1\n1,2\n2,3\n").channels[0].values(),
+                ElementsAre(1.0, 2.0, 3.0));
+}
+
 TEST(Csv, WithoutNumbersIsAnError) {
   EXPECT_EQ(import_error("", {}, ".csv"), "FILE: the file is empty");
   EXPECT_EQ(import_error(" \n\n", {}, ".csv"), "FILE: there is no text in this file");
