@@ -84,7 +84,7 @@ constexpr std::array<Replacement, 11> superscripts{{
 
 /// Whole words. UDUNITS-2 knows degree and rpm to 14 or 15 digits only, and takes "ue" for the
 /// micro-electron-charge.
-constexpr std::array<Replacement, 21> words{{
+constexpr std::array<Replacement, 26> words{{
     {"deg", "(0.017453292519943295 rad)"},
     {"degree", "(0.017453292519943295 rad)"},
     {"degrees", "(0.017453292519943295 rad)"},
@@ -106,6 +106,11 @@ constexpr std::array<Replacement, 21> words{{
     {"Lbs", "lb"},
     {"LBS", "lb"},
     {"VDC", "V"},
+    {"KN", "kN"},
+    {"kp", "kgf"},
+    {"tf", "(1e3 kgf)"},
+    {"dyn", "(1e-5 N)"},
+    {"ips", "(in/s)"},
 }};
 
 /// Words that are a mass to UDUNITS-2 and may mean its weight or an acceleration in a laboratory.

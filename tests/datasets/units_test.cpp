@@ -54,6 +54,11 @@ TEST(Units, ConvertByTheirDefinition) {
 TEST(Units, UnderstandLaboratorySpellings) {
   for (const char* spelling : {"Volt", "Volts", "VOLT", "V", " V ", "[V]", "[ V ]", "VDC"})
     EXPECT_EQ(factor(spelling, "V"), 1.0) << spelling;
+  EXPECT_DOUBLE_EQ(factor("KN", "N"), 1e3);
+  EXPECT_DOUBLE_EQ(factor("kp", "N"), 9.80665);
+  EXPECT_DOUBLE_EQ(factor("tf", "N"), 9806.65);
+  EXPECT_DOUBLE_EQ(factor("dyn", "N"), 1e-5);
+  EXPECT_DOUBLE_EQ(factor("ips", "m/s"), 0.0254);
   for (const char* spelling : {"Second", "Seconds", "sec", "s"})
     EXPECT_EQ(factor(spelling, "s"), 1.0) << spelling;
   for (const char* spelling : {"Newtons", "Newton", "NEWTON"})
