@@ -35,6 +35,18 @@ constexpr std::array<KnownFactor, 5> known_factors{{
     {4.448, "lbf (4.448 N)", "a decoder range of 4 or 5"},
 }};
 
+/// Times that were taken for others.
+struct TimeFactor {
+  double factor;
+  std::string_view what;
+};
+
+constexpr std::array<TimeFactor, 4> time_factors{{{1e3, "ms taken for s"},
+                                                  {1e6, "us taken for s"},
+                                                  {1e-3, "s taken for ms"},
+                                                  {1e-6, "s taken for us"}}};
+constexpr double alike_contact = 4.0;  ///< between contacts of a rigid and of a flexible bar
+
 bool within(double ratio, double limit) {
   return ratio > 1.0 / limit && ratio < limit;
 }
@@ -94,6 +106,56 @@ std::optional<models::Simulation> predicted(const RigFile& file, double contact)
   return std::nullopt;  // the fit will say what is wrong
 }
 
+/// Until the contact of a rigid bar has ended.
+std::optional<models::Simulation> rigid_contact(const RigFile& file) {
+  models::Solver solver;
+  solver.model = models::BeamModel::rigid;
+  solver.accuracy = 1e-3;
+  solver.time_limit = 2.0;
+  try {
+    models::Simulation run = models::simulate(file.rig, solver);
+    if (!run.episodes.empty() && !run.episodes.front().open) return run;
+  } catch (const std::invalid_argument&) {
+  } catch (const std::runtime_error&) {
+  }
+  return std::nullopt;
+}
+
+/// The signal may end within a contact that lasts far too long.
+double measured_impulse(const Impact& impact) {
+  const ImpactSignal& force = *impact.force;
+  const bool whole =
+      !force.values.empty() && force.time(force.values.size() - 1) + force.interval >= impact.end;
+  return whole || force.channel != impact.trigger ? impulse_of(force, impact.start, impact.end)
+                                                  : impact.impulse;
+}
+
+/// Where the times are in another unit: contact and impulse are off by its factor alike.
+std::optional<MomentumBalance> other_times(const Impact& impact, const RigFile& file,
+                                           double measured, double speed) {
+  const auto rigid = rigid_contact(file);
+  if (!rigid) return std::nullopt;
+  const models::Episode& contact = rigid->episodes.front();
+  const double lasts = impact.end - impact.start, usual = contact.end - contact.start;
+  MomentumBalance balance;
+  balance.measured = measured;
+  balance.expected = contact.impulse * speed / contact.approach_velocity;
+  balance.ratio = balance.measured / balance.expected;
+  for (const auto& [factor, what] : time_factors) {
+    if (!within(lasts / usual / factor, alike_contact)) continue;
+    if (!within(balance.ratio / factor, any_restitution)) continue;
+    const bool longer = factor > 1.0;
+    balance.plausible = false;
+    balance.sentence = fmt::format(
+        "The contact lasts {:.2g} s where this rig takes about {:.2g} s, and the force's impulse, "
+        "{:.3g} N s, is too {} by the same factor: the times seem to be {:.0f} times too {} ({}).",
+        lasts, usual, measured, longer ? "large" : "small", longer ? factor : 1.0 / factor,
+        longer ? "long" : "short", what);
+    return balance;
+  }
+  return std::nullopt;
+}
+
 /// What of the two records is off by itself, where the rig states its approach speed.
 std::string culprit(double impulse_ratio, double speed_ratio) {
   const bool force = !within(impulse_ratio, any_restitution);
@@ -114,16 +176,20 @@ std::optional<MomentumBalance> momentum_balance(const Impact& impact, const RigF
   if (!impact.force || !file.rig.has_stop()) return std::nullopt;
   const double contact = impact.end - impact.start;
   if (!(contact > 0.0)) return std::nullopt;
+  const double impulse_measured = measured_impulse(impact);
+  const auto measured = measured_speed(impact, file);
+  if (auto times = other_times(impact, file, impulse_measured,
+                               measured.value_or(models::touch_velocity(file.rig))))
+    return times;
   const auto simulation = predicted(file, contact);
   if (!simulation || simulation->episodes.empty()) return std::nullopt;
   const double speed = simulation->episodes.front().approach_velocity;
   const double impulse = simulation->impulse;
   if (!(speed > 0.0) || !(impulse > 0.0)) return std::nullopt;
 
-  const auto measured = measured_speed(impact, file);
   const double speed_ratio = measured ? *measured / speed : 1.0;
   MomentumBalance balance;
-  balance.measured = impulse_of(*impact.force, impact.start, impact.end);
+  balance.measured = impulse_measured;
   balance.expected = impulse * speed_ratio;
   balance.ratio = balance.measured / balance.expected;
   if (!(balance.ratio > 0.0)) return std::nullopt;  // another flag: polarity

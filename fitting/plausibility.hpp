@@ -27,6 +27,9 @@ struct MomentumBalance {
 /// is taken into account. Where the rig states its approach speed, what of the two records is off
 /// by itself is named.
 ///
+/// Where the contact's duration is off by a factor of 1e3 or 1e6, too, against a rigid bar's (4
+/// either way), the times are named and not the force.
+///
 /// None when the impact has no force, the rig no contact, or cannot be simulated.
 std::optional<MomentumBalance> momentum_balance(const datasets::Impact& impact, const RigFile& rig);
 

@@ -14,6 +14,7 @@ namespace {
 
 using datasets::Impact;
 using datasets::ImpactSignal;
+using testing::HasSubstr;
 
 /// What the finer model of the paper's rig shows at another restitution and speed, the force in
 /// units of `force_unit` and the velocity in units of `velocity_unit`.
@@ -89,6 +90,44 @@ TEST(MomentumBalance, NamesAWrongVelocityUnit) {
               testing::HasSubstr("The measured approach speed is 1000 times too large (nearly the "
                                  "factor of mm/s for m/s) against the rig file's."));
   EXPECT_THAT(balance->sentence, testing::Not(testing::HasSubstr("states the force is")));
+}
+
+/// The same shot with times in another unit.
+Impact retimed(Impact impact, double factor) {
+  impact.start *= factor;
+  impact.end *= factor;
+  impact.force->start *= factor;
+  impact.force->interval *= factor;
+  return impact;
+}
+
+TEST(MomentumBalance, NamesTimesInAnotherUnit) {
+  for (const auto& [factor, words] : {std::pair{1e3, "1000 times too long (ms taken for s)"},
+                                      std::pair{1e6, "1000000 times too long (us taken for s)"},
+                                      std::pair{1e-3, "1000 times too short (s taken for ms)"},
+                                      std::pair{1e-6, "1000000 times too short (s taken for us)"}})
+    for (const double restitution : {0.1, 0.5, 0.9})
+      for (const double speed : {0.1, 0.441, 2.0}) {
+        const auto balance = momentum_balance(retimed(shot(restitution, speed), factor), paper());
+        ASSERT_TRUE(balance);
+        EXPECT_FALSE(balance->plausible);
+        EXPECT_THAT(balance->sentence, HasSubstr(words)) << restitution << ' ' << speed;
+        EXPECT_THAT(balance->sentence, HasSubstr("The contact lasts"));
+      }
+}
+
+// A window for contacts of milliseconds ends within one that seems to last seconds.
+TEST(MomentumBalance, TakesTheWholeContactsImpulseWhereTheSignalEndsWithinIt) {
+  Impact impact = retimed(shot(0.5, 0.441), 1e3);
+  double sum = 0.0;
+  for (const double force : impact.force->values) sum += force * impact.force->interval;
+  impact.force->channel = impact.trigger = "Force";
+  impact.impulse = sum;
+  impact.force->values.resize(100);
+  const auto balance = momentum_balance(impact, paper());
+  ASSERT_TRUE(balance);
+  EXPECT_THAT(balance->sentence, HasSubstr("1000 times too long"));
+  EXPECT_DOUBLE_EQ(balance->measured, sum);
 }
 
 TEST(MomentumBalance, TakesTheRigsSpeedWhereNoneWasMeasured) {
