@@ -87,15 +87,51 @@ std::size_t readable_end(std::string_view bytes) {
   return end;
 }
 
-/// libsndfile's view on the mapped bytes: it never sees the file system, nor damaged lists.
+/// Where the samples begin of a file whose recorder was stopped before it wrote how many there are:
+/// it says none, and what follows is no chunks.
+std::optional<std::size_t> samples_without_size(std::string_view bytes) {
+  std::optional<std::size_t> samples;
+  if (bytes.size() < 12) return samples;
+  const bool big_endian = bytes.starts_with("RIFX");
+  walk_chunks(bytes, 12, big_endian, [&](std::size_t at, std::string_view content) {
+    if (bytes.substr(at, 4) != "data") return true;
+    const std::size_t first = at + 8;
+    bool named = true;
+    const bool chunks =
+        walk_chunks(bytes, first, big_endian, [&](std::size_t next, std::string_view) {
+          named = named && std::ranges::all_of(bytes.substr(next, 4),
+                                               [](char c) { return c >= ' ' && c <= '~'; });
+          return named;
+        });
+    if (content.empty() && first < bytes.size() && !(chunks && named)) samples = first;
+    return false;
+  });
+  return samples;
+}
+
+/// libsndfile's view on the mapped bytes: it never sees the file system, nor damaged lists, nor
+/// samples that are not counted.
 class SoundBytes {
  public:
   explicit SoundBytes(const MappedFile& file)
       : file_(file),
         bytes_(file.bytes().substr(0, readable_end(file.bytes()))),
-        damaged_lists_(damaged_lists(bytes_)) {}
+        damaged_lists_(damaged_lists(bytes_)),
+        uncounted_(samples_without_size(bytes_)) {
+    for (const std::size_t list : damaged_lists_) mend(list, "JUNK");
+    if (!uncounted_) return;
+    const auto size =
+        static_cast<std::uint32_t>(std::min<std::size_t>(bytes_.size() - *uncounted_, 0xFFFFFFFE));
+    std::string counted(4, '\0');
+    for (std::size_t i = 0; i < 4; ++i)
+      counted[bytes_.starts_with("RIFX") ? 3 - i : i] = static_cast<char>(size >> 8 * i & 0xFF);
+    mend(*uncounted_ - 4, counted);
+  }
 
   const std::vector<std::size_t>& damaged() const { return damaged_lists_; }
+
+  /// How many bytes of samples the file has and does not count.
+  std::size_t uncounted() const { return uncounted_ ? bytes_.size() - *uncounted_ : 0; }
 
   static sf_count_t length(void* self) {
     return static_cast<sf_count_t>(static_cast<SoundBytes*>(self)->bytes_.size());
@@ -123,8 +159,8 @@ class SoundBytes {
     } catch (const datasets::FileError&) {
       return 0;  // libsndfile is C: no exception may pass it
     }
-    for (const std::size_t list : sound.damaged_lists_)
-      sound.rename(list, static_cast<char*>(to), static_cast<std::size_t>(there));
+    for (const Mended& mended : sound.mended_)
+      sound.show(mended, static_cast<char*>(to), static_cast<std::size_t>(there));
     sound.at_ += there;
     return there;
   }
@@ -136,16 +172,26 @@ class SoundBytes {
   std::size_t at() const { return static_cast<std::size_t>(at_); }
 
  private:
-  /// Makes the list at this place, where it is among the bytes just copied, one to pass over.
-  void rename(std::size_t list, char* copied, std::size_t count) const {
-    constexpr std::string_view passed_over = "JUNK";
-    for (std::size_t i = 0; i < passed_over.size(); ++i)
-      if (list + i >= at() && list + i < at() + count) copied[list + i - at()] = passed_over[i];
+  /// What is read of a place instead of what is there.
+  struct Mended {
+    std::size_t at;
+    std::string bytes;
+  };
+
+  void mend(std::size_t at, std::string_view bytes) { mended_.push_back({at, std::string(bytes)}); }
+
+  /// Writes it where it is among the bytes just copied.
+  void show(const Mended& mended, char* copied, std::size_t count) const {
+    for (std::size_t i = 0; i < mended.bytes.size(); ++i)
+      if (mended.at + i >= at() && mended.at + i < at() + count)
+        copied[mended.at + i - at()] = mended.bytes[i];
   }
 
   const MappedFile& file_;
   std::string_view bytes_;
   std::vector<std::size_t> damaged_lists_;
+  std::optional<std::size_t> uncounted_;
+  std::vector<Mended> mended_;
   sf_count_t at_ = 0;
 };
 
@@ -307,6 +353,11 @@ class WavReader final : public RecordingReader {
       if (date.find_first_of("123456789") != std::string::npos) record.started = date + "T" + time;
     }
     tell_cut();
+    if (bytes_.uncounted() > 0)
+      head_.record.warnings.push_back(fmt::format(
+          "the header says that there are no samples, as of a recorder that was stopped: "
+          "the {} bytes behind it are read as samples",
+          bytes_.uncounted()));
     for (const std::size_t list : bytes_.damaged())
       head_.record.warnings.push_back(fmt::format(
           "the list at byte {} is damaged, its parts do not fit into it: it is left out", list));

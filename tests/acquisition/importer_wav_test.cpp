@@ -110,6 +110,29 @@ TEST_P(Wav, CutFilesGiveWhatIsThere) {
       ElementsAre("the file is cut: its header declares 52 bytes, 48 are there", calibrate));
 }
 
+// As recorders leave it that lose their power.
+TEST_P(Wav, SamplesThatTheHeaderDoesNotCountAreRead) {
+  wav.data = wav.numbers<std::int16_t>({16384, -16384, 0, 8192});
+  std::string bytes = wav.bytes();
+  const std::size_t size = bytes.find("data") + 4;
+  bytes.replace(size, 4, 4, '\0');
+  const auto record = imported(bytes);
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(0.5, -0.5, 0.0, 0.25));
+  EXPECT_THAT(record.warnings,
+              ElementsAre("the header says that there are no samples, as of a recorder that was "
+                          "stopped: the 8 bytes behind it are read as samples",
+                          calibrate));
+  // silence looks like chunks without a name
+  wav.data = std::string(64, '\0');
+  bytes = wav.bytes();
+  bytes.replace(size, 4, 4, '\0');
+  EXPECT_EQ(imported(bytes).channels.at(0).size(), 32U);
+  // chunks are no samples
+  wav.data.clear();
+  bytes = wav.bytes() + wav.chunk("LIST", "INFO" + wav.chunk("INAM", "run 7"));
+  EXPECT_EQ(imported(bytes).channels.at(0).size(), 0U);
+}
+
 TEST(WavVariants, ExtensibleRf64AndLogarithmicAreRead) {
   WavFile wav;
   wav.data = wav.numbers<std::int16_t>({16384, -32768});

@@ -96,6 +96,9 @@ inline std::vector<std::string> wav_seeds() {
   wav.format = 7;
   wav.bits = 8;
   seeds.push_back(wav.bytes());
+  std::string uncounted = wav.bytes();
+  uncounted.replace(uncounted.find("data") + 4, 4, 4, '\0');
+  seeds.push_back(uncounted);
   return seeds;
 }
 
