@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "datasets/input_error.hpp"
@@ -113,13 +114,15 @@ class MappedRecording final : public RecordingReader {
     return found;
   }
 
+  /// Files may have equal names, a map may not make them.
   void refuse_equal_names() const {
-    std::set<std::string> names;
+    std::map<std::string, bool> renamed;  // whether one of that name is
     for (std::size_t i = 0; i < channels_.size(); ++i) {
       const std::string& name = head_.record.channels[i].name;
-      const bool renamed = channels_[i].mapping != nullptr && !channels_[i].mapping->name.empty();
-      if (!names.insert(name).second && renamed)
-        refuse(fmt::format("two channels would be called '{}'", name));
+      const bool now = channels_[i].mapping != nullptr && !channels_[i].mapping->name.empty();
+      const auto [known, first] = renamed.try_emplace(name, now);
+      if (first) continue;
+      if (now || known->second) refuse(fmt::format("two channels would be called '{}'", name));
     }
   }
 

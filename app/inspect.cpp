@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -204,10 +205,13 @@ void print_impacts(const ordered_json& impacts) {
   for (const auto& i : impacts) {
     const auto channel = i["channel"].get<std::string>();
     if (++found[channel] > most) continue;
-    fmt::print("  {}: at {} s, peak {} {}, width {} s, impulse {} {}{}\n", channel,
-               shown(i["start_s"]), shown(i["peak"]), i["unit"].get<std::string>(),
-               shown(i["width_s"]), shown(i["impulse"]), i["impulse_unit"].get<std::string>(),
-               i["flags"].empty() ? "" : fmt::format(" ({})", i["flags"].dump()));
+    fmt::print(
+        "  {}: at {} s, peak {} {}, width {} s, impulse {} {}{}\n", channel, shown(i["start_s"]),
+        shown(i["peak"]), i["unit"].get<std::string>(), shown(i["width_s"]), shown(i["impulse"]),
+        i["impulse_unit"].get<std::string>(),
+        i["flags"].empty()
+            ? ""
+            : fmt::format(" ({})", fmt::join(i["flags"].get<std::vector<std::string>>(), ", ")));
   }
   for (const auto& [channel, count] : found)
     if (count > most) fmt::print("  {}: {} more (--json lists them all)\n", channel, count - most);

@@ -108,8 +108,10 @@ class Uff58Reader::Text {
     if (numbers == 0 && announced > 0)
       throw InputError(place(start),
                        fmt::format("{} points are announced and no number is there", form_.points));
-    // a last line may be filled up
-    if (numbers > announced && numbers - announced < widths_.size()) return form_.points;
+    // the last line may be filled up
+    const std::uint64_t width = std::max<std::uint64_t>(widths_.size(), 1);
+    if (numbers > announced && numbers <= (announced + width - 1) / width * width)
+      return form_.points;
     return numbers / stride;
   }
 

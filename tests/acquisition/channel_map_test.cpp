@@ -138,6 +138,9 @@ TEST(ChannelMap, RefusesWhatDoesNotFit) {
   twin.name = "Temp";
   EXPECT_EQ(refused({"map.toml", true, {matching("Temp"), twin}}),
             "map.toml: two channels would be called 'Temp'");
+  // whichever of them is renamed
+  EXPECT_EQ(refused({"map.toml", true, {twin, matching("Temp")}}),
+            "map.toml: two channels would be called 'Temp'");
   ChannelMapping beyond;
   beyond.index = 7;
   EXPECT_EQ(refused({"map.toml", false, {beyond}}),

@@ -169,6 +169,18 @@ TEST(Uff58, MorePointsThanAnnouncedAreReadWithAWarning) {
               ElementsAre("'Hammer': the header announces 3 points, 12 are there: these are read"));
 }
 
+// A line that is not the last of those announced fills nothing up.
+TEST(Uff58, PointsOnFurtherLinesAreNoFillingUp) {
+  Function function;
+  function.data =
+      "  1.00000E+00 -2.00000E+00  3.00000E+00  4.00000E+00  5.00000E+00  6.00000E+00\n"
+      "  7.00000E+00\n";
+  const Record record = imported(function.text());
+  EXPECT_EQ(record.channels.front().size(), 7U);
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'Hammer': the header announces 3 points, 7 are there: these are read"));
+}
+
 TEST(Uff58, ACutFileGivesWhatIsThere) {
   Function function;
   function.points = 1000000000;  // must not be allocated either
