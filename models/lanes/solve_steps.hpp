@@ -97,7 +97,7 @@ class StepSolver {
   }
 
   void find_force() {
-    Real residual[S], jacobian[S][S], steepness[S], change[S];
+    Real residual[S], jacobian[S][S], steepness[S], mixed[S], change[S];
     Mask active = pressed_;
     for (int iteration = 0; iteration < most_iterations && M::any(active); ++iteration) {
       for (int i = 0; i < S; ++i) {
@@ -105,6 +105,7 @@ class StepSolver {
         const Real pull = 1.0 + mu_ * v_[i];
         const Real to_depth = here.stiffness * pull, to_rate = here.force * mu_;
         steepness[i] = M::magnitude(to_depth);
+        mixed[i] = M::magnitude(here.stiffness * mu_);
         elastic_[i] = active ? here.force - here.stiffness * x_[i] : elastic_[i];
         stiffness_[i] = active ? here.stiffness : stiffness_[i];
         residual[i] = force_[i] - here.force * pull;
@@ -116,7 +117,7 @@ class StepSolver {
       eliminate(jacobian, residual);
       for (int i = 0; i < S; ++i) change[i] = active ? -residual[i] : Real{};
       at(lanes_.iterations) += active ? M::all(1.0) : Real{};
-      const Real left = move(change, steepness);
+      const Real left = move(change, steepness, mixed);
       failed_ |= active & (left * 0.0 != 0.0);  // not finite
       active &= left > at(lanes_.tolerance);
       active &= ~failed_;
@@ -126,7 +127,7 @@ class StepSolver {
 
   /// Changes the force and moves the struck point with it; what the law's curvature leaves of that,
   /// as CollocationRun estimates it.
-  Real move(const Real* change, const Real* steepness) {
+  Real move(const Real* change, const Real* steepness, const Real* mixed) {
     Real from[S], at_rate[S];
     for (int i = 0; i < S; ++i) {
       force_[i] += change[i];
@@ -137,8 +138,9 @@ class StepSolver {
     Real left = Real{};
     for (int i = 0; i < S; ++i) {
       const Real deeper = M::magnitude(x_[i] - from[i]);
-      const Real faster = M::magnitude(mu_ * (v_[i] - at_rate[i]));
-      const Real part = steepness[i] * deeper * (deeper / M::magnitude(from[i]) + faster);
+      const Real faster = M::magnitude(v_[i] - at_rate[i]);
+      const Real part =
+          deeper * (steepness[i] * deeper / M::magnitude(from[i]) + mixed[i] * faster);
       left = M::larger(part, left) + 0.0 * part;  // not a number where one of them is not
     }
     return left;

@@ -24,6 +24,14 @@ PendulumSwing::State swing_of(const ModalBeam& beam, const ModalState& state) {
   return {scale * state.a[0], scale * state.rate[0]};
 }
 
+/// How far the vibration can move a point [m].
+double reach_of(const ModalBeam& beam, const ModalState& state, const Eigen::VectorXd& row) {
+  const Eigen::Index n = beam.modes() - 1;
+  const auto along = state.a.tail(n).array();
+  const auto turned = state.rate.tail(n).array() / beam.omega().tail(n).array();
+  return (row.tail(n).array().abs() * (along.square() + turned.square()).sqrt()).sum();
+}
+
 }  // namespace
 
 PendulumSwing::PendulumSwing(double omega, const State& from) : omega_(omega), from_(from) {
@@ -69,12 +77,19 @@ ModalFlight::ModalFlight(const ModalBeam& beam, const ModalState& from)
       from_(from),
       swing_(beam.omega()[0], swing_of(beam, from)) {}
 
-/// How far the vibration can move a point [m].
 double ModalFlight::reach(const Eigen::VectorXd& row) const {
-  double sum = 0.0;
-  for (int k = 1; k < beam_.modes(); ++k)
-    sum += std::abs(row[k]) * std::hypot(from_.a[k], from_.rate[k] / beam_.omega()[k]);
-  return sum;
+  return reach_of(beam_, from_, row);
+}
+
+bool ModalFlight::may_reach(const ModalBeam& beam, const ModalState& state,
+                            std::span<const double> gaps) {
+  const double angle = swing_of(beam, state).angle;
+  for (std::size_t stop = 0; stop < gaps.size(); ++stop) {
+    const Eigen::VectorXd& row = beam.struck(static_cast<int>(stop));
+    const double arm = row[0] / angle_of_mode(beam);
+    if (arm * angle + reach_margin * reach_of(beam, state, row) >= gaps[stop]) return true;
+  }
+  return false;
 }
 
 double ModalFlight::clear_time(std::span<const double> gaps) const {
@@ -91,7 +106,7 @@ double ModalFlight::clear_time(std::span<const double> gaps) const {
 double ModalFlight::clear_time_of(const Eigen::VectorXd& row, double gap) const {
   const double arm = row[0] / angle_of_mode(beam_);
   const double angle = (gap - reach_margin * reach(row)) / std::abs(arm);
-  const PendulumSwing::State here = swing_.after(0.0);
+  const PendulumSwing::State& here = swing_.start();
   if (arm >= 0.0) return here.angle < angle ? swing_.time_up_to(angle) : 0.0;
   const PendulumSwing mirrored(beam_.omega()[0], {-here.angle, -here.rate});
   return -here.angle < angle ? mirrored.time_up_to(angle) : 0.0;

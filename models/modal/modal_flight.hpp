@@ -23,6 +23,8 @@ class PendulumSwing {
   /// Whether it has the energy to turn over; nothing else is known of it then.
   bool turns_over() const { return !(modulus_ < 1.0); }
 
+  const State& start() const { return from_; }
+
   double widest() const;  ///< the largest angle it reaches [rad]; infinite without weight
 
   State after(double time) const;
@@ -45,6 +47,11 @@ class ModalFlight {
   ModalFlight(const ModalBeam& beam, const ModalState& from);
 
   const PendulumSwing& swing() const { return swing_; }
+
+  /// Whether the vibration could bring a point before a stop to it without the bar swinging on:
+  /// clear_time() is zero then, which is known here for less.
+  static bool may_reach(const ModalBeam& beam, const ModalState& state,
+                        std::span<const double> gaps);
 
   /// For how long the points before the stops, with these gaps [m], certainly stay away from them
   /// [s]: until the swing has come so near that the vibration could reach one. Zero when it is that

@@ -230,7 +230,8 @@ void ModalMotion::note_left_out(double part) {
 }
 
 double ModalMotion::clear_time(std::span<const double> gaps) const {
-  return flies_ ? ModalFlight(beam_, state_).clear_time(gaps) : 0.0;
+  if (!flies_ || ModalFlight::may_reach(beam_, state_, gaps)) return 0.0;
+  return ModalFlight(beam_, state_).clear_time(gaps);
 }
 
 void ModalMotion::fly(double time) {

@@ -84,7 +84,7 @@ TEST(ModalFlight, StaysClearOfTheStop) {
   const ModalBeam& beam = bar->modes();
   std::mt19937 generator(4);
   std::normal_distribution<double> normal;
-  int flights = 0;
+  int flights = 0, near = 0;
   for (int trial = 0; trial < 200; ++trial) {
     ModalState state{-0.02 * std::abs(normal(generator)) * beam.rigid(),
                      0.5 * normal(generator) * beam.rigid()};
@@ -94,6 +94,8 @@ TEST(ModalFlight, StaysClearOfTheStop) {
     }
     const ModalFlight flight(beam, state);
     const double time = flight.clear_time(std::array{0.0});
+    EXPECT_TRUE(time == 0.0 || !ModalFlight::may_reach(beam, state, std::array{0.0}));
+    near += ModalFlight::may_reach(beam, state, std::array{0.0});
     if (time == 0.0) continue;
     ++flights;
     ModalState there = state;
@@ -103,6 +105,7 @@ TEST(ModalFlight, StaysClearOfTheStop) {
     }
   }
   EXPECT_GT(flights, 50);
+  EXPECT_GT(near, 0);
 }
 
 // A rigid bar is as exact at once as in steps: many bounces over seconds, as wide as they go.
