@@ -194,9 +194,9 @@ double mass_between(const std::vector<BarElement>& pieces, double from, double t
 }
 
 std::size_t element_at(const std::vector<BarElement>& elements, double x) {
-  std::size_t e = 0;
-  while (e + 1 < elements.size() && x > elements[e + 1].x) ++e;
-  return e;
+  const auto after = std::partition_point(elements.begin() + 1, elements.end(),
+                                          [x](const BarElement& each) { return each.x < x; });
+  return static_cast<std::size_t>(after - elements.begin()) - 1;
 }
 
 }  // namespace impactrig::models

@@ -57,6 +57,8 @@ RitzBar::RitzBar(std::unique_ptr<const LinearBar> bar, const std::vector<Eigen::
   find_stiffness();
   find_weight();
   slow_down();
+  rows_ = basis_.transpose();
+  basis_.resize(0, 0);
 }
 
 /// Each vector bends the bar anew, until there are as many as asked for; the last ones only tell
@@ -210,7 +212,7 @@ SmallMotion RitzBar::small_motion() const {
   motion.mass = Eigen::MatrixXd::Identity(kept_, kept_);
   motion.stiffness = stiffness_;
   motion.gravity = gravity_;
-  motion.hinge = basis_.transpose() * bar_->hinge();
+  motion.hinge = rows_ * bar_->hinge();
   motion.spring = bar_->spring();
   motion.rigid = Eigen::VectorXd::Unit(kept_, 0) * std::sqrt(rigid.dot(mass_ * rigid));
   // what an element is bent by is a difference of motions
@@ -227,8 +229,7 @@ Eigen::VectorXd RitzBar::small_motion_row(double x) const {
   const LinearBar::Row at = bar_->row_at(x);
   Eigen::VectorXd row = Eigen::VectorXd::Zero(kept_);
   for (std::size_t i = 0; i < BarElement::values; ++i)
-    if (at.places[i] >= 0)
-      row += at.values[static_cast<int>(i)] * basis_.row(at.places[i]).transpose();
+    if (at.places[i] >= 0) row += at.values[static_cast<int>(i)] * rows_.col(at.places[i]);
   return row;
 }
 

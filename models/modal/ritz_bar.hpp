@@ -60,6 +60,7 @@ class RitzBar : public SmallMotionBeam {
   std::vector<Piece> pieces_;
   Eigen::SparseMatrix<double> mass_, weight_;
   Eigen::MatrixXd basis_;     // (N, n), M-orthonormal but for slow_down(), the rigid rotation first
+  Eigen::MatrixXd rows_;      // of it in the end, a place of the bar together
   int kept_ = 0;              // n, while they are found
   Eigen::MatrixXd bent_;      // deflections under the inertia of each, in the basis (n, n)
   Eigen::MatrixXd left_out_;  // what of them is not in it, of some each: its norm (k, n)
