@@ -113,12 +113,15 @@ void simulate(const Options& options) {
   simulation.mesh_error = models::mesh_error(rig.rig, simulation.solver);
   if (!options.output.empty())
     acquisition::export_recording(history_record(simulation.history, rig), options.output);
-  if (options.common.json)
-    fmt::print("{}\n", reports::simulation_to_json(simulation, rig.rig));
-  else
-    fmt::print("{}", reports::to_text(simulation, rig.rig));
-  if (options.explain && !options.common.json)
-    print_explanations(chosen, models::explain(rig.rig, rig.solver, request, longest_explanation));
+  std::optional<std::vector<models::Explanation>> explanations;
+  if (options.explain)
+    explanations = models::explain(rig.rig, rig.solver, request, longest_explanation);
+  if (options.common.json) {
+    fmt::print("{}\n", reports::simulation_to_json(simulation, rig.rig, explanations));
+    return;
+  }
+  fmt::print("{}", reports::to_text(simulation, rig.rig));
+  if (explanations) print_explanations(chosen, *explanations);
 }
 
 }  // namespace

@@ -309,22 +309,6 @@ const std::vector<Scene> scenes = {
      false},
 };
 
-const char* name(models::Simplification what) {
-  switch (what) {
-    case models::Simplification::small_motion:
-      return "small motion";
-    case models::Simplification::fast_vibration:
-      return "fast vibration";
-    case models::Simplification::swing_to_touch:
-      return "swing to touch";
-    case models::Simplification::flight_at_once:
-      return "flight at once";
-    case models::Simplification::hinge_friction:
-      return "hinge friction";
-  }
-  return "?";
-}
-
 std::vector<models::Explanation> explain(const Study& study, const Scene& scene) {
   std::vector<fitting::Override> overrides = {{"solver.accuracy", "1e-4"}};
   for (const fitting::Override& override : scene.overrides) overrides.push_back(override);
@@ -353,7 +337,7 @@ void print_explanation(const models::Explanation& found) {
 }
 
 Json to_json(const models::Explanation& found) {
-  return {{"what", name(found.what)},
+  return {{"what", std::string(name(found.what))},
           {"sentence", found.sentence},
           {"peak_force", found.peak_force},
           {"duration", found.duration},

@@ -48,6 +48,22 @@ void compare(const Simulation& run, const Simulation& without, Explanation& expl
 
 }  // namespace
 
+std::string_view name(Simplification what) {
+  switch (what) {
+    case Simplification::small_motion:
+      return "small motion";
+    case Simplification::fast_vibration:
+      return "fast vibration";
+    case Simplification::swing_to_touch:
+      return "swing to touch";
+    case Simplification::flight_at_once:
+      return "flight at once";
+    case Simplification::hinge_friction:
+      return "hinge friction";
+  }
+  return "?";
+}
+
 std::vector<Explanation> explain(const Rig& rig, const Solver& solver,
                                  const SimulationOptions& options, double time_limit) {
   const TimedRun run = timed(rig, solver, options);

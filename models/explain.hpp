@@ -2,11 +2,15 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "models/simulation.hpp"
 
 namespace impactrig::models {
+
+/// "small motion", "fast vibration" ...
+std::string_view name(Simplification what);
 
 /// What one simplification of a run does, found by the run without it.
 struct Explanation {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+
 #include "reports/json_parts.hpp"
 
 namespace impactrig::reports {
@@ -141,6 +143,23 @@ models::EnergyAudit energy_from(const JsonReader& json) {
   return energy;
 }
 
+/// Changes are null where they are unknown, and where the run without it gave no answer.
+Json explanation_json(const models::Explanation& explanation) {
+  const bool answered = explanation.failure.empty();
+  const auto known = [&](double value) {
+    return answered && std::isfinite(value) ? Json(value) : Json(nullptr);
+  };
+  return {{"name", std::string(models::name(explanation.what))},
+          {"sentence", explanation.sentence},
+          {"change",
+           {{"peak_force", known(explanation.peak_force)},
+            {"duration", known(explanation.duration)},
+            {"impulse", known(explanation.impulse)}}},
+          {"solve_s", known(explanation.seconds)},
+          {"solve_s_without", known(explanation.seconds_without)},
+          {"failure", answered ? Json(nullptr) : Json(explanation.failure)}};
+}
+
 }  // namespace
 
 Json simulation_json(const models::Simulation& simulation, const models::Contact& laws) {
@@ -240,8 +259,15 @@ models::History history_from(const JsonReader& json) {
   return history;
 }
 
-std::string simulation_to_json(const models::Simulation& simulation, const models::Rig& rig) {
-  return dumped(simulation_json(simulation, rig.contact));
+std::string simulation_to_json(
+    const models::Simulation& simulation, const models::Rig& rig,
+    const std::optional<std::vector<models::Explanation>>& explanations) {
+  Json json = simulation_json(simulation, rig.contact);
+  if (!explanations) return dumped(json);
+  json["simplifications"] = Json::array();
+  for (const models::Explanation& explanation : *explanations)
+    json["simplifications"].push_back(explanation_json(explanation));
+  return dumped(json);
 }
 
 }  // namespace impactrig::reports

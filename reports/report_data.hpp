@@ -10,6 +10,7 @@
 #include "datasets/record.hpp"
 #include "fitting/fit.hpp"
 #include "fitting/model_comparison.hpp"
+#include "models/explain.hpp"
 
 namespace impactrig::reports {
 
@@ -60,8 +61,11 @@ std::string to_json(const ReportData& data);
 /// document.
 ReportData report_from_json(const std::string& json, const std::string& file_name);
 
-/// simulate --json: one object, without the history. The laws' names come from the rig.
-std::string simulation_to_json(const models::Simulation& simulation, const models::Rig& rig);
+/// simulate --json: one object, without the history. The laws' names come from the rig. With
+/// explanations, "simplifications": what each changed and saved.
+std::string simulation_to_json(
+    const models::Simulation& simulation, const models::Rig& rig,
+    const std::optional<std::vector<models::Explanation>>& explanations = std::nullopt);
 
 /// One self-contained page: no request leaves it.
 std::string to_html(const ReportData& data);

@@ -76,6 +76,19 @@ TEST_F(CommandLine, ExplainsASwingItDidNotIntegrate) {
   const Outcome exact =
       run("simulate " + path("released.toml") + " --explain --exact --set solver.model=rigid");
   EXPECT_THAT(exact.out, HasSubstr("Simplifications taken:\n  none"));
+  const std::string by_json = " --explain --json --set solver.model=rigid";
+  const json j = json::parse(run("simulate " + path("released.toml") + by_json).out);
+  EXPECT_EQ(j["simplifications"].size(), j["skipped"].size());
+  const auto swing = std::ranges::find_if(
+      j["simplifications"], [](const json& each) { return each["name"] == "swing to touch"; });
+  ASSERT_NE(swing, j["simplifications"].end());
+  EXPECT_TRUE(swing->at("failure").is_null());
+  EXPECT_NE(swing->at("change")["impulse"].get<double>(), 0.0);
+  EXPECT_LT(std::abs(swing->at("change")["impulse"].get<double>()), 0.1);
+  EXPECT_GT(swing->at("solve_s_without").get<double>(), 0.0);
+  EXPECT_TRUE(json::parse(run("simulate " + path("released.toml") + by_json + " --exact").out)
+                  .at("simplifications")
+                  .empty());
 }
 
 TEST_F(CommandLine, WritesAHistoryThatItCanReadAgain) {
