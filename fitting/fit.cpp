@@ -9,6 +9,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "fitting/bound_interval.hpp"
 #include "fitting/covariance.hpp"
 #include "fitting/fit_problem.hpp"
 #include "fitting/fit_report.hpp"
@@ -71,6 +72,7 @@ class Session {
   void estimate_mesh_shift();
   void keep_within_bounds(Eigen::VectorXd& shift) const;
   Fit report(double chi2);
+  void profile(Fit& fit);
   void widen_view(Fit& fit);
 
   const std::vector<Impact>& impacts_;
@@ -411,28 +413,37 @@ void forget_unknown(Fit& fit) {
     }
 }
 
-/// Intervals of other kinds, where the options ask for them.
-void Session::widen_view(Fit& fit) {
-  if (options_.profile && problem_.loss() != Loss::squares) {
-    fit.warnings.push_back(fmt::format(
-        "No profile likelihood was made: a likelihood goes with the loss squares, not with {}.",
-        name(problem_.loss())));
-  } else if (options_.profile) {
-    std::vector<std::size_t> numbers;
-    std::vector<double> std_errors;
-    for (const std::size_t i : problem_.unknowns()) {
-      if (!problem_.variables()[i].of_interest()) continue;
-      numbers.push_back(i);
-      std_errors.push_back(fit.parameters[i].std_error);
-    }
-    fit.profiles = profiles(problem_, numbers, std_errors, end_.inflation);
-    for (const Profile& profile : fit.profiles)
-      if (profile.found_better)
-        fit.warnings.push_back(
-            fmt::format("The profile of {} found values that fit better: the fit ended in a false "
-                        "minimum. Start from another {} or fix a parameter.",
-                        profile.name, profile.name));
+/// Profile likelihoods of what is at a bound, of all else where the options ask for them.
+void Session::profile(Fit& fit) {
+  if (problem_.loss() != Loss::squares) {
+    if (options_.profile)
+      fit.warnings.push_back(fmt::format(
+          "No profile likelihood was made: a likelihood goes with the loss squares, not with {}.",
+          name(problem_.loss())));
+    return;
   }
+  std::vector<std::size_t> numbers;
+  std::vector<double> std_errors;
+  for (const std::size_t i : problem_.unknowns()) {
+    const Parameter& p = fit.parameters[i];
+    const bool wanted = options_.profile || (p.at_bound && !out_of_time_);
+    if (!problem_.variables()[i].of_interest() || !wanted) continue;
+    numbers.push_back(i);
+    std_errors.push_back(p.at_bound ? 0.0 : p.std_error);
+  }
+  fit.profiles = profiles(problem_, numbers, std_errors, end_.inflation);
+  for (const Profile& profile : fit.profiles)
+    if (profile.found_better)
+      fit.warnings.push_back(
+          fmt::format("The profile of {} found values that fit better: the fit ended in a false "
+                      "minimum. Start from another {} or fix a parameter.",
+                      profile.name, profile.name));
+}
+
+/// Intervals of other kinds: at bounds, and where the options ask for them.
+void Session::widen_view(Fit& fit) {
+  profile(fit);
+  settle_bounds(fit);
   if (options_.bootstrap > 0) {
     fit.bootstrap = bootstrap(
         problem_, jacobian_, end_.inflation,

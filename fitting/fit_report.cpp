@@ -328,12 +328,6 @@ void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit) {
   warn_of_residuals(end.inflation, problem.loss() != Loss::squares, fit);
   warn_of_mesh(fit);
   warn_of_priors(problem, fit);
-  for (const Parameter& p : fit.parameters)
-    if (p.at_bound)
-      fit.warnings.push_back(fmt::format(
-          "{} ended at its bound {:g}{}; its interval means little. Widen what the model can do, "
-          "or fix it.",
-          p.name, p.value, p.unit == "1" ? "" : " " + p.unit));
   for (const Shot& shot : problem.shots())
     for (const ImpactFlag flag : shot.impact->flags)
       fit.warnings.push_back(

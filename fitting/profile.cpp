@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "fitting/all_cores.hpp"
@@ -15,6 +16,7 @@ constexpr double seen_to = 1.3 * 1.959963984540054;  // in roots of Δχ², a li
 constexpr double root_step = 0.5;                    // wanted between neighbouring points
 constexpr double farthest = 30.0;                    // standard errors
 constexpr int most_points = 24;                      // of a side
+constexpr double most_gap = 1.0;       // in roots of Δχ², where it passes the quantile
 constexpr double unknown_step = 0.01;  // of a parameter's scale, where no standard error is known
 constexpr double noise_of_search = 0.02;  // in Δχ²
 constexpr Search follow = {.tolerance = 1e-7};
@@ -27,31 +29,67 @@ double root(double delta) {
   return std::sqrt(std::max(0.0, delta));
 }
 
-/// Points from the best fit outwards, `direction` +1 or -1.
-std::vector<Point> walk(FitProblem& problem, std::size_t number, double direction, double std_error,
-                        double least_cost, double inflation) {
-  const Variable& v = problem.variables()[number];
+/// The other parameters, fitted again wherever this one is put.
+class Follower {
+ public:
+  Follower(FitProblem& problem, std::size_t number, double least_cost, double inflation)
+      : problem_(problem),
+        number_(number),
+        least_cost_(least_cost),
+        inflation_(inflation),
+        values_(problem.values()) {}
+
+  Point at(double value) {
+    values_[number_] = value;
+    problem_.set_values(values_);
+    const SearchEnd end = problem_.search(follow, {number_});
+    values_ = problem_.values();
+    return {value, 2.0 * (end.cost - least_cost_) / (inflation_ * inflation_)};
+  }
+
+ private:
+  FitProblem& problem_;
+  std::size_t number_;
+  double least_cost_, inflation_;
+  std::vector<double> values_;
+};
+
+/// Halves the last stretch while Δχ² rises so much along it that where it passes the quantile is
+/// not known: a step may have been too long by decades.
+void close_in(Follower& follower, double best, std::vector<Point>& points) {
+  constexpr int most_halvings = 40;
+  for (int k = 0; k < most_halvings; ++k) {
+    const Point before = points.size() > 1 ? points[points.size() - 2] : Point{best, 0.0};
+    const Point& last = points.back();
+    if (!(last.delta >= quantile) || root(last.delta) - root(before.delta) <= most_gap) return;
+    const Point between = follower.at(0.5 * (before.value + last.value));
+    if (between.delta >= quantile)
+      points.back() = between;
+    else
+      points.insert(points.end() - 1, between);
+  }
+}
+
+/// Points from the best fit outwards, `direction` +1 or -1. From a bound, where the standard error
+/// says little, as far as the points go.
+std::vector<Point> walk(Follower& follower, const Variable& v, double direction, double std_error) {
   const double best = v.value;
   const double unit = std_error > 0.0 ? std_error : unknown_step * v.scale;
+  const double far = std_error > 0.0 ? farthest * unit : std::numeric_limits<double>::infinity();
   const double bound = direction > 0.0 ? v.upper : v.lower;
-  std::vector<double> values = problem.values();
   std::vector<Point> points;
   double step = root_step * unit;
   double at = best;
-  while (points.size() < most_points && std::abs(at - best) < farthest * unit && at != bound) {
+  while (points.size() < most_points && std::abs(at - best) < far && at != bound) {
     const double previous = points.empty() ? 0.0 : root(points.back().delta);
     at += direction * step;
     if ((bound - at) * direction < 0.0) at = bound;
-    values[number] = at;
-    problem.set_values(values);
-    const SearchEnd end = problem.search(follow, {number});
-    values = problem.values();
-    const double delta = 2.0 * (end.cost - least_cost) / (inflation * inflation);
-    points.push_back({at, delta});
-    if (root(delta) > seen_to) break;
-    const double gained = std::max(root(delta) - previous, 0.1 * root_step);
-    step *= std::clamp(root_step / gained, 0.3, 2.0);
+    points.push_back(follower.at(at));
+    const double reached = root(points.back().delta);
+    if (reached > seen_to) break;
+    step *= std::clamp(root_step / std::max(reached - previous, 0.1 * root_step), 0.3, 2.0);
   }
+  if (!points.empty()) close_in(follower, best, points);
   return points;
 }
 
@@ -76,9 +114,13 @@ Profile profile(FitProblem problem, std::size_t number, double std_error, double
   const std::vector<double> start = problem.values();
   const double least = problem.search(follow, {number}).cost;
   const std::vector<double> best = problem.values();
-  std::vector<Point> down = walk(problem, number, -1.0, std_error, least, inflation);
-  problem.set_values(best);
-  const std::vector<Point> up = walk(problem, number, 1.0, std_error, least, inflation);
+  const auto side = [&](double direction) {
+    problem.set_values(best);
+    Follower follower(problem, number, least, inflation);
+    return walk(follower, v, direction, std_error);
+  };
+  std::vector<Point> down = side(-1.0);
+  const std::vector<Point> up = side(1.0);
   result.lower = crossing(v.value, down);
   result.upper = crossing(v.value, up);
   std::ranges::reverse(down);

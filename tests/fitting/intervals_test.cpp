@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "fitting/bootstrap.hpp"
@@ -23,6 +24,19 @@ using tests::synthetic_shot;
 
 datasets::Impact shot() {
   return synthetic_shot(hybrid_rig(), {.duration = 1.6e-3, .seed = 3});
+}
+
+/// χ² of data and priors with the restitution held.
+double cost_with(const datasets::Impact& impact, double restitution) {
+  RigFile rig = hybrid_rig();
+  rig.rig.contact.restitution = restitution;
+  FitOptions rest;
+  rest.free = {"contact.stiffness_factor", "start.velocity"};
+  const Fit fixed = fit({impact}, rig, rest);
+  double cost = fixed.goodness.chi2;
+  for (const Parameter& p : fixed.parameters)
+    if (p.prior) cost += std::pow((p.value - (*p.prior)[0]) / (*p.prior)[1], 2);
+  return cost;
 }
 
 // Δχ² = ((θ − θ̂) / s)², and 1.96 s to both sides. (The restitution is bent: 3 % on its upper side.)
@@ -73,20 +87,53 @@ TEST(Profile, EndsWhereChiSquareHasRisenByItsQuantile) {
   const Fit found = fit({impact}, hybrid_rig(), options);
   const Profile& profile = found.profiles.front();
   ASSERT_EQ(profile.name, "contact.restitution");
-  const auto cost_at = [&](double restitution) {
-    RigFile rig = hybrid_rig();
-    rig.rig.contact.restitution = restitution;
-    FitOptions rest;
-    rest.free = {"contact.stiffness_factor", "start.velocity"};
-    const Fit fixed = fit({impact}, rig, rest);
-    double cost = fixed.goodness.chi2;
-    for (const Parameter& p : fixed.parameters)
-      if (p.prior) cost += std::pow((p.value - (*p.prior)[0]) / (*p.prior)[1], 2);
-    return cost;
-  };
-  const double least = cost_at(parameter(found, "contact.restitution").value);
-  EXPECT_NEAR(cost_at(*profile.lower) - least, 3.841, 0.06);
-  EXPECT_NEAR(cost_at(*profile.upper) - least, 3.841, 0.06);
+  const double least = cost_with(impact, parameter(found, "contact.restitution").value);
+  EXPECT_NEAR(cost_with(impact, *profile.lower) - least, 3.841, 0.06);
+  EXPECT_NEAR(cost_with(impact, *profile.upper) - least, 3.841, 0.06);
+}
+
+// Told a standard error that is a thousand times too large, the first step is beyond all: the
+// limits are the same.
+TEST(Profile, FindsItsLimitsFromAFirstStepThatIsFarTooLong) {
+  const std::vector<datasets::Impact> impacts = {shot()};
+  FitProblem problem(impacts, hybrid_rig(), {});
+  problem.choose_samples(std::numeric_limits<double>::infinity());
+  problem.set_motion(models::Motion::small);
+  problem.search({.tolerance = 1e-7});
+  const auto place = std::ranges::find(problem.variables(), "contact.restitution", &Variable::name);
+  const std::vector<std::size_t> number = {
+      static_cast<std::size_t>(place - problem.variables().begin())};
+  const Profile right = profiles(problem, number, {6e-5}, 1.0).front();
+  const Profile lost = profiles(problem, number, {6e-2}, 1.0).front();
+  ASSERT_TRUE(right.lower && right.upper && lost.lower && lost.upper);
+  const double width = *right.upper - *right.lower;
+  EXPECT_NEAR(*lost.lower, *right.lower, 0.02 * width);
+  EXPECT_NEAR(*lost.upper, *right.upper, 0.02 * width);
+}
+
+// The law has e by its square: from a truth of 0 its slope is none, and a covariance has it that e
+// may be anything. The likelihood knows better.
+TEST(Intervals, OfARestitutionOfNothingAreOneSided) {
+  int at_bound = 0;
+  for (const unsigned seed : {3U, 4U, 5U}) {
+    const datasets::Impact impact =
+        synthetic_shot(hybrid_rig(), {.restitution = 0.0, .duration = 1.6e-3, .seed = seed});
+    const Fit found = fit({impact}, hybrid_rig(), {});
+    const Parameter& e = parameter(found, "contact.restitution");
+    if (!e.at_bound) continue;
+    ++at_bound;
+    EXPECT_EQ(e.ci95[0], 0.0);
+    EXPECT_GT(e.ci95[1], 0.0);
+    EXPECT_LT(e.ci95[1], 0.1);
+    EXPECT_NEAR(cost_with(impact, e.ci95[1]) - cost_with(impact, 0.0), 3.841, 0.2);
+    EXPECT_DOUBLE_EQ(e.std_error, e.ci95[1] / 1.959963984540054);
+    EXPECT_EQ(found.restitution.at("law").ci95, e.ci95);
+    EXPECT_THAT(found.warnings,
+                testing::Contains(testing::StartsWith(
+                    "contact.restitution ended at its bound 0, from which the data do not tell "
+                    "it. Its interval, to 0.0")));
+  }
+  EXPECT_GE(at_bound, 1);
 }
 
 // 300 draws know a standard deviation to 1 / √600 = 4.1 %; bound at four of that.
