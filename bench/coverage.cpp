@@ -75,7 +75,7 @@ void leave_out(const std::vector<std::string>& without, acquisition::SyntheticOp
 struct Pull {
   bool fitted = false;
   double truth = 0.0, value = 0.0, error = 0.0;
-  std::map<std::string, bool> inside;  // by kind of interval
+  std::map<std::string, bool> inside = {};  // by kind of interval
 };
 
 struct Shot {

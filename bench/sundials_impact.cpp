@@ -138,7 +138,8 @@ class Equations {
       acceleration =
           beam_->struck_acceleration(slope_.head(n_), slope_.segment(n_, n_), y_.segment(n_, n_));
     }
-    return contact_.force_rate(p.displacement, p.velocity, acceleration);
+    const models::ContactForce::Response law = contact_.pressed(p.displacement, p.velocity);
+    return law.to_depth * p.velocity + law.to_rate * acceleration;
   }
 
   double impulse(N_Vector y) const {
