@@ -26,7 +26,8 @@ std::span<const Exporter> exporters();
 
 /// Writes a recording in the format its file name ends in, or in the one `format` names
 /// (docs/importing.md says what each keeps). Returns what of marks, calibrations and delays it has
-/// no place for, one sentence each. The file appears under its name only when complete; until then
+/// no place for, and which names, units and clocks the file, opened again, does not give back, one
+/// sentence each. The file appears under its name only when complete; until then
 /// it is path.part. Throws datasets::FileError when the file cannot be written, no format has this
 /// ending, or the format cannot hold the recording.
 std::vector<std::string> export_recording(const datasets::Record& record, const std::string& path,

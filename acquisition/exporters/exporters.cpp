@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 
 #include "acquisition/exporter.hpp"
 #include "acquisition/exporters/formats.hpp"
 #include "acquisition/exporters/outgoing.hpp"
+#include "acquisition/exporters/read_back.hpp"
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/text_table.hpp"
 #include "datasets/input_error.hpp"
@@ -31,9 +34,11 @@ std::vector<std::string> write_hdf5(const OutgoingRecording& recording, const st
   return {};
 }
 
+constexpr std::string_view own_format = "impactrig-hdf5";
+
 /// A new format is a file beside this one, its function in formats.hpp, and a line here.
 constexpr std::array<Exporter, 5> table = {{
-    {"impactrig-hdf5", "impactrig's own HDF5", ".h5 .hdf5", write_hdf5},  //
+    {own_format, "impactrig's own HDF5", ".h5 .hdf5", write_hdf5},  //
     {"uff58b", "universal file, binary functions in double precision", ".uff .bunv",
      write_uff58b},                                                                          //
     {"uff58", "universal file, functions as text with 13 digits", ".unv", write_uff58},      //
@@ -70,22 +75,31 @@ const Exporter& exporter_for(const std::string& path, std::string_view format) {
                 : fmt::format("there is no format '{}' to write; known are {}", format, list));
 }
 
+std::vector<std::string> write_and_read_back(const Exporter& exporter,
+                                             const OutgoingRecording& recording,
+                                             const std::string& path) {
+  std::vector<std::string> warnings = exporter.write(recording, path);
+  if (exporter.id == own_format) return warnings;  // holds all
+  std::ranges::move(not_read_back(recording, path), std::back_inserter(warnings));
+  return warnings;
+}
+
 }  // namespace
 
 std::vector<std::string> export_recording(const datasets::Record& record, const std::string& path,
                                           std::string_view format) {
   const Exporter& exporter = exporter_for(path, format);
-  if (exporter.id == "impactrig-hdf5") {  // compressed, as what is in memory can be
+  if (exporter.id == own_format) {  // compressed, as what is in memory can be
     datasets::write_record(record, path);
     return {};
   }
-  return exporter.write(outgoing(record), path);
+  return write_and_read_back(exporter, outgoing(record), path);
 }
 
 std::vector<std::string> export_recording(const datasets::Record& record,
                                           const SpooledRecording& samples, const std::string& path,
                                           std::string_view format) {
-  return exporter_for(path, format).write(outgoing(record, samples), path);
+  return write_and_read_back(exporter_for(path, format), outgoing(record, samples), path);
 }
 
 }  // namespace impactrig::acquisition

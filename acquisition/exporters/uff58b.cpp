@@ -30,9 +30,11 @@ double number_attribute(const Channel& channel, const std::string& key) {
   return number_in(attribute(channel, key)).value_or(0.0);
 }
 
-/// Text for a field; "NONE" where there is none. What does not fit is refused, not cut.
-std::string field(const std::string& path, std::string_view what, const std::string& text,
+/// Text for a field, "NONE" where there is none, without blanks around it: four of them before a -1
+/// would close the dataset. What does not fit is refused, not cut.
+std::string field(const std::string& path, std::string_view what, std::string_view whole,
                   std::size_t width) {
+  const std::string text(trimmed(whole));
   if (text.empty()) return "NONE";
   if (text.size() > width)
     throw FileError(
@@ -180,6 +182,7 @@ void print_text(OutputFile& out, const std::string& path, const OutgoingChannel&
 
 std::vector<std::string> write_uff(const OutgoingRecording& recording, const std::string& path,
                                    bool binary) {
+  if (recording.channels.empty()) throw FileError(path, "the recording has no channels to write");
   OutputFile out(path);
   for (const OutgoingChannel& channel : recording.channels) {
     const Form form = form_of(channel);

@@ -72,9 +72,11 @@ class RecordingInMat {
   std::string lines(const std::string& name) const {
     const auto found = contents_.texts.find(name);
     if (found == contents_.texts.end()) return {};
-    std::string clean = to_utf8(found->second);
-    for (std::size_t i = 0; i < clean.size(); ++i)
-      if (const char c = found->second[i]; c == '\n' || c == '\t') clean[i] = c;
+    std::string clean = to_utf8_with_controls(found->second);
+    for (char& c : clean) {
+      const bool stays = c == '\n' || c == '\r' || c == '\t';
+      if (!stays && (static_cast<unsigned char>(c) < 0x20 || c == 0x7F)) c = ' ';
+    }
     return clean;
   }
 
@@ -117,7 +119,7 @@ class RecordingInMat {
 
   void add_channel(const std::string& name) {
     Channel channel;
-    channel.name = text(name + ".name");
+    channel.name = lines(name + ".name");
     channel.unit = text(name + ".unit");
     channel.quantity =
         datasets::quantity_named(text(name + ".quantity")).value_or(datasets::Quantity::unknown);
