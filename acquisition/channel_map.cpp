@@ -65,8 +65,8 @@ class MappedRecording final : public RecordingReader {
   }
 
  private:
-  [[noreturn]] void refuse(const std::string& problem) const {
-    throw InputError({.file = map_.file}, problem);
+  [[noreturn]] void refuse(const std::string& problem, std::uint32_t line = 0) const {
+    throw InputError({.file = map_.file, .line = line}, problem);
   }
 
   void choose() {
@@ -75,23 +75,25 @@ class MappedRecording final : public RecordingReader {
     for (const ChannelMapping& mapping : map_.channels) {
       const std::vector<std::size_t> found = find(mapping);
       if (found.empty())
-        refuse(fmt::format(
-            "no channel of {} matches {}; the channels are {}",
-            reader_->head().record.provenance.source_file,
-            mapping.index ? fmt::format("index {}", *mapping.index) : "'" + mapping.match + "'",
-            list_of(there)));
+        refuse(fmt::format("no channel of {} matches {}; the channels are {}",
+                           reader_->head().record.provenance.source_file,
+                           mapping.index ? fmt::format("index {}", *mapping.index)
+                                         : "'" + mapping.match + "'",
+                           list_of(there)),
+               mapping.line);
       if (found.size() > 1 && !mapping.name.empty())
-        refuse(
-            fmt::format("'{}' matches {} channels, which cannot all be called '{}' (index = "
-                        "picks one)",
-                        mapping.match, found.size(), mapping.name));
+        refuse(fmt::format("'{}' matches {} channels, which cannot all be called '{}' (index = "
+                           "picks one)",
+                           mapping.match, found.size(), mapping.name),
+               mapping.line);
       const std::size_t before = channels_.size();
       for (const std::size_t index : found)
         if (taken.insert(index).second) channels_.push_back({index, &mapping});
       if (channels_.size() == before)
-        refuse(fmt::format(
-            "{} matches only what an entry above it took: put it first",
-            mapping.index ? fmt::format("index {}", *mapping.index) : "'" + mapping.match + "'"));
+        refuse(fmt::format("{} matches only what an entry above it took: put it first",
+                           mapping.index ? fmt::format("index {}", *mapping.index)
+                                         : "'" + mapping.match + "'"),
+               mapping.line);
     }
     if (!map_.keep_others) return;
     for (std::size_t i = 0; i < there.size(); ++i)
@@ -136,10 +138,10 @@ class MappedRecording final : public RecordingReader {
       channel.name = mapping.name;
     }
     if (mapping.full_scale && !channel.unit.empty() && !channel.unit.starts_with("FS"))
-      refuse(
-          fmt::format("'{}' is recorded in '{}', not in parts of full scale: leave full_scale "
-                      "away",
-                      channel.name, channel.unit));
+      refuse(fmt::format("'{}' is recorded in '{}', not in parts of full scale: leave full_scale "
+                         "away",
+                         channel.name, channel.unit),
+             mapping.line);
     if (!mapping.unit.empty() && mapping.unit != channel.unit) {
       says["unit in file"] = channel.unit.empty() ? "not stated" : channel.unit;
       channel.unit = mapping.unit;
@@ -156,7 +158,7 @@ class MappedRecording final : public RecordingReader {
       channel.scale = -channel.scale;
       channel.offset = -channel.offset;
     }
-    if (mapping.role) take_role(*mapping.role, channel);
+    if (mapping.role) take_role(*mapping.role, mapping.line, channel);
     if (mapping.position) channel.attributes["position"] = fmt::format("{} m", *mapping.position);
     if (mapping.delay) channel.delay = mapping.delay;
     provenance.edits.push_back(std::move(edit));
@@ -167,10 +169,10 @@ class MappedRecording final : public RecordingReader {
                    std::map<std::string, std::string>& says) const {
     const auto recorded = datasets::conversion(channel.unit, mapping.recorded_unit);
     if (!recorded)
-      refuse(
-          fmt::format("'{}' is recorded in '{}', its sensitivity is in {} a unit: state the "
-                      "recorded unit, for example unit = \"{}\"",
-                      channel.name, channel.unit, mapping.recorded_unit, mapping.recorded_unit));
+      refuse(fmt::format("'{}' is recorded in '{}', its sensitivity is in {} a unit: state the "
+                         "recorded unit, for example unit = \"{}\"",
+                         channel.name, channel.unit, mapping.recorded_unit, mapping.recorded_unit),
+             mapping.line);
     const std::string physical(datasets::si_unit(*mapping.role));
     const double sensitivity = mapping.sensitivity->value;
     channel.scale *= recorded->factor / sensitivity;
@@ -181,17 +183,27 @@ class MappedRecording final : public RecordingReader {
     says["sensitivity"] = fmt::format("{} {}/({})", sensitivity, mapping.recorded_unit, physical);
   }
 
-  void take_role(Quantity role, Channel& channel) const {
+  void take_role(Quantity role, std::uint32_t line, Channel& channel) const {
     const std::string_view si = datasets::si_unit(role);
     if (!si.empty() && !datasets::conversion(channel.unit, si)) {
+      const std::string_view what = datasets::name(role);
       if (channel.unit.empty())
         refuse(fmt::format("'{}' states no unit: as {} it needs one, for example unit = \"{}\"",
-                           channel.name, datasets::name(role), si));
-      refuse(
-          fmt::format("'{}' is recorded in '{}': as {} it needs a sensitivity, for example "
-                      "sensitivity = \"{}\"",
-                      channel.name, channel.unit, datasets::name(role),
-                      role == Quantity::force ? "4 pC/N" : fmt::format("0.1 V/({})", si)));
+                           channel.name, what, si),
+               line);
+      if (const std::string_view meant = unit_of_weight(channel.unit, role); !meant.empty())
+        refuse(fmt::format("'{}' is recorded in '{}', a mass: as {} it needs unit = \"{}\"",
+                           channel.name, channel.unit, what, meant),
+               line);
+      if (const std::string example = sensitivity_example(channel.unit, role); !example.empty())
+        refuse(fmt::format("'{}' is recorded in '{}': as {} it needs a sensitivity, for example "
+                           "sensitivity = \"{}\"",
+                           channel.name, channel.unit, what, example),
+               line);
+      refuse(fmt::format("'{}' is recorded in '{}', which is no unit of {}: state what its numbers "
+                         "are in, for example unit = \"{}\", or unit = \"V\" with a sensitivity",
+                         channel.name, channel.unit, what, si),
+             line);
     }
     channel.quantity = role;
   }
@@ -202,17 +214,22 @@ class MappedRecording final : public RecordingReader {
   RecordingHead head_;
 };
 
-/// A text between quotes, as TOML has it.
-std::string quoted(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "\"";
+}  // namespace
+
+std::string_view unit_of_weight(std::string_view unit, Quantity role) {
+  const auto mass = datasets::conversion(unit, "kg");
+  if (!mass || mass->factor != 1.0) return {};
+  return role == Quantity::force ? "kgf" : role == Quantity::acceleration ? "kilo-g" : "";
 }
 
-}  // namespace
+std::string sensitivity_example(std::string_view unit, Quantity role) {
+  const std::string_view si = datasets::si_unit(role);
+  if (si.empty()) return {};
+  if (datasets::conversion(unit, "C"))
+    return role == Quantity::force ? "4 pC/N" : fmt::format("10 pC/({})", si);
+  if (!datasets::conversion(unit, "V")) return {};
+  return role == Quantity::force ? "2.25 mV/N" : fmt::format("0.1 V/({})", si);
+}
 
 bool matches_pattern(std::string_view name, std::string_view pattern) {
   std::size_t n = 0;
@@ -239,45 +256,6 @@ bool matches_pattern(std::string_view name, std::string_view pattern) {
 
 std::unique_ptr<RecordingReader> mapped(std::unique_ptr<RecordingReader> reader, ChannelMap map) {
   return std::make_unique<MappedRecording>(std::move(reader), std::move(map));
-}
-
-std::string suggested_map(const Record& record) {
-  std::string text = fmt::format(
-      "# What the channels of {} are. Complete it and give it to `impactrig import --map`.\n"
-      "# Keys of a channel: match (name, or a pattern with * and ?) or index (from 0); name;\n"
-      "# role (force, velocity, displacement, acceleration, ...); unit of the recorded numbers;\n"
-      "# sensitivity (\"4 pC/N\", \"125 mm/s/V\") and gain (\"1 mV/pC\") where volts or coulombs "
-      "are\n"
-      "# recorded; full_scale = \"10 V\" in place of unit where parts of full scale are; polarity "
-      "= -1;\n"
-      "# position = \"0.69 m\" from the hinge; delay = \"2(1) us\". Steps of conditioning may\n"
-      "# follow: [[conditioning]] with channel = \"velocity\" and step = \"dropouts\", ...\n\n"
-      "others = \"drop\"  # or \"keep\": channels that are not named here\n",
-      record.provenance.source_file);
-  for (std::size_t i = 0; i < record.channels.size(); ++i) {
-    const Channel& channel = record.channels[i];
-    const bool no_name = std::ranges::count(record.channels, channel.name, &Channel::name) > 1 ||
-                         channel.name.find_first_of("*?") != std::string::npos;
-    text += "\n[[channels]]\n";
-    text += no_name ? fmt::format("index = {}  # {}\n", i, channel.name)
-                    : fmt::format("match = {}\n", quoted(channel.name));
-    if (channel.unit.starts_with("FS")) {
-      text += "# full_scale = \"10 V\"  # the file holds parts of full scale\n";
-    } else if (channel.unit.empty()) {
-      text += "# unit = \"V\"  # the file states none\n";
-    } else {
-      text += fmt::format("unit = {}\n", quoted(channel.unit));
-    }
-    const Quantity quantity = channel.quantity;
-    const bool electrical = quantity == Quantity::voltage || quantity == Quantity::charge ||
-                            quantity == Quantity::unknown || quantity == Quantity::other;
-    if (electrical)
-      text += "# role = \"force\"\n# sensitivity = \"4 pC/N\"\n# gain = \"1 mV/pC\"\n";
-    else
-      text += fmt::format("role = {}\n", quoted(datasets::name(quantity)));
-    text += "# delay = \"0(1) us\"\n";
-  }
-  return text;
 }
 
 }  // namespace impactrig::acquisition

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +29,7 @@ struct ChannelMapping {
   double polarity = 1.0;           ///< 1 or -1
   std::optional<double> position;  ///< from the hinge [m]
   std::optional<datasets::Delay> delay;
+  std::uint32_t line = 0;  ///< of the map's file where the entry begins, from 1; 0 = not known
 };
 
 /// Which channels of recordings are meant, and what their numbers are.
@@ -45,8 +47,17 @@ struct ChannelMap {
 /// twice, or a role that the unit is not of.
 std::unique_ptr<RecordingReader> mapped(std::unique_ptr<RecordingReader> reader, ChannelMap map);
 
-/// A map of a recording's channels as a file to be completed, with a comment for each key.
+/// A map of a recording's channels as a file to be completed, with a comment for each key. It holds
+/// as it is: what does not fit a channel's unit is a comment.
 std::string suggested_map(const datasets::Record& record);
+
+/// What to state as the unit where a mass in kg is recorded and a force ("kgf") or an acceleration
+/// ("kilo-g") is meant; "" for other units and roles.
+std::string_view unit_of_weight(std::string_view unit, datasets::Quantity role);
+
+/// A usual sensitivity of a channel recorded in volts ("2.25 mV/N") or coulombs ("4 pC/N"); "" for
+/// other units and roles.
+std::string sensitivity_example(std::string_view unit, datasets::Quantity role);
 
 /// True when a name is of a pattern: * stands for any characters, ? for one.
 bool matches_pattern(std::string_view name, std::string_view pattern);

@@ -78,6 +78,7 @@ void read_sensitivity(TableReader& table, ChannelMapping& mapping) {
 
 ChannelMapping read_mapping(TableReader& table) {
   ChannelMapping mapping;
+  mapping.line = table.raw().source().begin.line;
   read_which(table, mapping);
   mapping.name = table.text("name").value_or("");
   mapping.unit = table.text("unit").value_or("");

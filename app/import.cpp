@@ -204,8 +204,14 @@ void suggest_map(const Options& options) {
   acquisition::ImportOptions reading = import_options(options.reading);
   reading.require_clock = false;
   const auto reader = acquisition::open_recording(options.files.front(), reading);
-  write_output(options.output.empty() ? "-" : options.output,
-               acquisition::suggested_map(reader->head().record), options.common.force);
+  const datasets::Record& record = reader->head().record;
+  if (record.channels.empty())
+    throw datasets::InputError(
+        {.file = options.files.front()},
+        fmt::format("has no channels to map{}{}", record.warnings.empty() ? "" : ": ",
+                    fmt::join(record.warnings, "; ")));
+  write_output(options.output.empty() ? "-" : options.output, acquisition::suggested_map(record),
+               options.common.force);
 }
 
 void import(const Options& options) {

@@ -124,7 +124,21 @@ TEST(ChannelMap, RefusesWhatDoesNotFit) {
   force.role = Quantity::force;
   EXPECT_EQ(refused({"map.toml", false, {force}}),
             "map.toml: 'ch2' is recorded in 'mV': as force it needs a sensitivity, for example "
+            "sensitivity = \"2.25 mV/N\"");
+  force.line = 7;
+  force.unit = "kg";
+  EXPECT_EQ(refused({"map.toml", false, {force}}),
+            "map.toml:7: 'ch2' is recorded in 'kg', a mass: as force it needs unit = \"kgf\"");
+  force.unit = "counts";
+  EXPECT_EQ(refused({"map.toml", false, {force}}),
+            "map.toml:7: 'ch2' is recorded in 'counts', which is no unit of force: state what its "
+            "numbers are in, for example unit = \"N\", or unit = \"V\" with a sensitivity");
+  force.line = 0;
+  force.unit = "pC";
+  EXPECT_EQ(refused({"map.toml", false, {force}}),
+            "map.toml: 'ch2' is recorded in 'pC': as force it needs a sensitivity, for example "
             "sensitivity = \"4 pC/N\"");
+  force.unit = "";
   force.match = "ch1";
   EXPECT_EQ(refused({"map.toml", false, {force}}),
             "map.toml: 'ch1' states no unit: as force it needs one, for example unit = \"N\"");

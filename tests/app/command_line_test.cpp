@@ -154,6 +154,49 @@ TEST_F(CommandLine, ImportsByAMapThatItSuggests) {
   }
 }
 
+TEST_F(CommandLine, SuggestsMapsThatHoldAsTheyAre) {
+  const std::string file = write(
+      "hard.csv",
+      "# quantity of column 1: force\n# quantity of column 2: velocity\n"
+      "time [s],F [],V [counts],load [kg],accel [kg],CH1 [mV],q [pC],same [N],same [N],a*b [N],"
+      "\"a, \\ b\" [m/s],x [%],  [V],s [strain],p [bar]\n"
+      "0,1,1,1,1,1,1,1,1,1,1,1,1,1,1\n1,2,2,2,2,2,2,2,2,2,2,2,2,2,2\n");
+  const std::string draft = path("draft.toml");
+  ASSERT_EQ(run("import --suggest-map " + file + " -o " + draft).code, 0);
+  Outcome o = run("import " + file + " --map " + draft + " -o " + path("a.h5"));
+  ASSERT_EQ(o.code, 0) << o.err << text_of(draft);
+  EXPECT_EQ(json::parse(run("inspect --json " + path("a.h5")).out)["channels"].size(), 14U);
+  // whichever role is taken as the draft has it: what is missing is named, with the entry's line
+  const std::string map = text_of(draft);
+  std::string told;
+  for (std::size_t at = map.find("# role = "); at != std::string::npos;
+       at = map.find("# role = ", at + 1)) {
+    std::string one = map;
+    one.replace(at, 2, "");
+    o = run("import " + file + " --map " + write("one.toml", one) + " -o " + path("b.h5"));
+    EXPECT_EQ(o.code, 3);
+    const std::string before = one.substr(0, one.rfind("[[channels]]", at));
+    EXPECT_THAT(o.err, HasSubstr(fmt::format("one.toml:{}", 1 + std::ranges::count(before, '\n'))));
+    told += o.err;
+  }
+  for (const char* const hint :
+       {"'F' states no unit: as force it needs one, for example unit = \"N\"",
+        "'V' is recorded in 'counts', which is no unit of velocity",
+        "'load' is recorded in 'kg', a mass: as force it needs unit = \"kgf\"",
+        "'CH1' is recorded in 'mV': as force it needs a sensitivity, for example sensitivity = "
+        "\"2.25 mV/N\"",
+        "'q' is recorded in 'pC': as force it needs a sensitivity, for example sensitivity = \"4 "
+        "pC/N\""})
+    EXPECT_THAT(told, HasSubstr(hint));
+}
+
+TEST_F(CommandLine, SuggestsNoMapOfNothing) {
+  const std::string file = write("none.uff", "    -1\n   164\n         1\n    -1\n");
+  const Outcome o = run("import --suggest-map " + file);
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("none.uff: has no channels to map: no recordings in this file"));
+}
+
 /// 5 ms at 1 MHz: hum of 40 N, a pulse of 1500 N, a velocity that drops out for 60 samples.
 std::string shot_to_condition() {
   std::string text = "Time [s],Ref1 [V],Vib [m/s]\n";

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "acquisition/channel_map.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Channel;
+using datasets::Quantity;
+using datasets::Record;
+
+namespace {
+
+/// A text between quotes, as TOML has it.
+std::string quoted(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F)
+      out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+    else
+      out += c;
+  }
+  return out + "\"";
+}
+
+/// A text within a comment: on one line.
+std::string on_one_line(std::string text) {
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
+  return text;
+}
+
+std::string which(const Record& record, std::size_t index) {
+  const std::string& name = record.channels[index].name;
+  const bool is_no_name = name.empty() || name.find_first_of("*?") != std::string::npos ||
+                          std::ranges::count(record.channels, name, &Channel::name) > 1;
+  return is_no_name ? fmt::format("index = {}  # {}\n", index, on_one_line(name))
+                    : fmt::format("match = {}\n", quoted(name));
+}
+
+/// Comments for what is to be stated of volts and coulombs, and of what may be either.
+std::string electrical(std::string_view unit) {
+  const std::string example = sensitivity_example(unit, Quantity::force);
+  std::string text = "# role = \"force\"\n";
+  text += fmt::format("# sensitivity = \"{}\"\n", example.empty() ? "2.25 mV/N" : example);
+  if (datasets::conversion(unit, "V"))
+    text += "# sensitivity = \"4 pC/N\"  # behind a charge amplifier of\n# gain = \"1 mV/pC\"\n";
+  return text;
+}
+
+/// Unit, role and sensitivity of a channel; those that have to be stated first are comments.
+std::string what(const Channel& channel) {
+  const std::string_view si = datasets::si_unit(channel.quantity);
+  const std::string role = fmt::format("role = {}\n", quoted(datasets::name(channel.quantity)));
+  const bool is_electrical =
+      channel.quantity == Quantity::voltage || channel.quantity == Quantity::charge;
+  const bool is_physical = !si.empty() && !is_electrical;
+  if (channel.unit.starts_with("FS"))
+    return "# full_scale = \"10 V\"  # the file holds parts of full scale\n" + electrical("");
+  if (channel.unit.empty())
+    return is_physical ? fmt::format("# unit = \"{}\"  # the file states none\n# {}", si, role)
+                       : "# unit = \"V\"  # the file states none\n" + electrical("");
+  const std::string unit = fmt::format("unit = {}", quoted(channel.unit));
+  if (!unit_of_weight(channel.unit, Quantity::force).empty())
+    return unit +
+           "  # a mass; \"kgf\" where its weight is meant, \"kilo-g\" for 1000 g\n# role = "
+           "\"force\"\n";
+  if (is_physical && datasets::conversion(channel.unit, si)) return unit + "\n" + role;
+  if (is_electrical) return unit + "\n" + electrical(channel.unit);
+  const bool understood = datasets::quantity_of_unit(channel.unit) != Quantity::unknown;
+  return unit + (understood ? "\n" : "  # not understood: state another\n") +
+         (is_physical ? "# " + role : electrical(""));
+}
+
+}  // namespace
+
+std::string suggested_map(const Record& record) {
+  std::string text = fmt::format(
+      "# What the channels of {} are. Complete it and give it to `impactrig import --map`.\n"
+      "# Keys of a channel: match (name, or a pattern with * and ?) or index (from 0); name;\n"
+      "# role (force, velocity, displacement, acceleration, ...); unit of the recorded numbers;\n"
+      "# sensitivity (\"4 pC/N\", \"125 mm/s/V\") and gain (\"1 mV/pC\") where volts or coulombs "
+      "are\n"
+      "# recorded; full_scale = \"10 V\" in place of unit where parts of full scale are; polarity "
+      "= -1;\n"
+      "# position = \"0.69 m\" from the hinge; delay = \"2(1) us\". Steps of conditioning may\n"
+      "# follow: [[conditioning]] with channel = \"velocity\" and step = \"dropouts\", ...\n\n",
+      on_one_line(record.provenance.source_file));
+  for (const std::string& warning : record.warnings)
+    text += fmt::format("# warning: {}\n", on_one_line(warning));
+  text += "others = \"drop\"  # or \"keep\": channels that are not named here\n";
+  for (std::size_t i = 0; i < record.channels.size(); ++i)
+    text += "\n[[channels]]\n" + which(record, i) + what(record.channels[i]) +
+            "# delay = \"0(1) us\"\n";
+  return text;
+}
+
+}  // namespace impactrig::acquisition
