@@ -71,8 +71,7 @@ void read_sensitivity(TableReader& table, ChannelMapping& mapping) {
   mapping.sensitivity =
       fitting::read_sensitivity(table, datasets::si_unit(*mapping.role), mapping.recorded_unit);
   if (!table.has("gain")) return;
-  if (mapping.recorded_unit != "pC") fitting::refuse_gain_without_sensitivity(table);
-  mapping.sensitivity = fitting::with_gain(table, *mapping.sensitivity);
+  mapping.sensitivity = fitting::with_gain(table, *mapping.sensitivity, mapping.recorded_unit);
   mapping.recorded_unit = std::string("V");
 }
 

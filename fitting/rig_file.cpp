@@ -249,9 +249,8 @@ Sensor read_sensor(TableReader& table, datasets::Quantity quantity, const models
   sensor.high_cut = read_cut(table, "high_cut", order);
   if (auto amplifier = table.table("amplifier")) {
     if (amplifier->has("gain")) {
-      if (!sensor.sensitivity || sensor.recorded_unit != "pC")
-        refuse_gain_without_sensitivity(*amplifier);
-      sensor.sensitivity = with_gain(*amplifier, *sensor.sensitivity);
+      if (!sensor.sensitivity) refuse_gain_without_sensitivity(*amplifier);
+      sensor.sensitivity = with_gain(*amplifier, *sensor.sensitivity, sensor.recorded_unit);
       sensor.recorded_unit = "V";
     }
     const int amplifier_order = read_order(*amplifier);

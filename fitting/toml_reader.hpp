@@ -37,6 +37,13 @@ class TableReader {
     return table_.contains(key) || (other_ && other_->contains(key));
   }
 
+  bool is_number(std::string_view key) const {
+    const toml::node* const node = table_.get(key) ? table_.get(key)
+                                   : other_        ? other_->get(key)
+                                                   : nullptr;
+    return node != nullptr && node->is_number();
+  }
+
   /// "0.69 m" in `unit`; none when the key is absent.
   std::optional<datasets::UncertainValue> quantity(std::string_view key, std::string_view unit);
   double required_quantity(std::string_view key, std::string_view unit, std::string_view example);

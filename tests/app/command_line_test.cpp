@@ -190,6 +190,62 @@ TEST_F(CommandLine, SuggestsMapsThatHoldAsTheyAre) {
     EXPECT_THAT(told, HasSubstr(hint));
 }
 
+// 3 V in the last sample, whatever the sensitivity is called; in SI.
+TEST_F(CommandLine, ReadsSensitivitiesAsLaboratoriesSpellThem) {
+  const std::string file = write("volts.csv", "Time [s],CH1 [V]\n0,1\n1e-6,2\n2e-6,3\n");
+  const auto import_as = [&](const std::string& role, const std::string& keys) {
+    const std::string map =
+        write("map.toml", "[[channels]]\nindex = 0\nrole = \"" + role + "\"\n" + keys + "\n");
+    return run("import " + file + " --map " + map + " -o " + path("a.h5") + " --force");
+  };
+  const auto last = [&](const std::string& role, const std::string& keys) {
+    const Outcome o = import_as(role, keys);
+    EXPECT_EQ(o.code, 0) << keys << o.err;
+    return json::parse(run("inspect --json " + path("a.h5")).out)["channels"][0]["last"]
+        .get<double>();
+  };
+  for (const char* const spelling :
+       {"10 mV/(m/s^2)", "10 mV/(m/s²)", "10 mV/m/s^2", "10 mV/m/s²", "10 mV/ms-2", "10 mV/ms^-2",
+        "10 mV/ms⁻²", "10 mV/m/s/s", "10 mV/m s^-2", "98.0665 mV/g", "98.0665mV/G", "100 m/s^2/V"})
+    EXPECT_NEAR(last("acceleration", fmt::format("sensitivity = \"{}\"", spelling)), 300.0, 1e-9)
+        << spelling;
+  for (const char* const spelling :
+       {"8 V/(m/s)", "8 V/m/s", "8 mV/mm/s", "8 Vs/m", "125 mm/s/V", "125 mm/(s V)"})
+    EXPECT_NEAR(last("velocity", fmt::format("sensitivity = \"{}\"", spelling)), 0.375, 1e-12)
+        << spelling;
+  // IEPE behind an amplifier of 10
+  for (const char* const gain : {"10", "10.0", "\"10\""})
+    EXPECT_NEAR(
+        last("acceleration", fmt::format("sensitivity = \"98.0665 mV/g\"\ngain = {}", gain)), 30.0,
+        1e-9);
+  for (const auto& [keys, problem] : {
+           std::pair{"sensitivity = \"2,5 mV/N\"",
+                     "found \"2,5 mV/N\", which has a comma in its number"},
+           {"sensitivity = \"2.5 mV/N ± 0.01\"", "which has its uncertainty behind the unit"},
+           {"sensitivity = \"2.5 MV/N\"", "\"2.5 MV/N\" is in megavolts: write mV for millivolts"},
+           {"sensitivity = \"4 PC/N\"", "\"4 PC/N\" is in petacoulombs: write pC"},
+           {"sensitivity = \"2.5 mV/kg\"",
+            "expected volts or coulombs a N, for example \"4 pC/N\""},
+           {"sensitivity = \"2.5 mV/N\"\ngain = \"20 dB\"",
+            "\"20 dB\" is a level: state the factor, which for 20 dB is 10"},
+           {"sensitivity = \"2.5 mV/N\"\ngain = \"1 mV/pC\"",
+            "needs a sensitivity in coulombs, for example sensitivity = \"4 pC/N\"; of volts it is "
+            "a "
+            "factor, for example gain = 10"},
+           {"sensitivity = \"4 pC/N\"\ngain = 10",
+            "a sensor of charge needs the gain of its amplifier in volts a coulomb, for example "
+            "gain "
+            "= \"1 mV/pC\""},
+           {"sensitivity = \"4 pC/N\"\ngain = \"0 mV/pC\"",
+            "must be greater than zero; an amplifier that inverts has polarity = -1"},
+           {"sensitivity = \"2.5 mV/N\"\ngain = -10", "must be greater than zero"},
+       }) {
+    const Outcome o = import_as("force", keys);
+    EXPECT_EQ(o.code, 3) << keys;
+    EXPECT_THAT(o.err, HasSubstr(problem));
+  }
+}
+
 TEST_F(CommandLine, SuggestsNoMapOfNothing) {
   const std::string file = write("none.uff", "    -1\n   164\n         1\n    -1\n");
   const Outcome o = run("import --suggest-map " + file);
