@@ -148,7 +148,7 @@ class MappedRecording final : public RecordingReader {
       channel.quantity = datasets::quantity_of_unit(channel.unit);
     }
     if (mapping.full_scale) {
-      says["full scale"] = fmt::format("{} {}", *mapping.full_scale, channel.unit);
+      says["full scale"] = fmt::format("{:.12g} {}", *mapping.full_scale, channel.unit);
       channel.scale *= *mapping.full_scale;
       channel.offset *= *mapping.full_scale;
     }
@@ -159,7 +159,8 @@ class MappedRecording final : public RecordingReader {
       channel.offset = -channel.offset;
     }
     if (mapping.role) take_role(*mapping.role, mapping.line, channel);
-    if (mapping.position) channel.attributes["position"] = fmt::format("{} m", *mapping.position);
+    if (mapping.position)
+      channel.attributes["position"] = fmt::format("{:.12g} m", *mapping.position);
     if (mapping.delay) channel.delay = mapping.delay;
     provenance.edits.push_back(std::move(edit));
   }
@@ -180,7 +181,8 @@ class MappedRecording final : public RecordingReader {
     channel.unit = physical;
     channel.calibration = {sensitivity, mapping.sensitivity->uncertainty, mapping.recorded_unit,
                            physical, map_.file};
-    says["sensitivity"] = fmt::format("{} {}/({})", sensitivity, mapping.recorded_unit, physical);
+    says["sensitivity"] =
+        fmt::format("{:.12g} {}/({})", sensitivity, mapping.recorded_unit, physical);
   }
 
   void take_role(Quantity role, std::uint32_t line, Channel& channel) const {

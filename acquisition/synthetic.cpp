@@ -59,13 +59,13 @@ void refuse_senseless(const Trajectory& trajectory, const SyntheticOptions& opti
   const auto refuse = [](const std::string& problem) { throw std::invalid_argument(problem); };
   if (!(options.sample_rate > 0.0) || !(options.duration > 0.0) ||
       !(options.duration * options.sample_rate < 1e9))
-    refuse(fmt::format("a recording of {} s at {} Hz cannot be made", options.duration,
+    refuse(fmt::format("a recording of {:.12g} s at {:.12g} Hz cannot be made", options.duration,
                        options.sample_rate));
   if (!(trajectory.interval > 0.0) ||
       trajectory.interval * options.sample_rate > 0.1 * (1.0 + 1e-9))
     refuse(
-        fmt::format("the trajectory's step of {} s must be at least 10 times finer than the "
-                    "recording's of {} s",
+        fmt::format("the trajectory's step of {:.12g} s must be at least 10 times finer than the "
+                    "recording's of {:.12g} s",
                     trajectory.interval, 1.0 / options.sample_rate));
   for (const Line& line : lines) {
     const Disturbances& d = *line.disturbances;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "datasets/number_text.hpp"
 #include "fitting/all_cores.hpp"
 #include "fitting/fit_diagnostics.hpp"
 #include "fitting/metrics.hpp"
@@ -142,16 +143,15 @@ void warn_of_residuals(double inflation, bool robust, Fit& fit) {
     if (!(channel.noise > 0.0 && ratio > std::sqrt(misfit))) continue;
     std::string then;
     if (inflation > 1.0)
-      then = fmt::format(
-          " Standard errors were multiplied by {:.3g}; they do not cover a wrong model.",
-          inflation);
+      then = fmt::format(" Standard errors were multiplied by {}; they do not cover a wrong model.",
+                         datasets::figures(inflation, 3));
     else if (robust)
       then = " Standard errors follow from the scatter that was seen.";
     fit.warnings.push_back(fmt::format(
-        "The residuals of {} are {:.3g} times its noise before the trigger: the model or the "
+        "The residuals of {} are {} times its noise before the trigger: the model or the "
         "calibration does not explain all that was measured.{} Look at the residuals; try another "
         "law or a finer mesh, free a gain or delay, or shorten the fitted window.",
-        channel.channel, ratio, then));
+        channel.channel, datasets::figures(ratio, 3), then));
   }
 }
 
@@ -159,9 +159,9 @@ void warn_of_mesh(Fit& fit) {
   std::string shifts;
   for (const Parameter& p : fit.parameters)
     if (!p.nuisance && std::abs(p.mesh_shift) > telling_shift * p.std_error)
-      shifts += fmt::format(
-          "{}{} by {:+.2g}{} ({:.2g} standard errors)", shifts.empty() ? "" : ", ", p.name,
-          p.mesh_shift, p.unit == "1" ? "" : " " + p.unit, std::abs(p.mesh_shift) / p.std_error);
+      shifts += fmt::format("{}{} by {:+.2g}{} ({} standard errors)", shifts.empty() ? "" : ", ",
+                            p.name, p.mesh_shift, p.unit == "1" ? "" : " " + p.unit,
+                            datasets::figures(std::abs(p.mesh_shift) / p.std_error, 2));
   if (shifts.empty()) return;
   const models::Solver finer = models::refined(fit.rig.solver);
   fit.warnings.push_back(fmt::format(

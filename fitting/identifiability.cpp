@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "datasets/number_text.hpp"
 #include "models/contact/contact_force.hpp"
 
 namespace impactrig::fitting {
@@ -99,7 +100,7 @@ std::string text_of(const Combination& c) {
 }
 
 std::string error_text(double relative) {
-  return relative < 1.0 ? fmt::format("to {:.2g} %", 100.0 * relative) : "not at all";
+  return relative < 1.0 ? "to " + datasets::percent(relative) : "not at all";
 }
 
 /// Names of the worst known combination and three ways out of it.

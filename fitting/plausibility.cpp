@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "datasets/number_text.hpp"
 #include "models/simulation.hpp"
 
 namespace impactrig::fitting {
@@ -54,9 +55,10 @@ bool within(double ratio, double limit) {
 /// "1000 times too large (nearly the factor of N for kN, or mV for V)".
 std::string off_by(double ratio, bool force) {
   const double factor = ratio > 1.0 ? ratio : 1.0 / ratio;
-  std::string text = fmt::format("{:.2g} times too {}", factor, ratio > 1.0 ? "large" : "small");
-  if (factor >= 100.0)
-    text = fmt::format("{:.0f} times too {}", factor, ratio > 1.0 ? "large" : "small");
+  std::string text =
+      fmt::format("{} times too {}",
+                  factor >= 100.0 ? fmt::format("{:.0f}", factor) : datasets::figures(factor, 2),
+                  ratio > 1.0 ? "large" : "small");
   const auto distance = [&](const KnownFactor& known) {
     return std::abs(std::log(factor / known.factor));
   };
@@ -196,10 +198,10 @@ std::optional<MomentumBalance> momentum_balance(const Impact& impact, const RigF
   balance.plausible = within(balance.ratio, measured ? any_restitution : any_speed);
   if (balance.plausible) return balance;
   balance.sentence = fmt::format(
-      "The force's impulse, {:.3g} N s, is {} for a bar of this rig that arrives with {:.3g} m/s "
-      "({}): {:.3g} N s are expected.",
-      balance.measured, off_by(balance.ratio, true), speed * speed_ratio,
-      measured ? "as measured" : "as the rig file says", balance.expected);
+      "The force's impulse, {} N s, is {} for a bar of this rig that arrives with {:.3g} m/s "
+      "({}): {} N s are expected.",
+      datasets::figures(balance.measured, 3), off_by(balance.ratio, true), speed * speed_ratio,
+      measured ? "as measured" : "as the rig file says", datasets::figures(balance.expected, 3));
   if (measured) balance.sentence += culprit(balance.measured / impulse, speed_ratio);
   return balance;
 }

@@ -18,6 +18,7 @@
 #include "acquisition/conditioning/samples.hpp"
 #include "acquisition/conditioning/trace.hpp"
 #include "datasets/input_error.hpp"
+#include "datasets/number_text.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
@@ -262,12 +263,12 @@ void note_shots(const std::vector<Shot>& shots, Record& result) {
        "",
        {{"shots", std::to_string(shots.size())},
         {"trigger", shots.front().impact.trigger},
-        {"peaks", fmt::format("standard deviation {:.2g} %", 100.0 * spread)}}});
+        {"peaks", "standard deviation " + datasets::percent(spread)}}});
   if (spread > alike)
     result.warnings.push_back(
-        fmt::format("The peaks of the shots differ with a standard deviation of {:.2g} %; contact "
+        fmt::format("The peaks of the shots differ with a standard deviation of {}; contact "
                     "is not linear, so fit the shots one by one instead of their mean.",
-                    100.0 * spread));
+                    datasets::percent(spread)));
 }
 
 }  // namespace

@@ -21,16 +21,17 @@ QuietFit course_within(const Channel& channel, const TimeSpan& quiet, int degree
                        std::size_t least) {
   const IndexRange range = samples_in(channel, quiet);
   if (range.size() < least)
-    throw std::invalid_argument(
-        fmt::format("channel '{}' has {} samples between {} s and {} s; at least {} are needed to "
-                    "know its baseline",
-                    channel.name, range.size(), quiet.begin, quiet.end, least));
+    throw std::invalid_argument(fmt::format(
+        "channel '{}' has {} samples between {:.12g} s and {:.12g} s; at least {} are needed to "
+        "know its baseline",
+        channel.name, range.size(), quiet.begin, quiet.end, least));
   const std::vector<double> values = sound_values(channel);
   return fit_quiet(values, range.begin, range.end, degree, quantum_of(values));
 }
 
 std::map<std::string, std::string> span_of(const TimeSpan& quiet) {
-  return {{"from", fmt::format("{} s", quiet.begin)}, {"to", fmt::format("{} s", quiet.end)}};
+  return {{"from", fmt::format("{:.12g} s", quiet.begin)},
+          {"to", fmt::format("{:.12g} s", quiet.end)}};
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ Derived integrate(const Channel& channel, const IntegrationOptions& options) {
   result.channel.raw = std::move(sum);
   name_unit(channel, true, result.channel);
   result.edit.parameters["rule"] = "trapezoidal";
-  result.edit.parameters["zero at"] = fmt::format("{} s", options.zero_at);
+  result.edit.parameters["zero at"] = fmt::format("{:.12g} s", options.zero_at);
   return result;
 }
 

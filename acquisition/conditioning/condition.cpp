@@ -250,8 +250,8 @@ void remove_delay(Channel& channel, const datasets::Delay& stated, std::vector<E
   if (delay.value == 0.0) return;
   edits.push_back({"remove delay",
                    channel.name,
-                   {{"delay", fmt::format("{} s", delay.value)},
-                    {"uncertainty", fmt::format("{} s", delay.uncertainty)}}});
+                   {{"delay", fmt::format("{:.12g} s", delay.value)},
+                    {"uncertainty", fmt::format("{:.12g} s", delay.uncertainty)}}});
 }
 
 void warn_of_low_cut(const Claim& claim, Record& result) {

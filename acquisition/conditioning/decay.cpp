@@ -124,7 +124,7 @@ Edit remove_decay(Channel& channel, const datasets::RemoveDecay& wanted) {
       throw std::invalid_argument(
           fmt::format("a time constant of {:g} s is not positive", *wanted.time_constant));
     decay = fitted(quiet, *wanted.time_constant);
-    edit.parameters["time constant"] = fmt::format("{} s, stated", decay.time);
+    edit.parameters["time constant"] = fmt::format("{:.12g} s, stated", decay.time);
   } else {
     decay = with_best_time(quiet, span);
     const double uncertainty = time_uncertainty(quiet, decay);
@@ -155,7 +155,7 @@ Edit undo_low_cut(Channel& channel, const datasets::UndoLowCut& low_cut) {
         fmt::format("a low cut at {:g} Hz is not positive", low_cut.frequency));
   Edit edit{"undo low cut", channel.name, {}};
   if (low_cut.quiet) edit.parameters = remove_baseline(channel, *low_cut.quiet).parameters;
-  edit.parameters["frequency"] = fmt::format("{} Hz, first order", low_cut.frequency);
+  edit.parameters["frequency"] = fmt::format("{:.12g} Hz, first order", low_cut.frequency);
   std::vector<double> values = sound_values(channel);
   const double half_step = std::numbers::pi * low_cut.frequency * channel.clock.interval;
   double previous = values.front(), integral = 0.0;

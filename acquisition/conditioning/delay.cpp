@@ -15,6 +15,7 @@
 #include "acquisition/conditioning/background.hpp"
 #include "acquisition/conditioning/low_pass.hpp"
 #include "acquisition/conditioning/samples.hpp"
+#include "datasets/number_text.hpp"
 
 namespace impactrig::acquisition {
 
@@ -365,8 +366,8 @@ DelayEstimate estimate_delay(const Channel& reference, const Channel& channel,
   if (swapped) result.value = -result.value;
   if (!(result.misfit < no_relation))
     throw std::invalid_argument(
-        fmt::format("channel '{}' does not follow '{}': what is left over is {:.2g} of what does",
-                    channel.name, reference.name, result.misfit));
+        fmt::format("channel '{}' does not follow '{}': what is left over is {} of what does",
+                    channel.name, reference.name, datasets::figures(result.misfit, 2)));
   return result;
 }
 

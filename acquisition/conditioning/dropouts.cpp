@@ -225,7 +225,7 @@ Edit repair_dropouts(Channel& channel, const datasets::RepairDropouts& repair) {
   const double longest = std::min(1e9, repair.longest / channel.clock.interval + 1.0);
   const auto dropouts = find_dropouts(values, channel.valid, static_cast<std::size_t>(longest));
   Edit edit{"repair dropouts", channel.name, {}};
-  edit.parameters["longest"] = fmt::format("{} s", repair.longest);
+  edit.parameters["longest"] = fmt::format("{:.12g} s", repair.longest);
   edit.parameters["found"] = std::to_string(dropouts.size());
   if (dropouts.empty()) return edit;
 

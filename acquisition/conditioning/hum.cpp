@@ -13,6 +13,7 @@
 #include "acquisition/conditioning/hum_fit.hpp"
 #include "acquisition/conditioning/hum_frequency.hpp"
 #include "acquisition/conditioning/samples.hpp"
+#include "datasets/number_text.hpp"
 
 namespace impactrig::acquisition {
 
@@ -112,17 +113,19 @@ Edit remove_hum(Channel& channel, const RemoveHum& hum) {
   for (std::size_t m = 0; m < fit.multiples.size(); ++m) {
     amplitude += fit.amplitude(m);
     edit.parameters[fmt::format("amplitude {}", fit.multiples[m])] =
-        fmt::format("{:.4g} {}, uncertain by {:.2g}", fit.amplitude(m), channel.unit, fit.error(m));
+        fmt::format("{} {}, uncertain by {}", datasets::figures(fit.amplitude(m), 4), channel.unit,
+                    datasets::figures(fit.error(m), 2));
   }
   error = largest_error(channel, quiet_points, fit, from_data);
   if (!(error <= 0.5 * amplitude))
     throw std::invalid_argument(fmt::format(
         "the quiet samples of channel '{}' do not tell hum from drift: what would be taken off has "
-        "an amplitude of {:.3g} {}, uncertain by up to {:.3g}; record at least a period of the "
+        "an amplitude of {} {}, uncertain by up to {}; record at least a period of the "
         "mains before the trigger, or leave this step out",
-        channel.name, amplitude, channel.unit, error));
+        channel.name, datasets::figures(amplitude, 3), channel.unit, datasets::figures(error, 3)));
   edit.parameters["frequency"] = fmt::format("{:.6g} Hz{}", frequency, from_data ? "" : ", stated");
-  edit.parameters["uncertainty"] = fmt::format("{:.2g} {} at most", error, channel.unit);
+  edit.parameters["uncertainty"] =
+      fmt::format("{} {} at most", datasets::figures(error, 2), channel.unit);
   fit.take_off(values, channel.clock.start, channel.clock.interval);
   // Samples that are not sound keep what was recorded.
   if (!channel.valid.empty())

@@ -114,7 +114,7 @@ LowPassed low_pass(Channel& channel, const LowPass& filter) {
   LowPassed result;
   result.edit = {"low-pass, zero phase", channel.name, {}};
   auto& parameters = result.edit.parameters;
-  parameters["cutoff"] = fmt::format("{} Hz", filter.cutoff);
+  parameters["cutoff"] = fmt::format("{:.12g} Hz", filter.cutoff);
   parameters["order"] = fmt::format("{}, forwards and backwards", filter.order);
   parameters["largest departure"] = fmt::format("{:.6g} {}, before {:.6g}", to, channel.unit, from);
   result.lost = from != 0.0 ? 1.0 - std::abs(to / from) : 0.0;

@@ -193,7 +193,7 @@ Resampled resample(Channel& channel, const datasets::Resample& to) {
     parameters["from"] = "uneven times, joined by modified Akima cubics";
   } else {
     source = sound_values(channel, 4);
-    parameters["from"] = fmt::format("{} Hz", 1.0 / source_interval);
+    parameters["from"] = fmt::format("{:.12g} Hz", 1.0 / source_interval);
   }
   const double count =
       std::floor(source_interval * static_cast<double>(source.size() - 1) / interval + 1e-6) + 1.0;
@@ -211,11 +211,11 @@ Resampled resample(Channel& channel, const datasets::Resample& to) {
   mark_invalid(channel, interval, marks);
   if (uneven) mark_gaps(channel, interval, marks, result);
   if (result.gaps > 0)
-    parameters["gaps"] = fmt::format("{}, the longest {} s: {} samples are not valid", result.gaps,
-                                     result.longest_gap, result.in_gaps);
+    parameters["gaps"] = fmt::format("{}, the longest {:.12g} s: {} samples are not valid",
+                                     result.gaps, result.longest_gap, result.in_gaps);
   channel.valid = std::move(marks).valid();
   channel.clock = {start, interval, {}};
-  parameters["to"] = fmt::format("{} Hz", to.rate);
+  parameters["to"] = fmt::format("{:.12g} Hz", to.rate);
   parameters["kernel"] = fmt::format("sinc, {} crossings, Kaiser window {}", crossings, beta);
   replace_values(channel, std::move(values));
   return result;

@@ -60,7 +60,7 @@ IndexRange samples_in(const Channel& channel, const TimeSpan& span) {
 std::string text_of(std::span<const TimeSpan> spans) {
   std::string text;
   for (const TimeSpan& span : spans)
-    text += fmt::format("{}{} s to {} s", text.empty() ? "" : ", ", span.begin, span.end);
+    text += fmt::format("{}{:.12g} s to {:.12g} s", text.empty() ? "" : ", ", span.begin, span.end);
   return text;
 }
 

@@ -23,6 +23,7 @@
 #include "acquisition/conditioning/samples.hpp"
 #include "acquisition/conditioning/trace.hpp"
 #include "datasets/input_error.hpp"
+#include "datasets/number_text.hpp"
 #include "datasets/sensor_response.hpp"
 
 namespace impactrig::acquisition {
@@ -125,9 +126,9 @@ class Conditioning {
     note(std::move(result.edit));
     if (result.lost < notable_loss) return;
     record_.warnings.push_back(
-        fmt::format("The low-pass at {:g} Hz takes {:.2g} % off the largest value of '{}'; a "
+        fmt::format("The low-pass at {:g} Hz takes {} off the largest value of '{}'; a "
                     "prediction is not filtered so.",
-                    action.cutoff, 100.0 * result.lost, channel(index).name));
+                    action.cutoff, datasets::percent(result.lost), channel(index).name));
   }
 
   void act(datasets::RemoveHum action, std::size_t index) {

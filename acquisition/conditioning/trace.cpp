@@ -35,7 +35,7 @@ void refuse_unusable_clock(const Channel& channel, const std::string& file) {
                     shortest, longest));
   }
   if (!(channel.clock.interval > 0.0) || !std::isfinite(channel.clock.interval))
-    refuse(fmt::format("has a sample interval of {} s; state the sample rate when importing",
+    refuse(fmt::format("has a sample interval of {:.12g} s; state the sample rate when importing",
                        channel.clock.interval));
 }
 

@@ -73,7 +73,8 @@ void compare(const OutgoingRecording& recording, const Record& back,
     if (is.unit != was.unit) units.add(was.unit, is.unit);
     if (outgoing.uniform && outgoing.size > 1 && is_time_record(was) &&
         !same_interval(was.clock.interval, is.clock.interval))
-      clocks.add(fmt::format("{} s", was.clock.interval), fmt::format("{} s", is.clock.interval));
+      clocks.add(fmt::format("{:.12g} s", was.clock.interval),
+                 fmt::format("{:.12g} s", is.clock.interval));
   }
   names.tell("name", warnings);
   units.tell("unit", warnings);

@@ -117,7 +117,8 @@ void apply_sample_rate(Record& record, double rate) {
     const auto domain = channel.attributes.find("domain");
     if (domain != channel.attributes.end() && domain->second != "time") continue;
     if (channel.clock.interval > 0.0 && std::abs(rate * channel.clock.interval - 1.0) > 1e-12)
-      channel.attributes["sample interval in file"] = fmt::format("{} s", channel.clock.interval);
+      channel.attributes["sample interval in file"] =
+          fmt::format("{:.12g} s", channel.clock.interval);
     channel.clock.interval = 1.0 / rate;
   }
 }
@@ -348,8 +349,9 @@ bool looks_like_recording(const std::string& path) try {
 std::unique_ptr<RecordingReader> open_recording(const std::string& path,
                                                 const ImportOptions& options) {
   if (options.sample_rate && !(*options.sample_rate > 0.0))
-    throw InputError(place_of(path), fmt::format("the stated sample rate of {} Hz is not positive",
-                                                 *options.sample_rate));
+    throw InputError(
+        place_of(path),
+        fmt::format("the stated sample rate of {:.12g} Hz is not positive", *options.sample_rate));
   const MappedFile file(path);  // throws when it cannot be opened
   const std::string_view head = file.bytes().substr(0, 65536);
   const Importer& importer =

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/number_text.hpp"
 #include "fitting/diagnostics/diagnose.hpp"
 
 namespace impactrig::fitting {
@@ -54,12 +55,12 @@ bool model_vibrates(const Structure& structure) {
 
 std::string looks_like(const Structure& s) {
   if (s.kind == "delay")
-    return fmt::format("a delay of {:.2g} us ({})", 1e6 * std::abs(s.amount),
+    return fmt::format("a delay of {} us ({})", datasets::figures(1e6 * std::abs(s.amount), 2),
                        s.amount > 0.0 ? "measured late" : "measured early");
   if (s.kind == "gain") return fmt::format("a gain error of {:+.2g} %", 100.0 * s.amount);
   if (s.kind == "vibration")
     return fmt::format(
-        "a vibration at {:.4g} Hz of {:.2g} {}{}", s.frequency, s.amount, s.unit,
+        "a vibration at {:.4g} Hz of {} {}{}", s.frequency, datasets::figures(s.amount, 2), s.unit,
         model_vibrates(s) ? ", which the model has otherwise" : ", which the model lacks");
   return fmt::format("{} of {:+.2g} {}", s.kind == "offset" ? "an offset" : "a drift", s.amount,
                      s.unit);
@@ -138,14 +139,15 @@ std::string diagnosis_sentence(const ChannelResiduals& channel, const ChannelDia
   const Structure* like = likeness(found, limit);
   std::string text = fmt::format("The {}'s residuals ", channel.quantity);
   if (worst != nullptr)
-    text += fmt::format("are {:.3g} times the noise {}", worst->ratio, where(worst->phase));
+    text += fmt::format("are {} times the noise {}", datasets::figures(worst->ratio, 3),
+                        where(worst->phase));
   else
     text += "are hardly larger than the noise, but follow each other as noise does not";
   if (like != nullptr)
     text += " and look like " + looks_like(*like);
   else if (worst != nullptr && is_disturbed(*worst))
-    text += fmt::format(", nine tenths of that in {:.2g} % of the samples there",
-                        100.0 * worst->concentration);
+    text += fmt::format(", nine tenths of that in {} of the samples there",
+                        datasets::percent(worst->concentration));
   text += "; ";
   if (like != nullptr)
     text += next_step(channel.quantity, *like);
