@@ -108,6 +108,7 @@ class ClockFinder {
       const std::string group(group_of(arrays_[i].name));
       if (!by_times(i, group) && !by_times(i, {}) && !by_number(i, group)) by_number(i, {});
     }
+    if (!wanted_) take_first_columns();
     return std::move(result_);
   }
 
@@ -143,14 +144,68 @@ class ClockFinder {
     }
     const double seconds = interval ? value.first : 1.0 / value.first;
     if (!(seconds > 0.0) || !std::isfinite(seconds)) return;
-    intervals_.emplace(group, std::pair(seconds, index));
+    const auto [known, is_first] = intervals_.try_emplace(group, seconds, index);
+    if (!is_first && differ(seconds, known->second.first))
+      result_.warnings.push_back(
+          fmt::format("'{}' says that samples are {:.9g} s apart, '{}' {:.9g} s: '{}' is used",
+                      arrays_[known->second.second].name, known->second.first, arrays_[index].name,
+                      seconds, arrays_[known->second.second].name));
+  }
+
+  static bool differ(double a, double b) { return std::abs(a - b) > 1e-3 * std::abs(b); }
+
+  /// A number of the same group, or at the top, may say something else than the times.
+  void compare_with_number(std::size_t times, const std::string& group) {
+    auto found = intervals_.find(group);
+    if (found == intervals_.end()) found = intervals_.find({});
+    const double step = axes_.at(times).clock.interval;
+    if (found == intervals_.end() || !differ(step, found->second.first)) return;
+    const auto [seconds, number] = found->second;
+    if (!compared_.insert(std::pair(times, number)).second) return;
+    std::string_view unit;
+    for (const auto& [name, size] : {std::pair{"ms", 1e3}, std::pair{"us", 1e6}})
+      if (!differ(step, size * seconds)) unit = name;
+    result_.warnings.push_back(fmt::format(
+        "'{}' steps by {:.9g} s, but '{}' says that samples are {:.9g} s apart{}: '{}' is used "
+        "(--time-column none takes '{}')",
+        arrays_[times].name, step, arrays_[number].name, seconds,
+        unit.empty() ? "" : fmt::format(", as if the times were in {}", unit), arrays_[times].name,
+        arrays_[number].name));
+  }
+
+  /// Matrices of which nothing tells the clock: a first column that increases evenly, and does not
+  /// count samples, beside a second that does not increase.
+  void take_first_columns() {
+    for (std::size_t i = 0; i + 1 < arrays_.size(); ++i) {
+      const std::string& name = arrays_[i].name;
+      if (!name.ends_with(":1") || !arrays_[i].real || result_.clocks[i].interval > 0.0) continue;
+      const std::string_view matrix = std::string_view(name).substr(0, name.size() - 1);
+      if (arrays_[i + 1].name != fmt::format("{}2", matrix)) continue;
+      const Ends first = ends_of(i), second = ends_of(i + 1);
+      const double step = (first.last - first.first) /
+                          static_cast<double>(std::max<std::uint64_t>(first.count, 2) - 1);
+      if (!first.increasing || second.increasing || step == 1.0) continue;
+      const TimesFound times = look_at(i, "the first column, since it increases evenly", true);
+      axes_[i] = times;
+      for (std::size_t k = i; k < arrays_.size() && arrays_[k].name.starts_with(matrix); ++k)
+        use_times(k, i, {});
+    }
+  }
+
+  Ends ends_of(std::size_t index) {
+    Ends ends;
+    each_number_(index, [&ends](std::span<const double> values) { ends.add(values); });
+    return ends;
   }
 
   bool by_times(std::size_t index, const std::string& group) {
     const auto found = times_.find(std::pair(group, arrays_[index].samples));
-    return found != times_.end() &&
-           use_times(index, found->second,
-                     arrays_[found->second].time ? "as the file says" : "by its name");
+    if (found == times_.end() ||
+        !use_times(index, found->second,
+                   arrays_[found->second].time ? "as the file says" : "by its name"))
+      return false;
+    compare_with_number(found->second, std::string(group_of(arrays_[index].name)));
+    return true;
   }
 
   bool use_times(std::size_t index, std::size_t times, std::string_view why) {
@@ -161,11 +216,11 @@ class ClockFinder {
     return axis.usable;
   }
 
-  TimesFound look_at(std::size_t index, std::string_view why) {
+  /// `only_even`: times that are not uniform are none.
+  TimesFound look_at(std::size_t index, std::string_view why, bool only_even = false) {
     TimesFound found;
     const std::string& name = arrays_[index].name;
-    Ends ends;
-    each_number_(index, [&ends](std::span<const double> values) { ends.add(values); });
+    const Ends ends = ends_of(index);
     if (!ends.increasing || ends.count < 2) {
       if (ends.count > 1)
         result_.warnings.push_back(
@@ -174,6 +229,7 @@ class ClockFinder {
     }
     TimeAxisCheck check(ends.first, ends.last, ends.count);
     each_number_(index, [&check](std::span<const double> values) { check.add(values); });
+    if (only_even && !check.uniform()) return found;
     const TimeAxis axis = check.axis();
     if (!axis.warning.empty())
       result_.warnings.push_back(fmt::format("'{}': {}", name, axis.warning));
@@ -216,6 +272,7 @@ class ClockFinder {
   std::map<std::string, double> starts_;                                ///< by group
   std::map<std::size_t, TimesFound> axes_;
   std::set<std::size_t> told_numbers_;
+  std::set<std::pair<std::size_t, std::size_t>> compared_;  ///< times and a number
 };
 
 }  // namespace

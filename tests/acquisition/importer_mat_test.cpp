@@ -160,6 +160,55 @@ TEST_P(Mat, UnevenTimesAreKept) {
   EXPECT_EQ(back.warnings[0], "'t' does not increase throughout: it is not taken as the time");
 }
 
+TEST_P(Mat, ClocksThatContradictEachOtherAreNamed) {
+  const std::string force = b.doubles("force", {1, 2, 3});
+  const auto numbers =
+      imported(b.header() + force + b.doubles("Fs", {1000}) + b.doubles("dt", {0.5}));
+  EXPECT_EQ(numbers.find("force")->clock.interval, 1e-3);
+  EXPECT_THAT(numbers.warnings,
+              Contains("'Fs' says that samples are 0.001 s apart, 'dt' 0.5 s: 'Fs' is used"));
+  const auto times =
+      imported(b.header() + b.doubles("t", {0, 0.5, 1}) + force + b.doubles("Fs", {3}));
+  EXPECT_EQ(times.find("force")->clock.interval, 0.5);
+  EXPECT_THAT(
+      times.warnings,
+      Contains("'t' steps by 0.5 s, but 'Fs' says that samples are 0.333333333 s apart: 't' "
+               "is used (--time-column none takes 'Fs')"));
+  const auto in_ms =
+      imported(b.header() + b.doubles("t", {0, 0.5, 1}) + force + b.doubles("Fs", {2000}));
+  EXPECT_THAT(in_ms.warnings,
+              Contains("'t' steps by 0.5 s, but 'Fs' says that samples are 0.0005 s apart, as if "
+                       "the times were in ms: 't' is used (--time-column none takes 'Fs')"));
+  for (const auto& warning : imported(b.header() + b.doubles("t", {0, 0.5, 1}) + force +
+                                      b.doubles("Fs", {2.0}) + b.doubles("dt", {0.5}))
+                                 .warnings)
+    EXPECT_THAT(warning, testing::Not(HasSubstr("apart")));
+}
+
+// What many scripts save: [t, force, velocity].
+TEST_P(Mat, AFirstColumnThatIncreasesEvenlyIsTheTime) {
+  const auto matrix = [this](double step) {
+    std::vector<double> values;
+    for (int i = 0; i < 120; ++i) values.push_back(0.25 + step * i);
+    for (int i = 0; i < 240; ++i) values.push_back(i % 7);
+    return b.header() + b.doubles("data", values, 3);
+  };
+  const auto record = imported(matrix(1e-3));
+  ASSERT_EQ(record.channels.size(), 3U);
+  for (const auto& channel : record.channels) {
+    EXPECT_EQ(channel.clock.start, 0.25);
+    EXPECT_EQ(channel.clock.interval, 1e-3);
+  }
+  EXPECT_EQ(record.attributes.at("time column"),
+            "data:1 (the first column, since it increases evenly)");
+  EXPECT_THAT(record.warnings, Contains(HasSubstr("taken as s, since no unit is stated: data:1")));
+  EXPECT_EQ(imported(matrix(1.0)).channels[1].clock.interval, 0.0);  // counts samples
+  EXPECT_EQ(imported(matrix(-1.0)).channels[1].clock.interval, 0.0);
+  ImportOptions options;
+  options.time_column = "none";
+  EXPECT_EQ(imported(matrix(1e-3), options).channels[1].clock.interval, 0.0);
+}
+
 TEST_P(Mat, ManyTimesAreJudgedAllOfThem) {
   const MatBytes mat{GetParam()};
   std::vector<double> times(100000);
