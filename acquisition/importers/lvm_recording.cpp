@@ -256,11 +256,19 @@ void LvmRecording::set_clock(LvmPart& part, double shift, bool multi, Channel& c
   TimeAxisCheck check(part.x.front(), part.x.back(), part.x.size());
   part.x.each([&check](std::span<const double> piece) { check.add(piece); });
   TimeAxis axis = check.axis();
-  if (delta > 0.0)
+  const bool restarts = axis.warning.starts_with("time does not increase");
+  if (delta > 0.0 && restarts)
+    warn(
+        fmt::format("'{}': the X column restarts: {}; recordings follow each other, and how much "
+                    "time passed between them is not told (--sample-rate {:.9g} joins them end to "
+                    "end)",
+                    channel.name, axis.warning, 1.0 / (delta * factor)));
+  else if (delta > 0.0)
     warn(fmt::format("{}Delta_X is {:.9g} but the X column steps by {:.9g}: the X column is used",
                      multi ? "'" + channel.name + "': " : std::string(), delta,
                      axis.clock.interval));
-  if (!axis.warning.empty()) warn(fmt::format("'{}': {}", channel.name, axis.warning));
+  if (!axis.warning.empty() && !(delta > 0.0 && restarts))
+    warn(fmt::format("'{}': {}", channel.name, axis.warning));
   clock = std::move(axis.clock);
   clock.start = clock.start * factor + shift;
   clock.interval *= factor;

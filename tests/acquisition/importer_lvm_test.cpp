@@ -81,6 +81,20 @@ TEST(Lvm, TheXColumnIsBelievedWhereDeltaDisagrees) {
               "the X column is used");
 }
 
+TEST(Lvm, AnXColumnThatRestartsIsToldWithAWayOut) {
+  const LvmFile file;
+  const auto record = imported(
+      file.header() + file.segment(lvm_two_channels("3", "0", "0.001"), "X_Value|a|b|Comment",
+                                   "0|1|2\n0.001|3|4\n0.002|5|6\n0|7|8\n0.001|9|1\n"));
+  EXPECT_THAT(record.warnings,
+              testing::Contains(
+                  "'a': the X column restarts: time does not increase from sample 2 (0.002 s) to "
+                  "sample 3 (0 s); recordings follow each other, and how much time passed between "
+                  "them is not told (--sample-rate 1000 joins them end to end)"));
+  for (const std::string& warning : record.warnings)
+    EXPECT_THAT(warning, testing::Not(HasSubstr("steps by")));
+}
+
 TEST(Lvm, DeltaIsBelievedWhereTheXColumnIsOnlyRounded) {
   const auto record =
       imported(one_segment("0.000000|1|2\n0.000020|3|4\n0.000039|5|6\n", "1.953125E-5"));
