@@ -109,6 +109,31 @@ std::optional<std::size_t> samples_without_size(std::string_view bytes) {
   return samples;
 }
 
+/// What of a file's format chunk libsndfile passes over, as a sentence: it reads 24 bits in rows of
+/// 4 bytes as if they were packed, which gives other numbers; "" where there is nothing.
+std::string wrong_rows(std::string_view bytes) {
+  std::string problem;
+  if (bytes.size() < 12) return problem;
+  const bool big_endian = bytes.starts_with("RIFX");
+  walk_chunks(bytes, 12, big_endian, [&](std::size_t at, std::string_view content) {
+    if (bytes.substr(at, 4) != "fmt " || content.size() < 16) return true;
+    const auto field = [&](std::size_t offset) {
+      const auto low = static_cast<unsigned char>(content[offset + (big_endian ? 1 : 0)]);
+      const auto high = static_cast<unsigned char>(content[offset + (big_endian ? 0 : 1)]);
+      return unsigned{low} + 256 * unsigned{high};
+    };
+    const unsigned code = field(0), channels = field(2), row = field(12), bits = field(14);
+    const bool is_plain = code == 1 || code == 3 || code == 0xFFFE;
+    if (is_plain && row != 0 && bits != 0 && row != channels * ((bits + 7) / 8))
+      problem = fmt::format(
+          "the header states {} bits a sample and {} channel{}, but rows of {} bytes: what fills "
+          "them is not told; save it as PCM of whole bytes",
+          bits, channels, channels == 1 ? "" : "s", row);
+    return false;
+  });
+  return problem;
+}
+
 /// libsndfile's view on the mapped bytes: it never sees the file system, nor damaged lists, nor
 /// samples that are not counted.
 class SoundBytes {
@@ -245,6 +270,8 @@ class WavReader final : public RecordingReader {
     if (!is_wave(file_.bytes()))
       throw InputError(file_.byte_position(0),
                        "expected 'RIFF', 'RIFX' or 'RF64' and 'WAVE' at byte 8");
+    if (const std::string problem = wrong_rows(file_.bytes()); !problem.empty())
+      throw InputError(file_.byte_position(0), problem);
     SF_VIRTUAL_IO access{SoundBytes::length, SoundBytes::seek, SoundBytes::read, SoundBytes::write,
                          SoundBytes::tell};
     sound_.reset(sf_open_virtual(&access, SFM_READ, &info_, &bytes_));

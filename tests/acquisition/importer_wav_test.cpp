@@ -163,6 +163,22 @@ TEST(WavVariants, WhatIsNotReadSaysSo) {
               HasSubstr("FILE (byte 0): libsndfile cannot read it: "));
 }
 
+// Libsndfile reads them as packed: four samples of three, with other values.
+TEST(WavVariants, SamplesOf24BitsInRowsOfFourBytesAreRefused) {
+  WavFile wav;
+  wav.bits = 24;
+  wav.data = wav.numbers<std::int32_t>({0x40000000, -0x40000000, 0x7FFFFF00});
+  std::string bytes = wav.bytes();
+  bytes[bytes.find("fmt ") + 8 + 12] = 4;
+  EXPECT_EQ(import_error(bytes, {}, ".wav"),
+            "FILE (byte 0): the header states 24 bits a sample and 1 channel, but rows of 4 bytes: "
+            "what fills them is not told; save it as PCM of whole bytes");
+  wav.big_endian = true;
+  bytes = wav.bytes();
+  bytes[bytes.find("fmt ") + 8 + 13] = 4;
+  EXPECT_THAT(import_error(bytes, {}, ".wav"), HasSubstr("but rows of 4 bytes"));
+}
+
 // Found by fuzzing: libsndfile did not come back from this one.
 TEST(Wav, AChunkThatIsLongerThanTheFileEndsIt) {
   using namespace std::string_view_literals;
