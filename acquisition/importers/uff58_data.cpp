@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <span>
 
@@ -313,6 +314,31 @@ const char* find_closing_line(const char* at, const char* end) {
   return end;
 }
 
+/// Whether the first values are no measured numbers as the identifier line says their bytes lie,
+/// and all are with the bytes the other way round.
+bool looks_reversed(const Uff58Extent& extent, bool little_endian) {
+  constexpr std::uint64_t looked_at = 512;
+  const std::size_t point = extent.abscissa_bytes + extent.number_bytes;
+  const auto is_strange = [&](const char* at, bool little) {
+    const double value = extent.number_bytes == 8
+                             ? read_number<double>(at, little)
+                             : static_cast<double>(read_number<float>(at, little));
+    const double size = std::abs(value);
+    return value != 0.0 && !(size > 1e-30 && size < 1e30);
+  };
+  std::uint64_t strange = 0, values = 0;
+  for (std::uint64_t i = 0; i < std::min(extent.points, looked_at); ++i) {
+    const char* const at = extent.start + i * point + extent.abscissa_bytes;
+    if (is_strange(at, !little_endian)) return false;
+    strange += is_strange(at, little_endian) ? 1 : 0;
+    values += read_number<std::uint32_t>(at, true) != 0 ||
+                      read_number<std::uint32_t>(at + extent.number_bytes - 4, true) != 0
+                  ? 1
+                  : 0;
+  }
+  return values > 0 && 2 * strange > values;
+}
+
 /// The block is as long as its points are, or as announced: the length that a -1 follows is it.
 /// Otherwise it goes on to the next -1.
 Uff58Extent find_binary(const TextFile& file, const char* start, const Uff58Form& form) {
@@ -350,6 +376,12 @@ Uff58Extent find_binary(const TextFile& file, const char* start, const Uff58Form
     extent.warnings.push_back(
         fmt::format("the identifier line announces {} bytes of data, {} are there",
                     form.announced_bytes, length));
+  if (!form.complex() && looks_reversed(extent, form.little_endian))
+    extent.warnings.push_back(fmt::format(
+        "the identifier line says that bytes are {}-endian, and the values are numbers of "
+        "a measurement only the other way round: correct the byte order in columns 8 to "
+        "13 of that line",
+        form.little_endian ? "little" : "big"));
   if (extent.points == 0 && form.points > 0)
     throw InputError(file.byte_position(start),
                      fmt::format("{} points are announced and no data are there", form.points));

@@ -37,6 +37,28 @@ TEST(Uff58b, IsReadInBothByteOrdersAndPrecisions) {
   }
 }
 
+// The numbers themselves tell: 1.5 read the wrong way round is 3e-319 or 7e-41.
+TEST(Uff58b, AByteOrderThatIsStatedWronglyIsToldOf) {
+  for (const bool little : {true, false})
+    for (const int type : {2, 4}) {
+      Function function;
+      function.type = type;
+      function.data = type == 2 ? bytes_of<float>({1.5F, -2.5F, 0.1F}, little)
+                                : bytes_of<double>({1.5, -2.5, 0.1}, little);
+      const auto size = static_cast<long>(function.data.size());
+      function.identifier = binary(little ? 2 : 1, 2, size);
+      EXPECT_THAT(
+          imported(function.text()).warnings,
+          ElementsAre(fmt::format(
+              "'Hammer': the identifier line says that bytes are {}-endian, and the values are "
+              "numbers of a measurement only the other way round: correct the byte order in "
+              "columns 8 to 13 of that line",
+              little ? "big" : "little")));
+      function.data = std::string(function.data.size(), '\0');
+      EXPECT_THAT(imported(function.text()).warnings, IsEmpty());
+    }
+}
+
 TEST(Uff58b, MayCloseDirectlyOrAfterALineEnd) {
   for (const char* end : {"    -1\n", "\n    -1\n", "\r\n    -1\r\n", "    -1"}) {
     Function function;
