@@ -52,6 +52,11 @@ class MatRecord {
 
  private:
   void add(const MatArray& array) {
+    if (array.dimensions > 2 && array.count > 1)
+      record_.warnings.push_back(fmt::format(
+          "'{}' has {} dimensions: its {} numbers are one channel, in the order they are "
+          "stored, not one channel a column; save a matrix for that",
+          array.name, array.dimensions, array.count));
     const std::uint64_t longer = std::max(array.rows, array.columns);
     const std::uint64_t shorter = std::min(array.rows, array.columns);
     if (longer <= longest_small_matrix || shorter < 2 || shorter > most_channels)

@@ -260,6 +260,7 @@ class MatParser {
   bool set_shape(const Element& shape, MatArray& array) const {
     const std::uint64_t dimensions = (shape.end - shape.data) / 4;
     if (dimensions < 2 || dimensions > 32) return false;
+    array.dimensions = dimensions;
     array.rows = 1;
     array.columns = 1;
     for (std::uint64_t i = 0; i < dimensions; ++i) {

@@ -17,6 +17,7 @@ struct MatArray {
   std::string name;        ///< "run.force": a field of a structure
   std::uint64_t rows = 0;  ///< of the first column; beyond two dimensions: all of them
   std::uint64_t columns = 0;
+  std::uint64_t dimensions = 2;
   NumberKind kind = NumberKind::f64;
   std::uint64_t offset = 0;  ///< of the first number
   std::uint64_t count = 0;   ///< numbers that are there, rows x columns at most

@@ -133,6 +133,17 @@ TEST_P(Mat, LongMatricesAreChannelsSmallOnesAreNot) {
   EXPECT_EQ(small.channels[0].size(), 300U);
 }
 
+TEST_P(Mat, MoreThanTwoDimensionsAreOneChannelAndToldOf) {
+  std::vector<double> values(808);
+  const auto record = imported(
+      b.header() + b.matrix(b.head(6, {202, 2, 2}, "x") + b.element(9, b.numbers<double>(values))));
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].size(), 808U);
+  EXPECT_THAT(record.warnings,
+              Contains("'x' has 3 dimensions: its 808 numbers are one channel, in the order they "
+                       "are stored, not one channel a column; save a matrix for that"));
+}
+
 TEST_P(Mat, TimesByNameOfTheOwnGroupFirst) {
   const std::string fields = b.doubles("", {0, 1, 2}) + b.doubles("", {4, 5, 6});
   const auto record =
