@@ -81,7 +81,7 @@ class Equations {
     if (node_by_node) order_node_by_node(2 * solver.elements[0] - 1);
     const double speed = touch_velocity(rig);
     y_.setZero();
-    beam_->set_rigid_motion(0.0, speed / rig.contact.position, y_.head(n_), y_.segment(n_, n_));
+    beam_->set_steady_motion(0.0, speed / rig.contact.position, y_.head(n_), y_.segment(n_, n_));
     start_ = y_;
     const double kinetic = beam_->energy(y_.head(n_), y_.segment(n_, n_)).kinetic;
     const double depth = models::penetration_storing(contact_, kinetic);
