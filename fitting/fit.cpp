@@ -72,6 +72,7 @@ class Session {
   void estimate_mesh_shift();
   void keep_within_bounds(Eigen::VectorXd& shift) const;
   Fit report(double chi2);
+  bool bound_tells(std::size_t unknown) const;
   void profile(Fit& fit);
   void widen_view(Fit& fit);
 
@@ -413,6 +414,19 @@ void forget_unknown(Fit& fit) {
     }
 }
 
+/// Whether a likelihood may tell an interval of what is at a bound: not where the model does not
+/// explain the data at all, nor where they want more than two standard errors beyond. A standard
+/// error wider than the bounds knows neither.
+bool Session::bound_tells(std::size_t unknown) const {
+  constexpr double hopeless = 10.0;  // times what the noise leaves
+  if (out_of_time_ || end_.inflation > hopeless) return false;
+  const auto k = static_cast<Eigen::Index>(unknown);
+  const Variable& v = problem_.variables()[problem_.unknowns()[unknown]];
+  const double error = std::sqrt(end_.spread.covariance(k, k));
+  if (!(end_.inflation * error < v.upper - v.lower)) return true;
+  return std::abs(jacobian_.col(k).dot(residuals_)) * error <= 2.0 * end_.inflation;
+}
+
 /// Profile likelihoods of what is at a bound, of all else where the options ask for them.
 void Session::profile(Fit& fit) {
   if (problem_.loss() != Loss::squares) {
@@ -424,9 +438,10 @@ void Session::profile(Fit& fit) {
   }
   std::vector<std::size_t> numbers;
   std::vector<double> std_errors;
-  for (const std::size_t i : problem_.unknowns()) {
+  for (std::size_t k = 0; k < problem_.unknowns().size(); ++k) {
+    const std::size_t i = problem_.unknowns()[k];
     const Parameter& p = fit.parameters[i];
-    const bool wanted = options_.profile || (p.at_bound && !out_of_time_);
+    const bool wanted = options_.profile || (p.at_bound && bound_tells(k));
     if (!problem_.variables()[i].of_interest() || !wanted) continue;
     numbers.push_back(i);
     std_errors.push_back(p.at_bound ? 0.0 : p.std_error);
