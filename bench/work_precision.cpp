@@ -17,7 +17,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -28,6 +27,7 @@
 
 #include "bench/log_plot.hpp"
 #include "bench/sundials_impact.hpp"
+#include "bench/timing.hpp"
 #include "datasets/record.hpp"
 #include "fitting/rig_file.hpp"
 #include "models/simulation.hpp"
@@ -164,10 +164,9 @@ class SceneStudy {
     std::vector<double> times;
     double spent = 0.0;
     for (int k = 0; k < study_.runs; ++k) {
-      const auto started = std::chrono::steady_clock::now();
+      const double started = bench::processor_seconds();
       point.observed = call();
-      times.push_back(
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count());
+      times.push_back(bench::processor_seconds() - started);
       spent += times.back();
       if (!point.observed.failure.empty() || (k >= 2 && spent > 1.0)) break;
     }
