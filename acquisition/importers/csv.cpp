@@ -5,10 +5,13 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <utility>
 
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/csv_columns.hpp"
 #include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/joined_readers.hpp"
 #include "acquisition/importers/large_table.hpp"
 #include "acquisition/importers/text_table.hpp"
 #include "acquisition/importers/time_axis.hpp"
@@ -20,6 +23,30 @@ using datasets::InputError;
 using datasets::Record;
 
 namespace {
+
+/// Those of `columns` that increase in all rows without a gap: reads the file through.
+std::vector<std::size_t> increasing_throughout(TextFile& file, const TableLayout& layout,
+                                               const std::vector<std::string>& names,
+                                               std::vector<std::size_t> columns) {
+  constexpr std::size_t rows_at_once = 16384;
+  RowReader rows(file, layout, names);
+  std::vector<double> last(names.size(), -std::numeric_limits<double>::infinity());
+  while (!rows.at_end() && !columns.empty()) {
+    std::vector<bool> needed(names.size(), false);
+    for (const std::size_t c : columns) needed[c] = true;
+    rows.read_only(std::move(needed));
+    const char* const start = rows.at();
+    const Table piece = rows.read(rows_at_once);
+    std::erase_if(columns, [&](std::size_t c) {
+      if (piece.columns[c].missing > 0) return true;
+      for (const double value : piece.columns[c].values)
+        if (!(value > std::exchange(last[c], value))) return true;
+      return false;
+    });
+    file.release(start, rows.at());
+  }
+  return columns;
+}
 
 /// What the head of a file and its first rows say.
 struct CsvHead {
@@ -35,10 +62,13 @@ struct CsvHead {
     for (std::size_t c = 0; c < columns; ++c) names.push_back(heads[c].name);
   }
 
-  /// Decides by these rows what the columns are.
-  void settle(const Table& rows, const ImportOptions& options, Record& record) {
+  /// Decides by these rows what the columns are. `read_on`: they are the first rows only, and which
+  /// columns are further times is for all to say.
+  void settle(const Table& rows, const ImportOptions& options, bool read_on, Record& record) {
     record.attributes = head.attributes;
     roles = find_roles(file, layout, heads, rows, options);
+    if (read_on && !roles.named_times.empty())
+      roles.take_further_times(increasing_throughout(file, layout, names, roles.named_times));
     record.warnings = head.warnings;
     tell_of_text(layout, heads, record);
     take_units_of_keys(head, roles, layout.dialect.delimiter, heads);
@@ -90,7 +120,7 @@ datasets::SampleClock clock_of_column(const CsvHead& csv, std::size_t column, Ta
 Record read_whole(CsvHead& csv, const ImportOptions& options) {
   Table table = read_table(csv.file, csv.layout, csv.names);
   Record record;
-  csv.settle(table, options, record);
+  csv.settle(table, options, false, record);
   const CsvRoles& roles = csv.roles;
   if (const std::string cut = cut_row(csv.file, table); !cut.empty())
     record.warnings.push_back(cut);
@@ -114,6 +144,28 @@ Record read_whole(CsvHead& csv, const ImportOptions& options) {
   return record;
 }
 
+/// The channels in columns from `first` on, before `end`, by the times of one column.
+LargeTable table_of_clock(std::shared_ptr<CsvHead> csv, std::optional<std::size_t> time,
+                          std::size_t first, std::size_t end, LargeTable table) {
+  table.time = time;
+  if (time) {
+    const ColumnHead& head = csv->heads[*time];
+    table.to_seconds = [csv, &head, conversion = time_conversion(csv->file, head, table.record)](
+                           Column& times) { to_seconds(csv->file, head, conversion, times); };
+  }
+  if (time && time == csv->roles.time)
+    table.settle_clock = [csv](std::uint64_t count, datasets::SampleClock& clock, Record& record) {
+      compare_with_head(csv->head, count, clock, record);
+    };
+  for (std::size_t c = first; c < end; ++c) {
+    if (!csv->roles.is_channel(c)) continue;
+    table.record.channels.push_back(channel_of(csv->head, c, csv->heads[c], table.record));
+    table.columns.push_back(c);
+    if (c >= csv->columns) tell_of_column_without_values(csv->heads[c], table.record);
+  }
+  return table;
+}
+
 /// A large file: its first rows say what it holds, the rest is read by blocks.
 std::unique_ptr<RecordingReader> open_large(std::shared_ptr<CsvHead> csv,
                                             const ImportOptions& options) {
@@ -122,34 +174,23 @@ std::unique_ptr<RecordingReader> open_large(std::shared_ptr<CsvHead> csv,
   table.layout = csv->layout;
   table.names = csv->names;
   table.read_first_rows(options.head_only);
-  csv->settle(table.first_rows, options, table.record);
-  if (!csv->roles.further_times.empty()) {
-    // several clocks are kept by no table: such a file is held in memory
-    if (!options.head_only) return reader_of(read_whole(*csv, options));
-    table.record.warnings.push_back(
-        fmt::format("the channels behind '{}' have its times, which reading tells: those shown are "
-                    "of the first time column",
-                    csv->heads[csv->roles.further_times.front()].name));
-  }
-  table.time = csv->roles.time;
-  if (table.time) {
-    const ColumnHead& head = csv->heads[*table.time];
-    table.to_seconds = [csv, &head, conversion = time_conversion(csv->file, head, table.record)](
-                           Column& times) { to_seconds(csv->file, head, conversion, times); };
-    table.settle_clock = [csv](std::uint64_t count, datasets::SampleClock& clock, Record& record) {
-      compare_with_head(csv->head, count, clock, record);
-    };
-  }
+  Record record;
+  csv->settle(table.first_rows, options, !options.head_only, record);
   table.clock = clock_from_head(csv->head);
   table.marked = csv->marked;
   table.empty_columns_end = true;
-  for (std::size_t c = 0; c < csv->heads.size(); ++c) {
-    if (!csv->roles.is_channel(c)) continue;
-    table.record.channels.push_back(channel_of(csv->head, c, csv->heads[c], table.record));
-    table.columns.push_back(c);
-    if (c >= csv->columns) tell_of_column_without_values(csv->heads[c], table.record);
+
+  // one reader a clock, each with the columns up to the next one
+  std::vector<std::size_t> ends = csv->roles.further_times;
+  ends.push_back(csv->heads.size());
+  std::vector<std::unique_ptr<RecordingReader>> readers;
+  std::optional<std::size_t> time = csv->roles.time;
+  std::size_t first = 0;
+  for (const std::size_t end : ends) {
+    readers.push_back(reader_of_large_table(table_of_clock(csv, time, first, end, table)));
+    time = first = end;
   }
-  auto reader = reader_of_large_table(std::move(table));
+  auto reader = join_readers(std::move(record), std::move(readers));
   return options.head_only ? reader_of_head(reader->head()) : std::move(reader);
 }
 

@@ -64,19 +64,18 @@ bool counts(const std::vector<double>& values) {
   return true;
 }
 
-/// "Time B" behind the channels of "Time A": times of their own, that increase without a gap.
-void find_further_times(const std::vector<ColumnHead>& heads, const std::vector<Column>& columns,
-                        CsvRoles& roles) {
-  std::size_t before = *roles.time;
-  for (std::size_t c = before + 1; c < columns.size(); ++c) {
+/// Columns behind the time that are named as times ("Time B") and increase without a gap.
+std::vector<std::size_t> times_behind(std::size_t time, const std::vector<ColumnHead>& heads,
+                                      const std::vector<Column>& columns) {
+  std::vector<std::size_t> found;
+  for (std::size_t c = time + 1; c < columns.size(); ++c) {
     const std::string name = lowered(heads[c].name);
     const bool is_named = is_time_name(name) || name.starts_with("time ") ||
                           name.starts_with("time_") || name.starts_with("zeit ");
     const bool is_time = is_named && (heads[c].unit.empty() || is_time_unit(heads[c].unit));
-    if (!is_time || columns[c].missing > 0 || !increases(columns[c].values)) continue;
-    if (c > before + 1) roles.further_times.push_back(c);
-    before = c;
+    if (is_time && columns[c].missing == 0 && increases(columns[c].values)) found.push_back(c);
   }
+  return found;
 }
 
 std::optional<std::size_t> column_named(const std::vector<ColumnHead>& heads,
@@ -139,6 +138,16 @@ std::optional<std::vector<SampleRange>> runs_in(std::string_view text) {
 }
 
 }  // namespace
+
+void CsvRoles::take_further_times(std::vector<std::size_t> increasing) {
+  further_times.clear();
+  std::size_t before = *time;
+  for (const std::size_t c : increasing) {
+    if (c > before + 1) further_times.push_back(c);
+    before = c;
+  }
+  named_times = std::move(increasing);
+}
 
 MarkedRows take_marked_rows(TableHead& head) {
   constexpr std::string_view key = "invalid samples of column ";
@@ -232,7 +241,7 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout,
       roles.time = c;
       roles.reason = "by its unit";
     }
-  if (roles.time) find_further_times(heads, columns, roles);
+  if (roles.time) roles.take_further_times(times_behind(*roles.time, heads, columns));
   if (roles.time || columns.size() < 2) return roles;
   if (first_counts) {
     roles.index = 0;

@@ -24,6 +24,12 @@ struct CsvRoles {
   std::vector<std::size_t> text;     ///< hold text
   /// Columns of times behind channels of `time`, in order: the columns behind one have its clock.
   std::vector<std::size_t> further_times;
+  /// Columns behind `time` that are named as times and increase without a gap in the rows looked
+  /// at, in order: not all are behind channels.
+  std::vector<std::size_t> named_times;
+
+  /// Sets named_times, and of them further_times.
+  void take_further_times(std::vector<std::size_t> increasing);
 
   bool is_channel(std::size_t column) const {
     return column != time && column != index && std::ranges::find(text, column) == text.end() &&

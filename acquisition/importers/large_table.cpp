@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "acquisition/importers/time_axis.hpp"
 
@@ -219,6 +220,7 @@ class LargeTableReader final : public RecordingReader {
     const auto bytes = static_cast<std::size_t>(end - table_.layout.data);
     RowReader rows(file(), table_.layout, table_.names);
     double before = first_;
+    const char* released = text.data();
     for (std::size_t i = 1; i < places; ++i) {
       const char* at = table_.layout.data + bytes / places * i;
       take_line(at, end);
@@ -228,6 +230,8 @@ class LargeTableReader final : public RecordingReader {
       const double time = times_of(row).front();
       if (time < before) return false;
       before = time;
+      // the system may have mapped much around a row
+      file().release(std::exchange(released, rows.at()), rows.at());
     }
     return last_ >= before;
   }

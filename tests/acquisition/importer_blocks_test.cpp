@@ -132,23 +132,71 @@ TEST(LargeCsv, AColumnWithoutAnyValueIsAChannelWithoutSamples) {
     }
 }
 
-TEST(LargeCsv, WithTwoTimeColumnsIsReadAsItIsReadAtOnce) {
-  std::string text = "Time A [s],Force [N],Comment,Time B [s],Vel [m/s]\n";
-  for (int i = 0; i < 40000; ++i)
-    text += fmt::format("{:.6f},{},{},{:.6f},{}\n", i * 1e-6, i % 7, i == 3 ? "hit" : "",
-                        5e-6 + i * 2e-6, i % 5);
-  const tests::WrittenFile file(text, ".csv");
-  const Record at_once = read_into_memory(*open_csv(file.path(), {}));
-  expect_same(read_into_memory(*open_csv_by_blocks(file.path(), {})), at_once);
-  EXPECT_DOUBLE_EQ(at_once.channels[1].clock.interval, 2e-6);
-  ImportOptions head_only;
-  head_only.head_only = true;
-  const auto head = open_csv_by_blocks(file.path(), head_only);
-  EXPECT_EQ(head->head().record.channels.size(), 2U);
-  EXPECT_THAT(
-      head->head().record.warnings,
-      testing::Contains("the channels behind 'Time B' have its times, which reading tells: those "
-                        "shown are of the first time column"));
+/// Channels of two clocks; the times of the second are by `other`.
+template <typename Time>
+std::string two_clocks(std::size_t rows, const Time& other) {
+  std::string text = "Time A [s],Force [N],Comment,Time B [ms],Vel [m/s],Nothing [V]\n";
+  for (std::size_t i = 0; i < rows; ++i)
+    text += fmt::format("{:.6f},{},{},{:.4f},{},\n", 1e-6 * static_cast<double>(i), i % 7,
+                        i == 3 ? "hit" : "", 1e3 * (5e-6 + 2.0 * other(i)),
+                        i % 1000 == 7 ? "" : fmt::format("{}", i % 5));
+  return text;
+}
+
+TEST(LargeCsv, WithTwoTimeColumnsIsReadByBlocksAsItIsReadAtOnce) {
+  for (const auto time : {microseconds, uneven}) {
+    for (const std::string& end : {std::string(), std::string("0.040,3")}) {
+      const tests::WrittenFile file(two_clocks(120000, time) + end, ".csv");
+      const Record at_once = read_into_memory(*open_csv(file.path(), {}));
+      expect_same(by_blocks(file.path()), at_once);
+      ASSERT_EQ(at_once.channels.size(), 3U);
+      EXPECT_EQ(at_once.channels[1].clock.uniform(), time == microseconds);
+      EXPECT_NEAR(at_once.channels[1].clock.interval, 2e-6, 1e-10);
+      Selection wanted;
+      wanted.channels = {1, 0};
+      wanted.from = 0.1;
+      wanted.to = 0.11;
+      const Record part = by_blocks(file.path(), wanted);
+      const Record expected = read_into_memory(*open_csv(file.path(), {}), wanted);
+      ASSERT_EQ(part.channels.size(), 2U);
+      for (std::size_t c = 0; c < 2; ++c) {
+        EXPECT_EQ(part.channels[c].name, expected.channels[c].name);
+        EXPECT_EQ(part.channels[c].valid, expected.channels[c].valid);
+        EXPECT_EQ(part.channels[c].values().size(), expected.channels[c].values().size());
+        EXPECT_NEAR(part.channels[c].clock.start, expected.channels[c].clock.start, 1e-12);
+        EXPECT_EQ(part.channels[c].clock.times, expected.channels[c].clock.times);
+      }
+      EXPECT_NEAR(double(part.channels[0].size()), 5000.0, 2.0);
+      EXPECT_NEAR(double(part.channels[1].size()), 10000.0, 2.0);
+    }
+  }
+}
+
+TEST(LargeCsv, ShowsEachClockInItsHead) {
+  const tests::WrittenFile file(two_clocks(40000, microseconds), ".csv");
+  for (const bool head_only : {false, true}) {
+    ImportOptions options;
+    options.head_only = head_only;
+    const auto reader = open_csv_by_blocks(file.path(), options);
+    const Record& record = reader->head().record;
+    ASSERT_EQ(record.channels.size(), 3U);
+    EXPECT_NEAR(record.channels[0].clock.interval, 1e-6, 1e-15);
+    EXPECT_NEAR(record.channels[1].clock.interval, 2e-6, 1e-15);
+    EXPECT_EQ(reader->head().samples, (std::vector<std::uint64_t>{40000, 40000, 40000}));
+  }
+}
+
+// Where the times of a group end before the others', or go back, they are a channel: behind the
+// first rows that say what columns are, only reading on tells.
+TEST(LargeCsv, ATimeColumnThatDoesNotIncreaseThroughoutIsAChannel) {
+  for (const std::string& last : {std::string(",3,,,,"), std::string(",3,,0.1,4,")}) {
+    std::string text = two_clocks(120000, microseconds);
+    for (int i = 120000; i < 120010; ++i) text += fmt::format("{:.6f}", i * 1e-6) + last + "\n";
+    const tests::WrittenFile file(text, ".csv");
+    const Record at_once = read_into_memory(*open_csv(file.path(), {}));
+    ASSERT_EQ(at_once.channels.size(), 4U);
+    expect_same(by_blocks(file.path()), at_once);
+  }
 }
 
 TEST(LargeCsv, WithAColumnOfTextIsReadByBlocksAsItIsReadAtOnce) {
