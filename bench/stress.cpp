@@ -247,6 +247,11 @@ void judge_against(const models::Simulation& run, const models::Simulation& fine
   outcome.impulse = difference(a.impulse, b.impulse);
   if (outcome.error() <= (1.0 + 1.0 / finer) * outcome.accuracy) return;
   if (warns_of(run, "the first contact ")) return;  // that it may be so far off
+  if (warns_of(fine, "the first contact ")) {
+    outcome.kind = Kind::unconfirmed;
+    outcome.sentence = "the finer run says that its own first contact may be far off";
+    return;
+  }
   outcome.kind = Kind::not_converged;
   outcome.sentence = fmt::format(
       "first contact off by {:.1e} (peak), {:.1e} (duration), {:.1e} (impulse) at accuracy {:.1e}",
