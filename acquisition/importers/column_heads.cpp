@@ -409,6 +409,21 @@ void find_interval(Dialect dialect, TableHead& head) {
   }
 }
 
+/// What stood within quotes, as RFC 4180 has it: doubled quotes stand for one; breaks become
+/// blanks.
+std::string one_line(std::string_view cell) {
+  std::string text;
+  for (std::size_t i = 0; i < cell.size(); ++i) {
+    const bool breaks = cell[i] == '\r' || cell[i] == '\n';
+    if (cell.substr(i, 2) == "\"\"") ++i;
+    if (!breaks)
+      text += cell[i];
+    else if (!text.empty() && text.back() != ' ')
+      text += ' ';
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string_view without_channel(std::string_view value) {
@@ -426,6 +441,8 @@ std::string lowered(std::string_view text) {
 }
 
 ColumnHead split_head(std::string_view cell) {
+  if (cell.find_first_of("\r\n") != cell.npos || cell.find("\"\"") != cell.npos)
+    return split_head(one_line(cell));
   std::string_view text = trimmed(cell);
   while (!text.empty() && (text.back() == ',' || text.back() == ';'))
     text = trimmed(text.substr(0, text.size() - 1));

@@ -18,6 +18,7 @@ constexpr std::string_view thousands_hint =
     ": it seems to have thousands separators, which are not read";
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+constexpr char no_decimal = '\0';
 
 }  // namespace
 
@@ -27,7 +28,8 @@ RowReader::RowReader(TextFile& file, const TableLayout& layout,
       names_(names),
       delimiter_(layout.dialect.delimiter),
       key_cells_(layout.key_cells),
-      style_{layout.dialect.decimal, false},
+      decimal_(layout.dialect.decimal),
+      style_{decimal_ == delimiter_ ? no_decimal : decimal_, false},
       at_(layout.data),
       required_(names.size()) {
   const std::string_view text = file.text();
@@ -140,11 +142,11 @@ void RowReader::unusual_cell(std::size_t c) {
   }
   const std::string_view cell(start, static_cast<std::size_t>(at_ - start));
   skip_blanks();
-  const auto value = cell_value(cell, style_.decimal);
+  const auto value = cell_value(cell, decimal_);
   if (!value) {
     const std::string found = to_utf8(trimmed(cell).substr(0, 40));
     const bool out_of_range = std::all_of(found.begin(), found.end(), [this](char letter) {
-      return detail::is_digit(letter) || letter == style_.decimal ||
+      return detail::is_digit(letter) || letter == decimal_ ||
              std::strchr("+-eEdD", letter) != nullptr;
     });
     const bool has_digit = std::any_of(found.begin(), found.end(), detail::is_digit);

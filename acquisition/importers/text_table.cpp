@@ -19,7 +19,7 @@ namespace {
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 /// In order of preference where two explain a file equally well.
-constexpr std::array<Dialect, 10> dialects = {{
+constexpr std::array<Dialect, 11> dialects = {{
     {'\t', '.'},
     {'\t', ','},
     {';', '.'},
@@ -29,6 +29,7 @@ constexpr std::array<Dialect, 10> dialects = {{
     {'|', ','},
     {' ', '.'},
     {' ', ','},
+    {',', ','},  // decimal marks within quotes: see has_quoted_decimals
     {':', '.'},  // never chosen by itself: see find_table
 }};
 
@@ -110,6 +111,18 @@ std::size_t named_columns(std::string_view line, Dialect dialect) {
   return named;
 }
 
+/// Where commas divide cells, they are decimal marks within quotes if one of them cannot divide
+/// thousands.
+bool has_quoted_decimals(const std::vector<std::string_view>& lines, std::size_t from,
+                         Dialect dialect) {
+  for (std::size_t i = from; i < lines.size(); ++i)
+    for (const std::string_view cell : cells_of(lines[i], dialect.delimiter))
+      if (cell.find(dialect.decimal) != cell.npos && number_in(cell, {dialect.decimal, false}) &&
+          !has_thousands_separators(cell))
+        return true;
+  return false;
+}
+
 /// Where the rows begin in one dialect, and how well it explains what follows.
 struct Candidate {
   Dialect dialect;
@@ -137,6 +150,8 @@ std::optional<Candidate> try_dialect(const std::vector<std::string_view>& lines,
       if (!begins_with_number || (second.written_cells != first.written_cells && !is_last))
         continue;
     }
+    if (dialect.delimiter == dialect.decimal && !has_quoted_decimals(lines, i, dialect))
+      return std::nullopt;
     Candidate found{dialect, i, first, 0};
     for (std::size_t k = i; k < lines.size() && k < i + rows_tried; ++k)
       if (!is_skipped(lines[k]) && shape_of(lines[k], dialect).numeric) ++found.numeric_lines;
@@ -159,7 +174,7 @@ bool has_numbers_beside_text(std::string_view line, Dialect dialect) {
 /// numbers, or by the end.
 std::optional<Candidate> try_dialect_with_text(const std::vector<std::string_view>& lines,
                                                std::size_t from, Dialect dialect) {
-  if (dialect.delimiter == ' ') return std::nullopt;
+  if (dialect.delimiter == ' ' || dialect.delimiter == dialect.decimal) return std::nullopt;
   std::optional<Candidate> found;
   for (std::size_t i = from; i < lines.size(); ++i) {
     if (is_skipped(lines[i])) continue;
@@ -197,6 +212,41 @@ bool better(const std::vector<std::string_view>& lines, const Candidate& a, cons
   return a.first_row.cells > b.first_row.cells;
 }
 
+/// True for a line that ends within a cell in quotes.
+bool opens_a_quote(std::string_view line) {
+  bool quoted = false;
+  std::size_t opened = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] != '"') continue;
+    quoted = !quoted;
+    if (quoted && (i == 0 || line[i - 1] != '"')) opened = i;  // a doubled one opens nothing
+  }
+  if (!quoted) return false;
+  const std::string_view before = trimmed(line.substr(0, opened));
+  return before.empty() || std::string_view(",;\t|").find(before.back()) != before.npos;
+}
+
+/// The line at `at` with those that go on with a cell in quotes: a break within them is part of a
+/// name. As it is where the quotes do not close soon, before a delimiter or the line's end.
+std::string_view take_quoted_line(const char*& at, const char* end) {
+  constexpr int most_breaks = 4;
+  const std::string_view line = take_line(at, end);
+  if (!opens_a_quote(line)) return line;
+  const char* ahead = at;
+  for (int k = 0; k < most_breaks && ahead != end; ++k) {
+    const std::string_view next = take_line(ahead, end);
+    const std::size_t close = next.find('"');
+    if (close == next.npos) continue;
+    const std::string_view behind = trimmed(next.substr(close + 1));
+    if (!behind.empty() && std::string_view(",;\t|").find(behind.front()) == behind.npos) break;
+    if (opens_a_quote(next.substr(close + 1))) continue;
+    if (std::ranges::count(next, '"') % 2 == 0) break;
+    at = ahead;
+    return {line.data(), static_cast<std::size_t>(next.data() + next.size() - line.data())};
+  }
+  return line;
+}
+
 /// The lines of the first 256 KiB, at most 4000 of them; the last one only when it is whole.
 std::vector<std::string_view> first_lines(std::string_view text) {
   constexpr std::size_t looked_at = 256 * 1024;
@@ -204,7 +254,7 @@ std::vector<std::string_view> first_lines(std::string_view text) {
   std::vector<std::string_view> lines;
   const char* at = text.data();
   const char* const end = text.data() + std::min(text.size(), looked_at);
-  while (at != end && lines.size() < most_lines) lines.push_back(take_line(at, end));
+  while (at != end && lines.size() < most_lines) lines.push_back(take_quoted_line(at, end));
   if (text.size() > looked_at && lines.size() > 1 && at == end) lines.pop_back();
   return lines;
 }
@@ -451,8 +501,10 @@ std::vector<Dialect> possible_dialects(const ImportOptions& options) {
           *options.delimiter;  // whatever the user says, also one that is not in the list
     }
     if (options.delimiter && dialect.delimiter != *options.delimiter) continue;
+    const bool within_quotes = dialect.delimiter == dialect.decimal;
+    if (options.decimal && within_quotes && dialect.decimal != *options.decimal) continue;
     if (options.decimal) dialect.decimal = *options.decimal;
-    if (dialect.decimal != dialect.delimiter) possible.push_back(dialect);
+    if (within_quotes || dialect.decimal != dialect.delimiter) possible.push_back(dialect);
   }
   return possible;
 }

@@ -16,7 +16,7 @@ namespace impactrig::acquisition {
 /// How a table of numbers is written.
 struct Dialect {
   char delimiter = ',';  ///< ' ' = any run of blanks and tabs
-  char decimal = '.';    ///< '.' or ','
+  char decimal = '.';    ///< '.' or ','; that of `delimiter` too: within quotes, else none
 };
 
 /// "comma", "tab", "semicolon", "blank", "bar" or the character itself.
@@ -124,7 +124,8 @@ class RowReader {
   const std::vector<std::string>& names_;
   char delimiter_;
   std::size_t key_cells_;
-  NumberStyle style_;
+  char decimal_;
+  NumberStyle style_;  ///< of cells without quotes
   const char* at_;
   const char* end_ = nullptr;
   std::vector<bool> needed_;

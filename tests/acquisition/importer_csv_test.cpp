@@ -115,6 +115,39 @@ TEST(Csv, IsReadAsTheUserSays) {
   EXPECT_EQ(skipped.channels.front().name, "F");
 }
 
+TEST(CsvQuotes, HoldDecimalCommasBetweenCommas) {
+  for (const char* text :
+       {"\"time [s]\",\"Force [N]\"\n\"0,5\",\"1,5\"\n\"1,0\",\"-2,5\"\n\"1,5\",\"1,234\"\n",
+        "time [s],Force [N]\n\"0,5\",\"1,5\"\n1,\"-2,5\"\n\"1,5\",\"1,234\"\n"}) {
+    const Record record = imported(text);
+    EXPECT_EQ(record.attributes.at("delimiter"), "comma");
+    EXPECT_EQ(record.attributes.at("decimal"), ",");
+    EXPECT_THAT(names(record), ElementsAre("Force [N]"));
+    EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5, -2.5, 1.234));
+    EXPECT_EQ(record.channels[0].clock.start, 0.5);
+    EXPECT_EQ(record.channels[0].clock.interval, 0.5);
+  }
+  // points between numbers whose decimal marks are commas
+  EXPECT_THAT(import_error("a,b\n\"0,5\",\"1,5\"\n1,\"-2,5\"\n\"1,5\",1.234\n"),
+              HasSubstr("expected a number, found '1.234'"));
+  EXPECT_THAT(import_error("a,b\n\"1,234\",\"2,345\"\n\"1,235\",\"2,346\"\n"),
+              HasSubstr("thousands separators"));
+}
+
+TEST(CsvQuotes, HoldBreaksAndQuotesOfNames) {
+  const Record record = imported(
+      "\"Time\n[s]\",\"Force \"\"A\"\"\r\n[N]\",\"Velocity\n[mm/s]\"\n0.5,1.5,10\n1.0,-2.5,20\n"
+      "1.5,3,-30\n");
+  EXPECT_THAT(names(record), ElementsAre("Force \"A\" [N]", "Velocity [mm/s]"));
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(10.0, 20.0, -30.0));
+  EXPECT_EQ(record.channels[0].clock.interval, 0.5);
+  EXPECT_THAT(record.warnings, IsEmpty());
+  // inches, and a quote that never closes, end with their line
+  const Record inches =
+      imported("bar of 5\"\n\"a note\ntime [s],Force [N]\n0.5,1.5\n1.0,-2.5\n1.5,3\n");
+  EXPECT_THAT(names(inches), ElementsAre("Force [N]"));
+}
+
 // --- Heads
 // ----------------------------------------------------------------------------------------
 
