@@ -186,7 +186,7 @@ ContactForce::Response ContactForce::pressed(double penetration, double rate) co
             stiffness * s * by * by,
             2.0 * rise * s * s * by};
   }
-  if (s == 0.0 || phase_ == Phase::opening) return {elastic, stiffness, stiffness};
+  if (phase_ == Phase::opening) return {elastic, stiffness, stiffness};
   const Weight w = weight(std::abs(penetration));
   const double slope = std::copysign(w.slope, penetration);
   return {elastic + s * w.value * rate,
@@ -227,9 +227,9 @@ bool ContactForce::ends_smoothly() const {
 }
 
 bool ContactForce::may_switch() const {
-  if (phase_ == Phase::free || !(strength_ > 0.0)) return false;
+  if (phase_ == Phase::free) return false;
   if (damping_.form == DampingForm::closing) return true;
-  return tension_ == Tension::clip && damping_.form != DampingForm::implicit;
+  return strength_ > 0.0 && tension_ == Tension::clip && damping_.form != DampingForm::implicit;
 }
 
 ContactForce::Switch ContactForce::switching(double penetration, double rate) const {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "models/beams/bending_modes.hpp"
+#include "models/contact/damping_law.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -57,12 +58,13 @@ double size_of(Rig rig, RigParameter parameter) {
   return size > 0.0 ? size : 1.0;
 }
 
-/// A restitution coefficient keeps inside [0, 1].
+/// A restitution coefficient keeps to the range of its law.
 Stencil stencil_for(Rig rig, RigParameter parameter, double spacing) {
   const Contact* contact = contact_with(rig, &parameter(rig), &Contact::restitution);
   if (!contact) return Stencil::centred();
   if (contact->restitution + 2.0 * spacing > 1.0) return Stencil::backward();
-  return contact->restitution < 2.0 * spacing ? Stencil::forward() : Stencil::centred();
+  const double smallest = damping_law(contact->damping).text.smallest_restitution;
+  return contact->restitution - 2.0 * spacing < smallest ? Stencil::forward() : Stencil::centred();
 }
 
 }  // namespace

@@ -34,7 +34,12 @@ class ParameterStencil {
   Rig rig_at(std::size_t place) const { return moved(stencil_.offsets[place]); }
 
   /// The rig beside the one at hand.
-  Rig rig_beside() const { return moved(1.0); }
+  Rig rig_beside() const {
+    return moved(stencil_.offsets[4] != 0.0 ? stencil_.offsets[4] : stencil_.offsets[3]);
+  }
+
+  /// The rig at hand.
+  const Rig& rig() const { return rig_; }
 
   const Stencil& stencil() const { return stencil_; }
 

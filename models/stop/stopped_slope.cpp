@@ -35,7 +35,7 @@ StoppedSlope::StoppedSlope(const StoppedMotion& motion, std::unique_ptr<MotionSl
       bar_(std::move(bar)) {
   const ParameterStencil by = stencil_of_motion(effect, solver);
   force_ = run_force_ = NodeVector::Zero(motion.rule().nodes());
-  if (by.rig_at(0).stop == by.rig_beside().stop) return;
+  if (by.rig().stop == by.rig_beside().stop) return;
   by.for_each_place([&](std::size_t place) {
     changed_.push_back({by.weight(place), StopHead(*by.rig_at(place).stop), {}});
   });

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "models/contact/contact_force.hpp"
+#include "models/contact/damping_law.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/differences.hpp"
 #include "tests/models/scenes.hpp"
@@ -152,6 +155,35 @@ TEST(Sensitivities, OfEveryFormOfElasticLawAreThoseOfDifferences) {
     rig.contact.law = law;
     rig.contact.stiffness_factor = 0.2;  // long enough for forces away from touch and separation
     expect_equal_derivatives(rig, hybrid(Basis::pinned_free, 3, 1e-12, 6e-4), 1e-8, without_places);
+  }
+}
+
+// At the ends of a law's range, where differences have to keep to one side.
+TEST(Sensitivities, OfRestitutionAreKnownUpToTheEndsOfEachLawsRange) {
+  for (const DampingLaw& law : damping_laws()) {
+    const std::string damping(law.text.name);
+    const double smallest = law.text.smallest_restitution;
+    for (const double e : {smallest, smallest + 1e-5, 0.9999, 1.0}) {
+      if (e == 0.0) continue;
+      SCOPED_TRACE(testing::Message() << damping << ", e = " << e);
+      Rig rig = damped_rig();
+      rig.contact.law = "linear";
+      rig.contact.stiffness = 1e8;
+      rig.contact.damping = damping;
+      const auto kinematic = [&](double restitution, std::vector<RigParameter> by) {
+        rig.contact.restitution = restitution;
+        return sharp(rig, rigid(1e-12), Motion::small, std::move(by));
+      };
+      const Simulation run =
+          kinematic(e, {[](Rig& r) -> double& { return r.contact.restitution; }});
+      ASSERT_EQ(run.sensitivities.size(), 1u);
+      const double h = e > 0.9 ? -2e-4 : 2e-3 * e;  // into the range
+      const double one = kinematic(e + h, {}).restitution.kinematic;
+      const double two = kinematic(e + 2.0 * h, {}).restitution.kinematic;
+      const double slope = (-3.0 * run.restitution.kinematic + 4.0 * one - two) / (2.0 * h);
+      EXPECT_NEAR(run.sensitivities[0].restitution.kinematic, slope,
+                  1e-3 * std::max(1.0, std::abs(slope)));
+    }
   }
 }
 
