@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "acquisition/random_stream.hpp"
-#include "datasets/sensor_response.hpp"
+#include "datasets/sampled_curve.hpp"
 
 namespace impactrig::acquisition {
 
@@ -84,25 +84,6 @@ void refuse_senseless(const Trajectory& trajectory, const SyntheticOptions& opti
 
 // --- The sensor's chain -------------------------------------------------------------------------
 
-/// A history on a fine grid; before it everything was as in its first sample.
-struct FineHistory {
-  double start, interval;
-  std::vector<double> values;
-
-  /// Cubic through the four nearest samples; `time` lies within the history.
-  double at(double time) const {
-    const double x = (time - start) / interval;
-    if (x <= 0.0) return values.front();
-    const double last = static_cast<double>(values.size() - 3);
-    const double base = std::clamp(std::floor(x), 1.0, last);
-    const double u = x - base;
-    const double* const f = values.data() + static_cast<std::size_t>(base);
-    return -u * (u - 1.0) * (u - 2.0) / 6.0 * f[-1] +
-           (u + 1.0) * (u - 1.0) * (u - 2.0) / 2.0 * f[0] - (u + 1.0) * u * (u - 2.0) / 2.0 * f[1] +
-           (u + 1.0) * u * (u - 1.0) / 6.0 * f[2];
-  }
-};
-
 /// How long the chain remembers a ramp: three periods of its slowest low-pass, the resonance's
 /// decay to a thousandth.
 double memory_of(const Sensor& sensor) {
@@ -114,7 +95,8 @@ double memory_of(const Sensor& sensor) {
 }
 
 /// The history as the sensor's chain shows it, from `first` to `last` at least [s].
-FineHistory shown(const Line& line, const Trajectory& trajectory, double first, double last) {
+datasets::SampledCurve shown(const Line& line, const Trajectory& trajectory, double first,
+                             double last) {
   const std::vector<double>& history = *line.history;
   const double end =
       trajectory.start + trajectory.interval * static_cast<double>(history.size() - 1);
@@ -139,8 +121,12 @@ FineHistory shown(const Line& line, const Trajectory& trajectory, double first, 
   for (std::size_t i = 0; i < before; ++i)
     input[i] = history[0] - step * static_cast<double>(before - i);
   std::ranges::copy(history, input.begin() + static_cast<std::ptrdiff_t>(before));
-  return {trajectory.start - trajectory.interval * static_cast<double>(before), trajectory.interval,
-          sensor_response(*line.sensor, input, trajectory.interval)};
+  datasets::SampledCurve curve{
+      .start = trajectory.start - trajectory.interval * static_cast<double>(before),
+      .interval = trajectory.interval,
+      .values = std::move(input)};
+  if (line.sensor->quantity == Quantity::force) curve.jumps = trajectory.force_jumps;
+  return sensor_response(*line.sensor, curve);
 }
 
 // --- The laboratory -----------------------------------------------------------------------------
@@ -309,10 +295,11 @@ Channel recorded(const Line& line, const Trajectory& trajectory, const Recording
   const Sensor& sensor = *line.sensor;
   const double delay = sensor.delay.value + line.disturbances->delay_error;
   const double lag = recording.shift - delay;  // what happened at t + lag is shown at t
-  const FineHistory history =
+  const datasets::SampledCurve history =
       shown(line, trajectory, recording.start + lag, recording.time(recording.samples - 1) + lag);
   std::vector<double> values(recording.samples);
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] = history.at(recording.time(i) + lag);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = history.at(recording.time(i) + lag)[0];
   disturb(values, line, recording, seed, record);
   lose_light(values, line, recording, seed, dropouts);
 

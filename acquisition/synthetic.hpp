@@ -8,6 +8,7 @@
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/source.hpp"
 #include "datasets/record.hpp"
+#include "datasets/sampled_curve.hpp"
 
 namespace impactrig::acquisition {
 
@@ -20,6 +21,7 @@ struct Trajectory {
   std::vector<double> force;         ///< [N] (n_samples)
   std::vector<double> velocity;      ///< [m/s] (n_samples), at the laser spot
   std::vector<double> displacement;  ///< [m] (n_samples), at the laser spot
+  std::vector<datasets::CurveJump> force_jumps = {};
 };
 
 /// What a digitiser and a laboratory do to a signal, apart from the sensor's own chain, in this

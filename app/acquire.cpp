@@ -49,11 +49,15 @@ acquisition::Trajectory trajectory_of(const fitting::RigFile& rig, const Options
   solver.duration = options.duration - options.pre_trigger + margin;
   simulation = models::simulate(rig.rig, solver, request);
   const models::History& h = simulation.history;
+  std::vector<datasets::CurveJump> jumps;
+  for (const models::ForceJump& jump : h.jumps)
+    jumps.push_back({jump.time, jump.before, jump.after});
   return {.start = h.start,
           .interval = h.interval,
           .force = h.seen_force(),
           .velocity = h.velocity,
-          .displacement = h.displacement};
+          .displacement = h.displacement,
+          .force_jumps = std::move(jumps)};
 }
 
 acquisition::SyntheticOptions day_of(const Options& options, const acquisition::SensorSet& sensors,

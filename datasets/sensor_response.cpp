@@ -11,6 +11,8 @@
 #include <string_view>
 #include <utility>
 
+#include "datasets/sampled_curve.hpp"
+
 namespace impactrig::datasets {
 
 namespace {
@@ -194,38 +196,114 @@ std::vector<Section> sections_of(const Sensor& sensor) {
   return sections;
 }
 
+/// The chain at work on an input that is linear from one place to the next.
+class ChainRun {
+ public:
+  ChainRun(Chain chain, double interval, double first)
+      : chain_(std::move(chain)),
+        interval_(interval),
+        whole_(step_of(1.0)),
+        state_(chain_.b.size(), 0.0),
+        next_(state_),
+        input_(first) {}
+
+  double output() const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < state_.size(); ++i) sum += chain_.c[i] * state_[i];
+    return chain_.d * input_ + sum;
+  }
+
+  /// Over a part of an interval, the input going straight to another value.
+  void go(double part, double to) { go(part == 1.0 ? whole_ : step_of(part), to); }
+
+  /// The input jumps, with a spike of this area [s].
+  void jump(double size, double impulse) {
+    const std::size_t n = state_.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      double change = chain_.b[i] * size;
+      for (std::size_t j = 0; j < n; ++j) change += impulse * chain_.a(i, j) * chain_.b[j];
+      state_[i] += change;
+    }
+    input_ += size;
+  }
+
+ private:
+  struct Step {
+    Matrix minus_one;
+    std::vector<double> kick;  // φ₁ B: what a unit change of the input adds to the states
+  };
+
+  Step step_of(double part) const {
+    const std::size_t n = chain_.b.size();
+    auto [minus_one, phi] = exponential(chain_.a.scaled(part * interval_));
+    Step step{std::move(minus_one), std::vector<double>(n, 0.0)};
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) step.kick[i] += phi(i, j) * chain_.b[j];
+    return step;
+  }
+
+  void go(const Step& step, double to) {
+    const std::size_t n = state_.size();
+    const double rise = to - input_;
+    for (std::size_t i = 0; i < n; ++i) {
+      double change = step.kick[i] * rise;
+      for (std::size_t j = 0; j < n; ++j) change += step.minus_one(i, j) * state_[j];
+      next_[i] = state_[i] + change;
+    }
+    std::swap(state_, next_);
+    input_ = to;
+  }
+
+  Chain chain_;
+  double interval_;
+  Step whole_;
+  std::vector<double> state_, next_;
+  double input_;
+};
+
+// Of an interval: a jump as near to a sample is on it.
+constexpr double on_sample = 1e-6;
+
 }  // namespace
+
+SampledCurve sensor_response(const Sensor& sensor, const SampledCurve& input) {
+  require(input.interval > 0.0 && std::isfinite(input.interval), "the interval must be above 0 s",
+          input.interval);
+  const std::vector<Section> sections = sections_of(sensor);
+  SampledCurve output = input;
+  if (sections.empty() || input.values.empty()) return output;
+
+  ChainRun run(chain_of(sections), input.interval, input.values.front());
+  output.values[0] = run.output();
+  auto jump = output.jumps.begin();
+  for (std::size_t sample = 1; sample < input.values.size(); ++sample) {
+    double left = 1.0;  // of the way to the sample
+    const double here = static_cast<double>(sample);
+    for (; jump != output.jumps.end(); ++jump) {
+      const double ahead = here - (jump->time - input.start) / input.interval;
+      if (ahead < -on_sample) break;
+      const double rest = ahead < on_sample ? 0.0 : std::min(ahead, left);
+      if (left > rest) run.go(left - rest, jump->before);
+      left = rest;
+      const double size = jump->after - jump->before;
+      jump->before = run.output();
+      if (left == 0.0) output.values[sample] = jump->before;
+      run.jump(size, jump->impulse);
+      jump->after = run.output();
+      jump->impulse = 0.0;
+    }
+    if (left == 0.0) continue;
+    run.go(left, input.values[sample]);
+    output.values[sample] = run.output();
+  }
+  return output;
+}
 
 std::vector<double> sensor_response(const Sensor& sensor, std::span<const double> input,
                                     double interval) {
-  require(interval > 0.0 && std::isfinite(interval), "the interval must be above 0 s", interval);
-  const std::vector<Section> sections = sections_of(sensor);
-  std::vector<double> output(input.begin(), input.end());
-  if (sections.empty() || input.empty()) return output;
-
-  const Chain chain = chain_of(sections);
-  const std::size_t n = chain.b.size();
-  const auto [minus_one, phi] = exponential(chain.a.scaled(interval));
-  std::vector<double> kick(n, 0.0);  // φ₁ B: what a unit step of the input adds to the states
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j) kick[i] += phi(i, j) * chain.b[j];
-
-  std::vector<double> state(n, 0.0);
-  std::vector<double> next(n, 0.0);
-  output[0] = chain.d * input[0];
-  for (std::size_t sample = 1; sample < input.size(); ++sample) {
-    const double step = input[sample] - input[sample - 1];
-    double sum = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      double change = kick[i] * step;
-      for (std::size_t j = 0; j < n; ++j) change += minus_one(i, j) * state[j];
-      next[i] = state[i] + change;
-      sum += chain.c[i] * next[i];
-    }
-    output[sample] = chain.d * input[sample] + sum;
-    std::swap(state, next);
-  }
-  return output;
+  return sensor_response(sensor,
+                         SampledCurve{.interval = interval, .values = {input.begin(), input.end()}})
+      .values;
 }
 
 }  // namespace impactrig::datasets

@@ -20,6 +20,8 @@ constexpr double difference_step = 2e-4;
 // that is seen beside the rounding of two simulations.
 constexpr double friction_step = 0.05;
 constexpr std::size_t predictions_kept = 8;
+// How far from a jump a sample may show either side of it, in samples; while a search is far off.
+constexpr double beside_jump = 1.0, rough_beside_jump = 8.0;
 
 const Shown::Curve& curve_of(const Shown& shown, datasets::Quantity quantity) {
   if (quantity == datasets::Quantity::force) return *shown.force;
@@ -34,9 +36,7 @@ bool needs_simulation(const Variable& v) {
 /// (a - b) / span, all over.
 void divide_difference(std::optional<Shown::Curve>& a, const std::optional<Shown::Curve>& b,
                        double span) {
-  if (!a) return;
-  for (std::size_t k = 0; k < a->values.size(); ++k)
-    a->values[k] = (a->values[k] - b->values[k]) / span;
+  if (a) *a = difference_quotient(*a, *b, span);
 }
 
 Shown difference(const Shown& above, const Shown& below, double span) {
@@ -253,15 +253,50 @@ void ShotCost::whiten(const FittedChannel& channel, std::span<double> of_used) c
     }
 }
 
+/// Where the force jumps, the cost would too when a time moves a sample from one side to the other,
+/// and the search would end there. A sample so near that the time may be that wrong shows the side
+/// that is nearer to what was measured.
+ShotCost::Look ShotCost::look(const FittedChannel& channel, const Measurement& m,
+                              const Shown::Curve& curve) const {
+  Look look{.channel = channel, .shift = m.shift};
+  const double near = (model_.rough() ? rough_beside_jump : beside_jump) * channel.signal->interval;
+  for (std::size_t number = 0; number < curve.jumps.size(); ++number) {
+    const double time = curve.jumps[number].time;
+    const double first = (time + m.shift - near - channel.signal->start) / channel.signal->interval;
+    const auto end = static_cast<double>(channel.signal->values.size());
+    for (double k = std::max(0.0, std::ceil(first)); k < end; ++k) {
+      const auto sample = static_cast<std::size_t>(k);
+      const double t = channel.signal->time(sample) - m.shift;
+      if (t > time + near) break;
+      const auto off = [&](std::size_t piece) {
+        return std::abs(channel.measured[sample] - m.gain * curve.at(t, piece)[0]);
+      };
+      const std::size_t here = curve.piece_at(t);
+      if (here != number && here != number + 1) continue;
+      const std::size_t other = here == number ? number + 1 : number;
+      if (off(other) < off(here)) look.elsewhere.push_back({sample, other});
+    }
+  }
+  return look;
+}
+
+std::array<double, 2> ShotCost::Look::at(const Shown::Curve& curve, std::size_t sample) const {
+  const double t = channel.signal->time(sample) - shift;
+  for (const auto& [number, piece] : elsewhere)
+    if (number == sample) return curve.at(t, piece);
+  return curve.at(t);
+}
+
 void ShotCost::differences(const Values& values, const Shown& shown, double* residuals) const {
   double* out = residuals;
   for (const FittedChannel& channel : channels_) {
     const Measurement m = measurement(channel.signal->quantity, values);
     const Shown::Curve& curve = curve_of(shown, channel.signal->quantity);
+    const Look look = this->look(channel, m, curve);
     const std::span<double> part(out, channel.used.size());
     for (std::size_t i = 0; i < part.size(); ++i) {
       const std::size_t k = channel.used[i];
-      part[i] = channel.measured[k] - m.gain * curve.at(channel.signal->time(k) - m.shift)[0];
+      part[i] = channel.measured[k] - m.gain * look.at(curve, k)[0];
     }
     for (std::size_t s = 0; s < slots_.size(); ++s)
       if (slots_[s].variable->role == Role::background &&
@@ -274,26 +309,29 @@ void ShotCost::differences(const Values& values, const Shown& shown, double* res
 }
 
 /// Of the weighted differences of one channel by the value of one slot, not yet whitened.
-void ShotCost::derivative(const Slot& slot, const FittedChannel& channel, const Measurement& m,
+void ShotCost::derivative(const Slot& slot, const Look& look, double gain,
                           const Shown::Curve& curve, const Shown* slope,
                           std::span<double> out) const {
+  const FittedChannel& channel = look.channel;
   const datasets::Quantity quantity = channel.signal->quantity;
   const Variable& v = *slot.variable;
   const bool of_channel = v.quantity == quantity;
   std::ranges::fill(out, 0.0);
-  const auto place = [&](std::size_t i) { return channel.signal->time(channel.used[i]) - m.shift; };
+  const auto seen = [&](const Shown::Curve& of, std::size_t i) {
+    return look.at(of, channel.used[i]);
+  };
   switch (v.role) {
     case Role::physics:
     case Role::chain: {
       if (v.role == Role::chain && !of_channel) return;
       const Shown::Curve& slopes = curve_of(*slope, quantity);
-      for (std::size_t i = 0; i < out.size(); ++i) out[i] = -m.gain * slopes.at(place(i))[0];
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] = -gain * seen(slopes, i)[0];
       return;
     }
     case Role::delay:
     case Role::touch:
       if (v.role == Role::delay && !of_channel) return;
-      for (std::size_t i = 0; i < out.size(); ++i) out[i] = m.gain * curve.at(place(i))[1];
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] = gain * seen(curve, i)[1];
       return;
     case Role::background:
       if (!of_channel) return;
@@ -301,7 +339,7 @@ void ShotCost::derivative(const Slot& slot, const FittedChannel& channel, const 
       return;
     case Role::gain:
       if (!of_channel) return;
-      for (std::size_t i = 0; i < out.size(); ++i) out[i] = -curve.at(place(i))[0];
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] = -seen(curve, i)[0];
       return;
   }
 }
@@ -322,13 +360,14 @@ void ShotCost::evaluate(const Values& values, Eigen::VectorXd& residuals,
   for (const FittedChannel& channel : channels_) {
     const Measurement m = measurement(channel.signal->quantity, values);
     const Shown::Curve& curve = curve_of(*shown, channel.signal->quantity);
+    const Look look = this->look(channel, m, curve);
     column.resize(static_cast<Eigen::Index>(channel.used.size()));
     const std::span<double> out(column.data(), channel.used.size());
     for (std::size_t s = 0; s < slots_.size(); ++s) {
       const Variable& v = *slots_[s].variable;
       if (v.quantity != datasets::Quantity::unknown && v.quantity != channel.signal->quantity)
         continue;
-      derivative(slots_[s], channel, m, curve, slopes[s], out);
+      derivative(slots_[s], look, m.gain, curve, slopes[s], out);
       whiten(channel, out);
       jacobian->block(row, static_cast<Eigen::Index>(slots_[s].block), column.size(), 1) +=
           slots_[s].factor * column;
@@ -380,10 +419,11 @@ std::vector<double> ShotCost::model_values(const FittedChannel& channel) const {
   double origin = 0.0;
   for (const Slot& slot : slots_)
     if (slot.variable->role == Role::touch) origin = slot.variable->initial;
+  const Look look = this->look(channel, m, curve);
   std::vector<double> model(channel.signal->values.size());
   for (std::size_t k = 0; k < model.size(); ++k) {
     const double t = channel.signal->time(k);
-    model[k] = m.gain * curve.at(t - m.shift)[0];
+    model[k] = m.gain * look.at(curve, k)[0];
     for (std::size_t s = 0; s < slots_.size(); ++s)
       if (slots_[s].variable->role == Role::background &&
           slots_[s].variable->quantity == quantity && values[s] != 0.0)

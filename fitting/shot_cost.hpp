@@ -103,6 +103,20 @@ class ShotCost : public ceres::CostFunction {
     double shift = 0.0;  // first touch as this channel shows it, on the record's axis [s]
   };
 
+  /// At a channel's samples, where curves jump.
+  struct Look {
+    const FittedChannel& channel;
+    double shift = 0.0;  // as of Measurement
+
+    struct Elsewhere {
+      std::size_t sample, piece;
+    };
+
+    std::vector<Elsewhere> elsewhere = {};  // samples that show another piece than their time says
+
+    std::array<double, 2> at(const Shown::Curve& curve, std::size_t sample) const;
+  };
+
   Values values_of(const double* const* parameters) const;
   Values present_values() const;
   const Slot* beyond_bounds(const Values& values) const;
@@ -116,8 +130,9 @@ class ShotCost : public ceres::CostFunction {
   std::vector<const Shown*> slopes_at(const Values& values, const Shown& shown,
                                       std::vector<Shown>& held) const;
   void differences(const Values& values, const Shown& shown, double* residuals) const;
-  void derivative(const Slot& slot, const FittedChannel& channel, const Measurement& m,
-                  const Shown::Curve& curve, const Shown* slope, std::span<double> out) const;
+  Look look(const FittedChannel& channel, const Measurement& m, const Shown::Curve& curve) const;
+  void derivative(const Slot& slot, const Look& look, double gain, const Shown::Curve& curve,
+                  const Shown* slope, std::span<double> out) const;
   void whiten(const FittedChannel& channel, std::span<double> of_used) const;
   void evaluate(const Values& values, Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "datasets/sensor_response.hpp"
+#include "datasets/sampled_curve.hpp"
 #include "models/mesh_error.hpp"
 
 namespace impactrig::fitting {
@@ -40,29 +40,44 @@ std::vector<double> unbent(const std::vector<double>& values) {
 }
 
 Shown::Curve curve(const std::optional<datasets::Sensor>& sensor, const models::History& history,
-                   const std::vector<double>& values) {
-  Shown::Curve shown{.start = history.start, .interval = history.interval, .values = values};
-  if (sensor && (sensor->resonance || sensor->low_cut || sensor->high_cut))
-    shown.values = datasets::sensor_response(*sensor, unbent(values), history.interval);
-  return shown;
+                   const std::vector<double>& values, std::vector<datasets::CurveJump> jumps = {}) {
+  Shown::Curve shown{.start = history.start,
+                     .interval = history.interval,
+                     .values = values,
+                     .jumps = std::move(jumps)};
+  if (!sensor || !(sensor->resonance || sensor->low_cut || sensor->high_cut)) return shown;
+  shown.values = unbent(values);
+  return datasets::sensor_response(*sensor, shown);
+}
+
+std::vector<datasets::CurveJump> jumps_of(const models::History& history) {
+  std::vector<datasets::CurveJump> jumps;
+  for (const models::ForceJump& jump : history.jumps)
+    jumps.push_back({jump.time, jump.before, jump.after});
+  return jumps;
+}
+
+/// Of the derivative's curve, at held times: a jump that moves leaves a spike in it.
+std::vector<datasets::CurveJump> jumps_of(const models::History& derivative,
+                                          const models::History& history) {
+  if (history.jumps.empty()) return {};
+  const Shown::Curve force{.start = history.start,
+                           .interval = history.interval,
+                           .values = history.seen_force(),
+                           .jumps = jumps_of(history)};
+  std::vector<datasets::CurveJump> jumps;
+  for (std::size_t k = 0; k < history.jumps.size(); ++k) {
+    const models::ForceJump &jump = history.jumps[k], &by = derivative.jumps[k];
+    const auto held = [&](double limit, std::size_t piece) {
+      return limit - by.time * force.at(jump.time, piece)[1];
+    };
+    jumps.push_back({jump.time, held(by.before, k), held(by.after, k + 1),
+                     -(jump.after - jump.before) * by.time});
+  }
+  return jumps;
 }
 
 }  // namespace
-
-std::array<double, 2> Shown::Curve::at(double t) const {
-  const double place = (t - start) / interval;
-  const double last = static_cast<double>(values.size()) - 1.0;
-  if (!(place > 1.0)) return {values.front(), 0.0};
-  if (!(place < last - 1.0)) return {values.back(), 0.0};
-  const auto k = static_cast<std::size_t>(place);
-  const double s = place - static_cast<double>(k);
-  // cubic through four neighbours at −1, 0, 1, 2
-  const double a = values[k - 1], b = values[k], c = values[k + 1], d = values[k + 2];
-  const double c1 = c - a / 3.0 - b / 2.0 - d / 6.0;
-  const double c2 = (a + c) / 2.0 - b;
-  const double c3 = (d - a) / 6.0 + (b - c) / 2.0;
-  return {b + s * (c1 + s * (c2 + s * c3)), (c1 + s * (2.0 * c2 + 3.0 * s * c3)) / interval};
-}
 
 std::optional<datasets::Sensor>& SensorChains::of(datasets::Quantity quantity) {
   if (quantity == datasets::Quantity::force) return force;
@@ -127,10 +142,11 @@ models::Simulation ShotModel::simulate(const models::Rig& rig, const SensorChain
   return models::simulate(rig, solver, options);
 }
 
-/// A history, or its derivatives: the sensors' chains are linear.
-Shown ShotModel::show(const models::History& history, const SensorChains& chains) const {
+/// A history, or its derivatives, with the jumps of its force: the sensors' chains are linear.
+Shown ShotModel::show(const models::History& history, const SensorChains& chains,
+                      std::vector<datasets::CurveJump> jumps) const {
   Shown shown;
-  if (force_) shown.force = curve(chains.force, history, history.seen_force());
+  if (force_) shown.force = curve(chains.force, history, history.seen_force(), std::move(jumps));
   if (velocity_) shown.velocity = curve(chains.velocity, history, history.velocity);
   if (displacement_) shown.displacement = curve(chains.displacement, history, history.displacement);
   return shown;
@@ -148,7 +164,7 @@ Shown ShotModel::spot_slope(const models::History& history, const SensorChains& 
     change.velocity = history.velocity_slope;
   else
     change.displacement = history.displacement_slope;
-  return show(change, chains);
+  return show(change, chains, {});
 }
 
 /// By a number of one sensor's chain: a central difference of the chain's response to the history,
@@ -165,10 +181,11 @@ Shown ShotModel::chain_slope(const models::Rig& rig, const models::History& hist
   const double step = chain_step * middle;
   const auto shown_at = [&](double value) {
     number = value;
-    if (!spot) return show(history, chains);
+    if (!spot) return show(history, chains, jumps_of(history));
     models::SimulationOptions options;
     options.history.interval = history.interval;
-    return show(simulate(rig, chains, options).history, chains);
+    const models::History there = simulate(rig, chains, options).history;
+    return show(there, chains, jumps_of(there));
   };
   const double above = spot ? std::min(middle + step, rig.beam.length) : middle + step;
   Shown slope = shown_at(above);
@@ -176,9 +193,7 @@ Shown ShotModel::chain_slope(const models::Rig& rig, const models::History& hist
   const double span = above - (middle - step);
   const auto difference = [&](std::optional<Shown::Curve>& to,
                               const std::optional<Shown::Curve>& from) {
-    if (!to) return;
-    for (std::size_t k = 0; k < to->values.size(); ++k)
-      to->values[k] = (to->values[k] - from->values[k]) / span;
+    if (to) *to = difference_quotient(*to, *from, span);
   };
   difference(slope.force, below.force);
   difference(slope.velocity, below.velocity);
@@ -197,10 +212,11 @@ Shown ShotModel::predict(const models::Rig& rig, const SensorChains& chains,
   options.sensitivities = wanted.rig;
   options.judge_small_motion = false;
   const models::Simulation simulation = simulate(rig, chains, options);
-  Shown shown = show(simulation.history, chains);
+  Shown shown = show(simulation.history, chains, jumps_of(simulation.history));
   shown.restitution = simulation.restitution;
   for (const models::Sensitivity& sensitivity : simulation.sensitivities) {
-    shown.slopes.push_back(show(sensitivity.history, chains));
+    shown.slopes.push_back(
+        show(sensitivity.history, chains, jumps_of(sensitivity.history, simulation.history)));
     shown.slopes.back().restitution = sensitivity.restitution;
   }
   if (shown.slopes.size() < wanted.rig.size()) return shown;  // the equations have none

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "datasets/impact.hpp"
+#include "datasets/sampled_curve.hpp"
 #include "fitting/parameters.hpp"
 #include "fitting/rig_file.hpp"
 #include "models/modal/bar_cache.hpp"
@@ -19,15 +19,8 @@ namespace impactrig::fitting {
 /// What the sensors would show of one simulated impact: each channel through its chain, on a fine
 /// uniform grid.
 struct Shown {
-  /// One channel. Sample k at start + k interval, first touch at 0, delay not applied.
-  struct Curve {
-    double start = 0.0;
-    double interval = 0.0;
-    std::vector<double> values;
-
-    /// Value and slope at a time, by cubic interpolation; held constant beyond the ends.
-    std::array<double, 2> at(double t) const;
-  };
+  /// One channel; first touch at 0, delay not applied.
+  using Curve = datasets::SampledCurve;
 
   std::optional<Curve> force, velocity, displacement;
   models::Restitution restitution;
@@ -76,6 +69,8 @@ class ShotModel {
   /// recording or finer, solved to a thousandth of its usual noise.
   void set_rough(bool rough) { rough_ = rough; }
 
+  bool rough() const { return rough_; }
+
   models::Motion motion() const { return motion_; }
 
   /// Which equations predict from now on.
@@ -96,7 +91,8 @@ class ShotModel {
                    datasets::Quantity quantity) const;
   models::Simulation simulate(const models::Rig& rig, const SensorChains& chains,
                               models::SimulationOptions options) const;
-  Shown show(const models::History& history, const SensorChains& chains) const;
+  Shown show(const models::History& history, const SensorChains& chains,
+             std::vector<datasets::CurveJump> jumps) const;
   Shown chain_slope(const models::Rig& rig, const models::History& history, SensorChains chains,
                     const WantedSlopes::Chain& by) const;
 

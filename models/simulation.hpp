@@ -83,6 +83,12 @@ struct StopHistory {
   std::vector<double> penetration;  ///< > 0 in contact, negative: gap [m] (n)
 };
 
+/// Where the first stop's force is not continuous: damping that begins or ceases to act at once.
+struct ForceJump {
+  double time = 0.0;                 ///< [s] from first touch
+  double before = 0.0, after = 0.0;  ///< the force to both sides [N]
+};
+
 /// Uniform samples of the true motion; sample k is at start + k interval, first touch at 0. Without
 /// a stop the run begins at 0, has neither force nor penetration, and the displacement is that from
 /// hanging straight.
@@ -100,6 +106,10 @@ struct History {
   /// What the sensor of a compliant stop carries, compression > 0 [N] (n); empty where it is rigid.
   std::vector<double> sensor_force;
   std::vector<StopHistory> further;  ///< as Rig::further_stops
+
+  /// Of seen_force(), in order of time; a sample on a jump shows the force before it. In a
+  /// Sensitivity the derivatives of these three numbers of each.
+  std::vector<ForceJump> jumps;
 
   /// Of a hinge that is turned as stated: where the point at displacement_position is against the
   /// straight bar at the hinge's angle, across it (closing > 0) and along it [m] (n).

@@ -28,6 +28,8 @@ constexpr double step_safety = 0.8;
 constexpr double smallest_part = 0.01;
 // The energy of the first contact, as a multiple of what the bar first has to be stopped of.
 constexpr double most_of_local = 30.0;
+// A change of the force that its rounding explains, as a part of its scale.
+constexpr double continuous = 1e-10;
 // Events this close are one, as a part of the step.
 constexpr double coincidence = 1e-9;
 
@@ -247,13 +249,8 @@ void CollocationRun::sample_history(
   const double first = std::max(0.0, next);
   samples_.resize(static_cast<std::size_t>((reach - next) / history.interval) + 1);
   look(first, history.interval);
-  const auto force = [&](const ContactPoint& point, const PointMotion& p) {
-    const double there = point.contact().force(p.displacement, p.velocity);
-    // at a phase's end rounding may put the sample just beyond it, where the law would pull
-    return point.contact().may_pull() ? there : std::max(there, 0.0);
-  };
   for (const BarMotion::Sample& sample : samples_) {
-    history.force.push_back(force(points_.front(), sample.struck));
+    history.force.push_back(points_.front().shown_force(sample.struck));
     history.penetration.push_back(sample.struck.displacement);
     history.velocity.push_back(sample.velocity);
     history.displacement.push_back(sample.displacement - laser_rest_);
@@ -267,7 +264,7 @@ void CollocationRun::sample_history(
     for (std::size_t k = 0; k < samples_.size(); ++k) {
       const PointMotion p =
           struck_at(points_[i + 1], first + static_cast<double>(k) * history.interval);
-      history.further[i].force.push_back(force(points_[i + 1], p));
+      history.further[i].force.push_back(points_[i + 1].shown_force(p));
       history.further[i].penetration.push_back(p.displacement);
     }
 }
@@ -342,9 +339,21 @@ void CollocationRun::touch(ContactPoint& point) {
   bar_.expect_contact();
   const double speed = point.struck().velocity;
   log_.touch(point.number(), t_ - time_of_touch_, speed, point.totals(), point.contact());
-  if (!followed_) return;
-  if (first) followed_->begin(approach_);
-  followed_->touch(point.number(), point.contact(), speed);
+  if (followed_) {
+    if (first) followed_->begin(approach_);
+    followed_->touch(point.number(), point.contact(), speed);
+  }
+  note_jump(point, 0.0);
+}
+
+/// The phase that begins may begin with another force than the last one ended with.
+void CollocationRun::note_jump(const ContactPoint& point, double before) {
+  History& history = result_.history;
+  if (!(history.interval > 0.0) || point.number() > 0 || rig_.stop) return;
+  const double after = point.shown_force(point.struck());
+  if (std::abs(after - before) <= continuous * point.force_scale()) return;
+  history.jumps.push_back({t_ - time_of_touch_, before, after});
+  if (followed_) followed_->jump();
 }
 
 int CollocationRun::level_after_rejection(int level) const {
@@ -373,6 +382,7 @@ int CollocationRun::next_level() const {
 bool CollocationRun::leave_event(ContactPoint& point) {
   using Event = ContactPoint::Event;
   ContactForce& contact = point.contact();
+  const double before = point.shown_force(point.struck());
   switch (point.event()) {
     case Event::none:
       return false;
@@ -385,10 +395,12 @@ bool CollocationRun::leave_event(ContactPoint& point) {
                     contact);
       if (followed_ && point.number() == 0 && log_.in_first_episode(0))
         followed_->separate(result_);
+      note_jump(point, before);
       return false;
     case Event::change:
       contact.set_phase(contact.switched());
       if (contact.phase() == Phase::slack) log_.slack(point.number(), t_ - time_of_touch_);
+      note_jump(point, before);
       return true;
   }
   return false;

@@ -120,6 +120,7 @@ class CollocationRun {
   void take_attempt();
   void follow_step();
   void touch(ContactPoint& point);
+  void note_jump(const ContactPoint& point, double before);
   void sample_history(double time, const std::function<void(double, double)>& look,
                       const std::function<PointMotion(ContactPoint&, double)>& struck_at);
   bool free() const;

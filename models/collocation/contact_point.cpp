@@ -56,6 +56,12 @@ void ContactPoint::complete() {
   step_.displacement_series = rule_.to_series() * step_.displacement;
 }
 
+double ContactPoint::shown_force(const PointMotion& p) const {
+  const double there = contact_.force(p.displacement, p.velocity);
+  // at a phase's end rounding may put the place just beyond it, where the law would pull
+  return contact_.may_pull() ? there : std::max(there, 0.0);
+}
+
 /// Largest ∂f/∂δ̇ of the solved step [N s/m].
 double ContactPoint::most_damping() const {
   if (!contact_.damped()) return 0.0;

@@ -96,6 +96,9 @@ class ContactPoint {
   /// How far behind its end the step tried passed the stop's gap, as a part of it.
   double lateness() const;
 
+  /// The force as a history shows it, the point moving like this in the present phase [N].
+  double shown_force(const PointMotion& p) const;
+
   /// Extrema of the part of the step that is taken, which began so long after first touch.
   void observe(double begun, double part);
 

@@ -51,7 +51,7 @@ void RunSensitivities::begin(double speed) {
     Direction& d = direction(i);
     d.result.history = d.effect->lead(options_.history, speed, struck(i, 0).velocity);
     if (stopped_) d.result.history.sensor_force.resize(d.result.history.force.size(), 0.0);
-    d.time = d.impulse = d.dissipated = 0.0;
+    d.time = d.impulse = d.dissipated = d.force_at_end = 0.0;
     begin_more(i);
   }
 }
@@ -238,19 +238,23 @@ void RunSensitivities::deepest(double part, double dissipated) {
   }
 }
 
+/// At the place, which moves in time like this.
+double RunSensitivities::shown_force(int i, std::size_t stop, double moved) const {
+  if (!stops_[stop].presses()) return 0.0;
+  const Direction& d = direction(i);
+  const Seen& seen = seen_[stop];
+  const PointMotion s = against_stop(i, stop);
+  return seen.law.to_depth * (s.displacement + moved * seen.rate) +
+         seen.law.to_rate * (s.velocity + moved * seen.acceleration) + law_slope(d, stop, seen);
+}
+
 /// One sample.
 void RunSensitivities::show(int i) {
   Direction& d = direction(i);
   History& history = d.result.history;
   for (std::size_t k = 0; k < stops_.size(); ++k) {
-    const Seen& seen = seen_[k];
-    const PointMotion s = against_stop(i, k);
-    const double moved_depth = s.displacement - d.time * seen.rate;
-    double force = 0.0;
-    if (stops_[k].presses())
-      force = seen.law.to_depth * moved_depth +
-              seen.law.to_rate * (s.velocity - d.time * seen.acceleration) + law_slope(d, k, seen);
-    (k == 0 ? history.force : history.further[k - 1].force).push_back(force);
+    const double moved_depth = against_stop(i, k).displacement - d.time * seen_[k].rate;
+    (k == 0 ? history.force : history.further[k - 1].force).push_back(shown_force(i, k, -d.time));
     (k == 0 ? history.penetration : history.further[k - 1].penetration).push_back(moved_depth);
   }
   const Spots spots = this->spots(i);
@@ -265,7 +269,24 @@ void RunSensitivities::go_to_sample(double part, double, bool) {
   for (int i = 0; i < count(); ++i) follow_to_place(i);
 }
 
+void RunSensitivities::jump() {
+  jumped_ = true;
+  for (Direction& d : directions_) d.result.history.jumps.push_back({d.time, d.force_at_end, 0.0});
+}
+
+/// What the force does there is known when the step that begins there is.
+void RunSensitivities::look_beyond_jump() {
+  if (!jumped_) return;
+  jumped_ = false;
+  look(0.0);
+  for (int i = 0; i < count(); ++i) {
+    follow_to_place(i);
+    direction(i).result.history.jumps.back().after = shown_force(i, 0, 0.0);
+  }
+}
+
 void RunSensitivities::sample(double first, double spacing, std::size_t count) {
+  look_beyond_jump();
   for (std::size_t k = 0; k < count; ++k) {
     go_to_sample(first + static_cast<double>(k) * spacing, spacing, k == 0);
     for (int i = 0; i < this->count(); ++i) show(i);
@@ -298,6 +319,7 @@ void RunSensitivities::find_sensor_peak() {
 }
 
 void RunSensitivities::take(double part, End end, int stop) {
+  look_beyond_jump();
   find_sensor_peak();
   look(part);
   const double power =
@@ -306,6 +328,7 @@ void RunSensitivities::take(double part, End end, int stop) {
     Direction& d = direction(i);
     follow_to_place(i);
     const double shift = end_shift(i, end, static_cast<std::size_t>(stop));
+    d.force_at_end = shown_force(i, 0, shift);
     d.impulse += integral(d.force[0], part) + shift * place_.force[0];
     d.dissipated += integral(d.dissipation, part) + shift * power;
     d.time += shift;

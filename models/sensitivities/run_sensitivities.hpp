@@ -59,6 +59,8 @@ class RunSensitivities {
 
   /// The part of the step that is taken; `stop`: where that ends by an event.
   void take(double part, End end, int stop);
+  /// The first stop's force jumped where the last step taken ended, or the run begins.
+  void jump();
   void separate(const Simulation& result);
 
   std::vector<Sensitivity> take_results();
@@ -85,6 +87,7 @@ class RunSensitivities {
     NodeVector dissipation;                  // at the first stop's nodes
     double impulse = 0.0, dissipated = 0.0;  // of the first stop's totals
     double compression = 0.0, dissipated_at_deepest = 0.0;
+    double force_at_end = 0.0;  // that the first stop shows where the last step taken ended
     Sensitivity result;
   };
 
@@ -186,12 +189,15 @@ class RunSensitivities {
   PointMotion against_stop(int i, std::size_t stop) const;
   double end_shift(int i, End end, std::size_t stop) const;
   double integral(const NodeVector& at_nodes, double part) const;
+  double shown_force(int i, std::size_t stop, double moved) const;
   void show(int i);
+  void look_beyond_jump();
   void find_sensor_peak();
 
   const BarMotion& motion_;
   Eigen::MatrixXd jacobian_;
   double dissipated_at_deepest_ = 0.0;  // [J]
+  bool jumped_ = false;                 // where the step at hand begins
 };
 
 }  // namespace impactrig::models

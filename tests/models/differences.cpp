@@ -42,6 +42,14 @@ std::vector<double> numbers(const Sensitivity& s) {
           s.sensor_peak_force};
 }
 
+/// Of the force's jumps, one after the other.
+std::vector<double> jumps(const History& history) {
+  std::vector<double> all;
+  for (const ForceJump& jump : history.jumps)
+    all.insert(all.end(), {jump.time, jump.before, jump.after});
+  return all;
+}
+
 /// What a history shows, one channel after the other.
 std::vector<std::vector<double>> channels(const History& history) {
   std::vector<std::vector<double>> all = {history.force, history.penetration, history.velocity,
@@ -65,7 +73,7 @@ double size_for(const Rig& rig, const Named& parameter) {
 
 /// Differences of simulations by a parameter.
 struct Differences {
-  std::vector<double> numbers;
+  std::vector<double> numbers, jumps;
   std::vector<std::vector<double>> channels;
 };
 
@@ -84,6 +92,9 @@ Differences differences(const Rig& rig, const Solver& solver, const Named& param
     const std::vector<double> values = numbers(run);
     sum.numbers.resize(values.size(), 0.0);
     for (std::size_t k = 0; k < values.size(); ++k) sum.numbers[k] += weight * values[k];
+    const std::vector<double> jumped = jumps(run.history);
+    sum.jumps.resize(jumped.size(), 0.0);
+    for (std::size_t k = 0; k < jumped.size(); ++k) sum.jumps[k] += weight * jumped[k];
     const std::vector<std::vector<double>> parts = channels(run.history);
     sum.channels.resize(parts.size());
     for (std::size_t c = 0; c < parts.size(); ++c) {
@@ -147,6 +158,13 @@ void expect_equal_derivatives(const Rig& rig, const Solver& solver, double toler
     const std::vector<double> slopes = numbers(run.sensitivities[i]);
     for (std::size_t k = 0; k < slopes.size(); ++k)
       EXPECT_NEAR(slopes[k] * size / values[k], d.numbers[k] * size / values[k], tolerance) << k;
+    const std::vector<double> jumped = jumps(run.sensitivities[i].history);
+    ASSERT_EQ(jumped.size(), jumps(run.history).size());
+    ASSERT_EQ(jumped.size(), d.jumps.size());
+    for (std::size_t k = 0; k < jumped.size(); ++k) {
+      const double scale = k % 3 == 0 ? run.episodes.front().end : run.peak_force;
+      EXPECT_NEAR(jumped[k] * size / scale, d.jumps[k] * size / scale, 10.0 * tolerance) << k;
+    }
     const std::vector<std::vector<double>> mine = channels(run.sensitivities[i].history);
     const std::vector<std::vector<double>> shown = channels(run.history);
     ASSERT_EQ(mine.size(), shown.size());

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "models/contact/contact_force.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/scenes.hpp"
 
@@ -176,6 +178,79 @@ TEST(History, WithALeadInAFieldOfGravityIsASwing) {
     EXPECT_NEAR(history.displacement[k], 0.441 / omega * std::sin(omega * t), 1e-15);
     EXPECT_NEAR(history.penetration[k], history.displacement[k], 1e-15);
   }
+}
+
+/// A rigid bar on a linear spring and damper: m x'' + c x' + k x = 0 from (0, v).
+struct SpringAndDamper {
+  double mass, stiffness, viscous, speed;
+
+  double omega() const { return std::sqrt(stiffness / mass); }
+
+  double damping() const { return viscous / (2.0 * mass); }
+
+  double damped_omega() const { return std::sqrt(omega() * omega() - damping() * damping()); }
+
+  double velocity(double t) const {
+    const double w = damped_omega();
+    return speed * std::exp(-damping() * t) * (std::cos(w * t) - damping() / w * std::sin(w * t));
+  }
+};
+
+Rig sprung_rig(Tension tension) {
+  Rig rig = paper_rig();
+  rig.gravity = 0.0;
+  rig.contact.law = "linear";
+  rig.contact.stiffness = 1e7;
+  rig.contact.damping = "viscous";
+  rig.contact.viscous = 200.0;
+  rig.contact.tension = tension;
+  return rig;
+}
+
+Simulation at_once(const Rig& rig, double interval) {
+  SimulationOptions options;
+  options.history.interval = interval;
+  return simulate(rig, rigid(1e-10), options);
+}
+
+TEST(ForceJumps, OfADamperAreItsForceAtTouchAndAtSeparation) {
+  const Rig clipped = sprung_rig(Tension::clip);
+  const SpringAndDamper body{clipped.effective_mass(0), 1e7, 200.0, clipped.start.velocity};
+  const History clips = at_once(clipped, 1e-6).history;
+  ASSERT_EQ(clips.jumps.size(), 1u);  // the force is let go where it is zero
+  EXPECT_EQ(clips.jumps[0].time, 0.0);
+  EXPECT_EQ(clips.jumps[0].before, 0.0);
+  EXPECT_NEAR(clips.jumps[0].after, 200.0 * body.speed, 1e-9);
+  const History pulls = at_once(sprung_rig(Tension::allow), 1e-6).history;
+  ASSERT_EQ(pulls.jumps.size(), 2u);
+  const double end = std::numbers::pi / body.damped_omega();
+  EXPECT_NEAR(pulls.jumps[1].time, end, 1e-8 * end);
+  EXPECT_NEAR(pulls.jumps[1].before, 200.0 * body.velocity(end), 1e-5);
+  EXPECT_EQ(pulls.jumps[1].after, 0.0);
+}
+
+TEST(ForceJumps, OfDampingThatClosesOnlyAreAtTouch) {
+  Rig rig = sprung_rig(Tension::clip);
+  rig.contact.viscous.reset();
+  rig.contact.damping = "jankowski";
+  rig.contact.restitution = 0.6;
+  const ContactForce contact(rig);
+  const History history = at_once(rig, 1e-6).history;
+  ASSERT_EQ(history.jumps.size(), 1u);  // at the deepest point the damping ends, but at no speed
+  EXPECT_NEAR(
+      history.jumps[0].after,
+      2.0 * contact.damping_factor() * std::sqrt(rig.effective_mass(0) * 1e7) * rig.start.velocity,
+      1e-9);
+}
+
+TEST(ForceJumps, AreNoneOfAForceThatIsContinuousNorOfASensorThatGivesWay) {
+  Rig rig = sprung_rig(Tension::clip);
+  rig.stop = Stop{.mass = 0.2, .stiffness = 1e9, .viscous = 5e3};
+  EXPECT_TRUE(at_once(rig, 1e-6).history.jumps.empty());
+  rig = paper_rig();
+  rig.contact.damping = "hunt-crossley";
+  rig.contact.restitution = 0.5;
+  EXPECT_TRUE(at_once(rig, 1e-6).history.jumps.empty());
 }
 
 }  // namespace
