@@ -36,6 +36,10 @@ constexpr double smallest_motion = 1e-3;
 constexpr double harmless_shift = 0.1;
 constexpr double near_harmless = 0.3;
 constexpr double like_small_motion = 0.1;
+// What moves the residuals by less, taken together and in standard deviations, from one bound of a
+// parameter to the other is what simulations round differently: its standard error would be a
+// thousand times as wide as its bounds.
+constexpr double least_influence = 1e-3;
 
 double seconds_since(std::chrono::steady_clock::time_point started) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
@@ -61,6 +65,7 @@ class Session {
   bool same_place(const std::vector<double>& a, const std::vector<double>& b) const;
   template <typename Attempt>
   double try_again(double reduced, const Attempt& attempt);
+  bool is_idle(std::size_t number, double slope);
   double spread();
   template <typename Change>
   Eigen::VectorXd shift_by(const Change& change) const;
@@ -245,6 +250,25 @@ double Session::grow_window() {
 }
 
 /// Linearises where the search ended; returns chi-square of the data.
+/// Whether a parameter does nothing to the residuals: by its slope, and, since that may vanish at
+/// one place (a restitution of 0 acts by its square), half-way to its farther bound.
+bool Session::is_idle(std::size_t number, double slope) {
+  const Variable& v = problem_.variables()[number];
+  if (!(slope * (v.upper - v.lower) < least_influence)) return false;
+  const std::vector<double> here = problem_.values();
+  std::vector<double> there = here;
+  there[number] = 0.5 * (v.value + (v.upper - v.value > v.value - v.lower ? v.upper : v.lower));
+  Eigen::VectorXd moved;
+  try {
+    problem_.set_values(there);
+    problem_.linearise(moved, nullptr);
+  } catch (const std::exception&) {
+    moved.resize(0);  // that is an effect
+  }
+  problem_.set_values(here);
+  return moved.size() == residuals_.size() && (moved - residuals_).norm() < least_influence;
+}
+
 double Session::spread() {
   problem_.linearise(residuals_, &jacobian_);
   std::vector<std::string> names;
@@ -252,6 +276,8 @@ double Session::spread() {
   for (const std::size_t i : problem_.unknowns()) {
     const Variable& v = problem_.variables()[i];
     names.push_back(v.name);
+    const auto column = static_cast<Eigen::Index>(names.size());
+    if (is_idle(i, jacobian_.col(column).norm())) jacobian_.col(column).setZero();
     held.push_back(v.prior || v.role == Variable::Role::touch);
   }
   end_.spread =
@@ -363,7 +389,7 @@ void Session::keep_within_bounds(Eigen::VectorXd& shift) const {
 Fit Session::report(double chi2) {
   Fit fit;
   fit.goodness.chi2 = chi2;
-  const double reduced = report_goodness(problem_, fit.goodness);
+  const double reduced = report_goodness(problem_, end_.spread, fit.goodness);
   const bool rescale =
       !problem_.noise_known() || (reduced > misfit && problem_.loss() == Loss::squares);
   end_.inflation = rescale ? std::sqrt(reduced) : 1.0;

@@ -71,6 +71,7 @@ struct Goodness {
   long dof = 0;
   double aicc = 0.0;
   double bic = 0.0;
+  int unknowns = 0;  ///< independent numbers that were determined
 };
 
 /// The answer: what explains the recordings, how sure that is, and where the model fails.

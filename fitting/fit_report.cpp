@@ -205,9 +205,11 @@ Eigen::MatrixXd restitution_gradient(const FitProblem& problem) {
 
 }  // namespace
 
-double report_goodness(const FitProblem& problem, Goodness& goodness) {
+double report_goodness(const FitProblem& problem, const Uncertainty& spread, Goodness& goodness) {
   const double count = independent_samples(problem);
-  const double unknowns = static_cast<double>(problem.unknowns().size());
+  goodness.unknowns =
+      static_cast<int>(problem.unknowns().size()) - static_cast<int>(spread.undetermined.cols());
+  const double unknowns = goodness.unknowns;
   const double dof = std::max(1.0, count + static_cast<double>(problem.priors().size()) - unknowns);
   goodness.dof = std::lround(dof);
   goodness.aicc = goodness.chi2 + 2.0 * unknowns +
@@ -242,7 +244,7 @@ void report_parameters(const FitProblem& problem, const FitEnd& end, Fit& fit) {
     p.initial = v.initial;
     p.lower = v.lower;
     p.upper = v.upper;
-    p.at_bound = at_bound(v);
+    p.at_bound = p.identifiable && at_bound(v);
     p.nuisance = v.role != Variable::Role::physics;
     p.prior = v.prior;
     if (v.tie) p.tied_to = problem.variables()[v.tie->to].name;
@@ -302,6 +304,13 @@ void report_restitution(const FitProblem& problem, const FitEnd& end, Fit& fit) 
     if (!determines(end.spread, gradient.row(k), sizes, values[k])) half = not_known;
     fit.restitution[names[k]] = {values[k], {values[k] - half, values[k] + half}};
   }
+  const auto fitted = [&](std::string_view name) {
+    return std::ranges::any_of(
+        fit.parameters, [&](const Parameter& p) { return parameter_key(p.name).key == name; });
+  };
+  if (!problem.rig().rig.contact.takes_restitution() || fitted("contact.viscous") ||
+      fitted("contact.relaxation_time"))
+    return;  // the law has none
   const double stated = problem.rig().rig.contact.restitution;
   Estimate law{stated, {stated, stated}};
   for (const Parameter& p : fit.parameters)

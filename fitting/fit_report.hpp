@@ -26,9 +26,9 @@ struct FitEnd {
   models::Restitution mesh_change = {};
 };
 
-/// Degrees of freedom, information criteria; returns chi-square by degree of freedom. chi2 is
-/// already in.
-double report_goodness(const FitProblem& problem, Goodness& goodness);
+/// Degrees of freedom, information criteria, of what is determined; returns chi-square by degree of
+/// freedom. chi2 is already in.
+double report_goodness(const FitProblem& problem, const Uncertainty& spread, Goodness& goodness);
 
 /// Values, intervals and correlations of all variables, those tied to others with them. goodness is
 /// already in.

@@ -77,6 +77,32 @@ void require_stop(const PhysicalParameter& parameter, const models::Rig& rig) {
                       : std::string("its stop is rigid; state stop.mass and stop.stiffness")));
 }
 
+/// Throws where a parameter of the damping is to be fitted that the force does not depend on.
+void refuse_idle_damping(const models::Rig& rig, const FitOptions& options, const Wishes& wishes) {
+  const auto is_free = [&](const std::string& name) {
+    const ParameterSetting* const setting = options.setting_of(name);
+    return wishes.asks_for(name) && !(setting && setting->fixed);
+  };
+  const auto refuse = [&](const std::string& name, const std::string& why) {
+    throw std::invalid_argument(fmt::format("'{}' cannot be fitted: {}", name, why));
+  };
+  const std::string own(damping_parameter(rig.contact, options));
+  for (const std::string_view one : damping_parameters) {
+    const std::string name(one);
+    if (name == own || !is_free(name)) continue;
+    if (name != "contact.restitution")
+      refuse(name, fmt::format("the damping law \"{}\" does not take it", rig.contact.damping));
+    if (own.empty()) refuse(name, "contact.damping is \"none\", which has no restitution");
+    refuse(name, fmt::format("the damping is that of {0}, which is stated or fitted, and no "
+                             "restitution changes it; fit {0} instead",
+                             own));
+  }
+  for (std::size_t i = 0; i < rig.further_stops.size(); ++i)
+    if (const std::string name = fmt::format("contacts.{}.restitution", i + 1);
+        is_free(name) && !rig.further_stops[i].contact.takes_restitution())
+      refuse(name, "the damping of this stop takes none");
+}
+
 /// Adds what the channel shows besides the motion: offset, drift, and mains hum with its third
 /// harmonic, which a saturated transformer makes.
 void add_background(const ImpactSignal& signal, const Variable& blank, double mains_frequency,
@@ -338,10 +364,7 @@ bool is_fitted(const Impact& impact, const std::optional<ImpactSignal>& signal,
 std::vector<Variable> make_variables(const std::vector<Impact>& impacts, const RigFile& rig,
                                      const FitOptions& options) {
   const Wishes wishes(rig, options);
-  if (rig.rig.contact.damping == "none" && wishes.asks_for("contact.restitution"))
-    throw std::invalid_argument(
-        "'contact.restitution' cannot be fitted: contact.damping is \"none\", which has no "
-        "restitution");
+  refuse_idle_damping(rig.rig, options, wishes);
   std::vector<Variable> variables;
   add_physics(impacts, rig, wishes, variables);
   const int shots = static_cast<int>(impacts.size());

@@ -9,9 +9,11 @@
 namespace impactrig::fitting {
 namespace {
 
-std::vector<std::string> default_free(const RigFile& rig) {
+std::vector<std::string> default_free(const RigFile& rig, const FitOptions& options) {
   std::vector<std::string> free;
-  if (rig.rig.contact.damping != "none") free.emplace_back("contact.restitution");
+  if (const std::string_view damping = damping_parameter(rig.rig.contact, options);
+      !damping.empty())
+    free.emplace_back(damping);
   free.emplace_back("contact.stiffness_factor");
   free.emplace_back("start.velocity");
   return free;
@@ -45,8 +47,26 @@ std::string own_of(const std::vector<Variable>& variables) {
 
 }  // namespace
 
+std::string_view damping_parameter(const models::Contact& contact, const FitOptions& options) {
+  const auto asked = [&](std::string_view name) {
+    const auto is = [&](const std::string& other) { return parameter_key(other).key == name; };
+    return std::ranges::any_of(options.free, is) ||
+           std::ranges::any_of(options.settings, [&](const ParameterSetting& setting) {
+             return !setting.fixed && is(setting.name);
+           });
+  };
+  if (contact.damping == "none") return "";
+  if (contact.damping == "viscous" && (contact.viscous || asked("contact.viscous")))
+    return "contact.viscous";
+  if (contact.damping == "kuwabara-kono" &&
+      (contact.relaxation_time || asked("contact.relaxation_time")))
+    return "contact.relaxation_time";
+  return "contact.restitution";
+}
+
 Wishes::Wishes(const RigFile& rig, const FitOptions& options) : options_(options) {
-  const std::vector<std::string> free = options.free.empty() ? default_free(rig) : options.free;
+  const std::vector<std::string> free =
+      options.free.empty() ? default_free(rig, options) : options.free;
   for (const std::string& name : free) {
     if (std::ranges::count(free, name) > 1)
       throw std::invalid_argument(

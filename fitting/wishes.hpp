@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +12,14 @@
 #include "fitting/variables.hpp"
 
 namespace impactrig::fitting {
+
+/// What a damping law of [contact] may be made of: one of these.
+inline constexpr std::array<std::string_view, 3> damping_parameters = {
+    "contact.restitution", "contact.viscous", "contact.relaxation_time"};
+
+/// The one of these that the force depends on: a coefficient where it is stated, or is to be
+/// fitted, else the restitution; empty without damping.
+std::string_view damping_parameter(const models::Contact& contact, const FitOptions& options);
 
 /// What options ask for and state, by name: "start.velocity" is of all recordings, or of each its
 /// own, "start.velocity[2]" that of recording 2.

@@ -149,6 +149,7 @@ Json goodness_json(const fitting::Goodness& goodness) {
   return {
       {"chi2", goodness.chi2},
       {"dof", goodness.dof},
+      {"unknowns", goodness.unknowns},
       {"aicc", goodness.aicc},
       {"bic", goodness.bic},
       {"reduced_chi2",
@@ -296,8 +297,12 @@ fitting::Fit fit_from(const JsonReader& json) {
     fit.channels.push_back(
         channel_from(channels.element(i), curves.element(i), json["metrics"], fit.impacts.size()));
   const JsonReader goodness = json["goodness"];
-  fit.goodness = {goodness["chi2"].number(), goodness["dof"].integer(), goodness["aicc"].number(),
-                  goodness["bic"].number()};
+  fit.goodness = {
+      .chi2 = goodness["chi2"].number(),
+      .dof = goodness["dof"].integer(),
+      .aicc = goodness["aicc"].number(),
+      .bic = goodness["bic"].number(),
+      .unknowns = goodness.has("unknowns") ? static_cast<int>(goodness["unknowns"].integer()) : 0};
   const JsonReader restitution = json["restitution"];
   for (const std::string& key : restitution.keys())
     fit.restitution[key] = {restitution[key]["value"].number(), restitution[key]["ci95"].pair()};

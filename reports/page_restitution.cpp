@@ -182,8 +182,10 @@ std::string html_explanation(const fitting::Fit& fit) {
               kinematic_sentence(value_of(fit, "kinematic", run.restitution.kinematic), energetic) +
               kinetic_sentence(value_of(fit, "kinetic", run.restitution.kinetic)));
   out += "</p>\n";
-  const std::string law = law_sentence(value_of(fit, "law", run.restitution.law), energetic,
-                                       fit.rig.rig.contact.damping);
+  const models::Contact& contact = fit.rig.rig.contact;
+  if (!contact.takes_restitution()) return out;
+  const std::string law =
+      law_sentence(value_of(fit, "law", run.restitution.law), energetic, contact.damping);
   return law.empty() ? out : out + "<p>" + escaped(law) + "</p>\n";
 }
 

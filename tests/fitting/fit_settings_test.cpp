@@ -428,6 +428,62 @@ std::string message(const FitOptions& options) {
   return "no error";
 }
 
+RigFile rigid_rig(const std::vector<Override>& more) {
+  std::vector<Override> overrides = {{"solver.model", "rigid"}, {"solver.duration", "1.5 ms"}};
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  return parse_rig_file(tests::paper_rig, "rig.toml", overrides);
+}
+
+// A law of a stated coefficient has no restitution to be fitted: its coefficient is in that place.
+TEST(FitSettings, AStatedDamperIsFittedInTheRestitutionsPlace) {
+  const RigFile rig = rigid_rig({{"contact.damping", "viscous"}, {"contact.viscous", "300 N.s/m"}});
+  const auto impact = synthetic_shot(rig, {.duration = 1.6e-3, .seed = 4});
+  const Fit found = fit({impact}, rig);
+  EXPECT_TRUE(has(found, "contact.viscous"));
+  EXPECT_FALSE(has(found, "contact.restitution"));
+  EXPECT_FALSE(found.restitution.contains("law"));
+  const RigFile kuwabara =
+      rigid_rig({{"contact.damping", "kuwabara-kono"}, {"contact.relaxation_time", "5 us"}});
+  EXPECT_TRUE(has(fit({impact}, kuwabara), "contact.relaxation_time"));
+  FitOptions asked;
+  asked.free = {"contact.restitution", "start.velocity"};
+  try {
+    fit({impact}, rig, asked);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "'contact.restitution' cannot be fitted: the damping is that of contact.viscous, "
+                 "which is stated or fitted, and no restitution changes it; fit contact.viscous "
+                 "instead");
+  }
+  asked.free = {"contact.viscous", "start.velocity"};
+  EXPECT_THROW(fit({impact}, rigid_rig({}), asked), std::invalid_argument);
+}
+
+// Rigid bars have a modulus that nothing depends on. It counts for nothing: neither as an unknown
+// nor as ended at a bound.
+TEST(FitSettings, WhatHasNoInfluenceIsNoUnknown) {
+  const RigFile rig = rigid_rig({{"contact.law", "linear"}, {"contact.stiffness", "1e7 N/m"}});
+  const auto impact = synthetic_shot(rig, {.duration = 1.6e-3, .seed = 4});
+  FitOptions options;
+  options.free = {"contact.restitution", "contact.stiffness", "start.velocity"};
+  const Fit without = fit({impact}, rig, options);
+  for (const char* idle : {"beam.youngs_modulus", "contact.counter_modulus", "contact.length"}) {
+    FitOptions more = options;
+    more.free.emplace_back(idle);
+    const Fit with = fit({impact}, rig, more);
+    EXPECT_FALSE(parameter(with, idle).identifiable) << idle;
+    EXPECT_TRUE(std::isnan(parameter(with, idle).std_error));
+    EXPECT_FALSE(parameter(with, idle).at_bound);
+    EXPECT_EQ(with.goodness.unknowns, without.goodness.unknowns);
+    EXPECT_EQ(with.goodness.dof, without.goodness.dof);
+    EXPECT_NEAR(with.goodness.aicc, without.goodness.aicc, 1e-2);
+    EXPECT_NEAR(parameter(with, "contact.restitution").std_error /
+                    parameter(without, "contact.restitution").std_error,
+                1.0, 1e-3);
+  }
+}
+
 TEST(FitSettings, RefusesWhatMakesNoSense) {
   FitOptions bounds;
   bounds.setting("contact.restitution").lower = 0.9;
