@@ -17,6 +17,7 @@
 #include "datasets/input_error.hpp"
 #include "fitting/fit.hpp"
 #include "fitting/fit_keys.hpp"
+#include "fitting/other_model.hpp"
 #include "fitting/parameters.hpp"
 #include "fitting/plausibility.hpp"
 #include "fitting/rig_file.hpp"
@@ -163,7 +164,8 @@ fitting::FitOptions fit_options(const FitJob& job, const fitting::RigFile& rig) 
 }
 
 /// The rig file's own model and those of --against.
-std::vector<fitting::Candidate> candidates(const FitJob& job, const fitting::RigFile& own) {
+std::vector<fitting::Candidate> candidates(const FitJob& job, const fitting::RigFile& own,
+                                           const fitting::FitOptions& options) {
   std::vector<fitting::Alternatives> alternatives;
   for (const std::string& text : job.against) try {
       alternatives.push_back(fitting::read_alternatives(text));
@@ -172,17 +174,13 @@ std::vector<fitting::Candidate> candidates(const FitJob& job, const fitting::Rig
     }
   std::vector<fitting::Candidate> result = {{"the rig file's own", own}};
   for (const auto& [label, changes] : fitting::combinations(alternatives)) {
-    fitting::Candidate candidate{label, {}};
-    std::vector<fitting::Override> overrides = split_overrides(job.common.overrides);
-    overrides.insert(overrides.end(), changes.begin(), changes.end());
+    if (changes.empty()) continue;
     try {
-      candidate.rig = fitting::read_rig_file(job.rig, overrides);
-      fitting::choose_mesh(candidate.rig);
-    } catch (const datasets::InputError& error) {
-      candidate.failure = error.what();
+      result.push_back(fitting::other_model(own, split_overrides(job.common.overrides), label,
+                                            changes, options));
+    } catch (const std::invalid_argument& error) {
+      throw CLI::ValidationError("--against", error.what());
     }
-    if (candidate.failure.empty() && candidate.rig.text == own.text) continue;
-    result.push_back(std::move(candidate));
   }
   return result;
 }
@@ -280,8 +278,9 @@ std::string result_key(const FitJob& job, const std::string& config_sha256,
 reports::ResultProvenance provenance_of(const FitJob& job) {
   const fitting::RigFile rig =
       fitting::read_rig_file(job.rig, split_overrides(job.common.overrides));
-  fit_options(job, rig);
-  candidates(job, rig);  // refuses what is badly written before the first recording is read
+  candidates(
+      job, rig,
+      fit_options(job, rig));  // refuses what is badly written before the first recording is read
   return origin(rig, std::time(nullptr));
 }
 
@@ -292,6 +291,12 @@ reports::ReportData run_fit_job(const FitJob& job) {
   reports::ReportData data;
   data.provenance = origin(rig, wall_clock);
   const fitting::FitOptions options = fit_options(job, rig);
+  std::string chosen;
+  std::vector<fitting::Candidate> models;  // first, which refuses what is badly written
+  if (!job.against.empty()) {
+    chosen = fitting::choose_mesh(rig);
+    models = candidates(job, rig, options);
+  }
   std::vector<datasets::Impact> impacts;
   std::vector<std::string> hashes;
   std::vector<std::string> warnings;
@@ -311,8 +316,8 @@ reports::ReportData run_fit_job(const FitJob& job) {
     hashes.push_back(record.provenance.sha256);
     data.records.push_back(std::move(record));
   }
-  if (const std::string chosen = fitting::choose_mesh(rig); !chosen.empty())
-    warnings.push_back(chosen);
+  if (chosen.empty()) chosen = fitting::choose_mesh(rig);
+  if (!chosen.empty()) warnings.push_back(chosen);
   if (!job.common.quiet)
     fmt::print(stderr, "fitting {} impact(s), model {}\n", impacts.size(),
                models::name(rig.solver.model));
@@ -322,7 +327,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
     fitting::FitOptions alone = options;
     alone.profile = false;
     alone.bootstrap = 0;
-    data.models = fitting::compare_models(impacts, candidates(job, rig), alone);
+    data.models = fitting::compare_models(impacts, models, alone);
   }
   data.title = !job.title.empty()
                    ? job.title

@@ -11,6 +11,7 @@
 #include "fitting/all_cores.hpp"
 #include "fitting/fit.hpp"
 #include "fitting/parameters.hpp"
+#include "fitting/wishes.hpp"
 
 namespace impactrig::fitting {
 namespace {
@@ -22,11 +23,77 @@ std::string base_of(const std::string& name) {
   return name.substr(0, name.find('['));
 }
 
-/// Of what a model lets be fitted: a candidate without restitution has none to free.
+/// What is asked for, with the damping parameter that this model has in the place of another's.
 FitOptions options_for(const RigFile& rig, FitOptions options) {
-  if (!rig.rig.contact.takes_restitution())
-    std::erase(options.free, std::string("contact.restitution"));
+  const std::string_view own = damping_parameter(rig.rig.contact, options);
+  const auto idle = [&](const std::string& name) {
+    const std::string key = base_of(name);
+    return key != own && std::ranges::find(damping_parameters, key) != damping_parameters.end();
+  };
+  std::erase_if(options.settings, [&](const ParameterSetting& s) { return idle(s.name); });
+  if (std::erase_if(options.free, idle) == 0) return options;
+  if (!own.empty() && std::ranges::find(options.free, own) == options.free.end())
+    options.free.emplace_back(own);
+  if (options.free.empty()) options.free = {"impact.time"};  // which is free always
   return options;
+}
+
+bool same_chain(const std::optional<datasets::Sensor>& a,
+                const std::optional<datasets::Sensor>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  const auto same_cut = [](const auto& one, const auto& other) {
+    if (!one || !other) return one.has_value() == other.has_value();
+    return one->frequency == other->frequency && one->order == other->order;
+  };
+  const bool same_resonance = a->resonance && b->resonance
+                                  ? a->resonance->frequency == b->resonance->frequency &&
+                                        a->resonance->quality == b->resonance->quality
+                                  : a->resonance.has_value() == b->resonance.has_value();
+  return same_resonance && same_cut(a->low_cut, b->low_cut) && same_cut(a->high_cut, b->high_cut) &&
+         a->position == b->position;
+}
+
+/// A rig with what is fitted where another one has it: a start makes no model.
+models::Rig begun_as(const RigFile& other, const RigFile& rig, const FitOptions& options) {
+  models::Rig from = other.rig, result = rig.rig;
+  const FitOptions own = options_for(rig, options);
+  const Wishes wishes(rig, own);
+  for (const std::string& name : wishes.names()) {
+    const PhysicalParameter* const parameter = find_physical_parameter(name);
+    const ParameterSetting* const setting = options.setting_of(name);
+    if (parameter && !(setting && setting->fixed)) parameter->of(result) = parameter->of(from);
+  }
+  return result;
+}
+
+/// Whether two rigs predict the same of the same parameters: by all that a fit reads of them.
+bool same_model(const RigFile& a, const RigFile& b, const FitOptions& options) {
+  return a.rig == begun_as(a, b, options) && a.solver == b.solver &&
+         a.mains_frequency == b.mains_frequency && same_chain(a.force, b.force) &&
+         same_chain(a.velocity, b.velocity) && same_chain(a.displacement, b.displacement);
+}
+
+/// Each model once: under the first one's label, with those of its doubles in parentheses.
+std::vector<Candidate> distinct(const std::vector<Candidate>& candidates,
+                                const FitOptions& options) {
+  std::vector<Candidate> models;
+  std::vector<std::string> doubles;
+  for (const Candidate& candidate : candidates) {
+    const auto same = std::ranges::find_if(models, [&](const Candidate& model) {
+      return candidate.failure.empty() && model.failure.empty() &&
+             same_model(candidate.rig, model.rig, options);
+    });
+    if (same == models.end()) {
+      models.push_back(candidate);
+      doubles.emplace_back();
+      continue;
+    }
+    std::string& names = doubles[static_cast<std::size_t>(same - models.begin())];
+    names += (names.empty() ? "" : "; ") + candidate.label;
+  }
+  for (std::size_t i = 0; i < models.size(); ++i)
+    if (!doubles[i].empty()) models[i].label += fmt::format(" ({})", doubles[i]);
+  return models;
 }
 
 /// The shot by the physics of the others.
@@ -46,7 +113,11 @@ HeldOut held_out(const std::vector<datasets::Impact>& impacts, std::size_t left_
 
 ModelScore score(const std::vector<datasets::Impact>& impacts, const Candidate& candidate,
                  const FitOptions& asked) {
-  ModelScore result{.label = candidate.label, .failure = {}, .sentence = {}, .held_out = {}};
+  ModelScore result{.label = candidate.label,
+                    .note = candidate.note,
+                    .failure = {},
+                    .sentence = {},
+                    .held_out = {}};
   if (!candidate.failure.empty()) {
     result.failure = candidate.failure;
     return result;
@@ -56,8 +127,7 @@ ModelScore score(const std::vector<datasets::Impact>& impacts, const Candidate& 
     const Fit found = fit(impacts, candidate.rig, options);
     result.chi2 = found.goodness.chi2;
     result.dof = found.goodness.dof;
-    result.unknowns = static_cast<int>(std::ranges::count_if(
-        found.parameters, [](const Parameter& p) { return p.tied_to.empty(); }));
+    result.unknowns = found.goodness.unknowns;
     result.aicc = found.goodness.aicc;
     result.bic = found.goodness.bic;
     result.sound = true;
@@ -88,25 +158,62 @@ double reduced(const ModelScore& s) {
   return s.chi2 / static_cast<double>(std::max(1L, s.dof));
 }
 
+/// "a", "a and b", "a; b and c": labels may have commas.
+std::string listed(const std::vector<std::string>& labels) {
+  std::string text;
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == labels.size() ? " and " : "; ") + labels[i];
+  return text;
+}
+
+/// How the best of the candidates stands among those that could be fitted.
+std::string ranking(const std::vector<ModelScore>& scores) {
+  const ModelScore& best = scores.front();
+  std::vector<std::string> as_good, possible;
+  std::size_t failed = 0;
+  for (std::size_t i = 1; i < scores.size(); ++i) {
+    if (!scores[i].failure.empty())
+      ++failed;
+    else if (scores[i].delta < no_better)
+      as_good.push_back(scores[i].label);
+    else if (scores[i].delta < much_better)
+      possible.push_back(fmt::format("{} (weight {:.2g})", scores[i].label, scores[i].weight));
+  }
+  if (scores.size() == 1)
+    return fmt::format("There is no other model to compare {} with.", best.label);
+  if (failed + 1 == scores.size())
+    return fmt::format("{} could not be compared: {}.", best.label,
+                       failed == 1 ? "the other candidate could not be fitted"
+                                   : "none of the other candidates could be fitted");
+  std::string text;
+  if (!as_good.empty())
+    text = fmt::format(
+        "{} explains the data best, but {} {} as well within what the data can tell apart.",
+        best.label, listed(as_good), as_good.size() == 1 ? "does" : "do");
+  else if (!possible.empty())
+    text = fmt::format("{} explains the data best; {} {} not ruled out.", best.label,
+                       listed(possible), possible.size() == 1 ? "is" : "are");
+  else
+    text = fmt::format("{} explains the data best; no other candidate has noteworthy support.",
+                       best.label);
+  if (failed > 0)
+    text += fmt::format(" {} could not be fitted, of which this says nothing.",
+                        failed == 1 ? "One candidate" : fmt::format("{} candidates", failed));
+  return text;
+}
+
 std::string verdict(const ModelComparison& comparison) {
   const std::vector<ModelScore>& scores = comparison.scores;
   const ModelScore& best = scores.front();
-  if (!best.failure.empty()) return "None of the candidates could be fitted.";
-  std::string as_good;
-  for (std::size_t i = 1; i < scores.size(); ++i)
-    if (scores[i].failure.empty() && scores[i].delta < no_better)
-      as_good += fmt::format("{}{}", as_good.empty() ? "" : "; ", scores[i].label);
-  std::string text;
-  if (!as_good.empty())
-    text = fmt::format("{} explains the data best, but these do as well as no difference: {}.",
-                       best.label, as_good);
-  else if (scores.size() < 2 || !scores[1].failure.empty() || scores[1].delta >= much_better)
-    text =
-        fmt::format("{} explains the data; no other candidate has noteworthy support.", best.label);
-  else
-    text = fmt::format("{} explains the data best; {} is not ruled out (weight {:.2g}).",
-                       best.label, scores[1].label, scores[1].weight);
-  if (!best.sound)
+  if (!best.failure.empty())
+    return "None of the candidates could be fitted, so that none could be compared.";
+  std::string text = ranking(scores);
+  const auto fitted = [](const ModelScore& s) { return s.failure.empty(); };
+  if (!best.sound && std::ranges::count_if(scores, fitted) == 1)
+    text += fmt::format(
+        " It does not explain the data: its chi-square is {:.3g} a degree of freedom. {}",
+        reduced(best), best.sentence);
+  else if (!best.sound)
     text += fmt::format(
         " Even so it is wrong: its chi-square is {:.3g} a degree of freedom and the weights only "
         "rank these candidates. {}",
@@ -120,10 +227,11 @@ ModelComparison compare_models(const std::vector<datasets::Impact>& impacts,
                                const std::vector<Candidate>& candidates,
                                const FitOptions& options) {
   if (candidates.empty()) throw std::invalid_argument("there are no models to compare");
+  const std::vector<Candidate> models = distinct(candidates, options);
   ModelComparison result;
-  result.scores.resize(candidates.size());
-  run_on_all_cores(candidates.size(), [&](std::size_t i, std::size_t) {
-    result.scores[i] = score(impacts, candidates[i], options);
+  result.scores.resize(models.size());
+  run_on_all_cores(models.size(), [&](std::size_t i, std::size_t) {
+    result.scores[i] = score(impacts, models[i], options);
   });
   double least = std::numeric_limits<double>::infinity();
   for (const ModelScore& s : result.scores)

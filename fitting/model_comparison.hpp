@@ -17,6 +17,7 @@ struct Candidate {
   std::string label;  ///< "contact.damping = viscous"
   RigFile rig;
   std::string failure = {};  ///< why there is no such rig; else empty
+  std::string note = {};     ///< what else is changed for it; else empty
 };
 
 /// How well shots that were not fitted are foretold: each in turn by the parameters of the physics
@@ -28,8 +29,9 @@ struct HeldOut {
 
 /// One candidate, fitted to all recordings.
 struct ModelScore {
-  std::string label;
-  std::string failure;  ///< why it could not be fitted; else empty
+  std::string label;    ///< of candidates that are the same model those of all
+  std::string note;     ///< the candidate's
+  std::string failure;  ///< why it could not be fitted; else empty, and what follows is given
   double chi2 = 0.0;
   long dof = 0;
   int unknowns = 0;
@@ -48,8 +50,8 @@ struct ModelComparison {
   std::string sentence;
 };
 
-/// Fits every candidate to the impacts, all to the same samples, and weighs them by the quasi
-/// information criterion
+/// Fits every candidate to the impacts, all to the same samples, each model once however many
+/// candidates are it, and weighs them by the quasi information criterion
 ///
 ///   QAICc = χ²/ĉ + 2 K + 2 K (K + 1) / (n − K − 1),   ĉ = max(1, best χ²/dof),
 ///

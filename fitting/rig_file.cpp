@@ -322,6 +322,13 @@ void apply_override(toml::table& root, const Override& override) {
   }
 }
 
+void leave_out(toml::table& root, std::string_view name) {
+  const std::size_t dot = name.rfind('.');
+  toml::table* const table =
+      dot == std::string_view::npos ? &root : root.at_path(name.substr(0, dot)).as_table();
+  if (table) table->erase(name.substr(dot == std::string_view::npos ? 0 : dot + 1));
+}
+
 /// Where a value that models::validate() refused stands: its message begins with the key.
 datasets::SourcePosition position_of(const toml::table& document, const std::string& path,
                                      const std::set<std::string>& overridden,
@@ -366,7 +373,8 @@ TableReader required_table(TableReader& root, std::string_view key) {
 }  // namespace
 
 RigFile parse_rig_file(const std::string& text, const std::string& path,
-                       const std::vector<Override>& overrides) {
+                       const std::vector<Override>& overrides,
+                       const std::vector<std::string>& without) {
   RigFile file;
   file.path = path;
   toml::table document;
@@ -377,6 +385,7 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
         {.file = path, .line = error.source().begin.line, .column = error.source().begin.column},
         fmt::format("not a TOML file: {}", error.description()));
   }
+  for (const std::string& key : without) leave_out(document, key);
   std::set<std::string> overridden;
   for (const Override& override : overrides) {
     apply_override(document, override);
@@ -384,7 +393,7 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   }
   std::ostringstream resolved;
   resolved << document;
-  file.text = overrides.empty() ? text : resolved.str() + "\n";
+  file.text = overrides.empty() && without.empty() ? text : resolved.str() + "\n";
   file.sha256 = datasets::sha256_of(file.text);
 
   TableReader root(document, path, "", overridden);
@@ -429,7 +438,8 @@ const std::optional<datasets::Sensor>& sensor_of(const RigFile& rig, datasets::Q
   return rig.displacement;
 }
 
-RigFile read_rig_file(const std::string& path, const std::vector<Override>& overrides) {
+RigFile read_rig_file(const std::string& path, const std::vector<Override>& overrides,
+                      const std::vector<std::string>& without) {
   if (std::filesystem::is_directory(path))
     throw datasets::FileError(path, "is a folder, not a rig file");
   std::ifstream stream(path, std::ios::binary);
@@ -437,7 +447,7 @@ RigFile read_rig_file(const std::string& path, const std::vector<Override>& over
   std::ostringstream text;
   text << stream.rdbuf();
   if (!stream) throw datasets::FileError(path, "cannot be read");
-  return parse_rig_file(text.str(), path, overrides);
+  return parse_rig_file(text.str(), path, overrides, without);
 }
 
 std::string choose_mesh(RigFile& file) {

@@ -37,9 +37,12 @@ using Override = std::pair<std::string, std::string>;
 /// Reads a rig file (TOML; docs/rig-file.md) with overrides on top. Unknown keys, missing units,
 /// wrong dimensions and values outside their range throw datasets::InputError with line and column;
 /// FileError when it cannot be read.
-RigFile read_rig_file(const std::string& path, const std::vector<Override>& overrides = {});
+/// Dotted keys `without` are taken as if the file did not state them.
+RigFile read_rig_file(const std::string& path, const std::vector<Override>& overrides = {},
+                      const std::vector<std::string>& without = {});
 RigFile parse_rig_file(const std::string& text, const std::string& path,
-                       const std::vector<Override>& overrides = {});
+                       const std::vector<Override>& overrides = {},
+                       const std::vector<std::string>& without = {});
 
 /// Chooses the mesh for the accuracy asked for where the rig file leaves it open, and says so in a
 /// sentence; empty where it does not.

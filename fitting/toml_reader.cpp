@@ -60,10 +60,10 @@ std::string TableReader::full_name(std::string_view key) const {
   return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
 }
 
-void TableReader::refuse(std::string_view key, std::string_view problem) const {
-  const std::string name = full_name(key);
+/// Of a key's value, or of the --set it came from.
+datasets::SourcePosition TableReader::position_of(std::string_view key) const {
   datasets::SourcePosition where{.file = file_};
-  if (const auto override = overriding_key(name, overridden_)) {
+  if (const auto override = overriding_key(full_name(key), overridden_)) {
     where.file = "--set " + *override;
   } else if (const toml::node* node = table_.get(key)) {
     where.line = node->source().begin.line;
@@ -71,7 +71,15 @@ void TableReader::refuse(std::string_view key, std::string_view problem) const {
   } else {
     where.line = table_.source().begin.line;
   }
-  throw datasets::InputError(where, fmt::format("{}: {}", name, problem));
+  return where;
+}
+
+void TableReader::refuse(std::string_view key, std::string_view problem) const {
+  throw datasets::InputError(position_of(key), fmt::format("{}: {}", full_name(key), problem));
+}
+
+void TableReader::refuse_name(std::string_view key, std::string_view problem) const {
+  throw UnknownName(position_of(key), fmt::format("{}: {}", full_name(key), problem));
 }
 
 const toml::node* TableReader::find(std::string_view key) {
@@ -212,7 +220,8 @@ std::optional<std::size_t> TableReader::choice(std::string_view key,
   if (!value) return std::nullopt;
   const auto found = std::ranges::find(choices, *value);
   if (found == choices.end())
-    refuse(key, fmt::format("expected one of {}, found \"{}\"", fmt::join(choices, ", "), *value));
+    refuse_name(key,
+                fmt::format("expected one of {}, found \"{}\"", fmt::join(choices, ", "), *value));
   return static_cast<std::size_t>(found - choices.begin());
 }
 
@@ -225,7 +234,7 @@ void TableReader::finish() const {
       problem += fmt::format("; did you mean {}?", nearest);
     else
       problem += fmt::format("; known are {}", fmt::join(known_, ", "));
-    refuse(key.str(), problem);
+    refuse_name(key.str(), problem);
   }
 }
 

@@ -13,6 +13,12 @@
 
 namespace impactrig::fitting {
 
+/// A key that there is not, or a value that is none of those it may be: misspelt, most likely.
+class UnknownName : public datasets::InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// The one of `known` that a mistyped name is at most 3 edits from, for "did you mean"; else empty.
 std::string_view nearest_name(std::string_view name, const std::vector<std::string_view>& known);
 
@@ -66,12 +72,14 @@ class TableReader {
   void finish() const;
 
   [[noreturn]] void refuse(std::string_view key, std::string_view problem) const;
+  [[noreturn]] void refuse_name(std::string_view key, std::string_view problem) const;
   std::string full_name(std::string_view key) const;
 
   const toml::table& raw() const { return table_; }
 
  private:
   const toml::node* find(std::string_view key);
+  datasets::SourcePosition position_of(std::string_view key) const;
   [[noreturn]] void refuse_missing(std::string_view key, std::string_view example) const;
 
   const toml::table& table_;

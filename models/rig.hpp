@@ -169,6 +169,8 @@ struct Start {
   double velocity = 0.0;  ///< closing speed of the struck point [m/s], > 0
   /// From where the bar touches [rad]; then `velocity` is not used.
   std::optional<double> release_angle;
+
+  bool operator==(const Start&) const = default;
 };
 
 /// The experiment, without sensors and without numerics. All SI.
@@ -197,6 +199,8 @@ struct Rig {
   /// Parts of gravity from the hinge to the tip and towards closing, of the bar at touch [m/s^2].
   double gravity_along() const;
   double gravity_across() const;
+
+  bool operator==(const Rig&) const = default;
 };
 
 /// A number of the rig, by reference.
@@ -226,6 +230,8 @@ struct Solver {
   double accuracy = 1e-6;          ///< relative, of the time integration
   std::optional<double> duration;  ///< from first touch [s]; none: until the bar has left for good
   double time_limit = 60.0;        ///< processor time a run may take [s]
+
+  bool operator==(const Solver&) const = default;
 };
 
 /// Whether the spring of the hinge bends the bar noticeably: then a release from rest is no swing

@@ -5,21 +5,26 @@ namespace impactrig::reports {
 
 Json models_json(const fitting::ModelComparison& models) {
   Json scores = Json::array();
-  for (const fitting::ModelScore& s : models.scores)
+  for (const fitting::ModelScore& s : models.scores) {
+    const auto given = [&](const auto& value) {
+      return s.failure.empty() ? Json(value) : Json(nullptr);
+    };
     scores.push_back(
         {{"label", s.label},
+         {"note", s.note.empty() ? Json(nullptr) : Json(s.note)},
          {"failure", s.failure.empty() ? Json(nullptr) : Json(s.failure)},
-         {"chi2", s.chi2},
-         {"dof", s.dof},
-         {"unknowns", s.unknowns},
-         {"aicc", s.aicc},
-         {"bic", s.bic},
-         {"delta", s.delta},
-         {"weight", s.weight},
-         {"sound", s.sound},
-         {"sentence", s.sentence},
+         {"chi2", given(s.chi2)},
+         {"dof", given(s.dof)},
+         {"unknowns", given(s.unknowns)},
+         {"aicc", given(s.aicc)},
+         {"bic", given(s.bic)},
+         {"delta", given(s.delta)},
+         {"weight", given(s.weight)},
+         {"sound", given(s.sound)},
+         {"sentence", given(s.sentence)},
          {"held_out", s.held_out ? Json{{"chi2", s.held_out->chi2}, {"dof", s.held_out->dof}}
                                  : Json(nullptr)}});
+  }
   return {{"inflation", models.inflation}, {"sentence", models.sentence}, {"scores", scores}};
 }
 
@@ -32,7 +37,12 @@ fitting::ModelComparison models_from(const JsonReader& json) {
     const JsonReader from = scores.element(i);
     fitting::ModelScore s;
     s.label = from["label"].text();
-    if (from.has("failure")) s.failure = from["failure"].text();
+    if (from.has("note")) s.note = from["note"].text();
+    if (from.has("failure")) {
+      s.failure = from["failure"].text();
+      models.scores.push_back(std::move(s));
+      continue;
+    }
     s.chi2 = from["chi2"].number();
     s.dof = from["dof"].integer();
     s.unknowns = static_cast<int>(from["unknowns"].integer());

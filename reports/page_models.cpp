@@ -14,16 +14,21 @@ std::string ratio_text(double chi2, long dof) {
   return significant(chi2 / static_cast<double>(std::max(1L, dof)), 3);
 }
 
+std::string name_cell(const fitting::ModelScore& s) {
+  return escaped(s.label) +
+         (s.note.empty() ? "" : fmt::format("<br><small>{}</small>", escaped(s.note)));
+}
+
 std::string html_row(const fitting::ModelScore& s, bool held_out) {
   if (!s.failure.empty())
     return fmt::format(
         "<tr><th scope=\"row\">{}</th><td colspan=\"{}\">could not be fitted: {}</td></tr>\n",
-        escaped(s.label), held_out ? 8 : 7, escaped(s.failure));
+        name_cell(s), held_out ? 8 : 7, escaped(s.failure));
   return fmt::format(
       "<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td>"
       "<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
       "{}<td>{}</td></tr>\n",
-      escaped(s.label), s.unknowns, ratio_text(s.chi2, s.dof), significant(s.aicc, 6),
+      name_cell(s), s.unknowns, ratio_text(s.chi2, s.dof), significant(s.aicc, 6),
       significant(s.bic, 6), significant(s.delta, 3), significant(s.weight, 2),
       !held_out    ? ""
       : s.held_out ? "<td class=\"n\">" + ratio_text(s.held_out->chi2, s.held_out->dof) + "</td>"

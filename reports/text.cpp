@@ -108,20 +108,24 @@ std::string direct_text(const fitting::Fit& fit) {
 }
 
 std::string models_text(const fitting::ModelComparison& models) {
-  std::string text =
-      "\nModels, best first                            chi2/dof      delta     weight  held out\n";
+  std::size_t width = 42;
+  for (const fitting::ModelScore& s : models.scores) width = std::max(width, s.label.size());
+  std::string text = fmt::format("\n{:<{}} {:>9} {:>10} {:>10} {:>9}\n", "Models, best first",
+                                 width + 2, "chi2/dof", "delta", "weight", "held out");
   for (const fitting::ModelScore& s : models.scores) {
     if (!s.failure.empty()) {
-      text += fmt::format("  {:<42} could not be fitted: {}\n", s.label, s.failure);
+      text += fmt::format("  {:<{}} could not be fitted: {}\n{}", s.label, width, s.failure, note);
       continue;
+    const std::string note = s.note.empty() ? "" : fmt::format("    {}\n", s.note);
     }
     const auto ratio = [](double chi2, long dof) {
       return chi2 / static_cast<double>(std::max(1L, dof));
     };
-    text += fmt::format("  {:<42} {:>9.4g} {:>10.4g} {:>10.2g} {:>9}\n", s.label,
+    text += fmt::format("  {:<{}} {:>9.4g} {:>10.4g} {:>10.2g} {:>9}\n{}", s.label, width,
                         ratio(s.chi2, s.dof), s.delta, s.weight,
                         s.held_out ? fmt::format("{:.4g}", ratio(s.held_out->chi2, s.held_out->dof))
-                                   : std::string("-"));
+                                   : std::string("-"),
+                        note);
   }
   return text + "  " + models.sentence + "\n";
 }

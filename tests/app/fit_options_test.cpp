@@ -108,6 +108,39 @@ TEST_F(FitOptions, TheRigFilesTableIsTheDefault) {
   EXPECT_EQ(json::parse(squares.out)["profiles"].size(), 7U);
 }
 
+const json& score(const json& fit, const std::string& label) {
+  for (const json& one : fit["models"]["scores"])
+    if (one["label"].get<std::string>().starts_with(label)) return one;
+  throw std::out_of_range(label);
+}
+
+// The list that names all laws of interest has the rig's own in it (goldsmith).
+TEST_F(FitOptions, TheRigsOwnModelIsComparedOnce) {
+  const json j = fitted("--against contact.law=goldsmith,radzimovsky");
+  ASSERT_EQ(j["models"]["scores"].size(), 2U);
+  EXPECT_EQ(score(j, "the rig file's own")["label"],
+            "the rig file's own (contact.law = goldsmith)");
+  EXPECT_TRUE(score(j, "contact.law = radzimovsky")["failure"].is_null());
+  EXPECT_THAT(j["models"]["sentence"].get<std::string>(), HasSubstr("explains the data best"));
+}
+
+// What was not fitted has no chi-square, and is not the least of all.
+TEST_F(FitOptions, ACandidateThatFailedHasNoNumbers) {
+  const std::string result = path("fit.json");
+  const json j = fitted("--against contact.length='\"20 kg\"' -o " + result);
+  const json& failed = score(j, "contact.length");
+  EXPECT_THAT(failed["failure"].get<std::string>(), HasSubstr("contact.length"));
+  for (const char* key : {"chi2", "dof", "unknowns", "aicc", "bic", "delta", "weight", "sound",
+                          "sentence", "held_out"})
+    EXPECT_TRUE(failed[key].is_null()) << key;
+  EXPECT_THAT(j["models"]["sentence"].get<std::string>(),
+              testing::StartsWith("the rig file's own could not be compared: the other candidate "
+                                  "could not be fitted. It does not explain the data: "));
+  const Outcome page = run("report " + result + " -o " + path("fit.html"));
+  EXPECT_EQ(page.code, 0) << page.err;
+  EXPECT_THAT(text_of(path("fit.html")), HasSubstr("could not be fitted: contact.length"));
+}
+
 TEST_F(FitOptions, RefusesWithTheOptionsName) {
   EXPECT_THAT(refused("--prior contact.restitution=0.5"),
               HasSubstr("--prior: the prior of contact.restitution needs its standard uncertainty, "
@@ -124,6 +157,10 @@ TEST_F(FitOptions, RefusesWithTheOptionsName) {
   EXPECT_THAT(refused("--bootstrap-kind jackknife"),
               HasSubstr("--bootstrap-kind: jackknife not in {"));
   EXPECT_THAT(refused("--bootstrap 1"), HasSubstr("--bootstrap: Value 1 not in range"));
+  EXPECT_THAT(refused("--against foo=1"), HasSubstr("--against: foo: there is no such key here"));
+  EXPECT_THAT(refused("--against contact.law=gold,johnson"),
+              HasSubstr("--against: contact.law: there is no elastic law 'gold'"));
+  EXPECT_THAT(refused("--against fit.loss=huber"), HasSubstr("fit.loss is no part of a model"));
   // only the rig file knows the other bound
   const Outcome o = run(fast + "--bounds contact.restitution=0.9:0.3");
   EXPECT_EQ(o.code, 3);
