@@ -55,7 +55,7 @@ std::span<const Importer> importers();
 
 /// Whether a file of a folder is meant as a recording: a format's own first bytes, or the ending of
 /// a table. Any text with a number in it may be a table when it is named; found in a folder it is
-/// not. false for what cannot be read.
+/// not. An empty file is meant as one by any recording's ending. false for what cannot be read.
 bool looks_like_recording(const std::string& path);
 
 /// Opens a recording of any known format. Its provenance states size, importer and program

@@ -87,6 +87,8 @@ void hash_items(Run& run, const std::string& config_sha256) {
   std::map<std::string, std::string> seen;
   for (CampaignItem& item : run.items) {
     try {
+      if (std::error_code ignored; fs::file_size(item.path, ignored) == 0)
+        throw datasets::InputError({.file = item.path}, "the file is empty");
       item.sha256 = datasets::sha256_of_file(item.path);
     } catch (const std::exception& error) {
       run.campaign.failed.push_back({item.path, error.what()});

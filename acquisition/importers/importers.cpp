@@ -334,11 +334,32 @@ std::span<const Importer> importers() {
   return table;
 }
 
+namespace {
+
+/// Of a file without content: whether an importer's list of endings, or its table's, has its own.
+bool has_ending_of_recordings(std::string file_name) {
+  for (char& c : file_name)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const std::size_t dot = file_name.rfind('.');
+  if (dot == std::string::npos) return false;
+  const std::string ending = file_name.substr(dot);
+  return std::ranges::any_of(table, [&](const Importer& importer) {
+    const std::string_view endings =
+        importer.description.substr(importer.description.rfind('(') + 1);
+    return endings.find(ending + " ") != std::string_view::npos ||
+           endings.find(ending + ")") != std::string_view::npos ||
+           importer.recognises(file_name, "") >= generic;
+  });
+}
+
+}  // namespace
+
 bool looks_like_recording(const std::string& path) try {
   const MappedFile file(path);
   const std::string_view head = file.bytes().substr(0, 65536);
   const std::string file_name = path.substr(path.find_last_of('/') + 1);
-  return !head.empty() && std::ranges::any_of(table, [&](const Importer& importer) {
+  if (head.empty()) return has_ending_of_recordings(file_name);
+  return std::ranges::any_of(table, [&](const Importer& importer) {
     return importer.recognises(file_name, head) >= generic;
   });
 

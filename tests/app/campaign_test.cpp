@@ -140,6 +140,25 @@ TEST_F(CampaignCommand, ABrokenRecordingFailsAloneAndIsTriedAgain) {
   EXPECT_FALSE(fs::exists(path("out/failed.json")));
 }
 
+// A shot that a full disk lost is what a summary is looked at for.
+TEST_F(CampaignCommand, EmptyFilesOfAFolderHaveFailed) {
+  fs::create_directories(path("in"));
+  fs::copy_file(samples + "shen2007-1.uff", path("in/a.uff"));
+  for (const char* name : {"in/b.csv", "in/c.h5", "in/d.TDMS", "in/notes.md", "in/lock"})
+    write(name, "");
+  const Outcome plan = run(command(path("in")) + " --dry-run");
+  EXPECT_THAT(plan.out, HasSubstr("fail       " + path("in/b.csv") + "   "));
+  EXPECT_THAT(plan.out, HasSubstr("4 recordings: 1 to fit, 3 that cannot be read"));
+  const Outcome o = run(command(path("in")) + " --no-reports");
+  EXPECT_EQ(o.code, 5) << o.err;
+  EXPECT_THAT(o.out, HasSubstr("1 of 4 recordings fitted"));
+  const json failed = json::parse(text_of(path("out/failed.json")))["failed"];
+  ASSERT_EQ(failed.size(), 3U);
+  EXPECT_EQ(failed[1]["file"], path("in/c.h5"));
+  for (const json& one : failed)
+    EXPECT_THAT(one["sentence"].get<std::string>(), HasSubstr("the file is empty"));
+}
+
 TEST_F(CampaignCommand, NamesThatCollideAreKeptApartAndCopiesCountOnce) {
   for (const char* day : {"monday", "tuesday"}) fs::create_directories(path(day));
   fs::copy_file(samples + "shen2007-1.uff", path("monday/shot.uff"));
