@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <sstream>
@@ -147,8 +148,12 @@ fitting::FitOptions fit_options(const FitJob& job, const fitting::RigFile& rig) 
   });
   each("--shared", split_names(job.shared),
        [&](const std::string& name) { fitting::choose_shared(name, true, options); });
-  each("--own", split_names(job.own),
-       [&](const std::string& name) { fitting::choose_shared(name, false, options); });
+  const std::vector<std::string> shared = split_names(job.shared);
+  each("--own", split_names(job.own), [&](const std::string& name) {
+    if (std::ranges::find(shared, name) != shared.end())
+      throw std::invalid_argument(fmt::format("'{}' is named by --shared too", name));
+    fitting::choose_shared(name, false, options);
+  });
   each("--log", split_names(job.log), [&](const std::string& name) {
     fitting::unit_of(name);
     options.setting(name).by_logarithm = true;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 #include <stdexcept>
 
 #include "fitting/parameters.hpp"
@@ -28,6 +29,16 @@ void read_prior(TableReader& table, const std::string& unit, ParameterSetting& s
   if (prior) setting.prior = {prior->value, prior->uncertainty};
 }
 
+/// Both sides of a tie have one unit: its factor is a plain number.
+void refuse_other_unit(const std::string& name, const std::string& to) {
+  const std::string unit = unit_of(name), other = unit_of(to);
+  const auto named = [](const std::string& of) { return of == "1" ? "no unit" : "the unit " + of; };
+  if (unit != other)
+    throw std::invalid_argument(
+        fmt::format("'{}' has {} and '{}' {}; a tie is between numbers of one unit", name,
+                    named(unit), to, named(other)));
+}
+
 void read_setting(TableReader& table, const std::string& name, FitOptions& options) {
   const std::string unit = unit_of(name);
   ParameterSetting& setting = options.setting(name);
@@ -44,7 +55,7 @@ void read_setting(TableReader& table, const std::string& name, FitOptions& optio
   setting.by_logarithm = table.choice("scale", {"linear", "log"}).value_or(0) == 1;
   if (const auto to = table.text("tied_to")) {
     try {
-      unit_of(*to);
+      refuse_other_unit(name, *to);
     } catch (const std::invalid_argument& error) {
       table.refuse("tied_to", error.what());
     }
@@ -108,6 +119,9 @@ void choose_shared(const std::string& name, bool shared, FitOptions& options) {
   if (const auto [key, recording] = parameter_key(name); recording > 0)
     throw std::invalid_argument(
         fmt::format("'{}' is one recording's; whether all share it is said of {}", name, key));
+  if (name == "impact.time" && shared)
+    throw std::invalid_argument(
+        "'impact.time' cannot be shared: each recording has a time axis of its own");
   options.setting(name).shared = shared;
 }
 
@@ -181,11 +195,11 @@ void read_tie(std::string_view text, FitOptions& options) {
   Tie tie{.to = std::string(star == std::string_view::npos ? line : line.substr(star + 1))};
   if (star != std::string_view::npos) {
     const auto [end, error] = std::from_chars(line.data(), line.data() + star, tie.factor);
-    if (error != std::errc{} || end != line.data() + star)
+    if (error != std::errc{} || end != line.data() + star || !std::isfinite(tie.factor))
       throw std::invalid_argument(
           fmt::format("expected a number before the *, found \"{}\"", line.substr(0, star)));
   }
-  unit_of(tie.to);
+  refuse_other_unit(name, tie.to);
   options.setting(name).tie = tie;
 }
 

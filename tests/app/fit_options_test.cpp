@@ -157,6 +157,13 @@ TEST_F(FitOptions, RefusesWithTheOptionsName) {
   EXPECT_THAT(refused("--bootstrap-kind jackknife"),
               HasSubstr("--bootstrap-kind: jackknife not in {"));
   EXPECT_THAT(refused("--bootstrap 1"), HasSubstr("--bootstrap: Value 1 not in range"));
+  EXPECT_THAT(
+      refused("--tie contact.length=1*start.velocity"),
+      HasSubstr("--tie: 'contact.length' has the unit m and 'start.velocity' the unit m/s"));
+  EXPECT_THAT(refused("--shared impact.time " + samples + "shen2007-2.uff"),
+              HasSubstr("--shared: 'impact.time' cannot be shared"));
+  EXPECT_THAT(refused("--shared start.velocity --own start.velocity"),
+              HasSubstr("--own: 'start.velocity' is named by --shared too"));
   EXPECT_THAT(refused("--against foo=1"), HasSubstr("--against: foo: there is no such key here"));
   EXPECT_THAT(refused("--against contact.law=gold,johnson"),
               HasSubstr("--against: contact.law: there is no elastic law 'gold'"));

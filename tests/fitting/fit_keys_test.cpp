@@ -165,6 +165,12 @@ TEST(FitKeys, ErrorsNameTheirPlace) {
             "in quotes with its unit, for example \"1e+09 Pa\"");
   EXPECT_EQ(message_of("[fit.contact.modulus]\ntied_to = \"beam.modulus\"\n").substr(0, 73),
             "rig.toml:32:11: fit.contact.modulus.tied_to: 'beam.modulus' cannot be fit");
+  EXPECT_EQ(message_of("[fit.contact.length]\ntied_to = \"start.velocity\"\n"),
+            "rig.toml:32:11: fit.contact.length.tied_to: 'contact.length' has the unit m and "
+            "'start.velocity' the unit m/s; a tie is between numbers of one unit");
+  EXPECT_EQ(message_of("[fit.impact.time]\nshared = true\n"),
+            "rig.toml:32:10: fit.impact.time.shared: 'impact.time' cannot be shared: each "
+            "recording has a time axis of its own");
   EXPECT_THAT(message_of("[fit.contact.colour]\nfixed = true\n"),
               testing::StartsWith("rig.toml:31:1: fit.contact.colour: 'contact.colour' cannot be "
                                   "fitted; parameters are "));
@@ -213,6 +219,19 @@ TEST(FitKeys, RefusesOtherLinesOfTheCommandLine) {
   EXPECT_EQ(refusal(read_bounds, "contact.restitution=:"), "expected LOW:HIGH, found \":\"");
   EXPECT_EQ(refusal(read_tie, "contact.modulus=half*beam.youngs_modulus"),
             "expected a number before the *, found \"half\"");
+  EXPECT_EQ(refusal(read_tie, "contact.modulus=nan*beam.youngs_modulus"),
+            "expected a number before the *, found \"nan\"");
+  EXPECT_EQ(refusal(read_tie, "contact.length=1*start.velocity"),
+            "'contact.length' has the unit m and 'start.velocity' the unit m/s; a tie is between "
+            "numbers of one unit");
+  EXPECT_EQ(refusal(read_tie, "sensors.force.gain[2]=sensors.force.delay"),
+            "'sensors.force.gain[2]' has no unit and 'sensors.force.delay' the unit s; a tie is "
+            "between numbers of one unit");
+  const auto share = [](const std::string& name, FitOptions& options) {
+    choose_shared(name, true, options);
+  };
+  EXPECT_EQ(refusal(share, "impact.time"),
+            "'impact.time' cannot be shared: each recording has a time axis of its own");
   EXPECT_THAT(refusal(read_tie, "contact.modulus=beam.modulus"),
               testing::StartsWith("'beam.modulus' cannot be fitted; "));
 }
