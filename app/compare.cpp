@@ -132,6 +132,18 @@ struct Sides {
   std::vector<Side> repeats;
 };
 
+/// Throws where one shot is named twice: the scatter between copies says nothing.
+void refuse_copies(const Sides& sides) {
+  std::vector<const Side*> shots = {&sides.measured};
+  for (const Side& repeat : sides.repeats) {
+    for (const Side* const other : shots)
+      if (other->record.provenance.sha256 == repeat.record.provenance.sha256)
+        throw InputError({.file = repeat.file()},
+                         fmt::format("is the same recording as {}; name each once", other->file()));
+    shots.push_back(&repeat);
+  }
+}
+
 Sides read_sides(const Options& options) {
   const acquisition::ImportOptions reading = import_options(options.reading);
   const Wanted wanted{options.channel, "--channel"};
@@ -156,6 +168,7 @@ Sides read_sides(const Options& options) {
                      fmt::format("there is no channel '{}', neither here ('{}') nor in {} ('{}')",
                                  options.channel, sides.measured.channel().name, options.predicted,
                                  sides.predicted.channel().name));
+  refuse_copies(sides);
   return sides;
 }
 

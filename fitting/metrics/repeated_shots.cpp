@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fitting/metrics/repeated_shots.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -29,8 +30,8 @@ BandCoverage band_coverage(std::span<const double> computed, std::span<const dou
   const double n = result.effective_samples, p = result.fraction;
   const double middle = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
   const double half = z / (1.0 + z * z / n) * std::sqrt(p * (1.0 - p) / n + z * z / (4.0 * n * n));
-  result.low = middle - half;
-  result.high = middle + half;
+  result.low = std::max(0.0, middle - half);  // rounding leaves a share of 0 or 1 by 1e-17
+  result.high = std::min(1.0, middle + half);
   return result;
 }
 

@@ -301,6 +301,17 @@ TEST_F(Compare, ComparesWithRepeatedShots) {
               HasSubstr("brief.csv: covers 0 s to 0.000299 s of the 0 s to 0.0004 s"));
 }
 
+// Copies scatter by nothing, and χ² divided by that.
+TEST_F(Compare, RefusesAShotThatIsNamedTwice) {
+  const std::string second =
+      history("second.csv", [](double t) { return measured(t) * 4600.0 / 4500.0; });
+  const std::string copy = history("copy.csv", measured);
+  EXPECT_THAT(refused(shot() + " " + model() + " --repeat " + copy),
+              HasSubstr("copy.csv: is the same recording as " + shot() + "; name each once"));
+  EXPECT_THAT(refused(shot() + " " + model() + " --repeat " + second + " --repeat " + second),
+              HasSubstr("second.csv: is the same recording as"));
+}
+
 TEST_F(Compare, HelpsWithAnExample) {
   const Outcome o = run("compare --help");
   EXPECT_EQ(o.code, 0);

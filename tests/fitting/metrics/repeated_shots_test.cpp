@@ -66,6 +66,14 @@ TEST(BandCoverage, KnowsThatNeighboursAreAlike) {
 TEST(BandCoverage, CountsAndRefuses) {
   const std::vector<double> c = {0.0, 1.0, 3.0, 5.0}, centre = {0.0, 0.0, 0.0, 5.0};
   EXPECT_EQ(band_coverage(c, centre, std::vector{1.0, 1.0, 1.0, 0.0}).fraction, 0.75);
+  // a share of 0, of few effective samples: the interval's end is 0, not rounded below it
+  for (int n = 1; n < 200; ++n) {
+    const auto size = static_cast<std::size_t>(n);
+    const std::vector<double> none(size, 0.0), one(size, 1.0), tiny(size, 1e-3);
+    const BandCoverage outside = band_coverage(one, none, tiny);
+    EXPECT_GE(outside.low, 0.0) << n;
+    EXPECT_LE(band_coverage(none, none, tiny).high, 1.0) << n;
+  }
   EXPECT_THROW(band_coverage(c, centre, std::vector{1.0, 1.0, 1.0, -1.0}), std::invalid_argument);
   EXPECT_THROW(band_coverage(c, centre, std::vector{1.0}), std::invalid_argument);
 }
