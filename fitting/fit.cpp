@@ -71,6 +71,7 @@ class Session {
   Eigen::VectorXd shift_by(const Change& change) const;
   double largest(const Eigen::VectorXd& shift) const;
   void predict();
+  bool look_beyond_window();
   double most_shift_by_neglect() const;
   double shift_by_full_motion() const;
   void prefer_full_motion();
@@ -249,7 +250,6 @@ double Session::grow_window() {
   return pass(last_search, whole);
 }
 
-/// Linearises where the search ended; returns chi-square of the data.
 /// Whether a parameter does nothing to the residuals: by its slope, and, since that may vanish at
 /// one place (a restitution of 0 acts by its square), half-way to its farther bound.
 bool Session::is_idle(std::size_t number, double slope) {
@@ -269,15 +269,16 @@ bool Session::is_idle(std::size_t number, double slope) {
   return moved.size() == residuals_.size() && (moved - residuals_).norm() < least_influence;
 }
 
+/// Linearises where the search ended; returns chi-square of the data.
 double Session::spread() {
   problem_.linearise(residuals_, &jacobian_);
   std::vector<std::string> names;
   std::vector<bool> held;
   for (const std::size_t i : problem_.unknowns()) {
     const Variable& v = problem_.variables()[i];
-    names.push_back(v.name);
     const auto column = static_cast<Eigen::Index>(names.size());
     if (is_idle(i, jacobian_.col(column).norm())) jacobian_.col(column).setZero();
+    names.push_back(v.name);
     held.push_back(v.prior || v.role == Variable::Role::touch);
   }
   end_.spread =
@@ -317,6 +318,22 @@ void Session::predict() {
     const double interval = std::min(1e-6, shot.channels.front().signal->interval);
     predictions_.push_back(shot.model->simulate(shot.cost->rig(), interval));
   }
+}
+
+/// A window that ends in the first contact leaves what follows to the prediction, which goes on for
+/// that until the bar has left. Returns whether it does.
+bool Session::look_beyond_window() {
+  const auto in_contact = [](const models::Simulation& prediction) {
+    return !prediction.episodes.empty() && prediction.episodes.front().open;
+  };
+  if (std::ranges::none_of(predictions_, in_contact)) return false;
+  problem_.see_separation();
+  predict();
+  if (std::ranges::none_of(predictions_, in_contact))
+    warnings_.push_back(
+        "The fitted window ends in contact: kinematic, kinetic and energetic restitution are those "
+        "of the model beyond it, where nothing was fitted. A longer window would show them.");
+  return true;
 }
 
 /// An upper limit of the next one from what small motion says of itself: of peak, duration and
@@ -526,8 +543,10 @@ Fit Session::run() {
   }
   out_of_time_ = problem_.out_of_time();
   problem_.limit_time(whole);
+  const bool beyond = look_beyond_window();
   estimate_mesh_shift();
   Fit fit = report(chi2);
+  if (beyond) problem_.choose_samples(whole, false);
   fit.seconds = seconds_since(started) - fit.judging_seconds;
   widen_view(fit);
   return fit;

@@ -299,6 +299,13 @@ void FitProblem::choose_samples(double contacts, bool rough) {
   rebuild_costs();
 }
 
+void FitProblem::see_separation() {
+  for (Shot& shot : shots_)
+    shot.model->set_end(
+        std::max(shot.model->end(), rig_->solver.duration.value_or(2.0 * shot.contact)));
+  rebuild_costs();
+}
+
 void FitProblem::rebuild_costs() {
   for (Shot& shot : shots_) {
     if (shot.cost) past_simulations_ += shot.cost->simulations();

@@ -59,6 +59,10 @@ class FitProblem {
   double value(std::size_t number) const { return (*variables_)[number].value; }
 
   std::vector<double> values() const;  ///< of all variables
+  /// Predicts, until samples are chosen again, as long as the rig file says, or for twice the
+  /// contact as it was found, however short the window is.
+  void see_separation();
+
   /// Sets the unknowns and, with them, what is tied to them.
   void set_values(const std::vector<double>& values);
   void set_initial_values();

@@ -41,6 +41,9 @@ std::string estimate_line(const char* label, const fitting::Fit& fit, const char
   const auto found = fit.restitution.find(name);
   if (found == fit.restitution.end()) return "";
   const auto& [value, ci] = found->second;
+  if (!std::isfinite(value))
+    return fmt::format("  {:<10} {:>9}   not simulated: the run ends in contact   {}\n", label, "-",
+                       meaning);
   if (!std::isfinite(ci[0]) || !std::isfinite(ci[1]))
     return fmt::format("  {:<10} {:>9}   not identifiable   {}\n", label, to_error(value, 0.0),
                        meaning);
@@ -113,10 +116,10 @@ std::string models_text(const fitting::ModelComparison& models) {
   std::string text = fmt::format("\n{:<{}} {:>9} {:>10} {:>10} {:>9}\n", "Models, best first",
                                  width + 2, "chi2/dof", "delta", "weight", "held out");
   for (const fitting::ModelScore& s : models.scores) {
+    const std::string note = s.note.empty() ? "" : fmt::format("    {}\n", s.note);
     if (!s.failure.empty()) {
       text += fmt::format("  {:<{}} could not be fitted: {}\n{}", s.label, width, s.failure, note);
       continue;
-    const std::string note = s.note.empty() ? "" : fmt::format("    {}\n", s.note);
     }
     const auto ratio = [](double chi2, long dof) {
       return chi2 / static_cast<double>(std::max(1L, dof));

@@ -141,6 +141,20 @@ TEST_F(FitOptions, ACandidateThatFailedHasNoNumbers) {
   EXPECT_THAT(text_of(path("fit.html")), HasSubstr("could not be fitted: contact.length"));
 }
 
+TEST_F(FitOptions, AWindowThatEndsInContactIsToldAsTheCause) {
+  const std::string call = "fit " + samples + "shen2007-1.uff --rig " + rig +
+                           " --quiet --set solver.model=hybrid --set solver.modes=12 ";
+  const Outcome o = run(call + "--window 3e-5");
+  EXPECT_THAT(o.out, HasSubstr("warning: The fitted window ends in contact: "));
+  EXPECT_THAT(o.out, testing::Not(HasSubstr("solver.duration")));
+  EXPECT_THAT(o.out, testing::Not(HasSubstr("nan")));
+  // where the run is cut off as well nothing is left but to say so
+  const Outcome cut = run(call + "--set solver.duration=\"0.03 ms\"");
+  EXPECT_THAT(cut.out, HasSubstr("state a longer solver.duration"));
+  EXPECT_THAT(cut.out, testing::ContainsRegex("kinematic +-   not simulated: the run ends in "));
+  EXPECT_THAT(cut.out, testing::Not(HasSubstr("nan")));
+}
+
 TEST_F(FitOptions, RefusesWithTheOptionsName) {
   EXPECT_THAT(refused("--prior contact.restitution=0.5"),
               HasSubstr("--prior: the prior of contact.restitution needs its standard uncertainty, "

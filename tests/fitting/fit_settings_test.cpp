@@ -484,6 +484,23 @@ TEST(FitSettings, WhatHasNoInfluenceIsNoUnknown) {
   }
 }
 
+// The window ends at the deepest point; what the bar leaves with is predicted.
+TEST(FitSettings, AWindowWithinTheContactLeavesRestitutionsToThePrediction) {
+  const RigFile rig = hybrid_rig();
+  FitOptions options;
+  options.window = 80e-6;
+  const Fit found = fit({shot()}, rig, options);
+  EXPECT_THAT(found.warnings, testing::Contains(testing::StartsWith("The fitted window ends in")));
+  EXPECT_THAT(found.warnings, testing::Not(testing::Contains(testing::HasSubstr("solver.dur"))));
+  const Fit whole = fit({shot()}, rig);
+  for (const char* name : {"kinematic", "kinetic", "energetic"}) {
+    const Estimate& e = found.restitution.at(name);
+    EXPECT_TRUE(std::isfinite(e.value)) << name;
+    EXPECT_LT(e.ci95[0], whole.restitution.at(name).value) << name;
+    EXPECT_GT(e.ci95[1], whole.restitution.at(name).value) << name;
+  }
+}
+
 TEST(FitSettings, RefusesWhatMakesNoSense) {
   FitOptions bounds;
   bounds.setting("contact.restitution").lower = 0.9;
