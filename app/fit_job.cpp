@@ -261,12 +261,12 @@ void add_fit_job(CLI::App& command, FitJob& job) {
   command.add_option("--channels", job.channels,
                      "Channels to fit, comma between; default force,velocity");
   command.add_option("--window", job.window, "Fit no more than this after first touch [s]")
-      ->check(CLI::PositiveNumber);
+      ->check(positive);
   command.add_option("--title", job.title, "Title of the report");
   command
       .add_option("--impact", job.impact,
                   "Which impact of a recording to fit, from 1; default the first")
-      ->check(CLI::PositiveNumber);
+      ->check(positive);
   add_set(command, job.common);
   add_quiet(command, job.common);
   add_force(command, job.common);

@@ -17,7 +17,7 @@ void add_import_arguments(CLI::App& command, ImportArguments& arguments) {
       ->check(CLI::IsMember({".", ","}))
       ->group(group);
   command.add_option("--skip-lines", arguments.skip_lines, "Text: lines before the column names")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0, 1000000000))
       ->group(group);
   command
       .add_option("--time-column", arguments.time_column,

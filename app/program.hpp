@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +27,16 @@ struct CommonOptions {
   bool force = false;
   std::vector<std::string> overrides;  ///< --set key=value
 };
+
+/// Of an option: a number greater than zero (CLI11's own says so by a range of 300 digits).
+inline const CLI::Validator positive(
+    [](const std::string& text) {
+      double value = 0.0;
+      return CLI::detail::lexical_cast(text, value) && value > 0.0 && std::isfinite(value)
+                 ? std::string()
+                 : "expected a number greater than zero, found " + text;
+    },
+    "POSITIVE");
 
 /// Ends the program with a code after everything was written; not an error of the program.
 struct Exit {

@@ -132,7 +132,7 @@ void add_simulate(CLI::App& program) {
   command->add_option("rig", options->rig, "Rig file (TOML)")->required();
   command->add_option("-o,--output", options->output, "History: .h5, .mat, .csv or .uff");
   command->add_option("--interval", options->interval, "Sample interval of the history [s]")
-      ->check(CLI::PositiveNumber)
+      ->check(positive)
       ->capture_default_str();
   command->add_flag("--explain", options->explain,
                     "List the simplifications taken, and why they are safe here");

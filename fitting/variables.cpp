@@ -214,6 +214,19 @@ void add_physics(const std::vector<Impact>& impacts, const RigFile& rig, const W
   }
 }
 
+/// A groove is wider than the bar: where one of the two radii is fitted, the other one bounds it.
+void keep_in_groove(const models::Contact& contact, const Wishes& wishes,
+                    std::vector<Variable>& variables) {
+  constexpr double play = 1e-6;  // of the radius
+  const bool both =
+      wishes.asks_for("contact.radius") && wishes.asks_for("contact.counterface.radius");
+  if (contact.counterface != models::Counterface::groove || both) return;
+  for (Variable& v : variables) {
+    if (v.name == "contact.counterface.radius") v.lower = (1.0 + play) * contact.radius;
+    if (v.name == "contact.radius") v.upper = (1.0 - play) * contact.counter_radius;
+  }
+}
+
 Variable first_touch(const Impact& impact, int shot) {
   Variable touch;
   touch.role = Variable::Role::touch;
@@ -367,6 +380,7 @@ std::vector<Variable> make_variables(const std::vector<Impact>& impacts, const R
   refuse_idle_damping(rig.rig, options, wishes);
   std::vector<Variable> variables;
   add_physics(impacts, rig, wishes, variables);
+  keep_in_groove(rig.rig.contact, wishes, variables);
   const int shots = static_cast<int>(impacts.size());
   for (int shot = 0; shot < shots; ++shot) {
     const Impact& impact = impacts[static_cast<std::size_t>(shot)];

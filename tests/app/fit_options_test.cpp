@@ -182,6 +182,9 @@ TEST_F(FitOptions, RefusesWithTheOptionsName) {
   EXPECT_THAT(refused("--against contact.law=gold,johnson"),
               HasSubstr("--against: contact.law: there is no elastic law 'gold'"));
   EXPECT_THAT(refused("--against fit.loss=huber"), HasSubstr("fit.loss is no part of a model"));
+  const std::string window = refused("--window 0");
+  EXPECT_THAT(window, HasSubstr("--window: expected a number greater than zero, found 0"));
+  EXPECT_LT(window.size(), 200U);
   // only the rig file knows the other bound
   const Outcome o = run(fast + "--bounds contact.restitution=0.9:0.3");
   EXPECT_EQ(o.code, 3);

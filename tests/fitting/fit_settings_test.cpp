@@ -484,6 +484,19 @@ TEST(FitSettings, WhatHasNoInfluenceIsNoUnknown) {
   }
 }
 
+// The groove of a fitted radius stays wider than the bar, and so does its interval.
+TEST(FitSettings, AGroovesRadiusIsBoundedByTheBars) {
+  const RigFile rig = rigid_rig({});
+  FitOptions options;
+  options.free = {"contact.counterface.radius", "start.velocity"};
+  const auto impact = synthetic_shot(rig, {.force_noise = 200.0, .duration = 1.6e-3, .seed = 4});
+  const Parameter groove = parameter(fit({impact}, rig, options), "contact.counterface.radius");
+  EXPECT_NEAR(groove.lower, 15e-3, 1e-7);
+  EXPECT_GE(groove.ci95[0], groove.lower);
+  options.free = {"contact.radius", "start.velocity"};
+  EXPECT_NEAR(parameter(fit({impact}, rig, options), "contact.radius").upper, 17.5e-3, 1e-7);
+}
+
 // The window ends at the deepest point; what the bar leaves with is predicted.
 TEST(FitSettings, AWindowWithinTheContactLeavesRestitutionsToThePrediction) {
   const RigFile rig = hybrid_rig();
