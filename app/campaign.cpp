@@ -267,6 +267,10 @@ void write_summary(Run& run) {
 }
 
 void campaign(const Options& options) {
+  if (!options.job.shared.empty())
+    throw CLI::ValidationError("--shared",
+                               "a campaign fits every recording by itself, which shares nothing; "
+                               "`impactrig fit` takes several recordings at once");
   const auto started = std::chrono::steady_clock::now();
   Run run{.options = options,
           .items = campaign_items(options.job.recordings),

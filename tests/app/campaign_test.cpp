@@ -186,6 +186,14 @@ TEST_F(CampaignCommand, DoesNotReplaceResultsOfOtherOptionsUnasked) {
   EXPECT_NE(forced.code, 4);
 }
 
+// Nothing could come of it, and a wish is not dropped in silence.
+TEST_F(CampaignCommand, RefusesToShareBetweenRecordings) {
+  const Outcome o = run(command(shots()) + " --shared contact.restitution");
+  EXPECT_EQ(o.code, 2);
+  EXPECT_THAT(o.err, HasSubstr("--shared: a campaign fits every recording by itself"));
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
 TEST_F(CampaignCommand, RefusesAFolderOfSomethingElse) {
   fs::create_directories(path("out"));
   write("out/letter.txt", "dear colleague");
