@@ -196,6 +196,14 @@ void read_start(TableReader& table, models::Start& start) {
   table.finish();
 }
 
+std::optional<int> read_modes(TableReader& table, std::string_view key, int fewest) {
+  const std::optional<int> modes = table.integer(key);
+  if (modes && !(*modes >= fewest && *modes <= models::Solver::most_modes))
+    table.refuse(key, fmt::format("must lie between {} and {}, found {}", fewest,
+                                  models::Solver::most_modes, *modes));
+  return modes;
+}
+
 void read_solver(TableReader& table, RigFile& file) {
   models::Solver& solver = file.solver;
   if (const auto model = table.choice("model", {"rigid", "hybrid", "ancf"})) {
@@ -213,8 +221,8 @@ void read_solver(TableReader& table, RigFile& file) {
           "elements",
           "expected one number, or two as in [14, 2]: hinge to struck point, struck point to tip");
   }
-  solver.modes = table.integer("modes").value_or(solver.modes);
-  solver.axial_modes = table.integer("axial_modes").value_or(solver.axial_modes);
+  solver.modes = read_modes(table, "modes", 1).value_or(solver.modes);
+  solver.axial_modes = read_modes(table, "axial_modes", 0).value_or(solver.axial_modes);
   if (const auto basis = table.choice("basis", {"cantilever", "pinned-free"}))
     solver.basis = static_cast<models::Basis>(*basis);
   if (const auto accuracy = table.number("accuracy")) solver.accuracy = *accuracy;

@@ -247,16 +247,17 @@ void validate_solver(const Solver& solver, const Rig& rig) {
              fmt::format("the struck point is the bar's tip: the second number must be 0, found {}",
                          solver.elements[1]));
   }
-  if (solver.model == BeamModel::hybrid && !(solver.modes >= 1 && solver.modes <= 60))
-    refuse("solver.modes", fmt::format("must lie between 1 and 60, found {}", solver.modes));
+  constexpr int most = 2 * Solver::most_modes;  // to tell the error of as many
+  if (solver.model == BeamModel::hybrid && !(solver.modes >= 1 && solver.modes <= most))
+    refuse("solver.modes", fmt::format("must lie between 1 and {}, found {}", most, solver.modes));
   if (solver.model == BeamModel::hybrid && solver.axial_modes > 0 && !rig.beam.segments.empty())
     refuse("solver.axial_modes",
            fmt::format("axial shapes are those of a uniform bar, this one has segments: must be 0, "
                        "found {}; ANCF elements stretch",
                        solver.axial_modes));
-  if (solver.model == BeamModel::hybrid && !(solver.axial_modes >= 0 && solver.axial_modes <= 60))
+  if (solver.model == BeamModel::hybrid && !(solver.axial_modes >= 0 && solver.axial_modes <= most))
     refuse("solver.axial_modes",
-           fmt::format("must lie between 0 and 60, found {}", solver.axial_modes));
+           fmt::format("must lie between 0 and {}, found {}", most, solver.axial_modes));
 }
 
 }  // namespace

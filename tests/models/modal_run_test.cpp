@@ -238,4 +238,18 @@ TEST(ChooseMesh, ReachesTheAccuracyWithTheCoarsestMesh) {
   EXPECT_LE(difference(run, converged), 1.3 * 5e-3);
 }
 
+// As many modes as may be stated still have the error of their mesh told, by twice as many.
+TEST(MeshError, IsToldOfAsManyModesAsMayBeStated) {
+  Rig rig = paper_rig();
+  double before = 1.0;
+  for (const int modes : {20, 40, 80, Solver::most_modes}) {
+    Solver solver = hybrid(Basis::pinned_free, modes, 1e-6, 1e-3);
+    const std::optional<MeshError> error = mesh_error(rig, solver);
+    ASSERT_TRUE(error.has_value()) << modes;
+    EXPECT_LT(error->largest(), 0.7 * before) << modes;
+    before = error->largest();
+  }
+  EXPECT_LT(before, 1e-3);
+}
+
 }  // namespace

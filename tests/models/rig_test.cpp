@@ -271,17 +271,17 @@ TEST(Validate, RefusesSolversThatCannotWork) {
          s.model = BeamModel::hybrid;
          s.modes = 0;
        },
-       "solver.modes: must lie between 1 and 60, found 0"},
+       "solver.modes: must lie between 1 and 240, found 0"},
       {[](Rig&, Solver& s) {
          s.model = BeamModel::hybrid;
-         s.modes = 61;
+         s.modes = 241;
        },
-       "solver.modes: must lie between 1 and 60, found 61"},
+       "solver.modes: must lie between 1 and 240, found 241"},
       {[](Rig&, Solver& s) {
          s.model = BeamModel::hybrid;
          s.axial_modes = -1;
        },
-       "solver.axial_modes: must lie between 0 and 60, found -1"},
+       "solver.axial_modes: must lie between 0 and 240, found -1"},
   });
 }
 
