@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "datasets/number_text.hpp"
-#include "models/contact/contact_force.hpp"
+#include "models/contact/elastic_law.hpp"
 
 namespace impactrig::fitting {
 namespace {
@@ -54,15 +54,15 @@ Eigen::MatrixXd by_logarithms(const FitProblem& problem, const Eigen::MatrixXd& 
 
 /// dF/dδ of the elastic law where it gives this force.
 double stiffness_at(const models::Rig& rig, double force) {
-  const models::ContactForce law(rig);
+  const models::ElasticLaw law = models::elastic_law(rig.contact);
   double low = 0.0, high = 1e-9;
-  while (law.elastic(high) < force && high < 1.0) high *= 2.0;
+  while (elastic_force(law, high) < force && high < 1.0) high *= 2.0;
   for (int i = 0; i < 80; ++i) {
     const double middle = 0.5 * (low + high);
-    (law.elastic(middle) < force ? low : high) = middle;
+    (elastic_force(law, middle) < force ? low : high) = middle;
   }
   const double step = 1e-4 * high;
-  return (law.elastic(high + step) - law.elastic(high - step)) / (2.0 * step);
+  return (elastic_force(law, high + step) - elastic_force(law, high - step)) / (2.0 * step);
 }
 
 ContactStiffness contact_stiffness(const FitProblem& problem,

@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -97,6 +98,22 @@ TEST(Search, OfAWrongModelEnds) {
   };
   EXPECT_LT(simulations(0.4, 0.6, 1.0), 400);
   EXPECT_LT(simulations(0.35, 0.7, 2.0), 900);
+}
+
+// What asks for laws beside the one found keeps to their range.
+TEST(Search, EndsAtAnElasticContact) {
+  const RigFile rig = hybrid_rig("0.8 ms", {{"contact.damping", "exact"}});
+  const RigFile start =
+      hybrid_rig("0.8 ms", {{"contact.damping", "exact"}, {"contact.restitution", "0.9"}});
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const Fit result =
+        fit({synthetic_shot(rig, {.restitution = 1.0, .duration = 0.9e-3, .seed = seed})}, start);
+    EXPECT_EQ(result.termination, "converged");
+    const Parameter& e = tests::parameter(result, "contact.restitution");
+    EXPECT_GT(e.value, 1.0 - 5.0 * std::max(e.std_error, 2e-4)) << seed;
+    EXPECT_LT(std::abs(result.goodness.chi2 / static_cast<double>(result.goodness.dof) - 1.0),
+              0.15);
+  }
 }
 
 }  // namespace
