@@ -384,7 +384,8 @@ void Session::estimate_mesh_shift() {
     });
     keep_within_bounds(end_.mesh_shift);
   } catch (const std::exception& error) {
-    warnings_.push_back(fmt::format("The mesh error could not be estimated: {}", error.what()));
+    warnings_.push_back(fmt::format(
+        "The mesh error could not be estimated, so that no interval has it: {}", error.what()));
   }
   problem_.set_motion(motion);
 }

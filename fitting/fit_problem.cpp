@@ -193,7 +193,8 @@ FittedChannel FitProblem::weigh(const Impact& impact, const ImpactSignal& signal
   if (sigma > 1e-9 * largest) {
     const double quiet_end =
         impact.start - std::max(5.0 * signal.interval, margin_part * (impact.end - impact.start));
-    channel.noise = quiet_noise(signal, quiet_end, rig_->mains_frequency, sigma);
+    channel.noise = quiet_noise(signal, quiet_end, rig_->mains_frequency, sigma,
+                                signal.quantum / std::sqrt(12.0));
     return channel;
   }
   sigma = unseen_noise * (largest > 0.0 ? largest : 1.0);

@@ -137,6 +137,43 @@ std::map<std::string, double> metrics_of(const ChannelFit& channel) {
   return metrics(measured, computed, !measured.empty() && last - first + 1 == measured.size());
 }
 
+/// How many independent samples the noise is known from, of the channel that has fewest over all
+/// recordings; and which that is.
+struct KnownNoise {
+  double samples = std::numeric_limits<double>::infinity();
+  std::string channel;
+};
+
+KnownNoise least_known_noise(const FitProblem& problem) {
+  std::map<std::string, double> samples;
+  for (const Shot& shot : problem.shots())
+    for (const FittedChannel& channel : shot.channels)
+      samples[channel.signal->channel] += channel.noise.freedom();
+  KnownNoise least;
+  for (const auto& [channel, count] : samples)
+    if (count < least.samples) least = {count, channel};
+  return least;
+}
+
+/// Of a 95 % interval, in standard errors: Student's, of what tells the size of the noise.
+double half_width(const FitProblem& problem, const Goodness& goodness) {
+  const double dof =
+      std::min(static_cast<double>(goodness.dof), least_known_noise(problem).samples);
+  return boost::math::quantile(boost::math::students_t(std::max(1.0, dof)), 0.975);
+}
+
+void warn_of_noise(const FitProblem& problem, Fit& fit) {
+  constexpr double enough = 30.0;
+  const KnownNoise least = least_known_noise(problem);
+  if (!(least.samples < enough)) return;
+  fit.warnings.push_back(fmt::format(
+      "The noise of {} before touch tells as much as {} independent samples would: how large it is "
+      "and how it hangs together is hardly known. The 95 % intervals are {} times wider for that, "
+      "profiles and bootstrap are not. Record a longer pre-trigger.",
+      least.channel, datasets::figures(least.samples, 2),
+      datasets::figures(half_width(problem, fit.goodness) / 1.96, 3)));
+}
+
 void warn_of_residuals(double inflation, bool robust, Fit& fit) {
   for (const ChannelFit& channel : fit.channels) {
     const double ratio = channel.residual_rms / channel.noise;
@@ -219,8 +256,7 @@ double report_goodness(const FitProblem& problem, const Uncertainty& spread, Goo
 }
 
 void report_parameters(const FitProblem& problem, const FitEnd& end, Fit& fit) {
-  const double dof = std::max(1.0, static_cast<double>(fit.goodness.dof));
-  const double quantile = boost::math::quantile(boost::math::students_t(dof), 0.975);
+  const double quantile = half_width(problem, fit.goodness);
   const Eigen::MatrixXd lines = lines_of(problem);
   const Eigen::MatrixXd covariance = lines * end.spread.covariance * lines.transpose();
   for (std::size_t i = 0; i < problem.variables().size(); ++i) {
@@ -287,8 +323,7 @@ void report_restitution(const FitProblem& problem, const FitEnd& end, Fit& fit) 
   Eigen::VectorXd sizes(gradient.cols());
   for (Eigen::Index i = 0; i < sizes.size(); ++i)
     sizes[i] = problem.variables()[problem.unknowns()[static_cast<std::size_t>(i)]].scale;
-  const double dof = std::max(1.0, static_cast<double>(fit.goodness.dof));
-  const double quantile = boost::math::quantile(boost::math::students_t(dof), 0.975);
+  const double quantile = half_width(problem, fit.goodness);
   const models::Restitution& r = fit.predictions.front().restitution;
   const models::Restitution& finer = end.mesh_change;
   const double changes[] = {finer.kinematic, finer.kinetic, finer.energetic};
@@ -335,6 +370,7 @@ RigFile fitted_rig(const FitProblem& problem) {
 
 void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit) {
   warn_of_residuals(end.inflation, problem.loss() != Loss::squares, fit);
+  warn_of_noise(problem, fit);
   warn_of_mesh(fit);
   warn_of_priors(problem, fit);
   for (const Shot& shot : problem.shots())

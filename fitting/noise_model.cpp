@@ -1,36 +1,34 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fitting/noise_model.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 namespace impactrig::fitting {
 namespace {
 
-constexpr std::size_t fewest_samples = 100;
-constexpr std::size_t samples_an_order = 20;
-constexpr std::size_t highest_order = 24;
+constexpr Eigen::Index samples_an_order = 20, highest_order = 24;
+constexpr double settled = 1e-4;  // of the standard deviation of a long record's mean
+constexpr int most_rounds = 20;
 
 /// Burg's recursion: the reflection coefficients that make forward and backward prediction errors
-/// least, order by order.
-std::vector<double> reflections(std::span<const double> x, std::size_t orders) {
-  std::vector<double> forward(x.begin(), x.end()), backward(x.begin(), x.end());
+/// least, order by order, over all columns together.
+std::vector<double> reflections(const Eigen::MatrixXd& series, Eigen::Index orders) {
+  const Eigen::Index n = series.rows();
+  Eigen::MatrixXd forward = series, backward = series;
   std::vector<double> result;
-  for (std::size_t m = 1; m <= orders; ++m) {
-    double product = 0.0, squares = 0.0;
-    for (std::size_t k = m; k < x.size(); ++k) {
-      product += forward[k] * backward[k - 1];
-      squares += forward[k] * forward[k] + backward[k - 1] * backward[k - 1];
-    }
+  for (Eigen::Index m = 1; m <= orders; ++m) {
+    auto ahead = forward.bottomRows(n - m);
+    auto behind = backward.middleRows(m - 1, n - m);
+    const double squares = ahead.squaredNorm() + behind.squaredNorm();
     if (!(squares > 0.0)) break;
-    const double reflection = 2.0 * product / squares;
+    const double reflection = 2.0 * ahead.cwiseProduct(behind).sum() / squares;
     if (!(std::abs(reflection) < 1.0)) break;
     result.push_back(reflection);
-    for (std::size_t k = x.size() - 1; k >= m; --k) {
-      const double f = forward[k], b = backward[k - 1];
-      forward[k] = f - reflection * b;
-      backward[k] = b - reflection * f;
-    }
+    const Eigen::MatrixXd f = ahead - reflection * behind, b = behind - reflection * ahead;
+    ahead = f;
+    backward.bottomRows(n - m) = b;
   }
   return result;
 }
@@ -57,12 +55,13 @@ NoiseModel::NoiseModel(double sigma, double correlation)
       correlation_(correlation),
       deviations_{sigma * std::sqrt(correlation)} {}
 
-NoiseModel NoiseModel::estimate(std::span<const double> quiet, double sigma) {
-  NoiseModel model(sigma, 1.0);
-  if (quiet.size() < fewest_samples) return model;
+NoiseModel NoiseModel::of_series(const Eigen::MatrixXd& series) {
+  const auto samples = static_cast<double>(series.rows());
+  NoiseModel model(std::sqrt(series.squaredNorm() / samples), 1.0);
+  if (!(model.sigma_ > 0.0)) return model;
   std::vector<double> found =
-      reflections(quiet, std::min(highest_order, quiet.size() / samples_an_order));
-  found.resize(best_order(found, quiet.size()));
+      reflections(series, std::min(highest_order, series.rows() / samples_an_order));
+  found.resize(best_order(found, static_cast<std::size_t>(series.rows())));
   std::vector<double> predictor;
   for (const double reflection : found) {
     std::vector<double> next = predictor;
@@ -74,6 +73,51 @@ NoiseModel NoiseModel::estimate(std::span<const double> quiet, double sigma) {
     model.deviations_.push_back(model.deviations_.back() *
                                 std::sqrt(1.0 - reflection * reflection));
   }
+  return model;
+}
+
+NoiseModel NoiseModel::estimate(const Eigen::VectorXd& quiet, const Eigen::MatrixXd& trends) {
+  const Eigen::Index n = trends.rows(), p = trends.cols();
+  const auto whitened = [n](const NoiseModel& noise, Eigen::MatrixXd columns) {
+    for (Eigen::Index k = 0; k < columns.cols(); ++k)
+      noise.whiten({columns.col(k).data(), static_cast<std::size_t>(n)});
+    return columns;
+  };
+  NoiseModel model = p > 0 ? NoiseModel(1.0, 1.0) : of_series(quiet);
+  double before = 0.0;
+  for (int round = 0; p > 0 && round < most_rounds; ++round) {
+    // what the trends hide of the noise has the covariance of the trends themselves, X R⁻¹ (X R⁻¹)ᵀ
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(whitened(model, trends));
+    const Eigen::MatrixXd r = qr.matrixQR().topRows(p).triangularView<Eigen::Upper>();
+    const Eigen::VectorXd level = qr.solve(whitened(model, quiet)).col(0);
+    Eigen::MatrixXd series(n, round == 0 ? 1 : 1 + p);
+    series.col(0) = quiet - trends * level;
+    if (round > 0)
+      series.rightCols(p) =
+          r.transpose().triangularView<Eigen::Lower>().solve(trends.transpose()).transpose();
+    model = of_series(series);
+    const double slow = model.sigma_ * std::sqrt(model.correlation_time());
+    if (round > 1 && std::abs(slow - before) <= settled * slow) break;
+    before = slow;
+  }
+  // how well its level is known at low frequency, as by so many independent samples: of first order
+  // var ln S(0) = 2/n + 4 c/n
+  const double known = model.order() > 0 ? 1.0 + 2.0 * model.correlation_time() : 1.0;
+  model.freedom_ = std::max(1.0, static_cast<double>(n) / known - static_cast<double>(p));
+  return model;
+}
+
+NoiseModel NoiseModel::known_from(double samples) const {
+  NoiseModel model = *this;
+  model.freedom_ = std::max(1.0, samples);
+  return model;
+}
+
+NoiseModel NoiseModel::at_least(double sigma) const {
+  NoiseModel model = *this;
+  if (!(sigma > sigma_)) return model;
+  for (double& deviation : model.deviations_) deviation *= sigma / sigma_;
+  model.sigma_ = sigma;
   return model;
 }
 

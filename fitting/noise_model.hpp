@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <functional>
+#include <Eigen/Core>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -23,11 +24,23 @@ class NoiseModel {
   /// `correlation` (>= 1) together count as one.
   NoiseModel(double sigma, double correlation);
 
-  /// Of noise seen alone, its trends taken off: reflection coefficients by Burg's recursion, the
-  /// order by the Bayesian information criterion among 0 to a twentieth of the samples, at most
-  /// 24. The standard deviation is set to `sigma`. White below 100 samples.
-  /// Source: [Burg1975], [Schwarz1978].
-  static NoiseModel estimate(std::span<const double> quiet, double sigma);
+  /// Of noise seen on top of unknown trends (n_samples, n_trends): reflection coefficients by
+  /// Burg's recursion, the order by the Bayesian information criterion among 0 to a twentieth of
+  /// the samples, at most 24. What the trends took from the noise with them is given back, so that
+  /// slow noise is not underrated: the restricted likelihood, by expectation and maximisation. At
+  /// least 20 samples more than trends.
+  /// Source: [Burg1975], [Schwarz1978], [PattersonThompson1971], [DempsterEtAl1977].
+  static NoiseModel estimate(const Eigen::VectorXd& quiet, const Eigen::MatrixXd& trends);
+
+  /// The same, known from this many independent samples.
+  NoiseModel known_from(double samples) const;
+
+  /// The same with the standard deviation of a sample, at least this.
+  NoiseModel at_least(double sigma) const;
+
+  /// From how many independent samples, less the trends, its level is known, slow noise included;
+  /// infinite where it was stated.
+  double freedom() const { return freedom_; }
 
   double sigma() const { return sigma_; }  ///< of a sample [SI]
 
@@ -49,8 +62,11 @@ class NoiseModel {
   void colour(std::span<double> white) const;
 
  private:
+  static NoiseModel of_series(const Eigen::MatrixXd& series);
+
   double sigma_ = 1.0;
   double correlation_ = 1.0;
+  double freedom_ = std::numeric_limits<double>::infinity();
   std::vector<std::vector<double>> predictors_;  // of order 1, 2, … p
   std::vector<double> deviations_;  // of the prediction error of order 0, 1, … p [SI]
 };

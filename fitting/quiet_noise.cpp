@@ -10,7 +10,7 @@
 namespace impactrig::fitting {
 namespace {
 
-constexpr std::size_t fewest = 100;
+constexpr std::size_t fewest = 40;
 constexpr double hum_periods = 0.5;  // a shorter stretch takes hum for its line
 
 /// The last stretch of sound samples before an instant.
@@ -30,11 +30,12 @@ std::vector<double> last_sound(const datasets::ImpactSignal& signal, double unti
 }  // namespace
 
 NoiseModel quiet_noise(const datasets::ImpactSignal& signal, double until, double mains_frequency,
-                       double sigma) {
-  const NoiseModel white(sigma, std::max(1.0, signal.noise_correlation));
+                       double sigma, double least) {
+  const NoiseModel white(std::max(sigma, least), std::max(1.0, signal.noise_correlation));
   double start = 0.0;
   const std::vector<double> stretch = last_sound(signal, until, start);
-  if (stretch.size() < fewest) return white;
+  if (stretch.size() < fewest)
+    return white.known_from(static_cast<double>(stretch.size()) / white.correlation_time() - 2.0);
   const auto count = static_cast<Eigen::Index>(stretch.size());
   const double length = signal.interval * static_cast<double>(stretch.size());
   const double turns = length * mains_frequency;
@@ -50,8 +51,7 @@ NoiseModel quiet_noise(const datasets::ImpactSignal& signal, double until, doubl
     }
   }
   const Eigen::Map<const Eigen::VectorXd> values(stretch.data(), count);
-  const Eigen::VectorXd rest = values - trends * trends.colPivHouseholderQr().solve(values);
-  return NoiseModel::estimate({rest.data(), stretch.size()}, sigma);
+  return NoiseModel::estimate(values, trends).at_least(least);
 }
 
 }  // namespace impactrig::fitting

@@ -8,9 +8,9 @@ namespace impactrig::fitting {
 
 /// The noise of a channel, from its samples before `until` [s] less a line (a parabola for a
 /// displacement) and mains hum of this frequency [Hz] where the stretch is long enough to tell it.
-/// Of the standard deviation `sigma`, which detection knows; where fewer than 100 sound samples
-/// follow each other there, white with the signal's noise_correlation.
+/// Of the standard deviation `least` at least; where fewer than 40 sound samples follow each other
+/// there, white with `sigma`, which detection knows, and the signal's noise_correlation.
 NoiseModel quiet_noise(const datasets::ImpactSignal& signal, double until, double mains_frequency,
-                       double sigma);
+                       double sigma, double least);
 
 }  // namespace impactrig::fitting

@@ -79,10 +79,18 @@ void expect_exact_whitening(const NoiseModel& noise, const SecondOrder& of, doub
   EXPECT_LT((whitened - Eigen::MatrixXd::Identity(n, n)).cwiseAbs().maxCoeff(), 1e-10);
 }
 
+/// Of noise scaled to the standard deviation `sigma`, without trends.
+NoiseModel estimated(std::vector<double> quiet, double sigma) {
+  for (double& value : quiet) value *= 0.1 * sigma;
+  const Eigen::Map<const Eigen::VectorXd> values(quiet.data(),
+                                                 static_cast<Eigen::Index>(quiet.size()));
+  return NoiseModel::estimate(values, Eigen::MatrixXd(values.size(), 0)).at_least(sigma);
+}
+
 // φ is known to √((1 − φ²) / n) = 0.0031; bound at four of that.
 TEST(NoiseModel, WhitensFirstOrderNoiseExactly) {
   const double phi = 0.9, sigma = 2.5;
-  const NoiseModel noise = NoiseModel::estimate(gaussian_noise(20000, 7, phi), sigma);
+  const NoiseModel noise = estimated(gaussian_noise(20000, 7, phi), sigma);
   ASSERT_EQ(noise.order(), 1);
   const SecondOrder found = coefficients(noise);
   EXPECT_NEAR(found.a, phi, 0.013);
@@ -97,7 +105,7 @@ TEST(NoiseModel, WhitensFirstOrderNoiseExactly) {
 // σ_e² = 1 − a ρ_1 − b ρ_2. a and b are known to √((1 − b²) / n) = 0.0061.
 TEST(NoiseModel, WhitensSecondOrderNoiseExactly) {
   const double sigma = 0.3;
-  const NoiseModel noise = NoiseModel::estimate(second_order_noise(20000, 8, 1.2, -0.5), sigma);
+  const NoiseModel noise = estimated(second_order_noise(20000, 8, 1.2, -0.5), sigma);
   ASSERT_EQ(noise.order(), 2);
   const SecondOrder found = coefficients(noise);
   EXPECT_NEAR(found.a, 1.2, 0.025);
@@ -114,7 +122,7 @@ TEST(NoiseModel, IsStationaryFromTheFirstSampleOn) {
   std::vector<double> hard = second_order_noise(4000, 9, 1.6, -0.8);
   const std::vector<double> other = second_order_noise(4000, 10, -0.9, -0.3);
   for (std::size_t k = 0; k < hard.size(); ++k) hard[k] += 2.0 * other[k];
-  const NoiseModel noise = NoiseModel::estimate(hard, 1.7);
+  const NoiseModel noise = estimated(hard, 1.7);
   ASSERT_GT(noise.order(), 2);
   const Eigen::MatrixXd lower = colouring(noise, 60);
   const Eigen::MatrixXd covariance = lower * lower.transpose();
@@ -125,7 +133,7 @@ TEST(NoiseModel, IsStationaryFromTheFirstSampleOn) {
 }
 
 TEST(NoiseModel, ColourTakesBackWhiten) {
-  const NoiseModel noise = NoiseModel::estimate(second_order_noise(2000, 11, 1.2, -0.5), 3.0);
+  const NoiseModel noise = estimated(second_order_noise(2000, 11, 1.2, -0.5), 3.0);
   const std::vector<double> before = gaussian_noise(500, 12);
   std::vector<double> after = before;
   noise.whiten(after);
@@ -138,7 +146,7 @@ TEST(NoiseModel, ColourTakesBackWhiten) {
 TEST(NoiseModel, TakesWhiteNoiseForWhite) {
   int coloured = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed)
-    coloured += NoiseModel::estimate(gaussian_noise(1000, seed), 1.0).order() > 0 ? 1 : 0;
+    coloured += estimated(gaussian_noise(1000, seed), 1.0).order() > 0 ? 1 : 0;
   EXPECT_LT(coloured, 10);
 }
 
@@ -147,8 +155,8 @@ TEST(NoiseModel, TakesWhiteNoiseForWhite) {
 TEST(NoiseModel, FindsTheOrder) {
   int first = 0, second = 0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
-    const NoiseModel of_one = NoiseModel::estimate(gaussian_noise(1000, seed, 0.9), 1.0);
-    const NoiseModel of_two = NoiseModel::estimate(second_order_noise(1000, seed, 1.2, -0.5), 1.0);
+    const NoiseModel of_one = estimated(gaussian_noise(1000, seed, 0.9), 1.0);
+    const NoiseModel of_two = estimated(second_order_noise(1000, seed, 1.2, -0.5), 1.0);
     EXPECT_GE(of_one.order(), 1) << "seed " << seed;
     EXPECT_GE(of_two.order(), 2) << "seed " << seed;
     first += of_one.order() == 1 ? 1 : 0;
@@ -158,12 +166,44 @@ TEST(NoiseModel, FindsTheOrder) {
   EXPECT_GT(second, 93);
 }
 
-TEST(NoiseModel, TakesAFewSamplesForWhite) {
-  const NoiseModel noise = NoiseModel::estimate(gaussian_noise(99, 1, 0.9), 2.0);
-  EXPECT_EQ(noise.order(), 0);
-  std::vector<double> value = {4.0};
-  noise.whiten(value);
-  EXPECT_DOUBLE_EQ(value[0], 2.0);
+/// Of a line and mains hum over three quarters of its period.
+Eigen::MatrixXd trends_of(Eigen::Index n) {
+  Eigen::MatrixXd trends(n, 6);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double part = static_cast<double>(i) / static_cast<double>(n),
+                 turn = 1.5 * 3.14159 * part;
+    trends.row(i) << 1.0, part, std::sin(turn), std::cos(turn), std::sin(3.0 * turn),
+        std::cos(3.0 * turn);
+  }
+  return trends;
+}
+
+// Six trends take most of what is slow in 100 independent samples: of the variance of a long mean,
+// which is 19, 0.76 was left before that was given back. 200 records know its mean to 0.02.
+TEST(NoiseModel, GivesBackWhatTrendsTakeOfSlowNoise) {
+  const Eigen::Index n = 1900;
+  const Eigen::MatrixXd trends = trends_of(n);
+  double slow = 0.0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const std::vector<double> noise = gaussian_noise(static_cast<std::size_t>(n), seed, 0.9);
+    const NoiseModel model =
+        NoiseModel::estimate(Eigen::Map<const Eigen::VectorXd>(noise.data(), n), trends);
+    slow += model.sigma() * model.sigma() * model.correlation_time() / 19.0 / 200.0;
+    const double independent = static_cast<double>(n) / (1.0 + 2.0 * model.correlation_time());
+    EXPECT_NEAR(model.freedom(), independent - 6.0, 1e-9);
+  }
+  EXPECT_NEAR(slow, 1.0, 0.08);
+}
+
+// The residual sum of squares over n - p.
+TEST(NoiseModel, TakesItsDegreesOfFreedomOffWhiteNoise) {
+  const std::vector<double> noise = gaussian_noise(60, 3);
+  const Eigen::Map<const Eigen::VectorXd> quiet(noise.data(), 60);
+  const Eigen::MatrixXd trends = trends_of(60);
+  const NoiseModel model = NoiseModel::estimate(quiet, trends);
+  ASSERT_EQ(model.order(), 0);
+  const double rest = (quiet - trends * trends.householderQr().solve(quiet)).squaredNorm();
+  EXPECT_NEAR(model.sigma(), std::sqrt(rest / 54.0), 1e-3 * model.sigma());
 }
 
 // Of 4 samples that count as one, n have the information of n / 4.
