@@ -240,12 +240,16 @@ Variable first_touch(const Impact& impact, int shot) {
   return touch;
 }
 
-/// One of the measuring chain for all recordings, where that is wished: the first one stays.
+/// One of the measuring chain for all recordings, the first one: of a sensor's calibration, which
+/// is not drawn anew for each shot, unless that is wished otherwise or one recording's own is
+/// named; of a background where it is wished.
 void share(const Wishes& wishes, std::vector<Variable>& variables) {
   std::vector<Variable> kept;
   for (Variable& v : variables) {
+    const bool calibration = v.role == Variable::Role::gain || v.role == Variable::Role::delay ||
+                             v.role == Variable::Role::chain;
     if (v.role != Variable::Role::physics && v.role != Variable::Role::touch && v.recording >= 0 &&
-        wishes.shares(v.name, false)) {
+        wishes.shares(v.name, calibration && !wishes.names_one_of(v.name))) {
       if (std::ranges::find(kept, v.name, &Variable::name) != kept.end()) continue;
       v.recording = -1;
     }

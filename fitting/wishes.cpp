@@ -112,6 +112,12 @@ std::optional<ParameterSetting> Wishes::of(const Variable& v) const {
   return stated;
 }
 
+bool Wishes::names_one_of(std::string_view name) const {
+  return std::ranges::any_of(numbered_names(), [&](const std::string& numbered) {
+    return parameter_key(numbered).key == name;
+  });
+}
+
 std::vector<std::string> Wishes::numbered_names() const {
   std::vector<std::string> names = options_.free;
   for (const ParameterSetting& setting : options_.settings) {

@@ -40,6 +40,9 @@ class Wishes {
   bool fixes(const Variable& v) const;
   bool shares(std::string_view name, bool by_itself) const;
 
+  /// Whether one recording's own of this name is named.
+  bool names_one_of(std::string_view name) const;
+
   /// What is stated of a variable: of its recording's own, and beside that of all.
   std::optional<ParameterSetting> of(const Variable& v) const;
 
