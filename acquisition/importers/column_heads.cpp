@@ -103,7 +103,7 @@ Cells head_cells(std::string_view line, const TableLayout& layout) {
   Cells own = blank ? Cells{} : divided(layout.dialect.delimiter);
   if (!blank && own.size() >= layout.cells) return own;
   const auto fits = [&layout](const Cells& cells) {
-    return cells.size() == layout.cells &&
+    return cells.size() <= layout.cells && cells.size() + layout.cells_beside() >= layout.cells &&
            std::none_of(cells.begin(), cells.end(), [](auto cell) { return cell.empty(); });
   };
   for (const auto& divide : {divided_at_gaps, divided_with_units})
@@ -266,6 +266,15 @@ void find_names_and_units(const TableLayout& layout, const std::vector<std::size
   if (bottom.empty() || !all_named || has_number(bottom, decimal)) return;
   names = bottom;
   head.names_line = bottom_line;
+}
+
+/// A date and time in several cells may have one name: it is that of the last of them.
+void spread_names(const TableLayout& layout, Cells& names) {
+  if (names.empty()) return;
+  for (const DateColumns& date : layout.dates)
+    for (std::size_t c = date.first; c < date.last && names.size() < layout.cells; ++c)
+      names.insert(names.begin() + static_cast<std::ptrdiff_t>(std::min(c, names.size())),
+                   std::string_view());
 }
 
 std::vector<ColumnHead> heads_of(const Cells& names, const Cells& units) {
@@ -478,6 +487,7 @@ TableHead read_head(const TableLayout& layout) {
   Cells names;
   Cells units;
   find_names_and_units(layout, filled, names, units, head);
+  spread_names(layout, names);
   head.columns = heads_of(names, units);
   if (!layout.key_lines.empty()) take_keys(layout, head);
   for (const std::size_t i : filled) {

@@ -34,7 +34,7 @@ std::vector<std::size_t> increasing_throughout(TextFile& file, const TableLayout
   while (!rows.at_end() && !columns.empty()) {
     std::vector<bool> needed(names.size(), false);
     for (const std::size_t c : columns) needed[c] = true;
-    rows.read_only(std::move(needed));
+    rows.read_only(needed);
     const char* const start = rows.at();
     const Table piece = rows.read(rows_at_once);
     std::erase_if(columns, [&](std::size_t c) {
@@ -66,11 +66,12 @@ struct CsvHead {
   /// columns are further times is for all to say.
   void settle(const Table& rows, const ImportOptions& options, bool read_on, Record& record) {
     record.attributes = head.attributes;
+    for (const DateColumns& date : layout.dates) heads[date.last].unit = std::string("s");
     roles = find_roles(file, layout, heads, rows, options);
     if (read_on && !roles.named_times.empty())
       roles.take_further_times(increasing_throughout(file, layout, names, roles.named_times));
     record.warnings = head.warnings;
-    tell_of_text(layout, heads, record);
+    tell_of_dates_and_text(layout, heads, roles, record);
     take_units_of_keys(head, roles, layout.dialect.delimiter, heads);
     describe(layout, head, heads, roles, record);
   }

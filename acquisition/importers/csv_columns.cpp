@@ -39,6 +39,10 @@ bool is_time_unit(const std::string& unit) {
   return !unit.empty() && datasets::quantity_of_unit(unit) == Quantity::time;
 }
 
+bool holds_numbers(const TableLayout& layout, std::size_t column) {
+  return !layout.holds_text(column) && layout.dates_at(column) == nullptr;
+}
+
 /// False for a column that its head calls something else.
 bool may_be_time(const ColumnHead& head) {
   if (!head.unit.empty()) return false;
@@ -195,11 +199,22 @@ std::vector<ColumnHead> complete_heads(const TextFile& file, const TableHead& he
   return heads;
 }
 
-void tell_of_text(const TableLayout& layout, const std::vector<ColumnHead>& heads, Record& record) {
+void tell_of_dates_and_text(const TableLayout& layout, const std::vector<ColumnHead>& heads,
+                            const CsvRoles& roles, Record& record) {
   for (const TextColumn& column : layout.text_columns)
     record.warnings.push_back(fmt::format("'{}' holds text ('{}'), no numbers: it is left out",
                                           heads[column.column].name,
                                           to_utf8(column.example.substr(0, 40))));
+  for (const DateColumns& date : layout.dates) {
+    const bool is_time =
+        roles.time == date.last ||
+        std::ranges::find(roles.further_times, date.last) != roles.further_times.end();
+    if (!is_time)
+      record.warnings.push_back(
+          fmt::format("'{}' holds times of day, and '{}' is the time: it is left out",
+                      heads[date.last].name, roles.time ? heads[*roles.time].name : "none"));
+    if (record.started.empty()) record.started = date.base.iso();
+  }
 }
 
 CsvRoles find_roles(const TextFile& file, const TableLayout& layout,
@@ -207,6 +222,8 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout,
                     const ImportOptions& options) {
   CsvRoles roles;
   for (const TextColumn& column : layout.text_columns) roles.text.push_back(column.column);
+  for (const DateColumns& date : layout.dates)
+    for (std::size_t c = date.first; c <= date.last; ++c) roles.dates.push_back(c);
   const auto& columns = table.columns;
   if (options.time_column && *options.time_column != "none") {
     roles.time = column_named(heads, *options.time_column);
@@ -220,6 +237,7 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout,
                                        list += (list.empty() ? "'" : ", '") + head.name + "'";
                                      return list;
                                    }()));
+    if (const DateColumns* const date = layout.dates_at(*roles.time)) roles.time = date->last;
     if (layout.holds_text(*roles.time))
       throw InputError(whole(file), fmt::format("the column '{}' holds text, not the time",
                                                 heads[*roles.time].name));
@@ -231,13 +249,17 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout,
     return roles;
   }
   for (std::size_t c = 0; c < columns.size() && !roles.time; ++c)
-    if (!layout.holds_text(c) && is_time_name(heads[c].name) &&
+    if (holds_numbers(layout, c) && is_time_name(heads[c].name) &&
         (heads[c].unit.empty() || is_time_unit(heads[c].unit))) {
       roles.time = c;
       roles.reason = "by its name";
     }
+  if (!roles.time && !layout.dates.empty()) {
+    roles.time = layout.dates.front().last;
+    roles.reason = "holds times of day";
+  }
   for (std::size_t c = 0; c < columns.size() && !roles.time; ++c)
-    if (!layout.holds_text(c) && is_time_unit(heads[c].unit)) {
+    if (holds_numbers(layout, c) && is_time_unit(heads[c].unit)) {
       roles.time = c;
       roles.reason = "by its unit";
     }

@@ -22,6 +22,7 @@ struct CsvRoles {
   std::optional<std::size_t> index;  ///< counts the samples
   std::string reason;                ///< why `time` is the time
   std::vector<std::size_t> text;     ///< hold text
+  std::vector<std::size_t> dates;    ///< hold dates and times of day
   /// Columns of times behind channels of `time`, in order: the columns behind one have its clock.
   std::vector<std::size_t> further_times;
   /// Columns behind `time` that are named as times and increase without a gap in the rows looked
@@ -32,8 +33,11 @@ struct CsvRoles {
   void take_further_times(std::vector<std::size_t> increasing);
 
   bool is_channel(std::size_t column) const {
-    return column != time && column != index && std::ranges::find(text, column) == text.end() &&
-           std::ranges::find(further_times, column) == further_times.end();
+    const auto is_in = [column](const std::vector<std::size_t>& columns) {
+      return std::ranges::find(columns, column) != columns.end();
+    };
+    return column != time && column != index && !is_in(text) && !is_in(dates) &&
+           !is_in(further_times);
   }
 };
 
@@ -46,9 +50,10 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout,
                     const std::vector<ColumnHead>& heads, const Table& table,
                     const ImportOptions& options);
 
-/// Says which columns are left out since they hold text.
-void tell_of_text(const TableLayout& layout, const std::vector<ColumnHead>& heads,
-                  datasets::Record& record);
+/// Says which columns are left out since they hold text, or dates that are not the time, and when
+/// the first row was recorded.
+void tell_of_dates_and_text(const TableLayout& layout, const std::vector<ColumnHead>& heads,
+                            const CsvRoles& roles, datasets::Record& record);
 
 /// Units that the head states by a key ("Vertical Units,V") go to the columns that state none
 /// themselves. One unit is for all of them; several are one a channel.

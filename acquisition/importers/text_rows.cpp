@@ -20,6 +20,21 @@ constexpr std::string_view thousands_hint =
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 constexpr char no_decimal = '\0';
 
+void append(Column& column, double value) {
+  column.values.push_back(value);
+  if (!column.valid.empty()) column.valid.push_back(1);
+}
+
+void append_missing(Column& column, const char* at) {
+  if (column.valid.empty()) {
+    column.valid.reserve(column.values.capacity());
+    column.valid.assign(column.values.size(), 1);
+  }
+  if (column.missing++ == 0) column.first_missing = at;
+  column.values.push_back(nothing);
+  column.valid.push_back(0);
+}
+
 }  // namespace
 
 RowReader::RowReader(TextFile& file, const TableLayout& layout,
@@ -31,17 +46,25 @@ RowReader::RowReader(TextFile& file, const TableLayout& layout,
       decimal_(layout.dialect.decimal),
       style_{decimal_ == delimiter_ ? no_decimal : decimal_, false},
       at_(layout.data),
+      layout_(layout),
       required_(names.size()) {
   const std::string_view text = file.text();
   end_ = text.data() + text.size();
-  for (const TextColumn& column : layout.text_columns) text_columns_.push_back(column.column);
   while (required_ > 1 && layout.holds_text(required_ - 1)) --required_;
   read_only(std::vector<bool>(names.size(), true));
 }
 
-void RowReader::read_only(std::vector<bool> needed) {
-  needed_ = std::move(needed);
-  for (const std::size_t column : text_columns_) needed_[column] = false;
+void RowReader::read_only(const std::vector<bool>& needed) {
+  uses_.assign(needed.size(), Use::skipped);
+  for (std::size_t c = 0; c < needed.size(); ++c)
+    if (needed[c] && !layout_.holds_text(c)) uses_[c] = Use::number;
+  for (const DateColumns& date : layout_.dates) {
+    const bool used = needed[date.last];
+    for (std::size_t c = date.first; c <= date.last; ++c) uses_[c] = Use::skipped;
+    if (!used) continue;
+    uses_[date.first] = Use::date_begins;
+    uses_[date.last] = Use::date;
+  }
 }
 
 Table RowReader::read(std::size_t most) {
@@ -51,7 +74,7 @@ Table RowReader::read(std::size_t most) {
   const std::size_t row_bytes = take_line(probe, end_).size() + 1;
   const std::size_t rows = std::min(most, static_cast<std::size_t>(end_ - at_) / row_bytes);
   for (std::size_t c = 0; c < names_.size(); ++c)
-    if (needed_[c]) table_.columns[c].values.reserve(rows + rows / 8 + 1);
+    if (uses_[c] != Use::skipped) table_.columns[c].values.reserve(rows + rows / 8 + 1);
   while (at_ != end_ && table_.rows < most && table_.cut_row == nullptr) read_line();
   return std::move(table_);
 }
@@ -74,12 +97,23 @@ void RowReader::read_line() {
     return;
   }
   skip_key_cells();
+  date_from_ = nullptr;
   const std::size_t n = table_.columns.size();
   for (std::size_t c = 0; c < n; ++c) {
-    if (needed_[c])
-      read_cell(c);
-    else
-      skip_cell();
+    switch (uses_[c]) {
+      case Use::number:
+        read_cell(c);
+        break;
+      case Use::date:
+        if (!read_date(c)) return short_row(line, c);
+        break;
+      case Use::date_begins:
+        skip_blanks();
+        date_from_ = at_;
+        [[fallthrough]];
+      case Use::skipped:
+        skip_cell();
+    }
     if (c + 1 == n) break;
     if (delimiter_ != ' ' && at_ != end_ && *at_ == delimiter_) {
       ++at_;
@@ -113,8 +147,7 @@ void RowReader::read_cell(std::size_t c) {
     const bool ends = q == end_ || *q == '\n' || *q == '\r' || *q == delimiter_ ||
                       (delimiter_ == ' ' && q[-1] <= ' ');
     if (ends) {
-      column.values.push_back(value);
-      if (!column.valid.empty()) column.valid.push_back(1);
+      append(column, value);
       at_ = q;
       return;
     }
@@ -130,6 +163,38 @@ void RowReader::skip_cell() {
     ++at_;
   }
   skip_blanks();
+}
+
+/// Reads a date and time of day, which may have begun in a cell before this one. False where the
+/// file's end cuts it off.
+bool RowReader::read_date(std::size_t c) {
+  skip_blanks();
+  const char* const start = date_from_ == nullptr ? at_ : date_from_;
+  skip_cell();
+  const std::string_view text = trimmed({start, static_cast<std::size_t>(at_ - start)});
+  const DateTime& base = layout_.dates_at(c)->base;
+  const auto time = date_time_in(text);
+  const auto seconds = time ? seconds_between(base, *time) : std::nullopt;
+  const auto value = seconds ? seconds : cell_value(text, decimal_);
+  if (seconds) {
+    append(table_.columns[c], *seconds);
+  } else if (value && std::isnan(*value)) {
+    append_missing(table_.columns[c], start);
+  } else if (at_ == end_ && !first_row_) {
+    return false;
+  } else {
+    const bool any_day = time && base.has_date && time->has_date && base.has_time == time->has_time;
+    const std::string found = to_utf8(text.substr(0, 40));
+    throw InputError(
+        file_.position(start),
+        any_day
+            ? fmt::format("{}: '{}' is not of the first row's day, and does not tell day, month "
+                          "and year apart: write dates as 2024-12-31",
+                          names_[c], found)
+            : fmt::format("{}: expected a date and time as in the first row, found '{}'", names_[c],
+                          found));
+  }
+  return true;
 }
 
 /// Anything but a plain number: quoted, missing, infinite, or an error.
@@ -156,19 +221,10 @@ void RowReader::unusual_cell(std::size_t c) {
                          : fmt::format("{}: expected a number, found '{}'{}", names_[c], found,
                                        has_thousands_separators(cell) ? thousands_hint : ""));
   }
-  Column& column = table_.columns[c];
-  if (std::isnan(*value)) {
-    if (column.valid.empty()) {
-      column.valid.reserve(column.values.capacity());
-      column.valid.assign(column.values.size(), 1);
-    }
-    if (column.missing++ == 0) column.first_missing = start;
-    column.values.push_back(nothing);
-    column.valid.push_back(0);
-  } else {
-    column.values.push_back(*value);
-    if (!column.valid.empty()) column.valid.push_back(1);
-  }
+  if (std::isnan(*value))
+    append_missing(table_.columns[c], start);
+  else
+    append(table_.columns[c], *value);
 }
 
 /// True when a cell has the form of a number, whatever its size.

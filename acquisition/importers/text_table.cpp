@@ -9,6 +9,9 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <span>
+
+#include "acquisition/importers/date_columns.hpp"
 
 namespace impactrig::acquisition {
 
@@ -69,6 +72,11 @@ std::optional<double> infinity_in(std::string_view cell) {
   return std::nullopt;
 }
 
+/// True for a number, a missing one and, where there may be some, a date or a time of day.
+bool is_value(std::string_view cell, Dialect dialect) {
+  return cell_value(cell, dialect.decimal) || (dialect.dates && is_part_of_date(cell));
+}
+
 /// A row of a table: how many cells, and whether they are numbers.
 struct RowShape {
   std::size_t cells = 0;          ///< without empty ones at the end
@@ -84,7 +92,7 @@ RowShape shape_of(std::string_view line, Dialect dialect) {
     ++shape.written_cells;
     if (!cell.empty()) shape.cells = shape.written_cells;
     const auto value = cell_value(cell, dialect.decimal);
-    if (!value) numbers_only = false;
+    if (!value && !is_value(cell, dialect)) numbers_only = false;
     if (value && !std::isnan(*value)) any = true;
   }
   shape.numeric = numbers_only && any;
@@ -145,7 +153,7 @@ std::optional<Candidate> try_dialect(const std::vector<std::string_view>& lines,
     if (next < lines.size()) {
       const RowShape second = shape_of(lines[next], dialect);
       const auto cells = cells_of(lines[next], dialect.delimiter);
-      const bool begins_with_number = !cells.empty() && cell_value(cells.front(), dialect.decimal);
+      const bool begins_with_number = !cells.empty() && is_value(cells.front(), dialect);
       const bool is_last = next + 1 == lines.size();
       if (!begins_with_number || (second.written_cells != first.written_cells && !is_last))
         continue;
@@ -160,13 +168,15 @@ std::optional<Candidate> try_dialect(const std::vector<std::string_view>& lines,
   return std::nullopt;
 }
 
-/// True for a row that begins with a number and holds another, whatever its other cells are.
+/// True for a row that begins with a number (or a date) and holds another number, whatever its
+/// other cells are.
 bool has_numbers_beside_text(std::string_view line, Dialect dialect) {
   const auto cells = cells_of(line, dialect.delimiter);
   const auto is_number = [dialect](std::string_view cell) {
     return number_in(cell, {dialect.decimal, false}).has_value();
   };
-  return cells.size() > 1 && is_number(cells.front()) &&
+  return cells.size() > 1 &&
+         (is_number(cells.front()) || (dialect.dates && is_part_of_date(cells.front()))) &&
          std::any_of(cells.begin() + 1, cells.end(), is_number);
 }
 
@@ -330,10 +340,9 @@ void take_rows_with_keys(const std::vector<std::string_view>& lines, TableLayout
 
 /// Finds columns of text among the first rows: within the rows, or behind them where the line above
 /// them names a column there. They count in `cells` and `written_cells`.
-void find_text_columns(const std::vector<std::string_view>& lines, TableLayout& layout) {
+void find_text_columns(const std::vector<std::string_view>& lines, std::size_t named,
+                       TableLayout& layout) {
   if (layout.key_cells > 0) return;
-  const std::size_t named =
-      layout.head.empty() ? 0 : named_columns(layout.head.back(), layout.dialect);
 
   struct Seen {
     std::string_view text;
@@ -346,7 +355,7 @@ void find_text_columns(const std::vector<std::string_view>& lines, TableLayout& 
     const auto cells = cells_of(lines[i], layout.dialect.delimiter);
     for (std::size_t c = 0; c < std::min(cells.size(), columns.size()); ++c) {
       Seen& column = columns[c];
-      if (cells[c].empty() || column.number) continue;
+      if (cells[c].empty() || column.number || layout.dates_at(c) != nullptr) continue;
       if (cell_value(cells[c], layout.dialect.decimal))
         column.number = true;
       else if (column.text.empty())
@@ -363,7 +372,7 @@ void find_text_columns(const std::vector<std::string_view>& lines, TableLayout& 
 
 template <typename Try>
 std::optional<Candidate> best_of(const Try& try_one, const std::vector<std::string_view>& lines,
-                                 std::size_t from, const std::vector<Dialect>& possible) {
+                                 std::size_t from, std::span<const Dialect> possible) {
   std::optional<Candidate> best;
   for (const Dialect dialect : possible) {
     const auto candidate = try_one(lines, from, dialect);
@@ -391,50 +400,6 @@ void refuse_thousands_separators(TextFile& file, const std::vector<std::string_v
           place_of(file, *separated),
           fmt::format("'{}': it seems to have thousands separators, which are not read",
                       to_utf8(*separated)));
-    }
-  }
-}
-
-/// True for what begins as "2024-03-01", "1.3.2024" or "12:00:00.5".
-bool is_date_or_time(std::string_view cell) {
-  std::size_t at = 0;
-  const auto take_digits = [&] {
-    const std::size_t first = at;
-    while (at < cell.size() && detail::is_digit(cell[at])) ++at;
-    return at - first;
-  };
-  const std::size_t first = take_digits();
-  if (first == 0 || first > 4 || at == cell.size()) return false;
-  const char mark = cell[at];
-  if (std::string_view("-/.:").find(mark) == std::string_view::npos) return false;
-  ++at;
-  const std::size_t second = take_digits();
-  if (second == 0 || second > 2 || at == cell.size() || cell[at] != mark) return false;
-  ++at;
-  return take_digits() > 0;
-}
-
-/// Throws InputError for a date or a time of day beside numbers alone.
-void refuse_dates(TextFile& file, const std::vector<std::string_view>& lines,
-                  const std::vector<Dialect>& possible) {
-  for (const std::string_view line : lines) {
-    if (is_skipped(line)) continue;
-    for (const Dialect dialect : possible) {
-      const auto cells = cells_of(line, dialect.delimiter);
-      const auto date = std::ranges::find_if(cells, is_date_or_time);
-      if (date == cells.end()) continue;
-      bool any = false;
-      const bool others_are_numbers = std::ranges::all_of(cells, [&](std::string_view cell) {
-        const auto value = cell_value(cell, dialect.decimal);
-        any = any || (value && !std::isnan(*value));
-        return value || is_date_or_time(cell);
-      });
-      if (!any || !others_are_numbers) continue;
-      throw InputError(
-          place_of(file, *date),
-          fmt::format("'{}' is a date or a time of day, which is not read: replace such "
-                      "columns by one with the seconds since the first row",
-                      to_utf8(*date)));
     }
   }
 }
@@ -509,6 +474,13 @@ std::vector<Dialect> possible_dialects(const ImportOptions& options) {
   return possible;
 }
 
+/// The same for rows with dates and times of day, those divided by blanks last.
+std::vector<Dialect> dialects_with_dates(std::vector<Dialect> possible) {
+  for (Dialect& dialect : possible) dialect.dates = true;
+  std::ranges::stable_partition(possible, [](Dialect dialect) { return dialect.delimiter != ' '; });
+  return possible;
+}
+
 }  // namespace
 
 bool has_thousands_separators(std::string_view cell) {
@@ -543,6 +515,18 @@ bool has_thousands_separators(std::string_view cell) {
 
 bool TableLayout::holds_text(std::size_t column) const {
   return std::ranges::find(text_columns, column, &TextColumn::column) != text_columns.end();
+}
+
+std::size_t TableLayout::cells_beside() const {
+  std::size_t beside = 0;
+  for (const DateColumns& date : dates) beside += date.last - date.first;
+  return beside;
+}
+
+const DateColumns* TableLayout::dates_at(std::size_t column) const {
+  for (const DateColumns& date : dates)
+    if (column >= date.first && column <= date.last) return &date;
+  return nullptr;
 }
 
 std::optional<double> cell_value(std::string_view cell, char decimal) {
@@ -604,8 +588,14 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   std::optional<Candidate> best = best_of(try_dialect, lines, skipped, possible);
   if (!options.delimiter && (!best || best->dialect.delimiter == ' '))
     refuse_thousands_separators(file, lines);
-  if (!best) refuse_dates(file, lines, possible);
-  if (!best) best = best_of(try_dialect_with_text, lines, skipped, possible);
+  // dates hold blanks: where something else divides the rows too, that is taken
+  const std::vector<Dialect> with_dates = dialects_with_dates(possible);
+  const auto blanks = std::ranges::find(with_dates, ' ', &Dialect::delimiter);
+  const std::span<const Dialect> by_marks(with_dates.begin(), blanks);
+  const std::span<const Dialect> by_blanks(blanks, with_dates.end());
+  if (!best) best = best_of(try_dialect, lines, skipped, by_marks);
+  if (!best) best = best_of(try_dialect_with_text, lines, skipped, by_marks);
+  if (!best) best = best_of(try_dialect, lines, skipped, by_blanks);
   if (best && !options.delimiter) refuse_commas_within_numbers(file, lines, *best);
   if (!best) {
     datasets::SourcePosition place;
@@ -624,7 +614,10 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   layout.written_cells = best->first_row.written_cells;
   take_spoilt_rows(lines, skipped, layout);
   take_rows_with_keys(lines, layout);
-  find_text_columns(lines, layout);
+  const std::size_t named =
+      layout.head.empty() ? 0 : named_columns(layout.head.back(), layout.dialect);
+  if (layout.dialect.dates) layout.dates = find_date_columns(file, lines, layout, named);
+  find_text_columns(lines, named, layout);
   return layout;
 }
 

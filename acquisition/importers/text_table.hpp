@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "acquisition/importer.hpp"
+#include "acquisition/importers/date_time.hpp"
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/text_file.hpp"
 
@@ -17,6 +18,7 @@ namespace impactrig::acquisition {
 struct Dialect {
   char delimiter = ',';  ///< ' ' = any run of blanks and tabs
   char decimal = '.';    ///< '.' or ','; that of `delimiter` too: within quotes, else none
+  bool dates = false;    ///< cells may be dates and times of day
 };
 
 /// "comma", "tab", "semicolon", "blank", "bar" or the character itself.
@@ -26,6 +28,13 @@ std::string delimiter_name(char delimiter);
 struct TextColumn {
   std::size_t column = 0;
   std::string_view example;  ///< the first text, in the file's own encoding
+};
+
+/// Columns that state one date and time of day together, in the first row `base`.
+struct DateColumns {
+  std::size_t first = 0;
+  std::size_t last = 0;  ///< which gets the value
+  DateTime base;
 };
 
 /// A file as a head of lines and a table of numbers under it.
@@ -42,8 +51,15 @@ struct TableLayout {
   std::vector<std::string_view> key_lines;  ///< the rows that have such keys
   /// In order; within the rows, or behind them under a name. A row may end before those at its end.
   std::vector<TextColumn> text_columns;
+  std::vector<DateColumns> dates;  ///< in order
 
   bool holds_text(std::size_t column) const;
+
+  /// How many cells hold a date and time with the one behind them.
+  std::size_t cells_beside() const;
+
+  /// Those that a column belongs to, or null.
+  const DateColumns* dates_at(std::size_t column) const;
 };
 
 /// Finds the first row of numbers and how the rows are written: the dialect in which most of the
@@ -79,7 +95,8 @@ struct Table {
 };
 
 /// Reads a layout's rows with one pass over the text and no allocation a cell. Blank lines and
-/// lines that begin with # are skipped; empty cells and "nan" are missing values.
+/// lines that begin with # are skipped; empty cells and "nan" are missing values. Dates and times
+/// of day are seconds since the first row.
 class RowReader {
  public:
   /// `names` (one a column) only name the culprit of an error.
@@ -87,7 +104,7 @@ class RowReader {
 
   /// Columns that are not needed are passed over unread, as columns of text are; their values stay
   /// empty.
-  void read_only(std::vector<bool> needed);
+  void read_only(const std::vector<bool>& needed);
 
   /// To the start of a line.
   void seek(const char* line) { at_ = line; }
@@ -115,6 +132,7 @@ class RowReader {
   void skip_key_cells();
   void read_cell(std::size_t column);
   void skip_cell();
+  bool read_date(std::size_t column);
   void unusual_cell(std::size_t column);
   bool scan_only(std::string_view cell) const;
   void finish_row(const char* line);
@@ -128,8 +146,13 @@ class RowReader {
   NumberStyle style_;  ///< of cells without quotes
   const char* at_;
   const char* end_ = nullptr;
-  std::vector<bool> needed_;
-  std::vector<std::size_t> text_columns_;
+
+  /// What is done with a cell.
+  enum class Use : std::uint8_t { skipped, number, date_begins, date };
+
+  std::vector<Use> uses_;            ///< one a column
+  const char* date_from_ = nullptr;  ///< where a date of several cells began
+  const TableLayout& layout_;
   std::size_t required_;  ///< cells that a row must have: up to the last column of numbers
   bool first_row_ = true;
   Table table_;

@@ -80,6 +80,11 @@ void TimeAxisCheck::add(std::span<const double> times) {
     if (seen_ > 0) {
       const double this_step = time - before;
       if (!(this_step > 0.0) && !backwards_) backwards_ = Backwards{seen_, before, time};
+      if (this_step > 0.0) {
+        last_change_ = {seen_, time};
+        smallest_change_ = std::min(smallest_change_, this_step);
+        if (!first_change_) first_change_ = last_change_;
+      }
       const double line = first_ + step_ * static_cast<double>(seen_);
       all_finite_ = all_finite_ && std::isfinite(time);
       largest_step_error_ = std::max(largest_step_error_, std::abs(this_step - step_));
@@ -96,6 +101,10 @@ bool TimeAxisCheck::as_expected() const {
   return seen_ == samples_ && (seen_ == 0 || (first_seen_ == first_ && last_seen_ == last_));
 }
 
+bool TimeAxisCheck::all_equal() const {
+  return seen_ > 1 && all_finite_ && step_ == 0.0 && largest_deviation_ == 0.0;
+}
+
 bool TimeAxisCheck::even() const {
   return all_finite_ && step_ > 0.0 && largest_step_error_ <= 1e-3 * step_ &&
          largest_deviation_ <= 0.05 * step_;
@@ -104,7 +113,9 @@ bool TimeAxisCheck::even() const {
 double TimeAxisCheck::resolution() const {
   std::vector<double> examples = examples_;
   examples.push_back(last_seen_);
-  return printed_resolution(examples);
+  // many equal times show their steps, which may be other than a digit's: 60 s, 1/64 s
+  const bool stepped = std::isfinite(smallest_change_) && smallest_change_ >= 2.0 * step_;
+  return std::max(printed_resolution(examples), stepped ? smallest_change_ : 0.0);
 }
 
 bool TimeAxisCheck::rounded() const {
@@ -116,7 +127,7 @@ bool TimeAxisCheck::rounded() const {
 }
 
 bool TimeAxisCheck::uniform() const {
-  return seen_ < 2 || even() || rounded();
+  return seen_ < 2 || all_equal() || even() || rounded();
 }
 
 TimeAxis TimeAxisCheck::axis() const {
@@ -128,6 +139,23 @@ TimeAxis TimeAxisCheck::axis() const {
     return axis;
   }
   const bool even_steps = even();
+  const bool many_share = !even_steps && rounded() && resolution() > step_;
+  if (all_equal() || many_share) {
+    const std::uint64_t steps = first_change_ ? last_change_.sample - first_change_->sample : 0;
+    if (steps == 0) {
+      axis.warning = fmt::format(
+          "{}: they do not tell the sample interval (--sample-rate states it)",
+          first_change_ ? fmt::format("the times change once, by {:.3g} s", smallest_change_)
+                        : fmt::format("all times are {:.9g} s", first_));
+      return axis;
+    }
+    axis.clock.interval = (last_change_.time - first_change_->time) / static_cast<double>(steps);
+    axis.warning = fmt::format(
+        "the times are rounded to {:.3g} s, and several samples share one: they are taken as "
+        "uniform, with a step of {:.9g} s, which they tell to 1 in {} (--sample-rate states it)",
+        smallest_change_, axis.clock.interval, steps);
+    return axis;
+  }
   if (even_steps || rounded()) {
     // the last bits of the mean step are rounding of the times: leave them off where a shorter
     // number says the same

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,7 +21,9 @@ struct TimeAxis {
 
 /// Times [s] to a clock. Uniform when every step is within 1e-3 of the mean step and no time is
 /// further than 5e-2 of it from the straight line, or when the deviations are explained by the
-/// digits the times were printed with; then start and mean step are kept, else all times.
+/// digits the times were printed with; then start and mean step are kept, else all times. Where
+/// many samples share a time, the step is that between the first and the last change; with fewer
+/// than two changes it is not known, and the interval 0.
 TimeAxis time_axis(std::vector<double> times);
 
 /// Judges times as they come, as time_axis() does, without keeping them.
@@ -48,6 +51,7 @@ class TimeAxisCheck {
   TimeAxis axis() const;
 
  private:
+  bool all_equal() const;
   bool even() const;
   bool rounded() const;
   double resolution() const;
@@ -69,6 +73,15 @@ class TimeAxisCheck {
   };
 
   std::optional<Backwards> backwards_;
+
+  struct Change {
+    std::uint64_t sample;
+    double time;
+  };
+
+  std::optional<Change> first_change_;  // the first time that is later than the one before
+  Change last_change_{};
+  double smallest_change_ = std::numeric_limits<double>::infinity();
   std::vector<double> examples_;  // a thousand of the times, to see how they were printed
 };
 

@@ -497,18 +497,6 @@ TEST(Csv, SamplesBeyondTheRangeAreMarked) {
   EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("3 of 4 samples are not finite")));
 }
 
-TEST(Csv, DatesAndTimesOfDayAreAnErrorThatSaysSo) {
-  for (const char* rows : {"2024-03-01 12:00:00.000,1.5\n2024-03-01 12:00:00.001,1.6\n",
-                           "12:00:00.000,1.5\n12:00:00.001,1.6\n",
-                           "01.03.2024,12:00:00.000,1.5\n01.03.2024,12:00:00.001,1.6\n"}) {
-    const std::string_view text(rows);
-    EXPECT_EQ(import_error("When,F (N)\n" + std::string(rows)),
-              fmt::format("FILE:2:1 (byte 11): '{}' is a date or a time of day, which is not read: "
-                          "replace such columns by one with the seconds since the first row",
-                          text.substr(0, text.find(','))));
-  }
-}
-
 TEST(Csv, AColumnThatIsNamedButEmptyIsAnEmptyChannel) {
   for (const char* text :
        {"time [s],F [N],G [N]\n0,1\n1,2\n", "time [s],F [N],G [N]\n0,1,\n1,2,\n"}) {

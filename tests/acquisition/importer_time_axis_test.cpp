@@ -43,6 +43,30 @@ TEST(TimeAxis, WithAJitterOfAThousandthIsUniform) {
   EXPECT_FALSE(time_axis(times).clock.uniform());
 }
 
+// Steps of a clock that ticks 64 times a second, and of one that shows minutes.
+TEST(TimeAxis, OfManyEqualTimesHasTheStepBetweenTheirChanges) {
+  for (const double tick : {1.0 / 64.0, 1.0, 60.0}) {
+    const double step = tick / 250.0;
+    std::vector<double> times = line(900, 0.8 * tick, step);
+    for (double& time : times) time = tick * std::floor(time / tick + 1e-9);
+    const TimeAxis axis = time_axis(times);
+    EXPECT_TRUE(axis.clock.uniform());
+    EXPECT_NEAR(axis.clock.interval, step, 1e-12 * step);
+    EXPECT_NE(axis.warning.find("several samples share one"), std::string::npos) << axis.warning;
+  }
+}
+
+TEST(TimeAxis, OfLessThanTwoChangesTellsNoStep) {
+  for (const std::size_t n : {2U, 100U, 299U}) {
+    std::vector<double> times = line(n, 0.0, 1.0 / 200.0);
+    for (double& time : times) time = std::floor(time);
+    const TimeAxis axis = time_axis(times);
+    EXPECT_TRUE(axis.clock.uniform());
+    EXPECT_EQ(axis.clock.interval, 0.0);
+    EXPECT_NE(axis.warning.find("do not tell the sample interval"), std::string::npos);
+  }
+}
+
 TEST(TimeAxis, KeepsTimesThatAreNotUniform) {
   const std::vector<double> times = {0.0, 1.0, 2.5, 3.0, 4.0};
   const TimeAxis axis = time_axis(times);

@@ -13,6 +13,9 @@ inline std::vector<std::string> csv_seeds() {
       "Zeit;Kraft\ns;N\n0,0;1,5\n0,001;2,5\n0,002;nan\n",
       "# time\tacceleration\n0.0 1.0\n0.1   2.0\n0.2\t3.0\n",
       "X,CH1,Start,Increment\nSequence,Volt,-1e-3,1e-6\n0,1.2,\n1,1.4,\n2,\"1.6\",\n",
+      "Date;Time;F [N]\n31.12.2024;23:59:59,5;1,5\n01.01.2025;00:00:00,0;2,5\n",
+      "Stamp State F\n3/1/2024 11:59:59.9 PM 1\n3/2/2024 12:00:00.1 AM 2\n",
+      "Time,F\n2024-03-01T12:00:00Z,1\n2024-03-01T14:00:00+02:00,2\n01-Mar-2024 12:00:01,3\n",
       "Model,MSO64\nSample Interval,1e-9\nVertical Units,V\n\nLabels,,\nTIME,CH1\n0,1\n1e-9,2\n",
   };
 }

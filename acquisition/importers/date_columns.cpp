@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/date_columns.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace impactrig::acquisition {
+
+using datasets::InputError;
+
+namespace {
+
+using Cells = std::vector<std::string_view>;
+
+/// The text from one cell to another.
+std::string_view joined(const Cells& cells, std::size_t first, std::size_t last) {
+  const char* const begin = cells[first].data();
+  const char* const end = cells[last].data() + cells[last].size();
+  return {begin, static_cast<std::size_t>(end - begin)};
+}
+
+bool are_digits(std::string_view cell, std::size_t count) {
+  return cell.size() == count && std::ranges::all_of(cell, detail::is_digit);
+}
+
+/// True where the cell behind a time is as many digits in each row as a fraction of a second has.
+bool may_be_fraction(const std::vector<Cells>& rows, std::size_t column) {
+  for (const std::size_t digits : {3U, 6U, 7U, 9U})
+    if (std::ranges::all_of(rows, [=](const Cells& row) {
+          return column >= row.size() || are_digits(row[column], digits);
+        }))
+      return true;
+  return false;
+}
+
+/// The columns that one date and time takes, from `first` on.
+std::optional<DateColumns> widest_from(const Cells& row, std::size_t first) {
+  constexpr std::size_t most_cells = 3;  // "3/1/2024", "1:00:00.5", "PM"
+  std::optional<DateColumns> widest;
+  for (std::size_t last = first; last < std::min(row.size(), first + most_cells); ++last) {
+    if (!is_part_of_date(row[last])) break;
+    const auto base = date_time_in(joined(row, first, last));
+    if (base) widest = DateColumns{first, last, *base};
+  }
+  return widest;
+}
+
+/// Several clocks of one kind count from one time: the first row's of the first column, or where
+/// there is no date the earliest one, as what is before it is of the next day.
+void share_base(std::vector<DateColumns>& dates) {
+  for (DateColumns& date : dates) {
+    const DateTime& first = dates.front().base;
+    if (seconds_between(first, date.base) && !first.has_date &&
+        date.base.nanoseconds < first.nanoseconds)
+      dates.front().base = date.base;
+  }
+  for (DateColumns& date : dates)
+    if (seconds_between(dates.front().base, date.base)) date.base = dates.front().base;
+}
+
+}  // namespace
+
+bool is_part_of_date(std::string_view cell) {
+  for (const std::string_view word : {"AM", "PM", "am", "pm", "a.m.", "p.m."})
+    if (cell == word) return true;
+  return date_time_in(cell).has_value();
+}
+
+std::vector<DateColumns> find_date_columns(const TextFile& file,
+                                           const std::vector<std::string_view>& lines,
+                                           const TableLayout& layout, std::size_t named) {
+  constexpr std::size_t rows_tried = 40;
+  std::vector<Cells> rows;
+  for (std::size_t i = layout.head.size(); i < lines.size() && rows.size() < rows_tried; ++i)
+    if (!trimmed(lines[i]).empty()) rows.push_back(cells_of(lines[i], layout.dialect.delimiter));
+  std::vector<DateColumns> found;
+  const Cells& row = rows.front();
+  for (std::size_t c = 0; c < row.size(); ++c) {
+    auto date = widest_from(row, c);
+    if (!date) continue;
+    c = date->last;
+    const bool divides = layout.dialect.delimiter == ',' && date->base.has_time &&
+                         date->base.nanoseconds % 1'000'000'000 == 0 && c + 1 < row.size() &&
+                         may_be_fraction(rows, c + 1);
+    if (divides && named < row.size()) {
+      if (named + 1 != row.size())
+        throw InputError(file.position(row[date->first].data()),
+                         fmt::format("'{}': the comma may be the decimal mark of the seconds or "
+                                     "divide cells; a line of names above the rows would tell",
+                                     to_utf8(joined(row, date->first, c + 1))));
+      date = DateColumns{date->first, c + 1, *date_time_in(joined(row, date->first, c + 1))};
+      c = date->last;
+    }
+    found.push_back(*date);
+  }
+  // a date alone says nothing about the time between two rows
+  std::erase_if(found, [](const DateColumns& date) { return !date.base.has_time; });
+  share_base(found);
+  return found;
+}
+
+}  // namespace impactrig::acquisition

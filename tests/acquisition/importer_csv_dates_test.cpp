@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "acquisition/importer.hpp"
+#include "acquisition/importers/formats.hpp"
+#include "tests/acquisition/large_texts.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using datasets::Channel;
+using datasets::Record;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using tests::import_error;
+using tests::imported;
+
+struct Spelling {
+  const char* text;
+  const char* started;
+};
+
+class CsvDates : public testing::TestWithParam<Spelling> {};
+
+TEST_P(CsvDates, AreTimesSinceTheFirstRow) {
+  const Record record = imported(GetParam().text);
+  ASSERT_EQ(record.channels.size(), 1U);
+  const Channel& force = record.channels[0];
+  EXPECT_EQ(force.name, "Force");
+  EXPECT_EQ(force.unit, "N");
+  EXPECT_THAT(force.values(), ElementsAre(1.5, -2.5, 3.0));
+  EXPECT_EQ(force.clock.start, 0.0);
+  EXPECT_EQ(force.clock.interval, 0.002);
+  EXPECT_TRUE(force.clock.uniform());
+  EXPECT_EQ(record.started, GetParam().started);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Spellings, CsvDates,
+    testing::Values(
+        Spelling{"Time,Force [N]\n2024-03-01 12:00:00.998,1.5\n2024-03-01 12:00:01.000,-2.5\n"
+                 "2024-03-01 12:00:01.002,3\n",
+                 "2024-03-01T12:00:00.998"},
+        Spelling{"Zeit;Force [N]\n01.03.2024 23:59:59,998;1,5\n02.03.2024 00:00:00,000;-2,5\n"
+                 "02.03.2024 00:00:00,002;3\n",
+                 "2024-03-01T23:59:59.998"},
+        Spelling{"When,Force [N]\n2/13/2024 11:59:59.998 PM,1.5\n2/14/2024 12:00:00.000 AM,-2.5\n"
+                 "2/14/2024 12:00:00.002 AM,3\n",
+                 "2024-02-13T23:59:59.998"},
+        Spelling{"Date\tTime\tForce [N]\n2024/03/01\t12:00:00.998\t1.5\n2024/03/01\t12:00:01."
+                 "000\t-2.5\n2024/03/01\t12:00:01.002\t3\n",
+                 "2024-03-01T12:00:00.998"},
+        Spelling{"Date Time Force[N]\n2024-03-01 12:00:00.998 1.5\n2024-03-01 12:00:01.000 -2.5\n"
+                 "2024-03-01 12:00:01.002 3\n",
+                 "2024-03-01T12:00:00.998"},
+        // one name above a date and time that blanks divide
+        Spelling{"Timestamp Force[N]\n2/13/2024 1:00:00.998 AM 1.5\n2/13/2024 1:00:01.000 AM -2.5\n"
+                 "2/13/2024 1:00:01.002 AM 3\n",
+                 "2024-02-13T01:00:00.998"},
+        // the comma of the seconds divides cells too, and the names tell
+        Spelling{"Time,Force [N]\n2024-03-01 12:00:00,998,1.5\n2024-03-01 12:00:01,000,-2.5\n"
+                 "2024-03-01 12:00:01,002,3\n",
+                 "2024-03-01T12:00:00.998"},
+        Spelling{"time [hh:mm:ss.000],Force [N]\n\"23:59:59.998\",1.5\n\"00:00:00.000\",-2.5\n"
+                 "\"00:00:00.002\",3\n",
+                 ""},
+        Spelling{"time,Force [N]\n2024-03-01T12:00:00.998Z,1.5\n2024-03-01T12:00:01.000Z,-2.5\n"
+                 "2024-03-01T12:00:01.002Z,3\n",
+                 "2024-03-01T12:00:00.998Z"}));
+
+TEST(CsvDate, AColumnNamedAsTimeComesBeforeThem) {
+  const Record record =
+      imported("Stamp,t [s],Force [N]\n2024-03-01 12:00:00.1,0.5,1\n2024-03-01 12:00:00.2,1,2\n");
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].clock.start, 0.5);
+  EXPECT_EQ(record.channels[0].clock.interval, 0.5);
+  EXPECT_EQ(record.started, "2024-03-01T12:00:00.1");
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'Stamp' holds times of day, and 't' is the time: it is left out"));
+}
+
+// A delay in ms is a channel where the rows state when they were recorded.
+TEST(CsvDate, ComesBeforeAColumnOfTimeUnits) {
+  const Record record = imported("Stamp,Delay [ms]\n12:00:00.1,5\n12:00:00.2,4\n12:00:00.3,7\n");
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].name, "Delay");
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.1);
+}
+
+TEST(CsvDate, StandsBesideTextAndCounters) {
+  const Record record = imported(
+      "No,Stamp,State,Force [N]\n1,12:00:00.1,ok,5\n2,12:00:00.2,ok,4\n3,12:00:00.3,bad,7\n");
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(5, 4, 7));
+  EXPECT_DOUBLE_EQ(record.channels[1].clock.interval, 0.1);
+  EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("'State' holds text ('ok')")));
+}
+
+TEST(CsvDate, OfSeveralClocksCountsFromOneTime) {
+  const Record record = imported(
+      "Time A,F [N],Time B,G [N]\n12:00:00.2,1,12:00:00.1,1\n12:00:00.4,2,12:00:00.3,2\n"
+      "12:00:00.6,2,12:00:00.5,2\n");
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.start, 0.1);
+  EXPECT_EQ(record.channels[1].clock.start, 0.0);
+}
+
+// Loggers that print whole seconds: the changes tell the step, not the first and the last row.
+TEST(CsvDate, RoundedToSecondsTellsTheStepByItsChanges) {
+  std::string text = "Time,Force [N]\n";
+  for (int i = 0; i < 3300; ++i)
+    text += fmt::format("2024-03-01 12:00:{:02},{}\n", (700 + i) / 1000, i % 7);
+  const Record record = imported(text);
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3);
+  EXPECT_THAT(record.warnings,
+              ElementsAre("the times are rounded to 1 s, and several samples share one: they are "
+                          "taken as uniform, with a step of 0.001 s, which they tell to 1 in 2000 "
+                          "(--sample-rate states it)"));
+}
+
+TEST(CsvDate, RoundedToSecondsWithLessThanTwoChangesTellsNoStep) {
+  for (const int rows : {200, 800}) {
+    std::string text = "Time,Force [N]\n";
+    for (int i = 0; i < rows; ++i) text += fmt::format("12:00:{:02},{}\n", (700 + i) / 1000, i % 7);
+    const Record record = imported(text);
+    EXPECT_EQ(record.channels[0].clock.interval, 0.0);
+    EXPECT_TRUE(record.channels[0].clock.uniform());
+    EXPECT_THAT(record.warnings[0], HasSubstr("they do not tell the sample interval"));
+    ImportOptions options;
+    options.sample_rate = 1000.0;
+    EXPECT_EQ(imported(text, options).channels[0].clock.interval, 1e-3);
+  }
+}
+
+TEST(CsvDate, ErrorsSayWhatAndWhere) {
+  EXPECT_EQ(import_error("Time,F\n12:00:00.1,1\n12:00:00.2,2\n12-00-00.3,3\n12:00:00.4,2\n"),
+            "FILE:4:1 (byte 33): Time: expected a date and time as in the first row, found "
+            "'12-00-00.3'");
+  EXPECT_EQ(import_error("Time,F\n24-03-01 23:59:59.9,1\n24-03-02 00:00:00.0,2\n"),
+            "FILE:3:1 (byte 29): Time: '24-03-02 00:00:00.0' is not of the first row's day, and "
+            "does not tell day, month and year apart: write dates as 2024-12-31");
+  EXPECT_THAT(import_error("12:00:00,100,1.5\n12:00:00,200,1.6\n12:00:00,300,1.6\n"),
+              HasSubstr("'12:00:00,100': the comma may be the decimal mark of the seconds"));
+  EXPECT_THAT(import_error("Time,F\n12:00:00.1,1\n,2\n12:00:00.3,2\n"),
+              HasSubstr("a time is missing"));
+}
+
+TEST(CsvDate, CutOffAtTheEndIsLeftOut) {
+  const Record record = imported("Time,F\n12:00:00.1,1\n12:00:00.2,2\n12:0");
+  EXPECT_EQ(record.channels[0].size(), 2U);
+  EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("the file ends within the row")));
+}
+
+TEST(CsvDate, OfALargeFileIsReadByBlocksAsItIsReadAtOnce) {
+  for (const int per_second : {1000, 50000}) {
+    std::string text = "Time,Force [N]\n";
+    for (int i = 0; i < 150000; ++i) {
+      const int second = 86390 + i / per_second;
+      const int of_day = second % 86400;
+      text += fmt::format("{:02}:{:02}:{:02}", of_day / 3600, of_day / 60 % 60, of_day % 60);
+      if (per_second == 1000) text += fmt::format(".{:03}", i % 1000);
+      text += fmt::format(",{}\n", i);
+    }
+    const tests::WrittenFile file(text, ".csv");
+    for (const bool window : {false, true}) {
+      Selection wanted;
+      if (window) {
+        wanted.from = 1.5;
+        wanted.to = 1.75;
+      }
+      const auto at_once = read_into_memory(*open_csv(file.path(), {}), wanted);
+      const auto by_blocks = read_into_memory(*open_csv_by_blocks(file.path(), {}), wanted);
+      tests::expect_same(by_blocks, at_once);
+      ASSERT_GT(at_once.channels[0].size(), 200U);
+      EXPECT_DOUBLE_EQ(at_once.channels[0].clock.interval, 1.0 / per_second);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition
