@@ -49,6 +49,18 @@ bool take(ChildProcess& child, Hdf5Attributes& attributes) {
   }
   if (!child.number(count)) return false;
   for (std::uint64_t i = 0; i < count; ++i) {
+    std::uint64_t texts = 0;
+    if (!child.text(key, longest_answer) || !child.number(texts) || texts > hdf5_longest_list)
+      return false;
+    std::vector<std::string>& list = attributes.lists[to_utf8(key)];
+    list.resize(texts);
+    for (std::string& text : list) {
+      if (!child.text(text, longest_answer)) return false;
+      text = to_utf8(text);
+    }
+  }
+  if (!child.number(count)) return false;
+  for (std::uint64_t i = 0; i < count; ++i) {
     double value = 0.0;
     if (!child.text(key, longest_answer) || !child.real(value)) return false;
     attributes.numbers[to_utf8(key)] = value;
@@ -58,17 +70,20 @@ bool take(ChildProcess& child, Hdf5Attributes& attributes) {
 
 bool take(ChildProcess& child, Hdf5Array& array) {
   std::uint64_t rank = 0;
-  if (!child.text(array.path, longest_answer) || !child.number(rank) || rank > H5S_MAX_RANK)
+  if (!child.text(array.path, longest_answer) || !child.text(array.field, longest_answer) ||
+      !child.number(array.field_index) || !child.number(rank) || rank > H5S_MAX_RANK)
     return false;
   array.shape.resize(rank);
   for (std::uint64_t& side : array.shape)
     if (!child.number(side)) return false;
   std::uint64_t numbers = 0;
+  std::uint64_t wide = 0;
   std::uint64_t complex = 0;
-  if (!child.number(numbers) || numbers > 3 || !child.number(complex) ||
+  if (!child.number(numbers) || numbers > 3 || !child.number(wide) || !child.number(complex) ||
       !child.text(array.text, longest_answer))
     return false;
   array.numbers = static_cast<ArrayNumbers>(numbers);
+  array.wide = wide != 0;
   array.complex = complex != 0;
   return take(child, array.attributes);
 }
@@ -98,6 +113,18 @@ class Blocks {
         whole = read(child, doubles_, count);
         break;
     }
+    block_.valid = {};
+    if (slice.missing && whole) {
+      valid_.resize(count);
+      std::visit(
+          [&](auto samples) {
+            std::ranges::transform(samples, valid_.begin(), [&](auto sample) {
+              return static_cast<std::uint8_t>(static_cast<double>(sample) != *slice.missing);
+            });
+          },
+          block_.raw);
+      block_.valid = valid_;
+    }
     block_.imaginary = {};
     if (slice.array->complex) {
       imaginary_.resize(count);
@@ -107,7 +134,7 @@ class Blocks {
     if (slice.times != nullptr) {
       times_.resize(count);
       whole = whole && child.bytes(times_.data(), count * sizeof(double));
-      for (double& time : times_) time *= slice.seconds;
+      for (double& time : times_) time = slice.time_factor * time + slice.time_offset;
     }
     return whole;
   }
@@ -131,6 +158,7 @@ class Blocks {
   std::vector<double> doubles_;
   std::vector<double> imaginary_;
   std::vector<double> times_;
+  std::vector<std::uint8_t> valid_;
 };
 
 }  // namespace
@@ -156,6 +184,10 @@ Hdf5Listing list_hdf5(const std::string& path) {
     } else if (word == "group") {
       std::string name;
       whole = child.text(name, longest_answer) && take(child, listing.groups[name]);
+    } else if (word == "text") {
+      std::string name;
+      whole = child.text(name, longest_answer) && child.text(word, longest_answer);
+      if (whole) listing.texts[to_utf8(name)] = to_utf8(word);
     } else if (word == "skipped") {
       whole = child.text(word, longest_answer);
       listing.skipped.push_back(to_utf8(word));
@@ -164,8 +196,9 @@ Hdf5Listing list_hdf5(const std::string& path) {
   }
 }
 
-void read_hdf5_slices(const std::string& path, const std::vector<Hdf5Slice>& slices,
-                      SampleSink& sink) {
+std::vector<Hdf5SliceSeen> read_hdf5_slices(const std::string& path,
+                                            const std::vector<Hdf5Slice>& slices,
+                                            SampleSink& sink) {
   double numbers = 0.0;
   for (const Hdf5Slice& slice : slices) numbers += static_cast<double>(slice.count);
   const double seconds = std::min(seconds_to_list + numbers / slowest_reading, 1e6);
@@ -173,6 +206,7 @@ void read_hdf5_slices(const std::string& path, const std::vector<Hdf5Slice>& sli
                              static_cast<unsigned>(seconds));
   std::vector<std::uint64_t> left;
   for (const Hdf5Slice& slice : slices) left.push_back(slice.count);
+  std::vector<Hdf5SliceSeen> seen(slices.size());
   Blocks blocks;
   for (;;) {
     std::uint64_t index = 0;
@@ -187,11 +221,16 @@ void read_hdf5_slices(const std::string& path, const std::vector<Hdf5Slice>& sli
       child_failed(path, child);
     left[index] -= count;
     if (!blocks.take(child, slices[index], count)) child_failed(path, child);
+    if (slices[index].array->wide)
+      seen[index].wide.look(std::get<std::span<const double>>(blocks.block().raw));
+    seen[index].missing +=
+        static_cast<std::uint64_t>(std::ranges::count(blocks.block().valid, std::uint8_t{0}));
     sink.take(index, blocks.block());
     if (slices[index].times != nullptr) sink.take_times(index, blocks.times());
   }
   if (std::ranges::any_of(left, [](std::uint64_t samples) { return samples > 0; }))
     child_failed(path, child);
+  return seen;
 }
 
 }  // namespace impactrig::acquisition

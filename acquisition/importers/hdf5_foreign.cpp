@@ -6,12 +6,14 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <set>
 
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/hdf5_arrays.hpp"
 #include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/named_arrays.hpp"
+#include "acquisition/importers/number.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/input_error.hpp"
 #include "datasets/store.hpp"
@@ -71,12 +73,7 @@ class EachBlock final : public SampleSink {
   std::vector<double> numbers_;
 };
 
-void each_number_of(const std::string& path, const Hdf5Array& array, const EachBlock::Use& use) {
-  Hdf5Slice slice;
-  slice.array = &array;
-  slice.whole = true;
-  slice.count = 1;
-  for (const std::uint64_t side : array.shape) slice.count *= side;
+void each_number_of(const std::string& path, const Hdf5Slice& slice, const EachBlock::Use& use) {
   EachBlock sink(use);
   read_hdf5_slices(path, {slice}, sink);
 }
@@ -88,6 +85,41 @@ std::optional<double> number_of(const Hdf5Attributes& attributes,
   for (const auto& [key, value] : attributes.numbers)
     if (std::ranges::find(names, lowered(key)) != names.end() && std::isfinite(value)) return value;
   return std::nullopt;
+}
+
+/// The same in a unit, which "fs_units" may state, or from a text: "51.2 kHz".
+template <std::size_t N>
+std::optional<double> quantity_of(const Hdf5Attributes& attributes,
+                                  const std::array<std::string_view, N>& names,
+                                  const std::string& unit) {
+  for (const auto& [key, value] : attributes.numbers) {
+    if (std::ranges::find(names, lowered(key)) == names.end() || !std::isfinite(value)) continue;
+    for (const std::string_view ending : {"_units", "_unit"}) {
+      const auto stated = attributes.texts.find(key + std::string(ending));
+      if (stated == attributes.texts.end()) continue;
+      if (const auto conversion = datasets::conversion(stated->second, unit))
+        return conversion->factor * value;
+    }
+    return value;
+  }
+  for (const auto& [key, text] : attributes.texts) {
+    if (std::ranges::find(names, lowered(key)) == names.end()) continue;
+    double value = 0.0;
+    const char* const end = text.data() + text.size();
+    const char* const behind = scan_number(text.data(), end, {}, value);
+    if (behind == text.data()) continue;
+    const std::string_view stated =
+        trimmed(std::string_view(behind, static_cast<std::size_t>(end - behind)));
+    if (stated.empty()) return value;
+    if (const auto conversion = datasets::conversion(std::string(stated), unit))
+      return conversion->factor * value;
+  }
+  return std::nullopt;
+}
+
+/// "us" of "/run/time_us" and "N" of "/run/Force [N]"; "" where the name does not end so.
+std::string unit_in_name(std::string_view name) {
+  return split_head(name.substr(name.find_last_of("./") + 1)).unit;
 }
 
 class ForeignReader final : public RecordingReader {
@@ -106,6 +138,7 @@ class ForeignReader final : public RecordingReader {
         record.attributes.emplace(key, fmt::format("{}", value));
     }
     if (matlab) forget_internals();
+    take_texts();
     for (const Hdf5Array& array : listing_.arrays) add(array);
     set_clocks(options);
     if (!matlab) numbers_to_attributes();
@@ -141,19 +174,41 @@ class ForeignReader final : public RecordingReader {
       slices.push_back(slice);
       record.channels.push_back(std::move(channel));
     }
-    read_hdf5_slices(path_, slices, sink);
+    const std::vector<Hdf5SliceSeen> seen = read_hdf5_slices(path_, slices, sink);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const std::string& name = record.channels[i].name;
+      if (seen[i].missing > 0)
+        record.warnings.push_back(
+            fmt::format("'{}': {} of {} samples are {}, which stands for none; "
+                        "marked as not valid",
+                        name, seen[i].missing, slices[i].count, *slices[i].missing));
+      if (std::string wide = seen[i].wide.warning(name); !wide.empty())
+        record.warnings.push_back(std::move(wide));
+    }
     return record;
   }
 
  private:
-  /// "/run/force" as MATLAB writes it: "run.force".
+  /// "/run/force" as MATLAB writes it: "run.force"; of records "/run/table.force".
   std::string name_of(const Hdf5Array& array) const {
     std::string name = array.path;
+    if (!array.field.empty()) name += "." + array.field;
     if (matlab_) {
       name.erase(0, 1);
       std::ranges::replace(name, '/', '.');
     }
     return to_utf8(name);
+  }
+
+  /// Texts beside the data are facts about them; NeXus has the title and start so.
+  void take_texts() {
+    Record& record = head_.record;
+    for (const auto& [path, text] : listing_.texts) {
+      if (text.empty() || (matlab_ && path.starts_with("/#"))) continue;
+      record.attributes.emplace(path, text);
+      if (path.ends_with("/title") && record.title.empty()) record.title = text;
+      if (path.ends_with("/start_time") && record.started.empty()) record.started = text;
+    }
   }
 
   void forget_internals() {
@@ -196,19 +251,55 @@ class ForeignReader final : public RecordingReader {
       return;
     }
     if (flat) return add_channel(array, name, true, 0, 0);
+    const std::vector<std::string>* const names = column_names(array, columns);
     for (std::uint64_t c = 0; c < columns; ++c)
-      add_channel(array, fmt::format("{}:{}", name, c + 1), false, along, c);
+      add_channel(array,
+                  names == nullptr ? fmt::format("{}:{}", name, c + 1) : name + "." + (*names)[c],
+                  false, along, c);
+  }
+
+  /// The names that an attribute gives the columns; null where none does, or two are the same.
+  static const std::vector<std::string>* column_names(const Hdf5Array& array,
+                                                      std::uint64_t columns) {
+    constexpr std::array<std::string_view, 9> keys = {"columns",  "column_names",  "columnnames",
+                                                      "channels", "channel_names", "channelnames",
+                                                      "names",    "labels",        "fields"};
+    for (const auto& [key, list] : array.attributes.lists) {
+      if (list.size() != columns || std::ranges::find(keys, lowered(key)) == keys.end()) continue;
+      const std::set<std::string> different(list.begin(), list.end());
+      if (different.size() == list.size() && !different.contains("")) return &list;
+    }
+    return nullptr;
+  }
+
+  /// The unit that an attribute states, for all or one by one.
+  static std::string unit_of(const Hdf5Attributes& attributes, std::uint64_t which) {
+    const auto is_unit = [](std::string_view key) {
+      const std::string word = lowered(key);
+      return word == "units" || word == "unit" || word == "unit_string";
+    };
+    for (const auto& [key, text] : attributes.texts)
+      if (is_unit(key)) return text;
+    for (const auto& [key, list] : attributes.lists)
+      if (is_unit(key) && which < list.size()) return list[which];
+    return {};
+  }
+
+  /// What the NetCDF conventions say of numbers that stand for others.
+  static void take_packing(const Hdf5Attributes& attributes, Channel& channel, Hdf5Slice& slice) {
+    constexpr std::array<std::string_view, 1> factor = {"scale_factor"};
+    constexpr std::array<std::string_view, 1> offset = {"add_offset"};
+    constexpr std::array<std::string_view, 2> missing = {"_fillvalue", "missing_value"};
+    channel.scale = number_of(attributes, factor).value_or(1.0);
+    channel.offset = number_of(attributes, offset).value_or(0.0);
+    slice.missing = number_of(attributes, missing);
   }
 
   void add_channel(const Hdf5Array& array, const std::string& name, bool whole, std::size_t along,
                    std::uint64_t other) {
     Channel channel;
     channel.name = name;
-    for (const auto& [key, text] : array.attributes.texts) {
-      channel.attributes.emplace(key, text);
-      const std::string word = lowered(key);
-      if (word == "units" || word == "unit" || word == "unit_string") channel.unit = text;
-    }
+    for (const auto& [key, text] : array.attributes.texts) channel.attributes.emplace(key, text);
     for (const auto& [key, value] : array.attributes.numbers)
       channel.attributes.emplace(key, fmt::format("{}", value));
     std::string size;
@@ -217,6 +308,10 @@ class ForeignReader final : public RecordingReader {
       size += fmt::format("{}{}", d == 0 ? "" : " x ", array.shape[which]);
     }
     channel.attributes.emplace("size", size.empty() ? "1" : size);
+    channel.unit = unit_of(array.attributes, array.field.empty() ? other : array.field_index);
+    if (channel.unit.empty()) channel.unit = unit_in_name(name);
+    // "milliseconds since 2024-03-01 12:00", as NetCDF has it
+    channel.unit.resize(std::min(channel.unit.find(" since "), channel.unit.size()));
     channel.quantity = datasets::quantity_of_unit(channel.unit);
     Hdf5Slice slice;
     slice.array = &array;
@@ -228,6 +323,7 @@ class ForeignReader final : public RecordingReader {
       for (const std::uint64_t side : array.shape) slice.count *= side;
     else
       slice.count = array.shape[along];
+    if (!array.complex) take_packing(array.attributes, channel, slice);
     head_.record.channels.push_back(std::move(channel));
     slices_.push_back(slice);
   }
@@ -241,15 +337,15 @@ class ForeignReader final : public RecordingReader {
         "samplingrate", "sampling_frequency", "sample_frequency"};
     constexpr std::array<std::string_view, 4> starts = {"wf_start_offset", "t0", "start_time",
                                                         "start"};
-    const auto interval = number_of(attributes, intervals);
-    const auto rate = number_of(attributes, rates);
+    const auto interval = quantity_of(attributes, intervals, "s");
+    const auto rate = quantity_of(attributes, rates, "Hz");
     if (interval && *interval > 0.0)
       clock.interval = *interval;
     else if (rate && *rate > 0.0 && std::isfinite(1.0 / *rate))
       clock.interval = 1.0 / *rate;
     else
       return false;
-    clock.start = number_of(attributes, starts).value_or(0.0);
+    clock.start = quantity_of(attributes, starts, "s").value_or(0.0);
     return true;
   }
 
@@ -267,14 +363,14 @@ class ForeignReader final : public RecordingReader {
     std::vector<NamedArray> arrays;
     for (std::size_t i = 0; i < slices_.size(); ++i) {
       const Hdf5Array& array = *slices_[i].array;
-      NamedArray named{head_.record.channels[i].name, slices_[i].count,
-                       !array.complex && slices_[i].whole};
+      NamedArray named{head_.record.channels[i].name, slices_[i].count, !array.complex};
       const std::string& unit = head_.record.channels[i].unit;
       if (!unit.empty()) {
         const auto conversion = datasets::conversion(unit, "s");
         named.time = is_axis(array) && conversion.has_value();
         named.real = named.real && (conversion.has_value() || slices_[i].count == 1);
         if (conversion) named.seconds = conversion->factor;
+        if (const auto rate = datasets::conversion(unit, "Hz")) named.seconds = 1.0 / rate->factor;
       } else {
         named.time = is_axis(array);
       }
@@ -282,7 +378,14 @@ class ForeignReader final : public RecordingReader {
     }
     const ArrayClocks found = clocks_by_name(
         path_, arrays,
-        [this](std::size_t i, const auto& use) { each_number_of(path_, *slices_[i].array, use); },
+        [this](std::size_t i, const auto& use) {
+          const Channel& channel = head_.record.channels[i];
+          each_number_of(path_, slices_[i], [&](std::span<const double> numbers) {
+            std::vector<double> values(numbers.begin(), numbers.end());
+            for (double& value : values) value = channel.scale * value + channel.offset;
+            use(values);
+          });
+        },
         options);
     for (const std::string& warning : found.warnings) head_.record.warnings.push_back(warning);
     if (!found.time_column.empty()) head_.record.attributes["time column"] = found.time_column;
@@ -293,8 +396,12 @@ class ForeignReader final : public RecordingReader {
       clock.start = found.clocks[i].start;
       clock.interval = found.clocks[i].interval;
       if (found.clocks[i].times) {
-        slices_[i].times = slices_[*found.clocks[i].times].array;
-        slices_[i].seconds = arrays[*found.clocks[i].times].seconds;
+        const std::size_t times = *found.clocks[i].times;
+        Hdf5Slice slice = slices_[times];
+        slice.times = nullptr;
+        slices_[i].times = std::make_shared<const Hdf5Slice>(slice);
+        slices_[i].time_factor = arrays[times].seconds * head_.record.channels[times].scale;
+        slices_[i].time_offset = arrays[times].seconds * head_.record.channels[times].offset;
       }
       if (clock.interval > 0.0) continue;
       for (std::string_view group = parent_of(slices_[i].array->path);; group = parent_of(group)) {
@@ -361,7 +468,7 @@ class ForeignReader final : public RecordingReader {
     std::vector<double> times;
     each_number_of(path_, *slice.times, [&](std::span<const double> numbers) {
       times.assign(numbers.begin(), numbers.end());
-      for (double& time : times) time *= slice.seconds;
+      for (double& time : times) time = slice.time_factor * time + slice.time_offset;
       found.add(times);
     });
     found.settle(clock);

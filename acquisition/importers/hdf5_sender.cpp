@@ -46,22 +46,38 @@ std::string fixed_text(std::string_view cell) {
   return to_utf8(cell.substr(0, longest_text));
 }
 
-/// An attribute that is one text.
-std::optional<std::string> attribute_text(hid_t attribute, hid_t type) {
+/// Texts of an attribute or of a data set, which `read` reads with a type into memory.
+template <typename Read>
+std::optional<std::vector<std::string>> texts_of(hid_t type, std::size_t count, const Read& read) {
+  std::vector<std::string> texts;
   if (H5Tis_variable_str(type) > 0) {
     const Hdf5Handle memory(H5Tcopy(type), H5Tclose);
-    char* text = nullptr;
-    if (H5Aread(attribute, memory.id(), static_cast<void*>(&text)) < 0 || text == nullptr)
-      return std::nullopt;
-    std::string result = fixed_text(text);
-    H5free_memory(text);
-    return result;
+    std::vector<char*> lines(count, nullptr);
+    if (read(memory.id(), static_cast<void*>(lines.data())) < 0) return std::nullopt;
+    for (char* const line : lines) {
+      texts.push_back(line == nullptr ? std::string() : fixed_text(line));
+      H5free_memory(line);
+    }
+    return texts;
   }
   const std::size_t width = H5Tget_size(type);
   if (width == 0 || width > 65536) return std::nullopt;
-  std::vector<char> cell(width);
-  if (H5Aread(attribute, type, cell.data()) < 0) return std::nullopt;
-  return fixed_text({cell.data(), cell.size()});
+  std::vector<char> cells(width * count);
+  if (read(type, static_cast<void*>(cells.data())) < 0) return std::nullopt;
+  for (std::size_t i = 0; i < count; ++i)
+    texts.push_back(fixed_text({cells.data() + i * width, width}));
+  return texts;
+}
+
+void take_text(hid_t attribute, hid_t type, std::size_t count, const std::string& key,
+               Hdf5Attributes& found) {
+  auto texts = texts_of(
+      type, count, [attribute](hid_t memory, void* to) { return H5Aread(attribute, memory, to); });
+  if (!texts) return;
+  if (count == 1)
+    found.texts.emplace(key, std::move(texts->front()));
+  else
+    found.lists.emplace(key, std::move(*texts));
 }
 
 Hdf5Attributes attributes_of(hid_t object) {
@@ -77,12 +93,13 @@ Hdf5Attributes attributes_of(hid_t object) {
     if (H5Aget_name(attribute.id(), name.size(), name.data()) <= 0) continue;
     const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
     const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose);
-    if (H5Sget_simple_extent_npoints(space.id()) != 1) continue;
+    const hssize_t values = H5Sget_simple_extent_npoints(space.id());
     const H5T_class_t kind = H5Tget_class(type.id());
     const std::string key = to_utf8(name.data());
+    const bool may_be_list = kind == H5T_STRING && values <= hssize_t{hdf5_longest_list};
+    if (values < 1 || (values > 1 && !may_be_list)) continue;
     if (kind == H5T_STRING) {
-      if (auto text = attribute_text(attribute.id(), type.id()))
-        found.texts.emplace(key, std::move(*text));
+      take_text(attribute.id(), type.id(), static_cast<std::size_t>(values), key, found);
     } else if (kind == H5T_INTEGER || kind == H5T_FLOAT) {
       double value = 0.0;
       if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, &value) >= 0)
@@ -109,6 +126,10 @@ std::optional<ArrayNumbers> numbers_of(hid_t type) {
   for (const auto& [known, numbers] : standard)
     if (H5Tequal(type, known) > 0) return numbers;
   return std::nullopt;
+}
+
+bool is_wide(hid_t type) {
+  return H5Tget_class(type) == H5T_INTEGER && H5Tget_size(type) == 8;
 }
 
 hid_t memory_type(ArrayNumbers numbers) {
@@ -145,8 +166,10 @@ std::string storage_problem(hid_t data, const std::vector<std::uint64_t>& shape,
                                                &values, nullptr, 0, nullptr, &config);
     if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE &&
         filter != H5Z_FILTER_FLETCHER32)
-      return fmt::format("packed by filter {}, only deflate, shuffle and Fletcher32 are read",
-                         filter);
+      return fmt::format(
+          "packed by filter {}, only deflate, shuffle and Fletcher32 are read: "
+          "h5repack -f GZIP=1 rewrites it",
+          filter);
   }
   const std::uint64_t stored = H5Dget_storage_size(data);
   long double declared = static_cast<long double>(element);
@@ -200,6 +223,12 @@ class Walk {
     for (const auto& [key, text] : attributes.texts) {
       out_.text(key);
       out_.text(text);
+    }
+    out_.number(attributes.lists.size());
+    for (const auto& [key, texts] : attributes.lists) {
+      out_.text(key);
+      out_.number(texts.size());
+      for (const std::string& text : texts) out_.text(text);
     }
     out_.number(attributes.numbers.size());
     for (const auto& [key, value] : attributes.numbers) {
@@ -265,31 +294,77 @@ class Walk {
     array.path = path;
     array.shape.assign(sides.begin(), sides.begin() + rank);
     const H5T_class_t kind = H5Tget_class(type.id());
-    std::optional<ArrayNumbers> numbers;
-    if (kind == H5T_COMPOUND) {
-      array.complex = is_complex(type.id());
-      if (array.complex) numbers = ArrayNumbers::f64;
-    } else {
-      numbers = numbers_of(type.id());
-    }
-    if (!numbers) return skip(path, kind_name(kind));
-    array.numbers = *numbers;
+    const bool records = kind == H5T_COMPOUND && !is_complex(type.id());
+    const auto numbers = kind == H5T_COMPOUND ? ArrayNumbers::f64 : numbers_of(type.id());
+    const bool one = H5Sget_simple_extent_npoints(space.id()) == 1;
+    if (!numbers && !(kind == H5T_STRING && one)) return skip(path, kind_name(kind));
+    array.complex = kind == H5T_COMPOUND && !records;
+    array.wide = is_wide(type.id());
+    if (numbers) array.numbers = *numbers;
     if (std::ranges::find(array.shape, std::uint64_t{0}) != array.shape.end())
       return skip(path, "empty");
     const std::string problem = storage_problem(id, array.shape, H5Tget_size(type.id()), bytes_);
     if (!problem.empty()) return skip(path, problem);
+    if (kind == H5T_STRING) return text(id, type.id(), path);
     array.attributes = attributes_of(id);
     const auto matlab = array.attributes.texts.find("MATLAB_class");
     if (matlab != array.attributes.texts.end() && matlab->second == "char")
       array.text = letters(id, array.shape);
+    if (records)
+      fields(type.id(), array);
+    else
+      put(array);
+  }
+
+  void put(const Hdf5Array& array) {
     out_.text("array");
     out_.text(array.path);
+    out_.text(array.field);
+    out_.number(array.field_index);
     out_.number(array.shape.size());
     for (const std::uint64_t side : array.shape) out_.number(side);
     out_.number(static_cast<std::uint64_t>(array.numbers));
+    out_.number(array.wide ? 1 : 0);
     out_.number(array.complex ? 1 : 0);
     out_.text(array.text);
     put(array.attributes);
+  }
+
+  /// The numbers among the fields of records.
+  void fields(hid_t type, Hdf5Array& array) {
+    const int count = H5Tget_nmembers(type);
+    if (count > static_cast<int>(hdf5_longest_list))
+      return skip(array.path, fmt::format("records of {} fields, at most {} are read", count,
+                                          hdf5_longest_list));
+    for (unsigned i = 0; i < static_cast<unsigned>(std::max(count, 0)); ++i) {
+      char* const name = H5Tget_member_name(type, i);
+      if (name == nullptr) return skip(array.path, "damaged");
+      array.field = name;
+      H5free_memory(name);
+      const Hdf5Handle member(H5Tget_member_type(type, i), H5Tclose);
+      const auto numbers = numbers_of(member.id());
+      const std::string full = array.path + "." + array.field;
+      if (full.size() > longest_path) {
+        skip(full.substr(0, 100), "a path of over 1000 bytes");
+      } else if (!numbers) {
+        skip(full, kind_name(H5Tget_class(member.id())));
+      } else {
+        array.numbers = *numbers;
+        array.wide = is_wide(member.id());
+        array.field_index = i;
+        put(array);
+      }
+    }
+  }
+
+  void text(hid_t id, hid_t type, const std::string& path) {
+    const auto texts = texts_of(type, 1, [id](hid_t memory, void* to) {
+      return H5Dread(id, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, to);
+    });
+    if (!texts) return skip(path, "text");
+    out_.text("text");
+    out_.text(path);
+    out_.text(texts->front());
   }
 
   /// MATLAB, h5py and others write a complex number as a pair.
@@ -331,7 +406,9 @@ class Walk {
       case H5T_STRING:
         return "text";
       case H5T_COMPOUND:
-        return "a table of records";
+        return "records within records";
+      case H5T_ARRAY:
+        return "a list";
       case H5T_REFERENCE:
         return "references";
       case H5T_ENUM:
@@ -359,7 +436,7 @@ class SliceReader {
     H5Pset_chunk_cache(access.id(), 12421, std::size_t{32} << 20, 1.0);
     data_ = Hdf5Handle(H5Dopen2(file, slice.array->path.c_str(), access.id()), H5Dclose);
     if (slice.times != nullptr)
-      times_ = Hdf5Handle(H5Dopen2(file, slice.times->path.c_str(), access.id()), H5Dclose);
+      times_ = Hdf5Handle(H5Dopen2(file, slice.times->array->path.c_str(), access.id()), H5Dclose);
     at_ = slice.first;
     left_ = slice.count;
   }
@@ -369,25 +446,22 @@ class SliceReader {
   /// False when HDF5 cannot read it.
   bool send(std::size_t index, const PipeWriter& out) {
     const std::uint64_t count = std::min<std::uint64_t>(hdf5_block_size, left_);
-    const std::size_t width = width_of(slice_->array->numbers);
-    bytes_.resize(count * width);
+    const Hdf5Array& array = *slice_->array;
+    bytes_.resize(count * width_of(array.numbers));
     std::vector<double> imaginary;
-    if (slice_->array->complex) {
+    if (array.complex) {
       imaginary.resize(count);
-      if (!read(data_.id(), *slice_, part_type("real", "r").id(), count, bytes_.data()) ||
-          !read(data_.id(), *slice_, part_type("imag", "i").id(), count, imaginary.data()))
+      if (!read(data_.id(), *slice_, part_of_complex(0).id(), count, bytes_.data()) ||
+          !read(data_.id(), *slice_, part_of_complex(1).id(), count, imaginary.data()))
         return false;
-    } else if (!read(data_.id(), *slice_, memory_type(slice_->array->numbers), count,
-                     bytes_.data())) {
+    } else if (!read_as(data_.id(), *slice_, memory_type(array.numbers), count, bytes_.data())) {
       return false;
     }
     std::vector<double> times;
     if (slice_->times != nullptr) {
       times.resize(count);
-      Hdf5Slice all;
-      all.array = slice_->times;
-      all.whole = true;
-      if (!read(times_.id(), all, H5T_NATIVE_DOUBLE, count, times.data())) return false;
+      if (!read_as(times_.id(), *slice_->times, H5T_NATIVE_DOUBLE, count, times.data()))
+        return false;
     }
     out.number(index);
     out.number(count);
@@ -400,13 +474,27 @@ class SliceReader {
   }
 
  private:
-  /// A compound with one of the file's members, as a double.
-  Hdf5Handle part_type(const char* name, const char* short_name) const {
+  /// Records with one of the file's fields.
+  static Hdf5Handle field_type(const std::string& name, hid_t number) {
+    Hdf5Handle type(H5Tcreate(H5T_COMPOUND, H5Tget_size(number)), H5Tclose);
+    H5Tinsert(type.id(), name.c_str(), 0, number);
+    return type;
+  }
+
+  /// The real part of a complex number is its first field.
+  Hdf5Handle part_of_complex(unsigned part) const {
     const Hdf5Handle type(H5Dget_type(data_.id()), H5Tclose);
-    Hdf5Handle part(H5Tcreate(H5T_COMPOUND, sizeof(double)), H5Tclose);
-    const bool is_long = H5Tget_member_index(type.id(), name) >= 0;
-    H5Tinsert(part.id(), is_long ? name : short_name, 0, H5T_NATIVE_DOUBLE);
-    return part;
+    char* const name = H5Tget_member_name(type.id(), part);
+    const std::string field = name == nullptr ? "" : name;
+    H5free_memory(name);
+    return field_type(field, H5T_NATIVE_DOUBLE);
+  }
+
+  /// Reads numbers of a data set or of a field.
+  bool read_as(hid_t data, const Hdf5Slice& slice, hid_t number, std::uint64_t count,
+               void* to) const {
+    if (slice.array->field.empty()) return read(data, slice, number, count, to);
+    return read(data, slice, field_type(slice.array->field, number).id(), count, to);
   }
 
   bool read(hid_t data, const Hdf5Slice& slice, hid_t type, std::uint64_t count, void* to) const {

@@ -46,7 +46,8 @@ std::string_view group_of(std::string_view name) {
 
 std::string last_word(std::string_view name) {
   const std::size_t end = name.find_last_of("./");
-  return lowered(end == std::string_view::npos ? name : name.substr(end + 1));
+  // "time_us" and "time [us]" are times too
+  return lowered(split_head(end == std::string_view::npos ? name : name.substr(end + 1)).name);
 }
 
 template <std::size_t N>
@@ -139,10 +140,11 @@ class ClockFinder {
     each_number_(index, [&value](std::span<const double> numbers) { value.add(numbers); });
     if (value.count != 1 || !std::isfinite(value.first)) return;
     if (word == start_word) {
-      starts_.emplace(group, value.first);
+      starts_.emplace(group, value.first * arrays_[index].seconds);
       return;
     }
-    const double seconds = interval ? value.first : 1.0 / value.first;
+    const double unit = arrays_[index].seconds;
+    const double seconds = interval ? value.first * unit : unit / value.first;
     if (!(seconds > 0.0) || !std::isfinite(seconds)) return;
     const auto [known, is_first] = intervals_.try_emplace(group, seconds, index);
     if (!is_first && differ(seconds, known->second.first))

@@ -18,7 +18,7 @@ struct NamedArray {
   std::uint64_t samples = 0;
   bool real = true;
   bool time = false;     ///< the file says that it is
-  double seconds = 1.0;  ///< of one of its unit, where it holds times
+  double seconds = 1.0;  ///< of one of its unit, where it holds times; where rates, of a period
 };
 
 /// When the samples of an array were taken, as the names tell.

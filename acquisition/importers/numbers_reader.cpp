@@ -4,6 +4,7 @@
 
 #include "acquisition/importers/number_cursor.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
+#include "acquisition/importers/wide_integers.hpp"
 
 namespace impactrig::acquisition {
 
@@ -41,6 +42,8 @@ class ChannelStream {
   }
 
   bool done() const { return left_ == 0; }
+
+  std::string warning(std::string_view name) const { return wide_.warning(name); }
 
   std::uint64_t first_byte() const {
     const std::vector<NumberRun>& runs = channel_->samples.runs();
@@ -109,13 +112,14 @@ class ChannelStream {
       case NumberKind::f32:
         return read_samples(count, floats_);
       case NumberKind::f64:
-        return read_samples(count, doubles_);
       case NumberKind::u32:
+        return read_samples(count, doubles_);
       case NumberKind::i64:
       case NumberKind::u64:
-        return read_samples(count, doubles_);
+        wide_.look(read(samples_, count, doubles_));
+        break;
     }
-    return read(samples_, count, doubles_);
+    return std::span<const double>(doubles_);
   }
 
   const StoredChannel* channel_;
@@ -124,6 +128,7 @@ class ChannelStream {
   NumberCursor invalid_;
   NumberCursor times_;
   std::uint64_t left_;
+  WideIntegers wide_;
   std::vector<double> doubles_;
   std::vector<float> floats_;
   std::vector<std::int16_t> shorts_;
@@ -184,6 +189,10 @@ class NumbersReader final : public RecordingReader {
         while (file_->only_forward() && !streams[i].done());
         more = more || !streams[i].done();
       }
+    }
+    for (std::size_t i = 0; i < streams.size(); ++i) {
+      std::string warning = streams[i].warning(record.channels[i].name);
+      if (!warning.empty()) record.warnings.push_back(std::move(warning));
     }
     return record;
   }

@@ -75,6 +75,54 @@ class Hdf5File {
     H5Oclose(object);
   }
 
+  void texts(const std::string& path, const std::string& name,
+             const std::vector<const char*>& values) const {
+    const hid_t object = H5Oopen(file_, path.c_str(), H5P_DEFAULT);
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, H5T_VARIABLE);
+    const hsize_t size = values.size();
+    const hid_t space = H5Screate_simple(1, &size, nullptr);
+    const hid_t attribute = H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(attribute, type, values.data());
+    H5Aclose(attribute);
+    H5Sclose(space);
+    H5Tclose(type);
+    H5Oclose(object);
+  }
+
+  /// A data set that is one text.
+  void text_data(const std::string& path, const std::string& value) const {
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, value.size());
+    data<char>(path, {}, {value.begin(), value.end()}, type, type);
+    H5Tclose(type);
+  }
+
+  /// Records of a time in single precision, a force and a name.
+  void records(const std::string& path, std::size_t count, hsize_t chunk) const {
+    struct Row {
+      float time;
+      double force;
+      std::int64_t ticks;
+      char name[4];
+    };
+
+    const hid_t name = H5Tcopy(H5T_C_S1);
+    H5Tset_size(name, sizeof(Row::name));
+    const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(Row));
+    H5Tinsert(type, "name", HOFFSET(Row, name), name);
+    H5Tinsert(type, "time", HOFFSET(Row, time), H5T_NATIVE_FLOAT);
+    H5Tinsert(type, "force", HOFFSET(Row, force), H5T_NATIVE_DOUBLE);
+    H5Tinsert(type, "ticks", HOFFSET(Row, ticks), H5T_NATIVE_INT64);
+    std::vector<Row> rows;
+    for (std::size_t i = 0; i < count; ++i)
+      rows.push_back({0.25F * static_cast<float>(i), static_cast<double>(i * i),
+                      (std::int64_t{1} << 60) + static_cast<std::int64_t>(i), "ab"});
+    data<Row>(path, {count}, rows, type, type, {chunk});
+    H5Tclose(type);
+    H5Tclose(name);
+  }
+
   void number(const std::string& path, const std::string& name, double value) const {
     const hid_t object = H5Oopen(file_, path.c_str(), H5P_DEFAULT);
     const hid_t space = H5Screate(H5S_SCALAR);
@@ -128,6 +176,17 @@ inline std::vector<std::string> hdf5_seeds() {
     file.doubles("/entry/clock", {0, 1, 3});
     file.text("/entry/clock", "units", "ms", true);
     file.doubles("/entry/force", {1, 2, 3});
+    seeds.push_back(file.bytes());
+  }
+  {
+    const Hdf5File file;
+    file.records("/rows", 8, 4);
+    file.texts("/rows", "units", {"", "s", "N", ""});
+    file.doubles("/force", {1, 2, 3});
+    file.number("/force", "scale_factor", 0.5);
+    file.number("/force", "_FillValue", 2.0);
+    file.text("/force", "fs", "1 kHz");
+    file.text_data("/title", "a shot");
     seeds.push_back(file.bytes());
   }
   {

@@ -142,7 +142,7 @@ TEST(ForeignHdf5, WhatIsNotReadIsNamed) {
   EXPECT_EQ(record.channels.size(), 0U);
   EXPECT_EQ(record.warnings[0],
             "not read: '/nbit' (packed by filter 5, only deflate, shuffle and Fletcher32 are "
-            "read), '/reference' (references), '/unwritten' (it declares 2000000 bytes and holds "
+            "read: h5repack -f GZIP=1 rewrites it), '/reference' (references), '/unwritten' (it declares 2000000 bytes and holds "
             "0)");
   EXPECT_EQ(record.warnings[1], "there are no data sets of numbers: there are no channels");
 }

@@ -58,6 +58,19 @@ TEST_P(Mat, EveryTypeOfNumberIsRead) {
   EXPECT_EQ(record.attributes.at("header"), "MATLAB 5.0 MAT-file, written by a test");
 }
 
+// A double holds every integer up to 2^53.
+TEST_P(Mat, IntegersThatDoublesDoNotHoldAreToldOf) {
+  const auto integers = [this](const std::vector<std::int64_t>& values) {
+    return imported(b.header() + b.matrix(b.head(14, {1, 3}, "ticks") +
+                                          b.element(12, b.numbers<std::int64_t>(values))));
+  };
+  EXPECT_THAT(integers({-(1LL << 53), 2, 1LL << 53}).warnings,
+              testing::Not(Contains(HasSubstr("2^53"))));
+  EXPECT_THAT(integers({-(1LL << 53) - 2, 2, 1LL << 60}).warnings,
+              Contains("'ticks': 2 samples are beyond 2^53, where doubles do not hold every "
+                       "integer: they are rounded to 16 digits"));
+}
+
 TEST_P(Mat, CompressedArraysAreTheSame) {
   const std::string time = b.doubles("t", {0, 0.25, 0.5});
   const std::string force = b.doubles("force", {1, 2, 3});

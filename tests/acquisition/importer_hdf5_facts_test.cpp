@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include "acquisition/importer.hpp"
+#include "tests/acquisition/hdf5_bytes.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using datasets::Channel;
+using datasets::Record;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using tests::Hdf5File;
+using tests::imported;
+
+TEST(Hdf5Records, EachFieldOfNumbersIsAChannel) {
+  for (const hsize_t chunk : {5U, 300U}) {
+    const Hdf5File file;
+    file.group("/daq");
+    file.records("/daq/rows", 300, chunk);
+    file.texts("/daq/rows", "units", {"", "s", "N", ""});
+    const Record record = imported(file.bytes());
+    ASSERT_EQ(record.channels.size(), 3U);
+    const Channel& force = record.channels[1];
+    EXPECT_EQ(force.name, "/daq/rows.force");
+    EXPECT_EQ(force.unit, "N");
+    EXPECT_EQ(force.clock.interval, 0.25);
+    EXPECT_EQ(force.size(), 300U);
+    EXPECT_EQ(force.value(299), 299.0 * 299.0);
+    EXPECT_EQ(record.channels[0].unit, "s");
+    EXPECT_EQ(record.channels[0].value(2), 0.5);
+    EXPECT_EQ(record.channels[2].value(0), 1152921504606846976.0);
+    EXPECT_THAT(record.warnings, ElementsAre("not read: '/daq/rows.name' (text)",
+                                             HasSubstr("'/daq/rows.ticks': 300 samples are beyond "
+                                                       "2^53")));
+  }
+}
+
+TEST(Hdf5Records, AreReadByWindowAndChannel) {
+  const Hdf5File file;
+  file.records("/rows", 100, 7);
+  ImportOptions options;
+  options.channels = {"/rows.force"};
+  options.from = 10.0;
+  options.to = 10.5;
+  const Record record = imported(file.bytes(), options);
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1600, 1681, 1764));
+  EXPECT_EQ(record.channels[0].clock.start, 10.0);
+}
+
+TEST(Hdf5Columns, HaveTheNamesAndUnitsOfTheirLists) {
+  std::vector<double> table;
+  for (int i = 0; i < 200; ++i) {
+    table.push_back(1e-3 * (i + (i > 100 ? 0.4 : 0.0)));  // uneven
+    table.push_back(i % 7);
+  }
+  const Hdf5File file;
+  file.data<double>("/table", {200, 2}, table, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, {64, 2});
+  file.texts("/table", "columns", {"time", "force"});
+  file.texts("/table", "unit", {"ms", "kN"});
+  const Record record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 2U);
+  const Channel& force = record.channels[1];
+  EXPECT_EQ(force.name, "/table.force");
+  EXPECT_EQ(force.unit, "kN");
+  ASSERT_EQ(force.clock.times.size(), 200U);
+  EXPECT_NEAR(force.clock.times[199], 1e-6 * 199.4, 1e-18);
+  EXPECT_THAT(force.values()[8], 1.0);
+  file.texts("/table", "names", {"twice", "twice"});  // the others still name them
+  EXPECT_EQ(imported(file.bytes()).channels[1].name, "/table.force");
+}
+
+// Without names, a first column that increases evenly is the time, as in MAT-files.
+TEST(Hdf5Columns, WithoutNamesBeginWithTheTime) {
+  const Hdf5File file;
+  std::vector<double> table;
+  for (int i = 0; i < 200; ++i) {
+    table.push_back(0.01 * i);
+    table.push_back(i % 7);
+  }
+  file.data<double>("/table", {200, 2}, table, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  EXPECT_DOUBLE_EQ(imported(file.bytes()).channels[1].clock.interval, 0.01);
+  ImportOptions options;
+  options.time_column = "/table:1";
+  EXPECT_DOUBLE_EQ(imported(file.bytes(), options).channels[1].clock.interval, 0.01);
+}
+
+// NetCDF: value = scale_factor * number + add_offset, and a number that stands for none.
+TEST(Hdf5Packing, IsUndone) {
+  const Hdf5File file;
+  file.data<std::int16_t>("/force", {4}, {100, -32768, 300, 400}, H5T_NATIVE_INT16, H5T_STD_I16BE);
+  file.number("/force", "scale_factor", 0.5);
+  file.number("/force", "add_offset", 5.0);
+  file.number("/force", "_FillValue", -32768.0);
+  file.data<std::int16_t>("/time", {4}, {0, 1, 3, 4}, H5T_NATIVE_INT16, H5T_STD_I16LE);
+  file.number("/time", "scale_factor", 0.25);
+  file.number("/time", "add_offset", 40.0);
+  file.text("/time", "units", "milliseconds since 2024-03-01 12:00");
+  const Record record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 2U);
+  const Channel& force = record.channels[0];
+  EXPECT_TRUE(std::holds_alternative<std::vector<std::int16_t>>(force.raw));
+  EXPECT_EQ(force.value(0), 55.0);
+  EXPECT_EQ(force.value(3), 205.0);
+  EXPECT_THAT(force.valid, ElementsAre(1, 0, 1, 1));
+  ASSERT_EQ(force.clock.times.size(), 4U);
+  EXPECT_DOUBLE_EQ(force.clock.times[2], 0.04075);
+  EXPECT_THAT(record.warnings, Contains("'/force': 1 of 4 samples are -32768, which stands for "
+                                        "none; marked as not valid"));
+}
+
+TEST(Hdf5Clock, MayBeStatedWithItsUnit) {
+  for (const auto& [key, text] : {std::pair{"fs", "51.2 kHz"}, std::pair{"sample_rate", "51200"},
+                                  std::pair{"dt", "19.53125 us"}}) {
+    const Hdf5File file;
+    file.doubles("/force", {1, 2, 3});
+    file.text("/force", key, text);
+    EXPECT_NEAR(imported(file.bytes()).channels[0].clock.interval, 1.0 / 51200.0, 1e-18) << text;
+  }
+  const Hdf5File file;
+  file.doubles("/force", {1, 2, 3});
+  file.number("/force", "dt", 2.0);
+  file.text("/force", "dt_units", "ms");
+  EXPECT_EQ(imported(file.bytes()).channels[0].clock.interval, 0.002);
+}
+
+// Numbers and times beside the data, whose unit the file states or their name ends with.
+TEST(Hdf5Clock, OfOtherDataSetsCountsTheirUnits) {
+  {
+    const Hdf5File file;
+    file.doubles("/force", {1, 2, 3});
+    file.doubles("/time_us", {0, 50, 100});
+    EXPECT_DOUBLE_EQ(imported(file.bytes()).channels[0].clock.interval, 5e-5);
+  }
+  {
+    const Hdf5File file;
+    file.doubles("/force", {1, 2, 3});
+    file.data<double>("/dt", {}, {50}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+    file.text("/dt", "units", "us");
+    EXPECT_DOUBLE_EQ(imported(file.bytes()).channels[0].clock.interval, 5e-5);
+  }
+  {
+    const Hdf5File file;
+    file.doubles("/force", {1, 2, 3});
+    file.data<double>("/fs", {}, {20}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+    file.text("/fs", "units", "kHz");
+    EXPECT_DOUBLE_EQ(imported(file.bytes()).channels[0].clock.interval, 5e-5);
+  }
+}
+
+TEST(Hdf5Texts, AreFactsAboutTheRecording) {
+  const Hdf5File file;
+  file.group("/entry");
+  file.text_data("/entry/title", "shot 7");
+  file.text_data("/entry/start_time", "2024-03-01T12:00:00Z");
+  file.doubles("/entry/force [N]", {1, 2, 3});
+  file.number("/entry/force [N]", "fs", 10.0);
+  const Record record = imported(file.bytes());
+  EXPECT_EQ(record.title, "shot 7");
+  EXPECT_EQ(record.started, "2024-03-01T12:00:00Z");
+  EXPECT_EQ(record.attributes.at("/entry/title"), "shot 7");
+  EXPECT_EQ(record.channels[0].unit, "N");
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition
