@@ -228,6 +228,7 @@ std::string normalised(std::string_view unit) {
   if (unit.empty() || unit.size() > 200 || control || unit.find('@') != std::string_view::npos)
     return {};
   if (unit == "kg (kilo-g)" || unit == "kilo-g") return "(1000 gravity)";
+  if (unit == "g's" || unit == "G's" || unit == "g\u2019s") return "gravity";
   std::string text = with_ascii_signs(unit);
   if (text == "ms-2" || text == "ms^-2") return "m.s-2";  // UDUNITS-2: per square millisecond
   return has_broken_exponent(text) || has_number_inside(text) ? std::string() : text;

@@ -348,7 +348,7 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
 }
 
 /// A number and the unit behind it. The decimal mark is the table's, or the other one where only
-/// that makes sense and cells do not end with it.
+/// that makes sense and cells do not end with it, or quotes hold it.
 struct StatedValue {
   double value = 0.0;
   std::string_view unit;
@@ -356,8 +356,10 @@ struct StatedValue {
 
 std::optional<StatedValue> stated_value(std::string_view text, Dialect dialect) {
   const char other = dialect.decimal == ',' ? '.' : ',';
+  const bool quoted = text.size() > 1 && text.starts_with('"') && text.ends_with('"');
+  if (quoted) text = trimmed(text.substr(1, text.size() - 2));
   for (const char decimal : {dialect.decimal, other}) {
-    if (decimal == dialect.delimiter) continue;
+    if (decimal == dialect.delimiter && !quoted) continue;
     StatedValue stated;
     const char* const last = text.data() + text.size();
     const char* const end = scan_number(text.data(), last, {decimal, false}, stated.value);
@@ -370,9 +372,12 @@ std::optional<StatedValue> stated_value(std::string_view text, Dialect dialect) 
 
 /// "51.200" where commas are decimal marks: 51200 or 51.2.
 bool is_ambiguous(std::string_view text, Dialect dialect) {
-  const std::string_view number = text.substr(0, text.find(' '));
-  return dialect.decimal == ',' && number.find('.') != std::string_view::npos &&
-         has_thousands_separators(number);
+  const bool quoted = text.starts_with('"');
+  text.remove_prefix(quoted ? 1 : 0);
+  const std::string_view number = text.substr(0, text.find_first_of(" \""));
+  const bool other_mark = (dialect.decimal == ',' && number.find('.') != number.npos) ||
+                          (quoted && dialect.decimal == '.' && number.find(',') != number.npos);
+  return other_mark && has_thousands_separators(number);
 }
 
 /// Takes the sample interval that is stated by a key such as "Sample Interval" or "Sampling rate
@@ -398,12 +403,17 @@ void find_interval(Dialect dialect, TableHead& head) {
       continue;
     }
     const auto stated = stated_value(without_channel(text), dialect);
-    if (!stated || !(stated->value > 0.0)) continue;
     const std::string_view si = is_interval ? "s" : "Hz";
-    std::string unit = stated->unit.empty() ? says.unit : std::string(stated->unit);
+    std::string unit = !stated || stated->unit.empty() ? says.unit : std::string(stated->unit);
     if (unit.empty()) unit = si;
     const auto conversion = datasets::conversion(unit, si);
-    if (!conversion) continue;
+    if (!stated || !(stated->value > 0.0) || !conversion) {
+      head.warnings.push_back(
+          fmt::format("the header states '{}' as '{}', which is not understood: it is not used "
+                      "(--sample-rate states it)",
+                      key, text));
+      continue;
+    }
     const double converted = conversion->factor * stated->value + conversion->offset;
     const double seconds = is_interval ? converted : 1.0 / converted;
     if (!head.interval) {

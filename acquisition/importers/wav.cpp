@@ -109,13 +109,17 @@ std::optional<std::size_t> samples_without_size(std::string_view bytes) {
   return samples;
 }
 
-/// What of a file's format chunk libsndfile passes over, as a sentence: it reads 24 bits in rows of
-/// 4 bytes as if they were packed, which gives other numbers; "" where there is nothing.
-std::string wrong_rows(std::string_view bytes) {
+/// What is wrong with a file's chunks that libsndfile passes over or does not name, as a sentence:
+/// it reads 24 bits in rows of 4 bytes as if they were packed, which gives other numbers, and says
+/// "internal error" of a rate of zero and of samples in two chunks. "" where there is nothing.
+std::string wrong_chunks(std::string_view bytes) {
   std::string problem;
   if (bytes.size() < 12) return problem;
   const bool big_endian = bytes.starts_with("RIFX");
+  int data_chunks = 0;
   walk_chunks(bytes, 12, big_endian, [&](std::size_t at, std::string_view content) {
+    if (bytes.substr(at, 4) == "data" && ++data_chunks > 1 && problem.empty())
+      problem = "the samples are in several chunks 'data', of which a file may have one: join them";
     if (bytes.substr(at, 4) != "fmt " || content.size() < 16) return true;
     const auto field = [&](std::size_t offset) {
       const auto low = static_cast<unsigned char>(content[offset + (big_endian ? 1 : 0)]);
@@ -129,7 +133,9 @@ std::string wrong_rows(std::string_view bytes) {
           "the header states {} bits a sample and {} channel{}, but rows of {} bytes: what fills "
           "them is not told; save it as PCM of whole bytes",
           bits, channels, channels == 1 ? "" : "s", row);
-    return false;
+    if (size_at(bytes, at + 12, big_endian) == 0)
+      problem = "the header states a sample rate of 0 Hz: its writer has to state it";
+    return true;
   });
   return problem;
 }
@@ -270,7 +276,7 @@ class WavReader final : public RecordingReader {
     if (!is_wave(file_.bytes()))
       throw InputError(file_.byte_position(0),
                        "expected 'RIFF', 'RIFX' or 'RF64' and 'WAVE' at byte 8");
-    if (const std::string problem = wrong_rows(file_.bytes()); !problem.empty())
+    if (const std::string problem = wrong_chunks(file_.bytes()); !problem.empty())
       throw InputError(file_.byte_position(0), problem);
     SF_VIRTUAL_IO access{SoundBytes::length, SoundBytes::seek, SoundBytes::read, SoundBytes::write,
                          SoundBytes::tell};

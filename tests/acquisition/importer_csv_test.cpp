@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -288,6 +289,17 @@ TEST(Csv, WithDecimalCommasMayStateItsRateSoToo) {
       testing::Contains("the header states 'Sampling rate' as '51.200', whose point may be a "
                         "decimal mark or divide thousands: it is not used (--sample-rate "
                         "states it)"));
+}
+
+TEST(Csv, DividedByCommasMayStateItsRateWithinQuotes) {
+  const Record record = imported("Sampling rate [kHz],\"51,2\"\nF [N],v [m/s]\n1.5,2.5\n1.4,2.6\n");
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1.0 / 51200.0);
+  EXPECT_THAT(record.warnings, IsEmpty());
+  for (const char* rate : {"\"51,200\"", "51,2 kHz", "fast", "-3", "3 apples"})
+    EXPECT_THAT(
+        imported(fmt::format("Sampling rate,{}\nF [N],v [m/s]\n1.5,2.5\n1.4,2.6\n", rate)).warnings,
+        testing::Contains(HasSubstr("it is not used (--sample-rate states it)")))
+        << rate;
 }
 
 TEST(Csv, WhoseRateAndIntervalDisagreeSaysSo) {

@@ -179,6 +179,21 @@ TEST(WavVariants, SamplesOf24BitsInRowsOfFourBytesAreRefused) {
   EXPECT_THAT(import_error(bytes, {}, ".wav"), HasSubstr("but rows of 4 bytes"));
 }
 
+TEST(WavVariants, WithoutARateOrWithSamplesInTwoChunksAreRefused) {
+  for (const bool big_endian : {false, true}) {
+    WavFile wav;
+    wav.big_endian = big_endian;
+    wav.data = wav.numbers<std::int16_t>({1, 2, 3, 4});
+    wav.rate = 0;
+    EXPECT_EQ(import_error(wav.bytes(), {}, ".wav"),
+              "FILE (byte 0): the header states a sample rate of 0 Hz: its writer has to state it");
+    wav.rate = 8000;
+    EXPECT_EQ(import_error(wav.bytes() + wav.chunk("data", wav.data), {}, ".wav"),
+              "FILE (byte 0): the samples are in several chunks 'data', of which a file may have "
+              "one: join them");
+  }
+}
+
 // Found by fuzzing: libsndfile did not come back from this one.
 TEST(Wav, AChunkThatIsLongerThanTheFileEndsIt) {
   using namespace std::string_view_literals;

@@ -59,6 +59,7 @@ TEST(Units, UnderstandLaboratorySpellings) {
   EXPECT_DOUBLE_EQ(factor("tf", "N"), 9806.65);
   EXPECT_DOUBLE_EQ(factor("dyn", "N"), 1e-5);
   EXPECT_DOUBLE_EQ(factor("ips", "m/s"), 0.0254);
+  EXPECT_DOUBLE_EQ(factor("g's", "m/s2"), 9.80665);
   for (const char* spelling : {"Second", "Seconds", "sec", "s"})
     EXPECT_EQ(factor(spelling, "s"), 1.0) << spelling;
   for (const char* spelling : {"Newtons", "Newton", "NEWTON"})
