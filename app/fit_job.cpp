@@ -124,6 +124,25 @@ datasets::Record conditioned_recording(const std::string& path, const FitJob& jo
   return record;
 }
 
+/// Throws CLI::ValidationError for options that say nothing beside the others.
+void refuse_idle(const FitJob& job, const fitting::FitOptions& options) {
+  if (options.bootstrap == 0 && (!job.bootstrap_kind.empty() || job.seed))
+    throw CLI::ValidationError(job.seed ? "--seed" : "--bootstrap-kind",
+                               "there is no bootstrap it is of; --bootstrap N asks for one");
+  const std::vector<std::string> fixed = split_names(job.fix);
+  const auto refuse_of_fixed = [&](const char* option, const std::vector<std::string>& texts) {
+    for (const std::string& text : texts)
+      for (const std::string& name : split_names(text.substr(0, text.find('='))))
+        if (std::ranges::find(fixed, name) != fixed.end())
+          throw CLI::ValidationError(option, fmt::format("'{}' is not fitted, by --fix", name));
+  };
+  refuse_of_fixed("--free", split_names(job.free));
+  refuse_of_fixed("--prior", job.priors);
+  refuse_of_fixed("--bounds", job.bounds);
+  refuse_of_fixed("--tie", job.ties);
+  refuse_of_fixed("--log", split_names(job.log));
+}
+
 /// The rig file's [fit], and on top of it what the command line states.
 fitting::FitOptions fit_options(const FitJob& job, const fitting::RigFile& rig) {
   fitting::FitOptions options = rig.fit;
@@ -165,6 +184,7 @@ fitting::FitOptions fit_options(const FitJob& job, const fitting::RigFile& rig) 
   if (!job.channels.empty())
     each("--channels", {job.channels},
          [&](const std::string& names) { fitting::choose_channels(split_names(names), options); });
+  refuse_idle(job, options);
   return options;
 }
 

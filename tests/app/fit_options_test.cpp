@@ -170,6 +170,13 @@ TEST_F(FitOptions, RefusesWithTheOptionsName) {
   EXPECT_THAT(refused("--loss absolute"), HasSubstr("--loss: absolute not in {"));
   EXPECT_THAT(refused("--bootstrap-kind jackknife"),
               HasSubstr("--bootstrap-kind: jackknife not in {"));
+  EXPECT_THAT(refused("--bootstrap-kind residual"),
+              HasSubstr("--bootstrap-kind: there is no bootstrap it is of; --bootstrap N asks"));
+  EXPECT_THAT(refused("--seed 5"), HasSubstr("--seed: there is no bootstrap it is of"));
+  for (const char* idle : {"--prior sensors.force.gain=1+-0.1", "--bounds sensors.force.gain=0:2",
+                           "--log sensors.force.gain", "--free sensors.force.gain"})
+    EXPECT_THAT(refused(std::string("--fix sensors.force.gain ") + idle),
+                HasSubstr("'sensors.force.gain' is not fitted, by --fix"));
   EXPECT_THAT(refused("--bootstrap 1"), HasSubstr("--bootstrap: Value 1 not in range"));
   EXPECT_THAT(
       refused("--tie contact.length=1*start.velocity"),
