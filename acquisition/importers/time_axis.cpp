@@ -60,8 +60,11 @@ double printed_resolution(std::span<const double> times) {
     digits = std::max(digits, significant_digits(time));
     largest = std::max(largest, std::abs(time));
   }
-  // 15 digits survive any conversion: from there on nothing was rounded on purpose
-  if (digits >= 15 || largest == 0.0) return 0.0;
+  // 15 digits survive any conversion, and a number with 17 was not rounded on purpose; that a list
+  // of such needs 16 at most is no chance
+  constexpr std::size_t many = 50;
+  const int most = times.size() / stride >= many ? 16 : 14;
+  if (largest == 0.0 || digits > most) return 0.0;
   return std::pow(10.0, std::floor(std::log10(largest)) - digits + 1);
 }
 
@@ -111,6 +114,9 @@ bool TimeAxisCheck::even() const {
 }
 
 double TimeAxisCheck::resolution() const {
+  const double largest = std::max(std::abs(first_), std::abs(last_));
+  const double last_bit = std::numeric_limits<double>::epsilon() * largest;
+  if (explains_deviations(last_bit)) return last_bit;
   std::vector<double> examples = examples_;
   examples.push_back(last_seen_);
   // many equal times show their steps, which may be other than a digit's: 60 s, 1/64 s
@@ -118,12 +124,14 @@ double TimeAxisCheck::resolution() const {
   return std::max(printed_resolution(examples), stepped ? smallest_change_ : 0.0);
 }
 
-bool TimeAxisCheck::rounded() const {
-  if (!all_finite_ || !(step_ > 0.0)) return false;
-  const double printed = resolution();
+bool TimeAxisCheck::explains_deviations(double resolution) const {
   // between a fifth of a step and a whole one, a lost sample looks the same as a rounded time
-  return printed > 0.0 && (printed <= 0.2 * step_ || printed > step_) &&
-         largest_deviation_ <= 1.01 * printed;
+  return resolution > 0.0 && (resolution <= 0.2 * step_ || resolution > step_) &&
+         largest_deviation_ <= 1.01 * resolution;
+}
+
+bool TimeAxisCheck::rounded() const {
+  return all_finite_ && step_ > 0.0 && explains_deviations(resolution());
 }
 
 bool TimeAxisCheck::uniform() const {
@@ -166,7 +174,7 @@ TimeAxis TimeAxisCheck::axis() const {
       axis.warning = fmt::format(
           "the times are rounded to {:.3g} s: they are taken as uniform, with the mean step of "
           "{:.9g} s",
-          resolution(), step_);
+          resolution(), axis.clock.interval);
     return axis;
   }
   axis.clock.interval = step_;

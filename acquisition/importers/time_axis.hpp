@@ -55,6 +55,7 @@ class TimeAxisCheck {
   bool even() const;
   bool rounded() const;
   double resolution() const;
+  bool explains_deviations(double resolution) const;
 
   double first_;
   double last_;

@@ -43,6 +43,32 @@ TEST(TimeAxis, WithAJitterOfAThousandthIsUniform) {
   EXPECT_FALSE(time_axis(times).clock.uniform());
 }
 
+// Seconds since 1970: doubles have 2.4e-7 s between them there, and loggers print microseconds.
+TEST(TimeAxis, OfTimesSince1970IsUniformAsFarAsTheyTell) {
+  for (const double rate : {1e3, 1e4, 51200.0}) {
+    const std::vector<double> exact = line(5000, 1709294400.123456, 1.0 / rate);
+    std::vector<double> microseconds;
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+      const double elapsed = 123456.0 + std::round(1e6 * static_cast<double>(i) / rate);
+      const double second = std::floor(elapsed / 1e6);
+      microseconds.push_back(
+          number_in(fmt::format("{:.0f}.{:06.0f}", 1709294400.0 + second, elapsed - 1e6 * second))
+              .value_or(0.0));
+    }
+    // of few digits, but further ones than those
+    const std::vector<double> round = line(5000, 1709294400.0, 1.0 / rate);
+    for (const auto& times : {exact, microseconds, round}) {
+      const TimeAxis axis = time_axis(times);
+      EXPECT_TRUE(axis.clock.uniform()) << rate << ": " << axis.warning;
+      // what first and last are rounded by, and four bits for a shorter number
+      EXPECT_NEAR(axis.clock.interval, 1.0 / rate, (1e-6 + 4.0 * 3.8e-7) / 4999);
+    }
+    std::vector<double> lost = exact;
+    lost.erase(lost.begin() + 2000, lost.begin() + 2003);
+    EXPECT_FALSE(time_axis(lost).clock.uniform());
+  }
+}
+
 // Steps of a clock that ticks 64 times a second, and of one that shows minutes.
 TEST(TimeAxis, OfManyEqualTimesHasTheStepBetweenTheirChanges) {
   for (const double tick : {1.0 / 64.0, 1.0, 60.0}) {
