@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <limits>
+
+#include "acquisition/importers/text_table.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+std::string_view without_quotes(std::string_view cell) {
+  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') {
+    cell.remove_prefix(1);
+    cell.remove_suffix(1);
+  }
+  return trimmed(cell);
+}
+
+bool same_word(std::string_view cell, std::string_view lower) {
+  return std::equal(cell.begin(), cell.end(), lower.begin(), lower.end(), [](char a, char b) {
+    return std::tolower(static_cast<unsigned char>(a)) == static_cast<unsigned char>(b);
+  });
+}
+
+/// What stands for "no value": nothing, a dash, what meters show for it, not-a-number as C, MATLAB
+/// and old Microsoft libraries print it.
+bool is_missing(std::string_view cell) {
+  if (cell.empty() || cell == "-" || same_word(cell, "n/a") || same_word(cell, "ol")) return true;
+  if (cell.front() == '-' || cell.front() == '+') cell.remove_prefix(1);
+  for (const std::string_view word :
+       {"nan", "nan(ind)", "nan(snan)", "1.#qnan", "1.#ind", "#nan", "qnan"})
+    if (same_word(cell, word)) return true;
+  return false;
+}
+
+/// "inf" in its spellings.
+std::optional<double> infinity_in(std::string_view cell) {
+  const bool negative = !cell.empty() && cell.front() == '-';
+  if (!cell.empty() && (cell.front() == '-' || cell.front() == '+')) cell.remove_prefix(1);
+  for (const std::string_view word : {"inf", "infinity", "1.#inf", "\u221E"})
+    if (same_word(cell, word))
+      return negative ? -std::numeric_limits<double>::infinity()
+                      : std::numeric_limits<double>::infinity();
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool has_thousands_separators(std::string_view cell) {
+  std::string_view rest = trimmed(without_quotes(cell));
+  if (!rest.empty() && (rest.front() == '-' || rest.front() == '+')) rest.remove_prefix(1);
+  const auto take_digits = [&rest] {
+    std::size_t digits = 0;
+    while (digits < rest.size() && detail::is_digit(rest[digits])) ++digits;
+    rest.remove_prefix(digits);
+    return digits;
+  };
+  if (rest.starts_with('0')) return false;
+  const std::size_t first = take_digits();
+  if (first == 0 || first > 3) return false;
+  constexpr std::array<std::string_view, 9> separators = {
+      ",", ".", "'", " ", "\u2019", "\u00A0", "\u202F", "\u2009", "\xA0"};
+  for (const std::string_view separator : separators) {
+    if (!rest.starts_with(separator)) continue;
+    while (rest.starts_with(separator)) {
+      rest.remove_prefix(separator.size());
+      if (take_digits() != 3) return false;
+    }
+    if (!rest.empty() && (rest.front() == '.' || rest.front() == ',') &&
+        rest.front() != separator[0]) {
+      rest.remove_prefix(1);
+      take_digits();
+    }
+    return rest.empty();
+  }
+  return false;
+}
+
+std::optional<double> cell_value(std::string_view cell, char decimal) {
+  const std::string_view text = without_quotes(cell);
+  if (is_missing(text)) return nothing;
+  if (const auto value = number_in(text, {decimal, false})) return value;
+  constexpr std::string_view minus = "\u2212";  // as typography has it
+  if (!text.starts_with(minus)) return infinity_in(text);
+  const std::string usual = "-" + std::string(text.substr(minus.size()));
+  const auto value = number_in(usual, {decimal, false});
+  return value ? value : infinity_in(usual);
+}
+
+std::string delimiter_name(char delimiter) {
+  switch (delimiter) {
+    case ',':
+      return "comma";
+    case ';':
+      return "semicolon";
+    case '\t':
+      return "tab";
+    case ' ':
+      return "blank";
+    case '|':
+      return "bar";
+    default:
+      return std::string(1, delimiter);
+  }
+}
+
+std::vector<std::string_view> cells_of(std::string_view line, char delimiter) {
+  std::vector<std::string_view> cells;
+  const std::string_view blanks = " \t";
+  std::size_t start = 0;
+  bool quoted = false;
+  if (delimiter == ' ') {
+    line = trimmed(line);
+    if (line.empty()) return cells;
+  }
+  for (std::size_t i = 0; i <= line.size(); ++i) {
+    if (i < line.size() && line[i] == '"') quoted = !quoted;
+    const bool ends = i == line.size() ||
+                      (!quoted && (delimiter == ' ' ? blanks.find(line[i]) != std::string_view::npos
+                                                    : line[i] == delimiter));
+    if (!ends) continue;
+    const std::string_view cell = line.substr(start, i - start);
+    if (delimiter != ' ' || !cell.empty()) cells.push_back(without_quotes(trimmed(cell)));
+    start = i + 1;
+  }
+  return cells;
+}
+
+}  // namespace impactrig::acquisition
