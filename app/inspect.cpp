@@ -218,7 +218,9 @@ void print_impacts(const ordered_json& impacts) {
 }
 
 void print_text(const ordered_json& json) {
-  fmt::print("{}: {}\n\n", json["file"].get<std::string>(), json["format"].get<std::string>());
+  const auto started = json.value("started", std::string());
+  fmt::print("{}: {}{}{}\n\n", json["file"].get<std::string>(), json["format"].get<std::string>(),
+             started.empty() ? "" : ", recorded ", started);
   if (json["channels"].empty()) fmt::print("no channels\n");
   std::size_t widest = 7;
   for (const auto& c : json["channels"])

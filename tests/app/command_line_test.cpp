@@ -391,6 +391,13 @@ TEST_F(CommandLine, InspectLooksForImpactsInVelocitiesAndSaysWhereItCannot) {
                                   "sampled at uneven times"));
 }
 
+TEST_F(CommandLine, InspectSaysWhenARecordingWasMade) {
+  const std::string path =
+      write("when.csv", "When,F [N]\n2024-03-01 12:00:00.5,1\n2024-03-01 12:00:00.6,2\n");
+  EXPECT_THAT(run("inspect " + path).out,
+              testing::StartsWith(path + ": csv, recorded 2024-03-01T12:00:00.5\n"));
+}
+
 TEST_F(CommandLine, InspectsByTheHeadAndByParts) {
   std::string text = "Time [s],Force [N],Velocity [m/s]\n";
   for (int i = 0; i < 100; ++i) text += fmt::format("{}e-6,{},{}\n", i, i, -i);
