@@ -214,7 +214,12 @@ class ChainRun {
   }
 
   /// Over a part of an interval, the input going straight to another value.
-  void go(double part, double to) { go(part == 1.0 ? whole_ : step_of(part), to); }
+  void go(double part, double to) {
+    if (part == 1.0)
+      go(whole_, to);
+    else
+      go(step_of(part), to);
+  }
 
   /// The input jumps, with a spike of this area [s].
   void jump(double size, double impulse) {

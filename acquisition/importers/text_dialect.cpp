@@ -253,7 +253,8 @@ std::vector<Dialect> possible_dialects(const ImportOptions& options) {
 /// The same for rows with dates and times of day, those divided by blanks last.
 std::vector<Dialect> dialects_with_dates(std::vector<Dialect> possible) {
   for (Dialect& dialect : possible) dialect.dates = true;
-  std::ranges::stable_partition(possible, [](Dialect dialect) { return dialect.delimiter != ' '; });
+  std::stable_partition(possible.begin(), possible.end(),
+                        [](Dialect dialect) { return dialect.delimiter != ' '; });
   return possible;
 }
 
