@@ -6,6 +6,7 @@
 #include <csignal>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <thread>
@@ -123,6 +124,11 @@ void complete_report(const Run& run, const CampaignItem& item, const reports::Re
   write_output(report, reports::to_html(data), true);
 }
 
+/// False where there is no file, or one that is no JSON: a result that was cut off is made anew.
+bool is_result(const std::string& path) {
+  return fs::exists(path) && nlohmann::json::accept(read_text(path));
+}
+
 /// A result that is there and has the same key.
 std::optional<reports::ReportData> stored_result(const Run& run, const CampaignItem& item) {
   const std::string path = run.result_path(item);
@@ -146,7 +152,7 @@ std::vector<CampaignItem> take_stored(Run& run) {
       keep(run, item, *data);
       continue;
     }
-    others += fs::exists(run.result_path(item)) ? 1 : 0;
+    others += is_result(run.result_path(item)) ? 1 : 0;
     todo.push_back(item);
   }
   if (others > 0 && !run.options.job.common.force)
@@ -162,7 +168,7 @@ std::vector<CampaignItem> take_stored(Run& run) {
 std::vector<PlannedItem> plan_of(const Run& run) {
   std::vector<PlannedItem> plan;
   for (const CampaignItem& item : run.items) {
-    const bool other = fs::exists(run.result_path(item));
+    const bool other = is_result(run.result_path(item));
     const PlannedItem::What what = stored_result(run, item)       ? PlannedItem::What::reuse
                                    : !other                       ? PlannedItem::What::fit
                                    : run.options.job.common.force ? PlannedItem::What::replace

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <set>
 #include <sstream>
 
 #include "acquisition/conditioning/condition.hpp"
@@ -124,17 +125,38 @@ datasets::Record conditioned_recording(const std::string& path, const FitJob& jo
   return record;
 }
 
-/// Throws CLI::ValidationError for options that say nothing beside the others.
+/// The name before the =, without blanks around it.
+std::string name_in(const std::string& text) {
+  const std::vector<std::string> names = split_names(text.substr(0, text.find('=')));
+  return names.empty() ? std::string() : names.front();
+}
+
+void refuse_twice(const char* option, const std::vector<std::string>& texts) {
+  std::set<std::string> seen;
+  for (const std::string& text : texts)
+    if (!seen.insert(name_in(text)).second)
+      throw CLI::ValidationError(option, fmt::format("'{}' is named twice", name_in(text)));
+}
+
+/// Throws CLI::ValidationError for options that say nothing beside the others, or contradict them.
 void refuse_idle(const FitJob& job, const fitting::FitOptions& options) {
   if (options.bootstrap == 0 && (!job.bootstrap_kind.empty() || job.seed))
     throw CLI::ValidationError(job.seed ? "--seed" : "--bootstrap-kind",
                                "there is no bootstrap it is of; --bootstrap N asks for one");
+  if (!job.against.empty() && options.loss != fitting::Loss::squares)
+    throw CLI::ValidationError(
+        "--against", fmt::format("models are compared by their likelihood, which goes with the "
+                                 "loss squares, not with {} (--loss squares)",
+                                 fitting::name(options.loss)));
+  refuse_twice("--prior", job.priors);
+  refuse_twice("--bounds", job.bounds);
+  refuse_twice("--tie", job.ties);
   const std::vector<std::string> fixed = split_names(job.fix);
   const auto refuse_of_fixed = [&](const char* option, const std::vector<std::string>& texts) {
     for (const std::string& text : texts)
-      for (const std::string& name : split_names(text.substr(0, text.find('='))))
-        if (std::ranges::find(fixed, name) != fixed.end())
-          throw CLI::ValidationError(option, fmt::format("'{}' is not fitted, by --fix", name));
+      if (std::ranges::find(fixed, name_in(text)) != fixed.end())
+        throw CLI::ValidationError(option,
+                                   fmt::format("'{}' is not fitted, by --fix", name_in(text)));
   };
   refuse_of_fixed("--free", split_names(job.free));
   refuse_of_fixed("--prior", job.priors);

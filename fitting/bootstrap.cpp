@@ -123,6 +123,10 @@ class Refit {
   const std::vector<std::vector<Remainder>>& remainders_;
 };
 
+// Share of the draws at a bound from which on no interval is made by mirroring them: what piles up
+// there would become an end at the best fit itself.
+constexpr double few_at_bounds = 0.025;
+
 /// At place (n + 1) p, as if the draws parted where a further one falls into equal probabilities.
 /// Source: [HyndmanFan1996], definition 6.
 double quantile_of(const std::vector<double>& sorted, double p) {
@@ -133,7 +137,14 @@ double quantile_of(const std::vector<double>& sorted, double p) {
   return sorted[below] + (place - static_cast<double>(below)) * (sorted[above] - sorted[below]);
 }
 
-Bootstrap::Parameter summary(const Variable& v, std::vector<double> draws) {
+/// Draws that ended at a bound of this variable.
+std::size_t count_at_bounds(const Variable& v, const std::vector<double>& draws) {
+  const double near = 1e-6 * v.scale;
+  return static_cast<std::size_t>(std::ranges::count_if(
+      draws, [&](double value) { return value - v.lower <= near || v.upper - value <= near; }));
+}
+
+Bootstrap::Parameter summary(const Variable& v, std::vector<double> draws, bool mirrored) {
   Bootstrap::Parameter result{.name = v.name, .draws = draws};
   if (draws.size() < 2) return result;
   const double n = static_cast<double>(draws.size());
@@ -145,6 +156,8 @@ Bootstrap::Parameter summary(const Variable& v, std::vector<double> draws) {
   if (static_cast<int>(draws.size()) < Bootstrap::fewest_for_interval) return result;
   std::ranges::sort(draws);
   const double low = quantile_of(draws, 0.025), high = quantile_of(draws, 0.975);
+  result.ci95 = {low, high};
+  if (!mirrored) return result;
   result.ci95 = {2.0 * v.value - high, 2.0 * v.value - low};
   if (v.by_logarithm) result.ci95 = {v.value * v.value / high, v.value * v.value / low};
   result.ci95 = {std::max(result.ci95[0], v.lower), std::min(result.ci95[1], v.upper)};
@@ -180,14 +193,20 @@ Bootstrap bootstrap(const FitProblem& problem, const Eigen::MatrixXd& jacobian, 
   Bootstrap result{.kind = options.kind, .seed = options.seed, .draws = options.draws};
   result.failed = static_cast<int>(
       std::ranges::count_if(ends, [](const std::vector<double>& end) { return end.empty(); }));
+  std::vector<std::pair<const Variable*, std::vector<double>>> drawn;
   for (std::size_t i = 0; i < problem.variables().size(); ++i) {
     const Variable& v = problem.variables()[i];
     if (!v.of_interest()) continue;
     std::vector<double> draws;
     for (const std::vector<double>& end : ends)
       if (!end.empty()) draws.push_back(end[i]);
-    result.parameters.push_back(summary(v, std::move(draws)));
+    const std::size_t at_bounds = v.tie ? 0 : count_at_bounds(v, draws);
+    if (static_cast<double>(at_bounds) > few_at_bounds * static_cast<double>(draws.size()))
+      result.at_bounds.push_back(v.name);
+    drawn.emplace_back(&v, std::move(draws));
   }
+  for (auto& [v, draws] : drawn)
+    result.parameters.push_back(summary(*v, std::move(draws), result.at_bounds.empty()));
   result.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return result;

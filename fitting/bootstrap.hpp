@@ -29,7 +29,8 @@ struct Bootstrap {
     std::string name;
     double bias = 0.0;       ///< mean of the draws less the best fit [SI]
     double std_error = 0.0;  ///< standard deviation of the draws [SI]
-    /// Basic: 2 · best fit − quantiles of the draws, within bounds; 0 to 0 with too few draws.
+    /// Basic: 2 · best fit − quantiles of the draws, within bounds; the quantiles themselves where
+    /// draws pile up at a bound; 0 to 0 with too few draws.
     std::array<double, 2> ci95 = {0, 0};
     std::vector<double> draws = {};  ///< in their order [SI] (n_draws - failed)
   };
@@ -39,6 +40,9 @@ struct Bootstrap {
   int draws = 0;   ///< asked for
   int failed = 0;  ///< of these, refits that did not converge; not in the figures
   std::vector<Parameter> parameters = {};  ///< of the physics and the sensors
+  /// Parameters of which more than 2.5 % of the draws are at a bound; all intervals are quantiles
+  /// then, as whatever goes with these is one-sided too.
+  std::vector<std::string> at_bounds = {};
   double seconds = 0.0;
 };
 

@@ -4,8 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
+#include <vector>
 
 namespace impactrig::fitting {
 namespace {
@@ -16,14 +19,24 @@ constexpr double normal95 = 1.959963984540054;
 // parabola has its minimum 1.6 standard errors beyond the bound.
 constexpr double steep = 1.7;
 
-/// Δχ² at a value between those of the profile.
-double between(const Profile& profile, double value) {
-  const auto after = std::ranges::upper_bound(profile.value, value);
-  if (after == profile.value.begin()) return profile.delta_chi2.front();
-  if (after == profile.value.end()) return profile.delta_chi2.back();
-  const auto k = static_cast<std::size_t>(after - profile.value.begin());
-  const double part = (value - profile.value[k - 1]) / (profile.value[k] - profile.value[k - 1]);
-  return std::lerp(profile.delta_chi2[k - 1], profile.delta_chi2[k], part);
+/// Δχ² at a distance from the bound, where the profile of a parameter that ended there begins. The
+/// slope from the bound, Δχ² / distance, is a straight line where Δχ² is a parabola: it is that
+/// which goes between the profile's values.
+double between(const Profile& profile, double bound, double distance) {
+  std::vector<std::array<double, 2>> slopes;  // distance, slope
+  for (std::size_t k = 0; k < profile.value.size(); ++k) {
+    const double away = std::abs(profile.value[k] - bound);
+    if (away > 0.0) slopes.push_back({away, profile.delta_chi2[k] / away});
+  }
+  std::ranges::sort(slopes);
+  if (slopes.empty()) return 0.0;
+  if (slopes.size() == 1) return distance * slopes[0][1];
+  auto after = std::ranges::find_if(slopes, [&](const auto& s) { return s[0] >= distance; });
+  if (after == slopes.begin()) ++after;
+  if (after == slopes.end()) --after;
+  const auto [near, low] = after[-1];
+  const auto [far, high] = *after;
+  return distance * std::lerp(low, high, (distance - near) / (far - near));
 }
 
 /// Where the 95 % end on the side that is left; none where the data want the parameter beyond its
@@ -32,7 +45,7 @@ std::optional<double> end_of(const Profile& profile, const Parameter& p) {
   const bool at_lower = std::abs(p.value - p.lower) <= std::abs(p.value - p.upper);
   const std::optional<double>& limit = at_lower ? profile.upper : profile.lower;
   if (!limit || profile.found_better) return std::nullopt;
-  if (between(profile, 0.5 * (p.value + *limit)) > steep) return std::nullopt;
+  if (between(profile, p.value, 0.5 * std::abs(*limit - p.value)) > steep) return std::nullopt;
   return limit;
 }
 
@@ -50,6 +63,10 @@ void settle_bounds(Fit& fit) {
           "{} ended at its bound {:g}{}; its interval means little. Widen what the model can do, "
           "or fix it.",
           p.name, p.value, unit));
+      if (!(p.std_error < p.upper - p.lower)) {  // it knows less than the bounds do
+        p.std_error = std::numeric_limits<double>::quiet_NaN();
+        p.ci95 = {p.lower, p.upper};
+      }
       continue;
     }
     p.ci95 = {std::min(p.value, *limit), std::max(p.value, *limit)};

@@ -61,8 +61,9 @@ struct DirectRestitution {
 ///
 /// F contact force [N], v speed of the struck point [m/s, closing > 0]. t₀ first touch and t₂ first
 /// separation: the force's flanks, continued to zero. t₁ greatest penetration: where v crosses
-/// zero. These are the definitions of Simulation::restitution: v(t₂) is the speed of the point at
-/// the instant of separation, vibration included; `smoothed` has the mean after it instead. v(t₀)
+/// zero. These are the definitions of Simulation::restitution where the force ends as the surfaces
+/// part: v(t₂) is the speed of the point at the instant of separation, vibration included;
+/// `smoothed` has the mean after it instead. v(t₀)
 /// is a line through the samples before touch, v(t₂) a parabola about separation. Both channels are
 /// first freed of their sensor's chain (undo_chain) and set on one clock. Without a velocity the
 /// displacement is differentiated.

@@ -514,6 +514,11 @@ void Session::widen_view(Fit& fit) {
                       "takes {}, and some "
                       "hundreds for one that is not a matter of chance.",
                       fit.bootstrap->draws, Bootstrap::fewest_for_interval));
+    if (!fit.bootstrap->at_bounds.empty())
+      fit.warnings.push_back(fmt::format(
+          "Fits of the bootstrap end with {} at a bound: its intervals are quantiles of the draws "
+          "and not mirrored about the best fit.",
+          fmt::join(fit.bootstrap->at_bounds, ", ")));
     if (fit.bootstrap->failed > 0)
       fit.warnings.push_back(fmt::format("{} of {} fits of the bootstrap did not converge.",
                                          fit.bootstrap->failed, fit.bootstrap->draws));

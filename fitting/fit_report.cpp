@@ -27,6 +27,11 @@ constexpr double telling_shift = 0.5;
 // Of standard uncertainties between a fitted value and what was stated of it: 1 fit in 16 000 by
 // chance.
 constexpr double far_from_stated = 4.0;
+// Of standard deviations of that distance where all calibrations are right: 1 parameter in 370 by
+// chance, and gains of two channels that differ go together.
+constexpr double contradicted = 3.0;
+// Part of a stated variance that the data must take off for a distance to mean anything.
+constexpr double least_taken = 0.01;
 
 /// Samples that count as independent.
 double independent_samples(const FitProblem& problem) {
@@ -210,20 +215,30 @@ void warn_of_mesh(Fit& fit) {
           : fmt::format("solver.modes = {}", finer.modes)));
 }
 
-/// A calibration that the data contradict: the fit follows them, and nothing else tells.
-void warn_of_priors(const FitProblem& problem, Fit& fit) {
+/// A calibration that the data or the other calibrations contradict: the fit goes between them, and
+/// nothing else tells. Where all are right, a parameter ends as far from what is stated of it as
+/// the variance says that the data took off the stated one.
+void warn_of_priors(const FitProblem& problem, const FitEnd& end, Fit& fit) {
+  const Eigen::MatrixXd lines = lines_of(problem);
   for (const std::size_t i : problem.priors()) {
     const Variable& v = problem.variables()[i];
     if (v.role == Variable::Role::background) continue;
     const auto [mean, uncertainty] = *v.prior;
-    const double away = (v.value - mean) / uncertainty;
-    if (std::abs(away) < far_from_stated) continue;
+    const double away = v.value - mean;
+    const Eigen::RowVectorXd line = lines.row(static_cast<Eigen::Index>(i));
+    const double left = line.dot(end.spread.covariance * line.transpose());
+    const double taken = uncertainty * uncertainty - left;
+    const double usual = std::max(1.0, end.inflation) *
+                         std::sqrt(std::max(taken, least_taken * uncertainty * uncertainty));
+    if (std::abs(away) < contradicted * usual && std::abs(away) < far_from_stated * uncertainty)
+      continue;
     fit.warnings.push_back(fmt::format(
-        "{} ended {:.3g} standard uncertainties {} what is stated of it, {:g} +- {:g}{}: a wrong "
-        "calibration, range or unit, or a model that needs it. Other parameters lean on it; check "
-        "the sensor before any number is used.",
-        v.name, std::abs(away), away > 0.0 ? "above" : "below", mean, uncertainty,
-        v.unit == "1" ? "" : " " + v.unit));
+        "{} ended {:.3g} standard uncertainties {} what is stated of it, {:g} +- {:g}{}, {:.2g} "
+        "times as far as right calibrations usually let it: a wrong calibration (perhaps of "
+        "another sensor), range or unit, or a model that needs it. Other parameters lean on it; "
+        "check the sensors before any number is used.",
+        v.name, std::abs(away) / uncertainty, away > 0.0 ? "above" : "below", mean, uncertainty,
+        v.unit == "1" ? "" : " " + v.unit, std::abs(away) / usual));
   }
 }
 
@@ -249,6 +264,10 @@ double report_goodness(const FitProblem& problem, const Uncertainty& spread, Goo
   const double unknowns = goodness.unknowns;
   const double dof = std::max(1.0, count + static_cast<double>(problem.priors().size()) - unknowns);
   goodness.dof = std::lround(dof);
+  if (problem.loss() != Loss::squares) {  // which alone has a likelihood
+    goodness.aicc = goodness.bic = not_known;
+    return goodness.chi2 / dof;
+  }
   goodness.aicc = goodness.chi2 + 2.0 * unknowns +
                   2.0 * unknowns * (unknowns + 1.0) / std::max(1.0, count - unknowns - 1.0);
   goodness.bic = goodness.chi2 + unknowns * std::log(count);
@@ -372,7 +391,7 @@ void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit) {
   warn_of_residuals(end.inflation, problem.loss() != Loss::squares, fit);
   warn_of_noise(problem, fit);
   warn_of_mesh(fit);
-  warn_of_priors(problem, fit);
+  warn_of_priors(problem, end, fit);
   for (const Shot& shot : problem.shots())
     for (const ImpactFlag flag : shot.impact->flags)
       fit.warnings.push_back(

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string_view>
 
 #include "reports/numbers.hpp"
@@ -33,6 +34,30 @@ std::string listed(const std::vector<std::string>& words) {
   for (std::size_t i = 0; i < words.size(); ++i)
     text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
   return text;
+}
+
+/// Where the model's force ends for good in its first contact [s], where that is more than a
+/// sample before its surfaces part: a damper that would pull gives no force.
+std::optional<double> early_end_of_force(const models::Simulation& run) {
+  const models::History& h = run.history;
+  if (run.episodes.empty() || run.episodes.front().open || !(h.interval > 0.0)) return std::nullopt;
+  const double parted = (run.episodes.front().end - h.start) / h.interval;
+  if (!(parted >= 1.0) || !(parted < static_cast<double>(h.force.size()))) return std::nullopt;
+  auto last = static_cast<std::size_t>(parted);
+  while (last > 0 && h.force[last] == 0.0) --last;
+  const double ends = static_cast<double>(last) + 0.5;
+  if (parted - ends < 1.0) return std::nullopt;
+  return h.start + h.interval * ends;
+}
+
+/// The model's kinematic restitution where its force ends, which is what a record shows.
+double kinematic_as_recorded(const models::Simulation& run) {
+  const auto end = early_end_of_force(run);
+  if (!end) return run.restitution.kinematic;
+  const models::History& h = run.history;
+  const auto before = static_cast<std::size_t>((*end - h.start) / h.interval);
+  return -0.5 * (h.velocity[before] + h.velocity[before + 1]) /
+         run.episodes.front().approach_velocity;
 }
 
 /// What shift of one channel would bring the model's number and the direct one together.
@@ -91,6 +116,7 @@ std::vector<DirectPair> direct_pairs(const fitting::Fit& fit, std::size_t record
   if (recording < fit.predictions.size()) {
     const models::Simulation& run = fit.predictions[recording];
     model = run.restitution;
+    model.kinematic = kinematic_as_recorded(run);
     if (!run.episodes.empty()) {
       dissipated = run.episodes.front().dissipated;
       depth = run.episodes.front().max_penetration;
@@ -109,6 +135,16 @@ std::string direct_explanation(const fitting::Fit& fit, std::size_t recording) {
   if (recording >= fit.direct.size() || recording >= fit.impacts.size()) return text;
   const fitting::DirectRestitution& direct = fit.direct[recording];
   for (const std::string& note : direct.notes) text += note + " ";
+  if (recording < fit.predictions.size())
+    if (const auto end = early_end_of_force(fit.predictions[recording])) {
+      const models::Simulation& run = fit.predictions[recording];
+      text += fmt::format(
+          "The model's force ends {} before its surfaces part; a record shows the end of the "
+          "force, "
+          "where the model's kinematic restitution is {} ({} where they part). ",
+          quantity(run.episodes.front().end - *end, "s", 2),
+          significant(kinematic_as_recorded(run), 3), significant(run.restitution.kinematic, 3));
+    }
   std::vector<std::string> agree, missing;
   std::string apart, why;
   for (const DirectPair& pair : direct_pairs(fit, recording)) {

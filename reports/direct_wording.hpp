@@ -14,8 +14,8 @@ struct DirectPair {
   const char* name;                       ///< "kinetic"
   const char* unit;                       ///< SI
   const fitting::DirectEstimate* direct;  ///< never null
-  double fitted;                          ///< NaN where the model has none
-  bool inside() const;                    ///< the model's is within the direct 95 % interval
+  double fitted;        ///< NaN where the model has none; kinematic: where its force ends
+  bool inside() const;  ///< the model's is within the direct 95 % interval
   const fitting::Contribution* main_source() const;  ///< of the uncertainty; null without a budget
 };
 

@@ -94,6 +94,7 @@ Json bootstrap_json(const fitting::Bootstrap& bootstrap) {
           {"draws", bootstrap.draws},
           {"failed", bootstrap.failed},
           {"parameters", parameters},
+          {"at_bounds", bootstrap.at_bounds},
           {"seconds", bootstrap.seconds}};
 }
 

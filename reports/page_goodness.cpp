@@ -125,22 +125,28 @@ std::string html_channels(const fitting::Fit& fit) {
   return table.html();
 }
 
+std::string criteria_sentence(const fitting::Fit& fit) {
+  if (fit.loss != fitting::Loss::squares)
+    return fmt::format("AICc and BIC go with the loss squares, not with {}.",
+                       fitting::name(fit.loss));
+  return fmt::format("Between fits of the same samples the smaller is better: AICc {}, BIC {}.",
+                     significant(fit.goodness.aicc, 5), significant(fit.goodness.bic, 5));
+}
+
 }  // namespace
 
 std::string html_goodness(const ReportData& data) {
   const fitting::Fit& fit = data.fit;
   std::string body = "<p>" + chi2_sentence(fit.goodness) + "</p>\n" + html_channels(fit);
   body += fmt::format(
-      "<p class=\"note\">Between fits of the same samples the smaller is better: AICc {}, BIC {}. "
-      "The "
-      "fit took {} iterations and {} simulations in {}, with the loss {}, and ended with: {}. The "
+      "<p class=\"note\">{} The fit took {} iterations and {} simulations in {}, with the loss {}, "
+      "and ended with: {}. The "
       "verdict above calls "
       "a "
       "recording explained when every residual is at most 1.5 times its noise, and explained in "
       "shape when every Sprague–Geers C is at most 0.1; these limits are this report’s own.</p>\n",
-      significant(fit.goodness.aicc, 5), significant(fit.goodness.bic, 5), fit.iterations,
-      fit.simulations, quantity(fit.seconds, "s"), fitting::name(fit.loss),
-      escaped(fit.termination));
+      criteria_sentence(fit), fit.iterations, fit.simulations, quantity(fit.seconds, "s"),
+      fitting::name(fit.loss), escaped(fit.termination));
   body += html_diagnostics(fit);
   return html_section("goodness", "How good the fit is", body);
 }

@@ -186,6 +186,19 @@ TEST_F(CampaignCommand, DoesNotReplaceResultsOfOtherOptionsUnasked) {
   EXPECT_NE(forced.code, 4);
 }
 
+// As after a full disk: what is no JSON is no result of anything else.
+TEST_F(CampaignCommand, MakesABrokenResultAnew) {
+  const std::string one = command(samples + "shen2007-1.uff");
+  ASSERT_NE(run(one).code, 5);
+  const std::string result = path("out/fits/shen2007-1.uff.json");
+  const std::string whole = text_of(result);
+  write("out/fits/shen2007-1.uff.json", whole.substr(0, whole.size() / 2));
+  EXPECT_THAT(run(one + " --dry-run").out, HasSubstr("fit        "));
+  const Outcome again = run(one);
+  EXPECT_THAT(again.err, HasSubstr("0 results reused, 1 to fit"));
+  EXPECT_EQ(json::parse(text_of(result))["parameters"], json::parse(whole)["parameters"]);
+}
+
 // Nothing could come of it, and a wish is not dropped in silence.
 TEST_F(CampaignCommand, RefusesToShareBetweenRecordings) {
   const Outcome o = run(command(shots()) + " --shared contact.restitution");

@@ -172,6 +172,10 @@ TEST_F(FitOptions, RefusesWithTheOptionsName) {
               HasSubstr("--bootstrap-kind: jackknife not in {"));
   EXPECT_THAT(refused("--bootstrap-kind residual"),
               HasSubstr("--bootstrap-kind: there is no bootstrap it is of; --bootstrap N asks"));
+  EXPECT_THAT(refused("--against contact.law=hertz-point --loss huber"),
+              HasSubstr("--against: models are compared by their likelihood"));
+  EXPECT_THAT(refused("--prior sensors.force.gain=1+-0.1 --prior sensors.force.gain=1+-0.2"),
+              HasSubstr("--prior: 'sensors.force.gain' is named twice"));
   EXPECT_THAT(refused("--seed 5"), HasSubstr("--seed: there is no bootstrap it is of"));
   for (const char* idle : {"--prior sensors.force.gain=1+-0.1", "--bounds sensors.force.gain=0:2",
                            "--log sensors.force.gain", "--free sensors.force.gain"})

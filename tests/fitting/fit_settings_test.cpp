@@ -70,6 +70,23 @@ TEST(FitSettings, ACalibrationThatTheDataContradictIsTold) {
   EXPECT_THAT(fit({impact}, rig).warnings, told);
 }
 
+// Gains of 0.5 % share what one is wrong by: each ends 2.5 of its standard uncertainties off, which
+// is 3.5 / √2 times what right ones allow, the other way round.
+TEST(FitSettings, CalibrationsThatContradictEachOtherAreTold) {
+  const RigFile rig = hybrid_rig();
+  datasets::Impact impact = shot();
+  impact.force->gain_uncertainty = impact.velocity->gain_uncertainty = 0.005;
+  const auto told =
+      testing::Contains(testing::AllOf(testing::HasSubstr(".gain ended"),
+                                       testing::HasSubstr("as right calibrations usually let it")));
+  EXPECT_THAT(fit({impact}, rig).warnings, testing::Not(told));
+  for (double& value : impact.force->values) value *= 1.025;
+  const Fit found = fit({impact}, rig);
+  const Parameter& gain = parameter(found, "sensors.force.gain");
+  EXPECT_LT(std::abs(gain.value - 1.0), 4.0 * 0.005);
+  EXPECT_THAT(found.warnings, told);
+}
+
 // Near its optimum a fit is linear: two independent sources, x ± s and m ± p, make
 // (x/s² + m/p²) / (1/s² + 1/p²) ± 1/√(1/s² + 1/p²). Searches end within a hundredth of a standard
 // error; curvature over two of them is as small.

@@ -136,6 +136,35 @@ TEST(Intervals, OfARestitutionOfNothingAreOneSided) {
   EXPECT_GE(at_bound, 1);
 }
 
+// Draws pile up at the bound on which the fit ended: mirrored about it they make an interval of no
+// width, or of the one side that is not possible.
+TEST(Bootstrap, IsNotMirroredAtABound) {
+  int piled = 0;
+  for (const unsigned seed : {3U, 4U, 5U}) {
+    FitOptions options;
+    options.bootstrap = 100;
+    const Fit found =
+        fit({synthetic_shot(hybrid_rig(), {.restitution = 0.0, .duration = 1.6e-3, .seed = seed})},
+            hybrid_rig(), options);
+    ASSERT_TRUE(found.bootstrap);
+    const auto e = std::ranges::find(found.bootstrap->parameters, "contact.restitution",
+                                     &Bootstrap::Parameter::name);
+    std::vector<double> draws = e->draws;
+    std::ranges::sort(draws);
+    EXPECT_LE(e->ci95[0], draws[3]);  // 3 of 100 below it
+    EXPECT_NEAR(e->ci95[1], draws[97], draws[98] - draws[96] + 1e-12);
+    EXPECT_GT(e->ci95[1], 0.0);
+    if (found.bootstrap->at_bounds.empty()) continue;
+    ++piled;
+    EXPECT_THAT(found.bootstrap->at_bounds, testing::ElementsAre("contact.restitution"));
+    EXPECT_EQ(e->ci95[0], 0.0);
+    EXPECT_THAT(found.warnings,
+                testing::Contains(testing::StartsWith(
+                    "Fits of the bootstrap end with contact.restitution at a bound")));
+  }
+  EXPECT_GE(piled, 1);
+}
+
 // 300 draws know a standard deviation to 1 / √600 = 4.1 %; bound at four of that.
 TEST(Bootstrap, AgreesWithTheCovariance) {
   for (const BootstrapKind kind : {BootstrapKind::parametric, BootstrapKind::residual}) {

@@ -89,6 +89,8 @@ TEST(RobustFit, MakesNoProfileAndSaysSo) {
   EXPECT_THAT(found.warnings,
               testing::Contains("No profile likelihood was made: a likelihood goes with the loss "
                                 "squares, not with tukey."));
+  EXPECT_TRUE(std::isnan(found.goodness.aicc));  // these are of a likelihood too
+  EXPECT_TRUE(std::isnan(found.goodness.bic));
 }
 
 // x_t = 0.9 x_{t−1} + e_t on both channels: 19 samples tell as much as one. Were it taken for

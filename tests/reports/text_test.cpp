@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "reports/direct_wording.hpp"
 #include "reports/report_data.hpp"
 #include "tests/reports/example_report.hpp"
 
@@ -50,6 +51,23 @@ TEST(FitText, SetsTheModelAgainstWhatTheRecordShows) {
   EXPECT_THAT(text, HasSubstr("Read directly from the record, without a model\n  kinematic  "));
   EXPECT_THAT(text, HasSubstr("(mostly relative delay)"));
   EXPECT_THAT(text, HasSubstr("is outside the direct interval"));
+}
+
+// A damper that would pull gives no force: the record shows its end, 20 us before the surfaces
+// part.
+TEST(FitText, SetsTheSpeedAtTheForcesEndAgainstTheRecords) {
+  reports::ReportData data = tests::example_report();
+  models::Simulation& run = data.fit.predictions.front();
+  const std::string as_is = reports::direct_explanation(data.fit, 0);
+  EXPECT_THAT(as_is, Not(HasSubstr("before its surfaces part")));
+  models::History& h = run.history;
+  const auto parted = static_cast<std::size_t>((run.episodes.front().end - h.start) / h.interval);
+  for (std::size_t k = parted - 20; k <= parted; ++k) h.force[k] = 0.0;
+  const double speed = -0.5 * (h.velocity[parted - 21] + h.velocity[parted - 20]);
+  const auto pairs = reports::direct_pairs(data.fit, 0);
+  EXPECT_DOUBLE_EQ(pairs[0].fitted, speed / run.episodes.front().approach_velocity);
+  EXPECT_THAT(reports::direct_explanation(data.fit, 0),
+              HasSubstr("The model's force ends 21\u00A0\u00B5s before its surfaces part"));
 }
 
 // e = 1 of a law without damping, or an e beside a stated coefficient, decides nothing.
