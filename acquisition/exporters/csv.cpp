@@ -7,6 +7,7 @@
 #include "acquisition/exporters/formats.hpp"
 #include "acquisition/exporters/not_kept.hpp"
 #include "acquisition/exporters/output_file.hpp"
+#include "acquisition/importers/csv_columns.hpp"
 #include "acquisition/importers/time_axis.hpp"
 #include "datasets/input_error.hpp"
 #include "datasets/units.hpp"
@@ -57,6 +58,13 @@ void check_channels(const OutgoingRecording& recording, const std::string& path)
                     "column: write a .uff or .h5 file",
                     first.head->name, channel.name));
   }
+}
+
+/// True where an importer may take a channel for further times.
+bool any_looks_like_times(const Record& record) {
+  return std::ranges::any_of(record.channels, [](const Channel& channel) {
+    return channel.unit.empty() || datasets::conversion(channel.unit, "s").has_value();
+  });
 }
 
 /// A cell of the header: always with brackets, so that none in the name is taken for a unit.
@@ -145,6 +153,10 @@ std::vector<std::string> write_csv(const OutgoingRecording& recording, const std
   // comments only for what the table itself would not give back
   if (with_time && first.uniform && table_changes_interval(first))
     out.print("# sample interval: {} s\n", first.head->clock.interval);
+  const std::string_view times = !with_time                     ? no_time_column
+                                 : any_looks_like_times(record) ? only_first_is_time
+                                                                : std::string_view();
+  if (!times.empty()) out.print("# {}: {}\n", time_column_key, times);
   for (std::size_t c = 0; c < record.channels.size(); ++c) {
     const Channel& channel = record.channels[c];
     if (channel.quantity != datasets::quantity_of_unit(channel.unit))

@@ -67,7 +67,7 @@ struct CsvHead {
   void settle(const Table& rows, const ImportOptions& options, bool read_on, Record& record) {
     record.attributes = head.attributes;
     for (const DateColumns& date : layout.dates) heads[date.last].unit = std::string("s");
-    roles = find_roles(file, layout, heads, rows, options);
+    roles = find_roles(file, layout, head, heads, rows, options);
     if (read_on && !roles.named_times.empty())
       roles.take_further_times(increasing_throughout(file, layout, names, roles.named_times));
     record.warnings = head.warnings;

@@ -217,7 +217,7 @@ void tell_of_dates_and_text(const TableLayout& layout, const std::vector<ColumnH
   }
 }
 
-CsvRoles find_roles(const TextFile& file, const TableLayout& layout,
+CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const TableHead& head,
                     const std::vector<ColumnHead>& heads, const Table& table,
                     const ImportOptions& options) {
   CsvRoles roles;
@@ -233,8 +233,8 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout,
                        fmt::format("there is no column '{}' for the time; the columns are {}",
                                    *options.time_column, [&heads] {
                                      std::string list;
-                                     for (const ColumnHead& head : heads)
-                                       list += (list.empty() ? "'" : ", '") + head.name + "'";
+                                     for (const ColumnHead& column : heads)
+                                       list += (list.empty() ? "'" : ", '") + column.name + "'";
                                      return list;
                                    }()));
     if (const DateColumns* const date = layout.dates_at(*roles.time)) roles.time = date->last;
@@ -242,6 +242,15 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout,
       throw InputError(whole(file), fmt::format("the column '{}' holds text, not the time",
                                                 heads[*roles.time].name));
     return roles;
+  }
+  const auto stated = head.attributes.find(std::string(time_column_key));
+  if (!options.time_column && stated != head.attributes.end()) {
+    if (stated->second == no_time_column) return roles;
+    if (stated->second == only_first_is_time && holds_numbers(layout, 0)) {
+      roles.time = 0;
+      roles.reason = "as the file says";
+      return roles;
+    }
   }
   const bool first_counts = counts(columns.front().values);
   if (options.time_column) {

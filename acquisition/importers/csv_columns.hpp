@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "acquisition/importers/column_heads.hpp"
@@ -46,9 +47,14 @@ std::vector<ColumnHead> complete_heads(const TextFile& file, const TableHead& he
                                        std::size_t columns, const ImportOptions& options);
 
 /// What the columns are, by what is stated, by their heads and by the rows in `table`.
-CsvRoles find_roles(const TextFile& file, const TableLayout& layout,
+CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const TableHead& head,
                     const std::vector<ColumnHead>& heads, const Table& table,
                     const ImportOptions& options);
+
+/// What a head may state, as our own export does, of columns that look like times or count.
+constexpr std::string_view time_column_key = "time column";
+constexpr std::string_view no_time_column = "none";
+constexpr std::string_view only_first_is_time = "the first alone";
 
 /// Says which columns are left out since they hold text, or dates that are not the time, and when
 /// the first row was recorded.

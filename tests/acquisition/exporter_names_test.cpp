@@ -124,13 +124,15 @@ TEST(ExportedNames, AreNoDelimiterOfAUniversalFile) {
   EXPECT_EQ(bytes.substr(0, 20), "    -1\n    58\n-1\nNON");
 }
 
-TEST(ExportedNames, OfTimesAndCountersInATableAreToldOf) {
-  EXPECT_THAT(export_warnings(named({"Time B", "f"}, "s", false), ".csv"),
-              ElementsAre("the file gives back 1 of 2 channels ('f'): others look like times or "
-                          "sample numbers; a .h5 file keeps everything"));
-  EXPECT_THAT(export_warnings(named({"n", "f"}, "N", false), ".csv"),
-              ElementsAre("the file gives back 1 of 2 channels ('f'): others look like times or "
-                          "sample numbers; a .h5 file keeps everything"));
+// The head says which column is the time: what looks like times or counts samples is a channel.
+TEST(ExportedNames, OfTimesAndCountersInATableAreKept) {
+  for (const bool with_clock : {false, true})
+    for (const char* unit : {"s", "N", ""})
+      for (const Names& names : {Names{"Time B", "f"}, Names{"n", "f"}, Names{"f", "time"}}) {
+        const Record record = named(names, unit, with_clock);
+        EXPECT_EQ(names_of(round_trip(record, ".csv")), names) << unit << with_clock;
+        EXPECT_THAT(export_warnings(record, ".csv"), IsEmpty());
+      }
 }
 
 TEST(Export, OfNoChannelsIsRefusedWhereTheFileWouldBeEmpty) {
