@@ -62,7 +62,11 @@ std::array<double, 2> SampledCurve::at(double time) const {
   const double place = (time - start) / interval;
   if (!(place > 0.0)) return {values.front(), 0.0};
   if (!(place < last)) return {values.back(), 0.0};
-  return at(time, jumps.empty() ? 0 : piece_at(time));
+  if (!jumps.empty()) return at(time, piece_at(time));
+  const auto base = static_cast<std::size_t>(place);
+  if (base < 1 || base + 2 >= values.size()) return at(time, 0);
+  const auto [value, slope] = cubic(&values[base], place - static_cast<double>(base));
+  return {value, slope / interval};
 }
 
 std::array<double, 2> SampledCurve::at(double time, std::size_t piece) const {

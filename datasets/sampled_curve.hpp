@@ -42,6 +42,6 @@ SampledCurve difference_quotient(const SampledCurve& one, const SampledCurve& ot
 
 /// What the sensor's linear chain makes of a curve, as sensor_response() of its samples does, jumps
 /// and spikes taken exactly. The result has the same jumps, some of them of size zero.
-SampledCurve sensor_response(const Sensor& sensor, const SampledCurve& input);
+SampledCurve sensor_response(const Sensor& sensor, SampledCurve curve);
 
 }  // namespace impactrig::datasets

@@ -271,37 +271,36 @@ constexpr double on_sample = 1e-6;
 
 }  // namespace
 
-SampledCurve sensor_response(const Sensor& sensor, const SampledCurve& input) {
-  require(input.interval > 0.0 && std::isfinite(input.interval), "the interval must be above 0 s",
-          input.interval);
+SampledCurve sensor_response(const Sensor& sensor, SampledCurve curve) {
+  require(curve.interval > 0.0 && std::isfinite(curve.interval), "the interval must be above 0 s",
+          curve.interval);
   const std::vector<Section> sections = sections_of(sensor);
-  SampledCurve output = input;
-  if (sections.empty() || input.values.empty()) return output;
+  if (sections.empty() || curve.values.empty()) return curve;
 
-  ChainRun run(chain_of(sections), input.interval, input.values.front());
-  output.values[0] = run.output();
-  auto jump = output.jumps.begin();
-  for (std::size_t sample = 1; sample < input.values.size(); ++sample) {
+  ChainRun run(chain_of(sections), curve.interval, curve.values.front());
+  curve.values[0] = run.output();
+  auto jump = curve.jumps.begin();
+  for (std::size_t sample = 1; sample < curve.values.size(); ++sample) {
     double left = 1.0;  // of the way to the sample
     const double here = static_cast<double>(sample);
-    for (; jump != output.jumps.end(); ++jump) {
-      const double ahead = here - (jump->time - input.start) / input.interval;
+    for (; jump != curve.jumps.end(); ++jump) {
+      const double ahead = here - (jump->time - curve.start) / curve.interval;
       if (ahead < -on_sample) break;
       const double rest = ahead < on_sample ? 0.0 : std::min(ahead, left);
       if (left > rest) run.go(left - rest, jump->before);
       left = rest;
       const double size = jump->after - jump->before;
       jump->before = run.output();
-      if (left == 0.0) output.values[sample] = jump->before;
+      if (left == 0.0) curve.values[sample] = jump->before;
       run.jump(size, jump->impulse);
       jump->after = run.output();
       jump->impulse = 0.0;
     }
     if (left == 0.0) continue;
-    run.go(left, input.values[sample]);
-    output.values[sample] = run.output();
+    run.go(left, curve.values[sample]);
+    curve.values[sample] = run.output();
   }
-  return output;
+  return curve;
 }
 
 std::vector<double> sensor_response(const Sensor& sensor, std::span<const double> input,

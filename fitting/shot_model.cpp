@@ -41,13 +41,12 @@ std::vector<double> unbent(const std::vector<double>& values) {
 
 Shown::Curve curve(const std::optional<datasets::Sensor>& sensor, const models::History& history,
                    const std::vector<double>& values, std::vector<datasets::CurveJump> jumps = {}) {
+  const bool bends = sensor && (sensor->resonance || sensor->low_cut || sensor->high_cut);
   Shown::Curve shown{.start = history.start,
                      .interval = history.interval,
-                     .values = values,
+                     .values = bends ? unbent(values) : values,
                      .jumps = std::move(jumps)};
-  if (!sensor || !(sensor->resonance || sensor->low_cut || sensor->high_cut)) return shown;
-  shown.values = unbent(values);
-  return datasets::sensor_response(*sensor, shown);
+  return bends ? datasets::sensor_response(*sensor, std::move(shown)) : shown;
 }
 
 std::vector<datasets::CurveJump> jumps_of(const models::History& history) {

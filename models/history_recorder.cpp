@@ -40,4 +40,21 @@ void begin_history(const Rig& rig, const HistoryRequest& wanted, double struck_s
   }
 }
 
+std::size_t expected_samples(const History& begun, double duration) {
+  constexpr double most = 1 << 20;
+  const double count = (duration - begun.start) / begun.interval + 2.0;
+  return static_cast<std::size_t>(count < most ? count : most);
+}
+
+void make_room(std::size_t samples, History& history) {
+  for (const auto values :
+       {&History::force, &History::penetration, &History::velocity, &History::displacement,
+        &History::velocity_slope, &History::displacement_slope, &History::sensor_force})
+    if (!(history.*values).empty()) (history.*values).reserve(samples);
+  for (StopHistory& stop : history.further) {
+    stop.force.reserve(samples);
+    stop.penetration.reserve(samples);
+  }
+}
+
 }  // namespace impactrig::models

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+
 #include "models/simulation.hpp"
 
 namespace impactrig::models {
@@ -12,5 +14,11 @@ long samples_before_touch(const HistoryRequest& wanted);
 /// the struck point, the velocity laser's spot and the displacement laser's at touch [m/s].
 void begin_history(const Rig& rig, const HistoryRequest& wanted, double struck_speed,
                    double velocity_speed, double displacement_speed, History& history);
+
+/// Samples up to `duration` after first touch [s], 2^20 of them at most.
+std::size_t expected_samples(const History& begun, double duration);
+
+/// Makes room for so many samples in what a history shows, without changing it.
+void make_room(std::size_t samples, History& history);
 
 }  // namespace impactrig::models

@@ -197,7 +197,7 @@ bool CollocationRun::land_on_event() {
 void CollocationRun::take_attempt() {
   ++result_.cost.steps;
   const double h = bar_.step();
-  for (ContactPoint& point : points_) point.observe(t_ - time_of_touch_, tried_.part);
+  for (ContactPoint& point : points_) point.observe(t_, tried_.part);
   const auto struck_at = [&](ContactPoint& point, double place) {
     return point.struck_at(place / h);
   };
@@ -240,9 +240,8 @@ void CollocationRun::sample_history(
     const std::function<PointMotion(ContactPoint&, double)>& struck_at) {
   History& history = result_.history;
   if (!(history.interval > 0.0)) return;
-  const double begun = t_ - time_of_touch_;
   const double next =
-      history.start + history.interval * static_cast<double>(history.force.size()) - begun;
+      history.start + history.interval * static_cast<double>(history.force.size()) - t_;
   // a sample on the very end belongs to the step, whichever way it is rounded
   const double reach = time + 1e-9 * history.interval;
   if (next > reach) return;
@@ -302,7 +301,7 @@ void CollocationRun::set_scales() {
 }
 
 void CollocationRun::first_touch() {
-  time_of_touch_ = t_;
+  t_ = 0.0;
   // a damped swing before is not the impact's
   damped_ = 0.0;
   for (ContactPoint& point : points_) point.begin_totals();
@@ -312,7 +311,7 @@ void CollocationRun::first_touch() {
   set_scales();
   log_.begin(energy);
   longest_ = std::min(100.0 * points_.front().depth() / approach_, bar_.ladder().longest);
-  t_end_ = time_of_touch_ + solver_.duration.value_or(longest_default_run);
+  t_end_ = solver_.duration.value_or(longest_default_run);
   if (!(options_.history.interval > 0.0)) return;
   samples_.resize(1);
   bar_.sample(0.0, 0.0, samples_);
@@ -326,6 +325,8 @@ void CollocationRun::first_touch() {
   begin_history(rig_, wanted, approach_, speed_at(options_.history.velocity_position),
                 speed_at(options_.history.displacement_position), result_.history);
   if (rig_.stop) result_.history.sensor_force.resize(result_.history.force.size(), 0.0);
+  if (solver_.duration)
+    make_room(expected_samples(result_.history, *solver_.duration), result_.history);
 }
 
 void CollocationRun::touch(ContactPoint& point) {
@@ -338,9 +339,9 @@ void CollocationRun::touch(ContactPoint& point) {
   if (first) first_touch();
   bar_.expect_contact();
   const double speed = point.struck().velocity;
-  log_.touch(point.number(), t_ - time_of_touch_, speed, point.totals(), point.contact());
+  log_.touch(point.number(), t_, speed, point.totals(), point.contact());
   if (followed_) {
-    if (first) followed_->begin(approach_);
+    if (first) followed_->begin(approach_, result_.history.force.capacity());
     followed_->touch(point.number(), point.contact(), speed);
   }
   note_jump(point, 0.0);
@@ -352,7 +353,7 @@ void CollocationRun::note_jump(const ContactPoint& point, double before) {
   if (!(history.interval > 0.0) || point.number() > 0 || rig_.stop) return;
   const double after = point.shown_force(point.struck());
   if (std::abs(after - before) <= continuous * point.force_scale()) return;
-  history.jumps.push_back({t_ - time_of_touch_, before, after});
+  history.jumps.push_back({t_, before, after});
   if (followed_) followed_->jump();
 }
 
@@ -391,15 +392,14 @@ bool CollocationRun::leave_event(ContactPoint& point) {
         touch(point);
         return true;
       }
-      log_.separate(point.number(), t_ - time_of_touch_, point.struck().velocity, point.totals(),
-                    contact);
+      log_.separate(point.number(), t_, point.struck().velocity, point.totals(), contact);
       if (followed_ && point.number() == 0 && log_.in_first_episode(0))
         followed_->separate(result_);
       note_jump(point, before);
       return false;
     case Event::change:
       contact.set_phase(contact.switched());
-      if (contact.phase() == Phase::slack) log_.slack(point.number(), t_ - time_of_touch_);
+      if (contact.phase() == Phase::slack) log_.slack(point.number(), t_);
       note_jump(point, before);
       return true;
   }
@@ -438,7 +438,7 @@ void CollocationRun::take_shorter() {
     throw std::runtime_error(
         fmt::format("the integration stopped {:g} s after first touch: steps of {:g} s make no "
                     "headway; ask for less accuracy",
-                    t_ - time_of_touch_, bar_.step()));
+                    t_, bar_.step()));
   reject(level_after_rejection(level_));
 }
 
@@ -504,7 +504,7 @@ bool CollocationRun::out_of_time() {
   const bool any = !result_.episodes.empty() && !result_.episodes.front().open;
   const std::string reached = fmt::format(
       "{:g} s of processor time, solver.time_limit, took the simulation to {:g} s {}",
-      solver_.time_limit, t_ - time_of_touch_,
+      solver_.time_limit, t_,
       result_.episodes.empty() ? "of the swing before first touch" : "after first touch");
   const std::string remedy =
       "State a shorter solver.duration, fewer elements or modes (an element much shorter than the "
@@ -589,12 +589,11 @@ double CollocationRun::smallness() const {
 }
 
 Simulation CollocationRun::conclude() {
-  const double t = t_ - time_of_touch_;
   for (const ContactPoint& point : points_) {
-    log_.conclude(point.number(), t, point.totals(), point.contact(), point.struck().displacement);
+    log_.conclude(point.number(), t_, point.totals(), point.contact(), point.struck().displacement);
     result_.cost.evaluations += point.evaluations();
   }
-  log_.conclude(t, damped_, bar_.energy(), bar_.rigid_part());
+  log_.conclude(t_, damped_, bar_.energy(), bar_.rigid_part());
   result_.cost.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
   return std::move(result_);

@@ -151,7 +151,8 @@ class CollocationRun {
   bool done_ = false;
   std::chrono::steady_clock::time_point started_;
 
-  double t_ = 0.0, time_of_touch_ = 0.0, t_end_ = 0.0;
+  // [s] from first touch; of the swing before, from release.
+  double t_ = 0.0, t_end_ = 0.0;
   Attempt tried_;
   std::vector<BarMotion::Sample> samples_;
   double laser_rest_ = 0.0, slope_rest_ = 0.0;  // displacement seen at first touch [m], [-]

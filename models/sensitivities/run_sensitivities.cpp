@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "models/history_recorder.hpp"
 #include "models/run_limits.hpp"
 
 namespace impactrig::models {
@@ -45,12 +46,13 @@ void RunSensitivities::add(std::unique_ptr<RigEffect> effect) {
   make_unknown(d.result);
 }
 
-void RunSensitivities::begin(double speed) {
+void RunSensitivities::begin(double speed, std::size_t samples) {
   see_state();
   for (int i = 0; i < count(); ++i) {
     Direction& d = direction(i);
     d.result.history = d.effect->lead(options_.history, speed, struck(i, 0).velocity);
     if (stopped_) d.result.history.sensor_force.resize(d.result.history.force.size(), 0.0);
+    make_room(samples, d.result.history);
     d.time = d.impulse = d.dissipated = d.force_at_end = 0.0;
     begin_more(i);
   }

@@ -32,7 +32,8 @@ class RunSensitivities {
   /// The run begins, at first touch or before.
   virtual void start() = 0;
 
-  void begin(double speed);  ///< at first touch, the struck point closing like this [m/s]
+  /// At first touch, the struck point closing like this [m/s]; with room for so many samples.
+  void begin(double speed, std::size_t samples);
 
   /// A contact begins, whose law takes `speed` unless that is too slow.
   void touch(int stop, const ContactForce& contact, double speed);
