@@ -11,6 +11,7 @@ namespace {
 constexpr Eigen::Index samples_an_order = 20, highest_order = 24;
 constexpr double settled = 1e-4;  // of the standard deviation of a long record's mean
 constexpr int most_rounds = 20;
+constexpr double rounding = 1e-12;  // of the largest value; less is no noise
 
 /// Burg's recursion: the reflection coefficients that make forward and backward prediction errors
 /// least, order by order, over all columns together.
@@ -83,6 +84,7 @@ NoiseModel NoiseModel::estimate(const Eigen::VectorXd& quiet, const Eigen::Matri
       noise.whiten({columns.col(k).data(), static_cast<std::size_t>(n)});
     return columns;
   };
+  const double largest = quiet.lpNorm<Eigen::Infinity>();
   NoiseModel model = p > 0 ? NoiseModel(1.0, 1.0) : of_series(quiet);
   double before = 0.0;
   for (int round = 0; p > 0 && round < most_rounds; ++round) {
@@ -92,6 +94,10 @@ NoiseModel NoiseModel::estimate(const Eigen::VectorXd& quiet, const Eigen::Matri
     const Eigen::VectorXd level = qr.solve(whitened(model, quiet)).col(0);
     Eigen::MatrixXd series(n, round == 0 ? 1 : 1 + p);
     series.col(0) = quiet - trends * level;
+    if (!(series.col(0).norm() > rounding * std::sqrt(static_cast<double>(n)) * largest)) {
+      model = NoiseModel(0.0, 1.0);
+      break;
+    }
     if (round > 0)
       series.rightCols(p) =
           r.transpose().triangularView<Eigen::Lower>().solve(trends.transpose()).transpose();
@@ -116,6 +122,7 @@ NoiseModel NoiseModel::known_from(double samples) const {
 NoiseModel NoiseModel::at_least(double sigma) const {
   NoiseModel model = *this;
   if (!(sigma > sigma_)) return model;
+  if (sigma_ == 0.0) return NoiseModel(sigma, correlation_).known_from(freedom_);
   for (double& deviation : model.deviations_) deviation *= sigma / sigma_;
   model.sigma_ = sigma;
   return model;

@@ -28,8 +28,8 @@ class NoiseModel {
   /// Burg's recursion, the order by the Bayesian information criterion among 0 to a twentieth of
   /// the samples, at most 24. What the trends took from the noise with them is given back, so that
   /// slow noise is not underrated: the restricted likelihood, by expectation and maximisation. At
-  /// least 20 samples more than trends.
-  /// Source: [Burg1975], [Schwarz1978], [PattersonThompson1971], [DempsterEtAl1977].
+  /// least 20 samples more than trends. Of a record that shows nothing beside its trends: of size
+  /// 0. Source: [Burg1975], [Schwarz1978], [PattersonThompson1971], [DempsterEtAl1977].
   static NoiseModel estimate(const Eigen::VectorXd& quiet, const Eigen::MatrixXd& trends);
 
   /// The same, known from this many independent samples.

@@ -36,6 +36,15 @@ TEST(Fit, FindsTheTruthFromAfarWithAncf) {
   EXPECT_TRUE(result.not_identifiable.empty());
 }
 
+// A coarse range: not a sample before the trigger is other than the next.
+TEST(Fit, TakesTheDigitisersStepWhereNoNoiseIsSeen) {
+  const RigFile rig = hybrid_rig("3 ms");
+  const Fit result = fit({synthetic_shot(rig, {.restitution = 0.6, .step = 20.0})}, rig);
+  EXPECT_EQ(result.termination, "converged");
+  EXPECT_LT(std::abs(pull(result, "contact.restitution", 0.6)), 3.5);
+  EXPECT_LT(parameter(result, "contact.restitution").std_error, 0.02);
+}
+
 // 40 shots, in each another mains hum of 1 % of the peak, which a straight baseline does
 // not follow: pulls have mean 0 ± 0.16 and variance 1 ± 0.22; bounds at four of those. That the
 // interval holds is the promise.

@@ -206,6 +206,19 @@ TEST(NoiseModel, TakesItsDegreesOfFreedomOffWhiteNoise) {
   EXPECT_NEAR(model.sigma(), std::sqrt(rest / 54.0), 1e-3 * model.sigma());
 }
 
+// What rounding leaves of a constant record has neither size nor colour.
+TEST(NoiseModel, TakesNoColourFromConstantRecords) {
+  for (const double level : {0.0, 0.3, -1e7}) {
+    const NoiseModel model =
+        NoiseModel::estimate(Eigen::VectorXd::Constant(400, level), trends_of(400)).at_least(0.5);
+    EXPECT_EQ(model.order(), 0);
+    EXPECT_EQ(model.sigma(), 0.5);
+    std::vector<double> ones(3, 1.0);
+    model.whiten(ones);
+    EXPECT_EQ(ones, std::vector<double>(3, 2.0));
+  }
+}
+
 // Of 4 samples that count as one, n have the information of n / 4.
 TEST(NoiseModel, CountsSamplesTakenForWhiteOnce) {
   const NoiseModel noise(2.0, 4.0);
