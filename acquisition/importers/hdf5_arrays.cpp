@@ -214,7 +214,8 @@ std::vector<Hdf5SliceSeen> read_hdf5_slices(const std::string& path,
     if (!child.number(index) || !child.number(count)) child_failed(path, child);
     if (index == hdf5_end_of_blocks) {
       if (count < slices.size())
-        refuse(path, fmt::format("is damaged: {} cannot be read", slices[count].array->path));
+        refuse(path,
+               fmt::format("is damaged: {} cannot be read", to_utf8(slices[count].array->path)));
       break;
     }
     if (index >= slices.size() || count == 0 || count > hdf5_block_size || count > left[index])

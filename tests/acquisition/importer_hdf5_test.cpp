@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <numeric>
+#include <stdexcept>
 
 #include "acquisition/importer.hpp"
 #include "acquisition/importers/child_process.hpp"
@@ -142,7 +143,8 @@ TEST(ForeignHdf5, WhatIsNotReadIsNamed) {
   EXPECT_EQ(record.channels.size(), 0U);
   EXPECT_EQ(record.warnings[0],
             "not read: '/nbit' (packed by filter 5, only deflate, shuffle and Fletcher32 are "
-            "read: h5repack -f GZIP=1 rewrites it), '/reference' (references), '/unwritten' (it declares 2000000 bytes and holds "
+            "read: h5repack -f GZIP=1 rewrites it), '/reference' (references), '/unwritten' (it "
+            "declares 2000000 bytes and holds "
             "0)");
   EXPECT_EQ(record.warnings[1], "there are no data sets of numbers: there are no channels");
 }
@@ -200,18 +202,28 @@ TEST(ForeignHdf5, ErrorsSayWhatWasFound) {
             "FILE: there is no array 'clock' of real numbers for the time; the arrays are '/x'");
 }
 
-TEST(ForeignHdf5, DamagedPiecesAreNamed) {
+/// A file whose one data set is a compressed piece that zlib cannot undo.
+std::string with_damaged_piece(const std::string& name) {
   const Hdf5File file;
   std::vector<double> values(4096);
   std::iota(values.begin(), values.end(), 0.0);
-  file.data<double>("/x", {4096}, values, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, {4096});
-  file.number("/x", "dt", 1.0);
+  file.data<double>(name, {4096}, values, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, {4096});
+  file.number(name, "dt", 1.0);
   std::string bytes = file.bytes();
   // the piece is what is compressed: its first two bytes are zlib's
   const std::size_t piece = bytes.find("\x78\x9c", 2048);
-  ASSERT_NE(piece, std::string::npos);
+  if (piece == std::string::npos) throw std::logic_error("no compressed piece");
   for (std::size_t i = 2; i < 400; ++i) bytes[piece + i] = '\x55';
-  EXPECT_EQ(import_error(bytes), "FILE: is damaged: /x cannot be read");
+  return bytes;
+}
+
+TEST(ForeignHdf5, DamagedPiecesAreNamed) {
+  EXPECT_EQ(import_error(with_damaged_piece("/x")), "FILE: is damaged: /x cannot be read");
+}
+
+// The reader keeps names as the file has them, to find the data again; what it says is UTF-8.
+TEST(ForeignHdf5, DamagedPiecesAreNamedInUtf8) {
+  EXPECT_EQ(import_error(with_damaged_piece("/\xFFx")), "FILE: is damaged: /ÿx cannot be read");
 }
 
 TEST(ChildProcess, TellsHowTheChildEnded) {

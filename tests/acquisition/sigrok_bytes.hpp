@@ -92,7 +92,7 @@ inline std::vector<ZipEntry> sigrok_entries(bool packed) {
       {"version", "2"},
       {"metadata", sigrok_metadata, packed},
       {"analog-1-2-1", little<float>({7, 8, 9, 10}), packed},
-      {"analog-1-1-2", little<float>({4}), packed},
+      {"analog-1-1-2", little<float>(4), packed},
       {"analog-1-1-1", little<float>({1.5F, 2, 3}), packed},
   };
 }
