@@ -46,12 +46,13 @@ struct Parameter {
 
 /// A fitted channel with everything a plot of it needs.
 struct ChannelFit {
-  std::string quantity;                   ///< "force"
-  std::string channel;                    ///< name in the recording
-  std::string unit;                       ///< SI
-  int recording = 0;                      ///< index into Fit::impacts
-  double residual_rms = 0.0;              ///< over the fitted samples
-  double noise = 0.0;                     ///< standard deviation before the trigger
+  std::string quantity;       ///< "force"
+  std::string channel;        ///< name in the recording
+  std::string unit;           ///< SI
+  int recording = 0;          ///< index into Fit::impacts
+  double residual_rms = 0.0;  ///< over the fitted samples
+  /// Standard deviation before the trigger, at least what the digitiser's step makes; 0: not known.
+  double noise = 0.0;
   std::vector<double> time;               ///< from fitted first touch [s] (n)
   std::vector<double> measured;           ///< (n)
   std::vector<double> model;              ///< as the sensor would show it (n)

@@ -113,7 +113,7 @@ ChannelFit channel_fit(const Shot& shot, const FittedChannel& channel, double to
   out.quantity = datasets::name(signal.quantity);
   out.channel = signal.channel;
   out.unit = datasets::si_unit(signal.quantity);
-  out.noise = signal.noise;
+  if (channel.noise_known) out.noise = std::max(signal.noise, signal.quantum / std::sqrt(12.0));
   out.measured = signal.values;
   out.model = shot.cost->model_values(channel);
   out.used.assign(signal.values.size(), 0);

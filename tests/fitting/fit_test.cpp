@@ -39,10 +39,16 @@ TEST(Fit, FindsTheTruthFromAfarWithAncf) {
 // A coarse range: not a sample before the trigger is other than the next.
 TEST(Fit, TakesTheDigitisersStepWhereNoNoiseIsSeen) {
   const RigFile rig = hybrid_rig("3 ms");
-  const Fit result = fit({synthetic_shot(rig, {.restitution = 0.6, .step = 20.0})}, rig);
+  datasets::Impact impact = synthetic_shot(rig, {.restitution = 0.6, .step = 20.0});
+  impact.force->noise = 0.0;
+  impact.velocity->noise = 1e-15;  // as rounding leaves of a constant
+  const Fit result = fit({impact}, rig);
   EXPECT_EQ(result.termination, "converged");
   EXPECT_LT(std::abs(pull(result, "contact.restitution", 0.6)), 3.5);
   EXPECT_LT(parameter(result, "contact.restitution").std_error, 0.02);
+  EXPECT_DOUBLE_EQ(result.channels[0].noise, impact.force->quantum / std::sqrt(12.0));
+  EXPECT_DOUBLE_EQ(result.channels[1].noise, impact.velocity->quantum / std::sqrt(12.0));
+  EXPECT_THAT(result.warnings, testing::Not(testing::Contains(testing::HasSubstr("residuals of"))));
 }
 
 // 40 shots, in each another mains hum of 1 % of the peak, which a straight baseline does
