@@ -218,7 +218,7 @@ void guarded(Outcome& outcome, Call call) {
 }
 
 void judge_alone(const models::Simulation& run, bool may_pull, Outcome& outcome) {
-  outcome.imbalance = run.energy.imbalance;
+  outcome.imbalance = run.energy.unbalanced();
   outcome.seconds = run.cost.seconds;
   outcome.evaluations = run.cost.evaluations;
   outcome.contacts = static_cast<long>(run.episodes.size());
@@ -231,9 +231,9 @@ void judge_alone(const models::Simulation& run, bool may_pull, Outcome& outcome)
     outcome.kind = Kind::unsound;
   } else if (warns_of(run, "energy does not balance") || warns_of(run, "the first contact ")) {
     outcome.kind = Kind::warned;
-  } else if (!(std::abs(run.energy.imbalance) <= 10.0 * run.solver.accuracy + 1e-10)) {
+  } else if (!(std::abs(outcome.imbalance) <= 10.0 * run.solver.accuracy + 1e-10)) {
     outcome.kind = Kind::energy;
-    outcome.sentence = fmt::format("energy imbalance {:.2g}", run.energy.imbalance);
+    outcome.sentence = fmt::format("energy imbalance {:.2g}", outcome.imbalance);
   }
 }
 

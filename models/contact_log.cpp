@@ -200,11 +200,11 @@ void close_audit(const Rig& rig, double begun, const BeamEnergy& energy, const R
 }
 
 void warn_of_imbalance(double accuracy, Simulation& result) {
-  const double imbalance = result.energy.imbalance;
+  const double imbalance = result.energy.unbalanced();
   if (std::abs(imbalance) <= 10.0 * accuracy + 1e-10) return;
   result.warnings.push_back(
-      fmt::format("the energy does not balance: {:.2g} of the initial energy is missing or too "
-                  "much; the forces may be as far off. Ask for more solver.accuracy.",
+      fmt::format("the energy does not balance: {:.2g} of it is missing or too much; the "
+                  "forces may be as far off. Ask for more solver.accuracy.",
                   imbalance));
 }
 

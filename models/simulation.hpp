@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -59,6 +60,12 @@ struct EnergyAudit {
   double rigid_rotation = 0.0;
   double vibration = 0.0;  ///< kinetic + elastic - rigid_rotation
   double imbalance = 0.0;  ///< [-]
+
+  /// The imbalance relative to what came into play: where weight or spring set free more than the
+  /// initial energy, as after a slow touch, that is what errors are a part of.
+  double unbalanced() const {
+    return imbalance * initial / std::max(initial, kinetic + elastic + dissipated + damped);
+  }
 };
 
 struct Cost {

@@ -418,6 +418,8 @@ RigidPart AncfBeam::rigid_part(ConstVector q, ConstVector v) const {
   mass_.multiply(v.head(dofs_), product);
   moment += product.dot(reference_ - q.tail(dofs_));
   rigid.rate = -moment / inertia_;
+  mass_.multiply(q.tail(dofs_), product);
+  rigid.along = 1.0 - product.dot(reference_) / inertia_;
   return rigid;
 }
 

@@ -31,6 +31,9 @@ struct PointMotion {
 struct RigidPart {
   double angle = 0.0;  ///< mean rotation from hanging straight, closing > 0 [rad]; small angles
   double rate = 0.0;   ///< [rad/s]
+  /// How far its mass lies where gravity would hang it: 1 hanging straight, of a rigid bar the
+  /// angle's cosine, < 0 beyond a right angle [-].
+  double along = 1.0;
 };
 
 /// A bar on its hinge with generalised coordinates q (n) and velocities v (n), pressed by stops.

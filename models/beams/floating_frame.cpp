@@ -378,12 +378,15 @@ RigidPart FloatingFrameBeam::rigid_part(ConstVector q, ConstVector v) const {
   if (timoshenko_) rigid = {.angle = -rotary_.row(0).dot(q), .rate = -rotary_.row(0).dot(v)};
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
+  rigid.along = 0.0;
   for (const Station& s : stations()) {
     const InFrame p = in_frame(s, q, v);
+    rigid.along += s.mass * s.x * (cosine * p.x - sine * p.y);
     rigid.angle -= s.mass * s.x * (sine * p.x + cosine * p.y);
     const double moment = p.x * (p.y_rate + v[0] * p.x) - p.y * (p.x_rate - v[0] * p.y);
     rigid.rate -= s.mass * moment;
   }
+  rigid.along /= inertia_;
   rigid.angle /= inertia_;
   rigid.rate /= inertia_;
   return rigid;

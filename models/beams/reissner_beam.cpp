@@ -243,6 +243,7 @@ RigidPart ReissnerBeam::rigid_part(ConstVector q, ConstVector v) const {
   RigidPart rigid;
   rigid.angle = -reference_.dot(mass_ * q) / inertia_;
   Eigen::VectorXd arm = reference_;
+  Eigen::VectorXd raised = Eigen::VectorXd::Zero(size());
   const int pairs[] = {Element::x0, Element::xa, Element::xc};
   for (int first = -held; first < size(); first += Element::own)
     for (const int x : pairs) {
@@ -250,7 +251,9 @@ RigidPart ReissnerBeam::rigid_part(ConstVector q, ConstVector v) const {
       if (k < 0 || k + 1 >= size()) continue;
       arm[k] -= q[k + 1];
       arm[k + 1] = q[k];
+      raised[k] = q[k + 1];
     }
+  rigid.along = 1.0 - reference_.dot(mass_ * raised) / inertia_;
   rigid.rate = -arm.dot(mass_ * v) / inertia_;
   return rigid;
 }

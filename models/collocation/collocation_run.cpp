@@ -28,6 +28,12 @@ constexpr double step_safety = 0.8;
 constexpr double smallest_part = 0.01;
 // The energy of the first contact, as a multiple of what the bar first has to be stopped of.
 constexpr double most_of_local = 30.0;
+// Of the speed that the scales are made from.
+constexpr double much_faster = 2.0;
+// Of that speed: contacts follow each other down to the smallest numbers there are.
+constexpr double at_rest = 1e-100;
+// Of the time since the last contact, the longest step.
+constexpr double share_of_flight = 0.5;
 // A change of the force that its rounding explains, as a part of its scale.
 constexpr double continuous = 1e-10;
 // Events this close are one, as a part of the step.
@@ -213,6 +219,7 @@ void CollocationRun::take_attempt() {
   bar_.observe(tried_.part);
   if (followed_) follow_step();
   bar_.take(tried_.part);
+  if (!bar_.parts_exact() && free()) grow_scales();
   for (ContactPoint& point : points_)
     point.keep_series(tried_.part, point.event() != ContactPoint::Event::none);
   t_ += tried_.part * h;
@@ -300,6 +307,24 @@ void CollocationRun::set_scales() {
       std::min({energy_scale_, most_of_local * scales.energy, first.force_scale() * first.depth()});
 }
 
+/// A bar that moves so much faster than at first touch, as after a long swing, that errors count by
+/// what it does now: by the first contact's scales they would be made small without end. One that
+/// is slower keeps the scales that are.
+void CollocationRun::grow_scales() {
+  if (result_.episodes.empty() || result_.episodes.front().open) return;
+  const double kinetic = bar_.energy().kinetic;
+  if (!(kinetic > much_faster * much_faster * energy_scale_)) return;
+  smallness_ = smallness();
+  approach_ *= std::sqrt(kinetic / energy_scale_);
+  energy_scale_ = kinetic;
+  set_scales();
+  limit_steps();
+}
+
+void CollocationRun::limit_steps() {
+  longest_ = std::min(100.0 * points_.front().depth() / approach_, bar_.ladder().longest);
+}
+
 void CollocationRun::first_touch() {
   t_ = 0.0;
   // a damped swing before is not the impact's
@@ -309,8 +334,8 @@ void CollocationRun::first_touch() {
   approach_ = bar_.struck(0).velocity;
   energy_scale_ = energy.kinetic;
   set_scales();
+  limit_steps();
   log_.begin(energy);
-  longest_ = std::min(100.0 * points_.front().depth() / approach_, bar_.ladder().longest);
   t_end_ = solver_.duration.value_or(longest_default_run);
   if (!(options_.history.interval > 0.0)) return;
   samples_.resize(1);
@@ -329,6 +354,23 @@ void CollocationRun::first_touch() {
     make_room(expected_samples(result_.history, *solver_.duration), result_.history);
 }
 
+/// Whether the run ends where this point meets its stop's plane: the bar has come to rest, or it
+/// crosses the plane on the hinge's other side, where there is no stop.
+bool CollocationRun::over_at(const ContactPoint& point) {
+  if (!result_.episodes.empty() && point.struck().velocity < at_rest * approach_) {
+    done_ = true;
+    result_.termination = "the bar has come to rest at the stop";
+    return true;
+  }
+  if (!(bar_.rigid_part().along < 0.0)) return false;
+  done_ = true;
+  result_.termination = "the bar has turned half round, away from the stop";
+  result_.warnings.push_back(
+      result_.termination +
+      "; what comes later is not in the result: it would strike the stop from behind.");
+  return true;
+}
+
 void CollocationRun::touch(ContactPoint& point) {
   const bool first = result_.episodes.empty();
   if (first && point.number() > 0)
@@ -336,7 +378,10 @@ void CollocationRun::touch(ContactPoint& point) {
         "the bar met stop {} of [[contacts]] before that of [contact], which has to be struck "
         "first; name that stop there, or leave it a gap",
         point.number()));
-  if (first) first_touch();
+  if (first)
+    first_touch();
+  else
+    grow_scales();
   bar_.expect_contact();
   const double speed = point.struck().velocity;
   log_.touch(point.number(), t_, speed, point.totals(), point.contact());
@@ -376,7 +421,15 @@ int CollocationRun::next_level() const {
   const double order = rule_.nodes() + 1.0;
   const double growth =
       std::clamp(step_safety * std::pow(std::max(tried_.error, 1e-12), -1.0 / order), 0.2, 6.0);
-  return bar_.ladder().level_below(std::min({growth * bar_.step(), longest_, bar_.longest_step()}));
+  return bar_.ladder().level_below(
+      std::min({growth * bar_.step(), longest_step(), bar_.longest_step()}));
+}
+
+/// A flight much longer than a contact is crossed in steps that grow with it.
+double CollocationRun::longest_step() const {
+  if (result_.episodes.empty() || !free()) return longest_;
+  const double of_flight = share_of_flight * (t_ - parted_);
+  return std::min(std::max(longest_, of_flight), bar_.ladder().longest);
 }
 
 /// What the event at a stop changes; true where it calls for the first step of a phase.
@@ -389,9 +442,11 @@ bool CollocationRun::leave_event(ContactPoint& point) {
       return false;
     case Event::gap:
       if (contact.phase() == Phase::free) {
+        if (over_at(point)) return false;
         touch(point);
         return true;
       }
+      parted_ = t_;
       log_.separate(point.number(), t_, point.struck().velocity, point.totals(), contact);
       if (followed_ && point.number() == 0 && log_.in_first_episode(0))
         followed_->separate(result_);
@@ -468,6 +523,7 @@ void CollocationRun::take_or_land() {
   if (tried_.end == End::hinge) bar_.change_hinge();
   leave_events(next);
   level_ = next;
+  if (done_) return;
   done_ = ends_early() || tried_.end == End::run;
   if (!done_ && leap()) done_ = ends_early() || tried_.end == End::run;
 }
@@ -581,6 +637,7 @@ void CollocationRun::complete() {
 }
 
 double CollocationRun::smallness() const {
+  if (smallness_) return *smallness_;
   if (result_.episodes.empty() || result_.episodes.front().open) return 1.0;
   const Episode& first = result_.episodes.front();
   const double part =

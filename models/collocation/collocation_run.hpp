@@ -116,9 +116,12 @@ class CollocationRun {
   bool land_on_event();
   double speed_before(const ContactPoint& point) const;
   void set_scales();
+  void grow_scales();
+  void limit_steps();
   void first_touch();
   void take_attempt();
   void follow_step();
+  bool over_at(const ContactPoint& point);
   void touch(ContactPoint& point);
   void note_jump(const ContactPoint& point, double before);
   void sample_history(double time, const std::function<void(double, double)>& look,
@@ -127,6 +130,7 @@ class CollocationRun {
   bool leap();
   int level_after_rejection(int level) const;
   int next_level() const;
+  double longest_step() const;
   bool leave_event(ContactPoint& point);
   void leave_events(int& next);
   bool ends_early();
@@ -145,7 +149,8 @@ class CollocationRun {
   std::vector<double> gaps_;  // [m]
   Equations equations_;
   std::vector<Together> together_;
-  double longest_ = 0.0;   // step [s]
+  double longest_ = 0.0;   // step that sees the contacts [s]
+  double parted_ = 0.0;    // the last contact, when it ended [s]
   int level_ = 0;          // of the step to try next
   bool rejected_ = false;  // the one before was
   bool done_ = false;
@@ -158,7 +163,8 @@ class CollocationRun {
   double laser_rest_ = 0.0, slope_rest_ = 0.0;  // displacement seen at first touch [m], [-]
 
   double approach_ = 0.0, impulse_scale_ = 0.0, energy_scale_ = 0.0;
-  double damped_ = 0.0;  // in bar, hinge and compliant stop since first touch [J]
+  std::optional<double> smallness_;  // of the first contact, where the scales are another's
+  double damped_ = 0.0;              // in bar, hinge and compliant stop since first touch [J]
   // √(2 C) for each stop: how far √energy can move its point elastically [m/√J]
   std::vector<double> elastic_reach_;
   TimeLimit time_limit_{0.0};

@@ -163,6 +163,8 @@ TEST(Ancf, RigidPartOfARigidMotionIsThatMotion) {
   const RigidPart rigid = beam.rigid_part(q, v);
   EXPECT_NEAR(rigid.angle, std::sin(2e-3), 1e-16);
   EXPECT_NEAR(rigid.rate, 1.7, 1e-13);
+  beam.set_rigid_motion(-2.5, 1.7, q, v);
+  EXPECT_NEAR(beam.rigid_part(q, v).along, std::cos(2.5), 1e-14);
 }
 
 TEST(Ancf, PointsFollowTheCubicBetweenTheNodes) {

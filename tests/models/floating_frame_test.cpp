@@ -287,6 +287,8 @@ TEST_P(FloatingFrame, RigidMotionTurnsEveryPointAtTheSameRate) {
   const RigidPart rigid = beam.rigid_part(q, v);
   EXPECT_NEAR(rigid.angle, std::sin(1e-3), 1e-15);
   EXPECT_NEAR(rigid.rate, 2.5, 1e-13);
+  beam.set_rigid_motion(-2.5, 2.5, q, v);
+  EXPECT_NEAR(beam.rigid_part(q, v).along, std::cos(2.5), 1e-14);
 }
 
 INSTANTIATE_TEST_SUITE_P(BothBases, FloatingFrame,

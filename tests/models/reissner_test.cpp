@@ -397,6 +397,7 @@ TEST(ReissnerBeam, KnowsARigidMotion) {
                 1.0, 1e-12);
     EXPECT_NEAR(energy.spring, 200.0 * angle * angle, 1e-12);
     EXPECT_NEAR(beam.rigid_part(q, v).rate, 1.7, 1e-12);
+    EXPECT_NEAR(beam.rigid_part(q, v).along, std::cos(angle), 1e-2);  // without rotary inertia
     EXPECT_NEAR(beam.point(0.33, q, v).displacement, -0.33 * std::sin(angle), 1e-14);
     EXPECT_NEAR(beam.damping_power(q, v), 0.0, 1e-6);
     // a bar held by nothing but the hinge swings on as a rigid one would start to

@@ -358,7 +358,7 @@ TEST(Simulate, WarnsWhenTheEnergyDoesNotBalance) {
   ASSERT_GT(std::abs(run.energy.imbalance), 1e-5);
   EXPECT_THAT(run.warnings,
               testing::Contains(testing::MatchesRegex(
-                  "the energy does not balance: [0-9.e+-]+ of the initial energy is missing or too "
+                  "the energy does not balance: [0-9.e+-]+ of it is missing or too "
                   "much; the forces may be as far off. Ask for more solver.accuracy.")));
 }
 
