@@ -210,7 +210,9 @@ class ChainMotion final : public BarMotion {
   using ChainType = Chain;
 
   // Of the accuracy asked for, what Newton's method may leave of a step.
-  static constexpr double newton_share = 0.2;
+  // The finer method solves a step in one or two iterations: what they leave adds up, from step to
+  // step, to vibration of which damping makes force.
+  static constexpr double newton_share = S > 4 ? 0.005 : 0.2;
   static constexpr int kept_factors = 6;
 
   using Stages = StageArray<S>;
