@@ -364,6 +364,10 @@ bool CollocationRun::over_at(const ContactPoint& point) {
     return true;
   }
   if (!(bar_.rigid_part().along < 0.0)) return false;
+  if (result_.episodes.empty())
+    throw std::runtime_error(
+        "the bar swings round, away from the stop, and does not strike it; look at "
+        "start.release_angle and environment.gravity_direction");
   done_ = true;
   result_.termination = "the bar has turned half round, away from the stop";
   result_.warnings.push_back(
