@@ -119,10 +119,17 @@ class ContactPoint {
     double low, high;
   };
 
+  /// The contact's switch() at a place of the step.
+  struct Look {
+    double place, value;
+  };
+
   PointMotion seen(const PointMotion& p) const { return {p.displacement - gap_, p.velocity}; }
 
   double gap_between(double before, const PointMotion& p0, double here, const PointMotion& p1);
-  double switch_between(double before, double here, const PointMotion& p1);
+  double switch_at(double place);
+  double root_of_switch(double low, double high);
+  double switch_in_dip(const Look& first, const Look& middle, const Look& last);
   double root_of_gap(double low, double at_low, double guess, double high);
   double most_damping() const;
   double answer() const;

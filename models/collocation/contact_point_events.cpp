@@ -5,6 +5,12 @@
 #include "models/collocation/contact_point.hpp"
 
 namespace impactrig::models {
+namespace {
+
+// How much deeper than the parabola through three places a dip may be, and of their values.
+constexpr double safe_dips = 3.0, least_dip = 1e-3;
+
+}  // namespace
 
 /// Between two places of the step on either side of a closing or opening of the gap, the first with
 /// this displacement.
@@ -56,33 +62,78 @@ double ContactPoint::gap_between(double before, const PointMotion& p0, double he
   return sign * there > 0.0 ? root(place, there) : 2.0;
 }
 
-/// Likewise where the laws begin or cease to act.
-double ContactPoint::switch_between(double before, double here, const PointMotion& p1) {
-  if (!contact_.may_switch()) return 2.0;
-  const auto beyond = [&](const PointMotion& p) {
-    return contact_.switching(p.displacement, p.velocity).value < 0.0;
-  };
-  if (!beyond(p1)) return 2.0;
-  double low = before, high = here;
+/// Of the function whose sign tells where the laws begin or cease to act.
+double ContactPoint::switch_at(double place) {
+  const PointMotion p = struck_at(place);
+  return contact_.switching(p.displacement, p.velocity).value;
+}
+
+/// Where the laws begin or cease to act, between a place before that and one beyond.
+double ContactPoint::root_of_switch(double low, double high) {
   for (int k = 0; k < 60 && high - low > 1e-14; ++k) {
     const double middle = 0.5 * (low + high);
-    (beyond(struck_at(middle)) ? high : low) = middle;
+    (switch_at(middle) < 0.0 ? high : low) = middle;
   }
   return high;
+}
+
+/// The same by a dip below zero between places at which it is above; 2 where there is none.
+/// `middle` is the lowest of the three.
+double ContactPoint::switch_in_dip(const Look& first, const Look& middle, const Look& last) {
+  const double left = middle.place - first.place, right = last.place - middle.place;
+  const double falls = (first.value - middle.value) / left;
+  const double rises = (last.value - middle.value) / right;
+  const double bend = (falls + rises) / (left + right);
+  const double slope = (rises * left - falls * right) / (left + right);
+  const double dip = 0.25 * slope * slope / bend;  // of the parabola
+  if (!(middle.value < safe_dips * dip + least_dip * (first.value + last.value))) return 2.0;
+  constexpr double golden = 0.6180339887498949;
+  double low = first.place, high = last.place;
+  double a = high - golden * (high - low), b = low + golden * (high - low);
+  double at_a = switch_at(a), at_b = switch_at(b);
+  for (int k = 0; k < 30; ++k) {
+    if (at_a < 0.0) return root_of_switch(first.place, a);
+    if (at_b < 0.0) return root_of_switch(first.place, b);
+    if (at_a < at_b) {
+      high = b;
+      b = a;
+      at_b = at_a;
+      a = high - golden * (high - low);
+      at_a = switch_at(a);
+    } else {
+      low = a;
+      a = b;
+      at_a = at_b;
+      b = low + golden * (high - low);
+      at_b = switch_at(b);
+    }
+  }
+  return 2.0;
 }
 
 /// Looked for between the nodes and both ends.
 void ContactPoint::find_event() {
   forget_event();
   const int s = rule_.nodes();
+  const bool may_switch = contact_.may_switch();
+  const auto look = [&](double place, const PointMotion& p) {
+    return Look{place, may_switch ? contact_.switching(p.displacement, p.velocity).value : 1.0};
+  };
   double before = 0.0;
   PointMotion p0 = struck();
+  Look second = look(0.0, p0), first = second;
   for (int i = 0; i <= s; ++i) {
     const double here = i < s ? rule_.points()[i] : 1.0;
     const PointMotion p1 =
         i < s ? PointMotion{step_.displacement[i], step_.velocity[i]} : step_.at_end;
     const double gap = gap_between(before, p0, here, p1);
-    const double change = switch_between(before, here, p1);
+    const Look last = look(here, p1);
+    double change = 2.0;
+    if (last.value < 0.0)
+      change = root_of_switch(before, here);
+    else if (may_switch && first.place < second.place && first.value > second.value &&
+             second.value >= 0.0 && second.value < last.value)
+      change = switch_in_dip(first, second, last);
     if (gap <= 1.0 || change <= 1.0) {
       event_ = gap <= change ? Event::gap : Event::change;
       event_part_ = std::min(gap, change);
@@ -90,6 +141,8 @@ void ContactPoint::find_event() {
     }
     before = here;
     p0 = p1;
+    first = second;
+    second = last;
   }
 }
 
