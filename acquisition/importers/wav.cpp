@@ -14,6 +14,7 @@
 #include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/text_file.hpp"
+#include "acquisition/importers/wave_chunks.hpp"
 
 namespace impactrig::acquisition {
 
@@ -26,203 +27,83 @@ namespace {
 /// Samples of all channels that are read at once.
 constexpr std::size_t block_samples = 65536;
 
-bool is_wave(std::string_view head) {
-  const bool riff =
-      head.starts_with("RIFF") || head.starts_with("RIFX") || head.starts_with("RF64");
-  return riff && head.size() >= 12 && head.substr(8, 4) == "WAVE";
-}
-
-std::uint32_t size_at(std::string_view bytes, std::size_t at, bool big_endian) {
-  std::uint32_t size = 0;
-  for (std::size_t i = 0; i < 4; ++i)
-    size = size << 8 | static_cast<unsigned char>(bytes[at + (big_endian ? i : 3 - i)]);
-  return size;
-}
-
-/// Calls `use(at, content)` for chunks that follow each other from `at` on, as long as it returns
-/// true. Returns false when one does not fit into `bytes`; its content is what is there.
-template <typename Use>
-bool walk_chunks(std::string_view bytes, std::size_t at, bool big_endian, const Use& use) {
-  while (bytes.size() - at >= 8) {
-    const std::size_t size = size_at(bytes, at + 4, big_endian);
-    const std::string_view content = bytes.substr(at + 8, size);
-    if (!use(at, content)) return true;
-    if (content.size() < size) return false;
-    at = std::min(at + 8 + size + size % 2, bytes.size());
-  }
-  return true;
-}
-
-/// Lists before the samples whose parts do not fit into them, or that do not fit into the file:
-/// libsndfile 1.2.0 reads some for minutes.
-std::vector<std::size_t> damaged_lists(std::string_view bytes) {
-  std::vector<std::size_t> damaged;
-  if (bytes.size() < 12) return damaged;
-  const bool big_endian = bytes.starts_with("RIFX");
-  walk_chunks(bytes, 12, big_endian, [&](std::size_t at, std::string_view content) {
-    const std::string_view name = bytes.substr(at, 4);
-    const auto any = [](std::size_t, std::string_view) { return true; };
-    const bool whole = content.size() == size_at(bytes, at + 4, big_endian);
-    if ((name == "LIST" || name == "list") &&
-        (!whole || content.size() < 4 || !walk_chunks(content, 4, big_endian, any)))
-      damaged.push_back(at);
-    return name != "data";
-  });
-  return damaged;
-}
-
-/// Where what libsndfile may see ends: before a chunk that says it is longer than the file, where
-/// no samples follow. libsndfile 1.2.0 passes over such a chunk byte by byte, for minutes.
-std::size_t readable_end(std::string_view bytes) {
-  std::size_t end = bytes.size();
-  if (end < 12) return end;
-  const bool big_endian = bytes.starts_with("RIFX");
-  walk_chunks(bytes, 12, big_endian, [&](std::size_t at, std::string_view content) {
-    constexpr std::string_view samples = "data";
-    if (bytes.substr(at, 4) == samples) return false;
-    const bool whole = content.size() == size_at(bytes, at + 4, big_endian);
-    if (!whole && content.find(samples) == std::string_view::npos) end = at;
-    return true;
-  });
-  return end;
-}
-
-/// Where the samples begin of a file whose recorder was stopped before it wrote how many there are:
-/// it says none, and what follows is no chunks.
-std::optional<std::size_t> samples_without_size(std::string_view bytes) {
-  std::optional<std::size_t> samples;
-  if (bytes.size() < 12) return samples;
-  const bool big_endian = bytes.starts_with("RIFX");
-  walk_chunks(bytes, 12, big_endian, [&](std::size_t at, std::string_view content) {
-    if (bytes.substr(at, 4) != "data") return true;
-    const std::size_t first = at + 8;
-    bool named = true;
-    const bool chunks =
-        walk_chunks(bytes, first, big_endian, [&](std::size_t next, std::string_view) {
-          named = named && std::ranges::all_of(bytes.substr(next, 4),
-                                               [](char c) { return c >= ' ' && c <= '~'; });
-          return named;
-        });
-    if (content.empty() && first < bytes.size() && !(chunks && named)) samples = first;
-    return false;
-  });
-  return samples;
-}
-
 /// What is wrong with a file's chunks that libsndfile passes over or does not name, as a sentence:
 /// it reads 24 bits in rows of 4 bytes as if they were packed, which gives other numbers, and says
-/// "internal error" of a rate of zero and of samples in two chunks. "" where there is nothing.
-std::string wrong_chunks(std::string_view bytes) {
-  std::string problem;
-  if (bytes.size() < 12) return problem;
-  const bool big_endian = bytes.starts_with("RIFX");
-  int data_chunks = 0;
-  walk_chunks(bytes, 12, big_endian, [&](std::size_t at, std::string_view content) {
-    if (bytes.substr(at, 4) == "data" && ++data_chunks > 1 && problem.empty())
-      problem = "the samples are in several chunks 'data', of which a file may have one: join them";
-    if (bytes.substr(at, 4) != "fmt " || content.size() < 16) return true;
-    const auto field = [&](std::size_t offset) {
-      const auto low = static_cast<unsigned char>(content[offset + (big_endian ? 1 : 0)]);
-      const auto high = static_cast<unsigned char>(content[offset + (big_endian ? 0 : 1)]);
-      return unsigned{low} + 256 * unsigned{high};
-    };
-    const unsigned code = field(0), channels = field(2), row = field(12), bits = field(14);
-    const bool is_plain = code == 1 || code == 3 || code == 0xFFFE;
-    if (is_plain && row != 0 && bits != 0 && row != channels * ((bits + 7) / 8))
-      problem = fmt::format(
-          "the header states {} bits a sample and {} channel{}, but rows of {} bytes: what fills "
-          "them is not told; save it as PCM of whole bytes",
-          bits, channels, channels == 1 ? "" : "s", row);
-    if (size_at(bytes, at + 12, big_endian) == 0)
-      problem = "the header states a sample rate of 0 Hz: its writer has to state it";
-    return true;
-  });
-  return problem;
+/// "internal error" of a rate of zero. "" where there is nothing.
+std::string wrong_chunks(const WaveChunks& chunks) {
+  if (chunks.data_chunks > 1)
+    return "the samples are in several chunks 'data', of which a file may have one: join them";
+  if (chunks.format.size() < 16) return "";
+  const auto field = [&](std::size_t offset) {
+    const auto low = static_cast<unsigned char>(chunks.format[offset + chunks.big_endian]);
+    const auto high = static_cast<unsigned char>(chunks.format[offset + !chunks.big_endian]);
+    return unsigned{low} + 256 * unsigned{high};
+  };
+  const unsigned code = field(0), channels = field(2), row = field(12), bits = field(14);
+  if (field(4) == 0 && field(6) == 0)
+    return "the header states a sample rate of 0 Hz: its writer has to state it";
+  const bool is_plain = code == 1 || code == 3 || code == 0xFFFE;
+  if (is_plain && row != 0 && bits != 0 && row != channels * ((bits + 7) / 8))
+    return fmt::format(
+        "the header states {} bits a sample and {} channel{}, but rows of {} bytes: what fills "
+        "them is not told; save it as PCM of whole bytes",
+        bits, channels, channels == 1 ? "" : "s", row);
+  return "";
 }
 
-/// libsndfile's view on the mapped bytes: it never sees the file system, nor damaged lists, nor
-/// samples that are not counted.
+/// libsndfile's view: an undamaged head and the file's samples. It never sees the file system, nor
+/// what is damaged.
 class SoundBytes {
  public:
   explicit SoundBytes(const MappedFile& file)
       : file_(file),
-        bytes_(file.bytes().substr(0, readable_end(file.bytes()))),
-        damaged_lists_(damaged_lists(bytes_)),
-        uncounted_(samples_without_size(bytes_)) {
-    for (const std::size_t list : damaged_lists_) mend(list, "JUNK");
-    if (!uncounted_) return;
-    const auto size =
-        static_cast<std::uint32_t>(std::min<std::size_t>(bytes_.size() - *uncounted_, 0xFFFFFFFE));
-    std::string counted(4, '\0');
-    for (std::size_t i = 0; i < 4; ++i)
-      counted[bytes_.starts_with("RIFX") ? 3 - i : i] = static_cast<char>(size >> 8 * i & 0xFF);
-    mend(*uncounted_ - 4, counted);
-  }
+        chunks_(wave_chunks(file.bytes())),
+        head_(undamaged_head(chunks_)) {}
 
-  const std::vector<std::size_t>& damaged() const { return damaged_lists_; }
+  const WaveChunks& chunks() const { return chunks_; }
 
-  /// How many bytes of samples the file has and does not count.
-  std::size_t uncounted() const { return uncounted_ ? bytes_.size() - *uncounted_ : 0; }
-
-  static sf_count_t length(void* self) {
-    return static_cast<sf_count_t>(static_cast<SoundBytes*>(self)->bytes_.size());
-  }
+  static sf_count_t length(void* self) { return static_cast<SoundBytes*>(self)->size(); }
 
   static sf_count_t seek(sf_count_t offset, int whence, void* self) {
     auto& sound = *static_cast<SoundBytes*>(self);
-    const auto size = static_cast<sf_count_t>(sound.bytes_.size());
     sf_count_t from = 0;
     if (whence == SEEK_CUR) from = sound.at_;
-    if (whence == SEEK_END) from = size;
-    // a position that a damaged header makes up may be anywhere
+    if (whence == SEEK_END) from = sound.size();
+    // a position that a damaged format makes up may be anywhere
     sf_count_t to = 0;
     if (__builtin_add_overflow(from, offset, &to) || to < 0) return -1;
-    sound.at_ = std::min(to, size);
+    sound.at_ = std::min(to, sound.size());
     return sound.at_;
   }
 
   static sf_count_t read(void* to, sf_count_t count, void* self) {
     auto& sound = *static_cast<SoundBytes*>(self);
-    const auto left = static_cast<sf_count_t>(sound.bytes_.size()) - sound.at_;
-    const sf_count_t there = std::clamp<sf_count_t>(count, 0, left);
+    const auto there =
+        static_cast<std::size_t>(std::clamp<sf_count_t>(count, 0, sound.size() - sound.at_));
+    const auto at = static_cast<std::size_t>(sound.at_);
+    const std::size_t of_head =
+        at < sound.head_.size() ? sound.head_.copy(static_cast<char*>(to), there, at) : 0;
     try {
-      sound.file_.copy(sound.at(), static_cast<std::size_t>(there), to);
+      if (there > of_head)
+        sound.file_.copy(sound.chunks_.samples + (at + of_head - sound.head_.size()),
+                         there - of_head, static_cast<char*>(to) + of_head);
     } catch (const datasets::FileError&) {
       return 0;  // libsndfile is C: no exception may pass it
     }
-    for (const Mended& mended : sound.mended_)
-      sound.show(mended, static_cast<char*>(to), static_cast<std::size_t>(there));
-    sound.at_ += there;
-    return there;
+    sound.at_ += static_cast<sf_count_t>(there);
+    return static_cast<sf_count_t>(there);
   }
 
   static sf_count_t write(const void*, sf_count_t, void*) { return 0; }
 
   static sf_count_t tell(void* self) { return static_cast<SoundBytes*>(self)->at_; }
 
-  std::size_t at() const { return static_cast<std::size_t>(at_); }
-
  private:
-  /// What is read of a place instead of what is there.
-  struct Mended {
-    std::size_t at;
-    std::string bytes;
-  };
-
-  void mend(std::size_t at, std::string_view bytes) { mended_.push_back({at, std::string(bytes)}); }
-
-  /// Writes it where it is among the bytes just copied.
-  void show(const Mended& mended, char* copied, std::size_t count) const {
-    for (std::size_t i = 0; i < mended.bytes.size(); ++i)
-      if (mended.at + i >= at() && mended.at + i < at() + count)
-        copied[mended.at + i - at()] = mended.bytes[i];
-  }
+  sf_count_t size() const { return static_cast<sf_count_t>(head_.size() + chunks_.sample_bytes); }
 
   const MappedFile& file_;
-  std::string_view bytes_;
-  std::vector<std::size_t> damaged_lists_;
-  std::optional<std::size_t> uncounted_;
-  std::vector<Mended> mended_;
+  WaveChunks chunks_;
+  std::string head_;
   sf_count_t at_ = 0;
 };
 
@@ -276,7 +157,7 @@ class WavReader final : public RecordingReader {
     if (!is_wave(file_.bytes()))
       throw InputError(file_.byte_position(0),
                        "expected 'RIFF', 'RIFX' or 'RF64' and 'WAVE' at byte 8");
-    if (const std::string problem = wrong_chunks(file_.bytes()); !problem.empty())
+    if (const std::string problem = wrong_chunks(bytes_.chunks()); !problem.empty())
       throw InputError(file_.byte_position(0), problem);
     SF_VIRTUAL_IO access{SoundBytes::length, SoundBytes::seek, SoundBytes::read, SoundBytes::write,
                          SoundBytes::tell};
@@ -307,14 +188,10 @@ class WavReader final : public RecordingReader {
     if (subtype != SF_FORMAT_PCM_16 && subtype != SF_FORMAT_PCM_32 && subtype != SF_FORMAT_FLOAT &&
         subtype != SF_FORMAT_DOUBLE)
       return std::nullopt;
-    if (head_.samples.empty() || sf_seek(sound_.get(), 0, SEEK_SET) != 0) return std::nullopt;
-    const std::uint64_t first = bytes_.at();  // where libsndfile goes on reading
-    const std::uint64_t size = file_.bytes().size();
+    if (head_.samples.empty()) return std::nullopt;
     const std::uint64_t row = size_of(kind()) * head_.samples.size();
-    if (first < 8 || first > size || file_.bytes().substr(first - 8, 4) != "data" ||
-        head_.samples.front() > (size - first) / row)
-      return std::nullopt;
-    return first;
+    if (head_.samples.front() > bytes_.chunks().sample_bytes / row) return std::nullopt;
+    return bytes_.chunks().samples;
   }
 
   NumberKind kind() const {
@@ -386,14 +263,13 @@ class WavReader final : public RecordingReader {
       if (date.find_first_of("123456789") != std::string::npos) record.started = date + "T" + time;
     }
     tell_cut();
-    if (bytes_.uncounted() > 0)
-      head_.record.warnings.push_back(fmt::format(
+    const WaveChunks& chunks = bytes_.chunks();
+    if (chunks.uncounted > 0)
+      record.warnings.push_back(fmt::format(
           "the header says that there are no samples, as of a recorder that was stopped: "
           "the {} bytes behind it are read as samples",
-          bytes_.uncounted()));
-    for (const std::size_t list : bytes_.damaged())
-      head_.record.warnings.push_back(fmt::format(
-          "the list at byte {} is damaged, its parts do not fit into it: it is left out", list));
+          chunks.uncounted));
+    record.warnings.insert(record.warnings.end(), chunks.warnings.begin(), chunks.warnings.end());
     const auto title = record.attributes.find("title");
     if (title != record.attributes.end()) record.title = title->second;
     const std::uint64_t frames = static_cast<std::uint64_t>(std::max<sf_count_t>(info_.frames, 0));

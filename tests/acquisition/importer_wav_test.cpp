@@ -206,5 +206,61 @@ TEST(Wav, AChunkThatIsLongerThanTheFileEndsIt) {
               testing::StartsWith("FILE (byte 0): libsndfile cannot read it: "));
 }
 
+// A chunk "INFO" of its own libsndfile 1.2.0 takes for a list, and reads this one for minutes;
+// found by fuzzing. The format is damaged as well.
+TEST_P(Wav, AListInAnothersPlaceDoesNotKeepTheReaderBusy) {
+  const std::string format = wav.number<std::uint16_t>(1) + wav.number<std::uint16_t>(2) +
+                             wav.number<std::uint32_t>(4154) + "LIST" +
+                             wav.number<std::uint32_t>(0x5E00);
+  const std::string body = "WAVE" + wav.chunk("fmt ", format) + "INFOIN" + std::string(85, '\xFF') +
+                           std::string("\0\x08\x04nam", 6) + wav.chunk("data", "\1\2\3\4");
+  const std::string bytes =
+      (GetParam() ? "RIFX" : "RIFF") + wav.number(static_cast<std::uint32_t>(body.size())) + body;
+  EXPECT_THAT(import_error(bytes, {}, ".wav"),
+              testing::StartsWith("FILE (byte 0): libsndfile cannot read it: "));
+}
+
+TEST_P(Wav, SamplesBehindADamagedChunkAreReadWithAWarning) {
+  wav.data = wav.numbers<std::int16_t>({16384, -16384});
+  for (const std::string& damaged :
+       std::vector<std::string>{"cue " + std::string(9, '\x7F'), "INFOIN" + std::string(11, '\xFF'),
+                                std::string(21, '\xFF'), std::string(20, '\0') + "\x01"}) {
+    wav.more_chunks = damaged;
+    const auto record = imported(wav.bytes());
+    EXPECT_THAT(record.channels.at(0).values(), ElementsAre(0.5, -0.5)) << damaged;
+    const std::string at = std::to_string(36 + damaged.size());
+    EXPECT_THAT(record.warnings, testing::Contains(testing::AllOf(
+                                     HasSubstr("is damaged: what follows the next word 'data', at "
+                                               "byte " +
+                                               at + ", is taken for the samples"))))
+        << damaged;
+  }
+}
+
+TEST_P(Wav, WhatFollowsTheSamplesIsReadAsFarAsItIsSound) {
+  wav.data = wav.numbers<std::int16_t>({16384, -16384});
+  const std::string title = wav.chunk("LIST", "INFO" + wav.chunk("INAM", "run 7"));
+  EXPECT_EQ(imported(wav.bytes() + title).title, "run 7");
+  const auto record = imported(wav.bytes() + title.substr(0, title.size() - 3));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(0.5, -0.5));
+  EXPECT_THAT(record.warnings,
+              ElementsAre("the list at byte 48 is damaged, its parts do not fit into it: it is "
+                          "left out",
+                          calibrate));
+}
+
+TEST(WavVariants, Rf64WhoseRecorderWasStoppedIsRead) {
+  WavFile wav;
+  wav.rf64 = true;
+  wav.data = wav.numbers<std::int16_t>({16384, -32768, 0, 8192});
+  wav.more_chunks = wav.chunk("LIST", "INFO" + wav.chunk("INAM", "run 7"));
+  std::string bytes = wav.bytes();
+  EXPECT_EQ(imported(bytes).title, "run 7");
+  bytes.replace(bytes.find("ds64") + 16, 8, 8, '\0');
+  const auto record = imported(bytes);
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(0.5, -1, 0, 0.25));
+  EXPECT_THAT(record.warnings.at(0), HasSubstr("the 8 bytes behind it are read as samples"));
+}
+
 }  // namespace
 }  // namespace impactrig::acquisition
