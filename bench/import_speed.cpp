@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How fast recordings are read, against a plain loop that reads the same file and converts its
-// numbers. One core, files in the page cache, both in one run, alternating.
+// numbers. One core, files in the page cache, both in one run, alternating. With --program also how
+// long that program's import to HDF5 takes by the clock, beside copying the file.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/os.h>
@@ -11,14 +12,17 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -298,9 +302,35 @@ struct Pair {
   double ours = std::numeric_limits<double>::infinity();
   double yardstick = std::numeric_limits<double>::infinity();
   double opening = std::numeric_limits<double>::infinity();
+  double import = std::numeric_limits<double>::infinity();  ///< by the clock, all threads
+  double copy = std::numeric_limits<double>::infinity();    ///< by the clock
 };
 
-Pair measure(const Format& format, const std::string& path, int rounds) {
+/// What a user waits for, start of the program included. [s]
+double import_seconds(const std::string& program, const std::string& path) {
+  const std::string output = path + ".imported.h5";
+  fs::remove(output);
+  const auto started = std::chrono::steady_clock::now();
+  const std::string command =
+      fmt::format("'{}' import '{}' -o '{}' --quiet > /dev/null 2>&1", program, path, output);
+  const int failed = std::system(command.c_str());
+  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - started;
+  fs::remove(output);
+  if (failed != 0) throw std::runtime_error(fmt::format("'{}' failed", command));
+  return passed.count();
+}
+
+double copy_seconds(const std::string& path) {
+  const std::string output = path + ".copy";
+  const auto started = std::chrono::steady_clock::now();
+  fs::copy_file(path, output);
+  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - started;
+  fs::remove(output);
+  return passed.count();
+}
+
+Pair measure(const Format& format, const std::string& path, int rounds,
+             const std::string& program) {
   Pair best;
   double kept = 0.0;
   const auto timed = [&kept](double& quickest, const auto& call) {
@@ -314,6 +344,9 @@ Pair measure(const Format& format, const std::string& path, int rounds) {
     timed(best.opening, [&] {
       return static_cast<double>(acquisition::open_recording(path)->head().samples.size());
     });
+    if (program.empty()) continue;
+    best.import = std::min(best.import, import_seconds(program, path));
+    best.copy = std::min(best.copy, copy_seconds(path));
   }
   volatile double used = kept;  // so that nothing is optimised away
   static_cast<void>(used);
@@ -328,32 +361,38 @@ int main(int count, char** arguments) {
   int rounds = 5;
   std::string output;
   std::string folder = fs::temp_directory_path();
+  std::string importer;
   std::vector<std::string> names;
   program.add_option("--megabytes", megabytes, "Size of each file")->capture_default_str();
   program.add_option("--rounds", rounds, "The quickest of so many counts")->capture_default_str();
   program.add_option("--folder", folder, "Where the files are made")->capture_default_str();
+  program.add_option("--program", importer, "Measures this program's import to HDF5 as well");
   program.add_option("-o,--output", output, "Figures (JSON)");
   program.add_option("format", names, "Formats; default: all");
   CLI11_PARSE(program, count, arguments);
 
   nlohmann::ordered_json table = nlohmann::ordered_json::array();
-  fmt::print("{:<12}{:>8}{:>12}{:>16}{:>8}{:>12}\n", "format", "MB", "ours MB/s", "yardstick MB/s",
-             "ratio", "opening ms");
+  fmt::print("{:<12}{:>8}{:>12}{:>16}{:>8}{:>12}{:>13}{:>11}\n", "format", "MB", "ours MB/s",
+             "yardstick MB/s", "ratio", "opening ms", "import MB/s", "copy MB/s");
   for (const Format& format : formats) {
     if (!names.empty() && std::ranges::find(names, format.name) == names.end()) continue;
     const std::string path = folder + "/impactrig_speed_" + format.name + format.ending;
     format.write(path, megabytes * 1000000);
     const double size = 1e-6 * static_cast<double>(fs::file_size(path));
-    const Pair best = measure(format, path, rounds);
+    const Pair best = measure(format, path, rounds, importer);
     fs::remove(path);
-    fmt::print("{:<12}{:>8.0f}{:>12.0f}{:>16.0f}{:>8.2f}{:>12.2f}\n", format.name, size,
-               size / best.ours, size / best.yardstick, best.yardstick / best.ours,
-               1e3 * best.opening);
+    fmt::print("{:<12}{:>8.0f}{:>12.0f}{:>16.0f}{:>8.2f}{:>12.2f}{:>13.0f}{:>11.0f}\n", format.name,
+               size, size / best.ours, size / best.yardstick, best.yardstick / best.ours,
+               1e3 * best.opening, size / best.import, size / best.copy);
     table.push_back({{"format", format.name},
                      {"megabytes", size},
                      {"megabytes_per_s", size / best.ours},
                      {"yardstick_megabytes_per_s", size / best.yardstick},
                      {"opening_s", best.opening}});
+    if (!importer.empty()) {
+      table.back()["import_megabytes_per_s"] = size / best.import;
+      table.back()["copy_megabytes_per_s"] = size / best.copy;
+    }
   }
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

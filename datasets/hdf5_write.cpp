@@ -96,7 +96,7 @@ void add_text_data(hid_t parent, const char* name, std::span<const std::string> 
   const Hdf5Handle properties = made(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   const std::array<hsize_t, 2> chunk{piece, columns};
   check(H5Pset_chunk(properties.id(), rank, chunk.data()));
-  check(H5Pset_deflate(properties.id(), 4));
+  check(H5Pset_deflate(properties.id(), 1));
   check(H5Pset_fletcher32(properties.id()));
   const Hdf5Handle type = hdf5_text_type(width);
   const Hdf5Handle space = made(H5Screate_simple(rank, shape.data(), nullptr), H5Sclose);

@@ -76,7 +76,7 @@ Hdf5Handle add_data(hid_t parent, const char* name, const std::vector<Number>& v
     const hsize_t chunk = std::min<hsize_t>(count, layout::chunk);
     check(H5Pset_chunk(properties.id(), 1, &chunk));
     check(H5Pset_shuffle(properties.id()));
-    check(H5Pset_deflate(properties.id(), 4));
+    check(H5Pset_deflate(properties.id(), 1));
     check(H5Pset_fletcher32(properties.id()));
   }
   Hdf5Handle data = made(H5Dcreate2(parent, name, hdf5_file_type(Number{}), space.id(), H5P_DEFAULT,

@@ -154,14 +154,15 @@ class RecordWriter::File {
       std::visit(
           [&](auto samples) {
             append_to(channel.samples, channel, "samples", samples);
+            if (valid.empty()) return channel.look.add(samples, imaginary);
             shown_.assign(samples.begin(), samples.end());
+            for (std::size_t i = 0; i < valid.size(); ++i)
+              if (valid[i] == 0) shown_[i] = std::numeric_limits<double>::quiet_NaN();
+            channel.look.add(std::span<const double>(shown_), imaginary);
           },
           raw);
       if (!imaginary.empty()) append_to(channel.imaginary, channel, "imaginary", imaginary);
       append_valid(channel, before, valid);
-      for (std::size_t i = 0; i < valid.size(); ++i)
-        if (valid[i] == 0) shown_[i] = std::numeric_limits<double>::quiet_NaN();
-      channel.look.add(shown_, imaginary);
     });
   }
 

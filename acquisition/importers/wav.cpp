@@ -27,6 +27,30 @@ namespace {
 /// Samples of all channels that are read at once.
 constexpr std::size_t block_samples = 65536;
 
+/// The name of a coding [RFC 2361] that libsndfile is not asked to read; "" of those that it is.
+std::string unread_coding(unsigned code) {
+  switch (code) {
+    case 0x0001:  // PCM
+    case 0x0003:  // floating point
+    case 0x0006:  // A-law
+    case 0x0007:  // u-law
+    case 0x0101:  // u-law of IBM
+    case 0x0102:  // A-law of IBM
+    case 0xFFFE:  // extensible
+      return "";
+    case 0x0002:
+      return "Microsoft ADPCM";
+    case 0x0011:
+      return "IMA ADPCM";
+    case 0x0031:
+      return "GSM 6.10";
+    case 0x0055:
+      return "MPEG layer 3";
+    default:
+      return fmt::format("0x{:04x}", code);
+  }
+}
+
 /// What is wrong with a file's chunks that libsndfile passes over or does not name, as a sentence:
 /// it reads 24 bits in rows of 4 bytes as if they were packed, which gives other numbers, and says
 /// "internal error" of a rate of zero. "" where there is nothing.
@@ -42,7 +66,14 @@ std::string wrong_chunks(const WaveChunks& chunks) {
   const unsigned code = field(0), channels = field(2), row = field(12), bits = field(14);
   if (field(4) == 0 && field(6) == 0)
     return "the header states a sample rate of 0 Hz: its writer has to state it";
-  const bool is_plain = code == 1 || code == 3 || code == 0xFFFE;
+  constexpr unsigned extensible = 0xFFFE;
+  const bool is_named_within = code == extensible && chunks.format.size() >= 26;
+  if (const std::string name = unread_coding(is_named_within ? field(24) : code); !name.empty())
+    return fmt::format(
+        "the samples are coded as {}, which loses what a measurement needs and is not read: save "
+        "it as PCM or floating point",
+        name);
+  const bool is_plain = code == 1 || code == 3 || code == extensible;
   if (is_plain && row != 0 && bits != 0 && row != channels * ((bits + 7) / 8))
     return fmt::format(
         "the header states {} bits a sample and {} channel{}, but rows of {} bytes: what fills "
@@ -143,14 +174,6 @@ std::optional<Coding> coding_of(int subtype) {
   }
 }
 
-std::string subtype_name(int subtype) {
-  SF_FORMAT_INFO info{};
-  info.format = subtype;
-  if (sf_command(nullptr, SFC_GET_FORMAT_INFO, &info, sizeof info) != 0 || info.name == nullptr)
-    return fmt::format("coding 0x{:x}", subtype);
-  return info.name;
-}
-
 class WavReader final : public RecordingReader {
  public:
   explicit WavReader(const std::string& path) : file_(path), bytes_(file_) {
@@ -169,9 +192,9 @@ class WavReader final : public RecordingReader {
     const auto coding = coding_of(subtype);
     if (!coding)
       throw InputError(file_.byte_position(0),
-                       fmt::format("the samples are coded as {}, which loses what a measurement "
-                                   "needs and is not read: save it as PCM or floating point",
-                                   subtype_name(subtype)));
+                       fmt::format("samples of coding 0x{:x} are not read: save it as PCM or "
+                                   "floating point",
+                                   subtype));
     coding_ = *coding;
     // floating point as it is, also beyond full scale
     sf_command(sound_.get(), SFC_SET_NORM_FLOAT, nullptr, SF_FALSE);

@@ -154,7 +154,14 @@ TEST(WavVariants, WhatIsNotReadSaysSo) {
   wav.format = 2;  // Microsoft ADPCM
   wav.bits = 4;
   wav.data = std::string(256, '\0');
-  EXPECT_THAT(import_error(wav.bytes()), HasSubstr("FILE (byte 0): "));
+  EXPECT_EQ(
+      import_error(wav.bytes()),
+      "FILE (byte 0): the samples are coded as Microsoft ADPCM, which loses what a measurement "
+      "needs and is not read: save it as PCM or floating point");
+  wav.format = 0xFFFE;
+  std::string extensible = wav.bytes();
+  extensible[extensible.find("fmt ") + 8 + 24] = 0x55;
+  EXPECT_THAT(import_error(extensible), HasSubstr("the samples are coded as MPEG layer 3, which"));
   ImportOptions options;
   options.format = "wav";
   EXPECT_EQ(import_error("some text", options),

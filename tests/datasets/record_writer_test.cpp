@@ -226,10 +226,10 @@ TEST(RecordWriter, TellsOfAFolderThatIsNotThere) {
 }
 
 TEST(QuicklookBuilder, KeepsAllSamplesWhileTheyAreFew) {
-  QuicklookBuilder look(10);
+  QuicklookBuilder look(12);
   const std::vector<double> values = {3.0, 1.0, 2.0, 5.0, 4.0};
-  look.add(values, {});
-  look.add(values, {});
+  look.add(std::span<const double>(values));
+  look.add(std::span<const double>(values));
   const auto points = look.points();
   ASSERT_EQ(points.size(), 10U);
   for (std::size_t i = 0; i < 10; ++i) {
@@ -247,11 +247,11 @@ TEST(QuicklookBuilder, KeepsExtremesHoweverTheSamplesCome) {
   values[5000] = 1e6;
   values[123456] = -1e6;
   QuicklookBuilder at_once(100);
-  at_once.add(values, {});
+  at_once.add(std::span<const double>(values));
   QuicklookBuilder in_pieces(100);
   for (std::size_t i = 0; i < values.size();) {
     const std::size_t count = std::min<std::size_t>(values.size() - i, 1 + random() % 3000);
-    in_pieces.add(std::span(values).subspan(i, count), {});
+    in_pieces.add(std::span<const double>(values).subspan(i, count));
     i += count;
   }
   const auto points = at_once.points();
@@ -271,9 +271,51 @@ TEST(QuicklookBuilder, KeepsExtremesHoweverTheSamplesCome) {
   EXPECT_EQ(highest, 1e6);
 }
 
+template <typename Number>
+void expect_same_points_of_numbers() {
+  std::mt19937 random(3);
+  std::vector<Number> numbers(54321);
+  for (Number& number : numbers)
+    number = static_cast<Number>(static_cast<int>(random() % 60001) - 30000);
+  numbers[7] = std::numeric_limits<Number>::lowest();
+  numbers[54000] = std::numeric_limits<Number>::max();
+  const std::vector<double> values(numbers.begin(), numbers.end());
+  QuicklookBuilder of_numbers(200);
+  of_numbers.add(std::span<const Number>(numbers).first(1001));
+  of_numbers.add(std::span<const Number>(numbers).subspan(1001));
+  // an independent way: bucket by bucket, with the standard library
+  const auto points = of_numbers.points();
+  std::uint64_t width = 1;
+  while (values.size() > width * 100) width *= 2;
+  std::vector<std::pair<std::uint64_t, double>> expected;
+  for (std::size_t first = 0; first < values.size(); first += width) {
+    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto end = values.begin() + static_cast<std::ptrdiff_t>(
+                                          std::min<std::size_t>(first + width, values.size()));
+    auto low = static_cast<std::uint64_t>(std::min_element(begin, end) - values.begin());
+    auto high = static_cast<std::uint64_t>(std::max_element(begin, end) - values.begin());
+    if (low > high) std::swap(low, high);
+    expected.emplace_back(low, values[low]);
+    if (low != high) expected.emplace_back(high, values[high]);
+  }
+  ASSERT_EQ(points.size(), expected.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(points[i].sample, expected[i].first);
+    EXPECT_EQ(points[i].value, expected[i].second);
+  }
+}
+
+TEST(QuicklookBuilder, KeepsExtremesOfEveryTypeOfNumber) {
+  expect_same_points_of_numbers<std::int16_t>();
+  expect_same_points_of_numbers<std::int32_t>();
+  expect_same_points_of_numbers<float>();
+  expect_same_points_of_numbers<double>();
+}
+
 TEST(QuicklookBuilder, OfSamplesThatAreNoneIsNotANumber) {
   QuicklookBuilder look(4);
-  look.add(std::vector<double>(100, std::numeric_limits<double>::quiet_NaN()), {});
+  const std::vector<double> none(100, std::numeric_limits<double>::quiet_NaN());
+  look.add(std::span<const double>(none));
   for (const auto& point : look.points()) EXPECT_TRUE(std::isnan(point.value));
 }
 
