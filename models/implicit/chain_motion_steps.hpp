@@ -190,6 +190,7 @@ class ChainMotion final : public BarMotion {
   std::unique_ptr<MotionSlope> follow(const RigEffect& effect, const Solver& solver,
                                       const HistoryRequest& history) override {
     if (rotation_ || friction_.acts() || effect.moves_friction()) return nullptr;
+    followed_ = true;
     return std::make_unique<ChainSlope<ChainMotion>>(*this, effect, solver, history);
   }
 
@@ -492,6 +493,7 @@ class ChainMotion final : public BarMotion {
   std::size_t next_factor_ = 0;
   Factor* factor_ = nullptr;
   bool slow_ = false;
+  bool followed_ = false;  // by a derivative
   bool in_contact_ = false;
   double tangent_angle_ = 0.0;
   bool turned_ = false;  // the bar, since the tangent was made; by how much at the stages
@@ -634,8 +636,8 @@ double ChainMotion<S, Chain, Hold>::error() const {
     across += chain_.inertia()[k] * (cosine * x + sine * u).square();
     along += chain_.inertia()[k] * (cosine * u - sine * x).square();
   });
-  const double left =
-      series_remainder<S>(across) + std::min(1.0, inclination) * series_remainder<S>(along);
+  const double left = end_remainder<S>(across, followed_) +
+                      std::min(1.0, inclination) * end_remainder<S>(along, followed_);
   const double motion = h_ * weight_of_step(h_ / contact_time_) * left / speed_scale_;
   double rate = 0.0;
   if (in_contact_ && damping_ > 0.0) {

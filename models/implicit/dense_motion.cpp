@@ -23,10 +23,8 @@ namespace {
 constexpr double newton_share = 0.01;
 constexpr int kept_factors = 6;
 
-/// S: stages of the method, an even number. Unknown are the accelerations a of the stages; they are
-/// those the bar has there, a = f(q, q̇, F), and Newton's method takes the derivatives of f from
-/// differences.
-template <int S>
+/// Unknown are the accelerations a of the stages; they are those the bar has there, a = f(q, q̇, F),
+/// and Newton's method takes the derivatives of f from differences.
 class DenseMotion final : public BarMotion {
  public:
   DenseMotion(const Rig& rig, const Solver& solver, const HistoryRequest& history)
@@ -43,7 +41,7 @@ class DenseMotion final : public BarMotion {
         friction_(rig.hinge.friction),
         rotation_(rig.hinge.rotation),
         newton_(newton_share * accuracy_) {
-    q_ = v_ = end_q_ = end_v_ = scratch_ = here_ = there_ = moved_ = at_q_ = at_v_ =
+    q_ = v_ = end_q_ = end_v_ = scratch_ = here_ = there_ = moved_ = at_q_ = at_v_ = series_term_ =
         Vector::Zero(n_);
     a_ = previous_ = whole_ = stage_q_ = stage_v_ = residual_ = change_ = Stages::Zero(n_, S);
     projected_ = solved_ = Eigen::VectorXcd::Zero(n_);
@@ -142,6 +140,7 @@ class DenseMotion final : public BarMotion {
   PointMotion struck_at_end(int stop) const override { return point_before(stop, end_q_, end_v_); }
 
   double error() const override;
+
   PointMotion struck_at(int stop, double part, double* acceleration) override;
   void sample(double first, double spacing, std::span<Sample> samples) override;
 
@@ -150,6 +149,7 @@ class DenseMotion final : public BarMotion {
   std::unique_ptr<MotionSlope> follow(const RigEffect& effect, const Solver& solver,
                                       const HistoryRequest& history) override {
     if (rotation_ || friction_.acts() || effect.moves_friction()) return nullptr;
+    followed_ = true;
     return std::make_unique<DenseSlope<DenseMotion>>(*this, effect, solver, history);
   }
 
@@ -166,6 +166,7 @@ class DenseMotion final : public BarMotion {
 
  private:
   friend class DenseSlope<DenseMotion>;
+  static constexpr int S = 8;  // stages of the method
   static constexpr int stages = S;
   using Vector = Eigen::VectorXd;
   using Matrix = Eigen::MatrixXd;
@@ -353,11 +354,12 @@ class DenseMotion final : public BarMotion {
   Factor* factor_ = nullptr;
   NewtonProgress newton_;
   double excess_ = 1.0;
+  bool followed_ = false;       // by a derivative
+  mutable Vector series_term_;  // scratch of error()
 };
 
 /// By differences over a small part of what the motion does while a contact sinks in.
-template <int S>
-void DenseMotion<S>::renew_tangent() {
+void DenseMotion::renew_tangent() {
   constexpr double part = 1e-4;
   beam_.acceleration(q_, v_, 0.0, here_);
   for (int k = 0; k < stops(); ++k) {
@@ -385,8 +387,7 @@ void DenseMotion<S>::renew_tangent() {
   for (Factor& factor : factors_) factor.h = 0.0;
 }
 
-template <int S>
-void DenseMotion<S>::make_factor(Factor& factor) {
+void DenseMotion::make_factor(Factor& factor) {
   factor.h = h_;
   for (int j = 0; j < pairs; ++j) {
     const std::complex<double> z = h_ * stages_.eigenvalues[j];
@@ -398,8 +399,7 @@ void DenseMotion<S>::make_factor(Factor& factor) {
 }
 
 /// All points to a unit force of a stop.
-template <int S>
-void DenseMotion<S>::respond_to(int stop, Factor& factor) {
+void DenseMotion::respond_to(int stop, Factor& factor) {
   auto& pressed = factor.pressed[static_cast<std::size_t>(stop)];
   for (int j = 0; j < pairs; ++j) {
     projected_ = by_force_.col(stop).template cast<std::complex<double>>();
@@ -424,8 +424,7 @@ void DenseMotion<S>::respond_to(int stop, Factor& factor) {
 }
 
 /// By what Newton's method takes off the accelerations.
-template <int S>
-void DenseMotion<S>::correct(const Stages& residual, Stages& change) {
+void DenseMotion::correct(const Stages& residual, Stages& change) {
   change.setZero(n_, S);
   for (int j = 0; j < pairs; ++j) {
     projected_.setZero();
@@ -438,8 +437,7 @@ void DenseMotion<S>::correct(const Stages& residual, Stages& change) {
 }
 
 /// Adds the accelerations that a change of a stop's force makes.
-template <int S>
-void DenseMotion<S>::add_response(std::size_t stop, const NodeVector& change, Stages& to) {
+void DenseMotion::add_response(std::size_t stop, const NodeVector& change, Stages& to) {
   const Eigen::Matrix<double, pairs, 1> re = stages_.into_re * change;
   const Eigen::Matrix<double, pairs, 1> im = stages_.into_im * change;
   for (int j = 0; j < pairs; ++j) {
@@ -448,8 +446,7 @@ void DenseMotion<S>::add_response(std::size_t stop, const NodeVector& change, St
   }
 }
 
-template <int S>
-bool DenseMotion<S>::improve(std::span<StopStep> stops) {
+bool DenseMotion::improve(std::span<StopStep> stops) {
   place_stages();
   for (int i = 0; i < S; ++i) {
     if (rotation_) turn_hinge(stages_.rule.points()[i]);
@@ -471,16 +468,14 @@ bool DenseMotion<S>::improve(std::span<StopStep> stops) {
   return newton_.improved(excess_ * size_of(change_), excess_ * rounding());
 }
 
-template <int S>
-void DenseMotion<S>::press(std::span<const StopStep> stops) {
+void DenseMotion::press(std::span<const StopStep> stops) {
   change_.setZero();
   for (std::size_t k = 0; k < stops.size(); ++k) add_response(k, stops[k].change, change_);
   a_ += change_;
   newton_.pressed(excess_ * size_of(change_));
 }
 
-template <int S>
-void DenseMotion<S>::finish(std::span<const StopStep> stops) {
+void DenseMotion::finish(std::span<const StopStep> stops) {
   place_stages();
   end_q_ = stage_q_.col(S - 1);
   end_v_ = stage_v_.col(S - 1);
@@ -501,8 +496,7 @@ void DenseMotion<S>::finish(std::span<const StopStep> stops) {
 }
 
 /// The work of what turns the hinge; the step ends at the hinge's very angle and rate.
-template <int S>
-void DenseMotion<S>::look_at_rotation(std::span<const StopStep> stops) {
+void DenseMotion::look_at_rotation(std::span<const StopStep> stops) {
   driven_ = 0.0;
   for (int i = 0; i < S; ++i) {
     turn_hinge(stages_.rule.points()[i]);
@@ -515,8 +509,7 @@ void DenseMotion<S>::look_at_rotation(std::span<const StopStep> stops) {
 }
 
 /// At the stages of the solved step, and what friction took.
-template <int S>
-void DenseMotion<S>::look_at_hinge(std::span<const StopStep> stops) {
+void DenseMotion::look_at_hinge(std::span<const StopStep> stops) {
   for (int i = 0; i < S; ++i) {
     if (friction_.sticks()) {
       accelerate(stops, i);
@@ -528,13 +521,16 @@ void DenseMotion<S>::look_at_hinge(std::span<const StopStep> stops) {
   }
 }
 
-template <int S>
-double DenseMotion<S>::error() const {
-  Series squares = Series::Zero();
-  for (int k = 0; k < n_; ++k)
-    squares += inertia_[k] * (to_series_ * a_.row(k).transpose()).cwiseAbs2();
-  const double motion =
-      h_ * weight_of_step(h_ / contact_time_) * series_remainder<S>(squares.array()) / speed_scale_;
+/// The terms of the accelerations' series count by the energy they would have as speeds: of a bar
+/// that moves fast, the frame's turn and the modes nearly cancel.
+double DenseMotion::error() const {
+  Series squares;
+  for (int i = 0; i < S; ++i) {
+    series_term_.noalias() = a_ * to_series_.row(i).transpose();
+    squares[i] = 2.0 * beam_.energy(q_, series_term_).kinetic;
+  }
+  const double motion = h_ * weight_of_step(h_ / contact_time_) *
+                        end_remainder<S>(squares.array(), followed_) / speed_scale_;
   double rate = 0.0;
   if (pressed_ && damping_ > 0.0) {
     const Series struck = to_series_ * (a_.transpose() * to_point_.col(0));
@@ -545,8 +541,7 @@ double DenseMotion<S>::error() const {
   return std::max({motion, rate, loss.error(0.5 * speed_scale_ * speed_scale_, accuracy_)});
 }
 
-template <int S>
-PointMotion DenseMotion<S>::struck_at(int stop, double part, double* acceleration) {
+PointMotion DenseMotion::struck_at(int stop, double part, double* acceleration) {
   move_to(part);
   if (acceleration) {
     acceleration_there();
@@ -561,8 +556,7 @@ PointMotion DenseMotion<S>::struck_at(int stop, double part, double* acceleratio
   return point_before(stop, at_q_, at_v_);
 }
 
-template <int S>
-void DenseMotion<S>::sample(double first, double spacing, std::span<Sample> samples) {
+void DenseMotion::sample(double first, double spacing, std::span<Sample> samples) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double part = first + static_cast<double>(i) * spacing;
     if (part > 0.0) {
@@ -585,8 +579,7 @@ void DenseMotion<S>::sample(double first, double spacing, std::span<Sample> samp
 
 std::unique_ptr<BarMotion> make_dense_motion(const Rig& rig, const Solver& solver,
                                              const HistoryRequest& history) {
-  if (solver.accuracy > 5e-6) return std::make_unique<DenseMotion<4>>(rig, solver, history);
-  return std::make_unique<DenseMotion<8>>(rig, solver, history);
+  return std::make_unique<DenseMotion>(rig, solver, history);
 }
 
 }  // namespace impactrig::models

@@ -15,13 +15,21 @@ inline double total(const BeamEnergy& energy) {
 }
 
 /// What a Legendre series of S terms leaves out, from the squares of its terms: its last pair, less
-/// where the pair before was much larger. The end of a Radau step, of nearly twice the order, does
-/// better.
+/// where the pair before was much larger, as much as the pairs that follow would be.
 template <int S>
-double series_remainder(const Eigen::Array<double, S, 1>& squares) {
+double series_remainder(const Eigen::Array<double, S, 1>& squares, int pairs_further = 1) {
   const double last = std::sqrt(squares[S - 1] + squares[S - 2]);
   const double before = std::sqrt(squares[S - 3] + squares[S - 4]);
-  return last * std::min(1.0, 3.0 * last / std::max(before, 1e-300));
+  const double ratio = std::min(1.0, 3.0 * last / std::max(before, 1e-300));
+  return last * std::pow(ratio, pairs_further);
+}
+
+/// What is wrong at the end of a Radau step of S stages, of order 2 S - 1: what its series would
+/// have left with nearly twice its terms. Derivatives of the motion are less smooth than it is, and
+/// where they are `followed` their errors count by themselves: then the series as it is.
+template <int S>
+double end_remainder(const Eigen::Array<double, S, 1>& squares, bool followed) {
+  return series_remainder<S>(squares, followed ? 1 : S / 2 - 1);
 }
 
 /// How much an error of speed in a step counts that is this part of the contact's time: as the way
