@@ -154,7 +154,7 @@ TEST(TimeLoop, OfSeveralStopsAllocatesNothingButEpisodes) {
   exact.exact = true;
   for (const auto& [solver, options] : {std::pair{ancf(14, 2, 1e-4, 0.0), small},
                                         {ancf(7, 1, 1e-4, 0.0), exact},
-                                        {hybrid(Basis::pinned_free, 5, 1e-4, 0.0), exact}}) {
+                                        {hybrid(Basis::pinned_free, 5, 1e-9, 0.0), exact}}) {
     const Rig rig = held_rig();
     count(rig, solver, 3e-4, options);
     Solver shorter = solver, longer = solver;
