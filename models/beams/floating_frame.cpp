@@ -35,9 +35,6 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
       mass_(size(), size()),
       rhs_(size()),
       coupled_(modes),
-      coupled_rate_(modes),
-      column_x_(size()),
-      column_y_(size()),
       hinge_turns_(size()),
       factor_(size()) {
   const double wave_speed_squared = rig.beam.youngs_modulus / rig.beam.density;
@@ -54,35 +51,67 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
     rotary_.col(0).tail(bending_) = rotary.col(0).tail(bending_);
     rotary_.bottomRightCorner(bending_, bending_) = rotary.bottomRightCorner(bending_, bending_);
   }
-  for (const AssumedModes::Place& place : modes_.places(20 + 4 * std::max(modes, axial_modes))) {
-    Station station = section_at(place.x);
-    station.mass = place.mass;
-    station.pull = place.width * place.below;
-    stations_.push_back(std::move(station));
-  }
-  bar_stations_ = stations_.size();
-  for (const LumpedMass& lump : rig.beam.masses) {
-    stations_.push_back(section_at(lump.position));
-    stations_.back().mass = lump.mass;
-  }
+  set_stations(modes_.places(20 + 4 * std::max(modes, axial_modes)), rig.beam.masses);
   struck_ = section_at(rig.contact.position);
 }
 
+void FloatingFrameBeam::set_stations(const std::vector<AssumedModes::Place>& places,
+                                     const std::vector<LumpedMass>& masses) {
+  Stations& all = stations_;
+  all.of_bar = static_cast<Eigen::Index>(places.size());
+  all.size = all.of_bar + static_cast<Eigen::Index>(masses.size());
+  all.x = all.mass = all.pull = Eigen::VectorXd::Zero(all.size);
+  Eigen::Index i = 0;
+  for (const AssumedModes::Place& place : places) {
+    all.x[i] = place.x;
+    all.mass[i] = place.mass;
+    all.pull[i++] = place.width * place.below;
+  }
+  for (const LumpedMass& lump : masses) {
+    all.x[i] = lump.position;
+    all.mass[i++] = lump.mass;
+  }
+  all.axial.resize(all.size, axial_);
+  all.bending.resize(all.size, bending_);
+  for (i = 0; i < all.size; ++i) {
+    const Station section = section_at(all.x[i]);
+    all.axial.row(i) = section.axial;
+    all.bending.row(i) = section.bending;
+  }
+  root_mass_ = all.mass.cwiseSqrt();
+  axial_by_root_ = root_mass_.asDiagonal() * all.axial;
+  const Eigen::MatrixXd bending_by_root = root_mass_.asDiagonal() * all.bending;
+  lasting_mass_ = rotary_;
+  lasting_mass_.block(1, 1, axial_, axial_) += axial_by_root_.transpose() * axial_by_root_;
+  lasting_mass_.bottomRightCorner(bending_, bending_) +=
+      bending_by_root.transpose() * bending_by_root;
+  motions_.coupled = motions_.coupled_rate = coupled_by_root_ =
+      Eigen::MatrixXd::Zero(all.size, bending_);
+  motions_.x = motions_.y = motions_.x_rate = motions_.y_rate = force_x_ = force_y_ =
+      Eigen::VectorXd::Zero(all.size);
+}
+
 void FloatingFrameBeam::couple() const {
+  stations_.coupling.resize(bending_ * stations_.size, bending_);
   Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(bending_, bending_);
   double reached = 0.0;
-  for (std::size_t i = 0; i < bar_stations_; ++i) {
-    add_coupling(reached, stations_[i].x, 1, coupling);
-    reached = stations_[i].x;
-    stations_[i].coupling = coupling;
+  for (Eigen::Index i = 0; i < stations_.of_bar; ++i) {
+    add_coupling(reached, stations_.x[i], 1, coupling);
+    reached = stations_.x[i];
+    set_coupling(i, coupling);
   }
-  for (std::size_t i = bar_stations_; i < stations_.size(); ++i)
-    stations_[i].coupling = station_at(stations_[i].x).coupling;
+  for (Eigen::Index i = stations_.of_bar; i < stations_.size; ++i)
+    set_coupling(i, station_at(stations_.x[i]).coupling);
   struck_ = station_at(struck_.x);
   coupled_ready_ = true;
 }
 
-const std::vector<FloatingFrameBeam::Station>& FloatingFrameBeam::stations() const {
+void FloatingFrameBeam::set_coupling(Eigen::Index station, const Eigen::MatrixXd& coupling) const {
+  for (int k = 0; k < bending_; ++k)
+    stations_.coupling.row(k * stations_.size + station) = coupling.row(k);
+}
+
+const FloatingFrameBeam::Stations& FloatingFrameBeam::stations() const {
   if (!coupled_ready_) couple();
   return stations_;
 }
@@ -138,13 +167,30 @@ FloatingFrameBeam::InFrame FloatingFrameBeam::in_frame(const Station& station, C
           .y_rate = station.bending.dot(v.tail(bending_))};
 }
 
+const FloatingFrameBeam::Motions& FloatingFrameBeam::all_in_frame(ConstVector q,
+                                                                  ConstVector v) const {
+  const Stations& all = stations();
+  const auto a = q.segment(1, axial_);
+  const auto b = q.tail(bending_);
+  const auto a_rate = v.segment(1, axial_);
+  const auto b_rate = v.tail(bending_);
+  motions_.coupled.reshaped().noalias() = all.coupling * b;
+  motions_.x = all.x;
+  motions_.x.noalias() += all.axial * a;
+  motions_.x.noalias() -= 0.5 * motions_.coupled * b;
+  motions_.y.noalias() = all.bending * b;
+  motions_.x_rate.noalias() = all.axial * a_rate;
+  motions_.x_rate.noalias() -= motions_.coupled * b_rate;
+  motions_.y_rate.noalias() = all.bending * b_rate;
+  return motions_;
+}
+
 Eigen::VectorXd FloatingFrameBeam::inertia_diagonal() const {
   Eigen::VectorXd diagonal = Eigen::VectorXd::Ones(size());
   diagonal[0] = inertia_;
-  for (std::size_t i = bar_stations_; i < stations_.size(); ++i) {
-    const Station& lump = stations_[i];
-    diagonal.segment(1, axial_) += lump.mass * lump.axial.cwiseAbs2();
-    diagonal.tail(bending_) += lump.mass * lump.bending.cwiseAbs2();
+  for (Eigen::Index i = stations_.of_bar; i < stations_.size; ++i) {
+    diagonal.segment(1, axial_) += stations_.mass[i] * stations_.axial.row(i).cwiseAbs2();
+    diagonal.tail(bending_) += stations_.mass[i] * stations_.bending.row(i).cwiseAbs2();
   }
   return diagonal;
 }
@@ -163,11 +209,9 @@ void FloatingFrameBeam::set_steady_motion(double angle, double rate, VectorRef q
   if (axial_ == 0) return;
   const double pull = gravity_ * std::cos(angle) + gravity_across_ * std::sin(angle);
   Eigen::MatrixXd stiffness = stiffness_.segment(1, axial_).asDiagonal();
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(axial_);
-  for (const Station& s : stations_) {
-    stiffness -= rate * rate * s.mass * s.axial * s.axial.transpose();
-    force += s.mass * (pull + rate * rate * s.x) * s.axial;
-  }
+  stiffness -= rate * rate * (axial_by_root_.transpose() * axial_by_root_);
+  const Eigen::VectorXd pulls = stations_.mass.array() * (pull + rate * rate * stations_.x.array());
+  const Eigen::VectorXd force = stations_.axial.transpose() * pulls;
   const Eigen::LLT<Eigen::MatrixXd> factor(stiffness);
   if (factor.info() != Eigen::Success) return;
   q.segment(1, axial_) = factor.solve(force);
@@ -188,52 +232,60 @@ void FloatingFrameBeam::add_contact_force(const Station& station, ConstVector q,
   rhs_.tail(bending_) += force * (cosine * station.bending - sine * coupled_);
 }
 
+/// Its lower half: of each station its mass times the squares of what moves it along [-y, S1, -H b]
+/// and across [x, 0, S2] the frame.
+void FloatingFrameBeam::set_mass(const Motions& p) {
+  const Stations& all = stations_;
+  mass_ = lasting_mass_;
+  along_ = all.mass.cwiseProduct(p.x);
+  across_ = all.mass.cwiseProduct(p.y);
+  mass_(0, 0) += along_.dot(p.x) + across_.dot(p.y);
+  mass_.col(0).segment(1, axial_).noalias() -= all.axial.transpose() * across_;
+  mass_.col(0).tail(bending_).noalias() += all.bending.transpose() * along_;
+  mass_.col(0).tail(bending_).noalias() += p.coupled.transpose() * across_;
+  coupled_by_root_ = root_mass_.asDiagonal() * p.coupled;
+  mass_.block(1 + axial_, 1, bending_, axial_).noalias() -=
+      coupled_by_root_.transpose() * axial_by_root_;
+  mass_.bottomRightCorner(bending_, bending_)
+      .selfadjointView<Eigen::Lower>()
+      .rankUpdate(coupled_by_root_.transpose());
+}
+
 void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, std::span<const double> forces,
                                      VectorRef a) {
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
   const double spin = v[0];
-  const auto axial = q.segment(1, axial_);
-  const auto bending = q.tail(bending_);
-  const auto axial_rate = v.segment(1, axial_);
   const auto bending_rate = v.tail(bending_);
 
   const double gravity_x = gravity_ * cosine - gravity_across_ * sine;  // in the frame
   const double gravity_y = -gravity_ * sine - gravity_across_ * cosine;
-  mass_.setZero();
   rhs_ = -stiffness_.cwiseProduct(q);
   if (damping_.stiffness != 0.0) rhs_ -= damping_.stiffness * stiffness_.cwiseProduct(v);
   if (hinge_ != Hinge{})
     rhs_ -= (hinge_.spring * hinge_row_.dot(q) + hinge_.viscous * hinge_row_.dot(v)) * hinge_row_;
   if (drive_.moment != 0.0) rhs_ -= drive_.moment * hinge_row_;
-  for (const Station& s : stations()) {
-    coupled_.noalias() = s.coupling * bending;
-    const double x = s.x + s.axial.dot(axial) - 0.5 * bending.dot(coupled_);
-    const double y = s.bending.dot(bending);
-    const double x_rate = s.axial.dot(axial_rate) - coupled_.dot(bending_rate);
-    const double y_rate = s.bending.dot(bending_rate);
-    column_x_[0] = -y;
-    column_y_[0] = x;
-    column_x_.segment(1, axial_) = s.axial;
-    column_y_.segment(1, axial_).setZero();
-    column_x_.tail(bending_) = -coupled_;
-    column_y_.tail(bending_) = s.bending;
-    // b of (6) in the frame, and gravity.
-    coupled_rate_.noalias() = s.coupling * bending_rate;
-    const double force_x =
-        spin * spin * x + 2.0 * spin * y_rate + bending_rate.dot(coupled_rate_) + gravity_x;
-    const double force_y = spin * spin * y - 2.0 * spin * x_rate + gravity_y;
-    mass_.selfadjointView<Eigen::Lower>().rankUpdate(column_x_, s.mass);
-    mass_.selfadjointView<Eigen::Lower>().rankUpdate(column_y_, s.mass);
-    rhs_ += s.mass * (force_x * column_x_ + force_y * column_y_);
-  }
+
+  const Stations& all = stations();
+  const Motions& p = all_in_frame(q, v);
+  // b of (6) in the frame, and gravity.
+  motions_.coupled_rate.reshaped().noalias() = all.coupling * bending_rate;
+  force_x_.noalias() = motions_.coupled_rate * bending_rate;
+  force_x_.array() = all.mass.array() * (force_x_.array() + spin * spin * p.x.array() +
+                                         2.0 * spin * p.y_rate.array() + gravity_x);
+  force_y_.array() =
+      all.mass.array() * (spin * spin * p.y.array() - 2.0 * spin * p.x_rate.array() + gravity_y);
+  rhs_[0] += force_y_.dot(p.x) - force_x_.dot(p.y);
+  rhs_.segment(1, axial_).noalias() += all.axial.transpose() * force_x_;
+  rhs_.tail(bending_).noalias() += all.bending.transpose() * force_y_;
+  rhs_.tail(bending_).noalias() -= p.coupled.transpose() * force_x_;
+  set_mass(p);
   if (forces[0] != 0.0) add_contact_force(struck(), q, forces[0]);
   for (std::size_t i = 1; i < forces.size(); ++i) {
     const FurtherStop& stop = further_stops_[i - 1];
     if (forces[i] != 0.0)
       add_contact_force(cached_station(stop.contact.position), q, stop.direction() * forces[i]);
   }
-  if (timoshenko_) mass_ += rotary_;
   factor_.compute(mass_);
   a = rhs_;
   factor_.solveInPlace(a);
@@ -317,25 +369,23 @@ SmallMotion FloatingFrameBeam::small_motion() const {
   motion.stiffness.diagonal().tail(bending_) = stiffness_.tail(bending_);
   motion.mass.row(0).tail(bending_) = rotary_.row(0).tail(bending_);
   motion.mass.col(0).tail(bending_) = rotary_.col(0).tail(bending_);
-  for (std::size_t i = 0; i < stations_.size(); ++i) {
-    const Station& s = stations_[i];
-    const Eigen::VectorXd moment = s.mass * s.x * s.bending;
-    motion.mass.row(0).tail(bending_) += moment;
-    motion.mass.col(0).tail(bending_) += moment;
-    motion.gravity(0, 0) += s.mass * gravity_ * s.x;
-    motion.gravity.row(0).tail(bending_) += s.mass * gravity_ * s.bending;
-    motion.gravity.col(0).tail(bending_) += s.mass * gravity_ * s.bending;
-    if (i >= bar_stations_) {  // m S2ᵀ S2 and m g H of a lumped mass
-      motion.mass.bottomRightCorner(bending_, bending_) +=
-          s.mass * s.bending * s.bending.transpose();
-      motion.gravity.bottomRightCorner(bending_, bending_) +=
-          s.mass * gravity_ * station_at(s.x).coupling;
-      continue;
-    }
+  const Stations& all = stations_;
+  const Eigen::VectorXd moment = all.bending.transpose() * all.mass.cwiseProduct(all.x);
+  motion.mass.row(0).tail(bending_) += moment;
+  motion.mass.col(0).tail(bending_) += moment;
+  motion.gravity(0, 0) = gravity_ * all.mass.dot(all.x);
+  motion.gravity.col(0).tail(bending_) = gravity_ * (all.bending.transpose() * all.mass);
+  motion.gravity.row(0).tail(bending_) = motion.gravity.col(0).tail(bending_);
+  auto bent_mass = motion.mass.bottomRightCorner(bending_, bending_);
+  auto bent_gravity = motion.gravity.bottomRightCorner(bending_, bending_);
+  for (Eigen::Index i = 0; i < all.of_bar; ++i) {
     // ∫ ρA g H dx = ∫ m g S2'ᵀ S2' dx, m the mass of the bar below
-    const Eigen::VectorXd slopes = modes_.slope(s.x);
-    motion.gravity.bottomRightCorner(bending_, bending_) +=
-        s.pull * gravity_ * slopes * slopes.transpose();
+    const Eigen::VectorXd slopes = modes_.slope(all.x[i]);
+    bent_gravity += all.pull[i] * gravity_ * slopes * slopes.transpose();
+  }
+  for (Eigen::Index i = all.of_bar; i < all.size; ++i) {  // m S2ᵀ S2 and m g H of a lumped mass
+    bent_mass += all.mass[i] * all.bending.row(i).transpose() * all.bending.row(i);
+    bent_gravity += all.mass[i] * gravity_ * station_at(all.x[i]).coupling;
   }
   return motion;
 }
@@ -362,14 +412,15 @@ BeamEnergy FloatingFrameBeam::energy(ConstVector q, ConstVector v) const {
   if (timoshenko_) energy.kinetic = 0.5 * v.dot(rotary_ * v);
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
-  for (const Station& s : stations()) {
-    const InFrame p = in_frame(s, q, v);
-    const double u = p.x_rate - v[0] * p.y;
-    const double w = p.y_rate + v[0] * p.x;
-    energy.kinetic += 0.5 * s.mass * (u * u + w * w);
-    energy.gravitational += s.mass * (gravity_ * (s.x - (cosine * p.x - sine * p.y)) +
-                                      gravity_across_ * (sine * p.x + cosine * p.y));
-  }
+  const Stations& all = stations();
+  const Motions& p = all_in_frame(q, v);
+  energy.kinetic += 0.5 * (all.mass.array() * ((p.x_rate - v[0] * p.y).array().square() +
+                                               (p.y_rate + v[0] * p.x).array().square()))
+                              .sum();
+  energy.gravitational = (all.mass.array() * (gravity_ * (all.x - (cosine * p.x - sine * p.y)) +
+                                              gravity_across_ * (sine * p.x + cosine * p.y))
+                                                 .array())
+                             .sum();
   return energy;
 }
 
@@ -378,14 +429,14 @@ RigidPart FloatingFrameBeam::rigid_part(ConstVector q, ConstVector v) const {
   if (timoshenko_) rigid = {.angle = -rotary_.row(0).dot(q), .rate = -rotary_.row(0).dot(v)};
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
-  rigid.along = 0.0;
-  for (const Station& s : stations()) {
-    const InFrame p = in_frame(s, q, v);
-    rigid.along += s.mass * s.x * (cosine * p.x - sine * p.y);
-    rigid.angle -= s.mass * s.x * (sine * p.x + cosine * p.y);
-    const double moment = p.x * (p.y_rate + v[0] * p.x) - p.y * (p.x_rate - v[0] * p.y);
-    rigid.rate -= s.mass * moment;
-  }
+  const Stations& all = stations();
+  const Motions& p = all_in_frame(q, v);
+  const auto first_moment = all.mass.cwiseProduct(all.x).array();
+  rigid.along = (first_moment * (cosine * p.x - sine * p.y).array()).sum();
+  rigid.angle -= (first_moment * (sine * p.x + cosine * p.y).array()).sum();
+  rigid.rate -= (all.mass.array() * (p.x.array() * (p.y_rate + v[0] * p.x).array() -
+                                     p.y.array() * (p.x_rate - v[0] * p.y).array()))
+                    .sum();
   rigid.along /= inertia_;
   rigid.angle /= inertia_;
   rigid.rate /= inertia_;

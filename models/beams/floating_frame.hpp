@@ -90,11 +90,26 @@ class FloatingFrameBeam : public BeamDynamics {
   /// A cross-section: its place, shape functions and coupling matrix.
   struct Station {
     double x = 0.0;
-    double mass = 0.0;         // quadrature weight times ρA, or a lumped mass [kg]
-    double pull = 0.0;         // quadrature weight times the mass below; of the bar alone [kg m]
     Eigen::VectorXd axial;     // S1 (n_axial)
     Eigen::VectorXd bending;   // S2 (n_bending)
     Eigen::MatrixXd coupling;  // H (n_bending, n_bending)
+  };
+
+  /// Quadrature over the bar, then its lumped masses: a row or an entry for each of `size`.
+  struct Stations {
+    Eigen::Index size = 0, of_bar = 0;
+    Eigen::VectorXd x;
+    Eigen::VectorXd mass;      // quadrature weight times ρA, or a lumped mass [kg]
+    Eigen::VectorXd pull;      // quadrature weight times the mass below; of the bar alone [kg m]
+    Eigen::MatrixXd axial;     // S1 (size, n_axial)
+    Eigen::MatrixXd bending;   // S2 (size, n_bending)
+    Eigen::MatrixXd coupling;  // H (n_bending size, n_bending): a row of H of all, then the next
+  };
+
+  /// All stations in the frame, and how they move there.
+  struct Motions {
+    Eigen::VectorXd x, y, x_rate, y_rate;
+    Eigen::MatrixXd coupled, coupled_rate;  // H b and H ḃ (size, n_bending)
   };
 
   /// Position in the frame and its rate.
@@ -104,14 +119,19 @@ class FloatingFrameBeam : public BeamDynamics {
   };
 
   Station section_at(double x) const;  // coupling left at zero
-  const std::vector<Station>& stations() const;
+  void set_stations(const std::vector<AssumedModes::Place>& places,
+                    const std::vector<LumpedMass>& masses);
+  const Stations& stations() const;
   const Station& struck() const;
   void couple() const;
+  void set_coupling(Eigen::Index station, const Eigen::MatrixXd& coupling) const;
   void add_coupling(double from, double to, int panels, Eigen::MatrixXd& coupling) const;
   Station station_at(double x) const;
   const Station& cached_station(double x) const;
   InFrame in_frame(const Station& station, ConstVector q, ConstVector v) const;
+  const Motions& all_in_frame(ConstVector q, ConstVector v) const;
   PointMotion motion(const Station& station, ConstVector q, ConstVector v) const;
+  void set_mass(const Motions& p);
   void hold_hinge(VectorRef a);
   double acceleration_of(const Station& station, ConstVector q, ConstVector v, ConstVector a) const;
   void add_contact_force(const Station& station, ConstVector q, double force);
@@ -132,17 +152,18 @@ class FloatingFrameBeam : public BeamDynamics {
   AssumedModes modes_;
   Eigen::VectorXd stiffness_;  // modal, ω² (n), 0 for ψ
   Eigen::MatrixXd rotary_;     // rotary inertia of the sections of a bar that shears (n, n)
-  // Quadrature over the bar, then its lumped masses; and the struck point. Their coupling is worked
-  // out when it is first needed: small motion does without.
-  mutable std::vector<Station> stations_;
-  std::size_t bar_stations_ = 0;  // of the bar itself
+  // These and the struck point are coupled when it is first needed: small motion does without.
+  mutable Stations stations_;
   mutable Station struck_;
   mutable bool coupled_ready_ = false;
   mutable std::vector<Station> looked_at_;  // points asked for by point(), built once
   mutable Eigen::VectorXd look_;            // scratch of looking at a point
-  // scratch of acceleration()
+  mutable Motions motions_;                 // scratch of looking at all stations
+  // of acceleration(): the part of the mass matrix that is the same everywhere, and scratch
+  Eigen::MatrixXd lasting_mass_, axial_by_root_, coupled_by_root_;
+  Eigen::VectorXd root_mass_, along_, across_, force_x_, force_y_;  // of the stations
   Eigen::MatrixXd mass_;
-  Eigen::VectorXd rhs_, coupled_, coupled_rate_, column_x_, column_y_, hinge_turns_;
+  Eigen::VectorXd rhs_, coupled_, hinge_turns_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
 
