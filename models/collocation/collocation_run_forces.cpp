@@ -37,6 +37,7 @@ bool CollocationRun::solve_force(ContactPoint& point, StopStep& step) {
   NodeVector& change = step.change;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     for (int i = 0; i < s; ++i) {
+      depth[i] = point.resolved(depth[i]);
       const ContactForce::Response law = point.contact().pressed(depth[i], rate[i]);
       laws[i] = law;
       residual[i] = step.force[i] + change[i] - law.force;
@@ -68,6 +69,7 @@ void CollocationRun::linearise(ContactPoint& point) {
   Together& own = together_[static_cast<std::size_t>(point.number())];
   const int first = point.number() * s;
   for (int i = 0; i < s; ++i) {
+    own.depth[i] = point.resolved(own.depth[i]);
     const ContactForce::Response law = point.contact().pressed(own.depth[i], own.rate[i]);
     own.law[i] = law;
     equations_.residual[first + i] = step.force[i] + step.change[i] - law.force;

@@ -51,7 +51,8 @@ void ContactPoint::complete() {
   step_.dissipation.setZero(s);
   if (contact_.phase() != Phase::free)
     for (int i = 0; i < s; ++i)
-      step_.dissipation[i] = contact_.dissipation(step_.displacement[i], step_.velocity[i]);
+      step_.dissipation[i] =
+          contact_.dissipation(resolved(step_.displacement[i]), step_.velocity[i]);
   step_.dissipation_series = rule_.to_series() * step_.dissipation;
   step_.displacement_series = rule_.to_series() * step_.displacement;
 }
@@ -74,9 +75,14 @@ double ContactPoint::most_damping() const {
 }
 
 /// How much of what the force's series leaves out comes back as the contact's answer to the motion
-/// it makes; at most all. It changes sign about twice a node, so that speed gathers little of it.
+/// it makes; at most all. It changes sign about twice a node, so that speed gathers little of it. A
+/// node that parts from the stop stands for no less depth than is passed between nodes: a damped
+/// force may not vanish there, and force over depth would be as great as the node is near.
 double ContactPoint::answer() const {
-  const double stiffness = (step_.force.array() / step_.displacement.array()).abs().maxCoeff();
+  const double s = rule_.nodes();
+  const double passed = way() / (s * s);
+  const double stiffness =
+      (step_.force.array() / step_.displacement.array().abs().max(passed)).abs().maxCoeff();
   const double damping = most_damping() / (2.0 * rule_.nodes());
   const BarMotion::Response& response = bar_.response(number_, number_);
   return std::min(1.0, stiffness * response.most_displacement + damping * response.most_velocity);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
+
 #include "models/collocation/bar_motion.hpp"
 #include "models/contact/contact_force.hpp"
 #include "models/contact_log.hpp"
@@ -71,6 +73,13 @@ class ContactPoint {
     if (gap_ != 0.0) step_.displacement.array() -= gap_;
   }
 
+  /// A depth at a node, no nearer to none than this part of the step's way: there laws may be
+  /// singular.
+  double resolved(double depth) const {
+    const double least = 1e-9 * way();
+    return std::abs(depth) < least ? least : depth;
+  }
+
   /// What the solved step does at the stop, when nodes and force's series are known.
   void complete();
 
@@ -125,6 +134,12 @@ class ContactPoint {
   };
 
   PointMotion seen(const PointMotion& p) const { return {p.displacement - gap_, p.velocity}; }
+
+  /// Between the first and the last node of the step tried [m].
+  double way() const {
+    const NodeVector& displacement = step_.displacement;
+    return std::abs(displacement[rule_.nodes() - 1] - displacement[0]);
+  }
 
   double gap_between(double before, const PointMotion& p0, double here, const PointMotion& p1);
   double switch_at(double place);

@@ -449,6 +449,36 @@ TEST(HardScene, AContactPressedAgainBetweenTwoNodesIsSeen) {
                     full);
 }
 
+// A tenth of its largest force is left where it parts, for it goes with the root of the stiffness,
+// of which the logarithm makes an end at no depth at all.
+Rig wire_that_sticks_until_it_parts() {
+  Rig rig;
+  rig.beam = round_bar(0.016418292, 3.9495172e-5, 9.3382298e9, 3825.5951);
+  rig.contact.position = 0.0023935681;
+  rig.contact.counterface = Counterface::plane;
+  rig.contact.radius = 3.9495172e-5;
+  rig.contact.counter_depth = 1.1848552e-4;
+  rig.contact.length = 1.0924997e-5;
+  rig.contact.modulus = 9.3382298e9;
+  rig.contact.poisson_ratio = 0.399175;
+  rig.contact.counter_modulus = 2.5244399e10;
+  rig.contact.counter_poisson_ratio = 0.089568;
+  rig.contact.exponent = 3;
+  rig.contact.damping = "tsuji-exact";
+  rig.contact.restitution = 0.92916523;
+  rig.contact.tension = Tension::allow;
+  rig.hinge.friction = 7.2528306e-9;
+  rig.start.velocity = 0.51962375;
+  return rig;
+}
+
+// Steps were halved to nothing before the place where a node may lie at no depth.
+TEST(HardScene, AForceThatLastsUntilTheContactParts) {
+  for (const double accuracy : {1e-3, 1.14e-6, 9.39e-8, 3.22e-8, 1.58e-8, 1.1e-8})
+    expect_accurate(wire_that_sticks_until_it_parts(),
+                    hybrid(Basis::cantilever, 6, accuracy, 1.8e-4));
+}
+
 TEST(SettledSolution, KeepsItsAnswerAndSaysSoWhereItCannotBeConfirmed) {
   int solutions = 0;
   const SolveFully once = [&](const Solver& solver, const SimulationOptions& options) {
