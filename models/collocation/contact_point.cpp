@@ -92,7 +92,8 @@ double ContactPoint::force_error(double impulse, double energy) const {
   if (contact_.phase() == Phase::free) return 0.0;
   const double left = truncation(step_.force_series);
   const double loss = truncation(step_.dissipation_series) * bar_.step();
-  const double peak = std::max(log_.episode(number_).peak_force, local_force_);
+  const double peak =
+      std::max({log_.episode(number_).peak_force, local_force_, step_.force.cwiseAbs().maxCoeff()});
   return std::max({left * bar_.step() / impulse, left * answer() / peak, loss / energy});
 }
 

@@ -12,7 +12,9 @@ namespace impactrig::models {
 struct StepLadder {
   double longest = 1.0;  ///< [s]
 
-  static constexpr int levels = 120;
+  /// Damping that sets in with a force of its own may stop what it meets, as a light head, within
+  /// 1e-12 s, and where the law is singular at touch its first step is a millionth of that.
+  static constexpr int levels = 200;
 
   double length_of(int level) const { return longest * std::pow(std::numbers::sqrt2, -level); }
 
