@@ -532,7 +532,7 @@ void CollocationRun::take_or_land() {
   level_ = next;
   if (done_) return;
   done_ = ends_early() || tried_.end == End::run;
-  if (!done_ && leap()) done_ = ends_early() || tried_.end == End::run;
+  while (!done_ && leap()) done_ = ends_early() || tried_.end == End::run;
 }
 
 bool CollocationRun::free() const {
@@ -545,7 +545,7 @@ bool CollocationRun::free() const {
 bool CollocationRun::leap() {
   if (!free() || result_.episodes.empty()) return false;
   const double left = t_end_ - t_;
-  const double time = std::min(bar_.clear_time(gaps_), left);
+  const double time = std::min(bar_.clear_time(gaps_, left), left);
   if (!(time > bar_.step())) return false;
   ++result_.cost.steps;
   sample_history(

@@ -13,6 +13,9 @@ namespace {
 
 // How much further than the modes at their largest the vibration may be thought to reach.
 constexpr double reach_margin = 1.05;
+// How wide a swing watched_time() takes, as sin(θ/2), and how often it looks at most.
+constexpr double widest_watched = 0.25;
+constexpr int most_looks = 1000;
 
 /// Angle of the swing under a unit coordinate of the pendulum's mode [rad √kg⁻¹ m⁻¹].
 double angle_of_mode(const ModalBeam& beam) {
@@ -60,6 +63,20 @@ PendulumSwing::State PendulumSwing::after(double time) const {
   const double sine = boost::math::jacobi_elliptic(
       modulus_, std::fmod(phase_ + omega_ * time, period), &cosine, &delta);
   return {2.0 * std::asin(modulus_ * sine), 2.0 * modulus_ * omega_ * cosine};
+}
+
+PendulumSwing::State PendulumSwing::stepped(double omega, const State& from, double time) {
+  const double square = omega * omega, rate = from.rate;
+  const double sine = square * std::sin(from.angle), cosine = square * std::cos(from.angle);
+  // derivatives of the angle, from the second on
+  const double second = -sine, third = -cosine * rate;
+  const double fourth = sine * rate * rate - cosine * second;
+  const double fifth = cosine * rate * rate * rate + 3.0 * sine * rate * second - cosine * third;
+  const double t = time;
+  return {from.angle +
+              t * (rate +
+                   t / 2.0 * (second + t / 3.0 * (third + t / 4.0 * (fourth + t / 5.0 * fifth)))),
+          rate + t * (second + t / 2.0 * (third + t / 3.0 * (fourth + t / 4.0 * fifth)))};
 }
 
 double PendulumSwing::time_up_to(double angle) const {
@@ -121,10 +138,67 @@ double ModalFlight::neglected(const Eigen::VectorXd& row, double time) const {
   return vibration * std::pow(swing_.widest(), 2) * (0.3 + 0.15 * turned);
 }
 
+double ModalFlight::watched_time(const ModalBeam& beam, const ModalState& from,
+                                 std::span<const double> gaps, double least, double most) {
+  const double omega = beam.omega()[0], scale = angle_of_mode(beam);
+  const PendulumSwing::State swing = swing_of(beam, from);
+  double widest = 0.0;
+  if (omega > 0.0) {
+    const double modulus = std::hypot(std::sin(0.5 * swing.angle), 0.5 * swing.rate / omega);
+    if (!(modulus < widest_watched)) return 0.0;
+    widest = 2.1 * modulus;  // at least 2 asin k
+  }
+  // θ̈ = −ω² sin θ is at most ω² θ, and departs from −ω² θ by at most ω² θ³ / 6
+  const double turning = omega * omega * widest, departing = turning * widest * widest / 6.0;
+  const Eigen::Index n = beam.modes() - 1;
+  static thread_local ModalState there;  // at every step: no allocation
+  static thread_local Eigen::ArrayXd accelerations;
+  there = from;
+  accelerations = beam.omega().tail(n).array() *
+                  ((beam.omega().tail(n).array() * from.a.tail(n).array()).square() +
+                   from.rate.tail(n).array().square())
+                      .sqrt();
+  double time = 0.0;
+  for (int look = 0; look < most_looks; ++look) {
+    if (look > 0) advance(beam, time, NodeVector::Zero(1), from, there);
+    double clear = most - time;
+    for (std::size_t stop = 0; stop < gaps.size(); ++stop) {
+      const Eigen::VectorXd& row = beam.struck(static_cast<int>(stop));
+      const double arm = std::abs(row[0] / scale);
+      const double most_acceleration =
+          arm * turning + (row.tail(n).array().abs() * accelerations).sum();
+      const double speed = row.dot(there.rate) + arm * departing * time;
+      double room = gaps[stop] - row.dot(there.a) - 0.5 * arm * departing * time * time;
+      if (look == 0) room = std::max(room, 0.0);  // it is free, whatever rounding says
+      if (!(room >= 0.0)) return time;
+      // speed t + ½ acceleration t² = room, in a form that does not cancel
+      const double root = std::sqrt(speed * speed + 2.0 * most_acceleration * room);
+      if (speed > 0.0)
+        clear = std::min(clear, 2.0 * room / (speed + root));
+      else if (most_acceleration > 0.0)
+        clear = std::min(clear, (root - speed) / most_acceleration);
+    }
+    if (time + clear >= most) return most;
+    clear *= 0.99;  // of what is rounded
+    if (!(clear >= least)) return time;
+    time += clear;
+  }
+  return time;
+}
+
 void ModalFlight::state_after(double time, ModalState& to) const {
   advance(beam_, time, NodeVector::Zero(1), from_, to);
   const PendulumSwing::State swing = swing_.after(time);
   const double scale = angle_of_mode(beam_);
+  to.a[0] = swing.angle / scale;
+  to.rate[0] = swing.rate / scale;
+}
+
+void ModalFlight::swing_on(const ModalBeam& beam, const ModalState& from, double time,
+                           ModalState& to) {
+  const double scale = angle_of_mode(beam);
+  const PendulumSwing::State swing =
+      PendulumSwing::stepped(beam.omega()[0], swing_of(beam, from), time);
   to.a[0] = swing.angle / scale;
   to.rate[0] = swing.rate / scale;
 }

@@ -29,6 +29,12 @@ class PendulumSwing {
 
   State after(double time) const;
 
+  /// Whether stepped() over such a time errs by rounding alone.
+  bool is_short(double time) const { return omega_ * time < 1e-3; }
+
+  /// From any state of it, after a short time, by its Taylor series.
+  static State stepped(double omega, const State& from, double time);
+
   /// When it next comes up through an angle [s]; infinite when it does not.
   double time_up_to(double angle) const;
 
@@ -49,7 +55,7 @@ class ModalFlight {
   const PendulumSwing& swing() const { return swing_; }
 
   /// Whether the vibration could bring a point before a stop to it without the bar swinging on:
-  /// clear_time() is zero then, which is known here for less.
+  /// clear_time() is zero then, which is known here for less, and watched_time() may not be.
   static bool may_reach(const ModalBeam& beam, const ModalState& state,
                         std::span<const double> gaps);
 
@@ -58,7 +64,16 @@ class ModalFlight {
   /// near, or turns over.
   double clear_time(std::span<const double> gaps) const;
 
+  /// As clear_time(), where the vibration might reach a stop but does not: from look to look, each
+  /// as far as gap, speed and the largest acceleration there may be let nothing happen. Ends before
+  /// looks lead on by less than `least`, and at `most` [s]; zero for swings that are too wide.
+  static double watched_time(const ModalBeam& beam, const ModalState& from,
+                             std::span<const double> gaps, double least, double most);
+
   void state_after(double time, ModalState& to) const;
+
+  /// Where the vibration is known after a short time, the swing too.
+  static void swing_on(const ModalBeam& beam, const ModalState& from, double time, ModalState& to);
 
   /// How far a point may come to be from where the full equations have it after a time [m]: the
   /// wider the swing, the more its vibration departs from that of a bar that hangs. By comparison

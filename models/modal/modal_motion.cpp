@@ -9,6 +9,13 @@
 #include "models/modal/modal_flight.hpp"
 
 namespace impactrig::models {
+namespace {
+
+// Of a step, how far looks at a flight have to lead: they cost that much less.
+constexpr double look_share = 0.1;
+
+}  // namespace
+
 ModalMotion::ModalMotion(const ModalBar& bar, const Collocation& rule,
                          const HistoryRequest& history)
     : bar_(bar),
@@ -229,9 +236,11 @@ void ModalMotion::note_left_out(double part) {
   if (velocity_row_.size() > 0) note(left_out_.shown, off_rate.dot(velocity_row_.cwiseAbs()));
 }
 
-double ModalMotion::clear_time(std::span<const double> gaps) const {
-  if (!flies_ || ModalFlight::may_reach(beam_, state_, gaps)) return 0.0;
-  return ModalFlight(beam_, state_).clear_time(gaps);
+double ModalMotion::clear_time(std::span<const double> gaps, double most) const {
+  if (!flies_) return 0.0;
+  if (!ModalFlight::may_reach(beam_, state_, gaps))
+    return ModalFlight(beam_, state_).clear_time(gaps);
+  return ModalFlight::watched_time(beam_, state_, gaps, look_share * step(), most);
 }
 
 void ModalMotion::fly(double time) {
@@ -246,10 +255,17 @@ void ModalMotion::fly(double time) {
 
 void ModalMotion::sample_flight(double first, double spacing, std::span<Sample> samples) {
   const ModalFlight flight(beam_, state_);
+  const bool single = ready_to_sample() && flight.swing().is_short(spacing);
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    flight.state_after(first + static_cast<double>(k) * spacing, scratch_);
+    if (k > 0 && single) {
+      sampling_->coast(sampled_[0], sampled_[1]);
+      ModalFlight::swing_on(beam_, sampled_[0], spacing, sampled_[1]);
+      std::swap(sampled_[0], sampled_[1]);
+    } else {
+      flight.state_after(first + static_cast<double>(k) * spacing, sampled_[0]);
+    }
     const auto on_circle = [&](const Eigen::VectorXd& row) {
-      return ModalFlight::on_circle(beam_, row, scratch_);
+      return ModalFlight::on_circle(beam_, row, sampled_[0]);
     };
     samples[k] = {on_circle(beam_.struck()), on_circle(velocity_row_).velocity,
                   on_circle(displacement_row_).displacement};
@@ -264,15 +280,21 @@ PointMotion ModalMotion::struck_in_flight(int stop, double time) {
   return ModalFlight::on_circle(beam_, beam_.struck(stop), scratch_);
 }
 
+/// Whether sampling_ goes from one sample to the next.
+bool ModalMotion::ready_to_sample() {
+  const bool single = sampling_interval_ <= ModalStep::longest(beam_);
+  if (!sampling_ && single)
+    sampling_ = std::make_unique<ModalStep>(beam_, rule_, sampling_interval_);
+  return single;
+}
+
 /// From sample to sample by steps of their own, under the forces as the step has them.
 void ModalMotion::sample(double first, double spacing, std::span<Sample> samples) {
   if (!step_) {
     std::ranges::fill(samples, look(state_));
     return;
   }
-  const bool single = sampling_interval_ <= ModalStep::longest(beam_);
-  if (!sampling_ && single)
-    sampling_ = std::make_unique<ModalStep>(beam_, rule_, sampling_interval_);
+  const bool single = ready_to_sample();
   jump(first, sampled_[0]);
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const double part = first + static_cast<double>(k) * spacing;

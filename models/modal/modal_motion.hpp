@@ -85,7 +85,7 @@ class ModalMotion : public BarMotion {
   /// What this leaves out is not estimated: neglected() and missing_pull() stay as they are.
   void leave_judging() { judges_ = false; }
 
-  double clear_time(std::span<const double> gaps) const override;
+  double clear_time(std::span<const double> gaps, double most) const override;
   void fly(double time) override;
   void sample_flight(double first, double spacing, std::span<Sample> samples) override;
   PointMotion struck_in_flight(int stop, double time) override;
@@ -147,6 +147,7 @@ class ModalMotion : public BarMotion {
   PointMotion jump(double part, ModalState& to, double* acceleration = nullptr) const;
   double work_on_stops(double part) const;
   double free_acceleration(int stop, const ModalState& state) const;
+  bool ready_to_sample();
   void advance_sample(double from, double spacing);
 
   const ModalBar& bar_;

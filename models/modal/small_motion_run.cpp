@@ -167,8 +167,8 @@ Simulation SmallMotionRun::conclude() {
   if (flights.count > 0) {
     result.taken.push_back(Simplification::flight_at_once);
     result.skipped.push_back(fmt::format(
-        "looks at the stop for {:.4g} s in {} flight{}: the vibration could not reach it; the bar "
-        "was moved on in closed form, without error",
+        "looks at the stop for {:.4g} s in {} flight{}: by gap, speed and largest acceleration the "
+        "bar could not reach it; it was moved on in closed form, without error",
         flights.time, flights.count, flights.count == 1 ? "" : "s"));
   }
   return result;

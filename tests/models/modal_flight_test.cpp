@@ -54,6 +54,22 @@ TEST(PendulumSwing, FollowsItsEquation) {
     }
 }
 
+TEST(PendulumSwing, IsSteppedOverShortTimesAsExactly) {
+  for (const double omega : {4.3, 0.0})
+    for (const Swing& from : {Swing{-0.3, -1.0}, {1.4, 0.5}, {-1e-5, 3.0}}) {
+      const PendulumSwing swing(omega, {from[0], from[1]});
+      const double spacing = omega > 0.0 ? 9.9e-4 / omega : 1e-3;
+      ASSERT_TRUE(swing.is_short(spacing));
+      PendulumSwing::State state = swing.start();
+      for (int i = 1; i <= 1000; ++i) {
+        state = PendulumSwing::stepped(omega, state, spacing);
+        const PendulumSwing::State exact = swing.after(i * spacing);
+        ASSERT_NEAR(state.angle, exact.angle, 3e-13) << i;
+        ASSERT_NEAR(state.rate, exact.rate, 3e-12) << i;
+      }
+    }
+}
+
 TEST(PendulumSwing, ComesUpThroughAnAngleWhenItSaysSo) {
   for (const double omega : {4.3, 0.0})
     for (const Swing& from : {Swing{-0.3, -1.0}, {-0.3, 1.0}, {-1.2, 0.0}, {-0.1, -4.0}})
@@ -106,6 +122,45 @@ TEST(ModalFlight, StaysClearOfTheStop) {
   }
   EXPECT_GT(flights, 50);
   EXPECT_GT(near, 0);
+}
+
+// Where the vibration might bring the point back, it is known to stay away nearly until it comes.
+TEST(ModalFlight, WatchesABarThatVibratesBeforeTheStop) {
+  Rig rig = paper_rig();
+  std::mt19937 generator(5);
+  std::normal_distribution<double> normal;
+  for (const double gravity : {0.0, 9.81}) {
+    rig.gravity = gravity;
+    const auto bar = make_modal_bar(rig, hybrid(Basis::pinned_free, 8, 1e-6, 1.0));
+    const ModalBeam& beam = bar->modes();
+    int watched = 0, closed = 0;
+    for (int trial = 0; trial < 100; ++trial) {
+      ModalState state{-1e-4 * std::abs(normal(generator)) * beam.rigid(),
+                       0.02 * normal(generator) * beam.rigid()};
+      for (int k = 1; k < beam.modes(); ++k) {
+        state.a[k] += 3e-5 * normal(generator) * beam.omega()[1] / beam.omega()[k];
+        state.rate[k] += 3e-5 * normal(generator) * beam.omega()[1];
+      }
+      const double most = 0.01, least = 1e-9;
+      const double time = ModalFlight::watched_time(beam, state, std::array{0.0}, least, most);
+      if (beam.struck().dot(state.a) >= 0.0) continue;
+      ++watched;
+      const ModalFlight flight(beam, state);
+      ModalState there = state;
+      for (int i = 0; i <= 4000; ++i) {
+        flight.state_after(time * i / 4000.0, there);
+        ASSERT_LT(beam.struck().dot(there.a), 0.0) << trial << ' ' << i;
+      }
+      EXPECT_GT(time, 0.0);
+      if (time == most) continue;
+      ++closed;  // within the little that is left of its way
+      const double speed = beam.struck().dot(there.rate);
+      EXPECT_LT(-beam.struck().dot(there.a), 1e-6 * speed * most + 1e-9) << trial;
+    }
+    EXPECT_GT(watched, 30);
+    EXPECT_GT(closed, 10);
+    EXPECT_GT(watched - closed, 3);
+  }
 }
 
 // A rigid bar is as exact at once as in steps: many bounces over seconds, as wide as they go.
