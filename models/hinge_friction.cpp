@@ -97,4 +97,13 @@ double HingeFriction::lateness(const Collocation& rule, const NodeVector& at_nod
   return (sticks() ? value - std::copysign((1.0 + excess) * torque_, value) : value) / rate;
 }
 
+double HingeFriction::shift(const Collocation& rule, const NodeVector& at_nodes, double slope,
+                            double torque_slope) const {
+  const NodeVector series = rule.to_series() * at_nodes;
+  const double rate = rule.rates().row(rule.nodes() + 1).dot(series);
+  if (rate == 0.0) return 0.0;
+  if (!sticks()) return -slope / rate;
+  return (std::copysign((1.0 + excess) * torque_slope, legendre_sum(series, 1.0)) - slope) / rate;
+}
+
 }  // namespace impactrig::models

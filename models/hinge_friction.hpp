@@ -29,8 +29,10 @@ class HingeFriction {
 
   bool slides() const { return acts() && state_ != State::sticks; }
 
-  /// On the bar while the hinge slides [N m].
-  double moment() const { return state_ == State::closes ? -torque_ : torque_; }
+  /// On the bar while the hinge slides, of a T [N m].
+  double moment(double torque) const { return state_ == State::closes ? -torque : torque; }
+
+  double moment() const { return moment(torque_); }
 
   void start(double rate);
   void follow(const Change& change);
@@ -42,6 +44,11 @@ class HingeFriction {
   /// How far behind a step's end the state would end, as a part of the step, by the same of a step
   /// that ends near there.
   double lateness(const Collocation& rule, const NodeVector& at_nodes) const;
+
+  /// Of a solved step that ends with the state: where that ends, as a part of the step a unit, when
+  /// the rate or moment there changes by `slope` and T by `torque_slope` a unit.
+  double shift(const Collocation& rule, const NodeVector& at_nodes, double slope,
+               double torque_slope) const;
 
  private:
   double torque_;  // T [N m]

@@ -208,9 +208,14 @@ bool follows_swing(const Rig& rig, const SimulationOptions& options) {
 }
 
 bool allows_small_motion(const Rig& rig, const SimulationOptions& options) {
-  const bool rubs = rig.hinge.friction > 0.0;
-  return allows(options, Simplification::small_motion) &&
-         (!rubs || allows(options, Simplification::hinge_friction));
+  if (!allows(options, Simplification::small_motion)) return false;
+  if (rig.hinge.friction == 0.0) return true;
+  // small motion has no derivatives by what it leaves out
+  const bool of_friction = std::ranges::any_of(options.sensitivities, [&](RigParameter parameter) {
+    return RigEffect(rig, parameter).moves_friction();
+  });
+  return allows(options, Simplification::hinge_friction) &&
+         (!of_friction || options.motion == Motion::small);
 }
 
 Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOptions& options) {

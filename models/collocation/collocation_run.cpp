@@ -171,7 +171,7 @@ bool CollocationRun::begun_rightly() {
   if (!(tried_.error <= 1.0)) return true;
   const double part = bar_.hinge_change();
   if (part == 0.0) {
-    bar_.change_hinge();
+    change_hinge();
     return false;
   }
   if (part > 1.0 || (tried_.end == End::event && tried_.part <= part)) return true;
@@ -179,6 +179,11 @@ bool CollocationRun::begun_rightly() {
   tried_.part = part;
   for (ContactPoint& point : points_) point.forget_event();
   return true;
+}
+
+void CollocationRun::change_hinge() {
+  bar_.change_hinge();
+  if (followed_) followed_->change_hinge();
 }
 
 /// Solves the step again so that it ends on its event: the polynomials within a step are of lower
@@ -234,6 +239,8 @@ void CollocationRun::follow_step() {
       points_, [](const ContactPoint& point) { return point.event() != Event::none; });
   if (tried_.end == End::run)
     followed_->take(tried_.part, Following::time, 0);
+  else if (tried_.end == End::hinge)
+    followed_->take(tried_.part, Following::hinge, 0);
   else if (ended == points_.end())
     followed_->take(tried_.part, Following::step, 0);
   else
@@ -527,7 +534,7 @@ void CollocationRun::take_or_land() {
   }
   take_attempt();
   if (tried_.end == End::run) result_.termination = "the duration asked for was reached";
-  if (tried_.end == End::hinge) bar_.change_hinge();
+  if (tried_.end == End::hinge) change_hinge();
   leave_events(next);
   level_ = next;
   if (done_) return;

@@ -113,6 +113,7 @@ class CollocationRun {
   double derivative_error() const;
   void find_events();
   bool begun_rightly();
+  void change_hinge();
   bool land_on_event();
   double speed_before(const ContactPoint& point) const;
   void set_scales();

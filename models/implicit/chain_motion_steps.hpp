@@ -189,7 +189,7 @@ class ChainMotion final : public BarMotion {
 
   std::unique_ptr<MotionSlope> follow(const RigEffect& effect, const Solver& solver,
                                       const HistoryRequest& history) override {
-    if (rotation_ || friction_.acts() || effect.moves_friction()) return nullptr;
+    if (rotation_ || (effect.moves_friction() && !friction_.acts())) return nullptr;
     followed_ = true;
     return std::make_unique<ChainSlope<ChainMotion>>(*this, effect, solver, history);
   }
@@ -209,6 +209,7 @@ class ChainMotion final : public BarMotion {
   friend class ChainSlope<ChainMotion>;
   static constexpr int stages = S;
   using ChainType = Chain;
+  using HoldType = Hold<S>;
 
   // Of the accuracy asked for, what Newton's method may leave of a step.
   // The finer method solves a step in one or two iterations: what they leave adds up, from step to

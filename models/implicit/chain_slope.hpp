@@ -24,10 +24,13 @@ class ChainSlope final : public MotionSlope {
              const HistoryRequest& history)
       : motion_(motion),
         by_(stencil_of_motion(effect, solver)),
+        friction_(ParameterStencil::places),
         moved_(motion.points_.stops.size()) {
+    by_.for_each_place(
+        [&](std::size_t place) { friction_[place] = by_.rig_at(place).hinge.friction; });
     const int n = motion.chain_.coordinates();
     q_ = v_ = Eigen::ArrayXd::Zero(n);
-    a_ = previous_ = stage_q_ = stage_v_ = residual_ = there_ = Stages::Zero(S, n);
+    a_ = previous_ = stage_q_ = stage_v_ = residual_ = there_ = run_residual_ = Stages::Zero(S, n);
     if (effect.keeps_bar()) return;
     bars_.resize(ParameterStencil::places);
     for (std::size_t place = 0; place < bars_.size(); ++place) {
@@ -55,6 +58,7 @@ class ChainSlope final : public MotionSlope {
       v_ += by_.weight(place) * v;
     });
     last_h_ = 0.0;
+    change_hinge();
   }
 
   void begin_step(std::span<const NodeVector> forces) override {
@@ -62,16 +66,13 @@ class ChainSlope final : public MotionSlope {
     seen_ = false;
     motion_.place_stages();
     motion_.predict(previous_, last_h_ > 0.0 ? motion_.h_ / last_h_ : 0.0, 1.0, a_);
+    if (motion_.friction_.sticks()) find_run_residual();
   }
 
   Change improve(std::span<const NodeVector> forces, std::span<Nodes> points) override {
-    place_stages();
+    slopes_of_forces_ = forces;
     differentiate_residual();
-    for (std::size_t stop = 0; stop < forces.size(); ++stop) {
-      for (const auto& [k, w] : motion_.points_.stops[stop])
-        residual_.col(k) -= w * forces[stop].array();
-      for (const auto& [k, w] : moved_.stops[stop]) residual_.col(k) -= w * forces_[stop].array();
-    }
+    if (motion_.friction_.sticks()) constrain();
     motion_.solve(residual_);
     a_ -= residual_;
     for (std::size_t stop = 0; stop < points.size(); ++stop) look_at_nodes(stop, points[stop]);
@@ -123,9 +124,20 @@ class ChainSlope final : public MotionSlope {
     seen_ = false;
   }
 
+  double hinge_shift() override;
+
+  void change_hinge() override {
+    if (!motion_.friction_.sticks()) return;
+    holds_.assign(ParameterStencil::places, motion_.hold_);
+    by_.for_each_place([&](std::size_t place) {
+      holds_[place].stop(Hold::angle_of(motion_.q_ + by_.offset(place) * q_));
+    });
+  }
+
  private:
   static constexpr int S = Motion::stages;
   using Chain = typename Motion::ChainType;
+  using Hold = typename Motion::HoldType;
   using Stages = StageArray<S>;
   using Lanes = Eigen::Array<double, S, 1>;
 
@@ -144,8 +156,9 @@ class ChainSlope final : public MotionSlope {
     }
   }
 
-  /// Without what forces do.
+  /// Of a hinge that is let go.
   void differentiate_residual() {
+    place_stages();
     residual_.setZero();
     by_.for_each_place([&](std::size_t place) {
       const Chain& chain = bars_.empty() ? motion_.chain_ : bars_[place]->chain;
@@ -154,7 +167,38 @@ class ChainSlope final : public MotionSlope {
       chain.template residual<S>(q, motion_.a_ + way * a_, there_);
       if (chain.damped())
         chain.template add_damping<S>(q, motion_.stage_v_ + way * stage_v_, there_);
+      if (motion_.friction_.slides())
+        chain.template add_hinge_moment<S>(motion_.friction_.moment(friction_[place]), q, there_);
       residual_ += by_.weight(place) * there_;
+    });
+    for (std::size_t stop = 0; stop < forces_.size(); ++stop) {
+      for (const auto& [k, w] : motion_.points_.stops[stop])
+        residual_.col(k) -= w * slopes_of_forces_[stop].array();
+      for (const auto& [k, w] : moved_.stops[stop]) residual_.col(k) -= w * forces_[stop].array();
+    }
+  }
+
+  /// That of the motion, its hinge let go.
+  void find_run_residual() {
+    const Chain& chain = motion_.chain_;
+    chain.template residual<S>(motion_.stage_q_, motion_.a_, run_residual_);
+    if (chain.damped())
+      chain.template add_damping<S>(motion_.stage_q_, motion_.stage_v_, run_residual_);
+    for (std::size_t stop = 0; stop < forces_.size(); ++stop)
+      for (const auto& [k, w] : motion_.points_.stops[stop])
+        run_residual_.col(k) -= w * forces_[stop].array();
+  }
+
+  /// Puts what holds the hinge into the residual's slope.
+  void constrain() {
+    const Stages unheld = residual_;
+    by_.for_each_place([&](std::size_t place) {
+      const double way = by_.offset(place);
+      const Stages before = run_residual_ + way * unheld;
+      there_ = before;
+      holds_[place].constrain(motion_.stage_q_ + way * stage_q_, motion_.stage_v_ + way * stage_v_,
+                              motion_.a_ + way * a_, there_);
+      residual_ += by_.weight(place) * (there_ - before);
     });
   }
 
@@ -215,14 +259,34 @@ class ChainSlope final : public MotionSlope {
   Motion& motion_;
   ParameterStencil by_;
   std::vector<std::unique_ptr<Bar>> bars_;  // at the stencil's places; empty where all are the same
+  std::vector<double> friction_;            // in the hinge, likewise
+  std::vector<Hold> holds_;                 // of a hinge that sticks, likewise
   ChainPoints moved_;                       // slopes of the shares
-  std::span<const NodeVector> forces_;
+  std::span<const NodeVector> forces_, slopes_of_forces_;
   Eigen::ArrayXd q_, v_;
-  Stages a_, previous_, stage_q_, stage_v_, residual_, there_;
+  Stages a_, previous_, stage_q_, stage_v_, residual_, there_, run_residual_;
   double last_h_ = 0.0;
   bool seen_ = false;  // the points over the step at hand
   SeenPoints<S> points_;
 };
+
+template <typename Motion>
+double ChainSlope<Motion>::hinge_shift() {
+  differentiate_residual();
+  const HingeFriction& friction = motion_.friction_;
+  double slope = 0.0;
+  by_.for_each_place([&](std::size_t place) {
+    const double way = by_.offset(place);
+    const Stages q = motion_.stage_q_ + way * stage_q_;
+    const Chain& chain = bars_.empty() ? motion_.chain_ : bars_[place]->chain;
+    const Lanes value = friction.sticks()
+                            ? holds_[place].moment(q, run_residual_ + way * residual_)
+                            : chain.template hinge_rate<S>(q, motion_.stage_v_ + way * stage_v_);
+    slope += by_.weight(place) * value[S - 1];
+  });
+  const double torque = by_.slope([&](std::size_t place) { return friction_[place]; });
+  return motion_.h_ * friction.shift(motion_.stages_.rule, motion_.hinge_, slope, torque);
+}
 
 }  // namespace
 }  // namespace impactrig::models

@@ -24,7 +24,9 @@ class DenseSlope final : public MotionSlope {
   DenseSlope(Motion& motion, const RigEffect& effect, const Solver& solver,
              const HistoryRequest& history)
       : motion_(motion),
-        by_(stencil_of_motion(effect, solver)) {
+        by_(stencil_of_motion(effect, solver)),
+        friction_slope_(
+            by_.slope([&](std::size_t place) { return by_.rig_at(place).hinge.friction; })) {
     q_ = v_ = at_q_ = at_v_ = scratch_ = Vector::Zero(motion.n_);
     a_ = previous_ = stage_q_ = stage_v_ = residual_ = Stages::Zero(motion.n_, S);
     if (effect.keeps_bar()) return;
@@ -45,6 +47,7 @@ class DenseSlope final : public MotionSlope {
       v_ += by_.weight(place) * at_v_;
     });
     last_h_ = 0.0;
+    change_hinge();
   }
 
   void begin_step(std::span<const NodeVector> forces) override {
@@ -102,6 +105,18 @@ class DenseSlope final : public MotionSlope {
 
   void take(double shift) override;
 
+  double hinge_shift() override;
+
+  void change_hinge() override {
+    const HingeFriction& friction = motion_.friction_;
+    if (bars_.empty() || !friction.acts()) return;
+    by_.for_each_place([&](std::size_t place) {
+      const double torque = by_.rig_at(place).hinge.friction;
+      bars_[place]->beam->drive(
+          {.held = friction.sticks(), .moment = friction.sticks() ? 0.0 : friction.moment(torque)});
+    });
+  }
+
  private:
   static constexpr int S = Motion::stages;
   using Vector = Eigen::VectorXd;
@@ -113,18 +128,24 @@ class DenseSlope final : public MotionSlope {
 
   /// What the slopes lack of their equations, a' − d/dp f(q, v, F).
   void differentiate(std::span<const NodeVector> forces) {
+    slopes_of_forces_ = forces;
     residual_ = a_;
     by_.for_each_place([&](std::size_t place) {
-      const double way = by_.offset(place);
       for (int i = 0; i < S; ++i) {
-        for (std::size_t k = 0; k < forces.size(); ++k)
-          motion_.forces_[k] = forces_[k][i] + way * forces[k][i];
-        bar(place).beam->acceleration(motion_.stage_q_.col(i) + way * stage_q_.col(i),
-                                      motion_.stage_v_.col(i) + way * stage_v_.col(i),
-                                      motion_.forces_, scratch_);
+        accelerate(place, i);
         residual_.col(i) -= by_.weight(place) * scratch_;
       }
     });
+  }
+
+  /// A stage at a place of the stencil, into scratch_.
+  void accelerate(std::size_t place, int stage) {
+    const double way = by_.offset(place);
+    for (std::size_t k = 0; k < forces_.size(); ++k)
+      motion_.forces_[k] = forces_[k][stage] + way * slopes_of_forces_[k][stage];
+    bar(place).beam->acceleration(motion_.stage_q_.col(stage) + way * stage_q_.col(stage),
+                                  motion_.stage_v_.col(stage) + way * stage_v_.col(stage),
+                                  motion_.forces_, scratch_);
   }
 
   /// Of what is seen of a bar.
@@ -155,7 +176,8 @@ class DenseSlope final : public MotionSlope {
   Motion& motion_;
   ParameterStencil by_;
   std::vector<std::unique_ptr<FrameBar>> bars_;  // at the stencil's places; empty: all the same
-  std::span<const NodeVector> forces_;
+  double friction_slope_;                        // of the hinge's
+  std::span<const NodeVector> forces_, slopes_of_forces_;
   Vector q_, v_, at_q_, at_v_, scratch_;
   Stages a_, previous_, stage_q_, stage_v_, residual_, change_;
   double last_h_ = 0.0;
@@ -218,6 +240,23 @@ void DenseSlope<Motion>::take(double shift) {
   std::swap(previous_, a_);
   last_h_ = motion_.h_;
   seen_ = false;
+}
+
+template <typename Motion>
+double DenseSlope<Motion>::hinge_shift() {
+  place_stages();
+  const bool sticks = motion_.friction_.sticks();
+  double slope = 0.0;
+  by_.for_each_place([&](std::size_t place) {
+    FloatingFrameBeam& beam = *bar(place).beam;
+    if (sticks) accelerate(place, S - 1);
+    slope +=
+        by_.weight(place) * (sticks ? beam.holding_moment()
+                                    : beam.hinge_rate(motion_.stage_v_.col(S - 1) +
+                                                      by_.offset(place) * stage_v_.col(S - 1)));
+  });
+  return motion_.h_ *
+         motion_.friction_.shift(motion_.stages_.rule, motion_.hinge_, slope, friction_slope_);
 }
 
 }  // namespace

@@ -50,6 +50,10 @@ void FullSensitivities::start() {
   }
 }
 
+void FullSensitivities::change_hinge() {
+  for (int i = 0; i < count(); ++i) slope(i).change_hinge();
+}
+
 void FullSensitivities::begin_more(int i) {
   slope(i).look(0.0);
   direction(i).rest = slope(i).spots().displacement;

@@ -20,6 +20,7 @@ class FullSensitivities final : public RunSensitivities {
   bool known() const { return known_; }
 
   void start() override;
+  void change_hinge() override;
 
  private:
   void prepare() override { linearise_laws(); }
@@ -49,6 +50,8 @@ class FullSensitivities final : public RunSensitivities {
   void move_on(int i, double shift) override { slope(i).take(shift); }
 
   void begin_more(int i) override;
+
+  double hinge_shift(int i) override { return slope(i).hinge_shift(); }
 
   MotionSlope& slope(int i) const { return *slopes_[static_cast<std::size_t>(i)]; }
 

@@ -70,6 +70,13 @@ class MotionSlope {
 
   /// The solved step is taken, its end later by `shift` [s a unit]. Before the motion takes it.
   virtual void take(double shift) = 0;
+
+  /// By how much later friction in the hinge changes, where the solved step ends with that [s a
+  /// unit].
+  virtual double hinge_shift() = 0;
+
+  /// Friction in the hinge has changed where the next step begins.
+  virtual void change_hinge() = 0;
 };
 
 }  // namespace impactrig::models

@@ -296,10 +296,11 @@ void RunSensitivities::sample(double first, double spacing, std::size_t count) {
 }
 
 /// Of the step's length, where its end is an event's; the place is that end.
-double RunSensitivities::end_shift(int i, End end, std::size_t stop) const {
+double RunSensitivities::end_shift(int i, End end, std::size_t stop) {
   const Direction& d = direction(i);
   if (end == End::step) return 0.0;
   if (end == End::time) return -d.time;
+  if (end == End::hinge) return hinge_shift(i);
   const Seen& seen = seen_[stop];
   const PointMotion s = against_stop(i, stop);
   if (end == End::gap) return -s.displacement / seen.rate;

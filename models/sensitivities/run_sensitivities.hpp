@@ -23,7 +23,7 @@ namespace impactrig::models {
 class RunSensitivities {
  public:
   /// What decides where a step ends.
-  enum class End { step, gap, change, time };
+  enum class End { step, gap, change, hinge, time };
 
   virtual ~RunSensitivities() = default;
   RunSensitivities(const RunSensitivities&) = delete;
@@ -60,6 +60,9 @@ class RunSensitivities {
 
   /// The part of the step that is taken; `stop`: where that ends by an event.
   void take(double part, End end, int stop);
+
+  virtual void change_hinge() {}  ///< as BarMotion::change_hinge() did
+
   /// The first stop's force jumped where the last step taken ended, or the run begins.
   void jump();
   void separate(const Simulation& result);
@@ -169,6 +172,9 @@ class RunSensitivities {
 
   virtual void begin_more(int) {}  ///< at first touch
 
+  /// MotionSlope::hinge_shift(); small motion has no friction.
+  virtual double hinge_shift(int) { return 0.0; }
+
   const Rig& rig_;
   const SimulationOptions& options_;
   const StoppedMotion* const stopped_;
@@ -188,7 +194,7 @@ class RunSensitivities {
   double dissipation_slope(const Direction& d, const NodeLaw& there, double depth,
                            double rate) const;
   PointMotion against_stop(int i, std::size_t stop) const;
-  double end_shift(int i, End end, std::size_t stop) const;
+  double end_shift(int i, End end, std::size_t stop);
   double integral(const NodeVector& at_nodes, double part) const;
   double shown_force(int i, std::size_t stop, double moved) const;
   void show(int i);

@@ -35,6 +35,10 @@ class StoppedSlope final : public MotionSlope {
   Spots spots() const override;
   void take(double shift) override;
 
+  double hinge_shift() override { return bar_->hinge_shift(); }
+
+  void change_hinge() override { bar_->change_hinge(); }
+
  private:
   using State = StopHead::State;
 

@@ -157,14 +157,76 @@ TEST(FullSensitivities, AreAsAccurateAsTheRun) {
   }
 }
 
-// Rather nothing than numbers that do not hold.
-TEST(FullSensitivities, AreNotOfFriction) {
-  const std::vector<RigParameter> by = {parameters[0].of};
+constexpr std::array of_friction = {
+    Named{"friction", [](Rig& r) -> double& { return r.hinge.friction; }},
+    Named{"restitution", [](Rig& r) -> double& { return r.contact.restitution; }},
+    Named{"gravity", [](Rig& r) -> double& { return r.gravity; }},
+    Named{"youngs_modulus", [](Rig& r) -> double& { return r.beam.youngs_modulus; }},
+    Named{"density", [](Rig& r) -> double& { return r.beam.density; }},
+    Named{"position", [](Rig& r) -> double& { return r.contact.position; }},
+};
+
+// The rigid bar's hinge changes its direction in the deepest penetration; released, it breaks loose
+// at once.
+TEST(FullSensitivities, OfARubbingHingeAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  rig.hinge.friction = 2.0;
+  rig.contact.stiffness_factor = 0.9;  // the hinge turns between two samples, where no slope jumps
+  Solver solver = rigid(1e-12);
+  solver.duration = 5e-4;
+  expect_equal_full_derivatives(rig, solver, of_friction);
+  rig.start = {.release_angle = 0.3};
+  rig.hinge.friction = 0.4;
+  expect_equal_full_derivatives(rig, solver, of_friction);
+}
+
+/// How often a hinge that has turned comes to rest, by the axis close to it.
+int rests(const Rig& rig, const Solver& solver) {
+  SimulationOptions options;
+  options.exact = true;
+  options.history = {.interval = 1e-5, .displacement_position = 1e-4 * rig.beam.length};
+  const std::vector<double> places = simulate(rig, solver, options).history.displacement;
+  int count = 0;
+  bool rested = true;
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    const bool rest = std::abs(places[i] - places[i - 1]) < 1e-5 * std::abs(places[1] - places[0]);
+    if (rest && !rested) ++count;
+    rested = rest;
+  }
+  return count;
+}
+
+// A soft bar's hinge sticks and breaks loose while the bar vibrates against the stop.
+TEST(FullSensitivities, OfAHingeThatSticksAndSlipsAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  rig.beam.youngs_modulus = 2e9;
+  rig.hinge.friction = 20.0;
+  ASSERT_GE(rests(rig, hybrid(Basis::pinned_free, 3, 1e-8, 4e-3)), 1);
+  ASSERT_GE(rests(rig, ancf(2, 1, 1e-8, 4e-3)), 1);
+  expect_equal_full_derivatives(rig, hybrid(Basis::pinned_free, 3, 1e-12, 4e-3), of_friction, 1e-4);
+  expect_equal_full_derivatives(rig, ancf(2, 1, 1e-12, 4e-3), of_friction, 1e-4);
+  rig.beam.theory = BeamTheory::timoshenko;
+  rig.beam.shear_coefficient = 0.9;
+  expect_equal_full_derivatives(rig, ancf(2, 1, 1e-12, 4e-3), of_friction, 1e-4);
+}
+
+TEST(FullSensitivities, OfFrictionAreTakenFromTheFullEquations) {
+  const std::vector<RigParameter> friction = {of_friction[0].of};
   const Solver solver = hybrid(Basis::pinned_free, 2, 1e-4, 5e-4);
-  Rig rubbing = damped_rig();
-  rubbing.hinge.friction = 0.1;
-  EXPECT_TRUE(sharp(rubbing, solver, Motion::full, by).sensitivities.empty());
-  const std::vector<RigParameter> friction = {[](Rig& r) -> double& { return r.hinge.friction; }};
+  Rig rig = damped_rig();
+  rig.hinge.friction = 1e-3;
+  SimulationOptions options;
+  EXPECT_TRUE(simulate(rig, solver, options).small_motion);
+  options.sensitivities = friction;
+  const Simulation run = simulate(rig, solver, options);
+  EXPECT_FALSE(run.small_motion);
+  EXPECT_EQ(run.sensitivities.size(), 1U);
+}
+
+// Rather nothing than numbers that do not hold: of friction that is none only one side exists.
+TEST(FullSensitivities, AreNotOfNoFriction) {
+  const std::vector<RigParameter> friction = {of_friction[0].of};
+  const Solver solver = hybrid(Basis::pinned_free, 2, 1e-4, 5e-4);
   EXPECT_TRUE(sharp(damped_rig(), solver, Motion::full, friction).sensitivities.empty());
   EXPECT_TRUE(
       sharp(damped_rig(), ancf(2, 1, 1e-4, 5e-4), Motion::full, friction).sensitivities.empty());
