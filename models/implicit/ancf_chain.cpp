@@ -52,6 +52,23 @@ AncfChain::AncfChain(const AncfBeam& beam)
   from_beam(beam.weight_force(), weight_force_);
   // what is held has a mass of its own and no force, so that it stays
   mass_.diagonal[0](0, 0) = mass_.diagonal[0](2, 2) = 1.0;
+  for (const BarElement& element : elements_)
+    element_numbers_.push_back({.over_length = 1.0 / element.length,
+                                .stretching = element.axial_stiffness * element.length,
+                                .bending = element.bending_stiffness / element.length});
+  for (int i = 0; i < nodes(); ++i) {
+    const auto node = static_cast<std::size_t>(i);
+    AncfNode& numbers = node_numbers_.emplace_back();
+    for (int d = 0; d < 2; ++d)
+      for (int r = 0; r < 2; ++r)
+        for (int c = 0; c < 2; ++c) {
+          numbers.own[d][r][c] = mass_.diagonal[node](2 * d + r, 2 * d + c);
+          if (i + 1 < nodes()) numbers.next[d][r][c] = mass_.next[node](2 * d + r, 2 * d + c);
+        }
+    for (int c = 0; c < 4; ++c) numbers.weight[c] = weight_force_[4 * i + c];
+  }
+  for (std::size_t g = 0; g < 5; ++g)
+    gauss_numbers_[g] = {gauss_[g].chord, gauss_[g].first, gauss_[g].second, gauss_[g].weight};
 }
 
 BeamEnergy AncfChain::energy(const Eigen::ArrayXd& q, const Eigen::ArrayXd& v) const {

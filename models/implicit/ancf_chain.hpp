@@ -9,6 +9,7 @@
 #include "models/beams/ancf.hpp"
 #include "models/implicit/block_tridiagonal.hpp"
 #include "models/implicit/stage_array.hpp"
+#include "models/lanes/stage_lanes.hpp"
 
 namespace impactrig::models {
 
@@ -107,9 +108,11 @@ class AncfChain {
       for (int k = node; k < node + beside; ++k) visit(k, k + beside, node);
   }
 
-  /// Of the bar at a node, given by its X, closing < 0 [rad].
-  static double inclination(const Eigen::ArrayXd& q, int node) {
-    return std::atan2(q[node + 1], 1.0 - q[node + 3]);
+  /// Of the bar at a node, given by its X, closing < 0.
+  static BarDirection direction(const Eigen::ArrayXd& q, int node) {
+    const double across = q[node + 1], along = 1.0 - q[node + 3];
+    const double length = std::sqrt(across * across + along * along);
+    return {along / length, across / length};
   }
 
   /// What makes up X at x.
@@ -160,6 +163,10 @@ class AncfChain {
   BarDamping damping_;
   ChainMatrix mass_;
   Eigen::ArrayXd inertia_, weight_force_;
+  // the same for residual()
+  std::vector<AncfNumbers> element_numbers_;
+  std::vector<AncfNode> node_numbers_;
+  std::array<AncfGaussPoint, 5> gauss_numbers_;
 };
 
 template <int S>
@@ -183,59 +190,18 @@ void AncfChain::add_inertia(double factor, const StageArray<S>& a, StageArray<S>
 template <int S>
 void AncfChain::residual(const StageArray<S>& q, const StageArray<S>& a, StageArray<S>& r) const {
   using Lanes = Eigen::Array<double, S, 1>;
-  for (int k = 0; k < coordinates(); ++k) r.col(k).setConstant(-weight_force_[k]);
-  add_inertia<S>(1.0, a, r);
-  for (std::size_t e = 0; e < elements_.size(); ++e) {
-    const int k = 4 * static_cast<int>(e);
-    const double l = elements_[e].length;
-    const double over = 1.0 / l;
-    const double stretching = elements_[e].axial_stiffness * l;
-    const double bending = elements_[e].bending_stiffness * over;
-    const Lanes chord_x = (q.col(k + 4) - q.col(k)) * over;
-    const Lanes chord_u = (q.col(k + 6) - q.col(k + 2)) * over;
-    const Lanes first_x = q.col(k + 1), second_x = q.col(k + 5);
-    const Lanes first_u = q.col(k + 3), second_u = q.col(k + 7);
-    // end rotations against the chord
-    const Lanes bent_x0 = first_x - chord_x, bent_x1 = second_x - chord_x;
-    const Lanes bent_u0 = first_u - chord_u, bent_u1 = second_u - chord_u;
-    Lanes moment_x0 = bending * (4.0 * bent_x0 + 2.0 * bent_x1);
-    Lanes moment_x1 = bending * (2.0 * bent_x0 + 4.0 * bent_x1);
-    Lanes moment_u0 = bending * (4.0 * bent_u0 + 2.0 * bent_u1);
-    Lanes moment_u1 = bending * (2.0 * bent_u0 + 4.0 * bent_u1);
-    Lanes pull_x = -(moment_x0 + moment_x1);
-    Lanes pull_u = -(moment_u0 + moment_u1);
-    for (const GaussPoint& g : gauss_) {
-      const Lanes slope_x = g.chord * chord_x + g.first * first_x + g.second * second_x;
-      const Lanes slope_u = g.chord * chord_u + g.first * first_u + g.second * second_u;
-      const Lanes strain = 0.5 * (slope_x * slope_x + slope_u * slope_u) - slope_u;
-      const Lanes tension = (stretching * g.weight) * strain;
-      const Lanes along_x = tension * slope_x;
-      const Lanes along_u = tension * (slope_u - 1.0);
-      pull_x += g.chord * along_x;
-      moment_x0 += g.first * along_x;
-      moment_x1 += g.second * along_x;
-      pull_u += g.chord * along_u;
-      moment_u0 += g.first * along_u;
-      moment_u1 += g.second * along_u;
-    }
-    pull_x *= over;
-    pull_u *= over;
-    r.col(k) -= pull_x;
-    r.col(k + 1) += moment_x0;
-    r.col(k + 2) -= pull_u;
-    r.col(k + 3) += moment_u0;
-    r.col(k + 4) += pull_x;
-    r.col(k + 5) += moment_x1;
-    r.col(k + 6) += pull_u;
-    r.col(k + 7) += moment_u1;
-  }
-  if (hinge_.spring != 0.0) {
-    const auto hinge = hinge_angle<Lanes>(q.col(1), q.col(3));
-    r.col(1) += hinge_.spring * hinge.angle * hinge.by_across;
-    r.col(3) += hinge_.spring * hinge.angle * hinge.by_along;
-  }
-  r.col(0).setZero();
-  r.col(2).setZero();
+  find_residual({.stages = S,
+                 .elements = static_cast<int>(elements_.size()),
+                 .element = element_numbers_.data(),
+                 .node = node_numbers_.data(),
+                 .gauss = gauss_numbers_.data(),
+                 .q = q.data(),
+                 .a = a.data(),
+                 .residual = r.data()});
+  if (hinge_.spring == 0.0) return;
+  const auto hinge = hinge_angle<Lanes>(q.col(1), q.col(3));
+  r.col(1) += hinge_.spring * hinge.angle * hinge.by_across;
+  r.col(3) += hinge_.spring * hinge.angle * hinge.by_along;
 }
 
 template <int S>

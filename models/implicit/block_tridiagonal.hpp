@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "models/implicit/complex_lanes.hpp"
+#include "models/lanes/stage_lanes.hpp"
 
 namespace impactrig::models {
 
@@ -65,23 +66,11 @@ class BlockTridiagonal {
 
   /// x: four values a node (4 nodes).
   void solve_in_place(std::vector<Complex>& x) const {
-    const std::size_t n = inverse_.size();
-    for (std::size_t i = 1; i < n; ++i)
-      for (std::size_t r = 0; r < 4; ++r)
-        for (std::size_t c = 0; c < 4; ++c)
-          x[4 * i + r].subtract_product(lower_[i][r][c], x[4 * (i - 1) + c]);
-    for (std::size_t i = n; i-- > 0;) {
-      std::array<Complex, 4> y;
-      for (std::size_t r = 0; r < 4; ++r) {
-        y[r] = inverse_[i][r][0] * x[4 * i];
-        for (std::size_t c = 1; c < 4; ++c) y[r] += inverse_[i][r][c] * x[4 * i + c];
-      }
-      if (i + 1 < n)
-        for (std::size_t r = 0; r < 4; ++r)
-          for (std::size_t c = 0; c < 4; ++c)
-            y[r].subtract_product(lower_[i + 1][c][r], x[4 * (i + 1) + c]);
-      for (std::size_t r = 0; r < 4; ++r) x[4 * i + r] = y[r];
-    }
+    solve_chain({.stages = 2 * K,
+                 .nodes = static_cast<int>(inverse_.size()),
+                 .inverse = inverse_[0][0][0].numbers(),
+                 .lower = lower_[0][0][0].numbers(),
+                 .x = x[0].numbers()});
   }
 
  private:

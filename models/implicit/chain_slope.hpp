@@ -82,9 +82,8 @@ class ChainSlope final : public MotionSlope {
   }
 
   double press(std::span<const NodeVector> changes) override {
-    residual_.setZero();
-    for (std::size_t stop = 0; stop < changes.size(); ++stop)
-      motion_.add_response(stop, changes[stop], residual_);
+    motion_.respond([&](std::size_t stop) -> const NodeVector& { return changes[stop]; },
+                    residual_);
     a_ += residual_;
     return by_.size() * motion_.size_of(residual_);
   }
@@ -149,12 +148,7 @@ class ChainSlope final : public MotionSlope {
     Chain chain;
   };
 
-  void place_stages() {
-    for (int k = 0; k < q_.size(); ++k) {
-      stage_q_.col(k) = q_[k] + motion_.displacement_of(v_[k], a_.col(k));
-      stage_v_.col(k) = v_[k] + motion_.velocity_of(a_.col(k));
-    }
-  }
+  void place_stages() { motion_.place(q_, v_, a_, stage_q_, stage_v_); }
 
   /// Of a hinge that is let go.
   void differentiate_residual() {

@@ -12,6 +12,14 @@ struct ComplexLanes {
   using Real = Eigen::Array<double, K, 1>;
   Real re = Real::Zero(), im = Real::Zero();
 
+  /// All 2 K of them, those of others behind them in an array.
+  double* numbers() {
+    static_assert(sizeof(ComplexLanes) == 2 * K * sizeof(double));
+    return re.data();
+  }
+
+  const double* numbers() const { return re.data(); }
+
   ComplexLanes& operator+=(const ComplexLanes& b) {
     re += b.re;
     im += b.im;

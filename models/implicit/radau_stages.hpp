@@ -25,6 +25,7 @@ struct RadauStages {
   Eigen::Array<std::complex<double>, pairs, 1> eigenvalues;
   Eigen::Matrix<double, pairs, S> into_re, into_im;  // rows of T⁻¹
   Eigen::Matrix<double, S, pairs> out_re, out_im;    // columns of T, twice: x = Re part of both
+  Square into, out;  // [into_re; into_im] and [out_re, -out_im], of ComplexLanes
 
   static const RadauStages& get() {
     static const RadauStages stages;
@@ -48,6 +49,8 @@ struct RadauStages {
       out_im.col(pair) = 2.0 * t.col(k).imag();
       ++pair;
     }
+    into << into_re, into_im;
+    out << out_re, -out_im;
   }
 };
 

@@ -93,7 +93,10 @@ class ReissnerChain {
   }
 
   /// Of the bar at a node, given by its X, closing < 0 [rad].
-  static double inclination(const Eigen::ArrayXd& q, int node) { return q[node + Element::turn0]; }
+  static BarDirection direction(const Eigen::ArrayXd& q, int node) {
+    const double angle = q[node + Element::turn0];
+    return {std::cos(angle), std::sin(angle)};
+  }
 
   /// What makes up X at x.
   std::array<ChainShare, 4> shares_at(const ReissnerBeam& beam, double x) const;

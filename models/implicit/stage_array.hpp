@@ -9,6 +9,11 @@ namespace impactrig::models {
 template <int S>
 using StageArray = Eigen::Array<double, S, Eigen::Dynamic>;
 
+/// Of the bar somewhere, against hanging: cosine and sine of its angle, closing < 0.
+struct BarDirection {
+  double cosine = 1.0, sine = 0.0;
+};
+
 /// What a coordinate has to do with a place of the bar.
 struct ChainShare {
   int coordinate = 0;

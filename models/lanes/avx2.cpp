@@ -5,6 +5,7 @@
 #include "models/lanes/advance_modes.hpp"
 #include "models/lanes/processor.hpp"
 #include "models/lanes/solve_steps.hpp"
+#include "models/lanes/stage_kernels.hpp"
 #include "models/lanes/step_modes.hpp"
 
 namespace impactrig::models {
@@ -19,6 +20,22 @@ void step_modes_avx2(const ModesOverStep& modes) {
 
 void solve_steps_avx2(StepLanes& lanes) {
   solve_steps_by<4>(lanes);
+}
+
+void map_stages_avx2(const StagesByMap& stages) {
+  map_stages_in<4>(stages);
+}
+
+void turn_stages_avx2(const TurnedStages& stages) {
+  turn_stages_in<4>(stages);
+}
+
+void find_residual_avx2(const AncfResidual& residual) {
+  find_residual_in<4>(residual);
+}
+
+void solve_chain_avx2(const FactoredChain& chain) {
+  solve_chain_in<4>(chain);
 }
 
 }  // namespace impactrig::models

@@ -5,6 +5,7 @@
 #include "models/lanes/advance_modes.hpp"
 #include "models/lanes/processor.hpp"
 #include "models/lanes/solve_steps.hpp"
+#include "models/lanes/stage_kernels.hpp"
 #include "models/lanes/step_modes.hpp"
 
 namespace impactrig::models {
@@ -19,6 +20,22 @@ void step_modes_avx512(const ModesOverStep& modes) {
 
 void solve_steps_avx512(StepLanes& lanes) {
   solve_steps_by<8>(lanes);
+}
+
+void map_stages_avx512(const StagesByMap& stages) {
+  map_stages_in<8>(stages);
+}
+
+void turn_stages_avx512(const TurnedStages& stages) {
+  turn_stages_in<8>(stages);
+}
+
+void find_residual_avx512(const AncfResidual& residual) {
+  find_residual_in<8>(residual);
+}
+
+void solve_chain_avx512(const FactoredChain& chain) {
+  solve_chain_in<8>(chain);
 }
 
 }  // namespace impactrig::models

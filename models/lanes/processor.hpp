@@ -2,6 +2,7 @@
 #pragma once
 
 #include "models/lanes/mode_lanes.hpp"
+#include "models/lanes/stage_lanes.hpp"
 #include "models/lanes/step_lanes.hpp"
 
 namespace impactrig::models {
@@ -18,5 +19,13 @@ void step_modes_avx2(const ModesOverStep& modes);
 void step_modes_avx512(const ModesOverStep& modes);
 void solve_steps_avx2(StepLanes& lanes);
 void solve_steps_avx512(StepLanes& lanes);
+void map_stages_avx2(const StagesByMap& stages);
+void map_stages_avx512(const StagesByMap& stages);
+void turn_stages_avx2(const TurnedStages& stages);
+void turn_stages_avx512(const TurnedStages& stages);
+void find_residual_avx2(const AncfResidual& residual);
+void find_residual_avx512(const AncfResidual& residual);
+void solve_chain_avx2(const FactoredChain& chain);
+void solve_chain_avx512(const FactoredChain& chain);
 
 }  // namespace impactrig::models

@@ -2,12 +2,18 @@
 // What is computed several numbers at a time, against the same one by one.
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
+#include <Eigen/LU>
 #include <cmath>
+#include <complex>
+#include <functional>
 #include <random>
+#include <vector>
 
 #include "models/lanes/advance_modes.hpp"
 #include "models/lanes/lane_bessel.hpp"
 #include "models/lanes/processor.hpp"
+#include "models/lanes/stage_kernels.hpp"
 #include "models/modal/bar_cache.hpp"
 #include "tests/models/reference/spherical_bessel.hpp"
 #include "tests/models/scenes.hpp"
@@ -136,6 +142,159 @@ TEST(Lanes, MoveTheModesAsExactlyOverAnyTime) {
                            static_cast<double>(std::abs(from.a[k] * omega * sine))))
           << h << ' ' << k;
     }
+  }
+}
+
+/// What each kind of processor that this machine has makes of the same, the plainest first.
+template <typename Work>
+std::vector<std::vector<double>> on_every_processor(const Work& work,
+                                                    const std::vector<double>& values,
+                                                    const std::vector<void (*)(const Work&)>& kinds,
+                                                    double* Work::*result) {
+  std::vector<std::vector<double>> all;
+  for (std::size_t kind = 0; kind < kinds.size() && kind <= static_cast<std::size_t>(processor());
+       ++kind) {
+    std::vector<double> own = values;
+    Work at_hand = work;
+    at_hand.*result = own.data();
+    kinds[kind](at_hand);
+    all.push_back(own);
+  }
+  return all;
+}
+
+void expect_equal(const std::vector<std::vector<double>>& found, const Eigen::MatrixXd& expected) {
+  for (const std::vector<double>& values : found)
+    for (Eigen::Index i = 0; i < expected.size(); ++i)
+      ASSERT_NEAR(values[static_cast<std::size_t>(i)], expected.data()[i],
+                  1e-13 * expected.cwiseAbs().maxCoeff())
+          << i;
+}
+
+// By matrices of Eigen's.
+TEST(StageLanes, MapAndTurnColumnsOnEveryProcessor) {
+  for (const int s : {4, 8}) {
+    const int n = 7;
+    const Eigen::MatrixXd map = Eigen::MatrixXd::Random(s, s), in = Eigen::MatrixXd::Random(s, n);
+    const Eigen::VectorXd ramp = Eigen::VectorXd::Random(s), slope = Eigen::VectorXd::Random(n),
+                          offset = Eigen::VectorXd::Random(n);
+    StagesByMap stages{.stages = s, .columns = n, .map = map.data(), .in = in.data()};
+    const std::vector<double> nothing(static_cast<std::size_t>(s * n));
+    const auto mapped = [&] {
+      return on_every_processor<StagesByMap>(stages, nothing,
+                                             {map_stages_in<2>, map_stages_avx2, map_stages_avx512},
+                                             &StagesByMap::out);
+    };
+    expect_equal(mapped(), map * in);
+    stages.offset = offset.data();
+    const Eigen::MatrixXd shifted = map * in + Eigen::VectorXd::Ones(s) * offset.transpose();
+    expect_equal(mapped(), shifted);
+    stages.ramp = ramp.data();
+    stages.slope = slope.data();
+    expect_equal(mapped(), shifted + ramp * slope.transpose());
+
+    const std::vector<int> first = {0, 3}, second = {2, 6};
+    const Eigen::ArrayXd cosine = Eigen::ArrayXd::Random(s), sine = Eigen::ArrayXd::Random(s);
+    Eigen::MatrixXd turned = in;
+    for (std::size_t p = 0; p < 2; ++p) {
+      turned.col(first[p]) =
+          (cosine * in.col(first[p]).array() + sine * in.col(second[p]).array()).matrix();
+      turned.col(second[p]) =
+          (cosine * in.col(second[p]).array() - sine * in.col(first[p]).array()).matrix();
+    }
+    const TurnedStages turn{.stages = s,
+                            .pairs = 2,
+                            .first = first.data(),
+                            .second = second.data(),
+                            .cosine = cosine.data(),
+                            .sine = sine.data()};
+    expect_equal(
+        on_every_processor<TurnedStages>(
+            turn, std::vector<double>(in.data(), in.data() + in.size()),
+            {turn_stages_in<2>, turn_stages_avx2, turn_stages_avx512}, &TurnedStages::columns),
+        turned);
+  }
+}
+
+/// The factored systems of a chain by an arrow of full matrices: L of the blocks below the
+/// diagonal, D⁻¹ of those on it, and what solves L D L' x = b.
+template <int K>
+void expect_solved_chain() {
+  constexpr int s = 2 * K, nodes = 3, n = 4 * nodes;
+  using Complex = std::complex<double>;
+  std::vector<double> inverse(16 * s * nodes), lower(inverse.size()), x(s * n);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  for (double& number : inverse) number = any(random);
+  for (double& number : lower) number = any(random);
+  for (double& number : x) number = any(random);
+  const auto entry = [](const std::vector<double>& of, int place, int system) {
+    const auto at = static_cast<std::size_t>(s * place + system);
+    return Complex(of[at], of[at + K]);
+  };
+  Eigen::MatrixXd expected(s, n);
+  for (int k = 0; k < K; ++k) {
+    Eigen::MatrixXcd l = Eigen::MatrixXcd::Identity(n, n), d = Eigen::MatrixXcd::Zero(n, n);
+    Eigen::VectorXcd b(n);
+    for (int i = 0; i < n; ++i) b[i] = entry(x, i, k);
+    for (int node = 0; node < nodes; ++node)
+      for (int r = 0; r < 4; ++r)
+        for (int c = 0; c < 4; ++c) {
+          const int place = 16 * node + 4 * r + c;
+          d(4 * node + r, 4 * node + c) = entry(inverse, place, k);
+          if (node > 0) l(4 * node + r, 4 * node - 4 + c) = entry(lower, place, k);
+        }
+    const Eigen::VectorXcd solved = l.transpose().triangularView<Eigen::UnitUpper>().solve(
+        d * l.triangularView<Eigen::UnitLower>().solve(b));
+    for (int i = 0; i < n; ++i) {
+      expected(k, i) = solved[i].real();
+      expected(K + k, i) = solved[i].imag();
+    }
+  }
+  const FactoredChain chain{
+      .stages = s, .nodes = nodes, .inverse = inverse.data(), .lower = lower.data()};
+  expect_equal(
+      on_every_processor<FactoredChain>(
+          chain, x, {solve_chain_in<2>, solve_chain_avx2, solve_chain_avx512}, &FactoredChain::x),
+      expected);
+}
+
+TEST(StageLanes, SolveAFactoredChainOnEveryProcessor) {
+  expect_solved_chain<2>();
+  expect_solved_chain<4>();
+}
+
+// The chain's forces are held to AncfBeam's elsewhere (Implicit, by AncfChain's residual).
+TEST(StageLanes, FindTheResidualOnEveryProcessor) {
+  const std::vector<AncfNumbers> elements = {{3.0, 50.0, 2.0}, {4.0, 20.0, 1.0}};
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  std::vector<AncfNode> nodes(3);
+  for (AncfNode& node : nodes) {
+    for (auto& block : {std::ref(node.own), std::ref(node.next)})
+      for (auto& direction : block.get())
+        for (auto& row : direction)
+          for (double& number : row) number = any(random);
+    for (double& weight : node.weight) weight = any(random);
+  }
+  const std::vector<AncfGaussPoint> gauss(5, {0.7, -0.2, 0.5, 0.2});
+  for (const int s : {4, 8}) {
+    std::vector<double> q(static_cast<std::size_t>(12 * s)), a(q.size());
+    for (double& number : q) number = any(random);
+    for (double& number : a) number = any(random);
+    const AncfResidual residual{.stages = s,
+                                .elements = 2,
+                                .element = elements.data(),
+                                .node = nodes.data(),
+                                .gauss = gauss.data(),
+                                .q = q.data(),
+                                .a = a.data()};
+    const auto found = on_every_processor<AncfResidual>(
+        residual, std::vector<double>(q.size()),
+        {find_residual_in<2>, find_residual_avx2, find_residual_avx512}, &AncfResidual::residual);
+    expect_equal(found, Eigen::Map<const Eigen::MatrixXd>(found[0].data(), s, 12));
+    for (const int held : {0, 2})
+      for (int i = 0; i < s; ++i) EXPECT_EQ(found[0][static_cast<std::size_t>(s * held + i)], 0.0);
   }
 }
 
