@@ -652,11 +652,13 @@ double ChainMotion<S, Chain, Hold>::error() const {
   map({.map = to_series_.data(), .in = a_.data(), .out = series_.data()});
   Lanes across = Lanes::Zero(), along = Lanes::Zero();
   double inclination = 0.0;  // its sine, 1 beyond a right angle
+  double displaced = 0.0;    // nodes, at most [m]
   BarDirection bar;
   chain_.for_each_pair([&](int k, int beside, int node) {
     if (k == node) {
       bar = Chain::direction(q_, node);
       inclination = std::max(inclination, bar.cosine > 0.0 ? std::abs(bar.sine) : 1.0);
+      displaced = std::max({displaced, std::abs(q_[k]), std::abs(q_[beside])});
     }
     const Lanes x = series_.col(k), u = series_.col(beside);
     across += chain_.inertia()[k] * (bar.cosine * x + bar.sine * u).square();
@@ -668,7 +670,8 @@ double ChainMotion<S, Chain, Hold>::error() const {
   double rate = 0.0;
   if (in_contact_ && damping_ > 0.0) {
     const Lanes struck = to_series(across_before(0).a).array().square();
-    rate = error_of_rate<S>(struck, rounding_of_acceleration(length_, h_), damping_, contact_time_);
+    rate = error_of_rate<S>(struck, rounding_of_acceleration(displaced, h_), damping_,
+                            contact_time_, h_);
   }
   const EnergyLoss loss{lost_in_step(), lost_, end_energy_, weight_energy_};
   return std::max({motion, rate, loss.error(0.5 * speed_scale_ * speed_scale_, accuracy_)});

@@ -33,7 +33,6 @@ class DenseMotion final : public BarMotion {
         n_(beam_.size()),
         forces_(1 + bar_.further.size(), 0.0),
         compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
-        struck_place_(rig.contact.position),
         accuracy_(std::max(solver.accuracy, Solver::finest_accuracy)),
         damped_bar_(models::damped(rig)),
         weight_energy_(rig.gravity * rig.beam.first_moment()),
@@ -320,7 +319,6 @@ class DenseMotion final : public BarMotion {
   Eigen::Matrix<double, S, S> to_series_ = stages_.rule.to_series();
   StepLadder ladder_;
   double compliance_;
-  double struck_place_;  // from the hinge [m]
   double accuracy_;
   bool damped_bar_;
   double weight_energy_;
@@ -534,8 +532,9 @@ double DenseMotion::error() const {
   double rate = 0.0;
   if (pressed_ && damping_ > 0.0) {
     const Series struck = to_series_ * (a_.transpose() * to_point_.col(0));
-    rate = error_of_rate<S>(struck.array().square(), rounding_of_acceleration(struck_place_, h_),
-                            damping_, contact_time_);
+    const double displaced = to_point_.col(0).cwiseAbs().dot(q_.cwiseAbs());
+    rate = error_of_rate<S>(struck.array().square(), rounding_of_acceleration(displaced, h_),
+                            damping_, contact_time_, h_);
   }
   const EnergyLoss loss{lost_in_step(), lost_, end_energy_, weight_energy_};
   return std::max({motion, rate, loss.error(0.5 * speed_scale_ * speed_scale_, accuracy_)});

@@ -40,19 +40,22 @@ inline double weight_of_step(double part) {
   return std::min(1.0, part) * std::sqrt(std::max(1.0, 1.0 / (few_steps * part)));
 }
 
-/// What a damped contact makes of the vibration that the method has let die before the struck point
-/// over the contact's time [s], as a part of its force: by the squares of the terms of that point's
-/// acceleration [m²/s⁴], less what may be rounding of it [m/s²]. Most of it comes and goes.
+/// What a damped contact makes of the vibration that the method lets die before the struck point in
+/// a step h over the contact's time [s], as a part of its force: by the squares of the terms of
+/// that point's acceleration [m²/s⁴], less what may be rounding of it [m/s²]. Most of it comes and
+/// goes; vibration too fast for the step turns by more than a radian a stage, and has that much
+/// less speed.
 template <int S>
 double error_of_rate(const Eigen::Array<double, S, 1>& squares, double rounding, double damping,
-                     double time) {
+                     double time, double h) {
   constexpr double share = 0.02;
-  return share * damping * time * std::max(series_remainder<S>(squares) - rounding, 0.0);
+  return damping * std::min(share * time, h / S) *
+         std::max(series_remainder<S>(squares) - rounding, 0.0);
 }
 
-/// Of an acceleration, by the rounding of places this far from the hinge [m/s²].
-inline double rounding_of_acceleration(double length, double h) {
-  return 16.0 * std::numeric_limits<double>::epsilon() * length / (h * h);
+/// Of an acceleration, by the rounding of displacements of this size [m/s²].
+inline double rounding_of_acceleration(double displacement, double h) {
+  return 16.0 * std::numeric_limits<double>::epsilon() * displacement / (h * h);
 }
 
 /// A method that lets fast vibration die must not let it take along energy that counts.
