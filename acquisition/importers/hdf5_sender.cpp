@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "acquisition/importers/hdf5_lzf.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/hdf5_handle.hpp"
 
@@ -35,6 +36,7 @@ struct OpenFile {
   explicit OpenFile(const std::string& path) {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     H5PLset_loading_state(0);  // no filter of a file loads a library
+    register_lzf();
     H5Pset_fclose_degree(access.id(), H5F_CLOSE_STRONG);
     file = Hdf5Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
   }
@@ -109,27 +111,28 @@ Hdf5Attributes attributes_of(hid_t object) {
   return found;
 }
 
-/// The type of ours that holds all numbers of a standard type; none for any other type.
+/// The type of ours that holds all numbers of a type, but for floating point wider than double
+/// precision; none where HDF5 knows no numbers. The values of an enumeration are its integers: h5py
+/// writes true and false so.
 std::optional<ArrayNumbers> numbers_of(hid_t type) {
-  const std::array<std::pair<hid_t, ArrayNumbers>, 22> standard = {
-      {{H5T_STD_I8LE, ArrayNumbers::i16},      {H5T_STD_I8BE, ArrayNumbers::i16},
-       {H5T_STD_U8LE, ArrayNumbers::i16},      {H5T_STD_U8BE, ArrayNumbers::i16},
-       {H5T_STD_I16LE, ArrayNumbers::i16},     {H5T_STD_I16BE, ArrayNumbers::i16},
-       {H5T_STD_U16LE, ArrayNumbers::i32},     {H5T_STD_U16BE, ArrayNumbers::i32},
-       {H5T_STD_I32LE, ArrayNumbers::i32},     {H5T_STD_I32BE, ArrayNumbers::i32},
-       {H5T_STD_U32LE, ArrayNumbers::f64},     {H5T_STD_U32BE, ArrayNumbers::f64},
-       {H5T_STD_I64LE, ArrayNumbers::f64},     {H5T_STD_I64BE, ArrayNumbers::f64},
-       {H5T_STD_U64LE, ArrayNumbers::f64},     {H5T_STD_U64BE, ArrayNumbers::f64},
-       {H5T_IEEE_F32LE, ArrayNumbers::f32},    {H5T_IEEE_F32BE, ArrayNumbers::f32},
-       {H5T_IEEE_F64LE, ArrayNumbers::f64},    {H5T_IEEE_F64BE, ArrayNumbers::f64},
-       {H5T_NATIVE_DOUBLE, ArrayNumbers::f64}, {H5T_NATIVE_FLOAT, ArrayNumbers::f32}}};
-  for (const auto& [known, numbers] : standard)
-    if (H5Tequal(type, known) > 0) return numbers;
-  return std::nullopt;
+  const H5T_class_t kind = H5Tget_class(type);
+  if (kind == H5T_ENUM) {
+    const Hdf5Handle integers(H5Tget_super(type), H5Tclose);
+    return numbers_of(integers.id());
+  }
+  if (kind == H5T_INTEGER) {
+    const std::size_t bits = H5Tget_precision(type) + (H5Tget_sign(type) == H5T_SGN_NONE ? 1 : 0);
+    return bits <= 16 ? ArrayNumbers::i16 : bits <= 32 ? ArrayNumbers::i32 : ArrayNumbers::f64;
+  }
+  if (kind != H5T_FLOAT) return std::nullopt;
+  std::size_t sign = 0, exponent_at = 0, exponent = 0, mantissa_at = 0, mantissa = 0;
+  if (H5Tget_fields(type, &sign, &exponent_at, &exponent, &mantissa_at, &mantissa) < 0)
+    return std::nullopt;
+  return exponent <= 8 && mantissa <= 23 ? ArrayNumbers::f32 : ArrayNumbers::f64;
 }
 
 bool is_wide(hid_t type) {
-  return H5Tget_class(type) == H5T_INTEGER && H5Tget_size(type) == 8;
+  return H5Tget_class(type) == H5T_INTEGER && H5Tget_precision(type) > 53;
 }
 
 hid_t memory_type(ArrayNumbers numbers) {
@@ -164,11 +167,9 @@ std::string storage_problem(hid_t data, const std::vector<std::uint64_t>& shape,
     unsigned config = 0;
     const H5Z_filter_t filter = H5Pget_filter2(creation.id(), static_cast<unsigned>(i), &flags,
                                                &values, nullptr, 0, nullptr, &config);
-    if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE &&
-        filter != H5Z_FILTER_FLETCHER32)
+    if (H5Zfilter_avail(filter) <= 0)
       return fmt::format(
-          "packed by filter {}, only deflate, shuffle and Fletcher32 are read: "
-          "h5repack -f GZIP=1 rewrites it",
+          "packed by filter {}; HDF5's own and lzf are read: h5repack -f GZIP=1 rewrites it",
           filter);
   }
   const std::uint64_t stored = H5Dget_storage_size(data);
@@ -242,10 +243,10 @@ class Walk {
     out_.text("group");
     out_.text(path);
     put(attributes);
-    std::vector<std::pair<std::string, bool>> links;  // name, hard
+    std::vector<Link> links;
     hsize_t at = 0;
     H5Literate(id, H5_INDEX_NAME, H5_ITER_INC, &at, take_link, &links);
-    for (const auto& [name, hard] : links) {
+    for (const auto& [name, kind] : links) {
       if (++objects_ > most_objects) {
         if (objects_ == most_objects + 1) skip(path, "more than 10000 objects");
         return;
@@ -253,18 +254,38 @@ class Walk {
       const std::string full = path == "/" ? "/" + name : path + "/" + name;
       if (full.size() > longest_path) {
         skip(full.substr(0, 100), "a path of over 1000 bytes");
-      } else if (!hard) {
-        skip(full, "a link");
+      } else if (kind != H5L_TYPE_HARD) {
+        skip(full, link_target(id, name, kind));
       } else {
         object(id, name, full, depth);
       }
     }
   }
 
+  struct Link {
+    std::string name;
+    H5L_type_t kind;
+  };
+
   static herr_t take_link(hid_t, const char* name, const H5L_info_t* info, void* to) {
-    auto& links = *static_cast<std::vector<std::pair<std::string, bool>>*>(to);
-    links.emplace_back(name, info->type == H5L_TYPE_HARD);
+    auto& links = *static_cast<std::vector<Link>*>(to);
+    links.push_back({name, info->type});
     return links.size() > most_objects ? 1 : 0;
+  }
+
+  /// What else it is listed as.
+  static std::string link_target(hid_t group, const std::string& name, H5L_type_t kind) {
+    if (kind != H5L_TYPE_SOFT) return "a link into another file";
+    H5L_info_t info{};
+    std::string target;
+    if (H5Lget_info(group, name.c_str(), &info, H5P_DEFAULT) >= 0 &&
+        info.u.val_size <= longest_path) {
+      target.resize(info.u.val_size);
+      if (H5Lget_val(group, name.c_str(), target.data(), target.size(), H5P_DEFAULT) < 0)
+        target.clear();
+    }
+    target = to_utf8(target.substr(0, target.find('\0')));
+    return target.empty() ? "a link" : fmt::format("a link to '{}'", target);
   }
 
   void object(hid_t parent, const std::string& name, const std::string& path, int depth) {

@@ -60,6 +60,83 @@ TEST(ForeignHdf5, EveryTypeOfNumberIsRead) {
   EXPECT_TRUE(std::holds_alternative<std::vector<std::int16_t>>(record.channels[2].raw));
 }
 
+// Half precision, 24 bits of a converter, h5py's true and false.
+TEST(ForeignHdf5, NumbersOfOtherWidthsAreReadAsTheNextOfOurs) {
+  const hid_t half = H5Tcopy(H5T_IEEE_F32LE), bits = H5Tcopy(H5T_STD_I32LE);
+  H5Tset_fields(half, 15, 10, 5, 0, 10);
+  H5Tset_size(half, 2);
+  H5Tset_ebias(half, 15);
+  H5Tset_precision(bits, 24);
+  const hid_t truth = H5Tenum_create(H5T_STD_I8LE);
+  for (const auto& [name, value] : {std::pair{"FALSE", std::int8_t{0}}, {"TRUE", std::int8_t{1}}})
+    H5Tenum_insert(truth, name, &value);
+  const Hdf5File file;
+  file.data<double>("/half", {3}, {0.5, -2.0, 1024.0}, H5T_NATIVE_DOUBLE, half);
+  file.data<std::int32_t>("/bits", {2}, {8388607, -5}, H5T_NATIVE_INT32, bits);
+  file.data<std::int8_t>("/truth", {3}, {0, 1, 1}, truth, truth);
+  file.data<long double>("/long", {2}, {0.25L, -3.0L}, H5T_NATIVE_LDOUBLE, H5T_NATIVE_LDOUBLE);
+  for (const hid_t type : {half, bits, truth}) H5Tclose(type);
+  const auto record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 4U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(8388607, -5));
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(0.5, -2.0, 1024.0));
+  EXPECT_TRUE(std::holds_alternative<std::vector<float>>(record.channels[1].raw));
+  EXPECT_THAT(record.channels[2].values(), ElementsAre(0.25, -3.0));
+  EXPECT_THAT(record.channels[3].values(), ElementsAre(0, 1, 1));
+}
+
+/// A data set of 16 numbers of 16 bits in one piece that is packed by these filters, or already is.
+void packed(const Hdf5File& file, const char* name, void (*filters)(hid_t creation),
+            const std::string& piece = {}) {
+  const hsize_t size = 16, none = 0;
+  const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(creation, 1, &size);
+  filters(creation);
+  const hid_t space = H5Screate_simple(1, &size, nullptr);
+  const hid_t set =
+      H5Dcreate2(file.id(), name, H5T_STD_I16LE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+  std::vector<std::int16_t> values(size);
+  for (std::size_t i = 0; i < size; ++i) values[i] = i % 2 == 0 ? 1 : 2;
+  if (piece.empty())
+    H5Dwrite(set, H5T_NATIVE_INT16, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  else
+    H5Dwrite_chunk(set, H5P_DEFAULT, 0, &none, piece.size(), piece.data());
+  H5Dclose(set);
+  H5Sclose(space);
+  H5Pclose(creation);
+}
+
+void set_lzf(hid_t creation) {
+  const unsigned values[] = {4, 0x0105, 32};
+  H5Pset_filter(creation, 32000, H5Z_FLAG_OPTIONAL, 3, values);
+}
+
+TEST(ForeignHdf5, PiecesPackedByHdf5OrH5pyAreRead) {
+  const Hdf5File file;
+  packed(file, "/a", [](hid_t creation) { H5Pset_nbit(creation); });
+  packed(file, "/b", [](hid_t creation) { H5Pset_scaleoffset(creation, H5Z_SO_INT, 0); });
+  // four bytes as they are, then 28 that repeat what is four bytes back
+  packed(file, "/c", set_lzf, std::string("\x03\x01\x00\x02\x00\xE0\x13\x03", 8));
+  const auto record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 3U);
+  for (const datasets::Channel& channel : record.channels)
+    EXPECT_THAT(channel.values(), ElementsAre(1, 2, 1, 2, 1, 2, 1, 2, 1, 2, 1, 2, 1, 2, 1, 2))
+        << channel.name;
+}
+
+TEST(ForeignHdf5, DamagedLzfPiecesAreNamed) {
+  for (const std::string& piece :
+       {std::string("\x1F\x01", 2),                             // fewer bytes than it says
+        std::string("\x00\x01\x20\x05", 4),                     // from before its beginning
+        std::string("\x00\x01\xE0", 3),                         // cut
+        std::string("\x03\x01\x00\x02\x00\xE0\xFF\x03", 8)}) {  // more than there is room for
+    const Hdf5File file;
+    packed(file, "/c", set_lzf, piece);
+    file.number("/", "sample_rate", 1000.0);
+    EXPECT_THAT(import_error(file.bytes()), HasSubstr("is damaged: /c cannot be read"));
+  }
+}
+
 TEST(ForeignHdf5, TablesAreColumnsAlongTheirLongerSide) {
   std::vector<std::int16_t> values(600);
   std::iota(values.begin(), values.end(), std::int16_t{0});
@@ -121,7 +198,9 @@ TEST(ForeignHdf5, LinksAndLoopsAreNotFollowed) {
   ASSERT_EQ(record.channels.size(), 1U);
   EXPECT_THAT(record.warnings[0], HasSubstr("'/a/loop' (a group that is listed already)"));
   EXPECT_THAT(record.warnings[0], HasSubstr("(nested too deeply)"));
-  EXPECT_THAT(record.warnings[0], HasSubstr("'/outside' (a link), '/soft' (a link)"));
+  EXPECT_THAT(record.warnings[0],
+              HasSubstr("'/outside' (a link into another file), '/soft' (a link to "
+                        "'/a')"));
 }
 
 TEST(ForeignHdf5, WhatIsNotReadIsNamed) {
@@ -129,10 +208,10 @@ TEST(ForeignHdf5, WhatIsNotReadIsNamed) {
   const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
   const hsize_t size = 1000000;
   H5Pset_chunk(creation, 1, &size);
-  H5Pset_nbit(creation);
+  H5Pset_filter(creation, 305, H5Z_FLAG_OPTIONAL, 0, nullptr);
   const hid_t space = H5Screate_simple(1, &size, nullptr);
   H5Dclose(
-      H5Dcreate2(file.id(), "/nbit", H5T_STD_I16LE, space, H5P_DEFAULT, creation, H5P_DEFAULT));
+      H5Dcreate2(file.id(), "/alien", H5T_STD_I16LE, space, H5P_DEFAULT, creation, H5P_DEFAULT));
   H5Pclose(creation);
   H5Dclose(H5Dcreate2(file.id(), "/unwritten", H5T_STD_I16LE, space, H5P_DEFAULT, H5P_DEFAULT,
                       H5P_DEFAULT));
@@ -142,10 +221,9 @@ TEST(ForeignHdf5, WhatIsNotReadIsNamed) {
   const auto record = imported(file.bytes());
   EXPECT_EQ(record.channels.size(), 0U);
   EXPECT_EQ(record.warnings[0],
-            "not read: '/nbit' (packed by filter 5, only deflate, shuffle and Fletcher32 are "
-            "read: h5repack -f GZIP=1 rewrites it), '/reference' (references), '/unwritten' (it "
-            "declares 2000000 bytes and holds "
-            "0)");
+            "not read: '/alien' (packed by filter 305; HDF5's own and lzf are read: h5repack -f "
+            "GZIP=1 rewrites it), '/reference' (references), '/unwritten' (it declares 2000000 "
+            "bytes and holds 0)");
   EXPECT_EQ(record.warnings[1], "there are no data sets of numbers: there are no channels");
 }
 
