@@ -11,8 +11,8 @@ namespace impactrig::acquisition {
 namespace {
 
 constexpr H5Z_filter_t lzf_filter = 32000;
-// Three bytes stand for 264 at most.
-constexpr std::size_t most_expansion = 88;
+// Three bytes stand for 264 at most, and no larger pieces are read [bytes].
+constexpr std::size_t most_expansion = 88, largest_piece = std::size_t{128} << 20;
 
 /// Unpacks all of it, or tells 0: damaged, or more than there is room for. A control byte below 32
 /// is followed by as many bytes and one to be copied; of others three bits are the length less 2 of
@@ -49,7 +49,7 @@ std::size_t unpack(std::span<const unsigned char> in, std::span<unsigned char> o
 std::size_t filter(unsigned flags, std::size_t count, const unsigned values[], std::size_t bytes,
                    std::size_t* room, void** buffer) {
   if ((flags & H5Z_FLAG_REVERSE) == 0) return 0;  // files are read, not written
-  std::size_t size = bytes * most_expansion;
+  std::size_t size = std::min(bytes * most_expansion, largest_piece);
   if (count > 2 && values[2] > 0) size = std::min<std::size_t>(size, values[2]);
   void* const unpacked = H5allocate_memory(size, false);
   if (unpacked == nullptr) return 0;

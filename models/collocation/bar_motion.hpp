@@ -148,7 +148,7 @@ class BarMotion {
   /// For how long from the last step taken the points before the stops, with these gaps [m],
   /// certainly stay away from them, in free flight [s]; zero where that is not known. More than
   /// `most` is of no use [s].
-  virtual double clear_time(std::span<const double> /*gaps*/, double /*most*/) const { return 0.0; }
+  virtual double clear_time(std::span<const double> /*gaps*/, double /*most*/) { return 0.0; }
 
   /// Free flight for as long as that, or longer where there is no stop. Called where clear_time()
   /// is not zero.

@@ -13,8 +13,7 @@ namespace {
 
 // How much further than the modes at their largest the vibration may be thought to reach.
 constexpr double reach_margin = 1.05;
-// How wide a swing watched_time() takes, as sin(θ/2), and how often it looks at most.
-constexpr double widest_watched = 0.25;
+// How often watched_time() looks at most.
 constexpr int most_looks = 1000;
 
 /// Angle of the swing under a unit coordinate of the pendulum's mode [rad √kg⁻¹ m⁻¹].
@@ -140,35 +139,30 @@ double ModalFlight::neglected(const Eigen::VectorXd& row, double time) const {
 
 double ModalFlight::watched_time(const ModalBeam& beam, const ModalState& from,
                                  std::span<const double> gaps, double least, double most) {
-  const double omega = beam.omega()[0], scale = angle_of_mode(beam);
-  const PendulumSwing::State swing = swing_of(beam, from);
-  double widest = 0.0;
-  if (omega > 0.0) {
-    const double modulus = std::hypot(std::sin(0.5 * swing.angle), 0.5 * swing.rate / omega);
-    if (!(modulus < widest_watched)) return 0.0;
-    widest = 2.1 * modulus;  // at least 2 asin k
-  }
-  // θ̈ = −ω² sin θ is at most ω² θ, and departs from −ω² θ by at most ω² θ³ / 6
-  const double turning = omega * omega * widest, departing = turning * widest * widest / 6.0;
-  const Eigen::Index n = beam.modes() - 1;
   static thread_local ModalState there;  // at every step: no allocation
   static thread_local Eigen::ArrayXd accelerations;
   there = from;
-  accelerations = beam.omega().tail(n).array() *
-                  ((beam.omega().tail(n).array() * from.a.tail(n).array()).square() +
-                   from.rate.tail(n).array().square())
-                      .sqrt();
+  accelerations =
+      beam.omega().array() *
+      ((beam.omega().array() * from.a.array()).square() + from.rate.array().square()).sqrt();
   double time = 0.0;
   for (int look = 0; look < most_looks; ++look) {
     if (look > 0) advance(beam, time, NodeVector::Zero(1), from, there);
     double clear = most - time;
+    bool near = false;
     for (std::size_t stop = 0; stop < gaps.size(); ++stop) {
       const Eigen::VectorXd& row = beam.struck(static_cast<int>(stop));
-      const double arm = std::abs(row[0] / scale);
-      const double most_acceleration =
-          arm * turning + (row.tail(n).array().abs() * accelerations).sum();
-      const double speed = row.dot(there.rate) + arm * departing * time;
-      double room = gaps[stop] - row.dot(there.a) - 0.5 * arm * departing * time * time;
+      // how far the swing still has to carry it away until the vibration cannot bring it back
+      const PendulumSwing::State swing = swing_of(beam, there);
+      const double arm = row[0] / angle_of_mode(beam);
+      const double within =
+          arm * swing.angle + reach_margin * reach_of(beam, from, row) - gaps[stop];
+      near = near || within > 0.0;
+      if (within > 0.0 && arm * swing.rate < 0.0)
+        clear = std::min(clear, -1.02 * within / (arm * swing.rate));
+      const double most_acceleration = (row.array().abs() * accelerations).sum();
+      const double speed = row.dot(there.rate);
+      double room = gaps[stop] - row.dot(there.a);
       if (look == 0) room = std::max(room, 0.0);  // it is free, whatever rounding says
       if (!(room >= 0.0)) return time;
       // speed t + ½ acceleration t² = room, in a form that does not cancel
@@ -178,6 +172,7 @@ double ModalFlight::watched_time(const ModalBeam& beam, const ModalState& from,
       else if (most_acceleration > 0.0)
         clear = std::min(clear, (root - speed) / most_acceleration);
     }
+    if (!near) return time;
     if (time + clear >= most) return most;
     clear *= 0.99;  // of what is rounded
     if (!(clear >= least)) return time;

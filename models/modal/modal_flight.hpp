@@ -64,9 +64,10 @@ class ModalFlight {
   /// near, or turns over.
   double clear_time(std::span<const double> gaps) const;
 
-  /// As clear_time(), where the vibration might reach a stop but does not: from look to look, each
-  /// as far as gap, speed and the largest acceleration there may be let nothing happen. Ends before
-  /// looks lead on by less than `least`, and at `most` [s]; zero for swings that are too wide.
+  /// As clear_time(), of a bar that moves on in its modes, the swing too, where the vibration might
+  /// reach a stop but does not: from look to look, each as far as gap, speed and the largest
+  /// acceleration there may be let nothing happen. Ends before looks lead on by less than `least`,
+  /// at `most` [s], and where the swing has carried it beyond the vibration's reach.
   static double watched_time(const ModalBeam& beam, const ModalState& from,
                              std::span<const double> gaps, double least, double most);
 

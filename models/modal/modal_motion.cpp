@@ -236,16 +236,20 @@ void ModalMotion::note_left_out(double part) {
   if (velocity_row_.size() > 0) note(left_out_.shown, off_rate.dot(velocity_row_.cwiseAbs()));
 }
 
-double ModalMotion::clear_time(std::span<const double> gaps, double most) const {
+double ModalMotion::clear_time(std::span<const double> gaps, double most) {
   if (!flies_) return 0.0;
-  if (!ModalFlight::may_reach(beam_, state_, gaps))
-    return ModalFlight(beam_, state_).clear_time(gaps);
+  watched_ = ModalFlight::may_reach(beam_, state_, gaps);
+  if (!watched_) return ModalFlight(beam_, state_).clear_time(gaps);
   return ModalFlight::watched_time(beam_, state_, gaps, look_share * step(), most);
 }
 
 void ModalMotion::fly(double time) {
-  ModalFlight(beam_, state_).state_after(time, scratch_);
-  dropped_ += ModalFlight::drop(beam_, scratch_) - ModalFlight::drop(beam_, state_);
+  if (watched_) {
+    advance(beam_, time, NodeVector::Zero(1), state_, scratch_);
+  } else {
+    ModalFlight(beam_, state_).state_after(time, scratch_);
+    dropped_ += ModalFlight::drop(beam_, scratch_) - ModalFlight::drop(beam_, state_);
+  }
   std::swap(state_, scratch_);
   first_contact_ = FirstContact::over;
   ++flights_.count;
@@ -254,6 +258,7 @@ void ModalMotion::fly(double time) {
 }
 
 void ModalMotion::sample_flight(double first, double spacing, std::span<Sample> samples) {
+  if (watched_) return sample_watched(first, spacing, samples);
   const ModalFlight flight(beam_, state_);
   const bool single = ready_to_sample() && flight.swing().is_short(spacing);
   for (std::size_t k = 0; k < samples.size(); ++k) {
@@ -275,7 +280,26 @@ void ModalMotion::sample_flight(double first, double spacing, std::span<Sample> 
   }
 }
 
+/// As steps would see it.
+void ModalMotion::sample_watched(double first, double spacing, std::span<Sample> samples) {
+  const bool single = ready_to_sample();
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    if (k > 0 && single) {
+      sampling_->coast(sampled_[0], sampled_[1]);
+      std::swap(sampled_[0], sampled_[1]);
+    } else {
+      advance(beam_, first + static_cast<double>(k) * spacing, NodeVector::Zero(1), state_,
+              sampled_[0]);
+    }
+    samples[k] = look(sampled_[0]);
+  }
+}
+
 PointMotion ModalMotion::struck_in_flight(int stop, double time) {
+  if (watched_) {
+    advance(beam_, time, NodeVector::Zero(1), state_, scratch_);
+    return struck(stop, scratch_);
+  }
   ModalFlight(beam_, state_).state_after(time, scratch_);
   return ModalFlight::on_circle(beam_, beam_.struck(stop), scratch_);
 }

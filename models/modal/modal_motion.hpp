@@ -85,7 +85,7 @@ class ModalMotion : public BarMotion {
   /// What this leaves out is not estimated: neglected() and missing_pull() stay as they are.
   void leave_judging() { judges_ = false; }
 
-  double clear_time(std::span<const double> gaps, double most) const override;
+  double clear_time(std::span<const double> gaps, double most) override;
   void fly(double time) override;
   void sample_flight(double first, double spacing, std::span<Sample> samples) override;
   PointMotion struck_in_flight(int stop, double time) override;
@@ -148,6 +148,7 @@ class ModalMotion : public BarMotion {
   double work_on_stops(double part) const;
   double free_acceleration(int stop, const ModalState& state) const;
   bool ready_to_sample();
+  void sample_watched(double first, double spacing, std::span<Sample> samples);
   void advance_sample(double from, double spacing);
 
   const ModalBar& bar_;
@@ -165,6 +166,7 @@ class ModalMotion : public BarMotion {
   std::vector<NodeVector> series_;  // of the force of each stop
   double energy_scale_ = 0.0;
   bool flies_;
+  bool watched_ = false;  // the flight that clear_time() told of: moves on as steps would
   Flights flights_;
   double dropped_ = 0.0;  // by flights, against what the modes have it [J]
   double shortening_ = 0.0, stretching_ = 0.0, neglected_ = 0.0;
