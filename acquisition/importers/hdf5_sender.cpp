@@ -432,8 +432,6 @@ class Walk {
         return "a list";
       case H5T_REFERENCE:
         return "references";
-      case H5T_ENUM:
-        return "an enumeration";
       case H5T_VLEN:
         return "lists of different length";
       default:

@@ -92,7 +92,7 @@ class ReissnerChain {
         if (node + place < coordinates()) visit(node + place, node + place + beside, node);
   }
 
-  /// Of the bar at a node, given by its X, closing < 0 [rad].
+  /// Of the bar at a node, given by its X, closing < 0.
   static BarDirection direction(const Eigen::ArrayXd& q, int node) {
     const double angle = q[node + Element::turn0];
     return {std::cos(angle), std::sin(angle)};

@@ -39,35 +39,17 @@ struct LaneMath {
 
   static void store(Real x, double* lanes) { __builtin_memcpy(lanes, &x, sizeof x); }
 
-  /// Half as many numbers, twice.
-  static Real twice(const double* numbers) {
-    const typename LaneTypes<N / 2>::Real half = LaneMath<N / 2>::load(numbers);
-#ifdef __AVX__  // g++ 12 loads and permutes, which is slower
-    if constexpr (N == 4) return __builtin_ia32_vbroadcastf128_pd256(&half);
-#endif
-    return [&]<int... I>(std::integer_sequence<int, I...>) {
-      return __builtin_shufflevector(half, half, (I % (N / 2))...);
-    }
-    (std::make_integer_sequence<int, N>());
-  }
-
   static bool any(Mask mask) {
     if constexpr (N > 4) mask |= turned<4>(mask);
     if constexpr (N > 2) mask |= turned<2>(mask);
     return (mask[0] | mask[1]) != 0;
   }
 
-  static Bits bits(Real x) {
-    return reinterpret_cast<Bits>(x);
-  }
+  static Bits bits(Real x) { return reinterpret_cast<Bits>(x); }
 
-  static Real real(Bits x) {
-    return reinterpret_cast<Real>(x);
-  }
+  static Real real(Bits x) { return reinterpret_cast<Real>(x); }
 
-  static Real magnitude(Real x) {
-    return real(bits(x) & (~std::uint64_t{0} >> 1));
-  }
+  static Real magnitude(Real x) { return real(bits(x) & (~std::uint64_t{0} >> 1)); }
 
   /// The size of one with the sign of the other.
   static Real with_sign(Real size, Real sign) {
@@ -75,13 +57,9 @@ struct LaneMath {
     return real((bits(size) & ~top) | (bits(sign) & top));
   }
 
-  static Real larger(Real x, Real y) {
-    return x > y ? x : y;
-  }
+  static Real larger(Real x, Real y) { return x > y ? x : y; }
 
-  static Real smaller(Real x, Real y) {
-    return x < y ? x : y;
-  }
+  static Real smaller(Real x, Real y) { return x < y ? x : y; }
 
   static Real root(Real x) {
     Real result = Real{};
@@ -115,6 +93,18 @@ struct LaneMath {
     const Real half_square = 0.5 * f * f;
     return k * 6.93147180369123816490e-01 -
            ((half_square - (s * (half_square + odd + even) + k * 1.90821492927058770002e-10)) - f);
+  }
+
+  /// Half as many numbers, twice.
+  static Real twice(const double* numbers) {
+    const typename LaneTypes<N / 2>::Real half = LaneMath<N / 2>::load(numbers);
+#ifdef __AVX__  // g++ 12 loads and permutes, which is slower
+    if constexpr (N == 4) return __builtin_ia32_vbroadcastf128_pd256(&half);
+#endif
+    return [&]<int... I>(std::integer_sequence<int, I...>) {
+      return __builtin_shufflevector(half, half, (I % (N / 2))...);
+    }
+    (std::make_integer_sequence<int, N>());
   }
 
   /// The lanes, those from a place on first.

@@ -7,25 +7,15 @@
 namespace impactrig::models {
 
 void advance_modes(ModesUnderForce& modes) {
-  switch (processor()) {
-    case Processor::avx512:
-      return advance_modes_avx512(modes);
-    case Processor::avx2:
-      return advance_modes_avx2(modes);
-    case Processor::any:
-      return ModeAdvance<2>(modes).advance();
-  }
+  on_processor<ModesUnderForce>(
+      modes, [](ModesUnderForce& own) { ModeAdvance<2>(own).advance(); }, advance_modes_avx2,
+      advance_modes_avx512);
 }
 
 void step_modes(const ModesOverStep& modes) {
-  switch (processor()) {
-    case Processor::avx512:
-      return step_modes_avx512(modes);
-    case Processor::avx2:
-      return step_modes_avx2(modes);
-    case Processor::any:
-      return ModeStep<2>(modes).respond();
-  }
+  on_processor<const ModesOverStep>(
+      modes, [](const ModesOverStep& own) { ModeStep<2>(own).respond(); }, step_modes_avx2,
+      step_modes_avx512);
 }
 
 }  // namespace impactrig::models

@@ -13,6 +13,19 @@ enum class Processor { any, avx2, avx512 };
 /// The best of them that this machine has.
 Processor processor();
 
+/// Does the work by the code for that one.
+template <typename Work>
+void on_processor(Work& work, void (*plain)(Work&), void (*avx2)(Work&), void (*avx512)(Work&)) {
+  switch (processor()) {
+    case Processor::avx512:
+      return avx512(work);
+    case Processor::avx2:
+      return avx2(work);
+    case Processor::any:
+      return plain(work);
+  }
+}
+
 void advance_modes_avx2(ModesUnderForce& modes);
 void advance_modes_avx512(ModesUnderForce& modes);
 void step_modes_avx2(const ModesOverStep& modes);

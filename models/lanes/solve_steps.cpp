@@ -6,14 +6,7 @@
 namespace impactrig::models {
 
 void solve_steps(StepLanes& lanes) {
-  switch (processor()) {
-    case Processor::avx512:
-      return solve_steps_avx512(lanes);
-    case Processor::avx2:
-      return solve_steps_avx2(lanes);
-    case Processor::any:
-      return solve_steps_by<2>(lanes);
-  }
+  on_processor(lanes, solve_steps_by<2>, solve_steps_avx2, solve_steps_avx512);
 }
 
 }  // namespace impactrig::models

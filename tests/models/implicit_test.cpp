@@ -147,6 +147,37 @@ struct BentBar {
   Eigen::VectorXd q, v;
 };
 
+/// Stages that differ, each accelerated as the bar is in its place.
+template <int S>
+void expect_balanced_stages() {
+  BentBar bent;
+  bent.rig.beam.damping = {};
+  bent.rig.hinge.viscous = 0.0;
+  AncfBeam& beam = bent.beam();
+  const AncfChain chain(beam);
+  StageArray<S> q(S, chain.coordinates()), a = q, residual = q, without = q;
+  Eigen::ArrayXd nodes;
+  for (int i = 0; i < S; ++i) {
+    const Eigen::VectorXd stage = (1.0 - 0.1 * i) * bent.q,
+                          rest = Eigen::VectorXd::Zero(beam.size());
+    Eigen::VectorXd acceleration(beam.size());
+    beam.acceleration(stage, rest, 0.0, acceleration);
+    chain.from_beam(stage, nodes);
+    q.row(i) = nodes.transpose();
+    chain.from_beam(acceleration, nodes);
+    a.row(i) = nodes.transpose();
+  }
+  chain.residual<S>(q, a, residual);
+  chain.residual<S>(q, StageArray<S>::Zero(S, chain.coordinates()), without);
+  for (int i = 0; i < S; ++i)
+    EXPECT_LT(residual.row(i).abs().maxCoeff(), 1e-11 * without.row(i).abs().maxCoeff()) << i;
+}
+
+TEST(AncfChain, BalancesEveryStageByItself) {
+  expect_balanced_stages<4>();
+  expect_balanced_stages<8>();
+}
+
 TEST(AncfChain, IsTheBarNodeByNode) {
   BentBar bar;
   const AncfChain chain(bar.beam());

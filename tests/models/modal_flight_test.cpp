@@ -70,6 +70,20 @@ TEST(PendulumSwing, IsSteppedOverShortTimesAsExactly) {
     }
 }
 
+// All five derivatives are right: the angle's error is of the sixth order, the rate's of the fifth.
+TEST(PendulumSwing, IsSteppedByFiveDerivatives) {
+  const double omega = 4.3;
+  const PendulumSwing swing(omega, {0.7, -1.9});
+  const auto errors = [&](double time) {
+    const PendulumSwing::State found = PendulumSwing::stepped(omega, swing.start(), time);
+    const PendulumSwing::State exact = swing.after(time);
+    return std::array{std::abs(found.angle - exact.angle), std::abs(found.rate - exact.rate)};
+  };
+  const auto whole = errors(0.02), half = errors(0.01);
+  EXPECT_NEAR(std::log2(whole[0] / half[0]), 6.0, 0.1);
+  EXPECT_NEAR(std::log2(whole[1] / half[1]), 5.0, 0.1);
+}
+
 TEST(PendulumSwing, ComesUpThroughAnAngleWhenItSaysSo) {
   for (const double omega : {4.3, 0.0})
     for (const Swing& from : {Swing{-0.3, -1.0}, {-0.3, 1.0}, {-1.2, 0.0}, {-0.1, -4.0}})
