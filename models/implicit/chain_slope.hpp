@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "models/hinge_friction.hpp"
 #include "models/implicit/chain_points.hpp"
 #include "models/implicit/seen_points.hpp"
 #include "models/sensitivities/motion_slope.hpp"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "models/beams/floating_frame.hpp"
+#include "models/hinge_friction.hpp"
 #include "models/implicit/frame_bar.hpp"
 #include "models/implicit/seen_points.hpp"
 #include "models/sensitivities/motion_slope.hpp"
