@@ -14,7 +14,7 @@ using datasets::Record;
 namespace {
 
 /// A text between quotes, as TOML has it.
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') out += '\\';
@@ -38,7 +38,7 @@ std::string which(const Record& record, std::size_t index) {
   const bool is_no_name = name.empty() || name.find_first_of("*?") != std::string::npos ||
                           std::ranges::count(record.channels, name, &Channel::name) > 1;
   return is_no_name ? fmt::format("index = {}  # {}\n", index, on_one_line(name))
-                    : fmt::format("match = {}\n", quoted(name));
+                    : fmt::format("match = {}\n", in_quotes(name));
 }
 
 /// Comments for what is to be stated of volts and coulombs, and of what may be either.
@@ -54,7 +54,7 @@ std::string electrical(std::string_view unit) {
 /// Unit, role and sensitivity of a channel; those that have to be stated first are comments.
 std::string what(const Channel& channel) {
   const std::string_view si = datasets::si_unit(channel.quantity);
-  const std::string role = fmt::format("role = {}\n", quoted(datasets::name(channel.quantity)));
+  const std::string role = fmt::format("role = {}\n", in_quotes(datasets::name(channel.quantity)));
   const bool is_electrical =
       channel.quantity == Quantity::voltage || channel.quantity == Quantity::charge;
   const bool is_physical = !si.empty() && !is_electrical;
@@ -63,7 +63,7 @@ std::string what(const Channel& channel) {
   if (channel.unit.empty())
     return is_physical ? fmt::format("# unit = \"{}\"  # the file states none\n# {}", si, role)
                        : "# unit = \"V\"  # the file states none\n" + electrical("");
-  const std::string unit = fmt::format("unit = {}", quoted(channel.unit));
+  const std::string unit = fmt::format("unit = {}", in_quotes(channel.unit));
   if (!unit_of_weight(channel.unit, Quantity::force).empty())
     return unit +
            "  # a mass; \"kgf\" where its weight is meant, \"kilo-g\" for 1000 g\n# role = "

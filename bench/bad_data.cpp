@@ -29,6 +29,7 @@
 #include "datasets/store.hpp"
 #include "fitting/all_cores.hpp"
 #include "fitting/rig_file.hpp"
+#include "tests/support/places.hpp"
 
 namespace {
 
@@ -183,7 +184,7 @@ void cut_before(datasets::Record& record, double time) {
 }
 
 struct Study {
-  std::string rig = IMPACTRIG_SOURCE_DIR "/datasets/samples/shen2007.toml";
+  std::string rig = tests::source_dir + "/datasets/samples/shen2007.toml";
   std::string program = IMPACTRIG_PROGRAM;
   std::vector<std::string> set = {"solver.model=hybrid", "solver.modes=12"};
   std::string only, output;

@@ -29,6 +29,7 @@
 #include "fitting/all_cores.hpp"
 #include "fitting/fit.hpp"
 #include "fitting/rig_file.hpp"
+#include "tests/support/places.hpp"
 
 namespace {
 
@@ -45,7 +46,7 @@ const std::vector<std::string> disturbances = {"hum",   "drift",  "speckle",    
 constexpr double normal_quantile = 1.959963984540054;  // 97.5 %
 
 struct Study {
-  std::string rig = IMPACTRIG_SOURCE_DIR "/datasets/samples/shen2007.toml";
+  std::string rig = tests::source_dir + "/datasets/samples/shen2007.toml";
   std::vector<std::string> set, truth_set, without;
   std::uint64_t seed = 101;
   int shots = 40;

@@ -24,6 +24,7 @@
 #include "fitting/rig_file.hpp"
 #include "models/ensemble.hpp"
 #include "models/modal/bar_cache.hpp"
+#include "tests/support/places.hpp"
 
 namespace {
 
@@ -38,7 +39,7 @@ struct Study {
 };
 
 fitting::RigFile scene() {
-  return fitting::read_rig_file(IMPACTRIG_SOURCE_DIR "/datasets/samples/shen2007.toml",
+  return fitting::read_rig_file(tests::source_dir + "/datasets/samples/shen2007.toml",
                                 {{"solver.model", "hybrid"},
                                  {"solver.basis", "pinned-free"},
                                  {"solver.modes", "12"},

@@ -19,6 +19,7 @@
 #include "bench/timing.hpp"
 #include "fitting/fit.hpp"
 #include "fitting/rig_file.hpp"
+#include "tests/support/places.hpp"
 
 namespace {
 
@@ -67,7 +68,7 @@ void measure(const std::string& path, const std::string& model,
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string rig = IMPACTRIG_SOURCE_DIR "/datasets/samples/shen2007.toml";
+  std::string rig = tests::source_dir + "/datasets/samples/shen2007.toml";
   int repeats = 5, least = 1, most = 6;
   bool hybrid_only = false, full = false;
   CLI::App program("What a fit costs against the number of free parameters");

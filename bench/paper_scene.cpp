@@ -13,6 +13,7 @@
 
 #include "fitting/rig_file.hpp"
 #include "models/simulation.hpp"
+#include "tests/support/places.hpp"
 
 namespace {
 
@@ -55,7 +56,7 @@ void print_case(const Case& c, const char* damping, const char* exponent, double
   overrides.push_back({"contact.damping", damping});
   overrides.push_back({"contact.exponent", exponent});
   const fitting::RigFile rig =
-      fitting::read_rig_file(IMPACTRIG_SOURCE_DIR "/datasets/samples/shen2007.toml", overrides);
+      fitting::read_rig_file(tests::source_dir + "/datasets/samples/shen2007.toml", overrides);
   models::Solver solver = rig.solver;
   solver.accuracy = coarse;
   const models::Simulation a = models::simulate(rig.rig, solver);

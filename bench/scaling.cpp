@@ -28,6 +28,7 @@
 #include "models/explain.hpp"
 #include "models/modal/bar_cache.hpp"
 #include "models/simulation.hpp"
+#include "tests/support/places.hpp"
 
 namespace {
 
@@ -35,7 +36,7 @@ using namespace impactrig;
 using Json = nlohmann::ordered_json;
 
 struct Study {
-  std::string rig = IMPACTRIG_SOURCE_DIR "/datasets/samples/shen2007.toml";
+  std::string rig = tests::source_dir + "/datasets/samples/shen2007.toml";
   std::vector<std::string> parts = {"elements", "contacts", "simplifications"};
   int most_elements = 1024;
   std::string output, plot;

@@ -31,6 +31,7 @@
 #include "datasets/record.hpp"
 #include "fitting/rig_file.hpp"
 #include "models/simulation.hpp"
+#include "tests/support/places.hpp"
 
 namespace {
 
@@ -38,7 +39,7 @@ using namespace impactrig;
 using Json = nlohmann::ordered_json;
 
 struct Study {
-  std::string rig = IMPACTRIG_SOURCE_DIR "/datasets/samples/shen2007.toml";
+  std::string rig = tests::source_dir + "/datasets/samples/shen2007.toml";
   std::vector<std::string> scenes;
   int runs = 7;
   double time_limit = 2.0;

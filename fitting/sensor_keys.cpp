@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <stdexcept>
@@ -116,7 +117,7 @@ namespace {
 datasets::UncertainValue read_factor(TableReader& table) {
   if (table.is_number("gain")) return {*table.number("gain"), 0.0};
   const std::string text = *table.text("gain");
-  if (text.find('C') != std::string::npos) refuse_gain_without_sensitivity(table);
+  if (std::ranges::find(text, 'C') != text.end()) refuse_gain_without_sensitivity(table);
   if (text.ends_with("dB"))
     table.refuse("gain",
                  fmt::format("\"{}\" is a level: state the factor, which for 20 dB is 10", text));

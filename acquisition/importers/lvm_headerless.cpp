@@ -34,8 +34,8 @@ std::string about(const std::string& name) {
 
 /// Columns counted from 1, in names, warnings and attributes.
 void count_from_one(Record& record) {
-  record.warnings.insert(record.warnings.begin(),
-                         "the file has no header: it is read as a table of numbers");
+  record.warnings.emplace(record.warnings.begin(),
+                          "the file has no header: it is read as a table of numbers");
   std::string& time_column = record.attributes["time column"];
   if (time_column.starts_with("column 0 (")) {
     time_column[7] = '1';

@@ -9,6 +9,7 @@
 
 #include "datasets/input_error.hpp"
 #include "tests/acquisition/exported.hpp"
+#include "tests/acquisition/shared_recordings.hpp"
 #include "tests/acquisition/written_file.hpp"
 
 namespace impactrig::acquisition {
@@ -323,7 +324,7 @@ TEST(Export, IntoAMissingFolderIsAFileError) {
 }
 
 TEST(Export, OfAThirdPartyRecordingComesBack) {
-  const std::filesystem::path shared = std::filesystem::path(IMPACTRIG_SHARED_DIR) / "recordings";
+  const std::filesystem::path shared = acquisition::tests::shared_recordings();
   if (!std::filesystem::exists(shared)) GTEST_SKIP() << "no recordings at " << shared;
   for (const char* name :
        {"uff/catman_time_history.uff", "uff/sample_58b_bin.uff", "text/rigol_ds1054z.csv",

@@ -10,6 +10,7 @@
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/importer.hpp"
 #include "tests/acquisition/scene.hpp"
+#include "tests/support/places.hpp"
 
 namespace impactrig::acquisition {
 namespace {
@@ -63,7 +64,7 @@ constexpr RealImpact real_impacts[] = {
 };
 
 TEST(FindImpacts, AgreesWithNumPyOnRealImpacts) {
-  const std::string folder = IMPACTRIG_SHARED_DIR "/recordings/";
+  const std::string folder = impactrig::tests::shared_dir + "/recordings/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no third-party recordings here";
   for (const RealImpact& real : real_impacts) {
     SCOPED_TRACE(std::string(real.file) + " column " + std::to_string(real.column));
@@ -86,7 +87,7 @@ TEST(FindImpacts, AgreesWithNumPyOnRealImpacts) {
 
 // The whole way of a user's file: import, condition, find.
 TEST(FindImpacts, FindsTheSameInAnImportedFile) {
-  const std::string folder = IMPACTRIG_SHARED_DIR "/recordings/";
+  const std::string folder = impactrig::tests::shared_dir + "/recordings/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no third-party recordings here";
   const Record record = condition(import_recording(folder + "text/drop_tower_accel_1.csv"), {});
   EXPECT_EQ(record.channels.size(), 5u);  // a sixth is named and has no column

@@ -7,12 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/places.hpp"
+
 namespace impactrig::acquisition::tests {
 
 /// The folder of third-party recordings, each with the answer of another reader beside it
 /// (X.truth.json); it may be absent.
 inline std::filesystem::path shared_recordings() {
-  return std::filesystem::path(IMPACTRIG_SHARED_DIR) / "recordings";
+  return std::filesystem::path(impactrig::tests::shared_dir) / "recordings";
 }
 
 /// Their names within that folder, in order.

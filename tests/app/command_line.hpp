@@ -11,9 +11,11 @@
 #include <sstream>
 #include <string>
 
+#include "tests/support/places.hpp"
+
 namespace impactrig::tests {
 
-inline const std::string samples = IMPACTRIG_SOURCE_DIR "/datasets/samples/";
+inline const std::string samples = source_dir + "/datasets/samples/";
 inline const std::string rig = samples + "shen2007.toml";
 
 inline std::string text_of(const std::filesystem::path& path) {

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "tests/app/command_line.hpp"
+#include "tests/support/places.hpp"
 
 namespace {
 
@@ -320,8 +321,8 @@ TEST_F(Compare, HelpsWithAnExample) {
 }
 
 TEST_F(Compare, ItsDocumentNamesSourcesThatAreInTheBibliography) {
-  const std::string document = text_of(IMPACTRIG_SOURCE_DIR "/docs/metrics.md");
-  const std::string bibliography = text_of(IMPACTRIG_SOURCE_DIR "/docs/references.bib");
+  const std::string document = text_of(impactrig::tests::source_dir + "/docs/metrics.md");
+  const std::string bibliography = text_of(impactrig::tests::source_dir + "/docs/references.bib");
   const std::regex key("\\[([A-Z][A-Za-z]*[0-9]+|ASMEVV20)\\](?!\\()");
   int found = 0;
   for (auto i = std::sregex_iterator(document.begin(), document.end(), key);

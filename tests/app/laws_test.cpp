@@ -16,6 +16,7 @@
 
 #include "tests/app/command_line.hpp"
 #include "tests/reports/markup.hpp"
+#include "tests/support/places.hpp"
 
 namespace {
 
@@ -376,8 +377,8 @@ std::vector<std::string> keys_of(const std::string& source) {
 }
 
 TEST_F(Laws, EachHasItsEntryInTheDocumentsAndItsSourceInTheBibliography) {
-  const std::string entries = text_of(IMPACTRIG_SOURCE_DIR "/docs/laws.md");
-  const std::string bibliography = text_of(IMPACTRIG_SOURCE_DIR "/docs/references.bib");
+  const std::string entries = text_of(impactrig::tests::source_dir + "/docs/laws.md");
+  const std::string bibliography = text_of(impactrig::tests::source_dir + "/docs/references.bib");
   const json all = told("");
   std::size_t keys = 0;
   for (const char* kind : {"elastic", "damping"})

@@ -16,6 +16,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "tests/support/places.hpp"
+
 namespace {
 
 using namespace impactrig::datasets;
@@ -330,7 +332,7 @@ TEST(SensorResponse, LowersThePeakAsMuchAsTheMeasuringChainsTableSays) {
 }
 
 TEST(SensorResponse, RingsAsAHalfSineMakesAResonantSensorRing) {
-  const std::string path = IMPACTRIG_SHARED_DIR "/reference/checks/sensor_response.json";
+  const std::string path = impactrig::tests::shared_dir + "/reference/checks/sensor_response.json";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no check values in " << path;
   const auto checks = nlohmann::json::parse(std::ifstream(path));
   ASSERT_EQ(checks["cases"].size(), 9u);

@@ -10,11 +10,12 @@
 #include "acquisition/importer.hpp"
 #include "fitting/direct_restitution.hpp"
 #include "models/simulation.hpp"
+#include "tests/support/places.hpp"
 
 namespace impactrig::fitting {
 namespace {
 
-const std::string samples = IMPACTRIG_SOURCE_DIR "/datasets/samples/";
+const std::string samples = impactrig::tests::source_dir + "/datasets/samples/";
 
 /// Noise, hum, drift, offsets, gains and delays of a laboratory day; truth beside each. What the
 /// truth file leaves out is what the simulation that made the shot says.

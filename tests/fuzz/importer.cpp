@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Feeds bytes to one importer (IMPACTRIG_FUZZED_FORMAT) as a file: a record whose parts fit
-// together, or an InputError. Anything else ends the program.
+// Feeds bytes to the importer of the format that IMPACTRIG_FUZZED_FORMAT names, as a file: a record
+// whose parts fit together, or an InputError. Anything else ends the program.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -27,11 +27,21 @@ void require(bool holds, const char* what) {
   std::abort();
 }
 
+/// The format all inputs are taken for.
+const std::string& fuzzed_format() {
+  static const std::string format = [] {
+    const char* name = std::getenv("IMPACTRIG_FUZZED_FORMAT");
+    require(name != nullptr, "the environment names a format");
+    return std::string(name);
+  }();
+  return format;
+}
+
 /// A file in memory with a name. HDF5 wants one that lies in a folder.
 class MemoryFile {
  public:
   MemoryFile(const std::uint8_t* data, std::size_t size)
-      : in_folder_(std::string_view(IMPACTRIG_FUZZED_FORMAT).ends_with("hdf5")),
+      : in_folder_(fuzzed_format().ends_with("hdf5")),
         path_("/dev/shm/fuzz-XXXXXX"),
         id_(in_folder_ ? mkstemp(path_.data()) : memfd_create("fuzz", MFD_CLOEXEC)) {
     require(id_ >= 0 && write(id_, data, size) == static_cast<ssize_t>(size), "a file in memory");
@@ -140,7 +150,7 @@ bool has_lvm_header(const datasets::Record& record) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const MemoryFile file(data, size);
   acquisition::ImportOptions options;
-  options.format = IMPACTRIG_FUZZED_FORMAT;
+  options.format = fuzzed_format();
   options.require_clock = false;
   try {
     const auto reader = acquisition::open_recording(file.path(), options);

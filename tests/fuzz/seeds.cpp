@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// fuzz_seeds FORMAT DIR: writes the files that fuzzing of a format starts from.
+// fuzz_seeds FORMAT DIR: writes the files that fuzzing of a format starts from; fuzz_seeds: the
+// formats.
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -83,8 +84,12 @@ constexpr auto table = std::to_array<Seeds>({
 }  // namespace
 
 int main(int count, char** arguments) {
+  if (count == 1) {
+    for (const Seeds& seeds : table) std::printf("%s\n", std::string(seeds.format).c_str());
+    return 0;
+  }
   if (count != 3) {
-    std::fprintf(stderr, "usage: fuzz_seeds FORMAT DIR\n");
+    std::fprintf(stderr, "usage: fuzz_seeds [FORMAT DIR]: without words, the formats\n");
     return 2;
   }
   const std::string_view format = arguments[1];

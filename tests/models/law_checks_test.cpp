@@ -13,6 +13,7 @@
 #include "models/contact/elastic/hertz_point.hpp"
 #include "models/contact/free_impact.hpp"
 #include "models/simulation.hpp"
+#include "tests/support/places.hpp"
 
 namespace {
 
@@ -21,7 +22,7 @@ using nlohmann::json;
 
 /// Null where the check values are absent.
 json checks(const std::string& name) {
-  std::ifstream file(std::string(IMPACTRIG_SHARED_DIR) + "/reference/checks/" + name);
+  std::ifstream file(impactrig::tests::shared_dir + "/reference/checks/" + name);
   return file ? json::parse(file) : json();
 }
 

@@ -16,6 +16,7 @@
 
 #include "fitting/covariance.hpp"
 #include "fitting/solver_options.hpp"
+#include "tests/support/places.hpp"
 
 namespace impactrig::tests {
 namespace {
@@ -139,7 +140,7 @@ void evaluate(const NistProblem& problem, const WideVector& b, WideVector& resid
 }  // namespace
 
 std::vector<NistProblem> nist_problems() {
-  std::ifstream file(IMPACTRIG_SOURCE_DIR "/tests/support/nist.json");
+  std::ifstream file(source_dir + "/tests/support/nist.json");
   const auto json = nlohmann::json::parse(file);
   std::vector<NistProblem> problems;
   for (const auto& entry : json["problems"]) {
@@ -157,9 +158,8 @@ std::vector<NistProblem> nist_problems() {
 }
 
 std::vector<ceres::Solver::Options> nist_options(NistOptions which) {
-  std::vector<ceres::Solver::Options> passes = {
-      fitting::solver_options(fitting::first_search),
-      fitting::solver_options(fitting::last_search)};
+  std::vector<ceres::Solver::Options> passes = {fitting::solver_options(fitting::first_search),
+                                                fitting::solver_options(fitting::last_search)};
   if (which == NistOptions::fit) return passes;
   for (ceres::Solver::Options& options : passes) options.max_num_iterations = 5000;
   passes.back().function_tolerance = 1e-16;
