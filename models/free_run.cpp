@@ -20,8 +20,8 @@ namespace {
 // Of the accuracy asked for, what a step may spend.
 constexpr double step_share = 0.1;
 constexpr int most_iterations = 12;
-// Vibration counts in full that lasts longer than the bar takes to turn by this [rad].
-constexpr double seen_turn = 1e-4;
+// In the first step the bar turns by about this [rad].
+constexpr double first_turn = 1e-4;
 
 }  // namespace
 
@@ -46,8 +46,9 @@ void FreeRun::start() {
   const double full = rotation ? rotation->rate : rate;
   energy_scale_ = std::max(0.5 * inertia * full * full, RigidSwing(rig_).available(angle));
   const double fastest = std::sqrt(2.0 * energy_scale_ / inertia);  // [rad/s]
-  bar_.set_scales({.energy = energy_scale_, .contact_time = seen_turn / fastest});
-  first_ = seen_turn / fastest;
+  // the tip's way in a radian is the bar's length: an error of speed counts by the way it makes
+  bar_.set_scales({.energy = energy_scale_, .contact_time = 1.0 / fastest});
+  first_ = first_turn / fastest;
   const BeamEnergy energy = bar_.energy();
   energy_at_start_ = energy.kinetic + energy.elastic + energy.spring + energy.gravitational;
   result_.energy.initial = energy_scale_;

@@ -263,7 +263,7 @@ TEST(ModalFlight, SwingsWithoutAStopAsItSays) {
     for (const double slenderness : {1.0, 0.2}) {
       const Rig rig = let_go(release, slenderness);
       for (const Solver& solver :
-           {hybrid(Basis::pinned_free, 3, 1e-5, 0.8), ancf(4, 0, 1e-4, 0.8)}) {
+           {hybrid(Basis::pinned_free, 3, 1e-6, 0.8), ancf(4, 0, 1e-6, 0.8)}) {
         const Simulation a = simulate(rig, solver, full);
         const Simulation b = simulate(rig, solver, small);
         ASSERT_EQ(a.history.displacement.size(), b.history.displacement.size());
