@@ -31,7 +31,7 @@ class ByteWriter {
       case NumberForm::i8:
         return add(static_cast<std::int8_t>(value));
       case NumberForm::u8:
-        return add(static_cast<std::uint8_t>(value));
+        return add(static_cast<std::uint8_t>(static_cast<std::int64_t>(value)));
       case NumberForm::i16:
         return add(static_cast<std::int16_t>(value));
       case NumberForm::u16:
