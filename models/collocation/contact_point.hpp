@@ -150,6 +150,9 @@ class ContactPoint {
   double answer() const;
   double integral(const NodeVector& at_nodes, double part) const;
   void note_peak(double force, double part);
+  double rate_at(double place, double& force);
+  double rate_near_peak(double place);
+  bool find_peak(double low, double at_low, double high, double at_high);
   Rates observe_peak(double low, double high);
   void observe_deepest(double part, double depth);
   void observe_jump();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "models/collocation/contact_point.hpp"
 
@@ -9,6 +10,21 @@ namespace {
 
 // How much deeper than the parabola through three places a dip may be, and of their values.
 constexpr double safe_dips = 3.0, least_dip = 1e-3;
+// A correction by Halley's method that leaves only rounding, of the step: it leaves its own cube.
+constexpr double last_correction = 1e-6;
+
+/// Of the cubic from one value to another with these rates there, over an interval of length 1, a
+/// zero within; NaN where Newton's method finds none.
+double zero_of_cubic(double from, double rate_from, double to, double rate_to) {
+  const double third = 2.0 * (from - to) + rate_from + rate_to;
+  const double second = 3.0 * (to - from) - 2.0 * rate_from - rate_to;
+  double place = from == 0.0 ? 1.0 : from / (from - to);
+  for (int i = 0; i < 4; ++i) {
+    const double value = ((third * place + second) * place + rate_from) * place + from;
+    place -= value / ((3.0 * third * place + 2.0 * second) * place + rate_from);
+  }
+  return place > 0.0 && place < 1.0 ? place : std::numeric_limits<double>::quiet_NaN();
+}
 
 }  // namespace
 
@@ -26,7 +42,9 @@ double ContactPoint::root_of_gap(double low, double at_low, double guess, double
     // Halley's method
     const double newton = p.displacement / (p.velocity * h);
     double next = middle - newton / (1.0 - 0.5 * newton * h * acceleration / p.velocity);
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    const bool inside = next > low && next < high;
+    if (inside && std::abs(next - middle) < last_correction) return next;
+    if (!inside) next = 0.5 * (low + high);
     if (std::abs(next - middle) < 1e-13) return next;
     middle = next;
   }
@@ -40,14 +58,16 @@ double ContactPoint::gap_between(double before, const PointMotion& p0, double he
   const double sign = contact_.phase() == Phase::free ? 1.0 : -1.0;
   // a phase begins at zero, whatever rounding leaves of it
   const double at_low = before > 0.0 ? p0.displacement : 0.0;
-  const auto root = [&](double place, double displacement) {
-    const double chord = before + (place - before) * at_low / (at_low - displacement);
-    return root_of_gap(before, at_low, chord, place);
+  const double h = bar_.step();
+  const auto root = [&](double place, const PointMotion& p) {
+    const double time = (place - before) * h;
+    const double part =
+        zero_of_cubic(at_low, p0.velocity * time, p.displacement, p.velocity * time);
+    return root_of_gap(before, at_low, before + part * (place - before), place);
   };
-  if (sign * p1.displacement > 0.0) return root(here, p1.displacement);
+  if (sign * p1.displacement > 0.0) return root(here, p1);
   if (!(sign * p0.velocity > 0.0 && sign * p1.velocity < 0.0)) return 2.0;
   // it turned on the way; by its mean deceleration, was that beyond the gap's zero, or nearly?
-  const double h = bar_.step();
   const double turn = p0.velocity / (p0.velocity - p1.velocity);
   const double way = 0.5 * turn * (here - before) * h * p0.velocity;
   if (!(sign * p0.displacement + 2.0 * std::abs(way) > 0.0)) return 2.0;
@@ -58,8 +78,8 @@ double ContactPoint::gap_between(double before, const PointMotion& p0, double he
     if (acceleration == 0.0) break;
     place = std::clamp(place - p.velocity / (acceleration * h), before, here);
   }
-  const double there = struck_at(place).displacement;
-  return sign * there > 0.0 ? root(place, there) : 2.0;
+  const PointMotion there = struck_at(place);
+  return sign * there.displacement > 0.0 ? root(place, there) : 2.0;
 }
 
 /// Of the function whose sign tells where the laws begin or cease to act.

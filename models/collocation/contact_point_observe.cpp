@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "models/collocation/contact_point.hpp"
 
@@ -9,6 +10,9 @@ namespace impactrig::models {
 namespace {
 
 constexpr double rounded = 1.0 - 8.0 * std::numeric_limits<double>::epsilon();
+// The force is flat at its maximum: a correction of its place by less, as a part of the step, need
+// not be looked at.
+constexpr double last_correction = 1e-6;
 
 }  // namespace
 
@@ -55,33 +59,61 @@ void ContactPoint::observe_turn(double before, const PointMotion& p0, double her
   observe_deepest(turn, depth);
 }
 
+/// The force's exact rate at a place of the step [N/s], and the force there, which is noted.
+double ContactPoint::rate_at(double place, double& force) {
+  double acceleration = 0.0;
+  const PointMotion p = struck_at(place, &acceleration);
+  const ContactForce::Response law = contact_.pressed(p.displacement, p.velocity);
+  force = law.force;
+  note_peak(force, place);
+  return law.to_depth * p.velocity + law.to_rate * acceleration;
+}
+
+/// The same near the force's maximum, where forces differ by their rounding: the last place is the
+/// best one.
+double ContactPoint::rate_near_peak(double place) {
+  double force = 0.0;
+  const double rate = rate_at(place, force);
+  ++evaluations_;
+  if (force >= rounded * log_.episode(number_).peak_force) peak_part_ = place;
+  return rate;
+}
+
+/// The force's maximum between two places of the step by secants of its exact rate, from where the
+/// rates of its series there say that it is [N]. False where they lead out of the interval.
+bool ContactPoint::find_peak(double low, double at_low, double high, double at_high) {
+  if (!(at_low > 0.0 && at_high < 0.0)) return false;
+  double slope = (at_high - at_low) / ((high - low) * bar_.step());
+  double place = low + (high - low) * at_low / (at_low - at_high);
+  double rate = rate_near_peak(place);
+  for (int i = 0; i < 6 && slope < 0.0; ++i) {
+    const double way = -rate / slope;
+    if (std::abs(way) < last_correction) {
+      if (peak_part_ == place) peak_part_ += way;  // derivatives are not flat there
+      return true;
+    }
+    if (!(place + way > low && place + way < high)) return false;
+    const double before = rate;
+    rate = rate_near_peak(place += way);
+    slope = (rate - before) / way;
+  }
+  return false;
+}
+
 /// The force's maximum between two places of the step, where its exact rate changes sign. Tells
 /// that rate at both.
 ContactPoint::Rates ContactPoint::observe_peak(double low, double high) {
-  const auto rate_at = [&](double place, double& force) {
-    double acceleration = 0.0;
-    const PointMotion p = struck_at(place, &acceleration);
-    const ContactForce::Response law = contact_.pressed(p.displacement, p.velocity);
-    force = law.force;
-    return law.to_depth * p.velocity + law.to_rate * acceleration;
-  };
   double force = 0.0;
   double at_low = rate_at(low, force);
-  note_peak(force, low);
   double at_high = rate_at(high, force);
-  note_peak(force, high);
   const Rates rates{at_low, at_high};
   if (!(at_low > 0.0 && at_high < 0.0)) return rates;
-  // regula falsi, the end that stays halved; the force is flat there: 1e-8 of the step is enough
+  if (find_peak(low, at_low * bar_.step(), high, at_high * bar_.step())) return rates;
+  // regula falsi, the end that stays halved
   int stays = 0;
   for (int i = 0; i < 40 && high - low > 1e-8; ++i) {
     const double place = low + (high - low) * at_low / (at_low - at_high);
-    const double rate = rate_at(place, force);
-    ++evaluations_;
-    note_peak(force, place);
-    // near the maximum forces differ by their rounding; the last place is the best one, and the
-    // derivatives there are not flat
-    if (force >= rounded * log_.episode(number_).peak_force) peak_part_ = place;
+    const double rate = rate_near_peak(place);
     if (std::abs(rate) < 1e-10 * (at_low - at_high)) return rates;
     if (rate > 0.0) {
       if (stays == 1) at_high *= 0.5;
@@ -146,8 +178,9 @@ void ContactPoint::observe(double begun, double part) {
     if (pressed && (rising_ || (rates_[i] >= -unsure && rates_[i + 1] <= unsure))) {
       const double larger = std::max(contact_.force(p0.displacement, p0.velocity),
                                      contact_.force(p1.displacement, p1.velocity));
-      rising_ = false;
-      if (larger > 0.95 * log_.episode(number_).peak_force) {
+      const bool was_rising = std::exchange(rising_, false);
+      if (larger > 0.95 * log_.episode(number_).peak_force &&
+          (was_rising || !find_peak(before, rates_[i], here, rates_[i + 1]))) {
         const Rates exact = observe_peak(before, here);
         rising_ = exact.high > 0.0;
         if (exact.low < 0.0 && before > 0.0) observe_peak(before_that, before);

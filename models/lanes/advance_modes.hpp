@@ -53,7 +53,7 @@ class ModeAdvance {
     if (!modes_.series) return end;
     const Real z = M::larger(half, M::all(1e-9));  // as good as zero, and no zero
     const Real sine = half < 1e-9 ? z : half_sine;
-    bessel_.evaluate(z, modes_.terms);
+    bessel_.evaluate(z, sine, cosine, modes_.terms);
     // moments of sin θτ and cos θτ with P_p: j_p times the parts of iᵖ e^{iz}
     Real a = Real{}, rate = Real{};
     for (int p = 0; p < modes_.terms; ++p) {

@@ -22,13 +22,13 @@ class LaneBessel {
     return static_cast<int>(largest + 16.0 + 6.0 * __builtin_cbrt(largest));
   }
 
-  /// Miller's backward recurrence.
-  void evaluate(Real z, int terms) {
+  /// Miller's backward recurrence; sine and cosine are those of z.
+  void evaluate(Real z, Real sine, Real cosine, int terms) {
+    if (terms < 2) terms = 2;  // the sign may be the second's to tell
     const Real used = M::larger(z, M::all(small));
     const Real inverse = 1.0 / used;
-    const int enough = needed(z);
     Real above = Real{}, here = M::all(1e-60), squares = Real{};
-    int n = (enough > terms ? enough : terms) + 4;
+    int n = begin_at(z, terms);
     while (n >= 0) {
       // four steps multiply by (2n / z)⁴ at most: far from what squares can hold
       for (const int last = n > 3 ? n - 4 : -1; n > last; --n) {
@@ -47,7 +47,7 @@ class LaneBessel {
       squares *= down * down;
       for (int k = n + 1; k < terms; ++k) values_[k] *= down;
     }
-    scale(z, used, squares, terms);
+    scale(z, used, sine, cosine, squares, terms);
   }
 
   Real operator[](int n) const { return values_[n]; }
@@ -56,15 +56,22 @@ class LaneBessel {
   // below, two terms of the power series of j_n are as good as all
   static constexpr double small = 1e-3;
 
+  /// The order at which the recurrence begins. That it begins there with j_{n+1} = 0 changes a
+  /// j_k by (j_n / j_k)² of it, and the sum of squares by j_n²: below rounding where j_n < 1e-9.
+  static int begin_at(Real z, int terms) {
+    double largest = 0.0;
+    for (int i = 0; i < N; ++i) largest = z[i] > largest ? z[i] : largest;
+    const int enough = static_cast<int>(largest + 8.0 + 7.0 * __builtin_cbrt(largest));
+    return (enough > terms ? enough : terms) + 4;
+  }
+
   /// Σ (2n + 1) j_n² = 1, the sign from whichever of the first two is larger.
-  void scale(Real z, Real used, Real squares, int terms) {
-    const auto [sine, cosine] = M::sine_cosine(used);
+  void scale(Real z, Real used, Real sine, Real cosine, Real squares, int terms) {
     const Real first = sine / used;
     const Real second = (first - cosine) / used;
     const Mask from_first = M::magnitude(first) >= M::magnitude(second);
-    const Real next = terms > 1 ? values_[1] : Real{};
     const Real factor =
-        M::with_sign(1.0 / M::root(squares), from_first ? values_[0] * first : next * second);
+        M::with_sign(1.0 / M::root(squares), from_first ? values_[0] * first : values_[1] * second);
     const Mask near = z < small;
     for (int n = 0; n < terms; ++n) values_[n] *= factor;
     if (!M::any(near)) return;

@@ -67,7 +67,7 @@ class ModeStep {
     const auto [sine, cosine] = M::sine_cosine(z);
     const int own = LaneBessel<N, 1>::needed(z);
     const int terms = own < modes_.terms ? own : modes_.terms;
-    bessel_.evaluate(z, terms > modes_.nodes ? terms : modes_.nodes);
+    bessel_.evaluate(z, sine, cosine, terms > modes_.nodes ? terms : modes_.nodes);
     // j_p times the parts of iᵖ e^{iz}: moments of sin θτ / θ and cos θτ with P_p
     const Real over = 0.5 / z;
     Real a[most_nodes], rate[most_nodes];

@@ -22,13 +22,13 @@ AxialPull::AxialPull(const ModalBeam& beam) : beam_(beam), inertia_(beam.rigid()
   const Eigen::VectorXd at_stations = Eigen::VectorXd::Zero(beam.stations().mass.size());
   const Eigen::VectorXd of_modes = Eigen::VectorXd::Zero(beam.modes());
   before_ = after_ = {at_stations, at_stations, at_stations};
-  slope_rate_ = pull_ = at_stations;
+  pull_ = at_stations;
   force_ = held_ = middle_ = way_ = drag_ = of_modes;
   last_ = missing_ = end_ = answer_ = rest_ = {of_modes, of_modes};
 }
 
-void AxialPull::touch(const ModalState& state) {
-  look(state, before_);
+void AxialPull::touch(const ModalState& state, const ModalBeam::StationSlopes& slopes) {
+  look(state, slopes, before_);
   last_ = state;
   const double energy =
       0.5 * (state.rate.squaredNorm() + beam_.omega().cwiseProduct(state.a).squaredNorm());
@@ -38,17 +38,14 @@ void AxialPull::touch(const ModalState& state) {
       0.0;
 }
 
-void AxialPull::look(const ModalState& state, Look& at) {
+void AxialPull::look(const ModalState& state, const ModalBeam::StationSlopes& slopes, Look& at) {
   const ModalBeam::Stations& stations = beam_.stations();
   const RigidPart rigid = beam_.rigid_part(state.a, state.rate);
   at.rate = rigid.rate;
-  at.slope.noalias() = stations.slopes * state.a;
-  at.slope.array() -= rigid.angle;
-  slope_rate_.noalias() = stations.slopes * state.rate;
-  slope_rate_.array() -= rigid.rate;
+  at.slope = slopes.slope.array() - rigid.angle;
   double v = 0.0, v_rate = 0.0, u_rate = 0.0;
-  for (Eigen::Index i = 0; i < slope_rate_.size(); ++i) {
-    const double s = at.slope[i], s_rate = slope_rate_[i], dx = stations.length[i];
+  for (Eigen::Index i = 0; i < at.slope.size(); ++i) {
+    const double s = at.slope[i], s_rate = slopes.rate[i] - rigid.rate, dx = stations.length[i];
     const auto along = [&](double part) {
       return rigid.rate * (v + part * s * dx) + u_rate + part * s * s_rate * dx;
     };
@@ -79,7 +76,6 @@ void AxialPull::look(const ModalState& state, Look& at) {
 
 /// What the pull does to the modes between the last state and this one.
 void AxialPull::find_force(const ModalState& state, double h) {
-  look(state, after_);
   const ModalBeam::Stations& stations = beam_.stations();
   const double turning = 0.5 * (before_.rate + after_.rate);
   for (Eigen::Index i = 0; i < pull_.size(); ++i) {
@@ -98,8 +94,9 @@ void AxialPull::find_force(const ModalState& state, double h) {
   force_ -= drag_ / h;
 }
 
-void AxialPull::follow(const ModalState& state, const ModalStep& step, double part,
-                       double contact_force) {
+void AxialPull::follow(const ModalState& state, const ModalBeam::StationSlopes& slopes,
+                       const ModalStep& step, double part, double contact_force) {
+  look(state, slopes, after_);
   find_force(state, part * step.h());
   // about where the force would hold them the modes vibrate freely; the pendulum's turns the frame
   held_[0] = 0.0;

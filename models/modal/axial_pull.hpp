@@ -25,11 +25,12 @@ class AxialPull {
  public:
   explicit AxialPull(const ModalBeam& beam);
 
-  /// The bar in this state meets its stop.
-  void touch(const ModalState& state);
+  /// The bar in this state meets its stop; its ModalBeam::find_slopes().
+  void touch(const ModalState& state, const ModalBeam::StationSlopes& slopes);
 
   /// A step, or the first part of one, has led to this state under this mean force.
-  void follow(const ModalState& state, const ModalStep& step, double part, double contact_force);
+  void follow(const ModalState& state, const ModalBeam::StationSlopes& slopes,
+              const ModalStep& step, double part, double contact_force);
 
   /// Displacement of the struck point that is missing now [m].
   double missing() const { return beam_.struck().dot(missing_.a); }
@@ -50,7 +51,7 @@ class AxialPull {
     double rate = 0.0;       // φ̇
   };
 
-  void look(const ModalState& state, Look& at);
+  void look(const ModalState& state, const ModalBeam::StationSlopes& slopes, Look& at);
   void find_force(const ModalState& state, double h);
   void answer(const ModalStep& step, double part, double from, double contact_force);
 
@@ -58,7 +59,7 @@ class AxialPull {
   double inertia_;
   bool stretches_ = true;  // by uneven bending
   Look before_, after_;
-  Eigen::VectorXd slope_rate_, pull_, force_, held_, middle_, way_, drag_;
+  Eigen::VectorXd pull_, force_, held_, middle_, way_, drag_;
   ModalState last_, missing_, end_, answer_, rest_;
   double deepest_ = 0.0, stiffness_ = 0.0, largest_ = 0.0;
   double impulse_ = 0.0, missing_impulse_ = 0.0, share_ = 0.0, of_peak_ = 0.0, of_depth_ = 0.0;

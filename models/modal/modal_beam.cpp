@@ -396,15 +396,10 @@ ModalBeam ModalBeam::with_mode(double omega, double damping, double struck) cons
   return more;
 }
 
-double ModalBeam::shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate,
-                                    double frame) const {
-  static thread_local Eigen::VectorXd slope, slope_rate;
-  slope.noalias() = stations_.slopes * a;
-  slope.array() -= frame;
-  slope_rate.noalias() = stations_.slopes * rate;
+double ModalBeam::shortening_energy(const StationSlopes& slopes, double frame) const {
   double drawn = 0.0, energy = 0.0;
-  for (Eigen::Index i = 0; i < slope.size(); ++i) {
-    const double step = slope[i] * slope_rate[i] * stations_.length[i];
+  for (Eigen::Index i = 0; i < slopes.slope.size(); ++i) {
+    const double step = (slopes.slope[i] - frame) * slopes.rate[i] * stations_.length[i];
     const double middle = drawn + 0.5 * step;
     energy += 0.5 * stations_.mass[i] * middle * middle;
     for (const Stations::Lump& lump : stations_.lumps)

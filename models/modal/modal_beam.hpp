@@ -94,11 +94,21 @@ class ModalBeam {
   const Eigen::MatrixXd& shapes() const { return shapes_; }
 
   BeamEnergy energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
+
+  /// Slopes w' of the stations and their rates (stations) [rad, rad/s].
+  struct StationSlopes {
+    Eigen::VectorXd slope, rate;
+  };
+
+  void find_slopes(const Eigen::VectorXd& a, const Eigen::VectorXd& rate, StationSlopes& to) const {
+    to.slope.noalias() = stations_.slopes * a;
+    to.rate.noalias() = stations_.slopes * rate;
+  }
+
   /// Kinetic energy of the bar's points moving towards the hinge as it bends and turns, to the
   /// lowest order: ½ ∫ u̇² dm, u̇(x) = ∫₀ˣ (w' − φ) ẇ' dξ [J], seen in a frame at the angle φ [rad].
   /// Not part of the small motion.
-  double shortening_energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate,
-                           double frame) const;
+  double shortening_energy(const StationSlopes& slopes, double frame) const;
 
   /// Of elements whose axes are cubics, what they are stretched by bending unevenly [J]: the square
   /// of a slope that changes along an element as P₁ and P₂ has parts in P₃ and P₄, which the

@@ -41,6 +41,7 @@ void ModalMotion::start(double angle, double rate) {
   // in flight the weight bends the bar by the sine of the swing's angle
   if (flies_ && angle != 0.0) state_.a.tail(beam_.modes() - 1) *= std::sin(angle) / angle;
   state_.rate = beam_.rigid() * rate;
+  beam_.find_slopes(state_.a, state_.rate, slopes_);
   dropped_ = 0.0;
   flights_ = {};
   first_contact_ = FirstContact::to_come;
@@ -172,7 +173,10 @@ void ModalMotion::take(double part) {
   for (int stop = 0; stop < beam_.stops(); ++stop) pressed = pressed || presses(stop);
   if (pressed && first_contact_ == FirstContact::to_come) {
     first_contact_ = FirstContact::lasts;
-    if (judges_) pull_.touch(state_);
+    if (judges_) {
+      beam_.find_slopes(state_.a, state_.rate, slopes_);
+      pull_.touch(state_, slopes_);
+    }
   }
   if (part < 1.0) {
     jump(part, scratch_);
@@ -189,7 +193,7 @@ void ModalMotion::take(double part) {
   if (first_contact_ != FirstContact::lasts) return;
   if (pressed && !judges_) return;
   if (pressed)
-    pull_.follow(state_, *step_, part, rule_.restricted(series_[0], part)[0]);
+    pull_.follow(state_, slopes_, *step_, part, rule_.restricted(series_[0], part)[0]);
   else
     first_contact_ = FirstContact::over;
 }
@@ -201,8 +205,8 @@ void ModalMotion::note_shortening(bool pressed) {
   if (!judges_) return;
   const bool turns = flies_ && !pressed;
   const double frame = turns ? beam_.rigid_part(state_.a, state_.rate).angle : 0.0;
-  shortening_ =
-      std::max(shortening_, beam_.shortening_energy(state_.a, state_.rate, frame) / energy_scale_);
+  beam_.find_slopes(state_.a, state_.rate, slopes_);
+  shortening_ = std::max(shortening_, beam_.shortening_energy(slopes_, frame) / energy_scale_);
   if (pressed && !beam_.hardly_stretches(energy_scale_))
     stretching_ = std::max(stretching_, beam_.stretching_energy(state_.a) / energy_scale_);
 }

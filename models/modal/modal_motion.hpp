@@ -176,6 +176,7 @@ class ModalMotion : public BarMotion {
 
   enum class FirstContact { to_come, lasts, over };
 
+  ModalBeam::StationSlopes slopes_;  // in the state, where judged
   AxialPull pull_;
   bool judges_ = true;
   FirstContact first_contact_ = FirstContact::to_come;
