@@ -37,6 +37,10 @@ struct ModesOverStep {
   /// the one that is seen, with the sign of a force that presses back (terms); with damping of what
   /// then stands for them.
   double *displacement_kernel, *velocity_kernel;
+  /// With damping, of the seen point at the nodes (s) under each polynomial of the force's series
+  /// over the step (s): what the series leave out of those modes that start early (ModeKernel), over
+  /// h; by columns.
+  double *early_displacement = nullptr, *early_velocity = nullptr;
 };
 
 /// Duhamel's integral, several undamped modes at a time. These use what the processor has.

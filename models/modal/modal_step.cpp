@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include "models/lanes/mode_lanes.hpp"
@@ -18,6 +19,16 @@ static_assert(most_terms == ModesOverStep::most_terms);
 constexpr double longest_phase = 360.0;
 // A bar moved along a slope by a little vibrates a little faster than the ladder of steps knows.
 constexpr double slack = 0.01;
+
+/// |λ| of the fastest e^{λt} in the modes of which a series over h has to know, or over any h.
+double fastest_in_series(const ModalBeam& beam, std::optional<double> h) {
+  double fastest = 0.0;
+  for (Eigen::Index m = 0; m < beam.omega().size(); ++m) {
+    const ModeKernel kernel(beam.omega()[m], beam.damping()[m]);
+    fastest = std::max(fastest, h ? kernel.rate_in_series(*h) : kernel.lasting_rate());
+  }
+  return fastest;
+}
 
 /// How many terms of the Legendre series over the step of sin θτ and cos θτ matter. By
 /// e^{izx} = Σ (2n+1) iⁿ j_n(z) P_n(x) [DLMF2010, 10.60.7], z = θ/2, x = 2τ − 1, they are spherical
@@ -48,6 +59,45 @@ ModesOverStep modes_over(const ModalBeam& beam, const Collocation& rule, double 
   return modes;
 }
 
+/// How a point moves under a force, as series over the step and, of what starts early, at the nodes.
+struct Kernels {
+  Kernels(int terms, int nodes)
+      : blocks((terms + Collocation::block_size - 1) / Collocation::block_size),
+        series(Eigen::MatrixX2d::Zero(blocks * Collocation::block_size, 2)),
+        early_displacement(NodeMatrix::Zero(nodes, nodes)),
+        early_velocity(early_displacement) {}
+
+  void write_to(ModesOverStep& modes) {
+    modes.displacement_kernel = series.col(0).data();
+    modes.velocity_kernel = series.col(1).data();
+    modes.early_displacement = early_displacement.data();
+    modes.early_velocity = early_velocity.data();
+  }
+
+  /// By the convolution of the kernels with the nodes' polynomials.
+  void respond_to_force(const Collocation& rule, double h, BarMotion::Response& response) const {
+    const int s = rule.nodes();
+    Eigen::MatrixX2d at_nodes = Eigen::MatrixX2d::Zero(s * s, 2);
+    for (int b = 0; b < blocks; ++b)
+      for (int c = 0; c < 2; ++c)
+        at_nodes.col(c).noalias() +=
+            rule.convolutions(b) *
+            series.col(c).segment(b * Collocation::block_size, Collocation::block_size);
+    using Square = Eigen::Map<const Eigen::MatrixXd>;
+    response.displacement_of_force = h * Square(at_nodes.col(0).data(), s, s);
+    response.velocity_of_force = h * Square(at_nodes.col(1).data(), s, s);
+    if (early_velocity.any()) {
+      response.displacement_of_force += h * early_displacement * rule.to_series();
+      response.velocity_of_force += h * early_velocity * rule.to_series();
+    }
+    response.set_most();
+  }
+
+  int blocks;
+  Eigen::MatrixX2d series;
+  NodeMatrix early_displacement, early_velocity;
+};
+
 template <typename Rows>
 void write_rows(Rows& rows, ModesOverStep& modes) {
   modes.displacement_of_a = rows.displacement_of_a.data();
@@ -63,7 +113,7 @@ void respond(const ModesOverStep& modes) {
 }  // namespace
 
 double ModalStep::longest(const ModalBeam& beam) {
-  const double highest = beam.fastest();
+  const double highest = fastest_in_series(beam, std::nullopt);
   return highest > 0.0 ? longest_phase / highest : std::numeric_limits<double>::infinity();
 }
 
@@ -75,15 +125,15 @@ ModalStep::ModalStep(const ModalBeam& beam, const Collocation& rule, double h)
       rate_of_rate_(beam.modes()),
       a_of_force_(rule.nodes(), beam.modes()),
       rate_of_force_(rule.nodes(), beam.modes()) {
-  if (h > longest(beam) * (1.0 + slack))
+  const double phase = h * fastest_in_series(beam, h);
+  if (phase > longest_phase * (1.0 + slack))
     throw std::logic_error("ModalStep: the step is too long for the highest mode");
   const int s = rule.nodes();
   for (Eigen::MatrixXd* matrix : {&response_.displacement_of_a, &response_.displacement_of_rate,
                                   &response_.velocity_of_a, &response_.velocity_of_rate})
     matrix->resize(s, beam.modes());
-  const int terms = std::max(terms_needed(h * beam.fastest()), s);
-  const int blocks = (terms + Collocation::block_size - 1) / Collocation::block_size;
-  Eigen::MatrixX2d kernels = Eigen::MatrixX2d::Zero(blocks * Collocation::block_size, 2);
+  const int terms = std::max(terms_needed(phase), s);
+  Kernels kernels(terms, s);
   ModesOverStep modes = modes_over(beam, rule, h, 0, 0);
   write_rows(response_, modes);
   modes.a_of_force = a_of_force_.data();
@@ -93,10 +143,9 @@ ModalStep::ModalStep(const ModalBeam& beam, const Collocation& rule, double h)
   modes.rate_of_a = rate_of_a_.data();
   modes.rate_of_rate = rate_of_rate_.data();
   modes.terms = terms;
-  modes.displacement_kernel = kernels.col(0).data();
-  modes.velocity_kernel = kernels.col(1).data();
+  kernels.write_to(modes);
   respond(modes);
-  respond_to_force(rule, kernels, response_.of_force);
+  kernels.respond_to_force(rule, h, response_.of_force);
   if (beam.stops() > 1) respond_further(beam, rule, terms);
 }
 
@@ -140,43 +189,24 @@ void ModalStep::respond_further(const ModalBeam& beam, const Collocation& rule, 
   further_.assign(static_cast<std::size_t>(beam.stops() - 1), {rows, rows, rows, rows, rows, rows});
   of_force_.resize(static_cast<std::size_t>(beam.stops() * beam.stops()));
   Eigen::ArrayXd swing(beam.modes());
-  const int blocks = (terms + Collocation::block_size - 1) / Collocation::block_size;
   for (int stop = 1; stop < beam.stops(); ++stop) {
     Further& further = further_[static_cast<std::size_t>(stop - 1)];
     for (int point = 0; point <= stop; ++point) {
-      Eigen::MatrixX2d kernels = Eigen::MatrixX2d::Zero(blocks * Collocation::block_size, 2);
+      Kernels kernels(terms, s);
       ModesOverStep modes = modes_over(beam, rule, h_, stop, point);
       write_rows(further, modes);
       modes.a_of_force = further.a_of_force.data();
       modes.rate_of_force = further.rate_of_force.data();
       modes.a_of_a = modes.a_of_rate = modes.rate_of_a = modes.rate_of_rate = swing.data();
       modes.terms = terms;
-      modes.displacement_kernel = kernels.col(0).data();
-      modes.velocity_kernel = kernels.col(1).data();
+      kernels.write_to(modes);
       respond(modes);
       BarMotion::Response& response =
           of_force_[static_cast<std::size_t>(point * beam.stops() + stop)];
-      respond_to_force(rule, kernels, response);
+      kernels.respond_to_force(rule, h_, response);
       of_force_[static_cast<std::size_t>(stop * beam.stops() + point)] = response;
     }
   }
-}
-
-/// A point at the nodes, by the convolution of the kernels with the nodes' polynomials.
-void ModalStep::respond_to_force(const Collocation& rule, const Eigen::MatrixX2d& kernels,
-                                 BarMotion::Response& response) const {
-  const int s = rule.nodes();
-  Eigen::MatrixX2d at_nodes = Eigen::MatrixX2d::Zero(s * s, 2);
-  const int blocks = static_cast<int>(kernels.rows()) / Collocation::block_size;
-  for (int b = 0; b < blocks; ++b)
-    for (int c = 0; c < 2; ++c)
-      at_nodes.col(c).noalias() +=
-          rule.convolutions(b) *
-          kernels.col(c).segment(b * Collocation::block_size, Collocation::block_size);
-  using Square = Eigen::Map<const Eigen::MatrixXd>;
-  response.displacement_of_force = h_ * Square(at_nodes.col(0).data(), s, s);
-  response.velocity_of_force = h_ * Square(at_nodes.col(1).data(), s, s);
-  response.set_most();
 }
 
 void ModalStep::coast(int stop, const ModalState& from, NodeVector& displacement,

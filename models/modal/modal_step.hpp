@@ -20,7 +20,8 @@ struct ModalState {
 /// Exact response of a bar's modes to forces that are polynomials over a step, by Duhamel's
 /// integral. The kernels sin ωτ and cos ωτ are expanded in Legendre polynomials; the coefficients
 /// are spherical Bessel functions of ωh/2, so that nothing limits ωh but their number. Likewise
-/// those of damped modes (ModeKernel).
+/// those of damped modes (ModeKernel), but for what of them dies
+/// out early in a step, whose convolution with a polynomial is as well known.
 class ModalStep {
  public:
   /// The struck point at the nodes, under the state at the step's beginning and under the force's
@@ -31,7 +32,8 @@ class ModalStep {
     BarMotion::Response of_force;
   };
 
-  /// Throws std::logic_error when h is longer than longest() by more than a hundredth.
+  /// Throws std::logic_error when the kernels' series cannot be held, which they can where h is longer
+  /// than longest() by no more than a hundredth.
   ModalStep(const ModalBeam& beam, const Collocation& rule, double h);
 
   /// Steps of as many modes, nodes and stops: what each does, weighted and summed.
@@ -77,8 +79,6 @@ class ModalStep {
 
   int stops() const { return 1 + static_cast<int>(further_.size()); }
 
-  void respond_to_force(const Collocation& rule, const Eigen::MatrixX2d& kernels,
-                        BarMotion::Response& response) const;
   void respond_further(const ModalBeam& beam, const Collocation& rule, int terms);
 
   double h_;

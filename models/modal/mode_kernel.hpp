@@ -13,9 +13,11 @@ namespace impactrig::models {
 ///   ∫₀¹ e^{μτ} P_n(2τ − 1) dτ = e^{z} i_n(z),   z = μ/2,
 ///
 /// i_n the modified spherical Bessel function of the first kind, n = 0 ... moments.size() − 1. Real
-/// part of μ not far above 0. Absolute error a few units of rounding.
+/// part of μ not far above 0; |μ| up to 700, or μ real, below 0 and of any size, if the number of
+/// moments, squared, is at most 2 |μ|. Absolute error a few units of rounding.
 /// Source: [DLMF2010], 10.47.7, 10.51.4 (recurrence) and 10.60.7 with iz for z.
 void exponential_moments(std::complex<double> exponent, std::span<std::complex<double>> moments);
+void exponential_moments(double exponent, std::span<double> moments);
 
 /// How a mode goes on after a blow: g with g̈ + d ġ + ω² g = 0, g(0) = 0, ġ(0) = 1, whether it
 /// vibrates, creeps back or, with ω = 0, does not come back at all.
@@ -29,14 +31,39 @@ class ModeKernel {
 
   Value at(double t) const;
 
-  /// ∫₀¹ g(hτ) P_n(2τ − 1) dτ and the same of ġ, n up to the spans' common length.
+  /// ∫₀¹ g(hτ) P_n(2τ − 1) dτ and the same of ġ, n up to the spans' common length: any, but where
+  /// the mode starts_early(), 16.
   void moments(double h, std::span<double> answer, std::span<double> rate) const;
+
+  /// A mode that creeps back first picks up speed, as e^{−λt} with the larger of its two λ. Whether
+  /// that is over so early in a time h that a series over h would need many terms for it: then
+  /// early() tells of it and late_moments() of the rest of g.
+  bool starts_early(double h) const;
+
+  void late_moments(double h, std::span<double> answer, std::span<double> rate) const;
+
+  struct Early {
+    double exponent;      ///< λ [1/s]
+    double answer, rate;  ///< what stands before e^{−λt} in g [s] and ġ
+  };
+
+  Early early() const { return {fast_, -0.5 / spread_, 0.5 * fast_ / spread_}; }
+
+  /// |λ| of the fastest e^{λt} in g [1/s], but for one that is fast enough to be early() in every
+  /// step that is too long for its series.
+  double lasting_rate() const;
+
+  /// |λ| of the fastest e^{λt} in g of which a series over h has to know [1/s].
+  double rate_in_series(double h) const;
 
  private:
   void near_critical(double h, std::span<double> answer, std::span<double> rate) const;
+  bool is_split(double ratio) const;
 
   double omega_, half_damping_;
-  double square_;  // of the frequency with damping, < 0 where the mode creeps [1/s²]
+  double square_;               // of the frequency with damping, < 0 where the mode creeps [1/s²]
+  double spread_;               // root of its size [1/s]
+  double fast_ = 0.0, slow_ = 0.0;  // λ of a mode that creeps [1/s]
 };
 
 /// As advance_modes() and step_modes(), of modes with damping.

@@ -58,6 +58,20 @@ TEST(ExponentialMoments, AreThoseOfQuadrature) {
   }
 }
 
+// Real ones by real numbers; few of a fast decay by the recurrence upwards, all by that downwards.
+TEST(ExponentialMoments, AreTheSameOfRealExponents) {
+  for (const double mu : {0.0, -1e-12, -2.1e-3, -0.5, -50.0, -128.0, -300.0, -700.0}) {
+    std::vector<std::complex<double>> expected(120);
+    exponential_moments(std::complex<double>(mu), expected);
+    for (const std::size_t count : {1U, 2U, 16U, 120U}) {
+      std::vector<double> moments(count);
+      exponential_moments(mu, moments);
+      for (std::size_t n = 0; n < count; ++n)
+        EXPECT_NEAR(moments[n], expected[n].real(), 1e-15) << n << " of " << mu;
+    }
+  }
+}
+
 TEST(SphericalBessel, AgreesWithBoost) {
   for (const double z :
        {0.0, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 3.141592653589793, 4.4934094579, 20.0, 180.0}) {
@@ -246,6 +260,20 @@ INSTANTIATE_TEST_SUITE_P(Creeping, OneMode,
                                          Phase{2.0, 4.0 - 1e-7}, Phase{2.0, 4.0 - 4e-7},
                                          Phase{2.0, 4.001}, Phase{2.0, 40.0}, Phase{30.0, 70.0},
                                          Phase{30.0, 300.0}));
+
+// The mode's start is over in a hundredth of the step or less, what follows may last.
+INSTANTIATE_TEST_SUITE_P(StartingEarly, OneMode,
+                         testing::Values(Phase{0.0, 129.0}, Phase{100.0, 213.0},
+                                         Phase{100.0, 300.0}, Phase{1.0, 500.0},
+                                         Phase{100.0, 2e3}, Phase{300.0, 3e3}, Phase{0.0, 1e4},
+                                         Phase{1e3, 1e4}, Phase{900.0, 3e3}));
+
+TEST(ModalStep, IsAsLongAsVibrationAndCreepAllow) {
+  const Pendulum vibrating(1e5), creeping(1e5, 1e7), critical(1e5, 2e5);
+  const double longest = ModalStep::longest(vibrating.modes);
+  EXPECT_NEAR(ModalStep::longest(critical.modes) / longest, 1.0, 1e-6);
+  EXPECT_NEAR(ModalStep::longest(creeping.modes) / longest, 50.0 + std::sqrt(2499.0), 1e-4);
+}
 
 TEST(ModalStep, RefusesAStepItsSeriesCannotHold) {
   const Pendulum pendulum(1e6);
