@@ -134,7 +134,7 @@ Simulation FreeRun::simulate() {
   int level = bar_.ladder().level_below(first_);
   bool rejected = false;
   while (t_ < t_end_) {
-    if (limit.over(result_.cost.steps + result_.cost.rejected))
+    if (TimeLimit::is_to_be_asked(result_.cost.steps + result_.cost.rejected) && limit.over())
       throw std::runtime_error(fmt::format(
           "{:g} s of processor time, solver.time_limit, took the simulation to {:g} s after the "
           "start. State a shorter solver.duration, fewer elements or modes, a larger "

@@ -570,7 +570,9 @@ bool CollocationRun::leap() {
 
 /// Whether the time allowed is over. Throws when no contact is over by then.
 bool CollocationRun::out_of_time() {
-  if (!time_limit_.over(result_.cost.steps + result_.cost.rejected)) return false;
+  if (!TimeLimit::is_to_be_asked(result_.cost.steps + result_.cost.rejected)) return false;
+  if (!time_limit_) time_limit_.emplace(solver_.time_limit);
+  if (!time_limit_->over()) return false;
   const bool any = !result_.episodes.empty() && !result_.episodes.front().open;
   const std::string reached = fmt::format(
       "{:g} s of processor time, solver.time_limit, took the simulation to {:g} s {}",
@@ -616,7 +618,7 @@ bool CollocationRun::ends_early() {
 
 void CollocationRun::begin() {
   started_ = std::chrono::steady_clock::now();
-  time_limit_ = TimeLimit(solver_.time_limit);
+  time_limit_.reset();
   if (follows_swing(rig_, options_)) {
     bar_.start(-*rig_.start.release_angle, 0.0);
     if (followed_) followed_->start();

@@ -168,7 +168,7 @@ class CollocationRun {
   double damped_ = 0.0;              // in bar, hinge and compliant stop since first touch [J]
   // √(2 C) for each stop: how far √energy can move its point elastically [m/√J]
   std::vector<double> elastic_reach_;
-  TimeLimit time_limit_{0.0};
+  std::optional<TimeLimit> time_limit_;  // from the first look at it
   Simulation result_;
   ContactLog log_;
   RunSensitivities* followed_ = nullptr;
