@@ -13,7 +13,8 @@ class TimeLimit {
 
  public:
   explicit TimeLimit(double seconds)
-      : end_(processor_time() + seconds), earliest_(Wall::now() + WallSeconds(seconds)) {}
+      : end_(processor_time() + seconds),
+        earliest_(Wall::now() + WallSeconds(seconds)) {}
 
   /// Whether over() should be asked after so many attempts.
   static bool is_to_be_asked(long attempts) {
@@ -34,7 +35,7 @@ class TimeLimit {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
   }
 
-  double end_;                                       // [s]
+  double end_;  // [s]
   std::chrono::time_point<Wall, WallSeconds> earliest_;
 };
 

@@ -8,12 +8,13 @@
 namespace impactrig::models {
 namespace {
 
-void move_on(const ModalBeam& beam, const ModalStep& step, double part, const NodeVector& force,
-             const ModalState& from, ModalState& to) {
+/// Free of force.
+void coast(const ModalBeam& beam, const ModalStep& step, double part, const ModalState& from,
+           ModalState& to) {
   if (part < 1.0)
-    advance(beam, part * step.h(), force.head<1>(), from, to);
+    advance(beam, part * step.h(), NodeVector::Zero(1), from, to);
   else
-    step.advance(from, force, to);
+    step.coast(from, to);
 }
 
 }  // namespace
@@ -104,8 +105,7 @@ void AxialPull::follow(const ModalState& state, const ModalBeam::StationSlopes& 
     held_[k] = force_[k] / std::pow(beam_.omega()[k], 2);
   const double from = missing();
   missing_.a -= held_;
-  const auto nodes = step.response().displacement_of_a.rows();
-  move_on(beam_, step, part, NodeVector::Zero(nodes), missing_, end_);
+  coast(beam_, step, part, missing_, end_);
   end_.a += held_;
   const double blow = beam_.damped() ? -drag_[0] : 0.0;
   end_.a[0] += 0.5 * blow * part * step.h();
@@ -125,13 +125,13 @@ void AxialPull::answer(const ModalStep& step, double part, double from, double c
     stiffness_ = std::max(contact_force, 0.0) / depth;
   }
   if (!(deepest_ > 0.0)) return;
-  move_on(beam_, step, part, NodeVector::Ones(step.response().displacement_of_a.rows()), rest_,
-          answer_);
-  const double gives = -beam_.struck().dot(answer_.a);
+  if (part < 1.0) advance(beam_, part * step.h(), NodeVector::Ones(1), rest_, answer_);
+  const ModalState& answer = part < 1.0 ? answer_ : step.of_unit_force();
+  const double gives = -beam_.struck().dot(answer.a);
   const double force =
       0.5 * stiffness_ * (from + beam_.struck().dot(end_.a)) / (1.0 + 0.5 * stiffness_ * gives);
-  end_.a += force * answer_.a;
-  end_.rate += force * answer_.rate;
+  end_.a += force * answer.a;
+  end_.rate += force * answer.rate;
   of_depth_ = std::max(of_depth_, std::abs(beam_.struck().dot(end_.a)) / deepest_);
   const double h = part * step.h();
   impulse_ += contact_force * h;

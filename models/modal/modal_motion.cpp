@@ -47,7 +47,8 @@ void ModalMotion::start(double angle, double rate) {
   first_contact_ = FirstContact::to_come;
   left_out_ = {};
   pressed_for_ = 0.0;
-  scratch_ = end_ = sampled_[0] = sampled_[1] = state_;
+  scratch_ = end_ = state_;
+  if (velocity_row_.size() > 0) sampled_[0] = sampled_[1] = state_;
   series_.assign(static_cast<std::size_t>(beam_.stops()), NodeVector::Zero(rule_.nodes()));
 }
 
@@ -193,9 +194,14 @@ void ModalMotion::take(double part) {
   if (first_contact_ != FirstContact::lasts) return;
   if (pressed && !judges_) return;
   if (pressed)
-    pull_.follow(state_, slopes_, *step_, part, rule_.restricted(series_[0], part)[0]);
+    pull_.follow(state_, slopes_, *step_, part, mean_force(part));
   else
     first_contact_ = FirstContact::over;
+}
+
+/// Of the first stop, over the first part of the step [N].
+double ModalMotion::mean_force(double part) const {
+  return part < 1.0 ? rule_.restricted(series_[0], part)[0] : series_[0][0];
 }
 
 /// A bar that bends and turns draws its points towards the hinge: the energy of that motion is what

@@ -141,6 +141,7 @@ class ModalMotion : public BarMotion {
     return sample;
   }
 
+  double mean_force(double part) const;
   void note_shortening(bool pressed);
   void note_left_out(double part);
 

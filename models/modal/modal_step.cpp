@@ -59,7 +59,8 @@ ModesOverStep modes_over(const ModalBeam& beam, const Collocation& rule, double 
   return modes;
 }
 
-/// How a point moves under a force, as series over the step and, of what starts early, at the nodes.
+/// How a point moves under a force, as series over the step and, of what starts early, at the
+/// nodes.
 struct Kernels {
   Kernels(int terms, int nodes)
       : blocks((terms + Collocation::block_size - 1) / Collocation::block_size),
@@ -145,6 +146,8 @@ ModalStep::ModalStep(const ModalBeam& beam, const Collocation& rule, double h)
   modes.terms = terms;
   kernels.write_to(modes);
   respond(modes);
+  of_unit_force_ = {a_of_force_.colwise().sum().transpose(),
+                    rate_of_force_.colwise().sum().transpose()};
   kernels.respond_to_force(rule, h, response_.of_force);
   if (beam.stops() > 1) respond_further(beam, rule, terms);
 }
@@ -163,6 +166,8 @@ ModalStep ModalStep::sum(std::span<const ModalStep> steps, std::span<const doubl
   combine([](auto& step) -> auto& { return step.rate_of_rate_; });
   combine([](auto& step) -> auto& { return step.a_of_force_; });
   combine([](auto& step) -> auto& { return step.rate_of_force_; });
+  combine([](auto& step) -> auto& { return step.of_unit_force_.a; });
+  combine([](auto& step) -> auto& { return step.of_unit_force_.rate; });
   combine([](auto& step) -> auto& { return step.response_.displacement_of_a; });
   combine([](auto& step) -> auto& { return step.response_.displacement_of_rate; });
   combine([](auto& step) -> auto& { return step.response_.velocity_of_a; });

@@ -32,8 +32,8 @@ class ModalStep {
     BarMotion::Response of_force;
   };
 
-  /// Throws std::logic_error when the kernels' series cannot be held, which they can where h is longer
-  /// than longest() by no more than a hundredth.
+  /// Throws std::logic_error when the kernels' series cannot be held, which they can where h is
+  /// longer than longest() by no more than a hundredth.
   ModalStep(const ModalBeam& beam, const Collocation& rule, double h);
 
   /// Steps of as many modes, nodes and stops: what each does, weighted and summed.
@@ -63,6 +63,9 @@ class ModalStep {
   /// Under the forces of all stops.
   void advance(const ModalState& from, std::span<const NodeVector> forces, ModalState& to) const;
 
+  /// The state at the step's end after rest, under a force of 1 N of the first stop all the time.
+  const ModalState& of_unit_force() const { return of_unit_force_; }
+
   /// What the force of a further stop adds to it.
   void add(int stop, const NodeVector& force, ModalState& to) const;
 
@@ -84,6 +87,7 @@ class ModalStep {
   double h_;
   Eigen::ArrayXd a_of_a_, a_of_rate_, rate_of_a_, rate_of_rate_;
   Eigen::MatrixXd a_of_force_, rate_of_force_;  // (s, m)
+  ModalState of_unit_force_;
   Response response_;
   std::vector<Further> further_;
   std::vector<BarMotion::Response> of_force_;  // point by point; empty where there is one stop

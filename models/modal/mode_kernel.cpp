@@ -23,8 +23,8 @@ constexpr std::size_t most_moments = ModesOverStep::most_terms + powers;
 // λh above which the start of a mode that creeps back is early: as many moments of it as a rule has
 // nodes follow from each other upwards.
 constexpr double early_phase = 0.5 * most_nodes * most_nodes;
-// Of the two λ of a mode: from here on both can be told apart, and, for a bar moved a little along a
-// slope too, will be.
+// Of the two λ of a mode: from here on both can be told apart, and, for a bar moved a little along
+// a slope too, will be.
 constexpr double split = 2.0, safely_split = 4.0;
 
 /// How many moments are above rounding.
@@ -261,10 +261,8 @@ void early_convolutions(double k, double x, std::span<double> values) {
   for (std::size_t p = 0; p < values.size(); ++p) {
     values[p] = below;
     const double order = static_cast<double>(p) + 1.0;
-    const double next =
-        ((2.0 * order + 1.0) * t * legendre - order * before) / (order + 1.0);
-    const double above =
-        below + inverse * ((next - before) - 2.0 * (2.0 * order + 1.0) * here);
+    const double next = ((2.0 * order + 1.0) * t * legendre - order * before) / (order + 1.0);
+    const double above = below + inverse * ((next - before) - 2.0 * (2.0 * order + 1.0) * here);
     below = here;
     here = above;
     before = legendre;

@@ -61,8 +61,8 @@ class ModeKernel {
   bool is_split(double ratio) const;
 
   double omega_, half_damping_;
-  double square_;               // of the frequency with damping, < 0 where the mode creeps [1/s²]
-  double spread_;               // root of its size [1/s]
+  double square_;  // of the frequency with damping, < 0 where the mode creeps [1/s²]
+  double spread_;  // root of its size [1/s]
   double fast_ = 0.0, slow_ = 0.0;  // λ of a mode that creeps [1/s]
 };
 
