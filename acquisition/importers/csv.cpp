@@ -71,6 +71,8 @@ struct CsvHead {
     if (read_on && !roles.named_times.empty())
       roles.take_further_times(increasing_throughout(file, layout, names, roles.named_times));
     record.warnings = head.warnings;
+    if (const std::string rest = what_follows(file, layout); !rest.empty())
+      record.warnings.push_back(rest);
     tell_of_dates_and_text(layout, heads, roles, record);
     take_units_of_keys(head, roles, layout.dialect.delimiter, heads);
     describe(layout, head, heads, roles, record);

@@ -25,12 +25,15 @@ void append(Column& column, double value) {
   if (!column.valid.empty()) column.valid.push_back(1);
 }
 
-void append_missing(Column& column, const char* at) {
+void append_missing(Column& column, const char* at, std::string_view mark = {}) {
   if (column.valid.empty()) {
     column.valid.reserve(column.values.capacity());
     column.valid.assign(column.values.size(), 1);
   }
-  if (column.missing++ == 0) column.first_missing = at;
+  if (column.missing++ == 0) {
+    column.first_missing = at;
+    column.mark = mark;
+  }
   column.values.push_back(nothing);
   column.valid.push_back(0);
 }
@@ -49,7 +52,7 @@ RowReader::RowReader(TextFile& file, const TableLayout& layout,
       layout_(layout),
       required_(names.size()) {
   const std::string_view text = file.text();
-  end_ = text.data() + text.size();
+  end_ = layout.end != nullptr ? layout.end : text.data() + text.size();
   while (required_ > 1 && layout.holds_text(required_ - 1)) --required_;
   read_only(std::vector<bool>(names.size(), true));
 }
@@ -208,6 +211,7 @@ void RowReader::unusual_cell(std::size_t c) {
   const std::string_view cell(start, static_cast<std::size_t>(at_ - start));
   skip_blanks();
   const auto value = cell_value(cell, decimal_);
+  if (!value && marks_missing(cell)) return append_missing(table_.columns[c], start, trimmed(cell));
   if (!value) {
     const std::string found = to_utf8(trimmed(cell).substr(0, 40));
     const bool out_of_range = std::all_of(found.begin(), found.end(), [this](char letter) {
@@ -279,9 +283,22 @@ Table read_table(TextFile& file, const TableLayout& layout, const std::vector<st
 std::string missing_values(const TextFile& file, const std::string& name, const Column& column,
                            std::uint64_t rows) {
   if (column.missing == 0) return {};
-  return fmt::format("'{}': {} of {} values {} missing, the first at {}; marked as not valid", name,
-                     column.missing, rows, column.missing == 1 ? "is" : "are",
-                     file.position(column.first_missing).text());
+  return fmt::format(
+      "'{}': {} of {} values {} missing, the first{} at {}; marked as not valid", name,
+      column.missing, rows, column.missing == 1 ? "is" : "are",
+      column.mark.empty() ? "" : fmt::format(", written '{}',", to_utf8(column.mark.substr(0, 40))),
+      file.position(column.first_missing).text());
+}
+
+std::string what_follows(TextFile& file, const TableLayout& layout) {
+  if (layout.end == nullptr) return {};
+  const std::string_view text = file.text();
+  const char* const end = text.data() + text.size();
+  const char* at = layout.end;
+  std::string_view line;
+  while (at != end && trimmed(line).empty()) line = take_line(at, end);
+  return fmt::format("no rows follow at {}: '{}' and what comes behind it is left out",
+                     file.position(line.data()).text(), to_utf8(trimmed(line).substr(0, 40)));
 }
 
 std::string cut_row(const TextFile& file, const Table& table) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "acquisition/importers/date_columns.hpp"
+#include "acquisition/importers/date_time.hpp"
 #include "acquisition/importers/text_dialect.hpp"
 
 namespace impactrig::acquisition {
@@ -161,6 +162,39 @@ void find_text_columns(const std::vector<std::string_view>& lines, std::size_t n
     layout.written_cells = std::max(layout.written_cells, layout.cells);
   }
 }
+
+/// Behind the last row: some programs end a file with words ("End of data") or statistics
+/// ("Max,1.2, 3.4"). Null where rows go on to the end, or where a row may begin with words itself.
+const char* end_of_rows(std::string_view text, const TableLayout& layout) {
+  constexpr std::ptrdiff_t most_bytes = 16 * 1024;
+  if (layout.holds_text(0) || layout.key_cells > 0) return nullptr;
+  const Dialect& dialect = layout.dialect;
+  const char* const end = text.data() + text.size();
+  const auto begins_as_rows_do = [&](std::string_view line) {
+    const auto cells = cells_of(line, dialect.delimiter);
+    const std::string_view cell = cells.empty() ? std::string_view{} : cells.front();
+    if (cell_value(cell, dialect.decimal) || marks_missing(cell)) return true;
+    if (layout.dates_at(0) != nullptr && date_time_in(cell)) return true;
+    // half a number is one of a row that is spoilt or cut off
+    return std::string_view("0123456789+-.,").find(cell.front()) != std::string_view::npos;
+  };
+  const char* first = layout.data;
+  if (!begins_as_rows_do(take_line(first, end))) return nullptr;
+  const char* found = nullptr;
+  for (const char* at = end; at > first && end - at < most_bytes;) {
+    const char* start = at - 1;
+    while (start > first && start[-1] != '\n') --start;
+    const char* next = start;
+    const std::string_view line = take_line(next, at);
+    if (!is_skipped_line(line)) {
+      if (begins_as_rows_do(line)) return found;
+      found = start;
+    }
+    at = start;
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 bool TableLayout::holds_text(std::size_t column) const {
@@ -206,6 +240,7 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
       layout.head.empty() ? 0 : named_columns(layout.head.back(), layout.dialect);
   if (layout.dialect.dates) layout.dates = find_date_columns(file, lines, layout, named);
   find_text_columns(lines, named, layout);
+  if (!file.is_part()) layout.end = end_of_rows(text, layout);
   return layout;
 }
 

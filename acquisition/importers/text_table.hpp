@@ -44,6 +44,8 @@ struct TableLayout {
   const char* data = nullptr;          ///< start of the first row
   std::size_t cells = 0;               ///< of the first row, without empty ones at its end
   std::size_t written_cells = 0;       ///< of the first row, with them
+  /// Behind the last row, where what follows is no row; null: rows go on to the end.
+  const char* end = nullptr;
   /// Cells at the start of each row that hold keys and values in the first rows and nothing below,
   /// as some oscilloscopes write them beside the samples. They are not counted in `cells` and
   /// `written_cells`.
@@ -75,6 +77,10 @@ std::vector<std::string_view> cells_of(std::string_view line, char delimiter);
 /// for what is no number.
 std::optional<double> cell_value(std::string_view cell, char decimal);
 
+/// True for what instruments write where a value was beyond their range or is not there, in a
+/// column of numbers: "OVL", "+Over", "overload", "---", "#####".
+bool marks_missing(std::string_view cell);
+
 /// True for "1,234.5", "1.234,0", "1'234" and "1 234,5": digits in groups of three.
 bool has_thousands_separators(std::string_view cell);
 
@@ -84,6 +90,7 @@ struct Column {
   std::vector<std::uint8_t> valid;  ///< 0 where there is none; empty when all are there
   std::size_t missing = 0;          ///< how many are not there
   const char* first_missing = nullptr;
+  std::string_view mark;  ///< what stands for the first that is missing, if not one of the usual
 };
 
 /// Rows of numbers from layout.data to the end of the file.
@@ -165,6 +172,9 @@ Table read_table(TextFile& file, const TableLayout& layout, const std::vector<st
 /// valid"; "" when none is.
 std::string missing_values(const TextFile& file, const std::string& name, const Column& column,
                            std::uint64_t rows);
+
+/// Says what follows the rows and is left out; "" where nothing does.
+std::string what_follows(TextFile& file, const TableLayout& layout);
 
 /// Says that the file's end cut a row off; "" when it did not.
 std::string cut_row(const TextFile& file, const Table& table);

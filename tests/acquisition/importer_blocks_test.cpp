@@ -42,6 +42,22 @@ TEST(LargeCsv, CutWithinARowIsReadByBlocksAsItIsReadAtOnce) {
   expect_same(by_blocks(file.path()), read_into_memory(*open_csv(file.path(), {})));
 }
 
+TEST(LargeCsv, WithMarksAndWordsBehindTheRowsIsReadByBlocksAsItIsReadAtOnce) {
+  std::string text = table(40000, microseconds) + "\nEnd of data\n";
+  const std::size_t row = text.find("0.0200000,") + 10;
+  text.replace(row, text.find(',', row) - row, "OVL");
+  const tests::WrittenFile file(text, ".csv");
+  const Record record = by_blocks(file.path());
+  expect_same(record, read_into_memory(*open_csv(file.path(), {})));
+  EXPECT_EQ(record.channels[0].size(), 40000U);
+  EXPECT_FALSE(record.channels[0].is_valid(20000));
+  EXPECT_THAT(record.warnings, testing::Contains(testing::HasSubstr("'End of data'")));
+  const auto reader = open_csv_by_blocks(file.path(), {});
+  EXPECT_EQ(reader->head().samples, (std::vector<std::uint64_t>{40000, 40000}));
+  const Record part = by_blocks(file.path(), {{}, 0.0399, 1.0});
+  EXPECT_EQ(part.channels[0].size(), 100U);
+}
+
 TEST(LargeCsv, EstimatesRowsAndClockFromFirstAndLastRows) {
   const tests::WrittenFile file(table(150000, microseconds), ".csv");
   const auto reader = open_csv_by_blocks(file.path(), {});

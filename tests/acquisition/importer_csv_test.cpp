@@ -536,6 +536,41 @@ TEST(Csv, ATextForANumberIsAnErrorThatNamesPlaceAndColumn) {
             "FILE:3:3 (byte 30): velocity: expected a number, found '2.5.1'");
 }
 
+TEST(Csv, WhatInstrumentsWriteBeyondTheirRangeIsMissing) {
+  for (const char* mark : {"OVL", "+Over", "-Overload", "Ovfl", "over range", "---", "#####",
+                           "*****", "\"OVL\"", "#NV", "NULL"}) {
+    const Record record = imported(
+        fmt::format("t [s],F [N],v [m/s]\n0,1,2\n1,2,3\n2,{},4\n3,{},5\n4,5,6\n", mark, mark));
+    ASSERT_EQ(record.channels.size(), 2U) << mark;
+    EXPECT_EQ(record.channels[0].size(), 5U);
+    for (std::size_t i = 0; i < 5; ++i)
+      EXPECT_EQ(record.channels[0].is_valid(i), i != 2 && i != 3) << mark << i;
+    EXPECT_THAT(record.warnings,
+                testing::Contains(testing::AllOf(
+                    HasSubstr(fmt::format(
+                        "'F': 2 of 5 values are missing, the first, written '{}', at ", mark)),
+                    HasSubstr(":4:3 (byte 34); marked as not valid"))))
+        << mark;
+  }
+}
+
+TEST(Csv, WordsAndStatisticsBehindTheRowsAreLeftOut) {
+  const std::string rows = "t [s],F [N]\n0,1\n1,2\n2,3\n";
+  for (const auto& [behind, found] : {std::pair{"End of data\n", "End of data"},
+                                      {"\n\nMax,3\nMin,1\n", "Max,3"},
+                                      {"# note\n[Footer]\nSerial=4711", "[Footer]"}}) {
+    const Record record = imported(rows + behind);
+    EXPECT_THAT(record.channels[0].values(), ElementsAre(1.0, 2.0, 3.0)) << behind;
+    EXPECT_THAT(record.warnings,
+                testing::Contains(testing::AllOf(HasSubstr("no rows follow at "),
+                                                 HasSubstr(fmt::format("'{}'", found)))))
+        << behind;
+  }
+  // rows go on: words between them are none of these, nor is half a number
+  EXPECT_THAT(import_error(rows + "pause,\n3,4\n"), HasSubstr("expected a number, found 'pause'"));
+  EXPECT_THAT(import_error(rows + "3..1,4\n"), HasSubstr("expected a number, found '3..1'"));
+}
+
 TEST(Csv, RowsOfTheWrongLengthAreErrors) {
   EXPECT_EQ(import_error("t,a,b\n0,1,2\n1,2,3\n2,3\n3,4,5\n"),
             "FILE:4:1 (byte 18): the row has 2 cells, expected 3 (b is missing)");
