@@ -181,9 +181,10 @@ const char* end_of_rows(std::string_view text, const TableLayout& layout) {
   const char* first = layout.data;
   if (!begins_as_rows_do(take_line(first, end))) return nullptr;
   const char* found = nullptr;
-  for (const char* at = end; at > first && end - at < most_bytes;) {
+  for (const char* at = end; at > first;) {
     const char* start = at - 1;
-    while (start > first && start[-1] != '\n') --start;
+    while (start > first && end - start < most_bytes && start[-1] != '\n') --start;
+    if (end - start >= most_bytes) return nullptr;
     const char* next = start;
     const std::string_view line = take_line(next, at);
     if (!is_skipped_line(line)) {
