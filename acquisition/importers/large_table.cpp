@@ -112,13 +112,6 @@ class LargeTableReader final : public RecordingReader {
 
   TextFile& file() const { return *table_.file; }
 
-  /// The text up to the end of its last row.
-  std::string_view text() const {
-    const std::string_view all = file().text();
-    const char* const end = table_.layout.end;
-    return end == nullptr ? all : all.substr(0, static_cast<std::size_t>(end - all.data()));
-  }
-
   /// False for a column that is empty in every row. Where it is in the first rows, all are read.
   bool has_values(std::size_t channel) {
     const std::size_t column = table_.columns[channel];
@@ -186,7 +179,7 @@ class LargeTableReader final : public RecordingReader {
 
   /// Rows and clock from the first rows and the last.
   void estimate(Table& probe, std::size_t bytes_of_rows) {
-    const std::string_view text = this->text();
+    const std::string_view text = text_of_rows(file(), table_.layout);
     const double all =
         (file().is_part() ? file().expected_size() : static_cast<double>(text.size())) -
         static_cast<double>(table_.layout.data - text.data());
@@ -223,7 +216,7 @@ class LargeTableReader final : public RecordingReader {
   /// Looks at rows all over the file: times that go back anywhere for long are seen.
   bool increases_throughout() {
     constexpr std::size_t places = 256;
-    const std::string_view text = this->text();
+    const std::string_view text = text_of_rows(file(), table_.layout);
     const char* const end = text.data() + text.size();
     const auto bytes = static_cast<std::size_t>(end - table_.layout.data);
     RowReader rows(file(), table_.layout, table_.names);
@@ -309,7 +302,7 @@ class LargeTableReader final : public RecordingReader {
 
   /// The start of a row whose time is before `time`, not many rows away: times increase.
   const char* row_before(double time) {
-    const std::string_view text = this->text();
+    const std::string_view text = text_of_rows(file(), table_.layout);
     const char* low = table_.layout.data;
     const char* high = text.data() + text.size();
     RowReader rows(file(), table_.layout, table_.names);

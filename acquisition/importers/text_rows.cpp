@@ -51,8 +51,8 @@ RowReader::RowReader(TextFile& file, const TableLayout& layout,
       at_(layout.data),
       layout_(layout),
       required_(names.size()) {
-  const std::string_view text = file.text();
-  end_ = layout.end != nullptr ? layout.end : text.data() + text.size();
+  const std::string_view text = text_of_rows(file, layout);
+  end_ = text.data() + text.size();
   while (required_ > 1 && layout.holds_text(required_ - 1)) --required_;
   read_only(std::vector<bool>(names.size(), true));
 }

@@ -163,8 +163,8 @@ void find_text_columns(const std::vector<std::string_view>& lines, std::size_t n
   }
 }
 
-/// Behind the last row: some programs end a file with words ("End of data") or statistics
-/// ("Max,1.2, 3.4"). Null where rows go on to the end, or where a row may begin with words itself.
+/// Behind the last row: some programs end a file with words, as "End of data", or statistics, as
+/// "Max,1.2,3.4". Null where rows go on to the end, or where a row may begin with words itself.
 const char* end_of_rows(std::string_view text, const TableLayout& layout) {
   constexpr std::ptrdiff_t most_bytes = 16 * 1024;
   if (layout.holds_text(0) || layout.key_cells > 0) return nullptr;
@@ -197,6 +197,12 @@ const char* end_of_rows(std::string_view text, const TableLayout& layout) {
 }
 
 }  // namespace
+
+std::string_view text_of_rows(TextFile& file, const TableLayout& layout) {
+  const std::string_view text = file.text();
+  if (layout.end == nullptr) return text;
+  return text.substr(0, static_cast<std::size_t>(layout.end - text.data()));
+}
 
 bool TableLayout::holds_text(std::size_t column) const {
   return std::ranges::find(text_columns, column, &TextColumn::column) != text_columns.end();

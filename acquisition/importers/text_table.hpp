@@ -77,8 +77,9 @@ std::vector<std::string_view> cells_of(std::string_view line, char delimiter);
 /// for what is no number.
 std::optional<double> cell_value(std::string_view cell, char decimal);
 
-/// True for what instruments write where a value was beyond their range or is not there, in a
-/// column of numbers: "OVL", "+Over", "overload", "---", "#####".
+/// True for what instruments write in a column of numbers where a value was beyond their range or
+/// is not there: "OVL", "+Over", "overload", "---", "#####". In a column without numbers it may be
+/// a text like others.
 bool marks_missing(std::string_view cell);
 
 /// True for "1,234.5", "1.234,0", "1'234" and "1 234,5": digits in groups of three.
@@ -100,6 +101,9 @@ struct Table {
   const char* cut_row =
       nullptr;  ///< start of a last row that the file's end cut off; it is left out
 };
+
+/// The text up to the end of the last row.
+std::string_view text_of_rows(TextFile& file, const TableLayout& layout);
 
 /// Reads a layout's rows with one pass over the text and no allocation a cell. Blank lines and
 /// lines that begin with # are skipped; empty cells and "nan" are missing values. Dates and times

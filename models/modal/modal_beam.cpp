@@ -11,6 +11,7 @@
 
 #include "models/beams/bar_element.hpp"
 #include "models/beams/bending_modes.hpp"
+#include "models/modal/mode_kernel.hpp"
 
 namespace impactrig::models {
 
@@ -315,12 +316,8 @@ void ModalBeam::find_damping() {
 
 double ModalBeam::fastest() const {
   double fastest = 0.0;
-  for (Eigen::Index i = 0; i < omega_.size(); ++i) {
-    const double half = 0.5 * std::abs(damping_[i]);
-    const double creep =
-        half > omega_[i] ? std::sqrt((half - omega_[i]) * (half + omega_[i])) : 0.0;
-    fastest = std::max(fastest, creep > 0.0 ? half + creep : omega_[i]);
-  }
+  for (Eigen::Index i = 0; i < omega_.size(); ++i)
+    fastest = std::max(fastest, ModeKernel(omega_[i], damping_[i]).fastest_rate());
   return fastest;
 }
 

@@ -20,8 +20,8 @@ struct ModalState {
 /// Exact response of a bar's modes to forces that are polynomials over a step, by Duhamel's
 /// integral. The kernels sin ωτ and cos ωτ are expanded in Legendre polynomials; the coefficients
 /// are spherical Bessel functions of ωh/2, so that nothing limits ωh but their number. Likewise
-/// those of damped modes (ModeKernel), but for what of them dies
-/// out early in a step, whose convolution with a polynomial is as well known.
+/// those of damped modes (ModeKernel), but for what of them dies out early in a step, whose
+/// convolution with a polynomial is known as well.
 class ModalStep {
  public:
   /// The struck point at the nodes, under the state at the step's beginning and under the force's

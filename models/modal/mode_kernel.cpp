@@ -143,13 +143,11 @@ bool ModeKernel::starts_early(double h) const {
 }
 
 double ModeKernel::lasting_rate() const {
-  if (is_split(safely_split)) return slow_;
-  return square_ < 0.0 ? std::abs(half_damping_) + spread_ : omega_;
+  return is_split(safely_split) ? slow_ : fastest_rate();
 }
 
 double ModeKernel::rate_in_series(double h) const {
-  if (starts_early(h)) return slow_;
-  return square_ < 0.0 ? std::abs(half_damping_) + spread_ : omega_;
+  return starts_early(h) ? slow_ : fastest_rate();
 }
 
 ModeKernel::Value ModeKernel::at(double t) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <complex>
 #include <span>
 
@@ -49,7 +50,10 @@ class ModeKernel {
 
   Early early() const { return {fast_, -0.5 / spread_, 0.5 * fast_ / spread_}; }
 
-  /// |λ| of the fastest e^{λt} in g [1/s], but for one that is fast enough to be early() in every
+  /// |λ| of the fastest e^{λt} in g [1/s].
+  double fastest_rate() const { return square_ < 0.0 ? std::abs(half_damping_) + spread_ : omega_; }
+
+  /// The same, but for one that is fast enough to be early() in every
   /// step that is too long for its series.
   double lasting_rate() const;
 

@@ -261,7 +261,8 @@ INSTANTIATE_TEST_SUITE_P(Creeping, OneMode,
                                          Phase{2.0, 4.001}, Phase{2.0, 40.0}, Phase{30.0, 70.0},
                                          Phase{30.0, 300.0}));
 
-// The mode's start is over in a hundredth of the step or less, what follows may last.
+// The mode's start, e^{−λt} with λh of 129 to 1e4, is over early in the step; what follows may
+// last.
 INSTANTIATE_TEST_SUITE_P(StartingEarly, OneMode,
                          testing::Values(Phase{0.0, 129.0}, Phase{100.0, 213.0},
                                          Phase{100.0, 300.0}, Phase{1.0, 500.0}, Phase{100.0, 2e3},
