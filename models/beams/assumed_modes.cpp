@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/beams/assumed_modes.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
-#include <stdexcept>
 
 #include "models/beams/linear_bar.hpp"
+#include "models/beams/slowest_modes.hpp"
 #include "models/integration/gauss.hpp"
 
 namespace impactrig::models {
@@ -28,19 +26,15 @@ void AssumedModes::solve(const Beam& beam, Basis basis, int count) {
   bare.gravity = 0.0;
   const int pieces = static_cast<int>(bar_pieces(beam).size());
   elements_ = bar_elements(beam, beam.length, {std::max(32 + 4 * count, 4 * pieces), 0});
-  const SmallMotion motion = LinearBar(bare, elements_).small_motion();
-  values_ = Eigen::MatrixXd::Zero(motion.rigid.size() + 1, count);
+  const LinearBar bar(bare, elements_);
+  values_ = Eigen::MatrixXd::Zero(bar.size() + 1, count);
   if (count == 0) return;
   // clamped, the section at the hinge does not turn; pinned, the first mode is the rotation
-  const Eigen::Index held = basis == Basis::cantilever ? 1 : 0;
-  const Eigen::Index skipped = 1 - held;
-  const Eigen::Index n = motion.rigid.size() - held;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(
-      motion.stiffness.bottomRightCorner(n, n), motion.mass.bottomRightCorner(n, n));
-  if (modes.info() != Eigen::Success)
-    throw std::runtime_error("the bar's modes could not be computed");
-  omega_ = modes.eigenvalues().segment(skipped, count).cwiseSqrt();
-  values_.bottomRows(n) = modes.eigenvectors().middleCols(skipped, count);
+  const int held = basis == Basis::cantilever ? 1 : 0;
+  const int skipped = 1 - held;
+  const SlowestModes modes = slowest_modes(bar, held, skipped + count);
+  omega_ = modes.omega.tail(count);
+  values_.bottomRows(modes.shapes.rows()) = modes.shapes.rightCols(count);
 }
 
 Eigen::VectorXd AssumedModes::shown(double x,
