@@ -133,6 +133,7 @@ Simulation FreeRun::simulate() {
   const TimeLimit limit(solver_.time_limit);
   int level = bar_.ladder().level_below(first_);
   bool rejected = false;
+  RefusedLevel refused;  // by its error
   while (t_ < t_end_) {
     if (TimeLimit::is_to_be_asked(result_.cost.steps + result_.cost.rejected) && limit.over())
       throw std::runtime_error(fmt::format(
@@ -148,6 +149,7 @@ Simulation FreeRun::simulate() {
       const double order = bar_.rule().nodes() + 1.0;
       const double factor =
           std::isfinite(error_) ? std::max(0.1, 0.9 * std::pow(error_, -1.0 / order)) : 0.25;
+      refused.refuse(level);
       level = std::max(level + 1, bar_.ladder().level_below(factor * bar_.step()));
       rejected = true;
       continue;
@@ -155,7 +157,7 @@ Simulation FreeRun::simulate() {
     const double order = bar_.rule().nodes() + 1.0;
     const double growth =
         std::clamp(0.9 * std::pow(std::max(error_, 1e-12), -1.0 / order), 0.2, 6.0);
-    const int next = bar_.ladder().level_below(growth * bar_.step());
+    const int next = refused.after(level, bar_.ladder().level_below(growth * bar_.step()));
     const double hinge_change = bar_.hinge_change();
     if (hinge_change == 0.0) {
       bar_.change_hinge();

@@ -481,7 +481,9 @@ void CollocationRun::leave_events(int& next) {
   double first = std::numeric_limits<double>::infinity();
   for (ContactPoint& point : points_)
     if (leave_event(point)) first = std::min(first, point.first_step());
-  if (std::isfinite(first)) next = bar_.ladder().level_below(first);
+  if (!std::isfinite(first)) return;
+  next = bar_.ladder().level_below(first);
+  refused_.forget();
 }
 
 void CollocationRun::reject(int level) {
@@ -508,11 +510,12 @@ void CollocationRun::take_shorter() {
         fmt::format("the integration stopped {:g} s after first touch: steps of {:g} s make no "
                     "headway; ask for less accuracy",
                     t_, bar_.step()));
+  refused_.refuse(level_);
   reject(level_after_rejection(level_));
 }
 
 void CollocationRun::take_or_land() {
-  int next = next_level();
+  int next = refused_.after(level_, next_level());
   if (rejected_) next = std::max(next, level_);
   rejected_ = false;
   if (const double left = t_end_ - t_; tried_.part * bar_.step() >= left) {

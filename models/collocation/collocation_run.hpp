@@ -154,6 +154,7 @@ class CollocationRun {
   double parted_ = 0.0;    // the last contact, when it ended [s]
   int level_ = 0;          // of the step to try next
   bool rejected_ = false;  // the one before was
+  RefusedLevel refused_;   // by its error
   bool done_ = false;
   std::chrono::steady_clock::time_point started_;
 

@@ -25,4 +25,30 @@ struct StepLadder {
   }
 };
 
+/// Levels worth a try. Vibration lets a step pass and refuses the same length a moment later: one
+/// that was refused is tried again after a step, refused again after two, after four, ...
+class RefusedLevel {
+ public:
+  void refuse(int level) {
+    wait_ = level == level_ ? std::min(2 * wait_, longest_wait) : 1;
+    level_ = level;
+    left_ = wait_;
+  }
+
+  /// After a step of `taken`, the level for the next one, `wanted` by its error.
+  int after(int taken, int wanted) {
+    if (taken <= level_) forget();
+    if (wanted > level_ || left_ == 0) return wanted;
+    --left_;
+    return level_ + 1;
+  }
+
+  void forget() { *this = {}; }
+
+ private:
+  static constexpr int longest_wait = 32;
+
+  int level_ = -1, wait_ = 1, left_ = 0;
+};
+
 }  // namespace impactrig::models

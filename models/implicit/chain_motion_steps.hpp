@@ -720,10 +720,10 @@ void ChainMotion<S, Chain, Hold>::add_departure(double part, Sample& sample) con
 /// Eight stages where four would need many more steps: of fine accuracy, where vibration that a
 /// coarser method lets die is seen in the force, and against a stop of meshes so coarse that their
 /// fastest vibration has to be followed anyway. At 6e-6 four stages erred by 0.9 of what was asked
-/// for (128 elements); times of both are equal at 1e-3 with 16 elements, at 1e-5 with 32.
+/// for (128 elements); times of both are equal at 3e-4 with 32 elements.
 inline bool takes_eight_stages(const Rig& rig, const Solver& solver) {
   const double elements = solver.elements[0] + solver.elements[1];
-  const double followed = rig.has_stop() ? std::pow(4.0 / elements, 6) : 0.0;
+  const double followed = rig.has_stop() ? std::pow(8.0 / elements, 6) : 0.0;
   return solver.accuracy <= std::max(1e-5, followed);
 }
 

@@ -317,7 +317,7 @@ TEST(AncfMotion, NeedsNoMoreStepsForFinerMeshes) {
   rig.contact.restitution = 0.5;
   SimulationOptions exact;
   exact.exact = true;
-  const Simulation coarse = simulate(rig, ancf(14, 2, 1e-3, 5e-4), exact);
+  const Simulation coarse = simulate(rig, ancf(56, 8, 1e-3, 5e-4), exact);
   const Simulation fine = simulate(rig, ancf(448, 64, 1e-3, 5e-4), exact);
   EXPECT_LT(fine.cost.steps, 1.5 * static_cast<double>(coarse.cost.steps));
   EXPECT_NEAR(fine.peak_force / coarse.peak_force, 1.0, 0.01);
