@@ -91,6 +91,9 @@ class BarMotion {
   /// The steps that follow press.
   virtual void expect_contact() {}
 
+  /// The steps that follow press at no stop.
+  virtual void expect_flight() {}
+
   virtual void begin_step(int level) = 0;
   /// Begins the step tried last again, shorter: its first part alone. Not called when
   /// parts_exact().

@@ -462,6 +462,7 @@ bool CollocationRun::leave_event(ContactPoint& point) {
       }
       parted_ = t_;
       log_.separate(point.number(), t_, point.struck().velocity, point.totals(), contact);
+      if (free()) bar_.expect_flight();
       if (followed_ && point.number() == 0 && log_.in_first_episode(0))
         followed_->separate(result_);
       note_jump(point, before);

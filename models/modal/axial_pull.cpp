@@ -28,12 +28,13 @@ AxialPull::AxialPull(const ModalBeam& beam) : beam_(beam), inertia_(beam.rigid()
   last_ = missing_ = end_ = answer_ = rest_ = {of_modes, of_modes};
 }
 
-void AxialPull::touch(const ModalState& state, const ModalBeam::StationSlopes& slopes) {
+void AxialPull::touch(const ModalState& state, const ModalBeam::StationSlopes& slopes,
+                      double negligible) {
   look(state, slopes, before_);
   last_ = state;
   const double energy =
       0.5 * (state.rate.squaredNorm() + beam_.omega().cwiseProduct(state.a).squaredNorm());
-  stretches_ = !beam_.hardly_stretches(energy);
+  stretches_ = beam_.most_stretching(energy) > negligible;
   missing_ = rest_;
   deepest_ = stiffness_ = largest_ = impulse_ = missing_impulse_ = share_ = of_peak_ = of_depth_ =
       0.0;

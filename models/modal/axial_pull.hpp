@@ -25,8 +25,9 @@ class AxialPull {
  public:
   explicit AxialPull(const ModalBeam& beam);
 
-  /// The bar in this state meets its stop; its ModalBeam::find_slopes().
-  void touch(const ModalState& state, const ModalBeam::StationSlopes& slopes);
+  /// The bar in this state meets its stop; its ModalBeam::find_slopes(). What uneven bending
+  /// stretches is left out where it is a smaller part of the energy than `negligible`.
+  void touch(const ModalState& state, const ModalBeam::StationSlopes& slopes, double negligible);
 
   /// A step, or the first part of one, has led to this state under this mean force.
   void follow(const ModalState& state, const ModalBeam::StationSlopes& slopes,

@@ -115,9 +115,8 @@ class ModalBeam {
   /// stretch of its axis, of second degree, cannot take back. Not part of the small motion.
   double stretching_energy(const Eigen::VectorXd& a) const;
 
-  /// Whether that is next to nothing for a bar of this energy [J], whatever its motion, and need
-  /// not be computed.
-  bool hardly_stretches(double energy) const { return most_stretching_ * energy < 1e-14; }
+  /// The most of it, as a part of the energy of a bar that has this much [J], whatever its motion.
+  double most_stretching(double energy) const { return most_stretching_ * energy; }
 
   /// Adds what that energy does to the modes (m).
   void add_stretching_force(const Eigen::VectorXd& a, Eigen::VectorXd& force) const;
@@ -149,7 +148,6 @@ class ModalBeam {
   void find_damping();
   void find_stations(const Rig& rig);
   void find_uneven_slopes();
-  void bound_stretching();
 
   const SmallMotionBeam& beam_;
   SmallMotion motion_;

@@ -176,7 +176,7 @@ void ModalMotion::take(double part) {
     first_contact_ = FirstContact::lasts;
     if (judges_) {
       beam_.find_slopes(state_.a, state_.rate, slopes_);
-      pull_.touch(state_, slopes_);
+      pull_.touch(state_, slopes_, negligible_);
     }
   }
   if (part < 1.0) {
@@ -213,7 +213,7 @@ void ModalMotion::note_shortening(bool pressed) {
   const double frame = turns ? beam_.rigid_part(state_.a, state_.rate).angle : 0.0;
   beam_.find_slopes(state_.a, state_.rate, slopes_);
   shortening_ = std::max(shortening_, beam_.shortening_energy(slopes_, frame) / energy_scale_);
-  if (pressed && !beam_.hardly_stretches(energy_scale_))
+  if (pressed && beam_.most_stretching(energy_scale_) > negligible_)
     stretching_ = std::max(stretching_, beam_.stretching_energy(state_.a) / energy_scale_);
 }
 

@@ -85,6 +85,9 @@ class ModalMotion : public BarMotion {
   /// What this leaves out is not estimated: neglected() and missing_pull() stay as they are.
   void leave_judging() { judges_ = false; }
 
+  /// What cannot be more than this part of the energy is not looked at in judging.
+  void judge_coarsely(double negligible) { negligible_ = negligible; }
+
   double clear_time(std::span<const double> gaps, double most) override;
   void fly(double time) override;
   void sample_flight(double first, double spacing, std::span<Sample> samples) override;
@@ -180,6 +183,7 @@ class ModalMotion : public BarMotion {
   ModalBeam::StationSlopes slopes_;  // in the state, where judged
   AxialPull pull_;
   bool judges_ = true;
+  double negligible_ = 0.0;
   FirstContact first_contact_ = FirstContact::to_come;
 };
 

@@ -58,6 +58,11 @@ void StoppedMotion::expect_contact() {
   bar_.expect_contact();
 }
 
+void StoppedMotion::expect_flight() {
+  in_contact_ = false;
+  bar_.expect_flight();
+}
+
 void StoppedMotion::begin_step(int level) {
   bar_.begin_step(level);
   prepare();
@@ -180,7 +185,6 @@ void StoppedMotion::take(double part) {
   state_ = part < 1.0 ? head_at(part) : end_;
   if (touched_) time_ += part * step();
   bar_.take(part);
-  in_contact_ = in_contact_ && struck(0).displacement >= 0.0;
 }
 
 /// Of the head at a place of the solved step.

@@ -40,6 +40,7 @@ class StoppedMotion final : public BarMotion {
   double elastic_compliance() const override { return bar_.elastic_compliance() + compliance_; }
 
   void expect_contact() override;
+  void expect_flight() override;
   void begin_step(int level) override;
   void begin_part(double part) override;
 

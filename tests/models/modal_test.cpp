@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <random>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "models/beams/ancf.hpp"
 #include "models/beams/bending_modes.hpp"
 #include "models/beams/floating_frame.hpp"
+#include "models/beams/linear_bar.hpp"
 #include "models/collocation/collocation.hpp"
 #include "models/integration/gauss.hpp"
 #include "models/modal/modal_beam.hpp"
@@ -141,6 +143,44 @@ TEST(ModalBeam, AncfConvergesToThePinnedFreeFrequencies) {
     if (error < 1e-7) continue;  // its digits are rounding
     EXPECT_NEAR((few.omega()[k] / exact - 1.0) / error, 16.0, 1.5) << k;
   }
+}
+
+/// The largest share of its energy that bending stretches, of all motions of a bar's first two
+/// elastic modes with this energy.
+double most_stretching_of_two_modes(const ModalBeam& modes, double energy) {
+  double most = 0.0;
+  Eigen::VectorXd a = Eigen::VectorXd::Zero(modes.modes());
+  for (int i = 0; i < 2000; ++i) {
+    const double phase = std::numbers::pi * i / 2000.0;
+    a[1] = std::sqrt(2.0 * energy) * std::cos(phase) / modes.omega()[1];
+    a[2] = std::sqrt(2.0 * energy) * std::sin(phase) / modes.omega()[2];
+    most = std::max(most, modes.stretching_energy(a) / energy);
+  }
+  return most;
+}
+
+// One element bends in two ways: some mixture of them is the worst there can be.
+TEST(ModalBeam, CannotStretchMoreThanItSays) {
+  Rig rig = paper_rig();
+  rig.gravity = 0.0;
+  const double energy = 0.07;
+  const LinearBar one(rig, bar_elements(rig.beam, rig.beam.length, {1, 0}));
+  const ModalBeam alone(one, rig);
+  EXPECT_NEAR(most_stretching_of_two_modes(alone, energy) / alone.most_stretching(energy), 1.0,
+              1e-4);
+  const LinearBar eight(rig, bar_elements(rig.beam, rig.contact.position, {7, 1}));
+  const ModalBeam modes(eight, rig);
+  const ModalBeam softer(modes, {.stiffness = 0.25, .mass = 2.0});
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  for (const ModalBeam* bar : {&modes, &softer})
+    for (int i = 0; i < 2000; ++i) {
+      Eigen::VectorXd a = Eigen::VectorXd::Zero(bar->modes());
+      for (int k = 1; k < bar->modes(); ++k) a[k] = normal(random) / bar->omega()[k];
+      a *= std::sqrt(2.0 * energy) / bar->omega().cwiseProduct(a).norm();
+      EXPECT_LT(bar->stretching_energy(a), bar->most_stretching(energy) * energy);
+    }
+  EXPECT_NEAR(softer.most_stretching(energy) / modes.most_stretching(energy), 4.0, 1e-12);
 }
 
 // A stiff bar's pendulum frequency, 1e6 times below its highest: the weight must not be lost in the
