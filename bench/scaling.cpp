@@ -168,6 +168,7 @@ Series measure_elements(const Study& study, double accuracy, Equations equations
         study.read({{"solver.elements", fmt::format("[{}, {}]", elements / 8 * 7, elements / 8)},
                     {"solver.duration", "3 ms"}});
     file.solver.accuracy = accuracy;
+    if (options.bars) models::simulate(file.rig, file.solver, options);  // finds them
     series.points.push_back(measure(elements, file.rig, file.solver, options));
   }
   return series;
