@@ -123,7 +123,10 @@ StopStep& CollocationRun::solution(long evaluations) {
 /// The error of the step tried.
 void CollocationRun::weigh(bool solved) {
   tried_.part = 1.0;
-  if (!solved) {
+  const auto finite = [](const StopStep& step) {
+    return step.force.allFinite() && step.displacement.allFinite() && step.velocity.allFinite();
+  };
+  if (!solved || !std::ranges::all_of(steps_, finite)) {
     tried_.error = std::numeric_limits<double>::infinity();
     return;
   }

@@ -543,6 +543,50 @@ TEST(HardScene, ADampedTouchSlowerThanItsVibration) {
     EXPECT_NEAR(peak(accuracy) / finest, 1.0, accuracy) << accuracy;
 }
 
+/// Three more stops within micrometres, of a material 10^4 times as stiff as the bar.
+Rig bar_among_four_stops() {
+  Rig rig = paper_rig();
+  rig.beam =
+      round_bar(0.88998679059867103, 0.007378619269685356, 2928492266.3734117, 3788.3829371005913);
+  rig.contact.position = 0.21082199985689254;
+  set_contact({.radius = 0.007378619269685356,
+               .counter_radius = 0.007378645065696905,
+               .length = 0.017353586780447208,
+               .modulus = 2928492266.3734117,
+               .counter_modulus = 28266894438628.348},
+              rig.contact);
+  rig.contact.poisson_ratio = 0.370155;
+  rig.contact.counter_poisson_ratio = 0.043416;
+  rig.contact.law = "persson";
+  rig.contact.damping = "lankarani-nikravesh-implicit";
+  rig.contact.restitution = 0.024137810358207612;
+  rig.hinge.viscous = 3.6071949784745495e-05;
+  rig.start.velocity = 0.0055826711024510615;
+  rig.gravity = 9.81;
+  const auto add = [&](StopSide side, double position, double gap, double restitution,
+                       double stiffness_factor) {
+    FurtherStop stop{.contact = rig.contact, .side = side, .gap = gap};
+    stop.contact.position = position;
+    stop.contact.restitution = restitution;
+    stop.contact.stiffness_factor = stiffness_factor;
+    rig.further_stops.push_back(stop);
+  };
+  add(StopSide::far, 0.30189544948456115, 0.00078259004684589457, 0.45442356603818423,
+      7.3709954281564949);
+  add(StopSide::near, 0.88998679059867103, 1.9099335299528393e-06, 0.58660105878239199,
+      4.0877731818910892);
+  add(StopSide::far, 0.22077781820870679, 1.6388896167343445e-07, 0.20042494608381656,
+      0.74540384834079798);
+  return rig;
+}
+
+// Newton's method for two stops at once may end where a law has no number.
+TEST(HardScene, AStepWithoutNumbersIsTakenShorter) {
+  const Simulation run = simulate(bar_among_four_stops(), ancf(9, 2, 2.474424e-4, 5.78260405e-3));
+  EXPECT_TRUE(std::isfinite(run.peak_force));
+  EXPECT_LT(std::abs(run.energy.imbalance), 1e-4);
+}
+
 TEST(SettledSolution, KeepsItsAnswerAndSaysSoWhereItCannotBeConfirmed) {
   int solutions = 0;
   const SolveFully once = [&](const Solver& solver, const SimulationOptions& options) {
