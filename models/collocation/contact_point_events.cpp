@@ -65,11 +65,11 @@ double ContactPoint::gap_between(double before, const PointMotion& p0, double he
         zero_of_cubic(at_low, p0.velocity * time, p.displacement, p.velocity * time);
     return root_of_gap(before, at_low, before + part * (place - before), place);
   };
-  const auto returns = [&](const PointMotion& p) {
+  const auto still_enters = [&](const PointMotion& p) {
     return sign * p.displacement > 0.0 && sign * p.velocity < 0.0;
   };
   // a phase that began short of its zero, by what landing there leaves, is still on its way in
-  if (returns(p0) && returns(p1)) return 2.0;
+  if (still_enters(p0) && still_enters(p1)) return 2.0;
   if (sign * p1.displacement > 0.0) return root(here, p1);
   if (!(sign * p0.velocity > 0.0 && sign * p1.velocity < 0.0)) return 2.0;
   // it turned on the way; by its mean deceleration, was that beyond the gap's zero, or nearly?

@@ -30,6 +30,7 @@ StoppedMotion::StoppedMotion(BarMotion& bar, const Stop& stop)
 void StoppedMotion::start(double angle, double rate) {
   bar_.start(angle, rate);
   state_ = end_ = {};
+  in_contact_ = false;
 }
 
 void StoppedMotion::set_scales(const Scales& scales) {
