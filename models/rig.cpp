@@ -312,6 +312,12 @@ double Beam::bar_mass() const {
   return sum;
 }
 
+double Beam::total_mass() const {
+  double sum = bar_mass();
+  for (const LumpedMass& lump : masses) sum += lump.mass;
+  return sum;
+}
+
 double Beam::first_moment() const {
   double sum = 0.0;
   for_each_piece(*this, [&](const BarElement& piece) {

@@ -66,6 +66,7 @@ struct Beam {
   bool shears() const { return theory == BeamTheory::timoshenko; }
 
   double bar_mass() const;       ///< without `masses` [kg]
+  double total_mass() const;     ///< with them [kg]
   double first_moment() const;   ///< ∫ x dm [kg m]
   double hinge_inertia() const;  ///< ∫ x² dm, with the sections' own of a Timoshenko bar [kg m^2]
 };

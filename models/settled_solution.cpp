@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <stdexcept>
+#include <string>
 
 #include "models/beams/bar_element.hpp"
 #include "models/time_limit.hpp"
@@ -15,21 +16,36 @@
 namespace impactrig::models {
 namespace {
 
-// Where the tip moves this fast at first touch, of the speed of sound along the bar, the bar is
-// strained by as much.
+// Of strain.
 constexpr double much = 0.05;
 // Of two solutions that show what the coarser one errs by, the ratio of their accuracies.
 constexpr double apart = 10.0;
 constexpr double safety = 3.0;
-constexpr int most_attempts = 3;
+constexpr int most_attempts = 5;
 // Of the processor time allowed, what a solution may take that ends with the first contact.
 constexpr double share_of_time = 0.1;
 
-double tip_against_sound(const Rig& rig) {
-  double sound = std::numeric_limits<double>::infinity();
-  for (const BarElement& piece : bar_pieces(rig.beam))
+/// What strains the bar beyond the beam theories, and by how much [-].
+struct Strain {
+  double size = 0.0;
+  std::string cause;
+};
+
+/// A tip that is stopped strains the bar by its speed, as a part of the speed of sound along the
+/// bar; a bar that hangs, by its weight. A softer end counts as all of the bar.
+Strain largest_strain(const Rig& rig) {
+  double sound = std::numeric_limits<double>::infinity(), stiffness = sound;
+  for (const BarElement& piece : bar_pieces(rig.beam)) {
     sound = std::min(sound, std::sqrt(piece.axial_stiffness / piece.line_density));
-  return touch_velocity(rig) * rig.beam.length / rig.contact.position / sound;
+    stiffness = std::min(stiffness, piece.axial_stiffness);
+  }
+  const double mach = touch_velocity(rig) * rig.beam.length / rig.contact.position / sound;
+  const double weight = rig.gravity * rig.beam.total_mass() / stiffness;
+  if (mach >= weight)
+    return {mach, fmt::format("at touch the tip moves at {:.2g} of the speed of sound in the bar, "
+                              "which strains it by as much",
+                              mach)};
+  return {weight, fmt::format("the bar's weight strains it by up to {:.2g}", weight)};
 }
 
 bool first_contact_over(const Simulation& run) {
@@ -82,15 +98,14 @@ class FirstContact {
   const SolveFully& solve_;
 };
 
-std::string warning_of(double change, double mach) {
+std::string warning_of(double change, const Strain& strain) {
   const std::string found = change > 0.0 ? fmt::format("changes by {:.1e}", change)
                                          : std::string("could not be shown to stay as it is");
   return fmt::format(
-      "the first contact {} when it is solved more accurately: at touch the tip moves at {:.2g} of "
-      "the speed of sound in the bar, which strains it by as much, and such motion magnifies every "
+      "the first contact {} when it is solved more accurately: {}, and such motion magnifies every "
       "error. The beam theories, linear in the strain, do not hold there; strike more slowly, or "
       "take a stiffer bar.",
-      found, mach);
+      found, strain.cause);
 }
 
 }  // namespace
@@ -100,8 +115,8 @@ Simulation solve_until_settled(const Rig& rig, const Solver& solver,
   const TimeLimit limit(solver.time_limit);
   Simulation run = solve(solver, options);
   if (!rig.has_stop() || solver.model == BeamModel::rigid || !first_contact_over(run)) return run;
-  const double mach = tip_against_sound(rig);
-  if (mach < much) return run;
+  const Strain strain = largest_strain(rig);
+  if (strain.size < much) return run;
   const FirstContact first(run, solver, options, limit, solve);
   const double coarse = std::min(apart * solver.accuracy, Solver::coarsest_accuracy);
   std::optional<Simulation> before = first.at(coarse);
@@ -109,31 +124,34 @@ Simulation solve_until_settled(const Rig& rig, const Solver& solver,
   if (before) change = change_between(*before, run);
   if (change && *change <= solver.accuracy) return run;
   double largest = change.value_or(0.0);
+  bool settled = false;
 
-  double accuracy = solver.accuracy;
-  before = first.at(accuracy);
-  for (int attempt = 0; before && attempt < most_attempts; ++attempt) {
+  Solver used = solver;
+  before = first.at(used.accuracy);
+  for (int attempt = 0; before && !settled && attempt < most_attempts; ++attempt) {
+    if (used.accuracy <= Solver::finest_accuracy) break;
     const double wanted = solver.accuracy / (safety * change.value_or(1.0));
-    accuracy = std::max(accuracy * std::clamp(wanted, 1e-2, 1.0 / apart), Solver::finest_accuracy);
-    const std::optional<Simulation> finer = first.at(accuracy);
-    if (!finer) break;
-    change = change_between(*before, *finer);
+    const double finer =
+        std::max(used.accuracy * std::clamp(wanted, 1e-2, 1.0 / apart), Solver::finest_accuracy);
+    std::optional<Simulation> after = first.at(finer);
+    if (!after) break;
+    used.accuracy = finer;
+    change = change_between(*before, *after);
     largest = std::max(largest, *change);
-    if (*change <= solver.accuracy) {
-      Solver used = solver;
-      used.accuracy = accuracy;
-      used.time_limit = limit.left();
-      try {
-        Simulation settled = solve(used, options);
-        settled.solver = solver;
-        return settled;
-      } catch (const std::runtime_error&) {
-        break;  // no time is left for it
-      }
-    }
-    before = finer;
+    settled = *change <= solver.accuracy;
+    before = std::move(after);
   }
-  run.warnings.push_back(warning_of(largest, mach));
+  if (used.accuracy < solver.accuracy) {
+    used.time_limit = limit.left();
+    try {
+      run = solve(used, options);
+      run.solver = solver;
+      largest = *change;
+    } catch (const std::runtime_error&) {
+      settled = false;  // no time is left for it
+    }
+  }
+  if (!settled) run.warnings.push_back(warning_of(largest, strain));
   return run;
 }
 

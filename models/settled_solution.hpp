@@ -10,10 +10,14 @@ namespace impactrig::models {
 /// Solves a rig's full equations, to the accuracy that the solver states.
 using SolveFully = std::function<Simulation(const Solver&, const SimulationOptions&)>;
 
-/// The solution by the full equations. Of a bar that moves fast enough to strain it much, motion
-/// may magnify errors so far that the control of single steps does not bound them: such a one is
-/// solved at several accuracies, until its first contact changes by no more than the accuracy asked
-/// for, or a warning says by how much it does.
+/// The solution by the full equations. Of a bar that is strained much, by its speed or by its
+/// weight, motion may magnify errors so far that the control of single steps does not bound them:
+/// such a one is solved at several accuracies, until its first contact changes by no more than the
+/// accuracy asked for; where that fails the last of them stands, with a warning that says by how
+/// much it changed.
+///
+/// One that magnifies them: Reissner's bar stretched to Λ times its length, whose sections turn
+/// against the pull where E (Λ - 1) > κ G Λ.
 Simulation solve_until_settled(const Rig& rig, const Solver& solver,
                                const SimulationOptions& options, const SolveFully& solve);
 

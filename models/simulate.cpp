@@ -35,8 +35,8 @@ struct Solved {
   double smallness = 1.0;  ///< CollocationRun's
 };
 
-/// A first contact much smaller than it was taken for is solved again in the time that is left, so
-/// that its errors are compared with its own size.
+/// A first contact much smaller than it was taken for, or that ends slowly, is solved again in the
+/// time that is left, so that its errors are compared with its own size.
 template <typename Solve>
 Simulation solve_to_size(Solver solver, const Solve& solve) {
   const TimeLimit limit(solver.time_limit);
@@ -48,8 +48,9 @@ Simulation solve_to_size(Solver solver, const Solve& solve) {
     return solve(solver).result;
   } catch (const std::runtime_error&) {
     solved.result.warnings.push_back(fmt::format(
-        "the first contact is so small, for what the bar could give, that its errors may be {:.0f} "
-        "times the accuracy asked for, and solver.time_limit left no time to solve it again; state "
+        "the first contact is so small, for what the bar could give, or ends so slowly, that its "
+        "errors may be {:.0f} times the accuracy asked for, and solver.time_limit left no time to "
+        "solve it again; state "
         "a longer one",
         1.0 / solved.smallness));
     return std::move(solved.result);

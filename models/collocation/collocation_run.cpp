@@ -25,8 +25,10 @@ constexpr double step_share = 0.1, step_share_of_modes = 1.0;
 // Of the step that would just be good enough, the next one. Newton's method leaves errors that no
 // shorter step makes smaller: more caution would keep steps of the full equations short on them.
 constexpr double step_safety = 0.9, step_safety_of_modes = 0.8;
-// A first contact smaller than this part of its scales is to be solved again.
-constexpr double smallest_part = 0.01;
+// A first contact smaller than this part of its scales is to be solved again; or one that ends
+// slower than this part of its approach: errors of the way then count that much more as time. What
+// creeps apart has no end that could be had by any accuracy.
+constexpr double smallest_part = 0.01, slowest_part = 0.1, creeping = 1e-3;
 // The energy of the first contact, as a multiple of what the bar first has to be stopped of.
 constexpr double most_of_local = 30.0;
 // Of the speed that the scales are made from.
@@ -39,6 +41,10 @@ constexpr double share_of_flight = 0.5;
 constexpr double continuous = 1e-10;
 // Events this close are one, as a part of the step.
 constexpr double coincidence = 1e-9;
+// Of the accuracy, what landing on an event may move it, as a part of a contact's time: a swing may
+// be taken in steps that are longer than that by a factor of 10^5.
+constexpr double share_of_landing = 0.01;
+constexpr double finest_landing = 1e-15;
 
 /// What of the bar the contact first has to stop: in how long a time, and with which energy. A
 /// short bar as a whole; of a long one, what moves with the struck point in that time. A point
@@ -66,6 +72,10 @@ Loading loading(const Rig& rig, const Solver& solver, const ContactPoint& point,
   // strong damping presses with full force earlier
   return {time / (1.0 + contact.damping_share(approach, depth)),
           kinetic * std::pow(time / whole, 2)};
+}
+
+bool opens(const ContactPoint& point) {
+  return point.event() == ContactPoint::Event::gap && point.contact().presses();
 }
 
 }  // namespace
@@ -194,7 +204,9 @@ void CollocationRun::change_hinge() {
 bool CollocationRun::land_on_event() {
   const auto gap = std::ranges::find(points_, ContactPoint::Event::gap, &ContactPoint::event);
   double part = tried_.part;
-  for (int correction = 0; correction < 3; ++correction) {
+  const double close = std::clamp(share_of_landing * solver_.accuracy * contact_time_ / bar_.step(),
+                                  finest_landing, coincidence);
+  for (int correction = 0; correction < 5; ++correction) {
     if (!(part > 0.0)) return false;
     bar_.begin_part(part);
     solve_attempt();
@@ -203,7 +215,7 @@ bool CollocationRun::land_on_event() {
     const bool hinge = tried_.end == End::hinge;
     if (!hinge && gap == points_.end()) return true;
     const double late = hinge ? bar_.hinge_lateness() : gap->lateness();
-    if (std::abs(late) < coincidence || std::abs(late) > 0.1) return true;
+    if (std::abs(late) < close || std::abs(late) > 0.1) return true;
     part = 1.0 - late;
   }
   return true;
@@ -311,6 +323,7 @@ void CollocationRun::set_scales() {
         "all range; look at start, beam and contact",
         approach_, energy_scale_, points_.front().force_scale()));
   bar_.set_scales(scales);
+  contact_time_ = scales.contact_time;
   // a bar that turns past its stop, or of which hardly more than the struck point is stopped
   const ContactPoint& first = points_.front();
   impulse_scale_ =
@@ -424,13 +437,20 @@ int CollocationRun::level_after_rejection(int level) const {
                             ? std::max(0.1, safety * std::pow(tried_.error, -1.0 / order))
                             : 0.25;
   const int by_error = std::max(level + 1, bar_.ladder().level_below(factor * bar_.step()));
-  const auto opens = [](const ContactPoint& point) {
-    return point.event() == ContactPoint::Event::gap && point.contact().presses();
-  };
   if (std::ranges::none_of(points_, opens)) return by_error;
   // hardly beyond the contact's end, where the law does not go on smoothly, or all of that way
-  const int until_end = bar_.ladder().level_below(tried_.part * bar_.step()) - 1;
-  return until_end > level ? until_end : by_error;
+  return level_until_event() > level ? level_until_event() : by_error;
+}
+
+int CollocationRun::level_until_event() const {
+  return bar_.ladder().level_below(tried_.part * bar_.step()) - 1;
+}
+
+/// A step far beyond a contact's end is right at its own end, but in between only as good as few
+/// nodes before that of the contact make it.
+bool CollocationRun::ends_far_beyond_contact() const {
+  return tried_.end == End::event && tried_.part < 0.5 && bar_.parts_exact() &&
+         level_until_event() > level_ && std::ranges::any_of(points_, opens);
 }
 
 int CollocationRun::next_level() const {
@@ -533,6 +553,10 @@ void CollocationRun::take_or_land() {
     next = level_;
     leave_events(next);
     level_ = next;
+    return;
+  }
+  if (ends_far_beyond_contact()) {
+    reject(level_until_event());
     return;
   }
   if (tried_.end != End::step && !bar_.parts_exact() && !land_on_event()) {
@@ -665,7 +689,8 @@ double CollocationRun::smallness() const {
   const Episode& first = result_.episodes.front();
   const double part =
       std::min(first.impulse / impulse_scale_, first.peak_force / points_.front().force_scale());
-  return std::min(1.0, part / smallest_part);
+  const double slow = std::abs(first.separation_velocity) / first.approach_velocity;
+  return std::min({1.0, part / smallest_part, std::max(slow, creeping) / slowest_part});
 }
 
 Simulation CollocationRun::conclude() {

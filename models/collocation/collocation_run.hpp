@@ -58,7 +58,7 @@ class CollocationRun {
 
   /// By how much the first contact fell short of what its errors were compared with: of the
   /// accuracy asked for, the part to solve it to again; 1 where the scales were right, as they are
-  /// but for a bar that hardly touches.
+  /// but for a bar that hardly touches, or hardly parts.
   double smallness() const;
 
   Simulation conclude();
@@ -130,6 +130,8 @@ class CollocationRun {
   bool free() const;
   bool leap();
   int level_after_rejection(int level) const;
+  int level_until_event() const;
+  bool ends_far_beyond_contact() const;
   int next_level() const;
   double longest_step() const;
   bool leave_event(ContactPoint& point);
@@ -165,6 +167,7 @@ class CollocationRun {
   double laser_rest_ = 0.0, slope_rest_ = 0.0;  // displacement seen at first touch [m], [-]
 
   double approach_ = 0.0, impulse_scale_ = 0.0, energy_scale_ = 0.0;
+  double contact_time_ = 0.0;        // of the shortest that is expected [s]
   std::optional<double> smallness_;  // of the first contact, where the scales are another's
   double damped_ = 0.0;              // in bar, hinge and compliant stop since first touch [J]
   // √(2 C) for each stop: how far √energy can move its point elastically [m/√J]

@@ -155,6 +155,7 @@ class ContactPoint {
   bool find_peak(double low, double at_low, double high, double at_high);
   Rates observe_peak(double low, double high);
   void observe_deepest(double part, double depth);
+  void observe_early_peak(double high);
   void observe_jump();
   void observe_pull(double part);
   void observe_turn(double before, const PointMotion& p0, double here, const PointMotion& p1);

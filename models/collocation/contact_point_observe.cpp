@@ -13,6 +13,8 @@ constexpr double rounded = 1.0 - 8.0 * std::numeric_limits<double>::epsilon();
 // The force is flat at its maximum: a correction of its place by less, as a part of the step, need
 // not be looked at.
 constexpr double last_correction = 1e-6;
+// Of the time until the first node: where a force is looked for that rises and falls before.
+constexpr double earliest = 1e-12;
 
 }  // namespace
 
@@ -130,6 +132,35 @@ ContactPoint::Rates ContactPoint::observe_peak(double low, double high) {
   return rates;
 }
 
+/// The force's maximum before a place near the step's beginning: damping may have its say in so
+/// short a time that the nodes see only how the force falls. By golden sections of the time's
+/// logarithm.
+void ContactPoint::observe_early_peak(double high) {
+  constexpr double golden = 0.6180339887498949;
+  const auto force_at = [&](double logarithm) {
+    const PointMotion p = struck_at(std::exp(logarithm));
+    ++evaluations_;
+    return contact_.force(p.displacement, p.velocity);
+  };
+  double low = std::log(earliest * high), up = std::log(high);
+  double a = up - golden * (up - low), b = low + golden * (up - low);
+  double at_a = force_at(a), at_b = force_at(b);
+  for (int k = 0; k < 16; ++k) {
+    if (at_a > at_b) {
+      up = std::exchange(b, a);
+      at_b = at_a;
+      a = up - golden * (up - low);
+      at_a = force_at(a);
+    } else {
+      low = std::exchange(a, b);
+      at_a = at_b;
+      b = low + golden * (up - low);
+      at_b = force_at(b);
+    }
+  }
+  observe_peak(std::exp(low), std::exp(up));
+}
+
 /// A force that begins with a jump is largest there.
 void ContactPoint::observe_jump() {
   const PointMotion first = struck();
@@ -186,6 +217,9 @@ void ContactPoint::observe(double begun, double part) {
         if (exact.low < 0.0 && before > 0.0) observe_peak(before_that, before);
       }
     }
+    if (pressed && i == 0 && rates_[0] < -unsure && rates_[1] < 0.0 &&
+        contact_.force(p0.displacement, p0.velocity) < step_.force[0])
+      observe_early_peak(here);
     if (pressed) {
       const double force = inside ? step_.force[i] : legendre_sum(step_.force_series, here);
       if (force > highest.force) highest = {force, here, p1};

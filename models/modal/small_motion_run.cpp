@@ -40,17 +40,11 @@ double flexibility(const Beam& beam) {
   return sum;
 }
 
-double whole_mass(const Beam& beam) {
-  double sum = beam.bar_mass();
-  for (const LumpedMass& lump : beam.masses) sum += lump.mass;
-  return sum;
-}
-
 /// Largest strain of a bar that can stretch, by its weight and its turning at this rate [-]. Small
 /// motion has it as it is made.
 double steady_strain(const Rig& rig, const Solver& solver, double rate) {
   if (!stretches(solver)) return 0.0;
-  const double pull = rig.gravity * whole_mass(rig.beam) + rate * rate * rig.beam.first_moment();
+  const double pull = rig.gravity * rig.beam.total_mass() + rate * rate * rig.beam.first_moment();
   return pull * flexibility(rig.beam) / rig.beam.length;
 }
 

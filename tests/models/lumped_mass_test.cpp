@@ -27,6 +27,7 @@ TEST(LumpedMass, AddsToTheMomentsOfTheBar) {
   const double mass = 2766.7 * beam.area * 0.8;
   beam.masses = {{0.8, 0.1}, {0.2, 3.0}};
   EXPECT_DOUBLE_EQ(beam.bar_mass(), mass);
+  EXPECT_DOUBLE_EQ(beam.total_mass(), mass + 3.1);
   EXPECT_DOUBLE_EQ(beam.first_moment(), mass * 0.4 + 0.08 + 0.6);
   EXPECT_DOUBLE_EQ(beam.hinge_inertia(), mass * 0.64 / 3.0 + 0.064 + 0.12);
 }
