@@ -5,7 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
+
+#include "acquisition/importers/spool.hpp"
+#include "acquisition/importers/time_axis.hpp"
 
 namespace impactrig::acquisition {
 
@@ -167,6 +171,67 @@ class MemorySink final : public SampleSink {
   std::vector<std::uint64_t> expected_;
 };
 
+/// Keeps stated times back until all are there; samples go on.
+class TimesLater final : public SampleSink {
+ public:
+  /// Where there may be many times, they are kept on the disk; `file` is for errors.
+  TimesLater(std::size_t channels, bool many, std::string file, SampleSink& next)
+      : next_(next),
+        many_(many),
+        file_(std::move(file)),
+        times_(channels) {}
+
+  void take(std::size_t index, const SampleBlock& block) override { next_.take(index, block); }
+
+  void take_times(std::size_t index, std::span<const double> times) override {
+    if (many_ && !spool_) {
+      spool_.emplace(file_);
+      times_.assign(times_.size(), NumberList<double>(&*spool_));
+    }
+    times_[index].append(times);
+  }
+
+  /// The times go on where no step stands for them.
+  void deliver(Record& record) {
+    for (std::size_t i = 0; i < times_.size(); ++i) {
+      const NumberList<double>& times = times_[i];
+      if (const auto even = even_axis(times)) {
+        record.channels[i].clock = even->clock;
+        tell(*even, times, record);
+      } else {
+        times.each([&](std::span<const double> piece) { next_.take_times(i, piece); });
+      }
+    }
+  }
+
+ private:
+  static std::optional<TimeAxis> even_axis(const NumberList<double>& times) {
+    if (times.size() < 3) return std::nullopt;  // two have one step, whatever the clock
+    TimeAxisCheck check(times.front(), times.back(), times.size());
+    times.each([&](std::span<const double> piece) { check.add(piece); });
+    TimeAxis axis = check.axis();
+    if (!check.uniform() || !(axis.clock.interval > 0.0)) return std::nullopt;
+    return axis;
+  }
+
+  static void tell(const TimeAxis& axis, const NumberList<double>& times, Record& record) {
+    const std::string sentence = fmt::format(
+        "the samples between {:.9g} and {:.9g} s are evenly spaced, and a step of {:.9g} s stands "
+        "for their times",
+        times.front(), times.back(), axis.clock.interval);
+    for (const std::string& text : {axis.warning, sentence})
+      // channels mostly share their times
+      if (!text.empty() && std::ranges::find(record.warnings, text) == record.warnings.end())
+        record.warnings.push_back(text);
+  }
+
+  SampleSink& next_;
+  bool many_;
+  std::string file_;
+  std::optional<Spool> spool_;
+  std::vector<NumberList<double>> times_;
+};
+
 }  // namespace
 
 std::size_t SampleBlock::size() const {
@@ -242,6 +307,18 @@ std::unique_ptr<RecordingReader> reader_of_head(RecordingHead head) {
   return std::make_unique<HeadAlone>(std::move(head));
 }
 
+Record read_window(RecordingReader& reader, const Selection& wanted, SampleSink& sink) {
+  if (!wanted.has_window()) return reader.read(wanted, sink);
+  const std::vector<std::size_t> chosen = selected_channels(reader.head(), wanted);
+  std::uint64_t samples = 0;
+  for (const std::size_t index : chosen) samples += reader.head().samples[index];
+  TimesLater later(chosen.size(), samples > most_reserved,
+                   reader.head().record.provenance.source_file, sink);
+  Record record = reader.read(wanted, later);
+  later.deliver(record);
+  return record;
+}
+
 Record read_into_memory(RecordingReader& reader, const Selection& wanted) {
   std::vector<std::uint64_t> expected;
   for (const std::size_t index : selected_channels(reader.head(), wanted)) {
@@ -250,7 +327,7 @@ Record read_into_memory(RecordingReader& reader, const Selection& wanted) {
     expected.push_back(range.last - range.first);
   }
   MemorySink sink(std::move(expected));
-  Record record = reader.read(wanted, sink);
+  Record record = read_window(reader, wanted, sink);
   sink.deliver(record);
   return record;
 }

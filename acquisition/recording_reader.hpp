@@ -110,7 +110,11 @@ std::unique_ptr<RecordingReader> reader_of(datasets::Record record);
 /// A head without samples: read() throws std::logic_error.
 std::unique_ptr<RecordingReader> reader_of_head(RecordingHead head);
 
-/// Reads what is asked for into memory.
+/// As reader.read(). Of an uneven clock the times of a window are judged by themselves: where they
+/// are evenly spaced, the clock is uniform, and a warning says so.
+datasets::Record read_window(RecordingReader& reader, const Selection& wanted, SampleSink& sink);
+
+/// Reads what is asked for into memory, by read_window().
 datasets::Record read_into_memory(RecordingReader& reader, const Selection& wanted = {});
 
 }  // namespace impactrig::acquisition

@@ -106,8 +106,9 @@ Cells head_cells(std::string_view line, const TableLayout& layout) {
     return cells.size() <= layout.cells && cells.size() + layout.cells_beside() >= layout.cells &&
            std::none_of(cells.begin(), cells.end(), [](auto cell) { return cell.empty(); });
   };
-  for (const auto& divide : {divided_at_gaps, divided_with_units})
-    if (Cells cells = divide(text); fits(cells)) return cells;
+  if (own.size() < 2)  // else its blanks are part of names
+    for (const auto& divide : {divided_at_gaps, divided_with_units})
+      if (Cells cells = divide(text); fits(cells)) return cells;
   for (const char other : {'\t', ';', ',', '|'})
     if (Cells cells = divided(other); fits(cells)) return cells;
   return own;
@@ -266,6 +267,39 @@ void find_names_and_units(const TableLayout& layout, const std::vector<std::size
   if (bottom.empty() || !all_named || has_number(bottom, decimal)) return;
   names = bottom;
   head.names_line = bottom_line;
+}
+
+/// "1", "2", ... or "0", "1", ...: the first cells of the first rows.
+bool begin_with_their_numbers(const TableLayout& layout, std::string_view text) {
+  constexpr int rows_tried = 3;
+  const char* at = layout.data;
+  const char* const end = text.data() + text.size();
+  std::optional<long> first;
+  int rows = 0;
+  while (at != end && rows < rows_tried) {
+    const Cells cells = cells_of(take_line(at, end), layout.dialect.delimiter);
+    const auto number = cells.empty() ? std::nullopt : integer_in(cells.front());
+    if (!number || (first ? *number != *first + rows : *number != 0 && *number != 1)) return false;
+    if (!first) first = *number;
+    ++rows;
+  }
+  return rows > 1;
+}
+
+/// Rows may begin with their numbers, under no name of their own: the names are those of the other
+/// columns then, as R writes tables. Where else names are fewer than columns, they may not be over
+/// their own.
+void compare_names_with_columns(const TableLayout& layout, std::string_view text, Cells& names,
+                                TableHead& head) {
+  if (names.empty() || names.size() >= layout.cells || layout.dialect.delimiter == ' ') return;
+  if (names.size() + 1 == layout.cells && layout.dates.empty() &&
+      begin_with_their_numbers(layout, text)) {
+    names.insert(names.begin(), std::string_view());
+    return;
+  }
+  head.warnings.push_back(
+      fmt::format("line {} names {} of {} columns: the first ones are taken to be meant",
+                  head.names_line, names.size(), layout.cells));
 }
 
 /// A date and time in several cells may have one name: it is that of the last of them.
@@ -489,7 +523,7 @@ ColumnHead split_head(std::string_view cell) {
   return unit_behind_a_word(text).value_or(head);
 }
 
-TableHead read_head(const TableLayout& layout) {
+TableHead read_head(const TableLayout& layout, std::string_view text) {
   TableHead head;
   std::vector<std::size_t> filled;  // head lines with text
   for (std::size_t i = 0; i < layout.head.size(); ++i)
@@ -498,11 +532,17 @@ TableHead read_head(const TableLayout& layout) {
   Cells units;
   find_names_and_units(layout, filled, names, units, head);
   spread_names(layout, names);
+  compare_names_with_columns(layout, text, names, head);
+  if (layout.column_numbers)
+    head.warnings.push_back(
+        fmt::format("line {} ('{}') is taken to number the columns, not for a row of them",
+                    layout.head.size(), to_utf8(trimmed(layout.head.back()).substr(0, 40))));
   head.columns = heads_of(names, units);
   if (!layout.key_lines.empty()) take_keys(layout, head);
   for (const std::size_t i : filled) {
     const int line = static_cast<int>(i) + 1;
-    if (line != head.names_line && line != head.units_line)
+    const bool only_numbers = layout.column_numbers && i + 1 == layout.head.size();
+    if (line != head.names_line && line != head.units_line && !only_numbers)
       add_attribute(layout.head[i], layout, head);
   }
   find_interval(layout.dialect, head);

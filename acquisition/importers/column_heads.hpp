@@ -30,8 +30,8 @@ struct TableHead {
   std::vector<std::string> warnings;
 };
 
-/// Reads names, units, sentences and key-value lines above a table.
-TableHead read_head(const TableLayout& layout);
+/// Reads names, units, sentences and key-value lines above a table; `text` holds its rows.
+TableHead read_head(const TableLayout& layout, std::string_view text);
 
 /// "Force [N]", "CH 1 (V)", "acceleration(g)", "t / s", "t/ms", "Time in ms", "Time, ms", "Time_ms"
 /// and "Time" as name and unit. All but brackets count only before a unit that is understood.

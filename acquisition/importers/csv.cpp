@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
+#include <map>
+#include <span>
 #include <utility>
 
 #include "acquisition/importers/column_heads.hpp"
@@ -24,28 +25,60 @@ using datasets::Record;
 
 namespace {
 
-/// Those of `columns` that increase in all rows without a gap: reads the file through.
-std::vector<std::size_t> increasing_throughout(TextFile& file, const TableLayout& layout,
-                                               const std::vector<std::string>& names,
-                                               std::vector<std::size_t> columns) {
-  constexpr std::size_t rows_at_once = 16384;
+constexpr std::size_t rows_at_once = 16384;
+
+/// Where columns of times end before the rows do: at their first cell without one.
+using TimeEnds = std::map<std::size_t, const char*>;
+
+/// Those of `columns` that increase in all rows, up to their end if they have one, and the ends of
+/// these and of `time`: reads the file through.
+std::pair<std::vector<std::size_t>, TimeEnds> increasing_throughout(
+    TextFile& file, const TableLayout& layout, const std::vector<std::string>& names,
+    std::size_t time, std::vector<std::size_t> columns) {
   RowReader rows(file, layout, names);
   std::vector<double> last(names.size(), -std::numeric_limits<double>::infinity());
+  TimeEnds ends;
+  bool gap_in_time = false;
+  /// False where the column does not increase, or goes on after a gap.
+  const auto goes_on = [&](std::size_t c, const Column& piece) {
+    bool increases = true;
+    for (const double value : piece.values) {
+      if (std::isnan(value))
+        ends.try_emplace(c, piece.first_missing);
+      else if (ends.contains(c))
+        return false;
+      else
+        increases = value > std::exchange(last[c], value) && increases;
+    }
+    return increases || c == time;
+  };
   while (!rows.at_end() && !columns.empty()) {
     std::vector<bool> needed(names.size(), false);
+    needed[time] = true;
     for (const std::size_t c : columns) needed[c] = true;
     rows.read_only(needed);
     const char* const start = rows.at();
     const Table piece = rows.read(rows_at_once);
+    if (!gap_in_time) gap_in_time = !goes_on(time, piece.columns[time]);
     std::erase_if(columns, [&](std::size_t c) {
-      if (piece.columns[c].missing > 0) return true;
-      for (const double value : piece.columns[c].values)
-        if (!(value > std::exchange(last[c], value))) return true;
-      return false;
+      const bool drop = !goes_on(c, piece.columns[c]);
+      if (drop) ends.erase(c);
+      return drop;
     });
     file.release(start, rows.at());
   }
-  return columns;
+  if (gap_in_time || columns.empty()) ends.erase(time);
+  return {std::move(columns), std::move(ends)};
+}
+
+/// True for times of which a step has fewer than three digits left in double precision.
+bool rounds_steps(const Column& times) {
+  if (times.values.size() < 2 || std::isnan(times.values.front())) return false;
+  const double first = times.values.front();
+  const std::size_t last = samples_before_end(times);
+  if (last < 2) return false;
+  const double step = (times.values[last - 1] - first) / static_cast<double>(last - 1);
+  return std::abs(first) * std::numeric_limits<double>::epsilon() > 1e-3 * std::abs(step);
 }
 
 /// What the head of a file and its first rows say.
@@ -53,7 +86,7 @@ struct CsvHead {
   CsvHead(const std::string& path, const ImportOptions& options)
       : file(path, options.head_only),
         layout(find_table(file, options)),
-        head(read_head(layout)),
+        head(read_head(layout, text_of_rows(file, layout))),
         marked(take_marked_rows(head)),
         // a delimiter at the end of each row ends the last cell; it begins another only where the
         // header names one
@@ -68,14 +101,56 @@ struct CsvHead {
     record.attributes = head.attributes;
     for (const DateColumns& date : layout.dates) heads[date.last].unit = std::string("s");
     roles = find_roles(file, layout, head, heads, rows, options);
-    if (read_on && !roles.named_times.empty())
-      roles.take_further_times(increasing_throughout(file, layout, names, roles.named_times));
+    if (!roles.named_times.empty()) find_ends_of_times(rows, read_on);
     record.warnings = head.warnings;
+    tell_of_times(heads, roles, record);
     if (const std::string rest = what_follows(file, layout); !rest.empty())
       record.warnings.push_back(rest);
     tell_of_dates_and_text(layout, heads, roles, record);
     take_units_of_keys(head, roles, layout.dialect.delimiter, heads);
     describe(layout, head, heads, roles, record);
+  }
+
+  /// True where times are so large that doubles round what is between them: they are to be read
+  /// again, counted from the first one.
+  bool count_times(const Table& rows, Record& record) {
+    if (!layout.counted.empty() || head.interval) return false;
+    for (const ClockColumns& range : roles.clocks(heads.size())) {
+      if (!range.time || layout.dates_at(*range.time) != nullptr) continue;
+      const std::string_view first = first_cell(*range.time);
+      if (!rounds_steps(rows.columns[*range.time]) || !decimal_difference(first, first, style()))
+        continue;
+      layout.counted.push_back({*range.time, first});
+      record.warnings.push_back(fmt::format(
+          "'{}' begins at {}, too far from 0 for its steps: times are counted from there",
+          heads[*range.time].name, to_utf8(first)));
+    }
+    return !layout.counted.empty();
+  }
+
+  NumberStyle style() const { return {layout.dialect.decimal, false}; }
+
+  std::string_view first_cell(std::size_t column) {
+    const std::string_view text = text_of_rows(file, layout);
+    const char* at = layout.data;
+    const auto cells = cells_of(take_line(at, text.data() + text.size()), layout.dialect.delimiter);
+    const std::size_t cell = column + layout.key_cells;
+    return cell < cells.size() ? cells[cell] : std::string_view{};
+  }
+
+  void find_ends_of_times(const Table& rows, bool read_on) {
+    if (read_on) {
+      auto [increasing, ends] =
+          increasing_throughout(file, layout, names, *roles.time, roles.named_times);
+      roles.take_further_times(std::move(increasing));
+      if (!roles.further_times.empty()) time_ends = std::move(ends);
+      return;
+    }
+    if (roles.further_times.empty()) return;
+    for (const ClockColumns& range : roles.clocks(heads.size()))
+      if (const Column& times = rows.columns[*range.time];
+          times.missing > 0 && samples_before_end(times) > 0)
+        time_ends[*range.time] = times.first_missing;
   }
 
   TextFile file;
@@ -86,6 +161,7 @@ struct CsvHead {
   std::vector<ColumnHead> heads;  ///< may be more than columns
   std::vector<std::string> names;
   CsvRoles roles;
+  TimeEnds time_ends;  ///< where there are further times
 };
 
 void tell_of_column_without_values(const ColumnHead& head, Record& record) {
@@ -108,6 +184,27 @@ void fill(const CsvHead& csv, Column&& column, Channel& channel, Record& record)
   channel.valid = std::move(column.valid);
 }
 
+void tell_of_values_without_time(const std::string& name, std::size_t count, Record& record) {
+  if (count > 0)
+    record.warnings.push_back(fmt::format("'{}': {} {} behind the last of its times {} left out",
+                                          name, count, count == 1 ? "value" : "values",
+                                          count == 1 ? "is" : "are"));
+}
+
+/// Takes what has a time of a column of times or of a channel.
+void end_column(std::size_t samples, Column& column) {
+  column.values.resize(samples);
+  if (column.valid.empty()) return;
+  column.valid.resize(samples);
+  column.missing = static_cast<std::size_t>(std::ranges::count(column.valid, 0));
+  if (column.missing == 0) column.valid.clear();
+}
+
+std::size_t count_values(std::span<const double> values) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(values, [](double value) { return !std::isnan(value); }));
+}
+
 /// The clock that a column of times stands for. What was said of another is not said again.
 datasets::SampleClock clock_of_column(const CsvHead& csv, std::size_t column, Table& table,
                                       Record& record) {
@@ -124,32 +221,71 @@ Record read_whole(CsvHead& csv, const ImportOptions& options) {
   Table table = read_table(csv.file, csv.layout, csv.names);
   Record record;
   csv.settle(table, options, false, record);
+  if (csv.count_times(table, record)) table = read_table(csv.file, csv.layout, csv.names);
   const CsvRoles& roles = csv.roles;
   if (const std::string cut = cut_row(csv.file, table); !cut.empty())
     record.warnings.push_back(cut);
 
-  datasets::SampleClock clock = clock_from_head(csv.head);
-  if (roles.time) {
-    clock = clock_of_column(csv, *roles.time, table, record);
-    compare_with_head(csv.head, table.rows, clock, record);
-  }
-  for (std::size_t c = 0; c < csv.heads.size(); ++c) {
-    if (std::ranges::find(roles.further_times, c) != roles.further_times.end())
-      clock = clock_of_column(csv, c, table, record);
-    if (!roles.is_channel(c)) continue;
-    Channel channel = channel_of(csv.head, c, csv.heads[c], record);
-    channel.clock = clock;
-    if (c >= csv.columns) tell_of_column_without_values(csv.heads[c], record);
-    fill(csv, c < csv.columns ? std::move(table.columns[c]) : Column{}, channel, record);
-    mark_rows(csv.marked, c, 0, channel.size(), channel.valid);
-    record.channels.push_back(std::move(channel));
+  const std::vector<ClockColumns> clocks = roles.clocks(csv.heads.size());
+  for (const ClockColumns& range : clocks) {
+    datasets::SampleClock clock = clock_from_head(csv.head);
+    std::size_t samples = table.rows;
+    if (range.time) {
+      if (csv.time_ends.contains(*range.time)) {
+        samples = samples_before_end(table.columns[*range.time]);
+        end_column(samples, table.columns[*range.time]);
+      }
+      clock = clock_of_column(csv, *range.time, table, record);
+      if (range.time == roles.time) compare_with_head(csv.head, samples, clock, record);
+    }
+    for (std::size_t c = range.first; c < range.end; ++c) {
+      if (!roles.is_channel(c)) continue;
+      Channel channel = channel_of(csv.head, c, csv.heads[c], record);
+      channel.clock = clock;
+      if (c >= csv.columns) tell_of_column_without_values(csv.heads[c], record);
+      Column column = c < csv.columns ? std::move(table.columns[c]) : Column{};
+      if (samples < column.values.size()) {
+        tell_of_values_without_time(
+            channel.name, count_values(std::span(column.values).subspan(samples)), record);
+        end_column(samples, column);
+      }
+      fill(csv, std::move(column), channel, record);
+      mark_rows(csv.marked, c, 0, channel.size(), channel.valid);
+      record.channels.push_back(std::move(channel));
+    }
   }
   return record;
 }
 
-/// The channels in columns from `first` on, before `end`, by the times of one column.
-LargeTable table_of_clock(std::shared_ptr<CsvHead> csv, std::optional<std::size_t> time,
-                          std::size_t first, std::size_t end, LargeTable table) {
+/// Ends a table before the line where its times end, and tells of values behind.
+void end_table(CsvHead& csv, const ClockColumns& range, const char* end, bool head_only,
+               LargeTable& table) {
+  while (end > csv.layout.data && end[-1] != '\n') --end;
+  table.layout.end = end;
+  table.read_first_rows(head_only);
+  if (head_only) return;
+  RowReader rows(csv.file, csv.layout, csv.names);
+  std::vector<bool> needed(csv.names.size(), false);
+  for (const std::size_t c : table.columns)
+    if (c < needed.size()) needed[c] = true;
+  rows.read_only(needed);
+  rows.seek(end);
+  std::vector<std::size_t> counts(csv.names.size(), 0);
+  while (!rows.at_end()) {
+    const char* const start = rows.at();
+    const Table piece = rows.read(rows_at_once);
+    for (std::size_t c = 0; c < counts.size(); ++c)
+      counts[c] += count_values(piece.columns[c].values);
+    csv.file.release(start, rows.at());
+  }
+  for (std::size_t c = range.first; c < std::min(range.end, counts.size()); ++c)
+    tell_of_values_without_time(csv.heads[c].name, counts[c], table.record);
+}
+
+/// The channels by the times of one column.
+LargeTable table_of_clock(std::shared_ptr<CsvHead> csv, const ClockColumns& range,
+                          LargeTable table) {
+  const std::optional<std::size_t> time = range.time;
   table.time = time;
   if (time) {
     const ColumnHead& head = csv->heads[*time];
@@ -160,7 +296,7 @@ LargeTable table_of_clock(std::shared_ptr<CsvHead> csv, std::optional<std::size_
     table.settle_clock = [csv](std::uint64_t count, datasets::SampleClock& clock, Record& record) {
       compare_with_head(csv->head, count, clock, record);
     };
-  for (std::size_t c = first; c < end; ++c) {
+  for (std::size_t c = range.first; c < range.end; ++c) {
     if (!csv->roles.is_channel(c)) continue;
     table.record.channels.push_back(channel_of(csv->head, c, csv->heads[c], table.record));
     table.columns.push_back(c);
@@ -179,19 +315,21 @@ std::unique_ptr<RecordingReader> open_large(std::shared_ptr<CsvHead> csv,
   table.read_first_rows(options.head_only);
   Record record;
   csv->settle(table.first_rows, options, !options.head_only, record);
+  if (csv->count_times(table.first_rows, record)) {
+    table.layout = csv->layout;
+    table.read_first_rows(options.head_only);
+  }
   table.clock = clock_from_head(csv->head);
   table.marked = csv->marked;
   table.empty_columns_end = true;
 
-  // one reader a clock, each with the columns up to the next one
-  std::vector<std::size_t> ends = csv->roles.further_times;
-  ends.push_back(csv->heads.size());
-  std::vector<std::unique_ptr<RecordingReader>> readers;
-  std::optional<std::size_t> time = csv->roles.time;
-  std::size_t first = 0;
-  for (const std::size_t end : ends) {
-    readers.push_back(reader_of_large_table(table_of_clock(csv, time, first, end, table)));
-    time = first = end;
+  std::vector<std::unique_ptr<RecordingReader>> readers;  // one a clock
+  for (const ClockColumns& range : csv->roles.clocks(csv->heads.size())) {
+    LargeTable own = table_of_clock(csv, range, table);
+    if (range.time)
+      if (const auto found = csv->time_ends.find(*range.time); found != csv->time_ends.end())
+        end_table(*csv, range, found->second, options.head_only, own);
+    readers.push_back(reader_of_large_table(std::move(own)));
   }
   auto reader = join_readers(std::move(record), std::move(readers));
   return options.head_only ? reader_of_head(reader->head()) : std::move(reader);

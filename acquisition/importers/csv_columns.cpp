@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "datasets/units.hpp"
 
@@ -39,6 +40,12 @@ bool is_time_unit(const std::string& unit) {
   return !unit.empty() && datasets::quantity_of_unit(unit) == Quantity::time;
 }
 
+/// "ms" where a name should be.
+bool is_unit_of_time_alone(std::string_view name) {
+  constexpr std::array<std::string_view, 7> units = {"s", "sec", "ms", "msec", "us", "µs", "ns"};
+  return std::ranges::find(units, name) != units.end();
+}
+
 bool holds_numbers(const TableLayout& layout, std::size_t column) {
   return !layout.holds_text(column) && layout.dates_at(column) == nullptr;
 }
@@ -54,7 +61,7 @@ bool may_be_time(const ColumnHead& head) {
   return true;
 }
 
-bool increases(const std::vector<double>& values) {
+bool increases(std::span<const double> values) {
   for (std::size_t i = 1; i < values.size(); ++i)
     if (!(values[i] > values[i - 1])) return false;
   return values.size() > 1;
@@ -68,18 +75,45 @@ bool counts(const std::vector<double>& values) {
   return true;
 }
 
-/// Columns behind the time that are named as times ("Time B") and increase without a gap.
+/// "t" of "t_2", "Time" of "Time.1": pairs of columns in one table count their times.
+std::string_view name_without_number(std::string_view name) {
+  const std::size_t last = name.find_last_not_of("0123456789._-#() ");
+  return name.substr(0, last == name.npos ? 0 : last + 1);
+}
+
+/// As a further one. Where the first time is one only since it increases, by the same name.
+bool is_named_as_time(const ColumnHead& head, const ColumnHead& first_time) {
+  const std::string name = lowered(head.name);
+  if (is_time_name(name) || name.starts_with("time ") || name.starts_with("time_") ||
+      name.starts_with("zeit "))
+    return true;
+  const std::string_view stem = name_without_number(first_time.name);
+  const bool first_is_named = is_time_name(stem) || is_time_unit(first_time.unit);
+  return head.name == first_time.name ||
+         (first_is_named && !stem.empty() && name_without_number(head.name) == stem);
+}
+
+/// Columns behind the time that are times too, by their name ("Time B") or unit, and increase up to
+/// their end.
 std::vector<std::size_t> times_behind(std::size_t time, const std::vector<ColumnHead>& heads,
                                       const std::vector<Column>& columns) {
   std::vector<std::size_t> found;
   for (std::size_t c = time + 1; c < columns.size(); ++c) {
-    const std::string name = lowered(heads[c].name);
-    const bool is_named = is_time_name(name) || name.starts_with("time ") ||
-                          name.starts_with("time_") || name.starts_with("zeit ");
-    const bool is_time = is_named && (heads[c].unit.empty() || is_time_unit(heads[c].unit));
-    if (is_time && columns[c].missing == 0 && increases(columns[c].values)) found.push_back(c);
+    const ColumnHead& head = heads[c];
+    const bool is_time =
+        is_time_unit(head.unit) || (head.unit.empty() && is_named_as_time(head, heads[time]));
+    const std::span<const double> values(columns[c].values);
+    if (is_time && increases(values.first(samples_before_end(columns[c])))) found.push_back(c);
   }
   return found;
+}
+
+/// A name that a column of row numbers may have.
+bool is_counter_name(std::string_view name) {
+  constexpr std::array<std::string_view, 19> words = {
+      "",   "#",   "no",     "no.",     "nr",        "nr.",   "n",     "i",    "index", "idx",
+      "id", "row", "sample", "samples", "sample no", "point", "count", "scan", "number"};
+  return std::ranges::find(words, lowered(name)) != words.end();
 }
 
 std::optional<std::size_t> column_named(const std::vector<ColumnHead>& heads,
@@ -143,6 +177,35 @@ std::optional<std::vector<SampleRange>> runs_in(std::string_view text) {
 
 }  // namespace
 
+std::size_t samples_before_end(const Column& column) {
+  if (column.missing == 0) return column.values.size();
+  const std::size_t present = column.values.size() - column.missing;
+  const auto first = std::ranges::find(column.valid, 0);
+  return first - column.valid.begin() == static_cast<std::ptrdiff_t>(present) ? present : 0;
+}
+
+std::vector<ClockColumns> CsvRoles::clocks(std::size_t columns) const {
+  std::vector<ClockColumns> ranges;
+  if (further_times.empty()) return {{time, 0, columns}};
+  const auto any_channel = [this](std::size_t first, std::size_t end) {
+    for (std::size_t c = first; c < end; ++c)
+      if (is_channel(c)) return true;
+    return false;
+  };
+  const bool stand_behind =
+      any_channel(0, *time) && !any_channel(further_times.back() + 1, columns);
+  std::vector<std::size_t> times = further_times;
+  times.insert(times.begin(), *time);
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    const bool last = k + 1 == times.size();
+    if (stand_behind)
+      ranges.push_back({times[k], k == 0 ? 0 : times[k - 1] + 1, last ? columns : times[k] + 1});
+    else
+      ranges.push_back({times[k], k == 0 ? 0 : times[k], last ? columns : times[k + 1]});
+  }
+  return ranges;
+}
+
 void CsvRoles::take_further_times(std::vector<std::size_t> increasing) {
   further_times.clear();
   std::size_t before = *time;
@@ -194,9 +257,26 @@ std::vector<ColumnHead> complete_heads(const TextFile& file, const TableHead& he
                                               options.units.size(), heads.size()));
   for (std::size_t c = 0; c < heads.size(); ++c) {
     if (c < options.units.size() && !options.units[c].empty()) heads[c].unit = options.units[c];
+    if (heads[c].unit.empty() && is_unit_of_time_alone(heads[c].name))
+      heads[c].unit = heads[c].name;
     if (heads[c].name.empty()) heads[c].name = fmt::format("column {}", c);
   }
   return heads;
+}
+
+void tell_of_times(const std::vector<ColumnHead>& heads, const CsvRoles& roles, Record& record) {
+  for (const std::size_t c : roles.further_times) {
+    const bool says_so = lowered(heads[c].name).find("time") != std::string::npos;
+    if (says_so || is_named_as_time(heads[c], heads[*roles.time])) continue;
+    record.warnings.push_back(fmt::format(
+        "'{}' is taken as the times of the columns beside it, since its unit is one of time and it "
+        "increases (--time-column '{}' gives all columns one time)",
+        heads[c].name, heads[*roles.time].name));
+  }
+  if (roles.index && !roles.index_name_fits)
+    record.warnings.push_back(fmt::format(
+        "'{}' counts 0, 1, 2, ... or 1, 2, 3, ...: it is taken to count the samples and left out",
+        heads[*roles.index].name));
 }
 
 void tell_of_dates_and_text(const TableLayout& layout, const std::vector<ColumnHead>& heads,
@@ -252,9 +332,13 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
       return roles;
     }
   }
-  const bool first_counts = counts(columns.front().values);
+  const bool unnamed = head.columns.empty() || head.columns.front().name.empty();
+  const bool first_counts =
+      columns.size() > 1 && heads.front().unit.empty() && counts(columns.front().values) &&
+      (unnamed || is_counter_name(heads.front().name) || may_be_time(heads.front()));
+  roles.index_name_fits = unnamed || is_counter_name(heads.front().name);
   if (options.time_column) {
-    if (first_counts && columns.size() > 1) roles.index = 0;
+    if (first_counts) roles.index = 0;
     return roles;
   }
   for (std::size_t c = 0; c < columns.size() && !roles.time; ++c)
@@ -272,14 +356,17 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
       roles.time = c;
       roles.reason = "by its unit";
     }
-  if (roles.time) roles.take_further_times(times_behind(*roles.time, heads, columns));
-  if (roles.time || columns.size() < 2) return roles;
-  if (first_counts) {
+  if (roles.time && *roles.time > 0 && first_counts && unnamed && !head.columns.empty())
     roles.index = 0;
-  } else if (may_be_time(heads.front()) && increases(columns.front().values)) {
+  if (!roles.time && first_counts) {
+    roles.index = 0;
+  } else if (!roles.time && columns.size() > 1 && may_be_time(heads.front()) &&
+             increases(std::span<const double>(columns.front().values)
+                           .first(samples_before_end(columns.front())))) {
     roles.time = 0;
     roles.reason = "the first column, since it increases throughout";
   }
+  if (roles.time) roles.take_further_times(times_behind(*roles.time, heads, columns));
   return roles;
 }
 

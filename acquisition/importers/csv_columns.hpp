@@ -17,21 +17,33 @@
 
 namespace impactrig::acquisition {
 
+/// Columns [first, end), whose channels have the times in one of them, or none.
+struct ClockColumns {
+  std::optional<std::size_t> time;
+  std::size_t first = 0;
+  std::size_t end = 0;
+};
+
 /// Which columns are not channels, and why.
 struct CsvRoles {
   std::optional<std::size_t> time;
   std::optional<std::size_t> index;  ///< counts the samples
+  bool index_name_fits = true;       ///< or it has none
   std::string reason;                ///< why `time` is the time
   std::vector<std::size_t> text;     ///< hold text
   std::vector<std::size_t> dates;    ///< hold dates and times of day
-  /// Columns of times behind channels of `time`, in order: the columns behind one have its clock.
+  /// Columns of times behind channels of `time`, in order: the columns behind one have its clock;
+  /// or those before it, where channels stand before the first one and none behind the last.
   std::vector<std::size_t> further_times;
-  /// Columns behind `time` that are named as times and increase without a gap in the rows looked
-  /// at, in order: not all are behind channels.
+  /// Columns behind `time` that are times by their name or unit and increase in the rows looked at,
+  /// in order: not all are behind channels.
   std::vector<std::size_t> named_times;
 
   /// Sets named_times, and of them further_times.
   void take_further_times(std::vector<std::size_t> increasing);
+
+  /// In order, each with its time, of so many columns in all.
+  std::vector<ClockColumns> clocks(std::size_t columns) const;
 
   bool is_channel(std::size_t column) const {
     const auto is_in = [column](const std::vector<std::size_t>& columns) {
@@ -60,6 +72,15 @@ constexpr std::string_view only_first_is_time = "the first alone";
 /// the first row was recorded.
 void tell_of_dates_and_text(const TableLayout& layout, const std::vector<ColumnHead>& heads,
                             const CsvRoles& roles, datasets::Record& record);
+
+/// Says which columns are taken as the times of those beside them by their unit alone, and which
+/// counts the samples under a name.
+void tell_of_times(const std::vector<ColumnHead>& heads, const CsvRoles& roles,
+                   datasets::Record& record);
+
+/// How many values there are before a column ends, all further ones missing; 0 where one is missing
+/// in between.
+std::size_t samples_before_end(const Column& column);
 
 /// Units that the head states by a key ("Vertical Units,V") go to the columns that state none
 /// themselves. One unit is for all of them; several are one a channel.

@@ -5,14 +5,20 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <set>
 #include <utility>
 
 #include "acquisition/importers/child_process.hpp"
+#include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/hdf5_sender.hpp"
+#include "acquisition/importers/named_arrays.hpp"
+#include "acquisition/importers/number.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/hdf5_handle.hpp"
 #include "datasets/input_error.hpp"
+#include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
 
@@ -36,6 +42,33 @@ constexpr std::size_t longest_answer = 65536;
   refuse(path,
          fmt::format("is damaged: the process that ran HDF5 on it did not end as it should{}{}",
                      how.empty() ? "" : ": ", how));
+}
+
+bool take_number_lists(ChildProcess& child, Hdf5Attributes& attributes) {
+  std::uint64_t count = 0;
+  if (!child.number(count)) return false;
+  std::string key;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    std::uint64_t numbers = 0;
+    if (!child.text(key, longest_answer) || !child.number(numbers) || numbers > hdf5_longest_list)
+      return false;
+    std::vector<double>& list = attributes.number_lists[to_utf8(key)];
+    list.resize(numbers);
+    for (double& value : list)
+      if (!child.real(value)) return false;
+  }
+  return true;
+}
+
+bool take_others(ChildProcess& child, Hdf5Attributes& attributes) {
+  std::uint64_t count = 0;
+  if (!child.number(count)) return false;
+  std::string key;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (!child.text(key, longest_answer)) return false;
+    attributes.others.push_back(to_utf8(key));
+  }
+  return true;
 }
 
 bool take(ChildProcess& child, Hdf5Attributes& attributes) {
@@ -65,13 +98,29 @@ bool take(ChildProcess& child, Hdf5Attributes& attributes) {
     if (!child.text(key, longest_answer) || !child.real(value)) return false;
     attributes.numbers[to_utf8(key)] = value;
   }
+  return take_number_lists(child, attributes) && take_others(child, attributes);
+}
+
+bool take_scales(ChildProcess& child, Hdf5Array& array) {
+  std::uint64_t dimensions = 0;
+  if (!child.number(array.reference) || !child.number(dimensions) || dimensions > H5S_MAX_RANK)
+    return false;
+  array.scales.resize(dimensions);
+  for (std::vector<std::uint64_t>& scales : array.scales) {
+    std::uint64_t count = 0;
+    if (!child.number(count) || count > hdf5_most_scales) return false;
+    scales.resize(count);
+    for (std::uint64_t& reference : scales)
+      if (!child.number(reference)) return false;
+  }
   return true;
 }
 
 bool take(ChildProcess& child, Hdf5Array& array) {
   std::uint64_t rank = 0;
   if (!child.text(array.path, longest_answer) || !child.text(array.field, longest_answer) ||
-      !child.number(array.field_index) || !child.number(rank) || rank > H5S_MAX_RANK)
+      !child.number(array.field_index) || !child.number(array.fields) || !child.number(rank) ||
+      rank > H5S_MAX_RANK)
     return false;
   array.shape.resize(rank);
   for (std::uint64_t& side : array.shape)
@@ -85,7 +134,7 @@ bool take(ChildProcess& child, Hdf5Array& array) {
   array.numbers = static_cast<ArrayNumbers>(numbers);
   array.wide = wide != 0;
   array.complex = complex != 0;
-  return take(child, array.attributes);
+  return take_scales(child, array) && take(child, array.attributes);
 }
 
 /// Forks while no other thread is within HDF5.
@@ -161,6 +210,40 @@ class Blocks {
   std::vector<std::uint8_t> valid_;
 };
 
+bool has_key(std::string_view wanted, const auto& entry) {
+  return lowered(entry.first) == wanted;
+}
+
+/// A number that an attribute states for all columns, or one a column.
+struct ColumnNumber {
+  std::optional<double> value;
+  std::string problem;  ///< why an attribute that is there gives none
+};
+
+ColumnNumber column_number(const Hdf5Attributes& attributes, std::string_view name,
+                           std::uint64_t which, std::uint64_t columns) {
+  const auto is_it = [name](const auto& entry) { return has_key(name, entry); };
+  const auto finite = [name](double value) -> ColumnNumber {
+    if (std::isfinite(value)) return {value, {}};
+    return {{}, fmt::format("its attribute '{}' is {}", name, value)};
+  };
+  const auto number = std::ranges::find_if(attributes.numbers, is_it);
+  if (number != attributes.numbers.end()) return finite(number->second);
+  const auto list = std::ranges::find_if(attributes.number_lists, is_it);
+  if (list != attributes.number_lists.end() && list->second.size() == columns)
+    return finite(list->second[which]);
+  if (list != attributes.number_lists.end())
+    return {{},
+            fmt::format("its attribute '{}' lists {} numbers, not one{}", name, list->second.size(),
+                        columns > 1 ? fmt::format(" or {}", columns) : "")};
+  if (std::ranges::any_of(attributes.texts, is_it) || std::ranges::any_of(attributes.lists, is_it))
+    return {{}, fmt::format("its attribute '{}' is a text, not a number", name)};
+  for (const std::string& other : attributes.others)
+    if (lowered(other) == name)
+      return {{}, fmt::format("its attribute '{}' is of a type that is not read", name)};
+  return {};
+}
+
 }  // namespace
 
 Hdf5Listing list_hdf5(const std::string& path) {
@@ -232,6 +315,88 @@ std::vector<Hdf5SliceSeen> read_hdf5_slices(const std::string& path,
   if (std::ranges::any_of(left, [](std::uint64_t samples) { return samples > 0; }))
     child_failed(path, child);
   return seen;
+}
+
+std::optional<double> number_of(const Hdf5Attributes& attributes,
+                                std::span<const std::string_view> names) {
+  for (const auto& [key, value] : attributes.numbers)
+    if (std::ranges::find(names, lowered(key)) != names.end() && std::isfinite(value)) return value;
+  return std::nullopt;
+}
+
+std::optional<double> quantity_of(const Hdf5Attributes& attributes,
+                                  std::span<const std::string_view> names,
+                                  const std::string& unit) {
+  for (const auto& [key, value] : attributes.numbers) {
+    if (std::ranges::find(names, lowered(key)) == names.end() || !std::isfinite(value)) continue;
+    for (const std::string_view ending : {"_units", "_unit"}) {
+      const auto stated = attributes.texts.find(key + std::string(ending));
+      if (stated == attributes.texts.end()) continue;
+      if (const auto conversion = datasets::conversion(stated->second, unit))
+        return conversion->factor * value;
+    }
+    return value;
+  }
+  for (const auto& [key, text] : attributes.texts) {
+    if (std::ranges::find(names, lowered(key)) == names.end()) continue;
+    double value = 0.0;
+    const char* const end = text.data() + text.size();
+    const char* const behind = scan_number(text.data(), end, {}, value);
+    if (behind == text.data()) continue;
+    const std::string_view stated =
+        trimmed(std::string_view(behind, static_cast<std::size_t>(end - behind)));
+    if (stated.empty()) return value;
+    if (const auto conversion = datasets::conversion(std::string(stated), unit))
+      return conversion->factor * value;
+  }
+  return std::nullopt;
+}
+
+Hdf5Packing packing_of(const Hdf5Array& array, std::uint64_t which, std::uint64_t columns) {
+  const ColumnNumber factor = column_number(array.attributes, "scale_factor", which, columns);
+  const ColumnNumber offset = column_number(array.attributes, "add_offset", which, columns);
+  if (!factor.problem.empty()) return {1.0, 0.0, factor.problem};
+  if (!offset.problem.empty()) return {1.0, 0.0, offset.problem};
+  if (factor.value == 0.0) return {1.0, 0.0, "its attribute 'scale_factor' is 0"};
+  if (array.complex && (factor.value || offset.value))
+    return {1.0, 0.0, "its numbers are complex and packed"};
+  return {factor.value.value_or(1.0), offset.value.value_or(0.0), {}};
+}
+
+std::string unapplied_scales(const Hdf5Attributes& attributes) {
+  std::set<std::string> names;
+  const auto look = [&names](const std::string& key, double value) {
+    const std::string word = lowered(key);
+    const bool factor = word == "scale" || word == "gain" || word == "scaling_factor";
+    if ((factor && value != 1.0) || (word == "offset" && value != 0.0)) names.insert(key);
+  };
+  for (const auto& [key, value] : attributes.numbers) look(key, value);
+  for (const auto& [key, values] : attributes.number_lists)
+    for (const double value : values) look(key, value);
+  for (const auto& [key, text] : attributes.texts)
+    if (const auto value = number_in(text)) look(key, *value);
+  std::string list;
+  for (const std::string& name : names)
+    list += fmt::format("{}'{}'", list.empty() ? "" : ", ", name);
+  return list;
+}
+
+bool is_unit_key(std::string_view key) {
+  const std::string word = lowered(key);
+  return word == "units" || word == "unit" || word == "unit_string";
+}
+
+std::string unit_of(const Hdf5Array& array, const std::string& name, std::uint64_t which,
+                    std::uint64_t columns) {
+  std::string unit;
+  for (const auto& [key, list] : array.attributes.lists)
+    if (is_unit_key(key) && list.size() == columns) unit = list[which];
+  for (const auto& [key, text] : array.attributes.texts)
+    if (is_unit_key(key)) unit = text;
+  if (unit.empty()) unit = unit_by_name(name);
+  // "milliseconds since 2024-03-01 12:00", as NetCDF has it
+  unit.resize(std::min(unit.find(" since "), unit.size()));
+  return unit;
 }
 
 }  // namespace impactrig::acquisition

@@ -6,7 +6,9 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "acquisition/importers/wide_integers.hpp"
@@ -17,11 +19,13 @@ namespace impactrig::acquisition {
 /// How numbers of a data set are handed over: the smallest of our types that holds all of them.
 enum class ArrayNumbers : std::uint64_t { i16, i32, f32, f64 };
 
-/// Attributes of an object that are one text, several, or one number.
+/// Attributes of an object that are texts or numbers, one or several.
 struct Hdf5Attributes {
   std::map<std::string, std::string> texts;
   std::map<std::string, std::vector<std::string>> lists;
   std::map<std::string, double> numbers;
+  std::map<std::string, std::vector<double>> number_lists;
+  std::vector<std::string> others;  ///< names of those that are neither, or too many
 };
 
 /// A data set of numbers in an HDF5 file, or one field of a table of records.
@@ -29,11 +33,15 @@ struct Hdf5Array {
   std::string path;                  ///< "/entry/force"
   std::string field;                 ///< "" = the data set itself
   std::uint64_t field_index = 0;     ///< among all fields of the records
+  std::uint64_t fields = 0;          ///< all of the records
   std::vector<std::uint64_t> shape;  ///< slowest dimension first; empty: a single number
   ArrayNumbers numbers = ArrayNumbers::f64;
-  bool wide = false;     ///< integers of 64 bits: not all are exact as doubles
-  bool complex = false;  ///< a pair of members, "real" and "imag"
-  std::string text;      ///< of MATLAB's, which are numbers to HDF5
+  bool wide = false;            ///< integers of 64 bits: not all are exact as doubles
+  bool complex = false;         ///< a pair of members, "real" and "imag"
+  std::string text;             ///< of MATLAB's, which are numbers to HDF5
+  std::uint64_t reference = 0;  ///< what stands for the data set in the lists of others
+  /// Data sets that hold the scale of a dimension, by their reference, one list a dimension.
+  std::vector<std::vector<std::uint64_t>> scales;
   Hdf5Attributes attributes;
 };
 
@@ -57,6 +65,9 @@ struct Hdf5Slice {
   std::uint64_t other = 0;
   std::uint64_t first = 0;
   std::uint64_t count = 0;
+  /// Integers of 64 bits, less the first of the data set: doubles hold those where they do not hold
+  /// the integers.
+  bool from_first = false;
   std::optional<double> missing{};  ///< the number that stands for none
   /// Of as many numbers: handed over as times, time_factor * number + time_offset.
   std::shared_ptr<const Hdf5Slice> times{};
@@ -73,5 +84,35 @@ struct Hdf5SliceSeen {
 /// Reads slices by blocks, in a child process too. Throws datasets::InputError.
 std::vector<Hdf5SliceSeen> read_hdf5_slices(const std::string& path,
                                             const std::vector<Hdf5Slice>& slices, SampleSink& sink);
+
+// What attributes say, by their names in lower case.
+
+/// A number, by the first of these names.
+std::optional<double> number_of(const Hdf5Attributes& attributes,
+                                std::span<const std::string_view> names);
+
+/// The same in a unit, which "fs_units" may state, or from a text: "51.2 kHz".
+std::optional<double> quantity_of(const Hdf5Attributes& attributes,
+                                  std::span<const std::string_view> names, const std::string& unit);
+
+/// "units", "unit" or "unit_string".
+bool is_unit_key(std::string_view key);
+
+/// The unit that an attribute states for all columns or one a column, else the name of the channel.
+std::string unit_of(const Hdf5Array& array, const std::string& name, std::uint64_t which,
+                    std::uint64_t columns);
+
+/// What the NetCDF conventions say of numbers that stand for others.
+struct Hdf5Packing {
+  double scale = 1.0;
+  double offset = 0.0;
+  std::string problem;  ///< why it cannot be undone
+};
+
+/// Of column `which`: attributes state one number for all columns, or one a column.
+Hdf5Packing packing_of(const Hdf5Array& array, std::uint64_t which, std::uint64_t columns);
+
+/// Attributes that may be meant to be applied, and no convention says how; "'gain', 'offset'".
+std::string unapplied_scales(const Hdf5Attributes& attributes);
 
 }  // namespace impactrig::acquisition

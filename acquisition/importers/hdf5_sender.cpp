@@ -71,15 +71,29 @@ std::optional<std::vector<std::string>> texts_of(hid_t type, std::size_t count, 
   return texts;
 }
 
-void take_text(hid_t attribute, hid_t type, std::size_t count, const std::string& key,
+/// Texts of an attribute; false when they cannot be read.
+bool take_text(hid_t attribute, hid_t type, std::size_t count, const std::string& key,
                Hdf5Attributes& found) {
   auto texts = texts_of(
       type, count, [attribute](hid_t memory, void* to) { return H5Aread(attribute, memory, to); });
-  if (!texts) return;
+  if (!texts) return false;
   if (count == 1)
     found.texts.emplace(key, std::move(texts->front()));
   else
     found.lists.emplace(key, std::move(*texts));
+  return true;
+}
+
+/// Numbers of an attribute; false when they cannot be read.
+bool take_numbers(hid_t attribute, std::size_t count, const std::string& key,
+                  Hdf5Attributes& found) {
+  std::vector<double> values(count);
+  if (H5Aread(attribute, H5T_NATIVE_DOUBLE, values.data()) < 0) return false;
+  if (count == 1)
+    found.numbers.emplace(key, values.front());
+  else
+    found.number_lists.emplace(key, std::move(values));
+  return true;
 }
 
 Hdf5Attributes attributes_of(hid_t object) {
@@ -98,17 +112,49 @@ Hdf5Attributes attributes_of(hid_t object) {
     const hssize_t values = H5Sget_simple_extent_npoints(space.id());
     const H5T_class_t kind = H5Tget_class(type.id());
     const std::string key = to_utf8(name.data());
-    const bool may_be_list = kind == H5T_STRING && values <= hssize_t{hdf5_longest_list};
-    if (values < 1 || (values > 1 && !may_be_list)) continue;
-    if (kind == H5T_STRING) {
-      take_text(attribute.id(), type.id(), static_cast<std::size_t>(values), key, found);
-    } else if (kind == H5T_INTEGER || kind == H5T_FLOAT) {
-      double value = 0.0;
-      if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, &value) >= 0)
-        found.numbers.emplace(key, value);
-    }
+    const auto size = static_cast<std::size_t>(std::max(values, hssize_t{0}));
+    const bool is_number = kind == H5T_INTEGER || kind == H5T_FLOAT;
+    bool taken = size > 0 && size <= hdf5_longest_list;
+    if (taken && kind == H5T_STRING)
+      taken = take_text(attribute.id(), type.id(), size, key, found);
+    else
+      taken = taken && is_number && take_numbers(attribute.id(), size, key, found);
+    if (!taken) found.others.push_back(key);
   }
   return found;
+}
+
+/// What stands for an object in lists of references; 0 where it has none.
+std::uint64_t reference_to(hid_t object) {
+  hobj_ref_t reference = 0;
+  return H5Rcreate(&reference, object, ".", H5R_OBJECT, H5I_INVALID_HID) < 0 ? 0 : reference;
+}
+
+/// The references to the scales of each dimension; empty where there is no such list, or a damaged
+/// one. They are compared with those of the data sets that are met, and never followed: a damaged
+/// one leads nowhere.
+std::vector<std::vector<std::uint64_t>> scales_of(hid_t data, std::size_t rank) {
+  constexpr const char* name = "DIMENSION_LIST";
+  if (rank == 0 || H5Aexists(data, name) <= 0) return {};
+  const Hdf5Handle attribute(H5Aopen(data, name, H5P_DEFAULT), H5Aclose);
+  const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
+  const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose);
+  if (H5Tget_class(type.id()) != H5T_VLEN) return {};
+  const Hdf5Handle element(H5Tget_super(type.id()), H5Tclose);
+  if (H5Tequal(element.id(), H5T_STD_REF_OBJ) <= 0 ||
+      H5Sget_simple_extent_npoints(space.id()) != static_cast<hssize_t>(rank))
+    return {};
+  const Hdf5Handle memory(H5Tvlen_create(H5T_STD_REF_OBJ), H5Tclose);
+  std::vector<hvl_t> lists(rank, hvl_t{0, nullptr});
+  if (H5Aread(attribute.id(), memory.id(), lists.data()) < 0) return {};
+  std::vector<std::vector<std::uint64_t>> scales(rank);
+  for (std::size_t d = 0; d < rank; ++d) {
+    const auto* const first = static_cast<const hobj_ref_t*>(lists[d].p);
+    const std::size_t count = first == nullptr ? 0 : std::min(lists[d].len, hdf5_most_scales);
+    scales[d].assign(first, first + count);
+  }
+  H5Dvlen_reclaim(memory.id(), space.id(), H5P_DEFAULT, lists.data());
+  return scales;
 }
 
 /// The type of ours that holds all numbers of a type, but for floating point wider than double
@@ -236,6 +282,14 @@ class Walk {
       out_.text(key);
       out_.real(value);
     }
+    out_.number(attributes.number_lists.size());
+    for (const auto& [key, values] : attributes.number_lists) {
+      out_.text(key);
+      out_.number(values.size());
+      for (const double value : values) out_.real(value);
+    }
+    out_.number(attributes.others.size());
+    for (const std::string& key : attributes.others) out_.text(key);
   }
 
   void group(hid_t id, const std::string& path, int depth) {
@@ -328,6 +382,8 @@ class Walk {
     if (!problem.empty()) return skip(path, problem);
     if (kind == H5T_STRING) return text(id, type.id(), path);
     array.attributes = attributes_of(id);
+    array.reference = reference_to(id);
+    array.scales = scales_of(id, array.shape.size());
     const auto matlab = array.attributes.texts.find("MATLAB_class");
     if (matlab != array.attributes.texts.end() && matlab->second == "char")
       array.text = letters(id, array.shape);
@@ -342,12 +398,19 @@ class Walk {
     out_.text(array.path);
     out_.text(array.field);
     out_.number(array.field_index);
+    out_.number(array.fields);
     out_.number(array.shape.size());
     for (const std::uint64_t side : array.shape) out_.number(side);
     out_.number(static_cast<std::uint64_t>(array.numbers));
     out_.number(array.wide ? 1 : 0);
     out_.number(array.complex ? 1 : 0);
     out_.text(array.text);
+    out_.number(array.reference);
+    out_.number(array.scales.size());
+    for (const std::vector<std::uint64_t>& scales : array.scales) {
+      out_.number(scales.size());
+      for (const std::uint64_t reference : scales) out_.number(reference);
+    }
     put(array.attributes);
   }
 
@@ -357,7 +420,8 @@ class Walk {
     if (count > static_cast<int>(hdf5_longest_list))
       return skip(array.path, fmt::format("records of {} fields, at most {} are read", count,
                                           hdf5_longest_list));
-    for (unsigned i = 0; i < static_cast<unsigned>(std::max(count, 0)); ++i) {
+    array.fields = static_cast<std::uint64_t>(std::max(count, 0));
+    for (unsigned i = 0; i < array.fields; ++i) {
       char* const name = H5Tget_member_name(type, i);
       if (name == nullptr) return skip(array.path, "damaged");
       array.field = name;
@@ -473,13 +537,14 @@ class SliceReader {
       if (!read(data_.id(), *slice_, part_of_complex(0).id(), count, bytes_.data()) ||
           !read(data_.id(), *slice_, part_of_complex(1).id(), count, imaginary.data()))
         return false;
-    } else if (!read_as(data_.id(), *slice_, memory_type(array.numbers), count, bytes_.data())) {
+    } else if (!read_numbers(data_.id(), *slice_, memory_type(array.numbers), count,
+                             bytes_.data())) {
       return false;
     }
     std::vector<double> times;
     if (slice_->times != nullptr) {
       times.resize(count);
-      if (!read_as(times_.id(), *slice_->times, H5T_NATIVE_DOUBLE, count, times.data()))
+      if (!read_numbers(times_.id(), *slice_->times, H5T_NATIVE_DOUBLE, count, times.data()))
         return false;
     }
     out.number(index);
@@ -507,6 +572,28 @@ class SliceReader {
     const std::string field = name == nullptr ? "" : name;
     H5free_memory(name);
     return field_type(field, H5T_NATIVE_DOUBLE);
+  }
+
+  /// Reads numbers, which are what the slice asks for: as they are, or less the first of all.
+  bool read_numbers(hid_t data, const Hdf5Slice& slice, hid_t number, std::uint64_t count,
+                    void* to) {
+    if (!slice.from_first) return read_as(data, slice, number, count, to);
+    if (!first_) {
+      std::int64_t first = 0;
+      const std::uint64_t at = std::exchange(at_, 0);
+      const bool there = read_as(data, slice, H5T_NATIVE_INT64, 1, &first);
+      at_ = at;
+      if (!there) return false;
+      first_ = first;
+    }
+    std::vector<std::int64_t> integers(count);
+    if (!read_as(data, slice, H5T_NATIVE_INT64, count, integers.data())) return false;
+    std::ranges::transform(integers, static_cast<double*>(to), [this](std::int64_t integer) {
+      // modulo 2^64, for the difference of integers of any sign
+      return static_cast<double>(static_cast<std::int64_t>(static_cast<std::uint64_t>(integer) -
+                                                           static_cast<std::uint64_t>(*first_)));
+    });
+    return true;
   }
 
   /// Reads numbers of a data set or of a field.
@@ -576,6 +663,7 @@ class SliceReader {
   Hdf5Handle times_{H5I_INVALID_HID, H5Dclose};
   std::uint64_t at_ = 0;
   std::uint64_t left_ = 0;
+  std::optional<std::int64_t> first_;  ///< of the integers that are handed over less their first
   std::vector<char> bytes_;
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "acquisition/importers/number.hpp"
@@ -245,6 +246,27 @@ void LvmRows::share_x(LvmSegment& segment, NumberList<double>&& x) {
     }
     part.check = segment.parts.front().check;
     part.check.agrees = part.check.agrees && part.delta == segment.parts.front().delta;
+  }
+  shift_x(segment);
+}
+
+void LvmRows::shift_x(LvmSegment& segment) {
+  const auto owner = std::ranges::max_element(
+      segment.parts, {}, [](const LvmPart& part) { return part.said.value_or(0); });
+  if (owner == segment.parts.end() || !owner->x0) return;
+  for (LvmPart& part : segment.parts) {
+    const double shift = part.x0.value_or(*owner->x0) - *owner->x0;
+    if (std::abs(shift) <= 1e-3 * part.delta.value_or(0.0)) continue;
+    recording_.warn(
+        fmt::format("'{}': X0 is {:.9g}, that of '{}', whose times the X column has, {:.9g}: its "
+                    "times are the column's and {:.9g} more",
+                    part.name, *part.x0, owner->name, *owner->x0, shift));
+    NumberList<double> shifted(recording_.spool());
+    part.x.settle();
+    part.x.each([&shifted, shift](std::span<const double> piece) {
+      for (const double x : piece) shifted.push_back(x + shift);
+    });
+    part.x = std::move(shifted);
   }
 }
 

@@ -59,6 +59,9 @@ class LvmRows {
   void charge(std::uint64_t missing);
   void take_comment(const LvmSegment& segment, std::string_view cell, std::uint64_t row);
   void share_x(LvmSegment& segment, NumberList<double>&& x);
+  /// The one X column is that of the first channel with the most samples; the others begin at their
+  /// own X0.
+  void shift_x(LvmSegment& segment);
 
   static constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 

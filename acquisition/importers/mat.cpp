@@ -2,13 +2,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/mat5.hpp"
 #include "acquisition/importers/mat_recording.hpp"
 #include "acquisition/importers/named_arrays.hpp"
+#include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/text_file.hpp"
+#include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
 
@@ -46,6 +49,7 @@ class MatRecord {
   }
 
   std::unique_ptr<RecordingReader> reader(const ImportOptions& options) {
+    take_stated_units(options.units, contents_.file->path(), record_);
     set_clocks(options);
     return reader_of_numbers(std::move(contents_.file), std::move(record_), std::move(stored_));
   }
@@ -77,6 +81,8 @@ class MatRecord {
                    std::uint64_t count, std::uint64_t step) {
     Channel channel;
     channel.name = name;
+    channel.unit = unit_by_name(name);
+    channel.quantity = datasets::quantity_of_unit(channel.unit);
     channel.attributes["size"] = fmt::format("{} x {}", array.rows, array.columns);
     StoredChannel stored;
     stored.samples = numbers(array.kind, contents_.big_endian,
@@ -91,9 +97,11 @@ class MatRecord {
 
   void set_clocks(const ImportOptions& options) {
     std::vector<NamedArray> arrays;
-    for (std::size_t i = 0; i < stored_.size(); ++i)
+    for (std::size_t i = 0; i < stored_.size(); ++i) {
       arrays.push_back(
           {record_.channels[i].name, stored_[i].samples.size(), stored_[i].imaginary.size() == 0});
+      take_unit(arrays.back(), record_.channels[i].unit);
+    }
     ArrayClocks found = clocks_by_name(
         contents_.file->path(), arrays,
         [this](std::size_t i, const auto& use) {
@@ -104,15 +112,22 @@ class MatRecord {
       const ArrayClock& clock = found.clocks[i];
       record_.channels[i].clock.start = clock.start;
       record_.channels[i].clock.interval = clock.interval;
-      if (clock.times) stored_[i].times = stored_[*clock.times].samples;
+      if (!clock.times) continue;
+      stored_[i].times = stored_[*clock.times].samples;
+      const double seconds = arrays[*clock.times].seconds;
+      if (seconds == 1.0) continue;
+      stored_[i].times_scaling = [seconds](std::span<double> times) {
+        for (double& time : times) time *= seconds;
+      };
     }
     for (std::string& warning : found.warnings) record_.warnings.push_back(std::move(warning));
     if (found.time_column.empty()) return;
     record_.attributes["time column"] = found.time_column;
     const auto unit = contents_.texts.find("horizontalUnits");
-    if (unit == contents_.texts.end() || unit->second != "s")
+    const bool stated = unit != contents_.texts.end() && unit->second == "s";
+    if (!stated && !found.without_unit.empty())
       record_.warnings.push_back(
-          fmt::format("the time is taken as s, since no unit is stated: {}", found.time_column));
+          fmt::format("the time is taken as s, since no unit is stated: {}", found.without_unit));
   }
 
   MatContents contents_;
@@ -141,7 +156,8 @@ std::unique_ptr<RecordingReader> open_mat(const std::string& path, const ImportO
       return open_mat73(path, options);
   }
   MatContents contents = read_mat_contents(path);
-  if (is_mat_recording(contents)) return reader_of_mat_recording(std::move(contents));
+  if (is_mat_recording(contents))
+    return reader_of_mat_recording(std::move(contents), options.units);
   return MatRecord(std::move(contents)).reader(options);
 }
 

@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/units.hpp"
@@ -39,7 +40,8 @@ class RecordingInMat {
     tell_of_others();
   }
 
-  std::unique_ptr<RecordingReader> reader() {
+  std::unique_ptr<RecordingReader> reader(const std::vector<std::string>& units) {
+    take_stated_units(units, contents_.file->path(), record_);
     return reader_of_numbers(std::move(contents_.file), std::move(record_), std::move(stored_));
   }
 
@@ -203,8 +205,9 @@ bool is_mat_recording(const MatContents& contents) {
   return format != contents.texts.end() && format->second == "impactrig-recording";
 }
 
-std::unique_ptr<RecordingReader> reader_of_mat_recording(MatContents contents) {
-  return RecordingInMat(std::move(contents)).reader();
+std::unique_ptr<RecordingReader> reader_of_mat_recording(MatContents contents,
+                                                         const std::vector<std::string>& units) {
+  return RecordingInMat(std::move(contents)).reader(units);
 }
 
 }  // namespace impactrig::acquisition

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "acquisition/importers/mat5.hpp"
 #include "acquisition/recording_reader.hpp"
@@ -12,8 +14,10 @@ namespace impactrig::acquisition {
 /// says so.
 bool is_mat_recording(const MatContents& contents);
 
-/// Each structure beside it that has a start, an interval and values is a channel. docs/formats.md
-/// has the layout.
-std::unique_ptr<RecordingReader> reader_of_mat_recording(MatContents contents);
+/// Each structure beside it that has a start, an interval and values is a channel; `units` are what
+/// the user states. docs/formats.md has the layout. Throws datasets::InputError when there are more
+/// units than channels.
+std::unique_ptr<RecordingReader> reader_of_mat_recording(MatContents contents,
+                                                         const std::vector<std::string>& units);
 
 }  // namespace impactrig::acquisition

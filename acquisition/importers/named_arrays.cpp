@@ -13,6 +13,7 @@
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/time_axis.hpp"
 #include "datasets/input_error.hpp"
+#include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
 
@@ -44,10 +45,14 @@ std::string_view group_of(std::string_view name) {
   return end == std::string_view::npos ? std::string_view{} : name.substr(0, end);
 }
 
-std::string last_word(std::string_view name) {
+/// "time" and "us" of "run.time_us".
+ColumnHead last_head(std::string_view name) {
   const std::size_t end = name.find_last_of("./");
-  // "time_us" and "time [us]" are times too
-  return lowered(split_head(end == std::string_view::npos ? name : name.substr(end + 1)).name);
+  return split_head(end == std::string_view::npos ? name : name.substr(end + 1));
+}
+
+std::string last_word(std::string_view name) {
+  return lowered(last_head(name).name);
 }
 
 template <std::size_t N>
@@ -97,7 +102,7 @@ class ClockFinder {
       const std::string group(group_of(arrays_[i].name));
       if (!none && arrays_[i].real && arrays_[i].samples > 1 &&
           (arrays_[i].time || among(time_words, word)))
-        times_.emplace(std::pair(group, arrays_[i].samples), i);
+        add_times(i, group);
       if (arrays_[i].real && arrays_[i].samples == 1) take_number(word, group, i);
     }
     for (std::size_t i = 0; i < arrays_.size(); ++i) {
@@ -130,6 +135,12 @@ class ClockFinder {
     throw datasets::InputError(
         place, fmt::format("there is no array '{}' of real numbers for the time; the arrays are {}",
                            *wanted_, list.empty() ? "none" : list));
+  }
+
+  void add_times(std::size_t index, const std::string& group) {
+    constexpr std::size_t most = 10;  // of the same length, so that the search ends
+    std::vector<std::size_t>& list = times_[std::pair(group, arrays_[index].samples)];
+    if (list.size() < most) list.push_back(index);
   }
 
   void take_number(const std::string& word, const std::string& group, std::size_t index) {
@@ -202,12 +213,40 @@ class ClockFinder {
 
   bool by_times(std::size_t index, const std::string& group) {
     const auto found = times_.find(std::pair(group, arrays_[index].samples));
-    if (found == times_.end() ||
-        !use_times(index, found->second,
-                   arrays_[found->second].time ? "as the file says" : "by its name"))
-      return false;
-    compare_with_number(found->second, std::string(group_of(arrays_[index].name)));
-    return true;
+    if (found == times_.end()) return false;
+    for (const std::size_t times : found->second) {
+      if (!use_times(index, times, arrays_[times].time ? "as the file says" : "by its name"))
+        continue;
+      compare_with_times(times, found->second);
+      compare_with_number(times, std::string(group_of(arrays_[index].name)));
+      return true;
+    }
+    return false;
+  }
+
+  /// Others of the group may claim to be the times as well, and say something else.
+  void compare_with_times(std::size_t used, const std::vector<std::size_t>& all) {
+    if (!compared_times_.insert(used).second) return;
+    for (const std::size_t other : all) {
+      if (other == used || arrays_[other].time != arrays_[used].time) continue;
+      const Ends mine = ends_of(used), its = ends_of(other);
+      if (!its.increasing) continue;
+      const auto step = [this](const Ends& ends, std::size_t index) {
+        return arrays_[index].seconds * (ends.last - ends.first) /
+               static_cast<double>(ends.count - 1);
+      };
+      const double start = arrays_[used].seconds * mine.first;
+      const double its_start = arrays_[other].seconds * its.first;
+      if (!differ(step(its, other), step(mine, used)) &&
+          std::abs(its_start - start) <= 1e-3 * step(mine, used))
+        continue;
+      result_.warnings.push_back(fmt::format(
+          "both '{0}' and '{1}' claim to be the time of {2} samples: '{0}' is used, from {3:.9g} s "
+          "in steps of {4:.9g} s; '{1}' goes from {5:.9g} s in steps of {6:.9g} s (--time-column "
+          "states one)",
+          arrays_[used].name, arrays_[other].name, mine.count, start, step(mine, used), its_start,
+          step(its, other)));
+    }
   }
 
   bool use_times(std::size_t index, std::size_t times, std::string_view why) {
@@ -234,12 +273,16 @@ class ClockFinder {
     if (only_even && !check.uniform()) return found;
     const TimeAxis axis = check.axis();
     if (!axis.warning.empty())
-      result_.warnings.push_back(fmt::format("'{}': {}", name, axis.warning));
+      result_.warnings.push_back(fmt::format(
+          "'{}': {}{}", name, axis.warning,
+          arrays_[index].seconds == 1.0
+              ? ""
+              : fmt::format(" ('s' is its own unit here, of {:.9g} s)", arrays_[index].seconds)));
     found.clock.start = axis.clock.start * arrays_[index].seconds;
     found.clock.interval = axis.clock.interval * arrays_[index].seconds;
     if (!check.uniform()) found.clock.times = index;
     found.usable = true;
-    told(name, why);
+    told(index, why);
     return found;
   }
 
@@ -252,16 +295,19 @@ class ClockFinder {
     if (start != starts_.end()) clock.start = start->second;
     const std::size_t source = found->second.second;
     if (told_numbers_.insert(source).second) {
-      told(arrays_[source].name,
-           fmt::format("an interval of {:.9g} s by its name", clock.interval));
+      told(source, fmt::format("an interval of {:.9g} s by its name", clock.interval));
     }
     return true;
   }
 
-  void told(std::string_view name, std::string_view why) {
-    if (result_.time_column.size() > 400) return;
-    if (!result_.time_column.empty()) result_.time_column += "; ";
-    result_.time_column += fmt::format("{} ({})", name, why);
+  void told(std::size_t index, std::string_view why) {
+    const std::string text = fmt::format("{} ({})", arrays_[index].name, why);
+    for (std::string* const list : {&result_.time_column, &result_.without_unit}) {
+      if (list->size() > 400 || (list == &result_.without_unit && arrays_[index].has_unit))
+        continue;
+      if (!list->empty()) *list += "; ";
+      *list += text;
+    }
   }
 
   const std::string& path_;
@@ -269,15 +315,31 @@ class ClockFinder {
   const EachNumber& each_number_;
   const std::optional<std::string>& wanted_;
   ArrayClocks result_;
-  std::map<std::pair<std::string, std::uint64_t>, std::size_t> times_;  ///< by group and length
-  std::map<std::string, std::pair<double, std::size_t>> intervals_;     ///< by group
-  std::map<std::string, double> starts_;                                ///< by group
+  /// Arrays that may hold the times, by group and length, in their order.
+  std::map<std::pair<std::string, std::uint64_t>, std::vector<std::size_t>> times_;
+  std::map<std::string, std::pair<double, std::size_t>> intervals_;  ///< by group
+  std::map<std::string, double> starts_;                             ///< by group
   std::map<std::size_t, TimesFound> axes_;
   std::set<std::size_t> told_numbers_;
+  std::set<std::size_t> compared_times_;
   std::set<std::pair<std::size_t, std::size_t>> compared_;  ///< times and a number
 };
 
 }  // namespace
+
+std::string unit_by_name(std::string_view name) {
+  return last_head(name).unit;
+}
+
+void take_unit(NamedArray& array, const std::string& unit) {
+  if (unit.empty()) return;
+  const auto time = datasets::conversion(unit, "s");
+  array.has_unit = true;
+  // a single number may be a rate
+  array.real = array.real && (time.has_value() || array.samples == 1);
+  if (time) array.seconds = time->factor;
+  if (const auto rate = datasets::conversion(unit, "Hz")) array.seconds = 1.0 / rate->factor;
+}
 
 ArrayClocks clocks_by_name(const std::string& path, const std::vector<NamedArray>& arrays,
                            const EachNumber& each_number, const ImportOptions& options) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "acquisition/importer.hpp"
@@ -19,7 +20,15 @@ struct NamedArray {
   bool real = true;
   bool time = false;     ///< the file says that it is
   double seconds = 1.0;  ///< of one of its unit, where it holds times; where rates, of a period
+  bool has_unit = false;
 };
+
+/// "us" of "run.time_us" and "N" of "/run/Force [N]"; "" where the name does not end so.
+std::string unit_by_name(std::string_view name);
+
+/// Says of an array that its numbers have a unit: of times, of intervals and rates it counts; what
+/// has another one holds no times.
+void take_unit(NamedArray& array, const std::string& unit);
 
 /// When the samples of an array were taken, as the names tell.
 struct ArrayClock {
@@ -37,12 +46,13 @@ struct ArrayClocks {
   std::vector<ArrayClock> clocks;     ///< one an array
   std::vector<std::string> warnings;  ///< one sentence each
   std::string time_column;            ///< what was taken as time and why; "" = nothing
+  std::string without_unit;           ///< what of it has no unit: it is taken as s
 };
 
 /// Finds the array that holds the times ("t", "time", ...: as long as others and increasing
 /// throughout), else a single number that is the sampling interval ("dt", "sampleInterval", ...) or
-/// rate ("Fs", "SampleRate", ...), else the first column of a matrix. Times and numbers that
-/// contradict each other are a warning. What stands in an array's own group counts before what
+/// rate ("Fs", "SampleRate", ...), else the first column of a matrix. Times that contradict other
+/// times or such a number are a warning. What stands in an array's own group counts before what
 /// stands at the top. An array that may hold the times is read twice, and not kept. Throws
 /// datasets::InputError when a stated time column is not there.
 ArrayClocks clocks_by_name(const std::string& path, const std::vector<NamedArray>& arrays,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "acquisition/importers/number.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -53,6 +54,63 @@ std::optional<double> number_in(std::string_view text, NumberStyle style) {
   const char* const end = scan_number(cell.data(), cell.data() + cell.size(), style, value);
   if (cell.empty() || end != cell.data() + cell.size()) return std::nullopt;
   return value;
+}
+
+namespace {
+
+/// mantissa * 10^power.
+struct Decimal {
+  std::int64_t mantissa = 0;
+  int power = 0;
+
+  /// False where the mantissa becomes too large.
+  bool shift_to(int lower_power) {
+    for (; power > lower_power; --power)
+      if (__builtin_mul_overflow(mantissa, std::int64_t{10}, &mantissa)) return false;
+    return true;
+  }
+};
+
+std::optional<Decimal> decimal_in(std::string_view text, NumberStyle style) {
+  const char* p = text.data();
+  const char* const last = p + text.size();
+  const bool negative = p != last && *p == '-';
+  if (p != last && (*p == '-' || *p == '+')) ++p;
+  Decimal decimal;
+  bool any = false, behind_mark = false;
+  for (; p != last && (detail::is_digit(*p) || (*p == style.decimal && !behind_mark)); ++p) {
+    if (*p == style.decimal) {
+      behind_mark = true;
+      continue;
+    }
+    any = true;
+    if (__builtin_mul_overflow(decimal.mantissa, std::int64_t{10}, &decimal.mantissa) ||
+        __builtin_add_overflow(decimal.mantissa, std::int64_t{*p - '0'}, &decimal.mantissa))
+      return std::nullopt;
+    if (behind_mark) --decimal.power;
+  }
+  int exponent = 0;
+  p = detail::scan_exponent(p, last, style.fortran, exponent);
+  if (!any || p != last) return std::nullopt;
+  decimal.power += exponent;
+  if (negative) decimal.mantissa = -decimal.mantissa;
+  return decimal;
+}
+
+}  // namespace
+
+std::optional<double> decimal_difference(std::string_view text, std::string_view from,
+                                         NumberStyle style) {
+  auto a = decimal_in(trimmed(text), style);
+  auto b = decimal_in(trimmed(from), style);
+  if (!a || !b) return std::nullopt;
+  const int power = std::min(a->power, b->power);
+  if (power < -22 || power > 22 || !a->shift_to(power) || !b->shift_to(power)) return std::nullopt;
+  std::int64_t exact = 0;
+  if (__builtin_sub_overflow(a->mantissa, b->mantissa, &exact)) return std::nullopt;
+  const auto difference = static_cast<double>(exact);
+  return power < 0 ? difference / detail::powers_of_ten[-power]
+                   : difference * detail::powers_of_ten[power];
 }
 
 std::optional<long> integer_in(std::string_view text) {

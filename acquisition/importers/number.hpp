@@ -94,6 +94,12 @@ inline const char* scan_number(const char* first, const char* last, NumberStyle 
 /// The number a text consists of, blanks around it allowed; none when it is anything else.
 std::optional<double> number_in(std::string_view text, NumberStyle style = {});
 
+/// The difference of two numbers as they are written, `text` minus `from`, rounded once; none where
+/// one is no number or has too many digits. Numbers that share their first digits, as times since
+/// 1970 do, lose nothing of it.
+std::optional<double> decimal_difference(std::string_view text, std::string_view from,
+                                         NumberStyle style = {});
+
 /// The integer a text consists of, blanks around it allowed.
 std::optional<long> integer_in(std::string_view text);
 

@@ -12,6 +12,7 @@
 
 #include "acquisition/importers/byte_cursor.hpp"
 #include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/tdms_changes.hpp"
 #include "acquisition/importers/tdms_chunks.hpp"
 #include "acquisition/importers/tdms_objects.hpp"
 #include "acquisition/importers/tdms_recording.hpp"
@@ -69,7 +70,8 @@ class TdmsReader {
       : file_(std::make_unique<MappedFile>(path)),
         options_(options),
         size_(file_->bytes().size()),
-        chunks_(*file_, objects_) {}
+        chunks_(*file_, objects_),
+        changes_(*file_, objects_) {}
 
   std::unique_ptr<RecordingReader> open() {
     for (std::uint64_t at = 0; at < size_;) {
@@ -77,6 +79,7 @@ class TdmsReader {
       if (!next) break;
       at = *next;
     }
+    for (std::string& warning : changes_.warnings()) warn(std::move(warning));
     return tdms_recording(std::move(file_), objects_, std::move(record_), options_);
   }
 
@@ -110,6 +113,7 @@ class TdmsReader {
     if (!begins_segment(in)) return std::nullopt;
     const std::optional<Segment> segment = read_lead_in(in, at);
     if (!segment) return std::nullopt;
+    changes_.next_segment();
     if (segment->has(has_metadata)) {
       read_list(in, segment->has(has_new_list));
       if (in.at() > segment->data)
@@ -117,7 +121,10 @@ class TdmsReader {
              fmt::format("the head of the segment at byte {} is {} bytes longer than announced", at,
                          in.at() - segment->data));
     }
-    if (segment->has(has_raw_data) && segment->end > segment->data) read_data(*segment);
+    if (segment->has(has_raw_data) && segment->end > segment->data)
+      read_data(*segment);
+    else if (segment->has(has_raw_data) && segment->cut)
+      changes_.forget();
     return segment->end;
   }
 
@@ -173,6 +180,7 @@ class TdmsReader {
   }
 
   void read_data(const Segment& segment) {
+    changes_.before_data(segment.data);
     std::string warning = chunks_.place(segment.has(is_big_endian), segment.has(is_interleaved),
                                         segment.data, segment.end - segment.data, segment.cut);
     if (!warning.empty()) warn(std::move(warning));
@@ -210,7 +218,7 @@ class TdmsReader {
       const std::size_t which = object(read_tdms_text(in, "the path of an object"), at);
       read_index(in, objects_[which]);
       chunks_.list(which);
-      read_properties(in, objects_[which]);
+      read_properties(in, which);
     }
   }
 
@@ -231,7 +239,7 @@ class TdmsReader {
     object.index = read_tdms_index(*file_, in, header, object);
   }
 
-  void read_properties(ByteCursor& in, TdmsObject& object) {
+  void read_properties(ByteCursor& in, std::size_t which) {
     const auto count = in.read<std::uint32_t>("the number of properties");
     for (std::uint32_t i = 0; i < count; ++i) {
       const std::string name = to_utf8(read_tdms_text(in, "the name of a property"));
@@ -240,9 +248,8 @@ class TdmsReader {
       std::optional<TdmsProperty> value = read_tdms_value(in, code);
       if (!value)
         fail(at, fmt::format("the property '{}' of {} is of the type 0x{:X}, which is not read",
-                             name, object.path, code));
-      if (object.properties.insert_or_assign(name, std::move(*value)).second &&
-          ++properties_ > most_properties)
+                             name, objects_[which].path, code));
+      if (changes_.set(which, name, std::move(*value)) && ++properties_ > most_properties)
         fail(at, fmt::format("there are more than {} properties", most_properties));
     }
   }
@@ -255,6 +262,7 @@ class TdmsReader {
   std::unordered_map<std::string_view, std::size_t> by_path_;  // paths lie in the file
   std::size_t properties_ = 0;
   TdmsChunks chunks_;
+  TdmsChanges changes_;
 };
 
 }  // namespace

@@ -56,21 +56,32 @@ struct TdmsSource {
   StoredNumbers imaginary{};
 };
 
-/// The file, a group or a channel.
-struct TdmsObject {
-  std::string path;
-  std::string group;
-  std::string name;
-  int depth = 0;  ///< 0 the file, 1 a group, 2 a channel
+/// Samples of a channel of which the same properties hold.
+struct TdmsPart {
   TdmsProperties properties{};
-  std::optional<TdmsRawIndex> index{};
-  bool listed = false;  ///< in the list of the segment at hand
-  bool has_data = false;
   const TdmsType* type = nullptr;  ///< of the raw data so far
   std::vector<TdmsSource> sources{};
   std::uint64_t texts = 0;
   std::uint64_t first_value = 0;  ///< byte offsets of a time stamp channel's ends
   std::uint64_t last_value = 0;
+  std::size_t segment = 1;  ///< of the file, where they begin
+  double after = 0.0;  ///< what parts before take up since the stated start [s, or as abscissa]
+
+  std::uint64_t samples() const { return sources.empty() ? 0 : sources.front().numbers.size(); }
+};
+
+/// The file, a group or a channel, with its latest part.
+struct TdmsObject : TdmsPart {
+  std::string path{};
+  std::string group{};
+  std::string name{};
+  int depth = 0;  ///< 0 the file, 1 a group, 2 a channel
+  std::optional<TdmsRawIndex> index{};
+  bool listed = false;  ///< in the list of the segment at hand
+  bool has_data = false;
+  std::vector<TdmsPart> earlier{};  ///< parts before, in their order
+  TdmsProperties carried_on{};      ///< the latest start that only said where the samples went on
+  bool scales_change = false;       ///< of the file or a group: once there were samples
 };
 
 /// Throws datasets::InputError at a byte, or at the end of the file.

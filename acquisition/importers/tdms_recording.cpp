@@ -13,7 +13,9 @@
 #include <utility>
 
 #include "acquisition/importers/byte_cursor.hpp"
+#include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
+#include "acquisition/importers/tdms_clock.hpp"
 #include "acquisition/importers/tdms_scaling.hpp"
 #include "acquisition/importers/time_axis.hpp"
 #include "datasets/units.hpp"
@@ -34,8 +36,10 @@ class Recording {
         objects_(objects),
         record_(std::move(record)),
         options_(options) {
-    for (std::size_t i = 0; i < objects_.size(); ++i)
-      if (objects_[i].depth == 1) groups_.emplace(objects_[i].group, i);
+    for (const TdmsObject& object : objects_) {
+      if (object.depth == 0) root_ = &object;
+      if (object.depth == 1) groups_.emplace(object.group, &object);
+    }
   }
 
   std::unique_ptr<RecordingReader> open() {
@@ -49,58 +53,82 @@ class Recording {
       record_.warnings.push_back(std::move(sentence));
   }
 
-  const TdmsProperties* properties_of_group(const std::string& group) const {
-    const auto found = groups_.find(group);
-    return found == groups_.end() ? nullptr : &objects_[found->second].properties;
-  }
-
   void describe() {
-    const TdmsProperties* file = nullptr;
-    for (const TdmsObject& object : objects_)
-      if (object.depth == 0) file = &object.properties;
-    if (file != nullptr) {
-      for (const auto& [name, value] : *file) record_.attributes[name] = text_of(value);
+    if (root_ != nullptr) {
+      for (const auto& [name, value] : root_->properties) record_.attributes[name] = text_of(value);
       for (const char* const name : {"name", "title"})
-        if (const auto title = file->find(name); title != file->end() && record_.title.empty())
-          record_.title = text_of(title->second);
+        if (record_.title.empty()) record_.title = text_of(root_->properties, name);
     }
     for (const TdmsObject& object : objects_)
       if (object.depth == 1)
         for (const auto& [name, value] : object.properties)
           record_.attributes[object.group + "/" + name] = text_of(value);
-    for (const TdmsObject& object : objects_)
-      if (object.depth == 2) add_channel(object, file);
+    add_channels();
     if (record_.channels.empty())
       warn("no recordings in this file: it has no channel with numbers");
+    take_stated_units(options_.units, file_->path(), record_);
     set_uniform_clocks();
     set_clocks_by_channels();
     tell_same_names();
   }
 
-  void add_channel(const TdmsObject& object, const TdmsProperties* file) {
-    if (object.texts > 0) {
-      warn(fmt::format("'{}' holds {} texts: it is left out", object.name, object.texts));
+  /// A part of a channel, which is a channel of the record.
+  struct Part {
+    const TdmsObject* object;
+    const TdmsPart* part;
+  };
+
+  /// The first part of every channel, then the later ones by their segments.
+  void add_channels() {
+    std::vector<Part> later;
+    for (const TdmsObject& object : objects_) {
+      if (object.depth != 2) continue;
+      std::vector<const TdmsPart*> parts;
+      for (const TdmsPart& part : object.earlier) parts.push_back(&part);
+      parts.push_back(&object);
+      add_channel({&object, parts.front()});
+      for (std::size_t i = 1; i < parts.size(); ++i) later.push_back({&object, parts[i]});
+    }
+    std::ranges::stable_sort(later, {}, [](const Part& one) { return one.part->segment; });
+    for (const Part& part : later) add_channel(part);
+  }
+
+  void add_channel(const Part& added) {
+    const auto& [object, part] = added;
+    if (part->texts > 0) {
+      warn(fmt::format("'{}' holds {} texts: it is left out", object->name, part->texts));
       return;
     }
     Channel channel;
     StoredChannel stored;
-    channel.name = object.name;
-    channel.attributes["group"] = object.group;
-    for (const auto& [name, value] : object.properties)
+    channel.name = object->name;
+    if (part->segment > 1) channel.name += fmt::format(" (segment {})", part->segment);
+    channel.attributes["group"] = object->group;
+    for (const auto& [name, value] : part->properties)
       if (!name.starts_with("NI_Scale[")) channel.attributes[name] = text_of(value);
-    const auto unit = object.properties.find("unit_string");
-    if (unit != object.properties.end()) channel.unit = text_of(unit->second);
-    const TdmsProperties* scales = &object.properties;
-    if (!states_scales(*scales)) scales = properties_of_group(object.group);
-    if (scales == nullptr || !states_scales(*scales)) scales = file;
-    if (object.type != nullptr && object.type->role == TdmsRole::time)
-      set_time_stamps(object, channel, stored);
+    channel.unit = text_of(part->properties, "unit_string");
+    if (part->type != nullptr && part->type->role == TdmsRole::time)
+      set_time_stamps(*part, channel, stored);
     else
-      set_numbers(object, scales, channel, stored);
+      set_numbers(added, channel, stored);
     set_quantity(channel);
     record_.channels.push_back(std::move(channel));
     stored_.push_back(std::move(stored));
-    channels_.push_back(&object);
+    channels_.push_back(added);
+  }
+
+  /// What a channel's own properties state of scales, else its group's, else the file's.
+  TdmsScaling scaling_of(const Part& of) const {
+    if (states_scales(of.part->properties)) return tdms_scaling(of.part->properties);
+    const auto group = groups_.find(of.object->group);
+    const TdmsObject* object = group == groups_.end() ? nullptr : group->second;
+    if (object == nullptr || !states_scales(object->properties)) object = root_;
+    if (object == nullptr) return {};
+    TdmsScaling scaling = tdms_scaling(object->properties);
+    if (object->scales_change)
+      scaling.problem = fmt::format("the scales of {} change from one segment to another",
+                                    object->depth == 0 ? "the file" : "its group");
+    return scaling;
   }
 
   void set_quantity(Channel& channel) {
@@ -109,23 +137,32 @@ class Recording {
     channel.quantity = known->second;
   }
 
-  void set_numbers(const TdmsObject& object, const TdmsProperties* scales, Channel& channel,
-                   StoredChannel& stored) {
-    TdmsScaling scaling;
-    if (scales != nullptr) scaling = tdms_scaling(*scales);
-    if (object.sources.empty()) return;
-    const TdmsSource* source = &object.sources.front();
-    if (scaling.problem.empty() && !scaling.what.empty()) {
-      const auto found = std::ranges::find(object.sources, scaling.source, &TdmsSource::id);
-      if (found != object.sources.end())
-        source = &*found;
-      else if (object.sources.size() > 1)
-        scaling.problem = fmt::format("its scales begin with the raw signal {}, which is not there",
-                                      scaling.source);
-    } else if (scaling.problem.empty() && object.sources.size() > 1) {
+  /// The raw numbers that the scales begin with; `scaling` has a problem where they are not there.
+  const TdmsSource* source_of(const Part& of, TdmsScaling& scaling) {
+    const std::vector<TdmsSource>& sources = of.part->sources;
+    const TdmsSource* const first = &sources.front();
+    if (!scaling.problem.empty()) return first;
+    const auto found = std::ranges::find(sources, scaling.source, &TdmsSource::id);
+    if (found != sources.end()) return &*found;
+    const bool any_scale = !scaling.what.empty();
+    if (first->id == TdmsScaling::raw_data) {
+      // numbers of DAQmx that are saved as others: their raw signal is still called scale 0
+      if (scaling.source != 0 || !any_scale)
+        scaling.problem = fmt::format("its scale {} is announced and not there", scaling.source);
+    } else if (scaling.source != TdmsScaling::raw_data || (any_scale && sources.size() > 1)) {
+      scaling.problem = fmt::format("its scales begin with the raw signal {}, which is not there",
+                                    scaling.source);
+    } else if (sources.size() > 1) {
       warn(fmt::format("'{}' has {} raw signals and no scale that joins them: the first is read",
-                       object.name, object.sources.size()));
+                       of.object->name, sources.size()));
     }
+    return first;
+  }
+
+  void set_numbers(const Part& of, Channel& channel, StoredChannel& stored) {
+    if (of.part->sources.empty()) return;
+    TdmsScaling scaling = scaling_of(of);
+    const TdmsSource* const source = source_of(of, scaling);
     if (scaling.problem.empty() && source->imaginary.size() > 0 && !scaling.what.empty())
       scaling.problem = "its numbers are complex";
     stored.samples = source->numbers;
@@ -162,11 +199,11 @@ class Recording {
   /// Time stamps become seconds since the first of them. Of their 128 bits (64 of seconds, 64 of
   /// fraction) 64 in the middle are read: 24 of seconds and 40 of fraction give 1 ns within 97 days
   /// of the first, else 32 and 32 give 0.5 µs within 68 years.
-  void set_time_stamps(const TdmsObject& object, Channel& channel, StoredChannel& stored) {
-    const StoredNumbers& found = object.sources.front().numbers;
+  void set_time_stamps(const TdmsPart& part, Channel& channel, StoredChannel& stored) {
+    const StoredNumbers& found = part.sources.front().numbers;
     const bool big_endian = found.big_endian();
-    const TdmsTime first = time_at(object.first_value, big_endian);
-    const TdmsTime last = time_at(object.last_value, big_endian);
+    const TdmsTime first = time_at(part.first_value, big_endian);
+    const TdmsTime last = time_at(part.last_value, big_endian);
     constexpr double days_90 = 90.0 * 86400.0;
     const double span = static_cast<double>(last.seconds) - static_cast<double>(first.seconds);
     const bool fine = std::abs(span) < days_90;
@@ -192,44 +229,16 @@ class Recording {
     channel.attributes["counted from"] = "its first time stamp";
   }
 
-  static std::optional<TdmsTime> start_of(const TdmsObject& object) {
-    const auto stated = object.properties.find("wf_start_time");
-    if (stated == object.properties.end()) return std::nullopt;
-    const auto* const time = std::get_if<TdmsTime>(&stated->second);
-    if (time == nullptr || iso_text(*time).empty()) return std::nullopt;
-    return *time;
-  }
-
-  /// What `wf_increment` counts: how many seconds its unit (wf_xunit_string) has; none where the
-  /// channel lies over anything else. Without a unit the abscissa's name (wf_xname) decides.
-  static std::optional<double> seconds_of(const TdmsProperties& properties) {
-    const auto text = [&](const char* name) {
-      const auto found = properties.find(name);
-      return found == properties.end() ? std::string() : text_of(found->second);
-    };
-    const std::string unit = text("wf_xunit_string");
-    if (!unit.empty()) {
-      if (datasets::quantity_of_unit(unit) == Quantity::frequency) return std::nullopt;
-      const auto conversion = datasets::conversion(unit, "s");
-      return conversion ? std::optional(conversion->factor) : std::nullopt;
-    }
-    const std::string name = text("wf_xname");
-    const bool frequency = name == "Frequency" || name == "frequency";
-    return frequency ? std::nullopt : std::optional(1.0);
-  }
-
-  static void set_other_abscissa(const TdmsProperties& properties, double first, double increment,
-                                 Channel& channel) {
-    const auto unit = properties.find("wf_xunit_string");
-    const std::string spelled = unit == properties.end() ? "" : text_of(unit->second);
-    const auto name = properties.find("wf_xname");
-    std::string domain = name == properties.end() ? "" : text_of(name->second);
+  static void set_other_abscissa(const TdmsPart& part, Channel& channel) {
+    const std::string spelled = text_of(part.properties, "wf_xunit_string");
+    std::string domain = text_of(part.properties, "wf_xname");
     const Quantity quantity = datasets::quantity_of_unit(spelled);
     if (spelled.empty() || quantity == Quantity::frequency)
       domain = "frequency";
     else if (domain.empty() || domain == "Time" || domain == "time")
       domain = quantity == Quantity::unknown ? "unknown" : std::string(datasets::name(quantity));
-    set_abscissa(channel, domain, spelled, first, increment);
+    set_abscissa(channel, domain, spelled, tdms_start_offset(part.properties) + part.after,
+                 tdms_step(part.properties));
   }
 
   /// Uniform clocks from the waveform properties. Channels share a time origin: the earliest start.
@@ -238,30 +247,24 @@ class Recording {
       return a.seconds != b.seconds ? a.seconds < b.seconds : a.fraction < b.fraction;
     };
     std::optional<TdmsTime> earliest;
-    for (const TdmsObject* const object : channels_)
-      if (const auto start = start_of(*object); start && (!earliest || before(*start, *earliest)))
+    for (const Part& channel : channels_)
+      if (const auto start = tdms_start(channel.part->properties);
+          start && (!earliest || before(*start, *earliest)))
         earliest = start;
     if (earliest) record_.started = iso_text(*earliest);
     bool different = false;
     for (std::size_t i = 0; i < channels_.size(); ++i) {
-      const auto number = [&](const char* name) {
-        const double value = number_of(channels_[i]->properties, name).value_or(0.0);
-        return std::isfinite(value) ? value : 0.0;
-      };
+      const TdmsPart& part = *channels_[i].part;
       datasets::SampleClock& clock = record_.channels[i].clock;
-      const std::optional<double> unit = seconds_of(channels_[i]->properties);
-      if (!unit) {
-        set_other_abscissa(channels_[i]->properties, number("wf_start_offset"),
-                           number("wf_increment"), record_.channels[i]);
+      if (!seconds_of_abscissa(part.properties)) {
+        set_other_abscissa(part, record_.channels[i]);
         continue;
       }
-      clock.start = *unit * number("wf_start_offset");
-      clock.interval = *unit * std::max(0.0, number("wf_increment"));
-      const auto start = start_of(*channels_[i]);
+      clock.start = tdms_start_offset(part.properties) + part.after;
+      clock.interval = tdms_step(part.properties);
+      const auto start = tdms_start(part.properties);
       if (!start) continue;
-      const double later = static_cast<double>(start->seconds - earliest->seconds) +
-                           std::ldexp(static_cast<double>(start->fraction), -64) -
-                           std::ldexp(static_cast<double>(earliest->fraction), -64);
+      const double later = seconds_between(*earliest, *start);
       // writers carry the start along in double precision: what is small against a step is none
       if (std::abs(later) <= 1e-3 * clock.interval) continue;
       different = true;
@@ -282,15 +285,15 @@ class Recording {
       const auto t = static_cast<std::size_t>(stated - record_.channels.data());
       std::vector<std::size_t> group;
       for (std::size_t i = 0; i < channels_.size(); ++i)
-        if (channels_[i]->group == channels_[t]->group) group.push_back(i);
+        if (channels_[i].object->group == channels_[t].object->group) group.push_back(i);
       take_times(t, group, true);
       return;
     }
     std::map<std::string, std::vector<std::size_t>> groups;
     std::map<std::string, std::vector<std::size_t>> stamps;
     for (std::size_t i = 0; i < channels_.size(); ++i) {
-      groups[channels_[i]->group].push_back(i);
-      if (is_time_stamps(i)) stamps[channels_[i]->group].push_back(i);
+      groups[channels_[i].object->group].push_back(i);
+      if (is_time_stamps(i)) stamps[channels_[i].object->group].push_back(i);
     }
     for (const auto& [group, found] : stamps) {
       if (found.size() == 1) {
@@ -302,7 +305,8 @@ class Recording {
   }
 
   bool is_time_stamps(std::size_t i) const {
-    return channels_[i]->type != nullptr && channels_[i]->type->role == TdmsRole::time;
+    const TdmsType* const type = channels_[i].part->type;
+    return type != nullptr && type->role == TdmsRole::time;
   }
 
   /// Gives the channels of as many values as channel `t` its values as times; `all`: even those
@@ -312,7 +316,7 @@ class Recording {
     if (n == 0 || stored_[t].imaginary.size() > 0) return;
     const Channel& times = record_.channels[t];
     double factor = 1.0;
-    if (times.unit != "s") {
+    if (times.unit != "s" && !is_time_stamps(t)) {  // those are in s, whatever is said of them
       const auto conversion = datasets::conversion(times.unit, "s");
       if (conversion)
         factor = conversion->factor;
@@ -346,7 +350,7 @@ class Recording {
       warn(
           fmt::format("channels of '{}' state no sample interval: their times are the time stamps "
                       "in '{}' (--time-column none leaves them out)",
-                      channels_[t]->group, times.name));
+                      channels_[t].object->group, times.name));
     if (!used && all)
       warn(
           fmt::format("no other channel of its group has as many values as '{}': it gives no times",
@@ -368,8 +372,9 @@ class Recording {
   Record record_;
   const ImportOptions& options_;
   std::vector<StoredChannel> stored_;
-  std::vector<const TdmsObject*> channels_;    // of record_
-  std::map<std::string, std::size_t> groups_;  // their objects
+  std::vector<Part> channels_;  // of record_
+  const TdmsObject* root_ = nullptr;
+  std::map<std::string, const TdmsObject*> groups_;
   std::map<std::string, Quantity> quantities_;
 };
 

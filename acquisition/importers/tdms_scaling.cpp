@@ -38,15 +38,23 @@ std::string text_of(const TdmsProperty& property) {
   return fmt::format("{}", std::get<std::uint64_t>(property));
 }
 
-std::optional<double> number_of(const TdmsProperties& properties, const std::string& name) {
+std::string text_of(const TdmsProperties& properties, const std::string& name) {
   const auto found = properties.find(name);
-  if (found == properties.end()) return std::nullopt;
-  if (const auto* const number = std::get_if<double>(&found->second)) return *number;
-  if (const auto* const number = std::get_if<std::int64_t>(&found->second))
+  return found == properties.end() ? std::string() : text_of(found->second);
+}
+
+std::optional<double> number_of(const TdmsProperty& property) {
+  if (const auto* const number = std::get_if<double>(&property)) return *number;
+  if (const auto* const number = std::get_if<std::int64_t>(&property))
     return static_cast<double>(*number);
-  if (const auto* const number = std::get_if<std::uint64_t>(&found->second))
+  if (const auto* const number = std::get_if<std::uint64_t>(&property))
     return static_cast<double>(*number);
   return std::nullopt;
+}
+
+std::optional<double> number_of(const TdmsProperties& properties, const std::string& name) {
+  const auto found = properties.find(name);
+  return found == properties.end() ? std::nullopt : number_of(found->second);
 }
 
 namespace {

@@ -15,6 +15,8 @@ namespace impactrig::acquisition {
 struct TdmsTime {
   std::int64_t seconds = 0;
   std::uint64_t fraction = 0;
+
+  friend bool operator==(const TdmsTime&, const TdmsTime&) = default;
 };
 
 /// "2016-12-15T22:35:21.068614Z" (to the microsecond); "" for a time that was not set (all zero) or
@@ -26,6 +28,8 @@ using TdmsProperty = std::variant<std::string, double, std::int64_t, std::uint64
 using TdmsProperties = std::map<std::string, TdmsProperty>;
 
 std::string text_of(const TdmsProperty& property);
+std::string text_of(const TdmsProperties& properties, const std::string& name);  ///< "" = none
+std::optional<double> number_of(const TdmsProperty& property);
 std::optional<double> number_of(const TdmsProperties& properties, const std::string& name);
 
 /// What the properties of a channel make of its raw numbers.

@@ -61,6 +61,8 @@ void RowReader::read_only(const std::vector<bool>& needed) {
   uses_.assign(needed.size(), Use::skipped);
   for (std::size_t c = 0; c < needed.size(); ++c)
     if (needed[c] && !layout_.holds_text(c)) uses_[c] = Use::number;
+  for (const CountedColumn& column : layout_.counted)
+    if (uses_[column.column] == Use::number) uses_[column.column] = Use::counted;
   for (const DateColumns& date : layout_.dates) {
     const bool used = needed[date.last];
     for (std::size_t c = date.first; c <= date.last; ++c) uses_[c] = Use::skipped;
@@ -106,6 +108,9 @@ void RowReader::read_line() {
     switch (uses_[c]) {
       case Use::number:
         read_cell(c);
+        break;
+      case Use::counted:
+        read_counted(c);
         break;
       case Use::date:
         if (!read_date(c)) return short_row(line, c);
@@ -156,6 +161,23 @@ void RowReader::read_cell(std::size_t c) {
     }
   }
   unusual_cell(c);
+}
+
+/// The same, less the first of the column as it is written.
+void RowReader::read_counted(std::size_t c) {
+  skip_blanks();
+  const char* const start = at_;
+  read_cell(c);
+  double& value = table_.columns[c].values.back();
+  if (!std::isfinite(value)) return;
+  std::string_view cell = trimmed({start, static_cast<std::size_t>(at_ - start)});
+  if (cell.size() > 1 && cell.front() == '"') cell = cell.substr(1, cell.size() - 2);
+  const auto counted = std::ranges::find(layout_.counted, c, &CountedColumn::column);
+  const NumberStyle style{decimal_, false};
+  if (const auto difference = decimal_difference(cell, counted->first, style))
+    value = *difference;
+  else
+    value -= number_in(counted->first, style).value_or(0.0);
 }
 
 void RowReader::skip_cell() {

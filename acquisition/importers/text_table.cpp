@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
 
 #include "acquisition/importers/date_columns.hpp"
 #include "acquisition/importers/date_time.hpp"
@@ -73,12 +74,38 @@ bool numbers_from(const std::vector<std::string_view>& cells, std::size_t first,
   return any;
 }
 
+bool begins_as_number(std::string_view cell) {
+  return !cell.empty() && std::string_view("0123456789+-.").find(cell.front()) != cell.npos;
+}
+
+/// True for cells that look like values and are none: "0.5 s,12 N", "12:00:00:95,9025". A date
+/// above rows without dates is a fact of the head.
+bool are_spoilt_values(const std::vector<std::string_view>& cells, const TableLayout& layout) {
+  return cells.size() == layout.written_cells && std::ranges::all_of(cells, begins_as_number) &&
+         (layout.dialect.dates || !std::ranges::all_of(cells, is_part_of_date));
+}
+
+/// True for a row of numbers that other marks divide.
+bool is_row_of_other_dialect(std::string_view line, const TableLayout& layout) {
+  if (layout.dialect.delimiter == ' ') return false;
+  return std::ranges::any_of(std::string_view("\t;,|"), [&](char delimiter) {
+    const auto cells = cells_of(line, delimiter);
+    return delimiter != layout.dialect.delimiter && cells.size() > 1 &&
+           cells.size() == layout.written_cells && std::ranges::all_of(cells, [](auto cell) {
+             return number_in(cell, {'.', false}) || number_in(cell, {',', false});
+           });
+  });
+}
+
 /// The cells of a row above the first one, where it may be one too: it begins with a number and has
 /// numbers in all columns but is longer or shorter, or it is as long and holds something else.
 std::optional<std::size_t> cells_of_spoilt_row(std::string_view line, const TableLayout& layout) {
+  if (is_row_of_other_dialect(line, layout)) return layout.written_cells;
   const auto cells = cells_of(line, layout.dialect.delimiter);
   const char decimal = layout.dialect.decimal;
-  if (cells.empty() || !number_in(cells.front(), {decimal, false})) return std::nullopt;
+  if (cells.empty()) return std::nullopt;
+  if (!number_in(cells.front(), {decimal, false}))
+    return are_spoilt_values(cells, layout) ? std::optional(cells.size()) : std::nullopt;
   if (cells.size() != layout.written_cells)
     for (std::size_t c = 1; c < std::min(cells.size(), layout.cells); ++c)
       if (!cell_value(cells[c], decimal)) return std::nullopt;
@@ -104,6 +131,47 @@ void take_spoilt_rows(const std::vector<std::string_view>& lines, std::size_t sk
   }
   layout.head.resize(first);
   layout.data = lines[first].data();
+}
+
+/// A first row that only numbers the columns from 0, as pandas writes a header where there are no
+/// names: "0,1" above numbers that all have decimals, or ",0,1" above rows that begin with theirs.
+void take_column_numbers(const std::vector<std::string_view>& lines, TableLayout& layout) {
+  const std::size_t first = layout.head.size();
+  const char delimiter = layout.dialect.delimiter;
+  const auto numbers = cells_of(lines[first], delimiter);
+  const std::size_t beside = numbers.front().empty() ? 1 : 0;
+  if (numbers.size() < 2 || delimiter == ' ' || first + 1 == lines.size()) return;
+  for (std::size_t c = beside; c < numbers.size(); ++c)
+    if (numbers[c] != std::to_string(c - beside)) return;
+  constexpr std::size_t rows_tried = 40;
+  for (std::size_t i = first + 1; i < std::min(lines.size(), first + rows_tried); ++i) {
+    if (is_skipped_line(lines[i])) continue;
+    const auto row = cells_of(lines[i], delimiter);
+    if (row.size() != numbers.size() || (beside == 1 && row.front().empty())) return;
+    const auto may_be_whole = [](std::string_view cell) {
+      return !cell.empty() && cell.find_first_not_of("+-0123456789") == cell.npos;
+    };
+    if (beside == 0 && std::ranges::any_of(row, may_be_whole)) return;
+  }
+  layout.head.push_back(lines[first]);
+  layout.data = lines[first + 1].data();
+  layout.column_numbers = true;
+}
+
+/// Throws InputError where some of the first lines end with CR alone and some with LF: what stands
+/// behind a CR would be read as part of a line.
+void refuse_mixed_line_ends(TextFile& file, std::string_view text) {
+  constexpr std::size_t looked_at = 64 * 1024;
+  bool quoted = false;
+  const std::string_view head = text.substr(0, looked_at);
+  for (std::size_t i = 0; i + 1 < head.size(); ++i) {
+    if (head[i] == '"') quoted = !quoted;
+    if (quoted || head[i] != '\r' || head[i + 1] == '\n' || head[i + 1] == '\r') continue;
+    throw InputError(
+        file.position(head.data() + i),
+        "this line ends with a carriage return alone and others with a line feed: save "
+        "the file with ends of one kind");
+  }
 }
 
 /// Finds rows above the first row of numbers alone that hold samples too, with keys before them:
@@ -222,6 +290,7 @@ const DateColumns* TableLayout::dates_at(std::size_t column) const {
 
 TableLayout find_table(TextFile& file, const ImportOptions& options) {
   const std::string_view text = file.text();
+  refuse_mixed_line_ends(file, text);
   const std::vector<std::string_view> lines = first_lines(text);
   const auto skipped = static_cast<std::size_t>(std::max(0, options.skip_lines.value_or(0)));
 
@@ -243,6 +312,7 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   layout.written_cells = best->first_row.written_cells;
   take_spoilt_rows(lines, skipped, layout);
   take_rows_with_keys(lines, layout);
+  take_column_numbers(lines, layout);
   const std::size_t named =
       layout.head.empty() ? 0 : named_columns(layout.head.back(), layout.dialect);
   if (layout.dialect.dates) layout.dates = find_date_columns(file, lines, layout, named);

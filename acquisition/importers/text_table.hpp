@@ -37,6 +37,12 @@ struct DateColumns {
   DateTime base;
 };
 
+/// A column of numbers that are counted from the first: they are too large for their differences.
+struct CountedColumn {
+  std::size_t column = 0;
+  std::string_view first;  ///< as it is written
+};
+
 /// A file as a head of lines and a table of numbers under it.
 struct TableLayout {
   Dialect dialect;
@@ -44,6 +50,7 @@ struct TableLayout {
   const char* data = nullptr;          ///< start of the first row
   std::size_t cells = 0;               ///< of the first row, without empty ones at its end
   std::size_t written_cells = 0;       ///< of the first row, with them
+  bool column_numbers = false;         ///< are all that the last line of `head` says
   /// Behind the last row, where what follows is no row; null: rows go on to the end.
   const char* end = nullptr;
   /// Cells at the start of each row that hold keys and values in the first rows and nothing below,
@@ -54,6 +61,7 @@ struct TableLayout {
   /// In order; within the rows, or behind them under a name. A row may end before those at its end.
   std::vector<TextColumn> text_columns;
   std::vector<DateColumns> dates;  ///< in order
+  std::vector<CountedColumn> counted;
 
   bool holds_text(std::size_t column) const;
 
@@ -142,6 +150,7 @@ class RowReader {
   void read_line();
   void skip_key_cells();
   void read_cell(std::size_t column);
+  void read_counted(std::size_t column);
   void skip_cell();
   bool read_date(std::size_t column);
   void unusual_cell(std::size_t column);
@@ -159,7 +168,7 @@ class RowReader {
   const char* end_ = nullptr;
 
   /// What is done with a cell.
-  enum class Use : std::uint8_t { skipped, number, date_begins, date };
+  enum class Use : std::uint8_t { skipped, number, counted, date_begins, date };
 
   std::vector<Use> uses_;            ///< one a column
   const char* date_from_ = nullptr;  ///< where a date of several cells began

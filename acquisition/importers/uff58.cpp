@@ -31,6 +31,9 @@ constexpr std::size_t points_at_once = 32768;
 /// Files up to this size [bytes] have their numbers counted when they are opened.
 constexpr std::size_t counted_at_once = std::size_t{1} << 25;
 
+/// What a line without text may hold; a file of CP/M or DOS ends with 1A.
+constexpr std::string_view blanks(" \t\r\n\0\x1A", 6);
+
 /// A dataset 58 whose header is read and whose numbers are found.
 struct Function {
   UffHeader header;
@@ -86,6 +89,7 @@ class UffRecording final : public RecordingReader {
         break;
       }
     }
+    tell_outside();
     if (record.channels.empty()) {
       std::string list;
       for (const auto& [number, count] : seen_)
@@ -107,19 +111,60 @@ class UffRecording final : public RecordingReader {
       warnings.push_back(sentence);
   }
 
-  /// Moves to the identifier line behind the next delimiter; false at the end of the file.
+  /// Moves to the next identifier line: behind a delimiter, or behind one that closed the dataset
+  /// before and is to open this one too. False at the end of the file.
   bool find_dataset() {
     while (at_ != end_) {
-      if (!is_uff_delimiter(take_line(at_, end_))) continue;
-      // a doubled -1 opens one dataset, not an empty one
-      for (;;) {
-        if (at_ == end_) return false;
-        const char* next = at_;
-        if (!is_uff_delimiter(take_line(next, end_))) return true;
-        at_ = next;
+      const char* const start = at_;
+      const std::string_view line = take_line(at_, end_);
+      if (is_uff_delimiter(line)) return skip_delimiters();
+      if (line.find_first_not_of(blanks) == std::string_view::npos) continue;
+      if (closed_ && identifies(line)) {
+        if (unopened_++ == 0) first_unopened_ = start;
+        at_ = start;
+        return true;
       }
+      closed_ = false;
+      if (outside_++ == 0) first_outside_ = line;
     }
     return false;
+  }
+
+  /// A doubled -1 opens one dataset, not an empty one.
+  bool skip_delimiters() {
+    while (at_ != end_) {
+      const char* next = at_;
+      if (!is_uff_delimiter(take_line(next, end_))) return true;
+      at_ = next;
+    }
+    return false;
+  }
+
+  /// A line that is the number of a dataset and nothing else, or the identifier of a 58b.
+  static bool identifies(std::string_view line) {
+    const auto number = integer_in(trimmed(uff_columns(line, 1, 6)));
+    const std::string_view letter = uff_columns(line, 7, 1);
+    if (!number || *number <= 0) return false;
+    return (*number == 58 && (letter == "b" || letter == "B")) ||
+           trimmed(uff_columns(line, 7, line.size())).empty();
+  }
+
+  void tell_outside() {
+    if (unopened_ == 1)
+      warn(
+          fmt::format("the dataset at {} begins without a -1 of its own, behind the one that "
+                      "closes the dataset before: it is read",
+                      place(first_unopened_).text()));
+    if (unopened_ > 1)
+      warn(
+          fmt::format("{} datasets, the first at {}, begin without a -1 of their own, behind the "
+                      "one that closes the dataset before: they are read",
+                      unopened_, place(first_unopened_).text()));
+    if (outside_ > 0)
+      warn(fmt::format("{} outside of datasets {} not read, from {} on: '{}'",
+                       outside_ == 1 ? "a line" : fmt::format("{} lines", outside_),
+                       outside_ == 1 ? "is" : "are", place(first_outside_.data()).text(),
+                       to_utf8(trimmed(first_outside_).substr(0, 40))));
   }
 
   void read_dataset() {
@@ -144,8 +189,9 @@ class UffRecording final : public RecordingReader {
 
   /// Moves behind the delimiter that closes the dataset.
   void leave_dataset() {
-    while (at_ != end_)
-      if (is_uff_delimiter(take_line(at_, end_))) return;
+    closed_ = false;
+    while (at_ != end_ && !closed_) closed_ = is_uff_delimiter(take_line(at_, end_));
+    if (closed_) return;
     if (!cut_) warn("the last dataset is not closed by -1: the file may have been cut off");
     cut_ = true;
   }
@@ -458,6 +504,11 @@ class UffRecording final : public RecordingReader {
   bool binary_seen_ = false;
   bool binary_data_seen_ = false;  // from there on, lines cannot be counted
   bool cut_ = false;
+  bool closed_ = false;         // nothing but blanks since a dataset was closed
+  std::uint64_t unopened_ = 0;  // datasets behind the -1 that closes another
+  const char* first_unopened_ = nullptr;
+  std::uint64_t outside_ = 0;  // lines outside of datasets
+  std::string_view first_outside_;
 };
 
 /// The identifier lines among the first bytes of a file, as far as they can be found by lines.

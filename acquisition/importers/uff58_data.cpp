@@ -314,29 +314,78 @@ const char* find_closing_line(const char* at, const char* end) {
   return end;
 }
 
+/// Whether this is no number that was ever measured.
+bool is_strange(const char* at, std::size_t bytes, bool little) {
+  const double value = bytes == 8 ? read_number<double>(at, little)
+                                  : static_cast<double>(read_number<float>(at, little));
+  const double size = std::abs(value);
+  return value != 0.0 && !(size > 1e-30 && size < 1e30);
+}
+
+constexpr std::uint64_t points_looked_at = 512;
+
 /// Whether the first values are no measured numbers as the identifier line says their bytes lie,
 /// and all are with the bytes the other way round.
 bool looks_reversed(const Uff58Extent& extent, bool little_endian) {
-  constexpr std::uint64_t looked_at = 512;
-  const std::size_t point = extent.abscissa_bytes + extent.number_bytes;
-  const auto is_strange = [&](const char* at, bool little) {
-    const double value = extent.number_bytes == 8
-                             ? read_number<double>(at, little)
-                             : static_cast<double>(read_number<float>(at, little));
-    const double size = std::abs(value);
-    return value != 0.0 && !(size > 1e-30 && size < 1e30);
-  };
+  const std::size_t bytes = extent.number_bytes;
+  const std::size_t point = extent.abscissa_bytes + bytes;
   std::uint64_t strange = 0, values = 0;
-  for (std::uint64_t i = 0; i < std::min(extent.points, looked_at); ++i) {
+  for (std::uint64_t i = 0; i < std::min(extent.points, points_looked_at); ++i) {
     const char* const at = extent.start + i * point + extent.abscissa_bytes;
-    if (is_strange(at, !little_endian)) return false;
-    strange += is_strange(at, little_endian) ? 1 : 0;
+    if (is_strange(at, bytes, !little_endian)) return false;
+    strange += is_strange(at, bytes, little_endian) ? 1 : 0;
     values += read_number<std::uint32_t>(at, true) != 0 ||
-                      read_number<std::uint32_t>(at + extent.number_bytes - 4, true) != 0
+                      read_number<std::uint32_t>(at + bytes - 4, true) != 0
                   ? 1
                   : 0;
   }
   return values > 0 && 2 * strange > values;
+}
+
+/// Whether the first values of points of this layout are all numbers that may be measured.
+bool looks_measured(const char* start, const PointLayout& layout, const Uff58Form& form) {
+  for (std::uint64_t i = 0; i < std::min(form.points, points_looked_at); ++i)
+    for (std::size_t k = 0; k < layout.numbers; ++k)
+      if (is_strange(start + i * layout.size() + layout.abscissa + k * layout.number, layout.number,
+                     form.little_endian))
+        return false;
+  return true;
+}
+
+/// The layouts of all ordinate types in which the announced points take so many bytes.
+std::vector<PointLayout> layouts_of(const Uff58Form& form, std::uint64_t length) {
+  std::vector<PointLayout> fitting;
+  for (const std::size_t number : {4U, 8U})
+    for (const std::size_t numbers : {1U, 2U})
+      for (const bool wide : {false, true}) {
+        if (wide && (form.even || number == 4)) continue;
+        const PointLayout layout{form.even ? 0 : wide ? number : 4, number, numbers};
+        if (layout.size() * form.points == length) fitting.push_back(layout);
+      }
+  return fitting;
+}
+
+/// What the announced points and bytes, which are there, make of an ordinate type that they
+/// contradict: the other precision where nothing else fits. Throws datasets::InputError where that
+/// may be wrong.
+PointLayout settle_layout(const TextFile& file, const char* start, const Uff58Form& form,
+                          std::uint64_t length, const PointLayout& layout,
+                          std::vector<std::string>& warnings) {
+  const std::vector<PointLayout> fitting = layouts_of(form, length);
+  if (fitting.empty()) return layout;
+  const std::string contradiction = fmt::format(
+      "ordinate type {} takes {} bytes a point, and the header's points and bytes give {}",
+      form.ordinate_type, layout.size(), fitting.front().size());
+  const bool settled = fitting.size() == 1 && fitting.front().numbers == layout.numbers &&
+                       looks_measured(start, fitting.front(), form);
+  if (!settled)
+    throw InputError(file.byte_position(start),
+                     contradiction +
+                         ": which is wrong cannot be told; correct the ordinate type in columns 1 "
+                         "to 10 of record 7 or the number of points behind it");
+  warnings.push_back(fmt::format("{}, as many as are there: the numbers are read in {} precision",
+                                 contradiction, fitting.front().number == 8 ? "double" : "single"));
+  return fitting.front();
 }
 
 /// The block is as long as its points are, or as announced: the length that a -1 follows is it.
@@ -368,7 +417,10 @@ Uff58Extent find_binary(const TextFile& file, const char* start, const Uff58Form
           "the file ends without the closing -1: it may have been cut off");
     }
   }
-  if (length == lengths[1] && length != lengths[0]) layout = wide;
+  if (length == lengths[1] && length != lengths[0])
+    layout = wide;
+  else if (length == form.announced_bytes && length != lengths[0] && form.points <= available)
+    layout = settle_layout(file, start, form, length, layout, extent.warnings);
   extent.abscissa_bytes = static_cast<std::uint32_t>(layout.abscissa);
   extent.number_bytes = static_cast<std::uint32_t>(layout.number);
   extent.points = length / layout.size();
@@ -431,7 +483,7 @@ class Uff58Reader::Binary {
     Uff58Block block;
     if (!form_.even || form_.complex())
       divide(points, block);
-    else if (form_.double_precision())
+    else if (extent_.number_bytes == 8)
       block.ordinate = read_numbers<double>(file_, at_, points, form_.little_endian);
     else
       block.ordinate = read_numbers<float>(file_, at_, points, form_.little_endian);

@@ -134,6 +134,45 @@ class Hdf5File {
     H5Oclose(object);
   }
 
+  /// One number a column.
+  void numbers(const std::string& path, const std::string& name,
+               const std::vector<double>& values) const {
+    const hid_t object = H5Oopen(file_, path.c_str(), H5P_DEFAULT);
+    const hsize_t size = values.size();
+    const hid_t space = H5Screate_simple(1, &size, nullptr);
+    const hid_t attribute =
+        H5Acreate2(object, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data());
+    H5Aclose(attribute);
+    H5Sclose(space);
+    H5Oclose(object);
+  }
+
+  /// A data set that is to be the scale of a dimension.
+  void scale(const std::string& path) const { text(path, "CLASS", "DIMENSION_SCALE"); }
+
+  /// The scales of each dimension, as the library's "dimension scales" keep them; "" = none.
+  void scales(const std::string& path, const std::vector<std::string>& names) const {
+    std::vector<hobj_ref_t> references(names.size());
+    std::vector<hvl_t> lists(names.size());
+    for (std::size_t d = 0; d < names.size(); ++d) {
+      if (!names[d].empty())
+        H5Rcreate(&references[d], file_, names[d].c_str(), H5R_OBJECT, H5I_INVALID_HID);
+      lists[d] = {names[d].empty() ? 0U : 1U, &references[d]};
+    }
+    const hid_t object = H5Oopen(file_, path.c_str(), H5P_DEFAULT);
+    const hid_t type = H5Tvlen_create(H5T_STD_REF_OBJ);
+    const hsize_t size = names.size();
+    const hid_t space = H5Screate_simple(1, &size, nullptr);
+    const hid_t attribute =
+        H5Acreate2(object, "DIMENSION_LIST", type, space, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(attribute, type, lists.data());
+    H5Aclose(attribute);
+    H5Sclose(space);
+    H5Tclose(type);
+    H5Oclose(object);
+  }
+
   std::string bytes() const {
     H5Fflush(file_, H5F_SCOPE_LOCAL);
     const ssize_t size = H5Fget_file_image(file_, nullptr, 0);
@@ -195,6 +234,21 @@ inline std::vector<std::string> hdf5_seeds() {
     file.doubles("/run/time", {0, 1, 2});
     file.text("/run/time", "MATLAB_class", "double");
     seeds.push_back(mat73_bytes(file));
+  }
+  {
+    const Hdf5File file;
+    file.doubles("/ticks", {0, 1, 2});
+    file.text("/ticks", "units", "ms");
+    file.scale("/ticks");
+    file.data<double>("/rows", {3, 2}, {1, 2, 3, 4, 5, 6}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+    file.numbers("/rows", "scale_factor", {0.5, 2.0});
+    file.scales("/rows", {"/ticks", ""});
+    file.data<std::int64_t>(
+        "/time", {3},
+        {std::int64_t{1} << 60, (std::int64_t{1} << 60) + 1, (std::int64_t{1} << 60) + 3},
+        H5T_NATIVE_INT64, H5T_STD_I64LE);
+    file.doubles("/velocity", {1, 2, 3});
+    seeds.push_back(file.bytes());
   }
   return seeds;
 }

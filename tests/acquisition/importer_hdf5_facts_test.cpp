@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+
+#include <limits>
 
 #include "acquisition/importer.hpp"
 #include "tests/acquisition/hdf5_bytes.hpp"
@@ -112,6 +115,180 @@ TEST(Hdf5Packing, IsUndone) {
   EXPECT_DOUBLE_EQ(force.clock.times[2], 0.04075);
   EXPECT_THAT(record.warnings, Contains("'/force': 1 of 4 samples are -32768, which stands for "
                                         "none; marked as not valid"));
+}
+
+/// 200 rows of two columns of integers, 0 to 199 and three times that.
+void two_columns(const Hdf5File& file) {
+  std::vector<std::int16_t> table;
+  for (std::int16_t i = 0; i < 200; ++i) {
+    table.push_back(i);
+    table.push_back(static_cast<std::int16_t>(3 * i));
+  }
+  file.data<std::int16_t>("/data", {200, 2}, table, H5T_NATIVE_INT16, H5T_STD_I16LE);
+  file.texts("/data", "units", {"N", "m/s"});
+  file.number("/data", "dt", 1e-5);
+}
+
+TEST(Hdf5Packing, MayBeStatedColumnByColumn) {
+  const Hdf5File file;
+  two_columns(file);
+  file.numbers("/data", "scale_factor", {0.5, 0.001});
+  file.numbers("/data", "add_offset", {0.0, 1.0});
+  const Record record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].unit, "N");
+  EXPECT_EQ(record.channels[0].value(199), 99.5);
+  EXPECT_EQ(record.channels[1].unit, "m/s");
+  EXPECT_DOUBLE_EQ(record.channels[1].value(199), 1.597);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(Hdf5Packing, OfRecordsIsStatedFieldByField) {
+  const Hdf5File file;
+  file.records("/rows", 300, 300);
+  file.texts("/rows", "units", {"", "s", "N", ""});
+  file.numbers("/rows", "scale_factor", {1.0, 2.0, 0.5, 1.0});
+  const Record record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 3U);
+  EXPECT_EQ(record.channels[1].value(4), 8.0);
+  EXPECT_EQ(record.channels[1].clock.interval, 0.5);
+}
+
+// Numbers as they are stored in a unit they are not in would look like a measurement.
+TEST(Hdf5Packing, ThatCannotBeUndoneLeavesNoUnit) {
+  const auto expect_stored = [](const Hdf5File& file, const std::string& why) {
+    const Record record = imported(file.bytes());
+    for (const Channel& channel : record.channels) {
+      EXPECT_EQ(channel.unit, "") << why;
+      EXPECT_EQ(channel.quantity, datasets::Quantity::unknown) << why;
+      EXPECT_EQ(channel.scale, 1.0);
+      EXPECT_EQ(channel.offset, 0.0);
+    }
+    EXPECT_THAT(record.warnings, ElementsAre("'/data': " + why +
+                                             ": its numbers are as they are stored, without a "
+                                             "unit"));
+  };
+  {
+    const Hdf5File file;
+    two_columns(file);
+    file.number("/data", "scale_factor", 0.5);
+    file.text("/data", "add_offset", "3");
+    expect_stored(file, "its attribute 'add_offset' is a text, not a number");
+  }
+  {
+    const Hdf5File file;
+    two_columns(file);
+    file.numbers("/data", "scale_factor", {0.5, 1.0, 2.0});
+    expect_stored(file, "its attribute 'scale_factor' lists 3 numbers, not one or 2");
+  }
+  for (const double factor :
+       {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), 0.0}) {
+    const Hdf5File file;
+    two_columns(file);
+    file.number("/data", "scale_factor", factor);
+    expect_stored(file, fmt::format("its attribute 'scale_factor' is {}", factor));
+  }
+}
+
+TEST(Hdf5Packing, ThatCannotBeUndoneLeavesNoTimeEither) {
+  const Hdf5File file;
+  file.doubles("/force", {1, 2, 3});
+  file.doubles("/time", {0, 1, 2});
+  file.text("/time", "units", "s");
+  file.text("/time", "scale_factor", "a thousandth");
+  const Record record = imported(file.bytes());
+  EXPECT_EQ(record.channels[0].clock.interval, 0.0);
+}
+
+// Programs call many things so, and nothing says which way round they count.
+TEST(Hdf5Packing, ByOtherNamesIsToldAndNotGuessed) {
+  const Hdf5File file;
+  for (const std::string name : {"/plain", "/scaled", "/unity", "/without unit"}) {
+    file.doubles(name, {1, 2, 3});
+    file.number(name, "dt", 1.0);
+    if (name != "/without unit") file.text(name, "units", "N");
+  }
+  file.number("/scaled", "Gain", 10.0);
+  file.number("/scaled", "offset", 2.0);
+  file.number("/unity", "scale", 1.0);
+  file.number("/unity", "offset", 0.0);
+  file.number("/without unit", "scaling_factor", 7.0);
+  const Record record = imported(file.bytes());
+  EXPECT_EQ(record.channels[1].unit, "N");
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(1, 2, 3));
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'/scaled': its attributes 'Gain', 'offset' are not applied: its numbers "
+                          "are taken in N as they are stored"));
+}
+
+TEST(Hdf5Columns, HaveNoUnitsWhereTheirListHasAnotherLength) {
+  const Hdf5File file;
+  std::vector<double> table(600, 1.0);
+  file.data<double>("/data", {200, 3}, table, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.texts("/data", "units", {"N", "m/s"});
+  file.number("/data", "dt", 1.0);
+  const Record record = imported(file.bytes());
+  for (const Channel& channel : record.channels) EXPECT_EQ(channel.unit, "");
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'/data': its attribute 'units' lists 2 units, not 3: none is used"));
+}
+
+TEST(Hdf5Clock, StatedTwiceWithTwoValuesIsToldOf) {
+  const Hdf5File file;
+  file.doubles("/force", {1, 2, 3});
+  file.number("/force", "dt", 1e-3);
+  file.number("/force", "fs", 500.0);
+  file.doubles("/velocity", {1, 2, 3});
+  file.number("/velocity", "dt", 1e-3);
+  file.number("/velocity", "fs", 1000.0);
+  const Record record = imported(file.bytes());
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-3);
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'/force': one attribute says that samples are 0.001 s apart, that of "
+                          "its rate 0.002 s: the first is used"));
+}
+
+TEST(Hdf5Clock, OfADataSetThatContradictsTheTimesBesideItIsToldOf) {
+  const Hdf5File file;
+  file.doubles("/force", {1, 2, 3});
+  file.number("/force", "dt", 1e-3);
+  file.doubles("/time", {0, 0.002, 0.004});
+  file.text("/time", "units", "s");
+  const Record record = imported(file.bytes());
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-3);
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'/force': its attributes say that samples are 0.001 s apart, what "
+                          "stands beside it 0.002 s: its attributes are used"));
+}
+
+// A double holds such a count to 256 ns.
+TEST(Hdf5Clock, OfLargeIntegersIsTakenFromTheirFirst) {
+  for (const bool uneven : {false, true}) {
+    const Hdf5File file;
+    std::vector<std::int64_t> counts;
+    for (std::int64_t i = 0; i < 8; ++i)
+      counts.push_back(1709290000000000000 + 100 * i + (uneven && i > 4 ? 30 : 0));
+    file.data<std::int64_t>("/time", {8}, counts, H5T_NATIVE_INT64, H5T_STD_I64LE);
+    file.text("/time", "units", "ns");
+    file.doubles("/force", {1, 2, 3, 4, 5, 6, 7, 8});
+    const Record record = imported(file.bytes());
+    const Channel& force = record.channels[0];
+    EXPECT_EQ(force.clock.start, 0.0);
+    EXPECT_THAT(record.warnings, Contains("'/time' begins at 1709290000.000 s: times are told from "
+                                          "there, since a double does not hold them"));
+    if (!uneven) {
+      EXPECT_DOUBLE_EQ(force.clock.interval, 1e-7);
+      continue;
+    }
+    ASSERT_EQ(force.clock.times.size(), 8U);
+    EXPECT_DOUBLE_EQ(force.clock.times[7], 7.3e-7);
+    ImportOptions options;
+    options.from = 3.5e-7;
+    options.channels = {"/force"};
+    const Record part = imported(file.bytes(), options);
+    ASSERT_EQ(part.channels[0].clock.times.size(), 4U);
+    EXPECT_DOUBLE_EQ(part.channels[0].clock.times[1], 5.3e-7);
+  }
 }
 
 TEST(Hdf5Clock, MayBeStatedWithItsUnit) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "acquisition/importer.hpp"
+#include "acquisition/importers/formats.hpp"
 #include "tests/acquisition/lvm_bytes.hpp"
 #include "tests/acquisition/written_file.hpp"
 
@@ -79,6 +80,36 @@ TEST(Lvm, TheXColumnIsBelievedWhereDeltaDisagrees) {
   EXPECT_THAT(record.warnings[0],
               "Delta_X is 1.953125e-05 but the X column steps by 0.005: "
               "the X column is used");
+}
+
+// The one X column is that of the first of the longest channels, as the specification has it.
+TEST(Lvm, AChannelWhoseX0IsAnotherBeginsThen) {
+  const LvmFile file;
+  std::string keys = lvm_two_channels("3", "0", "0.001");
+  keys.replace(keys.find("X0|0|0|"), 7, "X0|0|0.5|");
+  for (const std::string rows :
+       {"0|1|2\n0.001|3|4\n0.002|5|6\n", "0|1|2\n0.001|3|4\n0.007|5|6\n"}) {
+    const auto record = imported(file.header() + file.segment(keys, names, rows));
+    EXPECT_EQ(record.channels[0].clock.start, 0.0);
+    EXPECT_EQ(record.channels[1].clock.start, 0.5);
+    EXPECT_THAT(record.warnings,
+                testing::Contains("'accel': X0 is 0.5, that of 'force', whose times the X column "
+                                  "has, 0: its times are the column's and 0.5 more"));
+    const auto& stated = record.channels[1].clock.times;
+    EXPECT_DOUBLE_EQ(stated.empty() ? 0.507 : stated[2], 0.507);
+  }
+  {
+    const std::string rows = "0|1|2\n0.001|3|4\n0.002|5|6\n";
+    const tests::WrittenFile large(file.header() + file.segment(keys, names, rows), ".lvm");
+    const auto reader = open_lvm_by_blocks(large.path(), {});
+    EXPECT_EQ(reader->head().record.channels[0].clock.start, 0.0);
+    EXPECT_EQ(reader->head().record.channels[1].clock.start, 0.5);
+  }
+  keys.replace(keys.find("Samples|3|3"), 11, "Samples|2|3");
+  const auto shorter =
+      imported(file.header() + file.segment(keys, names, "0.5|1|2\n0.501|3|4\n0.502||6\n"));
+  EXPECT_DOUBLE_EQ(shorter.channels[0].clock.start, 0.0);
+  EXPECT_DOUBLE_EQ(shorter.channels[1].clock.start, 0.5);
 }
 
 TEST(Lvm, AnXColumnThatRestartsIsToldWithAWayOut) {

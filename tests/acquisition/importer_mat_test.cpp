@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 #include "acquisition/importer.hpp"
 #include "tests/acquisition/mat_bytes.hpp"
@@ -207,6 +208,89 @@ TEST_P(Mat, ClocksThatContradictEachOtherAreNamed) {
                                       b.doubles("Fs", {2.0}) + b.doubles("dt", {0.5}))
                                  .warnings)
     EXPECT_THAT(warning, testing::Not(HasSubstr("apart")));
+}
+
+TEST_P(Mat, UnitsInNamesHold) {
+  const std::string force = b.doubles("force", {1, 2, 3});
+  for (const auto& [name, unit, seconds] : {std::tuple{"time_ms", "ms", 1e-3},
+                                            {"t_us", "us", 1e-6},
+                                            {"t_ns", "ns", 1e-9},
+                                            {"time [ms]", "ms", 1e-3},
+                                            {"Time_s", "s", 1.0}}) {
+    const auto record = imported(b.header() + b.doubles(name, {4, 6, 8}) + force);
+    EXPECT_EQ(record.channels[0].unit, unit) << name;
+    EXPECT_EQ(record.channels[0].quantity, datasets::Quantity::time) << name;
+    EXPECT_DOUBLE_EQ(record.channels[1].clock.start, 4 * seconds) << name;
+    EXPECT_DOUBLE_EQ(record.channels[1].clock.interval, 2 * seconds) << name;
+    EXPECT_THAT(record.warnings, ElementsAre()) << name;
+  }
+  const auto fields =
+      imported(b.header() + b.structure("run", {"time_ms", "Force [N]"},
+                                        b.doubles("", {0, 1, 3}) + b.doubles("", {4, 5, 6})));
+  EXPECT_THAT(fields.find("run.Force [N]")->clock.times, ElementsAre(0, 1e-3, 3e-3));
+  EXPECT_EQ(fields.find("run.Force [N]")->unit, "N");
+  EXPECT_THAT(fields.warnings,
+              ElementsAre("'run.time_ms': the samples are not evenly spaced (steps differ from "
+                          "their mean of 1.5 s by up to 0.5 s): every time is kept ('s' is its own "
+                          "unit here, of 0.001 s)"));
+  for (const auto& [name, value, seconds] :
+       {std::tuple{"dt [us]", 20.0, 2e-5}, {"Fs [kHz]", 4.0, 2.5e-4}})
+    EXPECT_DOUBLE_EQ(
+        imported(b.header() + force + b.doubles(name, {value})).channels[0].clock.interval,
+        seconds);
+  // what has another unit is no time
+  EXPECT_EQ(imported(b.header() + force + b.doubles("t [N]", {4, 5, 6})).channels[0].clock.interval,
+            0.0);
+}
+
+TEST_P(Mat, StatedUnitsReplaceThoseOfNames) {
+  const std::string file =
+      b.header() + b.doubles("time", {0, 1, 2}) + b.doubles("force [N]", {1, 2, 3});
+  ImportOptions options;
+  options.units = {"ms", "kN"};
+  const auto record = imported(file, options);
+  EXPECT_EQ(record.channels[1].unit, "kN");
+  EXPECT_EQ(record.channels[1].quantity, datasets::Quantity::force);
+  EXPECT_DOUBLE_EQ(record.channels[1].clock.interval, 1e-3);
+  EXPECT_THAT(record.warnings, ElementsAre());
+  options.units = {"", "", "V"};
+  EXPECT_EQ(import_error(file, options), "FILE: 3 units are stated but the file has 2 channels");
+  const std::string own = b.header() +
+                          b.structure("recording", {"format"}, b.text("", "impactrig-recording")) +
+                          b.structure("F", {"name", "unit", "start", "interval", "value"},
+                                      b.text("", "F") + b.text("", "N") + b.doubles("", {0}) +
+                                          b.doubles("", {1}) + b.doubles("", {5, 6}));
+  options.units = {"kN"};
+  EXPECT_EQ(imported(own, options).channels.at(0).unit, "kN");
+}
+
+TEST_P(Mat, TwoArraysThatClaimToBeTheTimeAreNamed) {
+  const std::string force = b.doubles("force", {1, 2, 3});
+  const std::string t = b.doubles("t", {0, 0.25, 0.5});
+  const auto record = imported(b.header() + t + force + b.doubles("time", {0, 0.5, 1}));
+  EXPECT_EQ(record.find("force")->clock.interval, 0.25);
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("both 't' and 'time' claim to be the time of 3 samples: 't' is used, from 0 s in "
+                  "steps of 0.25 s; 'time' goes from 0 s in steps of 0.5 s (--time-column states "
+                  "one)",
+                  "the time is taken as s, since no unit is stated: t (by its name)"));
+  ImportOptions options;
+  options.time_column = "time";
+  const auto stated = imported(b.header() + t + force + b.doubles("time", {0, 0.5, 1}), options);
+  EXPECT_EQ(stated.find("force")->clock.interval, 0.5);
+  EXPECT_THAT(stated.warnings, testing::Not(Contains(HasSubstr("claim"))));
+  // the same times, in another unit, say the same; what goes back is no time; another start is one
+  for (const std::string& other :
+       {b.doubles("time_ms", {0, 250, 500}), b.doubles("time", {0, 1, 0})})
+    EXPECT_THAT(imported(b.header() + t + force + other).warnings,
+                testing::Not(Contains(HasSubstr("claim"))));
+  EXPECT_THAT(imported(b.header() + t + force + b.doubles("time", {1, 1.25, 1.5})).warnings,
+              Contains(HasSubstr("'time' goes from 1 s in steps of 0.25 s")));
+  EXPECT_EQ(imported(b.header() + b.doubles("t", {0, 1, 0}) + force + b.doubles("time", {0, 3, 6}))
+                .find("force")
+                ->clock.interval,
+            3.0);
 }
 
 // What many scripts save: [t, force, velocity].

@@ -72,6 +72,22 @@ TEST(Number, IsNothingElse) {
   EXPECT_FALSE(number_in("1.5", {',', false}).has_value());
 }
 
+TEST(DecimalDifference, LosesNothingThatIsWritten) {
+  EXPECT_EQ(decimal_difference("1709290000.0000005", "1709290000.000000"), 5e-7);
+  EXPECT_EQ(decimal_difference("1709290000000000100", "1709290000000000000"), 100.0);
+  EXPECT_EQ(decimal_difference("1.70929e9", " +1709289999.5 "), 0.5);
+  EXPECT_EQ(decimal_difference("-3,25", "4,5", {',', false}), -7.75);
+  EXPECT_EQ(decimal_difference("1e3", "1e-3"), 999.999);
+  EXPECT_EQ(decimal_difference("-9223372036854775807", "-9223372036854775807"), 0.0);
+}
+
+TEST(DecimalDifference, IsNoneOfWhatItCannotHold) {
+  for (const char* text : {"", "x", "1.5x", "1.2.3", "99999999999999999999", "1e30", "1e-30"})
+    EXPECT_FALSE(decimal_difference(text, "1")) << text;
+  EXPECT_FALSE(decimal_difference("1", "1e22"));
+  EXPECT_FALSE(decimal_difference("9223372036854775807", "-1"));
+}
+
 TEST(Integer, MayHaveASignAndBlanks) {
   EXPECT_EQ(integer_in("   -12 "), -12);
   EXPECT_EQ(integer_in("+7"), 7);

@@ -237,6 +237,45 @@ TEST(TdmsScales, ThatCannotBeAppliedLeaveTheRawNumbersWithoutUnit) {
       "its scale 0 states an excitation of type 3");
 }
 
+TEST(TdmsScales, ThatAreAnnouncedAndNotThereLeaveTheRawNumbersWithoutUnit) {
+  const std::string begin = "'a' is read unscaled, without its unit 'N': ";
+  const auto announced = [](std::uint32_t number, const std::vector<std::string>& there) {
+    return scaled(joined({little.property("NI_Number_Of_Scales", number),
+                          little.property("NI_Scaling_Status", "unscaled")},
+                         there),
+                  {5});
+  };
+  const auto line = scale(0, "Linear", {{"Slope", 2}, {"Y_Intercept", 1}});
+  const auto last = announced(3, line);
+  EXPECT_THAT(last.channels.at(0).values(), ElementsAre(5));
+  EXPECT_EQ(last.channels[0].unit, "");
+  EXPECT_THAT(last.warnings, ElementsAre(begin + "its scale 2 is announced and not there"));
+  const auto between = announced(
+      3, joined(line, scale(2, "Linear", {{"Slope", 2}, {"Y_Intercept", 1}, {"Input_Source", 1}})));
+  EXPECT_THAT(between.channels.at(0).values(), ElementsAre(5));
+  EXPECT_THAT(between.warnings, ElementsAre(begin + "its scale 1 is announced and not there"));
+  EXPECT_THAT(announced(1, {}).warnings,
+              ElementsAre(begin + "its scale 0 is announced and not there"));
+  EXPECT_THAT(announced(0, {}).warnings, ElementsAre());
+}
+
+TEST(TdmsScales, OfDaqmxThatBeginElsewhereLeaveTheRawNumbersWithoutUnit) {
+  const auto read = [](const std::vector<std::string>& properties) {
+    return imported(little.segment(
+        {little.channel("a", little.daqmx_index(2, {{3, 0, 0, 0}}, {2}), properties)},
+        little.numbers(Shorts{1, 2}), 0x80));
+  };
+  const std::vector<std::string> unit = {little.property("unit_string", "N")};
+  const auto record = read(
+      joined(unit, scale(2, "Linear", {{"Slope", 10}, {"Y_Intercept", 0}, {"Input_Source", 1}})));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1, 2));
+  EXPECT_EQ(record.channels[0].unit, "");
+  EXPECT_EQ(record.warnings.at(0),
+            "'a' is read unscaled, without its unit 'N': its scales begin with the raw signal 1, "
+            "which is not there");
+  EXPECT_EQ(read(joined(unit, {little.property("NI_Number_Of_Scales", 1U)})).channels[0].unit, "N");
+}
+
 TEST(TdmsScales, OfDaqmxChooseTheRawSignalTheyBeginWith) {
   const std::vector<std::string> chain =
       scale(2, "Linear", {{"Slope", 10}, {"Y_Intercept", 0}, {"Input_Source", 1}});

@@ -274,17 +274,17 @@ TEST(Tdms, WindowsAndChannelsArePartsOfTheWhole) {
 
 TEST(Tdms, AWindowOfStatedTimesIsCutByThem) {
   const std::string file = little.segment(
-      {little.channel("t", little.index(10, 4), {little.property("unit_string", "ms")}),
-       little.channel("F", little.index(2, 4))},
-      little.numbers(std::vector<double>{0, 1, 5, 6}) + little.numbers(Shorts{1, 2, 3, 4}));
+      {little.channel("t", little.index(10, 5), {little.property("unit_string", "ms")}),
+       little.channel("F", little.index(2, 5))},
+      little.numbers(std::vector<double>{0, 1, 2, 5, 6}) + little.numbers(Shorts{1, 2, 3, 4, 5}));
   ImportOptions options;
   options.time_column = "t";
   options.from = 0.001;
   options.to = 0.005;
   options.channels = {"F"};
   const auto record = imported(file, options);
-  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(2, 3));
-  EXPECT_THAT(record.channels.at(0).clock.times, ElementsAre(0.001, 0.005));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(2, 3, 4));
+  EXPECT_THAT(record.channels.at(0).clock.times, ElementsAre(0.001, 0.002, 0.005));
 }
 
 TEST(Tdms, ChannelsOfOneNameAreToldApartByTheirGroup) {

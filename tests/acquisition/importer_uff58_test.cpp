@@ -415,6 +415,46 @@ TEST(Uff58, ADoubledDelimiterOpensOneDataset) {
   EXPECT_EQ(imported("    -1\n" + Function{}.text() + "    -1\n").channels.size(), 1U);
 }
 
+/// A function behind the closing -1 of another, which is to open it too.
+std::string without_opening(const Function& function) {
+  return function.text().substr(std::string_view("    -1\n").size());
+}
+
+TEST(Uff58, OneDelimiterMayCloseADatasetAndOpenTheNext) {
+  Function second;
+  second.id1 = "Velocity";
+  const std::string title = "    -1\n   151\nBeam rig\n    -1\n";
+  const std::string bytes =
+      title + without_opening(Function{}) + without_opening(second) + "\n" + Function{}.text();
+  const Record record = imported(bytes);
+  ASSERT_EQ(record.channels.size(), 3U);
+  EXPECT_EQ(record.title, "Beam rig");
+  EXPECT_EQ(record.channels[1].name, "Velocity");
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(1.0, -2.0, 3.0));
+  EXPECT_THAT(record.warnings,
+              ElementsAre(HasSubstr(fmt::format(
+                  ":5:1 (byte {}), begin without a -1 of their own, behind the one that closes the "
+                  "dataset before: they are read",
+                  title.size()))));
+}
+
+TEST(Uff58, LinesOutsideOfDatasetsAreToldOf) {
+  const std::string stray = "   100 points\n  1.00000E+00\n";
+  const Record record = imported(Function{}.text() + stray + Function{}.text() + "\n   \n" +
+                                 std::string("\x1A\0", 2));
+  EXPECT_EQ(record.channels.size(), 2U);
+  EXPECT_THAT(record.warnings, ElementsAre(HasSubstr(":16:1 (byte")));
+  EXPECT_THAT(record.warnings[0], testing::StartsWith("2 lines outside of datasets are not read"));
+  EXPECT_THAT(record.warnings[0], testing::EndsWith(" on: '100 points'"));
+}
+
+// A lone number may be a dataset's; where it is not, nothing behind it is lost.
+TEST(Uff58, ANumberOutsideOfDatasetsHidesNothing) {
+  const Record record = imported(Function{}.text() + "    12\n" + Function{}.text());
+  EXPECT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.warnings.size(), 1U);
+}
+
 TEST(Uff58Codes, ComeBackFromTheirQuantityAndName) {
   for (const Quantity quantity : {Quantity::force, Quantity::velocity, Quantity::displacement,
                                   Quantity::acceleration, Quantity::pressure, Quantity::strain,

@@ -145,6 +145,63 @@ TEST(Uff58b, TheBytesThatAreThereCountNotTheAnnouncedOnes) {
   }
 }
 
+// Of a type of eight bytes, and the announced points and bytes are those of four.
+TEST(Uff58b, BytesThatContradictTheOrdinateTypeAreBelievedWhereOneTypeFits) {
+  for (const bool little : {true, false}) {
+    Function function;
+    function.type = 4;
+    function.points = 4;
+    function.data = bytes_of<float>({1.0F, -2.0F, 3.0F, 1234.5F}, little);
+    function.identifier = binary(little ? 1 : 2, 2, 16);
+    const Record record = imported(function.text());
+    EXPECT_THAT(record.channels.front().values(), ElementsAre(1.0, -2.0, 3.0, 1234.5));
+    EXPECT_THAT(record.warnings,
+                ElementsAre("'Hammer': ordinate type 4 takes 8 bytes a point, and the header's "
+                            "points and bytes give 4, as many as are there: the numbers are read "
+                            "in single precision"));
+  }
+  Function function;
+  function.type = 5;
+  function.points = 2;
+  function.data = bytes_of<double>({1.0, -1.0, 2.0, -2.0}, true);
+  function.identifier = binary(1, 2, 32);
+  const Channel channel = only_channel(function);
+  EXPECT_THAT(channel.values(), ElementsAre(1.0, 2.0));
+  EXPECT_THAT(channel.imaginary, ElementsAre(-1.0, -2.0));
+}
+
+TEST(Uff58b, BytesThatFitSeveralOtherTypesAreRefused) {
+  Function function;  // eight bytes a point: a double, or a complex number in single precision
+  function.data = bytes_of<double>({1.0, -2.0, 3.0}, true);
+  function.identifier = binary(1, 2, 24);
+  EXPECT_EQ(import_error(function.text()),
+            fmt::format("FILE (byte {}): ordinate type 2 takes 4 bytes a point, and the header's "
+                        "points and bytes give 8: which is wrong cannot be told; correct the "
+                        "ordinate type in columns 1 to 10 of record 7 or the number of points "
+                        "behind it",
+                        function.text().find(function.data)));
+}
+
+// Two doubles that are announced as four points: as floats some are of no measurement.
+TEST(Uff58b, BytesThatAreNoMeasurementAsTheOtherTypeAreRefused) {
+  Function function;
+  function.type = 4;
+  function.points = 4;
+  function.data = bytes_of<double>({2.718281828459045, 3.141592653589793}, true);
+  function.identifier = binary(1, 2, 16);
+  EXPECT_THAT(import_error(function.text()), testing::HasSubstr("which is wrong cannot be told"));
+}
+
+TEST(Uff58b, OneDelimiterMayCloseADatasetAndOpenTheNext) {
+  Function function;
+  function.data = bytes_of<float>({1.0F, 2.0F, 3.0F}, true);
+  function.identifier = binary(1, 2, 12);
+  const Record record = imported(function.text() + function.text().substr(7));
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(1.0, 2.0, 3.0));
+  EXPECT_THAT(record.warnings, ElementsAre(testing::HasSubstr(" begins without a -1 of its own")));
+}
+
 TEST(Uff58b, ACutFileGivesWhatIsThere) {
   Function function;
   function.points = 2000000000;

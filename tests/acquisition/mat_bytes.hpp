@@ -121,6 +121,8 @@ inline std::vector<std::string> mat_seeds() {
     seeds.push_back(b.header() + arrays);
     seeds.push_back(b.header() + b.compressed(b.doubles("t", {0, 1, 3})) +
                     b.compressed(b.doubles("force", {1, 2, 3})) + b.text("note", "hit"));
+    seeds.push_back(b.header() + b.doubles("time_ms", {0, 1, 3}) + b.doubles("t", {0, 1, 2}) +
+                    b.doubles("force [N]", {1, 2, 3}) + b.doubles("dt [us]", {2}));
     seeds.push_back(b.header() +
                     b.compressed(b.structure("run", {"a", "b", "unit"}, fields + fields, 2)));
     seeds.push_back(

@@ -158,6 +158,17 @@ inline std::vector<std::string> tdms_seeds() {
     seeds.push_back(t.segment(
         {t.channel("t", t.index(0x44, 2)), t.channel("c", t.index(0x08000C, 2))},
         t.time(3600000000) + t.time(3600000001) + t.numbers(doubles), 0, ~std::uint64_t{0}));
+    const auto changing = [&t](std::string_view unit, std::int64_t seconds, double slope) {
+      return t.segment({t.channel("F", t.index(2, 2),
+                                  {t.property("unit_string", unit), t.property("wf_increment", 0.5),
+                                   t.raw_property("wf_start_time", 0x44, t.time(seconds)),
+                                   t.property("NI_Scale[0]_Scale_Type", "Linear"),
+                                   t.property("NI_Scale[0]_Linear_Slope", slope),
+                                   t.property("NI_Scale[0]_Linear_Y_Intercept", 0.0)})},
+                       t.numbers(std::vector<std::int16_t>{1, 2}));
+    };
+    seeds.push_back(changing("N", 3600000000, 2.0) + changing("N", 3600000001, 2.0) +
+                    changing("kN", 3600000009, 2.0) + changing("kN", 3600000010, 3.0));
     seeds.push_back(t.segment({t.channel("s", t.text_index(1, 6)), t.channel("a", t.index(2, 4))},
                               t.number(std::uint32_t{2}) + "ab" + t.numbers(shorts)));
   }

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the columns of a table are where their heads do not say so plainly.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <string>
+#include <vector>
+
+#include "acquisition/importer.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using datasets::Channel;
+using datasets::Record;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using tests::import_error;
+using tests::imported;
+
+std::vector<std::string> names(const Record& record) {
+  std::vector<std::string> list;
+  for (const Channel& channel : record.channels)
+    list.push_back(channel.name + " [" + channel.unit + "]");
+  return list;
+}
+
+/// Rows of pairs of times and values, the second ones of half the step.
+std::string pairs(const std::string& head, const std::string& row = "{0},{1},{2},{3}\n") {
+  std::string text = head + "\n";
+  for (int i = 0; i < 5; ++i) text += fmt::format(fmt::runtime(row), 0.1 * i, i, 0.05 * i, 10 + i);
+  return text;
+}
+
+// --- Times of their own
+// ----------------------------------------------------------------------------
+
+class CsvPairs : public testing::TestWithParam<const char*> {};
+
+TEST_P(CsvPairs, HaveTimesOfTheirOwn) {
+  const Record record = imported(pairs(GetParam()));
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.1);
+  EXPECT_DOUBLE_EQ(record.channels[1].clock.interval, 0.05);
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(10, 11, 12, 13, 14));
+}
+
+INSTANTIATE_TEST_SUITE_P(Names, CsvPairs,
+                         testing::Values("Time 1 [s],F [N],Time 2 [s],v [m/s]",
+                                         "Time [s],F [N],Time.1 [s],v [m/s]", "t,F,t_2,v",
+                                         "t1 [s],F [N],t2 [s],v [m/s]", "X,F,X,v",
+                                         "F time (s),F (N),v time (s),v (m/s)"));
+
+TEST(CsvPairs, HaveUnitsOfTheirOwn) {
+  const Record record =
+      imported("F time (ms),F (N),v time (us),v (m/s)\n0,0,0,0\n1,1,100,1\n2,2,200,2\n");
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3);
+  EXPECT_DOUBLE_EQ(record.channels[1].clock.interval, 1e-4);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(CsvPairs, MayHaveTheirTimesBehindThem) {
+  const Record record = imported(pairs("F [N],Time [s],v [m/s],Time [s]", "{1},{0},{3},{2}\n"));
+  EXPECT_THAT(names(record), ElementsAre("F [N]", "v [m/s]"));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.1);
+  EXPECT_DOUBLE_EQ(record.channels[1].clock.interval, 0.05);
+}
+
+TEST(CsvPairs, MayEndOneBeforeTheOther) {
+  const Record record = imported(
+      "Time 1 [s],F [N],Time 2 [s],v [m/s]\n0,0,0,5\n0.1,1,0.2,6\n0.2,2,0.4,7\n0.3,3,,\n0.4,4,,\n");
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].size(), 5U);
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(5, 6, 7));
+  EXPECT_DOUBLE_EQ(record.channels[1].clock.interval, 0.2);
+  EXPECT_TRUE(record.channels[1].valid.empty());
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(CsvPairs, OfWhichTheFirstEndsBeforeTheOther) {
+  const Record record =
+      imported("Time 1 [s],F [N],Time 2 [s],v [m/s]\n0,0,0,5\n0.1,1,0.2,6\n,,0.4,7\n,9,0.6,8\n");
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(0, 1));
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(5, 6, 7, 8));
+  EXPECT_THAT(record.warnings,
+              ElementsAre(HasSubstr("'F': 1 value behind the last of its times is left out")));
+}
+
+TEST(CsvPairs, AreToldOfWhereOnlyTheUnitSaysSo) {
+  const Record record = imported(pairs("Time [s],F [N],stamp [s],v [m/s]"));
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_DOUBLE_EQ(record.channels[1].clock.interval, 0.05);
+  EXPECT_THAT(record.warnings,
+              ElementsAre(HasSubstr("'stamp' is taken as the times of the columns beside it")));
+}
+
+TEST(CsvPairs, AreNoneWhereSignalsRise) {
+  EXPECT_EQ(imported("0.5,1,2,3\n0.6,2,3,4\n0.7,3,4,5\n0.8,4,5,6\n").channels.size(), 3U);
+  EXPECT_EQ(imported("t,F,T2,v\n0.5,1,2,3\n0.6,2,3,4\n0.7,3,4,5\n").channels.size(), 3U);
+  EXPECT_EQ(imported("t [s],F,delay [ms],v\n0,1,2,3\n1,2,2,4\n2,3,4,5\n").channels.size(), 3U);
+}
+
+// --- Columns that count
+// ----------------------------------------------------------------------------
+
+class CsvRowNumbers : public testing::TestWithParam<const char*> {};
+
+TEST_P(CsvRowNumbers, WithoutANameDoNotShiftTheOthers) {
+  const Record record = imported(GetParam());
+  EXPECT_THAT(names(record), ElementsAre("force [N]"));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(5, 6, 7));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.001);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Tables, CsvRowNumbers,
+    testing::Values("\"time [s]\",\"force [N]\"\n\"1\",0.000,5\n\"2\",0.001,6\n\"3\",0.002,7\n",
+                    "time [s],force [N]\n0,0.000,5\n1,0.001,6\n2,0.002,7\n",
+                    ",time [s],force [N]\n0,0.000,5\n1,0.001,6\n2,0.002,7\n",
+                    "time [s];force [N]\n1;0,000;5\n2;0,001;6\n3;0,002;7\n"));
+
+TEST(CsvRowNumbers, ThatAreNoneMakeNamesDoubtful) {
+  const Record record = imported("time [s],force [N]\n0,7,5\n0.1,8,6\n0.2,9,7\n");
+  EXPECT_THAT(record.warnings,
+              Contains(HasSubstr("line 1 names 2 of 3 columns: the first ones are taken")));
+}
+
+TEST(CsvRowNumbers, AreNoPhysicalQuantity) {
+  EXPECT_THAT(names(imported("Frequency [Hz],Amp [N]\n0,5\n1,6\n2,7\n")),
+              ElementsAre("Frequency [Hz]", "Amp [N]"));
+  EXPECT_THAT(names(imported("Sample rate,1000\nDisplacement [mm],Force [N]\n0,5\n1,6\n2,7\n")),
+              ElementsAre("Displacement [mm]", "Force [N]"));
+  EXPECT_THAT(names(imported("Force,v [m/s]\n1,5\n2,6\n3,7\n")),
+              ElementsAre("Force []", "v [m/s]"));
+}
+
+TEST(CsvRowNumbers, UnderAnotherNameAreToldOf) {
+  const Record record = imported("Depth,Force [N]\n0,5\n1,6\n2,7\n");
+  EXPECT_THAT(names(record), ElementsAre("Force [N]"));
+  EXPECT_THAT(record.warnings, Contains(HasSubstr("'Depth' counts 0, 1, 2")));
+  EXPECT_THAT(imported("Sample,Force [N]\n0,5\n1,6\n2,7\n").warnings,
+              testing::Not(Contains(HasSubstr("counts"))));
+}
+
+TEST(CsvTimes, MayBeNamedByTheirUnitAlone) {
+  const Record record = imported("ms,F [N]\n0,5\n1,6\n2,7\n");
+  EXPECT_THAT(names(record), ElementsAre("F [N]"));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3);
+}
+
+// --- Times far from 0
+// ----------------------------------------------------------------------------
+
+class CsvEpoch : public testing::TestWithParam<const char*> {};
+
+/// Steps of 0.5 us behind the first digits, as text: in doubles they are 2 or 3 of the last place.
+TEST_P(CsvEpoch, KeepsTheStepsThatAreWritten) {
+  std::string text = std::string("time [") +
+                     (std::string(GetParam()).find('.') == std::string::npos ? "ns" : "s") +
+                     "],F [N]\n";
+  for (int i = 0; i < 40; ++i)
+    text += fmt::format(fmt::runtime(GetParam()), 1000 + 5 * i) + fmt::format(",{}\n", i);
+  const Record record = imported(text);
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_TRUE(record.channels[0].clock.uniform());
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 5e-7);
+  EXPECT_EQ(record.channels[0].clock.start, 0.0);
+  EXPECT_THAT(record.warnings,
+              ElementsAre(HasSubstr("too far from 0 for its steps: times are counted from there")));
+}
+
+INSTANTIATE_TEST_SUITE_P(Spellings, CsvEpoch,
+                         testing::Values("1709290000.000{}", "\"1709290000.000{}\"",
+                                         "1709290000.000{}e0", "170929000000{}00"));
+
+TEST(CsvEpoch, LeavesTimesThatDoublesHold) {
+  const Record record =
+      imported("time [s],F [N]\n1709290000.0,1\n1709290000.5,2\n1709290001.0,3\n");
+  EXPECT_EQ(record.channels[0].clock.start, 1709290000.0);
+  EXPECT_EQ(record.channels[0].clock.interval, 0.5);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+// --- Lines above the rows
+// ----------------------------------------------------------------------------
+
+TEST(CsvColumnNumbers, AreNoSamples) {
+  const Record plain = imported("0,1\n0.000,5.5\n0.001,6.5\n0.002,7.5\n");
+  ASSERT_EQ(plain.channels.size(), 1U);
+  EXPECT_THAT(plain.channels[0].values(), ElementsAre(5.5, 6.5, 7.5));
+  EXPECT_THAT(plain.warnings, Contains(HasSubstr("line 1 ('0,1') is taken to number the columns")));
+  const Record counted = imported(",0,1\n0,0.000,5.5\n1,0.001,6.5\n2,0.002,7.5\n");
+  ASSERT_FALSE(counted.channels.empty());
+  EXPECT_THAT(counted.channels.back().values(), ElementsAre(5.5, 6.5, 7.5));
+}
+
+TEST(CsvColumnNumbers, AreSamplesWhereOthersAreWholeToo) {
+  EXPECT_EQ(imported("0,1\n1,3\n2,5\n").channels.at(0).size(), 3U);
+  EXPECT_EQ(imported("0,1\n0.5,3.5\n1,5.5\n").channels.at(0).size(), 3U);
+}
+
+TEST(CsvSpoiltRows, AtTheTopAreNotPassedOver) {
+  EXPECT_THAT(import_error("Time [s];F [N]\n0.0;0\n0.1;1\n0.2,2\n0.3,3\n0.4,4\n0.5,5\n"),
+              HasSubstr(":2:"));
+  EXPECT_THAT(import_error("Time,F\n0.0 s,0 N\n0.1 s,1 N\n0.2,2\n0.3,3\n0.4,4\n0.5,5\n"),
+              HasSubstr(":2:"));
+  EXPECT_EQ(imported("2024-03-01,12:00:00\n0.0,1\n0.1,2\n0.2,3\n").channels.at(0).size(), 3U);
+}
+
+TEST(CsvLineEnds, OfTwoKindsAreRefused) {
+  EXPECT_THAT(import_error("Time [s],F [N]\n0,5\n0.1,6\r0.2,7\n0.3,8\r0.4,9\n"),
+              HasSubstr("ends with a carriage return alone"));
+  EXPECT_THAT(import_error("Time [s],F [N]\r0,5\r0.1,6\r0.2,7\n0.3,8\n0.4,9\n"),
+              HasSubstr("ends with a carriage return alone"));
+  EXPECT_EQ(imported("Time [s],\"F\r[N]\"\n0,5\n0.1,6\n0.2,7\n").channels.at(0).size(), 3U);
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition
