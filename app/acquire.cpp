@@ -109,8 +109,21 @@ std::string truth_path(const std::string& shot) {
   return std::filesystem::path(shot).replace_extension(".truth.json").string();
 }
 
+/// Of all shots, so that a bad path fails before the first one.
+void check_outputs(const Options& options, const std::vector<std::string>& inputs) {
+  std::vector<std::string> shots, truths;
+  for (int shot = 1; shot <= options.shots; ++shot) {
+    shots.push_back(shot_path(options, shot));
+    truths.push_back(truth_path(shots.back()));
+  }
+  refuse_inputs(shots, inputs);
+  if (options.source == "synthetic") refuse_inputs(truths, inputs);
+  for (const std::string& path : shots) check_output(path, options.common.force);
+}
+
 void acquire_synthetic(const Options& options) {
   if (options.rig.empty()) throw CLI::RequiredError("--rig (the synthetic source simulates a rig)");
+  check_outputs(options, {options.rig});
   fitting::RigFile rig =
       fitting::read_rig_file(options.rig, split_overrides(options.common.overrides));
   if (!rig.force && !rig.velocity && !rig.displacement)
@@ -127,7 +140,6 @@ void acquire_synthetic(const Options& options) {
   for (int shot = 1; shot <= options.shots; ++shot) {
     const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(shot - 1);
     const std::string path = shot_path(options, shot);
-    check_output(path, options.common.force);
     datasets::Record record =
         acquisition::synthesise(trajectory, sensors, day_of(options, sensors, simulation, seed));
     write_output(truth_path(path), truth_json(rig, simulation, record, options, seed), true);
@@ -142,13 +154,13 @@ void acquire_replay(const Options& options) {
   if (options.recordings.empty()) throw CLI::RequiredError("--recording (what to replay)");
   Options named = options;
   named.shots = static_cast<int>(options.recordings.size());
+  check_outputs(named, options.recordings);
   acquisition::ReplaySource source(
       options.recordings, {},
       options.real_time ? acquisition::Pace::real_time : acquisition::Pace::at_once);
   int shot = 0;
   while (const auto record = source.next()) {
     const std::string path = shot_path(named, ++shot);
-    check_output(path, options.common.force);
     export_and_tell(*record, path, options.common.quiet);
     if (!options.common.quiet) fmt::print(stderr, "{} written\n", path);
   }

@@ -73,6 +73,20 @@ void check_folder(const Run& run) {
                               "--force to write a campaign into it");
 }
 
+/// Throws datasets::FileError where a recording or the rig file is what the campaign will write,
+/// or clear away.
+void refuse_inputs_of(const Run& run) {
+  std::vector<std::string> outputs = {run.path("summary.json"), run.path("summary.csv"),
+                                      run.path("index.html"), run.path("failed.json")};
+  std::vector<std::string> inputs = {run.options.job.rig};
+  for (const CampaignItem& item : run.items) {
+    outputs.push_back(run.result_path(item));
+    outputs.push_back(run.report_path(item));
+    inputs.push_back(item.path);
+  }
+  refuse_inputs(outputs, inputs);
+}
+
 void prepare_folder(const Run& run) {
   check_folder(run);
   std::error_code failure;
@@ -283,6 +297,7 @@ void campaign(const Options& options) {
           .reports = false,
           .shots = {},
           .campaign = {}};
+  refuse_inputs_of(run);
   run.reports =
       options.reports_stated->count() > 0 ? options.reports : run.items.size() <= most_reports;
   run.campaign.provenance = provenance_of(options.job);

@@ -121,7 +121,7 @@ Side read_conditioned(const std::string& path, acquisition::ImportOptions readin
 acquisition::ImportOptions predicted_reading(const Options& options) {
   ImportArguments arguments = options.reading;
   if (!options.predicted_units.empty()) arguments.units = options.predicted_units;
-  if (options.predicted_rate != 0.0) arguments.sample_rate = options.predicted_rate;
+  if (options.predicted_rate > 0.0) arguments.sample_rate = options.predicted_rate;
   arguments.from = ImportArguments{}.from;
   arguments.to = ImportArguments{}.to;
   return import_options(arguments);
@@ -457,6 +457,7 @@ void add_compare(CLI::App& program) {
   command
       ->add_option("--predicted-sample-rate", options->predicted_rate,
                    "As --sample-rate, for the prediction alone [Hz]")
+      ->check(positive)
       ->group("How to read recordings (detected unless stated)");
   add_json(*command, options->common);
   add_quiet(*command, options->common);

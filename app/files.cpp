@@ -2,19 +2,58 @@
 #include "app/files.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <optional>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 #include "acquisition/exporter.hpp"
 #include "datasets/input_error.hpp"
 
 namespace impactrig::app {
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Of a file by its device and number there, which all its paths and links have in common.
+using FileIdentity = std::pair<dev_t, ino_t>;
+
+std::optional<FileIdentity> identity_of(const std::string& path) {
+  struct stat facts = {};
+  if (::stat(path.c_str(), &facts) != 0) return std::nullopt;
+  return FileIdentity(facts.st_dev, facts.st_ino);
+}
+
+}  // namespace
+
+// By a map: a campaign has thousands of outputs and inputs, and std::filesystem::equivalent would
+// look at each pair.
+void refuse_inputs(const std::vector<std::string>& outputs,
+                   const std::vector<std::string>& inputs) {
+  std::map<FileIdentity, std::string> read;
+  for (const std::string& input : inputs)
+    if (const auto identity = identity_of(input)) read.emplace(*identity, input);
+  for (const std::string& output : outputs) {
+    if (output.empty() || output == "-") continue;
+    // what is written has the other name until it is complete
+    for (const std::string& path : {output, output + ".part"}) {
+      const auto identity = identity_of(path);
+      const auto found = identity ? read.find(*identity) : read.end();
+      if (found == read.end()) continue;
+      throw datasets::FileError(
+          path, fmt::format("is read by this command{}, and not even --force writes over it; "
+                            "choose another name",
+                            found->second == path ? "" : ", as " + found->second));
+    }
+  }
+}
 
 void check_output(const std::string& path, bool force) {
   if (path == "-") return;

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "datasets/record.hpp"
 
@@ -11,6 +12,10 @@ namespace impactrig::app {
 /// Throws datasets::FileError when `path` exists and `force` is not set, or its folder does not
 /// exist: called before the work, so that a bad path fails at once.
 void check_output(const std::string& path, bool force);
+
+/// Throws datasets::FileError when an output is one of the inputs, by whatever path or link: no
+/// --force is meant for that. Called before the work, and before check_output() proposes --force.
+void refuse_inputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
 
 /// Throws CLI::ValidationError when no format has this ending: before the work as well.
 void check_ending(const std::string& path);

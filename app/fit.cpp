@@ -14,7 +14,10 @@ struct Options {
 };
 
 void fit(const Options& options) {
-  if (!options.output.empty()) check_output(options.output, options.job.common.force);
+  if (!options.output.empty()) {
+    refuse_inputs({options.output}, inputs_of(options.job));
+    check_output(options.output, options.job.common.force);
+  }
   const reports::ReportData data = run_fit_job(options.job);
   const std::string json = reports::to_json(data);
   if (!options.output.empty()) write_output(options.output, json, options.job.common.force);

@@ -82,13 +82,15 @@ datasets::Impact chosen_impact(const datasets::Record& record, const FitJob& job
   return impact;
 }
 
-/// Flags an impact whose impulse does not fit the rig.
-void check_momentum(const fitting::RigFile& rig, datasets::Impact& impact,
+/// Flags an impact whose impulse does not fit the rig, and says so at once: a fit to wrong units
+/// takes long and comes to nothing.
+void check_momentum(const fitting::RigFile& rig, datasets::Impact& impact, bool quiet,
                     std::vector<std::string>& warnings) {
   const auto balance = fitting::momentum_balance(impact, rig);
   if (!balance || balance->plausible) return;
   impact.flags.push_back(datasets::ImpactFlag::implausible);
   warnings.push_back(fmt::format("{}: {}", impact.recording, balance->sentence));
+  if (!quiet) fmt::print(stderr, "warning: {}\n", warnings.back());
 }
 
 /// Nothing is guessed: of two channels of a kind the rig file names one.
@@ -317,6 +319,12 @@ void add_fit_job(CLI::App& command, FitJob& job) {
   add_detection_arguments(command, job.detection);
 }
 
+std::vector<std::string> inputs_of(const FitJob& job) {
+  std::vector<std::string> inputs = job.recordings;
+  inputs.push_back(job.rig);
+  return inputs;
+}
+
 std::string result_key(const FitJob& job, const std::string& config_sha256,
                        const std::vector<std::string>& inputs_sha256) {
   return datasets::sha256_of(result_text(job, config_sha256, inputs_sha256));
@@ -354,7 +362,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
       warnings.push_back(fmt::format("{}: {}", path, warning));
     refuse_choice(record, rig);
     impacts.push_back(chosen_impact(record, job, options.use_force, warnings));
-    check_momentum(rig, impacts.back(), warnings);
+    check_momentum(rig, impacts.back(), job.common.quiet, warnings);
     for (const reports::InputFile& input : data.provenance.inputs)
       if (input.sha256 == record.provenance.sha256)
         throw datasets::InputError(

@@ -36,6 +36,9 @@ struct FitJob {
 
 void add_fit_job(CLI::App& command, FitJob& job);
 
+/// The files that are read: recordings and rig.
+std::vector<std::string> inputs_of(const FitJob& job);
+
 /// Imports, conditions, finds the impact of each recording, and fits. Throws what those throw;
 /// datasets::InputError when a recording holds no impact.
 reports::ReportData run_fit_job(const FitJob& job);

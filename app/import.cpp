@@ -144,7 +144,7 @@ datasets::Record read_by_blocks(const Options& options, std::vector<Input>& inpu
   for (Input& input : inputs) {
     auto sha256 = std::async(std::launch::async, datasets::sha256_of_file, input.path);
     Onward onward(sink, progress, record.channels.size());
-    datasets::Record next = input.reader->read(input.wanted, onward);
+    datasets::Record next = acquisition::read_window(*input.reader, input.wanted, onward);
     next.provenance.sha256 = sha256.get();
     join(std::move(next), record);
   }
@@ -214,7 +214,14 @@ void suggest_map(const Options& options) {
                options.common.force);
 }
 
+std::vector<std::string> inputs_of(const Options& options) {
+  std::vector<std::string> inputs = options.files;
+  if (!options.map.empty()) inputs.push_back(options.map);
+  return inputs;
+}
+
 void import(const Options& options) {
+  refuse_inputs({options.output}, inputs_of(options));
   if (options.suggest_map) return suggest_map(options);
   if (options.output.empty()) throw CLI::RequiredError("--output");
   check_output(options.output, options.common.force);

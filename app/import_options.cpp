@@ -1,10 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/import_options.hpp"
 
-#include <cmath>
-#include <sstream>
+#include "app/program.hpp"
 
 namespace impactrig::app {
+namespace {
+
+/// Between the commas, with empty ones; none of an empty text.
+std::vector<std::string> split_units(const std::string& text) {
+  std::vector<std::string> units;
+  if (text.empty()) return units;
+  std::size_t first = 0;
+  for (std::size_t comma = text.find(','); comma != std::string::npos;
+       comma = text.find(',', first)) {
+    units.push_back(text.substr(first, comma - first));
+    first = comma + 1;
+  }
+  units.push_back(text.substr(first));
+  return units;
+}
+
+}  // namespace
 
 void add_import_arguments(CLI::App& command, ImportArguments& arguments) {
   const char* group = "How to read recordings (detected unless stated)";
@@ -26,8 +42,11 @@ void add_import_arguments(CLI::App& command, ImportArguments& arguments) {
   command
       .add_option("--sample-rate", arguments.sample_rate,
                   "Sample rate [Hz], in place of the file's")
+      ->check(positive)
       ->group(group);
-  command.add_option("--units", arguments.units, "Text: one unit a column, comma between: s,N,m/s")
+  command
+      .add_option("--units", arguments.units,
+                  "Text: one unit a column, comma between, none to leave the file's: s,N,,m/s")
       ->group(group);
 }
 
@@ -45,17 +64,6 @@ void add_window_arguments(CLI::App& command, ImportArguments& arguments) {
   command.add_option("--from", arguments.from, "Time of the first sample [s]")->group(group);
   command.add_option("--to", arguments.to, "Time of the last sample [s]")->group(group);
 }
-
-/// CLI11's own check lets what is not a number through, and answers with a range of 300 digits.
-const CLI::Validator positive(
-    [](std::string& text) -> std::string {
-      double value = 0.0;
-      const bool number = CLI::detail::lexical_cast(text, value);
-      return number && value > 0.0 && std::isfinite(value)
-                 ? std::string()
-                 : "must be a number greater than zero, found " + text;
-    },
-    "POSITIVE");
 
 void add_detection_arguments(CLI::App& command, DetectionArguments& arguments) {
   const char* group = "How impacts are found (from noise and peak unless stated)";
@@ -101,18 +109,13 @@ acquisition::ImportOptions import_options(const ImportArguments& arguments) {
   if (!arguments.decimal.empty()) options.decimal = arguments.decimal[0];
   if (arguments.skip_lines >= 0) options.skip_lines = arguments.skip_lines;
   if (!arguments.time_column.empty()) options.time_column = arguments.time_column;
-  if (arguments.sample_rate != 0.0) {
-    if (!(arguments.sample_rate > 0.0))
-      throw CLI::ValidationError("--sample-rate", "must be greater than zero");
-    options.sample_rate = arguments.sample_rate;
-  }
+  if (arguments.sample_rate > 0.0) options.sample_rate = arguments.sample_rate;
   if (!(arguments.from <= arguments.to))
     throw CLI::ValidationError("--from", "must not be later than --to; both are times in seconds");
   options.channels = arguments.channels;
   options.from = arguments.from;
   options.to = arguments.to;
-  std::istringstream units(arguments.units);
-  for (std::string unit; std::getline(units, unit, ',');) options.units.push_back(unit);
+  options.units = split_units(arguments.units);
   return options;
 }
 

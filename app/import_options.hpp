@@ -16,7 +16,7 @@ struct ImportArguments {
   std::string format, delimiter, decimal, time_column, units;
   std::vector<std::string> channels;
   int skip_lines = -1;
-  double sample_rate = 0.0;
+  double sample_rate = 0.0;                                ///< [Hz]; 0: the file's
   double from = -std::numeric_limits<double>::infinity();  ///< [s]
   double to = std::numeric_limits<double>::infinity();     ///< [s]
 };

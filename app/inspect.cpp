@@ -255,7 +255,7 @@ ordered_json read_channels(acquisition::RecordingReader& reader,
                            const acquisition::Selection& wanted, datasets::Record& record) {
   const std::vector<std::size_t> chosen = acquisition::selected_channels(reader.head(), wanted);
   Gathering gathering(reader.head(), chosen);
-  record = reader.read(wanted, gathering);
+  record = acquisition::read_window(reader, wanted, gathering);
   ordered_json list = ordered_json::array();
   for (std::size_t i = 0; i < record.channels.size(); ++i) {
     const datasets::Channel& channel = record.channels[i];

@@ -15,6 +15,7 @@ struct Options {
 };
 
 void report(const Options& options) {
+  refuse_inputs({options.output}, {options.result});
   check_output(options.output, options.common.force);
   const reports::ReportData data =
       reports::report_from_json(read_text(options.result), options.result);

@@ -90,6 +90,7 @@ void print_explanations(const std::string& chosen,
 
 void simulate(const Options& options) {
   if (!options.output.empty()) {
+    refuse_inputs({options.output}, {options.rig});
     check_output(options.output, options.common.force);
     check_ending(options.output);
   }

@@ -14,6 +14,7 @@ struct Options {
 };
 
 void validate(const Options& options) {
+  refuse_inputs({options.output}, inputs_of(options.job));
   check_output(options.output, options.job.common.force);
   const reports::ReportData data = run_fit_job(options.job);
   write_output(options.output, reports::to_html(data), options.job.common.force);

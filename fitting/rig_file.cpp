@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -204,6 +205,21 @@ std::optional<int> read_modes(TableReader& table, std::string_view key, int fewe
   return modes;
 }
 
+/// [hinge to struck point, struck point to tip].
+std::array<int, 2> elements_of(const TableReader& table, const std::vector<int>& stated,
+                               const models::Rig& rig) {
+  if (stated.size() == 1) return models::split_elements(stated.front(), rig);
+  if (stated.size() != 2)
+    table.refuse(
+        "elements",
+        "expected one number, or two as in [14, 2]: hinge to struck point, struck point to tip");
+  if (!rig.has_stop() && stated[1] != 0)
+    table.refuse("elements", fmt::format("[contact] is missing: without it no point of the bar is "
+                                         "struck, and the second number must be 0, found {}",
+                                         stated[1]));
+  return {stated[0], stated[1]};
+}
+
 void read_solver(TableReader& table, RigFile& file) {
   models::Solver& solver = file.solver;
   if (const auto model = table.choice("model", {"rigid", "hybrid", "ancf"})) {
@@ -212,14 +228,7 @@ void read_solver(TableReader& table, RigFile& file) {
   }
   if (const auto elements = table.integers("elements")) {
     file.mesh_stated = true;
-    if (elements->size() == 1)
-      solver.elements = models::split_elements(elements->front(), file.rig);
-    else if (elements->size() == 2)
-      solver.elements = {(*elements)[0], (*elements)[1]};
-    else
-      table.refuse(
-          "elements",
-          "expected one number, or two as in [14, 2]: hinge to struck point, struck point to tip");
+    solver.elements = elements_of(table, *elements, file.rig);
   }
   solver.modes = read_modes(table, "modes", 1).value_or(solver.modes);
   solver.axial_modes = read_modes(table, "axial_modes", 0).value_or(solver.axial_modes);

@@ -10,6 +10,7 @@
 #include <limits>
 #include <span>
 
+#include "acquisition/importers/stated_units.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
@@ -252,9 +253,7 @@ std::vector<ColumnHead> complete_heads(const TextFile& file, const TableHead& he
                                        std::size_t columns, const ImportOptions& options) {
   std::vector<ColumnHead> heads = head.columns;
   heads.resize(std::max(heads.size(), columns));
-  if (options.units.size() > heads.size())
-    throw InputError(whole(file), fmt::format("{} units are stated but the file has {} columns",
-                                              options.units.size(), heads.size()));
+  check_stated_units(options.units, heads.size(), "columns", file.path());
   for (std::size_t c = 0; c < heads.size(); ++c) {
     if (c < options.units.size() && !options.units[c].empty()) heads[c].unit = options.units[c];
     if (heads[c].unit.empty() && is_unit_of_time_alone(heads[c].name))

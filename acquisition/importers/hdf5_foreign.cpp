@@ -591,8 +591,9 @@ class ForeignReader final : public RecordingReader {
     if (is_new) {
       Hdf5Slice one = slice;
       one.count = 1;
-      each_number_of(path_, one,
-                     [&](std::span<const double> numbers) { known->second = numbers.front(); });
+      each_number_of(path_, one, [&origin = known->second](std::span<const double> numbers) {
+        origin = numbers.front();
+      });
     }
     constexpr double exact = 9007199254740992.0;  // 2^53
     slice.from_first = std::abs(known->second) > exact;

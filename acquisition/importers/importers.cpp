@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "acquisition/importer.hpp"
 #include "acquisition/importers/all_finite.hpp"
@@ -52,6 +53,10 @@ constexpr auto table = std::to_array<Importer>({
     {"csv", "table of numbers: comma, tab, semicolon or blank separated (.csv .txt .tsv .dat)",
      recognises_csv, open_csv},  //
 });
+
+/// Of formats whose files do not state units as well as others do, or not reliably.
+constexpr auto take_units = std::to_array<std::string_view>(
+    {"csv", "lvm", "polytec-ascii", "sigrok", "mat", "tdms", "hdf5"});
 
 /// A score up to this one says "text with numbers" and no more.
 constexpr int generic = 20;
@@ -237,11 +242,10 @@ class CheckedRecording final : public RecordingReader {
         path_(path) {
     if (rate_) apply_sample_rate(head_.record, *rate_);
     if (require_clock_) return;
-    for (std::size_t i = 0; i < head_.samples.size(); ++i)
-      if (lacks_clock(head_, i)) {
-        head_.record.warnings.push_back(no_clock(i));
-        break;
-      }
+    std::vector<std::size_t> all(head_.samples.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    if (std::string sentence = without_clock(all); !sentence.empty())
+      head_.record.warnings.push_back(std::move(sentence));
   }
 
   const RecordingHead& head() const override { return head_; }
@@ -257,8 +261,8 @@ class CheckedRecording final : public RecordingReader {
   Record read(const Selection& wanted, SampleSink& sink) override {
     const std::vector<std::size_t> chosen = selected_channels(head_, wanted);
     if (require_clock_)
-      for (const std::size_t index : chosen)
-        if (lacks_clock(head_, index)) throw InputError(place_of(path_), no_clock(index));
+      if (const std::string sentence = without_clock(chosen); !sentence.empty())
+        throw InputError(place_of(path_), sentence);
     // with another rate than the file's, the window is not the file's either
     Selection of_file = wanted;
     if (rate_) of_file = {wanted.channels};
@@ -282,11 +286,20 @@ class CheckedRecording final : public RecordingReader {
   }
 
  private:
-  std::string no_clock(std::size_t index) const {
+  /// Names those of the channels that have no clock, the first ten of many; "" where all have one.
+  std::string without_clock(const std::vector<std::size_t>& channels) const {
+    constexpr std::size_t most_named = 10;
+    std::string names;
+    std::size_t found = 0;
+    for (const std::size_t index : channels)
+      if (lacks_clock(head_, index) && ++found <= most_named)
+        names += fmt::format("{}'{}'", found > 1 ? ", " : "", head_.record.channels[index].name);
+    if (found == 0) return {};
     return fmt::format(
-        "'{}' has neither times nor a sample rate: state it with --sample-rate, or the column with "
+        "{}{} {} neither times nor a sample rate: state it with --sample-rate, or the column with "
         "--time-column",
-        head_.record.channels[index].name);
+        names, found > most_named ? fmt::format(" and {} more", found - most_named) : "",
+        found == 1 ? "has" : "have");
   }
 
   /// The samples of a re-rated clock in the window, however many there are.
@@ -369,14 +382,20 @@ bool looks_like_recording(const std::string& path) try {
 
 std::unique_ptr<RecordingReader> open_recording(const std::string& path,
                                                 const ImportOptions& options) {
-  if (options.sample_rate && !(*options.sample_rate > 0.0))
-    throw InputError(
-        place_of(path),
-        fmt::format("the stated sample rate of {:.12g} Hz is not positive", *options.sample_rate));
+  if (options.sample_rate && !(*options.sample_rate > 0.0 && std::isfinite(*options.sample_rate)))
+    throw InputError(place_of(path),
+                     fmt::format("the stated sample rate of {:.12g} Hz is not a number greater "
+                                 "than zero",
+                                 *options.sample_rate));
   const MappedFile file(path);  // throws when it cannot be opened
   const std::string_view head = file.bytes().substr(0, 65536);
   const Importer& importer =
       options.format.empty() ? recognised(path, head) : named(path, options.format);
+  if (!options.units.empty() && std::ranges::find(take_units, importer.id) == take_units.end())
+    throw InputError(place_of(path),
+                     fmt::format("--units is not for the format {}; a map states the units of its "
+                                 "channels (--suggest-map, --map)",
+                                 importer.id));
   auto checked = std::make_unique<CheckedRecording>(importer.open(path, options), options, path);
   checked->set_provenance(importer.id, file.bytes().size());
   return checked;

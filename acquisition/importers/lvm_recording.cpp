@@ -11,6 +11,7 @@
 
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/number.hpp"
+#include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "acquisition/importers/time_axis.hpp"
 #include "datasets/input_error.hpp"
@@ -130,11 +131,7 @@ void LvmRecording::finish(bool multi, bool whole) {
                     "of the later ones are named '... (segment n)'",
                     segments_.size()));
   for (LvmSegment& segment : segments_) deliver(segment, multi);
-  if (options_.units.size() <= record_.channels.size()) return;
-  datasets::SourcePosition place;
-  place.file = path_;
-  throw InputError(place, fmt::format("{} units are stated but the file has {} channels",
-                                      options_.units.size(), record_.channels.size()));
+  check_stated_units(options_.units, record_.channels.size(), "channels", path_);
 }
 
 void LvmRecording::check_counts(const LvmSegment& segment, bool one_heading) {

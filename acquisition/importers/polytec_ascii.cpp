@@ -8,6 +8,7 @@
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/large_table.hpp"
+#include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/text_table.hpp"
 #include "acquisition/importers/time_axis.hpp"
 #include "datasets/units.hpp"
@@ -186,7 +187,8 @@ struct PolytecText {
   PolytecText(const std::string& path, const ImportOptions& options)
       : file(path, options.head_only),
         head(read_polytec_head(file, options)) {
-    for (std::size_t c = 0; c < std::min(options.units.size(), head.columns.size()); ++c)
+    check_stated_units(options.units, head.columns.size(), "columns", path);
+    for (std::size_t c = 0; c < options.units.size(); ++c)
       if (!options.units[c].empty()) head.columns[c].unit = options.units[c];
     for (const ColumnHead& column : head.columns) names.push_back(column.name);
     const auto found = head.keys.find("Signal");

@@ -17,6 +17,7 @@
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/number.hpp"
+#include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/units.hpp"
 
@@ -231,6 +232,7 @@ class SigrokReader final : public RecordingReader {
 
   void describe(const ImportOptions& options) {
     Record& record = head_.record;
+    if (!found_.empty()) check_stated_units(options.units, found_.size(), "channels", file_.path());
     for (auto& [which, parts] : found_) {
       const auto& [device, number] = which;
       std::ranges::sort(parts, {}, &Part::number);

@@ -125,10 +125,10 @@ std::vector<TdmsChanges::Change> TdmsChanges::changes(const TdmsObject& object,
 void TdmsChanges::settle(std::size_t which, const Before& before, std::uint64_t at) {
   TdmsObject& object = objects_[which];
   std::vector<Change> all = changes(object, before);
-  const auto stated_late = std::ranges::stable_partition(
-      all, [](const Change& change) { return change.old.has_value(); });
-  const std::vector<Change> late(stated_late.begin(), stated_late.end());
-  all.erase(stated_late.begin(), stated_late.end());
+  const auto stated_late = std::stable_partition(
+      all.begin(), all.end(), [](const Change& change) { return change.old.has_value(); });
+  const std::vector<Change> late(stated_late, all.end());
+  all.erase(stated_late, all.end());
   if (!late.empty())
     tell(object,
          fmt::format("segment {} is the first with data that states {}, after {} samples: it "

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
 
 #include "acquisition/importer.hpp"
 #include "acquisition/importers/column_heads.hpp"
@@ -364,6 +365,10 @@ TEST(Csv, StatedUnitsReplaceTheFiles) {
   options.units = {"s", "N", "N", "V"};
   EXPECT_EQ(import_error("time,a,b\n0,1,2\n1,2,3\n", options),
             "FILE: 4 units are stated but the file has 3 columns");
+  options.units = {"N", "mm/s"};  // which of the columns?
+  EXPECT_EQ(import_error("time,a,b\n0,1,2\n1,2,3\n", options),
+            "FILE: 2 units are stated but the file has 3 columns: state one for each, or nothing "
+            "between two commas to leave what the file says");
 }
 
 // --- The time
@@ -407,7 +412,10 @@ TEST(Csv, AStatedRateReplacesTheInterval) {
   EXPECT_EQ(record.channels[0].attributes.at("sample interval in file"), "0.5 s");
   options.sample_rate = 0.0;
   EXPECT_EQ(import_error("1\n2\n", options),
-            "FILE: the stated sample rate of 0 Hz is not positive");
+            "FILE: the stated sample rate of 0 Hz is not a number greater than zero");
+  options.sample_rate = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(import_error("1\n2\n", options),
+            "FILE: the stated sample rate of inf Hz is not a number greater than zero");
 }
 
 TEST(Csv, WithoutTimesOrRateIsAnErrorThatNamesTheOption) {
@@ -420,6 +428,23 @@ TEST(Csv, WithoutTimesOrRateIsAnErrorThatNamesTheOption) {
       record.warnings,
       ElementsAre("'F' has neither times nor a sample rate: state it with --sample-rate, or the "
                   "column with --time-column"));
+}
+
+TEST(Csv, NamesAllChannelsWithoutTimesOrRate) {
+  const std::string rest =
+      " have neither times nor a sample rate: state it with --sample-rate, or "
+      "the column with --time-column";
+  const std::string two = "F [N],v [m/s]\n1,5\n2,3\n";
+  EXPECT_EQ(import_error(two), "FILE: 'F', 'v'" + rest);
+  EXPECT_THAT(imported(two).warnings, ElementsAre("'F', 'v'" + rest));
+  std::string heads, row;
+  for (int i = 0; i < 12; ++i) {
+    heads += fmt::format("{}c{} [V]", i > 0 ? "," : "", i);
+    row += fmt::format("{}{}", i > 0 ? "," : "", 7 - i);
+  }
+  EXPECT_THAT(
+      imported(heads + "\n" + row + "\n" + row + "\n").warnings,
+      ElementsAre("'c0', 'c1', 'c2', 'c3', 'c4', 'c5', 'c6', 'c7', 'c8', 'c9' and 2 more" + rest));
 }
 
 TEST(Csv, UnevenTimesAreKept) {

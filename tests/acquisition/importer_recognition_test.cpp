@@ -5,6 +5,7 @@
 
 #include "acquisition/importer.hpp"
 #include "datasets/input_error.hpp"
+#include "tests/acquisition/wav_bytes.hpp"
 #include "tests/acquisition/written_file.hpp"
 
 namespace impactrig::acquisition {
@@ -45,6 +46,13 @@ std::string known() {
   for (const Importer& importer : importers())
     list += (list.empty() ? "" : ", ") + std::string(importer.id);
   return list;
+}
+
+TEST(Import, SaysWhereUnitsAreStatedInstead) {
+  ImportOptions options;
+  options.units = {"V"};
+  EXPECT_THAT(import_error(tests::wav_seeds().front(), options, ".wav"),
+              testing::HasSubstr("--units is not for the format wav; a map states the units"));
 }
 
 TEST(Import, OfUnknownContentNamesTheKnownFormats) {

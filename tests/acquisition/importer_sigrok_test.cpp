@@ -40,7 +40,7 @@ TEST(Sigrok, AWindowOfAChannelIsThatPartOfTheWhole) {
   ImportOptions options;
   options.channels = {"A0"};
   options.from = 2.0 / 200000.0;
-  options.units = {"V"};
+  options.units = {"V", ""};
   const auto part = imported(zip_archive(sigrok_entries(true)), options);
   ASSERT_EQ(part.channels.size(), 1U);
   EXPECT_THAT(part.channels[0].values(), ElementsAre(3, 4));

@@ -215,6 +215,23 @@ TEST_F(CampaignCommand, RefusesAFolderOfSomethingElse) {
   EXPECT_THAT(o.err, HasSubstr("is a folder with something else in it"));
 }
 
+TEST_F(CampaignCommand, NeverOverwritesWhatItReads) {
+  const std::string shot = samples + "shen2007-3.csv ";
+  fs::create_directories(path("out/fits"));
+  const std::vector<std::string> written = {path("out/summary.csv"), path("out/failed.json"),
+                                            path("out/fits/shen2007-3.csv.json")};
+  for (const std::string& file : written) {
+    fs::copy_file(samples + "shen2007-4.csv", file);
+    for (const char* const how : {" -f", " --dry-run -f"}) {
+      const Outcome o = run(command(shot + file) + how);
+      EXPECT_EQ(o.code, 4) << file << how;
+      EXPECT_THAT(o.err, HasSubstr(file + ": is read by this command")) << file << how;
+    }
+    EXPECT_EQ(text_of(file), text_of(samples + "shen2007-4.csv"));
+    fs::remove(file);
+  }
+}
+
 TEST_F(CampaignCommand, ABadRigFileFailsBeforeTheWork) {
   const Outcome o = run(command(shots()) + " --set beam.lenght='\"1 m\"'");
   EXPECT_EQ(o.code, 3);

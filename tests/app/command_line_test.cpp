@@ -635,6 +635,127 @@ TEST_F(CommandLine, NeverOverwritesWithoutForce) {
   EXPECT_THAT(o.err, HasSubstr("folder does not exist"));
 }
 
+// By whatever name: a second path, a hard link, a symbolic link.
+TEST_F(CommandLine, NeverOverwritesWhatItReads) {
+  const std::string shot = recording("time [s],Force [N],Velocity [m/s]", 1500.0);
+  const std::string own_rig = write("rig.toml", text_of(rig)), map = write("map.csv", "");
+  const std::string rig_csv = write("rig.csv", text_of(rig)), result = write("fit.json", "{}");
+  const std::string part = path("new.csv.part"), hard = path("hard.csv"), soft = path("soft.csv");
+  const std::string later = path("again_02.csv"),
+                    other = path("./../") + folder_.filename().string() + "/shot.csv";
+  fs::create_hard_link(shot, hard);
+  fs::create_symlink(shot, soft);
+  for (const std::string& copy : {part, later}) fs::copy_file(shot, copy);
+  const std::string replay = "acquire --source replay --recording " + shot + " " + later + " -o ";
+  const std::vector<std::pair<std::string, std::string>> commands = {
+      {"validate " + shot + " --rig " + own_rig + " -o ", shot},
+      {"fit " + shot + " --rig " + own_rig + " -o ", other},
+      {"fit " + shot + " --rig " + own_rig + " -o ", hard},
+      {"fit " + soft + " --rig " + own_rig + " -o ", shot},
+      {"fit " + shot + " --rig " + own_rig + " -o ", own_rig},
+      {"import " + shot + " -o ", soft},
+      {"import " + shot + " --map " + map + " -o ", map},
+      {"import " + shot + " --suggest-map -o ", shot},
+      {"import " + part + " -o ", path("new.csv")},
+      {"simulate " + rig_csv + " -o ", rig_csv},
+      {"report " + result + " -o ", result},
+      {replay, path("again.csv")},
+      {"acquire --source synthetic --rig " + rig_csv + " -o ", rig_csv},
+  };
+  for (const auto& [command, output] : commands)
+    for (const char* const force : {"", " -f"}) {
+      const Outcome o = run(command + output + force);
+      EXPECT_EQ(o.code, 4) << command << output << force;
+      EXPECT_THAT(o.err, HasSubstr("is read by this command")) << command << output << force;
+      EXPECT_THAT(o.err, Not(HasSubstr("reading"))) << command << output << force;
+    }
+  EXPECT_FALSE(fs::exists(path("again_01.csv")));
+  EXPECT_FALSE(fs::exists(path("new.csv")));
+  for (const std::string& copy : {hard, part, later}) EXPECT_EQ(text_of(copy), text_of(shot));
+  EXPECT_THAT(text_of(shot), testing::StartsWith("time [s],Force [N],Velocity [m/s]\n"));
+  EXPECT_EQ(text_of(own_rig), text_of(rig));
+  EXPECT_EQ(text_of(rig_csv), text_of(rig));
+  EXPECT_EQ(text_of(result), "{}");
+}
+
+TEST_F(CommandLine, SaysUnderWhichNameAnOutputIsRead) {
+  const std::string shot = recording("time [s],Force [N],Velocity [m/s]", 1500.0);
+  fs::create_hard_link(shot, path("hard.csv"));
+  EXPECT_EQ(run("import " + shot + " -f -o " + shot).err,
+            "impactrig: error: " + shot +
+                ": is read by this command, and not even --force writes over it; choose another "
+                "name\n");
+  EXPECT_EQ(run("import " + shot + " -f -o " + path("hard.csv")).err,
+            "impactrig: error: " + path("hard.csv") + ": is read by this command, as " + shot +
+                ", and not even --force writes over it; choose another name\n");
+}
+
+TEST_F(CommandLine, ASampleRateIsANumberAboveZero) {
+  const std::string shot = recording("Count,Force [N],Velocity [m/s]", 1500.0);
+  for (const char* const wrong : {"0", "-5", "nan", "inf"})
+    for (const std::string& command :
+         {"inspect " + shot + " --sample-rate ",
+          "compare " + shot + " " + shot + " --channel Force --predicted-sample-rate "}) {
+      const Outcome o = run(command + wrong);
+      EXPECT_EQ(o.code, 2) << command << wrong;
+      EXPECT_THAT(o.err, HasSubstr(fmt::format(
+                             "sample-rate: expected a number greater than zero, found {}", wrong)));
+    }
+}
+
+// An empty last entry is one: it leaves the last column's unit.
+TEST_F(CommandLine, CountsTheUnitsUpToTheLastComma) {
+  const std::string shot = recording("time [s],Force [N],Velocity [m/s]", 1500.0);
+  const Outcome o = run("inspect --json " + shot + " --units s,kN,");
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_EQ(json::parse(o.out)["channels"][0]["unit"], "kN");
+  EXPECT_EQ(json::parse(o.out)["channels"][1]["unit"], "m/s");
+  const Outcome more = run("inspect " + shot + " --units s,kN,,");
+  EXPECT_EQ(more.code, 3);
+  EXPECT_THAT(more.err, HasSubstr("4 units are stated"));
+}
+
+// Times go on 0.5 s after the 1500th sample.
+TEST_F(CommandLine, AWindowWithoutTheGapIsSampledEvenly) {
+  const std::string whole = text_of(recording("time [s],Force [N],Velocity [m/s]", 1500.0));
+  std::string gap;
+  int line = 0;
+  std::istringstream lines(whole);
+  for (std::string text; std::getline(lines, text); ++line)
+    gap += (line > 1500 ? "0.5" + text.substr(3) : text) + "\n";
+  const std::string csv = write("gap.csv", gap), window = " --from 0 --to 0.0014";
+  Outcome o = run("import " + csv + " -o " + path("gap.h5"));
+  ASSERT_EQ(o.code, 0) << o.err;
+  for (const std::string& file : {csv, path("gap.h5")}) {
+    EXPECT_FALSE(json::parse(run("inspect --json " + file).out)["channels"][0]["uniform"]);
+    const json part = json::parse(run("inspect --json " + file + window).out);
+    EXPECT_EQ(part["channels"][0]["samples"], 1401);
+    EXPECT_TRUE(part["channels"][0]["uniform"]);
+    EXPECT_EQ(part["channels"][0]["interval_s"].get<double>(), 1e-6);
+    EXPECT_EQ(part["impacts"].size(), 1U);
+    EXPECT_EQ(part["warnings"].back(),
+              "the samples between 0 and 0.0014 s are evenly spaced, and a step of 1e-06 s stands "
+              "for their times");
+    o = run("fit " + file + " --rig " + rig + quick + window);
+    EXPECT_EQ(o.code % 6, 0) << o.err;
+  }
+  ASSERT_EQ(run("import " + csv + window + " -o " + path("part.h5")).code, 0);
+  EXPECT_TRUE(json::parse(run("inspect --json " + path("part.h5")).out)["channels"][0]["uniform"]);
+}
+
+TEST_F(CommandLine, SaysWhatDoesNotFitTheRigBeforeItFits) {
+  const std::string shot = recording("time [s],Force [kN],Velocity [m/s]", 1500.0);
+  const std::string command = "fit " + shot + " --rig " + rig + quick +
+                              " --set sensors=\"{}\" --fix contact.restitution,start.velocity";
+  const Outcome o = run(command + " --json");
+  const std::size_t warning = o.err.find("warning: shot.csv: The force's impulse, ");
+  ASSERT_NE(warning, std::string::npos) << o.err;
+  EXPECT_THAT(o.err, HasSubstr("times too large"));
+  EXPECT_LT(warning, o.err.find("fitting 1 impact"));
+  EXPECT_THAT(o.out, HasSubstr("The force's impulse, "));
+  EXPECT_EQ(run(command + " -q").err, "");
+}
+
 TEST_F(CommandLine, ARunThatEndsInContactHasNoRestitution) {
   const Outcome o =
       run("simulate " + rig + " --json --set solver.model=rigid --set solver.duration=\"0.1 ms\"");

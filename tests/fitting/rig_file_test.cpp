@@ -230,6 +230,19 @@ TEST(RigFile, SaysWhichValueMakesNoSense) {
             "--set contact.restitution: contact.restitution: must lie between 0 and 1, found -0.1");
 }
 
+// The second number is of elements between the struck point and the tip.
+TEST(RigFile, ElementsBeyondAStruckPointNeedAContact) {
+  try {
+    parse_rig_file(paper_rig, "rig.toml",
+                   {{"solver.elements", "[56, 8]"}, {"solver.duration", "1 s"}}, {"contact"});
+    ADD_FAILURE() << "taken";
+  } catch (const datasets::InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "--set solver.elements: solver.elements: [contact] is missing: without it no "
+                 "point of the bar is struck, and the second number must be 0, found 8");
+  }
+}
+
 TEST(RigFile, AWrongDimensionShowsACorrectLine) {
   const std::string message = message_of(with("length = \"0.8 m\"", "length = \"0.8 kg\""));
   EXPECT_NE(message.find("rig.toml:3:10: beam.length: "), std::string::npos) << message;
