@@ -24,7 +24,8 @@ struct ImportOptions {
   std::optional<int> skip_lines;
   std::optional<std::string> time_column;  ///< name, or index from 0; "none" = there is none
   std::optional<double> sample_rate;       ///< [Hz]; replaces what the file says
-  /// Text: one a column, replaces what the file says; "" = leave that one.
+  /// One a column of a text, one a channel of other formats that take them: replaces what the file
+  /// says; "" = leave that one. InputError where they are more or fewer, or the format takes none.
   std::vector<std::string> units;
   /// true: a recording without times and without a sample rate is an InputError that names
   /// --sample-rate. false (inspect): it is a warning, and SampleClock::interval is 0.

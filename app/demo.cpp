@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <cstdio>
+
 #include <filesystem>
 
 #include "app/embedded.hpp"
@@ -37,6 +39,7 @@ void demo(const Options& options) {
   const reports::ReportData data = run_fit_job(job);
   write_output(report, reports::to_html(data), options.common.force);
   fmt::print("{}\n", reports::to_text(data));
+  std::fflush(stdout);  // where both streams are one, what follows comes behind
   if (options.common.quiet) return;
   fmt::print(
       stderr,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <cstdio>
+
 #include "app/files.hpp"
 #include "app/fit_job.hpp"
 #include "reports/text.hpp"
@@ -19,6 +21,7 @@ void validate(const Options& options) {
   const reports::ReportData data = run_fit_job(options.job);
   write_output(options.output, reports::to_html(data), options.job.common.force);
   fmt::print("{}\n", options.job.common.json ? reports::to_json(data) : reports::to_text(data));
+  std::fflush(stdout);  // where both streams are one, what follows comes behind
   if (!options.job.common.quiet) fmt::print(stderr, "report written to {}\n", options.output);
   if (data.fit.termination != "converged") throw Exit{gate_failed};
 }
