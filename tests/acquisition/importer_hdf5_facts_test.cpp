@@ -18,6 +18,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using tests::Hdf5File;
+using tests::import_error;
 using tests::imported;
 
 TEST(Hdf5Records, EachFieldOfNumbersIsAChannel) {
@@ -328,6 +329,74 @@ TEST(Hdf5Clock, OfOtherDataSetsCountsTheirUnits) {
     file.text("/fs", "units", "kHz");
     EXPECT_DOUBLE_EQ(imported(file.bytes()).channels[0].clock.interval, 5e-5);
   }
+}
+
+// Single numbers are facts about the recording, and no channels.
+TEST(Hdf5Units, ThatAreStatedReplaceThoseOfTheFile) {
+  const Hdf5File file;
+  file.doubles("/force", {1, 2, 3});
+  file.text("/force", "units", "N");
+  file.data<double>("/gain", {}, {2.5}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.doubles("/time", {0, 1, 2});
+  file.doubles("/way [mm]", {1, 2, 3});
+  ImportOptions options;
+  options.units = {"kN", "ms", ""};
+  const Record record = imported(file.bytes(), options);
+  ASSERT_EQ(record.channels.size(), 3U);
+  EXPECT_EQ(record.channels[0].unit, "kN");
+  EXPECT_EQ(record.channels[0].quantity, datasets::Quantity::force);
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3);
+  EXPECT_EQ(record.channels[2].unit, "mm");
+  EXPECT_EQ(record.attributes.at("/gain"), "2.5");
+  EXPECT_THAT(record.warnings, IsEmpty());
+  options.units = {"kN"};
+  EXPECT_EQ(import_error(file.bytes(), options),
+            "FILE: 1 unit is stated but the file has 3 channels: state one for each, or nothing "
+            "between two commas to leave what the file says");
+}
+
+TEST(Hdf5Units, MayBeStatedOfMatFilesOfVersion73) {
+  const Hdf5File file(512);
+  file.data<double>("/dt", {1, 1}, {20}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.data<double>("/force", {1, 3}, {1, 2, 3}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  ImportOptions options;
+  options.units = {"us", "kN"};
+  const Record record = imported(tests::mat73_bytes(file), options, ".mat");
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[1].unit, "kN");
+  EXPECT_DOUBLE_EQ(record.channels[1].clock.interval, 2e-5);
+}
+
+// Where only its root, behind 64 KiB, tells that a file is ours.
+TEST(Hdf5Units, CannotBeStatedOfOurOwnFiles) {
+  const Hdf5File file;
+  file.text("/", "format", "impactrig-recording");
+  ImportOptions options;
+  options.format = "hdf5";
+  options.units = {"kN"};
+  EXPECT_EQ(import_error(file.bytes(), options),
+            "FILE: --units is not for impactrig's own HDF5; a map states the units of its channels "
+            "(--suggest-map, --map)");
+}
+
+// What is said of numbers as they are stored is said of the unit they are taken in.
+TEST(Hdf5Units, ThatAreStatedAreThoseOfWarningsToo) {
+  const Hdf5File file;
+  file.doubles("/scaled", {1, 2, 3});
+  file.text("/scaled", "units", "N");
+  file.number("/scaled", "gain", 10.0);
+  file.doubles("/packed", {1, 2, 3});
+  file.number("/packed", "scale_factor", 0.0);
+  for (const std::string name : {"/scaled", "/packed"}) file.number(name, "dt", 1.0);
+  ImportOptions options;
+  options.units = {"m/s", "V"};
+  const Record record = imported(file.bytes(), options);
+  EXPECT_EQ(record.channels[0].unit, "m/s");
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'/packed': its attribute 'scale_factor' is 0: its numbers are taken in "
+                          "m/s as they are stored",
+                          "'/scaled': its attribute 'gain' is not applied: its numbers are taken "
+                          "in V as they are stored"));
 }
 
 TEST(Hdf5Texts, AreFactsAboutTheRecording) {

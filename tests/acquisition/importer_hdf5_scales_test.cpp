@@ -167,6 +167,23 @@ TEST(Hdf5Scales, SayWhichDimensionIsTheTime) {
   EXPECT_DOUBLE_EQ(second.clock.interval, 1e-3);
 }
 
+// The unit that is stated says what a scale holds, as that of the file would.
+TEST(Hdf5Scales, HaveTheUnitsThatAreStated) {
+  const Hdf5File file;
+  times(file, "/axis", 1.0, "");
+  signal(file, "/force", "/axis");
+  ImportOptions options;
+  options.units = {"ms", ""};
+  Record record = imported(file.bytes(), options);
+  EXPECT_DOUBLE_EQ(channel_of(record, "/force").clock.interval, 1e-3);
+  EXPECT_EQ(channel_of(record, "/force").unit, "N");
+  EXPECT_THAT(record.warnings, IsEmpty());
+  options.units = {"kHz", ""};
+  options.require_clock = false;
+  record = imported(file.bytes(), options);
+  EXPECT_EQ(channel_of(record, "/force").attributes.at("abscissa unit"), "kHz");
+}
+
 TEST(Hdf5Scales, YieldToAStatedTimeColumn) {
   const Hdf5File file;
   times(file, "/time", 1e-3);

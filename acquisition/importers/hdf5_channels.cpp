@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/hdf5_channels.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "acquisition/importers/column_heads.hpp"
+#include "acquisition/importers/stated_units.hpp"
+#include "acquisition/importers/text_file.hpp"
+#include "datasets/units.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Channel;
+using datasets::Record;
+
+namespace {
+
+constexpr std::uint64_t longest_small_matrix = 100;  ///< of a MAT-file: as in versions 4 and 5
+constexpr std::uint64_t most_columns = 1000;
+
+/// Copies what it is handed of one channel as doubles.
+class Doubles final : public SampleSink {
+ public:
+  void take(std::size_t, const SampleBlock& block) override {
+    std::visit(
+        [this](auto samples) {
+          for (const auto sample : samples) values.push_back(static_cast<double>(sample));
+        },
+        block.raw);
+  }
+
+  void take_times(std::size_t, std::span<const double>) override {}
+
+  std::vector<double> values;
+};
+
+/// Hands numbers on as they come.
+class EachBlock final : public SampleSink {
+ public:
+  using Use = std::function<void(std::span<const double>)>;
+
+  explicit EachBlock(const Use& use) : use_(use) {}
+
+  void take(std::size_t, const SampleBlock& block) override {
+    std::visit(
+        [this](auto samples) {
+          numbers_.assign(samples.begin(), samples.end());
+          use_(numbers_);
+        },
+        block.raw);
+  }
+
+  void take_times(std::size_t, std::span<const double>) override {}
+
+ private:
+  const Use& use_;
+  std::vector<double> numbers_;
+};
+
+/// "/run/force", and of MATLAB's "run.force".
+std::string shown(std::string path, bool matlab) {
+  if (matlab) {
+    path.erase(0, 1);
+    std::ranges::replace(path, '/', '.');
+  }
+  return to_utf8(path);
+}
+
+/// Without what MATLAB keeps for itself.
+Hdf5Listing without_internals(Hdf5Listing listing) {
+  const auto internal = [](std::string_view path) {
+    return path.starts_with("/#") || path.starts_with("'/#");
+  };
+  std::erase_if(listing.arrays,
+                [&internal](const Hdf5Array& array) { return internal(array.path); });
+  std::erase_if(listing.skipped, [&internal](const std::string& text) { return internal(text); });
+  return listing;
+}
+
+/// The names that an attribute gives the columns; null where none does, or two are the same.
+const std::vector<std::string>* column_names(const Hdf5Array& array, std::uint64_t columns) {
+  constexpr std::array<std::string_view, 9> keys = {"columns",  "column_names",  "columnnames",
+                                                    "channels", "channel_names", "channelnames",
+                                                    "names",    "labels",        "fields"};
+  for (const auto& [key, list] : array.attributes.lists) {
+    if (list.size() != columns || std::ranges::find(keys, lowered(key)) == keys.end()) continue;
+    const std::set<std::string> different(list.begin(), list.end());
+    if (different.size() == list.size() && !different.contains("")) return &list;
+  }
+  return nullptr;
+}
+
+/// Which column of a data set, or field of its records, and of how many.
+struct Column {
+  std::uint64_t which = 0;
+  std::uint64_t columns = 1;
+};
+
+Column column_of(const Hdf5Slice& slice) {
+  const Hdf5Array& array = *slice.array;
+  if (!array.field.empty()) return {array.field_index, array.fields};
+  if (slice.whole) return {slice.other, 1};
+  return {slice.other, array.shape[1 - slice.along]};
+}
+
+/// Makes the channels of a listing.
+class ChannelMaker {
+ public:
+  explicit ChannelMaker(Hdf5Channels& made) : made_(made) {}
+
+  void make(const std::vector<std::string>& units) {
+    take_facts();
+    for (const Hdf5Array& array : made_.listing.arrays) add(array);
+    take_units(units);
+    for (std::size_t i = 0; i < made_.slices.size(); ++i) tell_as_stored(i);
+  }
+
+ private:
+  /// Attributes of the root, and texts beside the data; NeXus has the title and start so.
+  void take_facts() {
+    Record& record = made_.record;
+    if (made_.matlab) record.attributes["MAT-file version"] = "7.3";
+    const auto root = made_.listing.groups.find("/");
+    if (root != made_.listing.groups.end()) {
+      for (const auto& [key, text] : root->second.texts) record.attributes.emplace(key, text);
+      for (const auto& [key, value] : root->second.numbers)
+        record.attributes.emplace(key, fmt::format("{}", value));
+    }
+    for (const auto& [path, text] : made_.listing.texts) {
+      if (text.empty() || (made_.matlab && path.starts_with("/#"))) continue;
+      record.attributes.emplace(path, text);
+      if (path.ends_with("/title") && record.title.empty()) record.title = text;
+      if (path.ends_with("/start_time") && record.started.empty()) record.started = text;
+    }
+  }
+
+  /// Of a field of records: "/run/table.force".
+  std::string name_of(const Hdf5Array& array) const {
+    return array.field.empty() ? made_.name_of_set(array)
+                               : shown(array.path + "." + array.field, made_.matlab);
+  }
+
+  void skip(std::string what) { made_.listing.skipped.push_back(std::move(what)); }
+
+  void add(const Hdf5Array& array) {
+    const std::string name = name_of(array);
+    const auto& shape = array.shape;
+    const bool matlab = made_.matlab;
+    if (matlab && array.attributes.texts.contains("MATLAB_class") &&
+        array.attributes.texts.at("MATLAB_class") == "char") {
+      if (array.text.empty()) return skip(fmt::format("'{}' (text)", name));
+      made_.record.attributes.emplace(name, array.text);
+      return;
+    }
+    if (array.attributes.numbers.contains("MATLAB_empty"))
+      return skip(fmt::format("'{}' (empty)", name));
+    if (shape.size() > 2 && !matlab)
+      return skip(fmt::format("'{}' ({} dimensions)", name, shape.size()));
+    Hdf5Slice slice;
+    slice.array = &array;
+    slice.whole = true;
+    if (shape.size() != 2) return add_channel(name, slice);
+    const std::size_t along = made_.scales.time_dimension(array);
+    const std::uint64_t columns = shape[1 - along];
+    if (columns > most_columns && !matlab)
+      return skip(
+          fmt::format("'{}' ({} columns, at most {} are read)", name, columns, most_columns));
+    if (columns == 1 || columns > most_columns || (matlab && shape[along] <= longest_small_matrix))
+      return add_channel(name, slice);
+    slice.whole = false;
+    slice.along = along;
+    const std::vector<std::string>* const names = column_names(array, columns);
+    for (slice.other = 0; slice.other < columns; ++slice.other)
+      add_channel(names == nullptr ? fmt::format("{}:{}", name, slice.other + 1)
+                                   : name + "." + (*names)[slice.other],
+                  slice);
+  }
+
+  /// `slice`: its count and what stands for none are not known yet.
+  void add_channel(const std::string& name, Hdf5Slice slice) {
+    const Hdf5Array& array = *slice.array;
+    Channel channel;
+    channel.name = name;
+    for (const auto& [key, text] : array.attributes.texts) channel.attributes.emplace(key, text);
+    for (const auto& [key, value] : array.attributes.numbers)
+      channel.attributes.emplace(key, fmt::format("{}", value));
+    channel.attributes.emplace("size", size_of(array));
+    slice.count = slice.whole ? 1 : array.shape[slice.along];
+    if (slice.whole)
+      for (const std::uint64_t side : array.shape) slice.count *= side;
+    const Column column = column_of(slice);
+    channel.unit = unit_of(array, name, column.which, column.columns);
+    take_packing(channel, slice);
+    channel.quantity = datasets::quantity_of_unit(channel.unit);
+    made_.record.channels.push_back(std::move(channel));
+    made_.slices.push_back(slice);
+  }
+
+  /// "1024 x 2", as the program has it that wrote it.
+  std::string size_of(const Hdf5Array& array) const {
+    std::string size;
+    for (std::size_t d = 0; d < array.shape.size(); ++d) {
+      const std::size_t which = made_.matlab ? array.shape.size() - 1 - d : d;
+      size += fmt::format("{}{}", d == 0 ? "" : " x ", array.shape[which]);
+    }
+    return size.empty() ? "1" : size;
+  }
+
+  /// Undoes what the NetCDF conventions pack. What cannot be undone is not in its unit.
+  void take_packing(Channel& channel, Hdf5Slice& slice) {
+    const Column column = column_of(slice);
+    const Hdf5Packing packing = packing_of(*slice.array, column.which, column.columns);
+    channel.scale = packing.scale;
+    channel.offset = packing.offset;
+    if (!packing.problem.empty()) {
+      channel.unit.clear();
+      made_.still_packed.insert(made_.slices.size());
+    }
+    constexpr std::array<std::string_view, 2> missing = {"_fillvalue", "missing_value"};
+    if (!slice.array->complex) slice.missing = number_of(slice.array->attributes, missing);
+  }
+
+  /// The user sees no single numbers among the channels, except MATLAB's.
+  void take_units(const std::vector<std::string>& units) {
+    if (units.empty()) return;
+    Record& record = made_.record;
+    const auto is_channel = [this](const Hdf5Slice& slice) {
+      return made_.matlab || !slice.array->shape.empty();
+    };
+    const auto count = std::ranges::count_if(made_.slices, is_channel);
+    check_stated_units(units, static_cast<std::size_t>(count), "channels", made_.path);
+    std::vector<std::string> of_all;
+    std::size_t next = 0;
+    for (const Hdf5Slice& slice : made_.slices)
+      of_all.push_back(is_channel(slice) ? units[next++] : "");
+    take_stated_units(of_all, made_.path, record);
+    for (std::size_t i = 0; i < of_all.size(); ++i)
+      if (!of_all[i].empty()) made_.scales.state_unit(*made_.slices[i].array, of_all[i]);
+  }
+
+  /// Of numbers that are as they are stored, where a unit would make them look like a measurement.
+  void tell_as_stored(std::size_t index) {
+    const Hdf5Array& array = *made_.slices[index].array;
+    const std::string name = made_.name_of_set(array);
+    const std::string& unit = made_.record.channels[index].unit;
+    const Column column = column_of(made_.slices[index]);
+    if (made_.still_packed.contains(index))
+      made_.warn(fmt::format("'{}': {}: its numbers are {}", name,
+                             packing_of(array, column.which, column.columns).problem,
+                             unit.empty() ? "as they are stored, without a unit"
+                                          : fmt::format("taken in {} as they are stored", unit)));
+    for (const auto& [key, list] : array.attributes.lists)
+      if (is_unit_key(key) && list.size() != column.columns)
+        made_.warn(fmt::format("'{}': its attribute '{}' lists {} units, not {}: none is used",
+                               name, key, list.size(), column.columns));
+    const std::string names = unapplied_scales(array.attributes);
+    if (unit.empty() || names.empty()) return;
+    const bool several = names.find("', '") != std::string::npos;
+    made_.warn(fmt::format(
+        "'{}': its attribute{} {} {} not applied: its numbers are taken in {} as they are stored",
+        name, several ? "s" : "", names, several ? "are" : "is", unit));
+  }
+
+  Hdf5Channels& made_;
+};
+
+/// "not read: " and what, as far as it is no longer than a reader likes.
+std::string told_skipped(const std::vector<std::string>& skipped) {
+  std::string list;
+  std::size_t more = 0;
+  for (const std::string& text : skipped) {
+    if (list.size() > 500)
+      ++more;
+    else
+      list += (list.empty() ? "" : ", ") + text;
+  }
+  if (more > 0) list += fmt::format(" and {} more", more);
+  return list.empty() ? list : "not read: " + list;
+}
+
+}  // namespace
+
+Hdf5Channels::Hdf5Channels(const std::string& file, Hdf5Listing listed, bool of_matlab,
+                           const std::vector<std::string>& units)
+    : path(file),
+      matlab(of_matlab),
+      listing(matlab ? without_internals(std::move(listed)) : std::move(listed)),
+      scales(listing.arrays) {
+  record.provenance.importer = matlab ? "mat" : "hdf5";
+  ChannelMaker(*this).make(units);
+}
+
+void Hdf5Channels::settle_the_rest() {
+  std::vector<Hdf5Slice> single;
+  std::vector<std::string> names;
+  std::vector<Channel> kept;
+  std::vector<Hdf5Slice> kept_slices;
+  for (std::size_t i = 0; i < slices.size(); ++i) {
+    Channel& channel = record.channels[i];
+    if (!matlab && slices[i].array->shape.empty()) {
+      single.push_back(slices[i]);
+      names.push_back(channel.name);
+    } else {
+      kept.push_back(std::move(channel));
+      kept_slices.push_back(slices[i]);
+    }
+  }
+  record.channels = std::move(kept);
+  slices = std::move(kept_slices);
+  still_packed.clear();
+  if (!single.empty()) {
+    Doubles sink;  // one sample each, in their order
+    read_hdf5_slices(path, single, sink);
+    for (std::size_t i = 0; i < names.size() && i < sink.values.size(); ++i)
+      record.attributes.emplace(names[i], fmt::format("{}", sink.values[i]));
+  }
+  if (std::string skipped = told_skipped(listing.skipped); !skipped.empty())
+    record.warnings.push_back(std::move(skipped));
+  if (record.channels.empty())
+    record.warnings.emplace_back("there are no data sets of numbers: there are no channels");
+}
+
+std::string Hdf5Channels::name_of_set(const Hdf5Array& array) const {
+  return shown(array.path, matlab);
+}
+
+void Hdf5Channels::warn(std::string sentence) {
+  auto& warnings = record.warnings;
+  if (std::ranges::find(warnings, sentence) == warnings.end())
+    warnings.push_back(std::move(sentence));
+}
+
+void each_number_of(const std::string& path, const Hdf5Slice& slice, const EachBlock::Use& use) {
+  EachBlock sink(use);
+  read_hdf5_slices(path, {slice}, sink);
+}
+
+}  // namespace impactrig::acquisition

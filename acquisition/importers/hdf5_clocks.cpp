@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/hdf5_clocks.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <string_view>
+
+#include "acquisition/importers/named_arrays.hpp"
+#include "acquisition/importers/text_file.hpp"
+#include "acquisition/importers/time_axis.hpp"
+#include "datasets/units.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Channel;
+
+namespace {
+
+std::string_view parent_of(std::string_view path) {
+  const std::size_t end = path.find_last_of('/');
+  return end == 0 || end == std::string_view::npos ? std::string_view("/") : path.substr(0, end);
+}
+
+class ClockSetter {
+ public:
+  explicit ClockSetter(Hdf5Channels& file)
+      : file_(file),
+        channels_(file.record.channels),
+        slices_(file.slices),
+        clocks_(file.slices.size()) {}
+
+  void set(const ImportOptions& options) {
+    std::vector<NamedArray> arrays;
+    for (std::size_t i = 0; i < slices_.size(); ++i) arrays.push_back(named_array(i));
+    std::set<std::size_t> scaled;
+    if (!options.time_column) scaled = by_scales(arrays);
+    by_names(arrays, scaled, options);
+    for (std::size_t i = 0; i < slices_.size(); ++i)
+      set_clock(i, arrays, options.time_column.has_value());
+  }
+
+ private:
+  /// What attributes of a data set, or of a group around it, say of its clock.
+  bool by_attributes(std::string_view name, const Hdf5Attributes& attributes,
+                     datasets::SampleClock& clock) {
+    constexpr std::array<std::string_view, 6> intervals = {
+        "dt", "wf_increment", "sample_interval", "sampling_interval", "delta_t", "sampleinterval"};
+    constexpr std::array<std::string_view, 7> rates = {
+        "fs",           "sample_rate",        "sampling_rate",   "samplerate",
+        "samplingrate", "sampling_frequency", "sample_frequency"};
+    constexpr std::array<std::string_view, 4> starts = {"wf_start_offset", "t0", "start_time",
+                                                        "start"};
+    const double interval = quantity_of(attributes, intervals, "s").value_or(0.0);
+    const double rate = quantity_of(attributes, rates, "Hz").value_or(0.0);
+    const double period = rate > 0.0 && std::isfinite(1.0 / rate) ? 1.0 / rate : 0.0;
+    clock.interval = interval > 0.0 ? interval : period;
+    if (!(clock.interval > 0.0)) return false;
+    if (period > 0.0 && differ(clock.interval, period))
+      file_.warn(
+          fmt::format("'{}': one attribute says that samples are {:.9g} s apart, that of its rate "
+                      "{:.9g} s: the first is used",
+                      to_utf8(name), clock.interval, period));
+    clock.start = quantity_of(attributes, starts, "s").value_or(0.0);
+    return true;
+  }
+
+  static bool differ(double a, double b) { return std::abs(a - b) > 1e-3 * std::abs(b); }
+
+  /// NeXus: a group NXdata names its axes.
+  bool is_axis(const Hdf5Array& array) const {
+    const auto group = file_.listing.groups.find(std::string(parent_of(array.path)));
+    if (group == file_.listing.groups.end()) return false;
+    const auto& texts = group->second.texts;
+    const auto axes = texts.find("axes");
+    const std::string_view path = array.path;
+    return axes != texts.end() && axes->second == path.substr(path.find_last_of('/') + 1);
+  }
+
+  NamedArray named_array(std::size_t index) const {
+    const Hdf5Array& array = *slices_[index].array;
+    const Channel& channel = channels_[index];
+    NamedArray named{channel.name, slices_[index].count, !array.complex};
+    named.real = named.real && !file_.still_packed.contains(index);
+    take_unit(named, channel.unit);
+    named.time = is_axis(array) &&
+                 (channel.unit.empty() || datasets::conversion(channel.unit, "s").has_value());
+    return named;
+  }
+
+  /// What the scales of dimensions say; returns the channels that need no names any more.
+  std::set<std::size_t> by_scales(const std::vector<NamedArray>& arrays) {
+    std::map<const Hdf5Array*, std::size_t> channels;
+    for (std::size_t i = 0; i < slices_.size(); ++i) channels.emplace(slices_[i].array, i);
+    std::map<std::size_t, std::vector<std::size_t>> attached;  // to the channel that is their scale
+    std::map<std::size_t, std::vector<std::size_t>> over_other;
+    std::map<std::size_t, std::set<std::string>> of_unknown;  // data sets, likewise
+    std::set<std::size_t> known;
+    for (std::size_t i = 0; i < slices_.size(); ++i) {
+      const DimensionScale scale = file_.scales.of_samples(slices_[i]);
+      const auto channel = channels.find(scale.array);
+      if (channel == channels.end() || slices_[i].count < 2) continue;
+      const std::size_t axis = channel->second;
+      if (scale.kind == ScaleKind::unknown)
+        of_unknown[axis].insert(file_.name_of_set(*slices_[i].array));
+      else
+        known.insert({i, axis});
+      if (scale.kind == ScaleKind::time) attached[axis].push_back(i);
+      if (scale.kind == ScaleKind::other) no_time_.insert({i, axis});
+      if (scale.kind == ScaleKind::other) over_other[axis].push_back(i);
+    }
+    for (const auto& [axis, of] : over_other) set_other_abscissa(axis, of);
+    for (const auto& [axis, of] : of_unknown) tell_unknown_scale(arrays[axis].name, of);
+    std::string without_unit;
+    for (const auto& [axis, of] : attached) {
+      const ArrayClock clock = clock_of_scale(axis, arrays[axis]);
+      clocks_[axis] = clock;
+      for (const std::size_t i : of) clocks_[i] = clock;
+      if (clock.interval > 0.0 && channels_[axis].unit.empty())
+        without_unit += fmt::format("{}{} (the scale of a dimension)",
+                                    without_unit.empty() ? "" : "; ", arrays[axis].name);
+    }
+    tell_taken_as_seconds(without_unit);
+    return known;
+  }
+
+  void tell_unknown_scale(const std::string& scale, const std::set<std::string>& of) {
+    const std::string more = of.size() > 1 ? fmt::format(" and {} more", of.size() - 1) : "";
+    file_.warn(
+        fmt::format("'{}'{} {} over '{}', which states no unit of time: the clock is taken from "
+                    "elsewhere (--time-column '{}' takes that)",
+                    *of.begin(), more, of.size() > 1 ? "stand" : "stands", scale, scale));
+  }
+
+  /// The clock of times that are the scale of a dimension.
+  ArrayClock clock_of_scale(std::size_t axis, const NamedArray& named) {
+    ImportOptions that;
+    that.time_column = named.name;
+    NamedArray array = named;
+    array.real = true;
+    ArrayClocks found = found_clocks({axis}, {array}, that);
+    if (found.clocks[0].interval > 0.0)
+      add_time_column(fmt::format("{} (the scale of a dimension)", named.name));
+    return found.clocks[0];
+  }
+
+  /// A scale that is no time: of itself too, and of these.
+  void set_other_abscissa(std::size_t axis, const std::vector<std::size_t>& of) {
+    double first = 0.0, last = 0.0;
+    std::uint64_t count = 0;
+    each_value(axis, [&](std::span<const double> values) {
+      if (count == 0) first = values.front();
+      last = values.back();
+      count += values.size();
+    });
+    const double step = count > 1 ? (last - first) / static_cast<double>(count - 1) : 0.0;
+    const std::string unit = channels_[axis].unit;
+    const std::string_view domain =
+        channels_[axis].quantity == datasets::Quantity::frequency ? "frequency" : "other";
+    set_abscissa(channels_[axis], domain, unit, first, step);
+    for (const std::size_t i : of) set_abscissa(channels_[i], domain, unit, first, step);
+  }
+
+  /// What names say of all others. Scales are among them where another may have no times but
+  /// theirs.
+  void by_names(const std::vector<NamedArray>& arrays, const std::set<std::size_t>& scaled,
+                const ImportOptions& options) {
+    std::set<std::uint64_t> lengths;
+    for (std::size_t i = 0; i < arrays.size(); ++i)
+      if (!scaled.contains(i)) lengths.insert(arrays[i].samples);
+    std::vector<std::size_t> which;
+    std::vector<NamedArray> others;
+    for (std::size_t i = 0; i < arrays.size(); ++i) {
+      if (scaled.contains(i) && !lengths.contains(arrays[i].samples)) continue;
+      which.push_back(i);
+      others.push_back(arrays[i]);
+    }
+    const ArrayClocks found = found_clocks(which, others, options);
+    for (std::size_t k = 0; k < which.size(); ++k)
+      if (!scaled.contains(which[k])) clocks_[which[k]] = found.clocks[k];
+    add_time_column(found.time_column);
+    tell_taken_as_seconds(found.without_unit);
+  }
+
+  /// The clocks of some of the channels, by the names of these, with their warnings.
+  ArrayClocks found_clocks(const std::vector<std::size_t>& which,
+                           const std::vector<NamedArray>& arrays, const ImportOptions& options) {
+    ArrayClocks found = clocks_by_name(
+        file_.path, arrays,
+        [this, &which](std::size_t k, const auto& use) { each_value(which[k], use); }, options);
+    for (const std::string& warning : found.warnings) file_.warn(warning);
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      ArrayClock& clock = found.clocks[k];
+      if (clock.times) clock.times = which[*clock.times];
+      if (clock.interval > 0.0) tell_origin(which[k], arrays[k]);
+    }
+    return found;
+  }
+
+  /// Of times that are told from their first.
+  void tell_origin(std::size_t index, const NamedArray& times) {
+    if (!origins_.contains(index) || !as_times(index).from_first) return;
+    const Channel& channel = channels_[index];
+    const double origin = channel.scale * origins_.at(index) + channel.offset;
+    file_.warn(
+        fmt::format("'{}' begins at {:.3f} s: times are told from there, since a double does not "
+                    "hold them",
+                    times.name, times.seconds * origin));
+  }
+
+  void add_time_column(const std::string& text) {
+    if (text.empty()) return;
+    std::string& all = file_.record.attributes["time column"];
+    if (all.size() < 400) all += (all.empty() ? "" : "; ") + text;
+  }
+
+  void tell_taken_as_seconds(const std::string& times) {
+    if (!times.empty())
+      file_.warn(fmt::format("the time is taken as s, since no unit is stated: {}", times));
+  }
+
+  /// Hands the values of a channel to `use`; of integers that doubles do not hold, what they are
+  /// more than the first.
+  void each_value(std::size_t index, const std::function<void(std::span<const double>)>& use) {
+    const Channel& channel = channels_[index];
+    const Hdf5Slice slice = as_times(index);
+    const double offset = slice.from_first ? 0.0 : channel.offset;
+    std::vector<double> values;
+    each_number_of(file_.path, slice, [&](std::span<const double> numbers) {
+      values.assign(numbers.begin(), numbers.end());
+      for (double& value : values) value = channel.scale * value + offset;
+      use(values);
+    });
+  }
+
+  /// A channel whose numbers are times.
+  Hdf5Slice as_times(std::size_t index) {
+    Hdf5Slice slice = slices_[index];
+    slice.times = nullptr;
+    if (!slice.array->wide) return slice;
+    const auto [known, is_new] = origins_.try_emplace(index, 0.0);
+    if (is_new) {
+      Hdf5Slice one = slice;
+      one.count = 1;
+      each_number_of(file_.path, one, [&origin = known->second](std::span<const double> numbers) {
+        origin = numbers.front();
+      });
+    }
+    constexpr double exact = 9007199254740992.0;  // 2^53
+    slice.from_first = std::abs(known->second) > exact;
+    return slice;
+  }
+
+  void set_clock(std::size_t index, const std::vector<NamedArray>& arrays, bool stated) {
+    // a rate beside a spectrum is that of what it was made from
+    if (no_time_.contains(index)) return;
+    datasets::SampleClock& clock = channels_[index].clock;
+    const ArrayClock& found = clocks_[index];
+    const Hdf5Array& array = *slices_[index].array;
+    if (!(stated && found.interval > 0.0) &&
+        by_attributes(file_.name_of_set(array), array.attributes, clock)) {
+      if (found.interval > 0.0 && differ(clock.interval, found.interval))
+        file_.warn(
+            fmt::format("'{}': its attributes say that samples are {:.9g} s apart, what stands "
+                        "beside it {:.9g} s: its attributes are used",
+                        file_.name_of_set(array), clock.interval, found.interval));
+      return;
+    }
+    clock.start = found.start;
+    clock.interval = found.interval;
+    if (found.times) take_times(index, *found.times, arrays[*found.times].seconds);
+    if (clock.interval > 0.0) return;
+    for (std::string_view group = parent_of(array.path);; group = parent_of(group)) {
+      const auto attributes = file_.listing.groups.find(std::string(group));
+      if (attributes != file_.listing.groups.end() &&
+          by_attributes(group, attributes->second, clock))
+        break;
+      if (group == "/") break;
+    }
+  }
+
+  void take_times(std::size_t index, std::size_t times, double seconds) {
+    const Channel& channel = channels_[times];
+    const Hdf5Slice slice = as_times(times);
+    slices_[index].times = std::make_shared<const Hdf5Slice>(slice);
+    slices_[index].time_factor = seconds * channel.scale;
+    slices_[index].time_offset = slice.from_first ? 0.0 : seconds * channel.offset;
+  }
+
+  Hdf5Channels& file_;
+  std::vector<Channel>& channels_;         ///< of the file
+  std::vector<Hdf5Slice>& slices_;         ///< likewise
+  std::vector<ArrayClock> clocks_;         ///< one a channel, but for what attributes say
+  std::set<std::size_t> no_time_;          ///< channels over frequencies, lengths, ...
+  std::map<std::size_t, double> origins_;  ///< first numbers of channels of large integers
+};
+
+}  // namespace
+
+void set_clocks(Hdf5Channels& channels, const ImportOptions& options) {
+  ClockSetter(channels).set(options);
+}
+
+}  // namespace impactrig::acquisition
