@@ -116,9 +116,10 @@ void check_outputs(const Options& options, const std::vector<std::string>& input
     shots.push_back(shot_path(options, shot));
     truths.push_back(truth_path(shots.back()));
   }
-  refuse_inputs(shots, inputs);
-  if (options.source == "synthetic") refuse_inputs(truths, inputs);
-  for (const std::string& path : shots) check_output(path, options.common.force);
+  std::vector<std::string> outputs = shots;
+  if (options.source == "synthetic") outputs.insert(outputs.end(), truths.begin(), truths.end());
+  refuse_inputs(outputs, inputs);
+  for (const std::string& path : outputs) check_output(path, options.common.force);
 }
 
 void acquire_synthetic(const Options& options) {

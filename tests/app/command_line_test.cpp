@@ -508,6 +508,19 @@ duration = "0.5 s"
   EXPECT_TRUE(j["restitution"]["kinematic"].is_null());
 }
 
+TEST_F(CommandLine, KeepsATruthThatIsThere) {
+  const std::string acquire = "acquire --source synthetic --rig " + rig + quick +
+                              " --duration 1.5e-3 -o " + path("kept.h5");
+  std::ofstream(path("kept.truth.json")) << "mine";
+  const Outcome kept = run(acquire);
+  EXPECT_EQ(kept.code, 4);
+  EXPECT_THAT(kept.err, HasSubstr("kept.truth.json"));
+  EXPECT_EQ(text_of(path("kept.truth.json")), "mine");
+  EXPECT_FALSE(fs::exists(path("kept.h5")));
+  EXPECT_EQ(run(acquire + " --force").code, 0);
+  EXPECT_NE(text_of(path("kept.truth.json")), "mine");
+}
+
 TEST_F(CommandLine, RecordsFitsAndReportsASyntheticShot) {
   const std::string shot = path("shot.h5");
   Outcome o = run("acquire --source synthetic --rig " + rig + quick +
