@@ -23,6 +23,8 @@ using datasets::SourcePosition;
 
 namespace {
 
+constexpr std::string_view stated_by_user = "stated", stated_by_file = "as the file says";
+
 SourcePosition whole(const TextFile& file) {
   SourcePosition place;
   place.file = file.path();
@@ -272,6 +274,19 @@ void tell_of_times(const std::vector<ColumnHead>& heads, const CsvRoles& roles, 
         "increases (--time-column '{}' gives all columns one time)",
         heads[c].name, heads[*roles.time].name));
   }
+  const bool stated = roles.reason == stated_by_user || roles.reason == stated_by_file;
+  std::size_t before = roles.time.value_or(0);
+  for (std::size_t c = before + 1; roles.time && !stated && c < heads.size(); ++c) {
+    const bool named = (heads[c].unit.empty() || is_time_unit(heads[c].unit)) &&
+                       is_named_as_time(heads[c], heads[*roles.time]);
+    if (named && c > before + 1 && roles.is_channel(c))
+      record.warnings.push_back(
+          fmt::format("'{}' is named as times of its own, but has gaps or does not increase: the "
+                      "columns behind "
+                      "it have the times before it",
+                      heads[c].name));
+    if (named) before = c;
+  }
   if (roles.index && !roles.index_name_fits)
     record.warnings.push_back(fmt::format(
         "'{}' counts 0, 1, 2, ... or 1, 2, 3, ...: it is taken to count the samples and left out",
@@ -306,7 +321,7 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
   const auto& columns = table.columns;
   if (options.time_column && *options.time_column != "none") {
     roles.time = column_named(heads, *options.time_column);
-    roles.reason = "stated";
+    roles.reason = stated_by_user;
     if (!roles.time || *roles.time >= columns.size())
       throw InputError(whole(file),
                        fmt::format("there is no column '{}' for the time; the columns are {}",
@@ -327,7 +342,7 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
     if (stated->second == no_time_column) return roles;
     if (stated->second == only_first_is_time && holds_numbers(layout, 0)) {
       roles.time = 0;
-      roles.reason = "as the file says";
+      roles.reason = stated_by_file;
       return roles;
     }
   }

@@ -99,6 +99,17 @@ TEST(CsvPairs, AreToldOfWhereOnlyTheUnitSaysSo) {
               ElementsAre(HasSubstr("'stamp' is taken as the times of the columns beside it")));
 }
 
+TEST(CsvPairs, WithAGapInTheirTimesAreToldOf) {
+  const Record record = imported("t,F,t,v\n0,1,0,5\n1,2,,6\n2,3,1,7\n");
+  EXPECT_EQ(record.channels.size(), 3U);
+  EXPECT_THAT(record.warnings,
+              Contains(HasSubstr("'t' is named as times of its own, but has gaps")));
+  ImportOptions options;
+  options.time_column = "0";
+  EXPECT_THAT(imported("t [s],F,t [s],v\n0,1,0,5\n1,2,7,6\n2,3,1,7\n", options).warnings,
+              IsEmpty());
+}
+
 TEST(CsvPairs, AreNoneWhereSignalsRise) {
   EXPECT_EQ(imported("0.5,1,2,3\n0.6,2,3,4\n0.7,3,4,5\n0.8,4,5,6\n").channels.size(), 3U);
   EXPECT_EQ(imported("t,F,T2,v\n0.5,1,2,3\n0.6,2,3,4\n0.7,3,4,5\n").channels.size(), 3U);
