@@ -191,7 +191,7 @@ void tell_of_values_without_time(const std::string& name, std::size_t count, Rec
                                           count == 1 ? "is" : "are"));
 }
 
-/// Takes what has a time of a column of times or of a channel.
+/// Leaves of a column, of times or of a channel, what has a time.
 void end_column(std::size_t samples, Column& column) {
   column.values.resize(samples);
   if (column.valid.empty()) return;

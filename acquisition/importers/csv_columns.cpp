@@ -311,6 +311,50 @@ void tell_of_dates_and_text(const TableLayout& layout, const std::vector<ColumnH
   }
 }
 
+namespace {
+
+/// The column that the user names. Throws InputError where there is none, or one of text.
+std::size_t stated_time(const TextFile& file, const TableLayout& layout,
+                        const std::vector<ColumnHead>& heads, std::size_t columns,
+                        const std::string& name) {
+  const auto found = column_named(heads, name);
+  if (!found || *found >= columns) {
+    std::string list;
+    for (const ColumnHead& column : heads) list += (list.empty() ? "'" : ", '") + column.name + "'";
+    throw InputError(whole(file), fmt::format("there is no column '{}' for the time; the columns "
+                                              "are {}",
+                                              name, list));
+  }
+  const DateColumns* const date = layout.dates_at(*found);
+  const std::size_t time = date != nullptr ? date->last : *found;
+  if (layout.holds_text(time))
+    throw InputError(whole(file),
+                     fmt::format("the column '{}' holds text, not the time", heads[time].name));
+  return time;
+}
+
+/// By name, then by its dates, then by unit.
+void take_time_by_heads(const TableLayout& layout, const std::vector<ColumnHead>& heads,
+                        std::size_t columns, CsvRoles& roles) {
+  for (std::size_t c = 0; c < columns && !roles.time; ++c)
+    if (holds_numbers(layout, c) && is_time_name(heads[c].name) &&
+        (heads[c].unit.empty() || is_time_unit(heads[c].unit))) {
+      roles.time = c;
+      roles.reason = "by its name";
+    }
+  if (!roles.time && !layout.dates.empty()) {
+    roles.time = layout.dates.front().last;
+    roles.reason = "holds times of day";
+  }
+  for (std::size_t c = 0; c < columns && !roles.time; ++c)
+    if (holds_numbers(layout, c) && is_time_unit(heads[c].unit)) {
+      roles.time = c;
+      roles.reason = "by its unit";
+    }
+}
+
+}  // namespace
+
 CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const TableHead& head,
                     const std::vector<ColumnHead>& heads, const Table& table,
                     const ImportOptions& options) {
@@ -320,21 +364,8 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
     for (std::size_t c = date.first; c <= date.last; ++c) roles.dates.push_back(c);
   const auto& columns = table.columns;
   if (options.time_column && *options.time_column != "none") {
-    roles.time = column_named(heads, *options.time_column);
+    roles.time = stated_time(file, layout, heads, columns.size(), *options.time_column);
     roles.reason = stated_by_user;
-    if (!roles.time || *roles.time >= columns.size())
-      throw InputError(whole(file),
-                       fmt::format("there is no column '{}' for the time; the columns are {}",
-                                   *options.time_column, [&heads] {
-                                     std::string list;
-                                     for (const ColumnHead& column : heads)
-                                       list += (list.empty() ? "'" : ", '") + column.name + "'";
-                                     return list;
-                                   }()));
-    if (const DateColumns* const date = layout.dates_at(*roles.time)) roles.time = date->last;
-    if (layout.holds_text(*roles.time))
-      throw InputError(whole(file), fmt::format("the column '{}' holds text, not the time",
-                                                heads[*roles.time].name));
     return roles;
   }
   const auto stated = head.attributes.find(std::string(time_column_key));
@@ -355,21 +386,7 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
     if (first_counts) roles.index = 0;
     return roles;
   }
-  for (std::size_t c = 0; c < columns.size() && !roles.time; ++c)
-    if (holds_numbers(layout, c) && is_time_name(heads[c].name) &&
-        (heads[c].unit.empty() || is_time_unit(heads[c].unit))) {
-      roles.time = c;
-      roles.reason = "by its name";
-    }
-  if (!roles.time && !layout.dates.empty()) {
-    roles.time = layout.dates.front().last;
-    roles.reason = "holds times of day";
-  }
-  for (std::size_t c = 0; c < columns.size() && !roles.time; ++c)
-    if (holds_numbers(layout, c) && is_time_unit(heads[c].unit)) {
-      roles.time = c;
-      roles.reason = "by its unit";
-    }
+  take_time_by_heads(layout, heads, columns.size(), roles);
   if (roles.time && *roles.time > 0 && first_counts && unnamed && !head.columns.empty())
     roles.index = 0;
   if (!roles.time && first_counts) {

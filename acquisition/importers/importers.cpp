@@ -54,8 +54,8 @@ constexpr auto table = std::to_array<Importer>({
      recognises_csv, open_csv},  //
 });
 
-/// Of formats whose files do not state units as well as others do, or not reliably.
-constexpr auto take_units = std::to_array<std::string_view>(
+/// Those that heed ImportOptions::units.
+constexpr auto formats_with_stated_units = std::to_array<std::string_view>(
     {"csv", "lvm", "polytec-ascii", "sigrok", "mat", "tdms", "hdf5"});
 
 /// A score up to this one says "text with numbers" and no more.
@@ -391,7 +391,8 @@ std::unique_ptr<RecordingReader> open_recording(const std::string& path,
   const std::string_view head = file.bytes().substr(0, 65536);
   const Importer& importer =
       options.format.empty() ? recognised(path, head) : named(path, options.format);
-  if (!options.units.empty() && std::ranges::find(take_units, importer.id) == take_units.end())
+  if (!options.units.empty() &&
+      std::ranges::find(formats_with_stated_units, importer.id) == formats_with_stated_units.end())
     throw InputError(place_of(path),
                      fmt::format("--units is not for the format {}; a map states the units of its "
                                  "channels (--suggest-map, --map)",

@@ -250,6 +250,13 @@ void LvmRecording::set_clock(LvmPart& part, double shift, bool multi, Channel& c
     clock.interval = delta * factor;
     return;
   }
+  take_x_column(part, factor, shift, multi, channel, stored);
+}
+
+void LvmRecording::take_x_column(LvmPart& part, double factor, double shift, bool multi,
+                                 Channel& channel, StoredChannel& stored) {
+  SampleClock& clock = channel.clock;
+  const double delta = part.delta.value_or(0.0);
   TimeAxisCheck check(part.x.front(), part.x.back(), part.x.size());
   part.x.each([&check](std::span<const double> piece) { check.add(piece); });
   TimeAxis axis = check.axis();

@@ -130,6 +130,9 @@ class LvmRecording {
   void deliver(LvmSegment& segment, bool multi);
   void set_clock(LvmPart& part, double shift, bool multi, datasets::Channel& channel,
                  StoredChannel& stored);
+  /// By the X column alone: X times `factor` are seconds.
+  void take_x_column(LvmPart& part, double factor, double shift, bool multi,
+                     datasets::Channel& channel, StoredChannel& stored);
   void tell_rate_meant(const LvmPart& part);
 
   std::string path_;

@@ -42,7 +42,7 @@ constexpr double continuous = 1e-10;
 // Events this close are one, as a part of the step.
 constexpr double coincidence = 1e-9;
 // Of the accuracy, what landing on an event may move it, as a part of a contact's time: a swing may
-// be taken in steps that are longer than that by a factor of 10^5.
+// be taken in steps that are longer than that by a factor of 10^4.
 constexpr double share_of_landing = 0.01;
 constexpr double finest_landing = 1e-15;
 

@@ -20,13 +20,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using tests::import_error;
 using tests::imported;
-
-std::vector<std::string> names(const Record& record) {
-  std::vector<std::string> list;
-  for (const Channel& channel : record.channels)
-    list.push_back(channel.name + " [" + channel.unit + "]");
-  return list;
-}
+using tests::names_and_units;
 
 /// Rows of pairs of times and values, the second ones of half the step.
 std::string pairs(const std::string& head, const std::string& row = "{0},{1},{2},{3}\n") {
@@ -65,7 +59,7 @@ TEST(CsvPairs, HaveUnitsOfTheirOwn) {
 
 TEST(CsvPairs, MayHaveTheirTimesBehindThem) {
   const Record record = imported(pairs("F [N],Time [s],v [m/s],Time [s]", "{1},{0},{3},{2}\n"));
-  EXPECT_THAT(names(record), ElementsAre("F [N]", "v [m/s]"));
+  EXPECT_THAT(names_and_units(record), ElementsAre("F [N]", "v [m/s]"));
   EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.1);
   EXPECT_DOUBLE_EQ(record.channels[1].clock.interval, 0.05);
 }
@@ -123,7 +117,7 @@ class CsvRowNumbers : public testing::TestWithParam<const char*> {};
 
 TEST_P(CsvRowNumbers, WithoutANameDoNotShiftTheOthers) {
   const Record record = imported(GetParam());
-  EXPECT_THAT(names(record), ElementsAre("force [N]"));
+  EXPECT_THAT(names_and_units(record), ElementsAre("force [N]"));
   EXPECT_THAT(record.channels[0].values(), ElementsAre(5, 6, 7));
   EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.001);
 }
@@ -142,17 +136,18 @@ TEST(CsvRowNumbers, ThatAreNoneMakeNamesDoubtful) {
 }
 
 TEST(CsvRowNumbers, AreNoPhysicalQuantity) {
-  EXPECT_THAT(names(imported("Frequency [Hz],Amp [N]\n0,5\n1,6\n2,7\n")),
+  EXPECT_THAT(names_and_units(imported("Frequency [Hz],Amp [N]\n0,5\n1,6\n2,7\n")),
               ElementsAre("Frequency [Hz]", "Amp [N]"));
-  EXPECT_THAT(names(imported("Sample rate,1000\nDisplacement [mm],Force [N]\n0,5\n1,6\n2,7\n")),
-              ElementsAre("Displacement [mm]", "Force [N]"));
-  EXPECT_THAT(names(imported("Force,v [m/s]\n1,5\n2,6\n3,7\n")),
+  EXPECT_THAT(
+      names_and_units(imported("Sample rate,1000\nDisplacement [mm],Force [N]\n0,5\n1,6\n2,7\n")),
+      ElementsAre("Displacement [mm]", "Force [N]"));
+  EXPECT_THAT(names_and_units(imported("Force,v [m/s]\n1,5\n2,6\n3,7\n")),
               ElementsAre("Force []", "v [m/s]"));
 }
 
 TEST(CsvRowNumbers, UnderAnotherNameAreToldOf) {
   const Record record = imported("Depth,Force [N]\n0,5\n1,6\n2,7\n");
-  EXPECT_THAT(names(record), ElementsAre("Force [N]"));
+  EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]"));
   EXPECT_THAT(record.warnings, Contains(HasSubstr("'Depth' counts 0, 1, 2")));
   EXPECT_THAT(imported("Sample,Force [N]\n0,5\n1,6\n2,7\n").warnings,
               testing::Not(Contains(HasSubstr("counts"))));
@@ -160,7 +155,7 @@ TEST(CsvRowNumbers, UnderAnotherNameAreToldOf) {
 
 TEST(CsvTimes, MayBeNamedByTheirUnitAlone) {
   const Record record = imported("ms,F [N]\n0,5\n1,6\n2,7\n");
-  EXPECT_THAT(names(record), ElementsAre("F [N]"));
+  EXPECT_THAT(names_and_units(record), ElementsAre("F [N]"));
   EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3);
 }
 

@@ -11,6 +11,7 @@
 #include <iterator>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "acquisition/importer.hpp"
 
@@ -71,6 +72,14 @@ inline std::string import_error(std::string_view bytes, const ImportOptions& opt
     return text;
   }
   return {};
+}
+
+/// "Force [N]" of each channel.
+inline std::vector<std::string> names_and_units(const datasets::Record& record) {
+  std::vector<std::string> list;
+  for (const datasets::Channel& channel : record.channels)
+    list.push_back(channel.name + " [" + channel.unit + "]");
+  return list;
 }
 
 }  // namespace impactrig::acquisition::tests
