@@ -1,6 +1,5 @@
 # Everything the project stands on, in one place; cmake/impactrig-config.cmake.in finds the same list for a consumer.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(Spectra 1.0 REQUIRED)
 find_package(Boost 1.74 REQUIRED)
 find_package(fmt 9 REQUIRED)
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)

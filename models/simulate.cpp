@@ -8,7 +8,10 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "models/beams/bar_element.hpp"
+#include "models/contact/contact_force.hpp"
 #include "models/free_run.hpp"
 #include "models/implicit/chain_motion.hpp"
 #include "models/implicit/dense_motion.hpp"
@@ -25,10 +28,16 @@ namespace {
 // that turns back just before it stands on its head: 18 times). A rigid bar costs next to nothing.
 constexpr double share_of_full = 0.3, share_of_rigid = 0.03;
 
-// Coordinates that a fine mesh is tried with, as long as they are no more than share_worth_it of
-// its modes; what they leave out may be share_of_vibration of the accuracy.
-constexpr std::array ritz_coordinates = {32, 40, 48, 60, 72, 90, 108, 130, 162, 200, 243, 300, 364};
-constexpr double share_worth_it = 0.5, share_of_vibration = 0.6;
+// Modes that a fine mesh is tried with, as long as they are no more than share_worth_it of all;
+// what they leave out may be share_of_vibration of the accuracy.
+constexpr std::array few_modes = {24,  32,  40,  48,  60,  72,  90,  108, 130, 162,
+                                  200, 243, 300, 364, 440, 530, 640, 770, 930, 1120};
+constexpr double share_worth_it = 0.75, share_of_vibration = 0.6;
+
+// An element in which a bending wave is such a part of the others' vibrates far faster than they
+// do; beyond so many times the slowest mode's frequency steps are too many for small motion to be
+// worth it.
+constexpr double short_element = 0.1, too_fast = 1e6;
 
 struct Solved {
   Simulation result;
@@ -91,8 +100,12 @@ struct SolvedInModes {
 
 SolvedInModes solve_in_modes(const Rig& rig, const Solver& solver, const SimulationOptions& options,
                              const std::shared_ptr<const ModalBar>& bar) {
-  if (options.motion != Motion::small && bar->modes().rounding() > solver.accuracy)
+  const ModalBeam& modes = bar->modes();
+  if (options.motion != Motion::small && modes.rounding() > solver.accuracy)
     throw std::runtime_error("the modes of elements so different in length are inexact");
+  if (options.motion != Motion::small && modes.modes() > 1 &&
+      modes.omega().maxCoeff() > too_fast * modes.omega()[1])
+    throw std::runtime_error("the modes of elements so different in length are too fast");
   double left_out = 0.0;
   Simulation result = solve_to_size(solver, [&](const Solver& used) {
     SmallMotionRun run(rig, used, options, bar);
@@ -108,28 +121,56 @@ SolvedInModes solve_in_modes(const Rig& rig, const Solver& solver, const Simulat
 
 /// What the paper's scene needs without damping in the contact; histories show more of the
 /// vibration, and it falls by less.
-double fewest_coordinates(double accuracy, bool shown) {
-  return 32.0 * (shown ? std::pow(15e-3 / accuracy, 0.2) : std::pow(1e-3 / accuracy, 1.0 / 6.0));
+double fewest_modes(double accuracy, bool shown) {
+  return shown ? 32.0 * std::pow(15e-3 / accuracy, 0.2) : 24.0 * std::pow(1e-3 / accuracy, 0.19);
 }
 
-/// A fine mesh in few coordinates; none where they would have to be so many that all modes are as
-/// quick. What is left out falls with their number by the power of six or so, by less where
-/// damping's force jumps: as the last two of them have it.
+/// By which power of the number of modes what is left out falls, about: damping takes the speed of
+/// the fastest into the force.
+double power_of_modes(const Rig& rig) {
+  for (int stop = 0; stop < rig.stops(); ++stop)
+    if (ContactForce(rig, stop).damped()) return 3.3;
+  return 5.5;
+}
+
+/// Of a mesh with elements far shorter than others those that are not theirs alone; of any other
+/// none.
+int modes_of_long_elements(const Rig& rig, const Solver& solver) {
+  std::vector<double> waves;
+  for (const BarElement& element : bar_elements(rig.beam, rig.contact.position, solver.elements))
+    waves.push_back(element.length *
+                    std::pow(element.line_density / element.bending_stiffness, 0.25));
+  const double longest = std::ranges::max(waves);
+  const auto few =
+      std::ranges::count_if(waves, [&](double each) { return each < short_element * longest; });
+  return few == 0 ? 0 : modes_of(solver) - 2 * static_cast<int>(few);
+}
+
+/// How many modes a mesh is tried with, from the fewest that are worth it on.
+std::vector<int> numbers_of_modes(const Rig& rig, const Solver& solver, double fewest) {
+  const bool computable = small_motion_refusal(rig, solver).empty();
+  const double most = computable ? share_worth_it * modes_of(solver) : modes_of(solver);
+  std::vector<int> numbers;
+  for (const int modes : few_modes)
+    if (modes >= fewest && modes <= most) numbers.push_back(modes);
+  const int slow = modes_of_long_elements(rig, solver);
+  if (slow > (numbers.empty() ? 0 : numbers.back())) numbers.push_back(slow);
+  return numbers;
+}
+
+/// A mesh in few modes; none where they would have to be so many that all are as quick.
 std::optional<Simulation> leave_out_vibration(const Rig& rig, const Solver& solver,
                                               const SimulationOptions& options, BarCache& bars) {
   if (!may_leave_out_vibration(rig, solver, options)) return std::nullopt;
-  const bool computable = small_motion_refusal(rig, solver).empty();
-  const double most = computable ? share_worth_it * modes_of(solver) : modes_of(solver);
   const TimeLimit limit(solver.time_limit);
   Solver used = solver;
-  double power = 6.0, last_excess = 0.0;
-  double fewest = fewest_coordinates(solver.accuracy, options.history.interval > 0.0);
-  double last = 0.0;
-  for (const int coordinates : ritz_coordinates) {
-    if (coordinates < fewest) continue;
-    if (coordinates > most) break;
-    SolvedInModes solved =
-        solve_in_modes(rig, used, options, bars.ritz_bar(rig, solver, coordinates));
+  double power = power_of_modes(rig), last_excess = 0.0;
+  const std::vector<int> numbers =
+      numbers_of_modes(rig, solver, fewest_modes(solver.accuracy, options.history.interval > 0.0));
+  double fewest = 0.0, last = 0.0;
+  for (const int modes : numbers) {
+    if (modes < fewest) continue;
+    SolvedInModes solved = solve_in_modes(rig, used, options, bars.reduced_bar(rig, solver, modes));
     solved.result.solver = solver;
     used.time_limit = limit.left();
     const double others = solved.result.neglected / solver.accuracy - solved.left_out;
@@ -138,10 +179,10 @@ std::optional<Simulation> leave_out_vibration(const Rig& rig, const Solver& solv
     const double excess = solved.left_out / std::min(share_of_vibration, room);
     if (excess <= 1.0) return std::move(solved.result);
     if (last > 0.0)
-      power = std::clamp(std::log(last_excess / excess) / std::log(coordinates / last), 2.0, 8.0);
-    last = coordinates;
+      power = std::clamp(std::log(last_excess / excess) / std::log(modes / last), 2.0, 8.0);
+    last = modes;
     last_excess = excess;
-    fewest = coordinates * std::pow(excess, 1.0 / power);
+    fewest = modes * std::pow(excess, 1.0 / power);
   }
   return std::nullopt;
 }

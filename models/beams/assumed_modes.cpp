@@ -2,9 +2,11 @@
 #include "models/beams/assumed_modes.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <stdexcept>
 
+#include "models/beams/bar_modes.hpp"
 #include "models/beams/linear_bar.hpp"
-#include "models/beams/slowest_modes.hpp"
 #include "models/integration/gauss.hpp"
 
 namespace impactrig::models {
@@ -27,14 +29,16 @@ void AssumedModes::solve(const Beam& beam, Basis basis, int count) {
   const int pieces = static_cast<int>(bar_pieces(beam).size());
   elements_ = bar_elements(beam, beam.length, {std::max(32 + 4 * count, 4 * pieces), 0});
   const LinearBar bar(bare, elements_);
-  values_ = Eigen::MatrixXd::Zero(bar.size() + 1, count);
+  for (std::size_t e = 0; e < elements_.size(); ++e) places_of_.push_back(bar.places(e));
+  rows_ = Eigen::MatrixXd::Zero(count, bar.size());
   if (count == 0) return;
   // clamped, the section at the hinge does not turn; pinned, the first mode is the rotation
-  const int held = basis == Basis::cantilever ? 1 : 0;
-  const int skipped = 1 - held;
-  const SlowestModes modes = slowest_modes(bar, held, skipped + count);
-  omega_ = modes.omega.tail(count);
-  values_.bottomRows(modes.shapes.rows()) = modes.shapes.rightCols(count);
+  const bool clamped = basis == Basis::cantilever;
+  const int skipped = clamped ? 0 : 1;
+  const std::optional<BarModes> modes = BarModeFinder(bar, clamped).slowest(skipped + count, {});
+  if (!modes) throw std::runtime_error("two of the bar's modes are too close to be told apart");
+  omega_ = modes->squares.tail(count).cwiseSqrt();
+  rows_ = modes->rows.bottomRows(count);
 }
 
 Eigen::VectorXd AssumedModes::shown(double x,
@@ -42,14 +46,10 @@ Eigen::VectorXd AssumedModes::shown(double x,
   const std::size_t e = element_at(elements_, x);
   const BarElement& element = elements_[e];
   const BarElement::Shape share = (element.*shape)((x - element.x) / element.length);
-  const Eigen::Index node = 2 * static_cast<Eigen::Index>(e);
-  Eigen::VectorXd sum = values_.middleRows<4>(node).transpose() * share.head<4>();
-  if (element.shears()) {
-    const Eigen::Index inside = 2 * static_cast<Eigen::Index>(elements_.size() + 1) +
-                                BarElement::inside * static_cast<Eigen::Index>(e);
-    sum += values_.middleRows<BarElement::inside>(inside).transpose() *
-           share.tail<BarElement::inside>();
-  }
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(count());
+  for (std::size_t i = 0; i < BarElement::values; ++i)
+    if (const int place = places_of_[e][i]; place >= 0)
+      sum += share[static_cast<int>(i)] * rows_.col(place);
   return sum;
 }
 

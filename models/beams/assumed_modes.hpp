@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "models/beams/bar_element.hpp"
@@ -48,7 +49,8 @@ class AssumedModes {
   std::vector<BendingMode> closed_;
   Eigen::VectorXd omega_;
   std::vector<BarElement> elements_;  // of the mesh; none with closed forms
-  Eigen::MatrixXd values_;            // of LinearBar, after the hinge's deflection (1 + size, n)
+  Eigen::MatrixXd rows_;              // in coordinates of LinearBar (n, its size)
+  std::vector<std::array<int, BarElement::values>> places_of_;  // of each element's values there
 };
 
 }  // namespace impactrig::models

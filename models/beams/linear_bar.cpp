@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "models/beams/bar_modes.hpp"
 #include "models/integration/gauss.hpp"
 
 namespace impactrig::models {
@@ -15,58 +16,82 @@ LinearBar::LinearBar(const Rig& rig, std::vector<BarElement> elements)
       spring_(rig.hinge.spring) {}
 
 int LinearBar::size() const {
-  const int inside = elements_.front().shears() ? BarElement::inside : 0;
-  return nodal() + inside * static_cast<int>(elements_.size());
+  return 1 + values_of_element() * static_cast<int>(elements_.size());
 }
 
-std::array<int, BarElement::values> LinearBar::coordinates(std::size_t element) const {
-  const int e = static_cast<int>(element);
-  std::array<int, BarElement::values> places = {2 * e - 1, 2 * e, 2 * e + 1, 2 * e + 2, -1, -1, -1};
-  if (elements_[element].shears())
-    for (int i = 0; i < BarElement::inside; ++i)
-      places[static_cast<std::size_t>(4 + i)] = nodal() + BarElement::inside * e + i;
-  return places;
-}
-
-/// With the lumped masses on it, each in one element.
-BarElement::Matrix LinearBar::mass_of(std::size_t e) const {
-  const BarElement& element = elements_[e];
-  BarElement::Matrix mass = element.mass();
-  for (const LumpedMass& lump : masses_) {
-    if (element_at(elements_, lump.position) != e) continue;
-    const BarElement::Shape s = element.deflection((lump.position - element.x) / element.length);
-    mass += lump.mass * s * s.transpose();
+std::array<int, BarElement::values> LinearBar::places(std::size_t element) const {
+  const int each = values_of_element(), after = 1 + each * static_cast<int>(element);
+  std::array<int, BarElement::values> at = {
+      after - each, after - each + 1, after, after + 1, -1, -1, -1};
+  if (element == 0) {
+    at[0] = -1;
+    at[1] = 0;
   }
-  return mass;
+  for (int i = 2; i < each; ++i) at[static_cast<std::size_t>(2 + i)] = after + i;
+  return at;
 }
 
-/// Through the tension that the weight below an element leaves in the hanging bar: ∫ T w'w' dx.
-BarElement::Matrix LinearBar::hanging_weight_of(const BarElement& element, double below) const {
-  const GaussRule& rule = gauss_legendre(3);  // T linear, w' quadratic
+namespace {
+
+bool alike(const BarElement& a, const BarElement& b) {
+  return a.length == b.length && a.bending_stiffness == b.bending_stiffness &&
+         a.line_density == b.line_density && a.shear_compliance == b.shear_compliance &&
+         a.rotary_inertia == b.rotary_inertia;
+}
+
+/// Through the tension T that a mass leaves in the hanging bar up to a part of the element: ∫ T
+/// w'w' dx over the gravity.
+BarElement::Matrix hanging(const BarElement& element, double mass, double part) {
+  const GaussRule& rule = gauss_legendre(3);  // w' is quadratic
   BarElement::Matrix weight = BarElement::Matrix::Zero();
-  const auto add = [&](double xi, double mass, double part) {
-    const BarElement::Shape s = element.slope(xi);
-    weight += mass * gravity_ * part * element.length * s * s.transpose();
-  };
   for (std::size_t g = 0; g < rule.points.size(); ++g) {
-    const double xi = rule.points[g];
-    add(xi, below + element.line_density * element.length * (1.0 - xi), rule.weights[g]);
-    for (const LumpedMass& lump : masses_) {
-      const double part = std::clamp((lump.position - element.x) / element.length, 0.0, 1.0);
-      if (part > 0.0) add(part * xi, lump.mass, part * rule.weights[g]);
-    }
+    const BarElement::Shape s = element.slope(part * rule.points[g]);
+    weight += mass * part * rule.weights[g] * element.length * s * s.transpose();
   }
   return weight;
 }
 
+/// Likewise by the element's own mass: T falls towards its end.
+BarElement::Matrix hanging_itself(const BarElement& element) {
+  const GaussRule& rule = gauss_legendre(3);
+  BarElement::Matrix weight = BarElement::Matrix::Zero();
+  for (std::size_t g = 0; g < rule.points.size(); ++g) {
+    const double xi = rule.points[g];
+    const BarElement::Shape s = element.slope(xi);
+    weight += element.line_density * element.length * (1.0 - xi) * rule.weights[g] *
+              element.length * s * s.transpose();
+  }
+  return weight;
+}
+
+}  // namespace
+
+/// Lumped masses are on one element each, and pull at all from the hinge to there.
 std::vector<LinearBar::Share> LinearBar::shares() const {
   std::vector<Share> shares(elements_.size());
+  BarElement::Matrix mass, stiffness, by_below, by_itself;
   double below = 0.0;  // mass of the bar beyond the element
   for (std::size_t e = elements_.size(); e-- > 0;) {
     const BarElement& element = elements_[e];
-    shares[e] = {coordinates(e), mass_of(e), element.stiffness(),
-                 hanging_weight_of(element, below)};
+    if (e + 1 == elements_.size() || !alike(element, elements_[e + 1])) {
+      mass = element.mass();
+      stiffness = element.stiffness();
+      by_below = hanging(element, 1.0, 1.0);
+      by_itself = hanging_itself(element);
+    }
+    shares[e] = {places(e), mass, stiffness, gravity_ * (below * by_below + by_itself)};
     below += element.line_density * element.length;
+  }
+  for (const LumpedMass& lump : masses_) {
+    const std::size_t on = element_at(elements_, lump.position);
+    for (std::size_t e = 0; e <= on; ++e) {
+      const BarElement& element = elements_[e];
+      const double part = std::min((lump.position - element.x) / element.length, 1.0);
+      shares[e].gravity += gravity_ * hanging(element, lump.mass, part);
+      if (e < on) continue;
+      const BarElement::Shape s = element.deflection(part);
+      shares[e].mass += lump.mass * s * s.transpose();
+    }
   }
   return shares;
 }
@@ -79,9 +104,9 @@ Eigen::VectorXd LinearBar::rigid() const {
   Eigen::VectorXd rigid = Eigen::VectorXd::Zero(size());
   rigid[0] = -1.0;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
-    const std::array<int, BarElement::values> places = coordinates(e);
-    rigid[places[2]] = -(elements_[e].x + elements_[e].length);
-    rigid[places[3]] = -1.0;
+    const std::array<int, BarElement::values> at = places(e);
+    rigid[at[2]] = -(elements_[e].x + elements_[e].length);
+    rigid[at[3]] = -1.0;
   }
   return rigid;
 }
@@ -107,10 +132,14 @@ SmallMotion LinearBar::small_motion() const {
   return motion;
 }
 
+std::optional<BarModes> LinearBar::modes() const {
+  return BarModeFinder(*this).all();
+}
+
 LinearBar::Row LinearBar::row_at(double x) const {
   const std::size_t e = element_at(elements_, x);
   const BarElement& element = elements_[e];
-  return {coordinates(e), -element.deflection((x - element.x) / element.length)};
+  return {static_cast<int>(e), places(e), -element.deflection((x - element.x) / element.length)};
 }
 
 Eigen::VectorXd LinearBar::small_motion_row(double x) const {

@@ -15,13 +15,14 @@ namespace impactrig::models {
 /// the axis.
 ///
 /// q = [θ_0, (w, θ)_1, ..., (w, θ)_N], w against closing, θ = dw/dx where the bar does not shear;
-/// where it does, the values a, b, c inside of each element follow.
+/// where it does, (w, θ, a, b, c)_e with the values inside of the element that ends there.
 class LinearBar : public SmallMotionBeam {
  public:
   LinearBar(const Rig& rig, std::vector<BarElement> elements);
 
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
+  std::optional<BarModes> modes() const override;
 
   std::vector<BarElement> stretching_elements() const override {
     return elements_.front().shears() ? std::vector<BarElement>{} : elements_;
@@ -30,6 +31,9 @@ class LinearBar : public SmallMotionBeam {
   const std::vector<BarElement>& elements() const { return elements_; }
 
   int size() const;
+
+  /// Coordinates of an element's values; −1: held, or there is none.
+  std::array<int, BarElement::values> places(std::size_t element) const;
 
   /// What an element and the masses on it are.
   struct Share {
@@ -41,6 +45,7 @@ class LinearBar : public SmallMotionBeam {
 
   /// What small_motion_row() has that is not zero.
   struct Row {
+    int element;
     std::array<int, BarElement::values> places;  ///< −1: none
     BarElement::Shape values;
   };
@@ -56,12 +61,7 @@ class LinearBar : public SmallMotionBeam {
   bool hangs() const { return gravity_ != 0.0; }
 
  private:
-  int nodal() const { return 2 * static_cast<int>(elements_.size()) + 1; }
-
-  std::array<int, BarElement::values> coordinates(std::size_t element) const;
-
-  BarElement::Matrix mass_of(std::size_t element) const;
-  BarElement::Matrix hanging_weight_of(const BarElement& element, double below) const;
+  int values_of_element() const { return elements_.front().shears() ? 2 + BarElement::inside : 2; }
 
   std::vector<BarElement> elements_;
   std::vector<LumpedMass> masses_;

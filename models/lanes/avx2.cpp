@@ -3,6 +3,7 @@
 // Compiled for AVX2 with fused multiplication where the compiler can (CMakeLists.txt); called where
 // the processor can.
 #include "models/lanes/advance_modes.hpp"
+#include "models/lanes/bar_sweep.hpp"
 #include "models/lanes/processor.hpp"
 #include "models/lanes/solve_steps.hpp"
 #include "models/lanes/stage_kernels.hpp"
@@ -36,6 +37,18 @@ void find_residual_avx2(const AncfResidual& residual) {
 
 void solve_chain_avx2(const FactoredChain& chain) {
   solve_chain_in<4>(chain);
+}
+
+void count_modes_avx2(const BarShifts& shifts) {
+  count_modes_by<4>(shifts);
+}
+
+void find_modes_avx2(const BarModesBetween& modes) {
+  find_modes_by<4>(modes);
+}
+
+void find_motion_avx2(const BarUnderLoads& loads) {
+  find_motion_by<4>(loads);
 }
 
 }  // namespace impactrig::models

@@ -3,6 +3,7 @@
 // Compiled for AVX-512 where the compiler can (CMakeLists.txt); called where
 // the processor can.
 #include "models/lanes/advance_modes.hpp"
+#include "models/lanes/bar_sweep.hpp"
 #include "models/lanes/processor.hpp"
 #include "models/lanes/solve_steps.hpp"
 #include "models/lanes/stage_kernels.hpp"
@@ -36,6 +37,18 @@ void find_residual_avx512(const AncfResidual& residual) {
 
 void solve_chain_avx512(const FactoredChain& chain) {
   solve_chain_in<8>(chain);
+}
+
+void count_modes_avx512(const BarShifts& shifts) {
+  count_modes_by<8>(shifts);
+}
+
+void find_modes_avx512(const BarModesBetween& modes) {
+  find_modes_by<8>(modes);
+}
+
+void find_motion_avx512(const BarUnderLoads& loads) {
+  find_motion_by<8>(loads);
 }
 
 }  // namespace impactrig::models

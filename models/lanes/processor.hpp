@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "models/lanes/bar_lanes.hpp"
 #include "models/lanes/mode_lanes.hpp"
 #include "models/lanes/stage_lanes.hpp"
 #include "models/lanes/step_lanes.hpp"
@@ -40,5 +41,11 @@ void find_residual_avx2(const AncfResidual& residual);
 void find_residual_avx512(const AncfResidual& residual);
 void solve_chain_avx2(const FactoredChain& chain);
 void solve_chain_avx512(const FactoredChain& chain);
+void count_modes_avx2(const BarShifts& shifts);
+void count_modes_avx512(const BarShifts& shifts);
+void find_modes_avx2(const BarModesBetween& modes);
+void find_modes_avx512(const BarModesBetween& modes);
+void find_motion_avx2(const BarUnderLoads& loads);
+void find_motion_avx512(const BarUnderLoads& loads);
 
 }  // namespace impactrig::models

@@ -25,37 +25,21 @@ double nearest_power_of_two(double x) {
 
 }  // namespace
 
-ModalBar::ModalBar(std::unique_ptr<const SmallMotionBeam> beam, const Rig& rig)
+ModalBar::ModalBar(std::shared_ptr<const SmallMotionBeam> beam, const Rig& rig)
     : beam_(std::move(beam)),
       modes_(*beam_, rig),
+      own_modes_(modes_.modes()),
       ladder_{longest_ladder(modes_)} {}
 
-ModalBar::ModalBar(std::unique_ptr<const RitzBar> beam, const Rig& rig)
-    : ModalBar(std::unique_ptr<const SmallMotionBeam>(std::move(beam)), rig) {
-  residuals_ = static_cast<const RitzBar&>(*beam_).residuals(modes_.shapes());
-  find_detuning();
-}
-
-/// Twice Kato's and Temple's bound, the square of the residual over the distance to the next mode
-/// [Parlett1998, 10.5]: the bound is for a residual of the stiffness's norm, which is larger (by up
-/// to 1.4 times more was seen).
-void ModalBar::find_detuning() {
-  const Eigen::ArrayXd squares = modes_.omega().array().square();
-  const Eigen::Index m = squares.size();
-  detuning_.setZero(m);
-  for (Eigen::Index k = 1; k < m; ++k) {
-    double distance = 1.0;
-    for (const Eigen::Index next : {k - 1, k + 1})
-      if (next > 0 && next < m)
-        distance = std::min(distance, std::abs(1.0 - squares[k] / squares[next]));
-    const double part = residuals_[k] * std::min(residuals_[k] / distance, 1.0);
-    detuning_[k] = part * modes_.omega()[k];
-  }
+ModalBar::ModalBar(std::shared_ptr<const ReducedBar> beam, const Rig& rig)
+    : ModalBar(std::static_pointer_cast<const SmallMotionBeam>(beam), rig) {
+  own_modes_ = beam->own_modes();
 }
 
 ModalBar::ModalBar(std::shared_ptr<const ModalBar> other, const ModalBeam::Change& change)
     : other_(std::move(other)),
       modes_(other_->modes(), change),
+      own_modes_(modes_.modes()),
       ladder_{longest_ladder(modes_)} {}
 
 ModalBar::~ModalBar() {
@@ -99,18 +83,17 @@ std::size_t BarKey::Hash::operator()(const BarKey& key) const {
 }
 
 std::shared_ptr<const ModalBar> make_modal_bar(const Rig& rig, const Solver& solver) {
-  return std::make_shared<const ModalBar>(make_small_motion_beam(rig, solver), rig);
+  return std::make_shared<const ModalBar>(
+      std::shared_ptr<const SmallMotionBeam>(make_small_motion_beam(rig, solver)), rig);
 }
 
-std::shared_ptr<const ModalBar> make_ritz_bar(const Rig& rig, const Solver& solver, int modes) {
-  auto bar = std::make_unique<const LinearBar>(
+std::shared_ptr<const ReducedBar> make_reduced_bar(const Rig& rig, const Solver& solver,
+                                                   int modes) {
+  auto bar = std::make_shared<const LinearBar>(
       rig, bar_elements(rig.beam, rig.contact.position, solver.elements));
-  std::vector<Eigen::VectorXd> loads;
-  for (int stop = 0; stop < rig.stops(); ++stop)
-    loads.push_back(bar->small_motion_row(rig.contact_of(stop).position));
-  if (rig.hinge.spring > 0.0 || rig.hinge.viscous > 0.0) loads.push_back(bar->hinge());
-  return std::make_shared<const ModalBar>(
-      std::make_unique<const RitzBar>(std::move(bar), loads, modes), rig);
+  std::vector<double> points;
+  for (int stop = 0; stop < rig.stops(); ++stop) points.push_back(rig.contact_of(stop).position);
+  return std::make_shared<const ReducedBar>(std::move(bar), std::move(points), modes);
 }
 
 std::optional<Rig> BarFamily::representative(const Rig& rig) {
@@ -138,13 +121,31 @@ std::shared_ptr<const ModalBar> BarFamily::bar(const Rig& rig) const {
                               .viscous = rig.hinge.viscous});
 }
 
-std::shared_ptr<const ModalBar> BarCache::find(const Rig& rig, const Solver& solver, int modes) {
-  const BarKey key = BarKey::of(rig, solver);
+void BarCache::forget_others(const Rig& rig, const Solver& solver) {
+  BarKey key = BarKey::of(rig, solver);
+  if (key_ == key) return;
+  whole_.reset();
+  reduced_.clear();
+  last_.reset();
+  key_ = std::move(key);
+}
+
+std::shared_ptr<const ModalBar> BarCache::bar(const Rig& rig, const Solver& solver) {
   const std::lock_guard lock(mutex_);
-  if (key_ != key) bars_.clear();
-  key_ = key;
-  std::shared_ptr<const ModalBar>& bar = bars_[modes];
-  if (!bar) bar = modes == 0 ? make_modal_bar(rig, solver) : make_ritz_bar(rig, solver, modes);
+  forget_others(rig, solver);
+  if (!whole_) whole_ = make_modal_bar(rig, solver);
+  return whole_;
+}
+
+std::shared_ptr<const ModalBar> BarCache::reduced_bar(const Rig& rig, const Solver& solver,
+                                                      int modes) {
+  const std::lock_guard lock(mutex_);
+  forget_others(rig, solver);
+  std::shared_ptr<const ModalBar>& bar = reduced_[modes];
+  if (bar) return bar;
+  last_ = last_ ? std::make_shared<const ReducedBar>(*last_, modes)
+                : make_reduced_bar(rig, solver, modes);
+  bar = std::make_shared<const ModalBar>(last_, rig);
   return bar;
 }
 

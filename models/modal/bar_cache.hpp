@@ -13,7 +13,7 @@
 #include "models/collocation/step_ladder.hpp"
 #include "models/modal/modal_beam.hpp"
 #include "models/modal/modal_step.hpp"
-#include "models/modal/ritz_bar.hpp"
+#include "models/modal/reduced_bar.hpp"
 #include "models/simulation.hpp"
 
 namespace impactrig::models {
@@ -21,8 +21,8 @@ namespace impactrig::models {
 /// A bar in its modes with the responses of the steps taken so far. For concurrent use.
 class ModalBar {
  public:
-  ModalBar(std::unique_ptr<const SmallMotionBeam> beam, const Rig& rig);
-  ModalBar(std::unique_ptr<const RitzBar> beam, const Rig& rig);
+  ModalBar(std::shared_ptr<const SmallMotionBeam> beam, const Rig& rig);
+  ModalBar(std::shared_ptr<const ReducedBar> beam, const Rig& rig);
   ModalBar(std::shared_ptr<const ModalBar> other, const ModalBeam::Change& change);
   ~ModalBar();
   ModalBar(const ModalBar&) = delete;
@@ -30,19 +30,17 @@ class ModalBar {
 
   const ModalBeam& modes() const { return modes_; }
 
-  /// Where the modes are of a RitzBar, its residuals() and by about how much they put the modes out
-  /// of tune with the bar's [rad/s]; else empty (m).
-  const Eigen::VectorXd& residuals() const { return residuals_; }
+  /// How many of the modes are the bar's own; those of a ReducedBar after them stand for the rest.
+  int own_modes() const { return own_modes_; }
 
-  const Eigen::VectorXd& detuning() const { return detuning_; }
+  /// Whether some do.
+  bool is_reduced() const { return own_modes_ < modes_.modes(); }
 
   const StepLadder& ladder() const { return ladder_; }
 
   const ModalStep& step(const Collocation& rule, int level) const;
 
  private:
-  void find_detuning();
-
   /// Steps of one level, of one rule each, in the order they were first asked for.
   struct Steps {
     int nodes;
@@ -51,9 +49,9 @@ class ModalBar {
   };
 
   std::shared_ptr<const ModalBar> other_;  // whose beam the modes stand on
-  std::unique_ptr<const SmallMotionBeam> beam_;
+  std::shared_ptr<const SmallMotionBeam> beam_;
   ModalBeam modes_;
-  Eigen::VectorXd residuals_, detuning_;
+  int own_modes_;
   StepLadder ladder_;
   mutable std::mutex mutex_;  // of those who add steps
   mutable std::array<std::atomic<const Steps*>, StepLadder::levels> steps_ = {};
@@ -81,8 +79,8 @@ struct BarKey {
 
 std::shared_ptr<const ModalBar> make_modal_bar(const Rig& rig, const Solver& solver);
 
-/// Of finite elements: the bar in so many coordinates.
-std::shared_ptr<const ModalBar> make_ritz_bar(const Rig& rig, const Solver& solver, int modes);
+/// Of finite elements: the bar in so many of its modes and what stands for the others.
+std::shared_ptr<const ReducedBar> make_reduced_bar(const Rig& rig, const Solver& solver, int modes);
 
 /// Bars of the same length, struck point, mesh and weight a mass, without further masses, have
 /// nearly the same modes, whatever E, I, ρ, A and the hinge's spring and damper are: those of each
@@ -105,21 +103,20 @@ class BarFamily {
 /// weight or mesh are others than in the run before. For concurrent use.
 class BarCache {
  public:
-  std::shared_ptr<const ModalBar> bar(const Rig& rig, const Solver& solver) {
-    return find(rig, solver, 0);
-  }
+  /// In all modes.
+  std::shared_ptr<const ModalBar> bar(const Rig& rig, const Solver& solver);
 
-  /// make_ritz_bar().
-  std::shared_ptr<const ModalBar> ritz_bar(const Rig& rig, const Solver& solver, int modes) {
-    return find(rig, solver, modes);
-  }
+  /// A ReducedBar.
+  std::shared_ptr<const ModalBar> reduced_bar(const Rig& rig, const Solver& solver, int modes);
 
  private:
-  std::shared_ptr<const ModalBar> find(const Rig& rig, const Solver& solver, int modes);
+  void forget_others(const Rig& rig, const Solver& solver);
 
   std::mutex mutex_;
   std::optional<BarKey> key_;
-  std::map<int, std::shared_ptr<const ModalBar>> bars_;  // by the number of coordinates; 0: all
+  std::shared_ptr<const ModalBar> whole_;
+  std::map<int, std::shared_ptr<const ModalBar>> reduced_;  // by the number of modes asked for
+  std::shared_ptr<const ReducedBar> last_;                  // of those
 };
 
 }  // namespace impactrig::models

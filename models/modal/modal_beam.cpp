@@ -108,19 +108,21 @@ std::vector<BarElement> station_spans(const Rig& rig) {
 
 ModalBeam::ModalBeam(const SmallMotionBeam& beam, const Rig& rig)
     : beam_(beam),
-      motion_(beam.small_motion()),
       viscous_(ViscousDamping::of(rig)),
       length_(rig.beam.length),
-      struck_position_(rig.contact.position) {
-  solve_modes();
+      struck_position_(rig.contact.position),
+      spring_(rig.hinge.spring) {
+  if (std::optional<BarModes> modes = beam.modes())
+    take(*std::move(modes));
+  else
+    solve(beam.small_motion());
   find_damping();
   struck_ = point(rig.contact.position);
   for (const FurtherStop& stop : rig.further_stops)
     further_.push_back(stop.direction() * point(stop.contact.position));
   elastic_compliance_ = models::elastic_compliance(rig.beam, rig.contact.position);
-  rigid_ = shapes_.transpose() * (motion_.mass * motion_.rigid);
   find_stations(rig);
-  find_uneven_slopes();
+  find_stretching();
 }
 
 void ModalBeam::find_stations(const Rig& rig) {
@@ -128,16 +130,15 @@ void ModalBeam::find_stations(const Rig& rig) {
   const auto count = static_cast<Eigen::Index>(spans.size());
   for (Eigen::VectorXd* values : {&stations_.x, &stations_.length, &stations_.mass})
     values->resize(count);
-  Eigen::MatrixXd rows(motion_.rigid.size(), count);
+  Eigen::MatrixXd slopes(modes(), count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const BarElement& span = spans[static_cast<std::size_t>(i)];
     stations_.x[i] = span.x;
     stations_.length[i] = span.length;
     stations_.mass[i] = span.line_density * span.length;
-    rows.col(i) = (beam_.small_motion_row(span.x + span.length) - beam_.small_motion_row(span.x)) /
-                  span.length;
+    slopes.col(i) = (point(span.x + span.length) - point(span.x)) / span.length;
   }
-  stations_.slopes = rows.transpose() * shapes_;
+  stations_.slopes = slopes.transpose();
   for (const LumpedMass& lump : rig.beam.masses) {
     const auto station = static_cast<Eigen::Index>(element_at(spans, lump.position));
     const double part = (lump.position - stations_.x[station]) / stations_.length[station];
@@ -145,33 +146,52 @@ void ModalBeam::find_stations(const Rig& rig) {
   }
 }
 
-void ModalBeam::find_uneven_slopes() {
+void ModalBeam::find_stretching() {
   const std::vector<BarElement> elements = beam_.stretching_elements();
-  const auto count = static_cast<Eigen::Index>(elements.size());
-  Eigen::MatrixXd rows(motion_.rigid.size(), 2 * count);
-  axial_.resize(count);
-  for (Eigen::Index e = 0; e < count; ++e) {
-    const BarElement& element = elements[static_cast<std::size_t>(e)];
+  axial_.resize(static_cast<Eigen::Index>(elements.size()));
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const BarElement& element = elements[e];
     const double h = element.length;
-    const auto across = [&](double xi) { return beam_.small_motion_row(element.x + xi * h); };
-    const Eigen::VectorXd first = across(0.0), low = across(1.0 / 3.0), high = across(2.0 / 3.0);
-    const Eigen::VectorXd second = first - 2.0 * low + high;
-    const Eigen::VectorXd third = across(1.0) - first + 3.0 * (low - high);
-    const Eigen::VectorXd cubic = 4.5 * third, square = 4.5 * second - cubic;
-    rows.col(2 * e) = (square + 1.5 * cubic) / h;
-    rows.col(2 * e + 1) = 0.5 * cubic / h;
-    axial_[e] = element.axial_stiffness * h;
+    axial_[static_cast<Eigen::Index>(e)] = element.axial_stiffness * h;
     // Of slopes p P₁ + q P₂ the bending energy is 2 EI (p² + 3 q²) / h, and (3pq/5)² / 7 +
     // (9q²/35)² / 9 at most 9/2000 of (p² + 3 q²)²; elements share the bar's energy.
     most_stretching_ = std::max(most_stretching_, 9.0 / 16000.0 * element.axial_stiffness * h * h *
                                                       h / std::pow(element.bending_stiffness, 2));
   }
-  uneven_.noalias() = rows.transpose() * shapes_;
+}
+
+const Eigen::MatrixXd& ModalBeam::uneven_slopes() const {
+  std::call_once(uneven_->found, [this] {
+    const std::vector<BarElement> elements = beam_.stretching_elements();
+    const auto count = static_cast<Eigen::Index>(elements.size());
+    Eigen::MatrixXd slopes(modes(), 2 * count);
+    for (Eigen::Index e = 0; e < count; ++e) {
+      const BarElement& element = elements[static_cast<std::size_t>(e)];
+      const double h = element.length;
+      const auto across = [&](double xi) { return point(element.x + xi * h); };
+      const Eigen::VectorXd first = across(0.0), low = across(1.0 / 3.0), high = across(2.0 / 3.0);
+      const Eigen::VectorXd second = first - 2.0 * low + high;
+      const Eigen::VectorXd third = across(1.0) - first + 3.0 * (low - high);
+      const Eigen::VectorXd cubic = 4.5 * third, square = 4.5 * second - cubic;
+      slopes.col(2 * e) = (square + 1.5 * cubic) / h;
+      slopes.col(2 * e + 1) = 0.5 * cubic / h;
+    }
+    uneven_->matrix = slopes.transpose();
+  });
+  return uneven_->matrix;
+}
+
+const Eigen::MatrixXd& ModalBeam::whole_weight() const {
+  if (weight_.rows() == modes()) return weight_;
+  std::call_once(whole_weight_->found, [this] {
+    whole_weight_->matrix = rows_ * beam_.small_motion().gravity * rows_.transpose();
+  });
+  return whole_weight_->matrix;
 }
 
 double ModalBeam::stretching_energy(const Eigen::VectorXd& a) const {
   static thread_local Eigen::VectorXd slope;
-  slope.noalias() = uneven_ * a;
+  slope.noalias() = uneven_slopes() * a;
   double energy = 0.0;
   for (Eigen::Index e = 0; e < axial_.size(); ++e) {
     const double first = slope[2 * e], second = slope[2 * e + 1];
@@ -183,7 +203,8 @@ double ModalBeam::stretching_energy(const Eigen::VectorXd& a) const {
 
 void ModalBeam::add_stretching_force(const Eigen::VectorXd& a, Eigen::VectorXd& force) const {
   static thread_local Eigen::VectorXd slope, pull;
-  slope.noalias() = uneven_ * a;
+  const Eigen::MatrixXd& uneven = uneven_slopes();
+  slope.noalias() = uneven * a;
   pull.resize(slope.size());
   for (Eigen::Index e = 0; e < axial_.size(); ++e) {
     const double first = slope[2 * e], second = slope[2 * e + 1];
@@ -192,27 +213,29 @@ void ModalBeam::add_stretching_force(const Eigen::VectorXd& a, Eigen::VectorXd& 
     pull[2 * e + 1] =
         axial_[e] * (third / 7.0 * 3.0 / 5.0 * first + fourth / 9.0 * 18.0 / 35.0 * second);
   }
-  force.noalias() -= uneven_.transpose() * pull;
+  force.noalias() -= uneven.transpose() * pull;
 }
 
 ModalBeam::ModalBeam(const ModalBeam& other, const Change& change) : ModalBeam(other) {
   const double ratio = change.stiffness / change.mass;
   const double root = std::sqrt(change.mass);
-  motion_.spring = change.spring;
+  spring_ = change.spring;
   stations_.mass *= change.mass;
   for (Stations::Lump& lump : stations_.lumps) lump.mass *= change.mass;
   elastic_compliance_ /= change.stiffness;
   // in the other's modes, scaled to unit modal mass: its elastic part grows, its weight does not
+  const Eigen::MatrixXd& weight = other.whole_weight();
   Eigen::MatrixXd coupled =
-      (1.0 - ratio) * weight_ + change.spring / change.mass * hinge_ * hinge_.transpose();
+      (1.0 - ratio) * weight + change.spring / change.mass * hinge_ * hinge_.transpose();
   coupled.diagonal() += ratio * omega_.cwiseAbs2();
   Eigen::MatrixXd basis = Eigen::MatrixXd::Identity(modes(), modes());
   diagonalise(coupled, basis);
   omega_ = coupled.diagonal().cwiseMax(0.0).cwiseSqrt();
-  weight_ = basis.transpose() * weight_ * basis;
-  shapes_ = shapes_ * basis / root;
+  weight_ = basis.transpose() * weight * basis;
+  rows_ = basis.transpose() * rows_ / root;
   stations_.slopes = stations_.slopes * basis / root;
-  uneven_ = uneven_ * basis / root;
+  uneven_ = std::make_shared<Late>();
+  whole_weight_ = std::make_shared<Late>();
   axial_ *= change.stiffness;
   most_stretching_ /= change.stiffness;
   struck_ = basis.transpose() * struck_ / root;
@@ -227,24 +250,26 @@ ModalBeam::ModalBeam(const ModalBeam& other, const Change& change) : ModalBeam(o
 /// rounding error of the highest modes' would drown. The bending modes among themselves are then
 /// solved as they are, and what weight and spring couple them to the rotation by rotations of
 /// pairs.
-void ModalBeam::solve_modes() {
-  const Eigen::Index n = motion_.rigid.size();
-  if (motion_.rounding) return solve_nearly_modes();
-  const Eigen::LLT<Eigen::MatrixXd> mass(motion_.mass);
+void ModalBeam::solve(const SmallMotion& motion) {
+  constexpr Eigen::Index most = 700;  // the work grows with the cube of the number
+  const Eigen::Index n = motion.rigid.size();
+  if (n > most)
+    throw std::runtime_error("two of the bar's modes are too close to be told apart in short time");
+  const Eigen::LLT<Eigen::MatrixXd> mass(motion.mass);
   if (mass.info() != Eigen::Success)
     throw std::runtime_error("the bar's mass matrix is not positive definite");
   const auto scaled = [&](const Eigen::MatrixXd& matrix) {
     const Eigen::MatrixXd half = mass.matrixL().solve(matrix);
     return Eigen::MatrixXd(mass.matrixL().solve(half.transpose()));
   };
-  Eigen::VectorXd rigid = mass.matrixU() * motion_.rigid;
+  Eigen::VectorXd rigid = mass.matrixU() * motion.rigid;
   rigid.normalize();
   const Eigen::HouseholderQR<Eigen::MatrixXd> reflection(rigid);
   const Eigen::MatrixXd reflector = reflection.householderQ() * Eigen::MatrixXd::Identity(n, n);
-  const Eigen::MatrixXd elastic = reflector.transpose() * scaled(motion_.stiffness) * reflector;
-  const Eigen::MatrixXd weight = reflector.transpose() * scaled(motion_.gravity) * reflector;
-  const Eigen::VectorXd hinge = reflector.transpose() * mass.matrixL().solve(motion_.hinge);
-  const Eigen::MatrixXd restoring = weight + motion_.spring * hinge * hinge.transpose();
+  const Eigen::MatrixXd elastic = reflector.transpose() * scaled(motion.stiffness) * reflector;
+  const Eigen::MatrixXd weight = reflector.transpose() * scaled(motion.gravity) * reflector;
+  const Eigen::VectorXd hinge = reflector.transpose() * mass.matrixL().solve(motion.hinge);
+  const Eigen::MatrixXd restoring = weight + motion.spring * hinge * hinge.transpose();
 
   Eigen::MatrixXd basis = Eigen::MatrixXd::Identity(n, n);
   Eigen::MatrixXd coupled = Eigen::MatrixXd::Zero(n, n);
@@ -261,30 +286,27 @@ void ModalBeam::solve_modes() {
     diagonalise(coupled, basis);
   }
   omega_ = coupled.diagonal().cwiseMax(0.0).cwiseSqrt();  // a weightless pendulum: zero
-  shapes_ = mass.matrixU().solve(reflector * basis);
+  const Eigen::MatrixXd shapes = mass.matrixU().solve(reflector * basis);
+  rows_ = shapes.transpose();
   weight_ = basis.transpose() * weight * basis;
   hinge_ = basis.transpose() * hinge;
+  rigid_ = rows_ * (motion.mass * motion.rigid);
 }
 
-/// Coordinates that are nearly modes, slow ones first: rotations of pairs keep the digits of the
-/// slow.
-void ModalBeam::solve_nearly_modes() {
-  const Eigen::Index n = motion_.rigid.size();
-  const Eigen::VectorXd& hinge = motion_.hinge;
-  Eigen::MatrixXd coupled =
-      motion_.stiffness + motion_.gravity + motion_.spring * hinge * hinge.transpose();
-  shapes_.setIdentity(n, n);
-  diagonalise(coupled, shapes_);
-  omega_ = coupled.diagonal().cwiseMax(0.0).cwiseSqrt();
-  weight_ = shapes_.transpose() * motion_.gravity * shapes_;
-  hinge_ = shapes_.transpose() * hinge;
+void ModalBeam::take(BarModes modes) {
+  omega_ = modes.squares.cwiseMax(0.0).cwiseSqrt();  // a weightless pendulum: zero
+  rows_ = std::move(modes.rows);
+  weight_ = std::move(modes.weight);
+  hinge_ = std::move(modes.hinge);
+  rigid_ = std::move(modes.rigid);
+  all_digits_ = true;
 }
 
 /// The eigenvalues err by a part of the largest's last digit: by 0.002 to 0.05 of it, measured on
 /// meshes of 5 to 130 elements.
 double ModalBeam::rounding() const {
   constexpr double share = 0.1;
-  if (motion_.rounding) return *motion_.rounding;
+  if (all_digits_) return 0.0;
   if (modes() < 3) return 0.0;
   const double ratio = omega_[modes() - 1] / omega_[1];
   return share * std::numeric_limits<double>::epsilon() * ratio * ratio;
@@ -294,7 +316,8 @@ double ModalBeam::rounding() const {
 void ModalBeam::find_damping() {
   const Eigen::ArrayXd turned = hinge_.array().square();
   const Eigen::ArrayXd squares = omega_.array().square();
-  Eigen::ArrayXd elastic = squares - weight_.diagonal().array() - motion_.spring * turned;
+  Eigen::ArrayXd elastic = squares - spring_ * turned;
+  elastic.head(weight_.rows()) -= weight_.diagonal().array();
   elastic = (elastic > 1e-12 * squares).select(elastic, 0.0);  // a rigid bar's is rounding
   damping_ = viscous_.mass + viscous_.stiffness * elastic + viscous_.hinge * turned;
   damped_ = viscous_ != ViscousDamping{};
@@ -308,21 +331,25 @@ double ModalBeam::fastest() const {
 }
 
 void ModalBeam::coupled_drag(const Eigen::VectorXd& a, Eigen::VectorXd& drag) const {
-  drag.noalias() = -viscous_.stiffness * (weight_ * a);
-  drag.array() += viscous_.stiffness * weight_.diagonal().array() * a.array();
-  const double hinge = viscous_.hinge - viscous_.stiffness * motion_.spring;
+  const Eigen::Index held = weight_.rows();
+  drag.setZero(a.size());
+  drag.head(held).noalias() = -viscous_.stiffness * (weight_ * a.head(held));
+  drag.head(held).array() += viscous_.stiffness * weight_.diagonal().array() * a.head(held).array();
+  const double hinge = viscous_.hinge - viscous_.stiffness * spring_;
   const double turned = hinge_.dot(a);
   drag.array() += hinge * (turned * hinge_.array() - hinge_.array().square() * a.array());
 }
 
 ModalSlope ModalBeam::slope(const SmallMotion& change, const ViscousDamping& damping) const {
   const Eigen::Index m = omega_.size();
-  const Eigen::VectorXd& h = motion_.hinge;
-  const Eigen::MatrixXd coupled = motion_.spring * (change.hinge * h.transpose());
+  const SmallMotion motion = beam_.small_motion();
+  const Eigen::MatrixXd shapes = rows_.transpose();
+  const Eigen::VectorXd& h = motion.hinge;
+  const Eigen::MatrixXd coupled = motion.spring * (change.hinge * h.transpose());
   const Eigen::MatrixXd stiffness = change.stiffness + change.gravity + coupled +
                                     coupled.transpose() + change.spring * h * h.transpose();
-  const Eigen::MatrixXd k = shapes_.transpose() * stiffness * shapes_;
-  const Eigen::MatrixXd mass = shapes_.transpose() * change.mass * shapes_;
+  const Eigen::MatrixXd k = rows_ * stiffness * shapes;
+  const Eigen::MatrixXd mass = rows_ * change.mass * shapes;
   Eigen::MatrixXd turned(m, m);  // column k: mode k's change in the modes
   for (Eigen::Index i = 0; i < m; ++i)
     for (Eigen::Index j = 0; j < m; ++j) {
@@ -331,25 +358,24 @@ ModalSlope ModalBeam::slope(const SmallMotion& change, const ViscousDamping& dam
                             : (k(j, i) - square * mass(j, i)) / (square - omega_[j] * omega_[j]);
     }
   ModalSlope slope;
-  slope.shapes = shapes_ * turned;
+  slope.shapes = shapes * turned;
   slope.omega.resize(m);
   for (Eigen::Index i = 0; i < m; ++i)
     slope.omega[i] =
         omega_[i] > 0.0 ? (k(i, i) - omega_[i] * omega_[i] * mass(i, i)) / (2.0 * omega_[i]) : 0.0;
   const Eigen::ArrayXd turned_change =
-      2.0 * hinge_.array() *
-      (shapes_.transpose() * change.hinge + slope.shapes.transpose() * h).array();
+      2.0 * hinge_.array() * (rows_ * change.hinge + slope.shapes.transpose() * h).array();
   const auto in_modes = [&](const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& other) {
-    return (shapes_.array() * (matrix * other).array()).colwise().sum().transpose().eval();
+    return (shapes.array() * (matrix * other).array()).colwise().sum().transpose().eval();
   };
   slope.damping =
       damping.mass + damping.hinge * hinge_.array().square() + viscous_.hinge * turned_change;
   if (damping.stiffness != 0.0 || viscous_.stiffness != 0.0)
-    slope.damping.array() += damping.stiffness * in_modes(motion_.stiffness, shapes_) +
-                             viscous_.stiffness * (in_modes(change.stiffness, shapes_) +
-                                                   2.0 * in_modes(motion_.stiffness, slope.shapes));
-  slope.rigid = slope.shapes.transpose() * (motion_.mass * motion_.rigid) +
-                shapes_.transpose() * (change.mass * motion_.rigid + motion_.mass * change.rigid);
+    slope.damping.array() += damping.stiffness * in_modes(motion.stiffness, shapes) +
+                             viscous_.stiffness * (in_modes(change.stiffness, shapes) +
+                                                   2.0 * in_modes(motion.stiffness, slope.shapes));
+  slope.rigid = slope.shapes.transpose() * (motion.mass * motion.rigid) +
+                rows_ * (change.mass * motion.rigid + motion.mass * change.rigid);
   return slope;
 }
 
@@ -393,7 +419,12 @@ double ModalBeam::shortening_energy(const StationSlopes& slopes, double frame) c
 }
 
 Eigen::VectorXd ModalBeam::point(double x) const {
-  return shapes_.transpose() * beam_.small_motion_row(x);
+  const Eigen::VectorXd row = beam_.small_motion_row(x);
+  if (rows_.size() == 0) return row;
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(modes());
+  for (Eigen::Index i = 0; i < row.size(); ++i)  // only an element's values move a point of a mesh
+    if (row[i] != 0.0) sum += row[i] * rows_.col(i);
+  return sum;
 }
 
 Eigen::VectorXd ModalBeam::point_slope(double x) const {
@@ -405,10 +436,11 @@ Eigen::VectorXd ModalBeam::point_slope(double x) const {
 
 BeamEnergy ModalBeam::energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const {
   static thread_local Eigen::VectorXd weighed;  // asked for at every step: no allocation
-  weighed.noalias() = weight_ * a;
-  const double gravitational = 0.5 * a.dot(weighed);
+  const auto held = a.head(weight_.rows());
+  weighed.noalias() = weight_ * held;
+  const double gravitational = 0.5 * held.dot(weighed);
   const double turned = hinge_.dot(a);
-  const double spring = 0.5 * motion_.spring * turned * turned;
+  const double spring = 0.5 * spring_ * turned * turned;
   // the elastic energy of q itself would drown in what a rigid rotation leaves of rounding
   const double potential = 0.5 * omega_.cwiseProduct(a).squaredNorm();
   return {.kinetic = 0.5 * rate.squaredNorm(),

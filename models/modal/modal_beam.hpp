@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "models/beams/beam_dynamics.hpp"
@@ -80,7 +82,7 @@ class ModalBeam {
   /// changes like that (m).
   Eigen::VectorXd row_slope(const ModalSlope& slope, const Eigen::VectorXd& row,
                             const Eigen::VectorXd& row_change) const {
-    return slope.shapes.transpose() * row + shapes_.transpose() * row_change;
+    return slope.shapes.transpose() * row + rows_ * row_change;
   }
 
   /// The bar with frequencies, damping, struck points and rigid rotation moved along a slope; for
@@ -91,7 +93,8 @@ class ModalBeam {
   /// one; for its responses alone.
   ModalBeam with_mode(double omega, double damping, double struck) const;
 
-  const Eigen::MatrixXd& shapes() const { return shapes_; }
+  /// Of unit modal mass (n, m); empty where the coordinates are the modes.
+  Eigen::MatrixXd shapes() const { return rows_.transpose(); }
 
   BeamEnergy energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
 
@@ -138,33 +141,43 @@ class ModalBeam {
 
   const Stations& stations() const { return stations_; }
 
-  bool sprung() const { return motion_.spring > 0.0; }  ///< a spring in the hinge
+  bool sprung() const { return spring_ > 0.0; }  ///< a spring in the hinge
 
   RigidPart rigid_part(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
 
  private:
-  void solve_modes();
-  void solve_nearly_modes();
+  /// A matrix of modes, once it is asked for; copies of a bar share it.
+  struct Late {
+    std::once_flag found;
+    Eigen::MatrixXd matrix;
+  };
+
+  void solve(const SmallMotion& motion);
+  void take(BarModes modes);
   void find_damping();
   void find_stations(const Rig& rig);
-  void find_uneven_slopes();
+  void find_stretching();
+  const Eigen::MatrixXd& uneven_slopes() const;
+  const Eigen::MatrixXd& whole_weight() const;
 
   const SmallMotionBeam& beam_;
-  SmallMotion motion_;
-  Eigen::MatrixXd shapes_;  // (n, m), M-orthonormal
-  Eigen::MatrixXd weight_;  // the hanging weight's stiffness (m, m)
+  Eigen::MatrixXd rows_;    // of the modes' shapes (m, n); none where the coordinates are the modes
+  Eigen::MatrixXd weight_;  // the hanging weight's stiffness, of the slowest (p, p), p ≤ m
   Eigen::VectorXd omega_, struck_, rigid_;
   ViscousDamping viscous_;
   Eigen::VectorXd damping_;
   bool damped_ = false;
+  bool all_digits_ = false;               // the modes are right to all of them, or nearly
   std::vector<Eigen::VectorXd> further_;  // of further stops
   Eigen::VectorXd hinge_;                 // angle at the hinge under unit modal coordinates (m)
   double length_, struck_position_;       // [m]
+  double spring_;                         // of the hinge [N m/rad]
   double elastic_compliance_ = 0.0;
   Stations stations_;
-  // of each element that stretches: its slope's parts in P₁ and P₂, row by row (2 e, m), and EA h
-  Eigen::MatrixXd uneven_;
-  Eigen::VectorXd axial_;
+  // of each element that stretches its slope's parts in P₁ and P₂, row by row (2 e, m)
+  std::shared_ptr<Late> uneven_ = std::make_shared<Late>();
+  std::shared_ptr<Late> whole_weight_ = std::make_shared<Late>();  // weight_ of all modes (m, m)
+  Eigen::VectorXd axial_;         // EA h of each element that stretches
   double most_stretching_ = 0.0;  // of that energy, over the square of the bar's [1/J]
 };
 

@@ -46,7 +46,6 @@ void ModalMotion::start(double angle, double rate) {
   flights_ = {};
   first_contact_ = FirstContact::to_come;
   left_out_ = {};
-  pressed_for_ = 0.0;
   scratch_ = end_ = state_;
   if (velocity_row_.size() > 0) sampled_[0] = sampled_[1] = state_;
   series_.assign(static_cast<std::size_t>(beam_.stops()), NodeVector::Zero(rule_.nodes()));
@@ -186,8 +185,7 @@ void ModalMotion::take(double part) {
     std::swap(state_, end_);
   }
   note_shortening(pressed);
-  if (first_contact_ != FirstContact::to_come && bar_.residuals().size() > 0) {
-    pressed_for_ += part * step();
+  if (first_contact_ != FirstContact::to_come && bar_.is_reduced()) {
     if (pressed) note_left_out(part);
   }
   if (pressed) neglected_ = shortening_ + stretching_;
@@ -217,11 +215,10 @@ void ModalMotion::note_shortening(bool pressed) {
     stretching_ = std::max(stretching_, beam_.stretching_energy(state_.a) / energy_scale_);
 }
 
-/// Modes that are the bar's own err by their residual and by the phase that they gain or lose;
-/// others, that stand for many, by all of their vibration about where the forces hold them.
+/// What stands for modes that are left out errs by all of its vibration about where the forces hold
+/// it; the bar's own modes do not err.
 void ModalMotion::note_left_out(double part) {
   static thread_local Eigen::VectorXd pressing, off, off_rate;  // at every step: no allocation
-  const Eigen::VectorXd& residuals = bar_.residuals();
   const Eigen::Index m = beam_.modes();
   const auto force_of = [&](int stop) {
     return legendre_sum(series_[static_cast<std::size_t>(stop)], part);
@@ -231,11 +228,9 @@ void ModalMotion::note_left_out(double part) {
   off_rate.setZero(m);
   for (int stop = 0; stop < beam_.stops(); ++stop)
     if (presses(stop)) pressing += force_of(stop) * beam_.struck(stop);
-  for (Eigen::Index k = 1; k < m; ++k) {
-    const double residual = residuals[k], omega = beam_.omega()[k];
-    const double share = std::min(residual + bar_.detuning()[k] * pressed_for_, 1.0);
-    off[k] = share * std::abs(state_.a[k] + pressing[k] / (omega * omega));
-    off_rate[k] = share * std::abs(state_.rate[k]);
+  for (Eigen::Index k = bar_.own_modes(); k < m; ++k) {
+    off[k] = std::abs(state_.a[k] + pressing[k] / std::pow(beam_.omega()[k], 2));
+    off_rate[k] = std::abs(state_.rate[k]);
   }
   const auto note = [](double& most, double value) { most = std::max(most, value); };
   for (int stop = 0; stop < beam_.stops(); ++stop) {

@@ -113,7 +113,7 @@ class ModalMotion : public BarMotion {
   /// energy at touch: of the order of the relative error of peak force, duration and impulse.
   double neglected() const { return neglected_; }
 
-  /// How far vibration that a RitzBar does not have could have moved the struck points and the
+  /// How far vibration that a ReducedBar does not have could have moved the struck points and the
   /// velocity's spot until the contact last pressed: as far as what it has of it.
   struct LeftOut {
     double displacement = 0.0;  ///< of struck points [m]
@@ -176,7 +176,6 @@ class ModalMotion : public BarMotion {
   double shortening_ = 0.0, stretching_ = 0.0, neglected_ = 0.0;
 
   LeftOut left_out_;
-  double pressed_for_ = 0.0;  // [s], from first touch
 
   enum class FirstContact { to_come, lasts, over };
 

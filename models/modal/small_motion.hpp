@@ -20,9 +20,19 @@ struct SmallMotion {
   Eigen::VectorXd hinge;      ///< h: angle of the axis at the hinge, closing > 0 (n)
   double spring = 0.0;        ///< k, of the hinge [N m/rad]
   Eigen::VectorXd rigid;      ///< q of a rigid rotation by 1 rad, closing (n)
-  /// What rounding has left of the slowest bending mode's frequency, relative; where it is known
-  /// the coordinates are nearly the modes, slow ones first, and M is the unit matrix.
-  std::optional<double> rounding = {};
+};
+
+/// Modes of a bar under its weight and with its hinge's spring, slow ones first.
+struct BarModes {
+  Eigen::VectorXd squares;  ///< ω² [rad²/s²] (m); below zero where the bar would fall over
+  /// Shapes of unit modal mass, a coordinate of the bar a column (m, n); none where the coordinates
+  /// are the modes.
+  Eigen::MatrixXd rows;
+  int own = 0;  ///< how many are modes of the bar; those after them stand for the rest
+  /// The hanging weight's stiffness in those that it holds by more than a millionth (p, p), p ≤ m.
+  Eigen::MatrixXd weight;
+  Eigen::VectorXd hinge;  ///< angle of the axis at the hinge, closing > 0 (m)
+  Eigen::VectorXd rigid;  ///< modal velocities of a rigid rotation at 1 rad/s, closing (m)
 };
 
 /// What resists the small motion of a bar and its hinge: C = α M + τ K + c hᵀ h.
@@ -48,6 +58,9 @@ class SmallMotionBeam {
 
   /// Displacement of a point under unit coordinates of small_motion(), closing > 0 (n).
   virtual Eigen::VectorXd small_motion_row(double x) const = 0;
+
+  /// All its modes, where it has a better way to them than those matrices.
+  virtual std::optional<BarModes> modes() const { return std::nullopt; }
 
   /// Elements of which the bar of the full equations stretches where it bends unevenly: their axes
   /// are cubics. Small motion does not know of it.

@@ -16,7 +16,7 @@ namespace {
 
 // Beyond, computing all modes costs more than it saves: the work grows with the cube of their
 // number.
-constexpr int most_modes = 260;
+constexpr int most_modes = 520;
 // The first contact of small motion errs at most by what ModalMotion::neglected() says (150 random
 // scenes against the full equations; by 1.6 times that where single elements bend unevenly); twice
 // that for safety. Of missing friction more, and of damped bars: where modes creep, the bar parts
@@ -136,7 +136,7 @@ Simulation SmallMotionRun::conclude() {
   if (stopped_) result.sensor = stopped_->sensor(result.impulse);
   if (sensitivities_) result.sensitivities = sensitivities_->take_results();
   result.small_motion = true;
-  if (bar_->residuals().size() > 0 && !result.episodes.empty()) find_left_out(result);
+  if (bar_->is_reduced() && !result.episodes.empty()) find_left_out(result);
   if (!judges()) return result;
   const double end_of_contact = result.episodes.empty() ? 0.0 : result.episodes.back().end;
   const double friction = missing_friction(rig_, result, end_of_contact);
@@ -185,7 +185,7 @@ void SmallMotionRun::find_left_out(const Simulation& result) {
 }
 
 void SmallMotionRun::tell_left_out(Simulation& result) {
-  if (bar_->residuals().size() == 0) return;
+  if (!bar_->is_reduced()) return;
   const int kept = bar_->modes().modes();
   result.taken.push_back(Simplification::fast_vibration);
   result.skipped.push_back(fmt::format(

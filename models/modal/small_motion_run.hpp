@@ -44,8 +44,8 @@ class SmallMotionRun {
   /// What the run gave, and what small motion left out of it.
   Simulation conclude();
 
-  /// What vibration that a RitzBar does not have changes at most of peak, duration and impulse of
-  /// the first contact, and of histories that are asked for: as a part of the touch speed. Once
+  /// What vibration that a ReducedBar does not have changes at most of peak, duration and impulse
+  /// of the first contact, and of histories that are asked for: as a part of the touch speed. Once
   /// concluded.
   double left_out() const { return left_out_; }
 
