@@ -207,6 +207,14 @@ TEST(BarCache, GivesWhatAFreshRunGives) {
     }
 }
 
+// Of so fine a mesh next to nothing is left: (βh)⁴ of the waves that matter.
+TEST(MeshError, IsToldOfVeryFineMeshesToo) {
+  const std::optional<MeshError> error = mesh_error(paper_rig(), ancf(448, 64, 1e-4, 1e-3));
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->finer.elements, (std::array{896, 128}));
+  EXPECT_LT(error->largest(), 1e-6);
+}
+
 // Against a mesh eight times as fine: what is left after one refinement is several times smaller.
 TEST(MeshError, IsNearlyTheErrorOfTheMesh) {
   const Rig rig = paper_rig();
