@@ -138,8 +138,7 @@ double power_of_modes(const Rig& rig) {
 int modes_of_long_elements(const Rig& rig, const Solver& solver) {
   std::vector<double> waves;
   for (const BarElement& element : bar_elements(rig.beam, rig.contact.position, solver.elements))
-    waves.push_back(element.length *
-                    std::pow(element.line_density / element.bending_stiffness, 0.25));
+    waves.push_back(element.length * element.wave_number());
   const double longest = std::ranges::max(waves);
   const auto few =
       std::ranges::count_if(waves, [&](double each) { return each < short_element * longest; });

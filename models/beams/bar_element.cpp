@@ -18,6 +18,10 @@ double BarElement::shear_share() const {
   return 12.0 * bending_stiffness * shear_compliance / (length * length);
 }
 
+double BarElement::wave_number() const {
+  return std::pow(line_density / bending_stiffness, 0.25);
+}
+
 BarElement::Shape BarElement::deflection(double xi) const {
   const double phi = shear_share();
   const double s = xi * xi;
@@ -122,8 +126,7 @@ std::vector<BarElement> pieces_of(const Beam& beam, const Side& side) {
 std::vector<int> distribute(const std::vector<BarElement>& pieces, int elements) {
   std::vector<int> shares(pieces.size(), 1);
   const auto waves = [&](std::size_t i) {  // in one element
-    const double number = std::pow(pieces[i].line_density / pieces[i].bending_stiffness, 0.25);
-    return pieces[i].length * number / shares[i];
+    return pieces[i].length * pieces[i].wave_number() / shares[i];
   };
   for (int left = elements - static_cast<int>(pieces.size()); left > 0; --left) {
     std::size_t coarsest = 0;

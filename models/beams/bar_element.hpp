@@ -46,6 +46,9 @@ struct BarElement {
   Matrix stiffness() const;  ///< of bending and shear
 
   double shear_share() const;  ///< Φ [-]
+
+  /// Wave number of a bending wave over ω^½ [s^½/m], of a bar that does not shear.
+  double wave_number() const;
 };
 
 /// A segment of the bar, x from the hinge.

@@ -57,7 +57,7 @@ BarModeFinder::BarModeFinder(const LinearBar& bar, bool clamped) : hangs_(bar.ha
     append_triangle(elastic + weight, bar_.values, stiffness_);
     append_triangle(weight, bar_.values, weight_);
     append_triangle(in_own_values(shares[e].mass, element.length), bar_.values, mass_);
-    wave_number_.push_back(std::pow(element.line_density / element.bending_stiffness, 0.25));
+    wave_number_.push_back(element.wave_number());
     wave_.push_back((wave_.empty() ? 0.0 : wave_.back()) + element.length * wave_number_.back());
   }
   bar_.length = length_.data();
@@ -151,7 +151,7 @@ bool BarModeFinder::fence_off(int known, int modes) {
 
 std::optional<BarModes> BarModeFinder::all() {
   std::optional<BarModes> modes = find(most(), 0, nullptr);
-  if (modes) find_hinge(*modes);
+  if (modes) find_rotation(*modes);
   return modes;
 }
 
@@ -162,7 +162,7 @@ std::optional<BarModes> BarModeFinder::slowest(int count, const std::vector<Line
   std::optional<BarModes> modes = find(count, more, fewer);
   if (!modes) return modes;
   if (!points.empty()) stand_in(*modes, points);
-  find_hinge(*modes);
+  find_rotation(*modes);
   return modes;
 }
 
@@ -254,7 +254,7 @@ Eigen::MatrixXd BarModeFinder::inertia_of(const Rows& rows) const {
   return inertia;
 }
 
-void BarModeFinder::find_hinge(BarModes& modes) const {
+void BarModeFinder::find_rotation(BarModes& modes) const {
   const int each = bar_.values - 2;
   Eigen::RowVectorXd rigid = Eigen::RowVectorXd::Zero(size());
   rigid[0] = -1.0;
@@ -283,12 +283,12 @@ Eigen::MatrixXd BarModeFinder::give_way(const Eigen::MatrixXd& loads, double shi
 }
 
 /// The loads without what moves the modes bend the bar by what the modes leave out; by a shift as
-/// far below zero as the slowest bending mode is above, so that a bar that turns freely gives way
-/// too. That errs by the ratio of the slowest and the first left out, squared.
+/// far below zero as the slowest bending mode is above, so that a bar that turns freely or would
+/// fall over gives way too. That errs by the ratio of the slowest and the first left out, squared.
 void BarModeFinder::stand_in(BarModes& modes, const std::vector<LinearBar::Row>& points) {
   constexpr double same = 1e-8, faster = 2.0;
   const auto count = static_cast<Eigen::Index>(points.size());
-  const double shift = -modes.squares[std::min(1, modes.own - 1)];
+  const double shift = -modes.squares.head(std::min(2, modes.own)).cwiseAbs().sum();
   const auto own_rows = modes.rows.topRows(modes.own);
   Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(count, bar_.elements * bar_.values);
   Eigen::MatrixXd shares(count, modes.own), values;

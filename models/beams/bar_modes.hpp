@@ -24,9 +24,9 @@ class BarModeFinder {
   std::optional<BarModes> all();
 
   /// As many of the slowest, and what bends the bar under forces at these points without them: with
-  /// it the bar gives way to steady forces as it does with all modes. It is followed as a mode of
-  /// its own, which is faster than all that is left out is slow; none is more than twice as fast as
-  /// the fastest mode, as springs need no mass. Fewer that are known are not sought again.
+  /// it the bar gives way to steady forces as it does with all modes. That is one mode more a
+  /// point, at most twice as fast as the fastest of the bar's own: a spring needs no mass. `fewer`
+  /// that are known are not sought again.
   std::optional<BarModes> slowest(int modes, const std::vector<LinearBar::Row>& points,
                                   const BarModes* fewer = nullptr);
 
@@ -55,7 +55,7 @@ class BarModeFinder {
   std::optional<BarModes> find(int modes, int more, const BarModes* fewer);
   void find_weight(BarModes& modes) const;
   Eigen::MatrixXd inertia_of(const Rows& rows) const;
-  void find_hinge(BarModes& modes) const;
+  void find_rotation(BarModes& modes) const;
   Eigen::MatrixXd give_way(const Eigen::MatrixXd& loads, double shift);
   void stand_in(BarModes& modes, const std::vector<LinearBar::Row>& points);
 

@@ -39,10 +39,10 @@ struct BarModesBetween {
   double* work;                         ///< bar_work()
   double* square;                       ///< ω² (m)
   double* converged;                    ///< 0 where it did not (m)
-  /// At the hinge (m); u and inside after each element, (N, v − 2) by m of so many numbers. Of unit
-  /// modal mass.
+  /// Of unit modal mass: the rotation at the hinge (m); u and the values inside after each element,
+  /// (N, v − 2) places of m numbers.
   double *turn, *shape;
-  int stride = 0;
+  int stride = 0;  ///< from one place to the next
 };
 
 /// How the bar gives way to loads with a shift that is no mode's: (A − σ M) x = b.
@@ -53,7 +53,7 @@ struct BarUnderLoads {
   const double* load;     ///< b, in the elements' values; (N, v) by m
   double* work;           ///< bar_work()
   double *turn, *motion;  ///< as `turn` and `shape` of BarModesBetween
-  int stride = 0;
+  int stride = 0;         ///< likewise
 };
 
 /// How many numbers these need to work with.

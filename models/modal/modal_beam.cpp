@@ -54,7 +54,7 @@ void diagonalise(Eigen::MatrixXd& matrix, Eigen::MatrixXd& basis) {
 
 /// Of a bending wave of a given frequency, how many are in the piece; only ratios matter.
 double waves(const BarElement& piece) {
-  return piece.length * std::pow(piece.line_density / piece.bending_stiffness, 0.25);
+  return piece.length * piece.wave_number();
 }
 
 /// The bar's pieces, those alike taken together, cut at the struck point.

@@ -14,8 +14,8 @@
 namespace impactrig::models {
 namespace {
 
-// Beyond, computing all modes costs more than it saves: the work grows with the cube of their
-// number.
+// Beyond, all modes cost more than they save: their work and their memory grow with the square of
+// their number.
 constexpr int most_modes = 520;
 // The first contact of small motion errs at most by what ModalMotion::neglected() says (150 random
 // scenes against the full equations; by 1.6 times that where single elements bend unevenly); twice

@@ -203,6 +203,31 @@ TEST(BarModes, StandInsBendAsAllTheOthersDo) {
   }
 }
 
+// A soft bar that stands on its hinge would fall over in more than one way.
+TEST(BarModes, AreFoundBelowZeroToo) {
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  rig.gravity_direction = std::numbers::pi;
+  rig.beam.youngs_modulus *= 1e-5;
+  const LinearBar bar = bar_of(rig, {14, 6});
+  const LinearBar::Row at = bar.row_at(rig.contact.position);
+  const std::optional<BarModes> all = BarModeFinder(bar).all();
+  const std::optional<BarModes> few = BarModeFinder(bar).slowest(12, {at});
+  ASSERT_TRUE(all && few);
+  ASSERT_LT(all->squares[1], 0.0);
+  const auto moved = [&](const BarModes& modes, Eigen::Index k) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < BarElement::values; ++i)
+      if (at.places[i] >= 0) sum += at.values[static_cast<int>(i)] * modes.rows(k, at.places[i]);
+    return sum * sum / modes.squares[k];
+  };
+  double left_out = 0.0;
+  for (Eigen::Index k = 12; k < all->squares.size(); ++k) left_out += moved(*all, k);
+  const double error =
+      std::pow((std::abs(all->squares[0]) + std::abs(all->squares[1])) / all->squares[12], 2);
+  EXPECT_NEAR(moved(*few, 12) / left_out, 1.0, error + 1e-10);
+}
+
 TEST(BarModes, StandInsOfOnePointTwiceAreOne) {
   const Rig rig = paper_rig();
   const LinearBar bar = bar_of(rig, {14, 6});
