@@ -183,9 +183,19 @@ class CatmanReader {
                        fmt::format("the file has {} channels, at most {} are read: export it in "
                                    "parts",
                                    n_channels_, most_channels));
-    in_.skip(4);  // longest channel
+    const auto longest = in_.read<std::int32_t>("the maximum channel length");
+    if (longest != 0)
+      record_.warnings.push_back(fmt::format(
+          "the file states a maximum channel length of {} samples, most state 0: channels may have "
+          "been cut at that length",
+          longest));
     in_.bytes(4 * static_cast<std::uint64_t>(n_channels_), "the places of the channels' lengths");
-    in_.bytes(4, "the reduction factor");
+    const auto reduction = in_.read<std::int32_t>("the reduction factor");
+    if (reduction != 0)
+      record_.warnings.push_back(fmt::format(
+          "the file states a reduction factor of {}, most state 0: its samples may be one of {} "
+          "recorded, or what was made of so many, and impacts between them be lost",
+          reduction, reduction));
   }
 
   CatmanChannel read_channel_header() {

@@ -16,9 +16,12 @@ struct Signature {
   std::string_view bytes;
   std::string_view what;
   std::string_view way_out;
+  std::string_view also = {};  ///< what the first bytes hold anywhere
 };
 
-constexpr std::string_view as_csv = "export it as CSV with the program that wrote it";
+constexpr std::string_view from_the_oscilloscope =
+    "save the waveform as CSV on the oscilloscope, with its times";
+constexpr std::string_view as_wave = "save it as WAV, as RF64 where it is longer than 4 GB";
 
 constexpr auto signatures = std::to_array<Signature>({
     {0, std::string_view("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", 8),
@@ -34,6 +37,17 @@ constexpr auto signatures = std::to_array<Signature>({
      "save the table in it as CSV"},
     {0, "\x1F\x8B", "a gzip-compressed file", "unpack it first"},
     {0, "%PDF", "a PDF document", "a recording is expected"},
+    {0, std::string_view("riff\x2E\x91\xCF\x11\xA5\xD6\x28\xDB", 12),
+     "a Sony Wave64 sound file (.w64)", as_wave},
+    {0, "FORM", "an AIFF sound file", as_wave, "AIFF"},
+    {0, "FORM", "an AIFF sound file", as_wave, "AIFC"},
+    {0, "<?xml",
+     "the description of an NI TDM file (.tdm), whose samples are in the .tdx beside it",
+     "save it as TDMS with DIAdem or LabVIEW", "usi:tdm"},
+    {0, "<?xml",
+     "the description of a Rohde & Schwarz waveform (.bin), whose samples are in the .Wfm.bin "
+     "beside it",
+     from_the_oscilloscope, "eRS_"},
 });
 
 /// Formats of which only the ending is known.
@@ -48,7 +62,9 @@ constexpr std::string_view from_polytec =
 constexpr std::string_view from_its_program =
     "export it as universal file (UFF), MAT or CSV with the program that wrote it";
 
+/// Longer endings first.
 constexpr auto endings = std::to_array<Ending>({
+    {".wfm.bin", "a Rohde & Schwarz oscilloscope", from_the_oscilloscope},
     {".svd", "Polytec PSV", from_polytec},
     {".pvd", "Polytec VibSoft", from_polytec},
     {".dxd", "Dewesoft", from_its_program},
@@ -58,30 +74,33 @@ constexpr auto endings = std::to_array<Ending>({
     {".sie", "HBM SoMat", from_its_program},
     {".spd", "a measuring program", from_its_program},
     {".rdm", "a measuring program", from_its_program},
-    {".tst", "a measuring program", from_its_program},
-    {".wdf", "a measuring program", from_its_program},
+    {".tst", "HBM catman", "export it from catman as binary (.bin) or ASCII"},
+    {".psdata", "PicoScope", "save it as MATLAB (.mat) or CSV with PicoScope"},
+    {".wvf", "a Yokogawa oscilloscope", from_the_oscilloscope},
+    {".wdf", "a Yokogawa oscilloscope", from_the_oscilloscope},
+    {".tdx", "NI DIAdem or LabVIEW (samples of a .tdm)", "save it as TDMS with DIAdem or LabVIEW"},
 });
 
 }  // namespace
 
 std::string closed_ending(std::string_view file_name) {
-  const std::size_t dot = file_name.rfind('.');
-  if (dot == std::string_view::npos) return {};
-  std::string ending(file_name.substr(dot));
-  for (char& c : ending)
+  std::string name(file_name);
+  for (char& c : name)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  const auto found = std::ranges::find(endings, ending, &Ending::ending);
+  const auto found = std::ranges::find_if(
+      endings, [&name](const Ending& one) { return name.ends_with(one.ending); });
   if (found == endings.end()) return {};
   return fmt::format(
       "the content is of no known format, and the ending '{}' is that of files of {}, which are "
       "not read: {}",
-      ending, found->what, found->way_out);
+      found->ending, found->what, found->way_out);
 }
 
 std::string closed_format(std::string_view head) {
   for (const Signature& signature : signatures) {
     if (head.size() < signature.offset) continue;
     if (!head.substr(signature.offset).starts_with(signature.bytes)) continue;
+    if (head.find(signature.also) == std::string_view::npos) continue;
     return fmt::format("this is {}, which is not read: {}", signature.what, signature.way_out);
   }
   return {};

@@ -180,15 +180,15 @@ void take_start_and_increment(Cells& names, Cells& units, char decimal, TableHea
   }
 }
 
-void add_attribute(std::string_view line, const TableLayout& layout, TableHead& head) {
+void add_attribute(std::string_view line, const TableLayout& layout, bool keys, TableHead& head) {
   const std::string_view text = trimmed(without_comment_sign(line));
   if (text.empty()) return;
   std::string key;
   std::string value;
-  const std::size_t cell_end = layout.dialect.delimiter == ' '
+  const std::size_t cell_end = keys || layout.dialect.delimiter == ' '
                                    ? std::string_view::npos
                                    : text.find(layout.dialect.delimiter);
-  const std::size_t colon = text.find_first_of(":=");
+  const std::size_t colon = text.find_first_of(keys ? ":" : ":=");
   const std::size_t divider = cell_end != std::string_view::npos ? cell_end : colon;
   if (divider == std::string_view::npos || divider == 0) {
     std::string& rest = head.attributes["header"];
@@ -225,6 +225,24 @@ bool are_numbered_channels(const Cells& names) {
          std::all_of(names.begin() + 1, names.end(), [](std::string_view name) {
            return name.empty() || integer_in(name).has_value();
          });
+}
+
+/// Lines "Key :value" above a table of one column, as ISO 13499 (MME) has them: the last is no name
+/// where its value is a number, or all others are keys too.
+bool are_keys(const TableLayout& layout, const std::vector<std::size_t>& filled) {
+  if (layout.cells != 1 || filled.empty()) return false;
+  const auto value_of = [&](std::size_t line) -> std::optional<std::string_view> {
+    const std::string_view text = trimmed(without_comment_sign(layout.head[line]));
+    const std::size_t colon = text.find(':');
+    if (colon == std::string_view::npos || colon == 0) return std::nullopt;
+    return trimmed(text.substr(colon + 1));
+  };
+  const auto last = value_of(filled.back());
+  if (!last) return false;
+  return number_in(*last, {layout.dialect.decimal, false}).has_value() ||
+         (filled.size() > 2 && std::ranges::all_of(filled, [&](std::size_t line) {
+            return value_of(line).has_value();
+          }));
 }
 
 /// The last two filled lines above the rows, as names and units or as names alone.
@@ -462,6 +480,31 @@ void find_interval(Dialect dialect, TableHead& head) {
   }
 }
 
+/// Name, unit and start of the one column under lines "Key :value".
+void take_column_of_keys(Dialect dialect, TableHead& head) {
+  ColumnHead column;
+  for (const auto& [key, value] : head.attributes) {
+    if (value == "NOVALUE") continue;  // of ISO 13499
+    const std::string word = lowered(key);
+    if (word == "name of the channel" || word == "channel name") column.name = value;
+    if (word == "unit") column.unit = value;
+    if (word != "time of first sample") continue;
+    const auto stated = stated_value(value, dialect);
+    const auto seconds =
+        datasets::conversion(stated && !stated->unit.empty() ? to_utf8(stated->unit) : "s", "s");
+    if (stated && seconds && !is_ambiguous(value, dialect))
+      head.start = seconds->factor * stated->value;
+    else
+      head.warnings.push_back(fmt::format(
+          "the header states '{}' as '{}', which is not understood: it is not used", key, value));
+  }
+  if (column.name.empty()) {
+    const auto code = head.attributes.find("Channel code");
+    if (code != head.attributes.end() && code->second != "NOVALUE") column.name = code->second;
+  }
+  head.columns = {column};
+}
+
 /// What stood within quotes, as RFC 4180 has it: doubled quotes stand for one; breaks become
 /// blanks.
 std::string one_line(std::string_view cell) {
@@ -530,7 +573,8 @@ TableHead read_head(const TableLayout& layout, std::string_view text) {
     if (!trimmed(layout.head[i]).empty()) filled.push_back(i);
   Cells names;
   Cells units;
-  find_names_and_units(layout, filled, names, units, head);
+  const bool keys = are_keys(layout, filled);
+  if (!keys) find_names_and_units(layout, filled, names, units, head);
   spread_names(layout, names);
   compare_names_with_columns(layout, text, names, head);
   if (layout.column_numbers)
@@ -543,8 +587,9 @@ TableHead read_head(const TableLayout& layout, std::string_view text) {
     const int line = static_cast<int>(i) + 1;
     const bool only_numbers = layout.column_numbers && i + 1 == layout.head.size();
     if (line != head.names_line && line != head.units_line && !only_numbers)
-      add_attribute(layout.head[i], layout, head);
+      add_attribute(layout.head[i], layout, keys, head);
   }
+  if (keys) take_column_of_keys(layout.dialect, head);
   find_interval(layout.dialect, head);
   return head;
 }

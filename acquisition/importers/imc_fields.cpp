@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "acquisition/importers/byte_cursor.hpp"
 #include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/text_file.hpp"
@@ -22,6 +23,8 @@ using datasets::InputError;
 using datasets::Record;
 
 namespace {
+
+constexpr std::size_t event_bytes = 72;
 
 /// One key, with its contents and where they lie.
 struct Key {
@@ -169,7 +172,8 @@ class KeyReader {
       fail(key.place, "expected the key '|CF' of an imc FAMOS file");
     } else if (key.name == "CK") {
       in.next();
-      if (integer_in(in.next()) != 1)
+      contents_.closed = integer_in(in.next()) == 1;
+      if (!contents_.closed)
         record_.warnings.push_back("the file was not closed by the program that wrote it");
     } else if (key.name == "NO") {
       in.next();
@@ -184,8 +188,16 @@ class KeyReader {
       field_ = ImcField{};
       field_.type = static_cast<int>(std::min<std::uint64_t>(count(in, key, "a type"), 100));
       abscissa_ = {};
+      segment_ = 0;
+      event_reference_.reset();
     } else if (key.name == "CD") {
       read_abscissa(key, in);
+    } else if (key.name == "CZ") {
+      read_segments(key, in);
+    } else if (key.name == "CV") {
+      read_events(key);
+    } else if (key.name == "Cv") {
+      read_event_reference(key, in);
     } else if (key.name == "NT") {
       read_trigger(key, in);
     } else if (key.name == "CC") {
@@ -227,29 +239,93 @@ class KeyReader {
     if (key.version == 2) {
       for (int i = 0; i < 3; ++i) in.next();  // reduction, events, sorting
       abscissa_.start = number(in, key, "an x of the first sample");
-      abscissa_.stated_start = true;
+      abscissa_.start_usage = static_cast<int>(integer_in(in.next()).value_or(1));
     }
     if (component_) component_->abscissa = abscissa_;
   }
 
+  /// "|CZ,1,length,dz,1,z0,1,length of unit,unit,samples of a segment;"
+  void read_segments(const Key& key, Parameters& in) {
+    for (int i = 0; i < 4; ++i) in.next();
+    in.text();
+    segment_ = count(in, key, "the samples of a segment");
+    if (component_) component_->segment = segment_;
+  }
+
+  /// "|CV,1,length,number of the list,count,number,72 bytes,number,72 bytes;"
+  void read_events(const Key& key) {
+    std::size_t at = 0;
+    const auto whole_number = [&](std::string_view what) {
+      const std::size_t comma = std::min(key.contents.find(',', at), key.contents.size());
+      const auto value = integer_in(trimmed(key.contents.substr(at, comma - at)));
+      if (!value || *value < 0) fail(key.place, fmt::format("CV: expected {}", what));
+      at = std::min(comma + 1, key.contents.size());
+      return *value;
+    };
+    std::vector<ImcEvent>& events =
+        contents_.events[whole_number("the number of a list of events")];
+    const auto announced = static_cast<std::uint64_t>(whole_number("a number of events"));
+    for (std::uint64_t i = 0; i < announced; ++i) {
+      if (at < key.contents.size()) whole_number("the number of an event");
+      if (key.contents.size() - at < event_bytes)
+        fail(key.place, fmt::format("CV: {} events are announced, {} found", announced, i));
+      events.push_back(event_at(key.contents_at + at));
+      at = std::min(at + event_bytes + 1, key.contents.size());
+    }
+  }
+
+  /// Places and lengths are split: their upper halves stand at the end.
+  ImcEvent event_at(std::uint64_t place) const {
+    ByteCursor in(file_, contents_.big_endian, place);
+    constexpr std::string_view what = "an event";
+    ImcEvent event;
+    event.first = in.read<std::uint32_t>(what);
+    event.count = in.read<std::uint32_t>(what);
+    event.time = in.read<double>(what);
+    event.shift = in.read<double>(what);
+    in.skip(8);  // the offset of a second component
+    event.start = in.read<double>(what);
+    event.factor = in.read<double>(what);
+    in.skip(8);  // the factor of a second component
+    event.interval = in.read<double>(what);
+    event.first += std::uint64_t{in.read<std::uint32_t>(what)} << 32;
+    event.count += std::uint64_t{in.read<std::uint32_t>(what)} << 32;
+    return event;
+  }
+
+  void read_event_reference(const Key& key, Parameters& in) {
+    ImcEventReference reference;
+    reference.list = static_cast<long>(count(in, key, "the number of a list of events"));
+    reference.first = count(in, key, "the number of an event");
+    in.next();  // events side by side: 1
+    reference.step = 1 + std::min<std::uint64_t>(count(in, key, "a gap of events"), 1000);
+    reference.count = count(in, key, "a number of events");
+    in.next();  // where the trigger time stands
+    reference.own_axis = integer_in(in.next()).value_or(0) != 0;
+    reference.own_scale = integer_in(in.next()).value_or(0) != 0;
+    event_reference_ = reference;
+    if (component_) component_->events = reference;
+  }
+
   void read_trigger(const Key& key, Parameters& in) {
-    std::array<int, 5> parts{};  // day, month, year, hour, minute
-    for (int& part : parts)
-      part = static_cast<int>(std::min<std::uint64_t>(count(in, key, "a date"), 9999));
-    const double second = number(in, key, "a second");
-    trigger_ = iso_time(parts[2], parts[1], parts[0], parts[3], parts[4], second);
+    for (int* const part :
+         {&trigger_.day, &trigger_.month, &trigger_.year, &trigger_.hour, &trigger_.minute})
+      *part = static_cast<int>(std::min<std::uint64_t>(count(in, key, "a date"), 9999));
+    trigger_.second = number(in, key, "a second");
     if (component_) component_->trigger = trigger_;
   }
 
   void start_component(const Key& key, Parameters& in) {
     finish_component();
-    in.next();  // index
     component_ = ImcComponent{};
     component_->place = key.place;
+    component_->index = integer_in(in.next()).value_or(1);
     component_->digital = integer_in(in.next()) == 2;
     component_->group = group_;
     component_->abscissa = abscissa_;
+    component_->segment = segment_;
     component_->trigger = trigger_;
+    component_->events = event_reference_;
   }
 
   ImcComponent& component(const Key& key) {
@@ -267,7 +343,7 @@ class KeyReader {
     one.number_format =
         static_cast<int>(std::min<std::uint64_t>(count(in, key, "a format of numbers"), 1000));
     in.next();  // significant bits
-    in.next();  // mask
+    one.mask = count(in, key, "a mask");
     one.offset = count(in, key, "the place of the first number");
     one.count = count(in, key, "a number of numbers");
     one.distance = count(in, key, "a distance of numbers");
@@ -287,7 +363,7 @@ class KeyReader {
       buffer.bytes = count(in, key, "the bytes of a buffer");
       buffer.first = count(in, key, "the place of the first sample");
       buffer.filled = count(in, key, "the filled bytes of a buffer");
-      in.next();
+      buffer.new_event = integer_in(in.next()) != 0;
       buffer.start = number(in, key, "the x of the first sample");
       buffer.add_time = number(in, key, "a time");
       if (user_bytes > 0 || !in.at_end()) in.next();
@@ -360,8 +436,10 @@ class KeyReader {
   /// Buffers by the number of the key CS that has not come yet: field, component, buffer.
   std::map<long, std::vector<std::array<std::size_t, 3>>> waiting_;
   std::string group_;
-  std::string trigger_;
+  ImcTrigger trigger_;
   ImcAbscissa abscissa_;
+  std::uint64_t segment_ = 0;
+  std::optional<ImcEventReference> event_reference_;
   ImcField field_;
   std::optional<ImcComponent> component_;
   ImcContents contents_;

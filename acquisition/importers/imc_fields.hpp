@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,8 +16,40 @@ namespace impactrig::acquisition {
 struct ImcAbscissa {
   double interval = 0.0;
   double start = 0.0;
-  bool stated_start = false;
+  /// Which x is that of the first sample: 0 none, 1 the one of the buffer (Cb), 2 `start`.
+  int start_usage = 1;
   std::string unit;
+};
+
+/// The date and time of the key NT.
+struct ImcTrigger {
+  int year = 0;  ///< 0: not stated
+  int month = 0;
+  int day = 0;
+  int hour = 0;
+  int minute = 0;
+  double second = 0.0;
+};
+
+/// One event of a list of events (CV).
+struct ImcEvent {
+  std::uint64_t first = 0;  ///< sample
+  std::uint64_t count = 0;  ///< samples
+  double time = 0.0;        ///< [s]
+  double shift = 0.0;
+  double start = 0.0;  ///< x of the first sample
+  double factor = 1.0;
+  double interval = 0.0;
+};
+
+/// Which events of which list a component has (Cv).
+struct ImcEventReference {
+  long list = 0;  ///< number of the key CV
+  std::uint64_t first = 0;
+  std::uint64_t step = 1;  ///< from one event to the next
+  std::uint64_t count = 0;
+  bool own_axis = false;   ///< starts and intervals are those of the list
+  bool own_scale = false;  ///< so are factors and offsets
 };
 
 /// What a key Cb says of one buffer.
@@ -26,6 +59,7 @@ struct ImcBuffer {
   std::uint64_t bytes = 0;
   std::uint64_t first = 0;  ///< first sample in a buffer that is a ring [bytes]
   std::uint64_t filled = 0;
+  bool new_event = true;                    ///< else it goes on where the one before ends
   double start = 0.0;                       ///< x of the first sample
   double add_time = 0.0;                    ///< [s] to the trigger time
   std::optional<std::uint64_t> samples_at;  ///< in the file, once its CS has come
@@ -35,9 +69,11 @@ struct ImcBuffer {
 /// A component: one row of numbers.
 struct ImcComponent {
   std::uint64_t place = 0;
+  long index = 1;  ///< 1 y, 2 x where there are two
   bool digital = false;
   int bytes = 0;
   int number_format = 0;
+  std::uint64_t mask = 0;      ///< bits to be ignored
   std::uint64_t offset = 0;    ///< of the first number in a buffer [bytes]
   std::uint64_t count = 1;     ///< numbers side by side
   std::uint64_t distance = 0;  ///< bytes between such groups
@@ -49,7 +85,9 @@ struct ImcComponent {
   std::string group;
   std::vector<ImcBuffer> buffers;
   ImcAbscissa abscissa;
-  std::string trigger;  ///< ISO 8601, or ""
+  std::uint64_t segment = 0;  ///< samples of a segment (CZ), 0: none
+  ImcTrigger trigger;
+  std::optional<ImcEventReference> events;
 };
 
 /// A group of components: one, or an y and its x.
@@ -61,8 +99,10 @@ struct ImcField {
 /// What the keys of an imc FAMOS file say.
 struct ImcContents {
   bool big_endian = false;
+  bool closed = true;  ///< by the program that wrote it
   std::vector<ImcField> fields{};
-  std::vector<std::string> left_out{};  ///< a sentence each
+  std::map<long, std::vector<ImcEvent>> events{};  ///< by the number of the key CV
+  std::vector<std::string> left_out{};             ///< a sentence each
 };
 
 /// Reads the keys; `record` takes what they say of the file. Throws datasets::InputError.

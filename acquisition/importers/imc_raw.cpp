@@ -3,8 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <functional>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/header_fields.hpp"
@@ -26,7 +30,9 @@ using datasets::Record;
 
 namespace {
 
-constexpr double seconds_to_1970 = 315532800.0;  ///< 1980-01-01, imc's year 0, since 1970
+constexpr int year_0 = 1980;  ///< imc's times count from its start
+
+using Runs = std::vector<NumberRun>;
 
 constexpr std::array<std::string_view, 7> field_types = {
     "",
@@ -72,6 +78,47 @@ std::string kind_name(int format) {
   if (format == 11) return "digital words";
   if (format == six_bytes) return "integers of 6 bytes";
   return fmt::format("numbers of format {}", format);
+}
+
+bool may_have_mask(std::optional<NumberKind> kind) {
+  using enum NumberKind;
+  return kind == u8 || kind == i8 || kind == u16 || kind == i16 || kind == u32 || kind == i32;
+}
+
+/// `seconds` after the trigger, in ISO 8601; "" where none is stated.
+std::string later(const ImcTrigger& trigger, double seconds) {
+  using namespace std::chrono;
+  const std::string stated = iso_time(trigger.year, trigger.month, trigger.day, trigger.hour,
+                                      trigger.minute, trigger.second);
+  if (stated.empty() || seconds == 0.0 || !(std::abs(seconds) < 1e10)) return stated;
+  const sys_days day = year(trigger.year) / month(static_cast<unsigned>(trigger.month)) /
+                       std::chrono::day(static_cast<unsigned>(trigger.day));
+  const double second = trigger.second + seconds;
+  const double whole = std::floor(second);
+  const sys_seconds time = day + hours(trigger.hour) + minutes(trigger.minute) +
+                           std::chrono::seconds(static_cast<std::int64_t>(whole));
+  const sys_days date = floor<days>(time);
+  const year_month_day calendar(date);
+  const hh_mm_ss clock(time - date);
+  return iso_time(int(calendar.year()), static_cast<int>(unsigned(calendar.month())),
+                  static_cast<int>(unsigned(calendar.day())),
+                  static_cast<int>(clock.hours().count()),
+                  static_cast<int>(clock.minutes().count()),
+                  static_cast<double>(clock.seconds().count()) + (second - whole));
+}
+
+/// x of the first sample of a buffer, by CD and Cb.
+double start_of(const ImcComponent& one, const ImcBuffer& buffer) {
+  if (one.abscissa.start_usage == 0) return 0.0;
+  return one.abscissa.start_usage == 2 ? one.abscissa.start : buffer.start;
+}
+
+/// Makes 0 of the bits that are to be ignored.
+std::function<void(std::span<double>)> without_bits(std::uint64_t mask) {
+  return [kept = ~static_cast<std::int64_t>(mask)](std::span<double> values) {
+    for (double& value : values)
+      value = static_cast<double>(static_cast<std::int64_t>(value) & kept);
+  };
 }
 
 class ImcReader {
@@ -127,34 +174,77 @@ class ImcReader {
     }
   }
 
+  /// Bytes from one group of numbers to the next.
+  static std::uint64_t stride_of(const ImcComponent& one, std::uint64_t width) {
+    return width * one.count + one.distance;
+  }
+
+  /// The filled bytes of a buffer. A program that did not come to close its file may have left them
+  /// at 0.
+  std::uint64_t filled_of(const ImcBuffer& buffer) const {
+    if (contents_.closed || buffer.filled > 0) return std::min(buffer.filled, buffer.bytes);
+    const std::uint64_t there =
+        buffer.samples_bytes - std::min(buffer.samples_bytes, buffer.offset);
+    return buffer.bytes > 0 ? std::min(buffer.bytes, there) : there;
+  }
+
+  /// How many numbers the keys announce.
+  std::uint64_t announced_in(const ImcComponent& one, const ImcBuffer& buffer,
+                             std::uint64_t width) const {
+    const std::uint64_t filled = filled_of(buffer);
+    return filled < one.offset + width ? 0
+                                       : (filled - one.offset - width) / stride_of(one, width) + 1;
+  }
+
   /// Where the numbers of a buffer lie. Empty when its samples are not in the file.
-  StoredNumbers numbers_of(const ImcComponent& one, const ImcBuffer& buffer, NumberKind kind,
-                           std::uint64_t width, std::uint64_t within, const std::string& name) {
-    StoredNumbers numbers(kind, contents_.big_endian);
-    const std::uint64_t filled = std::min(buffer.filled, buffer.bytes);
-    const std::uint64_t stride = width * one.count + one.distance;
-    if (!buffer.samples_at) return numbers;
+  Runs runs_of(const ImcComponent& one, const ImcBuffer& buffer, NumberKind kind,
+               std::uint64_t width, std::uint64_t within, const std::string& name) {
+    Runs runs;
+    if (!buffer.samples_at) return runs;
+    const std::uint64_t filled = filled_of(buffer);
+    const std::uint64_t stride = stride_of(one, width);
+    const std::uint64_t size = std::max(buffer.bytes, filled);
     const std::uint64_t available =
         buffer.samples_bytes - std::min(buffer.samples_bytes, buffer.offset);
+    std::uint64_t there = 0;
     const auto add = [&](std::uint64_t from, std::uint64_t bytes) {
       // whole numbers of [from, from + bytes) of the buffer
-      const std::uint64_t there = std::min(bytes, available - std::min(available, from));
+      const std::uint64_t left = std::min(bytes, available - std::min(available, from));
       const std::uint64_t skipped = one.offset + within;
-      if (there < skipped + size_of(kind)) return;
-      const std::uint64_t count = (there - skipped - size_of(kind)) / stride + 1;
-      numbers.add({*buffer.samples_at + buffer.offset + from + skipped, count, stride});
+      if (left < skipped + size_of(kind)) return;
+      const std::uint64_t count = (left - skipped - size_of(kind)) / stride + 1;
+      runs.push_back({*buffer.samples_at + buffer.offset + from + skipped, count, stride});
+      there += count;
     };
     // a ring begins anywhere
-    if (buffer.first < buffer.bytes && filled > buffer.bytes - buffer.first) {
-      add(buffer.first, buffer.bytes - buffer.first);
-      add(0, filled - (buffer.bytes - buffer.first));
+    if (buffer.first < size && filled > size - buffer.first) {
+      add(buffer.first, size - buffer.first);
+      add(0, filled - (size - buffer.first));
     } else {
       add(buffer.first, filled);
     }
-    const std::uint64_t announced =
-        filled < one.offset + width ? 0 : (filled - one.offset - width) / stride + 1;
-    if (within == 0 && numbers.size() < announced)
-      record_.warnings.push_back(cut_off(name, numbers.size(), announced));
+    if (within > 0) return runs;
+    const std::uint64_t announced = announced_in(one, buffer, width);
+    if (there < announced) record_.warnings.push_back(cut_off(name, there, announced));
+    if (!contents_.closed && buffer.filled == 0 && there > 0)
+      record_.warnings.push_back(
+          fmt::format("'{}': the file, which was not closed, states that no samples are filled: "
+                      "all {} that are there are read",
+                      name, there));
+    return runs;
+  }
+
+  /// The numbers of `runs` from one on, at most so many.
+  StoredNumbers numbers_in(const Runs& runs, NumberKind kind, std::uint64_t first = 0,
+                           std::uint64_t count = ~std::uint64_t{0}) const {
+    StoredNumbers numbers(kind, contents_.big_endian);
+    for (const NumberRun& run : runs) {
+      const std::uint64_t skipped = std::min(first, run.count);
+      const std::uint64_t taken = std::min(count, run.count - skipped);
+      first -= skipped;
+      count -= taken;
+      if (taken > 0) numbers.add({run.offset + skipped * run.stride, taken, run.stride});
+    }
     return numbers;
   }
 
@@ -178,28 +268,36 @@ class ImcReader {
       refuse(one, fmt::format("is stored in groups of {} numbers", one.count));
       return false;
     }
+    if (one.mask != 0 && !may_have_mask(kind)) {
+      refuse(one, fmt::format("has bits to be ignored (mask {}) in {}", one.mask,
+                              kind ? "its numbers" : kind_name(one.number_format)));
+      return false;
+    }
     if (one.distance > (std::uint64_t{1} << 31) || one.offset > (std::uint64_t{1} << 31))
       fail(one.place, fmt::format("'{}': its numbers are said to lie {} bytes apart, the first at "
                                   "{}",
                                   name_of(one, record_.channels.size()), one.distance, one.offset));
+    std::uint64_t samples = 0;
+    for (const ImcBuffer& buffer : one.buffers)
+      samples += announced_in(one, buffer, static_cast<std::uint64_t>(width));
+    if (one.segment > 0 && samples > one.segment) {
+      refuse(one, fmt::format("is a matrix, of segments of {} samples ('CZ')", one.segment));
+      return false;
+    }
     return true;
   }
 
   Channel channel_of(const ImcComponent& one, const ImcBuffer& buffer) {
     Channel channel;
     channel.name = name_of(one, record_.channels.size());
-    set_unit(channel, one.unit);
+    set_unit(channel, one.unit == "Degr" ? "deg" : one.unit);  // imc's name of the angle
     set_scale(channel, one.factor, one.shift, *file_, one.place);
     set_attribute(channel, "comment", one.comment);
     set_attribute(channel, "group", one.group);
-    std::string trigger = one.trigger;
-    if (trigger == "1980-01-01T00:00:00" && buffer.add_time > 0.0) {
-      // devices write the seconds since 1980, in their own time zone
-      trigger = iso_time_utc(seconds_to_1970 + buffer.add_time);
-      if (!trigger.empty()) trigger.pop_back();
-    } else if (buffer.add_time != 0.0) {
+    // devices may write 1980 there and the seconds since, in their own time zone
+    const std::string trigger = later(one.trigger, buffer.add_time);
+    if (buffer.add_time != 0.0 && one.trigger.year != year_0)
       channel.attributes["add time"] = fmt::format("{} s", buffer.add_time);
-    }
     set_attribute(channel, "trigger time", trigger);
     if (record_.started.empty()) record_.started = trigger;
     return channel;
@@ -218,22 +316,155 @@ class ImcReader {
       refuse(one, "has no buffer of samples ('Cb')");
       return;
     }
-    for (std::size_t b = 0; b < one.buffers.size(); ++b) {
-      const ImcBuffer& buffer = one.buffers[b];
+    const auto parts = joined_buffers(one, size_of(kind));
+    if (one.events && one.events->count > 0) {
+      if (parts.size() == 1)
+        add_events(one, parts.front(), kind);
+      else
+        refuse(one, "has a list of events in several buffers");
+      return;
+    }
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const ImcBuffer& first = parts[i].front();
       limit_channels(one);
-      Channel channel = channel_of(one, buffer);
-      if (one.buffers.size() > 1) channel.name += fmt::format(", event {}", b + 1);
-      const StoredNumbers numbers = numbers_of(one, buffer, kind, size_of(kind), 0, channel.name);
-      if (!buffer.samples_at) {
+      Channel channel = channel_of(one, first);
+      if (parts.size() > 1) channel.name += fmt::format(", event {}", i + 1);
+      const Runs runs = runs_of(one, parts[i], kind, channel.name);
+      if (!first.samples_at) {
         refuse(one, "has no samples in the file ('CS')");
         continue;
       }
-      const double start =
-          buffer.start != 0.0 || !one.abscissa.stated_start ? buffer.start : one.abscissa.start;
-      set_axis(channel, start, one.abscissa.interval, one.abscissa.unit);
-      stored_.push_back({numbers});
-      record_.channels.push_back(std::move(channel));
+      set_axis(channel, start_of(one, first), one.abscissa.interval, one.abscissa.unit);
+      add_channel(std::move(channel), one, numbers_in(runs, kind));
     }
+  }
+
+  void add_channel(Channel channel, const ImcComponent& one, StoredNumbers numbers) {
+    stored_.push_back({std::move(numbers)});
+    if (one.mask != 0) stored_.back().scaling = without_bits(one.mask);
+    record_.channels.push_back(std::move(channel));
+  }
+
+  /// Buffers that follow each other without a new event. One that says so and yet begins elsewhere,
+  /// in time or x, stays alone.
+  std::vector<std::vector<ImcBuffer>> joined_buffers(const ImcComponent& one,
+                                                     std::uint64_t width) const {
+    std::vector<std::vector<ImcBuffer>> parts;
+    std::uint64_t samples = 0;  // of the last part
+    for (const ImcBuffer& buffer : one.buffers) {
+      bool goes_on = !parts.empty() && !buffer.new_event && buffer.samples_at &&
+                     parts.back().front().samples_at;
+      if (goes_on) {
+        const ImcBuffer& first = parts.back().front();
+        const double expected = first.start + one.abscissa.interval * static_cast<double>(samples);
+        goes_on = buffer.add_time == first.add_time &&
+                  (buffer.start == 0.0 ||
+                   std::abs(buffer.start - expected) <= 0.5 * std::abs(one.abscissa.interval));
+      }
+      if (!goes_on) {
+        parts.emplace_back();
+        samples = 0;
+      }
+      parts.back().push_back(buffer);
+      samples += announced_in(one, buffer, width);
+    }
+    return parts;
+  }
+
+  Runs runs_of(const ImcComponent& one, const std::vector<ImcBuffer>& buffers, NumberKind kind,
+               const std::string& name) {
+    Runs runs;
+    for (const ImcBuffer& buffer : buffers) {
+      const Runs more = runs_of(one, buffer, kind, size_of(kind), 0, name);
+      runs.insert(runs.end(), more.begin(), more.end());
+    }
+    return runs;
+  }
+
+  /// The events that a component has of a list, none and a sentence where they cannot be read.
+  std::vector<ImcEvent> events_of(const ImcComponent& one) {
+    const ImcEventReference& reference = *one.events;
+    const auto list = contents_.events.find(reference.list);
+    std::vector<ImcEvent> events;
+    if (list != contents_.events.end())
+      for (std::uint64_t i = reference.first;
+           i < list->second.size() && events.size() < reference.count; i += reference.step)
+        events.push_back(list->second[i]);
+    if (events.size() < reference.count) {
+      refuse(one, fmt::format("has {} events of which {} are in the file ('CV')", reference.count,
+                              events.size()));
+      return {};
+    }
+    for (const ImcEvent& event : events) {
+      const bool same = event.factor == one.factor && event.shift == one.shift;
+      const bool unused = !reference.own_scale && event.shift == 0.0 &&
+                          (event.factor == 0.0 || event.factor == 1.0);
+      if (same || unused) continue;
+      refuse(one, "has events with scales of their own");
+      return {};
+    }
+    return events;
+  }
+
+  void add_events(const ImcComponent& one, const std::vector<ImcBuffer>& buffers, NumberKind kind) {
+    const ImcBuffer& buffer = buffers.front();
+    if (!buffer.samples_at) {
+      refuse(one, "has no samples in the file ('CS')");
+      return;
+    }
+    const std::vector<ImcEvent> events = events_of(one);
+    if (events.empty()) return;
+    const std::string name = name_of(one, record_.channels.size());
+    const Runs runs = runs_of(one, buffers, kind, name);
+    std::uint64_t in_events = 0;
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      limit_channels(one);
+      Channel channel = channel_of_event(one, buffer, events[i]);
+      channel.name = events.size() > 1 ? fmt::format("{}, event {}", name, i + 1) : name;
+      StoredNumbers numbers = numbers_in(runs, kind, events[i].first, events[i].count);
+      if (numbers.size() < events[i].count)
+        record_.warnings.push_back(cut_off(channel.name, numbers.size(), events[i].count));
+      in_events += numbers.size();
+      add_channel(std::move(channel), one, std::move(numbers));
+    }
+    tell_of_other_axes(one, buffer, events, name);
+    std::uint64_t there = 0;
+    for (const NumberRun& run : runs) there += run.count;
+    if (in_events < there)
+      record_.warnings.push_back(
+          fmt::format("'{}': {} of {} samples are in none of its {} events: they are left out",
+                      name, there - in_events, there, events.size()));
+  }
+
+  static double interval_of(const ImcComponent& one, const ImcEvent& event) {
+    return event.interval > 0.0 ? event.interval : one.abscissa.interval;
+  }
+
+  Channel channel_of_event(const ImcComponent& one, const ImcBuffer& buffer,
+                           const ImcEvent& event) {
+    Channel channel = channel_of(one, buffer);
+    if (event.time != 0.0) {  // how it adds to the trigger time is not documented
+      channel.attributes["event time"] = fmt::format("{} s", event.time);
+      channel.attributes.erase("trigger time");
+    }
+    if (one.events->own_axis)
+      set_axis(channel, event.start, interval_of(one, event), one.abscissa.unit);
+    else
+      set_axis(channel, start_of(one, buffer), one.abscissa.interval, one.abscissa.unit);
+    return channel;
+  }
+
+  void tell_of_other_axes(const ImcComponent& one, const ImcBuffer& buffer,
+                          const std::vector<ImcEvent>& events, const std::string& name) {
+    const bool same = std::ranges::all_of(events, [&](const ImcEvent& event) {
+      return event.start == start_of(one, buffer) &&
+             interval_of(one, event) == one.abscissa.interval;
+    });
+    if (same) return;
+    record_.warnings.push_back(
+        fmt::format("'{}': its list of events states other starts or intervals than the channel: "
+                    "those of the {} are taken",
+                    name, one.events->own_axis ? "list" : "channel"));
   }
 
   /// All numbers of a component, as the file means them.
@@ -244,10 +475,11 @@ class ImcReader {
     const bool split = one.number_format == six_bytes;
     const NumberKind kind = split ? NumberKind::u32 : *kind_of(one.number_format);
     const std::uint64_t low = split && contents_.big_endian ? 2 : 0;
-    parts.push_back({numbers_of(one, buffer, kind, split ? 6 : size_of(kind), low, one.name)});
-    if (split)
-      parts.push_back(
-          {numbers_of(one, buffer, NumberKind::u16, 6, contents_.big_endian ? 0 : 4, one.name)});
+    const auto numbers = [&](NumberKind of, std::uint64_t within) {
+      return numbers_in(runs_of(one, buffer, of, split ? 6 : size_of(of), within, one.name), of);
+    };
+    parts.push_back({numbers(kind, low)});
+    if (split) parts.push_back({numbers(NumberKind::u16, contents_.big_endian ? 0 : 4)});
     record.channels.resize(parts.size());
     const auto reader = reader_of_numbers(std::make_unique<MappedFile>(file_->path()),
                                           std::move(record), std::move(parts));
@@ -263,21 +495,28 @@ class ImcReader {
   }
 
   void add_over_own_x(const ImcField& field) {
-    const ImcComponent& one = field.components.front();
-    if (field.components.size() != 2 || one.buffers.size() != 1 ||
-        field.components[1].buffers.size() != 1 || !one.buffers.front().samples_at ||
-        !field.components[1].buffers.front().samples_at) {
+    // the index tells y (1) from x (2), whichever comes first
+    const bool x_first = field.components.size() == 2 && field.components[0].index == 2 &&
+                         field.components[1].index == 1;
+    const ImcComponent& one = field.components[x_first ? 1 : 0];
+    const ImcComponent& x = field.components[field.components.size() == 2 && !x_first ? 1 : 0];
+    if (field.components.size() != 2 || one.buffers.size() != 1 || x.buffers.size() != 1 ||
+        !one.buffers.front().samples_at || !x.buffers.front().samples_at) {
       refuse(one, fmt::format("is an x-y data set of {} components in several buffers",
                               field.components.size()));
       return;
     }
-    const ImcComponent& x = field.components[1];
     if (!readable(one) || !readable(x, true)) return;
+    for (const ImcComponent* const component : {&one, &x}) {
+      if (component->mask == 0 && (!component->events || component->events->count == 0)) continue;
+      refuse(one, fmt::format("is an x-y data set with {}",
+                              component->mask != 0 ? "bits to be ignored" : "a list of events"));
+      return;
+    }
     limit_channels(one);
     Channel channel = channel_of(one, one.buffers.front());
     const NumberKind kind = *kind_of(one.number_format);
-    StoredNumbers numbers =
-        numbers_of(one, one.buffers.front(), kind, size_of(kind), 0, channel.name);
+    StoredNumbers numbers = numbers_in(runs_of(one, one.buffers, kind, channel.name), kind);
     std::vector<double> times = values_of(x);
     if (times.size() != numbers.size()) {
       refuse(one, fmt::format("has {} samples and {} x", numbers.size(), times.size()));

@@ -46,7 +46,7 @@ constexpr auto table = std::to_array<Importer>({
     {"hdf5", "HDF5 of other programs: data sets of numbers by their paths (.h5 .hdf5 .nxs)",
      recognises_foreign_hdf5, open_foreign_hdf5},                                             //
     {"mat", "MATLAB MAT-file (.mat)", recognises_mat, open_mat},                              //
-    {"wav", "WAVE sound file: RIFF, RIFX, RF64 (.wav)", recognises_wav, open_wav},            //
+    {"wav", "WAVE sound file: RIFF, RIFX, RF64, BW64 (.wav)", recognises_wav, open_wav},      //
     {"sigrok", "sigrok session with analog channels (.sr)", recognises_sigrok, open_sigrok},  //
     {"lvm", "LabVIEW measurement file, with or without header (.lvm)", recognises_lvm,
      open_lvm},  //

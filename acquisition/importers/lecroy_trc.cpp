@@ -56,6 +56,8 @@ class TrcReader {
   std::unique_ptr<RecordingReader> open() {
     describe();
     find_samples();
+    leave_out_padding();
+    place_in_time();
     add_sweep();
     if (segments_ > 1) tell_of_segments();
     return reader_of_numbers(std::move(file_), std::move(record_), std::move(stored_));
@@ -97,7 +99,7 @@ class TrcReader {
     const std::string written = text(244, 48, "the horizontal unit");
     unit_ = written == "S" ? "s" : written;
     interval_ = meant_by_float(field<float>(176, "the sample interval"));
-    set_axis(channel_, field<double>(180, "the time of the first sample"), interval_, unit_);
+    start_ = field<double>(180, "the time of the first sample");
 
     const auto coupling = field<std::uint16_t>(326, "the coupling");
     if (coupling < couplings.size()) set_attribute(channel_, "coupling", couplings[coupling]);
@@ -115,16 +117,16 @@ class TrcReader {
         field<std::int16_t>(308, "the trigger time"), field<std::uint8_t>(307, "the trigger time"),
         field<std::uint8_t>(306, "the trigger time"), field<std::uint8_t>(305, "the trigger time"),
         field<std::uint8_t>(304, "the trigger time"), second);
-    const auto type = field<std::uint16_t>(316, "the type of the record");
-    const bool known = type < record_types.size();
-    const std::string_view type_name = known ? record_types[type] : "unknown";
+    type_ = field<std::uint16_t>(316, "the type of the record");
+    const bool known = type_ < record_types.size();
+    const std::string_view type_name = known ? record_types[type_] : "unknown";
     record_.attributes["record type"] = type_name;
-    if (!known || (type >= 2 && type <= 5))
+    if (!known || (type_ >= 2 && type_ <= 5))
       throw InputError(file_->byte_position(base_ + 316),
                        fmt::format("this waveform is of the type '{}' ({}), expected samples over "
                                    "time: save it as CSV",
-                                   type_name, type));
-    second_array_ = type == 6 || type == 9;
+                                   type_name, type_));
+    second_array_ = type_ == 6 || type_ == 9;
   }
 
   void find_samples() {
@@ -153,6 +155,90 @@ class TrcReader {
     }
     const std::uint64_t segments = length(144, "the number of segments");
     segments_ = segments == 0 ? 1 : segments;
+    segment_points_ = points_ / segments_;
+    first_point_ = above_zero(132, "the first sample sent (FIRST_POINT)");
+    sparsing_ = std::max<std::uint64_t>(above_zero(136, "the sparsing (SPARSING_FACTOR)"), 1);
+    if (ris_times > 0 || type_ == 1 || type_ == 8)
+      record_.warnings.push_back(fmt::format(
+          "'{}' is put together of {} sweeps (RIS), each with a time of its own: its samples are "
+          "read as evenly spaced, at HORIZ_INTERVAL",
+          channel_.name, field<std::int16_t>(322, "the number of RIS sweeps")));
+  }
+
+  std::uint64_t above_zero(std::uint64_t offset, std::string_view what) {
+    return static_cast<std::uint64_t>(std::max<std::int32_t>(field<std::int32_t>(offset, what), 0));
+  }
+
+  /// Samples before FIRST_VALID_PNT and behind LAST_VALID_PNT are padding; the last is
+  /// WAVE_ARRAY_COUNT - 1 "except for aborted sequence and rollmode acquisitions" [Waveform
+  /// Template], or that of the waveform where fewer were sent. 0: not stated.
+  void leave_out_padding() {
+    const std::uint64_t first = above_zero(124, "the first valid sample (FIRST_VALID_PNT)");
+    const std::uint64_t last = above_zero(128, "the last valid sample (LAST_VALID_PNT)");
+    const std::uint64_t valid = last == 0 ? points_ : std::min(last + 1, points_);
+    if (segments_ > 1 && first == 0) return leave_out_segments(valid);
+    if (first == 0 && valid == points_) return;
+    // whether both count the samples of the waveform or of its part is not told
+    const bool is_part = first_point_ > 0 || sparsing_ > 1;
+    if (first >= valid || segments_ > 1 || second_array_ || is_part)
+      return tell_padding(first, last);
+    record_.warnings.push_back(fmt::format(
+        "'{}': {} samples at the start and {} at the end were not acquired (FIRST_VALID_PNT {}, "
+        "LAST_VALID_PNT {}): they are left out",
+        channel_.name, first, points_ - valid, first, last));
+    samples_ += first * size_of(kind_);
+    points_ = valid - first;
+    left_out_ = first;
+  }
+
+  void tell_padding(std::uint64_t first, std::uint64_t last) {
+    record_.warnings.push_back(
+        fmt::format("'{}': samples before {} or behind {} are said not to be acquired "
+                    "(FIRST_VALID_PNT, LAST_VALID_PNT): they are read like the others",
+                    channel_.name, first, last));
+  }
+
+  /// Of a sequence that was stopped, the array may have room for all segments it was to have, or
+  /// for those that it has.
+  void leave_out_segments(std::uint64_t valid) {
+    const auto stated = field<std::int16_t>(174, "the number of segments asked for");
+    const std::uint64_t asked = stated > 0 ? static_cast<std::uint64_t>(stated) : segments_;
+    if (asked <= segments_) {
+      if (valid < points_) tell_padding(0, valid - 1);
+      return;
+    }
+    const std::uint64_t kept = segments_ * (points_ / asked);
+    const bool has_room = points_ % asked == 0;
+    const bool has_none = points_ % segments_ == 0;
+    const bool is_told = valid < points_ ? has_room && valid == kept : has_room != has_none;
+    if (!is_told) {
+      record_.warnings.push_back(
+          fmt::format("'{}': the sequence was stopped after {} of {} segments, and which of its {} "
+                      "samples are whose is not told: compare with the oscilloscope",
+                      channel_.name, segments_, asked, points_));
+      return;
+    }
+    if (valid == points_ && has_none) return;
+    record_.warnings.push_back(
+        fmt::format("'{}': the sequence was stopped after {} of {} segments: the {} samples behind "
+                    "them were not acquired and are left out",
+                    channel_.name, segments_, asked, points_ - kept));
+    segment_points_ = points_ / asked;
+    points_ = kept;
+  }
+
+  /// Sample k is the waveform's FIRST_POINT + k SPARSING_FACTOR, and HORIZ_OFFSET and
+  /// HORIZ_INTERVAL are the waveform's [LeCroy, X-Stream Remote Control Manual, WAVEFORM_SETUP].
+  void place_in_time() {
+    if (first_point_ > 0 || sparsing_ > 1)
+      record_.warnings.push_back(
+          fmt::format("'{}' is a part of a waveform (FIRST_POINT {}, SPARSING_FACTOR {}): sample k "
+                      "is taken as the waveform's {} + {} k, and HORIZ_INTERVAL as that of the "
+                      "waveform; compare the times with the oscilloscope's",
+                      channel_.name, first_point_, sparsing_, first_point_, sparsing_));
+    const auto first = static_cast<double>(first_point_ + left_out_);
+    set_axis(channel_, start_ + first * interval_, static_cast<double>(sparsing_) * interval_,
+             unit_);
   }
 
   void add(const Channel& channel, std::uint64_t offset, std::uint64_t points) {
@@ -183,10 +269,10 @@ class TrcReader {
     record_.warnings.push_back(
         fmt::format("'{}' is a sequence of {} segments of {} samples: they follow each other as if "
                     "there were no time between them; true within a segment only",
-                    channel_.name, segments_, points_ / segments_));
+                    channel_.name, segments_, segment_points_));
     Channel& channel = record_.channels.front();
     channel.attributes["segments"] = fmt::format("{}", segments_);
-    channel.attributes["samples a segment"] = fmt::format("{}", points_ / segments_);
+    channel.attributes["samples a segment"] = fmt::format("{}", segment_points_);
     if (there < points_) return;
     constexpr std::uint64_t most_told = 1000;
     std::string triggers;
@@ -208,7 +294,9 @@ class TrcReader {
   Channel channel_;
   std::vector<StoredChannel> stored_;
   std::string unit_;
-  double interval_ = 0.0;
+  double start_ = 0.0;     ///< of the waveform, of which the file may have a part
+  double interval_ = 0.0;  ///< likewise
+  std::uint16_t type_ = 0;
   bool second_array_ = false;
   NumberKind kind_ = NumberKind::i8;
   std::uint64_t trigger_times_ = 0;
@@ -217,6 +305,10 @@ class TrcReader {
   std::uint64_t second_samples_ = 0;
   std::uint64_t points_ = 0;
   std::uint64_t segments_ = 1;
+  std::uint64_t segment_points_ = 0;
+  std::uint64_t first_point_ = 0;
+  std::uint64_t sparsing_ = 1;
+  std::uint64_t left_out_ = 0;  ///< samples before the first valid one
 };
 
 }  // namespace

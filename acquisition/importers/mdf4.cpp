@@ -82,6 +82,7 @@ class MdfReader {
     const auto flags = in.read<std::uint16_t>("the state of an MDF file");
     if (id == "UnFinMF ") {
       unfinished_ = true;
+      counts_stale_ = (flags & 1) != 0;
       last_length_unknown_ = (flags & 4) != 0;
       warn("the recording was not finished (aborted?): what is there is read");
     }
@@ -156,8 +157,9 @@ class MdfReader {
     const std::uint64_t total =
         fragments.empty() ? 0 : fragments.back().begin + fragments.back().length;
     const std::uint64_t there = group.record_bytes == 0 ? 0 : total / group.record_bytes;
-    group.records = unfinished_ && cycles == 0 ? there : std::min(cycles, there);
-    if (cycles > there && !(group.record_bytes == 0))
+    // where the file says that its counts were not brought up to date, its data say how many
+    group.records = unfinished_ && (cycles == 0 || counts_stale_) ? there : std::min(cycles, there);
+    if (cycles > there && group.record_bytes != 0 && !counts_stale_)
       warn(fmt::format("group {} announces {} records, {} are there", number, cycles, there));
     group.fragments = std::move(fragments);
     groups_.push_back(std::move(group));
@@ -246,6 +248,8 @@ class MdfReader {
     const auto invalid_bit = in.read<std::uint32_t>("a channel");
     if (channel.type == 3) {
       channel.conversion = conversion_at(block.link(4));
+      channel.unit = blocks_.text_at(block.link(6));
+      if (channel.unit.empty()) channel.unit = channel.conversion.unit;
       return channel;
     }
     const bool numbers = data_type <= 5 || data_type == 15 || data_type == 16;
@@ -258,7 +262,8 @@ class MdfReader {
     }
     channel.unit = blocks_.text_at(block.link(6));
     channel.comment = blocks_.text_at(block.link(7));
-    channel.conversion = conversion_at(block.link(4));
+    const bool floating = data_type == 4 || data_type == 5;
+    channel.conversion = conversion_at(block.link(4), floating);
     if (channel.unit.empty()) channel.unit = channel.conversion.unit;
     channel.field = field_of(channel, data_type, bit_offset, bit_count);
     channel.field.offset = id_bytes + byte_offset;
@@ -318,11 +323,12 @@ class MdfReader {
   }
 
   /// The conversion at a place. Channels that share it share its parameters.
-  MdfConversion conversion_at(std::uint64_t at) {
+  MdfConversion conversion_at(std::uint64_t at, bool floating = false) {
     if (at == 0) return {};
-    const auto known = conversions_.find(at);
+    const auto known = conversions_.find({at, floating});
     if (known != conversions_.end()) return known->second;
-    return conversions_.emplace(at, read_mdf_conversion(blocks_, at)).first->second;
+    return conversions_.emplace(std::pair(at, floating), read_mdf_conversion(blocks_, at, floating))
+        .first->second;
   }
 
   /// The clock of the group at hand from its master; returns what it is over where that is not
@@ -337,14 +343,14 @@ class MdfReader {
       warn(fmt::format("the times in '{}' are not used: {}", master.name, conversion.problem));
       return {};
     }
+    const auto unit = datasets::conversion(master.unit, "s");  // the standard has seconds
+    const double factor = unit ? unit->factor : 1.0;
     if (master.type == 3) {  // no bytes: the number of the record, converted
-      clock.start = conversion.offset;
-      clock.interval = conversion.function ? 0.0 : std::max(0.0, conversion.scale);
+      clock.start = factor * conversion.offset;
+      clock.interval = conversion.function ? 0.0 : std::max(0.0, factor * conversion.scale);
       return {};
     }
     if (group.records == 0) return {};
-    const auto unit = datasets::conversion(master.unit, "s");  // the standard has seconds
-    const double factor = unit ? unit->factor : 1.0;
     const MdfScaling seconds = [scale = conversion.scale, offset = conversion.offset, factor,
                                 function = conversion.function](std::span<double> x) {
       if (function) function(x);
@@ -402,13 +408,14 @@ class MdfReader {
   std::vector<MdfChannel> channels_;
   std::map<std::string, Quantity> quantities_;
   std::size_t channel_blocks_ = 0;
-  std::uint64_t time_bytes_ = 0;  // read at opening
-  std::map<std::uint64_t, MdfConversion> conversions_;
+  std::uint64_t time_bytes_ = 0;                                         // read at opening
+  std::map<std::pair<std::uint64_t, bool>, MdfConversion> conversions_;  // and whether of floats
   std::vector<std::string> left_out_;
   std::size_t left_out_count_ = 0;
   std::string unsorted_;
   std::uint64_t unsorted_at_ = 0;
   bool unfinished_ = false;
+  bool counts_stale_ = false;
   bool last_length_unknown_ = false;
 };
 

@@ -20,10 +20,11 @@ std::shared_ptr<const std::vector<double>> shared(std::vector<double> numbers) {
   return std::make_shared<const std::vector<double>>(std::move(numbers));
 }
 
-/// Triples of lowest key, highest key and value, then the value of all else.
-double value_of_range(const std::vector<double>& p, double key) {
+/// Triples of lowest key, highest key and value, then the value of all else. Of floating-point keys
+/// the highest is no more part of its range.
+double value_of_range(const std::vector<double>& p, bool floating, double key) {
   for (std::size_t i = 0; i + 2 < p.size(); i += 3)
-    if (key >= p[i] && key <= p[i + 1]) return p[i + 2];
+    if (key >= p[i] && (floating ? key < p[i + 1] : key <= p[i + 1])) return p[i + 2];
   return p.back();
 }
 
@@ -60,8 +61,8 @@ void set_table(std::vector<double> p, bool interpolated, MdfConversion& conversi
   };
 }
 
-void set_conversion(std::uint8_t type, std::vector<double> p, const MdfBlocks& blocks,
-                    std::uint64_t at, MdfConversion& conversion) {
+void set_conversion(std::uint8_t type, std::vector<double> p, bool floating,
+                    const MdfBlocks& blocks, std::uint64_t at, MdfConversion& conversion) {
   const auto needs = [&](bool enough) {
     if (!enough)
       blocks.fail(at, fmt::format("a conversion of type {} states {} parameters", type, p.size()));
@@ -96,8 +97,8 @@ void set_conversion(std::uint8_t type, std::vector<double> p, const MdfBlocks& b
       return set_table(std::move(p), type == 4, conversion);
     case 6:
       needs(p.size() % 3 == 1);
-      conversion.function = [p = shared(std::move(p))](std::span<double> x) {
-        for (double& v : x) v = value_of_range(*p, v);
+      conversion.function = [p = shared(std::move(p)), floating](std::span<double> x) {
+        for (double& v : x) v = value_of_range(*p, floating, v);
       };
       return;
     case 7:
@@ -111,7 +112,7 @@ void set_conversion(std::uint8_t type, std::vector<double> p, const MdfBlocks& b
 
 }  // namespace
 
-MdfConversion read_mdf_conversion(MdfBlocks& blocks, std::uint64_t at) {
+MdfConversion read_mdf_conversion(MdfBlocks& blocks, std::uint64_t at, bool floating) {
   MdfConversion conversion;
   const MdfBlock block = blocks.block_at(at, "a conversion", 4);
   if (block.id != "CC")
@@ -124,7 +125,7 @@ MdfConversion read_mdf_conversion(MdfBlocks& blocks, std::uint64_t at) {
   in.skip(16);
   std::vector<double> values;
   for (std::uint16_t i = 0; i < count; ++i) values.push_back(in.read<double>("a conversion"));
-  set_conversion(type, std::move(values), blocks, at, conversion);
+  set_conversion(type, std::move(values), floating, blocks, at, conversion);
   if (!std::isfinite(conversion.scale) || !std::isfinite(conversion.offset)) {
     conversion.scale = 1.0;
     conversion.offset = 0.0;

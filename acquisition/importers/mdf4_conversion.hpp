@@ -19,7 +19,8 @@ struct MdfConversion {
 };
 
 /// The conversion at a place: none, a straight line, a rational function, a table of values or of
-/// ranges. Formulas and texts are told as a problem. Throws datasets::InputError for damaged ones.
-MdfConversion read_mdf_conversion(MdfBlocks& blocks, std::uint64_t at);
+/// ranges, whose upper ends depend on whether the numbers are `floating`. Formulas and texts are
+/// told as a problem. Throws datasets::InputError for damaged ones.
+MdfConversion read_mdf_conversion(MdfBlocks& blocks, std::uint64_t at, bool floating);
 
 }  // namespace impactrig::acquisition

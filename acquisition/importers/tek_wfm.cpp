@@ -147,10 +147,15 @@ class TekWfmHeader {
           fmt::format("this is a FastFrame sequence of {} frames: each is a channel, with the time "
                       "from its own trigger",
                       frames_));
+    if (frames_ > 1 && !summary_.empty())
+      record.warnings.push_back(
+          fmt::format("the last frame is no measurement but the {} of those before it", summary_));
     for (std::uint64_t frame = 0; frame < frames_; ++frame) {
       Channel one = channel;
       if (frames_ > 1) {
-        one.name = fmt::format("{}, frame {}", channel.name, frame + 1);
+        one.name = frame + 1 == frames_ && !summary_.empty()
+                       ? fmt::format("{}, {} of the frames", channel.name, summary_)
+                       : fmt::format("{}, frame {}", channel.name, frame + 1);
         set_attribute(one, "trigger time",
                       trigger_time(in_, frame == 0 ? at_.update : at_.end + 24 * (frame - 1)));
       }
@@ -211,6 +216,9 @@ class TekWfmHeader {
                       version_, version_ == 3 ? 7 : 5));
     kind_ = *kind;
     storage_ = storage;
+    // TDS5000B Online Programmer Guide, HORizontal:FASTframe:SUMFrame: the last frame
+    const auto summary = version_ == 1 ? 0 : field<std::uint16_t>(154, "the summary frame");
+    summary_ = summary == 1 ? "average" : summary == 2 ? "envelope" : "";
     const auto width = field<std::uint8_t>(15, "the bytes of a point");
     if (width != size_of(kind_))
       throw InputError(file_.byte_position(15),
@@ -285,6 +293,7 @@ class TekWfmHeader {
   Layout at_{};
   NumberKind kind_ = NumberKind::i16;
   std::int32_t storage_ = 0;
+  std::string_view summary_;  ///< what the last frame is of the others; "": a frame like them
   std::uint64_t curve_offset_ = 0;
   std::uint64_t data_start_ = 0;
   std::uint64_t frame_bytes_ = 0;

@@ -179,7 +179,7 @@ class WavReader final : public RecordingReader {
   explicit WavReader(const std::string& path) : file_(path), bytes_(file_) {
     if (!is_wave(file_.bytes()))
       throw InputError(file_.byte_position(0),
-                       "expected 'RIFF', 'RIFX' or 'RF64' and 'WAVE' at byte 8");
+                       "expected 'RIFF', 'RIFX', 'RF64' or 'BW64' and 'WAVE' at byte 8");
     if (const std::string problem = wrong_chunks(bytes_.chunks()); !problem.empty())
       throw InputError(file_.byte_position(0), problem);
     SF_VIRTUAL_IO access{SoundBytes::length, SoundBytes::seek, SoundBytes::read, SoundBytes::write,
@@ -321,7 +321,7 @@ class WavReader final : public RecordingReader {
     std::uint32_t declared = 0;
     for (std::size_t i = 0; i < 4; ++i)
       declared = declared << 8 | static_cast<unsigned char>(all[big ? 4 + i : 7 - i]);
-    if (all.starts_with("RF64") || declared == 0xFFFFFFFF) return;
+    if (all.starts_with("RF64") || all.starts_with("BW64") || declared == 0xFFFFFFFF) return;
     if (declared + std::uint64_t{8} > all.size())
       head_.record.warnings.push_back(
           fmt::format("the file is cut: its header declares {} bytes, {} are there",

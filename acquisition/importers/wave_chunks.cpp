@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <optional>
 
@@ -70,6 +71,49 @@ bool are_chunks(std::string_view bytes, std::size_t at, bool big_endian) {
   return true;
 }
 
+/// Names of chunks that stand beside the samples [the sources above; EBU Tech 3285, 3306; ID3v2].
+constexpr std::array<std::string_view, 26> known_names = {
+    "LIST", "list", "fact", "cue ", "smpl", "inst", "plst", "id3 ", "ID3 ",
+    "bext", "iXML", "axml", "chna", "_PMX", "PEAK", "JUNK", "junk", "FLLR",
+    "PAD ", "DISP", "acid", "strc", "cart", "levl", "umid", "link"};
+
+/// Where a chunk may begin: it has a name and is whole, or is the samples', or one cut off.
+bool may_begin(std::string_view bytes, std::size_t at, bool big_endian) {
+  const auto chunk = chunk_at(bytes, at, big_endian);
+  if (!chunk || !chunk->is_named()) return false;
+  return chunk->is_whole() || chunk->name == "data" ||
+         std::ranges::find(known_names, chunk->name) != known_names.end();
+}
+
+/// Where the chunk behind content that ends at `end` begins: at an even distance, or, where no
+/// chunk is there, at the content's end, of writers that leave out the byte that fills it up.
+std::size_t next_chunk(std::string_view bytes, std::size_t end, bool is_odd, bool big_endian) {
+  if (!is_odd || end >= bytes.size()) return std::min(end, bytes.size());
+  if (!may_begin(bytes, end + 1, big_endian) && may_begin(bytes, end, big_endian)) return end;
+  return end + 1;
+}
+
+/// Where the chunks begin that end the file, behind samples whose size is not stated; none: its
+/// size. They are looked for in its last MiB.
+std::size_t last_chunks(std::string_view bytes, std::size_t samples, bool big_endian) {
+  constexpr std::size_t looked_at = std::size_t{1} << 20;
+  const std::size_t from = std::max(samples, bytes.size() - std::min(bytes.size(), looked_at));
+  std::vector<bool> passed(bytes.size() - from);  // each place is looked at once
+  const auto ends_file = [&](std::size_t at) {
+    while (const auto chunk = chunk_at(bytes, at, big_endian)) {
+      if (!chunk->is_named() || !chunk->is_whole() || passed[at - from]) return false;
+      passed[at - from] = true;
+      at = chunk->end;
+    }
+    return at == bytes.size();
+  };
+  std::size_t first = bytes.size();
+  for (std::size_t at = from; at + 8 <= bytes.size() && first == bytes.size(); ++at)
+    if (std::ranges::find(known_names, bytes.substr(at, 4)) != known_names.end() && ends_file(at))
+      first = at;
+  return first;
+}
+
 class Finder {
  public:
   explicit Finder(std::string_view bytes) : bytes_(bytes) {
@@ -83,7 +127,8 @@ class Finder {
         at = take_samples(*chunk);
       } else if (chunk->is_named() && chunk->is_whole()) {
         take(*chunk);
-        at = chunk->end;
+        at = next_chunk(bytes_, chunk->at + 8 + chunk->size, chunk->size % 2 != 0,
+                        found_.big_endian);
       } else if (const auto next = behind_damage(*chunk)) {
         at = *next;
       } else {
@@ -97,8 +142,10 @@ class Finder {
   void take(const Chunk& chunk) {
     if (chunk.name == "fmt " && found_.format.empty()) found_.format = chunk.content;
     if (chunk.name == "bext" && found_.broadcast.empty()) found_.broadcast = chunk.content;
-    if (chunk.name == "ds64" && chunk.size >= 16)
+    if (chunk.name == "ds64" && chunk.size >= 16) {
+      long_file_ = number_at<std::uint64_t>(chunk.content, 0, found_.big_endian);
       long_size_ = number_at<std::uint64_t>(chunk.content, 8, found_.big_endian);
+    }
     if (chunk.is_list()) take_texts(chunk);
   }
 
@@ -122,9 +169,68 @@ class Finder {
     const std::uint64_t said =
         chunk.size == said_elsewhere ? long_size_.value_or(rest) : std::uint64_t{chunk.size};
     found_.sample_bytes = std::min(said, rest);
+    const bool is_stated = chunk.size != said_elsewhere || long_size_.has_value();
     if (said == 0 && rest > 0 && !are_chunks(bytes_, found_.samples, found_.big_endian))
-      found_.sample_bytes = found_.uncounted = rest;
-    return static_cast<std::size_t>(found_.samples + found_.sample_bytes + found_.sample_bytes % 2);
+      found_.sample_bytes = found_.uncounted = to_last_chunks();
+    else if (said > rest || !is_stated)
+      found_.sample_bytes = to_last_chunks();
+    else
+      take_what_is_behind();
+    return next_chunk(bytes_, static_cast<std::size_t>(found_.samples + found_.sample_bytes),
+                      found_.sample_bytes % 2 != 0, found_.big_endian);
+  }
+
+  std::uint64_t to_last_chunks() const {
+    return last_chunks(bytes_, found_.samples, found_.big_endian) - found_.samples;
+  }
+
+  /// Samples that the header does not count, where no chunk follows those that it does and the
+  /// file is longer than it declares: a recorder that lost its power between two updates of the
+  /// header, or a file whose sizes went beyond 32 bits.
+  void take_what_is_behind() {
+    const std::uint64_t counted = found_.sample_bytes;
+    const auto end = static_cast<std::size_t>(found_.samples + counted);
+    const std::size_t next = next_chunk(bytes_, end, counted % 2 != 0, found_.big_endian);
+    if (bytes_.size() < next + 8 || is_foreign(bytes_.substr(next)) ||
+        may_begin(bytes_, next, found_.big_endian))
+      return;
+    const std::uint64_t stated = number_at<std::uint32_t>(bytes_, 4, found_.big_endian);
+    const std::uint64_t declared = 8 + (stated == said_elsewhere ? long_file_ : stated);
+    if (declared >= bytes_.size()) {
+      found_.warnings.push_back(
+          fmt::format("the {} bytes behind the {} bytes of samples are no chunk: they are left out",
+                      bytes_.size() - next, counted));
+      return;
+    }
+    found_.sample_bytes = beyond_32_bits(counted).value_or(to_last_chunks());
+    found_.warnings.push_back(fmt::format(
+        "the header counts {} bytes of samples and declares a file of {} bytes, but no chunk "
+        "follows them and the file has {}, as of a recorder that lost its power or a file of more "
+        "than 4 GiB: {} bytes are read as samples",
+        counted, declared, bytes_.size(), found_.sample_bytes));
+  }
+
+  /// The size of samples whose lower 32 bits are stated: one with which they end at the file's end
+  /// or at the chunks that end it.
+  std::optional<std::uint64_t> beyond_32_bits(std::uint64_t stated) const {
+    constexpr std::uint64_t more = std::uint64_t{1} << 32;
+    for (std::uint64_t size = stated + more; found_.samples + size <= bytes_.size(); size += more) {
+      const auto end = static_cast<std::size_t>(found_.samples + size);
+      if (end + size % 2 >= bytes_.size()) return size;
+      if (may_begin(bytes_, next_chunk(bytes_, end, size % 2 != 0, found_.big_endian),
+                    found_.big_endian))
+        return size;
+    }
+    return std::nullopt;
+  }
+
+  /// True for what others than the recorder put behind a file: texts of an ID3 or APE tag, or
+  /// zeros that fill up a sector.
+  static bool is_foreign(std::string_view behind) {
+    if (behind.starts_with("TAG") && behind.size() == 128) return true;
+    if (behind.starts_with("ID3") || behind.starts_with("APETAGEX")) return true;
+    constexpr std::size_t sector = 4096;
+    return behind.size() < sector && behind.find_first_not_of('\0') == std::string_view::npos;
   }
 
   /// Tells of a chunk that is longer than the file or has no name. Returns where the samples begin
@@ -132,7 +238,7 @@ class Finder {
   std::optional<std::size_t> behind_damage(const Chunk& chunk) {
     if (chunk.is_list()) tell_list(chunk);
     if (found_.data_chunks > 0) return std::nullopt;
-    const std::size_t next = bytes_.find("data", chunk.at + 8);
+    const std::size_t next = samples_behind(chunk.at + 8);
     if (chunk.name == "fmt " && found_.format.empty())
       found_.format = bytes_.substr(chunk.at + 8, next - std::min(next, chunk.at + 8));
     if (next == std::string_view::npos) return std::nullopt;
@@ -144,6 +250,27 @@ class Finder {
     return next;
   }
 
+  /// The next word "data" that begins a chunk: one that is whole and ends the file or that
+  /// another follows, else one whose size is no text, as that of a comment is.
+  std::size_t samples_behind(std::size_t from) const {
+    constexpr std::size_t none = std::string_view::npos;
+    std::size_t possible = none;
+    for (std::size_t at = bytes_.find("data", from); at != none; at = bytes_.find("data", at + 1)) {
+      const auto chunk = chunk_at(bytes_, at, found_.big_endian);
+      if (!chunk) break;
+      const std::size_t end = at + 8 + chunk->content.size();
+      if (chunk->is_whole() && chunk->size > 0 &&
+          (chunk->end == bytes_.size() ||
+           may_begin(bytes_, next_chunk(bytes_, end, chunk->size % 2 != 0, found_.big_endian),
+                     found_.big_endian)))
+        return at;
+      const std::string_view size = bytes_.substr(at + 4, 4);
+      const bool is_text = std::ranges::all_of(size, [](char c) { return c >= ' ' && c <= '~'; });
+      if (possible == none && !is_text) possible = at;
+    }
+    return possible;
+  }
+
   void tell_list(const Chunk& list) {
     found_.warnings.push_back(fmt::format(
         "the list at byte {} is damaged, its parts do not fit into it: it is left out", list.at));
@@ -152,13 +279,14 @@ class Finder {
   std::string_view bytes_;
   WaveChunks found_;
   std::optional<std::uint64_t> long_size_;  ///< of the samples, of RF64
+  std::uint64_t long_file_ = 0;             ///< of the file but 8 bytes, of RF64
 };
 
 }  // namespace
 
 bool is_wave(std::string_view head) {
-  const bool riff =
-      head.starts_with("RIFF") || head.starts_with("RIFX") || head.starts_with("RF64");
+  const bool riff = head.starts_with("RIFF") || head.starts_with("RIFX") ||
+                    head.starts_with("RF64") || head.starts_with("BW64");
   return riff && head.size() >= 12 && head.substr(8, 4) == "WAVE";
 }
 

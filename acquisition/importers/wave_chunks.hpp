@@ -10,7 +10,8 @@
 namespace impactrig::acquisition {
 
 /// What of a WAVE file is read: its chunks of format, texts and samples [Microsoft and IBM,
-/// "Multimedia Programming Interface and Data Specifications 1.0", 1991; RF64: EBU Tech 3306].
+/// "Multimedia Programming Interface and Data Specifications 1.0", 1991; RF64: EBU Tech 3306; BW64,
+/// which is laid out alike: ITU-R BS.2088].
 /// Views into the file's bytes.
 struct WaveChunks {
   bool big_endian = false;

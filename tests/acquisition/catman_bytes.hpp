@@ -33,6 +33,8 @@ struct Catman {
   std::string comment = "drop test";
   std::int32_t data_offset = 0;  ///< 0: right behind the header
   std::int16_t channels = -1;    ///< announced, -1: as many as there are
+  std::int32_t longest = 0;      ///< the maximum channel length
+  std::int32_t reduction = 0;    ///< the reduction factor
   double date = 44663.5;         ///< 2022-04-12, noon
   std::vector<CatmanColumn> columns = {
       {.name = "Time  1", .unit = "s", .samples = {0.0, 0.0005, 0.001}}, {}};
@@ -47,9 +49,9 @@ struct Catman {
     text(out, comment);
     for (int i = 0; i < 32; ++i) text(out, " ");
     out.add(channels < 0 ? static_cast<std::int16_t>(columns.size()) : channels);
-    out.add(std::int32_t{0});
+    out.add(longest);
     for (std::size_t i = 0; i < columns.size(); ++i) out.add(std::int32_t{0});
-    out.add(std::int32_t{0});
+    out.add(reduction);
     for (const CatmanColumn& column : columns) {
       out.add(std::int16_t{0});
       out.add(column.length < 0 ? static_cast<std::int32_t>(column.samples.size()) : column.length);

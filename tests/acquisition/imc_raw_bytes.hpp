@@ -17,6 +17,31 @@ inline std::string imc_key(const std::string& name, int version, const std::stri
   return fmt::format("|{},{},{},{};", name, version, contents.size(), contents);
 }
 
+/// One event of the key CV.
+struct ImcEvent {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+  double time = 0.0;
+  double start = 0.0;
+  double interval = 1e-3;
+  double factor = 1.0;
+  double shift = 0.0;
+};
+
+/// "|CV,1,length,1,count,1,72 bytes,2,72 bytes;"
+inline std::string imc_events(const std::vector<ImcEvent>& events, bool big_endian = false) {
+  std::string contents = fmt::format("1,{}", events.size());
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const ImcEvent& event = events[i];
+    ByteWriter out(big_endian);
+    out.add(event.first).add(event.count).add(event.time).add(event.shift).add(0.0);
+    out.add(event.start).add(event.factor).add(1.0).add(event.interval);
+    out.add(std::uint32_t{0}).add(std::uint32_t{0});
+    contents += fmt::format(",{},", i + 1) + out.bytes();
+  }
+  return imc_key("CV", 1, contents);
+}
+
 /// A component of an imc FAMOS file.
 struct ImcComponent {
   int format = 7;   ///< 1 to 8: u8, i8, u16, i16, u32, i32, f32, f64; 12 u64, 13 u48, 14 i64
@@ -25,6 +50,8 @@ struct ImcComponent {
   std::string name = "force";
   std::string packing = "";  ///< behind the format, instead of the usual
   std::string buffers = "";  ///< contents of Cb, instead of the usual
+  std::string more = "";     ///< keys behind CR
+  int index = 0;             ///< of CC, 0: counted
   std::uint64_t first = 0;   ///< byte of the first sample in the buffer
   std::uint64_t filled = 0;  ///< bytes, 0: all
   double start = 0.25;
@@ -78,12 +105,15 @@ struct ImcRaw {
       for (const double sample : one.samples) number(data, one.format, sample);
       const std::size_t size = data.size() - offset;
       ++number_of;
-      text += imc_key("CC", 1, fmt::format("{},{}", number_of, one.digital));
+      text += imc_key(
+          "CC", 1,
+          fmt::format("{},{}", one.index > 0 ? std::size_t(one.index) : number_of, one.digital));
       text += imc_key("CP", 1,
                       fmt::format("{},{},{},{}", number_of, one.width(), one.format,
                                   one.packing.empty() ? fmt::format("{},0,0,1,0", 8 * one.width())
                                                       : one.packing));
       if (!one.range.empty()) text += imc_key("CR", 1, one.range);
+      text += one.more;
       text += imc_key("CN", 1, fmt::format("0,0,0,{},{},2,ok", one.name.size(), one.name));
       text += imc_key(
           "Cb", 1,
@@ -112,6 +142,10 @@ inline std::vector<std::string> imc_raw_seeds() {
   xy.components[1].format = 13;
   xy.components[1].range = "1,1E-06,0,1,1,s";
   seeds.push_back(xy.bytes());
+  ImcRaw events;
+  events.more = imc_events({{.first = 0, .count = 2}, {.first = 2, .count = 1, .time = 7.25}});
+  events.components[0].more = imc_key("Cv", 1, "1,0,1,0,2,1,1,0,0");
+  seeds.push_back(events.bytes());
   ImcRaw ring;
   ring.components[0].first = 4;
   ring.components.push_back({});

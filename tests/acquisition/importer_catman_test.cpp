@@ -75,6 +75,18 @@ TEST(Catman, TimeChannelIsAChannelAndTheClockOfTheOthers) {
   }
 }
 
+TEST(Catman, ThatIsCutOrReducedSaysSo) {
+  Catman file;
+  file.longest = 200;
+  file.reduction = 10;
+  EXPECT_THAT(imported(file.bytes()).warnings,
+              ElementsAre("the file states a maximum channel length of 200 samples, most state 0: "
+                          "channels may have been cut at that length",
+                          "the file states a reduction factor of 10, most state 0: its samples may "
+                          "be one of 10 recorded, or what was made of so many, and impacts between "
+                          "them be lost"));
+}
+
 TEST(Catman, TimesThatContradictTheHeaderAreKept) {
   for (const std::uint8_t precision : std::vector<std::uint8_t>{0, 1}) {
     Catman file;
@@ -174,7 +186,7 @@ TEST(Catman, ThatIsCutOffGivesWhatIsThere) {
   Catman empty;
   empty.columns.clear();
   EXPECT_EQ(import_error(empty.bytes().substr(0, 117)),
-            "FILE (byte 117): the file ends within the places of the channels' lengths");
+            "FILE (byte 115): the file ends within the maximum channel length");
   EXPECT_EQ(import_error(whole.substr(0, 350)),
             "FILE (byte 334): the file ends within a channel's sensor");
 }

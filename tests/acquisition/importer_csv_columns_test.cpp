@@ -226,5 +226,53 @@ TEST(CsvLineEnds, OfTwoKindsAreRefused) {
   EXPECT_EQ(imported("Time [s],\"F\r[N]\"\n0,5\n0.1,6\n0.2,7\n").channels.at(0).size(), 3U);
 }
 
+// --- One column under keys, as ISO 13499 (MME) has it
+// ----------------------------------------------------------------------------
+
+const std::string channel_file =
+    "Test object number          :1\n"
+    "Name of the channel         :Chest acceleration, X\n"
+    "Laboratory channel code     :NOVALUE\n"
+    "Channel code                :11CHST0000H3ACXA\n"
+    "Dimension                   :Acceleration\n"
+    "Channel frequency class     :1000\n"
+    "Unit                        :m/(s*s)\n"
+    "Sampling interval           :0.0001\n"
+    "Time of first sample        :-0.0010\n"
+    "Number of samples           :3\n"
+    "  1.25\n  3.25\n  2.25\n";
+
+TEST(CsvOneColumn, TakesNameUnitAndStartFromKeys) {
+  const Record record = imported(channel_file, {}, ".001");
+  ASSERT_EQ(record.channels.size(), 1U);
+  const Channel& channel = record.channels[0];
+  EXPECT_EQ(channel.name, "Chest acceleration, X");
+  EXPECT_EQ(channel.unit, "m/(s*s)");
+  EXPECT_EQ(channel.quantity, datasets::Quantity::acceleration);
+  EXPECT_EQ(channel.clock.start, -1e-3);
+  EXPECT_EQ(channel.clock.interval, 1e-4);
+  EXPECT_THAT(channel.values(), ElementsAre(1.25, 3.25, 2.25));
+  EXPECT_EQ(record.attributes.at("Number of samples"), "3");
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(CsvOneColumn, KeysMayEndWithATextAndStateNothing) {
+  std::string file = channel_file;
+  file.replace(file.find("Chest acceleration, X"), 21, "NOVALUE");
+  file.replace(file.find("-0.0010"), 7, "NOVALUE");
+  file.replace(file.find("Number of samples           :3"), 30, "Reference channel :explicit");
+  const Channel channel = imported(file, {}, ".001").channels.at(0);
+  EXPECT_EQ(channel.name, "11CHST0000H3ACXA");
+  EXPECT_EQ(channel.clock.start, 0.0);
+  file.replace(file.find(":0.0001"), 7, ":0.001");
+  file.replace(file.find("Time of first sample        :NOVALUE"), 36, "Time of first sample :soon");
+  EXPECT_THAT(imported(file, {}, ".001").warnings,
+              ElementsAre("the header states 'Time of first sample' as 'soon', which is not "
+                          "understood: it is not used"));
+  ImportOptions options;
+  options.sample_rate = 1000;
+  EXPECT_EQ(imported("Trace: Force\n1.5\n0.5\n2.5\n", options).channels.at(0).name, "Trace: Force");
+}
+
 }  // namespace
 }  // namespace impactrig::acquisition

@@ -16,6 +16,7 @@ using datasets::Quantity;
 using datasets::Record;
 using testing::ElementsAre;
 using tests::expect_head;
+using tests::imc_events;
 using tests::imc_key;
 using tests::ImcComponent;
 using tests::ImcRaw;
@@ -101,6 +102,105 @@ TEST(ImcRaw, BuffersAreEvents) {
   EXPECT_THAT(record.channels[1].values(), ElementsAre(3.0, 4.0));
   EXPECT_EQ(record.channels[1].clock.start, 0.75);
   EXPECT_EQ(record.channels[1].attributes.at("add time"), "60 s");
+  EXPECT_EQ(record.channels[1].attributes.at("trigger time"), "2022-04-12T13:32:46.5");
+}
+
+TEST(ImcRaw, BuffersOfOneEventAreOneRecord) {
+  ImcRaw file;
+  file.components[0].samples = {2, 4, 6, 8};
+  file.components[0].buffers = "2,0,1,1,0,8,0,8,1,0.25,0,,2,1,8,8,0,8,0,0.252,0,";
+  Record record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].name, "force");
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(2.0, 3.0, 4.0, 5.0));
+  EXPECT_EQ(record.channels[0].clock.start, 0.25);
+  // what says that it goes on, but begins elsewhere, is not put together
+  file.components[0].buffers = "2,0,1,1,0,8,0,8,1,0.25,0,,2,1,8,8,0,8,0,0.5,0,";
+  record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[1].clock.start, 0.5);
+}
+
+TEST(ImcRaw, EventsOfAListAreRecordsOfTheirOwn) {
+  for (const bool big_endian : {false, true}) {
+    ImcRaw file;
+    file.big_endian = big_endian;
+    file.more = imc_events({{.first = 0, .count = 1, .start = -2e-3},
+                            {.first = 1, .count = 2, .time = 7.25, .start = -1e-3}},
+                           big_endian);
+    file.components[0].more = imc_key("Cv", 1, "1,0,1,0,2,1,1,0,0");
+    const Record record = imported(file.bytes());
+    ASSERT_EQ(record.channels.size(), 2U);
+    EXPECT_EQ(record.channels[0].name, "force, event 1");
+    EXPECT_THAT(record.channels[0].values(), ElementsAre(2.0));
+    EXPECT_EQ(record.channels[0].clock.start, -2e-3);
+    EXPECT_EQ(record.channels[0].attributes.at("trigger time"), "2022-04-12T13:31:46.5");
+    EXPECT_THAT(record.channels[1].values(), ElementsAre(3.0, 4.0));
+    EXPECT_EQ(record.channels[1].clock.start, -1e-3);
+    EXPECT_EQ(record.channels[1].clock.interval, 1e-3);
+    EXPECT_EQ(record.channels[1].attributes.at("event time"), "7.25 s");
+    EXPECT_EQ(record.channels[1].attributes.count("trigger time"), 0U);
+    EXPECT_THAT(record.warnings,
+                ElementsAre("'force': its list of events states other starts or intervals than the "
+                            "channel: those of the list are taken"));
+  }
+}
+
+TEST(ImcRaw, EventsOfAListMayBeSomeOfItAndBeyondTheSamples) {
+  ImcRaw file;
+  file.more = imc_events({{.count = 9}, {.first = 1, .count = 1}, {}, {.first = 2, .count = 5}});
+  file.components[0].start = 0.0;
+  file.components[0].more = imc_key("Cv", 1, "1,1,1,1,2,0,0,0,0");
+  const Record record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(3.0));
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(4.0));
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("'force, event 2': the file ends after 1 of 5 samples",
+                  "'force': 1 of 3 samples are in none of its 2 events: they are left out"));
+}
+
+TEST(ImcRaw, StartIsThatOfTheBufferOrTheAbscissaOrNone) {
+  const auto start = [](int usage, double of_buffer) {
+    ImcRaw file;
+    file.abscissa = fmt::format("1.0E-03,1,1,s,0,0,0,5,{}", usage);
+    file.components[0].start = of_buffer;
+    return imported(file.bytes()).channels.at(0).clock.start;
+  };
+  EXPECT_EQ(start(0, 3.0), 0.0);
+  EXPECT_EQ(start(1, 3.0), 3.0);
+  EXPECT_EQ(start(1, 0.0), 0.0);
+  EXPECT_EQ(start(2, 3.0), 5.0);
+}
+
+TEST(ImcRaw, BitsToBeIgnoredAreTakenOff) {
+  ImcRaw file;
+  file.components[0].format = 4;
+  file.components[0].range = "1,0.5,1,1,1,N";
+  file.components[0].packing = "16,3,0,1,0";
+  file.components[0].samples = {7, 9, -1};
+  EXPECT_THAT(imported(file.bytes()).channels.at(0).values(), ElementsAre(3.0, 5.0, -1.0));
+}
+
+TEST(ImcRaw, AngleIsNoTemperature) {
+  ImcRaw file;
+  file.components[0].range = "1,1,0,1,4,Degr";
+  const Record record = imported(file.bytes());
+  EXPECT_EQ(record.channels.at(0).unit, "deg");
+  EXPECT_EQ(record.channels.at(0).quantity, Quantity::angle);
+}
+
+TEST(ImcRaw, ThatIsNotClosedMayStateNoFilledSamples) {
+  ImcRaw file;
+  file.closed = "1,0";
+  file.components[0].buffers = "1,0,1,1,0,12,0,0,1,0,0,";
+  const Record record = imported(file.bytes());
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(2.0, 3.0, 4.0));
+  EXPECT_THAT(record.warnings,
+              ElementsAre("the file was not closed by the program that wrote it",
+                          "'force': the file, which was not closed, states that no samples are "
+                          "filled: all 3 that are there are read"));
 }
 
 TEST(ImcRaw, TriggerTimeMayCountFrom1980) {
@@ -138,6 +238,21 @@ TEST(ImcRaw, MayBeOverItsOwnTimes) {
   const Record record = imported(file.bytes());
   EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 0.001);
   EXPECT_TRUE(record.channels.at(0).clock.uniform());
+}
+
+TEST(ImcRaw, XMayBeStoredBeforeY) {
+  ImcRaw file;
+  file.type = 2;
+  file.one_group = true;
+  file.components.resize(2);
+  file.components[0] = {.format = 8, .range = "1,1,0,1,1,s", .name = "x", .index = 2};
+  file.components[0].samples = {0, 1, 4};
+  file.components[1].index = 1;
+  const Record record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].name, "force");
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(2.0, 3.0, 4.0));
+  EXPECT_THAT(record.channels[0].clock.times, ElementsAre(0.0, 1.0, 4.0));
 }
 
 TEST(ImcRaw, OverFrequencyIsNoTimeRecord) {
@@ -188,6 +303,28 @@ TEST(ImcRaw, WhatIsNotReadIsAnErrorAlone) {
             "'force' has no buffer of samples ('Cb')" + end);
   EXPECT_EQ(error([](ImcRaw& file) { file.components[0].buffers = "1,0,1,2,0,4,0,4,1,0,0,"; }),
             "'force' has no samples in the file ('CS')" + end);
+  const std::string segments = imc_key("CZ", 1, "1,1,0,1,1,s,2");
+  EXPECT_EQ(error([&](ImcRaw& file) { file.components[0].more = segments; }),
+            "'force' is a matrix, of segments of 2 samples ('CZ')" + end);
+  EXPECT_EQ(error([](ImcRaw& file) { file.components[0].packing = "32,3,0,1,0"; }),
+            "'force' has bits to be ignored (mask 3) in its numbers" + end);
+  const auto events = [&](const std::string& list, const std::string& reference,
+                          const std::string& buffers = "") {
+    return error([&](ImcRaw& file) {
+      file.more = list;
+      file.components[0].more = imc_key("Cv", 1, reference);
+      file.components[0].buffers = buffers;
+    });
+  };
+  EXPECT_EQ(events("", "1,0,1,0,2,1,1,0,0"),
+            "'force' has 2 events of which 0 are in the file ('CV')" + end);
+  EXPECT_EQ(events(imc_events({{.count = 3, .factor = 2.0}}), "1,0,1,0,1,1,1,1,0"),
+            "'force' has events with scales of their own" + end);
+  EXPECT_EQ(events(imc_events({{.count = 3}}), "1,0,1,0,1,1,1,0,0",
+                   "2,0,1,1,0,4,0,4,1,0.5,0,,2,1,4,8,0,8,1,0.75,60,"),
+            "'force' has a list of events in several buffers" + end);
+  EXPECT_EQ(events("", "1,0,1,0,1,1,1,0,0", "1,0,1,2,0,4,0,4,1,0,0,"),
+            "'force' has no samples in the file ('CS')" + end);
   const auto xy = [&](auto change) {
     return error([&](ImcRaw& file) {
       file.type = 3;
@@ -197,6 +334,13 @@ TEST(ImcRaw, WhatIsNotReadIsAnErrorAlone) {
     });
   };
   EXPECT_EQ(xy([](ImcComponent& x) { x.samples = {1, 2}; }), "'force' has 3 samples and 2 x" + end);
+  EXPECT_EQ(xy([](ImcComponent& x) {
+              x.format = 4;
+              x.packing = "16,1,0,1,0";
+            }),
+            "'force' is an x-y data set with bits to be ignored" + end);
+  EXPECT_EQ(xy([](ImcComponent& x) { x.more = imc_key("Cv", 1, "1,0,1,0,1,1,1,0,0"); }),
+            "'force' is an x-y data set with a list of events" + end);
   EXPECT_EQ(xy([](ImcComponent& x) { x.range = "0,1,0,1,2,mm"; }),
             "'force' is over 'mm', which is no time" + end);
   EXPECT_EQ(xy([](ImcComponent& x) {
@@ -257,6 +401,10 @@ TEST(ImcRaw, SaysWhatIsWrong) {
   EXPECT_EQ(
       import_error(start + imc_key("CC", 1, "1,1") + imc_key("Cb", 1, "2,0,1,1,0,4,0,4,1,0,0,")),
       "FILE (byte 22): Cb: 2 buffers are announced, 1 found");
+  EXPECT_EQ(import_error(start + imc_key("CV", 1, "1,2,1,short")),
+            "FILE (byte 10): CV: 2 events are announced, 0 found");
+  EXPECT_EQ(import_error(start + imc_key("CV", 1, "1,x")),
+            "FILE (byte 10): CV: expected a number of events");
   EXPECT_EQ(import_error(start + imc_key("CS", 1, "x")),
             "FILE (byte 10): CS: expected the number of the key, then samples");
   EXPECT_THAT(imported(start).warnings,

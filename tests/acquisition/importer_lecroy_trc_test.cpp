@@ -79,6 +79,98 @@ TEST(LecroyTrc, SequenceIsOneChannelThatTellsItsSegments) {
                           "as if there were no time between them; true within a segment only"));
 }
 
+// As roll mode leaves it, and filters that need samples on both sides.
+TEST(LecroyTrc, SamplesThatWereNotAcquiredAreLeftOut) {
+  for (const std::uint16_t type : std::vector<std::uint16_t>{0, 1}) {
+    Trc file;
+    file.type = type;
+    file.samples = {0, 2, 4, 6, 0, 0};
+    file.first_valid = 1;
+    file.last_valid = 3;
+    const Record record = imported(file.bytes());
+    EXPECT_THAT(record.channels.at(0).values(), ElementsAre(0.0, 1.0, 2.0));
+    EXPECT_DOUBLE_EQ(record.channels[0].clock.start, -1e-9);
+    EXPECT_THAT(record.warnings,
+                ElementsAre("'CH 2': 1 samples at the start and 2 at the end were not acquired "
+                            "(FIRST_VALID_PNT 1, LAST_VALID_PNT 3): they are left out"));
+  }
+  // the waveform's last, of which the file has a part
+  Trc file;
+  file.last_valid = 10001;
+  EXPECT_EQ(imported(file.bytes()).channels.at(0).size(), 3U);
+  EXPECT_THAT(imported(file.bytes()).warnings, testing::IsEmpty());
+  file.first_valid = 3;
+  EXPECT_THAT(imported(file.bytes()).warnings,
+              ElementsAre("'CH 2': samples before 3 or behind 10001 are said not to be acquired "
+                          "(FIRST_VALID_PNT, LAST_VALID_PNT): they are read like the others"));
+}
+
+TEST(LecroyTrc, SequenceThatWasStoppedHasTheSegmentsOfItsPlan) {
+  Trc file;
+  file.segments = 2;
+  file.segments_asked = 4;
+  file.samples = {1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0};
+  file.last_valid = 5;
+  const Record record = imported(file.bytes());
+  EXPECT_EQ(record.channels.at(0).size(), 6U);
+  EXPECT_EQ(record.channels[0].attributes.at("samples a segment"), "3");
+  EXPECT_EQ(record.warnings.at(0),
+            "'CH 2': the sequence was stopped after 2 of 4 segments: the 6 samples behind them "
+            "were not acquired and are left out");
+  file.last_valid = 11;  // and the array could be of two segments of six
+  EXPECT_EQ(imported(file.bytes()).channels.at(0).size(), 12U);
+  EXPECT_EQ(imported(file.bytes()).warnings.at(0),
+            "'CH 2': the sequence was stopped after 2 of 4 segments, and which of its 12 samples "
+            "are whose is not told: compare with the oscilloscope");
+  file.segments = 3;
+  file.segments_asked = 4;
+  file.samples.resize(8);  // not of three
+  file.last_valid = 7;
+  EXPECT_EQ(imported(file.bytes()).channels.at(0).size(), 6U);
+  file.samples.resize(6);  // not of four
+  file.last_valid = 5;
+  EXPECT_EQ(imported(file.bytes()).channels.at(0).attributes.at("samples a segment"), "2");
+  EXPECT_EQ(imported(file.bytes()).warnings.size(), 1U);
+  file.segments_asked = 3;
+  file.last_valid = 1;
+  EXPECT_EQ(imported(file.bytes()).channels.at(0).size(), 6U);
+  EXPECT_EQ(imported(file.bytes()).warnings.at(0),
+            "'CH 2': samples before 0 or behind 1 are said not to be acquired "
+            "(FIRST_VALID_PNT, LAST_VALID_PNT): they are read like the others");
+}
+
+TEST(LecroyTrc, PartOfAWaveformHasItsTimes) {
+  Trc file;
+  file.first_point = 10;
+  file.sparsing = 4;
+  const Record record = imported(file.bytes());
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.start, 8e-9);
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 4e-9);
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'CH 2' is a part of a waveform (FIRST_POINT 10, SPARSING_FACTOR 4): "
+                          "sample k is taken as the waveform's 10 + 4 k, and HORIZ_INTERVAL as "
+                          "that of the waveform; compare the times with the oscilloscope's"));
+  file.last_valid = 2;  // all of the part, or less of the waveform
+  EXPECT_EQ(imported(file.bytes()).warnings.size(), 1U);
+  file.last_valid = 1;
+  EXPECT_EQ(imported(file.bytes()).channels.at(0).size(), 3U);
+  EXPECT_EQ(imported(file.bytes()).warnings.at(0),
+            "'CH 2': samples before 0 or behind 1 are said not to be acquired (FIRST_VALID_PNT, "
+            "LAST_VALID_PNT): they are read like the others");
+}
+
+TEST(LecroyTrc, InterleavedSweepsAreTold) {
+  Trc file;
+  file.record_type = 1;
+  file.ris_sweeps = 10;
+  file.ris_times = {0.0, 1e-10};
+  const Record record = imported(file.bytes());
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(0.0, -3.0, 2.0));
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'CH 2' is put together of 10 sweeps (RIS), each with a time of its own: "
+                          "its samples are read as evenly spaced, at HORIZ_INTERVAL"));
+}
+
 TEST(LecroyTrc, ExtremaAreTwoChannels) {
   Trc file;
   file.record_type = 6;

@@ -186,6 +186,18 @@ TEST(Mdf4, AVirtualMasterCountsRecords) {
   EXPECT_EQ(record.channels.at(0).clock.interval, 0.25);
 }
 
+TEST(Mdf4, AVirtualMasterMayBeInMilliseconds) {
+  MdfFile file;
+  MdfChannelBlock master = mdf_time();
+  master.type = 3;
+  master.unit = "ms";
+  master.conversion = file.conversion(1, {500, 1});
+  const std::uint64_t group = file.group(file.channels({master, described("a", 0, 8, 0)}), 3, 1);
+  const auto record = imported(file.with(file.data_group(group, file.block("DT", {}, "abc"))));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.start, 0.5);
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 0.001);
+}
+
 TEST(Mdf4, AMasterThatIsNoTimeIsAChannelOfItsOwn) {
   MdfFile file;
   MdfChannelBlock master = mdf_time();
@@ -287,8 +299,19 @@ TEST(Mdf4Conversions, FollowTheirDefinition) {
   const std::vector<double> table = {0, 0, 1, 10, 3, 50};
   EXPECT_THAT(converted(4, table, {-1, 0, 0.5, 2, 3, 9}), ElementsAre(0, 0, 5, 30, 50, 50));
   EXPECT_THAT(converted(5, table, {-1, 0.4, 0.6, 1.9, 2.1, 9}), ElementsAre(0, 0, 10, 10, 50, 50));
-  EXPECT_THAT(converted(6, {0, 1, 10, 2, 3, 20, -7}, {0, 1, 1.5, 2, 9}),
-              ElementsAre(10, 10, -7, 20, -7));
+  EXPECT_THAT(converted(6, {0, 1, 10, 1, 3, 20, -7}, {0, 0.5, 1, 2, 3, 9}),
+              ElementsAre(10, 10, 20, 20, -7, -7));
+}
+
+// The upper end of a range of integers is part of it, of floating-point numbers it is not.
+TEST(Mdf4Conversions, RangesOfIntegersHoldTheirUpperEnds) {
+  MdfFile file;
+  MdfChannelBlock channel = described("a", 0, 8, 0);
+  channel.conversion = file.conversion(6, {0, 1, 10, 2, 3, 20, -7});
+  const std::uint64_t group = file.group(file.channels({channel}), 5, 1);
+  const std::uint64_t data = file.block("DT", {}, std::string("\0\1\2\3\4", 5));
+  EXPECT_THAT(imported(file.with(file.data_group(group, data))).channels.at(0).values(),
+              ElementsAre(10, 10, 20, 20, -7));
 }
 
 TEST(Mdf4Conversions, ThatCannotBeAppliedLeaveTheRawNumbersWithoutUnit) {
@@ -347,6 +370,19 @@ TEST(Mdf4, CutAndUnfinishedFilesGiveWhatIsThere) {
   EXPECT_THAT(unfinished.channels.at(0).values(), ElementsAre(-1, 49, 99, 149));
   EXPECT_EQ(unfinished.warnings.at(0),
             "the recording was not finished (aborted?): what is there is read");
+}
+
+TEST(Mdf4, CountsThatAreNotUpToDateGiveWayToTheData) {
+  const Ticks ticks({0, 2, 4, 6});
+  for (const std::uint64_t count : {2, 9}) {
+    MdfFile file("4.10    ", "UnFinMF ", 1);
+    const std::uint64_t group = file.group(file.channels(Ticks::channels(file)), count, 7);
+    const std::uint64_t data = file.block("DT", {}, ticks.bytes);
+    const auto record = imported(file.with(file.data_group(group, data)));
+    EXPECT_THAT(record.channels.at(0).values(), ElementsAre(-1, 49, 99, 149));
+    EXPECT_THAT(record.warnings,
+                ElementsAre("the recording was not finished (aborted?): what is there is read"));
+  }
 }
 
 TEST(Mdf4, UnsortedGroupsAreRefusedOrLeftOut) {

@@ -114,7 +114,26 @@ INSTANTIATE_TEST_SUITE_P(
             "a ZIP archive (a workbook, for example), which is not read: save the table in it as "
             "CSV"},
         Closed{"\x1F\x8B\x08"sv, "a gzip-compressed file, which is not read: unpack it first"},
-        Closed{"%PDF-1.7"sv, "a PDF document, which is not read: a recording is expected"}));
+        Closed{"%PDF-1.7"sv, "a PDF document, which is not read: a recording is expected"},
+        Closed{
+            "riff\x2E\x91\xCF\x11\xA5\xD6\x28\xDB\x04\xC1\x00\x00"sv,
+            "a Sony Wave64 sound file (.w64), which is not read: save it as WAV, as RF64 where it "
+            "is longer than 4 GB"},
+        Closed{"FORM\x00\x00\x00\x36"
+               "AIFFCOMM"sv,
+               "an AIFF sound file, which is not read: save it as WAV, as RF64 where it is longer "
+               "than 4 GB"},
+        Closed{"FORM\x00\x00\x00\x36"
+               "AIFCFVER"sv,
+               "an AIFF sound file, which is not read: save it as WAV, as RF64 where it is longer "
+               "than 4 GB"},
+        Closed{"<?xml version=\"1.0\"?>\n<usi:tdm version=\"1.0\">"sv,
+               "the description of an NI TDM file (.tdm), whose samples are in the .tdx beside it, "
+               "which is not read: save it as TDMS with DIAdem or LabVIEW"},
+        Closed{"<?xml version=\"1.0\"?>\n<Prop Value=\"eRS_SIGNAL_FORMAT_FLOAT\"/>"sv,
+               "the description of a Rohde & Schwarz waveform (.bin), whose samples are in the "
+               ".Wfm.bin beside it, which is not read: save the waveform as CSV on the "
+               "oscilloscope, with its times"}));
 
 TEST(ClosedFormatByEnding, IsNamedWhereTheContentIsOfNoKnownFormat) {
   const auto unknown = "\x07\x01\xFE\x00\x02\x90"sv;
@@ -126,6 +145,26 @@ TEST(ClosedFormatByEnding, IsNamedWhereTheContentIsOfNoKnownFormat) {
             "FILE: the content is of no known format, and the ending '.dxd' is that of files of "
             "Dewesoft, which are not read: export it as universal file (UFF), MAT or CSV with the "
             "program that wrote it");
+  const auto told = [unknown](const std::string& ending) {
+    const std::string text = import_error(unknown, {}, ending);
+    return text.substr(text.find("is that of"));
+  };
+  EXPECT_EQ(told(".Wfm.bin"),
+            "is that of files of a Rohde & Schwarz oscilloscope, which are not read: save the "
+            "waveform as CSV on the oscilloscope, with its times");
+  for (const char* const ending : {".wvf", ".WDF"})
+    EXPECT_EQ(told(ending),
+              "is that of files of a Yokogawa oscilloscope, which are not read: save the waveform "
+              "as CSV on the oscilloscope, with its times");
+  EXPECT_EQ(told(".psdata"),
+            "is that of files of PicoScope, which are not read: save it as MATLAB (.mat) or CSV "
+            "with PicoScope");
+  EXPECT_EQ(told(".TST"),
+            "is that of files of HBM catman, which are not read: export it from catman as binary "
+            "(.bin) or ASCII");
+  EXPECT_EQ(told(".tdx"),
+            "is that of files of NI DIAdem or LabVIEW (samples of a .tdm), which are not read: "
+            "save it as TDMS with DIAdem or LabVIEW");
   EXPECT_THAT(import_error(unknown, {}, ".xyz"),
               testing::StartsWith("FILE: the content is of no known format; known are "));
   EXPECT_THAT(import_error("0,1\n1,2\n2,3\n", {}, ".tst"),  // a table, whatever its name

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "acquisition/importer.hpp"
@@ -68,6 +69,25 @@ TEST(TekWfm, FramesAreChannelsWithTheirOwnTrigger) {
   EXPECT_THAT(record.warnings,
               ElementsAre("this is a FastFrame sequence of 3 frames: each is a channel, with the "
                           "time from its own trigger"));
+}
+
+TEST(TekWfm, SummaryFrameIsNoMeasurement) {
+  for (const int version : {1, 2, 3})
+    for (const std::uint16_t summary : std::vector<std::uint16_t>{1, 2}) {
+      TekWfm file;
+      file.version = version;
+      file.summary = summary;
+      file.frames = {{1, 2, 3}, {3, 4, 5}, {2, 3, 4}};
+      const Record record = imported(file.bytes());
+      ASSERT_EQ(record.channels.size(), 3U);
+      EXPECT_EQ(record.channels[1].name, "waveform, frame 2");
+      const std::string kind = summary == 1 ? "average" : "envelope";
+      EXPECT_EQ(record.channels[2].name,
+                version == 1 ? "waveform, frame 3" : "waveform, " + kind + " of the frames");
+      const std::string told =
+          "the last frame is no measurement but the " + kind + " of those before it";
+      EXPECT_EQ(std::ranges::count(record.warnings, told), version == 1 ? 0 : 1);
+    }
 }
 
 TEST(TekWfm, WindowAndChannelsAreThoseOfTheWhole) {

@@ -2,7 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "acquisition/importer.hpp"
+#include "acquisition/importers/mapped_file.hpp"
+#include "acquisition/importers/wave_chunks.hpp"
 #include "tests/acquisition/wav_bytes.hpp"
 #include "tests/acquisition/written_file.hpp"
 
@@ -133,6 +138,99 @@ TEST_P(Wav, SamplesThatTheHeaderDoesNotCountAreRead) {
   EXPECT_EQ(imported(bytes).channels.at(0).size(), 0U);
 }
 
+/// Bytes of a file whose head states other sizes of the file and of the samples.
+std::string with_sizes(const WavFile& wav, std::uint32_t file, std::uint32_t samples) {
+  std::string bytes = wav.bytes();
+  bytes.replace(4, 4, wav.number(file));
+  return bytes.replace(bytes.find("data") + 4, 4, wav.number(samples));
+}
+
+// As recorders leave it that update the header now and then and lose their power between.
+TEST_P(Wav, SamplesBehindThoseThatTheHeaderCountsAreRead) {
+  wav.data = wav.numbers<std::int16_t>({16384, -16384, 0, 8192, 1, -1, 2, -2});
+  const std::string stale = with_sizes(wav, 40, 4);
+  const auto record = imported(stale);
+  EXPECT_EQ(record.channels.at(0).size(), 8U);
+  EXPECT_THAT(record.warnings,
+              ElementsAre("the header counts 4 bytes of samples and declares a file of 48 bytes, "
+                          "but no chunk follows them and the file has 60, as of a recorder that "
+                          "lost its power or a file of more than 4 GiB: 16 bytes are read as "
+                          "samples",
+                          calibrate));
+  // a list that ends the file is none of them
+  const std::string title = wav.chunk("LIST", "INFO" + wav.chunk("INAM", "run 7"));
+  EXPECT_EQ(imported(stale + title).channels.at(0).size(), 8U);
+  EXPECT_EQ(imported(stale + title).title, "run 7");
+}
+
+TEST_P(Wav, WhatOthersPutBehindTheSamplesIsNotReadAsSamples) {
+  wav.data = wav.numbers<std::int16_t>({16384, -16384});
+  for (const std::string& behind :
+       {std::string(512, '\0'), "TAG" + std::string(125, '\x01'), "ID3" + std::string(20, '\x04'),
+        wav.chunk("LIST", "INFO" + wav.chunk("INAM", "run 7")), wav.chunk("abcd", "12345678")})
+    EXPECT_THAT(imported(wav.bytes() + behind).channels.at(0).values(), ElementsAre(0.5, -0.5));
+  // a header that declares the whole file counts its samples right
+  wav.data = wav.numbers<std::int16_t>({16384, -16384, 0, 8192, 1, -1, 2, -2});
+  const auto record = imported(with_sizes(wav, 52, 4));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(0.5, -0.5));
+  EXPECT_THAT(record.warnings,
+              ElementsAre("the 12 bytes behind the 4 bytes of samples are no chunk: they are left "
+                          "out",
+                          calibrate));
+}
+
+TEST_P(Wav, AListBehindSamplesOfUnknownSizeIsNotReadAsSamples) {
+  wav.data = wav.numbers<std::int16_t>({16384, -16384, 0, 8192});
+  const std::string title = wav.chunk("LIST", "INFO" + wav.chunk("INAM", "run 7"));
+  for (const std::uint32_t size : {0U, 0x7FFFFFFFU, 0xFFFFFFFFU}) {
+    const auto record = imported(with_sizes(wav, size, size) + title);
+    EXPECT_THAT(record.channels.at(0).values(), ElementsAre(0.5, -0.5, 0.0, 0.25)) << size;
+    EXPECT_EQ(record.title, "run 7") << size;
+  }
+}
+
+// Some writers leave out the byte that fills up an odd chunk.
+TEST_P(Wav, OddChunksWithoutTheirPadByteArePassedOver) {
+  wav.data = wav.numbers<std::int16_t>({16384, -16384, 0, 8192});
+  const auto unfilled = [&](const std::string& name, const std::string& content) {
+    return name + wav.number(static_cast<std::uint32_t>(content.size())) + content;
+  };
+  const std::string comment = wav.chunk("LIST", "INFO" + wav.chunk("ICMT", "test data of rig 5"));
+  for (const std::string& odd :
+       {unfilled("note", "abcde"), unfilled("LIST", "INFO" + unfilled("ISFT", "abcde"))}) {
+    wav.more_chunks = odd;
+    for (const std::string& behind : {std::string(), comment}) {
+      const auto record = imported(wav.bytes() + behind);
+      EXPECT_THAT(record.channels.at(0).values(), ElementsAre(0.5, -0.5, 0.0, 0.25));
+      EXPECT_THAT(record.warnings, ElementsAre(calibrate));
+    }
+  }
+}
+
+TEST_P(Wav, TextOfACommentIsNotReadAsSamples) {
+  wav.data = wav.numbers<std::int16_t>({16384, -16384, 0, 8192});
+  wav.more_chunks = std::string(4, '\x01') + std::string(4, '\xFF') + "test data of rig 5, ";
+  EXPECT_THAT(imported(wav.bytes()).channels.at(0).values(), ElementsAre(0.5, -0.5, 0.0, 0.25));
+}
+
+// The sizes of such a file are those modulo 2^32.
+TEST(WavVariants, SamplesBeyond4GiBAreCounted) {
+  WavFile wav;
+  wav.data = wav.numbers<std::int16_t>({16384, -16384});
+  const std::string title = wav.chunk("LIST", "INFO" + wav.chunk("INAM", "run 7"));
+  const tests::WrittenFile file(with_sizes(wav, 40, 4), ".wav");
+  const std::uint64_t more = std::uint64_t{1} << 32;
+  for (const std::string& behind : {std::string(), title}) {
+    std::filesystem::resize_file(file.path(), more + 48);  // sparse
+    std::ofstream(file.path(), std::ios::binary | std::ios::app) << behind;
+    const MappedFile mapped(file.path());
+    const WaveChunks chunks = wave_chunks(mapped.bytes());
+    EXPECT_EQ(chunks.sample_bytes, more + 4);
+    EXPECT_EQ(chunks.texts.size(), behind.empty() ? 0U : 1U);
+    EXPECT_THAT(chunks.warnings, ElementsAre(HasSubstr(": 4294967300 bytes are read as samples")));
+  }
+}
+
 TEST(WavVariants, ExtensibleRf64AndLogarithmicAreRead) {
   WavFile wav;
   wav.data = wav.numbers<std::int16_t>({16384, -32768});
@@ -165,7 +263,7 @@ TEST(WavVariants, WhatIsNotReadSaysSo) {
   ImportOptions options;
   options.format = "wav";
   EXPECT_EQ(import_error("some text", options),
-            "FILE (byte 0): expected 'RIFF', 'RIFX' or 'RF64' and 'WAVE' at byte 8");
+            "FILE (byte 0): expected 'RIFF', 'RIFX', 'RF64' or 'BW64' and 'WAVE' at byte 8");
   EXPECT_THAT(import_error(std::string("RIFF\4\0\0\0WAVE", 12), options),
               HasSubstr("FILE (byte 0): libsndfile cannot read it: "));
 }
@@ -254,6 +352,17 @@ TEST_P(Wav, WhatFollowsTheSamplesIsReadAsFarAsItIsSound) {
               ElementsAre("the list at byte 48 is damaged, its parts do not fit into it: it is "
                           "left out",
                           calibrate));
+}
+
+TEST(WavVariants, Bw64IsReadAsRf64) {
+  WavFile wav;
+  wav.rf64 = true;
+  wav.data = wav.numbers<std::int16_t>({16384, -32768});
+  const std::string bytes = "BW64" + wav.bytes().substr(4);
+  const auto record = imported(bytes);
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(0.5, -1));
+  EXPECT_EQ(record.provenance.importer, "wav");
+  EXPECT_EQ(record.warnings, imported(wav.bytes()).warnings);
 }
 
 TEST(WavVariants, Rf64WhoseRecorderWasStoppedIsRead) {

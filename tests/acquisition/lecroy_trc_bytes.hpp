@@ -27,6 +27,13 @@ struct Trc {
   std::uint16_t source = 1;
   std::int32_t user_text = 7;  ///< bytes
   std::int32_t segments = 1;
+  std::int16_t segments_asked = 0;  ///< 0: not stated, as in the five that follow
+  std::int32_t first_valid = 0;
+  std::int32_t last_valid = 0;
+  std::int32_t first_point = 0;
+  std::int32_t sparsing = 0;
+  std::int16_t ris_sweeps = 0;
+  std::vector<double> ris_times;                    ///< [s]
   std::vector<std::pair<double, double>> triggers;  ///< since the first, to the first sample [s]
   std::vector<double> samples = {2, -4, 6};
   std::vector<double> second;  ///< samples of the second array
@@ -39,10 +46,13 @@ struct Trc {
     out.put(32, type).put(34, static_cast<std::uint16_t>(big_endian ? 0 : 1));
     out.put(36, std::int32_t{346}).put(40, user_text);
     out.put(48, static_cast<std::int32_t>(16 * triggers.size()));
+    out.put(52, static_cast<std::int32_t>(8 * ris_times.size()));
     out.put(60, static_cast<std::int32_t>(width * samples.size()));
     out.put(64, static_cast<std::int32_t>(width * second.size()));
     out.text(76, "LECROYWR64Xi-A").put(92, std::int32_t{50699}).text(96, label);
     out.put(116, static_cast<std::int32_t>(samples.size())).put(144, segments);
+    out.put(124, first_valid).put(128, last_valid).put(132, first_point).put(136, sparsing);
+    out.put(174, segments_asked).put(322, ris_sweeps);
     out.put(156, gain).put(160, offset).put(172, std::int16_t{8});
     out.put(176, interval).put(180, start).text(196, unit).text(244, x_unit);
     out.put(296, 52.5).put(304, std::uint8_t{23}).put(305, std::uint8_t{9});
@@ -50,6 +60,7 @@ struct Trc {
     out.put(316, record_type).put(326, std::uint16_t{2}).put(328, 10.0F).put(344, source);
     out.resize(346 + static_cast<std::size_t>(user_text));
     for (const auto& [since_first, first] : triggers) out.add(since_first).add(first);
+    for (const double time : ris_times) out.add(time);
     for (const auto* row : {&samples, &second})
       for (const double sample : *row)
         type == 0 ? out.add(static_cast<std::int8_t>(sample))
@@ -72,6 +83,15 @@ inline std::vector<std::string> lecroy_trc_seeds() {
       file.triggers = {{0.0, -1e-9}, {1.0, -2e-9}};
       seeds.push_back(file.bytes());
     }
+  Trc part;
+  part.first_valid = 1;
+  part.last_valid = 1;
+  part.sparsing = 2;
+  part.ris_times = {0.0, 1e-10};
+  seeds.push_back(part.bytes());
+  part.segments = 1;
+  part.segments_asked = 3;
+  seeds.push_back(part.bytes());
   Trc extrema;
   extrema.record_type = 6;
   extrema.second = {1, 2, 3};

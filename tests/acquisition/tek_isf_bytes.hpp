@@ -100,6 +100,10 @@ inline std::vector<std::string> tek_isf_seeds() {
   envelope.format = "RP";
   envelope.width = 1;
   seeds.push_back(envelope.bytes());
+  seeds.push_back(ascii.bytes() + ascii.bytes());
+  seeds.push_back(
+      ":WFMPRE:BYT_NR 1;ENCDG BIN;CH1:NR_PT 2;NR_FR 2;YMULT 1;CH2:NR_PT 4;YMULT 2;:CURVE #14abcd,"
+      "#14efgh\n");
   return seeds;
 }
 

@@ -27,6 +27,7 @@ struct TekWfm {
   std::int32_t data_type = 2;
   std::int32_t storage = 0;
   std::int32_t time_base = 0;
+  std::uint16_t summary = 0;  ///< last frame: 1 average, 2 envelope of the others; from version 2
   std::int32_t gmt = 1649763107;  ///< 2022-04-12T11:31:47Z
   double fraction = 0.25;
   std::vector<std::vector<double>> frames = {{2, -4, 6}};
@@ -68,6 +69,7 @@ struct TekWfm {
     out.put(72, size(extra));
     out.put(78, std::int32_t{extra > 0 ? 1 : 0});
     out.put(122, data_type);
+    if (version > 1) out.put(154, summary);
     out.put(vertical(), scale).put(vertical() + 8, offset).text(vertical() + 20, unit);
     out.put(vertical() + 72, format).put(vertical() + 76, storage);
     out.put(horizontal(), interval).put(horizontal() + 8, start);
