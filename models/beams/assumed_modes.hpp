@@ -30,6 +30,9 @@ class AssumedModes {
   /// 1).
   Eigen::MatrixXd rotary_inertia() const;
 
+  /// Of the mesh that the shapes come from, where their derivatives jump; none of closed forms.
+  const std::vector<BarElement>& elements() const { return elements_; }
+
   /// A share of the bar in an integral over it.
   struct Place {
     double x = 0.0;

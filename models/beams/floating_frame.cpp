@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/beams/floating_frame.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -134,12 +135,22 @@ FloatingFrameBeam::Station FloatingFrameBeam::section_at(double x) const {
 void FloatingFrameBeam::add_coupling(double from, double to, int panels,
                                      Eigen::MatrixXd& coupling) const {
   const GaussRule& rule = gauss_legendre(8);
-  const double panel = (to - from) / panels;
-  for (int p = 0; p < panels; ++p)
+  const auto add = [&](double begin, double end) {
     for (std::size_t i = 0; i < rule.points.size(); ++i) {
-      const Eigen::VectorXd slopes = modes_.slope(from + panel * (p + rule.points[i]));
-      coupling.noalias() += panel * rule.weights[i] * slopes * slopes.transpose();
+      const Eigen::VectorXd slopes = modes_.slope(begin + (end - begin) * rule.points[i]);
+      coupling.noalias() += (end - begin) * rule.weights[i] * slopes * slopes.transpose();
     }
+  };
+  if (modes_.elements().empty()) {
+    const double panel = (to - from) / panels;
+    for (int p = 0; p < panels; ++p) add(from + panel * p, from + panel * (p + 1));
+    return;
+  }
+  // slopes jump where a section that shears ends
+  for (const BarElement& element : modes_.elements()) {
+    const double begin = std::max(from, element.x), end = std::min(to, element.x + element.length);
+    if (begin < end) add(begin, end);
+  }
 }
 
 FloatingFrameBeam::Station FloatingFrameBeam::station_at(double x) const {

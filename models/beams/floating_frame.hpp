@@ -53,6 +53,11 @@ class FloatingFrameBeam : public BeamDynamics {
   std::vector<int> coordinates_of(double x) const override;
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
+
+  Eigen::VectorXd frame() const override { return -Eigen::VectorXd::Unit(1 + bending_, 0); }
+
+  std::optional<int> axial_modes() const override { return axial_; }
+
   double damping_power(ConstVector q, ConstVector v) const override;
   BeamEnergy energy(ConstVector q, ConstVector v) const override;
   RigidPart rigid_part(ConstVector q, ConstVector v) const override;
