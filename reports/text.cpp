@@ -204,9 +204,11 @@ std::string mesh_error_text(const models::MeshError& error) {
       finer.model == models::BeamModel::ancf
           ? fmt::format("{} + {} elements", finer.elements[0], finer.elements[1])
           : fmt::format("{} modes", finer.modes);
-  return fmt::format(
-      "mesh error        {:+.2g} % peak force, {:+.2g} % duration, {:+.2g} % impulse, by {}\n",
-      100.0 * error.peak_force, 100.0 * error.duration, 100.0 * error.impulse, mesh);
+  const auto told = [](double part) {
+    return std::isfinite(part) ? fmt::format("{:+.2g} %", 100.0 * part) : std::string("unknown");
+  };
+  return fmt::format("mesh error        {} peak force, {} duration, {} impulse, by {}\n",
+                     told(error.peak_force), told(error.duration), told(error.impulse), mesh);
 }
 
 /// What happened at the stop.
