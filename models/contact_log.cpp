@@ -238,8 +238,14 @@ bool left_for_good(const Rig& rig, std::span<const double> reach, const RigidPar
     if (stop.side == StopSide::near && !(stop.gap - rigid.angle * stop.contact.position > near_by))
       return false;
   }
-  return swing.shortest_return() >= longest_default_run &&
-         !swing.pulled_back(rigid.angle, rigid.rate);
+  // what hinge and air take of its turning by then may bring it back, or not past where it turns
+  const double rate = -rigid.rate;
+  const double lost = longest_default_run *
+                      (rig.beam.damping.mass * rate +
+                       (rig.hinge.friction + rig.hinge.viscous * rate) / rig.beam.hinge_inertia());
+  constexpr double most_lost = 0.1;  // of its rate
+  return swing.shortest_return() >= longest_default_run && lost <= most_lost * rate &&
+         !swing.pulled_back(rigid.angle, 2.0 * lost - rate);
 }
 
 }  // namespace impactrig::models
