@@ -96,9 +96,14 @@ class Ensemble::Worker : public LaneQueue {
 
   std::optional<Job> next() override {
     while (true) {
+      if (!again_.empty()) {
+        Job job = std::move(again_.back());
+        again_.pop_back();
+        return job;
+      }
       const std::size_t member = ensemble_.next_++;
       if (member >= ensemble_.rigs_.size()) return std::nullopt;
-      Job job{member, nullptr};
+      Job job{.member = member};
       try {
         job.run = small_motion(member);
         if (job.run) return job;
@@ -110,11 +115,12 @@ class Ensemble::Worker : public LaneQueue {
   }
 
   void finished(const Job& job) override {
-    if (job.run->run().smallness() < 1.0) {
-      solve_alone(job.member, ensemble_.options_.motion);
+    if (!job.finer && job.run->run().smallness() < 1.0) {
+      solve_again(job);
       return;
     }
     Simulation result = job.run->conclude();
+    result.solver = ensemble_.solver_;
     if (!asked() && !(result.neglected <= ensemble_.solver_.accuracy)) {
       solve_alone(job.member, Motion::full);
       return;
@@ -155,6 +161,20 @@ class Ensemble::Worker : public LaneQueue {
                                             ensemble_.bars_.bar(number));
   }
 
+  /// As simulate() solves a small contact again; in a lane, where the lanes' steps have its nodes.
+  void solve_again(const Job& job) {
+    Solver finer = ensemble_.solver_;
+    finer.accuracy = std::max(job.run->run().smallness() * finer.accuracy, Solver::finest_accuracy);
+    if (nodes_of(finer) != nodes_of(ensemble_.solver_)) {
+      solve_alone(job.member, ensemble_.options_.motion);
+      return;
+    }
+    Job again{.member = job.member, .finer = std::make_shared<const Solver>(finer)};
+    again.run = std::make_unique<SmallMotionRun>(rig(job.member), *again.finer, ensemble_.options_,
+                                                 job.run->shared_bar());
+    again_.push_back(std::move(again));
+  }
+
   void solve_alone(std::size_t number, Motion motion) {
     SimulationOptions options = ensemble_.options_;
     options.motion = motion;
@@ -166,6 +186,7 @@ class Ensemble::Worker : public LaneQueue {
   }
 
   Ensemble& ensemble_;
+  std::vector<Job> again_;
 };
 
 std::vector<EnsembleMember> Ensemble::run(std::size_t threads) {

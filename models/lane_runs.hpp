@@ -16,7 +16,8 @@ class LaneQueue {
  public:
   struct Job {
     std::size_t member = 0;
-    std::unique_ptr<SmallMotionRun> run;  ///< not begun; all of the same solver
+    std::unique_ptr<SmallMotionRun> run = {};  ///< not begun; all of as many nodes
+    std::shared_ptr<const Solver> finer = {};  ///< the run's, of one that is solved again
   };
 
   virtual ~LaneQueue() = default;

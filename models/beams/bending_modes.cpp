@@ -115,6 +115,17 @@ RigidLoad rigid_load(const std::vector<BarElement>& pieces, const Beam& beam, do
 
 }  // namespace
 
+double clamped_compliance(const Beam& beam, double x) {
+  double sum = 0.0;
+  for (const BarElement& piece : bar_pieces(beam)) {
+    const double near_by = x - piece.x, far = std::max(near_by - piece.length, 0.0);
+    if (near_by <= 0.0) break;
+    sum += (std::pow(near_by, 3) - std::pow(far, 3)) / (3.0 * piece.bending_stiffness) +
+           (near_by - far) * piece.shear_compliance;
+  }
+  return sum;
+}
+
 double elastic_compliance(const Beam& beam, double x) {
   const double turned = x / beam.hinge_inertia();  // angular acceleration under a unit force
   const std::vector<BarElement> pieces = bar_pieces(beam);

@@ -49,4 +49,8 @@ std::vector<BendingMode> bending_modes(const Beam& beam, Basis basis, int count)
 /// it: √(2 E C).
 double elastic_compliance(const Beam& beam, double x);
 
+/// Deflection of the point at x under a unit force there of a bar that is clamped at its hinge
+/// [m/N].
+double clamped_compliance(const Beam& beam, double x);
+
 }  // namespace impactrig::models

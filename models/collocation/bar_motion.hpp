@@ -58,6 +58,11 @@ class BarMotion {
     double deflection = 0.0, extension = 0.0;               // of a hinge that is turned as stated
   };
 
+  /// How a contact answers: its force by depth [N/m] and by the rate of that [N s/m].
+  struct ContactSlope {
+    double to_depth = 0.0, to_rate = 0.0;
+  };
+
   virtual ~BarMotion() = default;
 
   virtual const Collocation& rule() const = 0;
@@ -170,6 +175,12 @@ class BarMotion {
 
   /// The first part of the solved step is to be taken: what is worth keeping of it.
   virtual void observe(double) {}
+
+  /// Whether see_contact() is of use.
+  virtual bool asks_for_contact() const { return false; }
+
+  /// How the contact of the first stop answers at the end of what is to be taken.
+  virtual void see_contact(const ContactSlope&) {}
 
   /// The solved step is taken, or the first part of it where parts_exact().
   virtual void take(double part) = 0;

@@ -167,6 +167,7 @@ class CollocationRun {
   double laser_rest_ = 0.0, slope_rest_ = 0.0;  // displacement seen at first touch [m], [-]
 
   double approach_ = 0.0, impulse_scale_ = 0.0, energy_scale_ = 0.0;
+  bool held_ = false;                // the bar, by more than the contacts
   double contact_time_ = 0.0;        // of the shortest that is expected [s]
   std::optional<double> smallness_;  // of the first contact, where the scales are another's
   double damped_ = 0.0;              // in bar, hinge and compliant stop since first touch [J]

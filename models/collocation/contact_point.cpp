@@ -25,9 +25,8 @@ ContactPoint::ContactPoint(const Rig& rig, int number, BarMotion& bar, StopStep&
       log_(log),
       contact_(rig, number) {}
 
-void ContactPoint::set_scales(double energy, double approach, double accuracy) {
-  // a bar that turns about its hinge goes no deeper than the point is far from it
-  depth_ = std::min(penetration_storing(contact_, energy), position_);
+void ContactPoint::set_scales(double energy, double approach, double deepest, double accuracy) {
+  depth_ = std::min(penetration_storing(contact_, energy), deepest);
   force_scale_ = contact_.elastic(depth_);
   local_force_ = force_scale_;
   first_step_ = std::min(0.1, 3.0 * std::sqrt(accuracy)) * depth_ / approach;
@@ -55,6 +54,17 @@ void ContactPoint::complete() {
           contact_.dissipation(resolved(step_.displacement[i]), step_.velocity[i]);
   step_.dissipation_series = rule_.to_series() * step_.dissipation;
   step_.displacement_series = rule_.to_series() * step_.displacement;
+}
+
+BarMotion::ContactSlope ContactPoint::slope_at(double part) const {
+  if (!contact_.presses()) return {};
+  // nodes are near enough, and known
+  const Eigen::Index last = step_.displacement.size() - 1;
+  const auto node =
+      static_cast<Eigen::Index>(std::lround(std::min(part, 1.0) * static_cast<double>(last)));
+  const ContactForce::Response law =
+      contact_.pressed(resolved(step_.displacement[node]), step_.velocity[node]);
+  return {law.to_depth, law.to_rate};
 }
 
 double ContactPoint::shown_force(const PointMotion& p) const {

@@ -39,16 +39,19 @@ class ContactPoint {
 
   void evaluated(long count) { evaluations_ += count; }
 
-  /// The impact has this energy [J], the bar closes on the stop at this speed [m/s]. Steps of the
-  /// accuracy asked for.
-  void set_scales(double energy, double approach, double accuracy);
+  /// The impact has this energy [J], the bar closes on the stop at this speed [m/s] and goes no
+  /// deeper than this [m]. Steps of the accuracy asked for.
+  void set_scales(double energy, double approach, double deepest, double accuracy);
 
   /// Of what the bar first has to be stopped, the energy [J].
   void set_local_energy(double energy) {
-    local_force_ = contact_.elastic(penetration_storing(contact_, energy));
+    local_force_ = std::min(force_scale_, contact_.elastic(penetration_storing(contact_, energy)));
   }
 
   double depth() const { return depth_; }  ///< of an impact with all the energy [m]
+
+  /// Whether it is of an impact whose energy [J] goes elsewhere for the most part.
+  bool takes_little(double energy) const { return contact_.stored(depth_) < 0.1 * energy; }
 
   double force_scale() const { return force_scale_; }  ///< likewise [N]
 
@@ -67,6 +70,10 @@ class ContactPoint {
 
   /// First guess of the step's force, by the low terms of the last one's.
   void predict_force();
+
+  /// How the contact answers at the end of the first part of the solved step; not at all where it
+  /// does not press.
+  BarMotion::ContactSlope slope_at(double part) const;
 
   /// The motion at the nodes as the bar told it, now seen from the stop.
   void see_nodes() {

@@ -69,8 +69,9 @@ BarKey BarKey::of(const Rig& rig, const Solver& solver) {
   std::vector<double> further;
   for (const FurtherStop& stop : rig.further_stops)
     further.push_back(stop.direction() * stop.contact.position);
-  return {rig.beam,     rig.hinge,       rig.contact.position, rig.gravity, std::move(further),
-          solver.model, solver.elements, solver.modes,         solver.basis};
+  return {rig.beam,           rig.hinge,    rig.contact.position, rig.gravity,
+          std::move(further), solver.model, solver.elements,      solver.modes,
+          solver.axial_modes, solver.basis};
 }
 
 std::size_t BarKey::Hash::operator()(const BarKey& key) const {

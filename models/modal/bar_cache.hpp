@@ -65,7 +65,7 @@ struct BarKey {
   std::vector<double> further;  // positions of further stops, negative on the far side
   BeamModel model;
   std::array<int, 2> elements;
-  int modes;
+  int modes, axial_modes;
   Basis basis;
 
   static BarKey of(const Rig& rig, const Solver& solver);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "models/beams/bar_element.hpp"
@@ -144,6 +145,64 @@ void ModalBeam::find_stations(const Rig& rig) {
     const double part = (lump.position - stations_.x[station]) / stations_.length[station];
     stations_.lumps.push_back({station, std::min(part, 1.0), lump.mass});
   }
+  stations_.weight = stations_.mass;
+  for (const Stations::Lump& lump : stations_.lumps) stations_.weight[lump.station] += lump.mass;
+  double beyond = 0.0;
+  for (Eigen::Index i = count - 1; i >= 0; --i) {
+    const double own = stations_.weight[i];
+    stations_.weight[i] = rig.gravity_along() * (beyond + 0.5 * own);
+    beyond += own;
+  }
+  stations_.bending.resize(count - 1);
+  for (Eigen::Index i = 0; i + 1 < count; ++i) {
+    const BarElement& here = spans[static_cast<std::size_t>(i)];
+    const BarElement& next = spans[static_cast<std::size_t>(i) + 1];
+    stations_.bending[i] =
+        2.0 / (here.length / here.bending_stiffness + next.length / next.bending_stiffness);
+  }
+  stations_.bending_by_strain = rig.beam.shears() ? 2.0 : 0.0;
+  find_axial_modes(spans);
+  const Eigen::VectorXd frame = beam_.frame();
+  if (frame.size() > 0) frame_ = rows_.size() > 0 ? Eigen::VectorXd(rows_ * frame) : frame;
+}
+
+/// Ritz' of those of a uniform bar, sin((k - ½) π x / L).
+void ModalBeam::find_axial_modes(const std::vector<BarElement>& spans) {
+  constexpr int usual = 8;
+  const int modes = beam_.axial_modes().value_or(usual);
+  const Eigen::Index count = stations_.x.size();
+  const auto lumps = static_cast<Eigen::Index>(stations_.lumps.size());
+  stations_.stretch = Eigen::VectorXd::Zero(count);
+  stations_.axial.resize(count + lumps, modes);
+  stations_.axial_squares.resize(modes);
+  if (modes == 0) return;
+  const auto at = [&](double x) {
+    Eigen::VectorXd shapes(modes);
+    for (int k = 0; k < modes; ++k)
+      shapes[k] = std::sin((k + 0.5) * std::numbers::pi * x / length_);
+    return shapes;
+  };
+  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(modes, modes), stiffness = mass;
+  const auto add = [&](Eigen::Index row, double x, double share) {
+    const Eigen::VectorXd shapes = at(x);
+    stations_.axial.row(row) = shapes;
+    mass.selfadjointView<Eigen::Lower>().rankUpdate(shapes, share);
+  };
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const double x = stations_.x[i], length = stations_.length[i];
+    const double axial = spans[static_cast<std::size_t>(i)].axial_stiffness;
+    stations_.stretch[i] = length / axial;
+    add(i, x + 0.5 * length, stations_.mass[i]);
+    stiffness.selfadjointView<Eigen::Lower>().rankUpdate(at(x + length) - at(x), axial / length);
+  }
+  for (Eigen::Index l = 0; l < lumps; ++l) {
+    const Stations::Lump& lump = stations_.lumps[static_cast<std::size_t>(l)];
+    add(count + l, stations_.x[lump.station] + lump.part * stations_.length[lump.station],
+        lump.mass);
+  }
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(stiffness, mass);
+  stations_.axial_squares = solver.eigenvalues();
+  stations_.axial *= solver.eigenvectors();
 }
 
 void ModalBeam::find_stretching() {
@@ -222,6 +281,11 @@ ModalBeam::ModalBeam(const ModalBeam& other, const Change& change) : ModalBeam(o
   spring_ = change.spring;
   stations_.mass *= change.mass;
   for (Stations::Lump& lump : stations_.lumps) lump.mass *= change.mass;
+  stations_.bending *= change.stiffness;
+  stations_.weight *= change.mass;
+  stations_.stretch /= change.stiffness;
+  stations_.axial /= root;
+  stations_.axial_squares *= ratio;
   elastic_compliance_ /= change.stiffness;
   // in the other's modes, scaled to unit modal mass: its elastic part grows, its weight does not
   const Eigen::MatrixXd& weight = other.whole_weight();
@@ -239,6 +303,7 @@ ModalBeam::ModalBeam(const ModalBeam& other, const Change& change) : ModalBeam(o
   axial_ *= change.stiffness;
   most_stretching_ /= change.stiffness;
   struck_ = basis.transpose() * struck_ / root;
+  if (frame_.size() > 0) frame_ = basis.transpose() * frame_ / root;
   for (Eigen::VectorXd& row : further_) row = basis.transpose() * row / root;
   hinge_ = basis.transpose() * hinge_ / root;
   rigid_ = root * (basis.transpose() * rigid_);
@@ -405,10 +470,10 @@ ModalBeam ModalBeam::with_mode(double omega, double damping, double struck) cons
   return more;
 }
 
-double ModalBeam::shortening_energy(const StationSlopes& slopes, double frame) const {
+double ModalBeam::shortening_energy(const StationSlopes& slopes) const {
   double drawn = 0.0, energy = 0.0;
   for (Eigen::Index i = 0; i < slopes.slope.size(); ++i) {
-    const double step = (slopes.slope[i] - frame) * slopes.rate[i] * stations_.length[i];
+    const double step = slopes.slope[i] * slopes.rate[i] * stations_.length[i];
     const double middle = drawn + 0.5 * step;
     energy += 0.5 * stations_.mass[i] * middle * middle;
     for (const Stations::Lump& lump : stations_.lumps)

@@ -109,9 +109,8 @@ class ModalBeam {
   }
 
   /// Kinetic energy of the bar's points moving towards the hinge as it bends and turns, to the
-  /// lowest order: ½ ∫ u̇² dm, u̇(x) = ∫₀ˣ (w' − φ) ẇ' dξ [J], seen in a frame at the angle φ [rad].
-  /// Not part of the small motion.
-  double shortening_energy(const StationSlopes& slopes, double frame) const;
+  /// lowest order: ½ ∫ u̇² dm, u̇(x) = ∫₀ˣ w' ẇ' dξ [J]. Not part of the small motion.
+  double shortening_energy(const StationSlopes& slopes) const;
 
   /// Of elements whose axes are cubics, what they are stretched by bending unevenly [J]: the square
   /// of a slope that changes along an element as P₁ and P₂ has parts in P₃ and P₄, which the
@@ -137,9 +136,22 @@ class ModalBeam {
     Eigen::VectorXd mass;       ///< of the bar in each [kg] (stations)
     Eigen::MatrixXd slopes;     ///< of the modes, mean over each (stations, m)
     std::vector<Lump> lumps;    ///< further masses
+    Eigen::VectorXd bending;    ///< EI over the way, to the next one's middle [N m] (stations - 1)
+    /// By which multiple of its strain a bar bends more easily: 2 where curvature is that of the
+    /// stretched axis, as a bar that shears has it.
+    double bending_by_strain = 0.0;
+    Eigen::VectorXd weight;   ///< that pulls at each one's middle [N] (stations)
+    Eigen::VectorXd stretch;  ///< of each one under a pull [m/N]; 0 where the bar does not
+    /// Axial modes in which the bar stretches, of unit modal mass, at the stations' middles and at
+    /// the lumps (stations + lumps, k), and their frequencies' squares [1/s²] (k).
+    Eigen::MatrixXd axial;
+    Eigen::VectorXd axial_squares;
   };
 
   const Stations& stations() const { return stations_; }
+
+  /// SmallMotionBeam::frame(), under unit modal coordinates (m).
+  const Eigen::VectorXd& frame() const { return frame_; }
 
   bool sprung() const { return spring_ > 0.0; }  ///< a spring in the hinge
 
@@ -156,6 +168,7 @@ class ModalBeam {
   void take(BarModes modes);
   void find_damping();
   void find_stations(const Rig& rig);
+  void find_axial_modes(const std::vector<BarElement>& spans);
   void find_stretching();
   const Eigen::MatrixXd& uneven_slopes() const;
   const Eigen::MatrixXd& whole_weight() const;
@@ -174,6 +187,7 @@ class ModalBeam {
   double spring_;                         // of the hinge [N m/rad]
   double elastic_compliance_ = 0.0;
   Stations stations_;
+  Eigen::VectorXd frame_;
   // of each element that stretches its slope's parts in P₁ and P₂, row by row (2 e, m)
   std::shared_ptr<Late> uneven_ = std::make_shared<Late>();
   std::shared_ptr<Late> whole_weight_ = std::make_shared<Late>();  // weight_ of all modes (m, m)

@@ -23,7 +23,7 @@ ModalMotion::ModalMotion(const ModalBar& bar, const Collocation& rule,
       rule_(rule),
       sampling_interval_(history.interval),
       flies_(!beam_.sprung() && !beam_.damped()),
-      pull_(beam_) {
+      third_order_(beam_) {
   const auto row = [&](double x) { return x > 0.0 ? beam_.point(x) : beam_.struck(); };
   if (!(history.interval > 0.0)) return;
   velocity_row_ = row(history.velocity_position);
@@ -41,7 +41,6 @@ void ModalMotion::start(double angle, double rate) {
   // in flight the weight bends the bar by the sine of the swing's angle
   if (flies_ && angle != 0.0) state_.a.tail(beam_.modes() - 1) *= std::sin(angle) / angle;
   state_.rate = beam_.rigid() * rate;
-  beam_.find_slopes(state_.a, state_.rate, slopes_);
   dropped_ = 0.0;
   flights_ = {};
   first_contact_ = FirstContact::to_come;
@@ -55,6 +54,14 @@ BeamEnergy ModalMotion::energy() const {
   BeamEnergy energy = beam_.energy(state_.a, state_.rate);
   energy.gravitational -= dropped_;
   return energy;
+}
+
+void ModalMotion::expect_contact() {
+  if (first_contact_ != FirstContact::to_come) return;
+  first_contact_ = FirstContact::lasts;
+  if (!judges_) return;
+  beam_.find_slopes(state_.a, state_.rate, slopes_);
+  third_order_.touch(state_, slopes_, negligible_);
 }
 
 void ModalMotion::begin_step(int level) {
@@ -171,48 +178,23 @@ PointMotion ModalMotion::struck_at(int stop, double part, double* acceleration) 
 void ModalMotion::take(double part) {
   bool pressed = false;
   for (int stop = 0; stop < beam_.stops(); ++stop) pressed = pressed || presses(stop);
-  if (pressed && first_contact_ == FirstContact::to_come) {
-    first_contact_ = FirstContact::lasts;
-    if (judges_) {
-      beam_.find_slopes(state_.a, state_.rate, slopes_);
-      pull_.touch(state_, slopes_, negligible_);
-    }
-  }
   if (part < 1.0) {
     jump(part, scratch_);
     std::swap(state_, scratch_);
   } else {
     std::swap(state_, end_);
   }
-  note_shortening(pressed);
   if (first_contact_ != FirstContact::to_come && bar_.is_reduced()) {
     if (pressed) note_left_out(part);
   }
-  if (pressed) neglected_ = shortening_ + stretching_;
-  if (first_contact_ != FirstContact::lasts) return;
-  if (pressed && !judges_) return;
-  if (pressed)
-    pull_.follow(state_, slopes_, *step_, part, mean_force(part));
-  else
-    first_contact_ = FirstContact::over;
+  if (first_contact_ != FirstContact::lasts || !judges_) return;
+  beam_.find_slopes(state_.a, state_.rate, slopes_);
+  third_order_.follow(state_, slopes_, *step_, part, mean_force(part), contact_);
 }
 
 /// Of the first stop, over the first part of the step [N].
 double ModalMotion::mean_force(double part) const {
   return part < 1.0 ? rule_.restricted(series_[0], part)[0] : series_[0][0];
-}
-
-/// A bar that bends and turns draws its points towards the hinge: the energy of that motion is what
-/// the small motion leaves out, and what is left out after a contact no longer moves it. A flight
-/// is as well seen from a frame that turns with the bar.
-void ModalMotion::note_shortening(bool pressed) {
-  if (!judges_) return;
-  const bool turns = flies_ && !pressed;
-  const double frame = turns ? beam_.rigid_part(state_.a, state_.rate).angle : 0.0;
-  beam_.find_slopes(state_.a, state_.rate, slopes_);
-  shortening_ = std::max(shortening_, beam_.shortening_energy(slopes_, frame) / energy_scale_);
-  if (pressed && beam_.most_stretching(energy_scale_) > negligible_)
-    stretching_ = std::max(stretching_, beam_.stretching_energy(state_.a) / energy_scale_);
 }
 
 /// What stands for modes that are left out errs by all of its vibration about where the forces hold
@@ -256,10 +238,8 @@ void ModalMotion::fly(double time) {
     dropped_ += ModalFlight::drop(beam_, scratch_) - ModalFlight::drop(beam_, state_);
   }
   std::swap(state_, scratch_);
-  first_contact_ = FirstContact::over;
   ++flights_.count;
   flights_.time += time;
-  note_shortening(false);
 }
 
 void ModalMotion::sample_flight(double first, double spacing, std::span<Sample> samples) {

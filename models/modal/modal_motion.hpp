@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "models/collocation/bar_motion.hpp"
-#include "models/modal/axial_pull.hpp"
 #include "models/modal/bar_cache.hpp"
 #include "models/modal/modal_beam.hpp"
 #include "models/modal/modal_step.hpp"
+#include "models/modal/third_order.hpp"
 #include "models/simulation.hpp"
 
 namespace impactrig::models {
@@ -29,9 +29,7 @@ class ModalMotion : public BarMotion {
 
   void start(double angle, double rate) override;
 
-  void set_scales(const Scales& scales) override {
-    energy_scale_ = std::max(scales.energy, energy().kinetic);
-  }
+  void set_scales(const Scales&) override {}
 
   PointMotion struck(int stop) const override { return struck(stop, state_); }
 
@@ -42,6 +40,10 @@ class ModalMotion : public BarMotion {
   double elastic_compliance() const override { return beam_.elastic_compliance(); }
 
   const ModalState& state() const { return state_; }
+
+  void expect_contact() override;
+
+  void expect_flight() override { end_first_contact(); }
 
   void begin_step(int level) override;
   void begin_part(double part) override;
@@ -82,7 +84,7 @@ class ModalMotion : public BarMotion {
   /// Every flight is stepped like a contact: linear also in the swing's angle.
   void step_flights() { flies_ = false; }
 
-  /// What this leaves out is not estimated: neglected() and missing_pull() stay as they are.
+  /// What this leaves out is not estimated: third_order() stays as it is.
   void leave_judging() { judges_ = false; }
 
   /// What cannot be more than this part of the energy is not looked at in judging.
@@ -92,6 +94,12 @@ class ModalMotion : public BarMotion {
   void fly(double time) override;
   void sample_flight(double first, double spacing, std::span<Sample> samples) override;
   PointMotion struck_in_flight(int stop, double time) override;
+
+  bool asks_for_contact() const override {
+    return judges_ && first_contact_ == FirstContact::lasts;
+  }
+
+  void see_contact(const ContactSlope& slope) override { contact_ = slope; }
 
   void take(double part) override;
 
@@ -109,10 +117,6 @@ class ModalMotion : public BarMotion {
 
   const Flights& flights() const { return flights_; }
 
-  /// What the small motion left out until the contact last pressed, as a part of the bar's kinetic
-  /// energy at touch: of the order of the relative error of peak force, duration and impulse.
-  double neglected() const { return neglected_; }
-
   /// How far vibration that a ReducedBar does not have could have moved the struck points and the
   /// velocity's spot until the contact last pressed: as far as what it has of it.
   struct LeftOut {
@@ -125,9 +129,8 @@ class ModalMotion : public BarMotion {
 
   const LeftOut& left_out() const { return left_out_; }
 
-  /// What the pull along the bar, and damping's coupling of the modes, would have changed until the
-  /// first contact ended.
-  const AxialPull& missing_pull() const { return pull_; }
+  /// What terms of third order would have changed until the first contact ended.
+  const ThirdOrder& third_order() const { return third_order_; }
 
  private:
   PointMotion struck(int stop, const ModalState& state) const {
@@ -144,8 +147,11 @@ class ModalMotion : public BarMotion {
     return sample;
   }
 
+  void end_first_contact() {
+    if (first_contact_ == FirstContact::lasts) first_contact_ = FirstContact::over;
+  }
+
   double mean_force(double part) const;
-  void note_shortening(bool pressed);
   void note_left_out(double part);
 
   PointMotion jump(double part, ModalState& to, double* acceleration = nullptr) const;
@@ -168,19 +174,18 @@ class ModalMotion : public BarMotion {
   const ModalStep* step_ = nullptr;
   int level_ = 0;                   // of that
   std::vector<NodeVector> series_;  // of the force of each stop
-  double energy_scale_ = 0.0;
   bool flies_;
   bool watched_ = false;  // the flight that clear_time() told of: moves on as steps would
   Flights flights_;
   double dropped_ = 0.0;  // by flights, against what the modes have it [J]
-  double shortening_ = 0.0, stretching_ = 0.0, neglected_ = 0.0;
 
   LeftOut left_out_;
 
   enum class FirstContact { to_come, lasts, over };
 
   ModalBeam::StationSlopes slopes_;  // in the state, where judged
-  AxialPull pull_;
+  ThirdOrder third_order_;
+  ContactSlope contact_;
   bool judges_ = true;
   double negligible_ = 0.0;
   FirstContact first_contact_ = FirstContact::to_come;

@@ -65,6 +65,13 @@ class SmallMotionBeam {
   /// Elements of which the bar of the full equations stretches where it bends unevenly: their axes
   /// are cubics. Small motion does not know of it.
   virtual std::vector<BarElement> stretching_elements() const { return {}; }
+
+  /// Angle, under unit coordinates, of a frame in which the bar bends as if it did not turn,
+  /// closing > 0 (n); none where the coordinates are absolute.
+  virtual Eigen::VectorXd frame() const { return {}; }
+
+  /// In how many axial modes the bar of the full equations stretches; none: in all there are.
+  virtual std::optional<int> axial_modes() const { return std::nullopt; }
 };
 
 }  // namespace impactrig::models

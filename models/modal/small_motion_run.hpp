@@ -16,6 +16,9 @@ namespace impactrig::models {
 /// How many modes a rig has in small motion.
 int modes_of(const Solver& solver);
 
+/// Nodes of a step.
+int nodes_of(const Solver& solver);
+
 /// Why a rig cannot be solved as small motion in all its modes; empty when it can.
 std::string small_motion_refusal(const Rig& rig, const Solver& solver);
 
@@ -35,6 +38,8 @@ class SmallMotionRun {
   ModalMotion& motion() { return motion_; }
 
   const ModalBar& bar() const { return *bar_; }
+
+  const std::shared_ptr<const ModalBar>& shared_bar() const { return bar_; }
 
   /// The bar's own response to the contact force is all there is.
   bool faces_single_rigid_stop() const { return !stopped_ && rig_.further_stops.empty(); }

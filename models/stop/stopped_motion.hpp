@@ -76,6 +76,11 @@ class StoppedMotion final : public BarMotion {
   bool parts_exact() const override { return bar_.parts_exact(); }
 
   void observe(double part) override;
+
+  bool asks_for_contact() const override { return bar_.asks_for_contact(); }
+
+  void see_contact(const ContactSlope& slope) override { bar_.see_contact(slope); }
+
   void take(double part) override;
 
   /// Every step is to be one that the head answers a force over.

@@ -346,7 +346,7 @@ TEST(BarFamily, GivesTheModesOfEachBar) {
       const auto shortening = [](const ModalBeam& beam, const Eigen::VectorXd& state) {
         ModalBeam::StationSlopes slopes;
         beam.find_slopes(state, state, slopes);
-        return beam.shortening_energy(slopes, 0.0);
+        return beam.shortening_energy(slopes);
       };
       EXPECT_NEAR(shortening(b, turned) / shortening(a, also), 1.0, 1e-9);
     }

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/modal/third_order.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace impactrig::models {
+namespace {
+
+// A mode that turns by less than this in a step is moved as if nothing held it.
+constexpr double hardly_held = 1e-3;
+
+/// From each station's own, those of all that is further out and half of its own.
+void add_up_from_tip(Eigen::VectorXd& values) {
+  double beyond = 0.0;
+  for (Eigen::Index i = values.size() - 1; i >= 0; --i) {
+    const double own = values[i];
+    values[i] = beyond + 0.5 * own;
+    beyond += own;
+  }
+}
+
+}  // namespace
+
+ThirdOrder::ThirdOrder(const ModalBeam& beam) : beam_(beam) {
+  const Eigen::VectorXd at_stations = Eigen::VectorXd::Zero(beam.stations().mass.size());
+  const Eigen::VectorXd of_modes = Eigen::VectorXd::Zero(beam.modes());
+  const Eigen::VectorXd of_axial = Eigen::VectorXd::Zero(beam.stations().axial_squares.size());
+  before_ = after_ = {at_stations, at_stations, of_axial, of_axial};
+  axial_ = axial_rate_ = elastic_rate_ = of_axial;
+  slope_ = pull_ = strain_ = at_stations;
+  force_ = held_ = middle_ = way_ = drag_ = of_modes;
+  last_ = missing_ = end_ = answer_ = rest_ = {of_modes, of_modes};
+}
+
+void ThirdOrder::touch(const ModalState& state, const ModalBeam::StationSlopes& slopes,
+                       double negligible) {
+  elastic_rate_.setZero();
+  look(slopes, before_);
+  last_ = state;
+  energy_ = 0.5 * (state.rate.squaredNorm() + beam_.omega().cwiseProduct(state.a).squaredNorm());
+  stretches_ = beam_.most_stretching(energy_) > negligible;
+  missing_ = rest_;
+  contact_ = {};
+  shortening_ = largest_ = impulse_ = missing_impulse_ = of_peak_ = 0.0;
+  const double rate = beam_.rigid_part(state.a, state.rate).rate;
+  turn_steadily(rate);
+  lengthen(rate);
+}
+
+/// The axial modes are stretched by the turning.
+void ThirdOrder::turn_steadily(double rate) {
+  const ModalBeam::Stations& stations = beam_.stations();
+  axial_.setZero();
+  const auto add = [&](Eigen::Index row, double mass, double x) {
+    axial_ -= mass * rate * rate * x * stations.axial.row(row).transpose();
+  };
+  const Eigen::Index count = slope_.size();
+  for (Eigen::Index i = 0; i < count; ++i)
+    add(i, stations.mass[i], stations.x[i] + 0.5 * stations.length[i]);
+  for (std::size_t l = 0; l < stations.lumps.size(); ++l) {
+    const ModalBeam::Stations::Lump& lump = stations.lumps[l];
+    add(count + static_cast<Eigen::Index>(l), lump.mass,
+        stations.x[lump.station] + lump.part * stations.length[lump.station]);
+  }
+  axial_ = before_.drawn + axial_.cwiseQuotient(stations.axial_squares);
+  axial_rate_ = before_.drawn_rate;
+}
+
+/// A bar that hangs and turns is longer by what its weight and that turning pull; the struck point
+/// has its speed.
+void ThirdOrder::lengthen(double rate) {
+  const ModalBeam::Stations& stations = beam_.stations();
+  strain_.setZero();
+  if (stations.stretch.isZero(0.0)) return;
+  Eigen::VectorXd pull = stations.mass.cwiseProduct(stations.x + 0.5 * stations.length);
+  for (const ModalBeam::Stations::Lump& lump : stations.lumps)
+    pull[lump.station] +=
+        lump.mass * (stations.x[lump.station] + lump.part * stations.length[lump.station]);
+  add_up_from_tip(pull);
+  pull = rate * rate * pull + stations.weight;
+  strain_ = pull.cwiseProduct(stations.stretch).cwiseQuotient(stations.length);
+  Eigen::VectorXd longer(pull.size());  // at the stations' middles
+  double sum = 0.0, of_struck = 0.0;
+  for (Eigen::Index i = 0; i < pull.size(); ++i) {
+    const double step = pull[i] * stations.stretch[i];
+    longer[i] = sum + 0.5 * step;
+    const double left = beam_.struck_position() - stations.x[i];
+    of_struck += step * std::clamp(left / stations.length[i], 0.0, 1.0);
+    sum += step;
+  }
+  of_struck /= beam_.struck_position();
+  const auto faster = [&](Eigen::Index i, double part) {
+    return rate * (longer[i] + (part - 0.5) * pull[i] * stations.stretch[i] -
+                   of_struck * (stations.x[i] + part * stations.length[i]));
+  };
+  for (Eigen::Index i = 0; i < pull.size(); ++i) pull_[i] = stations.mass[i] * faster(i, 0.5);
+  for (const ModalBeam::Stations::Lump& lump : stations.lumps)
+    pull_[lump.station] += lump.mass * faster(lump.station, lump.part);
+  add_up_from_tip(pull_);
+  pull_.array() *= stations.length.array();
+  missing_.rate.noalias() = stations.slopes.transpose() * pull_;
+}
+
+void ThirdOrder::look(const ModalBeam::StationSlopes& slopes, Look& at) {
+  const ModalBeam::Stations& stations = beam_.stations();
+  const Eigen::Index modes = stations.axial_squares.size();
+  at.slope = slopes.slope;
+  at.drawn.setZero();
+  at.drawn_rate.setZero();
+  double u = 0.0, u_rate = 0.0;
+  const auto add = [&](Eigen::Index row, double mass, double drawn, double rate) {
+    for (Eigen::Index k = 0; k < modes; ++k) {
+      at.drawn[k] += stations.axial(row, k) * mass * drawn;
+      at.drawn_rate[k] += stations.axial(row, k) * mass * rate;
+    }
+  };
+  for (Eigen::Index i = 0; i < at.slope.size(); ++i) {
+    const double s = slopes.slope[i];
+    const double step = 0.5 * s * s * stations.length[i];
+    const double rate = s * slopes.rate[i] * stations.length[i];
+    at.momentum[i] = stations.mass[i] * (u_rate + 0.5 * rate);
+    add(i, stations.mass[i], u + 0.5 * step, u_rate + 0.5 * rate);
+    for (std::size_t l = 0; l < stations.lumps.size(); ++l) {
+      const ModalBeam::Stations::Lump& lump = stations.lumps[l];
+      if (lump.station != i) continue;
+      at.momentum[i] += lump.mass * (u_rate + lump.part * rate);
+      add(at.slope.size() + static_cast<Eigen::Index>(l), lump.mass, u + lump.part * step,
+          u_rate + lump.part * rate);
+    }
+    u += step;
+    u_rate += rate;
+  }
+}
+
+/// The axial modes over a step: ÿ + Ω² y = Ω² b, y with the elastic part, b without, linear within
+/// the step.
+void ThirdOrder::stretch(double h) {
+  const ModalBeam::Stations& stations = beam_.stations();
+  for (Eigen::Index k = 0; k < axial_.size(); ++k) {
+    const double omega = std::sqrt(stations.axial_squares[k]);
+    const double slope = (after_.drawn[k] - before_.drawn[k]) / h;
+    const double cosine = std::cos(omega * h), sine = std::sin(omega * h);
+    const double off = axial_[k] - before_.drawn[k], off_rate = (axial_rate_[k] - slope) / omega;
+    axial_[k] = after_.drawn[k] + off * cosine + off_rate * sine;
+    axial_rate_[k] = slope + omega * (off_rate * cosine - off * sine);
+    elastic_rate_[k] = after_.drawn_rate[k] - axial_rate_[k];
+  }
+}
+
+/// Of the stations, what the mean pull over the step does to their slopes.
+void ThirdOrder::find_pull(double h, double frame, double& of_frame) {
+  const ModalBeam::Stations& stations = beam_.stations();
+  const Eigen::Index count = slope_.size();
+  // of the elastic part, by its momentum too
+  for (Eigen::Index i = 0; i < count; ++i)
+    pull_[i] = stations.mass[i] * stations.axial.row(i).dot(elastic_rate_);
+  for (std::size_t l = 0; l < stations.lumps.size(); ++l)
+    pull_[stations.lumps[l].station] +=
+        stations.lumps[l].mass *
+        stations.axial.row(count + static_cast<Eigen::Index>(l)).dot(elastic_rate_);
+  add_up_from_tip(pull_);
+  double at_tip = 0.0;
+  for (Eigen::Index i = count - 1; i >= 0; --i) {
+    const double own = after_.momentum[i];
+    after_.momentum[i] = at_tip + 0.5 * own - pull_[i];
+    at_tip += own;
+  }
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const double pull = (after_.momentum[i] - before_.momentum[i]) / h;
+    const double s = slope_[i], weight = stations.weight[i];
+    pull_[i] = -stations.length[i] * (pull * s + weight * (0.5 * s * s * s - strain_[i] * s));
+    if (beam_.frame().size() == 0) continue;
+    const double in_frame = 0.5 * stations.length[i] * weight * std::pow(s - frame, 3);
+    pull_[i] += in_frame;
+    of_frame -= in_frame;
+  }
+}
+
+/// Of ½ ∫ EI w''² (s² − (s − ψ)²) dx, between the stations' middles.
+void ThirdOrder::add_bending(double frame, double& of_frame) {
+  const ModalBeam::Stations& stations = beam_.stations();
+  const bool floats = beam_.frame().size() > 0;
+  for (Eigen::Index i = 0; i + 1 < slope_.size(); ++i) {
+    const double low = slope_[i], high = slope_[i + 1];
+    const double moment = stations.bending[i] * (high - low);
+    const double density = 0.5 * moment * (high - low);
+    const double turn = floats
+                            ? (low + high - frame) * frame
+                            : 0.5 * (low * low + high * high) -
+                                  0.5 * stations.bending_by_strain * (strain_[i] + strain_[i + 1]);
+    const double by_low = floats ? frame : low, by_high = floats ? frame : high;
+    pull_[i] += moment * turn - density * by_low;
+    pull_[i + 1] -= moment * turn + density * by_high;
+    of_frame -= density * (low + high - 2.0 * frame);
+  }
+}
+
+/// What is left out does to the modes between the last state and this one.
+void ThirdOrder::find_force(const ModalState& state, double h) {
+  slope_ = 0.5 * (before_.slope + after_.slope);
+  middle_ = 0.5 * (last_.a + state.a);
+  stretch(h);
+  const bool floats = beam_.frame().size() > 0;
+  const double frame = floats ? beam_.frame().dot(middle_) : 0.0;
+  double of_frame = 0.0;
+  find_pull(h, frame, of_frame);
+  add_bending(frame, of_frame);
+  force_.noalias() = beam_.stations().slopes.transpose() * pull_;
+  if (floats) force_ += of_frame * beam_.frame();
+  if (stretches_) beam_.add_stretching_force(middle_, force_);
+  if (!beam_.damped()) return;
+  way_ = state.a - last_.a;
+  beam_.coupled_drag(way_, drag_);
+  force_ -= drag_ / h;
+}
+
+/// Under that force the modes vibrate about where it would hold them, free of the contact.
+void ThirdOrder::move(const ModalStep& step, double part) {
+  const double h = part * step.h();
+  for (Eigen::Index k = 0; k < force_.size(); ++k) {
+    const double omega = beam_.omega()[k];
+    held_[k] = omega * h > hardly_held ? force_[k] / (omega * omega) : 0.0;
+  }
+  missing_.a -= held_;
+  if (part < 1.0)
+    advance(beam_, h, NodeVector::Zero(1), missing_, end_);
+  else
+    step.coast(missing_, end_);
+  missing_.a += held_;
+  end_.a += held_;
+  for (Eigen::Index k = 0; k < force_.size(); ++k) {
+    if (beam_.omega()[k] * h > hardly_held) continue;
+    end_.a[k] += 0.5 * force_[k] * h * h;
+    end_.rate[k] += force_[k] * h;
+  }
+}
+
+void ThirdOrder::follow(const ModalState& state, const ModalBeam::StationSlopes& slopes,
+                        const ModalStep& step, double part, double contact_force,
+                        const BarMotion::ContactSlope& contact) {
+  look(slopes, after_);
+  shortening_ = std::max(shortening_, beam_.shortening_energy(slopes) / energy_);
+  find_force(state, part * step.h());
+  move(step, part);
+  answer(step, part, contact_force, contact);
+  std::swap(missing_, end_);
+  std::swap(before_, after_);
+  last_ = state;
+}
+
+/// Of the contact, by its mean slopes.
+void ThirdOrder::answer(const ModalStep& step, double part, double contact_force,
+                        const BarMotion::ContactSlope& contact) {
+  const double h = part * step.h();
+  const double stiffness = 0.5 * (contact_.to_depth + contact.to_depth);
+  const double damping = 0.5 * (contact_.to_rate + contact.to_rate);
+  contact_ = contact;
+  if (part < 1.0) advance(beam_, h, NodeVector::Ones(1), rest_, answer_);
+  const ModalState& answer = part < 1.0 ? answer_ : step.of_unit_force();
+  const Eigen::VectorXd& row = beam_.struck();
+  const double way = 0.5 * row.dot(missing_.a + end_.a),
+               speed = 0.5 * row.dot(missing_.rate + end_.rate);
+  const double gives = -0.5 * (stiffness * row.dot(answer.a) + damping * row.dot(answer.rate));
+  const double force = (stiffness * way + damping * speed) / (1.0 + std::max(gives, 0.0));
+  end_.a += force * answer.a;
+  end_.rate += force * answer.rate;
+  impulse_ += contact_force * h;
+  missing_impulse_ += force * h;
+  if (contact_force < largest_) return;
+  largest_ = contact_force;
+  if (largest_ > 0.0) of_peak_ = force / largest_;
+}
+
+}  // namespace impactrig::models

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What small motion says it leaves out, against the full equations.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/modal/bar_cache.hpp"
+#include "models/modal/small_motion_run.hpp"
+#include "models/simulation.hpp"
+#include "tests/models/scenes.hpp"
+
+namespace {
+
+using namespace impactrig::models;
+using namespace impactrig::tests;
+
+/// Relative changes of the first contact's peak, duration and impulse.
+struct Changes {
+  double peak = 0.0, duration = 0.0, impulse = 0.0;
+
+  double largest() const {
+    return std::max({std::abs(peak), std::abs(duration), std::abs(impulse)});
+  }
+};
+
+Simulation solve(const Rig& rig, const Solver& solver, Motion motion) {
+  SimulationOptions options;
+  options.motion = motion;
+  return simulate(rig, solver, options);
+}
+
+Changes from_small_to_full(const Rig& rig, const Solver& solver) {
+  const Episode small = solve(rig, solver, Motion::small).episodes.at(0);
+  const Episode full = solve(rig, solver, Motion::full).episodes.at(0);
+  return {full.peak_force / small.peak_force - 1.0,
+          (full.end - full.start) / (small.end - small.start) - 1.0,
+          full.impulse / small.impulse - 1.0};
+}
+
+Changes foretold(const Rig& rig, const Solver& solver) {
+  SimulationOptions options;
+  options.motion = Motion::small;
+  SmallMotionRun run(rig, solver, options, make_modal_bar(rig, solver));
+  run.run().complete();
+  const Episode first = run.conclude().episodes.at(0);
+  const ThirdOrder& terms = run.motion().third_order();
+  return {terms.of_peak(),
+          terms.displacement() / (first.separation_velocity * (first.end - first.start)),
+          terms.of_impulse()};
+}
+
+/// Within this part of the largest of the three.
+void expect_foretold(const Rig& rig, const Solver& solver, double part) {
+  const Changes truth = from_small_to_full(rig, solver), told = foretold(rig, solver);
+  const double tolerance = part * truth.largest();
+  EXPECT_NEAR(told.peak, truth.peak, tolerance);
+  EXPECT_NEAR(told.duration, truth.duration, tolerance);
+  EXPECT_NEAR(told.impulse, truth.impulse, tolerance);
+}
+
+TEST(ThirdOrder, OfARigidBar) {
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  for (const char* damping : {"none", "lankarani-nikravesh"})
+    for (const double speed : {1.0, 10.0}) {
+      SCOPED_TRACE(testing::Message() << damping << ' ' << speed);
+      rig.contact.damping = damping;
+      rig.start.velocity = speed;
+      expect_foretold(rig, rigid(1e-12), 0.05);
+    }
+}
+
+TEST(ThirdOrder, OfABarInAFloatingFrame) {
+  for (const Basis basis : {Basis::cantilever, Basis::pinned_free})
+    for (const double speed : {0.441, 4.0}) {
+      SCOPED_TRACE(testing::Message() << static_cast<int>(basis) << ' ' << speed);
+      Rig rig = paper_rig();
+      rig.gravity = 9.81;
+      rig.start.velocity = speed;
+      expect_foretold(rig, hybrid(basis, 8, 1e-10, 2e-3), 0.15);
+    }
+}
+
+TEST(ThirdOrder, OfABarThatStretches) {
+  for (const double speed : {0.441, 4.0}) {
+    SCOPED_TRACE(speed);
+    Rig rig = paper_rig();
+    rig.gravity = 9.81;
+    rig.start.velocity = speed;
+    expect_foretold(rig, ancf(14, 2, 1e-10, 2e-3), 0.3);
+  }
+}
+
+TEST(ThirdOrder, OfABarWithAHeavyTip) {
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  rig.start.velocity = 2.0;
+  rig.beam.masses = {{.position = rig.beam.length, .mass = 0.5 * rig.beam.total_mass()}};
+  expect_foretold(rig, ancf(10, 4, 1e-10, 4e-3), 0.3);
+}
+
+// The damping would pull before the bar has left: for most of the contact's time no force holds it,
+// and what is missing of its speed then makes the most of what is missing of the way.
+TEST(ThirdOrder, OfABarThatItsContactNoLongerPushes) {
+  Rig rig = paper_rig();
+  rig.contact.law = "linear";
+  rig.contact.stiffness = 2e7;
+  rig.contact.damping = "viscous";
+  rig.contact.restitution = 0.05;
+  const Solver solver = hybrid(Basis::pinned_free, 3, 1e-10, 3e-2);
+  expect_foretold(rig, solver, 0.15);
+}
+
+// Sections that end where a bar shears make its axis kink: integrals of slopes end there.
+TEST(ThirdOrder, OfASteppedBarThatShearsUnderItsWeight) {
+  Rig rig = paper_rig();
+  rig.gravity = 3000.0;
+  rig.beam.theory = BeamTheory::timoshenko;
+  const auto segment = [&](double part, double scale) {
+    return BeamSegment{.length = part * rig.beam.length,
+                       .area = rig.beam.area * scale,
+                       .second_moment = rig.beam.second_moment * scale * scale,
+                       .shear_coefficient = 0.89};
+  };
+  rig.beam.segments = {segment(0.37, 1.0), segment(0.37, 1.6), segment(0.26, 0.8)};
+  rig.start.velocity = 0.02;
+  expect_foretold(rig, hybrid(Basis::pinned_free, 5, 1e-10, 3e-3), 0.3);
+}
+
+}  // namespace
