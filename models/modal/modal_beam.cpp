@@ -82,8 +82,10 @@ std::vector<BarElement> unlike_spans(const Rig& rig) {
   return spans;
 }
 
-std::vector<BarElement> station_spans(const Rig& rig) {
-  constexpr std::size_t usual = 24, fewest_of_span = 2;
+/// Two a half wave of the fastest mode, or of the slow ones that move most of a mesh with many.
+std::vector<BarElement> station_spans(const Rig& rig, int modes) {
+  constexpr std::size_t fewest_of_span = 2;
+  const auto usual = static_cast<std::size_t>(std::clamp(2 * modes, 24, 48));
   const std::vector<BarElement> spans = unlike_spans(rig);
   std::vector<std::size_t> shares(spans.size(), fewest_of_span);
   for (std::size_t all = fewest_of_span * spans.size(); all < usual; ++all) {
@@ -127,7 +129,7 @@ ModalBeam::ModalBeam(const SmallMotionBeam& beam, const Rig& rig)
 }
 
 void ModalBeam::find_stations(const Rig& rig) {
-  const std::vector<BarElement> spans = station_spans(rig);
+  const std::vector<BarElement> spans = station_spans(rig, modes());
   const auto count = static_cast<Eigen::Index>(spans.size());
   for (Eigen::VectorXd* values : {&stations_.x, &stations_.length, &stations_.mass})
     values->resize(count);
