@@ -142,7 +142,7 @@ class IsfHeadReader {
 
   /// Of the path ":WFMPRE:CH1" or "CH1"; others than a source's change nothing.
   void begin_source(std::string_view path) {
-    const std::string source = upper(path.substr(path.rfind(':') + 1));
+    const std::string source = to_utf8(upper(path.substr(path.rfind(':') + 1)));
     if (source.empty() || source.starts_with("WFM")) return;
     if (head_.preambles.back().source == source) return;
     if (head_.preambles.back().source.empty())

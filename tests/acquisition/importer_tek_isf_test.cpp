@@ -138,6 +138,11 @@ TEST(TekIsf, SaysWhatIsWrong) {
 }
 
 // As a TDS answers to WAVFRM? with DATA:SOURCE CH1,CH2.
+TEST(TekIsf, NameOfASourceIsText) {
+  const Record record = imported(":WFMP:SOURCE\xB7:BYT_N 1;YMU 1;:CURV #12\2\6");
+  EXPECT_EQ(record.channels.at(0).name, "SOURCE\u00b7");
+}
+
 TEST(TekIsf, AnswerForTwoSourcesIsTwoChannels) {
   const std::string head =
       ":WFMPRE:BYT_NR 2;BIT_NR 16;ENCDG {};BN_FMT RI;BYT_OR MSB;CH1:WFID \"Ch1, DC\";NR_PT 2;"
