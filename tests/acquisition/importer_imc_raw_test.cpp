@@ -272,82 +272,96 @@ TEST(ImcRaw, WhatIsNotReadIsLeftOutBesideOthers) {
   EXPECT_THAT(record.warnings, ElementsAre("'bits' is digital, which is not read"));
 }
 
+const std::string not_read = ", which is not read: export it from FAMOS as ASCII";
+
+/// What is said of a file so changed, behind its place.
+template <typename Change>
+std::string error_of(const Change& change) {
+  ImcRaw file;
+  change(file);
+  const std::string text = import_error(file.bytes());
+  return text.substr(text.find("): ") + 3);
+}
+
 TEST(ImcRaw, WhatIsNotReadIsAnErrorAlone) {
-  const auto error = [](auto change) {
-    ImcRaw file;
-    change(file);
-    const std::string text = import_error(file.bytes());
-    return text.substr(text.find("): ") + 3);
-  };
-  const std::string end = ", which is not read: export it from FAMOS as ASCII";
-  EXPECT_EQ(error([](ImcRaw& file) { file.components[0].digital = 2; }),
-            "'force' is digital" + end);
-  EXPECT_EQ(error([](ImcRaw& file) { file.components[0].format = 9; }),
-            "'force' holds imc's transitional recording" + end);
-  EXPECT_EQ(error([](ImcRaw& file) { file.components[0].format = 10; }),
-            "'force' holds time stamps as text" + end);
-  EXPECT_EQ(error([](ImcRaw& file) { file.components[0].format = 11; }),
-            "'force' holds digital words" + end);
-  EXPECT_EQ(error([](ImcRaw& file) { file.components[0].format = 13; }),
-            "'force' holds integers of 6 bytes" + end);
-  EXPECT_EQ(error([](ImcRaw& file) { file.components[0].format = 99; }),
-            "'force' holds numbers of format 99" + end);
-  EXPECT_EQ(error([](ImcRaw& file) { file.components[0].packing = "32,0,0,2,4"; }),
-            "'force' is stored in groups of 2 numbers" + end);
-  EXPECT_EQ(error([](ImcRaw& file) { file.type = 4; }),
-            "'force' holds complex numbers (real and imaginary part)" + end);
-  EXPECT_EQ(error([](ImcRaw& file) { file.type = 0; }), "'force' holds data of type 0" + end);
-  EXPECT_EQ(error([](ImcRaw& file) { file.type = 3; }),
-            "'force' is an x-y data set of 1 components in several buffers" + end);
-  EXPECT_EQ(error([](ImcRaw& file) { file.components[0].buffers = "0,0"; }),
-            "'force' has no buffer of samples ('Cb')" + end);
-  EXPECT_EQ(error([](ImcRaw& file) { file.components[0].buffers = "1,0,1,2,0,4,0,4,1,0,0,"; }),
-            "'force' has no samples in the file ('CS')" + end);
+  EXPECT_EQ(error_of([](ImcRaw& file) { file.components[0].digital = 2; }),
+            "'force' is digital" + not_read);
+  EXPECT_EQ(error_of([](ImcRaw& file) { file.components[0].format = 9; }),
+            "'force' holds imc's transitional recording" + not_read);
+  EXPECT_EQ(error_of([](ImcRaw& file) { file.components[0].format = 10; }),
+            "'force' holds time stamps as text" + not_read);
+  EXPECT_EQ(error_of([](ImcRaw& file) { file.components[0].format = 11; }),
+            "'force' holds digital words" + not_read);
+  EXPECT_EQ(error_of([](ImcRaw& file) { file.components[0].format = 13; }),
+            "'force' holds integers of 6 bytes" + not_read);
+  EXPECT_EQ(error_of([](ImcRaw& file) { file.components[0].format = 99; }),
+            "'force' holds numbers of format 99" + not_read);
+  EXPECT_EQ(error_of([](ImcRaw& file) { file.components[0].packing = "32,0,0,2,4"; }),
+            "'force' is stored in groups of 2 numbers" + not_read);
+  EXPECT_EQ(error_of([](ImcRaw& file) { file.type = 4; }),
+            "'force' holds complex numbers (real and imaginary part)" + not_read);
+  EXPECT_EQ(error_of([](ImcRaw& file) { file.type = 0; }),
+            "'force' holds data of type 0" + not_read);
+  EXPECT_EQ(error_of([](ImcRaw& file) { file.type = 3; }),
+            "'force' is an x-y data set of 1 components in several buffers" + not_read);
+  EXPECT_EQ(error_of([](ImcRaw& file) { file.components[0].buffers = "0,0"; }),
+            "'force' has no buffer of samples ('Cb')" + not_read);
+  EXPECT_EQ(error_of([](ImcRaw& file) { file.components[0].buffers = "1,0,1,2,0,4,0,4,1,0,0,"; }),
+            "'force' has no samples in the file ('CS')" + not_read);
   const std::string segments = imc_key("CZ", 1, "1,1,0,1,1,s,2");
-  EXPECT_EQ(error([&](ImcRaw& file) { file.components[0].more = segments; }),
-            "'force' is a matrix, of segments of 2 samples ('CZ')" + end);
-  EXPECT_EQ(error([](ImcRaw& file) { file.components[0].packing = "32,3,0,1,0"; }),
-            "'force' has bits to be ignored (mask 3) in its numbers" + end);
-  const auto events = [&](const std::string& list, const std::string& reference,
-                          const std::string& buffers = "") {
-    return error([&](ImcRaw& file) {
+  EXPECT_EQ(error_of([&](ImcRaw& file) { file.components[0].more = segments; }),
+            "'force' is a matrix, of segments of 2 samples ('CZ')" + not_read);
+  EXPECT_EQ(error_of([](ImcRaw& file) { file.components[0].packing = "32,3,0,1,0"; }),
+            "'force' has bits to be ignored (mask 3) in its numbers" + not_read);
+}
+
+TEST(ImcRaw, EventsThatAreNotReadAreErrors) {
+  const auto events = [](const std::string& list, const std::string& reference,
+                         const std::string& buffers = "") {
+    return error_of([&](ImcRaw& file) {
       file.more = list;
       file.components[0].more = imc_key("Cv", 1, reference);
       file.components[0].buffers = buffers;
     });
   };
   EXPECT_EQ(events("", "1,0,1,0,2,1,1,0,0"),
-            "'force' has 2 events of which 0 are in the file ('CV')" + end);
+            "'force' has 2 events of which 0 are in the file ('CV')" + not_read);
   EXPECT_EQ(events(imc_events({{.count = 3, .factor = 2.0}}), "1,0,1,0,1,1,1,1,0"),
-            "'force' has events with scales of their own" + end);
+            "'force' has events with scales of their own" + not_read);
   EXPECT_EQ(events(imc_events({{.count = 3}}), "1,0,1,0,1,1,1,0,0",
                    "2,0,1,1,0,4,0,4,1,0.5,0,,2,1,4,8,0,8,1,0.75,60,"),
-            "'force' has a list of events in several buffers" + end);
+            "'force' has a list of events in several buffers" + not_read);
   EXPECT_EQ(events("", "1,0,1,0,1,1,1,0,0", "1,0,1,2,0,4,0,4,1,0,0,"),
-            "'force' has no samples in the file ('CS')" + end);
-  const auto xy = [&](auto change) {
-    return error([&](ImcRaw& file) {
+            "'force' has no samples in the file ('CS')" + not_read);
+}
+
+TEST(ImcRaw, PairsThatAreNotReadAreErrors) {
+  const auto xy = [](auto change) {
+    return error_of([&](ImcRaw& file) {
       file.type = 3;
       file.one_group = true;
       file.components.resize(2);
       change(file.components[1]);
     });
   };
-  EXPECT_EQ(xy([](ImcComponent& x) { x.samples = {1, 2}; }), "'force' has 3 samples and 2 x" + end);
+  EXPECT_EQ(xy([](ImcComponent& x) {
+              x.samples = {1, 2};
+            }),
+            "'force' has 3 samples and 2 x" + not_read);
   EXPECT_EQ(xy([](ImcComponent& x) {
               x.format = 4;
               x.packing = "16,1,0,1,0";
             }),
-            "'force' is an x-y data set with bits to be ignored" + end);
+            "'force' is an x-y data set with bits to be ignored" + not_read);
   EXPECT_EQ(xy([](ImcComponent& x) { x.more = imc_key("Cv", 1, "1,0,1,0,1,1,1,0,0"); }),
-            "'force' is an x-y data set with a list of events" + end);
+            "'force' is an x-y data set with a list of events" + not_read);
   EXPECT_EQ(xy([](ImcComponent& x) { x.range = "0,1,0,1,2,mm"; }),
-            "'force' is over 'mm', which is no time" + end);
+            "'force' is over 'mm', which is no time" + not_read);
   EXPECT_EQ(xy([](ImcComponent& x) {
               x.range = "0,1,0,1,1,s";
               x.samples = {0, INFINITY, 2};
             }),
-            "'force' has times that are not finite" + end);
+            "'force' has times that are not finite" + not_read);
 }
 
 TEST(ImcRaw, ThatIsCutOffGivesWhatIsThere) {
