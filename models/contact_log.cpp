@@ -238,7 +238,8 @@ bool left_for_good(const Rig& rig, std::span<const double> reach, const RigidPar
     if (stop.side == StopSide::near && !(stop.gap - rigid.angle * stop.contact.position > near_by))
       return false;
   }
-  // what hinge and air take of its turning by then may bring it back, or not past where it turns
+  // What hinge and air take of its turning by then may bring it back; or keep it from a hill, for
+  // which twice that counts: it slows down on the way.
   const double rate = -rigid.rate;
   const double lost = longest_default_run *
                       (rig.beam.damping.mass * rate +

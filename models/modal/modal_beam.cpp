@@ -149,12 +149,8 @@ void ModalBeam::find_stations(const Rig& rig) {
   }
   stations_.weight = stations_.mass;
   for (const Stations::Lump& lump : stations_.lumps) stations_.weight[lump.station] += lump.mass;
-  double beyond = 0.0;
-  for (Eigen::Index i = count - 1; i >= 0; --i) {
-    const double own = stations_.weight[i];
-    stations_.weight[i] = rig.gravity_along() * (beyond + 0.5 * own);
-    beyond += own;
-  }
+  Stations::add_up_from_tip(stations_.weight);
+  stations_.weight *= rig.gravity_along();
   stations_.bending.resize(count - 1);
   for (Eigen::Index i = 0; i + 1 < count; ++i) {
     const BarElement& here = spans[static_cast<std::size_t>(i)];
@@ -162,16 +158,25 @@ void ModalBeam::find_stations(const Rig& rig) {
     stations_.bending[i] =
         2.0 / (here.length / here.bending_stiffness + next.length / next.bending_stiffness);
   }
-  stations_.bending_by_strain = rig.beam.shears() ? 2.0 : 0.0;
   find_axial_modes(spans);
   const Eigen::VectorXd frame = beam_.frame();
   if (frame.size() > 0) frame_ = rows_.size() > 0 ? Eigen::VectorXd(rows_ * frame) : frame;
 }
 
-/// Ritz' of those of a uniform bar, sin((k - ½) π x / L).
+void ModalBeam::Stations::add_up_from_tip(Eigen::VectorXd& values) {
+  double beyond = 0.0;
+  for (Eigen::Index i = values.size() - 1; i >= 0; --i) {
+    const double own = values[i];
+    values[i] = beyond + 0.5 * own;
+    beyond += own;
+  }
+}
+
+/// Ritz' of those of a uniform bar, sin((k - ½) π x / L). Faster ones hardly move, and the stations
+/// could not tell them apart.
 void ModalBeam::find_axial_modes(const std::vector<BarElement>& spans) {
-  constexpr int usual = 8;
-  const int modes = beam_.axial_modes().value_or(usual);
+  constexpr int most = 8;
+  const int modes = std::min(beam_.axial_modes().value_or(most), most);
   const Eigen::Index count = stations_.x.size();
   const auto lumps = static_cast<Eigen::Index>(stations_.lumps.size());
   stations_.stretch = Eigen::VectorXd::Zero(count);
@@ -194,13 +199,12 @@ void ModalBeam::find_axial_modes(const std::vector<BarElement>& spans) {
     const double x = stations_.x[i], length = stations_.length[i];
     const double axial = spans[static_cast<std::size_t>(i)].axial_stiffness;
     stations_.stretch[i] = length / axial;
-    add(i, x + 0.5 * length, stations_.mass[i]);
+    add(i, stations_.middle(i), stations_.mass[i]);
     stiffness.selfadjointView<Eigen::Lower>().rankUpdate(at(x + length) - at(x), axial / length);
   }
   for (Eigen::Index l = 0; l < lumps; ++l) {
     const Stations::Lump& lump = stations_.lumps[static_cast<std::size_t>(l)];
-    add(count + l, stations_.x[lump.station] + lump.part * stations_.length[lump.station],
-        lump.mass);
+    add(count + l, stations_.place(lump), lump.mass);
   }
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(stiffness, mass);
   stations_.axial_squares = solver.eigenvalues();

@@ -137,15 +137,21 @@ class ModalBeam {
     Eigen::MatrixXd slopes;     ///< of the modes, mean over each (stations, m)
     std::vector<Lump> lumps;    ///< further masses
     Eigen::VectorXd bending;    ///< EI over the way, to the next one's middle [N m] (stations - 1)
-    /// By which multiple of its strain a bar bends more easily: 2 where curvature is that of the
-    /// stretched axis, as a bar that shears has it.
-    double bending_by_strain = 0.0;
-    Eigen::VectorXd weight;   ///< that pulls at each one's middle [N] (stations)
-    Eigen::VectorXd stretch;  ///< of each one under a pull [m/N]; 0 where the bar does not
+    Eigen::VectorXd weight;     ///< that pulls at each one's middle [N] (stations)
+    Eigen::VectorXd stretch;    ///< of each one under a pull [m/N]; 0 where the bar does not
     /// Axial modes in which the bar stretches, of unit modal mass, at the stations' middles and at
     /// the lumps (stations + lumps, k), and their frequencies' squares [1/s²] (k).
     Eigen::MatrixXd axial;
     Eigen::VectorXd axial_squares;
+
+    double middle(Eigen::Index i) const { return x[i] + 0.5 * length[i]; }
+
+    double place(const Lump& lump) const {
+      return x[lump.station] + lump.part * length[lump.station];
+    }
+
+    /// From each station's own values, those of all that is further out and half of its own.
+    static void add_up_from_tip(Eigen::VectorXd& values);
   };
 
   const Stations& stations() const { return stations_; }

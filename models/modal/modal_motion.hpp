@@ -43,7 +43,9 @@ class ModalMotion : public BarMotion {
 
   void expect_contact() override;
 
-  void expect_flight() override { end_first_contact(); }
+  void expect_flight() override {
+    if (first_contact_ == FirstContact::lasts) first_contact_ = FirstContact::over;
+  }
 
   void begin_step(int level) override;
   void begin_part(double part) override;
@@ -145,10 +147,6 @@ class ModalMotion : public BarMotion {
     sample.velocity_slope = velocity_slope_.dot(state.rate);
     sample.displacement_slope = displacement_slope_.dot(state.a);
     return sample;
-  }
-
-  void end_first_contact() {
-    if (first_contact_ == FirstContact::lasts) first_contact_ = FirstContact::over;
   }
 
   double mean_force(double part) const;

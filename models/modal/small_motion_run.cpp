@@ -17,10 +17,10 @@ namespace {
 // Beyond, all modes cost more than they save: their work and their memory grow with the square of
 // their number.
 constexpr int most_modes = 520;
-// Of what terms of third order change, as ThirdOrder has it, and of what shortening moves. In 1200
-// random scenes that was right to a few per cent in half of them, and told all of the error but in
-// two, of coarse meshes of slender bars, where it fell short by 1.2 and 1.4 times; before a stop
-// that gives way, whose head it does not know, without the safety by 5.5 times.
+// Of what terms of third order change, as ThirdOrder has it, and of what shortening moves. That is
+// right to a few per cent in half of the scenes tried. With this safety 684 random scenes of
+// laboratories err by 0.91 of what is told and less, and six of some 700 absurd ones by more, up to
+// 1.8 times; before a stop that gives way, whose head it does not know, without it by 5.5 times.
 constexpr double safety = 3.0, safety_of_giving_stop = 6.0, share_of_shortening = 0.1;
 // Of the strain that hangs and turns the bar: most of that is known too, and 0.13 times it was
 // left. A bar that shears shears as well in its stretched length, which is not known.

@@ -10,16 +10,6 @@ namespace {
 // A mode that turns by less than this in a step is moved as if nothing held it.
 constexpr double hardly_held = 1e-3;
 
-/// From each station's own, those of all that is further out and half of its own.
-void add_up_from_tip(Eigen::VectorXd& values) {
-  double beyond = 0.0;
-  for (Eigen::Index i = values.size() - 1; i >= 0; --i) {
-    const double own = values[i];
-    values[i] = beyond + 0.5 * own;
-    beyond += own;
-  }
-}
-
 }  // namespace
 
 ThirdOrder::ThirdOrder(const ModalBeam& beam) : beam_(beam) {
@@ -56,12 +46,10 @@ void ThirdOrder::turn_steadily(double rate) {
     axial_ -= mass * rate * rate * x * stations.axial.row(row).transpose();
   };
   const Eigen::Index count = slope_.size();
-  for (Eigen::Index i = 0; i < count; ++i)
-    add(i, stations.mass[i], stations.x[i] + 0.5 * stations.length[i]);
+  for (Eigen::Index i = 0; i < count; ++i) add(i, stations.mass[i], stations.middle(i));
   for (std::size_t l = 0; l < stations.lumps.size(); ++l) {
     const ModalBeam::Stations::Lump& lump = stations.lumps[l];
-    add(count + static_cast<Eigen::Index>(l), lump.mass,
-        stations.x[lump.station] + lump.part * stations.length[lump.station]);
+    add(count + static_cast<Eigen::Index>(l), lump.mass, stations.place(lump));
   }
   axial_ = before_.drawn + axial_.cwiseQuotient(stations.axial_squares);
   axial_rate_ = before_.drawn_rate;
@@ -75,9 +63,8 @@ void ThirdOrder::lengthen(double rate) {
   if (stations.stretch.isZero(0.0)) return;
   Eigen::VectorXd pull = stations.mass.cwiseProduct(stations.x + 0.5 * stations.length);
   for (const ModalBeam::Stations::Lump& lump : stations.lumps)
-    pull[lump.station] +=
-        lump.mass * (stations.x[lump.station] + lump.part * stations.length[lump.station]);
-  add_up_from_tip(pull);
+    pull[lump.station] += lump.mass * stations.place(lump);
+  ModalBeam::Stations::add_up_from_tip(pull);
   pull = rate * rate * pull + stations.weight;
   strain_ = pull.cwiseProduct(stations.stretch).cwiseQuotient(stations.length);
   Eigen::VectorXd longer(pull.size());  // at the stations' middles
@@ -97,7 +84,7 @@ void ThirdOrder::lengthen(double rate) {
   for (Eigen::Index i = 0; i < pull.size(); ++i) pull_[i] = stations.mass[i] * faster(i, 0.5);
   for (const ModalBeam::Stations::Lump& lump : stations.lumps)
     pull_[lump.station] += lump.mass * faster(lump.station, lump.part);
-  add_up_from_tip(pull_);
+  ModalBeam::Stations::add_up_from_tip(pull_);
   pull_.array() *= stations.length.array();
   missing_.rate.noalias() = stations.slopes.transpose() * pull_;
 }
@@ -159,13 +146,9 @@ void ThirdOrder::find_pull(double h, double frame, double& of_frame) {
     pull_[stations.lumps[l].station] +=
         stations.lumps[l].mass *
         stations.axial.row(count + static_cast<Eigen::Index>(l)).dot(elastic_rate_);
-  add_up_from_tip(pull_);
-  double at_tip = 0.0;
-  for (Eigen::Index i = count - 1; i >= 0; --i) {
-    const double own = after_.momentum[i];
-    after_.momentum[i] = at_tip + 0.5 * own - pull_[i];
-    at_tip += own;
-  }
+  ModalBeam::Stations::add_up_from_tip(pull_);
+  ModalBeam::Stations::add_up_from_tip(after_.momentum);
+  after_.momentum -= pull_;
   for (Eigen::Index i = 0; i < count; ++i) {
     const double pull = (after_.momentum[i] - before_.momentum[i]) / h;
     const double s = slope_[i], weight = stations.weight[i];
@@ -185,10 +168,7 @@ void ThirdOrder::add_bending(double frame, double& of_frame) {
     const double low = slope_[i], high = slope_[i + 1];
     const double moment = stations.bending[i] * (high - low);
     const double density = 0.5 * moment * (high - low);
-    const double turn = floats
-                            ? (low + high - frame) * frame
-                            : 0.5 * (low * low + high * high) -
-                                  0.5 * stations.bending_by_strain * (strain_[i] + strain_[i + 1]);
+    const double turn = floats ? (low + high - frame) * frame : 0.5 * (low * low + high * high);
     const double by_low = floats ? frame : low, by_high = floats ? frame : high;
     pull_[i] += moment * turn - density * by_low;
     pull_[i + 1] -= moment * turn + density * by_high;

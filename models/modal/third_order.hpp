@@ -18,11 +18,13 @@ namespace impactrig::models {
 /// wⱼ,
 ///
 ///   u(x) = ∫₀ˣ ½ s² dξ − Σ Uₖ eₖ,  ëₖ + Ωₖ² eₖ = ∫ Uₖ d²/dt² ∫₀ˣ ½ s² dξ dm,  N(x) = ∫ₓᴸ ü dm
-///   Qⱼ = −∫ N s wⱼ' dx − ∂/∂aⱼ ∫ (½ EI w''² (s² − (s − ψ)²) + ⅛ P s⁴) dx
+///   Qⱼ = −∫ N s wⱼ' dx
+///        − ∂/∂aⱼ ∫ (½ EI w''² (s² − (s − ψ)²) + ⅛ P (s⁴ − (s − ψ)⁴) − ½ P ε s²) dx
 ///
 /// u draws the points towards the hinge, N [N] is the pull that takes, eₖ how the bar's axial modes
-/// stretch, P the weight beyond. ψ is the angle of the frame that a beam in floating coordinates
-/// bends in, to lowest order of the angle between; one in absolute coordinates has (s − ψ)² = 0. To
+/// stretch, P the weight beyond and ε the strain by it and by the turning. ψ is the angle of the
+/// frame that a beam in floating coordinates bends in, to lowest order of the angle between; one in
+/// absolute coordinates has no powers of s − ψ. To
 /// Qⱼ [N/√kg] come what uneven bending stretches (ModalBeam::stretching_energy()) and what damping
 /// couples modes by (ModalBeam::coupled_drag()), to the state at touch that a bar that hangs and
 /// turns is longer. Q is taken as constant within a step, the contact as linear within it.
