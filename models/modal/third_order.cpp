@@ -18,7 +18,8 @@ ThirdOrder::ThirdOrder(const ModalBeam& beam) : beam_(beam) {
   const Eigen::VectorXd of_axial = Eigen::VectorXd::Zero(beam.stations().axial_squares.size());
   before_ = after_ = {at_stations, at_stations, of_axial, of_axial};
   axial_ = axial_rate_ = elastic_rate_ = of_axial;
-  slope_ = pull_ = strain_ = at_stations;
+  slope_ = pull_ = in_frame_ = strain_ = at_stations;
+  moment_ = density_ = at_stations.head(at_stations.size() - 1);
   force_ = held_ = middle_ = way_ = drag_ = of_modes;
   last_ = missing_ = end_ = answer_ = rest_ = {of_modes, of_modes};
 }
@@ -138,42 +139,46 @@ void ThirdOrder::stretch(double h) {
 /// Of the stations, what the mean pull over the step does to their slopes.
 void ThirdOrder::find_pull(double h, double frame, double& of_frame) {
   const ModalBeam::Stations& stations = beam_.stations();
-  const Eigen::Index count = slope_.size();
   // of the elastic part, by its momentum too
-  for (Eigen::Index i = 0; i < count; ++i)
-    pull_[i] = stations.mass[i] * stations.axial.row(i).dot(elastic_rate_);
-  for (std::size_t l = 0; l < stations.lumps.size(); ++l)
-    pull_[stations.lumps[l].station] +=
-        stations.lumps[l].mass *
-        stations.axial.row(count + static_cast<Eigen::Index>(l)).dot(elastic_rate_);
-  ModalBeam::Stations::add_up_from_tip(pull_);
-  ModalBeam::Stations::add_up_from_tip(after_.momentum);
-  after_.momentum -= pull_;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const double pull = (after_.momentum[i] - before_.momentum[i]) / h;
-    const double s = slope_[i], weight = stations.weight[i];
-    pull_[i] = -stations.length[i] * (pull * s + weight * (0.5 * s * s * s - strain_[i] * s));
-    if (beam_.frame().size() == 0) continue;
-    const double in_frame = 0.5 * stations.length[i] * weight * std::pow(s - frame, 3);
-    pull_[i] += in_frame;
-    of_frame -= in_frame;
+  if (elastic_rate_.size() > 0) {
+    const Eigen::Index count = slope_.size();
+    pull_.noalias() = stations.axial.topRows(count) * elastic_rate_;
+    after_.momentum.array() -= stations.mass.array() * pull_.array();
+    for (std::size_t l = 0; l < stations.lumps.size(); ++l) {
+      const ModalBeam::Stations::Lump& lump = stations.lumps[l];
+      const auto row = stations.axial.row(count + static_cast<Eigen::Index>(l));
+      after_.momentum[lump.station] -= lump.mass * row.dot(elastic_rate_);
+    }
   }
+  ModalBeam::Stations::add_up_from_tip(after_.momentum);
+  const auto s = slope_.array();
+  pull_.array() = -stations.length.array() * s *
+                  ((after_.momentum - before_.momentum).array() / h +
+                   stations.weight.array() * (0.5 * s.square() - strain_.array()));
+  if (beam_.frame().size() == 0) return;
+  in_frame_.array() = 0.5 * stations.length.array() * stations.weight.array() * (s - frame).cube();
+  pull_ += in_frame_;
+  of_frame -= in_frame_.sum();
 }
 
 /// Of ½ ∫ EI w''² (s² − (s − ψ)²) dx, between the stations' middles.
 void ThirdOrder::add_bending(double frame, double& of_frame) {
-  const ModalBeam::Stations& stations = beam_.stations();
-  const bool floats = beam_.frame().size() > 0;
-  for (Eigen::Index i = 0; i + 1 < slope_.size(); ++i) {
-    const double low = slope_[i], high = slope_[i + 1];
-    const double moment = stations.bending[i] * (high - low);
-    const double density = 0.5 * moment * (high - low);
-    const double turn = floats ? (low + high - frame) * frame : 0.5 * (low * low + high * high);
-    const double by_low = floats ? frame : low, by_high = floats ? frame : high;
-    pull_[i] += moment * turn - density * by_low;
-    pull_[i + 1] -= moment * turn + density * by_high;
-    of_frame -= density * (low + high - 2.0 * frame);
+  const Eigen::Index between = slope_.size() - 1;
+  const auto low = slope_.head(between).array(), high = slope_.tail(between).array();
+  moment_ = beam_.stations().bending.array() * (high - low);
+  density_ = 0.5 * moment_ * (high - low);
+  auto of_low = pull_.head(between).array(), of_high = pull_.tail(between).array();
+  if (beam_.frame().size() == 0) {
+    moment_ *= 0.5 * (low.square() + high.square());
+    of_low += moment_ - density_ * low;
+    of_high -= moment_ + density_ * high;
+    return;
   }
+  of_frame -= (density_ * (low + high - 2.0 * frame)).sum();
+  moment_ *= frame * (low + high - frame);
+  density_ *= frame;
+  of_low += moment_ - density_;
+  of_high -= moment_ + density_;
 }
 
 /// What is left out does to the modes between the last state and this one.

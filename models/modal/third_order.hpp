@@ -76,10 +76,12 @@ class ThirdOrder {
   const ModalBeam& beam_;
   bool stretches_ = true;  // by uneven bending
   Look before_, after_;
-  Eigen::VectorXd axial_, axial_rate_;  // Uₖ's part of u, of each axial mode
-  Eigen::VectorXd elastic_rate_;        // ėₖ
-  Eigen::VectorXd strain_;              // of the stations, by weight and turning
-  Eigen::VectorXd slope_, pull_, force_, held_, middle_, way_, drag_;
+  Eigen::VectorXd axial_, axial_rate_;       // Uₖ's part of u, of each axial mode
+  Eigen::VectorXd elastic_rate_;             // ėₖ
+  Eigen::VectorXd strain_;                   // of the stations, by weight and turning
+  Eigen::VectorXd slope_, pull_, in_frame_;  // of the stations
+  Eigen::ArrayXd moment_, density_;          // of the bending, from each station to the next
+  Eigen::VectorXd force_, held_, middle_, way_, drag_;
   ModalState last_, missing_, end_, answer_, rest_;
   BarMotion::ContactSlope contact_;
   double energy_ = 0.0, shortening_ = 0.0;
