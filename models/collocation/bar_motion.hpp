@@ -138,6 +138,10 @@ class BarMotion {
   /// step has to be tried again.
   virtual void change_hinge() {}
 
+  /// Whether even the bar's fastest vibration turns by at most a radian from node to node of the
+  /// solved step: its end then errs far less than the force between the nodes.
+  virtual bool resolves_vibration() const { return false; }
+
   virtual PointMotion struck_at_end(int stop) const = 0;
 
   /// Error of the bar's motion by the step, as a part of the speed its energy would give it; what

@@ -124,6 +124,7 @@ class CollocationRun {
   void follow_step();
   bool over_at(const ContactPoint& point);
   void touch(ContactPoint& point);
+  bool records_jumps(const ContactPoint& point) const;
   void note_jump(const ContactPoint& point, double before);
   void sample_history(double time, const std::function<void(double, double)>& look,
                       const std::function<PointMotion(ContactPoint&, double)>& struck_at);
@@ -169,6 +170,7 @@ class CollocationRun {
   double approach_ = 0.0, impulse_scale_ = 0.0, energy_scale_ = 0.0;
   bool held_ = false;                // the bar, by more than the contacts
   double contact_time_ = 0.0;        // of the shortest that is expected [s]
+  bool resolved_ = true;             // the bar's vibration, in all steps of the first contact
   std::optional<double> smallness_;  // of the first contact, where the scales are another's
   double damped_ = 0.0;              // in bar, hinge and compliant stop since first touch [J]
   // √(2 C) for each stop: how far √energy can move its point elastically [m/√J]

@@ -72,6 +72,10 @@ class ModalMotion : public BarMotion {
 
   const ModalStep& modal_step() const { return *step_; }
 
+  bool resolves_vibration() const override {
+    return beam_.omega().maxCoeff() * step() <= rule_.nodes();
+  }
+
   PointMotion struck_at_end(int stop) const override { return struck(stop, end_); }
 
   double error() const override { return 0.0; }
