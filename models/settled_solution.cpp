@@ -25,15 +25,15 @@ constexpr int most_attempts = 5;
 // Of the processor time allowed, what a solution may take that ends with the first contact.
 constexpr double share_of_time = 0.1;
 
-/// What strains the bar beyond the beam theories, and by how much [-].
-struct Strain {
-  double size = 0.0;
-  std::string cause;
+/// What may magnify errors, and what to do about it.
+struct Magnifier {
+  std::string cause, remedy;
 };
 
-/// A tip that is stopped strains the bar by its speed, as a part of the speed of sound along the
-/// bar; a bar that hangs, by its weight. A softer end counts as all of the bar.
-Strain largest_strain(const Rig& rig) {
+/// What strains the bar beyond the beam theories, where that is much. A tip that is stopped strains
+/// the bar by its speed, as a part of the speed of sound along the bar; a bar that hangs, by its
+/// weight. A softer end counts as all of the bar.
+std::optional<Magnifier> strain(const Rig& rig) {
   double sound = std::numeric_limits<double>::infinity(), stiffness = sound;
   for (const BarElement& piece : bar_pieces(rig.beam)) {
     sound = std::min(sound, std::sqrt(piece.axial_stiffness / piece.line_density));
@@ -41,21 +41,32 @@ Strain largest_strain(const Rig& rig) {
   }
   const double mach = touch_velocity(rig) * rig.beam.length / rig.contact.position / sound;
   const double weight = rig.gravity * rig.beam.total_mass() / stiffness;
-  if (mach >= weight)
-    return {mach, fmt::format("at touch the tip moves at {:.2g} of the speed of sound in the bar, "
-                              "which strains it by as much",
-                              mach)};
-  return {weight, fmt::format("the bar's weight strains it by up to {:.2g}", weight)};
+  if (std::max(mach, weight) < much) return std::nullopt;
+  std::string cause = mach >= weight
+                          ? fmt::format(
+                                "at touch the tip moves at {:.2g} of the speed of sound in the "
+                                "bar, which strains it by as much",
+                                mach)
+                          : fmt::format("the bar's weight strains it by up to {:.2g}", weight);
+  return Magnifier{
+      std::move(cause),
+      "The beam theories, linear in the strain, do not hold there; strike more slowly, "
+      "or take a stiffer bar."};
 }
 
-bool first_contact_over(const Simulation& run) {
-  return !run.episodes.empty() && !run.episodes.front().open;
+std::optional<Magnifier> magnifier(const Rig& rig) {
+  if (std::optional<Magnifier> found = strain(rig)) return found;
+  if (rig.hinge.friction == 0.0) return std::nullopt;
+  return Magnifier{"friction stops the hinge of the vibrating bar and lets it go",
+                   "Ask for a finer accuracy, or damp the bar."};
 }
 
-/// Largest relative difference of the first contacts' peak force, duration and impulse.
+/// Largest relative difference of the first contacts' peak force, duration and impulse; all where
+/// one of them ends and the other does not.
 double change_between(const Simulation& one, const Simulation& other) {
   const Episode& a = one.episodes.front();
   const Episode& b = other.episodes.front();
+  if (a.open != b.open) return 1.0;
   const auto change = [](double x, double y) { return std::abs(x - y) / std::abs(y); };
   return std::max({change(a.peak_force, b.peak_force), change(a.end - a.start, b.end - b.start),
                    change(a.impulse, b.impulse)});
@@ -84,7 +95,7 @@ class FirstContact {
     solver.time_limit = std::min(solver.time_limit, limit_.left());
     try {
       Simulation run = solve_(solver, options_);
-      if (first_contact_over(run)) return run;
+      if (!run.episodes.empty()) return run;
     } catch (const std::runtime_error&) {
       // the run at the accuracy asked for stands, with a warning
     }
@@ -98,14 +109,13 @@ class FirstContact {
   const SolveFully& solve_;
 };
 
-std::string warning_of(double change, const Strain& strain) {
+std::string warning_of(double change, const Magnifier& magnifier) {
   const std::string found = change > 0.0 ? fmt::format("changes by {:.1e}", change)
                                          : std::string("could not be shown to stay as it is");
   return fmt::format(
       "the first contact {} when it is solved more accurately: {}, and such motion magnifies every "
-      "error. The beam theories, linear in the strain, do not hold there; strike more slowly, or "
-      "take a stiffer bar.",
-      found, strain.cause);
+      "error. {}",
+      found, magnifier.cause, magnifier.remedy);
 }
 
 }  // namespace
@@ -114,9 +124,9 @@ Simulation solve_until_settled(const Rig& rig, const Solver& solver,
                                const SimulationOptions& options, const SolveFully& solve) {
   const TimeLimit limit(solver.time_limit);
   Simulation run = solve(solver, options);
-  if (!rig.has_stop() || solver.model == BeamModel::rigid || !first_contact_over(run)) return run;
-  const Strain strain = largest_strain(rig);
-  if (strain.size < much) return run;
+  if (!rig.has_stop() || solver.model == BeamModel::rigid || run.episodes.empty()) return run;
+  const std::optional<Magnifier> magnified = magnifier(rig);
+  if (!magnified) return run;
   const FirstContact first(run, solver, options, limit, solve);
   const double coarse = std::min(apart * solver.accuracy, Solver::coarsest_accuracy);
   std::optional<Simulation> before = first.at(coarse);
@@ -151,7 +161,7 @@ Simulation solve_until_settled(const Rig& rig, const Solver& solver,
       settled = false;  // no time is left for it
     }
   }
-  if (!settled) run.warnings.push_back(warning_of(largest, strain));
+  if (!settled) run.warnings.push_back(warning_of(largest, *magnified));
   return run;
 }
 

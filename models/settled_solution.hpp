@@ -11,13 +11,14 @@ namespace impactrig::models {
 using SolveFully = std::function<Simulation(const Solver&, const SimulationOptions&)>;
 
 /// The solution by the full equations. Of a bar that is strained much, by its speed or by its
-/// weight, motion may magnify errors so far that the control of single steps does not bound them:
-/// such a one is solved at several accuracies, until its first contact changes by no more than the
-/// accuracy asked for; where that fails the last of them stands, with a warning that says by how
-/// much it changed.
+/// weight, or whose hinge rubs, motion may magnify errors so far that the control of single steps
+/// does not bound them: such a one is solved at several accuracies, until its first contact changes
+/// by no more than the accuracy asked for; where that fails the last of them stands, with a warning
+/// that says by how much it changed.
 ///
-/// One that magnifies them: Reissner's bar stretched to Λ times its length, whose sections turn
-/// against the pull where E (Λ - 1) > κ G Λ.
+/// What magnifies them: Reissner's bar stretched to Λ times its length turns its sections against
+/// the pull where E (Λ - 1) > κ G Λ. A hinge that all but stops sticks, or does not, by the last
+/// digit of the bar's vibration.
 Simulation solve_until_settled(const Rig& rig, const Solver& solver,
                                const SimulationOptions& options, const SolveFully& solve);
 
