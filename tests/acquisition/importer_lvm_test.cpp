@@ -58,6 +58,21 @@ TEST(Lvm, SeparatorAndDecimalMarkAreTheHeaders) {
   EXPECT_EQ(record.channels[0].clock.interval, 0.001);
 }
 
+TEST(Lvm, NamesMayStandBehindAnEmptyCellWhereThereIsNoXColumn) {
+  const LvmFile file{',', "Comma", ".", "No", "No", ""};
+  const auto record = imported(file.header() + file.segment(lvm_two_channels("3", "0", "0.001"),
+                                                            "|force|accel", "|1|2\n|3|4\n|5|6\n"));
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].name, "force");
+  EXPECT_EQ(record.channels[1].name, "accel");
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(2, 4, 6));
+  EXPECT_THAT(record.warnings, ElementsAre());
+  // rows are no names
+  EXPECT_THAT(import_error(file.header() + file.segment(lvm_two_channels("3", "0", "0.001"), "|1|2",
+                                                        "|3|4\n|5|6\n")),
+              HasSubstr("expected the line of names that begins with 'X_Value', found ''"));
+}
+
 TEST(Lvm, EachChannelHasItsXColumn) {
   const LvmFile file{'\t', "Tab", ".", "Multi", "Yes", ""};
   const std::string keys =
