@@ -253,6 +253,31 @@ TEST(ForeignHdf5, MatlabFilesAreNamedAsMatlabDoes) {
   EXPECT_EQ(record.attributes.at("note"), "hit");
 }
 
+// Of objects MATLAB keeps six integers here, of sparse matrices rows and columns.
+TEST(ForeignHdf5, WhatIsNoArrayOfMatlabsIsNoChannel) {
+  const Hdf5File file(512);
+  file.doubles("/force", {1, 2, 3});
+  file.text("/force", "MATLAB_class", "double");
+  file.data<std::uint32_t>("/label", {1, 6}, {3707764736, 2, 1, 1, 1, 1}, H5T_NATIVE_UINT32,
+                           H5T_STD_U32LE);
+  file.text("/label", "MATLAB_class", "string");
+  file.group("/loads");
+  file.text("/loads", "MATLAB_class", "double");
+  file.number("/loads", "MATLAB_sparse", 4);
+  for (const char* const path : {"/loads/data", "/loads/ir", "/loads/jc"}) file.doubles(path, {1});
+  file.group("/run");
+  file.text("/run", "MATLAB_class", "struct");
+  file.group("/run/f");
+  file.text("/run/f", "MATLAB_class", "function_handle");
+  file.doubles("/run/f/workspace", {1, 2});
+  const auto record = imported(tests::mat73_bytes(file), {}, ".mat");
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].name, "force");
+  EXPECT_EQ(record.warnings[0],
+            "not read: 'label' (an object of class string), 'loads' (a sparse matrix), 'run.f' (a "
+            "function handle)");
+}
+
 TEST(ForeignHdf5, ComplexNumbersArePairs) {
   const Hdf5File file;
   const hid_t pair = H5Tcreate(H5T_COMPOUND, 16);
