@@ -70,12 +70,13 @@ std::optional<NumberKind> kind_of(int format) {
   }
 }
 
+constexpr int digital_words = 11;
 constexpr int six_bytes = 13;
 
 std::string kind_name(int format) {
   if (format == 9) return "imc's transitional recording";
   if (format == 10) return "time stamps as text";
-  if (format == 11) return "digital words";
+  if (format == digital_words) return "digital words";
   if (format == six_bytes) return "integers of 6 bytes";
   return fmt::format("numbers of format {}", format);
 }
@@ -83,6 +84,14 @@ std::string kind_name(int format) {
 bool may_have_mask(std::optional<NumberKind> kind) {
   using enum NumberKind;
   return kind == u8 || kind == i8 || kind == u16 || kind == i16 || kind == u32 || kind == i32;
+}
+
+/// 0 or 1: a bit of words, from 1.
+std::function<void(std::span<double>)> bit_of_words(int bit) {
+  return [bit](std::span<double> values) {
+    for (double& value : values)
+      value = static_cast<double>((static_cast<std::int64_t>(value) >> (bit - 1)) & 1);
+  };
 }
 
 /// `seconds` after the trigger, in ISO 8601; "" where none is stated.
@@ -174,6 +183,11 @@ class ImcReader {
     }
   }
 
+  /// Digital words are integers of 16 bits.
+  static std::optional<NumberKind> kind_of_numbers(const ImcComponent& one) {
+    return one.digital ? NumberKind::u16 : kind_of(one.number_format);
+  }
+
   /// Bytes from one group of numbers to the next.
   static std::uint64_t stride_of(const ImcComponent& one, std::uint64_t width) {
     return width * one.count + one.distance;
@@ -250,11 +264,11 @@ class ImcReader {
 
   /// A component whose numbers can be read, else none (and a sentence).
   bool readable(const ImcComponent& one, bool six_bytes_too = false) {
-    if (one.digital) {
-      refuse(one, "is digital");
+    if (one.digital && (one.number_format != digital_words || one.bit > 16)) {
+      refuse(one, fmt::format("is digital, bit {} in {}", one.bit, kind_name(one.number_format)));
       return false;
     }
-    const auto kind = kind_of(one.number_format);
+    const auto kind = kind_of_numbers(one);
     if (!kind && !(six_bytes_too && one.number_format == six_bytes)) {
       refuse(one, fmt::format("holds {}", kind_name(one.number_format)));
       return false;
@@ -311,7 +325,7 @@ class ImcReader {
 
   void add_component(const ImcComponent& one) {
     if (!readable(one)) return;
-    const NumberKind kind = *kind_of(one.number_format);
+    const NumberKind kind = *kind_of_numbers(one);
     if (one.buffers.empty()) {
       refuse(one, "has no buffer of samples ('Cb')");
       return;
@@ -341,7 +355,10 @@ class ImcReader {
 
   void add_channel(Channel channel, const ImcComponent& one, StoredNumbers numbers) {
     stored_.push_back({std::move(numbers)});
-    if (one.mask != 0) stored_.back().scaling = without_bits(one.mask);
+    if (one.digital && one.bit > 0)
+      stored_.back().scaling = bit_of_words(one.bit);
+    else if (one.mask != 0)
+      stored_.back().scaling = without_bits(one.mask);
     record_.channels.push_back(std::move(channel));
   }
 
@@ -507,6 +524,7 @@ class ImcReader {
       return;
     }
     if (!readable(one) || !readable(x, true)) return;
+    if (one.digital || x.digital) return refuse(one, "is digital over an x of its own");
     for (const ImcComponent* const component : {&one, &x}) {
       if (component->mask == 0 && (!component->events || component->events->count == 0)) continue;
       refuse(one, fmt::format("is an x-y data set with {}",
