@@ -529,6 +529,14 @@ std::string_view without_channel(std::string_view value) {
   return is_channel ? trimmed(value.substr(colon + 1)) : value;
 }
 
+bool is_time_name(std::string_view name) {
+  constexpr std::array<std::string_view, 16> words = {
+      "time",       "t",         "zeit",   "temps",       "tiempo", "tempo",
+      "seconds",    "second",    "x-axis", "elapsed",     "x_time", "time_s",
+      "time stamp", "timestamp", "x [s]",  "elapsed time"};
+  return std::find(words.begin(), words.end(), lowered(name)) != words.end();
+}
+
 std::string lowered(std::string_view text) {
   std::string result(text);
   for (char& c : result)

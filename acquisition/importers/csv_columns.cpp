@@ -31,14 +31,6 @@ SourcePosition whole(const TextFile& file) {
   return place;
 }
 
-bool is_time_name(std::string_view name) {
-  constexpr std::array<std::string_view, 16> words = {
-      "time",       "t",         "zeit",   "temps",       "tiempo", "tempo",
-      "seconds",    "second",    "x-axis", "elapsed",     "x_time", "time_s",
-      "time stamp", "timestamp", "x [s]",  "elapsed time"};
-  return std::find(words.begin(), words.end(), lowered(name)) != words.end();
-}
-
 bool is_time_unit(const std::string& unit) {
   return !unit.empty() && datasets::quantity_of_unit(unit) == Quantity::time;
 }

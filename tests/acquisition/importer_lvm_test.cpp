@@ -73,6 +73,23 @@ TEST(Lvm, NamesMayStandBehindAnEmptyCellWhereThereIsNoXColumn) {
               HasSubstr("expected the line of names that begins with 'X_Value', found ''"));
 }
 
+TEST(Lvm, TimesAmongTheChannelsThatContradictDeltaAreToldOf) {
+  const LvmFile file{',', "Comma", ".", "No", "No", ""};
+  const auto with_delta = [&file](const std::string& delta) {
+    std::string keys = lvm_two_channels("4", "0", delta);
+    keys.replace(keys.find("Y_Unit_Label|N"), 14, "Y_Unit_Label|s");
+    return imported(file.header() + file.segment(keys, "|time|accel",
+                                                 "|0|2\n|0.000605|4\n|0.00121|6\n|0.001815|8\n"));
+  };
+  const auto record = with_delta("0.000586");
+  EXPECT_EQ(record.channels[1].clock.interval, 0.000586);
+  EXPECT_THAT(record.warnings,
+              testing::Contains("'time' holds times in steps of 0.000605 s, but Delta_X is another "
+                                "for 'accel' (0.000586): the clocks are those of Delta_X "
+                                "(--sample-rate 1652.89256 states the other)"));
+  EXPECT_THAT(with_delta("0.000605").warnings, ElementsAre());
+}
+
 TEST(Lvm, EachChannelHasItsXColumn) {
   const LvmFile file{'\t', "Tab", ".", "Multi", "Yes", ""};
   const std::string keys =
