@@ -144,6 +144,26 @@ TEST(Lvm, AChannelWhoseX0IsAnotherBeginsThen) {
   EXPECT_DOUBLE_EQ(shorter.channels[1].clock.start, 0.5);
 }
 
+// "X values guaranteed valid only for" the first channel, as LabVIEW notes in such files.
+TEST(Lvm, AChannelWithAnotherDeltaKeepsItsOwnTimes) {
+  const LvmFile file;
+  const std::string keys =
+      "Channels|2|||\nSamples|4|2||\nDate|2024/02/29|1903/12/31|\nTime|09:51:40|19:00:00|\n"
+      "X_Dimension|Time|Time|\nX0|5|0|\nDelta_X|0.001|1.000000|\n";
+  const auto record =
+      imported(file.header() +
+               file.segment(keys, "X_Value|a|b|Comment", "5|1|7\n5.001|2|8\n5.002|3|\n5.003|4|\n"));
+  EXPECT_EQ(record.channels[0].clock.start, 5.0);
+  EXPECT_EQ(record.channels[0].clock.interval, 0.001);
+  EXPECT_EQ(record.channels[1].clock.start, 0.0);
+  EXPECT_EQ(record.channels[1].clock.interval, 1.0);
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(7, 8));
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("'b': Delta_X is 1, that of 'a', whose times the X column has, 0.001: its "
+                  "own X0 and Delta_X are taken"));
+}
+
 TEST(Lvm, AnXColumnThatRestartsIsToldWithAWayOut) {
   const LvmFile file;
   const auto record = imported(
