@@ -343,6 +343,22 @@ TEST(Csv, MayEndWithRowsOfEmptyCells) {
   EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("'End of data' and what comes behind it")));
 }
 
+// As the recorder of a gas gun writes it: offsets under the units, the time last.
+TEST(Csv, MayHaveOffsetsUnderItsUnits) {
+  const Record record = imported(
+      "C:\\shots\\test1.txt\nProgrammer - None\nStriker Velocity - -14.0\nSampling Frequency - "
+      "5000\nMon, Jun 6, 2022 11:18 AM\nLow G Accel\tAccel\tPin\tTime\n"
+      "Voltage (unscaled)\tVoltage (unscaled)\tVolt\tSec\n0.0 0.0 0\t\t0.0 0.0 0\t\n\n"
+      "1.2E-3\t3.0E-1\t4.0E-2\t0.0E+0\n-1.2E-3\t3.1E-1\t4.1E-2\t2.0E-4\n"
+      "2.4E-3\t3.2E-1\t4.2E-2\t4.0E-4\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Low G Accel [Voltage (unscaled)]",
+                                                   "Accel [Voltage (unscaled)]", "Pin [Volt]"));
+  EXPECT_EQ(record.channels[0].clock.interval, 2e-4);
+  EXPECT_EQ(record.attributes.at("time column"), "Time (by its name)");
+  EXPECT_THAT(record.attributes.at("header"), HasSubstr("Striker Velocity - -14.0"));
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
 TEST(Csv, OfAnInfiniiVisionNumbersItsChannels) {
   const Record record = imported(
       "x-axis,1,2\nsecond,Volt,Volt\n-1.0E-03,+0.5E+00,1\n-0.9E-03,+0.6E+00,2\n-0.8E-03,0.7,3\n");
