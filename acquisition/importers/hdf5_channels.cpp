@@ -129,6 +129,7 @@ class ChannelMaker {
   void make(const std::vector<std::string>& units) {
     take_facts();
     for (const Hdf5Array& array : made_.listing.arrays) add(array);
+    tell_links();
     take_units(units);
     for (std::size_t i = 0; i < made_.slices.size(); ++i) tell_as_stored(i);
   }
@@ -210,11 +211,31 @@ class ChannelMaker {
     return true;
   }
 
+  /// Links that lead to no data set that is read.
+  void tell_links() {
+    std::set<std::string> lead_to;
+    for (const Hdf5Slice& slice : made_.slices) {
+      const std::string& path = slice.array->path;
+      for (std::size_t end = path.size(); end != std::string::npos && end > 0;
+           end = path.rfind('/', end - 1))
+        lead_to.insert(path.substr(0, end));
+    }
+    for (const auto& [target, from] : made_.listing.links)
+      if (!lead_to.contains(target))
+        skip(fmt::format("'{}' (a link to '{}')", to_utf8(from), to_utf8(target)));
+  }
+
   /// `slice`: its count and what stands for none are not known yet.
   void add_channel(const std::string& name, Hdf5Slice slice) {
     const Hdf5Array& array = *slice.array;
     Channel channel;
     channel.name = name;
+    std::string linked;
+    if (slice.whole && array.field.empty())
+      for (const std::string& link : links_to(made_.listing, array.path))
+        if (linked.size() < 1000)
+          linked += (linked.empty() ? "" : " | ") + shown(link, made_.matlab);
+    if (!linked.empty()) channel.attributes[std::string(datasets::other_names)] = linked;
     for (const auto& [key, text] : array.attributes.texts) channel.attributes.emplace(key, text);
     for (const auto& [key, value] : array.attributes.numbers)
       channel.attributes.emplace(key, fmt::format("{}", value));

@@ -198,9 +198,34 @@ TEST(ForeignHdf5, LinksAndLoopsAreNotFollowed) {
   ASSERT_EQ(record.channels.size(), 1U);
   EXPECT_THAT(record.warnings[0], HasSubstr("'/a/loop' (a group that is listed already)"));
   EXPECT_THAT(record.warnings[0], HasSubstr("(nested too deeply)"));
-  EXPECT_THAT(record.warnings[0],
-              HasSubstr("'/outside' (a link into another file), '/soft' (a link to "
-                        "'/a')"));
+  EXPECT_THAT(record.warnings[0], HasSubstr("'/outside' (a link into another file)"));
+  EXPECT_EQ(record.channels[0].attributes.at("linked as"), "/soft/x");
+}
+
+TEST(ForeignHdf5, ChannelsHaveTheNamesOfSoftLinksToo) {
+  const Hdf5File file;
+  file.group("/raw");
+  file.doubles("/raw/ch0", {1, 2, 3});
+  file.doubles("/raw/ch1", {0, 0.5, 1});
+  file.group("/data");
+  file.text("/data", "axes", "when");
+  const auto link = [&file](const char* from, const char* to) {
+    H5Lcreate_soft(to, file.id(), from, H5P_DEFAULT, H5P_DEFAULT);
+  };
+  link("/force", "raw/ch0");
+  link("/data/when", "/raw/ch1");
+  link("/data/force", "/raw/ch0");
+  link("/nowhere", "/gone");
+  const auto record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].name, "/raw/ch0");
+  EXPECT_EQ(record.channels[0].attributes.at("linked as"), "/data/force | /force");
+  EXPECT_EQ(record.find("/force"), &record.channels[0]);
+  EXPECT_EQ(record.channels[0].clock.interval, 0.5);  // by the axis of the group of links
+  EXPECT_THAT(record.warnings, testing::Contains("not read: '/nowhere' (a link to '/gone')"));
+  ImportOptions options;
+  options.channels = {"/force"};
+  EXPECT_THAT(imported(file.bytes(), options).channels.at(0).values(), ElementsAre(1, 2, 3));
 }
 
 TEST(ForeignHdf5, WhatIsNotReadIsNamed) {
