@@ -260,10 +260,10 @@ class MatParser {
 
   /// Objects of MATLAB's newer classes (string, datetime, table) have texts where arrays have their
   /// size: their own name, whose classes these are, and the name of their class.
-  void skip_object(const Element& own_name, const std::optional<Element>& class_name,
+  void skip_object(const Element& own_name, const std::optional<Element>& of_class,
                    const std::string& given_name, int depth) {
     const std::string name = depth == 0 ? to_utf8(text_of(own_name, longest_name)) : given_name;
-    const std::string type = class_name ? to_utf8(text_of(*class_name, longest_name)) : "";
+    const std::string type = of_class ? to_utf8(text_of(*of_class, longest_name)) : "";
     skip(name, matlab_object(type));
   }
 
