@@ -97,10 +97,33 @@ Side read_side(const std::string& path, const acquisition::ImportOptions& readin
   return side;
 }
 
+/// The window of recorded times that holds one of conditioned times, of which delays are taken off.
+acquisition::ImportOptions recorded_window(
+    acquisition::ImportOptions reading,
+    std::initializer_list<const std::optional<datasets::Sensor>*> sensors) {
+  double earliest = 0.0, latest = 0.0;
+  for (const auto* const sensor : sensors)
+    if (*sensor) {
+      earliest = std::min(earliest, (*sensor)->delay.value);
+      latest = std::max(latest, (*sensor)->delay.value);
+    }
+  reading.from += earliest;
+  reading.to += latest;
+  return reading;
+}
+
+bool has_uneven_times(const datasets::Record& record) {
+  return std::ranges::any_of(record.channels, [](const datasets::Channel& channel) {
+    return !channel.clock.times.empty();
+  });
+}
+
 /// Reads one channel and makes it what the sensors saw: in SI, by sensitivity, polarity and delay.
 Side read_conditioned(const std::string& path, acquisition::ImportOptions reading,
                       const fitting::RigFile& rig, const Wanted& wanted, bool& hit) {
   // a window is one of the conditioned times
+  const acquisition::ImportOptions window =
+      recorded_window(reading, {&rig.force, &rig.velocity, &rig.displacement});
   reading.from = ImportArguments{}.from;
   reading.to = ImportArguments{}.to;
   const auto reader = acquisition::open_recording(path, reading);
@@ -108,6 +131,9 @@ Side read_conditioned(const std::string& path, acquisition::ImportOptions readin
   refuse_too_many_to_condition(path, samples_of(reader->head(), all),
                                "`impactrig import` with --from and --to makes a file of a part");
   datasets::Record recorded = acquisition::read_into_memory(*reader, all);
+  if (has_uneven_times(recorded))  // what lies within the window may be even
+    recorded =
+        acquisition::read_into_memory(*reader, acquisition::selection_of(reader->head(), window));
   recorded.provenance.sha256 = datasets::sha256_of_file(path);
   datasets::Record record =
       acquisition::condition(recorded, {rig.force, rig.velocity, rig.displacement});

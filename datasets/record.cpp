@@ -22,6 +22,17 @@ double scaled(double raw, double scale, double offset) {
   return scale == 1.0 && offset == 0.0 ? raw : scale * raw + offset;
 }
 
+/// True for "b" in "a | b".
+bool is_listed(std::string_view list, std::string_view name) {
+  constexpr std::string_view between = " | ";
+  for (;;) {
+    const std::size_t end = list.find(between);
+    if (list.substr(0, end) == name) return true;
+    if (end == std::string_view::npos) return false;
+    list.remove_prefix(end + between.size());
+  }
+}
+
 }  // namespace
 
 std::size_t Channel::size() const {
@@ -72,6 +83,13 @@ const Channel* Record::find(std::string_view name_or_index) const {
   };
   const auto grouped = std::ranges::find_if(channels, in_group);
   if (grouped != channels.end()) return &*grouped;
+
+  const auto linked = [&](const Channel& channel) {
+    const auto names = channel.attributes.find(std::string(other_names));
+    return names != channel.attributes.end() && is_listed(names->second, name_or_index);
+  };
+  const auto other = std::ranges::find_if(channels, linked);
+  if (other != channels.end()) return &*other;
 
   std::size_t index = 0;
   const char* const last = name_or_index.data() + name_or_index.size();

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -94,6 +95,9 @@ struct Provenance {
   std::vector<Edit> edits;  ///< every later change
 };
 
+/// Attribute of a channel: further names that its file has for it (links), between " | ".
+constexpr std::string_view other_names = "linked as";
+
 /// A recording: channels that share a time origin.
 struct Record {
   std::string title;
@@ -105,7 +109,8 @@ struct Record {
 
   /// The channel of that name (the first that has it exactly, else the only one that matches
   /// without regard to case), of that name in the group that its attribute "group" states
-  /// ("Impacts/Force"), or of that index from 0 ("2"); null when there is none.
+  /// ("Impacts/Force"), of one of the names of its attribute other_names, or of that index from 0
+  /// ("2"); null when there is none.
   const Channel* find(std::string_view name_or_index) const;
 };
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 
 #include "datasets/units.hpp"
@@ -245,9 +246,31 @@ bool are_keys(const TableLayout& layout, const std::vector<std::size_t>& filled)
           }));
 }
 
-/// The last two filled lines above the rows, as names and units or as names alone.
-void find_names_and_units(const TableLayout& layout, const std::vector<std::size_t>& filled,
-                          Cells& names, Cells& units, TableHead& head) {
+/// Numbers and nothing else: neither names nor units.
+bool has_numbers_alone(std::string_view line) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto may_be_word = [](char c) {
+    return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '%' || (c & 0x80) != 0;
+  };
+  return std::ranges::any_of(line, is_digit) && std::ranges::none_of(line, may_be_word);
+}
+
+/// A unit of time under a name of times: what is under the other names are units too, understood or
+/// not ("Voltage (unscaled)").
+bool has_time_over_its_unit(const Cells& names, const Cells& units) {
+  for (std::size_t c = 0; c < std::min(names.size(), units.size()); ++c)
+    if (is_time_name(names[c]) && !is_time_name(units[c]) &&
+        datasets::quantity_of_unit(to_utf8(bracketed(units[c]).value_or(units[c]))) ==
+            Quantity::time)
+      return true;
+  return false;
+}
+
+/// The last two filled lines above the rows, as names and units or as names alone. Lines of numbers
+/// below them are passed over (offsets of the channels).
+void find_names_and_units(const TableLayout& layout, std::vector<std::size_t> filled, Cells& names,
+                          Cells& units, TableHead& head) {
+  while (filled.size() > 1 && has_numbers_alone(layout.head[filled.back()])) filled.pop_back();
   if (filled.empty()) return;
   const char decimal = layout.dialect.decimal;
   const Cells bottom = head_cells(layout.head[filled.back()], layout);
@@ -260,7 +283,8 @@ void find_names_and_units(const TableLayout& layout, const std::vector<std::size
         (!has_number(names, decimal) || (are_numbered_channels(names) && is_unit_row(bottom)))) {
       take_start_and_increment(names, units, decimal, head);
       const bool as_wide = bottom.size() >= layout.cells || head.start || head.increment;
-      if (as_wide && (is_unit_row(units) || is_sentence_row(units))) {
+      if (as_wide &&
+          (is_unit_row(units) || is_sentence_row(units) || has_time_over_its_unit(names, units))) {
         head.names_line = static_cast<int>(above) + 1;
         head.units_line = bottom_line;
         return;
@@ -527,6 +551,14 @@ std::string_view without_channel(std::string_view value) {
   const bool is_channel = colon != std::string_view::npos && value.starts_with("CH") &&
                           integer_in(value.substr(2, colon - 2)).has_value();
   return is_channel ? trimmed(value.substr(colon + 1)) : value;
+}
+
+bool is_time_name(std::string_view name) {
+  constexpr std::array<std::string_view, 16> words = {
+      "time",       "t",         "zeit",   "temps",       "tiempo", "tempo",
+      "seconds",    "second",    "x-axis", "elapsed",     "x_time", "time_s",
+      "time stamp", "timestamp", "x [s]",  "elapsed time"};
+  return std::find(words.begin(), words.end(), lowered(name)) != words.end();
 }
 
 std::string lowered(std::string_view text) {

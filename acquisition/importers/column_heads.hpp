@@ -40,6 +40,9 @@ ColumnHead split_head(std::string_view cell);
 /// "V" of "CH1:V", as some oscilloscopes write values of their header.
 std::string_view without_channel(std::string_view value);
 
+/// "Time", "t", "Zeit", ...: what a column of times may be called.
+bool is_time_name(std::string_view name);
+
 /// ASCII letters in lower case.
 std::string lowered(std::string_view text);
 

@@ -228,7 +228,7 @@ Record read_whole(CsvHead& csv, const ImportOptions& options) {
 
   const std::vector<ClockColumns> clocks = roles.clocks(csv.heads.size());
   for (const ClockColumns& range : clocks) {
-    datasets::SampleClock clock = clock_from_head(csv.head);
+    datasets::SampleClock clock = clock_from_head(csv.head, roles);
     std::size_t samples = table.rows;
     if (range.time) {
       if (csv.time_ends.contains(*range.time)) {
@@ -319,7 +319,7 @@ std::unique_ptr<RecordingReader> open_large(std::shared_ptr<CsvHead> csv,
     table.layout = csv->layout;
     table.read_first_rows(options.head_only);
   }
-  table.clock = clock_from_head(csv->head);
+  table.clock = clock_from_head(csv->head, csv->roles);
   table.marked = csv->marked;
   table.empty_columns_end = true;
 

@@ -31,14 +31,6 @@ SourcePosition whole(const TextFile& file) {
   return place;
 }
 
-bool is_time_name(std::string_view name) {
-  constexpr std::array<std::string_view, 16> words = {
-      "time",       "t",         "zeit",   "temps",       "tiempo", "tempo",
-      "seconds",    "second",    "x-axis", "elapsed",     "x_time", "time_s",
-      "time stamp", "timestamp", "x [s]",  "elapsed time"};
-  return std::find(words.begin(), words.end(), lowered(name)) != words.end();
-}
-
 bool is_time_unit(const std::string& unit) {
   return !unit.empty() && datasets::quantity_of_unit(unit) == Quantity::time;
 }
@@ -70,9 +62,12 @@ bool increases(std::span<const double> values) {
   return values.size() > 1;
 }
 
-/// 0, 1, 2, ... or 1, 2, 3, ...
-bool counts(const std::vector<double>& values) {
-  if (values.empty() || (values[0] != 0.0 && values[0] != 1.0)) return false;
+/// 0, 1, 2, ... or 1, 2, 3, ...; `from_any`: or from any other whole number on.
+bool counts(const std::vector<double>& values, bool from_any) {
+  if (values.empty()) return false;
+  const double first = values.front();
+  if (first != 0.0 && first != 1.0 && !(from_any && first > 0.0 && first == std::floor(first)))
+    return false;
   for (std::size_t i = 1; i < values.size(); ++i)
     if (values[i] != values[i - 1] + 1.0) return false;
   return true;
@@ -287,7 +282,12 @@ void tell_of_times(const std::vector<ColumnHead>& heads, const CsvRoles& roles, 
                       heads[c].name));
     if (named) before = c;
   }
-  if (roles.index && !roles.index_name_fits)
+  if (roles.index && roles.samples_before > 0.0)
+    record.warnings.push_back(fmt::format(
+        "'{}' counts the samples from {} on: the clock begins as much later than the start in the "
+        "head",
+        heads[*roles.index].name, roles.samples_before));
+  else if (roles.index && !roles.index_name_fits)
     record.warnings.push_back(fmt::format(
         "'{}' counts 0, 1, 2, ... or 1, 2, 3, ...: it is taken to count the samples and left out",
         heads[*roles.index].name));
@@ -379,9 +379,13 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
   }
   const bool unnamed = head.columns.empty() || head.columns.front().name.empty();
   const bool first_counts =
-      columns.size() > 1 && heads.front().unit.empty() && counts(columns.front().values) &&
+      columns.size() > 1 && heads.front().unit.empty() &&
+      counts(columns.front().values, head.increment.has_value()) &&
       (unnamed || is_counter_name(heads.front().name) || may_be_time(heads.front()));
   roles.index_name_fits = unnamed || is_counter_name(heads.front().name);
+  // parts of a record count from its start, where the head states that
+  if (first_counts && columns.front().values.front() > 1.0)
+    roles.samples_before = columns.front().values.front();
   if (options.time_column) {
     if (first_counts) roles.index = 0;
     return roles;
@@ -480,10 +484,11 @@ void to_seconds(const TextFile& file, const ColumnHead& head,
     time = (divides ? time / inverse : time * conversion.factor) + conversion.offset;
 }
 
-datasets::SampleClock clock_from_head(const TableHead& head) {
+datasets::SampleClock clock_from_head(const TableHead& head, const CsvRoles& roles) {
   datasets::SampleClock clock;
   clock.start = head.start.value_or(0.0);
   clock.interval = head.increment ? *head.increment : head.interval.value_or(0.0);
+  clock.start += roles.samples_before * clock.interval;
   return clock;
 }
 

@@ -29,6 +29,7 @@ struct CsvRoles {
   std::optional<std::size_t> time;
   std::optional<std::size_t> index;  ///< counts the samples
   bool index_name_fits = true;       ///< or it has none
+  double samples_before = 0.0;       ///< since the start that the head states, by the counts
   std::string reason;                ///< why `time` is the time
   std::vector<std::size_t> text;     ///< hold text
   std::vector<std::size_t> dates;    ///< hold dates and times of day
@@ -115,7 +116,7 @@ void to_seconds(const TextFile& file, const ColumnHead& head,
 
 /// The clock of a file without a time column: from a Start and Increment, or from a key of the
 /// header.
-datasets::SampleClock clock_from_head(const TableHead& head);
+datasets::SampleClock clock_from_head(const TableHead& head, const CsvRoles& roles);
 
 /// A header may state the interval too: with more digits than the times have, or another one.
 void compare_with_head(const TableHead& head, std::size_t rows, datasets::SampleClock& clock,

@@ -271,12 +271,26 @@ Hdf5Listing list_hdf5(const std::string& path) {
       std::string name;
       whole = child.text(name, longest_answer) && child.text(word, longest_answer);
       if (whole) listing.texts[to_utf8(name)] = to_utf8(word);
+    } else if (word == "link") {
+      std::string from;
+      whole = child.text(from, longest_answer) && child.text(word, longest_answer);
+      if (whole) listing.links.emplace(word, from);
     } else if (word == "skipped") {
       whole = child.text(word, longest_answer);
       listing.skipped.push_back(to_utf8(word));
     }
     if (!whole) child_failed(path, child);
   }
+}
+
+std::vector<std::string> links_to(const Hdf5Listing& listing, const std::string& path) {
+  std::vector<std::string> found;
+  for (std::size_t end = path.size(); end != std::string::npos && end > 0;
+       end = path.rfind('/', end - 1)) {
+    const auto [first, last] = listing.links.equal_range(path.substr(0, end));
+    for (auto link = first; link != last; ++link) found.push_back(link->second + path.substr(end));
+  }
+  return found;
 }
 
 std::vector<Hdf5SliceSeen> read_hdf5_slices(const std::string& path,

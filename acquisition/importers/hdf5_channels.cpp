@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "acquisition/importers/column_heads.hpp"
+#include "acquisition/importers/mat5.hpp"
 #include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/units.hpp"
@@ -94,6 +95,19 @@ const std::vector<std::string>* column_names(const Hdf5Array& array, std::uint64
   return nullptr;
 }
 
+/// What a variable of MATLAB is that is no array of numbers; "" where it is one, or a structure.
+std::string kept_otherwise(const Hdf5Attributes& attributes) {
+  constexpr std::array<std::string_view, 13> plain = {
+      "double", "single", "logical", "int8",   "uint8", "int16", "uint16",
+      "int32",  "uint32", "int64",   "uint64", "char",  "struct"};
+  if (attributes.numbers.contains("MATLAB_sparse")) return "a sparse matrix";
+  const auto found = attributes.texts.find("MATLAB_class");
+  if (found == attributes.texts.end() || std::ranges::find(plain, found->second) != plain.end())
+    return {};
+  if (found->second == "function_handle") return "a function handle";
+  return matlab_object(found->second);
+}
+
 /// Which column of a data set, or field of its records, and of how many.
 struct Column {
   std::uint64_t which = 0;
@@ -115,6 +129,7 @@ class ChannelMaker {
   void make(const std::vector<std::string>& units) {
     take_facts();
     for (const Hdf5Array& array : made_.listing.arrays) add(array);
+    tell_links();
     take_units(units);
     for (std::size_t i = 0; i < made_.slices.size(); ++i) tell_as_stored(i);
   }
@@ -158,6 +173,7 @@ class ChannelMaker {
     }
     if (array.attributes.numbers.contains("MATLAB_empty"))
       return skip(fmt::format("'{}' (empty)", name));
+    if (matlab && is_of_no_numbers(array)) return;
     if (shape.size() > 2 && !matlab)
       return skip(fmt::format("'{}' ({} dimensions)", name, shape.size()));
     Hdf5Slice slice;
@@ -180,11 +196,46 @@ class ChannelMaker {
                   slice);
   }
 
+  /// True where a MATLAB variable that is no array of numbers keeps something as numbers: an object
+  /// what its data are found by, a sparse matrix its rows and columns. Each is told of once.
+  bool is_of_no_numbers(const Hdf5Array& array) {
+    std::string path = array.path;
+    std::string why = kept_otherwise(array.attributes);
+    for (std::size_t end = path.rfind('/'); why.empty() && end > 0; end = path.rfind('/')) {
+      path.resize(end);
+      const auto group = made_.listing.groups.find(path);
+      if (group != made_.listing.groups.end()) why = kept_otherwise(group->second);
+    }
+    if (why.empty()) return false;
+    if (told_.insert(path).second) skip(fmt::format("'{}' ({})", shown(path, true), why));
+    return true;
+  }
+
+  /// Links that lead to no data set that is read.
+  void tell_links() {
+    std::set<std::string> lead_to;
+    for (const Hdf5Slice& slice : made_.slices) {
+      const std::string& path = slice.array->path;
+      for (std::size_t end = path.size(); end != std::string::npos && end > 0;
+           end = path.rfind('/', end - 1))
+        lead_to.insert(path.substr(0, end));
+    }
+    for (const auto& [target, from] : made_.listing.links)
+      if (!lead_to.contains(target))
+        skip(fmt::format("'{}' (a link to '{}')", to_utf8(from), to_utf8(target)));
+  }
+
   /// `slice`: its count and what stands for none are not known yet.
   void add_channel(const std::string& name, Hdf5Slice slice) {
     const Hdf5Array& array = *slice.array;
     Channel channel;
     channel.name = name;
+    std::string linked;
+    if (slice.whole && array.field.empty())
+      for (const std::string& link : links_to(made_.listing, array.path))
+        if (linked.size() < 1000)
+          linked += (linked.empty() ? "" : " | ") + shown(link, made_.matlab);
+    if (!linked.empty()) channel.attributes[std::string(datasets::other_names)] = linked;
     for (const auto& [key, text] : array.attributes.texts) channel.attributes.emplace(key, text);
     for (const auto& [key, value] : array.attributes.numbers)
       channel.attributes.emplace(key, fmt::format("{}", value));
@@ -266,6 +317,7 @@ class ChannelMaker {
   }
 
   Hdf5Channels& made_;
+  std::set<std::string> told_;  // variables that are no numbers
 };
 
 /// "not read: " and what, as far as it is no longer than a reader likes.

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -70,13 +71,18 @@ class ClockSetter {
 
   static bool differ(double a, double b) { return std::abs(a - b) > 1e-3 * std::abs(b); }
 
-  /// NeXus: a group NXdata names its axes.
+  /// NeXus: a group NXdata names its axes, which may be links.
   bool is_axis(const Hdf5Array& array) const {
-    const auto group = file_.listing.groups.find(std::string(parent_of(array.path)));
+    return is_axis(array.path) ||
+           std::ranges::any_of(links_to(file_.listing, array.path),
+                               [this](const std::string& link) { return is_axis(link); });
+  }
+
+  bool is_axis(std::string_view path) const {
+    const auto group = file_.listing.groups.find(std::string(parent_of(path)));
     if (group == file_.listing.groups.end()) return false;
     const auto& texts = group->second.texts;
     const auto axes = texts.find("axes");
-    const std::string_view path = array.path;
     return axes != texts.end() && axes->second == path.substr(path.find_last_of('/') + 1);
   }
 

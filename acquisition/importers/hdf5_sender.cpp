@@ -308,8 +308,10 @@ class Walk {
       const std::string full = path == "/" ? "/" + name : path + "/" + name;
       if (full.size() > longest_path) {
         skip(full.substr(0, 100), "a path of over 1000 bytes");
+      } else if (kind == H5L_TYPE_SOFT) {
+        link(full, path, link_target(id, name));
       } else if (kind != H5L_TYPE_HARD) {
-        skip(full, link_target(id, name, kind));
+        skip(full, "a link into another file");
       } else {
         object(id, name, full, depth);
       }
@@ -327,19 +329,24 @@ class Walk {
     return links.size() > most_objects ? 1 : 0;
   }
 
-  /// What else it is listed as.
-  static std::string link_target(hid_t group, const std::string& name, H5L_type_t kind) {
-    if (kind != H5L_TYPE_SOFT) return "a link into another file";
+  /// As the file has it; "" where it cannot be read.
+  static std::string link_target(hid_t group, const std::string& name) {
     H5L_info_t info{};
-    std::string target;
-    if (H5Lget_info(group, name.c_str(), &info, H5P_DEFAULT) >= 0 &&
-        info.u.val_size <= longest_path) {
-      target.resize(info.u.val_size);
-      if (H5Lget_val(group, name.c_str(), target.data(), target.size(), H5P_DEFAULT) < 0)
-        target.clear();
-    }
-    target = to_utf8(target.substr(0, target.find('\0')));
-    return target.empty() ? "a link" : fmt::format("a link to '{}'", target);
+    if (H5Lget_info(group, name.c_str(), &info, H5P_DEFAULT) < 0 || info.u.val_size > longest_path)
+      return {};
+    std::string target(info.u.val_size, '\0');
+    if (H5Lget_val(group, name.c_str(), target.data(), target.size(), H5P_DEFAULT) < 0) return {};
+    return target.substr(0, target.find('\0'));
+  }
+
+  /// A soft link is never followed: what it leads to is listed where it is. A path without a '/' in
+  /// front begins in the link's group.
+  void link(const std::string& from, const std::string& group, std::string target) {
+    if (target.empty()) return skip(from, "a link");
+    if (target.front() != '/') target.insert(0, group == "/" ? group : group + "/");
+    out_.text("link");
+    out_.text(from);
+    out_.text(target);
   }
 
   void object(hid_t parent, const std::string& name, const std::string& path, int depth) {

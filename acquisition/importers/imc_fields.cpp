@@ -25,6 +25,7 @@ using datasets::Record;
 namespace {
 
 constexpr std::size_t event_bytes = 72;
+constexpr std::size_t digital_bits = 16;  ///< of a word
 
 /// One key, with its contents and where they lie.
 struct Key {
@@ -209,7 +210,7 @@ class KeyReader {
     } else if (key.name == "CR") {
       read_range(key, in);
     } else if (key.name == "CN") {
-      read_name(in);
+      read_name(key, in);
     } else if (key.name == "CS") {
       read_samples(key, in);
     }
@@ -385,13 +386,28 @@ class KeyReader {
     if (calibrated != 0) one.unit = unit;
   }
 
-  void read_name(Parameters& in) {
+  void read_name(const Key& key, Parameters& in) {
     if (!component_) return;  // of a text or a single value
     in.next();                // group
     in.next();
-    in.next();  // bit
-    component_->name = in.text();
-    component_->comment = in.text();
+    ImcName read;
+    read.bit = static_cast<int>(std::clamp(integer_in(in.next()).value_or(0), 0L, 1000L));
+    read.name = in.text();
+    read.comment = in.text();
+    if (component_->digital && component_->named) {
+      if (component_->other_bits.size() >= digital_bits)
+        fail(key.place, fmt::format("CN: more than {} names of bits", digital_bits));
+      component_->other_bits.push_back(std::move(read));
+    } else {
+      take_name(read, *component_);
+    }
+  }
+
+  static void take_name(const ImcName& from, ImcComponent& to) {
+    to.named = true;
+    to.bit = from.bit;
+    to.name = from.name;
+    to.comment = from.comment;
   }
 
   /// "|CS,1,length,number,samples;": buffers that waited for this number now know their place.
@@ -412,7 +428,12 @@ class KeyReader {
 
   void finish_component() {
     if (!component_) return;
-    field_.components.push_back(std::move(*component_));
+    const std::vector<ImcName> others = std::exchange(component_->other_bits, {});
+    field_.components.push_back(*component_);
+    for (const ImcName& other : others) {
+      take_name(other, *component_);
+      field_.components.push_back(*component_);
+    }
     component_.reset();
   }
 

@@ -66,11 +66,21 @@ struct ImcBuffer {
   std::uint64_t samples_bytes = 0;
 };
 
-/// A component: one row of numbers.
+/// What the key CN says.
+struct ImcName {
+  int bit = 0;  ///< of digital words, from 1; 0 all of them
+  std::string name;
+  std::string comment;
+};
+
+/// A component: one row of numbers, or one bit of the words of a digital one.
 struct ImcComponent {
   std::uint64_t place = 0;
   long index = 1;  ///< 1 y, 2 x where there are two
   bool digital = false;
+  int bit = 0;  ///< as ImcName
+  std::vector<ImcName> other_bits{};
+  bool named = false;
   int bytes = 0;
   int number_format = 0;
   std::uint64_t mask = 0;      ///< bits to be ignored

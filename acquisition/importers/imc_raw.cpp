@@ -13,6 +13,7 @@
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/imc_fields.hpp"
+#include "acquisition/importers/imc_samples.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/time_axis.hpp"
 #include "datasets/units.hpp"
@@ -32,8 +33,6 @@ namespace {
 
 constexpr int year_0 = 1980;  ///< imc's times count from its start
 
-using Runs = std::vector<NumberRun>;
-
 constexpr std::array<std::string_view, 7> field_types = {
     "",
     "samples at equal distances",
@@ -43,46 +42,25 @@ constexpr std::array<std::string_view, 7> field_types = {
     "complex numbers (magnitude and phase)",
     "complex numbers (magnitude in dB and phase)"};
 
-std::optional<NumberKind> kind_of(int format) {
-  switch (format) {
-    case 1:
-      return NumberKind::u8;
-    case 2:
-      return NumberKind::i8;
-    case 3:
-      return NumberKind::u16;
-    case 4:
-      return NumberKind::i16;
-    case 5:
-      return NumberKind::u32;
-    case 6:
-      return NumberKind::i32;
-    case 7:
-      return NumberKind::f32;
-    case 8:
-      return NumberKind::f64;
-    case 12:
-      return NumberKind::u64;
-    case 14:
-      return NumberKind::i64;
-    default:
-      return std::nullopt;
-  }
-}
-
-constexpr int six_bytes = 13;
-
 std::string kind_name(int format) {
   if (format == 9) return "imc's transitional recording";
   if (format == 10) return "time stamps as text";
-  if (format == 11) return "digital words";
-  if (format == six_bytes) return "integers of 6 bytes";
+  if (format == imc_digital_words) return "digital words";
+  if (format == imc_six_bytes) return "integers of 6 bytes";
   return fmt::format("numbers of format {}", format);
 }
 
 bool may_have_mask(std::optional<NumberKind> kind) {
   using enum NumberKind;
   return kind == u8 || kind == i8 || kind == u16 || kind == i16 || kind == u32 || kind == i32;
+}
+
+/// 0 or 1: a bit of words, from 1.
+std::function<void(std::span<double>)> bit_of_words(int bit) {
+  return [bit](std::span<double> values) {
+    for (double& value : values)
+      value = static_cast<double>((static_cast<std::int64_t>(value) >> (bit - 1)) & 1);
+  };
 }
 
 /// `seconds` after the trigger, in ISO 8601; "" where none is stated.
@@ -174,88 +152,14 @@ class ImcReader {
     }
   }
 
-  /// Bytes from one group of numbers to the next.
-  static std::uint64_t stride_of(const ImcComponent& one, std::uint64_t width) {
-    return width * one.count + one.distance;
-  }
-
-  /// The filled bytes of a buffer. A program that did not come to close its file may have left them
-  /// at 0.
-  std::uint64_t filled_of(const ImcBuffer& buffer) const {
-    if (contents_.closed || buffer.filled > 0) return std::min(buffer.filled, buffer.bytes);
-    const std::uint64_t there =
-        buffer.samples_bytes - std::min(buffer.samples_bytes, buffer.offset);
-    return buffer.bytes > 0 ? std::min(buffer.bytes, there) : there;
-  }
-
-  /// How many numbers the keys announce.
-  std::uint64_t announced_in(const ImcComponent& one, const ImcBuffer& buffer,
-                             std::uint64_t width) const {
-    const std::uint64_t filled = filled_of(buffer);
-    return filled < one.offset + width ? 0
-                                       : (filled - one.offset - width) / stride_of(one, width) + 1;
-  }
-
-  /// Where the numbers of a buffer lie. Empty when its samples are not in the file.
-  Runs runs_of(const ImcComponent& one, const ImcBuffer& buffer, NumberKind kind,
-               std::uint64_t width, std::uint64_t within, const std::string& name) {
-    Runs runs;
-    if (!buffer.samples_at) return runs;
-    const std::uint64_t filled = filled_of(buffer);
-    const std::uint64_t stride = stride_of(one, width);
-    const std::uint64_t size = std::max(buffer.bytes, filled);
-    const std::uint64_t available =
-        buffer.samples_bytes - std::min(buffer.samples_bytes, buffer.offset);
-    std::uint64_t there = 0;
-    const auto add = [&](std::uint64_t from, std::uint64_t bytes) {
-      // whole numbers of [from, from + bytes) of the buffer
-      const std::uint64_t left = std::min(bytes, available - std::min(available, from));
-      const std::uint64_t skipped = one.offset + within;
-      if (left < skipped + size_of(kind)) return;
-      const std::uint64_t count = (left - skipped - size_of(kind)) / stride + 1;
-      runs.push_back({*buffer.samples_at + buffer.offset + from + skipped, count, stride});
-      there += count;
-    };
-    // a ring begins anywhere
-    if (buffer.first < size && filled > size - buffer.first) {
-      add(buffer.first, size - buffer.first);
-      add(0, filled - (size - buffer.first));
-    } else {
-      add(buffer.first, filled);
-    }
-    if (within > 0) return runs;
-    const std::uint64_t announced = announced_in(one, buffer, width);
-    if (there < announced) record_.warnings.push_back(cut_off(name, there, announced));
-    if (!contents_.closed && buffer.filled == 0 && there > 0)
-      record_.warnings.push_back(
-          fmt::format("'{}': the file, which was not closed, states that no samples are filled: "
-                      "all {} that are there are read",
-                      name, there));
-    return runs;
-  }
-
-  /// The numbers of `runs` from one on, at most so many.
-  StoredNumbers numbers_in(const Runs& runs, NumberKind kind, std::uint64_t first = 0,
-                           std::uint64_t count = ~std::uint64_t{0}) const {
-    StoredNumbers numbers(kind, contents_.big_endian);
-    for (const NumberRun& run : runs) {
-      const std::uint64_t skipped = std::min(first, run.count);
-      const std::uint64_t taken = std::min(count, run.count - skipped);
-      first -= skipped;
-      count -= taken;
-      if (taken > 0) numbers.add({run.offset + skipped * run.stride, taken, run.stride});
-    }
-    return numbers;
-  }
-
   /// A component whose numbers can be read, else none (and a sentence).
   bool readable(const ImcComponent& one, bool six_bytes_too = false) {
-    if (one.digital) {
-      refuse(one, "is digital");
+    if (one.digital && (one.number_format != imc_digital_words || one.bit > 16)) {
+      refuse(one, fmt::format("is digital, bit {} in {}", one.bit, kind_name(one.number_format)));
       return false;
     }
-    const auto kind = kind_of(one.number_format);
-    if (!kind && !(six_bytes_too && one.number_format == six_bytes)) {
+    const auto kind = imc_kind(one);
+    if (!kind && !(six_bytes_too && one.number_format == imc_six_bytes)) {
       refuse(one, fmt::format("holds {}", kind_name(one.number_format)));
       return false;
     }
@@ -279,7 +183,7 @@ class ImcReader {
                                   name_of(one, record_.channels.size()), one.distance, one.offset));
     std::uint64_t samples = 0;
     for (const ImcBuffer& buffer : one.buffers)
-      samples += announced_in(one, buffer, static_cast<std::uint64_t>(width));
+      samples += samples_.announced_in(one, buffer, static_cast<std::uint64_t>(width));
     if (one.segment > 0 && samples > one.segment) {
       refuse(one, fmt::format("is a matrix, of segments of {} samples ('CZ')", one.segment));
       return false;
@@ -311,12 +215,12 @@ class ImcReader {
 
   void add_component(const ImcComponent& one) {
     if (!readable(one)) return;
-    const NumberKind kind = *kind_of(one.number_format);
+    const NumberKind kind = *imc_kind(one);
     if (one.buffers.empty()) {
       refuse(one, "has no buffer of samples ('Cb')");
       return;
     }
-    const auto parts = joined_buffers(one, size_of(kind));
+    const auto parts = samples_.joined_buffers(one, size_of(kind));
     if (one.events && one.events->count > 0) {
       if (parts.size() == 1)
         add_events(one, parts.front(), kind);
@@ -329,56 +233,23 @@ class ImcReader {
       limit_channels(one);
       Channel channel = channel_of(one, first);
       if (parts.size() > 1) channel.name += fmt::format(", event {}", i + 1);
-      const Runs runs = runs_of(one, parts[i], kind, channel.name);
+      const ImcRuns runs = samples_.runs_of(one, parts[i], kind, channel.name);
       if (!first.samples_at) {
         refuse(one, "has no samples in the file ('CS')");
         continue;
       }
       set_axis(channel, start_of(one, first), one.abscissa.interval, one.abscissa.unit);
-      add_channel(std::move(channel), one, numbers_in(runs, kind));
+      add_channel(std::move(channel), one, samples_.numbers_in(runs, kind));
     }
   }
 
   void add_channel(Channel channel, const ImcComponent& one, StoredNumbers numbers) {
     stored_.push_back({std::move(numbers)});
-    if (one.mask != 0) stored_.back().scaling = without_bits(one.mask);
+    if (one.digital && one.bit > 0)
+      stored_.back().scaling = bit_of_words(one.bit);
+    else if (one.mask != 0)
+      stored_.back().scaling = without_bits(one.mask);
     record_.channels.push_back(std::move(channel));
-  }
-
-  /// Buffers that follow each other without a new event. One that says so and yet begins elsewhere,
-  /// in time or x, stays alone.
-  std::vector<std::vector<ImcBuffer>> joined_buffers(const ImcComponent& one,
-                                                     std::uint64_t width) const {
-    std::vector<std::vector<ImcBuffer>> parts;
-    std::uint64_t samples = 0;  // of the last part
-    for (const ImcBuffer& buffer : one.buffers) {
-      bool goes_on = !parts.empty() && !buffer.new_event && buffer.samples_at &&
-                     parts.back().front().samples_at;
-      if (goes_on) {
-        const ImcBuffer& first = parts.back().front();
-        const double expected = first.start + one.abscissa.interval * static_cast<double>(samples);
-        goes_on = buffer.add_time == first.add_time &&
-                  (buffer.start == 0.0 ||
-                   std::abs(buffer.start - expected) <= 0.5 * std::abs(one.abscissa.interval));
-      }
-      if (!goes_on) {
-        parts.emplace_back();
-        samples = 0;
-      }
-      parts.back().push_back(buffer);
-      samples += announced_in(one, buffer, width);
-    }
-    return parts;
-  }
-
-  Runs runs_of(const ImcComponent& one, const std::vector<ImcBuffer>& buffers, NumberKind kind,
-               const std::string& name) {
-    Runs runs;
-    for (const ImcBuffer& buffer : buffers) {
-      const Runs more = runs_of(one, buffer, kind, size_of(kind), 0, name);
-      runs.insert(runs.end(), more.begin(), more.end());
-    }
-    return runs;
   }
 
   /// The events that a component has of a list, none and a sentence where they cannot be read.
@@ -415,13 +286,13 @@ class ImcReader {
     const std::vector<ImcEvent> events = events_of(one);
     if (events.empty()) return;
     const std::string name = name_of(one, record_.channels.size());
-    const Runs runs = runs_of(one, buffers, kind, name);
+    const ImcRuns runs = samples_.runs_of(one, buffers, kind, name);
     std::uint64_t in_events = 0;
     for (std::size_t i = 0; i < events.size(); ++i) {
       limit_channels(one);
       Channel channel = channel_of_event(one, buffer, events[i]);
       channel.name = events.size() > 1 ? fmt::format("{}, event {}", name, i + 1) : name;
-      StoredNumbers numbers = numbers_in(runs, kind, events[i].first, events[i].count);
+      StoredNumbers numbers = samples_.numbers_in(runs, kind, events[i].first, events[i].count);
       if (numbers.size() < events[i].count)
         record_.warnings.push_back(cut_off(channel.name, numbers.size(), events[i].count));
       in_events += numbers.size();
@@ -467,33 +338,6 @@ class ImcReader {
                     name, one.events->own_axis ? "list" : "channel"));
   }
 
-  /// All numbers of a component, as the file means them.
-  std::vector<double> values_of(const ImcComponent& one) {
-    Record record;
-    std::vector<StoredChannel> parts;
-    const ImcBuffer& buffer = one.buffers.front();
-    const bool split = one.number_format == six_bytes;
-    const NumberKind kind = split ? NumberKind::u32 : *kind_of(one.number_format);
-    const std::uint64_t low = split && contents_.big_endian ? 2 : 0;
-    const auto numbers = [&](NumberKind of, std::uint64_t within) {
-      return numbers_in(runs_of(one, buffer, of, split ? 6 : size_of(of), within, one.name), of);
-    };
-    parts.push_back({numbers(kind, low)});
-    if (split) parts.push_back({numbers(NumberKind::u16, contents_.big_endian ? 0 : 4)});
-    record.channels.resize(parts.size());
-    const auto reader = reader_of_numbers(std::make_unique<MappedFile>(file_->path()),
-                                          std::move(record), std::move(parts));
-    const Record read = read_into_memory(*reader);
-    std::vector<double> values = read.channels.front().values();
-    if (split) {
-      const std::vector<double> high = read.channels.back().values();
-      values.resize(std::min(values.size(), high.size()));
-      for (std::size_t i = 0; i < values.size(); ++i) values[i] += 0x1p32 * high[i];
-    }
-    for (double& value : values) value = one.factor * value + one.shift;
-    return values;
-  }
-
   void add_over_own_x(const ImcField& field) {
     // the index tells y (1) from x (2), whichever comes first
     const bool x_first = field.components.size() == 2 && field.components[0].index == 2 &&
@@ -507,6 +351,7 @@ class ImcReader {
       return;
     }
     if (!readable(one) || !readable(x, true)) return;
+    if (one.digital || x.digital) return refuse(one, "is digital over an x of its own");
     for (const ImcComponent* const component : {&one, &x}) {
       if (component->mask == 0 && (!component->events || component->events->count == 0)) continue;
       refuse(one, fmt::format("is an x-y data set with {}",
@@ -515,9 +360,10 @@ class ImcReader {
     }
     limit_channels(one);
     Channel channel = channel_of(one, one.buffers.front());
-    const NumberKind kind = *kind_of(one.number_format);
-    StoredNumbers numbers = numbers_in(runs_of(one, one.buffers, kind, channel.name), kind);
-    std::vector<double> times = values_of(x);
+    const NumberKind kind = *imc_kind(one);
+    StoredNumbers numbers =
+        samples_.numbers_in(samples_.runs_of(one, one.buffers, kind, channel.name), kind);
+    std::vector<double> times = samples_.values_of(x);
     if (times.size() != numbers.size()) {
       refuse(one, fmt::format("has {} samples and {} x", numbers.size(), times.size()));
       return;
@@ -544,9 +390,10 @@ class ImcReader {
 
   std::unique_ptr<MappedFile> file_;
   ImcContents contents_;
+  Record record_;
+  ImcSamples samples_{*file_, contents_, record_.warnings};
   std::string refused_;
   std::uint64_t refused_at_ = 0;
-  Record record_;
   std::vector<StoredChannel> stored_;
   std::vector<std::pair<std::size_t, TimeAxis>> axes_;
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "acquisition/importers/byte_cursor.hpp"
 #include "acquisition/importers/formats.hpp"
@@ -12,8 +13,8 @@
 /// LeCroy waveforms: the block WAVEDESC, then texts and times, then the samples.
 ///
 /// Source of the layout: Teledyne LeCroy, MAUI Oscilloscopes Remote Control and Automation Manual,
-/// "Waveform Template" (LECROY_2_3); the answer of a 9304A to TMPL? (LECROY_2_2). Offsets below are
-/// counted from WAVEDESC.
+/// "Waveform Template" (LECROY_2_3); the answers to TMPL? of a 9304A (LECROY_2_2) and a 7200A
+/// (LECROY_1_0). Offsets below are counted from WAVEDESC.
 namespace impactrig::acquisition {
 
 using datasets::Channel;
@@ -27,12 +28,109 @@ constexpr std::string_view way_out = "save it as CSV or as binary of template LE
 /// A block's header ("#9000020746") may stand before the descriptor; more than that does not.
 constexpr std::size_t farthest = 256;
 
-constexpr std::array<std::string_view, 10> record_types = {
+constexpr std::array<std::string_view, 10> record_types_2 = {
     "single sweep", "interleaved", "histogram",         "graph",        "filter coefficients",
     "complex",      "extrema",     "sequence obsolete", "centered RIS", "peak detect"};
 
+constexpr std::array<std::string_view, 13> record_types_1 = {"single sweep",
+                                                             "interleaved",
+                                                             "histogram",
+                                                             "trend",
+                                                             "filter coefficients",
+                                                             "complex",
+                                                             "extrema",
+                                                             "sequence",
+                                                             "centered RIS",
+                                                             "rolling",
+                                                             "alternating averages",
+                                                             "streamed sequence",
+                                                             "uncorrected streamed sequence"};
+
 constexpr std::array<std::string_view, 5> couplings = {"DC 50 Ohm", "ground", "DC 1 MOhm", "ground",
                                                        "AC 1 MOhm"};
+
+/// Where the variables of a template are; 0: it has none.
+struct Template {
+  std::array<std::string_view, 2> names;
+  std::span<const std::string_view> types;  ///< of records
+  std::uint64_t reserved, trigger_times, ris_times, reserved_array, samples, second_samples;
+  std::uint64_t instrument, number, label;
+  std::uint64_t count, first_valid, last_valid, first_point, sparsing, segments;
+  std::uint64_t gain, offset, bits, interval, start, unit, time_unit;
+  std::uint64_t trigger_time, type, ris_sweeps, coupling, probe, source;
+  unsigned first_source;    ///< the number of channel 1
+  std::uint16_t peak_type;  ///< record type that has a second array, beside the extrema (6)
+};
+
+constexpr Template template_2 = {
+    .names = {"LECROY_2_2", "LECROY_2_3"},
+    .types = record_types_2,
+    .reserved = 44,
+    .trigger_times = 48,
+    .ris_times = 52,
+    .reserved_array = 56,
+    .samples = 60,
+    .second_samples = 64,
+    .instrument = 76,
+    .number = 92,
+    .label = 96,
+    .count = 116,
+    .first_valid = 124,
+    .last_valid = 128,
+    .first_point = 132,
+    .sparsing = 136,
+    .segments = 144,
+    .gain = 156,
+    .offset = 160,
+    .bits = 172,
+    .interval = 176,
+    .start = 180,
+    .unit = 196,
+    .time_unit = 244,
+    .trigger_time = 296,
+    .type = 316,
+    .ris_sweeps = 322,
+    .coupling = 326,
+    .probe = 328,
+    .source = 344,
+    .first_source = 0,
+    .peak_type = 9,
+};
+
+constexpr Template template_1 = {
+    .names = {"LECROY_1_0", "LECROY_1_0"},
+    .types = record_types_1,
+    .reserved = 0,
+    .trigger_times = 44,
+    .ris_times = 0,
+    .reserved_array = 0,
+    .samples = 48,
+    .second_samples = 52,
+    .instrument = 56,
+    .number = 72,
+    .label = 76,
+    .count = 92,
+    .first_valid = 100,
+    .last_valid = 104,
+    .first_point = 0,
+    .sparsing = 0,
+    .segments = 108,
+    .gain = 120,
+    .offset = 124,
+    .bits = 132,
+    .interval = 134,
+    .start = 138,
+    .unit = 154,
+    .time_unit = 202,
+    .trigger_time = 250,
+    .type = 270,
+    .ris_sweeps = 0,
+    .coupling = 276,
+    .probe = 278,
+    .source = 296,
+    .first_source = 1,
+    .peak_type = 10,
+};
 
 class TrcReader {
  public:
@@ -43,10 +141,12 @@ class TrcReader {
                        fmt::format("expected 'WAVEDESC' in the first {} bytes", farthest));
     base_ = found;
     const std::string name = text(16, 16, "the name of the template");
-    if (name != "LECROY_2_2" && name != "LECROY_2_3")
+    for (const Template* const known : {&template_1, &template_2})
+      if (std::ranges::find(known->names, name) != known->names.end()) at_ = known;
+    if (at_ == nullptr)
       throw InputError(file_->byte_position(base_ + 16),
                        fmt::format("this is a LeCroy waveform of the template '{}', expected "
-                                   "LECROY_2_2 or LECROY_2_3: {}",
+                                   "LECROY_1_0, LECROY_2_2 or LECROY_2_3: {}",
                                    name, way_out));
     // 1 is little-endian, 0 big-endian: in both the byte at 34 tells
     in_.seek(base_ + 34);
@@ -75,8 +175,9 @@ class TrcReader {
     return fixed_text(in_.bytes(size, what));
   }
 
-  /// A block's length: signed in the file.
+  /// A block's length: signed in the file. 0 where the template has none.
   std::uint64_t length(std::uint64_t offset, std::string_view what) {
+    if (offset == 0) return 0;
     const auto bytes = field<std::int32_t>(offset, what);
     if (bytes < 0)
       throw InputError(file_->byte_position(base_ + offset),
@@ -85,48 +186,57 @@ class TrcReader {
   }
 
   void describe() {
-    const auto source = field<std::uint16_t>(344, "the source of the waveform");
-    const std::string label = text(96, 16, "the trace label");
+    const unsigned source =
+        field<std::uint16_t>(at_->source, "the source of the waveform") - at_->first_source;
+    const std::string label = text(at_->label, 16, "the trace label");
     channel_.name = source < 4       ? fmt::format("CH {}", source + 1)
                     : !label.empty() ? label
                                      : "waveform";
     set_attribute(channel_, "trace label", label);
-    set_unit(channel_, text(196, 48, "the vertical unit"));
-    const auto gain = field<float>(156, "the vertical gain");
-    const auto offset = field<float>(160, "the vertical offset");
-    set_scale(channel_, gain, -static_cast<double>(offset), *file_, base_ + 156);
+    set_unit(channel_, text(at_->unit, 48, "the vertical unit"));
+    const auto gain = field<float>(at_->gain, "the vertical gain");
+    const auto offset = field<float>(at_->offset, "the vertical offset");
+    set_scale(channel_, gain, -static_cast<double>(offset), *file_, base_ + at_->gain);
     // "S" is LeCroy's second
-    const std::string written = text(244, 48, "the horizontal unit");
+    const std::string written = text(at_->time_unit, 48, "the horizontal unit");
     unit_ = written == "S" ? "s" : written;
-    interval_ = meant_by_float(field<float>(176, "the sample interval"));
-    start_ = field<double>(180, "the time of the first sample");
+    interval_ = meant_by_float(field<float>(at_->interval, "the sample interval"));
+    start_ = field<double>(at_->start, "the time of the first sample");
 
-    const auto coupling = field<std::uint16_t>(326, "the coupling");
+    const auto coupling = field<std::uint16_t>(at_->coupling, "the coupling");
     if (coupling < couplings.size()) set_attribute(channel_, "coupling", couplings[coupling]);
     channel_.attributes["probe attenuation"] =
-        fmt::format("{}", field<float>(328, "the probe attenuation"));
+        fmt::format("{}", field<float>(at_->probe, "the probe attenuation"));
     channel_.attributes["nominal bits"] =
-        fmt::format("{}", field<std::int16_t>(172, "the number of bits"));
-    set_attribute(record_, "instrument", text(76, 16, "the instrument's name"));
+        fmt::format("{}", field<std::int16_t>(at_->bits, "the number of bits"));
+    set_attribute(record_, "instrument", text(at_->instrument, 16, "the instrument's name"));
     record_.attributes["instrument number"] =
-        fmt::format("{}", field<std::int32_t>(92, "the instrument's number"));
+        fmt::format("{}", field<std::int32_t>(at_->number, "the instrument's number"));
     set_attribute(record_, "template", text(16, 16, "the name of the template"));
     record_.attributes["byte order"] = in_.big_endian() ? "big-endian" : "little-endian";
-    const auto second = field<double>(296, "the trigger time");
-    record_.started = iso_time(
-        field<std::int16_t>(308, "the trigger time"), field<std::uint8_t>(307, "the trigger time"),
-        field<std::uint8_t>(306, "the trigger time"), field<std::uint8_t>(305, "the trigger time"),
-        field<std::uint8_t>(304, "the trigger time"), second);
-    type_ = field<std::uint16_t>(316, "the type of the record");
-    const bool known = type_ < record_types.size();
-    const std::string_view type_name = known ? record_types[type_] : "unknown";
+    record_.started = trigger_time();
+    type_ = field<std::uint16_t>(at_->type, "the type of the record");
+    const bool known = type_ < at_->types.size();
+    const std::string_view type_name = known ? at_->types[type_] : "unknown";
     record_.attributes["record type"] = type_name;
     if (!known || (type_ >= 2 && type_ <= 5))
-      throw InputError(file_->byte_position(base_ + 316),
+      throw InputError(file_->byte_position(base_ + at_->type),
                        fmt::format("this waveform is of the type '{}' ({}), expected samples over "
                                    "time: save it as CSV",
                                    type_name, type_));
-    second_array_ = type_ == 6 || type_ == 9;
+    second_array_ = type_ == 6 || type_ == at_->peak_type;
+  }
+
+  /// Seconds, minutes, hours, day, month and year.
+  std::string trigger_time() {
+    constexpr std::string_view what = "the trigger time";
+    in_.seek(base_ + at_->trigger_time);
+    const auto second = in_.read<double>(what);
+    const auto minute = in_.read<std::uint8_t>(what);
+    const auto hour = in_.read<std::uint8_t>(what);
+    const auto day = in_.read<std::uint8_t>(what);
+    const auto month = in_.read<std::uint8_t>(what);
+    return iso_time(in_.read<std::int16_t>(what), month, day, hour, minute, second);
   }
 
   void find_samples() {
@@ -139,33 +249,36 @@ class TrcReader {
     kind_ = type == 0 ? NumberKind::i8 : NumberKind::i16;
     trigger_times_ = base_ + length(36, "the length of the descriptor") +
                      length(40, "the length of the user text") +
-                     length(44, "the length of the reserved descriptor");
-    const std::uint64_t times = length(48, "the length of the trigger times");
-    const std::uint64_t ris_times = length(52, "the length of the RIS times");
+                     length(at_->reserved, "the length of the reserved descriptor");
+    const std::uint64_t times = length(at_->trigger_times, "the length of the trigger times");
+    const std::uint64_t ris_times = length(at_->ris_times, "the length of the RIS times");
     trigger_times_bytes_ = times;
-    samples_ = trigger_times_ + times + ris_times + length(56, "the length of the reserved array");
-    const std::uint64_t bytes = length(60, "the length of the samples");
+    samples_ = trigger_times_ + times + ris_times +
+               length(at_->reserved_array, "the length of the reserved array");
+    const std::uint64_t bytes = length(at_->samples, "the length of the samples");
     second_samples_ = samples_ + bytes;
-    points_ = length(116, "the number of samples");
+    points_ = length(at_->count, "the number of samples");
     if (points_ > bytes / size_of(kind_)) {
       record_.warnings.push_back(
           fmt::format("'{}': {} samples are announced, their {} bytes have {}", channel_.name,
                       points_, bytes, bytes / size_of(kind_)));
       points_ = bytes / size_of(kind_);
     }
-    const std::uint64_t segments = length(144, "the number of segments");
+    const std::uint64_t segments = length(at_->segments, "the number of segments");
     segments_ = segments == 0 ? 1 : segments;
     segment_points_ = points_ / segments_;
-    first_point_ = above_zero(132, "the first sample sent (FIRST_POINT)");
-    sparsing_ = std::max<std::uint64_t>(above_zero(136, "the sparsing (SPARSING_FACTOR)"), 1);
-    if (ris_times > 0 || type_ == 1 || type_ == 8)
+    first_point_ = above_zero(at_->first_point, "the first sample sent (FIRST_POINT)");
+    sparsing_ =
+        std::max<std::uint64_t>(above_zero(at_->sparsing, "the sparsing (SPARSING_FACTOR)"), 1);
+    if (at_->ris_sweeps != 0 && (ris_times > 0 || type_ == 1 || type_ == 8))
       record_.warnings.push_back(fmt::format(
           "'{}' is put together of {} sweeps (RIS), each with a time of its own: its samples are "
           "read as evenly spaced, at HORIZ_INTERVAL",
-          channel_.name, field<std::int16_t>(322, "the number of RIS sweeps")));
+          channel_.name, field<std::int16_t>(at_->ris_sweeps, "the number of RIS sweeps")));
   }
 
   std::uint64_t above_zero(std::uint64_t offset, std::string_view what) {
+    if (offset == 0) return 0;
     return static_cast<std::uint64_t>(std::max<std::int32_t>(field<std::int32_t>(offset, what), 0));
   }
 
@@ -173,8 +286,10 @@ class TrcReader {
   /// WAVE_ARRAY_COUNT - 1 "except for aborted sequence and rollmode acquisitions" [Waveform
   /// Template], or that of the waveform where fewer were sent. 0: not stated.
   void leave_out_padding() {
-    const std::uint64_t first = above_zero(124, "the first valid sample (FIRST_VALID_PNT)");
-    const std::uint64_t last = above_zero(128, "the last valid sample (LAST_VALID_PNT)");
+    const std::uint64_t first =
+        above_zero(at_->first_valid, "the first valid sample (FIRST_VALID_PNT)");
+    const std::uint64_t last =
+        above_zero(at_->last_valid, "the last valid sample (LAST_VALID_PNT)");
     const std::uint64_t valid = last == 0 ? points_ : std::min(last + 1, points_);
     if (segments_ > 1 && first == 0) return leave_out_segments(valid);
     if (first == 0 && valid == points_) return;
@@ -191,6 +306,13 @@ class TrcReader {
     left_out_ = first;
   }
 
+  /// 0: not stated. LECROY_1_0 has them beside those acquired.
+  std::uint64_t segments_asked() {
+    constexpr std::string_view what = "the number of segments asked for";
+    if (at_ == &template_1) return above_zero(112, what);
+    return static_cast<std::uint64_t>(std::max<std::int16_t>(field<std::int16_t>(174, what), 0));
+  }
+
   void tell_padding(std::uint64_t first, std::uint64_t last) {
     record_.warnings.push_back(
         fmt::format("'{}': samples before {} or behind {} are said not to be acquired "
@@ -201,8 +323,8 @@ class TrcReader {
   /// Of a sequence that was stopped, the array may have room for all segments it was to have, or
   /// for those that it has.
   void leave_out_segments(std::uint64_t valid) {
-    const auto stated = field<std::int16_t>(174, "the number of segments asked for");
-    const std::uint64_t asked = stated > 0 ? static_cast<std::uint64_t>(stated) : segments_;
+    const std::uint64_t stated = segments_asked();
+    const std::uint64_t asked = stated > 0 ? stated : segments_;
     if (asked <= segments_) {
       if (valid < points_) tell_padding(0, valid - 1);
       return;
@@ -254,7 +376,7 @@ class TrcReader {
     add(channel_, samples_, points_);
     if (!second_array_) return;
     // extrema and peak detect: the first array is the roof, the second the floor
-    const std::uint64_t bytes = length(64, "the length of the second samples");
+    const std::uint64_t bytes = length(at_->second_samples, "the length of the second samples");
     if (bytes == 0) return;
     record_.channels.front().name += " max";
     channel_.name += " min";
@@ -290,6 +412,7 @@ class TrcReader {
   std::unique_ptr<MappedFile> file_;
   ByteCursor in_;
   std::uint64_t base_ = 0;
+  const Template* at_ = nullptr;
   Record record_;
   Channel channel_;
   std::vector<StoredChannel> stored_;

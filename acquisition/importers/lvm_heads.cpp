@@ -61,6 +61,18 @@ std::optional<LvmMoment> moment_of(std::string_view date, std::string_view time)
   return moment;
 }
 
+/// Whether these cells name columns. Writers leave the first cell empty where it has no column
+/// (X_Columns No).
+bool name_columns_of(const std::vector<std::string_view>& cells) {
+  if (cells.front() == "X_Value") return true;
+  const auto empty = [](std::string_view cell) { return cell.empty(); };
+  const auto number = [](std::string_view cell) {
+    return number_in(cell, {'.', false}) || number_in(cell, {',', false});
+  };
+  return cells.front().empty() && !std::ranges::all_of(cells, empty) &&
+         std::ranges::none_of(cells, number);
+}
+
 /// The same as ISO 8601, with microseconds where the file has a fraction; "" when it is no time.
 std::string iso_text(std::string_view date, std::string_view time) {
   const auto moment = moment_of(date, time);
@@ -218,7 +230,7 @@ std::size_t LvmHeads::y_column(std::size_t channel) const {
 void LvmHeads::name_columns(const LvmHeader& header, LvmSegment& segment) {
   const char* const start = text_.at;
   std::vector<std::string_view> names = split(take_line(text_.at, text_.end), text_.separator);
-  if (names.front() != "X_Value")
+  if (!name_columns_of(names))
     throw InputError(text_.file.position(start),
                      fmt::format("expected the line of names that begins with 'X_Value', found "
                                  "'{}'",

@@ -130,6 +130,7 @@ void LvmRecording::finish(bool multi, bool whole) {
         fmt::format("the file has {} segments that do not continue each other in time: channels "
                     "of the later ones are named '... (segment n)'",
                     segments_.size()));
+  for (const LvmSegment& segment : segments_) tell_times_among(segment);
   for (LvmSegment& segment : segments_) deliver(segment, multi);
   check_stated_units(options_.units, record_.channels.size(), "channels", path_);
 }
@@ -175,6 +176,29 @@ void LvmRecording::join(LvmSegment&& segment) {
   }
   segment.shift = later;
   segments_.push_back(std::move(segment));
+}
+
+/// Writers without an X column may have their times among the channels, and another Delta_X.
+void LvmRecording::tell_times_among(const LvmSegment& segment) {
+  for (const LvmPart& times : segment.parts) {
+    const auto seconds = datasets::conversion(times.unit.empty() ? "s" : times.unit, "s");
+    if (!is_time_name(times.name) || !seconds || !times.x.empty() || times.values.size() < 3)
+      continue;
+    TimeAxisCheck check(times.values.front(), times.values.back(), times.values.size());
+    times.values.each([&check](std::span<const double> piece) { check.add(piece); });
+    const double step = check.axis().clock.interval * seconds->factor;
+    if (!check.uniform() || !(step > 0.0)) continue;
+    std::string others;
+    for (const LvmPart& part : segment.parts)
+      if (&part != &times && part.x.empty() && part.delta && part.x_unit.empty() &&
+          std::abs(*part.delta - step) > 1e-3 * step && others.size() < 200)
+        others += fmt::format("{}'{}' ({})", others.empty() ? "" : ", ", part.name, *part.delta);
+    if (!others.empty())
+      warn(
+          fmt::format("'{}' holds times in steps of {:.6g} s, but Delta_X is another for {}: the "
+                      "clocks are those of Delta_X (--sample-rate {:.9g} states the other)",
+                      times.name, step, others, 1.0 / step));
+  }
 }
 
 void LvmRecording::deliver(LvmSegment& segment, bool multi) {

@@ -127,6 +127,7 @@ class LvmRecording {
   void check_counts(const LvmSegment& segment, bool one_heading);
   /// To the segment before, when all channels are the same and go on in time.
   void join(LvmSegment&& segment);
+  void tell_times_among(const LvmSegment& segment);
   void deliver(LvmSegment& segment, bool multi);
   void set_clock(LvmPart& part, double shift, bool multi, datasets::Channel& channel,
                  StoredChannel& stored);

@@ -38,6 +38,11 @@ double last_place(std::string_view text, char decimal) {
                                     : std::pow(10.0, static_cast<double>(place));
 }
 
+/// By the headers alone: the X column is that of `owner`.
+bool has_other_steps(const LvmPart& part, const LvmPart& owner) {
+  return part.delta && owner.delta && std::abs(*part.delta - *owner.delta) > 1e-3 * *owner.delta;
+}
+
 }  // namespace
 
 void LvmRows::read(LvmSegment& segment) {
@@ -253,8 +258,17 @@ void LvmRows::share_x(LvmSegment& segment, NumberList<double>&& x) {
 void LvmRows::shift_x(LvmSegment& segment) {
   const auto owner = std::ranges::max_element(
       segment.parts, {}, [](const LvmPart& part) { return part.said.value_or(0); });
-  if (owner == segment.parts.end() || !owner->x0) return;
+  if (owner == segment.parts.end()) return;
   for (LvmPart& part : segment.parts) {
+    if (has_other_steps(part, *owner)) {
+      recording_.warn(fmt::format(
+          "'{}': Delta_X is {:.9g}, that of '{}', whose times the X column has, {:.9g}: "
+          "its own X0 and Delta_X are taken",
+          part.name, *part.delta, owner->name, *owner->delta));
+      part.x = NumberList<double>(recording_.spool());
+      continue;
+    }
+    if (!owner->x0) continue;
     const double shift = part.x0.value_or(*owner->x0) - *owner->x0;
     if (std::abs(shift) <= 1e-3 * part.delta.value_or(0.0)) continue;
     recording_.warn(

@@ -66,6 +66,8 @@ std::optional<NumberKind> kind_of(std::uint32_t type) {
 }
 
 /// What a class that is no array of numbers is called.
+constexpr unsigned object_class = 17;
+
 std::string_view class_name(unsigned number) {
   switch (number) {
     case 1:
@@ -76,8 +78,6 @@ std::string_view class_name(unsigned number) {
       return "a sparse matrix";
     case 16:
       return "a function handle";
-    case 17:
-      return "an object";
     default:
       return "of an unknown class";
   }
@@ -237,12 +237,13 @@ class MatParser {
         skip(given_name.empty() ? fmt::format("byte {}", matrix.data) : given_name, "cut");
       return;
     }
+    const bool flags_there = flags->type == mi_uint32 && flags->end - flags->data >= 8;
+    const auto word = flags_there ? number<std::uint32_t>(flags->data) : 0;
+    const unsigned class_number = word & 0xFF;
+    if (class_number == object_class) return skip_object(*shape, next(), given_name, depth);
     std::string name = given_name;
     if (depth == 0) name = to_utf8(text_of(*label, longest_name));
-    if (flags->type != mi_uint32 || flags->end - flags->data < 8 || shape->type != mi_int32)
-      return skip(name, "damaged");
-    const auto word = number<std::uint32_t>(flags->data);
-    const unsigned class_number = word & 0xFF;
+    if (!flags_there || shape->type != mi_int32) return skip(name, "damaged");
     const bool complex = (word & 0x0800) != 0;
     // unnamed at the top: where MATLAB keeps what its objects consist of
     if (depth == 0 && name.empty()) return skip("unnamed data of objects", "not published");
@@ -255,6 +256,15 @@ class MatParser {
     const auto real = next();
     const auto imaginary = complex && real ? next() : std::nullopt;
     add_numbers(array, real, complex, imaginary);
+  }
+
+  /// Objects of MATLAB's newer classes (string, datetime, table) have texts where arrays have their
+  /// size: their own name, whose classes these are, and the name of their class.
+  void skip_object(const Element& own_name, const std::optional<Element>& of_class,
+                   const std::string& given_name, int depth) {
+    const std::string name = depth == 0 ? to_utf8(text_of(own_name, longest_name)) : given_name;
+    const std::string type = of_class ? to_utf8(text_of(*of_class, longest_name)) : "";
+    skip(name, matlab_object(type));
   }
 
   bool set_shape(const Element& shape, MatArray& array) const {
@@ -491,6 +501,14 @@ bool looks_like_mat4(std::string_view head) {
          std::ranges::all_of(name, [](char c) {
            return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
          });
+}
+
+std::string matlab_object(std::string_view type) {
+  std::string text = type.empty() ? "an object" : fmt::format("an object of class {}", type);
+  if (type == "table") text += ": table2struct(t, 'ToScalar', true) makes arrays of it";
+  if (type == "timetable")
+    text += ": table2struct(timetable2table(t), 'ToScalar', true) makes arrays of it";
+  return text;
 }
 
 std::string skipped_arrays(const MatContents& contents) {

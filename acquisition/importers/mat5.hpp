@@ -52,6 +52,9 @@ struct MatContents {
 /// of 20 bytes and a name.
 bool looks_like_mat4(std::string_view head);
 
+/// What to say of an object of a class of MATLAB, "" where that is not known, with the way out.
+std::string matlab_object(std::string_view type);
+
 /// "not read: 'c' (a cell array) and 3 more"; "" where nothing was skipped.
 std::string skipped_arrays(const MatContents& contents);
 

@@ -71,7 +71,7 @@ class TdmsReader {
         options_(options),
         size_(file_->bytes().size()),
         chunks_(*file_, objects_),
-        changes_(*file_, objects_) {}
+        changes_(*file_, objects_, options.sample_rate.has_value()) {}
 
   std::unique_ptr<RecordingReader> open() {
     for (std::uint64_t at = 0; at < size_;) {

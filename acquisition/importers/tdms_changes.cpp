@@ -29,6 +29,10 @@ bool is_start(std::string_view name) {
   return name == start_time || name == start_offset;
 }
 
+bool is_of_clock(std::string_view name) {
+  return is_start(name) || name == "wf_increment";
+}
+
 /// Whether samples mean something else by this property.
 bool matters(std::string_view name) {
   constexpr std::array<std::string_view, 4> others = {"unit_string", "wf_increment",
@@ -134,8 +138,25 @@ void TdmsChanges::settle(std::size_t which, const Before& before, std::uint64_t 
          fmt::format("segment {} is the first with data that states {}, after {} samples: it "
                      "is taken to hold for all",
                      segment_, text(object, late), object.samples()));
+  if (joins_) join(which, all);
   const std::optional<double> gap = settle_start(object, all);
-  if (!all.empty()) cut(object, all, gap, at);
+  if (all.empty()) return;
+  may_join_ = may_join_ || std::ranges::all_of(
+                               all, [](const Change& change) { return is_of_clock(change.name); });
+  cut(object, all, gap, at);
+}
+
+void TdmsChanges::join(std::size_t which, std::vector<Change>& changes) {
+  TdmsObject& object = objects_[which];
+  const auto of_clock = [](const Change& change) { return is_of_clock(change.name); };
+  if (std::ranges::none_of(changes, of_clock)) return;
+  ++joined_[which];
+  for (const Change& change : changes) {
+    if (!of_clock(change)) continue;
+    object.carried_on.insert_or_assign(change.name, object.properties.at(change.name));
+    put_back(object, change);
+  }
+  std::erase_if(changes, of_clock);
 }
 
 std::optional<double> TdmsChanges::settle_start(TdmsObject& object, std::vector<Change>& changes) {
@@ -251,11 +272,19 @@ std::vector<std::string> TdmsChanges::warnings() {
       tell(object, fmt::format("{} later segments change properties too, each begins a channel "
                                "'... (segment n)'",
                                object.earlier.size() - most_told_of_a_channel));
+  for (const auto& [which, segments] : joined_)
+    tell(objects_[which],
+         fmt::format("the starts or intervals of {} later {} are passed over, since --sample-rate "
+                     "joins segments end to end",
+                     segments, segments == 1 ? "segment" : "segments"));
   std::vector<std::string> list;
   for (const std::string& sentence : sentences_)
     list.push_back(fmt::format("{}: {}", told_.at(sentence), sentence));
   if (untold_ > 0)
     list.push_back(fmt::format("{} more changes of properties between segments", untold_));
+  if (may_join_)
+    list.emplace_back(
+        "segments that differ in start or interval alone are joined end to end by --sample-rate");
   return list;
 }
 

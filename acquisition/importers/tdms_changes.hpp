@@ -19,10 +19,12 @@ namespace impactrig::acquisition {
 /// last segment.
 class TdmsChanges {
  public:
-  /// `objects` may grow meanwhile.
-  TdmsChanges(const MappedFile& file, std::vector<TdmsObject>& objects)
+  /// `objects` may grow meanwhile. `joins`: another start or interval begins no part, since the
+  /// user states the rate of all.
+  TdmsChanges(const MappedFile& file, std::vector<TdmsObject>& objects, bool joins)
       : file_(file),
-        objects_(objects) {}
+        objects_(objects),
+        joins_(joins) {}
 
   void next_segment() { ++segment_; }
 
@@ -55,6 +57,8 @@ class TdmsChanges {
   /// first one back. Returns how much later [s, or as abscissa] another one is than the end of the
   /// samples so far.
   std::optional<double> settle_start(TdmsObject& object, std::vector<Change>& changes);
+  /// Takes starts and intervals out of `changes` and puts the first ones back.
+  void join(std::size_t which, std::vector<Change>& changes);
   void cut(TdmsObject& object, const std::vector<Change>& changes, std::optional<double> gap,
            std::uint64_t at);
   static void put_back(TdmsObject& object, const Change& change);
@@ -63,7 +67,10 @@ class TdmsChanges {
 
   const MappedFile& file_;
   std::vector<TdmsObject>& objects_;
-  std::size_t segment_ = 0;  ///< the one at hand, from 1
+  bool joins_;
+  std::map<std::size_t, std::uint64_t> joined_;  ///< segments, by object
+  bool may_join_ = false;                        ///< where parts differ in start or interval alone
+  std::size_t segment_ = 0;                      ///< the one at hand, from 1
   bool any_data_ = false;
   std::map<std::size_t, Before> pending_;  ///< by object: what held for its samples so far
   std::uint64_t steps_ = 0;

@@ -89,7 +89,7 @@ std::string TdmsChunks::place(bool big_endian, bool interleaved, std::uint64_t d
   if (daqmx_) {
     place_buffers(data, chunks, buffers_);
     if (rest > 0) place_buffers(data + chunks * chunk_bytes_, 1, buffers_within(rest));
-  } else if (interleaved) {
+  } else if (interleaved && !only_texts()) {
     place_rows(data, total);
   } else {
     place_blocks(data, chunks);
@@ -100,6 +100,10 @@ std::string TdmsChunks::place(bool big_endian, bool interleaved, std::uint64_t d
       "the {} bytes of raw data from byte {} on are no whole number of chunks of {} "
       "bytes: the last one is read in part",
       total, data, chunk_bytes_);
+}
+
+bool TdmsChunks::only_texts() const {
+  return active_.size() == 1 && objects_[active_.front()].index->type->role == TdmsRole::text;
 }
 
 void TdmsChunks::place_blocks(std::uint64_t data, std::uint64_t chunks) {
@@ -183,6 +187,10 @@ void TdmsChunks::place_buffers(std::uint64_t data, std::uint64_t chunks,
     for (const TdmsScaler& scaler : object.index->scalers) {
       const Buffer& buffer = buffers[scaler.buffer];
       if (buffer.rows == 0) continue;
+      if (object.index->type != nullptr) {  // time stamps
+        add(object, begins[scaler.buffer] + scaler.offset, buffer.rows, chunks, buffer.width);
+        continue;
+      }
       TdmsSource& source = source_of(object, scaler.id, scaler.kind, scaler.bit, data);
       NumberRun run{begins[scaler.buffer] + scaler.offset, buffer.rows, buffer.width, chunks,
                     chunk_bytes_};

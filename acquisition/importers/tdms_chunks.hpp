@@ -48,6 +48,8 @@ class TdmsChunks {
   void add_to_buffers(const TdmsObject& object, std::uint64_t at);
   static std::string widths_text(const std::vector<std::uint32_t>& widths);
   static std::string widths_text(const std::vector<Buffer>& buffers);
+  /// Texts of one channel alone lie together, whatever the segment says of the order.
+  bool only_texts() const;
   /// Each channel's values of a chunk lie together.
   void place_blocks(std::uint64_t data, std::uint64_t chunks);
   /// A chunk that is not whole. In a file that was cut off the channels are there one after the

@@ -51,6 +51,7 @@ constexpr std::array<TdmsType, 20> types = {{
 constexpr std::array<NumberKind, 10> daqmx_kinds = {
     NumberKind::u8,  NumberKind::i8,  NumberKind::u16, NumberKind::i16, NumberKind::u32,
     NumberKind::i32, NumberKind::u64, NumberKind::i64, NumberKind::f32, NumberKind::f64};
+constexpr std::uint32_t daqmx_time_stamp = 0xFFFFFFFF;
 
 const TdmsType& known_type(const MappedFile& file, std::uint32_t code, const TdmsObject& object,
                            std::uint64_t at) {
@@ -115,10 +116,12 @@ TdmsRawIndex daqmx_index(const MappedFile& file, ByteCursor& in, const TdmsObjec
     const std::uint64_t here = in.at();
     TdmsScaler scaler{};
     const auto kind = in.read<std::uint32_t>("the type of a DAQmx scaler");
-    if (kind >= daqmx_kinds.size())
+    const bool time = kind == daqmx_time_stamp && type == time_type && scalers == 1;
+    if (kind >= daqmx_kinds.size() && !time)
       fail_in_tdms(file, here,
                    fmt::format("{} has a DAQmx scaler of the unknown type {}", object.path, kind));
-    scaler.kind = daqmx_kinds[kind];
+    if (time) index.type = tdms_type(time_type);
+    scaler.kind = time ? index.type->kind : daqmx_kinds[kind];
     scaler.buffer = in.read<std::uint32_t>("the raw buffer of a DAQmx scaler");
     scaler.offset = in.read<std::uint32_t>("the offset of a DAQmx scaler");
     scaler.bit = -1;
@@ -136,7 +139,8 @@ TdmsRawIndex daqmx_index(const MappedFile& file, ByteCursor& in, const TdmsObjec
   for (std::uint32_t i = 0; i < widths; ++i)
     index.widths.push_back(in.read<std::uint32_t>("the width of a raw buffer"));
   for (const TdmsScaler& scaler : index.scalers) {
-    const std::uint64_t last = std::uint64_t{scaler.offset} + size_of(scaler.kind);
+    const std::uint64_t size = index.type != nullptr ? index.type->size : size_of(scaler.kind);
+    const std::uint64_t last = std::uint64_t{scaler.offset} + size;
     if (scaler.buffer >= index.widths.size())
       fail_in_tdms(file, at,
                    fmt::format("{} is in the raw buffer {} of {}", object.path, scaler.buffer,

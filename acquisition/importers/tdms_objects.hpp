@@ -40,7 +40,7 @@ struct TdmsScaler {
 
 /// What a chunk of raw data holds of a channel.
 struct TdmsRawIndex {
-  const TdmsType* type = nullptr;  ///< null for DAQmx raw data
+  const TdmsType* type = nullptr;  ///< null for DAQmx raw data but time stamps
   std::uint64_t count = 0;         ///< values in a chunk
   std::uint64_t bytes = 0;         ///< in a chunk; DAQmx: shared, 0
   bool daqmx = false;

@@ -179,8 +179,10 @@ class Recording {
       channel.scale = scaling.scale;
       channel.offset = scaling.offset;
     }
-    if (!scaling.what.empty() && scaling.problem.empty())
+    if (scaling.problem.empty() && !scaling.what.empty())
       channel.attributes["scales"] = scaling.what;
+    if (scaling.problem.empty() && !scaling.note.empty())
+      warn(fmt::format("'{}': {}", channel.name, scaling.note));
     if (source->bit >= 0) {
       function = [bit = source->bit, next = std::move(function)](std::span<double> x) {
         for (double& value : x)  // integers of 32 bits at most, or exact below 2^53

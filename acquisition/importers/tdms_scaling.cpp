@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -125,6 +126,13 @@ double without_wires(double resistance, bool by_current, double wires, double wi
   return resistance;
 }
 
+/// Whether finite numbers increase, or decrease, throughout.
+bool goes_one_way(const std::vector<double>& x) {
+  if (!std::ranges::all_of(x, [](double value) { return std::isfinite(value); })) return false;
+  return std::ranges::adjacent_find(x, std::ranges::greater_equal{}) == x.end() ||
+         std::ranges::adjacent_find(x, std::ranges::less_equal{}) == x.end();
+}
+
 class Chain {
  public:
   explicit Chain(const TdmsProperties& properties) : properties_(properties) {}
@@ -145,6 +153,7 @@ class Chain {
       result.problem = unsupported.why;
     }
     result.what = what_;
+    result.note = note_;
     return result;
   }
 
@@ -251,22 +260,29 @@ class Chain {
   }
 
   /// Straight lines between the points of a table, its ends beyond them. The numbers of the file
-  /// are looked up among the "scaled" values and become "pre-scaled" ones, against the names: so
-  /// NI's own plug-in for Excel reads such files, by the test of npTDMS 1 that holds its figures.
+  /// are looked up among the side that goes one way: the pre-scaled values where both do. So the
+  /// names and NI-DAQmx's table scales have it; but the tables of thermocouple modules, and npTDMS
+  /// before 1.11, have volts as "scaled" and degrees as "pre-scaled" values.
   Stage table(std::uint32_t index) {
     const Stage input = input_of(index, "Table_Input_Source");
-    std::vector<double> x = list(index, "Table_Scaled_Values", 0);
-    std::vector<double> y = list(index, "Table_Pre_Scaled_Values", 0);
+    std::vector<double> x = list(index, "Table_Pre_Scaled_Values", 0);
+    std::vector<double> y = list(index, "Table_Scaled_Values", 0);
     if (x.size() != y.size() || x.empty())
       throw Unsupported{
           fmt::format("its scale {} is a table of {} to {} values", index, x.size(), y.size())};
+    const bool against_names = !goes_one_way(x);
+    if (against_names) std::swap(x, y);
+    if (!goes_one_way(x))
+      throw Unsupported{fmt::format("its scale {} is a table that goes back and forth", index)};
+    note_ = fmt::format(
+        "its scale {} is a table, which is read from its {} to its {}: files of "
+        "thermocouple modules have tables the other way round",
+        index, against_names ? "scaled values" : "pre-scaled values",
+        against_names ? "pre-scaled ones" : "scaled ones");
     if (x.front() > x.back()) {
       std::ranges::reverse(x);
       std::ranges::reverse(y);
     }
-    for (std::size_t i = 0; i < x.size(); ++i)
-      if (!std::isfinite(x[i]) || (i > 0 && !(x[i] > x[i - 1])))
-        throw Unsupported{fmt::format("its scale {} is a table that goes back and forth", index)};
     return input.then(for_each_number([x, y](double value) {
       if (std::isnan(value)) return value;
       const auto above = std::ranges::upper_bound(x, value);
@@ -395,6 +411,7 @@ class Chain {
   const TdmsProperties& properties_;
   std::optional<std::uint32_t> source_;
   std::string what_;
+  std::string note_;
   int stages_ = 0;
 };
 

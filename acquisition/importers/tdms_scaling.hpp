@@ -42,6 +42,7 @@ struct TdmsScaling {
   std::function<void(std::span<double>)> function{};  ///< instead of scale and offset where set
   std::uint32_t source = raw_data;  ///< scale id of the raw numbers it starts from (DAQmx)
   std::string what;                 ///< the scales in their order, "Linear, Polynomial"; "" none
+  std::string note;     ///< what its user should know of one that is applied; "" nothing
   std::string problem;  ///< why it cannot be applied: "its scale 2 is a 'Thermocouple'"; "" it can
 };
 

@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -13,6 +11,7 @@
 #include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
+#include "acquisition/importers/tek_isf_head.hpp"
 #include "acquisition/importers/text_file.hpp"
 
 /// Tektronix oscilloscopes' internal save format: the answer to WAVFRM?, a preamble as text and the
@@ -29,169 +28,14 @@ using datasets::Record;
 
 namespace {
 
-/// The keys that matter, with their short spelling.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 18> spellings = {{
-    {"BYT_NR", "BYT_N"},  //
-    {"BIT_NR", "BIT_N"},  //
-    {"ENCDG", "ENC"},     //
-    {"BN_FMT", "BN_F"},   //
-    {"BYT_OR", "BYT_O"},  //
-    {"NR_PT", "NR_P"},    //
-    {"NR_FR", "NR_FR"},   //
-    {"WFID", "WFI"},      //
-    {"PT_FMT", "PT_F"},   //
-    {"PT_OFF", "PT_O"},   //
-    {"XINCR", "XIN"},     //
-    {"XZERO", "XZE"},     //
-    {"XUNIT", "XUN"},     //
-    {"YMULT", "YMU"},     //
-    {"YZERO", "YZE"},     //
-    {"YOFF", "YOF"},      //
-    {"YUNIT", "YUN"},     //
-    {"CURVE", "CURV"},    //
-}};
-
-constexpr std::size_t longest_head = 65536;
-
-std::string upper(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return out;
-}
-
-/// The long spelling of "BYT_N" and the like; the key itself when it is none.
-std::string long_spelling(std::string_view key) {
-  const std::string name = upper(trimmed(key));
-  for (const auto& [full, abbreviated] : spellings)
-    if (name == full || name == abbreviated) return std::string(full);
-  return name;
-}
-
-bool is_known(std::string_view key) {
-  return std::ranges::any_of(spellings, [&](const auto& one) { return one.first == key; });
-}
-
-bool is_space(char c) {
-  return std::isspace(static_cast<unsigned char>(c)) != 0;
-}
-
 std::size_t behind_spaces(std::string_view bytes, std::size_t at) {
   while (at < bytes.size() && is_space(bytes[at])) ++at;
   return at;
 }
 
-/// True where a preamble begins.
-bool is_preamble(std::string_view bytes) {
-  const std::string start = upper(trimmed(bytes.substr(0, 64)));
-  return start.starts_with(":WFMP") || start.starts_with(":WFMO") || start.starts_with("WFMP") ||
-         start.starts_with("WFMO") || start.starts_with("BYT_N") || start.starts_with(":CURV");
-}
-
-/// What an answer says of one source.
-struct Preamble {
-  std::string source;  ///< "CH1" of "CH1:WFID"; "" where the answer does not name its sources
-  std::map<std::string, std::string> keys;
-};
-
-/// The head of an answer. An answer for several sources states what they have in common, then
-/// "CH1:" and what is the first one's own, and so on [Tektronix, TDS Family Oscilloscope Programmer
-/// Manual, WFMPre:<wfm>?].
-struct IsfHead {
-  std::vector<Preamble> preambles{Preamble{}};  ///< one a curve, in their order
-  std::size_t curve = std::string_view::npos;   ///< first byte behind the word CURVE
-};
-
-constexpr std::string_view one_a_file = "save each source in a file of its own";
-
-class IsfHeadReader {
- public:
-  IsfHeadReader(const MappedFile& file, std::size_t at)
-      : file_(file),
-        bytes_(file.bytes().substr(0, std::min(file.bytes().size(), at + longest_head))),
-        at_(at) {}
-
-  IsfHead read() {
-    while (at_ < bytes_.size()) {
-      // a key ends at a blank; a value at a semicolon that is not quoted
-      while (at_ < bytes_.size() && (bytes_[at_] == ';' || is_space(bytes_[at_]))) ++at_;
-      const std::size_t first = at_;
-      at_ = std::min(bytes_.find_first_of(" ;#\t", at_), bytes_.size());
-      const std::string_view header = bytes_.substr(first, at_ - first);
-      const std::size_t colon = header.rfind(':');
-      const std::string_view name = header.substr(colon + 1);
-      if (const std::size_t word = curve_word(name); word > 0) {
-        head_.curve = first + (colon + 1) + word;
-        return std::move(head_);
-      }
-      const std::string key = long_spelling(name);
-      if (colon != std::string_view::npos && is_known(key)) begin_source(header.substr(0, colon));
-      set(key, value());
-    }
-    return std::move(head_);
-  }
-
- private:
-  /// Length of the word CURVE, in which a list of numbers may follow without a blank; 0 for others.
-  static std::size_t curve_word(std::string_view name) {
-    const std::string start = upper(name.substr(0, 6));
-    const std::size_t length = start.starts_with("CURVE") ? 5 : start.starts_with("CURV") ? 4 : 0;
-    const bool goes_on =
-        start.size() > length && std::isalpha(static_cast<unsigned char>(start[length])) != 0;
-    return goes_on ? 0 : length;
-  }
-
-  /// Of the path ":WFMPRE:CH1" or "CH1"; others than a source's change nothing.
-  void begin_source(std::string_view path) {
-    const std::string source = to_utf8(upper(path.substr(path.rfind(':') + 1)));
-    if (source.empty() || source.starts_with("WFM")) return;
-    if (head_.preambles.back().source == source) return;
-    if (head_.preambles.back().source.empty())
-      common_ = head_.preambles.back().keys;
-    else
-      head_.preambles.push_back({"", common_});
-    head_.preambles.back().source = source;
-  }
-
-  std::string value() {
-    const std::size_t start = at_;
-    bool quoted = false;
-    while (at_ < bytes_.size() && (quoted || bytes_[at_] != ';')) {
-      if (bytes_[at_] == '"') quoted = !quoted;
-      ++at_;
-    }
-    std::string_view value = trimmed(bytes_.substr(start, at_ - start));
-    if (value.size() >= 2 && value.front() == '"' && value.back() == '"')
-      value = value.substr(1, value.size() - 2);
-    return to_utf8(trimmed(value));
-  }
-
-  void set(const std::string& key, const std::string& value) {
-    if (key.empty()) return;
-    Preamble& preamble = head_.preambles.back();
-    const auto [place, is_new] = preamble.keys.try_emplace(to_utf8(key), value);
-    if (is_new || place->second == value) return;
-    // a source's own replaces what all have in common
-    const auto common = common_.find(place->first);
-    const bool replaces =
-        !preamble.source.empty() && common != common_.end() && common->second == place->second;
-    if (!replaces && is_known(key))
-      throw InputError(file_.byte_position(at_),
-                       fmt::format("the preamble states {} twice, '{}' and '{}', without naming "
-                                   "the source of each: {}",
-                                   place->first, place->second, value, one_a_file));
-    place->second = value;
-  }
-
-  const MappedFile& file_;
-  std::string_view bytes_;
-  std::size_t at_;
-  IsfHead head_;
-  std::map<std::string, std::string> common_;  ///< of all sources of the answer
-};
-
 /// A curve's waveform, as its preamble has it.
 struct Waveform {
-  const Preamble* preamble = nullptr;
+  const IsfPreamble* preamble = nullptr;
   Channel channel;
   bool envelope = false;
   std::uint64_t frames = 1;  ///< of a FastFrame sequence
@@ -231,15 +75,15 @@ class IsfReader {
   explicit IsfReader(std::unique_ptr<MappedFile> file) : file_(std::move(file)) {}
 
   std::unique_ptr<RecordingReader> open() {
-    IsfHead head = IsfHeadReader(*file_, 0).read();
+    IsfHead head = read_isf_head(*file_, 0);
     if (head.curve == std::string_view::npos)
       throw InputError(file_->byte_position(0),
                        "this is a Tektronix waveform without its curve: expected ':CURVE ' in its "
                        "first 64 KiB");
     std::size_t at = add_answer(head, true);
     // answers may follow each other
-    while (is_preamble(file_->bytes().substr(at))) {
-      head = IsfHeadReader(*file_, at).read();
+    while (begins_isf(file_->bytes().substr(at))) {
+      head = read_isf_head(*file_, at);
       if (head.curve == std::string_view::npos) break;
       at = add_answer(head, false);
     }
@@ -267,12 +111,12 @@ class IsfReader {
   /// Returns where it ends, behind what separates it from another.
   std::size_t add_answer(const IsfHead& head, bool is_first) {
     std::vector<Waveform> waveforms;
-    for (const Preamble& preamble : head.preambles) waveforms.push_back(describe(preamble));
+    for (const IsfPreamble& preamble : head.preambles) waveforms.push_back(describe(preamble));
     tell_keys(waveforms, is_first);
     const std::string_view bytes = file_->bytes();
     std::size_t at = behind_spaces(bytes, head.curve);
     const bool block = at < bytes.size() && bytes[at] == '#';
-    if (!block && !upper(waveforms.front().text("ENCDG")).starts_with("ASC"))
+    if (!block && !upper_case(waveforms.front().text("ENCDG")).starts_with("ASC"))
       throw InputError(file_->byte_position(at),
                        "expected '#' and the length of the curve behind CURVE");
     if (is_first) in_blocks_ = block;
@@ -280,7 +124,7 @@ class IsfReader {
       throw InputError(file_->byte_position(at),
                        fmt::format("one curve is binary and the other text, which are not read "
                                    "together: {}",
-                                   one_a_file));
+                                   one_source_a_file));
     at = block ? add_blocks(waveforms, at) : add_texts(waveforms, at);
     while (at < bytes.size() && (bytes[at] == ';' || is_space(bytes[at]))) ++at;
     return at;
@@ -303,7 +147,7 @@ class IsfReader {
         set_attribute(waveform.channel, key, value);
   }
 
-  Waveform describe(const Preamble& preamble) {
+  Waveform describe(const IsfPreamble& preamble) {
     Waveform waveform;
     waveform.preamble = &preamble;
     Channel& channel = waveform.channel;
@@ -322,7 +166,7 @@ class IsfReader {
         channel, factor,
         number(waveform, "YZERO").value_or(0.0) - factor * number(waveform, "YOFF").value_or(0.0),
         *file_, 0);
-    const std::string points = upper(waveform.text("PT_FMT"));
+    const std::string points = upper_case(waveform.text("PT_FMT"));
     waveform.envelope = points.starts_with("ENV");
     if (!points.empty() && points != "Y" && !waveform.envelope)
       throw InputError(file_->byte_position(0),
@@ -338,7 +182,7 @@ class IsfReader {
   }
 
   NumberKind kind(const Waveform& waveform) const {
-    const std::string format = upper(waveform.text("BN_FMT"));
+    const std::string format = upper_case(waveform.text("BN_FMT"));
     const auto width = number(waveform, "BYT_NR");
     if (!width)
       throw InputError(file_->byte_position(0),
@@ -396,7 +240,7 @@ class IsfReader {
     throw InputError(file_->byte_position(at),
                      fmt::format("the preamble is of {} source{}, {}: which curve is whose is not "
                                  "told; {}",
-                                 preambles, preambles == 1 ? "" : "s", found, one_a_file));
+                                 preambles, preambles == 1 ? "" : "s", found, one_source_a_file));
   }
 
   /// Curves of several sources are blocks with commas between them.
@@ -437,7 +281,7 @@ class IsfReader {
   }
 
   void add_block(const Waveform& waveform, const Block& block) {
-    const std::string order = upper(waveform.text("BYT_OR"));
+    const std::string order = upper_case(waveform.text("BYT_OR"));
     if (!order.empty() && order != "MSB" && order != "LSB")
       throw InputError(file_->byte_position(0),
                        fmt::format("BYT_OR: expected MSB or LSB, found '{}'", order));
@@ -570,7 +414,7 @@ class IsfReader {
 }  // namespace
 
 int recognises_tek_isf(std::string_view, std::string_view head) {
-  if (!is_preamble(head)) return 0;
+  if (!begins_isf(head)) return 0;
   return head.find("CURV") != std::string_view::npos ? 100 : 90;
 }
 

@@ -316,9 +316,12 @@ std::string what_follows(TextFile& file, const TableLayout& layout) {
   if (layout.end == nullptr) return {};
   const std::string_view text = file.text();
   const char* const end = text.data() + text.size();
+  const char delimiter = layout.dialect.delimiter;
   const char* at = layout.end;
   std::string_view line;
-  while (at != end && trimmed(line).empty()) line = take_line(at, end);
+  while (at != end && (trimmed(line).empty() || has_only_empty_cells(line, delimiter)))
+    line = take_line(at, end);
+  if (has_only_empty_cells(line, delimiter)) return {};
   return fmt::format("no rows follow at {}: '{}' and what comes behind it is left out",
                      file.position(line.data()).text(), to_utf8(trimmed(line).substr(0, 40)));
 }

@@ -249,13 +249,17 @@ const char* end_of_rows(std::string_view text, const TableLayout& layout) {
   const char* first = layout.data;
   if (!begins_as_rows_do(take_line(first, end))) return nullptr;
   const char* found = nullptr;
+  const char* bound = end;  // of what is looked at, without the rows of empty cells at the end
   for (const char* at = end; at > first;) {
     const char* start = at - 1;
-    while (start > first && end - start < most_bytes && start[-1] != '\n') --start;
-    if (end - start >= most_bytes) return nullptr;
+    while (start > first && bound - start < most_bytes && start[-1] != '\n') --start;
+    if (bound - start >= most_bytes) return nullptr;
     const char* next = start;
     const std::string_view line = take_line(next, at);
-    if (!is_skipped_line(line)) {
+    if (has_only_empty_cells(line, dialect.delimiter)) {
+      if (bound == at) bound = start;
+      found = start;
+    } else if (!is_skipped_line(line)) {
       if (begins_as_rows_do(line)) return found;
       found = start;
     }
@@ -265,6 +269,12 @@ const char* end_of_rows(std::string_view text, const TableLayout& layout) {
 }
 
 }  // namespace
+
+bool has_only_empty_cells(std::string_view line, char delimiter) {
+  if (delimiter == ' ' || line.find(delimiter) == line.npos) return false;
+  return std::ranges::all_of(
+      line, [delimiter](char c) { return c == delimiter || c == ' ' || c == '\t' || c == '\r'; });
+}
 
 std::string_view text_of_rows(TextFile& file, const TableLayout& layout) {
   const std::string_view text = file.text();

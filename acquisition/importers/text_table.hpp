@@ -186,7 +186,10 @@ Table read_table(TextFile& file, const TableLayout& layout, const std::vector<st
 std::string missing_values(const TextFile& file, const std::string& name, const Column& column,
                            std::uint64_t rows);
 
-/// Says what follows the rows and is left out; "" where nothing does.
+/// True for ",,": a row that ends a table of some programs and holds nothing.
+bool has_only_empty_cells(std::string_view line, char delimiter);
+
+/// Says what follows the rows and is left out, but for rows of empty cells; "" where nothing does.
 std::string what_follows(TextFile& file, const TableLayout& layout);
 
 /// Says that the file's end cut a row off; "" when it did not.

@@ -51,6 +51,39 @@ std::string unread_coding(unsigned code) {
   }
 }
 
+/// The facts of the chunk "fmt ", of at least 16 bytes.
+struct WaveFormat {
+  unsigned code = 0;  ///< of the samples; of extensible ones that which is named within
+  std::size_t code_at = 0;
+  unsigned channels = 0;
+  unsigned row = 0;  ///< [bytes]
+  unsigned bits = 0;
+  bool no_rate = false;
+};
+
+WaveFormat wave_format(const WaveChunks& chunks) {
+  constexpr unsigned extensible = 0xFFFE;
+  const auto field = [&](std::size_t offset) {
+    const auto low = static_cast<unsigned char>(chunks.format[offset + chunks.big_endian]);
+    const auto high = static_cast<unsigned char>(chunks.format[offset + !chunks.big_endian]);
+    return unsigned{low} + 256 * unsigned{high};
+  };
+  WaveFormat format{field(0), 0, field(2), field(12), field(14), field(4) == 0 && field(6) == 0};
+  if (format.code == extensible && chunks.format.size() >= 28) {
+    // the first number of a GUID, of 32 bits
+    format.code_at = chunks.big_endian && field(24) == 0 ? 26 : 24;
+    format.code = field(format.code_at);
+  }
+  return format;
+}
+
+/// Integers of 64 bits, which libsndfile does not read.
+bool is_pcm_64(const WaveChunks& chunks) {
+  if (chunks.format.size() < 16) return false;
+  const WaveFormat format = wave_format(chunks);
+  return format.code == 1 && format.bits == 64 && format.row == 8 * format.channels;
+}
+
 /// What is wrong with a file's chunks that libsndfile passes over or does not name, as a sentence:
 /// it reads 24 bits in rows of 4 bytes as if they were packed, which gives other numbers, and says
 /// "internal error" of a rate of zero. "" where there is nothing.
@@ -58,40 +91,47 @@ std::string wrong_chunks(const WaveChunks& chunks) {
   if (chunks.data_chunks > 1)
     return "the samples are in several chunks 'data', of which a file may have one: join them";
   if (chunks.format.size() < 16) return "";
-  const auto field = [&](std::size_t offset) {
-    const auto low = static_cast<unsigned char>(chunks.format[offset + chunks.big_endian]);
-    const auto high = static_cast<unsigned char>(chunks.format[offset + !chunks.big_endian]);
-    return unsigned{low} + 256 * unsigned{high};
-  };
-  const unsigned code = field(0), channels = field(2), row = field(12), bits = field(14);
-  if (field(4) == 0 && field(6) == 0)
-    return "the header states a sample rate of 0 Hz: its writer has to state it";
-  constexpr unsigned extensible = 0xFFFE;
-  const bool is_named_within = code == extensible && chunks.format.size() >= 26;
-  if (const std::string name = unread_coding(is_named_within ? field(24) : code); !name.empty())
+  const auto [code, code_at, channels, row, bits, no_rate] = wave_format(chunks);
+  if (no_rate) return "the header states a sample rate of 0 Hz: its writer has to state it";
+  if (const std::string name = unread_coding(code); !name.empty())
     return fmt::format(
         "the samples are coded as {}, which loses what a measurement needs and is not read: save "
         "it as PCM or floating point",
         name);
-  const bool is_plain = code == 1 || code == 3 || code == extensible;
+  const bool is_plain = code == 1 || code == 3;
   if (is_plain && row != 0 && bits != 0 && row != channels * ((bits + 7) / 8))
     return fmt::format(
         "the header states {} bits a sample and {} channel{}, but rows of {} bytes: what fills "
         "them is not told; save it as PCM of whole bytes",
         bits, channels, channels == 1 ? "" : "s", row);
+  if (code == 1 && bits > 32 && bits < 64)
+    return fmt::format(
+        "the header states {} bits a sample; integers of up to 32 and of 64 bits are read: save "
+        "it as one of these or as floating point",
+        bits);
   return "";
 }
 
 /// libsndfile's view: an undamaged head and the file's samples. It never sees the file system, nor
-/// what is damaged.
+/// what is damaged. Integers of 64 bits it takes for floating point.
 class SoundBytes {
  public:
   explicit SoundBytes(const MappedFile& file)
       : file_(file),
         chunks_(wave_chunks(file.bytes())),
-        head_(undamaged_head(chunks_)) {}
+        pcm_64_(is_pcm_64(chunks_)),
+        format_(chunks_.format) {
+    if (pcm_64_) format_[wave_format(chunks_).code_at + (chunks_.big_endian ? 1 : 0)] = 3;
+    chunks_.format = format_;
+    head_ = undamaged_head(chunks_);
+  }
+
+  SoundBytes(const SoundBytes&) = delete;
+  SoundBytes& operator=(const SoundBytes&) = delete;
 
   const WaveChunks& chunks() const { return chunks_; }
+
+  bool pcm_64() const { return pcm_64_; }
 
   static sf_count_t length(void* self) { return static_cast<SoundBytes*>(self)->size(); }
 
@@ -134,12 +174,14 @@ class SoundBytes {
 
   const MappedFile& file_;
   WaveChunks chunks_;
+  bool pcm_64_;
+  std::string format_;
   std::string head_;
   sf_count_t at_ = 0;
 };
 
 /// How samples are handed over: as they lie in the file where a type of ours holds them.
-enum class Handed { i16, i32, f32, f64 };
+enum class Handed { i16, i32, i64, f32, f64 };
 
 struct Coding {
   Handed handed = Handed::f64;
@@ -196,6 +238,7 @@ class WavReader final : public RecordingReader {
                                    "floating point",
                                    subtype));
     coding_ = *coding;
+    if (bytes_.pcm_64()) coding_ = {Handed::i64, 0x1p-63, "PCM, 64 bits"};
     // floating point as it is, also beyond full scale
     sf_command(sound_.get(), SFC_SET_NORM_FLOAT, nullptr, SF_FALSE);
     sf_command(sound_.get(), SFC_SET_NORM_DOUBLE, nullptr, SF_FALSE);
@@ -223,6 +266,8 @@ class WavReader final : public RecordingReader {
         return NumberKind::i16;
       case Handed::i32:
         return NumberKind::i32;
+      case Handed::i64:
+        return NumberKind::i64;
       case Handed::f32:
         return NumberKind::f32;
       case Handed::f64:
@@ -252,6 +297,8 @@ class WavReader final : public RecordingReader {
         break;
       case Handed::f32:
         hand_over<float>(sf_readf_float, chosen, range, sink);
+        break;
+      case Handed::i64:  // never by libsndfile
         break;
       case Handed::f64:
         hand_over<double>(sf_readf_double, chosen, range, sink);

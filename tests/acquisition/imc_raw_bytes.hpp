@@ -51,6 +51,7 @@ struct ImcComponent {
   std::string packing = "";  ///< behind the format, instead of the usual
   std::string buffers = "";  ///< contents of Cb, instead of the usual
   std::string more = "";     ///< keys behind CR
+  int bit = 0;               ///< of CN
   int index = 0;             ///< of CC, 0: counted
   std::uint64_t first = 0;   ///< byte of the first sample in the buffer
   std::uint64_t filled = 0;  ///< bytes, 0: all
@@ -85,7 +86,7 @@ struct ImcRaw {
     }
     using enum NumberForm;
     constexpr std::array forms = {i16, u8,  i8,  u16, i16, u32, i32, f32,
-                                  f64, i16, i16, i16, u64, i16, i64};  // by format
+                                  f64, i16, i16, u16, u64, i16, i64};  // by format
     out.add(forms[format > 14 ? 0 : static_cast<std::size_t>(format)], value);
   }
 
@@ -114,7 +115,8 @@ struct ImcRaw {
                                                       : one.packing));
       if (!one.range.empty()) text += imc_key("CR", 1, one.range);
       text += one.more;
-      text += imc_key("CN", 1, fmt::format("0,0,0,{},{},2,ok", one.name.size(), one.name));
+      text +=
+          imc_key("CN", 1, fmt::format("0,0,{},{},{},2,ok", one.bit, one.name.size(), one.name));
       text += imc_key(
           "Cb", 1,
           one.buffers.empty()
@@ -135,6 +137,13 @@ inline std::vector<std::string> imc_raw_seeds() {
       file.components[0].format = format;
       seeds.push_back(file.bytes());
     }
+  ImcRaw digital;
+  digital.components[0] = {.format = 11,
+                           .digital = 2,
+                           .range = "",
+                           .more = imc_key("CN", 1, "0,0,2,4,back,0,"),
+                           .bit = 1};
+  seeds.push_back(digital.bytes());
   ImcRaw xy;
   xy.type = 2;
   xy.one_group = true;

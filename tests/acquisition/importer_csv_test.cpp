@@ -316,6 +316,49 @@ TEST(Csv, OfAnOscilloscopeCountsSamplesAndStatesStartAndIncrement) {
   EXPECT_EQ(record.attributes.at("index column"), "X");
 }
 
+TEST(Csv, OfAnOscilloscopeMayCountFromTheMiddleOfItsRecord) {
+  const Record record = imported(
+      "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-1.4e-03,2.0e-06,\n22,1,2,\n23,3,4,\n24,5,6,"
+      "\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("CH1 [Volt]", "CH2 [Volt]"));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.start, -1.356e-3);
+  EXPECT_EQ(record.channels[0].clock.interval, 2e-6);
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'X' counts the samples from 22 on: the clock begins as much later than "
+                          "the start in the head"));
+}
+
+TEST(Csv, MayEndWithRowsOfEmptyCells) {
+  const std::string rows = "time [s],F [N],v [m/s]\n0,1,2\n1,3,4\n2,5,6\n";
+  for (const std::string& end : {std::string(",,\n"), std::string(" , ,\r\n,,\n\n,,")}) {
+    const Record record = imported(rows + end);
+    EXPECT_THAT(record.channels[0].values(), ElementsAre(1, 3, 5)) << end;
+    EXPECT_THAT(record.warnings, IsEmpty()) << end;
+  }
+  std::string many;  // more than is looked at for words
+  for (int i = 0; i < 10000; ++i) many += ",,\n";
+  EXPECT_THAT(imported(rows + many).channels[1].values(), ElementsAre(2, 4, 6));
+  const Record record = imported(rows + "End of data\n,,\n");
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(2, 4, 6));
+  EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("'End of data' and what comes behind it")));
+}
+
+// As the recorder of a gas gun writes it: offsets under the units, the time last.
+TEST(Csv, MayHaveOffsetsUnderItsUnits) {
+  const Record record = imported(
+      "C:\\shots\\test1.txt\nProgrammer - None\nStriker Velocity - -14.0\nSampling Frequency - "
+      "5000\nMon, Jun 6, 2022 11:18 AM\nLow G Accel\tAccel\tPin\tTime\n"
+      "Voltage (unscaled)\tVoltage (unscaled)\tVolt\tSec\n0.0 0.0 0\t\t0.0 0.0 0\t\n\n"
+      "1.2E-3\t3.0E-1\t4.0E-2\t0.0E+0\n-1.2E-3\t3.1E-1\t4.1E-2\t2.0E-4\n"
+      "2.4E-3\t3.2E-1\t4.2E-2\t4.0E-4\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Low G Accel [Voltage (unscaled)]",
+                                                   "Accel [Voltage (unscaled)]", "Pin [Volt]"));
+  EXPECT_EQ(record.channels[0].clock.interval, 2e-4);
+  EXPECT_EQ(record.attributes.at("time column"), "Time (by its name)");
+  EXPECT_THAT(record.attributes.at("header"), HasSubstr("Striker Velocity - -14.0"));
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
 TEST(Csv, OfAnInfiniiVisionNumbersItsChannels) {
   const Record record = imported(
       "x-axis,1,2\nsecond,Volt,Volt\n-1.0E-03,+0.5E+00,1\n-0.9E-03,+0.6E+00,2\n-0.8E-03,0.7,3\n");

@@ -198,9 +198,34 @@ TEST(ForeignHdf5, LinksAndLoopsAreNotFollowed) {
   ASSERT_EQ(record.channels.size(), 1U);
   EXPECT_THAT(record.warnings[0], HasSubstr("'/a/loop' (a group that is listed already)"));
   EXPECT_THAT(record.warnings[0], HasSubstr("(nested too deeply)"));
-  EXPECT_THAT(record.warnings[0],
-              HasSubstr("'/outside' (a link into another file), '/soft' (a link to "
-                        "'/a')"));
+  EXPECT_THAT(record.warnings[0], HasSubstr("'/outside' (a link into another file)"));
+  EXPECT_EQ(record.channels[0].attributes.at("linked as"), "/soft/x");
+}
+
+TEST(ForeignHdf5, ChannelsHaveTheNamesOfSoftLinksToo) {
+  const Hdf5File file;
+  file.group("/raw");
+  file.doubles("/raw/ch0", {1, 2, 3});
+  file.doubles("/raw/ch1", {0, 0.5, 1});
+  file.group("/data");
+  file.text("/data", "axes", "when");
+  const auto link = [&file](const char* from, const char* to) {
+    H5Lcreate_soft(to, file.id(), from, H5P_DEFAULT, H5P_DEFAULT);
+  };
+  link("/force", "raw/ch0");
+  link("/data/when", "/raw/ch1");
+  link("/data/force", "/raw/ch0");
+  link("/nowhere", "/gone");
+  const auto record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].name, "/raw/ch0");
+  EXPECT_EQ(record.channels[0].attributes.at("linked as"), "/data/force | /force");
+  EXPECT_EQ(record.find("/force"), &record.channels[0]);
+  EXPECT_EQ(record.channels[0].clock.interval, 0.5);  // by the axis of the group of links
+  EXPECT_THAT(record.warnings, testing::Contains("not read: '/nowhere' (a link to '/gone')"));
+  ImportOptions options;
+  options.channels = {"/force"};
+  EXPECT_THAT(imported(file.bytes(), options).channels.at(0).values(), ElementsAre(1, 2, 3));
 }
 
 TEST(ForeignHdf5, WhatIsNotReadIsNamed) {
@@ -251,6 +276,31 @@ TEST(ForeignHdf5, MatlabFilesAreNamedAsMatlabDoes) {
   EXPECT_EQ(record.channels[4].name, "small");
   EXPECT_THAT(record.channels[4].values(), ElementsAre(1, 2, 3, 4, 5, 6));
   EXPECT_EQ(record.attributes.at("note"), "hit");
+}
+
+// Of objects MATLAB keeps six integers here, of sparse matrices rows and columns.
+TEST(ForeignHdf5, WhatIsNoArrayOfMatlabsIsNoChannel) {
+  const Hdf5File file(512);
+  file.doubles("/force", {1, 2, 3});
+  file.text("/force", "MATLAB_class", "double");
+  file.data<std::uint32_t>("/label", {1, 6}, {3707764736, 2, 1, 1, 1, 1}, H5T_NATIVE_UINT32,
+                           H5T_STD_U32LE);
+  file.text("/label", "MATLAB_class", "string");
+  file.group("/loads");
+  file.text("/loads", "MATLAB_class", "double");
+  file.number("/loads", "MATLAB_sparse", 4);
+  for (const char* const path : {"/loads/data", "/loads/ir", "/loads/jc"}) file.doubles(path, {1});
+  file.group("/run");
+  file.text("/run", "MATLAB_class", "struct");
+  file.group("/run/f");
+  file.text("/run/f", "MATLAB_class", "function_handle");
+  file.doubles("/run/f/workspace", {1, 2});
+  const auto record = imported(tests::mat73_bytes(file), {}, ".mat");
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].name, "force");
+  EXPECT_EQ(record.warnings[0],
+            "not read: 'label' (an object of class string), 'loads' (a sparse matrix), 'run.f' (a "
+            "function handle)");
 }
 
 TEST(ForeignHdf5, ComplexNumbersArePairs) {

@@ -266,10 +266,37 @@ TEST(ImcRaw, OverFrequencyIsNoTimeRecord) {
 
 TEST(ImcRaw, WhatIsNotReadIsLeftOutBesideOthers) {
   ImcRaw file;
-  file.components.push_back({.format = 11, .digital = 2, .name = "bits"});
+  file.components.push_back({.format = 10, .name = "stamps"});
   const Record record = imported(file.bytes());
   EXPECT_EQ(record.channels.size(), 1U);
-  EXPECT_THAT(record.warnings, ElementsAre("'bits' is digital, which is not read"));
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'stamps' holds time stamps as text, which is not read"));
+}
+
+TEST(ImcRaw, BitsOfDigitalWordsAreChannels) {
+  for (const bool big : {false, true}) {
+    ImcRaw file;
+    file.big_endian = big;
+    file.components[0] = {.format = 11,
+                          .digital = 2,
+                          .range = "",
+                          .name = "gate",
+                          .more = imc_key("CN", 1, "0,0,16,4,last,0,"),
+                          .bit = 1,
+                          .samples = {1, 32770, 32769}};
+    const Record record = imported(file.bytes());
+    ASSERT_EQ(record.channels.size(), 2U);
+    EXPECT_EQ(record.channels[0].name, "last");
+    EXPECT_THAT(record.channels[0].values(), ElementsAre(0, 1, 1));
+    EXPECT_EQ(record.channels[1].name, "gate");
+    EXPECT_THAT(record.channels[1].values(), ElementsAre(1, 0, 1));
+    EXPECT_EQ(record.channels[1].unit, "");
+    EXPECT_EQ(record.channels[1].clock.interval, 0.001);
+    EXPECT_THAT(record.warnings, ElementsAre());
+    file.components[0].bit = 0;  // the word itself
+    file.components[0].more = "";
+    EXPECT_THAT(imported(file.bytes()).channels.at(0).values(), ElementsAre(1, 32770, 32769));
+  }
 }
 
 const std::string not_read = ", which is not read: export it from FAMOS as ASCII";
@@ -285,7 +312,16 @@ std::string error_of(const Change& change) {
 
 TEST(ImcRaw, WhatIsNotReadIsAnErrorAlone) {
   EXPECT_EQ(error_of([](ImcRaw& file) { file.components[0].digital = 2; }),
-            "'force' is digital" + not_read);
+            "'force' is digital, bit 0 in numbers of format 7" + not_read);
+  EXPECT_EQ(
+      error_of([](ImcRaw& file) { file.components[0] = {.format = 11, .digital = 2, .bit = 17}; }),
+      "'force' is digital, bit 17 in digital words" + not_read);
+  EXPECT_EQ(error_of([](ImcRaw& file) {
+              file.type = 2;
+              file.one_group = true;
+              file.components = {{.format = 11, .digital = 2}, {.format = 11, .digital = 2}};
+            }),
+            "'force' is digital over an x of its own" + not_read);
   EXPECT_EQ(error_of([](ImcRaw& file) { file.components[0].format = 9; }),
             "'force' holds imc's transitional recording" + not_read);
   EXPECT_EQ(error_of([](ImcRaw& file) { file.components[0].format = 10; }),

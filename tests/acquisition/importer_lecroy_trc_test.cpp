@@ -47,10 +47,40 @@ TEST(LecroyTrc, OfTheOlderTemplateIsTheSame) {
   Trc file;
   file.pattern = "LECROY_2_2";
   EXPECT_EQ(imported(file.bytes()).channels.at(0).size(), 3U);
-  file.pattern = "LECROY_1_0";
+  file.pattern = "LECROY_3_0";
   EXPECT_EQ(import_error(file.bytes()),
-            "FILE (byte 16): this is a LeCroy waveform of the template 'LECROY_1_0', expected "
-            "LECROY_2_2 or LECROY_2_3: save it as CSV or as binary of template LECROY_2_3");
+            "FILE (byte 16): this is a LeCroy waveform of the template 'LECROY_3_0', expected "
+            "LECROY_1_0, LECROY_2_2 or LECROY_2_3: save it as CSV or as binary of template "
+            "LECROY_2_3");
+}
+
+// Its ACQ_VERT_OFFSET is another number, of divisions in a 7200A's files.
+TEST(LecroyTrc, OfTheOldestTemplateHasItsOwnPlaces) {
+  for (const bool big_endian : {false, true})
+    for (const std::uint16_t type : std::vector<std::uint16_t>{0, 1}) {
+      Trc file;
+      file.pattern = "LECROY_1_0";
+      file.big_endian = big_endian;
+      file.type = type;
+      file.label = "Trace1";
+      const Record record = imported(file.bytes());
+      const auto& channel = sound_channel(record, "lecroy-trc");
+      expect_head(channel, "CH 2", "V", -2e-9, 1e-9);
+      EXPECT_THAT(channel.values(), ElementsAre(0.0, -3.0, 2.0));
+      EXPECT_EQ(channel.attributes.at("probe attenuation"), "10");
+      EXPECT_EQ(record.started, "2022-11-09T09:23:52.5");
+      EXPECT_EQ(record.attributes.at("instrument"), "LeCroy 7200 DSO");
+    }
+  Trc file;
+  file.pattern = "LECROY_1_0";
+  file.record_type = 9;
+  EXPECT_EQ(imported(file.bytes()).attributes.at("record type"), "rolling");
+  file.record_type = 7;
+  file.segments = 2;
+  file.samples = {1, 2, 3, 4};
+  file.triggers = {{0.0, -1e-9}, {0.25, -2e-9}};
+  EXPECT_EQ(imported(file.bytes()).channels.at(0).attributes.at("triggers since the first [s]"),
+            "0, 0.25");
 }
 
 TEST(LecroyTrc, IsNamedAfterItsLabelWhereItHasNoSource) {

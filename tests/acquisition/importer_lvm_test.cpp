@@ -58,6 +58,38 @@ TEST(Lvm, SeparatorAndDecimalMarkAreTheHeaders) {
   EXPECT_EQ(record.channels[0].clock.interval, 0.001);
 }
 
+TEST(Lvm, NamesMayStandBehindAnEmptyCellWhereThereIsNoXColumn) {
+  const LvmFile file{',', "Comma", ".", "No", "No", ""};
+  const auto record = imported(file.header() + file.segment(lvm_two_channels("3", "0", "0.001"),
+                                                            "|force|accel", "|1|2\n|3|4\n|5|6\n"));
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].name, "force");
+  EXPECT_EQ(record.channels[1].name, "accel");
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(2, 4, 6));
+  EXPECT_THAT(record.warnings, ElementsAre());
+  // rows are no names
+  EXPECT_THAT(import_error(file.header() + file.segment(lvm_two_channels("3", "0", "0.001"), "|1|2",
+                                                        "|3|4\n|5|6\n")),
+              HasSubstr("expected the line of names that begins with 'X_Value', found ''"));
+}
+
+TEST(Lvm, TimesAmongTheChannelsThatContradictDeltaAreToldOf) {
+  const LvmFile file{',', "Comma", ".", "No", "No", ""};
+  const auto with_delta = [&file](const std::string& delta) {
+    std::string keys = lvm_two_channels("4", "0", delta);
+    keys.replace(keys.find("Y_Unit_Label|N"), 14, "Y_Unit_Label|s");
+    return imported(file.header() + file.segment(keys, "|time|accel",
+                                                 "|0|2\n|0.000605|4\n|0.00121|6\n|0.001815|8\n"));
+  };
+  const auto record = with_delta("0.000586");
+  EXPECT_EQ(record.channels[1].clock.interval, 0.000586);
+  EXPECT_THAT(record.warnings,
+              testing::Contains("'time' holds times in steps of 0.000605 s, but Delta_X is another "
+                                "for 'accel' (0.000586): the clocks are those of Delta_X "
+                                "(--sample-rate 1652.89256 states the other)"));
+  EXPECT_THAT(with_delta("0.000605").warnings, ElementsAre());
+}
+
 TEST(Lvm, EachChannelHasItsXColumn) {
   const LvmFile file{'\t', "Tab", ".", "Multi", "Yes", ""};
   const std::string keys =
@@ -110,6 +142,26 @@ TEST(Lvm, AChannelWhoseX0IsAnotherBeginsThen) {
       imported(file.header() + file.segment(keys, names, "0.5|1|2\n0.501|3|4\n0.502||6\n"));
   EXPECT_DOUBLE_EQ(shorter.channels[0].clock.start, 0.0);
   EXPECT_DOUBLE_EQ(shorter.channels[1].clock.start, 0.5);
+}
+
+// "X values guaranteed valid only for" the first channel, as LabVIEW notes in such files.
+TEST(Lvm, AChannelWithAnotherDeltaKeepsItsOwnTimes) {
+  const LvmFile file;
+  const std::string keys =
+      "Channels|2|||\nSamples|4|2||\nDate|2024/02/29|1903/12/31|\nTime|09:51:40|19:00:00|\n"
+      "X_Dimension|Time|Time|\nX0|5|0|\nDelta_X|0.001|1.000000|\n";
+  const auto record =
+      imported(file.header() +
+               file.segment(keys, "X_Value|a|b|Comment", "5|1|7\n5.001|2|8\n5.002|3|\n5.003|4|\n"));
+  EXPECT_EQ(record.channels[0].clock.start, 5.0);
+  EXPECT_EQ(record.channels[0].clock.interval, 0.001);
+  EXPECT_EQ(record.channels[1].clock.start, 0.0);
+  EXPECT_EQ(record.channels[1].clock.interval, 1.0);
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(7, 8));
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("'b': Delta_X is 1, that of 'a', whose times the X column has, 0.001: its "
+                  "own X0 and Delta_X are taken"));
 }
 
 TEST(Lvm, AnXColumnThatRestartsIsToldWithAWayOut) {

@@ -128,6 +128,18 @@ TEST_P(Mat, WhatIsNoNumberIsNamed) {
                   "handle), 'nothing' (empty)"));
 }
 
+TEST_P(Mat, ObjectsAreNamedWithTheirClass) {
+  const auto record =
+      imported(b.header() + b.object("when", "datetime") + b.object("run", "timetable") +
+               b.structure("s", {"t", "x"}, b.object("", "table") + b.doubles("", {1, 2})));
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].name, "s.x");
+  EXPECT_EQ(record.warnings[0],
+            "not read: 'when' (an object of class datetime), 'run' (an object of class timetable: "
+            "table2struct(timetable2table(t), 'ToScalar', true) makes arrays of it), 's.t' (an "
+            "object of class table: table2struct(t, 'ToScalar', true) makes arrays of it)");
+}
+
 TEST_P(Mat, LongMatricesAreChannelsSmallOnesAreNot) {
   std::vector<double> values(303);
   std::iota(values.begin(), values.end(), 0.0);

@@ -52,6 +52,9 @@ std::vector<std::string> names(const datasets::Record& record) {
   return list;
 }
 
+const char* const may_be_joined =
+    "segments that differ in start or interval alone are joined end to end by --sample-rate";
+
 TEST(TdmsChanges, AStartWhereTheSamplesEndIsNone) {
   // as the first segment, then restated; then carried on, within what double precision and the
   // clocks of writers leave; then as an offset
@@ -81,6 +84,7 @@ TEST(TdmsChanges, AGapBeginsAChannel) {
       ElementsAre("'F': segment 2 changes wf_start_time from 2018-01-28T16:00:00Z to "
                   "2018-01-28T16:00:05Z, after 4 samples, with a gap of 4.996 s: those that follow "
                   "are '... (segment 2)'",
+                  may_be_joined,
                   "channels start at different times: time 0 is the start of the earliest"));
 }
 
@@ -127,7 +131,28 @@ TEST(TdmsChanges, AnotherIntervalBeginsAChannelWhereTheOneBeforeEnds) {
       ElementsAre("'F': segment 2 changes wf_increment from 0.001 to 0.002, after 4 samples: those "
                   "that follow are '... (segment 2)'",
                   "'F': segment 4 changes wf_increment from 0.002 to 0.001, after 3 samples: those "
-                  "that follow are '... (segment 4)'"));
+                  "that follow are '... (segment 4)'",
+                  may_be_joined));
+}
+
+// Software-timed loops: each buffer has a start and an interval of its own, which jitter.
+TEST(TdmsChanges, AStatedRateJoinsWhatDiffersInItsClock) {
+  ImportOptions options;
+  options.sample_rate = 500.0;
+  const std::string file = segment({}) + segment({.step = 1.1e-3, .fraction = 0.0051}, {5, 6}) +
+                           segment({.step = 1.1e-3, .offset = 0.001, .fraction = 0.0072}, {7});
+  EXPECT_EQ(imported(file).channels.size(), 3U);
+  const auto record = imported(file, options);
+  EXPECT_THAT(names(record), ElementsAre("F"));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1, 2, 3, 4, 5, 6, 7));
+  EXPECT_EQ(record.channels[0].clock.interval, 2e-3);
+  EXPECT_EQ(record.started, "2018-01-28T16:00:00Z");
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'F': the starts or intervals of 2 later segments are passed over, since "
+                          "--sample-rate joins segments end to end"));
+  // another unit is another channel all the same
+  EXPECT_THAT(names(imported(file + segment({.unit = "kN"}), options)),
+              ElementsAre("F", "F (segment 4)"));
 }
 
 TEST(TdmsChanges, AnotherUnitBeginsAChannel) {
@@ -194,7 +219,7 @@ TEST(TdmsChanges, ChannelsThatChangeAlikeShareAWarning) {
   EXPECT_THAT(names(record), ElementsAre("F", "v", "F (segment 2)", "v (segment 2)"));
   EXPECT_THAT(record.channels[3].values(), ElementsAre(12));
   EXPECT_EQ(record.channels[3].clock.start, 1.0);
-  EXPECT_EQ(record.warnings.size(), 2U);
+  EXPECT_EQ(record.warnings.size(), 3U);
   EXPECT_THAT(record.warnings[0], testing::StartsWith("'F', 'v': segment 2 changes wf_start_time"));
   ImportOptions options;
   options.channels = {"G/v (segment 2)"};
@@ -286,7 +311,8 @@ TEST(TdmsChanges, ManySegmentsAreToldInFewWords) {
   ASSERT_EQ(record.channels.size(), 1000U);
   EXPECT_EQ(record.channels[999].name, "F (segment 1000)");
   EXPECT_EQ(record.channels[999].clock.start, 9990.0);
-  ASSERT_EQ(record.warnings.size(), 5U);
+  ASSERT_EQ(record.warnings.size(), 6U);
+  EXPECT_EQ(record.warnings[4], may_be_joined);
   EXPECT_EQ(record.warnings[3],
             "'F': 996 later segments change properties too, each begins a channel '... (segment "
             "n)'");

@@ -73,9 +73,10 @@ TEST(TdmsErrors, OfRawDataNameTheChannel) {
       error_of({little.channel("a", little.index(2, 1)), little.channel("b", little.index(2, 2))},
                "abcdef", TdmsParts::interleaved),
       "/'G'/'b' has 2 values in a chunk of interleaved data, the channels before it 1");
-  EXPECT_EQ(
-      error_of({little.channel("a", little.text_index(1, 6))}, "abcdef", TdmsParts::interleaved),
-      "/'G'/'a' has texts among interleaved data");
+  EXPECT_EQ(error_of({little.channel("a", little.text_index(1, 6)),
+                      little.channel("b", little.index(2, 1))},
+                     "abcdefgh", TdmsParts::interleaved),
+            "/'G'/'a' has texts among interleaved data");
   const std::string one = little.segment({little.channel("a", little.index(2, 1))}, "ab");
   EXPECT_THAT(
       import_error(one + little.segment({little.channel("a", little.index(3, 1))}, "abcd")),

@@ -9,7 +9,9 @@
 namespace impactrig::acquisition {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
+using testing::HasSubstr;
 using tests::imported;
 using tests::TdmsParts;
 using Shorts = std::vector<std::int16_t>;
@@ -95,16 +97,25 @@ std::vector<std::string> table_scale(const std::vector<double>& pre_scaled,
   return scale(0, "Table", parameters);
 }
 
-// What NI's plug-in for Excel makes of such a table, as npTDMS's test of it states it: the file's
-// numbers are "scaled values" and become "pre-scaled" ones.
-TEST(TdmsScales, ATableLeadsFromScaledToPreScaledValues) {
-  EXPECT_THAT(
-      scaled(table_scale({2, 4, 8}, {1, 2, 3}), {0.5, 1, 1.5, 2.5, 3, 3.5}).channels.at(0).values(),
-      ElementsAre(2, 2, 3, 6, 8, 8));
+// The numbers of npTDMS's tests of it (1.11).
+TEST(TdmsScales, ATableLeadsFromPreScaledToScaledValues) {
+  const auto record = scaled(table_scale({1, 2, 3}, {2, 4, 8}), {0.5, 1, 1.5, 2.5, 3, 3.5});
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(2, 2, 3, 6, 8, 8));
+  EXPECT_THAT(record.warnings,
+              Contains("'a': its scale 0 is a table, which is read from its pre-scaled values to "
+                       "its scaled ones: files of thermocouple modules have tables the other way "
+                       "round"));
   // falling inputs; the outputs may go back and forth
   EXPECT_THAT(
-      scaled(table_scale({40, 10, 20}, {4, 2, 0}), {-1, 0, 1, 2, 3, 4, 9}).channels.at(0).values(),
+      scaled(table_scale({4, 2, 0}, {40, 10, 20}), {-1, 0, 1, 2, 3, 4, 9}).channels.at(0).values(),
       ElementsAre(20, 20, 15, 10, 25, 40, 40));
+}
+
+TEST(TdmsScales, ATableWhoseScaledValuesAloneGoOneWayLeadsFromThem) {
+  const auto record = scaled(table_scale({40, 10, 20}, {4, 2, 0}), {-1, 1, 3, 9});
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(20, 15, 25, 40));
+  EXPECT_THAT(record.warnings,
+              Contains(HasSubstr("from its scaled values to its pre-scaled ones")));
 }
 
 TEST(TdmsScales, SumAndDifferenceJoinScalesOfOneSignal) {
@@ -219,7 +230,7 @@ TEST(TdmsScales, ThatCannotBeAppliedLeaveTheRawNumbersWithoutUnit) {
       told(scale(2, "Add", {{"Left_Operand_Input_Source", 0}, {"Right_Operand_Input_Source", 1}})),
       "its scales need more than one raw signal");
   EXPECT_EQ(told(scale(0, "Table", {{"Pre_Scaled_Values_Size", 1}, {"Pre_Scaled_Values[0]", 1}})),
-            "its scale 0 is a table of 0 to 1 values");
+            "its scale 0 is a table of 1 to 0 values");
   EXPECT_EQ(told(scale(0, "Table",
                        {{"Pre_Scaled_Values_Size", 2},
                         {"Scaled_Values_Size", 2},

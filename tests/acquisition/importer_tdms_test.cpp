@@ -123,6 +123,34 @@ TEST_P(TdmsInBothByteOrders, DaqmxBuffersAreRowsOfTheirOwnWidth) {
               ElementsAre(60000, 60001, 60002, 60003, 60004, 60005));
 }
 
+// Software-timed tasks: DAQmx indices of plain types, time stamps among them.
+TEST_P(TdmsInBothByteOrders, DaqmxRowsMayBeginWithTheirTimeStamp) {
+  std::string data;
+  for (int i = 0; i < 5; ++i)
+    data += t_.time(3600000000 + 2 * i) + t_.number(std::int64_t{7 * i}) + t_.number(0.5 * i);
+  const std::vector<std::uint32_t> widths = {32};
+  const std::vector<std::string> channels = {
+      t_.channel("when", t_.daqmx_index(1, {{0xFFFFFFFF, 0, 0, 0}}, widths, 0x1269, 0x44)),
+      t_.channel("count", t_.daqmx_index(1, {{7, 0, 16, 0}}, widths, 0x1269, 0x04)),
+      t_.channel("F", t_.daqmx_index(1, {{9, 0, 24, 0}}, widths, 0x1269, 0x0A))};
+  const auto record = imported(t_.segment(channels, data));
+  ASSERT_EQ(record.channels.size(), 3U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(0, 2, 4, 6, 8));
+  EXPECT_EQ(record.channels[0].unit, "s");
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(0, 7, 14, 21, 28));
+  EXPECT_THAT(record.channels[2].values(), ElementsAre(0, 0.5, 1, 1.5, 2));
+  EXPECT_EQ(record.channels[2].clock.interval, 2.0);
+}
+
+TEST_P(TdmsInBothByteOrders, TextsOfOneChannelAloneAreNeverInterleaved) {
+  const std::string texts = t_.number(std::uint32_t{2}) + t_.number(std::uint32_t{5}) + "abcde";
+  const auto record = imported(
+      t_.segment({t_.channel("a", t_.index(2, 2))}, t_.numbers(std::vector<std::int16_t>{1, 2})) +
+      t_.segment({t_.channel("note", t_.text_index(2, 13))}, texts, TdmsParts::interleaved));
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1, 2));
+}
+
 TEST_P(TdmsInBothByteOrders, DigitalLinesAreBits) {
   for (const std::uint32_t header : {0x126AU, 0x1369U}) {
     const auto record =

@@ -59,6 +59,33 @@ TEST_P(Wav, EveryTypeOfNumberIsRead) {
   EXPECT_THAT(values(), ElementsAre(0.1, -3e300));
 }
 
+TEST_P(Wav, ExtensibleFormatsNameTheirCodingWithin) {
+  wav.format = 0xFFFE;
+  wav.data = wav.numbers<std::int16_t>({16384, -32768});
+  EXPECT_THAT(values(), ElementsAre(0.5, -1));
+}
+
+// Libsndfile reads none of them.
+TEST_P(Wav, IntegersOf64BitsAreRead) {
+  wav.bits = 64;
+  wav.channels = 2;
+  const std::int64_t half = std::int64_t{1} << 62;
+  wav.data = wav.numbers<std::int64_t>({half, 1, -2 * half, -half});
+  for (const std::uint16_t format : {std::uint16_t{1}, std::uint16_t{0xFFFE}}) {
+    wav.format = format;
+    const auto record = imported(wav.bytes());
+    EXPECT_THAT(record.channels.at(0).values(), ElementsAre(0.5, -1));
+    EXPECT_THAT(record.channels.at(1).values(), ElementsAre(0x1p-63, -0.5));
+    EXPECT_EQ(record.channels[1].clock.interval, 1.0 / 8000);
+    EXPECT_EQ(record.attributes.at("coding"), "PCM, 64 bits");
+  }
+  wav.bits = 48;
+  wav.format = 1;
+  EXPECT_EQ(import_error(wav.bytes()),
+            "FILE (byte 0): the header states 48 bits a sample; integers of up to 32 and of 64 "
+            "bits are read: save it as one of these or as floating point");
+}
+
 TEST_P(Wav, ChannelsHaveRateUnitAndAWarning) {
   wav.channels = 2;
   wav.rate = 44100;

@@ -40,6 +40,7 @@ struct Trc {
   std::int16_t year = 2022;
 
   std::string bytes() const {
+    if (pattern == "LECROY_1_0") return bytes_of_template_1();
     const std::size_t width = type == 0 ? 1 : 2;
     ByteWriter out(big_endian);
     out.text(0, "WAVEDESC").text(16, pattern);
@@ -67,6 +68,36 @@ struct Trc {
                   : out.add(static_cast<std::int16_t>(sample));
     return before + out.bytes();
   }
+
+ private:
+  /// Without RIS times and parts of waveforms.
+  std::string bytes_of_template_1() const {
+    const std::size_t width = type == 0 ? 1 : 2;
+    ByteWriter out(big_endian);
+    out.text(0, "WAVEDESC").text(16, pattern);
+    out.put(32, type).put(34, static_cast<std::uint16_t>(big_endian ? 0 : 1));
+    out.put(36, std::int32_t{320}).put(40, user_text);
+    out.put(44, static_cast<std::int32_t>(16 * triggers.size()));
+    out.put(48, static_cast<std::int32_t>(width * samples.size()));
+    out.put(52, static_cast<std::int32_t>(width * second.size()));
+    out.text(56, "LeCroy 7200 DSO").put(72, std::int32_t{7200}).text(76, label);
+    out.put(92, static_cast<std::int32_t>(samples.size()));
+    out.put(100, first_valid).put(104, last_valid).put(108, segments);
+    out.put(112, std::int32_t{segments_asked}).put(120, gain).put(124, offset);
+    out.put(132, std::int16_t{8}).put(134, interval).put(138, start);
+    out.text(154, unit).text(202, x_unit);
+    out.put(250, 52.5).put(258, std::uint8_t{23}).put(259, std::uint8_t{9});
+    out.put(260, std::uint8_t{9}).put(261, std::uint8_t{11}).put(262, year);
+    out.put(270, record_type).put(276, std::uint16_t{2}).put(278, 10.0F);
+    out.put(290, 20 * offset).put(296, static_cast<std::uint16_t>(source + 1));
+    out.resize(320 + static_cast<std::size_t>(user_text));
+    for (const auto& [since_first, first] : triggers) out.add(since_first).add(first);
+    for (const auto* row : {&samples, &second})
+      for (const double sample : *row)
+        type == 0 ? out.add(static_cast<std::int8_t>(sample))
+                  : out.add(static_cast<std::int16_t>(sample));
+    return before + out.bytes();
+  }
 };
 
 inline std::vector<std::string> lecroy_trc_seeds() {
@@ -83,6 +114,10 @@ inline std::vector<std::string> lecroy_trc_seeds() {
       file.triggers = {{0.0, -1e-9}, {1.0, -2e-9}};
       seeds.push_back(file.bytes());
     }
+  Trc old;
+  old.pattern = "LECROY_1_0";
+  old.triggers = {{0.0, -1e-9}, {1.0, -2e-9}};
+  seeds.push_back(old.bytes());
   Trc part;
   part.first_valid = 1;
   part.last_valid = 1;

@@ -85,6 +85,14 @@ struct MatBytes {
                   element(1, names) + matrices);
   }
 
+  /// An object of one of MATLAB's newer classes: names, and what its data are found by.
+  std::string object(const std::string& name, const std::string& type) const {
+    return matrix(element(6, number<std::uint32_t>(17) + number<std::uint32_t>(0)) +
+                  element(1, name) + small(1, "MCOS") + element(1, type) +
+                  matrix(head(13, {6, 1}, "") +
+                         element(6, numbers<std::uint32_t>({3707764736, 2, 1, 1, 1, 1}))));
+  }
+
   std::string compressed(const std::string& bytes) const {
     uLongf size = compressBound(bytes.size());
     std::string packed(size, '\0');
@@ -117,7 +125,7 @@ inline std::vector<std::string> mat_seeds() {
         b.doubles("time", {0, 0.5, 1}) + b.doubles("force", {1, 2, 3}) + b.doubles("Fs", {2}) +
         b.matrix(b.head(0x0206, {2, 2}, "small") + b.small(2, std::string("\1\0\1\1", 4))) +
         b.structure("run", {"a", "b", "unit"}, fields) +
-        b.matrix(b.head(1, {1, 1}, "cell") + b.doubles("", {5}));
+        b.matrix(b.head(1, {1, 1}, "cell") + b.doubles("", {5})) + b.object("when", "datetime");
     seeds.push_back(b.header() + arrays);
     seeds.push_back(b.header() + b.compressed(b.doubles("t", {0, 1, 3})) +
                     b.compressed(b.doubles("force", {1, 2, 3})) + b.text("note", "hit"));

@@ -13,7 +13,8 @@ namespace impactrig::acquisition::tests {
 
 /// A scaler of DAQmx raw data; `offset` in bytes, of a digital line in bits.
 struct TdmsScaler {
-  std::uint32_t type = 3;  ///< 0 u8, 1 i8, 2 u16, 3 i16, 4 u32, 5 i32, 6 u64, 7 i64, 8 f32, 9 f64
+  /// 0 u8, 1 i8, 2 u16, 3 i16, 4 u32, 5 i32, 6 u64, 7 i64, 8 f32, 9 f64, 0xFFFFFFFF time stamp
+  std::uint32_t type = 3;
   std::uint32_t buffer = 0;
   std::uint32_t offset = 0;
   std::uint32_t id = 0;
@@ -57,10 +58,9 @@ class TdmsParts {
   }
 
   std::string daqmx_index(std::uint64_t count, const std::vector<TdmsScaler>& scalers,
-                          const std::vector<std::uint32_t>& widths,
-                          std::uint32_t header = 0x1269) const {
-    std::string bytes = number(header) + number(std::uint32_t{0xFFFFFFFF}) +
-                        number(std::uint32_t{1}) + number(count) +
+                          const std::vector<std::uint32_t>& widths, std::uint32_t header = 0x1269,
+                          std::uint32_t type = 0xFFFFFFFF) const {
+    std::string bytes = number(header) + number(type) + number(std::uint32_t{1}) + number(count) +
                         number(static_cast<std::uint32_t>(scalers.size()));
     for (const TdmsScaler& scaler : scalers) {
       bytes += number(scaler.type) + number(scaler.buffer) + number(scaler.offset);
@@ -158,6 +158,11 @@ inline std::vector<std::string> tdms_seeds() {
     seeds.push_back(t.segment(
         {t.channel("t", t.index(0x44, 2)), t.channel("c", t.index(0x08000C, 2))},
         t.time(3600000000) + t.time(3600000001) + t.numbers(doubles), 0, ~std::uint64_t{0}));
+    seeds.push_back(
+        t.segment({t.channel("t", t.daqmx_index(2, {{0xFFFFFFFF, 0, 0, 0}}, {18}, 0x1269, 0x44)),
+                   t.channel("a", t.daqmx_index(2, {{3, 0, 16, 0}}, {18}, 0x1269, 2))},
+                  t.time(3600000000) + t.number(std::int16_t{1}) + t.time(3600000001) +
+                      t.number(std::int16_t{2})));
     const auto changing = [&t](std::string_view unit, std::int64_t seconds, double slope) {
       return t.segment({t.channel("F", t.index(2, 2),
                                   {t.property("unit_string", unit), t.property("wf_increment", 0.5),

@@ -49,8 +49,8 @@ struct WavFile {
                               number(bits);
     if (format == 0xFFFE)  // 22 more bytes: valid bits, speakers, and PCM as a GUID
       description += number<std::uint16_t>(22) + number(bits) + number<std::uint32_t>(0) +
-                     number<std::uint16_t>(1) +
-                     std::string("\0\0\0\0\x10\0\x80\0\0\xAA\0\x38\x9B\x71", 14);
+                     number<std::uint32_t>(1) + number<std::uint16_t>(0) +
+                     number<std::uint16_t>(16) + std::string("\x80\0\0\xAA\0\x38\x9B\x71", 8);
     std::string body = "WAVE";
     if (rf64)
       body += chunk("ds64", number<std::uint64_t>(0) + number<std::uint64_t>(data.size()) +

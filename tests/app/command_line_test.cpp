@@ -756,6 +756,25 @@ TEST_F(CommandLine, AWindowWithoutTheGapIsSampledEvenly) {
   EXPECT_TRUE(json::parse(run("inspect --json " + path("part.h5")).out)["channels"][0]["uniform"]);
 }
 
+TEST_F(CommandLine, ComparesAWindowWithoutTheGapByTheRig) {
+  const std::string whole = recording("time [s],Force [N],Velocity [m/s]", 1500.0);
+  std::string gap;
+  int line = 0;
+  std::istringstream lines(text_of(whole));
+  for (std::string text; std::getline(lines, text); ++line)
+    gap += (line > 1500 ? "0.5" + text.substr(3) : text) + "\n";
+  const std::string with = " " + whole + " --channel Force --rig " + rig;
+  const std::string holed = write("gap.csv", gap), window = " --from 0 --to 0.0014";
+  EXPECT_THAT(run("compare " + holed + with).err, HasSubstr("uneven times"));
+  const Outcome o = run("compare --json " + holed + with + window);
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json part = json::parse(o.out);
+  const json same = json::parse(run("compare --json " + whole + with + window).out);
+  EXPECT_EQ(part["samples"], same["samples"]);
+  EXPECT_NEAR(part["metrics"]["nrmse"].get<double>(), same["metrics"]["nrmse"].get<double>(),
+              1e-12);
+}
+
 TEST_F(CommandLine, SaysWhatDoesNotFitTheRigBeforeItFits) {
   const std::string shot = recording("time [s],Force [kN],Velocity [m/s]", 1500.0);
   const std::string command = "fit " + shot + " --rig " + rig + quick +
