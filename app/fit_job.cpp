@@ -9,7 +9,6 @@
 #include <chrono>
 #include <filesystem>
 #include <set>
-#include <sstream>
 
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/conditioning/needed_channels.hpp"
@@ -26,15 +25,6 @@
 
 namespace impactrig::app {
 namespace {
-
-std::vector<std::string> split_names(const std::string& text) {
-  std::vector<std::string> names;
-  std::istringstream stream(text);
-  for (std::string name; std::getline(stream, name, ',');)
-    if (const std::size_t first = name.find_first_not_of(' '); first != std::string::npos)
-      names.push_back(name.substr(first, name.find_last_not_of(' ') - first + 1));
-  return names;
-}
 
 std::string host_name() {
   char name[256] = "";

@@ -3,7 +3,10 @@
 
 #include <exception>
 #include <new>
+#include <sstream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "app/program.hpp"
 #include "datasets/input_error.hpp"
@@ -91,6 +94,15 @@ std::vector<std::pair<std::string, std::string>> split_overrides(
     pairs.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
   return pairs;
+}
+
+std::vector<std::string> split_names(const std::string& text) {
+  std::vector<std::string> names;
+  std::istringstream stream(text);
+  for (std::string name; std::getline(stream, name, ',');)
+    if (const std::size_t first = name.find_first_not_of(' '); first != std::string::npos)
+      names.push_back(name.substr(first, name.find_last_not_of(' ') - first + 1));
+  return names;
 }
 
 }  // namespace impactrig::app

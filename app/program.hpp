@@ -52,6 +52,9 @@ void add_force(CLI::App& command, CommonOptions& options);
 std::vector<std::pair<std::string, std::string>> split_overrides(
     const std::vector<std::string>& overrides);
 
+/// The names of a list with commas, without blanks around them.
+std::vector<std::string> split_names(const std::string& text);
+
 /// The command line as it was typed, for provenance; set once by main().
 const std::vector<std::string>& command_line();
 void set_command_line(int argc, char** argv);

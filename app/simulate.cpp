@@ -8,10 +8,13 @@
 #include "app/program.hpp"
 #include "datasets/record.hpp"
 #include "fitting/rig_file.hpp"
+#include "fitting/sensitivity_parameters.hpp"
 #include "models/explain.hpp"
 #include "models/mesh_error.hpp"
+#include "models/sensitivities/derivative_refusal.hpp"
 #include "models/simulation.hpp"
 #include "reports/report_data.hpp"
+#include "reports/sensitivities.hpp"
 #include "reports/text.hpp"
 
 namespace impactrig::app {
@@ -24,43 +27,111 @@ struct Options {
   std::string rig;
   std::string output;
   double interval = 1e-6;
+  std::string sensitivities;  ///< names with commas
   bool explain = false;
   bool exact = false;
   CommonOptions common;
 };
 
-datasets::Record history_record(const models::History& history, const fitting::RigFile& rig) {
+/// What a history shows, and what it is called.
+struct HistoryChannel {
+  std::string name;
+  datasets::Quantity quantity;
+  std::vector<double> values;
+};
+
+/// The same of a history and of its derivatives.
+std::vector<HistoryChannel> channels_of(const models::History& history, const models::Rig& rig) {
+  using enum datasets::Quantity;
+  std::vector<HistoryChannel> all;
+  if (rig.has_stop()) all.push_back({"Force", force, history.seen_force()});
+  all.push_back({"Velocity", velocity, history.velocity});
+  all.push_back({"Displacement", displacement, history.displacement});
+  if (rig.hinge.rotation) {
+    all.push_back({"Deflection", displacement, history.deflection});
+    all.push_back({"Extension", displacement, history.extension});
+  }
+  if (rig.has_stop()) all.push_back({"Penetration", displacement, history.penetration});
+  if (!history.sensor_force.empty()) all.push_back({"Contact force", force, history.force});
+  for (std::size_t i = 0; i < history.further.size(); ++i) {
+    all.push_back({fmt::format("Force at stop {}", i + 1), force, history.further[i].force});
+    all.push_back({fmt::format("Penetration at stop {}", i + 1), displacement,
+                   history.further[i].penetration});
+  }
+  return all;
+}
+
+/// With derivatives in channels of their own, "Force by contact.restitution".
+datasets::Record history_record(const models::History& history, const fitting::RigFile& rig,
+                                const std::vector<reports::SensitivityEntry>& sensitivities) {
   datasets::Record record;
   record.title = rig.rig.has_stop() ? "simulated impact" : "simulated swing";
   record.provenance.program = datasets::program_version();
   record.provenance.source_file = rig.path;
   record.provenance.sha256 = rig.sha256;
-  const auto add = [&](const std::string& name, datasets::Quantity quantity,
-                       const std::vector<double>& values) {
+  const auto add = [&](HistoryChannel&& shown, const std::string& unit) {
     datasets::Channel channel;
-    channel.name = name;
-    channel.quantity = quantity;
-    channel.unit = datasets::si_unit(quantity);
+    channel.name = std::move(shown.name);
+    channel.quantity = shown.quantity;
+    channel.unit = unit;
     channel.clock = {.start = history.start, .interval = history.interval, .times = {}};
-    channel.raw = values;
+    channel.raw = std::move(shown.values);
     record.channels.push_back(std::move(channel));
   };
-  if (rig.rig.has_stop()) add("Force", datasets::Quantity::force, history.seen_force());
-  add("Velocity", datasets::Quantity::velocity, history.velocity);
-  add("Displacement", datasets::Quantity::displacement, history.displacement);
-  if (rig.rig.hinge.rotation) {
-    add("Deflection", datasets::Quantity::displacement, history.deflection);
-    add("Extension", datasets::Quantity::displacement, history.extension);
+  for (HistoryChannel& shown : channels_of(history, rig.rig)) {
+    const std::string unit(datasets::si_unit(shown.quantity));
+    add(std::move(shown), unit);
   }
-  if (rig.rig.has_stop()) add("Penetration", datasets::Quantity::displacement, history.penetration);
-  if (!history.sensor_force.empty()) add("Contact force", datasets::Quantity::force, history.force);
-  for (std::size_t i = 0; i < history.further.size(); ++i) {
-    add(fmt::format("Force at stop {}", i + 1), datasets::Quantity::force,
-        history.further[i].force);
-    add(fmt::format("Penetration at stop {}", i + 1), datasets::Quantity::displacement,
-        history.further[i].penetration);
+  for (const reports::SensitivityEntry& entry : sensitivities) {
+    if (!entry.not_known.empty()) continue;
+    for (HistoryChannel& shown : channels_of(entry.slope.history, rig.rig)) {
+      const std::string unit =
+          fmt::format("{}/({})", datasets::si_unit(shown.quantity), entry.parameter.unit);
+      shown.name += fmt::format(" by {}", entry.parameter.name);
+      shown.quantity = datasets::Quantity::other;
+      add(std::move(shown), unit);
+    }
   }
   return record;
+}
+
+/// What is to be differentiated by; asks the simulation for what it can tell.
+std::vector<reports::SensitivityEntry> ask_for_sensitivities(const std::string& names,
+                                                             models::Rig rig,
+                                                             models::SimulationOptions& request) {
+  std::vector<reports::SensitivityEntry> entries;
+  if (names.empty()) return entries;
+  std::vector<fitting::PhysicalParameter> parameters;
+  try {
+    parameters = fitting::sensitivity_parameters(rig, split_names(names));
+  } catch (const std::invalid_argument& error) {
+    throw CLI::ValidationError("--sensitivities", error.what());
+  }
+  for (const fitting::PhysicalParameter& parameter : parameters) {
+    entries.push_back({.parameter = parameter,
+                       .value = parameter.of(rig),
+                       .not_known = models::derivative_refusal(rig, parameter.of),
+                       .slope = {}});
+    if (entries.back().not_known.empty()) request.sensitivities.push_back(parameter.of);
+  }
+  return entries;
+}
+
+/// What the simulation told, to those that asked. Of all numbers, those that change nothing go.
+void tell_sensitivities(const models::Simulation& simulation, bool of_all,
+                        std::vector<reports::SensitivityEntry>& entries) {
+  std::size_t next = 0;
+  for (reports::SensitivityEntry& entry : entries) {
+    if (!entry.not_known.empty()) continue;
+    if (next < simulation.sensitivities.size())
+      entry.slope = simulation.sensitivities[next++];
+    else
+      entry.not_known = "the equations that were solved have none";
+  }
+  if (of_all)
+    std::erase_if(entries, [&](const reports::SensitivityEntry& entry) {
+      return reports::changes_nothing(simulation, entry);
+    });
 }
 
 std::string duration_text(double seconds) {
@@ -99,10 +170,13 @@ void simulate(const Options& options) {
   const std::string chosen = fitting::choose_mesh(rig);
   models::SimulationOptions request;
   const double longest = rig.solver.duration.value_or(0.1);
-  if (!options.output.empty() && longest / options.interval > most_samples)
+  std::vector<reports::SensitivityEntry> sensitivities =
+      ask_for_sensitivities(options.sensitivities, rig.rig, request);
+  const double channels = 1.0 + static_cast<double>(request.sensitivities.size());
+  if (!options.output.empty() && channels * longest / options.interval > most_samples)
     throw CLI::ValidationError(
         "--interval", fmt::format("{:g} s over {:g} s are more than {:g} samples", options.interval,
-                                  longest, most_samples));
+                                  longest, most_samples / channels));
   request.exact = options.exact;
   if (!options.output.empty()) {
     request.history.interval = options.interval;
@@ -110,18 +184,23 @@ void simulate(const Options& options) {
     if (rig.displacement) request.history.displacement_position = rig.displacement->position;
   }
   models::Simulation simulation = models::simulate(rig.rig, rig.solver, request);
+  tell_sensitivities(simulation, options.sensitivities == "all", sensitivities);
   if (!chosen.empty()) simulation.skipped.insert(simulation.skipped.begin(), chosen);
   simulation.mesh_error = models::mesh_error(rig.rig, simulation.solver);
   if (!options.output.empty())
-    acquisition::export_recording(history_record(simulation.history, rig), options.output);
+    acquisition::export_recording(history_record(simulation.history, rig, sensitivities),
+                                  options.output);
   std::optional<std::vector<models::Explanation>> explanations;
   if (options.explain)
     explanations = models::explain(rig.rig, rig.solver, request, longest_explanation);
   if (options.common.json) {
-    fmt::print("{}\n", reports::simulation_to_json(simulation, rig.rig, explanations));
+    fmt::print("{}\n",
+               reports::simulation_to_json(simulation, rig.rig, explanations, sensitivities));
     return;
   }
   fmt::print("{}", reports::to_text(simulation, rig.rig));
+  if (!options.sensitivities.empty())
+    fmt::print("{}", reports::sensitivities_text(simulation, sensitivities));
   if (explanations) print_explanations(chosen, *explanations);
 }
 
@@ -135,6 +214,11 @@ void add_simulate(CLI::App& program) {
   command->add_option("--interval", options->interval, "Sample interval of the history [s]")
       ->check(positive)
       ->capture_default_str();
+  command
+      ->add_option("--sensitivities", options->sensitivities,
+                   "Numbers of the rig to differentiate by, as fit --free names them: "
+                   "contact.restitution,beam.density; all")
+      ->type_name("NAMES");
   command->add_flag("--explain", options->explain,
                     "List the simplifications taken, and why they are safe here");
   command->add_flag("--exact", options->exact, "Take no simplification");

@@ -108,6 +108,41 @@ constexpr std::array of_rig = {
                       [](Rig& r) -> double& { return r.hinge.friction; }, true},
 };
 
+double& release_angle_of(Rig& rig) {
+  return stated(rig.start.release_angle);
+}
+
+models::HingeRotation& rotation_of(Rig& rig) {
+  return rig.hinge.rotation ? *rig.hinge.rotation : rig.hinge.rotation.emplace();
+}
+
+/// Of a body there is not, nothing likewise.
+template <std::size_t K>
+models::LumpedMass& lump(Rig& rig) {
+  if (rig.beam.masses.size() < K) rig.beam.masses.resize(K);
+  return rig.beam.masses[K - 1];
+}
+
+constexpr std::array not_fitted = {
+    PhysicalParameter{"environment.gravity", "m/s^2", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return r.gravity; }},
+    PhysicalParameter{"start.release_angle", "rad", 0.0, 0.0, true, release_angle_of},
+    PhysicalParameter{"beam.section.area", "m^2", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return r.beam.area; }},
+    PhysicalParameter{"beam.section.second_moment", "m^4", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return r.beam.second_moment; }},
+    PhysicalParameter{"beam.masses.1.mass", "kg", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return lump<1>(r).mass; }},
+    PhysicalParameter{"beam.masses.2.mass", "kg", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return lump<2>(r).mass; }},
+    PhysicalParameter{"beam.masses.3.mass", "kg", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return lump<3>(r).mass; }},
+    PhysicalParameter{"hinge.rotation.rate", "rad/s", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return rotation_of(r).rate; }},
+    PhysicalParameter{"hinge.rotation.time", "s", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return rotation_of(r).time; }},
+};
+
 /// Of the further stop K; its keys are those of [[contacts]] behind its number.
 template <std::size_t K>
 std::array<PhysicalParameter, 6> of_further_stop() {
@@ -142,6 +177,10 @@ std::vector<PhysicalParameter> all_parameters() {
 std::span<const PhysicalParameter> physical_parameters() {
   static const std::vector<PhysicalParameter> all = all_parameters();
   return all;
+}
+
+std::span<const PhysicalParameter> stated_parameters() {
+  return not_fitted;
 }
 
 const PhysicalParameter* find_physical_parameter(std::string_view name) {

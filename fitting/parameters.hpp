@@ -32,6 +32,11 @@ struct ChainParameter {
 /// Every parameter of the physics there is; a new one is one line here.
 std::span<const PhysicalParameter> physical_parameters();
 
+/// Numbers of the rig that no fit frees, since they are measured apart or act as others do, but on
+/// which a prediction depends: weight, section, masses on the bar, what a hinge is turned by. Of
+/// the first three masses. Bounds have no meaning.
+std::span<const PhysicalParameter> stated_parameters();
+
 const PhysicalParameter* find_physical_parameter(std::string_view name);  ///< none: nullptr
 const ChainParameter* find_chain_parameter(std::string_view name);        ///< none: nullptr
 

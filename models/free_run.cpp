@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "models/contact_log.hpp"
+#include "models/history_recorder.hpp"
 #include "models/rigid_swing.hpp"
 #include "models/time_limit.hpp"
 
@@ -25,6 +26,12 @@ constexpr double first_turn = 1e-4;
 
 }  // namespace
 
+MotionSlope::Start free_start(const Rig& rig) {
+  const double angle = -rig.start.release_angle.value_or(0.0);
+  if (rig.hinge.rotation) return {angle, rig.hinge.rotation->rate_at(0.0)};
+  return {angle, rig.start.release_angle ? 0.0 : rig.start.velocity / rig.contact.position};
+}
+
 FreeRun::FreeRun(const Rig& rig, const Solver& solver, const SimulationOptions& options,
                  BarMotion& bar)
     : rig_(rig),
@@ -37,10 +44,8 @@ FreeRun::FreeRun(const Rig& rig, const Solver& solver, const SimulationOptions& 
 }
 
 void FreeRun::start() {
-  const double angle = -rig_.start.release_angle.value_or(0.0);
+  const auto [angle, rate] = free_start(rig_);
   const std::optional<HingeRotation>& rotation = rig_.hinge.rotation;
-  const double thrown = rig_.start.velocity / rig_.contact.position;
-  const double rate = rotation ? rotation->rate_at(0.0) : rig_.start.release_angle ? 0.0 : thrown;
   bar_.start(angle, rate);
   const double inertia = rig_.beam.hinge_inertia();
   const double full = rotation ? rotation->rate : rate;
@@ -54,6 +59,9 @@ void FreeRun::start() {
   result_.energy.initial = energy_scale_;
   result_.energy.gravitational = -energy.gravitational;
   result_.history.interval = options_.history.interval;
+  if (!followed_) return;
+  const bool sampled = options_.history.interval > 0.0;
+  followed_->start(sampled ? expected_samples(result_.history, t_end_) : 0);
 }
 
 /// Newton's method to rest.
@@ -84,6 +92,11 @@ bool FreeRun::land(double hinge_change) {
   error_ = std::numeric_limits<double>::infinity();
   bar_.begin_part(part);
   return solve();
+}
+
+void FreeRun::change_hinge() {
+  bar_.change_hinge();
+  if (followed_) followed_->change_hinge();
 }
 
 /// The samples that fall into a time from here on, looked at by `look(first, spacing)` [s].
@@ -160,12 +173,12 @@ Simulation FreeRun::simulate() {
     const int next = refused.after(level, bar_.ladder().level_below(growth * bar_.step()));
     const double hinge_change = bar_.hinge_change();
     if (hinge_change == 0.0) {
-      bar_.change_hinge();
+      change_hinge();
       ++result_.cost.rejected;
       continue;
     }
     const bool last = std::min(hinge_change, 1.0) * bar_.step() >= t_end_ - t_;
-    if (!land(hinge_change)) {
+    if (!land(hinge_change) || (followed_ && !followed_->solve())) {
       ++result_.cost.rejected;
       level += 2;
       rejected = true;
@@ -173,12 +186,16 @@ Simulation FreeRun::simulate() {
     }
     ++result_.cost.steps;
     const double h = bar_.step();
-    sample(h, [&](double first, double spacing) { bar_.sample(first / h, spacing / h, samples_); });
+    sample(h, [&](double first, double spacing) {
+      bar_.sample(first / h, spacing / h, samples_);
+      if (followed_) followed_->sample(first / h, spacing / h, samples_.size());
+    });
     result_.energy.damped += bar_.damped(1.0);
     result_.energy.driven += bar_.driven();
     t_ = last ? t_end_ : t_ + bar_.step();
+    if (followed_) followed_->take(hinge_changes_);
     bar_.take(1.0);
-    if (hinge_changes_) bar_.change_hinge();
+    if (hinge_changes_) change_hinge();
     level = rejected ? std::max(next, level) : next;
     rejected = false;
   }

@@ -4,15 +4,22 @@
 #include <vector>
 
 #include "models/collocation/bar_motion.hpp"
+#include "models/sensitivities/free_sensitivities.hpp"
 #include "models/simulation.hpp"
 
 namespace impactrig::models {
+
+/// How a bar without a stop starts: released, thrown, or turned.
+MotionSlope::Start free_start(const Rig& rig);
 
 /// One run of simulate() without a stop: the bar swings and vibrates from its start for the
 /// duration asked for.
 class FreeRun {
  public:
   FreeRun(const Rig& rig, const Solver& solver, const SimulationOptions& options, BarMotion& bar);
+
+  /// Before start(): derivatives that go along.
+  void follow(FreeSensitivities& sensitivities) { followed_ = &sensitivities; }
 
   void start();
   Simulation simulate();  ///< in steps as long as the bar's own error allows
@@ -22,6 +29,7 @@ class FreeRun {
   bool solve();
   bool try_step(int level);
   bool land(double hinge_change);
+  void change_hinge();
   template <typename Look>
   void sample(double time, Look look);
   void conclude();
@@ -39,6 +47,7 @@ class FreeRun {
   StopStep no_stop_;
   std::vector<BarMotion::Sample> samples_;
   Simulation result_;
+  FreeSensitivities* followed_ = nullptr;
 };
 
 }  // namespace impactrig::models

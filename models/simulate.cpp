@@ -66,13 +66,22 @@ Simulation solve_to_size(Solver solver, const Solve& solve) {
   }
 }
 
+Simulation run_freely(const Rig& rig, const Solver& solver, const SimulationOptions& options,
+                      BarMotion& bar) {
+  FreeRun free(rig, solver, options, bar);
+  std::optional<FreeSensitivities> sensitivities;
+  if (!options.sensitivities.empty()) sensitivities.emplace(rig, solver, options, bar);
+  const bool known = sensitivities && sensitivities->known();
+  if (known) free.follow(*sensitivities);
+  free.start();
+  Simulation result = free.simulate();
+  if (known) result.sensitivities = sensitivities->take_results();
+  return result;
+}
+
 /// The bar against its stop, if there is one.
 Solved run(const Rig& rig, const Solver& solver, const SimulationOptions& options, BarMotion& bar) {
-  if (!rig.has_stop()) {
-    FreeRun free(rig, solver, options, bar);
-    free.start();
-    return {free.simulate()};
-  }
+  if (!rig.has_stop()) return {run_freely(rig, solver, options, bar)};
   std::optional<StoppedMotion> stopped;
   if (rig.stop) stopped.emplace(bar, *rig.stop);
   BarMotion& seen = stopped ? static_cast<BarMotion&>(*stopped) : bar;
@@ -250,6 +259,9 @@ bool follows_swing(const Rig& rig, const SimulationOptions& options) {
 
 bool allows_small_motion(const Rig& rig, const SimulationOptions& options) {
   if (!allows(options, Simplification::small_motion)) return false;
+  // small motion of a swing has no derivatives
+  const bool swings = !rig.has_stop() || follows_swing(rig, options);
+  if (swings && !options.sensitivities.empty() && options.motion != Motion::small) return false;
   if (rig.hinge.friction == 0.0) return true;
   // small motion has no derivatives by what it leaves out
   const bool of_friction = std::ranges::any_of(options.sensitivities, [&](RigParameter parameter) {

@@ -215,9 +215,10 @@ struct SimulationOptions {
   bool exact = false;                     ///< take no simplification
   std::vector<Simplification> kept = {};  ///< simplifications not to take
   /// Numbers of the rig by which to differentiate. Against stops whose contacts end smoothly
-  /// (ContactForce::ends_smoothly()); in small motion of runs that begin at touch, by what it does
-  /// not leave out: by the hinge's friction the full equations are solved, and known where there is
-  /// any. None of a bar without a stop.
+  /// (ContactForce::ends_smoothly()). Small motion knows them of runs that begin at touch, by what
+  /// it does not leave out: of swings, and by the hinge's friction, the full equations are solved,
+  /// unless Motion::small is asked for. By friction they are known where there is any, by the time
+  /// of a hinge's rotation where that takes some. Without a stop they are those of the history.
   std::vector<RigParameter> sensitivities = {};
   /// Estimate what small motion neglects. For callers that know it, with Motion::small, which takes
   /// that whatever it is: false saves half of a run, and Simulation::neglected is 0.

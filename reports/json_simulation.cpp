@@ -259,14 +259,41 @@ models::History history_from(const JsonReader& json) {
   return history;
 }
 
-std::string simulation_to_json(
-    const models::Simulation& simulation, const models::Rig& rig,
-    const std::optional<std::vector<models::Explanation>>& explanations) {
+namespace {
+
+/// Derivatives are null where they are not known; then a sentence says why.
+Json sensitivity_json(const models::Simulation& simulation, const SensitivityEntry& entry) {
+  Json json = {{"parameter", entry.parameter.name},
+               {"unit", entry.parameter.unit},
+               {"value", entry.value},
+               {"derivative", nullptr},
+               {"relative", nullptr},
+               {"not_known", nullptr}};
+  if (!entry.not_known.empty()) {
+    json["not_known"] = entry.not_known;
+    return json;
+  }
+  json["derivative"] = json["relative"] = Json::object();
+  for (const Observable& observable : observables(simulation)) {
+    json["derivative"][observable.si_key] = observable.slope(entry.slope);
+    json["relative"][observable.key] = relative_slope(observable, simulation, entry);
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string simulation_to_json(const models::Simulation& simulation, const models::Rig& rig,
+                               const std::optional<std::vector<models::Explanation>>& explanations,
+                               const std::vector<SensitivityEntry>& sensitivities) {
   Json json = simulation_json(simulation, rig.contact);
-  if (!explanations) return dumped(json);
-  json["simplifications"] = Json::array();
-  for (const models::Explanation& explanation : *explanations)
-    json["simplifications"].push_back(explanation_json(explanation));
+  if (explanations) {
+    json["simplifications"] = Json::array();
+    for (const models::Explanation& explanation : *explanations)
+      json["simplifications"].push_back(explanation_json(explanation));
+  }
+  for (const SensitivityEntry& entry : sensitivities)
+    json["sensitivities"].push_back(sensitivity_json(simulation, entry));
   return dumped(json);
 }
 

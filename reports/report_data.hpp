@@ -11,6 +11,7 @@
 #include "fitting/fit.hpp"
 #include "fitting/model_comparison.hpp"
 #include "models/explain.hpp"
+#include "reports/sensitivities.hpp"
 
 namespace impactrig::reports {
 
@@ -62,10 +63,12 @@ std::string to_json(const ReportData& data);
 ReportData report_from_json(const std::string& json, const std::string& file_name);
 
 /// simulate --json: one object, without the history. The laws' names come from the rig. With
-/// explanations, "simplifications": what each changed and saved.
+/// explanations, "simplifications": what each changed and saved. With entries, "sensitivities": of
+/// each parameter its derivatives in SI, and relative ones; null where they are not known.
 std::string simulation_to_json(
     const models::Simulation& simulation, const models::Rig& rig,
-    const std::optional<std::vector<models::Explanation>>& explanations = std::nullopt);
+    const std::optional<std::vector<models::Explanation>>& explanations = std::nullopt,
+    const std::vector<SensitivityEntry>& sensitivities = {});
 
 /// One self-contained page: no request leaves it.
 std::string to_html(const ReportData& data);

@@ -70,8 +70,7 @@ class ChainMotion final : public BarMotion {
     beam_.set_steady_motion(angle, rate, beam_q_, beam_v_);
     chain_.from_beam(beam_q_, q_);
     chain_.from_beam(beam_v_, v_);
-    // the steady bar has the struck point's speed, a turned one its hinge's rate
-    if (rotation_) v_ *= std::hypot(q_[struck_], place_ - q_[struck_ + Chain::beside]) / place_;
+    if (rotation_) turn_as_hinge(place_, q_, v_);
     energy_ = chain_.energy(q_, v_);
     lost_ = 0.0;
     last_h_ = 0.0;
@@ -192,7 +191,7 @@ class ChainMotion final : public BarMotion {
 
   std::unique_ptr<MotionSlope> follow(const RigEffect& effect, const Solver& solver,
                                       const HistoryRequest& history) override {
-    if (rotation_ || (effect.moves_friction() && !friction_.acts())) return nullptr;
+    if (!effect.two_sided()) return nullptr;
     followed_ = true;
     return std::make_unique<ChainSlope<ChainMotion>>(*this, effect, solver, history);
   }
@@ -255,6 +254,11 @@ class ChainMotion final : public BarMotion {
   }
 
   bool held() const { return rotation_ || friction_.sticks(); }
+
+  /// The steady bar has the struck point's speed, a turned one its hinge's rate.
+  void turn_as_hinge(double place, const Eigen::ArrayXd& q, Eigen::ArrayXd& v) const {
+    v *= std::hypot(q[struck_], place - q[struck_ + Chain::beside]) / place;
+  }
 
   double turned_at(double t) const { return angle_at_start_ + rotation_->angle_at(t); }
 
@@ -703,13 +707,11 @@ void ChainMotion<S, Chain, Hold>::sample(double first, double spacing, std::span
 template <int S, typename Chain, template <int> typename Hold>
 void ChainMotion<S, Chain, Hold>::add_departure(double part, Sample& sample) const {
   double across = 0.0, along = 0.0;  // X, U
-  for (const ChainShare& share : points_.displacement_spot) {
-    const auto place = [&](int k) {
-      return part > 0.0 ? motion_at(q_[k], v_[k], a_.col(k), part).displacement : q_[k];
-    };
-    across += share.shape * place(share.coordinate);
-    along += share.shape * place(share.coordinate + Chain::beside);
-  }
+  const auto place = [&](int k) {
+    return part > 0.0 ? motion_at(q_[k], v_[k], a_.col(k), part).displacement : q_[k];
+  };
+  for (const auto& [k, w] : points_.displacement_spot) across += w * place(k);
+  for (const auto& [k, w] : points_.along_spot) along += w * place(k);
   const double angle = turned_at(t_ + std::max(part, 0.0) * h_);
   const double sine = std::sin(angle), cosine = std::cos(angle), half = std::sin(0.5 * angle);
   sample.deflection = -cosine * across + sine * (along - points_.displacement_place);

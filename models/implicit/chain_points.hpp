@@ -17,6 +17,7 @@ struct ChainPoints {
 
   std::vector<Shares> stops;
   Shares velocity_spot, displacement_spot;
+  Shares along_spot;                ///< that the displacement's has along the bar, −U
   double displacement_place = 0.0;  ///< from the hinge [m]
 
   /// `struck`: X of the node before the first stop.
@@ -36,7 +37,8 @@ struct ChainPoints {
     const auto spot = [&](double x) { return x > 0.0 ? x : rig.contact.position; };
     displacement_place = spot(history.displacement_position);
     velocity_spot = at(spot(history.velocity_position));
-    displacement_spot = at(displacement_place);
+    displacement_spot = along_spot = at(displacement_place);
+    for (ChainShare& share : along_spot) share.coordinate += Chain::beside;
   }
 
   /// Nothing looked at, for sums.
@@ -49,6 +51,8 @@ struct ChainPoints {
     for (std::size_t k = 0; k < stops.size(); ++k) append(stops[k], other.stops[k]);
     append(velocity_spot, other.velocity_spot);
     append(displacement_spot, other.displacement_spot);
+    append(along_spot, other.along_spot);
+    displacement_place += weight * other.displacement_place;
   }
 };
 

@@ -26,11 +26,16 @@ class ChainSlope final : public MotionSlope {
       : motion_(motion),
         by_(stencil_of_motion(effect, solver)),
         friction_(ParameterStencil::places),
+        turns_(ParameterStencil::places),
         moved_(motion.points_.stops.size()) {
-    by_.for_each_place(
-        [&](std::size_t place) { friction_[place] = by_.rig_at(place).hinge.friction; });
+    by_.for_each_place([&](std::size_t place) {
+      const Rig rig = by_.rig_at(place);
+      friction_[place] = rig.hinge.friction;
+      if (rig.hinge.rotation) turns_[place].rotation = *rig.hinge.rotation;
+      turns_[place].place = rig.contact.position;
+    });
     const int n = motion.chain_.coordinates();
-    q_ = v_ = Eigen::ArrayXd::Zero(n);
+    q_ = v_ = at_q_ = at_v_ = Eigen::ArrayXd::Zero(n);
     a_ = previous_ = stage_q_ = stage_v_ = residual_ = there_ = run_residual_ = Stages::Zero(S, n);
     if (effect.keeps_bar()) return;
     bars_.resize(ParameterStencil::places);
@@ -45,7 +50,6 @@ class ChainSlope final : public MotionSlope {
 
   void start(std::span<const Start> starts) override {
     Eigen::VectorXd beam_q(motion_.beam_.size()), beam_v(motion_.beam_.size());
-    Eigen::ArrayXd q, v;
     q_.setZero();
     v_.setZero();
     by_.for_each_place([&](std::size_t place) {
@@ -53,12 +57,15 @@ class ChainSlope final : public MotionSlope {
       beam_q.setZero();
       beam_v.setZero();
       beam.set_steady_motion(starts[place].angle, starts[place].rate, beam_q, beam_v);
-      motion_.chain_.from_beam(beam_q, q);
-      motion_.chain_.from_beam(beam_v, v);
-      q_ += by_.weight(place) * q;
-      v_ += by_.weight(place) * v;
+      motion_.chain_.from_beam(beam_q, at_q_);
+      motion_.chain_.from_beam(beam_v, at_v_);
+      if (motion_.rotation_) motion_.turn_as_hinge(turns_[place].place, at_q_, at_v_);
+      turns_[place].from = starts[place].angle;
+      q_ += by_.weight(place) * at_q_;
+      v_ += by_.weight(place) * at_v_;
     });
     last_h_ = 0.0;
+    if (motion_.rotation_) holds_.assign(ParameterStencil::places, motion_.hold_);
     change_hinge();
   }
 
@@ -67,13 +74,14 @@ class ChainSlope final : public MotionSlope {
     seen_ = false;
     motion_.place_stages();
     motion_.predict(previous_, last_h_ > 0.0 ? motion_.h_ / last_h_ : 0.0, 1.0, a_);
-    if (motion_.friction_.sticks()) find_run_residual();
+    if (motion_.rotation_) turn_hinges();
+    if (motion_.held()) find_run_residual();
   }
 
   Change improve(std::span<const NodeVector> forces, std::span<Nodes> points) override {
     slopes_of_forces_ = forces;
     differentiate_residual();
-    if (motion_.friction_.sticks()) constrain();
+    if (motion_.held()) constrain();
     motion_.solve(residual_);
     a_ -= residual_;
     for (std::size_t stop = 0; stop < points.size(); ++stop) look_at_nodes(stop, points[stop]);
@@ -110,7 +118,11 @@ class ChainSlope final : public MotionSlope {
 
   PointMotion struck_at_place(int stop) const override { return points_.struck(stop); }
 
-  Spots spots() const override { return points_.spots(); }
+  Spots spots() const override {
+    Spots spots = points_.spots();
+    if (motion_.rotation_) add_departure(spots);
+    return spots;
+  }
 
   void take(double shift) override {
     place_stages();
@@ -119,6 +131,7 @@ class ChainSlope final : public MotionSlope {
       q_[k] = stage_q_(S - 1, k) + shift * (motion_.v_[k] + motion_.velocity_of(a)[S - 1]);
       v_[k] = stage_v_(S - 1, k) + shift * a[S - 1];
     }
+    if (motion_.rotation_) end_at_hinge();
     std::swap(previous_, a_);
     last_h_ = motion_.h_;
     seen_ = false;
@@ -149,7 +162,70 @@ class ChainSlope final : public MotionSlope {
     Chain chain;
   };
 
+  /// A hinge that is turned as stated, where the parameter is moved.
+  struct Turn {
+    double from = 0.0;  ///< angle at the start [rad]
+    HingeRotation rotation = {};
+    double place = 0.0;  ///< of the struck point, from the hinge [m]
+
+    double angle_at(double t) const { return from + rotation.angle_at(t); }
+  };
+
   void place_stages() { motion_.place(q_, v_, a_, stage_q_, stage_v_); }
+
+  /// As stated, at the stages of the step.
+  void turn_hinges() {
+    by_.for_each_place([&](std::size_t place) {
+      const Turn& turn = turns_[place];
+      Lanes angle, rate, acceleration;
+      for (int i = 0; i < S; ++i) {
+        const double t = motion_.t_ + motion_.h_ * motion_.nodes_[i];
+        angle[i] = turn.angle_at(t);
+        rate[i] = turn.rotation.rate_at(t);
+        acceleration[i] = turn.rotation.acceleration_at(t);
+      }
+      holds_[place].turn(angle, rate, acceleration);
+    });
+  }
+
+  /// The step that is taken ends at the hinge's very angle and rate.
+  void end_at_hinge() {
+    const double t = motion_.t_ + motion_.h_;
+    residual_.row(0) = q_.transpose();
+    residual_.row(1) = v_.transpose();
+    q_.setZero();
+    v_.setZero();
+    by_.for_each_place([&](std::size_t place) {
+      const double way = by_.offset(place);
+      at_q_ = motion_.stage_q_.row(S - 1).transpose() + way * residual_.row(0).transpose();
+      at_v_ = motion_.stage_v_.row(S - 1).transpose() + way * residual_.row(1).transpose();
+      Hold::place(turns_[place].angle_at(t), turns_[place].rotation.rate_at(t), at_q_, at_v_);
+      q_ += by_.weight(place) * at_q_;
+      v_ += by_.weight(place) * at_v_;
+    });
+  }
+
+  /// As ChainMotion::add_departure(), differentiated.
+  void add_departure(Spots& spots) const {
+    const double t = motion_.t_ + std::max(points_.part(), 0.0) * motion_.h_;
+    const double angle = motion_.turned_at(t);
+    const double turned = by_.slope([&](std::size_t place) { return turns_[place].angle_at(t); });
+    const auto p = points_.departing();
+    const double sine = std::sin(angle), cosine = std::cos(angle), half = std::sin(0.5 * angle);
+    const double x = motion_.points_.displacement_place, x_slope = moved_.displacement_place;
+    spots.deflection = cosine * p.across_slope - sine * (p.along_slope + x_slope) -
+                       turned * (sine * p.across + cosine * (p.along + x));
+    spots.extension = sine * p.across_slope + cosine * p.along_slope +
+                      turned * (cosine * p.across - sine * (p.along + x)) -
+                      2.0 * half * half * x_slope;
+  }
+
+  /// The stages by so much of the parameter on.
+  void move(double way) {
+    moved_q_ = motion_.stage_q_ + way * stage_q_;
+    moved_v_ = motion_.stage_v_ + way * stage_v_;
+    moved_a_ = motion_.a_ + way * a_;
+  }
 
   /// Of a hinge that is let go.
   void differentiate_residual() {
@@ -158,12 +234,12 @@ class ChainSlope final : public MotionSlope {
     by_.for_each_place([&](std::size_t place) {
       const Chain& chain = bars_.empty() ? motion_.chain_ : bars_[place]->chain;
       const double way = by_.offset(place);
-      const Stages q = motion_.stage_q_ + way * stage_q_;
-      chain.template residual<S>(q, motion_.a_ + way * a_, there_);
-      if (chain.damped())
-        chain.template add_damping<S>(q, motion_.stage_v_ + way * stage_v_, there_);
+      move(way);
+      chain.template residual<S>(moved_q_, moved_a_, there_);
+      if (chain.damped()) chain.template add_damping<S>(moved_q_, moved_v_, there_);
       if (motion_.friction_.slides())
-        chain.template add_hinge_moment<S>(motion_.friction_.moment(friction_[place]), q, there_);
+        chain.template add_hinge_moment<S>(motion_.friction_.moment(friction_[place]), moved_q_,
+                                           there_);
       residual_ += by_.weight(place) * there_;
     });
     for (std::size_t stop = 0; stop < forces_.size(); ++stop) {
@@ -186,14 +262,14 @@ class ChainSlope final : public MotionSlope {
 
   /// Puts what holds the hinge into the residual's slope.
   void constrain() {
-    const Stages unheld = residual_;
+    unheld_ = residual_;
     by_.for_each_place([&](std::size_t place) {
       const double way = by_.offset(place);
-      const Stages before = run_residual_ + way * unheld;
-      there_ = before;
-      holds_[place].constrain(motion_.stage_q_ + way * stage_q_, motion_.stage_v_ + way * stage_v_,
-                              motion_.a_ + way * a_, there_);
-      residual_ += by_.weight(place) * (there_ - before);
+      move(way);
+      before_ = run_residual_ + way * unheld_;
+      there_ = before_;
+      holds_[place].constrain(moved_q_, moved_v_, moved_a_, there_);
+      residual_ += by_.weight(place) * (there_ - before_);
     });
   }
 
@@ -248,6 +324,10 @@ class ChainSlope final : public MotionSlope {
     points_.displacement = curve(points.displacement_spot, moved_.displacement_spot);
     points_.run_velocity = run_curve(points.velocity_spot);
     points_.run_displacement = run_curve(points.displacement_spot);
+    if (motion_.rotation_) {
+      points_.along = curve(points.along_spot, moved_.along_spot);
+      points_.run_along = run_curve(points.along_spot);
+    }
     seen_ = true;
   }
 
@@ -255,11 +335,13 @@ class ChainSlope final : public MotionSlope {
   ParameterStencil by_;
   std::vector<std::unique_ptr<Bar>> bars_;  // at the stencil's places; empty where all are the same
   std::vector<double> friction_;            // in the hinge, likewise
-  std::vector<Hold> holds_;                 // of a hinge that sticks, likewise
+  std::vector<Turn> turns_;                 // of the hinge, likewise
+  std::vector<Hold> holds_;                 // of a hinge that is held, likewise
   ChainPoints moved_;                       // slopes of the shares
   std::span<const NodeVector> forces_, slopes_of_forces_;
-  Eigen::ArrayXd q_, v_;
+  Eigen::ArrayXd q_, v_, at_q_, at_v_;
   Stages a_, previous_, stage_q_, stage_v_, residual_, there_, run_residual_;
+  Stages moved_q_, moved_v_, moved_a_, unheld_, before_;  // scratch
   double last_h_ = 0.0;
   bool seen_ = false;  // the points over the step at hand
   SeenPoints<S> points_;

@@ -147,7 +147,7 @@ class DenseMotion final : public BarMotion {
 
   std::unique_ptr<MotionSlope> follow(const RigEffect& effect, const Solver& solver,
                                       const HistoryRequest& history) override {
-    if (rotation_ || (effect.moves_friction() && !friction_.acts())) return nullptr;
+    if (!effect.two_sided()) return nullptr;
     followed_ = true;
     return std::make_unique<DenseSlope<DenseMotion>>(*this, effect, solver, history);
   }

@@ -28,8 +28,13 @@ class DenseSlope final : public MotionSlope {
         by_(stencil_of_motion(effect, solver)),
         friction_slope_(
             by_.slope([&](std::size_t place) { return by_.rig_at(place).hinge.friction; })) {
-    q_ = v_ = at_q_ = at_v_ = scratch_ = Vector::Zero(motion.n_);
+    q_ = v_ = at_q_ = at_v_ = scratch_ = run_q_ = run_v_ = moved_q_ = moved_v_ =
+        Vector::Zero(motion.n_);
     a_ = previous_ = stage_q_ = stage_v_ = residual_ = Stages::Zero(motion.n_, S);
+    turns_.resize(ParameterStencil::places);
+    by_.for_each_place([&](std::size_t place) {
+      if (motion.rotation_) turns_[place].rotation = *by_.rig_at(place).hinge.rotation;
+    });
     if (effect.keeps_bar()) return;
     bars_.resize(ParameterStencil::places);
     for (std::size_t place = 0; place < bars_.size(); ++place)
@@ -43,7 +48,11 @@ class DenseSlope final : public MotionSlope {
     by_.for_each_place([&](std::size_t place) {
       at_q_.setZero();
       at_v_.setZero();
-      bar(place).beam->set_steady_motion(starts[place].angle, starts[place].rate, at_q_, at_v_);
+      const auto [angle, rate] = starts[place];
+      const FloatingFrameBeam& beam = *bar(place).beam;
+      beam.set_steady_motion(angle, rate, at_q_, at_v_);
+      if (motion_.rotation_) beam.set_hinge(angle, rate, at_q_, at_v_);
+      turns_[place].from = angle;
       q_ += by_.weight(place) * at_q_;
       v_ += by_.weight(place) * at_v_;
     });
@@ -98,11 +107,17 @@ class DenseSlope final : public MotionSlope {
   void look(double part) override {
     if (!seen_) see_points();
     points_.look(part);
+    if (motion_.rotation_) see_departure(part);
   }
 
   PointMotion struck_at_place(int stop) const override { return points_.struck(stop); }
 
-  Spots spots() const override { return points_.spots(); }
+  Spots spots() const override {
+    Spots spots = points_.spots();
+    spots.deflection = departure_.deflection;
+    spots.extension = departure_.extension;
+    return spots;
+  }
 
   void take(double shift) override;
 
@@ -122,6 +137,12 @@ class DenseSlope final : public MotionSlope {
   static constexpr int S = Motion::stages;
   using Vector = Eigen::VectorXd;
   using Stages = typename Motion::Stages;
+
+  /// A hinge that is turned as stated, where the parameter is moved.
+  struct Turn {
+    double from = 0.0;  ///< angle at the start [rad]
+    HingeRotation rotation = {};
+  };
 
   FrameBar& bar(std::size_t place) const { return bars_.empty() ? motion_.bar_ : *bars_[place]; }
 
@@ -144,9 +165,49 @@ class DenseSlope final : public MotionSlope {
     const double way = by_.offset(place);
     for (std::size_t k = 0; k < forces_.size(); ++k)
       motion_.forces_[k] = forces_[k][stage] + way * slopes_of_forces_[k][stage];
-    bar(place).beam->acceleration(motion_.stage_q_.col(stage) + way * stage_q_.col(stage),
-                                  motion_.stage_v_.col(stage) + way * stage_v_.col(stage),
-                                  motion_.forces_, scratch_);
+    if (motion_.rotation_) turn_hinge(place, stage);
+    moved_q_ = motion_.stage_q_.col(stage) + way * stage_q_.col(stage);
+    moved_v_ = motion_.stage_v_.col(stage) + way * stage_v_.col(stage);
+    bar(place).beam->acceleration(moved_q_, moved_v_, motion_.forces_, scratch_);
+  }
+
+  void turn_hinge(std::size_t place, int stage) {
+    const double t = motion_.t_ + motion_.h_ * motion_.stages_.rule.points()[stage];
+    bar(place).beam->drive(
+        {.held = true, .acceleration = turns_[place].rotation.acceleration_at(t)});
+  }
+
+  /// The step that is taken ends at the hinge's very angle and rate.
+  void end_at_hinge() {
+    const double t = motion_.t_ + motion_.h_;
+    at_q_ = q_;
+    at_v_ = v_;
+    q_.setZero();
+    v_.setZero();
+    by_.for_each_place([&](std::size_t place) {
+      const double way = by_.offset(place);
+      const Turn& turn = turns_[place];
+      moved_q_ = motion_.stage_q_.col(S - 1) + way * at_q_;
+      moved_v_ = motion_.stage_v_.col(S - 1) + way * at_v_;
+      bar(place).beam->set_hinge(turn.from + turn.rotation.angle_at(t), turn.rotation.rate_at(t),
+                                 moved_q_, moved_v_);
+      q_ += by_.weight(place) * moved_q_;
+      v_ += by_.weight(place) * moved_v_;
+    });
+  }
+
+  /// At a place of the step.
+  void see_departure(double part) {
+    motion_.move(part, motion_.q_, motion_.v_, motion_.a_, motion_.stage_v_, run_q_, run_v_);
+    motion_.move(part, q_, v_, a_, stage_v_, at_q_, at_v_);
+    departure_ = {};
+    by_.for_each_place([&](std::size_t place) {
+      const FrameBar& there = bar(place);
+      moved_q_ = run_q_ + by_.offset(place) * at_q_;
+      const auto departure = there.beam->departure(there.displacement_place, moved_q_);
+      departure_.deflection += by_.weight(place) * departure.deflection;
+      departure_.extension += by_.weight(place) * departure.extension;
+    });
   }
 
   /// Of what is seen of a bar.
@@ -156,7 +217,9 @@ class DenseSlope final : public MotionSlope {
     PointMotion sum;
     by_.for_each_place([&](std::size_t place) {
       const double way = by_.offset(place);
-      const PointMotion p = seen(bar(place), q + way * q_slope, v + way * v_slope);
+      moved_q_ = q + way * q_slope;
+      moved_v_ = v + way * v_slope;
+      const PointMotion p = seen(bar(place), moved_q_, moved_v_);
       sum.displacement += by_.weight(place) * p.displacement;
       sum.velocity += by_.weight(place) * p.velocity;
     });
@@ -179,7 +242,10 @@ class DenseSlope final : public MotionSlope {
   std::vector<std::unique_ptr<FrameBar>> bars_;  // at the stencil's places; empty: all the same
   double friction_slope_;                        // of the hinge's
   std::span<const NodeVector> forces_, slopes_of_forces_;
-  Vector q_, v_, at_q_, at_v_, scratch_;
+  std::vector<Turn> turns_;                 // of the hinge, at the stencil's places
+  FloatingFrameBeam::Departure departure_;  // slopes at the place looked at
+  Vector q_, v_, at_q_, at_v_, scratch_, run_q_, run_v_;
+  mutable Vector moved_q_, moved_v_;  // scratch
   Stages a_, previous_, stage_q_, stage_v_, residual_, change_;
   double last_h_ = 0.0;
   bool seen_ = false;  // the points over the step at hand
@@ -238,6 +304,7 @@ void DenseSlope<Motion>::take(double shift) {
   place_stages();
   q_ = stage_q_.col(S - 1) + shift * motion_.stage_v_.col(S - 1);
   v_ = stage_v_.col(S - 1) + shift * motion_.a_.col(S - 1);
+  if (motion_.rotation_) end_at_hinge();
   std::swap(previous_, a_);
   last_h_ = motion_.h_;
   seen_ = false;

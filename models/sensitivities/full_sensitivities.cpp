@@ -3,17 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <utility>
 
 namespace impactrig::models {
 namespace {
-
-// Of the accuracy asked for, what the iteration may leave of a slope.
-constexpr double share = 0.01;
-constexpr int most_iterations = 50;
-// No iteration is trusted to leave less than this of a change.
-constexpr double fastest_rate = 0.01;
 
 MotionSlope::Start start_of(const Rig& rig, const SimulationOptions& options) {
   if (follows_swing(rig, options)) return {-*rig.start.release_angle, 0.0};
@@ -27,11 +20,11 @@ FullSensitivities::FullSensitivities(const Rig& rig, const Solver& solver,
                                      const StoppedMotion* stopped)
     : RunSensitivities(rig, options, motion, stopped),
       motion_(motion),
-      tolerance_(share * std::max(solver.accuracy, Solver::finest_accuracy)),
       points_(stops_.size()),
       changes_(stops_.size()),
       passing_(stops_.size()) {
-  rates_.assign(options.sensitivities.size(), 1.0);
+  const double accuracy = std::max(solver.accuracy, Solver::finest_accuracy);
+  progress_.assign(options.sensitivities.size(), SlopeProgress(accuracy));
   for (const RigParameter parameter : options.sensitivities) {
     auto effect = std::make_unique<RigEffect>(rig, parameter);
     slopes_.push_back(motion.follow(*effect, solver, options.history));
@@ -85,20 +78,14 @@ bool FullSensitivities::solve(int i) {
   Direction& d = direction(i);
   for (NodeVector& force : d.force) force.setZero(rule_.nodes());
   slope(i).begin_step(force_);
-  double& rate = rates_[static_cast<std::size_t>(i)];
-  double before = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < most_iterations; ++k) {
+  SlopeProgress& progress = progress_[static_cast<std::size_t>(i)];
+  progress.begin_step();
+  auto state = SlopeProgress::State::goes_on;
+  while (state == SlopeProgress::State::goes_on) {
     const MotionSlope::Change change = slope(i).improve(d.force, points_);
-    const double size = change.size + press(i);
-    if (k > 0) rate = std::clamp(size / before, fastest_rate, 1.0);
-    const double left = rate * size;  // that the next iteration would change
-    const double scale = std::max(1.0, change.of);
-    if (left <= tolerance_ * scale || size <= change.rounding * scale) return true;
-    if (!(size < 1e3 * before)) return false;
-    before = size;
+    state = progress.improved(change, press(i));
   }
-  rate = 1.0;
-  return false;
+  return state == SlopeProgress::State::settled;
 }
 
 void FullSensitivities::go_to_place() {

@@ -6,6 +6,7 @@
 
 #include "models/sensitivities/motion_slope.hpp"
 #include "models/sensitivities/run_sensitivities.hpp"
+#include "models/sensitivities/slope_progress.hpp"
 
 namespace impactrig::models {
 
@@ -58,10 +59,9 @@ class FullSensitivities final : public RunSensitivities {
   double press(int i);
 
   BarMotion& motion_;
-  double tolerance_;
   bool known_ = true;
   std::vector<std::unique_ptr<MotionSlope>> slopes_;  // a direction each
-  std::vector<double> rates_;                         // at which their iterations converge
+  std::vector<SlopeProgress> progress_;               // likewise
   std::vector<MotionSlope::Nodes> points_;            // before the stops
   std::vector<NodeVector> changes_;                   // of the forces' slopes
   Eigen::VectorXd answer_;

@@ -10,9 +10,11 @@ namespace impactrig::models {
 
 /// The stencil along which a motion of this accuracy is differentiated: two places err by 1e-8,
 /// half as many evaluations as five take, and less than a run that is not more accurate than that.
+/// Of a bar that swings far they err by what its slopes, straight ways through a turn, stretch it.
 inline ParameterStencil stencil_of_motion(const RigEffect& effect, const Solver& solver) {
   constexpr double coarse = 1e-7;
-  return solver.accuracy > coarse ? effect.by().lighter() : effect.by();
+  const bool light = solver.accuracy > coarse && !swings_far(effect.by().rig());
+  return light ? effect.by().lighter() : effect.by();
 }
 
 /// The derivative of a BarMotion by one number of the rig, carried on from step to step: it solves
@@ -35,6 +37,7 @@ class MotionSlope {
   struct Spots {
     double velocity = 0.0, displacement = 0.0, sensor_force = 0.0;
     double velocity_rate = 0.0, displacement_rate = 0.0, sensor_force_rate = 0.0;
+    double deflection = 0.0, extension = 0.0;  ///< of a hinge that is turned as stated
   };
 
   /// Of an improvement, as parts of the speed that counts and for the parameter's size.

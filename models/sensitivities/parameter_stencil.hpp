@@ -10,7 +10,11 @@
 
 namespace impactrig::models {
 
-/// A number of the rig and values of it near by, from which derivatives by it are taken.
+/// Whether the bar may turn by much: released, or without a stop.
+bool swings_far(const Rig& rig);
+
+/// A number of the rig and values of it near by, from which derivatives by it are taken. Without a
+/// stop Contact::position goes with the tip, where it is.
 class ParameterStencil {
  public:
   ParameterStencil(const Rig& rig, RigParameter parameter);

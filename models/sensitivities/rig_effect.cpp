@@ -25,10 +25,19 @@ RigEffect::RigEffect(const Rig& rig, RigParameter parameter)
     : by_(rig, parameter),
       keeps_bar_(same_bar(rig, by_.rig_beside())),
       moves_friction_(by_.rig_beside().hinge.friction != rig.hinge.friction),
-      touch_speed_(
-          by_.slope([&](std::size_t place) { return touch_velocity(by_.rig_at(place)); })) {
+      touch_speed_(rig.has_stop() ? by_.slope([&](std::size_t place) {
+        return touch_velocity(by_.rig_at(place));
+      })
+                                  : 0.0) {
   laws_.reserve(static_cast<std::size_t>(rig.stops()));
   for (int stop = 0; stop < rig.stops(); ++stop) laws_.emplace_back(rig, stop, by_);
+}
+
+bool RigEffect::two_sided() const {
+  const Hinge &here = by_.rig().hinge, beside = by_.rig_beside().hinge;
+  if (moves_friction_ && here.friction == 0.0) return false;
+  return !here.rotation || here.rotation->time > 0.0 || beside.rotation == here.rotation ||
+         beside.rotation->time == 0.0;
 }
 
 /// Where nothing before touch changes.

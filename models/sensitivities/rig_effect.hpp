@@ -33,7 +33,11 @@ class RigEffect {
   /// Whether it is the hinge's dry friction.
   bool moves_friction() const { return moves_friction_; }
 
-  /// Of touch_velocity() [m/s a unit].
+  /// Whether the number may be moved both ways: not friction that is none, nor the time of a
+  /// rotation that takes none.
+  bool two_sided() const;
+
+  /// Of touch_velocity() [m/s a unit]; without a stop 0.
   double touch_speed() const { return touch_speed_; }
 
   /// Of what the history shows up to touch, when the struck point arrives at this speed [m/s] whose

@@ -141,6 +141,43 @@ TEST(TimeLoop, OfSmallMotionAllocatesNothing) {
   expect_no_allocation_in_steps(rig, ancf(14, 2, 1e-4, 0.0), options);
 }
 
+/// Swings, and a bar that is turned, with and without derivatives.
+TEST(TimeLoop, OfABarWithoutAStopAllocatesNothing) {
+  Rig swinging = paper_rig();
+  swinging.contact.law = "none";
+  swinging.contact.position = swinging.beam.length;
+  swinging.gravity = 9.81;
+  swinging.beam.youngs_modulus = 2e9;
+  Rig turned = swinging;
+  swinging.start = {.velocity = 0.0, .release_angle = 0.8};
+  turned.start = {};
+  turned.hinge.rotation = HingeRotation{.rate = 3.0, .time = 0.1};
+  Rig shearing = turned;
+  shearing.beam.theory = BeamTheory::timoshenko;
+  shearing.beam.shear_coefficient = 0.9;
+  const auto run = [](const Rig& rig, Solver solver, double duration,
+                      const SimulationOptions& options) {
+    solver.duration = duration;
+    const long before = allocations;
+    const Simulation result = simulate(rig, solver, options);
+    EXPECT_EQ(result.sensitivities.size(), options.sensitivities.size());
+    return Counted{allocations - before, result.cost.steps};
+  };
+  SimulationOptions plain, followed;
+  plain.exact = followed.exact = true;
+  followed.sensitivities = {[](Rig& r) -> double& { return r.gravity; },
+                            [](Rig& r) -> double& { return r.beam.density; }};
+  for (const Rig& rig : {swinging, turned, shearing})
+    for (const Solver& solver : {ancf(4, 0, 1e-6, 0.0), hybrid(Basis::cantilever, 3, 1e-6, 0.0)})
+      for (const SimulationOptions& options : {plain, followed}) {
+        run(rig, solver, 0.1, options);
+        const Counted shorter = run(rig, solver, 0.05, options);
+        const Counted longer = run(rig, solver, 0.1, options);
+        EXPECT_GT(longer.steps, shorter.steps + 5);
+        EXPECT_EQ(longer.allocations, shorter.allocations) << name(solver.model);
+      }
+}
+
 /// Two stops that press at a time for as long as the bar is held between them.
 Rig held_rig() {
   Rig rig = damped_paper_rig();

@@ -37,6 +37,13 @@ inline constexpr std::array parameters = {
 inline constexpr std::span<const Named> without_places =
     std::span(parameters).first(parameters.size() - 2);
 
+/// Of what a bar is made of, with a mass on it.
+inline constexpr std::array of_sections = {
+    Named{"area", [](models::Rig& r) -> double& { return r.beam.area; }},
+    Named{"second moment", [](models::Rig& r) -> double& { return r.beam.second_moment; }},
+    Named{"mass", [](models::Rig& r) -> double& { return r.beam.masses[0].mass; }},
+};
+
 inline constexpr std::array of_damped_bars = {
     Named{"mass damping", [](models::Rig& r) -> double& { return r.beam.damping.mass; }},
     Named{"stiffness damping", [](models::Rig& r) -> double& { return r.beam.damping.stiffness; }},

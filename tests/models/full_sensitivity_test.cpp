@@ -57,6 +57,13 @@ TEST(FullSensitivities, OfDampedBarsAreThoseOfDifferences) {
   expect_equal_full_derivatives(rig, hybrid(Basis::pinned_free, 4, 1e-12, 4.5e-4), of_damped_bars);
 }
 
+TEST(FullSensitivities, OfSectionsAndMassesAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  rig.beam.masses = {{0.4, 0.2}};
+  expect_equal_full_derivatives(rig, ancf(3, 1, 1e-12, 4e-4), of_sections);
+  expect_equal_full_derivatives(rig, hybrid(Basis::pinned_free, 4, 1e-12, 4e-4), of_sections);
+}
+
 // A rubber-like bar that bends by a good part of its length while it is stopped.
 TEST(FullSensitivities, OfLargeDeflectionAreThoseOfDifferences) {
   Rig rig = damped_rig();

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 
 #include "models/contact/contact_force.hpp"
 #include "models/contact/damping_law.hpp"
+#include "models/sensitivities/derivative_refusal.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/differences.hpp"
 #include "tests/models/scenes.hpp"
@@ -39,6 +41,13 @@ TEST(Sensitivities, OfDampedBarsAreThoseOfDifferences) {
   expect_equal_derivatives(rig, hybrid(Basis::pinned_free, 5, 1e-12, 5e-4), 1e-8, of_damped_bars);
   rig.beam.damping.stiffness = 5e-5;
   expect_equal_derivatives(rig, hybrid(Basis::cantilever, 5, 1e-12, 5e-4), 1e-8, of_damped_bars);
+}
+
+TEST(Sensitivities, OfSectionsAndMassesAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  rig.beam.masses = {{0.4, 0.2}};
+  expect_equal_derivatives(rig, ancf(4, 1, 1e-12, 4e-4), 1e-8, of_sections);
+  expect_equal_derivatives(rig, hybrid(Basis::pinned_free, 4, 1e-12, 4e-4), 1e-8, of_sections);
 }
 
 // A weightless rigid bar has no frequency to measure changes against, without a damper no rate at
@@ -204,6 +213,35 @@ TEST(Sensitivities, OfAFreeImpactFollowScaling) {
   EXPECT_NEAR(by_speed.duration, 0.0, 1e-12 * e.end);
   EXPECT_NEAR(by_speed.restitution.kinematic, 0.0, 1e-9);
   EXPECT_GT(run.sensitivities.at(1).peak_force, 0.0);
+}
+
+TEST(DerivativeRefusal, SaysWhereOnlyOneSideExists) {
+  constexpr RigParameter friction = [](Rig& r) -> double& { return r.hinge.friction; };
+  constexpr RigParameter length = [](Rig& r) -> double& { return r.beam.length; };
+  constexpr RigParameter position = [](Rig& r) -> double& { return r.contact.position; };
+  constexpr RigParameter area = [](Rig& r) -> double& { return r.beam.area; };
+  Rig rig = damped_rig();
+  for (const RigParameter parameter : {length, position, area})
+    EXPECT_EQ(derivative_refusal(rig, parameter), "");
+  EXPECT_THAT(derivative_refusal(rig, friction), testing::StartsWith("there is no friction, "));
+  rig.hinge.friction = 0.1;
+  EXPECT_EQ(derivative_refusal(rig, friction), "");
+  rig.contact.position = rig.beam.length;
+  for (const RigParameter parameter : {length, position})
+    EXPECT_EQ(derivative_refusal(rig, parameter),
+              "the bar is struck at its tip, and cannot be struck beyond it: only one side exists");
+  rig.contact.position = 0.69;
+  rig.beam.segments = {
+      BeamSegment{.length = 0.8, .area = rig.beam.area, .second_moment = rig.beam.second_moment}};
+  EXPECT_EQ(derivative_refusal(rig, area), "beam.segments state it, of each segment");
+  EXPECT_EQ(derivative_refusal(rig, position), "");
+  rig.contact.damping = "tsuji";
+  rig.contact.tension = Tension::allow;
+  EXPECT_THAT(derivative_refusal(rig, position), testing::StartsWith("with this damping law "));
+  rig.hinge.rotation = HingeRotation{.rate = 1.0, .time = 0.0};
+  rig.contact.law = "none";
+  constexpr RigParameter time = [](Rig& r) -> double& { return r.hinge.rotation->time; };
+  EXPECT_THAT(derivative_refusal(rig, time), testing::StartsWith("without a time the hinge "));
 }
 
 TEST(Sensitivities, LeaveTheRunAsItIs) {
