@@ -74,7 +74,7 @@ class ChainMotion final : public BarMotion {
     energy_ = chain_.energy(q_, v_);
     lost_ = 0.0;
     last_h_ = 0.0;
-    in_contact_ = false;
+    in_contact_ = touched_ = false;
     t_ = 0.0;
     angle_at_start_ = angle;
     friction_.start(rate);
@@ -83,7 +83,7 @@ class ChainMotion final : public BarMotion {
   }
 
   void expect_contact() override {
-    in_contact_ = true;
+    in_contact_ = touched_ = true;
     renew_tangent();
   }
 
@@ -218,6 +218,10 @@ class ChainMotion final : public BarMotion {
   // step, to vibration of which damping makes force.
   static constexpr double newton_share = S > 4 ? 0.005 : 0.2;
   static constexpr int kept_factors = 6;
+  // What four stages leave of the motion counts by this where no damping makes force of it: ends of
+  // steps are far more exact than series are within. Of 106 scenes the first contact then errs as
+  // before, by 0.02 of the accuracy at most but where damping presses.
+  static constexpr double weight_without_damping = S > 4 ? 1.0 : 0.1;
 
   using Stages = StageArray<S>;
   using Lanes = Eigen::Array<double, S, 1>;
@@ -533,6 +537,7 @@ class ChainMotion final : public BarMotion {
   bool slow_ = false;
   bool followed_ = false;  // by a derivative
   bool in_contact_ = false;
+  bool touched_ = false;  // since the start
   double tangent_angle_ = 0.0;
   bool turned_ = false;  // the bar, since the tangent was made; by how much at the stages
   Lanes turn_cosine_ = Lanes::Ones(), turn_sine_ = Lanes::Zero();
@@ -670,9 +675,11 @@ double ChainMotion<S, Chain, Hold>::error() const {
   });
   const double left =
       end_remainder<S>(across, followed_) + inclination * end_remainder<S>(along, followed_);
-  const double motion = h_ * weight_of_step(h_ / contact_time_) * left / speed_scale_;
+  const bool damped = in_contact_ && damping_ > 0.0;
+  const double weight = touched_ && !damped && !followed_ ? weight_without_damping : 1.0;
+  const double motion = weight * h_ * weight_of_step(h_ / contact_time_) * left / speed_scale_;
   double rate = 0.0;
-  if (in_contact_ && damping_ > 0.0) {
+  if (damped) {
     const Lanes struck = to_series(across_before(0).a).array().square();
     rate = error_of_rate<S>(struck, rounding_of_acceleration(displaced, h_), damping_,
                             contact_time_, h_);
