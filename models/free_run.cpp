@@ -13,7 +13,6 @@
 #include "models/contact_log.hpp"
 #include "models/history_recorder.hpp"
 #include "models/rigid_swing.hpp"
-#include "models/time_limit.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -141,6 +140,34 @@ Simulation FreeRun::fly() {
   return std::move(result_);
 }
 
+/// Throws where the time allowed is over or no step is short enough.
+void FreeRun::check_headway(const TimeLimit& limit, int level) const {
+  if (TimeLimit::is_to_be_asked(result_.cost.steps + result_.cost.rejected) && limit.over())
+    throw std::runtime_error(fmt::format(
+        "{:g} s of processor time, solver.time_limit, took the simulation to {:g} s after the "
+        "start. State a shorter solver.duration, fewer elements or modes, a larger "
+        "solver.accuracy, or a longer solver.time_limit.",
+        solver_.time_limit, t_));
+  if (level >= StepLadder::levels - 1)
+    throw std::runtime_error(fmt::format(
+        "the integration makes no headway {:g} s after the start; ask for less accuracy", t_));
+}
+
+void FreeRun::take_step() {
+  ++result_.cost.steps;
+  const double h = bar_.step();
+  sample(h, [&](double first, double spacing) {
+    bar_.sample(first / h, spacing / h, samples_);
+    if (followed_) followed_->sample(first / h, spacing / h, samples_.size());
+  });
+  result_.energy.damped += bar_.damped(1.0);
+  result_.energy.driven += bar_.driven();
+  t_ += h;
+  if (followed_) followed_->take(hinge_changes_);
+  bar_.take(1.0);
+  if (hinge_changes_) change_hinge();
+}
+
 Simulation FreeRun::simulate() {
   const auto started = std::chrono::steady_clock::now();
   const TimeLimit limit(solver_.time_limit);
@@ -148,15 +175,7 @@ Simulation FreeRun::simulate() {
   bool rejected = false;
   RefusedLevel refused;  // by its error
   while (t_ < t_end_) {
-    if (TimeLimit::is_to_be_asked(result_.cost.steps + result_.cost.rejected) && limit.over())
-      throw std::runtime_error(fmt::format(
-          "{:g} s of processor time, solver.time_limit, took the simulation to {:g} s after the "
-          "start. State a shorter solver.duration, fewer elements or modes, a larger "
-          "solver.accuracy, or a longer solver.time_limit.",
-          solver_.time_limit, t_));
-    if (level >= StepLadder::levels - 1)
-      throw std::runtime_error(fmt::format(
-          "the integration makes no headway {:g} s after the start; ask for less accuracy", t_));
+    check_headway(limit, level);
     if (!try_step(level)) {
       ++result_.cost.rejected;
       const double order = bar_.rule().nodes() + 1.0;
@@ -184,18 +203,8 @@ Simulation FreeRun::simulate() {
       rejected = true;
       continue;
     }
-    ++result_.cost.steps;
-    const double h = bar_.step();
-    sample(h, [&](double first, double spacing) {
-      bar_.sample(first / h, spacing / h, samples_);
-      if (followed_) followed_->sample(first / h, spacing / h, samples_.size());
-    });
-    result_.energy.damped += bar_.damped(1.0);
-    result_.energy.driven += bar_.driven();
-    t_ = last ? t_end_ : t_ + bar_.step();
-    if (followed_) followed_->take(hinge_changes_);
-    bar_.take(1.0);
-    if (hinge_changes_) change_hinge();
+    take_step();
+    if (last) t_ = t_end_;
     level = rejected ? std::max(next, level) : next;
     rejected = false;
   }

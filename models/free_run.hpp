@@ -6,6 +6,7 @@
 #include "models/collocation/bar_motion.hpp"
 #include "models/sensitivities/free_sensitivities.hpp"
 #include "models/simulation.hpp"
+#include "models/time_limit.hpp"
 
 namespace impactrig::models {
 
@@ -30,6 +31,8 @@ class FreeRun {
   bool try_step(int level);
   bool land(double hinge_change);
   void change_hinge();
+  void check_headway(const TimeLimit& limit, int level) const;
+  void take_step();
   template <typename Look>
   void sample(double time, Look look);
   void conclude();
