@@ -32,8 +32,8 @@ constexpr double step_safety = 0.9, step_safety_of_modes = 0.8;
 constexpr double smallest_part = 0.01, slowest_part = 0.1, creeping = 1e-3;
 // The same where the steps resolve all of the bar's vibration: their ends then err so little that
 // this is below the accuracy anyway, but for what a law does that changes with the rate's sign,
-// which nodes may miss. 194 such contacts that ended at 0.01 to 0.1 of their approach erred by 0.022
-// of the accuracy at most.
+// which nodes may miss. By this rule 194 contacts of hybrid bars that ended at 0.01 to 0.1 of their
+// approach erred by 0.022 of the accuracy at most.
 constexpr double slowest_resolved = 0.01;
 // The energy of the first contact, as a multiple of what the bar first has to be stopped of.
 constexpr double most_of_local = 30.0;

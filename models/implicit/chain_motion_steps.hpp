@@ -219,8 +219,9 @@ class ChainMotion final : public BarMotion {
   static constexpr double newton_share = S > 4 ? 0.005 : 0.2;
   static constexpr int kept_factors = 6;
   // What four stages leave of the motion counts by this where no damping makes force of it: ends of
-  // steps are far more exact than series are within. Of 106 scenes the first contact then errs as
-  // before, by 0.02 of the accuracy at most but where damping presses.
+  // steps are far more exact than series are within. First contacts of 106 scenes then err
+  // by 8.7e-4 of the accuracy in the median, 7.3e-4 without it, and by 0.38 in the worst, with and
+  // without.
   static constexpr double weight_without_damping = S > 4 ? 1.0 : 0.1;
 
   using Stages = StageArray<S>;

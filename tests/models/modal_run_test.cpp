@@ -312,7 +312,8 @@ TEST(SmallMotion, AContactThatEndsSlowlyIsSolvedAgainWhereVibrationIsNotResolved
 }
 
 // After the contact, and where no damping makes force of vibration, four stages need follow less of
-// it: 1149 steps were more than a thousand times as accurate as asked for.
+// it: 1149 steps had a peak 25 times as accurate as asked for, a duration 400 times, and so have
+// 682.
 TEST(FullEquations, OfAFineMeshTakeNoMoreStepsThanTheirAccuracyNeeds) {
   const Rig rig = paper_rig();
   SimulationOptions exact;
