@@ -120,10 +120,12 @@ class RecordWriter::File {
       : path_(std::move(path)),
         part_(path_ + ".part"),
         names_(group_names(names)) {
-    // opened first without HDF5, whose errors do not say why a file cannot be made
+    // opened first without HDF5, whose errors do not say why a file cannot be made; then removed,
+    // as ext4 writes a file that was emptied to the disk before it lets it be closed
     std::FILE* const probe = std::fopen(part_.c_str(), "wb");
     if (probe == nullptr) fail(std::generic_category().message(errno));
     std::fclose(probe);
+    std::remove(part_.c_str());
     guarded([&] {
       const Hdf5Handle access = made(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
       check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V110));
