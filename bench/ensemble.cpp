@@ -34,7 +34,7 @@ struct Study {
   int members = 2000;
   int repetitions = 5;
   unsigned seed = 1;
-  std::vector<double> accuracies = {1e-3, 1e-6};
+  std::vector<double> accuracies = {1e-3, 1e-4, 1e-6};
   std::string output;
 };
 

@@ -8,8 +8,9 @@
 namespace impactrig::models {
 namespace {
 
+/// A vector, or a matrix by columns.
 void write(LaneRow* rows, int lane, const auto& values) {
-  for (Eigen::Index i = 0; i < values.size(); ++i) rows[i].at[lane] = values[i];
+  for (Eigen::Index i = 0; i < values.size(); ++i) rows[i].at[lane] = values.data()[i];
 }
 
 void read(const LaneRow* rows, int lane, auto& values) {
@@ -54,7 +55,6 @@ void LaneRuns::begin(Lane& lane, int number) {
   run.run().begin();
   lane.known_law = run.faces_single_rigid_stop() && !run.bar().modes().damped() &&
                    write_law(run.run().contact(), rows(), number);
-  write(rows().struck, number, run.bar().modes().struck());
   rows().tolerance.at[number] = run.run().newton_tolerance();
 }
 
@@ -64,7 +64,7 @@ void LaneRuns::fill(int number) {
     lane.job = queue_.next();
     if (!lane.job) return;
     const SmallMotionRun& run = *lane.job->run;
-    if (!block_) block_.emplace(run.bar().modes().modes(), run.rule());
+    if (!block_) block_.emplace(run.rule());
     guarded(number, [&](Lane& taken) { begin(taken, number); });
   }
 }
@@ -76,10 +76,13 @@ void LaneRuns::propose(Lane& lane, int number) {
   if (!lane.known_law) return;
   if (lane.written != &motion.modal_step()) {
     lane.written = &motion.modal_step();
-    lane.written->write_to(rows(), number);
+    const BarMotion::Response& response = motion.response(0, 0);
+    write(rows().displacement_of_force, number, response.displacement_of_force);
+    write(rows().velocity_of_force, number, response.velocity_of_force);
   }
-  write(rows().a, number, motion.state().a);
-  write(rows().rate, number, motion.state().rate);
+  motion.modal_step().coast(0, motion.state(), displacement_, velocity_);
+  write(rows().displacement, number, displacement_);
+  write(rows().velocity, number, velocity_);
   write(rows().force, number, run.proposed().force);
   const ContactForce::Phase phase = run.contact().phase();
   rows().pressed.at[number] = phase == ContactForce::Phase::pressed ? 1.0 : 0.0;
@@ -100,10 +103,9 @@ void LaneRuns::read_solution(Lane& lane, int number) {
     to->resize(rows().nodes);
     read(from, number, *to);
   }
-  solution.at_end = {rows().end_displacement.at[number], rows().end_velocity.at[number]};
-  ModalState& end = lane.job->run->motion().finish_elsewhere(solution.force_series);
-  read(rows().end_a, number, end.a);
-  read(rows().end_rate, number, end.rate);
+  ModalMotion& motion = lane.job->run->motion();
+  motion.finish({&solution, 1});
+  solution.at_end = motion.struck_at_end(0);
 }
 
 void LaneRuns::judge(Lane& lane, int number) {

@@ -62,6 +62,7 @@ class LaneRuns {
 
   LaneQueue& queue_;
   std::optional<StepBlock> block_;
+  NodeVector displacement_, velocity_;  // of a struck point at the nodes
   std::array<Lane, lane_count> lanes_;
 };
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "models/integration/gauss.hpp"
+#include "models/lanes/mode_lanes.hpp"
 
 namespace impactrig::models {
 
@@ -137,15 +138,18 @@ NodeMatrix Collocation::integration() const {
 
 NodeVector Collocation::values_between(const NodeVector& series, double begin, double end) const {
   NodeVector values(nodes());
-  for (int i = 0; i < nodes(); ++i)
-    values[i] = legendre_sum(series, begin + (end - begin) * points_[i]);
+  find_values({.terms = static_cast<int>(series.size()),
+               .nodes = nodes(),
+               .series = series.data(),
+               .points = points_.data(),
+               .begin = begin,
+               .length = end - begin,
+               .values = values.data()});
   return values;
 }
 
 NodeVector Collocation::restricted(const NodeVector& series, double theta) const {
-  NodeVector values(nodes());
-  for (int i = 0; i < nodes(); ++i) values[i] = legendre_sum(series, theta * points_[i]);
-  return to_series_ * values;
+  return to_series_ * values_between(series, 0.0, theta);
 }
 
 const Eigen::MatrixXd& Collocation::convolutions(int block) const {
@@ -175,8 +179,8 @@ Eigen::MatrixXd Collocation::make_convolutions(int block) const {
 
 double truncation(const NodeVector& series) {
   const Eigen::Index s = series.size();
-  const double last = std::hypot(series[s - 1], series[s - 2]);
-  const double before = std::hypot(series[s - 3], series[s - 4]);
+  const double last = series.tail<2>().norm();
+  const double before = series.segment<2>(s - 4).norm();
   return before > 3.0 * last ? 3.0 * last * last / before : last;
 }
 

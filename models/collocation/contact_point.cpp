@@ -37,11 +37,8 @@ void ContactPoint::predict_force() {
   step_.force.setZero(s);
   if (last_series_.size() == 0 || !contact_.presses()) return;
   const int terms = std::min(std::max(4, s - 2), 6);
-  NodeVector legendre(terms);
-  for (int i = 0; i < s; ++i) {
-    shifted_legendre(last_part_ + rule_.points()[i] * bar_.step() / last_h_, legendre);
-    step_.force[i] = last_series_.head(terms).dot(legendre);
-  }
+  step_.force = rule_.values_between(last_series_.head(terms), last_part_,
+                                     last_part_ + bar_.step() / last_h_);
 }
 
 void ContactPoint::complete() {

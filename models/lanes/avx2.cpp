@@ -7,6 +7,8 @@
 #include "models/lanes/processor.hpp"
 #include "models/lanes/solve_steps.hpp"
 #include "models/lanes/stage_kernels.hpp"
+#include "models/lanes/station_kernels.hpp"
+#include "models/lanes/step_maps.hpp"
 #include "models/lanes/step_modes.hpp"
 
 namespace impactrig::models {
@@ -17,6 +19,18 @@ void advance_modes_avx2(ModesUnderForce& modes) {
 
 void step_modes_avx2(const ModesOverStep& modes) {
   ModeStep<4>(modes).respond();
+}
+
+void find_values_avx2(const SeriesAtNodes& series) {
+  find_values_by<4>(series);
+}
+
+void find_at_nodes_avx2(const PointAtNodes& point) {
+  find_at_nodes_by<4>(point);
+}
+
+void find_at_end_avx2(const ModesAtEnd& modes) {
+  find_at_end_by<4>(modes);
 }
 
 void solve_steps_avx2(StepLanes& lanes) {
@@ -49,6 +63,18 @@ void find_modes_avx2(const BarModesBetween& modes) {
 
 void find_motion_avx2(const BarUnderLoads& loads) {
   find_motion_by<4>(loads);
+}
+
+void find_slopes_avx2(const SlopesOfModes& modes) {
+  find_slopes_by<4>(modes);
+}
+
+void find_force_of_pull_avx2(const PullOnModes& modes) {
+  find_force_of_pull_by<4>(modes);
+}
+
+void find_third_order_pull_avx2(ThirdOrderPull& stations) {
+  find_third_order_pull_by<4>(stations);
 }
 
 }  // namespace impactrig::models

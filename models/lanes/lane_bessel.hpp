@@ -17,8 +17,7 @@ class LaneBessel {
 
   /// How many of them are above rounding for every z.
   static int needed(Real z) {
-    double largest = 0.0;
-    for (int i = 0; i < N; ++i) largest = z[i] > largest ? z[i] : largest;
+    const double largest = M::largest(z);
     return static_cast<int>(largest + 16.0 + 6.0 * __builtin_cbrt(largest));
   }
 
@@ -57,12 +56,15 @@ class LaneBessel {
   static constexpr double small = 1e-3;
 
   /// The order at which the recurrence begins. That it begins there with j_{n+1} = 0 changes a
-  /// j_k by (j_n / j_k)² of it, and the sum of squares by j_n²: below rounding where j_n < 1e-9.
+  /// j_k by (j_n / j_k)² of it, and the sum of squares by j_n²: below rounding where j_n < 1e-9,
+  /// as j_10(1) and j_14(3) are.
   static int begin_at(Real z, int terms) {
-    double largest = 0.0;
-    for (int i = 0; i < N; ++i) largest = z[i] > largest ? z[i] : largest;
-    const int enough = static_cast<int>(largest + 8.0 + 7.0 * __builtin_cbrt(largest));
-    return (enough > terms ? enough : terms) + 4;
+    const double largest = M::largest(z);
+    const int enough = largest <= 1.0 ? 10
+                       : largest <= 3.0
+                           ? 14
+                           : static_cast<int>(largest + 12.0 + 7.0 * __builtin_cbrt(largest));
+    return enough > terms + 4 ? enough : terms + 4;
   }
 
   /// Σ (2n + 1) j_n² = 1, the sign from whichever of the first two is larger.

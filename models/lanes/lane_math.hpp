@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
 #include <cstdint>
 #include <utility>
 
@@ -62,6 +66,12 @@ struct LaneMath {
   static Real smaller(Real x, Real y) { return x < y ? x : y; }
 
   static Real root(Real x) {
+#ifdef __AVX512F__
+    if constexpr (N == 8) return _mm512_maskz_sqrt_pd(0xff, x);
+#endif
+#ifdef __AVX2__
+    if constexpr (N == 4) return _mm256_sqrt_pd(x);
+#endif
     Real result = Real{};
     for (int i = 0; i < N; ++i) result[i] = __builtin_sqrt(x[i]);
     return result;
@@ -71,6 +81,12 @@ struct LaneMath {
     if constexpr (N > 4) x += turned<4>(x);
     if constexpr (N > 2) x += turned<2>(x);
     return x[0] + x[1];
+  }
+
+  static double largest(Real x) {
+    if constexpr (N > 4) x = larger(x, turned<4>(x));
+    if constexpr (N > 2) x = larger(x, turned<2>(x));
+    return x[0] > x[1] ? x[0] : x[1];
   }
 
   /// Natural logarithm of normal numbers > 0, to an ulp: x = 2ᵏ m, √½ <= m < √2, ln m by the odd

@@ -19,21 +19,51 @@ struct ModeChunk {
         count(modes - first_mode < N ? modes - first_mode : N) {}
 
   Real load(const double* values) const {
-    Real lanes = Real{};
+    return count == N ? LaneMath<N>::load(values + first) : load_part(values + first);
+  }
+
+  void store(Real lanes, double* values) const {
     if (count == N)
-      __builtin_memcpy(&lanes, values + first, sizeof lanes);
+      LaneMath<N>::store(lanes, values + first);
     else
-      for (int i = 0; i < count; ++i) lanes[i] = values[first + i];
-    return lanes;
+      store_part(lanes, values + first);
   }
 
   /// Into every `stride`-th place.
-  void store(Real lanes, double* values, int stride = 1) const {
-    if (count == N && stride == 1)
-      __builtin_memcpy(values + first, &lanes, sizeof lanes);
-    else
-      for (int i = 0; i < count; ++i) values[(first + i) * stride] = lanes[i];
+  void store(Real lanes, double* values, int stride) const {
+    for (int i = 0; i < count; ++i) values[(first + i) * stride] = lanes[i];
   }
+
+ private:
+  Real load_part(const double* values) const {
+#ifdef __AVX512F__
+    if constexpr (N == 8) return _mm512_maskz_loadu_pd(part(), values);
+#elif defined(__AVX2__)
+    if constexpr (N == 4) return _mm256_maskload_pd(values, part());
+#endif
+    Real lanes = Real{};
+    for (int i = 0; i < count; ++i) lanes[i] = values[i];
+    return lanes;
+  }
+
+  void store_part(Real lanes, double* values) const {
+#ifdef __AVX512F__
+    if constexpr (N == 8) return _mm512_mask_storeu_pd(values, part(), lanes);
+#elif defined(__AVX2__)
+    if constexpr (N == 4) return _mm256_maskstore_pd(values, part(), lanes);
+#endif
+    for (int i = 0; i < count; ++i) values[i] = lanes[i];
+  }
+
+#ifdef __AVX512F__
+  auto part() const {
+    return static_cast<__mmask8>((1 << count) - 1);
+  }
+#elif defined(__AVX2__)
+  auto part() const {
+    return _mm256_cmpgt_epi64(_mm256_set1_epi64x(count), _mm256_set_epi64x(3, 2, 1, 0));
+  }
+#endif
 };
 
 }  // namespace

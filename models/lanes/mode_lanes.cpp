@@ -2,6 +2,7 @@
 #include "models/lanes/advance_modes.hpp"
 
 #include "models/lanes/processor.hpp"
+#include "models/lanes/step_maps.hpp"
 #include "models/lanes/step_modes.hpp"
 
 namespace impactrig::models {
@@ -16,6 +17,20 @@ void step_modes(const ModesOverStep& modes) {
   on_processor<const ModesOverStep>(
       modes, [](const ModesOverStep& own) { ModeStep<2>(own).respond(); }, step_modes_avx2,
       step_modes_avx512);
+}
+
+void find_values(const SeriesAtNodes& series) {
+  on_processor<const SeriesAtNodes>(series, find_values_by<2>, find_values_avx2,
+                                    find_values_avx512);
+}
+
+void find_at_nodes(const PointAtNodes& point) {
+  on_processor<const PointAtNodes>(point, find_at_nodes_by<2>, find_at_nodes_avx2,
+                                   find_at_nodes_avx512);
+}
+
+void find_at_end(const ModesAtEnd& modes) {
+  on_processor<const ModesAtEnd>(modes, find_at_end_by<2>, find_at_end_avx2, find_at_end_avx512);
 }
 
 }  // namespace impactrig::models

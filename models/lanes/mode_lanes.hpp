@@ -27,10 +27,9 @@ struct ModesOverStep {
   const double *seen = nullptr;                          ///< likewise of the kernels' point (m)
   double h = 0.0;                                        ///< [s]
   const double *points = nullptr, *to_series = nullptr;  ///< of the rule (s), (s, s)
-  /// (s, m), by columns.
-  double *displacement_of_a, *displacement_of_rate, *velocity_of_a, *velocity_of_rate;
-  double *a_of_force, *rate_of_force;
-  double *a_of_a, *a_of_rate, *rate_of_a, *rate_of_rate;  ///< (m)
+  double *of_a, *of_rate;              ///< as of PointAtNodes, for the struck point
+  double *a_of_force, *rate_of_force;  ///< as of ModesAtEnd
+  double *a_of_a, *a_of_rate, *rate_of_a, *rate_of_rate;  ///< likewise
 
   int terms = 0;  ///< of the kernels' series, most_terms at most
   /// Legendre series of Σ r s sin(ωτ) / ω and Σ r s cos(ωτ) over the step, r the struck point, s
@@ -38,10 +37,42 @@ struct ModesOverStep {
   /// then stands for them.
   double *displacement_kernel, *velocity_kernel;
   /// With damping, of the seen point at the nodes (s) under each polynomial of the force's series
-  /// over the step (s): what the series leave out of those modes that start early (ModeKernel), over
-  /// h; by columns.
+  /// over the step (s): what the series leave out of those modes that start early (ModeKernel),
+  /// over h; by columns.
   double *early_displacement = nullptr, *early_velocity = nullptr;
 };
+
+/// A point at the nodes of a step under the state at its beginning.
+struct PointAtNodes {
+  int modes = 0, rows = 0;                           ///< m; 2 s: displacements, then velocities
+  const double *of_a = nullptr, *of_rate = nullptr;  ///< by columns (2 s, m)
+  const double *a = nullptr, *rate = nullptr;        ///< (m)
+  double *motion = nullptr;                          ///< (2 s)
+};
+
+/// Modes at the end of a step, free or under a force at its nodes.
+struct ModesAtEnd {
+  int modes = 0, nodes = 0;                                      ///< m, s
+  const double *a_of_a = nullptr, *a_of_rate = nullptr;          ///< (m)
+  const double *rate_of_a = nullptr, *rate_of_rate = nullptr;    ///< (m)
+  const double *a_of_force = nullptr, *rate_of_force = nullptr;  ///< by columns (m, s)
+  const double *a = nullptr, *rate = nullptr;                    ///< before (m)
+  const double *force = nullptr;                                 ///< [N] (s); none: free
+  double *end_a = nullptr, *end_rate = nullptr;                  ///< after (m)
+};
+
+/// A Legendre series over [0, 1] at the nodes of a part of it.
+struct SeriesAtNodes {
+  int terms = 0, nodes = 0;
+  const double *series = nullptr;    ///< (terms)
+  const double *points = nullptr;    ///< of the nodes, in [0, 1] of the part (nodes)
+  double begin = 0.0, length = 1.0;  ///< of the part
+  double *values = nullptr;          ///< (nodes)
+};
+
+void find_values(const SeriesAtNodes &series);
+void find_at_nodes(const PointAtNodes &point);
+void find_at_end(const ModesAtEnd &modes);
 
 /// Duhamel's integral, several undamped modes at a time. These use what the processor has.
 void advance_modes(ModesUnderForce &modes);

@@ -4,6 +4,7 @@
 #include "models/lanes/bar_lanes.hpp"
 #include "models/lanes/mode_lanes.hpp"
 #include "models/lanes/stage_lanes.hpp"
+#include "models/lanes/station_lanes.hpp"
 #include "models/lanes/step_lanes.hpp"
 
 namespace impactrig::models {
@@ -31,6 +32,12 @@ void advance_modes_avx2(ModesUnderForce& modes);
 void advance_modes_avx512(ModesUnderForce& modes);
 void step_modes_avx2(const ModesOverStep& modes);
 void step_modes_avx512(const ModesOverStep& modes);
+void find_values_avx2(const SeriesAtNodes& series);
+void find_values_avx512(const SeriesAtNodes& series);
+void find_at_nodes_avx2(const PointAtNodes& point);
+void find_at_nodes_avx512(const PointAtNodes& point);
+void find_at_end_avx2(const ModesAtEnd& modes);
+void find_at_end_avx512(const ModesAtEnd& modes);
 void solve_steps_avx2(StepLanes& lanes);
 void solve_steps_avx512(StepLanes& lanes);
 void map_stages_avx2(const StagesByMap& stages);
@@ -47,5 +54,11 @@ void find_modes_avx2(const BarModesBetween& modes);
 void find_modes_avx512(const BarModesBetween& modes);
 void find_motion_avx2(const BarUnderLoads& loads);
 void find_motion_avx512(const BarUnderLoads& loads);
+void find_slopes_avx2(const SlopesOfModes& modes);
+void find_slopes_avx512(const SlopesOfModes& modes);
+void find_force_of_pull_avx2(const PullOnModes& modes);
+void find_force_of_pull_avx512(const PullOnModes& modes);
+void find_third_order_pull_avx2(ThirdOrderPull& stations);
+void find_third_order_pull_avx512(ThirdOrderPull& stations);
 
 }  // namespace impactrig::models

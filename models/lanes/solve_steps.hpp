@@ -46,16 +46,11 @@ class StepSolver {
     at(lanes_.iterations) = Real{};
   }
 
-  /// The struck point under the state and the guessed force.
+  /// The struck point under the guessed force too.
   void coast() {
-    for (int i = 0; i < S; ++i) x_[i] = v_[i] = Real{};
-    for (int k = 0; k < lanes_.modes; ++k) {
-      const Real a = at(lanes_.a[k]), rate = at(lanes_.rate[k]);
-      for (int i = 0; i < S; ++i) {
-        const Real both = at(lanes_.displacement_of_a[k * S + i]);
-        x_[i] += both * a + at(lanes_.displacement_of_rate[k * S + i]) * rate;
-        v_[i] += at(lanes_.velocity_of_a[k * S + i]) * a + both * rate;
-      }
+    for (int i = 0; i < S; ++i) {
+      x_[i] = at(lanes_.displacement[i]);
+      v_[i] = at(lanes_.velocity[i]);
     }
     respond(force_);
   }
@@ -180,7 +175,6 @@ class StepSolver {
     to_series(force_, lanes_.force_series);
     to_series(x_, lanes_.displacement_series);
     to_series(loss_, lanes_.dissipation_series);
-    end_state();
     at(lanes_.solved) = failed_ ? Real{} : M::all(1.0);
   }
 
@@ -190,25 +184,6 @@ class StepSolver {
       for (int i = 0; i < S; ++i) sum += lanes_.to_series[i * S + p] * values[i];
       at(series[p]) = sum;
     }
-  }
-
-  void end_state() {
-    Real displacement = Real{}, velocity = Real{};
-    for (int k = 0; k < lanes_.modes; ++k) {
-      const Real a0 = at(lanes_.a[k]), rate0 = at(lanes_.rate[k]), cosine = at(lanes_.cosine[k]);
-      Real a = cosine * a0 + at(lanes_.sine_over_omega[k]) * rate0;
-      Real rate = at(lanes_.minus_omega_sine[k]) * a0 + cosine * rate0;
-      for (int i = 0; i < S; ++i) {
-        a += at(lanes_.a_of_force[k * S + i]) * force_[i];
-        rate += at(lanes_.rate_of_force[k * S + i]) * force_[i];
-      }
-      at(lanes_.end_a[k]) = a;
-      at(lanes_.end_rate[k]) = rate;
-      displacement += at(lanes_.struck[k]) * a;
-      velocity += at(lanes_.struck[k]) * rate;
-    }
-    at(lanes_.end_displacement) = displacement;
-    at(lanes_.end_velocity) = velocity;
   }
 
   static constexpr double limit_bracket = 1.10536051565782628123;  // 1 − ln 0.9

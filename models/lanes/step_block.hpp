@@ -11,7 +11,7 @@ namespace impactrig::models {
 /// StepLanes with the memory they stand in.
 class StepBlock {
  public:
-  StepBlock(int modes, const Collocation& rule);
+  explicit StepBlock(const Collocation& rule);
 
   StepLanes& lanes() { return lanes_; }
 

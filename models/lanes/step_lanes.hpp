@@ -11,25 +11,17 @@ struct alignas(64) LaneRow {
   double at[lane_count] = {};
 };
 
-/// Steps of bars in their modes, one a lane: what ModalStep, ContactForce and the state of a run
-/// give, and what CollocationRun::solution() takes back. Rows of m modes or s nodes; matrices by
-/// columns of s nodes.
+/// Steps of bars, one a lane: what ModalStep, ContactForce and the state of a run give, and what
+/// CollocationRun::solution() takes back. Rows of s nodes; matrices by columns of them.
 struct StepLanes {
-  int modes = 0, nodes = 0;           ///< m; s: 6 or 8
-  const double *to_series = nullptr;  ///< of the rule, by columns (s, s)
+  int nodes = 0;                                       ///< s: 6 or 8
+  const double *to_series = nullptr;                   ///< of the rule, by columns (s, s)
+  LaneRow *displacement_of_force, *velocity_of_force;  // (s, s)
 
-  // the bar's response to a state (s, m), to a force (s, s), and its state after the step
-  LaneRow *displacement_of_a, *displacement_of_rate, *velocity_of_a;
-  LaneRow *displacement_of_force, *velocity_of_force;
-  LaneRow *cosine, *sine_over_omega, *minus_omega_sine, *struck;  // (m)
-  LaneRow *a_of_force, *rate_of_force;                            // (s, m)
-
-  // in: the state, and the force as guessed; out: the force, the motion, the state at the end
-  LaneRow *a, *rate;  // (m)
-  LaneRow *force, *displacement, *velocity, *dissipation;
-  LaneRow *force_series, *displacement_series, *dissipation_series;
-  LaneRow *end_a, *end_rate;  // (m)
-  LaneRow end_displacement, end_velocity;
+  // in: the force as guessed, and the struck point free of it; out: both as solved
+  LaneRow *force, *displacement, *velocity;
+  // out
+  LaneRow *dissipation, *force_series, *displacement_series, *dissipation_series;
 
   // the contact: pressed and slack are 0 or 1; a linear spring where compliance is 0
   LaneRow pressed, slack, compliance, limit_force, spring, mu, tolerance;
@@ -37,7 +29,7 @@ struct StepLanes {
   LaneRow solved;      ///< 0 where it failed
 };
 
-/// Newton's method for the force and the state it leaves, in every lane; what happens in a lane
+/// Newton's method for the force, in every lane; what happens in a lane
 /// does not depend on the others. Uses what the processor has.
 void solve_steps(StepLanes &lanes);
 

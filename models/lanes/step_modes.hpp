@@ -49,10 +49,10 @@ class ModeStep {
     const int s = modes_.nodes;
     for (int i = 0; i < s; ++i) {
       const Swing part = swing(omega, modes_.h * modes_.points[i]);
-      chunk.store(struck * part.cosine, modes_.displacement_of_a + i, s);
-      chunk.store(struck * part.sine_over_omega, modes_.displacement_of_rate + i, s);
-      chunk.store(struck * part.minus_omega_sine, modes_.velocity_of_a + i, s);
-      chunk.store(struck * part.cosine, modes_.velocity_of_rate + i, s);
+      chunk.store(struck * part.cosine, modes_.of_a + i, 2 * s);
+      chunk.store(struck * part.sine_over_omega, modes_.of_rate + i, 2 * s);
+      chunk.store(struck * part.minus_omega_sine, modes_.of_a + s + i, 2 * s);
+      chunk.store(struck * part.cosine, modes_.of_rate + s + i, 2 * s);
     }
     const Swing whole = swing(omega, modes_.h);
     chunk.store(whole.cosine, modes_.a_of_a);
@@ -96,7 +96,7 @@ class ModeStep {
     for (int i = 0; i < s; ++i) {
       Real sum = Real{};
       for (int p = 0; p < s; ++p) sum += modes_.to_series[i * s + p] * moments[p];
-      chunk.store(factor * sum, out + i, s);
+      chunk.store(factor * sum, out + i * modes_.modes);
     }
   }
 

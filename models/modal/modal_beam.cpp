@@ -12,6 +12,7 @@
 
 #include "models/beams/bar_element.hpp"
 #include "models/beams/bending_modes.hpp"
+#include "models/lanes/station_lanes.hpp"
 #include "models/modal/mode_kernel.hpp"
 
 namespace impactrig::models {
@@ -474,6 +475,19 @@ ModalBeam ModalBeam::with_mode(double omega, double damping, double struck) cons
   for (Eigen::VectorXd& row : more.further_) append(0.0, row);
   more.damped_ = damped_ || damping != 0.0;
   return more;
+}
+
+void ModalBeam::find_slopes(const Eigen::VectorXd& a, const Eigen::VectorXd& rate,
+                            StationSlopes& to) const {
+  to.slope.resize(stations_.slopes.rows());
+  to.rate.resize(stations_.slopes.rows());
+  models::find_slopes({.stations = static_cast<int>(stations_.slopes.rows()),
+                       .modes = modes(),
+                       .slopes = stations_.slopes.data(),
+                       .a = a.data(),
+                       .rate = rate.data(),
+                       .slope = to.slope.data(),
+                       .slope_rate = to.rate.data()});
 }
 
 double ModalBeam::shortening_energy(const StationSlopes& slopes) const {

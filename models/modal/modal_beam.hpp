@@ -103,10 +103,7 @@ class ModalBeam {
     Eigen::VectorXd slope, rate;
   };
 
-  void find_slopes(const Eigen::VectorXd& a, const Eigen::VectorXd& rate, StationSlopes& to) const {
-    to.slope.noalias() = stations_.slopes * a;
-    to.rate.noalias() = stations_.slopes * rate;
-  }
+  void find_slopes(const Eigen::VectorXd& a, const Eigen::VectorXd& rate, StationSlopes& to) const;
 
   /// Kinetic energy of the bar's points moving towards the hinge as it bends and turns, to the
   /// lowest order: ½ ∫ u̇² dm, u̇(x) = ∫₀ˣ w' ẇ' dξ [J]. Not part of the small motion.

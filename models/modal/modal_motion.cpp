@@ -316,14 +316,8 @@ void ModalMotion::sample(double first, double spacing, std::span<Sample> samples
 }
 
 void ModalMotion::advance_sample(double from, double spacing) {
-  const int s = rule_.nodes();
-  NodeVector force(s), legendre(s);
-  const auto force_of = [&](int stop) -> const NodeVector& {
-    for (int i = 0; i < s; ++i) {
-      shifted_legendre(from + rule_.points()[i] * spacing, legendre);
-      force[i] = legendre.dot(series_[static_cast<std::size_t>(stop)]);
-    }
-    return force;
+  const auto force_of = [&](int stop) {
+    return rule_.values_between(series_[static_cast<std::size_t>(stop)], from, from + spacing);
   };
   if (presses(0))
     sampling_->advance(sampled_[0], force_of(0), sampled_[1]);

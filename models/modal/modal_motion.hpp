@@ -64,12 +64,6 @@ class ModalMotion : public BarMotion {
 
   void finish(std::span<const StopStep> stops) override;
 
-  /// The step as solved elsewhere; the state at its end is to be written.
-  ModalState& finish_elsewhere(const NodeVector& force_series) {
-    series_[0] = force_series;
-    return end_;
-  }
-
   const ModalStep& modal_step() const { return *step_; }
 
   bool resolves_vibration() const override {

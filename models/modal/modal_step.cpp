@@ -2,6 +2,7 @@
 #include "models/modal/modal_step.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -101,10 +102,8 @@ struct Kernels {
 
 template <typename Rows>
 void write_rows(Rows& rows, ModesOverStep& modes) {
-  modes.displacement_of_a = rows.displacement_of_a.data();
-  modes.displacement_of_rate = rows.displacement_of_rate.data();
-  modes.velocity_of_a = rows.velocity_of_a.data();
-  modes.velocity_of_rate = rows.velocity_of_rate.data();
+  modes.of_a = rows.of_a.data();
+  modes.of_rate = rows.of_rate.data();
 }
 
 void respond(const ModesOverStep& modes) {
@@ -124,15 +123,14 @@ ModalStep::ModalStep(const ModalBeam& beam, const Collocation& rule, double h)
       a_of_rate_(beam.modes()),
       rate_of_a_(beam.modes()),
       rate_of_rate_(beam.modes()),
-      a_of_force_(rule.nodes(), beam.modes()),
-      rate_of_force_(rule.nodes(), beam.modes()) {
+      a_of_force_(beam.modes(), rule.nodes()),
+      rate_of_force_(beam.modes(), rule.nodes()) {
   const double phase = h * fastest_in_series(beam, h);
   if (phase > longest_phase * (1.0 + slack))
     throw std::logic_error("ModalStep: the step is too long for the highest mode");
   const int s = rule.nodes();
-  for (Eigen::MatrixXd* matrix : {&response_.displacement_of_a, &response_.displacement_of_rate,
-                                  &response_.velocity_of_a, &response_.velocity_of_rate})
-    matrix->resize(s, beam.modes());
+  response_.of_a.resize(2 * s, beam.modes());
+  response_.of_rate.resize(2 * s, beam.modes());
   const int terms = std::max(terms_needed(phase), s);
   Kernels kernels(terms, s);
   ModesOverStep modes = modes_over(beam, rule, h, 0, 0);
@@ -146,8 +144,7 @@ ModalStep::ModalStep(const ModalBeam& beam, const Collocation& rule, double h)
   modes.terms = terms;
   kernels.write_to(modes);
   respond(modes);
-  of_unit_force_ = {a_of_force_.colwise().sum().transpose(),
-                    rate_of_force_.colwise().sum().transpose()};
+  of_unit_force_ = {a_of_force_.rowwise().sum(), rate_of_force_.rowwise().sum()};
   kernels.respond_to_force(rule, h, response_.of_force);
   if (beam.stops() > 1) respond_further(beam, rule, terms);
 }
@@ -168,17 +165,14 @@ ModalStep ModalStep::sum(std::span<const ModalStep> steps, std::span<const doubl
   combine([](auto& step) -> auto& { return step.rate_of_force_; });
   combine([](auto& step) -> auto& { return step.of_unit_force_.a; });
   combine([](auto& step) -> auto& { return step.of_unit_force_.rate; });
-  combine([](auto& step) -> auto& { return step.response_.displacement_of_a; });
-  combine([](auto& step) -> auto& { return step.response_.displacement_of_rate; });
-  combine([](auto& step) -> auto& { return step.response_.velocity_of_a; });
-  combine([](auto& step) -> auto& { return step.response_.velocity_of_rate; });
+  combine([](auto& step) -> auto& { return step.response_.of_a; });
+  combine([](auto& step) -> auto& { return step.response_.of_rate; });
   combine([](auto& step) -> auto& { return step.response_.of_force.displacement_of_force; });
   combine([](auto& step) -> auto& { return step.response_.of_force.velocity_of_force; });
   total.response_.of_force.set_most();
   for (std::size_t k = 0; k < total.further_.size(); ++k)
     for (const auto matrix :
-         {&Further::displacement_of_a, &Further::displacement_of_rate, &Further::velocity_of_a,
-          &Further::velocity_of_rate, &Further::a_of_force, &Further::rate_of_force})
+         {&Further::of_a, &Further::of_rate, &Further::a_of_force, &Further::rate_of_force})
       combine([&](auto& step) -> auto& { return step.further_[k].*matrix; });
   for (std::size_t k = 0; k < total.of_force_.size(); ++k) {
     combine([&](auto& step) -> auto& { return step.of_force_[k].displacement_of_force; });
@@ -190,8 +184,8 @@ ModalStep ModalStep::sum(std::span<const ModalStep> steps, std::span<const doubl
 /// The points before further stops; what two points do to each other they do both ways.
 void ModalStep::respond_further(const ModalBeam& beam, const Collocation& rule, int terms) {
   const int s = rule.nodes();
-  const Eigen::MatrixXd rows(s, beam.modes());
-  further_.assign(static_cast<std::size_t>(beam.stops() - 1), {rows, rows, rows, rows, rows, rows});
+  const Eigen::MatrixXd rows(2 * s, beam.modes()), of_force(beam.modes(), s);
+  further_.assign(static_cast<std::size_t>(beam.stops() - 1), {rows, rows, of_force, of_force});
   of_force_.resize(static_cast<std::size_t>(beam.stops() * beam.stops()));
   Eigen::ArrayXd swing(beam.modes());
   for (int stop = 1; stop < beam.stops(); ++stop) {
@@ -217,10 +211,17 @@ void ModalStep::respond_further(const ModalBeam& beam, const Collocation& rule, 
 void ModalStep::coast(int stop, const ModalState& from, NodeVector& displacement,
                       NodeVector& velocity) const {
   const auto coast_by = [&](const auto& rows) {
-    displacement.noalias() = rows.displacement_of_a * from.a;
-    displacement.noalias() += rows.displacement_of_rate * from.rate;
-    velocity.noalias() = rows.velocity_of_a * from.a;
-    velocity.noalias() += rows.velocity_of_rate * from.rate;
+    std::array<double, 2 * most_nodes> motion;
+    const Eigen::Index s = rows.of_a.rows() / 2;
+    find_at_nodes({.modes = static_cast<int>(rows.of_a.cols()),
+                   .rows = static_cast<int>(2 * s),
+                   .of_a = rows.of_a.data(),
+                   .of_rate = rows.of_rate.data(),
+                   .a = from.a.data(),
+                   .rate = from.rate.data(),
+                   .motion = motion.data()});
+    displacement = Eigen::Map<const Eigen::VectorXd>(motion.data(), s);
+    velocity = Eigen::Map<const Eigen::VectorXd>(motion.data() + s, s);
   };
   if (stop == 0)
     coast_by(response_);
@@ -228,15 +229,28 @@ void ModalStep::coast(int stop, const ModalState& from, NodeVector& displacement
     coast_by(further_[static_cast<std::size_t>(stop - 1)]);
 }
 
+void ModalStep::move(const ModalState& from, const double* force, ModalState& to) const {
+  find_at_end({.modes = static_cast<int>(a_of_force_.rows()),
+               .nodes = static_cast<int>(a_of_force_.cols()),
+               .a_of_a = a_of_a_.data(),
+               .a_of_rate = a_of_rate_.data(),
+               .rate_of_a = rate_of_a_.data(),
+               .rate_of_rate = rate_of_rate_.data(),
+               .a_of_force = a_of_force_.data(),
+               .rate_of_force = rate_of_force_.data(),
+               .a = from.a.data(),
+               .rate = from.rate.data(),
+               .force = force,
+               .end_a = to.a.data(),
+               .end_rate = to.rate.data()});
+}
+
 void ModalStep::coast(const ModalState& from, ModalState& to) const {
-  to.a.array() = a_of_a_ * from.a.array() + a_of_rate_ * from.rate.array();
-  to.rate.array() = rate_of_a_ * from.a.array() + rate_of_rate_ * from.rate.array();
+  move(from, nullptr, to);
 }
 
 void ModalStep::advance(const ModalState& from, const NodeVector& force, ModalState& to) const {
-  coast(from, to);
-  to.a.noalias() += a_of_force_.transpose() * force;
-  to.rate.noalias() += rate_of_force_.transpose() * force;
+  move(from, force.data(), to);
 }
 
 void ModalStep::advance(const ModalState& from, std::span<const NodeVector> forces,
@@ -248,26 +262,8 @@ void ModalStep::advance(const ModalState& from, std::span<const NodeVector> forc
 
 void ModalStep::add(int stop, const NodeVector& force, ModalState& to) const {
   const Further& further = further_[static_cast<std::size_t>(stop - 1)];
-  to.a.noalias() += further.a_of_force.transpose() * force;
-  to.rate.noalias() += further.rate_of_force.transpose() * force;
-}
-
-void ModalStep::write_to(StepLanes& lanes, int lane) const {
-  const auto write = [lane](LaneRow* rows, const double* values, Eigen::Index count) {
-    for (Eigen::Index i = 0; i < count; ++i) rows[i].at[lane] = values[i];
-  };
-  const Eigen::Index m = a_of_force_.cols();
-  const Eigen::Index s = a_of_force_.rows();
-  write(lanes.displacement_of_a, response_.displacement_of_a.data(), s * m);
-  write(lanes.displacement_of_rate, response_.displacement_of_rate.data(), s * m);
-  write(lanes.velocity_of_a, response_.velocity_of_a.data(), s * m);
-  write(lanes.displacement_of_force, response_.of_force.displacement_of_force.data(), s * s);
-  write(lanes.velocity_of_force, response_.of_force.velocity_of_force.data(), s * s);
-  write(lanes.cosine, a_of_a_.data(), m);
-  write(lanes.sine_over_omega, a_of_rate_.data(), m);
-  write(lanes.minus_omega_sine, rate_of_a_.data(), m);
-  write(lanes.a_of_force, a_of_force_.data(), s * m);
-  write(lanes.rate_of_force, rate_of_force_.data(), s * m);
+  to.a.noalias() += further.a_of_force * force;
+  to.rate.noalias() += further.rate_of_force * force;
 }
 
 PointMotion advance(const ModalBeam& beam, double h, const NodeVector& series,

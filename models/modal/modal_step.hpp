@@ -7,7 +7,6 @@
 
 #include "models/collocation/bar_motion.hpp"
 #include "models/collocation/collocation.hpp"
-#include "models/lanes/step_lanes.hpp"
 #include "models/modal/modal_beam.hpp"
 
 namespace impactrig::models {
@@ -27,8 +26,7 @@ class ModalStep {
   /// The struck point at the nodes, under the state at the step's beginning and under the force's
   /// values at the nodes.
   struct Response {
-    Eigen::MatrixXd displacement_of_a, displacement_of_rate;  // (s, m)
-    Eigen::MatrixXd velocity_of_a, velocity_of_rate;          // (s, m)
+    Eigen::MatrixXd of_a, of_rate;  // displacements, then velocities (2 s, m)
     BarMotion::Response of_force;
   };
 
@@ -69,16 +67,14 @@ class ModalStep {
   /// What the force of a further stop adds to it.
   void add(int stop, const NodeVector& force, ModalState& to) const;
 
-  /// Writes what the step does into a lane of steps of as many modes and nodes, all undamped.
-  void write_to(StepLanes& lanes, int lane) const;
-
  private:
   /// What belongs to the point before a further stop.
   struct Further {
-    Eigen::MatrixXd displacement_of_a, displacement_of_rate;  // (s, m)
-    Eigen::MatrixXd velocity_of_a, velocity_of_rate;          // (s, m)
-    Eigen::MatrixXd a_of_force, rate_of_force;                // (s, m)
+    Eigen::MatrixXd of_a, of_rate;              // as of Response
+    Eigen::MatrixXd a_of_force, rate_of_force;  // (m, s)
   };
+
+  void move(const ModalState& from, const double* force, ModalState& to) const;
 
   int stops() const { return 1 + static_cast<int>(further_.size()); }
 
@@ -86,7 +82,7 @@ class ModalStep {
 
   double h_;
   Eigen::ArrayXd a_of_a_, a_of_rate_, rate_of_a_, rate_of_rate_;
-  Eigen::MatrixXd a_of_force_, rate_of_force_;  // (s, m)
+  Eigen::MatrixXd a_of_force_, rate_of_force_;  // (m, s)
   ModalState of_unit_force_;
   Response response_;
   std::vector<Further> further_;

@@ -298,10 +298,11 @@ void step_damped_modes(const ModesOverStep& modes) {
     const ModeKernel kernel(modes.omega[m], damping);
     for (int i = 0; i < s; ++i) {
       const auto [g, slope] = kernel.at(modes.h * modes.points[i]);
-      modes.displacement_of_a[i + m * s] = struck * (slope + damping * g);
-      modes.displacement_of_rate[i + m * s] = struck * g;
-      modes.velocity_of_a[i + m * s] = -struck * square * g;
-      modes.velocity_of_rate[i + m * s] = struck * slope;
+      const int row = i + 2 * s * m;
+      modes.of_a[row] = struck * (slope + damping * g);
+      modes.of_rate[row] = struck * g;
+      modes.of_a[row + s] = -struck * square * g;
+      modes.of_rate[row + s] = struck * slope;
     }
     const auto [g, slope] = kernel.at(modes.h);
     modes.a_of_a[m] = slope + damping * g;
@@ -334,8 +335,8 @@ void step_damped_modes(const ModesOverStep& modes) {
         of_a += part * answer[static_cast<std::size_t>(p)];
         of_rate += part * rate[static_cast<std::size_t>(p)];
       }
-      modes.a_of_force[i + m * s] = -modes.h * struck * of_a;
-      modes.rate_of_force[i + m * s] = -modes.h * struck * of_rate;
+      modes.a_of_force[m + i * modes.modes] = -modes.h * struck * of_a;
+      modes.rate_of_force[m + i * modes.modes] = -modes.h * struck * of_rate;
     }
   }
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "models/lanes/station_lanes.hpp"
+
 namespace impactrig::models {
 namespace {
 
@@ -18,8 +20,7 @@ ThirdOrder::ThirdOrder(const ModalBeam& beam) : beam_(beam) {
   const Eigen::VectorXd of_axial = Eigen::VectorXd::Zero(beam.stations().axial_squares.size());
   before_ = after_ = {at_stations, at_stations, of_axial, of_axial};
   axial_ = axial_rate_ = elastic_rate_ = of_axial;
-  slope_ = pull_ = in_frame_ = strain_ = at_stations;
-  moment_ = density_ = at_stations.head(at_stations.size() - 1);
+  slope_ = pull_ = strain_ = at_stations;
   force_ = held_ = middle_ = way_ = drag_ = of_modes;
   last_ = missing_ = end_ = answer_ = rest_ = {of_modes, of_modes};
 }
@@ -136,8 +137,9 @@ void ThirdOrder::stretch(double h) {
   }
 }
 
-/// Of the stations, what the mean pull over the step does to their slopes.
-void ThirdOrder::find_pull(double h, double frame, double& of_frame) {
+/// Of the stations, what the mean pull over the step and the bending do to their slopes; tells what
+/// they do to the frame.
+double ThirdOrder::find_pull(double h, double frame) {
   const ModalBeam::Stations& stations = beam_.stations();
   // of the elastic part, by its momentum too
   if (elastic_rate_.size() > 0) {
@@ -151,47 +153,36 @@ void ThirdOrder::find_pull(double h, double frame, double& of_frame) {
     }
   }
   ModalBeam::Stations::add_up_from_tip(after_.momentum);
-  const auto s = slope_.array();
-  pull_.array() = -stations.length.array() * s *
-                  ((after_.momentum - before_.momentum).array() / h +
-                   stations.weight.array() * (0.5 * s.square() - strain_.array()));
-  if (beam_.frame().size() == 0) return;
-  in_frame_.array() = 0.5 * stations.length.array() * stations.weight.array() * (s - frame).cube();
-  pull_ += in_frame_;
-  of_frame -= in_frame_.sum();
-}
-
-/// Of ½ ∫ EI w''² (s² − (s − ψ)²) dx, between the stations' middles.
-void ThirdOrder::add_bending(double frame, double& of_frame) {
-  const Eigen::Index between = slope_.size() - 1;
-  const auto low = slope_.head(between).array(), high = slope_.tail(between).array();
-  moment_ = beam_.stations().bending.array() * (high - low);
-  density_ = 0.5 * moment_ * (high - low);
-  auto of_low = pull_.head(between).array(), of_high = pull_.tail(between).array();
-  if (beam_.frame().size() == 0) {
-    moment_ *= 0.5 * (low.square() + high.square());
-    of_low += moment_ - density_ * low;
-    of_high -= moment_ + density_ * high;
-    return;
-  }
-  of_frame -= (density_ * (low + high - 2.0 * frame)).sum();
-  moment_ *= frame * (low + high - frame);
-  density_ *= frame;
-  of_low += moment_ - density_;
-  of_high -= moment_ + density_;
+  ThirdOrderPull pull{.stations = static_cast<int>(slope_.size()),
+                      .length = stations.length.data(),
+                      .weight = stations.weight.data(),
+                      .strain = strain_.data(),
+                      .bending = stations.bending.data(),
+                      .slope_before = before_.slope.data(),
+                      .slope_after = after_.slope.data(),
+                      .momentum_before = before_.momentum.data(),
+                      .momentum_after = after_.momentum.data(),
+                      .h = h,
+                      .floats = beam_.frame().size() > 0,
+                      .frame = frame,
+                      .slope = slope_.data(),
+                      .pull = pull_.data()};
+  find_third_order_pull(pull);
+  return pull.of_frame;
 }
 
 /// What is left out does to the modes between the last state and this one.
 void ThirdOrder::find_force(const ModalState& state, double h) {
-  slope_ = 0.5 * (before_.slope + after_.slope);
   middle_ = 0.5 * (last_.a + state.a);
   stretch(h);
   const bool floats = beam_.frame().size() > 0;
-  const double frame = floats ? beam_.frame().dot(middle_) : 0.0;
-  double of_frame = 0.0;
-  find_pull(h, frame, of_frame);
-  add_bending(frame, of_frame);
-  force_.noalias() = beam_.stations().slopes.transpose() * pull_;
+  const double of_frame = find_pull(h, floats ? beam_.frame().dot(middle_) : 0.0);
+  const Eigen::MatrixXd& slopes = beam_.stations().slopes;
+  find_force_of_pull({.stations = static_cast<int>(slopes.rows()),
+                      .modes = static_cast<int>(slopes.cols()),
+                      .slopes = slopes.data(),
+                      .pull = pull_.data(),
+                      .force = force_.data()});
   if (floats) force_ += of_frame * beam_.frame();
   if (stretches_) beam_.add_stretching_force(middle_, force_);
   if (!beam_.damped()) return;

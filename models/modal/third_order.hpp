@@ -66,8 +66,7 @@ class ThirdOrder {
   void stretch(double h);
   void turn_steadily(double rate);
   void lengthen(double rate);
-  void find_pull(double h, double frame, double& of_frame);
-  void add_bending(double frame, double& of_frame);
+  double find_pull(double h, double frame);
   void find_force(const ModalState& state, double h);
   void move(const ModalStep& step, double part);
   void answer(const ModalStep& step, double part, double contact_force,
@@ -76,11 +75,10 @@ class ThirdOrder {
   const ModalBeam& beam_;
   bool stretches_ = true;  // by uneven bending
   Look before_, after_;
-  Eigen::VectorXd axial_, axial_rate_;       // Uₖ's part of u, of each axial mode
-  Eigen::VectorXd elastic_rate_;             // ėₖ
-  Eigen::VectorXd strain_;                   // of the stations, by weight and turning
-  Eigen::VectorXd slope_, pull_, in_frame_;  // of the stations
-  Eigen::ArrayXd moment_, density_;          // of the bending, from each station to the next
+  Eigen::VectorXd axial_, axial_rate_;  // Uₖ's part of u, of each axial mode
+  Eigen::VectorXd elastic_rate_;        // ėₖ
+  Eigen::VectorXd strain_;              // of the stations, by weight and turning
+  Eigen::VectorXd slope_, pull_;        // of the stations
   Eigen::VectorXd force_, held_, middle_, way_, drag_;
   ModalState last_, missing_, end_, answer_, rest_;
   BarMotion::ContactSlope contact_;

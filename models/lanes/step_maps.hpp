@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "models/lanes/mode_chunk.hpp"
+#include "models/lanes/mode_lanes.hpp"
+
+namespace impactrig::models {
+namespace {
+
+/// find_at_nodes() for P times N of the rows, from one on.
+template <int N, int P>
+void find_rows(const PointAtNodes& point, int first) {
+  using M = LaneMath<N>;
+  using Real = typename M::Real;
+  Real by_a[P] = {}, by_rate[P] = {};
+  for (int k = 0; k < point.modes; ++k) {
+    const double* const of_a = point.of_a + k * point.rows + first;
+    const double* const of_rate = point.of_rate + k * point.rows + first;
+    for (int p = 0; p < P; ++p) {
+      by_a[p] += M::load(of_a + N * p) * point.a[k];
+      by_rate[p] += M::load(of_rate + N * p) * point.rate[k];
+    }
+  }
+  for (int p = 0; p < P; ++p) M::store(by_a[p] + by_rate[p], point.motion + first + N * p);
+}
+
+/// find_at_nodes() for N rows at a time where they are those of 8 nodes, or for four of those of 6.
+template <int N>
+void find_at_nodes_by(const PointAtNodes& point) {
+  constexpr int narrow = N < 4 ? N : 4;
+  if (point.rows == 16) return find_rows<N, 16 / N>(point, 0);
+  if (point.rows == 12) return find_rows<narrow, 12 / narrow>(point, 0);
+  for (int first = 0; first < point.rows; first += 2) find_rows<2, 1>(point, first);
+}
+
+/// (p + 1) P_{p+1} = (2p + 1) t P_p − p P_{p-1} from above: what stands before t b_{p+1} and b_{p+2}.
+struct ClenshawFactors {
+  static constexpr int most = 16;
+
+  double forward[most] = {}, back[most] = {};
+
+  constexpr ClenshawFactors() {
+    for (int p = 0; p < most; ++p) {
+      forward[p] = (2.0 * p + 1.0) / (p + 1.0);
+      back[p] = (p + 1.0) / (p + 2.0);
+    }
+  }
+};
+
+constexpr ClenshawFactors clenshaw;
+
+/// find_values() for N nodes at a time, by Clenshaw's recurrence.
+template <int N>
+void find_values_by(const SeriesAtNodes& series) {
+  using Real = typename LaneMath<N>::Real;
+  for (int first = 0; first < series.nodes; first += N) {
+    const ModeChunk<N> chunk(first, series.nodes);
+    const Real t = 2.0 * (series.begin + series.length * chunk.load(series.points)) - 1.0;
+    Real here = Real{}, above = Real{};
+    for (int p = series.terms; p-- > 0;) {
+      const Real below =
+          series.series[p] + clenshaw.forward[p] * (t * here) - clenshaw.back[p] * above;
+      above = here;
+      here = below;
+    }
+    chunk.store(here, series.values);
+  }
+}
+
+/// find_at_end() for N modes at a time.
+template <int N>
+void find_at_end_by(const ModesAtEnd& modes) {
+  using Real = typename LaneMath<N>::Real;
+  for (int first = 0; first < modes.modes; first += N) {
+    const ModeChunk<N> chunk(first, modes.modes);
+    const Real a = chunk.load(modes.a), rate = chunk.load(modes.rate);
+    Real end_a = chunk.load(modes.a_of_a) * a + chunk.load(modes.a_of_rate) * rate;
+    Real end_rate = chunk.load(modes.rate_of_a) * a + chunk.load(modes.rate_of_rate) * rate;
+    for (int i = 0; modes.force && i < modes.nodes; ++i) {
+      end_a += chunk.load(modes.a_of_force + i * modes.modes) * modes.force[i];
+      end_rate += chunk.load(modes.rate_of_force + i * modes.modes) * modes.force[i];
+    }
+    chunk.store(end_a, modes.end_a);
+    chunk.store(end_rate, modes.end_rate);
+  }
+}
+
+}  // namespace
+}  // namespace impactrig::models
