@@ -142,6 +142,13 @@ class BarMotion {
   /// solved step: its end then errs far less than the force between the nodes.
   virtual bool resolves_vibration() const { return false; }
 
+  /// How fast the point before a stop vibrates, at the end of the solved step, in modes that turn
+  /// by more than a radian from node to node of it: what of that a damper of the contact that the
+  /// force does not know would take within a time [m/s]. `damping` in N s/m.
+  virtual double undamped_speed(int /*stop*/, double /*damping*/, double /*time*/) const {
+    return 0.0;
+  }
+
   virtual PointMotion struck_at_end(int stop) const = 0;
 
   /// Error of the bar's motion by the step, as a part of the speed its energy would give it; what

@@ -175,7 +175,7 @@ class ContactPoint {
   ContactLog& log_;
   ContactForce contact_;
   ContactTotals totals_;
-  double depth_ = 0.0, force_scale_ = 0.0, local_force_ = 0.0, first_step_ = 0.0;
+  double depth_ = 0.0, force_scale_ = 0.0, local_force_ = 0.0, first_step_ = 0.0, time_scale_ = 0.0;
   Event event_ = Event::none;
   double event_part_ = 2.0;
   double begun_ = 0.0;      // the step, after first touch [s]

@@ -99,6 +99,24 @@ void ModalMotion::finish(std::span<const StopStep> stops) {
     if (!stops[k].force.isZero(0.0)) step_->add(static_cast<int>(k), stops[k].force, end_);
 }
 
+/// About where the forces hold those modes.
+double ModalMotion::undamped_speed(int stop, double damping, double time) const {
+  const double resolved = rule_.nodes() / step();
+  double squares = 0.0;
+  for (Eigen::Index k = beam_.modes(); k-- > 0 && beam_.omega()[k] > resolved;) {
+    const double omega = beam_.omega()[k];
+    double pressing = 0.0;
+    for (int other = 0; other < beam_.stops(); ++other)
+      pressing +=
+          beam_.struck(other)[k] * legendre_sum(series_[static_cast<std::size_t>(other)], 1.0);
+    const double off = end_.a[k] + pressing / (omega * omega);
+    const double square = std::pow(beam_.struck(stop)[k], 2);
+    const double taken = std::min(1.0, 0.5 * damping * square * time);
+    squares += square * taken * taken * (std::pow(end_.rate[k], 2) + std::pow(omega * off, 2));
+  }
+  return std::sqrt(squares);
+}
+
 /// The state within the solved step; tells how the struck point moves there.
 PointMotion ModalMotion::jump(double part, ModalState& to, double* acceleration) const {
   const double h = part * step();

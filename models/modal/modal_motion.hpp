@@ -70,6 +70,8 @@ class ModalMotion : public BarMotion {
     return beam_.omega().maxCoeff() * step() <= rule_.nodes();
   }
 
+  double undamped_speed(int stop, double damping, double time) const override;
+
   PointMotion struck_at_end(int stop) const override { return struck(stop, end_); }
 
   double error() const override { return 0.0; }

@@ -69,6 +69,10 @@ class StoppedMotion final : public BarMotion {
     return stop == 0 ? seen(bar_.struck_at_end(0), end_) : bar_.struck_at_end(stop);
   }
 
+  double undamped_speed(int stop, double damping, double time) const override {
+    return bar_.undamped_speed(stop, damping, time);
+  }
+
   double error() const override;
   PointMotion struck_at(int stop, double part, double* acceleration) override;
   void sample(double first, double spacing, std::span<Sample> samples) override;
