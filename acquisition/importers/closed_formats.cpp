@@ -21,7 +21,6 @@ struct Signature {
 
 constexpr std::string_view from_the_oscilloscope =
     "save the waveform as CSV on the oscilloscope, with its times";
-constexpr std::string_view as_wave = "save it as WAV, as RF64 where it is longer than 4 GB";
 
 constexpr auto signatures = std::to_array<Signature>({
     {0, std::string_view("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", 8),
@@ -37,10 +36,6 @@ constexpr auto signatures = std::to_array<Signature>({
      "save the table in it as CSV"},
     {0, "\x1F\x8B", "a gzip-compressed file", "unpack it first"},
     {0, "%PDF", "a PDF document", "a recording is expected"},
-    {0, std::string_view("riff\x2E\x91\xCF\x11\xA5\xD6\x28\xDB", 12),
-     "a Sony Wave64 sound file (.w64)", as_wave},
-    {0, "FORM", "an AIFF sound file", as_wave, "AIFF"},
-    {0, "FORM", "an AIFF sound file", as_wave, "AIFC"},
     {0, "<?xml",
      "the description of an NI TDM file (.tdm), whose samples are in the .tdx beside it",
      "save it as TDMS with DIAdem or LabVIEW", "usi:tdm"},

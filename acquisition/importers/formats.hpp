@@ -49,6 +49,9 @@ std::unique_ptr<RecordingReader> open_mat(const std::string& path, const ImportO
 int recognises_wav(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_wav(const std::string& path, const ImportOptions& options);
 
+int recognises_aiff(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_aiff(const std::string& path, const ImportOptions& options);
+
 int recognises_sigrok(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_sigrok(const std::string& path, const ImportOptions& options);
 

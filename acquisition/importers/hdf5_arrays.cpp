@@ -284,11 +284,13 @@ Hdf5Listing list_hdf5(const std::string& path) {
 }
 
 std::vector<std::string> links_to(const Hdf5Listing& listing, const std::string& path) {
+  constexpr std::size_t most = 100;
   std::vector<std::string> found;
   for (std::size_t end = path.size(); end != std::string::npos && end > 0;
        end = path.rfind('/', end - 1)) {
     const auto [first, last] = listing.links.equal_range(path.substr(0, end));
-    for (auto link = first; link != last; ++link) found.push_back(link->second + path.substr(end));
+    for (auto link = first; link != last && found.size() < most; ++link)
+      found.push_back(link->second + path.substr(end));
   }
   return found;
 }

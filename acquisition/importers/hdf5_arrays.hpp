@@ -47,13 +47,14 @@ struct Hdf5Array {
 
 struct Hdf5Listing {
   std::vector<Hdf5Array> arrays;
-  std::map<std::string, Hdf5Attributes> groups;   ///< by path; the root's is "/"
-  std::map<std::string, std::string> texts;       ///< data sets of one text, by path
-  std::vector<std::string> skipped;               ///< "'/a' (why)"
-  std::multimap<std::string, std::string> links;  ///< soft links by what they lead to, as paths
+  std::map<std::string, Hdf5Attributes> groups;  ///< by path; the root's is "/"
+  std::map<std::string, std::string> texts;      ///< data sets of one text, by path
+  std::vector<std::string> skipped;              ///< "'/a' (why)"
+  /// Soft links, and hard links to what is listed already, by what they lead to, as paths.
+  std::multimap<std::string, std::string> links;
 };
 
-/// The paths by which soft links lead to a data set: by one to it or to a group around it.
+/// The paths by which links lead to a data set, to it or to a group around it: the first ones.
 std::vector<std::string> links_to(const Hdf5Listing& listing, const std::string& path);
 
 /// Lists the data sets of numbers. HDF5 runs in a child process, since it does not survive all

@@ -234,7 +234,7 @@ class ChannelMaker {
     if (slice.whole && array.field.empty())
       for (const std::string& link : links_to(made_.listing, array.path))
         if (linked.size() < 1000)
-          linked += (linked.empty() ? "" : " | ") + shown(link, made_.matlab);
+          linked += (linked.empty() ? "" : " | ") + made_.name_of_path(link);
     if (!linked.empty()) channel.attributes[std::string(datasets::other_names)] = linked;
     for (const auto& [key, text] : array.attributes.texts) channel.attributes.emplace(key, text);
     for (const auto& [key, value] : array.attributes.numbers)
@@ -376,8 +376,8 @@ void Hdf5Channels::settle_the_rest() {
     record.warnings.emplace_back("there are no data sets of numbers: there are no channels");
 }
 
-std::string Hdf5Channels::name_of_set(const Hdf5Array& array) const {
-  return shown(array.path, matlab);
+std::string Hdf5Channels::name_of_path(const std::string& path_within) const {
+  return shown(path_within, matlab);
 }
 
 void Hdf5Channels::warn(std::string sentence) {

@@ -32,7 +32,10 @@ struct Hdf5Channels {
   void settle_the_rest();
 
   /// Of a data set, all fields of records together: "/run/force"; as MATLAB writes it "run.force".
-  std::string name_of_set(const Hdf5Array& array) const;
+  std::string name_of_set(const Hdf5Array& array) const { return name_of_path(array.path); }
+
+  /// The same of any path.
+  std::string name_of_path(const std::string& path_within) const;
 
   /// Adds a warning that is not there yet.
   void warn(std::string sentence);

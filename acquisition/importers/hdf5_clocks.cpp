@@ -92,6 +92,9 @@ class ClockSetter {
     NamedArray named{channel.name, slices_[index].count, !array.complex};
     named.real = named.real && !file_.still_packed.contains(index);
     take_unit(named, channel.unit);
+    if (slices_[index].whole && array.field.empty())
+      for (const std::string& link : links_to(file_.listing, array.path))
+        named.other_names.push_back(file_.name_of_path(link));
     named.time = is_axis(array) &&
                  (channel.unit.empty() || datasets::conversion(channel.unit, "s").has_value());
     return named;
@@ -279,12 +282,19 @@ class ClockSetter {
     clock.interval = found.interval;
     if (found.times) take_times(index, *found.times, arrays[*found.times].seconds);
     if (clock.interval > 0.0) return;
-    for (std::string_view group = parent_of(array.path);; group = parent_of(group)) {
+    if (by_groups(array.path, clock)) return;
+    for (const std::string& link : links_to(file_.listing, array.path))
+      if (by_groups(link, clock)) return;
+  }
+
+  /// What attributes of the groups around a path say.
+  bool by_groups(std::string_view path, datasets::SampleClock& clock) {
+    for (std::string_view group = parent_of(path);; group = parent_of(group)) {
       const auto attributes = file_.listing.groups.find(std::string(group));
       if (attributes != file_.listing.groups.end() &&
           by_attributes(group, attributes->second, clock))
-        break;
-      if (group == "/") break;
+        return true;
+      if (group == "/") return false;
     }
   }
 

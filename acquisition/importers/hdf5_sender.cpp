@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -388,6 +389,7 @@ class Walk {
     const std::string problem = storage_problem(id, array.shape, H5Tget_size(type.id()), bytes_);
     if (!problem.empty()) return skip(path, problem);
     if (kind == H5T_STRING) return text(id, type.id(), path);
+    if (is_listed(id, array)) return;
     array.attributes = attributes_of(id);
     array.reference = reference_to(id);
     array.scales = scales_of(id, array.shape.size());
@@ -398,6 +400,18 @@ class Walk {
       fields(type.id(), array);
     else
       put(array);
+  }
+
+  /// A data set that several hard links lead to is listed by the first; the others are told as soft
+  /// ones are. A single number (an interval, a rate) counts in each of its groups, and what MATLAB
+  /// keeps for itself gives no variable its name.
+  bool is_listed(hid_t id, const Hdf5Array& array) {
+    H5O_info_t info{};
+    if (array.shape.empty() || array.path.starts_with("/#") || H5Oget_info(id, &info) < 0)
+      return false;
+    const auto [first, is_new] = data_sets_.emplace(info.addr, array.path);
+    if (!is_new) link(array.path, "/", first->second);
+    return !is_new;
   }
 
   void put(const Hdf5Array& array) {
@@ -516,6 +530,7 @@ class Walk {
   std::size_t objects_ = 0;
   std::size_t skipped_ = 0;
   std::set<haddr_t> seen_;
+  std::map<haddr_t, std::string> data_sets_;  ///< paths, of those that are listed
 };
 
 /// One slice on its way out.

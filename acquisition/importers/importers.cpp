@@ -44,9 +44,11 @@ constexpr auto table = std::to_array<Importer>({
     {"catman", "HBM catman binary export (.bin)", recognises_catman, open_catman},    //
     {"imc-raw", "imc FAMOS raw file (.raw .dat)", recognises_imc_raw, open_imc_raw},  //
     {"hdf5", "HDF5 of other programs: data sets of numbers by their paths (.h5 .hdf5 .nxs)",
-     recognises_foreign_hdf5, open_foreign_hdf5},                                             //
-    {"mat", "MATLAB MAT-file (.mat)", recognises_mat, open_mat},                              //
-    {"wav", "WAVE sound file: RIFF, RIFX, RF64, BW64 (.wav)", recognises_wav, open_wav},      //
+     recognises_foreign_hdf5, open_foreign_hdf5},                 //
+    {"mat", "MATLAB MAT-file (.mat)", recognises_mat, open_mat},  //
+    {"wav", "WAVE sound file: RIFF, RIFX, RF64, BW64, Wave64 (.wav .w64)", recognises_wav,
+     open_wav},                                                                               //
+    {"aiff", "AIFF and AIFF-C sound file (.aif .aiff .aifc)", recognises_aiff, open_aiff},    //
     {"sigrok", "sigrok session with analog channels (.sr)", recognises_sigrok, open_sigrok},  //
     {"lvm", "LabVIEW measurement file, with or without header (.lvm)", recognises_lvm,
      open_lvm},  //

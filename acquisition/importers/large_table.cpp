@@ -192,6 +192,7 @@ class LargeTableReader final : public RecordingReader {
       TimeAxisCheck check(first.front(), first.back(), first.size());
       check.add(first);
       clock_ = check.axis().clock;
+      if (const auto time = time_of_last_lines()) count_by_time(first, *time);
       return;
     }
     RowReader end(file(), table_.layout, table_.names);
@@ -199,11 +200,7 @@ class LargeTableReader final : public RecordingReader {
     Table last = end.read(3);
     first_ = first.front();
     last_ = last.rows > 0 ? times_of(last).back() : first.back();
-    const double step = (first.back() - first_) / static_cast<double>(first.size() - 1);
-    const double by_time = std::round((last_ - first_) / step) + 1.0;
-    // rows grow longer with their numbers: where the times agree roughly, they count better
-    if (std::abs(by_time / static_cast<double>(rows_) - 1.0) < 0.5)
-      rows_ = static_cast<std::uint64_t>(by_time);
+    count_by_time(first, last_);
     TimeAxisCheck check(first_, first.back(), first.size());
     check.add(first);
     clock_ = check.axis().clock;
@@ -211,6 +208,28 @@ class LargeTableReader final : public RecordingReader {
     rounded_ = (check.uniform() && !check.axis().warning.empty()) ||
                std::ranges::adjacent_find(first) != first.end();
     sorted_ = std::ranges::is_sorted(first) && increases_throughout();
+  }
+
+  /// Rows grow longer with their numbers: where times agree roughly, they count better.
+  void count_by_time(const std::vector<double>& first, double last) {
+    const double step = (first.back() - first.front()) / static_cast<double>(first.size() - 1);
+    const double by_time = std::round((last - first.front()) / step) + 1.0;
+    if (std::abs(by_time / static_cast<double>(rows_) - 1.0) < 0.5)
+      rows_ = static_cast<std::uint64_t>(by_time);
+  }
+
+  /// Of a file of which only its ends were rewritten; none where rows do not end it.
+  std::optional<double> time_of_last_lines() {
+    const std::string_view lines = file().last_lines();
+    RowReader end(file(), table_.layout, table_.names);
+    end.seek_last(
+        lines.substr(static_cast<std::size_t>(start_of_last_lines(lines, 3) - lines.data())));
+    try {
+      Table last = end.read(3);
+      if (last.rows > 0) return times_of(last).back();
+    } catch (const datasets::InputError&) {  // a remark below the table, for example
+    }
+    return std::nullopt;
   }
 
   /// Looks at rows all over the file: times that go back anywhere for long are seen.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <span>
 #include <utility>
@@ -172,6 +173,18 @@ const char* MdfRecordBytes::view(std::uint64_t begin, std::uint64_t length) {
     done += count;
   }
   return joined_.data();
+}
+
+std::string_view MdfRecordBytes::piece(std::uint64_t begin) {
+  const std::size_t i = fragment_at(begin);
+  return bytes_of(i).substr(begin - (*fragments_)[i].begin, std::size_t{1} << 20);
+}
+
+void MdfRecordBytes::release(const char* bytes, std::uint64_t length) const {
+  const std::string_view all = file_->bytes();
+  if (std::less<>()(bytes, all.data()) || !std::less<>()(bytes, all.data() + all.size())) return;
+  const auto first = static_cast<std::size_t>(bytes - all.data());
+  file_->release(first, first + length);
 }
 
 std::size_t MdfRecordBytes::fragment_at(std::uint64_t begin) const {

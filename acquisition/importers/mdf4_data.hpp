@@ -42,6 +42,12 @@ class MdfRecordBytes {
   /// damaged ones.
   const char* view(std::uint64_t begin, std::uint64_t length);
 
+  /// Bytes from `begin` on that lie together, one at least and 1 MB at most; as view().
+  std::string_view piece(std::uint64_t begin);
+
+  /// Gives back the pages of such bytes where they lie in the file.
+  void release(const char* bytes, std::uint64_t length) const;
+
  private:
   std::size_t fragment_at(std::uint64_t begin) const;
   std::string_view bytes_of(std::size_t i);

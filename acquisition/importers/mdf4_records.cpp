@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "acquisition/importers/mdf4_records.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "acquisition/importers/time_axis.hpp"
@@ -72,8 +75,10 @@ class MdfRecording final : public RecordingReader {
         groups_(std::move(groups)),
         channels_(std::move(channels)) {
     head_.record = std::move(record);
-    for (const MdfChannel& channel : channels_)
+    for (const MdfChannel& channel : channels_) {
       head_.samples.push_back(groups_[channel.group].records);
+      head_.counted = head_.counted && groups_[channel.group].counted;
+    }
   }
 
   const RecordingHead& head() const override { return head_; }
@@ -86,9 +91,15 @@ class MdfRecording final : public RecordingReader {
     std::vector<std::vector<std::size_t>> of_group(groups_.size());  // places in `chosen`
     for (std::size_t i = 0; i < chosen.size(); ++i)
       of_group[channels_[chosen[i]].group].push_back(i);
+    std::set<const MdfMixed*> done;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       if (of_group[g].empty()) continue;
       const MdfGroup& group = groups_[g];
+      if (group.mixed) {
+        if (done.insert(group.mixed.get()).second)
+          read_mixed(*group.mixed, wanted, chosen, of_group, record, sink);
+        continue;
+      }
       MdfRecordBytes bytes(*file_, group.fragments);
       datasets::SampleClock clock = record.channels[of_group[g].front()].clock;
       SampleRange range = samples_within(clock, group.records, wanted);
@@ -137,14 +148,138 @@ class MdfRecording final : public RecordingReader {
     for (std::uint64_t i = range.first; i < range.last; i += rows) {
       const std::uint64_t count = std::min(rows, range.last - i);
       const char* const records = bytes.view(i * group.record_bytes, count * group.record_bytes);
-      for (const std::size_t place : places)
-        hand_over(group, channels_[chosen[place]], records, count, place, sink);
-      if (group.times) {
-        const std::span<const double> times = times_of(group, records, count);
-        for (const std::size_t place : places) sink.take_times(place, times);
-      }
-      release(records, count * group.record_bytes);
+      hand_over(group, records, count, chosen, places, sink);
+      bytes.release(records, count * group.record_bytes);
     }
+  }
+
+  void hand_over(const MdfGroup& group, const char* records, std::uint64_t count,
+                 const std::vector<std::size_t>& chosen, const std::vector<std::size_t>& places,
+                 SampleSink& sink) {
+    for (const std::size_t place : places)
+      hand_over(group, channels_[chosen[place]], records, count, place, sink);
+    if (!group.times) return;
+    const std::span<const double> times = times_of(group, records, count);
+    for (const std::size_t place : places) sink.take_times(place, times);
+  }
+
+  /// What is read of a group among others.
+  struct Part {
+    SampleRange range{};        ///< empty: nothing
+    std::uint64_t seen = 0;     ///< records so far
+    std::uint64_t rows = 1;     ///< that are handed over at once
+    std::uint64_t waiting = 0;  ///< of them
+    std::vector<char> records;
+  };
+
+  /// Hands the records of some groups to `use` as it goes through the data of all of them, by
+  /// blocks of one group: use(place, records, count). False where it saw the end of the data.
+  template <typename Use>
+  bool each_block(MdfMixedRecords& all, std::vector<Part>& parts, const MdfMixed& mixed,
+                  const Use& use) const {
+    std::size_t open = 0;
+    for (const Part& part : parts)
+      if (part.range.last > part.range.first) ++open;
+    while (open > 0) {
+      const auto record = all.next();
+      if (!record) break;
+      Part& part = parts[record->place];
+      const std::uint64_t index = part.seen++;
+      if (index < part.range.first || index >= part.range.last) continue;
+      const std::uint64_t bytes = groups_[mixed.groups[record->place]].record_bytes;
+      if (part.rows == 1) {
+        use(record->place, record->bytes, std::uint64_t{1});
+      } else {
+        part.records.insert(part.records.end(), record->bytes, record->bytes + bytes);
+        if (++part.waiting == part.rows) settle(part, record->place, use);
+      }
+      if (part.seen == part.range.last) --open;
+    }
+    for (std::size_t place = 0; place < parts.size(); ++place) settle(parts[place], place, use);
+    return open == 0;
+  }
+
+  template <typename Use>
+  static void settle(Part& part, std::size_t place, const Use& use) {
+    if (part.waiting > 0) use(place, part.records.data(), part.waiting);
+    part.records.clear();
+    part.waiting = 0;
+  }
+
+  /// All records of the groups that `wants` holds for, none of the others.
+  template <typename Wants>
+  std::vector<Part> parts_of(const MdfMixed& mixed, const Wants& wants) const {
+    std::vector<Part> parts(mixed.groups.size());
+    const auto count = static_cast<std::uint64_t>(std::ranges::count_if(mixed.groups, wants));
+    for (std::size_t place = 0; place < parts.size(); ++place) {
+      const MdfGroup& group = groups_[mixed.groups[place]];
+      if (!wants(mixed.groups[place])) continue;
+      parts[place].range.last = group.estimated ? ~std::uint64_t{0} : group.records;
+      parts[place].rows =
+          std::min(rows_at_once(group),
+                   std::max<std::uint64_t>(most_waiting / count / group.record_bytes, 1));
+    }
+    return parts;
+  }
+
+  /// The channels of groups whose records stand by turns: in one go, or two where a window has to
+  /// be found in times.
+  void read_mixed(const MdfMixed& mixed, const Selection& wanted,
+                  const std::vector<std::size_t>& chosen,
+                  const std::vector<std::vector<std::size_t>>& of_group, Record& record,
+                  SampleSink& sink) {
+    const auto is_read = [&](std::size_t group) { return !of_group[group].empty(); };
+    const auto has_times = [&](std::size_t group) {
+      return is_read(group) && groups_[group].times.has_value();
+    };
+    const auto add_times = [&](std::vector<TimeWindow>& found, std::size_t place,
+                               const char* records, std::uint64_t count) {
+      const MdfGroup& group = groups_[mixed.groups[place]];
+      if (group.times) found[place].add(times_of(group, records, count));
+    };
+    std::vector<Part> parts = parts_of(mixed, is_read);
+    std::vector<TimeWindow> found(mixed.groups.size(), TimeWindow(wanted));
+    if (wanted.has_window() && std::ranges::any_of(mixed.groups, has_times)) {
+      std::vector<Part> of_times = parts_of(mixed, has_times);
+      MdfMixedRecords all(*file_, mixed);
+      each_block(all, of_times, mixed, [&](std::size_t place, const char* records, auto count) {
+        add_times(found, place, records, count);
+      });
+    }
+    for (std::size_t place = 0; place < parts.size(); ++place) {
+      const std::size_t g = mixed.groups[place];
+      if (!is_read(g)) continue;
+      datasets::SampleClock clock = record.channels[of_group[g].front()].clock;
+      if (!groups_[g].times) {
+        parts[place].range = samples_within(clock, parts[place].range.last, wanted);
+        clock.start += clock.interval * static_cast<double>(parts[place].range.first);
+      } else if (wanted.has_window()) {
+        parts[place].range = found[place].range();
+        found[place].settle(clock);
+      }
+      for (const std::size_t i : of_group[g]) record.channels[i].clock = clock;
+    }
+    MdfMixedRecords all(*file_, mixed);
+    const bool to_the_end =
+        !each_block(all, parts, mixed, [&](std::size_t place, const char* records, auto count) {
+          const std::size_t g = mixed.groups[place];
+          hand_over(groups_[g], records, count, chosen, of_group[g], sink);
+          if (!wanted.has_window()) add_times(found, place, records, count);
+        });
+    for (std::size_t place = 0; place < parts.size(); ++place) {
+      const std::size_t g = mixed.groups[place];
+      if (!is_read(g)) continue;
+      if (groups_[g].times && !wanted.has_window())
+        for (const std::size_t i : of_group[g]) found[place].settle(record.channels[i].clock);
+      if (to_the_end && parts[place].seen < groups_[g].announced)
+        tell(mdf_short(groups_[g].name, groups_[g].announced, parts[place].seen), record);
+    }
+    if (to_the_end && !all.problem().empty()) tell(all.problem(), record);
+  }
+
+  static void tell(const std::string& sentence, Record& record) {
+    if (std::ranges::find(record.warnings, sentence) == record.warnings.end())
+      record.warnings.push_back(sentence);
   }
 
   void hand_over(const MdfGroup& group, const MdfChannel& channel, const char* records,
@@ -187,14 +322,8 @@ class MdfRecording final : public RecordingReader {
     sink.take(place, block);
   }
 
-  /// Gives back the pages of records that lie in the file.
-  void release(const char* records, std::uint64_t length) const {
-    const std::string_view all = file_->bytes();
-    if (std::less<>()(records, all.data()) || !std::less<>()(records, all.data() + all.size()))
-      return;
-    const auto first = static_cast<std::size_t>(records - all.data());
-    file_->release(first, first + length);
-  }
+  /// Of groups that stand by turns, all together: bytes that wait to be handed over.
+  static constexpr std::uint64_t most_waiting = std::uint64_t{1} << 26;
 
   std::unique_ptr<MappedFile> file_;
   std::vector<MdfGroup> groups_;
@@ -214,6 +343,10 @@ class MdfRecording final : public RecordingReader {
 void read_mdf_field(const MdfField& field, const char* records, std::uint64_t count,
                     std::uint64_t stride, std::vector<double>& to) {
   read_field(field, records, count, stride, to);
+}
+
+std::string mdf_short(std::string_view group, std::uint64_t announced, std::uint64_t there) {
+  return fmt::format("{} announces {} records, {} are there", group, announced, there);
 }
 
 std::unique_ptr<RecordingReader> reader_of_mdf_records(std::unique_ptr<MappedFile> file,

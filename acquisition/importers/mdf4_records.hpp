@@ -6,10 +6,13 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/mdf4_data.hpp"
+#include "acquisition/importers/mdf4_mixed.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/recording_reader.hpp"
 #include "datasets/record.hpp"
@@ -54,6 +57,12 @@ struct MdfGroup {
   std::vector<MdfFragment> fragments;
   std::uint64_t record_bytes = 0;  ///< with record id and invalidation bytes
   std::uint64_t records = 0;
+  /// Instead of fragments: data that it shares with other groups, of which its records are a part.
+  std::shared_ptr<const MdfMixed> mixed;
+  std::string name;               ///< "group 3.1", for warnings; only where mixed
+  bool counted = true;            ///< false: `records` has not been compared with the data
+  bool estimated = false;         ///< likewise, and there may be more
+  std::uint64_t announced = 0;    ///< likewise, by the file
   std::optional<MdfField> times;  ///< of a time master whose clock is not uniform
   MdfScaling times_scaling;
 };
@@ -65,6 +74,9 @@ struct MdfChannel {
   MdfScaling scaling;
   std::optional<std::uint64_t> invalid_bit;  ///< in the record
 };
+
+/// "group 3 announces 9 records, 7 are there".
+std::string mdf_short(std::string_view group, std::uint64_t announced, std::uint64_t there);
 
 /// Reads records by blocks; each gives the values of every channel asked for. `record` has one
 /// channel an MdfChannel, without samples.

@@ -100,9 +100,11 @@ class ClockFinder {
       if (stated) break;
       const std::string word = last_word(arrays_[i].name);
       const std::string group(group_of(arrays_[i].name));
-      if (!none && arrays_[i].real && arrays_[i].samples > 1 &&
-          (arrays_[i].time || among(time_words, word)))
-        add_times(i, group);
+      if (!none && arrays_[i].real && arrays_[i].samples > 1) {
+        if (is_time(i, arrays_[i].name)) add_times(i, group);
+        for (const std::string& other : arrays_[i].other_names)
+          if (is_time(i, other)) add_times(i, std::string(group_of(other)));
+      }
       if (arrays_[i].real && arrays_[i].samples == 1) take_number(word, group, i);
     }
     for (std::size_t i = 0; i < arrays_.size(); ++i) {
@@ -111,14 +113,22 @@ class ClockFinder {
         if (arrays_[i].samples == arrays_[column].samples) use_times(i, column, "stated");
         continue;
       }
-      const std::string group(group_of(arrays_[i].name));
-      if (!by_times(i, group) && !by_times(i, {}) && !by_number(i, group)) by_number(i, {});
+      std::vector<std::string> groups = {std::string(group_of(arrays_[i].name))};
+      for (const std::string& other : arrays_[i].other_names) groups.emplace_back(group_of(other));
+      groups.emplace_back();  // the top
+      const auto times = [&](const std::string& group) { return by_times(i, group); };
+      const auto number = [&](const std::string& group) { return by_number(i, group); };
+      if (!std::ranges::any_of(groups, times)) std::ranges::any_of(groups, number);
     }
     if (!wanted_) take_first_columns();
     return std::move(result_);
   }
 
  private:
+  bool is_time(std::size_t index, const std::string& name) const {
+    return arrays_[index].time || among(time_words, last_word(name));
+  }
+
   std::size_t stated_column() const {
     for (std::size_t i = 0; i < arrays_.size(); ++i)
       if (arrays_[i].name == *wanted_ && arrays_[i].real) return i;
@@ -140,7 +150,7 @@ class ClockFinder {
   void add_times(std::size_t index, const std::string& group) {
     constexpr std::size_t most = 10;  // of the same length, so that the search ends
     std::vector<std::size_t>& list = times_[std::pair(group, arrays_[index].samples)];
-    if (list.size() < most) list.push_back(index);
+    if (list.size() < most && std::ranges::find(list, index) == list.end()) list.push_back(index);
   }
 
   void take_number(const std::string& word, const std::string& group, std::size_t index) {

@@ -21,6 +21,7 @@ struct NamedArray {
   bool time = false;     ///< the file says that it is
   double seconds = 1.0;  ///< of one of its unit, where it holds times; where rates, of a period
   bool has_unit = false;
+  std::vector<std::string> other_names{};  ///< by links, as `name`: it is in these groups too
 };
 
 /// "us" of "run.time_us" and "N" of "/run/Force [N]"; "" where the name does not end so.

@@ -84,10 +84,43 @@ std::string line_feeds(std::string_view bytes) {
   return text;
 }
 
+/// A unit of UTF-16.
+std::uint32_t unit_at(std::string_view bytes, std::size_t i, bool little) {
+  const auto low = static_cast<unsigned char>(bytes[little ? i : i + 1]);
+  const auto high = static_cast<unsigned char>(bytes[little ? i + 1 : i]);
+  return static_cast<std::uint32_t>(low | high << 8);
+}
+
+bool is_first_surrogate(std::uint32_t unit) {
+  return unit >= 0xD800 && unit < 0xDC00;
+}
+
+/// Bytes [first, last) of UTF-16.
+std::string utf16_part(std::string_view bytes, std::size_t first, std::size_t last, bool little) {
+  std::string out;
+  out.reserve((last - first) / 2);
+  for (std::size_t i = first; i + 1 < last; i += 2) {
+    std::uint32_t code = unit_at(bytes, i, little);
+    const std::uint32_t next = i + 3 < last ? unit_at(bytes, i + 2, little) : 0;
+    if (is_first_surrogate(code) && next >= 0xDC00 && next < 0xE000) {
+      code = 0x10000 + ((code - 0xD800) << 10) + (next - 0xDC00);
+      i += 2;
+    } else if (code >= 0xD800 && code < 0xE000) {
+      code = 0xFFFD;
+    }
+    append_utf8(out, code);
+  }
+  return out;
+}
+
+bool is_little_endian(std::string_view bytes) {
+  return bytes.starts_with("\xFF\xFE");
+}
+
 }  // namespace
 
 std::string_view TextFile::text() {
-  if (!text_.empty()) return text_;
+  if (!text_.empty()) return is_part() ? std::string_view(text_).substr(0, part_) : text_;
   if (rewritten_) return rewritten_->bytes();
   const std::string_view all = bytes();
   if (all.starts_with("\xEF\xBB\xBF")) return all.substr(3);
@@ -97,8 +130,10 @@ std::string_view TextFile::text() {
       throw InputError(byte_position(all.data()),
                        "the text looks like UTF-16 without a byte order mark: save it as UTF-8");
     if (all.size() > most_in_memory) {
-      if (take_first_lines(2, [](std::string_view bytes) { return utf16_to_utf8(bytes); }))
-        return text_;
+      const auto rewrite = [all](std::size_t first, std::size_t last) {
+        return utf16_part(all, first, last, is_little_endian(all));
+      };
+      if (take_first_lines(2, rewrite)) return text();
       rewritten_ = utf16_to_utf8(file_, rewritten_at_once);
       return rewritten_->bytes();
     }
@@ -107,7 +142,10 @@ std::string_view TextFile::text() {
   }
   if (head.find('\r') != std::string_view::npos && head.find('\n') == std::string_view::npos) {
     if (all.size() > most_in_memory) {
-      if (take_first_lines(0, line_feeds)) return text_;
+      const auto rewrite = [all](std::size_t first, std::size_t last) {
+        return line_feeds(all.substr(first, last - first));
+      };
+      if (take_first_lines(0, rewrite)) return text();
       rewritten_ = with_line_feeds(file_, rewritten_at_once);
       return rewritten_->bytes();
     }
@@ -120,11 +158,16 @@ std::string_view TextFile::text() {
 template <typename Rewrite>
 bool TextFile::take_first_lines(std::size_t start, const Rewrite& rewrite) {
   if (!head_only_) return false;
-  const std::string part = rewrite(bytes().substr(0, telling_part));
+  const std::size_t size = bytes().size();
+  const std::string part = rewrite(start, telling_part);
   text_ = whole_lines(part, part.size());
   if (text_.empty()) return false;
+  part_ = text_.size();
+  constexpr std::size_t last_part = 65536;  // even, as units of UTF-16 are
+  const std::string last = rewrite((size - last_part) / 2 * 2, size);
+  text_.append(last, std::min(last.find('\n'), last.size() - 1) + 1);
   expected_size_ = static_cast<double>(part.size()) / static_cast<double>(telling_part - start) *
-                   static_cast<double>(bytes().size() - start);
+                   static_cast<double>(size - start);
   return true;
 }
 
@@ -226,43 +269,6 @@ bool looks_like_utf16(std::string_view head) {
   }
   return false;
 }
-
-namespace {
-
-/// A unit of UTF-16.
-std::uint32_t unit_at(std::string_view bytes, std::size_t i, bool little) {
-  const auto low = static_cast<unsigned char>(bytes[little ? i : i + 1]);
-  const auto high = static_cast<unsigned char>(bytes[little ? i + 1 : i]);
-  return static_cast<std::uint32_t>(low | high << 8);
-}
-
-bool is_first_surrogate(std::uint32_t unit) {
-  return unit >= 0xD800 && unit < 0xDC00;
-}
-
-/// Bytes [first, last) of UTF-16.
-std::string utf16_part(std::string_view bytes, std::size_t first, std::size_t last, bool little) {
-  std::string out;
-  out.reserve((last - first) / 2);
-  for (std::size_t i = first; i + 1 < last; i += 2) {
-    std::uint32_t code = unit_at(bytes, i, little);
-    const std::uint32_t next = i + 3 < last ? unit_at(bytes, i + 2, little) : 0;
-    if (is_first_surrogate(code) && next >= 0xDC00 && next < 0xE000) {
-      code = 0x10000 + ((code - 0xD800) << 10) + (next - 0xDC00);
-      i += 2;
-    } else if (code >= 0xD800 && code < 0xE000) {
-      code = 0xFFFD;
-    }
-    append_utf8(out, code);
-  }
-  return out;
-}
-
-bool is_little_endian(std::string_view bytes) {
-  return bytes.starts_with("\xFF\xFE");
-}
-
-}  // namespace
 
 std::string utf16_to_utf8(std::string_view bytes) {
   return utf16_part(bytes, std::min<std::size_t>(2, bytes.size()), bytes.size(),

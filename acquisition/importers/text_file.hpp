@@ -38,6 +38,11 @@ class TextFile {
   /// True where text() has only the first lines of the file.
   bool is_part() const { return expected_size_ > 0.0; }
 
+  /// Where is_part(): what the last lines of the whole text are.
+  std::string_view last_lines() const {
+    return is_part() ? std::string_view(text_).substr(part_) : std::string_view();
+  }
+
   /// Length of the whole text [bytes]: where text() is a part of it, as that lets expect.
   double expected_size() { return is_part() ? expected_size_ : static_cast<double>(text().size()); }
 
@@ -57,8 +62,9 @@ class TextFile {
   datasets::SourcePosition byte_position(const char* at) const;
 
  private:
-  /// Where only the head is wanted: makes text_ the first lines of what `rewrite` makes of bytes,
-  /// of which the first `start` are a mark. False when the first line does not end soon enough.
+  /// Where only the head is wanted: makes text_ the first and the last lines of what `rewrite`
+  /// makes of bytes [first, last), of which the first `start` are a mark. False when the first line
+  /// does not end soon enough.
   template <typename Rewrite>
   bool take_first_lines(std::size_t start, const Rewrite& rewrite);
 
@@ -66,6 +72,7 @@ class TextFile {
   bool head_only_;
   double expected_size_ = 0.0;             // of the whole text, where text_ is a part of it
   std::string text_;                       // the text when it is not a part of the bytes
+  std::size_t part_ = 0;                   // of it, where text() is a part
   std::unique_ptr<MappedFile> rewritten_;  // the same of a large one
 };
 

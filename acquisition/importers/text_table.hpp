@@ -128,6 +128,12 @@ class RowReader {
   /// To the start of a line.
   void seek(const char* line) { at_ = line; }
 
+  /// To lines of the file's last_lines().
+  void seek_last(std::string_view lines) {
+    at_ = lines.data();
+    end_ = lines.data() + lines.size();
+  }
+
   const char* at() const { return at_; }
 
   bool at_end() const { return at_ == end_; }

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/full_scale.hpp"
 #include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/text_file.hpp"
@@ -219,7 +220,7 @@ std::optional<Coding> coding_of(int subtype) {
 class WavReader final : public RecordingReader {
  public:
   explicit WavReader(const std::string& path) : file_(path), bytes_(file_) {
-    if (!is_wave(file_.bytes()))
+    if (!is_wave(file_.bytes()) && !is_wave64(file_.bytes()))
       throw InputError(file_.byte_position(0),
                        "expected 'RIFF', 'RIFX', 'RF64' or 'BW64' and 'WAVE' at byte 8");
     if (const std::string problem = wrong_chunks(bytes_.chunks()); !problem.empty())
@@ -342,37 +343,19 @@ class WavReader final : public RecordingReader {
     record.warnings.insert(record.warnings.end(), chunks.warnings.begin(), chunks.warnings.end());
     const auto title = record.attributes.find("title");
     if (title != record.attributes.end()) record.title = title->second;
-    const std::uint64_t frames = static_cast<std::uint64_t>(std::max<sf_count_t>(info_.frames, 0));
-    for (int c = 0; c < info_.channels; ++c) {
-      Channel channel;
-      channel.name = fmt::format("ch{}", c + 1);
-      channel.unit = "FS (full scale = 1.0)";
-      channel.quantity = datasets::Quantity::unknown;
-      channel.scale = coding_.scale;
-      if (info_.samplerate > 0) channel.clock.interval = 1.0 / info_.samplerate;
-      record.channels.push_back(std::move(channel));
-      head_.samples.push_back(frames);
-    }
-    if (record.channels.empty())
-      record.warnings.emplace_back("the file has no channels");
-    else
-      record.warnings.emplace_back(
-          "a WAVE file holds no physical units: samples are parts of full scale; a map says what "
-          "full scale is (import --map, full_scale = \"10 V\")");
+    const double interval = info_.samplerate > 0 ? 1.0 / info_.samplerate : 0.0;
+    add_full_scale_channels(
+        head_, "a WAVE file", static_cast<std::size_t>(std::max(info_.channels, 0)),
+        static_cast<std::uint64_t>(std::max<sf_count_t>(info_.frames, 0)), interval, coding_.scale);
   }
 
   /// The file's size as its header has it; a recorder that was stopped leaves another one.
   void tell_cut() {
-    const std::string_view all = file_.bytes();
-    const bool big = all.starts_with("RIFX");
-    std::uint32_t declared = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-      declared = declared << 8 | static_cast<unsigned char>(all[big ? 4 + i : 7 - i]);
-    if (all.starts_with("RF64") || all.starts_with("BW64") || declared == 0xFFFFFFFF) return;
-    if (declared + std::uint64_t{8} > all.size())
-      head_.record.warnings.push_back(
-          fmt::format("the file is cut: its header declares {} bytes, {} are there",
-                      declared + std::uint64_t{8}, all.size()));
+    const std::uint64_t there = file_.bytes().size();
+    const std::uint64_t declared = bytes_.chunks().declared_bytes;
+    if (declared > there)
+      head_.record.warnings.push_back(fmt::format(
+          "the file is cut: its header declares {} bytes, {} are there", declared, there));
   }
 
   template <typename Sample>
@@ -419,7 +402,7 @@ class WavReader final : public RecordingReader {
 }  // namespace
 
 int recognises_wav(std::string_view, std::string_view head) {
-  return is_wave(head) ? 100 : 0;
+  return is_wave(head) || is_wave64(head) ? 100 : 0;
 }
 
 std::unique_ptr<RecordingReader> open_wav(const std::string& path, const ImportOptions&) {

@@ -121,6 +121,9 @@ class Finder {
   }
 
   WaveChunks find() {
+    const bool is_long = bytes_.starts_with("RF64") || bytes_.starts_with("BW64");
+    const auto declared = number_at<std::uint32_t>(bytes_, 4, found_.big_endian);
+    if (!is_long && declared != said_elsewhere) found_.declared_bytes = declared + std::uint64_t{8};
     std::size_t at = 12;
     while (const auto chunk = chunk_at(bytes_, at, found_.big_endian)) {
       if (chunk->name == "data") {
@@ -282,6 +285,39 @@ class Finder {
   std::uint64_t long_file_ = 0;             ///< of the file but 8 bytes, of RF64
 };
 
+// Names of Wave64 are GUIDs: four letters, and what is the same of all but the first.
+constexpr std::string_view wave64_riff("\x2E\x91\xCF\x11\xA5\xD6\x28\xDB\x04\xC1\0\0", 12);
+constexpr std::string_view wave64_name("\xF3\xAC\xD3\x11\x8C\xD1\0\xC0\x4F\x8E\xDB\x8A", 12);
+constexpr std::size_t wave64_head = 40;
+constexpr std::size_t wave64_chunk_head = 24;  ///< which a chunk's size counts
+
+/// A chunk that is shorter than its head, or longer than the file, ends it.
+WaveChunks wave64_chunks(std::string_view bytes) {
+  WaveChunks found;
+  found.declared_bytes = number_at<std::uint64_t>(bytes, 16, false);
+  std::size_t at = wave64_head;
+  while (bytes.size() - at >= wave64_chunk_head) {
+    const std::string_view name = bytes.substr(at, 4);
+    const bool is_known = bytes.substr(at + 4, 12) == wave64_name;
+    const auto size = number_at<std::uint64_t>(bytes, at + 16, false);
+    const std::uint64_t said = size - std::min<std::uint64_t>(size, wave64_chunk_head);
+    const std::string_view content = bytes.substr(at + wave64_chunk_head, said);
+    if (is_known && name == "fmt " && found.format.empty()) found.format = content;
+    if (is_known && name == "bext" && found.broadcast.empty()) found.broadcast = content;
+    if (is_known && name == "data" && ++found.data_chunks == 1) {
+      found.samples = at + wave64_chunk_head;
+      found.sample_bytes = content.size();
+      // as a recorder leaves it that was stopped
+      if (said == 0 && found.declared_bytes <= found.samples)
+        found.sample_bytes = found.uncounted = bytes.size() - found.samples;
+    }
+    const std::uint64_t next = (size + 7) / 8 * 8;
+    if (size < wave64_chunk_head || size > bytes.size() - at || next > bytes.size() - at) break;
+    at += next;
+  }
+  return found;
+}
+
 }  // namespace
 
 bool is_wave(std::string_view head) {
@@ -290,8 +326,14 @@ bool is_wave(std::string_view head) {
   return riff && head.size() >= 12 && head.substr(8, 4) == "WAVE";
 }
 
+bool is_wave64(std::string_view head) {
+  return head.size() >= wave64_head && head.starts_with("riff" + std::string(wave64_riff)) &&
+         head.substr(24, 16) == "wave" + std::string(wave64_name);
+}
+
 WaveChunks wave_chunks(std::string_view bytes) {
-  return Finder(bytes).find();
+  if (is_wave64(bytes)) return wave64_chunks(bytes);
+  return is_wave(bytes) ? Finder(bytes).find() : WaveChunks();
 }
 
 std::string undamaged_head(const WaveChunks& chunks) {

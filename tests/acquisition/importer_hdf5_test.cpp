@@ -228,6 +228,41 @@ TEST(ForeignHdf5, ChannelsHaveTheNamesOfSoftLinksToo) {
   EXPECT_THAT(imported(file.bytes(), options).channels.at(0).values(), ElementsAre(1, 2, 3));
 }
 
+// NeXus writes its links so.
+TEST(ForeignHdf5, ADataSetOfTwoHardLinksIsOneChannel) {
+  const Hdf5File file;
+  const auto link = [&file](const char* from, const char* to) {
+    H5Lcreate_hard(file.id(), to, file.id(), from, H5P_DEFAULT, H5P_DEFAULT);
+  };
+  file.group("/a");
+  file.doubles("/a/force", {1, 2, 3});
+  file.doubles("/a/time", {0, 0.5, 1});
+  file.data<double>("/a/table", {3, 2}, {1, 2, 3, 4, 5, 6}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.group("/b");
+  file.doubles("/b/force", {4, 5, 6});
+  file.data<double>("/b/gain", {}, {7}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  link("/b/time", "/a/time");
+  link("/b/hammer", "/a/force");
+  link("/b/table", "/a/table");
+  link("/gain", "/b/gain");
+  const auto record = imported(file.bytes());
+  std::vector<std::string> names;
+  for (const auto& channel : record.channels) {
+    names.push_back(channel.name);
+    EXPECT_EQ(channel.clock.interval, 0.5) << channel.name;  // of both groups
+  }
+  EXPECT_THAT(names, ElementsAre("/a/force", "/a/table:1", "/a/table:2", "/a/time", "/b/force"));
+  EXPECT_EQ(record.channels[0].attributes.at("linked as"), "/b/hammer");
+  EXPECT_EQ(record.attributes.at("time column"), "/a/time (by its name)");
+  EXPECT_EQ(record.attributes.at("/b/gain"), "7");
+  EXPECT_EQ(record.attributes.at("/gain"), "7");
+  for (const std::string& warning : record.warnings)
+    EXPECT_THAT(warning, testing::Not(HasSubstr("not read")));
+  ImportOptions options;
+  options.channels = {"/b/hammer"};
+  EXPECT_THAT(imported(file.bytes(), options).channels.at(0).values(), ElementsAre(1, 2, 3));
+}
+
 TEST(ForeignHdf5, WhatIsNotReadIsNamed) {
   const Hdf5File file;
   const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);

@@ -254,6 +254,28 @@ TEST(HeadOnly, OfATableToBeRewrittenIsThatOfItsFirstRows) {
   }
 }
 
+// Later rows are longer than those that are looked at: the last time counts them.
+TEST(HeadOnly, OfATableToBeRewrittenHasTheRowsThatItsLastTimeTells) {
+  const auto made = [](std::string_view line_end) {
+    std::string text = "Time [s],Force [N]" + std::string(line_end);
+    std::size_t n = 0;
+    for (; text.size() < large; ++n)
+      text += fmt::format("{:.3f},{}{}", 1e-3 * double(n), n, line_end);
+    return std::pair(text, n);
+  };
+  for (const bool wide : {true, false}) {
+    const auto [text, n] = made(wide ? "\r\n" : "\r");
+    const std::string bytes = wide ? utf16(text) : text;
+    const tests::WrittenFile file(bytes, ".csv");
+    EXPECT_EQ(opened(file, true)->head().samples, std::vector<std::uint64_t>{n});
+    const std::string remark = wide ? utf16("end of run 7\r\n").substr(2) : "end of run 7\r";
+    const tests::WrittenFile with_remark(bytes + remark, ".txt");
+    const double estimate = static_cast<double>(opened(with_remark, true)->head().samples.at(0));
+    EXPECT_GT(estimate, 1.02 * static_cast<double>(n));
+    EXPECT_LT(estimate, 1.5 * static_cast<double>(n));
+  }
+}
+
 TEST(HeadOnly, OfALabViewTableWithoutHeaderInUtf16IsNotRewritten) {
   std::string text = rows(large / 32);
   for (char& c : text)

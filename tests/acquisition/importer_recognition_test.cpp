@@ -115,18 +115,6 @@ INSTANTIATE_TEST_SUITE_P(
             "CSV"},
         Closed{"\x1F\x8B\x08"sv, "a gzip-compressed file, which is not read: unpack it first"},
         Closed{"%PDF-1.7"sv, "a PDF document, which is not read: a recording is expected"},
-        Closed{
-            "riff\x2E\x91\xCF\x11\xA5\xD6\x28\xDB\x04\xC1\x00\x00"sv,
-            "a Sony Wave64 sound file (.w64), which is not read: save it as WAV, as RF64 where it "
-            "is longer than 4 GB"},
-        Closed{"FORM\x00\x00\x00\x36"
-               "AIFFCOMM"sv,
-               "an AIFF sound file, which is not read: save it as WAV, as RF64 where it is longer "
-               "than 4 GB"},
-        Closed{"FORM\x00\x00\x00\x36"
-               "AIFCFVER"sv,
-               "an AIFF sound file, which is not read: save it as WAV, as RF64 where it is longer "
-               "than 4 GB"},
         Closed{"<?xml version=\"1.0\"?>\n<usi:tdm version=\"1.0\">"sv,
                "the description of an NI TDM file (.tdm), whose samples are in the .tdx beside it, "
                "which is not read: save it as TDMS with DIAdem or LabVIEW"},

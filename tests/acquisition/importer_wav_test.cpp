@@ -8,6 +8,7 @@
 #include "acquisition/importer.hpp"
 #include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/wave_chunks.hpp"
+#include "tests/acquisition/sndfile_bytes.hpp"
 #include "tests/acquisition/wav_bytes.hpp"
 #include "tests/acquisition/written_file.hpp"
 
@@ -379,6 +380,60 @@ TEST_P(Wav, WhatFollowsTheSamplesIsReadAsFarAsItIsSound) {
               ElementsAre("the list at byte 48 is damaged, its parts do not fit into it: it is "
                           "left out",
                           calibrate));
+}
+
+// Steps of an eighth, which every coding holds; 8 bits and 24 libsndfile decodes.
+TEST(Wave64, IsReadAsLibsndfileWritesIt) {
+  std::vector<double> samples;
+  for (int i = 0; i < 2 * 50000; ++i) samples.push_back((i % 13 - 6) / 8.0);
+  for (const int coding : std::vector<int>{SF_FORMAT_PCM_U8, SF_FORMAT_PCM_16, SF_FORMAT_PCM_24,
+                                           SF_FORMAT_PCM_32, SF_FORMAT_FLOAT, SF_FORMAT_DOUBLE}) {
+    SCOPED_TRACE(coding);
+    const std::string bytes = tests::sound_file(SF_FORMAT_W64 | coding, 2, 51200, samples);
+    const auto record = imported(bytes);
+    EXPECT_EQ(record.provenance.importer, "wav");
+    EXPECT_THAT(record.warnings, ElementsAre(calibrate));
+    ASSERT_EQ(record.channels.size(), 2U);
+    EXPECT_EQ(record.channels[1].clock.interval, 1.0 / 51200);
+    ASSERT_EQ(record.channels[1].size(), 50000U);
+    for (std::size_t i = 0; i < 50000; ++i)
+      ASSERT_EQ(record.channels[1].value(i), samples[2 * i + 1]) << i;
+    ImportOptions options;
+    options.channels = {"ch1"};
+    options.from = 40000 / 51200.0;
+    const auto part = imported(bytes, options);
+    ASSERT_EQ(part.channels.at(0).size(), 10000U);
+    EXPECT_EQ(part.channels[0].value(9999), samples[2 * 49999]);
+  }
+}
+
+TEST(Wave64, CutAndStoppedFilesGiveWhatIsThere) {
+  const std::string whole =
+      tests::sound_file(SF_FORMAT_W64 | SF_FORMAT_PCM_16, 1, 8000, {0.5, -1, 0, 0.25});
+  const auto cut = imported(whole.substr(0, whole.size() - 4));
+  EXPECT_THAT(cut.channels.at(0).values(), ElementsAre(0.5, -1));
+  EXPECT_THAT(cut.warnings,
+              ElementsAre(fmt::format("the file is cut: its header declares {} bytes, {} are there",
+                                      whole.size(), whole.size() - 4),
+                          calibrate));
+  const std::string empty = tests::sound_file(SF_FORMAT_W64 | SF_FORMAT_PCM_16, 1, 8000, {});
+  EXPECT_EQ(imported(empty).channels.at(0).size(), 0U);
+  const auto stopped = imported(empty + whole.substr(whole.size() - 8));
+  EXPECT_THAT(stopped.channels.at(0).values(), ElementsAre(0.5, -1, 0, 0.25));
+  EXPECT_THAT(stopped.warnings,
+              ElementsAre("the header says that there are no samples, as of a recorder that was "
+                          "stopped: the 8 bytes behind it are read as samples",
+                          calibrate));
+}
+
+// Nothing behind their end is looked at.
+TEST(WaveChunks, OfWhatIsNoWaveFileThereAreNone) {
+  const std::string_view behind("RIFF\x7F\x7F\x7F\x7FWAVEdata\4\0\0\0abcd", 24);
+  for (std::size_t size = 0; size < 12; ++size) {
+    const WaveChunks chunks = wave_chunks(behind.substr(0, size));
+    EXPECT_EQ(chunks.declared_bytes, 0U);
+    EXPECT_EQ(chunks.data_chunks, 0);
+  }
 }
 
 TEST(WavVariants, Bw64IsReadAsRf64) {

@@ -62,6 +62,11 @@ inline MdfChannelBlock mdf_time() {
   return time;
 }
 
+/// The number of its group, in front of a record.
+inline std::string mdf_record_id(std::uint64_t id, std::uint8_t id_bytes) {
+  return bytes_of_number(id).substr(0, id_bytes);
+}
+
 /// An MDF 4 file, block after block; blocks give their address.
 class MdfFile {
  public:
@@ -111,11 +116,13 @@ class MdfFile {
     return next;
   }
 
+  /// `id`: of its records; `flags`: 1 for texts of variable length.
   std::uint64_t group(std::uint64_t channels, std::uint64_t cycles, std::uint32_t data_bytes,
-                      std::uint32_t invalid_bytes = 0, std::uint64_t next = 0) {
+                      std::uint32_t invalid_bytes = 0, std::uint64_t next = 0, std::uint64_t id = 1,
+                      std::uint64_t flags = 0) {
     const std::uint64_t name = text("10ms");
     return block("CG", {next, channels, name, 0, 0, 0},
-                 bytes_of_numbers(std::vector<std::uint64_t>{1, cycles, 0}) +
+                 bytes_of_numbers(std::vector<std::uint64_t>{id, cycles, flags}) +
                      bytes_of_numbers(std::vector<std::uint32_t>{data_bytes, invalid_bytes}));
   }
 
@@ -194,6 +201,26 @@ inline std::vector<std::string> mdf4_seeds() {
     }
     const std::uint64_t group = file.group(file.channels({mdf_time(), force}), 4, 10, 1);
     seeds.push_back(file.with(file.data_group(group, data), 1500000000000000000));
+  }
+  force.conversion = force.flags = 0;
+  for (const std::uint8_t id_bytes :
+       std::vector<std::uint8_t>{1, 2, 4, 8}) {  // records of two groups and texts, by turns
+    const bool finished = id_bytes != 2;
+    MdfFile file("4.10    ", finished ? "MDF     " : "UnFinMF ", finished ? 0 : 1);
+    std::string mixed;
+    for (std::size_t i = 0; i < 4; ++i)
+      mixed += mdf_record_id(1, id_bytes) + records.substr(11 * i, 10) +
+               mdf_record_id(2, id_bytes) + records.substr(11 * i + 8, 2) +
+               mdf_record_id(3, id_bytes) + bytes_of_number(static_cast<std::uint32_t>(i)) +
+               std::string(i, 'x');
+    force.byte = 0;
+    const std::uint64_t texts = file.group(0, 4, 0, 0, 0, 3, 1);
+    const std::uint64_t slow = file.group(file.channels({force}), 4, 2, 0, texts, 2);
+    force.byte = 8;
+    const std::uint64_t fast = file.group(file.channels({mdf_time(), force}), 4, 10, 0, slow);
+    const std::uint64_t data =
+        file.list({file.block("DT", {}, mixed.substr(0, 25)), file.compressed(mixed.substr(25))});
+    seeds.push_back(file.with(file.data_group(fast, data, id_bytes)));
   }
   return seeds;
 }

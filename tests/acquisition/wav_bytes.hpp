@@ -63,6 +63,19 @@ struct WavFile {
   }
 };
 
+/// The same in chunks of Wave64, of 8 bytes a multiple.
+inline std::string wave64_of(const WavFile& wav) {
+  const std::string all = wav.bytes();
+  const std::string name("\xF3\xAC\xD3\x11\x8C\xD1\0\xC0\x4F\x8E\xDB\x8A", 12);
+  const auto chunk = [&](const std::string& letters, const std::string& content) {
+    return letters + name + wav.number<std::uint64_t>(24 + content.size()) + content +
+           std::string((8 - content.size() % 8) % 8, '\0');
+  };
+  const std::string body = chunk("fmt ", all.substr(20, 16)) + chunk("data", wav.data);
+  return std::string("riff\x2E\x91\xCF\x11\xA5\xD6\x28\xDB\x04\xC1\0\0", 16) +
+         wav.number<std::uint64_t>(40 + body.size()) + "wave" + name + body;
+}
+
 inline std::vector<std::string> wav_seeds() {
   std::vector<std::string> seeds;
   for (const bool big : {false, true}) {
@@ -87,6 +100,7 @@ inline std::vector<std::string> wav_seeds() {
   wav.bits = 8;
   wav.data = "\x80\xFF\x01\x02";
   seeds.push_back(wav.bytes());
+  seeds.push_back(wave64_of(wav));
   wav.rf64 = true;
   seeds.push_back(wav.bytes());
   wav.rf64 = false;

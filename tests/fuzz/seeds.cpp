@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "datasets/store.hpp"
+#include "tests/acquisition/aiff_bytes.hpp"
 #include "tests/acquisition/catman_bytes.hpp"
 #include "tests/acquisition/hdf5_bytes.hpp"
 #include "tests/acquisition/imc_raw_bytes.hpp"
@@ -59,6 +60,7 @@ std::vector<std::string> own_hdf5_seeds() {
 
 /// A format's seeds are made by the builders its tests use.
 constexpr auto table = std::to_array<Seeds>({
+    {"aiff", aiff_seeds},                  //
     {"catman", catman_seeds},              //
     {"csv", csv_seeds},                    //
     {"hdf5", hdf5_seeds},                  //
