@@ -218,6 +218,11 @@ void add_simulate(CLI::App& program) {
       ->add_option("--sensitivities", options->sensitivities,
                    "Numbers of the rig to differentiate by, as fit --free names them: "
                    "contact.restitution,beam.density; all")
+      ->check([](const std::string& names) {
+        return split_names(names).empty()
+                   ? fmt::format("expected names with commas, or all, found '{}'", names)
+                   : std::string();
+      })
       ->type_name("NAMES");
   command->add_flag("--explain", options->explain,
                     "List the simplifications taken, and why they are safe here");

@@ -134,6 +134,9 @@ TEST_F(SensitivityOptions, SaysWhichDerivativesItHasNot) {
   EXPECT_THAT(refused("contact.colour"),
               HasSubstr("--sensitivities: 'contact.colour' is no number of a rig to differentiate "
                         "by; they are contact.restitution, "));
+  for (const char* none : {"\"\"", "\" , \""})
+    EXPECT_THAT(refused(none),
+                HasSubstr("--sensitivities: expected names with commas, or all, found '"));
   EXPECT_THAT(refused("stop.mass"), HasSubstr("'stop.mass' is nothing that this rig has"));
   EXPECT_THAT(refused("contacts.1.gap"),
               HasSubstr("'contacts.1.gap' is nothing that this rig has"));
