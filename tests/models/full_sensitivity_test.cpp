@@ -46,6 +46,7 @@ TEST(FullSensitivities, OfAShearingBarAreThoseOfDifferences) {
       Named{"density", [](Rig& r) -> double& { return r.beam.density; }},
   };
   expect_equal_full_derivatives(rig, ancf(3, 1, 1e-12, 4e-4), of);
+  expect_equal_full_derivatives(rig, hybrid(Basis::pinned_free, 3, 1e-12, 5e-4), of);
 }
 
 // Of damping in bar and hinge too, of which the last is zero at first.
