@@ -97,10 +97,11 @@ datasets::Record history_record(const models::History& history, const fitting::R
 
 /// What is to be differentiated by; asks the simulation for what it can tell.
 std::vector<reports::SensitivityEntry> ask_for_sensitivities(const std::string& names,
-                                                             models::Rig rig,
+                                                             const fitting::RigFile& file,
                                                              models::SimulationOptions& request) {
   std::vector<reports::SensitivityEntry> entries;
   if (names.empty()) return entries;
+  models::Rig rig = file.rig;
   std::vector<fitting::PhysicalParameter> parameters;
   try {
     parameters = fitting::sensitivity_parameters(rig, split_names(names));
@@ -110,7 +111,7 @@ std::vector<reports::SensitivityEntry> ask_for_sensitivities(const std::string& 
   for (const fitting::PhysicalParameter& parameter : parameters) {
     entries.push_back({.parameter = parameter,
                        .value = parameter.of(rig),
-                       .not_known = models::derivative_refusal(rig, parameter.of),
+                       .not_known = models::derivative_refusal(rig, file.solver, parameter.of),
                        .slope = {}});
     if (entries.back().not_known.empty()) request.sensitivities.push_back(parameter.of);
   }
@@ -171,7 +172,7 @@ void simulate(const Options& options) {
   models::SimulationOptions request;
   const double longest = rig.solver.duration.value_or(0.1);
   std::vector<reports::SensitivityEntry> sensitivities =
-      ask_for_sensitivities(options.sensitivities, rig.rig, request);
+      ask_for_sensitivities(options.sensitivities, rig, request);
   const double channels = 1.0 + static_cast<double>(request.sensitivities.size());
   if (!options.output.empty() && channels * longest / options.interval > most_samples)
     throw CLI::ValidationError(

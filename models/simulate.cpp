@@ -272,13 +272,13 @@ bool allows_small_motion(const Rig& rig, const SimulationOptions& options) {
   // small motion of a swing has no derivatives
   const bool swings = !rig.has_stop() || follows_swing(rig, options);
   if (swings && !options.sensitivities.empty() && options.motion != Motion::small) return false;
-  if (rig.hinge.friction == 0.0) return true;
   // small motion has no derivatives by what it leaves out
-  const bool of_friction = std::ranges::any_of(options.sensitivities, [&](RigParameter parameter) {
-    return RigEffect(rig, parameter).moves_friction();
-  });
-  return allows(options, Simplification::hinge_friction) &&
-         (!of_friction || options.motion == Motion::small);
+  const auto known = [&](RigParameter parameter) {
+    return RigEffect(rig, parameter).small_motion_knows();
+  };
+  if (options.motion != Motion::small && !std::ranges::all_of(options.sensitivities, known))
+    return false;
+  return rig.hinge.friction == 0.0 || allows(options, Simplification::hinge_friction);
 }
 
 Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOptions& options) {
