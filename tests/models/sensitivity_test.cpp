@@ -10,6 +10,7 @@
 #include "models/contact/contact_force.hpp"
 #include "models/contact/damping_law.hpp"
 #include "models/sensitivities/derivative_refusal.hpp"
+#include "models/sensitivities/element_layout.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/differences.hpp"
 #include "tests/models/scenes.hpp"
@@ -281,6 +282,17 @@ TEST(Sensitivities, OfAFreeImpactFollowScaling) {
   EXPECT_NEAR(by_speed.duration, 0.0, 1e-12 * e.end);
   EXPECT_NEAR(by_speed.restitution.kinematic, 0.0, 1e-9);
   EXPECT_GT(run.sensitivities.at(1).peak_force, 0.0);
+}
+
+// 0.69 m / 3 is a rounding less than 0.23 m.
+TEST(ElementLayout, CountsWhatLiesAtAnElementsEndTowardsTheHinge) {
+  Rig rig = damped_rig();
+  rig.beam.masses = {{0.23, 0.1}, {0.46, 0.1}, {0.47, 0.1}, {0.8, 0.1}, {0.81, 0.1}};
+  const ElementLayout layout = ElementLayout::of(rig, ancf(3, 1, 1e-6, 1e-3), {});
+  EXPECT_EQ(layout.holds, (std::vector<std::size_t>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(layout.shares, (std::vector<int>{0, 3, 1, 0}));
+  const Solver closed = hybrid(Basis::cantilever, 3, 1e-6, 1e-3);
+  EXPECT_EQ(ElementLayout::of(rig, closed, {}), ElementLayout{});
 }
 
 TEST(DerivativeRefusal, SaysWhereOnlyOneSideExists) {
