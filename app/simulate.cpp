@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "acquisition/exporter.hpp"
 #include "app/files.hpp"
@@ -11,6 +13,7 @@
 #include "fitting/sensitivity_parameters.hpp"
 #include "models/explain.hpp"
 #include "models/mesh_error.hpp"
+#include "models/sensitivities/add_sensitivity.hpp"
 #include "models/sensitivities/derivative_refusal.hpp"
 #include "models/simulation.hpp"
 #include "reports/report_data.hpp"
@@ -97,36 +100,44 @@ datasets::Record history_record(const models::History& history, const fitting::R
 
 /// What is to be differentiated by; asks the simulation for what it can tell.
 std::vector<reports::SensitivityEntry> ask_for_sensitivities(const std::string& names,
-                                                             models::Rig rig,
+                                                             const fitting::RigFile& file,
                                                              models::SimulationOptions& request) {
   std::vector<reports::SensitivityEntry> entries;
   if (names.empty()) return entries;
-  std::vector<fitting::PhysicalParameter> parameters;
   try {
-    parameters = fitting::sensitivity_parameters(rig, split_names(names));
+    for (fitting::SensitivityParameter& parameter :
+         fitting::sensitivity_parameters(file, split_names(names)))
+      entries.push_back({.parameter = std::move(parameter), .not_known = {}, .slope = {}});
   } catch (const std::invalid_argument& error) {
     throw CLI::ValidationError("--sensitivities", error.what());
   }
-  for (const fitting::PhysicalParameter& parameter : parameters) {
-    entries.push_back({.parameter = parameter,
-                       .value = parameter.of(rig),
-                       .not_known = models::derivative_refusal(rig, parameter.of),
-                       .slope = {}});
-    if (entries.back().not_known.empty()) request.sensitivities.push_back(parameter.of);
+  for (reports::SensitivityEntry& entry : entries) {
+    for (const auto& part : entry.parameter.parts)
+      if (entry.not_known.empty())
+        entry.not_known = models::derivative_refusal(file.rig, file.solver, part.of);
+    if (!entry.not_known.empty()) continue;
+    for (const auto& part : entry.parameter.parts)
+      if (std::ranges::find(request.sensitivities, part.of) == request.sensitivities.end())
+        request.sensitivities.push_back(part.of);
   }
   return entries;
 }
 
 /// What the simulation told, to those that asked. Of all numbers, those that change nothing go.
-void tell_sensitivities(const models::Simulation& simulation, bool of_all,
+void tell_sensitivities(const models::Simulation& simulation,
+                        const models::SimulationOptions& request, bool of_all,
                         std::vector<reports::SensitivityEntry>& entries) {
-  std::size_t next = 0;
   for (reports::SensitivityEntry& entry : entries) {
     if (!entry.not_known.empty()) continue;
-    if (next < simulation.sensitivities.size())
-      entry.slope = simulation.sensitivities[next++];
-    else
+    if (simulation.sensitivities.empty()) {
       entry.not_known = "the equations that were solved have none";
+      continue;
+    }
+    for (const auto& part : entry.parameter.parts) {
+      const auto asked = std::ranges::find(request.sensitivities, part.of);
+      const auto number = static_cast<std::size_t>(asked - request.sensitivities.begin());
+      models::add_sensitivity(part.slope, simulation.sensitivities.at(number), entry.slope);
+    }
   }
   if (of_all)
     std::erase_if(entries, [&](const reports::SensitivityEntry& entry) {
@@ -171,7 +182,7 @@ void simulate(const Options& options) {
   models::SimulationOptions request;
   const double longest = rig.solver.duration.value_or(0.1);
   std::vector<reports::SensitivityEntry> sensitivities =
-      ask_for_sensitivities(options.sensitivities, rig.rig, request);
+      ask_for_sensitivities(options.sensitivities, rig, request);
   const double channels = 1.0 + static_cast<double>(request.sensitivities.size());
   if (!options.output.empty() && channels * longest / options.interval > most_samples)
     throw CLI::ValidationError(
@@ -184,7 +195,7 @@ void simulate(const Options& options) {
     if (rig.displacement) request.history.displacement_position = rig.displacement->position;
   }
   models::Simulation simulation = models::simulate(rig.rig, rig.solver, request);
-  tell_sensitivities(simulation, options.sensitivities == "all", sensitivities);
+  tell_sensitivities(simulation, request, options.sensitivities == "all", sensitivities);
   if (!chosen.empty()) simulation.skipped.insert(simulation.skipped.begin(), chosen);
   simulation.mesh_error = models::mesh_error(rig.rig, simulation.solver);
   if (!options.output.empty())
@@ -218,6 +229,11 @@ void add_simulate(CLI::App& program) {
       ->add_option("--sensitivities", options->sensitivities,
                    "Numbers of the rig to differentiate by, as fit --free names them: "
                    "contact.restitution,beam.density; all")
+      ->check([](const std::string& names) {
+        return split_names(names).empty()
+                   ? fmt::format("expected names with commas, or all, found '{}'", names)
+                   : std::string();
+      })
       ->type_name("NAMES");
   command->add_flag("--explain", options->explain,
                     "List the simplifications taken, and why they are safe here");

@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace impactrig::fitting {
@@ -123,25 +124,127 @@ models::LumpedMass& lump(Rig& rig) {
   return rig.beam.masses[K - 1];
 }
 
+/// Of a segment there is not, likewise.
+template <std::size_t K>
+models::BeamSegment& segment(Rig& rig) {
+  if (rig.beam.segments.size() < K) rig.beam.segments.resize(K);
+  return rig.beam.segments[K - 1];
+}
+
 constexpr std::array not_fitted = {
     PhysicalParameter{"environment.gravity", "m/s^2", 0.0, 0.0, false,
                       [](Rig& r) -> double& { return r.gravity; }},
+    PhysicalParameter{"environment.gravity_direction", "rad", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return r.gravity_direction; }},
     PhysicalParameter{"start.release_angle", "rad", 0.0, 0.0, true, release_angle_of},
     PhysicalParameter{"beam.section.area", "m^2", 0.0, 0.0, false,
                       [](Rig& r) -> double& { return r.beam.area; }},
     PhysicalParameter{"beam.section.second_moment", "m^4", 0.0, 0.0, false,
                       [](Rig& r) -> double& { return r.beam.second_moment; }},
-    PhysicalParameter{"beam.masses.1.mass", "kg", 0.0, 0.0, false,
-                      [](Rig& r) -> double& { return lump<1>(r).mass; }},
-    PhysicalParameter{"beam.masses.2.mass", "kg", 0.0, 0.0, false,
-                      [](Rig& r) -> double& { return lump<2>(r).mass; }},
-    PhysicalParameter{"beam.masses.3.mass", "kg", 0.0, 0.0, false,
-                      [](Rig& r) -> double& { return lump<3>(r).mass; }},
     PhysicalParameter{"hinge.rotation.rate", "rad/s", 0.0, 0.0, false,
                       [](Rig& r) -> double& { return rotation_of(r).rate; }},
     PhysicalParameter{"hinge.rotation.time", "s", 0.0, 0.0, false,
                       [](Rig& r) -> double& { return rotation_of(r).time; }},
+    PhysicalParameter{"contact.poisson_ratio", "1", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return r.contact.poisson_ratio; }},
+    PhysicalParameter{"contact.counter_poisson_ratio", "1", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return r.contact.counter_poisson_ratio; }},
+    PhysicalParameter{"contact.counterface.depth", "m", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return r.contact.counter_depth; }},
+    PhysicalParameter{"contact.reference_length", "m", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return stated(r.contact.reference_length); }},
+    PhysicalParameter{"contact.restitution_speed", "m/s", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return stated(r.contact.restitution_speed); }},
+    PhysicalParameter{"contact.effective_mass", "kg", 0.0, 0.0, false,
+                      [](Rig& r) -> double& { return stated(r.contact.effective_mass); }},
 };
+
+/// Of the body K on the bar.
+template <std::size_t K>
+std::array<PhysicalParameter, 2> of_mass() {
+  static const std::array names = {fmt::format("beam.masses.{}.mass", K),
+                                   fmt::format("beam.masses.{}.position", K)};
+  return {PhysicalParameter{names[0], "kg", 0.0, 0.0, false,
+                            [](Rig& r) -> double& { return lump<K>(r).mass; }},
+          {names[1], "m", 0.0, 0.0, false, [](Rig& r) -> double& { return lump<K>(r).position; }}};
+}
+
+/// Of the bar's segment K.
+template <std::size_t K>
+std::array<PhysicalParameter, 6> of_segment() {
+  static const std::array names = {fmt::format("beam.segments.{}.length", K),
+                                   fmt::format("beam.segments.{}.section.area", K),
+                                   fmt::format("beam.segments.{}.section.second_moment", K),
+                                   fmt::format("beam.segments.{}.shear_coefficient", K),
+                                   fmt::format("beam.segments.{}.youngs_modulus", K),
+                                   fmt::format("beam.segments.{}.density", K)};
+  return {PhysicalParameter{names[0], "m", 0.0, 0.0, false,
+                            [](Rig& r) -> double& { return segment<K>(r).length; }},
+          {names[1], "m^2", 0.0, 0.0, false, [](Rig& r) -> double& { return segment<K>(r).area; }},
+          {names[2], "m^4", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return segment<K>(r).second_moment; }},
+          {names[3], "1", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return segment<K>(r).shear_coefficient; }},
+          {names[4], "Pa", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return stated(segment<K>(r).youngs_modulus); }},
+          {names[5], "kg/m^3", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return stated(segment<K>(r).density); }}};
+}
+
+/// Of the further stop K what no fit frees.
+template <std::size_t K>
+std::array<PhysicalParameter, 12> stated_of_further_stop() {
+  static const std::array names = {fmt::format("contacts.{}.modulus", K),
+                                   fmt::format("contacts.{}.counter_modulus", K),
+                                   fmt::format("contacts.{}.poisson_ratio", K),
+                                   fmt::format("contacts.{}.counter_poisson_ratio", K),
+                                   fmt::format("contacts.{}.radius", K),
+                                   fmt::format("contacts.{}.counterface.radius", K),
+                                   fmt::format("contacts.{}.counterface.depth", K),
+                                   fmt::format("contacts.{}.viscous", K),
+                                   fmt::format("contacts.{}.relaxation_time", K),
+                                   fmt::format("contacts.{}.reference_length", K),
+                                   fmt::format("contacts.{}.restitution_speed", K),
+                                   fmt::format("contacts.{}.effective_mass", K)};
+  return {PhysicalParameter{names[0], "Pa", 0.0, 0.0, false,
+                            [](Rig& r) -> double& { return further<K>(r).contact.modulus; }},
+          {names[1], "Pa", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.counter_modulus; }},
+          {names[2], "1", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.poisson_ratio; }},
+          {names[3], "1", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.counter_poisson_ratio; }},
+          {names[4], "m", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.radius; }},
+          {names[5], "m", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.counter_radius; }},
+          {names[6], "m", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.counter_depth; }},
+          {names[7], "N s/m", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return stated(further<K>(r).contact.viscous); }},
+          {names[8], "s", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return stated(further<K>(r).contact.relaxation_time); }},
+          {names[9], "m", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return stated(further<K>(r).contact.reference_length); }},
+          {names[10], "m/s", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return stated(further<K>(r).contact.restitution_speed); }},
+          {names[11], "kg", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return stated(further<K>(r).contact.effective_mass); }}};
+}
+
+std::vector<PhysicalParameter> all_stated_parameters() {
+  std::vector<PhysicalParameter> all(not_fitted.begin(), not_fitted.end());
+  const auto append = [&](const auto& more) { all.insert(all.end(), more.begin(), more.end()); };
+  const auto append_each = [&]<std::size_t... K>(std::index_sequence<K...>) {
+    (append(of_mass<K + 1>()), ...);
+    (append(of_segment<K + 1>()), ...);
+  };
+  append_each(std::make_index_sequence<most_numbered>());
+  append(stated_of_further_stop<1>());
+  append(stated_of_further_stop<2>());
+  append(stated_of_further_stop<3>());
+  return all;
+}
 
 /// Of the further stop K; its keys are those of [[contacts]] behind its number.
 template <std::size_t K>
@@ -180,7 +283,8 @@ std::span<const PhysicalParameter> physical_parameters() {
 }
 
 std::span<const PhysicalParameter> stated_parameters() {
-  return not_fitted;
+  static const std::vector<PhysicalParameter> all = all_stated_parameters();
+  return all;
 }
 
 const PhysicalParameter* find_physical_parameter(std::string_view name) {

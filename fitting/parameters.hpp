@@ -32,9 +32,13 @@ struct ChainParameter {
 /// Every parameter of the physics there is; a new one is one line here.
 std::span<const PhysicalParameter> physical_parameters();
 
+/// Masses on the bar, and segments of it, that have names.
+inline constexpr int most_numbered = 8;
+
 /// Numbers of the rig that no fit frees, since they are measured apart or act as others do, but on
-/// which a prediction depends: weight, section, masses on the bar, what a hinge is turned by. Of
-/// the first three masses. Bounds have no meaning.
+/// which a prediction depends: weight, section, segments, masses on the bar, what a hinge is turned
+/// by, what else a contact is made of. Of the first most_numbered segments and masses and of the
+/// first three further stops. Bounds have no meaning.
 std::span<const PhysicalParameter> stated_parameters();
 
 const PhysicalParameter* find_physical_parameter(std::string_view name);  ///< none: nullptr

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <numbers>
 #include <sstream>
 #include <stdexcept>
 #include <variant>
@@ -29,79 +28,69 @@ using datasets::Sensor;
 constexpr int default_elements = 16;
 constexpr double default_accuracy = 1e-4;  // without a [solver] table: what a mesh can hold
 
-/// Section properties and, where the section is round, the radius of its surface.
-struct Section {
-  double area = 0.0;
-  double second_moment = 0.0;
-  double radius = 0.0;
-  double shear_coefficient = 0.0;  // 0: the shape is not known
+/// A section with its numbers, which a shape makes or the file states.
+struct ReadSection {
+  Section<> section;
+  SectionNumbers<> numbers;
 };
 
-/// [Cowper1966]; `hollow` is inner over outer radius: 0 a full circle, near 1 a thin tube.
-double round_shear_coefficient(double hollow, double nu) {
-  const double m = hollow * hollow;
-  const double square = (1.0 + m) * (1.0 + m);
-  return 6.0 * (1.0 + nu) * square / ((7.0 + 6.0 * nu) * square + (20.0 + 12.0 * nu) * m);
-}
-
-Section read_section(TableReader table, double poisson_ratio) {
-  Section section;
+ReadSection read_section(TableReader table, double poisson_ratio) {
+  ReadSection read;
+  Section<>& section = read.section;
   const std::vector<std::string_view> shapes = {"circle", "rectangle", "tube"};
-  const auto shape = table.choice("shape", shapes);
-  if (!shape) {
-    section.area = table.required_quantity("area", "m^2", "706.9 mm^2");
-    section.second_moment = table.required_quantity("second_moment", "m^4", "39761 mm^4");
-  } else if (*shape == 0) {
-    const double r = section.radius = table.required_quantity("radius", "m", "15 mm");
-    section.area = std::numbers::pi * r * r;
-    section.second_moment = std::numbers::pi * std::pow(r, 4) / 4.0;
-    section.shear_coefficient = round_shear_coefficient(0.0, poisson_ratio);
-  } else if (*shape == 1) {
-    const double width = table.required_quantity("width", "m", "40 mm");
-    const double height = table.required_quantity("height", "m", "10 mm");
-    section.area = width * height;
-    section.second_moment = width * std::pow(height, 3) / 12.0;
-    section.shear_coefficient = 10.0 * (1.0 + poisson_ratio) / (12.0 + 11.0 * poisson_ratio);
-  } else {
-    const double outer = section.radius = table.required_quantity("radius", "m", "15 mm");
-    const double wall = table.required_quantity("wall", "m", "2 mm");
-    if (!(wall > 0.0 && wall < outer))
-      table.refuse("wall", fmt::format("must lie between 0 and the radius of {:g} m, found {:g} m",
-                                       outer, wall));
-    const double inner = outer - wall;
-    section.area = std::numbers::pi * (outer * outer - inner * inner);
-    section.second_moment = std::numbers::pi * (std::pow(outer, 4) - std::pow(inner, 4)) / 4.0;
-    section.shear_coefficient = round_shear_coefficient(inner / outer, poisson_ratio);
+  if (const auto shape = table.choice("shape", shapes))
+    section.shape = static_cast<SectionShape>(*shape);
+  switch (section.shape) {
+    case SectionShape::stated:
+      read.numbers.area = table.required_quantity("area", "m^2", "706.9 mm^2");
+      read.numbers.second_moment = table.required_quantity("second_moment", "m^4", "39761 mm^4");
+      break;
+    case SectionShape::circle:
+      section.radius = table.required_quantity("radius", "m", "15 mm");
+      break;
+    case SectionShape::rectangle:
+      section.width = table.required_quantity("width", "m", "40 mm");
+      section.height = table.required_quantity("height", "m", "10 mm");
+      break;
+    case SectionShape::tube:
+      section.radius = table.required_quantity("radius", "m", "15 mm");
+      section.wall = table.required_quantity("wall", "m", "2 mm");
+      if (!(section.wall > 0.0 && section.wall < section.radius))
+        table.refuse("wall",
+                     fmt::format("must lie between 0 and the radius of {:g} m, found {:g} m",
+                                 section.radius, section.wall));
+      break;
   }
+  if (section.shape != SectionShape::stated) read.numbers = section.numbers(poisson_ratio);
   table.finish();
-  return section;
+  return read;
 }
 
 /// As stated, or as the shape has it.
-double read_shear_coefficient(TableReader& table, const Section& section) {
+double read_shear_coefficient(TableReader& table, ReadSection& read) {
   const auto coefficient = table.number("shear_coefficient");
-  if (!coefficient && section.shear_coefficient == 0.0)
+  if (!coefficient && read.numbers.shear_coefficient == 0.0)
     table.refuse("shear_coefficient",
                  "is missing; area and second moment do not say how the section shears, state it, "
                  "for example shear_coefficient = 0.85");
-  return coefficient.value_or(section.shear_coefficient);
+  read.section.shear_coefficient_stated = coefficient.has_value();
+  return coefficient.value_or(read.numbers.shear_coefficient);
 }
 
-/// A bar of segments: the radius of each one's surface, in their order; 0 where it is not round
-/// [m].
-std::vector<double> read_segments(TableReader& table, models::Beam& beam) {
-  std::vector<double> radii;
+/// A bar of segments: the section of each, in their order.
+std::vector<Section<>> read_segments(TableReader& table, models::Beam& beam) {
+  std::vector<Section<>> sections;
   for (TableReader& inner : table.tables("segments")) {
     models::BeamSegment segment{.length = inner.required_quantity("length", "m", "0.3 m")};
     auto section = inner.table("section");
     if (!section)
       inner.refuse("section",
                    "is missing; add section = { shape = \"circle\", radius = \"15 mm\" }");
-    const Section shape = read_section(*section, beam.poisson_ratio);
-    radii.push_back(shape.radius);
-    segment.area = shape.area;
-    segment.second_moment = shape.second_moment;
-    if (beam.shears()) segment.shear_coefficient = read_shear_coefficient(inner, shape);
+    ReadSection read = read_section(*section, beam.poisson_ratio);
+    segment.area = read.numbers.area;
+    segment.second_moment = read.numbers.second_moment;
+    if (beam.shears()) segment.shear_coefficient = read_shear_coefficient(inner, read);
+    sections.push_back(read.section);
     if (const auto modulus = inner.quantity("youngs_modulus", "Pa"))
       segment.youngs_modulus = modulus->value;
     if (const auto density = inner.quantity("density", "kg/m^3")) segment.density = density->value;
@@ -114,36 +103,36 @@ std::vector<double> read_segments(TableReader& table, models::Beam& beam) {
   for (const char* key : {"length", "section", "area", "second_moment", "shear_coefficient"})
     if (table.has(key))
       table.refuse(key, "beam.segments say this of each segment; keep one of the two");
-  return radii;
+  return sections;
 }
 
-std::vector<double> read_uniform(TableReader& table, models::Beam& beam) {
+std::vector<Section<>> read_uniform(TableReader& table, models::Beam& beam) {
   beam.length = table.required_quantity("length", "m", "0.8 m");
-  Section section;
+  ReadSection read;
   if (auto inner = table.table("section")) {
-    section = read_section(*inner, beam.poisson_ratio);
+    read = read_section(*inner, beam.poisson_ratio);
   } else if (table.has("area") || table.has("second_moment")) {
-    section.area = table.required_quantity("area", "m^2", "706.9 mm^2");
-    section.second_moment = table.required_quantity("second_moment", "m^4", "39761 mm^4");
+    read.numbers.area = table.required_quantity("area", "m^2", "706.9 mm^2");
+    read.numbers.second_moment = table.required_quantity("second_moment", "m^4", "39761 mm^4");
   } else {
     table.refuse("section", "is missing; add section = { shape = \"circle\", radius = \"15 mm\" }");
   }
-  beam.area = section.area;
-  beam.second_moment = section.second_moment;
+  beam.area = read.numbers.area;
+  beam.second_moment = read.numbers.second_moment;
   if (beam.shears())
-    beam.shear_coefficient = read_shear_coefficient(table, section);
+    beam.shear_coefficient = read_shear_coefficient(table, read);
   else if (table.has("shear_coefficient"))
     table.refuse("shear_coefficient",
                  "a bar of Euler-Bernoulli's theory does not shear; add theory = \"timoshenko\"");
-  return {section.radius};
+  return {read.section};
 }
 
-/// The surface's radius in each segment, of a uniform bar its only one.
-std::vector<double> read_beam(TableReader& table, models::Rig& rig) {
+/// The section of each segment, of a uniform bar its only one.
+std::vector<Section<>> read_beam(TableReader& table, models::Rig& rig) {
   rig.beam.poisson_ratio = table.number("poisson_ratio").value_or(rig.beam.poisson_ratio);
   if (const auto theory = table.choice("theory", {"euler-bernoulli", "timoshenko"}))
     rig.beam.theory = static_cast<models::BeamTheory>(*theory);
-  std::vector<double> radii =
+  std::vector<Section<>> sections =
       table.has("segments") ? read_segments(table, rig.beam) : read_uniform(table, rig.beam);
   rig.beam.youngs_modulus = table.required_quantity("youngs_modulus", "Pa", "68.952 GPa");
   rig.beam.density = table.required_quantity("density", "kg/m^3", "2766.7 kg/m^3");
@@ -159,7 +148,7 @@ std::vector<double> read_beam(TableReader& table, models::Rig& rig) {
     lump.finish();
   }
   table.finish();
-  return radii;
+  return sections;
 }
 
 void read_hinge(TableReader& table, models::Hinge& hinge) {
@@ -417,7 +406,10 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   root.integer("schema");
   root.text("title");
   TableReader beam = required_table(root, "beam");
-  const std::vector<double> radii = read_beam(beam, file.rig);
+  file.sections = read_beam(beam, file.rig);
+  // of the surface, 0 where it is not round
+  std::vector<double> radii;
+  for (const Section<>& section : file.sections) radii.push_back(section.radius);
   if (auto contact = root.table("contact")) {
     read_contact(*contact, file.rig.beam, radii, file.rig.contact);
   } else {

@@ -9,6 +9,7 @@
 #include "datasets/conditioning.hpp"
 #include "datasets/sensor.hpp"
 #include "fitting/fit_options.hpp"
+#include "fitting/section.hpp"
 #include "models/rig.hpp"
 
 namespace impactrig::fitting {
@@ -20,6 +21,7 @@ struct RigFile {
   std::string text;    ///< as read, for provenance
   std::string sha256;  ///< of `text`
   models::Rig rig;
+  std::vector<Section<>> sections;  ///< of the bar's segments, of a uniform bar its only one
   models::Solver solver;
   bool mesh_stated = false;  ///< the file names elements, or a model without
   std::optional<datasets::Sensor> force, velocity, displacement;

@@ -4,15 +4,30 @@
 #include <string>
 #include <vector>
 
-#include "fitting/parameters.hpp"
+#include "fitting/rig_file.hpp"
+#include "models/rig.hpp"
 
 namespace impactrig::fitting {
 
-/// The numbers by which a prediction of the rig is to be differentiated, by the names that a fit
-/// frees them under, or of stated_parameters(). "all", alone: each that the rig has and that is not
-/// zero. Throws std::invalid_argument on an unknown name (and lists the known ones), on one that is
-/// named twice, and on a number that the rig has not.
-std::vector<PhysicalParameter> sensitivity_parameters(const models::Rig& rig,
-                                                      const std::vector<std::string>& names);
+/// A number of the rig file by which a prediction is differentiated.
+struct SensitivityParameter {
+  /// A number of the rig that changes with it, and by how much.
+  struct Part {
+    models::RigParameter of;
+    double slope;
+  };
+
+  std::string name, unit;  ///< key in the rig file; SI
+  double value = 0.0;
+  std::vector<Part> parts;  ///< itself, or what it makes: d/d(it) = Σ slope d/d(part)
+};
+
+/// The numbers by which a prediction of the rig is to be differentiated: by the names that a fit
+/// frees them under, of stated_parameters(), or of what a section's shape and a bar that shears are
+/// made of. "all", alone: each that the rig has and that is not zero. Throws std::invalid_argument
+/// on an unknown name (and lists the known ones), on one that is named twice, and on a number that
+/// the rig has not.
+std::vector<SensitivityParameter> sensitivity_parameters(const RigFile& file,
+                                                         const std::vector<std::string>& names);
 
 }  // namespace impactrig::fitting

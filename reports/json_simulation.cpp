@@ -265,7 +265,7 @@ namespace {
 Json sensitivity_json(const models::Simulation& simulation, const SensitivityEntry& entry) {
   Json json = {{"parameter", entry.parameter.name},
                {"unit", entry.parameter.unit},
-               {"value", entry.value},
+               {"value", entry.parameter.value},
                {"derivative", nullptr},
                {"relative", nullptr},
                {"not_known", nullptr}};

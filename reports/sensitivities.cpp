@@ -115,7 +115,7 @@ bool changes_nothing(const Simulation& simulation, const SensitivityEntry& entry
   const auto acts_on = [&](double value, double slope) {
     if (!std::isfinite(slope)) return false;
     known = true;
-    return std::abs(slope * entry.value) > rounding * std::abs(value);
+    return std::abs(slope * entry.parameter.value) > rounding * std::abs(value);
   };
   for (const Observable& observable : observables(simulation))
     if (acts_on(observable.value(simulation), observable.slope(entry.slope))) return false;
@@ -129,8 +129,8 @@ bool changes_nothing(const Simulation& simulation, const SensitivityEntry& entry
 double relative_slope(const Observable& observable, const Simulation& simulation,
                       const SensitivityEntry& entry) {
   const double value = observable.value(simulation);
-  if (value == 0.0 || entry.value == 0.0) return std::numeric_limits<double>::quiet_NaN();
-  return observable.slope(entry.slope) * entry.value / value;
+  if (value == 0.0 || entry.parameter.value == 0.0) return std::numeric_limits<double>::quiet_NaN();
+  return observable.slope(entry.slope) * entry.parameter.value / value;
 }
 
 std::string sensitivities_text(const Simulation& simulation,
@@ -150,7 +150,7 @@ std::string sensitivities_text(const Simulation& simulation,
       simulation.small_motion ? "small motion" : "full equations");
   text += table(
       columns, entries, [](const Observable& column) { return std::string(column.head); },
-      [](const SensitivityEntry& entry) { return std::string(entry.parameter.name); },
+      [](const SensitivityEntry& entry) { return entry.parameter.name; },
       [&](const Observable& column, const SensitivityEntry& entry) {
         return relative_slope(column, simulation, entry);
       });
@@ -159,7 +159,7 @@ std::string sensitivities_text(const Simulation& simulation,
                     columns, entries,
                     [](const Observable& column) { return column.head + in_brackets(column.unit); },
                     [](const SensitivityEntry& entry) {
-                      return std::string(entry.parameter.name) + in_brackets(entry.parameter.unit);
+                      return entry.parameter.name + in_brackets(entry.parameter.unit);
                     },
                     [](const Observable& column, const SensitivityEntry& entry) {
                       return column.slope(entry.slope);

@@ -4,15 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "fitting/parameters.hpp"
+#include "fitting/sensitivity_parameters.hpp"
 #include "models/simulation.hpp"
 
 namespace impactrig::reports {
 
 /// How a prediction changes with one number of its rig.
 struct SensitivityEntry {
-  fitting::PhysicalParameter parameter;
-  double value = 0.0;         ///< of the parameter, in its unit
+  fitting::SensitivityParameter parameter;
   std::string not_known;      ///< why there are no derivatives; empty: there are
   models::Sensitivity slope;  ///< in SI, for its unit
 };

@@ -11,8 +11,17 @@
 
 namespace impactrig::models {
 
-AssumedModes::AssumedModes(const Beam& beam, Basis basis, int count) : beam_(beam), omega_(count) {
-  if (!beam.shears() && beam.segments.empty()) {
+std::vector<BarElement> elements_of_shapes(const Beam& beam, int count) {
+  if (!beam.shears() && beam.segments.empty()) return {};
+  const int pieces = static_cast<int>(bar_pieces(beam).size());
+  return bar_elements(beam, beam.length, {std::max(32 + 4 * count, 4 * pieces), 0});
+}
+
+AssumedModes::AssumedModes(const Beam& beam, Basis basis, int count)
+    : beam_(beam),
+      omega_(count),
+      elements_(elements_of_shapes(beam, count)) {
+  if (elements_.empty()) {
     closed_ = bending_modes(beam, basis, count);
     for (int k = 0; k < count; ++k)
       omega_[k] = closed_[static_cast<std::size_t>(k)].angular_frequency();
@@ -26,8 +35,6 @@ void AssumedModes::solve(const Beam& beam, Basis basis, int count) {
   bare.beam = beam;
   bare.beam.masses.clear();
   bare.gravity = 0.0;
-  const int pieces = static_cast<int>(bar_pieces(beam).size());
-  elements_ = bar_elements(beam, beam.length, {std::max(32 + 4 * count, 4 * pieces), 0});
   const LinearBar bar(bare, elements_);
   for (std::size_t e = 0; e < elements_.size(); ++e) places_of_.push_back(bar.places(e));
   rows_ = Eigen::MatrixXd::Zero(count, bar.size());
@@ -39,6 +46,10 @@ void AssumedModes::solve(const Beam& beam, Basis basis, int count) {
   if (!modes) throw std::runtime_error("two of the bar's modes are too close to be told apart");
   omega_ = modes->squares.tail(count).cwiseSqrt();
   rows_ = modes->rows.bottomRows(count);
+  // the finder's signs are those of rounding; bars that differ a little have shapes that do
+  const int tip = places_of_.back()[2];
+  for (int k = 0; k < count; ++k)
+    if (rows_(k, tip) < 0.0) rows_.row(k) *= -1.0;
 }
 
 Eigen::VectorXd AssumedModes::shown(double x,

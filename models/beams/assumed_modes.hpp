@@ -10,6 +10,9 @@
 
 namespace impactrig::models {
 
+/// The mesh that so many shapes of a bar come from; none where they are closed forms.
+std::vector<BarElement> elements_of_shapes(const Beam& beam, int count);
+
 /// The bending shapes of hybrid coordinates, without further masses, of unit modal mass: closed
 /// forms for a uniform Euler-Bernoulli bar, for any other those of a mesh of 32 + 4n elements,
 /// which has the frequency of the last of n modes to some 1e-4 and the lower ones with the fourth

@@ -191,7 +191,7 @@ class ChainMotion final : public BarMotion {
 
   std::unique_ptr<MotionSlope> follow(const RigEffect& effect, const Solver& solver,
                                       const HistoryRequest& history) override {
-    if (!effect.two_sided()) return nullptr;
+    if (!effect.has_slopes()) return nullptr;
     followed_ = true;
     return std::make_unique<ChainSlope<ChainMotion>>(*this, effect, solver, history);
   }

@@ -147,7 +147,7 @@ class DenseMotion final : public BarMotion {
 
   std::unique_ptr<MotionSlope> follow(const RigEffect& effect, const Solver& solver,
                                       const HistoryRequest& history) override {
-    if (!effect.two_sided()) return nullptr;
+    if (!effect.has_slopes()) return nullptr;
     followed_ = true;
     return std::make_unique<DenseSlope<DenseMotion>>(*this, effect, solver, history);
   }

@@ -89,7 +89,7 @@ ParameterEffect::ParameterEffect(const Rig& rig, const Solver& solver,
                                  const HistoryRequest& history, RigParameter parameter,
                                  const ModalBeam& bar, const ModalBeam& modes,
                                  const Collocation& rule)
-    : RigEffect(rig, parameter),
+    : RigEffect(rig, parameter, solver, history),
       modes_(modes),
       rule_(rule),
       start_rate_(

@@ -120,10 +120,12 @@ SmallMotionRun::SmallMotionRun(const Rig& rig, const Solver& solver,
   if (!judges()) motion_.leave_judging();
   if (follows_swing(rig, options)) of_swing_ = std::pow(*rig.start.release_angle, 2) / 16.0;
   if (options.sensitivities.empty() || of_swing_ > 0.0 || !contacts_end_smoothly(rig)) return;
-  if (std::ranges::any_of(options.sensitivities, [&](RigParameter parameter) {
-        return RigEffect(rig, parameter).moves_friction();
-      }))
-    return;  // small motion knows nothing of it: rather no slope than zero
+  const auto known = [&](RigParameter parameter) {
+    const RigEffect effect(rig, parameter, solver, options.history);
+    return effect.has_slopes() && effect.small_motion_knows();
+  };
+  // of what small motion knows nothing: rather no slope than zero
+  if (!std::ranges::all_of(options.sensitivities, known)) return;
   if (stopped_) stopped_->keep_responding();
   sensitivities_ =
       std::make_unique<ModalSensitivities>(rig, solver, options, motion_, stopped_.get());

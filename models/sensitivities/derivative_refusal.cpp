@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/sensitivities/derivative_refusal.hpp"
 
+#include <algorithm>
+
 #include "models/contact/contact_force.hpp"
+#include "models/sensitivities/parameter_stencil.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -14,9 +17,15 @@ std::string refusal_of_segments(const Beam& beam, const double* number) {
   return {};
 }
 
+bool moves_tip(const Beam& beam, const double* number) {
+  return number == &beam.length ||
+         std::ranges::any_of(beam.segments,
+                             [&](const BeamSegment& segment) { return number == &segment.length; });
+}
+
 }  // namespace
 
-std::string derivative_refusal(const Rig& rig, RigParameter parameter) {
+std::string derivative_refusal(const Rig& rig, const Solver& solver, RigParameter parameter) {
   Rig copy = rig;
   const double* number = &parameter(copy);
   if (!contacts_end_smoothly(rig))
@@ -29,10 +38,18 @@ std::string derivative_refusal(const Rig& rig, RigParameter parameter) {
   if (copy.hinge.rotation && number == &copy.hinge.rotation->time && *number == 0.0)
     return "without a time the hinge turns from the beginning, with any it starts from rest; state "
            "a hinge.rotation.time";
+  for (int stop = 0; stop < copy.stops(); ++stop)
+    if (const double& depth = copy.contact_of(stop).counter_depth; number == &depth && depth == 0.0)
+      return "without a depth the plane's counterface has none down to what holds it; state a "
+             "counterface.depth";
   const bool at_tip = rig.has_stop() && rig.contact.position == rig.beam.length;
-  if (at_tip && (number == &copy.beam.length || number == &copy.contact.position))
+  if (at_tip && (moves_tip(copy.beam, number) || number == &copy.contact.position))
     return "the bar is struck at its tip, and cannot be struck beyond it: only one side exists";
-  return refusal_of_segments(copy.beam, number);
+  if (std::string why = refusal_of_segments(copy.beam, number); !why.empty()) return why;
+  if (ParameterStencil(rig, parameter, solver, {}).keeps_elements()) return {};
+  return "beside it the bar would be divided into its elements in another way, as where it is "
+         "struck at a step of its section: only one side exists; state another place or other "
+         "elements";
 }
 
 }  // namespace impactrig::models

@@ -10,6 +10,6 @@ namespace impactrig::models {
 /// Why simulate() tells no derivatives by a number of the rig, or none that would mean something,
 /// in a sentence with rig-file keys; empty where it tells them. The number must be one that the rig
 /// has: reading it must not change the rig.
-std::string derivative_refusal(const Rig& rig, RigParameter parameter);
+std::string derivative_refusal(const Rig& rig, const Solver& solver, RigParameter parameter);
 
 }  // namespace impactrig::models

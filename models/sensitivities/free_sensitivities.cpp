@@ -32,7 +32,7 @@ FreeSensitivities::FreeSensitivities(const Rig& rig, const Solver& solver,
       no_force_(1, NodeVector::Zero(motion.rule().nodes())) {
   const double accuracy = std::max(solver.accuracy, Solver::finest_accuracy);
   for (const RigParameter parameter : options.sensitivities) {
-    auto effect = std::make_unique<RigEffect>(rig, parameter);
+    auto effect = std::make_unique<RigEffect>(rig, parameter, solver, options.history);
     auto slope = motion.follow(*effect, solver, options.history);
     known_ = known_ && slope;
     directions_.push_back(

@@ -26,7 +26,7 @@ FullSensitivities::FullSensitivities(const Rig& rig, const Solver& solver,
   const double accuracy = std::max(solver.accuracy, Solver::finest_accuracy);
   progress_.assign(options.sensitivities.size(), SlopeProgress(accuracy));
   for (const RigParameter parameter : options.sensitivities) {
-    auto effect = std::make_unique<RigEffect>(rig, parameter);
+    auto effect = std::make_unique<RigEffect>(rig, parameter, solver, options.history);
     slopes_.push_back(motion.follow(*effect, solver, options.history));
     known_ = known_ && slopes_.back();
     add(std::move(effect));

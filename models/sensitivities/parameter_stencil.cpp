@@ -2,10 +2,12 @@
 #include "models/sensitivities/parameter_stencil.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "models/beams/bending_modes.hpp"
 #include "models/contact/damping_law.hpp"
+#include "models/sensitivities/element_layout.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -18,6 +20,8 @@ constexpr double step_through_turns = 6e-5;
 // Of the bar's length, how far a gap may be changed that is none, and of critical damping or of the
 // bar's stiffness, how far a damper or a spring.
 constexpr double of_closed_gap = 1e-5, of_none = 1e-3;
+// Of the way along the bar to a mass or of a segment: within it the bar bends several times.
+constexpr double of_way = 0.25;
 
 /// The contact of which the parameter is this number, or none.
 const Contact* contact_with(const Rig& rig, const double* number, double Contact::*member) {
@@ -43,8 +47,16 @@ double size_of_none(Rig& rig, const double* number) {
   return 0.0;
 }
 
+/// Whether it is where a mass sits, or how long a segment is.
+bool places_part(const Beam& beam, const double* number) {
+  return std::ranges::any_of(beam.masses,
+                             [&](const LumpedMass& lump) { return number == &lump.position; }) ||
+         std::ranges::any_of(beam.segments,
+                             [&](const BeamSegment& segment) { return number == &segment.length; });
+}
+
 /// Of most its own size, for the radii of a groove the little by which they differ, for places
-/// along the bar the way to the next.
+/// along the bar the way to the next, or a part of the way from the hinge.
 double size_of(Rig rig, RigParameter parameter) {
   const double* number = &parameter(rig);
   const double length = rig.beam.length;
@@ -52,7 +64,7 @@ double size_of(Rig rig, RigParameter parameter) {
   if (number == &rig.beam.length) placed = &rig.contact;
   if (placed && length > placed->position)
     return std::min(length - placed->position, placed->position);
-  double size = std::abs(*number);
+  double size = (places_part(rig.beam, number) ? of_way : 1.0) * std::abs(*number);
   for (double Contact::*radius : {&Contact::radius, &Contact::counter_radius})
     if (const Contact* contact = contact_with(rig, number, radius))
       if (contact->counterface == Counterface::groove)
@@ -68,6 +80,19 @@ Stencil stencil_for(Rig rig, RigParameter parameter, double spacing) {
   if (contact->restitution + 2.0 * spacing > 1.0) return Stencil::backward();
   const double smallest = damping_law(contact->damping).text.smallest_restitution;
   return contact->restitution - 2.0 * spacing < smallest ? Stencil::forward() : Stencil::centred();
+}
+
+/// Whether a place of the bar, or what it is made of, differs.
+bool moves_elements(const Rig& one, const Rig& other) {
+  for (int stop = 0; stop < one.stops(); ++stop)
+    if (one.contact_of(stop).position != other.contact_of(stop).position) return true;
+  return one.beam != other.beam;
+}
+
+double length_of_segments(const Beam& beam) {
+  double sum = 0.0;
+  for (const BeamSegment& segment : beam.segments) sum += segment.length;
+  return sum;
 }
 
 double step_for(const Rig& rig) {
@@ -87,9 +112,33 @@ ParameterStencil::ParameterStencil(const Rig& rig, RigParameter parameter)
       spacing_(step_for(rig) * size_),
       stencil_(stencil_for(rig, parameter, spacing_)) {}
 
+ParameterStencil::ParameterStencil(const Rig& rig, RigParameter parameter, const Solver& solver,
+                                   const HistoryRequest& history)
+    : ParameterStencil(rig, parameter) {
+  if (!moves_elements(rig, rig_beside())) return;
+  // An element's end that is passed farther off is left to a smaller spacing: 64 times smaller,
+  // rounding is 3e-11.
+  for (int times = 0; times < 3; ++times, spacing_ /= 8.0)
+    for (const Stencil& stencil : {stencil_, Stencil::backward(), Stencil::forward()})
+      if (fits(stencil, solver, history)) {
+        stencil_ = stencil;
+        return;
+      }
+  keeps_elements_ = false;
+}
+
+bool ParameterStencil::fits(const Stencil& stencil, const Solver& solver,
+                            const HistoryRequest& history) const {
+  const ElementLayout here = ElementLayout::of(rig_, solver, history);
+  return std::ranges::all_of(stencil.offsets, [&](double offset) {
+    return ElementLayout::of(moved(offset), solver, history) == here;
+  });
+}
+
 Rig ParameterStencil::moved(double offset) const {
   Rig there = rig_;
   parameter_(there) += offset * spacing_;
+  there.beam.length += length_of_segments(there.beam) - length_of_segments(rig_.beam);
   const bool ends_at_tip = !rig_.has_stop() && rig_.contact.position == rig_.beam.length;
   if (ends_at_tip) there.contact.position = there.beam.length;
   return there;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "models/rig.hpp"
+#include "models/simulation.hpp"
 #include "models/stencil.hpp"
 
 namespace impactrig::models {
@@ -14,10 +14,18 @@ namespace impactrig::models {
 bool swings_far(const Rig& rig);
 
 /// A number of the rig and values of it near by, from which derivatives by it are taken. Without a
-/// stop Contact::position goes with the tip, where it is.
+/// stop Contact::position goes with the tip, where it is; the bar is as long as its segments.
 class ParameterStencil {
  public:
   ParameterStencil(const Rig& rig, RigParameter parameter);
+
+  /// Such values that the bar's elements stay what they are, and that what lies on one stays there:
+  /// shapes are smooth within an element only.
+  ParameterStencil(const Rig& rig, RigParameter parameter, const Solver& solver,
+                   const HistoryRequest& history);
+
+  /// False where there are none.
+  bool keeps_elements() const { return keeps_elements_; }
 
   double& number(Rig& rig) const { return parameter_(rig); }
 
@@ -80,11 +88,13 @@ class ParameterStencil {
 
  private:
   Rig moved(double offset) const;
+  bool fits(const Stencil& stencil, const Solver& solver, const HistoryRequest& history) const;
 
   const Rig& rig_;
   RigParameter parameter_;
   double size_, spacing_;
   Stencil stencil_;
+  bool keeps_elements_ = true;
 };
 
 }  // namespace impactrig::models

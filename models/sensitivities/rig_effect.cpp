@@ -2,6 +2,7 @@
 #include "models/sensitivities/rig_effect.hpp"
 
 #include <array>
+#include <utility>
 
 #include "models/history_recorder.hpp"
 
@@ -22,22 +23,36 @@ bool same_bar(const Rig& one, const Rig& other) {
 }  // namespace
 
 RigEffect::RigEffect(const Rig& rig, RigParameter parameter)
-    : by_(rig, parameter),
-      keeps_bar_(same_bar(rig, by_.rig_beside())),
-      moves_friction_(by_.rig_beside().hinge.friction != rig.hinge.friction),
-      touch_speed_(rig.has_stop() ? by_.slope([&](std::size_t place) {
+    : RigEffect(ParameterStencil(rig, parameter)) {}
+
+RigEffect::RigEffect(const Rig& rig, RigParameter parameter, const Solver& solver,
+                     const HistoryRequest& history)
+    : RigEffect(ParameterStencil(rig, parameter, solver, history)) {}
+
+RigEffect::RigEffect(ParameterStencil by)
+    : by_(std::move(by)),
+      keeps_bar_(same_bar(by_.rig(), by_.rig_beside())),
+      moves_friction_(by_.rig_beside().hinge.friction != by_.rig().hinge.friction),
+      touch_speed_(by_.rig().has_stop() ? by_.slope([&](std::size_t place) {
         return touch_velocity(by_.rig_at(place));
       })
-                                  : 0.0) {
+                                        : 0.0) {
+  const Rig& rig = by_.rig();
   laws_.reserve(static_cast<std::size_t>(rig.stops()));
   for (int stop = 0; stop < rig.stops(); ++stop) laws_.emplace_back(rig, stop, by_);
 }
 
-bool RigEffect::two_sided() const {
+bool RigEffect::has_slopes() const {
+  if (!by_.keeps_elements()) return false;
   const Hinge &here = by_.rig().hinge, beside = by_.rig_beside().hinge;
   if (moves_friction_ && here.friction == 0.0) return false;
   return !here.rotation || here.rotation->time > 0.0 || beside.rotation == here.rotation ||
          beside.rotation->time == 0.0;
+}
+
+bool RigEffect::small_motion_knows() const {
+  return !(moves_friction_ && by_.rig().hinge.friction > 0.0) &&
+         beyond_small_motion(by_.rig_beside()).empty();
 }
 
 /// Where nothing before touch changes.

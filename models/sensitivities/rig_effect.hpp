@@ -15,7 +15,10 @@ namespace impactrig::models {
 /// of closed forms, none of simulations.
 class RigEffect {
  public:
+  /// What it changes at all; for slopes of a bar of elements the stencil has to know these.
   RigEffect(const Rig& rig, RigParameter parameter);
+  RigEffect(const Rig& rig, RigParameter parameter, const Solver& solver,
+            const HistoryRequest& history);
   RigEffect(const RigEffect&) = delete;
   RigEffect& operator=(const RigEffect&) = delete;
 
@@ -30,12 +33,13 @@ class RigEffect {
   /// Whether bar and hinge, and the places of the stops, stay as they are.
   bool keeps_bar() const { return keeps_bar_; }
 
-  /// Whether it is the hinge's dry friction.
-  bool moves_friction() const { return moves_friction_; }
+  /// Whether small motion has what it changes: not dry friction in the hinge, nor gravity that
+  /// turns.
+  bool small_motion_knows() const;
 
-  /// Whether the number may be moved both ways: not friction that is none, nor the time of a
-  /// rotation that takes none.
-  bool two_sided() const;
+  /// Whether the full equations have slopes by it: not by friction that is none, nor by the time of
+  /// a rotation that takes none, which cannot be moved both ways.
+  bool has_slopes() const;
 
   /// Of touch_velocity() [m/s a unit]; without a stop 0.
   double touch_speed() const { return touch_speed_; }
@@ -45,6 +49,7 @@ class RigEffect {
   History lead(const HistoryRequest& wanted, double speed, double slope) const;
 
  private:
+  explicit RigEffect(ParameterStencil by);
   History still(const HistoryRequest& wanted) const;
 
   bool moves_gap() const {

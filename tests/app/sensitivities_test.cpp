@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -68,19 +69,60 @@ TEST_F(SensitivityOptions, DifferentiatesByAllThatTheRigHas) {
     return names;
   };
   // a rigid bar has no modulus that matters, the contact's apart, and Goldsmith's law no stiffness
-  const std::set<std::string> plain = {"contact.restitution", "contact.stiffness_factor",
-                                       "start.velocity",      "contact.length",
-                                       "contact.modulus",     "contact.counter_modulus",
-                                       "contact.radius",      "contact.counterface.radius",
-                                       "contact.position",    "beam.density",
-                                       "beam.length",         "environment.gravity",
-                                       "beam.section.area"};
+  const std::set<std::string> plain = {"contact.restitution",
+                                       "contact.stiffness_factor",
+                                       "start.velocity",
+                                       "contact.length",
+                                       "contact.modulus",
+                                       "contact.counter_modulus",
+                                       "contact.radius",
+                                       "contact.counterface.radius",
+                                       "contact.position",
+                                       "beam.density",
+                                       "beam.length",
+                                       "environment.gravity",
+                                       "beam.section.area",
+                                       "beam.section.radius",
+                                       "contact.reference_length",
+                                       "contact.poisson_ratio",
+                                       "contact.counter_poisson_ratio"};
   EXPECT_EQ(names_of(""), plain);
   std::set<std::string> more = plain;
   more.insert({"stop.mass", "stop.stiffness", "hinge.friction"});
   EXPECT_EQ(names_of(" --set stop.mass=\"0.2 kg\" --set stop.stiffness=\"1e9 N/m\""
                      " --set hinge.friction=\"0.1 N.m\""),
             more);
+}
+
+// By the numbers that a section's shape makes; against differences too, contact.radius held.
+TEST_F(SensitivityOptions, DifferentiatesByASectionsDimensions) {
+  const std::string bar = "simulate " + rig +
+                          " --set contact.radius=\"15 mm\" --set solver.duration=\"0.5 ms\""
+                          " --set solver.model=hybrid --set solver.modes=4"
+                          " --set solver.accuracy=1e-10 --json";
+  const std::string names =
+      "beam.section.second_moment,beam.section.radius,beam.section.area,environment.gravity";
+  const std::string file = path("history.csv");
+  const json all = json::parse(
+      run(bar + " --sensitivities " + names + " --interval 1e-4 -o " + file).out)["sensitivities"];
+  ASSERT_EQ(all.size(), 4U);
+  const auto near = [&](double radius) {
+    const std::string set = fmt::format(" --set beam.section.radius=\"{:.17g} mm\"", radius);
+    return json::parse(run(bar + set).out)["episodes"][0]["peak_force_n"].get<double>();
+  };
+  const double difference =
+      (8.0 * (near(15.01) - near(14.99)) - (near(15.02) - near(14.98))) / 12e-5;
+  EXPECT_NEAR(all[1]["derivative"]["peak_force_n"].get<double>() / difference, 1.0, 1e-6);
+  for (const auto& [key, by_moment] : all[0]["relative"].items()) {
+    const double by_area = all[2]["relative"][key].get<double>();
+    EXPECT_NEAR(all[1]["relative"][key].get<double>(),
+                4.0 * by_moment.get<double>() + 2.0 * by_area, 1e-9)
+        << key;
+  }
+  const json channels = json::parse(run("inspect --json " + file).out)["channels"];
+  ASSERT_EQ(channels.size(), 20U);
+  EXPECT_EQ(channels[8]["name"], "Force by beam.section.radius");
+  EXPECT_EQ(channels[16]["name"], "Force by environment.gravity");
 }
 
 TEST_F(SensitivityOptions, WritesDerivativesOfHistories) {
@@ -134,6 +176,9 @@ TEST_F(SensitivityOptions, SaysWhichDerivativesItHasNot) {
   EXPECT_THAT(refused("contact.colour"),
               HasSubstr("--sensitivities: 'contact.colour' is no number of a rig to differentiate "
                         "by; they are contact.restitution, "));
+  for (const char* none : {"\"\"", "\" , \""})
+    EXPECT_THAT(refused(none),
+                HasSubstr("--sensitivities: expected names with commas, or all, found '"));
   EXPECT_THAT(refused("stop.mass"), HasSubstr("'stop.mass' is nothing that this rig has"));
   EXPECT_THAT(refused("contacts.1.gap"),
               HasSubstr("'contacts.1.gap' is nothing that this rig has"));

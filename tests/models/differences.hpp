@@ -42,6 +42,31 @@ inline constexpr std::array of_sections = {
     Named{"area", [](models::Rig& r) -> double& { return r.beam.area; }},
     Named{"second moment", [](models::Rig& r) -> double& { return r.beam.second_moment; }},
     Named{"mass", [](models::Rig& r) -> double& { return r.beam.masses[0].mass; }},
+    Named{"mass's place", [](models::Rig& r) -> double& { return r.beam.masses[0].position; }},
+};
+
+/// Of a bar of two segments.
+inline constexpr std::array of_segments = {
+    Named{"first length", [](models::Rig& r) -> double& { return r.beam.segments[0].length; }},
+    Named{"last length", [](models::Rig& r) -> double& { return r.beam.segments[1].length; }},
+    Named{"first area", [](models::Rig& r) -> double& { return r.beam.segments[0].area; }},
+    Named{"last second moment",
+          [](models::Rig& r) -> double& { return r.beam.segments[1].second_moment; }},
+    Named{"last youngs_modulus",
+          [](models::Rig& r) -> double& { return *r.beam.segments[1].youngs_modulus; }},
+    Named{"last density", [](models::Rig& r) -> double& { return *r.beam.segments[1].density; }},
+    Named{"shear_coefficient",
+          [](models::Rig& r) -> double& { return r.beam.segments[0].shear_coefficient; }},
+    Named{"poisson_ratio", [](models::Rig& r) -> double& { return r.beam.poisson_ratio; }},
+};
+
+// An Euler-Bernoulli bar does not know the last two.
+inline constexpr std::span<const Named> of_segments_that_bend =
+    std::span(of_segments).first(of_segments.size() - 2);
+
+inline constexpr std::array of_gravity = {
+    Named{"gravity direction", [](models::Rig& r) -> double& { return r.gravity_direction; }},
+    Named{"gravity", [](models::Rig& r) -> double& { return r.gravity; }},
 };
 
 inline constexpr std::array of_damped_bars = {
@@ -91,11 +116,19 @@ models::Rig damped_rig();
 models::Simulation sharp(const models::Rig& rig, models::Solver solver, models::Motion motion,
                          std::vector<models::RigParameter> by = {});
 
+/// To which sides of the number differences go.
+enum class Side { both, below, above };
+
 /// Expects the derivatives of all that is differentiated, numbers and samples, relative to the
 /// value's own size over that of the parameter: where a derivative is nearly zero the differences
 /// have nothing more exact to offer. `spacing`: theirs, of the parameter's size.
 void expect_equal_derivatives(const models::Rig& rig, const models::Solver& solver,
                               double tolerance, std::span<const Named> of = parameters,
-                              double spacing = 1e-3, models::Motion motion = models::Motion::small);
+                              double spacing = 1e-3, models::Motion motion = models::Motion::small,
+                              Side side = Side::both);
+
+/// Of damped_rig(), stepped down behind the middle, that of the outer segment a material of its
+/// own.
+models::Rig stepped_rig();
 
 }  // namespace impactrig::tests

@@ -16,9 +16,10 @@ namespace {
 using namespace models;
 
 void expect_equal_full_derivatives(const Rig& rig, const Solver& solver,
-                                   std::span<const Named> of = parameters, double spacing = 5e-4) {
+                                   std::span<const Named> of = parameters, double spacing = 5e-4,
+                                   Side side = Side::both) {
   ASSERT_FALSE(sharp(rig, solver, Motion::full, {of[0].of}).sensitivities.empty());
-  expect_equal_derivatives(rig, solver, 1e-8, of, spacing, Motion::full);
+  expect_equal_derivatives(rig, solver, 1e-8, of, spacing, Motion::full, side);
 }
 
 TEST(FullSensitivities, OfARigidBarAreThoseOfDifferences) {
@@ -46,6 +47,7 @@ TEST(FullSensitivities, OfAShearingBarAreThoseOfDifferences) {
       Named{"density", [](Rig& r) -> double& { return r.beam.density; }},
   };
   expect_equal_full_derivatives(rig, ancf(3, 1, 1e-12, 4e-4), of);
+  expect_equal_full_derivatives(rig, hybrid(Basis::pinned_free, 3, 1e-12, 5e-4), of);
 }
 
 // Of damping in bar and hinge too, of which the last is zero at first.
@@ -62,6 +64,59 @@ TEST(FullSensitivities, OfSectionsAndMassesAreThoseOfDifferences) {
   rig.beam.masses = {{0.4, 0.2}};
   expect_equal_full_derivatives(rig, ancf(3, 1, 1e-12, 4e-4), of_sections);
   expect_equal_full_derivatives(rig, hybrid(Basis::pinned_free, 4, 1e-12, 4e-4), of_sections);
+}
+
+TEST(FullSensitivities, OfAMassAtAnElementsEndAreThoseOfDifferences) {
+  constexpr std::array of_place = {of_sections[3]};
+  Rig rig = damped_rig();
+  rig.beam.masses = {{0.345, 0.05}};  // in the middle before the struck point
+  const Solver solver = ancf(2, 1, 1e-12, 5e-4);
+  for (const Side side : {Side::below, Side::above})
+    expect_equal_full_derivatives(rig, solver, of_place, 1e-3, side);
+  rig.beam.theory = BeamTheory::timoshenko;  // the sections shear by a step at the mass
+  rig.beam.shear_coefficient = 0.9;
+  expect_equal_full_derivatives(rig, solver, of_place, 5e-4, Side::below);
+  rig.beam.masses[0].position = 0.4;
+  expect_equal_full_derivatives(rig, hybrid(Basis::pinned_free, 3, 1e-12, 5e-4), of_place, 1e-3,
+                                Side::below);
+}
+
+TEST(FullSensitivities, OfAMassAtTheTipAreThoseOfDifferences) {
+  constexpr std::array of_place = {of_sections[3]}, of_length = {parameters[11]};
+  Rig rig = damped_rig();
+  rig.beam.masses = {{0.8, 1e-3}};
+  for (const Solver& solver :
+       {ancf(2, 1, 1e-12, 5e-4), hybrid(Basis::pinned_free, 3, 1e-12, 5e-4)}) {
+    expect_equal_full_derivatives(rig, solver, of_place, 2e-4, Side::below);
+    expect_equal_full_derivatives(rig, solver, of_length, 5e-4, Side::above);
+  }
+}
+
+TEST(FullSensitivities, OfSegmentsAreThoseOfDifferences) {
+  Rig rig = stepped_rig();
+  expect_equal_full_derivatives(rig, ancf(3, 1, 1e-12, 5e-4), of_segments_that_bend);
+  expect_equal_full_derivatives(rig, hybrid(Basis::pinned_free, 3, 1e-12, 5e-4),
+                                of_segments_that_bend);
+  rig.beam.theory = BeamTheory::timoshenko;
+  expect_equal_full_derivatives(rig, ancf(3, 1, 1e-12, 4.4e-4), of_segments);
+  expect_equal_full_derivatives(rig, hybrid(Basis::pinned_free, 3, 1e-12, 5e-4), of_segments);
+}
+
+// Where the bar hangs, too.
+TEST(FullSensitivities, OfGravityAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  Solver stiff = rigid(1e-12);
+  stiff.duration = 5e-4;
+  for (const double direction : {0.7, 0.0}) {
+    rig.gravity_direction = direction;
+    rig.beam.theory = BeamTheory::euler_bernoulli;
+    expect_equal_full_derivatives(rig, stiff, of_gravity);
+    expect_equal_full_derivatives(rig, ancf(3, 1, 1e-12, 4e-4), of_gravity);
+    expect_equal_full_derivatives(rig, hybrid(Basis::pinned_free, 3, 1e-12, 4e-4), of_gravity);
+    rig.beam.theory = BeamTheory::timoshenko;
+    rig.beam.shear_coefficient = 0.9;
+    expect_equal_full_derivatives(rig, ancf(3, 1, 1e-12, 4e-4), of_gravity);
+  }
 }
 
 // A rubber-like bar that bends by a good part of its length while it is stopped.
@@ -144,6 +199,25 @@ TEST(FullSensitivities, OfAReleasedBarAreThoseOfDifferences) {
   expect_equal_full_derivatives(rig, solver, of);
   rig.beam.youngs_modulus = 1e8;  // and is followed with the vibration that release leaves
   expect_equal_full_derivatives(rig, hybrid(Basis::pinned_free, 1, 1e-12, 5e-3), of);
+}
+
+// Of vibration that nothing damps slopes grow with time: errors of its phase move them by far more
+// than the bar.
+TEST(FullSensitivities, OfABarThatSwingsFarAreAsAccurateAsTheRun) {
+  Rig rig = damped_rig();
+  rig.beam.youngs_modulus = 1e9;
+  rig.start = {.release_angle = 0.5};
+  const auto by = [&](double accuracy) {
+    SimulationOptions options;
+    options.exact = true;
+    options.sensitivities = {parameters[9].of, parameters[7].of};
+    return simulate(rig, ancf(4, 1, accuracy, 2e-4), options).sensitivities;
+  };
+  const std::vector<Sensitivity> plain = by(1e-6), exact = by(1e-8);
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    EXPECT_NEAR(plain[i].peak_force / exact[i].peak_force, 1.0, 3e-6) << i;
+    EXPECT_NEAR(plain[i].impulse / exact[i].impulse, 1.0, 3e-6) << i;
+  }
 }
 
 // Runs of ordinary accuracy differentiate along a stencil of fewer places.
@@ -230,6 +304,20 @@ TEST(FullSensitivities, OfFrictionAreTakenFromTheFullEquations) {
   const Simulation run = simulate(rig, solver, options);
   EXPECT_FALSE(run.small_motion);
   EXPECT_EQ(run.sensitivities.size(), 1U);
+}
+
+// Small motion does not know gravity that turns.
+TEST(FullSensitivities, OfGravitysDirectionAreTakenFromTheFullEquations) {
+  const std::vector<RigParameter> direction = {of_gravity[0].of};
+  const Solver solver = hybrid(Basis::pinned_free, 2, 1e-4, 5e-4);
+  SimulationOptions options;
+  EXPECT_TRUE(simulate(damped_rig(), solver, options).small_motion);
+  options.sensitivities = direction;
+  const Simulation run = simulate(damped_rig(), solver, options);
+  EXPECT_FALSE(run.small_motion);
+  ASSERT_EQ(run.sensitivities.size(), 1U);
+  EXPECT_GT(run.sensitivities[0].impulse, 0.0);  // it pulls into the stop
+  EXPECT_TRUE(sharp(damped_rig(), solver, Motion::small, direction).sensitivities.empty());
 }
 
 // Rather nothing than numbers that do not hold: of friction that is none only one side exists.

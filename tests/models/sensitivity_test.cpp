@@ -10,6 +10,7 @@
 #include "models/contact/contact_force.hpp"
 #include "models/contact/damping_law.hpp"
 #include "models/sensitivities/derivative_refusal.hpp"
+#include "models/sensitivities/element_layout.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/differences.hpp"
 #include "tests/models/scenes.hpp"
@@ -46,8 +47,76 @@ TEST(Sensitivities, OfDampedBarsAreThoseOfDifferences) {
 TEST(Sensitivities, OfSectionsAndMassesAreThoseOfDifferences) {
   Rig rig = damped_rig();
   rig.beam.masses = {{0.4, 0.2}};
-  expect_equal_derivatives(rig, ancf(4, 1, 1e-12, 4e-4), 1e-8, of_sections);
+  expect_equal_derivatives(rig, ancf(4, 1, 1e-12, 4e-4), 1e-8, of_sections, 5e-4);
   expect_equal_derivatives(rig, hybrid(Basis::pinned_free, 4, 1e-12, 4e-4), 1e-8, of_sections);
+}
+
+TEST(Sensitivities, OfAMassAtAnElementsEndAreThoseOfDifferences) {
+  constexpr std::array of_place = {of_sections[3]}, of_length = {parameters[11]};
+  const auto expect_equal = [](const Rig& rig, std::span<const Named> of, double spacing,
+                               Side side) {
+    expect_equal_derivatives(rig, ancf(2, 1, 1e-12, 5e-4), 1e-8, of, spacing, Motion::small, side);
+  };
+  Rig rig = damped_rig();
+  rig.beam.masses = {{0.345, 0.05}};  // in the middle before the struck point
+  for (const Side side : {Side::below, Side::above}) {
+    expect_equal(rig, of_place, 1e-3, side);
+    expect_equal(rig, std::span(parameters).last(2), 8e-4, side);
+  }
+  rig.beam.masses = {{0.8, 1e-3}};
+  expect_equal(rig, of_place, 2e-4, Side::below);
+  expect_equal(rig, of_length, 5e-4, Side::above);
+}
+
+TEST(Sensitivities, OfSegmentsAreThoseOfDifferences) {
+  Rig rig = stepped_rig();
+  expect_equal_derivatives(rig, ancf(3, 1, 1e-12, 5e-4), 1e-8, of_segments_that_bend, 5e-4);
+  expect_equal_derivatives(rig, hybrid(Basis::pinned_free, 3, 1e-12, 5e-4), 1e-8,
+                           of_segments_that_bend, 5e-4);
+  rig.beam.theory = BeamTheory::timoshenko;
+  expect_equal_derivatives(rig, ancf(3, 1, 1e-12, 4.4e-4), 1e-8, of_segments, 5e-4);
+  expect_equal_derivatives(rig, hybrid(Basis::pinned_free, 3, 1e-12, 5e-4), 1e-8, of_segments,
+                           5e-4);
+}
+
+constexpr std::array of_contacts = {
+    Named{"poisson_ratio", [](Rig& r) -> double& { return r.contact.poisson_ratio; }},
+    Named{"counter_poisson_ratio",
+          [](Rig& r) -> double& { return r.contact.counter_poisson_ratio; }},
+    Named{"counter_modulus", [](Rig& r) -> double& { return r.contact.counter_modulus; }},
+    Named{"effective_mass", [](Rig& r) -> double& { return *r.contact.effective_mass; }},
+    Named{"restitution_speed", [](Rig& r) -> double& { return *r.contact.restitution_speed; }},
+    Named{"depth", [](Rig& r) -> double& { return r.contact.counter_depth; }},
+    Named{"reference_length", [](Rig& r) -> double& { return *r.contact.reference_length; }},
+    Named{"its modulus", [](Rig& r) -> double& { return r.further_stops[0].contact.modulus; }},
+    Named{"its counter radius",
+          [](Rig& r) -> double& { return r.further_stops[0].contact.counter_radius; }},
+    Named{"its reference_length",
+          [](Rig& r) -> double& { return *r.further_stops[0].contact.reference_length; }},
+};
+
+// Of what a contact is made of besides what a fit frees: of a line on a plane whose damping is made
+// of a damping ratio, and of one in a groove beside it.
+TEST(Sensitivities, OfContactsAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  FurtherStop second{.contact = rig.contact, .side = StopSide::near, .gap = 2e-6};
+  second.contact.position = 0.5;
+  rig.further_stops = {second};
+  rig.contact.law = "johnson";
+  rig.contact.counterface = Counterface::plane;
+  rig.contact.counter_depth = 0.03;
+  rig.contact.damping = "jankowski";
+  rig.contact.effective_mass = 0.3;
+  rig.contact.restitution_speed = 0.5;
+  rig.contact.stiffness_factor = 0.5;
+  const Solver solver = hybrid(Basis::pinned_free, 3, 1e-12, 4e-4);
+  ASSERT_GE(small(rig, solver).episodes.size(), 2u);
+  expect_equal_derivatives(rig, solver, 1e-8, std::span(of_contacts).first(6), 5e-4);
+  expect_equal_derivatives(rig, solver, 1e-8, std::span(of_contacts).last(3), 5e-4);
+  rig.contact = second.contact;
+  rig.contact.position = 0.69;
+  rig.further_stops.clear();
+  expect_equal_derivatives(rig, solver, 1e-8, std::span(of_contacts).subspan(6, 1), 5e-4);
 }
 
 // A weightless rigid bar has no frequency to measure changes against, without a damper no rate at
@@ -215,33 +284,69 @@ TEST(Sensitivities, OfAFreeImpactFollowScaling) {
   EXPECT_GT(run.sensitivities.at(1).peak_force, 0.0);
 }
 
+// 0.69 m / 3 is a rounding less than 0.23 m.
+TEST(ElementLayout, CountsWhatLiesAtAnElementsEndTowardsTheHinge) {
+  Rig rig = damped_rig();
+  rig.beam.masses = {{0.23, 0.1}, {0.46, 0.1}, {0.47, 0.1}, {0.8, 0.1}, {0.81, 0.1}};
+  const ElementLayout layout = ElementLayout::of(rig, ancf(3, 1, 1e-6, 1e-3), {});
+  EXPECT_EQ(layout.holds, (std::vector<std::size_t>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(layout.shares, (std::vector<int>{0, 3, 1, 0}));
+  const Solver closed = hybrid(Basis::cantilever, 3, 1e-6, 1e-3);
+  EXPECT_EQ(ElementLayout::of(rig, closed, {}), ElementLayout{});
+}
+
 TEST(DerivativeRefusal, SaysWhereOnlyOneSideExists) {
   constexpr RigParameter friction = [](Rig& r) -> double& { return r.hinge.friction; };
   constexpr RigParameter length = [](Rig& r) -> double& { return r.beam.length; };
   constexpr RigParameter position = [](Rig& r) -> double& { return r.contact.position; };
   constexpr RigParameter area = [](Rig& r) -> double& { return r.beam.area; };
   Rig rig = damped_rig();
+  const Solver solver = ancf(4, 1, 1e-6, 1e-3);
   for (const RigParameter parameter : {length, position, area})
-    EXPECT_EQ(derivative_refusal(rig, parameter), "");
-  EXPECT_THAT(derivative_refusal(rig, friction), testing::StartsWith("there is no friction, "));
+    EXPECT_EQ(derivative_refusal(rig, solver, parameter), "");
+  EXPECT_THAT(derivative_refusal(rig, solver, friction),
+              testing::StartsWith("there is no friction, "));
   rig.hinge.friction = 0.1;
-  EXPECT_EQ(derivative_refusal(rig, friction), "");
+  EXPECT_EQ(derivative_refusal(rig, solver, friction), "");
+  constexpr RigParameter depth = [](Rig& r) -> double& { return r.contact.counter_depth; };
+  EXPECT_THAT(derivative_refusal(rig, solver, depth), testing::StartsWith("without a depth "));
+  rig.contact.counter_depth = 0.03;
+  EXPECT_EQ(derivative_refusal(rig, solver, depth), "");
   rig.contact.position = rig.beam.length;
   for (const RigParameter parameter : {length, position})
-    EXPECT_EQ(derivative_refusal(rig, parameter),
+    EXPECT_EQ(derivative_refusal(rig, solver, parameter),
               "the bar is struck at its tip, and cannot be struck beyond it: only one side exists");
   rig.contact.position = 0.69;
   rig.beam.segments = {
       BeamSegment{.length = 0.8, .area = rig.beam.area, .second_moment = rig.beam.second_moment}};
-  EXPECT_EQ(derivative_refusal(rig, area), "beam.segments state it, of each segment");
-  EXPECT_EQ(derivative_refusal(rig, position), "");
+  EXPECT_EQ(derivative_refusal(rig, solver, area), "beam.segments state it, of each segment");
+  EXPECT_EQ(derivative_refusal(rig, solver, position), "");
+  constexpr RigParameter segment = [](Rig& r) -> double& { return r.beam.segments[0].length; };
+  EXPECT_EQ(derivative_refusal(rig, solver, segment), "");
+  rig.contact.position = rig.beam.length;
+  EXPECT_THAT(derivative_refusal(rig, ancf(4, 0, 1e-6, 1e-3), segment),
+              testing::StartsWith("the bar is struck at its tip, "));
+  rig.contact.position = 0.69;
+  const Rig uniform = rig;
+  rig.beam.segments = {rig.beam.segments[0], rig.beam.segments[0]};
+  rig.beam.segments[0].length = 0.69;
+  rig.beam.segments[1].length = 0.11;
+  for (const RigParameter parameter : {segment, position})
+    EXPECT_THAT(derivative_refusal(rig, solver, parameter),
+                testing::StartsWith("beside it the bar would be divided into its elements"));
+  EXPECT_EQ(derivative_refusal(rig, hybrid(Basis::cantilever, 3, 1e-6, 1e-3), segment), "");
+  EXPECT_TRUE(small(rig, solver, {segment}).sensitivities.empty());
+  EXPECT_TRUE(sharp(rig, solver, Motion::full, {segment}).sensitivities.empty());
+  rig = uniform;
   rig.contact.damping = "tsuji";
   rig.contact.tension = Tension::allow;
-  EXPECT_THAT(derivative_refusal(rig, position), testing::StartsWith("with this damping law "));
+  EXPECT_THAT(derivative_refusal(rig, solver, position),
+              testing::StartsWith("with this damping law "));
   rig.hinge.rotation = HingeRotation{.rate = 1.0, .time = 0.0};
   rig.contact.law = "none";
   constexpr RigParameter time = [](Rig& r) -> double& { return r.hinge.rotation->time; };
-  EXPECT_THAT(derivative_refusal(rig, time), testing::StartsWith("without a time the hinge "));
+  EXPECT_THAT(derivative_refusal(rig, solver, time),
+              testing::StartsWith("without a time the hinge "));
 }
 
 TEST(Sensitivities, LeaveTheRunAsItIs) {
