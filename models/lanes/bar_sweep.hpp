@@ -263,7 +263,8 @@ class ModesBetween {
       if (!M::any(done < 1.0)) break;
       low = slower > index ? low : M::larger(low, shift);
       high = slower > index ? M::smaller(high, shift) : high;
-      const Real other = (low < next) & (next < high) ? next : 0.5 * (low + high);
+      const typename M::Mask inside = (low < next) & (next < high);
+      const Real other = inside ? next : 0.5 * (low + high);
       shift = done > 0.0 ? shift : other;
     }
     Real stiffness, mass;

@@ -114,8 +114,8 @@ struct LaneMath {
   /// Half as many numbers, twice.
   static Real twice(const double* numbers) {
     const typename LaneTypes<N / 2>::Real half = LaneMath<N / 2>::load(numbers);
-#ifdef __AVX__  // g++ 12 loads and permutes, which is slower
-    if constexpr (N == 4) return __builtin_ia32_vbroadcastf128_pd256(&half);
+#ifdef __AVX2__  // g++ 12 loads and permutes, which is slower
+    if constexpr (N == 4) return _mm256_broadcast_pd(reinterpret_cast<const __m128d*>(&half));
 #endif
     return [&]<int... I>(std::integer_sequence<int, I...>) {
       return __builtin_shufflevector(half, half, (I % (N / 2))...);
