@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "models/integration/gauss.hpp"
+#include "models/lanes/clenshaw.hpp"
 #include "models/lanes/mode_lanes.hpp"
 
 namespace impactrig::models {
@@ -21,20 +22,11 @@ void shifted_legendre(double x, Eigen::Ref<Eigen::VectorXd> values) {
 }
 
 double legendre_sum(const NodeVector& series, double x) {
-  // (2p + 1) / (p + 1) and (p + 1) / (p + 2)
-  static const auto factors = [] {
-    std::array<std::array<double, 2>, most_nodes> list;
-    for (std::size_t p = 0; p < list.size(); ++p) {
-      const auto order = static_cast<double>(p);
-      list[p] = {(2.0 * order + 1.0) / (order + 1.0), (order + 1.0) / (order + 2.0)};
-    }
-    return list;
-  }();
+  static_assert(most_nodes <= ClenshawFactors::most);
   const double t = 2.0 * x - 1.0;
   double here = 0.0, above = 0.0;
   for (Eigen::Index p = series.size() - 1; p >= 0; --p) {
-    const auto& [forward, back] = factors[static_cast<std::size_t>(p)];
-    const double below = series[p] + forward * t * here - back * above;
+    const double below = series[p] + clenshaw.forward[p] * t * here - clenshaw.back[p] * above;
     above = here;
     here = below;
   }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "models/lanes/lane_bessel.hpp"
-#include "models/lanes/mode_chunk.hpp"
+#include "models/lanes/lane_chunk.hpp"
 #include "models/lanes/mode_lanes.hpp"
 
 namespace impactrig::models {
@@ -17,7 +17,7 @@ class ModeAdvance {
   void advance() {
     Real displacement = Real{}, velocity = Real{}, acceleration = Real{};
     for (int first = 0; first < modes_.modes; first += N) {
-      const ModeChunk<N> chunk(first, modes_.modes);
+      const LaneChunk<N> chunk(first, modes_.modes);
       const Real omega = chunk.load(modes_.omega), struck = chunk.load(modes_.struck);
       const State end = advance(omega, struck, {chunk.load(modes_.a), chunk.load(modes_.rate)});
       chunk.store(end.a, modes_.end_a);

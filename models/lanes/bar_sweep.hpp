@@ -2,8 +2,8 @@
 #pragma once
 
 #include "models/lanes/bar_lanes.hpp"
+#include "models/lanes/lane_chunk.hpp"
 #include "models/lanes/lane_math.hpp"
-#include "models/lanes/mode_chunk.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -144,7 +144,7 @@ class BarSweep {
   }
 
   /// Likewise: writes the motion, so many times as large.
-  void write(const ModeChunk<N>& chunk, Real scale, int stride, double* turn,
+  void write(const LaneChunk<N>& chunk, Real scale, int stride, double* turn,
              double* motion) const {
     chunk.store(scale * turn_, turn);
     Real left[2] = {Real{}, turn_};
@@ -208,7 +208,7 @@ class BarSweep {
 template <int N, int V>
 void count_below(const BarShifts& shifts) {
   for (int first = 0; first < shifts.shifts; first += N) {
-    const ModeChunk<N> chunk(first, shifts.shifts);
+    const LaneChunk<N> chunk(first, shifts.shifts);
     using Real = typename BarSweep<N, V>::Real;
     BarSweep<N, V> sweep(*shifts.bar, nullptr);
     chunk.store(sweep.template eliminate<false>(chunk.load(shifts.shift), Real{}), shifts.below);
@@ -224,7 +224,7 @@ class ModesBetween {
 
   void find() {
     for (int first = 0; first < modes_.modes; first += N) {
-      const ModeChunk<N> chunk(first, modes_.modes);
+      const LaneChunk<N> chunk(first, modes_.modes);
       find(chunk);
     }
   }
@@ -239,13 +239,13 @@ class ModesBetween {
   static constexpr double small = 1e-10, rounding = 1e-11;
 
   /// Lanes without a mode of their own do what the first does.
-  static Real load(const ModeChunk<N>& chunk, const double* values) {
+  static Real load(const LaneChunk<N>& chunk, const double* values) {
     Real lanes = chunk.load(values);
     for (int i = chunk.count; i < N; ++i) lanes[i] = lanes[0];
     return lanes;
   }
 
-  void find(const ModeChunk<N>& chunk) {
+  void find(const LaneChunk<N>& chunk) {
     const Real index = load(chunk, modes_.index), start = load(chunk, modes_.start);
     const Real above = load(chunk, modes_.above), below = load(chunk, modes_.below);
     Real low = above, high = below, shift = start, done = Real{};
@@ -285,7 +285,7 @@ void find_motion(const BarUnderLoads& loads) {
   using Real = typename Sweep::Real;
   Sweep sweep(*loads.bar, loads.work);
   for (int first = 0; first < loads.loads; first += N) {
-    const ModeChunk<N> chunk(first, loads.loads);
+    const LaneChunk<N> chunk(first, loads.loads);
     for (int e = 0; e < loads.bar->elements; ++e)
       for (int i = 0; i < V; ++i)
         sweep.steps()[e].load[i] =

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "models/lanes/mode_chunk.hpp"
+#include "models/lanes/lane_chunk.hpp"
 #include "models/lanes/station_lanes.hpp"
 
 namespace impactrig::models {
@@ -12,7 +12,7 @@ template <int N>
 void find_slopes_by(const SlopesOfModes& modes) {
   using Real = typename LaneMath<N>::Real;
   for (int first = 0; first < modes.stations; first += N) {
-    const ModeChunk<N> chunk(first, modes.stations);
+    const LaneChunk<N> chunk(first, modes.stations);
     Real slope = Real{}, rate = Real{};
     for (int k = 0; k < modes.modes; ++k) {
       const Real own = chunk.load(modes.slopes + k * modes.stations);
@@ -31,7 +31,7 @@ void find_force_of_pull_by(const PullOnModes& modes) {
   for (int k = 0; k < modes.modes; ++k) {
     typename M::Real sum = {};
     for (int first = 0; first < modes.stations; first += N) {
-      const ModeChunk<N> chunk(first, modes.stations);
+      const LaneChunk<N> chunk(first, modes.stations);
       sum += chunk.load(modes.slopes + k * modes.stations) * chunk.load(modes.pull);
     }
     modes.force[k] = M::sum(sum);
@@ -54,7 +54,7 @@ class ThirdOrderPulls {
  private:
   using M = LaneMath<N>;
   using Real = typename M::Real;
-  using Chunk = ModeChunk<N>;
+  using Chunk = LaneChunk<N>;
 
   /// By what draws the points towards the hinge, weight and strain.
   void pull(const Chunk& chunk) {

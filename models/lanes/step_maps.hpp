@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "models/lanes/mode_chunk.hpp"
+#include "models/lanes/clenshaw.hpp"
+#include "models/lanes/lane_chunk.hpp"
 #include "models/lanes/mode_lanes.hpp"
 
 namespace impactrig::models {
@@ -33,28 +34,12 @@ void find_at_nodes_by(const PointAtNodes& point) {
   for (int first = 0; first < point.rows; first += 2) find_rows<2, 1>(point, first);
 }
 
-/// (p + 1) P_{p+1} = (2p + 1) t P_p − p P_{p-1} from above: what stands before t b_{p+1} and b_{p+2}.
-struct ClenshawFactors {
-  static constexpr int most = 16;
-
-  double forward[most] = {}, back[most] = {};
-
-  constexpr ClenshawFactors() {
-    for (int p = 0; p < most; ++p) {
-      forward[p] = (2.0 * p + 1.0) / (p + 1.0);
-      back[p] = (p + 1.0) / (p + 2.0);
-    }
-  }
-};
-
-constexpr ClenshawFactors clenshaw;
-
 /// find_values() for N nodes at a time, by Clenshaw's recurrence.
 template <int N>
 void find_values_by(const SeriesAtNodes& series) {
   using Real = typename LaneMath<N>::Real;
   for (int first = 0; first < series.nodes; first += N) {
-    const ModeChunk<N> chunk(first, series.nodes);
+    const LaneChunk<N> chunk(first, series.nodes);
     const Real t = 2.0 * (series.begin + series.length * chunk.load(series.points)) - 1.0;
     Real here = Real{}, above = Real{};
     for (int p = series.terms; p-- > 0;) {
@@ -72,7 +57,7 @@ template <int N>
 void find_at_end_by(const ModesAtEnd& modes) {
   using Real = typename LaneMath<N>::Real;
   for (int first = 0; first < modes.modes; first += N) {
-    const ModeChunk<N> chunk(first, modes.modes);
+    const LaneChunk<N> chunk(first, modes.modes);
     const Real a = chunk.load(modes.a), rate = chunk.load(modes.rate);
     Real end_a = chunk.load(modes.a_of_a) * a + chunk.load(modes.a_of_rate) * rate;
     Real end_rate = chunk.load(modes.rate_of_a) * a + chunk.load(modes.rate_of_rate) * rate;

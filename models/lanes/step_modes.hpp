@@ -2,7 +2,7 @@
 #pragma once
 
 #include "models/lanes/lane_bessel.hpp"
-#include "models/lanes/mode_chunk.hpp"
+#include "models/lanes/lane_chunk.hpp"
 #include "models/lanes/mode_lanes.hpp"
 
 namespace impactrig::models {
@@ -18,7 +18,7 @@ class ModeStep {
 
   void respond() {
     for (int first = 0; first < modes_.modes; first += N) {
-      const ModeChunk<N> chunk(first, modes_.modes);
+      const LaneChunk<N> chunk(first, modes_.modes);
       const Real omega = chunk.load(modes_.omega), struck = chunk.load(modes_.struck);
       respond_to_state(chunk, omega, struck);
       respond_to_force(chunk, omega, struck, chunk.load(modes_.seen));
@@ -45,7 +45,7 @@ class ModeStep {
     return {cosine, theta < 1e-4 ? near : sine / omega, -omega * sine};
   }
 
-  void respond_to_state(const ModeChunk<N>& chunk, Real omega, Real struck) const {
+  void respond_to_state(const LaneChunk<N>& chunk, Real omega, Real struck) const {
     const int s = modes_.nodes;
     for (int i = 0; i < s; ++i) {
       const Swing part = swing(omega, modes_.h * modes_.points[i]);
@@ -61,7 +61,7 @@ class ModeStep {
     chunk.store(whole.cosine, modes_.rate_of_rate);
   }
 
-  void respond_to_force(const ModeChunk<N>& chunk, Real omega, Real struck, Real seen) {
+  void respond_to_force(const LaneChunk<N>& chunk, Real omega, Real struck, Real seen) {
     const double h = modes_.h;
     const Real z = M::larger(0.5 * h * omega, M::all(1e-9));
     const auto [sine, cosine] = M::sine_cosine(z);
@@ -91,7 +91,7 @@ class ModeStep {
   }
 
   /// From moments with P_p to those with the polynomials of the nodes.
-  void to_values(const ModeChunk<N>& chunk, Real factor, const Real* moments, double* out) const {
+  void to_values(const LaneChunk<N>& chunk, Real factor, const Real* moments, double* out) const {
     const int s = modes_.nodes;
     for (int i = 0; i < s; ++i) {
       Real sum = Real{};

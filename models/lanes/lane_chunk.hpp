@@ -6,15 +6,15 @@
 namespace impactrig::models {
 namespace {
 
-/// N of the modes' numbers, less at the end: lanes beyond are of a mode that does not vibrate and
-/// is not struck.
+/// N of a row's numbers, less at its end: of modes, stations or nodes. Lanes beyond are zero, as of
+/// a mode that does not vibrate and is not struck, or a station of no length; they are not stored.
 template <int N>
-struct ModeChunk {
+struct LaneChunk {
   using Real = typename LaneMath<N>::Real;
 
   int first, count;
 
-  ModeChunk(int first_mode, int modes)
+  LaneChunk(int first_mode, int modes)
       : first(first_mode),
         count(modes - first_mode < N ? modes - first_mode : N) {}
 
