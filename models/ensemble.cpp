@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "models/lane_runs.hpp"
+#include "models/modal/bar_family.hpp"
 
 namespace impactrig::models {
 namespace {

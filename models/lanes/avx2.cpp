@@ -21,6 +21,10 @@ void step_modes_avx2(const ModesOverStep& modes) {
   ModeStep<4>(modes).respond();
 }
 
+void find_sum_avx2(const WeightedSum& sum) {
+  find_sum_by<4>(sum);
+}
+
 void find_values_avx2(const SeriesAtNodes& series) {
   find_values_by<4>(series);
 }

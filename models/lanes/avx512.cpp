@@ -21,6 +21,10 @@ void step_modes_avx512(const ModesOverStep& modes) {
   ModeStep<8>(modes).respond();
 }
 
+void find_sum_avx512(const WeightedSum& sum) {
+  find_sum_by<8>(sum);
+}
+
 void find_values_avx512(const SeriesAtNodes& series) {
   find_values_by<8>(series);
 }

@@ -19,6 +19,10 @@ void step_modes(const ModesOverStep& modes) {
       step_modes_avx512);
 }
 
+void find_sum(const WeightedSum& sum) {
+  on_processor<const WeightedSum>(sum, find_sum_by<2>, find_sum_avx2, find_sum_avx512);
+}
+
 void find_values(const SeriesAtNodes& series) {
   on_processor<const SeriesAtNodes>(series, find_values_by<2>, find_values_avx2,
                                     find_values_avx512);

@@ -70,6 +70,16 @@ struct SeriesAtNodes {
   double *values = nullptr;          ///< (nodes)
 };
 
+/// Arrays of numbers, weighted and summed.
+struct WeightedSum {
+  int count = 0, terms = 0;               ///< n; of the sum, 1 at least
+  const double *const *arrays = nullptr;  ///< (terms), each (n)
+  const double *weights = nullptr;        ///< (terms)
+  const double *factors = nullptr;        ///< of the sum's numbers (n); none: 1
+  double *sum = nullptr;                  ///< (n)
+};
+
+void find_sum(const WeightedSum &sum);
 void find_values(const SeriesAtNodes &series);
 void find_at_nodes(const PointAtNodes &point);
 void find_at_end(const ModesAtEnd &modes);

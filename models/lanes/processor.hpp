@@ -32,6 +32,8 @@ void advance_modes_avx2(ModesUnderForce& modes);
 void advance_modes_avx512(ModesUnderForce& modes);
 void step_modes_avx2(const ModesOverStep& modes);
 void step_modes_avx512(const ModesOverStep& modes);
+void find_sum_avx2(const WeightedSum& sum);
+void find_sum_avx512(const WeightedSum& sum);
 void find_values_avx2(const SeriesAtNodes& series);
 void find_values_avx512(const SeriesAtNodes& series);
 void find_at_nodes_avx2(const PointAtNodes& point);

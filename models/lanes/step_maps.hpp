@@ -52,6 +52,19 @@ void find_values_by(const SeriesAtNodes& series) {
   }
 }
 
+/// find_sum() for N numbers at a time.
+template <int N>
+void find_sum_by(const WeightedSum& sum) {
+  using Real = typename LaneMath<N>::Real;
+  for (int first = 0; first < sum.count; first += N) {
+    const LaneChunk<N> chunk(first, sum.count);
+    Real here = sum.weights[0] * chunk.load(sum.arrays[0]);
+    for (int j = 1; j < sum.terms; ++j) here += sum.weights[j] * chunk.load(sum.arrays[j]);
+    if (sum.factors) here *= chunk.load(sum.factors);
+    chunk.store(here, sum.sum);
+  }
+}
+
 /// find_at_end() for N modes at a time.
 template <int N>
 void find_at_end_by(const ModesAtEnd& modes) {

@@ -283,39 +283,85 @@ void ModalBeam::add_stretching_force(const Eigen::VectorXd& a, Eigen::VectorXd& 
 }
 
 ModalBeam::ModalBeam(const ModalBeam& other, const Change& change) : ModalBeam(other) {
-  const double ratio = change.stiffness / change.mass;
-  const double root = std::sqrt(change.mass);
-  spring_ = change.spring;
-  stations_.mass *= change.mass;
-  for (Stations::Lump& lump : stations_.lumps) lump.mass *= change.mass;
-  stations_.bending *= change.stiffness;
-  stations_.weight *= change.mass;
-  stations_.stretch /= change.stiffness;
-  stations_.axial /= root;
-  stations_.axial_squares *= ratio;
-  elastic_compliance_ /= change.stiffness;
-  // in the other's modes, scaled to unit modal mass: its elastic part grows, its weight does not
-  const Eigen::MatrixXd& weight = other.whole_weight();
-  Eigen::MatrixXd coupled =
-      (1.0 - ratio) * weight + change.spring / change.mass * hinge_ * hinge_.transpose();
-  coupled.diagonal() += ratio * omega_.cwiseAbs2();
+  hang(change.heaviness(), change.spring / change.stiffness);
+  scale(change.stiffness, change.mass);
+  viscous_.hinge = change.viscous;
+  find_damping();
+}
+
+/// Of what depends on the weight the pendulum's frequency does so by its root; its square is
+/// smooth.
+ModalBeam::ModalBeam(std::span<const ModalBeam* const> others, std::span<const double> weights,
+                     const Change& change)
+    : ModalBeam(*others.front()) {
+  const auto interpolate = [&](const auto& part) {
+    auto& to = part(*this);
+    to *= weights[0];
+    for (std::size_t j = 1; j < others.size(); ++j) to += weights[j] * part(*others[j]);
+  };
+  omega_ = weights[0] * omega_.cwiseAbs2();
+  for (std::size_t j = 1; j < others.size(); ++j)
+    omega_ += weights[j] * others[j]->omega_.cwiseAbs2();
+  omega_ = omega_.cwiseMax(0.0).cwiseSqrt();
+  for (const auto vector :
+       {&ModalBeam::struck_, &ModalBeam::rigid_, &ModalBeam::hinge_, &ModalBeam::frame_})
+    interpolate([&](auto& beam) -> auto& { return beam.*vector; });
+  for (const auto matrix : {&ModalBeam::rows_, &ModalBeam::weight_})
+    interpolate([&](auto& beam) -> auto& { return beam.*matrix; });
+  interpolate([](auto& beam) -> auto& { return beam.stations_.slopes; });
+  interpolate([](auto& beam) -> auto& { return beam.stations_.weight; });
+  scale(change.stiffness, change.mass);
+  find_damping();
+}
+
+/// In the modes so far the elastic part stays, the weight becomes so many times what it is, and a
+/// spring is added.
+void ModalBeam::hang(double weight, double spring) {
+  const Eigen::MatrixXd& whole = whole_weight();
+  Eigen::MatrixXd coupled = (weight - 1.0) * whole + spring * hinge_ * hinge_.transpose();
+  coupled.diagonal() += omega_.cwiseAbs2();
   Eigen::MatrixXd basis = Eigen::MatrixXd::Identity(modes(), modes());
   diagonalise(coupled, basis);
   omega_ = coupled.diagonal().cwiseMax(0.0).cwiseSqrt();
-  weight_ = basis.transpose() * weight * basis;
-  rows_ = basis.transpose() * rows_ / root;
-  stations_.slopes = stations_.slopes * basis / root;
+  weight_ = weight * (basis.transpose() * whole * basis);
+  rows_ = basis.transpose() * rows_;
+  stations_.slopes = stations_.slopes * basis;
+  stations_.weight *= weight;
+  struck_ = basis.transpose() * struck_;
+  if (frame_.size() > 0) frame_ = basis.transpose() * frame_;
+  for (Eigen::VectorXd& row : further_) row = basis.transpose() * row;
+  hinge_ = basis.transpose() * hinge_;
+  rigid_ = basis.transpose() * rigid_;
+  spring_ = spring;
+}
+
+/// A bar with all its moduli and its spring, and all its masses, times these, under a weight a mass
+/// that grows with the moduli.
+void ModalBeam::scale(double stiffness, double mass) {
+  const double square = stiffness / mass;
+  const double root = std::sqrt(mass);
+  omega_ *= std::sqrt(square);
+  weight_ *= square;
+  spring_ *= stiffness;
+  elastic_compliance_ /= stiffness;
+  rows_ /= root;
+  struck_ /= root;
+  frame_ /= root;
+  for (Eigen::VectorXd& row : further_) row /= root;
+  hinge_ /= root;
+  rigid_ *= root;
+  stations_.slopes /= root;
+  stations_.mass *= mass;
+  for (Stations::Lump& lump : stations_.lumps) lump.mass *= mass;
+  stations_.bending *= stiffness;
+  stations_.weight *= stiffness;
+  stations_.stretch /= stiffness;
+  stations_.axial /= root;
+  stations_.axial_squares *= square;
+  axial_ *= stiffness;
+  most_stretching_ /= stiffness;
   uneven_ = std::make_shared<Late>();
   whole_weight_ = std::make_shared<Late>();
-  axial_ *= change.stiffness;
-  most_stretching_ /= change.stiffness;
-  struck_ = basis.transpose() * struck_ / root;
-  if (frame_.size() > 0) frame_ = basis.transpose() * frame_ / root;
-  for (Eigen::VectorXd& row : further_) row = basis.transpose() * row / root;
-  hinge_ = basis.transpose() * hinge_ / root;
-  rigid_ = root * (basis.transpose() * rigid_);
-  viscous_.hinge = change.viscous;
-  find_damping();
 }
 
 /// The rigid rotation is taken out first: its only stiffness is that of weight and spring, which a

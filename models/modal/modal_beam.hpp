@@ -2,8 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "models/beams/beam_dynamics.hpp"
@@ -18,17 +20,30 @@ class ModalBeam {
  public:
   ModalBeam(const SmallMotionBeam& beam, const Rig& rig);
 
-  /// How a bar differs from one of the same length, struck point, mesh and weight a mass.
+  /// How a bar differs from one of the same length, struck point and mesh.
   struct Change {
     double stiffness = 1.0;  ///< its E I over the other's
     double mass = 1.0;       ///< its ρ A over the other's, and every lumped mass likewise
+    double weight = 1.0;     ///< its weight a mass over the other's
     double spring = 0.0;     ///< of its hinge [N m/rad]
     double viscous = 0.0;    ///< likewise [N m s/rad]
+
+    /// In the bar's own time: what it is in the other's takes so many times as long.
+    double time() const { return std::sqrt(mass / stiffness); }
+
+    /// How heavy it is for its stiffness, against the other: but for length, time and mass all that
+    /// tells two bars without springs and dampers apart.
+    double heaviness() const { return weight * mass / stiffness; }
   };
 
   /// The modes of such a bar from those of one without a spring: they are nearly the same, only
   /// weight and spring bend them differently.
   ModalBeam(const ModalBeam& other, const Change& change);
+
+  /// The modes of a bar without spring and damper between others that differ in weight alone, by
+  /// the weights of an interpolation in that, and then changed in stiffness and mass.
+  ModalBeam(std::span<const ModalBeam* const> others, std::span<const double> weights,
+            const Change& change);
 
   int modes() const { return static_cast<int>(omega_.size()); }
 
@@ -167,6 +182,8 @@ class ModalBeam {
     Eigen::MatrixXd matrix;
   };
 
+  void hang(double weight, double spring);
+  void scale(double stiffness, double mass);
   void solve(const SmallMotion& motion);
   void take(BarModes modes);
   void find_damping();

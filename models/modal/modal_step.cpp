@@ -63,9 +63,12 @@ ModesOverStep modes_over(const ModalBeam& beam, const Collocation& rule, double 
 /// How a point moves under a force, as series over the step and, of what starts early, at the
 /// nodes.
 struct Kernels {
+  using Series = Eigen::Matrix<double, Eigen::Dynamic, 2, 0, most_terms, 2>;
+  using AtNodes = Eigen::Matrix<double, Eigen::Dynamic, 2, 0, most_nodes * most_nodes, 2>;
+
   Kernels(int terms, int nodes)
       : blocks((terms + Collocation::block_size - 1) / Collocation::block_size),
-        series(Eigen::MatrixX2d::Zero(blocks * Collocation::block_size, 2)),
+        series(Series::Zero(blocks * Collocation::block_size, 2)),
         early_displacement(NodeMatrix::Zero(nodes, nodes)),
         early_velocity(early_displacement) {}
 
@@ -79,7 +82,7 @@ struct Kernels {
   /// By the convolution of the kernels with the nodes' polynomials.
   void respond_to_force(const Collocation& rule, double h, BarMotion::Response& response) const {
     const int s = rule.nodes();
-    Eigen::MatrixX2d at_nodes = Eigen::MatrixX2d::Zero(s * s, 2);
+    AtNodes at_nodes = AtNodes::Zero(s * s, 2);
     for (int b = 0; b < blocks; ++b)
       for (int c = 0; c < 2; ++c)
         at_nodes.col(c).noalias() +=
@@ -96,15 +99,9 @@ struct Kernels {
   }
 
   int blocks;
-  Eigen::MatrixX2d series;
+  Series series;
   NodeMatrix early_displacement, early_velocity;
 };
-
-template <typename Rows>
-void write_rows(Rows& rows, ModesOverStep& modes) {
-  modes.of_a = rows.of_a.data();
-  modes.of_rate = rows.of_rate.data();
-}
 
 void respond(const ModesOverStep& modes) {
   modes.damping ? step_damped_modes(modes) : step_modes(modes);
@@ -118,67 +115,158 @@ double ModalStep::longest(const ModalBeam& beam) {
 }
 
 ModalStep::ModalStep(const ModalBeam& beam, const Collocation& rule, double h)
-    : h_(h),
-      a_of_a_(beam.modes()),
-      a_of_rate_(beam.modes()),
-      rate_of_a_(beam.modes()),
-      rate_of_rate_(beam.modes()),
-      a_of_force_(beam.modes(), rule.nodes()),
-      rate_of_force_(beam.modes(), rule.nodes()) {
+    : ModalStep(h, beam.modes(), rule.nodes()) {
   const double phase = h * fastest_in_series(beam, h);
   if (phase > longest_phase * (1.0 + slack))
     throw std::logic_error("ModalStep: the step is too long for the highest mode");
   const int s = rule.nodes();
-  response_.of_a.resize(2 * s, beam.modes());
-  response_.of_rate.resize(2 * s, beam.modes());
   const int terms = std::max(terms_needed(phase), s);
   Kernels kernels(terms, s);
   ModesOverStep modes = modes_over(beam, rule, h, 0, 0);
-  write_rows(response_, modes);
-  modes.a_of_force = a_of_force_.data();
-  modes.rate_of_force = rate_of_force_.data();
-  modes.a_of_a = a_of_a_.data();
-  modes.a_of_rate = a_of_rate_.data();
-  modes.rate_of_a = rate_of_a_.data();
-  modes.rate_of_rate = rate_of_rate_.data();
+  modes.of_a = at(Part::of_a);
+  modes.of_rate = at(Part::of_rate);
+  modes.a_of_force = at(Part::a_of_force);
+  modes.rate_of_force = at(Part::rate_of_force);
+  modes.a_of_a = at(Part::a_of_a);
+  modes.a_of_rate = at(Part::a_of_rate);
+  modes.rate_of_a = at(Part::rate_of_a);
+  modes.rate_of_rate = at(Part::rate_of_rate);
   modes.terms = terms;
   kernels.write_to(modes);
   respond(modes);
-  of_unit_force_ = {a_of_force_.rowwise().sum(), rate_of_force_.rowwise().sum()};
-  kernels.respond_to_force(rule, h, response_.of_force);
+  Eigen::Map<Eigen::VectorXd>(at(Part::a_of_unit_force), modes_) =
+      Rows(at(Part::a_of_force), modes_, nodes_).rowwise().sum();
+  Eigen::Map<Eigen::VectorXd>(at(Part::rate_of_unit_force), modes_) =
+      Rows(at(Part::rate_of_force), modes_, nodes_).rowwise().sum();
+  kernels.respond_to_force(rule, h, response_);
   if (beam.stops() > 1) respond_further(beam, rule, terms);
 }
 
-ModalStep ModalStep::sum(std::span<const ModalStep> steps, std::span<const double> weights) {
-  ModalStep total = steps.front();
-  const auto combine = [&](const auto& part) {
-    auto& to = part(total);
-    to.setZero();
-    for (std::size_t j = 0; j < steps.size(); ++j)
-      if (weights[j] != 0.0) to += weights[j] * part(steps[j]);
+ModalStep::ModalStep(double h, Eigen::Index modes, Eigen::Index nodes)
+    : h_(h),
+      modes_(modes),
+      nodes_(nodes),
+      numbers_(place(Part::end, modes, nodes)) {
+  response_.displacement_of_force.resize(nodes, nodes);
+  response_.velocity_of_force.resize(nodes, nodes);
+}
+
+Eigen::Index ModalStep::place(Part part, Eigen::Index modes, Eigen::Index nodes) {
+  const auto number = static_cast<Eigen::Index>(part);
+  const auto of_force = static_cast<Eigen::Index>(Part::a_of_force);
+  const auto of_state = static_cast<Eigen::Index>(Part::of_a);
+  if (number <= of_force) return number * modes;
+  if (number <= of_state) return (of_force + (number - of_force) * nodes) * modes;
+  return (of_force + (of_state - of_force) * nodes + (number - of_state) * 2 * nodes) * modes;
+}
+
+ModalStep::Scale::Scale(int modes, int nodes, double time, double mass)
+    : time_(time),
+      of_numbers_(place(Part::end, modes, nodes)),
+      of_displacement_(NodeMatrix::Constant(nodes, nodes, time * time / mass)),
+      of_velocity_(NodeMatrix::Constant(nodes, nodes, time / mass)) {
+  const double root = std::sqrt(mass);
+  const auto set = [&](Part first, Part last, double factor) {
+    const Eigen::Index begin = place(first, modes, nodes);
+    of_numbers_.segment(begin, place(last, modes, nodes) - begin).setConstant(factor);
   };
-  combine([](auto& step) -> auto& { return step.a_of_a_; });
-  combine([](auto& step) -> auto& { return step.a_of_rate_; });
-  combine([](auto& step) -> auto& { return step.rate_of_a_; });
-  combine([](auto& step) -> auto& { return step.rate_of_rate_; });
-  combine([](auto& step) -> auto& { return step.a_of_force_; });
-  combine([](auto& step) -> auto& { return step.rate_of_force_; });
-  combine([](auto& step) -> auto& { return step.of_unit_force_.a; });
-  combine([](auto& step) -> auto& { return step.of_unit_force_.rate; });
-  combine([](auto& step) -> auto& { return step.response_.of_a; });
-  combine([](auto& step) -> auto& { return step.response_.of_rate; });
-  combine([](auto& step) -> auto& { return step.response_.of_force.displacement_of_force; });
-  combine([](auto& step) -> auto& { return step.response_.of_force.velocity_of_force; });
-  total.response_.of_force.set_most();
+  const auto set_rows = [&](Part part, double of_displacement, double of_velocity) {
+    Eigen::Map<Eigen::MatrixXd> rows(of_numbers_.data() + place(part, modes, nodes), 2 * nodes,
+                                     modes);
+    rows.topRows(nodes).setConstant(of_displacement);
+    rows.bottomRows(nodes).setConstant(of_velocity);
+  };
+  set(Part::a_of_a, Part::a_of_rate, 1.0);
+  set(Part::a_of_rate, Part::rate_of_a, time);
+  set(Part::rate_of_a, Part::rate_of_rate, 1.0 / time);
+  set(Part::rate_of_rate, Part::a_of_unit_force, 1.0);
+  set(Part::a_of_unit_force, Part::rate_of_unit_force, time * time / root);
+  set(Part::rate_of_unit_force, Part::a_of_force, time / root);
+  set(Part::a_of_force, Part::rate_of_force, time * time / root);
+  set(Part::rate_of_force, Part::of_a, time / root);
+  set_rows(Part::of_a, 1.0 / root, 1.0 / (root * time));
+  set_rows(Part::of_rate, time / root, 1.0 / root);
+}
+
+ModalStep ModalStep::sum(std::span<const ModalStep* const> steps, std::span<const double> weights,
+                         double h, const Scale* scale) {
+  const ModalStep& first = *steps.front();
+  ModalStep total(h, first.modes_, first.nodes_);
+  total.further_ = first.further_;
+  total.of_force_ = first.of_force_;
+  std::vector<const double*> arrays(steps.size());
+  const auto combine = [&](const auto& part, const double* factors) {
+    for (std::size_t j = 0; j < steps.size(); ++j) arrays[j] = part(*steps[j]).data();
+    auto& to = part(total);
+    find_sum({.count = static_cast<int>(to.size()),
+              .terms = static_cast<int>(steps.size()),
+              .arrays = arrays.data(),
+              .weights = weights.data(),
+              .factors = factors,
+              .sum = to.data()});
+  };
+  combine(
+      [](auto& step) -> auto& { return step.numbers_; },
+      scale ? scale->of_numbers_.data() : nullptr);
+  combine(
+      [](auto& step) -> auto& { return step.response_.displacement_of_force; },
+      scale ? scale->of_displacement_.data() : nullptr);
+  combine(
+      [](auto& step) -> auto& { return step.response_.velocity_of_force; },
+      scale ? scale->of_velocity_.data() : nullptr);
+  total.response_.set_most();
   for (std::size_t k = 0; k < total.further_.size(); ++k)
     for (const auto matrix :
          {&Further::of_a, &Further::of_rate, &Further::a_of_force, &Further::rate_of_force})
-      combine([&](auto& step) -> auto& { return step.further_[k].*matrix; });
+      combine(
+          [&](auto& step) -> auto& { return step.further_[k].*matrix; }, nullptr);
   for (std::size_t k = 0; k < total.of_force_.size(); ++k) {
-    combine([&](auto& step) -> auto& { return step.of_force_[k].displacement_of_force; });
-    combine([&](auto& step) -> auto& { return step.of_force_[k].velocity_of_force; });
+    combine(
+        [&](auto& step) -> auto& { return step.of_force_[k].displacement_of_force; }, nullptr);
+    combine(
+        [&](auto& step) -> auto& { return step.of_force_[k].velocity_of_force; }, nullptr);
   }
   return total;
+}
+
+/// A mode moves by its rate for a time h or, where it vibrates faster, for 1/ω.
+double ModalStep::distance(const ModalStep& other, const ModalBeam& beam) const {
+  const Eigen::ArrayXd squares = beam.omega().array().square();
+  const Eigen::ArrayXd time = (1.0 + squares * h_ * h_).rsqrt() * h_;
+  const double struck = beam.struck().cwiseAbs().maxCoeff();
+  double most = 0.0;
+  const auto compare = [&](Part part, Eigen::Index rows, Eigen::Index first, Eigen::Index count,
+                           const Eigen::ArrayXd& scale) {
+    const Rows here(at(part), rows, modes_), there(other.at(part), rows, modes_);
+    const auto apart = (here - there).middleRows(first, count).cwiseAbs().colwise().maxCoeff();
+    most = std::max(most, (apart.transpose().array() / scale).maxCoeff());
+  };
+  const Eigen::ArrayXd one = Eigen::ArrayXd::Ones(modes_);
+  compare(Part::a_of_a, 1, 0, 1, one);
+  compare(Part::a_of_rate, 1, 0, 1, time);
+  compare(Part::rate_of_a, 1, 0, 1, (squares * time).max(1e-300));
+  compare(Part::rate_of_rate, 1, 0, 1, one);
+  compare(Part::of_a, 2 * nodes_, 0, nodes_, struck * one);
+  compare(Part::of_a, 2 * nodes_, nodes_, nodes_, struck * (squares * time).max(1e-300));
+  compare(Part::of_rate, 2 * nodes_, 0, nodes_, struck * time);
+  compare(Part::of_rate, 2 * nodes_, nodes_, nodes_, struck * one);
+  const auto compare_answers = [&](Part part, const Eigen::ArrayXd& scale) {
+    const Rows here(at(part), modes_, nodes_), there(other.at(part), modes_, nodes_);
+    const auto apart = (here - there).cwiseAbs().rowwise().maxCoeff();
+    most = std::max(most, (apart.array() / scale).maxCoeff());
+  };
+  compare_answers(Part::a_of_force, struck * h_ * time);
+  compare_answers(Part::rate_of_force, struck * time);
+  const auto apart = [](const NodeMatrix& here, const NodeMatrix& there) {
+    return (here - there).cwiseAbs().maxCoeff();
+  };
+  const BarMotion::Response& answer = other.response_;
+  most = std::max(
+      {most,
+       apart(response_.displacement_of_force, answer.displacement_of_force) /
+           answer.most_displacement,
+       apart(response_.velocity_of_force, answer.velocity_of_force) / answer.most_velocity});
+  return most;
 }
 
 /// The points before further stops; what two points do to each other they do both ways.
@@ -193,7 +281,8 @@ void ModalStep::respond_further(const ModalBeam& beam, const Collocation& rule, 
     for (int point = 0; point <= stop; ++point) {
       Kernels kernels(terms, s);
       ModesOverStep modes = modes_over(beam, rule, h_, stop, point);
-      write_rows(further, modes);
+      modes.of_a = further.of_a.data();
+      modes.of_rate = further.of_rate.data();
       modes.a_of_force = further.a_of_force.data();
       modes.rate_of_force = further.rate_of_force.data();
       modes.a_of_a = modes.a_of_rate = modes.rate_of_a = modes.rate_of_rate = swing.data();
@@ -210,34 +299,28 @@ void ModalStep::respond_further(const ModalBeam& beam, const Collocation& rule, 
 
 void ModalStep::coast(int stop, const ModalState& from, NodeVector& displacement,
                       NodeVector& velocity) const {
-  const auto coast_by = [&](const auto& rows) {
-    std::array<double, 2 * most_nodes> motion;
-    const Eigen::Index s = rows.of_a.rows() / 2;
-    find_at_nodes({.modes = static_cast<int>(rows.of_a.cols()),
-                   .rows = static_cast<int>(2 * s),
-                   .of_a = rows.of_a.data(),
-                   .of_rate = rows.of_rate.data(),
-                   .a = from.a.data(),
-                   .rate = from.rate.data(),
-                   .motion = motion.data()});
-    displacement = Eigen::Map<const Eigen::VectorXd>(motion.data(), s);
-    velocity = Eigen::Map<const Eigen::VectorXd>(motion.data() + s, s);
-  };
-  if (stop == 0)
-    coast_by(response_);
-  else
-    coast_by(further_[static_cast<std::size_t>(stop - 1)]);
+  const Further* further = stop == 0 ? nullptr : &further_[static_cast<std::size_t>(stop - 1)];
+  std::array<double, 2 * most_nodes> motion;
+  find_at_nodes({.modes = static_cast<int>(modes_),
+                 .rows = static_cast<int>(2 * nodes_),
+                 .of_a = further ? further->of_a.data() : at(Part::of_a),
+                 .of_rate = further ? further->of_rate.data() : at(Part::of_rate),
+                 .a = from.a.data(),
+                 .rate = from.rate.data(),
+                 .motion = motion.data()});
+  displacement = Eigen::Map<const Eigen::VectorXd>(motion.data(), nodes_);
+  velocity = Eigen::Map<const Eigen::VectorXd>(motion.data() + nodes_, nodes_);
 }
 
 void ModalStep::move(const ModalState& from, const double* force, ModalState& to) const {
-  find_at_end({.modes = static_cast<int>(a_of_force_.rows()),
-               .nodes = static_cast<int>(a_of_force_.cols()),
-               .a_of_a = a_of_a_.data(),
-               .a_of_rate = a_of_rate_.data(),
-               .rate_of_a = rate_of_a_.data(),
-               .rate_of_rate = rate_of_rate_.data(),
-               .a_of_force = a_of_force_.data(),
-               .rate_of_force = rate_of_force_.data(),
+  find_at_end({.modes = static_cast<int>(modes_),
+               .nodes = static_cast<int>(nodes_),
+               .a_of_a = at(Part::a_of_a),
+               .a_of_rate = at(Part::a_of_rate),
+               .rate_of_a = at(Part::rate_of_a),
+               .rate_of_rate = at(Part::rate_of_rate),
+               .a_of_force = at(Part::a_of_force),
+               .rate_of_force = at(Part::rate_of_force),
                .a = from.a.data(),
                .rate = from.rate.data(),
                .force = force,

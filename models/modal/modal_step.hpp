@@ -23,30 +23,47 @@ struct ModalState {
 /// convolution with a polynomial is known as well.
 class ModalStep {
  public:
-  /// The struck point at the nodes, under the state at the step's beginning and under the force's
-  /// values at the nodes.
-  struct Response {
-    Eigen::MatrixXd of_a, of_rate;  // displacements, then velocities (2 s, m)
-    BarMotion::Response of_force;
-  };
+  using Rows = Eigen::Map<const Eigen::MatrixXd>;
 
   /// Throws std::logic_error when the kernels' series cannot be held, which they can where h is
   /// longer than longest() by no more than a hundredth.
   ModalStep(const ModalBeam& beam, const Collocation& rule, double h);
 
-  /// Steps of as many modes, nodes and stops: what each does, weighted and summed.
-  static ModalStep sum(std::span<const ModalStep> steps, std::span<const double> weights);
+  /// What a step becomes, free of damping and with a single stop, on a bar where everything takes
+  /// `time` times as long, and that has `mass` times the mass.
+  class Scale {
+   public:
+    Scale(int modes, int nodes, double time, double mass);
+
+    double time() const { return time_; }
+
+   private:
+    friend class ModalStep;
+
+    double time_;
+    Eigen::VectorXd of_numbers_;                // of ModalStep's
+    NodeMatrix of_displacement_, of_velocity_;  // of its response
+  };
+
+  /// Steps of as many modes, nodes and stops: what each does, weighted and summed, as a step of
+  /// length h [s]; then scaled.
+  static ModalStep sum(std::span<const ModalStep* const> steps, std::span<const double> weights,
+                       double h, const Scale* scale = nullptr);
 
   /// The longest step whose kernels' series can be held [s]; infinite without vibration.
   static double longest(const ModalBeam& beam);
 
   double h() const { return h_; }
 
-  const Response& response() const { return response_; }
+  /// The struck point at the nodes under the state at the step's beginning: displacements, then
+  /// velocities (2 s, m).
+  Rows of_a() const { return {at(Part::of_a), 2 * nodes_, modes_}; }
 
-  /// Of the point before a stop to the force of a stop.
+  Rows of_rate() const { return {at(Part::of_rate), 2 * nodes_, modes_}; }
+
+  /// Of the point before a stop to the force of a stop, by its values at the nodes.
   const BarMotion::Response& response(int point, int stop) const {
-    return point == 0 && stop == 0 ? response_.of_force
+    return point == 0 && stop == 0 ? response_
                                    : of_force_[static_cast<std::size_t>(point * stops() + stop)];
   }
 
@@ -62,17 +79,50 @@ class ModalStep {
   void advance(const ModalState& from, std::span<const NodeVector> forces, ModalState& to) const;
 
   /// The state at the step's end after rest, under a force of 1 N of the first stop all the time.
-  const ModalState& of_unit_force() const { return of_unit_force_; }
+  Eigen::Map<const Eigen::VectorXd> a_of_unit_force() const {
+    return {at(Part::a_of_unit_force), modes_};
+  }
+
+  Eigen::Map<const Eigen::VectorXd> rate_of_unit_force() const {
+    return {at(Part::rate_of_unit_force), modes_};
+  }
 
   /// What the force of a further stop adds to it.
   void add(int stop, const NodeVector& force, ModalState& to) const;
 
+  /// How far it is from another step of the same bar, as a part of what the modes' answers can be;
+  /// with a single stop.
+  double distance(const ModalStep& other, const ModalBeam& beam) const;
+
  private:
+  /// Where among the numbers what belongs to the first stop begins.
+  enum class Part {
+    a_of_a,  // the state at the end (m)
+    a_of_rate,
+    rate_of_a,
+    rate_of_rate,
+    a_of_unit_force,
+    rate_of_unit_force,
+    a_of_force,  // by the force's values at the nodes (m, s)
+    rate_of_force,
+    of_a,  // (2 s, m)
+    of_rate,
+    end
+  };
+
   /// What belongs to the point before a further stop.
   struct Further {
-    Eigen::MatrixXd of_a, of_rate;              // as of Response
+    Eigen::MatrixXd of_a, of_rate;              // as of the first
     Eigen::MatrixXd a_of_force, rate_of_force;  // (m, s)
   };
+
+  ModalStep(double h, Eigen::Index modes, Eigen::Index nodes);
+
+  static Eigen::Index place(Part part, Eigen::Index modes, Eigen::Index nodes);
+
+  const double* at(Part part) const { return numbers_.data() + place(part, modes_, nodes_); }
+
+  double* at(Part part) { return numbers_.data() + place(part, modes_, nodes_); }
 
   void move(const ModalState& from, const double* force, ModalState& to) const;
 
@@ -81,10 +131,9 @@ class ModalStep {
   void respond_further(const ModalBeam& beam, const Collocation& rule, int terms);
 
   double h_;
-  Eigen::ArrayXd a_of_a_, a_of_rate_, rate_of_a_, rate_of_rate_;
-  Eigen::MatrixXd a_of_force_, rate_of_force_;  // (m, s)
-  ModalState of_unit_force_;
-  Response response_;
+  Eigen::Index modes_, nodes_;
+  Eigen::VectorXd numbers_;  // Part by Part: a step is made in one piece
+  BarMotion::Response response_;
   std::vector<Further> further_;
   std::vector<BarMotion::Response> of_force_;  // point by point; empty where there is one stop
 };

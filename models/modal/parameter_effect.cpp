@@ -178,7 +178,9 @@ const ModalStep& ParameterEffect::step(double h) {
     steps.emplace_back(moved_[place], rule_, h);
     weights.push_back(by().stencil().weights[place] / spacing_);
   }
-  return steps_.emplace(h, ModalStep::sum(steps, weights)).first->second;
+  std::vector<const ModalStep*> places;
+  for (const ModalStep& step : steps) places.push_back(&step);
+  return steps_.emplace(h, ModalStep::sum(places, weights, h)).first->second;
 }
 
 void ParameterEffect::add_advance(double h, std::span<const NodeVector> series,

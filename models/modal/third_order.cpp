@@ -233,14 +233,17 @@ void ThirdOrder::answer(const ModalStep& step, double part, double contact_force
   const double damping = 0.5 * (contact_.to_rate + contact.to_rate);
   contact_ = contact;
   if (part < 1.0) advance(beam_, h, NodeVector::Ones(1), rest_, answer_);
-  const ModalState& answer = part < 1.0 ? answer_ : step.of_unit_force();
+  using Modes = Eigen::Map<const Eigen::VectorXd>;
+  const bool whole = part >= 1.0;
+  const Modes a = whole ? step.a_of_unit_force() : Modes(answer_.a.data(), answer_.a.size());
+  const Modes rate = whole ? step.rate_of_unit_force() : Modes(answer_.rate.data(), a.size());
   const Eigen::VectorXd& row = beam_.struck();
   const double way = 0.5 * row.dot(missing_.a + end_.a),
                speed = 0.5 * row.dot(missing_.rate + end_.rate);
-  const double gives = -0.5 * (stiffness * row.dot(answer.a) + damping * row.dot(answer.rate));
+  const double gives = -0.5 * (stiffness * row.dot(a) + damping * row.dot(rate));
   const double force = (stiffness * way + damping * speed) / (1.0 + std::max(gives, 0.0));
-  end_.a += force * answer.a;
-  end_.rate += force * answer.rate;
+  end_.a += force * a;
+  end_.rate += force * rate;
   impulse_ += contact_force * h;
   missing_impulse_ += force * h;
   if (contact_force < largest_) return;

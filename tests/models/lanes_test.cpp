@@ -312,51 +312,5 @@ TEST(StageLanes, FindTheResidualOnEveryProcessor) {
   }
 }
 
-// Weight and spring bend the modes of every bar differently: what follows from another's modes is
-// what the bar itself has.
-TEST(BarFamily, GivesTheModesOfEachBar) {
-  for (const Solver& solver : {hybrid(Basis::pinned_free, 12, 1e-6, 1e-3),
-                               hybrid(Basis::cantilever, 7, 1e-6, 1e-3), ancf(7, 1, 1e-6, 1e-3)})
-    for (const double spring : {0.0, 2000.0}) {
-      Rig rig = paper_rig();
-      rig.gravity = 9.81;
-      rig.beam.youngs_modulus *= 0.03;  // weight tells
-      rig.beam.density *= 1.7;
-      rig.beam.area *= 0.8;
-      rig.hinge.spring = spring;
-      const auto itself = make_modal_bar(rig, solver);
-      const auto derived = BarFamily(*BarFamily::representative(rig), solver).bar(rig);
-      const ModalBeam& a = itself->modes();
-      const ModalBeam& b = derived->modes();
-      ASSERT_EQ(a.modes(), b.modes());
-      EXPECT_NEAR(b.elastic_compliance() / a.elastic_compliance(), 1.0, 1e-13);
-      for (int k = 0; k < a.modes(); ++k) {
-        EXPECT_NEAR(b.omega()[k] / a.omega()[k], 1.0, 1e-10) << k;
-        EXPECT_NEAR(std::abs(b.struck()[k] / a.struck()[k]), 1.0, 1e-9) << k;
-        EXPECT_NEAR(std::abs(b.rigid()[k]), std::abs(a.rigid()[k]), 1e-9 * a.rigid().norm()) << k;
-        EXPECT_NEAR(std::abs(b.point(0.3)[k]), std::abs(a.point(0.3)[k]),
-                    1e-9 * a.point(0.3).norm())
-            << k;
-      }
-      const Eigen::VectorXd turned = 0.01 * b.rigid();
-      const Eigen::VectorXd also = 0.01 * a.rigid();
-      const double weight = a.energy(also, also).gravitational;
-      EXPECT_NEAR(b.energy(turned, turned).gravitational / weight, 1.0, 1e-9);
-      EXPECT_NEAR(b.energy(turned, turned).spring, a.energy(also, also).spring, 1e-9 * weight);
-      const auto shortening = [](const ModalBeam& beam, const Eigen::VectorXd& state) {
-        ModalBeam::StationSlopes slopes;
-        beam.find_slopes(state, state, slopes);
-        return beam.shortening_energy(slopes);
-      };
-      EXPECT_NEAR(shortening(b, turned) / shortening(a, also), 1.0, 1e-9);
-    }
-}
-
-TEST(BarFamily, HasNoBarsWithFurtherMasses) {
-  Rig rig = paper_rig();
-  rig.beam.masses = {{.position = 0.4, .mass = 0.1}};
-  EXPECT_FALSE(BarFamily::representative(rig));
-}
-
 }  // namespace
 }  // namespace impactrig::tests

@@ -264,16 +264,16 @@ TEST_P(OneMode, AnswersAPolynomialForceAsDuhamelsIntegral) {
   const double rate = free_rate(h) - r * duhamel(omega, damping, h, h, series, true);
   EXPECT_NEAR(to.rate[0], rate, 1e-11 * most / h);
   EXPECT_NEAR(again.rate[0], rate, 1e-11 * most / h);
-  const ModalStep::Response& response = step.response();
+  const BarMotion::Response& response = step.response(0, 0);
   NodeVector displacement, velocity;
   step.coast(0, from, displacement, velocity);
-  displacement += response.of_force.displacement_of_force * force;
+  displacement += response.displacement_of_force * force;
   for (int i = 0; i < 8; ++i) {
     const double t = h * rule.points()[i];
     EXPECT_NEAR(displacement[i], r * (free(t) - r * duhamel(omega, damping, h, t, series, false)),
                 1e-12 * std::abs(r) * most);
     EXPECT_NEAR(velocity[i], r * free_rate(t), 1e-11 * std::abs(r) * most / h);
-    EXPECT_NEAR(response.of_force.velocity_of_force.row(i).dot(force),
+    EXPECT_NEAR(response.velocity_of_force.row(i).dot(force),
                 -r * r * duhamel(omega, damping, h, t, series, true),
                 1e-11 * std::abs(r) * most / h);
   }

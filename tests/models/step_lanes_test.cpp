@@ -97,6 +97,30 @@ TEST_P(StepMaps, FindTheModesAtTheEnd) {
     }
 }
 
+TEST_P(StepMaps, FindASumOfArrays) {
+  for (const int terms : {1, 2, 4}) {
+    const Eigen::MatrixXd arrays = random_matrix(s * m, terms, 10);
+    const Eigen::VectorXd weights = random_matrix(terms, 1, 11),
+                          factors = random_matrix(s * m, 1, 12);
+    std::vector<const double*> columns;
+    for (int j = 0; j < terms; ++j) columns.push_back(arrays.col(j).data());
+    for (const auto find : runnable(find_sum_by<2>, find_sum_avx2, find_sum_avx512))
+      for (const bool scaled : {false, true}) {
+        Eigen::VectorXd sum = Eigen::VectorXd::Constant(s * m + 8, 7.0);
+        find({.count = s * m,
+              .terms = terms,
+              .arrays = columns.data(),
+              .weights = weights.data(),
+              .factors = scaled ? factors.data() : nullptr,
+              .sum = sum.data()});
+        Eigen::VectorXd expected = arrays * weights;
+        if (scaled) expected = expected.cwiseProduct(factors);
+        EXPECT_LE((sum.head(s * m) - expected).norm(), 1e-15 * s * m);
+        EXPECT_TRUE((sum.tail(8).array() == 7.0).all());
+      }
+  }
+}
+
 TEST_P(StepMaps, FindASeriesAtTheNodes) {
   const NodeVector series = random_matrix(s, 1, 9);
   const Collocation& rule = Collocation::of(s);

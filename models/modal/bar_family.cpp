@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/modal/bar_family.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "models/modal/bar_cache.hpp"
+
+namespace impactrig::models {
+namespace {
+
+// Of the octaves of heaviness, how many ranges each is parted into.
+constexpr double ranges_of_octave = 2.0;
+// What is interpolated may differ by this much from what is solved: rounding alone makes up to a
+// few 1e-13 of the fastest mode's phase over the longest steps.
+constexpr double as_good_as_solved = 1e-12;
+
+/// The same for every number near by, so that a bar's family does not depend on who else is in it.
+double nearest_power_of_two(double x) {
+  return std::exp2(std::round(std::log2(x)));
+}
+
+/// What of the modes everything else follows from, relative to the largest of its kind.
+double distance(const ModalBeam& here, const ModalBeam& there) {
+  const auto apart = [](const auto& a, const auto& b) {
+    return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff();
+  };
+  const double of_frequency =
+      (here.omega() - there.omega()).cwiseQuotient(there.omega()).cwiseAbs().maxCoeff();
+  return std::max({of_frequency, apart(here.struck(), there.struck()),
+                   apart(here.rigid(), there.rigid()),
+                   apart(here.stations().slopes, there.stations().slopes)});
+}
+
+/// A bar whose modes and steps a table interpolates.
+class BarBetween : public ModalBar {
+ public:
+  BarBetween(std::shared_ptr<const BarTable> table, const BarTable::Weights& weights,
+             const ModalBeam::Change& change)
+      : ModalBar(table->bar(), table->modes(weights, change)),
+        table_(std::move(table)),
+        weights_(weights),
+        change_(change) {}
+
+ private:
+  ModalStep make_step(const Collocation& rule, int level) const override {
+    if (!table_->knows_step(rule, level)) return ModalBar::make_step(rule, level);
+    const auto [scale, added] = scales_.try_emplace(rule.nodes(), modes().modes(), rule.nodes(),
+                                                    change_.time(), change_.mass);
+    return table_->step(weights_, rule, level, &scale->second);
+  }
+
+  std::shared_ptr<const BarTable> table_;
+  BarTable::Weights weights_;
+  ModalBeam::Change change_;
+  mutable std::map<int, ModalStep::Scale> scales_;  // by nodes
+};
+
+}  // namespace
+
+int BarTable::number_of(double heaviness) {
+  return static_cast<int>(std::round(ranges_of_octave * std::log2(heaviness)));
+}
+
+double BarTable::middle_of(int number) {
+  return std::exp2(number / ranges_of_octave);
+}
+
+/// Chebyshev's points of the range: between the middle two of them interpolation errs most.
+BarTable::BarTable(std::shared_ptr<const ModalBar> bar, double heaviness)
+    : bar_(std::move(bar)),
+      middle_(middle_of(number_of(heaviness))) {
+  const double half_range = std::exp2(0.5 / ranges_of_octave) - 1.0;
+  for (std::size_t j = 0; j < size; ++j) {
+    const double angle = std::numbers::pi * (static_cast<double>(j) + 0.5) / size;
+    places_[j] = half_range * std::cos(angle);
+    bars_[j] = solved(middle_ * (1.0 + places_[j]));
+  }
+  between_ = solved(middle_);
+  const ModalBeam& there = between_->modes();
+  const bool vibrates = there.modes() > 1;
+  knows_modes_ = vibrates && distance(modes(weights(middle_), {}), there) < as_good_as_solved;
+}
+
+std::shared_ptr<const ModalBar> BarTable::solved(double heaviness) const {
+  return std::make_shared<const ModalBar>(bar_, ModalBeam::Change{.weight = heaviness});
+}
+
+/// Lagrange's.
+BarTable::Weights BarTable::weights(double heaviness) const {
+  const double place = heaviness / middle_ - 1.0;
+  Weights weights;
+  for (std::size_t j = 0; j < size; ++j) {
+    weights[j] = 1.0;
+    for (std::size_t k = 0; k < size; ++k)
+      if (k != j) weights[j] *= (place - places_[k]) / (places_[j] - places_[k]);
+  }
+  return weights;
+}
+
+ModalBeam BarTable::modes(const Weights& weights, const ModalBeam::Change& change) const {
+  std::array<const ModalBeam*, size> beams;
+  for (std::size_t j = 0; j < size; ++j) beams[j] = &bars_[j]->modes();
+  return ModalBeam(beams, weights, change);
+}
+
+ModalStep BarTable::step(const Weights& weights, const Collocation& rule, int level,
+                         const ModalStep::Scale* scale) const {
+  std::array<const ModalStep*, size> steps;
+  double h = 0.0;  // in the family's time
+  for (std::size_t j = 0; j < size; ++j) {
+    steps[j] = &bars_[j]->step(rule, level);
+    h += weights[j] * steps[j]->h();
+  }
+  return ModalStep::sum(steps, weights, scale ? scale->time() * h : h, scale);
+}
+
+bool BarTable::knows_step(const Collocation& rule, int level) const {
+  const std::lock_guard lock(mutex_);
+  const auto [place, added] = known_steps_.try_emplace({rule.nodes(), level}, false);
+  if (added)
+    place->second =
+        between_->step(rule, level)
+            .distance(step(weights(middle_), rule, level), between_->modes()) < as_good_as_solved;
+  return place->second;
+}
+
+std::optional<Rig> BarFamily::representative(const Rig& rig) {
+  if (!rig.beam.masses.empty() || !rig.beam.segments.empty() || rig.beam.shears())
+    return std::nullopt;
+  Rig other = rig;
+  for (double Beam::*value :
+       {&Beam::area, &Beam::second_moment, &Beam::youngs_modulus, &Beam::density})
+    other.beam.*value = nearest_power_of_two(rig.beam.*value);
+  other.hinge.spring = other.hinge.viscous = 0.0;
+  return other;
+}
+
+BarFamily::BarFamily(const Rig& representative, const Solver& solver)
+    : beam_(representative.beam),
+      bar_(make_modal_bar(representative, solver)) {}
+
+std::shared_ptr<const ModalBar> BarFamily::bar(const Rig& rig) const {
+  const Beam& beam = rig.beam;
+  const ModalBeam::Change change{.stiffness = beam.youngs_modulus * beam.second_moment /
+                                              (beam_.youngs_modulus * beam_.second_moment),
+                                 .mass = beam.density * beam.area / (beam_.density * beam_.area),
+                                 .spring = rig.hinge.spring,
+                                 .viscous = rig.hinge.viscous};
+  const bool free = change.spring == 0.0 && change.viscous == 0.0 && !bar_->modes().damped();
+  if (free && bar_->modes().stops() == 1) {
+    const std::shared_ptr<const BarTable> table = this->table(change.heaviness());
+    if (table->knows_modes())
+      return std::make_shared<const BarBetween>(table, table->weights(change.heaviness()), change);
+  }
+  return std::make_shared<const ModalBar>(bar_, change);
+}
+
+std::shared_ptr<const BarTable> BarFamily::table(double heaviness) const {
+  const std::lock_guard lock(mutex_);
+  std::shared_ptr<const BarTable>& table = tables_[BarTable::number_of(heaviness)];
+  if (!table) table = std::make_shared<const BarTable>(bar_, heaviness);
+  return table;
+}
+
+}  // namespace impactrig::models
