@@ -12,6 +12,9 @@ inline constexpr double normal_mad = 1.4826;
 
 double median(std::vector<double> values);  ///< of at least one value
 
+/// At most `most` of them, evenly spread.
+std::vector<double> evenly_spread(std::span<const double> values, std::size_t most);
+
 /// Median and robust standard deviation (from the median absolute deviation), of at most 2¹⁸ evenly
 /// spread samples.
 struct Spread {
