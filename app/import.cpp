@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 
 #include <future>
+#include <optional>
 
 #include "acquisition/channel_map.hpp"
 #include "acquisition/conditioning/average_shots.hpp"
 #include "acquisition/conditioning/steps.hpp"
+#include "acquisition/disk_memory.hpp"
 #include "acquisition/exporter.hpp"
 #include "acquisition/importer.hpp"
 #include "acquisition/recording_spool.hpp"
@@ -34,6 +36,10 @@ struct Options {
 
 /// Recordings of up to so many samples are held in memory, where HDF5 compresses them.
 constexpr std::uint64_t most_held = std::uint64_t{1} << 20;
+
+bool is_hdf5(const std::string& path) {
+  return path.ends_with(".h5") || path.ends_with(".hdf5");
+}
 
 /// A recording to import.
 struct Input {
@@ -180,12 +186,28 @@ void refuse_same_file(const std::vector<datasets::Record>& records) {
                                              records[i].provenance.source_file));
 }
 
+/// Returns what is left of the record: all but its samples.
+datasets::Record write_by_blocks(datasets::Record&& record, const std::string& path) {
+  std::vector<std::string> names;
+  for (const datasets::Channel& channel : record.channels) names.push_back(channel.name);
+  datasets::RecordWriter writer(path, names);
+  ToHdf5 sink(writer);
+  datasets::Record head = acquisition::reader_of(std::move(record))->read({}, sink);
+  writer.finish(head);
+  return head;
+}
+
+/// All samples at hand, which `steps` and means need.
 datasets::Record import_at_once(const Options& options, std::vector<Input>& inputs,
                                 const std::vector<datasets::ConditioningStep>& steps) {
+  const bool many = samples_of(inputs) > most_held;
+  std::optional<acquisition::DiskMemory> on_disk;
+  if (many) on_disk.emplace(options.output);
   std::vector<datasets::Record> records;
   for (Input& input : inputs) {
+    auto sha256 = std::async(std::launch::async, datasets::sha256_of_file, input.path);
     records.push_back(acquisition::read_into_memory(*input.reader, input.wanted));
-    records.back().provenance.sha256 = datasets::sha256_of_file(input.path);
+    records.back().provenance.sha256 = sha256.get();
     acquisition::apply_steps(steps, records.back(), {}, detection_options(options.detection));
     if (options.average) refuse_same_file(records);
   }
@@ -194,9 +216,23 @@ datasets::Record import_at_once(const Options& options, std::vector<Input>& inpu
     record = acquisition::average_shots(records, detection_options(options.detection));
   else
     for (datasets::Record& next : records) join(std::move(next), record);
+  records.clear();
+  if (many && is_hdf5(options.output)) return write_by_blocks(std::move(record), options.output);
   for (std::string& warning : acquisition::export_recording(record, options.output))
     record.warnings.push_back(std::move(warning));
   return record;
+}
+
+datasets::Record import_inputs(const Options& options, std::vector<Input>& inputs,
+                               const std::vector<datasets::ConditioningStep>& steps) {
+  const bool whole = options.average || !steps.empty();
+  try {
+    if (whole || samples_of(inputs) <= most_held) return import_at_once(options, inputs, steps);
+  } catch (const acquisition::NoRoomOnDisk& full) {
+    acquisition::refuse_to_keep(options.output, full.error());
+  }
+  return is_hdf5(options.output) ? import_to_hdf5(options, inputs)
+                                 : import_by_disk(options, inputs);
 }
 
 /// A draft of the map of the files' channels, on stdout or in a file.
@@ -229,17 +265,7 @@ void import(const Options& options) {
   acquisition::ChannelMap map;
   if (!options.map.empty()) map = read_channel_map(options.map);
   std::vector<Input> inputs = open_inputs(options, map);
-  const std::uint64_t samples = samples_of(inputs);
-  const bool whole = options.average || !map.conditioning.empty();
-  if (whole)
-    refuse_too_many_to_condition(inputs.front().path, samples,
-                                 "--channel, --from and --to say which");
-  const bool hdf5 = options.output.ends_with(".h5") || options.output.ends_with(".hdf5");
-  datasets::Record record;
-  if (whole || samples <= most_held)
-    record = import_at_once(options, inputs, map.conditioning);
-  else
-    record = hdf5 ? import_to_hdf5(options, inputs) : import_by_disk(options, inputs);
+  const datasets::Record record = import_inputs(options, inputs, map.conditioning);
   if (options.common.quiet) return;
   for (const std::string& warning : record.warnings) fmt::print(stderr, "warning: {}\n", warning);
   fmt::print(stderr, "{} channel(s) written to {}\n", record.channels.size(), options.output);

@@ -303,30 +303,37 @@ struct Pair {
   double yardstick = std::numeric_limits<double>::infinity();
   double opening = std::numeric_limits<double>::infinity();
   double import = std::numeric_limits<double>::infinity();  ///< by the clock, all threads
+  double digest = std::numeric_limits<double>::infinity();  ///< SHA-256 alone, by the clock
   double copy = std::numeric_limits<double>::infinity();    ///< by the clock
 };
+
+/// By the clock. [s]
+template <typename Call>
+double seconds_of(const Call& call) {
+  const auto started = std::chrono::steady_clock::now();
+  call();
+  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - started;
+  return passed.count();
+}
 
 /// What a user waits for, start of the program included. [s]
 double import_seconds(const std::string& program, const std::string& path) {
   const std::string output = path + ".imported.h5";
   fs::remove(output);
-  const auto started = std::chrono::steady_clock::now();
   const std::string command =
       fmt::format("'{}' import '{}' -o '{}' --quiet > /dev/null 2>&1", program, path, output);
-  const int failed = std::system(command.c_str());
-  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - started;
+  int failed = 0;
+  const double seconds = seconds_of([&] { failed = std::system(command.c_str()); });
   fs::remove(output);
   if (failed != 0) throw std::runtime_error(fmt::format("'{}' failed", command));
-  return passed.count();
+  return seconds;
 }
 
 double copy_seconds(const std::string& path) {
   const std::string output = path + ".copy";
-  const auto started = std::chrono::steady_clock::now();
-  fs::copy_file(path, output);
-  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - started;
+  const double seconds = seconds_of([&] { fs::copy_file(path, output); });
   fs::remove(output);
-  return passed.count();
+  return seconds;
 }
 
 Pair measure(const Format& format, const std::string& path, int rounds,
@@ -346,6 +353,7 @@ Pair measure(const Format& format, const std::string& path, int rounds,
     });
     if (program.empty()) continue;
     best.import = std::min(best.import, import_seconds(program, path));
+    best.digest = std::min(best.digest, seconds_of([&] { datasets::sha256_of_file(path); }));
     best.copy = std::min(best.copy, copy_seconds(path));
   }
   volatile double used = kept;  // so that nothing is optimised away
@@ -372,8 +380,8 @@ int main(int count, char** arguments) {
   CLI11_PARSE(program, count, arguments);
 
   nlohmann::ordered_json table = nlohmann::ordered_json::array();
-  fmt::print("{:<12}{:>8}{:>12}{:>16}{:>8}{:>12}{:>13}{:>11}\n", "format", "MB", "ours MB/s",
-             "yardstick MB/s", "ratio", "opening ms", "import MB/s", "copy MB/s");
+  fmt::print("{:<12}{:>8}{:>12}{:>16}{:>8}{:>12}{:>13}{:>13}{:>11}\n", "format", "MB", "ours MB/s",
+             "yardstick MB/s", "ratio", "opening ms", "import MB/s", "SHA-256 MB/s", "copy MB/s");
   for (const Format& format : formats) {
     if (!names.empty() && std::ranges::find(names, format.name) == names.end()) continue;
     const std::string path = folder + "/impactrig_speed_" + format.name + format.ending;
@@ -381,9 +389,10 @@ int main(int count, char** arguments) {
     const double size = 1e-6 * static_cast<double>(fs::file_size(path));
     const Pair best = measure(format, path, rounds, importer);
     fs::remove(path);
-    fmt::print("{:<12}{:>8.0f}{:>12.0f}{:>16.0f}{:>8.2f}{:>12.2f}{:>13.0f}{:>11.0f}\n", format.name,
-               size, size / best.ours, size / best.yardstick, best.yardstick / best.ours,
-               1e3 * best.opening, size / best.import, size / best.copy);
+    fmt::print("{:<12}{:>8.0f}{:>12.0f}{:>16.0f}{:>8.2f}{:>12.2f}{:>13.0f}{:>13.0f}{:>11.0f}\n",
+               format.name, size, size / best.ours, size / best.yardstick,
+               best.yardstick / best.ours, 1e3 * best.opening, size / best.import,
+               size / best.digest, size / best.copy);
     table.push_back({{"format", format.name},
                      {"megabytes", size},
                      {"megabytes_per_s", size / best.ours},
@@ -391,6 +400,7 @@ int main(int count, char** arguments) {
                      {"opening_s", best.opening}});
     if (!importer.empty()) {
       table.back()["import_megabytes_per_s"] = size / best.import;
+      table.back()["sha256_megabytes_per_s"] = size / best.digest;
       table.back()["copy_megabytes_per_s"] = size / best.copy;
     }
   }

@@ -6,10 +6,13 @@
 #include <cerrno>
 #include <cstdio>
 #include <memory>
+#include <semaphore>
 #include <stdexcept>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <vector>
 
 #include "datasets/input_error.hpp"
@@ -51,29 +54,82 @@ class Sha256 {
   std::unique_ptr<EVP_MD_CTX, Free> context_;
 };
 
-struct Close {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
 std::string last_error() {
   return std::generic_category().message(errno);
 }
 
+/// A file's bytes from its beginning to its end, which a thread of its own reads ahead: hashing
+/// takes 0.6 ns a byte, reading from the page cache 0.15.
+class ReadAhead {
+ public:
+  /// Throws FileError.
+  explicit ReadAhead(const std::string& path) : path_(path), file_(std::fopen(path.c_str(), "rb")) {
+    if (!file_) throw FileError(path, "cannot be opened: " + last_error());
+    std::setvbuf(file_.get(), nullptr, _IONBF, 0);
+    thread_ = std::jthread([this](const std::stop_token& stop) { read(stop); });
+  }
+
+  ~ReadAhead() {
+    thread_.request_stop();
+    empty_.release();
+  }
+
+  ReadAhead(const ReadAhead&) = delete;
+  ReadAhead& operator=(const ReadAhead&) = delete;
+
+  /// Hands all to `use`, piece by piece. Throws FileError.
+  template <typename Use>
+  void each(const Use& use) {
+    for (std::size_t i = 0;; i = (i + 1) % pieces_.size()) {
+      full_.acquire();
+      const Piece& piece = pieces_[i];
+      if (!piece.error.empty()) throw FileError(path_, "cannot be read: " + piece.error);
+      use(std::string_view(piece.bytes.data(), piece.count));
+      if (piece.count < piece.bytes.size()) return;
+      empty_.release();
+    }
+  }
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+
+  /// A short one is the last.
+  struct Piece {
+    std::vector<char> bytes = std::vector<char>(std::size_t{1} << 17);
+    std::size_t count = 0;
+    std::string error;
+  };
+
+  void read(const std::stop_token& stop) {
+    for (std::size_t i = 0;; i = (i + 1) % pieces_.size()) {
+      empty_.acquire();
+      if (stop.stop_requested()) return;
+      Piece& piece = pieces_[i];
+      piece.count = std::fread(piece.bytes.data(), 1, piece.bytes.size(), file_.get());
+      if (std::ferror(file_.get()) != 0) piece.error = last_error();
+      const bool last = piece.count < piece.bytes.size();
+      full_.release();
+      if (last) return;
+    }
+  }
+
+  const std::string& path_;
+  std::unique_ptr<std::FILE, Close> file_;
+  std::array<Piece, 4> pieces_;
+  std::counting_semaphore<> empty_{4};
+  std::counting_semaphore<> full_{0};
+  std::jthread thread_;
+};
+
 }  // namespace
 
 std::string sha256_of_file(const std::string& path) {
-  const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "rb"));
-  if (!file) throw FileError(path, "cannot be opened: " + last_error());
-
+  ReadAhead file(path);
   Sha256 hash;
-  std::vector<char> block(std::size_t{1} << 16);
-  while (true) {
-    const std::size_t count = std::fread(block.data(), 1, block.size(), file.get());
-    hash.add({block.data(), count});
-    if (count == block.size()) continue;
-    if (std::ferror(file.get()) != 0) throw FileError(path, "cannot be read: " + last_error());
-    return hash.hex();
-  }
+  file.each([&](std::string_view bytes) { hash.add(bytes); });
+  return hash.hex();
 }
 
 std::string sha256_of(std::string_view bytes) {

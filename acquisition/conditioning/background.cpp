@@ -9,6 +9,8 @@
 #include <numeric>
 #include <unsupported/Eigen/FFT>
 
+#include "acquisition/disk_memory.hpp"
+
 namespace impactrig::acquisition {
 
 namespace {
@@ -19,12 +21,17 @@ double as_double(std::size_t n) {
   return static_cast<double>(n);
 }
 
-std::vector<double> evenly_spread(std::span<const double> values, std::size_t limit) {
-  const std::size_t stride = (values.size() + limit - 1) / limit;
-  std::vector<double> result;
-  result.reserve(values.size() / stride + 1);
-  for (std::size_t i = 0; i < values.size(); i += stride) result.push_back(values[i]);
-  return result;
+/// What `of` says of indices from `first` to `end`, so that there are at most `most`.
+template <typename Of>
+std::vector<double> sampled(std::size_t first, std::size_t end, std::size_t most, const Of& of) {
+  const std::size_t stride = (end + most - 1) / most;
+  std::vector<double> sample;
+  sample.reserve(end / stride + 1);
+  for (std::size_t i = first; i < end; i += stride) {
+    sample.push_back(of(i));
+    if (sample.size() % 8 == 0) DiskMemory::keep_small();
+  }
+  return sample;
 }
 
 /// Medians of up to `blocks` equal blocks and the indices of their middles.
@@ -99,6 +106,10 @@ std::vector<double> residuals_of(std::span<const double> values, const QuietFit&
 
 }  // namespace
 
+std::vector<double> evenly_spread(std::span<const double> values, std::size_t most) {
+  return sampled(0, values.size(), most, [&](std::size_t i) { return values[i]; });
+}
+
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -117,11 +128,9 @@ Spread robust_spread(std::span<const double> values) {
 
 double step_noise(std::span<const double> values) {
   if (values.size() < 3) return 0.0;
-  const std::size_t stride = (values.size() + sample_limit - 1) / sample_limit;
-  std::vector<double> steps;
-  steps.reserve(values.size() / stride + 1);
-  for (std::size_t i = 2; i < values.size(); i += stride)
-    steps.push_back(std::abs(values[i] - 2.0 * values[i - 1] + values[i - 2]));
+  std::vector<double> steps = sampled(2, values.size(), sample_limit, [&](std::size_t i) {
+    return std::abs(values[i] - 2.0 * values[i - 1] + values[i - 2]);
+  });
   return normal_mad * median(std::move(steps)) / std::sqrt(6.0);
 }
 
@@ -204,7 +213,10 @@ std::vector<double> lagged_products(std::span<const double> values) {
 }  // namespace
 
 double correlation_time(std::span<const double> residuals) {
-  constexpr std::size_t few = 64;  // lags, which are summed up faster than transformed
+  constexpr std::size_t few = 64;                       // lags: faster summed up than transformed
+  constexpr std::size_t enough = std::size_t{1} << 20;  // samples
+  if (residuals.size() > enough)
+    residuals = residuals.subspan((residuals.size() - enough) / 2, enough);
   const std::size_t n = residuals.size();
   const double power =
       std::inner_product(residuals.begin(), residuals.end(), residuals.begin(), 0.0);

@@ -12,6 +12,9 @@ inline constexpr double normal_mad = 1.4826;
 
 double median(std::vector<double> values);  ///< of at least one value
 
+/// At most `most` of them, evenly spread.
+std::vector<double> evenly_spread(std::span<const double> values, std::size_t most);
+
 /// Median and robust standard deviation (from the median absolute deviation), of at most 2¹⁸ evenly
 /// spread samples.
 struct Spread {
@@ -65,7 +68,8 @@ QuietFit fit_quiet(std::span<const double> values, std::size_t begin, std::size_
 
 /// Integrated autocorrelation time 1 + 2 sum rho_k of a stretch with mean zero, in samples, >= 1.
 /// The sum ends at the first lag of at least 5 times its own value [Sokal1997]; a stretch shorter
-/// than 50 such times gives a rough figure only.
+/// than 50 such times gives a rough figure only. Of a longer one than 2²⁰ samples those in its
+/// middle tell.
 double correlation_time(std::span<const double> residuals);
 
 /// What drift and mains hum cannot have made of a record: what is left when a polynomial that

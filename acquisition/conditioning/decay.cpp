@@ -23,6 +23,10 @@ using datasets::Edit;
 
 namespace {
 
+/// Fits go through so many samples, or means of neighbours, some 100 times. A mean over 2⁻¹⁸ of the
+/// time they span is off the curve by no more than 6e-9 of it, as T is at least a hundredth.
+constexpr std::size_t most_points = std::size_t{1} << 18;
+
 /// Samples of quiet stretches; times from the first of them.
 struct Quiet {
   std::vector<double> times, values;  ///< [s], [the channel's unit]
@@ -31,15 +35,25 @@ struct Quiet {
 
 Quiet quiet_samples(const Channel& channel, const datasets::RemoveDecay& decay) {
   const std::vector<double> values = sound_values(channel);
+  std::size_t samples = 0;
+  for (const TimeSpan& span : decay.quiet) samples += samples_in(channel, span).size();
+  const std::size_t width = samples / (most_points + 1) + 1;
   Quiet quiet;
   quiet.origin = std::numeric_limits<double>::infinity();
   for (const TimeSpan& span : decay.quiet) {
     const IndexRange range = samples_in(channel, span);
-    for (std::size_t i = range.begin; i < range.end; ++i) {
-      if (!channel.is_valid(i)) continue;
-      quiet.times.push_back(channel.clock.time(i));
-      quiet.values.push_back(values[i]);
-      quiet.origin = std::min(quiet.origin, quiet.times.back());
+    for (std::size_t from = range.begin; from < range.end; from += width) {
+      double n = 0.0, time = 0.0, value = 0.0;
+      for (std::size_t i = from; i < std::min(from + width, range.end); ++i) {
+        if (!channel.is_valid(i)) continue;
+        n += 1.0;
+        time += channel.clock.time(i);
+        value += values[i];
+        quiet.origin = std::min(quiet.origin, channel.clock.time(i));
+      }
+      if (n == 0.0) continue;
+      quiet.times.push_back(time / n);
+      quiet.values.push_back(value / n);
     }
   }
   if (quiet.times.size() < 16)

@@ -49,10 +49,7 @@ double scatter(std::span<const double> departures) {
 
 /// What the signal spans, a percent at each end left out.
 double span_of(std::span<const double> y) {
-  constexpr std::size_t most = std::size_t{1} << 16;
-  const std::size_t stride = (y.size() + most - 1) / most;
-  std::vector<double> sample;
-  for (std::size_t i = 0; i < y.size(); i += stride) sample.push_back(y[i]);
+  std::vector<double> sample = evenly_spread(y, std::size_t{1} << 16);
   std::ranges::sort(sample);
   const std::size_t edge = sample.size() / 100;
   return sample[sample.size() - 1 - edge] - sample[edge];
@@ -63,11 +60,9 @@ std::vector<IndexRange> edges_in(std::span<const double> y) {
   const std::vector<double> departure = departures(y);
   const std::span<const double> all(departure);
   const std::span<const double> inner = all.subspan(2, y.size() - 4);
-  const std::size_t stride = std::max<std::size_t>(1, inner.size() >> 18);
-  std::vector<double> sample;
-  for (std::size_t i = 0; i < inner.size(); i += stride) sample.push_back(inner[i]);
+  const double usual = scatter(evenly_spread(inner, std::size_t{1} << 18));
   const double floor =
-      std::max({gate * scatter(sample), least_part * span_of(y), gate * 0.75 * quantum_of(y)});
+      std::max({gate * usual, least_part * span_of(y), gate * 0.75 * quantum_of(y)});
   std::vector<IndexRange> edges;
   for (std::size_t from = 0; from < inner.size(); from += block) {
     const std::size_t to = std::min(from + block, inner.size());

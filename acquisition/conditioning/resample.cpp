@@ -19,13 +19,14 @@ using datasets::Channel;
 
 namespace {
 
-constexpr int crossings = 32;                   ///< of the sinc on either side
-constexpr int table_step = 4096;                ///< values a zero crossing
-constexpr double cutoff = 0.9;                  ///< of the lower Nyquist frequency
-constexpr double beta = 9.0;                    ///< of the Kaiser window
-constexpr double gap_steps = 2.5;               ///< a longer one lacks two samples or more
-constexpr std::ptrdiff_t around_gap = 7;        ///< steps on either side that say what is usual
-constexpr double fewest = 16.0, most = 0x1p26;  ///< samples of the result
+constexpr int crossings = 32;             ///< of the sinc on either side
+constexpr int table_step = 4096;          ///< values a zero crossing
+constexpr double cutoff = 0.9;            ///< of the lower Nyquist frequency
+constexpr double beta = 9.0;              ///< of the Kaiser window
+constexpr double gap_steps = 2.5;         ///< a longer one lacks two samples or more
+constexpr std::ptrdiff_t around_gap = 7;  ///< steps on either side that say what is usual
+constexpr double fewest = 16.0;           ///< samples of the result
+constexpr double most = 0x1p26;           ///< of them, where the source has not half as many
 
 /// sinc(x) under its window, x in zero crossings, 0 <= x <= crossings.
 double windowed_sinc(double x) {
@@ -65,11 +66,12 @@ std::vector<double> joined_evenly(const Channel& channel, double interval, doubl
 }
 
 void refuse_count(const Channel& channel, double rate, double count) {
-  if (count >= fewest && count <= most) return;
+  const double limit = std::max(most, 2.0 * static_cast<double>(channel.size()));
+  if (count >= fewest && count <= limit) return;
   throw std::invalid_argument(
       fmt::format("channel '{}' would have {:.3g} samples at {:g} Hz; {:g} to {:.0f} million are "
                   "possible",
-                  channel.name, std::floor(count), rate, fewest, most / 1e6));
+                  channel.name, std::floor(count), rate, fewest, limit / 1e6));
 }
 
 /// The new clock's samples, and which of them stand for nothing that was recorded.

@@ -46,7 +46,7 @@ struct Resampled {
 /// 7) before it and behind it, so that two samples or more are missing.
 ///
 /// Throws std::invalid_argument when the rate is not positive, or the channel has fewer than 4
-/// samples or would get fewer than 16 or more than 2²⁶.
+/// samples or would get fewer than 16 or more than 2²⁶ and than twice as many as it has.
 Resampled resample(datasets::Channel& channel, const datasets::Resample& to);
 
 }  // namespace impactrig::acquisition

@@ -23,25 +23,35 @@ std::vector<std::string> folders() {
 
 }  // namespace
 
-Spool::Spool(std::string of) : of_(std::move(of)) {
+void refuse_to_keep(const std::string& of, int error) {
+  throw datasets::FileError(
+      of, fmt::format("is too large for memory and cannot be kept in a temporary file in {} "
+                      "(TMPDIR states another folder): {}",
+                      fmt::join(folders(), " or "), std::strerror(error)));
+}
+
+int open_unnamed_file(const std::string& of) {
   for (const std::string& folder : folders()) {
     std::string name = folder + "/impactrig-XXXXXX";
-    file_ = ::mkostemp(name.data(), O_CLOEXEC);
-    if (file_ < 0) continue;
+    const int file = ::mkostemp(name.data(), O_CLOEXEC);
+    if (file < 0) continue;
     ::unlink(name.c_str());
-    return;
+    return file;
   }
-  fail(fmt::format("kept in a temporary file in {} (TMPDIR states another folder)",
-                   fmt::join(folders(), " or ")));
+  refuse_to_keep(of, errno);
 }
+
+Spool::Spool(std::string of) : of_(std::move(of)), file_(open_unnamed_file(of_)) {}
 
 Spool::~Spool() {
   ::close(file_);
 }
 
-void Spool::fail(std::string_view what) const {
-  throw datasets::FileError(
-      of_, fmt::format("is too large for memory and cannot be {}: {}", what, std::strerror(errno)));
+void Spool::fail_to_read() const {
+  throw datasets::FileError(of_,
+                            fmt::format("is too large for memory and cannot be read back from its "
+                                        "temporary file: {}",
+                                        std::strerror(errno)));
 }
 
 std::uint64_t Spool::append(std::string_view bytes) {
@@ -49,9 +59,7 @@ std::uint64_t Spool::append(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(size_));
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0)
-      fail(fmt::format("kept in a temporary file in {} (TMPDIR states another folder)",
-                       folders().front()));
+    if (written <= 0) refuse_to_keep(of_, errno);
     bytes.remove_prefix(static_cast<std::size_t>(written));
     size_ += static_cast<std::uint64_t>(written);
   }
@@ -63,7 +71,7 @@ void Spool::read(std::uint64_t place, std::size_t count, void* to) const {
   while (count > 0) {
     const ssize_t got = ::pread(file_, at, count, static_cast<off_t>(place));
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) fail("read back from its temporary file");
+    if (got <= 0) fail_to_read();
     at += got;
     place += static_cast<std::uint64_t>(got);
     count -= static_cast<std::size_t>(got);
@@ -72,7 +80,7 @@ void Spool::read(std::uint64_t place, std::size_t count, void* to) const {
 
 std::unique_ptr<MappedFile> Spool::map() const {
   const int file = ::fcntl(file_, F_DUPFD_CLOEXEC, 0);
-  if (file < 0) fail("read back from its temporary file");
+  if (file < 0) fail_to_read();
   return std::make_unique<MappedFile>(of_, file);
 }
 

@@ -18,9 +18,16 @@
 
 namespace impactrig::acquisition {
 
-/// What memory would not hold, kept on the disk: a file without a name, which goes with this object
-/// or the program, in the folder that the environment's TMPDIR names, else in /var/tmp, else in
-/// /tmp.
+/// Opens a file without a name, which goes when it is closed, in the folder that the environment's
+/// TMPDIR names, else in /var/tmp, else in /tmp. Throws datasets::FileError, about `of`, when none
+/// can be made.
+int open_unnamed_file(const std::string& of);
+
+/// Throws the datasets::FileError that says why (`error`, an errno) what is too large for memory
+/// cannot be kept in such a file.
+[[noreturn]] void refuse_to_keep(const std::string& of, int error);
+
+/// What memory would not hold, kept on the disk in a file without a name.
 class Spool {
  public:
   /// `of` is the file whose content is kept, for errors. Throws datasets::FileError, as every
@@ -39,7 +46,7 @@ class Spool {
   std::unique_ptr<MappedFile> map() const;
 
  private:
-  [[noreturn]] void fail(std::string_view what) const;
+  [[noreturn]] void fail_to_read() const;
 
   std::string of_;
   int file_ = -1;

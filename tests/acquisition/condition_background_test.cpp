@@ -79,6 +79,18 @@ TEST(QuantumOf, IsNotMisledByRepeatedZeros) {
   EXPECT_EQ(quantum_of(values), 0.0);
 }
 
+// A transform of all would take 32 bytes a sample and more.
+TEST(CorrelationTime, OfManySamplesIsThatOfTheirMiddle) {
+  const std::size_t enough = std::size_t{1} << 20;
+  std::vector<double> values = normal_noise(enough, 1.0, 5);
+  for (std::size_t i = 1; i < enough; ++i) values[i] += 0.99 * values[i - 1];
+  const double time = correlation_time(values);
+  EXPECT_NEAR(time, 199.0, 20.0);
+  values.insert(values.begin(), 1000, 50.0);
+  values.insert(values.end(), 1000, -50.0);
+  EXPECT_EQ(correlation_time(values), time);
+}
+
 TEST(FitQuiet, RecoversAParabolaInNoise) {
   std::vector<double> values = normal_noise(1000, 0.5, 2);
   for (std::size_t i = 0; i < values.size(); ++i) {

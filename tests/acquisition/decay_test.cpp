@@ -38,6 +38,15 @@ TEST(RemoveDecay, FindsTheTimeConstant) {
   }
 }
 
+// Five times the points that fits go through: they are means of six neighbours.
+TEST(RemoveDecay, FindsTheTimeConstantAmongManySamples) {
+  const Sampling fine{.start = -10e-3, .interval = 2e-8, .samples = 1'499'999};
+  auto force = force_of(fine, sampled(fine, [](double t) { return decay(t, 8e-3); }));
+  const auto edit = remove_decay(force, {{TimeSpan{-10e-3, 20e-3}}, std::nullopt});
+  for (std::size_t i = 0; i < fine.samples; ++i) ASSERT_NEAR(force.value(i), 0.0, 1e-5) << i;
+  EXPECT_NEAR(std::stod(edit.parameters.at("time constant")), 8e-3, 1e-8);
+}
+
 // In 60 noisy records the true T lies within 1.96 stated errors of the found one as often as a
 // normal error does: 95 %, here at least 51 of 60 (of less than that a binomial law gives 0.1 %).
 TEST(RemoveDecay, StatesItsErrorHonestly) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
@@ -434,13 +435,8 @@ std::string silence(const std::string& path, std::uint32_t count) {
 // 65 s at 1 MHz.
 TEST_F(CommandLine, RefusesToConditionMoreThanMemoryHolds) {
   const std::string file = silence(path("long.wav"), 65'000'000);
-  const std::string map = write(
-      "map.toml",
-      "[[channels]]\nmatch = \"ch1\"\n[[conditioning]]\nchannel = \"ch1\"\nstep = \"dropouts\"\n");
   const std::string on_rig = " --rig " + rig;
   for (const auto& [command, remedy] : std::vector<std::pair<std::string, std::string>>{
-           {"import " + file + " --map " + map + " -o " + path("long.h5"),
-            "--channel, --from and --to say which"},
            {"fit " + file + on_rig, "--from and --to say which, and the rig file's sensors name"},
            {"compare " + file + " " + file + on_rig, "`impactrig import` with --from and --to"}}) {
     const Outcome o = run(command);
@@ -452,6 +448,31 @@ TEST_F(CommandLine, RefusesToConditionMoreThanMemoryHolds) {
   }
   EXPECT_THAT(run("fit " + file + on_rig + " --from 0 --to 1").err,
               HasSubstr("there is no single channel 'Force'"));
+}
+
+// 20 million samples, 160 MB for each copy that a step makes.
+TEST_F(CommandLine, ConditionsLongRecordingsInLittleMemory) {
+  const std::string file = silence(path("long.wav"), 20'000'000);
+  const std::string map = write(
+      "map.toml",
+      "[[channels]]\nmatch = \"ch1\"\n[[conditioning]]\nchannel = \"ch1\"\nstep = \"low-pass\"\n"
+      "cutoff = \"10 kHz\"\n[[conditioning]]\nchannel = \"ch1\"\nstep = \"baseline\"\n"
+      "quiet = { from = \"0 s\", to = \"15 s\" }\n");
+  const std::string command = "import " + file + " --map " + map + " -o ";
+  const Outcome o = run(command + path("long.h5"));
+  ASSERT_EQ(o.code, 0) << o.err;
+  rusage usage{};
+  ::getrusage(RUSAGE_CHILDREN, &usage);
+  EXPECT_LT(usage.ru_maxrss, 256 * 1024);  // kB
+  const json j = json::parse(run("inspect --json " + path("long.h5")).out);
+  EXPECT_EQ(j["channels"][0]["samples"], 20'000'000);
+  EXPECT_NEAR(j["channels"][0]["max"], 0.0, 1e-9);
+  ::setenv("TMPDIR", "/no/such/folder", 1);
+  const Outcome refused = run(command + path("other.h5"));
+  ::unsetenv("TMPDIR");
+  EXPECT_EQ(refused.code, 4);
+  EXPECT_THAT(refused.err, HasSubstr("other.h5: is too large for memory and cannot be kept in a "
+                                     "temporary file in /no/such/folder"));
 }
 
 // Two segments of LabVIEW's, the second an hour later: the first MB has the first one only.

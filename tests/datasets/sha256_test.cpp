@@ -34,8 +34,10 @@ TEST(Sha256, ReadsAFileInPieces) {
   const std::string path = testing::TempDir() + "sha256_million_a" + std::to_string(getpid());
   std::ofstream(path) << std::string(1000000, 'a');
   EXPECT_EQ(sha256_of_file(path), of_million_a);
-  std::ofstream(path, std::ios::trunc) << std::string(65536, 'a');  // the last piece is full
-  EXPECT_EQ(sha256_of_file(path), sha256_of(std::string(65536, 'a')));
+  for (const std::size_t size : {1U << 17, 9U << 17, 123U}) {  // the last piece is full, or not
+    std::ofstream(path, std::ios::trunc) << std::string(size, 'a');
+    EXPECT_EQ(sha256_of_file(path), sha256_of(std::string(size, 'a'))) << size;
+  }
   std::filesystem::remove(path);
 }
 
