@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Contacts of random scenes in which `accuracy` did not hold, or whose answer hangs on digits that
+// nobody has: these say so.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "models/simulation.hpp"
+#include "tests/models/scenes.hpp"
+
+namespace {
+
+using namespace impactrig::models;
+using namespace impactrig::tests;
+
+Beam round_bar(double length, double radius, double youngs_modulus, double density) {
+  return {.length = length,
+          .area = std::numbers::pi * radius * radius,
+          .second_moment = std::numbers::pi * std::pow(radius, 4) / 4.0,
+          .youngs_modulus = youngs_modulus,
+          .density = density};
+}
+
+/// Largest relative difference of the first contacts' peak force, duration and impulse.
+double difference(const Simulation& run, const Simulation& finer) {
+  const Episode& a = run.episodes.at(0);
+  const Episode& b = finer.episodes.at(0);
+  const auto change = [](double x, double y) { return std::abs(x / y - 1.0); };
+  return std::max({change(a.peak_force, b.peak_force), change(a.end - a.start, b.end - b.start),
+                   change(a.impulse, b.impulse)});
+}
+
+/// A stiff spring throws a thick little bar, let go straight, at the stop: it arrives vibrating,
+/// fastest in the two elements that are a fiftieth of it.
+Rig bar_thrown_by_a_spring() {
+  Rig rig = paper_rig();
+  rig.beam = round_bar(0.020336437, 0.00144331953, 3.3408683e9, 3495.4272);
+  rig.contact.position = 0.0198870429;
+  rig.contact.radius = 0.00144331953;
+  rig.contact.counter_radius = 0.00144347038;
+  rig.contact.length = 9.1222374e-4;
+  rig.contact.modulus = 3.3408683e9;
+  rig.contact.counter_modulus = 2.6090789e13;
+  rig.contact.poisson_ratio = 0.144643;
+  rig.contact.counter_poisson_ratio = 0.195478;
+  rig.contact.exponent = 1;
+  rig.contact.damping = "hu-guo";
+  rig.contact.restitution = 0.59194893;
+  rig.start.release_angle = 0.100894626;
+  rig.hinge.spring = 13.579494;
+  rig.gravity = 9.81;
+  return rig;
+}
+
+// What the method took from that vibration in the swing was missing in the damper's force: the peak
+// was off by 3 to 4 times the accuracy asked for.
+TEST(HardContact, ADamperMeetsTheVibrationThatTheSwingLeaves) {
+  const Rig rig = bar_thrown_by_a_spring();
+  const Simulation exact = simulate(rig, ancf(1, 2, 1e-8, 2e-5));
+  ASSERT_FALSE(exact.small_motion);
+  ASSERT_FALSE(exact.episodes.at(0).open);
+  for (const double accuracy : {1e-6, 3e-7, 1e-7})
+    EXPECT_LE(difference(simulate(rig, ancf(1, 2, accuracy, 2e-5)), exact), accuracy) << accuracy;
+}
+
+}  // namespace
