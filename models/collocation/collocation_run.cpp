@@ -557,12 +557,26 @@ void CollocationRun::judge(bool solved) {
   done_ = done_ || out_of_time();
 }
 
+/// The contacts that are over stand; throws where none is.
+void CollocationRun::stop_without_headway() {
+  const std::string stopped = fmt::format(
+      "the integration stopped {:g} s after first touch: steps of {:g} s make no headway", t_,
+      bar_.step());
+  if (result_.episodes.empty() || result_.episodes.front().open)
+    throw std::runtime_error(stopped + "; ask for less accuracy");
+  result_.termination = stopped;
+  result_.warnings.push_back(
+      stopped +
+      "; what comes later is not in the result. Ask for less accuracy, or state a shorter "
+      "solver.duration.");
+  done_ = true;
+}
+
 void CollocationRun::take_shorter() {
-  if (level_ >= StepLadder::levels - 1)
-    throw std::runtime_error(
-        fmt::format("the integration stopped {:g} s after first touch: steps of {:g} s make no "
-                    "headway; ask for less accuracy",
-                    t_, bar_.step()));
+  if (level_ >= StepLadder::levels - 1) {
+    stop_without_headway();
+    return;
+  }
   refused_.refuse(level_);
   reject(level_after_rejection(level_));
 }

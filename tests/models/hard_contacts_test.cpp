@@ -6,8 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <stdexcept>
 
+#include "models/collocation/collocation_run.hpp"
+#include "models/modal/modal_motion.hpp"
 #include "models/settled_solution.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/scenes.hpp"
@@ -16,6 +20,9 @@ namespace {
 
 using namespace impactrig::models;
 using namespace impactrig::tests;
+using testing::Contains;
+using testing::HasSubstr;
+
 Beam round_bar(double length, double radius, double youngs_modulus, double density) {
   return {.length = length,
           .area = std::numbers::pi * radius * radius,
@@ -113,6 +120,46 @@ TEST(SettledSolution, IsNotOneOnWhichOnlyTwoAccuraciesAgree) {
       solve_until_settled(bar_held_by_friction(), ancf(4, 1, 1e-4, 1.0), {}, stepped);
   EXPECT_EQ(run.episodes.front().peak_force, 1.003);
   EXPECT_THAT(run.warnings, testing::IsEmpty());
+}
+
+/// Takes no step once a contact is over, or from the start.
+class StallingMotion final : public ModalMotion {
+ public:
+  StallingMotion(const ModalBar& bar, bool at_once)
+      : ModalMotion(bar, Collocation::of(8), {}),
+        stalls_(at_once) {
+    leave_judging();
+  }
+
+  void expect_flight() override { stalls_ = true; }
+
+  double error() const override {
+    return stalls_ ? std::numeric_limits<double>::infinity() : ModalMotion::error();
+  }
+
+ private:
+  bool stalls_;
+};
+
+// Contacts that were over had been thrown away with a later one that made no headway.
+TEST(HardContact, ContactsStandThatAreOverBeforeStepsMakeNoHeadway) {
+  const Rig rig = paper_rig();
+  const Solver solver = hybrid(Basis::pinned_free, 5, 1e-5, 3e-3);
+  const SimulationOptions options;
+  const auto bar = make_modal_bar(rig, solver);
+  StallingMotion motion(*bar, false);
+  CollocationRun run(rig, solver, options, motion);
+  run.complete();
+  const Simulation result = run.conclude();
+  ASSERT_EQ(result.episodes.size(), 1U);
+  EXPECT_FALSE(result.episodes.front().open);
+  EXPECT_THAT(result.termination, HasSubstr("make no headway"));
+  EXPECT_THAT(result.warnings,
+              Contains(HasSubstr("make no headway; what comes later is not in the result")));
+  StallingMotion stalled(*bar, true);
+  CollocationRun nothing(rig, solver, options, stalled);
+  EXPECT_THAT([&] { nothing.complete(); }, testing::ThrowsMessage<std::runtime_error>(HasSubstr(
+                                               "make no headway; ask for less accuracy")));
 }
 
 }  // namespace
