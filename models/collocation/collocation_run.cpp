@@ -27,9 +27,8 @@ constexpr double step_share = 0.1, step_share_of_modes = 1.0;
 // shorter step makes smaller: more caution would keep steps of the full equations short on them.
 constexpr double step_safety = 0.9, step_safety_of_modes = 0.8;
 // A first contact smaller than this part of its scales is to be solved again; or one that ends
-// slower than this part of its approach: errors of the way then count that much more as time. What
-// creeps apart has no end that could be had by any accuracy.
-constexpr double smallest_part = 0.01, slowest_part = 0.1, creeping = 1e-3;
+// slower than this part of its approach: errors of the way then count that much more as time.
+constexpr double smallest_part = 0.01, slowest_part = 0.1;
 // The same where the steps resolve all of the bar's vibration: their ends then err so little that
 // this is below the accuracy anyway, but for what a law does that changes with the rate's sign,
 // which nodes may miss. By this rule 194 contacts of hybrid bars that ended at 0.01 to 0.1 of their
@@ -735,15 +734,16 @@ double CollocationRun::smallness() const {
   if (smallness_) return *smallness_;
   if (result_.episodes.empty() || result_.episodes.front().open) return 1.0;
   const Episode& first = result_.episodes.front();
-  const double part =
-      std::min(first.impulse / impulse_scale_, first.peak_force / points_.front().force_scale());
+  double part = std::min(std::abs(first.impulse) / impulse_scale_,
+                         first.peak_force / points_.front().force_scale());
+  // of what pulling takes back, pushing may leave next to nothing
+  const double pulled = -log_.lowest_force() * (first.end - first.start);
+  if (pulled > 0.0) part = std::min(part, std::abs(first.impulse) / pulled);
   const double slow = std::abs(first.separation_velocity) / first.approach_velocity;
   const bool smooth = std::ranges::none_of(points_, [](const ContactPoint& point) {
     return point.contact().form() == DampingForm::closing;
   });
-  const double of_end = resolved_ && smooth && slow >= slowest_resolved
-                            ? 1.0
-                            : std::max(slow, creeping) / slowest_part;
+  const double of_end = resolved_ && smooth && slow >= slowest_resolved ? 1.0 : slow / slowest_part;
   return std::min({1.0, part / smallest_part, of_end});
 }
 

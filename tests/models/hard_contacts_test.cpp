@@ -22,6 +22,7 @@ using namespace impactrig::models;
 using namespace impactrig::tests;
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
 Beam round_bar(double length, double radius, double youngs_modulus, double density) {
   return {.length = length,
@@ -120,6 +121,75 @@ TEST(SettledSolution, IsNotOneOnWhichOnlyTwoAccuraciesAgree) {
       solve_until_settled(bar_held_by_friction(), ancf(4, 1, 1e-4, 1.0), {}, stepped);
   EXPECT_EQ(run.episodes.front().peak_force, 1.003);
   EXPECT_THAT(run.warnings, testing::IsEmpty());
+}
+
+/// Hung before a stop that damps it overcritically: it sinks back, slower and slower.
+Rig bar_that_creeps_apart(double restitution) {
+  Rig rig = paper_rig();
+  rig.beam = round_bar(0.30881415, 0.027090446, 4.529112e10, 8378.4567);
+  rig.contact.position = 0.22169206;
+  rig.contact.radius = 0.027090446;
+  rig.contact.counter_radius = 0.028241694;
+  rig.contact.length = 0.0049601768;
+  rig.contact.modulus = 4.529112e10;
+  rig.contact.counter_modulus = 9.1614822e8;
+  rig.contact.law = "palmgren";
+  rig.contact.tension = Tension::allow;
+  rig.contact.damping = "tsuji-exact";
+  rig.contact.restitution = restitution;
+  rig.start.velocity = 0.003226819;
+  rig.gravity = 9.81;
+  return rig;
+}
+
+// Its end was told as 0.18, 0.83, 0.27 and 0.45 s at 1e-3, 1e-4, 1e-5 and 1e-7, or as none.
+TEST(HardContact, AnEndThatNoAccuracyGivesIsToldOf) {
+  const auto run = [](double restitution, double accuracy) {
+    Solver solver = rigid(accuracy);
+    solver.duration = 2.0;
+    return simulate(bar_that_creeps_apart(restitution), solver);
+  };
+  const double peak = run(0.049290658, 1e-10).peak_force;
+  for (const double accuracy : {1e-3, 1e-4, 1e-5, 1e-7}) {
+    const Simulation creeps = run(0.049290658, accuracy);
+    EXPECT_THAT(creeps.warnings, Contains(HasSubstr("the first contact creeps apart, if at all")));
+    EXPECT_NEAR(creeps.peak_force / peak, 1.0, accuracy);
+    EXPECT_THAT(run(0.5, accuracy).warnings, Not(Contains(HasSubstr("the first contact "))));
+  }
+}
+
+/// All damper, at a micrometre a second: what pushes it in pulls it back.
+Rig bar_between_push_and_pull() {
+  Rig rig = paper_rig();
+  rig.beam = {.length = 2.195247202434587,
+              .area = 0.00890769941 * 0.004262237051,
+              .second_moment = 0.00890769941 * std::pow(0.004262237051, 3) / 12.0,
+              .youngs_modulus = 63404713.4,
+              .density = 1930.014895};
+  rig.contact.position = 0.31128421735;
+  rig.contact.radius = 0.0021311185254;
+  rig.contact.counter_radius = 0.0021311479381;
+  rig.contact.length = 0.008414678874;
+  rig.contact.modulus = 63404713.4;
+  rig.contact.counter_modulus = 5003458222.0;
+  rig.contact.law = "lankarani-nikravesh-cylinder";
+  rig.contact.stiffness = 4055349.235;
+  rig.contact.power = 1.633520;
+  rig.contact.tension = Tension::allow;
+  rig.contact.damping = "tsuji-marshall";
+  rig.contact.restitution = 0.783930818;
+  rig.start.velocity = 1.8018433617e-6;
+  rig.gravity = 9.81;
+  rig.gravity_direction = -2.0837336535;
+  return rig;
+}
+
+// Its impulse is a millionth of what pushes and pulls: 7 % of it changed with the accuracy.
+TEST(HardContact, AnImpulseThatIsNextToNothingIsToldOf) {
+  Solver solver = rigid(1e-3);
+  solver.duration = 5.4;
+  const Simulation run = simulate(bar_between_push_and_pull(), solver);
+  EXPECT_THAT(run.warnings, Contains(HasSubstr("next to nothing of what the bar could give")));
 }
 
 /// Takes no step once a contact is over, or from the start.
