@@ -95,6 +95,15 @@ bool opens(const ContactPoint& point) {
   return point.event() == ContactPoint::Event::gap && point.contact().presses();
 }
 
+/// What a contact's last step leaves out goes one way, unlike that of those before, and counts as
+/// time the more the slower the bar leaves, so much after first touch. A contact slower than
+/// slowest_part is solved again anyway.
+double weight_of_end(ContactPoint& point, const Episode& contact, double part, double taken,
+                     double end) {
+  const double leaves = -point.struck_at(part).velocity / contact.approach_velocity;
+  return std::max(1.0, taken / ((end - contact.start) * std::max(leaves, slowest_part)));
+}
+
 }  // namespace
 
 CollocationRun::CollocationRun(const Rig& rig, const Solver& solver,
@@ -193,6 +202,11 @@ void CollocationRun::find_events() {
   tried_.part = first;
   for (ContactPoint& point : points_)
     if (point.event_part() > first + coincidence) point.forget_event();
+  if (!bar_.parts_exact()) return;
+  const double taken = first * bar_.step();
+  for (ContactPoint& point : points_)
+    if (opens(point))
+      tried_.error *= weight_of_end(point, log_.episode(point.number()), first, taken, t_ + taken);
 }
 
 /// The step ends where friction in the hinge changes before any other event. False where it should
