@@ -37,6 +37,8 @@ class ContactLog {
   /// A force reached where contacts may pull [N], [s].
   void lowest(double force, double t);
 
+  double lowest_force() const { return lowest_force_; }  ///< of these; zero where none pulled [N]
+
   /// A depth reached; kept when it is the deepest of the stop's episode. Throws std::runtime_error
   /// when it is beyond the range of the elastic law.
   void deepest(int stop, double depth, const ContactTotals& totals, const ContactForce& contact);

@@ -20,6 +20,9 @@ namespace {
 constexpr double much = 0.05;
 // Of two solutions that show what the coarser one errs by, the ratio of their accuracies.
 constexpr double apart = 10.0;
+// Times in a row that they have to agree: where a hinge sticks or not, solutions of a range of
+// accuracies agree on what finer ones find wrong.
+constexpr int agreements = 2;
 constexpr double safety = 3.0;
 constexpr int most_attempts = 5;
 // Of the processor time allowed, what a solution may take that ends with the first contact.
@@ -109,6 +112,13 @@ class FirstContact {
   const SolveFully& solve_;
 };
 
+/// Whether a solution of this accuracy, too, differs from a coarser one by no more than that.
+bool had_settled(const Simulation& run, double accuracy, const FirstContact& first) {
+  const double coarser = std::min(apart * accuracy, Solver::coarsest_accuracy);
+  const std::optional<Simulation> before = first.at(coarser);
+  return before && change_between(*before, run) <= accuracy;
+}
+
 std::string warning_of(double change, const Magnifier& magnifier) {
   const std::string found = change > 0.0 ? fmt::format("changes by {:.1e}", change)
                                          : std::string("could not be shown to stay as it is");
@@ -132,13 +142,13 @@ Simulation solve_until_settled(const Rig& rig, const Solver& solver,
   std::optional<Simulation> before = first.at(coarse);
   std::optional<double> change;
   if (before) change = change_between(*before, run);
-  if (change && *change <= solver.accuracy) return run;
+  if (change && *change <= solver.accuracy && had_settled(*before, coarse, first)) return run;
   double largest = change.value_or(0.0);
-  bool settled = false;
+  int agreed = 0;
 
   Solver used = solver;
   before = first.at(used.accuracy);
-  for (int attempt = 0; before && !settled && attempt < most_attempts; ++attempt) {
+  for (int attempt = 0; before && agreed < agreements && attempt < most_attempts; ++attempt) {
     if (used.accuracy <= Solver::finest_accuracy) break;
     const double wanted = solver.accuracy / (safety * change.value_or(1.0));
     const double finer =
@@ -148,9 +158,10 @@ Simulation solve_until_settled(const Rig& rig, const Solver& solver,
     used.accuracy = finer;
     change = change_between(*before, *after);
     largest = std::max(largest, *change);
-    settled = *change <= solver.accuracy;
+    agreed = *change <= solver.accuracy ? agreed + 1 : 0;
     before = std::move(after);
   }
+  bool settled = agreed == agreements;
   if (used.accuracy < solver.accuracy) {
     used.time_limit = limit.left();
     try {

@@ -27,9 +27,8 @@ constexpr double step_share = 0.1, step_share_of_modes = 1.0;
 // shorter step makes smaller: more caution would keep steps of the full equations short on them.
 constexpr double step_safety = 0.9, step_safety_of_modes = 0.8;
 // A first contact smaller than this part of its scales is to be solved again; or one that ends
-// slower than this part of its approach: errors of the way then count that much more as time. What
-// creeps apart has no end that could be had by any accuracy.
-constexpr double smallest_part = 0.01, slowest_part = 0.1, creeping = 1e-3;
+// slower than this part of its approach: errors of the way then count that much more as time.
+constexpr double smallest_part = 0.01, slowest_part = 0.1;
 // The same where the steps resolve all of the bar's vibration: their ends then err so little that
 // this is below the accuracy anyway, but for what a law does that changes with the rate's sign,
 // which nodes may miss. By this rule 194 contacts of hybrid bars that ended at 0.01 to 0.1 of their
@@ -94,6 +93,15 @@ double farthest(const Rig& rig, const Solver& solver, const ContactPoint& point,
 
 bool opens(const ContactPoint& point) {
   return point.event() == ContactPoint::Event::gap && point.contact().presses();
+}
+
+/// What a contact's last step leaves out goes one way, unlike that of those before, and counts as
+/// time the more the slower the bar leaves, so much after first touch. A contact slower than
+/// slowest_part is solved again anyway.
+double weight_of_end(ContactPoint& point, const Episode& contact, double part, double taken,
+                     double end) {
+  const double leaves = -point.struck_at(part).velocity / contact.approach_velocity;
+  return std::max(1.0, taken / ((end - contact.start) * std::max(leaves, slowest_part)));
 }
 
 }  // namespace
@@ -194,6 +202,11 @@ void CollocationRun::find_events() {
   tried_.part = first;
   for (ContactPoint& point : points_)
     if (point.event_part() > first + coincidence) point.forget_event();
+  if (!bar_.parts_exact()) return;
+  const double taken = first * bar_.step();
+  for (ContactPoint& point : points_)
+    if (opens(point))
+      tried_.error *= weight_of_end(point, log_.episode(point.number()), first, taken, t_ + taken);
 }
 
 /// The step ends where friction in the hinge changes before any other event. False where it should
@@ -485,8 +498,8 @@ bool CollocationRun::ends_far_beyond_contact() const {
 int CollocationRun::next_level() const {
   const double order = rule_.nodes() + 1.0;
   const double safety = bar_.parts_exact() ? step_safety_of_modes : step_safety;
-  const double growth =
-      std::clamp(safety * std::pow(std::max(tried_.error, 1e-12), -1.0 / order), 0.2, 6.0);
+  const double growth = std::clamp(safety * std::pow(std::max(tried_.error, 1e-12), -1.0 / order),
+                                   0.2, StepLadder::largest_growth);
   return bar_.ladder().level_below(
       std::min({growth * bar_.step(), longest_step(), bar_.longest_step()}));
 }
@@ -557,12 +570,26 @@ void CollocationRun::judge(bool solved) {
   done_ = done_ || out_of_time();
 }
 
+/// The contacts that are over stand; throws where none is.
+void CollocationRun::stop_without_headway() {
+  const std::string stopped = fmt::format(
+      "the integration stopped {:g} s after first touch: steps of {:g} s make no headway", t_,
+      bar_.step());
+  if (result_.episodes.empty() || result_.episodes.front().open)
+    throw std::runtime_error(stopped + "; ask for less accuracy");
+  result_.termination = stopped;
+  result_.warnings.push_back(
+      stopped +
+      "; what comes later is not in the result. Ask for less accuracy, or state a shorter "
+      "solver.duration.");
+  done_ = true;
+}
+
 void CollocationRun::take_shorter() {
-  if (level_ >= StepLadder::levels - 1)
-    throw std::runtime_error(
-        fmt::format("the integration stopped {:g} s after first touch: steps of {:g} s make no "
-                    "headway; ask for less accuracy",
-                    t_, bar_.step()));
+  if (level_ >= StepLadder::levels - 1) {
+    stop_without_headway();
+    return;
+  }
   refused_.refuse(level_);
   reject(level_after_rejection(level_));
 }
@@ -721,15 +748,16 @@ double CollocationRun::smallness() const {
   if (smallness_) return *smallness_;
   if (result_.episodes.empty() || result_.episodes.front().open) return 1.0;
   const Episode& first = result_.episodes.front();
-  const double part =
-      std::min(first.impulse / impulse_scale_, first.peak_force / points_.front().force_scale());
+  double part = std::min(std::abs(first.impulse) / impulse_scale_,
+                         first.peak_force / points_.front().force_scale());
+  // of what pulling takes back, pushing may leave next to nothing
+  const double pulled = -log_.lowest_force() * (first.end - first.start);
+  if (pulled > 0.0) part = std::min(part, std::abs(first.impulse) / pulled);
   const double slow = std::abs(first.separation_velocity) / first.approach_velocity;
   const bool smooth = std::ranges::none_of(points_, [](const ContactPoint& point) {
     return point.contact().form() == DampingForm::closing;
   });
-  const double of_end = resolved_ && smooth && slow >= slowest_resolved
-                            ? 1.0
-                            : std::max(slow, creeping) / slowest_part;
+  const double of_end = resolved_ && smooth && slow >= slowest_resolved ? 1.0 : slow / slowest_part;
   return std::min({1.0, part / smallest_part, of_end});
 }
 

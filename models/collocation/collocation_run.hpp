@@ -141,6 +141,7 @@ class CollocationRun {
   bool out_of_time();
   void reject(int level);
   void take_or_land();
+  void stop_without_headway();
   void take_shorter();
 
   const Rig& rig_;

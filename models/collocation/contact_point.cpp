@@ -40,9 +40,11 @@ void ContactPoint::predict_force() {
   const int s = rule_.nodes();
   step_.force.setZero(s);
   if (last_series_.size() == 0 || !contact_.presses()) return;
-  const int terms = std::min(std::max(4, s - 2), 6);
-  step_.force = rule_.values_between(last_series_.head(terms), last_part_,
-                                     last_part_ + bar_.step() / last_h_);
+  const double ahead = bar_.step() / last_h_;
+  // after a step cut to next to nothing, the rounding of its terms would outgrow the force by so
+  // much that Newton's method had none of its digits left
+  const int terms = ahead > StepLadder::largest_growth ? 1 : std::min(std::max(4, s - 2), 6);
+  step_.force = rule_.values_between(last_series_.head(terms), last_part_, last_part_ + ahead);
 }
 
 void ContactPoint::complete() {

@@ -16,6 +16,9 @@ struct StepLadder {
   /// 1e-12 s, and where the law is singular at touch its first step is a millionth of that.
   static constexpr int levels = 200;
 
+  /// Of a step as a multiple of the one before, by its error.
+  static constexpr double largest_growth = 6.0;
+
   double length_of(int level) const { return longest * std::pow(std::numbers::sqrt2, -level); }
 
   /// The longest level not longer than h.

@@ -676,7 +676,8 @@ double ChainMotion<S, Chain, Hold>::error() const {
   });
   const double left =
       end_remainder<S>(across, followed_) + inclination * end_remainder<S>(along, followed_);
-  const bool damped = in_contact_ && damping_ > 0.0;
+  // a swing's vibration is what the damper of its first contact meets
+  const bool damped = (in_contact_ || !touched_) && damping_ > 0.0;
   const double weight = touched_ && !damped && !followed_ ? weight_without_damping : 1.0;
   const double motion = weight * h_ * weight_of_step(h_ / contact_time_) * left / speed_scale_;
   double rate = 0.0;

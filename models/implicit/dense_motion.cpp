@@ -61,6 +61,7 @@ class DenseMotion final : public BarMotion {
     energy_ = beam_.energy(q_, v_);
     lost_ = 0.0;
     last_h_ = 0.0;
+    touched_ = false;
     friction_.start(rate);
     t_ = 0.0;
     angle_at_start_ = angle;
@@ -68,7 +69,10 @@ class DenseMotion final : public BarMotion {
     renew_tangent();
   }
 
-  void expect_contact() override { renew_tangent(); }
+  void expect_contact() override {
+    touched_ = true;
+    renew_tangent();
+  }
 
   void set_scales(const Scales& scales) override {
     speed_scale_ = std::sqrt(2.0 * scales.energy);
@@ -332,6 +336,7 @@ class DenseMotion final : public BarMotion {
   NodeVector hinge_;             // at the stages: its rate, or the moment that holds it
   double speed_scale_ = 1.0, contact_time_ = 1.0, damping_ = 0.0;
   bool pressed_ = false;  // by a stop, over the step
+  bool touched_ = false;  // since the start
 
   double part_ = 0.0;  // of the step, that was looked at last
   Vector q_, v_, end_q_, end_v_, scratch_, here_, there_, moved_, at_q_, at_v_;
@@ -530,7 +535,8 @@ double DenseMotion::error() const {
   const double motion = h_ * weight_of_step(h_ / contact_time_) *
                         end_remainder<S>(squares.array(), followed_) / speed_scale_;
   double rate = 0.0;
-  if (pressed_ && damping_ > 0.0) {
+  // a swing's vibration is what the damper of its first contact meets
+  if ((pressed_ || !touched_) && damping_ > 0.0) {
     const Series struck = to_series_ * (a_.transpose() * to_point_.col(0));
     const double displaced = to_point_.col(0).cwiseAbs().dot(q_.cwiseAbs());
     rate = error_of_rate<S>(struck.array().square(), rounding_of_acceleration(displaced, h_),
