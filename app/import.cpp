@@ -203,12 +203,16 @@ datasets::Record import_at_once(const Options& options, std::vector<Input>& inpu
   const bool many = samples_of(inputs) > most_held;
   std::optional<acquisition::DiskMemory> on_disk;
   if (many) on_disk.emplace(options.output);
+  Progress progress("importing", inputs.size() * (1 + steps.size()), options.common.quiet);
+  const auto forward = [&progress] { progress.add(1); };
   std::vector<datasets::Record> records;
   for (Input& input : inputs) {
     auto sha256 = std::async(std::launch::async, datasets::sha256_of_file, input.path);
     records.push_back(acquisition::read_into_memory(*input.reader, input.wanted));
     records.back().provenance.sha256 = sha256.get();
-    acquisition::apply_steps(steps, records.back(), {}, detection_options(options.detection));
+    forward();
+    acquisition::apply_steps(steps, records.back(), {}, detection_options(options.detection),
+                             forward);
     if (options.average) refuse_same_file(records);
   }
   datasets::Record record;

@@ -219,7 +219,8 @@ class Conditioning {
 }  // namespace
 
 void apply_steps(std::span<const datasets::ConditioningStep> steps, Record& record,
-                 const SensorSet& sensors, const DetectionOptions& detection) {
+                 const SensorSet& sensors, const DetectionOptions& detection,
+                 const std::function<void()>& done) {
   Conditioning conditioning(record, sensors, detection);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     try {
@@ -228,6 +229,7 @@ void apply_steps(std::span<const datasets::ConditioningStep> steps, Record& reco
       throw InputError(whole_file(record.provenance.source_file),
                        fmt::format("conditioning step {}: {}", i + 1, error.what()));
     }
+    if (done) done();
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include "acquisition/conditioning/condition.hpp"
@@ -19,11 +20,12 @@ namespace impactrig::acquisition {
 /// `sensors` are those whose filters a fit accounts for: AlignTo passes each channel through the
 /// other's, so that what it takes off is the delay beside them.
 ///
-/// `detection` says how that impact is looked for.
+/// `detection` says how that impact is looked for. `done` is called after each step.
 ///
 /// Throws datasets::InputError, with the recording as place and the step's number from 1, when a
 /// channel is not there, the impact that a step needs is not found, or a step refuses the channel.
 void apply_steps(std::span<const datasets::ConditioningStep> steps, datasets::Record& record,
-                 const SensorSet& sensors = {}, const DetectionOptions& detection = {});
+                 const SensorSet& sensors = {}, const DetectionOptions& detection = {},
+                 const std::function<void()>& done = {});
 
 }  // namespace impactrig::acquisition

@@ -80,6 +80,15 @@ TEST(ApplySteps, DoesThemInTheirOrder) {
       what, testing::ElementsAre("integrate", "differentiate", "low-pass, zero phase", "resample"));
 }
 
+TEST(ApplySteps, TellsOfEachThatIsDone) {
+  Record record = shot();
+  std::vector<std::size_t> edits;
+  const std::vector<ConditioningStep> steps = {{"force", datasets::RemoveBaseline{}},
+                                               {"*", datasets::LowPass{100e3, 4}}};
+  apply_steps(steps, record, {}, {}, [&] { edits.push_back(record.provenance.edits.size()); });
+  EXPECT_EQ(edits, (std::vector<std::size_t>{1, 3}));
+}
+
 TEST(ApplySteps, WarnsOfAPeakThatALowPassLowers) {
   Record record = shot();
   apply_steps(std::vector<ConditioningStep>{{"force", datasets::LowPass{100e3, 4}}}, record);
