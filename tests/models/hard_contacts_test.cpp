@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 #include "models/collocation/collocation_run.hpp"
 #include "models/modal/modal_motion.hpp"
 #include "models/settled_solution.hpp"
 #include "models/simulation.hpp"
+#include "tests/models/round_bar.hpp"
 #include "tests/models/scenes.hpp"
 
 namespace {
@@ -23,14 +23,6 @@ using namespace impactrig::tests;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
-
-Beam round_bar(double length, double radius, double youngs_modulus, double density) {
-  return {.length = length,
-          .area = std::numbers::pi * radius * radius,
-          .second_moment = std::numbers::pi * std::pow(radius, 4) / 4.0,
-          .youngs_modulus = youngs_modulus,
-          .density = density};
-}
 
 /// Largest relative difference of the first contacts' peak force, duration and impulse.
 double difference(const Simulation& run, const Simulation& finer) {

@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "models/settled_solution.hpp"
 #include "models/simulation.hpp"
+#include "tests/models/round_bar.hpp"
 #include "tests/models/scenes.hpp"
 
 namespace {
@@ -19,14 +19,6 @@ using namespace impactrig::models;
 using namespace impactrig::tests;
 using testing::Contains;
 using testing::HasSubstr;
-
-Beam round_bar(double length, double radius, double youngs_modulus, double density) {
-  return {.length = length,
-          .area = std::numbers::pi * radius * radius,
-          .second_moment = std::numbers::pi * std::pow(radius, 4) / 4.0,
-          .youngs_modulus = youngs_modulus,
-          .density = density};
-}
 
 Beam tube(double length, double radius, double wall, double youngs_modulus, double density) {
   Beam beam = round_bar(length, radius, youngs_modulus, density);
