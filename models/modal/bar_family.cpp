@@ -27,8 +27,11 @@ double distance(const ModalBeam& here, const ModalBeam& there) {
   const auto apart = [](const auto& a, const auto& b) {
     return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff();
   };
-  const double of_frequency =
-      (here.omega() - there.omega()).cwiseQuotient(there.omega()).cwiseAbs().maxCoeff();
+  constexpr double none = 1e-300;  // [rad/s], of a pendulum without weight
+  const double of_frequency = (here.omega() - there.omega())
+                                  .cwiseQuotient(there.omega().cwiseMax(none))
+                                  .cwiseAbs()
+                                  .maxCoeff();
   return std::max({of_frequency, apart(here.struck(), there.struck()),
                    apart(here.rigid(), there.rigid()),
                    apart(here.stations().slopes, there.stations().slopes)});

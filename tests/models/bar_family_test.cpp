@@ -113,6 +113,15 @@ TEST(BarTable, GivesTheStepsOfBarsBetween) {
   }
 }
 
+TEST(BarTable, KnowsBarsWithoutWeight) {
+  const Solver solver = hybrid(Basis::pinned_free, 5, 1e-6, 1e-3);
+  Rig rig = bar_of_stiffness(1.0);
+  rig.gravity = 0.0;
+  const BarTable table(representative_bar(rig, solver), 1.0);
+  EXPECT_TRUE(table.knows_modes());
+  EXPECT_TRUE(table.knows_step(Collocation::of(8), 9));
+}
+
 // A bar so slack that its weight holds it like its stiffness: four bars are too few for what lies
 // between, and it is solved by itself.
 TEST(BarTable, KnowsNothingOfSlackBars) {
