@@ -677,8 +677,8 @@ bool CollocationRun::out_of_time() {
     throw std::runtime_error(
         fmt::format("{}, before the first contact was over. {}", reached, remedy));
   result_.termination = reached;
-  result_.warnings.push_back(
-      fmt::format("{}; what comes later is not in the result. {}", reached, remedy));
+  result_.warnings.push_back(fmt::format("{}; what comes later{} is not in the result. {}", reached,
+                                         rig_.stop ? ", be it more in the sensor," : "", remedy));
   return true;
 }
 
@@ -694,11 +694,15 @@ bool CollocationRun::ends_early() {
     return false;
   }
   if (solver_.duration) return false;
-  if (free() && left_for_good(rig_, elastic_reach_, bar_.rigid_part(), bar_.energy())) {
+  const bool left = free() && left_for_good(rig_, elastic_reach_, bar_.rigid_part(), bar_.energy());
+  if (left && !bar_.sensor_may_rise()) {
     result_.termination = "the bar has left the stop for good";
     return true;
   }
-  if (tried_.end == End::run) {
+  if (tried_.end == End::run && left) {
+    result_.termination = fmt::format("{:g} s after first touch the bar had left the stop for good",
+                                      longest_default_run);
+  } else if (tried_.end == End::run) {
     result_.termination = fmt::format(
         "{:g} s after first touch the bar was still within reach of the stop", longest_default_run);
     result_.warnings.push_back(
@@ -767,6 +771,11 @@ Simulation CollocationRun::conclude() {
     result_.cost.evaluations += point.evaluations();
   }
   log_.conclude(t_, damped_, bar_.energy(), bar_.rigid_part());
+  if (free() && !result_.episodes.empty() && bar_.sensor_may_rise())
+    result_.warnings.push_back(
+        fmt::format("the run ended {:.4g} s after first touch, before the sensor carried most; "
+                    "state a longer solver.duration to see that.",
+                    t_));
   result_.cost.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
   return std::move(result_);

@@ -199,9 +199,9 @@ Rig bar_that_hangs_longer(double speed) {
 }
 
 // So slow a touch is a linear one: force and impulse are in proportion to its speed, below 1e-5 m/s
-// to 1e-11, and takes the same steps. Rounding of the length by which the bar hangs longer was taken
-// for rounding of how it moves across: errors as small as that were not held against a step, and
-// forces deviated by up to 1.5e-7 from one another.
+// to 1e-11, and takes the same steps. Rounding of the length by which the bar hangs longer was
+// taken for rounding of how it moves across: errors as small as that were not held against a step,
+// and forces deviated by up to 1.5e-7 from one another.
 TEST(HardContact, ForcesOfSlowTouchesAreInProportionToTheirSpeed) {
   SimulationOptions exact;
   exact.exact = true;
