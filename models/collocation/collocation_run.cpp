@@ -366,6 +366,13 @@ void CollocationRun::set_scales() {
   impulse_scale_ =
       2.0 / approach_ *
       std::min({energy_scale_, most_of_local * scales.energy, first.force_scale() * first.depth()});
+  // of a force that rises from none
+  impulse_scale_ *= std::pow(share_of_contact(), 2);
+}
+
+/// Of the time of the first contact, what a run sees that is cut before.
+double CollocationRun::share_of_contact() const {
+  return std::min(1.0, solver_.duration.value_or(contact_time_) / contact_time_);
 }
 
 /// A bar that moves so much faster than at first touch, as after a long swing, that errors count by
@@ -548,7 +555,7 @@ void CollocationRun::leave_events(int& next) {
   for (ContactPoint& point : points_)
     if (leave_event(point)) first = std::min(first, point.first_step());
   if (!std::isfinite(first)) return;
-  next = bar_.ladder().level_below(first);
+  next = bar_.ladder().level_below(share_of_contact() * first);
   refused_.forget();
 }
 
@@ -737,7 +744,7 @@ void CollocationRun::begin() {
     touch(point);
     first = std::min(first, point.first_step());
   }
-  level_ = bar_.ladder().level_below(first);
+  level_ = bar_.ladder().level_below(share_of_contact() * first);
 }
 
 void CollocationRun::complete() {
