@@ -6,8 +6,9 @@
 // solved in a child process of limited processor time and memory, then solved again 30 times as
 // accurately. Some have further stops. An answer is sound when every number in it is finite,
 // contacts follow each other, no force pulls, the energy balances or a warning says that it does
-// not, and when peak force, duration and impulse of the first contact agree with the second run
-// within the accuracy asked for. Exit status 1 when a scene fails.
+// not, and when peak force, duration and impulse of the first contact, and the largest force in the
+// sensor of a stop that gives way, agree with the second run within the accuracy asked for. Exit
+// status 1 when a scene fails.
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -94,26 +95,29 @@ struct Outcome {
   double accuracy = 0.0, imbalance = 0.0;
   double peak = 0.0, duration = 0.0,
          impulse = 0.0;  ///< of the first contact, finer run less this one, relative
+  double sensor = 0.0;   ///< likewise, of what the sensor of a stop that gives way carries at most
   double seconds = 0.0;
   long evaluations = 0, contacts = 0;
   bool small_motion = false;
   bool cut_short = false;  ///< by solver.time_limit
 
-  double error() const { return std::max({peak, duration, impulse}); }
+  double error() const { return std::max({peak, duration, impulse, sensor}); }
 };
 
 Json to_json(const Outcome& o) {
-  return {{"scene", o.number},
-          {"kind", kind_names[static_cast<std::size_t>(o.kind)]},
-          {"sentence", o.sentence},
-          {"accuracy", o.accuracy},
-          {"energy_imbalance", o.imbalance},
-          {"difference", {{"peak", o.peak}, {"duration", o.duration}, {"impulse", o.impulse}}},
-          {"solve_s", o.seconds},
-          {"evaluations", o.evaluations},
-          {"contacts", o.contacts},
-          {"small_motion", o.small_motion},
-          {"cut_short", o.cut_short}};
+  return {
+      {"scene", o.number},
+      {"kind", kind_names[static_cast<std::size_t>(o.kind)]},
+      {"sentence", o.sentence},
+      {"accuracy", o.accuracy},
+      {"energy_imbalance", o.imbalance},
+      {"difference",
+       {{"peak", o.peak}, {"duration", o.duration}, {"impulse", o.impulse}, {"sensor", o.sensor}}},
+      {"solve_s", o.seconds},
+      {"evaluations", o.evaluations},
+      {"contacts", o.contacts},
+      {"small_motion", o.small_motion},
+      {"cut_short", o.cut_short}};
 }
 
 Outcome from_json(const Json& json) {
@@ -128,6 +132,7 @@ Outcome from_json(const Json& json) {
   o.peak = number(json.at("difference").at("peak"));
   o.duration = number(json.at("difference").at("duration"));
   o.impulse = number(json.at("difference").at("impulse"));
+  o.sensor = number(json.at("difference").at("sensor"));
   o.seconds = json.at("solve_s");
   o.evaluations = json.at("evaluations");
   o.contacts = json.at("contacts");
@@ -229,12 +234,22 @@ void judge_alone(const models::Simulation& run, bool may_pull, Outcome& outcome)
     outcome.kind = Kind::not_finite;
   } else if (!(outcome.sentence = unsound(run, may_pull)).empty()) {
     outcome.kind = Kind::unsound;
-  } else if (warns_of(run, "energy does not balance") || warns_of(run, "the first contact ")) {
+  } else if (warns_of(run, "energy does not balance") || warns_of(run, "the first contact ") ||
+             warns_of(run, "the sensor carries most")) {
     outcome.kind = Kind::warned;
   } else if (!(std::abs(outcome.imbalance) <= 10.0 * run.solver.accuracy + 1e-10)) {
     outcome.kind = Kind::energy;
     outcome.sentence = fmt::format("energy imbalance {:.2g}", outcome.imbalance);
   }
+}
+
+/// Of the largest forces in the sensor; none where a run was cut before it, or says that it is not
+/// known.
+double sensor_difference(const models::Simulation& run, const models::Simulation& fine) {
+  if (!run.sensor || warns_of(run, "solver.time_limit") || warns_of(fine, "solver.time_limit") ||
+      warns_of(run, "the sensor carries most"))
+    return 0.0;
+  return std::abs(run.sensor->peak_force / fine.sensor->peak_force - 1.0);
 }
 
 void judge_against(const models::Simulation& run, const models::Simulation& fine,
@@ -245,6 +260,7 @@ void judge_against(const models::Simulation& run, const models::Simulation& fine
   outcome.peak = difference(a.peak_force, b.peak_force);
   outcome.duration = difference(a.end, b.end);
   outcome.impulse = difference(a.impulse, b.impulse);
+  outcome.sensor = sensor_difference(run, fine);
   if (outcome.error() <= (1.0 + 1.0 / finer) * outcome.accuracy) return;
   if (warns_of(run, "the first contact ")) return;  // that it may be so far off
   if (warns_of(fine, "the first contact ")) {
@@ -254,8 +270,9 @@ void judge_against(const models::Simulation& run, const models::Simulation& fine
   }
   outcome.kind = Kind::not_converged;
   outcome.sentence = fmt::format(
-      "first contact off by {:.1e} (peak), {:.1e} (duration), {:.1e} (impulse) at accuracy {:.1e}",
-      outcome.peak, outcome.duration, outcome.impulse, outcome.accuracy);
+      "first contact off by {:.1e} (peak), {:.1e} (duration), {:.1e} (impulse), sensor by "
+      "{:.1e} at accuracy {:.1e}",
+      outcome.peak, outcome.duration, outcome.impulse, outcome.sensor, outcome.accuracy);
 }
 
 /// The process is killed after this long at work [s]: other work on the machine does not count.

@@ -19,6 +19,7 @@
 #include "models/sensitivities/full_sensitivities.hpp"
 #include "models/settled_solution.hpp"
 #include "models/solved_to_size.hpp"
+#include "models/stop/sensor_peak.hpp"
 #include "models/stop/stopped_motion.hpp"
 #include "models/time_limit.hpp"
 
@@ -284,6 +285,16 @@ Simulation simulate_full_equations(const Rig& rig, const Solver& solver,
   return result;
 }
 
+/// In small motion where that will do, else by the full equations.
+Simulation solve(const Rig& rig, const Solver& solver, const SimulationOptions& options) {
+  if (std::optional<Simulation> result = try_small_motion(rig, solver, options))
+    return *std::move(result);
+  return solve_until_settled(rig, solver, options,
+                             [&](const Solver& used, const SimulationOptions& asked) {
+                               return simulate_full_equations(rig, used, asked);
+                             });
+}
+
 }  // namespace
 
 bool allows(const SimulationOptions& options, Simplification simplification) {
@@ -312,14 +323,15 @@ bool allows_small_motion(const Rig& rig, const SimulationOptions& options) {
 
 Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOptions& options) {
   validate(rig, solver);
-  std::optional<Simulation> result = try_small_motion(rig, solver, options);
-  if (!result)
-    result = solve_until_settled(rig, solver, options,
-                                 [&](const Solver& used, const SimulationOptions& asked) {
-                                   return simulate_full_equations(rig, used, asked);
-                                 });
-  tell_swing(rig, options, *result);
-  return *std::move(result);
+  const TimeLimit limit(solver.time_limit);
+  Simulation result = solve(rig, solver, options);
+  if (options.judge_small_motion)
+    confirm_sensor_peak(
+        solver, options, limit.left(),
+        [&](const Solver& used, const SimulationOptions& asked) { return solve(rig, used, asked); },
+        result);
+  tell_swing(rig, options, result);
+  return result;
 }
 
 }  // namespace impactrig::models

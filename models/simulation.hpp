@@ -221,7 +221,8 @@ struct SimulationOptions {
   /// they are not known. Without a stop they are those of the history.
   std::vector<RigParameter> sensitivities = {};
   /// Estimate what small motion neglects. For callers that know it, with Motion::small, which takes
-  /// that whatever it is: false saves half of a run, and Simulation::neglected is 0.
+  /// that whatever it is: false saves half of a run, and Simulation::neglected is 0. Nor is a
+  /// sensor's largest force confirmed then (models/stop/sensor_peak.hpp).
   bool judge_small_motion = true;
 };
 

@@ -90,6 +90,9 @@ class BarMotion {
   virtual BeamEnergy energy() const = 0;
   virtual RigidPart rigid_part() const = 0;
 
+  /// Whether the sensor of a stop that gives way, pressed no more, may yet carry more than it has.
+  virtual bool sensor_may_rise() const { return false; }
+
   /// Of the point before the first stop, the swing apart [m/N].
   virtual double elastic_compliance() const = 0;
 

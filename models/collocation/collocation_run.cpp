@@ -366,6 +366,13 @@ void CollocationRun::set_scales() {
   impulse_scale_ =
       2.0 / approach_ *
       std::min({energy_scale_, most_of_local * scales.energy, first.force_scale() * first.depth()});
+  // of a force that rises from none
+  impulse_scale_ *= std::pow(share_of_contact(), 2);
+}
+
+/// Of the time of the first contact, what a run sees that is cut before.
+double CollocationRun::share_of_contact() const {
+  return std::min(1.0, solver_.duration.value_or(contact_time_) / contact_time_);
 }
 
 /// A bar that moves so much faster than at first touch, as after a long swing, that errors count by
@@ -548,7 +555,7 @@ void CollocationRun::leave_events(int& next) {
   for (ContactPoint& point : points_)
     if (leave_event(point)) first = std::min(first, point.first_step());
   if (!std::isfinite(first)) return;
-  next = bar_.ladder().level_below(first);
+  next = bar_.ladder().level_below(share_of_contact() * first);
   refused_.forget();
 }
 
@@ -677,8 +684,8 @@ bool CollocationRun::out_of_time() {
     throw std::runtime_error(
         fmt::format("{}, before the first contact was over. {}", reached, remedy));
   result_.termination = reached;
-  result_.warnings.push_back(
-      fmt::format("{}; what comes later is not in the result. {}", reached, remedy));
+  result_.warnings.push_back(fmt::format("{}; what comes later{} is not in the result. {}", reached,
+                                         rig_.stop ? ", be it more in the sensor," : "", remedy));
   return true;
 }
 
@@ -694,11 +701,15 @@ bool CollocationRun::ends_early() {
     return false;
   }
   if (solver_.duration) return false;
-  if (free() && left_for_good(rig_, elastic_reach_, bar_.rigid_part(), bar_.energy())) {
+  const bool left = free() && left_for_good(rig_, elastic_reach_, bar_.rigid_part(), bar_.energy());
+  if (left && !bar_.sensor_may_rise()) {
     result_.termination = "the bar has left the stop for good";
     return true;
   }
-  if (tried_.end == End::run) {
+  if (tried_.end == End::run && left) {
+    result_.termination = fmt::format("{:g} s after first touch the bar had left the stop for good",
+                                      longest_default_run);
+  } else if (tried_.end == End::run) {
     result_.termination = fmt::format(
         "{:g} s after first touch the bar was still within reach of the stop", longest_default_run);
     result_.warnings.push_back(
@@ -733,7 +744,7 @@ void CollocationRun::begin() {
     touch(point);
     first = std::min(first, point.first_step());
   }
-  level_ = bar_.ladder().level_below(first);
+  level_ = bar_.ladder().level_below(share_of_contact() * first);
 }
 
 void CollocationRun::complete() {
@@ -767,6 +778,11 @@ Simulation CollocationRun::conclude() {
     result_.cost.evaluations += point.evaluations();
   }
   log_.conclude(t_, damped_, bar_.energy(), bar_.rigid_part());
+  if (free() && !result_.episodes.empty() && bar_.sensor_may_rise())
+    result_.warnings.push_back(
+        fmt::format("the run ended {:.4g} s after first touch, before the sensor carried most; "
+                    "state a longer solver.duration to see that.",
+                    t_));
   result_.cost.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
   return std::move(result_);

@@ -117,6 +117,7 @@ class CollocationRun {
   bool land_on_event();
   double speed_before(const ContactPoint& point) const;
   void set_scales();
+  double share_of_contact() const;
   void grow_scales();
   void limit_steps();
   void first_touch();

@@ -662,13 +662,13 @@ double ChainMotion<S, Chain, Hold>::error() const {
   map({.map = to_series_.data(), .in = a_.data(), .out = series_.data()});
   Lanes across = Lanes::Zero(), along = Lanes::Zero();
   double inclination = 0.0;  // its sine, 1 beyond a right angle
-  double displaced = 0.0;    // nodes, at most [m]
+  double displaced = 0.0;    // nodes across the bar where they are, at most [m]
   BarDirection bar;
   chain_.for_each_pair([&](int k, int beside, int node) {
     if (k == node) {
       bar = Chain::direction(q_, node);
       inclination = std::max(inclination, bar.cosine > 0.0 ? std::abs(bar.sine) : 1.0);
-      displaced = std::max({displaced, std::abs(q_[k]), std::abs(q_[beside])});
+      displaced = std::max({displaced, std::abs(q_[k]), std::abs(bar.sine * q_[beside])});
     }
     const Lanes x = series_.col(k), u = series_.col(beside);
     across += chain_.inertia()[k] * (bar.cosine * x + bar.sine * u).square();

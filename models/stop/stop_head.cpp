@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include "models/integration/gauss.hpp"
 
@@ -62,9 +63,24 @@ double StopHead::energy(const State& state) const {
                 stiffness_ * state.displacement * state.displacement);
 }
 
+/// k x + c ẋ obeys the head's own equation, so that it moves on as x does: what it is and its rate
+/// tell its next maximum, and those that follow are lower.
 double StopHead::largest_free_force(const State& state) const {
-  const double stored = 2.0 * energy(state);
-  return std::sqrt(stiffness_ * stored) + viscous_ * std::sqrt(stored / mass_);
+  const State force{sensor_force(state), sensor_rate(state, 0.0)};
+  const double square = stiffness_ / mass_;
+  double time = 0.0;
+  if (square_ > 0.0 && root_ > 1e-6 * fastest_) {
+    const double turned =
+        std::atan2(root_ * force.velocity, decay_ * force.velocity + square * force.displacement);
+    time = (turned >= 0.0 ? turned : turned + 2.0 * std::numbers::pi) / root_;
+  } else if (force.velocity > 0.0) {
+    // Ṡ / S = ω² F / Ḟ there, and that is ρ coth ρt − γ
+    const double slope = square * force.displacement / force.velocity + decay_;
+    if (!(slope > root_)) return std::max(force.displacement, 0.0);  // it rises to none
+    const double part = root_ / slope;
+    time = part > 1e-6 ? std::atanh(part) / root_ : 1.0 / slope;
+  }
+  return std::max(force.displacement, coasted(force, time).displacement);
 }
 
 HeadStep::Transition HeadStep::transition(const StopHead& head, double t) {

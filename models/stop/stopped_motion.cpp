@@ -224,9 +224,13 @@ bool StoppedMotion::note_between(const Look& from, const Look& to) {
   return true;
 }
 
+bool StoppedMotion::sensor_may_rise() const {
+  return head_.largest_free_force(state_) > (1.0 + 1e-12) * sensor_.peak_force;
+}
+
 /// A free head rings lower and lower: its first maximum is its largest.
 void StoppedMotion::observe_free(double part) {
-  if (head_.largest_free_force(state_) <= (1.0 + 1e-12) * sensor_.peak_force) return;
+  if (!sensor_may_rise()) return;
   const double spacing = look_phase / (head_.fastest() * step());
   Look before = look_at(0.0, state_);
   while (before.place < part) {

@@ -37,6 +37,8 @@ class StoppedMotion final : public BarMotion {
 
   RigidPart rigid_part() const override { return bar_.rigid_part(); }
 
+  bool sensor_may_rise() const override;
+
   double elastic_compliance() const override { return bar_.elastic_compliance() + compliance_; }
 
   void expect_contact() override;

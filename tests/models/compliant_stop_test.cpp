@@ -10,10 +10,12 @@
 #include <complex>
 #include <functional>
 #include <numbers>
+#include <stdexcept>
 
 #include "models/contact/contact_force.hpp"
 #include "models/integration/dop853.hpp"
 #include "models/simulation.hpp"
+#include "models/stop/sensor_peak.hpp"
 #include "models/stop/stop_head.hpp"
 #include "tests/models/scenes.hpp"
 #include "tests/support/convergence_study.hpp"
@@ -22,7 +24,9 @@ namespace {
 
 using namespace impactrig::models;
 using namespace impactrig::tests;
+using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
 using Function = std::function<double(double)>;
 
@@ -87,6 +91,28 @@ TEST(StopHead, KnowsNoResponseToAStepTooLong) {
   const StopHead head({.mass = 1.0, .stiffness = 1e8, .viscous = 0.0});
   EXPECT_TRUE(HeadStep(head, Collocation::of(8), 0.029).responds());
   EXPECT_FALSE(HeadStep(head, Collocation::of(8), 0.031).responds());
+}
+
+// Against the highest of 20000 looks at the motion itself, each a thousandth later than the last.
+// They miss half the square of a thousandth of a period, 2e-5 of it.
+TEST(StopHead, KnowsTheLargestForceOfItsFreeMotion) {
+  for (const double ratio : {0.0, 0.05, 0.7, 0.999999, 1.0, 1.000001, 3.0, 50.0}) {
+    Stop stop{.mass = 0.07, .stiffness = 3e8};
+    const double omega = std::sqrt(stop.stiffness / stop.mass);
+    stop.viscous = 2.0 * ratio * stop.mass * omega;
+    const StopHead head(stop);
+    for (int k = 0; k < 16; ++k) {
+      const double angle = 2.0 * std::numbers::pi * (k + 0.3) / 16.0;
+      const StopHead::State state{std::cos(angle), omega * std::sin(angle)};
+      double largest = std::max(head.sensor_force(state), 0.0);
+      double time = 1e-6 / head.fastest();
+      for (int i = 0; i < 20000; ++i, time *= 1.001)
+        largest = std::max(largest, head.sensor_force(head.coasted(state, time)));
+      SCOPED_TRACE(testing::Message() << "ratio " << ratio << ", " << k);
+      const double scale = stop.stiffness * (1.0 + 2.0 * ratio);
+      EXPECT_NEAR(std::max(head.largest_free_force(state), 0.0), largest, 2e-5 * scale);
+    }
+  }
 }
 
 Rig sprung(double stiffness, const Stop& stop) {
@@ -477,6 +503,128 @@ TEST(CompliantStop, MeetsTheBarAgain) {
            std::numbers::pi / omega, 1.5 * std::numbers::pi / omega);
   EXPECT_NEAR(run.episodes[1].start / meeting, 1.0, 0.05);
   EXPECT_LT(std::abs(run.energy.imbalance), 1e-8);
+}
+
+/// A head so light that it flies off at first touch and meets the bar again, several times, until
+/// both sink in upon its spring.
+Rig light_head_on_a_soft_spring(double speed) {
+  Rig rig = sprung(1e8, {.mass = 1e-4, .stiffness = 2e5, .viscous = 1.0});
+  rig.contact.damping = "lankarani-nikravesh";
+  rig.contact.restitution = 0.3;
+  rig.start.velocity = speed;
+  rig.gravity = 9.81;
+  return rig;
+}
+
+// Small motion was judged by its first contact alone, microseconds in which the bar hardly turns,
+// and was off by 29 times this accuracy in what the sensor carries a thousand times later.
+TEST(CompliantStop, SmallMotionIsJudgedByWhatTheSensorCarriesLater) {
+  const double accuracy = 1e-7;
+  const auto run = [](double speed, double asked, Motion motion) {
+    SimulationOptions options;
+    options.motion = motion;
+    Solver solver = rigid(asked);
+    solver.duration = 6e-3;
+    return simulate(light_head_on_a_soft_spring(speed), solver, options);
+  };
+  const Simulation full = run(40.0, 1e-10, Motion::full), small = run(40.0, 1e-10, Motion::small);
+  ASSERT_GT(full.episodes.size(), 2U);
+  ASSERT_GT(full.sensor->peak_time, 100.0 * full.episodes.front().end);
+  const double error = std::abs(small.sensor->peak_force / full.sensor->peak_force - 1.0);
+  EXPECT_GE(small.neglected, error);
+  const Simulation chosen = run(40.0, accuracy, Motion::by_accuracy);
+  EXPECT_NEAR(chosen.sensor->peak_force / full.sensor->peak_force, 1.0, accuracy);
+  EXPECT_TRUE(run(0.1, 1e-5, Motion::by_accuracy).small_motion);
+}
+
+/// Ten times as heavy as the bar, which leaves long before its sensor carries most.
+Rig heavy_head() {
+  Rig rig = sprung(1e8, {});
+  rig.stop = Stop{.mass = 10.0 * effective_mass(rig), .stiffness = 1e5, .viscous = 40.0};
+  return rig;
+}
+
+// Its sensor's peak was 0.3 of what a longer run has: the run ended when the bar had left.
+TEST(CompliantStop, ARunThatChoosesItsEndSeesTheSensorsLargestForce) {
+  const Rig rig = heavy_head();
+  for (const Bar& bar : bars(1e-6, 0.05)) {
+    SCOPED_TRACE(bar.name);
+    SimulationOptions options;
+    options.motion = bar.motion;
+    Solver free = bar.solver;
+    free.duration.reset();
+    const Simulation longer = simulate(rig, bar.solver, options);
+    const Simulation run = simulate(rig, free, options);
+    EXPECT_EQ(run.termination, "the bar has left the stop for good");
+    EXPECT_LT(run.duration, 0.03);
+    EXPECT_NEAR(run.sensor->peak_force / longer.sensor->peak_force, 1.0, 2e-6);
+    EXPECT_THAT(run.warnings, Not(Contains(HasSubstr("before the sensor carried most"))));
+    EXPECT_THAT(longer.warnings, Not(Contains(HasSubstr("before the sensor carried most"))));
+    free.duration = 0.005;
+    EXPECT_THAT(simulate(rig, free, options).warnings,
+                Contains(HasSubstr("the run ended 0.005 s after first touch, before the sensor "
+                                   "carried most; state a longer solver.duration")));
+  }
+}
+
+/// What a run of two contacts before a stop that gives way may come to.
+Simulation carried(double peak, double time) {
+  Simulation run;
+  run.sensor = SensorForce{.peak_force = peak, .peak_time = time};
+  run.episodes = {{.start = 0.0, .end = 1.0}, {.start = 2.0, .end = 3.0}};
+  run.duration = 4.0;
+  return run;
+}
+
+TEST(SensorPeak, IsConfirmedBeyondASecondTouchAlone) {
+  Solver solver = rigid(1e-5);
+  long calls = 0;
+  const auto warnings = [&](double time, double other) {
+    Simulation run = carried(100.0, time);
+    confirm_sensor_peak(
+        solver, {}, 1.0,
+        [&](const Solver& again, const SimulationOptions&) {
+          ++calls;
+          EXPECT_DOUBLE_EQ(again.accuracy, 1e-4);
+          EXPECT_DOUBLE_EQ(*again.duration, 1.1 * time);
+          EXPECT_EQ(again.time_limit, 1.0);
+          return carried(other, time);
+        },
+        run);
+    return run.warnings;
+  };
+  EXPECT_THAT(warnings(1.5, 0.0), testing::IsEmpty());
+  EXPECT_EQ(calls, 0);
+  EXPECT_THAT(warnings(2.5, 100.009), testing::IsEmpty());
+  EXPECT_EQ(calls, 1);
+  EXPECT_THAT(
+      warnings(2.5, 103.0),
+      testing::ElementsAre(
+          "the sensor carries most, 100 N, 2.5 s after first touch, in contact 2, and that changes "
+          "by 3.0e-02 when it is solved 10 times less accurately: each contact magnifies the "
+          "errors "
+          "of those before it. What it carries up to 2 s, when the second begins, does not depend "
+          "on them; state such a solver.duration, or damp contact or stop."));
+}
+
+TEST(SensorPeak, ThatCannotBeConfirmedIsToldOf) {
+  const auto warnings = [](double time_left, const SolveRig& solve) {
+    Simulation run = carried(100.0, 2.5);
+    confirm_sensor_peak(rigid(1e-5), {}, time_left, solve, run);
+    return run.warnings;
+  };
+  const auto late = [](const Solver&, const SimulationOptions&) -> Simulation {
+    throw std::runtime_error("solver.time_limit");
+  };
+  const auto cut = [](const Solver&, const SimulationOptions&) {
+    Simulation run = carried(100.0, 2.4);
+    run.duration = 2.4;
+    return run;
+  };
+  const auto told = testing::ElementsAre(HasSubstr("could not be solved again to see how far"));
+  EXPECT_THAT(warnings(1.0, late), told);
+  EXPECT_THAT(warnings(1.0, cut), told);
+  EXPECT_THAT(warnings(-0.1, late), told);
 }
 
 // A run that chooses its end sees every contact of a longer one: the head, swung in far, may still
