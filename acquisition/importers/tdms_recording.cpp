@@ -159,10 +159,37 @@ class Recording {
     return first;
   }
 
+  /// The raw numbers that the scales need beside those they begin with; `scaling` has a problem
+  /// where they are not there.
+  static std::vector<StoredNumbers> others_of(const Part& of, const TdmsSource& source,
+                                              TdmsScaling& scaling) {
+    std::vector<StoredNumbers> others;
+    for (const std::uint32_t id : scaling.others) {
+      if (!scaling.problem.empty()) return {};
+      const auto found = std::ranges::find(of.part->sources, id, &TdmsSource::id);
+      if (found == of.part->sources.end())
+        scaling.problem =
+            source.id == TdmsScaling::raw_data
+                ? fmt::format("its scale {} is announced and not there", id)
+                : fmt::format("its scales need the raw signal {}, which is not there", id);
+      else if (found->bit >= 0 || source.bit >= 0)
+        scaling.problem = "its scales join digital lines";
+      else if (found->imaginary.size() > 0)
+        scaling.problem = "its numbers are complex";
+      else if (found->numbers.size() != source.numbers.size())
+        scaling.problem = fmt::format("its raw signals have {} and {} values",
+                                      source.numbers.size(), found->numbers.size());
+      else
+        others.push_back(found->numbers);
+    }
+    return others;
+  }
+
   void set_numbers(const Part& of, Channel& channel, StoredChannel& stored) {
     if (of.part->sources.empty()) return;
     TdmsScaling scaling = scaling_of(of);
     const TdmsSource* const source = source_of(of, scaling);
+    std::vector<StoredNumbers> others = others_of(of, *source, scaling);
     if (scaling.problem.empty() && source->imaginary.size() > 0 && !scaling.what.empty())
       scaling.problem = "its numbers are complex";
     stored.samples = source->numbers;
@@ -173,8 +200,11 @@ class Recording {
                        channel.unit.empty() ? "" : fmt::format(" '{}'", channel.unit),
                        scaling.problem));
       channel.unit.clear();
+    } else if (!others.empty()) {
+      stored.others = std::move(others);
+      stored.joining = std::move(scaling.function);
     } else if (scaling.function) {
-      function = scaling.function;
+      function = [scale = std::move(scaling.function)](std::span<double> x) { scale(x, {}); };
     } else {
       channel.scale = scaling.scale;
       channel.offset = scaling.offset;
@@ -315,7 +345,7 @@ class Recording {
   /// that have a clock.
   void take_times(std::size_t t, const std::vector<std::size_t>& channels, bool all) {
     const std::uint64_t n = stored_[t].samples.size();
-    if (n == 0 || stored_[t].imaginary.size() > 0) return;
+    if (n == 0 || stored_[t].imaginary.size() > 0 || stored_[t].joining) return;
     const Channel& times = record_.channels[t];
     double factor = 1.0;
     if (times.unit != "s" && !is_time_stamps(t)) {  // those are in s, whatever is said of them
