@@ -39,7 +39,7 @@ constexpr auto table = std::to_array<Importer>({
     {"keysight-bin", "Agilent and Keysight waveforms (.bin)", recognises_keysight_bin,
      open_keysight_bin},                                                            //
     {"rigol-bin", "Rigol waveforms (.bin)", recognises_rigol_bin, open_rigol_bin},  //
-    {"rigol-wfm", "Rigol DS1000Z and DS1000E/D waveform (.wfm)", recognises_rigol_wfm,
+    {"rigol-wfm", "Rigol DS1000Z, DS1000E/D and DS2000 waveform (.wfm)", recognises_rigol_wfm,
      open_rigol_wfm},                                                                 //
     {"catman", "HBM catman binary export (.bin)", recognises_catman, open_catman},    //
     {"imc-raw", "imc FAMOS raw file (.raw .dat)", recognises_imc_raw, open_imc_raw},  //
