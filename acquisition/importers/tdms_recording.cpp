@@ -8,7 +8,6 @@
 #include <functional>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -69,7 +68,6 @@ class Recording {
     take_stated_units(options_.units, file_->path(), record_);
     set_uniform_clocks();
     set_clocks_by_channels();
-    tell_same_names();
   }
 
   /// A part of a channel, which is a channel of the record.
@@ -387,16 +385,6 @@ class Recording {
       warn(
           fmt::format("no other channel of its group has as many values as '{}': it gives no times",
                       times.name));
-  }
-
-  void tell_same_names() {
-    std::set<std::string> names;
-    for (const Channel& channel : record_.channels)
-      if (!names.insert(channel.name).second) {
-        warn(fmt::format("several groups have a channel '{0}': state the group too, '{1}/{0}'",
-                         channel.name, channel.attributes.at("group")));
-        return;
-      }
   }
 
   std::unique_ptr<MappedFile> file_;
