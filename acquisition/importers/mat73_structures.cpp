@@ -44,8 +44,11 @@ class Structures {
     }
     for (const auto& [path, attributes] : listing_.groups)
       if (is_internal(path)) inner_groups_[parent_of(path)].push_back(path);
-    for (const Hdf5References& references : listing_.references)
+    for (const Hdf5References& references : listing_.references) {
       references_[parent_of(references.path)].push_back(&references);
+      if (references.kept_as == "cell" && references.reference != 0)
+        cells_.emplace(references.reference, &references);
+    }
   }
 
   Hdf5Listing named() {
@@ -78,30 +81,32 @@ class Structures {
     return fields_ <= most_fields;
   }
 
-  /// A field of the structures that `structure` names.
+  /// A field of the structures that `structure` names, or a cell array.
   void follow(const Hdf5References& references, const std::string& structure, int depth) {
     const std::string field = leaf_of(references.path);
-    const std::string parent = parent_of(references.path);
-    if (!references.kept_as.empty() || !is_structure(parent)) {
-      const std::string name = structure.empty() ? field : structure + "." + field;
-      return skip(name, references.kept_as == "cell" ? "a cell array" : "references");
-    }
+    const std::string name = structure.empty() ? field : structure + "." + field;
+    if (references.kept_as == "cell") return cells_at(references, name, depth);
+    if (!references.kept_as.empty() || !is_structure(parent_of(references.path)))
+      return skip(name, "references");
     for (std::size_t i = 0; i < references.to.size() && counts(); ++i)
       field_at(references.to[i], fmt::format("{}({}).{}", structure, i + 1, field), depth);
+  }
+
+  void cells_at(const Hdf5References& references, const std::string& name, int depth) {
+    if (depth > deepest) return skip(name, "nested too deeply");
+    for (std::size_t i = 0; i < references.to.size() && counts(); ++i)
+      field_at(references.to[i], fmt::format("{}{{{}}}", name, i + 1), depth + 1);
   }
 
   void field_at(std::uint64_t reference, const std::string& name, int depth) {
     const auto array = arrays_.find(reference);
     if (array != arrays_.end()) return add(*array->second, name);
     const auto group = listing_.referred_groups.find(reference);
-    if (group == listing_.referred_groups.end()) {
-      const auto cell = std::ranges::find_if(listing_.references, [&](const Hdf5References& other) {
-        return other.reference == reference && reference != 0;
-      });
-      const bool is_cell = cell != listing_.references.end() && cell->kept_as == "cell";
-      return skip(name, is_cell ? "a cell array" : "a reference that leads nowhere");
-    }
-    structure_at(group->second, name, depth + 1);
+    if (group != listing_.referred_groups.end())
+      return structure_at(group->second, name, depth + 1);
+    const auto cells = cells_.find(reference);
+    if (cells == cells_.end()) return skip(name, "a reference that leads nowhere");
+    cells_at(*cells->second, name, depth + 1);
   }
 
   /// What a structure that is a field holds.
@@ -133,6 +138,7 @@ class Structures {
   std::map<std::string, std::vector<const Hdf5Array*>> inner_arrays_;     ///< by their group
   std::map<std::string, std::vector<std::string>> inner_groups_;          ///< by the group around
   std::map<std::string, std::vector<const Hdf5References*>> references_;  ///< by their group
+  std::map<std::uint64_t, const Hdf5References*> cells_;  ///< arrays of them, by their reference
   std::vector<Hdf5Array> found_;
   std::set<const Hdf5Array*> named_;
   std::vector<std::string> skipped_;

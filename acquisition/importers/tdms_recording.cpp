@@ -174,9 +174,6 @@ class Recording {
         scaling.problem = "its scales join digital lines";
       else if (found->imaginary.size() > 0)
         scaling.problem = "its numbers are complex";
-      else if (found->numbers.size() != source.numbers.size())
-        scaling.problem = fmt::format("its raw signals have {} and {} values",
-                                      source.numbers.size(), found->numbers.size());
       else
         others.push_back(found->numbers);
     }
@@ -199,7 +196,11 @@ class Recording {
                        scaling.problem));
       channel.unit.clear();
     } else if (!others.empty()) {
-      stored.others = std::move(others);
+      // a file that is cut may hold more of one raw signal than of another
+      std::uint64_t count = stored.samples.size();
+      for (const StoredNumbers& other : others) count = std::min(count, other.size());
+      stored.samples = stored.samples.first(count);
+      for (const StoredNumbers& other : others) stored.others.push_back(other.first(count));
       stored.joining = std::move(scaling.function);
     } else if (scaling.function) {
       function = [scale = std::move(scaling.function)](std::span<double> x) { scale(x, {}); };

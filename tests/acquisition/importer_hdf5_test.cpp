@@ -367,6 +367,8 @@ TEST(ForeignHdf5, FieldsOfMatlabThatAreNoNumbersAreTold) {
   file.references("/#refs#/c/again", {2, 1}, {"/#refs#/c", "/#refs#/a"});
   file.structure("/run");
   file.references("/run/x", {4, 1}, {"/#refs#/a", "", "/#refs#/b", "/#refs#/a"});
+  file.references("/run/z", {1, 1}, {"/#refs#/a"});
+  file.text("/run/z", "MATLAB_class", "function_handle");
   file.references("/run/y", {1, 1}, {"/#refs#/c"});
   file.references("/cells", {1, 1}, {"/#refs#/a"});
   file.text("/cells", "MATLAB_class", "cell");
@@ -378,8 +380,9 @@ TEST(ForeignHdf5, FieldsOfMatlabThatAreNoNumbersAreTold) {
   for (const std::string& warning : record.warnings)
     if (warning.starts_with("not read")) told = warning;
   EXPECT_THAT(told, testing::HasSubstr("'run(2).x' (a reference that leads nowhere)"));
-  EXPECT_THAT(told, testing::HasSubstr("'run(3).x' (a cell array)"));
-  EXPECT_THAT(told, testing::HasSubstr("'cells' (a cell array)"));
+  EXPECT_THAT(told, testing::HasSubstr("'run.z' (references)"));
+  EXPECT_THAT(record.find("run(3).x{1}")->values(), ElementsAre(1, 2, 3));
+  EXPECT_THAT(record.find("cells{1}")->values(), ElementsAre(1, 2, 3));
   EXPECT_THAT(told, testing::HasSubstr("(nested too deeply)"));
 }
 

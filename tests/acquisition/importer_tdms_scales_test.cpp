@@ -283,6 +283,22 @@ TEST(TdmsScales, SumAndDifferenceJoinTwoRawSignals) {
                        "which is not there"));
 }
 
+// The signals lie in buffers one behind the other: a file that is cut has less of the second.
+TEST(TdmsScales, OfACutFileJoinWhatIsThereOfBothSignals) {
+  const auto properties =
+      joined(scale(2, "Add", {{"Left_Operand_Input_Source", 0}, {"Right_Operand_Input_Source", 1}}),
+             {little.property("wf_increment", 1.0)});
+  const std::string whole = little.segment(
+      {little.channel("a", little.daqmx_index(3, {{3, 0, 0, 0}, {3, 1, 0, 1}}, {2, 2}),
+                      properties)},
+      little.numbers(Shorts{1, 2, 3, 10, 20, 30}), 0x80);
+  EXPECT_THAT(imported(whole).channels.at(0).values(), ElementsAre(11, 22, 33));
+  const auto cut = imported(whole.substr(0, whole.size() - 3)).channels.at(0);
+  EXPECT_EQ(cut.attributes.at("scales"), "Add");
+  for (std::size_t i = 0; i < cut.size(); ++i)
+    EXPECT_EQ(cut.value(i), 11.0 * static_cast<double>(i + 1));
+}
+
 TEST(TdmsScales, ThatCannotBeAppliedLeaveTheRawNumbersWithoutUnit) {
   const auto told = [](const std::vector<std::string>& properties) {
     const auto record = scaled(properties, {5});
