@@ -402,10 +402,14 @@ class MdfReader {
     const Around within{around.id_bytes, around.data_bytes, around.depth + 1};
     const MdfBlock composed = blocks_.block_at(block.link(1), "the composition of a channel");
     if (composed.id == "CN") {
-      std::vector<Described> members = chain_of_channels(block.link(1), within);
-      for (Described& member : members)  // many programs name them by all of their name
+      std::vector<Described> parts;
+      if (has_numbers(block)) parts.push_back(described(block, around));  // a word and its bits
+      for (Described& member : chain_of_channels(block.link(1), within)) {
+        // many programs name them by all of their name
         if (!member.name.starts_with(name + ".")) member.name = name + "." + member.name;
-      return members;
+        parts.push_back(std::move(member));
+      }
+      return parts;
     }
     const MdfArray array = mdf_array(blocks_, block.link(1));
     if (!array.problem.empty()) {
@@ -433,6 +437,12 @@ class MdfReader {
       }
     }
     return parts;
+  }
+
+  /// Of a channel with members, which as a rule is but the bytes of them.
+  bool has_numbers(const MdfBlock& block) const {
+    ByteCursor in(*file_, false, block.data + 2);
+    return in.read<std::uint8_t>("a channel") <= 5;
   }
 
   /// Moves a channel within the record.

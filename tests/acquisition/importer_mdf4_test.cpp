@@ -401,6 +401,18 @@ TEST(Mdf4Structures, AreReadMemberByMember) {
   EXPECT_EQ(record.warnings.at(0), "1 channel of texts or byte arrays is left out: 's.text'");
 }
 
+TEST(Mdf4Structures, MayBeAWordAndItsBits) {
+  MdfFile file;
+  MdfChannelBlock word = described("status", 0, 8, 6);
+  word.composition =
+      file.channels({described("status.odd", 0, 1, 6), described("two", 0, 1, 6, 1)});
+  const auto record = of_bytes(file, {word});
+  EXPECT_THAT(names_of(record), ElementsAre("status", "status.odd", "status.two"));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(6, 14));
+  EXPECT_THAT(record.channels.at(1).values(), ElementsAre(0, 0));
+  EXPECT_THAT(record.channels.at(2).values(), ElementsAre(1, 1));
+}
+
 TEST(Mdf4Arrays, AreReadElementByElement) {
   MdfFile file;
   MdfChannelBlock row = described("row", 0, 8, 1);
