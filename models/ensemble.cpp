@@ -116,24 +116,27 @@ class Ensemble::Worker : public LaneQueue {
   }
 
   void finished(const Job& job) override {
-    if (!job.finer && job.run->run().smallness() < 1.0) {
-      solve_again(job);
-      return;
+    Solved solved{.result = {}, .smallness = job.run->run().smallness()};
+    solved.result = job.run->conclude();
+    if (job.again) {
+      const Solved& first = job.again->first;
+      take(job.member, solved_to_size(first.result, std::move(solved), first.smallness,
+                                      ensemble_.solver_.accuracy));
+    } else if (solved.smallness < 1.0) {
+      solve_again(job, std::move(solved));
+    } else {
+      take(job.member, std::move(solved.result));
     }
-    Simulation result = job.run->conclude();
-    result.solver = ensemble_.solver_;
-    if (!asked() && !(result.neglected <= ensemble_.solver_.accuracy)) {
-      solve_alone(job.member, Motion::full);
-      return;
-    }
-    tell_swing(rig(job.member), ensemble_.options_, result);
-    member(job.member).simulation = std::move(result);
   }
 
   void failed(const Job& job) override {
     try {
       throw;
     } catch (const std::runtime_error& error) {
+      if (job.again) {
+        take(job.member, not_solved_to_size(job.again->first));
+        return;
+      }
       // what is wrong with the scene the full equations tell
       if (job.run && !asked())
         solve_alone(job.member, Motion::full);
@@ -162,17 +165,28 @@ class Ensemble::Worker : public LaneQueue {
                                             ensemble_.bars_.bar(number));
   }
 
+  /// The member's answer, where small motion is accurate enough.
+  void take(std::size_t number, Simulation result) {
+    result.solver = ensemble_.solver_;
+    if (!asked() && !(result.neglected <= ensemble_.solver_.accuracy)) {
+      solve_alone(number, Motion::full);
+      return;
+    }
+    tell_swing(rig(number), ensemble_.options_, result);
+    member(number).simulation = std::move(result);
+  }
+
   /// As simulate() solves a small contact again; in a lane, where the lanes' steps have its nodes.
-  void solve_again(const Job& job) {
-    Solver finer = ensemble_.solver_;
-    finer.accuracy = std::max(job.run->run().smallness() * finer.accuracy, Solver::finest_accuracy);
+  void solve_again(const Job& job, Solved first) {
+    Solver finer = solver_to_size(ensemble_.solver_, first.smallness);
     if (nodes_of(finer) != nodes_of(ensemble_.solver_)) {
       solve_alone(job.member, ensemble_.options_.motion);
       return;
     }
-    Job again{.member = job.member, .finer = std::make_shared<const Solver>(finer)};
-    again.run = std::make_unique<SmallMotionRun>(rig(job.member), *again.finer, ensemble_.options_,
-                                                 job.run->shared_bar());
+    Job again{.member = job.member,
+              .again = std::make_shared<const Again>(Again{std::move(finer), std::move(first)})};
+    again.run = std::make_unique<SmallMotionRun>(rig(job.member), again.again->solver,
+                                                 ensemble_.options_, job.run->shared_bar());
     again_.push_back(std::move(again));
   }
 

@@ -14,7 +14,7 @@ void write(LaneRow* rows, int lane, const auto& values) {
 }
 
 void read(const LaneRow* rows, int lane, auto& values) {
-  for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = rows[i].at[lane];
+  for (Eigen::Index i = 0; i < values.size(); ++i) values.data()[i] = rows[i].at[lane];
 }
 
 /// False for laws that solve_steps() does not know.

@@ -8,16 +8,23 @@
 
 #include "models/lanes/step_block.hpp"
 #include "models/modal/small_motion_run.hpp"
+#include "models/solved_to_size.hpp"
 
 namespace impactrig::models {
 
 /// Where LaneRuns gets its runs from, and what it tells of them.
 class LaneQueue {
  public:
+  /// What a contact is solved to its size with, and the solution before.
+  struct Again {
+    Solver solver;
+    Solved first;
+  };
+
   struct Job {
     std::size_t member = 0;
     std::unique_ptr<SmallMotionRun> run = {};  ///< not begun; all of as many nodes
-    std::shared_ptr<const Solver> finer = {};  ///< the run's, of one that is solved again
+    std::shared_ptr<const Again> again = {};   ///< of one that is solved again
   };
 
   virtual ~LaneQueue() = default;

@@ -18,6 +18,7 @@
 #include "models/modal/small_motion_run.hpp"
 #include "models/sensitivities/full_sensitivities.hpp"
 #include "models/settled_solution.hpp"
+#include "models/solved_to_size.hpp"
 #include "models/stop/stopped_motion.hpp"
 #include "models/time_limit.hpp"
 
@@ -45,71 +46,19 @@ constexpr double share_worth_it = 0.75, share_of_vibration = 0.6;
 // worth it.
 constexpr double short_element = 0.1, too_fast = 1e6;
 
-// Of a first contact solved to its size: how much smaller it may come out than it was taken for,
-// and of its approach, with how little speed it creeps apart.
-constexpr double doubtful = 2.0, creeping = 1e-3;
-
-struct Solved {
-  Simulation result;
-  double smallness = 1.0;  ///< CollocationRun's
-};
-
-/// How far off a number may be, by times the accuracy asked for.
-std::string off_by(double times) {
-  return times < 1e3 ? fmt::format("by {:.0f} times the accuracy asked for", times)
-                     : std::string("by all of itself");
-}
-
-/// What is not known of a first contact that is too small, or ends too slowly, for the accuracy it
-/// was solved to.
-std::string doubt_of(const Episode& first, double times) {
-  const double speed = std::abs(first.separation_velocity);
-  if (first.open || speed < creeping * first.approach_velocity)
-    return fmt::format(
-        "the first contact creeps apart, if at all: its end, and with that its duration, may be "
-        "off {}, since the last digits of the way decide it, or rounding; its peak force is not "
-        "touched by that. Less damping in the contact lets it part, a solver.duration that ends "
-        "before makes it one contact",
-        off_by(times));
-  return fmt::format(
-      "the first contact has an impulse of {:.3g} N s, next to nothing of what the bar could give "
-      "or of what pushes and pulls in it: that may be off {}. Count on its peak force and duration "
-      "alone, ask for less accuracy, or let the contact pull less",
-      first.impulse, off_by(times));
-}
-
-/// Whether one of two solutions of a contact is off by more than this.
-bool differ(const Episode& a, const Episode& b, double accuracy) {
-  const auto far = [&](double x, double y) { return !(std::abs(x - y) <= accuracy * std::abs(y)); };
-  return a.open != b.open || far(a.peak_force, b.peak_force) || far(a.impulse, b.impulse) ||
-         far(a.end - a.start, b.end - b.start);
-}
-
 /// A first contact much smaller than it was taken for, or that ends slowly, is solved again in the
-/// time that is left, so that its errors are compared with its own size.
+/// time that is left.
 template <typename Solve>
-Simulation solve_to_size(Solver solver, const Solve& solve) {
+Simulation solve_to_size(const Solver& solver, const Solve& solve) {
   const TimeLimit limit(solver.time_limit);
-  Solved solved = solve(solver);
-  if (solved.smallness == 1.0) return std::move(solved.result);
-  const double asked = solver.accuracy;
-  solver.accuracy = std::max(solved.smallness * solver.accuracy, Solver::finest_accuracy);
-  solver.time_limit = limit.left();
+  Solved first = solve(solver);
+  if (first.smallness == 1.0) return std::move(first.result);
+  Solver finer = solver_to_size(solver, first.smallness);
+  finer.time_limit = limit.left();
   try {
-    Solved again = solve(solver);
-    const Episode& first = again.result.episodes.front();
-    // errors are as small a part of it as it is small, but for a contact that no accuracy reaches
-    const double times =
-        first.open ? 1.0 / solved.smallness : solver.accuracy / (asked * again.smallness);
-    if (times > doubtful && differ(solved.result.episodes.front(), first, asked))
-      again.result.warnings.push_back(doubt_of(first, times));
-    return std::move(again.result);
+    return solved_to_size(first.result, solve(finer), first.smallness, solver.accuracy);
   } catch (const std::runtime_error&) {
-    solved.result.warnings.push_back(fmt::format(
-        "the first contact is so small, for what the bar could give, or ends so slowly, that it "
-        "may be off {}, and solver.time_limit left no time to solve it again; state a longer one",
-        off_by(1.0 / solved.smallness)));
-    return std::move(solved.result);
+    return not_solved_to_size(std::move(first));
   }
 }
 

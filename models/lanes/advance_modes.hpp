@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <type_traits>
+
 #include "models/lanes/lane_bessel.hpp"
 #include "models/lanes/lane_chunk.hpp"
 #include "models/lanes/mode_lanes.hpp"
@@ -15,20 +17,9 @@ class ModeAdvance {
   explicit ModeAdvance(ModesUnderForce& modes) : modes_(modes) {}
 
   void advance() {
-    Real displacement = Real{}, velocity = Real{}, acceleration = Real{};
-    for (int first = 0; first < modes_.modes; first += N) {
-      const LaneChunk<N> chunk(first, modes_.modes);
-      const Real omega = chunk.load(modes_.omega), struck = chunk.load(modes_.struck);
-      const State end = advance(omega, struck, {chunk.load(modes_.a), chunk.load(modes_.rate)});
-      chunk.store(end.a, modes_.end_a);
-      chunk.store(end.rate, modes_.end_rate);
-      displacement += struck * end.a;
-      velocity += struck * end.rate;
-      acceleration -= struck * omega * omega * end.a;
-    }
-    modes_.displacement = M::sum(displacement);
-    modes_.velocity = M::sum(velocity);
-    modes_.acceleration = M::sum(acceleration);
+    if (modes_.terms == 6) return advance(std::integral_constant<int, 6>{});
+    if (modes_.terms == 8) return advance(std::integral_constant<int, 8>{});
+    advance(modes_.terms);
   }
 
  private:
@@ -40,7 +31,25 @@ class ModeAdvance {
     Real a, rate;
   };
 
-  State advance(Real omega, Real struck, const State& begin) {
+  /// Under a series of so many terms, which the compiler may know.
+  void advance(auto terms) {
+    Real displacement = Real{}, velocity = Real{}, acceleration = Real{};
+    by_chunks<N>(modes_.modes, [&](const auto& chunk) {
+      const Real omega = chunk.load(modes_.omega), struck = chunk.load(modes_.struck);
+      const State end =
+          advance(omega, struck, {chunk.load(modes_.a), chunk.load(modes_.rate)}, terms);
+      chunk.store(end.a, modes_.end_a);
+      chunk.store(end.rate, modes_.end_rate);
+      displacement += struck * end.a;
+      velocity += struck * end.rate;
+      acceleration -= struck * omega * omega * end.a;
+    });
+    modes_.displacement = M::sum(displacement);
+    modes_.velocity = M::sum(velocity);
+    modes_.acceleration = M::sum(acceleration);
+  }
+
+  State advance(Real omega, Real struck, const State& begin, auto terms) {
     const double h = modes_.h;
     const Real theta = omega * h;
     const Real half = 0.5 * theta;
@@ -53,15 +62,15 @@ class ModeAdvance {
     if (!modes_.series) return end;
     const Real z = M::larger(half, M::all(1e-9));  // as good as zero, and no zero
     const Real sine = half < 1e-9 ? z : half_sine;
-    bessel_.evaluate(z, sine, cosine, modes_.terms);
+    bessel_.evaluate(z, sine, cosine, terms);
     // moments of sin θτ and cos θτ with P_p: j_p times the parts of iᵖ e^{iz}
     Real a = Real{}, rate = Real{};
-    for (int p = 0; p < modes_.terms; ++p) {
+    count_up(terms, [&](int p) {
       const Real share = bessel_[p] * modes_.series[p];
       // with the sign of (−1)ᵖ for the time left
       a += (p % 4 == 0 || p % 4 == 3 ? share : -share) * (p % 2 == 0 ? sine : cosine);
       rate += (p % 4 == 0 || p % 4 == 1 ? share : -share) * (p % 2 == 0 ? cosine : sine);
-    }
+    });
     end.a -= struck * (h * h) * a / (2.0 * z);
     end.rate -= struck * h * rate;
     return end;

@@ -19,6 +19,9 @@ struct LaneChunk {
         count(modes - first_mode < N ? modes - first_mode : N) {}
 
   Real load(const double* values) const {
+#ifdef __AVX512F__
+    if constexpr (N == 8) return load_part(values + first);  // as fast as all of them
+#endif
     return count == N ? LaneMath<N>::load(values + first) : load_part(values + first);
   }
 
@@ -65,6 +68,27 @@ struct LaneChunk {
   }
 #endif
 };
+
+/// The same where there are N of them.
+template <int N>
+struct WholeChunk {
+  using Real = typename LaneMath<N>::Real;
+
+  int first;
+
+  Real load(const double* values) const { return LaneMath<N>::load(values + first); }
+
+  void store(Real lanes, double* values) const { LaneMath<N>::store(lanes, values + first); }
+};
+
+/// Calls `action` for so many numbers, N at a time: without a question each time whether they are
+/// N, which costs as much as the arithmetic where there is little of it.
+template <int N, typename Action>
+void by_chunks(int count, const Action& action) {
+  int first = 0;
+  for (; first + N <= count; first += N) action(WholeChunk<N>{first});
+  if (first < count) action(LaneChunk<N>(first, count));
+}
 
 }  // namespace
 }  // namespace impactrig::models

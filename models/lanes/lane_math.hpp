@@ -6,6 +6,7 @@
 #endif
 
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 
 // Arithmetic on N doubles at once, for the files that are compiled once for each kind of processor:
@@ -21,6 +22,20 @@ struct LaneTypes {
   using Mask [[gnu::vector_size(8 * N)]] = std::int64_t;
   using Bits [[gnu::vector_size(8 * N)]] = std::uint64_t;
 };
+
+/// Calls `action` with 0, 1 ... below a number; below a constant without a loop.
+template <typename Action>
+void count_up(int number, const Action& action) {
+  for (int i = 0; i < number; ++i) action(i);
+}
+
+template <int Number, typename Action>
+void count_up(std::integral_constant<int, Number>, const Action& action) {
+  [&]<int... I>(std::integer_sequence<int, I...>) {
+    (action(I), ...);
+  }
+  (std::make_integer_sequence<int, Number>());
+}
 
 template <int N>
 struct LaneMath {

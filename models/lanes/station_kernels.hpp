@@ -11,8 +11,7 @@ namespace {
 template <int N>
 void find_slopes_by(const SlopesOfModes& modes) {
   using Real = typename LaneMath<N>::Real;
-  for (int first = 0; first < modes.stations; first += N) {
-    const LaneChunk<N> chunk(first, modes.stations);
+  by_chunks<N>(modes.stations, [&](const auto& chunk) {
     Real slope = Real{}, rate = Real{};
     for (int k = 0; k < modes.modes; ++k) {
       const Real own = chunk.load(modes.slopes + k * modes.stations);
@@ -21,7 +20,7 @@ void find_slopes_by(const SlopesOfModes& modes) {
     }
     chunk.store(slope, modes.slope);
     chunk.store(rate, modes.slope_rate);
-  }
+  });
 }
 
 /// find_force_of_pull() likewise.
@@ -30,10 +29,9 @@ void find_force_of_pull_by(const PullOnModes& modes) {
   using M = LaneMath<N>;
   for (int k = 0; k < modes.modes; ++k) {
     typename M::Real sum = {};
-    for (int first = 0; first < modes.stations; first += N) {
-      const LaneChunk<N> chunk(first, modes.stations);
+    by_chunks<N>(modes.stations, [&](const auto& chunk) {
       sum += chunk.load(modes.slopes + k * modes.stations) * chunk.load(modes.pull);
-    }
+    });
     modes.force[k] = M::sum(sum);
   }
 }
@@ -45,7 +43,7 @@ class ThirdOrderPulls {
   explicit ThirdOrderPulls(ThirdOrderPull& stations) : stations_(stations) {}
 
   void find() {
-    for (int first = 0; first < stations_.stations; first += N) pull({first, stations_.stations});
+    by_chunks<N>(stations_.stations, [this](const auto& chunk) { pull(chunk); });
     for (int first = 0; first < stations_.stations; first += N)
       bend({first, stations_.stations - 1});
     stations_.of_frame = -M::sum(of_frame_);
@@ -57,7 +55,7 @@ class ThirdOrderPulls {
   using Chunk = LaneChunk<N>;
 
   /// By what draws the points towards the hinge, weight and strain.
-  void pull(const Chunk& chunk) {
+  void pull(const auto& chunk) {
     const Real length = chunk.load(stations_.length), weight = chunk.load(stations_.weight);
     const Real s = 0.5 * (chunk.load(stations_.slope_before) + chunk.load(stations_.slope_after));
     const Real gained =

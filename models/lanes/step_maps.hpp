@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <type_traits>
+
 #include "models/lanes/clenshaw.hpp"
 #include "models/lanes/lane_chunk.hpp"
 #include "models/lanes/mode_lanes.hpp"
@@ -38,8 +40,7 @@ void find_at_nodes_by(const PointAtNodes& point) {
 template <int N>
 void find_values_by(const SeriesAtNodes& series) {
   using Real = typename LaneMath<N>::Real;
-  for (int first = 0; first < series.nodes; first += N) {
-    const LaneChunk<N> chunk(first, series.nodes);
+  by_chunks<N>(series.nodes, [&](const auto& chunk) {
     const Real t = 2.0 * (series.begin + series.length * chunk.load(series.points)) - 1.0;
     Real here = Real{}, above = Real{};
     for (int p = series.terms; p-- > 0;) {
@@ -49,28 +50,39 @@ void find_values_by(const SeriesAtNodes& series) {
       here = below;
     }
     chunk.store(here, series.values);
-  }
+  });
+}
+
+/// Of so many arrays, whose number the compiler may know.
+template <int N>
+void add_arrays(const WeightedSum& sum, auto terms) {
+  using Real = typename LaneMath<N>::Real;
+  by_chunks<N>(sum.count, [&](const auto& chunk) {
+    Real here = sum.weights[0] * chunk.load(sum.arrays[0]);
+    for (int j = 1; j < terms; ++j) here += sum.weights[j] * chunk.load(sum.arrays[j]);
+    if (sum.factors) here *= chunk.load(sum.factors);
+    chunk.store(here, sum.sum);
+  });
 }
 
 /// find_sum() for N numbers at a time.
 template <int N>
 void find_sum_by(const WeightedSum& sum) {
-  using Real = typename LaneMath<N>::Real;
-  for (int first = 0; first < sum.count; first += N) {
-    const LaneChunk<N> chunk(first, sum.count);
-    Real here = sum.weights[0] * chunk.load(sum.arrays[0]);
-    for (int j = 1; j < sum.terms; ++j) here += sum.weights[j] * chunk.load(sum.arrays[j]);
-    if (sum.factors) here *= chunk.load(sum.factors);
-    chunk.store(here, sum.sum);
-  }
+  if (sum.terms != 4) return add_arrays<N>(sum, sum.terms);
+  // where the compiler sees that nothing written changes them
+  const double* const arrays[] = {sum.arrays[0], sum.arrays[1], sum.arrays[2], sum.arrays[3]};
+  const double weights[] = {sum.weights[0], sum.weights[1], sum.weights[2], sum.weights[3]};
+  WeightedSum four = sum;
+  four.arrays = arrays;
+  four.weights = weights;
+  add_arrays<N>(four, std::integral_constant<int, 4>{});
 }
 
 /// find_at_end() for N modes at a time.
 template <int N>
 void find_at_end_by(const ModesAtEnd& modes) {
   using Real = typename LaneMath<N>::Real;
-  for (int first = 0; first < modes.modes; first += N) {
-    const LaneChunk<N> chunk(first, modes.modes);
+  by_chunks<N>(modes.modes, [&](const auto& chunk) {
     const Real a = chunk.load(modes.a), rate = chunk.load(modes.rate);
     Real end_a = chunk.load(modes.a_of_a) * a + chunk.load(modes.a_of_rate) * rate;
     Real end_rate = chunk.load(modes.rate_of_a) * a + chunk.load(modes.rate_of_rate) * rate;
@@ -80,7 +92,7 @@ void find_at_end_by(const ModesAtEnd& modes) {
     }
     chunk.store(end_a, modes.end_a);
     chunk.store(end_rate, modes.end_rate);
-  }
+  });
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "models/modal/bar_cache.hpp"
 
@@ -40,22 +41,30 @@ double distance(const ModalBeam& here, const ModalBeam& there) {
 /// A bar whose modes and steps a table interpolates.
 class BarBetween : public ModalBar {
  public:
-  BarBetween(std::shared_ptr<const BarTable> table, const BarTable::Weights& weights,
+  BarBetween(const BarTable& table, const BarTable::Weights& weights,
              const ModalBeam::Change& change)
-      : ModalBar(table->bar(), table->modes(weights, change)),
-        table_(std::move(table)),
+      : ModalBar(table.bar(), table.modes(weights, change)),
+        table_(table),
         weights_(weights),
         change_(change) {}
 
- private:
-  ModalStep make_step(const Collocation& rule, int level) const override {
-    if (!table_->knows_step(rule, level)) return ModalBar::make_step(rule, level);
-    const auto [scale, added] = scales_.try_emplace(rule.nodes(), modes().modes(), rule.nodes(),
-                                                    change_.time(), change_.mass);
-    return table_->step(weights_, rule, level, &scale->second);
+  void become(const BarTable::Weights& weights, const ModalBeam::Change& change) {
+    weights_ = weights;
+    change_ = change;
+    scales_.clear();
+    ModalBar::become([&](ModalBeam& modes) { table_.find_modes(weights, change, modes); });
   }
 
-  std::shared_ptr<const BarTable> table_;
+ private:
+  void make_step(const Collocation& rule, int level,
+                 std::optional<ModalStep>& step) const override {
+    if (!table_.knows_step(rule, level)) return ModalBar::make_step(rule, level, step);
+    const auto [scale, added] = scales_.try_emplace(rule.nodes(), modes().modes(), rule.nodes(),
+                                                    change_.time(), change_.mass);
+    table_.find_step(weights_, rule, level, &scale->second, step);
+  }
+
+  const BarTable& table_;
   BarTable::Weights weights_;
   ModalBeam::Change change_;
   mutable std::map<int, ModalStep::Scale> scales_;  // by nodes
@@ -104,31 +113,82 @@ BarTable::Weights BarTable::weights(double heaviness) const {
 }
 
 ModalBeam BarTable::modes(const Weights& weights, const ModalBeam::Change& change) const {
-  std::array<const ModalBeam*, size> beams;
-  for (std::size_t j = 0; j < size; ++j) beams[j] = &bars_[j]->modes();
-  return ModalBeam(beams, weights, change);
+  ModalBeam modes = bars_.front()->modes();
+  find_modes(weights, change, modes);
+  return modes;
 }
 
-ModalStep BarTable::step(const Weights& weights, const Collocation& rule, int level,
-                         const ModalStep::Scale* scale) const {
+void BarTable::find_modes(const Weights& weights, const ModalBeam::Change& change,
+                          ModalBeam& modes) const {
+  std::array<const ModalBeam*, size> beams;
+  for (std::size_t j = 0; j < size; ++j) beams[j] = &bars_[j]->modes();
+  modes.become_between(beams, weights, change);
+}
+
+void BarTable::find_step(const Weights& weights, const Collocation& rule, int level,
+                         const ModalStep::Scale* scale, std::optional<ModalStep>& step) const {
   std::array<const ModalStep*, size> steps;
   double h = 0.0;  // in the family's time
   for (std::size_t j = 0; j < size; ++j) {
     steps[j] = &bars_[j]->step(rule, level);
     h += weights[j] * steps[j]->h();
   }
-  return ModalStep::sum(steps, weights, scale ? scale->time() * h : h, scale);
+  if (scale) h *= scale->time();
+  if (step && step->nodes() == rule.nodes())
+    step->become_sum(steps, weights, h, scale);
+  else
+    step = ModalStep::sum(steps, weights, h, scale);
 }
 
 bool BarTable::knows_step(const Collocation& rule, int level) const {
   const std::lock_guard lock(mutex_);
   const auto [place, added] = known_steps_.try_emplace({rule.nodes(), level}, false);
-  if (added)
+  if (added) {
+    std::optional<ModalStep> step;
+    find_step(weights(middle_), rule, level, nullptr, step);
     place->second =
-        between_->step(rule, level)
-            .distance(step(weights(middle_), rule, level), between_->modes()) < as_good_as_solved;
+        between_->step(rule, level).distance(*step, between_->modes()) < as_good_as_solved;
+  }
   return place->second;
 }
+
+/// The bars of a table; those that are no longer needed are memory for others.
+class BarFamily::BarsBetween : public std::enable_shared_from_this<BarsBetween> {
+ public:
+  BarsBetween(const std::shared_ptr<const ModalBar>& bar, double heaviness)
+      : table_(bar, heaviness) {}
+
+  bool are_known() const { return table_.knows_modes(); }
+
+  std::shared_ptr<const ModalBar> bar(const ModalBeam::Change& change) {
+    const BarTable::Weights weights = table_.weights(change.heaviness());
+    std::unique_ptr<BarBetween> bar = unused();
+    if (bar)
+      bar->become(weights, change);
+    else
+      bar = std::make_unique<BarBetween>(table_, weights, change);
+    return {bar.release(), [of = shared_from_this()](BarBetween* used) { of->keep(used); }};
+  }
+
+ private:
+  std::unique_ptr<BarBetween> unused() {
+    const std::lock_guard lock(mutex_);
+    if (unused_.empty()) return nullptr;
+    std::unique_ptr<BarBetween> bar = std::move(unused_.back());
+    unused_.pop_back();
+    return bar;
+  }
+
+  void keep(BarBetween* used) {
+    std::unique_ptr<BarBetween> bar(used);
+    const std::lock_guard lock(mutex_);
+    unused_.push_back(std::move(bar));
+  }
+
+  BarTable table_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<BarBetween>> unused_;
+};
 
 std::optional<Rig> BarFamily::representative(const Rig& rig) {
   if (!rig.beam.masses.empty() || !rig.beam.segments.empty() || rig.beam.shears())
@@ -154,18 +214,17 @@ std::shared_ptr<const ModalBar> BarFamily::bar(const Rig& rig) const {
                                  .viscous = rig.hinge.viscous};
   const bool free = change.spring == 0.0 && change.viscous == 0.0 && !bar_->modes().damped();
   if (free && bar_->modes().stops() == 1) {
-    const std::shared_ptr<const BarTable> table = this->table(change.heaviness());
-    if (table->knows_modes())
-      return std::make_shared<const BarBetween>(table, table->weights(change.heaviness()), change);
+    const std::shared_ptr<BarsBetween> bars = bars_between(change.heaviness());
+    if (bars->are_known()) return bars->bar(change);
   }
   return std::make_shared<const ModalBar>(bar_, change);
 }
 
-std::shared_ptr<const BarTable> BarFamily::table(double heaviness) const {
+std::shared_ptr<BarFamily::BarsBetween> BarFamily::bars_between(double heaviness) const {
   const std::lock_guard lock(mutex_);
-  std::shared_ptr<const BarTable>& table = tables_[BarTable::number_of(heaviness)];
-  if (!table) table = std::make_shared<const BarTable>(bar_, heaviness);
-  return table;
+  std::shared_ptr<BarsBetween>& bars = between_[BarTable::number_of(heaviness)];
+  if (!bars) bars = std::make_shared<BarsBetween>(bar_, heaviness);
+  return bars;
 }
 
 }  // namespace impactrig::models

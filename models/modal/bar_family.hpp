@@ -35,13 +35,15 @@ class BarTable {
 
   /// Of bars that weigh what the weights were made for.
   ModalBeam modes(const Weights& weights, const ModalBeam::Change& change) const;
+  void find_modes(const Weights& weights, const ModalBeam::Change& change, ModalBeam& modes) const;
 
   /// Whether steps between are as good as solved.
   bool knows_step(const Collocation& rule, int level) const;
 
-  /// Of the bar that weighs what the weights were made for.
-  ModalStep step(const Weights& weights, const Collocation& rule, int level,
-                 const ModalStep::Scale* scale = nullptr) const;
+  /// Of the bar that weighs what the weights were made for; into a step that is no longer needed,
+  /// or none.
+  void find_step(const Weights& weights, const Collocation& rule, int level,
+                 const ModalStep::Scale* scale, std::optional<ModalStep>& step) const;
 
   const std::shared_ptr<const ModalBar>& bar() const { return bar_; }
 
@@ -72,12 +74,14 @@ class BarFamily {
   std::shared_ptr<const ModalBar> bar(const Rig& rig) const;
 
  private:
-  std::shared_ptr<const BarTable> table(double heaviness) const;
+  class BarsBetween;
+
+  std::shared_ptr<BarsBetween> bars_between(double heaviness) const;
 
   Beam beam_;
   std::shared_ptr<const ModalBar> bar_;
   mutable std::mutex mutex_;
-  mutable std::map<int, std::shared_ptr<const BarTable>> tables_;
+  mutable std::map<int, std::shared_ptr<BarsBetween>> between_;  // by the table's number
 };
 
 }  // namespace impactrig::models

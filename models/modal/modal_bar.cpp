@@ -37,29 +37,52 @@ ModalBar::ModalBar(std::shared_ptr<const ModalBar> other, ModalBeam modes)
       ladder_{longest_ladder(modes_)} {}
 
 ModalBar::~ModalBar() {
-  for (const std::atomic<const Steps*>& steps : steps_) delete steps.load();
+  forget_steps();
+  while (unused_) unused_ = std::move(unused_->others);  // not one within the other
+}
+
+void ModalBar::forget_steps() {
+  for (std::atomic<Steps*>& kept : steps_) {
+    if (!kept.load(std::memory_order_relaxed)) continue;
+    std::unique_ptr<Steps> steps(kept.exchange(nullptr));
+    while (steps) {
+      std::unique_ptr<Steps> others = std::exchange(steps->others, std::move(unused_));
+      unused_ = std::exchange(steps, std::move(others));
+    }
+  }
+}
+
+void ModalBar::measure() {
+  own_modes_ = modes_.modes();
+  ladder_ = {longest_ladder(modes_)};
 }
 
 const ModalStep& ModalBar::step(const Collocation& rule, int level) const {
   const int nodes = rule.nodes();
-  std::atomic<const Steps*>& kept = steps_[static_cast<std::size_t>(level)];
+  std::atomic<Steps*>& kept = steps_[static_cast<std::size_t>(level)];
   const auto find = [&]() -> const ModalStep* {
     for (const Steps* steps = kept.load(std::memory_order_acquire); steps;
          steps = steps->others.get())
-      if (steps->nodes == nodes) return &steps->step;
+      if (steps->nodes == nodes) return &*steps->step;
     return nullptr;
   };
   if (const ModalStep* step = find()) return *step;
   const std::lock_guard lock(mutex_);
   if (const ModalStep* step = find()) return *step;
-  std::unique_ptr<Steps> added(new Steps{nodes, make_step(rule, level), nullptr});
+  std::unique_ptr<Steps> added = std::move(unused_);
+  if (added)
+    unused_ = std::move(added->others);
+  else
+    added = std::make_unique<Steps>();
+  added->nodes = nodes;
+  make_step(rule, level, added->step);
   added->others.reset(kept.load());
   kept.store(added.release(), std::memory_order_release);
-  return kept.load()->step;
+  return *kept.load()->step;
 }
 
-ModalStep ModalBar::make_step(const Collocation& rule, int level) const {
-  return ModalStep(modes_, rule, ladder_.length_of(level));
+void ModalBar::make_step(const Collocation& rule, int level, std::optional<ModalStep>& step) const {
+  step.emplace(modes_, rule, ladder_.length_of(level));
 }
 
 }  // namespace impactrig::models

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "models/collocation/step_ladder.hpp"
 #include "models/modal/modal_beam.hpp"
@@ -39,16 +40,28 @@ class ModalBar {
   /// A bar whose modes stand on what another has.
   ModalBar(std::shared_ptr<const ModalBar> other, ModalBeam modes);
 
-  /// Called once a rule and level, one call at a time.
-  virtual ModalStep make_step(const Collocation& rule, int level) const;
+  /// `step` may be one that is no longer needed. Called once a rule and level, one call at a time.
+  virtual void make_step(const Collocation& rule, int level, std::optional<ModalStep>& step) const;
+
+  /// The bar becomes another of as many modes and stops, when nobody uses it any more: its modes
+  /// are changed by `change`, its steps are memory for new ones.
+  template <typename Change>
+  void become(const Change& change) {
+    forget_steps();
+    change(modes_);
+    measure();
+  }
 
  private:
   /// Steps of one level, of one rule each, in the order they were first asked for.
   struct Steps {
-    int nodes;
-    ModalStep step;
-    std::unique_ptr<const Steps> others;
+    int nodes = 0;
+    std::optional<ModalStep> step;
+    std::unique_ptr<Steps> others;
   };
+
+  void forget_steps();
+  void measure();
 
   std::shared_ptr<const ModalBar> other_;
   std::shared_ptr<const SmallMotionBeam> beam_;
@@ -56,7 +69,8 @@ class ModalBar {
   int own_modes_;
   StepLadder ladder_;
   mutable std::mutex mutex_;  // of those who add steps
-  mutable std::array<std::atomic<const Steps*>, StepLadder::levels> steps_ = {};
+  mutable std::array<std::atomic<Steps*>, StepLadder::levels> steps_ = {};
+  mutable std::unique_ptr<Steps> unused_;
 };
 
 }  // namespace impactrig::models

@@ -12,6 +12,7 @@
 
 #include "models/beams/bar_element.hpp"
 #include "models/beams/bending_modes.hpp"
+#include "models/lanes/mode_lanes.hpp"
 #include "models/lanes/station_lanes.hpp"
 #include "models/modal/mode_kernel.hpp"
 
@@ -111,7 +112,7 @@ std::vector<BarElement> station_spans(const Rig& rig, int modes) {
 }  // namespace
 
 ModalBeam::ModalBeam(const SmallMotionBeam& beam, const Rig& rig)
-    : beam_(beam),
+    : beam_(&beam),
       viscous_(ViscousDamping::of(rig)),
       length_(rig.beam.length),
       struck_position_(rig.contact.position),
@@ -160,7 +161,7 @@ void ModalBeam::find_stations(const Rig& rig) {
         2.0 / (here.length / here.bending_stiffness + next.length / next.bending_stiffness);
   }
   find_axial_modes(spans);
-  const Eigen::VectorXd frame = beam_.frame();
+  const Eigen::VectorXd frame = beam_->frame();
   if (frame.size() > 0) frame_ = rows_.size() > 0 ? Eigen::VectorXd(rows_ * frame) : frame;
 }
 
@@ -177,7 +178,7 @@ void ModalBeam::Stations::add_up_from_tip(Eigen::VectorXd& values) {
 /// could not tell them apart.
 void ModalBeam::find_axial_modes(const std::vector<BarElement>& spans) {
   constexpr int most = 8;
-  const int modes = std::min(beam_.axial_modes().value_or(most), most);
+  const int modes = std::min(beam_->axial_modes().value_or(most), most);
   const Eigen::Index count = stations_.x.size();
   const auto lumps = static_cast<Eigen::Index>(stations_.lumps.size());
   stations_.stretch = Eigen::VectorXd::Zero(count);
@@ -213,7 +214,7 @@ void ModalBeam::find_axial_modes(const std::vector<BarElement>& spans) {
 }
 
 void ModalBeam::find_stretching() {
-  const std::vector<BarElement> elements = beam_.stretching_elements();
+  const std::vector<BarElement> elements = beam_->stretching_elements();
   axial_.resize(static_cast<Eigen::Index>(elements.size()));
   for (std::size_t e = 0; e < elements.size(); ++e) {
     const BarElement& element = elements[e];
@@ -228,7 +229,7 @@ void ModalBeam::find_stretching() {
 
 const Eigen::MatrixXd& ModalBeam::uneven_slopes() const {
   std::call_once(uneven_->found, [this] {
-    const std::vector<BarElement> elements = beam_.stretching_elements();
+    const std::vector<BarElement> elements = beam_->stretching_elements();
     const auto count = static_cast<Eigen::Index>(elements.size());
     Eigen::MatrixXd slopes(modes(), 2 * count);
     for (Eigen::Index e = 0; e < count; ++e) {
@@ -250,7 +251,7 @@ const Eigen::MatrixXd& ModalBeam::uneven_slopes() const {
 const Eigen::MatrixXd& ModalBeam::whole_weight() const {
   if (weight_.rows() == modes()) return weight_;
   std::call_once(whole_weight_->found, [this] {
-    whole_weight_->matrix = rows_ * beam_.small_motion().gravity * rows_.transpose();
+    whole_weight_->matrix = rows_ * beam_->small_motion().gravity * rows_.transpose();
   });
   return whole_weight_->matrix;
 }
@@ -291,13 +292,19 @@ ModalBeam::ModalBeam(const ModalBeam& other, const Change& change) : ModalBeam(o
 
 /// Of what depends on the weight the pendulum's frequency does so by its root; its square is
 /// smooth.
-ModalBeam::ModalBeam(std::span<const ModalBeam* const> others, std::span<const double> weights,
-                     const Change& change)
-    : ModalBeam(*others.front()) {
+void ModalBeam::become_between(std::span<const ModalBeam* const> others,
+                               std::span<const double> weights, const Change& change) {
+  *this = *others.front();
+  std::vector<const double*> arrays(others.size());
   const auto interpolate = [&](const auto& part) {
+    std::ranges::transform(others, arrays.begin(),
+                           [&](const ModalBeam* other) { return part(*other).data(); });
     auto& to = part(*this);
-    to *= weights[0];
-    for (std::size_t j = 1; j < others.size(); ++j) to += weights[j] * part(*others[j]);
+    find_sum({.count = static_cast<int>(to.size()),
+              .terms = static_cast<int>(others.size()),
+              .arrays = arrays.data(),
+              .weights = weights.data(),
+              .sum = to.data()});
   };
   omega_ = weights[0] * omega_.cwiseAbs2();
   for (std::size_t j = 1; j < others.size(); ++j)
@@ -432,13 +439,15 @@ double ModalBeam::rounding() const {
 
 /// The elastic stiffness in a mode is what weight and spring leave of ω².
 void ModalBeam::find_damping() {
+  damped_ = viscous_ != ViscousDamping{};
+  damping_.setZero(modes());
+  if (!damped_) return;
   const Eigen::ArrayXd turned = hinge_.array().square();
   const Eigen::ArrayXd squares = omega_.array().square();
   Eigen::ArrayXd elastic = squares - spring_ * turned;
   elastic.head(weight_.rows()) -= weight_.diagonal().array();
   elastic = (elastic > 1e-12 * squares).select(elastic, 0.0);  // a rigid bar's is rounding
   damping_ = viscous_.mass + viscous_.stiffness * elastic + viscous_.hinge * turned;
-  damped_ = viscous_ != ViscousDamping{};
 }
 
 double ModalBeam::fastest() const {
@@ -460,7 +469,7 @@ void ModalBeam::coupled_drag(const Eigen::VectorXd& a, Eigen::VectorXd& drag) co
 
 ModalSlope ModalBeam::slope(const SmallMotion& change, const ViscousDamping& damping) const {
   const Eigen::Index m = omega_.size();
-  const SmallMotion motion = beam_.small_motion();
+  const SmallMotion motion = beam_->small_motion();
   const Eigen::MatrixXd shapes = rows_.transpose();
   const Eigen::VectorXd& h = motion.hinge;
   const Eigen::MatrixXd coupled = motion.spring * (change.hinge * h.transpose());
@@ -536,21 +545,32 @@ void ModalBeam::find_slopes(const Eigen::VectorXd& a, const Eigen::VectorXd& rat
                        .slope_rate = to.rate.data()});
 }
 
-double ModalBeam::shortening_energy(const StationSlopes& slopes) const {
+double ModalBeam::shorten(const StationSlopes& slopes, Eigen::VectorXd& momentum) const {
+  const auto count = static_cast<std::size_t>(slopes.slope.size());
+  momentum.resize(slopes.slope.size());
+  const std::span slope(slopes.slope.data(), count), rate(slopes.rate.data(), count);
+  const std::span length(stations_.length.data(), count), mass(stations_.mass.data(), count);
+  const std::span of(momentum.data(), count);
   double drawn = 0.0, energy = 0.0;
-  for (Eigen::Index i = 0; i < slopes.slope.size(); ++i) {
-    const double step = slopes.slope[i] * slopes.rate[i] * stations_.length[i];
+  for (std::size_t i = 0; i < count; ++i) {
+    const double step = slope[i] * rate[i] * length[i];
     const double middle = drawn + 0.5 * step;
-    energy += 0.5 * stations_.mass[i] * middle * middle;
-    for (const Stations::Lump& lump : stations_.lumps)
-      if (lump.station == i) energy += 0.5 * lump.mass * std::pow(drawn + lump.part * step, 2);
+    of[i] = mass[i] * middle;
+    energy += 0.5 * of[i] * middle;
     drawn += step;
+  }
+  for (const Stations::Lump& lump : stations_.lumps) {
+    const auto station = static_cast<std::size_t>(lump.station);
+    double speed = lump.part * slope[station] * rate[station] * length[station];
+    for (std::size_t i = 0; i < station; ++i) speed += slope[i] * rate[i] * length[i];
+    of[station] += lump.mass * speed;
+    energy += 0.5 * lump.mass * speed * speed;
   }
   return energy;
 }
 
 Eigen::VectorXd ModalBeam::point(double x) const {
-  const Eigen::VectorXd row = beam_.small_motion_row(x);
+  const Eigen::VectorXd row = beam_->small_motion_row(x);
   if (rows_.size() == 0) return row;
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(modes());
   for (Eigen::Index i = 0; i < row.size(); ++i)  // only an element's values move a point of a mesh

@@ -40,10 +40,10 @@ class ModalBeam {
   /// weight and spring bend them differently.
   ModalBeam(const ModalBeam& other, const Change& change);
 
-  /// The modes of a bar without spring and damper between others that differ in weight alone, by
-  /// the weights of an interpolation in that, and then changed in stiffness and mass.
-  ModalBeam(std::span<const ModalBeam* const> others, std::span<const double> weights,
-            const Change& change);
+  /// Becomes a bar without spring and damper between others that differ in weight alone, by the
+  /// weights of an interpolation in that, then changed in stiffness and mass.
+  void become_between(std::span<const ModalBeam* const> others, std::span<const double> weights,
+                      const Change& change);
 
   int modes() const { return static_cast<int>(omega_.size()); }
 
@@ -120,9 +120,10 @@ class ModalBeam {
 
   void find_slopes(const Eigen::VectorXd& a, const Eigen::VectorXd& rate, StationSlopes& to) const;
 
-  /// Kinetic energy of the bar's points moving towards the hinge as it bends and turns, to the
-  /// lowest order: ½ ∫ u̇² dm, u̇(x) = ∫₀ˣ w' ẇ' dξ [J]. Not part of the small motion.
-  double shortening_energy(const StationSlopes& slopes) const;
+  /// The bar's points move towards the hinge as it bends and turns, to the lowest order with
+  /// u̇(x) = ∫₀ˣ w' ẇ' dξ: the momentum of each station, its lumps included [kg m/s] (stations);
+  /// tells the kinetic energy ½ ∫ u̇² dm [J]. Not part of the small motion.
+  double shorten(const StationSlopes& slopes, Eigen::VectorXd& momentum) const;
 
   /// Of elements whose axes are cubics, what they are stretched by bending unevenly [J]: the square
   /// of a slope that changes along an element as P₁ and P₂ has parts in P₃ and P₄, which the
@@ -193,7 +194,7 @@ class ModalBeam {
   const Eigen::MatrixXd& uneven_slopes() const;
   const Eigen::MatrixXd& whole_weight() const;
 
-  const SmallMotionBeam& beam_;
+  const SmallMotionBeam* beam_;
   Eigen::MatrixXd rows_;    // of the modes' shapes (m, n); none where the coordinates are the modes
   Eigen::MatrixXd weight_;  // the hanging weight's stiffness, of the slowest (p, p), p ≤ m
   Eigen::VectorXd omega_, struck_, rigid_;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 namespace impactrig::models {
 namespace {
@@ -32,6 +33,18 @@ double reach_of(const ModalBeam& beam, const ModalState& state, const Eigen::Vec
   const auto along = state.a.tail(n).array();
   const auto turned = state.rate.tail(n).array() / beam.omega().tail(n).array();
   return (row.tail(n).array().abs() * (along.square() + turned.square()).sqrt()).sum();
+}
+
+/// What all modes can do to a point together, whenever.
+struct Vibration {
+  double reach;         ///< of those that vibrate [m]
+  double acceleration;  ///< [m/s²]
+};
+
+Vibration vibration_of(const ModalBeam& beam, const ModalState& state, const Eigen::VectorXd& row) {
+  const auto omega = beam.omega().array();
+  const auto sizes = (omega * state.a.array()).square() + state.rate.array().square();
+  return {reach_of(beam, state, row), (row.array().abs() * omega * sizes.sqrt()).sum()};
 }
 
 }  // namespace
@@ -140,11 +153,12 @@ double ModalFlight::neglected(const Eigen::VectorXd& row, double time) const {
 double ModalFlight::watched_time(const ModalBeam& beam, const ModalState& from,
                                  std::span<const double> gaps, double least, double most) {
   static thread_local ModalState there;  // at every step: no allocation
-  static thread_local Eigen::ArrayXd accelerations;
+  static thread_local std::vector<Vibration> vibrations;
   there = from;
-  accelerations =
-      beam.omega().array() *
-      ((beam.omega().array() * from.a.array()).square() + from.rate.array().square()).sqrt();
+  vibrations.clear();
+  for (std::size_t stop = 0; stop < gaps.size(); ++stop)
+    vibrations.push_back(vibration_of(beam, from, beam.struck(static_cast<int>(stop))));
+  const double scale = angle_of_mode(beam);
   double time = 0.0;
   for (int look = 0; look < most_looks; ++look) {
     if (look > 0) advance(beam, time, NodeVector::Zero(1), from, there);
@@ -152,25 +166,24 @@ double ModalFlight::watched_time(const ModalBeam& beam, const ModalState& from,
     bool near = false;
     for (std::size_t stop = 0; stop < gaps.size(); ++stop) {
       const Eigen::VectorXd& row = beam.struck(static_cast<int>(stop));
+      const Vibration& vibration = vibrations[stop];
       // how far the swing still has to carry it away until the vibration cannot bring it back
-      const PendulumSwing::State swing = swing_of(beam, there);
-      const double arm = row[0] / angle_of_mode(beam);
-      const double within =
-          arm * swing.angle + reach_margin * reach_of(beam, from, row) - gaps[stop];
+      const double arm = row[0] / scale;
+      const PendulumSwing::State swing{scale * there.a[0], scale * there.rate[0]};
+      const double within = arm * swing.angle + reach_margin * vibration.reach - gaps[stop];
       near = near || within > 0.0;
       if (within > 0.0 && arm * swing.rate < 0.0)
         clear = std::min(clear, -1.02 * within / (arm * swing.rate));
-      const double most_acceleration = (row.array().abs() * accelerations).sum();
       const double speed = row.dot(there.rate);
       double room = gaps[stop] - row.dot(there.a);
       if (look == 0) room = std::max(room, 0.0);  // it is free, whatever rounding says
       if (!(room >= 0.0)) return time;
       // speed t + ½ acceleration t² = room, in a form that does not cancel
-      const double root = std::sqrt(speed * speed + 2.0 * most_acceleration * room);
+      const double root = std::sqrt(speed * speed + 2.0 * vibration.acceleration * room);
       if (speed > 0.0)
         clear = std::min(clear, 2.0 * room / (speed + root));
-      else if (most_acceleration > 0.0)
-        clear = std::min(clear, (root - speed) / most_acceleration);
+      else if (vibration.acceleration > 0.0)
+        clear = std::min(clear, (root - speed) / vibration.acceleration);
     }
     if (!near) return time;
     if (time + clear >= most) return most;

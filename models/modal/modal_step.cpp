@@ -18,6 +18,7 @@ constexpr int most_terms = Collocation::block_size * Collocation::blocks;
 static_assert(most_terms == ModesOverStep::most_terms);
 // Phase of the highest mode over a step whose series has that many terms, with some to spare.
 constexpr double longest_phase = 360.0;
+constexpr std::size_t most_summed = 16;
 // A bar moved along a slope by a little vibrates a little faster than the ladder of steps knows.
 constexpr double slack = 0.01;
 
@@ -194,10 +195,17 @@ ModalStep ModalStep::sum(std::span<const ModalStep* const> steps, std::span<cons
   ModalStep total(h, first.modes_, first.nodes_);
   total.further_ = first.further_;
   total.of_force_ = first.of_force_;
-  std::vector<const double*> arrays(steps.size());
+  total.become_sum(steps, weights, h, scale);
+  return total;
+}
+
+void ModalStep::become_sum(std::span<const ModalStep* const> steps, std::span<const double> weights,
+                           double h, const Scale* scale) {
+  h_ = h;
+  std::array<const double*, most_summed> arrays;
   const auto combine = [&](const auto& part, const double* factors) {
     for (std::size_t j = 0; j < steps.size(); ++j) arrays[j] = part(*steps[j]).data();
-    auto& to = part(total);
+    auto& to = part(*this);
     find_sum({.count = static_cast<int>(to.size()),
               .terms = static_cast<int>(steps.size()),
               .arrays = arrays.data(),
@@ -214,19 +222,18 @@ ModalStep ModalStep::sum(std::span<const ModalStep* const> steps, std::span<cons
   combine(
       [](auto& step) -> auto& { return step.response_.velocity_of_force; },
       scale ? scale->of_velocity_.data() : nullptr);
-  total.response_.set_most();
-  for (std::size_t k = 0; k < total.further_.size(); ++k)
+  response_.set_most();
+  for (std::size_t k = 0; k < further_.size(); ++k)
     for (const auto matrix :
          {&Further::of_a, &Further::of_rate, &Further::a_of_force, &Further::rate_of_force})
       combine(
           [&](auto& step) -> auto& { return step.further_[k].*matrix; }, nullptr);
-  for (std::size_t k = 0; k < total.of_force_.size(); ++k) {
+  for (std::size_t k = 0; k < of_force_.size(); ++k) {
     combine(
         [&](auto& step) -> auto& { return step.of_force_[k].displacement_of_force; }, nullptr);
     combine(
         [&](auto& step) -> auto& { return step.of_force_[k].velocity_of_force; }, nullptr);
   }
-  return total;
 }
 
 /// A mode moves by its rate for a time h or, where it vibrates faster, for 1/ω.

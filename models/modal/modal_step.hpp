@@ -50,10 +50,16 @@ class ModalStep {
   static ModalStep sum(std::span<const ModalStep* const> steps, std::span<const double> weights,
                        double h, const Scale* scale = nullptr);
 
+  /// The same into a step that is no longer needed, of as many modes, nodes and stops.
+  void become_sum(std::span<const ModalStep* const> steps, std::span<const double> weights,
+                  double h, const Scale* scale = nullptr);
+
   /// The longest step whose kernels' series can be held [s]; infinite without vibration.
   static double longest(const ModalBeam& beam);
 
   double h() const { return h_; }
+
+  int nodes() const { return static_cast<int>(nodes_); }
 
   /// The struck point at the nodes under the state at the step's beginning: displacements, then
   /// velocities (2 s, m).

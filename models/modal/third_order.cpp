@@ -91,15 +91,21 @@ void ThirdOrder::lengthen(double rate) {
   missing_.rate.noalias() = stations.slopes.transpose() * pull_;
 }
 
-void ThirdOrder::look(const ModalBeam::StationSlopes& slopes, Look& at) {
-  const ModalBeam::Stations& stations = beam_.stations();
-  const Eigen::Index modes = stations.axial_squares.size();
+/// Tells the energy of shortening [J].
+double ThirdOrder::look(const ModalBeam::StationSlopes& slopes, Look& at) {
   at.slope = slopes.slope;
+  if (elastic_rate_.size() > 0) draw(slopes, at);
+  return beam_.shorten(slopes, at.momentum);
+}
+
+/// The axial modes, by what shortening draws the stations and lumps to.
+void ThirdOrder::draw(const ModalBeam::StationSlopes& slopes, Look& at) {
+  const ModalBeam::Stations& stations = beam_.stations();
   at.drawn.setZero();
   at.drawn_rate.setZero();
   double u = 0.0, u_rate = 0.0;
   const auto add = [&](Eigen::Index row, double mass, double drawn, double rate) {
-    for (Eigen::Index k = 0; k < modes; ++k) {
+    for (Eigen::Index k = 0; k < at.drawn.size(); ++k) {
       at.drawn[k] += stations.axial(row, k) * mass * drawn;
       at.drawn_rate[k] += stations.axial(row, k) * mass * rate;
     }
@@ -108,14 +114,12 @@ void ThirdOrder::look(const ModalBeam::StationSlopes& slopes, Look& at) {
     const double s = slopes.slope[i];
     const double step = 0.5 * s * s * stations.length[i];
     const double rate = s * slopes.rate[i] * stations.length[i];
-    at.momentum[i] = stations.mass[i] * (u_rate + 0.5 * rate);
     add(i, stations.mass[i], u + 0.5 * step, u_rate + 0.5 * rate);
     for (std::size_t l = 0; l < stations.lumps.size(); ++l) {
       const ModalBeam::Stations::Lump& lump = stations.lumps[l];
-      if (lump.station != i) continue;
-      at.momentum[i] += lump.mass * (u_rate + lump.part * rate);
-      add(at.slope.size() + static_cast<Eigen::Index>(l), lump.mass, u + lump.part * step,
-          u_rate + lump.part * rate);
+      if (lump.station == i)
+        add(at.slope.size() + static_cast<Eigen::Index>(l), lump.mass, u + lump.part * step,
+            u_rate + lump.part * rate);
     }
     u += step;
     u_rate += rate;
@@ -191,6 +195,18 @@ void ThirdOrder::find_force(const ModalState& state, double h) {
   force_ -= drag_ / h;
 }
 
+void ThirdOrder::follow(const ModalState& state, const ModalBeam::StationSlopes& slopes,
+                        const ModalStep& step, double part, double contact_force,
+                        const BarMotion::ContactSlope& contact) {
+  shortening_ = std::max(shortening_, look(slopes, after_) / energy_);
+  find_force(state, part * step.h());
+  move(step, part);
+  answer(step, part, contact_force, contact);
+  std::swap(missing_, end_);
+  std::swap(before_, after_);
+  last_ = state;
+}
+
 /// Under that force the modes vibrate about where it would hold them, free of the contact.
 void ThirdOrder::move(const ModalStep& step, double part) {
   const double h = part * step.h();
@@ -210,19 +226,6 @@ void ThirdOrder::move(const ModalStep& step, double part) {
     end_.a[k] += 0.5 * force_[k] * h * h;
     end_.rate[k] += force_[k] * h;
   }
-}
-
-void ThirdOrder::follow(const ModalState& state, const ModalBeam::StationSlopes& slopes,
-                        const ModalStep& step, double part, double contact_force,
-                        const BarMotion::ContactSlope& contact) {
-  look(slopes, after_);
-  shortening_ = std::max(shortening_, beam_.shortening_energy(slopes) / energy_);
-  find_force(state, part * step.h());
-  move(step, part);
-  answer(step, part, contact_force, contact);
-  std::swap(missing_, end_);
-  std::swap(before_, after_);
-  last_ = state;
 }
 
 /// Of the contact, by its mean slopes.

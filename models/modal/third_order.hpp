@@ -62,7 +62,8 @@ class ThirdOrder {
     Eigen::VectorXd drawn, drawn_rate;  // ∫ Uₖ ∫₀ˣ ½ s² dξ dm and its rate, of each axial mode
   };
 
-  void look(const ModalBeam::StationSlopes& slopes, Look& at);
+  double look(const ModalBeam::StationSlopes& slopes, Look& at);
+  void draw(const ModalBeam::StationSlopes& slopes, Look& at);
   void stretch(double h);
   void turn_steadily(double rate);
   void lengthen(double rate);

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "models/collocation/collocation_run.hpp"
+#include "models/ensemble.hpp"
 #include "models/modal/modal_motion.hpp"
 #include "models/settled_solution.hpp"
 #include "models/simulation.hpp"
@@ -147,6 +148,20 @@ TEST(HardContact, AnEndThatNoAccuracyGivesIsToldOf) {
     EXPECT_THAT(creeps.warnings, Contains(HasSubstr("the first contact creeps apart, if at all")));
     EXPECT_NEAR(creeps.peak_force / peak, 1.0, accuracy);
     EXPECT_THAT(run(0.5, accuracy).warnings, Not(Contains(HasSubstr("the first contact "))));
+  }
+}
+
+// At 1e-7 the contact is solved to its size among the others, at 1e-3 with other nodes alone.
+TEST(HardContact, MembersOfEnsemblesTellOfSuchAnEnd) {
+  const std::vector<Rig> rigs = {bar_that_creeps_apart(0.049290658), bar_that_creeps_apart(0.5)};
+  for (const double accuracy : {1e-3, 1e-7}) {
+    Solver solver = rigid(accuracy);
+    solver.duration = 2.0;
+    const std::vector<EnsembleMember> members = simulate_ensemble(rigs, solver);
+    for (std::size_t i = 0; i < rigs.size(); ++i)
+      EXPECT_EQ(members[i].simulation.warnings, simulate(rigs[i], solver).warnings) << accuracy;
+    EXPECT_THAT(members[0].simulation.warnings,
+                Contains(HasSubstr("the first contact creeps apart, if at all")));
   }
 }
 
