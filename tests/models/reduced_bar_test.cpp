@@ -244,6 +244,33 @@ TEST(FastVibration, IsLeftOutOfFineMeshesWithinTheAccuracy) {
   }
 }
 
+// How many modes these contacts need differs by a factor of three; a coarse solution tells.
+TEST(FastVibration, IsLeftOutAsTheContactsDampingAllows) {
+  for (const double restitution : {0.3, 0.6, 0.95}) {
+    Rig rig = paper_rig();
+    rig.contact.damping = "lankarani-nikravesh";
+    rig.contact.restitution = restitution;
+    const Simulation exact = solve_in(rig, ancf(112, 16, 1e-9, 1.5e-3), 0).result;
+    for (const double accuracy : {1e-3, 1e-4}) {
+      const Simulation result = simulate(rig, ancf(112, 16, accuracy, 1.5e-3));
+      ASSERT_THAT(result.taken, Contains(fast_vibration)) << restitution << ' ' << accuracy;
+      EXPECT_LT(difference(result, exact), accuracy) << restitution;
+    }
+  }
+}
+
+// What they neglect beside vibration is too much for small motion: a coarse solution of few modes
+// tells, and is not the answer.
+TEST(FastVibration, IsNotTheAnswerWhereSmallMotionIsNone) {
+  Rig rig = paper_rig();
+  rig.contact.damping = "lankarani-nikravesh";
+  rig.contact.restitution = 0.5;
+  rig.start.velocity = 20.0;
+  const Simulation result = simulate(rig, ancf(56, 8, 1e-5, 1e-3));
+  EXPECT_FALSE(result.small_motion);
+  EXPECT_THAT(result.taken, Not(Contains(fast_vibration)));
+}
+
 TEST(FastVibration, IsNotLeftOutWhereItMatters) {
   const Rig rig = paper_rig();
   const auto taken = [&](const Rig& scene, const Solver& solver, const SimulationOptions& options) {
