@@ -119,6 +119,14 @@ ordered_json impact_json(const datasets::Impact& impact, const datasets::Channel
   return json;
 }
 
+/// That a search which was asked for found nothing.
+std::string no_impact(std::string_view where) {
+  return fmt::format(
+      "there is no impact in {}: nothing rises clearly above the noise (--threshold states from "
+      "which departure on there is one, --trigger another channel)",
+      where);
+}
+
 /// Impacts in one channel of a record; a sentence where they cannot be looked for.
 void add_impacts(const datasets::Record& record, std::size_t index,
                  acquisition::DetectionOptions options, ordered_json& list,
@@ -146,8 +154,11 @@ ordered_json impacts_json(const datasets::Record& record, const DetectionArgumen
       throw datasets::InputError(
           {.file = record.provenance.source_file},
           fmt::format("there is no single channel '{}' to look for impacts in", detection.trigger));
+    const std::size_t told = warnings.size();
     add_impacts(record, static_cast<std::size_t>(channel - record.channels.data()), options, list,
                 warnings);
+    if (list.empty() && warnings.size() == told)
+      warnings.push_back(no_impact(fmt::format("'{}'", channel->name)));
     return list;
   }
   using enum datasets::Quantity;
@@ -190,6 +201,7 @@ ordered_json impacts_on_rig(const datasets::Record& recorded, const Options& opt
     if (balance) json["impulse_ratio"] = number(balance->ratio);
     list.push_back(std::move(json));
   }
+  if (list.empty()) warnings.push_back(no_impact("the channels of the rig's sensors"));
   return list;
 }
 

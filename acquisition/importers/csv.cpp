@@ -339,6 +339,9 @@ std::unique_ptr<RecordingReader> open_large(std::shared_ptr<CsvHead> csv,
 
 int recognises_csv(std::string_view file_name, std::string_view head) {
   if (looks_like_utf16(head)) return 10;
+  const std::size_t padding = padding_of(head);
+  if (padding > 0) head.remove_suffix(padding);
+  if (padding > 0 && head.find_first_of("\r\n") == std::string_view::npos) return 0;
   std::size_t strange = 0;
   for (const char c : head) {
     const auto byte = static_cast<unsigned char>(c);

@@ -137,6 +137,18 @@ bool take(ChildProcess& child, Hdf5Array& array) {
   return take_scales(child, array) && take(child, array.attributes);
 }
 
+bool take(ChildProcess& child, Hdf5References& references) {
+  std::uint64_t count = 0;
+  if (!child.text(references.path, longest_answer) ||
+      !child.text(references.kept_as, longest_answer) || !child.number(references.reference) ||
+      !child.number(count) || count > hdf5_most_references)
+    return false;
+  references.to.resize(count);
+  for (std::uint64_t& reference : references.to)
+    if (!child.number(reference)) return false;
+  return true;
+}
+
 /// Forks while no other thread is within HDF5.
 ChildProcess start(const std::function<void(const PipeWriter&)>& work, unsigned cpu_seconds) {
   const datasets::Hdf5Session session;
@@ -266,7 +278,12 @@ Hdf5Listing list_hdf5(const std::string& path) {
       listing.arrays.push_back(std::move(array));
     } else if (word == "group") {
       std::string name;
-      whole = child.text(name, longest_answer) && take(child, listing.groups[name]);
+      std::uint64_t reference = 0;
+      whole = child.text(name, longest_answer) && child.number(reference) &&
+              take(child, listing.groups[name]);
+      if (reference != 0) listing.referred_groups.emplace(reference, name);
+    } else if (word == "references") {
+      whole = take(child, listing.references.emplace_back());
     } else if (word == "text") {
       std::string name;
       whole = child.text(name, longest_answer) && child.text(word, longest_answer);

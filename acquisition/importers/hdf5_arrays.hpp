@@ -39,17 +39,29 @@ struct Hdf5Array {
   bool wide = false;            ///< integers of 64 bits: not all are exact as doubles
   bool complex = false;         ///< a pair of members, "real" and "imag"
   std::string text;             ///< of MATLAB's, which are numbers to HDF5
+  std::string shown_as{};       ///< of a field of MATLAB's structures: "run(2).force", not its path
   std::uint64_t reference = 0;  ///< what stands for the data set in the lists of others
   /// Data sets that hold the scale of a dimension, by their reference, one list a dimension.
   std::vector<std::vector<std::uint64_t>> scales;
   Hdf5Attributes attributes;
 };
 
+/// A data set of references to others; they are compared with Hdf5Array::reference and never
+/// followed, so that a damaged one leads nowhere.
+struct Hdf5References {
+  std::string path;
+  std::string kept_as;          ///< by MATLAB: "cell"; "" a field of structures
+  std::uint64_t reference = 0;  ///< to itself
+  std::vector<std::uint64_t> to{};
+};
+
 struct Hdf5Listing {
   std::vector<Hdf5Array> arrays;
-  std::map<std::string, Hdf5Attributes> groups;  ///< by path; the root's is "/"
-  std::map<std::string, std::string> texts;      ///< data sets of one text, by path
-  std::vector<std::string> skipped;              ///< "'/a' (why)"
+  std::vector<Hdf5References> references;
+  std::map<std::string, Hdf5Attributes> groups;          ///< by path; the root's is "/"
+  std::map<std::uint64_t, std::string> referred_groups;  ///< paths, by their reference
+  std::map<std::string, std::string> texts;              ///< data sets of one text, by path
+  std::vector<std::string> skipped;                      ///< "'/a' (why)"
   /// Soft links, and hard links to what is listed already, by what they lead to, as paths.
   std::multimap<std::string, std::string> links;
 };

@@ -9,6 +9,7 @@
 
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/mat5.hpp"
+#include "acquisition/importers/mat73_structures.hpp"
 #include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/units.hpp"
@@ -64,21 +65,13 @@ class EachBlock final : public SampleSink {
 
 /// "/run/force", and of MATLAB's "run.force".
 std::string shown(std::string path, bool matlab) {
-  if (matlab) {
-    path.erase(0, 1);
-    std::ranges::replace(path, '/', '.');
-  }
-  return to_utf8(path);
+  return matlab ? mat73_name(std::move(path)) : to_utf8(path);
 }
 
-/// Without what MATLAB keeps for itself.
-Hdf5Listing without_internals(Hdf5Listing listing) {
-  const auto internal = [](std::string_view path) {
-    return path.starts_with("/#") || path.starts_with("'/#");
-  };
-  std::erase_if(listing.arrays,
-                [&internal](const Hdf5Array& array) { return internal(array.path); });
-  std::erase_if(listing.skipped, [&internal](const std::string& text) { return internal(text); });
+/// References of programs other than MATLAB are told.
+Hdf5Listing without_references(Hdf5Listing listing) {
+  for (const Hdf5References& references : listing.references)
+    listing.skipped.push_back(fmt::format("'{}' (references)", to_utf8(references.path)));
   return listing;
 }
 
@@ -340,7 +333,8 @@ Hdf5Channels::Hdf5Channels(const std::string& file, Hdf5Listing listed, bool of_
                            const std::vector<std::string>& units)
     : path(file),
       matlab(of_matlab),
-      listing(matlab ? without_internals(std::move(listed)) : std::move(listed)),
+      listing(matlab ? with_mat73_structures(std::move(listed))
+                     : without_references(std::move(listed))),
       scales(listing.arrays) {
   record.provenance.importer = matlab ? "mat" : "hdf5";
   ChannelMaker(*this).make(units);

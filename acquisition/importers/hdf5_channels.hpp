@@ -32,7 +32,9 @@ struct Hdf5Channels {
   void settle_the_rest();
 
   /// Of a data set, all fields of records together: "/run/force"; as MATLAB writes it "run.force".
-  std::string name_of_set(const Hdf5Array& array) const { return name_of_path(array.path); }
+  std::string name_of_set(const Hdf5Array& array) const {
+    return array.shown_as.empty() ? name_of_path(array.path) : array.shown_as;
+  }
 
   /// The same of any path.
   std::string name_of_path(const std::string& path_within) const;

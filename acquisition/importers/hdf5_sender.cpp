@@ -297,6 +297,7 @@ class Walk {
     const Hdf5Attributes attributes = attributes_of(id);
     out_.text("group");
     out_.text(path);
+    out_.number(reference_to(id));
     put(attributes);
     std::vector<Link> links;
     hsize_t at = 0;
@@ -380,7 +381,8 @@ class Walk {
     const bool records = kind == H5T_COMPOUND && !is_complex(type.id());
     const auto numbers = kind == H5T_COMPOUND ? ArrayNumbers::f64 : numbers_of(type.id());
     const bool one = H5Sget_simple_extent_npoints(space.id()) == 1;
-    if (!numbers && !(kind == H5T_STRING && one)) return skip(path, kind_name(kind));
+    const bool references = kind == H5T_REFERENCE && H5Tequal(type.id(), H5T_STD_REF_OBJ) > 0;
+    if (!numbers && !references && !(kind == H5T_STRING && one)) return skip(path, kind_name(kind));
     array.complex = kind == H5T_COMPOUND && !records;
     array.wide = is_wide(type.id());
     if (numbers) array.numbers = *numbers;
@@ -389,6 +391,7 @@ class Walk {
     const std::string problem = storage_problem(id, array.shape, H5Tget_size(type.id()), bytes_);
     if (!problem.empty()) return skip(path, problem);
     if (kind == H5T_STRING) return text(id, type.id(), path);
+    if (references) return put_references(id, space.id(), path);
     if (is_listed(id, array)) return;
     array.attributes = attributes_of(id);
     array.reference = reference_to(id);
@@ -471,6 +474,24 @@ class Walk {
     out_.text("text");
     out_.text(path);
     out_.text(texts->front());
+  }
+
+  /// MATLAB keeps the fields of several structures so, and cell arrays.
+  void put_references(hid_t id, hid_t space, const std::string& path) {
+    const hssize_t count = H5Sget_simple_extent_npoints(space);
+    if (count < 0 || static_cast<std::uint64_t>(count) > hdf5_most_references)
+      return skip(path, fmt::format("more than {} references", hdf5_most_references));
+    std::vector<hobj_ref_t> references(static_cast<std::size_t>(count));
+    if (H5Dread(id, H5T_STD_REF_OBJ, H5S_ALL, H5S_ALL, H5P_DEFAULT, references.data()) < 0)
+      return skip(path, "damaged");
+    const Hdf5Attributes attributes = attributes_of(id);
+    const auto matlab = attributes.texts.find("MATLAB_class");
+    out_.text("references");
+    out_.text(path);
+    out_.text(matlab == attributes.texts.end() ? std::string() : matlab->second);
+    out_.number(reference_to(id));
+    out_.number(references.size());
+    for (const hobj_ref_t reference : references) out_.number(reference);
   }
 
   /// MATLAB, h5py and others write a complex number as a pair.

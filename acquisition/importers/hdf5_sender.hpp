@@ -16,7 +16,8 @@ namespace impactrig::acquisition {
 constexpr std::size_t hdf5_block_size = 65536;  ///< samples handed over at once
 constexpr std::size_t hdf5_longest_list =
     1000;  ///< texts or numbers of one attribute; fields of records
-constexpr std::size_t hdf5_most_scales = 16;  ///< of one dimension
+constexpr std::size_t hdf5_most_scales = 16;           ///< of one dimension
+constexpr std::uint64_t hdf5_most_references = 10000;  ///< of one data set
 constexpr std::uint64_t hdf5_end_of_blocks = ~std::uint64_t{0};
 
 /// Writes "" or why the file cannot be read, then its groups and data sets of numbers as they come,

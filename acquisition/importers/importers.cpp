@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "acquisition/importer.hpp"
 #include "acquisition/importers/all_finite.hpp"
@@ -39,7 +43,7 @@ constexpr auto table = std::to_array<Importer>({
     {"keysight-bin", "Agilent and Keysight waveforms (.bin)", recognises_keysight_bin,
      open_keysight_bin},                                                            //
     {"rigol-bin", "Rigol waveforms (.bin)", recognises_rigol_bin, open_rigol_bin},  //
-    {"rigol-wfm", "Rigol DS1000Z and DS1000E/D waveform (.wfm)", recognises_rigol_wfm,
+    {"rigol-wfm", "Rigol DS1000Z, DS1000E/D and DS2000 waveform (.wfm)", recognises_rigol_wfm,
      open_rigol_wfm},                                                                 //
     {"catman", "HBM catman binary export (.bin)", recognises_catman, open_catman},    //
     {"imc-raw", "imc FAMOS raw file (.raw .dat)", recognises_imc_raw, open_imc_raw},  //
@@ -232,6 +236,29 @@ class FiniteSamples final : public SampleSink {
   std::vector<std::uint8_t> valid_;
 };
 
+/// Of channels that have the same name, how they are told apart; "" where there are none.
+std::string same_names(const Record& record) {
+  std::map<std::string_view, std::vector<const Channel*>> named;
+  for (const Channel& channel : record.channels) named[channel.name].push_back(&channel);
+  const auto group_of = [](const Channel& channel) {
+    const auto group = channel.attributes.find("group");
+    return group == channel.attributes.end() ? std::string() : group->second;
+  };
+  for (const Channel& channel : record.channels) {
+    const std::vector<const Channel*>& same = named[channel.name];
+    if (same.size() < 2) continue;
+    std::set<std::string> groups;
+    for (const Channel* const one : same) groups.insert(group_of(*one));
+    if (groups.size() == same.size() && !groups.contains(""))
+      return fmt::format("several groups have a channel '{0}': state the group too, '{1}/{0}'",
+                         channel.name, group_of(*same[1]));
+    return fmt::format(
+        "{} channels are called '{}': the name means the first of them, an index any other",
+        same.size(), channel.name);
+  }
+  return {};
+}
+
 /// What holds for recordings of every format.
 class CheckedRecording final : public RecordingReader {
  public:
@@ -243,6 +270,7 @@ class CheckedRecording final : public RecordingReader {
         require_clock_(options.require_clock),
         path_(path) {
     if (rate_) apply_sample_rate(head_.record, *rate_);
+    if (std::string sentence = same_names(head_.record); !sentence.empty()) tell(sentence);
     if (require_clock_) return;
     std::vector<std::size_t> all(head_.samples.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
@@ -251,6 +279,11 @@ class CheckedRecording final : public RecordingReader {
   }
 
   const RecordingHead& head() const override { return head_; }
+
+  void tell(const std::string& sentence) {
+    auto& warnings = head_.record.warnings;
+    if (std::ranges::find(warnings, sentence) == warnings.end()) warnings.push_back(sentence);
+  }
 
   void set_provenance(std::string_view importer, std::uint64_t bytes) {
     datasets::Provenance& provenance = head_.record.provenance;
@@ -351,6 +384,11 @@ std::span<const Importer> importers() {
 
 namespace {
 
+/// Formats whose files are read as a TextFile throughout.
+bool is_text(std::string_view format) {
+  return format == "csv" || format == "lvm" || format == "polytec-ascii";
+}
+
 /// Of a file without content: whether an importer's list of endings, or its table's, has its own.
 bool has_ending_of_recordings(std::string file_name) {
   for (char& c : file_name)
@@ -401,6 +439,11 @@ std::unique_ptr<RecordingReader> open_recording(const std::string& path,
                                  importer.id));
   auto checked = std::make_unique<CheckedRecording>(importer.open(path, options), options, path);
   checked->set_provenance(importer.id, file.bytes().size());
+  const std::size_t padding = is_text(importer.id) ? padding_of(file.bytes()) : 0;
+  if (padding > 0)
+    checked->tell(
+        fmt::format("the file ends with {} byte{} of zero (was its writer stopped?): {} left out",
+                    padding, padding == 1 ? "" : "s", padding == 1 ? "it is" : "they are"));
   return checked;
 }
 

@@ -70,8 +70,6 @@ constexpr unsigned object_class = 17;
 
 std::string_view class_name(unsigned number) {
   switch (number) {
-    case 1:
-      return "a cell array";
     case 3:
       return "an object";
     case 5:
@@ -250,6 +248,7 @@ class MatParser {
     MatArray array;
     array.name = name;
     if (!set_shape(*shape, array)) return skip(name, "damaged: its size is not one");
+    if (class_number == 1) return read_cells(matrix, at, array, depth);
     if (class_number == 2) return read_structure(matrix, at, array, depth);
     if (class_number == 4) return read_text(next(), array);
     if (class_number < 6 || class_number > 15) return skip(name, class_name(class_number));
@@ -369,6 +368,20 @@ class MatParser {
                     fmt::format("{}{}.{}", array.name, which, to_utf8(text_of(label, step))),
                     depth + 1);
       }
+  }
+
+  /// What a cell array holds, column after column.
+  void read_cells(const Element& matrix, std::uint64_t at, const MatArray& array, int depth) {
+    if (depth >= deepest) return skip(array.name, "nested too deeply");
+    const std::uint64_t cells = array.rows * array.columns;
+    if (cells == 0) return skip(array.name, "empty");
+    for (std::uint64_t i = 0; i < cells; ++i) {
+      const auto cell = element_at(at, matrix.end);
+      if (!cell) return skip(array.name, "cut");
+      at = cell->next;
+      if (cell->type == mi_matrix)
+        read_matrix(*cell, fmt::format("{}{{{}}}", array.name, i + 1), depth + 1);
+    }
   }
 
   // ---- version 4

@@ -11,9 +11,11 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <unordered_set>
 
 #include "acquisition/importers/byte_cursor.hpp"
 #include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/mdf4_arrays.hpp"
 #include "acquisition/importers/mdf4_blocks.hpp"
 #include "acquisition/importers/mdf4_conversion.hpp"
 #include "acquisition/importers/mdf4_data.hpp"
@@ -37,6 +39,7 @@ constexpr std::uint64_t most_time_bytes = std::uint64_t{1} << 26;   ///< read at
 constexpr std::uint64_t least_time_bytes = std::uint64_t{1} << 20;  ///< where groups share data
 constexpr std::uint64_t most_times = std::uint64_t{1} << 22;        ///< looked at when opening
 constexpr std::size_t most_channels = 100000;
+constexpr int deepest_structure = 16;
 
 class MdfReader {
  public:
@@ -64,8 +67,7 @@ class MdfReader {
   }
 
   void warn(std::string sentence) {
-    if (std::ranges::find(record_.warnings, sentence) == record_.warnings.end())
-      record_.warnings.push_back(std::move(sentence));
+    if (told_.insert(sentence).second) record_.warnings.push_back(std::move(sentence));
   }
 
   void read_identification() {
@@ -360,15 +362,114 @@ class MdfReader {
 
   std::vector<Described> described_channels(const MdfBlock& block, std::uint64_t id_bytes,
                                             std::uint64_t data_bytes) {
+    return chain_of_channels(block.link(1), {id_bytes, data_bytes});
+  }
+
+  /// Where in a file a chain of channels stands.
+  struct Around {
+    std::uint64_t id_bytes = 0;    ///< of a record
+    std::uint64_t data_bytes = 0;  ///< of a record
+    int depth = 0;                 ///< structures around it
+  };
+
+  void count_channels(std::uint64_t at, std::uint64_t more) {
+    channel_blocks_ += more;
+    if (channel_blocks_ > most_channels)
+      fail(at, fmt::format("there are more than {} channels", most_channels));
+  }
+
+  std::vector<Described> chain_of_channels(std::uint64_t next, const Around& around) {
     std::vector<Described> found;
-    for (std::uint64_t next = block.link(1); next != 0;) {
+    while (next != 0) {
       const MdfBlock channel = blocks_.new_block_at(next, "CN", "a channel");
       next = channel.link(0);
-      if (++channel_blocks_ > most_channels)
-        fail(channel.at, fmt::format("there are more than {} channels", most_channels));
-      found.push_back(described(channel, id_bytes, data_bytes));
+      count_channels(channel.at, 1);
+      if (channel.link(1) == 0)
+        found.push_back(described(channel, around));
+      else
+        for (Described& part : parts_of(channel, around)) found.push_back(std::move(part));
     }
     return found;
+  }
+
+  /// The channels that a structure or an array in each record is made of.
+  std::vector<Described> parts_of(const MdfBlock& block, const Around& around) {
+    const std::string name = name_of(block);
+    if (around.depth == deepest_structure) {
+      leave_out(name);
+      return {};
+    }
+    const Around within{around.id_bytes, around.data_bytes, around.depth + 1};
+    const MdfBlock composed = blocks_.block_at(block.link(1), "the composition of a channel");
+    if (composed.id == "CN") {
+      std::vector<Described> parts;
+      if (has_numbers(block)) parts.push_back(described(block, around));  // a word and its bits
+      for (Described& member : chain_of_channels(block.link(1), within)) {
+        // many programs name them by all of their name
+        if (!member.name.starts_with(name + ".")) member.name = name + "." + member.name;
+        parts.push_back(std::move(member));
+      }
+      return parts;
+    }
+    const MdfArray array = mdf_array(blocks_, block.link(1));
+    if (!array.problem.empty()) {
+      warn(fmt::format("'{}' is left out: {}", name, array.problem));
+      return {};
+    }
+    std::vector<Described> members;
+    if (array.members != 0)
+      members = chain_of_channels(array.members, within);
+    else
+      members.push_back(described(block, around));
+    std::erase_if(members,
+                  [](const Described& member) { return !member.usable || member.type == 3; });
+    for (Described& member : members)
+      if (member.name.starts_with(name + ".")) member.name.erase(0, name.size() + 1);
+    if (!members.empty()) count_channels(block.at, array.elements * members.size());
+    std::vector<Described> parts;
+    for (std::uint64_t i = 0; i < array.elements; ++i) {
+      const auto [indices, bytes, bits] = array.element(i);
+      for (const Described& member : members) {
+        Described part = member;
+        part.name = name + indices + (array.members != 0 ? "." + member.name : "");
+        place(part, bytes, bits, around);
+        parts.push_back(std::move(part));
+      }
+    }
+    return parts;
+  }
+
+  /// Of a channel with members, which as a rule is but the bytes of them.
+  bool has_numbers(const MdfBlock& block) const {
+    ByteCursor in(*file_, false, block.data + 2);
+    return in.read<std::uint8_t>("a channel") <= 5;
+  }
+
+  /// Moves a channel within the record.
+  void place(Described& channel, std::int64_t bytes, std::int64_t bits, const Around& around) {
+    const std::int64_t first =
+        static_cast<std::int64_t>(channel.field.offset - around.id_bytes) + bytes;
+    const auto last = first + static_cast<std::int64_t>(channel.field.bytes()) - 1;
+    if (first < 0 || last >= static_cast<std::int64_t>(around.data_bytes))
+      fail(channel.at, fmt::format("'{}' lies in bytes {} to {} of records that have {}",
+                                   channel.name, first, last, around.data_bytes));
+    channel.field.offset = around.id_bytes + static_cast<std::uint64_t>(first);
+    if (!channel.invalid_bit) return;
+    const std::int64_t bit = static_cast<std::int64_t>(*channel.invalid_bit) + bits;
+    if (bit / 8 >= static_cast<std::int64_t>(groups_.back().record_bytes))
+      fail(channel.at,
+           fmt::format("the invalidation bit of '{}' lies outside of the records", channel.name));
+    channel.invalid_bit = static_cast<std::uint64_t>(bit);
+  }
+
+  std::string name_of(const MdfBlock& block) {
+    std::string name = blocks_.text_at(block.link(2));
+    return name.empty() ? fmt::format("channel {}", channel_blocks_ - 1) : name;
+  }
+
+  void leave_out(const std::string& name) {
+    if (left_out_.size() < 3) left_out_.push_back(name);
+    ++left_out_count_;
   }
 
   static const Described* master_of(const std::vector<Described>& channels) {
@@ -428,12 +529,13 @@ class MdfReader {
         {shared.group, described.field, std::move(conversion.function), described.invalid_bit});
   }
 
-  Described described(const MdfBlock& block, std::uint64_t id_bytes, std::uint64_t data_bytes) {
+  Described described(const MdfBlock& block, const Around& around) {
+    const std::uint64_t id_bytes = around.id_bytes;
+    const std::uint64_t data_bytes = around.data_bytes;
     ByteCursor in(*file_, false, block.data);
     Described channel;
     channel.at = block.at;
-    channel.name = blocks_.text_at(block.link(2));
-    if (channel.name.empty()) channel.name = fmt::format("channel {}", channel_blocks_ - 1);
+    channel.name = name_of(block);
     channel.type = in.read<std::uint8_t>("a channel");
     channel.sync = in.read<std::uint8_t>("a channel");
     const auto data_type = in.read<std::uint8_t>("a channel");
@@ -449,10 +551,8 @@ class MdfReader {
       return channel;
     }
     const bool numbers = data_type <= 5 || data_type == 15 || data_type == 16;
-    if (!numbers || channel.type == 1 || channel.type == 4 || channel.type >= 5 ||
-        block.link(1) != 0) {
-      if (left_out_.size() < 3) left_out_.push_back(channel.name);
-      ++left_out_count_;
+    if (!numbers || channel.type == 1 || channel.type >= 4) {
+      leave_out(channel.name);
       channel.usable = false;
       return channel;
     }
@@ -623,15 +723,15 @@ class MdfReader {
     if (left_out_count_ == 0) return;
     std::string list;
     for (const std::string& name : left_out_) list += (list.empty() ? "'" : ", '") + name + "'";
-    warn(fmt::format("{} channel{} of texts, byte arrays or structures {} left out: {}{}",
-                     left_out_count_, left_out_count_ == 1 ? "" : "s",
-                     left_out_count_ == 1 ? "is" : "are", list,
+    warn(fmt::format("{} channel{} of texts or byte arrays {} left out: {}{}", left_out_count_,
+                     left_out_count_ == 1 ? "" : "s", left_out_count_ == 1 ? "is" : "are", list,
                      left_out_count_ > left_out_.size() ? ", ..." : ""));
   }
 
   std::unique_ptr<MappedFile> file_;
   MdfBlocks blocks_;
   Record record_;
+  std::unordered_set<std::string> told_;  // its warnings
   std::vector<MdfGroup> groups_;
   std::vector<MdfChannel> channels_;
   std::map<std::string, Quantity> quantities_;

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "acquisition/importers/byte_cursor.hpp"
+#include "acquisition/importers/formula.hpp"
 
 namespace impactrig::acquisition {
 
@@ -61,8 +63,23 @@ void set_table(std::vector<double> p, bool interpolated, MdfConversion& conversi
   };
 }
 
-void set_conversion(std::uint8_t type, std::vector<double> p, bool floating,
-                    const MdfBlocks& blocks, std::uint64_t at, MdfConversion& conversion) {
+void set_formula(const std::string& text, MdfConversion& conversion) {
+  if (text.empty()) {
+    conversion.problem = "its conversion is a formula and states none";
+    return;
+  }
+  Formula formula = read_formula(text);
+  if (!formula.problem.empty())
+    conversion.problem = "its conversion " + formula.problem;
+  else
+    conversion.function = [f = std::move(formula.function)](std::span<double> x) {
+      for (double& v : x) v = f(v);
+    };
+}
+
+void set_conversion(std::uint8_t type, std::vector<double> p, const std::string& formula,
+                    bool floating, const MdfBlocks& blocks, std::uint64_t at,
+                    MdfConversion& conversion) {
   const auto needs = [&](bool enough) {
     if (!enough)
       blocks.fail(at, fmt::format("a conversion of type {} states {} parameters", type, p.size()));
@@ -89,8 +106,7 @@ void set_conversion(std::uint8_t type, std::vector<double> p, bool floating,
       };
       return;
     case 3:
-      conversion.problem = "its conversion is a formula in text";
-      return;
+      return set_formula(formula, conversion);
     case 4:
     case 5:
       needs(p.size() >= 2 && p.size() % 2 == 0);
@@ -114,7 +130,7 @@ void set_conversion(std::uint8_t type, std::vector<double> p, bool floating,
 
 MdfConversion read_mdf_conversion(MdfBlocks& blocks, std::uint64_t at, bool floating) {
   MdfConversion conversion;
-  const MdfBlock block = blocks.block_at(at, "a conversion", 4);
+  const MdfBlock block = blocks.block_at(at, "a conversion", 5);
   if (block.id != "CC")
     blocks.fail(at, fmt::format("expected a conversion (CC), found a block {}", block.id));
   conversion.unit = blocks.text_at(block.link(1));
@@ -125,7 +141,8 @@ MdfConversion read_mdf_conversion(MdfBlocks& blocks, std::uint64_t at, bool floa
   in.skip(16);
   std::vector<double> values;
   for (std::uint16_t i = 0; i < count; ++i) values.push_back(in.read<double>("a conversion"));
-  set_conversion(type, std::move(values), floating, blocks, at, conversion);
+  const std::string formula = type == 3 ? blocks.text_at(block.link(4)) : std::string();
+  set_conversion(type, std::move(values), formula, floating, blocks, at, conversion);
   if (!std::isfinite(conversion.scale) || !std::isfinite(conversion.offset)) {
     conversion.scale = 1.0;
     conversion.offset = 0.0;

@@ -18,9 +18,10 @@ struct MdfConversion {
   std::string problem;  ///< why it cannot be applied
 };
 
-/// The conversion at a place: none, a straight line, a rational function, a table of values or of
-/// ranges, whose upper ends depend on whether the numbers are `floating`. Formulas and texts are
-/// told as a problem. Throws datasets::InputError for damaged ones.
+/// The conversion at a place: none, a straight line, a rational function, a formula, a table of
+/// values or of ranges, whose upper ends depend on whether the numbers are `floating`. Texts, and
+/// formulas that are not understood, are told as a problem. Throws datasets::InputError for damaged
+/// ones.
 MdfConversion read_mdf_conversion(MdfBlocks& blocks, std::uint64_t at, bool floating);
 
 }  // namespace impactrig::acquisition

@@ -36,6 +36,11 @@ class ChannelStream {
         times_(window, channel.times),
         left_(range.last - range.first) {
     samples_.skip(range.first);
+    for (const StoredNumbers& other : channel.others) {
+      others_.emplace_back(window, other);
+      others_.back().skip(range.first);
+    }
+    other_values_.resize(others_.size());
     if (channel.imaginary.size() > 0) imaginary_.skip(range.first);
     if (channel.invalid.size() > 0) invalid_.skip(range.first);
     if (channel.times.size() > 0) times_.skip(range.first);
@@ -93,9 +98,11 @@ class ChannelStream {
   }
 
   datasets::RawSpan raw(std::uint64_t count) {
-    if (channel_->scaling) {
+    if (channel_->scaling || channel_->joining) {
       read(samples_, count, doubles_);
-      channel_->scaling(doubles_);
+      for (std::size_t i = 0; i < others_.size(); ++i) read(others_[i], count, other_values_[i]);
+      if (channel_->joining) channel_->joining(doubles_, other_values_);
+      if (channel_->scaling) channel_->scaling(doubles_);
       return std::span<const double>(doubles_);
     }
     switch (channel_->samples.kind()) {
@@ -127,6 +134,7 @@ class ChannelStream {
   NumberCursor imaginary_;
   NumberCursor invalid_;
   NumberCursor times_;
+  std::vector<NumberCursor> others_;
   std::uint64_t left_;
   WideIntegers wide_;
   std::vector<double> doubles_;
@@ -137,6 +145,7 @@ class ChannelStream {
   std::vector<double> mark_values_;
   std::vector<std::uint8_t> valid_;
   std::vector<double> time_values_;
+  std::vector<std::vector<double>> other_values_;
 };
 
 class NumbersReader final : public RecordingReader {
@@ -151,6 +160,7 @@ class NumbersReader final : public RecordingReader {
       check_within_file(channel.imaginary);
       check_within_file(channel.invalid);
       check_within_file(channel.times);
+      for (const StoredNumbers& other : channel.others) check_within_file(other);
       head_.samples.push_back(channel.samples.size());
     }
   }

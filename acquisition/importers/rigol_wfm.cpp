@@ -9,12 +9,13 @@
 #include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 
-/// Rigol oscilloscopes' own waveforms: each family has a layout of its own. DS1000Z and DS1000E/D
-/// are read.
+/// Rigol oscilloscopes' own waveforms: each family has a layout of its own. DS1000Z, DS1000E/D and
+/// DS2000 are read.
 ///
-/// Source of the layouts: Rigol, "DS1000Z Waveform Storage Structure" and "DS1000E/D WFM structure
-/// instruction", as scottprahl/RigolWFM (ksy/) and mabl/pyRigolWFM write them out; where these
-/// leave the zero of the digitizer open, from recordings beside the oscilloscope's own CSV.
+/// Source of the layouts: Rigol, "DS1000Z Waveform Storage Structure", "DS1000E/D WFM structure
+/// instruction" and "WFM save format" (DS2000), as scottprahl/RigolWFM (ksy/) and mabl/pyRigolWFM
+/// write them out; where these leave the zero of the digitizer open, from recordings beside the
+/// oscilloscope's own CSV.
 namespace impactrig::acquisition {
 
 using datasets::Channel;
@@ -31,13 +32,17 @@ constexpr std::string_view magic_1000e = "\xA5\xA5\x00\x00"sv;
 struct Family {
   std::string_view magic;
   std::string_view name;
+  std::string_view instead = "CSV";  ///< how the oscilloscope can save what is read
 };
 
+constexpr std::string_view magic_2000 = "\xA5\xA5\x38\x00"sv;  // also of the 4000 and 6000
+
 constexpr std::array<Family, 4> not_read = {{
-    {"\xA1\xA5\x00\x00"sv, "DS1000C"},               //
-    {"\xA5\xA5\xA4\x01"sv, "DS1000B"},               //
-    {"\xA5\xA5\x38\x00"sv, "DS2000, 4000 or 6000"},  //
-    {"\x02\x00\x00\x00"sv, "DHO800, 900 or 1000"},   //
+    {"\xA1\xA5\x00\x00"sv, "DS1000C"},
+    {"\xA5\xA5\xA4\x01"sv, "DS1000B"},
+    {magic_2000, "DS4000 or 6000"},
+    // when the trigger was is not in it
+    {"\x02\x00\x00\x00"sv, "DHO800, 900 or 1000", ".bin or CSV"},
 }};
 
 /// A field of a header, wherever it lies.
@@ -263,6 +268,100 @@ std::unique_ptr<RecordingReader> open_1000e(std::unique_ptr<MappedFile> file) {
   return reader_of_numbers(std::move(file), std::move(record), std::move(stored));
 }
 
+/// What the header of a DS2000 says of all its inputs.
+struct Header2000 {
+  unsigned enabled = 0;                   ///< a bit an input
+  bool interwoven = false;                ///< one input has the memory of both, by turns
+  std::array<std::uint64_t, 2> begins{};  ///< bytes of the first samples
+  std::uint64_t points = 0;               ///< of each input
+  double interval = 0.0;                  ///< [s]
+  double delay = 0.0;                     ///< [s]
+};
+
+Header2000 header_2000(Fields& fields, Record& record) {
+  set_attribute(record, "serial number", fields.text(4, 20));
+  const std::string firmware = fields.text(24, 20);
+  set_attribute(record, "firmware", firmware);
+  Header2000 header;
+  header.enabled = fields.at<std::uint8_t>(64) & 3U;
+  header.interwoven = (fields.at<std::uint8_t>(65) & 1U) != 0;
+  if (header.enabled == 0)
+    fields.fail(64,
+                "no analog input was switched on: digital inputs are not read, save them as "
+                "CSV on the oscilloscope");
+  if (header.interwoven && header.enabled == 3)
+    fields.fail(65, "two inputs are said to share the memory of both");
+  const std::uint64_t unsound = fields.at<std::uint32_t>(248);
+  header.begins = {fields.at<std::uint32_t>(68) + unsound, fields.at<std::uint32_t>(72) + unsound};
+  header.points = fields.at<std::uint32_t>(252);
+  header.interval = interval_of(fields.at<float>(96));
+  header.delay = static_cast<double>(fields.at<std::int64_t>(112)) * 1e-12;
+  if (firmware == "00.03.00.01.03" && header.delay != 0.0)
+    record.warnings.push_back(
+        fmt::format("firmware {} may state a time of the trigger that it does not show: {} s",
+                    firmware, header.delay));
+  return header;
+}
+
+/// An input of a DS2000, counted from 0, without its samples.
+Channel channel_2000(const MappedFile& file, Fields& fields, const Header2000& header,
+                     std::uint64_t input) {
+  const std::uint64_t head = 120 + 28 * input;
+  // the order of the two came to be another as the byte of the input became 8
+  const bool older = fields.at<std::uint8_t>(head) == 1;
+  Channel channel;
+  channel.name = fmt::format("CH {}", input + 1);
+  constexpr std::array<std::string_view, 4> units = {"W", "A", "V", ""};
+  const auto unit = fields.at<std::uint8_t>(head + (older ? 17 : 16));
+  set_unit(channel, unit < units.size() ? units[unit] : std::string_view());
+  const bool inverted = fields.at<std::uint8_t>(head + (older ? 16 : 17)) == 1;
+  const double division = meant_by_float(fields.at<float>(head + 8)) * (inverted ? -1.0 : 1.0);
+  const double shift = meant_by_float(fields.at<float>(head + 12));
+  // 25 counts a division around 127
+  set_scale(channel, division / 25.0, -127.0 * division / 25.0 - shift, file, head + 8);
+  set_axis(channel, header.delay - static_cast<double>(header.points) * header.interval / 2.0,
+           header.interval, "s");
+  channel.attributes["volts per division"] = fmt::format("{}", std::abs(division));
+  if (inverted) channel.attributes["inverted"] = "yes";
+  return channel;
+}
+
+/// Samples that lie in two places by turns.
+StoredNumbers by_turns(const MappedFile& file, const Header2000& header, const std::string& name,
+                       Record& record) {
+  const auto [first, second] = header.begins;
+  if (second <= first)
+    throw InputError(file.byte_position(72), "the second half of the samples precedes the first");
+  const std::uint64_t pairs = header.points / 2;
+  const std::uint64_t there = numbers_there(file, second, 1, NumberKind::u8, pairs);
+  if (there < pairs) record.warnings.push_back(cut_off(name, 2 * there, header.points));
+  StoredNumbers numbers(NumberKind::u8);
+  if (there > 0) numbers.add({first, 2, second - first, there, 1});
+  return numbers;
+}
+
+std::unique_ptr<RecordingReader> open_2000(std::unique_ptr<MappedFile> file) {
+  Fields fields(*file);
+  Record record;
+  const Header2000 header = header_2000(fields, record);
+  std::vector<StoredChannel> stored;
+  for (std::uint64_t input = 0; input < 2; ++input) {
+    if ((header.enabled >> input & 1U) == 0) continue;
+    Channel channel = channel_2000(*file, fields, header, input);
+    stored.push_back({header.interwoven ? by_turns(*file, header, channel.name, record)
+                                        : numbers_at(*file, header.begins[input], header.points,
+                                                     NumberKind::u8, false, channel.name, record)});
+    record.channels.push_back(std::move(channel));
+  }
+  if (header.points > 0) require_samples(*file, stored);
+  return reader_of_numbers(std::move(file), std::move(record), std::move(stored));
+}
+
+/// Families that share their first bytes are told apart by the serial number.
+bool is_2000(std::string_view head) {
+  return head.starts_with(magic_2000) && head.substr(magic_2000.size()).starts_with("DS2");
+}
+
 }  // namespace
 
 int recognises_rigol_wfm(std::string_view file_name, std::string_view head) {
@@ -279,12 +378,13 @@ std::unique_ptr<RecordingReader> open_rigol_wfm(const std::string& path, const I
   const std::string_view bytes = file->bytes();
   if (bytes.starts_with(magic_1000z)) return open_1000z(std::move(file));
   if (bytes.starts_with(magic_1000e)) return open_1000e(std::move(file));
+  if (is_2000(bytes)) return open_2000(std::move(file));
   for (const Family& family : not_read)
     if (bytes.starts_with(family.magic))
       throw InputError(file->byte_position(0),
                        fmt::format("this is a waveform of a Rigol {}, which is not read: save it "
-                                   "as CSV on the oscilloscope",
-                                   family.name));
+                                   "as {} on the oscilloscope",
+                                   family.name, family.instead));
   throw InputError(file->byte_position(0), "this is no waveform of a Rigol oscilloscope");
 }
 

@@ -75,6 +75,10 @@ struct StoredChannel {
   std::function<void(std::span<double>)> scaling{};
   std::function<void(std::span<double>)>
       times_scaling{};  ///< makes seconds of `times`; none: as is
+  /// Numbers of further signals that `joining` makes one with the samples, before `scaling` (the
+  /// cold junction of a thermocouple): as many as samples each.
+  std::vector<StoredNumbers> others{};
+  std::function<void(std::span<double>, std::span<const std::vector<double>>)> joining{};
 };
 
 /// Reads numbers, from the one with index `first` on, as many as `to` takes.

@@ -8,7 +8,6 @@
 #include <functional>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -69,7 +68,6 @@ class Recording {
     take_stated_units(options_.units, file_->path(), record_);
     set_uniform_clocks();
     set_clocks_by_channels();
-    tell_same_names();
   }
 
   /// A part of a channel, which is a channel of the record.
@@ -159,10 +157,34 @@ class Recording {
     return first;
   }
 
+  /// The raw numbers that the scales need beside those they begin with; `scaling` has a problem
+  /// where they are not there.
+  static std::vector<StoredNumbers> others_of(const Part& of, const TdmsSource& source,
+                                              TdmsScaling& scaling) {
+    std::vector<StoredNumbers> others;
+    for (const std::uint32_t id : scaling.others) {
+      if (!scaling.problem.empty()) return {};
+      const auto found = std::ranges::find(of.part->sources, id, &TdmsSource::id);
+      if (found == of.part->sources.end())
+        scaling.problem =
+            source.id == TdmsScaling::raw_data
+                ? fmt::format("its scale {} is announced and not there", id)
+                : fmt::format("its scales need the raw signal {}, which is not there", id);
+      else if (found->bit >= 0 || source.bit >= 0)
+        scaling.problem = "its scales join digital lines";
+      else if (found->imaginary.size() > 0)
+        scaling.problem = "its numbers are complex";
+      else
+        others.push_back(found->numbers);
+    }
+    return others;
+  }
+
   void set_numbers(const Part& of, Channel& channel, StoredChannel& stored) {
     if (of.part->sources.empty()) return;
     TdmsScaling scaling = scaling_of(of);
     const TdmsSource* const source = source_of(of, scaling);
+    std::vector<StoredNumbers> others = others_of(of, *source, scaling);
     if (scaling.problem.empty() && source->imaginary.size() > 0 && !scaling.what.empty())
       scaling.problem = "its numbers are complex";
     stored.samples = source->numbers;
@@ -173,8 +195,15 @@ class Recording {
                        channel.unit.empty() ? "" : fmt::format(" '{}'", channel.unit),
                        scaling.problem));
       channel.unit.clear();
+    } else if (!others.empty()) {
+      // a file that is cut may hold more of one raw signal than of another
+      std::uint64_t count = stored.samples.size();
+      for (const StoredNumbers& other : others) count = std::min(count, other.size());
+      stored.samples = stored.samples.first(count);
+      for (const StoredNumbers& other : others) stored.others.push_back(other.first(count));
+      stored.joining = std::move(scaling.function);
     } else if (scaling.function) {
-      function = scaling.function;
+      function = [scale = std::move(scaling.function)](std::span<double> x) { scale(x, {}); };
     } else {
       channel.scale = scaling.scale;
       channel.offset = scaling.offset;
@@ -315,7 +344,7 @@ class Recording {
   /// that have a clock.
   void take_times(std::size_t t, const std::vector<std::size_t>& channels, bool all) {
     const std::uint64_t n = stored_[t].samples.size();
-    if (n == 0 || stored_[t].imaginary.size() > 0) return;
+    if (n == 0 || stored_[t].imaginary.size() > 0 || stored_[t].joining) return;
     const Channel& times = record_.channels[t];
     double factor = 1.0;
     if (times.unit != "s" && !is_time_stamps(t)) {  // those are in s, whatever is said of them
@@ -357,16 +386,6 @@ class Recording {
       warn(
           fmt::format("no other channel of its group has as many values as '{}': it gives no times",
                       times.name));
-  }
-
-  void tell_same_names() {
-    std::set<std::string> names;
-    for (const Channel& channel : record_.channels)
-      if (!names.insert(channel.name).second) {
-        warn(fmt::format("several groups have a channel '{0}': state the group too, '{1}/{0}'",
-                         channel.name, channel.attributes.at("group")));
-        return;
-      }
   }
 
   std::unique_ptr<MappedFile> file_;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "acquisition/importers/text_file.hpp"
+#include "acquisition/importers/thermocouples.hpp"
 #include "acquisition/importers/time_axis.hpp"
 
 namespace impactrig::acquisition {
@@ -60,7 +62,7 @@ std::optional<double> number_of(const TdmsProperties& properties, const std::str
 
 namespace {
 
-using Function = std::function<void(std::span<double>)>;
+using Others = std::span<const std::vector<double>>;
 
 /// Scales that one channel may chain, each counted as often as it is used.
 constexpr int most_stages = 64;
@@ -74,32 +76,33 @@ struct Unsupported {
 struct Stage {
   double scale = 1.0;
   double offset = 0.0;
-  Function function{};  // behind it scale and offset are not used
+  TdmsFunction function{};  // behind it scale and offset are not used
 
   /// This stage as a function.
-  Function as_function() const {
+  TdmsFunction as_function() const {
     if (function) return function;
-    return [scale = scale, offset = offset](std::span<double> x) {
+    return [scale = scale, offset = offset](std::span<double> x, Others) {
       for (double& value : x) value = scale * value + offset;
     };
   }
 
   /// This stage, then `next`.
-  Stage then(Function next) const {
+  Stage then(TdmsFunction next) const {
     Stage both;
     if (!function && scale == 1.0 && offset == 0.0)
       both.function = std::move(next);
     else
-      both.function = [first = as_function(), next = std::move(next)](std::span<double> x) {
-        first(x);
-        next(x);
+      both.function = [first = as_function(), next = std::move(next)](std::span<double> x,
+                                                                      Others others) {
+        first(x, others);
+        next(x, others);
       };
     return both;
   }
 
   Stage then_linear(double slope, double intercept) const {
     if (function)
-      return then([slope, intercept](std::span<double> x) {
+      return then([slope, intercept](std::span<double> x, Others) {
         for (double& value : x) value = slope * value + intercept;
       });
     return {scale * slope, offset * slope + intercept, {}};
@@ -108,8 +111,8 @@ struct Stage {
 
 /// A function of one number, for all.
 template <typename Each>
-Function for_each_number(Each each) {
-  return [each](std::span<double> x) {
+TdmsFunction for_each_number(Each each) {
+  return [each](std::span<double> x, Others) {
     for (double& value : x) value = each(value);
   };
 }
@@ -149,6 +152,7 @@ class Chain {
       result.offset = stage.offset;
       result.function = stage.function;
       result.source = source_.value_or(TdmsScaling::raw_data);
+      result.others = others_;
     } catch (const Unsupported& unsupported) {
       result.problem = unsupported.why;
     }
@@ -209,11 +213,19 @@ class Chain {
     return stage_of(static_cast<std::uint32_t>(source));
   }
 
+  /// The numbers of a raw signal: the first that is asked for is changed in place, others (the cold
+  /// junction of a thermocouple) stand beside it.
   Stage raw(std::uint32_t source) {
-    if (source_ && *source_ != source)
-      throw Unsupported{"its scales need more than one raw signal"};
-    source_ = source;
-    return {};
+    if (!source_) source_ = source;
+    if (*source_ == source) return {};
+    const auto known = std::ranges::find(others_, source);
+    const auto which = static_cast<std::size_t>(known - others_.begin());
+    if (known == others_.end()) others_.push_back(source);
+    Stage stage;
+    stage.function = [which](std::span<double> x, Others others) {
+      std::ranges::copy(others[which], x.begin());
+    };
+    return stage;
   }
 
   /// What scale `index` and all before it make of the raw numbers.
@@ -238,6 +250,7 @@ class Chain {
     if (name == "Table") return table(index);
     if (name == "RTD") return resistance_thermometer(index);
     if (name == "Thermistor") return thermistor(index);
+    if (name == "Thermocouple") return thermocouple_scale(index);
     if (name == "Strain") return strain(index);
     if (name == "Add") return sum(index, "Add", 1.0);
     // the right operand is the minuend: so NI's own plug-in for Excel shows it
@@ -344,6 +357,36 @@ class Chain {
     }));
   }
 
+  /// Microvolts of a thermocouple whose cold junction is at 0 °C to °C; or back, as the voltage of
+  /// a cold junction is added to that of a thermocouple.
+  Stage thermocouple_scale(std::uint32_t index) {
+    constexpr auto codes = std::to_array<std::pair<double, const char*>>({{10047, "B"},
+                                                                          {10055, "E"},
+                                                                          {10072, "J"},
+                                                                          {10073, "K"},
+                                                                          {10077, "N"},
+                                                                          {10082, "R"},
+                                                                          {10085, "S"},
+                                                                          {10086, "T"}});
+    const Stage input = input_of(index, "Thermocouple_Input_Source");
+    const double code = needed(index, "Thermocouple_Thermocouple_Type");
+    const auto known = std::ranges::find(codes, code, &std::pair<double, const char*>::first);
+    if (known == codes.end())
+      throw Unsupported{
+          fmt::format("its scale {} is a thermocouple of the unknown type {}", index, code)};
+    const Thermocouple& type = *thermocouple(known->second);
+    const double direction = stated(index, "Thermocouple_Scaling_Direction", 0.0);
+    if (direction != 0.0 && direction != 1.0)
+      throw Unsupported{fmt::format("its scale {} is a thermocouple scale of the direction {}",
+                                    index, direction)};
+    if (direction == 1.0)
+      return input.then(for_each_number(
+          [&type](double celsius) { return 1e3 * thermoelectric_voltage(type, celsius); }));
+    return input.then(for_each_number([&type](double microvolts) {
+      return thermoelectric_temperature(type, 1e-3 * microvolts);
+    }));
+  }
+
   /// Volts across a Wheatstone bridge to strain. With r = (V − V_initial)/V_excitation, gauge
   /// factor G and Poisson's ratio ν the bridges of NI's measuring devices give:
   ///   full I    r = −ε G
@@ -398,11 +441,11 @@ class Chain {
       return {
           right.scale + sign_of_left * left.scale, right.offset + sign_of_left * left.offset, {}};
     Stage both;
-    both.function = [sign_of_left, left = left.as_function(),
-                     right = right.as_function()](std::span<double> x) {
+    both.function = [sign_of_left, left = left.as_function(), right = right.as_function()](
+                        std::span<double> x, Others others) {
       std::vector<double> copy(x.begin(), x.end());
-      left(copy);
-      right(x);
+      left(copy, others);
+      right(x, others);
       for (std::size_t i = 0; i < x.size(); ++i) x[i] += sign_of_left * copy[i];
     };
     return both;
@@ -410,6 +453,7 @@ class Chain {
 
   const TdmsProperties& properties_;
   std::optional<std::uint32_t> source_;
+  std::vector<std::uint32_t> others_;
   std::string what_;
   std::string note_;
   int stages_ = 0;

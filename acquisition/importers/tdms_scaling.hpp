@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace impactrig::acquisition {
 
@@ -32,6 +33,9 @@ std::string text_of(const TdmsProperties& properties, const std::string& name); 
 std::optional<double> number_of(const TdmsProperty& property);
 std::optional<double> number_of(const TdmsProperties& properties, const std::string& name);
 
+/// Changes numbers in place; beside them stand those of other raw signals, one list a signal.
+using TdmsFunction = std::function<void(std::span<double>, std::span<const std::vector<double>>)>;
+
 /// What the properties of a channel make of its raw numbers.
 struct TdmsScaling {
   /// Source of a scale that is the raw data themselves, not another scale.
@@ -39,16 +43,17 @@ struct TdmsScaling {
 
   double scale = 1.0;
   double offset = 0.0;
-  std::function<void(std::span<double>)> function{};  ///< instead of scale and offset where set
-  std::uint32_t source = raw_data;  ///< scale id of the raw numbers it starts from (DAQmx)
-  std::string what;                 ///< the scales in their order, "Linear, Polynomial"; "" none
+  TdmsFunction function{};              ///< instead of scale and offset where set
+  std::uint32_t source = raw_data;      ///< scale id of the raw numbers it starts from (DAQmx)
+  std::vector<std::uint32_t> others{};  ///< those of the raw numbers that `function` needs beside
+  std::string what;     ///< the scales in their order, "Linear, Polynomial"; "" none
   std::string note;     ///< what its user should know of one that is applied; "" nothing
-  std::string problem;  ///< why it cannot be applied: "its scale 2 is a 'Thermocouple'"; "" it can
+  std::string problem;  ///< why it cannot be applied: "its scale 2 is of the type ..."; "" it can
 };
 
 /// The scaling that a channel's properties state (NI_Number_Of_Scales, NI_Scale[i]_...), or else
-/// those of its group or file. Scales: Linear, Polynomial, Table, RTD, Thermistor, Strain, Add and
-/// Subtract of scales with one source, AdvancedAPI (nothing).
+/// those of its group or file. Scales: Linear, Polynomial, Table, RTD, Thermistor, Thermocouple,
+/// Strain, Add and Subtract, AdvancedAPI (nothing).
 TdmsScaling tdms_scaling(const TdmsProperties& properties);
 
 /// True when the properties state scales.

@@ -122,7 +122,7 @@ bool is_little_endian(std::string_view bytes) {
 std::string_view TextFile::text() {
   if (!text_.empty()) return is_part() ? std::string_view(text_).substr(0, part_) : text_;
   if (rewritten_) return rewritten_->bytes();
-  const std::string_view all = bytes();
+  const std::string_view all = bytes().substr(0, bytes().size() - padding_of(bytes()));
   if (all.starts_with("\xEF\xBB\xBF")) return all.substr(3);
   const std::string_view head = all.substr(0, 65536);
   if (looks_like_utf16(head)) {
@@ -158,7 +158,7 @@ std::string_view TextFile::text() {
 template <typename Rewrite>
 bool TextFile::take_first_lines(std::size_t start, const Rewrite& rewrite) {
   if (!head_only_) return false;
-  const std::size_t size = bytes().size();
+  const std::size_t size = bytes().size() - padding_of(bytes());
   const std::string part = rewrite(start, telling_part);
   text_ = whole_lines(part, part.size());
   if (text_.empty()) return false;
@@ -248,6 +248,12 @@ std::string to_utf8_with_controls(std::string_view text) {
   return out;
 }
 
+std::size_t padding_of(std::string_view bytes) {
+  if (!bytes.ends_with('\0') || looks_like_utf16(bytes.substr(0, 65536))) return 0;
+  const std::size_t last = bytes.find_last_not_of('\0');
+  return last == std::string_view::npos ? 0 : bytes.size() - last - 1;
+}
+
 bool looks_like_utf16(std::string_view head) {
   if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF")) return true;
   // without a mark: every other byte of mostly ASCII text is 0
@@ -293,7 +299,8 @@ std::unique_ptr<MappedFile> utf16_to_utf8(const MappedFile& file, std::size_t pi
 }
 
 std::unique_ptr<MappedFile> with_line_feeds(const MappedFile& file, std::size_t piece) {
-  const std::string_view bytes = file.bytes();
+  const std::string_view bytes =
+      file.bytes().substr(0, file.bytes().size() - padding_of(file.bytes()));
   Spool spool(file.path());
   for (std::size_t first = 0; first < bytes.size(); first += piece) {
     const std::string part = line_feeds(bytes.substr(first, piece));

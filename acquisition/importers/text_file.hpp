@@ -30,9 +30,9 @@ class TextFile {
   /// The bytes as they are.
   std::string_view bytes() const { return file_.bytes(); }
 
-  /// The text: without byte order mark, line ends with \n, UTF-16 turned into UTF-8 (a large one on
-  /// the disk). Latin-1 is left as it is. Throws datasets::InputError for UTF-16 without a byte
-  /// order mark.
+  /// The text: without byte order mark and padding_of() it, line ends with \n, UTF-16 turned into
+  /// UTF-8 (a large one on the disk). Latin-1 is left as it is. Throws datasets::InputError for
+  /// UTF-16 without a byte order mark.
   std::string_view text();
 
   /// True where text() has only the first lines of the file.
@@ -89,6 +89,10 @@ std::string to_utf8(std::string_view text);
 
 /// The same with control characters as they are: for text that is no attribute of a foreign file.
 std::string to_utf8_with_controls(std::string_view text);
+
+/// Bytes of zero behind a text that is not UTF-16: what is left of a file whose writer had taken
+/// room on the disk and was stopped.
+std::size_t padding_of(std::string_view bytes);
 
 /// True for UTF-16, with or without byte order mark.
 bool looks_like_utf16(std::string_view head);

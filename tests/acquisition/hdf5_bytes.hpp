@@ -148,6 +148,16 @@ class Hdf5File {
     H5Oclose(object);
   }
 
+  /// A data set of references to objects; a name that is not there gives one that leads nowhere.
+  void references(const std::string& path, const std::vector<hsize_t>& shape,
+                  const std::vector<std::string>& names) const {
+    std::vector<hobj_ref_t> references(names.size());
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (!names[i].empty())
+        H5Rcreate(&references[i], file_, names[i].c_str(), H5R_OBJECT, H5I_INVALID_HID);
+    data<hobj_ref_t>(path, shape, references, H5T_STD_REF_OBJ, H5T_STD_REF_OBJ);
+  }
+
   /// A data set that is to be the scale of a dimension.
   void scale(const std::string& path) const { text(path, "CLASS", "DIMENSION_SCALE"); }
 
@@ -173,6 +183,18 @@ class Hdf5File {
     H5Oclose(object);
   }
 
+  /// A structure of MATLAB, or what its fields refer to.
+  void structure(const std::string& path) const {
+    group(path);
+    text(path, "MATLAB_class", "struct");
+  }
+
+  /// Numbers as MATLAB keeps them.
+  void matlab(const std::string& path, const std::vector<double>& values) const {
+    data<double>(path, {1, values.size()}, values, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+    text(path, "MATLAB_class", "double");
+  }
+
   std::string bytes() const {
     H5Fflush(file_, H5F_SCOPE_LOCAL);
     const ssize_t size = H5Fget_file_image(file_, nullptr, 0);
@@ -193,6 +215,27 @@ inline std::string mat73_bytes(const Hdf5File& file) {
   text.resize(116, ' ');
   text += std::string(8, '\0') + std::string("\x00\x02IM", 4);
   return bytes.replace(0, text.size(), text);
+}
+
+/// Two structures `run` of a force, a time and a structure, as MATLAB saves them.
+inline std::string mat73_structures() {
+  const Hdf5File file(512);
+  file.group("/#refs#");
+  file.matlab("/#refs#/a", {1, 2, 3});
+  file.matlab("/#refs#/b", {4, 5, 6});
+  file.matlab("/#refs#/c", {0, 0.5, 1});
+  file.matlab("/#refs#/d", {0, 0.25, 0.5});
+  for (const char* const inner : {"/#refs#/e", "/#refs#/f"}) {
+    file.structure(inner);
+    file.matlab(std::string(inner) + "/gain", {7});
+    file.structure(std::string(inner) + "/deep");
+    file.matlab(std::string(inner) + "/deep/x", {8, 9, 10});
+  }
+  file.structure("/run");
+  file.references("/run/force", {2, 1}, {"/#refs#/a", "/#refs#/b"});
+  file.references("/run/t", {2, 1}, {"/#refs#/c", "/#refs#/d"});
+  file.references("/run/set", {2, 1}, {"/#refs#/e", "/#refs#/f"});
+  return mat73_bytes(file);
 }
 
 inline std::vector<std::string> hdf5_seeds() {

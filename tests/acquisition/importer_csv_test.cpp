@@ -89,6 +89,33 @@ TEST(Csv, MayBeUtf16) {
   EXPECT_THAT(record.channels[0].values(), ElementsAre(1.0, 2.0));
 }
 
+// A logger that takes room on the disk ahead leaves it behind its rows when it is stopped.
+TEST(Csv, MayEndWithBytesOfZero) {
+  const std::string text = "t [s],F [N]\n0,1\n1,2\n2,3\n";
+  const Record record = imported(text + std::string(100, '\0'));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1, 2, 3));
+  EXPECT_THAT(record.warnings,
+              ElementsAre("the file ends with 100 bytes of zero (was its writer stopped?): they "
+                          "are left out"));
+  // the last row may be cut
+  const Record cut = imported(text + "3,4" + std::string(1, '\0'));
+  EXPECT_EQ(cut.channels.at(0).value(3), 4);
+  EXPECT_THAT(cut.warnings,
+              ElementsAre("the file ends with 1 byte of zero (was its writer stopped?): it is left "
+                          "out"));
+  EXPECT_THAT(import_error(std::string("12\0\0", 4)), HasSubstr("of no known format"));
+}
+
+TEST(Csv, WhoseColumnsHaveOneNameIsTold) {
+  const Record record = imported("t [s],F [N],v [m/s],F [N]\n0,1,5,2\n1,2,6,3\n2,3,7,4\n");
+  EXPECT_THAT(record.warnings,
+              ElementsAre("2 channels are called 'F': the name means the first of them, an index "
+                          "any other"));
+  ImportOptions options;
+  options.channels = {"F"};
+  EXPECT_THAT(imported("t [s],F [N],F [N]\n0,1,2\n1,2,3\n", options).warnings, testing::SizeIs(1));
+}
+
 TEST(Csv, WithLatin1UnitsIsUtf8Inside) {
   const Record record = imported("Zeit [\xB5s];Beschleunigung [m/s\xB2]\n0;1\n1;2\n2;3\n");
   EXPECT_THAT(names_and_units(record), ElementsAre("Beschleunigung [m/s\u00B2]"));

@@ -278,12 +278,13 @@ TEST(ForeignHdf5, WhatIsNotReadIsNamed) {
   H5Dclose(H5Dcreate2(file.id(), "/reference", H5T_STD_REF_OBJ, space, H5P_DEFAULT, H5P_DEFAULT,
                       H5P_DEFAULT));
   H5Sclose(space);
+  file.references("/written", {1}, {"/alien"});
   const auto record = imported(file.bytes());
   EXPECT_EQ(record.channels.size(), 0U);
   EXPECT_EQ(record.warnings[0],
             "not read: '/alien' (packed by filter 305; HDF5's own and lzf are read: h5repack -f "
-            "GZIP=1 rewrites it), '/reference' (references), '/unwritten' (it declares 2000000 "
-            "bytes and holds 0)");
+            "GZIP=1 rewrites it), '/reference' (it declares 8000000 bytes and holds 0), "
+            "'/unwritten' (it declares 2000000 bytes and holds 0), '/written' (references)");
   EXPECT_EQ(record.warnings[1], "there are no data sets of numbers: there are no channels");
 }
 
@@ -336,6 +337,69 @@ TEST(ForeignHdf5, WhatIsNoArrayOfMatlabsIsNoChannel) {
   EXPECT_EQ(record.warnings[0],
             "not read: 'label' (an object of class string), 'loads' (a sparse matrix), 'run.f' (a "
             "function handle)");
+}
+
+TEST(ForeignHdf5, FieldsOfSeveralStructuresOfMatlabAreChannels) {
+  const auto record = imported(tests::mat73_structures(), {}, ".mat");
+  std::vector<std::string> names;
+  for (const datasets::Channel& channel : record.channels) names.push_back(channel.name);
+  EXPECT_THAT(names, testing::UnorderedElementsAre("run(1).force", "run(2).force", "run(1).t",
+                                                   "run(2).t", "run(1).set.gain", "run(2).set.gain",
+                                                   "run(1).set.deep.x", "run(2).set.deep.x"));
+  EXPECT_THAT(record.find("run(1).force")->values(), ElementsAre(1, 2, 3));
+  EXPECT_THAT(record.find("run(2).force")->values(), ElementsAre(4, 5, 6));
+  EXPECT_THAT(record.find("run(2).set.deep.x")->values(), ElementsAre(8, 9, 10));
+  // each structure has its own time
+  EXPECT_EQ(record.find("run(1).force")->clock.interval, 0.5);
+  EXPECT_EQ(record.find("run(2).force")->clock.interval, 0.25);
+  for (const std::string& warning : record.warnings)
+    EXPECT_EQ(warning.find("not read"), std::string::npos) << warning;
+}
+
+// References are compared with what is there, not followed.
+TEST(ForeignHdf5, FieldsOfMatlabThatAreNoNumbersAreTold) {
+  const Hdf5File file(512);
+  file.group("/#refs#");
+  file.matlab("/#refs#/a", {1, 2, 3});
+  file.references("/#refs#/b", {1, 1}, {"/#refs#/a"});
+  file.text("/#refs#/b", "MATLAB_class", "cell");
+  file.structure("/#refs#/c");
+  file.references("/#refs#/c/again", {2, 1}, {"/#refs#/c", "/#refs#/a"});
+  file.structure("/run");
+  file.references("/run/x", {4, 1}, {"/#refs#/a", "", "/#refs#/b", "/#refs#/a"});
+  file.references("/run/z", {1, 1}, {"/#refs#/a"});
+  file.text("/run/z", "MATLAB_class", "function_handle");
+  file.references("/run/y", {1, 1}, {"/#refs#/c"});
+  file.references("/cells", {1, 1}, {"/#refs#/a"});
+  file.text("/cells", "MATLAB_class", "cell");
+  const auto record = imported(tests::mat73_bytes(file), {}, ".mat");
+  EXPECT_THAT(record.find("run(1).x")->values(), ElementsAre(1, 2, 3));
+  EXPECT_THAT(record.find("run(4).x")->values(), ElementsAre(1, 2, 3));
+  EXPECT_THAT(record.find("run(1).y(2).again")->values(), ElementsAre(1, 2, 3));
+  std::string told;
+  for (const std::string& warning : record.warnings)
+    if (warning.starts_with("not read")) told = warning;
+  EXPECT_THAT(told, testing::HasSubstr("'run(2).x' (a reference that leads nowhere)"));
+  EXPECT_THAT(told, testing::HasSubstr("'run.z' (references)"));
+  EXPECT_THAT(record.find("run(3).x{1}")->values(), ElementsAre(1, 2, 3));
+  EXPECT_THAT(record.find("cells{1}")->values(), ElementsAre(1, 2, 3));
+  EXPECT_THAT(told, testing::HasSubstr("(nested too deeply)"));
+}
+
+TEST(ForeignHdf5, FieldsOfMatlabThatAreTooManyAreTold) {
+  const Hdf5File file(512);
+  file.group("/#refs#");
+  file.matlab("/#refs#/a", {1, 2, 3});
+  file.structure("/run");
+  const std::vector<std::string> names(6000, "/#refs#/a");
+  file.references("/run/x", {6000, 1}, names);
+  file.references("/run/y", {6000, 1}, names);
+  const auto record = imported(tests::mat73_bytes(file), {}, ".mat");
+  EXPECT_EQ(record.channels.size(), 10000U);
+  bool told = false;
+  for (const std::string& warning : record.warnings)
+    told = told || warning == "not read: more than 10000 fields of structures";
+  EXPECT_TRUE(told);
 }
 
 TEST(ForeignHdf5, ComplexNumbersArePairs) {

@@ -115,17 +115,47 @@ TEST_P(Mat, NumbersOfStructuresAreNamedByTheirFields) {
   EXPECT_EQ(record.attributes.at("run.unit"), "N");
 }
 
+TEST_P(Mat, CellsAreNumbered) {
+  const std::string cells = b.doubles("", {1, 2}) + b.text("", "hit") +
+                            b.structure("", {"x"}, b.doubles("", {3})) +
+                            b.matrix(b.head(1, {1, 1}, "") + b.doubles("", {4})) + b.matrix("") +
+                            b.object("", "datetime");
+  for (const bool packed : {false, true}) {
+    const std::string shots = b.matrix(b.head(1, {3, 2}, "shots") + cells);
+    const auto record =
+        imported(b.header() + (packed ? b.compressed(shots) : shots) +
+                 b.structure("run", {"c"}, b.matrix(b.head(1, {2, 1}, "") + b.doubles("", {5}))) +
+                 b.matrix(b.head(1, {0, 0}, "none")));
+    ASSERT_EQ(record.channels.size(), 4U);
+    EXPECT_EQ(record.channels[0].name, "shots{1}");
+    EXPECT_THAT(record.channels[0].values(), ElementsAre(1, 2));
+    EXPECT_EQ(record.channels[1].name, "shots{3}.x");
+    EXPECT_EQ(record.channels[2].name, "shots{4}{1}");
+    EXPECT_EQ(record.channels[3].name, "run.c{1}");
+    EXPECT_EQ(record.attributes.at("shots{2}"), "hit");
+    EXPECT_EQ(record.warnings.at(0),
+              "not read: 'shots{6}' (an object of class datetime), 'run.c' (cut), 'none' (empty)");
+  }
+}
+
+TEST_P(Mat, CellsNestedTooDeeplyAreNamed) {
+  std::string nested = b.doubles("", {1});
+  for (int i = 0; i < 40; ++i) nested = b.matrix(b.head(1, {1, 1}, i == 39 ? "c" : "") + nested);
+  const auto record = imported(b.header() + nested + b.doubles("x", {1}));
+  EXPECT_EQ(record.channels.size(), 1U);
+  EXPECT_THAT(record.warnings.at(0), testing::EndsWith("{1}' (nested too deeply)"));
+}
+
 TEST_P(Mat, WhatIsNoNumberIsNamed) {
   const auto record =
-      imported(b.header() + b.matrix(b.head(1, {1, 1}, "c") + b.doubles("", {1})) +
-               b.matrix(b.head(5, {2, 2}, "sparse") + b.element(5, "")) +
+      imported(b.header() + b.matrix(b.head(5, {2, 2}, "sparse") + b.element(5, "")) +
                b.matrix(b.head(16, {1, 1}, "f") + b.doubles("", {1})) +
                b.matrix(b.head(6, {0, 0}, "nothing") + b.element(9, "")) + b.doubles("x", {1}));
   ASSERT_EQ(record.channels.size(), 1U);
   EXPECT_THAT(
       record.warnings,
-      ElementsAre("not read: 'c' (a cell array), 'sparse' (a sparse matrix), 'f' (a function "
-                  "handle), 'nothing' (empty)"));
+      ElementsAre(
+          "not read: 'sparse' (a sparse matrix), 'f' (a function handle), 'nothing' (empty)"));
 }
 
 TEST_P(Mat, ObjectsAreNamedWithTheirClass) {

@@ -18,6 +18,7 @@ using tests::imported;
 using tests::part;
 using tests::Rigol1000e;
 using tests::Rigol1000z;
+using tests::Rigol2000;
 using tests::sound_channel;
 using namespace std::string_view_literals;
 
@@ -172,20 +173,91 @@ TEST(Rigol1000eWfm, SaysWhatIsWrong) {
 }
 
 TEST(RigolWfm, OfOtherFamiliesIsNamed) {
-  const auto says = [](const char* family) {
+  const auto says = [](const char* family, const char* instead = "CSV") {
     return fmt::format(
         "FILE (byte 0): this is a waveform of a Rigol {}, which is not read: save "
-        "it as CSV on the oscilloscope",
-        family);
+        "it as {} on the oscilloscope",
+        family, instead);
   };
   EXPECT_EQ(import_error("\xA1\xA5\0\0more"sv), says("DS1000C"));
   EXPECT_EQ(import_error("\xA5\xA5\xA4\x01more"sv), says("DS1000B"));
-  EXPECT_EQ(import_error("\xA5\xA5\x38\0more"sv), says("DS2000, 4000 or 6000"));
-  EXPECT_EQ(import_error("\x02\0\0\0more"sv, {}, ".wfm"), says("DHO800, 900 or 1000"));
+  EXPECT_EQ(import_error("\xA5\xA5\x38\0more"sv), says("DS4000 or 6000"));
+  EXPECT_EQ(import_error("\x02\0\0\0more"sv, {}, ".wfm"),
+            says("DHO800, 900 or 1000", ".bin or CSV"));
   ImportOptions options;
   options.format = "rigol-wfm";
   EXPECT_EQ(import_error("nothing", options),
             "FILE (byte 0): this is no waveform of a Rigol oscilloscope");
+}
+
+TEST(Rigol2000Wfm, IsRead) {
+  const Record record = imported(Rigol2000{}.bytes());
+  ASSERT_EQ(record.channels.size(), 2U);
+  const auto& channel = record.channels[0];
+  EXPECT_EQ(channel.name, "CH 1");
+  EXPECT_EQ(channel.unit, "V");
+  // 25 counts a division of 50 mV around 127, shifted by 0.1 V
+  ASSERT_EQ(channel.size(), 4U);
+  EXPECT_NEAR(channel.value(0), -0.1, 1e-15);
+  EXPECT_NEAR(channel.value(1), -0.05, 1e-15);
+  EXPECT_NEAR(channel.value(2), -0.15, 1e-15);
+  EXPECT_NEAR(record.channels[1].value(1), 0.0, 1e-15);
+  EXPECT_EQ(channel.clock.interval, 1e-9);
+  EXPECT_DOUBLE_EQ(channel.clock.start, 4.48e-6 - 2e-9);
+  EXPECT_EQ(record.attributes.at("firmware"), "00.03.05.03.03");
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(Rigol2000Wfm, OneInputMayHaveTheMemoryOfBoth) {
+  Rigol2000 file;
+  file.enabled = 2;
+  file.interwoven = 1;
+  file.samples = {{{9, 1, 3, 5, 7}, {9, 2, 4, 6, 8}}};
+  file.points = 8;
+  file.unsound = 1;
+  const Record record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].name, "CH 2");
+  EXPECT_THAT(std::get<std::vector<std::int16_t>>(record.channels[0].raw),
+              ElementsAre(1, 2, 3, 4, 5, 6, 7, 8));
+  std::string cut = file.bytes();
+  cut.pop_back();
+  EXPECT_THAT(imported(cut).warnings, ElementsAre("'CH 2': the file ends after 6 of 8 samples"));
+}
+
+TEST(Rigol2000Wfm, OlderFirmwareHasUnitAndInversionTheOtherWayRound) {
+  Rigol2000 file;
+  file.inverted = 1;
+  file.unit = 1;
+  for (const std::uint8_t input : std::vector<std::uint8_t>{1, 8}) {
+    file.input = input;
+    const Record record = imported(file.bytes());
+    EXPECT_EQ(record.channels.at(0).unit, "A");
+    EXPECT_NEAR(record.channels[0].value(1), -0.15, 1e-15);
+  }
+  file.firmware = "00.03.00.01.03";
+  EXPECT_THAT(imported(file.bytes()).warnings,
+              ElementsAre("firmware 00.03.00.01.03 may state a time of the trigger that it does "
+                          "not show: 4.48e-06 s"));
+}
+
+TEST(Rigol2000Wfm, ErrorsSayWhatWasFound) {
+  Rigol2000 file;
+  file.enabled = 0;
+  EXPECT_EQ(import_error(file.bytes()),
+            "FILE (byte 64): no analog input was switched on: digital inputs are not read, save "
+            "them as CSV on the oscilloscope");
+  file.enabled = 3;
+  file.interwoven = 1;
+  EXPECT_EQ(import_error(file.bytes()),
+            "FILE (byte 65): two inputs are said to share the memory of both");
+  file.enabled = 1;
+  file.second = 300;
+  EXPECT_EQ(import_error(file.bytes()),
+            "FILE (byte 72): the second half of the samples precedes the first");
+  file.interwoven = 0;
+  EXPECT_EQ(import_error(file.bytes().substr(0, 300)),
+            "FILE (byte 300): the file ends before its first sample");
 }
 
 }  // namespace

@@ -71,10 +71,13 @@ TEST(Sigrok, WhatIsOddIsTold) {
   EXPECT_EQ(record.channels[1].attributes.at("device"), "2");
   EXPECT_THAT(
       record.warnings,
-      ElementsAre("analog-1-3-2 has 5 bytes, no multiple of 4: the last ones are left out",
-                  "'analog 3': part 1 is not there once: what follows is out of time", no_units,
-                  "'analog 3' has neither times nor a sample rate: state it with "
-                  "--sample-rate, or the column with --time-column"));
+      ElementsAre(
+          "analog-1-3-2 has 5 bytes, no multiple of 4: the last ones are left out",
+          "'analog 3': part 1 is not there once: what follows is out of time", no_units,
+          "2 channels are called 'analog 3': the name means the first of them, an index any "
+          "other",
+          "'analog 3' has neither times nor a sample rate: state it with "
+          "--sample-rate, or the column with --time-column"));
 }
 
 TEST(Sigrok, ErrorsSayWhatWasFound) {

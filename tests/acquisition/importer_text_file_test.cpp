@@ -27,6 +27,21 @@ TEST(TextFile, LeavesOffTheByteOrderMark) {
   EXPECT_EQ(file.position(file.text().data()).byte, 3U);
 }
 
+TEST(TextFile, LeavesOffBytesOfZeroBehindIt) {
+  const auto text = [](const std::string& bytes) {
+    const tests::WrittenFile file(bytes);
+    TextFile read(file.path());
+    return std::string(read.text());
+  };
+  EXPECT_EQ(text(std::string("a\nb\0\0", 5)), "a\nb");
+  EXPECT_EQ(text(std::string("a\rb\0", 4)), "a\nb");
+  EXPECT_EQ(text(std::string("\xFF\xFE"
+                             "a\0\n\0",
+                             6)),
+            "a\n");                                        // UTF-16 ends with them
+  EXPECT_EQ(padding_of(std::string_view("\0\0", 2)), 0U);  // no text at all
+}
+
 TEST(TextFile, TurnsUtf16IntoUtf8) {
   using namespace std::string_view_literals;
   const WrittenFile little(

@@ -199,7 +199,8 @@ TEST(Uff58b, OneDelimiterMayCloseADatasetAndOpenTheNext) {
   const Record record = imported(function.text() + function.text().substr(7));
   ASSERT_EQ(record.channels.size(), 2U);
   EXPECT_THAT(record.channels[1].values(), ElementsAre(1.0, 2.0, 3.0));
-  EXPECT_THAT(record.warnings, ElementsAre(testing::HasSubstr(" begins without a -1 of its own")));
+  EXPECT_THAT(record.warnings, ElementsAre(testing::HasSubstr(" begins without a -1 of its own"),
+                                           testing::HasSubstr("2 channels are called 'Hammer'")));
 }
 
 TEST(Uff58b, ACutFileGivesWhatIsThere) {

@@ -118,13 +118,14 @@ TEST(KeysightBin, WindowAndChannelAreThoseOfTheWhole) {
 TEST(KeysightBin, ThatIsCutOffGivesWhatIsThere) {
   WaveformFile file;
   file.waveforms.resize(2);
+  file.waveforms[1].label = "CH3";
   const std::string whole = file.bytes();
   const std::size_t one = 12 + 140 + 12 + 12;
   EXPECT_THAT(imported(whole.substr(0, one + 30)).warnings,
               ElementsAre("the file ends within the header of waveform 2 of 2 at byte 176"));
   const Record record = imported(whole.substr(0, whole.size() - 5));
   EXPECT_EQ(record.channels.at(1).size(), 1U);
-  EXPECT_THAT(record.warnings, ElementsAre("'CH 2': the file ends after 1 of 3 samples"));
+  EXPECT_THAT(record.warnings, ElementsAre("'CH 3': the file ends after 1 of 3 samples"));
   EXPECT_EQ(import_error(whole.substr(0, one - 12)),
             "FILE (byte 164): the file ends before its first sample");
   EXPECT_EQ(import_error(whole.substr(0, 100)),

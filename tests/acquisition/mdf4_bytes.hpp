@@ -100,6 +100,24 @@ class MdfFile {
                      std::string(16, '\0') + bytes_of_numbers(values));
   }
 
+  std::uint64_t formula(const std::string& formula, std::uint64_t unit = 0) {
+    const std::uint64_t reference = text(formula);
+    return block(
+        "CC", {0, unit, 0, 0, reference},
+        '\3' + std::string(3, '\0') + bytes_of_number(std::uint16_t{1}) + std::string(18, '\0'));
+  }
+
+  /// An array whose elements lie in the record, `bytes` and `bits` (of invalidation) apart.
+  std::uint64_t array(const std::vector<std::uint64_t>& sizes, std::int32_t bytes,
+                      std::uint32_t bits = 0, std::uint32_t flags = 0,
+                      std::uint64_t composition = 0, std::uint8_t storage = 0) {
+    return block("CA", {composition},
+                 '\0' + std::string(1, static_cast<char>(storage)) +
+                     bytes_of_number(static_cast<std::uint16_t>(sizes.size())) +
+                     bytes_of_number(flags) + bytes_of_number(bytes) + bytes_of_number(bits) +
+                     bytes_of_numbers(sizes));
+  }
+
   std::uint64_t channel(const MdfChannelBlock& c, std::uint64_t next = 0) {
     const std::uint64_t name = text(c.name);
     const std::uint64_t unit = text(c.unit);
@@ -201,6 +219,24 @@ inline std::vector<std::string> mdf4_seeds() {
     }
     const std::uint64_t group = file.group(file.channels({mdf_time(), force}), 4, 10, 1);
     seeds.push_back(file.with(file.data_group(group, data), 1500000000000000000));
+  }
+  {  // an array of structures of a formula and an array of two dimensions
+    MdfFile file;
+    MdfChannelBlock member = force;
+    member.flags = 0;
+    member.conversion = file.formula("2 * X1 ** 2 - sqrt(abs(X)) / 3");
+    member.byte = 0;
+    MdfChannelBlock matrix = member;
+    matrix.name = "m";
+    matrix.bits = 8;
+    matrix.composition = file.array({2, 2}, 1);
+    MdfChannelBlock structure = member;
+    structure.name = "s";
+    structure.data_type = 10;
+    structure.bits = 32;
+    structure.composition = file.array({2}, 4, 0, 0, file.channels({member, matrix}));
+    const std::uint64_t group = file.group(file.channels({structure}), 4, 8);
+    seeds.push_back(file.with(file.data_group(group, file.block("DT", {}, records.substr(0, 32)))));
   }
   force.conversion = force.flags = 0;
   for (const std::uint8_t id_bytes :

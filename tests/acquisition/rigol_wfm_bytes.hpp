@@ -76,6 +76,43 @@ struct Rigol1000e {
   }
 };
 
+/// A DS2000 waveform; the samples of input 1 lie at 300, those of input 2 at 400.
+struct Rigol2000 {
+  std::string serial = "DS2D162450999";
+  std::string firmware = "00.03.05.03.03";
+  std::uint8_t enabled = 3;
+  std::uint8_t interwoven = 0;
+  std::uint8_t input = 8;  ///< 1 in files of older firmware
+  std::array<std::vector<std::uint8_t>, 2> samples = {{{127, 152, 102, 127}, {127, 177, 77, 127}}};
+  std::uint32_t points = 4;
+  std::uint32_t unsound = 0;  ///< samples before the first sound one
+  std::uint32_t second = 400;
+  float scale = 0.05F;  ///< [V a division]
+  float shift = 0.1F;
+  std::uint8_t inverted = 0;
+  std::uint8_t unit = 2;
+  float rate = 1e9F;
+  std::int64_t delay = 4480000;  ///< [ps]
+
+  std::string bytes() const {
+    ByteWriter out;
+    out.text(0, std::string("\xA5\xA5\x38\0", 4)).text(4, serial).text(24, firmware);
+    out.put(64, enabled).put(65, interwoven).put(68, std::uint32_t{300}).put(72, second);
+    out.put(96, rate).put(112, delay);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const std::size_t head = 120 + 28 * i;
+      out.put(head, input).put(head + 8, scale).put(head + 12, shift);
+      out.put(head + (input == 1 ? 16 : 17), inverted).put(head + (input == 1 ? 17 : 16), unit);
+    }
+    out.put(248, unsound).put(252, points);
+    out.resize(300);
+    for (const std::uint8_t sample : samples[0]) out.add(sample);
+    out.resize(400);
+    for (const std::uint8_t sample : samples[1]) out.add(sample);
+    return out.bytes();
+  }
+};
+
 inline std::vector<std::string> rigol_wfm_seeds() {
   std::vector<std::string> seeds;
   for (const std::uint8_t enabled : std::vector<std::uint8_t>{1, 3, 7, 15}) {
@@ -90,6 +127,13 @@ inline std::vector<std::string> rigol_wfm_seeds() {
   rolled.roll_stop = 1;
   rolled.trigger_mode = 4;
   seeds.push_back(rolled.bytes());
+  seeds.push_back(Rigol2000{}.bytes());
+  Rigol2000 interwoven;
+  interwoven.enabled = 2;
+  interwoven.interwoven = 1;
+  interwoven.input = 1;
+  interwoven.points = 8;
+  seeds.push_back(interwoven.bytes());
   return seeds;
 }
 

@@ -374,6 +374,21 @@ TEST_F(CommandLine, TakesTheTriggerThatIsChosen) {
 }
 
 // Where there is no force, the velocity shows impacts; of uneven times a sentence says why not.
+// Without a rig or a trigger nobody has asked: most recordings have none.
+TEST_F(CommandLine, InspectSaysThatWhatItWasAskedForHasNoImpact) {
+  const auto warnings = [&](const std::string& unit, const std::string& options) {
+    std::string rows = fmt::format("time [s],Force [{0}],Velocity [{0}]\n", unit);
+    for (int i = 0; i < 500; ++i) rows += fmt::format("{:.6f},{},{}\n", 1e-6 * i, i % 2, i % 3);
+    const std::string file = write("noise.csv", rows);
+    return json::parse(run("inspect --json " + file + options).out)["warnings"].dump();
+  };
+  EXPECT_THAT(warnings("V", " --rig " + rig),
+              HasSubstr("there is no impact in the channels of the rig's sensors: nothing rises "
+                        "clearly above the noise"));
+  EXPECT_THAT(warnings("N", " --trigger Force"), HasSubstr("there is no impact in 'Force'"));
+  EXPECT_EQ(warnings("N", ""), "[]");
+}
+
 TEST_F(CommandLine, InspectLooksForImpactsInVelocitiesAndSaysWhereItCannot) {
   std::string even = "time [s],Velocity [m/s]\n", uneven = "time [s],Force [N]\n";
   for (int i = 0; i < 3000; ++i) {

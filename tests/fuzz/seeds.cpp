@@ -58,6 +58,13 @@ std::vector<std::string> own_hdf5_seeds() {
   return {own_hdf5(::tests::sample_record()), own_hdf5(small)};
 }
 
+/// Of all versions; 7.3 is HDF5.
+std::vector<std::string> all_mat_seeds() {
+  std::vector<std::string> seeds = mat_seeds();
+  seeds.push_back(mat73_structures());
+  return seeds;
+}
+
 /// A format's seeds are made by the builders its tests use.
 constexpr auto table = std::to_array<Seeds>({
     {"aiff", aiff_seeds},                  //
@@ -69,7 +76,7 @@ constexpr auto table = std::to_array<Seeds>({
     {"keysight-bin", keysight_bin_seeds},  //
     {"lecroy-trc", lecroy_trc_seeds},      //
     {"lvm", lvm_seeds},                    //
-    {"mat", mat_seeds},                    //
+    {"mat", all_mat_seeds},                //
     {"mdf4", mdf4_seeds},                  //
     {"polytec-ascii", polytec_seeds},      //
     {"rigol-bin", rigol_bin_seeds},        //
