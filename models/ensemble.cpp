@@ -12,6 +12,7 @@
 
 #include "models/lane_runs.hpp"
 #include "models/modal/bar_family.hpp"
+#include "models/stop/sensor_peak.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -172,8 +173,22 @@ class Ensemble::Worker : public LaneQueue {
       solve_alone(number, Motion::full);
       return;
     }
+    if (ensemble_.options_.judge_small_motion) confirm_sensor(number, result);
     tell_swing(rig(number), ensemble_.options_, result);
     member(number).simulation = std::move(result);
+  }
+
+  /// As simulate() does.
+  void confirm_sensor(std::size_t number, Simulation& result) {
+    const Solver& solver = ensemble_.solver_;
+    confirm_sensor_peak(
+        solver, ensemble_.options_, solver.time_limit,
+        [&](const Solver& used, const SimulationOptions& asked) {
+          SimulationOptions unconfirmed = asked;
+          unconfirmed.judge_small_motion = false;
+          return simulate(rig(number), used, unconfirmed);
+        },
+        result);
   }
 
   /// As simulate() solves a small contact again; in a lane, where the lanes' steps have its nodes.

@@ -257,11 +257,25 @@ bool said(const fitting::Fit& fit, std::string_view words) {
   });
 }
 
+/// Whether a warning of the fit is one of a recording, with its path before it.
+bool told_by_records(const ReportData& data, const std::string& warning) {
+  return std::any_of(data.records.begin(), data.records.end(), [&](const datasets::Record& record) {
+    return std::any_of(record.warnings.begin(), record.warnings.end(),
+                       [&](const std::string& words) {
+                         const std::string end = ": " + words;
+                         return warning.ends_with(end) &&
+                                file_name(warning.substr(0, warning.size() - end.size())) ==
+                                    file_name(record.provenance.source_file);
+                       });
+  });
+}
+
 /// Everything that asks for attention: of the fit, the predictions, the recordings and their flags.
 std::string html_warnings(const ReportData& data) {
   const fitting::Fit& fit = data.fit;
   Warnings warnings;
-  for (const std::string& warning : fit.warnings) warnings.add("", warning);
+  for (const std::string& warning : fit.warnings)
+    if (!told_by_records(data, warning)) warnings.add("", warning);
   for (std::size_t r = 0; r < fit.predictions.size(); ++r)
     for (const std::string& warning : fit.predictions[r].warnings)
       if (!said(fit, warning))

@@ -11,8 +11,10 @@
 #include <functional>
 #include <numbers>
 #include <stdexcept>
+#include <vector>
 
 #include "models/contact/contact_force.hpp"
+#include "models/ensemble.hpp"
 #include "models/integration/dop853.hpp"
 #include "models/simulation.hpp"
 #include "models/stop/sensor_peak.hpp"
@@ -565,6 +567,21 @@ TEST(CompliantStop, ARunThatChoosesItsEndSeesTheSensorsLargestForce) {
                 Contains(HasSubstr("the run ended 0.005 s after first touch, before the sensor "
                                    "carried most; state a longer solver.duration")));
   }
+}
+
+// A spring throws the bar at a head that nothing damps, again and again, out of step with it.
+TEST(CompliantStop, MembersOfEnsemblesTellOfASensorsForceThatIsNotKnown) {
+  Rig rig = sprung(1e8, {.mass = 0.02, .stiffness = 4e5});
+  rig.hinge.spring = 3e3;
+  rig.start.velocity = 0.5;
+  Solver solver = rigid(1e-4);
+  solver.duration = 0.7;
+  EnsembleOptions options;
+  options.simulation.motion = Motion::small;
+  const auto told = Contains(HasSubstr("the sensor carries most"));
+  EXPECT_THAT(simulate(rig, solver, options.simulation).warnings, told);
+  const std::vector<Rig> rigs = {rig};
+  EXPECT_THAT(simulate_ensemble(rigs, solver, options)[0].simulation.warnings, told);
 }
 
 /// What a run of two contacts before a stop that gives way may come to.

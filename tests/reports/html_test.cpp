@@ -236,6 +236,10 @@ TEST(Html, SaysNothingTwiceThatTheFitHasSaid) {
   EXPECT_TRUE(has(reports::to_html(data), "Four warnings"));
   data.fit.warnings = {"folder/shot 17.uff: " + sentence, "The contact was grazed."};
   EXPECT_TRUE(has(reports::to_html(data), "Three warnings"));
+  const datasets::Record& record = data.records[0];
+  data.fit.warnings.push_back("folder/" + record.provenance.source_file + ": " +
+                              record.warnings[0]);
+  EXPECT_TRUE(has(reports::to_html(data), "Three warnings"));
 }
 
 TEST(Html, WorksWithoutUncertainties) {
