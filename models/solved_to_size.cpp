@@ -15,6 +15,10 @@ namespace {
 // and of its approach, with how little speed it creeps apart.
 constexpr double doubtful = 2.0, creeping = 1e-3;
 
+double accuracy_to_size(double accuracy, double smallness) {
+  return std::max(smallness * accuracy, Solver::finest_accuracy);
+}
+
 /// How far off a number may be, by times the accuracy asked for.
 std::string off_by(double times) {
   return times < 1e3 ? fmt::format("by {:.0f} times the accuracy asked for", times)
@@ -50,16 +54,17 @@ bool differ(const Episode& a, const Episode& b, double accuracy) {
 
 Solver solver_to_size(const Solver& solver, double smallness) {
   Solver finer = solver;
-  finer.accuracy = std::max(smallness * solver.accuracy, Solver::finest_accuracy);
+  finer.accuracy = accuracy_to_size(solver.accuracy, smallness);
   return finer;
 }
 
 Simulation solved_to_size(const Simulation& first, Solved again, double smallness,
                           double accuracy) {
   const Episode& contact = again.result.episodes.front();
-  const double used = std::max(smallness * accuracy, Solver::finest_accuracy);
   // errors are as small a part of it as it is small, but for a contact that no accuracy reaches
-  const double times = contact.open ? 1.0 / smallness : used / (accuracy * again.smallness);
+  const double times = contact.open
+                           ? 1.0 / smallness
+                           : accuracy_to_size(accuracy, smallness) / (accuracy * again.smallness);
   if (times > doubtful && differ(first.episodes.front(), contact, accuracy))
     again.result.warnings.push_back(doubt_of(contact, times));
   return std::move(again.result);

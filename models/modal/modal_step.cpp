@@ -18,7 +18,6 @@ constexpr int most_terms = Collocation::block_size * Collocation::blocks;
 static_assert(most_terms == ModesOverStep::most_terms);
 // Phase of the highest mode over a step whose series has that many terms, with some to spare.
 constexpr double longest_phase = 360.0;
-constexpr std::size_t most_summed = 16;
 // A bar moved along a slope by a little vibrates a little faster than the ladder of steps knows.
 constexpr double slack = 0.01;
 
@@ -202,7 +201,7 @@ ModalStep ModalStep::sum(std::span<const ModalStep* const> steps, std::span<cons
 void ModalStep::become_sum(std::span<const ModalStep* const> steps, std::span<const double> weights,
                            double h, const Scale* scale) {
   h_ = h;
-  std::array<const double*, most_summed> arrays;
+  std::vector<const double*> arrays(steps.size());
   const auto combine = [&](const auto& part, const double* factors) {
     for (std::size_t j = 0; j < steps.size(); ++j) arrays[j] = part(*steps[j]).data();
     auto& to = part(*this);
