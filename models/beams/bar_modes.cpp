@@ -218,10 +218,11 @@ Eigen::MatrixXd BarModeFinder::form_of(const std::vector<double>& triangles,
   return sum;
 }
 
-void BarModeFinder::find_weight(BarModes& modes) const {
+/// How many of the modes up to the last whose ω² the weight changes by more than next to nothing.
+int BarModeFinder::moved_by_weight(const Rows& rows,
+                                   const Eigen::Ref<const Eigen::VectorXd>& squares) const {
   constexpr double negligible = 1e-6;
-  const auto rows = modes.rows.topRows(modes.own);
-  Eigen::ArrayXd own = Eigen::ArrayXd::Zero(modes.own);
+  Eigen::ArrayXd own = Eigen::ArrayXd::Zero(rows.rows());
   Eigen::MatrixXd values;
   for (int e = 0; e < bar_.elements; ++e) {
     find_values(rows, e, values);
@@ -232,9 +233,23 @@ void BarModeFinder::find_weight(BarModes& modes) const {
         own += 2.0 * pull(i, j) * values.col(i).array() * values.col(j).array();
     }
   }
-  int held = modes.own;
-  while (held > 0 && std::abs(own[held - 1]) < negligible * modes.squares[held - 1]) --held;
-  modes.weight = form_of(weight_, rows.topRows(held));
+  auto moved = static_cast<int>(rows.rows());
+  while (moved > 0 && std::abs(own[moved - 1]) < negligible * squares[moved - 1]) --moved;
+  return moved;
+}
+
+/// The faster a mode, the less it is moved: where none of many in a row is, none is beyond.
+void BarModeFinder::find_weight(BarModes& modes) const {
+  constexpr int many = 32;
+  int held = 0;
+  for (int first = 0; first < modes.own; first += many) {
+    const int count = std::min(many, modes.own - first);
+    const int moved = moved_by_weight(modes.rows.middleRows(first, count),
+                                      modes.squares.segment(first, count));
+    if (moved == 0) break;
+    held = first + moved;
+  }
+  modes.weight = form_of(weight_, modes.rows.topRows(held));
 }
 
 /// Inertia of motions, in the same rows: of each element in its own values, of which the part that

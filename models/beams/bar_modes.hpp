@@ -53,6 +53,7 @@ class BarModeFinder {
   std::optional<double> next_fence(int mode) const;
   bool fence_off(int known, int modes);
   std::optional<BarModes> find(int modes, int more, const BarModes* fewer);
+  int moved_by_weight(const Rows& rows, const Eigen::Ref<const Eigen::VectorXd>& squares) const;
   void find_weight(BarModes& modes) const;
   Eigen::MatrixXd inertia_of(const Rows& rows) const;
   void find_rotation(BarModes& modes) const;
