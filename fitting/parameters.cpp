@@ -193,7 +193,7 @@ std::array<PhysicalParameter, 6> of_segment() {
 
 /// Of the further stop K what no fit frees.
 template <std::size_t K>
-std::array<PhysicalParameter, 12> stated_of_further_stop() {
+std::array<PhysicalParameter, 13> stated_of_further_stop() {
   static const std::array names = {fmt::format("contacts.{}.modulus", K),
                                    fmt::format("contacts.{}.counter_modulus", K),
                                    fmt::format("contacts.{}.poisson_ratio", K),
@@ -205,7 +205,8 @@ std::array<PhysicalParameter, 12> stated_of_further_stop() {
                                    fmt::format("contacts.{}.relaxation_time", K),
                                    fmt::format("contacts.{}.reference_length", K),
                                    fmt::format("contacts.{}.restitution_speed", K),
-                                   fmt::format("contacts.{}.effective_mass", K)};
+                                   fmt::format("contacts.{}.effective_mass", K),
+                                   fmt::format("contacts.{}.power", K)};
   return {PhysicalParameter{names[0], "Pa", 0.0, 0.0, false,
                             [](Rig& r) -> double& { return further<K>(r).contact.modulus; }},
           {names[1], "Pa", 0.0, 0.0, false,
@@ -229,7 +230,9 @@ std::array<PhysicalParameter, 12> stated_of_further_stop() {
           {names[10], "m/s", 0.0, 0.0, false,
            [](Rig& r) -> double& { return stated(further<K>(r).contact.restitution_speed); }},
           {names[11], "kg", 0.0, 0.0, false,
-           [](Rig& r) -> double& { return stated(further<K>(r).contact.effective_mass); }}};
+           [](Rig& r) -> double& { return stated(further<K>(r).contact.effective_mass); }},
+          {names[12], "1", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.power; }}};
 }
 
 std::vector<PhysicalParameter> all_stated_parameters() {

@@ -140,6 +140,20 @@ TEST(SensitivityParameters, AllAreThoseThatTheRigHas) {
     EXPECT_FALSE(names.contains(has_not)) << has_not;
 }
 
+TEST(SensitivityParameters, OfAFurtherStopHoldThePowerOfItsStiffness) {
+  const RigFile file =
+      parse_rig_file(tests::paper_rig +
+                         std::string("\n[[contacts]]\nposition = \"0.5 m\"\ngap = \"1 um\"\n"
+                                     "law = \"lankarani-nikravesh-cylinder\"\n"
+                                     "stiffness = \"1.6e10 N/m^1.5\"\n"),
+                     "rig.toml");
+  const SensitivityParameter power = named(file, "contacts.1.power");
+  EXPECT_EQ(power.value, 1.5);
+  models::Rig rig = file.rig;
+  ASSERT_EQ(power.parts.size(), 1U);
+  EXPECT_EQ(&power.parts.front().of(rig), &rig.further_stops[0].contact.power);
+}
+
 TEST(SensitivityParameters, SayWhatTheyKnow) {
   const RigFile file = read(stepped(15.0, 3.0, 30.0));
   const auto message = [&](const std::string& name) {

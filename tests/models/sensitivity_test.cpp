@@ -119,6 +119,24 @@ TEST(Sensitivities, OfContactsAreThoseOfDifferences) {
   expect_equal_derivatives(rig, solver, 1e-8, std::span(of_contacts).subspan(6, 1), 5e-4);
 }
 
+// Of the power that a contact's law is stated with, in the unit of its stiffness.
+TEST(Sensitivities, OfStatedPowersAreThoseOfDifferences) {
+  constexpr std::array powers = {
+      Named{"power", [](Rig& r) -> double& { return r.contact.power; }},
+      Named{"its power", [](Rig& r) -> double& { return r.further_stops[0].contact.power; }}};
+  Rig rig = damped_rig();
+  rig.contact.law = "lankarani-nikravesh-cylinder";
+  rig.contact.stiffness = 1.6e10;
+  rig.contact.power = 1.5;
+  FurtherStop second{.contact = rig.contact, .side = StopSide::near, .gap = 2e-6};
+  second.contact.position = 0.5;
+  second.contact.power = 1.4;
+  rig.further_stops = {second};
+  const Solver solver = hybrid(Basis::pinned_free, 3, 1e-12, 4e-4);
+  ASSERT_GE(small(rig, solver).episodes.size(), 2u);
+  expect_equal_derivatives(rig, solver, 1e-8, powers, 5e-4);
+}
+
 // A weightless rigid bar has no frequency to measure changes against, without a damper no rate at
 // all.
 TEST(Sensitivities, OfARigidBarWithADamperAreThoseOfDifferences) {
