@@ -112,6 +112,7 @@ std::vector<reports::SensitivityEntry> ask_for_sensitivities(const std::string& 
     throw CLI::ValidationError("--sensitivities", error.what());
   }
   for (reports::SensitivityEntry& entry : entries) {
+    if (entry.parameter.spot) request.history.spot_slopes = true;
     for (const auto& part : entry.parameter.parts)
       if (entry.not_known.empty())
         entry.not_known = models::derivative_refusal(file.rig, file.solver, part.of);
@@ -129,6 +130,10 @@ void tell_sensitivities(const models::Simulation& simulation,
                         std::vector<reports::SensitivityEntry>& entries) {
   for (reports::SensitivityEntry& entry : entries) {
     if (!entry.not_known.empty()) continue;
+    if (entry.parameter.spot) {
+      entry.slope.history = models::spot_sensitivity(simulation.history, *entry.parameter.spot);
+      continue;
+    }
     if (simulation.sensitivities.empty()) {
       entry.not_known = "the equations that were solved have none";
       continue;
@@ -183,7 +188,7 @@ void simulate(const Options& options) {
   const double longest = rig.solver.duration.value_or(0.1);
   std::vector<reports::SensitivityEntry> sensitivities =
       ask_for_sensitivities(options.sensitivities, rig, request);
-  const double channels = 1.0 + static_cast<double>(request.sensitivities.size());
+  const double channels = 1.0 + static_cast<double>(sensitivities.size());
   if (!options.output.empty() && channels * longest / options.interval > most_samples)
     throw CLI::ValidationError(
         "--interval", fmt::format("{:g} s over {:g} s are more than {:g} samples", options.interval,

@@ -33,6 +33,17 @@ constexpr std::array dimensions = {
 
 constexpr std::string_view poisson_ratio = "beam.poisson_ratio";
 
+struct Spot {
+  std::string_view name;
+  std::optional<datasets::Sensor> RigFile::*sensor;
+  models::Laser laser;
+};
+
+constexpr std::array spots = {
+    Spot{"sensors.velocity.position", &RigFile::velocity, models::Laser::velocity},
+    Spot{"sensors.displacement.position", &RigFile::displacement, models::Laser::displacement},
+};
+
 /// The section of segment K, from 1, or of a uniform bar, 0: before the names of its numbers.
 std::string section_key(int segment) {
   return segment == 0 ? "beam.section." : fmt::format("beam.segments.{}.section.", segment);
@@ -53,6 +64,7 @@ std::vector<std::string> known_names() {
     for (const Dimension& dimension : dimensions)
       names.push_back(section_key(segment) + std::string(dimension.name));
   names.emplace_back(poisson_ratio);
+  for (const Spot& spot : spots) names.emplace_back(spot.name);
   return names;
 }
 
@@ -145,6 +157,9 @@ std::vector<SensitivityParameter> numbers_of(const RigFile& file) {
     add_dimensions(file, segment, section, all);
   });
   if (rig.beam.shears()) all.push_back(by_poisson_ratio(file));
+  for (const Spot& spot : spots)
+    if (const std::optional<datasets::Sensor>& sensor = file.*spot.sensor)
+      all.push_back({std::string(spot.name), "m", sensor->position, {}, spot.laser});
   return all;
 }
 

@@ -7,6 +7,7 @@
 
 #include "datasets/sampled_curve.hpp"
 #include "models/mesh_error.hpp"
+#include "models/sensitivities/spot_sensitivity.hpp"
 
 namespace impactrig::fitting {
 namespace {
@@ -151,48 +152,32 @@ Shown ShotModel::show(const models::History& history, const SensorChains& chains
   return shown;
 }
 
-/// By the place of a laser's spot, where the motion tells how it changes along the bar.
+/// By the place of a laser's spot.
 Shown ShotModel::spot_slope(const models::History& history, const SensorChains& chains,
                             datasets::Quantity quantity) const {
-  models::History change;
-  change.start = history.start;
-  change.interval = history.interval;
-  change.force = change.velocity = change.displacement =
-      std::vector<double>(history.force.size(), 0.0);
-  if (quantity == datasets::Quantity::velocity)
-    change.velocity = history.velocity_slope;
-  else
-    change.displacement = history.displacement_slope;
-  return show(change, chains, {});
+  const models::Laser laser = quantity == datasets::Quantity::velocity
+                                  ? models::Laser::velocity
+                                  : models::Laser::displacement;
+  return show(models::spot_sensitivity(history, laser), chains, {});
 }
 
 /// By a number of one sensor's chain: a central difference of the chain's response to the history,
-/// which is smooth in it; the other channels do not change. Where a laser points, full equations
-/// show by two simulations: they take the same steps and their histories are linear in the bar's
-/// coordinates.
-Shown ShotModel::chain_slope(const models::Rig& rig, const models::History& history,
-                             SensorChains chains, const WantedSlopes::Chain& by) const {
-  const bool spot = by.parameter->name == "position";
-  if (spot && !history.velocity_slope.empty()) return spot_slope(history, chains, by.quantity);
-  datasets::Sensor& sensor = *chains.of(by.quantity);
-  double& number = by.parameter->of(sensor);
-  const double middle = number;
-  const double step = chain_step * middle;
+/// which is smooth in it; the other channels do not change. The motion tells itself how what a
+/// laser sees changes with its spot.
+Shown ShotModel::chain_slope(const models::History& history, SensorChains chains,
+                             const WantedSlopes::Chain& by) const {
+  if (by.parameter->name == "position") return spot_slope(history, chains, by.quantity);
+  double& number = by.parameter->of(*chains.of(by.quantity));
+  const double middle = number, step = chain_step * middle;
   const auto shown_at = [&](double value) {
     number = value;
-    if (!spot) return show(history, chains, jumps_of(history));
-    models::SimulationOptions options;
-    options.history.interval = history.interval;
-    const models::History there = simulate(rig, chains, options).history;
-    return show(there, chains, jumps_of(there));
+    return show(history, chains, jumps_of(history));
   };
-  const double above = spot ? std::min(middle + step, rig.beam.length) : middle + step;
-  Shown slope = shown_at(above);
+  Shown slope = shown_at(middle + step);
   const Shown below = shown_at(middle - step);
-  const double span = above - (middle - step);
   const auto difference = [&](std::optional<Shown::Curve>& to,
                               const std::optional<Shown::Curve>& from) {
-    if (to) *to = difference_quotient(*to, *from, span);
+    if (to) *to = difference_quotient(*to, *from, 2.0 * step);
   };
   difference(slope.force, below.force);
   difference(slope.velocity, below.velocity);
@@ -220,7 +205,7 @@ Shown ShotModel::predict(const models::Rig& rig, const SensorChains& chains,
   }
   if (shown.slopes.size() < wanted.rig.size()) return shown;  // the equations have none
   for (const WantedSlopes::Chain& by : wanted.chain)
-    shown.slopes.push_back(chain_slope(rig, simulation.history, chains, by));
+    shown.slopes.push_back(chain_slope(simulation.history, chains, by));
   return shown;
 }
 

@@ -93,7 +93,7 @@ class ShotModel {
                               models::SimulationOptions options) const;
   Shown show(const models::History& history, const SensorChains& chains,
              std::vector<datasets::CurveJump> jumps) const;
-  Shown chain_slope(const models::Rig& rig, const models::History& history, SensorChains chains,
+  Shown chain_slope(const models::History& history, SensorChains chains,
                     const WantedSlopes::Chain& by) const;
 
   SensorChains chains_;

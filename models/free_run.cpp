@@ -112,9 +112,16 @@ void FreeRun::sample(double time, Look look) {
   for (const BarMotion::Sample& sample : samples_) {
     history.velocity.push_back(sample.velocity);
     history.displacement.push_back(sample.displacement);
+    if (rig_.hinge.rotation) {
+      history.deflection.push_back(sample.deflection);
+      history.extension.push_back(sample.extension);
+    }
+    if (!options_.history.spot_slopes) continue;
+    history.velocity_slope.push_back(sample.velocity_slope);
+    history.displacement_slope.push_back(sample.displacement_slope);
     if (!rig_.hinge.rotation) continue;
-    history.deflection.push_back(sample.deflection);
-    history.extension.push_back(sample.extension);
+    history.deflection_slope.push_back(sample.deflection_slope);
+    history.extension_slope.push_back(sample.extension_slope);
   }
 }
 

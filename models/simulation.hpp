@@ -81,7 +81,7 @@ struct HistoryRequest {
   double lead = 0.0;               ///< before first touch [s], continued backwards as a rigid swing
   double velocity_position = 0.0;  ///< laser spot, from the hinge [m]; 0 = the struck point
   double displacement_position = 0.0;  ///< [m]; 0 = the struck point
-  bool spot_slopes = false;            ///< also how both change along the bar; small motion only
+  bool spot_slopes = false;            ///< also how both change along the bar
 };
 
 /// What a history shows at a further stop.
@@ -107,8 +107,7 @@ struct History {
   std::vector<double> velocity;     ///< closing > 0, at velocity_position [m/s] (n)
   /// Closing > 0, 0 at first touch, at displacement_position [m] (n).
   std::vector<double> displacement;
-  /// How both change along the bar at the lasers' spots [1/s], [-] (n); empty where not asked for
-  /// or not known.
+  /// How both change along the bar at the lasers' spots [1/s], [-] (n); empty where not asked for.
   std::vector<double> velocity_slope, displacement_slope;
   /// What the sensor of a compliant stop carries, compression > 0 [N] (n); empty where it is rigid.
   std::vector<double> sensor_force;
@@ -121,6 +120,7 @@ struct History {
   /// Of a hinge that is turned as stated: where the point at displacement_position is against the
   /// straight bar at the hinge's angle, across it (closing > 0) and along it [m] (n).
   std::vector<double> deflection, extension;
+  std::vector<double> deflection_slope, extension_slope;  ///< as displacement_slope [-] (n)
 
   /// What a force sensor in the stop sees [N] (n).
   const std::vector<double>& seen_force() const {

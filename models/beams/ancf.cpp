@@ -336,6 +336,12 @@ AncfBeam::Row AncfBeam::row_at(double x) const {
   return {e, shape_at(e, x)};
 }
 
+AncfBeam::Row AncfBeam::slope_row_at(double x) const {
+  const std::size_t e = element_at(elements_, x);
+  const BarElement& element = elements_[e];
+  return {e, element.slope((x - element.x) / element.length).head<4>()};
+}
+
 AncfBeam::Nodal AncfBeam::shape_at(std::size_t e, double x) const {
   return elements_[e].deflection((x - elements_[e].x) / elements_[e].length).head<4>();
 }

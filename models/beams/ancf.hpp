@@ -80,6 +80,7 @@ class AncfBeam : public BeamDynamics {
   };
 
   Row row_at(double x) const;
+  Row slope_row_at(double x) const;  ///< of X' there [1/m]; where two elements meet the first's
 
   /// Angle of the slope vector at the hinge, closing > 0, and its derivatives with respect to the
   /// first coordinate of X and of U.

@@ -312,8 +312,23 @@ void FloatingFrameBeam::hold_hinge(VectorRef a) {
   a += holding_moment_ * hinge_turns_;
 }
 
-PointMotion FloatingFrameBeam::motion(const Station& station, ConstVector q, ConstVector v) const {
-  const InFrame p = in_frame(station, q, v);
+/// Along the bar; what bending shortens grows by half the slope's square.
+FloatingFrameBeam::InFrame FloatingFrameBeam::slope_in_frame(double x, ConstVector q,
+                                                             ConstVector v) const {
+  const Eigen::VectorXd bending = modes_.slope(x);
+  Eigen::VectorXd axial(axial_);
+  for (int k = 0; k < axial_; ++k) {
+    const double wave_number = axial_wave_number(k + 1, length_);
+    axial[k] = axial_scale_ * wave_number * std::cos(wave_number * x);
+  }
+  const double slope = bending.dot(q.tail(bending_)), slope_rate = bending.dot(v.tail(bending_));
+  return {.x = 1.0 + axial.dot(q.segment(1, axial_)) - 0.5 * slope * slope,
+          .y = slope,
+          .x_rate = axial.dot(v.segment(1, axial_)) - slope * slope_rate,
+          .y_rate = slope_rate};
+}
+
+PointMotion FloatingFrameBeam::motion(const InFrame& p, ConstVector q, ConstVector v) {
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
   return {.displacement = -(sine * p.x + cosine * p.y),
@@ -321,7 +336,7 @@ PointMotion FloatingFrameBeam::motion(const Station& station, ConstVector q, Con
 }
 
 PointMotion FloatingFrameBeam::struck_point(ConstVector q, ConstVector v) const {
-  return motion(struck(), q, v);
+  return motion(in_frame(struck(), q, v), q, v);
 }
 
 double FloatingFrameBeam::struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const {
@@ -344,19 +359,32 @@ double FloatingFrameBeam::acceleration_of(const Station& station, ConstVector q,
   // what a does as a velocity would, and the part that is quadratic in v
   const double quadratic = 2.0 * v[0] * (cosine * p.x_rate - sine * p.y_rate) -
                            v[0] * v[0] * (sine * p.x + cosine * p.y) - sine * shortening;
-  return motion(station, q, a).velocity - quadratic;
+  return motion(in_frame(station, q, a), q, a).velocity - quadratic;
 }
 
 PointMotion FloatingFrameBeam::point(double x, ConstVector q, ConstVector v) const {
-  return motion(cached_station(x), q, v);
+  return motion(in_frame(cached_station(x), q, v), q, v);
 }
 
-FloatingFrameBeam::Departure FloatingFrameBeam::departure(double x, ConstVector q) const {
-  const InFrame p = in_frame(cached_station(x), q, q);
+PointMotion FloatingFrameBeam::point_slope(double x, ConstVector q, ConstVector v) const {
+  return motion(slope_in_frame(x, q, v), q, v);
+}
+
+/// `straight`: x of the straight bar.
+FloatingFrameBeam::Departure FloatingFrameBeam::departure(const InFrame& p, double straight,
+                                                          ConstVector q) const {
   const double turned = -hinge_angle(q) - q[0];  // of the hinge in the frame
   const double half = std::sin(0.5 * turned);
   return {.deflection = std::sin(turned) * p.x - std::cos(turned) * p.y,
-          .extension = p.x - x - 2.0 * half * half * p.x + std::sin(turned) * p.y};
+          .extension = p.x - straight - 2.0 * half * half * p.x + std::sin(turned) * p.y};
+}
+
+FloatingFrameBeam::Departure FloatingFrameBeam::departure(double x, ConstVector q) const {
+  return departure(in_frame(cached_station(x), q, q), x, q);
+}
+
+FloatingFrameBeam::Departure FloatingFrameBeam::departure_slope(double x, ConstVector q) const {
+  return departure(slope_in_frame(x, q, q), 1.0, q);
 }
 
 std::vector<int> FloatingFrameBeam::coordinates_of(double) const {

@@ -81,6 +81,10 @@ class FloatingFrameBeam : public BeamDynamics {
 
   Departure departure(double x, ConstVector q) const;
 
+  /// How what point() tells changes along the bar: [-], [1/s].
+  PointMotion point_slope(double x, ConstVector q, ConstVector v) const;
+  Departure departure_slope(double x, ConstVector q) const;
+
   double hinge_angle(ConstVector q) const { return -hinge_row_.dot(q); }
 
   double hinge_rate(ConstVector v) const { return -hinge_row_.dot(v); }
@@ -117,7 +121,7 @@ class FloatingFrameBeam : public BeamDynamics {
     Eigen::MatrixXd coupled, coupled_rate;  // H b and H ḃ (size, n_bending)
   };
 
-  /// Position in the frame and its rate.
+  /// Position in the frame and its rate, or how these change along the bar.
   struct InFrame {
     double x = 0.0, y = 0.0;
     double x_rate = 0.0, y_rate = 0.0;
@@ -135,7 +139,9 @@ class FloatingFrameBeam : public BeamDynamics {
   const Station& cached_station(double x) const;
   InFrame in_frame(const Station& station, ConstVector q, ConstVector v) const;
   const Motions& all_in_frame(ConstVector q, ConstVector v) const;
-  PointMotion motion(const Station& station, ConstVector q, ConstVector v) const;
+  InFrame slope_in_frame(double x, ConstVector q, ConstVector v) const;
+  static PointMotion motion(const InFrame& p, ConstVector q, ConstVector v);
+  Departure departure(const InFrame& p, double straight, ConstVector q) const;
   void set_mass(const Motions& p);
   void hold_hinge(VectorRef a);
   double acceleration_of(const Station& station, ConstVector q, ConstVector v, ConstVector a) const;

@@ -191,11 +191,22 @@ double ReissnerBeam::point_acceleration(double x, ConstVector q, ConstVector /*v
   return point(x, q, a).velocity;
 }
 
-ReissnerBeam::Row ReissnerBeam::row_at(double x) const {
+std::size_t ReissnerBeam::element_at(double x) const {
   std::size_t e = 0;
   while (e + 1 < elements_.size() && x > elements_[e + 1].bar().x) ++e;
+  return e;
+}
+
+ReissnerBeam::Row ReissnerBeam::row_at(double x) const {
+  const std::size_t e = element_at(x);
   const BarElement& bar = elements_[e].bar();
   return {e, Element::across((x - bar.x) / bar.length)};
+}
+
+ReissnerBeam::Row ReissnerBeam::slope_row_at(double x) const {
+  const std::size_t e = element_at(x);
+  const BarElement& bar = elements_[e].bar();
+  return {e, Element::across_slope((x - bar.x) / bar.length) / bar.length};
 }
 
 PointMotion ReissnerBeam::point(double x, ConstVector q, ConstVector v) const {

@@ -63,11 +63,14 @@ class ReissnerBeam : public BeamDynamics {
   };
 
   Row row_at(double x) const;
+  Row slope_row_at(double x) const;  ///< of X' there [1/m]; where two elements meet the first's
 
  private:
   using Values = ReissnerElement::Values<double>;
 
   int count() const { return static_cast<int>(elements_.size()); }
+
+  std::size_t element_at(double x) const;
 
   Eigen::VectorXd steady_stretch(double pull, double rate) const;
   Values gather(ConstVector q, std::size_t element) const;

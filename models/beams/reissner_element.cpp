@@ -37,6 +37,15 @@ ReissnerElement::Vector ReissnerElement::across(double xi) {
   return shape;
 }
 
+ReissnerElement::Vector ReissnerElement::across_slope(double xi) {
+  Vector shape = Vector::Zero();
+  shape[x0] = -1.0;
+  shape[x1] = 1.0;
+  shape[xa] = 4.0 - 8.0 * xi;
+  shape[xc] = 1.0 - 6.0 * (xi - xi * xi);
+  return shape;
+}
+
 ReissnerElement::Vector ReissnerElement::along(double xi) {
   const Vector x = across(xi);
   Vector shape = Vector::Zero();

@@ -43,9 +43,10 @@ class ReissnerElement {
 
   const BarElement& bar() const { return bar_; }
 
-  static Vector across(double xi);   ///< X at ξ
-  static Vector along(double xi);    ///< U at ξ
-  static Vector turning(double xi);  ///< Θ at ξ
+  static Vector across(double xi);        ///< X at ξ
+  static Vector along(double xi);         ///< U at ξ
+  static Vector across_slope(double xi);  ///< dX / dξ
+  static Vector turning(double xi);       ///< Θ at ξ
 
   Matrix mass() const;  ///< ∫ ρA (X'X + U'U) + ρI Θ'Θ dx
 

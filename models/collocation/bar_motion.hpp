@@ -53,9 +53,10 @@ class BarMotion {
   struct Sample {
     PointMotion struck;
     double velocity = 0.0, displacement = 0.0;              // at the lasers' spots
-    double velocity_slope = 0.0, displacement_slope = 0.0;  // there, along the bar, where known
+    double velocity_slope = 0.0, displacement_slope = 0.0;  // there, along the bar, where asked for
     double sensor_force = 0.0;                              // of a compliant stop
     double deflection = 0.0, extension = 0.0;               // of a hinge that is turned as stated
+    double deflection_slope = 0.0, extension_slope = 0.0;   // there, as velocity_slope
   };
 
   /// How a contact answers: its force by depth [N/m] and by the rate of that [N s/m].
@@ -70,9 +71,6 @@ class BarMotion {
 
   /// Of a step that does not miss how the contact acts on what moves fastest [s].
   virtual double longest_step() const { return ladder().longest; }
-
-  /// Whether it knows Sample::velocity_slope and displacement_slope as asked for.
-  virtual bool knows_spot_slopes() const { return false; }
 
   /// The straight bar at an angle [rad, negative before touch] turning at a rate [rad/s].
   virtual void start(double angle, double rate) = 0;

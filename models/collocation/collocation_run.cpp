@@ -317,7 +317,7 @@ void CollocationRun::sample_history(
     history.penetration.push_back(sample.struck.displacement);
     history.velocity.push_back(sample.velocity);
     history.displacement.push_back(sample.displacement - laser_rest_);
-    if (bar_.knows_spot_slopes()) {
+    if (options_.history.spot_slopes) {
       history.velocity_slope.push_back(sample.velocity_slope);
       history.displacement_slope.push_back(sample.displacement_slope - slope_rest_);
     }
@@ -413,9 +413,7 @@ void CollocationRun::first_touch() {
   const auto speed_at = [&](double x) {
     return x > 0.0 ? approach_ * x / rig_.contact.position : approach_;
   };
-  HistoryRequest wanted = options_.history;
-  wanted.spot_slopes = bar_.knows_spot_slopes();
-  begin_history(rig_, wanted, approach_, speed_at(options_.history.velocity_position),
+  begin_history(rig_, options_.history, approach_, speed_at(options_.history.velocity_position),
                 speed_at(options_.history.displacement_position), result_.history);
   if (rig_.stop) result_.history.sensor_force.resize(result_.history.force.size(), 0.0);
   if (solver_.duration)

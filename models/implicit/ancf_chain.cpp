@@ -159,8 +159,7 @@ Eigen::Matrix4d AncfChain::hinge_block(const Eigen::ArrayXd& q, double coefficie
   return coefficient * by * by.transpose();
 }
 
-std::array<ChainShare, 4> AncfChain::shares_at(const AncfBeam& beam, double x) const {
-  const AncfBeam::Row row = beam.row_at(x);
+std::array<ChainShare, 4> AncfChain::shares_of(const AncfBeam::Row& row) {
   std::array<ChainShare, 4> shares;
   for (int i = 0; i < 4; ++i)
     shares[static_cast<std::size_t>(i)] = {stride * (static_cast<int>(row.element) + i / 2) + i % 2,

@@ -115,8 +115,8 @@ class AncfChain {
     return {along / length, across / length};
   }
 
-  /// What makes up X at x.
-  std::array<ChainShare, 4> shares_at(const AncfBeam& beam, double x) const;
+  /// What makes up X, or X', as the beam tells it.
+  static std::array<ChainShare, 4> shares_of(const AncfBeam::Row& row);
 
   /// Between the order of the AncfBeam and that of the chain.
   void to_beam(const Eigen::ArrayXd& chain, Eigen::VectorXd& beam) const;

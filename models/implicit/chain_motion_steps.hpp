@@ -708,6 +708,8 @@ void ChainMotion<S, Chain, Hold>::sample(double first, double spacing, std::span
     samples[i] = {part > 0.0 ? struck_at(0, part, nullptr) : struck(0),
                   look(points_.velocity_spot, part).velocity,
                   look(points_.displacement_spot, part).displacement};
+    samples[i].velocity_slope = look(points_.velocity_slope, part).velocity;
+    samples[i].displacement_slope = look(points_.displacement_slope, part).displacement;
     if (rotation_) add_departure(part, samples[i]);
   }
 }
@@ -715,17 +717,29 @@ void ChainMotion<S, Chain, Hold>::sample(double first, double spacing, std::span
 /// Against the straight bar at the hinge's angle.
 template <int S, typename Chain, template <int> typename Hold>
 void ChainMotion<S, Chain, Hold>::add_departure(double part, Sample& sample) const {
-  double across = 0.0, along = 0.0;  // X, U
-  const auto place = [&](int k) {
-    return part > 0.0 ? motion_at(q_[k], v_[k], a_.col(k), part).displacement : q_[k];
+  const auto sum = [&](const ChainPoints::Shares& shares) {
+    double place = 0.0;
+    for (const auto& [k, w] : shares)
+      place += w * (part > 0.0 ? motion_at(q_[k], v_[k], a_.col(k), part).displacement : q_[k]);
+    return place;
   };
-  for (const auto& [k, w] : points_.displacement_spot) across += w * place(k);
-  for (const auto& [k, w] : points_.along_spot) along += w * place(k);
   const double angle = turned_at(t_ + std::max(part, 0.0) * h_);
   const double sine = std::sin(angle), cosine = std::cos(angle), half = std::sin(0.5 * angle);
-  sample.deflection = -cosine * across + sine * (along - points_.displacement_place);
-  sample.extension =
-      -sine * across - cosine * along - 2.0 * half * half * points_.displacement_place;
+  // of X and U, and where the straight bar's point is
+  const auto deflection = [&](double across, double along, double straight) {
+    return -cosine * across + sine * (along - straight);
+  };
+  const auto extension = [&](double across, double along, double straight) {
+    return -sine * across - cosine * along - 2.0 * half * half * straight;
+  };
+  const double across = sum(points_.displacement_spot), along = sum(points_.along_spot);
+  sample.deflection = deflection(across, along, points_.displacement_place);
+  sample.extension = extension(across, along, points_.displacement_place);
+  if (points_.along_slope.empty()) return;
+  const double across_slope = sum(points_.displacement_slope),
+               along_slope = sum(points_.along_slope);
+  sample.deflection_slope = deflection(across_slope, along_slope, 1.0);
+  sample.extension_slope = extension(across_slope, along_slope, 1.0);
 }
 
 /// Eight stages where four would need many more steps: of fine accuracy, where vibration that a

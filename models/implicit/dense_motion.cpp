@@ -203,6 +203,8 @@ class DenseMotion final : public BarMotion {
     return bar_.before(stop, q, v);
   }
 
+  void add_slopes(Sample& sample);
+
   void predict(const Stages& from, double ratio, double origin, int terms, Stages& to) const {
     Eigen::Matrix<double, S, S> values = Eigen::Matrix<double, S, S>::Zero();
     Series legendre;
@@ -561,6 +563,17 @@ PointMotion DenseMotion::struck_at(int stop, double part, double* acceleration) 
   return point_before(stop, at_q_, at_v_);
 }
 
+/// Along the bar, where it was looked at last.
+void DenseMotion::add_slopes(Sample& sample) {
+  sample.velocity_slope = beam_.point_slope(bar_.velocity_place, at_q_, at_v_).velocity;
+  sample.displacement_slope =
+      beam_.point_slope(bar_.displacement_place, at_q_, at_v_).displacement;
+  if (!rotation_) return;
+  const auto [deflection, extension] = beam_.departure_slope(bar_.displacement_place, at_q_);
+  sample.deflection_slope = deflection;
+  sample.extension_slope = extension;
+}
+
 void DenseMotion::sample(double first, double spacing, std::span<Sample> samples) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double part = first + static_cast<double>(i) * spacing;
@@ -573,10 +586,12 @@ void DenseMotion::sample(double first, double spacing, std::span<Sample> samples
     samples[i] = {beam_.struck_point(at_q_, at_v_),
                   beam_.point(bar_.velocity_place, at_q_, at_v_).velocity,
                   beam_.point(bar_.displacement_place, at_q_, at_v_).displacement};
-    if (!rotation_) continue;
-    const FloatingFrameBeam::Departure departure = beam_.departure(bar_.displacement_place, at_q_);
-    samples[i].deflection = departure.deflection;
-    samples[i].extension = departure.extension;
+    if (rotation_) {
+      const auto [deflection, extension] = beam_.departure(bar_.displacement_place, at_q_);
+      samples[i].deflection = deflection;
+      samples[i].extension = extension;
+    }
+    if (bar_.spot_slopes) add_slopes(samples[i]);
   }
 }
 

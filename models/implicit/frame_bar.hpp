@@ -20,7 +20,8 @@ struct FrameBar {
         velocity_place(history.velocity_position > 0.0 ? history.velocity_position
                                                        : rig.contact.position),
         displacement_place(history.displacement_position > 0.0 ? history.displacement_position
-                                                               : rig.contact.position) {}
+                                                               : rig.contact.position),
+        spot_slopes(history.spot_slopes) {}
 
   PointMotion before(int stop, ConstVector q, ConstVector v) const {
     if (stop == 0) return beam->struck_point(q, v);
@@ -32,6 +33,7 @@ struct FrameBar {
   std::unique_ptr<FloatingFrameBeam> beam;
   std::vector<FurtherStop> further;
   double velocity_place, displacement_place;  ///< from the hinge [m]
+  bool spot_slopes;                           ///< as HistoryRequest has it
 };
 
 }  // namespace impactrig::models

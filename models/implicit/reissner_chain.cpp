@@ -50,8 +50,7 @@ void ReissnerChain::renew(const Eigen::ArrayXd& q, Tangent& tangent) const {
   }
 }
 
-std::array<ChainShare, 4> ReissnerChain::shares_at(const ReissnerBeam& beam, double x) const {
-  const ReissnerBeam::Row row = beam.row_at(x);
+std::array<ChainShare, 4> ReissnerChain::shares_of(const ReissnerBeam::Row& row) {
   std::array<ChainShare, 4> shares;
   std::size_t i = 0;
   for (const int place : {Element::x0, Element::xa, Element::xc, Element::x1})

@@ -98,8 +98,8 @@ class ReissnerChain {
     return {std::cos(angle), std::sin(angle)};
   }
 
-  /// What makes up X at x.
-  std::array<ChainShare, 4> shares_at(const ReissnerBeam& beam, double x) const;
+  /// What makes up X, or X', as the beam tells it.
+  static std::array<ChainShare, 4> shares_of(const ReissnerBeam::Row& row);
 
   /// Between the order of the ReissnerBeam and that of the chain.
   void to_beam(const Eigen::ArrayXd& chain, Eigen::VectorXd& beam) const;

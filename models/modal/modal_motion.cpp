@@ -277,7 +277,7 @@ void ModalMotion::sample_flight(double first, double spacing, std::span<Sample> 
     };
     samples[k] = {on_circle(beam_.struck()), on_circle(velocity_row_).velocity,
                   on_circle(displacement_row_).displacement};
-    if (!knows_spot_slopes()) continue;
+    if (velocity_slope_.size() == 0) continue;
     samples[k].velocity_slope = on_circle(velocity_slope_).velocity;
     samples[k].displacement_slope = on_circle(displacement_slope_).displacement;
   }

@@ -25,7 +25,6 @@ class ModalMotion : public BarMotion {
 
   const StepLadder& ladder() const override { return bar_.ladder(); }
 
-  bool knows_spot_slopes() const override { return velocity_slope_.size() > 0; }
 
   void start(double angle, double rate) override;
 
@@ -143,7 +142,7 @@ class ModalMotion : public BarMotion {
 
   Sample look(const ModalState& state) const {
     Sample sample{struck(0, state), velocity_row_.dot(state.rate), displacement_row_.dot(state.a)};
-    if (!knows_spot_slopes()) return sample;
+    if (velocity_slope_.size() == 0) return sample;
     sample.velocity_slope = velocity_slope_.dot(state.rate);
     sample.displacement_slope = displacement_slope_.dot(state.a);
     return sample;

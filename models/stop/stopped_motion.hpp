@@ -23,7 +23,6 @@ class StoppedMotion final : public BarMotion {
 
   const StepLadder& ladder() const override { return bar_.ladder(); }
 
-  bool knows_spot_slopes() const override { return bar_.knows_spot_slopes(); }
 
   void start(double angle, double rate) override;
   void set_scales(const Scales& scales) override;

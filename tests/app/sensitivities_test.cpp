@@ -94,6 +94,36 @@ TEST_F(SensitivityOptions, DifferentiatesByAllThatTheRigHas) {
             more);
 }
 
+// Nothing else than what the laser shows, and that as differences of its place do.
+TEST_F(SensitivityOptions, DifferentiatesByWhereALaserPoints) {
+  const std::string name = "sensors.velocity.position";
+  for (const std::string exact : {"", " --exact"}) {
+    SCOPED_TRACE(exact);
+    const auto last = [&](double x, const std::string& more, const std::string& channel) {
+      const std::string file = path("history.h5");
+      const Outcome o = run("simulate " + rig + exact +
+                            " --set solver.model=hybrid --set solver.modes=4"
+                            " --set solver.duration=\"0.5 ms\" --interval 1e-4 --json --force" +
+                            fmt::format(" --set {}=\"{:.6f} m\"", name, x) + more + " -o " + file);
+      EXPECT_EQ(o.code, 0) << o.err;
+      if (!more.empty()) {
+        const json entry = json::parse(o.out)["sensitivities"].back();
+        EXPECT_EQ(entry["parameter"], name);
+        EXPECT_EQ(entry["derivative"]["peak_force_n"], 0.0);
+      }
+      const json inspected = json::parse(run("inspect --json " + file).out);
+      for (const json& shown : inspected["channels"])
+        if (shown["name"] == channel) return shown["last"].get<double>();
+      ADD_FAILURE() << "no " << channel;
+      return 0.0;
+    };
+    const std::string all = " --sensitivities all";
+    EXPECT_NEAR(last(0.6, all, "Velocity by " + name),
+                (last(0.601, "", "Velocity") - last(0.599, "", "Velocity")) / 2e-3, 1e-3);
+    EXPECT_EQ(last(0.6, all, "Displacement by " + name), 0.0);
+  }
+}
+
 // By the numbers that a section's shape makes; against differences too, contact.radius held.
 TEST_F(SensitivityOptions, DifferentiatesByASectionsDimensions) {
   const std::string bar = "simulate " + rig +

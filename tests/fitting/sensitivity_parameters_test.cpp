@@ -154,6 +154,17 @@ TEST(SensitivityParameters, OfAFurtherStopHoldThePowerOfItsStiffness) {
   EXPECT_EQ(&power.parts.front().of(rig), &rig.further_stops[0].contact.power);
 }
 
+TEST(SensitivityParameters, AreWhereLasersPoint) {
+  const RigFile file =
+      parse_rig_file(tests::paper_rig, "rig.toml", {{"sensors.velocity.position", "0.6 m"}});
+  const SensitivityParameter spot = named(file, "sensors.velocity.position");
+  EXPECT_EQ(spot.value, 0.6);
+  EXPECT_EQ(spot.unit, "m");
+  EXPECT_TRUE(spot.parts.empty());
+  EXPECT_EQ(spot.spot, models::Laser::velocity);
+  EXPECT_THROW(named(file, "sensors.displacement.position"), std::invalid_argument);
+}
+
 TEST(SensitivityParameters, SayWhatTheyKnow) {
   const RigFile file = read(stepped(15.0, 3.0, 30.0));
   const auto message = [&](const std::string& name) {

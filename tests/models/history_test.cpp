@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "models/contact/contact_force.hpp"
 #include "models/simulation.hpp"
@@ -162,6 +164,81 @@ TEST(History, TellsHowMotionChangesAlongTheBar) {
             << k;
       }
     }
+}
+
+/// Lasers at two places, and how what they see changes along the bar.
+History with_slopes(const Rig& rig, const Solver& solver, double beyond) {
+  SimulationOptions options;
+  options.motion = Motion::full;
+  options.history = {.interval = 1e-5,
+                     .lead = rig.has_stop() ? 5e-5 : 0.0,
+                     .velocity_position = 0.6 + beyond,
+                     .displacement_position = 0.35 + beyond,
+                     .spot_slopes = true};
+  return simulate(rig, solver, options).history;
+}
+
+using Values = std::vector<double> History::*;
+
+/// By differences, as parts of the largest.
+void expect_slopes(const Rig& rig, const Solver& solver,
+                   const std::vector<std::pair<Values, Values>>& channels) {
+  constexpr double step = 1e-4;
+  const History here = with_slopes(rig, solver, 0.0), above = with_slopes(rig, solver, step),
+                below = with_slopes(rig, solver, -step);
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    SCOPED_TRACE(i);
+    const auto& [channel, slope] = channels[i];
+    ASSERT_EQ((here.*slope).size(), (here.*channel).size());
+    double largest = 0.0;
+    for (const double each : here.*slope) largest = std::max(largest, std::abs(each));
+    ASSERT_GT(largest, 0.0);
+    for (std::size_t k = 0; k < (here.*slope).size(); ++k)
+      EXPECT_NEAR((here.*slope)[k], ((above.*channel)[k] - (below.*channel)[k]) / (2.0 * step),
+                  1e-5 * largest)
+          << k;
+  }
+}
+
+const std::vector<std::pair<Values, Values>> of_lasers = {
+    {&History::velocity, &History::velocity_slope},
+    {&History::displacement, &History::displacement_slope}};
+
+TEST(History, TellsHowLargeMotionChangesAlongTheBar) {
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  Solver solver = hybrid(Basis::cantilever, 4, 1e-9, 6e-4);
+  solver.axial_modes = 2;
+  expect_slopes(rig, solver, of_lasers);
+  expect_slopes(rig, rigid(1e-9), of_lasers);
+  expect_slopes(rig, ancf(5, 1, 1e-6, 6e-4), of_lasers);
+  rig.stop = Stop{.mass = 0.1, .stiffness = 5e8, .viscous = 1e3};
+  expect_slopes(rig, ancf(5, 1, 1e-6, 6e-4), of_lasers);
+  rig.stop.reset();
+  rig.beam.theory = BeamTheory::timoshenko;
+  rig.beam.shear_coefficient = 0.9;
+  rig.beam.poisson_ratio = 0.3;
+  expect_slopes(rig, ancf(5, 1, 1e-6, 6e-4), of_lasers);
+  expect_slopes(rig, hybrid(Basis::pinned_free, 4, 1e-9, 6e-4), of_lasers);
+}
+
+TEST(History, TellsHowATurnedBarsChangesAlongIt) {
+  Rig rig = paper_rig();
+  rig.contact.law = "none";
+  rig.start = {};
+  rig.beam.youngs_modulus *= 1e-3;
+  rig.hinge.rotation = HingeRotation{.rate = 6.0, .time = 5e-3};
+  auto channels = of_lasers;
+  channels.emplace_back(&History::deflection, &History::deflection_slope);
+  channels.emplace_back(&History::extension, &History::extension_slope);
+  Solver solver = hybrid(Basis::cantilever, 4, 1e-9, 1e-2);
+  solver.axial_modes = 2;
+  expect_slopes(rig, solver, channels);
+  expect_slopes(rig, ancf(5, 1, 1e-6, 1e-2), channels);
+  rig.beam.theory = BeamTheory::timoshenko;
+  rig.beam.shear_coefficient = 0.9;
+  rig.beam.poisson_ratio = 0.3;
+  expect_slopes(rig, ancf(5, 1, 1e-6, 1e-2), channels);
 }
 
 TEST(History, WithALeadInAFieldOfGravityIsASwing) {
