@@ -48,6 +48,17 @@ class FloatingFrameBeam : public BeamDynamics {
                     VectorRef a) override;
   PointMotion struck_point(ConstVector q, ConstVector v) const override;
   double struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const override;
+
+  /// How far a point of the axis comes from a state to another, `way` on from there, closing > 0
+  /// [m]: to all the digits of the way, which the states themselves need not have.
+  double struck_advance(ConstVector from, ConstVector way) const {
+    return advance(struck(), from, way);
+  }
+
+  double point_advance(double x, ConstVector from, ConstVector way) const {
+    return advance(cached_station(x), from, way);
+  }
+
   double point_acceleration(double x, ConstVector q, ConstVector v, ConstVector a) const override;
   PointMotion point(double x, ConstVector q, ConstVector v) const override;
   std::vector<int> coordinates_of(double x) const override;
@@ -136,6 +147,7 @@ class FloatingFrameBeam : public BeamDynamics {
   InFrame in_frame(const Station& station, ConstVector q, ConstVector v) const;
   const Motions& all_in_frame(ConstVector q, ConstVector v) const;
   PointMotion motion(const Station& station, ConstVector q, ConstVector v) const;
+  double advance(const Station& station, ConstVector from, ConstVector way) const;
   void set_mass(const Motions& p);
   void hold_hinge(VectorRef a);
   double acceleration_of(const Station& station, ConstVector q, ConstVector v, ConstVector a) const;

@@ -454,7 +454,7 @@ void CollocationRun::touch(ContactPoint& point) {
     first_touch();
   else
     grow_scales();
-  bar_.expect_contact();
+  bar_.expect_contact(point.number(), point.gap());
   const double speed = point.struck().velocity;
   log_.touch(point.number(), t_, speed, point.totals(), point.contact());
   if (followed_) {

@@ -54,9 +54,9 @@ BeamEnergy StoppedMotion::energy() const {
   return energy;
 }
 
-void StoppedMotion::expect_contact() {
+void StoppedMotion::expect_contact(int stop, double displacement) {
   in_contact_ = touched_ = true;
-  bar_.expect_contact();
+  bar_.expect_contact(stop, stop == 0 ? displacement + state_.displacement : displacement);
 }
 
 void StoppedMotion::expect_flight() {

@@ -41,7 +41,7 @@ class StoppedMotion final : public BarMotion {
 
   double elastic_compliance() const override { return bar_.elastic_compliance() + compliance_; }
 
-  void expect_contact() override;
+  void expect_contact(int stop, double displacement) override;
   void expect_flight() override;
   void begin_step(int level) override;
   void begin_part(double part) override;
