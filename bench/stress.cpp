@@ -44,8 +44,8 @@ using Clock = std::chrono::steady_clock;
 constexpr double finer = 30.0;                      // of the confirming run
 constexpr std::uintptr_t most_memory = 4ull << 30;  // of a child [bytes]
 constexpr double confirming_time = 4.0;             // as a multiple of the first run's limit
-constexpr double grace = 2.5;     // of the limit: small motion and full equations may both reach it
-constexpr double waiting = 20.0;  // of wall clock, as a multiple of limits
+constexpr double grace = 1.2;                       // of the limit, for what is not looked at
+constexpr double waiting = 20.0;                    // of wall clock, as a multiple of limits
 
 struct Study {
   std::uint64_t seed = 1;

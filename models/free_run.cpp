@@ -148,13 +148,13 @@ Simulation FreeRun::fly() {
 }
 
 /// Throws where the time allowed is over or no step is short enough.
-void FreeRun::check_headway(const TimeLimit& limit, int level) const {
-  if (TimeLimit::is_to_be_asked(result_.cost.steps + result_.cost.rejected) && limit.over())
+void FreeRun::check_headway(const TimeLimit& limit, int level) {
+  if (looks_.due() && limit.over())
     throw std::runtime_error(fmt::format(
-        "{:g} s of processor time, solver.time_limit, took the simulation to {:g} s after the "
-        "start. State a shorter solver.duration, fewer elements or modes, a larger "
-        "solver.accuracy, or a longer solver.time_limit.",
-        solver_.time_limit, t_));
+        "{:.3g} s of processor time, what was left of solver.time_limit, took the simulation to "
+        "{:g} s after the start. State a shorter solver.duration, fewer elements or modes, a "
+        "larger solver.accuracy, or a longer solver.time_limit.",
+        std::max(solver_.time_limit, 0.0), t_));
   if (level >= StepLadder::levels - 1)
     throw std::runtime_error(fmt::format(
         "the integration makes no headway {:g} s after the start; ask for less accuracy", t_));

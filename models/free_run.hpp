@@ -31,7 +31,7 @@ class FreeRun {
   bool try_step(int level);
   bool land(double hinge_change);
   void change_hinge();
-  void check_headway(const TimeLimit& limit, int level) const;
+  void check_headway(const TimeLimit& limit, int level);
   void take_step();
   template <typename Look>
   void sample(double time, Look look);
@@ -47,6 +47,7 @@ class FreeRun {
   double t_ = 0.0, t_end_ = 0.0;
   double error_ = 0.0;          // of the step tried, to be compared with 1
   bool hinge_changes_ = false;  // where the step ends
+  Looks looks_;                 // at the time
   StopStep no_stop_;
   std::vector<BarMotion::Sample> samples_;
   Simulation result_;

@@ -1,10 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
 
 namespace impactrig::models {
+
+/// After which of a run's attempts at a step its time is looked at: after each where they are long,
+/// else after ever more, up to sixteen, since a clock takes a part of a short one to read.
+class Looks {
+  using Wall = std::chrono::steady_clock;
+
+ public:
+  /// Called after each attempt.
+  bool due() {
+    constexpr long most = 16;
+    constexpr double short_one = 1e-4;  // [s]
+    if (++attempts_ < until_look_) return false;
+    const Wall::time_point now = Wall::now();
+    const double taken = std::chrono::duration<double>(now - last_).count();
+    const bool short_ones = taken < short_one * static_cast<double>(attempts_);
+    until_look_ = short_ones ? std::min(2 * until_look_, most) : 1;
+    last_ = now;
+    attempts_ = 0;
+    return true;
+  }
+
+ private:
+  Wall::time_point last_ = Wall::now();
+  long attempts_ = 0, until_look_ = 1;
+};
 
 /// Processor time the calling thread may take from now on.
 class TimeLimit {
@@ -16,15 +42,17 @@ class TimeLimit {
       : end_(processor_time() + seconds),
         earliest_(Wall::now() + WallSeconds(seconds)) {}
 
-  /// Whether over() should be asked after so many attempts.
-  static bool is_to_be_asked(long attempts) {
-    constexpr long attempts_per_look = 16;
-    return attempts % attempts_per_look == 0;
-  }
-
   /// A thread's clock takes about as long to read as a short step, the wall's, which no thread is
   /// ahead of, a tenth of that.
   bool over() const { return WallSeconds(Wall::now() - earliest_).count() > 0.0 && left() < 0.0; }
+
+  /// One that is over so much before [s].
+  TimeLimit sooner(double seconds) const {
+    TimeLimit limit = *this;
+    limit.end_ -= seconds;
+    limit.earliest_ -= WallSeconds(seconds);
+    return limit;
+  }
 
   double left() const { return end_ - processor_time(); }  ///< [s], negative when it is over
 

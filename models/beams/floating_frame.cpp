@@ -335,6 +335,20 @@ PointMotion FloatingFrameBeam::motion(const InFrame& p, ConstVector q, ConstVect
           .velocity = -(v[0] * (cosine * p.x - sine * p.y) + sine * p.x_rate + cosine * p.y_rate)};
 }
 
+/// The difference of two displacements, with that of sin and cos as products.
+double FloatingFrameBeam::advance(const Station& station, ConstVector from, ConstVector way) const {
+  const auto b = way.tail(bending_);
+  look_.noalias() = station.coupling * b;
+  const double x_way =
+      station.axial.dot(way.segment(1, axial_)) - (from.tail(bending_) + 0.5 * b).dot(look_);
+  const double y_way = station.bending.dot(b);
+  const InFrame p = in_frame(station, from, from);
+  const double to = from[0] + way[0], middle = from[0] + 0.5 * way[0];
+  const double turned = 2.0 * std::sin(0.5 * way[0]);
+  return -(turned * (std::cos(middle) * p.x - std::sin(middle) * p.y) + std::sin(to) * x_way +
+           std::cos(to) * y_way);
+}
+
 PointMotion FloatingFrameBeam::struck_point(ConstVector q, ConstVector v) const {
   return motion(in_frame(struck(), q, v), q, v);
 }

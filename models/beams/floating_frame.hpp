@@ -48,6 +48,17 @@ class FloatingFrameBeam : public BeamDynamics {
                     VectorRef a) override;
   PointMotion struck_point(ConstVector q, ConstVector v) const override;
   double struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const override;
+
+  /// How far a point of the axis comes from a state to another, `way` on from there, closing > 0
+  /// [m]: to all the digits of the way, which the states themselves need not have.
+  double struck_advance(ConstVector from, ConstVector way) const {
+    return advance(struck(), from, way);
+  }
+
+  double point_advance(double x, ConstVector from, ConstVector way) const {
+    return advance(cached_station(x), from, way);
+  }
+
   double point_acceleration(double x, ConstVector q, ConstVector v, ConstVector a) const override;
   PointMotion point(double x, ConstVector q, ConstVector v) const override;
   std::vector<int> coordinates_of(double x) const override;
@@ -142,6 +153,7 @@ class FloatingFrameBeam : public BeamDynamics {
   InFrame slope_in_frame(double x, ConstVector q, ConstVector v) const;
   static PointMotion motion(const InFrame& p, ConstVector q, ConstVector v);
   Departure departure(const InFrame& p, double straight, ConstVector q) const;
+  double advance(const Station& station, ConstVector from, ConstVector way) const;
   void set_mass(const Motions& p);
   void hold_hinge(VectorRef a);
   double acceleration_of(const Station& station, ConstVector q, ConstVector v, ConstVector a) const;

@@ -94,8 +94,9 @@ class BarMotion {
   /// Of the point before the first stop, the swing apart [m/N].
   virtual double elastic_compliance() const = 0;
 
-  /// The steps that follow press.
-  virtual void expect_contact() {}
+  /// The point before a stop touches it and will press. Its displacement there [m] is this,
+  /// whatever landing on the touch and rounding have left of it.
+  virtual void expect_contact(int /*stop*/, double /*displacement*/) {}
 
   /// The steps that follow press at no stop.
   virtual void expect_flight() {}

@@ -452,7 +452,7 @@ void CollocationRun::touch(ContactPoint& point) {
     first_touch();
   else
     grow_scales();
-  bar_.expect_contact();
+  bar_.expect_contact(point.number(), point.gap());
   const double speed = point.struck().velocity;
   log_.touch(point.number(), t_, speed, point.totals(), point.contact());
   if (followed_) {
@@ -662,7 +662,7 @@ bool CollocationRun::leap() {
 
 /// Whether the time allowed is over. Throws when no contact is over by then.
 bool CollocationRun::out_of_time() {
-  if (!TimeLimit::is_to_be_asked(result_.cost.steps + result_.cost.rejected)) return false;
+  if (!looks_.due()) return false;
   if (!time_limit_) {
     // the clock of its thread costs a short run more than it could tell
     const std::chrono::duration<double> so_far = std::chrono::steady_clock::now() - started_;
@@ -672,8 +672,9 @@ bool CollocationRun::out_of_time() {
   if (!time_limit_->over()) return false;
   const bool any = !result_.episodes.empty() && !result_.episodes.front().open;
   const std::string reached = fmt::format(
-      "{:g} s of processor time, solver.time_limit, took the simulation to {:g} s {}",
-      solver_.time_limit, t_,
+      "{:.3g} s of processor time, what was left of solver.time_limit, took the simulation to {:g} "
+      "s {}",
+      std::max(solver_.time_limit, 0.0), t_,
       result_.episodes.empty() ? "of the swing before first touch" : "after first touch");
   const std::string remedy =
       "State a shorter solver.duration, fewer elements or modes (an element much shorter than the "
@@ -719,7 +720,10 @@ bool CollocationRun::ends_early() {
 
 void CollocationRun::begin() {
   started_ = std::chrono::steady_clock::now();
+  looks_ = {};
   time_limit_.reset();
+  // steps of the full equations are long, and so may be what goes before them
+  if (!bar_.parts_exact()) time_limit_.emplace(solver_.time_limit);
   if (follows_swing(rig_, options_)) {
     bar_.start(-*rig_.start.release_angle, 0.0);
     if (followed_) followed_->start();

@@ -61,6 +61,9 @@ class CollocationRun {
   /// but for a bar that hardly touches, or hardly parts.
   double smallness() const;
 
+  /// What is known of the result while it runs.
+  const Simulation& so_far() const { return result_; }
+
   Simulation conclude();
 
   const ContactForce& contact() const { return points_.front().contact(); }
@@ -177,7 +180,8 @@ class CollocationRun {
   double damped_ = 0.0;              // in bar, hinge and compliant stop since first touch [J]
   // √(2 C) for each stop: how far √energy can move its point elastically [m/√J]
   std::vector<double> elastic_reach_;
-  std::optional<TimeLimit> time_limit_;  // from the first look at it
+  Looks looks_;                          // at the time
+  std::optional<TimeLimit> time_limit_;  // of small motion from the first look at it
   Simulation result_;
   ContactLog log_;
   RunSensitivities* followed_ = nullptr;

@@ -260,8 +260,8 @@ bool ContactForce::differs(const ContactForce& other) const {
 double ContactForce::damping_share(double speed, double depth) const {
   if (factor_ == 0.0) return 0.0;
   ContactForce trial = *this;
-  trial.law_speed_ = 0.0;
-  trial.begin_episode(speed);
+  trial.law_speed_ = stated_speed_.value_or(speed);
+  trial.strength_ = strength_at(trial.law_speed_);
   trial.set_phase(Phase::pressed);
   const double elastic = trial.elastic(depth);
   const double damped = trial.pressed(depth, speed).force;

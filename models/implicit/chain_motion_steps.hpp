@@ -82,7 +82,7 @@ class ChainMotion final : public BarMotion {
     renew_tangent();
   }
 
-  void expect_contact() override {
+  void expect_contact(int, double) override {
     in_contact_ = touched_ = true;
     renew_tangent();
   }

@@ -41,8 +41,9 @@ class DenseMotion final : public BarMotion {
         rotation_(rig.hinge.rotation),
         newton_(newton_share * accuracy_) {
     q_ = v_ = end_q_ = end_v_ = scratch_ = here_ = there_ = moved_ = at_q_ = at_v_ = series_term_ =
-        Vector::Zero(n_);
-    a_ = previous_ = whole_ = stage_q_ = stage_v_ = residual_ = change_ = Stages::Zero(n_, S);
+        touch_q_ = way_ = end_way_ = at_way_ = Vector::Zero(n_);
+    a_ = previous_ = whole_ = stage_q_ = stage_v_ = residual_ = change_ = stage_way_ =
+        Stages::Zero(n_, S);
     projected_ = solved_ = Eigen::VectorXcd::Zero(n_);
     matrix_ = Eigen::MatrixXcd::Zero(n_, n_);
     by_q_ = by_v_ = Matrix::Zero(n_, n_);
@@ -61,7 +62,7 @@ class DenseMotion final : public BarMotion {
     energy_ = beam_.energy(q_, v_);
     lost_ = 0.0;
     last_h_ = 0.0;
-    touched_ = false;
+    touched_ = in_contact_ = false;
     friction_.start(rate);
     t_ = 0.0;
     angle_at_start_ = angle;
@@ -69,8 +70,9 @@ class DenseMotion final : public BarMotion {
     renew_tangent();
   }
 
-  void expect_contact() override {
+  void expect_contact(int stop, double displacement) override {
     touched_ = true;
+    count_from_here(stop, displacement);
     renew_tangent();
   }
 
@@ -80,7 +82,9 @@ class DenseMotion final : public BarMotion {
     damping_ = scales.damping;
   }
 
-  PointMotion struck(int stop) const override { return point_before(stop, q_, v_); }
+  void expect_flight() override { in_contact_ = false; }
+
+  PointMotion struck(int stop) const override { return seen(stop, q_, v_, way_); }
 
   BeamEnergy energy() const override { return energy_; }
 
@@ -140,7 +144,9 @@ class DenseMotion final : public BarMotion {
     renew_tangent();
   }
 
-  PointMotion struck_at_end(int stop) const override { return point_before(stop, end_q_, end_v_); }
+  PointMotion struck_at_end(int stop) const override {
+    return seen(stop, end_q_, end_v_, end_way_);
+  }
 
   double error() const override;
 
@@ -160,6 +166,7 @@ class DenseMotion final : public BarMotion {
     lost_ += lost_in_step();
     std::swap(q_, end_q_);
     std::swap(v_, end_v_);
+    std::swap(way_, end_way_);
     energy_ = end_energy_;
     std::swap(previous_, a_);
     last_h_ = h_;
@@ -205,6 +212,26 @@ class DenseMotion final : public BarMotion {
 
   void add_slopes(Sample& sample);
 
+  /// Displacements count from this touch on.
+  void count_from_here(int stop, double displacement) {
+    for (std::size_t k = 0; k < at_touch_.size(); ++k)
+      at_touch_[k] = struck(static_cast<int>(k)).displacement;
+    at_touch_[static_cast<std::size_t>(stop)] = displacement;
+    touch_q_ = q_;
+    way_.setZero();
+    in_contact_ = true;
+  }
+
+  /// The same with a displacement that has all the digits of what way the bar went since the last
+  /// touch: laws may be steep near none. The coordinates leave it their own rounding.
+  PointMotion seen(int stop, ConstVector q, ConstVector v, ConstVector way) const {
+    PointMotion p = point_before(stop, q, v);
+    if (in_contact_)
+      p.displacement =
+          at_touch_[static_cast<std::size_t>(stop)] + bar_.advance(stop, touch_q_, way);
+    return p;
+  }
+
   void predict(const Stages& from, double ratio, double origin, int terms, Stages& to) const {
     Eigen::Matrix<double, S, S> values = Eigen::Matrix<double, S, S>::Zero();
     Series legendre;
@@ -240,7 +267,12 @@ class DenseMotion final : public BarMotion {
     return total(energy_) + work_done_ + driven_ - damped_ - total(end_energy_);
   }
 
-  void place_stages() { integrate(q_, v_, a_, stage_q_, stage_v_); }
+  void place_stages() {
+    integrate(q_, v_, a_, stage_q_, stage_v_);
+    if (!in_contact_) return;
+    stage_way_.noalias() = stage_v_ * (h_ * stages_.to_velocity.transpose());
+    stage_way_.colwise() += way_;
+  }
 
   /// From a state under the accelerations of the stages to the stages.
   void integrate(const Vector& q, const Vector& v, const Stages& a, Stages& stage_q,
@@ -295,13 +327,21 @@ class DenseMotion final : public BarMotion {
   void move_to(double part) {
     part_ = part;
     move(part, q_, v_, a_, stage_v_, at_q_, at_v_);
+    if (!in_contact_) return;
+    at_way_ = way_;
+    at_way_.noalias() += stage_v_ * integrals_to(part);
+  }
+
+  /// Over the first part of the step, of what has these values at the stages.
+  Series integrals_to(double part) const {
+    Series integrals;
+    shifted_legendre_integrals(part, integrals);
+    return h_ * to_series_.transpose() * integrals;
   }
 
   void move(double part, const Vector& q, const Vector& v, const Stages& a, const Stages& stage_v,
             Vector& at_q, Vector& at_v) const {
-    Series integrals;
-    shifted_legendre_integrals(part, integrals);
-    integrals = h_ * to_series_.transpose() * integrals;
+    const Series integrals = integrals_to(part);
     at_v = v;
     at_v.noalias() += a * integrals;
     at_q = q;
@@ -344,6 +384,11 @@ class DenseMotion final : public BarMotion {
   Vector q_, v_, end_q_, end_v_, scratch_, here_, there_, moved_, at_q_, at_v_;
   double h_ = 0.0, last_h_ = 0.0;
   Stages a_, previous_, whole_, stage_q_, stage_v_, residual_, change_;
+  // of a contact: the last touch, the displacements there [m], and how far q has come since
+  bool in_contact_ = false;
+  Vector touch_q_, way_, end_way_, at_way_;
+  Stages stage_way_;
+  std::vector<double> at_touch_ = std::vector<double>(forces_.size());
   Eigen::VectorXcd projected_, solved_;
   Eigen::MatrixXcd matrix_;
   BeamEnergy energy_, end_energy_;
@@ -465,7 +510,8 @@ bool DenseMotion::improve(std::span<StopStep> stops) {
     stops[k].displacement.resize(S);
     stops[k].velocity.resize(S);
     for (int i = 0; i < S; ++i) {
-      const PointMotion p = point_before(static_cast<int>(k), stage_q_.col(i), stage_v_.col(i));
+      const PointMotion p =
+          seen(static_cast<int>(k), stage_q_.col(i), stage_v_.col(i), stage_way_.col(i));
       stops[k].displacement[i] = p.displacement;
       stops[k].velocity[i] = p.velocity;
     }
@@ -484,6 +530,7 @@ void DenseMotion::finish(std::span<const StopStep> stops) {
   place_stages();
   end_q_ = stage_q_.col(S - 1);
   end_v_ = stage_v_.col(S - 1);
+  end_way_ = stage_way_.col(S - 1);
   if (rotation_) look_at_rotation(stops);
   end_energy_ = beam_.energy(end_q_, end_v_);
   work_done_ = damped_ = 0.0;
@@ -560,14 +607,13 @@ PointMotion DenseMotion::struck_at(int stop, double part, double* acceleration) 
                       beam_.point_acceleration(there.contact.position, at_q_, at_v_, scratch_);
     }
   }
-  return point_before(stop, at_q_, at_v_);
+  return seen(stop, at_q_, at_v_, at_way_);
 }
 
 /// Along the bar, where it was looked at last.
 void DenseMotion::add_slopes(Sample& sample) {
   sample.velocity_slope = beam_.point_slope(bar_.velocity_place, at_q_, at_v_).velocity;
-  sample.displacement_slope =
-      beam_.point_slope(bar_.displacement_place, at_q_, at_v_).displacement;
+  sample.displacement_slope = beam_.point_slope(bar_.displacement_place, at_q_, at_v_).displacement;
   if (!rotation_) return;
   const auto [deflection, extension] = beam_.departure_slope(bar_.displacement_place, at_q_);
   sample.deflection_slope = deflection;
@@ -582,8 +628,9 @@ void DenseMotion::sample(double first, double spacing, std::span<Sample> samples
     } else {
       at_q_ = q_;
       at_v_ = v_;
+      at_way_ = way_;
     }
-    samples[i] = {beam_.struck_point(at_q_, at_v_),
+    samples[i] = {seen(0, at_q_, at_v_, at_way_),
                   beam_.point(bar_.velocity_place, at_q_, at_v_).velocity,
                   beam_.point(bar_.displacement_place, at_q_, at_v_).displacement};
     if (rotation_) {

@@ -30,6 +30,13 @@ struct FrameBar {
     return {there.direction() * p.displacement, there.direction() * p.velocity};
   }
 
+  /// How far the point before a stop comes from a state, `way` on from there, towards the stop [m].
+  double advance(int stop, ConstVector from, ConstVector way) const {
+    if (stop == 0) return beam->struck_advance(from, way);
+    const FurtherStop& there = further[static_cast<std::size_t>(stop - 1)];
+    return there.direction() * beam->point_advance(there.contact.position, from, way);
+  }
+
   std::unique_ptr<FloatingFrameBeam> beam;
   std::vector<FurtherStop> further;
   double velocity_place, displacement_place;  ///< from the hinge [m]

@@ -56,7 +56,7 @@ BeamEnergy ModalMotion::energy() const {
   return energy;
 }
 
-void ModalMotion::expect_contact() {
+void ModalMotion::expect_contact(int, double) {
   if (first_contact_ != FirstContact::to_come) return;
   first_contact_ = FirstContact::lasts;
   if (!judges_) return;

@@ -40,7 +40,7 @@ class ModalMotion : public BarMotion {
 
   const ModalState& state() const { return state_; }
 
-  void expect_contact() override;
+  void expect_contact(int stop, double displacement) override;
 
   void expect_flight() override {
     if (first_contact_ == FirstContact::lasts) first_contact_ = FirstContact::over;

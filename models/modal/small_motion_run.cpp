@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "models/beams/bar_element.hpp"
 #include "models/contact/contact_force.hpp"
@@ -54,9 +55,10 @@ double steady_strain(const Rig& rig, const Solver& solver, double rate) {
 
 /// Small motion leaves friction in the hinge out: what it could change until the last contact ends,
 /// as a part of the first one's impulse about the hinge.
-double missing_friction(const Rig& rig, const Simulation& run, double end_of_contact) {
+double missing_friction(const Rig& rig, const Simulation& run) {
   if (rig.hinge.friction == 0.0 || run.episodes.empty()) return 0.0;
-  return rig.hinge.friction * end_of_contact /
+  const Episode& last = run.episodes.back();  // one that goes on has no end yet
+  return rig.hinge.friction * std::max(last.start, last.end) /
          (rig.contact.position * run.episodes.front().impulse);
 }
 
@@ -73,10 +75,10 @@ double missing_terms(const ThirdOrder& terms, const Simulation& run) {
 /// first touch and meets the bar again. What is left out grows, until then, about with the square
 /// of how far a rigid bar turns. One that bends is inclined by its waves, and what that leaves out
 /// had grown with the fourth power of time where it was smallest at first.
-double growth_until_sensor_peak(const Simulation& run, bool bends) {
-  if (!run.sensor || run.episodes.size() < 2) return 1.0;
-  if (run.sensor->peak_time <= run.episodes[1].start) return 1.0;
-  const double later = run.sensor->peak_time / run.episodes.front().end;
+double growth_until_sensor_peak(const SensorForce& sensor, const Simulation& run, bool bends) {
+  if (run.episodes.size() < 2) return 1.0;
+  if (sensor.peak_time <= run.episodes[1].start) return 1.0;
+  const double later = sensor.peak_time / run.episodes.front().end;
   return std::max(1.0, std::pow(later, bends ? 4.0 : 2.0));
 }
 
@@ -147,6 +149,41 @@ bool SmallMotionRun::judges() const {
   return options_.judge_small_motion || options_.motion != Motion::small;
 }
 
+void SmallMotionRun::complete(const std::optional<Trial>& trial) {
+  if (!trial) return run_.complete();
+  Looks looks;
+  run_.begin();
+  while (!run_.done()) {
+    run_.propose();
+    run_.judge(run_.solve());
+    if (looks.due() && trial->time.over() && !promises(trial->accuracy))
+      throw std::runtime_error("small motion leaves out too much, or takes too long to tell");
+  }
+}
+
+/// Whether what is known by now speaks for it.
+bool SmallMotionRun::promises(double accuracy) const {
+  const std::vector<Episode>& episodes = run_.so_far().episodes;
+  return !episodes.empty() && !episodes.front().open && neglected(run_.so_far()) <= accuracy;
+}
+
+/// What small motion leaves out of a result; of vibration that a ReducedBar does not have, once
+/// find_left_out() has looked for it.
+double SmallMotionRun::neglected(const Simulation& result) const {
+  const double rate = touch_velocity(rig_) / rig_.contact.position;
+  const ThirdOrder& terms = motion_.third_order();
+  const bool sheared = solver_.model == BeamModel::ancf && rig_.beam.shears();
+  const bool bends = bar_->modes().modes() > 1;
+  const double growth =
+      stopped_ ? growth_until_sensor_peak(stopped_->sensor(result.impulse), result, bends) : 1.0;
+  return growth * ((rig_.stop ? safety_of_giving_stop : safety) * missing_terms(terms, result) +
+                   share_of_shortening * terms.shortening()) +
+         (sheared ? share_of_sheared_strain : share_of_strain) *
+             steady_strain(rig_, solver_, rate) +
+         bar_->modes().rounding() + safety_of_friction * missing_friction(rig_, result) +
+         of_swing_ + left_out_;
+}
+
 Simulation SmallMotionRun::conclude() {
   Simulation result = run_.conclude();
   if (stopped_) result.sensor = stopped_->sensor(result.impulse);
@@ -154,18 +191,8 @@ Simulation SmallMotionRun::conclude() {
   result.small_motion = true;
   if (bar_->is_reduced() && !result.episodes.empty()) find_left_out(result);
   if (!judges()) return result;
-  const double end_of_contact = result.episodes.empty() ? 0.0 : result.episodes.back().end;
-  const double friction = missing_friction(rig_, result, end_of_contact);
-  const double rate = touch_velocity(rig_) / rig_.contact.position;
+  result.neglected = neglected(result);
   const bool damped = bar_->modes().damped();
-  const ThirdOrder& terms = motion_.third_order();
-  const bool sheared = solver_.model == BeamModel::ancf && rig_.beam.shears();
-  result.neglected =
-      growth_until_sensor_peak(result, bar_->modes().modes() > 1) *
-          ((rig_.stop ? safety_of_giving_stop : safety) * missing_terms(terms, result) +
-           share_of_shortening * terms.shortening()) +
-      (sheared ? share_of_sheared_strain : share_of_strain) * steady_strain(rig_, solver_, rate) +
-      bar_->modes().rounding() + safety_of_friction * friction + of_swing_ + left_out_;
   result.taken.push_back(Simplification::small_motion);
   result.skipped.push_back(fmt::format(
       "foreshortening and large rotation{}: the bar was solved in its own modes; what this "
@@ -174,12 +201,12 @@ Simulation SmallMotionRun::conclude() {
       damped ? ", and what damping couples modes by" : "",
       rig_.stop ? ", and the sensor's largest force," : "", result.neglected));
   tell_left_out(result);
-  if (friction > 0.0) {
+  if (const double friction = missing_friction(rig_, result); friction > 0.0) {
     result.taken.push_back(Simplification::hinge_friction);
     result.skipped.push_back(fmt::format(
         "friction in the hinge from first touch on: over {:.3g} s its impulse is at most {:.1e} of "
         "the first contact's about the hinge",
-        end_of_contact, friction));
+        result.episodes.back().end, friction));
   }
   const ModalMotion::Flights& flights = motion_.flights();
   if (flights.count > 0) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "models/collocation/collocation_run.hpp"
@@ -10,6 +11,7 @@
 #include "models/modal/modal_sensitivities.hpp"
 #include "models/simulation.hpp"
 #include "models/stop/stopped_motion.hpp"
+#include "models/time_limit.hpp"
 
 namespace impactrig::models {
 
@@ -46,6 +48,16 @@ class SmallMotionRun {
 
   const Collocation& rule() const { return motion_.rule(); }
 
+  /// By when the first contact has to be over, and what small motion may leave out of it, for the
+  /// run to go on.
+  struct Trial {
+    TimeLimit time;
+    double accuracy;
+  };
+
+  /// The whole run. Throws std::runtime_error where a trial of it fails, if there is one.
+  void complete(const std::optional<Trial>& trial);
+
   /// What the run gave, and what small motion left out of it.
   Simulation conclude();
 
@@ -56,6 +68,8 @@ class SmallMotionRun {
 
  private:
   bool judges() const;
+  bool promises(double accuracy) const;
+  double neglected(const Simulation& result) const;
   void find_left_out(const Simulation& result);
   void tell_left_out(Simulation& result);
 

@@ -39,13 +39,17 @@ void StoppedMotion::set_scales(const Scales& scales) {
   contact_damps_ = scales.damping > 0.0;
 }
 
-/// A damped contact lets the head's ringing die; nodes too few to see it would keep it.
+/// A damped contact lets the head's ringing die, on the sensor's spring and on its own; nodes too
+/// few to see it would keep it, or swing it up.
 double StoppedMotion::longest_step() const {
   constexpr double phase_of_node = 1.5;
   double longest = bar_.longest_step();
   if (responds_always_) longest = std::min(longest, HeadStep::longest_phase / head_.fastest());
   if (!in_contact_ || !contact_damps_) return longest;
-  return std::min(longest, phase_of_node * rule_.nodes() / head_.fastest());
+  const double ringing =
+      std::max(head_.fastest(),
+               std::hypot(head_.mode().omega, std::sqrt(contact_stiffness_ / head_.mass())));
+  return std::min(longest, phase_of_node * rule_.nodes() / ringing);
 }
 
 BeamEnergy StoppedMotion::energy() const {
@@ -54,9 +58,9 @@ BeamEnergy StoppedMotion::energy() const {
   return energy;
 }
 
-void StoppedMotion::expect_contact() {
+void StoppedMotion::expect_contact(int stop, double displacement) {
   in_contact_ = touched_ = true;
-  bar_.expect_contact();
+  bar_.expect_contact(stop, stop == 0 ? displacement + state_.displacement : displacement);
 }
 
 void StoppedMotion::expect_flight() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <memory>
@@ -40,7 +41,7 @@ class StoppedMotion final : public BarMotion {
 
   double elastic_compliance() const override { return bar_.elastic_compliance() + compliance_; }
 
-  void expect_contact() override;
+  void expect_contact(int stop, double displacement) override;
   void expect_flight() override;
   void begin_step(int level) override;
   void begin_part(double part) override;
@@ -82,9 +83,12 @@ class StoppedMotion final : public BarMotion {
 
   void observe(double part) override;
 
-  bool asks_for_contact() const override { return bar_.asks_for_contact(); }
+  bool asks_for_contact() const override { return contact_damps_ || bar_.asks_for_contact(); }
 
-  void see_contact(const ContactSlope& slope) override { bar_.see_contact(slope); }
+  void see_contact(const ContactSlope& slope) override {
+    contact_stiffness_ = std::max(slope.to_depth, 0.0);
+    if (bar_.asks_for_contact()) bar_.see_contact(slope);
+  }
 
   void take(double part) override;
 
@@ -163,6 +167,7 @@ class StoppedMotion final : public BarMotion {
   Response response_;
   bool in_contact_ = false;
   bool contact_damps_ = false;
+  double contact_stiffness_ = 0.0;  // where the last step ended [N/m]
   bool responds_always_ = false;
 
   bool forced_ = false;                 // the solved step

@@ -230,6 +230,30 @@ TEST_P(FloatingFrame, EnergiesAndPointsAgreeWithThePositionsThemselves) {
   EXPECT_NEAR(near.velocity, same.velocity, 1e-7);
 }
 
+// Of a short way the displacement's Taylor series says the same; a difference of two displacements
+// has none of its digits left at the last of these.
+TEST_P(FloatingFrame, AdvanceOfAPointHasAllDigitsOfTheWay) {
+  FloatingFrameBeam beam(soft_rig(), GetParam(), 3, 2);
+  Vector q(6), way(6);
+  q << 0.7, 0.01, -0.02, 0.09, -0.03, 0.01;
+  way << -0.3, 0.02, 0.01, 0.08, -0.05, 0.1;
+  EXPECT_NEAR(beam.struck_advance(q, way),
+              beam.struck_point(q + way, way).displacement - beam.struck_point(q, way).displacement,
+              1e-14);
+  const Vector none = Vector::Zero(6);
+  for (const double part : {1e-6, 1e-11, 1e-16}) {
+    const double remainder = part * part + 1e-14;
+    EXPECT_NEAR(beam.struck_advance(q, part * way) / part /
+                    (beam.struck_point(q, way).velocity +
+                     0.5 * part * beam.struck_acceleration(q, way, none)),
+                1.0, remainder);
+    EXPECT_NEAR(beam.point_advance(0.3, q, part * way) / part /
+                    (beam.point(0.3, q, way).velocity +
+                     0.5 * part * beam.point_acceleration(0.3, q, way, none)),
+                1.0, remainder);
+  }
+}
+
 TEST_P(FloatingFrame, AccelerationOfTheStruckPointIsTheRateOfItsVelocity) {
   FloatingFrameBeam beam(soft_rig(), GetParam(), 3, 2);
   Vector q(6), v(6), a(6);

@@ -273,6 +273,45 @@ TEST(HardContact, AContactCutAtItsVeryBeginningHasItsImpulse) {
   }
 }
 
+/// The tip of a long bar bounces on its stop, whose damping has its full force at once and is
+/// steeper than any root there.
+Rig bar_on_a_steep_damper() {
+  Rig rig = paper_rig();
+  rig.beam = round_bar(15.44, 0.0342, 1.015e11, 5886.0);
+  rig.contact.position = 15.44;
+  rig.contact.radius = 0.0342;
+  rig.contact.counterface = Counterface::cylinder;
+  rig.contact.counter_radius = 0.1142;
+  rig.contact.length = 0.008265;
+  rig.contact.modulus = 1.015e11;
+  rig.contact.counter_modulus = 1.529e12;
+  rig.contact.law = "johnson";
+  rig.contact.damping = "jankowski";
+  rig.contact.restitution = 0.4321;
+  rig.start.velocity = 0.002822;
+  rig.gravity = 26.7;
+  return rig;
+}
+
+// A later touch had begun with a depth that was the rounding of the coordinates, beyond or before
+// the stop: no step was short enough.
+TEST(HardContact, LaterTouchesOfASteepDamperBeginAtNoDepth) {
+  SimulationOptions exact;
+  exact.exact = true;
+  for (const int modes : {2, 4, 8}) {
+    std::vector<Simulation> runs;
+    for (const double accuracy : {1e-10, 1e-11})
+      runs.push_back(simulate(bar_on_a_steep_damper(),
+                              hybrid(Basis::cantilever, modes, accuracy, 0.31), exact));
+    for (const Simulation& run : runs)
+      EXPECT_EQ(run.termination, "the duration asked for was reached") << modes;
+    for (const std::size_t contact : {1, 2})
+      EXPECT_NEAR(runs[0].episodes.at(contact).impulse / runs[1].episodes.at(contact).impulse, 1.0,
+                  1e-8)  // each magnifies what the one before left
+          << modes;
+  }
+}
+
 /// Takes no step once a contact is over, or from the start.
 class StallingMotion final : public ModalMotion {
  public:

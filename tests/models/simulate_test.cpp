@@ -3,13 +3,17 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <thread>
 
 #include "models/contact/contact_force.hpp"
 #include "models/contact/damping/exact.hpp"
 #include "models/contact/damping_law.hpp"
 #include "models/simulation.hpp"
+#include "models/time_limit.hpp"
 #include "tests/models/scenes.hpp"
 
 namespace {
@@ -282,16 +286,67 @@ TEST(Simulate, SaysWhatTakesSoLongWhenItsTimeIsOver) {
                                  testing::HasSubstr("fewer elements"))));
 }
 
-TEST(Simulate, EndsWithTheContactsItHasWhenItsTimeIsOver) {
-  // A rigid bar on its stop for ten years: no machine gets there in a twentieth of a second.
+/// A bar that hangs at its stop, and bounces.
+Rig bouncing_rig() {
   Rig rig = paper_rig();
   rig.gravity = 9.81;
-  rig.gravity_direction = 0.5 * std::numbers::pi;
   rig.contact.damping = "none";
-  Solver solver = rigid(1e-3);
+  return rig;
+}
+
+/// Rigid, for ten years: no machine gets there in a fraction of a second.
+Solver for_ten_years(double accuracy, double time_limit) {
+  Solver solver = rigid(accuracy);
   solver.duration = 3e8;
-  solver.time_limit = 0.05;
-  const Simulation run = simulate(rig, solver);
+  solver.time_limit = time_limit;
+  return solver;
+}
+
+/// What the solution that ran out of time had of it [s].
+double time_it_had(const Simulation& run) {
+  EXPECT_THAT(run.termination,
+              HasSubstr("s of processor time, what was left of solver.time_limit"));
+  return std::stod(run.termination);
+}
+
+// Shares of processor time on whatever machine: small motion gives up after half of it at the
+// soonest, and full equations that had all of it would tell more than half.
+TEST(Simulate, HasOneTimeLimitForSmallMotionAndFullEquations) {
+  const Simulation run = simulate(bouncing_rig(), for_ten_years(1e-10, 0.2));
+  ASSERT_FALSE(run.small_motion);  // it leaves out 2e-9
+  EXPECT_LE(time_it_had(run), 0.1);
+  EXPECT_EQ(run.solver.time_limit, 0.2);
+  SimulationOptions full;
+  full.motion = Motion::full;
+  EXPECT_GT(time_it_had(simulate(bouncing_rig(), for_ten_years(1e-10, 0.2), full)), 0.15);
+}
+
+TEST(Simulate, LeavesAllItsTimeToSmallMotionThatWillDo) {
+  const Simulation run = simulate(bouncing_rig(), for_ten_years(1e-3, 0.2));
+  ASSERT_TRUE(run.small_motion);
+  EXPECT_GT(time_it_had(run), 0.15);
+  EXPECT_GT(run.cost.seconds, 0.15);
+}
+
+// However long attempts take, no more than one passes between two looks.
+TEST(Looks, AreDueAfterEachLongAttempt) {
+  Looks looks;
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_TRUE(looks.due()) << attempt;
+  }
+}
+
+TEST(Looks, AreSeldomDueAfterShortAttempts) {
+  Looks looks;
+  int due = 0;
+  for (int attempt = 0; attempt < 16'000; ++attempt) due += looks.due() ? 1 : 0;
+  EXPECT_GE(due, 1000);  // after sixteen at the latest
+  EXPECT_LT(due, 8000);  // though other work should make some of them long
+}
+
+TEST(Simulate, EndsWithTheContactsItHasWhenItsTimeIsOver) {
+  const Simulation run = simulate(bouncing_rig(), for_ten_years(1e-3, 0.05));
   ASSERT_FALSE(run.episodes.empty());
   EXPECT_FALSE(run.episodes.front().open);
   EXPECT_LT(run.duration, 3e8);
