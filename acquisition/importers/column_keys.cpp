@@ -76,9 +76,10 @@ std::string_view value_of_all(std::string_view text, Dialect dialect) {
   return same ? cells.front() : text;
 }
 
-/// The time of the first sample, as Infiniium (XOrg) and Yokogawa (HOffset) oscilloscopes state it.
+/// The time of the first sample, as Infiniium (XOrg), Yokogawa (HOffset) and Rigol (t0)
+/// oscilloscopes state it.
 void find_start(Dialect dialect, TableHead& head) {
-  constexpr std::array<std::string_view, 3> starts = {"xorg", "x origin", "hoffset"};
+  constexpr std::array<std::string_view, 4> starts = {"xorg", "x origin", "hoffset", "t0"};
   for (const auto& [key, text] : head.attributes) {
     if (head.start || !is_one_of(key, starts)) continue;
     const auto stated = stated_value(value_of_all(text, dialect), dialect);
@@ -95,9 +96,18 @@ std::vector<std::string_view> values_of_key(std::string_view text, char delimite
 }
 
 void find_interval(Dialect dialect, TableHead& head) {
-  constexpr std::array<std::string_view, 10> intervals = {
-      "sample interval", "sampling interval", "sample period", "sampling period", "delta t", "dt",
-      "time increment",  "abtastintervall",   "xinc",          "hresolution"};
+  constexpr std::array<std::string_view, 12> intervals = {"sample interval",
+                                                          "sampling interval",
+                                                          "sample period",
+                                                          "sampling period",
+                                                          "delta t",
+                                                          "dt",
+                                                          "time increment",
+                                                          "abtastintervall",
+                                                          "xinc",
+                                                          "hresolution",
+                                                          "tinc",
+                                                          "interval"};
   constexpr std::array<std::string_view, 12> rates = {
       "sample rate",        "sampling rate",    "samplerate", "sample frequency",
       "sampling frequency", "samplingrate",     "fs",         "samplefrequency",
@@ -143,9 +153,24 @@ void find_interval(Dialect dialect, TableHead& head) {
   find_start(dialect, head);
 }
 
+void take_keys_among_names(std::vector<std::string_view>& names, TableHead& head) {
+  while (!names.empty()) {
+    const std::size_t equals = names.back().find('=');
+    if (equals == 0 || equals == names.back().npos) return;
+    const std::string_view value = trimmed(names.back().substr(equals + 1));
+    double number = 0.0;
+    if (scan_number(value.data(), value.data() + value.size(), {'.', false}, number) ==
+        value.data())
+      return;
+    head.attributes[to_utf8(trimmed(names.back().substr(0, equals)))] = to_utf8(value);
+    names.pop_back();
+  }
+}
+
 void take_names_of_keys(const TableLayout& layout, TableHead& head) {
-  constexpr std::array<std::string_view, 6> keys = {"tracename",     "trace name",  "channel name",
-                                                    "channel names", "signal name", "signal names"};
+  constexpr std::array<std::string_view, 7> keys = {"tracename",     "trace name",  "channel name",
+                                                    "channel names", "signal name", "signal names",
+                                                    "channeltitle"};
   if (!head.columns.empty()) return;
   for (const auto& [key, text] : head.attributes) {
     if (!is_one_of(key, keys)) continue;

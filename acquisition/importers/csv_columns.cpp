@@ -36,6 +36,12 @@ bool is_time_unit(const std::string& unit) {
   return !unit.empty() && datasets::quantity_of_unit(unit) == Quantity::time;
 }
 
+/// "s" of "S", which is a siemens elsewhere, and "us" of "uS".
+std::string unit_of_times(std::string_view unit) {
+  std::string small = lowered(unit);
+  return is_time_unit(std::string(unit)) || !is_time_unit(small) ? std::string(unit) : small;
+}
+
 /// "ms" where a name should be, or one of Arduino's clocks; "" for other names.
 std::string_view unit_of_time_alone(std::string_view name) {
   constexpr std::array<std::string_view, 7> units = {"s", "sec", "ms", "msec", "us", "µs", "ns"};
@@ -413,8 +419,8 @@ void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delim
   for (std::size_t c = 0; c < heads.size(); ++c) channels += roles.is_channel(c) ? 1 : 0;
   for (const auto& [key, value] : head.attributes) {
     const std::string word = lowered(key);
-    constexpr std::array<std::string_view, 6> vertical_words = {
-        "vertical units", "vertical unit", "y units", "y unit", "yunits", "vunit"};
+    constexpr std::array<std::string_view, 7> vertical_words = {
+        "vertical units", "vertical unit", "y units", "y unit", "yunits", "vunit", "unitname"};
     constexpr std::array<std::string_view, 6> horizontal_words = {
         "horizontal units", "horizontal unit", "x units", "x unit", "xunits", "hunit"};
     const bool vertical = std::ranges::find(vertical_words, word) != vertical_words.end();
@@ -422,7 +428,7 @@ void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delim
     auto units = values_of_key(value, delimiter);
     if (units.empty() || (delimiter == '\t' && units.size() != channels)) units = {value};
     if (horizontal && roles.time && heads[*roles.time].unit.empty())
-      heads[*roles.time].unit = without_channel(units.front());
+      heads[*roles.time].unit = unit_of_times(without_channel(units.front()));
     if (!vertical) continue;
     std::size_t channel = 0;
     for (std::size_t c = 0; c < heads.size(); ++c) {

@@ -133,6 +133,36 @@ TEST(CsvHeads, KeysMayStateTheClockOfOneColumn) {
   EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5e-3, -2.5e-3, 3.5e-3));
 }
 
+TEST(CsvHeads, KeysMayStandAmongNames) {
+  const Record record = imported(  // as a Rigol MSO5000 writes it
+      "CH1(V),CH2(V),t0 = -5.0e-04, tInc = 1.0e-06,\n1.5e-1,2,,,\n2.5e-1,4,,,\n0.5,3,,,\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("CH1 [V]", "CH2 [V]"));
+  EXPECT_EQ(record.channels.at(0).clock.start, -5e-4);
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-6);
+  EXPECT_THAT(record.warnings, IsEmpty());
+  const Record timed =
+      imported("Time(s),CH1(V),t0 =-1.0e-06, tInc = 1.0e-06,\n-1e-6,2,,,\n0,4,,,\n1e-6,3,,,\n");
+  EXPECT_THAT(names_and_units(timed), ElementsAre("CH1 [V]"));
+  EXPECT_EQ(timed.channels.at(0).clock.start, -1e-6);
+}
+
+TEST(CsvHeads, OfLabChartAreKeysDividedByTabs) {
+  const Record record = imported(
+      "Interval=\t0.5 s\nChannelTitle=\tForce\tAcc\nRange=\t10.000 V\t5.000 V\nUnitName=\tN\tg\n"
+      "BottomValue=\t-10\t-5\n0.0\t1.5\t4\n0.5\t2.5\t3\n1.0\t0.5\t2\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]", "Acc [g]"));
+  EXPECT_EQ(record.channels.at(0).clock.interval, 0.5);
+}
+
+TEST(CsvHeads, SOfTheHorizontalAxisIsASecond) {
+  const Record record = imported(
+      "Source,CH1,\nVertical Units,V,\nHorizontal Units,S,\nWaveform Data,,\n0.0,1.5,\n"
+      "0.5,2.5,\n1.0,0.5,\n");
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].unit, "V");
+  EXPECT_EQ(record.channels[0].clock.interval, 0.5);
+}
+
 TEST(CsvHeads, NamesMayBeListedALineAColumn) {
   for (const char* head :
        {"# 1: time [ms]\n# 2: force [kN]\n", "% Column 1 = time [ms]\n% Column 2 = force [kN]\n",
