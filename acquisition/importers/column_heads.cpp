@@ -340,6 +340,29 @@ bool are_dates_of_a_key(const Cells& cells) {
                                          [](auto cell) { return date_time_in(cell).has_value(); });
 }
 
+/// "Unit:,N,g"
+bool are_units_of_a_key(const Cells& cells) {
+  std::string key = lowered(cells.front());
+  if (key.ends_with(':')) key.pop_back();
+  return cells.size() > 1 && (key == "unit" || key == "units");
+}
+
+/// Names and units of a Campbell Scientific TOA5 file, which have a line of the kind of their
+/// values below; False for other files.
+bool take_toa5(const TableLayout& layout, const std::vector<std::size_t>& filled, Cells& names,
+               Cells& units, TableHead& head) {
+  if (filled.size() < 4 || layout.dialect.delimiter != ',' ||
+      cells_of(layout.head[filled[0]], ',').front() != "TOA5")
+    return false;
+  names = head_cells(layout.head[filled[1]], layout);
+  units = head_cells(layout.head[filled[2]], layout);
+  for (std::string_view& unit : units)
+    if (unit == "TS" || unit == "RN") unit = {};  // time stamp, record number
+  head.names_line = static_cast<int>(filled[1]) + 1;
+  head.units_line = static_cast<int>(filled[2]) + 1;
+  return true;
+}
+
 /// Numbers of columns (positions, angles) beside the name of a time: "Time [ms],1,2,3".
 bool may_name_by_number(const Cells& names, const TableLayout& layout) {
   if (names.size() < layout.cells || names.empty()) return false;
@@ -371,7 +394,7 @@ std::optional<std::size_t> find_units_of_time(const TableLayout& layout,
 /// below them are passed over (offsets of the channels).
 void find_names_and_units(const TableLayout& layout, std::vector<std::size_t> filled, Cells& names,
                           Cells& units, TableHead& head) {
-  if (layout.key_cells > 0) return;
+  if (layout.key_cells > 0 || take_toa5(layout, filled, names, units, head)) return;
   if (names = listed_names(layout, filled); !names.empty()) {
     head.names_line = static_cast<int>(filled.back()) + 1;
     return;
@@ -416,7 +439,7 @@ void find_names_and_units(const TableLayout& layout, std::vector<std::size_t> fi
   const bool all_named = bottom.size() >= layout.cells || (bottom.size() > 1 && layout.cells > 2);
   if (bottom.empty() || !all_named) return;
   if (has_number(bottom, decimal) && !may_name_by_number(bottom, layout)) return;
-  if (are_dates_of_a_key(bottom)) return;
+  if (are_dates_of_a_key(bottom) || are_units_of_a_key(bottom)) return;
   names = bottom;
   head.names_line = bottom_line;
   if (filled.size() < 2) return;
@@ -533,8 +556,8 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
     return divided(slash, slash + 1);
   const std::size_t line = text.rfind('_');
   if (line == std::string_view::npos) return std::nullopt;
-  constexpr std::array<std::string_view, 5> times = {"time", "t", "timestamp", "zeit",
-                                                     "elapsed_time"};
+  constexpr std::array<std::string_view, 6> times = {"time", "t",       "timestamp",
+                                                     "zeit", "elapsed", "elapsed_time"};
   const bool is_time = std::ranges::find(times, lowered(text.substr(0, line))) != times.end() &&
                        datasets::quantity_of_unit(to_utf8(text.substr(line + 1))) == Quantity::time;
   return is_time ? std::optional(divided(line, line + 1)) : std::nullopt;

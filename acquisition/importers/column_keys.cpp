@@ -168,18 +168,26 @@ void take_keys_among_names(std::vector<std::string_view>& names, TableHead& head
 }
 
 void take_names_of_keys(const TableLayout& layout, TableHead& head) {
-  constexpr std::array<std::string_view, 7> keys = {"tracename",     "trace name",  "channel name",
-                                                    "channel names", "signal name", "signal names",
-                                                    "channeltitle"};
+  // the last ones may be of the recording where there is one channel
+  constexpr std::array<std::string_view, 13> keys = {
+      "tracename",    "trace name",   "channel name", "channel names", "signal name",
+      "signal names", "channeltitle", "name",         "names",         "label",
+      "labels",       "channel",      "channels"};
+  constexpr std::size_t sure = 7;
   if (!head.columns.empty()) return;
-  for (const auto& [key, text] : head.attributes) {
-    if (!is_one_of(key, keys)) continue;
-    const auto names = values_of_key(text, layout.dialect.delimiter);
-    if (names.size() != layout.cells && names.size() + 1 != layout.cells) continue;
-    head.columns.resize(layout.cells - names.size());
-    for (const std::string_view name : names) head.columns.push_back(split_head(name));
-    return;
-  }
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    for (const auto& [key, text] : head.attributes) {
+      if (lowered(key) != keys[k]) continue;
+      const auto names = values_of_key(text, layout.dialect.delimiter);
+      if (names.size() != layout.cells && names.size() + 1 != layout.cells) continue;
+      if (k >= sure && names.size() < 2) continue;
+      head.columns.resize(layout.cells - names.size());
+      for (const std::string_view name : names) {
+        head.columns.push_back(split_head(name));
+        if (integer_in(name)) head.columns.back().name = fmt::format("CH {}", name);
+      }
+      return;
+    }
 }
 
 void take_column_of_keys(Dialect dialect, TableHead& head) {

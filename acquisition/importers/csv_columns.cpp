@@ -427,9 +427,10 @@ void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delim
     const bool horizontal = std::ranges::find(horizontal_words, word) != horizontal_words.end();
     auto units = values_of_key(value, delimiter);
     if (units.empty() || (delimiter == '\t' && units.size() != channels)) units = {value};
+    const bool one_each = (word == "unit" || word == "units") && units.size() == channels;
     if (horizontal && roles.time && heads[*roles.time].unit.empty())
       heads[*roles.time].unit = unit_of_times(without_channel(units.front()));
-    if (!vertical) continue;
+    if (!vertical && !one_each) continue;
     std::size_t channel = 0;
     for (std::size_t c = 0; c < heads.size(); ++c) {
       if (!roles.is_channel(c)) continue;

@@ -154,6 +154,27 @@ TEST(CsvHeads, OfLabChartAreKeysDividedByTabs) {
   EXPECT_EQ(record.channels.at(0).clock.interval, 0.5);
 }
 
+TEST(CsvHeads, NamesAndUnitsMayStandBehindKeys) {
+  for (const char* head :
+       {"Channel:,Force,Acc\nUnit:,N,g\n", "Name,Force,Acc\nUnits,N,g\nRange,5,5\n",
+        "Channel,1,2\nLabel,Force,Acc\nType,A,B\nUnit,N,g\nTime (s),,\n"}) {
+    const Record record = imported(std::string(head) + "0.0,1.5,4\n0.5,2.5,3\n1.0,0.5,2\n");
+    EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]", "Acc [g]")) << head;
+    EXPECT_EQ(record.channels.at(0).clock.interval, 0.5) << head;
+  }
+  EXPECT_THAT(names_and_units(imported("Name,Smith\nRange,5\n1,2.5\n1.5,2\n3,1\n")),
+              ElementsAre("column 1 []"));
+}
+
+TEST(CsvHeads, OfCampbellLoggersAreThreeLines) {
+  const Record record = imported(
+      "\"TOA5\",\"CR1000\",\"1234\"\n\"TIMESTAMP\",\"RECORD\",\"Force_Avg\"\n"
+      "\"TS\",\"RN\",\"N\"\n\"\",\"\",\"Avg\"\n\"2021-03-12 10:11:12.00\",7,1.5\n"
+      "\"2021-03-12 10:11:12.05\",8,2.5\n\"2021-03-12 10:11:12.10\",9,0.5\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("RECORD []", "Force_Avg [N]"));
+  EXPECT_NEAR(record.channels.at(0).clock.interval, 0.05, 1e-12);
+}
+
 TEST(CsvHeads, SOfTheHorizontalAxisIsASecond) {
   const Record record = imported(
       "Source,CH1,\nVertical Units,V,\nHorizontal Units,S,\nWaveform Data,,\n0.0,1.5,\n"
