@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <memory>
@@ -84,12 +85,19 @@ constexpr std::array<Replacement, 11> superscripts{{
 
 /// Whole words. UDUNITS-2 knows degree and rpm to 14 or 15 digits only, and takes "ue" for the
 /// micro-electron-charge.
-constexpr std::array<Replacement, 26> words{{
+constexpr std::array<Replacement, 35> words{{
     {"deg", "(0.017453292519943295 rad)"},
     {"degree", "(0.017453292519943295 rad)"},
     {"degrees", "(0.017453292519943295 rad)"},
     {"\u00b0", "(0.017453292519943295 rad)"},
     {"rpm", "(0.10471975511965977 rad/s)"},
+    {"RPM", "(0.10471975511965977 rad/s)"},
+    {"hz", "Hz"},
+    {"HZ", "Hz"},
+    {"khz", "kHz"},
+    {"KHz", "kHz"},
+    {"KHZ", "kHz"},
+    {"hrs", "h"},
     {"Nm", "(N.m)"},
     {"strain", "1"},
     {"\u03b5", "1"},
@@ -102,6 +110,8 @@ constexpr std::array<Replacement, 26> words{{
     {"u\u03b5", "1e-6"},
     {"gn", "gravity"},
     {"G", "gravity"},
+    {"gs", "gravity"},
+    {"Gs", "gravity"},  // UDUNITS-2: gigasecond
     {"lbs", "lb"},
     {"Lbs", "lb"},
     {"LBS", "lb"},
@@ -127,6 +137,9 @@ constexpr std::array<Replacement, 10> masses{{
     {"POUNDS", "lbf"},
 }};
 
+/// Units to UDUNITS-2 (gravity, atto-cubic-centimetre, centi-hour), which head a column as names.
+constexpr std::array<std::string_view, 3> names{"force", "acc", "ch"};
+
 bool is_blank(char c) {
   return c == ' ' || c == '\t';
 }
@@ -139,6 +152,16 @@ bool is_digit(char c) {
 bool is_word(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' ||
          static_cast<unsigned char>(c) >= 0x80;
+}
+
+/// "Force", "force (N)", which UDUNITS-2 would multiply.
+bool begins_with_a_name(std::string_view text) {
+  std::size_t end = 0;
+  while (end < text.size() && is_word(text[end])) ++end;
+  const std::string_view first = text.substr(0, end);
+  return std::ranges::any_of(names, [first](std::string_view name) {
+    return std::ranges::equal(first, name, {}, [](unsigned char c) { return std::tolower(c); });
+  });
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -218,6 +241,17 @@ std::string_view without_comment(std::string_view text) {
   return trimmed(text.substr(0, open));
 }
 
+/// "g" of "g pk", "g-pk" and "V rms".
+std::string_view without_detector(std::string_view text) {
+  for (const std::string_view word : {"rms", "RMS", "pk", "Pk", "peak", "Peak"}) {
+    if (text.size() < word.size() + 2 || !text.ends_with(word)) continue;
+    const std::string_view rest = text.substr(0, text.size() - word.size());
+    if (is_blank(rest.back()) || rest.back() == '-' || rest.back() == '_')
+      return trimmed(rest.substr(0, rest.size() - 1));
+  }
+  return text;
+}
+
 /// The unit in UDUNITS-2's spelling; empty where there is none that could be meant.
 std::string normalised(std::string_view unit) {
   unit = trimmed(unit);
@@ -229,7 +263,7 @@ std::string normalised(std::string_view unit) {
     return {};
   if (unit == "kg (kilo-g)" || unit == "kilo-g") return "(1000 gravity)";
   if (unit == "g's" || unit == "G's" || unit == "g\u2019s") return "gravity";
-  std::string text = with_ascii_signs(unit);
+  std::string text = with_ascii_signs(without_detector(unit));
   if (text == "ms-2" || text == "ms^-2") return "m.s-2";  // UDUNITS-2: per square millisecond
   return has_broken_exponent(text) || has_number_inside(text) ? std::string() : text;
 }
@@ -282,12 +316,22 @@ struct Readings {
 Readings readings_of(std::string_view unit) {
   const std::string text = normalised(unit);
   for (const std::string_view candidate : {std::string_view(text), without_comment(text)}) {
+    if (begins_with_a_name(candidate)) continue;
     const std::string plain = with_words_replaced(candidate, words);
     const std::string weight = with_words_replaced(plain, masses);
     Readings readings{parsed(plain), weight == plain ? nullptr : parsed(weight)};
     if (readings.plain || readings.weight) return readings;
   }
   return {};
+}
+
+/// "in/sec" of "IN/SEC": many a universal file has units in capitals alone. "NM" may be a torque.
+std::string in_small_letters(std::string_view unit) {
+  const auto is_small = [](char c) { return c >= 'a' && c <= 'z'; };
+  if (unit.size() < 2 || unit == "NM" || std::ranges::any_of(unit, is_small)) return {};
+  std::string text(unit);
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text == unit ? std::string() : text;
 }
 
 bool has_angle(const ut_unit* unit) {
@@ -342,6 +386,28 @@ Quantity quantity_of(const ut_unit* unit) {
   return Quantity::other;
 }
 
+Quantity quantity_of(const Readings& readings) {
+  if (!readings.plain && !readings.weight) return Quantity::unknown;
+  if (readings.weight) {
+    const Quantity quantity = quantity_of(readings.weight.get());
+    if (quantity != Quantity::other || !readings.plain) return quantity;
+  }
+  return quantity_of(readings.plain.get());
+}
+
+/// The readings of a unit, or in small letters where it has none in its capitals and these make it
+/// one of motion, force or pressure.
+Readings understood_readings(std::string_view unit) {
+  Readings readings = readings_of(unit);
+  if (readings.plain || readings.weight) return readings;
+  Readings small = readings_of(in_small_letters(unit));
+  const Quantity quantity = quantity_of(small);
+  const bool plausible = quantity == Quantity::force || quantity == Quantity::velocity ||
+                         quantity == Quantity::displacement || quantity == Quantity::pressure ||
+                         quantity == Quantity::acceleration;
+  return plausible ? std::move(small) : std::move(readings);
+}
+
 }  // namespace
 
 std::string_view name(Quantity quantity) {
@@ -360,8 +426,8 @@ std::optional<Quantity> quantity_named(std::string_view name) {
 
 std::optional<UnitConversion> conversion(std::string_view from, std::string_view to) {
   const std::lock_guard lock(library_mutex());
-  const Readings source = readings_of(from);
-  const Readings target = readings_of(to);
+  const Readings source = understood_readings(from);
+  const Readings target = understood_readings(to);
   for (const ut_unit* target_unit : target.both())
     for (const ut_unit* source_unit : source.both())
       if (const auto result = conversion_of(source_unit, target_unit)) return result;
@@ -370,14 +436,8 @@ std::optional<UnitConversion> conversion(std::string_view from, std::string_view
 
 Quantity quantity_of_unit(std::string_view unit) {
   const std::lock_guard lock(library_mutex());
-  const Readings readings = readings_of(unit);
-  if (!readings.plain && !readings.weight) return Quantity::unknown;
   if (is_strain(unit)) return Quantity::strain;
-  if (readings.weight) {
-    const Quantity quantity = quantity_of(readings.weight.get());
-    if (quantity != Quantity::other || !readings.plain) return quantity;
-  }
-  return quantity_of(readings.plain.get());
+  return quantity_of(understood_readings(unit));
 }
 
 }  // namespace impactrig::datasets

@@ -33,9 +33,16 @@ bool same_times(const OutgoingChannel& a, const OutgoingChannel& b) {
   return same;
 }
 
-/// A table has one time column: every channel must fit it.
+/// The channel whose times are the table's: the first that has samples.
+const OutgoingChannel& clock_of(const OutgoingRecording& recording) {
+  const auto found = std::ranges::find_if(
+      recording.channels, [](const OutgoingChannel& channel) { return channel.size > 0; });
+  return found == recording.channels.end() ? recording.channels.front() : *found;
+}
+
+/// A table has one time column: every channel with samples must fit it.
 void check_channels(const OutgoingRecording& recording, const std::string& path) {
-  const OutgoingChannel& first = recording.channels.front();
+  const OutgoingChannel& first = clock_of(recording);
   for (const OutgoingChannel& outgoing : recording.channels) {
     const Channel& channel = *outgoing.head;
     const auto domain = channel.attributes.find("domain");
@@ -50,6 +57,7 @@ void check_channels(const OutgoingRecording& recording, const std::string& path)
           fmt::format(
               "'{}' is complex, which a CSV file here does not hold: write a .uff or .h5 file",
               channel.name));
+    if (outgoing.size == 0) continue;
     if (outgoing.size != first.size || channel.clock.start != first.head->clock.start ||
         channel.clock.interval != first.head->clock.interval || !same_times(outgoing, first))
       throw FileError(
@@ -120,8 +128,9 @@ void print_marks(OutputFile& out, const OutgoingRecording& recording, std::size_
   }
 }
 
+/// Cells of channels without samples are empty.
 void print_rows(OutputFile& out, const OutgoingRecording& recording, bool with_time) {
-  const OutgoingChannel& clock = recording.channels.front();
+  const OutgoingChannel& clock = clock_of(recording);
   // all channels at a time: fewer rows of more channels
   const std::size_t rows_at_once =
       std::max<std::size_t>(samples_at_once * 64 / recording.channels.size(), 64);
@@ -130,12 +139,15 @@ void print_rows(OutputFile& out, const OutgoingRecording& recording, bool with_t
     const auto rows =
         static_cast<std::size_t>(std::min<std::uint64_t>(rows_at_once, clock.size - first));
     for (std::size_t c = 0; c < parts.size(); ++c)
-      parts[c] = recording.channels[c].part(first, rows);
-    const std::vector<double> times = times_of(clock, parts.front(), first);
+      if (recording.channels[c].size > 0) parts[c] = recording.channels[c].part(first, rows);
+    const auto timed = static_cast<std::size_t>(&clock - recording.channels.data());
+    const std::vector<double> times = times_of(clock, parts[timed], first);
     for (std::size_t i = 0; i < rows; ++i) {
       if (with_time) out.print("{},", times[i]);
-      for (std::size_t c = 0; c < parts.size(); ++c)
-        out.print("{}{}", parts[c].value(i), c + 1 < parts.size() ? ',' : '\n');
+      for (std::size_t c = 0; c < parts.size(); ++c) {
+        if (recording.channels[c].size > 0) out.print("{}", parts[c].value(i));
+        out.print("{}", c + 1 < parts.size() ? ',' : '\n');
+      }
     }
   }
 }
@@ -146,13 +158,15 @@ std::vector<std::string> write_csv(const OutgoingRecording& recording, const std
   const Record& record = recording.record;
   if (record.channels.empty()) throw FileError(path, "the recording has no channels to write");
   check_channels(recording, path);
-  const OutgoingChannel& first = recording.channels.front();
-  const bool with_time = !first.uniform || first.head->clock.interval > 0.0;
+  const OutgoingChannel& first = clock_of(recording);
+  const datasets::SampleClock& clock = first.head->clock;
+  const bool one_sample = first.size == 1 && clock.start != 0.0;  // no interval, but a time
+  const bool with_time = !first.uniform || clock.interval > 0.0 || one_sample;
 
   OutputFile out(path);
   // comments only for what the table itself would not give back
   if (with_time && first.uniform && table_changes_interval(first))
-    out.print("# sample interval: {} s\n", first.head->clock.interval);
+    out.print("# sample interval: {} s\n", clock.interval);
   const std::string_view times = !with_time                     ? no_time_column
                                  : any_looks_like_times(record) ? only_first_is_time
                                                                 : std::string_view();

@@ -8,6 +8,8 @@
 #include <cctype>
 #include <cmath>
 
+#include "acquisition/importers/column_keys.hpp"
+#include "acquisition/importers/date_time.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
@@ -102,6 +104,10 @@ Cells head_cells(std::string_view line, const TableLayout& layout) {
   };
   const bool blank = layout.dialect.delimiter == ' ';
   Cells own = blank ? Cells{} : divided(layout.dialect.delimiter);
+  // a semicolon may begin a remark where it divides cells too: it is no cell before the first then
+  if (layout.dialect.delimiter == ';' && own.size() == layout.cells + 1 && own.front().empty() &&
+      layout.written_cells == layout.cells)
+    own.erase(own.begin());
   if (!blank && own.size() >= layout.cells) return own;
   const auto fits = [&layout](const Cells& cells) {
     return cells.size() <= layout.cells && cells.size() + layout.cells_beside() >= layout.cells &&
@@ -156,11 +162,27 @@ bool is_index_word(std::string_view text) {
   return std::find(words.begin(), words.end(), lowered(text)) != words.end();
 }
 
+/// Letters that name a column rather than a farad, an are or the atomic mass unit; t first is no
+/// tonne.
+bool is_letter_of_a_name(std::string_view cell, bool first) {
+  return cell.size() == 1 &&
+         std::string_view(first ? "tFau" : "Fau").find(cell.front()) != cell.npos;
+}
+
+/// "F1 (N)": a name with its unit, though UDUNITS-2 would multiply them. "kg (kilo-g)" is none.
+bool is_name_with_unit(std::string_view cell) {
+  const std::string unit = cell.ends_with(')') ? split_head(cell).unit : std::string();
+  return !unit.empty() &&
+         datasets::quantity_of_unit(to_utf8(cell)) != datasets::quantity_of_unit(unit);
+}
+
 bool is_unit_row(const Cells& cells) {
   bool any = false;
-  for (const std::string_view cell : cells) {
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const std::string_view cell = cells[c];
     if (cell.empty() || is_index_word(cell)) continue;
-    if (!bracketed(cell) && !is_unit(cell)) return false;
+    const bool is_name = is_letter_of_a_name(cell, c == 0) || is_name_with_unit(cell);
+    if (!bracketed(cell) && (is_name || !is_unit(cell))) return false;
     any = true;
   }
   return any;
@@ -197,8 +219,10 @@ void add_attribute(std::string_view line, const TableLayout& layout, bool keys, 
     rest += to_utf8(text);
     return;
   }
-  key = to_utf8(trimmed(text.substr(0, divider)));
+  key = to_utf8(without_quotes(trimmed(text.substr(0, divider))));
   std::string_view rest = trimmed(text.substr(divider + 1));
+  if (divider == colon)  // "XInc:,5e-7" above one column
+    rest.remove_prefix(std::min(rest.find_first_not_of(",;\t "), rest.size()));
   while (!rest.empty() && rest.back() == layout.dialect.delimiter) rest.remove_suffix(1);
   while (!key.empty() && (key.back() == ':' || key.back() == '=')) key.pop_back();
   value = to_utf8(trimmed(rest));
@@ -255,21 +279,127 @@ bool has_numbers_alone(std::string_view line) {
   return std::ranges::any_of(line, is_digit) && std::ranges::none_of(line, may_be_word);
 }
 
+/// "-----  -----" and "|---|---|".
+bool is_rule(std::string_view line) {
+  return line.find("--") != line.npos && line.find_first_not_of("-=+|:#% \t\r") == line.npos;
+}
+
 /// A unit of time under a name of times: what is under the other names are units too, understood or
 /// not ("Voltage (unscaled)").
 bool has_time_over_its_unit(const Cells& names, const Cells& units) {
+  // "Zeit  1 - Standardmessrate"
+  const auto is_time = [](std::string_view name) {
+    return is_time_name(name) || is_time_name(name.substr(0, name.find("  ")));
+  };
   for (std::size_t c = 0; c < std::min(names.size(), units.size()); ++c)
-    if (is_time_name(names[c]) && !is_time_name(units[c]) &&
+    if (is_time(names[c]) && !is_time_name(units[c]) &&
         datasets::quantity_of_unit(to_utf8(bracketed(units[c]).value_or(units[c]))) ==
             Quantity::time)
       return true;
   return false;
 }
 
+/// "force [N]" of "# 2: force [N]" and "Column 2 = force [N]", the name of column 2 where columns
+/// count from `first`.
+std::optional<std::string_view> listed_name(std::string_view line, std::size_t column, long first) {
+  std::string_view text = trimmed(without_comment_sign(line));
+  const std::string words = lowered(text.substr(0, 7));
+  for (const std::string_view word : {"column", "spalte", "col"})
+    if (words.starts_with(word)) {
+      text = trimmed(text.substr(word.size()));
+      break;
+    }
+  const std::size_t end = std::min(text.find_first_not_of("0123456789"), text.size());
+  if (integer_in(text.substr(0, end)) != first + static_cast<long>(column)) return std::nullopt;
+  text = trimmed(text.substr(end));
+  if (text.size() < 2 || std::string_view(":=.)-").find(text.front()) == text.npos)
+    return std::nullopt;
+  return trimmed(text.substr(1));
+}
+
+/// Names in the last lines above the rows, one a line in the order of the columns: "# 1: time [ms]"
+/// over "# 2: force [N]". None where they are not listed so.
+Cells listed_names(const TableLayout& layout, const std::vector<std::size_t>& filled) {
+  if (layout.cells < 2 || filled.size() < layout.cells) return {};
+  for (const long first : {1L, 0L}) {
+    Cells names;
+    for (std::size_t c = 0; c < layout.cells; ++c) {
+      const std::size_t line = filled[filled.size() - layout.cells + c];
+      const auto name = listed_name(layout.head[line], c, first);
+      if (!name) break;
+      names.push_back(*name);
+    }
+    if (names.size() == layout.cells) return names;
+  }
+  return {};
+}
+
+/// "Time,10:11:12,10:11:12": when each channel began.
+bool are_dates_of_a_key(const Cells& cells) {
+  return cells.size() > 1 && std::all_of(cells.begin() + 1, cells.end(),
+                                         [](auto cell) { return date_time_in(cell).has_value(); });
+}
+
+/// "Unit:,N,g"
+bool are_units_of_a_key(const Cells& cells) {
+  std::string key = lowered(cells.front());
+  if (key.ends_with(':')) key.pop_back();
+  return cells.size() > 1 && (key == "unit" || key == "units");
+}
+
+/// Names and units of a Campbell Scientific TOA5 file, which have a line of the kind of their
+/// values below; False for other files.
+bool take_toa5(const TableLayout& layout, const std::vector<std::size_t>& filled, Cells& names,
+               Cells& units, TableHead& head) {
+  if (filled.size() < 4 || layout.dialect.delimiter != ',' ||
+      cells_of(layout.head[filled[0]], ',').front() != "TOA5")
+    return false;
+  names = head_cells(layout.head[filled[1]], layout);
+  units = head_cells(layout.head[filled[2]], layout);
+  for (std::string_view& unit : units)
+    if (unit == "TS" || unit == "RN") unit = {};  // time stamp, record number
+  head.names_line = static_cast<int>(filled[1]) + 1;
+  head.units_line = static_cast<int>(filled[2]) + 1;
+  return true;
+}
+
+/// Numbers of columns (positions, angles) beside the name of a time: "Time [ms],1,2,3".
+bool may_name_by_number(const Cells& names, const TableLayout& layout) {
+  if (names.size() < layout.cells || names.empty()) return false;
+  const ColumnHead time = split_head(names.front());
+  const bool has_unit = datasets::quantity_of_unit(time.unit) == Quantity::time;
+  if (!is_time_name(time.name) || (!has_unit && (!time.unit.empty() || names.size() < 3)))
+    return false;
+  return std::all_of(names.begin() + 1, names.end(), [&layout](std::string_view name) {
+    return integer_in(name) || !number_in(name, {layout.dialect.decimal, false});
+  });
+}
+
+/// Names over units with a time among them, above further lines of each channel (sensors, serial
+/// numbers): which of the filled lines holds the units; none where there are no such.
+std::optional<std::size_t> find_units_of_time(const TableLayout& layout,
+                                              const std::vector<std::size_t>& filled) {
+  for (std::size_t i = filled.size(); i-- > 1;) {
+    const Cells units = head_cells(layout.head[filled[i]], layout);
+    const Cells names = head_cells(layout.head[filled[i - 1]], layout);
+    if (units.size() >= layout.cells && names.size() >= layout.cells &&
+        !has_number(names, layout.dialect.decimal) && !has_number(units, layout.dialect.decimal) &&
+        has_time_over_its_unit(names, units))
+      return i;
+  }
+  return std::nullopt;
+}
+
 /// The last two filled lines above the rows, as names and units or as names alone. Lines of numbers
 /// below them are passed over (offsets of the channels).
 void find_names_and_units(const TableLayout& layout, std::vector<std::size_t> filled, Cells& names,
                           Cells& units, TableHead& head) {
+  if (layout.key_cells > 0 || take_toa5(layout, filled, names, units, head)) return;
+  if (names = listed_names(layout, filled); !names.empty()) {
+    head.names_line = static_cast<int>(filled.back()) + 1;
+    return;
+  }
+  if (const auto at = find_units_of_time(layout, filled)) filled.resize(*at + 1);
   while (filled.size() > 1 && has_numbers_alone(layout.head[filled.back()])) filled.pop_back();
   if (filled.empty()) return;
   const char decimal = layout.dialect.decimal;
@@ -280,7 +410,8 @@ void find_names_and_units(const TableLayout& layout, std::vector<std::size_t> fi
     names = head_cells(layout.head[above], layout);
     units = bottom;
     if (names.size() >= layout.cells &&
-        (!has_number(names, decimal) || (are_numbered_channels(names) && is_unit_row(bottom)))) {
+        (!has_number(names, decimal) || may_name_by_number(names, layout) ||
+         (are_numbered_channels(names) && is_unit_row(bottom)))) {
       take_start_and_increment(names, units, decimal, head);
       const bool as_wide = bottom.size() >= layout.cells || head.start || head.increment;
       if (as_wide &&
@@ -306,9 +437,18 @@ void find_names_and_units(const TableLayout& layout, std::vector<std::size_t> fi
     tell_of_misfit(layout, filled.back(), head);
   // a shorter line is taken for names only when it cannot be a title or a key with its value
   const bool all_named = bottom.size() >= layout.cells || (bottom.size() > 1 && layout.cells > 2);
-  if (bottom.empty() || !all_named || has_number(bottom, decimal)) return;
+  if (bottom.empty() || !all_named) return;
+  if (has_number(bottom, decimal) && !may_name_by_number(bottom, layout)) return;
+  if (are_dates_of_a_key(bottom) || are_units_of_a_key(bottom)) return;
   names = bottom;
   head.names_line = bottom_line;
+  if (filled.size() < 2) return;
+  const std::size_t above = filled[filled.size() - 2];
+  const Cells over = head_cells(layout.head[above], layout);  // "s,N" above "time,force"
+  if (over.size() < layout.cells || !is_unit_row(over) || !has_time_over_its_unit(names, over))
+    return;
+  units = over;
+  head.units_line = static_cast<int>(above) + 1;
 }
 
 /// "1", "2", ... or "0", "1", ...: the first cells of the first rows.
@@ -416,117 +556,11 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
     return divided(slash, slash + 1);
   const std::size_t line = text.rfind('_');
   if (line == std::string_view::npos) return std::nullopt;
-  constexpr std::array<std::string_view, 5> times = {"time", "t", "timestamp", "zeit",
-                                                     "elapsed_time"};
+  constexpr std::array<std::string_view, 6> times = {"time", "t",       "timestamp",
+                                                     "zeit", "elapsed", "elapsed_time"};
   const bool is_time = std::ranges::find(times, lowered(text.substr(0, line))) != times.end() &&
                        datasets::quantity_of_unit(to_utf8(text.substr(line + 1))) == Quantity::time;
   return is_time ? std::optional(divided(line, line + 1)) : std::nullopt;
-}
-
-/// A number and the unit behind it. The decimal mark is the table's, or the other one where only
-/// that makes sense and cells do not end with it, or quotes hold it.
-struct StatedValue {
-  double value = 0.0;
-  std::string_view unit;
-};
-
-std::optional<StatedValue> stated_value(std::string_view text, Dialect dialect) {
-  const char other = dialect.decimal == ',' ? '.' : ',';
-  const bool quoted = text.size() > 1 && text.starts_with('"') && text.ends_with('"');
-  if (quoted) text = trimmed(text.substr(1, text.size() - 2));
-  for (const char decimal : {dialect.decimal, other}) {
-    if (decimal == dialect.delimiter && !quoted) continue;
-    StatedValue stated;
-    const char* const last = text.data() + text.size();
-    const char* const end = scan_number(text.data(), last, {decimal, false}, stated.value);
-    if (end == text.data() || (end != last && (*end == '.' || *end == ','))) continue;
-    stated.unit = trimmed(std::string_view(end, static_cast<std::size_t>(last - end)));
-    return stated;
-  }
-  return std::nullopt;
-}
-
-/// "51.200" where commas are decimal marks: 51200 or 51.2.
-bool is_ambiguous(std::string_view text, Dialect dialect) {
-  const bool quoted = text.starts_with('"');
-  text.remove_prefix(quoted ? 1 : 0);
-  const std::string_view number = text.substr(0, text.find_first_of(" \""));
-  const bool other_mark = (dialect.decimal == ',' && number.find('.') != number.npos) ||
-                          (quoted && dialect.decimal == '.' && number.find(',') != number.npos);
-  return other_mark && has_thousands_separators(number);
-}
-
-/// Takes the sample interval that is stated by a key such as "Sample Interval" or "Sampling rate
-/// [kHz]".
-void find_interval(Dialect dialect, TableHead& head) {
-  constexpr std::array<std::string_view, 6> intervals = {
-      "sample interval", "sampling interval", "sample period", "sampling period", "delta t", "dt"};
-  constexpr std::array<std::string_view, 6> rates = {
-      "sample rate", "sampling rate", "samplerate", "sample frequency", "sampling frequency", "fs"};
-  std::string stated_by;
-  for (const auto& [key, text] : head.attributes) {
-    const ColumnHead says = split_head(key);
-    std::string word = lowered(says.name);
-    std::replace(word.begin(), word.end(), '_', ' ');
-    const bool is_interval = std::find(intervals.begin(), intervals.end(), word) != intervals.end();
-    const bool is_rate = std::find(rates.begin(), rates.end(), word) != rates.end();
-    if (!is_interval && !is_rate) continue;
-    if (is_ambiguous(text, dialect)) {
-      head.warnings.push_back(
-          fmt::format("the header states '{}' as '{}', whose point may be a decimal mark or divide "
-                      "thousands: it is not used (--sample-rate states it)",
-                      key, text));
-      continue;
-    }
-    const auto stated = stated_value(without_channel(text), dialect);
-    const std::string_view si = is_interval ? "s" : "Hz";
-    std::string unit = !stated || stated->unit.empty() ? says.unit : std::string(stated->unit);
-    if (unit.empty()) unit = si;
-    const auto conversion = datasets::conversion(unit, si);
-    if (!stated || !(stated->value > 0.0) || !conversion) {
-      head.warnings.push_back(
-          fmt::format("the header states '{}' as '{}', which is not understood: it is not used "
-                      "(--sample-rate states it)",
-                      key, text));
-      continue;
-    }
-    const double converted = conversion->factor * stated->value + conversion->offset;
-    const double seconds = is_interval ? converted : 1.0 / converted;
-    if (!head.interval) {
-      head.interval = seconds;
-      stated_by = key;
-    } else if (std::abs(seconds - *head.interval) > 1e-3 * *head.interval) {
-      head.warnings.push_back(
-          fmt::format("the header states a sample interval of {:.9g} s by '{}' and one of {:.9g} s "
-                      "by '{}': the first is used",
-                      *head.interval, stated_by, seconds, key));
-    }
-  }
-}
-
-/// Name, unit and start of the one column under lines "Key :value".
-void take_column_of_keys(Dialect dialect, TableHead& head) {
-  ColumnHead column;
-  for (const auto& [key, value] : head.attributes) {
-    if (value == "NOVALUE") continue;  // of ISO 13499
-    const std::string word = lowered(key);
-    if (word == "name of the channel" || word == "channel name") column.name = value;
-    if (word == "unit") column.unit = value;
-    if (word != "time of first sample") continue;
-    const auto stated = stated_value(value, dialect);
-    const auto seconds =
-        datasets::conversion(stated && !stated->unit.empty() ? to_utf8(stated->unit) : "s", "s");
-    if (stated && seconds && !is_ambiguous(value, dialect))
-      head.start = seconds->factor * stated->value;
-    else
-      head.warnings.push_back(fmt::format(
-          "the header states '{}' as '{}', which is not understood: it is not used", key, value));
-  }
-  if (column.name.empty()) {
-    const auto code = head.attributes.find("Channel code");
-    if (code != head.attributes.end() && code->second != "NOVALUE") column.name = code->second;
-  }
-  head.columns = {column};
 }
 
 /// What stood within quotes, as RFC 4180 has it: doubled quotes stand for one; breaks become
@@ -582,9 +616,13 @@ ColumnHead split_head(std::string_view cell) {
     const std::size_t open = text.rfind(close == ']' ? '[' : '(');
     if (open != std::string_view::npos && open > 0) {
       const std::string_view unit = trimmed(text.substr(open + 1, text.size() - open - 2));
-      if (close == ']' || is_unit(unit)) {
+      const auto index = close == ']' ? integer_in(unit) : std::nullopt;  // "Y[0]"; "strain [1]"
+      const bool counts = index && (index != 1 || text[open - 1] != ' ');
+      if (close == ']' ? !counts : is_unit(unit)) {
         head.name = to_utf8(trimmed(text.substr(0, open)));
         head.unit = to_utf8(unit);
+        constexpr std::string_view no_break = "\u00A0";
+        if (head.name.ends_with(no_break)) head.name.resize(head.name.size() - no_break.size());
       }
     }
     return head;
@@ -602,11 +640,12 @@ TableHead read_head(const TableLayout& layout, std::string_view text) {
   TableHead head;
   std::vector<std::size_t> filled;  // head lines with text
   for (std::size_t i = 0; i < layout.head.size(); ++i)
-    if (!trimmed(layout.head[i]).empty()) filled.push_back(i);
+    if (!trimmed(layout.head[i]).empty() && !is_rule(layout.head[i])) filled.push_back(i);
   Cells names;
   Cells units;
   const bool keys = are_keys(layout, filled);
   if (!keys) find_names_and_units(layout, filled, names, units, head);
+  if (names.size() > layout.cells) take_keys_among_names(names, head);
   spread_names(layout, names);
   compare_names_with_columns(layout, text, names, head);
   if (layout.column_numbers)
@@ -622,6 +661,7 @@ TableHead read_head(const TableLayout& layout, std::string_view text) {
       add_attribute(layout.head[i], layout, keys, head);
   }
   if (keys) take_column_of_keys(layout.dialect, head);
+  take_names_of_keys(layout, head);
   find_interval(layout.dialect, head);
   return head;
 }

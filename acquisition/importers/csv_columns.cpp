@@ -10,6 +10,7 @@
 #include <limits>
 #include <span>
 
+#include "acquisition/importers/column_keys.hpp"
 #include "acquisition/importers/stated_units.hpp"
 #include "datasets/units.hpp"
 
@@ -35,10 +36,17 @@ bool is_time_unit(const std::string& unit) {
   return !unit.empty() && datasets::quantity_of_unit(unit) == Quantity::time;
 }
 
-/// "ms" where a name should be.
-bool is_unit_of_time_alone(std::string_view name) {
+/// "s" of "S", which is a siemens elsewhere, and "us" of "uS".
+std::string unit_of_times(std::string_view unit) {
+  std::string small = lowered(unit);
+  return is_time_unit(std::string(unit)) || !is_time_unit(small) ? std::string(unit) : small;
+}
+
+/// "ms" where a name should be, or one of Arduino's clocks; "" for other names.
+std::string_view unit_of_time_alone(std::string_view name) {
   constexpr std::array<std::string_view, 7> units = {"s", "sec", "ms", "msec", "us", "µs", "ns"};
-  return std::ranges::find(units, name) != units.end();
+  if (std::ranges::find(units, name) != units.end()) return name;
+  return name == "millis" ? "ms" : name == "micros" ? "us" : "";
 }
 
 bool holds_numbers(const TableLayout& layout, std::size_t column) {
@@ -49,6 +57,7 @@ bool holds_numbers(const TableLayout& layout, std::size_t column) {
 bool may_be_time(const ColumnHead& head) {
   if (!head.unit.empty()) return false;
   const std::string name = lowered(head.name);
+  if (name.starts_with("time - ")) return true;  // "Time - Voltage", of SignalExpress
   for (const std::string_view word :
        {"displacement", "distance", "position", "deflection", "force", "load", "velocity", "speed",
         "acc", "volt", "strain", "angle", "freq", "pressure"})
@@ -253,8 +262,7 @@ std::vector<ColumnHead> complete_heads(const TextFile& file, const TableHead& he
   check_stated_units(options.units, heads.size(), "columns", file.path());
   for (std::size_t c = 0; c < heads.size(); ++c) {
     if (c < options.units.size() && !options.units[c].empty()) heads[c].unit = options.units[c];
-    if (heads[c].unit.empty() && is_unit_of_time_alone(heads[c].name))
-      heads[c].unit = heads[c].name;
+    if (heads[c].unit.empty()) heads[c].unit = unit_of_time_alone(heads[c].name);
     if (heads[c].name.empty()) heads[c].name = fmt::format("column {}", c);
   }
   return heads;
@@ -407,16 +415,22 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
 
 void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delimiter,
                         std::vector<ColumnHead>& heads) {
+  std::size_t channels = 0;
+  for (std::size_t c = 0; c < heads.size(); ++c) channels += roles.is_channel(c) ? 1 : 0;
   for (const auto& [key, value] : head.attributes) {
     const std::string word = lowered(key);
-    const bool vertical = word == "vertical units" || word == "vertical unit" ||
-                          word == "y units" || word == "y unit";
-    const bool horizontal = word == "horizontal units" || word == "horizontal unit" ||
-                            word == "x units" || word == "x unit";
+    constexpr std::array<std::string_view, 7> vertical_words = {
+        "vertical units", "vertical unit", "y units", "y unit", "yunits", "vunit", "unitname"};
+    constexpr std::array<std::string_view, 6> horizontal_words = {
+        "horizontal units", "horizontal unit", "x units", "x unit", "xunits", "hunit"};
+    const bool vertical = std::ranges::find(vertical_words, word) != vertical_words.end();
+    const bool horizontal = std::ranges::find(horizontal_words, word) != horizontal_words.end();
+    auto units = values_of_key(value, delimiter);
+    if (units.empty() || (delimiter == '\t' && units.size() != channels)) units = {value};
+    const bool one_each = (word == "unit" || word == "units") && units.size() == channels;
     if (horizontal && roles.time && heads[*roles.time].unit.empty())
-      heads[*roles.time].unit = without_channel(value);
-    if (!vertical) continue;
-    const auto units = cells_of(value, delimiter);
+      heads[*roles.time].unit = unit_of_times(without_channel(units.front()));
+    if (!vertical && !one_each) continue;
     std::size_t channel = 0;
     for (std::size_t c = 0; c < heads.size(); ++c) {
       if (!roles.is_channel(c)) continue;

@@ -48,11 +48,18 @@ class ClockSetter {
   /// What attributes of a data set, or of a group around it, say of its clock.
   bool by_attributes(std::string_view name, const Hdf5Attributes& attributes,
                      datasets::SampleClock& clock) {
-    constexpr std::array<std::string_view, 6> intervals = {
-        "dt", "wf_increment", "sample_interval", "sampling_interval", "delta_t", "sampleinterval"};
-    constexpr std::array<std::string_view, 7> rates = {
-        "fs",           "sample_rate",        "sampling_rate",   "samplerate",
-        "samplingrate", "sampling_frequency", "sample_frequency"};
+    constexpr std::array<std::string_view, 7> intervals = {
+        "dt",      "wf_increment",   "sample_interval", "sampling_interval",
+        "delta_t", "sampleinterval", "samplinginterval"};
+    constexpr std::array<std::string_view, 9> rates = {"fs",
+                                                       "sample_rate",
+                                                       "sampling_rate",
+                                                       "samplerate",
+                                                       "samplingrate",
+                                                       "samplingfrequency",
+                                                       "samplefrequency",
+                                                       "sampling_frequency",
+                                                       "sample_frequency"};
     constexpr std::array<std::string_view, 4> starts = {"wf_start_offset", "t0", "start_time",
                                                         "start"};
     const double interval = quantity_of(attributes, intervals, "s").value_or(0.0);

@@ -6,6 +6,7 @@
 
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/mat5.hpp"
+#include "acquisition/importers/mat_programs.hpp"
 #include "acquisition/importers/mat_recording.hpp"
 #include "acquisition/importers/named_arrays.hpp"
 #include "acquisition/importers/stated_units.hpp"
@@ -120,12 +121,16 @@ class MatRecord {
         for (double& time : times) time *= seconds;
       };
     }
+    const bool stated = options.time_column && *options.time_column != "none";
+    for (std::size_t i = 0; i < stored_.size() && !stated; ++i)
+      if (found.clocks[i].interval == 0.0 && arrays[i].samples > 1)
+        take_clock_of_program(contents_, record_.channels[i], record_);
     for (std::string& warning : found.warnings) record_.warnings.push_back(std::move(warning));
     if (found.time_column.empty()) return;
     record_.attributes["time column"] = found.time_column;
     const auto unit = contents_.texts.find("horizontalUnits");
-    const bool stated = unit != contents_.texts.end() && unit->second == "s";
-    if (!stated && !found.without_unit.empty())
+    const bool in_seconds = unit != contents_.texts.end() && unit->second == "s";
+    if (!in_seconds && !found.without_unit.empty())
       record_.warnings.push_back(
           fmt::format("the time is taken as s, since no unit is stated: {}", found.without_unit));
   }

@@ -45,19 +45,31 @@ std::string_view group_of(std::string_view name) {
   return end == std::string_view::npos ? std::string_view{} : name.substr(0, end);
 }
 
-/// "time" and "us" of "run.time_us".
+template <std::size_t N>
+bool among(const std::array<std::string_view, N>& words, const std::string& name) {
+  return std::ranges::find(words, name) != words.end();
+}
+
+/// "time" and "us" of "run.time_us", "dt" and "ms" of "dt_ms", "fs" and "Hz" of "fs_Hz".
 ColumnHead last_head(std::string_view name) {
+  using datasets::Quantity;
   const std::size_t end = name.find_last_of("./");
-  return split_head(end == std::string_view::npos ? name : name.substr(end + 1));
+  ColumnHead head = split_head(end == std::string_view::npos ? name : name.substr(end + 1));
+  const std::size_t line = head.name.rfind('_');
+  if (!head.unit.empty() || line == std::string::npos) return head;
+  const std::string word = lowered(head.name.substr(0, line));
+  const std::string unit = head.name.substr(line + 1);
+  const Quantity quantity = datasets::quantity_of_unit(unit);
+  if ((quantity == Quantity::time && among(interval_words, word)) ||
+      (quantity == Quantity::frequency && among(rate_words, word))) {
+    head.name.resize(line);
+    head.unit = unit;
+  }
+  return head;
 }
 
 std::string last_word(std::string_view name) {
   return lowered(last_head(name).name);
-}
-
-template <std::size_t N>
-bool among(const std::array<std::string_view, N>& words, const std::string& name) {
-  return std::ranges::find(words, name) != words.end();
 }
 
 /// What there is to know of times before they are judged.

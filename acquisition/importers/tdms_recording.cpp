@@ -6,12 +6,17 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "acquisition/importers/byte_cursor.hpp"
+#include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/tdms_clock.hpp"
@@ -304,7 +309,8 @@ class Recording {
     if (different) warn("channels start at different times: time 0 is the start of the earliest");
   }
 
-  /// Times from a channel: the one the user states, else the only one of time stamps in a group.
+  /// Times from a channel: the one the user states, else the only one of time stamps in a group,
+  /// or the only one that its name and unit call a time.
   void set_clocks_by_channels() {
     if (options_.time_column == "none") return;
     if (options_.time_column) {
@@ -333,6 +339,41 @@ class Recording {
         for (const std::size_t i : found) take_times(i, {i}, false);
       }
     }
+    for (const auto& [group, members] : groups) {
+      std::vector<std::size_t> named;
+      std::ranges::copy_if(members, std::back_inserter(named),
+                           [this](std::size_t i) { return is_named_time(i); });
+      if (named.size() == 1 && is_needed(named.front(), members) && increases(named.front()))
+        take_times(named.front(), members, false);
+    }
+  }
+
+  bool is_named_time(std::size_t i) const {
+    const Channel& channel = record_.channels[i];
+    return is_time_name(channel.name) && channel.clock.interval == 0.0 &&
+           (channel.unit.empty() || channel.quantity == Quantity::time);
+  }
+
+  /// True where another channel has as many values and no clock.
+  bool is_needed(std::size_t t, const std::vector<std::size_t>& channels) const {
+    return std::ranges::any_of(channels, [&](std::size_t i) {
+      return i != t && record_.channels[i].clock.interval == 0.0 &&
+             !record_.channels[i].attributes.contains("domain") &&
+             stored_[i].samples.size() == stored_[t].samples.size();
+    });
+  }
+
+  bool increases(std::size_t t) const {
+    if (stored_[t].imaginary.size() > 0 || stored_[t].joining) return false;
+    double last = -std::numeric_limits<double>::infinity();
+    bool rises = true;
+    std::vector<double> times;
+    each_number(*file_, stored_[t].samples, [&](std::span<const double> numbers) {
+      times.assign(numbers.begin(), numbers.end());
+      if (stored_[t].scaling) stored_[t].scaling(times);
+      for (const double time : times) rises = time > std::exchange(last, time) && rises;
+    });
+    return rises && stored_[t].samples.size() > 1;
   }
 
   bool is_time_stamps(std::size_t i) const {
@@ -378,10 +419,10 @@ class Recording {
     }
     if (!warning.empty()) warn(fmt::format("times from '{}': {}", times.name, warning));
     if (used && !all)
-      warn(
-          fmt::format("channels of '{}' state no sample interval: their times are the time stamps "
-                      "in '{}' (--time-column none leaves them out)",
-                      channels_[t].object->group, times.name));
+      warn(fmt::format(
+          "channels of '{}' state no sample interval: their times are the {} "
+          "in '{}' (--time-column none leaves them out)",
+          channels_[t].object->group, is_time_stamps(t) ? "time stamps" : "numbers", times.name));
     if (!used && all)
       warn(
           fmt::format("no other channel of its group has as many values as '{}': it gives no times",

@@ -12,14 +12,6 @@ namespace {
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
-std::string_view without_quotes(std::string_view cell) {
-  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') {
-    cell.remove_prefix(1);
-    cell.remove_suffix(1);
-  }
-  return trimmed(cell);
-}
-
 bool same_word(std::string_view cell, std::string_view lower) {
   return std::equal(cell.begin(), cell.end(), lower.begin(), lower.end(), [](char a, char b) {
     return std::tolower(static_cast<unsigned char>(a)) == static_cast<unsigned char>(b);
@@ -37,6 +29,15 @@ bool is_missing(std::string_view cell) {
   return false;
 }
 
+/// "+  25.0", as loggers write numbers of a fixed width.
+std::optional<double> signed_before_blanks(std::string_view cell, char decimal) {
+  if (cell.size() < 3 || (cell[0] != '+' && cell[0] != '-') || cell[1] != ' ') return std::nullopt;
+  const std::string_view digits = trimmed(cell.substr(1));
+  if (digits.front() == '+' || digits.front() == '-') return std::nullopt;
+  const auto value = number_in(digits, {decimal, false});
+  return value && cell[0] == '-' ? std::optional(-*value) : value;
+}
+
 /// "inf" in its spellings.
 std::optional<double> infinity_in(std::string_view cell) {
   const bool negative = !cell.empty() && cell.front() == '-';
@@ -49,6 +50,14 @@ std::optional<double> infinity_in(std::string_view cell) {
 }
 
 }  // namespace
+
+std::string_view without_quotes(std::string_view cell) {
+  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') {
+    cell.remove_prefix(1);
+    cell.remove_suffix(1);
+  }
+  return trimmed(cell);
+}
 
 bool marks_missing(std::string_view cell) {
   std::string_view text = without_quotes(cell);
@@ -98,6 +107,7 @@ std::optional<double> cell_value(std::string_view cell, char decimal) {
   const std::string_view text = without_quotes(cell);
   if (is_missing(text)) return nothing;
   if (const auto value = number_in(text, {decimal, false})) return value;
+  if (const auto value = signed_before_blanks(text, decimal)) return value;
   constexpr std::string_view minus = "\u2212";  // as typography has it
   if (!text.starts_with(minus)) return infinity_in(text);
   const std::string usual = "-" + std::string(text.substr(minus.size()));

@@ -78,10 +78,15 @@ bool begins_as_number(std::string_view cell) {
   return !cell.empty() && std::string_view("0123456789+-.").find(cell.front()) != cell.npos;
 }
 
+bool has_digit(std::string_view cell) {
+  return cell.find_first_of("0123456789") != cell.npos;
+}
+
 /// True for cells that look like values and are none: "0.5 s,12 N", "12:00:00:95,9025". A date
-/// above rows without dates is a fact of the head.
+/// above rows without dates is a fact of the head, and a rule ("-----  -----") is none at all.
 bool are_spoilt_values(const std::vector<std::string_view>& cells, const TableLayout& layout) {
-  return cells.size() == layout.written_cells && std::ranges::all_of(cells, begins_as_number) &&
+  return std::ranges::any_of(cells, has_digit) && cells.size() == layout.written_cells &&
+         std::ranges::all_of(cells, begins_as_number) &&
          (layout.dialect.dates || !std::ranges::all_of(cells, is_part_of_date));
 }
 
@@ -174,24 +179,51 @@ void refuse_mixed_line_ends(TextFile& file, std::string_view text) {
   }
 }
 
-/// Finds rows above the first row of numbers alone that hold samples too, with keys before them:
-/// "Record Length,2.5e+03,,-0.00025,0.08," above ",,,-0.00024,0.04,".
+/// True where the head ends in a key with numbers or dates, "Time,10:11:12,10:11:12", and its keys
+/// stand over cells that are empty in all rows, as Yokogawa oscilloscopes write it.
+bool has_keys_above(const std::vector<std::string_view>& lines, const TableLayout& layout) {
+  const char delimiter = layout.dialect.delimiter;
+  std::size_t last = layout.head.size();
+  while (last > 0 && trimmed(lines[last - 1]).empty()) --last;
+  if (last == 0) return false;
+  const auto key = cells_of(lines[last - 1], delimiter);
+  const bool has_values = key.size() > 1 && !key.front().empty() &&
+                          std::all_of(key.begin() + 1, key.end(), [&layout](std::string_view cell) {
+                            return cell.empty() ||
+                                   number_in(cell, {layout.dialect.decimal, false}) ||
+                                   is_part_of_date(cell);
+                          });
+  return has_values && std::all_of(lines.begin() + static_cast<std::ptrdiff_t>(layout.head.size()),
+                                   lines.end(), [delimiter](std::string_view line) {
+                                     return is_skipped_line(line) ||
+                                            cells_of(line, delimiter).front().empty();
+                                   });
+}
+
+/// Finds rows that hold samples too, with keys before them: "Record Length,2.5e+03,,-0.00025,0.08,"
+/// above ",,,-0.00024,0.04,". Keys begin above the first row of numbers alone; further ones may
+/// stand below rows without.
 void take_rows_with_keys(const std::vector<std::string_view>& lines, TableLayout& layout) {
+  constexpr std::size_t rows_tried = 40;
   const char delimiter = layout.dialect.delimiter;
   if (delimiter == ' ') return;
-  std::size_t first = layout.head.size();
-  const auto row = cells_of(lines[first], delimiter);
+  const auto row = cells_of(lines[layout.head.size()], delimiter);
   std::size_t empty = 0;
   while (empty < row.size() && row[empty].empty()) ++empty;
   if (empty == 0 || empty >= layout.cells) return;
-  while (first > 0) {
-    const auto above = cells_of(lines[first - 1], delimiter);
-    if (above.size() != row.size() || above.front().empty() ||
-        !numbers_from(above, empty, layout.dialect.decimal))
-      break;
-    layout.key_lines.insert(layout.key_lines.begin(), lines[--first]);
+  const auto is_row = [&](const std::vector<std::string_view>& cells) {
+    return cells.size() == row.size() && numbers_from(cells, empty, layout.dialect.decimal);
+  };
+  std::size_t first = layout.head.size();
+  while (first > 0 && is_row(cells_of(lines[first - 1], delimiter))) --first;
+  const std::size_t end = std::min(lines.size(), layout.head.size() + rows_tried);
+  for (std::size_t i = first; i < end; ++i) {
+    if (i == layout.head.size() && layout.key_lines.empty() && !has_keys_above(lines, layout))
+      return;
+    const auto cells = cells_of(lines[i], delimiter);
+    if (!cells.empty() && !cells.front().empty() && is_row(cells))
+      layout.key_lines.push_back(lines[i]);
   }
-  if (layout.key_lines.empty()) return;
   layout.head.resize(first);
   layout.data = lines[first].data();
   layout.key_cells = empty;

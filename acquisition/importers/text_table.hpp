@@ -78,6 +78,9 @@ struct TableLayout {
 /// searched. Throws datasets::InputError when there is no row of numbers.
 TableLayout find_table(TextFile& file, const ImportOptions& options);
 
+/// A cell without quotes and blanks around it.
+std::string_view without_quotes(std::string_view cell);
+
 /// The cells of a line of text, trimmed, without quotes.
 std::vector<std::string_view> cells_of(std::string_view line, char delimiter);
 

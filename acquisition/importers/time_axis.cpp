@@ -83,6 +83,7 @@ void TimeAxisCheck::add(std::span<const double> times) {
     if (seen_ > 0) {
       const double this_step = time - before;
       if (!(this_step > 0.0) && !backwards_) backwards_ = Backwards{seen_, before, time};
+      falls_ = falls_ || this_step < 0.0;
       if (this_step > 0.0) {
         last_change_ = {seen_, time};
         smallest_change_ = std::min(smallest_change_, this_step);
@@ -131,7 +132,7 @@ bool TimeAxisCheck::explains_deviations(double resolution) const {
 }
 
 bool TimeAxisCheck::rounded() const {
-  return all_finite_ && step_ > 0.0 && explains_deviations(resolution());
+  return all_finite_ && !falls_ && step_ > 0.0 && explains_deviations(resolution());
 }
 
 bool TimeAxisCheck::uniform() const {

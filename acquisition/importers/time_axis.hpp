@@ -74,6 +74,7 @@ class TimeAxisCheck {
   };
 
   std::optional<Backwards> backwards_;
+  bool falls_ = false;  ///< a time is before another that precedes it: no rounding makes that
 
   struct Change {
     std::uint64_t sample;

@@ -226,6 +226,30 @@ TEST(Uff58bExport, IsWrittenAsTheStandardSays) {
   EXPECT_EQ(bytes.substr(bytes.size() - 7), "    -1\n");
 }
 
+TEST(CsvExport, LeavesTheCellsOfAChannelWithoutSamplesEmpty) {
+  for (const std::size_t empty : {0U, 1U}) {
+    datasets::Record record = example(3);
+    record.channels[empty].raw = std::vector<double>{};
+    record.channels[empty].clock.start = 0.0;
+    const OutputPath path(".csv");
+    export_recording(record, path);
+    const datasets::Record back = import_recording(path);
+    ASSERT_EQ(back.channels.size(), 2U);
+    EXPECT_EQ(back.channels[empty].size(), 0U);
+    EXPECT_EQ(back.channels[empty].name, record.channels[empty].name);
+    EXPECT_EQ(back.channels[1 - empty].values(), record.channels[1 - empty].values());
+    EXPECT_EQ(back.channels[1 - empty].clock.start, -1e-3);
+  }
+}
+
+TEST(CsvExport, KeepsTheTimeOfASingleSample) {
+  datasets::Record record = example(1);
+  for (datasets::Channel& channel : record.channels) channel.clock.interval = 0.0;
+  const OutputPath path(".csv");
+  export_recording(record, path);
+  EXPECT_EQ(import_recording(path).channels.at(1).clock.start, -1e-3);
+}
+
 TEST(CsvExport, IsPlainWhereThePlainTableSaysAll) {
   Record record = example(3);
   for (Channel& channel : record.channels) channel.raw = std::vector<double>{0.1, -2.0, 1e-300};

@@ -293,8 +293,10 @@ TEST(Hdf5Clock, OfLargeIntegersIsTakenFromTheirFirst) {
 }
 
 TEST(Hdf5Clock, MayBeStatedWithItsUnit) {
-  for (const auto& [key, text] : {std::pair{"fs", "51.2 kHz"}, std::pair{"sample_rate", "51200"},
-                                  std::pair{"dt", "19.53125 us"}}) {
+  for (const auto& [key, text] :
+       {std::pair{"fs", "51.2 kHz"}, std::pair{"sample_rate", "51200"},
+        std::pair{"SamplingFrequency", "51200"}, std::pair{"SamplingInterval", "19.53125 us"},
+        std::pair{"dt", "19.53125 us"}}) {
     const Hdf5File file;
     file.doubles("/force", {1, 2, 3});
     file.text("/force", key, text);

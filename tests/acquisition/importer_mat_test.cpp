@@ -213,6 +213,64 @@ TEST_P(Mat, TimesByNameOfTheOwnGroupFirst) {
             "time (by its name); run.t (by its name); dt (an interval of 0.125 s by its name)");
 }
 
+TEST_P(Mat, IntervalsAndRatesMayEndInTheirUnit) {
+  const std::string force = b.doubles("force", {1, 2, 3});
+  for (const auto& [name, value] : {std::pair{"dt_ms", 0.5}, std::pair{"fs_Hz", 2000.0},
+                                    std::pair{"sample_rate_khz", 2.0}, std::pair{"Ts_us", 500.0}})
+    EXPECT_DOUBLE_EQ(
+        imported(b.header() + force + b.doubles(name, {value})).channels.at(0).clock.interval, 5e-4)
+        << name;
+  EXPECT_EQ(imported(b.header() + force + b.doubles("dt_N", {2})).channels.at(0).clock.interval, 0);
+}
+
+/// A Simcenter Testlab export: an axis as start and increment, in the unit of its label.
+std::string testlab(const MatBytes& b, const std::string& label) {
+  const std::string axis =
+      b.structure("", {"start_value", "increment", "number_of_values", "quantity"},
+                  b.doubles("", {-0.5}) + b.doubles("", {0.25}) + b.doubles("", {3}) +
+                      b.structure("", {"label"}, b.text("", label)));
+  const std::string values =
+      b.structure("", {"values", "quantity"},
+                  b.doubles("", {1, 2, 3}) + b.structure("", {"label"}, b.text("", "g")));
+  return b.header() + b.structure("Signal_0", {"x_values", "y_values"}, axis + values);
+}
+
+TEST_P(Mat, AnAxisOfTestlabIsTheClock) {
+  const auto named = [](const datasets::Record& record) {
+    return *std::ranges::find(record.channels, "Signal_0.y_values.values",
+                              &datasets::Channel::name);
+  };
+  const auto channel = named(imported(testlab(b, "s")));
+  EXPECT_EQ(channel.clock.start, -0.5);
+  EXPECT_EQ(channel.clock.interval, 0.25);
+  EXPECT_EQ(channel.unit, "") << "values may be in SI or in the unit of the label";
+  const auto spectrum = named(imported(testlab(b, "Hz")));
+  EXPECT_EQ(spectrum.clock.interval, 0.0);
+  EXPECT_EQ(spectrum.attributes.at("domain"), "frequency");
+  EXPECT_EQ(spectrum.attributes.at("abscissa increment"), "0.25");
+}
+
+TEST_P(Mat, AHeaderOfPulseIsThatOfItsChannels) {
+  const auto file = [this](const std::string& rate) {
+    return b.header() +
+           b.structure("File_Header", {"NumberOfChannels", "SampleFrequency"},
+                       b.text("", "1") + b.text("", rate)) +
+           b.structure("Channel_1_Header", {"SignalName", "Unit"},
+                       b.text("", "Hammer") + b.text("", "N")) +
+           b.doubles("Channel_1_Data", {1, 2, 3});
+  };
+  for (const char* rate : {"2048", "2048,0", "2048 2048"}) {
+    const auto record = imported(file(rate));
+    ASSERT_EQ(record.channels.size(), 1U);
+    EXPECT_EQ(record.channels[0].name, "Hammer");
+    EXPECT_EQ(record.channels[0].unit, "N");
+    EXPECT_EQ(record.channels[0].quantity, datasets::Quantity::force);
+    EXPECT_EQ(record.channels[0].clock.interval, 1.0 / 2048.0) << rate;
+    EXPECT_EQ(record.channels[0].attributes.at("array"), "Channel_1_Data");
+  }
+  EXPECT_EQ(imported(file("2048 4096")).channels.at(0).clock.interval, 0.0);
+}
+
 TEST_P(Mat, UnevenTimesAreKept) {
   const std::string bytes =
       b.header() + b.doubles("t", {0, 1, 3}) + b.doubles("force", {1, 2, 3}) + b.doubles("Fs", {4});

@@ -183,6 +183,22 @@ TEST_P(TdmsInBothByteOrders, TimeStampsAreSecondsSinceTheFirstAndTimeTheOthersOf
                   "'when' (--time-column none leaves them out)"));
 }
 
+TEST_P(TdmsInBothByteOrders, AChannelThatIsATimeByNameAndUnitTimesTheOthersOfItsGroup) {
+  const auto file = [this](const Shorts& times, std::string_view unit) {
+    return t_.segment({t_.channel("Time", t_.index(2, 3), {t_.property("unit_string", unit)}),
+                       t_.channel("F", t_.index(2, 3))},
+                      t_.numbers(times) + t_.numbers(Shorts{1, 2, 3}));
+  };
+  const auto record = imported(file({5, 6, 7}, "ms"));
+  EXPECT_DOUBLE_EQ(record.channels.at(1).clock.interval, 1e-3);
+  EXPECT_DOUBLE_EQ(record.channels[1].clock.start, 5e-3);
+  EXPECT_THAT(record.warnings,
+              ElementsAre("channels of 'G' state no sample interval: their times are the numbers "
+                          "in 'Time' (--time-column none leaves them out)"));
+  EXPECT_EQ(imported(file({5, 7, 6}, "ms")).channels.at(1).clock.interval, 0.0);
+  EXPECT_EQ(imported(file({5, 6, 7}, "N")).channels.at(1).clock.interval, 0.0);
+}
+
 TEST_P(TdmsInBothByteOrders, TimeStampsYearsApartKeepHalfAMicrosecond) {
   const auto record =
       imported(t_.segment({t_.channel("when", t_.index(0x44, 2))},

@@ -118,6 +118,16 @@ TEST(TimeAxis, OfALostSampleIsNotUniform) {
   EXPECT_FALSE(time_axis(printed(times, 6)).clock.uniform());
 }
 
+// Two segments one after the other: their times are a digit apart from a line of half the step.
+TEST(TimeAxis, OfTimesThatFallIsNotRounded) {
+  std::vector<double> times;
+  for (int i = 0; i < 40; ++i) times.push_back(-1e-3 + 1e-4 * (i % 20));
+  const TimeAxis axis = time_axis(printed(times, 6));
+  EXPECT_FALSE(axis.clock.uniform());
+  EXPECT_EQ(axis.warning,
+            "time does not increase from sample 19 (0.0009 s) to sample 20 (-0.001 s)");
+}
+
 TEST(TimeAxis, SeesThroughRoundedTimes) {
   // 51.2 kHz with six digits: near 1 s the last digit is half a step
   const TimeAxis fine = time_axis(printed(line(51200, 0.0, 1.0 / 51200.0), 7));

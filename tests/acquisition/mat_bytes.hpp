@@ -135,6 +135,16 @@ inline std::vector<std::string> mat_seeds() {
                     b.compressed(b.structure("run", {"a", "b", "unit"}, fields + fields, 2)));
     seeds.push_back(
         b.header() +
+        b.structure("S", {"x_values", "y_values"},
+                    b.structure("", {"start_value", "increment", "quantity"},
+                                b.doubles("", {1}) + b.doubles("", {0.5}) +
+                                    b.structure("", {"label"}, b.text("", "s"))) +
+                        b.structure("", {"values"}, b.doubles("", {1, 2}))) +
+        b.structure("File_Header", {"SampleFrequency"}, b.text("", "2048,0")) +
+        b.structure("Channel_1_Header", {"SignalName", "Unit"}, b.text("", "F") + b.text("", "N")) +
+        b.doubles("Channel_1_Data", {1, 2, 3}));
+    seeds.push_back(
+        b.header() +
         b.structure("recording", {"format", "title", "attributes"},
                     b.text("", "impactrig-recording") + b.text("", "shot") +
                         b.structure("", {"name", "value"},

@@ -16,6 +16,13 @@ inline std::vector<std::string> csv_seeds() {
       "Date;Time;F [N]\n31.12.2024;23:59:59,5;1,5\n01.01.2025;00:00:00,0;2,5\n",
       "Stamp State F\n3/1/2024 11:59:59.9 PM 1\n3/2/2024 12:00:00.1 AM 2\n",
       "Time,F\n2024-03-01T12:00:00Z,1\n2024-03-01T14:00:00+02:00,2\n01-Mar-2024 12:00:01,3\n",
+      "Record Length,5,,-0.5,1,\n,,,0.0,2,\nSource,CH1,,0.5,3,\n,,,1.0,4,\n,,,1.5,5,\n",
+      "\"TraceName\",\"F\",\"v\"\n\"VUnit\",\"N\",\"V\"\n\"HResolution\",1e-3,1e-3\n\"HOffset\",-1,"
+      "-1\n"
+      "\"Time\",\"10:11:12\",\"10:11:12\"\n\n,1.5,4.0,\n,2.5,3.0,\n",
+      "# 1: time [ms]\n# 2: force [kN]\n0.0 1.5\n0.1 2.5\n",
+      "Zeit  1\tKraft\ns\tN\nM 0\tSN 1\n----\t----\n0,0\t+  1,5\n0,5\t-  2,5\n",
+      "Time [ms],1,2\n0.0,5.5,6\n0.1,4.5,3\n",
       "Model,MSO64\nSample Interval,1e-9\nVertical Units,V\n\nLabels,,\nTIME,CH1\n0,1\n1e-9,2\n",
   };
 }

@@ -75,6 +75,31 @@ TEST(Units, UnderstandLaboratorySpellings) {
   EXPECT_DOUBLE_EQ(factor("kg\u00b7m\u00b2", "kg m^2"), 1.0);
 }
 
+TEST(Units, MayBeSpelledInCapitals) {
+  EXPECT_DOUBLE_EQ(factor("LBF", "N"), 0.45359237 * 9.80665);
+  EXPECT_DOUBLE_EQ(factor("IN/SEC", "m/s"), 0.0254);
+  EXPECT_DOUBLE_EQ(factor("M/SEC^2", "m/s^2"), 1.0);
+  EXPECT_DOUBLE_EQ(factor("MM", "m"), 1e-3);
+  EXPECT_DOUBLE_EQ(factor("PSI", "Pa"), factor("psi", "Pa"));
+  EXPECT_DOUBLE_EQ(factor("KHz", "Hz"), 1e3);
+  for (const char* other : {"NM", "EU", "ADC", "RAW", "DB"})
+    EXPECT_EQ(quantity_of_unit(other), Quantity::unknown) << other;
+  EXPECT_DOUBLE_EQ(factor("MN", "N"), 1e6) << "as it stands, where that is a unit";
+}
+
+TEST(Units, MaySayHowTheyWereDetected) {
+  for (const char* spelling : {"g pk", "g-pk", "g rms", "g peak", "g_rms"})
+    EXPECT_DOUBLE_EQ(factor(spelling, "m/s^2"), 9.80665) << spelling;
+  EXPECT_EQ(quantity_of_unit("V-rms"), Quantity::voltage);
+}
+
+TEST(Units, OfUdunitsThatLaboratoriesWriteAsNamesAreNone) {
+  for (const char* name : {"force", "Force", "Force (N)", "acc", "Acc", "CH"})
+    EXPECT_EQ(quantity_of_unit(name), Quantity::unknown) << name;
+  EXPECT_DOUBLE_EQ(factor("Gs", "m/s^2"), 9.80665) << "no gigasecond";
+  EXPECT_EQ(quantity_of_unit("Gs"), Quantity::acceleration);
+}
+
 TEST(Units, TakeGForGravityWhereTheOtherUnitIsAnAcceleration) {
   EXPECT_DOUBLE_EQ(factor("g", "m/s^2"), 9.80665);
   EXPECT_DOUBLE_EQ(factor("m/s^2", "g"), 1.0 / 9.80665);

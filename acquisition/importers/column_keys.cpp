@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/column_keys.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "acquisition/importers/number.hpp"
+#include "datasets/units.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+/// A number and the unit behind it. The decimal mark is the table's, or the other one where only
+/// that makes sense and cells do not end with it, or quotes hold it.
+struct StatedValue {
+  double value = 0.0;
+  std::string_view unit;
+};
+
+std::optional<StatedValue> stated_value(std::string_view text, Dialect dialect) {
+  const char other = dialect.decimal == ',' ? '.' : ',';
+  const bool quoted = text.size() > 1 && text.starts_with('"') && text.ends_with('"');
+  if (quoted) text = trimmed(text.substr(1, text.size() - 2));
+  for (const char decimal : {dialect.decimal, other}) {
+    if (decimal == dialect.delimiter && !quoted) continue;
+    StatedValue stated;
+    const char* const last = text.data() + text.size();
+    const char* const end = scan_number(text.data(), last, {decimal, false}, stated.value);
+    if (end == text.data() || (end != last && (*end == '.' || *end == ','))) continue;
+    stated.unit = trimmed(std::string_view(end, static_cast<std::size_t>(last - end)));
+    return stated;
+  }
+  return std::nullopt;
+}
+
+/// "51.200" where commas are decimal marks, "51,200" where points are: 51200 or 51.2.
+bool is_ambiguous(std::string_view text, Dialect dialect) {
+  const bool quoted = text.starts_with('"');
+  text.remove_prefix(quoted ? 1 : 0);
+  const char other = dialect.decimal == ',' ? '.' : ',';
+  if (other == dialect.delimiter && !quoted) return false;  // it ends the cell
+  const std::string_view number = text.substr(0, text.find_first_not_of("+-0123456789.,"));
+  return number.find(other) != number.npos && has_thousands_separators(number);
+}
+
+/// True for a word of `words` in any case, with blanks or lines between its parts.
+template <std::size_t N>
+bool is_one_of(std::string_view key, const std::array<std::string_view, N>& words) {
+  std::string word = lowered(key);
+  std::ranges::replace(word, '_', ' ');
+  return std::ranges::find(words, word) != words.end();
+}
+
+/// "kHz" for "kS/s", "kSa/s", "ksps" and "k samples/s".
+std::string rate_unit(std::string_view unit) {
+  constexpr std::array<std::string_view, 8> per_second = {
+      "samples/s", "Samples/s", "samples/sec", "Samples/sec", "Sa/s", "S/s", "sps", "SPS"};
+  for (const std::string_view word : per_second) {
+    if (!unit.ends_with(word)) continue;
+    const std::string_view prefix = trimmed(unit.substr(0, unit.size() - word.size()));
+    if (prefix.empty() || prefix == "k" || prefix == "M" || prefix == "G")
+      return std::string(prefix) + "Hz";
+  }
+  return std::string(unit);
+}
+
+/// The value of a key, or that of all columns where it is the same.
+std::string_view value_of_all(std::string_view text, Dialect dialect) {
+  const auto cells = values_of_key(text, dialect.delimiter);
+  const bool same = cells.size() > 1 && std::ranges::count(cells, cells.front()) ==
+                                            static_cast<std::ptrdiff_t>(cells.size());
+  return same ? cells.front() : text;
+}
+
+/// The time of the first sample, as Infiniium (XOrg), Yokogawa (HOffset) and Rigol (t0)
+/// oscilloscopes state it.
+void find_start(Dialect dialect, TableHead& head) {
+  constexpr std::array<std::string_view, 4> starts = {"xorg", "x origin", "hoffset", "t0"};
+  for (const auto& [key, text] : head.attributes) {
+    if (head.start || !is_one_of(key, starts)) continue;
+    const auto stated = stated_value(value_of_all(text, dialect), dialect);
+    const auto seconds =
+        datasets::conversion(stated && !stated->unit.empty() ? to_utf8(stated->unit) : "s", "s");
+    if (stated && seconds) head.start = seconds->factor * stated->value;
+  }
+}
+
+}  // namespace
+
+std::vector<std::string_view> values_of_key(std::string_view text, char delimiter) {
+  return cells_of(text, delimiter == '\t' ? ' ' : delimiter);
+}
+
+void find_interval(Dialect dialect, TableHead& head) {
+  constexpr std::array<std::string_view, 12> intervals = {"sample interval",
+                                                          "sampling interval",
+                                                          "sample period",
+                                                          "sampling period",
+                                                          "delta t",
+                                                          "dt",
+                                                          "time increment",
+                                                          "abtastintervall",
+                                                          "xinc",
+                                                          "hresolution",
+                                                          "tinc",
+                                                          "interval"};
+  constexpr std::array<std::string_view, 12> rates = {
+      "sample rate",        "sampling rate",    "samplerate", "sample frequency",
+      "sampling frequency", "samplingrate",     "fs",         "samplefrequency",
+      "samplingfrequency",  "acquisition rate", "abtastrate", "abtastfrequenz"};
+  std::string stated_by;
+  for (const auto& [key, text] : head.attributes) {
+    const ColumnHead says = split_head(key);
+    const bool is_interval = is_one_of(says.name, intervals);
+    const bool is_rate = is_one_of(says.name, rates);
+    if (!is_interval && !is_rate) continue;
+    const std::string_view one = value_of_all(text, dialect);
+    if (is_ambiguous(one, dialect)) {
+      head.warnings.push_back(
+          fmt::format("the header states '{}' as '{}', whose point may be a decimal mark or divide "
+                      "thousands: it is not used (--sample-rate states it)",
+                      key, text));
+      continue;
+    }
+    const auto stated = stated_value(without_channel(one), dialect);
+    const std::string_view si = is_interval ? "s" : "Hz";
+    std::string unit = !stated || stated->unit.empty() ? says.unit : std::string(stated->unit);
+    unit = unit.empty() ? std::string(si) : is_rate ? rate_unit(unit) : unit;
+    const auto conversion = datasets::conversion(unit, si);
+    if (!stated || !(stated->value > 0.0) || !conversion) {
+      head.warnings.push_back(
+          fmt::format("the header states '{}' as '{}', which is not understood: it is not used "
+                      "(--sample-rate states it)",
+                      key, text));
+      continue;
+    }
+    const double converted = conversion->factor * stated->value + conversion->offset;
+    const double seconds = is_interval ? converted : 1.0 / converted;
+    if (!head.interval) {
+      head.interval = seconds;
+      stated_by = key;
+    } else if (std::abs(seconds - *head.interval) > 1e-3 * *head.interval) {
+      head.warnings.push_back(
+          fmt::format("the header states a sample interval of {:.9g} s by '{}' and one of {:.9g} s "
+                      "by '{}': the first is used",
+                      *head.interval, stated_by, seconds, key));
+    }
+  }
+  find_start(dialect, head);
+}
+
+void take_keys_among_names(std::vector<std::string_view>& names, TableHead& head) {
+  while (!names.empty()) {
+    const std::size_t equals = names.back().find('=');
+    if (equals == 0 || equals == names.back().npos) return;
+    const std::string_view value = trimmed(names.back().substr(equals + 1));
+    double number = 0.0;
+    if (scan_number(value.data(), value.data() + value.size(), {'.', false}, number) ==
+        value.data())
+      return;
+    head.attributes[to_utf8(trimmed(names.back().substr(0, equals)))] = to_utf8(value);
+    names.pop_back();
+  }
+}
+
+void take_names_of_keys(const TableLayout& layout, TableHead& head) {
+  // the last ones may be of the recording where there is one channel
+  constexpr std::array<std::string_view, 13> keys = {
+      "tracename",    "trace name",   "channel name", "channel names", "signal name",
+      "signal names", "channeltitle", "name",         "names",         "label",
+      "labels",       "channel",      "channels"};
+  constexpr std::size_t sure = 7;
+  if (!head.columns.empty()) return;
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    for (const auto& [key, text] : head.attributes) {
+      if (lowered(key) != keys[k]) continue;
+      const auto names = values_of_key(text, layout.dialect.delimiter);
+      if (names.size() != layout.cells && names.size() + 1 != layout.cells) continue;
+      if (k >= sure && names.size() < 2) continue;
+      head.columns.resize(layout.cells - names.size());
+      for (const std::string_view name : names) {
+        head.columns.push_back(split_head(name));
+        if (integer_in(name)) head.columns.back().name = fmt::format("CH {}", name);
+      }
+      return;
+    }
+}
+
+void take_column_of_keys(Dialect dialect, TableHead& head) {
+  ColumnHead column;
+  for (const auto& [key, value] : head.attributes) {
+    if (value == "NOVALUE") continue;  // of ISO 13499
+    const std::string word = lowered(key);
+    if (word == "name of the channel" || word == "channel name") column.name = value;
+    if (word == "unit" || word == "y units" || word == "yunits") column.unit = value;
+    if (word != "time of first sample") continue;
+    const auto stated = stated_value(value, dialect);
+    const auto seconds =
+        datasets::conversion(stated && !stated->unit.empty() ? to_utf8(stated->unit) : "s", "s");
+    if (stated && seconds && !is_ambiguous(value, dialect))
+      head.start = seconds->factor * stated->value;
+    else
+      head.warnings.push_back(fmt::format(
+          "the header states '{}' as '{}', which is not understood: it is not used", key, value));
+  }
+  if (column.name.empty()) {
+    const auto code = head.attributes.find("Channel code");
+    if (code != head.attributes.end() && code->second != "NOVALUE") column.name = code->second;
+  }
+  head.columns = {column};
+}
+
+}  // namespace impactrig::acquisition

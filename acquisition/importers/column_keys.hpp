@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "acquisition/importers/column_heads.hpp"
+
+/// What lines "key, value" above a table state of its columns: names, units, interval, start.
+namespace impactrig::acquisition {
+
+/// The values of a key, one a column. Tabs between them have become blanks.
+std::vector<std::string_view> values_of_key(std::string_view text, char delimiter);
+
+/// Takes the sample interval that is stated by a key such as "Sample Interval" or "Sampling rate
+/// [kHz]", and the time of the first sample. A value a column is one value where all are the same.
+void find_interval(Dialect dialect, TableHead& head);
+
+/// Takes cells like "t0 = -5e-4" and "tInc = 1e-6" off the end of a line of names, as attributes.
+void take_keys_among_names(std::vector<std::string_view>& names, TableHead& head);
+
+/// Takes names where the head has none and a key lists them: one a column, or one for each but the
+/// first.
+void take_names_of_keys(const TableLayout& layout, TableHead& head);
+
+/// Name, unit and start of the one column under lines "Key :value".
+void take_column_of_keys(Dialect dialect, TableHead& head);
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "acquisition/importer.hpp"
+#include "acquisition/importers/column_heads.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+/// What stands above the rows of a table, as instruments and programs write it.
+namespace impactrig::acquisition {
+namespace {
+
+using datasets::Quantity;
+using datasets::Record;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using tests::imported;
+using tests::names_and_units;
+
+TEST(CsvHeads, ARateOfThousandsIsNoRateOfDecimals) {
+  for (const char* rate : {"51,200", "10,000 Hz", "51,200Hz"}) {
+    const Record record =
+        imported(fmt::format("Sample Rate: {}\nF [N]\td [mm]\n1.5\t2.5\n1.4\t2.6\n", rate));
+    EXPECT_EQ(record.channels.at(0).clock.interval, 0.0) << rate;
+    EXPECT_THAT(record.warnings, Contains(HasSubstr("may be a decimal mark or divide thousands")))
+        << rate;
+  }
+  const Record record =
+      imported("Sample interval: 0,000100 s\nF [N]\td [mm]\n1.5\t2.5\n1.4\t2.6\n");
+  EXPECT_EQ(record.channels.at(0).clock.interval, 1e-4) << "no thousands begin with 0";
+}
+
+TEST(CsvHeads, ARateMayBeInSamplesASecondAndInGerman) {
+  for (const char* key : {"Sampling rate: 10 kS/s", "Sampling rate: 10000 Samples/s",
+                          "Sample Rate: 10ksps", "Sample rate: 0.01 MSa/s", "Abtastrate: 10000 Hz",
+                          "Abtastfrequenz: 10 kHz", "Time Increment: 1e-4"}) {
+    const Record record = imported(std::string(key) + "\nF [N]\td [mm]\n1.5\t2.5\n1.4\t2.6\n");
+    EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4) << key;
+    EXPECT_THAT(record.warnings, IsEmpty()) << key;
+  }
+}
+
+TEST(CsvHeads, KeysBesideTheSamplesGoOnBelowRowsWithout) {
+  const Record record = imported(  // as a Tektronix TDS2000 writes it
+      "Record Length,2.5e+03,,-00.002,  1.0,\nSample Interval,1.0e-03,,-00.001,  2.0,\n"
+      ",,,000.000,  3.0,\n,,,000.001,  4.0,\nSource,CH2,,000.002,  5.0,\n"
+      "Vertical Units,V,,000.003,  6.0,\nHorizontal Units,s,,000.004,  7.0,\n"
+      ",,,000.005,  8.0,\n,,,000.006,  9.0,\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("CH2 [V]"));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
+  EXPECT_EQ(record.channels[0].clock.start, -0.002);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(CsvHeads, ARowWithoutAKeyAmongThoseThatHaveOneIsARow) {
+  const Record record = imported(
+      "Record Length,500,,0.0,1.0\nTrigger Point,50,,0.5,2.0\n,,,1.0,3.0\n"
+      "Horizontal Offset,0.0,,1.5,4.0\n,,,2.0,5.0\n,,,2.5,6.0\n");
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1, 2, 3, 4, 5, 6));
+  EXPECT_EQ(record.channels[0].clock.start, 0.0);
+}
+
+TEST(CsvHeads, NamesAreNotUnitsOfTheLineAboveThem) {
+  EXPECT_THAT(names_and_units(imported("Hammer test of bar 3\nForce (N)\n1\n2\n")),
+              ElementsAre("Force [N]"));
+  EXPECT_THAT(names_and_units(imported("Hammer test;bar 3\nF1 (N);V1 (V)\n1;4\n2;3\n")),
+              ElementsAre("F1 [N]", "V1 [V]"));
+  EXPECT_THAT(names_and_units(imported("Operator,Smith\nforce,acc\n3,4\n1,2\n2,3\n")),
+              ElementsAre("force []", "acc []"));
+  const Record record = imported("Test 1;hammer;bar\nt;F;a\n0,0;1;5\n0,1;3;4\n0,2;2;7\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("F []", "a []"));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 0.1);
+}
+
+TEST(CsvHeads, NamesMayBeNumbersBesideATime) {
+  const Record record = imported("Time [ms];1;2;3\n0.0;5.5;6;7.5\n0.1;4.5;3;9.5\n0.2;4;3;9\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("CH 1 []", "CH 2 []", "CH 3 []"));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4);
+  EXPECT_THAT(record.warnings, IsEmpty());
+  EXPECT_THAT(names_and_units(imported("time,0,45\nms,N,N\n0.0,5.5,6.5\n0.1,4.5,3.5\n")),
+              ElementsAre("CH 0 [N]", "CH 45 [N]"));
+  // a key and its values
+  EXPECT_THAT(names_and_units(imported("Time,12.5,13.5\n0.0,5.5,6.5\n0.1,4.5,3.5\n")),
+              ElementsAre("column 1 []", "column 2 []"));
+}
+
+TEST(CsvHeads, AnIndexInBracketsIsNoUnit) {
+  const Record record = imported(  // as LabVIEW exports waveforms to a spreadsheet
+      "waveform\t[0]\t[1]\nt0\t03/12/2021 10:11:12.5\t03/12/2021 10:11:12.5\n"
+      "delta t\t0.500000\t0.500000\n\ntime\tY[0]\tY[1]\n"
+      "03/12/2021 10:11:12.5\t1.5\t2.5\n03/12/2021 10:11:13.0\t3.5\t4.5\n"
+      "03/12/2021 10:11:13.5\t5.5\t6.5\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Y[0] []", "Y[1] []"));
+  EXPECT_EQ(record.channels.at(0).clock.interval, 0.5);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(CsvHeads, OneInBracketsBehindABlankIsTheUnitOfARatio) {
+  EXPECT_THAT(names_and_units(imported("t [s];strain [1]\n0;1.5\n1;2.5\n2;0.5\n")),
+              ElementsAre("strain [1]"));
+}
+
+TEST(CsvHeads, KeysMayListOneValueAChannel) {
+  const std::string head =  // as a Yokogawa DL850 writes it
+      "\"Model Name\",\"DL850\"\n\"TraceName\",\"Hammer\",\"Beam\"\n\"BlockSize\",4,4\n"
+      "\"VUnit\",\"N\",\"m/s\"\n\"SampleRate\",2.0E+00,2.0E+00\n"
+      "\"HResolution\",5.0E-01,5.0E-01\n\"HOffset\",-1.0E+00,-1.0E+00\n\"HUnit\",\"s\",\"s\"\n"
+      "\"Date\",\"2021/03/12\",\"2021/03/12\"\n\"Time\",\"10:11:12.1234\",\"10:11:12.1234\"\n\n";
+  const Record record = imported(head + ",1.5E+00,4.0,\n,2.5E+00,3.0,\n,0.5,2.0,\n,1.0,1.0,\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Hammer [N]", "Beam [m/s]"));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1.5, 2.5, 0.5, 1.0));
+  EXPECT_EQ(record.channels[1].clock.start, -1.0);
+  EXPECT_EQ(record.channels[1].clock.interval, 0.5);
+  EXPECT_EQ(record.channels[1].quantity, Quantity::velocity);
+  EXPECT_THAT(record.warnings, IsEmpty());
+  const Record timed =
+      imported(head + "-1.0,1.5,4.0,\n-0.5,2.5,3.0,\n0.0,0.5,2.0,\n0.5,1.0,1.0,\n");
+  EXPECT_THAT(names_and_units(timed), ElementsAre("Hammer [N]", "Beam [m/s]"));
+  EXPECT_EQ(timed.channels.at(0).clock.start, -1.0);
+  EXPECT_EQ(timed.channels[0].clock.interval, 0.5);
+  EXPECT_THAT(timed.warnings, IsEmpty());
+}
+
+TEST(CsvHeads, KeysMayStateTheClockOfOneColumn) {
+  const Record record = imported(  // as an Agilent Infiniium writes it
+      "Revision:,0\nType:,Raw\nPoints:,3\nXInc:,5.0E-07\nXOrg:,-1.0E-06\nDate:,12-MAR-2021\n"
+      "Time:,10:11:12\nX Units:,second\nY Units:,Volt\nData:,\n1.5E-3\n-2.5E-3\n3.5E-3\n");
+  EXPECT_EQ(record.channels.at(0).unit, "Volt");
+  EXPECT_EQ(record.channels[0].clock.interval, 5e-7);
+  EXPECT_EQ(record.channels[0].clock.start, -1e-6);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5e-3, -2.5e-3, 3.5e-3));
+}
+
+TEST(CsvHeads, KeysMayStandAmongNames) {
+  const Record record = imported(  // as a Rigol MSO5000 writes it
+      "CH1(V),CH2(V),t0 = -5.0e-04, tInc = 1.0e-06,\n1.5e-1,2,,,\n2.5e-1,4,,,\n0.5,3,,,\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("CH1 [V]", "CH2 [V]"));
+  EXPECT_EQ(record.channels.at(0).clock.start, -5e-4);
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-6);
+  EXPECT_THAT(record.warnings, IsEmpty());
+  const Record timed =
+      imported("Time(s),CH1(V),t0 =-1.0e-06, tInc = 1.0e-06,\n-1e-6,2,,,\n0,4,,,\n1e-6,3,,,\n");
+  EXPECT_THAT(names_and_units(timed), ElementsAre("CH1 [V]"));
+  EXPECT_EQ(timed.channels.at(0).clock.start, -1e-6);
+}
+
+TEST(CsvHeads, OfLabChartAreKeysDividedByTabs) {
+  const Record record = imported(
+      "Interval=\t0.5 s\nChannelTitle=\tForce\tAcc\nRange=\t10.000 V\t5.000 V\nUnitName=\tN\tg\n"
+      "BottomValue=\t-10\t-5\n0.0\t1.5\t4\n0.5\t2.5\t3\n1.0\t0.5\t2\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]", "Acc [g]"));
+  EXPECT_EQ(record.channels.at(0).clock.interval, 0.5);
+}
+
+TEST(CsvHeads, NamesAndUnitsMayStandBehindKeys) {
+  for (const char* head :
+       {"Channel:,Force,Acc\nUnit:,N,g\n", "Name,Force,Acc\nUnits,N,g\nRange,5,5\n",
+        "Channel,1,2\nLabel,Force,Acc\nType,A,B\nUnit,N,g\nTime (s),,\n"}) {
+    const Record record = imported(std::string(head) + "0.0,1.5,4\n0.5,2.5,3\n1.0,0.5,2\n");
+    EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]", "Acc [g]")) << head;
+    EXPECT_EQ(record.channels.at(0).clock.interval, 0.5) << head;
+  }
+  EXPECT_THAT(names_and_units(imported("Name,Smith\nRange,5\n1,2.5\n1.5,2\n3,1\n")),
+              ElementsAre("column 1 []"));
+}
+
+TEST(CsvHeads, OfCampbellLoggersAreThreeLines) {
+  const Record record = imported(
+      "\"TOA5\",\"CR1000\",\"1234\"\n\"TIMESTAMP\",\"RECORD\",\"Force_Avg\"\n"
+      "\"TS\",\"RN\",\"N\"\n\"\",\"\",\"Avg\"\n\"2021-03-12 10:11:12.00\",7,1.5\n"
+      "\"2021-03-12 10:11:12.05\",8,2.5\n\"2021-03-12 10:11:12.10\",9,0.5\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("RECORD []", "Force_Avg [N]"));
+  EXPECT_NEAR(record.channels.at(0).clock.interval, 0.05, 1e-12);
+}
+
+TEST(CsvHeads, SOfTheHorizontalAxisIsASecond) {
+  const Record record = imported(
+      "Source,CH1,\nVertical Units,V,\nHorizontal Units,S,\nWaveform Data,,\n0.0,1.5,\n"
+      "0.5,2.5,\n1.0,0.5,\n");
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].unit, "V");
+  EXPECT_EQ(record.channels[0].clock.interval, 0.5);
+}
+
+TEST(CsvHeads, NamesMayBeListedALineAColumn) {
+  for (const char* head :
+       {"# 1: time [ms]\n# 2: force [kN]\n", "% Column 1 = time [ms]\n% Column 2 = force [kN]\n",
+        "shot 7\n# col0: time (ms)\n# col1: force (kN)\n"}) {
+    const Record record = imported(std::string(head) + "0.0 1.5\n0.1 2.5\n0.2 0.5\n");
+    EXPECT_THAT(names_and_units(record), ElementsAre("force [kN]")) << head;
+    EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4) << head;
+    EXPECT_THAT(record.warnings, IsEmpty()) << head;
+  }
+}
+
+TEST(CsvHeads, LinesOfEachChannelMayStandUnderItsUnit) {
+  const Record record = imported(  // as catman and Testlab write them
+      "Zeit  1 - Standardmessrate\tKraft\tBeschl\ns\tN\tm/s\xB2\nM 0\tSN 123\tSN 44\n"
+      "Zeit\tC9C\tPCB\n0,0\t1,5\t4\n0,5\t2,5\t3\n1,0\t0,5\t2\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Kraft [N]", "Beschl [m/s\u00B2]"));
+  EXPECT_EQ(record.channels.at(0).clock.interval, 0.5);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(CsvHeads, ARuleMayStandUnderNamesAndUnits) {
+  for (const char* head : {"  Time  Force\n  (ms)   (kN)\n------  -----\n",
+                           "Time [ms]  Force [kN]\n---------  ----------\n"}) {
+    const Record record = imported(std::string(head) + "0.0 1.5\n0.1 2.5\n0.2 0.5\n");
+    EXPECT_THAT(names_and_units(record), ElementsAre("Force [kN]")) << head;
+    EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4) << head;
+    EXPECT_THAT(record.warnings, IsEmpty()) << head;
+  }
+}
+
+TEST(CsvHeads, ANoBreakSpaceIsNoPartOfAName) {
+  EXPECT_THAT(names_and_units(imported("Time\u00A0[s];Force\u00A0[N]\n0;1.5\n1;2.5\n2;0.5\n")),
+              ElementsAre("Force [N]"));
+}
+
+TEST(CsvHeads, UnitsMayStandAboveNames) {
+  const Record record = imported("ms,kN,m/s\nTime,Force,Velocity\n0.0,1.5,3\n0.1,2.5,2\n0.2,0,1\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Force [kN]", "Velocity [m/s]"));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4);
+}
+
+TEST(CsvHeads, ASemicolonMayBeginARemark) {
+  const Record record = imported("; t[ms] ; F[kN]\n0.0;1.5\n0.1;2.5\n0.2;0.5\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("F [kN]"));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4);
+}
+
+TEST(CsvHeads, ArduinosClocksHaveAUnit) {
+  EXPECT_DOUBLE_EQ(
+      imported("micros,ax\n1000,1.5\n1100,2.5\n1200,0.5\n").channels.at(0).clock.interval, 1e-4);
+  EXPECT_DOUBLE_EQ(
+      imported("millis,ax\n1000,1.5\n1010,2.5\n1020,0.5\n").channels.at(0).clock.interval, 1e-2);
+}
+
+TEST(CsvHeads, OfSignalExpressNameTheTime) {
+  const Record record =
+      imported("Time - Voltage\tAmplitude - Voltage\n0.0\t1.5\n0.5\t2.5\n1.0\t0.5\n");
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].clock.interval, 0.5);
+}
+
+TEST(CsvCells, MayHaveBlanksBehindTheirSign) {
+  const Record record =
+      imported("t [s],T [degC],F [N]\n0,+  25.0,-   1.5\n1,-   3.5,+  12.0\n2,+   0.0,- 2\n");
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(25.0, -3.5, 0.0));
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(-1.5, 12.0, -2.0));
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(CsvTimes, ThatFallAreNotRounded) {
+  std::string text = "time [s],F [N]\n";
+  for (int i = 0; i < 40; ++i) text += fmt::format("{:.4f},{}\n", -1e-3 + i % 20 * 1e-4, i % 7);
+  const Record record = imported(text);
+  EXPECT_FALSE(record.channels.at(0).clock.uniform());
+  EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("time does not increase from sample 19")));
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition
