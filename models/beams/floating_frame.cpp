@@ -470,10 +470,15 @@ BeamEnergy FloatingFrameBeam::energy(ConstVector q, ConstVector v) const {
   energy.kinetic += 0.5 * (all.mass.array() * ((p.x_rate - v[0] * p.y).array().square() +
                                                (p.y_rate + v[0] * p.x).array().square()))
                               .sum();
-  energy.gravitational = (all.mass.array() * (gravity_ * (all.x - (cosine * p.x - sine * p.y)) +
-                                              gravity_across_ * (sine * p.x + cosine * p.y))
-                                                 .array())
-                             .sum();
+  // how far it lies below hanging straight, not as a difference of places: a slow bar has less
+  // energy than that would be rounded to
+  const double half = std::sin(0.5 * q[0]);
+  look_.noalias() = 0.5 * p.coupled * q.tail(bending_) - all.axial * q.segment(1, axial_);
+  energy.gravitational =
+      (all.mass.array() * (gravity_ * (look_ + 2.0 * half * half * p.x + sine * p.y) +
+                           gravity_across_ * (sine * p.x + cosine * p.y))
+                              .array())
+          .sum();
   return energy;
 }
 

@@ -254,6 +254,23 @@ TEST_P(FloatingFrame, AdvanceOfAPointHasAllDigitsOfTheWay) {
   }
 }
 
+// Of a bar that moves little it is quadratic, and far smaller than a rounded place times the
+// weight.
+TEST_P(FloatingFrame, GravitationalEnergyOfASlowBarHasAllDigits) {
+  Rig rig = soft_rig();
+  rig.gravity = 9.81;
+  rig.gravity_direction = 0.0;
+  FloatingFrameBeam beam(rig, GetParam(), 3, 2);
+  Vector q(6);
+  q << 0.7, 0.0, 0.0, 0.09, -0.03, 0.01;
+  const auto energy = [&](double part) {
+    return beam.energy(part * q, Vector::Zero(6)).gravitational;
+  };
+  ASSERT_GT(energy(1e-4), 0.0);
+  for (const double part : {1e-7, 1e-9, 1e-12})
+    EXPECT_NEAR(energy(part) / (part * part) / (energy(1e-4) / 1e-8), 1.0, 1e-7) << part;
+}
+
 TEST_P(FloatingFrame, AccelerationOfTheStruckPointIsTheRateOfItsVelocity) {
   FloatingFrameBeam beam(soft_rig(), GetParam(), 3, 2);
   Vector q(6), v(6), a(6);
