@@ -186,9 +186,9 @@ const FloatingFrameBeam::Motions& FloatingFrameBeam::all_in_frame(ConstVector q,
   const auto a_rate = v.segment(1, axial_);
   const auto b_rate = v.tail(bending_);
   motions_.coupled.reshaped().noalias() = all.coupling * b;
-  motions_.x = all.x;
-  motions_.x.noalias() += all.axial * a;
-  motions_.x.noalias() -= 0.5 * motions_.coupled * b;
+  motions_.shortened.noalias() = 0.5 * motions_.coupled * b;
+  motions_.shortened.noalias() -= all.axial * a;
+  motions_.x = all.x - motions_.shortened;
   motions_.y.noalias() = all.bending * b;
   motions_.x_rate.noalias() = all.axial * a_rate;
   motions_.x_rate.noalias() -= motions_.coupled * b_rate;
@@ -473,9 +473,8 @@ BeamEnergy FloatingFrameBeam::energy(ConstVector q, ConstVector v) const {
   // how far it lies below hanging straight, not as a difference of places: a slow bar has less
   // energy than that would be rounded to
   const double half = std::sin(0.5 * q[0]);
-  look_.noalias() = 0.5 * p.coupled * q.tail(bending_) - all.axial * q.segment(1, axial_);
   energy.gravitational =
-      (all.mass.array() * (gravity_ * (look_ + 2.0 * half * half * p.x + sine * p.y) +
+      (all.mass.array() * (gravity_ * (p.shortened + 2.0 * half * half * p.x + sine * p.y) +
                            gravity_across_ * (sine * p.x + cosine * p.y))
                               .array())
           .sum();

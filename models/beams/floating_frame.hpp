@@ -129,6 +129,7 @@ class FloatingFrameBeam : public BeamDynamics {
   /// All stations in the frame, and how they move there.
   struct Motions {
     Eigen::VectorXd x, y, x_rate, y_rate;
+    Eigen::VectorXd shortened;              // by which x is less than of the straight bar
     Eigen::MatrixXd coupled, coupled_rate;  // H b and H ḃ (size, n_bending)
   };
 
