@@ -74,6 +74,12 @@ class CollocationRun {
  private:
   using Phase = ContactForce::Phase;
 
+  // Events this close are one, as a part of the step.
+  static constexpr double coincidence = 1e-9;
+  // A first contact that ends slower than this part of its approach is to be solved again: errors
+  // of the way then count that much more as time.
+  static constexpr double slowest_part = 0.1;
+
   /// What the step tried ends with.
   enum class End { step, event, hinge, run };
 

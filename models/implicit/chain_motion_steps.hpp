@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -13,6 +12,7 @@
 #include "models/beams/bending_modes.hpp"
 #include "models/collocation/bar_motion.hpp"
 #include "models/hinge_friction.hpp"
+#include "models/implicit/chain_factors.hpp"
 #include "models/implicit/chain_points.hpp"
 #include "models/implicit/chain_slope.hpp"
 #include "models/implicit/newton_progress.hpp"
@@ -46,6 +46,7 @@ class ChainMotion final : public BarMotion {
         rotation_(rig.hinge.rotation),
         points_(beam_, chain_, struck_, rig, history),
         tangent_(chain_.make_tangent()),
+        factors_(chain_, points_.stops),
         work_(static_cast<std::size_t>(chain_.coordinates())),
         newton_(newton_share * accuracy_) {
     const int n = chain_.coordinates();
@@ -58,8 +59,6 @@ class ChainMotion final : public BarMotion {
     beam_q_.setZero(beam_.size());
     beam_v_.setZero(beam_.size());
     hinge_ = NodeVector::Zero(S);
-    factors_.reserve(kept_factors);
-    for (int i = 0; i < kept_factors; ++i) factors_.emplace_back(chain_, points_.stops.size());
   }
 
   const Collocation& rule() const override { return stages_.rule; }
@@ -120,7 +119,7 @@ class ChainMotion final : public BarMotion {
   double step() const override { return h_; }
 
   const Response& response(int point, int stop) const override {
-    return factor_->responses[index_of(point, stop)];
+    return factor_->responses[static_cast<std::size_t>(point * stops() + stop)];
   }
 
   bool improve(std::span<StopStep> stops) override;
@@ -217,7 +216,6 @@ class ChainMotion final : public BarMotion {
   // The finer method solves a step in one or two iterations: what they leave adds up, from step to
   // step, to vibration of which damping makes force.
   static constexpr double newton_share = S > 4 ? 0.005 : 0.2;
-  static constexpr int kept_factors = 6;
   // What four stages leave of the motion counts by this where no damping makes force of it: ends of
   // steps are far more exact than series are within. First contacts of 106 scenes then err
   // by 8.7e-4 of the accuracy in the median, 7.3e-4 without it, and by 0.38 in the worst, with and
@@ -318,24 +316,7 @@ class ChainMotion final : public BarMotion {
     return h_ * (stages_.rule.weights().array() * power).sum();
   }
 
-  /// The linear systems of a step of one length, at the tangent at hand.
-  struct Factor {
-    Factor(const Chain& chain, std::size_t stops)
-        : systems(chain.template make_systems<pairs>()),
-          pressed(stops, std::vector<Complex>(static_cast<std::size_t>(chain.coordinates()))),
-          responses(stops * stops) {}
-
-    double h = 0.0;  ///< 0: of an older tangent
-    typename Chain::template Systems<pairs> systems;
-    std::vector<std::vector<Complex>> pressed;  ///< solution for a unit force of each stop
-    std::vector<Response> responses;            ///< at index_of()
-  };
-
   int stops() const { return static_cast<int>(points_.stops.size()); }
-
-  std::size_t index_of(int point, int stop) const {
-    return static_cast<std::size_t>(point * stops() + stop);
-  }
 
   /// Calls share(k, w) for each coordinate that makes the displacement −Σ w q_k before a stop.
   template <typename Share>
@@ -441,7 +422,12 @@ class ChainMotion final : public BarMotion {
       turned_ = false;
     else
       set_turn(Lanes::Constant(chord_angle() - tangent_angle_));
-    factor_ = &factor_for(h_);
+    factor_ = &factors_.of(h_, points_.stops, [&](const auto& shares, auto& systems) {
+      if (held())
+        hold_.template factor<pairs>(tangent_, shares, systems);
+      else
+        chain_.template factor<pairs>(tangent_, shares, systems);
+    });
   }
 
   /// Of the chord from hinge to tip against hanging, closing > 0 [rad].
@@ -451,17 +437,8 @@ class ChainMotion final : public BarMotion {
     chain_.renew(q_, tangent_);
     if (held()) hold_.release(Hold<S>::angle_of(q_), tangent_);
     tangent_angle_ = rotation_ ? turned_at(t_) : chord_angle();
-    for (Factor& factor : factors_) factor.h = 0.0;
+    factors_.forget();
     slow_ = false;
-  }
-
-  Factor& factor_for(double h) {
-    for (Factor& factor : factors_)
-      if (std::abs(factor.h - h) <= 1e-3 * h) return factor;
-    Factor& factor = factors_[next_factor_];
-    next_factor_ = (next_factor_ + 1) % factors_.size();
-    make_factor(h, factor);
-    return factor;
   }
 
   void set_turn(const Lanes& angle) {
@@ -482,8 +459,6 @@ class ChainMotion final : public BarMotion {
   }
 
   void add_departure(double part, Sample& sample) const;
-  void make_factor(double h, Factor& factor);
-  void respond_to(int stop, Factor& factor);
   /// What forces of the stops change like this makes of the accelerations.
   template <typename ChangeOf>
   void respond(const ChangeOf& change_of, Stages& to);
@@ -532,9 +507,8 @@ class ChainMotion final : public BarMotion {
   ChainPoints points_;
 
   typename Chain::Tangent tangent_;
-  std::vector<Factor> factors_;
-  std::size_t next_factor_ = 0;
-  Factor* factor_ = nullptr;
+  ChainFactors<S, Chain> factors_;
+  typename ChainFactors<S, Chain>::Factor* factor_ = nullptr;
   bool slow_ = false;
   bool followed_ = false;  // by a derivative
   bool in_contact_ = false;
@@ -548,56 +522,6 @@ class ChainMotion final : public BarMotion {
   double excess_ = 1.0;
   mutable Eigen::VectorXd beam_q_, beam_v_;
 };
-
-template <int S, typename Chain, template <int> typename Hold>
-void ChainMotion<S, Chain, Hold>::make_factor(double h, Factor& factor) {
-  factor.h = h;
-  const BarDamping& damping = chain_.damping();
-  SystemShares<pairs> shares;
-  const auto put = [](const std::complex<double>& value, int j, Complex& share) {
-    share.re[j] = value.real();
-    share.im[j] = value.imag();
-  };
-  for (int j = 0; j < pairs; ++j) {
-    const std::complex<double> z = h * stages_.eigenvalues[j];
-    put(1.0 + z * damping.mass, j, shares.mass);
-    put(z * z + z * damping.stiffness, j, shares.stiffness);
-    put(z * z * chain_.hinge().spring + z * chain_.hinge().viscous, j, shares.first_node);
-  }
-  if (held())
-    hold_.template factor<pairs>(tangent_, shares, factor.systems);
-  else
-    chain_.template factor<pairs>(tangent_, shares, factor.systems);
-  for (int stop = 0; stop < stops(); ++stop) respond_to(stop, factor);
-}
-
-/// All points to a unit force of a stop.
-template <int S, typename Chain, template <int> typename Hold>
-void ChainMotion<S, Chain, Hold>::respond_to(int stop, Factor& factor) {
-  const double h = factor.h;
-  std::vector<Complex>& pressed = factor.pressed[static_cast<std::size_t>(stop)];
-  std::ranges::fill(pressed, Complex{});
-  for_each_share(stop, [&](int k, double w) { pressed[static_cast<std::size_t>(k)].re += w; });
-  factor.systems.solve_in_place(pressed);
-  for (int point = 0; point < stops(); ++point) {
-    // acceleration across the bar before the point under a unit force at each node
-    Complex own{};
-    for_each_share(point, [&](int k, double w) {
-      own.re += w * pressed[static_cast<std::size_t>(k)].re;
-      own.im += w * pressed[static_cast<std::size_t>(k)].im;
-    });
-    Eigen::Matrix<double, S, S> acceleration = Eigen::Matrix<double, S, S>::Zero();
-    for (int j = 0; j < pairs; ++j) {
-      const auto re = own.re[j] * stages_.into_re.row(j) - own.im[j] * stages_.into_im.row(j);
-      const auto im = own.re[j] * stages_.into_im.row(j) + own.im[j] * stages_.into_re.row(j);
-      acceleration += stages_.out_re.col(j) * re - stages_.out_im.col(j) * im;
-    }
-    Response& response = factor.responses[index_of(point, stop)];
-    response.displacement_of_force = -h * h * stages_.to_displacement * acceleration;
-    response.velocity_of_force = -h * stages_.to_velocity * acceleration;
-    response.set_most();
-  }
-}
 
 /// r becomes the accelerations that Newton's method takes off. A bar that has turned since the
 /// tangent was made has the same tangent, turned.
