@@ -12,9 +12,10 @@ using SolveRig = std::function<Simulation(const Solver&, const SimulationOptions
 
 /// Of a stop that gives way, whether its sensor's largest force [N] is known as well as asked for
 /// where that lies beyond a second touch: each contact magnifies the errors of those before it, and
-/// no step's control bounds that. Solved again `coarser` times less accurately, until then, in the
-/// time left [s], it may change by that much more than the accuracy; where it changes by more, or
-/// cannot be solved again, the run gets a warning that says so.
+/// no step's control bounds that. Solved again 10 times less accurately, until then, in the time
+/// left [s], it may change by the accuracy. Where it changes by up to 10 times that, which the
+/// coarser solution may err by, one 10 times more accurate decides. Where that changes by more than
+/// the accuracy, or none can be had, the run gets a warning that says so.
 void confirm_sensor_peak(const Solver& solver, const SimulationOptions& options, double time_left,
                          const SolveRig& solve, Simulation& run);
 

@@ -17,7 +17,6 @@
 #include "models/ensemble.hpp"
 #include "models/integration/dop853.hpp"
 #include "models/simulation.hpp"
-#include "models/stop/sensor_peak.hpp"
 #include "models/stop/stop_head.hpp"
 #include "tests/models/scenes.hpp"
 #include "tests/support/convergence_study.hpp"
@@ -582,66 +581,6 @@ TEST(CompliantStop, MembersOfEnsemblesTellOfASensorsForceThatIsNotKnown) {
   EXPECT_THAT(simulate(rig, solver, options.simulation).warnings, told);
   const std::vector<Rig> rigs = {rig};
   EXPECT_THAT(simulate_ensemble(rigs, solver, options)[0].simulation.warnings, told);
-}
-
-/// What a run of two contacts before a stop that gives way may come to.
-Simulation carried(double peak, double time) {
-  Simulation run;
-  run.sensor = SensorForce{.peak_force = peak, .peak_time = time};
-  run.episodes = {{.start = 0.0, .end = 1.0}, {.start = 2.0, .end = 3.0}};
-  run.duration = 4.0;
-  return run;
-}
-
-TEST(SensorPeak, IsConfirmedBeyondASecondTouchAlone) {
-  Solver solver = rigid(1e-5);
-  long calls = 0;
-  const auto warnings = [&](double time, double other) {
-    Simulation run = carried(100.0, time);
-    confirm_sensor_peak(
-        solver, {}, 1.0,
-        [&](const Solver& again, const SimulationOptions&) {
-          ++calls;
-          EXPECT_DOUBLE_EQ(again.accuracy, 1e-4);
-          EXPECT_DOUBLE_EQ(*again.duration, 1.1 * time);
-          EXPECT_EQ(again.time_limit, 1.0);
-          return carried(other, time);
-        },
-        run);
-    return run.warnings;
-  };
-  EXPECT_THAT(warnings(1.5, 0.0), testing::IsEmpty());
-  EXPECT_EQ(calls, 0);
-  EXPECT_THAT(warnings(2.5, 100.009), testing::IsEmpty());
-  EXPECT_EQ(calls, 1);
-  EXPECT_THAT(
-      warnings(2.5, 103.0),
-      testing::ElementsAre(
-          "the sensor carries most, 100 N, 2.5 s after first touch, in contact 2, and that changes "
-          "by 3.0e-02 when it is solved 10 times less accurately: each contact magnifies the "
-          "errors "
-          "of those before it. What it carries up to 2 s, when the second begins, does not depend "
-          "on them; state such a solver.duration, or damp contact or stop."));
-}
-
-TEST(SensorPeak, ThatCannotBeConfirmedIsToldOf) {
-  const auto warnings = [](double time_left, const SolveRig& solve) {
-    Simulation run = carried(100.0, 2.5);
-    confirm_sensor_peak(rigid(1e-5), {}, time_left, solve, run);
-    return run.warnings;
-  };
-  const auto late = [](const Solver&, const SimulationOptions&) -> Simulation {
-    throw std::runtime_error("solver.time_limit");
-  };
-  const auto cut = [](const Solver&, const SimulationOptions&) {
-    Simulation run = carried(100.0, 2.4);
-    run.duration = 2.4;
-    return run;
-  };
-  const auto told = testing::ElementsAre(HasSubstr("could not be solved again to see how far"));
-  EXPECT_THAT(warnings(1.0, late), told);
-  EXPECT_THAT(warnings(1.0, cut), told);
-  EXPECT_THAT(warnings(-0.1, late), told);
 }
 
 // A run that chooses its end sees every contact of a longer one: the head, swung in far, may still

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// When the largest force of a stop that gives way is said to be known.
+#include "models/stop/sensor_peak.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tests/models/scenes.hpp"
+
+namespace {
+
+using namespace impactrig::models;
+using impactrig::tests::rigid;
+using testing::HasSubstr;
+
+/// What a run of two contacts before a stop that gives way may come to.
+Simulation carried(double peak, double time) {
+  Simulation run;
+  run.sensor = SensorForce{.peak_force = peak, .peak_time = time};
+  run.episodes = {{.start = 0.0, .end = 1.0}, {.start = 2.0, .end = 3.0}};
+  run.duration = 4.0;
+  return run;
+}
+
+/// What confirm_sensor_peak() says of 100 N to 1e-5, where other accuracies find other forces.
+std::vector<std::string> warnings_of(double time, const std::map<double, double>& forces) {
+  Simulation run = carried(100.0, time);
+  confirm_sensor_peak(
+      rigid(1e-5), {}, 1.0,
+      [&](const Solver& again, const SimulationOptions&) {
+        EXPECT_DOUBLE_EQ(*again.duration, 1.1 * time);
+        EXPECT_LE(again.time_limit, 1.0);
+        const auto near = [&](const auto& at) {
+          return std::abs(at.first / again.accuracy - 1.0) < 1e-9;
+        };
+        const auto found = std::ranges::find_if(forces, near);
+        EXPECT_NE(found, forces.end()) << again.accuracy;
+        return carried(found != forces.end() ? found->second : 0.0, time);
+      },
+      run);
+  return run.warnings;
+}
+
+TEST(SensorPeak, IsConfirmedBeyondASecondTouchAlone) {
+  EXPECT_THAT(warnings_of(1.5, {}), testing::IsEmpty());
+  EXPECT_THAT(warnings_of(2.5, {{1e-4, 100.0009}}), testing::IsEmpty());
+  EXPECT_THAT(
+      warnings_of(2.5, {{1e-4, 103.0}}),
+      testing::ElementsAre(
+          "the sensor carries most, 100 N, 2.5 s after first touch, in contact 2, and that changes "
+          "by 3.0e-02 when it is solved 10 times less accurately: each contact magnifies the "
+          "errors "
+          "of those before it. What it carries up to 2 s, when the second begins, does not depend "
+          "on them; state such a solver.duration, or damp contact or stop."));
+}
+
+// The coarser solution may err by 10 times as much: its change alone tells nothing.
+TEST(SensorPeak, IsDecidedByAFinerSolutionWhereACoarserOneMayBeWrong) {
+  EXPECT_THAT(warnings_of(2.5, {{1e-4, 100.009}, {1e-6, 100.0009}}), testing::IsEmpty());
+  EXPECT_THAT(warnings_of(2.5, {{1e-4, 100.009}, {1e-6, 100.002}}),
+              testing::ElementsAre(
+                  HasSubstr("changes by 2.0e-05 when it is solved 10 times more accurately")));
+}
+
+TEST(SensorPeak, ThatCannotBeConfirmedIsToldOf) {
+  const auto warnings = [](double time_left, const SolveRig& solve) {
+    Simulation run = carried(100.0, 2.5);
+    confirm_sensor_peak(rigid(1e-5), {}, time_left, solve, run);
+    return run.warnings;
+  };
+  const auto late = [](const Solver&, const SimulationOptions&) -> Simulation {
+    throw std::runtime_error("solver.time_limit");
+  };
+  const auto cut = [](const Solver&, const SimulationOptions&) {
+    Simulation run = carried(100.0, 2.4);
+    run.duration = 2.4;
+    return run;
+  };
+  const auto told = testing::ElementsAre(HasSubstr("could not be solved again to see how far"));
+  EXPECT_THAT(warnings(1.0, late), told);
+  EXPECT_THAT(warnings(1.0, cut), told);
+  EXPECT_THAT(warnings(-0.1, late), told);
+}
+
+}  // namespace
