@@ -10,6 +10,7 @@
 
 #include "acquisition/importers/column_keys.hpp"
 #include "acquisition/importers/date_time.hpp"
+#include "acquisition/importers/instrument_heads.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
@@ -224,7 +225,7 @@ void add_attribute(std::string_view line, const TableLayout& layout, bool keys, 
   if (divider == colon)  // "XInc:,5e-7" above one column
     rest.remove_prefix(std::min(rest.find_first_not_of(",;\t "), rest.size()));
   while (!rest.empty() && rest.back() == layout.dialect.delimiter) rest.remove_suffix(1);
-  while (!key.empty() && (key.back() == ':' || key.back() == '=')) key.pop_back();
+  while (!key.empty() && std::string_view(":= \t").find(key.back()) != key.npos) key.pop_back();
   value = to_utf8(trimmed(rest));
   if (!key.empty() && !value.empty()) head.attributes[key] = value;
 }
@@ -345,22 +346,6 @@ bool are_units_of_a_key(const Cells& cells) {
   std::string key = lowered(cells.front());
   if (key.ends_with(':')) key.pop_back();
   return cells.size() > 1 && (key == "unit" || key == "units");
-}
-
-/// Names and units of a Campbell Scientific TOA5 file, which have a line of the kind of their
-/// values below; False for other files.
-bool take_toa5(const TableLayout& layout, const std::vector<std::size_t>& filled, Cells& names,
-               Cells& units, TableHead& head) {
-  if (filled.size() < 4 || layout.dialect.delimiter != ',' ||
-      cells_of(layout.head[filled[0]], ',').front() != "TOA5")
-    return false;
-  names = head_cells(layout.head[filled[1]], layout);
-  units = head_cells(layout.head[filled[2]], layout);
-  for (std::string_view& unit : units)
-    if (unit == "TS" || unit == "RN") unit = {};  // time stamp, record number
-  head.names_line = static_cast<int>(filled[1]) + 1;
-  head.units_line = static_cast<int>(filled[2]) + 1;
-  return true;
 }
 
 /// Numbers of columns (positions, angles) beside the name of a time: "Time [ms],1,2,3".
@@ -582,8 +567,10 @@ std::string one_line(std::string_view cell) {
 
 std::string_view without_channel(std::string_view value) {
   const std::size_t colon = value.find(':');
-  const bool is_channel = colon != std::string_view::npos && value.starts_with("CH") &&
-                          integer_in(value.substr(2, colon - 2)).has_value();
+  const bool is_channel =
+      colon != std::string_view::npos &&
+      (value.substr(0, colon) == "Analog" ||
+       (value.starts_with("CH") && integer_in(value.substr(2, colon - 2)).has_value()));
   return is_channel ? trimmed(value.substr(colon + 1)) : value;
 }
 
@@ -643,6 +630,7 @@ TableHead read_head(const TableLayout& layout, std::string_view text) {
     if (!trimmed(layout.head[i]).empty() && !is_rule(layout.head[i])) filled.push_back(i);
   Cells names;
   Cells units;
+  if (take_keys_over_values(layout, filled, head)) filled.clear();
   const bool keys = are_keys(layout, filled);
   if (!keys) find_names_and_units(layout, filled, names, units, head);
   if (names.size() > layout.cells) take_keys_among_names(names, head);
@@ -652,7 +640,7 @@ TableHead read_head(const TableLayout& layout, std::string_view text) {
     head.warnings.push_back(
         fmt::format("line {} ('{}') is taken to number the columns, not for a row of them",
                     layout.head.size(), to_utf8(trimmed(layout.head.back()).substr(0, 40))));
-  head.columns = heads_of(names, units);
+  if (head.columns.empty()) head.columns = heads_of(names, units);
   if (!layout.key_lines.empty()) take_keys(layout, head);
   for (const std::size_t i : filled) {
     const int line = static_cast<int>(i) + 1;

@@ -107,6 +107,7 @@ struct CsvHead {
     if (const std::string rest = what_follows(file, layout); !rest.empty())
       record.warnings.push_back(rest);
     tell_of_dates_and_text(layout, heads, roles, record);
+    if (record.started.empty()) record.started = head.started;
     take_units_of_keys(head, roles, layout.dialect.delimiter, heads);
     describe(layout, head, heads, roles, record);
   }

@@ -36,12 +36,6 @@ bool is_time_unit(const std::string& unit) {
   return !unit.empty() && datasets::quantity_of_unit(unit) == Quantity::time;
 }
 
-/// "s" of "S", which is a siemens elsewhere, and "us" of "uS".
-std::string unit_of_times(std::string_view unit) {
-  std::string small = lowered(unit);
-  return is_time_unit(std::string(unit)) || !is_time_unit(small) ? std::string(unit) : small;
-}
-
 /// "ms" where a name should be, or one of Arduino's clocks; "" for other names.
 std::string_view unit_of_time_alone(std::string_view name) {
   constexpr std::array<std::string_view, 7> units = {"s", "sec", "ms", "msec", "us", "µs", "ns"};

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <span>
 
+#include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/date_columns.hpp"
 
 namespace impactrig::acquisition {
@@ -258,6 +259,13 @@ std::vector<Dialect> dialects_with_dates(std::vector<Dialect> possible) {
   return possible;
 }
 
+/// LabVIEW SignalExpress writes the channels' names below "channel names:", with tabs between them:
+/// where there is no tab there is one channel, and commas are decimal marks.
+bool is_divided_by_tabs(const std::vector<std::string_view>& lines) {
+  return lines.size() > 1 && lowered(trimmed(lines[0])) == "channel names:" &&
+         (lines[1].find('\t') != lines[1].npos || lines[1].find_first_of(",;") == lines[1].npos);
+}
+
 }  // namespace
 
 bool is_skipped_line(std::string_view line) {
@@ -281,7 +289,9 @@ std::size_t named_columns(std::string_view line, Dialect dialect) {
 
 std::optional<DialectFound> find_dialect(TextFile& file, const std::vector<std::string_view>& lines,
                                          std::size_t from, const ImportOptions& options) {
-  const std::vector<Dialect> possible = possible_dialects(options);
+  std::vector<Dialect> possible = possible_dialects(options);
+  if (!options.delimiter && is_divided_by_tabs(lines))
+    std::erase_if(possible, [](Dialect dialect) { return dialect.delimiter != '\t'; });
   std::optional<DialectFound> best = best_of(try_dialect, lines, from, possible);
   if (!options.delimiter && (!best || best->dialect.delimiter == ' '))
     refuse_thousands_separators(file, lines);

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/instrument_heads.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+
+#include "acquisition/importers/date_time.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+using Cells = std::vector<std::string_view>;
+
+/// The word of a line that is a key without a value, "start times: "; "" for others.
+std::string lone_key(std::string_view line) {
+  const std::string_view text = trimmed(line);
+  return text.ends_with(':') && text.find(':') + 1 == text.size()
+             ? lowered(trimmed(text.substr(0, text.size() - 1)))
+             : std::string();
+}
+
+/// When the channels began, in the order of the channels.
+void take_start_times(const Cells& times, TableHead& head) {
+  const auto first = times.empty() ? std::nullopt : date_time_in(times.front());
+  if (first) head.started = first->iso();
+  if (std::ranges::count(times, times.front()) != static_cast<std::ptrdiff_t>(times.size()))
+    head.warnings.emplace_back(
+        "the channels begin at different times by 'start times': all are taken to begin with the "
+        "first row");
+}
+
+}  // namespace
+
+bool take_toa5(const TableLayout& layout, const std::vector<std::size_t>& filled,
+               std::vector<std::string_view>& names, std::vector<std::string_view>& units,
+               TableHead& head) {
+  if (filled.size() < 4 || layout.dialect.delimiter != ',' ||
+      cells_of(layout.head[filled[0]], ',').front() != "TOA5")
+    return false;
+  names = cells_of(layout.head[filled[1]], ',');
+  units = cells_of(layout.head[filled[2]], ',');
+  for (std::string_view& unit : units)
+    if (unit == "TS" || unit == "RN") unit = {};  // time stamp, record number
+  head.names_line = static_cast<int>(filled[1]) + 1;
+  head.units_line = static_cast<int>(filled[2]) + 1;
+  return true;
+}
+
+bool take_keys_over_values(const TableLayout& layout, const std::vector<std::size_t>& filled,
+                           TableHead& head) {
+  if (filled.size() < 3 || lone_key(layout.head[filled.front()]) != "channel names") return false;
+  for (std::size_t i = 0; i + 1 < filled.size(); ++i) {
+    const std::string key = lone_key(layout.head[filled[i]]);
+    if (key.empty() || !lone_key(layout.head[filled[i + 1]]).empty()) continue;
+    const std::string_view line = layout.head[filled[++i]];
+    const bool tabs = line.find('\t') != line.npos || layout.cells == 1;
+    const Cells values = cells_of(line, tabs ? '\t' : layout.dialect.delimiter);
+    head.attributes[key] = to_utf8(trimmed(line));
+    if (key == "start times") take_start_times(values, head);
+    if (key != "channel names" || values.size() != layout.cells) continue;
+    head.names_line = static_cast<int>(filled[i]) + 1;
+    for (const std::string_view name : values) head.columns.push_back(split_head(name));
+  }
+  return true;
+}
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "acquisition/importers/column_heads.hpp"
+
+/// Heads of tables that only one program or instrument writes. `filled`: which lines of the head
+/// hold text.
+namespace impactrig::acquisition {
+
+/// Names and units of a Campbell Scientific TOA5 file, which have a line of the kind of their
+/// values below; False for other files.
+bool take_toa5(const TableLayout& layout, const std::vector<std::size_t>& filled,
+               std::vector<std::string_view>& names, std::vector<std::string_view>& units,
+               TableHead& head);
+
+/// Names, start and interval of LabVIEW SignalExpress's text export, where each key stands on the
+/// line above its values, one a channel: "channel names:", "start times:", "dt:", "data:". False
+/// for other files.
+bool take_keys_over_values(const TableLayout& layout, const std::vector<std::size_t>& filled,
+                           TableHead& head);
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "acquisition/importer.hpp"
+#include "acquisition/importers/formats.hpp"
+#include "tests/acquisition/large_texts.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+/// Tables as one instrument or program writes them.
+namespace impactrig::acquisition {
+namespace {
+
+using datasets::Record;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using tests::imported;
+using tests::names_and_units;
+
+TEST(SignalExpress, KeysStandOnTheLineAboveTheirValues) {
+  const Record record = imported(
+      "channel names: \r\nDev1 ai0\tDev1 ai1\r\nstart times: \r\n"
+      "3/15/2014 10:11:12.500000\t3/15/2014 10:11:12.500000\r\ndt: \r\n0.000100\t0.000100\r\n"
+      "data: \r\n1.5\t-2.0\r\n2.5\t-3.0\r\n0.5\t-4.0\r\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Dev1 ai0 []", "Dev1 ai1 []"));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1.5, 2.5, 0.5));
+  EXPECT_DOUBLE_EQ(record.channels[1].clock.interval, 1e-4);
+  EXPECT_EQ(record.started, "2014-03-15T10:11:12.5");
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(SignalExpress, MayHaveOneChannelAndDecimalCommas) {
+  const Record record = imported(
+      "channel names: \r\nhammer\r\nstart times: \r\n15.03.2014 10:11:12,500000\r\ndt: \r\n"
+      "0,000100\r\ndata: \r\n1,5\r\n2,5\r\n0,5\r\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("hammer []"));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1.5, 2.5, 0.5));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-4);
+  EXPECT_EQ(record.started, "2014-03-15T10:11:12.5");
+}
+
+// 1/51200 s is printed as 0.000020 too
+TEST(SignalExpress, AnIntervalOfFewDigitsIsToldOf) {
+  const Record record = imported(
+      "channel names:\na\tb\nstart times:\n3/15/2014 10:11:12.0\t3/15/2014 10:11:13.0\ndt:\n"
+      "0.000020\t0.000020\ndata:\n1.5\t2.5\n1.4\t2.6\n");
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 2e-5);
+  EXPECT_THAT(record.warnings,
+              ElementsAre("the channels begin at different times by 'start times': all are taken "
+                          "to begin with the first row",
+                          "the header states 'dt' as '0.000020', whose decimals leave it open by 2 "
+                          "%: --sample-rate states the rate"));
+}
+
+std::string owon(std::string_view interval) {
+  return fmt::format(  // as an HDS242 writes it
+      "Channel\t\t\t  :,CH1,CH2\r\nFrequency\t\t\t  :,F=1.498kHz,F=  ?\r\n"
+      "Voltage per ADC value:,20.00mV,20.00mV\r\nTime interval\t\t\t  :,{0},{0}\r\n\r\n"
+      "index,CH1_Voltage(mV),CH2_Voltage(mV)\r\n0,380.00,1.00\r\n1,-360.00,2.00\r\n"
+      "2,20.00,3.00\r\n",
+      interval);
+}
+
+TEST(Owon, TheTimeIntervalIsTheClock) {
+  const Record record = imported(owon("100.00uS"));
+  EXPECT_THAT(names_and_units(record), ElementsAre("CH1_Voltage [mV]", "CH2_Voltage [mV]"));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(380, -360, 20));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-4);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+// 8 ns are printed as 0.01uS
+TEST(Owon, ATimeIntervalOfFewDigitsIsToldOf) {
+  const Record record = imported(owon("0.08uS"));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 8e-8);
+  EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("'0.08uS', whose decimals leave it open by 6 "
+                                                     "%: --sample-rate states the rate")));
+}
+
+TEST(InstrumentTables, AreReadByBlocksAsTheyAreReadAtOnce) {
+  for (const std::string& text : {owon("2.00uS")}) {
+    const tests::WrittenFile file(text, ".csv");
+    tests::expect_same(read_into_memory(*open_csv_by_blocks(file.path(), {}), {}),
+                       read_into_memory(*open_csv(file.path(), {}), {}));
+  }
+}
+
+TEST(Siglent, AnIntervalOfTheAnalogInputsIsUnderstood) {
+  const Record record = imported(
+      "Record Length,Analog:7000\nSample Interval,Analog:0.0000000200\nVertical Units,CH1:V\n"
+      "Horizontal Units,s\nSource,CH1\nSecond,Value\n-4e-08,1.5\n-2e-08,2.5\n0,0.5\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Value [V]"));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 2e-8);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition
