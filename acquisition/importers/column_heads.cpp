@@ -632,7 +632,8 @@ TableHead read_head(const TableLayout& layout, std::string_view text) {
   Cells units;
   if (take_keys_over_values(layout, filled, head)) filled.clear();
   const bool keys = are_keys(layout, filled);
-  if (!keys) find_names_and_units(layout, filled, names, units, head);
+  if (!keys && !take_graphtec(layout, filled, head))
+    find_names_and_units(layout, filled, names, units, head);
   if (names.size() > layout.cells) take_keys_among_names(names, head);
   spread_names(layout, names);
   compare_names_with_columns(layout, text, names, head);

@@ -99,7 +99,10 @@ struct CsvHead {
   /// columns are further times is for all to say.
   void settle(const Table& rows, const ImportOptions& options, bool read_on, Record& record) {
     record.attributes = head.attributes;
-    for (const DateColumns& date : layout.dates) heads[date.last].unit = std::string("s");
+    for (const DateColumns& date : layout.dates) {
+      heads[date.last].unit = std::string("s");
+      if (date.fraction > 0) heads[date.last].name = heads[date.last - 1].name;
+    }
     roles = find_roles(file, layout, head, heads, rows, options);
     if (!roles.named_times.empty()) find_ends_of_times(rows, read_on);
     record.warnings = head.warnings;

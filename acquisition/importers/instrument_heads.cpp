@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "acquisition/importers/date_time.hpp"
 
@@ -32,6 +33,30 @@ void take_start_times(const Cells& times, TableHead& head) {
         "first row");
 }
 
+/// Unit and signal of each input, as the settings of a Graphtec amplifier state them:
+/// "CH3,hammer,DC,50V,Off,25,-25,[N]" under "CH,Signal name,Input,Range,Filter,Span,,Unit".
+void take_amplifier_settings(const TableLayout& layout, const std::vector<std::size_t>& filled,
+                             TableHead& head) {
+  std::size_t unit_at = 0;
+  for (const std::size_t line : filled) {
+    const Cells cells = cells_of(layout.head[line], layout.dialect.delimiter);
+    if (cells.front() == "CH") {
+      const auto unit = std::ranges::find_if(
+          cells, [](auto cell) { return cell == "Unit" || cell == "\u5358\u4F4D"; });
+      unit_at = unit == cells.end() ? 0 : static_cast<std::size_t>(unit - cells.begin());
+      continue;
+    }
+    const auto column = std::ranges::find(head.columns, cells.front(), &ColumnHead::name);
+    if (unit_at == 0 || unit_at >= cells.size() || cells.front().empty() ||
+        column == head.columns.end())
+      continue;
+    std::string_view unit = cells[unit_at];
+    if (unit.starts_with('[') && unit.ends_with(']')) unit = unit.substr(1, unit.size() - 2);
+    if (column->unit.empty()) column->unit = to_utf8(trimmed(unit));
+    column->description = to_utf8(cells[1]);
+  }
+}
+
 }  // namespace
 
 bool take_toa5(const TableLayout& layout, const std::vector<std::size_t>& filled,
@@ -46,6 +71,33 @@ bool take_toa5(const TableLayout& layout, const std::vector<std::size_t>& filled
     if (unit == "TS" || unit == "RN") unit = {};  // time stamp, record number
   head.names_line = static_cast<int>(filled[1]) + 1;
   head.units_line = static_cast<int>(filled[2]) + 1;
+  return true;
+}
+
+bool take_graphtec(const TableLayout& layout, const std::vector<std::size_t>& filled,
+                   TableHead& head) {
+  const auto cells_in = [&layout](std::size_t line) {
+    return cells_of(layout.head[line], layout.dialect.delimiter);
+  };
+  if (filled.size() < 3 || layout.dialect.delimiter == ' ') return false;
+  const Cells vendor = cells_in(filled.front());
+  if (vendor.size() < 2 || !vendor[1].starts_with("GRAPHTEC")) return false;
+  std::size_t names_line = filled.back();
+  Cells names = cells_in(names_line);
+  Cells units(names.size());
+  const Cells above = cells_in(filled[filled.size() - 2]);
+  if (above.size() == names.size() && above.size() > 1 && !above[1].empty()) {
+    head.units_line = static_cast<int>(names_line) + 1;
+    names_line = filled[filled.size() - 2];
+    units = std::exchange(names, above);
+  }
+  head.names_line = static_cast<int>(names_line) + 1;
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    ColumnHead& column = head.columns.emplace_back();
+    if (c > 0) column.name = to_utf8(names[c]);  // the first counts the rows
+    if (layout.dates_at(c) == nullptr && units[c] != "NO.") column.unit = to_utf8(units[c]);
+  }
+  take_amplifier_settings(layout, filled, head);
   return true;
 }
 

@@ -17,6 +17,11 @@ bool take_toa5(const TableLayout& layout, const std::vector<std::size_t>& filled
                std::vector<std::string_view>& names, std::vector<std::string_view>& units,
                TableHead& head);
 
+/// Columns of a Graphtec logger (GL series): names, with their units below or in the settings of
+/// the amplifier above, where the signals' names are too. False for other files.
+bool take_graphtec(const TableLayout& layout, const std::vector<std::size_t>& filled,
+                   TableHead& head);
+
 /// Names, start and interval of LabVIEW SignalExpress's text export, where each key stands on the
 /// line above its values, one a channel: "channel names:", "start times:", "dt:", "data:". False
 /// for other files.

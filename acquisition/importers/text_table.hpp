@@ -35,6 +35,9 @@ struct DateColumns {
   std::size_t first = 0;
   std::size_t last = 0;  ///< which gets the value
   DateTime base;
+  /// Of the last column where it counts what is behind the seconds, as loggers write "ms" or "us"
+  /// beside a time in whole seconds [ns]; 0: it does not.
+  std::int64_t fraction = 0;
 };
 
 /// A column of numbers that are counted from the first: they are too large for their differences.
@@ -89,8 +92,8 @@ std::vector<std::string_view> cells_of(std::string_view line, char delimiter);
 std::optional<double> cell_value(std::string_view cell, char decimal);
 
 /// True for what instruments write in a column of numbers where a value was beyond their range or
-/// is not there: "OVL", "+Over", "overload", "---", "#####". In a column without numbers it may be
-/// a text like others.
+/// is not there: "OVL", "+Over", "overload", "---", "+++", "#####". In a column without numbers it
+/// may be a text like others.
 bool marks_missing(std::string_view cell);
 
 /// True for "1,234.5", "1.234,0", "1'234" and "1 234,5": digits in groups of three.
@@ -162,6 +165,7 @@ class RowReader {
   void read_counted(std::size_t column);
   void skip_cell();
   bool read_date(std::size_t column);
+  std::optional<std::int64_t> read_fraction(const DateColumns& date);
   void unusual_cell(std::size_t column);
   bool scan_only(std::string_view cell) const;
   void finish_row(const char* line);

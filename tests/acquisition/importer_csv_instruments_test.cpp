@@ -15,6 +15,7 @@ using datasets::Record;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using tests::import_error;
 using tests::imported;
 using tests::names_and_units;
 
@@ -78,8 +79,60 @@ TEST(Owon, ATimeIntervalOfFewDigitsIsToldOf) {
                                                      "%: --sample-rate states the rate")));
 }
 
+// a GL240: milliseconds in a column of their own, units below the names
+std::string gl240() {
+  return "Vendor,\"GRAPHTEC Corporation\"\nModel,\"GL240\"\nSampling interval,200ms\n"
+         "Start time,2026/09/24,09:09:54\nAMP settings\nCH,Signal "
+         "name,Input,Range,Filter,Span,,Unit\n"
+         "CH1,\"hammer\",\"DC\",100mV,Off,+50.00,-50.00,[mV]\n"
+         "CH2,\"beam\",\"DC\",5V,Off,+5.000,-5.000,[V]\nData\n"
+         "Number,Date&Time,ms,CH1,CH2,Alarm1-10,AlarmOut\n"
+         "NO.,Time,ms,\"mV\",\"V\",\"A1234567890\",\"AO1234\"\n"
+         "         1,2026/09/24 09:09:54,  0,+    1.50,-    2.000,LLLLLLLLLL,LLLL\n"
+         "         2,2026/09/24 09:09:54,200,+    2.50,+++++++,LLLLLLLLLL,LLLL\n"
+         "         3,2026/09/24 09:09:54,400,+    0.50,BURNOUT,LLLLLLLLLL,LLLL\n"
+         "         4,2026/09/24 09:09:54,600,+    0.50,-    1.000,LLLLLLLLLL,LLLL\n"
+         "         5,2026/09/24 09:09:54,800,+    0.50,-    1.000,LLLLLLLLLL,LLLL\n"
+         "         6,2026/09/24 09:09:55,  0,+    0.50,-    1.000,LLLLLLLLLL,LLLL\n";
+}
+
+TEST(Graphtec, MillisecondsBesideTheTimeBelongToIt) {
+  const Record record = imported(gl240());
+  EXPECT_THAT(names_and_units(record), ElementsAre("CH1 [mV]", "CH2 [V]"));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1.5, 2.5, 0.5, 0.5, 0.5, 0.5));
+  EXPECT_THAT(record.channels[1].valid, ElementsAre(1, 0, 0, 1, 1, 1));
+  EXPECT_EQ(record.channels[0].attributes.at("description"), "hammer");
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.2);
+  EXPECT_TRUE(record.channels[0].clock.uniform());
+  EXPECT_EQ(record.started, "2026-09-24T09:09:54");
+  EXPECT_THAT(record.warnings,
+              ElementsAre(HasSubstr("'Alarm1-10' holds text"), HasSubstr("'AlarmOut' holds text"),
+                          HasSubstr("2 of 6 values are missing, the first, written '+++++++'")));
+}
+
+// a GL980: date, time and microseconds, units in the settings; here with decimal commas
+TEST(Graphtec, UnitsMayStandInTheSettingsOfTheAmplifier) {
+  const std::string head =
+      "Vendor;GRAPHTEC Corporation\nModel;GL980\nVersion;Ver1,35;Rev0001\n"
+      "Sampling interval;100us\nStart time;2026/06/01;17:01:39\nAMP settings\n"
+      "CH;Signal name;Amp;Input;Range;Filter;Span;;Unit\nCH3;hammer;M;DC;50V;Off;25;-25;N\n"
+      "CH4;;M;DC;50mV;Off;10;-10;A\nPosition/Vernier settings\nCH;Position;Vernier\n"
+      "CH3;50%;100,00%\nData\nNumber;Date;Time;us;CH3;CH4;Alarm;AlarmOut\n";
+  const std::string row = "2026/06/01;17:01:";
+  const Record record = imported(head + "1;" + row + "39;999800;+1,500;-2,0000;LLLLLLLLLL;LLLL\n" +
+                                 "2;" + row + "39;999900;+2,500;-3,0000;LLLLLLLLLL;LLLL\n" + "3;" +
+                                 row + "40;0;+0,500;-4,0000;LLLLLLLLLL;LLLL\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("CH3 [N]", "CH4 [A]"));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1.5, 2.5, 0.5));
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(-2, -3, -4));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-4);
+  EXPECT_EQ(record.started, "2026-06-01T17:01:39.9998");
+  EXPECT_THAT(record.warnings,
+              ElementsAre(HasSubstr("'Alarm' holds text"), HasSubstr("'AlarmOut' holds text")));
+}
+
 TEST(InstrumentTables, AreReadByBlocksAsTheyAreReadAtOnce) {
-  for (const std::string& text : {owon("2.00uS")}) {
+  for (const std::string& text : {gl240(), owon("2.00uS")}) {
     const tests::WrittenFile file(text, ".csv");
     tests::expect_same(read_into_memory(*open_csv_by_blocks(file.path(), {}), {}),
                        read_into_memory(*open_csv(file.path(), {}), {}));
@@ -93,6 +146,16 @@ TEST(Siglent, AnIntervalOfTheAnalogInputsIsUnderstood) {
   EXPECT_THAT(names_and_units(record), ElementsAre("Value [V]"));
   EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 2e-8);
   EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(CsvDates, AFractionBesideATimeThatIsNoneIsAnError) {
+  const std::string rows = "No;Time;ms;F\n1;10:11:12;0;1.5\n2;10:11:12;500;2.5\n3;10:11:13;0;0.5\n";
+  EXPECT_DOUBLE_EQ(imported(rows).channels.at(0).clock.interval, 0.5);
+  std::string many = rows;
+  for (int i = 4; i < 60; ++i) many += fmt::format("{};10:11:{};0;1.5\n", i, i < 50 ? 10 + i : 59);
+  EXPECT_EQ(import_error(many + "60;10:12:00;1500;1.5\n"),
+            "FILE:61:4 (byte 1071): Time: expected a date and time as in the first row, found "
+            "'10:12:00;1500'");
 }
 
 }  // namespace

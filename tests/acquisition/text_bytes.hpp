@@ -26,6 +26,9 @@ inline std::vector<std::string> csv_seeds() {
       "channel names: \na\tb\nstart times: \n3/15/2014 10:11:12.5\t3/15/2014 10:11:12.5\ndt: \n"
       "0.000100\t0.000100\ndata: \n1.5\t2.5\n0.5\t3.5\n",
       "Channel :,CH1\nTime interval :,0.08uS\n\nindex,CH1_Voltage(mV)\n0,1.5\n1,2.5\n",
+      "Vendor;GRAPHTEC Corporation\nAMP settings\nCH;Signal name;Span;;Unit\nCH1;a;1;-1;[N]\nData\n"
+      "Number;Date;Time;us;CH1;Alarm\n1;2026/06/01;17:01:39;999800;+1,5;LL\n"
+      "2;2026/06/01;17:01:40;0;+++++;LL\n",
       "Model,MSO64\nSample Interval,1e-9\nVertical Units,V\n\nLabels,,\nTIME,CH1\n0,1\n1e-9,2\n",
   };
 }
