@@ -499,20 +499,6 @@ std::vector<ColumnHead> heads_of(const Cells& names, const Cells& units) {
   return heads;
 }
 
-/// Keys that stand beside the samples. Such files have a time and one trace, named by the key
-/// Source.
-void take_keys(const TableLayout& layout, TableHead& head) {
-  for (const std::string_view line : layout.key_lines) {
-    const Cells cells = cells_of(line, layout.dialect.delimiter);
-    const std::string key = to_utf8(cells.front());
-    if (layout.key_cells > 1 && !cells[1].empty()) head.attributes[key] = to_utf8(cells[1]);
-  }
-  if (!head.columns.empty() || layout.cells != 2) return;
-  const auto source = head.attributes.find("Source");
-  head.columns = {{"time", "", ""},
-                  {source == head.attributes.end() ? "trace" : source->second, "", ""}};
-}
-
 /// A unit that stands for nothing else behind "in", a dash, a comma, a slash: "C" may be a channel.
 bool is_plain_unit(std::string_view text) {
   constexpr std::string_view letters = "sNVgm";
@@ -642,7 +628,7 @@ TableHead read_head(const TableLayout& layout, std::string_view text) {
         fmt::format("line {} ('{}') is taken to number the columns, not for a row of them",
                     layout.head.size(), to_utf8(trimmed(layout.head.back()).substr(0, 40))));
   if (head.columns.empty()) head.columns = heads_of(names, units);
-  if (!layout.key_lines.empty()) take_keys(layout, head);
+  if (!layout.key_lines.empty()) take_keys_beside_rows(layout, head);
   for (const std::size_t i : filled) {
     const int line = static_cast<int>(i) + 1;
     const bool only_numbers = layout.column_numbers && i + 1 == layout.head.size();

@@ -298,9 +298,10 @@ void tell_of_times(const std::vector<ColumnHead>& heads, const CsvRoles& roles, 
 void tell_of_dates_and_text(const TableLayout& layout, const std::vector<ColumnHead>& heads,
                             const CsvRoles& roles, Record& record) {
   for (const TextColumn& column : layout.text_columns)
-    record.warnings.push_back(fmt::format("'{}' holds text ('{}'), no numbers: it is left out",
-                                          heads[column.column].name,
-                                          to_utf8(column.example.substr(0, 40))));
+    if (!column.example.empty())
+      record.warnings.push_back(fmt::format("'{}' holds text ('{}'), no numbers: it is left out",
+                                            heads[column.column].name,
+                                            to_utf8(column.example.substr(0, 40))));
   for (const DateColumns& date : layout.dates) {
     const bool is_time =
         roles.time == date.last ||

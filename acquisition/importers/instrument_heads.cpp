@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <utility>
 
+#include "acquisition/importers/column_keys.hpp"
 #include "acquisition/importers/date_time.hpp"
 
 namespace impactrig::acquisition {
@@ -57,6 +59,40 @@ void take_amplifier_settings(const TableLayout& layout, const std::vector<std::s
   }
 }
 
+using Keys = std::map<std::string, std::string>;
+
+/// The keys and values in the cells from `column` on.
+Keys keys_at(const TableLayout& layout, std::size_t column) {
+  Keys keys;
+  for (const std::string_view line : layout.key_lines) {
+    const Cells cells = cells_of(line, layout.dialect.delimiter);
+    if (column + 1 < cells.size() && !cells[column].empty() && !cells[column + 1].empty())
+      keys[to_utf8(cells[column])] = to_utf8(cells[column + 1]);
+  }
+  return keys;
+}
+
+std::string value_of(const Keys& keys, const std::string& key, std::string_view otherwise = {}) {
+  const auto found = keys.find(key);
+  return found == keys.end() ? std::string(otherwise) : found->second;
+}
+
+/// Time and trace of a further table, the first two columns behind its keys.
+void take_further_table(const TableLayout& layout, std::size_t keys_column, TableHead& head) {
+  const Keys keys = keys_at(layout, keys_column);
+  const std::string name = value_of(keys, "Source", "trace");
+  for (const auto& [key, value] : keys)
+    if (value_of(head.attributes, key) != value)
+      head.attributes[fmt::format("{} ({})", key, name)] = value;
+  std::size_t time = keys_column - layout.key_cells;
+  while (time < layout.cells && layout.holds_text(time)) ++time;
+  if (time + 1 >= layout.cells) return;
+  head.columns[time].name = "time";
+  head.columns[time].unit = unit_of_times(value_of(keys, "Horizontal Units"));
+  head.columns[time + 1].name = name;
+  head.columns[time + 1].unit = value_of(keys, "Vertical Units");
+}
+
 }  // namespace
 
 bool take_toa5(const TableLayout& layout, const std::vector<std::size_t>& filled,
@@ -72,6 +108,17 @@ bool take_toa5(const TableLayout& layout, const std::vector<std::size_t>& filled
   head.names_line = static_cast<int>(filled[1]) + 1;
   head.units_line = static_cast<int>(filled[2]) + 1;
   return true;
+}
+
+void take_keys_beside_rows(const TableLayout& layout, TableHead& head) {
+  const Keys keys = keys_at(layout, 0);
+  head.attributes.insert(keys.begin(), keys.end());
+  if (!head.columns.empty() || (layout.cells != 2 && layout.further_keys.empty())) return;
+  head.columns.resize(layout.cells);
+  head.columns[0].name = "time";
+  head.columns[1].name = value_of(keys, "Source", "trace");
+  if (!layout.further_keys.empty()) head.columns[1].unit = value_of(keys, "Vertical Units");
+  for (const std::size_t column : layout.further_keys) take_further_table(layout, column, head);
 }
 
 bool take_graphtec(const TableLayout& layout, const std::vector<std::size_t>& filled,

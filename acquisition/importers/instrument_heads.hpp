@@ -22,6 +22,10 @@ bool take_toa5(const TableLayout& layout, const std::vector<std::size_t>& filled
 bool take_graphtec(const TableLayout& layout, const std::vector<std::size_t>& filled,
                    TableHead& head);
 
+/// Keys that stand beside the samples, of each table where several are side by side. Such tables
+/// have a time and one trace, named by the key Source.
+void take_keys_beside_rows(const TableLayout& layout, TableHead& head);
+
 /// Names, start and interval of LabVIEW SignalExpress's text export, where each key stands on the
 /// line above its values, one a channel: "channel names:", "start times:", "dt:", "data:". False
 /// for other files.

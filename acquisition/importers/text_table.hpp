@@ -61,6 +61,9 @@ struct TableLayout {
   /// `written_cells`.
   std::size_t key_cells = 0;
   std::vector<std::string_view> key_lines;  ///< the rows that have such keys
+  /// Cells of these rows that hold the keys of further tables beside the first; the columns they
+  /// stand over are without an example among `text_columns`.
+  std::vector<std::size_t> further_keys;
   /// In order; within the rows, or behind them under a name. A row may end before those at its end.
   std::vector<TextColumn> text_columns;
   std::vector<DateColumns> dates;  ///< in order

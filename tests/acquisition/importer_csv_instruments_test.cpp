@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <array>
+
 #include "acquisition/importer.hpp"
 #include "acquisition/importers/formats.hpp"
 #include "tests/acquisition/large_texts.hpp"
@@ -131,8 +133,50 @@ TEST(Graphtec, UnitsMayStandInTheSettingsOfTheAmplifier) {
               ElementsAre(HasSubstr("'Alarm' holds text"), HasSubstr("'AlarmOut' holds text")));
 }
 
+std::string tds_row(std::string_view keys, double time, double value) {
+  return fmt::format("{},{:016.9f}, {:9.5f},", keys, time, value);
+}
+
+std::string tds_side_by_side(std::string_view between) {
+  constexpr std::array<std::array<std::string_view, 2>, 7> keys = {{
+      {"Record Length,2.5e+03,", "Record Length,2.5e+03,"},
+      {"Sample Interval,1.0e-03,", "Sample Interval,1.0e-03,"},
+      {",,", ",,"},
+      {"Source,CH1,", "Source,MATH,"},
+      {"Vertical Units,V,", "Vertical Units,A,"},
+      {"Horizontal Units,s,", "Horizontal Units,s,"},
+      {"Vertical Scale,5.0e-01,", "Vertical Scale,2.0e+00,"},
+  }};
+  std::string text;
+  for (int i = 0; i < 12; ++i) {
+    const auto& key =
+        i < 7 ? keys[static_cast<std::size_t>(i)] : std::array<std::string_view, 2>{",,", ",,"};
+    text += tds_row(key[0], 1e-3 * (i - 2), 0.5 * i) + std::string(between) +
+            tds_row(key[1], 1e-3 * (i - 4), -1.0 * i) + "\n";
+  }
+  return text;
+}
+
+// F0000CH1.CSV and F0000MTH.CSV of a TDS2000, pasted into one file
+TEST(Tektronix, TablesSideBySideHaveKeysTimesAndUnitsOfTheirOwn) {
+  for (const std::string_view between : {"", ","}) {
+    const Record record = imported(tds_side_by_side(between));
+    EXPECT_THAT(names_and_units(record), ElementsAre("CH1 [V]", "MATH [A]")) << between;
+    ASSERT_EQ(record.channels.size(), 2U);
+    EXPECT_EQ(record.channels[0].size(), 12U);
+    EXPECT_EQ(record.channels[0].values()[3], 1.5);
+    EXPECT_EQ(record.channels[1].values()[3], -3.0);
+    EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3);
+    EXPECT_DOUBLE_EQ(record.channels[0].clock.start, -2e-3);
+    EXPECT_DOUBLE_EQ(record.channels[1].clock.start, -4e-3);
+    EXPECT_EQ(record.attributes.at("Vertical Scale"), "5.0e-01");
+    EXPECT_EQ(record.attributes.at("Vertical Scale (MATH)"), "2.0e+00");
+    EXPECT_THAT(record.warnings, IsEmpty());
+  }
+}
+
 TEST(InstrumentTables, AreReadByBlocksAsTheyAreReadAtOnce) {
-  for (const std::string& text : {gl240(), owon("2.00uS")}) {
+  for (const std::string& text : {gl240(), tds_side_by_side(","), owon("2.00uS")}) {
     const tests::WrittenFile file(text, ".csv");
     tests::expect_same(read_into_memory(*open_csv_by_blocks(file.path(), {}), {}),
                        read_into_memory(*open_csv(file.path(), {}), {}));

@@ -29,6 +29,8 @@ inline std::vector<std::string> csv_seeds() {
       "Vendor;GRAPHTEC Corporation\nAMP settings\nCH;Signal name;Span;;Unit\nCH1;a;1;-1;[N]\nData\n"
       "Number;Date;Time;us;CH1;Alarm\n1;2026/06/01;17:01:39;999800;+1,5;LL\n"
       "2;2026/06/01;17:01:40;0;+++++;LL\n",
+      "Record Length,5,,-0.5,1,,Record Length,5,,-0.2,3,\nSource,CH1,,0.0,2,,Source,CH2,,0.3,4,\n"
+      ",,,0.5,3,,,,,0.8,5,\n,,,1.0,4,,,,,1.3,6,\n",
       "Model,MSO64\nSample Interval,1e-9\nVertical Units,V\n\nLabels,,\nTIME,CH1\n0,1\n1e-9,2\n",
   };
 }
