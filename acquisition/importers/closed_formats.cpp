@@ -39,6 +39,16 @@ constexpr auto signatures = std::to_array<Signature>({
     {0, "<?xml",
      "the description of an NI TDM file (.tdm), whose samples are in the .tdx beside it",
      "save it as TDMS with DIAdem or LabVIEW", "usi:tdm"},
+    {0, "DIAEXTENDED",
+     "the header of a DIAdem data set (.dat), whose samples are in binary files beside it",
+     "save it as TDMS with DIAdem"},
+    {0, "Data format edition number",
+     "the description of a test in ISO 13499 (.mme), whose samples are in the folder Channel "
+     "beside "
+     "it",
+     "state the files of its channels (.001, .002, ...)"},
+    {0, "SPBXDS", "the memory of an OWON oscilloscope (.bin)", from_the_oscilloscope},
+    {0, "FORMDS16", "a KayPENTAX CSL recording (.nsp)", "save it as WAVE (.wav) with CSL"},
     {0, "<?xml",
      "the description of a Rohde & Schwarz waveform (.bin), whose samples are in the .Wfm.bin "
      "beside it",
@@ -54,6 +64,8 @@ struct Ending {
 
 constexpr std::string_view from_polytec =
     "export it from PSV or VibSoft as universal file (UFF) or ASCII";
+constexpr std::string_view from_testlab =
+    "export it as universal file (UFF) or MATLAB (.mat) with Testlab";
 constexpr std::string_view from_its_program =
     "export it as universal file (UFF), MAT or CSV with the program that wrote it";
 
@@ -69,10 +81,27 @@ constexpr auto endings = std::to_array<Ending>({
     {".sie", "HBM SoMat", from_its_program},
     {".spd", "a measuring program", from_its_program},
     {".rdm", "a measuring program", from_its_program},
+    {".lms", "Simcenter Testlab", from_testlab},
+    {".ldsf", "Simcenter Testlab", from_testlab},
+    {".tdf", "Simcenter Testlab", from_testlab},
+    {".orx", "OROS NVGate", from_its_program},
+    {".oxf", "OROS NVGate", from_its_program},
+    {".oros", "OROS NVGate", from_its_program},
+    {".pak", "Müller-BBM PAK", from_its_program},
+    {".pls", "Brüel & Kjær PULSE", from_its_program},
+    {".dwd", "Kistler DynoWare", "export it as text with DynoWare"},
+    {".blk", "a measuring program", from_its_program},
+    {".wdq", "DATAQ WinDaq", "save it as CSV with WinDaq"},
+    {".wdh", "DATAQ WinDaq", "save it as CSV with WinDaq"},
+    {".adicht", "ADInstruments LabChart", "export it as MATLAB (.mat) or text with LabChart"},
+    {".gbd", "a Graphtec logger", "save it as CSV with the logger or its software"},
+    {".mem", "a Hioki recorder", "save it as CSV with the recorder or its software"},
+    {".nsp", "KayPENTAX CSL", "save it as WAVE (.wav) with CSL"},
     {".tst", "HBM catman", "export it from catman as binary (.bin) or ASCII"},
     {".psdata", "PicoScope", "save it as MATLAB (.mat) or CSV with PicoScope"},
     {".wvf", "a Yokogawa oscilloscope", from_the_oscilloscope},
     {".wdf", "a Yokogawa oscilloscope", from_the_oscilloscope},
+    {".dl850", "a Yokogawa oscilloscope", from_the_oscilloscope},
     {".tdx", "NI DIAdem or LabVIEW (samples of a .tdm)", "save it as TDMS with DIAdem or LabVIEW"},
 });
 
