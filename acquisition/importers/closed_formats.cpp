@@ -60,6 +60,7 @@ struct Ending {
   std::string_view ending;  ///< lower case
   std::string_view what;
   std::string_view way_out;
+  bool described = false;  ///< by a file beside it, which is read
 };
 
 constexpr std::string_view from_polytec =
@@ -99,7 +100,8 @@ constexpr auto endings = std::to_array<Ending>({
     {".nsp", "KayPENTAX CSL", "save it as WAVE (.wav) with CSL"},
     {".tst", "HBM catman", "export it from catman as binary (.bin) or ASCII"},
     {".psdata", "PicoScope", "save it as MATLAB (.mat) or CSV with PicoScope"},
-    {".wvf", "a Yokogawa oscilloscope", from_the_oscilloscope},
+    {".wvf", "a Yokogawa oscilloscope", "state the .hdr beside it, which describes the samples",
+     true},
     {".wdf", "a Yokogawa oscilloscope", from_the_oscilloscope},
     {".dl850", "a Yokogawa oscilloscope", from_the_oscilloscope},
     {".tdx", "NI DIAdem or LabVIEW (samples of a .tdm)", "save it as TDMS with DIAdem or LabVIEW"},
@@ -116,8 +118,8 @@ std::string closed_ending(std::string_view file_name) {
   if (found == endings.end()) return {};
   return fmt::format(
       "the content is of no known format, and the ending '{}' is that of files of {}, which are "
-      "not read: {}",
-      found->ending, found->what, found->way_out);
+      "not read{}: {}",
+      found->ending, found->what, found->described ? " alone" : "", found->way_out);
 }
 
 std::string closed_format(std::string_view head) {

@@ -88,6 +88,11 @@ std::unique_ptr<RecordingReader> open_rigol_wfm(const std::string& path,
 int recognises_catman(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_catman(const std::string& path, const ImportOptions& options);
 
+/// A head in text; its samples are in the .wvf beside it.
+int recognises_yokogawa_wvf(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_yokogawa_wvf(const std::string& path,
+                                                   const ImportOptions& options);
+
 int recognises_imc_raw(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_imc_raw(const std::string& path,
                                               const ImportOptions& options);

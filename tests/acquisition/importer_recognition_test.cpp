@@ -155,10 +155,13 @@ TEST(ClosedFormatByEnding, IsNamedWhereTheContentIsOfNoKnownFormat) {
   EXPECT_EQ(told(".Wfm.bin"),
             "is that of files of a Rohde & Schwarz oscilloscope, which are not read: save the "
             "waveform as CSV on the oscilloscope, with its times");
-  for (const char* const ending : {".dl850", ".wvf", ".WDF"})
+  for (const char* const ending : {".dl850", ".WDF"})
     EXPECT_EQ(told(ending),
               "is that of files of a Yokogawa oscilloscope, which are not read: save the waveform "
               "as CSV on the oscilloscope, with its times");
+  EXPECT_EQ(told(".wvf"),
+            "is that of files of a Yokogawa oscilloscope, which are not read alone: state the .hdr "
+            "beside it, which describes the samples");
   for (const auto& [ending, says] :
        {std::pair{".LDSF",
                   "Simcenter Testlab, which are not read: export it as universal file "
