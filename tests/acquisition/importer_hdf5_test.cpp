@@ -314,6 +314,37 @@ TEST(ForeignHdf5, MatlabFilesAreNamedAsMatlabDoes) {
   EXPECT_EQ(record.attributes.at("note"), "hit");
 }
 
+/// A Simcenter Testlab export: an axis as start and increment, in the unit of its label.
+std::string testlab(const std::vector<std::uint16_t>& label) {
+  const Hdf5File file(512);
+  for (const char* const group :
+       {"/Signal_0", "/Signal_0/x_values", "/Signal_0/x_values/quantity", "/Signal_0/y_values"})
+    file.structure(group);
+  const std::string axis = "/Signal_0/x_values/";
+  file.matlab(axis + "start_value", {-0.5});
+  file.matlab(axis + "increment", {0.25});
+  file.data<std::uint16_t>(axis + "quantity/label", {label.size(), 1}, label, H5T_NATIVE_UINT16,
+                           H5T_STD_U16LE);
+  file.text(axis + "quantity/label", "MATLAB_class", "char");
+  file.matlab("/Signal_0/y_values/values", {1, 2, 3});
+  return tests::mat73_bytes(file);
+}
+
+TEST(ForeignHdf5, AnAxisOfTestlabInMatFilesOfVersion73IsTheClock) {
+  const auto named = [](const datasets::Record& record) {
+    return *std::ranges::find(record.channels, "Signal_0.y_values.values",
+                              &datasets::Channel::name);
+  };
+  const auto channel = named(imported(testlab({'s'}), {}, ".mat"));
+  EXPECT_EQ(channel.clock.start, -0.5);
+  EXPECT_EQ(channel.clock.interval, 0.25);
+  EXPECT_EQ(channel.unit, "") << "values may be in SI or in the unit of the label";
+  const auto spectrum = named(imported(testlab({'H', 'z'}), {}, ".mat"));
+  EXPECT_EQ(spectrum.clock.interval, 0.0);
+  EXPECT_EQ(spectrum.attributes.at("domain"), "frequency");
+  EXPECT_EQ(spectrum.attributes.at("abscissa increment"), "0.25");
+}
+
 // Of objects MATLAB keeps six integers here, of sparse matrices rows and columns.
 TEST(ForeignHdf5, WhatIsNoArrayOfMatlabsIsNoChannel) {
   const Hdf5File file(512);
