@@ -106,6 +106,11 @@ struct CsvHead {
     roles = find_roles(file, layout, head, heads, rows, options);
     if (!roles.named_times.empty()) find_ends_of_times(rows, read_on);
     record.warnings = head.warnings;
+    if (!options.delimiter && !options.decimal)
+      if (std::string commas =
+              commas_that_may_be_decimal_marks(layout, head, text_of_rows(file, layout));
+          !commas.empty())
+        record.warnings.push_back(std::move(commas));
     tell_of_times(heads, roles, record);
     if (const std::string rest = what_follows(file, layout); !rest.empty())
       record.warnings.push_back(rest);

@@ -295,6 +295,37 @@ void tell_of_times(const std::vector<ColumnHead>& heads, const CsvRoles& roles, 
         heads[*roles.index].name));
 }
 
+std::string commas_that_may_be_decimal_marks(const TableLayout& layout, const TableHead& head,
+                                             std::string_view text) {
+  constexpr long rows_tried = 40;
+  constexpr long rows_that_count = 4;
+  if (layout.dialect.delimiter != ',' || layout.written_cells != 2 || layout.key_cells > 0 ||
+      layout.column_numbers || !head.columns.empty())
+    return {};
+  std::string_view example;
+  long rows = 0;
+  bool counts = true;  // 0, 1, 2, ...: the samples
+  const char* at = layout.data;
+  const char* const end = text.data() + text.size();
+  for (long first = 0; at != end && rows < rows_tried;) {
+    const std::string_view line = trimmed(take_line(at, end));
+    if (line.empty() || line.starts_with('#') || line.starts_with('%')) continue;
+    const auto cells = cells_of(line, ',');
+    const auto number = cells.size() == 2 ? integer_in(cells[0]) : std::nullopt;
+    if (!number || cells[1].empty() || !integer_in(cells[1]) ||
+        cells[1].find_first_not_of("0123456789") != cells[1].npos)
+      return {};
+    if (rows == 0) example = line;
+    if (rows == 0) first = *number;
+    counts = counts && *number == first + rows++;
+  }
+  if (rows < 2 || (counts && rows >= rows_that_count)) return {};
+  return fmt::format(
+      "each row is two whole numbers under no names: the comma is taken for the end of a cell "
+      "(--decimal , reads '{}' as one number)",
+      to_utf8(example.substr(0, 40)));
+}
+
 void tell_of_dates_and_text(const TableLayout& layout, const std::vector<ColumnHead>& heads,
                             const CsvRoles& roles, Record& record) {
   for (const TextColumn& column : layout.text_columns)
