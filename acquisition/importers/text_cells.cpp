@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <limits>
 
 #include "acquisition/importers/text_table.hpp"
@@ -71,6 +72,12 @@ bool marks_missing(std::string_view cell) {
       "under range", "underrange", "clip",      "clipped",    "open",    "#n/a",
       "#nv",         "na",         "null",      "none",       "missing", "burnout"};
   return std::ranges::any_of(words, [&](std::string_view word) { return same_word(text, word); });
+}
+
+// SCPI-99, volume 1, 7.2.1.4 (infinity) and 7.2.1.5 (not a number)
+bool stands_for_no_value(double value) {
+  const double size = std::abs(value);
+  return size == 9.9e37 || size == 9.91e37 || size == 9.99999e99;
 }
 
 bool has_thousands_separators(std::string_view cell) {

@@ -155,7 +155,10 @@ void RowReader::read_cell(std::size_t c) {
     const bool ends = q == end_ || *q == '\n' || *q == '\r' || *q == delimiter_ ||
                       (delimiter_ == ' ' && q[-1] <= ' ');
     if (ends) {
-      append(column, value);
+      if (std::abs(value) > 9e37 && stands_for_no_value(value))
+        append_missing(column, at_, trimmed({at_, static_cast<std::size_t>(q - at_)}));
+      else
+        append(column, value);
       at_ = q;
       return;
     }
@@ -270,6 +273,8 @@ void RowReader::unusual_cell(std::size_t c) {
   }
   if (std::isnan(*value))
     append_missing(table_.columns[c], start);
+  else if (stands_for_no_value(*value))
+    append_missing(table_.columns[c], start, trimmed(cell));
   else
     append(table_.columns[c], *value);
 }

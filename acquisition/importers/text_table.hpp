@@ -99,6 +99,10 @@ std::optional<double> cell_value(std::string_view cell, char decimal);
 /// may be a text like others.
 bool marks_missing(std::string_view cell);
 
+/// True for the numbers that instruments write where there is none: SCPI's 9.9e37 (beyond the
+/// range, with either sign) and 9.91e37 (no measurement), Hioki's 9.99999e99.
+bool stands_for_no_value(double value);
+
 /// True for "1,234.5", "1.234,0", "1'234" and "1 234,5": digits in groups of three.
 bool has_thousands_separators(std::string_view cell);
 

@@ -192,6 +192,19 @@ TEST(Siglent, AnIntervalOfTheAnalogInputsIsUnderstood) {
   EXPECT_THAT(record.warnings, IsEmpty());
 }
 
+TEST(InstrumentTables, NumbersThatStandForNoneAreMissing) {
+  const Record record = imported(
+      "Time [s],F [N],a [g]\n0,1.5,+9.9E+37\n1,-9.900000E+37,\"9.91E37\"\n2,+9.99999E+99,9.8e37\n");
+  EXPECT_THAT(record.channels.at(0).valid, ElementsAre(1, 0, 0));
+  EXPECT_THAT(record.channels.at(1).valid, ElementsAre(0, 0, 1));
+  EXPECT_EQ(record.channels[1].values()[2], 9.8e37);
+  EXPECT_THAT(record.warnings,
+              ElementsAre(HasSubstr("'F': 2 of 3 values are missing, the first, written "
+                                    "'-9.900000E+37', at"),
+                          HasSubstr("'a': 2 of 3 values are missing, the first, written "
+                                    "'+9.9E+37', at")));
+}
+
 TEST(CsvDates, AFractionBesideATimeThatIsNoneIsAnError) {
   const std::string rows = "No;Time;ms;F\n1;10:11:12;0;1.5\n2;10:11:12;500;2.5\n3;10:11:13;0;0.5\n";
   EXPECT_DOUBLE_EQ(imported(rows).channels.at(0).clock.interval, 0.5);
