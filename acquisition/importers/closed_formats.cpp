@@ -16,24 +16,32 @@ struct Signature {
   std::string_view bytes;
   std::string_view what;
   std::string_view way_out;
-  std::string_view also = {};  ///< what the first bytes hold anywhere
+  std::string_view also = {};       ///< what the first bytes hold anywhere
+  std::string_view container = {};  ///< of files of several programs, which their endings tell
 };
 
 constexpr std::string_view from_the_oscilloscope =
     "save the waveform as CSV on the oscilloscope, with its times";
 
 constexpr auto signatures = std::to_array<Signature>({
-    {0, std::string_view("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", 8),
+    {0,
+     std::string_view("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", 8),
      "an OLE2 compound file, as Polytec's .svd, .pvd and .set are",
-     "no open reader exists: export it from PSV or VibSoft as universal file (UFF) or ASCII"},
+     "no open reader exists: export it from PSV or VibSoft as universal file (UFF) or ASCII",
+     {},
+     "an OLE2 compound file"},
     {0, "TDSh", "the index of an NI TDMS file (.tdms_index)",
      "state the .tdms file beside it, which holds the samples"},
     {0, "MDF     ", "an ASAM MDF measurement file before version 4",
      "save it as MDF 4 with the program that wrote it"},
     {0, "UnFinMF ", "an unfinished ASAM MDF measurement file before version 4",
      "save it as MDF 4 with the program that wrote it"},
-    {0, std::string_view("PK\x03\x04", 4), "a ZIP archive (a workbook, for example)",
-     "save the table in it as CSV"},
+    {0,
+     std::string_view("PK\x03\x04", 4),
+     "a ZIP archive (a workbook, for example)",
+     "save the table in it as CSV",
+     {},
+     "a ZIP archive"},
     {0, "\x1F\x8B", "a gzip-compressed file", "unpack it first"},
     {0, "%PDF", "a PDF document", "a recording is expected"},
     {0, "<?xml",
@@ -104,29 +112,40 @@ constexpr auto endings = std::to_array<Ending>({
      true},
     {".wdf", "a Yokogawa oscilloscope", from_the_oscilloscope},
     {".dl850", "a Yokogawa oscilloscope", from_the_oscilloscope},
+    {".xls", "a spreadsheet program", "save the table in it as CSV"},
     {".tdx", "NI DIAdem or LabVIEW (samples of a .tdm)", "save it as TDMS with DIAdem or LabVIEW"},
 });
 
-}  // namespace
-
-std::string closed_ending(std::string_view file_name) {
+/// The entry of a file's ending; null where there is none.
+const Ending* known_ending(std::string_view file_name) {
   std::string name(file_name);
   for (char& c : name)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   const auto found = std::ranges::find_if(
       endings, [&name](const Ending& one) { return name.ends_with(one.ending); });
-  if (found == endings.end()) return {};
+  return found == endings.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+std::string closed_ending(std::string_view file_name) {
+  const Ending* const found = known_ending(file_name);
+  if (found == nullptr) return {};
   return fmt::format(
       "the content is of no known format, and the ending '{}' is that of files of {}, which are "
       "not read{}: {}",
       found->ending, found->what, found->described ? " alone" : "", found->way_out);
 }
 
-std::string closed_format(std::string_view head) {
+std::string closed_format(std::string_view file_name, std::string_view head) {
   for (const Signature& signature : signatures) {
     if (head.size() < signature.offset) continue;
     if (!head.substr(signature.offset).starts_with(signature.bytes)) continue;
     if (head.find(signature.also) == std::string_view::npos) continue;
+    const Ending* const ending = signature.container.empty() ? nullptr : known_ending(file_name);
+    if (ending != nullptr)
+      return fmt::format("this is {} of {} by its ending '{}', which is not read: {}",
+                         signature.container, ending->what, ending->ending, ending->way_out);
     return fmt::format("this is {}, which is not read: {}", signature.what, signature.way_out);
   }
   return {};

@@ -107,8 +107,8 @@ std::unique_ptr<RecordingReader> open_foreign_hdf5(const std::string& path,
 std::unique_ptr<RecordingReader> open_mat73(const std::string& path, const ImportOptions& options);
 
 /// What a file is that we know but do not read, and how its content can be brought here; "" for
-/// anything else.
-std::string closed_format(std::string_view head);
+/// anything else. The ending tells whose file a container is that several programs use.
+std::string closed_format(std::string_view file_name, std::string_view head);
 
 /// The same by the ending of a file whose content is of no known format.
 std::string closed_ending(std::string_view file_name);

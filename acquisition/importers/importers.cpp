@@ -111,7 +111,7 @@ const Importer& recognised(const std::string& path, std::string_view head) {
     }
   }
   if (best_score <= generic) {
-    const std::string closed = closed_format(head);
+    const std::string closed = closed_format(file_name, head);
     if (!closed.empty()) throw InputError(place_of(path), closed);
   }
   const std::string closed = best == nullptr ? closed_ending(file_name) : std::string();

@@ -138,6 +138,22 @@ INSTANTIATE_TEST_SUITE_P(
                ".Wfm.bin beside it, which is not read: save the waveform as CSV on the "
                "oscilloscope, with its times"}));
 
+TEST(ClosedFormatByEnding, TellsWhoseAContainerIs) {
+  const auto ole = "\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1\x00\x01"sv;
+  EXPECT_EQ(
+      import_error(ole, {}, ".LMS"),
+      "FILE: this is an OLE2 compound file of Simcenter Testlab by its ending '.lms', which is "
+      "not read: export it as universal file (UFF) or MATLAB (.mat) with Testlab");
+  EXPECT_EQ(
+      import_error(ole, {}, ".xls"),
+      "FILE: this is an OLE2 compound file of a spreadsheet program by its ending '.xls', which "
+      "is not read: save the table in it as CSV");
+  EXPECT_EQ(
+      import_error("PK\x03\x04\x14\x00\x00"sv, {}, ".dxz"),
+      "FILE: this is a ZIP archive of Dewesoft by its ending '.dxz', which is not read: export "
+      "it as universal file (UFF), MAT or CSV with the program that wrote it");
+}
+
 TEST(ClosedFormatByEnding, IsNamedWhereTheContentIsOfNoKnownFormat) {
   const auto unknown = "\x07\x01\xFE\x00\x02\x90"sv;
   EXPECT_EQ(import_error(unknown, {}, ".pvd"),
