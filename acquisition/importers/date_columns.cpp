@@ -61,26 +61,32 @@ std::int64_t fraction_unit(const TableLayout& layout, std::size_t c) {
     const std::string above = word_in(layout.head[layout.head.size() - 2]);
     if (!above.empty() && above != word) return 0;
   }
-  for (const std::string_view ms : {"ms", "msec", "millis", "Milliseconds", "milliseconds"})
+  for (const std::string_view ms : {"ms", "msec", "Milliseconds", "milliseconds"})
     if (word == ms) return 1'000'000;
-  for (const std::string_view us : {"us", "usec", "micros", "Microseconds", "microseconds"})
+  for (const std::string_view us : {"us", "usec", "Microseconds", "microseconds"})
     if (word == us) return 1'000;
   return 0;
 }
 
-/// Takes a column behind a date and time in whole seconds that counts what is behind them.
-void take_fraction(const TableLayout& layout, const std::vector<Cells>& rows, DateColumns& date) {
+/// Takes a column behind a date and time in whole seconds that counts what is behind them, in all
+/// rows looked at: a clock of milliseconds since the start soon has more than a second.
+void take_fraction(const std::vector<std::string_view>& lines, const TableLayout& layout,
+                   DateColumns& date) {
   const std::size_t c = date.last + 1;
   const std::int64_t unit = fraction_unit(layout, c);
   if (unit == 0 || !date.base.has_time) return;
-  for (const Cells& row : rows) {
-    const auto count = c < row.size() ? integer_in(row[c]) : std::nullopt;
+  std::optional<std::int64_t> first;
+  for (std::size_t i = layout.head.size(); i < lines.size(); ++i) {
+    const Cells row = cells_of(lines[i], layout.dialect.delimiter);
     const auto time =
         c < row.size() ? date_time_in(joined(row, date.first, date.last)) : std::nullopt;
-    if (!count || *count < 0 || *count * unit >= second || !time || time->nanoseconds % second != 0)
-      return;
+    if (!time) continue;  // no row, or one that is cut off or spoilt
+    const auto count = integer_in(row[c]);
+    if (!count || *count < 0 || *count >= second / unit || time->nanoseconds % second != 0) return;
+    if (!first) first = *count;
   }
-  date.base.nanoseconds += *integer_in(rows.front()[c]) * unit;
+  if (!first) return;
+  date.base.nanoseconds += *first * unit;
   date.fraction = unit;
   date.last = c;
 }
@@ -131,7 +137,7 @@ std::vector<DateColumns> find_date_columns(const TextFile& file,
       date = DateColumns{date->first, c + 1, *date_time_in(joined(row, date->first, c + 1))};
       c = date->last;
     } else {
-      take_fraction(layout, rows, *date);
+      take_fraction(lines, layout, *date);
       c = date->last;
     }
     found.push_back(*date);

@@ -205,13 +205,22 @@ TEST(InstrumentTables, NumbersThatStandForNoneAreMissing) {
                                     "'+9.9E+37', at")));
 }
 
+TEST(CsvDates, AClockOfMillisecondsBesideATimeIsNoFraction) {
+  std::string rows = "Time;ms;F\n";
+  for (int i = 0; i < 150; ++i) rows += fmt::format("10:11:{:02};{};1.5\n", 12 + i / 100, 10 * i);
+  EXPECT_THAT(names_and_units(imported(rows)), ElementsAre("ms [ms]", "F []"));
+  // no number of nanoseconds
+  rows.replace(rows.find(";10;"), 4, ";9223372036854775807;");
+  EXPECT_THAT(names_and_units(imported(rows)), ElementsAre("ms [ms]", "F []"));
+}
+
 TEST(CsvDates, AFractionBesideATimeThatIsNoneIsAnError) {
   const std::string rows = "No;Time;ms;F\n1;10:11:12;0;1.5\n2;10:11:12;500;2.5\n3;10:11:13;0;0.5\n";
   EXPECT_DOUBLE_EQ(imported(rows).channels.at(0).clock.interval, 0.5);
   std::string many = rows;
-  for (int i = 4; i < 60; ++i) many += fmt::format("{};10:11:{};0;1.5\n", i, i < 50 ? 10 + i : 59);
+  for (int i = 4; i < 4100; ++i) many += fmt::format("{};10:11:59;0;1.5\n", i);
   EXPECT_EQ(import_error(many + "60;10:12:00;1500;1.5\n"),
-            "FILE:61:4 (byte 1071): Time: expected a date and time as in the first row, found "
+            "FILE:4101:4 (byte 80891): Time: expected a date and time as in the first row, found "
             "'10:12:00;1500'");
 }
 
