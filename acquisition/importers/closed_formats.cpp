@@ -16,29 +16,47 @@ struct Signature {
   std::string_view bytes;
   std::string_view what;
   std::string_view way_out;
-  std::string_view also = {};  ///< what the first bytes hold anywhere
+  std::string_view also = {};       ///< what the first bytes hold anywhere
+  std::string_view container = {};  ///< of files of several programs, which their endings tell
 };
 
 constexpr std::string_view from_the_oscilloscope =
     "save the waveform as CSV on the oscilloscope, with its times";
 
 constexpr auto signatures = std::to_array<Signature>({
-    {0, std::string_view("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", 8),
+    {0,
+     std::string_view("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", 8),
      "an OLE2 compound file, as Polytec's .svd, .pvd and .set are",
-     "no open reader exists: export it from PSV or VibSoft as universal file (UFF) or ASCII"},
+     "no open reader exists: export it from PSV or VibSoft as universal file (UFF) or ASCII",
+     {},
+     "an OLE2 compound file"},
     {0, "TDSh", "the index of an NI TDMS file (.tdms_index)",
      "state the .tdms file beside it, which holds the samples"},
     {0, "MDF     ", "an ASAM MDF measurement file before version 4",
      "save it as MDF 4 with the program that wrote it"},
     {0, "UnFinMF ", "an unfinished ASAM MDF measurement file before version 4",
      "save it as MDF 4 with the program that wrote it"},
-    {0, std::string_view("PK\x03\x04", 4), "a ZIP archive (a workbook, for example)",
-     "save the table in it as CSV"},
+    {0,
+     std::string_view("PK\x03\x04", 4),
+     "a ZIP archive (a workbook, for example)",
+     "save the table in it as CSV",
+     {},
+     "a ZIP archive"},
     {0, "\x1F\x8B", "a gzip-compressed file", "unpack it first"},
     {0, "%PDF", "a PDF document", "a recording is expected"},
     {0, "<?xml",
      "the description of an NI TDM file (.tdm), whose samples are in the .tdx beside it",
      "save it as TDMS with DIAdem or LabVIEW", "usi:tdm"},
+    {0, "DIAEXTENDED",
+     "the header of a DIAdem data set (.dat), whose samples are in binary files beside it",
+     "save it as TDMS with DIAdem"},
+    {0, "Data format edition number",
+     "the description of a test in ISO 13499 (.mme), whose samples are in the folder Channel "
+     "beside "
+     "it",
+     "state the files of its channels (.001, .002, ...)"},
+    {0, "SPBXDS", "the memory of an OWON oscilloscope (.bin)", from_the_oscilloscope},
+    {0, "FORMDS16", "a KayPENTAX CSL recording (.nsp)", "save it as WAVE (.wav) with CSL"},
     {0, "<?xml",
      "the description of a Rohde & Schwarz waveform (.bin), whose samples are in the .Wfm.bin "
      "beside it",
@@ -50,10 +68,13 @@ struct Ending {
   std::string_view ending;  ///< lower case
   std::string_view what;
   std::string_view way_out;
+  bool described = false;  ///< by a file beside it, which is read
 };
 
 constexpr std::string_view from_polytec =
     "export it from PSV or VibSoft as universal file (UFF) or ASCII";
+constexpr std::string_view from_testlab =
+    "export it as universal file (UFF) or MATLAB (.mat) with Testlab";
 constexpr std::string_view from_its_program =
     "export it as universal file (UFF), MAT or CSV with the program that wrote it";
 
@@ -69,33 +90,62 @@ constexpr auto endings = std::to_array<Ending>({
     {".sie", "HBM SoMat", from_its_program},
     {".spd", "a measuring program", from_its_program},
     {".rdm", "a measuring program", from_its_program},
+    {".lms", "Simcenter Testlab", from_testlab},
+    {".ldsf", "Simcenter Testlab", from_testlab},
+    {".tdf", "Simcenter Testlab", from_testlab},
+    {".orx", "OROS NVGate", from_its_program},
+    {".oxf", "OROS NVGate", from_its_program},
+    {".oros", "OROS NVGate", from_its_program},
+    {".pak", "Müller-BBM PAK", from_its_program},
+    {".pls", "Brüel & Kjær PULSE", from_its_program},
+    {".dwd", "Kistler DynoWare", "export it as text with DynoWare"},
+    {".blk", "a measuring program", from_its_program},
+    {".wdq", "DATAQ WinDaq", "save it as CSV with WinDaq"},
+    {".wdh", "DATAQ WinDaq", "save it as CSV with WinDaq"},
+    {".adicht", "ADInstruments LabChart", "export it as MATLAB (.mat) or text with LabChart"},
+    {".gbd", "a Graphtec logger", "save it as CSV with the logger or its software"},
+    {".mem", "a Hioki recorder", "save it as CSV with the recorder or its software"},
+    {".nsp", "KayPENTAX CSL", "save it as WAVE (.wav) with CSL"},
     {".tst", "HBM catman", "export it from catman as binary (.bin) or ASCII"},
     {".psdata", "PicoScope", "save it as MATLAB (.mat) or CSV with PicoScope"},
-    {".wvf", "a Yokogawa oscilloscope", from_the_oscilloscope},
+    {".wvf", "a Yokogawa oscilloscope", "state the .hdr beside it, which describes the samples",
+     true},
     {".wdf", "a Yokogawa oscilloscope", from_the_oscilloscope},
+    {".dl850", "a Yokogawa oscilloscope", from_the_oscilloscope},
+    {".xls", "a spreadsheet program", "save the table in it as CSV"},
     {".tdx", "NI DIAdem or LabVIEW (samples of a .tdm)", "save it as TDMS with DIAdem or LabVIEW"},
 });
 
-}  // namespace
-
-std::string closed_ending(std::string_view file_name) {
+/// The entry of a file's ending; null where there is none.
+const Ending* known_ending(std::string_view file_name) {
   std::string name(file_name);
   for (char& c : name)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   const auto found = std::ranges::find_if(
       endings, [&name](const Ending& one) { return name.ends_with(one.ending); });
-  if (found == endings.end()) return {};
-  return fmt::format(
-      "the content is of no known format, and the ending '{}' is that of files of {}, which are "
-      "not read: {}",
-      found->ending, found->what, found->way_out);
+  return found == endings.end() ? nullptr : &*found;
 }
 
-std::string closed_format(std::string_view head) {
+}  // namespace
+
+std::string closed_ending(std::string_view file_name) {
+  const Ending* const found = known_ending(file_name);
+  if (found == nullptr) return {};
+  return fmt::format(
+      "the content is of no known format, and the ending '{}' is that of files of {}, which are "
+      "not read{}: {}",
+      found->ending, found->what, found->described ? " alone" : "", found->way_out);
+}
+
+std::string closed_format(std::string_view file_name, std::string_view head) {
   for (const Signature& signature : signatures) {
     if (head.size() < signature.offset) continue;
     if (!head.substr(signature.offset).starts_with(signature.bytes)) continue;
     if (head.find(signature.also) == std::string_view::npos) continue;
+    const Ending* const ending = signature.container.empty() ? nullptr : known_ending(file_name);
+    if (ending != nullptr)
+      return fmt::format("this is {} of {} by its ending '{}', which is not read: {}",
+                         signature.container, ending->what, ending->ending, ending->way_out);
     return fmt::format("this is {}, which is not read: {}", signature.what, signature.way_out);
   }
   return {};

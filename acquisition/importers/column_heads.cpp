@@ -10,6 +10,7 @@
 
 #include "acquisition/importers/column_keys.hpp"
 #include "acquisition/importers/date_time.hpp"
+#include "acquisition/importers/instrument_heads.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
@@ -224,7 +225,7 @@ void add_attribute(std::string_view line, const TableLayout& layout, bool keys, 
   if (divider == colon)  // "XInc:,5e-7" above one column
     rest.remove_prefix(std::min(rest.find_first_not_of(",;\t "), rest.size()));
   while (!rest.empty() && rest.back() == layout.dialect.delimiter) rest.remove_suffix(1);
-  while (!key.empty() && (key.back() == ':' || key.back() == '=')) key.pop_back();
+  while (!key.empty() && std::string_view(":= \t").find(key.back()) != key.npos) key.pop_back();
   value = to_utf8(trimmed(rest));
   if (!key.empty() && !value.empty()) head.attributes[key] = value;
 }
@@ -345,22 +346,6 @@ bool are_units_of_a_key(const Cells& cells) {
   std::string key = lowered(cells.front());
   if (key.ends_with(':')) key.pop_back();
   return cells.size() > 1 && (key == "unit" || key == "units");
-}
-
-/// Names and units of a Campbell Scientific TOA5 file, which have a line of the kind of their
-/// values below; False for other files.
-bool take_toa5(const TableLayout& layout, const std::vector<std::size_t>& filled, Cells& names,
-               Cells& units, TableHead& head) {
-  if (filled.size() < 4 || layout.dialect.delimiter != ',' ||
-      cells_of(layout.head[filled[0]], ',').front() != "TOA5")
-    return false;
-  names = head_cells(layout.head[filled[1]], layout);
-  units = head_cells(layout.head[filled[2]], layout);
-  for (std::string_view& unit : units)
-    if (unit == "TS" || unit == "RN") unit = {};  // time stamp, record number
-  head.names_line = static_cast<int>(filled[1]) + 1;
-  head.units_line = static_cast<int>(filled[2]) + 1;
-  return true;
 }
 
 /// Numbers of columns (positions, angles) beside the name of a time: "Time [ms],1,2,3".
@@ -514,20 +499,6 @@ std::vector<ColumnHead> heads_of(const Cells& names, const Cells& units) {
   return heads;
 }
 
-/// Keys that stand beside the samples. Such files have a time and one trace, named by the key
-/// Source.
-void take_keys(const TableLayout& layout, TableHead& head) {
-  for (const std::string_view line : layout.key_lines) {
-    const Cells cells = cells_of(line, layout.dialect.delimiter);
-    const std::string key = to_utf8(cells.front());
-    if (layout.key_cells > 1 && !cells[1].empty()) head.attributes[key] = to_utf8(cells[1]);
-  }
-  if (!head.columns.empty() || layout.cells != 2) return;
-  const auto source = head.attributes.find("Source");
-  head.columns = {{"time", "", ""},
-                  {source == head.attributes.end() ? "trace" : source->second, "", ""}};
-}
-
 /// A unit that stands for nothing else behind "in", a dash, a comma, a slash: "C" may be a channel.
 bool is_plain_unit(std::string_view text) {
   constexpr std::string_view letters = "sNVgm";
@@ -582,8 +553,10 @@ std::string one_line(std::string_view cell) {
 
 std::string_view without_channel(std::string_view value) {
   const std::size_t colon = value.find(':');
-  const bool is_channel = colon != std::string_view::npos && value.starts_with("CH") &&
-                          integer_in(value.substr(2, colon - 2)).has_value();
+  const bool is_channel =
+      colon != std::string_view::npos &&
+      (value.substr(0, colon) == "Analog" ||
+       (value.starts_with("CH") && integer_in(value.substr(2, colon - 2)).has_value()));
   return is_channel ? trimmed(value.substr(colon + 1)) : value;
 }
 
@@ -643,8 +616,10 @@ TableHead read_head(const TableLayout& layout, std::string_view text) {
     if (!trimmed(layout.head[i]).empty() && !is_rule(layout.head[i])) filled.push_back(i);
   Cells names;
   Cells units;
+  if (take_keys_over_values(layout, filled, head)) filled.clear();
   const bool keys = are_keys(layout, filled);
-  if (!keys) find_names_and_units(layout, filled, names, units, head);
+  if (!keys && !take_graphtec(layout, filled, head))
+    find_names_and_units(layout, filled, names, units, head);
   if (names.size() > layout.cells) take_keys_among_names(names, head);
   spread_names(layout, names);
   compare_names_with_columns(layout, text, names, head);
@@ -652,8 +627,8 @@ TableHead read_head(const TableLayout& layout, std::string_view text) {
     head.warnings.push_back(
         fmt::format("line {} ('{}') is taken to number the columns, not for a row of them",
                     layout.head.size(), to_utf8(trimmed(layout.head.back()).substr(0, 40))));
-  head.columns = heads_of(names, units);
-  if (!layout.key_lines.empty()) take_keys(layout, head);
+  if (head.columns.empty()) head.columns = heads_of(names, units);
+  if (!layout.key_lines.empty()) take_keys_beside_rows(layout, head);
   for (const std::size_t i : filled) {
     const int line = static_cast<int>(i) + 1;
     const bool only_numbers = layout.column_numbers && i + 1 == layout.head.size();

@@ -25,6 +25,7 @@ struct TableHead {
   std::optional<double> start;      ///< of a Start cell, as some oscilloscopes write it [s]
   std::optional<double> increment;  ///< likewise [s]
   std::optional<double> interval;   ///< stated by a key: "Sampling rate [kHz]" -> "51.2" [s]
+  std::string started;              ///< ISO 8601; "" = not known
   int names_line = 0;               ///< from 1; 0 = there is none
   int units_line = 0;               ///< from 1; 0 = there is none
   std::vector<std::string> warnings;
@@ -37,7 +38,7 @@ TableHead read_head(const TableLayout& layout, std::string_view text);
 /// and "Time" as name and unit. All but brackets count only before a unit that is understood.
 ColumnHead split_head(std::string_view cell);
 
-/// "V" of "CH1:V", as some oscilloscopes write values of their header.
+/// "V" of "CH1:V" and "2e-8" of "Analog:2e-8", as some oscilloscopes write values of their header.
 std::string_view without_channel(std::string_view value);
 
 /// "Time", "t", "Zeit", ...: what a column of times may be called.

@@ -76,6 +76,25 @@ std::string_view value_of_all(std::string_view text, Dialect dialect) {
   return same ? cells.front() : text;
 }
 
+/// Warns where an interval is printed with a fixed number of decimals, as by OWON ("0.08uS") and
+/// SignalExpress (dt in whole microseconds), and these leave it open by more than 1 %.
+void tell_of_few_digits(const std::string& key, std::string_view text, TableHead& head) {
+  const bool fixed = is_one_of(key, std::to_array<std::string_view>({"time interval"})) ||
+                     (key == "dt" && head.attributes.contains("start times"));
+  const std::string_view digits = text.substr(0, text.find_first_not_of("0123456789.,"));
+  const std::size_t mark = digits.find_first_of(".,");
+  if (!fixed || mark == digits.npos) return;
+  std::string whole(digits);
+  whole.erase(mark, 1);
+  const auto units = integer_in(whole);  // of the last decimal
+  constexpr long enough = 50;
+  if (!units || *units <= 0 || *units >= enough) return;
+  head.warnings.push_back(
+      fmt::format("the header states '{}' as '{}', whose decimals leave it open by {:.0f} %: "
+                  "--sample-rate states the rate",
+                  key, text, 50.0 / static_cast<double>(*units)));
+}
+
 /// The time of the first sample, as Infiniium (XOrg), Yokogawa (HOffset) and Rigol (t0)
 /// oscilloscopes state it.
 void find_start(Dialect dialect, TableHead& head) {
@@ -95,9 +114,18 @@ std::vector<std::string_view> values_of_key(std::string_view text, char delimite
   return cells_of(text, delimiter == '\t' ? ' ' : delimiter);
 }
 
+std::string unit_of_times(std::string_view unit) {
+  const auto is_time = [](const std::string& text) {
+    return datasets::quantity_of_unit(text) == datasets::Quantity::time;
+  };
+  std::string small = lowered(unit);
+  return is_time(std::string(unit)) || !is_time(small) ? std::string(unit) : small;
+}
+
 void find_interval(Dialect dialect, TableHead& head) {
-  constexpr std::array<std::string_view, 12> intervals = {"sample interval",
+  constexpr std::array<std::string_view, 13> intervals = {"sample interval",
                                                           "sampling interval",
+                                                          "time interval",
                                                           "sample period",
                                                           "sampling period",
                                                           "delta t",
@@ -127,9 +155,10 @@ void find_interval(Dialect dialect, TableHead& head) {
       continue;
     }
     const auto stated = stated_value(without_channel(one), dialect);
+    if (is_interval && stated) tell_of_few_digits(key, one, head);
     const std::string_view si = is_interval ? "s" : "Hz";
     std::string unit = !stated || stated->unit.empty() ? says.unit : std::string(stated->unit);
-    unit = unit.empty() ? std::string(si) : is_rate ? rate_unit(unit) : unit;
+    unit = unit.empty() ? std::string(si) : is_rate ? rate_unit(unit) : unit_of_times(unit);
     const auto conversion = datasets::conversion(unit, si);
     if (!stated || !(stated->value > 0.0) || !conversion) {
       head.warnings.push_back(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -11,6 +12,9 @@ namespace impactrig::acquisition {
 
 /// The values of a key, one a column. Tabs between them have become blanks.
 std::vector<std::string_view> values_of_key(std::string_view text, char delimiter);
+
+/// "s" of "S", which is a siemens elsewhere, and "us" of "uS".
+std::string unit_of_times(std::string_view unit);
 
 /// Takes the sample interval that is stated by a key such as "Sample Interval" or "Sampling rate
 /// [kHz]", and the time of the first sample. A value a column is one value where all are the same.

@@ -99,14 +99,23 @@ struct CsvHead {
   /// columns are further times is for all to say.
   void settle(const Table& rows, const ImportOptions& options, bool read_on, Record& record) {
     record.attributes = head.attributes;
-    for (const DateColumns& date : layout.dates) heads[date.last].unit = std::string("s");
+    for (const DateColumns& date : layout.dates) {
+      heads[date.last].unit = std::string("s");
+      if (date.fraction > 0) heads[date.last].name = heads[date.last - 1].name;
+    }
     roles = find_roles(file, layout, head, heads, rows, options);
     if (!roles.named_times.empty()) find_ends_of_times(rows, read_on);
     record.warnings = head.warnings;
+    if (!options.delimiter && !options.decimal)
+      if (std::string commas =
+              commas_that_may_be_decimal_marks(layout, head, text_of_rows(file, layout));
+          !commas.empty())
+        record.warnings.push_back(std::move(commas));
     tell_of_times(heads, roles, record);
     if (const std::string rest = what_follows(file, layout); !rest.empty())
       record.warnings.push_back(rest);
     tell_of_dates_and_text(layout, heads, roles, record);
+    if (record.started.empty()) record.started = head.started;
     take_units_of_keys(head, roles, layout.dialect.delimiter, heads);
     describe(layout, head, heads, roles, record);
   }

@@ -36,12 +36,6 @@ bool is_time_unit(const std::string& unit) {
   return !unit.empty() && datasets::quantity_of_unit(unit) == Quantity::time;
 }
 
-/// "s" of "S", which is a siemens elsewhere, and "us" of "uS".
-std::string unit_of_times(std::string_view unit) {
-  std::string small = lowered(unit);
-  return is_time_unit(std::string(unit)) || !is_time_unit(small) ? std::string(unit) : small;
-}
-
 /// "ms" where a name should be, or one of Arduino's clocks; "" for other names.
 std::string_view unit_of_time_alone(std::string_view name) {
   constexpr std::array<std::string_view, 7> units = {"s", "sec", "ms", "msec", "us", "µs", "ns"};
@@ -301,12 +295,44 @@ void tell_of_times(const std::vector<ColumnHead>& heads, const CsvRoles& roles, 
         heads[*roles.index].name));
 }
 
+std::string commas_that_may_be_decimal_marks(const TableLayout& layout, const TableHead& head,
+                                             std::string_view text) {
+  constexpr long rows_tried = 40;
+  constexpr long rows_that_count = 4;
+  if (layout.dialect.delimiter != ',' || layout.written_cells != 2 || layout.key_cells > 0 ||
+      layout.column_numbers || !head.columns.empty())
+    return {};
+  std::string_view example;
+  long rows = 0;
+  bool counts = true;  // 0, 1, 2, ...: the samples
+  const char* at = layout.data;
+  const char* const end = text.data() + text.size();
+  for (long first = 0; at != end && rows < rows_tried;) {
+    const std::string_view line = trimmed(take_line(at, end));
+    if (line.empty() || line.starts_with('#') || line.starts_with('%')) continue;
+    const auto cells = cells_of(line, ',');
+    const auto number = cells.size() == 2 ? integer_in(cells[0]) : std::nullopt;
+    if (!number || cells[1].empty() || !integer_in(cells[1]) ||
+        cells[1].find_first_not_of("0123456789") != cells[1].npos)
+      return {};
+    if (rows == 0) example = line;
+    if (rows == 0) first = *number;
+    counts = counts && *number == first + rows++;
+  }
+  if (rows < 2 || (counts && rows >= rows_that_count)) return {};
+  return fmt::format(
+      "each row is two whole numbers under no names: the comma is taken for the end of a cell "
+      "(--decimal , reads '{}' as one number)",
+      to_utf8(example.substr(0, 40)));
+}
+
 void tell_of_dates_and_text(const TableLayout& layout, const std::vector<ColumnHead>& heads,
                             const CsvRoles& roles, Record& record) {
   for (const TextColumn& column : layout.text_columns)
-    record.warnings.push_back(fmt::format("'{}' holds text ('{}'), no numbers: it is left out",
-                                          heads[column.column].name,
-                                          to_utf8(column.example.substr(0, 40))));
+    if (!column.example.empty())
+      record.warnings.push_back(fmt::format("'{}' holds text ('{}'), no numbers: it is left out",
+                                            heads[column.column].name,
+                                            to_utf8(column.example.substr(0, 40))));
   for (const DateColumns& date : layout.dates) {
     const bool is_time =
         roles.time == date.last ||

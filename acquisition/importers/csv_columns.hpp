@@ -74,6 +74,11 @@ constexpr std::string_view only_first_is_time = "the first alone";
 void tell_of_dates_and_text(const TableLayout& layout, const std::vector<ColumnHead>& heads,
                             const CsvRoles& roles, datasets::Record& record);
 
+/// Says that commas between two whole numbers a row, under no names, may be decimal marks ("1,5");
+/// "" where they may not. `text` holds the rows.
+std::string commas_that_may_be_decimal_marks(const TableLayout& layout, const TableHead& head,
+                                             std::string_view text);
+
 /// Says which columns are taken as the times of those beside them by their unit alone, and which
 /// counts the samples under a name.
 void tell_of_times(const std::vector<ColumnHead>& heads, const CsvRoles& roles,

@@ -46,6 +46,51 @@ std::optional<DateColumns> widest_from(const Cells& row, std::size_t first) {
   return widest;
 }
 
+constexpr std::int64_t second = 1'000'000'000;  // [ns]
+
+/// What a unit of the column `c` is where its head calls it so and nothing else ("ms" over rows, or
+/// over its unit) [ns]; 0 where it does not.
+std::int64_t fraction_unit(const TableLayout& layout, std::size_t c) {
+  if (layout.head.empty()) return 0;
+  const auto word_in = [&](std::string_view line) {
+    const auto cells = cells_of(line, layout.dialect.delimiter);
+    return c < cells.size() ? std::string(cells[c]) : std::string();
+  };
+  const std::string word = word_in(layout.head.back());
+  if (layout.head.size() > 1) {
+    const std::string above = word_in(layout.head[layout.head.size() - 2]);
+    if (!above.empty() && above != word) return 0;
+  }
+  for (const std::string_view ms : {"ms", "msec", "Milliseconds", "milliseconds"})
+    if (word == ms) return 1'000'000;
+  for (const std::string_view us : {"us", "usec", "Microseconds", "microseconds"})
+    if (word == us) return 1'000;
+  return 0;
+}
+
+/// Takes a column behind a date and time in whole seconds that counts what is behind them, in all
+/// rows looked at: a clock of milliseconds since the start soon has more than a second.
+void take_fraction(const std::vector<std::string_view>& lines, const TableLayout& layout,
+                   DateColumns& date) {
+  const std::size_t c = date.last + 1;
+  const std::int64_t unit = fraction_unit(layout, c);
+  if (unit == 0 || !date.base.has_time) return;
+  std::optional<std::int64_t> first;
+  for (std::size_t i = layout.head.size(); i < lines.size(); ++i) {
+    const Cells row = cells_of(lines[i], layout.dialect.delimiter);
+    const auto time =
+        c < row.size() ? date_time_in(joined(row, date.first, date.last)) : std::nullopt;
+    if (!time) continue;  // no row, or one that is cut off or spoilt
+    const auto count = integer_in(row[c]);
+    if (!count || *count < 0 || *count >= second / unit || time->nanoseconds % second != 0) return;
+    if (!first) first = *count;
+  }
+  if (!first) return;
+  date.base.nanoseconds += *first * unit;
+  date.fraction = unit;
+  date.last = c;
+}
+
 /// Several clocks of one kind count from one time: the first row's of the first column, or where
 /// there is no date the earliest one, as what is before it is of the next day.
 void share_base(std::vector<DateColumns>& dates) {
@@ -81,7 +126,7 @@ std::vector<DateColumns> find_date_columns(const TextFile& file,
     if (!date) continue;
     c = date->last;
     const bool divides = layout.dialect.delimiter == ',' && date->base.has_time &&
-                         date->base.nanoseconds % 1'000'000'000 == 0 && c + 1 < row.size() &&
+                         date->base.nanoseconds % second == 0 && c + 1 < row.size() &&
                          may_be_fraction(rows, c + 1);
     if (divides && named < row.size()) {
       if (named + 1 != row.size())
@@ -90,6 +135,9 @@ std::vector<DateColumns> find_date_columns(const TextFile& file,
                                      "divide cells; a line of names above the rows would tell",
                                      to_utf8(joined(row, date->first, c + 1))));
       date = DateColumns{date->first, c + 1, *date_time_in(joined(row, date->first, c + 1))};
+      c = date->last;
+    } else {
+      take_fraction(lines, layout, *date);
       c = date->last;
     }
     found.push_back(*date);

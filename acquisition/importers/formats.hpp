@@ -88,6 +88,11 @@ std::unique_ptr<RecordingReader> open_rigol_wfm(const std::string& path,
 int recognises_catman(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_catman(const std::string& path, const ImportOptions& options);
 
+/// A head in text; its samples are in the .wvf beside it.
+int recognises_yokogawa_wvf(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_yokogawa_wvf(const std::string& path,
+                                                   const ImportOptions& options);
+
 int recognises_imc_raw(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_imc_raw(const std::string& path,
                                               const ImportOptions& options);
@@ -102,8 +107,8 @@ std::unique_ptr<RecordingReader> open_foreign_hdf5(const std::string& path,
 std::unique_ptr<RecordingReader> open_mat73(const std::string& path, const ImportOptions& options);
 
 /// What a file is that we know but do not read, and how its content can be brought here; "" for
-/// anything else.
-std::string closed_format(std::string_view head);
+/// anything else. The ending tells whose file a container is that several programs use.
+std::string closed_format(std::string_view file_name, std::string_view head);
 
 /// The same by the ending of a file whose content is of no known format.
 std::string closed_ending(std::string_view file_name);

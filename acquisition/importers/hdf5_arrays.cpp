@@ -414,6 +414,18 @@ std::string unapplied_scales(const Hdf5Attributes& attributes) {
   return list;
 }
 
+std::vector<std::uint64_t> places_of(const Hdf5Slice& slice) {
+  const auto& shape = slice.array->shape;
+  std::vector<std::uint64_t> places(shape.size(), 0);
+  std::uint64_t rest = slice.other;
+  for (std::size_t d = shape.size(); d-- > 0;) {
+    if (d == slice.along || shape[d] == 0) continue;
+    places[d] = rest % shape[d];
+    rest /= shape[d];
+  }
+  return places;
+}
+
 bool is_unit_key(std::string_view key) {
   const std::string word = lowered(key);
   return word == "units" || word == "unit" || word == "unit_string";

@@ -74,11 +74,11 @@ std::vector<std::string> links_to(const Hdf5Listing& listing, const std::string&
 Hdf5Listing list_hdf5(const std::string& path);
 
 /// Which numbers of a data set: `count` of them from `first`, along the dimension `along`, at
-/// `other` of the other dimension. Data sets of other ranks are taken in the order of the file.
+/// `other` of the other dimensions, the last of which counts fastest.
 struct Hdf5Slice {
   const Hdf5Array* array = nullptr;
-  bool whole = false;     ///< as a list, whatever its shape
-  std::size_t along = 0;  ///< dimension that is time, where it has two and is not taken whole
+  bool whole = false;     ///< as a list in the order of the file, whatever its shape
+  std::size_t along = 0;  ///< dimension that is time, where it has several and is not taken whole
   std::uint64_t other = 0;
   std::uint64_t first = 0;
   std::uint64_t count = 0;
@@ -91,6 +91,9 @@ struct Hdf5Slice {
   double time_factor = 1.0;  ///< [s]
   double time_offset = 0.0;  ///< [s]
 };
+
+/// Where a slice lies in each dimension; 0 in that of time.
+std::vector<std::uint64_t> places_of(const Hdf5Slice& slice);
 
 /// What was seen of a slice as it was read.
 struct Hdf5SliceSeen {

@@ -107,11 +107,21 @@ struct Column {
   std::uint64_t columns = 1;
 };
 
+/// How many columns a data set of several dimensions has along one of them; some number above
+/// `most_columns` where there are more.
+std::uint64_t columns_beside(const Hdf5Array& array, std::size_t along) {
+  std::uint64_t columns = 1;
+  for (std::size_t d = 0; d < array.shape.size(); ++d)
+    if (d != along && columns <= most_columns)
+      columns *= std::min(array.shape[d], most_columns + 1);
+  return columns;
+}
+
 Column column_of(const Hdf5Slice& slice) {
   const Hdf5Array& array = *slice.array;
   if (!array.field.empty()) return {array.field_index, array.fields};
   if (slice.whole) return {slice.other, 1};
-  return {slice.other, array.shape[1 - slice.along]};
+  return {slice.other, columns_beside(array, slice.along)};
 }
 
 /// Makes the channels of a listing.
@@ -167,8 +177,7 @@ class ChannelMaker {
     if (array.attributes.numbers.contains("MATLAB_empty"))
       return skip(fmt::format("'{}' (empty)", name));
     if (matlab && is_of_no_numbers(array)) return;
-    if (shape.size() > 2 && !matlab)
-      return skip(fmt::format("'{}' ({} dimensions)", name, shape.size()));
+    if (shape.size() > 2 && !matlab) return add_of_many_dimensions(array, name);
     Hdf5Slice slice;
     slice.array = &array;
     slice.whole = true;
@@ -187,6 +196,36 @@ class ChannelMaker {
       add_channel(names == nullptr ? fmt::format("{}:{}", name, slice.other + 1)
                                    : name + "." + (*names)[slice.other],
                   slice);
+  }
+
+  /// A channel for each place in the dimensions beside the time: "/cube:2,3".
+  void add_of_many_dimensions(const Hdf5Array& array, const std::string& name) {
+    Hdf5Slice slice;
+    slice.array = &array;
+    slice.along = made_.scales.time_dimension(array);
+    const std::uint64_t columns = columns_beside(array, slice.along);
+    const std::string size = size_of(array);
+    if (columns > most_columns)
+      return skip(
+          fmt::format("'{}' ({} numbers: more than {} columns; write those you need as data "
+                      "sets of two dimensions)",
+                      name, size, most_columns));
+    if (!made_.scales.time_dimension_is_sure(array))
+      return skip(
+          fmt::format("'{}' ({} numbers, of which no scale of a dimension says which one is "
+                      "the time; write it as data sets of two dimensions)",
+                      name, size));
+    for (slice.other = 0; slice.other < columns; ++slice.other) {
+      std::string places;
+      const std::vector<std::uint64_t> at = places_of(slice);
+      for (std::size_t d = 0; d < at.size(); ++d)
+        if (d != slice.along) places += fmt::format("{}{}", places.empty() ? "" : ",", at[d] + 1);
+      add_channel(fmt::format("{}:{}", name, places), slice);
+    }
+    made_.warn(
+        fmt::format("'{}': of its {} numbers dimension {} is taken for the time; the places "
+                    "in the others name the channels",
+                    name, size, slice.along + 1));
   }
 
   /// True where a MATLAB variable that is no array of numbers keeps something as numbers: an object

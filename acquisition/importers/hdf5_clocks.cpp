@@ -8,8 +8,10 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string_view>
 
+#include "acquisition/importers/mat_programs.hpp"
 #include "acquisition/importers/named_arrays.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "acquisition/importers/time_axis.hpp"
@@ -42,6 +44,10 @@ class ClockSetter {
     by_names(arrays, scaled, options);
     for (std::size_t i = 0; i < slices_.size(); ++i)
       set_clock(i, arrays, options.time_column.has_value());
+    if (!file_.matlab || options.time_column.value_or("none") != "none") return;
+    for (std::size_t i = 0; i < slices_.size(); ++i)
+      if (channels_[i].clock.interval == 0.0 && slices_[i].count > 1)
+        take_clock_of_program(mat_facts(), channels_[i], file_.record);
   }
 
  private:
@@ -292,6 +298,23 @@ class ClockSetter {
     if (by_groups(array.path, clock)) return;
     for (const std::string& link : links_to(file_.listing, array.path))
       if (by_groups(link, clock)) return;
+  }
+
+  MatFacts mat_facts() {
+    const auto number = [this](const std::string& name) -> std::optional<double> {
+      const auto found = std::ranges::find(channels_, name, &Channel::name);
+      if (found == channels_.end()) return std::nullopt;
+      const auto index = static_cast<std::size_t>(found - channels_.begin());
+      if (slices_[index].count != 1 || slices_[index].array->complex) return std::nullopt;
+      double value = 0.0;
+      each_value(index, [&value](std::span<const double> values) { value = values.front(); });
+      return value;
+    };
+    const auto text = [this](const std::string& name) {
+      const auto found = file_.record.attributes.find(name);
+      return found == file_.record.attributes.end() ? std::string() : found->second;
+    };
+    return {number, text};
   }
 
   /// What attributes of the groups around a path say.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "acquisition/importers/hdf5_scales.hpp"
 
+#include <algorithm>
+
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/units.hpp"
@@ -50,16 +52,23 @@ DimensionScale DimensionScales::along(const Hdf5Array& array, std::size_t dimens
 }
 
 std::size_t DimensionScales::time_dimension(const Hdf5Array& array) const {
-  const std::size_t longer = array.shape[0] >= array.shape[1] ? 0 : 1;
-  const std::size_t other = 1 - longer;
-  const bool is_other = array.shape[other] > 1 && along(array, other).kind == ScaleKind::time &&
-                        along(array, longer).kind != ScaleKind::time;
-  return is_other ? other : longer;
+  const auto longest = std::ranges::max_element(array.shape);
+  const auto found = static_cast<std::size_t>(longest - array.shape.begin());
+  if (along(array, found).kind == ScaleKind::time) return found;
+  for (std::size_t d = 0; d < array.shape.size(); ++d)
+    if (array.shape[d] > 1 && along(array, d).kind == ScaleKind::time) return d;
+  return found;
+}
+
+bool DimensionScales::time_dimension_is_sure(const Hdf5Array& array) const {
+  const std::size_t time = time_dimension(array);
+  return along(array, time).kind == ScaleKind::time ||
+         std::ranges::count(array.shape, array.shape[time]) == 1;
 }
 
 DimensionScale DimensionScales::of_samples(const Hdf5Slice& slice) const {
   const std::size_t rank = slice.array->shape.size();
-  if (rank == 0 || rank > 2) return {};
+  if (rank == 0 || (rank > 2 && slice.whole)) return {};
   return along(*slice.array, rank == 1     ? 0
                              : slice.whole ? time_dimension(*slice.array)
                                            : slice.along);

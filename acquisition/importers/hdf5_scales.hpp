@@ -37,8 +37,12 @@ class DimensionScales {
   /// The scale of a dimension, and among several one of time.
   DimensionScale along(const Hdf5Array& array, std::size_t dimension) const;
 
-  /// The dimension of a data set of two that is time: the one whose scale says so, else the longer.
+  /// The dimension of a data set of several that is time: the one whose scale says so, else the
+  /// longest, of equal ones the first.
   std::size_t time_dimension(const Hdf5Array& array) const;
+
+  /// False where it is but the first of several that are as long.
+  bool time_dimension_is_sure(const Hdf5Array& array) const;
 
   /// The scale that the samples of a channel lie along.
   DimensionScale of_samples(const Hdf5Slice& slice) const;

@@ -655,14 +655,14 @@ class SliceReader {
     if (shape.empty()) return H5Dread(data, type, memory.id(), H5S_ALL, H5P_DEFAULT, to) >= 0;
     if (slice.whole && shape.size() > 1)
       return read_whole(data, space.id(), shape, type, count, to);
-    std::array<hsize_t, 2> start{};
-    std::array<hsize_t, 2> block{1, 1};
     const std::size_t along = shape.size() == 1 ? 0 : slice.along;
+    const std::vector<std::uint64_t> places = places_of(slice);
+    std::vector<hsize_t> start(places.begin(), places.end());
+    std::vector<hsize_t> block(shape.size(), 1);
     start[along] = at_;
     block[along] = count;
-    if (shape.size() == 2) start[1 - along] = slice.other;
-    if (shape.size() > 2 || H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr,
-                                                block.data(), nullptr) < 0)
+    if (H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, block.data(),
+                            nullptr) < 0)
       return false;
     return H5Dread(data, type, memory.id(), space.id(), H5P_DEFAULT, to) >= 0;
   }

@@ -44,7 +44,9 @@ constexpr auto table = std::to_array<Importer>({
      open_keysight_bin},                                                            //
     {"rigol-bin", "Rigol waveforms (.bin)", recognises_rigol_bin, open_rigol_bin},  //
     {"rigol-wfm", "Rigol DS1000Z, DS1000E/D and DS2000 waveform (.wfm)", recognises_rigol_wfm,
-     open_rigol_wfm},                                                                 //
+     open_rigol_wfm},  //
+    {"yokogawa-wvf", "Yokogawa DL and WE7000 waveforms (.hdr beside .wvf)", recognises_yokogawa_wvf,
+     open_yokogawa_wvf},                                                              //
     {"catman", "HBM catman binary export (.bin)", recognises_catman, open_catman},    //
     {"imc-raw", "imc FAMOS raw file (.raw .dat)", recognises_imc_raw, open_imc_raw},  //
     {"hdf5", "HDF5 of other programs: data sets of numbers by their paths (.h5 .hdf5 .nxs)",
@@ -109,7 +111,7 @@ const Importer& recognised(const std::string& path, std::string_view head) {
     }
   }
   if (best_score <= generic) {
-    const std::string closed = closed_format(head);
+    const std::string closed = closed_format(file_name, head);
     if (!closed.empty()) throw InputError(place_of(path), closed);
   }
   const std::string closed = best == nullptr ? closed_ending(file_name) : std::string();

@@ -124,7 +124,7 @@ class MatRecord {
     const bool stated = options.time_column && *options.time_column != "none";
     for (std::size_t i = 0; i < stored_.size() && !stated; ++i)
       if (found.clocks[i].interval == 0.0 && arrays[i].samples > 1)
-        take_clock_of_program(contents_, record_.channels[i], record_);
+        take_clock_of_program(facts(), record_.channels[i], record_);
     for (std::string& warning : found.warnings) record_.warnings.push_back(std::move(warning));
     if (found.time_column.empty()) return;
     record_.attributes["time column"] = found.time_column;
@@ -133,6 +133,24 @@ class MatRecord {
     if (!in_seconds && !found.without_unit.empty())
       record_.warnings.push_back(
           fmt::format("the time is taken as s, since no unit is stated: {}", found.without_unit));
+  }
+
+  MatFacts facts() const {
+    const auto number = [this](const std::string& name) -> std::optional<double> {
+      const auto found = std::ranges::find(contents_.arrays, name, &MatArray::name);
+      if (found == contents_.arrays.end() || found->count != 1 || found->complex)
+        return std::nullopt;
+      double value = 0.0;
+      StoredNumbers one(found->kind, contents_.big_endian);
+      one.add({found->offset, 1, size_of(found->kind)});
+      read_numbers(*contents_.file, one, 0, {&value, 1});
+      return value;
+    };
+    const auto text = [this](const std::string& name) {
+      const auto found = contents_.texts.find(name);
+      return found == contents_.texts.end() ? std::string() : found->second;
+    };
+    return {number, text};
   }
 
   MatContents contents_;

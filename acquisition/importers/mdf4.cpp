@@ -120,9 +120,12 @@ class MdfReader {
       next = groups.back().link(0);
     }
     std::size_t filled = 0;
-    for (const MdfBlock& group : groups)
+    bool variable = false;  // values that stand among the records, counted or not
+    for (const MdfBlock& group : groups) {
       if (cycles_of(group) > 0) ++filled;
-    if (filled > 1 || (unfinished_ && groups.size() > 1)) {
+      variable = variable || (id_bytes > 0 && facts_of(group).variable);
+    }
+    if (filled > 1 || ((unfinished_ || variable) && groups.size() > 1)) {
       read_mixed_groups(data_group, groups, id_bytes, number);
       return data_group.link(0);
     }

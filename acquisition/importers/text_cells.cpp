@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <limits>
 
 #include "acquisition/importers/text_table.hpp"
@@ -62,15 +63,21 @@ std::string_view without_quotes(std::string_view cell) {
 bool marks_missing(std::string_view cell) {
   std::string_view text = without_quotes(cell);
   if (text.empty()) return false;
-  for (const char filling : {'-', '*', '#', '?'})
+  for (const char filling : {'-', '+', '*', '#', '?'})
     if (text.find_first_not_of(filling) == std::string_view::npos) return true;
   if (text.front() == '-' || text.front() == '+') text.remove_prefix(1);
-  constexpr std::array<std::string_view, 23> words = {
-      "ovl",         "ovld",       "ovf",       "ovfl",       "ovr",    "over",
-      "overflow",    "overload",   "overrange", "over range", "under",  "underflow",
-      "under range", "underrange", "clip",      "clipped",    "open",   "#n/a",
-      "#nv",         "na",         "null",      "none",       "missing"};
+  constexpr std::array<std::string_view, 24> words = {
+      "ovl",         "ovld",       "ovf",       "ovfl",       "ovr",     "over",
+      "overflow",    "overload",   "overrange", "over range", "under",   "underflow",
+      "under range", "underrange", "clip",      "clipped",    "open",    "#n/a",
+      "#nv",         "na",         "null",      "none",       "missing", "burnout"};
   return std::ranges::any_of(words, [&](std::string_view word) { return same_word(text, word); });
+}
+
+// SCPI-99, volume 1, 7.2.1.4 (infinity) and 7.2.1.5 (not a number)
+bool stands_for_no_value(double value) {
+  const double size = std::abs(value);
+  return size == 9.9e37 || size == 9.91e37 || size == 9.99999e99;
 }
 
 bool has_thousands_separators(std::string_view cell) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <span>
 
+#include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/date_columns.hpp"
 
 namespace impactrig::acquisition {
@@ -83,7 +84,7 @@ std::optional<DialectFound> try_dialect(const std::vector<std::string_view>& lin
     }
     if (dialect.delimiter == dialect.decimal && !has_quoted_decimals(lines, i, dialect))
       return std::nullopt;
-    DialectFound found{dialect, i, first, 0};
+    DialectFound found{dialect, i, first, 0, 0};
     for (std::size_t k = i; k < lines.size() && k < i + rows_tried; ++k)
       if (!is_skipped_line(lines[k]) && shape_of(lines[k], dialect).numeric) ++found.numeric_lines;
     return found;
@@ -91,16 +92,17 @@ std::optional<DialectFound> try_dialect(const std::vector<std::string_view>& lin
   return std::nullopt;
 }
 
-/// True for a row that begins with a number (or a date) and holds another number, whatever its
-/// other cells are.
-bool has_numbers_beside_text(std::string_view line, Dialect dialect) {
+/// The numbers of a row that begins with one (or a date) and holds another, whatever its other
+/// cells are; 0 of other lines.
+std::size_t numbers_beside_text(std::string_view line, Dialect dialect) {
   const auto cells = cells_of(line, dialect.delimiter);
   const auto is_number = [dialect](std::string_view cell) {
     return number_in(cell, {dialect.decimal, false}).has_value();
   };
-  return cells.size() > 1 &&
-         (is_number(cells.front()) || (dialect.dates && is_part_of_date(cells.front()))) &&
-         std::any_of(cells.begin() + 1, cells.end(), is_number);
+  const bool begins = cells.size() > 1 && (is_number(cells.front()) ||
+                                           (dialect.dates && is_part_of_date(cells.front())));
+  if (!begins || std::none_of(cells.begin() + 1, cells.end(), is_number)) return 0;
+  return static_cast<std::size_t>(std::ranges::count_if(cells, is_number));
 }
 
 /// The same where each row holds text, under as many names: a first row is followed by another with
@@ -111,19 +113,20 @@ std::optional<DialectFound> try_dialect_with_text(const std::vector<std::string_
   std::optional<DialectFound> found;
   for (std::size_t i = from; i < lines.size(); ++i) {
     if (is_skipped_line(lines[i])) continue;
-    const bool is_row = has_numbers_beside_text(lines[i], dialect);
-    if (!is_row && !found) continue;
-    if (!is_row) {
+    const std::size_t numbers = numbers_beside_text(lines[i], dialect);
+    if (numbers == 0 && !found) continue;
+    if (numbers == 0) {
       if (found->numeric_lines > 1) break;
       found.reset();
       continue;
     }
     if (!found) {
-      found = DialectFound{dialect, i, shape_of(lines[i], dialect), 0};
+      found = DialectFound{dialect, i, shape_of(lines[i], dialect), 0, 0};
       if (i == 0 || named_columns(lines[i - 1], dialect) < found->first_row.cells)
         return std::nullopt;
     }
     ++found->numeric_lines;
+    found->numbers += numbers;
   }
   return found;
 }
@@ -142,6 +145,7 @@ bool better(const std::vector<std::string_view>& lines, const DialectFound& a,
   // an early start explains more of the file than a late one, but only if it holds: count rows
   // first
   if (a.numeric_lines != b.numeric_lines) return a.numeric_lines > b.numeric_lines;
+  if (a.numbers != b.numbers) return a.numbers > b.numbers;
   if (has_one_name(lines, a) != has_one_name(lines, b)) return has_one_name(lines, b);
   return a.first_row.cells > b.first_row.cells;
 }
@@ -258,6 +262,13 @@ std::vector<Dialect> dialects_with_dates(std::vector<Dialect> possible) {
   return possible;
 }
 
+/// LabVIEW SignalExpress writes the channels' names below "channel names:", with tabs between them:
+/// where there is no tab there is one channel, and commas are decimal marks.
+bool is_divided_by_tabs(const std::vector<std::string_view>& lines) {
+  return lines.size() > 1 && lowered(trimmed(lines[0])) == "channel names:" &&
+         (lines[1].find('\t') != lines[1].npos || lines[1].find_first_of(",;") == lines[1].npos);
+}
+
 }  // namespace
 
 bool is_skipped_line(std::string_view line) {
@@ -281,7 +292,9 @@ std::size_t named_columns(std::string_view line, Dialect dialect) {
 
 std::optional<DialectFound> find_dialect(TextFile& file, const std::vector<std::string_view>& lines,
                                          std::size_t from, const ImportOptions& options) {
-  const std::vector<Dialect> possible = possible_dialects(options);
+  std::vector<Dialect> possible = possible_dialects(options);
+  if (!options.delimiter && is_divided_by_tabs(lines))
+    std::erase_if(possible, [](Dialect dialect) { return dialect.delimiter != '\t'; });
   std::optional<DialectFound> best = best_of(try_dialect, lines, from, possible);
   if (!options.delimiter && (!best || best->dialect.delimiter == ' '))
     refuse_thousands_separators(file, lines);

@@ -22,6 +22,7 @@ struct DialectFound {
   std::size_t first_line = 0;
   RowShape first_row;
   std::size_t numeric_lines = 0;
+  std::size_t numbers = 0;  ///< beside text in these lines
 };
 
 /// True for a line that is empty or a remark.

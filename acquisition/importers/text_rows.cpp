@@ -155,7 +155,10 @@ void RowReader::read_cell(std::size_t c) {
     const bool ends = q == end_ || *q == '\n' || *q == '\r' || *q == delimiter_ ||
                       (delimiter_ == ' ' && q[-1] <= ' ');
     if (ends) {
-      append(column, value);
+      if (std::abs(value) > 9e37 && stands_for_no_value(value))
+        append_missing(column, at_, trimmed({at_, static_cast<std::size_t>(q - at_)}));
+      else
+        append(column, value);
       at_ = q;
       return;
     }
@@ -195,10 +198,16 @@ void RowReader::skip_cell() {
 bool RowReader::read_date(std::size_t c) {
   skip_blanks();
   const char* const start = date_from_ == nullptr ? at_ : date_from_;
-  skip_cell();
-  const std::string_view text = trimmed({start, static_cast<std::size_t>(at_ - start)});
-  const DateTime& base = layout_.dates_at(c)->base;
-  const auto time = date_time_in(text);
+  const DateColumns& date = *layout_.dates_at(c);
+  const char* end_of_date = at_;  // where a fraction follows
+  const auto fraction = read_fraction(date);
+  if (date.fraction == 0) end_of_date = at_;
+  std::string_view text = trimmed({start, static_cast<std::size_t>(end_of_date - start)});
+  if (date.fraction > 0 && text.ends_with(delimiter_)) text.remove_suffix(1);
+  const DateTime& base = date.base;
+  auto time = date_time_in(text);
+  if (time && fraction) time->nanoseconds += *fraction;
+  if (!fraction) time.reset();
   const auto seconds = time ? seconds_between(base, *time) : std::nullopt;
   const auto value = seconds ? seconds : cell_value(text, decimal_);
   if (seconds) {
@@ -209,17 +218,32 @@ bool RowReader::read_date(std::size_t c) {
     return false;
   } else {
     const bool any_day = time && base.has_date && time->has_date && base.has_time == time->has_time;
-    const std::string found = to_utf8(text.substr(0, 40));
+    const std::string& name = names_[date.fraction > 0 ? c - 1 : c];
+    const std::string found =
+        to_utf8(trimmed({start, static_cast<std::size_t>(at_ - start)}).substr(0, 40));
     throw InputError(
         file_.position(start),
         any_day
             ? fmt::format("{}: '{}' is not of the first row's day, and does not tell day, month "
                           "and year apart: write dates as 2024-12-31",
-                          names_[c], found)
-            : fmt::format("{}: expected a date and time as in the first row, found '{}'", names_[c],
+                          name, found)
+            : fmt::format("{}: expected a date and time as in the first row, found '{}'", name,
                           found));
   }
   return true;
+}
+
+/// Passes the last cell of a date and gives what it adds to it [ns]; none where it should and does
+/// not.
+std::optional<std::int64_t> RowReader::read_fraction(const DateColumns& date) {
+  const char* const start = at_;
+  skip_cell();
+  if (date.fraction == 0) return 0;
+  const auto count =
+      integer_in(without_quotes(trimmed({start, static_cast<std::size_t>(at_ - start)})));
+  constexpr std::int64_t second = 1'000'000'000;
+  if (!count || *count < 0 || *count >= second / date.fraction) return std::nullopt;
+  return *count * date.fraction;
 }
 
 /// Anything but a plain number: quoted, missing, infinite, or an error.
@@ -249,6 +273,8 @@ void RowReader::unusual_cell(std::size_t c) {
   }
   if (std::isnan(*value))
     append_missing(table_.columns[c], start);
+  else if (stands_for_no_value(*value))
+    append_missing(table_.columns[c], start, trimmed(cell));
   else
     append(table_.columns[c], *value);
 }

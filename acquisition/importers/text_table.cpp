@@ -200,9 +200,33 @@ bool has_keys_above(const std::vector<std::string_view>& lines, const TableLayou
                                    });
 }
 
+/// Which cells between numbers are empty: where tables stand side by side, keys of the further ones
+/// are in such columns.
+std::vector<std::size_t> gaps_of(const std::vector<std::string_view>& row, std::size_t first) {
+  std::size_t end = row.size();
+  while (end > first && row[end - 1].empty()) --end;
+  std::vector<std::size_t> gaps;
+  for (std::size_t c = first; c < end; ++c)
+    if (row[c].empty()) gaps.push_back(c);
+  return gaps;
+}
+
+/// The cells in `gaps` that hold the first key of the table in one of the rows with keys.
+std::vector<std::size_t> find_further_keys(const std::vector<std::string_view>& key_lines,
+                                           const std::vector<std::size_t>& gaps, char delimiter) {
+  std::vector<std::size_t> found;
+  for (const std::string_view line : key_lines) {
+    const auto cells = cells_of(line, delimiter);
+    for (const std::size_t c : gaps)
+      if (cells[c] == cells.front()) found.push_back(c);
+    if (!found.empty()) break;
+  }
+  return found;
+}
+
 /// Finds rows that hold samples too, with keys before them: "Record Length,2.5e+03,,-0.00025,0.08,"
 /// above ",,,-0.00024,0.04,". Keys begin above the first row of numbers alone; further ones may
-/// stand below rows without.
+/// stand below rows without. Several such tables may stand side by side.
 void take_rows_with_keys(const std::vector<std::string_view>& lines, TableLayout& layout) {
   constexpr std::size_t rows_tried = 40;
   const char delimiter = layout.dialect.delimiter;
@@ -211,8 +235,11 @@ void take_rows_with_keys(const std::vector<std::string_view>& lines, TableLayout
   std::size_t empty = 0;
   while (empty < row.size() && row[empty].empty()) ++empty;
   if (empty == 0 || empty >= layout.cells) return;
-  const auto is_row = [&](const std::vector<std::string_view>& cells) {
-    return cells.size() == row.size() && numbers_from(cells, empty, layout.dialect.decimal);
+  const std::vector<std::size_t> gaps = gaps_of(row, empty);
+  const auto is_row = [&](std::vector<std::string_view> cells) {
+    if (cells.size() != row.size()) return false;
+    for (const std::size_t c : gaps) cells[c] = {};
+    return numbers_from(cells, empty, layout.dialect.decimal);
   };
   std::size_t first = layout.head.size();
   while (first > 0 && is_row(cells_of(lines[first - 1], delimiter))) --first;
@@ -229,6 +256,9 @@ void take_rows_with_keys(const std::vector<std::string_view>& lines, TableLayout
   layout.key_cells = empty;
   layout.cells -= empty;
   layout.written_cells -= empty;
+  layout.further_keys = find_further_keys(layout.key_lines, gaps, delimiter);
+  if (layout.further_keys.empty()) return;
+  for (const std::size_t c : gaps) layout.text_columns.push_back({c - empty, {}});
 }
 
 /// Finds columns of text among the first rows: within the rows, or behind them where the line above

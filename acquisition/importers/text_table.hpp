@@ -35,6 +35,9 @@ struct DateColumns {
   std::size_t first = 0;
   std::size_t last = 0;  ///< which gets the value
   DateTime base;
+  /// Of the last column where it counts what is behind the seconds, as loggers write "ms" or "us"
+  /// beside a time in whole seconds [ns]; 0: it does not.
+  std::int64_t fraction = 0;
 };
 
 /// A column of numbers that are counted from the first: they are too large for their differences.
@@ -58,6 +61,9 @@ struct TableLayout {
   /// `written_cells`.
   std::size_t key_cells = 0;
   std::vector<std::string_view> key_lines;  ///< the rows that have such keys
+  /// Cells of these rows that hold the keys of further tables beside the first; the columns they
+  /// stand over are without an example among `text_columns`.
+  std::vector<std::size_t> further_keys;
   /// In order; within the rows, or behind them under a name. A row may end before those at its end.
   std::vector<TextColumn> text_columns;
   std::vector<DateColumns> dates;  ///< in order
@@ -89,9 +95,13 @@ std::vector<std::string_view> cells_of(std::string_view line, char delimiter);
 std::optional<double> cell_value(std::string_view cell, char decimal);
 
 /// True for what instruments write in a column of numbers where a value was beyond their range or
-/// is not there: "OVL", "+Over", "overload", "---", "#####". In a column without numbers it may be
-/// a text like others.
+/// is not there: "OVL", "+Over", "overload", "---", "+++", "#####". In a column without numbers it
+/// may be a text like others.
 bool marks_missing(std::string_view cell);
+
+/// True for the numbers that instruments write where there is none: SCPI's 9.9e37 (beyond the
+/// range, with either sign) and 9.91e37 (no measurement), Hioki's 9.99999e99.
+bool stands_for_no_value(double value);
 
 /// True for "1,234.5", "1.234,0", "1'234" and "1 234,5": digits in groups of three.
 bool has_thousands_separators(std::string_view cell);
@@ -162,6 +172,7 @@ class RowReader {
   void read_counted(std::size_t column);
   void skip_cell();
   bool read_date(std::size_t column);
+  std::optional<std::int64_t> read_fraction(const DateColumns& date);
   void unusual_cell(std::size_t column);
   bool scan_only(std::string_view cell) const;
   void finish_row(const char* line);

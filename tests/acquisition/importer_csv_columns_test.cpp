@@ -48,6 +48,29 @@ INSTANTIATE_TEST_SUITE_P(Names, CsvPairs,
                                          "t1 [s],F [N],t2 [s],v [m/s]", "X,F,X,v",
                                          "F time (s),F (N),v time (s),v (m/s)"));
 
+// keys above do not say how many columns there are
+TEST(CsvCommas, BetweenTwoWholeNumbersUnderNoNamesMayBeDecimalMarks) {
+  const std::string rows = "1,5\n2,25\n-3,5\n";
+  for (const char* const head : {"", "Sample rate: 1000 Hz\n"}) {
+    const Record record = imported(head + rows);
+    EXPECT_EQ(record.channels.size(), 2U);
+    EXPECT_THAT(
+        record.warnings,
+        testing::Contains("each row is two whole numbers under no names: the comma is taken "
+                          "for the end of a cell (--decimal , reads '1,5' as one number)"));
+  }
+  ImportOptions options;
+  options.decimal = ',';
+  EXPECT_THAT(imported(rows, options).channels.at(0).values(), ElementsAre(1.5, 2.25, -3.5));
+  options = {};
+  options.delimiter = ',';
+  const auto told = testing::Contains(HasSubstr("whole numbers under no names"));
+  EXPECT_THAT(imported(rows, options).warnings, testing::Not(told));
+  for (const char* const sure :
+       {"1,5\n2,2.5\n3,5\n", "1,5\n2,-2\n3,5\n", "0,5\n1,2\n2,5\n3,4\n", "F,v\n1,5\n2,25\n"})
+    EXPECT_THAT(imported(sure).warnings, testing::Not(told)) << sure;
+}
+
 TEST(CsvPairs, HaveUnitsOfTheirOwn) {
   const Record record =
       imported("F time (ms),F (N),v time (us),v (m/s)\n0,0,0,0\n1,1,100,1\n2,2,200,2\n");

@@ -16,6 +16,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 using tests::Hdf5File;
 using tests::import_error;
 using tests::imported;
@@ -143,7 +144,6 @@ TEST(ForeignHdf5, TablesAreColumnsAlongTheirLongerSide) {
   const Hdf5File file;
   file.data<std::int16_t>("/rows", {300, 2}, values, H5T_NATIVE_INT16, H5T_STD_I16LE, {64, 2});
   file.data<std::int16_t>("/columns", {2, 300}, values, H5T_NATIVE_INT16, H5T_STD_I16LE);
-  file.data<std::int16_t>("/cube", {2, 3, 100}, values, H5T_NATIVE_INT16, H5T_STD_I16LE);
   file.number("/", "sample_rate", 1000.0);
   ImportOptions options;
   options.from = 0.298;
@@ -154,7 +154,7 @@ TEST(ForeignHdf5, TablesAreColumnsAlongTheirLongerSide) {
   EXPECT_EQ(record.channels[2].name, "/rows:1");
   EXPECT_THAT(record.channels[2].values(), ElementsAre(596, 598));
   EXPECT_EQ(record.channels[2].clock.start, 0.298);
-  EXPECT_THAT(record.warnings, ElementsAre("not read: '/cube' (3 dimensions)"));
+  EXPECT_THAT(record.warnings, IsEmpty());
   options.channels = {"/rows:2"};
   options.to = 0.298;
   EXPECT_THAT(imported(file.bytes(), options).channels[0].values(), ElementsAre(597));
@@ -312,6 +312,90 @@ TEST(ForeignHdf5, MatlabFilesAreNamedAsMatlabDoes) {
   EXPECT_EQ(record.channels[4].name, "small");
   EXPECT_THAT(record.channels[4].values(), ElementsAre(1, 2, 3, 4, 5, 6));
   EXPECT_EQ(record.attributes.at("note"), "hit");
+}
+
+// shots x channels x samples
+TEST(ForeignHdf5, ThreeDimensionsAreAChannelForEachPlaceBesideTheTime) {
+  const Hdf5File file;
+  std::vector<std::int16_t> numbers(2 * 3 * 8);
+  std::iota(numbers.begin(), numbers.end(), std::int16_t{0});
+  file.data<std::int16_t>("/cube", {2, 3, 8}, numbers, H5T_NATIVE_INT16, H5T_STD_I16LE, {1, 2, 4});
+  file.number("/cube", "dt", 0.5);
+  const auto record = imported(file.bytes(), {}, ".h5");
+  ASSERT_EQ(record.channels.size(), 6U);
+  EXPECT_EQ(record.channels[1].name, "/cube:1,2");
+  EXPECT_EQ(record.channels[5].name, "/cube:2,3");
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(8, 9, 10, 11, 12, 13, 14, 15));
+  EXPECT_THAT(record.channels[5].values(), ElementsAre(40, 41, 42, 43, 44, 45, 46, 47));
+  EXPECT_EQ(record.channels[5].clock.interval, 0.5);
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("'/cube': of its 2 x 3 x 8 numbers dimension 3 is taken for the time; the "
+                  "places in the others name the channels"));
+  ImportOptions one;
+  one.channels = {"/cube:2,1"};
+  EXPECT_THAT(imported(file.bytes(), one, ".h5").channels.at(0).values(),
+              ElementsAre(24, 25, 26, 27, 28, 29, 30, 31));
+}
+
+TEST(ForeignHdf5, TheScaleOfADimensionTellsTheTimeOfThree) {
+  const Hdf5File file;
+  file.doubles("/t", {0, 0.5});
+  file.text("/t", "units", "s");
+  file.scale("/t");
+  std::vector<double> numbers(2 * 3);
+  std::iota(numbers.begin(), numbers.end(), 0.0);
+  file.data<double>("/cube", {1, 2, 3}, numbers, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.scales("/cube", {"", "/t", ""});
+  const auto record = imported(file.bytes(), {}, ".h5");
+  ASSERT_EQ(record.channels.size(), 4U);
+  EXPECT_EQ(record.channels[1].name, "/cube:1,2");
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(1, 4));
+  EXPECT_EQ(record.channels[1].clock.interval, 0.5);
+}
+
+TEST(ForeignHdf5, WhatMayBeAnyOfThreeDimensionsIsNotRead) {
+  const Hdf5File file;
+  file.data<double>("/cube", {2, 2, 1}, {1, 2, 3, 4}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.data<float>("/film", {40, 40, 50}, std::vector<float>(80000), H5T_NATIVE_FLOAT,
+                   H5T_IEEE_F32LE);
+  const auto record = imported(file.bytes(), {}, ".h5");
+  EXPECT_EQ(record.channels.size(), 0U);
+  EXPECT_EQ(record.warnings.at(0),
+            "not read: '/cube' (2 x 2 x 1 numbers, of which no scale of a dimension says which one "
+            "is the time; write it as data sets of two dimensions), '/film' (40 x 40 x 50 numbers: "
+            "more than 1000 columns; write those you need as data sets of two dimensions)");
+}
+
+/// A Simcenter Testlab export: an axis as start and increment, in the unit of its label.
+std::string testlab(const std::vector<std::uint16_t>& label) {
+  const Hdf5File file(512);
+  for (const char* const group :
+       {"/Signal_0", "/Signal_0/x_values", "/Signal_0/x_values/quantity", "/Signal_0/y_values"})
+    file.structure(group);
+  const std::string axis = "/Signal_0/x_values/";
+  file.matlab(axis + "start_value", {-0.5});
+  file.matlab(axis + "increment", {0.25});
+  file.data<std::uint16_t>(axis + "quantity/label", {label.size(), 1}, label, H5T_NATIVE_UINT16,
+                           H5T_STD_U16LE);
+  file.text(axis + "quantity/label", "MATLAB_class", "char");
+  file.matlab("/Signal_0/y_values/values", {1, 2, 3});
+  return tests::mat73_bytes(file);
+}
+
+TEST(ForeignHdf5, AnAxisOfTestlabInMatFilesOfVersion73IsTheClock) {
+  const auto named = [](const datasets::Record& record) {
+    return *std::ranges::find(record.channels, "Signal_0.y_values.values",
+                              &datasets::Channel::name);
+  };
+  const auto channel = named(imported(testlab({'s'}), {}, ".mat"));
+  EXPECT_EQ(channel.clock.start, -0.5);
+  EXPECT_EQ(channel.clock.interval, 0.25);
+  EXPECT_EQ(channel.unit, "") << "values may be in SI or in the unit of the label";
+  const auto spectrum = named(imported(testlab({'H', 'z'}), {}, ".mat"));
+  EXPECT_EQ(spectrum.clock.interval, 0.0);
+  EXPECT_EQ(spectrum.attributes.at("domain"), "frequency");
+  EXPECT_EQ(spectrum.attributes.at("abscissa increment"), "0.25");
 }
 
 // Of objects MATLAB keeps six integers here, of sparse matrices rows and columns.

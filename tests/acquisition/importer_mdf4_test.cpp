@@ -641,6 +641,19 @@ TEST(Mdf4Unsorted, RecordsAreThoseOfTheSortedFile) {
   }
 }
 
+// texts of variable length stand among the records whether or not their group counts them
+TEST(Mdf4Unsorted, TextsAmongTheRecordsOfOneGroupAreNoNumbers) {
+  MdfFile file;
+  const std::string records = "\1a\2" + bytes_of_number(std::uint32_t{3}) + "xyz\1b\2" +
+                              bytes_of_number(std::uint32_t{0}) + "\1c";
+  const std::uint64_t data = file.block("DT", {}, records);
+  const std::uint64_t texts = file.group(0, 0, 0, 0, 0, 2, 1);
+  const std::uint64_t group =
+      file.group(file.channels({described("a", 0, 8, 0)}), 3, 1, 0, texts, 1);
+  const auto record = imported(file.with(file.data_group(group, data, 1)));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre('a', 'b', 'c'));
+}
+
 TEST(Mdf4Unsorted, EmptyGroupsMayHaveTheIdsOfOthers) {
   MdfFile file;
   const std::uint64_t data = file.block("DT", {}, "\1a\2b\1c");

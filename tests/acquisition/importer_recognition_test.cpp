@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 
 #include <set>
+#include <string>
+#include <utility>
 
 #include "acquisition/importer.hpp"
 #include "datasets/input_error.hpp"
@@ -118,10 +120,39 @@ INSTANTIATE_TEST_SUITE_P(
         Closed{"<?xml version=\"1.0\"?>\n<usi:tdm version=\"1.0\">"sv,
                "the description of an NI TDM file (.tdm), whose samples are in the .tdx beside it, "
                "which is not read: save it as TDMS with DIAdem or LabVIEW"},
+        Closed{"DIAEXTENDED  {@:ENDLINE}\n#BEGINGLOBALHEADER\n1,WINDOWS 32Bit"sv,
+               "the header of a DIAdem data set (.dat), whose samples are in binary files beside "
+               "it, which is not read: save it as TDMS with DIAdem"},
+        Closed{"Data format edition number :1.6"sv,
+               "the description of a test in ISO 13499 (.mme), whose samples are in the folder "
+               "Channel beside it, which is not read: state the files of its channels (.001, .002, "
+               "...)"},
+        Closed{"SPBXDS\x01"sv,
+               "the memory of an OWON oscilloscope (.bin), which is not read: save the waveform as "
+               "CSV on the oscilloscope, with its times"},
+        Closed{"FORMDS16\x01"sv,
+               "a KayPENTAX CSL recording (.nsp), which is not read: save it as WAVE (.wav) with "
+               "CSL"},
         Closed{"<?xml version=\"1.0\"?>\n<Prop Value=\"eRS_SIGNAL_FORMAT_FLOAT\"/>"sv,
                "the description of a Rohde & Schwarz waveform (.bin), whose samples are in the "
                ".Wfm.bin beside it, which is not read: save the waveform as CSV on the "
                "oscilloscope, with its times"}));
+
+TEST(ClosedFormatByEnding, TellsWhoseAContainerIs) {
+  const auto ole = "\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1\x00\x01"sv;
+  EXPECT_EQ(
+      import_error(ole, {}, ".LMS"),
+      "FILE: this is an OLE2 compound file of Simcenter Testlab by its ending '.lms', which is "
+      "not read: export it as universal file (UFF) or MATLAB (.mat) with Testlab");
+  EXPECT_EQ(
+      import_error(ole, {}, ".xls"),
+      "FILE: this is an OLE2 compound file of a spreadsheet program by its ending '.xls', which "
+      "is not read: save the table in it as CSV");
+  EXPECT_EQ(
+      import_error("PK\x03\x04\x14\x00\x00"sv, {}, ".dxz"),
+      "FILE: this is a ZIP archive of Dewesoft by its ending '.dxz', which is not read: export "
+      "it as universal file (UFF), MAT or CSV with the program that wrote it");
+}
 
 TEST(ClosedFormatByEnding, IsNamedWhereTheContentIsOfNoKnownFormat) {
   const auto unknown = "\x07\x01\xFE\x00\x02\x90"sv;
@@ -140,10 +171,24 @@ TEST(ClosedFormatByEnding, IsNamedWhereTheContentIsOfNoKnownFormat) {
   EXPECT_EQ(told(".Wfm.bin"),
             "is that of files of a Rohde & Schwarz oscilloscope, which are not read: save the "
             "waveform as CSV on the oscilloscope, with its times");
-  for (const char* const ending : {".wvf", ".WDF"})
+  for (const char* const ending : {".dl850", ".WDF"})
     EXPECT_EQ(told(ending),
               "is that of files of a Yokogawa oscilloscope, which are not read: save the waveform "
               "as CSV on the oscilloscope, with its times");
+  EXPECT_EQ(told(".wvf"),
+            "is that of files of a Yokogawa oscilloscope, which are not read alone: state the .hdr "
+            "beside it, which describes the samples");
+  for (const auto& [ending, says] :
+       {std::pair{".LDSF",
+                  "Simcenter Testlab, which are not read: export it as universal file "
+                  "(UFF) or MATLAB (.mat) with Testlab"},
+        std::pair{".orx",
+                  "OROS NVGate, which are not read: export it as universal file (UFF), MAT "
+                  "or CSV with the program that wrote it"},
+        std::pair{".mem",
+                  "a Hioki recorder, which are not read: save it as CSV with the recorder "
+                  "or its software"}})
+    EXPECT_EQ(told(ending), std::string("is that of files of ") + says);
   EXPECT_EQ(told(".psdata"),
             "is that of files of PicoScope, which are not read: save it as MATLAB (.mat) or CSV "
             "with PicoScope");

@@ -23,6 +23,14 @@ inline std::vector<std::string> csv_seeds() {
       "# 1: time [ms]\n# 2: force [kN]\n0.0 1.5\n0.1 2.5\n",
       "Zeit  1\tKraft\ns\tN\nM 0\tSN 1\n----\t----\n0,0\t+  1,5\n0,5\t-  2,5\n",
       "Time [ms],1,2\n0.0,5.5,6\n0.1,4.5,3\n",
+      "channel names: \na\tb\nstart times: \n3/15/2014 10:11:12.5\t3/15/2014 10:11:12.5\ndt: \n"
+      "0.000100\t0.000100\ndata: \n1.5\t2.5\n0.5\t3.5\n",
+      "Channel :,CH1\nTime interval :,0.08uS\n\nindex,CH1_Voltage(mV)\n0,1.5\n1,2.5\n",
+      "Vendor;GRAPHTEC Corporation\nAMP settings\nCH;Signal name;Span;;Unit\nCH1;a;1;-1;[N]\nData\n"
+      "Number;Date;Time;us;CH1;Alarm\n1;2026/06/01;17:01:39;999800;+1,5;LL\n"
+      "2;2026/06/01;17:01:40;0;+++++;LL\n",
+      "Record Length,5,,-0.5,1,,Record Length,5,,-0.2,3,\nSource,CH1,,0.0,2,,Source,CH2,,0.3,4,\n"
+      ",,,0.5,3,,,,,0.8,5,\n,,,1.0,4,,,,,1.3,6,\n",
       "Model,MSO64\nSample Interval,1e-9\nVertical Units,V\n\nLabels,,\nTIME,CH1\n0,1\n1e-9,2\n",
   };
 }

@@ -28,6 +28,7 @@
 #include "tests/acquisition/text_bytes.hpp"
 #include "tests/acquisition/wav_bytes.hpp"
 #include "tests/acquisition/waveform_container_bytes.hpp"
+#include "tests/acquisition/yokogawa_bytes.hpp"
 #include "tests/datasets/sample_record.hpp"
 
 namespace {
@@ -88,6 +89,7 @@ constexpr auto table = std::to_array<Seeds>({
     {"uff58", uff58_seeds},                //
     {"uff58b", uff58b_seeds},              //
     {"wav", wav_seeds},                    //
+    {"yokogawa-wvf", yokogawa_seeds},      //
 });
 
 }  // namespace
