@@ -233,6 +233,15 @@ std::string sensitivity_example(std::string_view unit, Quantity role) {
   return role == Quantity::force ? "2.25 mV/N" : fmt::format("0.1 V/({})", si);
 }
 
+namespace {
+
+/// Bytes of a UTF-8 character behind its first.
+bool continues_character(char byte) {
+  return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
+}
+
+}  // namespace
+
 bool matches_pattern(std::string_view name, std::string_view pattern) {
   std::size_t n = 0;
   std::size_t p = 0;
@@ -242,7 +251,11 @@ bool matches_pattern(std::string_view name, std::string_view pattern) {
     if (p < pattern.size() && pattern[p] == '*') {
       star = p++;
       after = n;
-    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
+    } else if (p < pattern.size() && pattern[p] == '?') {
+      ++p;
+      ++n;
+      while (n < name.size() && continues_character(name[n])) ++n;
+    } else if (p < pattern.size() && pattern[p] == name[n]) {
       ++p;
       ++n;
     } else if (star != std::string_view::npos) {

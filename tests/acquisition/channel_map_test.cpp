@@ -61,6 +61,17 @@ TEST(Pattern, StarsStandForAnyCharactersAndMarksForOne) {
   EXPECT_FALSE(matches_pattern("", "?"));
 }
 
+TEST(Pattern, CountsCharactersNotBytes) {
+  EXPECT_TRUE(matches_pattern("Weg \xC3\xA4", "Weg ?"));
+  EXPECT_TRUE(matches_pattern("\xE5\x8A\x9B 1", "? ?"));
+  EXPECT_TRUE(
+      matches_pattern("\xC2\xB5"
+                      "e 12",
+                      "*?2"));
+  EXPECT_FALSE(matches_pattern("Weg \xC3\xA4", "Weg ??"));
+  EXPECT_FALSE(matches_pattern("\xC3\xA4", "*??"));
+}
+
 TEST(ChannelMap, MakesVoltsAForceWithoutTouchingSamples) {
   ChannelMapping force = matching("ch2");
   force.name = "Force";
