@@ -158,10 +158,18 @@ class MappedRecording final : public RecordingReader {
       channel.scale = -channel.scale;
       channel.offset = -channel.offset;
     }
-    if (mapping.role) take_role(*mapping.role, mapping.line, channel);
+    if (mapping.role) {
+      take_role(*mapping.role, mapping.line, channel);
+      says["role"] = datasets::name(*mapping.role);
+    }
     if (mapping.position)
-      channel.attributes["position"] = fmt::format("{:.12g} m", *mapping.position);
-    if (mapping.delay) channel.delay = mapping.delay;
+      says["position"] = channel.attributes["position"] =
+          fmt::format("{:.12g} m", *mapping.position);
+    if (mapping.delay) {
+      channel.delay = mapping.delay;
+      says["delay"] = fmt::format("{:.12g} s, uncertain by {:.3g} s", mapping.delay->value,
+                                  mapping.delay->uncertainty);
+    }
     provenance.edits.push_back(std::move(edit));
   }
 
@@ -183,6 +191,8 @@ class MappedRecording final : public RecordingReader {
                            physical, map_.file};
     says["sensitivity"] =
         fmt::format("{:.12g} {}/({})", sensitivity, mapping.recorded_unit, physical);
+    if (mapping.sensitivity->uncertainty > 0.0)
+      says["sensitivity"] += fmt::format(", uncertain by {:.3g}", mapping.sensitivity->uncertainty);
   }
 
   void take_role(Quantity role, std::uint32_t line, Channel& channel) const {
