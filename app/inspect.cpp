@@ -132,7 +132,7 @@ void add_impacts(const datasets::Record& record, std::size_t index,
                  acquisition::DetectionOptions options, ordered_json& list,
                  std::vector<std::string>& warnings) {
   const datasets::Channel& channel = record.channels[index];
-  options.trigger_channel = std::to_string(index);
+  options.trigger_index = index;
   try {
     for (const datasets::Impact& impact : acquisition::find_impacts(record, options))
       list.push_back(impact_json(impact, channel));
