@@ -386,6 +386,9 @@ TEST_F(CommandLine, InspectSaysThatWhatItWasAskedForHasNoImpact) {
               HasSubstr("there is no impact in the channels of the rig's sensors: nothing rises "
                         "clearly above the noise"));
   EXPECT_THAT(warnings("N", " --trigger Force"), HasSubstr("there is no impact in 'Force'"));
+  EXPECT_THAT(warnings("N", " --threshold 50"),
+              HasSubstr("there is no impact: no force or acceleration passes --threshold 50 from "
+                        "a quiet level"));
   EXPECT_EQ(warnings("N", ""), "[]");
 }
 
