@@ -84,7 +84,7 @@ void compare(const OutgoingRecording& recording, const Record& back,
     const Channel& is = back.channels[c];
     if (is.name != was.name) names.add(was.name, is.name);
     if (is.unit != was.unit) units.add(was.unit, is.unit);
-    if (outgoing.uniform && outgoing.size > 1 && is_time_record(was) &&
+    if (outgoing.uniform && outgoing.size > 0 && is_time_record(was) &&
         !same_interval(was.clock.interval, is.clock.interval))
       clocks.add(fmt::format("{:.12g} s", was.clock.interval),
                  fmt::format("{:.12g} s", is.clock.interval));
