@@ -158,10 +158,18 @@ class MappedRecording final : public RecordingReader {
       channel.scale = -channel.scale;
       channel.offset = -channel.offset;
     }
-    if (mapping.role) take_role(*mapping.role, mapping.line, channel);
+    if (mapping.role) {
+      take_role(*mapping.role, mapping.line, channel);
+      says["role"] = datasets::name(*mapping.role);
+    }
     if (mapping.position)
-      channel.attributes["position"] = fmt::format("{:.12g} m", *mapping.position);
-    if (mapping.delay) channel.delay = mapping.delay;
+      says["position"] = channel.attributes["position"] =
+          fmt::format("{:.12g} m", *mapping.position);
+    if (mapping.delay) {
+      channel.delay = mapping.delay;
+      says["delay"] = fmt::format("{:.12g} s, uncertain by {:.3g} s", mapping.delay->value,
+                                  mapping.delay->uncertainty);
+    }
     provenance.edits.push_back(std::move(edit));
   }
 
@@ -183,6 +191,8 @@ class MappedRecording final : public RecordingReader {
                            physical, map_.file};
     says["sensitivity"] =
         fmt::format("{:.12g} {}/({})", sensitivity, mapping.recorded_unit, physical);
+    if (mapping.sensitivity->uncertainty > 0.0)
+      says["sensitivity"] += fmt::format(", uncertain by {:.3g}", mapping.sensitivity->uncertainty);
   }
 
   void take_role(Quantity role, std::uint32_t line, Channel& channel) const {
@@ -233,6 +243,15 @@ std::string sensitivity_example(std::string_view unit, Quantity role) {
   return role == Quantity::force ? "2.25 mV/N" : fmt::format("0.1 V/({})", si);
 }
 
+namespace {
+
+/// Bytes of a UTF-8 character behind its first.
+bool continues_character(char byte) {
+  return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
+}
+
+}  // namespace
+
 bool matches_pattern(std::string_view name, std::string_view pattern) {
   std::size_t n = 0;
   std::size_t p = 0;
@@ -242,7 +261,11 @@ bool matches_pattern(std::string_view name, std::string_view pattern) {
     if (p < pattern.size() && pattern[p] == '*') {
       star = p++;
       after = n;
-    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
+    } else if (p < pattern.size() && pattern[p] == '?') {
+      ++p;
+      ++n;
+      while (n < name.size() && continues_character(name[n])) ++n;
+    } else if (p < pattern.size() && pattern[p] == name[n]) {
       ++p;
       ++n;
     } else if (star != std::string_view::npos) {

@@ -132,7 +132,7 @@ void add_impacts(const datasets::Record& record, std::size_t index,
                  acquisition::DetectionOptions options, ordered_json& list,
                  std::vector<std::string>& warnings) {
   const datasets::Channel& channel = record.channels[index];
-  options.trigger_channel = std::to_string(index);
+  options.trigger_index = index;
   try {
     for (const datasets::Impact& impact : acquisition::find_impacts(record, options))
       list.push_back(impact_json(impact, channel));
@@ -148,13 +148,13 @@ ordered_json impacts_json(const datasets::Record& record, const DetectionArgumen
                           std::vector<std::string>& warnings) {
   ordered_json list = ordered_json::array();
   const acquisition::DetectionOptions options = detection_options(detection);
+  const std::size_t told = warnings.size();
   if (!detection.trigger.empty()) {
     const datasets::Channel* const channel = record.find(detection.trigger);
     if (channel == nullptr)
       throw datasets::InputError(
           {.file = record.provenance.source_file},
           fmt::format("there is no single channel '{}' to look for impacts in", detection.trigger));
-    const std::size_t told = warnings.size();
     add_impacts(record, static_cast<std::size_t>(channel - record.channels.data()), options, list,
                 warnings);
     if (list.empty() && warnings.size() == told)
@@ -165,6 +165,7 @@ ordered_json impacts_json(const datasets::Record& record, const DetectionArgumen
   const bool pulses = std::ranges::any_of(record.channels, [](const datasets::Channel& channel) {
     return channel.quantity == force || channel.quantity == acceleration;
   });
+  bool searched = false;
   for (std::size_t i = 0; i < record.channels.size(); ++i) {
     const datasets::Channel& channel = record.channels[i];
     if (pulses ? channel.quantity != force && channel.quantity != acceleration
@@ -173,8 +174,14 @@ ordered_json impacts_json(const datasets::Record& record, const DetectionArgumen
     // What is over no time has no impacts; of uneven times a sentence says what to do.
     const bool over_time = !channel.clock.uniform() || channel.clock.interval > 0.0;
     if (channel.complex() || !over_time) continue;
+    searched = true;
     add_impacts(record, i, options, list, warnings);
   }
+  if (detection.threshold > 0.0 && searched && list.empty() && warnings.size() == told)
+    warnings.push_back(fmt::format(
+        "there is no impact: no {} passes --threshold {:g} from a quiet level; state a lower one, "
+        "or a higher one where noise passes it",
+        pulses ? "force or acceleration" : "velocity", detection.threshold));
   return list;
 }
 

@@ -239,11 +239,14 @@ void apply_polarity(Channel& channel, const Sensor& sensor, std::vector<Edit>& e
   edits.push_back({"apply polarity", channel.name, {{"polarity", "-1"}}});
 }
 
+bool says_something(const datasets::Delay& delay) {
+  return delay.value != 0.0 || delay.uncertainty != 0.0;
+}
+
 /// Takes the known delay off the clock: the sensor's statement, else the recording's own.
 void remove_delay(Channel& channel, const datasets::Delay& stated, std::vector<Edit>& edits) {
   if (channel.delay && channel.delay->removed) return;
-  const bool says_something = stated.value != 0.0 || stated.uncertainty != 0.0;
-  datasets::Delay delay = channel.delay && !says_something ? *channel.delay : stated;
+  datasets::Delay delay = channel.delay && !says_something(stated) ? *channel.delay : stated;
   channel.clock.start -= delay.value;
   delay.removed = true;
   channel.delay = delay;
@@ -252,6 +255,17 @@ void remove_delay(Channel& channel, const datasets::Delay& stated, std::vector<E
                    channel.name,
                    {{"delay", fmt::format("{:.12g} s", delay.value)},
                     {"uncertainty", fmt::format("{:.12g} s", delay.uncertainty)}}});
+}
+
+/// A map's delay gives way to the rig file's; both may be meant.
+void warn_of_two_delays(const Claim& claim, Record& result) {
+  const auto& own = claim.channel->delay;
+  const datasets::Delay& stated = claim.sensor->delay;
+  if (!own || own->removed || own->value == stated.value || !says_something(stated)) return;
+  result.warnings.push_back(
+      fmt::format("Channel '{}' states a delay of {:g} s, but {}.delay is {:g} s, which is used; "
+                  "state it in one place.",
+                  claim.channel->name, own->value, claim.key(), stated.value));
 }
 
 void warn_of_low_cut(const Claim& claim, Record& result) {
@@ -270,6 +284,7 @@ Channel conditioned(const Record& record, const Claim& claim, Record& result) {
   convert_to_si(record, claim, channel, result);
   apply_polarity(channel, *claim.sensor, result.provenance.edits);
   remove_delay(channel, claim.sensor->delay, result.provenance.edits);
+  warn_of_two_delays(claim, result);
   keep_calibration(channel, *claim.sensor);
   if (claim.sensor->range > 0.0)
     channel.attributes["sensor.range"] = fmt::format("{}", claim.sensor->range);

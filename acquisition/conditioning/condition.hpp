@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +41,7 @@ struct DetectionOptions {
   double post_trigger = 5e-3;   ///< kept after first touch [s]
   /// Name or index; "" = the first force, else acceleration, else velocity.
   std::string trigger_channel{};
+  std::optional<std::size_t> trigger_index{};  ///< in place of a name, which may be a number too
 };
 
 /// Finds impacts in a conditioned record (or any record with a force, acceleration or velocity

@@ -105,9 +105,8 @@ Signal fractional_integral(const Signal& signal, double p) {
   return result;
 }
 
-/// A force without what it shows before it rises.
-void take_level_off(Signal& force) {
-  std::vector<double>& y = force.values;
+/// Samples before a signal departs from its level.
+std::size_t quiet_head(const std::vector<double>& y) {
   const std::size_t head = std::max<std::size_t>(8, y.size() / 20);
   const double level = median({y.begin(), y.begin() + static_cast<std::ptrdiff_t>(head)});
   double peak = 0.0;
@@ -115,10 +114,25 @@ void take_level_off(Signal& force) {
   const double limit = std::max(6.0 * step_noise(y), 0.05 * peak);
   std::size_t crossing = 0;
   while (crossing < y.size() && std::abs(y[crossing] - level) <= limit) ++crossing;
-  const std::size_t quiet = std::max<std::size_t>(1, crossing - crossing / 4);
+  return std::max<std::size_t>(1, crossing - crossing / 4);
+}
+
+/// A force without what it shows before it rises.
+void take_level_off(Signal& force) {
+  std::vector<double>& y = force.values;
+  const std::size_t quiet = quiet_head(y);
   double mean = 0.0;
   for (std::size_t i = 0; i < quiet; ++i) mean += y[i] / static_cast<double>(quiet);
   for (double& value : y) value -= mean;
+}
+
+/// Power of a signal's noise at low frequencies, as of white noise: variance times interval, from
+/// the line through what it shows before it moves [unit² s]; 0 where that is too short.
+double noise_power(const Signal& signal) {
+  const std::size_t quiet = quiet_head(signal.values);
+  if (quiet < least_samples) return 0.0;
+  const QuietFit line = fit_quiet(signal.values, 0, quiet, 1, 0.0);
+  return line.sigma * line.sigma * line.correlation * signal.interval;
 }
 
 /// How the channel follows from the reference.
@@ -127,6 +141,8 @@ struct Link {
   std::vector<Signal> basis;  ///< as many as there may be terms
   int degree = 1;             ///< of the polynomial beside them
   bool expansion = false;     ///< the number of terms is open
+  int integrations = 0;       ///< that the one term is of the reference
+  double noise_power = 0.0;   ///< of the reference before it is integrated [unit² s]
 };
 
 /// Least squares for one delay.
@@ -208,6 +224,23 @@ double coloured_variance(const Eigen::VectorXd& residuals, const Eigen::VectorXd
   return std::max(0.0, variance);
 }
 
+/// Variance that the integrated noise of the reference gives a sum of the channel's samples times
+/// weights. It wanders like a random walk, and over the length of a record residuals do not tell
+/// how far. `coefficient` is of a column of unit length.
+double wandering_variance(const Link& link, double delay, double coefficient,
+                          Eigen::VectorXd weights) {
+  if (link.integrations == 0) return 0.0;
+  const double step = link.channel.interval;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < link.channel.values.size(); ++i)
+    squares += std::pow(link.basis.front().at(link.channel.time(i) - delay), 2);
+  for (int k = 0; k < link.integrations; ++k) {
+    for (Eigen::Index i = weights.size() - 1; i > 0; --i) weights[i - 1] += weights[i];
+    if (k > 0) weights *= step;
+  }
+  return coefficient * coefficient / squares * link.noise_power * step * weights.squaredNorm();
+}
+
 /// Standard error of the delay beside all coefficients.
 double delay_error(const Link& link, int terms, const LinkFit& fit) {
   Eigen::MatrixXd jacobian = columns(link, terms, fit.delay);
@@ -242,8 +275,10 @@ double delay_error(const Link& link, int terms, const LinkFit& fit) {
   const double n = static_cast<double>(jacobian.rows());
   const double freedom = std::max(1.0, n - static_cast<double>(p) - 1.0);
   const double white = fit.squares / freedom * correlation_of(fit) / own.squaredNorm();
-  const double coloured = n / freedom * coloured_variance(fit.residuals, own / own.squaredNorm());
-  return std::sqrt(std::max(white, coloured)) / scale;
+  const Eigen::VectorXd weights = own / own.squaredNorm();
+  const double coloured = n / freedom * coloured_variance(fit.residuals, weights);
+  const double wandering = wandering_variance(link, fit.delay, fit.coefficients[0], weights);
+  return std::sqrt(std::max(white, coloured) + wandering) / scale;
 }
 
 double misfit_of(const Link& link, int terms, const LinkFit& fit) {
@@ -335,9 +370,10 @@ Link link_between(const Channel& reference, const Channel& channel, const TimeSp
     link.degree = *to == 0 ? 2 : 1;
     link.expansion = true;
   } else {
-    const int integrations = from && to ? *from - *to : 0;
-    for (int i = 0; i < integrations; ++i) x = integral_of(x);
-    link.degree = 1 + integrations;
+    link.integrations = from && to ? *from - *to : 0;
+    if (link.integrations > 0) link.noise_power = noise_power(x);
+    for (int i = 0; i < link.integrations; ++i) x = integral_of(x);
+    link.degree = 1 + link.integrations;
     link.basis.push_back(x);
   }
   cut_to_reference(link.basis.front(), range, link.channel);

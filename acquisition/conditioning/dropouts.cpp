@@ -20,14 +20,14 @@ using datasets::Quantity;
 
 namespace {
 
-constexpr double gate = 8.0;            ///< standard deviations
-constexpr double least_part = 0.02;     ///< of what the signal spans
-constexpr double comes_back = 2.0;      ///< departure over the change across
-constexpr double line_fits = 4.0;       ///< departure over the scatter of its neighbours
-constexpr double on_course = 0.1;       ///< of that departure
-constexpr std::size_t block = 64;       ///< samples of a local scatter, three blocks together
-constexpr std::size_t neighbours = 12;  ///< samples that say how the signal goes
-constexpr std::size_t cluster = 3;      ///< samples between two that stand out for one edge
+constexpr double gate = 8.0;             ///< standard deviations
+constexpr double least_part = 0.02;      ///< of what the signal spans
+constexpr double comes_back = 2.0;       ///< departure over the change across
+constexpr double line_fits = 4.0;        ///< departure over the scatter of its neighbours
+constexpr double on_course = 0.1;        ///< of that departure
+constexpr std::size_t least_block = 64;  ///< samples of a local scatter, three blocks together
+constexpr std::size_t neighbours = 12;   ///< samples that say how the signal goes
+constexpr std::size_t cluster = 3;       ///< samples between two that stand out for one edge
 
 double as_double(std::size_t n) {
   return static_cast<double>(n);
@@ -55,8 +55,10 @@ double span_of(std::span<const double> y) {
   return sample[sample.size() - 1 - edge] - sample[edge];
 }
 
-/// Samples that stand out, as stretches [begin, end).
-std::vector<IndexRange> edges_in(std::span<const double> y) {
+/// Samples that stand out, as stretches [begin, end). The longest dropout, which may be noise
+/// alone, is a third of the samples that say what the scatter is around it.
+std::vector<IndexRange> edges_in(std::span<const double> y, std::size_t longest) {
+  const std::size_t block = std::max(least_block, longest);
   const std::vector<double> departure = departures(y);
   const std::span<const double> all(departure);
   const std::span<const double> inner = all.subspan(2, y.size() - 4);
@@ -187,7 +189,7 @@ std::optional<Dropout> dropout_in(std::span<const double> y, const std::vector<s
 std::vector<Dropout> find_dropouts(std::span<const double> values,
                                    const std::vector<std::uint8_t>& valid, std::size_t longest) {
   if (values.size() < 2 * neighbours) return {};
-  const std::vector<IndexRange> edges = edges_in(values);
+  const std::vector<IndexRange> edges = edges_in(values, longest);
   const Measure measure{span_of(values), std::max(step_noise(values), 0.75 * quantum_of(values))};
   std::vector<Dropout> dropouts;
   for (std::size_t e = 0; e < edges.size(); ++e) {

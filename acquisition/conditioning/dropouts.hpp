@@ -24,7 +24,8 @@ struct Dropout {
 ///
 /// A sample stands out when it is further from the cubic through its four neighbours than
 ///
-///   8 times the scatter of that departure, of the whole record and of the 192 samples around it,
+///   8 times the scatter of that departure, of the whole record and of the samples around it
+///   (three times `longest`, at least 192: a burst of noise is no scatter of its own),
 ///   and 2 % of what the signal spans between its 1st and 99th percentile.
 ///
 /// (the two samples beside a step do so too). A stretch between such samples is a dropout when its

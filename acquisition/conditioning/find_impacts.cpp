@@ -46,8 +46,10 @@ const Channel* first_of(const Record& record, Quantity quantity) {
 
 const Channel& trigger_channel(const Record& record, const DetectionOptions& options) {
   const std::string& file = record.provenance.source_file;
-  if (!options.trigger_channel.empty()) {
-    const Channel* const channel = record.find(options.trigger_channel);
+  if (options.trigger_index || !options.trigger_channel.empty()) {
+    const Channel* const channel = options.trigger_index
+                                       ? &record.channels.at(*options.trigger_index)
+                                       : record.find(options.trigger_channel);
     if (channel == nullptr)
       throw InputError(whole_file(file),
                        fmt::format("there is no single channel '{}' to look for impacts in",

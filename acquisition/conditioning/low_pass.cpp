@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "acquisition/conditioning/background.hpp"
 #include "acquisition/conditioning/samples.hpp"
 
 namespace impactrig::acquisition {
@@ -55,14 +54,6 @@ void pass(std::vector<Section>& sections, std::span<double> values) {
   for (Section& section : sections) section.settle(values.front());
   for (double& value : values)
     for (Section& section : sections) value = section(value);
-}
-
-double largest_departure(std::span<const double> values) {
-  const double level = median({values.begin(), values.end()});
-  double largest = 0.0;
-  for (const double value : values)
-    if (std::abs(value - level) > std::abs(largest)) largest = value - level;
-  return largest;
 }
 
 }  // namespace

@@ -209,6 +209,10 @@ Resampled resample(Channel& channel, const datasets::Resample& to) {
     for (std::size_t i = 0; i < values.size(); ++i)
       values[i] = signal(ratio * static_cast<double>(i));
   }
+  const double from = largest_departure(source), left = largest_departure(values);
+  result.lost = from != 0.0 ? 1.0 - std::abs(left / from) : 0.0;
+  parameters["largest departure"] =
+      fmt::format("{:.6g} {}, before {:.6g}", left, channel.unit, from);
   Marks marks(start, interval, values.size());
   mark_invalid(channel, interval, marks);
   if (uneven) mark_gaps(channel, interval, marks, result);

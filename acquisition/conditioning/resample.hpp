@@ -34,6 +34,7 @@ class BandLimited {
 /// What was done, and what the result holds that nobody recorded.
 struct Resampled {
   datasets::Edit edit;
+  double lost = 0.0;         ///< of the largest departure from the median
   std::size_t gaps = 0;      ///< in uneven times, with new samples in them
   std::size_t in_gaps = 0;   ///< new samples in them, all marked invalid
   double longest_gap = 0.0;  ///< from sample to sample [s]

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "acquisition/conditioning/background.hpp"
 #include "acquisition/conditioning/trace.hpp"
 
 namespace impactrig::acquisition {
@@ -43,6 +44,14 @@ void replace_values(Channel& channel, std::vector<double>&& values) {
   channel.raw = std::move(values);
   channel.scale = 1.0;
   channel.offset = 0.0;
+}
+
+double largest_departure(std::span<const double> values) {
+  const double level = median({values.begin(), values.end()});
+  double largest = 0.0;
+  for (const double value : values)
+    if (std::abs(value - level) > std::abs(largest)) largest = value - level;
+  return largest;
 }
 
 IndexRange samples_in(const Channel& channel, const TimeSpan& span) {

@@ -19,6 +19,9 @@ std::vector<double> sound_values(const datasets::Channel& channel, std::size_t l
 /// New samples in the channel's unit, as many as before.
 void replace_values(datasets::Channel& channel, std::vector<double>&& values);
 
+/// The value furthest from the median, less that; of at least one value.
+double largest_departure(std::span<const double> values);
+
 /// The indices [begin, end) of the samples within a span; may be empty.
 struct IndexRange {
   std::size_t begin = 0, end = 0;

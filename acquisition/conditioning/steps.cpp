@@ -36,7 +36,7 @@ using datasets::Record;
 
 namespace {
 
-constexpr double notable_loss = 0.01;  ///< of a peak, to a low-pass
+constexpr double notable_loss = 0.01;  ///< of a peak
 
 /// The channels that a step means: indices, since steps add channels.
 std::vector<std::size_t> channels_meant(const Record& record, const std::string& name) {
@@ -124,11 +124,14 @@ class Conditioning {
   void act(const datasets::LowPass& action, std::size_t index) {
     LowPassed result = low_pass(channel(index), action);
     note(std::move(result.edit));
-    if (result.lost < notable_loss) return;
-    record_.warnings.push_back(
-        fmt::format("The low-pass at {:g} Hz takes {} off the largest value of '{}'; a "
-                    "prediction is not filtered so.",
-                    action.cutoff, datasets::percent(result.lost), channel(index).name));
+    tell_loss(result.lost, fmt::format("low-pass at {:g} Hz", action.cutoff), index);
+  }
+
+  void tell_loss(double lost, std::string_view to_what, std::size_t index) {
+    if (lost < notable_loss) return;
+    record_.warnings.push_back(fmt::format(
+        "The {} takes {} off the largest value of '{}'; a prediction is not filtered so.", to_what,
+        datasets::percent(lost), channel(index).name));
   }
 
   void act(datasets::RemoveHum action, std::size_t index) {
@@ -171,6 +174,7 @@ class Conditioning {
   void act(const datasets::Resample& action, std::size_t index) {
     Resampled result = resample(channel(index), action);
     note(std::move(result.edit));
+    tell_loss(result.lost, fmt::format("resampling to {:g} Hz", action.rate), index);
     if (result.gaps == 0) return;
     record_.warnings.push_back(fmt::format(
         "'{}' has {} gap{} in its times, {}{:g} s long: {} of the resampled values lie in {} and "

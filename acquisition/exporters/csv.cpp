@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "acquisition/exporters/formats.hpp"
 #include "acquisition/exporters/not_kept.hpp"
@@ -95,10 +96,19 @@ std::vector<double> times_of(const OutgoingChannel& channel, const Channel& part
   return times;
 }
 
-/// Whether times of this clock, read back, give another interval.
-bool table_changes_interval(const OutgoingChannel& channel) {
+/// Whether times are so far from 0 that doubles round their steps: without a stated interval an
+/// importer counts them from the first.
+bool far_from_zero(const datasets::SampleClock& clock) {
+  constexpr double few_digits = 1e-4;  // of a step; an importer counts from 1e-3 on
+  return std::abs(clock.start) * std::numeric_limits<double>::epsilon() >
+         few_digits * clock.interval;
+}
+
+/// Whether times of this clock, read back, give another interval or start.
+bool table_changes_clock(const OutgoingChannel& channel) {
   const datasets::SampleClock& clock = channel.head->clock;
   if (channel.size == 0) return clock.interval != 0.0;
+  if (far_from_zero(clock)) return true;
   TimeAxisCheck check(clock.time(0), clock.time(channel.size - 1), channel.size);
   std::vector<double> times;
   for (std::uint64_t first = 0; first < channel.size; first += times.size()) {
@@ -165,7 +175,7 @@ std::vector<std::string> write_csv(const OutgoingRecording& recording, const std
 
   OutputFile out(path);
   // comments only for what the table itself would not give back
-  if (with_time && first.uniform && table_changes_interval(first))
+  if (with_time && first.uniform && table_changes_clock(first))
     out.print("# sample interval: {} s\n", clock.interval);
   const std::string_view times = !with_time                     ? no_time_column
                                  : any_looks_like_times(record) ? only_first_is_time

@@ -49,6 +49,19 @@ bool same_interval(double a, double b) {
   return std::abs(a - b) <= 1e-3 * std::abs(a);
 }
 
+/// The time of the first sample [s].
+double start_of(const OutgoingChannel& channel) {
+  return channel.uniform ? channel.head->clock.start : channel.part(0, 1).clock.times.front();
+}
+
+double start_of(const Channel& channel) {
+  return channel.clock.times.empty() ? channel.clock.start : channel.clock.times.front();
+}
+
+bool same_start(double a, double b, double interval) {
+  return std::abs(a - b) <= 1e-3 * interval;
+}
+
 std::string names_of(const Record& record) {
   std::string names;
   for (const Channel& channel : record.channels)
@@ -64,21 +77,26 @@ void compare(const OutgoingRecording& recording, const Record& back,
         back.channels.size(), recording.channels.size(), names_of(back), way_out));
     return;
   }
-  Differences names, units, clocks;
+  Differences names, units, clocks, starts;
   for (std::size_t c = 0; c < back.channels.size(); ++c) {
     const OutgoingChannel& outgoing = recording.channels[c];
     const Channel& was = *outgoing.head;
     const Channel& is = back.channels[c];
     if (is.name != was.name) names.add(was.name, is.name);
     if (is.unit != was.unit) units.add(was.unit, is.unit);
-    if (outgoing.uniform && outgoing.size > 1 && is_time_record(was) &&
+    if (outgoing.uniform && outgoing.size > 0 && is_time_record(was) &&
         !same_interval(was.clock.interval, is.clock.interval))
       clocks.add(fmt::format("{:.12g} s", was.clock.interval),
                  fmt::format("{:.12g} s", is.clock.interval));
+    if (outgoing.size > 0 && is_time_record(was) &&
+        !same_start(start_of(outgoing), start_of(is), was.clock.interval))
+      starts.add(fmt::format("{:.12g} s", start_of(outgoing)),
+                 fmt::format("{:.12g} s", start_of(is)));
   }
   names.tell("name", warnings);
   units.tell("unit", warnings);
   clocks.tell("sample interval", warnings);
+  starts.tell("start", warnings);
 }
 
 }  // namespace

@@ -61,6 +61,17 @@ TEST(Pattern, StarsStandForAnyCharactersAndMarksForOne) {
   EXPECT_FALSE(matches_pattern("", "?"));
 }
 
+TEST(Pattern, CountsCharactersNotBytes) {
+  EXPECT_TRUE(matches_pattern("Weg \xC3\xA4", "Weg ?"));
+  EXPECT_TRUE(matches_pattern("\xE5\x8A\x9B 1", "? ?"));
+  EXPECT_TRUE(
+      matches_pattern("\xC2\xB5"
+                      "e 12",
+                      "*?2"));
+  EXPECT_FALSE(matches_pattern("Weg \xC3\xA4", "Weg ??"));
+  EXPECT_FALSE(matches_pattern("\xC3\xA4", "*??"));
+}
+
 TEST(ChannelMap, MakesVoltsAForceWithoutTouchingSamples) {
   ChannelMapping force = matching("ch2");
   force.name = "Force";
@@ -83,8 +94,12 @@ TEST(ChannelMap, MakesVoltsAForceWithoutTouchingSamples) {
   EXPECT_EQ(channel.delay->value, 2e-6);
   EXPECT_EQ(channel.attributes.at("position"), "0.69 m");
   ASSERT_EQ(record.provenance.edits.size(), 1U);
-  EXPECT_EQ(record.provenance.edits[0].parameters.at("name in file"), "ch2");
-  EXPECT_EQ(record.provenance.edits[0].parameters.at("sensitivity"), "0.004 V/(N)");
+  using testing::Pair;
+  EXPECT_THAT(record.provenance.edits[0].parameters,
+              testing::ElementsAre(
+                  Pair("delay", "2e-06 s, uncertain by 1e-07 s"), Pair("map", "map.toml"),
+                  Pair("name in file", "ch2"), Pair("polarity", "-1"), Pair("position", "0.69 m"),
+                  Pair("role", "force"), Pair("sensitivity", "0.004 V/(N), uncertain by 1e-05")));
 }
 
 TEST(ChannelMap, OrdersChannelsAndKeepsOthersWhenAsked) {

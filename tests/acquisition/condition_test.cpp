@@ -150,6 +150,20 @@ TEST(Condition, TakesTheRecordingsOwnDelayWhenTheSensorStatesNone) {
   EXPECT_DOUBLE_EQ(result.channels[0].clock.start, -1e-3 - 5e-6);
 }
 
+TEST(Condition, TellsOfADelayThatTwoPlacesStateDifferently) {
+  Channel channel = channel_in("F", Quantity::force, "N");
+  channel.delay = {5e-6, 0.0, false};
+  Sensor sensor = sensor_of(Quantity::force);
+  sensor.delay = {0.0, 1e-6, false};
+  const Record result = condition(record_of({channel}), {.force = sensor});
+  EXPECT_EQ(result.channels[0].clock.start, -1e-3);
+  EXPECT_THAT(result.warnings,
+              testing::ElementsAre("Channel 'F' states a delay of 5e-06 s, but sensors.force.delay "
+                                   "is 0 s, which is used; state it in one place."));
+  sensor.delay.value = 5e-6;
+  EXPECT_THAT(condition(record_of({channel}), {.force = sensor}).warnings, testing::IsEmpty());
+}
+
 TEST(Condition, CarriesTheCalibrationAndTheRange) {
   Sensor sensor = force_in_volts("CH1");
   sensor.range = 5000.0;

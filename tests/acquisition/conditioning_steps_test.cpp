@@ -98,6 +98,18 @@ TEST(ApplySteps, WarnsOfAPeakThatALowPassLowers) {
   EXPECT_THAT(record.warnings[0], testing::StartsWith("The low-pass at 4000 Hz takes "));
 }
 
+// 200 us of force hold nothing above 250 kHz; at 10 kHz two samples are left of them.
+TEST(ApplySteps, WarnsOfAPeakThatResamplingLowers) {
+  Record record = shot();
+  apply_steps(std::vector<ConditioningStep>{{"force", datasets::Resample{500e3}}}, record);
+  EXPECT_THAT(record.warnings, testing::IsEmpty());
+  apply_steps(std::vector<ConditioningStep>{{"force", datasets::Resample{10e3}}}, record);
+  ASSERT_EQ(record.warnings.size(), 1U);
+  EXPECT_THAT(record.warnings[0], testing::StartsWith("The resampling to 10000 Hz takes "));
+  EXPECT_THAT(record.provenance.edits.back().parameters.at("largest departure"),
+              testing::HasSubstr(" N, before 150"));
+}
+
 TEST(ApplySteps, WarnsOfGapsThatResamplingBridges) {
   Record record = shot();
   auto& force = record.channels[0];

@@ -122,6 +122,29 @@ TEST(EstimateDelay, OfAnIntegral) {
   EXPECT_NEAR(estimate_delay(shifted, reference, window, 20e-6).value, -0.9e-6, 2e-9);
 }
 
+// 40 noisy records as above. White noise of the velocity is a random walk of its integral.
+TEST(EstimateDelay, OfAnIntegralStatesItsErrorHonestly) {
+  std::vector<double> way(at.samples, 0.0);
+  const auto clean = sampled(at, struck_velocity);
+  for (std::size_t i = 1; i < way.size(); ++i)
+    way[i] = way[i - 1] + 0.5e-6 * (clean[i - 1] + clean[i]);
+  double squares = 0.0;
+  constexpr int trials = 40;
+  for (int seed = 1; seed <= trials; ++seed) {
+    auto velocity = clean, displacement = way;
+    add_noise(velocity, 1e-3, static_cast<std::uint64_t>(seed));
+    add_noise(displacement, 20e-9, static_cast<std::uint64_t>(500 + seed));
+    auto shifted = channel_of("x", Quantity::displacement, at, displacement);
+    shifted.clock.start += 0.9e-6;
+    const DelayEstimate found =
+        estimate_delay(velocity_of(at, velocity), shifted, {-0.5e-3, 0.6e-3}, 20e-6);
+    EXPECT_LT(found.uncertainty, 0.1e-6);
+    squares += std::pow((found.value - 0.9e-6) / found.uncertainty, 2) / trials;
+  }
+  EXPECT_GT(squares, 0.4);
+  EXPECT_LT(squares, 2.0);
+}
+
 TEST(RemoveEstimatedDelay, TakesItOffTheClockBesideWhatWasKnown) {
   auto late = velocity_of(at, sampled(at, struck_velocity));
   late.delay = datasets::Delay{2e-6, 1e-6, true};

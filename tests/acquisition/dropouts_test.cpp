@@ -89,6 +89,32 @@ TEST(RepairDropouts, FindsSpikes) {
 }
 
 // Where it must not act: the impact itself, at every sample rate and noise.
+// What a decoder gives out without light is noise as often as zero, at any sample rate.
+TEST(RepairDropouts, FindsBurstsOfNoise) {
+  for (const double rate : {0.5e6, 2e6, 5e6}) {
+    const Sampling at{-1e-3, 1.0 / rate, static_cast<std::size_t>(4e-3 * rate)};
+    const auto length = static_cast<std::size_t>(250e-6 * rate);
+    const auto begin = static_cast<std::size_t>(1.8e-3 * rate);
+    std::vector<double> y = sampled(at, swing), burst(length);
+    add_noise(y, 1.25e-3, 7);
+    add_noise(burst, 0.5, 8);
+    for (std::size_t i = 0; i < length; ++i) y[begin + i] += burst[i];
+    auto velocity = velocity_of(at, y);
+    const auto edit = repair_dropouts(velocity, {});
+    SCOPED_TRACE(rate);
+    EXPECT_EQ(edit.parameters.at("found"), "1");
+    ASSERT_EQ(velocity.valid.size(), at.samples);
+    for (std::size_t i = 0; i < at.samples; ++i) {
+      if (i < begin + length && i >= begin + 3 && i + 3 < begin + length) {
+        ASSERT_EQ(velocity.valid[i], 0) << i;
+      }
+      if (i + 3 < begin || i > begin + length + 3) {
+        ASSERT_EQ(velocity.valid[i], 1) << i;
+      }
+    }
+  }
+}
+
 TEST(RepairDropouts, TakesNoImpactForALoss) {
   for (const double interval : {1e-7, 1e-6, 5e-6, 20e-6, 50e-6, 100e-6, 500e-6})
     for (const double noise : {0.0, 1e-6, 1e-4, 1.25e-3, 5e-3, 20e-3})

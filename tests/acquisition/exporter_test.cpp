@@ -157,6 +157,36 @@ TEST(Export, TellsWhatAFormatHasNoPlaceFor) {
     EXPECT_THAT(export_warnings(record, ending), testing::IsEmpty());
 }
 
+// Doubles hold times of 1e6 s to a thousandth of 100 ns: an importer of a bare table counts them
+// from the first, and 1.7e9 s (seconds since 1970) to a quarter of a microsecond.
+TEST(CsvExport, KeepsOrTellsStartsFarFromZero) {
+  for (const double start : {1e6, -1e6, 86400.0}) {
+    Record record = example(40);
+    for (Channel& channel : record.channels) channel.clock = {start, 1e-7, {}};
+    EXPECT_THAT(export_warnings(record, ".csv"), testing::IsEmpty());
+    expect_same_head(record.channels[0], round_trip(record, ".csv").channels[0]);
+  }
+  Record record = example(40);
+  for (Channel& channel : record.channels) {
+    channel.clock = {1.7e9, 1e-4, {}};
+    for (int i = 0; i < 40; ++i) channel.clock.times.push_back(1.7e9 + 1e-4 * (i + 0.01 * i * i));
+  }
+  EXPECT_THAT(export_warnings(record, ".csv"),
+              testing::ElementsAre("the file does not give back every start as it is: '1700000000 "
+                                   "s' as '0 s', '1700000000 s' as '0 s'; a .h5 file keeps "
+                                   "everything"));
+}
+
+TEST(CsvExport, TellsOfTheIntervalOfASingleSample) {
+  Record record = example(1);
+  record.channels.resize(1);
+  EXPECT_THAT(export_warnings(record, ".csv"),
+              testing::ElementsAre("the file does not give back every sample interval as it is: "
+                                   "'1e-06 s' as '0 s'; a .h5 file keeps everything"));
+  for (const char* ending : {".uff", ".unv", ".mat", ".h5"})
+    EXPECT_THAT(export_warnings(record, ending), testing::IsEmpty()) << ending;
+}
+
 // The head of a table is looked for in its first 256 kB: so much has to be left for the rows.
 TEST(CsvExport, TellsOfMarksThatAreTooMany) {
   Record record = example(100000);

@@ -386,7 +386,34 @@ TEST_F(CommandLine, InspectSaysThatWhatItWasAskedForHasNoImpact) {
               HasSubstr("there is no impact in the channels of the rig's sensors: nothing rises "
                         "clearly above the noise"));
   EXPECT_THAT(warnings("N", " --trigger Force"), HasSubstr("there is no impact in 'Force'"));
+  EXPECT_THAT(warnings("N", " --threshold 50"),
+              HasSubstr("there is no impact: no force or acceleration passes --threshold 50 from "
+                        "a quiet level"));
   EXPECT_EQ(warnings("N", ""), "[]");
+}
+
+// Loggers number their channels from 1, the program its indices from 0.
+TEST_F(CommandLine, InspectTellsChannelsThatAreNumbersApart) {
+  std::string rows = "time [s],A [N],B [N]\n";
+  for (int i = 0; i < 1000; ++i) {
+    const auto pulse = [i](int start) {
+      const double x = (i - start) / 100.0;
+      return x > 0.0 && x < 1.0 ? std::sin(std::numbers::pi * x) : 0.0;
+    };
+    rows += fmt::format("{:.6f},{:.6f},{:.6f}\n", 1e-6 * i, 900.0 * pulse(300) + i % 2,
+                        70.0 * pulse(600) + 0.1 * (i % 3));
+  }
+  const std::string file = write("numbered.csv", rows);
+  const std::string map = write("numbered.toml",
+                                "[[channels]]\nmatch = \"A\"\nname = \"1\"\n"
+                                "[[channels]]\nmatch = \"B\"\nname = \"2\"\n");
+  const std::string numbered = write("numbered.h5", "");
+  ASSERT_EQ(run("import -f " + file + " --map " + map + " -o " + numbered).code, 0);
+  const json impacts = json::parse(run("inspect --json " + numbered).out)["impacts"];
+  ASSERT_EQ(impacts.size(), 2U);
+  EXPECT_EQ(impacts[1]["channel"], "2");
+  EXPECT_NEAR(impacts[0]["peak"].get<double>(), 900.0, 2.0);
+  EXPECT_NEAR(impacts[1]["peak"].get<double>(), 70.0, 1.0);
 }
 
 TEST_F(CommandLine, InspectLooksForImpactsInVelocitiesAndSaysWhereItCannot) {
