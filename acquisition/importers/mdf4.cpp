@@ -15,8 +15,8 @@
 
 #include "acquisition/importers/byte_cursor.hpp"
 #include "acquisition/importers/formats.hpp"
-#include "acquisition/importers/mdf4_arrays.hpp"
 #include "acquisition/importers/mdf4_blocks.hpp"
+#include "acquisition/importers/mdf4_channels.hpp"
 #include "acquisition/importers/mdf4_conversion.hpp"
 #include "acquisition/importers/mdf4_data.hpp"
 #include "acquisition/importers/mdf4_mixed.hpp"
@@ -38,21 +38,20 @@ constexpr std::uint64_t most_record_bytes = std::uint64_t{1} << 24;
 constexpr std::uint64_t most_time_bytes = std::uint64_t{1} << 26;   ///< read at opening, for times
 constexpr std::uint64_t least_time_bytes = std::uint64_t{1} << 20;  ///< where groups share data
 constexpr std::uint64_t most_times = std::uint64_t{1} << 22;        ///< looked at when opening
-constexpr std::size_t most_channels = 100000;
-constexpr int deepest_structure = 16;
 
 class MdfReader {
  public:
   explicit MdfReader(const std::string& path)
       : file_(std::make_unique<MappedFile>(path)),
-        blocks_(*file_) {}
+        blocks_(*file_),
+        described_(blocks_, [this](std::string sentence) { warn(std::move(sentence)); }) {}
 
   std::unique_ptr<RecordingReader> open() {
     read_identification();
     const std::uint64_t first_group = read_header();
     std::uint64_t number = 0;
     for (std::uint64_t at = first_group; at != 0; ++number) at = read_data_group(at, number);
-    tell_left_out();
+    described_.tell_left_out();
     if (record_.channels.empty() && !unread_.empty()) fail(unread_at_, unread_);
     if (!unread_.empty()) warn(unread_);
     if (record_.channels.empty())
@@ -158,10 +157,10 @@ class MdfReader {
     take_count(group, name, facts.cycles, there);
     group.fragments = std::move(fragments);
     groups_.push_back(std::move(group));
-    std::vector<Described> found = described_channels(block, id_bytes, facts.data_bytes);
+    std::vector<MdfDescribed> found = channels_of(block, id_bytes, facts);
     datasets::SampleClock clock;
     std::string domain;
-    const Described* const master = master_of(found);
+    const MdfDescribed* const master = master_of(found);
     if (master != nullptr)
       domain = set_clock(
           *master, groups_.back(), [&] { return times_seen(*master); }, clock);
@@ -177,6 +176,12 @@ class MdfReader {
     std::uint64_t data_bytes = 0;
     std::uint64_t invalid_bytes = 0;
   };
+
+  std::vector<MdfDescribed> channels_of(const MdfBlock& group, std::uint64_t id_bytes,
+                                        const GroupFacts& facts) {
+    return described_.chain(group.link(1),
+                            {id_bytes, facts.data_bytes, record_bytes(group, id_bytes, facts)});
+  }
 
   GroupFacts facts_of(const MdfBlock& block) const {
     ByteCursor in(*file_, false, block.data);
@@ -211,14 +216,12 @@ class MdfReader {
       warn(mdf_short(name, cycles, there));
   }
 
-  struct Described;
-
   /// A channel group whose records stand among those of others, before its channels are made.
   struct MixedPart {
     GroupFacts facts;
     std::size_t group = 0;
     std::string acquisition;
-    std::vector<Described> channels;
+    std::vector<MdfDescribed> channels;
     std::uint64_t seen = 0;     ///< records
     std::vector<double> times;  ///< of them, as they are stored: the first ones and the last
   };
@@ -250,7 +253,7 @@ class MdfReader {
       mixed->groups.push_back(part.group);
       groups_.push_back(std::move(group));
       part.acquisition = blocks_.text_at(block.link(2));
-      part.channels = described_channels(block, id_bytes, part.facts.data_bytes);
+      part.channels = channels_of(block, id_bytes, part.facts);
       parts.push_back(std::move(part));
     }
     look_at_mixed(*mixed, parts);
@@ -289,7 +292,7 @@ class MdfReader {
   /// and when they were taken; of what is behind only the counts are known.
   void look_at_mixed(const MdfMixed& mixed, std::vector<MixedPart>& parts) {
     MdfMixedRecords records(*file_, mixed);
-    std::vector<const Described*> masters;
+    std::vector<const MdfDescribed*> masters;
     for (const MixedPart& part : parts) masters.push_back(stored_time_of(part.channels));
     const std::uint64_t most =
         std::max(most_time_bytes - std::min(most_time_bytes, time_bytes_), least_time_bytes);
@@ -317,7 +320,7 @@ class MdfReader {
     for (std::size_t i = 0; i < parts.size(); ++i) {
       MixedPart& part = parts[i];
       count_mixed(part, whole, share, mixed.bytes());
-      const Described* const master = master_of(part.channels);
+      const MdfDescribed* const master = master_of(part.channels);
       if (master == nullptr) continue;
       domains[i] = set_clock(
           *master, groups_[part.group], [&] { return times_seen(part, whole); }, clocks[i]);
@@ -349,142 +352,16 @@ class MdfReader {
     group.records = std::min(group.records, room);
   }
 
-  /// A channel (CN) of the group at hand.
-  struct Described {
-    std::uint64_t at = 0;
-    std::string name;
-    std::string unit;
-    std::uint8_t type = 0;  ///< 0 values, 2 master, 3 virtual master, ...
-    std::uint8_t sync = 0;  ///< of a master: 1 time, 2 angle, 3 distance, 4 index
-    MdfField field;
-    MdfConversion conversion;
-    std::optional<std::uint64_t> invalid_bit;
-    std::string comment;
-    bool usable = true;
-  };
-
-  std::vector<Described> described_channels(const MdfBlock& block, std::uint64_t id_bytes,
-                                            std::uint64_t data_bytes) {
-    return chain_of_channels(block.link(1), {id_bytes, data_bytes});
-  }
-
-  /// Where in a file a chain of channels stands.
-  struct Around {
-    std::uint64_t id_bytes = 0;    ///< of a record
-    std::uint64_t data_bytes = 0;  ///< of a record
-    int depth = 0;                 ///< structures around it
-  };
-
-  void count_channels(std::uint64_t at, std::uint64_t more) {
-    channel_blocks_ += more;
-    if (channel_blocks_ > most_channels)
-      fail(at, fmt::format("there are more than {} channels", most_channels));
-  }
-
-  std::vector<Described> chain_of_channels(std::uint64_t next, const Around& around) {
-    std::vector<Described> found;
-    while (next != 0) {
-      const MdfBlock channel = blocks_.new_block_at(next, "CN", "a channel");
-      next = channel.link(0);
-      count_channels(channel.at, 1);
-      if (channel.link(1) == 0)
-        found.push_back(described(channel, around));
-      else
-        for (Described& part : parts_of(channel, around)) found.push_back(std::move(part));
-    }
-    return found;
-  }
-
-  /// The channels that a structure or an array in each record is made of.
-  std::vector<Described> parts_of(const MdfBlock& block, const Around& around) {
-    const std::string name = name_of(block);
-    if (around.depth == deepest_structure) {
-      leave_out(name);
-      return {};
-    }
-    const Around within{around.id_bytes, around.data_bytes, around.depth + 1};
-    const MdfBlock composed = blocks_.block_at(block.link(1), "the composition of a channel");
-    if (composed.id == "CN") {
-      std::vector<Described> parts;
-      if (has_numbers(block)) parts.push_back(described(block, around));  // a word and its bits
-      for (Described& member : chain_of_channels(block.link(1), within)) {
-        // many programs name them by all of their name
-        if (!member.name.starts_with(name + ".")) member.name = name + "." + member.name;
-        parts.push_back(std::move(member));
-      }
-      return parts;
-    }
-    const MdfArray array = mdf_array(blocks_, block.link(1));
-    if (!array.problem.empty()) {
-      warn(fmt::format("'{}' is left out: {}", name, array.problem));
-      return {};
-    }
-    std::vector<Described> members;
-    if (array.members != 0)
-      members = chain_of_channels(array.members, within);
-    else
-      members.push_back(described(block, around));
-    std::erase_if(members,
-                  [](const Described& member) { return !member.usable || member.type == 3; });
-    for (Described& member : members)
-      if (member.name.starts_with(name + ".")) member.name.erase(0, name.size() + 1);
-    if (!members.empty()) count_channels(block.at, array.elements * members.size());
-    std::vector<Described> parts;
-    for (std::uint64_t i = 0; i < array.elements; ++i) {
-      const auto [indices, bytes, bits] = array.element(i);
-      for (const Described& member : members) {
-        Described part = member;
-        part.name = name + indices + (array.members != 0 ? "." + member.name : "");
-        place(part, bytes, bits, around);
-        parts.push_back(std::move(part));
-      }
-    }
-    return parts;
-  }
-
-  /// Of a channel with members, which as a rule is but the bytes of them.
-  bool has_numbers(const MdfBlock& block) const {
-    ByteCursor in(*file_, false, block.data + 2);
-    return in.read<std::uint8_t>("a channel") <= 5;
-  }
-
-  /// Moves a channel within the record.
-  void place(Described& channel, std::int64_t bytes, std::int64_t bits, const Around& around) {
-    const std::int64_t first =
-        static_cast<std::int64_t>(channel.field.offset - around.id_bytes) + bytes;
-    const auto last = first + static_cast<std::int64_t>(channel.field.bytes()) - 1;
-    if (first < 0 || last >= static_cast<std::int64_t>(around.data_bytes))
-      fail(channel.at, fmt::format("'{}' lies in bytes {} to {} of records that have {}",
-                                   channel.name, first, last, around.data_bytes));
-    channel.field.offset = around.id_bytes + static_cast<std::uint64_t>(first);
-    if (!channel.invalid_bit) return;
-    const std::int64_t bit = static_cast<std::int64_t>(*channel.invalid_bit) + bits;
-    if (bit / 8 >= static_cast<std::int64_t>(groups_.back().record_bytes))
-      fail(channel.at,
-           fmt::format("the invalidation bit of '{}' lies outside of the records", channel.name));
-    channel.invalid_bit = static_cast<std::uint64_t>(bit);
-  }
-
-  std::string name_of(const MdfBlock& block) {
-    std::string name = blocks_.text_at(block.link(2));
-    return name.empty() ? fmt::format("channel {}", channel_blocks_ - 1) : name;
-  }
-
-  void leave_out(const std::string& name) {
-    if (left_out_.size() < 3) left_out_.push_back(name);
-    ++left_out_count_;
-  }
-
-  static const Described* master_of(const std::vector<Described>& channels) {
-    const auto master = std::ranges::find_if(channels, [](const Described& channel) {
+  static const MdfDescribed* master_of(const std::vector<MdfDescribed>& channels) {
+    const auto master = std::ranges::find_if(channels, [](const MdfDescribed& channel) {
       return (channel.type == 2 || channel.type == 3) && channel.usable;
     });
     return master == channels.end() ? nullptr : &*master;
   }
 
   /// The master whose values are times that can be used; null: there is none.
-  static const Described* stored_time_of(const std::vector<Described>& channels) {
-    const Described* const master = master_of(channels);
+  static const MdfDescribed* stored_time_of(const std::vector<MdfDescribed>& channels) {
+    const MdfDescribed* const master = master_of(channels);
     const bool stored = master != nullptr && master->type == 2 && domain_of(*master).empty() &&
                         master->conversion.problem.empty();
     return stored ? master : nullptr;
@@ -499,14 +376,15 @@ class MdfReader {
     std::string domain;
   };
 
-  void add_channels(const Shared& shared, const Described* master, std::vector<Described>& found) {
-    for (Described& channel : found) {
+  void add_channels(const Shared& shared, const MdfDescribed* master,
+                    std::vector<MdfDescribed>& found) {
+    for (MdfDescribed& channel : found) {
       const bool is_time = &channel == master && shared.domain.empty();
       if (channel.usable && !is_time && channel.type != 3) add_channel(channel, shared);
     }
   }
 
-  void add_channel(Described& described, const Shared& shared) {
+  void add_channel(MdfDescribed& described, const Shared& shared) {
     Channel channel;
     channel.name = described.name;
     channel.unit = described.unit;
@@ -532,106 +410,8 @@ class MdfReader {
         {shared.group, described.field, std::move(conversion.function), described.invalid_bit});
   }
 
-  Described described(const MdfBlock& block, const Around& around) {
-    const std::uint64_t id_bytes = around.id_bytes;
-    const std::uint64_t data_bytes = around.data_bytes;
-    ByteCursor in(*file_, false, block.data);
-    Described channel;
-    channel.at = block.at;
-    channel.name = name_of(block);
-    channel.type = in.read<std::uint8_t>("a channel");
-    channel.sync = in.read<std::uint8_t>("a channel");
-    const auto data_type = in.read<std::uint8_t>("a channel");
-    const auto bit_offset = in.read<std::uint8_t>("a channel");
-    const auto byte_offset = in.read<std::uint32_t>("a channel");
-    const auto bit_count = in.read<std::uint32_t>("a channel");
-    const auto flags = in.read<std::uint32_t>("a channel");
-    const auto invalid_bit = in.read<std::uint32_t>("a channel");
-    if (channel.type == 3) {
-      channel.conversion = conversion_at(block.link(4));
-      channel.unit = blocks_.text_at(block.link(6));
-      if (channel.unit.empty()) channel.unit = channel.conversion.unit;
-      return channel;
-    }
-    const bool numbers = data_type <= 5 || data_type == 15 || data_type == 16;
-    if (!numbers || channel.type == 1 || channel.type >= 4) {
-      leave_out(channel.name);
-      channel.usable = false;
-      return channel;
-    }
-    channel.unit = blocks_.text_at(block.link(6));
-    channel.comment = blocks_.text_at(block.link(7));
-    const bool floating = data_type == 4 || data_type == 5;
-    channel.conversion = conversion_at(block.link(4), floating);
-    if (channel.unit.empty()) channel.unit = channel.conversion.unit;
-    channel.field = field_of(channel, data_type, bit_offset, bit_count);
-    channel.field.offset = id_bytes + byte_offset;
-    if (channel.field.shape == MdfField::Shape::complex && block.link(4) != 0) {
-      channel.conversion = {};
-      channel.conversion.problem = "its numbers are complex";
-    }
-    if (byte_offset + channel.field.bytes() > data_bytes)
-      fail(block.at,
-           fmt::format("'{}' lies in bytes {} to {} of records that have {}", channel.name,
-                       byte_offset, byte_offset + channel.field.bytes() - 1, data_bytes));
-    if ((flags & 1) != 0)
-      warn(fmt::format("'{}': the file says that none of its values is valid", channel.name));
-    if ((flags & 2) != 0) {
-      const std::uint64_t bit = 8 * (id_bytes + data_bytes) + invalid_bit;
-      if (bit / 8 >= groups_.back().record_bytes)
-        fail(block.at, fmt::format("the invalidation bit {} of '{}' lies outside of the records",
-                                   invalid_bit, channel.name));
-      channel.invalid_bit = bit;
-    }
-    return channel;
-  }
-
-  MdfField field_of(const Described& channel, std::uint8_t data_type, std::uint32_t bit_offset,
-                    std::uint32_t bit_count) const {
-    MdfField field;
-    if (data_type >= 15) {
-      field.big_endian = data_type == 16;
-      field.shape = MdfField::Shape::complex;
-      field.kind = bit_count == 64 ? NumberKind::f32 : NumberKind::f64;
-      if (bit_offset == 0 && (bit_count == 64 || bit_count == 128)) return field;
-    } else if (data_type >= 4) {
-      field.big_endian = data_type == 5;
-      field.kind = bit_count == 32 ? NumberKind::f32 : NumberKind::f64;
-      if (bit_count == 16) field.shape = MdfField::Shape::half_float;
-      if (bit_offset == 0 && (bit_count == 16 || bit_count == 32 || bit_count == 64)) return field;
-    } else if (bit_offset < 8 && bit_count > 0 && bit_count <= 64) {
-      field.big_endian = data_type % 2 == 1;
-      field.with_sign = data_type >= 2;
-      field.bit = bit_offset;
-      field.bit_count = bit_count;
-      field.shape = MdfField::Shape::bits;
-      constexpr std::array<std::pair<std::uint32_t, std::array<NumberKind, 2>>, 4> whole = {
-          {{8, {NumberKind::u8, NumberKind::i8}},
-           {16, {NumberKind::u16, NumberKind::i16}},
-           {32, {NumberKind::u32, NumberKind::i32}},
-           {64, {NumberKind::u64, NumberKind::i64}}}};
-      for (const auto& [bits, kinds] : whole) {
-        if (bit_offset != 0 || bit_count != bits) continue;
-        field.shape = MdfField::Shape::number;
-        field.kind = kinds[field.with_sign ? 1 : 0];
-      }
-      return field;
-    }
-    fail(channel.at, fmt::format("'{}' has numbers of type {} with {} bits from bit {} on",
-                                 channel.name, data_type, bit_count, bit_offset));
-  }
-
-  /// The conversion at a place. Channels that share it share its parameters.
-  MdfConversion conversion_at(std::uint64_t at, bool floating = false) {
-    if (at == 0) return {};
-    const auto known = conversions_.find({at, floating});
-    if (known != conversions_.end()) return known->second;
-    return conversions_.emplace(std::pair(at, floating), read_mdf_conversion(blocks_, at, floating))
-        .first->second;
-  }
-
   /// What a master is over; "" for times.
-  static std::string domain_of(const Described& master) {
+  static std::string domain_of(const MdfDescribed& master) {
     constexpr std::array<const char*, 5> domains = {"other", "", "angle", "distance", "index"};
     return master.sync < domains.size() ? domains[master.sync] : "other";
   }
@@ -646,7 +426,7 @@ class MdfReader {
   /// The clock of a group from its master, whose times `seen` gives; returns what it is over where
   /// that is not time.
   template <typename Seen>
-  std::string set_clock(const Described& master, MdfGroup& group, const Seen& seen,
+  std::string set_clock(const MdfDescribed& master, MdfGroup& group, const Seen& seen,
                         datasets::SampleClock& clock) {
     std::string domain = domain_of(master);
     if (!domain.empty()) return domain;
@@ -689,7 +469,7 @@ class MdfReader {
   }
 
   /// Of the group at hand: all where that does not take long, else the first and the last.
-  TimesSeen times_seen(const Described& master) {
+  TimesSeen times_seen(const MdfDescribed& master) {
     const MdfGroup& group = groups_.back();
     MdfRecordBytes bytes(*file_, group.fragments);
     TimesSeen seen;
@@ -722,28 +502,16 @@ class MdfReader {
     return seen;
   }
 
-  void tell_left_out() {
-    if (left_out_count_ == 0) return;
-    std::string list;
-    for (const std::string& name : left_out_) list += (list.empty() ? "'" : ", '") + name + "'";
-    warn(fmt::format("{} channel{} of texts or byte arrays {} left out: {}{}", left_out_count_,
-                     left_out_count_ == 1 ? "" : "s", left_out_count_ == 1 ? "is" : "are", list,
-                     left_out_count_ > left_out_.size() ? ", ..." : ""));
-  }
-
   std::unique_ptr<MappedFile> file_;
   MdfBlocks blocks_;
+  MdfChannels described_;
   Record record_;
   std::unordered_set<std::string> told_;  // its warnings
   std::vector<MdfGroup> groups_;
   std::vector<MdfChannel> channels_;
   std::map<std::string, Quantity> quantities_;
-  std::size_t channel_blocks_ = 0;
-  std::uint64_t time_bytes_ = 0;                                         // read at opening
-  std::map<std::pair<std::uint64_t, bool>, MdfConversion> conversions_;  // and whether of floats
-  std::vector<std::string> left_out_;
-  std::size_t left_out_count_ = 0;
-  std::string unread_;  // why a data group is not
+  std::uint64_t time_bytes_ = 0;  // read at opening
+  std::string unread_;            // why a data group is not
   std::uint64_t unread_at_ = 0;
   bool unfinished_ = false;
   bool counts_stale_ = false;
