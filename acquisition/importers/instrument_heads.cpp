@@ -157,7 +157,7 @@ bool take_keys_over_values(const TableLayout& layout, const std::vector<std::siz
     const std::string_view line = layout.head[filled[++i]];
     const bool tabs = line.find('\t') != line.npos || layout.cells == 1;
     const Cells values = cells_of(line, tabs ? '\t' : layout.dialect.delimiter);
-    head.attributes[key] = to_utf8(trimmed(line));
+    head.attributes[to_utf8(key)] = to_utf8(trimmed(line));
     if (key == "start times") take_start_times(values, head);
     if (key != "channel names" || values.size() != layout.cells) continue;
     head.names_line = static_cast<int>(filled[i]) + 1;

@@ -44,6 +44,12 @@ TEST(SignalExpress, MayHaveOneChannelAndDecimalCommas) {
 }
 
 // 1/51200 s is printed as 0.000020 too
+TEST(SignalExpress, KeysOfOtherEncodingsBecomeUtf8) {
+  const Record record =
+      imported("channel names: \nF\nM\xE4nner: \nx\ndt: \n0.5\ndata: \n1\n2\n3\n");
+  EXPECT_EQ(record.attributes.at("m\u00E4nner"), "x");
+}
+
 TEST(SignalExpress, AnIntervalOfFewDigitsIsToldOf) {
   const Record record = imported(
       "channel names:\na\tb\nstart times:\n3/15/2014 10:11:12.0\t3/15/2014 10:11:13.0\ndt:\n"
