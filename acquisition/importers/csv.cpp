@@ -220,7 +220,12 @@ datasets::SampleClock clock_of_column(const CsvHead& csv, std::size_t column, Ta
   const ColumnHead& head = csv.heads[column];
   Column& times = table.columns[column];
   to_seconds(csv.file, head, time_conversion(csv.file, head, record), times);
+  const std::size_t rows = times.values.size();
   TimeAxis axis = time_axis(std::move(times.values));
+  if (rows == 1 && column == csv.roles.time && csv.head.interval) {
+    axis.clock.interval = *csv.head.interval;
+    return std::move(axis.clock);
+  }
   const bool said = std::ranges::find(record.warnings, axis.warning) != record.warnings.end();
   if (!axis.warning.empty() && !said) record.warnings.push_back(std::move(axis.warning));
   return std::move(axis.clock);

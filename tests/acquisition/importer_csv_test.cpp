@@ -786,6 +786,13 @@ TEST(Csv, OfOneRowIsARecording) {
               ElementsAre("there is one sample only: the sample interval is not known"));
 }
 
+TEST(Csv, OfOneRowHasTheIntervalThatItsHeadStates) {
+  const Record record = imported("# sample interval: 1e-5 s\ntime [s],F [N]\n0.5,7\n");
+  EXPECT_EQ(record.channels[0].clock.start, 0.5);
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-5);
+  EXPECT_THAT(record.warnings, testing::IsEmpty());
+}
+
 TEST(Csv, OfManyRowsIsReadWhole) {
   std::string text = "time [s],F [N]\n";
   for (int i = 0; i < 100000; ++i) text += fmt::format("{},{}\n", i * 1e-6, i % 1000);
