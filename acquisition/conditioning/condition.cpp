@@ -268,6 +268,22 @@ void warn_of_two_delays(const Claim& claim, Record& result) {
                   claim.channel->name, own->value, claim.key(), stated.value));
 }
 
+/// A map that has turned a channel over leaves nothing to turn to the rig file; both may be meant,
+/// as for an amplifier between the two.
+void warn_of_two_polarities(const Record& record, const Claim& claim, Record& result) {
+  const auto inverts = [&](const Edit& edit) {
+    const auto polarity = edit.parameters.find("polarity");
+    return edit.what == "map channel" && edit.channel == claim.channel->name &&
+           polarity != edit.parameters.end() && polarity->second == "-1";
+  };
+  if (claim.sensor->polarity >= 0.0 || std::ranges::none_of(record.provenance.edits, inverts))
+    return;
+  result.warnings.push_back(
+      fmt::format("Channel '{}' has been inverted by its map, and is again by {}.polarity = -1, so "
+                  "that it is as recorded; state it in one place.",
+                  claim.channel->name, claim.key()));
+}
+
 void warn_of_low_cut(const Claim& claim, Record& result) {
   if (claim.sensor->quantity != Quantity::velocity || !claim.sensor->low_cut) return;
   result.warnings.push_back(
@@ -283,6 +299,7 @@ Channel conditioned(const Record& record, const Claim& claim, Record& result) {
   Channel channel = *claim.channel;
   convert_to_si(record, claim, channel, result);
   apply_polarity(channel, *claim.sensor, result.provenance.edits);
+  warn_of_two_polarities(record, claim, result);
   remove_delay(channel, claim.sensor->delay, result.provenance.edits);
   warn_of_two_delays(claim, result);
   keep_calibration(channel, *claim.sensor);

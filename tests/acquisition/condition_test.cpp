@@ -150,6 +150,19 @@ TEST(Condition, TakesTheRecordingsOwnDelayWhenTheSensorStatesNone) {
   EXPECT_DOUBLE_EQ(result.channels[0].clock.start, -1e-3 - 5e-6);
 }
 
+TEST(Condition, TellsOfAPolarityThatTwoPlacesState) {
+  Record record = record_of(
+      {channel_in("F", Quantity::force, "N"), channel_in("v", Quantity::velocity, "m/s")});
+  record.provenance.edits = {{"map channel", "F", {{"polarity", "-1"}}}};
+  Sensor force = sensor_of(Quantity::force), velocity = sensor_of(Quantity::velocity);
+  EXPECT_THAT(condition(record, {.force = force}).warnings, testing::IsEmpty());
+  force.polarity = velocity.polarity = -1.0;
+  EXPECT_THAT(condition(record, {.force = force, .velocity = velocity}).warnings,
+              testing::ElementsAre("Channel 'F' has been inverted by its map, and is again by "
+                                   "sensors.force.polarity = -1, so that it is as recorded; state "
+                                   "it in one place."));
+}
+
 TEST(Condition, TellsOfADelayThatTwoPlacesStateDifferently) {
   Channel channel = channel_in("F", Quantity::force, "N");
   channel.delay = {5e-6, 0.0, false};

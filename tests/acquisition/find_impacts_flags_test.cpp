@@ -285,7 +285,8 @@ bool is_clipped(const RandomShot& shot, Quantity quantity, std::vector<double> v
 
 constexpr double noises[] = {0.0, 0.1, 0.3, 0.6, 1.0, 2.0};  // in digitiser steps
 
-// 8 bits hold four fifths of the approach velocity, a tenth of the change; noise is below half of a step.
+// 8 bits hold four fifths of the approach velocity, a tenth of the change; noise is below half of a
+// step.
 TEST(ClippedFlag, FiresOnAVelocityAtARailOfACoarseDigitiser) {
   for (const double noise : {0.0, 0.1, 0.3})
     for (const double sign : {1.0, -1.0}) {
