@@ -10,6 +10,7 @@
 #include "acquisition/importers/byte_cursor.hpp"
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/header_fields.hpp"
+#include "acquisition/importers/marked_numbers.hpp"
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/text_file.hpp"
@@ -50,75 +51,22 @@ struct CatmanChannel {
   bool time = false;
 };
 
-/// Handed-over samples are marked where they are the overflow value.
-class OverflowMarks final : public SampleSink {
- public:
-  OverflowMarks(const Record& record, std::vector<std::size_t> chosen, SampleSink& next)
-      : record_(record),
-        chosen_(std::move(chosen)),
-        found_(chosen_.size()),
-        samples_(chosen_.size()),
-        next_(next) {}
+/// Samples that are the overflow value.
+struct OverflowRule {
+  std::vector<std::pair<double, double>> scales;  ///< and offsets, of the channels
 
-  void take_times(std::size_t index, std::span<const double> times) override {
-    next_.take_times(index, times);
+  bool is_none(std::size_t channel, double stored) const {
+    const auto& [scale, offset] = scales[channel];
+    return scale * stored + offset == overflow;
   }
 
-  void take(std::size_t index, const SampleBlock& block) override {
-    const Channel& channel = record_.channels[chosen_[index]];
-    valid_.assign(block.size(), 1);
-    std::uint64_t found = 0;
-    std::visit(
-        [&](auto samples) {
-          for (std::size_t i = 0; i < samples.size(); ++i) {
-            if (channel.scale * static_cast<double>(samples[i]) + channel.offset != overflow)
-              continue;
-            valid_[i] = 0;
-            ++found;
-          }
-        },
-        block.raw);
-    SampleBlock marked = block;
-    if (found > 0) marked.valid = valid_;
-    found_[index] += found;
-    samples_[index] += block.size();
-    next_.take(index, marked);
+  std::string warning(const std::string& name, std::uint64_t found, std::uint64_t samples) const {
+    return fmt::format(
+        "'{}': {} of {} samples are -1000000, catman's mark of an overflow or an open input; "
+        "marked "
+        "as not valid",
+        name, found, samples);
   }
-
-  void tell(Record& record) const {
-    for (std::size_t i = 0; i < chosen_.size(); ++i)
-      if (found_[i] > 0)
-        record.warnings.push_back(fmt::format(
-            "'{}': {} of {} samples are -1000000, catman's mark of an overflow or an open input; "
-            "marked as not valid",
-            record.channels[i].name, found_[i], samples_[i]));
-  }
-
- private:
-  const Record& record_;
-  std::vector<std::size_t> chosen_;
-  std::vector<std::uint64_t> found_;
-  std::vector<std::uint64_t> samples_;
-  SampleSink& next_;
-  std::vector<std::uint8_t> valid_;
-};
-
-class CatmanRecording final : public RecordingReader {
- public:
-  explicit CatmanRecording(std::unique_ptr<RecordingReader> numbers)
-      : numbers_(std::move(numbers)) {}
-
-  const RecordingHead& head() const override { return numbers_->head(); }
-
-  Record read(const Selection& wanted, SampleSink& sink) override {
-    OverflowMarks marks(head().record, selected_channels(head(), wanted), sink);
-    Record record = numbers_->read(wanted, marks);
-    marks.tell(record);
-    return record;
-  }
-
- private:
-  std::unique_ptr<RecordingReader> numbers_;
 };
 
 bool names_time(std::string_view name) {
@@ -142,8 +90,12 @@ class CatmanReader {
     std::uint64_t at = data_offset_;
     for (const CatmanChannel& header : headers_) at = place(header, at);
     set_clocks();
-    return std::make_unique<CatmanRecording>(
-        reader_of_numbers(std::move(file_), std::move(record_), std::move(stored_)));
+    OverflowRule rule;
+    for (const Channel& channel : record_.channels)
+      rule.scales.emplace_back(channel.scale, channel.offset);
+    return std::make_unique<MarkedNumbers<OverflowRule>>(
+        reader_of_numbers(std::move(file_), std::move(record_), std::move(stored_)),
+        std::move(rule));
   }
 
  private:

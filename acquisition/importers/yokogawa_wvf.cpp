@@ -19,6 +19,7 @@
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/mapped_file.hpp"
+#include "acquisition/importers/marked_numbers.hpp"
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/text_file.hpp"
@@ -67,73 +68,16 @@ struct Trace {
   std::uint64_t bytes() const { return samples * size_of(kind); }
 };
 
-/// Marks samples beyond the range of their input as they are handed over.
-class BeyondRangeMarks final : public SampleSink {
- public:
-  BeyondRangeMarks(const std::vector<BeyondRange>& beyond, std::vector<std::size_t> chosen,
-                   SampleSink& next)
-      : beyond_(beyond),
-        chosen_(std::move(chosen)),
-        found_(chosen_.size()),
-        next_(next) {}
+/// Samples beyond the range of their input, by channels.
+struct BeyondRangeRule {
+  std::vector<BeyondRange> beyond;
 
-  void take_times(std::size_t index, std::span<const double> times) override {
-    next_.take_times(index, times);
+  bool is_none(std::size_t channel, double stored) const { return beyond[channel].holds(stored); }
+
+  std::string warning(const std::string& name, std::uint64_t found, std::uint64_t) const {
+    return fmt::format("'{}': {} sample{} beyond the input's range or missing; marked as not valid",
+                       name, found, found == 1 ? " is" : "s are");
   }
-
-  void take(std::size_t index, const SampleBlock& block) override {
-    const BeyondRange& beyond = beyond_[chosen_[index]];
-    valid_.assign(block.size(), 1);
-    std::uint64_t found = 0;
-    std::visit(
-        [&](auto samples) {
-          for (std::size_t i = 0; i < samples.size(); ++i) {
-            if (!beyond.holds(static_cast<double>(samples[i]))) continue;
-            valid_[i] = 0;
-            ++found;
-          }
-        },
-        block.raw);
-    SampleBlock marked = block;
-    if (found > 0) marked.valid = valid_;
-    found_[index] += found;
-    next_.take(index, marked);
-  }
-
-  void tell(Record& record) const {
-    for (std::size_t i = 0; i < found_.size(); ++i)
-      if (found_[i] > 0)
-        record.warnings.push_back(fmt::format(
-            "'{}': {} sample{} beyond the input's range or missing; marked as not valid",
-            record.channels[i].name, found_[i], found_[i] == 1 ? " is" : "s are"));
-  }
-
- private:
-  const std::vector<BeyondRange>& beyond_;
-  std::vector<std::size_t> chosen_;
-  std::vector<std::uint64_t> found_;
-  SampleSink& next_;
-  std::vector<std::uint8_t> valid_;
-};
-
-class YokogawaReader final : public RecordingReader {
- public:
-  YokogawaReader(std::unique_ptr<RecordingReader> numbers, std::vector<BeyondRange> beyond)
-      : numbers_(std::move(numbers)),
-        beyond_(std::move(beyond)) {}
-
-  const RecordingHead& head() const override { return numbers_->head(); }
-
-  Record read(const Selection& wanted, SampleSink& sink) override {
-    BeyondRangeMarks marks(beyond_, selected_channels(head(), wanted), sink);
-    Record record = numbers_->read(wanted, marks);
-    marks.tell(record);
-    return record;
-  }
-
- private:
-  std::unique_ptr<RecordingReader> numbers_;
-  std::vector<BeyondRange> beyond_;
 };
 
 /// Reads a head and finds the samples that it describes.
@@ -158,9 +102,9 @@ class YokogawaHead {
       record_.warnings.push_back(fmt::format(
           "the file of samples has {} bytes more than the head describes: they are left out",
           size - at_));
-    return std::make_unique<YokogawaReader>(
+    return std::make_unique<MarkedNumbers<BeyondRangeRule>>(
         reader_of_numbers(std::move(samples_), std::move(record_), std::move(stored_)),
-        std::move(beyond_));
+        BeyondRangeRule{std::move(beyond_)});
   }
 
  private:
