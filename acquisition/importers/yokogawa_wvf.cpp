@@ -91,7 +91,7 @@ class YokogawaHead {
       if (!field.values.empty()) record_.attributes[key] = to_utf8(field.values.front());
     const bool by_blocks = one_of(common, "DataFormat", "trace", "block");
     big_endian_ = !one_of(common, "Endian", "big", "ltl");
-    at_ = whole_number(common, field(common, "DataOffset"), 0);
+    at_ = whole_number(common, "DataOffset", 0);
     samples_ = samples_file();
     record_.attributes["samples in"] = std::filesystem::path(samples_->path()).filename().string();
     for (const Section& group : sections_)
@@ -174,13 +174,13 @@ class YokogawaHead {
     return *found;
   }
 
-  std::uint64_t whole_number(const Section& of, const Field& says, std::size_t trace) const {
+  std::uint64_t whole_number(const Section& of, const std::string& key, std::size_t trace) const {
+    const Field& says = field(of, key);
     constexpr long most = 1L << 40;  // products of three such are not made
     const std::string_view cell = trace < says.values.size() ? says.values[trace] : "nothing";
     const auto found = integer_in(cell);
     if (!found || *found < 0 || *found > most)
-      fail(says.line,
-           fmt::format("{}: expected a whole number, found '{}'", of.name, to_utf8(cell)));
+      fail(says.line, fmt::format("{}: expected a whole number, found '{}'", key, to_utf8(cell)));
     return static_cast<std::uint64_t>(*found);
   }
 
@@ -229,7 +229,7 @@ class YokogawaHead {
     Trace made;
     made.channel.name = input_name(to_utf8(value(group, "TraceName", trace)));
     made.kind = kind_of(group, trace);
-    made.samples = whole_number(group, field(group, "BlockSize"), trace);
+    made.samples = whole_number(group, "BlockSize", trace);
     made.channel.scale = number(group, "VResolution", trace);
     made.channel.offset = number(group, "VOffset", trace);
     set_unit(made.channel, to_utf8(value(group, "VUnit", trace)));
@@ -243,8 +243,8 @@ class YokogawaHead {
 
   /// Samples lie trace after trace with all blocks of each, or block after block with all traces.
   void take_group(const Section& group, bool by_blocks) {
-    const std::uint64_t traces = whole_number(group, field(group, "TraceNumber"), 0);
-    const std::uint64_t blocks = whole_number(group, field(group, "BlockNumber"), 0);
+    const std::uint64_t traces = whole_number(group, "TraceNumber", 0);
+    const std::uint64_t blocks = whole_number(group, "BlockNumber", 0);
     if (traces > most_channels || blocks > most_channels ||
         record_.channels.size() + traces * blocks > most_channels)
       fail(group.line, fmt::format("{} traces of {} blocks are more than {} channels", traces,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "models/beams/bending_modes.hpp"
 #include "models/history_recorder.hpp"

@@ -93,6 +93,9 @@ TEST(YokogawaWvf, ErrorsNameTheLine) {
   EXPECT_EQ(error_with(head.replace(head.find("2.0e+000"), 8, "x       "), ""),
             "FILE:17: VResolution: expected a number, found 'x'");
   head = yokogawa_head();
+  EXPECT_EQ(error_with(head.replace(head.find("BlockSize"), 9, "BlockSize -"), ""),
+            "FILE:16: BlockSize: expected a whole number, found '-'");
+  head = yokogawa_head();
   EXPECT_EQ(error_with(head.replace(head.find("$Group1"), 7, "$Other1"), ""),
             "FILE:3: the head describes no traces");
 }
