@@ -33,6 +33,7 @@ struct Options {
   std::string sensitivities;  ///< names with commas
   bool explain = false;
   bool exact = false;
+  bool small_motion = false;
   CommonOptions common;
 };
 
@@ -194,6 +195,7 @@ void simulate(const Options& options) {
         "--interval", fmt::format("{:g} s over {:g} s are more than {:g} samples", options.interval,
                                   longest, most_samples / channels));
   request.exact = options.exact;
+  if (options.small_motion) request.motion = models::Motion::small;
   if (!options.output.empty()) {
     request.history.interval = options.interval;
     if (rig.velocity) request.history.velocity_position = rig.velocity->position;
@@ -242,7 +244,12 @@ void add_simulate(CLI::App& program) {
       ->type_name("NAMES");
   command->add_flag("--explain", options->explain,
                     "List the simplifications taken, and why they are safe here");
-  command->add_flag("--exact", options->exact, "Take no simplification");
+  CLI::Option* exact =
+      command->add_flag("--exact", options->exact, "Take no simplification");
+  command
+      ->add_flag("--small-motion", options->small_motion,
+                 "Solve the bar in its modes whatever that leaves out, which is told")
+      ->excludes(exact);
   add_json(*command, options->common);
   add_set(*command, options->common);
   add_force(*command, options->common);

@@ -90,6 +90,27 @@ TEST_F(CommandLine, ExplainsASwingItDidNotIntegrate) {
                   .empty());
 }
 
+TEST_F(CommandLine, SolvesSmallMotionWhereItIsAskedFor) {
+  const std::string bar =
+      "simulate " + rig + " --json --set solver.elements=[14,2] --set solver.duration=\"3 ms\"";
+  const std::string paper = bar + " --set solver.accuracy=1e-9";
+  const json full = json::parse(run(paper).out);
+  EXPECT_TRUE(full["skipped"].empty());
+  EXPECT_TRUE(full["warnings"].empty());
+  const Outcome o = run(paper + " --small-motion");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json small = json::parse(o.out);
+  ASSERT_EQ(small["warnings"].size(), 1U);
+  EXPECT_THAT(small["warnings"][0].get<std::string>(), HasSubstr("more than the accuracy of 1e-09"));
+  EXPECT_LE(small["cost"]["evaluations"], 1100);
+  EXPECT_GT(full["cost"]["evaluations"], 1100);
+  const double peak = full["peak_force_n"];
+  EXPECT_NEAR(small["peak_force_n"].get<double>(), peak, 1e-6 * peak);
+  EXPECT_NE(small["peak_force_n"], full["peak_force_n"]);
+  EXPECT_TRUE(json::parse(run(bar + " --small-motion").out)["warnings"].empty());
+  EXPECT_EQ(run(paper + " --small-motion --exact").code, 2);
+}
+
 TEST_F(CommandLine, WritesAHistoryThatItCanReadAgain) {
   for (const char* ending : {"h5", "csv", "uff"}) {
     const std::string file = path(std::string("history.") + ending);
