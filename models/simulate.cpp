@@ -318,15 +318,6 @@ Simulation solve(const Rig& rig, const Solver& solver, const SimulationOptions& 
   return *std::move(result);
 }
 
-/// Of small motion that was asked for, what by itself would not have been taken.
-void tell_asked_motion(const Solver& solver, const SimulationOptions& options, Simulation& result) {
-  if (options.motion != Motion::small || result.neglected <= solver.accuracy) return;
-  result.warnings.push_back(fmt::format(
-      "Small motion was asked for: by its estimate it leaves out {:.1e} of the result, more than "
-      "the accuracy of {:g}; the full equations do not.",
-      result.neglected, solver.accuracy));
-}
-
 }  // namespace
 
 bool allows(const SimulationOptions& options, Simplification simplification) {
