@@ -441,7 +441,7 @@ std::unique_ptr<RecordingReader> open_recording(const std::string& path,
                                  importer.id));
   auto checked = std::make_unique<CheckedRecording>(importer.open(path, options), options, path);
   checked->set_provenance(importer.id, file.bytes().size());
-  const std::size_t padding = is_text(importer.id) ? padding_of(file.bytes()) : 0;
+  const std::size_t padding = is_text(importer.id) ? padding_of(file) : 0;
   if (padding > 0)
     checked->tell(
         fmt::format("the file ends with {} byte{} of zero (was its writer stopped?): {} left out",

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -84,6 +85,31 @@ void MappedFile::copy(std::size_t offset, std::size_t count, void* to) const {
     offset += static_cast<std::size_t>(got);
     count -= static_cast<std::size_t>(got);
   }
+}
+
+/// Beyond it the file has no blocks on the disk, as far as the file system tells.
+std::size_t MappedFile::end_of_data() const {
+  off_t end = 0;
+  while (file_ >= 0 && end < static_cast<off_t>(size_)) {
+    const off_t data = ::lseek(file_, end, SEEK_DATA);
+    if (data < 0) return errno == ENXIO ? static_cast<std::size_t>(end) : size_;
+    end = ::lseek(file_, data, SEEK_HOLE);
+    if (end < 0) return size_;
+  }
+  return size_;
+}
+
+std::size_t MappedFile::zeros_at_end() const {
+  std::string block(std::min(size_, std::size_t{1} << 20), '\0');
+  const std::string zeros(block.size(), '\0');
+  for (std::size_t end = end_of_data(); end > 0;) {
+    const std::size_t count = std::min(end, block.size());
+    copy(end - count, count, block.data());
+    end -= count;
+    if (std::memcmp(block.data(), zeros.data(), count) == 0) continue;
+    return size_ - end - block.find_last_not_of('\0', count - 1) - 1;
+  }
+  return size_;
 }
 
 void MappedFile::release(std::size_t first, std::size_t last) const {

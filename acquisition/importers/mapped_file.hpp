@@ -47,6 +47,10 @@ class MappedFile {
   /// which the system has to find. Throws datasets::FileError when the file has become shorter.
   void copy(std::size_t offset, std::size_t count, void* to) const;
 
+  /// How many bytes of zero it ends with. Takes little memory, and no time for what the file system
+  /// knows to be a hole. Throws as copy().
+  std::size_t zeros_at_end() const;
+
   /// True where channels are better copied one after another than by turns.
   bool only_forward() const { return source_ && source_->only_forward(); }
 
@@ -56,6 +60,7 @@ class MappedFile {
  private:
   void map_or_close();
   void map();
+  std::size_t end_of_data() const;
 
   std::string path_;
   std::string unpacked_;

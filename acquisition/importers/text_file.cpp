@@ -113,16 +113,25 @@ std::string utf16_part(std::string_view bytes, std::size_t first, std::size_t la
   return out;
 }
 
+bool may_be_padded(std::string_view bytes) {
+  return bytes.ends_with('\0') && !looks_like_utf16(bytes.substr(0, 65536));
+}
+
 bool is_little_endian(std::string_view bytes) {
   return bytes.starts_with("\xFF\xFE");
 }
 
 }  // namespace
 
+TextFile::TextFile(std::string path, bool head_only)
+    : file_(std::move(path)),
+      size_(file_.bytes().size() - padding_of(file_)),
+      head_only_(head_only) {}
+
 std::string_view TextFile::text() {
   if (!text_.empty()) return is_part() ? std::string_view(text_).substr(0, part_) : text_;
   if (rewritten_) return rewritten_->bytes();
-  const std::string_view all = bytes().substr(0, bytes().size() - padding_of(bytes()));
+  const std::string_view all = bytes().substr(0, size_);
   if (all.starts_with("\xEF\xBB\xBF")) return all.substr(3);
   const std::string_view head = all.substr(0, 65536);
   if (looks_like_utf16(head)) {
@@ -158,16 +167,15 @@ std::string_view TextFile::text() {
 template <typename Rewrite>
 bool TextFile::take_first_lines(std::size_t start, const Rewrite& rewrite) {
   if (!head_only_) return false;
-  const std::size_t size = bytes().size() - padding_of(bytes());
   const std::string part = rewrite(start, telling_part);
   text_ = whole_lines(part, part.size());
   if (text_.empty()) return false;
   part_ = text_.size();
   constexpr std::size_t last_part = 65536;  // even, as units of UTF-16 are
-  const std::string last = rewrite((size - last_part) / 2 * 2, size);
+  const std::string last = rewrite((size_ - last_part) / 2 * 2, size_);
   text_.append(last, std::min(last.find('\n'), last.size() - 1) + 1);
   expected_size_ = static_cast<double>(part.size()) / static_cast<double>(telling_part - start) *
-                   static_cast<double>(size - start);
+                   static_cast<double>(size_ - start);
   return true;
 }
 
@@ -249,9 +257,15 @@ std::string to_utf8_with_controls(std::string_view text) {
 }
 
 std::size_t padding_of(std::string_view bytes) {
-  if (!bytes.ends_with('\0') || looks_like_utf16(bytes.substr(0, 65536))) return 0;
+  if (!may_be_padded(bytes)) return 0;
   const std::size_t last = bytes.find_last_not_of('\0');
   return last == std::string_view::npos ? 0 : bytes.size() - last - 1;
+}
+
+std::size_t padding_of(const MappedFile& file) {
+  if (!may_be_padded(file.bytes())) return 0;
+  const std::size_t zeros = file.zeros_at_end();
+  return zeros == file.bytes().size() ? 0 : zeros;
 }
 
 bool looks_like_utf16(std::string_view head) {
@@ -299,8 +313,7 @@ std::unique_ptr<MappedFile> utf16_to_utf8(const MappedFile& file, std::size_t pi
 }
 
 std::unique_ptr<MappedFile> with_line_feeds(const MappedFile& file, std::size_t piece) {
-  const std::string_view bytes =
-      file.bytes().substr(0, file.bytes().size() - padding_of(file.bytes()));
+  const std::string_view bytes = file.bytes().substr(0, file.bytes().size() - padding_of(file));
   Spool spool(file.path());
   for (std::size_t first = 0; first < bytes.size(); first += piece) {
     const std::string part = line_feeds(bytes.substr(first, piece));

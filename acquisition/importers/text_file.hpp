@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "acquisition/importers/mapped_file.hpp"
 #include "datasets/input_error.hpp"
@@ -21,9 +20,7 @@ class TextFile {
   /// `head_only`: of a text too large for memory that would have to be rewritten, only the first
   /// lines are wanted. Throws datasets::FileError when the file is missing, a directory or not
   /// readable.
-  explicit TextFile(std::string path, bool head_only = false)
-      : file_(std::move(path)),
-        head_only_(head_only) {}
+  explicit TextFile(std::string path, bool head_only = false);
 
   const std::string& path() const { return file_.path(); }
 
@@ -69,6 +66,7 @@ class TextFile {
   bool take_first_lines(std::size_t start, const Rewrite& rewrite);
 
   MappedFile file_;
+  std::size_t size_;  // without padding_of() it
   bool head_only_;
   double expected_size_ = 0.0;             // of the whole text, where text_ is a part of it
   std::string text_;                       // the text when it is not a part of the bytes
@@ -93,6 +91,7 @@ std::string to_utf8_with_controls(std::string_view text);
 /// Bytes of zero behind a text that is not UTF-16: what is left of a file whose writer had taken
 /// room on the disk and was stopped.
 std::size_t padding_of(std::string_view bytes);
+std::size_t padding_of(const MappedFile& file);
 
 /// True for UTF-16, with or without byte order mark.
 bool looks_like_utf16(std::string_view head);

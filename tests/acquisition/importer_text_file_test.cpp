@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
 #include "tests/acquisition/written_file.hpp"
 
 namespace impactrig::acquisition {
@@ -40,6 +45,36 @@ TEST(TextFile, LeavesOffBytesOfZeroBehindIt) {
                              6)),
             "a\n");                                        // UTF-16 ends with them
   EXPECT_EQ(padding_of(std::string_view("\0\0", 2)), 0U);  // no text at all
+}
+
+// Both on the disk and as a hole that the file system knows of; it is looked at by blocks.
+TEST(TextFile, LeavesOffAnyNumberOfBytesOfZero) {
+  constexpr std::size_t block = std::size_t{1} << 20;
+  for (const std::size_t zeros : {block - 3, block - 2, block - 1, block, 3 * block + 5}) {
+    const WrittenFile written("a\nb" + std::string(zeros, '\0'));
+    EXPECT_EQ(TextFile(written.path()).text(), "a\nb") << zeros;
+    const WrittenFile hole("a\nb", ".hole");
+    std::filesystem::resize_file(hole.path(), 3 + zeros);
+    EXPECT_EQ(TextFile(hole.path()).text(), "a\nb") << zeros;
+  }
+}
+
+/// What this process holds of files [kB].
+std::size_t held_of_files() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("RssFile:")) return std::stoul(line.substr(8));
+  return 0;
+}
+
+TEST(TextFile, HoldsNoBytesOfZeroBehindIt) {
+  constexpr std::size_t megabytes = 48;
+  const WrittenFile written("a\nb" + std::string(megabytes << 20, '\0'));
+  const std::size_t before = held_of_files();
+  ASSERT_GT(before, 0U);
+  TextFile file(written.path());
+  EXPECT_EQ(file.text(), "a\nb");
+  EXPECT_LT(held_of_files(), before + 8 * 1024);
 }
 
 TEST(TextFile, TurnsUtf16IntoUtf8) {
