@@ -143,7 +143,9 @@ TEST(Mdf4, TheMasterGivesTheClock) {
     const Ticks ticks(even ? std::vector<std::uint32_t>{0, 2, 4, 6}
                            : std::vector<std::uint32_t>{0, 1, 5, 6});
     MdfFile file;
-    const std::uint64_t comment = file.text("<HDcomment><TX>run &lt;7&gt;</TX></HDcomment>", "MD");
+    const std::uint64_t comment = file.text(
+        "<HDcomment><TX>run &lt;7&gt; &amp;lt; 5 &#181;m &#x2264; &#xb0;&nix; &</TX></HDcomment>",
+        "MD");
     const std::uint64_t group = file.group(file.channels(Ticks::channels(file)), 4, 7);
     const std::uint64_t data = file.block("DT", {}, ticks.bytes);
     const auto record =
@@ -158,7 +160,7 @@ TEST(Mdf4, TheMasterGivesTheClock) {
     EXPECT_EQ(force.attributes.at("group"), "group 0");
     EXPECT_EQ(force.attributes.at("acquisition"), "10ms");
     EXPECT_EQ(record.started, "2017-07-14T02:40:00.25Z");
-    EXPECT_EQ(record.attributes.at("comment"), "run <7>");
+    EXPECT_EQ(record.attributes.at("comment"), "run <7> &lt; 5 µm ≤ °&nix; &");
     EXPECT_EQ(record.attributes.at("version"), "4.10");
     EXPECT_EQ(record.attributes.at("written by"), "tests");
     EXPECT_EQ(force.clock.start, 0.5);
