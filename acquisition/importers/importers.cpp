@@ -124,7 +124,8 @@ const Importer& recognised(const std::string& path, std::string_view head) {
   return *best;
 }
 
-/// What a stated sample rate replaces: the interval, not the time of the first sample.
+/// What a stated sample rate replaces: the interval, not the time of the first sample, unless that
+/// is none.
 void apply_sample_rate(Record& record, double rate) {
   for (Channel& channel : record.channels) {
     const auto domain = channel.attributes.find("domain");
@@ -133,6 +134,7 @@ void apply_sample_rate(Record& record, double rate) {
       channel.attributes["sample interval in file"] =
           fmt::format("{:.12g} s", channel.clock.interval);
     channel.clock.interval = 1.0 / rate;
+    if (!std::isfinite(channel.clock.start)) channel.clock.start = 0.0;
   }
 }
 

@@ -172,6 +172,23 @@ TEST(Mdf4, TheMasterGivesTheClock) {
   }
 }
 
+TEST(Mdf4, AStatedRateCountsFromZeroWhereTimesAreNoNumbers) {
+  MdfFile file;
+  const std::uint64_t group =
+      file.group(file.channels({mdf_time(), described("F", 0, 8, 8)}), 3, 9);
+  std::string records;
+  for (const std::int8_t value : std::vector<std::int8_t>{1, 2, 3})
+    records += bytes_of_number(std::nan("")) + bytes_of_number(value);
+  const std::string bytes = file.with(file.data_group(group, file.block("DT", {}, records)));
+  ImportOptions options;
+  options.sample_rate = 1000.0;
+  EXPECT_EQ(imported(bytes, options).channels.at(0).clock.start, 0.0);
+  options.from = 1.5e-3;
+  const auto part = imported(bytes, options);
+  EXPECT_EQ(part.channels.at(0).clock.start, 2e-3);
+  EXPECT_THAT(part.channels[0].values(), ElementsAre(3));
+}
+
 TEST(Mdf4, LocalTimeHasNoZone) {
   MdfFile file;
   EXPECT_EQ(imported(file.with(0, 1500000000000000000, 1)).started, "2017-07-14T02:40:00");
