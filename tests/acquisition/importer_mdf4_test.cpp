@@ -298,6 +298,17 @@ TEST(Mdf4, InvalidationBitsMarkSamples) {
   EXPECT_THAT(record.channels.at(0).valid, ElementsAre(1, 0, 1));
 }
 
+TEST(Mdf4, AChannelWithoutAValidValueIsMarked) {
+  MdfFile file;
+  MdfChannelBlock channel = described("a", 0, 8, 0);
+  channel.flags = 1;
+  const std::uint64_t group = file.group(file.channels({channel}), 2, 1);
+  const auto record = imported(file.with(file.data_group(group, file.block("DT", {}, "\5\6"))));
+  EXPECT_THAT(record.channels.at(0).valid, ElementsAre(0, 0));
+  EXPECT_EQ(record.warnings.at(0),
+            "'a': the file says that none of its values is valid: all are marked");
+}
+
 std::vector<double> converted(std::uint8_t type, const std::vector<double>& parameters,
                               const std::vector<double>& raw) {
   MdfFile file;
