@@ -388,6 +388,38 @@ TEST(Mdf4Conversions, ThatCannotBeAppliedLeaveTheRawNumbersWithoutUnit) {
   EXPECT_EQ(told(4, {1, 1, 1, 2}), begin + "is a table whose keys do not increase");
 }
 
+// As signals have it that keep some of their numbers for "not available" and "error".
+TEST(Mdf4Conversions, TextsForSomeNumbersLeaveTheOthersScaled) {
+  const auto read = [](const auto& conversion_in) {
+    MdfFile file;
+    MdfChannelBlock channel = described("a", 0, 8, 0);
+    channel.unit = "";
+    channel.conversion = conversion_in(file);
+    const std::uint64_t group = file.group(file.channels({channel}), 4, 1);
+    return imported(file.with(file.data_group(group, file.block("DT", {}, "\1\2\3\5"))));
+  };
+  const auto default_scale = read([](MdfFile& file) {
+    return file.text_or_scale(7, {3},
+                              {file.text("error"), file.conversion(1, {1, 2}, file.text("N"))});
+  });
+  EXPECT_EQ(default_scale.channels.at(0).unit, "N");
+  EXPECT_THAT(default_scale.channels[0].values(),
+              ElementsAre(3, 5, testing::NanSensitiveDoubleEq(NAN), 11));
+  EXPECT_THAT(default_scale.channels[0].valid, ElementsAre(1, 1, 0, 1));
+  const auto range_scale = read([](MdfFile& file) {
+    return file.text_or_scale(8, {0, 2, 3, 4}, {file.conversion(1, {0, 10}), file.text("error")});
+  });
+  EXPECT_THAT(
+      range_scale.channels.at(0).values(),
+      ElementsAre(10, 20, testing::NanSensitiveDoubleEq(NAN), testing::NanSensitiveDoubleEq(NAN)));
+  const auto texts = read([](MdfFile& file) {
+    const std::uint64_t no_numbers = file.text_or_scale(7, {1}, {file.text("on")});
+    return file.text_or_scale(7, {3}, {file.text("error"), no_numbers});
+  });
+  EXPECT_THAT(texts.channels.at(0).values(), ElementsAre(1, 2, 3, 5));
+  EXPECT_THAT(texts.warnings.at(0), HasSubstr("its conversion gives texts"));
+}
+
 TEST(Mdf4, WhatIsNoNumberIsLeftOutAndTold) {
   MdfChannelBlock variable = described("v", 0, 64, 0);
   variable.type = 1;
