@@ -155,7 +155,7 @@ datasets::Record read_by_blocks(const Options& options, std::vector<Input>& inpu
   Progress progress("importing", samples_of(inputs), options.common.quiet);
   datasets::Record record;
   for (Input& input : inputs) {
-    auto sha256 = std::async(std::launch::async, datasets::sha256_of_file, input.path);
+    auto sha256 = std::async(std::launch::async, acquisition::sha256_of_recording, input.path);
     Onward onward(sink, progress, record.channels.size());
     datasets::Record next = acquisition::read_window(*input.reader, input.wanted, onward);
     next.provenance.sha256 = sha256.get();
@@ -214,7 +214,7 @@ datasets::Record import_at_once(const Options& options, std::vector<Input>& inpu
   const auto forward = [&progress] { progress.add(1); };
   std::vector<datasets::Record> records;
   for (Input& input : inputs) {
-    auto sha256 = std::async(std::launch::async, datasets::sha256_of_file, input.path);
+    auto sha256 = std::async(std::launch::async, acquisition::sha256_of_recording, input.path);
     records.push_back(acquisition::read_into_memory(*input.reader, input.wanted));
     records.back().provenance.sha256 = sha256.get();
     forward();
