@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -58,6 +59,15 @@ std::span<const Importer> importers();
 /// a table. Any text with a number in it may be a table when it is named; found in a folder it is
 /// not. An empty file is meant as one by any recording's ending. false for what cannot be read.
 bool looks_like_recording(const std::string& path);
+
+/// The files that a recording is made of: the one of that name, and the one beside it that holds
+/// its samples (Yokogawa's .wvf). Throws datasets::FileError.
+std::vector<std::string> files_of_recording(const std::string& path);
+
+std::uint64_t bytes_of_recording(const std::string& path);  ///< of all its files
+
+/// SHA-256 of its files, one behind the other, 64 hex digits. Throws datasets::FileError.
+std::string sha256_of_recording(const std::string& path);
 
 /// Opens a recording of any known format. Its provenance states size, importer and program
 /// version. Samples that are not finite are handed over as not valid, and a warning counts them. A

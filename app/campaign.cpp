@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "acquisition/importer.hpp"
 #include "app/campaign_items.hpp"
 #include "app/campaign_plan.hpp"
 #include "app/files.hpp"
@@ -104,7 +105,7 @@ void hash_items(Run& run, const std::string& config_sha256) {
     try {
       if (std::error_code ignored; fs::file_size(item.path, ignored) == 0)
         throw datasets::InputError({.file = item.path}, "the file is empty");
-      item.sha256 = datasets::sha256_of_file(item.path);
+      item.sha256 = acquisition::sha256_of_recording(item.path);
     } catch (const std::exception& error) {
       run.campaign.failed.push_back({item.path, error.what()});
       continue;
@@ -269,7 +270,8 @@ void write_summary(Run& run) {
     const auto found = run.shots.find(item.name);
     if (found == run.shots.end()) continue;
     campaign.shots.push_back(found->second);
-    campaign.provenance.inputs.push_back({item.path, fs::file_size(item.path), item.sha256});
+    campaign.provenance.inputs.push_back(
+        {item.path, acquisition::bytes_of_recording(item.path), item.sha256});
     keys += item.key + "\n";
   }
   campaign.provenance.result_key = datasets::sha256_of(keys);

@@ -93,7 +93,7 @@ Side read_side(const std::string& path, const acquisition::ImportOptions& readin
   acquisition::Selection selection = acquisition::selection_of(reader->head(), reading);
   selection.channels = {chosen_channel(reader->head().record, path, wanted, hit)};
   Side side{acquisition::read_into_memory(*reader, selection)};
-  side.record.provenance.sha256 = datasets::sha256_of_file(path);
+  side.record.provenance.sha256 = acquisition::sha256_of_recording(path);
   return side;
 }
 
@@ -134,7 +134,7 @@ Side read_conditioned(const std::string& path, acquisition::ImportOptions readin
   if (has_uneven_times(recorded))  // what lies within the window may be even
     recorded =
         acquisition::read_into_memory(*reader, acquisition::selection_of(reader->head(), window));
-  recorded.provenance.sha256 = datasets::sha256_of_file(path);
+  recorded.provenance.sha256 = acquisition::sha256_of_recording(path);
   datasets::Record record =
       acquisition::condition(recorded, {rig.force, rig.velocity, rig.displacement});
   datasets::Channel channel = std::move(record.channels[chosen_channel(record, path, wanted, hit)]);

@@ -111,7 +111,7 @@ datasets::Record conditioned_recording(const std::string& path, const FitJob& jo
                                "--from and --to say which, and the rig file's sensors name the "
                                "channels");
   datasets::Record recorded = acquisition::read_into_memory(*reader, wanted);
-  recorded.provenance.sha256 = datasets::sha256_of_file(path);
+  recorded.provenance.sha256 = acquisition::sha256_of_recording(path);
   datasets::Record record = acquisition::condition(recorded, sensors);
   acquisition::apply_steps(rig.conditioning, record, sensors, detection_options(job.detection));
   return record;

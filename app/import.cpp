@@ -72,7 +72,7 @@ std::uint64_t samples_of(const std::vector<Input>& inputs) {
 }
 
 /// Several files become one record with the channels of all, in order; the first one's provenance
-/// leads.
+/// and attributes lead.
 void join(datasets::Record&& next, datasets::Record& record) {
   if (record.channels.empty()) {
     record = std::move(next);
@@ -89,7 +89,14 @@ void join(datasets::Record&& next, datasets::Record& record) {
     record.warnings.push_back(
         fmt::format("{} started at {}, the first file at {}: their times are not put on one axis",
                     next.provenance.source_file, next.started, record.started));
-  for (datasets::Channel& channel : next.channels) record.channels.push_back(std::move(channel));
+  for (datasets::Channel& channel : next.channels) {
+    // what the head of another file says is its channels' alone
+    for (const auto& [name, value] : next.attributes)
+      if (const auto here = record.attributes.find(name);
+          here == record.attributes.end() || here->second != value)
+        channel.attributes.try_emplace(name, value);
+    record.channels.push_back(std::move(channel));
+  }
   for (std::string& warning : next.warnings) record.warnings.push_back(std::move(warning));
 }
 
@@ -148,7 +155,7 @@ datasets::Record read_by_blocks(const Options& options, std::vector<Input>& inpu
   Progress progress("importing", samples_of(inputs), options.common.quiet);
   datasets::Record record;
   for (Input& input : inputs) {
-    auto sha256 = std::async(std::launch::async, datasets::sha256_of_file, input.path);
+    auto sha256 = std::async(std::launch::async, acquisition::sha256_of_recording, input.path);
     Onward onward(sink, progress, record.channels.size());
     datasets::Record next = acquisition::read_window(*input.reader, input.wanted, onward);
     next.provenance.sha256 = sha256.get();
@@ -207,7 +214,7 @@ datasets::Record import_at_once(const Options& options, std::vector<Input>& inpu
   const auto forward = [&progress] { progress.add(1); };
   std::vector<datasets::Record> records;
   for (Input& input : inputs) {
-    auto sha256 = std::async(std::launch::async, datasets::sha256_of_file, input.path);
+    auto sha256 = std::async(std::launch::async, acquisition::sha256_of_recording, input.path);
     records.push_back(acquisition::read_into_memory(*input.reader, input.wanted));
     records.back().provenance.sha256 = sha256.get();
     forward();

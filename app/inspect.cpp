@@ -351,7 +351,8 @@ void inspect(const Options& options) {
                        {"bytes", record.provenance.bytes}};
   // a part of the file is asked for, so that the whole is not read
   const bool all = wanted.channels.empty() && !wanted.has_window();
-  if (!options.no_statistics && all) json["sha256"] = datasets::sha256_of_file(options.file);
+  if (!options.no_statistics && all)
+    json["sha256"] = acquisition::sha256_of_recording(options.file);
   if (!record.started.empty()) json["started"] = record.started;
   json["channels"] = channels;
   if (!record.attributes.empty()) json["attributes"] = record.attributes;

@@ -117,8 +117,9 @@ struct Record {
 /// "impactrig 0.1.0".
 std::string program_version();
 
-/// SHA-256 of a file, 64 hex digits. Throws FileError.
+/// SHA-256 of a file, or of several one behind the other, 64 hex digits. Throws FileError.
 std::string sha256_of_file(const std::string& path);
+std::string sha256_of_files(std::span<const std::string> paths);
 std::string sha256_of(std::string_view bytes);
 
 }  // namespace impactrig::datasets

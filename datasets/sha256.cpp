@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <memory>
 #include <semaphore>
+#include <span>
 #include <stdexcept>
 #include <stop_token>
 #include <string>
@@ -126,9 +127,15 @@ class ReadAhead {
 }  // namespace
 
 std::string sha256_of_file(const std::string& path) {
-  ReadAhead file(path);
+  return sha256_of_files(std::span(&path, 1));
+}
+
+std::string sha256_of_files(std::span<const std::string> paths) {
   Sha256 hash;
-  file.each([&](std::string_view bytes) { hash.add(bytes); });
+  for (const std::string& path : paths) {
+    ReadAhead file(path);
+    file.each([&](std::string_view bytes) { hash.add(bytes); });
+  }
   return hash.hex();
 }
 

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "acquisition/importers/byte_cursor.hpp"
 #include "acquisition/importers/formats.hpp"
@@ -324,8 +325,19 @@ class CatmanReader {
     if (!axis.warning.empty())
       record_.warnings.push_back(
           fmt::format("'{}': {}", record_.channels[index].name, axis.warning));
-    return !axis.clock.uniform() && factor == 1.0 &&
-           stored_[index].samples.kind() != NumberKind::i16;
+    return !axis.clock.uniform();
+  }
+
+  /// Gives a channel the times that a time channel stores, as seconds.
+  void keep_times(std::size_t time, StoredChannel& channel) const {
+    const Channel& described = record_.channels[time];
+    const auto seconds = datasets::conversion(described.unit, "s");
+    const double factor = seconds ? seconds->factor : 1.0;
+    channel.times = stored_[time].samples.first(channel.samples.size());
+    channel.times_scaling = [scale = described.scale, offset = described.offset,
+                             factor](std::span<double> times) {
+      for (double& t : times) t = factor * (scale * t + offset);
+    };
   }
 
   /// The time channel of a channel: as long, and with the interval its header states; of several
@@ -359,8 +371,9 @@ class CatmanReader {
       }
       channel.clock = clocks[*time];
       channel.attributes["time channel"] = record_.channels[*time].name;
-      if (keep[*time] != 0 && stored_[*time].samples.size() == stored_[i].samples.size())
-        stored_[i].times = stored_[*time].samples;
+      // a file that is cut may have fewer of either
+      if (keep[*time] != 0 && stored_[*time].samples.size() >= stored_[i].samples.size())
+        keep_times(*time, stored_[i]);
     }
   }
 

@@ -114,6 +114,8 @@ struct CsvHead {
     tell_of_times(heads, roles, record);
     if (const std::string rest = what_follows(file, layout); !rest.empty())
       record.warnings.push_back(rest);
+    if (const std::string cut = cut_number(file, layout); !cut.empty())
+      record.warnings.push_back(cut);
     tell_of_dates_and_text(layout, heads, roles, record);
     if (record.started.empty()) record.started = head.started;
     take_units_of_keys(head, roles, layout.dialect.delimiter, heads);

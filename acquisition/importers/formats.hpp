@@ -90,6 +90,8 @@ std::unique_ptr<RecordingReader> open_catman(const std::string& path, const Impo
 
 /// A head in text; its samples are in the .wvf beside it.
 int recognises_yokogawa_wvf(std::string_view file_name, std::string_view head);
+/// The file of samples beside a head; "": it is not there.
+std::string samples_of_yokogawa_wvf(const std::string& path);
 std::unique_ptr<RecordingReader> open_yokogawa_wvf(const std::string& path,
                                                    const ImportOptions& options);
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <cmath>
@@ -94,7 +95,8 @@ std::string iso_time(int year, int month, int day, int hour, int minute, double 
   if (hour < 0 || hour > 23 || minute < 0 || minute > 59 || !(second >= 0.0) || second >= 61.0)
     return {};
   // no more than microseconds, truncated: rounding could give 60 s
-  const auto micros = static_cast<long>(second * 1e6 + 1e-3);
+  auto micros = static_cast<long>(second * 1e6 + 1e-3);
+  if (second < 60.0) micros = std::min(micros, 59999999L);
   std::string text = fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", year, month, day, hour,
                                  minute, micros / 1000000);
   if (micros % 1000000 != 0) {

@@ -124,7 +124,8 @@ const Importer& recognised(const std::string& path, std::string_view head) {
   return *best;
 }
 
-/// What a stated sample rate replaces: the interval, not the time of the first sample.
+/// What a stated sample rate replaces: the interval, not the time of the first sample, unless that
+/// is none.
 void apply_sample_rate(Record& record, double rate) {
   for (Channel& channel : record.channels) {
     const auto domain = channel.attributes.find("domain");
@@ -133,6 +134,7 @@ void apply_sample_rate(Record& record, double rate) {
       channel.attributes["sample interval in file"] =
           fmt::format("{:.12g} s", channel.clock.interval);
     channel.clock.interval = 1.0 / rate;
+    if (!std::isfinite(channel.clock.start)) channel.clock.start = 0.0;
   }
 }
 
@@ -422,6 +424,25 @@ bool looks_like_recording(const std::string& path) try {
   return false;
 }
 
+std::vector<std::string> files_of_recording(const std::string& path) {
+  std::vector<std::string> files = {path};
+  const MappedFile file(path);  // throws when it cannot be opened
+  if (recognises_yokogawa_wvf(path, file.bytes()) > 0)
+    if (std::string samples = samples_of_yokogawa_wvf(path); !samples.empty())
+      files.push_back(std::move(samples));
+  return files;
+}
+
+std::uint64_t bytes_of_recording(const std::string& path) {
+  std::uint64_t bytes = 0;
+  for (const std::string& file : files_of_recording(path)) bytes += MappedFile(file).bytes().size();
+  return bytes;
+}
+
+std::string sha256_of_recording(const std::string& path) {
+  return datasets::sha256_of_files(files_of_recording(path));
+}
+
 std::unique_ptr<RecordingReader> open_recording(const std::string& path,
                                                 const ImportOptions& options) {
   if (options.sample_rate && !(*options.sample_rate > 0.0 && std::isfinite(*options.sample_rate)))
@@ -440,7 +461,7 @@ std::unique_ptr<RecordingReader> open_recording(const std::string& path,
                                  "channels (--suggest-map, --map)",
                                  importer.id));
   auto checked = std::make_unique<CheckedRecording>(importer.open(path, options), options, path);
-  checked->set_provenance(importer.id, file.bytes().size());
+  checked->set_provenance(importer.id, bytes_of_recording(path));
   const std::size_t padding = is_text(importer.id) ? padding_of(file) : 0;
   if (padding > 0)
     checked->tell(
@@ -472,7 +493,7 @@ Selection selection_of(const RecordingHead& head, const ImportOptions& options) 
 Record import_recording(const std::string& path, const ImportOptions& options) {
   const std::unique_ptr<RecordingReader> reader = open_recording(path, options);
   Record record = read_into_memory(*reader, selection_of(reader->head(), options));
-  record.provenance.sha256 = datasets::sha256_of_file(path);
+  record.provenance.sha256 = sha256_of_recording(path);
   return record;
 }
 

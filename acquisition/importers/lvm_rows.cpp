@@ -72,7 +72,7 @@ void LvmRows::read(LvmSegment& segment) {
     }
     const auto cells = static_cast<std::size_t>(std::ranges::count(line, text_.separator)) + 1;
     const bool whole_line = line.data() + line.size() != text_.end;
-    if (!whole_line && cells < cells_before) {
+    if (!whole_line && (cells < cells_before || is_within_packet(segment, row))) {
       recording_.warn(fmt::format("the file ends within the row at {}: this row is left out",
                                   text_.file.position(start).text()));
       rows_last_ = start;
@@ -84,6 +84,12 @@ void LvmRows::read(LvmSegment& segment) {
   }
   count_ = row;
   if (!text_.multi) share_x(segment, std::move(x));
+}
+
+bool LvmRows::is_within_packet(const LvmSegment& segment, std::uint64_t row) {
+  std::uint64_t said = 0;
+  for (const LvmPart& part : segment.parts) said = std::max(said, part.said.value_or(0));
+  return said > 0 && (row + 1) % said != 0;
 }
 
 bool LvmRows::ends_rows(std::string_view line) const {

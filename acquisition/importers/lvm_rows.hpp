@@ -40,6 +40,9 @@ class LvmRows {
   void read_counted(const LvmSegment& segment, const Use& use, const Take& take);
 
  private:
+  /// Whether the header announces rows behind this one: without a line end it may be cut within
+  /// its last number.
+  static bool is_within_packet(const LvmSegment& segment, std::uint64_t row);
   /// A line that begins with text: a header's key, a special block.
   bool ends_rows(std::string_view line) const;
   /// Rows of a packet when channels have different numbers of samples in it, else 0. Packets that

@@ -15,9 +15,10 @@ namespace impactrig::acquisition {
 
 using datasets::FileError;
 
+// O_NONBLOCK: a pipe that nobody writes to would have the opening wait for ever
 MappedFile::MappedFile(std::string path)
     : path_(std::move(path)),
-      file_(::open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
+      file_(::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
   if (file_ < 0) throw FileError(path_, fmt::format("cannot be opened: {}", std::strerror(errno)));
   map_or_close();
 }

@@ -406,8 +406,8 @@ class MdfReader {
     channel.offset = conversion.offset;
     if (!shared.domain.empty()) channel.attributes["domain"] = shared.domain;
     record_.channels.push_back(std::move(channel));
-    channels_.push_back(
-        {shared.group, described.field, std::move(conversion.function), described.invalid_bit});
+    channels_.push_back({shared.group, described.field, std::move(conversion.function),
+                         described.invalid_bit, described.never_valid});
   }
 
   /// What a master is over; "" for times.

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <optional>
+#include <system_error>
 #include <utility>
 
 #include "acquisition/importers/byte_cursor.hpp"
@@ -19,14 +22,42 @@ namespace {
 // So that memory stays bounded whatever a file says.
 constexpr std::uint64_t most_text_bytes = std::uint64_t{1} << 26;
 
-std::string without_entities(std::string text) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 5> entities = {
-      {{"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&apos;", "'"}, {"&amp;", "&"}}};
-  for (const auto& [entity, character] : entities)
-    for (std::size_t at = text.find(entity); at != std::string::npos;
-         at = text.find(entity, at + 1))
-      text.replace(at, entity.size(), character);
-  return text;
+/// What stands between '&' and ';' as a character: "lt", "#181", "#xB5"; none: it is nothing of
+/// XML, or a character beyond the first 65536.
+std::optional<std::string> character_of(std::string_view reference) {
+  constexpr std::array<std::pair<std::string_view, char>, 5> entities = {
+      {{"lt", '<'}, {"gt", '>'}, {"quot", '"'}, {"apos", '\''}, {"amp", '&'}}};
+  for (const auto& [name, character] : entities)
+    if (reference == name) return std::string(1, character);
+  if (!reference.starts_with('#')) return std::nullopt;
+  reference.remove_prefix(1);
+  const bool hexadecimal = reference.starts_with('x');
+  if (hexadecimal) reference.remove_prefix(1);
+  std::uint16_t code = 0;
+  const char* const end = reference.data() + reference.size();
+  const auto [at, error] = std::from_chars(reference.data(), end, code, hexadecimal ? 16 : 10);
+  if (error != std::errc{} || at != end || code == 0) return std::nullopt;
+  if (code < ' ') return " ";
+  const std::array<char, 4> utf16 = {'\xFE', '\xFF', static_cast<char>(code >> 8),
+                                     static_cast<char>(code & 0xFF)};
+  return utf16_to_utf8({utf16.data(), utf16.size()});
+}
+
+std::string without_references(std::string_view text) {
+  constexpr std::size_t longest = 8;  // "#x0000B5"
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t begin = std::min(text.find('&'), text.size());
+    out += text.substr(0, begin);
+    text.remove_prefix(begin);
+    if (text.empty()) break;
+    const std::size_t end = text.substr(0, longest + 2).find(';');
+    const auto character =
+        end == std::string_view::npos ? std::nullopt : character_of(text.substr(1, end - 1));
+    out += character.value_or("&");
+    text.remove_prefix(character ? end + 1 : 1);
+  }
+  return out;
 }
 
 }  // namespace
@@ -83,7 +114,7 @@ std::string MdfBlocks::read_text(std::uint64_t at) const {
     if (begin == std::string_view::npos || text[begin - 1] == '/') return {};
     text.remove_prefix(begin + 1);
     text = text.substr(0, text.find("</TX>"));
-    return trimmed_mdf_text(without_entities(to_utf8(text)));
+    return trimmed_mdf_text(without_references(to_utf8(text)));
   }
   return trimmed_mdf_text(to_utf8(text));
 }

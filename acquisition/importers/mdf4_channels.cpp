@@ -165,8 +165,10 @@ MdfDescribed MdfChannels::described(const MdfBlock& block, const Records& record
     fail(block.at,
          fmt::format("'{}' lies in bytes {} to {} of records that have {}", channel.name,
                      byte_offset, byte_offset + channel.field.bytes() - 1, records.values));
-  if ((flags & 1) != 0)
-    warn_(fmt::format("'{}': the file says that none of its values is valid", channel.name));
+  channel.never_valid = (flags & 1) != 0;
+  if (channel.never_valid)
+    warn_(fmt::format("'{}': the file says that none of its values is valid: all are marked",
+                      channel.name));
   if ((flags & 2) != 0) {
     const std::uint64_t bit = 8 * (records.id + records.values) + invalid_bit;
     if (bit / 8 >= records.all)

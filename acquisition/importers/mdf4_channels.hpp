@@ -25,6 +25,7 @@ struct MdfDescribed {
   MdfField field;
   MdfConversion conversion;
   std::optional<std::uint64_t> invalid_bit;
+  bool never_valid = false;
   std::string comment;
   bool usable = true;
 };

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,8 @@
 namespace impactrig::acquisition {
 
 namespace {
+
+constexpr std::string_view gives_texts = "its conversion gives texts";
 
 std::shared_ptr<const std::vector<double>> shared(std::vector<double> numbers) {
   return std::make_shared<const std::vector<double>>(std::move(numbers));
@@ -119,35 +122,127 @@ void set_conversion(std::uint8_t type, std::vector<double> p, const std::string&
       return;
     case 7:
     case 8:
-      conversion.problem = "its conversion gives texts";
+      conversion.problem = std::string(gives_texts);
       return;
     default:
       conversion.problem = fmt::format("its conversion is of the type {}", type);
   }
 }
 
-}  // namespace
+double value_of(const MdfConversion& conversion, double x) {
+  if (!conversion.function) return conversion.scale * x + conversion.offset;
+  conversion.function(std::span(&x, 1));
+  return x;
+}
 
-MdfConversion read_mdf_conversion(MdfBlocks& blocks, std::uint64_t at, bool floating) {
-  MdfConversion conversion;
-  const MdfBlock block = blocks.block_at(at, "a conversion", 5);
+/// A table that gives texts for some numbers, and for the others what further conversions give: a
+/// text is no number.
+class TextOrScale {
+ public:
+  static constexpr std::size_t text = ~std::size_t{0};
+
+  /// Numbers from `low` to `high`, of floating-point ones without `high` where it is above `low`.
+  struct Case {
+    double low;
+    double high;
+    std::size_t conversion;
+  };
+
+  TextOrScale(std::vector<Case> cases, std::size_t otherwise, bool floating,
+              std::vector<MdfConversion> conversions)
+      : cases_(std::move(cases)),
+        otherwise_(otherwise),
+        floating_(floating),
+        conversions_(std::move(conversions)) {}
+
+  double operator()(double x) const {
+    const auto holds = [&](const Case& one) {
+      return x == one.low || (x > one.low && (floating_ ? x < one.high : x <= one.high));
+    };
+    const auto found = std::ranges::find_if(cases_, holds);
+    const std::size_t which = found == cases_.end() ? otherwise_ : found->conversion;
+    return which == text ? std::nan("") : value_of(conversions_[which], x);
+  }
+
+ private:
+  std::vector<Case> cases_;
+  std::size_t otherwise_;
+  bool floating_;
+  std::vector<MdfConversion> conversions_;
+};
+
+/// A conversion (CC) with its numbers; that of a table of texts (7, 8) is not made yet.
+struct Parsed {
+  MdfBlock block;
+  std::uint8_t type = 0;
+  std::vector<double> values{};
+  MdfConversion conversion{};
+};
+
+Parsed parsed_conversion(MdfBlocks& blocks, std::uint64_t at, bool floating) {
+  constexpr std::uint64_t most_links = 5 + 65535;
+  Parsed parsed{.block = blocks.block_at(at, "a conversion", most_links)};
+  const MdfBlock& block = parsed.block;
+  MdfConversion& conversion = parsed.conversion;
   if (block.id != "CC")
     blocks.fail(at, fmt::format("expected a conversion (CC), found a block {}", block.id));
   conversion.unit = blocks.text_at(block.link(1));
   ByteCursor in(blocks.file(), false, block.data);
-  const auto type = in.read<std::uint8_t>("a conversion");
+  const auto type = parsed.type = in.read<std::uint8_t>("a conversion");
   in.skip(5);
   const auto count = in.read<std::uint16_t>("a conversion");
   in.skip(16);
-  std::vector<double> values;
+  std::vector<double>& values = parsed.values;
   for (std::uint16_t i = 0; i < count; ++i) values.push_back(in.read<double>("a conversion"));
   const std::string formula = type == 3 ? blocks.text_at(block.link(4)) : std::string();
-  set_conversion(type, std::move(values), formula, floating, blocks, at, conversion);
+  set_conversion(type, values, formula, floating, blocks, at, conversion);
   if (!std::isfinite(conversion.scale) || !std::isfinite(conversion.offset)) {
     conversion.scale = 1.0;
     conversion.offset = 0.0;
     conversion.problem = "its conversion is not finite";
   }
+  return parsed;
+}
+
+/// Takes the conversions that a table of texts refers to (text/scale, types 7 and 8), where there
+/// are any that give numbers.
+void set_text_or_scale(MdfBlocks& blocks, const Parsed& table, bool floating,
+                       MdfConversion& conversion) {
+  constexpr std::size_t most_conversions = 16;
+  const std::size_t keys_a_case = table.type == 8 ? 2 : 1;
+  const std::vector<double>& keys = table.values;
+  std::vector<MdfConversion> conversions;
+  bool too_many = false;
+  const auto refers_to = [&](std::size_t reference) {
+    const std::uint64_t at = table.block.link(4 + reference);
+    if (at == 0 || blocks.block_at(at, "a text or a conversion", 0).id != "CC")
+      return TextOrScale::text;
+    too_many = conversions.size() == most_conversions;
+    if (too_many) return TextOrScale::text;
+    conversions.push_back(parsed_conversion(blocks, at, floating).conversion);
+    return conversions.size() - 1;
+  };
+  std::vector<TextOrScale::Case> cases;
+  for (std::size_t i = 0; (i + 1) * keys_a_case <= keys.size() && !too_many; ++i)
+    cases.push_back({keys[i * keys_a_case], keys[(i + 1) * keys_a_case - 1], refers_to(i)});
+  const std::size_t otherwise = refers_to(cases.size());
+  const auto has_problem = [](const MdfConversion& one) { return !one.problem.empty(); };
+  if (too_many || conversions.empty() || std::ranges::any_of(conversions, has_problem)) return;
+  if (conversion.unit.empty()) conversion.unit = conversions.back().unit;
+  conversion.problem.clear();
+  conversion.function =
+      [f = std::make_shared<const TextOrScale>(std::move(cases), otherwise, floating,
+                                               std::move(conversions))](std::span<double> x) {
+        for (double& v : x) v = (*f)(v);
+      };
+}
+
+}  // namespace
+
+MdfConversion read_mdf_conversion(MdfBlocks& blocks, std::uint64_t at, bool floating) {
+  Parsed parsed = parsed_conversion(blocks, at, floating);
+  MdfConversion conversion = std::move(parsed.conversion);
+  if (parsed.type == 7 || parsed.type == 8) set_text_or_scale(blocks, parsed, floating, conversion);
   return conversion;
 }
 

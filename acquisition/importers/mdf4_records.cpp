@@ -312,7 +312,10 @@ class MdfRecording final : public RecordingReader {
       read_field(imaginary, records, count, group.record_bytes, imaginary_);
       block.imaginary = imaginary_;
     }
-    if (channel.invalid_bit) {
+    if (channel.never_valid) {
+      valid_.assign(count, 0);
+      block.valid = valid_;
+    } else if (channel.invalid_bit) {
       valid_.resize(count);
       const char* const byte = records + *channel.invalid_bit / 8;
       for (std::uint64_t i = 0; i < count; ++i)

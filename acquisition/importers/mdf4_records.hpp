@@ -73,6 +73,7 @@ struct MdfChannel {
   MdfField field;
   MdfScaling scaling;
   std::optional<std::uint64_t> invalid_bit;  ///< in the record
+  bool never_valid = false;                  ///< the file says that none of its values is
 };
 
 /// "group 3 announces 9 records, 7 are there".

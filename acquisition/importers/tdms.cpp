@@ -125,6 +125,7 @@ class TdmsReader {
       read_data(*segment);
     else if (segment->has(has_raw_data) && segment->cut)
       changes_.forget();
+    if (segment->has(has_raw_data)) tell_cut(*segment);
     return segment->end;
   }
 
@@ -184,6 +185,9 @@ class TdmsReader {
     std::string warning = chunks_.place(segment.has(is_big_endian), segment.has(is_interleaved),
                                         segment.data, segment.end - segment.data, segment.cut);
     if (!warning.empty()) warn(std::move(warning));
+  }
+
+  void tell_cut(const Segment& segment) {
     if (segment.open_end())
       warn("the recording was not closed (aborted?): its last segment is read as far as it goes");
     else if (segment.cut)

@@ -334,14 +334,14 @@ class IsfReader {
   /// as one list.
   std::size_t add_texts(const std::vector<Waveform>& waveforms, std::size_t at) {
     const std::size_t first = at;
-    const std::vector<double> all = numbers_of_text(waveforms.front().channel.name, at);
+    double announced = 0.0;
+    for (const Waveform& waveform : waveforms) announced += points_of(waveform);
+    const std::vector<double> all = numbers_of_text(waveforms.front().channel.name, announced, at);
     std::span<const double> left = all;
     if (waveforms.size() == 1) {
       add_text(waveforms.front(), left);
       return at;
     }
-    double announced = 0.0;
-    for (const Waveform& waveform : waveforms) announced += points_of(waveform);
     if (announced != static_cast<double>(all.size()))
       refuse_curves(first, waveforms.size(),
                     fmt::format("but their NR_PT, {} together, are not the {} numbers of the curve",
@@ -361,19 +361,29 @@ class IsfReader {
                     std::floor(points * std::max(1.0, number(waveform, "NR_FR").value_or(1.0))));
   }
 
-  std::vector<double> numbers_of_text(std::string_view channel, std::size_t& at) const {
+  /// `announced`: numbers that are expected; 0 where that is not told.
+  std::vector<double> numbers_of_text(std::string_view channel, double announced, std::size_t& at) {
     const std::string_view bytes = file_->bytes();
     std::vector<double> samples;
     while (at < bytes.size() && bytes[at] != ';') {
       const std::size_t comma = std::min(bytes.find_first_of(",;", at), bytes.size());
       const std::string_view cell = trimmed(bytes.substr(at, comma - at));
       const auto value = number_in(cell);
+      const bool is_last = comma == bytes.size();
+      if (is_last && cell.empty()) {  // the line end
+        at = comma;
+        break;
+      }
+      const bool is_open = is_last && cell.data() + cell.size() == bytes.data() + bytes.size();
+      const bool is_missed = static_cast<double>(samples.size() + 1) < announced;
+      if (is_open && (!value || is_missed)) {
+        record_.warnings.push_back(
+            fmt::format("'{}': the file ends within a number ('{}') of the curve: it is left out",
+                        channel, to_utf8(cell.substr(0, 40))));
+        at = comma;
+        break;
+      }
       if (!value) {
-        // the last number may have been cut off, or a line end stand behind it
-        if (comma == bytes.size() && cell.empty()) {
-          at = comma;
-          break;
-        }
         throw InputError(
             file_->byte_position(at),
             fmt::format("{}: expected a number, found '{}'", channel, to_utf8(cell.substr(0, 40))));

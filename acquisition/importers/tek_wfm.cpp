@@ -156,8 +156,9 @@ class TekWfmHeader {
         one.name = frame + 1 == frames_ && !summary_.empty()
                        ? fmt::format("{}, {} of the frames", channel.name, summary_)
                        : fmt::format("{}, frame {}", channel.name, frame + 1);
-        set_attribute(one, "trigger time",
-                      trigger_time(in_, frame == 0 ? at_.update : at_.end + 24 * (frame - 1)));
+        const std::uint64_t update = frame == 0 ? at_.update : at_.end + 24 * (frame - 1);
+        set_attribute(one, "trigger time", trigger_time(in_, update));
+        one.attributes["trigger to next sample"] = trigger_place(update);
       }
       const std::uint64_t offset = curve_offset_ + frame * frame_bytes_ + data_start_;
       const StoredNumbers numbers =
@@ -186,6 +187,11 @@ class TekWfmHeader {
   std::string text(std::uint64_t offset, std::uint64_t size) {
     in_.seek(offset);
     return fixed_text(in_.bytes(size, "the header"));
+  }
+
+  /// Of a frame, by its update specification.
+  std::string trigger_place(std::uint64_t update) {
+    return fmt::format("{} samples", field<double>(update + 4, "the trigger's place"));
   }
 
   void check_kind() {
@@ -281,8 +287,7 @@ class TekWfmHeader {
     const auto interval = field<double>(at_.horizontal, "the sample interval");
     const auto start = field<double>(at_.horizontal + 8, "the time of the first sample");
     set_axis(channel, start, interval, text(at_.horizontal + 20, 20));
-    channel.attributes["trigger to next sample"] =
-        fmt::format("{} samples", field<double>(at_.update + 4, "the trigger's place"));
+    channel.attributes["trigger to next sample"] = trigger_place(at_.update);
     for (const auto& [name, value] : meta_) set_attribute(record, name, value);
     return channel;
   }

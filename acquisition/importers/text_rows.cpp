@@ -352,6 +352,47 @@ std::string what_follows(TextFile& file, const TableLayout& layout) {
                      file.position(line.data()).text(), to_utf8(trimmed(line).substr(0, 40)));
 }
 
+namespace {
+
+/// Decimals and exponent of a number as it is written, how many characters.
+std::size_t digits_behind(std::string_view number, char decimal) {
+  const std::size_t mark = number.find(decimal);
+  return mark == std::string_view::npos ? 0 : number.size() - mark - 1;
+}
+
+}  // namespace
+
+std::string cut_number(TextFile& file, const TableLayout& layout) {
+  constexpr int most_compared = 16;
+  constexpr int least_compared = 3;
+  if (layout.end != nullptr || file.is_part() || file.text().ends_with('\n')) return {};
+  const char* const end = file.text().data() + file.text().size();
+  std::string_view rows(layout.data, static_cast<std::size_t>(end - layout.data));
+  const auto take_last_line = [&rows] {
+    const std::size_t before = rows.rfind('\n');
+    const std::string_view line = rows.substr(before + 1);  // npos + 1 is 0
+    rows = rows.substr(0, before == std::string_view::npos ? 0 : before);
+    return line;
+  };
+  const Dialect& dialect = layout.dialect;
+  const auto last_row = cells_of(take_last_line(), dialect.delimiter);
+  std::size_t digits = 0;
+  int compared = 0;
+  for (; compared < most_compared && !rows.empty(); ++compared) {
+    const auto row = cells_of(take_last_line(), dialect.delimiter);
+    if (row.empty() || row.size() != last_row.size()) return {};
+    const std::size_t here = digits_behind(row.back(), dialect.decimal);
+    if (compared > 0 && here != digits) return {};
+    digits = here;
+  }
+  if (compared < least_compared || digits_behind(last_row.back(), dialect.decimal) >= digits)
+    return {};
+  return fmt::format(
+      "the file ends without a line end, and its last number '{}' has fewer digits than those "
+      "above it: it may be cut off",
+      to_utf8(last_row.back().substr(0, 40)));
+}
+
 std::string cut_row(const TextFile& file, const Table& table) {
   if (table.cut_row == nullptr) return {};
   return fmt::format("the file ends within the row at {}: this row is left out",

@@ -212,6 +212,10 @@ bool has_only_empty_cells(std::string_view line, char delimiter);
 /// Says what follows the rows and is left out, but for rows of empty cells; "" where nothing does.
 std::string what_follows(TextFile& file, const TableLayout& layout);
 
+/// Says that the last number, which no line end follows, lacks digits that all those above it have;
+/// "" where it does not.
+std::string cut_number(TextFile& file, const TableLayout& layout);
+
 /// Says that the file's end cut a row off; "" when it did not.
 std::string cut_row(const TextFile& file, const Table& table);
 

@@ -417,7 +417,10 @@ Uff58Extent find_binary(const TextFile& file, const char* start, const Uff58Form
           "the file ends without the closing -1: it may have been cut off");
     }
   }
-  if (length == lengths[1] && length != lengths[0])
+  // of data that are cut off the announced length tells
+  const bool announced_wide =
+      form.announced_bytes / wide.size() == form.points && form.announced_bytes % wide.size() == 0;
+  if ((length == lengths[1] || announced_wide) && length != lengths[0])
     layout = wide;
   else if (length == form.announced_bytes && length != lengths[0] && form.points <= available)
     layout = settle_layout(file, start, form, length, layout, extent.warnings);

@@ -186,11 +186,8 @@ class YokogawaHead {
 
   /// The .wvf beside the head.
   std::unique_ptr<MappedFile> samples_file() const {
-    for (const char* const ending : {".wvf", ".WVF"}) {
-      std::filesystem::path beside(path_);
-      beside.replace_extension(ending);
-      if (std::filesystem::exists(beside)) return std::make_unique<MappedFile>(beside.string());
-    }
+    const std::string beside = samples_of_yokogawa_wvf(path_);
+    if (!beside.empty()) return std::make_unique<MappedFile>(beside);
     fail(0,
          fmt::format("this head describes samples in '{}' beside it, which is not there",
                      std::filesystem::path(path_).replace_extension(".wvf").filename().string()));
@@ -303,6 +300,15 @@ class YokogawaHead {
 
 int recognises_yokogawa_wvf(std::string_view, std::string_view head) {
   return head.starts_with(signature) ? 100 : 0;
+}
+
+std::string samples_of_yokogawa_wvf(const std::string& path) {
+  for (const char* const ending : {".wvf", ".WVF"}) {
+    std::filesystem::path beside(path);
+    beside.replace_extension(ending);
+    if (std::filesystem::exists(beside)) return beside.string();
+  }
+  return {};
 }
 
 std::unique_ptr<RecordingReader> open_yokogawa_wvf(const std::string& path, const ImportOptions&) {

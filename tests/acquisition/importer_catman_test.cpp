@@ -105,6 +105,27 @@ TEST(Catman, TimesThatContradictTheHeaderAreKept) {
   EXPECT_EQ(record.channels[1].clock.start, 10.0);
 }
 
+TEST(Catman, UnevenTimesAreKeptInEveryUnitAndPrecision) {
+  for (const std::uint8_t precision : std::vector<std::uint8_t>{0, 1, 2}) {
+    Catman file;
+    file.columns[0].unit = "ms";
+    file.columns[0].precision = precision;
+    file.columns[0].samples = {0.0, 1000.0, 4000.0};
+    if (precision == 2) file.columns[0].samples = {0.0, 1.0, 4.0};
+    if (precision == 2) file.columns[0].high = 32767e3;
+    const Record record = imported(file.bytes());
+    EXPECT_THAT(record.channels[1].clock.times, ElementsAre(0.0, 1.0, 4.0));
+    file.columns[0].samples.push_back(5.0 * file.columns[0].samples[1]);
+    file.columns[1].samples.push_back(4.0);
+    const Record part = imported(file.bytes(), part_from(0.5, "force"));
+    EXPECT_THAT(part.channels.at(0).clock.times, ElementsAre(1.0, 4.0, 5.0));
+    EXPECT_THAT(part.channels.at(0).values(), ElementsAre(2.0, 3.0, 4.0));
+    const std::string bytes = file.bytes();
+    EXPECT_THAT(imported(bytes.substr(0, bytes.size() - 4)).channels.at(1).clock.times,
+                ElementsAre(0.0, 1.0, 4.0));
+  }
+}
+
 TEST(Catman, TimesMayBeInAnotherUnit) {
   Catman file;
   file.columns[0].unit = "ms";

@@ -764,6 +764,25 @@ TEST(Csv, ARowCutOffByTheEndOfTheFileIsLeftOut) {
   EXPECT_THAT(record.warnings, testing::Contains(HasSubstr("the file ends within the row at ")));
 }
 
+// 2.5 may be what is left of 2.534: all numbers above it have three decimals.
+TEST(Csv, ALastNumberThatMayBeCutIsToldOf) {
+  const auto told = [](const std::string& rows) {
+    std::string found;
+    for (const std::string& warning : imported("t [s];F [N]\n" + rows).warnings)
+      if (warning.find("may be cut off") != std::string::npos) found = warning;
+    return found;
+  };
+  const std::string rows = "0,0;1,125\n0,1;-12,250\n0,2;2,500\n";
+  EXPECT_EQ(told(rows + "0,3;2,5"),
+            "the file ends without a line end, and its last number '2,5' has fewer digits than "
+            "those above it: it may be cut off");
+  EXPECT_NE(told(rows + "0,3;2"), "");
+  EXPECT_EQ(told(rows + "0,3;2,534"), "");
+  EXPECT_EQ(told(rows + "0,3;2,5\n"), "");
+  EXPECT_EQ(told("0,0;1,125\n0,1;-12,25\n0,2;2,500\n0,3;2,5"), "");  // digits as there are
+  EXPECT_EQ(told("0,0;1\n0,1;-12\n0,2;25\n0,3;2"), "");
+}
+
 TEST(Csv, MayHaveACommentSignAloneAboveItsRows) {
   for (const char* line : {"#", "%", "##", "# "})
     EXPECT_THAT(imported(std::string(line) + "\n0,1\n1,2\n2,3\n").channels[0].values(),

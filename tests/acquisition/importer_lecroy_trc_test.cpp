@@ -271,5 +271,13 @@ TEST(LecroyTrc, SaysWhatIsWrong) {
   EXPECT_EQ(imported(file.bytes()).started, "");
 }
 
+TEST(LecroyTrc, TriggerAtTheEndOfAMinuteIsInThatMinute) {
+  Trc file;
+  file.second_of_trigger = 59.9999999999;
+  EXPECT_EQ(imported(file.bytes()).started, "2022-11-09T09:23:59.999999");
+  file.second_of_trigger = 60.0;  // a leap second
+  EXPECT_EQ(imported(file.bytes()).started, "2022-11-09T09:23:60");
+}
+
 }  // namespace
 }  // namespace impactrig::acquisition

@@ -291,6 +291,22 @@ TEST(Lvm, CutFilesGiveWhatIsThere) {
             "there is no segment with samples in this file: there are no channels");
 }
 
+// "-1" may be the beginning of "-1.25": the header announces more rows.
+TEST(Lvm, ARowWithoutLineEndMayBeCutWithinItsLastNumber) {
+  const LvmFile file;
+  const auto with_samples = [&file](const std::string& samples) {
+    return imported(file.header() + file.segment(lvm_two_channels(samples, "0", "0.001"), names,
+                                                 "0|1|2.25\n0.001|3|4.25\n0.002|5|-1"));
+  };
+  const auto cut = with_samples("8");
+  EXPECT_THAT(cut.channels[0].values(), ElementsAre(1, 3));
+  EXPECT_THAT(cut.channels[1].values(), ElementsAre(2.25, 4.25));
+  EXPECT_THAT(cut.warnings[0], HasSubstr("the file ends within the row at "));
+  const auto whole = with_samples("3");
+  EXPECT_THAT(whole.channels[1].values(), ElementsAre(2.25, 4.25, -1));
+  EXPECT_TRUE(whole.warnings.empty());
+}
+
 TEST(Lvm, CountsThatLieChangeNothing) {
   const LvmFile file;
   for (const std::string count : {"9223372036854775808", "-1", "99999999999999999999", "x"}) {

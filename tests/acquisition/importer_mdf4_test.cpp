@@ -143,7 +143,9 @@ TEST(Mdf4, TheMasterGivesTheClock) {
     const Ticks ticks(even ? std::vector<std::uint32_t>{0, 2, 4, 6}
                            : std::vector<std::uint32_t>{0, 1, 5, 6});
     MdfFile file;
-    const std::uint64_t comment = file.text("<HDcomment><TX>run &lt;7&gt;</TX></HDcomment>", "MD");
+    const std::uint64_t comment = file.text(
+        "<HDcomment><TX>run &lt;7&gt; &amp;lt; 5 &#181;m &#x2264; &#xb0;&nix; &</TX></HDcomment>",
+        "MD");
     const std::uint64_t group = file.group(file.channels(Ticks::channels(file)), 4, 7);
     const std::uint64_t data = file.block("DT", {}, ticks.bytes);
     const auto record =
@@ -158,7 +160,7 @@ TEST(Mdf4, TheMasterGivesTheClock) {
     EXPECT_EQ(force.attributes.at("group"), "group 0");
     EXPECT_EQ(force.attributes.at("acquisition"), "10ms");
     EXPECT_EQ(record.started, "2017-07-14T02:40:00.25Z");
-    EXPECT_EQ(record.attributes.at("comment"), "run <7>");
+    EXPECT_EQ(record.attributes.at("comment"), "run <7> &lt; 5 µm ≤ °&nix; &");
     EXPECT_EQ(record.attributes.at("version"), "4.10");
     EXPECT_EQ(record.attributes.at("written by"), "tests");
     EXPECT_EQ(force.clock.start, 0.5);
@@ -168,6 +170,23 @@ TEST(Mdf4, TheMasterGivesTheClock) {
     else
       EXPECT_THAT(force.clock.times, ElementsAre(0.5, 0.501, 0.505, 0.506));
   }
+}
+
+TEST(Mdf4, AStatedRateCountsFromZeroWhereTimesAreNoNumbers) {
+  MdfFile file;
+  const std::uint64_t group =
+      file.group(file.channels({mdf_time(), described("F", 0, 8, 8)}), 3, 9);
+  std::string records;
+  for (const std::int8_t value : std::vector<std::int8_t>{1, 2, 3})
+    records += bytes_of_number(std::nan("")) + bytes_of_number(value);
+  const std::string bytes = file.with(file.data_group(group, file.block("DT", {}, records)));
+  ImportOptions options;
+  options.sample_rate = 1000.0;
+  EXPECT_EQ(imported(bytes, options).channels.at(0).clock.start, 0.0);
+  options.from = 1.5e-3;
+  const auto part = imported(bytes, options);
+  EXPECT_EQ(part.channels.at(0).clock.start, 2e-3);
+  EXPECT_THAT(part.channels[0].values(), ElementsAre(3));
 }
 
 TEST(Mdf4, LocalTimeHasNoZone) {
@@ -279,6 +298,17 @@ TEST(Mdf4, InvalidationBitsMarkSamples) {
   EXPECT_THAT(record.channels.at(0).valid, ElementsAre(1, 0, 1));
 }
 
+TEST(Mdf4, AChannelWithoutAValidValueIsMarked) {
+  MdfFile file;
+  MdfChannelBlock channel = described("a", 0, 8, 0);
+  channel.flags = 1;
+  const std::uint64_t group = file.group(file.channels({channel}), 2, 1);
+  const auto record = imported(file.with(file.data_group(group, file.block("DT", {}, "\5\6"))));
+  EXPECT_THAT(record.channels.at(0).valid, ElementsAre(0, 0));
+  EXPECT_EQ(record.warnings.at(0),
+            "'a': the file says that none of its values is valid: all are marked");
+}
+
 std::vector<double> converted(std::uint8_t type, const std::vector<double>& parameters,
                               const std::vector<double>& raw) {
   MdfFile file;
@@ -356,6 +386,38 @@ TEST(Mdf4Conversions, ThatCannotBeAppliedLeaveTheRawNumbersWithoutUnit) {
   EXPECT_EQ(told(9, {}), begin + "is of the type 9");
   EXPECT_EQ(told(1, {NAN, 1}), begin + "is not finite");
   EXPECT_EQ(told(4, {1, 1, 1, 2}), begin + "is a table whose keys do not increase");
+}
+
+// As signals have it that keep some of their numbers for "not available" and "error".
+TEST(Mdf4Conversions, TextsForSomeNumbersLeaveTheOthersScaled) {
+  const auto read = [](const auto& conversion_in) {
+    MdfFile file;
+    MdfChannelBlock channel = described("a", 0, 8, 0);
+    channel.unit = "";
+    channel.conversion = conversion_in(file);
+    const std::uint64_t group = file.group(file.channels({channel}), 4, 1);
+    return imported(file.with(file.data_group(group, file.block("DT", {}, "\1\2\3\5"))));
+  };
+  const auto default_scale = read([](MdfFile& file) {
+    return file.text_or_scale(7, {3},
+                              {file.text("error"), file.conversion(1, {1, 2}, file.text("N"))});
+  });
+  EXPECT_EQ(default_scale.channels.at(0).unit, "N");
+  EXPECT_THAT(default_scale.channels[0].values(),
+              ElementsAre(3, 5, testing::NanSensitiveDoubleEq(NAN), 11));
+  EXPECT_THAT(default_scale.channels[0].valid, ElementsAre(1, 1, 0, 1));
+  const auto range_scale = read([](MdfFile& file) {
+    return file.text_or_scale(8, {0, 2, 3, 4}, {file.conversion(1, {0, 10}), file.text("error")});
+  });
+  EXPECT_THAT(
+      range_scale.channels.at(0).values(),
+      ElementsAre(10, 20, testing::NanSensitiveDoubleEq(NAN), testing::NanSensitiveDoubleEq(NAN)));
+  const auto texts = read([](MdfFile& file) {
+    const std::uint64_t no_numbers = file.text_or_scale(7, {1}, {file.text("on")});
+    return file.text_or_scale(7, {3}, {file.text("error"), no_numbers});
+  });
+  EXPECT_THAT(texts.channels.at(0).values(), ElementsAre(1, 2, 3, 5));
+  EXPECT_THAT(texts.warnings.at(0), HasSubstr("its conversion gives texts"));
 }
 
 TEST(Mdf4, WhatIsNoNumberIsLeftOutAndTold) {

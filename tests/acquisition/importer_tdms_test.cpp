@@ -369,6 +369,10 @@ TEST(Tdms, ACutFileGivesWhatIsThere) {
   EXPECT_THAT(cut.channels.at(1).values(), ElementsAre(11, 12));
   EXPECT_EQ(cut.warnings.at(0),
             "the file ends 3 bytes before its last segment does: what is there is read");
+  const auto behind_the_head = imported(file.substr(0, file.size() - 8));
+  EXPECT_THAT(behind_the_head.channels.at(0).values(), ElementsAre(1, 2));
+  EXPECT_EQ(behind_the_head.warnings.at(0),
+            "the file ends 8 bytes before its last segment does: what is there is read");
   const auto in_lead_in = imported(file.substr(0, file.size() - 20));
   EXPECT_THAT(in_lead_in.channels.at(0).values(), ElementsAre(1, 2));
   EXPECT_EQ(in_lead_in.warnings.at(0),

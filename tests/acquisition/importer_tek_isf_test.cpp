@@ -61,6 +61,23 @@ TEST(TekIsf, CurveMayBeText) {
       fmt::format("FILE (byte {}): CH 2: expected a number, found 'x'", file.head().size() + 4));
 }
 
+// "6" may be the first digit of 61: a number that the end of the file cuts is none.
+TEST(TekIsf, CurveAsTextMayEndWithinANumber) {
+  Isf file;
+  file.encoding = "ASC";
+  for (const std::string end : {"2,-4", "2,-", "2,1e"}) {
+    const Record record = imported(file.head() + end);
+    EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1.0));
+    EXPECT_THAT(record.warnings,
+                ElementsAre(fmt::format("'CH 2': the file ends within a number ('{}') of the "
+                                        "curve: it is left out",
+                                        end.substr(2)),
+                            "'CH 2': NR_PT announces 3 samples, the curve has 1"));
+  }
+  EXPECT_THAT(imported(file.head() + "2,-4,6").channels.at(0).values(),
+              ElementsAre(1.0, -2.0, 3.0));
+}
+
 TEST(TekIsf, EnvelopeIsTwoChannels) {
   for (const char* encoding : {"BIN", "ASC"}) {
     Isf file;

@@ -66,6 +66,8 @@ TEST(TekWfm, FramesAreChannelsWithTheirOwnTrigger) {
   EXPECT_THAT(record.channels[2].values(), ElementsAre(4.5, 5.0, 5.5));
   EXPECT_EQ(record.channels[0].attributes.at("trigger time"), "2022-04-12T11:31:47.25Z");
   EXPECT_EQ(record.channels[2].attributes.at("trigger time"), "2022-04-12T11:31:49.25Z");
+  EXPECT_EQ(record.channels[0].attributes.at("trigger to next sample"), "0.5 samples");
+  EXPECT_EQ(record.channels[2].attributes.at("trigger to next sample"), "0.125 samples");
   EXPECT_THAT(record.warnings,
               ElementsAre("this is a FastFrame sequence of 3 frames: each is a channel, with the "
                           "time from its own trigger"));

@@ -2,6 +2,10 @@
 #include "acquisition/importers/text_file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <string>
 
 #include <cstddef>
 #include <filesystem>
@@ -161,6 +165,10 @@ TEST(TextFile, CannotBeADirectoryADeviceOrAbsent) {
   EXPECT_EQ(message("/no/such/file"), "/no/such/file: cannot be opened: No such file or directory");
   EXPECT_EQ(message("/"), "/: is a directory, a recording is expected");
   EXPECT_EQ(message("/dev/null"), "/dev/null: is not a file on a disk");
+  const std::string pipe = testing::TempDir() + "impactrig_pipe" + std::to_string(getpid());
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(message(pipe), pipe + ": is not a file on a disk");  // and does not wait for a writer
+  unlink(pipe.c_str());
 }
 
 TEST(Utf8, StaysWhatItIs) {

@@ -219,6 +219,31 @@ TEST(Uff58b, ACutFileGivesWhatIsThere) {
                   "the last dataset is not closed by -1: the file may have been cut off"));
 }
 
+// The bytes that the identifier line announces tell the abscissa's precision: what is left of the
+// data does not.
+TEST(Uff58b, ACutFileHasTimesOfEitherPrecision) {
+  Function function;
+  function.type = 4;
+  function.even = 0;
+  function.points = 4;
+  function.end = "";
+  function.data = bytes_of<double>({0.1, 1.0, 0.3, 2.0, 0.4, 3.0, 0.9}, true);
+  function.identifier = binary(1, 2, 64);
+  Channel channel = only_channel(function);
+  EXPECT_THAT(channel.values(), ElementsAre(1.0, 2.0, 3.0));
+  EXPECT_THAT(channel.clock.times, ElementsAre(0.1, 0.3, 0.4));
+
+  function.points = 1000;  // more than bytes that are there
+  function.identifier = binary(1, 2, 16000);
+  EXPECT_THAT(only_channel(function).values(), ElementsAre(1.0, 2.0, 3.0));
+
+  function.points = 4;
+  function.data = bytes_of<float>({0.25F}, true) + bytes_of<double>({1.0}, true) +
+                  bytes_of<float>({0.5F}, true) + bytes_of<double>({2.0}, true);
+  function.identifier = binary(1, 2, 48);
+  EXPECT_THAT(only_channel(function).values(), ElementsAre(1.0, 2.0));
+}
+
 TEST(Uff58b, WithoutDataIsAnError) {
   Function function;
   function.identifier = binary(1, 2, 12);

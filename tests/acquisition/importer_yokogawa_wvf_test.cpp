@@ -70,6 +70,16 @@ TEST(YokogawaWvf, BlocksFollowEachOtherByTraceOrByBlock) {
                       words({99, 1, 2, 3, 10, 11, 12, 1, 2, 3, 4}, true)));
 }
 
+// Two shots may have the same head: what they were is in the samples.
+TEST(YokogawaWvf, HeadAndSamplesAreBothOfTheProvenance) {
+  const std::string head = yokogawa_head();
+  const std::string samples = words({1, 2, 3, 4, 5});
+  const datasets::Provenance provenance = imported_with(head, samples).provenance;
+  EXPECT_EQ(provenance.sha256, datasets::sha256_of(head + samples));
+  EXPECT_EQ(provenance.bytes, head.size() + samples.size());
+  EXPECT_NE(imported_with(head, words({1, 2, 3, 4, 6})).provenance.sha256, provenance.sha256);
+}
+
 TEST(YokogawaWvf, SamplesThatDoNotFitTheHeadAreToldOf) {
   const Record cut = imported_with(yokogawa_head(), words({1, 2, 3, 4}));
   EXPECT_EQ(cut.channels.at(1).size(), 1U);

@@ -38,6 +38,7 @@ struct Trc {
   std::vector<double> samples = {2, -4, 6};
   std::vector<double> second;  ///< samples of the second array
   std::int16_t year = 2022;
+  double second_of_trigger = 52.5;
 
   std::string bytes() const {
     if (pattern == "LECROY_1_0") return bytes_of_template_1();
@@ -56,7 +57,7 @@ struct Trc {
     out.put(174, segments_asked).put(322, ris_sweeps);
     out.put(156, gain).put(160, offset).put(172, std::int16_t{8});
     out.put(176, interval).put(180, start).text(196, unit).text(244, x_unit);
-    out.put(296, 52.5).put(304, std::uint8_t{23}).put(305, std::uint8_t{9});
+    out.put(296, second_of_trigger).put(304, std::uint8_t{23}).put(305, std::uint8_t{9});
     out.put(306, std::uint8_t{9}).put(307, std::uint8_t{11}).put(308, year);
     out.put(316, record_type).put(326, std::uint16_t{2}).put(328, 10.0F).put(344, source);
     out.resize(346 + static_cast<std::size_t>(user_text));

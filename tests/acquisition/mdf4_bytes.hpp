@@ -100,6 +100,18 @@ class MdfFile {
                      std::string(16, '\0') + bytes_of_numbers(values));
   }
 
+  /// A table of texts, some of which may be conversions.
+  std::uint64_t text_or_scale(std::uint8_t type, const std::vector<double>& values,
+                              const std::vector<std::uint64_t>& references) {
+    std::vector<std::uint64_t> links(4);
+    links.insert(links.end(), references.begin(), references.end());
+    return block("CC", links,
+                 std::string(1, static_cast<char>(type)) + std::string(3, '\0') +
+                     bytes_of_number(static_cast<std::uint16_t>(references.size())) +
+                     bytes_of_number(static_cast<std::uint16_t>(values.size())) +
+                     std::string(16, '\0') + bytes_of_numbers(values));
+  }
+
   std::uint64_t formula(const std::string& formula, std::uint64_t unit = 0) {
     const std::uint64_t reference = text(formula);
     return block(

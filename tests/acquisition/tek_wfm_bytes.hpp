@@ -81,8 +81,10 @@ struct TekWfm {
     const std::size_t frame = end + behind * width;
     out.put(curve() + 14, size(data)).put(curve() + 18, size(end)).put(curve() + 22, size(frame));
     out.resize(head_size());
-    for (std::size_t k = 1; k <= extra; ++k)
-      out.add(std::uint32_t{0}).add(0.5).add(fraction).add(gmt + static_cast<std::int32_t>(k));
+    for (std::size_t k = 1; k <= extra; ++k) {
+      out.add(std::uint32_t{0}).add(0.5 / static_cast<double>(1 << k));
+      out.add(fraction).add(gmt + static_cast<std::int32_t>(k));
+    }
     out.resize(curve_offset);
     for (const std::vector<double>& samples : frames) {
       for (std::uint32_t i = 0; i < before; ++i) number(out, 99);

@@ -215,6 +215,22 @@ TEST_F(CommandLine, ReplaysAndConvertsRecordings) {
   EXPECT_EQ(a["channels"][1]["sum_of_squares"], b["channels"][1]["sum_of_squares"]);
 }
 
+TEST_F(CommandLine, JoinsFilesWithWhatTheirHeadsSay) {
+  const std::string first = write("a.csv", "Operator,Ann\nRig,1\nt [s],F [N]\n0,1\n1e-3,2\n");
+  const std::string second = write("b.csv", "Operator,Bob\nRig,1\nt [s],V [V]\n0,1\n1e-3,2\n");
+  const Outcome o = run("import " + first + " " + second + " -o " + path("both.h5"));
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json read = json::parse(run("inspect --json " + path("both.h5")).out);
+  ASSERT_EQ(read["channels"].size(), 2U);
+  EXPECT_EQ(read["attributes"]["Operator"], "Ann");
+  const auto of_channel = [&read](std::size_t index) {
+    return read["channels"][index].value("attributes", json::object());
+  };
+  EXPECT_FALSE(of_channel(0).contains("Operator"));
+  EXPECT_EQ(of_channel(1).value("Operator", ""), "Bob");
+  EXPECT_FALSE(of_channel(1).contains("Rig"));
+}
+
 TEST_F(CommandLine, ListsWhatIsInTheBox) {
   EXPECT_THAT(run("laws").out, HasSubstr("lankarani-nikravesh"));
   EXPECT_THAT(run("formats").out, HasSubstr("uff58b"));
