@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -272,5 +273,51 @@ inline std::vector<std::string> mdf4_seeds() {
   }
   return seeds;
 }
+
+/// A channel of such numbers at this place of the records.
+inline MdfChannelBlock mdf_channel(const std::string& name, std::uint8_t data_type,
+                                   std::uint32_t bits, std::uint32_t byte, std::uint8_t bit = 0) {
+  MdfChannelBlock channel;
+  channel.name = name;
+  channel.data_type = data_type;
+  channel.bits = bits;
+  channel.byte = byte;
+  channel.bit = bit;
+  return channel;
+}
+
+/// A file of one group without times.
+inline std::string mdf_file_of(const std::vector<MdfChannelBlock>& channels,
+                               const std::string& records, std::uint32_t record_bytes) {
+  MdfFile file;
+  const std::uint64_t data = file.block("DT", {}, records);
+  const std::uint64_t group =
+      file.group(file.channels(channels), records.size() / record_bytes, record_bytes);
+  return file.with(file.data_group(group, data));
+}
+
+/// Records of a time in ticks of a millisecond (u32) and a value (i16), 7 bytes with a last one
+/// that nobody reads.
+struct MdfTicks {
+  std::string bytes;
+  std::size_t count = 0;
+
+  explicit MdfTicks(const std::vector<std::uint32_t>& ticks) : count(ticks.size()) {
+    for (std::size_t i = 0; i < ticks.size(); ++i)
+      bytes +=
+          bytes_of_number(ticks[i]) + bytes_of_number(static_cast<std::int16_t>(100 * i)) + "x";
+  }
+
+  static std::vector<MdfChannelBlock> channels(MdfFile& file) {
+    MdfChannelBlock time = mdf_time();
+    time.data_type = 0;
+    time.bits = 32;
+    time.conversion = file.conversion(1, {0.5, 1e-3});
+    MdfChannelBlock force = mdf_channel("F", 2, 16, 4);
+    force.unit = "kN";
+    force.conversion = file.conversion(1, {-1, 0.5});
+    return {time, force};
+  }
+};
 
 }  // namespace impactrig::acquisition::tests
