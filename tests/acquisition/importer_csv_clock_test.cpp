@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <limits>
+
+#include "acquisition/importer.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using datasets::Record;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using tests::import_error;
+using tests::imported;
+using tests::names_and_units;
+
+TEST(Csv, FindsTheTimeByNameThenByUnitThenByGrowth) {
+  EXPECT_EQ(imported("F,Time\n1,0.5\n2,1\n3,1.5\n").attributes.at("time column"),
+            "Time (by its name)");
+  EXPECT_EQ(imported("F [N],clock [ms]\n1,0.5\n2,1\n3,1.5\n").attributes.at("time column"),
+            "clock (by its unit)");
+  EXPECT_EQ(imported("X,F\n1.5,0.5\n2,1\n3,1.5\n").attributes.at("time column"),
+            "X (the first column, since it increases throughout)");
+  EXPECT_EQ(imported("displacement,F\n1.5,0.5\n2,1\n3,1.5\n").attributes.at("time column"), "none");
+  EXPECT_EQ(imported("F [N],G [N]\n1.5,0.5\n2,1\n3,1.5\n").attributes.at("time column"), "none");
+}
+
+TEST(Csv, TheUserMayNameTheTimeColumn) {
+  ImportOptions options;
+  for (const char* wanted : {"B", "b", "1"}) {
+    options.time_column = wanted;
+    const Record record = imported("A,B\n5,0.5\n4,1\n3,1.5\n", options);
+    EXPECT_THAT(names_and_units(record), ElementsAre("A []"));
+    EXPECT_EQ(record.channels[0].clock.interval, 0.5);
+  }
+  options.time_column = "none";
+  options.sample_rate = 100.0;
+  const Record record = imported("time,B\n5,0.5\n6,1\n7,1.5\n", options);
+  EXPECT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].clock.interval, 0.01);
+  options.time_column = "zeit";
+  EXPECT_EQ(import_error("A,B\n5,0.5\n4,1\n", options),
+            "FILE: there is no column 'zeit' for the time; the columns are 'A', 'B'");
+}
+
+TEST(Csv, AStatedRateReplacesTheInterval) {
+  ImportOptions options;
+  options.sample_rate = 1000.0;
+  const Record record = imported("time [s],F [N]\n0.5,1\n1,2\n1.5,3\n", options);
+  EXPECT_EQ(record.channels[0].clock.start, 0.5);
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-3);
+  EXPECT_EQ(record.channels[0].attributes.at("sample interval in file"), "0.5 s");
+  options.sample_rate = 0.0;
+  EXPECT_EQ(import_error("1\n2\n", options),
+            "FILE: the stated sample rate of 0 Hz is not a number greater than zero");
+  options.sample_rate = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(import_error("1\n2\n", options),
+            "FILE: the stated sample rate of inf Hz is not a number greater than zero");
+}
+
+TEST(Csv, WithoutTimesOrRateIsAnErrorThatNamesTheOption) {
+  EXPECT_EQ(import_error("F [N]\n1\n2\n"),
+            "FILE: 'F' has neither times nor a sample rate: state it with --sample-rate, or the "
+            "column with --time-column");
+  const Record record = imported("F [N]\n1\n2\n");  // does not insist
+  EXPECT_EQ(record.channels[0].clock.interval, 0.0);
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre("'F' has neither times nor a sample rate: state it with --sample-rate, or the "
+                  "column with --time-column"));
+}
+
+TEST(Csv, NamesAllChannelsWithoutTimesOrRate) {
+  const std::string rest =
+      " have neither times nor a sample rate: state it with --sample-rate, or "
+      "the column with --time-column";
+  const std::string two = "F [N],v [m/s]\n1,5\n2,3\n";
+  EXPECT_EQ(import_error(two), "FILE: 'F', 'v'" + rest);
+  EXPECT_THAT(imported(two).warnings, ElementsAre("'F', 'v'" + rest));
+  std::string heads, row;
+  for (int i = 0; i < 12; ++i) {
+    heads += fmt::format("{}c{} [V]", i > 0 ? "," : "", i);
+    row += fmt::format("{}{}", i > 0 ? "," : "", 7 - i);
+  }
+  EXPECT_THAT(
+      imported(heads + "\n" + row + "\n" + row + "\n").warnings,
+      ElementsAre("'c0', 'c1', 'c2', 'c3', 'c4', 'c5', 'c6', 'c7', 'c8', 'c9' and 2 more" + rest));
+}
+
+TEST(Csv, UnevenTimesAreKept) {
+  const Record record = imported("time [ms],F [N]\n0,1\n1,2\n5,3\n6.5,3\n");
+  EXPECT_THAT(record.channels[0].clock.times, ElementsAre(0.0, 0.001, 0.005, 0.0065));
+  EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("the samples are not evenly spaced")));
+}
+
+TEST(Csv, ColumnsBehindASecondTimeColumnHaveItsClock) {
+  const Record record = imported(
+      "Time A [s],Force [N],Time B [ms],Vel [m/s],Acc [g]\n"
+      "0.000,1.5,0.5,2.5,1\n0.001,1.6,2.5,2.6,2\n0.002,1.7,4.5,2.7,3\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]", "Vel [m/s]", "Acc [g]"));
+  EXPECT_EQ(record.channels[0].clock.start, 0.0);
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-3);
+  for (const std::size_t c : {1U, 2U}) {
+    EXPECT_EQ(record.channels[c].clock.start, 0.5e-3);
+    EXPECT_DOUBLE_EQ(record.channels[c].clock.interval, 2e-3);
+  }
+  EXPECT_EQ(record.attributes.at("further time columns"), "Time B");
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(Csv, ASecondTimeColumnOfTheSameTimesIsNoOtherClock) {
+  const Record record =
+      imported("Time [s],Force [N],Time [s],Vel [m/s]\n0,1.5,0,2.5\n1,1.6,1,2.6\n5,1.7,5,2.7\n");
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[0].clock.times, record.channels[1].clock.times);
+  EXPECT_EQ(record.warnings.size(), 1U);  // the times are not even, said once
+}
+
+TEST(Csv, OfTwoTimeColumnsSideBySideTheSecondIsAChannel) {
+  EXPECT_THAT(names_and_units(imported("Time [s],Time abs [s],F [N]\n0,10,1\n1,11,2\n2,12,3\n")),
+              ElementsAre("Time abs [s]", "F [N]"));
+  EXPECT_THAT(names_and_units(
+                  imported("Time [s],F [N],Time over [ms],v [m/s]\n0,1,3,1\n1,2,2,2\n2,3,5,3\n")),
+              ElementsAre("F [N]", "Time over [ms]", "v [m/s]"));
+}
+
+TEST(Csv, ATimeColumnNeedsEveryTimeAndAUnitOfTime) {
+  EXPECT_EQ(import_error("time [s],F\n0,1\n,2\n1,3\n"),
+            "FILE:3:1 (byte 15): time: a time is missing; state --time-column none and "
+            "--sample-rate to do without this column");
+  ImportOptions options;
+  options.time_column = "0";
+  EXPECT_EQ(import_error("when [m],F\n0,1\n1,2\n", options),
+            "FILE: the time column 'when' has the unit 'm', which is not one of time: state it "
+            "with --units");
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "acquisition/importer.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using datasets::Channel;
+using datasets::Record;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using tests::import_error;
+using tests::imported;
+using tests::names_and_units;
+
+TEST(Csv, MissingValuesAreNanAndNotValid) {
+  const Record record = imported("time [s],F [N],G [N]\n0,1,1\n1,,2\n2,NaN,3\n3,4,\n4,-1.#IND,5\n");
+  const Channel& channel = record.channels[0];
+  EXPECT_EQ(channel.size(), 5U);
+  EXPECT_THAT(channel.valid, ElementsAre(1, 0, 0, 1, 0));
+  EXPECT_TRUE(std::isnan(channel.value(1)));
+  EXPECT_EQ(channel.value(3), 4.0);
+  EXPECT_THAT(record.channels[1].valid, ElementsAre(1, 1, 1, 0, 1));
+  EXPECT_THAT(record.warnings,
+              ElementsAre(HasSubstr(":3:3 (byte 29); marked as not valid"),
+                          HasSubstr("'G': 1 of 5 values is missing, the first at ")));
+}
+
+TEST(Csv, InfiniteValuesAreMarked) {
+  const Record record = imported("time [s],F [N]\n0,1\n1,inf\n2,-Infinity\n3,4\n");
+  EXPECT_THAT(record.channels[0].valid, ElementsAre(1, 0, 0, 1));
+  EXPECT_THAT(
+      record.warnings,
+      ElementsAre(
+          "'F': 2 of 4 samples are not finite, the first is sample 1; marked as not valid"));
+}
+
+TEST(Csv, WhatMetersShowForNoValueIsMissing) {
+  const Record record = imported("time [s],F [N]\n0,1\n1,N/A\n2,n/a\n3,OL\n4,-\n5,\u22122.5\n");
+  EXPECT_THAT(record.channels[0].valid, ElementsAre(1, 0, 0, 0, 0, 1));
+  EXPECT_EQ(record.channels[0].value(5), -2.5);
+  EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("'F': 4 of 6 values are missing")));
+}
+
+// PicoScope writes the infinity sign for a sample beyond the range.
+TEST(Csv, SamplesBeyondTheRangeAreMarked) {
+  const Record record = imported(
+      "Time,Channel A\n(ms),(V)\n\n-1.0,0.5\n-0.5,\u221E\n0.0,-\u221E\n0.5,\u2212\u221E\n");
+  EXPECT_THAT(record.channels[0].valid, ElementsAre(1, 0, 0, 0));
+  EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("3 of 4 samples are not finite")));
+}
+
+TEST(Csv, AColumnThatIsNamedButEmptyIsAnEmptyChannel) {
+  for (const char* text :
+       {"time [s],F [N],G [N]\n0,1\n1,2\n", "time [s],F [N],G [N]\n0,1,\n1,2,\n"}) {
+    const Record record = imported(text);
+    ASSERT_EQ(record.channels.size(), 2U);
+    EXPECT_EQ(record.channels[1].size(), 0U);
+    EXPECT_EQ(record.channels[1].name, "G");
+    EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("'G' ")));
+  }
+}
+
+TEST(Csv, CommentsAndEmptyLinesBetweenRowsAreSkipped) {
+  EXPECT_THAT(imported("t,F\n0,1\n# pause\n\n1,2\n% again\n2,3\n").channels[0].values(),
+              ElementsAre(1.0, 2.0, 3.0));
+}
+
+TEST(Csv, ATextForANumberIsAnErrorThatNamesPlaceAndColumn) {
+  EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,1\n1,bad\n2,3\n"),
+            "FILE:3:3 (byte 30): velocity: expected a number, found 'bad'");
+  EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,bad\n1,bad\n2,3\n3,4\n"),
+            "FILE:2:3 (byte 26): velocity: expected a number, found 'bad'");
+  EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,1\n1,2\n2,3e999\n"),
+            "FILE:4:3 (byte 34): velocity: 3e999 does not fit a double");
+  EXPECT_EQ(import_error("time [s],velocity [m/s]\n0,1\n1,2.5.1\n2,3\n"),
+            "FILE:3:3 (byte 30): velocity: expected a number, found '2.5.1'");
+}
+
+TEST(Csv, WhatInstrumentsWriteBeyondTheirRangeIsMissing) {
+  for (const char* mark : {"OVL", "+Over", "-Overload", "Ovfl", "over range", "---", "#####",
+                           "*****", "\"OVL\"", "#NV", "NULL"}) {
+    const Record record = imported(
+        fmt::format("t [s],F [N],v [m/s]\n0,1,2\n1,2,3\n2,{},4\n3,{},5\n4,5,6\n", mark, mark));
+    ASSERT_EQ(record.channels.size(), 2U) << mark;
+    EXPECT_EQ(record.channels[0].size(), 5U);
+    for (std::size_t i = 0; i < 5; ++i)
+      EXPECT_EQ(record.channels[0].is_valid(i), i != 2 && i != 3) << mark << i;
+    EXPECT_THAT(record.warnings,
+                testing::Contains(testing::AllOf(
+                    HasSubstr(fmt::format(
+                        "'F': 2 of 5 values are missing, the first, written '{}', at ", mark)),
+                    HasSubstr(":4:3 (byte 34); marked as not valid"))))
+        << mark;
+  }
+}
+
+TEST(Csv, WordsAndStatisticsBehindTheRowsAreLeftOut) {
+  const std::string rows = "t [s],F [N]\n0,1\n1,2\n2,3\n";
+  for (const auto& [behind, found] : {std::pair{"End of data\n", "End of data"},
+                                      {"\n\nMax,3\nMin,1\n", "Max,3"},
+                                      {"# note\n[Footer]\nSerial=4711", "[Footer]"}}) {
+    const Record record = imported(rows + behind);
+    EXPECT_THAT(record.channels[0].values(), ElementsAre(1.0, 2.0, 3.0)) << behind;
+    EXPECT_THAT(record.warnings,
+                testing::Contains(testing::AllOf(HasSubstr("no rows follow at "),
+                                                 HasSubstr(fmt::format("'{}'", found)))))
+        << behind;
+  }
+  // rows go on: words between them are none of these, nor is half a number
+  EXPECT_THAT(import_error(rows + "pause,\n3,4\n"), HasSubstr("expected a number, found 'pause'"));
+  EXPECT_THAT(import_error(rows + "3..1,4\n"), HasSubstr("expected a number, found '3..1'"));
+}
+
+TEST(Csv, RowsOfTheWrongLengthAreErrors) {
+  EXPECT_EQ(import_error("t,a,b\n0,1,2\n1,2,3\n2,3\n3,4,5\n"),
+            "FILE:4:1 (byte 18): the row has 2 cells, expected 3 (b is missing)");
+  EXPECT_EQ(import_error("t,a\n0,1\n1,2\n2,3,4\n3,4\n"),
+            "FILE:4:5 (byte 16): the row goes on with '4' after its 2 cells");
+}
+
+TEST(Csv, RowsOfTheWrongLengthAboveTheOthersAreErrorsToo) {
+  EXPECT_EQ(import_error("Time [s],Force [N]\n0.000,1.4\n0.001\n0.002,1.7\n0.003,1.8\n0.004,2\n"),
+            "FILE:3:1 (byte 29): the row has 1 cell, expected 2 (Force is missing)");
+  EXPECT_EQ(import_error("Time [s],F [N],v [m/s]\n0.000,1.4\n0.001,1.5,2\n0.002,1.7,3\n"),
+            "FILE:2:1 (byte 23): the row has 2 cells, expected 3 (v is missing)");
+  EXPECT_EQ(import_error("Time [s],Force [N]\n0.000,1.4\n0.001,,ERR\n0.002,1.7\n0.003,1.8\n"),
+            "FILE:3:8 (byte 36): the row goes on with 'ERR' after its 2 cells");
+  EXPECT_EQ(import_error("t [s],a [N],b [m/s]\n0.000,1,2\n0.001,2\n0.002,3\n0.003,4\n"),
+            "FILE:2:9 (byte 28): the row goes on with '2' after its 2 cells");
+  EXPECT_EQ(import_error("Time [s];Force [N];;fs\n0,000;1,5;;1000\n0,001;1,6\n0,002;1,7\n"),
+            "FILE:2:12 (byte 34): the row goes on with '1000' after its 2 cells");
+  // without names there must be a row as long as the others above the wrong one: what is alone in
+  // its shape may be a count of rows
+  EXPECT_EQ(import_error("0.000,1.4\n0.001\n0.002,1.7\n0.003,1.8\n"),
+            "FILE:2:1 (byte 10): the row has 1 cell, expected 2 (column 1 is missing)");
+  EXPECT_EQ(imported("4000\n0.002,1.7\n0.003,1.8\n").channels[0].size(), 2U);
+}
+
+TEST(Csv, WithThousandsSeparatorsIsAnErrorThatSaysSo) {
+  const std::string hint = ": it seems to have thousands separators, which are not read";
+  for (const char* cell : {"1 234,5", "1.234,5", "1\u00A0234,5", "1\u202F234,5"})
+    EXPECT_EQ(
+        import_error(fmt::format("Zeit [s];Kraft [N]\n0,000;1,5\n0,001;2,5\n0,002;{}\n", cell)),
+        fmt::format("FILE:4:7 (byte 45): Kraft: expected a number, found '{}'{}", cell, hint));
+  for (const char* row : {"0.000,\"1,234.5\"", "0.000;1,234.5", "0.000;1'234.5", "0,000;1 234,5",
+                          "0.000,1 234.5", "0,000\t1 234,5"}) {
+    const std::string_view text(row);
+    const std::size_t at = text.find_first_of("\"1");
+    EXPECT_EQ(import_error(fmt::format(
+                  "{}\n{}\n{}\n", "Time [s]" + std::string(1, row[5]) + "Force [N]", row, row)),
+              fmt::format("FILE:2:{} (byte {}): '{}'{}", at + 1 + (row[at] == '"' ? 1 : 0),
+                          19 + at + (row[at] == '"' ? 1 : 0),
+                          text.substr(at).find('"') == 0 ? "1,234.5" : text.substr(at), hint))
+        << row;
+  }
+  for (const char* rows : {"0.000,1,234\n0.001,2,345\n", "0.000,1,234.5\n0.001,2,345.5\n",
+                           "0.000,999\n0.001,2,345\n0.002,3,456\n"})
+    EXPECT_THAT(
+        import_error(std::string("Time [s],Force [N]\n") + rows),
+        HasSubstr(
+            "the row has 3 cells under the 2 names of line 1: commas may be thousands "
+            "separators, which are not read (--delimiter , takes each for the end of a cell)"));
+  EXPECT_EQ(import_error("Time [s],Force [N]\n0.000,1.0\n0.001,2.0\n0.002,1,000.5\n"),
+            "FILE:4:9 (byte 47): the row goes on with '000.5' after its 2 cells: commas may be "
+            "thousands separators, which are not read");
+  EXPECT_EQ(import_error("1.5\n2.5\n2,345.5\n4.5\n"),
+            "FILE:3:3 (byte 10): the row goes on with '345.5' after its 1 cell: commas may be "
+            "thousands separators, which are not read");
+}
+
+TEST(Csv, CommasUnderFewerNamesAreDecimalMarksOrAnError) {
+  ImportOptions options;
+  options.sample_rate = 1000.0;
+  const Record record = imported("Kraft [N]\n1,5\n1,6\n1,7\n", options);
+  EXPECT_THAT(names_and_units(record), ElementsAre("Kraft [N]"));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5, 1.6, 1.7));
+  EXPECT_EQ(
+      import_error("Kraft\n1,5\n1,6\n", options),
+      "FILE:2:1 (byte 6): the row has 2 cells under the one name of line 1: commas may be "
+      "decimal marks (--decimal , reads them so; --delimiter , takes each for the end of a cell)");
+  EXPECT_EQ(
+      import_error("Zeit [s],Kraft [N]\n0,000,1,5\n0,001,1,6\n"),
+      "FILE:2:1 (byte 19): the row has 4 cells under the 2 names of line 1: commas may be "
+      "decimal marks too, which is not read (--delimiter , takes each for the end of a cell)");
+  options.delimiter = ',';
+  EXPECT_EQ(imported("Kraft\n1,5\n1,6\n", options).channels.size(), 2U);
+  options.delimiter.reset();
+  options.decimal = ',';
+  EXPECT_EQ(imported("Kraft\n1,5\n1,6\n", options).channels.size(), 1U);
+}
+
+TEST(Csv, LeavesAColumnOfTextOut) {
+  const char* const warning = "'Comment' holds text ('start of test'), no numbers: it is left out";
+  for (const char* text :
+       {"Time [s],Force [N],Comment\n0.000,1.5,start of test\n0.001,1.6\n0.002,1.7\n",
+        "Time [s],Force [N],Comment\n0.000,1.5\n0.001,1.6,start of test\n0.002,1.7,end\n",
+        "Time [s],Comment,Force [N]\n0.000,start of test,1.5\n0.001,,1.6\n0.002,,1.7\n"}) {
+    const Record record = imported(text);
+    EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]")) << text;
+    EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5, 1.6, 1.7)) << text;
+    EXPECT_EQ(record.channels[0].clock.interval, 1e-3);
+    EXPECT_THAT(record.warnings, ElementsAre(warning)) << text;
+  }
+  ImportOptions options;
+  options.time_column = "Comment";
+  EXPECT_EQ(import_error("Force [N],Comment\n1.5,start\n1.6,\n1.7,\n", options),
+            "FILE: the column 'Comment' holds text, not the time");
+}
+
+TEST(Csv, ARowCutOffByTheEndOfTheFileIsLeftOut) {
+  const Record record = imported("t,a,b\n0,1,2\n1,2,3\n2,");
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(2.0, 3.0));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.0, 2.0));
+  EXPECT_THAT(record.warnings, testing::Contains(HasSubstr("the file ends within the row at ")));
+}
+
+// 2.5 may be what is left of 2.534: all numbers above it have three decimals.
+TEST(Csv, ALastNumberThatMayBeCutIsToldOf) {
+  const auto told = [](const std::string& rows) {
+    std::string found;
+    for (const std::string& warning : imported("t [s];F [N]\n" + rows).warnings)
+      if (warning.find("may be cut off") != std::string::npos) found = warning;
+    return found;
+  };
+  const std::string rows = "0,0;1,125\n0,1;-12,250\n0,2;2,500\n";
+  EXPECT_EQ(told(rows + "0,3;2,5"),
+            "the file ends without a line end, and its last number '2,5' has fewer digits than "
+            "those above it: it may be cut off");
+  EXPECT_NE(told(rows + "0,3;2"), "");
+  EXPECT_EQ(told(rows + "0,3;2,534"), "");
+  EXPECT_EQ(told(rows + "0,3;2,5\n"), "");
+  EXPECT_EQ(told("0,0;1,125\n0,1;-12,25\n0,2;2,500\n0,3;2,5"), "");  // digits as there are
+  EXPECT_EQ(told("0,0;1\n0,1;-12\n0,2;25\n0,3;2"), "");
+}
+
+TEST(Csv, MayHaveACommentSignAloneAboveItsRows) {
+  for (const char* line : {"#", "%", "##", "# "})
+    EXPECT_THAT(imported(std::string(line) + "\n0,1\n1,2\n2,3\n").channels[0].values(),
+                ElementsAre(1.0, 2.0, 3.0));
+}
+
+TEST(Csv, WithoutNumbersIsAnError) {
+  EXPECT_EQ(import_error("", {}, ".csv"), "FILE: the file is empty");
+  EXPECT_EQ(import_error(" \n\n", {}, ".csv"), "FILE: there is no text in this file");
+  EXPECT_EQ(import_error("time,force\n", {}, ".csv"),
+            "FILE: no row of numbers among the first 1 line: expected columns of numbers "
+            "(--delimiter, --decimal and "
+            "--skip-lines state how they are written)");
+}
+
+TEST(Csv, OfOneRowIsARecording) {
+  const Record record = imported("time [s],F [N]\n0.5,7\n");
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(7.0));
+  EXPECT_THAT(record.warnings,
+              ElementsAre("there is one sample only: the sample interval is not known"));
+}
+
+TEST(Csv, OfOneRowHasTheIntervalThatItsHeadStates) {
+  const Record record = imported("# sample interval: 1e-5 s\ntime [s],F [N]\n0.5,7\n");
+  EXPECT_EQ(record.channels[0].clock.start, 0.5);
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-5);
+  EXPECT_THAT(record.warnings, testing::IsEmpty());
+}
+
+TEST(Csv, OfManyRowsIsReadWhole) {
+  std::string text = "time [s],F [N]\n";
+  for (int i = 0; i < 100000; ++i) text += fmt::format("{},{}\n", i * 1e-6, i % 1000);
+  const Record record = imported(text);
+  EXPECT_EQ(record.channels[0].size(), 100000U);
+  EXPECT_EQ(record.channels[0].value(99999), 999.0);
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-6);
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition
