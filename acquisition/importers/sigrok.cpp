@@ -126,8 +126,12 @@ class SigrokReader final : public RecordingReader {
       if (!archive_) zip_source_free(source);
     }
     const std::string problem = archive_ ? "" : to_utf8(zip_error_strerror(&error));
+    const bool ends_early = zip_error_code_zip(&error) == ZIP_ER_NOZIP;
     zip_error_fini(&error);
-    if (!archive_) refuse(fmt::format("the ZIP archive cannot be read: {}", problem));
+    if (archive_) return;
+    if (ends_early && file_.bytes().starts_with("PK\x03\x04"))
+      refuse("the ZIP archive ends before its list of entries: it is cut off; copy it again");
+    refuse(fmt::format("the ZIP archive cannot be read: {}", problem));
   }
 
   /// What the archive says of an entry, once it is possible.

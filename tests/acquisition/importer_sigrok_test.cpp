@@ -83,8 +83,10 @@ TEST(Sigrok, WhatIsOddIsTold) {
 TEST(Sigrok, ErrorsSayWhatWasFound) {
   ImportOptions options;
   options.format = "sigrok";
-  EXPECT_EQ(import_error("PK\x03\x04", options),
-            "FILE: the ZIP archive cannot be read: Not a zip archive");
+  EXPECT_EQ(import_error("PK", options), "FILE: the ZIP archive cannot be read: Not a zip archive");
+  const std::string whole = zip_archive(sigrok_entries(true));
+  EXPECT_EQ(import_error(whole.substr(0, whole.size() / 2)),
+            "FILE: the ZIP archive ends before its list of entries: it is cut off; copy it again");
   EXPECT_EQ(import_error(zip_archive({{"other", "2"}}), options),
             "FILE: the archive has no 'version': it is no sigrok session");
   EXPECT_EQ(import_error(zip_archive({{"version", "3"}, {"metadata", ""}}), options),
@@ -126,7 +128,7 @@ TEST(Sigrok, CutAnywhereIsRefused) {
   const std::string whole = zip_archive(sigrok_entries(true));
   for (std::size_t size = 40; size < whole.size(); ++size)
     EXPECT_THAT(import_error(whole.substr(0, size)),
-                HasSubstr("FILE: the ZIP archive cannot be read: "));
+                HasSubstr("FILE: the ZIP archive ends before its list of entries"));
 }
 
 }  // namespace
