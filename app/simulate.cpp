@@ -176,6 +176,15 @@ void print_explanations(const std::string& chosen,
     fmt::print("  - {}\n    {}\n", explanation.sentence, effect(explanation));
 }
 
+/// Warns where small motion would not have been taken by itself.
+void tell_asked_motion(const models::Solver& solver, models::Simulation& result) {
+  if (result.neglected <= solver.accuracy) return;
+  result.warnings.push_back(fmt::format(
+      "Small motion was asked for: by its estimate it leaves out {:.1e} of the result, more than "
+      "the accuracy of {:g}; the full equations do not.",
+      result.neglected, solver.accuracy));
+}
+
 void simulate(const Options& options) {
   if (!options.output.empty()) {
     refuse_inputs({options.output}, {options.rig});
@@ -202,6 +211,7 @@ void simulate(const Options& options) {
     if (rig.displacement) request.history.displacement_position = rig.displacement->position;
   }
   models::Simulation simulation = models::simulate(rig.rig, rig.solver, request);
+  if (options.small_motion) tell_asked_motion(rig.solver, simulation);
   tell_sensitivities(simulation, request, options.sensitivities == "all", sensitivities);
   if (!chosen.empty()) simulation.skipped.insert(simulation.skipped.begin(), chosen);
   simulation.mesh_error = models::mesh_error(rig.rig, simulation.solver);

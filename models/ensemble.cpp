@@ -175,7 +175,6 @@ class Ensemble::Worker : public LaneQueue {
     }
     if (ensemble_.options_.judge_small_motion) confirm_sensor(number, result);
     tell_swing(rig(number), ensemble_.options_, result);
-    tell_asked_motion(ensemble_.solver_, ensemble_.options_, result);
     member(number).simulation = std::move(result);
   }
 

@@ -356,7 +356,6 @@ Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOption
         },
         result);
   tell_swing(rig, options, result);
-  tell_asked_motion(solver, options, result);
   return result;
 }
 

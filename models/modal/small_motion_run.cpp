@@ -272,12 +272,4 @@ void tell_swing(const Rig& rig, const SimulationOptions& options, Simulation& re
       *rig.start.release_angle, damped(rig) ? "damped swing" : "energy", touch_velocity(rig)));
 }
 
-void tell_asked_motion(const Solver& solver, const SimulationOptions& options, Simulation& result) {
-  if (options.motion != Motion::small || result.neglected <= solver.accuracy) return;
-  result.warnings.push_back(fmt::format(
-      "Small motion was asked for: by its estimate it leaves out {:.1e} of the result, more than "
-      "the accuracy of {:g}; the full equations do not.",
-      result.neglected, solver.accuracy));
-}
-
 }  // namespace impactrig::models

@@ -92,7 +92,4 @@ Simulation swing_freely(const Rig& rig, const Solver& solver, const SimulationOp
 /// What simulate() tells of a swing that it did not integrate.
 void tell_swing(const Rig& rig, const SimulationOptions& options, Simulation& result);
 
-/// Warns where small motion that was asked for would not have been taken by itself.
-void tell_asked_motion(const Solver& solver, const SimulationOptions& options, Simulation& result);
-
 }  // namespace impactrig::models

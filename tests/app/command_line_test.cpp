@@ -111,6 +111,14 @@ TEST_F(CommandLine, SolvesSmallMotionWhereItIsAskedFor) {
   EXPECT_EQ(run(paper + " --small-motion --exact").code, 2);
 }
 
+// Fits take small motion of their own accord.
+TEST_F(CommandLine, SaysNothingOfSmallMotionThatNobodyAskedFor) {
+  const Outcome o = run("fit " + samples + "shen2007-1.uff --rig " + rig +
+                        " --set solver.model=hybrid --set solver.modes=5 -o " + path("fit.json"));
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_THAT(o.out + o.err, Not(HasSubstr("Small motion was asked for")));
+}
+
 TEST_F(CommandLine, WritesAHistoryThatItCanReadAgain) {
   for (const char* ending : {"h5", "csv", "uff"}) {
     const std::string file = path(std::string("history.") + ending);
