@@ -101,7 +101,8 @@ TEST_F(CommandLine, SolvesSmallMotionWhereItIsAskedFor) {
   ASSERT_EQ(o.code, 0) << o.err;
   const json small = json::parse(o.out);
   ASSERT_EQ(small["warnings"].size(), 1U);
-  EXPECT_THAT(small["warnings"][0].get<std::string>(), HasSubstr("more than the accuracy of 1e-09"));
+  EXPECT_THAT(small["warnings"][0].get<std::string>(),
+              HasSubstr("more than the accuracy of 1e-09"));
   EXPECT_LE(small["cost"]["evaluations"], 1100);
   EXPECT_GT(full["cost"]["evaluations"], 1100);
   const double peak = full["peak_force_n"];
