@@ -254,8 +254,7 @@ void add_simulate(CLI::App& program) {
       ->type_name("NAMES");
   command->add_flag("--explain", options->explain,
                     "List the simplifications taken, and why they are safe here");
-  CLI::Option* exact =
-      command->add_flag("--exact", options->exact, "Take no simplification");
+  CLI::Option* exact = command->add_flag("--exact", options->exact, "Take no simplification");
   command
       ->add_flag("--small-motion", options->small_motion,
                  "Solve the bar in its modes whatever that leaves out, which is told")
