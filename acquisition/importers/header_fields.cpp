@@ -61,8 +61,20 @@ void set_unit(Channel& channel, std::string_view unit) {
   channel.quantity = datasets::quantity_of_unit(unit);
 }
 
+void tell_unusable_interval(Channel& channel, double interval, std::string_view unit) {
+  if (interval > 0.0 && std::isfinite(interval)) return;
+  channel.attributes[std::string(unusable_clock)] =
+      fmt::format("a sample interval of {:.9g} {}", interval, unit.empty() ? "s" : unit);
+}
+
+void tell_unusable_rate(Channel& channel, double rate) {
+  if (rate > 0.0 && std::isfinite(rate)) return;
+  channel.attributes[std::string(unusable_clock)] = fmt::format("a sample rate of {:.9g} Hz", rate);
+}
+
 void set_axis(Channel& channel, double start, double interval, std::string_view unit) {
   const auto to_seconds = datasets::conversion(unit, "s");
+  if (unit.empty() || to_seconds) tell_unusable_interval(channel, interval, unit);
   if (!std::isfinite(start)) start = 0.0;
   if (!std::isfinite(interval)) interval = 0.0;
   if (unit.empty() || to_seconds) {

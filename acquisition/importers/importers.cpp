@@ -13,6 +13,7 @@
 #include "acquisition/importer.hpp"
 #include "acquisition/importers/all_finite.hpp"
 #include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/text_file.hpp"
 
@@ -325,20 +326,42 @@ class CheckedRecording final : public RecordingReader {
   }
 
  private:
-  /// Names those of the channels that have no clock, the first ten of many; "" where all have one.
+  /// Names those of the channels that have no clock, and says why; "" where all have one.
   std::string without_clock(const std::vector<std::size_t>& channels) const {
-    constexpr std::size_t most_named = 10;
-    std::string names;
-    std::size_t found = 0;
+    std::map<std::string, std::vector<std::string_view>> names;  // by what the file states
     for (const std::size_t index : channels)
-      if (lacks_clock(head_, index) && ++found <= most_named)
-        names += fmt::format("{}'{}'", found > 1 ? ", " : "", head_.record.channels[index].name);
-    if (found == 0) return {};
-    return fmt::format(
-        "{}{} {} neither times nor a sample rate: state it with --sample-rate, or the column with "
-        "--time-column",
-        names, found > most_named ? fmt::format(" and {} more", found - most_named) : "",
-        found == 1 ? "has" : "have");
+      if (lacks_clock(head_, index)) {
+        const Channel& channel = head_.record.channels[index];
+        names[stated_clock(channel)].push_back(channel.name);
+      }
+    std::string sentence;
+    for (const auto& [stated, channels_named] : names)
+      sentence += fmt::format(
+          "{}{} {}", sentence.empty() ? "" : "; ", first_of(channels_named),
+          stated.empty() ? fmt::format("{} neither times nor a sample rate",
+                                       channels_named.size() == 1 ? "has" : "have")
+                         : fmt::format("{} no sample rate, since {}",
+                                       channels_named.size() == 1 ? "has" : "have", stated));
+    if (sentence.empty()) return {};
+    return sentence + ": state it with --sample-rate, or the column with --time-column";
+  }
+
+  /// Why a file that states a clock gives none; "" where it states nothing.
+  static std::string stated_clock(const Channel& channel) {
+    const auto unusable = channel.attributes.find(std::string(unusable_clock));
+    if (unusable != channel.attributes.end())
+      return fmt::format("the file states {}", unusable->second);
+    return channel.clock.interval < 0.0 ? "its times do not increase" : "";
+  }
+
+  /// The first ten of many names.
+  static std::string first_of(const std::vector<std::string_view>& names) {
+    constexpr std::size_t most = 10;
+    std::string list;
+    for (std::size_t i = 0; i < std::min(most, names.size()); ++i)
+      list += fmt::format("{}'{}'", i > 0 ? ", " : "", names[i]);
+    if (names.size() > most) list += fmt::format(" and {} more", names.size() - most);
+    return list;
   }
 
   /// The samples of a re-rated clock in the window, however many there are.

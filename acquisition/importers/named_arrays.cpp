@@ -178,7 +178,10 @@ class ClockFinder {
     }
     const double unit = arrays_[index].seconds;
     const double seconds = interval ? value.first * unit : unit / value.first;
-    if (!(seconds > 0.0) || !std::isfinite(seconds)) return;
+    if (!(seconds > 0.0) || !std::isfinite(seconds)) {
+      unusable_.try_emplace(group, fmt::format("'{}' as {:.9g}", arrays_[index].name, value.first));
+      return;
+    }
     const auto [known, is_first] = intervals_.try_emplace(group, seconds, index);
     if (!is_first && differ(seconds, known->second.first))
       result_.warnings.push_back(
@@ -309,9 +312,11 @@ class ClockFinder {
   }
 
   bool by_number(std::size_t index, const std::string& group) {
+    ArrayClock& clock = result_.clocks[index];
+    const auto unusable = unusable_.find(group);
+    if (unusable != unusable_.end() && clock.unusable.empty()) clock.unusable = unusable->second;
     const auto found = intervals_.find(group);
     if (found == intervals_.end()) return false;
-    ArrayClock& clock = result_.clocks[index];
     clock.interval = found->second.first;
     const auto start = starts_.find(group);
     if (start != starts_.end()) clock.start = start->second;
@@ -340,6 +345,7 @@ class ClockFinder {
   /// Arrays that may hold the times, by group and length, in their order.
   std::map<std::pair<std::string, std::uint64_t>, std::vector<std::size_t>> times_;
   std::map<std::string, std::pair<double, std::size_t>> intervals_;  ///< by group
+  std::map<std::string, std::string> unusable_;                      ///< by group
   std::map<std::string, double> starts_;                             ///< by group
   std::map<std::size_t, TimesFound> axes_;
   std::set<std::size_t> told_numbers_;

@@ -37,6 +37,7 @@ struct ArrayClock {
   double interval = 0.0;  ///< [s]; 0: nothing in the file tells
   /// The array that holds its times, where they are not uniform.
   std::optional<std::size_t> times;
+  std::string unusable{};  ///< what is stated and can be no interval: "'dt' as 0"
 };
 
 /// Hands the numbers of array `index` to `use`, in pieces and in their order.
