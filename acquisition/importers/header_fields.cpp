@@ -98,6 +98,17 @@ void set_scale(Channel& channel, double scale, double offset, const MappedFile& 
   channel.offset = offset;
 }
 
+void undo_zero_scale(Channel& channel, Record& record) {
+  if (channel.scale != 0.0) return;
+  record.warnings.push_back(
+      fmt::format("'{}': the header states a scale of 0: its numbers are as they are stored, "
+                  "without a unit",
+                  channel.name));
+  channel.scale = 1.0;
+  channel.offset = 0.0;
+  set_unit(channel, "");
+}
+
 std::string iso_time(int year, int month, int day, int hour, int minute, double second) {
   using namespace std::chrono;
   const year_month_day date{std::chrono::year(year), std::chrono::month(unsigned(month)),

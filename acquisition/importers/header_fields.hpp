@@ -52,6 +52,10 @@ void set_axis(datasets::Channel& channel, double start, double interval, std::st
 void set_scale(datasets::Channel& channel, double scale, double offset, const MappedFile& file,
                std::uint64_t place);
 
+/// A scale of 0, by which every sample would be the offset, leaves the numbers as they are stored,
+/// without a unit; a warning says so.
+void undo_zero_scale(datasets::Channel& channel, datasets::Record& record);
+
 /// "2022-04-12T13:31:47.25Z" of seconds since 1970 UTC; "" outside of the years 1970 to 2200.
 std::string iso_time_utc(double seconds);
 

@@ -166,6 +166,7 @@ class IsfReader {
         channel, factor,
         number(waveform, "YZERO").value_or(0.0) - factor * number(waveform, "YOFF").value_or(0.0),
         *file_, 0);
+    undo_zero_scale(channel, record_);
     const std::string points = upper_case(waveform.text("PT_FMT"));
     waveform.envelope = points.starts_with("ENV");
     if (!points.empty() && points != "Y" && !waveform.envelope)
