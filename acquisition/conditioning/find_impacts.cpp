@@ -73,7 +73,7 @@ const Channel& trigger_channel(const Record& record, const DetectionOptions& opt
 
 RecordedSignal source_of(const Channel& channel, const std::string& file) {
   RecordedSignal source{&channel, trace_of(channel, file), 0.0, 0.0};
-  source.quantum = quantum_of(source.trace.values);
+  source.quantum = quantum_of(source.trace.values, source.trace.valid);
   const auto stated = channel.attributes.find("sensor.range");
   if (stated != channel.attributes.end())
     std::from_chars(stated->second.data(), stated->second.data() + stated->second.size(),
@@ -130,7 +130,7 @@ void describe_noise(const RecordedSignal& source, double onset_time, const Windo
   const double floor = std::max(0.0, std::ceil(trace.index(window.floor)));
   const auto quiet =
       quiet_before(trace, trace.index(onset_time), static_cast<std::size_t>(floor), options);
-  signal.quantum = quantum_of(signal.values);
+  signal.quantum = quantum_of(signal.values, signal.valid);
   if (!quiet) {
     signal.noise = step_noise(signal.values);
     return;
