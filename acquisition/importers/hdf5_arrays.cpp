@@ -175,12 +175,12 @@ class Blocks {
         break;
     }
     block_.valid = {};
-    if (slice.missing && whole) {
+    if (slice.none.any() && whole) {
       valid_.resize(count);
       std::visit(
           [&](auto samples) {
             std::ranges::transform(samples, valid_.begin(), [&](auto sample) {
-              return static_cast<std::uint8_t>(static_cast<double>(sample) != *slice.missing);
+              return static_cast<std::uint8_t>(!slice.none.holds(static_cast<double>(sample)));
             });
           },
           block_.raw);

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "acquisition/importers/hdf5_no_value.hpp"
 #include "acquisition/importers/wide_integers.hpp"
 #include "acquisition/recording_reader.hpp"
 
@@ -85,7 +86,7 @@ struct Hdf5Slice {
   /// Integers of 64 bits, less the first of the data set: doubles hold those where they do not hold
   /// the integers.
   bool from_first = false;
-  std::optional<double> missing{};  ///< the number that stands for none
+  Hdf5NoValue none{};  ///< numbers that are no samples
   /// Of as many numbers: handed over as times, time_factor * number + time_offset.
   std::shared_ptr<const Hdf5Slice> times{};
   double time_factor = 1.0;  ///< [s]
@@ -98,7 +99,7 @@ std::vector<std::uint64_t> places_of(const Hdf5Slice& slice);
 /// What was seen of a slice as it was read.
 struct Hdf5SliceSeen {
   WideIntegers wide;
-  std::uint64_t missing = 0;  ///< samples that are Hdf5Slice::missing
+  std::uint64_t missing = 0;  ///< samples that Hdf5Slice::none holds
 };
 
 /// Reads slices by blocks, in a child process too. Throws datasets::InputError.

@@ -303,8 +303,7 @@ class ChannelMaker {
       channel.unit.clear();
       made_.still_packed.insert(made_.slices.size());
     }
-    constexpr std::array<std::string_view, 2> missing = {"_fillvalue", "missing_value"};
-    if (!slice.array->complex) slice.missing = number_of(slice.array->attributes, missing);
+    if (!slice.array->complex) slice.none = no_value_of(*slice.array, column.which, column.columns);
   }
 
   /// The user sees no single numbers among the channels, except MATLAB's.

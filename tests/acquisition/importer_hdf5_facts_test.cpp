@@ -118,6 +118,38 @@ TEST(Hdf5Packing, IsUndone) {
                                         "none; marked as not valid"));
 }
 
+// -999.9 in double precision is none of the numbers of single precision that a file has.
+TEST(Hdf5Packed, NumbersThatStandForNoneAreOfTheTypeOfTheSamples) {
+  const Hdf5File file;
+  file.data<float>("/force", {4}, {1.0F, -999.9F, 3.0F, -1.0F}, H5T_NATIVE_FLOAT, H5T_IEEE_F32LE);
+  file.number("/force", "missing_value", -999.9);
+  file.number("/force", "_FillValue", -1.0);
+  const Record record = imported(file.bytes());
+  EXPECT_THAT(record.channels.at(0).valid, ElementsAre(1, 0, 1, 0));
+  EXPECT_THAT(record.warnings,
+              Contains(HasSubstr("2 of 4 samples are -1 or -999.9000244140625, which stands for "
+                                 "none; marked as not valid")));
+}
+
+TEST(Hdf5Packed, SamplesBeyondTheValidRangeAreMarked) {
+  const Hdf5File file;
+  file.doubles("/range", {1, -4, 3, 2});
+  file.numbers("/range", "valid_range", {-3.0, 2.0});
+  file.doubles("/least", {1, -4, 3, 2});
+  file.number("/least", "valid_min", 1.5);
+  file.number("/least", "missing_value", 2.0);
+  const Record record = imported(file.bytes());
+  EXPECT_THAT(record.channels.at(0).valid, ElementsAre(0, 0, 1, 0));
+  EXPECT_THAT(record.channels.at(1).valid, ElementsAre(1, 0, 0, 1));
+  EXPECT_THAT(
+      record.warnings,
+      testing::IsSupersetOf({std::string("'/range': 2 of 4 samples are not between -3 and 2; "
+                                         "marked as not valid"),
+                             std::string("'/least': 3 of 4 samples are 2, which stands for "
+                                         "none, or not between 1.5 and inf; marked as not "
+                                         "valid")}));
+}
+
 /// 200 rows of two columns of integers, 0 to 199 and three times that.
 void two_columns(const Hdf5File& file) {
   std::vector<std::int16_t> table;
