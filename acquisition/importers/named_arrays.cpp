@@ -40,6 +40,7 @@ constexpr std::array<std::string_view, 11> rate_words = {"fs",
                                                          "samplefrequency"};
 constexpr std::string_view start_word = "tstart";  // PicoScope, beside Tinterval
 
+/// "run" of "run.force", "/entry" of "/entry/force"; "" of what stands at the top.
 std::string_view group_of(std::string_view name) {
   const std::size_t end = name.find_last_of("./");
   return end == std::string_view::npos ? std::string_view{} : name.substr(0, end);
@@ -127,7 +128,10 @@ class ClockFinder {
       }
       std::vector<std::string> groups = {std::string(group_of(arrays_[i].name))};
       for (const std::string& other : arrays_[i].other_names) groups.emplace_back(group_of(other));
-      groups.emplace_back();  // the top
+      for (std::string_view around = group_of(arrays_[i].name); !around.empty();) {
+        around = group_of(around);
+        groups.emplace_back(around);  // the last is the top
+      }
       const auto times = [&](const std::string& group) { return by_times(i, group); };
       const auto number = [&](const std::string& group) { return by_number(i, group); };
       if (!std::ranges::any_of(groups, times)) std::ranges::any_of(groups, number);
