@@ -31,11 +31,11 @@ struct Hdf5Attributes {
 
 /// A data set of numbers in an HDF5 file, or one field of a table of records.
 struct Hdf5Array {
-  std::string path;                  ///< "/entry/force"
-  std::string field;                 ///< "" = the data set itself
-  std::uint64_t field_index = 0;     ///< among all fields of the records
-  std::uint64_t fields = 0;          ///< all of the records
-  std::vector<std::uint64_t> shape;  ///< slowest dimension first; empty: a single number
+  std::string path;                     ///< "/entry/force"
+  std::vector<std::string> field_path;  ///< names that lead to it; empty: the data set itself
+  std::uint64_t field_index = 0;        ///< among all fields of the records
+  std::uint64_t fields = 0;             ///< all of the records
+  std::vector<std::uint64_t> shape;     ///< slowest dimension first; empty: a single number
   ArrayNumbers numbers = ArrayNumbers::f64;
   bool wide = false;            ///< integers of 64 bits: not all are exact as doubles
   bool complex = false;         ///< a pair of members, "real" and "imag"
@@ -45,6 +45,10 @@ struct Hdf5Array {
   /// Data sets that hold the scale of a dimension, by their reference, one list a dimension.
   std::vector<std::vector<std::uint64_t>> scales;
   Hdf5Attributes attributes;
+
+  bool is_field() const { return !field_path.empty(); }
+
+  std::string field() const;  ///< "force", within records "sensor.force"
 };
 
 /// A data set of references to others; they are compared with Hdf5Array::reference and never

@@ -112,7 +112,7 @@ class ClockSetter {
     NamedArray named{channel.name, slices_[index].count, !array.complex};
     named.real = named.real && !file_.still_packed.contains(index);
     take_unit(named, channel.unit);
-    if (slices_[index].whole && array.field.empty())
+    if (slices_[index].whole && !array.is_field())
       for (const std::string& link : links_to(file_.listing, array.path))
         named.other_names.push_back(file_.name_of_path(link));
     named.time = is_axis(array) &&

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <hdf5.h>
 
+#include <cstdint>
 #include <limits>
 
 #include "acquisition/importer.hpp"
@@ -42,6 +44,35 @@ TEST(Hdf5Records, EachFieldOfNumbersIsAChannel) {
                                              HasSubstr("'/daq/rows.ticks': 300 samples are beyond "
                                                        "2^53")));
   }
+}
+
+TEST(Hdf5Records, WithinRecordsAreReadFieldByField) {
+  struct Row {
+    double time;
+
+    struct Shot {
+      float force;
+      std::int16_t volts;
+    } shot;
+  };
+
+  const hid_t shot = H5Tcreate(H5T_COMPOUND, sizeof(Row::Shot));
+  H5Tinsert(shot, "force", HOFFSET(Row::Shot, force), H5T_NATIVE_FLOAT);
+  H5Tinsert(shot, "a.b", HOFFSET(Row::Shot, volts), H5T_NATIVE_INT16);
+  const hid_t row = H5Tcreate(H5T_COMPOUND, sizeof(Row));
+  H5Tinsert(row, "time", HOFFSET(Row, time), H5T_NATIVE_DOUBLE);
+  H5Tinsert(row, "shot", HOFFSET(Row, shot), shot);
+  const Hdf5File file;
+  file.data<Row>("/data", {3}, {{0.0, {1.5F, 7}}, {0.5, {2.5F, 8}}, {1.0, {3.5F, 9}}}, row, row);
+  H5Tclose(row);
+  H5Tclose(shot);
+  ImportOptions options;
+  options.channels = {"/data.shot.force", "/data.shot.a.b"};
+  const Record record = imported(file.bytes(), options);
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5, 2.5, 3.5));
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(7, 8, 9));
+  EXPECT_EQ(record.channels[1].clock.interval, 0.5);
 }
 
 TEST(Hdf5Records, AreReadByWindowAndChannel) {
