@@ -137,6 +137,7 @@ class ClockFinder {
       if (!std::ranges::any_of(groups, times)) std::ranges::any_of(groups, number);
     }
     if (!wanted_) take_first_columns();
+    if (!wanted_) tell_other_lengths();
     return std::move(result_);
   }
 
@@ -231,6 +232,23 @@ class ClockFinder {
       axes_[i] = times;
       for (std::size_t k = i; k < arrays_.size() && arrays_[k].name.starts_with(matrix); ++k)
         use_times(k, i, {});
+    }
+  }
+
+  /// Of arrays without a clock beside times that are a few more or fewer.
+  void tell_other_lengths() {
+    for (std::size_t i = 0; i < arrays_.size(); ++i) {
+      ArrayClock& clock = result_.clocks[i];
+      if (arrays_[i].samples < 2 || clock.interval > 0.0 || !clock.unusable.empty()) continue;
+      const std::string group(group_of(arrays_[i].name));
+      const auto found = times_.lower_bound(std::pair(group, std::uint64_t{0}));
+      if (found == times_.end() || found->first.first != group) continue;
+      const std::size_t times = found->second.front();
+      const auto beside = static_cast<double>(arrays_[times].samples);
+      const auto samples = static_cast<double>(arrays_[i].samples);
+      if (beside == samples || std::abs(beside - samples) > std::max(1.0, 0.01 * samples)) continue;
+      clock.unusable = fmt::format("'{}' with {} numbers for {} samples", arrays_[times].name,
+                                   arrays_[times].samples, arrays_[i].samples);
     }
   }
 

@@ -85,6 +85,11 @@ TEST(UnusableClock, OfNamedArraysIsTold) {
   EXPECT_EQ(import_error(with("/force", "dt", -1.0)),
             why("'/force' has", "a sample interval of -1 s"));
   EXPECT_EQ(import_error(with("/", "fs", 0.0)), why("'/force' has", "a sample rate of 0 Hz"));
+  const tests::Hdf5File short_times;
+  short_times.doubles("/force", {1, 5, 2});
+  short_times.doubles("/time", {0, 1});
+  EXPECT_EQ(import_error(short_times.bytes()),
+            why("'/force' has", "'/time' with 2 numbers for 3 samples"));
   const tests::MatBytes mat{};
   EXPECT_EQ(import_error(mat.header() + mat.doubles("force", {1, 5, 2}) + mat.doubles("Fs", {0})),
             why("'force' has", "'Fs' as 0"));
