@@ -73,11 +73,15 @@ datasets::Impact chosen_impact(const datasets::Record& record, const FitJob& job
 }
 
 /// Flags an impact whose impulse does not fit the rig, and says so at once: a fit to wrong units
-/// takes long and comes to nothing.
-void check_momentum(const fitting::RigFile& rig, datasets::Impact& impact, bool quiet,
-                    std::vector<std::string>& warnings) {
+/// takes long and comes to nothing, and one to times in another unit does not end.
+void check_momentum(const std::string& path, const fitting::RigFile& rig, datasets::Impact& impact,
+                    bool quiet, std::vector<std::string>& warnings) {
   const auto balance = fitting::momentum_balance(impact, rig);
   if (!balance || balance->plausible) return;
+  if (balance->times)
+    throw datasets::InputError(
+        {.file = path},
+        balance->sentence + " State the unit of the times with --units, or --sample-rate.");
   impact.flags.push_back(datasets::ImpactFlag::implausible);
   warnings.push_back(fmt::format("{}: {}", impact.recording, balance->sentence));
   if (!quiet) fmt::print(stderr, "warning: {}\n", warnings.back());
@@ -352,7 +356,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
       warnings.push_back(fmt::format("{}: {}", path, warning));
     refuse_choice(record, rig);
     impacts.push_back(chosen_impact(record, job, options.use_force, warnings));
-    check_momentum(rig, impacts.back(), job.common.quiet, warnings);
+    check_momentum(path, rig, impacts.back(), job.common.quiet, warnings);
     for (const reports::InputFile& input : data.provenance.inputs)
       if (input.sha256 == record.provenance.sha256)
         throw datasets::InputError(

@@ -148,6 +148,7 @@ std::optional<MomentumBalance> other_times(const Impact& impact, const RigFile& 
     if (!within(balance.ratio / factor, any_restitution)) continue;
     const bool longer = factor > 1.0;
     balance.plausible = false;
+    balance.times = true;
     balance.sentence = fmt::format(
         "The contact lasts {:.2g} s where this rig takes about {:.2g} s, and the force's impulse, "
         "{:.3g} N s, is too {} by the same factor: the times seem to be {:.0f} times too {} ({}).",

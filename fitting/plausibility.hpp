@@ -15,6 +15,7 @@ struct MomentumBalance {
   double expected = 0.0;  ///< of the rig at the measured approach speed, else at its own [N s]
   double ratio = 1.0;     ///< measured over expected
   bool plausible = true;
+  bool times = false;      ///< the times are in another unit
   std::string sentence{};  ///< what is off, by what factor, which unit that may be; else empty
 };
 

@@ -226,14 +226,16 @@ std::optional<std::size_t> TableReader::choice(std::string_view key,
 }
 
 void TableReader::finish() const {
+  std::set<std::string, std::less<>> names = known_;
+  names.insert(asked_.begin(), asked_.end());
   for (const auto& [key, node] : table_) {
     if (known_.contains(key.str())) continue;
-    const std::string_view nearest = nearest_name(key.str(), {known_.begin(), known_.end()});
+    const std::string_view nearest = nearest_name(key.str(), {names.begin(), names.end()});
     std::string problem = "there is no such key here";
     if (!nearest.empty())
       problem += fmt::format("; did you mean {}?", nearest);
     else
-      problem += fmt::format("; known are {}", fmt::join(known_, ", "));
+      problem += fmt::format("; known are {}", fmt::join(names, ", "));
     refuse_name(key.str(), problem);
   }
 }

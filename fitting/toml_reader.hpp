@@ -40,6 +40,7 @@ class TableReader {
   void inherit(const toml::table& other) { other_ = &other; }
 
   bool has(std::string_view key) const {
+    asked_.emplace(key);
     return table_.contains(key) || (other_ && other_->contains(key));
   }
 
@@ -87,7 +88,8 @@ class TableReader {
   std::string file_;
   std::string path_;
   const std::set<std::string>& overridden_;
-  std::set<std::string, std::less<>> known_;
+  std::set<std::string, std::less<>> known_;          ///< that were read
+  mutable std::set<std::string, std::less<>> asked_;  ///< whether they are there
 };
 
 }  // namespace impactrig::fitting

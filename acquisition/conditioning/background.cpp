@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <unsupported/Eigen/FFT>
@@ -16,6 +17,7 @@ namespace impactrig::acquisition {
 namespace {
 
 constexpr std::size_t sample_limit = std::size_t{1} << 18;
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 double as_double(std::size_t n) {
   return static_cast<double>(n);
@@ -138,29 +140,61 @@ double noise_gate(std::size_t n) {
   return std::max(6.0, std::sqrt(2.0 * std::log(as_double(n))) + 1.7);
 }
 
-double quantum_of(std::span<const double> values) {
-  std::vector<double> sorted = evenly_spread(values, std::size_t{1} << 16);
+namespace {
+
+/// The step of a grid through one of some values, sorted, on which at least 98 % of them lie; it is
+/// near `step`, and sharper the further the values lie apart. 0: there is none.
+double grid_step(std::span<const double> values, std::size_t anchor, double step) {
+  constexpr double near_grid = 0.1, on_grid = 0.03;  // steps
+  const double middle = values[anchor];
+  std::size_t below = anchor, above = anchor + 1, near = 1;
+  while (below > 0 || above < values.size()) {
+    const bool up = below == 0 ||
+                    (above < values.size() && values[above] - middle < middle - values[below - 1]);
+    const double distance = std::abs(values[up ? above++ : --below] - middle);
+    const double whole = std::round(distance / step);
+    const double beside = std::abs(distance / step - whole);
+    if (beside >= near_grid || whole == 0.0) continue;
+    ++near;
+    if (beside < on_grid) step = distance / whole;
+  }
+  return 100 * near >= 98 * values.size() ? step : 0.0;
+}
+
+}  // namespace
+
+double quantum_of(std::span<const double> values, std::span<const std::uint8_t> valid) {
+  std::vector<double> sorted = sampled(0, values.size(), std::size_t{1} << 16, [&](std::size_t i) {
+    return valid.empty() || valid[i] != 0 ? values[i] : nothing;
+  });
+  std::erase_if(sorted, [](double value) { return std::isnan(value); });
   if (sorted.size() < 16) return 0.0;
   std::ranges::sort(sorted);
   const double span = sorted.back() - sorted.front();
   // Values that differ by rounding only are one value: 1e-9 of the span is below any digitiser.
   std::vector<double> distinct{sorted.front()};
-  for (const double value : sorted)
-    if (value - distinct.back() > 1e-9 * span) distinct.push_back(value);
+  std::size_t anchor = 0, here = 0, most = 0;  // the value that occurs most often lies on the grid
+  for (const double value : sorted) {
+    if (value - distinct.back() > 1e-9 * span) {
+      distinct.push_back(value);
+      here = 0;
+    }
+    if (++here > most) {
+      most = here;
+      anchor = distinct.size() - 1;
+    }
+  }
   if (distinct.size() < 2 || 2 * distinct.size() > sorted.size()) return 0.0;
 
-  double smallest = span;
-  for (std::size_t i = 1; i < distinct.size(); ++i)
-    smallest = std::min(smallest, distinct[i] - distinct[i - 1]);
-  // The mean of the single steps is sharper than the smallest one.
-  const double steps = std::round(span / smallest);
-  const double quantum = span / steps;
-  std::size_t on_grid = 0;
-  for (const double value : distinct) {
-    const double code = (value - distinct.front()) / quantum;
-    if (std::abs(code - std::round(code)) < 0.1) ++on_grid;
-  }
-  return 100 * on_grid >= 98 * distinct.size() ? quantum : 0.0;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < distinct.size(); ++i) steps.push_back(distinct[i] - distinct[i - 1]);
+  std::ranges::sort(steps);
+  // Values beside the grid make the smallest steps: a coarser one that fits comes first.
+  for (const std::size_t part : {4, 20})
+    if (const double quantum = grid_step(distinct, anchor, steps[steps.size() / part]);
+        quantum > 0.0)
+      return quantum;
+  return grid_step(distinct, anchor, steps.front());
 }
 
 double grain_of(std::span<const double> values) {
@@ -186,7 +220,8 @@ QuietFit fit_quiet(std::span<const double> values, std::size_t begin, std::size_
     std::vector<double> residuals = residuals_of(values, fit);
     for (double& residual : residuals) residual = std::abs(residual);
     const double largest = std::ranges::max(residuals);
-    const double sigma = std::max(normal_mad * median(std::move(residuals)), fit.sigma);
+    double sigma = std::max(normal_mad * median(std::move(residuals)), fit.sigma);
+    if (sigma < 1e-9 * largest) sigma = 0.0;  // most samples differ by rounding alone
     const double band = std::max(4.0 * sigma, 1.6 * quantum);
     refit_within(values, band > 0.0 ? band : largest, degree, fit);
   }

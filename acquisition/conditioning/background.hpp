@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -34,9 +35,10 @@ double step_noise(std::span<const double> values);
 /// normal noise passes less than once in 10⁴ records).
 double noise_gate(std::size_t n);
 
-/// One digitiser step: the smallest difference between distinct values, when there are so many
-/// repeats that the values lie on a grid; else 0.
-double quantum_of(std::span<const double> values);
+/// One digitiser step: that of the grid on which nearly all distinct values lie, where there are
+/// many repeats; else 0. Samples that `valid` has as 0 do not count: what bridges them lies beside
+/// the grid.
+double quantum_of(std::span<const double> values, std::span<const std::uint8_t> valid = {});
 
 /// What two samples must differ by to differ at all: the digitiser step, or the rounding of a
 /// 24-bit number, 1e-7 of the largest value.

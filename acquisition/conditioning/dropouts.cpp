@@ -190,7 +190,8 @@ std::vector<Dropout> find_dropouts(std::span<const double> values,
                                    const std::vector<std::uint8_t>& valid, std::size_t longest) {
   if (values.size() < 2 * neighbours) return {};
   const std::vector<IndexRange> edges = edges_in(values, longest);
-  const Measure measure{span_of(values), std::max(step_noise(values), 0.75 * quantum_of(values))};
+  const Measure measure{span_of(values),
+                        std::max(step_noise(values), 0.75 * quantum_of(values, valid))};
   std::vector<Dropout> dropouts;
   for (std::size_t e = 0; e < edges.size(); ++e) {
     // The longest stretch first: a dropout may have spikes within.

@@ -160,6 +160,10 @@ void find_interval(Dialect dialect, TableHead& head) {
     std::string unit = !stated || stated->unit.empty() ? says.unit : std::string(stated->unit);
     unit = unit.empty() ? std::string(si) : is_rate ? rate_unit(unit) : unit_of_times(unit);
     const auto conversion = datasets::conversion(unit, si);
+    if (stated && stated->value <= 0.0) {
+      head.unusable_clock = fmt::format("'{}' as '{}'", key, text);
+      continue;
+    }
     if (!stated || !(stated->value > 0.0) || !conversion) {
       head.warnings.push_back(
           fmt::format("the header states '{}' as '{}', which is not understood: it is not used "

@@ -11,6 +11,7 @@
 #include <span>
 
 #include "acquisition/importers/column_keys.hpp"
+#include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/stated_units.hpp"
 #include "datasets/units.hpp"
 
@@ -557,6 +558,7 @@ Channel channel_of(const TableHead& head, std::size_t column, const ColumnHead& 
   channel.name = says.name;
   set_unit(channel, says, record);
   take_stated_quantity(head, column, channel);
+  set_attribute(channel, unusable_clock, head.unusable_clock);
   return channel;
 }
 

@@ -116,9 +116,17 @@ bool take_scales(ChildProcess& child, Hdf5Array& array) {
   return true;
 }
 
+bool take_field_path(ChildProcess& child, Hdf5Array& array) {
+  std::uint64_t names = 0;
+  if (!child.number(names) || names > hdf5_longest_list) return false;
+  array.field_path.resize(names);
+  return std::ranges::all_of(
+      array.field_path, [&child](std::string& name) { return child.text(name, longest_answer); });
+}
+
 bool take(ChildProcess& child, Hdf5Array& array) {
   std::uint64_t rank = 0;
-  if (!child.text(array.path, longest_answer) || !child.text(array.field, longest_answer) ||
+  if (!child.text(array.path, longest_answer) || !take_field_path(child, array) ||
       !child.number(array.field_index) || !child.number(array.fields) || !child.number(rank) ||
       rank > H5S_MAX_RANK)
     return false;
@@ -175,12 +183,12 @@ class Blocks {
         break;
     }
     block_.valid = {};
-    if (slice.missing && whole) {
+    if (slice.none.any() && whole) {
       valid_.resize(count);
       std::visit(
           [&](auto samples) {
             std::ranges::transform(samples, valid_.begin(), [&](auto sample) {
-              return static_cast<std::uint8_t>(static_cast<double>(sample) != *slice.missing);
+              return static_cast<std::uint8_t>(!slice.none.holds(static_cast<double>(sample)));
             });
           },
           block_.raw);
@@ -257,6 +265,12 @@ ColumnNumber column_number(const Hdf5Attributes& attributes, std::string_view na
 }
 
 }  // namespace
+
+std::string Hdf5Array::field() const {
+  std::string name;
+  for (const std::string& part : field_path) name += (name.empty() ? "" : ".") + part;
+  return name;
+}
 
 Hdf5Listing list_hdf5(const std::string& path) {
   std::error_code error;

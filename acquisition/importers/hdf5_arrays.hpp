@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "acquisition/importers/hdf5_no_value.hpp"
 #include "acquisition/importers/wide_integers.hpp"
 #include "acquisition/recording_reader.hpp"
 
@@ -30,11 +31,11 @@ struct Hdf5Attributes {
 
 /// A data set of numbers in an HDF5 file, or one field of a table of records.
 struct Hdf5Array {
-  std::string path;                  ///< "/entry/force"
-  std::string field;                 ///< "" = the data set itself
-  std::uint64_t field_index = 0;     ///< among all fields of the records
-  std::uint64_t fields = 0;          ///< all of the records
-  std::vector<std::uint64_t> shape;  ///< slowest dimension first; empty: a single number
+  std::string path;                     ///< "/entry/force"
+  std::vector<std::string> field_path;  ///< names that lead to it; empty: the data set itself
+  std::uint64_t field_index = 0;        ///< among all fields of the records
+  std::uint64_t fields = 0;             ///< all of the records
+  std::vector<std::uint64_t> shape;     ///< slowest dimension first; empty: a single number
   ArrayNumbers numbers = ArrayNumbers::f64;
   bool wide = false;            ///< integers of 64 bits: not all are exact as doubles
   bool complex = false;         ///< a pair of members, "real" and "imag"
@@ -44,6 +45,10 @@ struct Hdf5Array {
   /// Data sets that hold the scale of a dimension, by their reference, one list a dimension.
   std::vector<std::vector<std::uint64_t>> scales;
   Hdf5Attributes attributes;
+
+  bool is_field() const { return !field_path.empty(); }
+
+  std::string field() const;  ///< "force", within records "sensor.force"
 };
 
 /// A data set of references to others; they are compared with Hdf5Array::reference and never
@@ -85,7 +90,7 @@ struct Hdf5Slice {
   /// Integers of 64 bits, less the first of the data set: doubles hold those where they do not hold
   /// the integers.
   bool from_first = false;
-  std::optional<double> missing{};  ///< the number that stands for none
+  Hdf5NoValue none{};  ///< numbers that are no samples
   /// Of as many numbers: handed over as times, time_factor * number + time_offset.
   std::shared_ptr<const Hdf5Slice> times{};
   double time_factor = 1.0;  ///< [s]
@@ -98,7 +103,7 @@ std::vector<std::uint64_t> places_of(const Hdf5Slice& slice);
 /// What was seen of a slice as it was read.
 struct Hdf5SliceSeen {
   WideIntegers wide;
-  std::uint64_t missing = 0;  ///< samples that are Hdf5Slice::missing
+  std::uint64_t missing = 0;  ///< samples that Hdf5Slice::none holds
 };
 
 /// Reads slices by blocks, in a child process too. Throws datasets::InputError.

@@ -119,7 +119,7 @@ std::uint64_t columns_beside(const Hdf5Array& array, std::size_t along) {
 
 Column column_of(const Hdf5Slice& slice) {
   const Hdf5Array& array = *slice.array;
-  if (!array.field.empty()) return {array.field_index, array.fields};
+  if (array.is_field()) return {array.field_index, array.fields};
   if (slice.whole) return {slice.other, 1};
   return {slice.other, columns_beside(array, slice.along)};
 }
@@ -158,8 +158,8 @@ class ChannelMaker {
 
   /// Of a field of records: "/run/table.force".
   std::string name_of(const Hdf5Array& array) const {
-    return array.field.empty() ? made_.name_of_set(array)
-                               : shown(array.path + "." + array.field, made_.matlab);
+    return !array.is_field() ? made_.name_of_set(array)
+                             : shown(array.path + "." + array.field(), made_.matlab);
   }
 
   void skip(std::string what) { made_.listing.skipped.push_back(std::move(what)); }
@@ -263,7 +263,7 @@ class ChannelMaker {
     Channel channel;
     channel.name = name;
     std::string linked;
-    if (slice.whole && array.field.empty())
+    if (slice.whole && !array.is_field())
       for (const std::string& link : links_to(made_.listing, array.path))
         if (linked.size() < 1000)
           linked += (linked.empty() ? "" : " | ") + made_.name_of_path(link);
@@ -303,8 +303,7 @@ class ChannelMaker {
       channel.unit.clear();
       made_.still_packed.insert(made_.slices.size());
     }
-    constexpr std::array<std::string_view, 2> missing = {"_fillvalue", "missing_value"};
-    if (!slice.array->complex) slice.missing = number_of(slice.array->attributes, missing);
+    if (!slice.array->complex) slice.none = no_value_of(*slice.array, column.which, column.columns);
   }
 
   /// The user sees no single numbers among the channels, except MATLAB's.

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string_view>
 
+#include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/mat_programs.hpp"
 #include "acquisition/importers/named_arrays.hpp"
 #include "acquisition/importers/text_file.hpp"
@@ -52,8 +53,7 @@ class ClockSetter {
 
  private:
   /// What attributes of a data set, or of a group around it, say of its clock.
-  bool by_attributes(std::string_view name, const Hdf5Attributes& attributes,
-                     datasets::SampleClock& clock) {
+  bool by_attributes(std::string_view name, const Hdf5Attributes& attributes, Channel& channel) {
     constexpr std::array<std::string_view, 7> intervals = {
         "dt",      "wf_increment",   "sample_interval", "sampling_interval",
         "delta_t", "sampleinterval", "samplinginterval"};
@@ -68,11 +68,18 @@ class ClockSetter {
                                                        "sample_frequency"};
     constexpr std::array<std::string_view, 4> starts = {"wf_start_offset", "t0", "start_time",
                                                         "start"};
-    const double interval = quantity_of(attributes, intervals, "s").value_or(0.0);
-    const double rate = quantity_of(attributes, rates, "Hz").value_or(0.0);
+    const auto stated_interval = quantity_of(attributes, intervals, "s");
+    const auto stated_rate = quantity_of(attributes, rates, "Hz");
+    const double interval = stated_interval.value_or(0.0);
+    const double rate = stated_rate.value_or(0.0);
     const double period = rate > 0.0 && std::isfinite(1.0 / rate) ? 1.0 / rate : 0.0;
+    datasets::SampleClock& clock = channel.clock;
     clock.interval = interval > 0.0 ? interval : period;
-    if (!(clock.interval > 0.0)) return false;
+    if (!(clock.interval > 0.0)) {
+      if (stated_rate) tell_unusable_rate(channel, rate);
+      if (stated_interval) tell_unusable_interval(channel, interval, "s");
+      return false;
+    }
     if (period > 0.0 && differ(clock.interval, period))
       file_.warn(
           fmt::format("'{}': one attribute says that samples are {:.9g} s apart, that of its rate "
@@ -105,7 +112,7 @@ class ClockSetter {
     NamedArray named{channel.name, slices_[index].count, !array.complex};
     named.real = named.real && !file_.still_packed.contains(index);
     take_unit(named, channel.unit);
-    if (slices_[index].whole && array.field.empty())
+    if (slices_[index].whole && !array.is_field())
       for (const std::string& link : links_to(file_.listing, array.path))
         named.other_names.push_back(file_.name_of_path(link));
     named.time = is_axis(array) &&
@@ -283,7 +290,7 @@ class ClockSetter {
     const ArrayClock& found = clocks_[index];
     const Hdf5Array& array = *slices_[index].array;
     if (!(stated && found.interval > 0.0) &&
-        by_attributes(file_.name_of_set(array), array.attributes, clock)) {
+        by_attributes(file_.name_of_set(array), array.attributes, channels_[index])) {
       if (found.interval > 0.0 && differ(clock.interval, found.interval))
         file_.warn(
             fmt::format("'{}': its attributes say that samples are {:.9g} s apart, what stands "
@@ -293,11 +300,12 @@ class ClockSetter {
     }
     clock.start = found.start;
     clock.interval = found.interval;
+    set_attribute(channels_[index], unusable_clock, found.unusable);
     if (found.times) take_times(index, *found.times, arrays[*found.times].seconds);
     if (clock.interval > 0.0) return;
-    if (by_groups(array.path, clock)) return;
+    if (by_groups(array.path, channels_[index])) return;
     for (const std::string& link : links_to(file_.listing, array.path))
-      if (by_groups(link, clock)) return;
+      if (by_groups(link, channels_[index])) return;
   }
 
   MatFacts mat_facts() {
@@ -318,11 +326,11 @@ class ClockSetter {
   }
 
   /// What attributes of the groups around a path say.
-  bool by_groups(std::string_view path, datasets::SampleClock& clock) {
+  bool by_groups(std::string_view path, Channel& channel) {
     for (std::string_view group = parent_of(path);; group = parent_of(group)) {
       const auto attributes = file_.listing.groups.find(std::string(group));
       if (attributes != file_.listing.groups.end() &&
-          by_attributes(group, attributes->second, clock))
+          by_attributes(group, attributes->second, channel))
         return true;
       if (group == "/") return false;
     }

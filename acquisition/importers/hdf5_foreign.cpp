@@ -54,10 +54,9 @@ class ForeignReader final : public RecordingReader {
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const std::string& name = record.channels[i].name;
       if (seen[i].missing > 0)
-        record.warnings.push_back(
-            fmt::format("'{}': {} of {} samples are {}, which stands for none; "
-                        "marked as not valid",
-                        name, seen[i].missing, slices[i].count, *slices[i].missing));
+        record.warnings.push_back(fmt::format("'{}': {} of {} samples are {}; marked as not valid",
+                                              name, seen[i].missing, slices[i].count,
+                                              slices[i].none.text()));
       if (std::string wide = seen[i].wide.warning(name); !wide.empty())
         record.warnings.push_back(std::move(wide));
     }

@@ -27,7 +27,7 @@ bool is_scale(const Hdf5Attributes& attributes) {
 
 DimensionScales::DimensionScales(const std::vector<Hdf5Array>& arrays) {
   for (const Hdf5Array& array : arrays)
-    if (array.reference != 0 && array.field.empty()) by_reference_.emplace(array.reference, &array);
+    if (array.reference != 0 && !array.is_field()) by_reference_.emplace(array.reference, &array);
 }
 
 void DimensionScales::state_unit(const Hdf5Array& scale, const std::string& unit) {

@@ -420,7 +420,8 @@ class Walk {
   void put(const Hdf5Array& array) {
     out_.text("array");
     out_.text(array.path);
-    out_.text(array.field);
+    out_.number(array.field_path.size());
+    for (const std::string& name : array.field_path) out_.text(name);
     out_.number(array.field_index);
     out_.number(array.fields);
     out_.number(array.shape.size());
@@ -440,30 +441,51 @@ class Walk {
 
   /// The numbers among the fields of records.
   void fields(hid_t type, Hdf5Array& array) {
-    const int count = H5Tget_nmembers(type);
-    if (count > static_cast<int>(hdf5_longest_list))
-      return skip(array.path, fmt::format("records of {} fields, at most {} are read", count,
-                                          hdf5_longest_list));
-    array.fields = static_cast<std::uint64_t>(std::max(count, 0));
+    array.fields = static_cast<std::uint64_t>(std::max(H5Tget_nmembers(type), 0));
+    if (count_fields(type, 0) > hdf5_longest_list)
+      return skip(array.path,
+                  fmt::format("records of over {} fields, or too deep ones", hdf5_longest_list));
     for (unsigned i = 0; i < array.fields; ++i) {
-      char* const name = H5Tget_member_name(type, i);
-      if (name == nullptr) return skip(array.path, "damaged");
-      array.field = name;
-      H5free_memory(name);
-      const Hdf5Handle member(H5Tget_member_type(type, i), H5Tclose);
-      const auto numbers = numbers_of(member.id());
-      const std::string full = array.path + "." + array.field;
-      if (full.size() > longest_path) {
-        skip(full.substr(0, 100), "a path of over 1000 bytes");
-      } else if (!numbers) {
-        skip(full, kind_name(H5Tget_class(member.id())));
-      } else {
-        array.numbers = *numbers;
-        array.wide = is_wide(member.id());
-        array.field_index = i;
-        put(array);
-      }
+      array.field_index = i;
+      field(type, i, array);
     }
+  }
+
+  /// Of records and of those within them; more than hdf5_longest_list where they are too deep.
+  static std::size_t count_fields(hid_t type, int depth) {
+    const int members = H5Tget_nmembers(type);
+    std::size_t count = static_cast<std::size_t>(std::max(members, 0));
+    if (depth > deepest) return hdf5_longest_list + 1;
+    for (unsigned i = 0; i < static_cast<unsigned>(std::max(members, 0)); ++i) {
+      if (count > hdf5_longest_list) break;
+      const Hdf5Handle member(H5Tget_member_type(type, i), H5Tclose);
+      if (H5Tget_class(member.id()) == H5T_COMPOUND) count += count_fields(member.id(), depth + 1);
+    }
+    return count;
+  }
+
+  /// One of them, or those of the records that it is.
+  void field(hid_t type, unsigned index, Hdf5Array& array) {
+    char* const name = H5Tget_member_name(type, index);
+    if (name == nullptr) return skip(array.path, "damaged");
+    array.field_path.emplace_back(name);
+    H5free_memory(name);
+    const Hdf5Handle member(H5Tget_member_type(type, index), H5Tclose);
+    const auto numbers = numbers_of(member.id());
+    const std::string full = array.path + "." + array.field();
+    if (full.size() > longest_path) {
+      skip(full.substr(0, 100), "a path of over 1000 bytes");
+    } else if (H5Tget_class(member.id()) == H5T_COMPOUND) {
+      for (unsigned i = 0; i < static_cast<unsigned>(H5Tget_nmembers(member.id())); ++i)
+        field(member.id(), i, array);
+    } else if (!numbers) {
+      skip(full, kind_name(H5Tget_class(member.id())));
+    } else {
+      array.numbers = *numbers;
+      array.wide = is_wide(member.id());
+      put(array);
+    }
+    array.field_path.pop_back();
   }
 
   void text(hid_t id, hid_t type, const std::string& path) {
@@ -532,8 +554,6 @@ class Walk {
     switch (kind) {
       case H5T_STRING:
         return "text";
-      case H5T_COMPOUND:
-        return "records within records";
       case H5T_ARRAY:
         return "a list";
       case H5T_REFERENCE:
@@ -601,10 +621,14 @@ class SliceReader {
   }
 
  private:
-  /// Records with one of the file's fields.
-  static Hdf5Handle field_type(const std::string& name, hid_t number) {
-    Hdf5Handle type(H5Tcreate(H5T_COMPOUND, H5Tget_size(number)), H5Tclose);
-    H5Tinsert(type.id(), name.c_str(), 0, number);
+  /// Records with one of the file's fields, by the names that lead to it.
+  static Hdf5Handle field_type(const std::vector<std::string>& names, hid_t number) {
+    Hdf5Handle type(H5Tcopy(number), H5Tclose);
+    for (std::size_t i = names.size(); i-- > 0;) {
+      Hdf5Handle around(H5Tcreate(H5T_COMPOUND, H5Tget_size(number)), H5Tclose);
+      H5Tinsert(around.id(), names[i].c_str(), 0, type.id());
+      type = std::move(around);
+    }
     return type;
   }
 
@@ -614,7 +638,7 @@ class SliceReader {
     char* const name = H5Tget_member_name(type.id(), part);
     const std::string field = name == nullptr ? "" : name;
     H5free_memory(name);
-    return field_type(field, H5T_NATIVE_DOUBLE);
+    return field_type({field}, H5T_NATIVE_DOUBLE);
   }
 
   /// Reads numbers, which are what the slice asks for: as they are, or less the first of all.
@@ -642,8 +666,8 @@ class SliceReader {
   /// Reads numbers of a data set or of a field.
   bool read_as(hid_t data, const Hdf5Slice& slice, hid_t number, std::uint64_t count,
                void* to) const {
-    if (slice.array->field.empty()) return read(data, slice, number, count, to);
-    return read(data, slice, field_type(slice.array->field, number).id(), count, to);
+    if (slice.array->field_path.empty()) return read(data, slice, number, count, to);
+    return read(data, slice, field_type(slice.array->field_path, number).id(), count, to);
   }
 
   bool read(hid_t data, const Hdf5Slice& slice, hid_t type, std::uint64_t count, void* to) const {

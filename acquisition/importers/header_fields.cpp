@@ -61,8 +61,20 @@ void set_unit(Channel& channel, std::string_view unit) {
   channel.quantity = datasets::quantity_of_unit(unit);
 }
 
+void tell_unusable_interval(Channel& channel, double interval, std::string_view unit) {
+  if (interval > 0.0 && std::isfinite(interval)) return;
+  channel.attributes[std::string(unusable_clock)] =
+      fmt::format("a sample interval of {:.9g} {}", interval, unit.empty() ? "s" : unit);
+}
+
+void tell_unusable_rate(Channel& channel, double rate) {
+  if (rate > 0.0 && std::isfinite(rate)) return;
+  channel.attributes[std::string(unusable_clock)] = fmt::format("a sample rate of {:.9g} Hz", rate);
+}
+
 void set_axis(Channel& channel, double start, double interval, std::string_view unit) {
   const auto to_seconds = datasets::conversion(unit, "s");
+  if (unit.empty() || to_seconds) tell_unusable_interval(channel, interval, unit);
   if (!std::isfinite(start)) start = 0.0;
   if (!std::isfinite(interval)) interval = 0.0;
   if (unit.empty() || to_seconds) {
@@ -84,6 +96,17 @@ void set_scale(Channel& channel, double scale, double offset, const MappedFile& 
                                  channel.name, scale, offset));
   channel.scale = scale;
   channel.offset = offset;
+}
+
+void undo_zero_scale(Channel& channel, Record& record) {
+  if (channel.scale != 0.0) return;
+  record.warnings.push_back(
+      fmt::format("'{}': the header states a scale of 0: its numbers are as they are stored, "
+                  "without a unit",
+                  channel.name));
+  channel.scale = 1.0;
+  channel.offset = 0.0;
+  set_unit(channel, "");
 }
 
 std::string iso_time(int year, int month, int day, int hour, int minute, double second) {

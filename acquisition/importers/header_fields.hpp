@@ -34,6 +34,16 @@ void set_attribute(datasets::Record& record, std::string_view name, std::string_
 /// Unit and the quantity it stands for.
 void set_unit(datasets::Channel& channel, std::string_view unit);
 
+/// Attribute of a channel: what its file states as its clock and can be none, "a sample interval of
+/// 0 s".
+inline constexpr std::string_view unusable_clock = "unusable clock in file";
+
+/// Sets that attribute where the interval, in a unit of time, is not a number above 0.
+void tell_unusable_interval(datasets::Channel& channel, double interval, std::string_view unit);
+
+/// Likewise of a rate [Hz].
+void tell_unusable_rate(datasets::Channel& channel, double rate);
+
 /// The clock, or, where `unit` is none of time, the abscissa. Numbers that cannot be are left out:
 /// the interval is then 0.
 void set_axis(datasets::Channel& channel, double start, double interval, std::string_view unit);
@@ -41,6 +51,10 @@ void set_axis(datasets::Channel& channel, double start, double interval, std::st
 /// Scale and offset. Throws datasets::InputError when one of them is no number.
 void set_scale(datasets::Channel& channel, double scale, double offset, const MappedFile& file,
                std::uint64_t place);
+
+/// A scale of 0, by which every sample would be the offset, leaves the numbers as they are stored,
+/// without a unit; a warning says so.
+void undo_zero_scale(datasets::Channel& channel, datasets::Record& record);
 
 /// "2022-04-12T13:31:47.25Z" of seconds since 1970 UTC; "" outside of the years 1970 to 2200.
 std::string iso_time_utc(double seconds);

@@ -196,6 +196,7 @@ class ImcReader {
     channel.name = name_of(one, record_.channels.size());
     set_unit(channel, one.unit == "Degr" ? "deg" : one.unit);  // imc's name of the angle
     set_scale(channel, one.factor, one.shift, *file_, one.place);
+    undo_zero_scale(channel, record_);
     set_attribute(channel, "comment", one.comment);
     set_attribute(channel, "group", one.group);
     // devices may write 1980 there and the seconds since, in their own time zone

@@ -11,8 +11,9 @@
 #include <vector>
 
 #include "acquisition/importer.hpp"
-#include "acquisition/importers/all_finite.hpp"
+#include "acquisition/importers/checked_samples.hpp"
 #include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/text_file.hpp"
 
@@ -145,101 +146,6 @@ bool lacks_clock(const RecordingHead& head, std::size_t index) {
   return time && head.samples[index] > 1 && !(channel.clock.interval > 0.0);
 }
 
-/// Samples that are infinite or not a number cannot be used: they are marked, whatever the format.
-class FiniteSamples final : public SampleSink {
- public:
-  /// `ranges`: the samples of each channel that go on; none: all, with their times.
-  FiniteSamples(std::size_t channels, std::vector<SampleRange> ranges, SampleSink& next)
-      : marks_(channels),
-        seen_(channels),
-        ranges_(std::move(ranges)),
-        next_(next) {}
-
-  void take(std::size_t index, const SampleBlock& whole) override {
-    const SampleBlock block = ranges_.empty() ? whole : within(ranges_[index], seen_[index], whole);
-    seen_[index] += whole.size();
-    if (block.size() == 0) return;
-    SampleBlock checked = block;
-    const bool finite =
-        std::visit([](auto samples) { return without_strange(samples); }, block.raw) &&
-        all_finite(block.imaginary);
-    Marks& marks = marks_[index];
-    if (!finite) {
-      std::visit([&](auto samples) { mark(samples, block, marks); }, block.raw);
-      checked.valid = valid_;
-    }
-    marks.samples += block.size();
-    next_.take(index, checked);
-  }
-
-  void take_times(std::size_t index, std::span<const double> times) override {
-    if (ranges_.empty()) next_.take_times(index, times);
-  }
-
-  bool any() const {
-    return std::ranges::any_of(marks_, [](const Marks& marks) { return marks.samples > 0; });
-  }
-
-  void tell(Record& record) const {
-    for (std::size_t i = 0; i < marks_.size(); ++i) {
-      const Marks& marks = marks_[i];
-      if (marks.found == 0) continue;
-      record.warnings.push_back(
-          fmt::format("'{}': {} of {} samples {} not finite, the first is sample {}; marked as "
-                      "not valid",
-                      record.channels[i].name, marks.found, marks.samples,
-                      marks.found == 1 ? "is" : "are", marks.first));
-    }
-  }
-
- private:
-  struct Marks {
-    std::uint64_t samples = 0;
-    std::uint64_t found = 0;
-    std::uint64_t first = 0;
-  };
-
-  template <typename T>
-  static bool without_strange(std::span<const T> samples) {
-    if constexpr (std::is_floating_point_v<T>)
-      return all_finite(samples);
-    else
-      return true;
-  }
-
-  template <typename T>
-  void mark(std::span<const T> samples, const SampleBlock& block, Marks& marks) {
-    valid_.assign(block.valid.begin(), block.valid.end());
-    valid_.resize(samples.size(), 1);
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const bool finite = std::isfinite(static_cast<double>(samples[i])) &&
-                          (block.imaginary.empty() || std::isfinite(block.imaginary[i]));
-      if (finite || valid_[i] == 0) continue;
-      valid_[i] = 0;
-      if (marks.found++ == 0) marks.first = marks.samples + i;
-    }
-  }
-
-  /// The part of a block that lies in a range; the block's first sample is sample `first`.
-  static SampleBlock within(SampleRange range, std::uint64_t first, const SampleBlock& block) {
-    const std::uint64_t end = first + block.size();
-    const auto from = static_cast<std::size_t>(std::clamp(range.first, first, end) - first);
-    const auto to = static_cast<std::size_t>(std::clamp(range.last, first, end) - first);
-    const std::size_t count = std::max(from, to) - from;
-    SampleBlock part;
-    std::visit([&](auto raw) { part.raw = raw.subspan(from, count); }, block.raw);
-    if (!block.imaginary.empty()) part.imaginary = block.imaginary.subspan(from, count);
-    if (!block.valid.empty()) part.valid = block.valid.subspan(from, count);
-    return part;
-  }
-
-  std::vector<Marks> marks_;
-  std::vector<std::uint64_t> seen_;
-  std::vector<SampleRange> ranges_;
-  SampleSink& next_;
-  std::vector<std::uint8_t> valid_;
-};
-
 /// Of channels that have the same name, how they are told apart; "" where there are none.
 std::string same_names(const Record& record) {
   std::map<std::string_view, std::vector<const Channel*>> named;
@@ -305,8 +211,8 @@ class CheckedRecording final : public RecordingReader {
     // with another rate than the file's, the window is not the file's either
     Selection of_file = wanted;
     if (rate_) of_file = {wanted.channels};
-    FiniteSamples checked(chosen.size(),
-                          rate_ ? ranges(chosen, wanted) : std::vector<SampleRange>{}, sink);
+    CheckedSamples checked(chosen.size(),
+                           rate_ ? ranges(chosen, wanted) : std::vector<SampleRange>{}, sink);
     Record record = reader_->read(of_file, checked);
     if (rate_) {
       apply_sample_rate(record, *rate_);
@@ -325,20 +231,42 @@ class CheckedRecording final : public RecordingReader {
   }
 
  private:
-  /// Names those of the channels that have no clock, the first ten of many; "" where all have one.
+  /// Names those of the channels that have no clock, and says why; "" where all have one.
   std::string without_clock(const std::vector<std::size_t>& channels) const {
-    constexpr std::size_t most_named = 10;
-    std::string names;
-    std::size_t found = 0;
+    std::map<std::string, std::vector<std::string_view>> names;  // by what the file states
     for (const std::size_t index : channels)
-      if (lacks_clock(head_, index) && ++found <= most_named)
-        names += fmt::format("{}'{}'", found > 1 ? ", " : "", head_.record.channels[index].name);
-    if (found == 0) return {};
-    return fmt::format(
-        "{}{} {} neither times nor a sample rate: state it with --sample-rate, or the column with "
-        "--time-column",
-        names, found > most_named ? fmt::format(" and {} more", found - most_named) : "",
-        found == 1 ? "has" : "have");
+      if (lacks_clock(head_, index)) {
+        const Channel& channel = head_.record.channels[index];
+        names[stated_clock(channel)].push_back(channel.name);
+      }
+    std::string sentence;
+    for (const auto& [stated, channels_named] : names)
+      sentence += fmt::format(
+          "{}{} {}", sentence.empty() ? "" : "; ", first_of(channels_named),
+          stated.empty() ? fmt::format("{} neither times nor a sample rate",
+                                       channels_named.size() == 1 ? "has" : "have")
+                         : fmt::format("{} no sample rate, since {}",
+                                       channels_named.size() == 1 ? "has" : "have", stated));
+    if (sentence.empty()) return {};
+    return sentence + ": state it with --sample-rate, or the column with --time-column";
+  }
+
+  /// Why a file that states a clock gives none; "" where it states nothing.
+  static std::string stated_clock(const Channel& channel) {
+    const auto unusable = channel.attributes.find(std::string(unusable_clock));
+    if (unusable != channel.attributes.end())
+      return fmt::format("the file states {}", unusable->second);
+    return channel.clock.interval < 0.0 ? "its times do not increase" : "";
+  }
+
+  /// The first ten of many names.
+  static std::string first_of(const std::vector<std::string_view>& names) {
+    constexpr std::size_t most = 10;
+    std::string list;
+    for (std::size_t i = 0; i < std::min(most, names.size()); ++i)
+      list += fmt::format("{}'{}'", i > 0 ? ", " : "", names[i]);
+    if (names.size() > most) list += fmt::format(" and {} more", names.size() - most);
+    return list;
   }
 
   /// The samples of a re-rated clock in the window, however many there are.

@@ -197,6 +197,7 @@ class TrcReader {
     const auto gain = field<float>(at_->gain, "the vertical gain");
     const auto offset = field<float>(at_->offset, "the vertical offset");
     set_scale(channel_, gain, -static_cast<double>(offset), *file_, base_ + at_->gain);
+    undo_zero_scale(channel_, record_);
     // "S" is LeCroy's second
     const std::string written = text(at_->time_unit, 48, "the horizontal unit");
     unit_ = written == "S" ? "s" : written;

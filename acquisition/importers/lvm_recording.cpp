@@ -10,6 +10,7 @@
 #include <map>
 
 #include "acquisition/importers/column_heads.hpp"
+#include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/text_file.hpp"
@@ -266,6 +267,8 @@ void LvmRecording::set_clock(LvmPart& part, double shift, bool multi, Channel& c
   if (part.x.empty() || gaps) {
     clock.start = part.x0.value_or(0.0) * factor + shift;
     clock.interval = delta * factor;
+    if (!part.delta && !part.delta_text.empty())
+      set_attribute(channel, unusable_clock, fmt::format("'Delta_X' as '{}'", part.delta_text));
     tell_rate_meant(part);
     return;
   }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/mat5.hpp"
 #include "acquisition/importers/mat_programs.hpp"
 #include "acquisition/importers/mat_recording.hpp"
@@ -113,6 +114,7 @@ class MatRecord {
       const ArrayClock& clock = found.clocks[i];
       record_.channels[i].clock.start = clock.start;
       record_.channels[i].clock.interval = clock.interval;
+      set_attribute(record_.channels[i], unusable_clock, clock.unusable);
       if (!clock.times) continue;
       stored_[i].times = stored_[*clock.times].samples;
       const double seconds = arrays[*clock.times].seconds;

@@ -155,9 +155,18 @@ MdfDescribed MdfChannels::described(const MdfBlock& block, const Records& record
   const bool floating = data_type == 4 || data_type == 5;
   channel.conversion = conversion_at(block.link(4), floating);
   if (channel.unit.empty()) channel.unit = channel.conversion.unit;
-  channel.field = field_of(channel, data_type, bit_offset, bit_count);
+  const auto field = field_of(data_type, bit_offset, bit_count);
+  if (!field) {
+    warn_(fmt::format(
+        "'{}' is left out: it has numbers of type {} with {} bits from bit {} on, which "
+        "are not read",
+        channel.name, data_type, bit_count, bit_offset));
+    channel.usable = false;
+    return channel;
+  }
+  channel.field = *field;
   channel.field.offset = records.id + byte_offset;
-  if (channel.field.shape == MdfField::Shape::complex && block.link(4) != 0) {
+  if (channel.field.complex && block.link(4) != 0) {
     channel.conversion = {};
     channel.conversion.problem = "its numbers are complex";
   }
@@ -179,19 +188,18 @@ MdfDescribed MdfChannels::described(const MdfBlock& block, const Records& record
   return channel;
 }
 
-MdfField MdfChannels::field_of(const MdfDescribed& channel, std::uint8_t data_type,
-                               std::uint32_t bit_offset, std::uint32_t bit_count) const {
+/// None for numbers that no type of the standard has.
+std::optional<MdfField> MdfChannels::field_of(std::uint8_t data_type, std::uint32_t bit_offset,
+                                              std::uint32_t bit_count) {
   MdfField field;
-  if (data_type >= 15) {
-    field.big_endian = data_type == 16;
-    field.shape = MdfField::Shape::complex;
-    field.kind = bit_count == 64 ? NumberKind::f32 : NumberKind::f64;
-    if (bit_offset == 0 && (bit_count == 64 || bit_count == 128)) return field;
-  } else if (data_type >= 4) {
-    field.big_endian = data_type == 5;
-    field.kind = bit_count == 32 ? NumberKind::f32 : NumberKind::f64;
-    if (bit_count == 16) field.shape = MdfField::Shape::half_float;
-    if (bit_offset == 0 && (bit_count == 16 || bit_count == 32 || bit_count == 64)) return field;
+  if (data_type >= 4) {
+    field.complex = data_type >= 15;
+    field.big_endian = data_type == 5 || data_type == 16;
+    const std::uint32_t bits = field.complex ? bit_count / 2 : bit_count;  // of a part
+    field.kind = bits == 32 ? NumberKind::f32 : NumberKind::f64;
+    if (bits == 16) field.shape = MdfField::Shape::half_float;
+    const bool whole = bit_offset == 0 && (!field.complex || bit_count % 2 == 0);
+    if (whole && (bits == 16 || bits == 32 || bits == 64)) return field;
   } else if (bit_offset < 8 && bit_count > 0 && bit_count <= 64) {
     field.big_endian = data_type % 2 == 1;
     field.with_sign = data_type >= 2;
@@ -210,8 +218,7 @@ MdfField MdfChannels::field_of(const MdfDescribed& channel, std::uint8_t data_ty
     }
     return field;
   }
-  fail(channel.at, fmt::format("'{}' has numbers of type {} with {} bits from bit {} on",
-                               channel.name, data_type, bit_count, bit_offset));
+  return std::nullopt;
 }
 
 /// The conversion at a place. Channels that share it share its parameters.

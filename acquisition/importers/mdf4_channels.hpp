@@ -77,8 +77,8 @@ class MdfChannels {
   std::string name_of(const MdfBlock& block);
   void leave_out(const std::string& name);
   MdfDescribed described(const MdfBlock& block, const Records& records);
-  MdfField field_of(const MdfDescribed& channel, std::uint8_t data_type, std::uint32_t bit_offset,
-                    std::uint32_t bit_count) const;
+  static std::optional<MdfField> field_of(std::uint8_t data_type, std::uint32_t bit_offset,
+                                          std::uint32_t bit_count);
   const MdfConversion& conversion_at(std::uint64_t at, bool floating = false);
 
   MdfBlocks& blocks_;

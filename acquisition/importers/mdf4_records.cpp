@@ -52,7 +52,7 @@ void read_field(const MdfField& field, const char* records, std::uint64_t count,
                 std::uint64_t stride, std::vector<Value>& to) {
   to.resize(count);
   const char* const from = records + field.offset;
-  if (field.shape == MdfField::Shape::number || field.shape == MdfField::Shape::complex)
+  if (field.shape == MdfField::Shape::number)
     return convert_numbers(field.kind, field.big_endian, from, count, stride, to.data());
   for (std::uint64_t i = 0; i < count; ++i) {
     const char* const at = from + i * stride;
@@ -290,9 +290,7 @@ class MdfRecording final : public RecordingReader {
       read_field(field, records, count, group.record_bytes, values);
       block.raw = std::span(std::as_const(values));
     };
-    const bool number =
-        field.shape == MdfField::Shape::number || field.shape == MdfField::Shape::complex;
-    if (channel.scaling || !number) {
+    if (channel.scaling || field.shape != MdfField::Shape::number) {
       read(doubles_);
       if (channel.scaling) channel.scaling(doubles_);
     } else if (field.kind == NumberKind::i8 || field.kind == NumberKind::u8 ||
@@ -306,9 +304,9 @@ class MdfRecording final : public RecordingReader {
     } else {
       read(doubles_);
     }
-    if (field.shape == MdfField::Shape::complex) {
+    if (field.complex) {
       MdfField imaginary = field;
-      imaginary.offset += size_of(field.kind);
+      imaginary.offset += field.bytes_of_part();
       read_field(imaginary, records, count, group.record_bytes, imaginary_);
       block.imaginary = imaginary_;
     }

@@ -21,21 +21,23 @@ namespace impactrig::acquisition {
 
 /// How a value lies in a record.
 struct MdfField {
-  enum class Shape { number, complex, bits, half_float };
+  enum class Shape { number, bits, half_float };
   Shape shape = Shape::number;
-  NumberKind kind = NumberKind::f64;  ///< number and complex
+  bool complex = false;               ///< two of them, the imaginary part last
+  NumberKind kind = NumberKind::f64;  ///< number
   bool big_endian = false;
   bool with_sign = false;        ///< bits
   std::uint64_t offset = 0;      ///< of its first byte in the record
   std::uint32_t bit = 0;         ///< bits: of its lowest bit
   std::uint32_t bit_count = 64;  ///< bits
 
-  std::uint64_t bytes() const {
+  std::uint64_t bytes() const { return (complex ? 2 : 1) * bytes_of_part(); }
+
+  /// Of the real part, and of the imaginary one.
+  std::uint64_t bytes_of_part() const {
     switch (shape) {
       case Shape::number:
         return size_of(kind);
-      case Shape::complex:
-        return 2 * size_of(kind);
       case Shape::half_float:
         return 2;
       case Shape::bits:

@@ -40,6 +40,7 @@ constexpr std::array<std::string_view, 11> rate_words = {"fs",
                                                          "samplefrequency"};
 constexpr std::string_view start_word = "tstart";  // PicoScope, beside Tinterval
 
+/// "run" of "run.force", "/entry" of "/entry/force"; "" of what stands at the top.
 std::string_view group_of(std::string_view name) {
   const std::size_t end = name.find_last_of("./");
   return end == std::string_view::npos ? std::string_view{} : name.substr(0, end);
@@ -127,12 +128,16 @@ class ClockFinder {
       }
       std::vector<std::string> groups = {std::string(group_of(arrays_[i].name))};
       for (const std::string& other : arrays_[i].other_names) groups.emplace_back(group_of(other));
-      groups.emplace_back();  // the top
+      for (std::string_view around = group_of(arrays_[i].name); !around.empty();) {
+        around = group_of(around);
+        groups.emplace_back(around);  // the last is the top
+      }
       const auto times = [&](const std::string& group) { return by_times(i, group); };
       const auto number = [&](const std::string& group) { return by_number(i, group); };
       if (!std::ranges::any_of(groups, times)) std::ranges::any_of(groups, number);
     }
     if (!wanted_) take_first_columns();
+    if (!wanted_) tell_other_lengths();
     return std::move(result_);
   }
 
@@ -178,7 +183,10 @@ class ClockFinder {
     }
     const double unit = arrays_[index].seconds;
     const double seconds = interval ? value.first * unit : unit / value.first;
-    if (!(seconds > 0.0) || !std::isfinite(seconds)) return;
+    if (!(seconds > 0.0) || !std::isfinite(seconds)) {
+      unusable_.try_emplace(group, fmt::format("'{}' as {:.9g}", arrays_[index].name, value.first));
+      return;
+    }
     const auto [known, is_first] = intervals_.try_emplace(group, seconds, index);
     if (!is_first && differ(seconds, known->second.first))
       result_.warnings.push_back(
@@ -224,6 +232,23 @@ class ClockFinder {
       axes_[i] = times;
       for (std::size_t k = i; k < arrays_.size() && arrays_[k].name.starts_with(matrix); ++k)
         use_times(k, i, {});
+    }
+  }
+
+  /// Of arrays without a clock beside times that are a few more or fewer.
+  void tell_other_lengths() {
+    for (std::size_t i = 0; i < arrays_.size(); ++i) {
+      ArrayClock& clock = result_.clocks[i];
+      if (arrays_[i].samples < 2 || clock.interval > 0.0 || !clock.unusable.empty()) continue;
+      const std::string group(group_of(arrays_[i].name));
+      const auto found = times_.lower_bound(std::pair(group, std::uint64_t{0}));
+      if (found == times_.end() || found->first.first != group) continue;
+      const std::size_t times = found->second.front();
+      const auto beside = static_cast<double>(arrays_[times].samples);
+      const auto samples = static_cast<double>(arrays_[i].samples);
+      if (beside == samples || std::abs(beside - samples) > std::max(1.0, 0.01 * samples)) continue;
+      clock.unusable = fmt::format("'{}' with {} numbers for {} samples", arrays_[times].name,
+                                   arrays_[times].samples, arrays_[i].samples);
     }
   }
 
@@ -309,9 +334,11 @@ class ClockFinder {
   }
 
   bool by_number(std::size_t index, const std::string& group) {
+    ArrayClock& clock = result_.clocks[index];
+    const auto unusable = unusable_.find(group);
+    if (unusable != unusable_.end() && clock.unusable.empty()) clock.unusable = unusable->second;
     const auto found = intervals_.find(group);
     if (found == intervals_.end()) return false;
-    ArrayClock& clock = result_.clocks[index];
     clock.interval = found->second.first;
     const auto start = starts_.find(group);
     if (start != starts_.end()) clock.start = start->second;
@@ -340,6 +367,7 @@ class ClockFinder {
   /// Arrays that may hold the times, by group and length, in their order.
   std::map<std::pair<std::string, std::uint64_t>, std::vector<std::size_t>> times_;
   std::map<std::string, std::pair<double, std::size_t>> intervals_;  ///< by group
+  std::map<std::string, std::string> unusable_;                      ///< by group
   std::map<std::string, double> starts_;                             ///< by group
   std::map<std::size_t, TimesFound> axes_;
   std::set<std::size_t> told_numbers_;

@@ -37,6 +37,7 @@ struct ArrayClock {
   double interval = 0.0;  ///< [s]; 0: nothing in the file tells
   /// The array that holds its times, where they are not uniform.
   std::optional<std::size_t> times;
+  std::string unusable{};  ///< what is stated and can be no interval: "'dt' as 0"
 };
 
 /// Hands the numbers of array `index` to `use`, in pieces and in their order.
@@ -54,8 +55,8 @@ struct ArrayClocks {
 /// throughout), else a single number that is the sampling interval ("dt", "sampleInterval", ...) or
 /// rate ("Fs", "SampleRate", ...), else the first column of a matrix. Times that contradict other
 /// times or such a number are a warning. What stands in an array's own group counts before what
-/// stands at the top. An array that may hold the times is read twice, and not kept. Throws
-/// datasets::InputError when a stated time column is not there.
+/// stands around it, up to the top. An array that may hold the times is read twice, and not kept.
+/// Throws datasets::InputError when a stated time column is not there.
 ArrayClocks clocks_by_name(const std::string& path, const std::vector<NamedArray>& arrays,
                            const EachNumber& each_number, const ImportOptions& options);
 

@@ -205,11 +205,17 @@ struct PolytecText {
   Record record;  ///< without channels
 };
 
+void tell_cut_number(PolytecText& text, Record& record) {
+  if (std::string cut = cut_number(text.file, text.head.layout); !cut.empty())
+    record.warnings.push_back(std::move(cut));
+}
+
 Record read_whole(PolytecText& text) {
   Table table = read_table(text.file, text.head.layout, text.names);
   Record record = text.record;
   if (const std::string cut = cut_row(text.file, table); !cut.empty())
     record.warnings.push_back(cut);
+  tell_cut_number(text, record);
   const auto& columns = text.head.columns;
   Abscissa abscissa = abscissa_of(columns.front(), text.signal, record);
   std::vector<double>& x = table.columns.front().values;
@@ -265,6 +271,7 @@ std::unique_ptr<RecordingReader> open_large(std::shared_ptr<PolytecText> text, b
   table.names = text->names;
   const auto& columns = text->head.columns;
   Abscissa abscissa = abscissa_of(columns.front(), text->signal, table.record);
+  tell_cut_number(*text, table.record);
   table.read_first_rows(head_only);
   if (abscissa.over_time) {
     table.time = 0;

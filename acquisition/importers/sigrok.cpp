@@ -15,6 +15,7 @@
 
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/stated_units.hpp"
@@ -249,7 +250,11 @@ class SigrokReader final : public RecordingReader {
       channel.quantity = datasets::quantity_of_unit(channel.unit);
       const auto rate = rates_.find(device);
       const double hertz = rate != rates_.end() ? rate_in(rate->second) : 0.0;
-      if (hertz > 0.0) channel.clock.interval = 1.0 / hertz;
+      if (hertz > 0.0)
+        channel.clock.interval = 1.0 / hertz;
+      else if (rate != rates_.end())
+        channel.attributes[std::string(unusable_clock)] =
+            fmt::format("a sample rate of '{}'", to_utf8(rate->second));
       if (rate != rates_.end()) channel.attributes["samplerate"] = to_utf8(rate->second);
       std::uint64_t samples = 0;
       bool in_order = true;

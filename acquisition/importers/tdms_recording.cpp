@@ -17,6 +17,7 @@
 
 #include "acquisition/importers/byte_cursor.hpp"
 #include "acquisition/importers/column_heads.hpp"
+#include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/tdms_clock.hpp"
@@ -298,6 +299,9 @@ class Recording {
       }
       clock.start = tdms_start_offset(part.properties) + part.after;
       clock.interval = tdms_step(part.properties);
+      if (const auto stated = number_of(part.properties, "wf_increment"))
+        tell_unusable_interval(record_.channels[i], *stated,
+                               text_of(part.properties, "wf_xunit_string"));
       const auto start = tdms_start(part.properties);
       if (!start) continue;
       const double later = seconds_between(*earliest, *start);

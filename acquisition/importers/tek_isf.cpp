@@ -166,6 +166,7 @@ class IsfReader {
         channel, factor,
         number(waveform, "YZERO").value_or(0.0) - factor * number(waveform, "YOFF").value_or(0.0),
         *file_, 0);
+    undo_zero_scale(channel, record_);
     const std::string points = upper_case(waveform.text("PT_FMT"));
     waveform.envelope = points.starts_with("ENV");
     if (!points.empty() && points != "Y" && !waveform.envelope)
@@ -173,11 +174,13 @@ class IsfReader {
                        fmt::format("'{}': points of PT_FMT '{}' are not read, expected Y (samples) "
                                    "or ENV (minimum and maximum): save it as CSV",
                                    channel.name, points));
-    const double interval = number(waveform, "XINCR").value_or(0.0);
+    const auto stated_interval = number(waveform, "XINCR");
+    const double interval = stated_interval.value_or(0.0);
     const double start = number(waveform, "XZERO").value_or(0.0) -
                          interval * number(waveform, "PT_OFF").value_or(0.0);
     // an envelope has two numbers for each place in time [071-0381, PT_Fmt]
     set_axis(channel, start, waveform.envelope ? 2.0 * interval : interval, waveform.text("XUNIT"));
+    if (!stated_interval) channel.attributes.erase(std::string(unusable_clock));
     return waveform;
   }
 

@@ -284,6 +284,10 @@ class TekWfmHeader {
     const auto scale = field<double>(at_.vertical, "the vertical scale");
     const auto offset = field<double>(at_.vertical + 8, "the vertical offset");
     set_scale(channel, scale, offset, file_, at_.vertical);
+    undo_zero_scale(channel, record);
+    if (points_ == 0)
+      record.warnings.push_back(
+          fmt::format("'{}': the header says that there are no samples", channel.name));
     const auto interval = field<double>(at_.horizontal, "the sample interval");
     const auto start = field<double>(at_.horizontal + 8, "the time of the first sample");
     set_axis(channel, start, interval, text(at_.horizontal + 20, 20));

@@ -107,10 +107,10 @@ void RowReader::read_line() {
   for (std::size_t c = 0; c < n; ++c) {
     switch (uses_[c]) {
       case Use::number:
-        read_cell(c);
+        if (!read_cell(c)) return short_row(line, c);
         break;
       case Use::counted:
-        read_counted(c);
+        if (!read_counted(c)) return short_row(line, c);
         break;
       case Use::date:
         if (!read_date(c)) return short_row(line, c);
@@ -144,8 +144,8 @@ void RowReader::skip_key_cells() {
   }
 }
 
-/// Reads a cell and the blanks behind it.
-void RowReader::read_cell(std::size_t c) {
+/// Reads a cell and the blanks behind it. False where the file's end cuts it off.
+bool RowReader::read_cell(std::size_t c) {
   skip_blanks();
   Column& column = table_.columns[c];
   double value = 0.0;
@@ -160,19 +160,19 @@ void RowReader::read_cell(std::size_t c) {
       else
         append(column, value);
       at_ = q;
-      return;
+      return true;
     }
   }
-  unusual_cell(c);
+  return unusual_cell(c);
 }
 
 /// The same, less the first of the column as it is written.
-void RowReader::read_counted(std::size_t c) {
+bool RowReader::read_counted(std::size_t c) {
   skip_blanks();
   const char* const start = at_;
-  read_cell(c);
+  if (!read_cell(c)) return false;
   double& value = table_.columns[c].values.back();
-  if (!std::isfinite(value)) return;
+  if (!std::isfinite(value)) return true;
   std::string_view cell = trimmed({start, static_cast<std::size_t>(at_ - start)});
   if (cell.size() > 1 && cell.front() == '"') cell = cell.substr(1, cell.size() - 2);
   const auto counted = std::ranges::find(layout_.counted, c, &CountedColumn::column);
@@ -181,6 +181,7 @@ void RowReader::read_counted(std::size_t c) {
     value = *difference;
   else
     value -= number_in(counted->first, style).value_or(0.0);
+  return true;
 }
 
 void RowReader::skip_cell() {
@@ -246,8 +247,9 @@ std::optional<std::int64_t> RowReader::read_fraction(const DateColumns& date) {
   return *count * date.fraction;
 }
 
-/// Anything but a plain number: quoted, missing, infinite, or an error.
-void RowReader::unusual_cell(std::size_t c) {
+/// Anything but a plain number: quoted, missing, infinite, cut by the file's end (false), or an
+/// error.
+bool RowReader::unusual_cell(std::size_t c) {
   const char* const start = at_;
   bool quoted = false;
   while (at_ != end_ && *at_ != '\n' && *at_ != '\r' && (quoted || !ends_cell(*at_))) {
@@ -257,7 +259,11 @@ void RowReader::unusual_cell(std::size_t c) {
   const std::string_view cell(start, static_cast<std::size_t>(at_ - start));
   skip_blanks();
   const auto value = cell_value(cell, decimal_);
-  if (!value && marks_missing(cell)) return append_missing(table_.columns[c], start, trimmed(cell));
+  if (!value && marks_missing(cell)) {
+    append_missing(table_.columns[c], start, trimmed(cell));
+    return true;
+  }
+  if (!value && at_ == end_ && !first_row_ && begins_number(cell)) return false;
   if (!value) {
     const std::string found = to_utf8(trimmed(cell).substr(0, 40));
     const bool out_of_range = std::all_of(found.begin(), found.end(), [this](char letter) {
@@ -277,6 +283,12 @@ void RowReader::unusual_cell(std::size_t c) {
     append_missing(table_.columns[c], start, trimmed(cell));
   else
     append(table_.columns[c], *value);
+  return true;
+}
+
+/// True for "-2.9e-": what a number begins with that lacks digits.
+bool RowReader::begins_number(std::string_view cell) const {
+  return number_in(std::string(cell) + "0", style_).has_value();
 }
 
 /// True when a cell has the form of a number, whatever its size.

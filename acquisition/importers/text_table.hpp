@@ -168,12 +168,13 @@ class RowReader {
   void skip_line_end();
   void read_line();
   void skip_key_cells();
-  void read_cell(std::size_t column);
-  void read_counted(std::size_t column);
+  bool read_cell(std::size_t column);
+  bool read_counted(std::size_t column);
   void skip_cell();
   bool read_date(std::size_t column);
   std::optional<std::int64_t> read_fraction(const DateColumns& date);
-  void unusual_cell(std::size_t column);
+  bool unusual_cell(std::size_t column);
+  bool begins_number(std::string_view cell) const;
   bool scan_only(std::string_view cell) const;
   void finish_row(const char* line);
   void short_row(const char* line, std::size_t cells);

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "acquisition/importers/time_axis.hpp"
@@ -362,6 +363,7 @@ class UffRecording final : public RecordingReader {
     }
     channel.clock.start = source.time_factor * header.start;
     channel.clock.interval = header.increment > 0.0 ? source.time_factor * header.increment : 0.0;
+    tell_unusable_interval(channel, header.increment, header.abscissa.unit);
     if (!uff58_read_exact_clock(header.id[4], channel.clock)) offer_nice_rate(header, channel);
   }
 

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <vector>
 
 #include "tests/acquisition/scene.hpp"
 
@@ -70,6 +72,39 @@ TEST(QuantumOf, FindsTheGrid) {
     for (double& value : rounded) value = 0.1 + step * std::round(10.0 * value);
     EXPECT_NEAR(quantum_of(rounded), step, 1e-9 * step);
   }
+}
+
+// A rail of the amplifier, a zero that a recorder puts in, the straight line over a lost sample.
+TEST(QuantumOf, OverlooksFewValuesBesideTheGrid) {
+  for (const double step : {0.0123, 1.0, 7.0 / 3.0})
+    for (const double beside : {0.5, 1.0 / 3.0, 0.04, 0.07}) {
+      SCOPED_TRACE(testing::Message() << step << " " << beside);
+      std::vector<double> values = normal_noise(5000, 10.0, 1);
+      for (double& value : values) value = 0.1 + step * std::round(3.0 * value);
+      for (const std::size_t i : {0U, 777U, 4999U}) values[i] += beside * step;
+      EXPECT_NEAR(quantum_of(values), step, 1e-4 * step);
+    }
+}
+
+TEST(QuantumOf, DoesNotCountSamplesThatAreNotValid) {
+  std::vector<double> values = normal_noise(5000, 1.0, 1);
+  for (double& value : values) value = std::round(3.0 * value);
+  std::vector<std::uint8_t> valid(values.size(), 1);
+  for (std::size_t i = 0; i < values.size(); i += 50) {
+    values[i] += 0.3 * std::sin(static_cast<double>(i));
+    valid[i] = 0;
+  }
+  EXPECT_NEAR(quantum_of(values, valid), 1.0, 1e-9);
+  EXPECT_EQ(quantum_of(values), 0.0);
+}
+
+// Most samples on one value of the digitiser, but for rounding: no median absolute deviation.
+TEST(FitQuiet, OfSamplesThatRoundingDividesIsThatOfAll) {
+  std::vector<double> values = normal_noise(5000, 0.5, 1);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = 4.8828125 + std::round(values[i]) + (i % 3 == 0 ? 9e-16 : 0.0);
+  // 0.5 in steps of 1: sqrt(0.5^2 + 1/12) but for the tails
+  EXPECT_NEAR(fit_quiet(values, 0, values.size(), 1, 0.0).sigma, 0.577, 0.03);
 }
 
 TEST(QuantumOf, IsNotMisledByRepeatedZeros) {

@@ -53,6 +53,39 @@ TEST(FindImpacts, MeasuresAHalfSineByItsClosedForm) {
   EXPECT_EQ(impact.recording, "shot.csv");
 }
 
+// An electric spike is one sample: no contact of a rig whose other one lasts 133.
+TEST(FindImpacts, OverlooksSpikesBeforeTheContact) {
+  const Sampling at;
+  std::vector<double> force = sampled(at, [](double t) { return half_sine(t, 1500.0, duration); });
+  add_noise(force, 1.0, 3);
+  const auto plain = find_impacts(record_of({force_of(at, force)}));
+  force[300] += 5000.0;
+  force[700] -= 3000.0;
+  const auto impacts = find_impacts(record_of({force_of(at, force)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  // a bridged sample of the 500 before touch moves the baseline by a part of the noise
+  EXPECT_NEAR(impacts[0].start, plain[0].start, 1e-10);
+  EXPECT_NEAR(impacts[0].peak, plain[0].peak, 1.0 / 100);
+  EXPECT_TRUE(impacts[0].has(datasets::ImpactFlag::dropout));
+  ASSERT_TRUE(impacts[0].force);
+  const auto& valid = impacts[0].force->valid;
+  EXPECT_EQ(std::ranges::count(valid, 0), 1);  // the other one is before the window
+}
+
+// A single high sample with nothing longer beside it may be the contact itself.
+TEST(FindImpacts, TakesALoneSampleWhereNothingLastsLonger) {
+  const Sampling at;
+  std::vector<double> force(at.samples, 0.0);
+  add_noise(force, 1.0, 3);
+  force[1500] += 2000.0;
+  const auto impacts = find_impacts(record_of({force_of(at, force)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_NEAR(impacts[0].peak_time, at.time(1500), 1e-9);
+  // and a long one that is far lower is no contact of the same kind
+  for (std::size_t i = 2000; i < 2200; ++i) force[i] += 100.0;
+  EXPECT_NEAR(find_impacts(record_of({force_of(at, force)})).at(0).peak_time, at.time(1500), 1e-9);
+}
+
 // F sin² has the width T/2 and the impulse F T/2; its flat foot hides in the noise.
 TEST(FindImpacts, MeasuresASineSquaredPulseInNoise) {
   const Sampling at;

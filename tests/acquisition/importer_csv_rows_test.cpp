@@ -220,6 +220,20 @@ TEST(Csv, ARowCutOffByTheEndOfTheFileIsLeftOut) {
   EXPECT_THAT(record.warnings, testing::Contains(HasSubstr("the file ends within the row at ")));
 }
 
+// What is left of 2.5e-3.
+TEST(Csv, ARowWhoseLastNumberLacksDigitsIsLeftOut) {
+  for (const char* const rest : {"2.5e-", "2.5e", "2.5E+", "."}) {
+    SCOPED_TRACE(rest);
+    const Record record = imported("t [s],F [N]\n0,1e-3\n1,2.5e-3\n2," + std::string(rest));
+    EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1e-3, 2.5e-3));
+    EXPECT_THAT(record.warnings, testing::Contains(HasSubstr("the file ends within the row at ")));
+  }
+  EXPECT_THAT(import_error("t [s],F [N]\n0,1e-3\n1,2.5e-\n"),
+              HasSubstr("F: expected a number, found '2.5e-'"));
+  EXPECT_THAT(import_error("t [s],F [N]\n0,1e-3\n1,2.5x"),
+              HasSubstr("F: expected a number, found '2.5x'"));
+}
+
 // 2.5 may be what is left of 2.534: all numbers above it have three decimals.
 TEST(Csv, ALastNumberThatMayBeCutIsToldOf) {
   const auto told = [](const std::string& rows) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <hdf5.h>
 
+#include <cstdint>
 #include <limits>
 
 #include "acquisition/importer.hpp"
@@ -42,6 +44,35 @@ TEST(Hdf5Records, EachFieldOfNumbersIsAChannel) {
                                              HasSubstr("'/daq/rows.ticks': 300 samples are beyond "
                                                        "2^53")));
   }
+}
+
+TEST(Hdf5Records, WithinRecordsAreReadFieldByField) {
+  struct Row {
+    double time;
+
+    struct Shot {
+      float force;
+      std::int16_t volts;
+    } shot;
+  };
+
+  const hid_t shot = H5Tcreate(H5T_COMPOUND, sizeof(Row::Shot));
+  H5Tinsert(shot, "force", HOFFSET(Row::Shot, force), H5T_NATIVE_FLOAT);
+  H5Tinsert(shot, "a.b", HOFFSET(Row::Shot, volts), H5T_NATIVE_INT16);
+  const hid_t row = H5Tcreate(H5T_COMPOUND, sizeof(Row));
+  H5Tinsert(row, "time", HOFFSET(Row, time), H5T_NATIVE_DOUBLE);
+  H5Tinsert(row, "shot", HOFFSET(Row, shot), shot);
+  const Hdf5File file;
+  file.data<Row>("/data", {3}, {{0.0, {1.5F, 7}}, {0.5, {2.5F, 8}}, {1.0, {3.5F, 9}}}, row, row);
+  H5Tclose(row);
+  H5Tclose(shot);
+  ImportOptions options;
+  options.channels = {"/data.shot.force", "/data.shot.a.b"};
+  const Record record = imported(file.bytes(), options);
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5, 2.5, 3.5));
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(7, 8, 9));
+  EXPECT_EQ(record.channels[1].clock.interval, 0.5);
 }
 
 TEST(Hdf5Records, AreReadByWindowAndChannel) {
@@ -116,6 +147,38 @@ TEST(Hdf5Packing, IsUndone) {
   EXPECT_DOUBLE_EQ(force.clock.times[2], 0.04075);
   EXPECT_THAT(record.warnings, Contains("'/force': 1 of 4 samples are -32768, which stands for "
                                         "none; marked as not valid"));
+}
+
+// -999.9 in double precision is none of the numbers of single precision that a file has.
+TEST(Hdf5Packed, NumbersThatStandForNoneAreOfTheTypeOfTheSamples) {
+  const Hdf5File file;
+  file.data<float>("/force", {4}, {1.0F, -999.9F, 3.0F, -1.0F}, H5T_NATIVE_FLOAT, H5T_IEEE_F32LE);
+  file.number("/force", "missing_value", -999.9);
+  file.number("/force", "_FillValue", -1.0);
+  const Record record = imported(file.bytes());
+  EXPECT_THAT(record.channels.at(0).valid, ElementsAre(1, 0, 1, 0));
+  EXPECT_THAT(record.warnings,
+              Contains(HasSubstr("2 of 4 samples are -1 or -999.9000244140625, which stands for "
+                                 "none; marked as not valid")));
+}
+
+TEST(Hdf5Packed, SamplesBeyondTheValidRangeAreMarked) {
+  const Hdf5File file;
+  file.doubles("/range", {1, -4, 3, 2});
+  file.numbers("/range", "valid_range", {-3.0, 2.0});
+  file.doubles("/least", {1, -4, 3, 2});
+  file.number("/least", "valid_min", 1.5);
+  file.number("/least", "missing_value", 2.0);
+  const Record record = imported(file.bytes());
+  EXPECT_THAT(record.channels.at(0).valid, ElementsAre(0, 0, 1, 0));
+  EXPECT_THAT(record.channels.at(1).valid, ElementsAre(1, 0, 0, 1));
+  EXPECT_THAT(
+      record.warnings,
+      testing::IsSupersetOf({std::string("'/range': 2 of 4 samples are not between -3 and 2; "
+                                         "marked as not valid"),
+                             std::string("'/least': 3 of 4 samples are 2, which stands for "
+                                         "none, or not between 1.5 and inf; marked as not "
+                                         "valid")}));
 }
 
 /// 200 rows of two columns of integers, 0 to 199 and three times that.

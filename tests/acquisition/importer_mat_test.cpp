@@ -213,6 +213,15 @@ TEST_P(Mat, TimesByNameOfTheOwnGroupFirst) {
             "time (by its name); run.t (by its name); dt (an interval of 0.125 s by its name)");
 }
 
+TEST_P(Mat, TimesMayStandAroundAStructure) {
+  const auto record = imported(b.header() +
+                               b.structure("run", {"t", "laser"},
+                                           b.doubles("", {0, 0.25, 0.5}) +
+                                               b.structure("", {"v"}, b.doubles("", {7, 8, 6}))) +
+                               b.doubles("t", {0, 1, 2}));
+  EXPECT_EQ(record.find("run.laser.v")->clock.interval, 0.25);
+}
+
 TEST_P(Mat, IntervalsAndRatesMayEndInTheirUnit) {
   const std::string force = b.doubles("force", {1, 2, 3});
   for (const auto& [name, value] : {std::pair{"dt_ms", 0.5}, std::pair{"fs_Hz", 2000.0},

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cstddef>
@@ -14,6 +15,7 @@ namespace {
 
 using tests::bytes_of_number;
 using tests::import_error;
+using tests::imported;
 using tests::mdf_channel;
 using tests::mdf_file_of;
 using tests::MdfChannelBlock;
@@ -94,13 +96,27 @@ TEST(Mdf4Errors, OfBlocksSayWhatWasFound) {
   EXPECT_EQ(error_in(lying.with(group)), "the file ends within a data group");
 }
 
+TEST(Mdf4Errors, NumbersOfNoTypeCostTheirChannelAlone) {
+  const std::string records(20, '\1');
+  const auto record = imported(mdf_file_of({mdf_channel("a", 0, 65, 0), mdf_channel("b", 4, 24, 0),
+                                            mdf_channel("c", 15, 33, 0), mdf_channel("d", 0, 8, 9)},
+                                           records, 10));
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].name, "d");
+  EXPECT_THAT(record.channels[0].values(), testing::ElementsAre(1, 1));
+  const auto out = [](const std::string& name, int type, int bits) {
+    return fmt::format(
+        "'{}' is left out: it has numbers of type {} with {} bits from bit 0 on, which are not "
+        "read",
+        name, type, bits);
+  };
+  EXPECT_THAT(record.warnings,
+              testing::IsSupersetOf({out("a", 0, 65), out("b", 4, 24), out("c", 15, 33)}));
+}
+
 TEST(Mdf4Errors, OfChannelsNameThem) {
   EXPECT_EQ(error_in(mdf_file_of({mdf_channel("a", 0, 16, 1)}, "1234", 2)),
             "'a' lies in bytes 1 to 2 of records that have 2");
-  EXPECT_EQ(error_in(mdf_file_of({mdf_channel("a", 0, 65, 0)}, "1234", 2)),
-            "'a' has numbers of type 0 with 65 bits from bit 0 on");
-  EXPECT_EQ(error_in(mdf_file_of({mdf_channel("a", 4, 24, 0)}, "1234", 4)),
-            "'a' has numbers of type 4 with 24 bits from bit 0 on");
   MdfChannelBlock flagged = mdf_channel("a", 0, 8, 0);
   flagged.flags = 2;
   flagged.invalid_bit = 8;

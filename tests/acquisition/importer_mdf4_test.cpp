@@ -96,6 +96,15 @@ TEST_P(MdfInBothByteOrders, ComplexNumbersHaveTwoParts) {
   EXPECT_THAT(record.channels.at(1).imaginary, ElementsAre(4));
 }
 
+// IEEE 754: 1, -2, 0.5, 65504
+TEST_P(MdfInBothByteOrders, ComplexHalfPrecisionIsRead) {
+  const auto record =
+      imported(mdf_file_of({mdf_channel("h", complex_, 32, 0)},
+                           numbers(std::vector<std::uint16_t>{0x3C00, 0xC000, 0x3800, 0x7BFF}), 4));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1, 0.5));
+  EXPECT_THAT(record.channels.at(0).imaginary, ElementsAre(-2, 65504));
+}
+
 TEST(Mdf4, TheMasterGivesTheClock) {
   for (const bool even : {true, false}) {
     const MdfTicks ticks(even ? std::vector<std::uint32_t>{0, 2, 4, 6}

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "acquisition/importer.hpp"
+#include "acquisition/importers/formats.hpp"
 #include "tests/acquisition/written_file.hpp"
 
 namespace impactrig::acquisition {
@@ -51,6 +52,20 @@ TEST(PolytecAscii, MayHaveSeveralColumnsAndDecimalCommas) {
   EXPECT_THAT(record.channels[2].valid, ElementsAre(1, 1, 0));
   EXPECT_THAT(record.warnings,
               ElementsAre(HasSubstr("'Z': 1 of 3 values is missing, the first at ")));
+}
+
+TEST(PolytecAscii, ALastNumberThatMayBeCutIsTold) {
+  const std::string text = polytec_head +
+                           "Signal:\tTime - Vib Velocity - Samples\r\n\r\nTime\tTime Signal\r\n"
+                           "[ s ]\t[ m/s ]\r\n0\t1.250\r\n1\t2.125\r\n2\t3.500\r\n";
+  const std::string told =
+      "the file ends without a line end, and its last number '4.5' has fewer digits than those "
+      "above it: it may be cut off";
+  EXPECT_THAT(imported(text + "3\t4.5").warnings, ElementsAre(told));
+  EXPECT_THAT(imported(text + "3\t4.534").warnings, IsEmpty());
+  const tests::WrittenFile file(text + "3\t4.5");
+  EXPECT_THAT(open_polytec_ascii_by_blocks(file.path(), {})->head().record.warnings,
+              ElementsAre(told));
 }
 
 TEST(PolytecAscii, OfASpectrumHasNoClock) {

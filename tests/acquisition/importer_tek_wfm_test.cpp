@@ -190,6 +190,27 @@ INSTANTIATE_TEST_SUITE_P(
                 "samples by"}),
     [](const auto& instance) { return instance.param.name; });
 
+TEST(TekWfm, WithoutAScaleIsReadAsStored) {
+  TekWfm file;
+  file.scale = 0.0;
+  const Record record = imported(file.bytes());
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(2.0, -4.0, 6.0));
+  EXPECT_EQ(record.channels[0].unit, "");
+  EXPECT_EQ(record.channels[0].quantity, Quantity::unknown);
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'waveform': the header states a scale of 0: its numbers are as they are "
+                          "stored, without a unit"));
+}
+
+TEST(TekWfm, WithoutSamplesIsTold) {
+  TekWfm file;
+  file.frames = {{}};
+  const Record record = imported(file.bytes());
+  EXPECT_EQ(record.channels.at(0).size(), 0U);
+  EXPECT_THAT(record.warnings,
+              ElementsAre("'waveform': the header says that there are no samples"));
+}
+
 TEST(TekWfm, WhosePlacesLieIsAnError) {
   TekWfm file;
   const std::string sound = file.bytes();

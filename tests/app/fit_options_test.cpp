@@ -202,4 +202,12 @@ TEST_F(FitOptions, RefusesWithTheOptionsName) {
   EXPECT_THAT(o.err, HasSubstr("'contact.restitution' has no room between its bounds 0.9 and 0.3"));
 }
 
+// It would simulate a thousand times as long as a contact takes, for every step of the search.
+TEST_F(FitOptions, TimesInAnotherUnitAreRefused) {
+  const Outcome o = run(fast + "--sample-rate 1000");
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("the times seem to be 1000 times too long (ms taken for s). State "
+                               "the unit of the times with --units, or --sample-rate."));
+}
+
 }  // namespace

@@ -111,6 +111,7 @@ TEST(MomentumBalance, NamesTimesInAnotherUnit) {
         const auto balance = momentum_balance(retimed(shot(restitution, speed), factor), paper());
         ASSERT_TRUE(balance);
         EXPECT_FALSE(balance->plausible);
+        EXPECT_TRUE(balance->times);
         EXPECT_THAT(balance->sentence, HasSubstr(words)) << restitution << ' ' << speed;
         EXPECT_THAT(balance->sentence, HasSubstr("The contact lasts"));
       }

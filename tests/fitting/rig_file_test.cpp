@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fitting/rig_file.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -218,6 +219,17 @@ TEST(RigFile, AnUnknownKeyIsAnErrorWithTheNearestKnownOne) {
   EXPECT_EQ(
       message_of(with("restitution = 0.5", "restitution = 0.5\nrestitutoin = 0.4")),
       "rig.toml:14:15: contact.restitutoin: there is no such key here; did you mean restitution?");
+}
+
+// A delay is read only where there is one.
+TEST(RigFile, KeysThatAreLookedForAreKnownToo) {
+  const std::string sensor = "[sensors.displacement]\nchannel = \"F\"\n";
+  EXPECT_THAT(
+      message_of(paper_rig + sensor + "dely = \"2 us\"\n"),
+      testing::EndsWith("sensors.displacement.dely: there is no such key here; did you mean "
+                        "delay?"));
+  EXPECT_THAT(message_of(paper_rig + sensor + "sensitivty = \"4 pC/N\"\n"),
+              testing::EndsWith("did you mean sensitivity?"));
 }
 
 TEST(RigFile, SaysWhichValueMakesNoSense) {
