@@ -27,7 +27,10 @@ class SlopeProgress {
     if (iterations_ > 0) rate_ = std::clamp(size / before_, fastest_rate, 1.0);
     const double left = rate_ * size;  // that the next iteration would change
     const double scale = std::max(1.0, change.of);
-    if (left <= tolerance_ * scale || size <= change.rounding * scale) return State::settled;
+    if (left <= tolerance_ * scale) return State::settled;
+    // what may be rounding is, once it does not become less: in a short step it may be all there is
+    const bool stays = iterations_ > 0 && size > slow * before_;
+    if (stays && size <= change.rounding * scale) return State::settled;
     if (!(size < 1e3 * before_)) return State::leads_nowhere;
     before_ = size;
     if (++iterations_ < most_iterations) return State::goes_on;
@@ -41,6 +44,7 @@ class SlopeProgress {
   static constexpr int most_iterations = 50;
   // No iteration is trusted to leave less than this of a change.
   static constexpr double fastest_rate = 0.01;
+  static constexpr double slow = 0.3;
 
   double tolerance_;
   double rate_ = 1.0;  // at which it converges, from step to step
