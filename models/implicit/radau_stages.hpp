@@ -8,9 +8,9 @@
 
 namespace impactrig::models {
 
-/// The Radau IIA method of S stages, S = 4 or 8, taken apart so that S coupled real systems become S/2
-/// complex ones that are not: A = T Λ T⁻¹, eigenvalues in conjugate pairs, one of each pair kept.
-/// [HairerWanner1996, IV.8]
+/// The Radau IIA method of S stages, S = 4 or 8, taken apart so that S coupled real systems become
+/// S/2 complex ones that are not: A = T Λ T⁻¹, eigenvalues in conjugate pairs, one of each pair
+/// kept. [HairerWanner1996, IV.8]
 template <int S>
 struct RadauStages {
   static constexpr int pairs = S / 2;
