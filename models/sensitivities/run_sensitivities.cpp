@@ -311,9 +311,8 @@ double RunSensitivities::end_shift(int i, End end, std::size_t stop) {
   return -slope / (change.to_depth * seen.rate + change.to_rate * seen.acceleration);
 }
 
-/// Where that is in the step: its time is held, since it is flat there.
+/// Where that is within the step: its time is held, since it is flat there.
 void RunSensitivities::find_sensor_peak() {
-  if (!stopped_ || !stopped_->peak_part()) return;
   look(*stopped_->peak_part());
   for (int i = 0; i < count(); ++i) {
     follow_to_place(i);
@@ -321,9 +320,17 @@ void RunSensitivities::find_sensor_peak() {
   }
 }
 
+/// The place is the step's end, which moves like this: a force that rises up to there moves with
+/// it.
+void RunSensitivities::see_sensor_peak_at_end(int i, double shift) {
+  const Spots spots = this->spots(i);
+  direction(i).result.sensor_peak_force = spots.sensor_force + shift * spots.sensor_force_rate;
+}
+
 void RunSensitivities::take(double part, End end, int stop) {
   look_beyond_jump();
-  find_sensor_peak();
+  const std::optional<double> peak = stopped_ ? stopped_->peak_part() : std::nullopt;
+  if (peak && *peak < part) find_sensor_peak();
   look(part);
   const double power =
       stops_[0].contact ? stops_[0].contact->dissipation(seen_[0].depth, seen_[0].rate) : 0.0;
@@ -331,6 +338,7 @@ void RunSensitivities::take(double part, End end, int stop) {
     Direction& d = direction(i);
     follow_to_place(i);
     const double shift = end_shift(i, end, static_cast<std::size_t>(stop));
+    if (peak && *peak >= part) see_sensor_peak_at_end(i, shift);
     d.force_at_end = shown_force(i, 0, shift);
     d.impulse += integral(d.force[0], part) + shift * place_.force[0];
     d.dissipated += integral(d.dissipation, part) + shift * power;

@@ -200,6 +200,7 @@ class RunSensitivities {
   void show(int i);
   void look_beyond_jump();
   void find_sensor_peak();
+  void see_sensor_peak_at_end(int i, double shift);
 
   const BarMotion& motion_;
   Eigen::MatrixXd jacobian_;

@@ -189,6 +189,17 @@ TEST(FullSensitivities, OfAStopThatGivesWayAreThoseOfDifferences) {
                                 4e-3);
 }
 
+// The run ends, as stated, while the head without contact presses its sensor more and more.
+TEST(FullSensitivities, OfASensorThatCarriesMoreAndMoreAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  rig.stop = Stop{.mass = 0.5, .stiffness = 1e7, .viscous = 50.0};
+  const Solver solver = hybrid(Basis::pinned_free, 2, 1e-12, 3e-4);
+  const Simulation run = sharp(rig, solver, Motion::full);
+  ASSERT_EQ(run.sensor->peak_time, run.duration);
+  ASSERT_LT(run.episodes.front().end, 0.5 * run.duration);
+  expect_equal_full_derivatives(rig, solver, of_compliant_stops);
+}
+
 // The first of them gives way.
 TEST(FullSensitivities, OfStopsOfBothKindsAreThoseOfDifferences) {
   Rig rig = damped_rig();
