@@ -43,6 +43,41 @@ TEST(FindImpacts, OverlooksSpikesOfAFewSamples) {
     }
 }
 
+// Contacts over 65 % of the record: its median is not what the force rests at. 20 records.
+TEST(FindImpacts, KnowsTheLevelWhereContactsFillMostOfTheRecord) {
+  const Sampling at{.start = -0.8e-3, .interval = 1e-6, .samples = 5600};
+  const auto clean = sampled(at, [](double t) {
+    return half_sine(t, 2600.0, 0.4e-3) + half_sine(t, 400.0, 2.0e-3) +
+           half_sine(t - 2.8e-3, 500.0, 1.7e-3);
+  });
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    auto force = clean;
+    add_noise(force, 2.0, seed);
+    const auto impacts = find_impacts(record_of({force_of(at, force)}));
+    ASSERT_EQ(impacts.size(), 1u) << seed;
+    // the first part is at its crest where the second one has 400 sin(0.1 pi)
+    EXPECT_NEAR(impacts[0].peak, 2600.0 + 124.0, 5.0 * 2.0) << seed;
+    EXPECT_NEAR(impacts[0].impulse, 2.0 * (2600.0 * 0.4e-3 + 400.0 * 2e-3) / std::numbers::pi, 0.01)
+        << seed;
+    EXPECT_NEAR(impacts[0].start, 0.0, 5e-6) << seed;
+    EXPECT_TRUE(impacts[0].has(ImpactFlag::double_hit)) << seed;
+  }
+}
+
+// The foot of a pulse takes 100 samples to rise through the noise of 5 %. 60 records.
+TEST(FindImpacts, FollowsASlowFootThroughTheNoise) {
+  const Sampling at{.start = -0.7e-3, .interval = 0.5e-6, .samples = 4000};
+  const auto clean = sampled(at, [](double t) { return sine_squared(t, 1500.0, 400e-6); });
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    auto force = clean;
+    add_noise(force, 75.0, seed);
+    const auto impacts = find_impacts(record_of({force_of(at, force)}));
+    ASSERT_EQ(impacts.size(), 1u) << seed;
+    EXPECT_NEAR(impacts[0].impulse, 1500.0 * 200e-6, 0.1 * 1500.0 * 200e-6) << seed;
+    EXPECT_FALSE(impacts[0].has(ImpactFlag::undersampled)) << seed;
+  }
+}
+
 }  // namespace
 
 }  // namespace impactrig::acquisition
