@@ -12,6 +12,7 @@
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/conditioning/contact_search.hpp"
 #include "acquisition/conditioning/impact_flags.hpp"
+#include "acquisition/conditioning/samples.hpp"
 #include "acquisition/conditioning/trace.hpp"
 #include "datasets/input_error.hpp"
 
@@ -119,49 +120,56 @@ std::vector<Contact> find_contacts(const RecordedSignal& trigger, const Detectio
   return beside.empty() ? contacts : beside;
 }
 
-/// The peak of a contact that is one sample alone, between two at the level before: an electric
+/// One to three samples about the peak of a contact, between two at the level before: an electric
 /// spike.
-std::optional<std::size_t> lone_sample(const Trace& trace, const std::vector<Contact>& contacts) {
+std::optional<IndexRange> short_spike(const Trace& trace, const std::vector<Contact>& contacts) {
   constexpr double foot = 0.1;
+  constexpr std::size_t longest = 3;  // what a sample of noise becomes in a recorder's filter
+  const std::size_t n = trace.values.size();
   for (const Contact& contact : contacts) {
-    const std::size_t peak = contact.peak_index;
     const auto is_low = [&](std::size_t i) {
       return std::abs(trace.values[i] - contact.baseline) < foot * std::abs(contact.peak);
     };
-    if (peak > 0 && peak + 1 < trace.values.size() && is_low(peak - 1) && is_low(peak + 1))
-      return peak;
+    IndexRange spike{contact.peak_index, contact.peak_index + 1};
+    while (spike.size() <= longest && spike.begin > 0 && !is_low(spike.begin - 1)) --spike.begin;
+    while (spike.size() <= longest && spike.end < n && !is_low(spike.end)) ++spike.end;
+    if (spike.size() <= longest && spike.begin > 0 && spike.end < n) return spike;
   }
   return std::nullopt;
 }
 
-/// Contacts of a force or an acceleration without spikes, which are marked as not valid. One sample
-/// is a spike where a contact of the same record lasts ten times as long and is not far lower:
-/// those of one rig are alike. Where there is none it may be the contact.
+/// Contacts of a force or an acceleration without spikes, which are marked as not valid. A few
+/// samples are a spike where a contact of the same record lasts ten times as long and is not far
+/// lower: those of one rig are alike, since what a contact lasts hardly depends on its speed. Where
+/// there is none they may be the contact.
 std::vector<Contact> find_contacts_beside_spikes(RecordedSignal& trigger,
                                                  const DetectionOptions& options) {
   constexpr int most_spikes = 16;
   constexpr double width = 10.0, height = 0.2;
   std::vector<Contact> contacts = find_contacts(trigger, options);
   if (trigger.trace.quantity == Quantity::velocity) return contacts;
-  auto lone = lone_sample(trigger.trace, contacts);
-  if (!lone) return contacts;
+  auto spike = short_spike(trigger.trace, contacts);
+  if (!spike) return contacts;
   RecordedSignal cleared = trigger;
   std::vector<Contact> others = contacts;
-  double highest = 0.0;
-  for (int spikes = 0; lone && spikes < most_spikes; ++spikes) {
+  double highest = 0.0, longest = 0.0;
+  for (int spikes = 0; spike && spikes < most_spikes; ++spikes) {
     Trace& trace = cleared.trace;
     if (trace.valid.empty()) trace.valid.assign(trace.values.size(), 1);
-    const double spike = trace.values[*lone];
-    trace.valid[*lone] = 0;
+    const std::vector<double> before = trace.values;
+    for (std::size_t i = spike->begin; i < spike->end; ++i) trace.valid[i] = 0;
     bridge_invalid(trace.values, trace.valid);
-    highest = std::max(highest, std::abs(spike - trace.values[*lone]));
+    for (std::size_t i = spike->begin; i < spike->end; ++i)
+      highest = std::max(highest, std::abs(before[i] - trace.values[i]));
+    longest = std::max(longest, as_double(spike->size()));
     others = find_contacts(cleared, options);
-    lone = lone_sample(trace, others);
+    spike = short_spike(trace, others);
   }
   const bool outlasted = std::ranges::any_of(others, [&](const Contact& contact) {
-    return contact.width >= width && std::abs(contact.peak) > height * highest;
+    return contact.width >= width * longest && std::abs(contact.peak) > height * highest;
   });
-  if (lone || !outlasted) return contacts;
+  if (spike || !outlasted) return contacts;
+  cleared.quantum = quantum_of(cleared.trace.values, cleared.trace.valid);
   trigger = std::move(cleared);
   return others;
 }

@@ -146,8 +146,14 @@ Trigger PulseSearch::sharpened(Trigger trigger) const {
   const Spread all = robust_spread(y_.first(end));
   trigger.sigma = at_least_a_step(local.sigma);
   // 2.5 of the spread are above the crest of hum, whose spread is its amplitude.
-  trigger.threshold = std::max({gate_ * trigger.sigma, 2.5 * all.sigma,
-                                peak_fraction * height(trigger.level, 0, y_.size())});
+  const double noise = std::max(gate_ * trigger.sigma, 2.5 * all.sigma);
+  // A level stretch before the first crossing is no departure: where contacts take half of the
+  // record, its median is not what it rests at.
+  const bool level = all.sigma < 1.5 * trigger.sigma;
+  const double peak = height(all.centre, 0, y_.size());
+  if (level && std::abs(all.centre - trigger.level) > std::max(noise, peak_fraction * peak))
+    trigger.level = all.centre;
+  trigger.threshold = std::max(noise, peak_fraction * height(trigger.level, 0, y_.size()));
   return trigger;
 }
 
@@ -193,6 +199,10 @@ struct Excursion {
   double at(std::size_t i) const { return sign * (y[i] - baseline.at(i)); }
 
   double threshold(double peak) const { return std::max(noise, peak_fraction * peak); }
+
+  /// Above it a pulse goes on: half of what noise may reach, so that a foot which rises slowly
+  /// through the noise does not end where one sample of it was above the threshold.
+  double lasting(double peak) const { return std::max(0.5 * noise, peak_fraction * peak); }
 };
 
 /// Zero of the line through two samples at x and x + 1 (x + 1 the further one from the crossing),
@@ -235,7 +245,7 @@ Descent follow(const Excursion& z, std::size_t crossing) {
       d.peak_index = j;
     }
     d.stop_index = j;
-    if (value > z.threshold(d.peak)) last_above = j;
+    if (value > z.lasting(d.peak)) last_above = j;
     if (value <= z.stop && j > crossing) {
       d.end = extrapolated_end(z, j);
       d.ends_inside = false;

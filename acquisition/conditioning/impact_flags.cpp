@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
+#include <utility>
 
 #include "acquisition/conditioning/background.hpp"
 #include "acquisition/conditioning/dropouts.hpp"
@@ -31,10 +33,26 @@ double as_double(std::size_t n) {
   return static_cast<double>(n);
 }
 
+/// How many equal samples on end are no chance: three without noise; with noise of more than half
+/// of a digitiser's step two are equal in step / (2 sqrt(pi) sigma) of all cases, and so many that
+/// this happens in one of 10⁴.
+std::size_t equal_by_chance(const Trace& trace, const Contact& contact, double quantum,
+                            const DetectionOptions& options) {
+  constexpr std::size_t fewest = 3;
+  const auto quiet = quiet_before(trace, contact.onset, 0, options);
+  if (!quiet || !(quantum > 0.0)) return fewest;
+  const double sigma = fit_quiet(trace.values, quiet->begin, quiet->end, 1, quantum).sigma;
+  if (!(sigma > 0.5 * quantum)) return fewest;
+  const double chance = quantum / (2.0 * std::sqrt(std::numbers::pi) * sigma);
+  return std::max(fewest,
+                  1 + static_cast<std::size_t>(std::ceil(std::log(1e-4) / std::log(chance))));
+}
+
 /// A flat top that no smooth crest makes: three or more equal extreme samples, above half of the
 /// peak, and beyond them the signal falls off faster than a parabola through digitiser steps would
 /// (a crest one step high over a run of m samples is 9 steps high over 3 m).
-bool flat_top(const Trace& trace, const Contact& contact, double quantum) {
+bool flat_top(const Trace& trace, const Contact& contact, double quantum,
+              const DetectionOptions& options) {
   const std::vector<double>& y = trace.values;
   const double top = y[contact.peak_index];
   const auto same = [&](std::size_t i) {
@@ -46,7 +64,7 @@ bool flat_top(const Trace& trace, const Contact& contact, double quantum) {
   const std::size_t run = last - first + 1;
   std::size_t sound = 0;  // what bridges invalid samples is level too
   for (std::size_t i = first; i <= last; ++i) sound += trace.is_valid(i) ? 1 : 0;
-  if (sound < 3) return false;
+  if (sound < equal_by_chance(trace, contact, quantum, options)) return false;
   const std::size_t left = first > run ? first - run : 0;
   const std::size_t right = std::min(last + run, y.size() - 1);
   const double fall = std::max(std::abs(top - y[left]), std::abs(top - y[right]));
@@ -61,7 +79,9 @@ bool noisy_flat_top(const Trace& trace, const Contact& contact, double quantum,
   const std::vector<double>& y = trace.values;
   const auto quiet = quiet_before(trace, contact.onset, 0, options);
   if (!quiet) return false;
-  const double sigma = fit_quiet(y, quiet->begin, quiet->end, 1, quantum).sigma;
+  // On a level between two values of a digitiser the least noise is half a step.
+  const double sigma =
+      std::max(fit_quiet(y, quiet->begin, quiet->end, 1, quantum).sigma, 0.5 * quantum);
   if (!(sigma > 0.0)) return false;
   const double sign = contact.peak < 0.0 ? -1.0 : 1.0;
   const double height = std::abs(contact.peak);
@@ -127,8 +147,33 @@ bool clipped(const RecordedSignal& trigger, const Contact& contact,
   const std::size_t last = std::min(y.size() - 1, static_cast<std::size_t>(contact.end));
   return over_range(trigger, first, last, pulse ? 0.5 * std::abs(contact.peak) : 0.0,
                     contact.baseline) ||
-         (pulse && (flat_top(trigger.trace, contact, trigger.quantum) ||
+         (pulse && (flat_top(trigger.trace, contact, trigger.quantum, options) ||
                     noisy_flat_top(trigger.trace, contact, trigger.quantum, options)));
+}
+
+/// White noise beyond a digitiser's rounding on whatever smooth course. Fourth differences leave
+/// hardly anything of a curve and turn in 0.80 of white noise; sixth ones tell the same noise then,
+/// and less where it is a vibration that few samples follow. Rounding alone is 0.3 to 0.55 of a
+/// step by its median, as differences are whole steps.
+bool has_rough_noise(const std::vector<double>& y, double quantum, double span) {
+  const auto differences = [](std::vector<double> values, int times) {
+    for (int k = 0; k < times; ++k) {
+      for (std::size_t i = 0; i + 1 < values.size(); ++i) values[i] = values[i + 1] - values[i];
+      values.pop_back();
+    }
+    return values;
+  };
+  const auto typical = [](std::vector<double> values) {
+    for (double& value : values) value = std::abs(value);
+    return normal_mad * median(std::move(values));
+  };
+  const std::vector<double> fourth = differences(y, 4);
+  std::size_t turns = 0;
+  for (std::size_t i = 1; i < fourth.size(); ++i) turns += fourth[i] * fourth[i - 1] < 0.0 ? 1 : 0;
+  // sums of the squared binomial coefficients
+  const double noise =
+      std::min(typical(fourth) / std::sqrt(70.0), typical(differences(y, 6)) / std::sqrt(924.0));
+  return 2 * turns > fourth.size() && noise > std::max(0.7 * quantum, 3e-5 * span);
 }
 
 /// A rail that no range states: noise on the way, none for many samples on end at the extreme.
@@ -159,13 +204,7 @@ bool on_rail(const ImpactSignal& signal, double sign) {
   }
   if (longest < rail_samples || longest < 4 * longest_elsewhere || off.size() < rail_samples)
     return false;
-  std::size_t turns = 0;  // of second differences: 0.73 of them in white noise, few on a curve
-  for (std::size_t i = 3; i < off.size(); ++i)
-    if ((off[i] - 2.0 * off[i - 1] + off[i - 2]) * (off[i - 1] - 2.0 * off[i - 2] + off[i - 3]) <
-        0.0)
-      ++turns;
-  const bool rough = 2 * turns > off.size();
-  return rough && step_noise(off) > std::max(0.7 * quantum_of(off), 1e-7 * span);
+  return has_rough_noise(off, signal.quantum, span);
 }
 
 /// The longest level stretch of a signal at its largest value, in the direction of `sign`, of a
@@ -204,8 +243,13 @@ struct LevelStretch {
   /// Samples from the end (or begin) until the signal is so many steps down; none where it is not.
   std::optional<double> samples_to(long depth, bool behind) const {
     const std::size_t most = behind ? signal.values.size() - first - size : first;
-    for (std::size_t n = 0; n < most; ++n)
-      if (below(behind ? first + size + n : first - 1 - n) >= depth) return as_double(n);
+    const double level = static_cast<double>(depth) - 0.5;  // where the value before gives way
+    double last = 0.0;
+    for (std::size_t n = 0; n < most; ++n) {
+      const double here = static_cast<double>(below(behind ? first + size + n : first - 1 - n));
+      if (here >= level) return as_double(n) - (here - level) / (here - last);
+      last = here;
+    }
     return std::nullopt;
   }
 };
@@ -215,9 +259,10 @@ struct LevelStretch {
 /// m; a rail that it crosses, once.
 bool leaves_at_once(const LevelStretch& level, bool behind) {
   constexpr long fewest_steps = 4;
+  constexpr double fewest_samples = 2.0;  // the stretch's own end is known to one
   const long m = std::max(fewest_steps, level.span / 12);
   const auto near = level.samples_to(1 + m, behind), far = level.samples_to(1 + 2 * m, behind);
-  if (!near || !far || *near < 4.0) return false;
+  if (!near || !far || *near < fewest_samples) return false;
   return *near < 1.35 * (*far - *near) &&
          as_double(level.size) > 4.0 * std::max(*near, *far - *near) / static_cast<double>(m);
 }

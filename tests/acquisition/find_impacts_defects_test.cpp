@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Recordings with one planted defect each, and sound ones that look like it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "acquisition/conditioning/condition.hpp"
+#include "tests/acquisition/scene.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+using datasets::Impact;
+using datasets::ImpactFlag;
+using namespace tests;
+
+constexpr double duration = 200e-6;  // [s]
+
+double pulse(double t) {
+  return half_sine(t, 1500.0, duration);
+}
+
+/// From 0.44 m/s to -0.22 m/s within the pulse, and a ringing of 40 kHz behind it.
+double bounce(double t) {
+  const double part = std::clamp(t / duration, 0.0, 1.0);
+  const double ringing = t > 0.0 ? 0.04 * std::sin(2.0 * std::numbers::pi * 40e3 * t) *
+                                       std::min(1.0, t / duration) * std::exp(-t / 2e-3)
+                                 : 0.0;
+  return 0.44 - 0.33 * (1.0 - std::cos(std::numbers::pi * part)) - ringing;
+}
+
+// A spike of three samples as of one: the contact lasts 133.
+TEST(FindImpacts, OverlooksSpikesOfAFewSamples) {
+  const Sampling at;
+  for (const std::size_t samples : {1, 2, 3})
+    for (const double height : {3000.0, -700.0, 450.0}) {
+      std::vector<double> force = sampled(at, pulse);
+      add_noise(force, 1.0, 3);
+      const auto plain = find_impacts(record_of({force_of(at, force)}));
+      for (std::size_t i = 0; i < samples; ++i) force[700 + i] += height;
+      const auto impacts = find_impacts(record_of({force_of(at, force)}));
+      SCOPED_TRACE(testing::Message() << samples << " samples of " << height << " N");
+      ASSERT_EQ(impacts.size(), 1u);
+      EXPECT_NEAR(impacts[0].start, plain.at(0).start, 1e-9);
+      EXPECT_NEAR(impacts[0].peak, plain.at(0).peak, 0.1);
+      EXPECT_TRUE(impacts[0].has(ImpactFlag::dropout));
+      EXPECT_FALSE(impacts[0].has(ImpactFlag::double_hit));
+      EXPECT_EQ(std::ranges::count(impacts[0].force->valid, 0), static_cast<long>(samples));
+    }
+}
+
+// Contacts over 65 % of the record: its median is not what the force rests at. 20 records.
+TEST(FindImpacts, KnowsTheLevelWhereContactsFillMostOfTheRecord) {
+  const Sampling at{.start = -0.8e-3, .interval = 1e-6, .samples = 5600};
+  const auto clean = sampled(at, [](double t) {
+    return half_sine(t, 2600.0, 0.4e-3) + half_sine(t, 400.0, 2.0e-3) +
+           half_sine(t - 2.8e-3, 500.0, 1.7e-3);
+  });
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    auto force = clean;
+    add_noise(force, 2.0, seed);
+    const auto impacts = find_impacts(record_of({force_of(at, force)}));
+    ASSERT_EQ(impacts.size(), 1u) << seed;
+    // the first part is at its crest where the second one has 400 sin(0.1 pi)
+    EXPECT_NEAR(impacts[0].peak, 2600.0 + 124.0, 5.0 * 2.0) << seed;
+    EXPECT_NEAR(impacts[0].impulse, 2.0 * (2600.0 * 0.4e-3 + 400.0 * 2e-3) / std::numbers::pi, 0.01)
+        << seed;
+    EXPECT_NEAR(impacts[0].start, 0.0, 5e-6) << seed;
+    EXPECT_TRUE(impacts[0].has(ImpactFlag::double_hit)) << seed;
+  }
+}
+
+// The foot of a pulse takes 100 samples to rise through the noise of 5 %. 60 records.
+TEST(FindImpacts, FollowsASlowFootThroughTheNoise) {
+  const Sampling at{.start = -0.7e-3, .interval = 0.5e-6, .samples = 4000};
+  const auto clean = sampled(at, [](double t) { return sine_squared(t, 1500.0, 400e-6); });
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    auto force = clean;
+    add_noise(force, 75.0, seed);
+    const auto impacts = find_impacts(record_of({force_of(at, force)}));
+    ASSERT_EQ(impacts.size(), 1u) << seed;
+    EXPECT_NEAR(impacts[0].impulse, 1500.0 * 200e-6, 0.1 * 1500.0 * 200e-6) << seed;
+    EXPECT_FALSE(impacts[0].has(ImpactFlag::undersampled)) << seed;
+  }
+}
+
+// An amplifier's limit between two values of a digitiser of 8 bits, whose top toggles.
+TEST(ClippedFlag, FiresOnARailBetweenTwoStepsOfADigitiser) {
+  const Sampling at;
+  const double step = 2.0 * 2250.0 / 256.0;
+  for (const double rail : {62.3, 62.4, 62.6}) {
+    auto force = sampled(at, [&](double t) { return std::min(pulse(t), rail * step); });
+    add_noise(force, 0.2 * step, 7);
+    round_to(force, step);
+    const auto impacts = find_impacts(record_of({force_of(at, force)}));
+    ASSERT_EQ(impacts.size(), 1u);
+    EXPECT_TRUE(impacts[0].has(ImpactFlag::clipped)) << rail;
+  }
+}
+
+// Noise of 1.2 digitiser steps makes three equal samples at a crest by chance. 400 records.
+TEST(ClippedFlag, IsSilentOnEqualSamplesByChance) {
+  const Sampling at;
+  const auto clean = sampled(at, pulse);
+  int clipped = 0;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    auto force = clean;
+    add_noise(force, 0.6, seed);
+    round_to(force, 0.5);
+    clipped += find_impacts(record_of({force_of(at, force)})).at(0).has(ImpactFlag::clipped);
+  }
+  EXPECT_LE(clipped, 1);
+}
+
+Impact impact_with(const Sampling& at, std::vector<double> velocity) {
+  const auto impacts = find_impacts(
+      record_of({force_of(at, sampled(at, pulse)), velocity_of(at, std::move(velocity))}));
+  EXPECT_EQ(impacts.size(), 1u);
+  return impacts.empty() ? Impact{} : impacts[0];
+}
+
+// A rail without a stated range: noise of 2e-4 before the converter, none on the rail.
+TEST(ClippedFlag, FiresOnAVelocityAtItsRailBesideRinging) {
+  const Sampling at;
+  for (const double rail : {0.25, 0.35, 0.42})
+    for (const double step : {0.0, 4e-5}) {
+      auto velocity = sampled(at, bounce);
+      add_noise(velocity, 1e-4, 11);
+      if (step > 0.0) round_to(velocity, step);
+      for (double& v : velocity) v = std::clamp(v, -rail, rail);
+      EXPECT_TRUE(impact_with(at, velocity).has(ImpactFlag::clipped)) << rail << " " << step;
+    }
+}
+
+// A constant approach speed of a coarse digitiser is none, nor is that of few samples a period.
+TEST(ClippedFlag, IsSilentOnAConstantApproachBesideRinging) {
+  for (const double interval : {0.4e-6, 1e-6, 4e-6}) {
+    const Sampling at{
+        .start = -1e-3, .interval = interval, .samples = static_cast<std::size_t>(4e-3 / interval)};
+    for (const double step : {2e-4, 1e-3, 4e-3})
+      for (const double noise : {0.0, 0.1, 0.3}) {
+        auto velocity = sampled(at, bounce);
+        add_noise(velocity, noise * step, 13);
+        round_to(velocity, step);
+        EXPECT_FALSE(impact_with(at, velocity).has(ImpactFlag::clipped))
+            << interval << " " << step << " " << noise;
+      }
+  }
+}
+
+}  // namespace
+
+}  // namespace impactrig::acquisition
