@@ -53,6 +53,9 @@ datasets::Impact chosen_impact(const datasets::Record& record, const FitJob& job
                                "has no force channel; name it with sensors.force.channel (and "
                                "sensitivity, if it is in volts) in the "
                                "rig file, or fit what there is with --channels velocity");
+  if (impact.has(datasets::ImpactFlag::swapped))
+    throw datasets::InputError({.file = file},
+                               std::string(sentence(datasets::ImpactFlag::swapped)));
   if (impact.force && impact.peak < 0.0)
     throw datasets::InputError(
         {.file = file},

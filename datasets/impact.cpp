@@ -14,7 +14,7 @@ struct FlagText {
   std::string_view sentence;
 };
 
-constexpr std::array<FlagText, 15> flag_texts{{
+constexpr std::array<FlagText, 16> flag_texts{{
     {ImpactFlag::clipped, "clipped",
      "The signal reaches the end of its range or has flat tops, so peak and impulse are too small; "
      "record again with a larger range, or fit without the clipped samples."},
@@ -58,6 +58,10 @@ constexpr std::array<FlagText, 15> flag_texts{{
     {ImpactFlag::inverted, "inverted",
      "The force is negative in the contact, or the bar moves away from the stop before it; state "
      "polarity = -1 for that sensor."},
+    {ImpactFlag::swapped, "swapped",
+     "The velocity is a pulse between two rests and the force does not come back to its level, as "
+     "if the two channels were swapped; state which is which in sensors.force.channel and "
+     "sensors.velocity.channel, or by their roles in a map."},
     {ImpactFlag::implausible, "implausible",
      "Impulse and approach speed do not fit the rig by a factor that no restitution explains; "
      "check "

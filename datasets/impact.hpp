@@ -27,6 +27,7 @@ enum class ImpactFlag {
   unsteady,          ///< force before touch wanders by more than 2 % of the peak
   baseline_shift,  ///< force after the contact is off its level before by more than 1 % of the peak
   inverted,        ///< force is tension, or the bar comes from the wrong side
+  swapped,         ///< what is called velocity looks like a force, and the other way round
   implausible      ///< impulse and approach speed do not fit the rig: a wrong unit or sensitivity
 };
 

@@ -76,7 +76,8 @@ void add_restitutions(const fitting::Fit& fit, CampaignShot& shot) {
 bool counts(const CampaignShot& shot, const ShotNumber& number) {
   const bool whole =
       std::none_of(shot.flags.begin(), shot.flags.end(), [](const std::string& flag) {
-        return flag == "no-hit" || flag == "too-short" || flag == "implausible";
+        return flag == "no-hit" || flag == "too-short" || flag == "swapped" ||
+               flag == "implausible";
       });
   const bool ended =
       number.name.starts_with("direct.") || shot.verdict.grade != Verdict::Grade::open;

@@ -35,10 +35,10 @@ struct DelayEstimate {
 /// Both channels pass a low-pass at a tenth of the sample rate first. The uncertainty is that of
 /// least squares with the residuals' scatter and autocorrelation, and with what the noise of a
 /// reference that is integrated, as seen before it moves, adds to them; for force and motion the
-/// change by one more term, what other numbers of terms say by their weights, and a twentieth of a
-/// sample are added in quadrature. Whatever filters do to one of the two only is part of what is
-/// estimated, and only roughly a delay: pass each through the other's (sensor_response) where they
-/// are known.
+/// change by one more term, what other numbers of terms say by their weights, how far the delay
+/// moves beyond the noise where the window ends earlier, and a twentieth of a sample are added in
+/// quadrature. Whatever filters do to one of the two only is part of what is estimated, and only
+/// roughly a delay: pass each through the other's (sensor_response) where they are known.
 ///
 /// Throws std::invalid_argument when the two quantities have no such relation, clocks are not
 /// uniform, fewer than 24 samples lie in the window, or the best delay is at the edge of the range.

@@ -13,6 +13,7 @@
 #include "acquisition/conditioning/contact_search.hpp"
 #include "acquisition/conditioning/impact_flags.hpp"
 #include "acquisition/conditioning/samples.hpp"
+#include "acquisition/conditioning/swapped_channels.hpp"
 #include "acquisition/conditioning/trace.hpp"
 #include "datasets/input_error.hpp"
 
@@ -156,11 +157,12 @@ std::vector<Contact> find_contacts_beside_spikes(RecordedSignal& trigger,
   for (int spikes = 0; spike && spikes < most_spikes; ++spikes) {
     Trace& trace = cleared.trace;
     if (trace.valid.empty()) trace.valid.assign(trace.values.size(), 1);
-    const std::vector<double> before = trace.values;
-    for (std::size_t i = spike->begin; i < spike->end; ++i) trace.valid[i] = 0;
+    const auto first = trace.values.begin() + static_cast<std::ptrdiff_t>(spike->begin);
+    const std::vector<double> recorded(first, first + static_cast<std::ptrdiff_t>(spike->size()));
+    std::fill_n(trace.valid.begin() + static_cast<std::ptrdiff_t>(spike->begin), spike->size(), 0);
     bridge_invalid(trace.values, trace.valid);
-    for (std::size_t i = spike->begin; i < spike->end; ++i)
-      highest = std::max(highest, std::abs(before[i] - trace.values[i]));
+    for (std::size_t i = 0; i < recorded.size(); ++i)
+      highest = std::max(highest, std::abs(recorded[i] - trace.values[spike->begin + i]));
     longest = std::max(longest, as_double(spike->size()));
     others = find_contacts(cleared, options);
     spike = short_spike(trace, others);
@@ -302,6 +304,18 @@ Impact impact_of(const Contact& contact, const RecordedSignal& trigger,
   return impact;
 }
 
+/// Whether the first force and the first velocity look exchanged.
+bool swapped(const std::vector<const RecordedSignal*>& sources, const DetectionOptions& options) {
+  const auto of = [&](Quantity quantity) -> const Trace* {
+    for (const RecordedSignal* const source : sources)
+      if (source->trace.quantity == quantity) return &source->trace;
+    return nullptr;
+  };
+  const Trace* const force = of(Quantity::force);
+  const Trace* const velocity = of(Quantity::velocity);
+  return force != nullptr && velocity != nullptr && look_swapped(*force, *velocity, options);
+}
+
 }  // namespace
 
 std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& options) {
@@ -323,6 +337,7 @@ std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& o
     }
   }
 
+  const bool exchanged = swapped(sources, options);
   std::vector<Impact> impacts;
   Window window{0.0, 0.0, -INFINITY};
   for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -332,6 +347,8 @@ std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& o
     if (i + 1 < contacts.size())
       window.end = std::min(window.end, trigger.trace.time(contacts[i + 1].onset - 1.0));
     impacts.push_back(impact_of(contacts[i], trigger, sources, window, options));
+    // Other flags would judge the one channel as the other.
+    if (exchanged) impacts.back().flags = {datasets::ImpactFlag::swapped};
     impacts.back().recording = file;
     impacts.back().trigger = chosen.name;
     window.floor = trigger.trace.time(contacts[i].end);

@@ -24,9 +24,9 @@ inline bool at_range(double value, double range) {
   return range > 0.0 && std::abs(value) >= 0.999 * range;
 }
 
-/// What is wrong with an impact as it was recorded: every ImpactFlag but no_hit and implausible.
-/// The first of `signals` is the trigger, in which `contact` was found; nothing before `floor` [s]
-/// is quiet. The impact's signals and its approach velocity must be there.
+/// What is wrong with an impact as it was recorded: every ImpactFlag but no_hit, swapped and
+/// implausible. The first of `signals` is the trigger, in which `contact` was found; nothing before
+/// `floor` [s] is quiet. The impact's signals and its approach velocity must be there.
 std::vector<datasets::ImpactFlag> flags_of(const datasets::Impact& impact, const Contact& contact,
                                            const std::vector<const RecordedSignal*>& signals,
                                            double floor, const DetectionOptions& options);

@@ -152,6 +152,40 @@ TEST(ClippedFlag, IsSilentOnAConstantApproachBesideRinging) {
   }
 }
 
+// --- swapped ------------------------------------------------------------------------------------
+
+TEST(SwappedFlag, SaysThatForceAndVelocityAreExchanged) {
+  const Sampling at;
+  for (const double sign : {1.0, -1.0})
+    for (const double noise : {1e-4, 5e-3}) {
+      auto force = sampled(at, pulse), velocity = sampled(at, bounce);
+      add_noise(force, 1500.0 * noise, 21);
+      add_noise(velocity, 0.44 * noise, 22);
+      for (double& v : velocity) v *= sign;
+      const auto impacts =
+          find_impacts(record_of({force_of(at, velocity), velocity_of(at, force)}));
+      ASSERT_FALSE(impacts.empty());
+      EXPECT_EQ(impacts[0].flags, std::vector{ImpactFlag::swapped}) << sign << " " << noise;
+    }
+}
+
+// A velocity without 0 Hz begins at zero, a bar at rest that is struck too; a charge amplifier has
+// an offset; polarity may be turned over.
+TEST(SwappedFlag, IsSilentOnOtherMistakes) {
+  const Sampling at;
+  const auto flagged = [&](double offset, double level, double sign) {
+    const auto impacts = find_impacts(
+        record_of({force_of(at, sampled(at, [&](double t) { return sign * pulse(t) + offset; })),
+                   velocity_of(at, sampled(at, [&](double t) { return bounce(t) - level; }))}));
+    EXPECT_EQ(impacts.size(), 1u);
+    return !impacts.empty() && impacts[0].has(ImpactFlag::swapped);
+  };
+  for (const double offset : {0.0, 400.0, -1000.0})
+    for (const double level : {0.0, 0.44, 0.88})
+      for (const double sign : {1.0, -1.0})
+        EXPECT_FALSE(flagged(offset, level, sign)) << offset << " " << level << " " << sign;
+}
+
 }  // namespace
 
 }  // namespace impactrig::acquisition

@@ -482,6 +482,20 @@ TEST_F(CommandLine, ARunThatEndsInContactHasNoRestitution) {
   EXPECT_TRUE(j["episodes"][0]["separation_velocity_m_s"].is_null());
 }
 
+// A pulse under the velocity's name, a step under the force's.
+TEST_F(CommandLine, SwappedChannelsAreRefusedWithTheRemedy) {
+  std::string rows = "Time [s],Force [V],Velocity [V]\n";
+  for (int i = 0; i < 3000; ++i) {
+    const double part = std::clamp((i - 1000) / 200.0, 0.0, 1.0);  // of the contact, 1 us a row
+    rows += std::to_string(i * 1e-6) + "," + std::to_string(1.0 + 2.5 * std::cos(M_PI * part)) +
+            "," + std::to_string(6.0 * std::sin(M_PI * part)) + "\n";
+  }
+  const std::string shot = write("swapped.csv", rows);
+  const Outcome o = run("fit " + shot + " --rig " + rig);
+  EXPECT_EQ(o.code, 3);
+  EXPECT_THAT(o.err, HasSubstr("as if the two channels were swapped"));
+}
+
 TEST_F(CommandLine, AReversedSensorIsRefusedWithTheRemedy) {
   Outcome o =
       run("fit " + samples + "shen2007-1.uff --rig " + rig + " --set sensors.force.polarity=-1");

@@ -12,7 +12,8 @@ constexpr ImpactFlag all_flags[] = {
     ImpactFlag::no_hit,         ImpactFlag::too_short,  ImpactFlag::missed_start,
     ImpactFlag::truncated_tail, ImpactFlag::dropout,    ImpactFlag::unmarked_dropout,
     ImpactFlag::undersampled,   ImpactFlag::noisy,      ImpactFlag::unsteady,
-    ImpactFlag::baseline_shift, ImpactFlag::inverted,   ImpactFlag::implausible};
+    ImpactFlag::baseline_shift, ImpactFlag::inverted,   ImpactFlag::swapped,
+    ImpactFlag::implausible};
 
 TEST(ImpactFlag, HasANameOfItsOwn) {
   std::vector<std::string_view> names;
@@ -20,7 +21,7 @@ TEST(ImpactFlag, HasANameOfItsOwn) {
   EXPECT_THAT(names, testing::ElementsAre("clipped", "double-hit", "multiple-hits", "no-hit",
                                           "too-short", "missed-start", "truncated-tail", "dropout",
                                           "unmarked-dropout", "undersampled", "noisy", "unsteady",
-                                          "baseline-shift", "inverted", "implausible"));
+                                          "baseline-shift", "inverted", "swapped", "implausible"));
   for (const ImpactFlag flag : all_flags) EXPECT_EQ(flag_named(name(flag)), flag);
   EXPECT_EQ(flag_named("no-such-flag"), std::nullopt);
 }
