@@ -110,6 +110,25 @@ TEST(ApplySteps, WarnsOfAPeakThatResamplingLowers) {
               testing::HasSubstr(" N, before 150"));
 }
 
+// Of a rail at 1200 of 1500 N the filter makes a crest of about 1200 N.
+TEST(ApplySteps, WarnsOfARailThatAFilterHides) {
+  const std::vector<datasets::ConditioningAction> filters{datasets::LowPass{20e3, 4},
+                                                          datasets::Resample{40e3}};
+  for (const auto& filter : filters)
+    for (const bool clipped : {false, true}) {
+      Record record = shot();
+      for (double& value : std::get<std::vector<double>>(record.channels[0].raw))
+        if (clipped) value = std::min(value, 1200.0);
+      apply_steps(std::vector<ConditioningStep>{{"force", filter}}, record);
+      const auto hidden = testing::Contains(
+          testing::HasSubstr("hides that 'Ref1' was clipped: peak and impulse are too small"));
+      if (clipped)
+        EXPECT_THAT(record.warnings, hidden) << filter.index();
+      else
+        EXPECT_THAT(record.warnings, testing::Not(hidden)) << filter.index();
+    }
+}
+
 TEST(ApplySteps, WarnsOfGapsThatResamplingBridges) {
   Record record = shot();
   auto& force = record.channels[0];
