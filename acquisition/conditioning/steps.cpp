@@ -105,10 +105,23 @@ class Conditioning {
 
   void act(const datasets::RemoveBaseline& action, std::size_t index) {
     note(remove_baseline(channel(index), quiet(action.quiet, index)));
+    const bool moves = channel(index).quantity == datasets::Quantity::velocity;
+    if (!action.quiet && moves) tell_approach("offset", index);
   }
 
   void act(const datasets::RemoveDrift& action, std::size_t index) {
     note(remove_drift(channel(index), quiet(action.quiet, index)));
+    if (action.quiet) return;
+    if (channel(index).quantity == datasets::Quantity::velocity) tell_approach("offset", index);
+    if (channel(index).quantity == datasets::Quantity::displacement) tell_approach("slope", index);
+  }
+
+  /// Before touch the bar is on its way: what is level there is no offset of the instrument.
+  void tell_approach(const std::string& parameter, std::size_t index) {
+    record_.warnings.push_back(fmt::format(
+        "What comes off '{}' is its course before touch ({} {}), which is the approach where the "
+        "point moves; state quiet = {{ from = \"...\", to = \"...\" }} where it is at rest.",
+        channel(index).name, parameter, record_.provenance.edits.back().parameters.at(parameter)));
   }
 
   void act(datasets::RemoveDecay action, std::size_t index) {
