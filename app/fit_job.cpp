@@ -106,6 +106,20 @@ void refuse_choice(const datasets::Record& record, const fitting::RigFile& rig) 
             count, names));
 }
 
+/// Above the cutoff there is no noise left by which a fit could weigh what the prediction has there
+/// and the recording has not: its values are off by far more than its intervals say.
+void warn_of_low_pass(datasets::Record& record) {
+  for (const datasets::Edit& edit : record.provenance.edits) {
+    if (edit.what != "low-pass, zero phase" || record.find(edit.channel) == nullptr) continue;
+    record.warnings.push_back(
+        fmt::format("channel '{}' has been through a low-pass at {}, which a prediction has not: "
+                    "the intervals of the fit do not hold. Leave that step out (of the rig file's "
+                    "conditioning, or of the map it was imported with): the fit weighs noise as it "
+                    "is",
+                    edit.channel, edit.parameters.at("cutoff")));
+  }
+}
+
 /// In SI, conditioned as the rig file asks; only the channels that its sensors name are read.
 datasets::Record conditioned_recording(const std::string& path, const FitJob& job,
                                        const fitting::RigFile& rig) {
@@ -121,6 +135,7 @@ datasets::Record conditioned_recording(const std::string& path, const FitJob& jo
   recorded.provenance.sha256 = acquisition::sha256_of_recording(path);
   datasets::Record record = acquisition::condition(recorded, sensors);
   acquisition::apply_steps(rig.conditioning, record, sensors, detection_options(job.detection));
+  warn_of_low_pass(record);
   return record;
 }
 

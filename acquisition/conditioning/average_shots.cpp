@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "acquisition/conditioning/background.hpp"
 #include "acquisition/conditioning/delay.hpp"
 #include "acquisition/conditioning/resample.hpp"
 #include "acquisition/conditioning/samples.hpp"
@@ -85,6 +86,27 @@ void leave_out_opposite(std::string_view what, const Value& value, std::vector<S
   });
 }
 
+/// Takes out the shots whose impact was found in another quantity than that of most (of the first,
+/// where as many have either): their peaks are not of one kind.
+void leave_out_other_triggers(std::vector<Shot>& shots, std::vector<std::string>& warnings) {
+  if (shots.empty()) return;
+  const auto of_its_kind = [&](const Shot& shot) {
+    return std::ranges::count_if(shots, [&](const Shot& other) {
+      return trigger_of(other).quantity == trigger_of(shot).quantity;
+    });
+  };
+  const Channel& usual = trigger_of(*std::ranges::max_element(shots, {}, of_its_kind));
+  std::erase_if(shots, [&](const Shot& shot) {
+    const Channel& trigger = trigger_of(shot);
+    if (trigger.quantity == usual.quantity) return false;
+    warnings.push_back(fmt::format(
+        "{} is not in the mean: its impact is found in '{}' ({}), that of the others in '{}' ({}).",
+        shot.record->provenance.source_file, trigger.name, name(trigger.quantity), usual.name,
+        name(usual.quantity)));
+    return true;
+  });
+}
+
 double approach_of(const Shot& shot) {
   const Impact& impact = shot.impact;
   if (!impact.velocity) return 0.0;
@@ -105,6 +127,7 @@ std::vector<Shot> usable_shots(std::span<const Record> records, const DetectionO
       warnings.push_back(
           fmt::format("{} is not in the mean: {}.", record.provenance.source_file, reason));
   }
+  leave_out_other_triggers(shots, warnings);
   leave_out_opposite(
       "peak", [](const Shot& shot) { return shot.impact.peak; }, shots, warnings);
   leave_out_opposite("approach velocity", approach_of, shots, warnings);
@@ -133,7 +156,8 @@ void lay_on(const Shot& first, Shot& shot) {
 /// A channel of a shot, to be read anywhere.
 struct Reading {
   const Channel* channel;
-  std::vector<double> values;  ///< in the first shot's unit
+  std::vector<double> values;       ///< in the first shot's unit
+  std::vector<std::uint8_t> valid;  ///< as Channel::valid, less what is not finite
   double shift;
   double next;  ///< [s], on the first shot's times
 
@@ -144,7 +168,7 @@ struct Reading {
   bool sound(double at) const {
     const auto below = static_cast<std::size_t>(std::max(0.0, std::floor(at)));
     const std::size_t above = std::min(below + 1, values.size() - 1);
-    return channel->is_valid(std::min(below, values.size() - 1)) && channel->is_valid(above);
+    return valid.empty() || (valid[std::min(below, values.size() - 1)] != 0 && valid[above] != 0);
   }
 };
 
@@ -155,7 +179,8 @@ std::optional<Reading> reading_of(const Shot& shot, const Channel& like) {
   if (found == channels.end()) return std::nullopt;
   const std::string& file = shot.record->provenance.source_file;
   refuse_unusable_clock(*found, file);
-  Reading reading{&*found, sound_values(*found), shot.shift, shot.next - shot.shift};
+  Reading reading{&*found, sound_values(*found), sound_marks(*found), shot.shift,
+                  shot.next - shot.shift};
   if (found->unit == like.unit) return reading;
   const auto conversion = datasets::conversion(found->unit, like.unit);
   if (!conversion)
@@ -241,11 +266,47 @@ std::array<Channel, 2> channels_of(const Channel& first, const IndexRange& range
   return {std::move(mean), std::move(spread)};
 }
 
-/// Relative standard deviation of the shots' peaks.
-double spread_of_peaks(const std::vector<Shot>& shots) {
+/// How far the shots differ in one number.
+struct Likeness {
+  double spread = 0.0;             ///< relative standard deviation
+  const Shot* furthest = nullptr;  ///< from the median; of two shots none
+  double off = 0.0;                ///< by how much of the median it is
+};
+
+template <typename Value>
+Likeness likeness_of(const std::vector<Shot>& shots, const Value& value) {
   Sums sums(1);
-  for (const Shot& shot : shots) sums.add(0, shot.impact.peak);
-  return std::sqrt(sums.squares[0] / (sums.n[0] - 1.0)) / std::abs(sums.mean[0]);
+  std::vector<double> values;
+  for (const Shot& shot : shots) {
+    sums.add(0, value(shot));
+    values.push_back(value(shot));
+  }
+  Likeness result;
+  result.spread = std::sqrt(sums.squares[0] / (sums.n[0] - 1.0)) / std::abs(sums.mean[0]);
+  if (shots.size() < 3) return result;
+  const double middle = median(values);
+  result.furthest = &*std::ranges::max_element(
+      shots, {}, [&](const Shot& shot) { return std::abs(value(shot) - middle); });
+  result.off = value(*result.furthest) / middle - 1.0;
+  return result;
+}
+
+double peak_of(const Shot& shot) {
+  return shot.impact.peak;
+}
+
+void warn_of_unlike(std::string_view what, const Likeness& likeness, Record& result) {
+  if (!(likeness.spread > alike)) return;
+  std::string warning = fmt::format(
+      "The {} of the shots differ with a standard deviation of {}; contact is not linear, so fit "
+      "the shots one by one instead of their mean",
+      what, datasets::percent(likeness.spread));
+  if (likeness.furthest != nullptr)
+    warning += fmt::format(", or leave out {}, which is {} {} their median",
+                           likeness.furthest->record->provenance.source_file,
+                           datasets::percent(std::abs(likeness.off)),
+                           likeness.off < 0.0 ? "below" : "above");
+  result.warnings.push_back(warning + ".");
 }
 
 void note_shots(const std::vector<Shot>& shots, Record& result) {
@@ -257,18 +318,20 @@ void note_shots(const std::vector<Shot>& shots, Record& result) {
                                         {"sha256", from.sha256},
                                         {"shift", fmt::format("{:.9g} s", shots[k].shift)}}});
   }
-  const double spread = spread_of_peaks(shots);
-  result.provenance.edits.push_back(
-      {"average shots",
-       "",
-       {{"shots", std::to_string(shots.size())},
-        {"trigger", shots.front().impact.trigger},
-        {"peaks", "standard deviation " + datasets::percent(spread)}}});
-  if (spread > alike)
-    result.warnings.push_back(
-        fmt::format("The peaks of the shots differ with a standard deviation of {}; contact "
-                    "is not linear, so fit the shots one by one instead of their mean.",
-                    datasets::percent(spread)));
+  const Likeness peaks = likeness_of(shots, peak_of);
+  Edit edit{"average shots",
+            "",
+            {{"shots", std::to_string(shots.size())},
+             {"trigger", shots.front().impact.trigger},
+             {"peaks", "standard deviation " + datasets::percent(peaks.spread)}}};
+  warn_of_unlike("peaks", peaks, result);
+  if (std::ranges::all_of(shots, [](const Shot& shot) { return approach_of(shot) != 0.0; })) {
+    const Likeness speeds = likeness_of(shots, approach_of);
+    edit.parameters["approach velocities"] =
+        "standard deviation " + datasets::percent(speeds.spread);
+    warn_of_unlike("approach velocities", speeds, result);
+  }
+  result.provenance.edits.push_back(std::move(edit));
 }
 
 }  // namespace

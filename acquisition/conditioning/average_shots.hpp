@@ -19,9 +19,11 @@ namespace impactrig::acquisition {
 /// channel, "NAME, standard deviation", over the shots. A sample is the mean of the sound ones, and
 /// invalid where there are fewer than two.
 ///
-/// A shot without impact, or whose impact is clipped, hit twice or cut, is left out with a warning;
-/// so is said when peaks spread by more than 5 %: contact is not linear, so the mean of unlike
-/// shots is the shot of no rig. The edit holds files, shifts and the spread.
+/// A shot without impact, or whose impact is clipped, hit twice or cut, of the other sign or found
+/// in another quantity, is left out with a warning. When peaks or approach velocities spread by
+/// more than 5 % that is said, with the shot that is furthest from the median: contact is not
+/// linear, so the mean of unlike shots is the shot of no rig. The edits hold files, shifts and
+/// spreads.
 ///
 /// Throws datasets::InputError when fewer than two shots are left, a clock is not uniform, or units
 /// of one channel cannot be converted, or two channels of a shot have one name; what find_impacts

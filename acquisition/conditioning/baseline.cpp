@@ -20,11 +20,12 @@ namespace {
 QuietFit course_within(const Channel& channel, const TimeSpan& quiet, int degree,
                        std::size_t least) {
   const IndexRange range = samples_in(channel, quiet);
-  if (range.size() < least)
+  const std::size_t sound = sound_samples(channel, range);
+  if (sound < least)
     throw std::invalid_argument(fmt::format(
-        "channel '{}' has {} samples between {:.12g} s and {:.12g} s; at least {} are needed to "
+        "channel '{}' has {} {}samples between {:.12g} s and {:.12g} s; at least {} are needed to "
         "know its baseline",
-        channel.name, range.size(), quiet.begin, quiet.end, least));
+        channel.name, sound, sound < range.size() ? "sound " : "", quiet.begin, quiet.end, least));
   const std::vector<double> values = sound_values(channel);
   return fit_quiet(values, range.begin, range.end, degree, quantum_of(values));
 }

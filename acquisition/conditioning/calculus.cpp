@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "acquisition/conditioning/trace.hpp"
+#include "acquisition/conditioning/samples.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
@@ -38,13 +38,13 @@ void refuse_no_history(const Channel& channel, std::size_t least) {
                     channel.name, least));
 }
 
-/// Everything but the samples, the unit and what a calibration says of them.
+/// Everything but the samples and the unit; what is not finite is marked.
 Channel offspring_of(const Channel& channel, std::string_view prefix) {
   Channel result;
   result.name = fmt::format("{} {}", prefix, channel.name);
   result.quantity = Quantity::other;
   result.clock = channel.clock;
-  result.valid = channel.valid;
+  result.valid = sound_marks(channel);
   result.calibration = channel.calibration;
   result.delay = channel.delay;
   return result;
@@ -52,7 +52,9 @@ Channel offspring_of(const Channel& channel, std::string_view prefix) {
 
 /// Names the quantity where it has a name, and keeps the parent's unit in the new one.
 void name_unit(const Channel& parent, bool integral, Channel& result) {
-  result.unit = integral ? fmt::format("({}) s", parent.unit) : fmt::format("({})/s", parent.unit);
+  if (!parent.unit.empty())  // what has no unit gets none: its integral is not in seconds
+    result.unit =
+        integral ? fmt::format("({}) s", parent.unit) : fmt::format("({})/s", parent.unit);
   for (const Kinship& kinship : kinships) {
     const Quantity from = integral ? kinship.derivative : kinship.integral;
     const Quantity to = integral ? kinship.integral : kinship.derivative;
@@ -66,12 +68,6 @@ void name_unit(const Channel& parent, bool integral, Channel& result) {
   }
 }
 
-std::vector<double> bridged_values(const Channel& channel) {
-  std::vector<double> values = channel.values();
-  bridge_invalid(values, channel.valid);
-  return values;
-}
-
 }  // namespace
 
 Derived integrate(const Channel& channel, const IntegrationOptions& options) {
@@ -79,7 +75,7 @@ Derived integrate(const Channel& channel, const IntegrationOptions& options) {
   Derived result{offspring_of(channel, "integral of"), {"integrate", channel.name, {}}};
   Channel copy = channel;
   if (options.quiet) result.edit.parameters = remove_drift(copy, *options.quiet).parameters;
-  const std::vector<double> f = bridged_values(copy);
+  const std::vector<double> f = sound_values(copy);
   std::vector<double> sum(f.size(), 0.0);
   for (std::size_t i = 1; i < f.size(); ++i)
     sum[i] = sum[i - 1] + 0.5 * channel.clock.interval * (f[i - 1] + f[i]);
@@ -96,14 +92,15 @@ Derived integrate(const Channel& channel, const IntegrationOptions& options) {
   result.channel.raw = std::move(sum);
   name_unit(channel, true, result.channel);
   result.edit.parameters["rule"] = "trapezoidal";
-  result.edit.parameters["zero at"] = fmt::format("{:.12g} s", options.zero_at);
+  result.edit.parameters["zero at"] =
+      fmt::format("{:.12g} s", channel.clock.start + channel.clock.interval * zero);
   return result;
 }
 
 Derived differentiate(const Channel& channel) {
   refuse_no_history(channel, 5);
   Derived result{offspring_of(channel, "derivative of"), {"differentiate", channel.name, {}}};
-  const std::vector<double> f = bridged_values(channel);
+  const std::vector<double> f = sound_values(channel);
   const std::size_t n = f.size();
   // Row k: the derivative at the k-th of five samples, times 12 h.
   constexpr std::array<std::array<double, 5>, 5> stencils{{{-25, 48, -36, 16, -3},
@@ -111,6 +108,8 @@ Derived differentiate(const Channel& channel) {
                                                            {1, -8, 0, 8, -1},
                                                            {-1, 6, -18, 10, 3},
                                                            {3, -16, 36, -48, 25}}};
+  const std::vector<std::uint8_t> sound =
+      result.channel.valid.empty() ? std::vector<std::uint8_t>(n, 1) : result.channel.valid;
   std::vector<double> slope(n);
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t from = std::min(i > 2 ? i - 2 : 0, n - 5);
@@ -118,7 +117,7 @@ Derived differentiate(const Channel& channel) {
     double sum = 0.0;
     for (std::size_t k = 0; k < 5; ++k) {
       sum += stencil[k] * f[from + k];
-      if (!channel.is_valid(from + k) && stencil[k] != 0.0) result.channel.valid[i] = 0;
+      if (stencil[k] != 0.0 && !sound[from + k]) result.channel.valid[i] = 0;
     }
     slope[i] = sum / (12.0 * channel.clock.interval);
   }

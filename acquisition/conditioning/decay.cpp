@@ -113,8 +113,8 @@ double time_uncertainty(const Quiet& quiet, const Decay& decay) {
   for (std::size_t i = 0; i < quiet.times.size(); ++i) {
     const double t = quiet.times[i];
     const double fall = std::exp(-t / decay.time);
-    // The last column is the derivative by ln T.
-    const Eigen::Vector3d row(1.0, fall, decay.amplitude * fall * t / decay.time);
+    // The last column is the derivative by ln T, of an amplitude of 1: whatever the unit.
+    const Eigen::Vector3d row(1.0, fall, fall * t / decay.time);
     normal += row * row.transpose();
     residuals.push_back(quiet.values[i] - decay.at(t));
   }
@@ -122,7 +122,9 @@ double time_uncertainty(const Quiet& quiet, const Decay& decay) {
   const double variance = decay.squares / (n - 3.0) * correlation_time(residuals);
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(normal);
   if (!lu.isInvertible()) return std::numeric_limits<double>::infinity();
-  return decay.time * std::sqrt(variance * std::max(0.0, lu.inverse()(2, 2)));
+  const double of_log = std::sqrt(variance * std::max(0.0, lu.inverse()(2, 2)));
+  return decay.amplitude != 0.0 ? decay.time * of_log / std::abs(decay.amplitude)
+                                : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -179,6 +181,7 @@ Edit undo_low_cut(Channel& channel, const datasets::UndoLowCut& low_cut) {
     previous = value;
     values[i] = value + integral;
   }
+  channel.valid = sound_marks(channel);
   replace_values(channel, std::move(values));
   return edit;
 }

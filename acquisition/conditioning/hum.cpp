@@ -26,6 +26,8 @@ namespace {
 
 constexpr double significant = 4.0;     ///< standard errors
 constexpr double enough_periods = 5.0;  ///< to tell the frequency
+/// Standard deviation of a grid's frequency from the stated one, as a part of it: 50 mHz of 50 Hz.
+constexpr double mains_wander = 1e-3;
 
 /// Leaves out the least significant multiple until all that is left is significant.
 HumFit significant_part(const HumPoints& points, double frequency, int harmonics) {
@@ -36,8 +38,8 @@ HumFit significant_part(const HumPoints& points, double frequency, int harmonics
     double least = INFINITY;
     for (std::size_t m = 0; m < multiples.size(); ++m) {
       const double ratio = fit.amplitude(m) / fit.error(m);
-      if (ratio >= least) continue;
-      least = ratio;
+      if (ratio >= least) continue;  // 0/0, as of a constant, is no hum
+      least = std::isnan(ratio) ? 0.0 : ratio;
       weakest = m;
     }
     if (!(least < significant)) return fit;
@@ -58,17 +60,25 @@ void refuse_senseless(const Channel& channel, const RemoveHum& hum, double frequ
         hum.harmonics, frequency, channel.name));
 }
 
-/// The largest standard error of the hum anywhere in the record. Where the frequency is from the
-/// data its own error, √6 s / (pi A T √n) [RifeBoorstyn1974], grows with the distance from them.
+/// What an error of the frequency makes of the hum per second from the middle of the points
+/// [unit/s]. From the data that error is √6 s / (pi A T √n) [RifeBoorstyn1974], else the grid's.
+double drift_of(const HumPoints& quiet, const HumFit& fit, bool frequency_from_data) {
+  if (frequency_from_data) {
+    const double n = static_cast<double>(quiet.points.size());
+    return 2.0 * std::sqrt(6.0 * fit.variance / n) / quiet.span() * fit.multiples.back();
+  }
+  double amplitude = 0.0;  // times the multiple
+  for (std::size_t m = 0; m < fit.multiples.size(); ++m)
+    amplitude = std::hypot(amplitude, fit.multiples[m] * fit.amplitude(m));
+  return 2.0 * std::numbers::pi * mains_wander * fit.frequency * amplitude;
+}
+
+/// The largest standard error of the hum anywhere in the record. What the frequency's own error
+/// adds grows with the distance from the quiet samples.
 double largest_error(const Channel& channel, const HumPoints& quiet, const HumFit& fit,
                      bool frequency_from_data) {
-  const std::vector<HumPoint>& points = quiet.points;
-  const double first = points.front().time, last = points.back().time;
-  const double n = static_cast<double>(points.size());
-  const double drift =  // of the phase, times the amplitude [unit/s]
-      frequency_from_data
-          ? 2.0 * std::sqrt(6.0 * fit.variance / n) / (last - first) * fit.multiples.back()
-          : 0.0;
+  const double first = quiet.points.front().time, last = quiet.points.back().time;
+  const double drift = drift_of(quiet, fit, frequency_from_data);
   constexpr int places = 512;
   const double length = channel.clock.interval * static_cast<double>(channel.size());
   double largest = 0.0;
@@ -126,6 +136,7 @@ Edit remove_hum(Channel& channel, const RemoveHum& hum) {
   edit.parameters["frequency"] = fmt::format("{:.6g} Hz{}", frequency, from_data ? "" : ", stated");
   edit.parameters["uncertainty"] =
       fmt::format("{} {} at most", datasets::figures(error, 2), channel.unit);
+  channel.valid = sound_marks(channel);
   fit.take_off(values, channel.clock.start, channel.clock.interval);
   // Samples that are not sound keep what was recorded.
   if (!channel.valid.empty())

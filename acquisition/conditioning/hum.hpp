@@ -10,7 +10,8 @@ namespace impactrig::acquisition {
 /// to the sound samples of the quiet stretches together with a straight line for each stretch.
 ///
 /// Where the stretches span 5 periods the fundamental is looked for within 2 % of the stated
-/// frequency; in shorter ones it is the stated one. Multiples whose amplitude is less than 4
+/// frequency; in shorter ones it is the stated one, off by 0.1 % (standard deviation) as a grid is.
+/// Multiples whose amplitude is less than 4
 /// standard errors are left out, so that noise is not added; when all are, nothing is taken off and
 /// the edit says so. Standard errors take the residuals' autocorrelation into account.
 ///

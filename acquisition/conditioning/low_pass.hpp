@@ -16,11 +16,11 @@ namespace impactrig::acquisition {
 ///
 /// at frequency f, n the order: 3 dB down at the cutoff f_c.
 /// State variables are integrators by the trapezoidal rule, which keeps the rounding error small at
-/// any f_c h. The record is prolonged at both ends by its own reflection about the end points; what
-/// lies within about 1/f_c of an end depends on that.
+/// any f_c h. The record is prolonged at both ends by its own reflection about the end points, as
+/// often as the filter's memory asks for; what lies within about 1/f_c of an end depends on that.
 ///
-/// Throws std::invalid_argument when the cutoff is not below half of the sample rate or the order
-/// is not 1 to 8.
+/// Throws std::invalid_argument when the cutoff is not between 0 and half of the sample rate or the
+/// order is not 1 to 8.
 std::vector<double> zero_phase_low_pass(std::span<const double> values, double interval,
                                         const datasets::LowPass& filter);
 
@@ -30,7 +30,9 @@ struct LowPassed {
   double lost = 0.0;  ///< part of the largest departure from the median that is gone
 };
 
-/// The same for a channel; invalid samples are bridged by straight lines before and stay marked.
+/// The same for a channel; invalid samples and such as are not finite are bridged by straight lines
+/// before and stay, or become, marked. Throws std::invalid_argument besides when the record is
+/// shorter than a period of the cutoff.
 LowPassed low_pass(datasets::Channel& channel, const datasets::LowPass& filter);
 
 }  // namespace impactrig::acquisition

@@ -101,12 +101,18 @@ class Marks {
   std::vector<std::uint8_t> valid_;
 };
 
-/// Marks each new sample that has an invalid one within a step of either clock.
+/// Marks each new sample that has an invalid one within a step of either clock, or lies between an
+/// invalid one and its neighbours.
 void mark_invalid(const Channel& channel, double interval, Marks& marks) {
-  const double reach = std::max(interval, channel.clock.interval);
-  for (std::size_t i = 0; i < channel.size(); ++i)
-    if (!is_sound(channel, i))
-      marks.add(channel.clock.time(i) - reach, channel.clock.time(i) + reach);
+  const double reach =
+      channel.clock.uniform() ? std::max(interval, channel.clock.interval) : interval;
+  for (std::size_t i = 0; i < channel.size(); ++i) {
+    if (is_sound(channel, i)) continue;
+    const double time = channel.clock.time(i);
+    const double before = channel.clock.time(i > 0 ? i - 1 : i);
+    const double after = channel.clock.time(i + 1 < channel.size() ? i + 1 : i);
+    marks.add(std::min(time - reach, before), std::max(time + reach, after));
+  }
 }
 
 /// Marks what falls into steps so much longer than those before and behind that samples are
@@ -153,10 +159,14 @@ BandLimited::BandLimited(std::span<const double> values, double stretch)
 double BandLimited::sample(std::ptrdiff_t i) const {
   const auto n = static_cast<std::ptrdiff_t>(values_.size());
   if (i >= 0 && i < n) return values_[static_cast<std::size_t>(i)];
-  const bool before = i < 0;
-  const std::ptrdiff_t inner = std::clamp<std::ptrdiff_t>(before ? -i : 2 * (n - 1) - i, 0, n - 1);
-  const double edge = before ? values_.front() : values_.back();
-  return 2.0 * edge - values_[static_cast<std::size_t>(inner)];
+  if (n == 1) return values_.front();
+  // Two reflections move the record by twice its length, and its values by twice its rise.
+  const std::ptrdiff_t period = 2 * (n - 1);
+  const std::ptrdiff_t turns = i >= 0 ? i / period : -((period - 1 - i) / period);
+  const std::ptrdiff_t inner = i - turns * period;
+  const double rise = 2.0 * static_cast<double>(turns) * (values_.back() - values_.front());
+  if (inner < n) return values_[static_cast<std::size_t>(inner)] + rise;
+  return 2.0 * values_.back() - values_[static_cast<std::size_t>(period - inner)] + rise;
 }
 
 double BandLimited::operator()(double index) const {

@@ -16,6 +16,16 @@ namespace impactrig::acquisition {
 using datasets::Channel;
 using datasets::TimeSpan;
 
+std::vector<std::uint8_t> sound_marks(const Channel& channel) {
+  std::vector<std::uint8_t> valid = channel.valid;
+  for (std::size_t i = 0; i < channel.size(); ++i) {
+    if (std::isfinite(channel.value(i))) continue;
+    if (valid.empty()) valid.assign(channel.size(), 1);
+    valid[i] = 0;
+  }
+  return valid;
+}
+
 std::vector<double> sound_values(const Channel& channel, std::size_t least) {
   const bool history =
       !channel.complex() && channel.clock.uniform() && channel.clock.interval > 0.0;
@@ -28,14 +38,10 @@ std::vector<double> sound_values(const Channel& channel, std::size_t least) {
     throw std::invalid_argument(fmt::format("channel '{}' has {} samples; at least {} are needed",
                                             channel.name, channel.size(), least));
   std::vector<double> values = channel.values();
-  std::vector<std::uint8_t> valid = channel.valid;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (std::isfinite(values[i])) continue;
-    if (valid.empty()) valid.assign(values.size(), 1);
-    valid[i] = 0;
-  }
+  const std::vector<std::uint8_t> valid = sound_marks(channel);
   if (!valid.empty() && std::ranges::find(valid, 1) == valid.end())
-    throw std::invalid_argument(fmt::format("channel '{}' has no sound sample", channel.name));
+    throw std::invalid_argument(
+        fmt::format("channel '{}' has no sound sample; choose another channel", channel.name));
   bridge_invalid(values, valid);
   return values;
 }
@@ -64,6 +70,13 @@ IndexRange samples_in(const Channel& channel, const TimeSpan& span) {
   range.begin = static_cast<std::size_t>(std::clamp(from, 0.0, n));
   range.end = std::max(range.begin, static_cast<std::size_t>(std::clamp(to, 0.0, n)));
   return range;
+}
+
+std::size_t sound_samples(const Channel& channel, const IndexRange& range) {
+  std::size_t count = 0;
+  for (std::size_t i = range.begin; i < range.end; ++i)
+    count += channel.is_valid(i) && std::isfinite(channel.value(i));
+  return count;
 }
 
 std::string text_of(std::span<const TimeSpan> spans) {

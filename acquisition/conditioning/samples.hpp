@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +16,10 @@ namespace impactrig::acquisition {
 /// the channel's unit. Throws std::invalid_argument when the channel is not such a history, has
 /// fewer than `least` samples, or none that is sound.
 std::vector<double> sound_values(const datasets::Channel& channel, std::size_t least = 1);
+
+/// The channel's marks and 0 where a sample is not finite; empty: all sound. A step that puts
+/// numbers in the place of samples keeps these.
+std::vector<std::uint8_t> sound_marks(const datasets::Channel& channel);
 
 /// New samples in the channel's unit, as many as before.
 void replace_values(datasets::Channel& channel, std::vector<double>&& values);
@@ -30,6 +35,9 @@ struct IndexRange {
 };
 
 IndexRange samples_in(const datasets::Channel& channel, const datasets::TimeSpan& span);
+
+/// How many of them are valid and finite.
+std::size_t sound_samples(const datasets::Channel& channel, const IndexRange& range);
 
 /// "-0.001 s to 0 s", with commas between several.
 std::string text_of(std::span<const datasets::TimeSpan> spans);

@@ -105,10 +105,23 @@ class Conditioning {
 
   void act(const datasets::RemoveBaseline& action, std::size_t index) {
     note(remove_baseline(channel(index), quiet(action.quiet, index)));
+    const bool moves = channel(index).quantity == datasets::Quantity::velocity;
+    if (!action.quiet && moves) tell_approach("offset", index);
   }
 
   void act(const datasets::RemoveDrift& action, std::size_t index) {
     note(remove_drift(channel(index), quiet(action.quiet, index)));
+    if (action.quiet) return;
+    if (channel(index).quantity == datasets::Quantity::velocity) tell_approach("offset", index);
+    if (channel(index).quantity == datasets::Quantity::displacement) tell_approach("slope", index);
+  }
+
+  /// Before touch the bar is on its way: what is level there is no offset of the instrument.
+  void tell_approach(const std::string& parameter, std::size_t index) {
+    record_.warnings.push_back(fmt::format(
+        "What comes off '{}' is its course before touch ({} {}), which is the approach where the "
+        "point moves; state quiet = {{ from = \"...\", to = \"...\" }} where it is at rest.",
+        channel(index).name, parameter, record_.provenance.edits.back().parameters.at(parameter)));
   }
 
   void act(datasets::RemoveDecay action, std::size_t index) {
@@ -122,9 +135,31 @@ class Conditioning {
   }
 
   void act(const datasets::LowPass& action, std::size_t index) {
+    const bool clipped = first_is_clipped();
     LowPassed result = low_pass(channel(index), action);
     note(std::move(result.edit));
-    tell_loss(result.lost, fmt::format("low-pass at {:g} Hz", action.cutoff), index);
+    const std::string what = fmt::format("low-pass at {:g} Hz", action.cutoff);
+    tell_loss(result.lost, what, index);
+    tell_hidden_rail(clipped, what, index);
+  }
+
+  /// Whether the first impact has the flag; not when there is none to be found.
+  bool first_is_clipped() const {
+    try {
+      const std::vector<Impact> impacts = find_impacts(record_, detection_);
+      return !impacts.empty() && impacts.front().has(datasets::ImpactFlag::clipped);
+    } catch (const InputError&) {
+      return false;
+    }
+  }
+
+  /// A filter makes of a flat top a crest, which no flag tells any more.
+  void tell_hidden_rail(bool was_clipped, std::string_view what, std::size_t index) {
+    if (!was_clipped || first_is_clipped()) return;
+    record_.warnings.push_back(fmt::format(
+        "The {} hides that '{}' was clipped: peak and impulse are too small, and no flag says so "
+        "any more; leave the step out, and record again with a larger range.",
+        what, channel(index).name));
   }
 
   void tell_loss(double lost, std::string_view to_what, std::size_t index) {
@@ -172,9 +207,12 @@ class Conditioning {
   }
 
   void act(const datasets::Resample& action, std::size_t index) {
+    const bool clipped = first_is_clipped();
     Resampled result = resample(channel(index), action);
     note(std::move(result.edit));
-    tell_loss(result.lost, fmt::format("resampling to {:g} Hz", action.rate), index);
+    const std::string what = fmt::format("resampling to {:g} Hz", action.rate);
+    tell_loss(result.lost, what, index);
+    tell_hidden_rail(clipped, what, index);
     if (result.gaps == 0) return;
     record_.warnings.push_back(fmt::format(
         "'{}' has {} gap{} in its times, {}{:g} s long: {} of the resampled values lie in {} and "

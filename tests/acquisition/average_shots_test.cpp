@@ -136,6 +136,44 @@ TEST(AverageShots, SaysThatShotsAreUnlike) {
   EXPECT_THAT(mean.warnings[0], testing::StartsWith("The peaks of the shots differ"));
 }
 
+// A force alone does not tell that a decoder was in another range, or off its zero.
+TEST(AverageShots, SaysWhichShotWasFaster) {
+  std::vector<Record> shots;
+  for (int k = 0; k < 6; ++k) shots.push_back(shot(k, 2.0));
+  for (double& value : std::get<std::vector<double>>(shots[3].channels[1].raw)) value += 0.22;
+  const Record mean = average_shots(shots);
+  EXPECT_THAT(mean.warnings,
+              testing::ElementsAre(
+                  "The approach velocities of the shots differ with a standard deviation of 19 %; "
+                  "contact is not linear, so fit the shots one by one instead of their mean, or "
+                  "leave out shot3.csv, which is 50 % above their median."));
+  EXPECT_EQ(mean.provenance.edits.back().parameters.at("approach velocities"),
+            "standard deviation 19 %");
+  EXPECT_EQ(mean.provenance.edits.back().parameters.at("peaks").substr(0, 18),
+            "standard deviation");
+}
+
+TEST(AverageShots, LeavesOutAShotWithoutTheTriggersQuantity) {
+  Record without = shot(1, 2.0);
+  without.channels.erase(without.channels.begin());
+  const std::vector<Record> shots{without, shot(0, 2.0), shot(2, 2.0)};
+  const Record mean = average_shots(shots);
+  EXPECT_THAT(mean.warnings, testing::ElementsAre(
+                                 "shot1.csv is not in the mean: its impact is found in "
+                                 "'Velocity' (velocity), that of the others in 'Force' (force)."));
+}
+
+TEST(AverageShots, LeavesOutWhatIsNotFinite) {
+  std::vector<Record> shots{shot(0, 0.0), shot(0, 0.0), shot(0, 0.0)};
+  auto& samples = std::get<std::vector<double>>(shots[2].channels[1].raw);
+  for (std::size_t i = 1050; i < 1150; ++i) samples[i] = NAN;
+  const Record mean = average_shots(shots);
+  for (std::size_t i = 1000; i < 1200; ++i) {
+    ASSERT_NEAR(mean.channels[2].value(i), velocity_at(mean.channels[2].clock.time(i)), 1e-9) << i;
+    ASSERT_LT(mean.channels[3].value(i), 1e-9) << i;
+  }
+}
+
 TEST(AverageShots, ConvertsUnitsAndLeavesInvalidSamplesOut) {
   Record second = shot(0, 0.0);
   second.provenance.source_file = "second.csv";

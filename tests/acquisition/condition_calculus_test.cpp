@@ -57,6 +57,27 @@ TEST(RemoveBaseline, RefusesASpanWithoutSamples) {
           "know its baseline"));
 }
 
+// Bridged by what follows, the quiet part would be the impact's first sample.
+TEST(RemoveBaseline, RefusesAQuietPartWithoutSoundSamples) {
+  const Sampling at;
+  Channel channel =
+      force_of(at, sampled(at, [](double t) { return 12.5 + half_sine(t, 1500.0, 200e-6); }));
+  channel.valid.assign(at.samples, 1);
+  for (std::size_t i = 0; i < 1098; ++i) channel.valid[i] = 0;
+  const std::string refusal =
+      "channel 'Force' has 2 sound samples between -0.001 s and 9.95e-05 s; at least ";
+  EXPECT_THAT(
+      [&] {
+        remove_baseline(channel, {-1e-3, 0.0995e-3});
+      },
+      testing::ThrowsMessage<std::invalid_argument>(refusal + "3 are needed to know its baseline"));
+  EXPECT_THAT(
+      [&] {
+        remove_drift(channel, {-1e-3, 0.0995e-3});
+      },
+      testing::ThrowsMessage<std::invalid_argument>(refusal + "8 are needed to know its baseline"));
+}
+
 TEST(RemoveDrift, TakesTheLineOfTheQuietPartOffEverything) {
   const Sampling at;
   Channel channel = force_of(
@@ -150,6 +171,29 @@ TEST(Integrate, BridgesInvalidSamples) {
   EXPECT_EQ(x.channel.valid, velocity.valid);
 }
 
+// One sample that is not a number was the end of the integral.
+TEST(Integrate, BridgesAndMarksWhatIsNotFinite) {
+  const Sampling at{.start = 0.0, .interval = 1.0, .samples = 5};
+  const Derived x = integrate(velocity_of(at, {0.0, 1.0, NAN, 3.0, 4.0}));
+  EXPECT_DOUBLE_EQ(x.channel.value(4), 8.0);
+  EXPECT_EQ(x.channel.valid, (std::vector<std::uint8_t>{1, 1, 0, 1, 1}));
+}
+
+TEST(Integrate, StatesWhereItIsZeroWithinTheRecord) {
+  const Sampling at{.start = 0.0, .interval = 1.0, .samples = 5};
+  const auto velocity = velocity_of(at, {0.0, 1.0, 2.0, 3.0, 4.0});
+  EXPECT_EQ(integrate(velocity, {.zero_at = 99.0}).edit.parameters.at("zero at"), "4 s");
+  EXPECT_EQ(integrate(velocity, {.zero_at = 1.5}).edit.parameters.at("zero at"), "1.5 s");
+}
+
+TEST(Calculus, LeavesWithoutAUnitWhatHasNone) {
+  const Sampling at{.start = 0.0, .interval = 1.0, .samples = 5};
+  Channel channel = channel_of("x", Quantity::unknown, at, {0.0, 1.0, 2.0, 3.0, 4.0});
+  channel.unit.clear();
+  EXPECT_EQ(integrate(channel).channel.unit, "");
+  EXPECT_EQ(differentiate(channel).channel.unit, "");
+}
+
 TEST(Differentiate, IsExactForAPolynomialOfDegreeFour) {
   const Sampling at{.start = -1.0, .interval = 0.125, .samples = 17};
   const auto x = channel_of("x", Quantity::displacement, at, sampled(at, [](double t) {
@@ -199,6 +243,15 @@ TEST(Differentiate, MarksWhatTouchesAnInvalidSample) {
             (std::vector<std::uint8_t>{1, 1, 1, 1, 0, 0, 0, 0, 0, 1, 1, 1, 1}));
 }
 
+TEST(Differentiate, MarksWhatTouchesWhatIsNotFinite) {
+  const Sampling at{.start = 0.0, .interval = 1.0, .samples = 13};
+  auto values = std::vector<double>(13, 1.0);
+  values[6] = INFINITY;
+  const Channel slope = differentiate(velocity_of(at, values)).channel;
+  EXPECT_EQ(slope.valid, (std::vector<std::uint8_t>{1, 1, 1, 1, 0, 0, 0, 0, 0, 1, 1, 1, 1}));
+  for (std::size_t i = 0; i < 13; ++i) EXPECT_DOUBLE_EQ(slope.value(i), 0.0) << i;
+}
+
 // Each undoes the other up to the error of the trapezoidal rule.
 TEST(Differentiate, UndoesIntegrate) {
   const double w = 2.0 * pi * 5e3, h = 1e-6;
@@ -207,6 +260,16 @@ TEST(Differentiate, UndoesIntegrate) {
   const Derived back = differentiate(integrate(velocity).channel);
   for (std::size_t i = 2; i + 2 < at.samples; ++i)
     ASSERT_NEAR(back.channel.value(i), velocity.value(i), 1.1 * w * h * w * h / 12.0) << i;
+}
+
+TEST(Calculus, RefusesWhatHasNoSoundSample) {
+  const Sampling at{.start = 0.0, .interval = 1.0, .samples = 8};
+  Channel channel = velocity_of(at, std::vector<double>(8, 1.0));
+  channel.valid.assign(8, 0);
+  const auto refusal = testing::ThrowsMessage<std::invalid_argument>(
+      "channel 'Velocity' has no sound sample; choose another channel");
+  EXPECT_THAT([&] { integrate(channel); }, refusal);
+  EXPECT_THAT([&] { differentiate(channel); }, refusal);
 }
 
 TEST(Calculus, RefusesWhatIsNoHistory) {

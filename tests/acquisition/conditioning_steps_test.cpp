@@ -16,6 +16,7 @@ namespace {
 
 using datasets::ConditioningStep;
 using datasets::Record;
+using datasets::TimeSpan;
 using namespace tests;
 
 constexpr Sampling at;  // from -1 ms, 1 MHz, 4 ms
@@ -59,6 +60,32 @@ TEST(ApplySteps, TakesWhatLiesBeforeTouchAsQuiet) {
   const auto& parameters = record.provenance.edits.at(0).parameters;
   EXPECT_EQ(parameters.at("from"), "-0.001 s");
   EXPECT_NEAR(std::stod(parameters.at("to")), -50e-6, 5e-6);
+}
+
+// Before touch a velocity is the approach speed; without it no restitution is left.
+TEST(ApplySteps, WarnsOfAnApproachThatIsTakenForAnOffset) {
+  const TimeSpan rest{-1e-3, -0.5e-3};
+  const auto warnings_of = [](const std::string& channel,
+                              const datasets::ConditioningAction& action) {
+    Record record = shot();
+    apply_steps(std::vector<ConditioningStep>{{"velocity", datasets::Integrate{"way", {}, {}}},
+                                              {channel, action}},
+                record);
+    return record.warnings;
+  };
+  const auto told = [](const std::string& start) {
+    return testing::ElementsAre(testing::StartsWith("What comes off " + start));
+  };
+  EXPECT_THAT(warnings_of("Velocity", datasets::RemoveBaseline{}),
+              told("'Velocity' is its course before touch (offset 0.4"));
+  EXPECT_THAT(warnings_of("Velocity", datasets::RemoveDrift{}),
+              told("'Velocity' is its course before touch (offset 0.4"));
+  EXPECT_THAT(warnings_of("way", datasets::RemoveDrift{}),
+              told("'way' is its course before touch (slope 0.4"));
+  EXPECT_THAT(warnings_of("way", datasets::RemoveBaseline{}), testing::IsEmpty());
+  EXPECT_THAT(warnings_of("Velocity", datasets::RemoveBaseline{rest}), testing::IsEmpty());
+  EXPECT_THAT(warnings_of("Velocity", datasets::RemoveDrift{rest}), testing::IsEmpty());
+  EXPECT_THAT(warnings_of("Ref1", datasets::RemoveDrift{}), testing::IsEmpty());
 }
 
 TEST(ApplySteps, DoesThemInTheirOrder) {
@@ -108,6 +135,25 @@ TEST(ApplySteps, WarnsOfAPeakThatResamplingLowers) {
   EXPECT_THAT(record.warnings[0], testing::StartsWith("The resampling to 10000 Hz takes "));
   EXPECT_THAT(record.provenance.edits.back().parameters.at("largest departure"),
               testing::HasSubstr(" N, before 150"));
+}
+
+// Of a rail at 1200 of 1500 N the filter makes a crest of about 1200 N.
+TEST(ApplySteps, WarnsOfARailThatAFilterHides) {
+  const std::vector<datasets::ConditioningAction> filters{datasets::LowPass{20e3, 4},
+                                                          datasets::Resample{40e3}};
+  for (const auto& filter : filters)
+    for (const bool clipped : {false, true}) {
+      Record record = shot();
+      for (double& value : std::get<std::vector<double>>(record.channels[0].raw))
+        if (clipped) value = std::min(value, 1200.0);
+      apply_steps(std::vector<ConditioningStep>{{"force", filter}}, record);
+      const auto hidden = testing::Contains(
+          testing::HasSubstr("hides that 'Ref1' was clipped: peak and impulse are too small"));
+      if (clipped)
+        EXPECT_THAT(record.warnings, hidden) << filter.index();
+      else
+        EXPECT_THAT(record.warnings, testing::Not(hidden)) << filter.index();
+    }
 }
 
 TEST(ApplySteps, WarnsOfGapsThatResamplingBridges) {

@@ -67,6 +67,22 @@ TEST(RemoveDecay, StatesItsErrorHonestly) {
 }
 
 // Quiet only after the contact: what the decay was before that is not in the data.
+// In coulombs or in counts the decay is the same one.
+TEST(RemoveDecay, FindsTheTimeConstantInAnyUnit) {
+  auto values = sampled(at, [&](double t) { return pulse(t) + decay(t, 8e-3); });
+  add_noise(values, 4.0, 1);
+  auto newtons = force_of(at, values);
+  const auto expected = remove_decay(newtons, {quiet, std::nullopt}).parameters;
+  for (const double unit : {1e-30, 1e-12, 1e12, 1e30}) {
+    auto other = values;
+    for (double& value : other) value *= unit;
+    auto force = force_of(at, other);
+    const auto parameters = remove_decay(force, {quiet, std::nullopt}).parameters;
+    EXPECT_EQ(parameters.at("time constant"), expected.at("time constant")) << unit;
+    EXPECT_EQ(parameters.at("uncertainty"), expected.at("uncertainty")) << unit;
+  }
+}
+
 TEST(RemoveDecay, LeavesWhatLiesBeforeTheQuietStretch) {
   const auto recorded = sampled(at, [&](double t) {
     return pulse(t) + (t > 1e-3 ? -100.0 * std::exp(-(t - 1e-3) / 0.5e-3) : 0.0);
@@ -114,6 +130,15 @@ TEST(UndoLowCut, IsTheInverseOfTheSensorsHighPass) {
     for (std::size_t i = 0; i < at.samples; ++i)
       ASSERT_NEAR(force.value(i), truth[i], 1500.0 * (w_h * w_h + 1e-9)) << frequency << " " << i;
   }
+}
+
+TEST(UndoLowCut, MarksWhatWasNotFinite) {
+  auto values = sampled(at, pulse);
+  values[2000] = NAN;
+  auto force = force_of(at, values);
+  undo_low_cut(force, {1.0, TimeSpan{-10e-3, -0.1e-3}});
+  ASSERT_EQ(force.valid.size(), at.samples);
+  for (std::size_t i = 0; i < at.samples; ++i) ASSERT_EQ(force.is_valid(i), i != 2000) << i;
 }
 
 TEST(UndoLowCut, RefusesWhatIsNoFrequency) {

@@ -104,6 +104,30 @@ TEST(RemoveHum, StatesItsErrorHonestly) {
   EXPECT_GE(within, trials - 3);
 }
 
+// Three periods do not tell the frequency, and no grid keeps to the stated one: in 60 records with
+// mains of 50 Hz +- 50 mHz the hum under the contact lies within 1.96 stated errors of what is
+// taken off as often as a normal error does, here at least 51 times (less: 0.1 %). Of errors that
+// hold for 50 Hz alone 19 did.
+TEST(RemoveHum, KnowsThatMainsAreNotQuiteAsStated) {
+  const Sampling at_three{.start = -0.06, .interval = 1e-5, .samples = 9000};
+  int within = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    Noise noise(seed);
+    const double frequency = 50.0 + 0.05 * noise();
+    auto values = sampled(at_three, [&](double t) {
+      return pulse_at(t) + 3.0 * std::sin(2.0 * pi * frequency * t + static_cast<double>(seed));
+    });
+    add_noise(values, 0.1, seed + 100);
+    auto force = force_of(at_three, values);
+    const auto edit = remove_hum(force, {50.0, 1, {TimeSpan{-0.06, -1e-3}}});
+    const double truth =
+        3.0 * std::sin(2.0 * pi * frequency * at_three.time(6100) + static_cast<double>(seed));
+    const double error = values[6100] - force.value(6100) - truth;
+    within += std::abs(error) < 1.96 * std::stod(edit.parameters.at("uncertainty"));
+  }
+  EXPECT_GE(within, 51);
+}
+
 TEST(RemoveHum, TakesNothingOffWhereThereIsNone) {
   std::vector<double> noise(long_record.samples, 0.0);
   add_noise(noise, 2.0, 5);
@@ -153,6 +177,24 @@ TEST(RemoveHum, IgnoresInvalidSamples) {
   EXPECT_EQ(force.value(1100), -400.0);
   for (std::size_t i = 1200; i < long_record.samples; ++i)
     ASSERT_NEAR(force.value(i), truth[i], 2e-3);
+}
+
+TEST(RemoveHum, MarksWhatWasNotFinite) {
+  auto values = sampled(long_record, [](double t) { return pulse_at(t) + hum_at(t, 50.0); });
+  values[1000] = values[12000] = NAN;
+  auto force = force_of(long_record, values);
+  remove_hum(force, {50.0, 3, {TimeSpan{-0.5, -1e-3}}});
+  for (std::size_t i = 0; i < long_record.samples; ++i)
+    ASSERT_EQ(force.is_valid(i), i != 1000 && i != 12000) << i;
+}
+
+TEST(RemoveHum, FindsNoneInAConstant) {
+  for (const double level : {0.0, 2.5}) {
+    auto force = force_of(long_record, std::vector<double>(long_record.samples, level));
+    const auto edit = remove_hum(force, {50.0, 2, {TimeSpan{-0.5, -1e-3}}});
+    EXPECT_TRUE(edit.parameters.contains("found")) << level;
+    EXPECT_FALSE(edit.parameters.contains("frequency")) << level;
+  }
 }
 
 TEST(RemoveHum, RefusesWhatIsNoHum) {

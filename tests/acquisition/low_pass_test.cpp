@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "acquisition/conditioning/low_pass.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -64,10 +65,12 @@ INSTANTIATE_TEST_SUITE_P(Orders, ZeroPhaseLowPass, testing::Values(1, 2, 3, 4, 5
 TEST(LowPass, LeavesAStraightLineAlone) {
   std::vector<double> y(3000);
   for (std::size_t i = 0; i < y.size(); ++i) y[i] = 7.0 - 2e-3 * static_cast<double>(i);
-  for (const int order : {1, 2, 4, 7}) {
-    const auto out = zero_phase_low_pass(y, 1e-6, {20e3, order});
-    for (std::size_t i = 0; i < y.size(); ++i) ASSERT_NEAR(out[i], y[i], 1e-8) << order << " " << i;
-  }
+  for (const int order : {1, 2, 4, 7})
+    for (const double cutoff : {20e3, 450e3, 499.9e3}) {
+      const auto out = zero_phase_low_pass(y, 1e-6, {cutoff, order});
+      for (std::size_t i = 0; i < y.size(); ++i)
+        ASSERT_NEAR(out[i], y[i], 1e-8) << order << " " << cutoff << " " << i;
+    }
 }
 
 // Backwards in time is the same filter.
@@ -119,6 +122,72 @@ TEST(LowPass, SaysWhatThePulseLost) {
   for (const double value : copy.values()) highest = std::max(highest, value);
   EXPECT_NEAR(result.lost, 1.0 - highest / 1500.0, 1e-4);
   EXPECT_GT(result.lost, 0.01);
+}
+
+// One reflection is too short for the filter's memory: 200 samples at a cutoff of 1 to 10 periods
+// of the record. A ramp to 1e6 times the noise of an ordinary record shows the least push.
+TEST(LowPass, LeavesAStraightLineAloneInAShortRecord) {
+  for (const std::size_t n : {3U, 4U, 20U, 200U})
+    for (const int order : {1, 2, 4, 8})
+      for (const double periods : {1.0, 1.3, 3.0, 10.0}) {
+        const double h = 1e-6, cutoff = periods / (static_cast<double>(n) * h);
+        if (!(cutoff * h < 0.5)) continue;
+        std::vector<double> y(n);
+        for (std::size_t i = 0; i < n; ++i) y[i] = 5.0 + 0.3 * static_cast<double>(i);
+        const auto out = zero_phase_low_pass(y, h, {cutoff, order});
+        for (std::size_t i = 0; i < n; ++i)
+          ASSERT_NEAR(out[i], y[i], 1e-8) << n << " " << order << " " << periods;
+      }
+}
+
+// Between its ends a record of half periods of a sine goes on as that sine, however often it is
+// reflected, so it keeps its shape and takes the gain of its frequency.
+TEST(LowPass, OfAShortRecordIsThatOfItsReflections) {
+  const std::size_t n = 201;
+  const double h = 1e-6;
+  for (const int order : {1, 4, 8})
+    for (const double half_periods : {1.0, 3.0, 4.0, 9.0}) {
+      const double frequency = 0.5 * half_periods / (h * static_cast<double>(n - 1));
+      const double cutoff = 1.2 / (h * static_cast<double>(n));
+      const double w1 =
+          std::tan(pi * cutoff * h) / std::pow(std::numbers::sqrt2 - 1.0, 0.5 / order);
+      const double gain = 1.0 / (1.0 + std::pow(std::tan(pi * frequency * h) / w1, 2.0 * order));
+      std::vector<double> y(n);
+      for (std::size_t i = 0; i < n; ++i)
+        y[i] = std::sin(2.0 * pi * frequency * h * static_cast<double>(i));
+      const auto out = zero_phase_low_pass(y, h, {cutoff, order});
+      for (std::size_t i = 0; i < n; ++i)
+        ASSERT_NEAR(out[i], gain * y[i], 1e-8) << order << " " << half_periods << " " << i;
+    }
+}
+
+TEST(LowPass, MarksWhatWasNotFinite) {
+  const Sampling at{.start = 0.0, .interval = 1e-6, .samples = 400};
+  auto velocity = velocity_of(at, std::vector<double>(400, 0.4));
+  std::get<std::vector<double>>(velocity.raw)[100] = NAN;
+  low_pass(velocity, {50e3, 4});
+  ASSERT_EQ(velocity.valid.size(), 400U);
+  EXPECT_EQ(velocity.valid[100], 0);
+  EXPECT_EQ(std::ranges::count(velocity.valid, 0), 1);
+  EXPECT_NEAR(velocity.value(100), 0.4, 1e-12);
+}
+
+TEST(LowPass, RefusesARecordShorterThanAPeriod) {
+  const Sampling at{.start = 0.0, .interval = 1e-6, .samples = 4000};
+  auto velocity = velocity_of(at, std::vector<double>(4000, 0.4));
+  EXPECT_NO_THROW(low_pass(velocity, {250.0, 4}));
+  EXPECT_THAT(
+      [&] {
+        low_pass(velocity, {200.0, 4});
+      },
+      testing::ThrowsMessage<std::invalid_argument>(
+          "a low-pass at 200 Hz has less than one period in the 0.004 s of channel 'Velocity'; "
+          "filter at 250 Hz or more, or take a straight line off (step = \"drift\")"));
+  EXPECT_THAT(
+      [&] {
+        low_pass(velocity, {-5.0, 4});
+      },
+      testing::ThrowsMessage<std::invalid_argument>("a low-pass at -5 Hz is not above 0 Hz"));
 }
 
 TEST(LowPass, RefusesWhatIsNoFilter) {

@@ -167,6 +167,37 @@ TEST(Resample, OfUnevenTimesBeginsAtTheFirstSoundOne) {
     ASSERT_NEAR(force.value(i), force.clock.time(i), 1e-9);
 }
 
+// Fewer samples than the kernel reaches to either side: the record is reflected more than once.
+TEST(Resample, LeavesALineAloneInAShortRecord) {
+  for (const std::size_t n : {17U, 30U, 60U, 200U})
+    for (const double rate : {1e6 / 0.98, 3e6, 16.5e6 / static_cast<double>(n)}) {
+      const Sampling short_one{.start = 0.0, .interval = 1e-6, .samples = n};
+      auto force = force_of(short_one, sampled(short_one, [](double t) { return 3.0 + 1e6 * t; }));
+      resample(force, {rate});
+      for (std::size_t i = 0; i < force.size(); ++i)
+        ASSERT_NEAR(force.value(i), 3.0 + 1e6 * force.clock.time(i), 1e-3) << n << " " << rate;
+    }
+}
+
+// A sample that is not sound stands for nothing up to its neighbours, also where the step of an
+// uneven clock is not stated.
+TEST(Resample, MarksUpToTheNeighboursInUnevenTimes) {
+  datasets::Channel force = force_of(at, {});
+  std::vector<double> times;
+  for (std::size_t i = 0; i < 100; ++i) times.push_back(1e-3 * static_cast<double>(i + i % 2));
+  for (std::size_t i = 1; i < 100; i += 2) times[i] -= 0.6e-3;
+  force.raw = std::vector<double>(100, 1.0);
+  force.clock = {times.front(), 0.0, times};
+  force.valid.assign(100, 1);
+  force.valid[50] = 0;
+  resample(force, {100e3});
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    const double t = force.clock.time(i);
+    const bool bridged = t > times[49] + 1e-8 && t < times[51] - 1e-8;
+    ASSERT_EQ(force.is_valid(i), !bridged) << t;
+  }
+}
+
 TEST(Resample, RefusesSenselessRates) {
   auto force = force_of(at, std::vector<double>(at.samples, 0.0));
   EXPECT_THROW(resample(force, {0.0}), std::invalid_argument);

@@ -48,6 +48,18 @@ json parameter(const json& fit, const std::string& name) {
   return {};
 }
 
+// Of 22 fits of simulated shots through a low-pass at 50 and 200 kHz none held the restitution.
+TEST_F(FitOptions, WarnsOfWhatIsLowPassed) {
+  const std::string filtering =
+      write("filtering.toml", text_of(rig) +
+                                  "\n[[conditioning]]\nchannel = \"force\"\nstep = \"low-pass\"\n"
+                                  "cutoff = \"100 kHz\"\n");
+  const Outcome o = run("fit " + samples + "shen2007-1.uff --rig " + filtering +
+                        " --free contact.restitution --quiet --json");
+  EXPECT_THAT(o.out, HasSubstr("has been through a low-pass at 100000 Hz, which a prediction has "
+                               "not: the intervals of the fit do not hold. Leave that step out"));
+}
+
 TEST_F(FitOptions, FixBoundTieAndPriorReachTheFit) {
   const json j = fitted(
       "--fix contact.stiffness_factor --bounds contact.restitution=0.9:0.95 --prior "
