@@ -25,6 +25,7 @@ constexpr double least_part = 0.02;      ///< of what the signal spans
 constexpr double comes_back = 2.0;       ///< departure over the change across
 constexpr double line_fits = 4.0;        ///< departure over the scatter of its neighbours
 constexpr double on_course = 0.1;        ///< of that departure
+constexpr double line_misses = 3.0;      ///< times the scatter: on course where a bar passes zero
 constexpr std::size_t least_block = 64;  ///< samples of a local scatter, three blocks together
 constexpr std::size_t neighbours = 12;   ///< samples that say how the signal goes
 constexpr std::size_t cluster = 3;       ///< samples between two that stand out for one edge
@@ -140,29 +141,67 @@ std::optional<Bridge> bridge_over(std::span<const double> y, const std::vector<s
 
 /// What a stretch is judged against.
 struct Measure {
-  double span;   ///< what the signal spans
-  double noise;  ///< of a sample
+  double span;        ///< what the signal spans
+  double noise;       ///< of a sample
+  bool towards_zero;  ///< what the laser shows when it is lost
 };
 
-/// A laser without light shows zero: a flat stretch there between two steps, whatever the signal
-/// does across it. No bar at rest is that where it has a dozen samples within the longest dropout:
-/// it comes to rest and leaves in longer than a few of them.
+/// A laser without light shows zero: a level stretch there that the courses on either side do not
+/// lead to, whatever the signal does across it; one of them may, where the bar itself is at zero
+/// just then. A decoder is some times as noisy without light. No bar at rest is that where it has a
+/// dozen samples within the longest dropout: it comes to rest and leaves in longer than a few of
+/// them.
 bool pinned_to_zero(std::span<const double> y, const Bridge& bridge, const Measure& measure) {
   constexpr std::size_t edge = 3;  // two samples that stand out beside a step, and a spike
   if (bridge.end - bridge.begin < 2 * edge + neighbours) return false;
-  const auto inner = y.subspan(bridge.begin + edge, bridge.end - bridge.begin - 2 * edge);
-  const double level = median({inner.begin(), inner.end()});
-  const double flat = std::max(6.0 * measure.noise, 0.01 * measure.span);
+  const QuietFit course = fit_quiet(y, bridge.begin + edge, bridge.end - edge, 1, 0.0);
+  const double level = course.coefficients[0];
+  const double error =  // of the level; sqrt(12) of it of how far the course goes
+      std::max(course.sigma, measure.noise) / std::sqrt(as_double(course.size()));
+  std::size_t beside = 0;  // spikes within; more than a few are a stretch of their own
+  for (std::size_t i = course.begin; i < course.end; ++i)
+    if (std::abs(y[i] - course.at(as_double(i))) > gate * course.sigma) ++beside;
+  const double near_zero = 0.03 * measure.span;
   const double step = std::max(gate * measure.noise, least_part * measure.span);
-  return std::abs(level) < 0.03 * measure.span &&
-         std::ranges::all_of(inner, [&](double v) { return std::abs(v - level) <= flat; }) &&
-         std::abs(bridge.left.value - level) > step && std::abs(bridge.right.value - level) > step;
+  const auto jumps = [&](const Line& line) {  // further than it would go over the edge, twice
+    return std::abs(line.value - level) >
+           std::max(step, 2.0 * as_double(edge) * std::abs(line.slope));
+  };
+  return 10 * beside < course.size() &&
+         course.sigma <= std::max(6.0 * measure.noise, 0.01 * measure.span) &&
+         std::abs(level) < near_zero + 3.0 * error &&
+         2.0 * std::abs(course.coefficients[1]) < near_zero + 3.0 * std::sqrt(12.0) * error &&
+         (jumps(bridge.left) || jumps(bridge.right));
 }
 
-/// The dropout that [begin, end) is, if it is one: without the samples at its ends that are on
-/// their course.
+/// Whether a part of the stretch between two edges is sound: what lies between two losses, each
+/// with edges of its own. It is less than half as far off as another part, or the laser shows more
+/// there than what is expected of the bar, and quietly.
+bool sound_within(std::span<const double> y, const Bridge& bridge,
+                  std::span<const IndexRange> edges, const Measure& measure) {
+  double nearest = INFINITY, furthest = 0.0;
+  for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
+    const std::size_t from = edges[k].end, to = edges[k + 1].begin;
+    if (to < from + neighbours) continue;
+    std::vector<double> sizes;
+    for (std::size_t i = from; i < to; ++i) sizes.push_back(std::abs(y[i] - bridge.at(i)));
+    const double typical = median(std::move(sizes));
+    nearest = std::min(nearest, typical);
+    furthest = std::max(furthest, typical);
+    const QuietFit course = fit_quiet(y, from, to, 1, 0.0);
+    const double level = course.coefficients[0], expected = bridge.at((from + to) / 2);
+    if (measure.towards_zero && std::abs(level) > std::abs(expected) &&
+        course.sigma < 0.5 * std::abs(level - expected))
+      return true;
+  }
+  return 2.0 * nearest < furthest;
+}
+
+/// The dropout that the stretch from the first edge to the last is, if it is one: without the
+/// samples at its ends that are on their course.
 std::optional<Dropout> dropout_in(std::span<const double> y, const std::vector<std::uint8_t>& valid,
-                                  std::size_t begin, std::size_t end, const Measure& measure) {
+                                  std::span<const IndexRange> edges, const Measure& measure) {
+  const std::size_t begin = edges.front().begin, end = edges.back().end;
   const auto bridge = bridge_over(y, valid, begin, end);
   if (!bridge) return std::nullopt;
   Dropout dropout{begin, end, 0.0};
@@ -174,31 +213,39 @@ std::optional<Dropout> dropout_in(std::span<const double> y, const std::vector<s
   }
   // Of a long stretch the typical sample must be off, of a spike the largest one.
   const double off = sizes.size() > 4 * cluster ? median(sizes) : std::abs(dropout.departure);
-  while (sizes[dropout.begin - begin] < on_course * off) ++dropout.begin;
-  while (sizes[dropout.end - 1 - begin] < on_course * off) --dropout.end;
   const double across = std::abs(bridge->right.value - bridge->left.value);
   // Lines that miss their own samples (an impact among them) say nothing of the stretch.
-  if (!(off > line_fits * std::max(bridge->left.scatter, bridge->right.scatter)))
-    return std::nullopt;
-  if (off > comes_back * across || pinned_to_zero(y, *bridge, measure)) return dropout;
-  return std::nullopt;
+  const double scatter = std::max(bridge->left.scatter, bridge->right.scatter);
+  const bool away_and_back = off > line_fits * scatter && off > comes_back * across &&
+                             !sound_within(y, *bridge, edges, measure);
+  if (!away_and_back && !pinned_to_zero(y, *bridge, measure)) return std::nullopt;
+  // Where the bar passes zero a lost sample is hardly off.
+  const double sound =
+      away_and_back ? on_course * off : line_misses * std::max(scatter, measure.noise);
+  while (dropout.begin < dropout.end && sizes[dropout.begin - begin] < sound) ++dropout.begin;
+  while (dropout.begin < dropout.end && sizes[dropout.end - 1 - begin] < sound) --dropout.end;
+  if (dropout.begin == dropout.end) return std::nullopt;
+  return dropout;
 }
 
 }  // namespace
 
 std::vector<Dropout> find_dropouts(std::span<const double> values,
-                                   const std::vector<std::uint8_t>& valid, std::size_t longest) {
+                                   const std::vector<std::uint8_t>& valid, std::size_t longest,
+                                   Quantity quantity) {
   if (values.size() < 2 * neighbours) return {};
   const std::vector<IndexRange> edges = edges_in(values, longest);
   const Measure measure{span_of(values),
-                        std::max(step_noise(values), 0.75 * quantum_of(values, valid))};
+                        std::max(step_noise(values), 0.75 * quantum_of(values, valid)),
+                        quantity == Quantity::velocity};
   std::vector<Dropout> dropouts;
   for (std::size_t e = 0; e < edges.size(); ++e) {
     // The longest stretch first: a dropout may have spikes within.
     std::size_t last = e;
     while (last + 1 < edges.size() && edges[last + 1].end - edges[e].begin <= longest + 4) ++last;
     for (;; --last) {
-      const auto dropout = dropout_in(values, valid, edges[e].begin, edges[last].end, measure);
+      const auto dropout =
+          dropout_in(values, valid, std::span(edges).subspan(e, last - e + 1), measure);
       if (dropout && dropout->end - dropout->begin <= longest) {
         dropouts.push_back(*dropout);
         e = last;
@@ -221,7 +268,8 @@ Edit repair_dropouts(Channel& channel, const datasets::RepairDropouts& repair) {
         fmt::format("a longest dropout of {:g} s is not positive", repair.longest));
   std::vector<double> values = sound_values(channel);
   const double longest = std::min(1e9, repair.longest / channel.clock.interval + 1.0);
-  const auto dropouts = find_dropouts(values, channel.valid, static_cast<std::size_t>(longest));
+  const auto dropouts =
+      find_dropouts(values, channel.valid, static_cast<std::size_t>(longest), channel.quantity);
   Edit edit{"repair dropouts", channel.name, {}};
   edit.parameters["longest"] = fmt::format("{:.12g} s", repair.longest);
   edit.parameters["found"] = std::to_string(dropouts.size());

@@ -33,11 +33,14 @@ struct Dropout {
 /// the lines through 12 sound samples on either side is more than twice the change across it, and
 /// four times the scatter of these samples about their lines. So an impact, however few samples it
 /// has, is none: the velocity does not come back. Within a contact, where it changes by as much, a
-/// stretch of at least 18 samples that is flat at zero (3 % of the span) between two steps is a
-/// dropout too. Samples at the ends of a stretch that are off by less than a tenth of that do not
-/// belong to it.
+/// stretch of at least 18 samples that is level at zero (3 % of the span, at most six times the
+/// noise) is a dropout too, where the line on one side at least does not lead there. A velocity's
+/// quiet stretch that is further from zero than its course is none: the laser saw it between two
+/// losses. Samples at the ends of a stretch that are off by less than a tenth of that (of one at zero
+/// within a contact: within three times the scatter of those lines) do not belong to it.
 std::vector<Dropout> find_dropouts(std::span<const double> values,
-                                   const std::vector<std::uint8_t>& valid, std::size_t longest);
+                                   const std::vector<std::uint8_t>& valid, std::size_t longest,
+                                   datasets::Quantity quantity);
 
 /// Bridges dropouts and spikes of a velocity or displacement by those cubics and marks their
 /// samples invalid: fits and statistics leave them out. The edit says how many there were.

@@ -356,7 +356,8 @@ bool unmarked_dropout(const Impact& impact, const Contact& contact) {
   const auto found = [](const std::optional<ImpactSignal>& signal) {
     if (!signal) return false;
     const auto longest = static_cast<std::size_t>(longest_dropout / signal->interval);
-    return longest > 0 && !find_dropouts(signal->values, signal->valid, longest).empty();
+    return longest > 0 &&
+           !find_dropouts(signal->values, signal->valid, longest, signal->quantity).empty();
   };
   return found(impact.velocity) || found(impact.displacement);
 }
@@ -427,10 +428,11 @@ bool shifted(const Impact& impact, double peak) {
          std::max({much_shift * std::abs(peak), spread.sigma, force.noise, 2.0 * force.quantum});
 }
 
-/// Tension in the contact, or a bar that comes from the other side.
-bool inverted(const Impact& impact, double peak) {
+/// Tension in the contact, or a bar that comes from the other side, which a record that begins
+/// within the contact does not show: the bar may be on its way back then.
+bool inverted(const Impact& impact, const Contact& contact, double peak) {
   if (impact.force && peak < 0.0) return true;
-  if (!impact.velocity) return false;
+  if (!impact.velocity || contact.begins_inside) return false;
   return impact.approach_velocity < -3.0 * impact.velocity->noise;
 }
 
@@ -461,7 +463,7 @@ std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
     flag(contact.further_hits == 0 && !contact.ends_inside && shifted(impact, peak),
          ImpactFlag::baseline_shift);
   }
-  flag(inverted(impact, peak), ImpactFlag::inverted);
+  flag(inverted(impact, contact, peak), ImpactFlag::inverted);
   return flags;
 }
 

@@ -638,6 +638,22 @@ TEST(InvertedFlag, FiresOnTensionAndOnABarThatLeaves) {
   }
 }
 
+// A record that begins late in the contact shows a bar that is on its way back already.
+TEST(InvertedFlag, IsSilentWhereTheStartIsMissed) {
+  for (const double part : {0.6, 0.7, 0.8}) {
+    const Sampling at{.start = part * duration, .interval = 1e-6, .samples = 3000};
+    auto velocity = sampled(at, [&](double t) {
+      return 0.44 - 0.4 * (1.0 - std::cos(pi * std::clamp(t / duration, 0.0, 1.0)));
+    });
+    add_noise(velocity, 1e-3, 3);
+    const auto impacts =
+        find_impacts(record_of({force_of(at, sampled(at, pulse)), velocity_of(at, velocity)}));
+    ASSERT_EQ(impacts.size(), 1U);
+    EXPECT_TRUE(impacts[0].has(ImpactFlag::missed_start)) << part;
+    EXPECT_FALSE(impacts[0].has(ImpactFlag::inverted)) << part;
+  }
+}
+
 }  // namespace
 
 }  // namespace impactrig::acquisition
