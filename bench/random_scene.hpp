@@ -9,11 +9,13 @@
 
 namespace impactrig::bench {
 
-inline constexpr std::array scene_families = {"impact", "to the end", "bounces", "grazing"};
+inline constexpr std::array scene_families = {"impact",  "to the end", "bounces",
+                                              "grazing", "swing",      "spin-up"};
 
 struct Scene {
   long number = 0;
   std::string family;
+  bool without_stop = false;
   std::string toml;
   std::string refusal;  ///< by the reader of rig files; then no more is drawn
   fitting::RigFile file;
@@ -22,7 +24,7 @@ struct Scene {
   double predicted = 0.0;     ///< what a step for each of them costs, roughly [s]
 };
 
-/// The scene that a seed and its number determine.
-Scene draw_scene(std::uint64_t seed, long number);
+/// The scene that a seed and its number determine: against a stop, or one of those without.
+Scene draw_scene(std::uint64_t seed, long number, bool without_stop);
 
 }  // namespace impactrig::bench

@@ -4,11 +4,12 @@
 // sentence? Each scene is a rig file drawn from a seed and its number alone, so that
 // `--only NUMBER` runs it again and `--rig NUMBER` prints it for the impactrig program. Each is
 // solved in a child process of limited processor time and memory, then solved again 30 times as
-// accurately. Some have further stops. An answer is sound when every number in it is finite,
-// contacts follow each other, no force pulls, the energy balances or a warning says that it does
-// not, and when peak force, duration and impulse of the first contact, and the largest force in the
-// sensor of a stop that gives way, agree with the second run within the accuracy asked for. Exit
-// status 1 when a scene fails.
+// accurately. Some have further stops; `--without-stop` has none. An answer is sound when every
+// number in it is finite, contacts follow each other, no force pulls, the energy balances or a
+// warning says that it does not, and when peak force, duration and impulse of the first contact,
+// and the largest force in the sensor of a stop that gives way, agree with the second run within
+// the accuracy asked for; without a stop, when displacements over the run do. Exit status 1 when a
+// scene fails.
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -26,11 +27,11 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "bench/random_scene.hpp"
+#include "bench/stress_outcome.hpp"
 #include "datasets/record.hpp"
 #include "models/simulation.hpp"
 
@@ -41,7 +42,6 @@ using namespace impactrig::bench;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr double finer = 30.0;                      // of the confirming run
 constexpr std::uintptr_t most_memory = 4ull << 30;  // of a child [bytes]
 constexpr double confirming_time = 4.0;             // as a multiple of the first run's limit
 constexpr double grace = 1.2;                       // of the limit, for what is not looked at
@@ -54,226 +54,11 @@ struct Study {
   std::vector<long> only;
   long rig = -1;  // to print, not to run
   double limit = 3.0;
-  bool exact = false, confirm_exact = false;
+  bool exact = false, confirm_exact = false, without_stop = false;
   std::string output;
+
+  Scene scene(long number) const { return draw_scene(seed, number, without_stop); }
 };
-
-enum class Kind {
-  answered,
-  warned,         ///< answered, with a warning that the energy or the accuracy does not hold
-  refused,        ///< with a sentence
-  unconfirmed,    ///< answered, but the finer run was refused or late
-  not_finite,     ///< from here on: failures
-  unsound,        ///< contacts out of order, a pulling force
-  energy,         ///< out of balance without a warning
-  not_converged,  ///< the finer run differs by more than the accuracy
-  endless,
-  crashed,
-  no_sentence  ///< an exception of another type, or without words
-};
-
-constexpr std::array kind_names = {"answered",
-                                   "answered with a warning",
-                                   "refused with a sentence",
-                                   "not confirmed",
-                                   "not finite",
-                                   "unsound",
-                                   "energy out of balance",
-                                   "not converged",
-                                   "over the limit",
-                                   "crashed",
-                                   "no sentence"};
-
-bool failed(Kind kind) {
-  return kind >= Kind::not_finite;
-}
-
-struct Outcome {
-  long number = 0;
-  Kind kind = Kind::crashed;
-  std::string sentence;
-  double accuracy = 0.0, imbalance = 0.0;
-  double peak = 0.0, duration = 0.0,
-         impulse = 0.0;  ///< of the first contact, finer run less this one, relative
-  double sensor = 0.0;   ///< likewise, of what the sensor of a stop that gives way carries at most
-  double seconds = 0.0;
-  long evaluations = 0, contacts = 0;
-  bool small_motion = false;
-  bool cut_short = false;  ///< by solver.time_limit
-
-  double error() const { return std::max({peak, duration, impulse, sensor}); }
-};
-
-Json to_json(const Outcome& o) {
-  return {
-      {"scene", o.number},
-      {"kind", kind_names[static_cast<std::size_t>(o.kind)]},
-      {"sentence", o.sentence},
-      {"accuracy", o.accuracy},
-      {"energy_imbalance", o.imbalance},
-      {"difference",
-       {{"peak", o.peak}, {"duration", o.duration}, {"impulse", o.impulse}, {"sensor", o.sensor}}},
-      {"solve_s", o.seconds},
-      {"evaluations", o.evaluations},
-      {"contacts", o.contacts},
-      {"small_motion", o.small_motion},
-      {"cut_short", o.cut_short}};
-}
-
-Outcome from_json(const Json& json) {
-  const auto number = [](const Json& j) { return j.is_null() ? std::nan("") : j.get<double>(); };
-  Outcome o;
-  const std::string kind = json.at("kind");
-  o.kind = static_cast<Kind>(std::ranges::find(kind_names, kind) - kind_names.begin());
-  o.number = json.at("scene");
-  o.sentence = json.at("sentence");
-  o.accuracy = json.at("accuracy");
-  o.imbalance = number(json.at("energy_imbalance"));
-  o.peak = number(json.at("difference").at("peak"));
-  o.duration = number(json.at("difference").at("duration"));
-  o.impulse = number(json.at("difference").at("impulse"));
-  o.sensor = number(json.at("difference").at("sensor"));
-  o.seconds = json.at("solve_s");
-  o.evaluations = json.at("evaluations");
-  o.contacts = json.at("contacts");
-  o.small_motion = json.at("small_motion");
-  o.cut_short = json.at("cut_short");
-  return o;
-}
-
-/// The first number of a result that is not finite where it should be; "" when all are.
-std::string not_finite(const models::Simulation& run) {
-  std::string found;
-  const auto look = [&](const char* what, double value) {
-    if (found.empty() && !std::isfinite(value)) found = fmt::format("{} is {}", what, value);
-  };
-  look("peak_force", run.peak_force);
-  look("peak_time", run.peak_time);
-  look("max_penetration", run.max_penetration);
-  look("impulse", run.impulse);
-  look("duration", run.duration);
-  for (const models::Episode& e : run.episodes) {
-    for (const double value : {e.start, e.end, e.peak_force, e.peak_time, e.impulse,
-                               e.max_penetration, e.approach_velocity, e.dissipated})
-      look("a number of a contact", value);
-    if (!e.open) look("a separation velocity", e.separation_velocity);
-  }
-  if (!run.episodes.empty() && !run.episodes.front().open)
-    for (const double value :
-         {run.restitution.kinematic, run.restitution.kinetic, run.restitution.energetic})
-      look("a restitution", value);
-  const models::EnergyAudit& a = run.energy;
-  for (const double value : {a.initial, a.kinetic, a.elastic, a.gravitational, a.contact_stored,
-                             a.dissipated, a.rigid_rotation, a.vibration, a.imbalance})
-    look("an energy", value);
-  for (const std::vector<double>* samples : {&run.history.force, &run.history.penetration,
-                                             &run.history.velocity, &run.history.displacement})
-    for (const double value : *samples) look("a sample of the history", value);
-  for (const models::StopHistory& stop : run.history.further)
-    for (const std::vector<double>* samples : {&stop.force, &stop.penetration})
-      for (const double value : *samples) look("a sample at a further stop", value);
-  return found;
-}
-
-/// What cannot be in a result, whatever the scene; "" when it is sound. Contacts pull where the rig
-/// file allows that.
-std::string unsound(const models::Simulation& run, bool may_pull) {
-  if (run.episodes.empty()) return "no contact";
-  if (!(run.peak_force > 0.0)) return fmt::format("a peak force of {:g} N", run.peak_force);
-  std::vector<double> ends(std::max<std::size_t>(run.stops.size(), 1));
-  for (const models::Episode& e : run.episodes) {
-    double& before = ends[static_cast<std::size_t>(e.stop)];
-    if (e.start < before || e.end < e.start)
-      return fmt::format("a contact from {:g} to {:g} s after one that ended at {:g} s", e.start,
-                         e.end, before);
-    if (!may_pull && e.impulse < -1e-12 * run.impulse)
-      return fmt::format("an impulse of {:g} N s", e.impulse);
-    if (e.dissipated < -run.solver.accuracy * run.energy.initial)
-      return fmt::format("a contact that gives {:g} J", -e.dissipated);
-    if (e.stop == 0 && e.peak_force > run.peak_force)
-      return "a contact with more than the peak force";
-    before = e.end;
-  }
-  if (may_pull) return "";
-  for (const double force : run.history.force)
-    if (force < 0.0) return fmt::format("a pulling force of {:g} N", force);
-  for (const models::StopHistory& stop : run.history.further)
-    for (const double force : stop.force)
-      if (force < 0.0) return fmt::format("a pulling force of {:g} N at a further stop", force);
-  return "";
-}
-
-bool warns_of(const models::Simulation& run, const char* words) {
-  return std::ranges::any_of(run.warnings, [&](const std::string& warning) {
-    return warning.find(words) != std::string::npos;
-  });
-}
-
-/// Turns what simulate() throws into a kind.
-template <typename Call>
-void guarded(Outcome& outcome, Call call) {
-  try {
-    call();
-  } catch (const std::exception& problem) {
-    const bool expected = dynamic_cast<const std::runtime_error*>(&problem) != nullptr ||
-                          dynamic_cast<const std::invalid_argument*>(&problem) != nullptr;
-    outcome.sentence = problem.what();
-    outcome.kind = expected && outcome.sentence.size() > 40 ? Kind::refused : Kind::no_sentence;
-  }
-}
-
-void judge_alone(const models::Simulation& run, bool may_pull, Outcome& outcome) {
-  outcome.imbalance = run.energy.unbalanced();
-  outcome.seconds = run.cost.seconds;
-  outcome.evaluations = run.cost.evaluations;
-  outcome.contacts = static_cast<long>(run.episodes.size());
-  outcome.small_motion = run.small_motion;
-  outcome.cut_short = warns_of(run, "solver.time_limit");
-  outcome.kind = Kind::answered;
-  if (!(outcome.sentence = not_finite(run)).empty()) {
-    outcome.kind = Kind::not_finite;
-  } else if (!(outcome.sentence = unsound(run, may_pull)).empty()) {
-    outcome.kind = Kind::unsound;
-  } else if (warns_of(run, "energy does not balance") || warns_of(run, "the first contact ") ||
-             warns_of(run, "the sensor carries most")) {
-    outcome.kind = Kind::warned;
-  } else if (!(std::abs(outcome.imbalance) <= 10.0 * run.solver.accuracy + 1e-10)) {
-    outcome.kind = Kind::energy;
-    outcome.sentence = fmt::format("energy imbalance {:.2g}", outcome.imbalance);
-  }
-}
-
-/// Of the largest forces in the sensor; none where a run was cut before it, or says that it is not
-/// known.
-double sensor_difference(const models::Simulation& run, const models::Simulation& fine) {
-  if (!run.sensor || warns_of(run, "solver.time_limit") || warns_of(fine, "solver.time_limit") ||
-      warns_of(run, "the sensor carries most"))
-    return 0.0;
-  return std::abs(run.sensor->peak_force / fine.sensor->peak_force - 1.0);
-}
-
-void judge_against(const models::Simulation& run, const models::Simulation& fine,
-                   Outcome& outcome) {
-  const models::Episode& a = run.episodes.front();
-  const models::Episode& b = fine.episodes.front();
-  const auto difference = [](double x, double y) { return std::abs(x - y) / std::abs(y); };
-  outcome.peak = difference(a.peak_force, b.peak_force);
-  outcome.duration = difference(a.end, b.end);
-  outcome.impulse = difference(a.impulse, b.impulse);
-  outcome.sensor = sensor_difference(run, fine);
-  if (outcome.error() <= (1.0 + 1.0 / finer) * outcome.accuracy) return;
-  if (warns_of(run, "the first contact ")) return;  // that it may be so far off
-  if (warns_of(fine, "the first contact ")) {
-    outcome.kind = Kind::unconfirmed;
-    outcome.sentence = "the finer run says that its own first contact may be far off";
-    return;
-  }
-  outcome.kind = Kind::not_converged;
-  outcome.sentence = fmt::format(
-      "first contact off by {:.1e} (peak), {:.1e} (duration), {:.1e} (impulse), sensor by "
-      "{:.1e} at accuracy {:.1e}",
-      outcome.peak, outcome.duration, outcome.impulse, outcome.sensor, outcome.accuracy);
-}
 
 /// The process is killed after this long at work [s]: other work on the machine does not count.
 void limit_work(double seconds) {
@@ -306,7 +91,7 @@ void run_scene(const Study& study, const Scene& scene, int pipe) {
   guarded(outcome, [&] {
     options.history.interval = solver.duration.value_or(0.1) / 500.0;
     run = models::simulate(scene.file.rig, solver, options);
-    judge_alone(run, scene.file.rig.contact.tension == models::Tension::allow, outcome);
+    judge_alone(scene.file.rig, run, outcome);
   });
   tell();
   if (outcome.kind != Kind::answered && outcome.kind != Kind::warned) return;
@@ -315,11 +100,11 @@ void run_scene(const Study& study, const Scene& scene, int pipe) {
   solver.time_limit = confirming_time * study.limit;
   guarded(finer_run, [&] {
     solver.accuracy = std::max(solver.accuracy / finer, 1e-13);
-    options.history.interval = 0.0;
+    if (!scene.without_stop) options.history.interval = 0.0;
     options.exact = study.exact || study.confirm_exact;
     const models::Simulation fine = models::simulate(scene.file.rig, solver, options);
     finer_run.kind = Kind::answered;
-    judge_against(run, fine, outcome);
+    judge_against(scene.file.rig, run, fine, outcome);
   });
   if (finer_run.kind != Kind::answered) {
     outcome.kind = Kind::unconfirmed;
@@ -376,7 +161,7 @@ Outcome run_guarded(const Study& study, const Scene& scene) {
     return outcome;
   }
   const std::size_t begin = end == 0 ? 0 : told.rfind('\n', end - 1) + 1;  // npos + 1 = 0
-  outcome = from_json(Json::parse(told.substr(begin, end - begin)));
+  outcome = outcome_of(Json::parse(told.substr(begin, end - begin)));
   if (!late && status == 0) return outcome;
   outcome.kind = late ? Kind::unconfirmed : Kind::crashed;
   outcome.sentence = late ? "the finer run was over its limit" : "the finer run crashed";
@@ -391,28 +176,45 @@ Outcome refused(const Scene& scene) {
   return outcome;
 }
 
+std::string in_words(const models::Solver& solver) {
+  std::string words(name(solver.model));
+  if (solver.model == models::BeamModel::hybrid)
+    words += fmt::format(" {}+{} {}", solver.modes, solver.axial_modes, name(solver.basis));
+  if (solver.model == models::BeamModel::ancf)
+    words += fmt::format(" [{}, {}]", solver.elements[0], solver.elements[1]);
+  return words;
+}
+
+std::string impact_in_words(const models::Rig& rig) {
+  const models::Contact& contact = rig.contact;
+  return fmt::format("R/L {:.1e}, E ratio {:.0e}, at {:.3g} L, {:.3g} m/s, {}{} {} e {:.2g}",
+                     contact.radius / rig.beam.length, contact.counter_modulus / contact.modulus,
+                     contact.position / rig.beam.length, touch_velocity(rig), contact.law,
+                     contact.law == "goldsmith" ? fmt::format(" {}", contact.exponent) : "",
+                     contact.damping, contact.restitution);
+}
+
+std::string swing_in_words(const models::Rig& rig) {
+  if (rig.hinge.rotation)
+    return fmt::format("to {:.3g} rad/s in {:.3g} s", rig.hinge.rotation->rate,
+                       rig.hinge.rotation->time);
+  if (rig.start.release_angle) return fmt::format("from {:.3g} rad", *rig.start.release_angle);
+  return fmt::format("{:.3g} m/s at the tip", rig.start.velocity);
+}
+
 std::string in_words(const Scene& scene) {
   if (!scene.refusal.empty()) return scene.family + ": " + scene.refusal;
   const models::Rig& rig = scene.file.rig;
   const models::Solver& solver = scene.file.solver;
-  std::string model(name(solver.model));
-  if (solver.model == models::BeamModel::hybrid)
-    model += fmt::format(" {}+{} {}", solver.modes, solver.axial_modes, name(solver.basis));
-  if (solver.model == models::BeamModel::ancf)
-    model += fmt::format(" [{}, {}]", solver.elements[0], solver.elements[1]);
+  const double duration = solver.duration.value_or(0.1);
+  const std::string what = scene.without_stop ? swing_in_words(rig) : impact_in_words(rig);
+  const std::string contacts =
+      scene.without_stop ? "" : fmt::format(" = {:.1e} contacts", duration / scene.contact_time);
   return fmt::format(
-      "{}: {}, L {:.3g} m, R/L {:.1e}, E {:.1e} Pa, E ratio {:.0e}, at {:.3g} L, {:.3g} m/s, {}{} "
-      "{} "
-      "e {:.2g}, g {:.3g}, accuracy {:.1e}, {:.1e} s = {:.1e} contacts = {:.1e} periods, {:.1e} s "
-      "if each takes a "
-      "step",
-      scene.family, model, rig.beam.length, rig.contact.radius / rig.beam.length,
-      rig.beam.youngs_modulus, rig.contact.counter_modulus / rig.contact.modulus,
-      rig.contact.position / rig.beam.length, touch_velocity(rig), rig.contact.law,
-      rig.contact.law == "goldsmith" ? fmt::format(" {}", rig.contact.exponent) : "",
-      rig.contact.damping, rig.contact.restitution, rig.gravity, solver.accuracy,
-      solver.duration.value_or(0.1), solver.duration.value_or(0.1) / scene.contact_time,
-      scene.periods, scene.predicted);
+      "{}: {}, L {:.3g} m, E {:.1e} Pa, {}, g {:.3g}, accuracy {:.1e}, {:.1e} s{} = {:.1e} "
+      "periods, {:.1e} s if each takes a step",
+      scene.family, in_words(solver), rig.beam.length, rig.beam.youngs_modulus, what, rig.gravity,
+      solver.accuracy, duration, contacts, scene.periods, scene.predicted);
 }
 
 /// A sentence without its numbers, to count its like.
@@ -434,7 +236,7 @@ void print_worst(const Study& study, const std::vector<Outcome>& outcomes, const
   for (std::size_t i = 0; i < std::min<std::size_t>(5, sorted.size()); ++i)
     if (badness(sorted[i]) > 0.0)
       fmt::print("  {:<10.3g} --seed {} --only {}: {}\n", badness(sorted[i]), study.seed,
-                 sorted[i].number, in_words(draw_scene(study.seed, sorted[i].number)));
+                 sorted[i].number, in_words(study.scene(sorted[i].number)));
 }
 
 void print_summary(const Study& study, const std::vector<Outcome>& outcomes) {
@@ -443,7 +245,7 @@ void print_summary(const Study& study, const std::vector<Outcome>& outcomes) {
   std::map<std::string, long> refusals;
   long explained = 0;
   for (const Outcome& o : outcomes) {
-    const Scene scene = draw_scene(study.seed, o.number);
+    const Scene scene = study.scene(o.number);
     if (o.kind == Kind::endless && scene.predicted > 0.5 * study.limit) ++explained;
     ++by_family[o.kind][scene.family];
     if (o.kind == Kind::refused) ++refusals[without_numbers(o.sentence)];
@@ -482,13 +284,14 @@ bool run(const Study& study) {
                {"program", datasets::program_version()},
                {"seed", study.seed},
                {"limit_s", study.limit},
+               {"without_stop", study.without_stop},
                {"exact", study.exact},
                {"confirm_exact", study.confirm_exact}};
   const auto started = Clock::now();
   std::vector<Outcome> outcomes;
   bool sound = true;
   for (const long number : numbers) {
-    const Scene scene = draw_scene(study.seed, number);
+    const Scene scene = study.scene(number);
     std::fflush(stdout);
     const Outcome outcome = scene.refusal.empty() ? run_guarded(study, scene) : refused(scene);
     outcomes.push_back(outcome);
@@ -527,13 +330,15 @@ int main(int argc, char** argv) {
   program.add_option("--rig", study.rig, "Print the rig file of a scene instead");
   program.add_option("--limit", study.limit, "Processor time for one run of a scene [s]")
       ->capture_default_str();
+  program.add_flag("--without-stop", study.without_stop,
+                   "Bars that swing freely or whose hinge is turned, in place of impacts");
   program.add_flag("--exact", study.exact, "Take no simplification");
   program.add_flag("--confirm-exact", study.confirm_exact, "Take none in the finer run");
   program.add_option("-o,--output", study.output, "Every scene, as JSON");
   CLI11_PARSE(program, argc, argv);
   try {
     if (study.rig >= 0) {
-      fmt::print("{}", draw_scene(study.seed, study.rig).toml);
+      fmt::print("{}", study.scene(study.rig).toml);
       return 0;
     }
     return run(study) ? 0 : 1;

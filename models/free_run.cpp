@@ -131,7 +131,6 @@ void FreeRun::conclude() {
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   result_.restitution = {unknown, unknown, unknown, unknown};
   close_audit(rig_, energy_at_start_, bar_.energy(), bar_.rigid_part(), result_.energy);
-  warn_of_imbalance(solver_.accuracy, result_);
 }
 
 Simulation FreeRun::fly() {

@@ -134,7 +134,7 @@ Simulation solve_until_settled(const Rig& rig, const Solver& solver,
                                const SimulationOptions& options, const SolveFully& solve) {
   const TimeLimit limit(solver.time_limit);
   Simulation run = solve(solver, options);
-  if (!rig.has_stop() || solver.model == BeamModel::rigid || run.episodes.empty()) return run;
+  if (solver.model == BeamModel::rigid || run.episodes.empty()) return run;
   const std::optional<Magnifier> magnified = magnifier(rig);
   if (!magnified) return run;
   const FirstContact first(run, solver, options, limit, solve);

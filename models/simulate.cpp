@@ -18,6 +18,7 @@
 #include "models/modal/small_motion_run.hpp"
 #include "models/sensitivities/full_sensitivities.hpp"
 #include "models/settled_solution.hpp"
+#include "models/settled_swing.hpp"
 #include "models/solved_to_size.hpp"
 #include "models/stop/sensor_peak.hpp"
 #include "models/stop/stopped_motion.hpp"
@@ -309,11 +310,13 @@ Simulation simulate_full_equations(const Rig& rig, const Solver& solver,
 Simulation solve(const Rig& rig, const Solver& solver, const SimulationOptions& options,
                  const TimeLimit& limit) {
   std::optional<Simulation> result = try_small_motion(rig, solver, options, limit);
-  if (!result)
-    result = solve_until_settled(rig, in_time(solver, limit), options,
-                                 [&](const Solver& used, const SimulationOptions& asked) {
-                                   return simulate_full_equations(rig, used, asked);
-                                 });
+  if (!result) {
+    const auto settled = rig.has_stop() ? solve_until_settled : solve_swing_until_settled;
+    result = settled(rig, in_time(solver, limit), options,
+                     [&](const Solver& used, const SimulationOptions& asked) {
+                       return simulate_full_equations(rig, used, asked);
+                     });
+  }
   result->solver = solver;
   return *std::move(result);
 }

@@ -9,6 +9,7 @@
 
 #include "models/beams/bar_element.hpp"
 #include "models/contact/contact_force.hpp"
+#include "models/contact_log.hpp"
 #include "models/free_run.hpp"
 #include "models/modal/modal_flight.hpp"
 
@@ -250,6 +251,7 @@ Simulation swing_freely(const Rig& rig, const Solver& solver, const SimulationOp
   const double tip = ModalFlight(bar.modes(), motion.state())
                          .neglected(bar.modes().point(rig.beam.length), *solver.duration);
   Simulation result = run.fly();
+  warn_of_imbalance(solver.accuracy, result);
   result.small_motion = true;
   result.neglected =
       tip / rig.beam.length + steady_strain(rig, solver, 0.0) + bar.modes().rounding();

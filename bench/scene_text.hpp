@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "acquisition/random_stream.hpp"
+
+namespace impactrig::bench {
+
+/// Draws the text of a rig file from a seed and a scene's number.
+class SceneText {
+ public:
+  /// A bar against its stop: "impact", "to the end", "bounces" or "grazing".
+  static SceneText with_stop(std::uint64_t seed, long number);
+
+  /// A bar alone: "swing" or "spin-up", whose hinge is turned as stated.
+  static SceneText without_stop(std::uint64_t seed, long number);
+
+  std::string_view family() const { return family_; }
+
+  /// Such a stop is the only one.
+  bool stop_gives_way() const { return gives_way_; }
+
+  const std::string& text() const { return text_; }
+
+  /// Chance in [0, 1) for what is drawn when the text has been read.
+  double uniform() { return random_.uniform(); }
+
+ private:
+  SceneText(std::uint64_t seed, const std::string& name)
+      : random_(seed, name),
+        features_(seed, "features of " + name) {}
+
+  static double spread_of(acquisition::RandomStream& random, double low, double high) {
+    return std::exp(random.uniform(std::log(low), std::log(high)));
+  }
+
+  double spread(double low, double high) { return spread_of(random_, low, high); }
+
+  bool chance(double p) { return random_.uniform() < p; }
+
+  bool featured(double p) { return features_.uniform() < p; }
+
+  double feature(double low, double high) { return spread_of(features_, low, high); }
+
+  int choice(int n) { return static_cast<int>(random_.uniform(0.0, n)); }
+
+  template <typename... Args>
+  void add(fmt::format_string<Args...> form, Args&&... args) {
+    text_ += fmt::format(form, std::forward<Args>(args)...) + "\n";
+  }
+
+  bool grazing() const { return family_ == "grazing"; }
+
+  bool spins_up() const { return family_ == "spin-up"; }
+
+  void draw_beam();
+  std::string draw_section();
+  void draw_segments();
+  void draw_masses();
+  void draw_hinge(double friction);
+  void draw_stop();
+  void draw_contact();
+  void draw_elastic_law(int face, double line);
+  void draw_damping();
+  void draw_start();
+  void draw_swing();
+  void draw_rotation();
+  void draw_environment(double gravity);
+  void draw_solver();
+
+  acquisition::RandomStream random_, features_;
+  std::string_view family_;
+  std::string text_;
+  double length_ = 0.0, radius_ = 0.0, modulus_ = 0.0;
+  double mass_ = 0.0;     // of a round bar
+  double slowest_ = 0.0;  // [rad/s]
+  bool at_tip_ = false, gives_way_ = false;
+};
+
+}  // namespace impactrig::bench
