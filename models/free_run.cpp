@@ -20,6 +20,8 @@ namespace {
 // Of the accuracy asked for, what a step may spend.
 constexpr double step_share = 0.1;
 constexpr int most_iterations = 12;
+// Room for those within one step, where they are not many.
+constexpr std::size_t samples_of_step = 1024;
 // In the first step the bar turns by about this [rad].
 constexpr double first_turn = 1e-4;
 
@@ -58,9 +60,20 @@ void FreeRun::start() {
   result_.energy.initial = energy_scale_;
   result_.energy.gravitational = -energy.gravitational;
   result_.history.interval = options_.history.interval;
-  if (!followed_) return;
   const bool sampled = options_.history.interval > 0.0;
-  followed_->start(sampled ? expected_samples(result_.history, t_end_) : 0);
+  const std::size_t samples = sampled ? expected_samples(result_.history, t_end_) : 0;
+  make_room(samples);
+  if (followed_) followed_->start(samples);
+}
+
+void FreeRun::make_room(std::size_t samples) {
+  History& history = result_.history;
+  history.velocity.reserve(samples);
+  history.displacement.reserve(samples);
+  samples_.reserve(std::min(samples, samples_of_step));
+  if (!rig_.hinge.rotation) return;
+  history.deflection.reserve(samples);
+  history.extension.reserve(samples);
 }
 
 /// Newton's method to rest.

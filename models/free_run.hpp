@@ -27,6 +27,7 @@ class FreeRun {
   Simulation fly();       ///< all at once: BarMotion::fly()
 
  private:
+  void make_room(std::size_t samples);
   bool solve();
   bool try_step(int level);
   bool land(double hinge_change);
