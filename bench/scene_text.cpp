@@ -202,17 +202,24 @@ void SceneText::draw_start() {
   if ((released || family_ == "bounces" || grazing()) && gravity == 0.0) gravity = 9.81;
   const double angle = released ? spread(1e-6, 3.1) : 0.0;
   const double speed = grazing() ? spread(1e-6, 1e-2) : spread(1e-3, 50.0);
-  if (released)
-    add("\n[start]\nrelease_angle = \"{:.17g} rad\"", angle);
-  else
-    add("\n[start]\nvelocity = \"{:.17g} m/s\"", speed);
-  // from what the impact does not see to what ends the swing within it
-  draw_hinge(chance(0.2) ? mass_ * (released ? gravity * length_ * angle * spread(1e-5, 1.0)
-                                             : speed * speed * spread(1e-4, 1e3))
-                         : 0.0);
+  set_moving(released ? std::optional(angle) : std::nullopt, speed, gravity, 0.2);
   draw_masses();
   draw_stop();
   draw_environment(gravity);
+}
+
+/// By a release or a speed, with some chance against friction: from what an impact does not see to
+/// what ends the swing within it.
+void SceneText::set_moving(std::optional<double> angle, double speed, double gravity,
+                           double chance_of_friction) {
+  if (angle)
+    add("\n[start]\nrelease_angle = \"{:.17g} rad\"", *angle);
+  else
+    add("\n[start]\nvelocity = \"{:.17g} m/s\"", speed);
+  draw_hinge(chance(chance_of_friction)
+                 ? mass_ * (angle ? gravity * length_ * *angle * spread(1e-5, 1.0)
+                                  : speed * speed * spread(1e-4, 1e3))
+                 : 0.0);
 }
 
 void SceneText::draw_solver() {
@@ -240,13 +247,7 @@ void SceneText::draw_swing() {
   const double gravity = !released && chance(0.3) ? 0.0 : chance(0.6) ? 9.81 : spread(0.01, 1000.0);
   const double angle = released ? spread(1e-6, 3.1) : 0.0;
   const double speed = spread(1e-3, 50.0);
-  if (released)
-    add("\n[start]\nrelease_angle = \"{:.17g} rad\"", angle);
-  else
-    add("\n[start]\nvelocity = \"{:.17g} m/s\"", speed);
-  draw_hinge(chance(0.25) ? mass_ * (released ? gravity * length_ * angle * spread(1e-5, 1.0)
-                                              : speed * speed * spread(1e-4, 1e3))
-                          : 0.0);
+  set_moving(released ? std::optional(angle) : std::nullopt, speed, gravity, 0.25);
   draw_masses();
   draw_environment(gravity);
 }

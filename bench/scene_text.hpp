@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -70,6 +71,8 @@ class SceneText {
   void draw_elastic_law(int face, double line);
   void draw_damping();
   void draw_start();
+  void set_moving(std::optional<double> angle, double speed, double gravity,
+                  double chance_of_friction);
   void draw_swing();
   void draw_rotation();
   void draw_environment(double gravity);

@@ -44,8 +44,7 @@ double energy_at_start(const Rig& rig) {
 std::string magnifier(const Rig& rig, const Simulation& run) {
   const double vibration = std::abs(run.energy.vibration) / run.energy.initial;
   if (vibration > much_vibration)
-    return fmt::format("the bar vibrates with {:.0f} % of the energy of its swing",
-                       100.0 * vibration);
+    return fmt::format("the bar vibrates with {:.2g} times the energy of its swing", vibration);
   if (rig.hinge.rotation) return "";
   if (rig.hinge.friction > 0.0) return "friction stops the hinge of the bar and lets it go";
   const double upright = 2.0 * rig.gravity * rig.beam.first_moment();
@@ -151,8 +150,9 @@ Simulation Swing::agree(Simulation run, const SimulationOptions& options,
   const auto coarser = [&](double factor) {
     return attempt(std::min(factor * solver_.accuracy, Solver::coarsest_accuracy), options);
   };
-  std::optional<double> change;
+  std::optional<double> change, change_before;
   const auto agrees = [&](const Simulation& one, const Simulation& other) {
+    change_before = change;
     change = change_between(rig_, one, other);
     return *change <= solver_.accuracy;
   };
@@ -170,7 +170,7 @@ Simulation Swing::agree(Simulation run, const SimulationOptions& options,
     agreed = agrees(run, *after) ? agreed + 1 : 0;
     run = *std::move(after);
   }
-  if (agreed < agreements) warning_ = warning_of(change, magnified);
+  if (agreed < agreements) warning_ = warning_of(std::max(change, change_before), magnified);
   return run;
 }
 

@@ -36,8 +36,8 @@ struct Dropout {
 /// stretch of at least 18 samples that is level at zero (3 % of the span, at most six times the
 /// noise) is a dropout too, where the line on one side at least does not lead there. A velocity's
 /// quiet stretch that is further from zero than its course is none: the laser saw it between two
-/// losses. Samples at the ends of a stretch that are off by less than a tenth of that (of one at zero
-/// within a contact: within three times the scatter of those lines) do not belong to it.
+/// losses. Samples at the ends of a stretch that are off by less than a tenth of that (of one at
+/// zero within a contact: within three times the scatter of those lines) do not belong to it.
 std::vector<Dropout> find_dropouts(std::span<const double> values,
                                    const std::vector<std::uint8_t>& valid, std::size_t longest,
                                    datasets::Quantity quantity);
