@@ -89,8 +89,7 @@ std::optional<std::string> warning_of_deflection(const Rig& rig, const Simulatio
                         displacement);
   return found +
          ": the hybrid model knows small deflections only. Take solver.model = \"ancf\", which "
-         "bends "
-         "as far as it has to.";
+         "bends as far as it has to.";
 }
 
 std::string warning_of(std::optional<double> change, const std::string& magnified) {
@@ -134,6 +133,7 @@ class Swing {
   }
 
   Simulation agree(Simulation run, const SimulationOptions& options, const std::string& magnified);
+  Simulation with_slopes(Simulation run);
 
   const Rig& rig_;
   const Solver& solver_;
@@ -174,6 +174,17 @@ Simulation Swing::agree(Simulation run, const SimulationOptions& options,
   return run;
 }
 
+/// Solved once more, with its derivatives.
+Simulation Swing::with_slopes(Simulation run) {
+  if (std::optional<Simulation> followed = attempt(accuracy_, options_))
+    return *std::move(followed);
+  run.warnings.push_back(
+      fmt::format("no time was left for the derivatives of {} numbers; ask for fewer, or state a "
+                  "longer solver.time_limit.",
+                  options_.sensitivities.size()));
+  return run;
+}
+
 Simulation Swing::settle() {
   SimulationOptions options = options_;
   options.sensitivities = {};
@@ -184,7 +195,7 @@ Simulation Swing::settle() {
   if (!magnified.empty()) run = agree(std::move(run), options, magnified);
   const std::optional<std::string> bends_far = warning_of_deflection(rig_, run);
   if (!shown) run.history = {};
-  if (!options_.sensitivities.empty()) run = at(accuracy_, options_);
+  if (!options_.sensitivities.empty()) run = with_slopes(std::move(run));
   warn_of_imbalance(solver_.accuracy, run);
   if (!warning_.empty()) run.warnings.push_back(warning_);
   if (bends_far) run.warnings.push_back(*bends_far);

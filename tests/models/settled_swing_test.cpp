@@ -130,6 +130,24 @@ TEST(SettledSwing, BeyondTheHybridModelIsToldOf) {
               Not(Contains(HasSubstr("small deflections"))));
 }
 
+TEST(SettledSwing, StandsWithoutDerivativesWhereNoTimeIsLeftForThem) {
+  const SolveFully plain_only = [](const Solver& solver, const SimulationOptions& options) {
+    if (!options.sensitivities.empty()) throw std::runtime_error("no time is left");
+    Simulation run;
+    run.solver = solver;
+    run.energy.initial = 1.0;
+    run.duration = 5.0;
+    return run;
+  };
+  SimulationOptions options;
+  options.sensitivities = {[](Rig& r) -> double& { return r.beam.density; }};
+  const Simulation run = solve_swing_until_settled(
+      soft_tube_whose_hinge_rubs(), hybrid(Basis::cantilever, 6, 1e-3, 5.0), options, plain_only);
+  EXPECT_EQ(run.duration, 5.0);
+  EXPECT_THAT(run.sensitivities, IsEmpty());
+  EXPECT_THAT(run.warnings, Contains(HasSubstr("no time was left for the derivatives")));
+}
+
 TEST(SettledSwing, CostsNothingWhereNothingMagnifiesErrors) {
   const Rig rig = [] {
     Rig stiff = free_bar(paper_rig().beam);
