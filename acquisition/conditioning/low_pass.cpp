@@ -126,9 +126,11 @@ void refuse_senseless(const LowPass& filter, double interval) {
   if (!(filter.cutoff > 0.0))
     throw std::invalid_argument(
         fmt::format("a low-pass at {:g} Hz is not above 0 Hz", filter.cutoff));
-  if (!(filter.cutoff * interval < 0.5))
+  // so close to it the slowest pole remembers some ten million samples
+  if (!(filter.cutoff * interval < 0.5 * (1.0 - 1e-6)))
     throw std::invalid_argument(
-        fmt::format("a low-pass at {:g} Hz is not below half of the sample rate, {:g} Hz",
+        fmt::format("a low-pass at {:g} Hz is not below half of the sample rate, {:g} Hz, by a "
+                    "millionth of it or more",
                     filter.cutoff, 0.5 / interval));
   if (filter.order < 1 || filter.order > 8)
     throw std::invalid_argument(
@@ -141,8 +143,7 @@ void refuse_shorter_than_a_period(const Channel& channel, const LowPass& filter)
   if (!(filter.cutoff > 0.0) || filter.cutoff * length >= 1.0 - 1e-9) return;
   throw std::invalid_argument(
       fmt::format("a low-pass at {:g} Hz has less than one period in the {:g} s of channel '{}'; "
-                  "filter at {:g} "
-                  "Hz or more, or take a straight line off (step = \"drift\")",
+                  "filter at {:g} Hz or more, or take a straight line off (step = \"drift\")",
                   filter.cutoff, length, channel.name, 1.0 / length));
 }
 
