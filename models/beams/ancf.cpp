@@ -151,25 +151,32 @@ void AncfBeam::set_steady_motion(double angle, double rate, VectorRef q, VectorR
 }
 
 /// Stretch of a straight bar by a field [m/s²] and its turning [rad/s] that pull from the hinge, by
-/// Newton's method; none where that finds none.
+/// Newton's method; none where that finds none, as where it is pressed too hard to stand. Solved
+/// for how much each element stretches: the places of nodes close to each other would round away
+/// what short elements do. A bar that is pulled resists more the further it stretches: Newton's
+/// steps come down to where it holds, however far the first.
 Eigen::VectorXd AncfBeam::steady_stretch(double pull, double rate) const {
-  constexpr int most_iterations = 20;
+  constexpr int most_iterations = 100;
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(dofs_);
-  Eigen::VectorXd stretch = none, force(dofs_);
+  Eigen::VectorXd parts = none, stretch = none, force(dofs_);
   double last = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     BandMatrix stiffness(dofs_);
     mass_.multiply(reference_ + stretch, force);
     force = rate * rate * force + pull * weight_;
-    for (std::size_t e = 0; e < elements_.size(); ++e) add_axial(e, stretch, force, stiffness);
+    for (int i = dofs_ - 2; i > 1; i -= 2) force[i - 2] += force[i];  // on all nodes beyond
+    for (std::size_t e = 0; e < elements_.size(); ++e) add_axial(e, parts, force, stiffness);
     try {
       BandCholesky(stiffness).solve_in_place(force);
     } catch (const std::invalid_argument&) {
       return none;
     }
-    stretch += force;
+    parts += force;
+    stretch = parts;
+    for (int i = 3; i < dofs_; i += 2) stretch[i] += stretch[i - 2];
+    for (int i = 3; i < dofs_; i += 2) force[i] += force[i - 2];
     const double change = force.norm() / reference_.norm();
-    if (!(change < 1.0)) return none;
+    if (!std::isfinite(change)) return none;
     // rounding is left
     if (change < 1e-12 * stretch.norm() / reference_.norm() || change >= last) return stretch;
     if (change < 1e-6) last = change;
@@ -177,12 +184,14 @@ Eigen::VectorXd AncfBeam::steady_stretch(double pull, double rate) const {
   return none;
 }
 
-/// What an element's stretch resists, along the bar, off the force; and its tangent.
-void AncfBeam::add_axial(std::size_t e, const Eigen::VectorXd& stretch, Eigen::VectorXd& force,
+/// What an element's stretch resists, along the bar, off the force; and its tangent. Of `parts` the
+/// odd ones tell how much further each element's end is from its beginning, the others slopes.
+void AncfBeam::add_axial(std::size_t e, const Eigen::VectorXd& parts, Eigen::VectorXd& force,
                          BandMatrix& stiffness) const {
   const double l = elements_[e].length;
   const double bending = elements_[e].bending_stiffness;
-  const Nodal nodes = gather(stretch, e);
+  const int first = 2 * static_cast<int>(e);
+  const Nodal nodes(0.0, parts[first], parts[first + 1], parts[first + 2]);
   Nodal resisting = bending * bending_force(nodes, l);
   Eigen::Matrix4d tangent;
   for (int i = 0; i < 4; ++i) tangent.col(i) = bending * bending_force(Nodal::Unit(i), l);
@@ -196,11 +205,9 @@ void AncfBeam::add_axial(std::size_t e, const Eigen::VectorXd& stretch, Eigen::V
     resisting += axial * strain * (1.0 + slope) * s;
     tangent += axial * (1.0 + 3.0 * strain) * s * s.transpose();
   }
-  for (int i = e == 0 ? 1 : 0; i < 4; ++i) {
-    const int row = e == 0 && i == 1 ? 0 : first_dof(e) + i;
-    force[row] -= resisting[i];
-    for (int j = e == 0 ? 1 : 0; j <= i; ++j)
-      stiffness.add(row, e == 0 && j == 1 ? 0 : first_dof(e) + j, tangent(i, j));
+  for (int i = 1; i < 4; ++i) {
+    force[first + i - 1] -= resisting[i];
+    for (int j = 1; j <= i; ++j) stiffness.add(first + i - 1, first + j - 1, tangent(i, j));
   }
 }
 

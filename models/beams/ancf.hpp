@@ -96,7 +96,7 @@ class AncfBeam : public BeamDynamics {
 
   Nodal shape_at(std::size_t element, double x) const;
   Eigen::VectorXd steady_stretch(double pull, double rate) const;
-  void add_axial(std::size_t element, const Eigen::VectorXd& stretch, Eigen::VectorXd& force,
+  void add_axial(std::size_t element, const Eigen::VectorXd& parts, Eigen::VectorXd& force,
                  BandMatrix& stiffness) const;
   void set_straight(const Eigen::VectorXd& stretch, double angle, double rate, VectorRef q,
                     VectorRef v) const;
