@@ -134,7 +134,7 @@ void acquire_synthetic(const Options& options) {
   if (!rig.rig.has_stop())
     throw datasets::InputError({.file = options.rig},
                                "has no [contact]: the synthetic source records impacts");
-  fitting::choose_mesh(rig);
+  fitting::choose_mesh(rig, fitting::finest_mesh);
   models::Simulation simulation;
   const acquisition::Trajectory trajectory = trajectory_of(rig, options, simulation);
   const acquisition::SensorSet sensors = {rig.force, rig.velocity, rig.displacement};

@@ -361,7 +361,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
   std::string chosen;
   std::vector<fitting::Candidate> models;  // first, which refuses what is badly written
   if (!job.against.empty()) {
-    chosen = fitting::choose_mesh(rig);
+    chosen = fitting::choose_mesh(rig, fitting::finest_mesh_of_fits);
     models = candidates(job, rig, options);
   }
   std::vector<datasets::Impact> impacts;
@@ -383,7 +383,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
     hashes.push_back(record.provenance.sha256);
     data.records.push_back(std::move(record));
   }
-  if (chosen.empty()) chosen = fitting::choose_mesh(rig);
+  if (chosen.empty()) chosen = fitting::choose_mesh(rig, fitting::finest_mesh_of_fits);
   if (!chosen.empty()) warnings.push_back(chosen);
   if (!job.common.quiet)
     fmt::print(stderr, "fitting {} impact(s), model {}\n", impacts.size(),

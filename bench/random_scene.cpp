@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "acquisition/random_stream.hpp"
-#include "bench/scene_text.hpp"
 #include "models/beams/bar_element.hpp"
 #include "models/contact/contact_force.hpp"
 #include "models/simulation.hpp"
@@ -153,9 +152,9 @@ void complete_scene(std::uint64_t seed, SceneText& text, Scene& scene) {
 
 }  // namespace
 
-Scene draw_scene(std::uint64_t seed, long number, bool without_stop) {
-  SceneText text =
-      without_stop ? SceneText::without_stop(seed, number) : SceneText::with_stop(seed, number);
+Scene draw_scene(std::uint64_t seed, long number, bool without_stop, Meshes meshes) {
+  SceneText text = without_stop ? SceneText::without_stop(seed, number, meshes)
+                                : SceneText::with_stop(seed, number, meshes);
   Scene scene;
   scene.number = number;
   scene.family = text.family();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "bench/scene_text.hpp"
 #include "fitting/rig_file.hpp"
 
 namespace impactrig::bench {
@@ -25,6 +26,7 @@ struct Scene {
 };
 
 /// The scene that a seed and its number determine: against a stop, or one of those without.
-Scene draw_scene(std::uint64_t seed, long number, bool without_stop);
+Scene draw_scene(std::uint64_t seed, long number, bool without_stop,
+                 Meshes meshes = Meshes::coarse);
 
 }  // namespace impactrig::bench

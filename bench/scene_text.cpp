@@ -9,8 +9,8 @@
 
 namespace impactrig::bench {
 
-SceneText SceneText::with_stop(std::uint64_t seed, long number) {
-  SceneText text(seed, fmt::format("scene {}", number));
+SceneText SceneText::with_stop(std::uint64_t seed, long number, Meshes meshes) {
+  SceneText text(seed, fmt::format("scene {}", number), meshes);
   const double which = text.random_.uniform();
   text.family_ = which < 0.55   ? "impact"
                  : which < 0.67 ? "to the end"
@@ -23,8 +23,8 @@ SceneText SceneText::with_stop(std::uint64_t seed, long number) {
   return text;
 }
 
-SceneText SceneText::without_stop(std::uint64_t seed, long number) {
-  SceneText text(seed, fmt::format("scene {} without a stop", number));
+SceneText SceneText::without_stop(std::uint64_t seed, long number, Meshes meshes) {
+  SceneText text(seed, fmt::format("scene {} without a stop", number), meshes);
   text.family_ = text.chance(0.6) ? "swing" : "spin-up";
   text.at_tip_ = true;
   text.draw_beam();
@@ -223,22 +223,32 @@ void SceneText::set_moving(std::optional<double> angle, double speed, double gra
 }
 
 void SceneText::draw_solver() {
-  switch (choice(3)) {
+  if (meshes_ == Meshes::open) {
+    add("\n[solver]\nmodel = \"ancf\"\naccuracy = {:.6e}", spread(3e-6, 1e-3));
+    return;
+  }
+  const bool fine = meshes_ == Meshes::fine;
+  switch (fine ? 1 + choice(2) : choice(3)) {
     case 0:
       add("\n[solver]\nmodel = \"rigid\"");
       break;
     case 1: {
       const int axial = chance(0.25) ? 1 + choice(4) : 0;
+      const double modes = fine ? spread(40.0, 120.0) : spread(1.0, 40.0);
       add("\n[solver]\nmodel = \"hybrid\"\nmodes = {}\naxial_modes = {}\nbasis = \"{}\"",
-          static_cast<int>(spread(1.0, 40.0)), axial,
-          chance(0.5) || spins_up() ? "cantilever" : "pinned-free");
+          static_cast<int>(modes), axial, chance(0.5) || spins_up() ? "cantilever" : "pinned-free");
       break;
     }
     default:
-      add("\n[solver]\nmodel = \"ancf\"\nelements = [{}, {}]", static_cast<int>(spread(1.0, 40.0)),
-          at_tip_ ? 0 : static_cast<int>(spread(1.0, 10.0)));
+      fine ? draw_elements(40.0, 800.0, 200.0) : draw_elements(1.0, 40.0, 10.0);
   }
-  add("accuracy = {:.6e}", spread(1e-8, 1e-3));
+  add("accuracy = {:.6e}", fine ? spread(1e-10, 1e-7) : spread(1e-8, 1e-3));
+}
+
+void SceneText::draw_elements(double fewest, double most, double most_beyond) {
+  const int before = static_cast<int>(spread(fewest, most));
+  add("\n[solver]\nmodel = \"ancf\"\nelements = [{}, {}]", before,
+      at_tip_ ? 0 : static_cast<int>(spread(1.0, most_beyond)));
 }
 
 /// From the least to a turn and more, under its weight, its spring or neither.

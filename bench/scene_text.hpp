@@ -14,14 +14,18 @@
 
 namespace impactrig::bench {
 
+/// Of 1 to 50 elements or 1 to 40 modes; of ANCF elements whose number the rig file leaves open; or
+/// of 40 to 1000 elements or 40 to 120 modes, at accuracies of 1e-7 to 1e-10.
+enum class Meshes { coarse, open, fine };
+
 /// Draws the text of a rig file from a seed and a scene's number.
 class SceneText {
  public:
   /// A bar against its stop: "impact", "to the end", "bounces" or "grazing".
-  static SceneText with_stop(std::uint64_t seed, long number);
+  static SceneText with_stop(std::uint64_t seed, long number, Meshes meshes);
 
   /// A bar alone: "swing" or "spin-up", whose hinge is turned as stated.
-  static SceneText without_stop(std::uint64_t seed, long number);
+  static SceneText without_stop(std::uint64_t seed, long number, Meshes meshes);
 
   std::string_view family() const { return family_; }
 
@@ -34,9 +38,10 @@ class SceneText {
   double uniform() { return random_.uniform(); }
 
  private:
-  SceneText(std::uint64_t seed, const std::string& name)
+  SceneText(std::uint64_t seed, const std::string& name, Meshes meshes)
       : random_(seed, name),
-        features_(seed, "features of " + name) {}
+        features_(seed, "features of " + name),
+        meshes_(meshes) {}
 
   static double spread_of(acquisition::RandomStream& random, double low, double high) {
     return std::exp(random.uniform(std::log(low), std::log(high)));
@@ -77,8 +82,10 @@ class SceneText {
   void draw_rotation();
   void draw_environment(double gravity);
   void draw_solver();
+  void draw_elements(double fewest, double most, double most_beyond);
 
   acquisition::RandomStream random_, features_;
+  Meshes meshes_;
   std::string_view family_;
   std::string text_;
   double length_ = 0.0, radius_ = 0.0, modulus_ = 0.0;

@@ -33,6 +33,8 @@
 #include "bench/random_scene.hpp"
 #include "bench/stress_outcome.hpp"
 #include "datasets/record.hpp"
+#include "fitting/rig_file.hpp"
+#include "models/mesh_error.hpp"
 #include "models/simulation.hpp"
 
 namespace {
@@ -43,6 +45,7 @@ using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uintptr_t most_memory = 4ull << 30;  // of a child [bytes]
+constexpr int finer_mesh = 4;                       // of an open mesh, the confirming run's
 constexpr double confirming_time = 4.0;             // as a multiple of the first run's limit
 constexpr double grace = 1.2;                       // of the limit, for what is not looked at
 constexpr double waiting = 20.0;                    // of wall clock, as a multiple of limits
@@ -55,9 +58,10 @@ struct Study {
   long rig = -1;  // to print, not to run
   double limit = 3.0;
   bool exact = false, confirm_exact = false, without_stop = false;
+  Meshes meshes = Meshes::coarse;
   std::string output;
 
-  Scene scene(long number) const { return draw_scene(seed, number, without_stop); }
+  Scene scene(long number) const { return draw_scene(seed, number, without_stop, meshes); }
 };
 
 /// The process is killed after this long at work [s]: other work on the machine does not count.
@@ -66,6 +70,19 @@ void limit_work(double seconds) {
   const itimerval timer{
       {}, {static_cast<time_t>(whole), static_cast<suseconds_t>(1e6 * (seconds - whole))}};
   setitimer(ITIMER_PROF, &timer, nullptr);
+}
+
+/// As stated, or as the program chooses it.
+models::ChosenMesh mesh_of(const Scene& scene, const models::Solver& solver) {
+  if (scene.file.mesh_stated || scene.without_stop) return {solver, 0.0};
+  return models::choose_mesh(scene.file.rig, solver, fitting::finest_mesh);
+}
+
+/// That the mesh is not as good as asked for, or that it is not known, is a warning.
+void tell_mesh(const models::ChosenMesh& mesh, Outcome& outcome) {
+  if (outcome.kind != Kind::answered || mesh.error <= outcome.accuracy) return;
+  outcome.kind = Kind::warned;
+  outcome.sentence = fmt::format("the mesh errs by {:.1g}", mesh.error);
 }
 
 /// The child's work: one line after the first run, one at the end.
@@ -90,16 +107,22 @@ void run_scene(const Study& study, const Scene& scene, int pipe) {
   solver.time_limit = study.limit;
   guarded(outcome, [&] {
     options.history.interval = solver.duration.value_or(0.1) / 500.0;
+    const models::ChosenMesh mesh = mesh_of(scene, solver);
+    solver = mesh.solver;
     run = models::simulate(scene.file.rig, solver, options);
     judge_alone(scene.file.rig, run, outcome);
+    tell_mesh(mesh, outcome);
   });
   tell();
-  if (outcome.kind != Kind::answered && outcome.kind != Kind::warned) return;
+  const bool of_mesh = outcome.kind == Kind::warned && !outcome.sentence.empty();
+  if (of_mesh || (outcome.kind != Kind::answered && outcome.kind != Kind::warned)) return;
   Outcome finer_run;
   limit_work(grace * confirming_time * study.limit);
   solver.time_limit = confirming_time * study.limit;
   guarded(finer_run, [&] {
     solver.accuracy = std::max(solver.accuracy / finer, 1e-13);
+    if (!scene.file.mesh_stated)
+      for (int& elements : solver.elements) elements *= finer_mesh;
     if (!scene.without_stop) options.history.interval = 0.0;
     options.exact = study.exact || study.confirm_exact;
     const models::Simulation fine = models::simulate(scene.file.rig, solver, options);
@@ -285,6 +308,7 @@ bool run(const Study& study) {
                {"seed", study.seed},
                {"limit_s", study.limit},
                {"without_stop", study.without_stop},
+               {"meshes", study.meshes},
                {"exact", study.exact},
                {"confirm_exact", study.confirm_exact}};
   const auto started = Clock::now();
@@ -332,6 +356,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   program.add_flag("--without-stop", study.without_stop,
                    "Bars that swing freely or whose hinge is turned, in place of impacts");
+  program.add_option("--meshes", study.meshes, "coarse, open or fine")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Meshes>{
+          {"coarse", Meshes::coarse}, {"open", Meshes::open}, {"fine", Meshes::fine}}));
   program.add_flag("--exact", study.exact, "Take no simplification");
   program.add_flag("--confirm-exact", study.confirm_exact, "Take none in the finer run");
   program.add_option("-o,--output", study.output, "Every scene, as JSON");

@@ -108,7 +108,7 @@ Candidate other_model(const RigFile& own, const std::vector<Override>& overrides
   }
   try {
     candidate.rig = read_rig_file(own.path, all, without);
-    choose_mesh(candidate.rig);
+    choose_mesh(candidate.rig, finest_mesh_of_fits);
   } catch (const UnknownName& error) {
     throw std::invalid_argument(error.problem());
   } catch (const datasets::InputError& error) {

@@ -459,10 +459,10 @@ RigFile read_rig_file(const std::string& path, const std::vector<Override>& over
   return parse_rig_file(text.str(), path, overrides, without);
 }
 
-std::string choose_mesh(RigFile& file) {
+std::string choose_mesh(RigFile& file, int finest) {
   if (file.mesh_stated) return "";
-  double error = std::numeric_limits<double>::quiet_NaN();
-  file.solver = models::choose_mesh(file.rig, file.solver, error);
+  const auto [chosen, error] = models::choose_mesh(file.rig, file.solver, finest);
+  file.solver = chosen;
   file.mesh_stated = true;
   const models::Solver& solver = file.solver;
   std::string sentence =

@@ -46,8 +46,11 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
                        const std::vector<Override>& overrides = {},
                        const std::vector<std::string>& without = {});
 
-/// Chooses the mesh for the accuracy asked for where the rig file leaves it open, and says so in a
-/// sentence; empty where it does not.
-std::string choose_mesh(RigFile& file);
+// Of a single run, and of a fit's, which are many: its intervals are widened by what is left.
+inline constexpr int finest_mesh = 256, finest_mesh_of_fits = 64;
+
+/// Chooses the mesh for the accuracy asked for where the rig file leaves it open, up to so many
+/// elements, and says so in a sentence; empty where it does not.
+std::string choose_mesh(RigFile& file, int finest);
 
 }  // namespace impactrig::fitting

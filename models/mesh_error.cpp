@@ -8,33 +8,122 @@
 
 #include "models/beams/bar_element.hpp"
 #include "models/modal/small_motion_run.hpp"
+#include "models/run_limits.hpp"
+#include "models/time_limit.hpp"
 
 namespace impactrig::models {
 namespace {
 
-// Of the runs that are compared: far below any mesh error worth knowing. Meshes too fine for all of
-// their modes, whose error is next to nothing, are compared to a part of the accuracy asked for.
-constexpr double time_accuracy = 1e-7, part_of_accuracy = 1e-2;
+// Of the accuracy asked for, what the runs that are compared are solved to; no coarser than the
+// least error of a mesh worth knowing. Meshes too fine for all of their modes, whose error is next
+// to nothing, and full equations, which cost more, are no finer than that.
+constexpr double share_of_accuracy = 0.1, worth_knowing = 1e-7, finest_runs = 1e-12;
+// Small motion that leaves out no more of the result tells the error of a mesh to about such a
+// part.
+constexpr double small_enough = 1e-2;
+// Twice the elements seldom change so much less than half of them do (in the paper's scene by 1/2 to
+// 1/78): meshes that seem to agree better do so by chance.
+constexpr double best_ratio = 1.0 / 64.0;
+// Of the accuracy asked for, the mesh's; the rest is for the steps in time. Of the time a run may
+// take, what may be spent on the choice of its mesh.
+constexpr double share_of_mesh = 0.5, share_of_time = 0.5;
 constexpr int coarsest = 8;
-constexpr int finest = 64;
-// Cubic elements converge with the fourth power at best.
-constexpr double best_ratio = 1.0 / 16.0;
 
 /// The rig with what small motion does not know left out: the mesh has to carry the same waves,
 /// damping would only take from them, and weight is nothing against the contact's forces.
 Rig within_small_motion(const Rig& rig) {
   Rig plain = rig;
-  plain.start.velocity = touch_velocity(rig);
-  plain.start.release_angle.reset();
   plain.hinge.viscous = plain.hinge.friction = 0.0;
   plain.beam.damping = {};
   plain.gravity_direction = 0.0;
   return plain;
 }
 
-double accuracy_of_runs(const Rig& rig, const Solver& solver, const Solver& finer) {
-  if (small_motion_refusal(rig, finer).empty()) return time_accuracy;
-  return std::max(time_accuracy, part_of_accuracy * solver.accuracy);
+/// The rig from first touch on.
+Rig touching(const Rig& rig) {
+  Rig begun = rig;
+  begun.start.velocity = touch_velocity(rig);
+  begun.start.release_angle.reset();
+  return begun;
+}
+
+/// The first contact of a scene on one mesh after the other, by small motion where that sees what a
+/// mesh does to it.
+class FirstContacts {
+ public:
+  FirstContacts(const Rig& rig, const Solver& solver, double time_limit)
+      : rig_(touching(rig)),
+        plain_(within_small_motion(rig_)),
+        accuracy_(solver.accuracy),
+        longest_(solver.duration.value_or(longest_default_run)),
+        limit_(time_limit) {}
+
+  /// On the mesh of `mesh`. Throws as simulate() does, or std::runtime_error when there is no time
+  /// left.
+  Episode on(const Solver& mesh) {
+    if (!is_small_) is_small_ = sees_small_motion(mesh);
+    return *is_small_ ? by_small_motion(mesh, false).episodes.front() : by_full_equations(mesh);
+  }
+
+ private:
+  bool sees_small_motion(const Solver& mesh) {
+    try {
+      const Simulation run = by_small_motion(mesh, true);
+      if (!run.episodes.front().open) contact_time_ = run.episodes.front().end;
+      return run.neglected <= small_enough;
+    } catch (const std::exception&) {
+      return false;
+    }
+  }
+
+  Simulation by_small_motion(Solver mesh, bool judged) const {
+    const double finest = small_motion_refusal(plain_, mesh).empty() ? finest_runs : worth_knowing;
+    mesh.accuracy = std::max(finest, std::min(worth_knowing, share_of_accuracy * accuracy_));
+    mesh.time_limit = limit_.left();
+    SimulationOptions options;
+    options.motion = Motion::small;
+    options.judge_small_motion = judged;
+    return simulate(plain_, mesh, options);
+  }
+
+  /// Until it ends: no longer than needed.
+  Episode by_full_equations(Solver mesh) {
+    constexpr double longer = 1.5, far_longer = 8.0;
+    mesh.accuracy = std::max(worth_knowing, share_of_accuracy * accuracy_);
+    for (double time = std::min(longer * contact_time_, longest_);; time *= far_longer) {
+      mesh.duration = std::min(time, longest_);
+      mesh.time_limit = limit_.left();
+      const Simulation run = simulate(rig_, mesh);
+      const Episode& first = run.episodes.front();
+      if (!first.open) contact_time_ = first.end;
+      if (!first.open || time >= longest_) return first;
+      if (limit_.over()) throw std::runtime_error("no time is left for the error of the mesh");
+    }
+  }
+
+  Rig rig_, plain_;
+  double accuracy_;
+  double longest_;  // [s]
+  TimeLimit limit_;
+  std::optional<bool> is_small_;
+  double contact_time_ = std::numeric_limits<double>::infinity();  // [s]
+};
+
+/// How much `finer` has more, relative.
+MeshError difference(const Episode& coarse, const Episode& finer) {
+  const bool ends = !coarse.open && !finer.open;
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  MeshError error;
+  error.peak_force = finer.peak_force / coarse.peak_force - 1.0;
+  error.duration = ends ? finer.end / coarse.end - 1.0 : unknown;
+  error.impulse = ends ? finer.impulse / coarse.impulse - 1.0 : unknown;
+  return error;
+}
+
+/// The largest part of it; infinite where one ends and the other does not.
+double change(const Episode& coarse, const Episode& finer) {
+  if (coarse.open != finer.open) return std::numeric_limits<double>::infinity();
+  return difference(coarse, finer).largest();
 }
 
 }  // namespace
@@ -67,54 +156,51 @@ Solver coarsened(const Solver& solver) {
   return coarser;
 }
 
-std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver) {
+std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver, double time_limit) {
   if (solver.model == BeamModel::rigid || !rig.has_stop()) return std::nullopt;
-  MeshError error;
-  error.finer = refined(solver);
-  const Rig plain = within_small_motion(rig);
-  SimulationOptions options;
-  options.motion = Motion::small;
-  const double accuracy = accuracy_of_runs(plain, solver, error.finer);
-  const auto first_contact = [&](Solver mesh) {
-    mesh.accuracy = accuracy;
-    return simulate(plain, mesh, options).episodes.front();
-  };
   try {
-    const Episode coarse = first_contact(solver);
-    const Episode fine = first_contact(error.finer);
-    const bool ends = !coarse.open && !fine.open;
-    const double unknown = std::numeric_limits<double>::quiet_NaN();
-    error.peak_force = fine.peak_force / coarse.peak_force - 1.0;
-    error.duration = ends ? fine.end / coarse.end - 1.0 : unknown;
-    error.impulse = ends ? fine.impulse / coarse.impulse - 1.0 : unknown;
+    FirstContacts contacts(rig, solver, time_limit);
+    const Episode coarse = contacts.on(solver);
+    const Solver finer = refined(solver);
+    MeshError error = difference(coarse, contacts.on(finer));
+    error.finer = finer;
+    return error;
   } catch (const std::exception&) {
     return std::nullopt;
   }
-  return error;
 }
 
-Solver choose_mesh(const Rig& rig, const Solver& solver, double& error) {
-  Solver mesh = solver;
-  double before = 0.0;
-  for (int total = coarsest; total < finest; total *= 2) {
+ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest) {
+  ChosenMesh chosen{.solver = solver, .error = std::numeric_limits<double>::quiet_NaN()};
+  FirstContacts contacts(rig, solver, share_of_time * solver.time_limit);
+  const auto contact_on = [&](int total) {
+    Solver mesh = solver;
     mesh.elements = split_elements(total, rig);
-    const std::optional<MeshError> found = mesh_error(rig, mesh);
-    if (!found) return solver;
-    before = error;
-    error = found->largest();
-    if (error <= solver.accuracy) return mesh;
+    return contacts.on(mesh);
+  };
+  try {
+    Episode here = contact_on(coarsest);
+    double before = change(contact_on(coarsest / 2), here);
+    for (int total = coarsest; total <= finest; total *= 2) {
+      const Episode finer = contact_on(2 * total);
+      const double changed = change(here, finer);
+      chosen.solver.elements = split_elements(total, rig);
+      chosen.error = std::max(changed, best_ratio * before);
+      if (chosen.error <= share_of_mesh * solver.accuracy) break;
+      before = changed;
+      here = finer;
+    }
+  } catch (const std::exception&) {
+    // the finest mesh whose error is known
   }
-  mesh.elements = split_elements(finest, rig);
-  error *= std::clamp(error / before, best_ratio, 1.0);
-  return mesh;
+  return chosen;
 }
 
 std::array<int, 2> split_elements(int total, const Rig& rig) {
-  if (rig.contact.position >= rig.beam.length)
-    return {std::max(total, fewest_elements(rig.beam, rig.contact.position)[0]), 0};
+  const std::array<int, 2> fewest = fewest_elements(rig.beam, rig.contact.position);
+  if (fewest[1] == 0) return {std::max(total, fewest[0]), 0};
   const int first = static_cast<int>(std::lround(total * rig.contact.position / rig.beam.length));
   const int before = std::clamp(first, 1, std::max(total - 1, 1));
-  const std::array<int, 2> fewest = fewest_elements(rig.beam, rig.contact.position);
   return {std::max(before, fewest[0]), std::max({total - before, 1, fewest[1]})};
 }
 

@@ -14,13 +14,21 @@ Solver refined(const Solver& solver);
 /// for what a rotation does that is large, or a comparison of two equations of motion.
 Solver coarsened(const Solver& solver);
 
-/// By two runs as small motion; none for a rigid bar, or where one of the runs is not possible.
-std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver);
+/// By two runs to the end of the first contact: as small motion where that leaves out no more than
+/// a hundredth of the result, else by the full equations. None for a rigid bar, or where one of the
+/// runs is not possible in the processor time that both may take [s].
+std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver, double time_limit);
 
-/// The solver with the coarsest mesh of 8, 16, 32 or 64 ANCF elements, split at the struck point,
-/// whose error is within `solver.accuracy`; else the finest. `error` is what it is estimated to be;
-/// for 64 elements by the trend. Left as it is where no error can be estimated.
-Solver choose_mesh(const Rig& rig, const Solver& solver, double& error);
+struct ChosenMesh {
+  Solver solver;
+  double error = 0.0;  ///< estimated, of peak force, duration or impulse; NaN where it cannot be
+};
+
+/// The coarsest mesh of 8, 16, 32, ... up to `finest` ANCF elements, split at the struck point,
+/// whose error is within half of `solver.accuracy`; else the finest that half of the time limit
+/// allows. The error is what twice the elements change, but no less than 1/64 of what half of them
+/// change, for two meshes may agree by chance.
+ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest);
 
 /// A number of elements split at the struck point, at least one on either side that is not empty.
 std::array<int, 2> split_elements(int total, const Rig& rig);

@@ -227,7 +227,8 @@ void validate_solver(const Solver& solver, const Rig& rig) {
   if (solver.duration) require_positive("solver.duration", *solver.duration, "s");
   require_positive("solver.time_limit", solver.time_limit, "s");
   if (solver.model == BeamModel::ancf) {
-    const bool at_tip = rig.contact.position == rig.beam.length;
+    const std::array<int, 2> fewest = fewest_elements(rig.beam, rig.contact.position);
+    const bool at_tip = fewest[1] == 0;
     if (solver.elements[0] < 1 || solver.elements[1] < (at_tip ? 0 : 1) ||
         solver.elements[0] > 4096 || solver.elements[1] > 4096 - solver.elements[0])
       refuse(
@@ -236,7 +237,6 @@ void validate_solver(const Solver& solver, const Rig& rig) {
               "needs at least one element on each side of the struck point and 4096 in all, found "
               "[{}, {}]",
               solver.elements[0], solver.elements[1]));
-    const std::array<int, 2> fewest = fewest_elements(rig.beam, rig.contact.position);
     if (solver.elements[0] < fewest[0] || solver.elements[1] < fewest[1])
       refuse("solver.elements",
              fmt::format("elements end where the bar changes: hinge to struck point needs at least "

@@ -9,8 +9,9 @@
 namespace impactrig::models {
 namespace {
 
-// Of a side: the struck point may be at a step to the rounding of both.
-constexpr double smallest_part = 1e-9;
+// Of a side, and of the bar: the struck point may be at a step, or at the tip, to the rounding of
+// both.
+constexpr double smallest_part = 1e-9, rounding = 1e-14;
 
 }  // namespace
 
@@ -117,7 +118,8 @@ std::vector<BarElement> pieces_of(const Beam& beam, const Side& side) {
     piece.x = from;
   }
   std::erase_if(pieces, [&](const BarElement& piece) {
-    return !(piece.length > smallest_part * (side.to - side.from));
+    return !(piece.length > smallest_part * (side.to - side.from)) ||
+           !(piece.length > rounding * beam.length);
   });
   return pieces;
 }

@@ -76,7 +76,7 @@ void for_each_piece(const Beam& beam, Visitor&& visit) {
 /// where the section changes too, and share a side by the lengths of its bending waves.
 std::vector<BarElement> bar_elements(const Beam& beam, double struck, std::array<int, 2> elements);
 
-/// How few elements the sides of the struck point can have.
+/// How few elements the sides of the struck point can have; none beyond one that is the tip.
 std::array<int, 2> fewest_elements(const Beam& beam, double struck);
 
 /// Of the bar without its lumped masses [kg].

@@ -54,12 +54,12 @@ TEST(RigFile, ChoosesTheMeshItLeavesOpen) {
   const std::string silent = text.substr(0, text.find("[solver]"));
   RigFile coarse = parse_rig_file(silent, "rig.toml", {{"solver.accuracy", "0.05"}});
   RigFile fine = parse_rig_file(silent, "rig.toml", {{"solver.accuracy", "0.005"}});
-  EXPECT_NE(choose_mesh(coarse).find("was taken"), std::string::npos);
-  EXPECT_NE(choose_mesh(fine).find("for an accuracy of 0.005"), std::string::npos);
+  EXPECT_NE(choose_mesh(coarse, finest_mesh).find("was taken"), std::string::npos);
+  EXPECT_NE(choose_mesh(fine, finest_mesh).find("for an accuracy of 0.005"), std::string::npos);
   EXPECT_LT(coarse.solver.elements[0], fine.solver.elements[0]);
-  EXPECT_EQ(choose_mesh(fine), "");  // once chosen it is stated
+  EXPECT_EQ(choose_mesh(fine, finest_mesh), "");  // once chosen it is stated
   RigFile stated = parse_rig_file(silent, "rig.toml", {{"solver.elements", "[14, 2]"}});
-  EXPECT_EQ(choose_mesh(stated), "");
+  EXPECT_EQ(choose_mesh(stated, finest_mesh), "");
 }
 
 TEST(RigFile, TakesOverridesWithAndWithoutQuotes) {

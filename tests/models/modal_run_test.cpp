@@ -8,7 +8,6 @@
 #include <numbers>
 #include <random>
 
-#include "models/mesh_error.hpp"
 #include "models/modal/bar_cache.hpp"
 #include "models/modal/small_motion_run.hpp"
 #include "models/simulation.hpp"
@@ -206,60 +205,6 @@ TEST(BarCache, GivesWhatAFreshRunGives) {
       EXPECT_EQ(with.peak_force, without.peak_force) << length << " m, " << speed << " m/s";
       EXPECT_EQ(with.impulse, without.impulse) << length << " m, " << speed << " m/s";
     }
-}
-
-// Of so fine a mesh next to nothing is left: (βh)⁴ of the waves that matter.
-TEST(MeshError, IsToldOfVeryFineMeshesToo) {
-  const std::optional<MeshError> error = mesh_error(paper_rig(), ancf(448, 64, 1e-4, 1e-3));
-  ASSERT_TRUE(error);
-  EXPECT_EQ(error->finer.elements, (std::array{896, 128}));
-  EXPECT_LT(error->largest(), 1e-6);
-}
-
-// Against a mesh eight times as fine: what is left after one refinement is several times smaller.
-TEST(MeshError, IsNearlyTheErrorOfTheMesh) {
-  const Rig rig = paper_rig();
-  const Solver coarse = ancf(7, 1, 1e-6, 1e-3);
-  const std::optional<MeshError> error = mesh_error(rig, coarse);
-  ASSERT_TRUE(error.has_value());
-  EXPECT_EQ(error->finer.elements, (std::array<int, 2>{14, 2}));
-  const Simulation run = simulate_as(Motion::small, rig, coarse, 1e-7);
-  const Simulation converged = simulate_as(Motion::small, rig, ancf(56, 8, 1e-7, 1e-3), 1e-7);
-  const double actual = converged.peak_force / run.peak_force - 1.0;
-  EXPECT_LT(actual, -0.01);
-  EXPECT_NEAR(error->peak_force / actual, 1.0, 0.25);
-}
-
-TEST(MeshError, IsNoneForARigidBar) {
-  EXPECT_FALSE(mesh_error(paper_rig(), rigid(1e-6)).has_value());
-}
-
-TEST(ChooseMesh, ReachesTheAccuracyWithTheCoarsestMesh) {
-  const Rig rig = paper_rig();
-  Solver open = ancf(1, 1, 5e-3, 4e-4);
-  double error = 0.0;
-  const Solver chosen = choose_mesh(rig, open, error);
-  EXPECT_LE(error, 5e-3);
-  Solver coarser = chosen;
-  coarser.elements = split_elements((chosen.elements[0] + chosen.elements[1]) / 2, rig);
-  EXPECT_GT(mesh_error(rig, coarser)->largest(), 5e-3);
-  const Simulation run = simulate_as(Motion::small, rig, chosen, 1e-7);
-  const Simulation converged = simulate_as(Motion::small, rig, ancf(56, 8, 1e-7, 4e-4), 1e-7);
-  EXPECT_LE(difference(run, converged), 1.3 * 5e-3);
-}
-
-// As many modes as may be stated still have the error of their mesh told, by twice as many.
-TEST(MeshError, IsToldOfAsManyModesAsMayBeStated) {
-  Rig rig = paper_rig();
-  double before = 1.0;
-  for (const int modes : {20, 40, 80, Solver::most_modes}) {
-    Solver solver = hybrid(Basis::pinned_free, modes, 1e-6, 1e-3);
-    const std::optional<MeshError> error = mesh_error(rig, solver);
-    ASSERT_TRUE(error.has_value()) << modes;
-    EXPECT_LT(error->largest(), 0.7 * before) << modes;
-    before = error->largest();
-  }
-  EXPECT_LT(before, 1e-3);
 }
 
 /// As much more accurately as a run says that its first contact has to be solved again.

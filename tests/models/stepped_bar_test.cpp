@@ -278,6 +278,13 @@ TEST(SteppedBar, HasElementsThatEndWhereItChanges) {
   EXPECT_EQ(fewest_elements(rig.beam, 0.3), (std::array{1, 2}));
   EXPECT_EQ(fewest_elements(rig.beam, 0.3 + 1e-16), (std::array{1, 2}));
   EXPECT_EQ(fewest_elements(rig.beam, 0.8), (std::array{3, 0}));
+  const double tip = std::nextafter(0.8, 0.0);  // to rounding
+  EXPECT_EQ(fewest_elements(rig.beam, tip), (std::array{3, 0}));
+  Rig struck_at_tip = rig;
+  struck_at_tip.contact.position = tip;
+  EXPECT_EQ(split_elements(16, struck_at_tip), (std::array{16, 0}));
+  validate(struck_at_tip, ancf(16, 0, 1e-6, 1e-3));
+  EXPECT_THROW(validate(struck_at_tip, ancf(14, 2, 1e-6, 1e-3)), std::invalid_argument);
   const std::vector<BarElement> elements = bar_elements(rig.beam, 0.69, {17, 3});
   ASSERT_EQ(elements.size(), 20u);
   EXPECT_NEAR(elements[17].x, 0.69, 1e-15);
@@ -291,7 +298,7 @@ TEST(SteppedBar, HasElementsThatEndWhereItChanges) {
     EXPECT_GE(beyond, 1);
     EXPECT_EQ(before + beyond, std::max(total, 4));
   }
-  const std::optional<MeshError> error = mesh_error(rig, ancf(14, 3, 1e-6, 1e-3));
+  const std::optional<MeshError> error = mesh_error(rig, ancf(14, 3, 1e-6, 1e-3), 10.0);
   ASSERT_TRUE(error);
   EXPECT_LT(error->largest(), 0.02);
 }

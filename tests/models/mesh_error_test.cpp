@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a mesh does to the prediction, and the mesh that is taken where none is stated.
+#include "models/mesh_error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "models/simulation.hpp"
+#include "tests/models/scenes.hpp"
+
+namespace {
+
+using namespace impactrig::models;
+using namespace impactrig::tests;
+
+constexpr double enough_time = 10.0;  // [s]
+
+/// Largest relative difference of what accuracy promises: peak, duration and impulse of the first
+/// contact.
+double difference(const Simulation& a, const Simulation& b) {
+  const Episode& x = a.episodes.at(0);
+  const Episode& y = b.episodes.at(0);
+  return std::max({std::abs(x.peak_force / y.peak_force - 1.0), std::abs(x.end / y.end - 1.0),
+                   std::abs(x.impulse / y.impulse - 1.0)});
+}
+
+Simulation simulate_as(Motion motion, const Rig& rig, Solver solver, double accuracy) {
+  SimulationOptions options;
+  options.motion = motion;
+  solver.accuracy = accuracy;
+  return simulate(rig, solver, options);
+}
+
+/// The error of a run on the chosen mesh, by one that is so many times as fine.
+double error_on(const ChosenMesh& chosen, const Rig& rig, int times) {
+  Solver finer = chosen.solver;
+  for (int& elements : finer.elements) elements *= times;
+  const double accuracy = chosen.solver.accuracy;
+  return difference(simulate_as(Motion::small, rig, chosen.solver, accuracy),
+                    simulate_as(Motion::small, rig, finer, 0.01 * accuracy));
+}
+
+// Of so fine a mesh next to nothing is left: (βh)⁴ of the waves that matter.
+TEST(MeshError, IsToldOfVeryFineMeshesToo) {
+  const std::optional<MeshError> error =
+      mesh_error(paper_rig(), ancf(448, 64, 1e-4, 1e-3), enough_time);
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->finer.elements, (std::array{896, 128}));
+  EXPECT_LT(error->largest(), 1e-6);
+}
+
+// Against a mesh eight times as fine: what is left after one refinement is several times smaller.
+TEST(MeshError, IsNearlyTheErrorOfTheMesh) {
+  const Rig rig = paper_rig();
+  const Solver coarse = ancf(7, 1, 1e-6, 1e-3);
+  const std::optional<MeshError> error = mesh_error(rig, coarse, enough_time);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->finer.elements, (std::array<int, 2>{14, 2}));
+  const Simulation run = simulate_as(Motion::small, rig, coarse, 1e-7);
+  const Simulation converged = simulate_as(Motion::small, rig, ancf(56, 8, 1e-7, 1e-3), 1e-7);
+  const double actual = converged.peak_force / run.peak_force - 1.0;
+  EXPECT_LT(actual, -0.01);
+  EXPECT_NEAR(error->peak_force / actual, 1.0, 0.25);
+}
+
+TEST(MeshError, IsNoneForARigidBar) {
+  EXPECT_FALSE(mesh_error(paper_rig(), rigid(1e-6), enough_time).has_value());
+}
+
+// As many modes as may be stated still have the error of their mesh told, by twice as many.
+TEST(MeshError, IsToldOfAsManyModesAsMayBeStated) {
+  Rig rig = paper_rig();
+  double before = 1.0;
+  for (const int modes : {20, 40, 80, Solver::most_modes}) {
+    Solver solver = hybrid(Basis::pinned_free, modes, 1e-6, 1e-3);
+    const std::optional<MeshError> error = mesh_error(rig, solver, enough_time);
+    ASSERT_TRUE(error.has_value()) << modes;
+    EXPECT_LT(error->largest(), 0.7 * before) << modes;
+    before = error->largest();
+  }
+  EXPECT_LT(before, 1e-3);
+}
+
+// A bar of rubber that a spring stops bends far: small motion takes the mesh for 35 times as good
+// as it is.
+TEST(MeshError, IsThatOfLargeMotionWhereMotionIsLarge) {
+  Rig rig = paper_rig();
+  rig.beam.youngs_modulus = 1e7;
+  rig.contact.law = "linear";
+  rig.contact.stiffness = 3000.0;
+  rig.start.velocity = 5.0;
+  const Solver coarse = ancf(7, 1, 1e-4, 0.1);
+  const std::optional<MeshError> error = mesh_error(rig, coarse, enough_time);
+  ASSERT_TRUE(error.has_value());
+  const Solver fine = ancf(56, 8, 1e-4, 0.1);
+  const auto actual = [&](Motion motion) {
+    return simulate_as(motion, rig, fine, 1e-6).peak_force /
+               simulate_as(motion, rig, coarse, 1e-6).peak_force -
+           1.0;
+  };
+  EXPECT_LT(actual(Motion::full), 20.0 * actual(Motion::small));
+  EXPECT_NEAR(error->peak_force / actual(Motion::full), 1.0, 0.25);
+}
+
+TEST(MeshError, IsNotToldWithoutTime) {
+  EXPECT_FALSE(mesh_error(paper_rig(), ancf(448, 64, 1e-8, 1e-3), 1e-6).has_value());
+}
+
+TEST(ChooseMesh, ReachesTheAccuracyWithTheCoarsestMesh) {
+  const Rig rig = paper_rig();
+  const ChosenMesh chosen = choose_mesh(rig, ancf(1, 1, 5e-3, 4e-4), 256);
+  EXPECT_LE(chosen.error, 5e-3);
+  Solver coarser = chosen.solver;
+  for (int& elements : coarser.elements) elements /= 2;
+  EXPECT_GT(mesh_error(rig, coarser, enough_time)->largest(), 0.5 * 5e-3);
+  EXPECT_LE(error_on(chosen, rig, 4), 5e-3);
+}
+
+// Up to where the mesh alone errs by 5e-5 with 64 elements.
+TEST(ChooseMesh, ReachesFineAccuraciesToo) {
+  for (const double accuracy : {1e-4, 1e-5, 1e-6}) {
+    const ChosenMesh chosen = choose_mesh(paper_rig(), ancf(1, 1, accuracy, 1e-3), 256);
+    EXPECT_LE(chosen.error, accuracy);
+    EXPECT_LE(error_on(chosen, paper_rig(), 4), accuracy) << accuracy;
+  }
+}
+
+TEST(ChooseMesh, TellsWhatTheFinestMeshLeaves) {
+  const ChosenMesh chosen = choose_mesh(paper_rig(), ancf(1, 1, 1e-6, 1e-3), 16);
+  EXPECT_EQ(chosen.solver.elements[0] + chosen.solver.elements[1], 16);
+  EXPECT_GT(chosen.error, 1e-3);
+}
+
+// A stiff bar struck near its middle vibrates on its stop: eight contacts are one or another as the
+// mesh has it, and 32 and 64 elements agree to 5e-4 where both err by 6e-3.
+TEST(ChooseMesh, IsNotTakenInByTwoMeshesThatAgreeByChance) {
+  Rig rig = paper_rig();
+  const double width = 7.5158869389327122e-3, height = 46.096838337346742e-3;
+  rig.beam = {.length = 0.58707307882541104,
+              .area = width * height,
+              .second_moment = width * std::pow(height, 3) / 12.0,
+              .youngs_modulus = 30977244535.52005,
+              .density = 7110.7557687921517,
+              .poisson_ratio = 0.065785};
+  Contact& contact = rig.contact;
+  contact.position = 0.25328592146575551;
+  contact.radius = 0.5 * height;
+  contact.counterface = Counterface::plane;
+  contact.counter_depth = 1.5 * height;
+  contact.length = 0.0085847106878351991;
+  contact.modulus = rig.beam.youngs_modulus;
+  contact.poisson_ratio = rig.beam.poisson_ratio;
+  contact.counter_modulus = 376794269757.07568;
+  contact.counter_poisson_ratio = 0.029879;
+  contact.law = "goldsmith";
+  contact.exponent = 3;
+  contact.damping = "exact";
+  contact.restitution = 0.005;
+  rig.start.velocity = 2.6798395723633157;
+  const ChosenMesh chosen = choose_mesh(rig, ancf(1, 1, 2e-3, 1e-3), 256);
+  EXPECT_LE(chosen.error, 2e-3);
+  EXPECT_LE(error_on(chosen, rig, 2), 2e-3);
+}
+
+}  // namespace
