@@ -14,15 +14,15 @@
 namespace impactrig::models {
 namespace {
 
-// Of the accuracy asked for, what the runs that are compared are solved to; no coarser than the
-// least error of a mesh worth knowing. Meshes too fine for all of their modes, whose error is next
-// to nothing, and full equations, which cost more, are no finer than that.
-constexpr double share_of_accuracy = 0.1, worth_knowing = 1e-7, finest_runs = 1e-12;
+// What the runs that are compared are solved to: the least error of a mesh worth knowing. Of the
+// accuracy asked for, what full equations, which cost more, are solved to; and small motion where a
+// mesh has to be that good, unless it is too fine for all of its modes.
+constexpr double worth_knowing = 1e-7, share_of_accuracy = 0.1, finest_runs = 1e-12;
 // Small motion that leaves out no more of the result tells the error of a mesh to about such a
 // part.
 constexpr double small_enough = 1e-2;
-// Twice the elements seldom change so much less than half of them do (in the paper's scene by 1/2 to
-// 1/78): meshes that seem to agree better do so by chance.
+// Twice the elements seldom change so much less than half of them do (in the paper's scene by 1/2
+// to 1/78): meshes that seem to agree better do so by chance.
 constexpr double best_ratio = 1.0 / 64.0;
 // Of the accuracy asked for, the mesh's; the rest is for the steps in time. Of the time a run may
 // take, what may be spent on the choice of its mesh.
@@ -51,34 +51,42 @@ Rig touching(const Rig& rig) {
 /// mesh does to it.
 class FirstContacts {
  public:
-  FirstContacts(const Rig& rig, const Solver& solver, double time_limit)
+  /// By small motion to such an accuracy.
+  FirstContacts(const Rig& rig, const Solver& solver, double accuracy, double time_limit)
       : rig_(touching(rig)),
         plain_(within_small_motion(rig_)),
-        accuracy_(solver.accuracy),
+        accuracy_of_small_(accuracy),
+        accuracy_of_full_(std::max(worth_knowing, share_of_accuracy * solver.accuracy)),
         longest_(solver.duration.value_or(longest_default_run)),
         limit_(time_limit) {}
 
   /// On the mesh of `mesh`. Throws as simulate() does, or std::runtime_error when there is no time
   /// left.
   Episode on(const Solver& mesh) {
-    if (!is_small_) is_small_ = sees_small_motion(mesh);
+    if (!is_small_)
+      if (const std::optional<Episode> first = try_small_motion(mesh)) return *first;
     return *is_small_ ? by_small_motion(mesh, false).episodes.front() : by_full_equations(mesh);
   }
 
  private:
-  bool sees_small_motion(const Solver& mesh) {
+  /// None where it leaves out too much; either way the first run decides for all.
+  std::optional<Episode> try_small_motion(const Solver& mesh) {
+    is_small_ = false;
     try {
       const Simulation run = by_small_motion(mesh, true);
-      if (!run.episodes.front().open) contact_time_ = run.episodes.front().end;
-      return run.neglected <= small_enough;
+      const Episode& first = run.episodes.front();
+      if (!first.open) contact_time_ = first.end;
+      is_small_ = run.neglected <= small_enough;
+      if (*is_small_) return first;
     } catch (const std::exception&) {
-      return false;
+      // full equations may know the rig, or say what is wrong with it
     }
+    return std::nullopt;
   }
 
   Simulation by_small_motion(Solver mesh, bool judged) const {
     const double finest = small_motion_refusal(plain_, mesh).empty() ? finest_runs : worth_knowing;
-    mesh.accuracy = std::max(finest, std::min(worth_knowing, share_of_accuracy * accuracy_));
+    mesh.accuracy = std::max(finest, accuracy_of_small_);
     mesh.time_limit = limit_.left();
     SimulationOptions options;
     options.motion = Motion::small;
@@ -89,7 +97,7 @@ class FirstContacts {
   /// Until it ends: no longer than needed.
   Episode by_full_equations(Solver mesh) {
     constexpr double longer = 1.5, far_longer = 8.0;
-    mesh.accuracy = std::max(worth_knowing, share_of_accuracy * accuracy_);
+    mesh.accuracy = accuracy_of_full_;
     for (double time = std::min(longer * contact_time_, longest_);; time *= far_longer) {
       mesh.duration = std::min(time, longest_);
       mesh.time_limit = limit_.left();
@@ -102,7 +110,7 @@ class FirstContacts {
   }
 
   Rig rig_, plain_;
-  double accuracy_;
+  double accuracy_of_small_, accuracy_of_full_;
   double longest_;  // [s]
   TimeLimit limit_;
   std::optional<bool> is_small_;
@@ -159,7 +167,7 @@ Solver coarsened(const Solver& solver) {
 std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver, double time_limit) {
   if (solver.model == BeamModel::rigid || !rig.has_stop()) return std::nullopt;
   try {
-    FirstContacts contacts(rig, solver, time_limit);
+    FirstContacts contacts(rig, solver, worth_knowing, time_limit);
     const Episode coarse = contacts.on(solver);
     const Solver finer = refined(solver);
     MeshError error = difference(coarse, contacts.on(finer));
@@ -172,7 +180,8 @@ std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver, double
 
 ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest) {
   ChosenMesh chosen{.solver = solver, .error = std::numeric_limits<double>::quiet_NaN()};
-  FirstContacts contacts(rig, solver, share_of_time * solver.time_limit);
+  FirstContacts contacts(rig, solver, std::min(worth_knowing, share_of_accuracy * solver.accuracy),
+                         share_of_time * solver.time_limit);
   const auto contact_on = [&](int total) {
     Solver mesh = solver;
     mesh.elements = split_elements(total, rig);
