@@ -128,10 +128,13 @@ MeshError difference(const Episode& coarse, const Episode& finer) {
   return error;
 }
 
-/// The largest part of it; infinite where one ends and the other does not.
+/// The largest part of it; infinite where one ends and the other does not. Where neither does both
+/// last as long as the run.
 double change(const Episode& coarse, const Episode& finer) {
   if (coarse.open != finer.open) return std::numeric_limits<double>::infinity();
-  return difference(coarse, finer).largest();
+  MeshError error = difference(coarse, finer);
+  if (finer.open) error.impulse = finer.impulse / coarse.impulse - 1.0;
+  return error.largest();
 }
 
 }  // namespace
