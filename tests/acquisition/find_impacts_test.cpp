@@ -193,6 +193,23 @@ TEST(FindImpacts, FollowsHumUpToFirstTouch) {
   }
 }
 
+// A vibration of 10 % of the peak lifts the force before touch by more than its noise, whatever its
+// phase there.
+TEST(FindImpacts, FindsTheTouchOfAForceThatVibratesBefore) {
+  const Sampling at;
+  for (const double frequency : {1500.0, 2500.0, 4000.0})
+    for (int k = 0; k < 8; ++k) {
+      std::vector<double> force = sampled(at, [&](double t) {
+        return half_sine(t, 1500.0, duration) +
+               150.0 * std::sin(2.0 * pi * frequency * t + 0.25 * pi * k);
+      });
+      add_noise(force, 3.0, 5);
+      const auto impacts = find_impacts(record_of({force_of(at, force)}));
+      ASSERT_FALSE(impacts.empty()) << frequency << ' ' << k;
+      EXPECT_NEAR(impacts[0].start, 0.0, 5e-6) << frequency << ' ' << k;  // 2.5 % of the contact
+    }
+}
+
 TEST(FindImpacts, CutsTheWindowToTheOptionsAndTheRecord) {
   const Sampling at{.start = -1e-3, .interval = 1e-6, .samples = 4000};
   const Record record = record_of({force_of(
