@@ -59,10 +59,14 @@ struct DetectionOptions {
 /// and is more than twice what the signal has swung the other way since, which ringing never is.
 /// A pulse further away than that is an impact of its own.
 ///
-/// Velocity: an impact is a lasting change. `peak` is the change from before to after (negative
-/// when the bar is thrown back), `width` twice the time from 25 to 75 % of it (the full width at
-/// half height of a half-sine deceleration), `impulse` the way travelled. Double hits are not
-/// flagged: a velocity alone does not tell them from the bar's vibration.
+/// Velocity: an impact is a lasting change that begins with a bend twice as sharp as any before, as
+/// no vibration, hum or drift makes one of which the record shows half of a period (BendSearch).
+/// The mean after it is off the course before by 1.5 times the scatter of what the bar is left in.
+/// What comes back to its course within 0.3 ms is a dropout, and what follows is looked at anew.
+/// `peak` is the change from before to after (negative when the bar is thrown back), `width` twice
+/// the time from 25 to 75 % of it (the full width at half height of a half-sine deceleration),
+/// `impulse` the way travelled. Double hits are not flagged: a velocity alone does not tell them
+/// from the bar's vibration.
 ///
 /// Refuses to find anything in noise, drift or mains hum alone. A record shorter than 20 ms whose
 /// pulse fills most of it is told from hum by what a smooth curve cannot follow; there the pulse

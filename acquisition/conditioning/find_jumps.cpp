@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 #include "acquisition/conditioning/contact_search.hpp"
+#include "acquisition/conditioning/course_bends.hpp"
 
 namespace impactrig::acquisition {
 
 namespace {
 
 constexpr double comparison_time = 0.2e-3;  ///< [s] averaged on either side: about one contact
-constexpr double jump_fraction = 0.2;  ///< of the largest change: below it nothing is an impact
+constexpr double longest_dropout = 300e-6;  ///< [s], as the conditioning step has it
+constexpr double on_course = 5.0;           ///< standard deviations
+constexpr double beyond_scatter = 1.5;      ///< of a lasting change; a linear fall has 1.7
+constexpr std::size_t least_return = 16;    ///< samples
+constexpr std::size_t fewest_samples = 8;   ///< that say what a course is
 
 double as_double(std::size_t n) {
   return static_cast<double>(n);
@@ -33,21 +39,27 @@ std::vector<double> step_response(std::span<const double> y, std::size_t m) {
   return steps;
 }
 
+/// The samples a change takes, and the mean step there.
+struct Lobe {
+  std::size_t begin, end;
+  double height;
+};
+
 /// The courses on both sides of a change, and how far the signal has gone from one to the other.
 struct Change {
   std::span<const double> y;
   QuietFit before, after;
   double size = 0.0;  ///< after minus before, at the middle
 
+  void between(const Lobe& lobe, const QuietFit& then) {
+    const double middle = 0.5 * (as_double(lobe.begin) + as_double(lobe.end));
+    after = then;
+    size = after.at(middle) - before.at(middle);
+  }
+
   double gone(std::size_t i) const { return (y[i] - before.at(as_double(i))) / size; }
 
   double left(std::size_t i) const { return (after.at(as_double(i)) - y[i]) / size; }
-};
-
-/// The samples a change takes, and the mean step there.
-struct Lobe {
-  std::size_t begin, end;
-  double height;
 };
 
 class JumpSearch {
@@ -57,51 +69,42 @@ class JumpSearch {
         y_(trace.values),
         options_(options),
         grain_(grain_of(y_)),
-        window_(static_cast<std::size_t>(std::max(200.0, options.pre_trigger / trace.interval))) {
+        window_(static_cast<std::size_t>(std::max(200.0, options.pre_trigger / trace.interval))),
+        post_(static_cast<std::size_t>(options.post_trigger / trace.interval)) {
     const double n = as_double(y_.size());
     m_ = static_cast<std::size_t>(
         std::clamp(comparison_time / trace.interval, 4.0, std::max(4.0, n / 16.0)));
     steps_ = step_response(y_, m_);
   }
 
-  std::vector<Contact> run();
+  std::vector<Contact> run() const {
+    if (options_.threshold > 0.0) return above(options_.threshold);
+    std::vector<Contact> contacts = at_bends();
+    if (contacts.empty())
+      if (const auto contact = filling()) contacts.push_back(*contact);
+    return contacts;
+  }
 
  private:
-  std::optional<double> threshold();
+  std::vector<Contact> above(double threshold) const;
+  std::vector<Contact> at_bends() const;
+  std::optional<Contact> filling() const;
+  std::optional<Contact> at(const Bend& bend, std::size_t floor) const;
+  std::optional<std::size_t> returns(const Bend& bend, std::size_t floor) const;
+  QuietFit course_before(std::size_t end, std::size_t floor) const;
+  QuietFit lasting_after(std::size_t begin) const;
   Lobe lobe_around(std::size_t above) const;
-  std::optional<Contact> measure(const Lobe& lobe, std::size_t floor, double least) const;
+  Contact measure(const Lobe& lobe, const Change& change, std::size_t floor) const;
 
   const Trace& trace_;
   std::span<const double> y_;
   const DetectionOptions& options_;
   double grain_;
   std::size_t window_;  ///< samples on either side that say what the course is
+  std::size_t post_;    ///< samples that belong to an impact after its touch
   std::size_t m_;       ///< samples averaged on either side
   std::vector<double> steps_;
-  bool fills_record_ = false;  ///< the change takes most of the record
 };
-
-std::optional<double> JumpSearch::threshold() {
-  if (options_.threshold > 0.0) return options_.threshold;
-  const double gate = noise_gate(y_.size());
-  const auto inner = std::span(steps_).subspan(m_, y_.size() - 2 * m_ + 1);
-  const Spread spread = robust_spread(inner);
-  const double sigma = std::max(spread.sigma, grain_ / std::sqrt(as_double(m_)));
-  double highest = 0.0;
-  for (const double step : inner) highest = std::max(highest, std::abs(step - spread.centre));
-  if (highest > gate * sigma) {
-    for (double& step : inner) step -= spread.centre;
-    return std::max(gate * sigma, jump_fraction * highest);
-  }
-  const double noise = std::max(step_noise(y_), 0.75 * grain_);
-  const auto [low, high] = std::ranges::minmax(y_);
-  if (trace_.interval * as_double(y_.size()) > longest_hum || high - low < 20.0 * noise ||
-      explained_by_drift_and_hum(y_, trace_.interval, high - low, noise))
-    return std::nullopt;
-  fills_record_ = true;
-  for (const double step : inner) highest = std::max(highest, std::abs(step));
-  return 0.5 * highest;
-}
 
 /// From the highest step near `above` both ways to where the steps are below 5 % of it.
 Lobe JumpSearch::lobe_around(std::size_t above) const {
@@ -129,22 +132,27 @@ double passing(const Course& course, double part, std::size_t from, std::size_t 
   return as_double(to);
 }
 
-std::optional<Contact> JumpSearch::measure(const Lobe& lobe, std::size_t floor,
-                                           double least) const {
-  const std::size_t from = std::max(floor, lobe.begin > window_ ? lobe.begin - window_ : 0);
-  const std::size_t to = std::min(y_.size(), lobe.end + window_);
-  if (lobe.begin < from + 8 || to < lobe.end + 8) return std::nullopt;
-  Change change{y_, fit_quiet(y_, from, lobe.begin, 1, grain_),
-                fit_quiet(y_, lobe.end, to, 1, grain_)};
-  const double middle = 0.5 * (as_double(lobe.begin) + as_double(lobe.end));
-  change.size = change.after.at(middle) - change.before.at(middle);
-  // A dropout goes and comes back: the courses meet again.
-  if (std::abs(change.size) < 0.5 * least) return std::nullopt;
-  const double scatter = std::max(change.before.sigma, change.after.sigma);
-  if (fills_record_ && (20 * std::min(change.before.size(), change.after.size()) < y_.size() ||
-                        std::abs(change.size) < 20.0 * scatter))
-    return std::nullopt;
+QuietFit JumpSearch::course_before(std::size_t end, std::size_t floor) const {
+  return fit_quiet(y_, std::max(floor, end > window_ ? end - window_ : 0), end, 1, grain_);
+}
 
+/// The mean of what an impact leaves behind, and how far a struck bar's vibration scatters about
+/// it.
+QuietFit JumpSearch::lasting_after(std::size_t begin) const {
+  QuietFit after;
+  after.begin = begin;
+  after.end = std::min(y_.size(), begin + std::max(window_, post_));
+  const auto part = y_.subspan(begin, after.size());
+  after.mean = std::accumulate(part.begin(), part.end(), 0.0) / as_double(part.size());
+  after.coefficients[0] = after.mean;
+  double squares = 0.0;
+  for (const double value : part) squares += (value - after.mean) * (value - after.mean);
+  after.sigma = std::sqrt(squares / as_double(part.size()));
+  return after;
+}
+
+Contact JumpSearch::measure(const Lobe& lobe, const Change& change, std::size_t floor) const {
+  const std::size_t from = std::max(floor, change.before.begin), to = change.after.end;
   const auto gone = [&](std::size_t i) { return change.gone(i); };
   const auto arriving = [&](std::size_t i) { return -change.left(i); };
   const double begun = std::max(change.before.sigma, 0.5 * grain_) / std::abs(change.size);
@@ -170,22 +178,111 @@ std::optional<Contact> JumpSearch::measure(const Lobe& lobe, std::size_t floor,
   return contact;
 }
 
-std::vector<Contact> JumpSearch::run() {
+/// Whether the signal comes back to its course before as a laser does that has lost its light:
+/// soon, and for as long as it was away. Returns where.
+std::optional<std::size_t> JumpSearch::returns(const Bend& bend, std::size_t floor) const {
+  const std::size_t begin = bend.index - 2 * bend.width;
+  if (begin < floor + fewest_samples) return std::nullopt;
+  const QuietFit before = course_before(begin, floor);
+  const double band = on_course * std::max(before.sigma, 0.5 * grain_);
+  const auto is_on = [&](std::size_t i) {
+    return std::abs(y_[i] - before.at(as_double(i))) <= band;
+  };
+  std::size_t left = begin;
+  while (left < std::min(y_.size(), bend.index + bend.width) && is_on(left)) ++left;
+  const auto longest = static_cast<std::size_t>(longest_dropout / trace_.interval);
+  std::size_t back = left;
+  for (std::size_t i = left; i < y_.size() && back <= left + longest; ++i) {
+    if (!is_on(i)) back = i + 1;
+    if (back > left && i + 1 - back >= std::max({least_return, back - left, 2 * bend.width}))
+      return back;
+  }
+  return std::nullopt;
+}
+
+/// The lasting change that begins at a bend: its mean is off the course before by more than it
+/// scatters, which a vibration's is not that begins or grows there.
+std::optional<Contact> JumpSearch::at(const Bend& bend, std::size_t floor) const {
+  const std::size_t begin = bend.index - 2 * bend.width;
+  if (begin < floor + fewest_samples) return std::nullopt;
+  Lobe lobe = lobe_around(std::max(m_, begin));
+  lobe.begin = begin;
+  const std::size_t to = std::min(y_.size(), lobe.end + window_);
+  if (lobe.end <= lobe.begin || to < lobe.end + fewest_samples) return std::nullopt;
+  Change change{y_, course_before(begin, floor), lasting_after(bend.index)};
+  const double lasting = change.after.mean - change.before.mean;
+  if (std::abs(lasting) <= beyond_scatter * change.after.sigma) return std::nullopt;
+  change.between(lobe, fit_quiet(y_, lobe.end, to, 1, grain_));
+  const auto agrees = [&] {
+    const double ratio = change.size / lasting;
+    return ratio > 0.5 && ratio < 2.5;
+  };
+  if (!agrees()) change.between(lobe, lasting_after(lobe.end));
+  if (!agrees()) return std::nullopt;
+  return measure(lobe, change, floor);
+}
+
+std::vector<Contact> JumpSearch::at_bends() const {
+  const BendSearch bends(y_, trace_.interval, grain_);
   std::vector<Contact> contacts;
-  const auto limit = threshold();
-  if (!limit) return contacts;
-  const auto post = static_cast<std::size_t>(options_.post_trigger / trace_.interval);
+  std::size_t floor = 0, earliest = 0;
+  while (const auto bend = bends.first(floor, earliest)) {
+    if (const auto back = returns(*bend, floor)) {
+      floor = earliest = *back;
+    } else if (const auto contact = at(*bend, floor)) {
+      contacts.push_back(*contact);
+      floor = static_cast<std::size_t>(contact->end) + 1;
+      earliest = std::max(floor, static_cast<std::size_t>(contact->onset) + post_);
+    } else {
+      earliest = bend->index + bend->width;
+    }
+  }
+  return contacts;
+}
+
+/// The one change of a record that is too short to show what the course is before: it takes most of
+/// the time, between two courses of which it is 20 times the scatter.
+std::optional<Contact> JumpSearch::filling() const {
+  constexpr double height = 20.0;  // standard deviations
+  const double noise = std::max(step_noise(y_), 0.75 * grain_);
+  const auto [low, high] = std::ranges::minmax(y_);
+  if (trace_.interval * as_double(y_.size()) > longest_hum || high - low < height * noise ||
+      explained_by_drift_and_hum(y_, trace_.interval, high - low, noise))
+    return std::nullopt;
+  const auto steepest = std::ranges::max_element(
+      steps_, [](double a, double b) { return std::abs(a) < std::abs(b); });
+  const Lobe lobe = lobe_around(static_cast<std::size_t>(steepest - steps_.begin()));
+  const std::size_t to = std::min(y_.size(), lobe.end + window_);
+  if (lobe.begin < fewest_samples || lobe.begin > window_ || to < lobe.end + fewest_samples)
+    return std::nullopt;
+  Change change{y_, course_before(lobe.begin, 0), {}};
+  change.between(lobe, fit_quiet(y_, lobe.end, to, 1, grain_));
+  const double scatter = std::max(change.before.sigma, change.after.sigma);
+  if (20 * std::min(change.before.size(), change.after.size()) < y_.size() ||
+      scatter > 1.25 * noise || std::abs(change.size) < height * scatter)
+    return std::nullopt;
+  const Contact contact = measure(lobe, change, 0);
+  return contact.width > 0.0 ? std::optional(contact) : std::nullopt;  // it passes its quarters
+}
+
+std::vector<Contact> JumpSearch::above(double threshold) const {
+  std::vector<Contact> contacts;
   std::size_t floor = 0, next = 0;
   double vibration = 0.0;  // the highest step since the last impact's window
   for (std::size_t i = m_; i + m_ <= y_.size(); ++i) {
-    if (std::abs(steps_[i]) <= *limit) continue;
+    if (std::abs(steps_[i]) <= threshold) continue;
     const Lobe lobe = lobe_around(i);
     const bool later = contacts.empty() || lobe.begin >= next;
-    if (later && std::abs(lobe.height) > 2.0 * vibration) {
-      if (const auto contact = measure(lobe, floor, *limit)) {
-        contacts.push_back(*contact);
-        floor = static_cast<std::size_t>(contact->end) + 1;
-        next = static_cast<std::size_t>(contact->onset) + post;
+    const std::size_t to = std::min(y_.size(), lobe.end + window_);
+    if (later && std::abs(lobe.height) > 2.0 * vibration && lobe.begin >= floor + fewest_samples &&
+        to >= lobe.end + fewest_samples) {
+      Change change{y_, course_before(lobe.begin, floor), {}};
+      change.between(lobe, fit_quiet(y_, lobe.end, to, 1, grain_));
+      // A dropout goes and comes back: the courses meet again.
+      if (std::abs(change.size) >= 0.5 * threshold) {
+        contacts.push_back(measure(lobe, change, floor));
+        floor = static_cast<std::size_t>(contacts.back().end) + 1;
+        next = static_cast<std::size_t>(contacts.back().onset) + post_;
       }
     }
     if (!contacts.empty()) vibration = later ? 0.0 : std::max(vibration, std::abs(lobe.height));

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "acquisition/conditioning/contact_search.hpp"
+#include "acquisition/conditioning/touch_in_vibration.hpp"
 
 namespace impactrig::acquisition {
 
@@ -57,7 +58,8 @@ class PulseSearch {
   Baseline baseline_before(std::size_t end, std::size_t floor, double height,
                            const Trigger& trigger) const;
   std::optional<Contact> measure_from(const Baseline& baseline, std::size_t crossing,
-                                      std::size_t floor, const Trigger& trigger) const;
+                                      std::size_t floor, const Trigger& trigger,
+                                      std::optional<double> touch = {}) const;
   std::optional<Contact> measure(std::size_t crossing, std::size_t floor,
                                  const Trigger& trigger) const;
   double height_by_blocks(double level, std::size_t begin, std::size_t end) const;
@@ -347,16 +349,25 @@ std::optional<Contact> PulseSearch::measure(std::size_t crossing, std::size_t fl
       baseline_before(crossing > guard ? crossing - guard : 0, floor, tallest, trigger), crossing,
       floor, trigger);
   if (!contact) return std::nullopt;
-  const auto quiet = quiet_before(trace_, contact->onset, floor, options_);
-  if (!quiet) return contact;
-  const Baseline nearer = baseline_before(quiet->end, floor, tallest, trigger);
-  if (!nearer.steady) return contact;
-  const auto second = measure_from(nearer, crossing, floor, trigger);
-  return second ? second : contact;
+  Baseline nearer;
+  if (const auto quiet = quiet_before(trace_, contact->onset, floor, options_)) {
+    nearer = baseline_before(quiet->end, floor, tallest, trigger);
+    if (nearer.steady)
+      if (const auto second = measure_from(nearer, crossing, floor, trigger)) contact = second;
+  }
+  if (const auto touch = touch_in_vibration(trace_, *contact, crossing, floor, options_)) {
+    const std::size_t end = touch->index > 3 ? touch->index - 3 : 0;
+    nearer = baseline_before(end, floor, tallest, trigger);
+    if (const auto third =
+            measure_from(nearer, touch->top, floor, trigger, as_double(touch->index)))
+      return third;
+  }
+  return contact;
 }
 
 std::optional<Contact> PulseSearch::measure_from(const Baseline& baseline, std::size_t crossing,
-                                                 std::size_t floor, const Trigger& trigger) const {
+                                                 std::size_t floor, const Trigger& trigger,
+                                                 std::optional<double> touch) const {
   const double sigma = at_least_a_step(baseline.sigma);
   double noise = gate_ * sigma;
   if (options_.threshold > 0.0) noise = std::min(noise, options_.threshold);
@@ -378,7 +389,7 @@ std::optional<Contact> PulseSearch::measure_from(const Baseline& baseline, std::
   while (i > floor && z.at(i) > z.stop) --i;
   const bool reached = z.at(i) <= z.stop;
   contact.onset = reached ? extrapolated_onset(z, i) : as_double(i);
-  contact.onset = std::max(contact.onset, 0.0);
+  contact.onset = std::max(touch.value_or(contact.onset), 0.0);
   contact.begins_inside = !reached && i == 0 && z.at(0) > z.threshold(d.peak);
   contact.end = std::min(d.end, as_double(y_.size() - 1));
   contact.ends_inside = d.ends_inside;

@@ -64,6 +64,28 @@ TEST(FindImpacts, FindsNothingInHum) {
     }
 }
 
+// A bar that swings freely, knocked before the record or kept in motion: up to three frequencies
+// of 100 Hz to 10 kHz, on a line.
+TEST(FindImpacts, FindsNothingInAFreeVibration) {
+  const Sampling at;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    Noise random(seed);
+    const double slope = 200.0 * (random.uniform() - 0.5);
+    std::vector<double> values = sampled(at, [&](double t) { return slope * t; });
+    for (std::uint64_t mode = 0; mode <= seed % 3; ++mode) {
+      const double omega = 2.0 * pi * 100.0 * std::pow(100.0, random.uniform());
+      const double height = random.uniform(), phase = 2.0 * pi * random.uniform();
+      const double decay = seed % 2 == 0 ? 0.0 : 1e3 * random.uniform();
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        const double t = at.time(i) - at.start;
+        values[i] += height * std::exp(-decay * t) * std::sin(omega * t + phase);
+      }
+    }
+    add_noise(values, 3e-3, seed);
+    EXPECT_TRUE(find_impacts(record_of({velocity_of(at, values)})).empty()) << "seed " << seed;
+  }
+}
+
 TEST(FindImpacts, FindsNothingInDrift) {
   const Sampling at;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
