@@ -15,15 +15,16 @@
 
 #include "acquisition/conditioning/background.hpp"
 #include "acquisition/conditioning/delay.hpp"
-#include "acquisition/conditioning/resample.hpp"
 #include "acquisition/conditioning/samples.hpp"
 #include "acquisition/conditioning/trace.hpp"
+#include "datasets/band_limited.hpp"
 #include "datasets/input_error.hpp"
 #include "datasets/number_text.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
 
+using datasets::BandLimited;
 using datasets::Channel;
 using datasets::Edit;
 using datasets::Impact;
