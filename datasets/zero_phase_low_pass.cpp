@@ -136,13 +136,17 @@ double warped_cutoff(const LowPass& filter, double interval) {
          std::pow(std::numbers::sqrt2 - 1.0, 0.5 / filter.order);
 }
 
+/// Of a Butterworth filter's slowest poles, on the unit circle: their distance from the axis.
+double slowest_part(const LowPass& filter) {
+  return std::sin(std::numbers::pi / (2.0 * filter.order));
+}
+
 }  // namespace
 
-/// Of the slowest pole, which alternates above a quarter of the rate.
+/// Of the slowest pole z = (1 + w s) / (1 − w s), s of the Butterworth circle.
 double low_pass_memory(const LowPass& filter, double interval) {
   const double warped = warped_cutoff(filter, interval);
-  const double slowest = std::sin(std::numbers::pi / (2.0 * filter.order));
-  return 1.0 / (2.0 * std::min(warped, 1.0 / warped) * slowest);
+  return 1.0 / std::atanh(2.0 * warped * slowest_part(filter) / (1.0 + warped * warped));
 }
 
 std::vector<double> zero_phase_low_pass(std::span<const double> values, double interval,
@@ -150,8 +154,11 @@ std::vector<double> zero_phase_low_pass(std::span<const double> values, double i
   refuse_senseless(filter, interval);
   if (values.size() < 2) return {values.begin(), values.end()};
 
-  Sections sections = sections_of(filter.order, warped_cutoff(filter, interval));
-  const double decay = std::ceil(21.0 * low_pass_memory(filter, interval));  // ln 1e9
+  const double warped = warped_cutoff(filter, interval);
+  Sections sections = sections_of(filter.order, warped);
+  // 21 = ln 1e9 time constants of the slowest pole, which alternates above a quarter of the rate.
+  const double decay =
+      std::ceil(21.0 / (2.0 * std::min(warped, 1.0 / warped) * slowest_part(filter)));
   const auto lead = static_cast<std::size_t>(std::min(decay, 1e15));
   return lead < values.size() ? passed_between_pads(values, lead, sections)
                               : passed_in_periods(values, lead, sections);
