@@ -219,14 +219,14 @@ void FitProblem::add_shot(const Impact& impact, int number, const FitOptions& op
           fmt::format("{} of {} is constant and was left out; is the sensor connected?",
                       signal.channel, impact.recording));
     if (!is_fitted(impact, *candidate, options)) continue;
-    shot.channels.push_back(weigh(impact, signal));
-    shot.reach = std::max(shot.reach, reach_of(signal));
-    const auto every = static_cast<double>(shot.channels.back().every);
+    const auto every = static_cast<double>(every_of(signal));
     if (impact.start - signal.start < 20.0 * every * signal.interval)
       warnings_.push_back(
           fmt::format("{} of {} has fewer than 20 samples before first touch: its noise and "
                       "baseline are hardly known. Record a longer pre-trigger.",
                       signal.channel, impact.recording));
+    shot.channels.push_back(weigh(impact, signal));
+    shot.reach = std::max(shot.reach, reach_of(signal));
     first = std::min(first, signal.start);
     last = std::max(last, signal.time(signal.values.size() - 1));
     finest = std::min(finest, signal.interval);
