@@ -16,6 +16,7 @@
 #include "acquisition/importer.hpp"
 #include "app/conditioning_limit.hpp"
 #include "datasets/input_error.hpp"
+#include "datasets/sample_filter.hpp"
 #include "fitting/fit.hpp"
 #include "fitting/fit_keys.hpp"
 #include "fitting/other_model.hpp"
@@ -106,18 +107,17 @@ void refuse_choice(const datasets::Record& record, const fitting::RigFile& rig) 
             count, names));
 }
 
-/// Above the cutoff there is no noise left by which a fit could weigh what the prediction has there
-/// and the recording has not: its values are off by far more than its intervals say.
-void warn_of_low_pass(datasets::Record& record) {
-  for (const datasets::Edit& edit : record.provenance.edits) {
-    if (edit.what != "low-pass, zero phase" || record.find(edit.channel) == nullptr) continue;
-    record.warnings.push_back(
-        fmt::format("channel '{}' has been through a low-pass at {}, which a prediction has not: "
-                    "the intervals of the fit do not hold. Leave that step out (of the rig file's "
-                    "conditioning, or of the map it was imported with): the fit weighs noise as it "
-                    "is",
-                    edit.channel, edit.parameters.at("cutoff")));
-  }
+/// Where the record does not tell what its samples have been through, the prediction cannot go the
+/// same way.
+void warn_of_unknown_filters(datasets::Record& record) {
+  for (const datasets::Channel& channel : record.channels)
+    if (!datasets::filters_of(record, channel))
+      record.warnings.push_back(fmt::format(
+          "channel '{}' was put on even times, which ties its samples in ways that a "
+          "prediction cannot follow: the intervals of the fit may be too narrow. Record "
+          "at even times, or state the sample rate (--sample-rate) where they are meant "
+          "to be even",
+          channel.name));
 }
 
 /// In SI, conditioned as the rig file asks; only the channels that its sensors name are read.
@@ -135,7 +135,7 @@ datasets::Record conditioned_recording(const std::string& path, const FitJob& jo
   recorded.provenance.sha256 = acquisition::sha256_of_recording(path);
   datasets::Record record = acquisition::condition(recorded, sensors);
   acquisition::apply_steps(rig.conditioning, record, sensors, detection_options(job.detection));
-  warn_of_low_pass(record);
+  warn_of_unknown_filters(record);
   return record;
 }
 

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "datasets/conditioning.hpp"
+#include "datasets/sample_filter.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::datasets {
@@ -39,18 +41,20 @@ std::optional<ImpactFlag> flag_named(std::string_view name);  ///< none when the
 /// Compression and closing motion are positive.
 struct ImpactSignal {
   Quantity quantity = Quantity::force;
-  std::string channel;              ///< name in the recording
-  double start = 0.0;               ///< of values[0], on the record's time axis [s]
-  double interval = 0.0;            ///< [s]
-  std::vector<double> values;       ///< [N, m/s, m] (n_samples)
-  std::vector<std::uint8_t> valid;  ///< as Channel::valid; empty: all sound
-  double noise = 0.0;               ///< standard deviation before the trigger [SI]
-  double noise_correlation = 1.0;   ///< its integrated autocorrelation time [samples], >= 1
-  double baseline = 0.0;            ///< what was taken off [SI]
-  double quantum = 0.0;             ///< one digitiser step [SI]; 0 when not seen
-  double gain_uncertainty = 0.0;    ///< relative standard uncertainty of the calibration
-  double delay = 0.0;               ///< known delay that was taken off [s]
-  double delay_uncertainty = 0.0;   ///< [s]
+  std::string channel;                     ///< name in the recording
+  double start = 0.0;                      ///< of values[0], on the record's time axis [s]
+  double interval = 0.0;                   ///< [s]
+  std::vector<double> values;              ///< [N, m/s, m] (n_samples)
+  std::vector<std::uint8_t> valid;         ///< as Channel::valid; empty: all sound
+  double noise = 0.0;                      ///< standard deviation before the trigger [SI]
+  double noise_correlation = 1.0;          ///< its integrated autocorrelation time [samples], >= 1
+  double baseline = 0.0;                   ///< what was taken off [SI]
+  double quantum = 0.0;                    ///< one digitiser step [SI]; 0 when not seen
+  double gain_uncertainty = 0.0;           ///< relative standard uncertainty of the calibration
+  double delay = 0.0;                      ///< known delay that was taken off [s]
+  double delay_uncertainty = 0.0;          ///< [s]
+  std::vector<SampleFilter> filters = {};  ///< that the channel has been through
+  TimeSpan recorded = {};  ///< first and last sample of the whole channel, where it has [s]
 
   double time(std::size_t i) const { return start + interval * static_cast<double>(i); }
 };

@@ -76,11 +76,14 @@ class Refit {
         const Remainder& from = remainders_[s][c];
         std::vector<double> noise(from.model.size());
         if (kind == BootstrapKind::parametric) {
-          for (double& value : noise) value = inflation_ * normal(random);
-          channel.noise.colour(noise);
+          std::vector<double> drawn((noise.size() + channel.every - 1) / channel.every);
+          for (double& value : drawn) value = inflation_ * normal(random);
+          channel.noise.colour(drawn);
+          for (std::size_t i = 0; i < drawn.size(); ++i) noise[i * channel.every] = drawn[i];
         } else {
-          const auto block = static_cast<std::size_t>(
-              std::ceil(block_times * std::max(1.0, channel.noise.correlation_time())));
+          const auto block = static_cast<std::size_t>(std::ceil(
+                                 block_times * std::max(1.0, channel.noise.correlation_time()))) *
+                             channel.every;
           double sign = 1.0;
           for (std::size_t k = 0; k < noise.size(); ++k) {
             if (k % block == 0) sign = random() & 1U ? 1.0 : -1.0;

@@ -11,6 +11,7 @@
 
 #include "fitting/bound_interval.hpp"
 #include "fitting/covariance.hpp"
+#include "fitting/filtered_samples.hpp"
 #include "fitting/fit_problem.hpp"
 #include "fitting/fit_report.hpp"
 #include "fitting/identifiability.hpp"
@@ -417,8 +418,12 @@ Fit Session::report(double chi2) {
   report_channels(problem_, fit);
   fit.rig = fitted_rig(problem_);
   fit.predictions = std::move(predictions_);
-  for (models::Simulation& prediction : fit.predictions)
-    if (!skipped_.empty()) prediction.skipped.push_back(skipped_);
+  for (std::size_t i = 0; i < fit.predictions.size(); ++i) {
+    std::vector<std::string>& skipped = fit.predictions[i].skipped;
+    if (!skipped_.empty()) skipped.push_back(skipped_);
+    for (const FittedChannel& channel : problem_.shots()[i].channels)
+      if (channel.every > 1) skipped.push_back(thinning_sentence(*channel.signal));
+  }
   report_restitution(problem_, end_, fit);
   fit.identifiability = identifiability(problem_, jacobian_, end_.inflation,
                                         fit.predictions.front().episodes.empty()

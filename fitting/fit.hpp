@@ -53,10 +53,11 @@ struct ChannelFit {
   double residual_rms = 0.0;  ///< over the fitted samples
   /// Standard deviation before the trigger, at least what the digitiser's step makes; 0: not known.
   double noise = 0.0;
-  std::vector<double> time;               ///< from fitted first touch [s] (n)
-  std::vector<double> measured;           ///< (n)
-  std::vector<double> model;              ///< as the sensor would show it (n)
-  std::vector<std::uint8_t> used;         ///< 1 where the sample entered the fit (n)
+  std::vector<double> time;        ///< from fitted first touch [s] (n)
+  std::vector<double> measured;    ///< (n)
+  std::vector<double> model;       ///< as the sensor would show it (n)
+  std::vector<std::uint8_t> used;  ///< 1 where the sample entered the fit (n)
+  std::size_t every = 1;  ///< one sample in so many could: a filter of the record ties the others
   std::map<std::string, double> metrics;  ///< names: metrics.hpp
   /// Where the model fails; none of a fit stored before there were any.
   std::optional<ChannelDiagnostics> diagnostics = {};

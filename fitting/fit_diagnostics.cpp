@@ -49,9 +49,9 @@ ChannelResiduals residuals_of(const ChannelFit& channel) {
   const auto from = static_cast<std::size_t>(first - channel.used.begin());
   const auto to = static_cast<std::size_t>(channel.used.rend() - last);
   out.start = channel.time[from];
-  out.interval =
-      (channel.time.back() - channel.time.front()) / static_cast<double>(channel.time.size() - 1);
-  for (std::size_t i = from; i < to; ++i) {
+  out.interval = (channel.time.back() - channel.time.front()) /
+                 static_cast<double>(channel.time.size() - 1) * static_cast<double>(channel.every);
+  for (std::size_t i = from; i < to; i += channel.every) {
     out.residual.push_back(channel.used[i] != 0 ? channel.measured[i] - channel.model[i]
                                                 : std::numeric_limits<double>::quiet_NaN());
     out.model.push_back(channel.model[i]);

@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fitting/filtered_samples.hpp"
 #include "fitting/quiet_noise.hpp"
 
 namespace impactrig::fitting {
@@ -100,14 +101,7 @@ class PriorCost : public ceres::SizedCostFunction<1, 1> {
 };
 
 double margin_of(const Shot& shot) {
-  return std::max(margin_least, margin_part * shot.contact);
-}
-
-/// Sound, and below where a clipped force ends.
-bool fits(const Impact& impact, const ImpactSignal& signal, double ceiling, std::size_t k) {
-  const double value = signal.values[k];
-  if (!signal.valid.empty() && !signal.valid[k]) return false;
-  return std::isfinite(value) && (value < ceiling || !impact.has(ImpactFlag::clipped));
+  return std::max(margin_least, margin_part * shot.contact) + shot.reach;
 }
 
 double ceiling_of(const Impact& impact, const ImpactSignal& signal) {
@@ -176,8 +170,8 @@ FitProblem FitProblem::copy() const {
   other.noise_known_ = noise_known_;
   other.small_slopes_ = small_slopes_;
   for (const Shot& shot : shots_)
-    other.shots_.push_back(
-        {shot.impact, shot.window, shot.contact, shot.channels, shot.numbers, shot.model, nullptr});
+    other.shots_.push_back({shot.impact, shot.window, shot.contact, shot.reach, shot.channels,
+                            shot.numbers, shot.model, nullptr});
   other.rebuild_costs();
   return other;
 }
@@ -186,6 +180,8 @@ FittedChannel FitProblem::weigh(const Impact& impact, const ImpactSignal& signal
   FittedChannel channel;
   channel.signal = &signal;
   channel.measured = signal.values;
+  channel.sound = sound_samples(signal);
+  channel.every = every_of(signal);
   double sigma = std::max(signal.noise, signal.quantum / std::sqrt(12.0));
   double largest = 0.0;
   for (const double value : signal.values)
@@ -193,8 +189,8 @@ FittedChannel FitProblem::weigh(const Impact& impact, const ImpactSignal& signal
   if (sigma > 1e-9 * largest) {
     const double quiet_end =
         impact.start - std::max(5.0 * signal.interval, margin_part * (impact.end - impact.start));
-    channel.noise = quiet_noise(signal, quiet_end, rig_->mains_frequency, sigma,
-                                signal.quantum / std::sqrt(12.0));
+    channel.noise = quiet_noise(signal, channel.sound, channel.every, quiet_end,
+                                rig_->mains_frequency, sigma, signal.quantum / std::sqrt(12.0));
     return channel;
   }
   sigma = unseen_noise * (largest > 0.0 ? largest : 1.0);
@@ -223,12 +219,14 @@ void FitProblem::add_shot(const Impact& impact, int number, const FitOptions& op
           fmt::format("{} of {} is constant and was left out; is the sensor connected?",
                       signal.channel, impact.recording));
     if (!is_fitted(impact, *candidate, options)) continue;
-    if (impact.start - signal.start < 20.0 * signal.interval)
+    const auto every = static_cast<double>(every_of(signal));
+    if (impact.start - signal.start < 20.0 * every * signal.interval)
       warnings_.push_back(
           fmt::format("{} of {} has fewer than 20 samples before first touch: its noise and "
                       "baseline are hardly known. Record a longer pre-trigger.",
                       signal.channel, impact.recording));
     shot.channels.push_back(weigh(impact, signal));
+    shot.reach = std::max(shot.reach, reach_of(signal));
     first = std::min(first, signal.start);
     last = std::max(last, signal.time(signal.values.size() - 1));
     finest = std::min(finest, signal.interval);
@@ -242,6 +240,7 @@ void FitProblem::add_shot(const Impact& impact, int number, const FitOptions& op
   if (!(shot.window > 0.0))
     throw std::invalid_argument(
         fmt::format("{} ends at first touch; there is nothing to fit to", impact.recording));
+  refuse_all_made_up(shot);
   for (std::size_t i = 0; i < variables_->size(); ++i) {
     const Variable& v = (*variables_)[i];
     const bool fitted = v.quantity == datasets::Quantity::unknown ||
@@ -253,6 +252,23 @@ void FitProblem::add_shot(const Impact& impact, int number, const FitOptions& op
   shot.model = std::make_shared<ShotModel>(*rig_, impact, impact.start - first + margin_of(shot),
                                            shot.window + margin_of(shot), finest);
   shots_.push_back(std::move(shot));
+}
+
+/// Where a filter reaches so far that no sample of the window depends on recorded ones alone.
+void FitProblem::refuse_all_made_up(const Shot& shot) const {
+  for (const FittedChannel& channel : shot.channels) {
+    const ImpactSignal& signal = *channel.signal;
+    bool any = signal.filters.empty();
+    for (std::size_t k = 0; k < signal.values.size() && !any; k += channel.every)
+      any = channel.sound[k] && signal.time(k) > shot.impact->start &&
+            signal.time(k) <= shot.impact->start + shot.window;
+    if (any) continue;
+    throw std::invalid_argument(fmt::format(
+        "{} of {} went through a filter that reaches {:.3g} s to either side, over an end of the "
+        "record or to a sample that is not valid from everywhere in the fitted window: what it "
+        "made of those is no measurement. Filter at a higher cutoff, or leave the step out",
+        signal.channel, shot.impact->recording, reach_of(signal)));
+  }
 }
 
 std::vector<double> FitProblem::values() const {
@@ -292,8 +308,10 @@ void FitProblem::choose_samples(double contacts, bool rough) {
       const ImpactSignal& signal = *channel.signal;
       const double ceiling = ceiling_of(*shot.impact, signal);
       channel.used.clear();
-      for (std::size_t k = 0; k < signal.values.size(); ++k)
-        if (signal.time(k) <= shot.impact->start + window && fits(*shot.impact, signal, ceiling, k))
+      const bool clipped = shot.impact->has(ImpactFlag::clipped);
+      for (std::size_t k = 0; k < signal.values.size(); k += channel.every)
+        if (signal.time(k) <= shot.impact->start + window && channel.sound[k] &&
+            (signal.values[k] < ceiling || !clipped))
           channel.used.push_back(k);
     }
   }

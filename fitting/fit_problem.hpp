@@ -25,6 +25,7 @@ struct Shot {
   const datasets::Impact* impact = nullptr;
   double window = 0.0;   ///< fitted after first touch [s]
   double contact = 0.0;  ///< duration of the first contact as seen [s]
+  double reach = 0.0;    ///< of the filters of its channels, to either side of a sample [s]
   std::vector<FittedChannel> channels;
   std::vector<std::size_t> numbers;  ///< of the variables that concern it
   std::shared_ptr<ShotModel> model;
@@ -123,6 +124,7 @@ class FitProblem {
   FitProblem() = default;
   void add_shot(const datasets::Impact& impact, int number, const FitOptions& options);
   FittedChannel weigh(const datasets::Impact& impact, const datasets::ImpactSignal& signal);
+  void refuse_all_made_up(const Shot& shot) const;
   void warn_of_unused(const FitOptions& options);
   void follow_ties();
   double time_left() const;

@@ -116,6 +116,7 @@ ChannelFit channel_fit(const Shot& shot, const FittedChannel& channel, double to
   if (channel.noise_known) out.noise = std::max(signal.noise, signal.quantum / std::sqrt(12.0));
   out.measured = signal.values;
   out.model = shot.cost->model_values(channel);
+  out.every = channel.every;
   out.used.assign(signal.values.size(), 0);
   double squares = 0.0;
   for (const std::size_t k : channel.used) {
@@ -139,7 +140,8 @@ std::map<std::string, double> metrics_of(const ChannelFit& channel) {
     first = std::min(first, k);
     last = k;
   }
-  return metrics(measured, computed, !measured.empty() && last - first + 1 == measured.size());
+  return metrics(measured, computed,
+                 !measured.empty() && (last - first) / channel.every + 1 == measured.size());
 }
 
 /// How many independent samples the noise is known from, of the channel that has fewest over all

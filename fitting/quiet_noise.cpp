@@ -13,31 +13,32 @@ namespace {
 constexpr std::size_t fewest = 40;
 constexpr double hum_periods = 0.5;  // a shorter stretch takes hum for its line
 
-/// The last stretch of sound samples before an instant.
-std::vector<double> last_sound(const datasets::ImpactSignal& signal, double until, double& start) {
+/// The last stretch of sound samples, one in `every`, before an instant.
+std::vector<double> last_sound(const datasets::ImpactSignal& signal,
+                               std::span<const std::uint8_t> sound, std::size_t every,
+                               double until) {
   std::vector<double> stretch;
-  for (std::size_t k = 0; k < signal.values.size() && signal.time(k) < until; ++k) {
-    const bool sound = (signal.valid.empty() || signal.valid[k]) && std::isfinite(signal.values[k]);
-    if (!sound)
+  for (std::size_t k = 0; k < signal.values.size() && signal.time(k) < until; k += every) {
+    if (!sound[k])
       stretch.clear();
-    else if (stretch.empty())
-      start = signal.time(k);
-    if (sound) stretch.push_back(signal.values[k]);
+    else
+      stretch.push_back(signal.values[k]);
   }
   return stretch;
 }
 
 }  // namespace
 
-NoiseModel quiet_noise(const datasets::ImpactSignal& signal, double until, double mains_frequency,
-                       double sigma, double least) {
-  const NoiseModel white(std::max(sigma, least), std::max(1.0, signal.noise_correlation));
-  double start = 0.0;
-  const std::vector<double> stretch = last_sound(signal, until, start);
+NoiseModel quiet_noise(const datasets::ImpactSignal& signal, std::span<const std::uint8_t> sound,
+                       std::size_t every, double until, double mains_frequency, double sigma,
+                       double least) {
+  const double steps = static_cast<double>(every);
+  const NoiseModel white(std::max(sigma, least), std::max(1.0, signal.noise_correlation / steps));
+  const std::vector<double> stretch = last_sound(signal, sound, every, until);
   if (stretch.size() < fewest)
     return white.known_from(static_cast<double>(stretch.size()) / white.correlation_time() - 2.0);
   const auto count = static_cast<Eigen::Index>(stretch.size());
-  const double length = signal.interval * static_cast<double>(stretch.size());
+  const double length = steps * signal.interval * static_cast<double>(stretch.size());
   const double turns = length * mains_frequency;
   const int degree = signal.quantity == datasets::Quantity::displacement ? 2 : 1;
   const int hums = turns >= hum_periods ? 4 : 0;

@@ -247,7 +247,7 @@ std::vector<const Shown*> ShotCost::slopes_at(const Values& values, const Shown&
 void ShotCost::whiten(const FittedChannel& channel, std::span<double> of_used) const {
   std::size_t begin = 0;
   for (std::size_t i = 1; i <= channel.used.size(); ++i)
-    if (i == channel.used.size() || channel.used[i] != channel.used[i - 1] + 1) {
+    if (i == channel.used.size() || channel.used[i] != channel.used[i - 1] + channel.every) {
       channel.noise.whiten(of_used.subspan(begin, i - begin));
       begin = i;
     }

@@ -4,6 +4,7 @@
 #include <ceres/cost_function.h>
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -22,12 +23,16 @@ struct FittedChannel {
   const datasets::ImpactSignal* signal = nullptr;
   std::vector<double> measured;  ///< what is fitted: the signal's values, or others in their place
   NoiseModel noise;
-  bool noise_known = true;        ///< it was seen before the trigger
+  bool noise_known = true;  ///< it was seen before the trigger
+  /// 1 where a sample, and all that a filter made it of, was recorded (n_samples).
+  std::vector<std::uint8_t> sound;
+  /// One sample in so many is fitted: a filter of the record ties those between to them.
+  std::size_t every = 1;
   std::vector<std::size_t> used;  ///< indices of the samples fitted, ascending
 };
 
 /// Weighted differences of one recording: measured − background − gain · shown(t − touch − delay),
-/// whitened by the channel's noise stretch by stretch of consecutive samples. Derivatives to touch,
+/// whitened by the channel's noise stretch by stretch of samples in a row. Derivatives to touch,
 /// background, gain and delay are exact; so are those to the physics in small motion. The full
 /// equations take those of small motion where that is close (`small_slopes`), else differences of
 /// simulations, run on all cores. Parameter blocks: the unknowns that concern this recording, each

@@ -16,8 +16,8 @@
 
 namespace impactrig::fitting {
 
-/// What the sensors would show of one simulated impact: each channel through its chain, on a fine
-/// uniform grid.
+/// What the recording would show of one simulated impact: each channel through its sensor's chain
+/// and the filters that its samples have been through, on a fine uniform grid.
 struct Shown {
   /// One channel; first touch at 0, delay not applied.
   using Curve = datasets::SampledCurve;
@@ -48,7 +48,7 @@ struct WantedSlopes {
 };
 
 /// The part of the measurement model that needs a simulation: from the rig's parameters to what a
-/// recording's sensors show.
+/// recording shows.
 class ShotModel {
  public:
   /// lead, end: seconds before and after first touch that the recording needs; step: its sample
@@ -99,6 +99,7 @@ class ShotModel {
   SensorChains chains_;
   models::Solver solver_;
   bool force_, velocity_, displacement_;
+  std::vector<datasets::SampleFilter> force_filters_, velocity_filters_, displacement_filters_;
   double lead_, end_, interval_;
   bool rough_ = false;
   models::Motion motion_ = models::Motion::full;

@@ -108,13 +108,15 @@ void add_channels(Json& json, const fitting::Fit& fit) {
 
 void add_curves(Json& json, const fitting::Fit& fit) {
   json["curves"] = Json::array();
-  for (const fitting::ChannelFit& channel : fit.channels)
+  for (const fitting::ChannelFit& channel : fit.channels) {
     json["curves"].push_back({{"name", channel_name(fit, channel)},
                               {"unit", channel.unit},
                               {"time_s", channel.time},
                               {"measured", channel.measured},
                               {"model", channel.model},
                               {"used", channel.used}});
+    if (channel.every > 1) json["curves"].back()["every"] = channel.every;
+  }
 }
 
 fitting::ChannelFit channel_from(const JsonReader& json, const JsonReader& curve,
@@ -134,6 +136,11 @@ fitting::ChannelFit channel_from(const JsonReader& json, const JsonReader& curve
   channel.measured = curve["measured"].numbers();
   channel.model = curve["model"].numbers();
   for (const double used : curve["used"].numbers()) channel.used.push_back(used != 0.0 ? 1 : 0);
+  if (curve.has("every")) {
+    const long every = curve["every"].integer();
+    if (every < 1) curve["every"].fail(fmt::format("expected 1 or more, found {}", every));
+    channel.every = static_cast<std::size_t>(every);
+  }
   const std::size_t samples = channel.time.size();
   if (channel.measured.size() != samples || channel.model.size() != samples ||
       channel.used.size() != samples)

@@ -160,6 +160,7 @@ Series residual_series(const ChannelFit& channel, double until) {
   for (std::size_t i = 0; i < n; ++i) {
     if (channel.time[i] < 0.0 || channel.time[i] > until) continue;
     const bool used = i >= channel.used.size() || channel.used[i] != 0;
+    if (!used && channel.every > 1) continue;
     all.x.push_back(channel.time[i]);
     all.y.push_back(used ? channel.measured[i] - channel.model[i] : std::nan(""));
   }

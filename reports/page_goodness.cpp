@@ -104,7 +104,8 @@ std::string html_channels(const fitting::Fit& fit) {
   table.row("Samples fitted", [](const Channel& c) {
     std::size_t count = 0;
     for (const std::uint8_t used : c.used) count += used != 0 ? 1 : 0;
-    return grouped(c.used.empty() ? c.time.size() : count);
+    const std::string fitted = grouped(c.used.empty() ? c.time.size() : count);
+    return c.every > 1 ? fmt::format("{}, one in {}", fitted, c.every) : fitted;
   });
   table.row("Residual, rms", [](const Channel& c) { return quantity(c.residual_rms, c.unit); });
   table.row("Noise before the trigger, rms", [](const Channel& c) {

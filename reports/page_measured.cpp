@@ -73,7 +73,8 @@ double simulated_until(const fitting::Fit& fit, const fitting::ChannelFit& chann
   return duration > 0.0 ? duration : std::numeric_limits<double>::infinity();
 }
 
-/// The stretches of time inside `view` that did not enter the fit.
+/// The stretches of time inside `view` that did not enter the fit; not those between samples of
+/// which it took one in so many.
 std::vector<Band> not_fitted(const fitting::ChannelFit& channel, const Range& view) {
   std::vector<Band> out;
   const std::size_t n = samples(channel);
@@ -81,10 +82,12 @@ std::vector<Band> not_fitted(const fitting::ChannelFit& channel, const Range& vi
     if (used(channel, i) || channel.time[i] < view[0] || channel.time[i] > view[1]) continue;
     std::size_t last = i;
     while (last + 1 < n && !used(channel, last + 1) && channel.time[last + 1] <= view[1]) ++last;
-    const double until = last + 1 < n ? channel.time[last + 1] : channel.time[last];
-    out.push_back({std::max(view[0], channel.time[i]), std::min(view[1], until),
-                   out.empty() ? "not fitted" : ""});
+    const std::size_t from = i;
     i = last;
+    if (last - from + 1 < channel.every) continue;
+    const double until = last + 1 < n ? channel.time[last + 1] : channel.time[last];
+    out.push_back({std::max(view[0], channel.time[from]), std::min(view[1], until),
+                   out.empty() ? "not fitted" : ""});
   }
   return out;
 }

@@ -180,9 +180,10 @@ std::string to_text(const ReportData& data) {
   text += direct_text(fit);
   text += "\nResiduals\n";
   for (const fitting::ChannelFit& channel : fit.channels)
-    text +=
-        fmt::format("  {:<14}{:.3g} {} (noise before the trigger {:.3g} {})\n", channel.quantity,
-                    channel.residual_rms, channel.unit, channel.noise, channel.unit);
+    text += fmt::format(
+        "  {:<14}{:.3g} {} (noise before the trigger {:.3g} {}{})\n", channel.quantity,
+        channel.residual_rms, channel.unit, channel.noise, channel.unit,
+        channel.every > 1 ? fmt::format("; one sample in {} fitted", channel.every) : "");
   text += fmt::format("  chi-square / degrees of freedom: {:.4g} / {}\n", fit.goodness.chi2,
                       fit.goodness.dof);
   for (const fitting::ChannelFit& channel : fit.channels) text += diagnosis_text(channel);

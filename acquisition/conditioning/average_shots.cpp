@@ -15,15 +15,16 @@
 
 #include "acquisition/conditioning/background.hpp"
 #include "acquisition/conditioning/delay.hpp"
-#include "acquisition/conditioning/resample.hpp"
 #include "acquisition/conditioning/samples.hpp"
 #include "acquisition/conditioning/trace.hpp"
+#include "datasets/band_limited.hpp"
 #include "datasets/input_error.hpp"
 #include "datasets/number_text.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
 
+using datasets::BandLimited;
 using datasets::Channel;
 using datasets::Edit;
 using datasets::Impact;
@@ -309,6 +310,47 @@ void warn_of_unlike(std::string_view what, const Likeness& likeness, Record& res
   result.warnings.push_back(warning + ".");
 }
 
+/// How much later than in the first shot, triggers laid on each other, a shot shows a channel.
+/// None where the two have no likeness.
+std::optional<DelayEstimate> delay_in(const Shot& shot, const Shot& first, const Channel& channel) {
+  const auto& channels = shot.record->channels;
+  const auto found = std::ranges::find(channels, channel.name, &Channel::name);
+  if (found == channels.end()) return std::nullopt;
+  Channel moved = *found;
+  moved.clock.start -= shot.shift;
+  const double width = first.impact.width;
+  try {
+    return estimate_delay(channel, moved, {first.impact.start - width, first.impact.end + width},
+                          0.25 * width);
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;
+  }
+}
+
+/// Of three shots or more the one that shows a channel at another time, beside the trigger, than
+/// most do: by more than a sample and five standard uncertainties.
+void warn_of_delay_left(const std::vector<Shot>& shots, const Channel& channel, Record& result) {
+  if (shots.size() < 3 || channel.name == shots.front().impact.trigger) return;
+  std::vector<double> values{0.0};
+  std::vector<std::pair<const Shot*, DelayEstimate>> delays{{&shots.front(), {}}};
+  for (std::size_t k = 1; k < shots.size(); ++k)
+    if (const auto delay = delay_in(shots[k], shots.front(), channel)) {
+      values.push_back(delay->value);
+      delays.emplace_back(&shots[k], *delay);
+    }
+  if (values.size() < 3) return;
+  const double usual = median(values);
+  for (const auto& [shot, delay] : delays) {
+    const double off = delay.value - usual;
+    if (std::abs(off) <= std::max(channel.clock.interval, 5.0 * delay.uncertainty)) continue;
+    result.warnings.push_back(fmt::format(
+        "{} shows '{}' {:.3g} s {} than most shots do, beside '{}': the mean is blurred by it. "
+        "State the delay in that shot's map, or leave the shot out.",
+        shot->record->provenance.source_file, channel.name, std::abs(off),
+        off > 0.0 ? "later" : "earlier", shot->impact.trigger));
+  }
+}
+
 void note_shots(const std::vector<Shot>& shots, Record& result) {
   for (std::size_t k = 1; k < shots.size(); ++k) {
     const datasets::Provenance& from = shots[k].record->provenance;
@@ -356,6 +398,7 @@ Record average_shots(std::span<const Record> records, const DetectionOptions& op
           fmt::format("Channel '{}' is not in every shot, and so not in the mean.", channel.name));
       continue;
     }
+    warn_of_delay_left(shots, channel, result);
     for (Channel& made : channels_of(channel, range, sums_of(channel, range, readings)))
       result.channels.push_back(std::move(made));
   }

@@ -22,8 +22,9 @@ namespace impactrig::acquisition {
 /// A shot without impact, or whose impact is clipped, hit twice or cut, of the other sign or found
 /// in another quantity, is left out with a warning. When peaks or approach velocities spread by
 /// more than 5 % that is said, with the shot that is furthest from the median: contact is not
-/// linear, so the mean of unlike shots is the shot of no rig. The edits hold files, shifts and
-/// spreads.
+/// linear, so the mean of unlike shots is the shot of no rig. Of three shots or more, one that
+/// shows another channel by more than a sample earlier or later beside the trigger than most is
+/// named: a delay was left in it. The edits hold files, shifts and spreads.
 ///
 /// Throws datasets::InputError when fewer than two shots are left, a clock is not uniform, or units
 /// of one channel cannot be converted, or two channels of a shot have one name; what find_impacts

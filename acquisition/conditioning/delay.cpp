@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "acquisition/conditioning/background.hpp"
-#include "acquisition/conditioning/low_pass.hpp"
 #include "acquisition/conditioning/samples.hpp"
 #include "datasets/number_text.hpp"
+#include "datasets/zero_phase_low_pass.hpp"
 
 namespace impactrig::acquisition {
 
@@ -56,8 +56,8 @@ struct Signal {
 Signal segment_of(const Channel& channel, const TimeSpan& span) {
   // Interpolated white noise is smaller between samples than on them, which would pull delays to
   // half samples; both channels pass the same filter, so that what links them is left as it is.
-  const std::vector<double> all = zero_phase_low_pass(sound_values(channel), channel.clock.interval,
-                                                      {band / channel.clock.interval, 4});
+  const std::vector<double> all = datasets::zero_phase_low_pass(
+      sound_values(channel), channel.clock.interval, {band / channel.clock.interval, 4});
   const IndexRange range = samples_in(channel, span);
   if (range.size() < least_samples)
     throw std::invalid_argument(

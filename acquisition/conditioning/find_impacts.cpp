@@ -74,13 +74,14 @@ const Channel& trigger_channel(const Record& record, const DetectionOptions& opt
       "roles in a map");
 }
 
-RecordedSignal source_of(const Channel& channel, const std::string& file) {
-  RecordedSignal source{&channel, trace_of(channel, file), 0.0, 0.0};
+RecordedSignal source_of(const Channel& channel, const Record& record) {
+  RecordedSignal source{&channel, trace_of(channel, record.provenance.source_file), 0.0, 0.0};
   source.quantum = quantum_of(source.trace.values, source.trace.valid);
   const auto stated = channel.attributes.find("sensor.range");
   if (stated != channel.attributes.end())
     std::from_chars(stated->second.data(), stated->second.data() + stated->second.size(),
                     source.range);
+  if (auto filters = datasets::filters_of(record, channel)) source.filters = std::move(*filters);
   return source;
 }
 
@@ -239,6 +240,8 @@ std::optional<ImpactSignal> signal_of(const RecordedSignal& source, double onset
     if (delay->removed) signal.delay = delay->value;
     signal.delay_uncertainty = delay->uncertainty;
   }
+  signal.filters = source.filters;
+  if (!signal.filters.empty()) signal.recorded = {trace.time(0.0), trace.time(n - 1.0)};
   describe_noise(source, onset_time, window, options, signal);
   return signal;
 }
@@ -322,7 +325,7 @@ std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& o
   refuse_senseless(options);
   const std::string& file = record.provenance.source_file;
   const Channel& chosen = trigger_channel(record, options);
-  RecordedSignal trigger = source_of(chosen, file);
+  RecordedSignal trigger = source_of(chosen, record);
   const std::vector<Contact> contacts = find_contacts_beside_spikes(trigger, options);
   if (contacts.empty()) return {};
 
@@ -332,7 +335,7 @@ std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& o
   for (const Quantity quantity : {Quantity::force, Quantity::velocity, Quantity::displacement}) {
     if (quantity == chosen.quantity) continue;
     if (const Channel* const channel = first_of(record, quantity)) {
-      others.push_back(source_of(*channel, file));
+      others.push_back(source_of(*channel, record));
       sources.push_back(&others.back());
     }
   }

@@ -15,8 +15,9 @@ namespace impactrig::acquisition {
 struct RecordedSignal {
   const datasets::Channel* channel;
   Trace trace;
-  double range;    ///< [SI]; 0 unknown
-  double quantum;  ///< digitiser step [SI]; 0 not seen
+  double range;                                      ///< [SI]; 0 unknown
+  double quantum;                                    ///< digitiser step [SI]; 0 not seen
+  std::vector<datasets::SampleFilter> filters = {};  ///< that it has been through, where told
 };
 
 /// Whether a value [SI] lies at the end of a known range; 0: not known.

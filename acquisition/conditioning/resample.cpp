@@ -6,36 +6,24 @@
 #include <algorithm>
 #include <boost/math/interpolators/makima.hpp>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
 #include "acquisition/conditioning/samples.hpp"
 #include "acquisition/conditioning/trace.hpp"
+#include "datasets/band_limited.hpp"
 
 namespace impactrig::acquisition {
 
+using datasets::BandLimited;
 using datasets::Channel;
 
 namespace {
 
-constexpr int crossings = 32;             ///< of the sinc on either side
-constexpr int table_step = 4096;          ///< values a zero crossing
-constexpr double cutoff = 0.9;            ///< of the lower Nyquist frequency
-constexpr double beta = 9.0;              ///< of the Kaiser window
 constexpr double gap_steps = 2.5;         ///< a longer one lacks two samples or more
 constexpr std::ptrdiff_t around_gap = 7;  ///< steps on either side that say what is usual
 constexpr double fewest = 16.0;           ///< samples of the result
 constexpr double most = 0x1p26;           ///< of them, where the source has not half as many
-
-/// sinc(x) under its window, x in zero crossings, 0 <= x <= crossings.
-double windowed_sinc(double x) {
-  const double part = x / crossings;
-  const double window = std::cyl_bessel_i(0.0, beta * std::sqrt(std::max(0.0, 1.0 - part * part))) /
-                        std::cyl_bessel_i(0.0, beta);
-  const double angle = std::numbers::pi * x;
-  return window * (x == 0.0 ? 1.0 : std::sin(angle) / angle);
-}
 
 bool is_sound(const Channel& channel, std::size_t i) {
   return channel.is_valid(i) && std::isfinite(channel.value(i));
@@ -147,44 +135,6 @@ void mark_gaps(const Channel& channel, double interval, Marks& marks, Resampled&
 
 }  // namespace
 
-BandLimited::BandLimited(std::span<const double> values, double stretch)
-    : values_(values),
-      stretch_(stretch / cutoff) {
-  kernel_.reserve(crossings * table_step + 2);
-  for (int i = 0; i <= crossings * table_step; ++i)
-    kernel_.push_back(windowed_sinc(static_cast<double>(i) / table_step));
-  kernel_.push_back(0.0);
-}
-
-double BandLimited::sample(std::ptrdiff_t i) const {
-  const auto n = static_cast<std::ptrdiff_t>(values_.size());
-  if (i >= 0 && i < n) return values_[static_cast<std::size_t>(i)];
-  if (n == 1) return values_.front();
-  // Two reflections move the record by twice its length, and its values by twice its rise.
-  const std::ptrdiff_t period = 2 * (n - 1);
-  const std::ptrdiff_t turns = i >= 0 ? i / period : -((period - 1 - i) / period);
-  const std::ptrdiff_t inner = i - turns * period;
-  const double rise = 2.0 * static_cast<double>(turns) * (values_.back() - values_.front());
-  if (inner < n) return values_[static_cast<std::size_t>(inner)] + rise;
-  return 2.0 * values_.back() - values_[static_cast<std::size_t>(period - inner)] + rise;
-}
-
-double BandLimited::operator()(double index) const {
-  const double reach = crossings * stretch_;
-  const auto first = static_cast<std::ptrdiff_t>(std::ceil(index - reach));
-  const auto last = static_cast<std::ptrdiff_t>(std::floor(index + reach));
-  double sum = 0.0, weights = 0.0;
-  for (std::ptrdiff_t i = first; i <= last; ++i) {
-    const double place = std::abs(static_cast<double>(i) - index) / stretch_ * table_step;
-    const auto k = static_cast<std::size_t>(place);
-    const double part = place - static_cast<double>(k);
-    const double weight = kernel_[k] + part * (kernel_[k + 1] - kernel_[k]);
-    sum += weight * sample(i);
-    weights += weight;
-  }
-  return sum / weights;  // a constant stays what it is
-}
-
 Resampled resample(Channel& channel, const datasets::Resample& to) {
   if (!(to.rate > 0.0) || !std::isfinite(to.rate))
     throw std::invalid_argument(fmt::format("a sample rate of {:g} Hz is not positive", to.rate));
@@ -232,7 +182,8 @@ Resampled resample(Channel& channel, const datasets::Resample& to) {
   channel.valid = std::move(marks).valid();
   channel.clock = {start, interval, {}};
   parameters["to"] = fmt::format("{:.12g} Hz", to.rate);
-  parameters["kernel"] = fmt::format("sinc, {} crossings, Kaiser window {}", crossings, beta);
+  parameters["kernel"] = fmt::format("sinc, {} crossings, Kaiser window {}", BandLimited::crossings,
+                                     BandLimited::beta);
   replace_values(channel, std::move(values));
   return result;
 }

@@ -165,8 +165,9 @@ class Conditioning {
   void tell_loss(double lost, std::string_view to_what, std::size_t index) {
     if (lost < notable_loss) return;
     record_.warnings.push_back(fmt::format(
-        "The {} takes {} off the largest value of '{}'; a prediction is not filtered so.", to_what,
-        datasets::percent(lost), channel(index).name));
+        "The {} takes {} off the largest value of '{}'; a fit filters its prediction so too, "
+        "`compare` does not.",
+        to_what, datasets::percent(lost), channel(index).name));
   }
 
   void act(datasets::RemoveHum action, std::size_t index) {

@@ -125,14 +125,14 @@
     return model;
   }
 
-  // Grey where the fit did not look.
+  // Grey where the fit did not look; not between samples of which it took one in so many.
   function unused(curve, times) {
     var stretches = [], from = -1;
     for (var i = 0; i <= times.length; ++i) {
       var off = i < times.length && !curve.used[i];
       if (off && from < 0) from = i;
       if (!off && from >= 0) {
-        stretches.push([times[from], times[Math.min(i, times.length - 1)]]);
+        if (i - from >= (curve.every || 1)) stretches.push([times[from], times[Math.min(i, times.length - 1)]]);
         from = -1;
       }
     }

@@ -153,6 +153,26 @@ TEST(AverageShots, SaysWhichShotWasFaster) {
             "standard deviation");
 }
 
+// Five samples of delay that one shot's velocity was recorded with, be it the first.
+TEST(AverageShots, SaysInWhichShotADelayIsLeft) {
+  for (const int late : {-1, 0, 2}) {
+    std::vector<Record> shots;
+    for (int k = 0; k < 4; ++k) shots.push_back(shot(k, 3.0, 1.0 + 0.01 * k));
+    if (late >= 0) shots[static_cast<std::size_t>(late)].channels[1].clock.start += 5e-6;
+    const Record mean = average_shots(shots);
+    if (late < 0) {
+      EXPECT_THAT(mean.warnings, testing::IsEmpty());
+      continue;
+    }
+    ASSERT_EQ(mean.warnings.size(), 1U) << late;
+    EXPECT_THAT(
+        mean.warnings[0],
+        testing::MatchesRegex("shot" + std::to_string(late) +
+                              ".csv shows 'Velocity' (5|4\\.9.|5\\.0.)e-06 s later than most "
+                              "shots do, beside 'Force': the mean is blurred by it\\. .*"));
+  }
+}
+
 TEST(AverageShots, LeavesOutAShotWithoutTheTriggersQuantity) {
   Record without = shot(1, 2.0);
   without.channels.erase(without.channels.begin());

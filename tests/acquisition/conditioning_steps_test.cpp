@@ -107,6 +107,28 @@ TEST(ApplySteps, DoesThemInTheirOrder) {
       what, testing::ElementsAre("integrate", "differentiate", "low-pass, zero phase", "resample"));
 }
 
+// A fit takes its prediction through the same.
+TEST(ApplySteps, LeavesItsFiltersToTheImpact) {
+  Record record = shot();
+  const datasets::TimeSpan whole{record.channels[0].clock.time(0),
+                                 record.channels[0].clock.time(record.channels[0].size() - 1)};
+  apply_steps(std::vector<ConditioningStep>{{"force", datasets::LowPass{100e3, 3}},
+                                            {"velocity", datasets::LowPass{50e3, 4}},
+                                            {"velocity", datasets::Resample{250e3}}},
+              record);
+  const auto impacts = find_impacts(record);
+  ASSERT_EQ(impacts.size(), 1U);
+  ASSERT_EQ(impacts[0].force->filters.size(), 1U);
+  const auto& low_pass = std::get<datasets::LowPass>(impacts[0].force->filters[0].action);
+  EXPECT_EQ(low_pass.cutoff, 100e3);
+  EXPECT_EQ(low_pass.order, 3);
+  EXPECT_EQ(impacts[0].force->recorded.begin, whole.begin);
+  EXPECT_EQ(impacts[0].force->recorded.end, whole.end);
+  ASSERT_EQ(impacts[0].velocity->filters.size(), 2U);
+  EXPECT_NEAR(impacts[0].velocity->filters[0].interval, 1e-6, 1e-15);
+  EXPECT_EQ(std::get<datasets::Resample>(impacts[0].velocity->filters[1].action).rate, 250e3);
+}
+
 TEST(ApplySteps, TellsOfEachThatIsDone) {
   Record record = shot();
   std::vector<std::size_t> edits;

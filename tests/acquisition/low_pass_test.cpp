@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <variant>
 
+#include "datasets/zero_phase_low_pass.hpp"
 #include "tests/acquisition/scene.hpp"
 
 namespace impactrig::acquisition {
@@ -18,6 +19,7 @@ namespace impactrig::acquisition {
 namespace {
 
 using datasets::LowPass;
+using datasets::zero_phase_low_pass;
 using namespace tests;
 
 constexpr double pi = std::numbers::pi;

@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "acquisition/importer.hpp"
+#include "datasets/store.hpp"
 #include "tests/app/command_line.hpp"
 
 namespace {
@@ -18,7 +20,9 @@ using impactrig::tests::rig;
 using impactrig::tests::samples;
 using impactrig::tests::text_of;
 using nlohmann::json;
+using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
 // Few modes, no more of the record than the contact: fast, and no matter of what it finds.
 const std::string fast = "fit " + samples + "shen2007-1.uff --rig " + rig +
@@ -48,16 +52,42 @@ json parameter(const json& fit, const std::string& name) {
   return {};
 }
 
-// Of 22 fits of simulated shots through a low-pass at 50 and 200 kHz none held the restitution.
-TEST_F(FitOptions, WarnsOfWhatIsLowPassed) {
+// The measured force and the predicted one go through the same low-pass.
+TEST_F(FitOptions, PredictsWhatALowPassLeaves) {
   const std::string filtering =
       write("filtering.toml", text_of(rig) +
                                   "\n[[conditioning]]\nchannel = \"force\"\nstep = \"low-pass\"\n"
-                                  "cutoff = \"100 kHz\"\n");
-  const Outcome o = run("fit " + samples + "shen2007-1.uff --rig " + filtering +
-                        " --free contact.restitution --quiet --json");
-  EXPECT_THAT(o.out, HasSubstr("has been through a low-pass at 100000 Hz, which a prediction has "
-                               "not: the intervals of the fit do not hold. Leave that step out"));
+                                  "cutoff = \"50 kHz\"\n");
+  const std::string rest = " --quiet --json --set solver.duration=\"1 ms\"";
+  const Outcome plain = run("fit " + samples + "shen2007-1.uff --rig " + rig + rest);
+  const Outcome filtered = run("fit " + samples + "shen2007-1.uff --rig " + filtering + rest);
+  ASSERT_EQ(filtered.code, 0) << filtered.err;
+  const json e = parameter(json::parse(plain.out), "contact.restitution");
+  const json j = json::parse(filtered.out), here = parameter(j, "contact.restitution");
+  EXPECT_NEAR(here["value"].get<double>(), e["value"].get<double>(),
+              3.0 * here["std_error"].get<double>());
+  EXPECT_LT(here["std_error"].get<double>(), 2.0 * e["std_error"].get<double>());
+  EXPECT_EQ(j["curves"][0]["every"], 10);
+  EXPECT_FALSE(j["curves"][1].contains("every"));
+  EXPECT_THAT(j["warnings"], Not(Contains(HasSubstr("intervals of the fit"))));
+}
+
+// Of uneven times a file does not tell what a prediction would have to go through.
+TEST_F(FitOptions, WarnsOfWhatWasPutOnEvenTimes) {
+  using namespace impactrig;
+  datasets::Record record =
+      acquisition::read_into_memory(*acquisition::open_recording(samples + "shen2007-1.uff"), {});
+  for (const datasets::Channel& channel : record.channels)
+    record.provenance.edits.push_back(
+        {"resample", channel.name, {{"from", "uneven times, joined"}, {"to", "1000000 Hz"}}});
+  const std::string file = path("even.h5");
+  datasets::write_record(record, file);
+  const Outcome o =
+      run("fit " + file + " --rig " + rig + " --quiet --json --set solver.duration=\"1 ms\"");
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_THAT(json::parse(o.out)["warnings"],
+              Contains(HasSubstr("was put on even times, which ties its samples in ways that a "
+                                 "prediction cannot follow")));
 }
 
 TEST_F(FitOptions, FixBoundTieAndPriorReachTheFit) {

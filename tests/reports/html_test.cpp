@@ -202,6 +202,22 @@ TEST(Html, ThinsALongRecordButKeepsItsExtremes) {
   EXPECT_TRUE(has(page, "4000 pairs of smallest and largest values"));
 }
 
+// Grey is what a fit did not look at, not what lies between two samples that a filter tied.
+TEST(Html, ShadesNothingBetweenSamplesThatAreThinned) {
+  reports::ReportData data = tests::example_report();
+  for (fitting::ChannelFit& channel : data.fit.channels) {
+    channel.every = 4;
+    for (std::size_t k = 0; k < channel.used.size(); ++k) channel.used[k] = k % 4 == 0 ? 1 : 0;
+  }
+  const std::string thinned = reports::to_html(data);
+  EXPECT_EQ(thinned.find(">not fitted<"), std::string::npos);
+  EXPECT_THAT(visible(thinned), testing::HasSubstr(", one in 4"));
+  fitting::ChannelFit& force = data.fit.channels[0];
+  for (std::size_t k = 0; k < force.used.size(); ++k)
+    if (force.time[k] > 0.0 && force.time[k] < 20e-6) force.used[k] = 0;
+  EXPECT_NE(reports::to_html(data).find(">not fitted<"), std::string::npos);
+}
+
 TEST(Html, WorksWithoutAVelocityChannel) {
   reports::ReportData data = tests::example_report();
   remove_channels(data, "velocity");

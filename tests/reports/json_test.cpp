@@ -135,6 +135,16 @@ TEST(FitJson, ComesBackAsItWentOut) {
   }
 }
 
+// Of a recording that has been through a filter.
+TEST(FitJson, TellsOfHowManySamplesOneIsFitted) {
+  reports::ReportData data = tests::example_report();
+  EXPECT_FALSE(Json::parse(reports::to_json(data))["curves"][0].contains("every"));
+  data.fit.channels[0].every = 10;
+  const std::string text = reports::to_json(data);
+  EXPECT_EQ(Json::parse(text)["curves"][0]["every"], 10);
+  EXPECT_EQ(reports::report_from_json(text, "fit.json").fit.channels[0].every, 10U);
+}
+
 TEST(FitJson, KeepsEveryBitOfADouble) {
   reports::ReportData data = tests::example_report();
   const std::vector<double> values = {0.1,
