@@ -151,6 +151,13 @@ std::vector<Section<>> read_beam(TableReader& table, models::Rig& rig) {
   return sections;
 }
 
+/// 0 where it is not round.
+std::vector<double> surface_radii(const std::vector<Section<>>& sections) {
+  std::vector<double> radii;
+  for (const Section<>& section : sections) radii.push_back(section.radius);
+  return radii;
+}
+
 void read_hinge(TableReader& table, models::Hinge& hinge) {
   if (const auto spring = table.quantity("spring", "N.m/rad")) hinge.spring = spring->value;
   if (const auto viscous = table.quantity("viscous", "N.m.s/rad")) hinge.viscous = viscous->value;
@@ -407,9 +414,7 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   root.text("title");
   TableReader beam = required_table(root, "beam");
   file.sections = read_beam(beam, file.rig);
-  // of the surface, 0 where it is not round
-  std::vector<double> radii;
-  for (const Section<>& section : file.sections) radii.push_back(section.radius);
+  const std::vector<double> radii = surface_radii(file.sections);
   if (auto contact = root.table("contact")) {
     read_contact(*contact, file.rig.beam, radii, file.rig.contact);
   } else {

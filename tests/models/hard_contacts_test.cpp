@@ -14,6 +14,7 @@
 #include "models/modal/modal_motion.hpp"
 #include "models/settled_solution.hpp"
 #include "models/simulation.hpp"
+#include "tests/models/first_contacts.hpp"
 #include "tests/models/round_bar.hpp"
 #include "tests/models/scenes.hpp"
 
@@ -24,15 +25,6 @@ using namespace impactrig::tests;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
-
-/// Largest relative difference of the first contacts' peak force, duration and impulse.
-double difference(const Simulation& run, const Simulation& finer) {
-  const Episode& a = run.episodes.at(0);
-  const Episode& b = finer.episodes.at(0);
-  const auto change = [](double x, double y) { return std::abs(x / y - 1.0); };
-  return std::max({change(a.peak_force, b.peak_force), change(a.end - a.start, b.end - b.start),
-                   change(a.impulse, b.impulse)});
-}
 
 /// A stiff spring throws a thick little bar, let go straight, at the stop: it arrives vibrating,
 /// fastest in the two elements that are a fiftieth of it.
@@ -64,7 +56,8 @@ TEST(HardContact, ADamperMeetsTheVibrationThatTheSwingLeaves) {
   ASSERT_FALSE(exact.small_motion);
   ASSERT_FALSE(exact.episodes.at(0).open);
   for (const double accuracy : {1e-6, 3e-7, 1e-7})
-    EXPECT_LE(difference(simulate(rig, ancf(1, 2, accuracy, 2e-5)), exact), accuracy) << accuracy;
+    EXPECT_LE(first_contact_difference(simulate(rig, ancf(1, 2, accuracy, 2e-5)), exact), accuracy)
+        << accuracy;
 }
 
 /// Friction stops its hinge against the stop, and holds it there.

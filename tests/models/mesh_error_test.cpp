@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "models/simulation.hpp"
+#include "tests/models/first_contacts.hpp"
 #include "tests/models/scenes.hpp"
 
 namespace {
@@ -19,29 +20,13 @@ using namespace impactrig::tests;
 
 constexpr double enough_time = 10.0;  // [s]
 
-/// Largest relative difference of what accuracy promises: peak, duration and impulse of the first
-/// contact.
-double difference(const Simulation& a, const Simulation& b) {
-  const Episode& x = a.episodes.at(0);
-  const Episode& y = b.episodes.at(0);
-  return std::max({std::abs(x.peak_force / y.peak_force - 1.0), std::abs(x.end / y.end - 1.0),
-                   std::abs(x.impulse / y.impulse - 1.0)});
-}
-
-Simulation simulate_as(Motion motion, const Rig& rig, Solver solver, double accuracy) {
-  SimulationOptions options;
-  options.motion = motion;
-  solver.accuracy = accuracy;
-  return simulate(rig, solver, options);
-}
-
 /// The error of a run on the chosen mesh, by one that is so many times as fine.
 double error_on(const ChosenMesh& chosen, const Rig& rig, int times) {
   Solver finer = chosen.solver;
   for (int& elements : finer.elements) elements *= times;
   const double accuracy = chosen.solver.accuracy;
-  return difference(simulate_as(Motion::small, rig, chosen.solver, accuracy),
-                    simulate_as(Motion::small, rig, finer, 0.01 * accuracy));
+  return first_contact_difference(simulate_as(Motion::small, rig, chosen.solver, accuracy),
+                                  simulate_as(Motion::small, rig, finer, 0.01 * accuracy));
 }
 
 // Of so fine a mesh next to nothing is left: (βh)⁴ of the waves that matter.

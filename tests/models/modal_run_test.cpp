@@ -11,28 +11,13 @@
 #include "models/modal/bar_cache.hpp"
 #include "models/modal/small_motion_run.hpp"
 #include "models/simulation.hpp"
+#include "tests/models/first_contacts.hpp"
 #include "tests/models/scenes.hpp"
 
 namespace {
 
 using namespace impactrig::models;
 using namespace impactrig::tests;
-
-/// Largest relative difference of what accuracy promises: peak, duration and impulse of the first
-/// contact.
-double difference(const Simulation& a, const Simulation& b) {
-  const Episode& x = a.episodes.at(0);
-  const Episode& y = b.episodes.at(0);
-  return std::max({std::abs(x.peak_force / y.peak_force - 1.0), std::abs(x.end / y.end - 1.0),
-                   std::abs(x.impulse / y.impulse - 1.0)});
-}
-
-Simulation simulate_as(Motion motion, const Rig& rig, Solver solver, double accuracy) {
-  SimulationOptions options;
-  options.motion = motion;
-  solver.accuracy = accuracy;
-  return simulate(rig, solver, options);
-}
 
 /// Random bars, stops and impacts of laboratory size.
 struct Scene {
@@ -97,7 +82,7 @@ TEST(SmallMotion, ErrsNoMoreThanItsEstimate) {
     const Simulation full = simulate_as(Motion::full, scene.rig, scene.solver, 1e-9);
     ASSERT_TRUE(small.small_motion);
     ASSERT_FALSE(full.small_motion);
-    EXPECT_LE(difference(small, full), small.neglected + 3e-9) << "seed " << seed;
+    EXPECT_LE(first_contact_difference(small, full), small.neglected + 3e-9) << "seed " << seed;
   }
   EXPECT_GE(compared, 30);
 }
@@ -109,7 +94,7 @@ TEST(SmallMotion, KeepsTheAccuracyAskedFor) {
     const Simulation reference = simulate_as(Motion::small, scene.rig, scene.solver, 1e-12);
     for (const double accuracy : {1e-3, 1e-5, 1e-7, 1e-9}) {
       const Simulation run = simulate_as(Motion::small, scene.rig, scene.solver, accuracy);
-      EXPECT_LE(difference(run, reference), accuracy) << "seed " << seed;
+      EXPECT_LE(first_contact_difference(run, reference), accuracy) << "seed " << seed;
       EXPECT_LE(std::abs(run.energy.imbalance), 10.0 * accuracy) << "seed " << seed;
     }
   }
@@ -135,7 +120,7 @@ TEST(SmallMotion, IsTakenForAFineImpactOfABarThatCannotStretch) {
   const Solver solver = hybrid(Basis::pinned_free, 12, 1e-6, 3e-3);
   const Simulation run = simulate(rig, solver);
   EXPECT_TRUE(run.small_motion);
-  EXPECT_LE(difference(run, simulate_as(Motion::full, rig, solver, 1e-9)), 1e-6);
+  EXPECT_LE(first_contact_difference(run, simulate_as(Motion::full, rig, solver, 1e-9)), 1e-6);
 }
 
 TEST(SmallMotion, IsNotTakenWhereItMayNotBe) {
@@ -147,7 +132,7 @@ TEST(SmallMotion, IsNotTakenWhereItMayNotBe) {
   EXPECT_TRUE(run.skipped.empty());
   const Simulation small = simulate_as(Motion::small, rig, solver, 1e-8);
   const Simulation full = simulate_as(Motion::full, rig, solver, 1e-8);
-  EXPECT_GT(difference(small, full), 1e-4);
+  EXPECT_GT(first_contact_difference(small, full), 1e-4);
 }
 
 TEST(SmallMotion, IsNotTakenForAnExactRun) {
@@ -237,8 +222,9 @@ TEST(SmallMotion, AContactThatEndsSlowlyIsSolvedOnceWhereVibrationIsResolved) {
     if (leaves > 0.1 || leaves < 0.01) continue;
     ++slow;
     EXPECT_EQ(smallness(rig, solver), 1.0) << leaves;
-    EXPECT_LT(difference(simulate_as(Motion::small, rig, solver, solver.accuracy), exact),
-              0.2 * solver.accuracy)
+    EXPECT_LT(
+        first_contact_difference(simulate_as(Motion::small, rig, solver, solver.accuracy), exact),
+        0.2 * solver.accuracy)
         << leaves << " at " << solver.accuracy;
   }
   EXPECT_GT(slow, 10);
@@ -294,7 +280,7 @@ TEST(FullEquations, OfAFineMeshTakeNoMoreStepsThanTheirAccuracyNeeds) {
   SimulationOptions exact;
   exact.exact = true;
   const Simulation run = simulate(rig, ancf(56, 8, 1e-3, 3e-3), exact);
-  EXPECT_LT(difference(run, simulate(rig, ancf(56, 8, 1e-7, 1e-3), exact)), 1e-4);
+  EXPECT_LT(first_contact_difference(run, simulate(rig, ancf(56, 8, 1e-7, 1e-3), exact)), 1e-4);
   EXPECT_LT(run.cost.steps, 700);
 }
 
