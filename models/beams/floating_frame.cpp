@@ -33,10 +33,13 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
       modes_(rig.beam, basis, modes),
       stiffness_(Eigen::VectorXd::Zero(size())),
       rotary_(Eigen::MatrixXd::Zero(size(), size())),
+      fineness_(20 + 4 * std::max(modes, axial_modes)),
+      kinetic_(1),
       mass_(size(), size()),
       rhs_(size()),
       coupled_(modes),
       hinge_turns_(size()),
+      at_rest_(Eigen::VectorXd::Zero(size())),
       factor_(size()) {
   const double wave_speed_squared = rig.beam.youngs_modulus / rig.beam.density;
   for (int k = 0; k < axial_; ++k) {
@@ -52,13 +55,13 @@ FloatingFrameBeam::FloatingFrameBeam(const Rig& rig, Basis basis, int modes, int
     rotary_.col(0).tail(bending_) = rotary.col(0).tail(bending_);
     rotary_.bottomRightCorner(bending_, bending_) = rotary.bottomRightCorner(bending_, bending_);
   }
-  set_stations(modes_.places(20 + 4 * std::max(modes, axial_modes)), rig.beam.masses);
+  set_stations(modes_.places(fineness_), rig.beam.masses);
   struck_ = section_at(rig.contact.position);
 }
 
 void FloatingFrameBeam::set_stations(const std::vector<AssumedModes::Place>& places,
                                      const std::vector<LumpedMass>& masses) {
-  Stations& all = stations_;
+  FrameStations& all = stations_;
   all.of_bar = static_cast<Eigen::Index>(places.size());
   all.size = all.of_bar + static_cast<Eigen::Index>(masses.size());
   all.x = all.mass = all.pull = Eigen::VectorXd::Zero(all.size);
@@ -79,46 +82,29 @@ void FloatingFrameBeam::set_stations(const std::vector<AssumedModes::Place>& pla
     all.axial.row(i) = section.axial;
     all.bending.row(i) = section.bending;
   }
-  root_mass_ = all.mass.cwiseSqrt();
-  axial_by_root_ = root_mass_.asDiagonal() * all.axial;
-  const Eigen::MatrixXd bending_by_root = root_mass_.asDiagonal() * all.bending;
-  lasting_mass_ = rotary_;
-  lasting_mass_.block(1, 1, axial_, axial_) += axial_by_root_.transpose() * axial_by_root_;
-  lasting_mass_.bottomRightCorner(bending_, bending_) +=
-      bending_by_root.transpose() * bending_by_root;
-  motions_.coupled = motions_.coupled_rate = coupled_by_root_ =
-      Eigen::MatrixXd::Zero(all.size, bending_);
-  motions_.x = motions_.y = motions_.x_rate = motions_.y_rate = force_x_ = force_y_ =
-      Eigen::VectorXd::Zero(all.size);
 }
 
-void FloatingFrameBeam::couple() const {
-  stations_.coupling.resize(bending_ * stations_.size, bending_);
-  Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(bending_, bending_);
-  double reached = 0.0;
-  for (Eigen::Index i = 0; i < stations_.of_bar; ++i) {
-    add_coupling(reached, stations_.x[i], 1, coupling);
-    reached = stations_.x[i];
-    set_coupling(i, coupling);
+FrameEquations& FloatingFrameBeam::equations() const {
+  if (equations_) return *equations_;
+  std::vector<FramePart> parts;
+  for (const BarElement& element : modes_.elements()) parts.push_back({element.x, element.length});
+  const int points = parts.empty() ? fineness_ : 5;  // the product of two quadratics
+  if (parts.empty()) parts.push_back({0.0, length_});
+  Eigen::MatrixXd slopes;
+  if (bending_ > 0) {
+    const Eigen::VectorXd places = gauss_points(parts, points);
+    slopes.resize(places.size(), bending_);
+    for (Eigen::Index j = 0; j < places.size(); ++j) slopes.row(j) = modes_.slope(places[j]);
   }
-  for (Eigen::Index i = stations_.of_bar; i < stations_.size; ++i)
-    set_coupling(i, station_at(stations_.x[i]).coupling);
-  struck_ = station_at(struck_.x);
-  coupled_ready_ = true;
-}
-
-void FloatingFrameBeam::set_coupling(Eigen::Index station, const Eigen::MatrixXd& coupling) const {
-  for (int k = 0; k < bending_; ++k)
-    stations_.coupling.row(k * stations_.size + station) = coupling.row(k);
-}
-
-const FloatingFrameBeam::Stations& FloatingFrameBeam::stations() const {
-  if (!coupled_ready_) couple();
-  return stations_;
+  equations_ = std::make_unique<FrameEquations>(
+      FrameIntegrals(stations_, parts, points, std::move(slopes)), gravity_, gravity_across_,
+      timoshenko_ ? rotary_ : Eigen::MatrixXd());
+  return *equations_;
 }
 
 const FloatingFrameBeam::Station& FloatingFrameBeam::struck() const {
-  if (!coupled_ready_) couple();
+  if (!struck_coupled_) struck_ = station_at(struck_.x);
+  struck_coupled_ = true;
   return struck_;
 }
 
@@ -178,24 +164,6 @@ FloatingFrameBeam::InFrame FloatingFrameBeam::in_frame(const Station& station, C
           .y_rate = station.bending.dot(v.tail(bending_))};
 }
 
-const FloatingFrameBeam::Motions& FloatingFrameBeam::all_in_frame(ConstVector q,
-                                                                  ConstVector v) const {
-  const Stations& all = stations();
-  const auto a = q.segment(1, axial_);
-  const auto b = q.tail(bending_);
-  const auto a_rate = v.segment(1, axial_);
-  const auto b_rate = v.tail(bending_);
-  motions_.coupled.reshaped().noalias() = all.coupling * b;
-  motions_.shortened.noalias() = 0.5 * motions_.coupled * b;
-  motions_.shortened.noalias() -= all.axial * a;
-  motions_.x = all.x - motions_.shortened;
-  motions_.y.noalias() = all.bending * b;
-  motions_.x_rate.noalias() = all.axial * a_rate;
-  motions_.x_rate.noalias() -= motions_.coupled * b_rate;
-  motions_.y_rate.noalias() = all.bending * b_rate;
-  return motions_;
-}
-
 Eigen::VectorXd FloatingFrameBeam::inertia_diagonal() const {
   Eigen::VectorXd diagonal = Eigen::VectorXd::Ones(size());
   diagonal[0] = inertia_;
@@ -220,7 +188,8 @@ void FloatingFrameBeam::set_steady_motion(double angle, double rate, VectorRef q
   if (axial_ == 0) return;
   const double pull = gravity_ * std::cos(angle) + gravity_across_ * std::sin(angle);
   Eigen::MatrixXd stiffness = stiffness_.segment(1, axial_).asDiagonal();
-  stiffness -= rate * rate * (axial_by_root_.transpose() * axial_by_root_);
+  stiffness -=
+      rate * rate * (stations_.axial.transpose() * stations_.mass.asDiagonal() * stations_.axial);
   const Eigen::VectorXd pulls = stations_.mass.array() * (pull + rate * rate * stations_.x.array());
   const Eigen::VectorXd force = stations_.axial.transpose() * pulls;
   const Eigen::LLT<Eigen::MatrixXd> factor(stiffness);
@@ -229,8 +198,9 @@ void FloatingFrameBeam::set_steady_motion(double angle, double rate, VectorRef q
   v[0] *= struck_.x / (struck_.x + struck_.axial.dot(q.segment(1, axial_)));
 }
 
-/// F ∂X/∂q at a station (14)-(17), to the right-hand side.
-void FloatingFrameBeam::add_contact_force(const Station& station, ConstVector q, double force) {
+/// F ∂X/∂q at a station (14)-(17).
+void FloatingFrameBeam::add_force(const Station& station, ConstVector q, double force,
+                                  VectorRef r) {
   const double sine = std::sin(q[0]);
   const double cosine = std::cos(q[0]);
   const auto bending = q.tail(bending_);
@@ -238,70 +208,91 @@ void FloatingFrameBeam::add_contact_force(const Station& station, ConstVector q,
   const double x =
       station.x + station.axial.dot(q.segment(1, axial_)) - 0.5 * bending.dot(coupled_);
   const double y = station.bending.dot(bending);
-  rhs_[0] += force * (cosine * x - sine * y);
-  rhs_.segment(1, axial_) += force * sine * station.axial;
-  rhs_.tail(bending_) += force * (cosine * station.bending - sine * coupled_);
+  r[0] += force * (cosine * x - sine * y);
+  r.segment(1, axial_) += force * sine * station.axial;
+  r.tail(bending_) += force * (cosine * station.bending - sine * coupled_);
 }
 
-/// Its lower half: of each station its mass times the squares of what moves it along [-y, S1, -H b]
-/// and across [x, 0, S2] the frame.
-void FloatingFrameBeam::set_mass(const Motions& p) {
-  const Stations& all = stations_;
-  mass_ = lasting_mass_;
-  along_ = all.mass.cwiseProduct(p.x);
-  across_ = all.mass.cwiseProduct(p.y);
-  mass_(0, 0) += along_.dot(p.x) + across_.dot(p.y);
-  mass_.col(0).segment(1, axial_).noalias() -= all.axial.transpose() * across_;
-  mass_.col(0).tail(bending_).noalias() += all.bending.transpose() * along_;
-  mass_.col(0).tail(bending_).noalias() += p.coupled.transpose() * across_;
-  coupled_by_root_ = root_mass_.asDiagonal() * p.coupled;
-  mass_.block(1 + axial_, 1, bending_, axial_).noalias() -=
-      coupled_by_root_.transpose() * axial_by_root_;
-  mass_.bottomRightCorner(bending_, bending_)
-      .selfadjointView<Eigen::Lower>()
-      .rankUpdate(coupled_by_root_.transpose());
+void FloatingFrameBeam::add_stop(int stop, ConstVector q, double force, VectorRef r) {
+  if (force == 0.0) return;
+  if (stop == 0) return add_force(struck(), q, force, r);
+  const FurtherStop& there = further_stops_[static_cast<std::size_t>(stop - 1)];
+  add_force(cached_station(there.contact.position), q, there.direction() * force, r);
+}
+
+/// Springs, dampers and what drives the hinge.
+void FloatingFrameBeam::add_springs(ConstVector q, ConstVector v, VectorRef r) const {
+  r -= stiffness_.cwiseProduct(q);
+  if (damping_.stiffness != 0.0) r -= damping_.stiffness * stiffness_.cwiseProduct(v);
+  if (hinge_ != Hinge{})
+    r -= (hinge_.spring * hinge_row_.dot(q) + hinge_.viscous * hinge_row_.dot(v)) * hinge_row_;
+  if (drive_.moment != 0.0) r -= drive_.moment * hinge_row_;
 }
 
 void FloatingFrameBeam::acceleration(ConstVector q, ConstVector v, std::span<const double> forces,
                                      VectorRef a) {
-  const double sine = std::sin(q[0]);
-  const double cosine = std::cos(q[0]);
-  const double spin = v[0];
-  const auto bending_rate = v.tail(bending_);
-
-  const double gravity_x = gravity_ * cosine - gravity_across_ * sine;  // in the frame
-  const double gravity_y = -gravity_ * sine - gravity_across_ * cosine;
-  rhs_ = -stiffness_.cwiseProduct(q);
-  if (damping_.stiffness != 0.0) rhs_ -= damping_.stiffness * stiffness_.cwiseProduct(v);
-  if (hinge_ != Hinge{})
-    rhs_ -= (hinge_.spring * hinge_row_.dot(q) + hinge_.viscous * hinge_row_.dot(v)) * hinge_row_;
-  if (drive_.moment != 0.0) rhs_ -= drive_.moment * hinge_row_;
-
-  const Stations& all = stations();
-  const Motions& p = all_in_frame(q, v);
-  // b of (6) in the frame, and gravity.
-  motions_.coupled_rate.reshaped().noalias() = all.coupling * bending_rate;
-  force_x_.noalias() = motions_.coupled_rate * bending_rate;
-  force_x_.array() = all.mass.array() * (force_x_.array() + spin * spin * p.x.array() +
-                                         2.0 * spin * p.y_rate.array() + gravity_x);
-  force_y_.array() =
-      all.mass.array() * (spin * spin * p.y.array() - 2.0 * spin * p.x_rate.array() + gravity_y);
-  rhs_[0] += force_y_.dot(p.x) - force_x_.dot(p.y);
-  rhs_.segment(1, axial_).noalias() += all.axial.transpose() * force_x_;
-  rhs_.tail(bending_).noalias() += all.bending.transpose() * force_y_;
-  rhs_.tail(bending_).noalias() -= p.coupled.transpose() * force_x_;
-  set_mass(p);
-  if (forces[0] != 0.0) add_contact_force(struck(), q, forces[0]);
-  for (std::size_t i = 1; i < forces.size(); ++i) {
-    const FurtherStop& stop = further_stops_[i - 1];
-    if (forces[i] != 0.0)
-      add_contact_force(cached_station(stop.contact.position), q, stop.direction() * forces[i]);
-  }
+  equations().unbalanced(q, v, at_rest_, rhs_);
+  add_springs(q, v, rhs_);
+  for (std::size_t i = 0; i < forces.size(); ++i) add_stop(static_cast<int>(i), q, forces[i], rhs_);
+  equations().set_mass(q, mass_);
   factor_.compute(mass_);
   a = rhs_;
   factor_.solveInPlace(a);
   if (damping_.mass != 0.0) a -= damping_.mass * v;
   if (drive_.held) hold_hinge(a);
+}
+
+void FloatingFrameBeam::unbalanced(ConstMatrix q, ConstMatrix v, ConstMatrix a, ConstMatrix forces,
+                                   MatrixRef r) {
+  if (damping_.mass != 0.0) {
+    with_damping_ = a + damping_.mass * v;
+    equations().unbalanced(q, v, with_damping_, r);
+  } else {
+    equations().unbalanced(q, v, a, r);
+  }
+  for (Eigen::Index k = 0; k < q.cols(); ++k) {
+    add_springs(q.col(k), v.col(k), r.col(k));
+    for (Eigen::Index stop = 0; stop < forces.cols(); ++stop)
+      add_stop(static_cast<int>(stop), q.col(k), forces(k, stop), r.col(k));
+  }
+}
+
+void FloatingFrameBeam::set_tangent(ConstVector q, ConstVector v, ConstVector a, Tangent& tangent) {
+  rhs_ = a + damping_.mass * v;
+  equations().set_tangent(q, v, rhs_, tangent);
+  tangent.by_q.diagonal() -= stiffness_;
+  tangent.by_v.diagonal() -= damping_.stiffness * stiffness_;
+  tangent.by_v -= damping_.mass * tangent.mass;
+  hinge_turns_ = hinge_.spring * hinge_row_;
+  tangent.by_q.noalias() -= hinge_turns_ * hinge_row_.transpose();
+  hinge_turns_ = hinge_.viscous * hinge_row_;
+  tangent.by_v.noalias() -= hinge_turns_ * hinge_row_.transpose();
+}
+
+void FloatingFrameBeam::set_pressed(ConstVector q, MatrixRef pressed) {
+  pressed.setZero();
+  for (Eigen::Index stop = 0; stop < pressed.cols(); ++stop)
+    add_stop(static_cast<int>(stop), q, 1.0, pressed.col(stop));
+}
+
+void FloatingFrameBeam::balance_hinge(MatrixRef forces) const {
+  for (int i = 1; i < size(); ++i)
+    if (hinge_row_[i] != 0.0) forces.row(i) -= hinge_row_[i] * forces.row(0);
+  forces.row(0).setZero();
+}
+
+double FloatingFrameBeam::hold_hinge(ConstVector a, double acceleration, VectorRef r) const {
+  const double moment = r[0];
+  balance_hinge(r);
+  r[0] = inertia_ * (hinge_rate(a) - acceleration);
+  return moment;
+}
+
+void FloatingFrameBeam::hold_hinge(Tangent& tangent) const {
+  balance_hinge(tangent.mass);
+  balance_hinge(tangent.by_q);
+  balance_hinge(tangent.by_v);
+  tangent.mass.row(0) = inertia_ * hinge_row_;
 }
 
 /// Adds to the accelerations of a free hinge those of the moment that holds it.
@@ -422,7 +413,7 @@ SmallMotion FloatingFrameBeam::small_motion() const {
   motion.stiffness.diagonal().tail(bending_) = stiffness_.tail(bending_);
   motion.mass.row(0).tail(bending_) = rotary_.row(0).tail(bending_);
   motion.mass.col(0).tail(bending_) = rotary_.col(0).tail(bending_);
-  const Stations& all = stations_;
+  const FrameStations& all = stations_;
   const Eigen::VectorXd moment = all.bending.transpose() * all.mass.cwiseProduct(all.x);
   motion.mass.row(0).tail(bending_) += moment;
   motion.mass.col(0).tail(bending_) += moment;
@@ -462,38 +453,14 @@ BeamEnergy FloatingFrameBeam::energy(ConstVector q, ConstVector v) const {
   BeamEnergy energy;
   energy.elastic = 0.5 * q.dot(stiffness_.cwiseProduct(q));
   energy.spring = 0.5 * hinge_.spring * std::pow(hinge_row_.dot(q), 2);
-  if (timoshenko_) energy.kinetic = 0.5 * v.dot(rotary_ * v);
-  const double sine = std::sin(q[0]);
-  const double cosine = std::cos(q[0]);
-  const Stations& all = stations();
-  const Motions& p = all_in_frame(q, v);
-  energy.kinetic += 0.5 * (all.mass.array() * ((p.x_rate - v[0] * p.y).array().square() +
-                                               (p.y_rate + v[0] * p.x).array().square()))
-                              .sum();
-  // how far it lies below hanging straight, not as a difference of places: a slow bar has less
-  // energy than that would be rounded to
-  const double half = std::sin(0.5 * q[0]);
-  energy.gravitational =
-      (all.mass.array() * (gravity_ * (p.shortened + 2.0 * half * half * p.x + sine * p.y) +
-                           gravity_across_ * (sine * p.x + cosine * p.y))
-                              .array())
-          .sum();
+  equations().kinetic(q, v, kinetic_);
+  energy.kinetic = kinetic_[0];
+  energy.gravitational = equations().gravitational(q);
   return energy;
 }
 
 RigidPart FloatingFrameBeam::rigid_part(ConstVector q, ConstVector v) const {
-  RigidPart rigid;
-  if (timoshenko_) rigid = {.angle = -rotary_.row(0).dot(q), .rate = -rotary_.row(0).dot(v)};
-  const double sine = std::sin(q[0]);
-  const double cosine = std::cos(q[0]);
-  const Stations& all = stations();
-  const Motions& p = all_in_frame(q, v);
-  const auto first_moment = all.mass.cwiseProduct(all.x).array();
-  rigid.along = (first_moment * (cosine * p.x - sine * p.y).array()).sum();
-  rigid.angle -= (first_moment * (sine * p.x + cosine * p.y).array()).sum();
-  rigid.rate -= (all.mass.array() * (p.x.array() * (p.y_rate + v[0] * p.x).array() -
-                                     p.y.array() * (p.x_rate - v[0] * p.y).array()))
-                    .sum();
+  RigidPart rigid = equations().rigid_part(q, v);
   rigid.along /= inertia_;
   rigid.angle /= inertia_;
   rigid.rate /= inertia_;

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <memory>
 #include <vector>
 
 #include "models/beams/assumed_modes.hpp"
 #include "models/beams/beam_dynamics.hpp"
+#include "models/beams/frame_equations.hpp"
 
 namespace impactrig::models {
 
@@ -21,7 +23,8 @@ namespace impactrig::models {
 /// + 4n points, in every element where the shapes come from a mesh: products of two modes come out
 /// to rounding, the small products of four to a few digits less. Masses on the bar are further
 /// points of that sum; the shapes stay those of the bar alone, so the mass matrix is no longer
-/// diagonal when it hangs straight.
+/// diagonal when it hangs straight. H is taken by Gauss points of its own, 20 + 4n in the bar or
+/// five in every element (FrameIntegrals).
 ///
 /// The axis at the hinge is at the angle ψ + v'(0), v'(0) = 0 for the cantilever's modes.
 ///
@@ -46,6 +49,35 @@ class FloatingFrameBeam : public BeamDynamics {
   using BeamDynamics::acceleration;
   void acceleration(ConstVector q, ConstVector v, std::span<const double> forces,
                     VectorRef a) override;
+  /// Generalised forces that states (n, k), a column each, leave unbalanced when they have
+  /// accelerations a (n, k), pressed by forces (k, stops) [N, compression > 0]: overwrites r (n,
+  /// k). All at once cost far less than one after the other, and less than acceleration(), which
+  /// has to solve for what these are zero at. drive() counts by its moment; see hold_hinge().
+  void unbalanced(ConstMatrix q, ConstMatrix v, ConstMatrix a, ConstMatrix forces, MatrixRef r);
+
+  /// The mass matrix, and the derivatives of unbalanced() without forces, (n, n) each.
+  using Tangent = FrameEquations::Tangent;
+
+  void set_tangent(ConstVector q, ConstVector v, ConstVector a, Tangent& tangent);
+
+  /// Makes of generalised forces (n, k) those that remain when a moment on the hinge balances the
+  /// first, the frame's.
+  void balance_hinge(MatrixRef forces) const;
+
+  /// The same of the unbalanced forces of accelerations a, and puts what the hinge's acceleration
+  /// lacks of a stated one, closing > 0 [rad/s^2], times an inertia, in place of the first. Returns
+  /// the moment that holds it, closing > 0 [N m].
+  double hold_hinge(ConstVector a, double acceleration, VectorRef r) const;
+  void hold_hinge(Tangent& tangent) const;
+
+  /// The generalised forces of a unit force of each stop, (n, stops).
+  void set_pressed(ConstVector q, MatrixRef pressed);
+
+  /// Of speeds v (n, k) at one place q: overwrites `energies` (k) [J].
+  void kinetic(ConstVector q, ConstMatrix v, VectorRef energies) const {
+    equations().kinetic(q, v, energies);
+  }
+
   PointMotion struck_point(ConstVector q, ConstVector v) const override;
   double struck_acceleration(ConstVector q, ConstVector v, ConstVector a) const override;
 
@@ -115,24 +147,6 @@ class FloatingFrameBeam : public BeamDynamics {
     Eigen::MatrixXd coupling;  // H (n_bending, n_bending)
   };
 
-  /// Quadrature over the bar, then its lumped masses: a row or an entry for each of `size`.
-  struct Stations {
-    Eigen::Index size = 0, of_bar = 0;
-    Eigen::VectorXd x;
-    Eigen::VectorXd mass;      // quadrature weight times ρA, or a lumped mass [kg]
-    Eigen::VectorXd pull;      // quadrature weight times the mass below; of the bar alone [kg m]
-    Eigen::MatrixXd axial;     // S1 (size, n_axial)
-    Eigen::MatrixXd bending;   // S2 (size, n_bending)
-    Eigen::MatrixXd coupling;  // H (n_bending size, n_bending): a row of H of all, then the next
-  };
-
-  /// All stations in the frame, and how they move there.
-  struct Motions {
-    Eigen::VectorXd x, y, x_rate, y_rate;
-    Eigen::VectorXd shortened;              // by which x is less than of the straight bar
-    Eigen::MatrixXd coupled, coupled_rate;  // H b and H ḃ (size, n_bending)
-  };
-
   /// Position in the frame and its rate, or how these change along the bar.
   struct InFrame {
     double x = 0.0, y = 0.0;
@@ -142,23 +156,21 @@ class FloatingFrameBeam : public BeamDynamics {
   Station section_at(double x) const;  // coupling left at zero
   void set_stations(const std::vector<AssumedModes::Place>& places,
                     const std::vector<LumpedMass>& masses);
-  const Stations& stations() const;
+  FrameEquations& equations() const;
   const Station& struck() const;
-  void couple() const;
-  void set_coupling(Eigen::Index station, const Eigen::MatrixXd& coupling) const;
   void add_coupling(double from, double to, int panels, Eigen::MatrixXd& coupling) const;
   Station station_at(double x) const;
   const Station& cached_station(double x) const;
   InFrame in_frame(const Station& station, ConstVector q, ConstVector v) const;
-  const Motions& all_in_frame(ConstVector q, ConstVector v) const;
   InFrame slope_in_frame(double x, ConstVector q, ConstVector v) const;
   static PointMotion motion(const InFrame& p, ConstVector q, ConstVector v);
   Departure departure(const InFrame& p, double straight, ConstVector q) const;
   double advance(const Station& station, ConstVector from, ConstVector way) const;
-  void set_mass(const Motions& p);
+  void add_springs(ConstVector q, ConstVector v, VectorRef r) const;
   void hold_hinge(VectorRef a);
   double acceleration_of(const Station& station, ConstVector q, ConstVector v, ConstVector a) const;
-  void add_contact_force(const Station& station, ConstVector q, double force);
+  void add_stop(int stop, ConstVector q, double force, VectorRef r);
+  void add_force(const Station& station, ConstVector q, double force, VectorRef r);
 
   int axial_;
   int bending_;
@@ -176,18 +188,17 @@ class FloatingFrameBeam : public BeamDynamics {
   AssumedModes modes_;
   Eigen::VectorXd stiffness_;  // modal, ω² (n), 0 for ψ
   Eigen::MatrixXd rotary_;     // rotary inertia of the sections of a bar that shears (n, n)
-  // These and the struck point are coupled when it is first needed: small motion does without.
-  mutable Stations stations_;
+  FrameStations stations_;
+  int fineness_;  // of the rule of closed forms
+  // Made when first needed: small motion does without.
+  mutable std::unique_ptr<FrameEquations> equations_;
   mutable Station struck_;
-  mutable bool coupled_ready_ = false;
+  mutable bool struck_coupled_ = false;
   mutable std::vector<Station> looked_at_;  // points asked for by point(), built once
-  mutable Eigen::VectorXd look_;            // scratch of looking at a point
-  mutable Motions motions_;                 // scratch of looking at all stations
-  // of acceleration(): the part of the mass matrix that is the same everywhere, and scratch
-  Eigen::MatrixXd lasting_mass_, axial_by_root_, coupled_by_root_;
-  Eigen::VectorXd root_mass_, along_, across_, force_x_, force_y_;  // of the stations
-  Eigen::MatrixXd mass_;
-  Eigen::VectorXd rhs_, coupled_, hinge_turns_;
+  mutable Eigen::VectorXd look_, kinetic_;  // scratch of looking at a point, and of energy()
+  // scratch of acceleration() and unbalanced()
+  Eigen::MatrixXd mass_, with_damping_;
+  Eigen::VectorXd rhs_, coupled_, hinge_turns_, at_rest_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
 

@@ -18,20 +18,21 @@
 namespace impactrig::models {
 namespace {
 
-// Of the accuracy asked for, what Newton's method may leave of a step: so little that the error
-// estimate does not see it, or steps shrink for nothing.
-constexpr double newton_share = 0.01;
+// Of the accuracy asked for, what Newton's method may leave of a step: so little that neither the
+// error estimate nor the energy's balance sees it, or steps shrink for nothing.
+constexpr double newton_share = 0.002;
 constexpr int kept_factors = 6;
 
-/// Unknown are the accelerations a of the stages; they are those the bar has there, a = f(q, q̇, F),
-/// and Newton's method takes the derivatives of f from differences.
+/// Unknown are the accelerations a of the stages: those that leave no force unbalanced there. So no
+/// stage needs its mass matrix; Newton's method has that, and the derivatives of these forces, of
+/// one state for many steps.
 class DenseMotion final : public BarMotion {
  public:
   DenseMotion(const Rig& rig, const Solver& solver, const HistoryRequest& history)
       : bar_(rig, solver, history),
         beam_(*bar_.beam),
         n_(beam_.size()),
-        forces_(1 + bar_.further.size(), 0.0),
+        forces_(Matrix::Zero(S, 1 + static_cast<Eigen::Index>(bar_.further.size()))),
         compliance_(models::elastic_compliance(rig.beam, rig.contact.position)),
         accuracy_(std::max(solver.accuracy, Solver::finest_accuracy)),
         damped_bar_(models::damped(rig)),
@@ -40,16 +41,16 @@ class DenseMotion final : public BarMotion {
         friction_(rig.hinge.friction),
         rotation_(rig.hinge.rotation),
         newton_(newton_share * accuracy_) {
-    q_ = v_ = end_q_ = end_v_ = scratch_ = here_ = there_ = moved_ = at_q_ = at_v_ = series_term_ =
-        touch_q_ = way_ = end_way_ = at_way_ = Vector::Zero(n_);
-    a_ = previous_ = whole_ = stage_q_ = stage_v_ = residual_ = change_ = stage_way_ =
+    q_ = v_ = end_q_ = end_v_ = scratch_ = at_q_ = at_v_ = touch_q_ = way_ = end_way_ = at_way_ =
+        Vector::Zero(n_);
+    a_ = previous_ = whole_ = stage_q_ = stage_v_ = residual_ = change_ = stage_way_ = series_ =
         Stages::Zero(n_, S);
     projected_ = solved_ = Eigen::VectorXcd::Zero(n_);
     matrix_ = Eigen::MatrixXcd::Zero(n_, n_);
-    by_q_ = by_v_ = Matrix::Zero(n_, n_);
+    tangent_.mass = tangent_.by_q = tangent_.by_v = Matrix::Zero(n_, n_);
     by_force_ = to_point_ = Matrix::Zero(n_, std::max(rig.stops(), 1));
     factors_.assign(kept_factors, Factor(n_, stops()));
-    hinge_ = NodeVector::Zero(S);
+    hinge_ = holding_ = NodeVector::Zero(S);
   }
 
   const Collocation& rule() const override { return stages_.rule; }
@@ -66,7 +67,6 @@ class DenseMotion final : public BarMotion {
     friction_.start(rate);
     t_ = 0.0;
     angle_at_start_ = angle;
-    drive_hinge();
     renew_tangent();
   }
 
@@ -140,7 +140,6 @@ class DenseMotion final : public BarMotion {
     lost_ += total(energy_);
     energy_ = beam_.energy(q_, v_);
     lost_ -= total(energy_);
-    drive_hinge();
     renew_tangent();
   }
 
@@ -200,7 +199,7 @@ class DenseMotion final : public BarMotion {
     std::vector<Response> responses;  ///< at index_of()
   };
 
-  int stops() const { return static_cast<int>(forces_.size()); }
+  int stops() const { return static_cast<int>(forces_.cols()); }
 
   std::size_t index_of(int point, int stop) const {
     return static_cast<std::size_t>(point * stops() + stop);
@@ -284,22 +283,12 @@ class DenseMotion final : public BarMotion {
     stage_q.colwise() += q;
   }
 
-  void drive_hinge() {
-    if (rotation_) turn_hinge(0.0);
-    if (friction_.acts())
-      beam_.drive(
-          {.held = friction_.sticks(), .moment = friction_.sticks() ? 0.0 : friction_.moment()});
-  }
+  /// Whether something holds the hinge: its friction, or what turns it as stated.
+  bool held() const { return rotation_ || friction_.sticks(); }
 
-  /// As stated, at a place of the step.
-  void turn_hinge(double part) {
-    beam_.drive({.held = true, .acceleration = rotation_->acceleration_at(t_ + part * h_)});
-  }
-
-  /// A stage, into scratch_.
-  void accelerate(std::span<const StopStep> stops, int stage) {
-    for (std::size_t k = 0; k < stops.size(); ++k) forces_[k] = stops[k].force[stage];
-    beam_.acceleration(stage_q_.col(stage), stage_v_.col(stage), forces_, scratch_);
+  /// The hinge's, where it is held, at a place of the step [rad/s²].
+  double hinge_acceleration(double part) const {
+    return rotation_ ? rotation_->acceleration_at(t_ + part * h_) : 0.0;
   }
 
   /// Of the positions, turned into forces: of size_of() a change.
@@ -308,6 +297,7 @@ class DenseMotion final : public BarMotion {
            (h_ * speed_scale_);
   }
 
+  void find_unbalanced(std::span<const StopStep> stops);
   void correct(const Stages& residual, Stages& change);
   void add_response(std::size_t stop, const NodeVector& change, Stages& to);
   void look_at_hinge(std::span<const StopStep> stops);
@@ -360,7 +350,7 @@ class DenseMotion final : public BarMotion {
   FrameBar bar_;
   FloatingFrameBeam& beam_;
   int n_;
-  std::vector<double> forces_;  // of the stops at a node, or a unit force of one [N]
+  Matrix forces_;  // of the stops at the stages (S, stops) [N]
   const RadauStages<S>& stages_ = RadauStages<S>::get();
   Eigen::Matrix<double, S, S> to_series_ = stages_.rule.to_series();
   StepLadder ladder_;
@@ -376,19 +366,20 @@ class DenseMotion final : public BarMotion {
   double angle_at_start_ = 0.0;  // [rad]
   double driven_ = 0.0;          // work of what turns the hinge over the step [J]
   NodeVector hinge_;             // at the stages: its rate, or the moment that holds it
+  NodeVector holding_;           // that moment, as find_unbalanced() left it [N m]
   double speed_scale_ = 1.0, contact_time_ = 1.0, damping_ = 0.0;
   bool pressed_ = false;  // by a stop, over the step
   bool touched_ = false;  // since the start
 
   double part_ = 0.0;  // of the step, that was looked at last
-  Vector q_, v_, end_q_, end_v_, scratch_, here_, there_, moved_, at_q_, at_v_;
+  Vector q_, v_, end_q_, end_v_, scratch_, at_q_, at_v_;
   double h_ = 0.0, last_h_ = 0.0;
   Stages a_, previous_, whole_, stage_q_, stage_v_, residual_, change_;
   // of a contact: the last touch, the displacements there [m], and how far q has come since
   bool in_contact_ = false;
   Vector touch_q_, way_, end_way_, at_way_;
   Stages stage_way_;
-  std::vector<double> at_touch_ = std::vector<double>(forces_.size());
+  std::vector<double> at_touch_ = std::vector<double>(1 + bar_.further.size());
   Eigen::VectorXcd projected_, solved_;
   Eigen::MatrixXcd matrix_;
   BeamEnergy energy_, end_energy_;
@@ -396,43 +387,31 @@ class DenseMotion final : public BarMotion {
   double damped_ = 0.0;     // in bar and hinge over the step [J]
   double work_done_ = 0.0;  // on the bar by the stop over the step [J]
 
-  // Derivatives of the acceleration; by the force of each stop and, of the displacement before it,
-  // by q a column for each stop.
-  Matrix by_q_, by_v_, by_force_, to_point_;
+  // Of the unbalanced forces, by the force of each stop too, and of the displacement before it by
+  // q: a column for each stop.
+  FloatingFrameBeam::Tangent tangent_;
+  Matrix by_force_, to_point_;
   std::vector<Factor> factors_;
   std::size_t next_factor_ = 0;
   Factor* factor_ = nullptr;
   NewtonProgress newton_;
   double excess_ = 1.0;
-  bool followed_ = false;       // by a derivative
-  mutable Vector series_term_;  // scratch of error()
+  bool followed_ = false;  // by a derivative
+  mutable Stages series_;  // scratch of error()
 };
 
-/// By differences over a small part of what the motion does while a contact sinks in.
+/// Where the step begins, free of the stops.
 void DenseMotion::renew_tangent() {
-  constexpr double part = 1e-4;
-  beam_.acceleration(q_, v_, 0.0, here_);
-  for (int k = 0; k < stops(); ++k) {
-    std::ranges::fill(forces_, 0.0);
-    forces_[static_cast<std::size_t>(k)] = 1.0;
-    beam_.acceleration(q_, v_, forces_, there_);
-    by_force_.col(k) = there_ - here_;
-  }
-  for (int i = 0; i < n_; ++i) {
-    const double speed = part * speed_scale_ / std::sqrt(inertia_[i]);
-    const double way = speed * contact_time_;
-    moved_ = q_;
-    moved_[i] += way;
-    beam_.acceleration(moved_, v_, 0.0, there_);
-    by_q_.col(i) = (there_ - here_) / way;
-    for (int k = 0; k < stops(); ++k)
-      to_point_(i, k) =
-          (point_before(k, moved_, v_).displacement - point_before(k, q_, v_).displacement) / way;
-    if (!damped_bar_ && !rotation_) continue;
-    moved_ = v_;
-    moved_[i] += speed;
-    beam_.acceleration(q_, moved_, 0.0, there_);
-    by_v_.col(i) = (there_ - here_) / speed;
+  beam_.drive({.held = held(),
+               .moment = friction_.slides() ? friction_.moment() : 0.0,
+               .acceleration = hinge_acceleration(0.0)});
+  beam_.acceleration(q_, v_, 0.0, scratch_);
+  beam_.set_tangent(q_, v_, scratch_, tangent_);
+  beam_.set_pressed(q_, by_force_);
+  to_point_ = -by_force_;
+  if (held()) {
+    beam_.hold_hinge(tangent_);
+    beam_.balance_hinge(by_force_);
   }
   for (Factor& factor : factors_) factor.h = 0.0;
 }
@@ -441,8 +420,7 @@ void DenseMotion::make_factor(Factor& factor) {
   factor.h = h_;
   for (int j = 0; j < pairs; ++j) {
     const std::complex<double> z = h_ * stages_.eigenvalues[j];
-    matrix_ = -z * z * by_q_ - z * by_v_;
-    matrix_.diagonal().array() += 1.0;
+    matrix_ = tangent_.mass - z * z * tangent_.by_q - z * tangent_.by_v;
     factor.systems[static_cast<std::size_t>(j)].compute(matrix_);
   }
   for (int stop = 0; stop < stops(); ++stop) respond_to(stop, factor);
@@ -473,7 +451,18 @@ void DenseMotion::respond_to(int stop, Factor& factor) {
   }
 }
 
-/// By what Newton's method takes off the accelerations.
+/// At the stages, into residual_; and what holds a held hinge.
+void DenseMotion::find_unbalanced(std::span<const StopStep> stops) {
+  for (std::size_t k = 0; k < stops.size(); ++k)
+    forces_.col(static_cast<Eigen::Index>(k)) = stops[k].force;
+  beam_.unbalanced(stage_q_, stage_v_, a_, forces_, residual_);
+  if (!held()) return;
+  for (int i = 0; i < S; ++i)
+    holding_[i] =
+        beam_.hold_hinge(a_.col(i), hinge_acceleration(stages_.rule.points()[i]), residual_.col(i));
+}
+
+/// By what Newton's method adds to the accelerations.
 void DenseMotion::correct(const Stages& residual, Stages& change) {
   change.setZero(n_, S);
   for (int j = 0; j < pairs; ++j) {
@@ -498,13 +487,9 @@ void DenseMotion::add_response(std::size_t stop, const NodeVector& change, Stage
 
 bool DenseMotion::improve(std::span<StopStep> stops) {
   place_stages();
-  for (int i = 0; i < S; ++i) {
-    if (rotation_) turn_hinge(stages_.rule.points()[i]);
-    accelerate(stops, i);
-    residual_.col(i) = a_.col(i) - scratch_;
-  }
+  find_unbalanced(stops);
   correct(residual_, change_);
-  a_ -= change_;
+  a_ += change_;
   place_stages();
   for (std::size_t k = 0; k < stops.size(); ++k) {
     stops[k].displacement.resize(S);
@@ -550,26 +535,23 @@ void DenseMotion::finish(std::span<const StopStep> stops) {
 /// The work of what turns the hinge; the step ends at the hinge's very angle and rate.
 void DenseMotion::look_at_rotation(std::span<const StopStep> stops) {
   driven_ = 0.0;
-  for (int i = 0; i < S; ++i) {
-    turn_hinge(stages_.rule.points()[i]);
-    accelerate(stops, i);
-    driven_ +=
-        h_ * stages_.rule.weights()[i] * beam_.holding_moment() * beam_.hinge_rate(stage_v_.col(i));
-  }
+  find_unbalanced(stops);
+  for (int i = 0; i < S; ++i)
+    driven_ += h_ * stages_.rule.weights()[i] * holding_[i] * beam_.hinge_rate(stage_v_.col(i));
   beam_.set_hinge(angle_at_start_ + rotation_->angle_at(t_ + h_), rotation_->rate_at(t_ + h_),
                   end_q_, end_v_);
 }
 
 /// At the stages of the solved step, and what friction took.
 void DenseMotion::look_at_hinge(std::span<const StopStep> stops) {
+  if (friction_.sticks()) {
+    find_unbalanced(stops);
+    hinge_ = holding_;
+    return;
+  }
   for (int i = 0; i < S; ++i) {
-    if (friction_.sticks()) {
-      accelerate(stops, i);
-      hinge_[i] = beam_.holding_moment();
-    } else {
-      hinge_[i] = beam_.hinge_rate(stage_v_.col(i));
-      damped_ -= h_ * stages_.rule.weights()[i] * friction_.moment() * hinge_[i];
-    }
+    hinge_[i] = beam_.hinge_rate(stage_v_.col(i));
+    damped_ -= h_ * stages_.rule.weights()[i] * friction_.moment() * hinge_[i];
   }
 }
 
@@ -577,10 +559,9 @@ void DenseMotion::look_at_hinge(std::span<const StopStep> stops) {
 /// that moves fast, the frame's turn and the modes nearly cancel.
 double DenseMotion::error() const {
   Series squares;
-  for (int i = 0; i < S; ++i) {
-    series_term_.noalias() = a_ * to_series_.row(i).transpose();
-    squares[i] = 2.0 * beam_.energy(q_, series_term_).kinetic;
-  }
+  series_.noalias() = a_ * to_series_.transpose();
+  beam_.kinetic(q_, series_, squares);
+  squares *= 2.0;
   const double motion = h_ * weight_of_step(h_ / contact_time_) *
                         end_remainder<S>(squares.array(), followed_) / speed_scale_;
   double rate = 0.0;

@@ -28,9 +28,11 @@ class DenseSlope final : public MotionSlope {
         by_(stencil_of_motion(effect, solver)),
         friction_slope_(
             by_.slope([&](std::size_t place) { return by_.rig_at(place).hinge.friction; })) {
-    q_ = v_ = at_q_ = at_v_ = scratch_ = run_q_ = run_v_ = moved_q_ = moved_v_ =
-        Vector::Zero(motion.n_);
-    a_ = previous_ = stage_q_ = stage_v_ = residual_ = Stages::Zero(motion.n_, S);
+    q_ = v_ = at_q_ = at_v_ = run_q_ = run_v_ = moved_q_ = moved_v_ = Vector::Zero(motion.n_);
+    a_ = previous_ = stage_q_ = stage_v_ = residual_ = moved_stage_q_ = moved_stage_v_ = moved_a_ =
+        moved_residual_ = Stages::Zero(motion.n_, S);
+    moved_forces_ = motion.forces_;
+    holding_ = NodeVector::Zero(S);
     turns_.resize(ParameterStencil::places);
     by_.for_each_place([&](std::size_t place) {
       if (motion.rotation_) turns_[place].rotation = *by_.rig_at(place).hinge.rotation;
@@ -74,7 +76,7 @@ class DenseSlope final : public MotionSlope {
     place_stages();
     differentiate(forces);
     motion_.correct(residual_, change_);
-    a_ -= change_;
+    a_ += change_;
     place_stages();
     for (std::size_t k = 0; k < points.size(); ++k) {
       points[k].displacement.resize(S);
@@ -148,33 +150,36 @@ class DenseSlope final : public MotionSlope {
 
   void place_stages() { motion_.integrate(q_, v_, a_, stage_q_, stage_v_); }
 
-  /// What the slopes lack of their equations, a' − d/dp f(q, v, F).
+  /// What the slopes leave of their equations, the derivative of the unbalanced forces.
   void differentiate(std::span<const NodeVector> forces) {
     slopes_of_forces_ = forces;
-    residual_ = a_;
+    residual_.setZero();
     by_.for_each_place([&](std::size_t place) {
-      for (int i = 0; i < S; ++i) {
-        accelerate(place, i);
-        residual_.col(i) -= by_.weight(place) * scratch_;
-      }
+      find_unbalanced(place);
+      residual_ += by_.weight(place) * moved_residual_;
     });
   }
 
-  /// A stage at a place of the stencil, into scratch_.
-  void accelerate(std::size_t place, int stage) {
+  /// At a place of the stencil; and what holds a held hinge there.
+  void find_unbalanced(std::size_t place) {
     const double way = by_.offset(place);
     for (std::size_t k = 0; k < forces_.size(); ++k)
-      motion_.forces_[k] = forces_[k][stage] + way * slopes_of_forces_[k][stage];
-    if (motion_.rotation_) turn_hinge(place, stage);
-    moved_q_ = motion_.stage_q_.col(stage) + way * stage_q_.col(stage);
-    moved_v_ = motion_.stage_v_.col(stage) + way * stage_v_.col(stage);
-    bar(place).beam->acceleration(moved_q_, moved_v_, motion_.forces_, scratch_);
+      moved_forces_.col(static_cast<Eigen::Index>(k)) = forces_[k] + way * slopes_of_forces_[k];
+    moved_stage_q_ = motion_.stage_q_ + way * stage_q_;
+    moved_stage_v_ = motion_.stage_v_ + way * stage_v_;
+    moved_a_ = motion_.a_ + way * a_;
+    FloatingFrameBeam& beam = *bar(place).beam;
+    beam.unbalanced(moved_stage_q_, moved_stage_v_, moved_a_, moved_forces_, moved_residual_);
+    if (!motion_.held()) return;
+    for (int i = 0; i < S; ++i)
+      holding_[i] =
+          beam.hold_hinge(moved_a_.col(i), hinge_acceleration(place, i), moved_residual_.col(i));
   }
 
-  void turn_hinge(std::size_t place, int stage) {
+  double hinge_acceleration(std::size_t place, int stage) const {
+    if (!motion_.rotation_) return 0.0;
     const double t = motion_.t_ + motion_.h_ * motion_.stages_.rule.points()[stage];
-    bar(place).beam->drive(
-        {.held = true, .acceleration = turns_[place].rotation.acceleration_at(t)});
+    return turns_[place].rotation.acceleration_at(t);
   }
 
   /// The step that is taken ends at the hinge's very angle and rate.
@@ -244,9 +249,13 @@ class DenseSlope final : public MotionSlope {
   std::span<const NodeVector> forces_, slopes_of_forces_;
   std::vector<Turn> turns_;                 // of the hinge, at the stencil's places
   FloatingFrameBeam::Departure departure_;  // slopes at the place looked at
-  Vector q_, v_, at_q_, at_v_, scratch_, run_q_, run_v_;
+  Vector q_, v_, at_q_, at_v_, run_q_, run_v_;
   mutable Vector moved_q_, moved_v_;  // scratch
   Stages a_, previous_, stage_q_, stage_v_, residual_, change_;
+  // at a place of the stencil
+  Stages moved_stage_q_, moved_stage_v_, moved_a_, moved_residual_;
+  Eigen::MatrixXd moved_forces_;
+  NodeVector holding_;  // moments [N m]
   double last_h_ = 0.0;
   bool seen_ = false;  // the points over the step at hand
   SeenPoints<S> points_;
@@ -316,12 +325,11 @@ double DenseSlope<Motion>::hinge_shift() {
   const bool sticks = motion_.friction_.sticks();
   double slope = 0.0;
   by_.for_each_place([&](std::size_t place) {
-    FloatingFrameBeam& beam = *bar(place).beam;
-    if (sticks) accelerate(place, S - 1);
-    slope +=
-        by_.weight(place) * (sticks ? beam.holding_moment()
-                                    : beam.hinge_rate(motion_.stage_v_.col(S - 1) +
-                                                      by_.offset(place) * stage_v_.col(S - 1)));
+    if (sticks) find_unbalanced(place);
+    slope += by_.weight(place) *
+             (sticks ? holding_[S - 1]
+                     : bar(place).beam->hinge_rate(motion_.stage_v_.col(S - 1) +
+                                                   by_.offset(place) * stage_v_.col(S - 1)));
   });
   return motion_.h_ *
          motion_.friction_.shift(motion_.stages_.rule, motion_.hinge_, slope, friction_slope_);

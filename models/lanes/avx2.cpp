@@ -5,6 +5,7 @@
 #include "models/lanes/advance_modes.hpp"
 #include "models/lanes/bar_sweep.hpp"
 #include "models/lanes/processor.hpp"
+#include "models/lanes/product_kernels.hpp"
 #include "models/lanes/solve_steps.hpp"
 #include "models/lanes/stage_kernels.hpp"
 #include "models/lanes/station_kernels.hpp"
@@ -79,6 +80,10 @@ void find_force_of_pull_avx2(const PullOnModes& modes) {
 
 void find_third_order_pull_avx2(ThirdOrderPull& stations) {
   find_third_order_pull_by<4>(stations);
+}
+
+void multiply_avx2(const MatrixProduct& product) {
+  multiply_by<4>(product);
 }
 
 }  // namespace impactrig::models

@@ -3,6 +3,7 @@
 
 #include "models/lanes/bar_lanes.hpp"
 #include "models/lanes/mode_lanes.hpp"
+#include "models/lanes/product_lanes.hpp"
 #include "models/lanes/stage_lanes.hpp"
 #include "models/lanes/station_lanes.hpp"
 #include "models/lanes/step_lanes.hpp"
@@ -62,5 +63,7 @@ void find_force_of_pull_avx2(const PullOnModes& modes);
 void find_force_of_pull_avx512(const PullOnModes& modes);
 void find_third_order_pull_avx2(ThirdOrderPull& stations);
 void find_third_order_pull_avx512(ThirdOrderPull& stations);
+void multiply_avx2(const MatrixProduct& product);
+void multiply_avx512(const MatrixProduct& product);
 
 }  // namespace impactrig::models

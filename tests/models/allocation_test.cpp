@@ -170,9 +170,9 @@ TEST(TimeLoop, OfABarWithoutAStopAllocatesNothing) {
   for (const Rig& rig : {swinging, turned, shearing})
     for (const Solver& solver : {ancf(4, 0, 1e-6, 0.0), hybrid(Basis::cantilever, 3, 1e-6, 0.0)})
       for (const SimulationOptions& options : {plain, followed}) {
-        run(rig, solver, 0.1, options);
+        run(rig, solver, 0.2, options);
         const Counted shorter = run(rig, solver, 0.05, options);
-        const Counted longer = run(rig, solver, 0.1, options);
+        const Counted longer = run(rig, solver, 0.2, options);
         EXPECT_GT(longer.steps, shorter.steps + 5);
         EXPECT_EQ(longer.allocations, shorter.allocations) << name(solver.model);
       }

@@ -205,6 +205,30 @@ TEST_P(FloatingFrame, AccelerationsFulfilLagrangesEquationsAtLargeDeflections) {
   }
 }
 
+TEST_P(FloatingFrame, UnbalancedForcesAreWhatLagrangesEquationsLack) {
+  const Rig rig = laden_rig();
+  FloatingFrameBeam beam(rig, GetParam(), 3, 2);
+  const PlainBar plain(rig, GetParam(), 3, 2);
+  std::mt19937 random(20062);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  Eigen::MatrixXd q(6, 4), v(6, 4), a(6, 4), unbalanced(6, 4);
+  const Vector forces = Eigen::Vector4d(0.0, 30.0, -5.0, 1.0);
+  for (int k = 0; k < 4; ++k) {
+    q.col(k) << 1.5 * unit(random), 0.02 * unit(random), 0.01 * unit(random), 0.1 * unit(random),
+        0.04 * unit(random), 0.02 * unit(random);
+    for (int i = 0; i < 6; ++i) {
+      v(i, k) = 2.0 * unit(random);
+      a(i, k) = 10.0 * unit(random);
+    }
+  }
+  beam.unbalanced(q, v, a, forces, unbalanced);
+  for (int k = 0; k < 4; ++k)
+    for (int i = 0; i < 6; ++i)
+      EXPECT_NEAR(unbalanced(i, k), -plain.residual(i, q.col(k), v.col(k), a.col(k), forces[k]),
+                  1e-8 * unbalanced.col(k).norm())
+          << "state " << k << ", coordinate " << i;
+}
+
 TEST_P(FloatingFrame, EnergiesAndPointsAgreeWithThePositionsThemselves) {
   const Rig rig = laden_rig();
   FloatingFrameBeam beam(rig, GetParam(), 3, 2);

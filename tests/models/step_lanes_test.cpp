@@ -12,6 +12,7 @@
 
 #include "models/collocation/collocation.hpp"
 #include "models/lanes/processor.hpp"
+#include "models/lanes/product_kernels.hpp"
 #include "models/lanes/station_kernels.hpp"
 #include "models/lanes/step_maps.hpp"
 
@@ -148,6 +149,36 @@ INSTANTIATE_TEST_SUITE_P(OfModesAndNodes, StepMaps,
                            return std::to_string(test.param.modes) + "Modes" +
                                   std::to_string(test.param.nodes) + "Nodes";
                          });
+
+TEST(LaneProduct, IsTheMatrixTimesItsColumns) {
+  for (const int rows : {1, 3, 8, 13, 16, 37})
+    for (const int columns : {1, 3, 4, 9})
+      for (const auto find : runnable(multiply_by<2>, multiply_avx2, multiply_avx512)) {
+        const Eigen::MatrixXd a = random_matrix(rows, 6, 1);
+        // columns further apart than they are long
+        const Eigen::MatrixXd x = random_matrix(9, columns, 2),
+                              before = random_matrix(40, columns, 3);
+        MatrixProduct product = {.rows = rows,
+                                 .inner = 6,
+                                 .columns = columns,
+                                 .matrix = a.data(),
+                                 .x = x.data(),
+                                 .x_stride = x.rows(),
+                                 .to_stride = before.rows()};
+        for (const bool adds : {false, true}) {
+          Eigen::MatrixXd to = before;
+          product.to = to.data();
+          product.adds = adds;
+          find(product);
+          Eigen::MatrixXd expected = before;
+          if (!adds) expected.topRows(rows).setZero();
+          for (int i = 0; i < rows; ++i)
+            for (int j = 0; j < columns; ++j)
+              for (int k = 0; k < 6; ++k) expected(i, j) += a(i, k) * x(k, j);
+          EXPECT_LE((to - expected).cwiseAbs().maxCoeff(), 1e-15) << rows << " by " << columns;
+        }
+      }
+}
 
 class Stations : public testing::TestWithParam<int> {
  protected:

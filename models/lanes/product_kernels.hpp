@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <type_traits>
+
+#include "models/lanes/lane_chunk.hpp"
+#include "models/lanes/product_lanes.hpp"
+
+namespace impactrig::models {
+namespace {
+
+/// multiply() for N rows at a time.
+template <int N>
+class LaneProduct {
+ public:
+  explicit LaneProduct(const MatrixProduct& product) : product_(product) {}
+
+  void multiply() const {
+    int column = 0;
+    for (; column + 4 <= product_.columns; column += 4) multiply_columns<4>(column);
+    for (; column < product_.columns; ++column) multiply_columns<1>(column);
+  }
+
+ private:
+  using M = LaneMath<N>;
+  using Real = typename M::Real;
+
+  template <int Columns>
+  void multiply_columns(int column) const {
+    int row = 0;
+    if constexpr (Columns == 1)
+      for (; row + 4 * N <= product_.rows; row += 4 * N)
+        multiply_rows<1>(column, {WholeChunk<N>{row}, WholeChunk<N>{row + N},
+                                  WholeChunk<N>{row + 2 * N}, WholeChunk<N>{row + 3 * N}});
+    for (; row + 2 * N <= product_.rows; row += 2 * N)
+      multiply_rows<Columns>(column, {WholeChunk<N>{row}, WholeChunk<N>{row + N}});
+    for (; row + N <= product_.rows; row += N) multiply_rows<Columns>(column, {WholeChunk<N>{row}});
+    if (row < product_.rows) multiply_rows<Columns>(column, {LaneChunk<N>(row, product_.rows)});
+  }
+
+  /// Sums of so many registers of rows and so many columns: enough of them that each multiplication
+  /// need not wait for the one before, none in memory.
+  template <int Columns, typename Chunk, int Registers>
+  void multiply_rows(int column, const Chunk (&rows)[Registers]) const {
+    constexpr std::integral_constant<int, Registers> registers;
+    constexpr std::integral_constant<int, Columns> columns;
+    const double* const x = product_.x + column * product_.x_stride;
+    double* const to = product_.to + column * product_.to_stride;
+    const long stride = product_.x_stride;
+    Real sum[Registers][Columns];
+    count_up(registers, [&](int r) {
+      count_up(columns, [&](int c) {
+        sum[r][c] = product_.adds ? rows[r].load(to + c * product_.to_stride) : Real{};
+      });
+    });
+    for (int k = 0; k < product_.inner; ++k) {
+      const double* const from = product_.matrix + static_cast<long>(k) * product_.rows;
+      count_up(registers, [&](int r) {
+        const Real a = rows[r].load(from);
+        count_up(columns, [&](int c) { sum[r][c] += a * x[c * stride + k]; });
+      });
+    }
+    count_up(registers, [&](int r) {
+      count_up(columns, [&](int c) { rows[r].store(sum[r][c], to + c * product_.to_stride); });
+    });
+  }
+
+  const MatrixProduct& product_;
+};
+
+template <int N>
+void multiply_by(const MatrixProduct& product) {
+  LaneProduct<N>(product).multiply();
+}
+
+}  // namespace
+}  // namespace impactrig::models
