@@ -411,11 +411,19 @@ bool unsteady(const RecordedSignal& force, const Impact& impact, double peak, do
   return most - least > much_wandering * std::abs(peak) + 6.0 * noise;
 }
 
-/// Whether the force after the contact lies off its level before. Ringing has a median near zero
-/// and scatters more than that.
-bool shifted(const Impact& impact, double peak) {
+/// How far a digitiser's rounding may move the mean of a level: half of a step where all samples
+/// are on one value or the next, and 0.012 of a step or less where they scatter by more than these
+/// can.
+double rounding_error(double sigma, double quantum) {
+  return sigma > 0.5 * quantum ? 0.012 * quantum : 0.5 * quantum;
+}
+
+/// Whether the force after the last contact, which ends at `end` [s], lies off its level before.
+/// Ringing has a mean near zero and scatters more than that. A bar that hits again may go on
+/// pressing, so what has the sign of the peak is no shift then.
+bool shifted(const Impact& impact, const Contact& contact, double end, double peak) {
   const ImpactSignal& force = *impact.force;
-  const double from = impact.end + impact.width, to = impact.end + 6.0 * impact.width;
+  const double from = end + impact.width, to = end + 6.0 * impact.width;
   std::vector<double> after;
   for (std::size_t i = 0; i < force.values.size(); ++i) {
     const double t = force.time(i);
@@ -423,9 +431,14 @@ bool shifted(const Impact& impact, double peak) {
       after.push_back(force.values[i]);
   }
   if (after.size() < least_after) return false;
-  const Spread spread = robust_spread(after);
-  return std::abs(spread.centre) >
-         std::max({much_shift * std::abs(peak), spread.sigma, force.noise, 2.0 * force.quantum});
+  const QuietFit level = fit_quiet(after, 0, after.size(), 0, force.quantum);
+  double scatter = robust_spread(after).sigma;
+  if (scatter <= 1.01 * normal_mad * force.quantum) scatter = level.sigma;  // a step: no less shows
+  if (contact.further_hits > 0 && level.mean * peak > 0.0) return false;
+  const double rounding =
+      rounding_error(force.noise, force.quantum) + rounding_error(level.sigma, force.quantum);
+  return std::abs(level.mean) >
+         std::max({much_shift * std::abs(peak), scatter, force.noise, rounding});
 }
 
 /// Tension in the contact, or a bar that comes from the other side, which a record that begins
@@ -460,8 +473,9 @@ std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
   flag(noisy(impact), ImpactFlag::noisy);
   if (force != nullptr) {
     flag(unsteady(*force, impact, peak, floor, options), ImpactFlag::unsteady);
-    flag(contact.further_hits == 0 && !contact.ends_inside && shifted(impact, peak),
-         ImpactFlag::baseline_shift);
+    const Trace& trigger = signals.front()->trace;
+    const double last = contact.further_hits > 0 ? trigger.time(contact.last_end) : impact.end;
+    flag(!contact.ends_inside && shifted(impact, contact, last, peak), ImpactFlag::baseline_shift);
   }
   flag(inverted(impact, contact, peak), ImpactFlag::inverted);
   return flags;
