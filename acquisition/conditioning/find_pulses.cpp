@@ -55,6 +55,8 @@ class PulseSearch {
   Trigger sharpened(Trigger trigger) const;
   std::optional<Trigger> begin_trigger(const Trigger& trigger) const;
   double width_of_tallest(double level) const;
+  QuietFit course_before(std::size_t end) const;
+  bool is_level(std::size_t end) const;
   double height(double level, std::size_t begin, std::size_t end) const;
   std::size_t first_above(const Trigger& trigger, std::size_t from) const;
   std::size_t quiet_run(double level, double limit, bool from_end) const;
@@ -155,6 +157,18 @@ double PulseSearch::width_of_tallest(double level) const {
   return as_double(right - left + 1);
 }
 
+/// The course of the last window before sample `end`.
+QuietFit PulseSearch::course_before(std::size_t end) const {
+  return fit_quiet(y_, end > window_ ? end - window_ : 0, end, 1, grain_);
+}
+
+/// Whether what lies before sample `end` scatters as its last window does. The spread of coarse
+/// steps is a whole number of them, one for noise of less than a step too.
+bool PulseSearch::is_level(std::size_t end) const {
+  return robust_spread(y_.first(end)).sigma <
+         std::max(1.5 * at_least_a_step(course_before(end).sigma), 1.01 * normal_mad * grain_);
+}
+
 /// A force that begins off the level of most of its record, as one whose zero the impact has
 /// shifted does: the level of the begin, where it stays for longer than the highest pulse and that
 /// is no part of a contact, from which the record departs by no more than the contact is high. None
@@ -167,7 +181,7 @@ std::optional<Trigger> PulseSearch::begin_trigger(const Trigger& trigger) const 
   const std::size_t crossing = first_above(begin, 0);
   if (crossing < least_quiet || crossing == y_.size() ||
       peak < stands_out * std::abs(begin.level - trigger.level) ||
-      as_double(crossing) < width_of_tallest(begin.level))
+      as_double(crossing) < width_of_tallest(begin.level) || !is_level(crossing - crossing / 4))
     return std::nullopt;
   return begin;
 }
@@ -182,17 +196,14 @@ Trigger PulseSearch::sharpened(Trigger trigger) const {
     }
   const std::size_t end = crossing - crossing / 4;
   if (crossing >= y_.size() || end < least_quiet) return trigger;
-  const QuietFit local = fit_quiet(y_, end > window_ ? end - window_ : 0, end, 1, grain_);
   const Spread all = robust_spread(y_.first(end));
-  trigger.sigma = at_least_a_step(local.sigma);
+  trigger.sigma = at_least_a_step(course_before(end).sigma);
   // 2.5 of the spread are above the crest of hum, whose spread is its amplitude.
   const double noise = std::max(gate_ * trigger.sigma, 2.5 * all.sigma);
   // A level stretch before the first crossing is no departure: where contacts take half of the
   // record, its median is not what it rests at.
-  // The spread of coarse steps is a whole number of them, one for noise of less than a step too.
-  const bool level = all.sigma < std::max(1.5 * trigger.sigma, 1.01 * normal_mad * grain_);
   const double error = gate_ * 1.25 * trigger.sigma / std::sqrt(as_double(end));  // of a median
-  if (level && std::abs(all.centre - trigger.level) > error) trigger.level = all.centre;
+  if (is_level(end) && std::abs(all.centre - trigger.level) > error) trigger.level = all.centre;
   trigger.threshold = std::max(noise, peak_fraction * height(trigger.level, 0, y_.size()));
   return trigger;
 }
