@@ -313,9 +313,31 @@ double range_of(const std::vector<const RecordedSignal*>& signals, Quantity quan
   return 0.0;
 }
 
+/// A velocity that goes on at the other end of a decoder's range: from one sample to the next it
+/// turns over, beyond four fifths of its largest value on both sides, and stays there for three
+/// samples at least. A contact of many samples takes longer, and a lost laser shows zero.
+bool wraps(const ImpactSignal& velocity) {
+  constexpr double near_end = 0.8, stays = 0.5;
+  constexpr std::size_t beside = 3;
+  const std::vector<double>& y = velocity.values;
+  double largest = 0.0;
+  for (const double value : y) largest = std::max(largest, std::abs(value));
+  for (std::size_t i = beside; i + beside <= y.size(); ++i) {
+    const double sign = y[i] < 0.0 ? -1.0 : 1.0;
+    bool turned = sign * y[i] >= near_end * largest && -sign * y[i - 1] >= near_end * largest;
+    for (std::size_t k = 1; turned && k < beside; ++k)
+      turned = sign * y[i + k] >= stays * largest && -sign * y[i - 1 - k] >= stays * largest;
+    if (turned && largest > 0.0) return true;
+  }
+  return false;
+}
+
 /// A motion that reaches its range, or a rail that is not stated, anywhere in the window, as its
 /// approach counts too.
-bool motion_clipped(const Impact& impact, const std::vector<const RecordedSignal*>& signals) {
+bool motion_clipped(const Impact& impact, const Contact& contact,
+                    const std::vector<const RecordedSignal*>& signals) {
+  if (impact.velocity && contact.end - contact.onset >= enough_samples && wraps(*impact.velocity))
+    return true;
   for (const auto* signal : {&impact.velocity, &impact.displacement}) {
     if (!*signal) continue;
     const double range = range_of(signals, (*signal)->quantity);
@@ -461,7 +483,7 @@ std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
   const bool is_clipped = clipped(*signals.front(), contact, options);
   const double peak = impact.force ? force_peak(impact) : 0.0;
   const RecordedSignal* const force = impact.force ? force_among(signals) : nullptr;
-  flag(is_clipped || motion_clipped(impact, signals), ImpactFlag::clipped);
+  flag(is_clipped || motion_clipped(impact, contact, signals), ImpactFlag::clipped);
   flag(contact.further_hits > 0, ImpactFlag::double_hit);
   flag(contact.further_hits > 1, ImpactFlag::multiple_hits);
   flag(contact.begins_inside || contact.ends_inside, ImpactFlag::too_short);
