@@ -371,15 +371,18 @@ bool dropout(const Impact& impact, const Contact& contact, bool is_clipped,
   return false;
 }
 
-/// Motion that steps away and back, of contacts with samples enough and none behind them: other
-/// motion may do so by itself.
+/// Motion that steps away and back, of contacts with samples enough. Where further contacts are
+/// behind, only what begins before the first one ends: later motion may do so by itself.
 bool unmarked_dropout(const Impact& impact, const Contact& contact) {
-  if (contact.further_hits > 0 || contact.end - contact.onset < enough_samples) return false;
-  const auto found = [](const std::optional<ImpactSignal>& signal) {
+  if (contact.end - contact.onset < enough_samples) return false;
+  const double until = contact.further_hits > 0 ? impact.end : INFINITY;
+  const auto found = [until](const std::optional<ImpactSignal>& signal) {
     if (!signal) return false;
     const auto longest = static_cast<std::size_t>(longest_dropout / signal->interval);
-    return longest > 0 &&
-           !find_dropouts(signal->values, signal->valid, longest, signal->quantity).empty();
+    if (longest == 0) return false;
+    const auto dropouts = find_dropouts(signal->values, signal->valid, longest, signal->quantity);
+    return std::ranges::any_of(
+        dropouts, [&](const Dropout& dropout) { return signal->time(dropout.begin) < until; });
   };
   return found(impact.velocity) || found(impact.displacement);
 }
