@@ -23,6 +23,7 @@ struct Contact {
   bool begins_inside = false;  ///< the record starts after first touch
   bool ends_inside = false;    ///< the record ends before the contact does
   int further_hits = 0;        ///< contacts after it within post_trigger
+  double last_end = 0.0;       ///< of the last of these, else `end` [samples]; of a velocity 0
 };
 
 /// A signal that goes from a baseline to a peak and back: force, acceleration.

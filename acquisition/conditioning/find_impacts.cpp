@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "acquisition/conditioning/background.hpp"
+#include "acquisition/conditioning/clipped_as_recorded.hpp"
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/conditioning/contact_search.hpp"
 #include "acquisition/conditioning/impact_flags.hpp"
@@ -21,6 +22,7 @@ namespace impactrig::acquisition {
 
 using datasets::Channel;
 using datasets::Impact;
+using datasets::ImpactFlag;
 using datasets::ImpactSignal;
 using datasets::InputError;
 using datasets::Quantity;
@@ -341,6 +343,7 @@ std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& o
   }
 
   const bool exchanged = swapped(sources, options);
+  const std::vector<datasets::TimeSpan> clipped = noted_clipped(record);
   std::vector<Impact> impacts;
   Window window{0.0, 0.0, -INFINITY};
   for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -350,8 +353,10 @@ std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& o
     if (i + 1 < contacts.size())
       window.end = std::min(window.end, trigger.trace.time(contacts[i + 1].onset - 1.0));
     impacts.push_back(impact_of(contacts[i], trigger, sources, window, options));
+    if (is_among(clipped, impacts.back()) && !impacts.back().has(ImpactFlag::clipped))
+      impacts.back().flags.insert(impacts.back().flags.begin(), ImpactFlag::clipped);
     // Other flags would judge the one channel as the other.
-    if (exchanged) impacts.back().flags = {datasets::ImpactFlag::swapped};
+    if (exchanged) impacts.back().flags = {ImpactFlag::swapped};
     impacts.back().recording = file;
     impacts.back().trigger = chosen.name;
     window.floor = trigger.trace.time(contacts[i].end);

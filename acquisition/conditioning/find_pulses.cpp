@@ -10,9 +10,10 @@ namespace impactrig::acquisition {
 
 namespace {
 
-constexpr double peak_fraction = 0.05;  ///< of the peak: below it nothing is a contact
-constexpr double dense_height = 20.0;   ///< standard deviations, where the pulse fills the record
-constexpr double stands_out = 2.0;      ///< times what went before: a contact, no ringing
+constexpr double peak_fraction = 0.05;   ///< of the peak: below it nothing is a contact
+constexpr double dense_height = 20.0;    ///< standard deviations, where the pulse fills the record
+constexpr double stands_out = 2.0;       ///< times what went before: a contact, no ringing
+constexpr std::size_t least_quiet = 16;  ///< samples that tell a level and its noise
 
 double as_double(std::size_t n) {
   return static_cast<double>(n);
@@ -52,6 +53,10 @@ class PulseSearch {
   std::optional<Trigger> sparse_trigger() const;
   std::optional<Trigger> dense_trigger() const;
   Trigger sharpened(Trigger trigger) const;
+  std::optional<Trigger> begin_trigger(const Trigger& trigger) const;
+  double width_of_tallest(double level) const;
+  QuietFit course_before(std::size_t end) const;
+  bool is_level(std::size_t end) const;
   double height(double level, std::size_t begin, std::size_t end) const;
   std::size_t first_above(const Trigger& trigger, std::size_t from) const;
   std::size_t quiet_run(double level, double limit, bool from_end) const;
@@ -139,22 +144,66 @@ std::optional<Trigger> PulseSearch::dense_trigger() const {
   return best;
 }
 
+/// Full width at half of the greatest departure, in samples.
+double PulseSearch::width_of_tallest(double level) const {
+  const double half = 0.5 * height(level, 0, y_.size());
+  const auto above = [&](std::size_t i) { return std::abs(y_[i] - level) > half; };
+  const auto tallest =
+      std::ranges::max_element(y_, {}, [level](double value) { return std::abs(value - level); });
+  const auto top = static_cast<std::size_t>(tallest - y_.begin());
+  std::size_t left = top, right = top;
+  while (left > 0 && above(left - 1)) --left;
+  while (right + 1 < y_.size() && above(right + 1)) ++right;
+  return as_double(right - left + 1);
+}
+
+/// The course of the last window before sample `end`.
+QuietFit PulseSearch::course_before(std::size_t end) const {
+  return fit_quiet(y_, end > window_ ? end - window_ : 0, end, 1, grain_);
+}
+
+/// Whether what lies before sample `end` scatters as its last window does. The spread of coarse
+/// steps is a whole number of them, one for noise of less than a step too.
+bool PulseSearch::is_level(std::size_t end) const {
+  return robust_spread(y_.first(end)).sigma <
+         std::max(1.5 * at_least_a_step(course_before(end).sigma), 1.01 * normal_mad * grain_);
+}
+
+/// A force that begins off the level of most of its record, as one whose zero the impact has
+/// shifted does: the level of the begin, where it stays for longer than the highest pulse and that
+/// is no part of a contact, from which the record departs by no more than the contact is high. None
+/// where that is not so.
+std::optional<Trigger> PulseSearch::begin_trigger(const Trigger& trigger) const {
+  const Spread first = robust_spread(y_.first(least_quiet));
+  Trigger begin{.level = first.centre, .sigma = at_least_a_step(first.sigma)};
+  const double peak = height(begin.level, 0, y_.size());
+  begin.threshold = std::max(gate_ * begin.sigma, peak_fraction * peak);
+  const std::size_t crossing = first_above(begin, 0);
+  if (crossing < least_quiet || crossing == y_.size() ||
+      peak < stands_out * std::abs(begin.level - trigger.level) ||
+      as_double(crossing) < width_of_tallest(begin.level) || !is_level(crossing - crossing / 4))
+    return std::nullopt;
+  return begin;
+}
+
 /// The threshold by the noise before the first crossing: ringing afterwards is no noise.
 Trigger PulseSearch::sharpened(Trigger trigger) const {
-  const std::size_t crossing = first_above(trigger, 0);
+  std::size_t crossing = first_above(trigger, 0);
+  if (crossing - crossing / 4 < least_quiet && y_.size() > least_quiet)
+    if (const auto begin = begin_trigger(trigger)) {
+      trigger = *begin;
+      crossing = first_above(trigger, 0);
+    }
   const std::size_t end = crossing - crossing / 4;
-  if (crossing >= y_.size() || end < 16) return trigger;
-  const QuietFit local = fit_quiet(y_, end > window_ ? end - window_ : 0, end, 1, grain_);
+  if (crossing >= y_.size() || end < least_quiet) return trigger;
   const Spread all = robust_spread(y_.first(end));
-  trigger.sigma = at_least_a_step(local.sigma);
+  trigger.sigma = at_least_a_step(course_before(end).sigma);
   // 2.5 of the spread are above the crest of hum, whose spread is its amplitude.
   const double noise = std::max(gate_ * trigger.sigma, 2.5 * all.sigma);
   // A level stretch before the first crossing is no departure: where contacts take half of the
   // record, its median is not what it rests at.
-  const bool level = all.sigma < 1.5 * trigger.sigma;
-  const double peak = height(all.centre, 0, y_.size());
-  if (level && std::abs(all.centre - trigger.level) > std::max(noise, peak_fraction * peak))
-    trigger.level = all.centre;
+  const double error = gate_ * 1.25 * trigger.sigma / std::sqrt(as_double(end));  // of a median
+  if (is_level(end) && std::abs(all.centre - trigger.level) > error) trigger.level = all.centre;
   trigger.threshold = std::max(noise, peak_fraction * height(trigger.level, 0, y_.size()));
   return trigger;
 }
@@ -308,12 +357,18 @@ double integral(const Excursion& z, double from, double to) {
 
 /// Later pulses of the same sign that ringing cannot be, before sample `limit`: each is more than
 /// twice what the signal swings the other way before and right after it, and no single sample.
-int further_hits(const Excursion& z, const Contact& contact, const Descent& d, std::size_t limit) {
+struct FurtherHits {
+  int count = 0;
+  double end = 0.0;  ///< of the last one, or of the first contact; in samples
+};
+
+FurtherHits further_hits(const Excursion& z, const Contact& contact, const Descent& d,
+                         std::size_t limit) {
   const double threshold = z.threshold(d.peak);
   const double rest = std::max(5.0, 0.05 * contact.width);
   const double least = std::max(1.0, 0.05 * contact.width);  // samples above the threshold
   limit = std::min(limit, z.y.size());
-  int hits = 0;
+  FurtherHits hits{0, contact.end};
   double other_way = 0.0;
   std::size_t last_above = d.stop_index;
   for (std::size_t j = d.stop_index; j < limit; ++j) {
@@ -323,16 +378,18 @@ int further_hits(const Excursion& z, const Contact& contact, const Descent& d, s
     const bool rested = as_double(j - last_above) > rest;
     const std::size_t begin = j;
     double lobe = 0.0;
-    std::size_t above = 0, longest = 0;
+    std::size_t above = 0, longest = 0, end = j;
     for (; j < z.y.size() && z.at(j) > z.stop; ++j) {
       lobe = std::max(lobe, z.at(j));
       above = z.at(j) > threshold ? above + 1 : 0;
       longest = std::max(longest, above);
+      if (above > 0) end = j + 1;
     }
     last_above = j;
     for (std::size_t k = j; k < std::min(z.y.size(), j + (j - begin)); ++k)
       other_way = std::max(other_way, -z.at(k));
-    if (rested && as_double(longest) >= least && lobe > stands_out * other_way) ++hits;
+    if (rested && as_double(longest) >= least && lobe > stands_out * other_way)
+      hits = {hits.count + 1, as_double(end)};
   }
   return hits;
 }
@@ -399,8 +456,10 @@ std::optional<Contact> PulseSearch::measure_from(const Baseline& baseline, std::
   contact.impulse = z.sign * integral(z, contact.onset, contact.end);
   contact.baseline = baseline.at(static_cast<std::size_t>(contact.onset));
   const double post = options_.post_trigger / trace_.interval;
-  contact.further_hits =
+  const FurtherHits further =
       further_hits(z, contact, d, static_cast<std::size_t>(contact.onset + post) + 1);
+  contact.further_hits = further.count;
+  contact.last_end = further.end;
   return contact;
 }
 

@@ -313,9 +313,31 @@ double range_of(const std::vector<const RecordedSignal*>& signals, Quantity quan
   return 0.0;
 }
 
+/// A velocity that goes on at the other end of a decoder's range: from one sample to the next it
+/// turns over, beyond four fifths of its largest value on both sides, and stays there for three
+/// samples at least. A contact of many samples takes longer, and a lost laser shows zero.
+bool wraps(const ImpactSignal& velocity) {
+  constexpr double near_end = 0.8, stays = 0.5;
+  constexpr std::size_t beside = 3;
+  const std::vector<double>& y = velocity.values;
+  double largest = 0.0;
+  for (const double value : y) largest = std::max(largest, std::abs(value));
+  for (std::size_t i = beside; i + beside <= y.size(); ++i) {
+    const double sign = y[i] < 0.0 ? -1.0 : 1.0;
+    bool turned = sign * y[i] >= near_end * largest && -sign * y[i - 1] >= near_end * largest;
+    for (std::size_t k = 1; turned && k < beside; ++k)
+      turned = sign * y[i + k] >= stays * largest && -sign * y[i - 1 - k] >= stays * largest;
+    if (turned && largest > 0.0) return true;
+  }
+  return false;
+}
+
 /// A motion that reaches its range, or a rail that is not stated, anywhere in the window, as its
 /// approach counts too.
-bool motion_clipped(const Impact& impact, const std::vector<const RecordedSignal*>& signals) {
+bool motion_clipped(const Impact& impact, const Contact& contact,
+                    const std::vector<const RecordedSignal*>& signals) {
+  if (impact.velocity && contact.end - contact.onset >= enough_samples && wraps(*impact.velocity))
+    return true;
   for (const auto* signal : {&impact.velocity, &impact.displacement}) {
     if (!*signal) continue;
     const double range = range_of(signals, (*signal)->quantity);
@@ -349,15 +371,18 @@ bool dropout(const Impact& impact, const Contact& contact, bool is_clipped,
   return false;
 }
 
-/// Motion that steps away and back, of contacts with samples enough and none behind them: other
-/// motion may do so by itself.
+/// Motion that steps away and back, of contacts with samples enough. Where further contacts are
+/// behind, only what begins before the first one ends: later motion may do so by itself.
 bool unmarked_dropout(const Impact& impact, const Contact& contact) {
-  if (contact.further_hits > 0 || contact.end - contact.onset < enough_samples) return false;
-  const auto found = [](const std::optional<ImpactSignal>& signal) {
+  if (contact.end - contact.onset < enough_samples) return false;
+  const double until = contact.further_hits > 0 ? impact.end : INFINITY;
+  const auto found = [until](const std::optional<ImpactSignal>& signal) {
     if (!signal) return false;
     const auto longest = static_cast<std::size_t>(longest_dropout / signal->interval);
-    return longest > 0 &&
-           !find_dropouts(signal->values, signal->valid, longest, signal->quantity).empty();
+    if (longest == 0) return false;
+    const auto dropouts = find_dropouts(signal->values, signal->valid, longest, signal->quantity);
+    return std::ranges::any_of(
+        dropouts, [&](const Dropout& dropout) { return signal->time(dropout.begin) < until; });
   };
   return found(impact.velocity) || found(impact.displacement);
 }
@@ -411,11 +436,19 @@ bool unsteady(const RecordedSignal& force, const Impact& impact, double peak, do
   return most - least > much_wandering * std::abs(peak) + 6.0 * noise;
 }
 
-/// Whether the force after the contact lies off its level before. Ringing has a median near zero
-/// and scatters more than that.
-bool shifted(const Impact& impact, double peak) {
+/// How far a digitiser's rounding may move the mean of a level: half of a step where all samples
+/// are on one value or the next, and 0.012 of a step or less where they scatter by more than these
+/// can.
+double rounding_error(double sigma, double quantum) {
+  return sigma > 0.5 * quantum ? 0.012 * quantum : 0.5 * quantum;
+}
+
+/// Whether the force after the last contact, which ends at `end` [s], lies off its level before.
+/// Ringing has a mean near zero and scatters more than that. A bar that hits again may go on
+/// pressing, so what has the sign of the peak is no shift then.
+bool shifted(const Impact& impact, const Contact& contact, double end, double peak) {
   const ImpactSignal& force = *impact.force;
-  const double from = impact.end + impact.width, to = impact.end + 6.0 * impact.width;
+  const double from = end + impact.width, to = end + 6.0 * impact.width;
   std::vector<double> after;
   for (std::size_t i = 0; i < force.values.size(); ++i) {
     const double t = force.time(i);
@@ -423,9 +456,14 @@ bool shifted(const Impact& impact, double peak) {
       after.push_back(force.values[i]);
   }
   if (after.size() < least_after) return false;
-  const Spread spread = robust_spread(after);
-  return std::abs(spread.centre) >
-         std::max({much_shift * std::abs(peak), spread.sigma, force.noise, 2.0 * force.quantum});
+  const QuietFit level = fit_quiet(after, 0, after.size(), 0, force.quantum);
+  double scatter = robust_spread(after).sigma;
+  if (scatter <= 1.01 * normal_mad * force.quantum) scatter = level.sigma;  // a step: no less shows
+  if (contact.further_hits > 0 && level.mean * peak > 0.0) return false;
+  const double rounding =
+      rounding_error(force.noise, force.quantum) + rounding_error(level.sigma, force.quantum);
+  return std::abs(level.mean) >
+         std::max({much_shift * std::abs(peak), scatter, force.noise, rounding});
 }
 
 /// Tension in the contact, or a bar that comes from the other side, which a record that begins
@@ -448,7 +486,7 @@ std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
   const bool is_clipped = clipped(*signals.front(), contact, options);
   const double peak = impact.force ? force_peak(impact) : 0.0;
   const RecordedSignal* const force = impact.force ? force_among(signals) : nullptr;
-  flag(is_clipped || motion_clipped(impact, signals), ImpactFlag::clipped);
+  flag(is_clipped || motion_clipped(impact, contact, signals), ImpactFlag::clipped);
   flag(contact.further_hits > 0, ImpactFlag::double_hit);
   flag(contact.further_hits > 1, ImpactFlag::multiple_hits);
   flag(contact.begins_inside || contact.ends_inside, ImpactFlag::too_short);
@@ -460,8 +498,9 @@ std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
   flag(noisy(impact), ImpactFlag::noisy);
   if (force != nullptr) {
     flag(unsteady(*force, impact, peak, floor, options), ImpactFlag::unsteady);
-    flag(contact.further_hits == 0 && !contact.ends_inside && shifted(impact, peak),
-         ImpactFlag::baseline_shift);
+    const Trace& trigger = signals.front()->trace;
+    const double last = contact.further_hits > 0 ? trigger.time(contact.last_end) : impact.end;
+    flag(!contact.ends_inside && shifted(impact, contact, last, peak), ImpactFlag::baseline_shift);
   }
   flag(inverted(impact, contact, peak), ImpactFlag::inverted);
   return flags;

@@ -14,6 +14,7 @@
 #include "acquisition/channel_map.hpp"
 #include "acquisition/conditioning/baseline.hpp"
 #include "acquisition/conditioning/calculus.hpp"
+#include "acquisition/conditioning/clipped_as_recorded.hpp"
 #include "acquisition/conditioning/decay.hpp"
 #include "acquisition/conditioning/delay.hpp"
 #include "acquisition/conditioning/dropouts.hpp"
@@ -143,22 +144,26 @@ class Conditioning {
     tell_hidden_rail(clipped, what, index);
   }
 
-  /// Whether the first impact has the flag; not when there is none to be found.
-  bool first_is_clipped() const {
+  /// Whether the first impact's samples, no note, give it the flag; not when there is none.
+  bool first_is_clipped() {
+    std::vector<Edit> edits = std::exchange(record_.provenance.edits, {});
+    bool clipped = false;
     try {
       const std::vector<Impact> impacts = find_impacts(record_, detection_);
-      return !impacts.empty() && impacts.front().has(datasets::ImpactFlag::clipped);
+      clipped = !impacts.empty() && impacts.front().has(datasets::ImpactFlag::clipped);
     } catch (const InputError&) {
-      return false;
     }
+    record_.provenance.edits = std::move(edits);
+    return clipped;
   }
 
-  /// A filter makes of a flat top a crest, which no flag tells any more.
+  /// A filter makes of a flat top a crest, whose samples a fit does not know to leave out.
   void tell_hidden_rail(bool was_clipped, std::string_view what, std::size_t index) {
     if (!was_clipped || first_is_clipped()) return;
     record_.warnings.push_back(fmt::format(
-        "The {} hides that '{}' was clipped: peak and impulse are too small, and no flag says so "
-        "any more; leave the step out, and record again with a larger range.",
+        "The {} hides that '{}' was clipped: peak and impulse are too small, and a fit no longer "
+        "knows which samples to leave out; leave the step out, and record again with a larger "
+        "range.",
         what, channel(index).name));
   }
 
@@ -264,6 +269,7 @@ class Conditioning {
 void apply_steps(std::span<const datasets::ConditioningStep> steps, Record& record,
                  const SensorSet& sensors, const DetectionOptions& detection,
                  const std::function<void()>& done) {
+  if (!steps.empty()) note_clipped(record, detection);
   Conditioning conditioning(record, sensors, detection);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     try {

@@ -20,6 +20,8 @@ namespace impactrig::acquisition {
 /// `sensors` are those whose filters a fit accounts for: AlignTo passes each channel through the
 /// other's, so that what it takes off is the delay beside them.
 ///
+/// Impacts that are clipped before the first step keep that flag (note_clipped).
+///
 /// `detection` says how that impact is looked for. `done` is called after each step.
 ///
 /// Throws datasets::InputError, with the recording as place and the step's number from 1, when a

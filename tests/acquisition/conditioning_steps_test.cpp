@@ -178,6 +178,32 @@ TEST(ApplySteps, WarnsOfARailThatAFilterHides) {
     }
 }
 
+// Whatever rounds the top off: filters, a course taken off, one after the other.
+TEST(ApplySteps, KeepsTheFlagOfAClippedTop) {
+  const datasets::TimeSpan quiet{-0.9e-3, -0.1e-3};
+  const std::vector<std::vector<datasets::ConditioningAction>> cases{
+      {datasets::LowPass{20e3, 4}},
+      {datasets::Resample{40e3}},
+      {datasets::RemoveDrift{quiet}},
+      {datasets::RemoveDecay{{quiet}, 5e-3}},
+      {datasets::UndoLowCut{100.0, quiet}},
+      {datasets::RemoveDrift{quiet}, datasets::LowPass{20e3, 4}, datasets::Resample{40e3}}};
+  for (const auto& actions : cases)
+    for (const bool clipped : {false, true}) {
+      Record record = shot();
+      auto& force = std::get<std::vector<double>>(record.channels[0].raw);
+      for (double& value : force)
+        if (clipped) value = std::min(value, 1200.0);
+      std::vector<ConditioningStep> steps;
+      for (const auto& action : actions) steps.push_back({"force", action});
+      apply_steps(steps, record);
+      const auto impacts = find_impacts(record);
+      ASSERT_EQ(impacts.size(), 1U);
+      EXPECT_EQ(impacts[0].has(datasets::ImpactFlag::clipped), clipped)
+          << actions.front().index() << " of " << actions.size();
+    }
+}
+
 TEST(ApplySteps, WarnsOfGapsThatResamplingBridges) {
   Record record = shot();
   auto& force = record.channels[0];

@@ -136,6 +136,24 @@ TEST(ClippedFlag, FiresOnAVelocityAtItsRailBesideRinging) {
     }
 }
 
+// A decoder beyond its range goes on at the other end of it. A sound reversal takes the contact,
+// and a lost laser shows zero.
+TEST(ClippedFlag, FiresOnAVelocityThatWrapsRound) {
+  const Sampling at;
+  for (const double noise : {1e-4, 1e-3})
+    for (const double range : {0.25, 0.36, 0.42, 0.6}) {
+      auto velocity = sampled(at, bounce);
+      add_noise(velocity, noise, 19);
+      for (double& v : velocity) v -= 2.0 * range * std::round(v / (2.0 * range));
+      EXPECT_EQ(impact_with(at, velocity).has(ImpactFlag::clipped), range < 0.44)
+          << range << " " << noise;
+    }
+  auto lost = sampled(at, bounce);
+  add_noise(lost, 1e-4, 20);
+  for (std::size_t i = 600; i < 700; ++i) lost[i] = 0.0;
+  EXPECT_FALSE(impact_with(at, lost).has(ImpactFlag::clipped));
+}
+
 // A constant approach speed of a coarse digitiser is none, nor is that of few samples a period.
 TEST(ClippedFlag, IsSilentOnAConstantApproachBesideRinging) {
   for (const double interval : {0.4e-6, 1e-6, 4e-6}) {

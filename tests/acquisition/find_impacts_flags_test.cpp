@@ -467,6 +467,26 @@ TEST(UnmarkedDropoutFlag, FiresWhereALaserLosesItsLight) {
   EXPECT_FALSE(impact_with(30, 700).has(ImpactFlag::dropout));
 }
 
+// The shock takes the light from the first contact on; a bar that hits again is no reason to be
+// silent of that, but is of what lies behind it.
+TEST(UnmarkedDropoutFlag, FiresWhereTheShockTakesTheLightAndTheBarHitsAgain) {
+  const Sampling at;
+  const auto flagged = [&](std::size_t first, std::size_t lost) {
+    auto velocity =
+        sampled(at, [](double t) { return bar_velocity(t) + 0.3 * bar_velocity(t - 1e-3); });
+    add_noise(velocity, 1e-3, 8);
+    for (std::size_t i = first; i < first + lost; ++i) velocity[i] *= 0.02;
+    const auto impacts = find_impacts(record_of(
+        {force_of(at, sampled(at, [](double t) { return pulse(t) + 0.5 * pulse(t - 1e-3); })),
+         velocity_of(at, velocity)}));
+    EXPECT_EQ(impacts.size(), 1U);
+    EXPECT_TRUE(impacts.at(0).has(ImpactFlag::double_hit));
+    return impacts.at(0).has(ImpactFlag::unmarked_dropout);
+  };
+  EXPECT_FALSE(flagged(0, 0));
+  for (const std::size_t lost : {40, 60, 80}) EXPECT_TRUE(flagged(1005, lost)) << lost;
+}
+
 // --- undersampled -------------------------------------------------------------------------------
 
 TEST(UndersampledFlag, FiresBelowTwentySamples) {
