@@ -101,6 +101,21 @@ void FrameEquations::set_work(States& of) const {
   of.on_axial.noalias() += bar_.axial_axial * of.extension;
 }
 
+/// Adds what weight and the frame's turn are to the straight bar: the same force at all points, and
+/// one in proportion to x.
+void FrameEquations::add_straight(States& of, Eigen::Index state, const Weight& weight, double spin,
+                                  double turn) const {
+  const Eigen::Index along = state, across = of.pull.cols() + state;
+  const double lever_along = spin * spin, lever_across = -turn;
+  of.on_run.col(along) += weight.along * bar_.run + lever_along * bar_.run_moment;
+  of.on_run.col(across) += weight.across * bar_.run + lever_across * bar_.run_moment;
+  of.on_axial.col(along) += weight.along * bar_.axial + lever_along * bar_.axial_moment;
+  of.on_axial.col(across) += weight.across * bar_.axial + lever_across * bar_.axial_moment;
+  of.on_bending.col(along) += weight.along * bar_.bending + lever_along * bar_.bending_moment;
+  of.lateral.col(state).array() += weight.across + lever_across * bar_.places.array();
+  of.lateral.col(state).array() *= bar_.masses.array();
+}
+
 /// f = m (g − α), the acceleration α in the frame: along, ẍ − ψ̈ y − 2 ψ̇ ẏ − ψ̇² x, and across,
 /// ÿ + ψ̈ x + 2 ψ̇ ẋ − ψ̇² y. It does work on δx − y δψ along and δy + x δψ across. What is across the
 /// straight bar is added up station by station: there the frame's turn and modes that nearly undo
@@ -116,17 +131,8 @@ void FrameEquations::unbalanced(ConstMatrix q, ConstMatrix v, ConstMatrix a, Mat
   set_work(of);
   set_product(bar_.deflections, of.deflection.rightCols(states), of.lateral);
   for (Eigen::Index k = 0; k < states; ++k) {
+    add_straight(of, k, weight_at(q(0, k)), v(0, k), a(0, k));
     const Eigen::Index along = k, across = states + k;
-    const Weight weight = weight_at(q(0, k));
-    // f in proportion to the straight bar's x
-    const double lever_along = v(0, k) * v(0, k), lever_across = -a(0, k);
-    of.on_run.col(along) += weight.along * bar_.run + lever_along * bar_.run_moment;
-    of.on_run.col(across) += weight.across * bar_.run + lever_across * bar_.run_moment;
-    of.on_axial.col(along) += weight.along * bar_.axial + lever_along * bar_.axial_moment;
-    of.on_axial.col(across) += weight.across * bar_.axial + lever_across * bar_.axial_moment;
-    of.on_bending.col(along) += weight.along * bar_.bending + lever_along * bar_.bending_moment;
-    of.lateral.col(k).array() += weight.across + lever_across * bar_.places.array();
-    of.lateral.col(k).array() *= bar_.masses.array();
     const auto s = of.slope.col(k).array();
     r(0, k) = bar_.places.dot(of.lateral.col(k)) + bar_.axial_moment.dot(of.extension.col(across)) +
               bar_.run_moment.dot(of.shortening.col(across)) +

@@ -83,6 +83,8 @@ class FrameEquations {
   States& scratch_of(Eigen::Index states);
   void set_parts(States& of, Eigen::Index state, ConstVector q, ConstVector v, ConstVector a) const;
   void set_work(States& of) const;
+  void add_straight(States& of, Eigen::Index state, const Weight& weight, double spin,
+                    double turn) const;
   void derive_by_q(ConstVector q, ConstVector v, ConstVector a, Eigen::MatrixXd& by_q);
   void derive_by_v(ConstVector v, Eigen::MatrixXd& by_v);
 
