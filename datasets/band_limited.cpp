@@ -31,6 +31,15 @@ std::vector<double> kernel_table() {
   return table;
 }
 
+/// The kernel so many crossings from its middle.
+double weight_at(double distance) {
+  static const std::vector<double> kernel = kernel_table();
+  const double place = distance * table_step;
+  const auto k = static_cast<std::size_t>(place);
+  const double part = place - static_cast<double>(k);
+  return kernel[k] + part * (kernel[k + 1] - kernel[k]);
+}
+
 }  // namespace
 
 BandLimited::BandLimited(std::span<const double> values, double stretch)
@@ -51,20 +60,36 @@ double BandLimited::sample(std::ptrdiff_t i) const {
 }
 
 double BandLimited::operator()(double index) const {
-  static const std::vector<double> kernel = kernel_table();
   const double reach = crossings * stretch_;
   const auto first = static_cast<std::ptrdiff_t>(std::ceil(index - reach));
   const auto last = static_cast<std::ptrdiff_t>(std::floor(index + reach));
   double sum = 0.0, weights = 0.0;
   for (std::ptrdiff_t i = first; i <= last; ++i) {
-    const double place = std::abs(static_cast<double>(i) - index) / stretch_ * table_step;
-    const auto k = static_cast<std::size_t>(place);
-    const double part = place - static_cast<double>(k);
-    const double weight = kernel[k] + part * (kernel[k + 1] - kernel[k]);
+    const double weight = weight_at(std::abs(static_cast<double>(i) - index) / stretch_);
     sum += weight * sample(i);
     weights += weight;
   }
   return sum / weights;  // a constant stays what it is
+}
+
+std::vector<double> BandLimited::at_samples() const {
+  const auto count = static_cast<std::ptrdiff_t>(values_.size());
+  const auto reach = static_cast<std::ptrdiff_t>(std::floor(crossings * stretch_));
+  std::vector<double> prolonged;
+  prolonged.reserve(static_cast<std::size_t>(count + 2 * reach));
+  for (std::ptrdiff_t i = -reach; i < count + reach; ++i) prolonged.push_back(sample(i));
+  std::vector<double> result(values_.size(), 0.0);
+  double weights = 0.0;
+  // Of each sum the same terms in the same order as above, all sums side by side.
+  for (std::ptrdiff_t k = -reach; k <= reach; ++k) {
+    const double weight = weight_at(std::abs(static_cast<double>(k)) / stretch_);
+    const double* const shifted = prolonged.data() + k + reach;
+    for (std::ptrdiff_t i = 0; i < count; ++i)
+      result[static_cast<std::size_t>(i)] += weight * shifted[i];
+    weights += weight;
+  }
+  for (double& value : result) value /= weights;
+  return result;
 }
 
 }  // namespace impactrig::datasets

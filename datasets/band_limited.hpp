@@ -24,6 +24,10 @@ class BandLimited {
 
   double operator()(double index) const;  ///< between -0.5 and n - 0.5
 
+  /// At the samples themselves (n): what operator() gives, to the last bit, by weights that are
+  /// made once for all of them.
+  std::vector<double> at_samples() const;
+
  private:
   double sample(std::ptrdiff_t i) const;
 

@@ -45,10 +45,7 @@ std::vector<double> filtered(const LowPass& action, double interval,
 /// At the old instants.
 std::vector<double> filtered(const Resample& action, double interval,
                              const std::vector<double>& record) {
-  const BandLimited signal(record, stretch_of(action, interval));
-  std::vector<double> result(record.size());
-  for (std::size_t i = 0; i < result.size(); ++i) result[i] = signal(static_cast<double>(i));
-  return result;
+  return BandLimited(record, stretch_of(action, interval)).at_samples();
 }
 
 /// The number in "50000 Hz".

@@ -154,11 +154,8 @@ std::vector<double> zero_phase_low_pass(std::span<const double> values, double i
   refuse_senseless(filter, interval);
   if (values.size() < 2) return {values.begin(), values.end()};
 
-  const double warped = warped_cutoff(filter, interval);
-  Sections sections = sections_of(filter.order, warped);
-  // 21 = ln 1e9 time constants of the slowest pole, which alternates above a quarter of the rate.
-  const double decay =
-      std::ceil(21.0 / (2.0 * std::min(warped, 1.0 / warped) * slowest_part(filter)));
+  Sections sections = sections_of(filter.order, warped_cutoff(filter, interval));
+  const double decay = std::ceil(21.0 * low_pass_memory(filter, interval));  // 21 = ln 1e9
   const auto lead = static_cast<std::size_t>(std::min(decay, 1e15));
   return lead < values.size() ? passed_between_pads(values, lead, sections)
                               : passed_in_periods(values, lead, sections);

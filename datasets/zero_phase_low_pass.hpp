@@ -15,8 +15,11 @@ namespace impactrig::datasets {
 ///
 /// at frequency f, n the order: 3 dB down at the cutoff f_c.
 /// State variables are integrators by the trapezoidal rule, which keeps the rounding error small at
-/// any f_c h. The record is prolonged at both ends by its own reflection about the end points, as
-/// often as the filter's memory asks for; what lies within about 1/f_c of an end depends on that.
+/// any f_c h. The record is prolonged at both ends by its own reflection about the end points,
+/// until the filter remembers 1e-9 of what lies beyond. What a longer record would have given
+/// differs by a tenth of the record's range at its ends, where that is noise, and by 1e-5
+/// within 11.5 of the memories below: 3.4/f_c at order 4, far more from a cutoff of 0.4 of the
+/// sample rate on.
 ///
 /// Throws std::invalid_argument when the cutoff is not between 0 and half of the sample rate or the
 /// order is not 1 to 8.

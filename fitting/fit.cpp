@@ -138,7 +138,7 @@ void Session::prefer_full_motion() {
 
 /// Searches from the present values within a window; returns the reduced chi-square reached.
 double Session::pass(const Search& how, double contacts) {
-  problem_.choose_samples(contacts, how.rough);
+  problem_.choose_samples(contacts, how.rough, how.one_by_one);
   if (problem_.out_of_time()) {
     last_.converged = false;
     return whole;

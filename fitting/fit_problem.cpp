@@ -299,7 +299,7 @@ void FitProblem::follow_ties() {
     if (v.tie) v.value = v.tie->factor * (*variables_)[v.tie->to].value + v.tie->offset;
 }
 
-void FitProblem::choose_samples(double contacts, bool rough) {
+void FitProblem::choose_samples(double contacts, bool rough, bool one_by_one) {
   for (Shot& shot : shots_) {
     const double window = std::min(shot.window, contacts * shot.contact);
     shot.model->set_end(window + margin_of(shot));
@@ -307,6 +307,7 @@ void FitProblem::choose_samples(double contacts, bool rough) {
     for (FittedChannel& channel : shot.channels) {
       const ImpactSignal& signal = *channel.signal;
       const double ceiling = ceiling_of(*shot.impact, signal);
+      channel.one_by_one = one_by_one;
       channel.used.clear();
       const bool clipped = shot.impact->has(ImpactFlag::clipped);
       for (std::size_t k = 0; k < signal.values.size(); k += channel.every)

@@ -79,8 +79,9 @@ class FitProblem {
   const std::vector<Shot>& shots() const { return shots_; }
 
   /// Takes the sound samples from each record's beginning to a share of its window, in contact
-  /// durations, or all; what is predicted of them from now on may be rough.
-  void choose_samples(double contacts, bool rough = false);
+  /// durations, or all; what is predicted of them from now on may be rough, and they may be weighed
+  /// one by one.
+  void choose_samples(double contacts, bool rough = false, bool one_by_one = false);
 
   /// After a change of a channel's `used` or `noise`.
   void rebuild_costs();

@@ -128,6 +128,10 @@ NoiseModel NoiseModel::at_least(double sigma) const {
   return model;
 }
 
+NoiseModel NoiseModel::as_if_white() const {
+  return predictors_.empty() ? *this : NoiseModel(sigma_, 1.0).known_from(freedom_);
+}
+
 double NoiseModel::correlation_time() const {
   if (predictors_.empty()) return correlation_;
   double gain = 1.0;

@@ -38,6 +38,10 @@ class NoiseModel {
   /// The same with the standard deviation of a sample, at least this.
   NoiseModel at_least(double sigma) const;
 
+  /// White noise of the same standard deviation where this one's samples hang together; else this
+  /// one.
+  NoiseModel as_if_white() const;
+
   /// From how many independent samples, less the trends, its level is known, slow noise included;
   /// infinite where it was stated.
   double freedom() const { return freedom_; }

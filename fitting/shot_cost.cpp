@@ -245,10 +245,11 @@ std::vector<const Shown*> ShotCost::slopes_at(const Values& values, const Shown&
 }
 
 void ShotCost::whiten(const FittedChannel& channel, std::span<double> of_used) const {
+  const NoiseModel noise = channel.one_by_one ? channel.noise.as_if_white() : channel.noise;
   std::size_t begin = 0;
   for (std::size_t i = 1; i <= channel.used.size(); ++i)
     if (i == channel.used.size() || channel.used[i] != channel.used[i - 1] + channel.every) {
-      channel.noise.whiten(of_used.subspan(begin, i - begin));
+      noise.whiten(of_used.subspan(begin, i - begin));
       begin = i;
     }
 }

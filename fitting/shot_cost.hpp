@@ -24,6 +24,7 @@ struct FittedChannel {
   std::vector<double> measured;  ///< what is fitted: the signal's values, or others in their place
   NoiseModel noise;
   bool noise_known = true;  ///< it was seen before the trigger
+  bool one_by_one = false;  ///< samples are weighed as if the noise were white
   /// 1 where a sample, and all that a filter made it of, was recorded (n_samples).
   std::vector<std::uint8_t> sound;
   /// One sample in so many is fitted: a filter of the record ties those between to them.

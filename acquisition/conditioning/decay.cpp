@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <limits>
@@ -14,7 +15,9 @@
 
 #include "acquisition/conditioning/background.hpp"
 #include "acquisition/conditioning/baseline.hpp"
+#include "acquisition/conditioning/course_error.hpp"
 #include "acquisition/conditioning/samples.hpp"
+#include "datasets/number_text.hpp"
 
 namespace impactrig::acquisition {
 
@@ -105,45 +108,77 @@ Decay with_best_time(const Quiet& quiet, double span) {
   return fitted(quiet, std::exp(log_time));
 }
 
-/// Standard uncertainty of T when c, a and T all come from the data.
-double time_uncertainty(const Quiet& quiet, const Decay& decay) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  std::vector<double> residuals;
-  residuals.reserve(quiet.times.size());
-  for (std::size_t i = 0; i < quiet.times.size(); ++i) {
-    const double t = quiet.times[i];
-    const double fall = std::exp(-t / decay.time);
-    // The last column is the derivative by ln T, of an amplitude of 1: whatever the unit.
-    const Eigen::Vector3d row(1.0, fall, fall * t / decay.time);
-    normal += row * row.transpose();
-    residuals.push_back(quiet.values[i] - decay.at(t));
+/// What a fitted decay is uncertain by. Of c, a and a ln T: whatever the unit.
+class DecayError {
+ public:
+  /// `time_known`: T was stated.
+  DecayError(const Quiet& quiet, const Decay& decay, bool time_known)
+      : decay_(decay),
+        terms_(time_known ? 2 : 3) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    QuietResiduals about;
+    about.residuals.reserve(quiet.times.size());
+    for (std::size_t i = 0; i < quiet.times.size(); ++i) {
+      const Eigen::Vector3d row = slopes(quiet.times[i]);
+      normal += row * row.transpose();
+      about.residuals.push_back(quiet.values[i] - decay.at(quiet.times[i]));
+    }
+    const auto [first, last] = std::ranges::minmax(quiet.times);
+    about.scatter = std::sqrt(decay.squares / (static_cast<double>(quiet.times.size()) - terms_));
+    about.quantum = quantum_of(quiet.values);
+    about.rise = std::abs(decay.at(first) - decay.at(last));
+    about.terms = terms_;
+    const double variance = slow_variance(std::move(about));
+    const Eigen::FullPivLU<Eigen::MatrixXd> lu(normal.topLeftCorner(terms_, terms_));
+    known_ = lu.isInvertible();
+    if (known_) covariance_.topLeftCorner(terms_, terms_) = variance * lu.inverse();
   }
-  const double n = static_cast<double>(quiet.times.size());
-  const double variance = decay.squares / (n - 3.0) * correlation_time(residuals);
-  const Eigen::FullPivLU<Eigen::Matrix3d> lu(normal);
-  if (!lu.isInvertible()) return std::numeric_limits<double>::infinity();
-  const double of_log = std::sqrt(variance * std::max(0.0, lu.inverse()(2, 2)));
-  return decay.amplitude != 0.0 ? decay.time * of_log / std::abs(decay.amplitude)
-                                : std::numeric_limits<double>::infinity();
-}
 
-}  // namespace
+  double of_constant() const { return of(0); }
 
-Edit remove_decay(Channel& channel, const datasets::RemoveDecay& wanted) {
-  const Quiet quiet = quiet_samples(channel, wanted);
-  double span = 0.0;
-  for (const double time : quiet.times) span = std::max(span, time);
-  Edit edit{"remove decay", channel.name, {{"quiet", text_of(wanted.quiet)}}};
-  Decay decay;
-  if (wanted.time_constant) {
-    if (!(*wanted.time_constant > 0.0))
-      throw std::invalid_argument(
-          fmt::format("a time constant of {:g} s is not positive", *wanted.time_constant));
-    decay = fitted(quiet, *wanted.time_constant);
+  double of_amplitude() const { return of(1); }
+
+  /// Of T [s].
+  double of_time() const {
+    return decay_.amplitude != 0.0 ? decay_.time * of(2) / std::abs(decay_.amplitude) : unknown;
+  }
+
+  /// Of the decay, at most from its first quiet sample to so much later [s].
+  double at_most(double until) const {
+    constexpr int places = 512;
+    double most = known_ ? 0.0 : unknown;
+    for (int i = 0; i <= places && known_; ++i) {
+      const Eigen::Vector3d row = slopes(until * i / places);
+      most = std::max(most, std::sqrt(std::max(0.0, row.dot(covariance_ * row))));
+    }
+    return most;
+  }
+
+ private:
+  static constexpr double unknown = std::numeric_limits<double>::infinity();
+
+  Eigen::Vector3d slopes(double t) const {
+    const double fall = std::exp(-t / decay_.time);
+    return {1.0, fall, fall * t / decay_.time};
+  }
+
+  double of(int k) const { return known_ ? std::sqrt(std::max(0.0, covariance_(k, k))) : unknown; }
+
+  const Decay& decay_;
+  int terms_;
+  bool known_ = false;
+  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
+};
+
+/// What was fitted, and what that is uncertain by. Refuses where the data do not tell T.
+void state(const Channel& channel, const Quiet& quiet, const Decay& decay, bool time_known,
+           Edit& edit) {
+  const DecayError error(quiet, decay, time_known);
+  const auto text = [](double value) { return datasets::figures(value, 2); };
+  if (time_known) {
     edit.parameters["time constant"] = fmt::format("{:.12g} s, stated", decay.time);
   } else {
-    decay = with_best_time(quiet, span);
-    const double uncertainty = time_uncertainty(quiet, decay);
+    const double uncertainty = error.of_time();
     if (!(uncertainty < 0.5 * decay.time))
       throw std::invalid_argument(fmt::format(
           "the quiet samples of channel '{}' do not tell the time constant of a decay "
@@ -153,9 +188,29 @@ Edit remove_decay(Channel& channel, const datasets::RemoveDecay& wanted) {
     edit.parameters["time constant"] = fmt::format("{:.6g} s, from the data", decay.time);
     edit.parameters["uncertainty"] = fmt::format("{:.3g} s", uncertainty);
   }
-  edit.parameters["offset"] = fmt::format("{:.6g} {}", decay.constant, channel.unit);
+  edit.parameters["offset"] = fmt::format("{:.6g} {}, uncertain by {} {}", decay.constant,
+                                          channel.unit, text(error.of_constant()), channel.unit);
   edit.parameters["amplitude"] =
-      fmt::format("{:.6g} {} at {:.9g} s", decay.amplitude, channel.unit, quiet.origin);
+      fmt::format("{:.6g} {} at {:.9g} s, uncertain by {} {}", decay.amplitude, channel.unit,
+                  quiet.origin, text(error.of_amplitude()), channel.unit);
+  const double until = channel.clock.time(channel.size() - 1) - quiet.origin;
+  edit.parameters["uncertainty of what came off"] =
+      fmt::format("{} {} at most", text(error.at_most(until)), channel.unit);
+}
+
+}  // namespace
+
+Edit remove_decay(Channel& channel, const datasets::RemoveDecay& wanted) {
+  const Quiet quiet = quiet_samples(channel, wanted);
+  double span = 0.0;
+  for (const double time : quiet.times) span = std::max(span, time);
+  Edit edit{"remove decay", channel.name, {{"quiet", text_of(wanted.quiet)}}};
+  if (wanted.time_constant && !(*wanted.time_constant > 0.0))
+    throw std::invalid_argument(
+        fmt::format("a time constant of {:g} s is not positive", *wanted.time_constant));
+  const Decay decay =
+      wanted.time_constant ? fitted(quiet, *wanted.time_constant) : with_best_time(quiet, span);
+  state(channel, quiet, decay, wanted.time_constant.has_value(), edit);
   std::vector<double> values = channel.values();
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double time = channel.clock.time(i) - quiet.origin;
@@ -170,7 +225,14 @@ Edit undo_low_cut(Channel& channel, const datasets::UndoLowCut& low_cut) {
     throw std::invalid_argument(
         fmt::format("a low cut at {:g} Hz is not positive", low_cut.frequency));
   Edit edit{"undo low cut", channel.name, {}};
-  if (low_cut.quiet) edit.parameters = remove_baseline(channel, *low_cut.quiet).parameters;
+  if (low_cut.quiet) {
+    edit.parameters = remove_baseline(channel, *low_cut.quiet).parameters;
+    const double grown = 1.0 + 2.0 * std::numbers::pi * low_cut.frequency * channel.clock.interval *
+                                   static_cast<double>(channel.size());
+    const double error = grown * std::stod(edit.parameters.at("uncertainty"));
+    edit.parameters["uncertainty"] =
+        fmt::format("{} {} at most", datasets::figures(error, 2), channel.unit);
+  }
   edit.parameters["frequency"] = fmt::format("{:.12g} Hz, first order", low_cut.frequency);
   std::vector<double> values = sound_values(channel);
   const double half_step = std::numbers::pi * low_cut.frequency * channel.clock.interval;

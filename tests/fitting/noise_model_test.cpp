@@ -117,6 +117,21 @@ TEST(NoiseModel, WhitensSecondOrderNoiseExactly) {
   expect_exact_whitening(noise, found, sigma);
 }
 
+TEST(NoiseModel, AsIfWhiteHasTheSameDeviation) {
+  std::mt19937_64 generator(3);
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd values(4000);
+  double last = 0.0;
+  for (double& value : values) value = last = 0.9 * last + normal(generator);
+  const NoiseModel noise = NoiseModel::estimate(values, Eigen::MatrixXd(values.size(), 0));
+  ASSERT_GT(noise.order(), 0);
+  EXPECT_EQ(noise.as_if_white().order(), 0);
+  EXPECT_EQ(noise.as_if_white().sigma(), noise.sigma());
+  std::vector<double> constant(5, 3.0);
+  noise.as_if_white().whiten(constant);
+  for (const double value : constant) EXPECT_DOUBLE_EQ(value, 3.0 / noise.sigma());
+}
+
 // Of higher order too the covariance of any stretch is Toeplitz, of the variance stated.
 TEST(NoiseModel, IsStationaryFromTheFirstSampleOn) {
   std::vector<double> hard = second_order_noise(4000, 9, 1.6, -0.8);

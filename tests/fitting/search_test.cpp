@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -75,6 +76,25 @@ TEST(Search, EndsAtTheSamePlaceAfterARoughOne) {
       EXPECT_NEAR(ends[0][i], ends[1][i], 0.01 * errors[static_cast<Eigen::Index>(k)])
           << problem.variables()[i].name;
     }
+  }
+}
+
+// Noise x_t = 0.95 x_{t-1} + e_t. Its steps are a third of it, so that what rings weighs thrice as
+// much as what is slow, and touch and delay have a false minimum at each of its periods.
+TEST(Search, FindsTheImpactInNoiseThatHangsTogether) {
+  const RigFile rig = hybrid_rig();
+  for (int shot = 0; shot < 10; ++shot) {
+    const tests::ShotTruth truth{.restitution = 0.4 + 0.03 * shot,
+                                 .stiffness_factor = shot % 2 == 0 ? 0.7 : 1.4,
+                                 .velocity = 0.8 - 0.03 * shot,
+                                 .noise_memory = 0.95,
+                                 .duration = 1.6e-3,
+                                 .seed = 100U + static_cast<std::uint64_t>(shot)};
+    const Fit found = fit({synthetic_shot(rig, truth)}, rig);
+    SCOPED_TRACE(testing::Message() << "shot " << shot);
+    EXPECT_LT(found.goodness.chi2, 1.5 * static_cast<double>(found.goodness.dof));
+    const Parameter& e = tests::parameter(found, "contact.restitution");
+    EXPECT_NEAR(e.value, truth.restitution, 5.0 * e.std_error);
   }
 }
 
