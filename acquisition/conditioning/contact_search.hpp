@@ -26,6 +26,11 @@ struct Contact {
   double last_end = 0.0;       ///< of the last of these, else `end` [samples]; of a velocity 0
 };
 
+/// Whether a contact has too few samples to tell its shape.
+inline bool undersampled(const Contact& contact) {
+  return contact.end - contact.onset < 20.0;
+}
+
 /// A signal that goes from a baseline to a peak and back: force, acceleration.
 std::vector<Contact> find_pulses(const Trace& trace, const DetectionOptions& options);
 

@@ -13,6 +13,7 @@
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/conditioning/contact_search.hpp"
 #include "acquisition/conditioning/impact_flags.hpp"
+#include "acquisition/conditioning/recorded_signal.hpp"
 #include "acquisition/conditioning/samples.hpp"
 #include "acquisition/conditioning/swapped_channels.hpp"
 #include "acquisition/conditioning/trace.hpp"

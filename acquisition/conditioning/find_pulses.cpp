@@ -3,32 +3,21 @@
 #include <cmath>
 #include <span>
 
+#include "acquisition/conditioning/background.hpp"
 #include "acquisition/conditioning/contact_search.hpp"
+#include "acquisition/conditioning/measure_pulse.hpp"
 #include "acquisition/conditioning/touch_in_vibration.hpp"
 
 namespace impactrig::acquisition {
 
 namespace {
 
-constexpr double peak_fraction = 0.05;   ///< of the peak: below it nothing is a contact
 constexpr double dense_height = 20.0;    ///< standard deviations, where the pulse fills the record
-constexpr double stands_out = 2.0;       ///< times what went before: a contact, no ringing
 constexpr std::size_t least_quiet = 16;  ///< samples that tell a level and its noise
 
 double as_double(std::size_t n) {
   return static_cast<double>(n);
 }
-
-/// What the signal would do without the contact.
-struct Baseline {
-  QuietFit fit;
-  bool steady = false;  ///< the whole window before touch could be used
-  bool line = false;    ///< fit, else constant
-  double constant = 0.0;
-  double sigma = 0.0;  ///< scatter about it
-
-  double at(std::size_t i) const { return line ? fit.at(as_double(i)) : constant; }
-};
 
 /// Where and how a signal is looked for.
 struct Trigger {
@@ -236,164 +225,6 @@ Baseline PulseSearch::baseline_before(std::size_t end, std::size_t floor, double
   return baseline;
 }
 
-// --- One pulse ----------------------------------------------------------------------------------
-
-/// A signal measured from its baseline, positive in the pulse's direction.
-struct Excursion {
-  std::span<const double> y;
-  const Baseline& baseline;
-  double sign;
-  double stop;   ///< at or below it the signal is on its baseline
-  double noise;  ///< gate times sigma
-  std::size_t floor;
-
-  double at(std::size_t i) const { return sign * (y[i] - baseline.at(i)); }
-
-  double threshold(double peak) const { return std::max(noise, peak_fraction * peak); }
-
-  /// Above it a pulse goes on: half of what noise may reach, so that a foot which rises slowly
-  /// through the noise does not end where one sample of it was above the threshold.
-  double lasting(double peak) const { return std::max(0.5 * noise, peak_fraction * peak); }
-};
-
-/// Zero of the line through two samples at x and x + 1 (x + 1 the further one from the crossing),
-/// at most one sample beyond `near`, the last sample on the baseline.
-double extrapolated_onset(const Excursion& z, std::size_t near) {
-  const double a = z.at(near + 1);
-  const double b = near + 2 < z.y.size() ? z.at(near + 2) : a;
-  const double rest = z.at(near);
-  if (b > a && rest >= -z.stop)
-    return std::clamp(as_double(near + 1) - a / (b - a), as_double(near) - 1.0,
-                      as_double(near + 1));
-  return as_double(near) + std::clamp(-rest / (a - rest), 0.0, 1.0);
-}
-
-double extrapolated_end(const Excursion& z, std::size_t near) {
-  const double a = z.at(near - 1);
-  const double b = near >= 2 ? z.at(near - 2) : a;
-  const double rest = z.at(near);
-  if (b > a && rest >= -z.stop)
-    return std::clamp(as_double(near - 1) + a / (b - a), as_double(near - 1),
-                      as_double(near) + 1.0);
-  return as_double(near) - std::clamp(-rest / (a - rest), 0.0, 1.0);
-}
-
-/// Follows the pulse from `crossing` to where it comes back to its baseline, or has stayed below
-/// the threshold of its own peak for 10 samples and half of its length.
-struct Descent {
-  std::size_t peak_index, stop_index;
-  double peak, end;
-  bool ends_inside;
-};
-
-Descent follow(const Excursion& z, std::size_t crossing) {
-  Descent d{crossing, crossing, 0.0, as_double(z.y.size() - 1), true};
-  std::size_t last_above = crossing;
-  for (std::size_t j = crossing; j < z.y.size(); ++j) {
-    const double value = z.at(j);
-    if (value > d.peak) {
-      d.peak = value;
-      d.peak_index = j;
-    }
-    d.stop_index = j;
-    if (value > z.lasting(d.peak)) last_above = j;
-    if (value <= z.stop && j > crossing) {
-      d.end = extrapolated_end(z, j);
-      d.ends_inside = false;
-      break;
-    }
-    if (j - last_above > 10 + (last_above - crossing) / 2) {
-      d.end = as_double(last_above) + 1.0;
-      d.ends_inside = false;
-      break;
-    }
-  }
-  return d;
-}
-
-/// Filters ring before a pulse too: where the first lobe is followed at once by one of the other
-/// sign and five times its height, that one is the pulse. Returns where it crosses the threshold.
-std::optional<std::size_t> main_lobe_after(const Excursion& z, std::size_t crossing,
-                                           const Descent& first, double threshold) {
-  const std::size_t limit =
-      std::min(z.y.size(), first.stop_index + (first.stop_index - crossing) + 5);
-  for (std::size_t j = first.stop_index; j < limit; ++j) {
-    if (-z.at(j) <= threshold) continue;
-    double opposite = 0.0;
-    for (std::size_t k = j; k < z.y.size() && z.at(k) < 0.0; ++k)
-      opposite = std::max(opposite, -z.at(k));
-    if (opposite > 5.0 * first.peak) return j;
-    break;
-  }
-  return std::nullopt;
-}
-
-/// Full width at half of the peak, in samples.
-double half_width(const Excursion& z, const Descent& d) {
-  const double half = 0.5 * d.peak;
-  const auto crossing = [&](std::size_t above, std::size_t below) {
-    const double a = z.at(above), b = z.at(below);
-    return as_double(above) + (as_double(below) - as_double(above)) * (a - half) / (a - b);
-  };
-  std::size_t left = d.peak_index, right = d.peak_index;
-  while (left > z.floor && z.at(left) > half) --left;
-  while (right + 1 < z.y.size() && z.at(right) > half) ++right;
-  const double from = z.at(left) <= half ? crossing(left + 1, left) : as_double(left);
-  const double to = z.at(right) <= half ? crossing(right - 1, right) : as_double(right);
-  return to - from;
-}
-
-/// Integral between two fractional indices by the trapezoidal rule; the signal is 0 at both unless
-/// they are samples.
-double integral(const Excursion& z, double from, double to) {
-  const auto first = static_cast<std::size_t>(std::ceil(from));
-  const auto last = static_cast<std::size_t>(std::floor(to));
-  if (last < first) return 0.0;
-  double sum =
-      0.5 * (z.at(first) * (as_double(first) - from) + z.at(last) * (to - as_double(last)));
-  for (std::size_t i = first; i < last; ++i) sum += 0.5 * (z.at(i) + z.at(i + 1));
-  return sum;
-}
-
-/// Later pulses of the same sign that ringing cannot be, before sample `limit`: each is more than
-/// twice what the signal swings the other way before and right after it, and no single sample.
-struct FurtherHits {
-  int count = 0;
-  double end = 0.0;  ///< of the last one, or of the first contact; in samples
-};
-
-FurtherHits further_hits(const Excursion& z, const Contact& contact, const Descent& d,
-                         std::size_t limit) {
-  const double threshold = z.threshold(d.peak);
-  const double rest = std::max(5.0, 0.05 * contact.width);
-  const double least = std::max(1.0, 0.05 * contact.width);  // samples above the threshold
-  limit = std::min(limit, z.y.size());
-  FurtherHits hits{0, contact.end};
-  double other_way = 0.0;
-  std::size_t last_above = d.stop_index;
-  for (std::size_t j = d.stop_index; j < limit; ++j) {
-    const double value = z.at(j);
-    other_way = std::max(other_way, -value);
-    if (value <= threshold) continue;
-    const bool rested = as_double(j - last_above) > rest;
-    const std::size_t begin = j;
-    double lobe = 0.0;
-    std::size_t above = 0, longest = 0, end = j;
-    for (; j < z.y.size() && z.at(j) > z.stop; ++j) {
-      lobe = std::max(lobe, z.at(j));
-      above = z.at(j) > threshold ? above + 1 : 0;
-      longest = std::max(longest, above);
-      if (above > 0) end = j + 1;
-    }
-    last_above = j;
-    for (std::size_t k = j; k < std::min(z.y.size(), j + (j - begin)); ++k)
-      other_way = std::max(other_way, -z.at(k));
-    if (rested && as_double(longest) >= least && lobe > stands_out * other_way)
-      hits = {hits.count + 1, as_double(end)};
-  }
-  return hits;
-}
-
 std::optional<Contact> PulseSearch::measure(std::size_t crossing, std::size_t floor,
                                             const Trigger& trigger) const {
   const auto post = static_cast<std::size_t>(options_.post_trigger / trace_.interval);
@@ -425,42 +256,15 @@ std::optional<Contact> PulseSearch::measure(std::size_t crossing, std::size_t fl
 std::optional<Contact> PulseSearch::measure_from(const Baseline& baseline, std::size_t crossing,
                                                  std::size_t floor, const Trigger& trigger,
                                                  std::optional<double> touch) const {
-  const double sigma = at_least_a_step(baseline.sigma);
-  double noise = gate_ * sigma;
+  double noise = gate_ * at_least_a_step(baseline.sigma);
   if (options_.threshold > 0.0) noise = std::min(noise, options_.threshold);
-  Excursion z{y_, baseline, 1.0, std::max(baseline.sigma, 0.5 * grain_), noise, floor};
-  if (z.at(crossing) < 0.0) z.sign = -1.0;
-  if (z.at(crossing) <= z.stop) return std::nullopt;
-
-  Descent d = follow(z, crossing);
-  if (const auto later = main_lobe_after(z, crossing, d, trigger.threshold)) {
-    crossing = *later;
-    z.sign = -z.sign;
-    d = follow(z, crossing);
-  }
-
-  if (d.peak <= trigger.threshold) return std::nullopt;  // hum lifted noise over the threshold
-
-  Contact contact;
-  std::size_t i = crossing;
-  while (i > floor && z.at(i) > z.stop) --i;
-  const bool reached = z.at(i) <= z.stop;
-  contact.onset = reached ? extrapolated_onset(z, i) : as_double(i);
-  contact.onset = std::max(touch.value_or(contact.onset), 0.0);
-  contact.begins_inside = !reached && i == 0 && z.at(0) > z.threshold(d.peak);
-  contact.end = std::min(d.end, as_double(y_.size() - 1));
-  contact.ends_inside = d.ends_inside;
-  contact.peak_index = d.peak_index;
-  contact.peak = z.sign * d.peak;
-  contact.width = half_width(z, d);
-  contact.impulse = z.sign * integral(z, contact.onset, contact.end);
-  contact.baseline = baseline.at(static_cast<std::size_t>(contact.onset));
-  const double post = options_.post_trigger / trace_.interval;
-  const FurtherHits further =
-      further_hits(z, contact, d, static_cast<std::size_t>(contact.onset + post) + 1);
-  contact.further_hits = further.count;
-  contact.last_end = further.end;
-  return contact;
+  const Excursion excursion{.y = y_,
+                            .baseline = baseline,
+                            .stop = std::max(baseline.sigma, 0.5 * grain_),
+                            .noise = noise,
+                            .floor = floor};
+  return measure_pulse(excursion, crossing, trigger.threshold,
+                       options_.post_trigger / trace_.interval, touch);
 }
 
 /// The greatest departure within [begin, end), in blocks that lie within it.

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <numbers>
-#include <sstream>
-#include <stdexcept>
+#include <cstdint>
+#include <vector>
 
 #include "acquisition/conditioning/condition.hpp"
-#include "acquisition/importer.hpp"
-#include "datasets/input_error.hpp"
+#include "tests/acquisition/half_sine_contact.hpp"
 #include "tests/acquisition/scene.hpp"
 
 namespace impactrig::acquisition {
@@ -23,15 +18,6 @@ using datasets::Impact;
 using datasets::Quantity;
 using datasets::Record;
 using namespace tests;
-
-constexpr double pi = std::numbers::pi;
-constexpr double duration = 200e-6;  // [s]
-
-/// From 0.441 m/s to -0.2205 m/s by a half-sine deceleration on [0, duration]; e = 0.5.
-double bounce(double t) {
-  const double part = std::clamp(t / duration, 0.0, 1.0);
-  return 0.441 - 0.6615 * 0.5 * (1.0 - std::cos(pi * part));
-}
 
 // Peak F, full width at half of it 2 T/3, impulse 2 F T/pi; the pulse begins between two samples.
 TEST(FindImpacts, MeasuresAHalfSineByItsClosedForm) {
@@ -240,53 +226,6 @@ TEST(FindImpacts, CutsChannelsOfDifferentClocksToTheSameWindow) {
   EXPECT_NEAR(velocity.time(velocity.values.size() - 1), 1e-3, 4e-6);
 }
 
-TEST(FindImpacts, ReportsTheApproachVelocityAndItsNoise) {
-  const Sampling at;
-  std::vector<double> velocity = sampled(at, bounce);
-  add_noise(velocity, 1e-3, 5);
-  const auto impacts = find_impacts(
-      record_of({force_of(at, sampled(at, [](double t) { return half_sine(t, 1500.0, duration); })),
-                 velocity_of(at, velocity)}));
-  ASSERT_EQ(impacts.size(), 1u);
-  // 475 samples of 1 mm/s: 0.05 mm/s standard error.
-  EXPECT_NEAR(impacts[0].approach_velocity, 0.441, 2e-4);
-  EXPECT_NEAR(impacts[0].velocity->noise, 1e-3, 1.3e-4);
-  EXPECT_EQ(impacts[0].velocity->baseline, 0.0);  // the motion is no baseline
-}
-
-// The bar accelerates freely before touch: that is no noise.
-TEST(FindImpacts, DoesNotTakeFreeFallForNoise) {
-  const Sampling at;
-  const double g = 9.81;
-  std::vector<double> velocity =
-      sampled(at, [&](double t) { return bounce(t) + g * std::min(t, 0.0); });
-  std::vector<double> displacement =
-      sampled(at, [&](double t) { return t < 0.0 ? 0.441 * t + 0.5 * g * t * t : 0.0; });
-  add_noise(velocity, 1e-4, 5);
-  add_noise(displacement, 1e-9, 6);
-  const auto impacts = find_impacts(
-      record_of({force_of(at, sampled(at, [](double t) { return half_sine(t, 1500.0, duration); })),
-                 velocity_of(at, velocity),
-                 channel_of("Displacement", Quantity::displacement, at, displacement)}));
-  ASSERT_EQ(impacts.size(), 1u);
-  EXPECT_NEAR(impacts[0].velocity->noise, 1e-4, 1.3e-5);
-  EXPECT_NEAR(impacts[0].displacement->noise, 1e-9, 1.3e-10);
-}
-
-TEST(FindImpacts, LeavesADropoutOutOfTheApproachVelocity) {
-  const Sampling at;
-  std::vector<double> velocity = sampled(at, [](double t) {
-    return t > -0.3e-3 && t < -0.22e-3 ? 0.02 : bounce(t);  // 80 us towards zero
-  });
-  add_noise(velocity, 1e-3, 5);
-  const auto impacts = find_impacts(
-      record_of({force_of(at, sampled(at, [](double t) { return half_sine(t, 1500.0, duration); })),
-                 velocity_of(at, velocity)}));
-  ASSERT_EQ(impacts.size(), 1u);
-  EXPECT_NEAR(impacts[0].approach_velocity, 0.441, 2e-4);
-  EXPECT_NEAR(impacts[0].velocity->noise, 1e-3, 1.3e-4);
-}
-
 TEST(FindImpacts, SeesTheDigitiserStep) {
   const double step = 10000.0 / 4096.0;  // 12 bits over ±5 kN
   const Sampling at;
@@ -364,84 +303,6 @@ TEST(FindImpacts, TakesTheThresholdTheUserStates) {
   EXPECT_TRUE(find_impacts(record, {.threshold = 2000.0}).empty());
 }
 
-TEST(FindImpacts, FindsTheJumpOfAVelocity) {
-  const Sampling at;
-  std::vector<double> velocity = sampled(at, bounce);
-  add_noise(velocity, 1e-3, 5);
-  const auto impacts = find_impacts(record_of({velocity_of(at, velocity)}));
-  ASSERT_EQ(impacts.size(), 1u);
-  // The velocity leaves 3 sigma (0.5 % of the jump) after acos(1 - 2*0.0045)/pi = 4 % of T.
-  EXPECT_NEAR(impacts[0].start, 0.0, 0.05 * duration);
-  EXPECT_NEAR(impacts[0].end, duration, 0.05 * duration);
-  EXPECT_NEAR(impacts[0].peak, -0.6615, 1e-3);
-  EXPECT_NEAR(impacts[0].peak_time, duration / 2, 2e-6);
-  EXPECT_NEAR(impacts[0].width, duration * 2.0 / 3.0, 3e-6);
-  EXPECT_NEAR(impacts[0].approach_velocity, 0.441, 3e-4);
-  // Symmetric about its middle: mean velocity (0.441 - 0.2205)/2 over the contact.
-  EXPECT_NEAR(impacts[0].impulse, 0.11025 * duration, 0.06 * 0.11025 * duration);
-  ASSERT_TRUE(impacts[0].velocity);
-  EXPECT_FALSE(impacts[0].force);
-}
-
-TEST(FindImpacts, FindsTheJumpThatFillsItsRecord) {
-  const Sampling at{.start = -50e-6, .interval = 1e-6, .samples = 300};
-  std::vector<double> velocity = sampled(at, bounce);
-  add_noise(velocity, 1e-3, 5);
-  const auto impacts = find_impacts(record_of({velocity_of(at, velocity)}));
-  ASSERT_EQ(impacts.size(), 1u);
-  EXPECT_NEAR(impacts[0].peak, -0.6615, 5e-3);
-  EXPECT_NEAR(impacts[0].peak_time, duration / 2, 3e-6);
-}
-
-/// A flexible bar that closes at 0.441 m/s and vibrates after touch at 0; before it by `hum`.
-std::vector<double> struck_bar(const Sampling& at, double fall, double hum) {
-  return sampled(at, [&](double t) {
-    const double before = 0.441 + hum * std::sin(2.0 * pi * 700.0 * t + 1.0);
-    if (t <= 0.0) return before;
-    return before - 0.45 * (1.0 - std::exp(-t / fall)) - 0.15 * std::sin(2.0 * pi * 1300.0 * t) -
-           0.12 * std::sin(2.0 * pi * 3700.0 * t);
-  });
-}
-
-// The vibration it is left in is half of the change, as laser records of slender bars show it.
-TEST(FindImpacts, FindsTheTouchOfAVelocityThatVibratesAfterwards) {
-  const Sampling at;
-  for (const double fall : {20e-6, 80e-6, 250e-6})
-    for (const double hum : {0.0, 0.03}) {
-      std::vector<double> velocity = struck_bar(at, fall, hum);
-      add_noise(velocity, 2e-3, 5);
-      const auto impacts = find_impacts(record_of({velocity_of(at, velocity)}));
-      ASSERT_EQ(impacts.size(), 1u) << fall << ' ' << hum;
-      EXPECT_NEAR(impacts[0].start, 0.0, 30e-6) << fall << ' ' << hum;  // 2 % of the change
-      EXPECT_LT(impacts[0].peak, -0.2);
-      EXPECT_NEAR(impacts[0].approach_velocity, 0.441, 0.5 * hum + 1e-3);
-    }
-}
-
-// A dropout comes back: nothing has happened to the bar.
-TEST(FindImpacts, DoesNotTakeADropoutForAJump) {
-  const Sampling at;
-  for (const double length : {20e-6, 60e-6, 120e-6, 200e-6}) {
-    std::vector<double> velocity =
-        sampled(at, [&](double t) { return t > 1e-3 && t < 1e-3 + length ? 0.0 : 0.441; });
-    add_noise(velocity, 1e-3, 5);
-    EXPECT_TRUE(find_impacts(record_of({velocity_of(at, velocity)})).empty()) << length;
-  }
-}
-
-TEST(FindImpacts, LooksForTheTouchBehindADropout) {
-  const Sampling at;
-  for (const double length : {20e-6, 60e-6, 200e-6}) {
-    std::vector<double> velocity = struck_bar(at, 80e-6, 0.0);
-    for (std::size_t i = 0; i < velocity.size(); ++i)
-      if (at.time(i) > -0.7e-3 && at.time(i) < -0.7e-3 + length) velocity[i] = 0.0;
-    add_noise(velocity, 1e-3, 5);
-    const auto impacts = find_impacts(record_of({velocity_of(at, velocity)}));
-    ASSERT_EQ(impacts.size(), 1u) << length;
-    EXPECT_NEAR(impacts[0].start, 0.0, 30e-6) << length;
-  }
-}
-
 TEST(FindImpacts, PrefersForceThenAccelerationThenVelocity) {
   const Sampling at;
   const auto pulse = [&](double begin) {
@@ -478,82 +339,6 @@ TEST(FindImpacts, CarriesCalibrationAndDelay) {
   EXPECT_NEAR(impacts[0].force->gain_uncertainty, 0.02, 1e-12);
   EXPECT_EQ(impacts[0].force->delay, 2e-6);
   EXPECT_EQ(impacts[0].force->delay_uncertainty, 1e-7);
-}
-
-// --- Anything at all ----------------------------------------------------------------------------
-
-/// Noise, random walks, spikes, heavy tails, squares: things no impact test records.
-std::vector<double> garbage(std::size_t n, Noise& random) {
-  std::vector<double> values(n);
-  const int kind = static_cast<int>(6.0 * random.uniform());
-  double walk = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double u = random();
-    walk += u;
-    switch (kind) {
-      case 0:
-        values[i] = u;
-        break;
-      case 1:
-        values[i] = walk;
-        break;
-      case 2:
-        values[i] = random.uniform() < 0.01 ? 100.0 * u : 0.0;
-        break;
-      case 3:
-        values[i] = std::exp(3.0 * u);
-        break;
-      case 4:
-        values[i] = static_cast<double>(i / (1 + n / 7) % 2);
-        break;
-      default:
-        values[i] = u > 1.0 ? 1.0 : -1.0;
-        break;
-    }
-  }
-  if (random.uniform() < 0.3) round_to(values, 0.5);
-  return values;
-}
-
-TEST(FindImpacts, GivesFiniteFiguresInOrderForAnything) {
-  for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    Noise random(seed);
-    const auto n = static_cast<std::size_t>(std::pow(10.0, 3.3 * random.uniform()));
-    const Sampling at{
-        .start = 0.0, .interval = std::pow(10.0, -7.0 + 4.0 * random.uniform()), .samples = n};
-    const std::vector<double> values = garbage(n, random);
-    DetectionOptions options;
-    if (random.uniform() < 0.3) options.threshold = random.uniform();
-    if (random.uniform() < 0.3) options.pre_trigger = 0.0;
-    if (random.uniform() < 0.3) options.post_trigger = 10.0 * at.interval * random.uniform();
-    for (const Record& record : {record_of({force_of(at, values), velocity_of(at, values)}),
-                                 record_of({velocity_of(at, values)})}) {
-      double before = -INFINITY;
-      for (const Impact& impact : find_impacts(record, options)) {
-        EXPECT_GE(impact.start, before);
-        before = impact.start;
-        EXPECT_GE(impact.end, impact.start);
-        EXPECT_GE(impact.width, 0.0);
-        for (const double figure : {impact.start, impact.end, impact.peak, impact.width,
-                                    impact.impulse, impact.approach_velocity})
-          EXPECT_TRUE(std::isfinite(figure));
-        if (!impact.velocity) continue;  // the window was too short for a sample
-        EXPECT_GE(impact.velocity->noise, 0.0);
-        EXPECT_GE(impact.velocity->noise_correlation, 1.0);
-      }
-    }
-  }
-}
-
-TEST(FindImpacts, EndsWithinTheRecord) {
-  std::vector<double> force(200, 0.0);
-  for (std::size_t i = 100; i < 199; ++i) force[i] = 1000.0 + static_cast<double>(i % 2);
-  force[197] = 1100.0;  // the line through the last two samples above points beyond the record
-  const Sampling at{.start = 0.0, .interval = 1e-6, .samples = force.size()};
-  const auto impacts = find_impacts(record_of({force_of(at, force)}));
-  ASSERT_EQ(impacts.size(), 1u);
-  EXPECT_LE(impacts[0].end, at.time(199));
 }
 
 }  // namespace

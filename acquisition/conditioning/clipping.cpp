@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/conditioning/clipping.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "acquisition/conditioning/background.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Impact;
+using datasets::ImpactSignal;
+using datasets::Quantity;
+
+namespace {
+
+constexpr std::size_t plateau_samples = 16;
+constexpr std::size_t rail_samples = 32;  ///< equal ones on end that noise does not make
+
+double as_double(std::size_t n) {
+  return static_cast<double>(n);
+}
+
+/// How many equal samples on end are no chance: three without noise; with noise of more than half
+/// of a digitiser's step two are equal in step / (2 sqrt(pi) sigma) of all cases, and so many that
+/// this happens in one of 10⁴.
+std::size_t equal_by_chance(const Trace& trace, const Contact& contact, double quantum,
+                            const DetectionOptions& options) {
+  constexpr std::size_t fewest = 3;
+  const auto quiet = quiet_before(trace, contact.onset, 0, options);
+  if (!quiet || !(quantum > 0.0)) return fewest;
+  const double sigma = fit_quiet(trace.values, quiet->begin, quiet->end, 1, quantum).sigma;
+  if (!(sigma > 0.5 * quantum)) return fewest;
+  const double chance = quantum / (2.0 * std::sqrt(std::numbers::pi) * sigma);
+  return std::max(fewest,
+                  1 + static_cast<std::size_t>(std::ceil(std::log(1e-4) / std::log(chance))));
+}
+
+/// A flat top that no smooth crest makes: three or more equal extreme samples, above half of the
+/// peak, and beyond them the signal falls off faster than a parabola through digitiser steps would
+/// (a crest one step high over a run of m samples is 9 steps high over 3 m).
+bool flat_top(const Trace& trace, const Contact& contact, double quantum,
+              const DetectionOptions& options) {
+  const std::vector<double>& y = trace.values;
+  const double top = y[contact.peak_index];
+  const auto same = [&](std::size_t i) {
+    return std::abs(y[i] - top) <= 1e-9 * std::abs(contact.peak);
+  };
+  std::size_t first = contact.peak_index, last = contact.peak_index;
+  while (first > 0 && same(first - 1)) --first;
+  while (last + 1 < y.size() && same(last + 1)) ++last;
+  const std::size_t run = last - first + 1;
+  std::size_t sound = 0;  // what bridges invalid samples is level too
+  for (std::size_t i = first; i <= last; ++i) sound += trace.is_valid(i) ? 1 : 0;
+  if (sound < equal_by_chance(trace, contact, quantum, options)) return false;
+  const std::size_t left = first > run ? first - run : 0;
+  const std::size_t right = std::min(last + run, y.size() - 1);
+  const double fall = std::max(std::abs(top - y[left]), std::abs(top - y[right]));
+  return fall > 13.5 * quantum;
+}
+
+/// A level stretch of a signal at its extreme, in the direction of `sign`.
+struct Plateau {
+  const std::vector<double>& y;
+  double sign;
+  std::size_t first, last;  ///< samples
+  double level = 0.0;
+
+  std::size_t size() const { return last - first + 1; }
+
+  /// How far a sample lies under the level.
+  double depth(std::size_t i) const { return sign * (level - y[i]); }
+};
+
+/// The samples about the peak that lie within noise of `sigma`; none where they are few.
+std::optional<Plateau> plateau_at_peak(const std::vector<double>& y, const Contact& contact,
+                                       double sigma) {
+  const double sign = contact.peak < 0.0 ? -1.0 : 1.0;
+  const double height = std::abs(contact.peak);
+  const auto near_top = [&](std::size_t i) {
+    return sign * (y[i] - contact.baseline) >=
+           height - 9.0 * sigma;  // noise makes 3 to 4 of them at the peak
+  };
+  Plateau top{y, sign, contact.peak_index, contact.peak_index};
+  while (top.first > 0 && near_top(top.first - 1)) --top.first;
+  while (top.last + 1 < y.size() && near_top(top.last + 1)) ++top.last;
+  if (top.size() < plateau_samples) return std::nullopt;
+  // From here on the level is the plateau's own.
+  top.level = median({y.begin() + static_cast<std::ptrdiff_t>(top.first),
+                      y.begin() + static_cast<std::ptrdiff_t>(top.last) + 1});
+  while (top.first < top.last && top.depth(top.first) > 2.5 * sigma) ++top.first;
+  while (top.last > top.first && top.depth(top.last) > 2.5 * sigma) --top.last;
+  if (top.size() < plateau_samples) return std::nullopt;
+  return top;
+}
+
+/// Whether a plateau neither bends nor leans by more than its noise.
+bool is_level(const Plateau& top, double sigma, double quantum) {
+  const QuietFit course = fit_quiet(top.y, top.first, top.last + 1, 2, quantum);
+  // Of noise alone these are 2.2 and 1.7 standard errors of the mean at one standard deviation.
+  const double error = sigma / std::sqrt(as_double(top.size()));
+  const double bend = 1.5 * std::abs(course.coefficients[2]);
+  const double lean = 2.0 * std::abs(course.coefficients[1]);
+  return !(bend > 0.3 * sigma + 9.0 * error || lean > 0.3 * sigma + 9.0 * error);
+}
+
+/// A flat top with noise behind it: the samples about the peak that lie within the noise before
+/// touch are a level stretch, and the signal leaves it at both ends at once as steeply as it goes
+/// on. A crest curves within such a stretch, and a plateau that the contact makes rounds off.
+bool noisy_flat_top(const Trace& trace, const Contact& contact, double quantum,
+                    const DetectionOptions& options) {
+  const std::vector<double>& y = trace.values;
+  const auto quiet = quiet_before(trace, contact.onset, 0, options);
+  if (!quiet) return false;
+  // On a level between two values of a digitiser the least noise is half a step.
+  const double sigma =
+      std::max(fit_quiet(y, quiet->begin, quiet->end, 1, quantum).sigma, 0.5 * quantum);
+  if (!(sigma > 0.0)) return false;
+  const auto top = plateau_at_peak(y, contact, sigma);
+  if (!top) return false;
+  const std::size_t part = std::max<std::size_t>(3, top->size() / 12);
+  if (top->first < 2 * part || top->last + 2 * part >= y.size()) return false;
+  if (!is_level(*top, sigma, quantum)) return false;
+  const auto steep = [&](double near, double far) {
+    return near > 10.0 * sigma && near > 0.6 * (far - near);
+  };
+  return steep(top->depth(top->first - part), top->depth(top->first - 2 * part)) &&
+         steep(top->depth(top->last + part), top->depth(top->last + 2 * part));
+}
+
+/// Whether a signal reaches its known range, or invalid samples of it are a top that the recorder
+/// marked: finite ones above half of the peak that no sound sample of the contact is higher than.
+/// `half_peak` 0: these do not count.
+bool over_range(const RecordedSignal& signal, std::size_t first, std::size_t last, double half_peak,
+                double baseline) {
+  const Trace& trace = signal.trace;
+  for (std::size_t i = first; i <= last; ++i)
+    if (at_range(trace.values[i], signal.range)) return true;
+  if (!(half_peak > 0.0)) return false;
+  // As recorded: the trace bridges what is invalid.
+  const datasets::Channel& channel = *signal.channel;
+  const double level = channel.value(first);
+  double sound = 0.0, marked = 0.0;
+  for (std::size_t i = first; i <= last; ++i) {
+    const double height = std::abs(channel.value(i) - level);
+    if (trace.is_valid(i))
+      sound = std::max(sound, height);
+    else if (!std::isnan(height) && std::abs(trace.values[i] - baseline) >= half_peak)
+      marked = std::max(marked, height);
+  }
+  return marked > 0.0 && marked >= 0.999 * sound;
+}
+
+/// White noise beyond a digitiser's rounding on whatever smooth course. Fourth differences leave
+/// hardly anything of a curve and turn in 0.80 of white noise; sixth ones tell the same noise then,
+/// and less where it is a vibration that few samples follow. Rounding alone is 0.3 to 0.55 of a
+/// step by its median, as differences are whole steps.
+bool has_rough_noise(const std::vector<double>& y, double quantum, double span) {
+  const auto differences = [](std::vector<double> values, int times) {
+    for (int k = 0; k < times; ++k) {
+      for (std::size_t i = 0; i + 1 < values.size(); ++i) values[i] = values[i + 1] - values[i];
+      values.pop_back();
+    }
+    return values;
+  };
+  const auto typical = [](std::vector<double> values) {
+    for (double& value : values) value = std::abs(value);
+    return normal_mad * median(std::move(values));
+  };
+  const std::vector<double> fourth = differences(y, 4);
+  std::size_t turns = 0;
+  for (std::size_t i = 1; i < fourth.size(); ++i) turns += fourth[i] * fourth[i - 1] < 0.0 ? 1 : 0;
+  // sums of the squared binomial coefficients
+  const double noise =
+      std::min(typical(fourth) / std::sqrt(70.0), typical(differences(y, 6)) / std::sqrt(924.0));
+  return 2 * turns > fourth.size() && noise > std::max(0.7 * quantum, 3e-5 * span);
+}
+
+/// A rail that no range states: noise on the way, none for many samples on end at the extreme.
+/// A digitiser's level is none: its runs end where the noise is a step high, and without such noise
+/// a bar at rest or at constant speed has them too. Nor is zero, where lost lasers are.
+bool on_rail(const ImpactSignal& signal, double sign) {
+  const std::vector<double>& y = signal.values;
+  const auto valid = [&](std::size_t i) { return signal.valid.empty() || signal.valid[i] != 0; };
+  double top = -INFINITY, bottom = INFINITY;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    if (!valid(i)) continue;
+    top = std::max(top, sign * y[i]);
+    bottom = std::min(bottom, sign * y[i]);
+  }
+  const double span = top - bottom;
+  if (!(span > 0.0) || std::abs(top) <= 1e-3 * span) return false;
+  const auto same = [&](double a, double b) { return std::abs(a - b) <= 1e-9 * span; };
+  std::vector<double> off;  // what is on neither extreme
+  std::size_t run = 0, longest = 0, elsewhere = 0, longest_elsewhere = 0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const bool at_top = valid(i) && same(sign * y[i], top);
+    run = at_top ? run + 1 : 0;
+    longest = std::max(longest, run);
+    if (at_top || same(sign * y[i], bottom)) continue;
+    elsewhere = !off.empty() && same(y[i], off.back()) ? elsewhere + 1 : 1;
+    longest_elsewhere = std::max(longest_elsewhere, elsewhere);
+    off.push_back(y[i]);
+  }
+  if (longest < rail_samples || longest < 4 * longest_elsewhere || off.size() < rail_samples)
+    return false;
+  return has_rough_noise(off, signal.quantum, span);
+}
+
+/// The longest level stretch of a signal at its largest value, in the direction of `sign`, of a
+/// digitiser whose step is known.
+struct LevelStretch {
+  const ImpactSignal& signal;
+  double sign, top;
+  std::size_t first = 0, size = 0;  ///< samples
+  long span = 0;                    ///< steps to the other extreme
+
+  LevelStretch(const ImpactSignal& of, double direction) : signal(of), sign(direction) {
+    const auto [least, most] = std::ranges::minmax(signal.values);
+    top = sign > 0.0 ? most : least;
+    span = std::lround((most - least) / signal.quantum);
+    for (std::size_t i = 0, begin = 0; i < signal.values.size(); ++i) {
+      if (below(i) > 0) begin = i + 1;
+      if (i + 1 - begin > size) first = begin, size = i + 1 - begin;
+    }
+  }
+
+  bool begins_inside() const { return first == 0; }
+
+  bool ends_inside() const { return first + size == signal.values.size(); }
+
+  /// Steps under the extreme.
+  long below(std::size_t i) const {
+    return std::lround(sign * (top - signal.values[i]) / signal.quantum);
+  }
+
+  /// How far the signal has fallen `samples` behind the end of the stretch, or before its begin.
+  long fall(std::size_t samples, bool behind) const {
+    if (behind) return below(std::min(first + size - 1 + samples, signal.values.size() - 1));
+    return below(first > samples ? first - samples : 0);
+  }
+
+  /// Samples from the end (or begin) until the signal is so many steps down; none where it is not.
+  std::optional<double> samples_to(long depth, bool behind) const {
+    const std::size_t most = behind ? signal.values.size() - first - size : first;
+    const double level = static_cast<double>(depth) - 0.5;  // where the value before gives way
+    double last = 0.0;
+    for (std::size_t n = 0; n < most; ++n) {
+      const double here = static_cast<double>(below(behind ? first + size + n : first - 1 - n));
+      if (here >= level) return as_double(n) - (here - level) / (here - last);
+      last = here;
+    }
+    return std::nullopt;
+  }
+};
+
+/// Whether a signal leaves its extreme at once as steeply as it goes on. What a contact's force
+/// bends begins as t² or slower and takes 1.6 times as long over its first m steps as over the next
+/// m; a rail that it crosses, once.
+bool leaves_at_once(const LevelStretch& level, bool behind) {
+  constexpr long fewest_steps = 4;
+  constexpr double fewest_samples = 2.0;  // the stretch's own end is known to one
+  const long m = std::max(fewest_steps, level.span / 12);
+  const auto near = level.samples_to(1 + m, behind), far = level.samples_to(1 + 2 * m, behind);
+  if (!near || !far || *near < fewest_samples) return false;
+  return *near < 1.35 * (*far - *near) &&
+         as_double(level.size) > 4.0 * std::max(*near, *far - *near) / static_cast<double>(m);
+}
+
+/// The part of the contact's impulse up to a time; none without a force.
+std::optional<double> impulse_until(const Impact& impact, double time) {
+  if (!impact.force) return std::nullopt;
+  double before = 0.0, whole = 0.0;
+  for (std::size_t i = 0; i < impact.force->values.size(); ++i) {
+    const double t = impact.force->time(i);
+    if (t < impact.start || t > impact.end) continue;
+    whole += impact.force->values[i];
+    if (t < time) before += impact.force->values[i];
+  }
+  return whole != 0.0 ? std::optional(before / whole) : std::nullopt;
+}
+
+/// A rail that no range states, of a digitiser whose steps hide the noise: a level stretch at the
+/// extreme, far longer than a step takes beside it, that the signal leaves at once. Inside the
+/// window both ends have to, and fall off faster than the crest through such steps would that the
+/// stretch allows (see flat_top). A velocity may begin or end on its rail; so may one at constant
+/// speed whose contact begins with a jump, but that one leaves before the force has done anything.
+/// Displacements do it by themselves, as a struck bar's.
+bool on_stepped_rail(const Impact& impact, const ImpactSignal& signal, double sign) {
+  constexpr long least_span = 48;  // steps: fewer do not tell a curve from a line
+  constexpr long crest_fall = 13;
+  if (!(signal.quantum > 0.0)) return false;
+  if (!signal.valid.empty() && std::ranges::count(signal.valid, 0) > 0) return false;
+  const LevelStretch level(signal, sign);
+  const bool begins = level.begins_inside(), ends = level.ends_inside();
+  const double span = static_cast<double>(level.span);
+  if (level.size < plateau_samples || (begins && ends) ||
+      std::abs(level.top) <= 1e-3 * span * signal.quantum)  // lost lasers show zero
+    return false;
+  if (!begins && !ends)
+    return std::min(level.fall(level.size, false), level.fall(level.size, true)) > crest_fall &&
+           leaves_at_once(level, false) && leaves_at_once(level, true);
+  if (signal.quantity != Quantity::velocity || level.span < least_span) return false;
+  const double edge = signal.time(begins ? level.size : level.first);
+  const auto done = impulse_until(impact, edge);
+  const double little = 0.02 + 3.0 / span;
+  return done && *done > little && *done < 1.0 - little && leaves_at_once(level, begins);
+}
+
+/// A velocity that goes on at the other end of a decoder's range: from one sample to the next it
+/// turns over, beyond four fifths of its largest value on both sides, and stays there for three
+/// samples at least. A contact of many samples takes longer, and a lost laser shows zero.
+bool wraps(const ImpactSignal& velocity) {
+  constexpr double near_end = 0.8, stays = 0.5;
+  constexpr std::size_t beside = 3;
+  const std::vector<double>& y = velocity.values;
+  double largest = 0.0;
+  for (const double value : y) largest = std::max(largest, std::abs(value));
+  for (std::size_t i = beside; i + beside <= y.size(); ++i) {
+    const double sign = y[i] < 0.0 ? -1.0 : 1.0;
+    bool turned = sign * y[i] >= near_end * largest && -sign * y[i - 1] >= near_end * largest;
+    for (std::size_t k = 1; turned && k < beside; ++k)
+      turned = sign * y[i + k] >= stays * largest && -sign * y[i - 1 - k] >= stays * largest;
+    if (turned && largest > 0.0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool trigger_clipped(const RecordedSignal& trigger, const Contact& contact,
+                     const DetectionOptions& options) {
+  const std::vector<double>& y = trigger.trace.values;
+  const bool pulse = trigger.trace.quantity != Quantity::velocity;
+  const auto first = static_cast<std::size_t>(contact.onset);
+  const std::size_t last = std::min(y.size() - 1, static_cast<std::size_t>(contact.end));
+  return over_range(trigger, first, last, pulse ? 0.5 * std::abs(contact.peak) : 0.0,
+                    contact.baseline) ||
+         (pulse && (flat_top(trigger.trace, contact, trigger.quantum, options) ||
+                    noisy_flat_top(trigger.trace, contact, trigger.quantum, options)));
+}
+
+bool motion_clipped(const Impact& impact, const Contact& contact,
+                    const std::vector<const RecordedSignal*>& signals) {
+  if (impact.velocity && !undersampled(contact) && wraps(*impact.velocity)) return true;
+  for (const auto* signal : {&impact.velocity, &impact.displacement}) {
+    if (!*signal) continue;
+    const double range = known_range(signals, (*signal)->quantity);
+    if (std::ranges::any_of((*signal)->values, [&](double v) { return at_range(v, range); }))
+      return true;
+    for (const double sign : {1.0, -1.0})
+      if (on_rail(**signal, sign) || on_stepped_rail(impact, **signal, sign)) return true;
+  }
+  return false;
+}
+
+}  // namespace impactrig::acquisition
