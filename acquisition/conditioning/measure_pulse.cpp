@@ -110,13 +110,13 @@ double integral(const Excursion& z, double from, double to) {
   return sum;
 }
 
-/// Later pulses of the same sign that ringing cannot be, before sample `limit`: each is more than
-/// twice what the signal swings the other way before and right after it, and no single sample.
 struct FurtherHits {
   int count = 0;
   double end = 0.0;  ///< of the last one, or of the first contact; in samples
 };
 
+/// Later pulses of the same sign that ringing cannot be, before sample `limit`: each is more than
+/// twice what the signal swings the other way before and right after it, and no single sample.
 FurtherHits further_hits(const Excursion& z, const Contact& contact, const Descent& d,
                          std::size_t limit) {
   const double threshold = z.threshold(d.peak);

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <ostream>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "models/beams/floating_frame.hpp"
 #include "tests/models/scenes.hpp"
@@ -41,6 +44,8 @@ struct Scene {
   std::string name;
   Rig rig;
   int bending, axial;
+
+  friend void PrintTo(const Scene& scene, std::ostream* out) { *out << scene.name; }
 };
 
 class FrameOf : public testing::TestWithParam<Scene> {
@@ -95,9 +100,9 @@ TEST_P(FrameOf, TangentIsTheDerivativeOfTheUnbalancedForces) {
       differences([&](const Vector& d) { return unbalanced(q + d, v, a, free_); }, 0.02);
   const Matrix by_v =
       differences([&](const Vector& d) { return unbalanced(q, v + d, a, free_); }, 0.02);
-  EXPECT_LT((tangent.mass - mass).norm(), 1e-11 * mass.norm());
-  EXPECT_LT((tangent.by_q - by_q).norm(), 1e-9 * by_q.norm());
-  EXPECT_LT((tangent.by_v - by_v).norm(), 1e-9 * by_v.norm());
+  EXPECT_LE((tangent.mass - mass).norm(), 1e-11 * mass.norm());
+  EXPECT_LE((tangent.by_q - by_q).norm(), 1e-9 * by_q.norm());
+  EXPECT_LE((tangent.by_v - by_v).norm(), 1e-9 * by_v.norm());
 }
 
 TEST_P(FrameOf, AccelerationsLeaveNothingUnbalanced) {
@@ -158,9 +163,9 @@ TEST_P(FrameOf, AHeldHingeIsBalancedByTheMomentThatHoldsIt) {
   const Matrix mass = -differences([&](const Vector& d) { return held(q, v, a + d); }, 1.0);
   const Matrix by_q = differences([&](const Vector& d) { return held(q + d, v, a); }, 0.02);
   const Matrix by_v = differences([&](const Vector& d) { return held(q, v + d, a); }, 0.02);
-  EXPECT_LT((tangent.mass - mass).norm(), 1e-11 * mass.norm());
-  EXPECT_LT((tangent.by_q - by_q).norm(), 1e-9 * by_q.norm());
-  EXPECT_LT((tangent.by_v - by_v).norm(), 1e-9 * by_v.norm());
+  EXPECT_LE((tangent.mass - mass).norm(), 1e-11 * mass.norm());
+  EXPECT_LE((tangent.by_q - by_q).norm(), 1e-9 * by_q.norm());
+  EXPECT_LE((tangent.by_v - by_v).norm(), 1e-9 * by_v.norm());
 }
 
 INSTANTIATE_TEST_SUITE_P(Bars, FrameOf,
