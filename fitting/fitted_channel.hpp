@@ -11,6 +11,13 @@
 
 namespace impactrig::fitting {
 
+/// Of the peak, where the record shows no noise at all.
+inline constexpr double unseen_noise = 1e-3;
+
+/// Of the contact's duration: the least that lies between the quiet stretch and first touch, which
+/// moves during the fit.
+inline constexpr double margin_part = 0.1;
+
 /// A channel of a recording as the fit weighs it.
 struct FittedChannel {
   const datasets::ImpactSignal* signal = nullptr;
@@ -30,6 +37,11 @@ struct Measurement {
   double gain = 1.0;
   double shift = 0.0;  ///< first touch as this channel shows it, on the record's axis [s]
 };
+
+/// A channel of an impact with the noise that it shows before the trigger, hum of the mains'
+/// frequency [Hz] apart; where it shows none, with `unseen_noise`.
+FittedChannel weigh(const datasets::Impact& impact, const datasets::ImpactSignal& signal,
+                    double mains_frequency);
 
 /// Whitens what is at a channel's used samples by its noise, stretch by stretch of samples in a
 /// row.
