@@ -13,24 +13,11 @@
 #include "datasets/impact.hpp"
 #include "fitting/fit_options.hpp"
 #include "fitting/rig_file.hpp"
-#include "fitting/shot_cost.hpp"
-#include "fitting/shot_model.hpp"
+#include "fitting/shot.hpp"
 #include "fitting/solver_options.hpp"
 #include "fitting/variables.hpp"
 
 namespace impactrig::fitting {
-
-/// One recording of a fit with what was chosen for it.
-struct Shot {
-  const datasets::Impact* impact = nullptr;
-  double window = 0.0;   ///< fitted after first touch [s]
-  double contact = 0.0;  ///< duration of the first contact as seen [s]
-  double reach = 0.0;    ///< of the filters of its channels, to either side of a sample [s]
-  std::vector<FittedChannel> channels;
-  std::vector<std::size_t> numbers;  ///< of the variables that concern it
-  std::shared_ptr<ShotModel> model;
-  std::unique_ptr<ShotCost> cost;
-};
 
 struct SearchEnd {
   bool started = false;
@@ -124,8 +111,11 @@ class FitProblem {
  private:
   FitProblem() = default;
   void add_shot(const datasets::Impact& impact, int number, const FitOptions& options);
-  FittedChannel weigh(const datasets::Impact& impact, const datasets::ImpactSignal& signal);
-  void refuse_all_made_up(const Shot& shot) const;
+  void add_channels(const FitOptions& options, Shot& shot);
+  void warn_of_constant(const datasets::Impact& impact, const datasets::ImpactSignal& signal);
+  void warn_of_short_pre_trigger(const datasets::Impact& impact,
+                                 const datasets::ImpactSignal& signal);
+  void warn_of_unseen_noise(const datasets::Impact& impact, const datasets::ImpactSignal& signal);
   void warn_of_unused(const FitOptions& options);
   void follow_ties();
   double time_left() const;

@@ -1,30 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "fitting/covariance.hpp"
 #include "fitting/fit.hpp"
+#include "fitting/fit_end.hpp"
 #include "fitting/fit_problem.hpp"
 
 namespace impactrig::fitting {
 
-/// A reduced chi-square above this is no chance: the noise itself is known to a tenth from the few
-/// hundred samples before a trigger.
-inline constexpr double misfit = 1.25;
-
 /// The error of a mesh against the change to one twice as fine: errors fall about tenfold.
 inline constexpr double beyond_finer = 1.1;
-
-/// What is known of a problem's parameters where its search ended.
-struct FitEnd {
-  Uncertainty spread;          ///< of the unknowns, in their order
-  double inflation = 1.0;      ///< of all standard errors, where the residuals exceed the noise
-  Eigen::VectorXd mesh_shift;  ///< of the unknowns; empty where there is none to tell
-  /// How much else a finer mesh changes the first recording's restitutions, parameters held.
-  models::Restitution mesh_change = {};
-};
 
 /// Degrees of freedom, information criteria, of what is determined; returns chi-square by degree of
 /// freedom. chi2 is already in.

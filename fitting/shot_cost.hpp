@@ -4,39 +4,24 @@
 #include <ceres/cost_function.h>
 
 #include <Eigen/Core>
-#include <cstdint>
-#include <map>
-#include <memory>
-#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "fitting/fitted_channel.hpp"
 #include "fitting/loss.hpp"
-#include "fitting/noise_model.hpp"
+#include "fitting/samples_at_jumps.hpp"
 #include "fitting/shot_model.hpp"
+#include "fitting/shot_numbers.hpp"
+#include "fitting/shot_predictions.hpp"
 #include "fitting/variables.hpp"
 
 namespace impactrig::fitting {
 
-/// A channel of a recording as the fit weighs it.
-struct FittedChannel {
-  const datasets::ImpactSignal* signal = nullptr;
-  std::vector<double> measured;  ///< what is fitted: the signal's values, or others in their place
-  NoiseModel noise;
-  bool noise_known = true;  ///< it was seen before the trigger
-  bool one_by_one = false;  ///< samples are weighed as if the noise were white
-  /// 1 where a sample, and all that a filter made it of, was recorded (n_samples).
-  std::vector<std::uint8_t> sound;
-  /// One sample in so many is fitted: a filter of the record ties those between to them.
-  std::size_t every = 1;
-  std::vector<std::size_t> used;  ///< indices of the samples fitted, ascending
-};
-
 /// Weighted differences of one recording: measured − background − gain · shown(t − touch − delay),
 /// whitened by the channel's noise stretch by stretch of samples in a row. Derivatives to touch,
-/// background, gain and delay are exact; so are those to the physics in small motion. The full
-/// equations take those of small motion where that is close (`small_slopes`), else differences of
-/// simulations, run on all cores. Parameter blocks: the unknowns that concern this recording, each
+/// background, gain and delay are exact; those to the physics are as good as the predictions'
+/// slopes. Parameter blocks: the unknowns that concern this recording, each
 /// of size 1, by its coordinate; a number tied to an unknown moves with it.
 class ShotCost : public ceres::CostFunction {
  public:
@@ -56,10 +41,10 @@ class ShotCost : public ceres::CostFunction {
   void linearise(Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
 
   /// Numbers of the unknowns that are the parameter blocks, in order.
-  const std::vector<std::size_t>& blocks() const { return blocks_; }
+  const std::vector<std::size_t>& blocks() const { return numbers_.blocks(); }
 
   /// Slopes of the full equations are those of small motion from now on.
-  void take_small_slopes() { small_slopes_ = true; }
+  void take_small_slopes() { predictions_.take_small_slopes(); }
 
   /// Whether Evaluate predicts the slopes with the residuals, before they are asked for: it is
   /// cheaper than to come back for them.
@@ -70,7 +55,7 @@ class ShotCost : public ceres::CostFunction {
 
   void forget_failure() { failure_.clear(); }
 
-  long simulations() const { return simulations_; }
+  long simulations() const { return predictions_.simulations(); }
 
   /// Model values of a channel at all its samples, at the variables' present values.
   std::vector<double> model_values(const FittedChannel& channel) const;
@@ -93,68 +78,28 @@ class ShotCost : public ceres::CostFunction {
   models::Rig rig() const;
 
  private:
-  using Prediction = std::shared_ptr<const Shown>;
-  using Values = std::vector<double>;  // of slots_
+  using Values = ShotNumbers::Values;
+  using Slot = ShotNumbers::Slot;
 
-  /// A number of this recording: that of a block times a factor, and an offset.
-  struct Slot {
-    const Variable* variable;
-    std::size_t block;
-    double factor, offset;
-    std::vector<double> background;  // its shape at the used samples of its channel
-  };
-
-  struct Measurement {  // of one channel
-    double gain = 1.0;
-    double shift = 0.0;  // first touch as this channel shows it, on the record's axis [s]
-  };
-
-  /// At a channel's samples, where curves jump.
-  struct Look {
-    const FittedChannel& channel;
-    double shift = 0.0;  // as of Measurement
-
-    struct Elsewhere {
-      std::size_t sample, piece;
-    };
-
-    std::vector<Elsewhere> elsewhere = {};  // samples that show another piece than their time says
-
-    std::array<double, 2> at(const Shown::Curve& curve, std::size_t sample) const;
-  };
-
-  Values values_of(const double* const* parameters) const;
-  Values present_values() const;
-  const Slot* beyond_bounds(const Values& values) const;
-  models::Rig rig_at(const Values& values) const;
-  SensorChains chains_at(const Values& values) const;
-  WantedSlopes wanted_slopes() const;
-  Measurement measurement(datasets::Quantity quantity, const Values& values) const;
-  Prediction predict(const Values& values, bool with_slopes) const;
-  std::vector<Prediction> predict_all(const std::vector<Values>& places) const;
-  std::vector<Shown> physics_differences(const Values& values) const;
-  std::vector<const Shown*> slopes_at(const Values& values, const Shown& shown,
-                                      std::vector<Shown>& held) const;
+  void find_backgrounds();
+  bool is_background_of(const Slot& slot, const FittedChannel& channel) const;
+  SamplesAtJumps samples_of(const FittedChannel& channel, const Measurement& measurement,
+                            const Shown& shown) const;
   void differences(const Values& values, const Shown& shown, double* residuals) const;
-  Look look(const FittedChannel& channel, const Measurement& m, const Shown::Curve& curve) const;
-  void derivative(const Slot& slot, const Look& look, double gain, const Shown::Curve& curve,
-                  const Shown* slope, std::span<double> out) const;
-  void whiten(const FittedChannel& channel, std::span<double> of_used) const;
+  void derivative(std::size_t slot, const SamplesAtJumps& samples, double gain,
+                  const Shown::Curve& curve, const Shown* slope, std::span<double> out) const;
   void evaluate(const Values& values, Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
+  Eigen::MatrixXd jacobian_at(const Values& values, const Shown& shown) const;
 
-  const RigFile& rig_;
   const ShotModel& model_;
   const std::vector<FittedChannel>& channels_;
-  const std::vector<Variable>& variables_;
-  std::vector<Slot> slots_;
-  std::vector<std::size_t> blocks_;
+  ShotNumbers numbers_;
+  ShotPredictions predictions_;
+  std::vector<std::vector<double>> backgrounds_;  // of each slot, at its channel's used samples
   Loss loss_;
   int residuals_ = 0;
-  bool small_slopes_ = false, slopes_ahead_ = false;
-  mutable std::optional<models::Motion> without_slopes_;
-  mutable std::map<Values, Prediction> cache_;
+  bool slopes_ahead_ = false;
   mutable std::string failure_;
-  mutable long simulations_ = 0;
 };
 
 }  // namespace impactrig::fitting

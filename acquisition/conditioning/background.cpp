@@ -36,21 +36,33 @@ std::vector<double> sampled(std::size_t first, std::size_t end, std::size_t most
   return sample;
 }
 
-/// Medians of up to `blocks` equal blocks and the indices of their middles.
+bool counts(std::span<const std::uint8_t> valid, std::size_t i) {
+  return valid.empty() || valid[i] != 0;
+}
+
+/// Medians of up to `blocks` equal blocks and the indices of their middles, of the valid samples;
+/// without blocks that have none.
 struct BlockMedians {
   std::vector<double> index, value;
 };
 
-BlockMedians block_medians(std::span<const double> values, std::size_t begin, std::size_t end,
-                           std::size_t blocks) {
+BlockMedians block_medians(std::span<const double> values, std::span<const std::uint8_t> valid,
+                           std::size_t begin, std::size_t end, std::size_t blocks) {
   blocks = std::min(blocks, end - begin);
   BlockMedians result;
   for (std::size_t b = 0; b < blocks; ++b) {
     const std::size_t from = begin + (end - begin) * b / blocks;
     const std::size_t to = begin + (end - begin) * (b + 1) / blocks;
-    result.index.push_back(0.5 * (as_double(from) + as_double(to) - 1.0));
-    result.value.push_back(median({values.begin() + static_cast<std::ptrdiff_t>(from),
-                                   values.begin() + static_cast<std::ptrdiff_t>(to)}));
+    std::vector<double> block;
+    double indices = 0.0;
+    for (std::size_t i = from; i < to; ++i) {
+      if (!counts(valid, i)) continue;
+      block.push_back(values[i]);
+      indices += as_double(i);
+    }
+    if (block.empty()) continue;
+    result.index.push_back(indices / as_double(block.size()));
+    result.value.push_back(median(std::move(block)));
   }
   return result;
 }
@@ -68,15 +80,16 @@ void robust_line(const BlockMedians& blocks, QuietFit& fit) {
   fit.coefficients[1] = slope * fit.half;
 }
 
-/// Least squares over the samples that lie within `band` of the course so far.
-void refit_within(std::span<const double> values, double band, int degree, QuietFit& fit) {
+/// Least squares over the valid samples that lie within `band` of the course so far.
+void refit_within(std::span<const double> values, std::span<const std::uint8_t> valid, double band,
+                  int degree, QuietFit& fit) {
   const int terms = degree + 1;
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   std::size_t used = 0;
   double sum = 0.0, squares = 0.0;
   for (std::size_t i = fit.begin; i < fit.end; ++i) {
-    if (std::abs(values[i] - fit.at(as_double(i))) > band) continue;
+    if (!counts(valid, i) || std::abs(values[i] - fit.at(as_double(i))) > band) continue;
     const double u = (as_double(i) - fit.middle) / fit.half;
     const Eigen::Vector3d row(1.0, u, u * u);
     normal += row * row.transpose();
@@ -90,7 +103,7 @@ void refit_within(std::span<const double> values, double band, int degree, Quiet
   const QuietFit before = fit;
   for (int k = 0; k < 3; ++k) fit.coefficients[k] = k < terms ? solution[k] : 0.0;
   for (std::size_t i = fit.begin; i < fit.end; ++i) {
-    if (std::abs(values[i] - before.at(as_double(i))) > band) continue;
+    if (!counts(valid, i) || std::abs(values[i] - before.at(as_double(i))) > band) continue;
     const double residual = values[i] - fit.at(as_double(i));
     squares += residual * residual;
   }
@@ -98,11 +111,23 @@ void refit_within(std::span<const double> values, double band, int degree, Quiet
   fit.sigma = std::sqrt(squares / (as_double(used) - terms));
 }
 
-std::vector<double> residuals_of(std::span<const double> values, const QuietFit& fit) {
+/// Of the valid samples.
+std::vector<double> distances(std::span<const double> values, std::span<const std::uint8_t> valid,
+                              const QuietFit& fit) {
+  std::vector<double> distances;
+  distances.reserve(fit.size());
+  for (std::size_t i = fit.begin; i < fit.end; ++i)
+    if (counts(valid, i)) distances.push_back(std::abs(values[i] - fit.at(as_double(i))));
+  return distances;
+}
+
+/// 0 where a sample is not valid.
+std::vector<double> residuals_of(std::span<const double> values,
+                                 std::span<const std::uint8_t> valid, const QuietFit& fit) {
   std::vector<double> residuals;
   residuals.reserve(fit.size());
   for (std::size_t i = fit.begin; i < fit.end; ++i)
-    residuals.push_back(values[i] - fit.at(as_double(i)));
+    residuals.push_back(counts(valid, i) ? values[i] - fit.at(as_double(i)) : 0.0);
   return residuals;
 }
 
@@ -204,28 +229,27 @@ double grain_of(std::span<const double> values) {
 }
 
 QuietFit fit_quiet(std::span<const double> values, std::size_t begin, std::size_t end, int degree,
-                   double quantum) {
+                   double quantum, std::span<const std::uint8_t> valid) {
   QuietFit fit;
   fit.begin = begin;
   fit.end = end;
   fit.middle = 0.5 * (as_double(begin) + as_double(end) - 1.0);
   fit.half = std::max(1.0, 0.5 * as_double(end - begin));
-  const BlockMedians blocks = block_medians(values, begin, end, 32);
+  const BlockMedians blocks = block_medians(values, valid, begin, end, 32);
   if (degree > 0)
     robust_line(blocks, fit);
   else
     fit.coefficients[0] = median(blocks.value);
 
   for (int round = 0; round < 3; ++round) {
-    std::vector<double> residuals = residuals_of(values, fit);
-    for (double& residual : residuals) residual = std::abs(residual);
-    const double largest = std::ranges::max(residuals);
-    double sigma = std::max(normal_mad * median(std::move(residuals)), fit.sigma);
+    std::vector<double> off = distances(values, valid, fit);
+    const double largest = std::ranges::max(off);
+    double sigma = std::max(normal_mad * median(std::move(off)), fit.sigma);
     if (sigma < 1e-9 * largest) sigma = 0.0;  // most samples differ by rounding alone
     const double band = std::max(4.0 * sigma, 1.6 * quantum);
-    refit_within(values, band > 0.0 ? band : largest, degree, fit);
+    refit_within(values, valid, band > 0.0 ? band : largest, degree, fit);
   }
-  fit.correlation = correlation_time(residuals_of(values, fit));
+  fit.correlation = correlation_time(residuals_of(values, valid, fit));
   return fit;
 }
 

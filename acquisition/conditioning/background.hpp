@@ -64,9 +64,10 @@ struct QuietFit {
 /// Fits a polynomial of degree 0, 1 or 2 to values[begin, end), at least 3 samples: robust
 /// (repeated medians of blocks) at first, then least squares over the samples within 4 standard
 /// deviations, or 1.6 digitiser steps where those are more: a coarsely digitised quiet signal has
-/// most of its samples on one value, and no median absolute deviation.
+/// most of its samples on one value, and no median absolute deviation. Samples that `valid` has as
+/// 0 do not count; 3 others at least.
 QuietFit fit_quiet(std::span<const double> values, std::size_t begin, std::size_t end, int degree,
-                   double quantum);
+                   double quantum, std::span<const std::uint8_t> valid = {});
 
 /// Integrated autocorrelation time 1 + 2 sum rho_k of a stretch with mean zero, in samples, >= 1.
 /// The sum ends at the first lag of at least 5 times its own value [Sokal1997]; a stretch shorter

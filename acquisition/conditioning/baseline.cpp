@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -21,16 +24,37 @@ using datasets::Edit;
 
 namespace {
 
-/// The course of a channel within a span, in its own unit, and standard errors of it.
+/// The course of a channel within a span, in its own unit, and what its error follows from.
 struct Course {
   QuietFit fit;
-  double of_level = 0.0;  ///< of its value in the middle of the span
-  double of_rise = 0.0;   ///< of how much it changes from there to an end of the span
+  /// (2, 2), of its value in the middle of the span and its change from there to an end.
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+
+  double of_level() const { return std::sqrt(covariance(0, 0)); }
+
+  double of_rise() const { return std::sqrt(covariance(1, 1)); }
 
   double error_at(double index) const {
-    return std::hypot(of_level, of_rise * (index - fit.middle) / fit.half);
+    const Eigen::Vector2d row(1.0, (index - fit.middle) / fit.half);
+    return std::sqrt(row.dot(covariance * row));
   }
 };
+
+/// Of a course through samples of variance 1, of which those count, not evenly spread, that have a
+/// residual.
+Eigen::Matrix2d unit_covariance(const QuietFit& fit, const std::vector<double>& residuals,
+                                int degree) {
+  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+  for (std::size_t k = 0; k < residuals.size(); ++k) {
+    if (std::isnan(residuals[k])) continue;
+    const Eigen::Vector2d row(1.0, (static_cast<double>(fit.begin + k) - fit.middle) / fit.half);
+    normal += row * row.transpose();
+  }
+  if (degree > 0) return normal.inverse();
+  Eigen::Matrix2d of_level = Eigen::Matrix2d::Zero();
+  of_level(0, 0) = 1.0 / normal(0, 0);
+  return of_level;
+}
 
 Course course_within(const Channel& channel, const TimeSpan& quiet, int degree, std::size_t least) {
   const IndexRange range = samples_in(channel, quiet);
@@ -41,17 +65,20 @@ Course course_within(const Channel& channel, const TimeSpan& quiet, int degree, 
         "know its baseline",
         channel.name, sound, sound < range.size() ? "sound " : "", quiet.begin, quiet.end, least));
   const std::vector<double> values = sound_values(channel);
-  const double quantum = quantum_of(values);
-  Course course{fit_quiet(values, range.begin, range.end, degree, quantum)};
+  const std::vector<std::uint8_t> marks = sound_marks(channel);
+  const double quantum = quantum_of(values, marks);
+  Course course{fit_quiet(values, range.begin, range.end, degree, quantum, marks)};
   QuietResiduals about;
   for (std::size_t i = range.begin; i < range.end; ++i)
-    about.residuals.push_back(values[i] - course.fit.at(static_cast<double>(i)));
+    about.residuals.push_back(marks.empty() || marks[i] != 0
+                                  ? values[i] - course.fit.at(static_cast<double>(i))
+                                  : std::numeric_limits<double>::quiet_NaN());
   about.scatter = course.fit.sigma;
   about.quantum = quantum;
   about.rise = 2.0 * std::abs(course.fit.coefficients[1]);
   about.terms = degree + 1;
-  course.of_level = std::sqrt(slow_variance(std::move(about)) / static_cast<double>(sound));
-  if (degree > 0) course.of_rise = std::sqrt(3.0) * course.of_level;
+  course.covariance = unit_covariance(course.fit, about.residuals, degree);
+  course.covariance *= slow_variance(std::move(about));
   return course;
 }
 
@@ -72,7 +99,7 @@ Edit remove_baseline(Channel& channel, const TimeSpan& quiet) {
   channel.offset -= baseline;
   Edit edit{"remove baseline", channel.name, span_of(quiet)};
   edit.parameters["offset"] = fmt::format("{} {}", baseline, channel.unit);
-  edit.parameters["uncertainty"] = uncertain(course.of_level, channel, "");
+  edit.parameters["uncertainty"] = uncertain(course.of_level(), channel, "");
   return edit;
 }
 
@@ -88,10 +115,10 @@ Edit remove_drift(Channel& channel, const TimeSpan& quiet) {
   edit.parameters["offset"] =
       fmt::format("{} {} at {:.9g} s, uncertain by {}", line.at(line.middle), channel.unit,
                   channel.clock.start + channel.clock.interval * line.middle,
-                  uncertain(course.of_level, channel, ""));
+                  uncertain(course.of_level(), channel, ""));
   edit.parameters["slope"] =
       fmt::format("{} {}/s, uncertain by {}", line.coefficients[1] / span, channel.unit,
-                  uncertain(course.of_rise / span, channel, "/s"));
+                  uncertain(course.of_rise() / span, channel, "/s"));
   edit.parameters["uncertainty"] =
       uncertain(std::max(course.error_at(0.0), course.error_at(last)), channel, " at most");
   return edit;

@@ -10,13 +10,15 @@ using datasets::TimeSpan;
 
 /// Takes the robust mean over `quiet` (before the trigger) off a channel. The samples stay; only
 /// Channel::offset changes. Not for velocity or displacement, whose level before touch is the
-/// motion itself. Throws std::invalid_argument when fewer than 3 samples lie within the span.
+/// motion itself. Samples that are not valid do not count, nor do they in the stated uncertainty.
+/// Throws std::invalid_argument when fewer than 3 others lie within the span.
 datasets::Edit remove_baseline(datasets::Channel& channel, const TimeSpan& quiet);
 
 /// Takes the straight line through `quiet` (robust: outliers beyond 4 standard deviations do not
 /// count) off the whole channel; the samples become double. The line's slope is uncertain by
 /// sigma sqrt(12 / n³) a sample, so the further the channel reaches beyond the span, the less is
-/// won. Throws std::invalid_argument when fewer than 8 samples lie within the span.
+/// won. Samples that are not valid do not count, nor do they in the stated uncertainty. Throws
+/// std::invalid_argument when fewer than 8 others lie within the span.
 datasets::Edit remove_drift(datasets::Channel& channel, const TimeSpan& quiet);
 
 }  // namespace impactrig::acquisition

@@ -28,10 +28,13 @@ double hidden_by_steps(const QuietResiduals& of) {
 
 double slow_variance(QuietResiduals of) {
   const double band = std::max(4.0 * of.scatter, 1.6 * of.quantum);
+  const auto counting =
+      of.residuals.size() - static_cast<std::size_t>(std::ranges::count_if(
+                                of.residuals, [](double r) { return std::isnan(r); }));
   for (double& residual : of.residuals)
-    if (std::abs(residual) > band) residual = 0.0;
+    if (!(std::abs(residual) <= band)) residual = 0.0;
   const double time = correlation_time(of.residuals);
-  const auto n = static_cast<double>(of.residuals.size());
+  const auto n = static_cast<double>(counting);
   const double lags = std::min(2.0 * std::ceil(window * time) + 1.0, n);
   const double left = std::max(least_left, 1.0 - of.terms * lags / n);
   const double steps = of.quantum > 0.0 ? std::max(1.0, of.rise / of.quantum) : 1.0;

@@ -7,11 +7,12 @@ namespace impactrig::acquisition {
 
 /// Least squares through quiet samples.
 struct QuietResiduals {
-  std::vector<double> residuals;  ///< (n_samples), in their order
-  double scatter = 0.0;           ///< their standard deviation, without what is no noise
-  double quantum = 0.0;           ///< one digitiser step; 0 when not seen
-  double rise = 0.0;              ///< from the lowest to the highest value of the course
-  int terms = 1;                  ///< that were fitted
+  /// (n_samples), in their order; NaN where one did not count, whatever it was.
+  std::vector<double> residuals;
+  double scatter = 0.0;  ///< their standard deviation, without what is no noise
+  double quantum = 0.0;  ///< one digitiser step; 0 when not seen
+  double rise = 0.0;     ///< from the lowest to the highest value of the course
+  int terms = 1;         ///< that were fitted
 };
 
 /// Variance that independent samples would have through which the course were known as well as
@@ -20,7 +21,8 @@ struct QuietResiduals {
 ///   S = s² t / (1 − p (2 m + 1) / n) + b² n / max(1, rise/q)
 ///
 /// s² is the scatter, t its integrated autocorrelation time, summed up to the lag m, p the terms
-/// and n the number of samples. The course takes some of the slow noise with it, p S / n of the
+/// and n the number of samples that count; products of others are 0 in t, as they are in the
+/// variance of the mean. The course takes some of the slow noise with it, p S / n of the
 /// autocovariance at each of 2 m + 1 lags: of a line through 50 correlation times S would be stated
 /// a third too small. Where less than a tenth were left, a tenth. Residuals beyond 4 s or 1.6 steps
 /// do not count, as in fit_quiet().

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+
+#include "fitting/covariance.hpp"
+#include "fitting/fit_problem.hpp"
+
+namespace impactrig::fitting {
+
+/// A reduced chi-square above this is no chance: the noise itself is known to a tenth from the few
+/// hundred samples before a trigger.
+inline constexpr double misfit = 1.25;
+
+/// What is known of a problem's parameters where its search ended.
+struct FitEnd {
+  Eigen::VectorXd residuals;   ///< of data and priors
+  Eigen::MatrixXd jacobian;    ///< of these by the unknowns; 0 where one does nothing to the data
+  Uncertainty spread;          ///< of the unknowns, in their order
+  double inflation = 1.0;      ///< of all standard errors, where the residuals exceed the noise
+  Eigen::VectorXd mesh_shift;  ///< of the unknowns; empty where there is none to tell
+  /// How much else a finer mesh changes the first recording's restitutions, parameters held.
+  models::Restitution mesh_change = {};
+};
+
+/// Linearises a problem at its present values, where its search ended.
+FitEnd linearised_end(FitProblem& problem);
+
+/// By how much the unknowns would move, to first order, if the weighted differences of each shot
+/// changed by change(shot).
+Eigen::VectorXd shift_by(const std::function<Eigen::VectorXd(const Shot&)>& change,
+                         const FitProblem& problem, const FitEnd& end);
+
+}  // namespace impactrig::fitting

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fitting/mesh_shift.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+namespace impactrig::fitting {
+namespace {
+
+/// Where an unknown cannot go as far, the others move as they do with it held there.
+void keep_within_bounds(Eigen::VectorXd& shift, const FitProblem& problem,
+                        const Uncertainty& spread) {
+  Eigen::MatrixXd covariance = spread.covariance;
+  for (std::size_t k = 0; k < problem.unknowns().size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const Variable& v = problem.variables()[problem.unknowns()[k]];
+    const double way = std::clamp(v.value + shift[row], v.lower, v.upper) - v.value - shift[row];
+    if (way == 0.0 || !spread.identifiable[k] || !(covariance(row, row) > 0.0)) continue;
+    const Eigen::VectorXd along = covariance.col(row) / covariance(row, row);
+    shift += along * way;
+    covariance -= along * covariance.row(row);  // from here on of the others, this one held
+  }
+}
+
+}  // namespace
+
+void estimate_mesh_shift(FitProblem& problem, FitEnd& end, std::vector<std::string>& warnings) {
+  if (problem.rig().solver.model == models::BeamModel::rigid) return;
+  const models::Motion motion = problem.motion();
+  try {
+    problem.set_motion(models::Motion::small);
+    const auto change_of = [&](const Shot& shot) -> Eigen::VectorXd {
+      ShotCost::Change change = shot.cost->change(*shot.model, shot.model->finer());
+      if (&shot == &problem.shots().front()) end.mesh_change = change.restitution;
+      return std::move(change.differences);
+    };
+    end.mesh_shift = shift_by(change_of, problem, end);
+    keep_within_bounds(end.mesh_shift, problem, end.spread);
+  } catch (const std::exception& error) {
+    warnings.push_back(fmt::format(
+        "The mesh error could not be estimated, so that no interval has it: {}", error.what()));
+  }
+  problem.set_motion(motion);
+}
+
+}  // namespace impactrig::fitting

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fitting/fit_end.hpp"
+#include "fitting/fit_problem.hpp"
+
+namespace impactrig::fitting {
+
+/// What a mesh twice as fine would add to the unknowns and to the first recording's restitutions:
+/// mesh_shift and mesh_change of the end. Compared in small motion: what large rotation adds is the
+/// same on both. Where that fails, a warning says so.
+void estimate_mesh_shift(FitProblem& problem, FitEnd& end, std::vector<std::string>& warnings);
+
+}  // namespace impactrig::fitting
