@@ -93,14 +93,14 @@ std::map<std::string, std::string> span_of(const TimeSpan& quiet) {
 
 }  // namespace
 
-Edit remove_baseline(Channel& channel, const TimeSpan& quiet) {
+RemovedBaseline remove_baseline(Channel& channel, const TimeSpan& quiet) {
   const Course course = course_within(channel, quiet, 0, 3);
   const double baseline = course.fit.mean;
   channel.offset -= baseline;
   Edit edit{"remove baseline", channel.name, span_of(quiet)};
   edit.parameters["offset"] = fmt::format("{} {}", baseline, channel.unit);
   edit.parameters["uncertainty"] = uncertain(course.of_level(), channel, "");
-  return edit;
+  return {std::move(edit), course.of_level()};
 }
 
 Edit remove_drift(Channel& channel, const TimeSpan& quiet) {

@@ -8,11 +8,17 @@ namespace impactrig::acquisition {
 
 using datasets::TimeSpan;
 
+/// What was taken off a channel, and the standard uncertainty of that, in the channel's unit.
+struct RemovedBaseline {
+  datasets::Edit edit;
+  double uncertainty = 0.0;
+};
+
 /// Takes the robust mean over `quiet` (before the trigger) off a channel. The samples stay; only
 /// Channel::offset changes. Not for velocity or displacement, whose level before touch is the
 /// motion itself. Samples that are not valid do not count, nor do they in the stated uncertainty.
 /// Throws std::invalid_argument when fewer than 3 others lie within the span.
-datasets::Edit remove_baseline(datasets::Channel& channel, const TimeSpan& quiet);
+RemovedBaseline remove_baseline(datasets::Channel& channel, const TimeSpan& quiet);
 
 /// Takes the straight line through `quiet` (robust: outliers beyond 4 standard deviations do not
 /// count) off the whole channel; the samples become double. The line's slope is uncertain by

@@ -226,12 +226,12 @@ Edit undo_low_cut(Channel& channel, const datasets::UndoLowCut& low_cut) {
         fmt::format("a low cut at {:g} Hz is not positive", low_cut.frequency));
   Edit edit{"undo low cut", channel.name, {}};
   if (low_cut.quiet) {
-    edit.parameters = remove_baseline(channel, *low_cut.quiet).parameters;
+    RemovedBaseline baseline = remove_baseline(channel, *low_cut.quiet);
+    edit.parameters = std::move(baseline.edit.parameters);
     const double grown = 1.0 + 2.0 * std::numbers::pi * low_cut.frequency * channel.clock.interval *
                                    static_cast<double>(channel.size());
-    const double error = grown * std::stod(edit.parameters.at("uncertainty"));
-    edit.parameters["uncertainty"] =
-        fmt::format("{} {} at most", datasets::figures(error, 2), channel.unit);
+    edit.parameters["uncertainty"] = fmt::format(
+        "{} {} at most", datasets::figures(grown * baseline.uncertainty, 2), channel.unit);
   }
   edit.parameters["frequency"] = fmt::format("{:.12g} Hz, first order", low_cut.frequency);
   std::vector<double> values = sound_values(channel);

@@ -105,7 +105,7 @@ class Conditioning {
   }
 
   void act(const datasets::RemoveBaseline& action, std::size_t index) {
-    note(remove_baseline(channel(index), quiet(action.quiet, index)));
+    note(remove_baseline(channel(index), quiet(action.quiet, index)).edit);
     const bool moves = channel(index).quantity == datasets::Quantity::velocity;
     if (!action.quiet && moves) tell_approach("offset", index);
   }

@@ -27,7 +27,7 @@ TEST(RemoveBaseline, TakesTheMeanOfTheQuietPartOff) {
   std::vector<double> values =
       sampled(at, [](double t) { return 12.5 + half_sine(t, 1500.0, 200e-6); });
   Channel channel = force_of(at, values);
-  const auto edit = remove_baseline(channel, {-1e-3, -0.1e-3});
+  const auto edit = remove_baseline(channel, {-1e-3, -0.1e-3}).edit;
   EXPECT_NEAR(channel.value(0), 0.0, 1e-12);
   EXPECT_NEAR(channel.value(1100), 1500.0, 1e-9);
   EXPECT_EQ(edit.what, "remove baseline");

@@ -111,7 +111,7 @@ TEST(RemoveBaseline, StatesItsErrorHonestly) {
       const double offset = 300.0 * noise.uniform();
       Channel force = force_with(
           scene, [&](double) { return offset; }, noise);
-      const auto parameters = remove_baseline(force, quiet).parameters;
+      const auto parameters = remove_baseline(force, quiet).edit.parameters;
       held.add(std::stod(parameters.at("offset")) - offset,
                std::stod(parameters.at("uncertainty")));
     }
@@ -131,7 +131,7 @@ TEST(RemoveBaseline, LeavesOutWhatIsNotValid) {
       Channel force = force_with(
           scene, [&](double) { return offset; }, noise);
       mark_stretches(force, 0.4, noise);
-      const auto parameters = remove_baseline(force, quiet).parameters;
+      const auto parameters = remove_baseline(force, quiet).edit.parameters;
       const double error = std::stod(parameters.at("offset")) - offset;
       held.add(error, std::stod(parameters.at("uncertainty")));
       squares += error * error;
@@ -217,7 +217,8 @@ TEST(UndoLowCut, StatesWhatTheErrorOfTheBaselineGrowsTo) {
   Channel force = force_with(
       {}, [](double) { return 12.0; }, noise);
   Channel other = force;
-  const double baseline = std::stod(remove_baseline(force, quiet).parameters.at("uncertainty"));
+  const double baseline =
+      std::stod(remove_baseline(force, quiet).edit.parameters.at("uncertainty"));
   const auto parameters = undo_low_cut(other, {100.0, quiet}).parameters;
   EXPECT_NEAR(std::stod(parameters.at("uncertainty")),
               baseline * (1.0 + 2.0 * std::numbers::pi * 100.0 * 4e-3), 0.06 * baseline * 3.5);

@@ -179,6 +179,15 @@ Rig laden_rig() {
   return rig;
 }
 
+/// Of three bending and two axial modes, by numbers of [-1, 1].
+template <typename Draw>
+Vector large_deflection(const Draw& draw) {
+  Vector q(6);
+  for (int i = 0; const double largest : {1.5, 0.02, 0.01, 0.1, 0.04, 0.02})
+    q[i++] = largest * draw();
+  return q;
+}
+
 class FloatingFrame : public testing::TestWithParam<Basis> {};
 
 TEST_P(FloatingFrame, AccelerationsFulfilLagrangesEquationsAtLargeDeflections) {
@@ -188,9 +197,8 @@ TEST_P(FloatingFrame, AccelerationsFulfilLagrangesEquationsAtLargeDeflections) {
   std::mt19937 random(20061);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (int trial = 0; trial < 6; ++trial) {
-    Vector q(6), v(6), a(6);
-    q << 1.5 * unit(random), 0.02 * unit(random), 0.01 * unit(random), 0.1 * unit(random),
-        0.04 * unit(random), 0.02 * unit(random);
+    const Vector q = large_deflection([&] { return unit(random); });
+    Vector v(6), a(6);
     v << 5.0 * unit(random), 0.3 * unit(random), 0.3 * unit(random), unit(random), unit(random),
         unit(random);
     const double force = trial % 2 == 0 ? 0.0 : 30.0;
@@ -214,8 +222,7 @@ TEST_P(FloatingFrame, UnbalancedForcesAreWhatLagrangesEquationsLack) {
   Eigen::MatrixXd q(6, 4), v(6, 4), a(6, 4), unbalanced(6, 4);
   const Vector forces = Eigen::Vector4d(0.0, 30.0, -5.0, 1.0);
   for (int k = 0; k < 4; ++k) {
-    q.col(k) << 1.5 * unit(random), 0.02 * unit(random), 0.01 * unit(random), 0.1 * unit(random),
-        0.04 * unit(random), 0.02 * unit(random);
+    q.col(k) = large_deflection([&] { return unit(random); });
     for (int i = 0; i < 6; ++i) {
       v(i, k) = 2.0 * unit(random);
       a(i, k) = 10.0 * unit(random);
