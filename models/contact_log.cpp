@@ -208,6 +208,13 @@ void warn_of_imbalance(double accuracy, Simulation& result) {
                   imbalance));
 }
 
+void warn_of_start(Simulation& result) {
+  result.warnings.emplace_back(
+      "the bar's weight and turning would tear or crush it: there is no length at which it could "
+      "have come at rest along its axis. It begins as it is made, and what it then does along its "
+      "axis is part of the answer. Look at beam.youngs_modulus, beam.density and the gravity.");
+}
+
 namespace {
 
 /// Whether a bar turning away from where it hangs, as a rigid body, cannot bring this point of it

@@ -101,6 +101,9 @@ void close_audit(const Rig& rig, double begun, const BeamEnergy& energy, const R
 /// Warns where more is missing than the accuracy of the forces lets expect.
 void warn_of_imbalance(double accuracy, Simulation& result);
 
+/// Warns of a bar that cannot hang or stand as the run has it begin.
+void warn_of_start(Simulation& result);
+
 /// Whether the rigid part of a free bar's motion has carried the points before the stops further
 /// than vibration can bring them together again, and its swing will not within the longest run.
 /// `reach`: √(2 C) for each stop, C the elastic compliance of point and stop.

@@ -144,6 +144,7 @@ void FreeRun::conclude() {
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   result_.restitution = {unknown, unknown, unknown, unknown};
   close_audit(rig_, energy_at_start_, bar_.energy(), bar_.rigid_part(), result_.energy);
+  if (!bar_.began_steady()) warn_of_start(result_);
 }
 
 Simulation FreeRun::fly() {

@@ -143,11 +143,16 @@ void AncfBeam::set_rigid_motion(double angle, double rate, VectorRef q, VectorRe
   set_straight(Eigen::VectorXd::Zero(dofs_), angle, rate, q, v);
 }
 
-void AncfBeam::set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const {
+bool AncfBeam::set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const {
   const double pull = gravity_ * std::cos(angle) + gravity_across_ * std::sin(angle);
-  const Eigen::VectorXd stretch = steady_stretch(pull, rate);
+  const std::optional<Eigen::VectorXd> stretch = steady_stretch(pull, rate);
+  if (!stretch) {
+    set_rigid_motion(angle, rate, q, v);
+    return false;
+  }
   const double place = reference_[struck_dof_];
-  set_straight(stretch, angle, rate * place / (place + stretch[struck_dof_]), q, v);
+  set_straight(*stretch, angle, rate * place / (place + (*stretch)[struck_dof_]), q, v);
+  return true;
 }
 
 /// Stretch of a straight bar by a field [m/s²] and its turning [rad/s] that pull from the hinge, by
@@ -155,10 +160,9 @@ void AncfBeam::set_steady_motion(double angle, double rate, VectorRef q, VectorR
 /// for how much each element stretches: the places of nodes close to each other would round away
 /// what short elements do. A bar that is pulled resists more the further it stretches: Newton's
 /// steps come down to where it holds, however far the first.
-Eigen::VectorXd AncfBeam::steady_stretch(double pull, double rate) const {
+std::optional<Eigen::VectorXd> AncfBeam::steady_stretch(double pull, double rate) const {
   constexpr int most_iterations = 100;
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(dofs_);
-  Eigen::VectorXd parts = none, stretch = none, force(dofs_);
+  Eigen::VectorXd parts = Eigen::VectorXd::Zero(dofs_), stretch = parts, force(dofs_);
   double last = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     BandMatrix stiffness(dofs_);
@@ -169,19 +173,30 @@ Eigen::VectorXd AncfBeam::steady_stretch(double pull, double rate) const {
     try {
       BandCholesky(stiffness).solve_in_place(force);
     } catch (const std::invalid_argument&) {
-      return none;
+      return std::nullopt;
     }
     parts += force;
     stretch = parts;
     for (int i = 3; i < dofs_; i += 2) stretch[i] += stretch[i - 2];
     for (int i = 3; i < dofs_; i += 2) force[i] += force[i - 2];
     const double change = force.norm() / reference_.norm();
-    if (!std::isfinite(change)) return none;
+    if (!std::isfinite(change)) return std::nullopt;
     // rounding is left
-    if (change < 1e-12 * stretch.norm() / reference_.norm() || change >= last) return stretch;
+    if (change < 1e-12 * stretch.norm() / reference_.norm() || change >= last) {
+      if (turned_over(parts)) return std::nullopt;
+      return stretch;
+    }
     if (change < 1e-6) last = change;
   }
-  return none;
+  return std::nullopt;
+}
+
+/// Whether an element of a bar that stretches like this ends before its beginning: pressed through
+/// itself, it would hang from the hinge.
+bool AncfBeam::turned_over(const Eigen::VectorXd& parts) const {
+  for (std::size_t e = 0; e < elements_.size(); ++e)
+    if (!(elements_[e].length + parts[2 * static_cast<Eigen::Index>(e) + 1] > 0.0)) return true;
+  return false;
 }
 
 /// What an element's stretch resists, along the bar, off the force; and its tangent. Of `parts` the

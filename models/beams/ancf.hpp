@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "models/beams/band_cholesky.hpp"
@@ -42,7 +43,7 @@ class AncfBeam : public BeamDynamics {
 
   Eigen::VectorXd inertia_diagonal() const override;
   void set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
-  void set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
+  bool set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
   using BeamDynamics::acceleration;
   void acceleration(ConstVector q, ConstVector v, std::span<const double> forces,
                     VectorRef a) override;
@@ -95,7 +96,8 @@ class AncfBeam : public BeamDynamics {
   int first_dof(std::size_t element) const { return 2 * static_cast<int>(element) - 1; }
 
   Nodal shape_at(std::size_t element, double x) const;
-  Eigen::VectorXd steady_stretch(double pull, double rate) const;
+  std::optional<Eigen::VectorXd> steady_stretch(double pull, double rate) const;
+  bool turned_over(const Eigen::VectorXd& parts) const;
   void add_axial(std::size_t element, const Eigen::VectorXd& parts, Eigen::VectorXd& force,
                  BandMatrix& stiffness) const;
   void set_straight(const Eigen::VectorXd& stretch, double angle, double rate, VectorRef q,

@@ -53,9 +53,10 @@ class BeamDynamics : public SmallMotionBeam {
 
   /// The same of a bar that has hung and turned like this for long: its weight and its turning
   /// stretch it, the struck point goes as fast. Without that it would ring along its axis. Of a bar
-  /// that they tear or crush, as set_rigid_motion().
-  virtual void set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const {
+  /// that they tear or crush, as set_rigid_motion(), and false.
+  virtual bool set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const {
     set_rigid_motion(angle, rate, q, v);
+    return true;
   }
 
   /// Accelerations under the contact forces [N, compression > 0] of the first stop and of further

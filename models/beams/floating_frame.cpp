@@ -182,10 +182,10 @@ void FloatingFrameBeam::set_rigid_motion(double angle, double rate, VectorRef q,
   v[0] = -rate;
 }
 
-void FloatingFrameBeam::set_steady_motion(double angle, double rate, VectorRef q,
+bool FloatingFrameBeam::set_steady_motion(double angle, double rate, VectorRef q,
                                           VectorRef v) const {
   set_rigid_motion(angle, rate, q, v);
-  if (axial_ == 0) return;
+  if (axial_ == 0) return true;
   const double pull = gravity_ * std::cos(angle) + gravity_across_ * std::sin(angle);
   Eigen::MatrixXd stiffness = stiffness_.segment(1, axial_).asDiagonal();
   stiffness -=
@@ -193,9 +193,10 @@ void FloatingFrameBeam::set_steady_motion(double angle, double rate, VectorRef q
   const Eigen::VectorXd pulls = stations_.mass.array() * (pull + rate * rate * stations_.x.array());
   const Eigen::VectorXd force = stations_.axial.transpose() * pulls;
   const Eigen::LLT<Eigen::MatrixXd> factor(stiffness);
-  if (factor.info() != Eigen::Success) return;
+  if (factor.info() != Eigen::Success) return false;
   q.segment(1, axial_) = factor.solve(force);
   v[0] *= struck_.x / (struck_.x + struck_.axial.dot(q.segment(1, axial_)));
+  return true;
 }
 
 /// F ∂X/∂q at a station (14)-(17).

@@ -45,7 +45,7 @@ class FloatingFrameBeam : public BeamDynamics {
 
   Eigen::VectorXd inertia_diagonal() const override;
   void set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
-  void set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
+  bool set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
   using BeamDynamics::acceleration;
   void acceleration(ConstVector q, ConstVector v, std::span<const double> forces,
                     VectorRef a) override;

@@ -97,25 +97,30 @@ void ReissnerBeam::set_rigid_motion(double angle, double rate, VectorRef q, Vect
   }
 }
 
-void ReissnerBeam::set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const {
+bool ReissnerBeam::set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const {
   const double pull = gravity_ * std::cos(angle) + gravity_across_ * std::sin(angle);
-  const Eigen::VectorXd stretch = steady_stretch(pull, rate);
-  const double turning = rate * struck_place_ / (struck_place_ + stretch[struck_ + 1]);
+  const std::optional<Eigen::VectorXd> stretch = steady_stretch(pull, rate);
+  if (!stretch) {
+    set_rigid_motion(angle, rate, q, v);
+    return false;
+  }
+  const double turning = rate * struck_place_ / (struck_place_ + (*stretch)[struck_ + 1]);
   set_rigid_motion(angle, turning, q, v);
   const double sine = std::sin(angle), cosine = std::cos(angle);
   for (int k = 0; k + 1 < size(); ++k) {
-    const double more = stretch[k + 1];
+    const double more = (*stretch)[k + 1];
     if (more == 0.0) continue;
     q[k] -= sine * more;
     q[k + 1] -= cosine * more;
     v[k] -= cosine * turning * more;
     v[k + 1] += sine * turning * more;
   }
+  return true;
 }
 
 /// Stretch of the straight bar, in the places of U, by a field [m/s²] and its turning [rad/s] that
 /// pull from the hinge; none where they tear it.
-Eigen::VectorXd ReissnerBeam::steady_stretch(double pull, double rate) const {
+std::optional<Eigen::VectorXd> ReissnerBeam::steady_stretch(double pull, double rate) const {
   constexpr std::array along = {Element::u0, Element::ua, Element::uc, Element::u1};
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::VectorXd force = Eigen::VectorXd::Zero(size());
@@ -141,8 +146,8 @@ Eigen::VectorXd ReissnerBeam::steady_stretch(double pull, double rate) const {
   matrix.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>
       factor(matrix);
-  if (factor.info() != Eigen::Success) return Eigen::VectorXd::Zero(size());
-  return factor.solve(force);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  return factor.solve(force).eval();
 }
 
 void ReissnerBeam::subtract_damping(ConstVector q, ConstVector v, VectorRef force) const {

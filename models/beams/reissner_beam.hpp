@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCholesky>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "models/beams/beam_dynamics.hpp"
@@ -30,7 +31,7 @@ class ReissnerBeam : public BeamDynamics {
 
   Eigen::VectorXd inertia_diagonal() const override;
   void set_rigid_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
-  void set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
+  bool set_steady_motion(double angle, double rate, VectorRef q, VectorRef v) const override;
   using BeamDynamics::acceleration;
   void acceleration(ConstVector q, ConstVector v, std::span<const double> forces,
                     VectorRef a) override;
@@ -72,7 +73,7 @@ class ReissnerBeam : public BeamDynamics {
 
   std::size_t element_at(double x) const;
 
-  Eigen::VectorXd steady_stretch(double pull, double rate) const;
+  std::optional<Eigen::VectorXd> steady_stretch(double pull, double rate) const;
   Values gather(ConstVector q, std::size_t element) const;
   void scatter(const Values& values, std::size_t element, double factor, VectorRef to) const;
   void subtract_damping(ConstVector q, ConstVector v, VectorRef force) const;

@@ -75,10 +75,15 @@ class BarMotion {
   /// The straight bar at an angle [rad, negative before touch] turning at a rate [rad/s].
   virtual void start(double angle, double rate) = 0;
 
+  /// Whether it began stretched as it would hang and turn; not where that would tear or crush it.
+  virtual bool began_steady() const { return true; }
+
   struct Scales {
     double energy = 0.5;        ///< of what the contact has to stop first [J]
     double contact_time = 1.0;  ///< in which it does so [s]; faster vibration moves it little,
     double damping = 0.0;       ///< but where its law is damped, by μ [s/m]
+    double force = 1.0;         ///< that the first stop's contact stops it with [N]
+    double impulse = 1.0;       ///< likewise [N s]
   };
 
   /// What errors are measured against.

@@ -34,6 +34,7 @@ CollocationRun::CollocationRun(const Rig& rig, const Solver& solver,
 }
 
 void CollocationRun::propose() {
+  level_ = std::max(level_, bar_.ladder().level_below(bar_.longest_step()));
   bar_.begin_step(level_);
   for (ContactPoint& point : points_) point.predict_force();
 }
@@ -264,6 +265,7 @@ Simulation CollocationRun::conclude() {
     result_.cost.evaluations += point.evaluations();
   }
   log_.conclude(t_, damped_, bar_.energy(), bar_.rigid_part());
+  if (!bar_.began_steady()) warn_of_start(result_);
   if (free() && !result_.episodes.empty() && bar_.sensor_may_rise())
     result_.warnings.push_back(
         fmt::format("the run ended {:.4g} s after first touch, before the sensor carried most; "

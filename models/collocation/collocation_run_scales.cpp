@@ -96,13 +96,15 @@ void CollocationRun::set_scales() {
         "an impact at {:g} m/s has an energy of {:g} J and would press with {:g} N: numbers out of "
         "all range; look at start, beam and contact",
         approach_, energy_scale_, points_.front().force_scale()));
-  bar_.set_scales(scales);
   contact_time_ = scales.contact_time;
   // a bar that turns past its stop, or of which hardly more than the struck point is stopped
   const ContactPoint& first = points_.front();
   impulse_scale_ =
       2.0 / approach_ *
       std::min({energy_scale_, most_of_local * scales.energy, first.force_scale() * first.depth()});
+  scales.force = first.force_scale();
+  scales.impulse = impulse_scale_;
+  bar_.set_scales(scales);
   // of a force that rises from none
   impulse_scale_ *= std::pow(share_of_contact(), 2);
 }

@@ -176,8 +176,7 @@ int CollocationRun::next_level() const {
   const double safety = bar_.parts_exact() ? step_safety_of_modes : step_safety;
   const double growth = std::clamp(safety * std::pow(std::max(tried_.error, 1e-12), -1.0 / order),
                                    0.2, StepLadder::largest_growth);
-  return bar_.ladder().level_below(
-      std::min({growth * bar_.step(), longest_step(), bar_.longest_step()}));
+  return bar_.ladder().level_below(std::min(growth * bar_.step(), longest_step()));
 }
 
 /// A flight much longer than a contact is crossed in steps that grow with it.

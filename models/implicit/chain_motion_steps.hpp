@@ -66,7 +66,7 @@ class ChainMotion final : public BarMotion {
   const StepLadder& ladder() const override { return ladder_; }
 
   void start(double angle, double rate) override {
-    beam_.set_steady_motion(angle, rate, beam_q_, beam_v_);
+    steady_ = beam_.set_steady_motion(angle, rate, beam_q_, beam_v_);
     chain_.from_beam(beam_q_, q_);
     chain_.from_beam(beam_v_, v_);
     if (rotation_) turn_as_hinge(place_, q_, v_);
@@ -80,6 +80,8 @@ class ChainMotion final : public BarMotion {
     if (friction_.sticks()) hold_.stop(angle);
     renew_tangent();
   }
+
+  bool began_steady() const override { return steady_; }
 
   void expect_contact(int, double) override {
     in_contact_ = touched_ = true;
@@ -515,6 +517,7 @@ class ChainMotion final : public BarMotion {
   typename ChainFactors<S, Chain>::Factor* factor_ = nullptr;
   bool slow_ = false;
   bool followed_ = false;  // by a derivative
+  bool steady_ = true;
   bool in_contact_ = false;
   bool touched_ = false;  // since the start
   double tangent_angle_ = 0.0;

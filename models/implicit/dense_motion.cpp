@@ -58,7 +58,7 @@ class DenseMotion final : public BarMotion {
   const StepLadder& ladder() const override { return ladder_; }
 
   void start(double angle, double rate) override {
-    beam_.set_steady_motion(angle, rate, q_, v_);
+    steady_ = beam_.set_steady_motion(angle, rate, q_, v_);
     if (rotation_) beam_.set_hinge(angle, rate, q_, v_);
     energy_ = beam_.energy(q_, v_);
     lost_ = 0.0;
@@ -69,6 +69,8 @@ class DenseMotion final : public BarMotion {
     angle_at_start_ = angle;
     renew_tangent();
   }
+
+  bool began_steady() const override { return steady_; }
 
   void expect_contact(int stop, double displacement) override {
     touched_ = true;
@@ -376,6 +378,7 @@ class DenseMotion final : public BarMotion {
   double h_ = 0.0, last_h_ = 0.0;
   Stages a_, previous_, whole_, stage_q_, stage_v_, residual_, change_;
   // of a contact: the last touch, the displacements there [m], and how far q has come since
+  bool steady_ = true;
   bool in_contact_ = false;
   Vector touch_q_, way_, end_way_, at_way_;
   Stages stage_way_;

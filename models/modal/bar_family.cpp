@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -141,18 +142,19 @@ void BarTable::find_step(const Weights& weights, const Collocation& rule, int le
 }
 
 bool BarTable::knows_step(const Collocation& rule, int level) const {
-  const std::lock_guard lock(mutex_);
-  const auto [place, added] = known_steps_.try_emplace({rule.nodes(), level}, false);
-  if (added) {
+  std::atomic<Steps>& steps =
+      steps_[static_cast<std::size_t>(rule.nodes())][static_cast<std::size_t>(level)];
+  if (steps == Steps::not_looked_at) {  // each thread that finds it so comes to the same
     std::optional<ModalStep> step;
     find_step(weights(middle_), rule, level, nullptr, step);
-    place->second =
-        between_->step(rule, level).distance(*step, between_->modes()) < as_good_as_solved;
+    const double apart = between_->step(rule, level).distance(*step, between_->modes());
+    steps = apart < as_good_as_solved ? Steps::known : Steps::unknown;
   }
-  return place->second;
+  return steps == Steps::known;
 }
 
-/// The bars of a table; those that are no longer needed are memory for others.
+/// The bars of a table; those that are no longer needed are memory for others, of the same thread
+/// first: what another processor core has written last is slow to write over.
 class BarFamily::BarsBetween : public std::enable_shared_from_this<BarsBetween> {
  public:
   BarsBetween(const std::shared_ptr<const ModalBar>& bar, double heaviness)
@@ -174,7 +176,10 @@ class BarFamily::BarsBetween : public std::enable_shared_from_this<BarsBetween> 
   std::unique_ptr<BarBetween> unused() {
     const std::lock_guard lock(mutex_);
     if (unused_.empty()) return nullptr;
-    std::unique_ptr<BarBetween> bar = std::move(unused_.back());
+    const auto mine = std::ranges::find(unused_, std::this_thread::get_id(), &Unused::by);
+    Unused& used = mine == unused_.end() ? unused_.back() : *mine;
+    std::unique_ptr<BarBetween> bar = std::move(used.bar);
+    if (&used != &unused_.back()) used = std::move(unused_.back());
     unused_.pop_back();
     return bar;
   }
@@ -182,12 +187,17 @@ class BarFamily::BarsBetween : public std::enable_shared_from_this<BarsBetween> 
   void keep(BarBetween* used) {
     std::unique_ptr<BarBetween> bar(used);
     const std::lock_guard lock(mutex_);
-    unused_.push_back(std::move(bar));
+    unused_.push_back({std::move(bar), std::this_thread::get_id()});
   }
+
+  struct Unused {
+    std::unique_ptr<BarBetween> bar;
+    std::thread::id by;
+  };
 
   BarTable table_;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<BarBetween>> unused_;
+  std::vector<Unused> unused_;
 };
 
 std::optional<Rig> BarFamily::representative(const Rig& rig) {

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <utility>
 
 #include "models/modal/modal_bar.hpp"
 #include "models/simulation.hpp"
@@ -56,8 +56,10 @@ class BarTable {
   std::array<std::shared_ptr<const ModalBar>, size> bars_;
   std::shared_ptr<const ModalBar> between_;  // what is interpolated is compared with
   bool knows_modes_ = false;
-  mutable std::mutex mutex_;
-  mutable std::map<std::pair<int, int>, bool> known_steps_;  // by nodes and level
+  enum class Steps : signed char { not_looked_at, known, unknown };
+  // by nodes and level
+  mutable std::array<std::array<std::atomic<Steps>, StepLadder::levels>, most_nodes + 1> steps_ =
+      {};
 };
 
 /// Bars of the same length, struck point, mesh and weight a mass, without further masses, have

@@ -36,6 +36,8 @@ void StoppedMotion::start(double angle, double rate) {
 void StoppedMotion::set_scales(const Scales& scales) {
   bar_.set_scales(scales);
   energy_scale_ = scales.energy;
+  force_scale_ = std::min({std::sqrt(2.0 * scales.energy / compliance_), scales.force,
+                           scales.impulse * head_.mode().omega});
   contact_damps_ = scales.damping > 0.0;
 }
 
@@ -140,15 +142,14 @@ double StoppedMotion::damped(double part) const {
   return bar_.damped(part) + taken;
 }
 
-/// Also of the sensor's force, against that of a spring with all the energy: what the force leaves
-/// out swings the head the more, the more of a swing a step is, up to one a node.
+/// Also of the sensor's force: what the contact's leaves out swings the head the more, the more of
+/// a swing a step is, up to one a node.
 double StoppedMotion::error() const {
   if (!forced_) return bar_.error();
   const double phase = head_.fastest() * step();
   const int s = rule_.nodes();
   const double swung = std::min(phase, 1.0 * s) * std::min(1.0, phase / s);
-  const double force =
-      swung * truncation(force_series_) * std::sqrt(compliance_ / (2.0 * energy_scale_));
+  const double force = swung * truncation(force_series_) / force_scale_;
   const double loss = truncation(rule_.to_series() * power_) * step() / energy_scale_;
   return std::max({bar_.error(), force, head_.damped() ? loss : 0.0});
 }

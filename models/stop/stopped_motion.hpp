@@ -24,8 +24,10 @@ class StoppedMotion final : public BarMotion {
 
   const StepLadder& ladder() const override { return bar_.ladder(); }
 
-
   void start(double angle, double rate) override;
+
+  bool began_steady() const override { return bar_.began_steady(); }
+
   void set_scales(const Scales& scales) override;
   double longest_step() const override;
 
@@ -158,6 +160,9 @@ class StoppedMotion final : public BarMotion {
   StopHead head_;
   double compliance_;  // of the sensor's spring [m/N]
   double energy_scale_ = 1.0;
+  // Of the sensor [N]: the least of what its spring and the contact hold all the energy with and
+  // of what the impulse makes the head ring with.
+  double force_scale_ = 1.0;
 
   State state_, end_;
   std::array<HeadStep, kept_steps> steps_;
