@@ -32,7 +32,8 @@ std::size_t equal_by_chance(const Trace& trace, const Contact& contact, double q
   constexpr std::size_t fewest = 3;
   const auto quiet = quiet_before(trace, contact.onset, 0, options);
   if (!quiet || !(quantum > 0.0)) return fewest;
-  const double sigma = fit_quiet(trace.values, quiet->begin, quiet->end, 1, quantum).sigma;
+  const double sigma =
+      fit_quiet(trace.values, quiet->begin, quiet->end, 1, quantum, trace.valid).sigma;
   if (!(sigma > 0.5 * quantum)) return fewest;
   const double chance = quantum / (2.0 * std::sqrt(std::numbers::pi) * sigma);
   return std::max(fewest,
@@ -116,8 +117,8 @@ bool noisy_flat_top(const Trace& trace, const Contact& contact, double quantum,
   const auto quiet = quiet_before(trace, contact.onset, 0, options);
   if (!quiet) return false;
   // On a level between two values of a digitiser the least noise is half a step.
-  const double sigma =
-      std::max(fit_quiet(y, quiet->begin, quiet->end, 1, quantum).sigma, 0.5 * quantum);
+  const double sigma = std::max(
+      fit_quiet(y, quiet->begin, quiet->end, 1, quantum, trace.valid).sigma, 0.5 * quantum);
   if (!(sigma > 0.0)) return false;
   const auto top = plateau_at_peak(y, contact, sigma);
   if (!top) return false;
@@ -132,8 +133,9 @@ bool noisy_flat_top(const Trace& trace, const Contact& contact, double quantum,
 }
 
 /// Whether a signal reaches its known range, or invalid samples of it are a top that the recorder
-/// marked: finite ones above half of the peak that no sound sample of the contact is higher than.
-/// `half_peak` 0: these do not count.
+/// marked: of the finite ones above half of the peak, more than half are no lower than any sound
+/// sample of the contact; of marks that have nothing to do with the range some are. `half_peak` 0:
+/// these do not count.
 bool over_range(const RecordedSignal& signal, std::size_t first, std::size_t last, double half_peak,
                 double baseline) {
   const Trace& trace = signal.trace;
@@ -143,15 +145,17 @@ bool over_range(const RecordedSignal& signal, std::size_t first, std::size_t las
   // As recorded: the trace bridges what is invalid.
   const datasets::Channel& channel = *signal.channel;
   const double level = channel.value(first);
-  double sound = 0.0, marked = 0.0;
+  double sound = 0.0;
+  std::vector<double> marked;
   for (std::size_t i = first; i <= last; ++i) {
     const double height = std::abs(channel.value(i) - level);
     if (trace.is_valid(i))
       sound = std::max(sound, height);
     else if (!std::isnan(height) && std::abs(trace.values[i] - baseline) >= half_peak)
-      marked = std::max(marked, height);
+      marked.push_back(height);
   }
-  return marked > 0.0 && marked >= 0.999 * sound;
+  const auto at_top = std::ranges::count_if(marked, [&](double h) { return h >= 0.999 * sound; });
+  return 2 * static_cast<std::size_t>(at_top) > marked.size();
 }
 
 /// White noise beyond a digitiser's rounding on whatever smooth course. Fourth differences leave
