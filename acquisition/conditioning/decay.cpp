@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -38,6 +39,7 @@ struct Quiet {
 
 Quiet quiet_samples(const Channel& channel, const datasets::RemoveDecay& decay) {
   const std::vector<double> values = sound_values(channel);
+  const std::vector<std::uint8_t> marks = sound_marks(channel);
   std::size_t samples = 0;
   for (const TimeSpan& span : decay.quiet) samples += samples_in(channel, span).size();
   const std::size_t width = samples / (most_points + 1) + 1;
@@ -48,7 +50,7 @@ Quiet quiet_samples(const Channel& channel, const datasets::RemoveDecay& decay) 
     for (std::size_t from = range.begin; from < range.end; from += width) {
       double n = 0.0, time = 0.0, value = 0.0;
       for (std::size_t i = from; i < std::min(from + width, range.end); ++i) {
-        if (!channel.is_valid(i)) continue;
+        if (!marks.empty() && marks[i] == 0) continue;
         n += 1.0;
         time += channel.clock.time(i);
         value += values[i];
