@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "acquisition/conditioning/background.hpp"
+#include "acquisition/conditioning/stepped_rail.hpp"
 
 namespace impactrig::acquisition {
 
@@ -214,106 +215,6 @@ bool on_rail(const ImpactSignal& signal, double sign) {
   return has_rough_noise(off, signal.quantum, span);
 }
 
-/// The longest level stretch of a signal at its largest value, in the direction of `sign`, of a
-/// digitiser whose step is known.
-struct LevelStretch {
-  const ImpactSignal& signal;
-  double sign, top;
-  std::size_t first = 0, size = 0;  ///< samples
-  long span = 0;                    ///< steps to the other extreme
-
-  LevelStretch(const ImpactSignal& of, double direction) : signal(of), sign(direction) {
-    const auto [least, most] = std::ranges::minmax(signal.values);
-    top = sign > 0.0 ? most : least;
-    span = std::lround((most - least) / signal.quantum);
-    for (std::size_t i = 0, begin = 0; i < signal.values.size(); ++i) {
-      if (below(i) > 0) begin = i + 1;
-      if (i + 1 - begin > size) first = begin, size = i + 1 - begin;
-    }
-  }
-
-  bool begins_inside() const { return first == 0; }
-
-  bool ends_inside() const { return first + size == signal.values.size(); }
-
-  /// Steps under the extreme.
-  long below(std::size_t i) const {
-    return std::lround(sign * (top - signal.values[i]) / signal.quantum);
-  }
-
-  /// How far the signal has fallen `samples` behind the end of the stretch, or before its begin.
-  long fall(std::size_t samples, bool behind) const {
-    if (behind) return below(std::min(first + size - 1 + samples, signal.values.size() - 1));
-    return below(first > samples ? first - samples : 0);
-  }
-
-  /// Samples from the end (or begin) until the signal is so many steps down; none where it is not.
-  std::optional<double> samples_to(long depth, bool behind) const {
-    const std::size_t most = behind ? signal.values.size() - first - size : first;
-    const double level = static_cast<double>(depth) - 0.5;  // where the value before gives way
-    double last = 0.0;
-    for (std::size_t n = 0; n < most; ++n) {
-      const double here = static_cast<double>(below(behind ? first + size + n : first - 1 - n));
-      if (here >= level) return as_double(n) - (here - level) / (here - last);
-      last = here;
-    }
-    return std::nullopt;
-  }
-};
-
-/// Whether a signal leaves its extreme at once as steeply as it goes on. What a contact's force
-/// bends begins as t² or slower and takes 1.6 times as long over its first m steps as over the next
-/// m; a rail that it crosses, once.
-bool leaves_at_once(const LevelStretch& level, bool behind) {
-  constexpr long fewest_steps = 4;
-  constexpr double fewest_samples = 2.0;  // the stretch's own end is known to one
-  const long m = std::max(fewest_steps, level.span / 12);
-  const auto near = level.samples_to(1 + m, behind), far = level.samples_to(1 + 2 * m, behind);
-  if (!near || !far || *near < fewest_samples) return false;
-  return *near < 1.35 * (*far - *near) &&
-         as_double(level.size) > 4.0 * std::max(*near, *far - *near) / static_cast<double>(m);
-}
-
-/// The part of the contact's impulse up to a time; none without a force.
-std::optional<double> impulse_until(const Impact& impact, double time) {
-  if (!impact.force) return std::nullopt;
-  double before = 0.0, whole = 0.0;
-  for (std::size_t i = 0; i < impact.force->values.size(); ++i) {
-    const double t = impact.force->time(i);
-    if (t < impact.start || t > impact.end) continue;
-    whole += impact.force->values[i];
-    if (t < time) before += impact.force->values[i];
-  }
-  return whole != 0.0 ? std::optional(before / whole) : std::nullopt;
-}
-
-/// A rail that no range states, of a digitiser whose steps hide the noise: a level stretch at the
-/// extreme, far longer than a step takes beside it, that the signal leaves at once. Inside the
-/// window both ends have to, and fall off faster than the crest through such steps would that the
-/// stretch allows (see flat_top). A velocity may begin or end on its rail; so may one at constant
-/// speed whose contact begins with a jump, but that one leaves before the force has done anything.
-/// Displacements do it by themselves, as a struck bar's.
-bool on_stepped_rail(const Impact& impact, const ImpactSignal& signal, double sign) {
-  constexpr long least_span = 48;  // steps: fewer do not tell a curve from a line
-  constexpr long crest_fall = 13;
-  if (!(signal.quantum > 0.0)) return false;
-  if (!signal.valid.empty() && std::ranges::count(signal.valid, 0) > 0) return false;
-  const LevelStretch level(signal, sign);
-  const bool begins = level.begins_inside(), ends = level.ends_inside();
-  const double span = static_cast<double>(level.span);
-  if (level.size < plateau_samples || (begins && ends) ||
-      std::abs(level.top) <= 1e-3 * span * signal.quantum)  // lost lasers show zero
-    return false;
-  if (!begins && !ends)
-    return std::min(level.fall(level.size, false), level.fall(level.size, true)) > crest_fall &&
-           leaves_at_once(level, false) && leaves_at_once(level, true);
-  if (signal.quantity != Quantity::velocity || level.span < least_span) return false;
-  const double edge = signal.time(begins ? level.size : level.first);
-  const auto done = impulse_until(impact, edge);
-  const double little = 0.02 + 3.0 / span;
-  return done && *done > little && *done < 1.0 - little && leaves_at_once(level, begins);
-}
-
 /// A velocity that goes on at the other end of a decoder's range: from one sample to the next it
 /// turns over, beyond four fifths of its largest value on both sides, and stays there for three
 /// samples at least. A contact of many samples takes longer, and a lost laser shows zero.
@@ -358,7 +259,9 @@ bool motion_clipped(const Impact& impact, const Contact& contact,
     for (const double sign : {1.0, -1.0})
       if (on_rail(**signal, sign) || on_stepped_rail(impact, **signal, sign)) return true;
   }
-  return false;
+  if (!impact.velocity) return false;
+  return on_noisy_rail(impact, *impact.velocity, 1.0) ||
+         on_noisy_rail(impact, *impact.velocity, -1.0);
 }
 
 }  // namespace impactrig::acquisition
