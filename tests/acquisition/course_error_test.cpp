@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "acquisition/conditioning/baseline.hpp"
@@ -210,6 +211,27 @@ TEST(UndoLowCut, StatesWhatTheErrorOfTheBaselineGrowsTo) {
   const auto parameters = undo_low_cut(other, {100.0, quiet}).parameters;
   EXPECT_NEAR(std::stod(parameters.at("uncertainty")),
               baseline * (1.0 + 2.0 * std::numbers::pi * 100.0 * 4e-3), 0.06 * baseline * 3.5);
+}
+
+// Lines over what is not valid, of noise and of a pulse, go into everything behind them.
+TEST(UndoLowCut, StatesWhatBridgesMayMiss) {
+  for (const double memory : {0.0, 0.9})
+    for (const bool in_pulse : {false, true}) {
+      Held held;
+      for (int seed = 1; seed <= records; ++seed) {
+        Noise noise(static_cast<std::uint64_t>(seed));
+        Channel force = force_with(
+            {memory, 0.0}, [](double) { return 12.0; }, noise);
+        Channel whole = force;
+        whole.offset -= 12.0;
+        undo_low_cut(whole, {1000.0, std::nullopt});
+        mark_stretches(force, 0.4, in_pulse ? 1000 : 0, in_pulse ? 1200 : at.samples, noise);
+        const auto parameters = undo_low_cut(force, {1000.0, quiet}).parameters;
+        held.add(force.value(at.samples - 1) - whole.value(at.samples - 1),
+                 std::stod(parameters.at("uncertainty")));
+      }
+      EXPECT_GE(held.count, least_held) << memory << " " << in_pulse;
+    }
 }
 
 }  // namespace

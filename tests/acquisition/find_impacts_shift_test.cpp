@@ -89,7 +89,9 @@ TEST(BaselineShiftFlag, FiresWhereTheForceRestsAboveAContactsFoot) {
         EXPECT_TRUE(impact.has(ImpactFlag::baseline_shift));
         EXPECT_FALSE(impact.has(ImpactFlag::too_short));
         EXPECT_FALSE(impact.has(ImpactFlag::truncated_tail));
-        if (seed % 2 == 1) EXPECT_NEAR(impact.end, duration, 5e-6);
+        if (seed % 2 == 1) {
+          EXPECT_NEAR(impact.end, duration, 5e-6);
+        }
       }
 }
 
