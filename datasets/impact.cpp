@@ -53,8 +53,9 @@ constexpr std::array<FlagText, 16> flag_texts{{
      "drift, decay or hum."},
     {ImpactFlag::baseline_shift, "baseline-shift",
      "The force does not come back to its level before the impact by more than 1 % of its peak: an "
-     "amplifier that was overloaded, a lower limit too high for the pulse, or a ground loop; lower "
-     "the gain or the lower limit, and do not integrate beyond the contact."},
+     "amplifier that was overloaded, a lower limit too high for the pulse, a ground loop, or a bar "
+     "that goes on pressing; lower the gain or the lower limit, and do not integrate beyond the "
+     "contact."},
     {ImpactFlag::inverted, "inverted",
      "The force is negative in the contact, or the bar moves away from the stop before it; state "
      "polarity = -1 for that sensor."},

@@ -40,6 +40,17 @@ bool counts(std::span<const std::uint8_t> valid, std::size_t i) {
   return valid.empty() || valid[i] != 0;
 }
 
+std::span<const std::uint8_t> part_of(std::span<const std::uint8_t> valid, std::size_t begin,
+                                      std::size_t end) {
+  return valid.empty() ? valid : valid.subspan(begin, end - begin);
+}
+
+std::size_t count_within(std::span<const std::uint8_t> valid, std::size_t begin, std::size_t end) {
+  const auto part = part_of(valid, begin, end);
+  return valid.empty() ? end - begin
+                       : part.size() - static_cast<std::size_t>(std::ranges::count(part, 0));
+}
+
 /// Medians of up to `blocks` equal blocks and the indices of their middles, of the valid samples;
 /// without blocks that have none.
 struct BlockMedians {
@@ -144,8 +155,12 @@ double median(std::vector<double> values) {
   return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
-Spread robust_spread(std::span<const double> values) {
-  std::vector<double> sample = evenly_spread(values, sample_limit);
+Spread robust_spread(std::span<const double> values, std::span<const std::uint8_t> valid) {
+  std::vector<double> sample = sampled(0, values.size(), sample_limit, [&](std::size_t i) {
+    return counts(valid, i) ? values[i] : nothing;
+  });
+  std::erase_if(sample, [](double value) { return std::isnan(value); });
+  if (sample.empty()) sample = evenly_spread(values, sample_limit);
   Spread spread;
   spread.centre = median(sample);
   for (double& value : sample) value = std::abs(value - spread.centre);
@@ -153,11 +168,14 @@ Spread robust_spread(std::span<const double> values) {
   return spread;
 }
 
-double step_noise(std::span<const double> values) {
+double step_noise(std::span<const double> values, std::span<const std::uint8_t> valid) {
   if (values.size() < 3) return 0.0;
   std::vector<double> steps = sampled(2, values.size(), sample_limit, [&](std::size_t i) {
-    return std::abs(values[i] - 2.0 * values[i - 1] + values[i - 2]);
+    const bool count = counts(valid, i) && counts(valid, i - 1) && counts(valid, i - 2);
+    return count ? std::abs(values[i] - 2.0 * values[i - 1] + values[i - 2]) : nothing;
   });
+  std::erase_if(steps, [](double step) { return std::isnan(step); });
+  if (steps.empty()) return step_noise(values);
   return normal_mad * median(std::move(steps)) / std::sqrt(6.0);
 }
 
@@ -190,7 +208,7 @@ double grid_step(std::span<const double> values, std::size_t anchor, double step
 
 double quantum_of(std::span<const double> values, std::span<const std::uint8_t> valid) {
   std::vector<double> sorted = sampled(0, values.size(), std::size_t{1} << 16, [&](std::size_t i) {
-    return valid.empty() || valid[i] != 0 ? values[i] : nothing;
+    return counts(valid, i) ? values[i] : nothing;
   });
   std::erase_if(sorted, [](double value) { return std::isnan(value); });
   if (sorted.size() < 16) return 0.0;
@@ -222,14 +240,16 @@ double quantum_of(std::span<const double> values, std::span<const std::uint8_t> 
   return grid_step(distinct, anchor, steps.front());
 }
 
-double grain_of(std::span<const double> values) {
+double grain_of(std::span<const double> values, std::span<const std::uint8_t> valid) {
   double largest = 0.0;
   for (const double value : values) largest = std::max(largest, std::abs(value));
-  return std::max(quantum_of(values), 1e-7 * largest);
+  return std::max(quantum_of(values, valid), 1e-7 * largest);
 }
 
 QuietFit fit_quiet(std::span<const double> values, std::size_t begin, std::size_t end, int degree,
                    double quantum, std::span<const std::uint8_t> valid) {
+  if (count_within(valid, begin, end) < static_cast<std::size_t>(std::max(3, degree + 2)))
+    valid = {};
   QuietFit fit;
   fit.begin = begin;
   fit.end = end;
@@ -249,7 +269,7 @@ QuietFit fit_quiet(std::span<const double> values, std::size_t begin, std::size_
     const double band = std::max(4.0 * sigma, 1.6 * quantum);
     refit_within(values, valid, band > 0.0 ? band : largest, degree, fit);
   }
-  fit.correlation = correlation_time(residuals_of(values, valid, fit));
+  fit.correlation = correlation_time(residuals_of(values, valid, fit), part_of(valid, begin, end));
   return fit;
 }
 
@@ -269,24 +289,46 @@ std::vector<double> lagged_products(std::span<const double> values) {
   return padded;
 }
 
+/// How many pairs of samples `lag` apart both count, of those there are: a part of it.
+class PairShare {
+ public:
+  explicit PairShare(std::span<const std::uint8_t> valid) : counts_(valid.begin(), valid.end()) {
+    if (!counts_.empty()) pairs_ = lagged_products(counts_);
+  }
+
+  /// What a sum of products `lag` apart would be if as many of them counted as of squares.
+  double made_up(double product, std::size_t lag) const {
+    if (counts_.empty()) return product;
+    const double n = as_double(counts_.size());
+    const double expected = pairs_[0] * (n - as_double(lag)) / n;
+    return pairs_[lag] > 0.5 ? product * expected / pairs_[lag] : 0.0;
+  }
+
+ private:
+  std::vector<double> counts_, pairs_;
+};
+
 }  // namespace
 
-double correlation_time(std::span<const double> residuals) {
+double correlation_time(std::span<const double> residuals, std::span<const std::uint8_t> valid) {
   constexpr std::size_t few = 64;                       // lags: faster summed up than transformed
   constexpr std::size_t enough = std::size_t{1} << 20;  // samples
   if (residuals.size() > enough)
-    residuals = residuals.subspan((residuals.size() - enough) / 2, enough);
+    return correlation_time(
+        residuals.subspan((residuals.size() - enough) / 2, enough),
+        part_of(valid, (residuals.size() - enough) / 2, (residuals.size() - enough) / 2 + enough));
   const std::size_t n = residuals.size();
   const double power =
       std::inner_product(residuals.begin(), residuals.end(), residuals.begin(), 0.0);
   if (!(power > 0.0)) return 1.0;
+  const PairShare pairs(valid);
   double time = 1.0;
   std::vector<double> products;
   for (std::size_t lag = 1; lag < n / 2; ++lag) {
     if (lag == few) products = lagged_products(residuals);
     double product = lag < few ? 0.0 : products[lag];
     for (std::size_t i = lag; i < n && lag < few; ++i) product += residuals[i] * residuals[i - lag];
-    time += 2.0 * product / power;
+    time += 2.0 * pairs.made_up(product, lag) / power;
     if (as_double(lag) >= 5.0 * time) break;
   }
   return std::max(time, 1.0);

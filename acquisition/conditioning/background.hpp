@@ -16,6 +16,9 @@ double median(std::vector<double> values);  ///< of at least one value
 /// At most `most` of them, evenly spread.
 std::vector<double> evenly_spread(std::span<const double> values, std::size_t most);
 
+// Samples that `valid` has as 0 do not count below, as what bridges them is no noise; where too few
+// others are there, all do.
+
 /// Median and robust standard deviation (from the median absolute deviation), of at most 2¹⁸ evenly
 /// spread samples.
 struct Spread {
@@ -23,12 +26,12 @@ struct Spread {
   double sigma = 0.0;
 };
 
-Spread robust_spread(std::span<const double> values);
+Spread robust_spread(std::span<const double> values, std::span<const std::uint8_t> valid = {});
 
 /// Standard deviation of the part of a signal that changes from sample to sample, from the median
 /// absolute second difference over sqrt(6): exact for white noise, too small for correlated noise,
 /// blind to anything slow.
-double step_noise(std::span<const double> values);
+double step_noise(std::span<const double> values, std::span<const std::uint8_t> valid = {});
 
 /// How many standard deviations nothing but noise may reach among n samples: 6, and more from 10⁴
 /// samples on, sqrt(2 ln n) + 1.7 (the expected extreme of n normal numbers, plus a margin that
@@ -36,13 +39,12 @@ double step_noise(std::span<const double> values);
 double noise_gate(std::size_t n);
 
 /// One digitiser step: that of the grid on which nearly all distinct values lie, where there are
-/// many repeats; else 0. Samples that `valid` has as 0 do not count: what bridges them lies beside
-/// the grid.
+/// many repeats; else 0.
 double quantum_of(std::span<const double> values, std::span<const std::uint8_t> valid = {});
 
 /// What two samples must differ by to differ at all: the digitiser step, or the rounding of a
 /// 24-bit number, 1e-7 of the largest value.
-double grain_of(std::span<const double> values);
+double grain_of(std::span<const double> values, std::span<const std::uint8_t> valid = {});
 
 /// A stretch before the trigger: its course and the scatter about it.
 struct QuietFit {
@@ -64,16 +66,16 @@ struct QuietFit {
 /// Fits a polynomial of degree 0, 1 or 2 to values[begin, end), at least 3 samples: robust
 /// (repeated medians of blocks) at first, then least squares over the samples within 4 standard
 /// deviations, or 1.6 digitiser steps where those are more: a coarsely digitised quiet signal has
-/// most of its samples on one value, and no median absolute deviation. Samples that `valid` has as
-/// 0 do not count; 3 others at least.
+/// most of its samples on one value, and no median absolute deviation.
 QuietFit fit_quiet(std::span<const double> values, std::size_t begin, std::size_t end, int degree,
                    double quantum, std::span<const std::uint8_t> valid = {});
 
 /// Integrated autocorrelation time 1 + 2 sum rho_k of a stretch with mean zero, in samples, >= 1.
 /// The sum ends at the first lag of at least 5 times its own value [Sokal1997]; a stretch shorter
 /// than 50 such times gives a rough figure only. Of a longer one than 2²⁰ samples those in its
-/// middle tell.
-double correlation_time(std::span<const double> residuals);
+/// middle tell. With `valid`, rho_k is of the pairs that both count.
+double correlation_time(std::span<const double> residuals,
+                        std::span<const std::uint8_t> valid = {});
 
 /// What drift and mains hum cannot have made of a record: what is left when a polynomial that
 /// follows anything below 200 Hz is taken off. Meant for records of up to 20 ms.

@@ -100,7 +100,7 @@ RemovedBaseline remove_baseline(Channel& channel, const TimeSpan& quiet) {
   Edit edit{"remove baseline", channel.name, span_of(quiet)};
   edit.parameters["offset"] = fmt::format("{} {}", baseline, channel.unit);
   edit.parameters["uncertainty"] = uncertain(course.of_level(), channel, "");
-  return {std::move(edit), course.of_level()};
+  return {std::move(edit), course.of_level(), course.fit.sigma, course.fit.correlation};
 }
 
 Edit remove_drift(Channel& channel, const TimeSpan& quiet) {

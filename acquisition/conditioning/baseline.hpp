@@ -12,6 +12,8 @@ using datasets::TimeSpan;
 struct RemovedBaseline {
   datasets::Edit edit;
   double uncertainty = 0.0;
+  double noise = 0.0;        ///< standard deviation about it
+  double correlation = 1.0;  ///< integrated autocorrelation time of that [samples]
 };
 
 /// Takes the robust mean over `quiet` (before the trigger) off a channel. The samples stay; only

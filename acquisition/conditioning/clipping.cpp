@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "acquisition/conditioning/background.hpp"
+#include "acquisition/conditioning/stepped_rail.hpp"
 
 namespace impactrig::acquisition {
 
@@ -32,7 +33,8 @@ std::size_t equal_by_chance(const Trace& trace, const Contact& contact, double q
   constexpr std::size_t fewest = 3;
   const auto quiet = quiet_before(trace, contact.onset, 0, options);
   if (!quiet || !(quantum > 0.0)) return fewest;
-  const double sigma = fit_quiet(trace.values, quiet->begin, quiet->end, 1, quantum).sigma;
+  const double sigma =
+      fit_quiet(trace.values, quiet->begin, quiet->end, 1, quantum, trace.valid).sigma;
   if (!(sigma > 0.5 * quantum)) return fewest;
   const double chance = quantum / (2.0 * std::sqrt(std::numbers::pi) * sigma);
   return std::max(fewest,
@@ -116,8 +118,8 @@ bool noisy_flat_top(const Trace& trace, const Contact& contact, double quantum,
   const auto quiet = quiet_before(trace, contact.onset, 0, options);
   if (!quiet) return false;
   // On a level between two values of a digitiser the least noise is half a step.
-  const double sigma =
-      std::max(fit_quiet(y, quiet->begin, quiet->end, 1, quantum).sigma, 0.5 * quantum);
+  const double sigma = std::max(
+      fit_quiet(y, quiet->begin, quiet->end, 1, quantum, trace.valid).sigma, 0.5 * quantum);
   if (!(sigma > 0.0)) return false;
   const auto top = plateau_at_peak(y, contact, sigma);
   if (!top) return false;
@@ -132,8 +134,9 @@ bool noisy_flat_top(const Trace& trace, const Contact& contact, double quantum,
 }
 
 /// Whether a signal reaches its known range, or invalid samples of it are a top that the recorder
-/// marked: finite ones above half of the peak that no sound sample of the contact is higher than.
-/// `half_peak` 0: these do not count.
+/// marked: of the finite ones above half of the peak, more than half are no lower than any sound
+/// sample of the contact; of marks that have nothing to do with the range some are. `half_peak` 0:
+/// these do not count.
 bool over_range(const RecordedSignal& signal, std::size_t first, std::size_t last, double half_peak,
                 double baseline) {
   const Trace& trace = signal.trace;
@@ -143,15 +146,17 @@ bool over_range(const RecordedSignal& signal, std::size_t first, std::size_t las
   // As recorded: the trace bridges what is invalid.
   const datasets::Channel& channel = *signal.channel;
   const double level = channel.value(first);
-  double sound = 0.0, marked = 0.0;
+  double sound = 0.0;
+  std::vector<double> marked;
   for (std::size_t i = first; i <= last; ++i) {
     const double height = std::abs(channel.value(i) - level);
     if (trace.is_valid(i))
       sound = std::max(sound, height);
     else if (!std::isnan(height) && std::abs(trace.values[i] - baseline) >= half_peak)
-      marked = std::max(marked, height);
+      marked.push_back(height);
   }
-  return marked > 0.0 && marked >= 0.999 * sound;
+  const auto at_top = std::ranges::count_if(marked, [&](double h) { return h >= 0.999 * sound; });
+  return 2 * static_cast<std::size_t>(at_top) > marked.size();
 }
 
 /// White noise beyond a digitiser's rounding on whatever smooth course. Fourth differences leave
@@ -210,106 +215,6 @@ bool on_rail(const ImpactSignal& signal, double sign) {
   return has_rough_noise(off, signal.quantum, span);
 }
 
-/// The longest level stretch of a signal at its largest value, in the direction of `sign`, of a
-/// digitiser whose step is known.
-struct LevelStretch {
-  const ImpactSignal& signal;
-  double sign, top;
-  std::size_t first = 0, size = 0;  ///< samples
-  long span = 0;                    ///< steps to the other extreme
-
-  LevelStretch(const ImpactSignal& of, double direction) : signal(of), sign(direction) {
-    const auto [least, most] = std::ranges::minmax(signal.values);
-    top = sign > 0.0 ? most : least;
-    span = std::lround((most - least) / signal.quantum);
-    for (std::size_t i = 0, begin = 0; i < signal.values.size(); ++i) {
-      if (below(i) > 0) begin = i + 1;
-      if (i + 1 - begin > size) first = begin, size = i + 1 - begin;
-    }
-  }
-
-  bool begins_inside() const { return first == 0; }
-
-  bool ends_inside() const { return first + size == signal.values.size(); }
-
-  /// Steps under the extreme.
-  long below(std::size_t i) const {
-    return std::lround(sign * (top - signal.values[i]) / signal.quantum);
-  }
-
-  /// How far the signal has fallen `samples` behind the end of the stretch, or before its begin.
-  long fall(std::size_t samples, bool behind) const {
-    if (behind) return below(std::min(first + size - 1 + samples, signal.values.size() - 1));
-    return below(first > samples ? first - samples : 0);
-  }
-
-  /// Samples from the end (or begin) until the signal is so many steps down; none where it is not.
-  std::optional<double> samples_to(long depth, bool behind) const {
-    const std::size_t most = behind ? signal.values.size() - first - size : first;
-    const double level = static_cast<double>(depth) - 0.5;  // where the value before gives way
-    double last = 0.0;
-    for (std::size_t n = 0; n < most; ++n) {
-      const double here = static_cast<double>(below(behind ? first + size + n : first - 1 - n));
-      if (here >= level) return as_double(n) - (here - level) / (here - last);
-      last = here;
-    }
-    return std::nullopt;
-  }
-};
-
-/// Whether a signal leaves its extreme at once as steeply as it goes on. What a contact's force
-/// bends begins as t² or slower and takes 1.6 times as long over its first m steps as over the next
-/// m; a rail that it crosses, once.
-bool leaves_at_once(const LevelStretch& level, bool behind) {
-  constexpr long fewest_steps = 4;
-  constexpr double fewest_samples = 2.0;  // the stretch's own end is known to one
-  const long m = std::max(fewest_steps, level.span / 12);
-  const auto near = level.samples_to(1 + m, behind), far = level.samples_to(1 + 2 * m, behind);
-  if (!near || !far || *near < fewest_samples) return false;
-  return *near < 1.35 * (*far - *near) &&
-         as_double(level.size) > 4.0 * std::max(*near, *far - *near) / static_cast<double>(m);
-}
-
-/// The part of the contact's impulse up to a time; none without a force.
-std::optional<double> impulse_until(const Impact& impact, double time) {
-  if (!impact.force) return std::nullopt;
-  double before = 0.0, whole = 0.0;
-  for (std::size_t i = 0; i < impact.force->values.size(); ++i) {
-    const double t = impact.force->time(i);
-    if (t < impact.start || t > impact.end) continue;
-    whole += impact.force->values[i];
-    if (t < time) before += impact.force->values[i];
-  }
-  return whole != 0.0 ? std::optional(before / whole) : std::nullopt;
-}
-
-/// A rail that no range states, of a digitiser whose steps hide the noise: a level stretch at the
-/// extreme, far longer than a step takes beside it, that the signal leaves at once. Inside the
-/// window both ends have to, and fall off faster than the crest through such steps would that the
-/// stretch allows (see flat_top). A velocity may begin or end on its rail; so may one at constant
-/// speed whose contact begins with a jump, but that one leaves before the force has done anything.
-/// Displacements do it by themselves, as a struck bar's.
-bool on_stepped_rail(const Impact& impact, const ImpactSignal& signal, double sign) {
-  constexpr long least_span = 48;  // steps: fewer do not tell a curve from a line
-  constexpr long crest_fall = 13;
-  if (!(signal.quantum > 0.0)) return false;
-  if (!signal.valid.empty() && std::ranges::count(signal.valid, 0) > 0) return false;
-  const LevelStretch level(signal, sign);
-  const bool begins = level.begins_inside(), ends = level.ends_inside();
-  const double span = static_cast<double>(level.span);
-  if (level.size < plateau_samples || (begins && ends) ||
-      std::abs(level.top) <= 1e-3 * span * signal.quantum)  // lost lasers show zero
-    return false;
-  if (!begins && !ends)
-    return std::min(level.fall(level.size, false), level.fall(level.size, true)) > crest_fall &&
-           leaves_at_once(level, false) && leaves_at_once(level, true);
-  if (signal.quantity != Quantity::velocity || level.span < least_span) return false;
-  const double edge = signal.time(begins ? level.size : level.first);
-  const auto done = impulse_until(impact, edge);
-  const double little = 0.02 + 3.0 / span;
-  return done && *done > little && *done < 1.0 - little && leaves_at_once(level, begins);
-}
-
 /// A velocity that goes on at the other end of a decoder's range: from one sample to the next it
 /// turns over, beyond four fifths of its largest value on both sides, and stays there for three
 /// samples at least. A contact of many samples takes longer, and a lost laser shows zero.
@@ -354,7 +259,9 @@ bool motion_clipped(const Impact& impact, const Contact& contact,
     for (const double sign : {1.0, -1.0})
       if (on_rail(**signal, sign) || on_stepped_rail(impact, **signal, sign)) return true;
   }
-  return false;
+  if (!impact.velocity) return false;
+  return on_noisy_rail(impact, *impact.velocity, 1.0) ||
+         on_noisy_rail(impact, *impact.velocity, -1.0);
 }
 
 }  // namespace impactrig::acquisition

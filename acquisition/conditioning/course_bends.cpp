@@ -26,12 +26,13 @@ double as_double(std::size_t n) {
 
 }  // namespace
 
-BendSearch::BendSearch(std::span<const double> values, double interval, double grain)
+BendSearch::BendSearch(std::span<const double> values, std::span<const std::uint8_t> valid,
+                       double interval, double grain)
     : size_(values.size()),
       sums_(values.size() + 1, 0.0) {
   for (std::size_t i = 0; i < size_; ++i) sums_[i + 1] = sums_[i] + (values[i] - values[0]);
   const double rounding = uniform_noise * grain;
-  const double noise = std::max(step_noise(values), rounding);
+  const double noise = std::max(step_noise(values, valid), rounding);
   for (std::size_t width = 1; 8 * width <= size_; width *= 2) {
     const double time = as_double(width) * interval;
     if (time < shortest_width && size_ / width > many) continue;

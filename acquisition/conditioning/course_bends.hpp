@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -22,7 +23,8 @@ struct Bend {
 class BendSearch {
  public:
   /// `grain`: what two values must differ by to differ at all.
-  BendSearch(std::span<const double> values, double interval, double grain);
+  BendSearch(std::span<const double> values, std::span<const std::uint8_t> valid, double interval,
+             double grain);
 
   /// The first bend from `earliest` on, among what follows `floor`; none where there is none.
   std::optional<Bend> first(std::size_t floor, std::size_t earliest) const;

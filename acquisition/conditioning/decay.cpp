@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -38,6 +39,7 @@ struct Quiet {
 
 Quiet quiet_samples(const Channel& channel, const datasets::RemoveDecay& decay) {
   const std::vector<double> values = sound_values(channel);
+  const std::vector<std::uint8_t> marks = sound_marks(channel);
   std::size_t samples = 0;
   for (const TimeSpan& span : decay.quiet) samples += samples_in(channel, span).size();
   const std::size_t width = samples / (most_points + 1) + 1;
@@ -48,7 +50,7 @@ Quiet quiet_samples(const Channel& channel, const datasets::RemoveDecay& decay) 
     for (std::size_t from = range.begin; from < range.end; from += width) {
       double n = 0.0, time = 0.0, value = 0.0;
       for (std::size_t i = from; i < std::min(from + width, range.end); ++i) {
-        if (!channel.is_valid(i)) continue;
+        if (!marks.empty() && marks[i] == 0) continue;
         n += 1.0;
         time += channel.clock.time(i);
         value += values[i];
@@ -220,6 +222,37 @@ Edit remove_decay(Channel& channel, const datasets::RemoveDecay& wanted) {
   return edit;
 }
 
+namespace {
+
+/// Standard error of the sum of `values` where lines bridge what is not valid, in their unit: of
+/// noise, whose two samples beside a gap of n stand for all within it, and of a corner in the
+/// middle of the gap between the courses on both sides, of as many samples.
+double error_of_bridged(const std::vector<double>& values, const std::vector<std::uint8_t>& marks,
+                        const RemovedBaseline& noise) {
+  double variance = 0.0;
+  const std::size_t size = marks.size();
+  for (std::size_t begin = 0; begin < size; ++begin) {
+    if (marks[begin] != 0) continue;
+    std::size_t end = begin;
+    while (end < size && marks[end] == 0) ++end;
+    const std::size_t reach = std::max<std::size_t>(3, end - begin);
+    const auto slope = [&](std::size_t from, std::size_t to) {
+      if (to < from + 3) return 0.0;
+      const QuietFit course = fit_quiet(values, from, to, 1, 0.0, marks);
+      return course.coefficients[1] / course.half;
+    };
+    const double n = static_cast<double>(end - begin);
+    const double bend =
+        slope(begin > reach ? begin - reach : 0, begin) - slope(end, std::min(size, end + reach));
+    variance += noise.noise * noise.noise * (0.5 * n * n + noise.correlation * n) +
+                std::pow((n + 1.0) * (n + 1.0) / 8.0 * bend, 2);
+    begin = end;
+  }
+  return std::sqrt(variance);
+}
+
+}  // namespace
+
 Edit undo_low_cut(Channel& channel, const datasets::UndoLowCut& low_cut) {
   if (!(low_cut.frequency > 0.0))
     throw std::invalid_argument(
@@ -230,8 +263,12 @@ Edit undo_low_cut(Channel& channel, const datasets::UndoLowCut& low_cut) {
     edit.parameters = std::move(baseline.edit.parameters);
     const double grown = 1.0 + 2.0 * std::numbers::pi * low_cut.frequency * channel.clock.interval *
                                    static_cast<double>(channel.size());
-    edit.parameters["uncertainty"] = fmt::format(
-        "{} {} at most", datasets::figures(grown * baseline.uncertainty, 2), channel.unit);
+    const double step = 2.0 * std::numbers::pi * low_cut.frequency * channel.clock.interval;
+    const double error =
+        std::hypot(grown * baseline.uncertainty,
+                   step * error_of_bridged(sound_values(channel), sound_marks(channel), baseline));
+    edit.parameters["uncertainty"] =
+        fmt::format("{} {} at most", datasets::figures(error, 2), channel.unit);
   }
   edit.parameters["frequency"] = fmt::format("{:.12g} Hz, first order", low_cut.frequency);
   std::vector<double> values = sound_values(channel);

@@ -20,8 +20,9 @@ datasets::Edit remove_decay(datasets::Channel& channel, const datasets::RemoveDe
 
 /// Undoes a first-order high-pass of 3 dB frequency f: x = y + 2 pi f ∫ y dt from the first sample
 /// on, by the trapezoidal rule, after the mean over the quiet stretch has been taken off. An error
-/// b of that mean grows to b (1 + 2 pi f t) after t. Throws std::invalid_argument when f is not
-/// positive or fewer than 3 samples are quiet.
+/// b of that mean grows to b (1 + 2 pi f t) after t; what is not valid is bridged by lines, of
+/// which the stated uncertainty holds what they may miss. Throws std::invalid_argument when f is
+/// not positive or fewer than 3 samples are quiet.
 datasets::Edit undo_low_cut(datasets::Channel& channel, const datasets::UndoLowCut& low_cut);
 
 }  // namespace impactrig::acquisition

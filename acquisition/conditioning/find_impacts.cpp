@@ -104,7 +104,8 @@ std::vector<Contact> find_pulses_beside_course(const RecordedSignal& trigger,
   constexpr double stands_out = 2.0, leans = 6.0;
   const std::size_t n = trigger.trace.values.size();
   if (n < 32) return {};
-  const QuietFit course = fit_quiet(trigger.trace.values, 0, n, 2, trigger.quantum);
+  const QuietFit course =
+      fit_quiet(trigger.trace.values, 0, n, 2, trigger.quantum, trigger.trace.valid);
   const double range = range_of(course, n);
   if (!(range > leans * course.sigma)) return {};
   Trace level = trigger.trace;
@@ -194,11 +195,12 @@ void describe_noise(const RecordedSignal& source, double onset_time, const Windo
       quiet_before(trace, trace.index(onset_time), static_cast<std::size_t>(floor), options);
   signal.quantum = quantum_of(signal.values, signal.valid);
   if (!quiet) {
-    signal.noise = step_noise(signal.values);
+    signal.noise = step_noise(signal.values, signal.valid);
     return;
   }
   const int degree = trace.quantity == Quantity::displacement ? 2 : 1;
-  const QuietFit fit = fit_quiet(trace.values, quiet->begin, quiet->end, degree, signal.quantum);
+  const QuietFit fit =
+      fit_quiet(trace.values, quiet->begin, quiet->end, degree, signal.quantum, trace.valid);
   signal.noise = fit.sigma;
   signal.noise_correlation = fit.correlation;
 }
@@ -262,7 +264,7 @@ double level_before(const RecordedSignal& source, double onset_time, const Windo
   const auto quiet =
       quiet_before(trace, trace.index(onset_time), static_cast<std::size_t>(floor), options);
   if (!quiet) return 0.0;
-  return fit_quiet(trace.values, quiet->begin, quiet->end, 1, source.quantum).mean;
+  return fit_quiet(trace.values, quiet->begin, quiet->end, 1, source.quantum, trace.valid).mean;
 }
 
 /// Mean before touch, dropouts left out; of the samples there are when there are few.
@@ -272,7 +274,7 @@ double approach_velocity(const RecordedSignal& velocity, double onset_time, cons
   const double floor = std::max(0.0, std::ceil(trace.index(window.floor)));
   const double onset = trace.index(onset_time);
   if (const auto quiet = quiet_before(trace, onset, static_cast<std::size_t>(floor), options))
-    return fit_quiet(trace.values, quiet->begin, quiet->end, 1, velocity.quantum).mean;
+    return fit_quiet(trace.values, quiet->begin, quiet->end, 1, velocity.quantum, trace.valid).mean;
   const double last =
       std::min(std::max(std::floor(onset), 0.0), as_double(trace.values.size() - 1));
   const auto end = static_cast<std::ptrdiff_t>(last) + 1;

@@ -68,7 +68,7 @@ class JumpSearch {
       : trace_(trace),
         y_(trace.values),
         options_(options),
-        grain_(grain_of(y_)),
+        grain_(grain_of(y_, trace.valid)),
         window_(static_cast<std::size_t>(std::max(200.0, options.pre_trigger / trace.interval))),
         post_(static_cast<std::size_t>(options.post_trigger / trace.interval)) {
     const double n = as_double(y_.size());
@@ -133,7 +133,8 @@ double passing(const Course& course, double part, std::size_t from, std::size_t 
 }
 
 QuietFit JumpSearch::course_before(std::size_t end, std::size_t floor) const {
-  return fit_quiet(y_, std::max(floor, end > window_ ? end - window_ : 0), end, 1, grain_);
+  return fit_quiet(y_, std::max(floor, end > window_ ? end - window_ : 0), end, 1, grain_,
+                   trace_.valid);
 }
 
 /// The mean of what an impact leaves behind, and how far a struck bar's vibration scatters about
@@ -212,7 +213,7 @@ std::optional<Contact> JumpSearch::at(const Bend& bend, std::size_t floor) const
   Change change{y_, course_before(begin, floor), lasting_after(bend.index)};
   const double lasting = change.after.mean - change.before.mean;
   if (std::abs(lasting) <= beyond_scatter * change.after.sigma) return std::nullopt;
-  change.between(lobe, fit_quiet(y_, lobe.end, to, 1, grain_));
+  change.between(lobe, fit_quiet(y_, lobe.end, to, 1, grain_, trace_.valid));
   const auto agrees = [&] {
     const double ratio = change.size / lasting;
     return ratio > 0.5 && ratio < 2.5;
@@ -223,7 +224,7 @@ std::optional<Contact> JumpSearch::at(const Bend& bend, std::size_t floor) const
 }
 
 std::vector<Contact> JumpSearch::at_bends() const {
-  const BendSearch bends(y_, trace_.interval, grain_);
+  const BendSearch bends(y_, trace_.valid, trace_.interval, grain_);
   std::vector<Contact> contacts;
   std::size_t floor = 0, earliest = 0;
   while (const auto bend = bends.first(floor, earliest)) {
@@ -244,7 +245,7 @@ std::vector<Contact> JumpSearch::at_bends() const {
 /// the time, between two courses of which it is 20 times the scatter.
 std::optional<Contact> JumpSearch::filling() const {
   constexpr double height = 20.0;  // standard deviations
-  const double noise = std::max(step_noise(y_), 0.75 * grain_);
+  const double noise = std::max(step_noise(y_, trace_.valid), 0.75 * grain_);
   const auto [low, high] = std::ranges::minmax(y_);
   if (trace_.interval * as_double(y_.size()) > longest_hum || high - low < height * noise ||
       explained_by_drift_and_hum(y_, trace_.interval, high - low, noise))
@@ -256,7 +257,7 @@ std::optional<Contact> JumpSearch::filling() const {
   if (lobe.begin < fewest_samples || lobe.begin > window_ || to < lobe.end + fewest_samples)
     return std::nullopt;
   Change change{y_, course_before(lobe.begin, 0), {}};
-  change.between(lobe, fit_quiet(y_, lobe.end, to, 1, grain_));
+  change.between(lobe, fit_quiet(y_, lobe.end, to, 1, grain_, trace_.valid));
   const double scatter = std::max(change.before.sigma, change.after.sigma);
   if (20 * std::min(change.before.size(), change.after.size()) < y_.size() ||
       scatter > 1.25 * noise || std::abs(change.size) < height * scatter)
@@ -277,7 +278,7 @@ std::vector<Contact> JumpSearch::above(double threshold) const {
     if (later && std::abs(lobe.height) > 2.0 * vibration && lobe.begin >= floor + fewest_samples &&
         to >= lobe.end + fewest_samples) {
       Change change{y_, course_before(lobe.begin, floor), {}};
-      change.between(lobe, fit_quiet(y_, lobe.end, to, 1, grain_));
+      change.between(lobe, fit_quiet(y_, lobe.end, to, 1, grain_, trace_.valid));
       // A dropout goes and comes back: the courses meet again.
       if (std::abs(change.size) >= 0.5 * threshold) {
         contacts.push_back(measure(lobe, change, floor));

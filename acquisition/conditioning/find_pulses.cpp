@@ -32,7 +32,7 @@ class PulseSearch {
       : trace_(trace),
         y_(trace.values),
         options_(options),
-        grain_(grain_of(y_)),
+        grain_(grain_of(y_, trace.valid)),
         gate_(noise_gate(y_.size())),
         window_(static_cast<std::size_t>(std::max(200.0, options.pre_trigger / trace.interval))) {}
 
@@ -46,6 +46,7 @@ class PulseSearch {
   double width_of_tallest(double level) const;
   QuietFit course_before(std::size_t end) const;
   bool is_level(std::size_t end) const;
+  double sound_share(std::size_t begin, std::size_t end) const;
   double height(double level, std::size_t begin, std::size_t end) const;
   std::size_t first_above(const Trigger& trigger, std::size_t from) const;
   std::size_t quiet_run(double level, double limit, bool from_end) const;
@@ -93,13 +94,13 @@ std::size_t PulseSearch::quiet_run(double level, double limit, bool from_end) co
 
 /// A record that is quiet for most of its time: the median is its level.
 std::optional<Trigger> PulseSearch::sparse_trigger() const {
-  const Spread spread = robust_spread(y_);
+  const Spread spread = robust_spread(y_, trace_.valid);
   const double sigma = at_least_a_step(spread.sigma);
   const double peak = height(spread.centre, 0, y_.size());
   if (peak <= gate_ * sigma) return std::nullopt;
   if (trace_.interval * as_double(y_.size()) <= longest_hum) {
     // A part of a period may be flat for most of its time, and then bend.
-    const double noise = at_least_a_step(step_noise(y_));
+    const double noise = at_least_a_step(step_noise(y_, trace_.valid));
     if (fast_part(y_, trace_.interval).highest <= std::max(gate_ * noise, 0.1 * peak))
       return std::nullopt;
   }
@@ -111,7 +112,7 @@ std::optional<Trigger> PulseSearch::dense_trigger() const {
   const std::size_t n = y_.size();
   if (n < 32 || trace_.interval * as_double(n) > longest_hum) return std::nullopt;
   const std::size_t m = std::clamp<std::size_t>(n / 32, 4, 64);
-  const double sigma = at_least_a_step(step_noise(y_));
+  const double sigma = at_least_a_step(step_noise(y_, trace_.valid));
 
   std::size_t longest = 0;
   Trigger best;
@@ -148,13 +149,13 @@ double PulseSearch::width_of_tallest(double level) const {
 
 /// The course of the last window before sample `end`.
 QuietFit PulseSearch::course_before(std::size_t end) const {
-  return fit_quiet(y_, end > window_ ? end - window_ : 0, end, 1, grain_);
+  return fit_quiet(y_, end > window_ ? end - window_ : 0, end, 1, grain_, trace_.valid);
 }
 
 /// Whether what lies before sample `end` scatters as its last window does. The spread of coarse
 /// steps is a whole number of them, one for noise of less than a step too.
 bool PulseSearch::is_level(std::size_t end) const {
-  return robust_spread(y_.first(end)).sigma <
+  return robust_spread(y_.first(end), trace_.marks(0, end)).sigma <
          std::max(1.5 * at_least_a_step(course_before(end).sigma), 1.01 * normal_mad * grain_);
 }
 
@@ -163,7 +164,7 @@ bool PulseSearch::is_level(std::size_t end) const {
 /// is no part of a contact, from which the record departs by no more than the contact is high. None
 /// where that is not so.
 std::optional<Trigger> PulseSearch::begin_trigger(const Trigger& trigger) const {
-  const Spread first = robust_spread(y_.first(least_quiet));
+  const Spread first = robust_spread(y_.first(least_quiet), trace_.marks(0, least_quiet));
   Trigger begin{.level = first.centre, .sigma = at_least_a_step(first.sigma)};
   const double peak = height(begin.level, 0, y_.size());
   begin.threshold = std::max(gate_ * begin.sigma, peak_fraction * peak);
@@ -185,7 +186,7 @@ Trigger PulseSearch::sharpened(Trigger trigger) const {
     }
   const std::size_t end = crossing - crossing / 4;
   if (crossing >= y_.size() || end < least_quiet) return trigger;
-  const Spread all = robust_spread(y_.first(end));
+  const Spread all = robust_spread(y_.first(end), trace_.marks(0, end));
   trigger.sigma = at_least_a_step(course_before(end).sigma);
   // 2.5 of the spread are above the crest of hum, whose spread is its amplitude.
   const double noise = std::max(gate_ * trigger.sigma, 2.5 * all.sigma);
@@ -195,6 +196,13 @@ Trigger PulseSearch::sharpened(Trigger trigger) const {
   if (is_level(end) && std::abs(all.centre - trigger.level) > error) trigger.level = all.centre;
   trigger.threshold = std::max(noise, peak_fraction * height(trigger.level, 0, y_.size()));
   return trigger;
+}
+
+/// Of the samples [begin, end); 1 where none is, as then all count.
+double PulseSearch::sound_share(std::size_t begin, std::size_t end) const {
+  const auto marks = trace_.marks(begin, end);
+  const auto sound = marks.size() - static_cast<std::size_t>(std::ranges::count(marks, 0));
+  return sound == 0 ? 1.0 : as_double(sound) / as_double(marks.size());
 }
 
 /// The course before sample `end`, from at most a window before it. Where it is not steady (the
@@ -207,19 +215,20 @@ Baseline PulseSearch::baseline_before(std::size_t end, std::size_t floor, double
   const std::size_t begin = std::max(floor, end > window_ ? end - window_ : 0);
   if (end < begin + 8) return baseline;
   std::size_t size = end - begin;
-  baseline.fit = fit_quiet(y_, begin, begin + size, 1, grain_);
+  baseline.fit = fit_quiet(y_, begin, begin + size, 1, grain_, trace_.valid);
   const auto trend = [&] { return 2.0 * std::abs(baseline.fit.coefficients[1]); };
   const auto scatter = [&] {  // of `trend` when there is none
-    return 2.0 * std::sqrt(3.0 * baseline.fit.correlation / as_double(size)) * baseline.fit.sigma;
+    const double sound = as_double(size) * sound_share(begin, begin + size);
+    return 2.0 * std::sqrt(3.0 * baseline.fit.correlation / sound) * baseline.fit.sigma;
   };
   baseline.steady = true;
   while (trend() > 0.01 * height + 4.0 * scatter() && size >= 16) {
     baseline.steady = false;
     size /= 2;
-    baseline.fit = fit_quiet(y_, begin, begin + size, 1, grain_);
+    baseline.fit = fit_quiet(y_, begin, begin + size, 1, grain_, trace_.valid);
   }
   baseline.line = baseline.steady && size >= 32 && trend() > 3.0 * scatter();
-  if (!baseline.line) baseline.fit = fit_quiet(y_, begin, begin + size, 0, grain_);
+  if (!baseline.line) baseline.fit = fit_quiet(y_, begin, begin + size, 0, grain_, trace_.valid);
   baseline.constant = baseline.fit.mean;
   baseline.sigma = baseline.fit.sigma;
   return baseline;
@@ -307,9 +316,9 @@ std::vector<Contact> PulseSearch::run() {
   std::optional<Trigger> trigger = sparse_trigger();
   if (!trigger) trigger = dense_trigger();
   if (options_.threshold > 0.0) {
-    if (!trigger) trigger = Trigger{.level = robust_spread(y_).centre};
+    if (!trigger) trigger = Trigger{.level = robust_spread(y_, trace_.valid).centre};
     trigger->threshold = options_.threshold;
-    trigger->sigma = at_least_a_step(step_noise(y_));
+    trigger->sigma = at_least_a_step(step_noise(y_, trace_.valid));
   } else if (trigger) {
     trigger = sharpened(*trigger);
   }

@@ -37,7 +37,7 @@ HumFit significant_part(const HumPoints& points, double frequency, int harmonics
     std::size_t weakest = 0;
     double least = INFINITY;
     for (std::size_t m = 0; m < multiples.size(); ++m) {
-      const double ratio = fit.amplitude(m) / fit.error(m);
+      const double ratio = fit.significance(m);
       if (ratio >= least) continue;  // 0/0, as of a constant, is no hum
       least = std::isnan(ratio) ? 0.0 : ratio;
       weakest = m;

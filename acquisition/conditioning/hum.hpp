@@ -11,9 +11,10 @@ namespace impactrig::acquisition {
 ///
 /// Where the stretches span 5 periods the fundamental is looked for within 2 % of the stated
 /// frequency; in shorter ones it is the stated one, off by 0.1 % (standard deviation) as a grid is.
-/// Multiples whose amplitude is less than 4
-/// standard errors are left out, so that noise is not added; when all are, nothing is taken off and
-/// the edit says so. Standard errors take the residuals' autocorrelation into account.
+/// Multiples that are less than 4 standard errors from none, both parts together, are left out, so
+/// that noise is not added; when all are, nothing is taken off and the edit says so. Standard
+/// errors take the residuals' autocorrelation into account, and what the fit takes of it
+/// (slow_variance).
 ///
 /// The edit holds frequency, amplitudes and the largest standard error of what is taken off
 /// anywhere in the record. Throws std::invalid_argument when fewer than 32 samples are quiet, the

@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdint>
+#include <functional>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
-#include "acquisition/conditioning/background.hpp"
+#include "acquisition/conditioning/course_error.hpp"
 #include "acquisition/conditioning/samples.hpp"
 
 namespace impactrig::acquisition {
@@ -43,7 +46,13 @@ class Rows {
         fit_(fit),
         middle_(all.points.front().time + 0.5 * all.span()) {
     for (const int m : fit.multiples) gains_.push_back(gains_of(m));
+    double samples = 0.0;
+    for (const HumPoint& point : all.points) samples += point.samples;
+    mean_samples_ = samples / static_cast<double>(all.points.size());
   }
+
+  /// Of a point: its samples over their mean number.
+  double weight(const HumPoint& point) const { return point.samples / mean_samples_; }
 
   Index terms() const { return 2 * index(fit_.multiples.size() + all_.stretches); }
 
@@ -92,6 +101,7 @@ class Rows {
   const HumPoints& all_;
   const HumFit& fit_;
   double middle_;
+  double mean_samples_ = 1.0;
   std::vector<std::vector<Smoothing>> gains_;
 };
 
@@ -113,15 +123,17 @@ HumPoints hum_points(const datasets::Channel& channel, const datasets::RemoveHum
                      std::span<const double> values, double widest) {
   const double step = channel.clock.interval;
   const auto most = static_cast<std::size_t>(std::max(1.0, std::floor(widest / step)));
+  const std::vector<std::uint8_t> marks = sound_marks(channel);
   HumPoints all{{}, hum.quiet.size(), step};
   for (std::size_t s = 0; s < hum.quiet.size(); ++s) {
     const IndexRange range = samples_in(channel, hum.quiet[s]);
+    const auto sound = [&](std::size_t i) { return marks.empty() || marks[i] != 0; };
     const double middle = 0.5 * static_cast<double>(range.begin + range.end);
     const double half = std::max(1.0, 0.5 * static_cast<double>(range.size()));
     for (std::size_t i = range.begin; i < range.end;) {
       std::size_t n = 0;
       double sum = 0.0;
-      for (; n < most && i + n < range.end && channel.is_valid(i + n); ++n) sum += values[i + n];
+      for (; n < most && i + n < range.end && sound(i + n); ++n) sum += values[i + n];
       if (n > 0) {
         const double place = static_cast<double>(i) + 0.5 * static_cast<double>(n - 1);
         all.points.push_back({channel.clock.start + step * place, sum / static_cast<double>(n),
@@ -140,6 +152,13 @@ double HumFit::amplitude(std::size_t m) const {
 double HumFit::error(std::size_t m) const {
   const Index k = 2 * index(m);
   return std::sqrt(std::max(covariance(k, k), covariance(k + 1, k + 1)));
+}
+
+double HumFit::significance(std::size_t m) const {
+  const Index k = 2 * index(m);
+  const Eigen::Vector2d parts = coefficients.segment<2>(k);
+  const Eigen::Matrix2d inverse = covariance.block<2, 2>(k, k).inverse();
+  return std::sqrt(parts.dot(inverse * parts));
 }
 
 double HumFit::error_at(double time) const {
@@ -181,9 +200,13 @@ HumFit fit_hum(const HumPoints& all, double frequency, std::vector<int> multiple
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(terms, terms);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(terms);
   for_each_piece(all, rows, [&](std::size_t first, const auto& piece) {
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(piece);
     for (Index i = 0; i < piece.cols(); ++i)
-      right += piece.col(i) * all.points[first + static_cast<std::size_t>(i)].value;
+      normal.selfadjointView<Eigen::Lower>().rankUpdate(
+          piece.col(i), rows.weight(all.points[first + static_cast<std::size_t>(i)]));
+    for (Index i = 0; i < piece.cols(); ++i) {
+      const HumPoint& point = all.points[first + static_cast<std::size_t>(i)];
+      right += piece.col(i) * (rows.weight(point) * point.value);
+    }
   });
   const Eigen::LDLT<Eigen::MatrixXd> solver(normal.selfadjointView<Eigen::Lower>());
   fit.coefficients = solver.solve(right);
@@ -191,19 +214,19 @@ HumFit fit_hum(const HumPoints& all, double frequency, std::vector<int> multiple
   const bool corrected = figures == HumFigures::correction;
   Eigen::VectorXd shared = Eigen::VectorXd::Zero(terms);  // of slopes and rows
   double slopes = 0.0, pull = 0.0;
-  std::vector<double> residuals;
-  if (figures == HumFigures::errors) residuals.reserve(all.points.size());
+  QuietResiduals about;
   for_each_piece(all, rows, [&](std::size_t first, const auto& piece) {
     for (Index i = 0; i < piece.cols(); ++i) {
       const HumPoint& point = all.points[first + static_cast<std::size_t>(i)];
       const double residual = point.value - piece.col(i).dot(fit.coefficients);
-      fit.squares += residual * residual;
-      if (figures == HumFigures::errors) residuals.push_back(residual);
+      const double weight = rows.weight(point);
+      fit.squares += weight * residual * residual;
+      if (figures == HumFigures::errors) about.residuals.push_back(weight * residual);
       if (!corrected) continue;
       const double slope = rows.slope(point, piece.col(i));
-      shared += piece.col(i) * slope;
-      slopes += slope * slope;
-      pull += slope * residual;
+      shared += piece.col(i) * (weight * slope);
+      slopes += weight * slope * slope;
+      pull += weight * slope * residual;
     }
   });
   if (corrected) {
@@ -213,7 +236,11 @@ HumFit fit_hum(const HumPoints& all, double frequency, std::vector<int> multiple
   if (figures != HumFigures::errors) return fit;
   const double freedom =
       std::max(1.0, static_cast<double>(all.points.size()) - static_cast<double>(terms));
-  fit.variance = fit.squares / freedom * correlation_time(residuals);
+  const double squares = std::transform_reduce(about.residuals.begin(), about.residuals.end(), 0.0,
+                                               std::plus<>(), [](double r) { return r * r; });
+  about.scatter = std::sqrt(squares / freedom);
+  about.terms = static_cast<int>(terms);
+  fit.variance = slow_variance(std::move(about));
   fit.covariance = fit.variance * solver.solve(Eigen::MatrixXd::Identity(terms, terms));
   return fit;
 }

@@ -28,18 +28,19 @@ struct HumPoints {
   double span() const { return points.back().time - points.front().time; }
 };
 
-/// Means of at most `widest` [s] within each quiet stretch; invalid samples end one.
+/// Means of at most `widest` [s] within each quiet stretch; samples that are not sound end one.
 HumPoints hum_points(const datasets::Channel& channel, const datasets::RemoveHum& hum,
                      std::span<const double> values, double widest);
 
-/// Least squares of a sinusoid, its multiples and a line for each stretch.
+/// Least squares of a sinusoid, its multiples and a line for each stretch; a point weighs as much
+/// as the samples that it is the mean of, in units of their mean number.
 struct HumFit {
   double frequency = 0.0;
   std::vector<int> multiples;
   Eigen::VectorXd coefficients;  ///< (2 m + 2 stretches): cosine, sine of each multiple; lines
   Eigen::MatrixXd covariance;    ///< of them
   double squares = 0.0;
-  double variance = 0.0;  ///< of one residual, times their autocorrelation time
+  double variance = 0.0;  ///< of a point of weight 1, were they independent (see slow_variance)
   double correction =
       0.0;  ///< of the frequency [Hz]: a step of Gauss and Newton, the coefficients eliminated
 
@@ -47,6 +48,10 @@ struct HumFit {
 
   /// Of an amplitude: the larger of the standard errors of its two parts.
   double error(std::size_t m) const;
+
+  /// How many standard errors a sinusoid is from none, whatever the phase that it is told by:
+  /// √(aᵀ C⁻¹ a), a its two parts and C their covariance; NaN of a constant.
+  double significance(std::size_t m) const;
 
   /// Standard error of the hum at a time.
   double error_at(double time) const;

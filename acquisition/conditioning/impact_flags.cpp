@@ -105,14 +105,21 @@ bool unsteady(const RecordedSignal& force, const Impact& impact, double peak, do
   for (std::size_t b = 0; b < quiet_blocks; ++b) {
     const std::size_t from = quiet->begin + n * b / quiet_blocks;
     const std::size_t to = quiet->begin + n * (b + 1) / quiet_blocks;
-    double mean = 0.0;
-    for (std::size_t i = from; i < to; ++i) mean += trace.values[i] / as_double(to - from);
+    double sum = 0.0, sound = 0.0;
+    for (std::size_t i = from; i < to; ++i) {
+      if (!trace.is_valid(i)) continue;
+      sum += trace.values[i];
+      sound += 1.0;
+    }
+    if (4.0 * sound < as_double(to - from)) continue;
+    const double mean = sum / sound;
     least = std::min(least, mean);
     most = std::max(most, mean);
   }
   // White noise only: what is correlated over a block is wandering.
-  const double noise = step_noise({trace.values.data() + quiet->begin, n}) /
-                       std::sqrt(as_double(n) / as_double(quiet_blocks));
+  const double noise =
+      step_noise({trace.values.data() + quiet->begin, n}, trace.marks(quiet->begin, quiet->end)) /
+      std::sqrt(as_double(n) / as_double(quiet_blocks));
   return most - least > much_wandering * std::abs(peak) + 6.0 * noise;
 }
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "acquisition/conditioning/measure_pulse.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "acquisition/conditioning/background.hpp"
 
 namespace impactrig::acquisition {
 
@@ -64,6 +68,25 @@ Descent follow(const Excursion& z, std::size_t crossing) {
     }
   }
   return d;
+}
+
+/// Of a pulse that does not come back to its baseline: where it comes to rest beside it, as a force
+/// does whose zero the impact has shifted. The second half of what lies behind the peak is level,
+/// to 2 % of the peak and below half of it, and there for longer than the pulse takes.
+std::optional<std::size_t> rest_beside(const Excursion& z, std::size_t crossing, const Descent& d) {
+  constexpr std::size_t fewest = 32;
+  constexpr double level = 0.02, low = 0.5;
+  const std::size_t n = z.y.size(), half = d.peak_index + (n - d.peak_index) / 2;
+  if (n - half < fewest) return std::nullopt;
+  std::vector<double> tail;
+  for (std::size_t i = half; i < n; ++i) tail.push_back(z.at(i));
+  const QuietFit rest = fit_quiet(tail, 0, tail.size(), 1, 2.0 * z.stop);
+  if (2.0 * std::abs(rest.coefficients[1]) > level * d.peak || rest.mean > low * d.peak)
+    return std::nullopt;
+  std::size_t begin = d.peak_index;
+  while (begin < half && z.at(begin) > rest.mean + z.stop) ++begin;
+  if (n - begin < begin - crossing) return std::nullopt;
+  return begin;
 }
 
 /// Filters ring before a pulse too: where the first lobe is followed at once by one of the other
@@ -162,6 +185,12 @@ std::optional<Contact> measure_pulse(Excursion z, std::size_t crossing, double t
     z.sign = -z.sign;
     d = follow(z, crossing);
   }
+  if (d.ends_inside)
+    if (const auto rest = rest_beside(z, crossing, d)) {
+      d.end = as_double(*rest);
+      d.stop_index = *rest;
+      d.ends_inside = false;
+    }
 
   if (d.peak <= threshold) return std::nullopt;  // hum lifted noise over the threshold
 

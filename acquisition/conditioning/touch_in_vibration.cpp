@@ -35,13 +35,14 @@ Flank first_flank(std::span<const double> y, const Contact& contact, std::size_t
 }
 
 /// From the bend back to the line through what is just before it.
-std::optional<std::size_t> traced_back(std::span<const double> y, const Bend& bend, double sign,
-                                       double noise, double grain) {
+std::optional<std::size_t> traced_back(std::span<const double> y,
+                                       std::span<const std::uint8_t> valid, const Bend& bend,
+                                       double sign, double noise, double grain) {
   constexpr double leaves = 3.0;  // standard deviations
   const std::size_t end = bend.index - bend.width;
   const std::size_t size = std::max<std::size_t>(8, 3 * bend.width);
   if (end < size) return std::nullopt;
-  const QuietFit before = fit_quiet(y, end - size, end, 1, grain);
+  const QuietFit before = fit_quiet(y, end - size, end, 1, grain, valid);
   const double band = leaves * std::max(before.sigma, noise);
   std::size_t i = std::min(y.size() - 1, bend.index + bend.width);
   while (i > end && sign * (y[i] - before.at(as_double(i))) > band) --i;
@@ -61,18 +62,19 @@ std::optional<Touch> touch_in_vibration(const Trace& force, const Contact& conta
       static_cast<std::size_t>(std::max(200.0, options.pre_trigger / force.interval));
   const std::size_t begin = std::max(floor, flank.rise > window ? flank.rise - window : 0);
   if (flank.rise < begin + 16) return std::nullopt;
-  const double grain = grain_of(y);
+  const double grain = grain_of(y, force.valid);
   const auto before = y.subspan(begin, flank.rise - begin);
-  const double noise = std::max(step_noise(before), 0.75 * grain);
-  const double scatter = fit_quiet(y, begin, flank.rise, 1, grain).sigma;
+  const double noise = std::max(step_noise(before, force.marks(begin, flank.rise)), 0.75 * grain);
+  const double scatter = fit_quiet(y, begin, flank.rise, 1, grain, force.valid).sigma;
   if (scatter < vibrates * noise || scatter < matters * std::abs(contact.peak)) return std::nullopt;
   const auto course = y.subspan(begin, flank.top + 1 - begin);
   const auto traced = static_cast<std::size_t>(contact.onset);
-  const auto bend =
-      BendSearch(course, force.interval, grain).first(0, traced > begin ? traced - begin : 0);
+  const auto marks = force.marks(begin, flank.top + 1);
+  const auto bend = BendSearch(course, marks, force.interval, grain)
+                        .first(0, traced > begin ? traced - begin : 0);
   if (!bend) return std::nullopt;
   const double sign = contact.peak < 0.0 ? -1.0 : 1.0;
-  const auto last = traced_back(course, *bend, sign, noise, grain);
+  const auto last = traced_back(course, marks, *bend, sign, noise, grain);
   return last ? std::optional(Touch{begin + *last, flank.top}) : std::nullopt;
 }
 

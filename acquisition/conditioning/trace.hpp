@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,12 @@ struct Trace {
   double index(double time) const { return (time - start) / interval; }
 
   bool is_valid(std::size_t i) const { return valid.empty() || valid[i] != 0; }
+
+  /// The marks of samples [begin, end); empty: all sound.
+  std::span<const std::uint8_t> marks(std::size_t begin, std::size_t end) const {
+    if (valid.empty()) return {};
+    return std::span(valid).subspan(begin, end - begin);
+  }
 };
 
 /// A recording as the place of an error.

@@ -7,10 +7,12 @@
 #include <cstdint>
 #include <functional>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "acquisition/conditioning/baseline.hpp"
 #include "acquisition/conditioning/decay.hpp"
+#include "tests/acquisition/marked_samples.hpp"
 #include "tests/acquisition/scene.hpp"
 
 namespace impactrig::acquisition {
@@ -62,20 +64,7 @@ struct Held {
 
 constexpr Scene scenes[] = {{0.0, 0.0}, {0.6, 0.0}, {0.9, 0.0}, {0.0, 2.0}, {0.0, 24.0}};
 
-/// Marks a part of the quiet samples, in stretches of 10 to 60, as a sensor's dropouts would be.
-void mark_stretches(Channel& channel, double part, Noise& noise) {
-  constexpr std::size_t before_touch = 950;
-  channel.valid.assign(channel.size(), 1);
-  auto left = static_cast<std::size_t>(part * static_cast<double>(before_touch));
-  while (left > 0) {
-    const auto length = 10 + static_cast<std::size_t>(50.0 * noise.uniform());
-    auto i = static_cast<std::size_t>(noise.uniform() * static_cast<double>(before_touch - length));
-    for (const std::size_t end = i + length; i < end && left > 0; ++i) {
-      left -= channel.valid[i];
-      channel.valid[i] = 0;
-    }
-  }
-}
+constexpr std::size_t before_touch = 950;  // samples
 
 // The error of the slope is that of what came off the record's end.
 TEST(RemoveDrift, StatesItsErrorHonestly) {
@@ -130,7 +119,7 @@ TEST(RemoveBaseline, LeavesOutWhatIsNotValid) {
       const double offset = 300.0 * noise.uniform();
       Channel force = force_with(
           scene, [&](double) { return offset; }, noise);
-      mark_stretches(force, 0.4, noise);
+      mark_stretches(force, 0.4, 0, before_touch, noise);
       const auto parameters = remove_baseline(force, quiet).edit.parameters;
       const double error = std::stod(parameters.at("offset")) - offset;
       held.add(error, std::stod(parameters.at("uncertainty")));
@@ -155,7 +144,7 @@ TEST(RemoveDrift, LeavesOutWhatIsNotValid) {
         const double offset = 300.0 * noise.uniform(), rise = 6e4 * (noise.uniform() - 0.5);
         const auto course = [&](double t) { return offset + rise * t; };
         Channel force = force_with(scene, course, noise);
-        mark_stretches(force, half ? 0.0 : 0.4, noise);
+        mark_stretches(force, half ? 0.0 : 0.4, 0, before_touch, noise);
         if (half) std::fill_n(force.valid.begin(), 475, std::uint8_t{0});
         const double last = force.value(at.samples - 1);
         const auto parameters = remove_drift(force, quiet).parameters;
@@ -222,6 +211,27 @@ TEST(UndoLowCut, StatesWhatTheErrorOfTheBaselineGrowsTo) {
   const auto parameters = undo_low_cut(other, {100.0, quiet}).parameters;
   EXPECT_NEAR(std::stod(parameters.at("uncertainty")),
               baseline * (1.0 + 2.0 * std::numbers::pi * 100.0 * 4e-3), 0.06 * baseline * 3.5);
+}
+
+// Lines over what is not valid, of noise and of a pulse, go into everything behind them.
+TEST(UndoLowCut, StatesWhatBridgesMayMiss) {
+  for (const double memory : {0.0, 0.9})
+    for (const bool in_pulse : {false, true}) {
+      Held held;
+      for (int seed = 1; seed <= records; ++seed) {
+        Noise noise(static_cast<std::uint64_t>(seed));
+        Channel force = force_with(
+            {memory, 0.0}, [](double) { return 12.0; }, noise);
+        Channel whole = force;
+        whole.offset -= 12.0;
+        undo_low_cut(whole, {1000.0, std::nullopt});
+        mark_stretches(force, 0.4, in_pulse ? 1000 : 0, in_pulse ? 1200 : at.samples, noise);
+        const auto parameters = undo_low_cut(force, {1000.0, quiet}).parameters;
+        held.add(force.value(at.samples - 1) - whole.value(at.samples - 1),
+                 std::stod(parameters.at("uncertainty")));
+      }
+      EXPECT_GE(held.count, least_held) << memory << " " << in_pulse;
+    }
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <stdexcept>
 
@@ -100,6 +102,20 @@ TEST(RemoveDecay, TakesAStatedTimeConstant) {
   const auto edit = remove_decay(force, {{quiet.front()}, 0.3});
   for (std::size_t i = 0; i < at.samples; ++i) ASSERT_NEAR(force.value(i), pulse(at.time(i)), 1e-6);
   EXPECT_EQ(edit.parameters.at("time constant"), "0.3 s, stated");
+}
+
+// What is not finite is left out as what is marked is; the lines that bridged it counted.
+TEST(RemoveDecay, LeavesOutWhatIsNotFinite) {
+  auto values = sampled(at, [&](double t) { return pulse(t) + decay(t, 8e-3); });
+  add_noise(values, 4.0, 1);
+  auto marked = force_of(at, values);
+  for (const std::size_t from : {100u, 300u, 500u, 1500u, 2000u})
+    std::fill_n(values.begin() + static_cast<std::ptrdiff_t>(from), 150, NAN);
+  auto lost = force_of(at, values);
+  marked.valid.assign(at.samples, 1);
+  for (std::size_t i = 0; i < at.samples; ++i) marked.valid[i] = std::isfinite(values[i]);
+  EXPECT_EQ(remove_decay(lost, {quiet, std::nullopt}).parameters,
+            remove_decay(marked, {quiet, std::nullopt}).parameters);
 }
 
 // A line over 10 ms has no time constant.

@@ -313,6 +313,41 @@ TEST(ClippedFlag, FiresOnMostRandomShotsBeyondEightBits) {
   EXPECT_GT(displacements, 0.85 * shots);
 }
 
+/// Noise of a part of the approach velocity, behind whatever the shot has been through.
+bool is_clipped_in_noise(const RandomShot& shot, double rail, double noise, std::uint64_t seed) {
+  auto velocity = shot.velocity;
+  for (double& value : velocity) value = std::clamp(value, -rail, rail);
+  add_noise(velocity, noise, seed + 7777);
+  return is_clipped(shot, Quantity::velocity, std::move(velocity));
+}
+
+// A limiter in front of a digitiser whose noise hides its steps. Rails that take a fifth of the
+// approach or more, and hardly any noise behind a rounded rail.
+TEST(ClippedFlag, FiresOnAVelocityAtARailWithNoiseBehindIt) {
+  constexpr int shots = 200;
+  for (const double rail : {0.8, 0.6})
+    for (const double noise : {1e-3, 3e-3}) {
+      int told = 0;
+      for (std::uint64_t seed = 0; seed < shots; ++seed)
+        told += is_clipped_in_noise(random_shot(seed, false), rail, noise, seed);
+      EXPECT_GT(told, 0.75 * shots) << rail << " " << noise;
+    }
+}
+
+// Forces that begin with a jump too, and velocities that are shown 3 us late.
+TEST(ClippedFlag, IsSilentOnRandomShotsInNoise) {
+  int alarms = 0;
+  for (const double noise : {2e-4, 1e-3, 3e-3, 1e-2})
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+      RandomShot shot = random_shot(seed, seed % 2 == 0);
+      const std::size_t late = seed % 4 < 2 ? 3 : 0;
+      shot.velocity.insert(shot.velocity.begin(), late, shot.velocity.front());
+      shot.velocity.resize(shot_sampling.samples);
+      alarms += is_clipped_in_noise(shot, 9.0, noise, seed);
+    }
+  EXPECT_LE(alarms, 1);
+}
+
 }  // namespace
 
 }  // namespace impactrig::acquisition

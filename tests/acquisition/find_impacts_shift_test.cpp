@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "acquisition/conditioning/condition.hpp"
@@ -67,6 +69,30 @@ TEST(BaselineShiftFlag, FiresBelowZeroBehindSecondContactsToo) {
     EXPECT_TRUE(impact.has(ImpactFlag::double_hit)) << shift;
     EXPECT_EQ(impact.has(ImpactFlag::baseline_shift), shift < 0.0) << shift;
   }
+}
+
+// Upwards by more than a contact's foot: the force stays above it to the end of the record, at
+// rest.
+TEST(BaselineShiftFlag, FiresWhereTheForceRestsAboveAContactsFoot) {
+  for (const double shift : {0.06, 0.1, 0.2, 0.4})
+    for (const double noise : {1.0, 10.0})
+      for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        SCOPED_TRACE(testing::Message() << shift << " " << noise << " " << seed);
+        auto force = sampled({}, [&](double t) {
+          const double ringing =
+              t > duration ? 20.0 * std::sin(7e4 * t) * std::exp(-t / 3e-4) : 0.0;
+          return half_sine(t, 1500.0, duration) + (t > 0.5 * duration ? shift * 1500.0 : 0.0) +
+                 (seed % 2 == 0 && noise < 5.0 ? ringing : 0.0);
+        });
+        add_noise(force, noise, seed);
+        const Impact impact = impact_in(std::move(force));
+        EXPECT_TRUE(impact.has(ImpactFlag::baseline_shift));
+        EXPECT_FALSE(impact.has(ImpactFlag::too_short));
+        EXPECT_FALSE(impact.has(ImpactFlag::truncated_tail));
+        if (seed % 2 == 1) {
+          EXPECT_NEAR(impact.end, duration, 5e-6);
+        }
+      }
 }
 
 // Most of the record lies at the level that the impact leaves, so far off that it would be a
