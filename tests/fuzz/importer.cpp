@@ -47,7 +47,8 @@ class MemoryFile {
         id_(in_folder_ ? mkstemp(path_.data()) : memfd_create("fuzz", MFD_CLOEXEC)) {
     require(id_ >= 0 && write(id_, data, size) == static_cast<ssize_t>(size), "a file in memory");
     if (!in_folder_) path_ = "/proc/self/fd/" + std::to_string(id_);
-    if (fuzzed_format() == "tdm") link(path_.c_str(), (path_ + ".tdx").c_str());
+    if (fuzzed_format() == "tdm")
+      require(link(path_.c_str(), (path_ + ".tdx").c_str()) == 0, "samples beside it");
   }
 
   ~MemoryFile() {
