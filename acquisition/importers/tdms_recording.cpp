@@ -251,6 +251,8 @@ class Recording {
   /// fraction) 64 in the middle are read: 24 of seconds and 40 of fraction give 1 ns within 97 days
   /// of the first, else 32 and 32 give 0.5 µs within 68 years.
   void set_time_stamps(const TdmsPart& part, Channel& channel, StoredChannel& stored) {
+    channel.unit = "s";
+    if (part.samples() == 0) return;
     if (part.diadem_times) return set_diadem_times(part, channel, stored);
     const StoredNumbers& found = part.sources.front().numbers;
     const bool big_endian = found.big_endian();
@@ -276,7 +278,6 @@ class Recording {
         if (value >= 0.5 * all) value -= all;
       }
     };
-    channel.unit = "s";
     channel.attributes["first time stamp"] = iso_text(first);
     channel.attributes["counted from"] = "its first time stamp";
   }
@@ -286,8 +287,6 @@ class Recording {
   /// and not of a clock that began with the measurement.
   void set_diadem_times(const TdmsPart& part, Channel& channel, StoredChannel& stored) const {
     stored.samples = part.sources.front().numbers;
-    channel.unit = "s";
-    if (stored.samples.size() == 0) return;
     double first = 0.0;
     read_numbers(*file_, stored.samples, 0, {&first, 1});
     constexpr double year_1000 = 31556952000.0;

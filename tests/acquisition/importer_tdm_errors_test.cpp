@@ -44,6 +44,11 @@ TEST(TdmErrors, WhatIsCutOffIsToldOf) {
   TdmChannel beyond = clocked();
   beyond.block = R"(byteOffset="1000" length="3" valueType="eFloat64Usi")";
   EXPECT_EQ(imported_shot(tdm_header({{"G", {beyond}}}), samples).channels.at(0).size(), 0U);
+  for (const char* const type : {"eTimeUsi", "eFloat64Usi"}) {
+    beyond.block = fmt::format(R"(byteOffset="1000" length="3" valueType="{}")", type);
+    beyond.says = "<datatype>DT_DATE</datatype>";
+    EXPECT_EQ(imported_shot(tdm_header({{"G", {beyond}}}), samples).channels.at(0).size(), 0U);
+  }
   const std::string header = tdm_header({{"G", {clocked()}}});
   EXPECT_THAT(shot_error(header.substr(0, header.size() / 2), samples),
               StartsWith("FILE: the description is no whole XML document (is it cut off?): "));
