@@ -61,7 +61,7 @@ std::span<const Importer> importers();
 bool looks_like_recording(const std::string& path);
 
 /// The files that a recording is made of: the one of that name, and the one beside it that holds
-/// its samples (Yokogawa's .wvf). Throws datasets::FileError.
+/// its samples (Yokogawa's .wvf, NI's .tdx). Throws datasets::FileError.
 std::vector<std::string> files_of_recording(const std::string& path);
 
 std::uint64_t bytes_of_recording(const std::string& path);  ///< of all its files

@@ -44,9 +44,6 @@ constexpr auto signatures = std::to_array<Signature>({
      "a ZIP archive"},
     {0, "\x1F\x8B", "a gzip-compressed file", "unpack it first"},
     {0, "%PDF", "a PDF document", "a recording is expected"},
-    {0, "<?xml",
-     "the description of an NI TDM file (.tdm), whose samples are in the .tdx beside it",
-     "save it as TDMS with DIAdem or LabVIEW", "usi:tdm"},
     {0, "DIAEXTENDED",
      "the header of a DIAdem data set (.dat), whose samples are in binary files beside it",
      "save it as TDMS with DIAdem"},
@@ -113,7 +110,7 @@ constexpr auto endings = std::to_array<Ending>({
     {".wdf", "a Yokogawa oscilloscope", from_the_oscilloscope},
     {".dl850", "a Yokogawa oscilloscope", from_the_oscilloscope},
     {".xls", "a spreadsheet program", "save the table in it as CSV"},
-    {".tdx", "NI DIAdem or LabVIEW (samples of a .tdm)", "save it as TDMS with DIAdem or LabVIEW"},
+    {".tdx", "NI DIAdem or LabVIEW", "state the .tdm beside it, which describes the samples", true},
 });
 
 /// The entry of a file's ending; null where there is none.

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "acquisition/importer.hpp"
 
@@ -28,6 +29,12 @@ std::unique_ptr<RecordingReader> open_polytec_ascii_by_blocks(const std::string&
 
 int recognises_tdms(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_tdms(const std::string& path, const ImportOptions& options);
+
+/// A description in XML; its samples are in the .tdx beside it.
+int recognises_tdm(std::string_view file_name, std::string_view head);
+/// The files of samples beside a description; none where it cannot be read.
+std::vector<std::string> samples_of_tdm(const std::string& path);
+std::unique_ptr<RecordingReader> open_tdm(const std::string& path, const ImportOptions& options);
 
 int recognises_mdf4(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_mdf4(const std::string& path, const ImportOptions& options);

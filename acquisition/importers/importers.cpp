@@ -33,9 +33,10 @@ constexpr auto table = std::to_array<Importer>({
     {"uff58b", "universal file with binary functions, dataset 58b (.uff .unv .bunv)",
      recognises_uff58b, open_uff58},  //
     {"uff58", "universal file with functions in text, dataset 58 (.uff .unv)", recognises_uff58,
-     open_uff58},                                                                 //
-    {"tdms", "NI TDMS, DAQmx raw data too (.tdms)", recognises_tdms, open_tdms},  //
-    {"mdf4", "ASAM MDF 4 (.mf4 .mdf)", recognises_mdf4, open_mdf4},               //
+     open_uff58},                                                                          //
+    {"tdms", "NI TDMS, DAQmx raw data too (.tdms)", recognises_tdms, open_tdms},           //
+    {"tdm", "NI TDM of DIAdem and LabVIEW (.tdm beside .tdx)", recognises_tdm, open_tdm},  //
+    {"mdf4", "ASAM MDF 4 (.mf4 .mdf)", recognises_mdf4, open_mdf4},                        //
     {"polytec-ascii", "Polytec PSV and VibSoft text export (.txt)", recognises_polytec_ascii,
      open_polytec_ascii},                                                                         //
     {"tek-wfm", "Tektronix waveform, versions 1 to 3 (.wfm)", recognises_tek_wfm, open_tek_wfm},  //
@@ -92,15 +93,16 @@ const Importer& named(const std::string& path, const std::string& id) {
                    fmt::format("there is no format '{}'; known are {}", id, known_formats()));
 }
 
+/// The first bytes without a byte order mark, of UTF-16 as UTF-8.
+std::string without_mark(std::string_view head) {
+  if (head.starts_with("\xEF\xBB\xBF")) head.remove_prefix(3);
+  if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF")) return utf16_to_utf8(head);
+  return std::string(head);
+}
+
 const Importer& recognised(const std::string& path, std::string_view head) {
   if (head.empty()) throw InputError(place_of(path), "the file is empty");
-  std::string converted;
-  std::string_view shown = head;
-  if (shown.starts_with("\xEF\xBB\xBF")) shown.remove_prefix(3);
-  if (shown.starts_with("\xFF\xFE") || shown.starts_with("\xFE\xFF")) {
-    converted = utf16_to_utf8(shown);
-    shown = converted;
-  }
+  const std::string shown = without_mark(head);
   const std::string file_name = path.substr(path.find_last_of('/') + 1);
   const Importer* best = nullptr;
   int best_score = 0;
@@ -358,6 +360,8 @@ std::vector<std::string> files_of_recording(const std::string& path) {
   if (recognises_yokogawa_wvf(path, file.bytes()) > 0)
     if (std::string samples = samples_of_yokogawa_wvf(path); !samples.empty())
       files.push_back(std::move(samples));
+  if (recognises_tdm(path, without_mark(file.bytes().substr(0, 65536))) > 0)
+    for (std::string& samples : samples_of_tdm(path)) files.push_back(std::move(samples));
   return files;
 }
 

@@ -50,6 +50,10 @@ const char* FileWindow::taken(std::uint64_t offset, std::uint64_t count, std::ui
 }
 
 void NumberCursor::skip(std::uint64_t count) {
+  if (numbers_->ramp()) {
+    at_ += count;
+    return;
+  }
   while (count > 0) {
     const NumberRun& run = numbers_->runs()[run_];
     if (at_ == 0 && repeat_ == 0 && count >= run.count * run.repeats) {

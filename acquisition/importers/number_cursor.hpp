@@ -76,6 +76,7 @@ class NumberCursor {
   /// where they do not.
   template <typename Value>
   const Value* in_place(std::uint64_t count) {
+    if (numbers_->ramp()) return nullptr;
     const NumberRun& run = numbers_->runs()[run_];
     const bool own = numbers_->kind() == own_kind<Value> &&
                      big_endian(run) == (std::endian::native == std::endian::big);
@@ -89,6 +90,12 @@ class NumberCursor {
 
   template <typename Value>
   void read(std::uint64_t count, Value* to) {
+    if (numbers_->ramp()) {
+      for (std::uint64_t i = 0; i < count; ++i, ++at_)
+        to[i] = static_cast<Value>(numbers_->ramp()->first +
+                                   numbers_->ramp()->step * static_cast<double>(at_));
+      return;
+    }
     while (count > 0) {
       const NumberRun& run = numbers_->runs()[run_];
       std::uint64_t step = std::min(count, run.count - at_);

@@ -82,6 +82,7 @@ class ChannelStream {
 
   std::span<const std::uint8_t> marks(std::uint64_t count) {
     read(invalid_, count, mark_values_);
+    if (channel_->invalid_meaning) channel_->invalid_meaning(mark_values_);
     valid_.resize(count);
     std::ranges::transform(mark_values_, valid_.begin(), [](double mark) {
       return mark == 0.0 ? std::uint8_t{1} : std::uint8_t{0};

@@ -53,6 +53,7 @@ void StoredNumbers::add(const NumberRun& run) {
 }
 
 StoredNumbers StoredNumbers::first(std::uint64_t count) const {
+  if (ramp_) return StoredNumbers(*ramp_, std::min(count, size_));
   StoredNumbers part(kind_, big_endian_);
   for (NumberRun run : runs_) {
     const std::uint64_t whole = std::min(run.repeats, count / run.count);
@@ -113,6 +114,13 @@ std::string set_stored_times(const MappedFile& file, const StoredNumbers& times,
   const std::uint64_t n = times.size();
   if (n == 0) return {};
   std::string warning;
+  if (times.ramp() && times.ramp()->step > 0.0) {
+    std::array<double, 2> course{times.ramp()->first, times.ramp()->step + times.ramp()->first};
+    if (times_scaling) times_scaling(course);
+    clock.start = course[0];
+    clock.interval = times_scaling ? course[1] - course[0] : times.ramp()->step;
+    return {};
+  }
   if (n <= most_times) {
     std::vector<double> all(n);
     read_numbers(file, times, 0, all);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,6 +30,12 @@ struct NumberRun {
   bool other_order = false;   ///< true: in the other byte order than StoredNumbers::big_endian says
 };
 
+/// Number i is first + i step.
+struct NumberRamp {
+  double first = 0.0;
+  double step = 0.0;
+};
+
 /// Where the numbers of a channel lie in a binary file, in their order.
 class StoredNumbers {
  public:
@@ -37,6 +44,9 @@ class StoredNumbers {
   explicit StoredNumbers(NumberKind kind, bool big_endian = false)
       : kind_(kind),
         big_endian_(big_endian) {}
+
+  /// Numbers that a head states by their course, and no file holds.
+  StoredNumbers(NumberRamp ramp, std::uint64_t count) : size_(count), ramp_(ramp) {}
 
   /// A run that continues the pattern of the one before becomes a repetition of it, so that a file
   /// of a million equal chunks takes no memory.
@@ -50,6 +60,8 @@ class StoredNumbers {
 
   const std::vector<NumberRun>& runs() const { return runs_; }
 
+  const std::optional<NumberRamp>& ramp() const { return ramp_; }
+
   /// The first `count` of these.
   StoredNumbers first(std::uint64_t count) const;
 
@@ -58,6 +70,7 @@ class StoredNumbers {
   bool big_endian_ = false;
   std::uint64_t size_ = 0;
   std::vector<NumberRun> runs_;
+  std::optional<NumberRamp> ramp_{};  // in place of runs_
 };
 
 /// How many numbers of a run that begins at `offset` the file holds whole, `announced` at most.
@@ -69,6 +82,8 @@ struct StoredChannel {
   StoredNumbers samples;
   StoredNumbers imaginary{};  ///< of a complex channel: as many as samples; else none
   StoredNumbers invalid{};    ///< of a channel with marks: 0 sound, else not; as many as samples
+  /// Makes 0 of a mark that means sound, of others anything else; none: as is.
+  std::function<void(std::span<double>)> invalid_meaning{};
   StoredNumbers times{};  ///< [s], where the clock is not uniform: as many as samples; else none
   /// What the file does to its numbers beyond Channel::scale and offset (a polynomial, a table).
   /// Where it is set, samples are handed over in double precision and changed by it.

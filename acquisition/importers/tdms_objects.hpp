@@ -66,6 +66,11 @@ struct TdmsPart {
   std::uint64_t last_value = 0;
   std::size_t segment = 1;  ///< of the file, where they begin
   double after = 0.0;  ///< what parts before take up since the stated start [s, or as abscissa]
+  /// Of TDM: its numbers are the abscissa of its group; its times are DIAdem's; one mark a sample,
+  /// whose lowest bit says that it is sound.
+  bool is_axis = false;
+  bool diadem_times = false;
+  StoredNumbers marks{};
 
   std::uint64_t samples() const { return sources.empty() ? 0 : sources.front().numbers.size(); }
 };

@@ -115,6 +115,7 @@ class Recording {
       set_time_stamps(*part, channel, stored);
     else
       set_numbers(added, channel, stored);
+    set_marks(*part, channel, stored);
     set_quantity(channel);
     record_.channels.push_back(std::move(channel));
     stored_.push_back(std::move(stored));
@@ -228,6 +229,19 @@ class Recording {
     stored.scaling = std::move(function);
   }
 
+  void set_marks(const TdmsPart& part, const Channel& channel, StoredChannel& stored) {
+    if (part.marks.size() == 0) return;
+    if (part.marks.size() < stored.samples.size()) {
+      warn(fmt::format("'{}' has {} marks of {} samples: they are not read", channel.name,
+                       part.marks.size(), stored.samples.size()));
+      return;
+    }
+    stored.invalid = part.marks.first(stored.samples.size());
+    stored.invalid_meaning = [](std::span<double> marks) {
+      for (double& mark : marks) mark = std::fmod(mark, 2.0) != 0.0 ? 0.0 : 1.0;
+    };
+  }
+
   TdmsTime time_at(std::uint64_t at, bool big_endian) const {
     ByteCursor in(*file_, big_endian, at);
     return read_tdms_time(in);
@@ -237,6 +251,9 @@ class Recording {
   /// fraction) 64 in the middle are read: 24 of seconds and 40 of fraction give 1 ns within 97 days
   /// of the first, else 32 and 32 give 0.5 µs within 68 years.
   void set_time_stamps(const TdmsPart& part, Channel& channel, StoredChannel& stored) {
+    channel.unit = "s";
+    if (part.samples() == 0) return;
+    if (part.diadem_times) return set_diadem_times(part, channel, stored);
     const StoredNumbers& found = part.sources.front().numbers;
     const bool big_endian = found.big_endian();
     const TdmsTime first = time_at(part.first_value, big_endian);
@@ -261,9 +278,34 @@ class Recording {
         if (value >= 0.5 * all) value -= all;
       }
     };
-    channel.unit = "s";
     channel.attributes["first time stamp"] = iso_text(first);
     channel.attributes["counted from"] = "its first time stamp";
+  }
+
+  /// DIAdem counts seconds in double precision, in no stated zone, so that 1970 begins at
+  /// 62167132800; they become seconds since the first of them, where they are times of our calendar
+  /// and not of a clock that began with the measurement.
+  void set_diadem_times(const TdmsPart& part, Channel& channel, StoredChannel& stored) const {
+    stored.samples = part.sources.front().numbers;
+    double first = 0.0;
+    read_numbers(*file_, stored.samples, 0, {&first, 1});
+    constexpr double year_1000 = 31556952000.0;
+    constexpr double year_10000 = 315569520000.0;
+    if (!(first > year_1000) || !(first < year_10000)) return;
+    if (stored.samples.ramp())
+      stored.samples = StoredNumbers({0.0, stored.samples.ramp()->step}, stored.samples.size());
+    else
+      stored.scaling = [first](std::span<double> x) {
+        for (double& value : x) value -= first;
+      };
+    channel.attributes["counted from"] = "its first time stamp";
+    constexpr std::int64_t year_1970 = 62167132800;
+    const auto steps =
+        static_cast<std::int64_t>(std::llround(first * 1e5));  // of 10 us: all it has
+    std::string text =
+        iso_utc(steps / 100000 - year_1970, static_cast<std::uint32_t>(steps % 100000 * 10));
+    if (text.ends_with('Z')) text.pop_back();
+    channel.attributes["first time stamp"] = text;
   }
 
   static void set_other_abscissa(const TdmsPart& part, Channel& channel) {
@@ -354,7 +396,8 @@ class Recording {
 
   bool is_named_time(std::size_t i) const {
     const Channel& channel = record_.channels[i];
-    return is_time_name(channel.name) && channel.clock.interval == 0.0 &&
+    return (is_time_name(channel.name) || channels_[i].part->is_axis) &&
+           channel.clock.interval == 0.0 &&
            (channel.unit.empty() || channel.quantity == Quantity::time);
   }
 

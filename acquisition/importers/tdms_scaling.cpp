@@ -29,7 +29,9 @@ std::string iso_text(const TdmsTime& time) {
     micros = 0;
     ++seconds;
   }
-  return iso_utc(seconds, static_cast<std::uint32_t>(micros));
+  std::string text = iso_utc(seconds, static_cast<std::uint32_t>(micros));
+  if (!time.utc && text.ends_with('Z')) text.pop_back();
+  return text;
 }
 
 std::string text_of(const TdmsProperty& property) {

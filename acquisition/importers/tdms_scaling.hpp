@@ -16,12 +16,13 @@ namespace impactrig::acquisition {
 struct TdmsTime {
   std::int64_t seconds = 0;
   std::uint64_t fraction = 0;
+  bool utc = true;  ///< false: of a zone that is not stated
 
   friend bool operator==(const TdmsTime&, const TdmsTime&) = default;
 };
 
-/// "2016-12-15T22:35:21.068614Z" (to the microsecond); "" for a time that was not set (all zero) or
-/// has no calendar date.
+/// "2016-12-15T22:35:21.068614Z" (to the microsecond), without Z where the zone is not stated; ""
+/// for a time that was not set (all zero) or has no calendar date.
 std::string iso_text(const TdmsTime& time);
 
 /// The value of a property, and how it is told.

@@ -117,9 +117,6 @@ INSTANTIATE_TEST_SUITE_P(
             "CSV"},
         Closed{"\x1F\x8B\x08"sv, "a gzip-compressed file, which is not read: unpack it first"},
         Closed{"%PDF-1.7"sv, "a PDF document, which is not read: a recording is expected"},
-        Closed{"<?xml version=\"1.0\"?>\n<usi:tdm version=\"1.0\">"sv,
-               "the description of an NI TDM file (.tdm), whose samples are in the .tdx beside it, "
-               "which is not read: save it as TDMS with DIAdem or LabVIEW"},
         Closed{"DIAEXTENDED  {@:ENDLINE}\n#BEGINGLOBALHEADER\n1,WINDOWS 32Bit"sv,
                "the header of a DIAdem data set (.dat), whose samples are in binary files beside "
                "it, which is not read: save it as TDMS with DIAdem"},
@@ -196,8 +193,8 @@ TEST(ClosedFormatByEnding, IsNamedWhereTheContentIsOfNoKnownFormat) {
             "is that of files of HBM catman, which are not read: export it from catman as binary "
             "(.bin) or ASCII");
   EXPECT_EQ(told(".tdx"),
-            "is that of files of NI DIAdem or LabVIEW (samples of a .tdm), which are not read: "
-            "save it as TDMS with DIAdem or LabVIEW");
+            "is that of files of NI DIAdem or LabVIEW, which are not read alone: state the .tdm "
+            "beside it, which describes the samples");
   EXPECT_THAT(import_error(unknown, {}, ".xyz"),
               testing::StartsWith("FILE: the content is of no known format; known are "));
   EXPECT_THAT(import_error("0,1\n1,2\n2,3\n", {}, ".tst"),  // a table, whatever its name

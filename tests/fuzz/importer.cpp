@@ -37,19 +37,23 @@ const std::string& fuzzed_format() {
   return format;
 }
 
-/// A file in memory with a name. HDF5 wants one that lies in a folder.
+/// A file in memory with a name. HDF5 wants one that lies in a folder, and TDM has its samples
+/// beside it: the same bytes once more.
 class MemoryFile {
  public:
   MemoryFile(const std::uint8_t* data, std::size_t size)
-      : in_folder_(fuzzed_format().ends_with("hdf5")),
+      : in_folder_(fuzzed_format().ends_with("hdf5") || fuzzed_format() == "tdm"),
         path_("/dev/shm/fuzz-XXXXXX"),
         id_(in_folder_ ? mkstemp(path_.data()) : memfd_create("fuzz", MFD_CLOEXEC)) {
     require(id_ >= 0 && write(id_, data, size) == static_cast<ssize_t>(size), "a file in memory");
     if (!in_folder_) path_ = "/proc/self/fd/" + std::to_string(id_);
+    if (fuzzed_format() == "tdm")
+      require(link(path_.c_str(), (path_ + ".tdx").c_str()) == 0, "samples beside it");
   }
 
   ~MemoryFile() {
     if (in_folder_) unlink(path_.c_str());
+    if (fuzzed_format() == "tdm") unlink((path_ + ".tdx").c_str());
     close(id_);
   }
 

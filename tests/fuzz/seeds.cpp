@@ -22,6 +22,7 @@
 #include "tests/acquisition/mdf4_bytes.hpp"
 #include "tests/acquisition/rigol_wfm_bytes.hpp"
 #include "tests/acquisition/sigrok_bytes.hpp"
+#include "tests/acquisition/tdm_bytes.hpp"
 #include "tests/acquisition/tdms_bytes.hpp"
 #include "tests/acquisition/tek_isf_bytes.hpp"
 #include "tests/acquisition/tek_wfm_bytes.hpp"
@@ -83,6 +84,7 @@ constexpr auto table = std::to_array<Seeds>({
     {"rigol-bin", rigol_bin_seeds},        //
     {"rigol-wfm", rigol_wfm_seeds},        //
     {"sigrok", sigrok_seeds},              //
+    {"tdm", tdm_seeds},                    //
     {"tdms", tdms_seeds},                  //
     {"tek-isf", tek_isf_seeds},            //
     {"tek-wfm", tek_wfm_seeds},            //
