@@ -195,4 +195,39 @@ TEST(ThirdOrder, OfASteppedBarThatShearsUnderItsWeight) {
   expect_foretold(rig, hybrid(Basis::pinned_free, 5, 1e-10, 3e-3), 0.3);
 }
 
+// It leaves the stop at an eighth of its approach: the contact's duration changes by twice the
+// strain that its weight makes.
+TEST(SmallMotion, TellsWhatAShearingBarsStretchChangesOfASlowEnd) {
+  Rig rig = paper_rig();
+  const double width = 0.0118157, height = 0.00694836;
+  rig.beam = {.length = 6.900979,
+              .area = width * height,
+              .second_moment = width * std::pow(height, 3) / 12.0,
+              .youngs_modulus = 1.565096e8,
+              .density = 2951.954,
+              .theory = BeamTheory::timoshenko,
+              .poisson_ratio = 0.128321,
+              .shear_coefficient = 0.842};
+  rig.contact.position = 1.576517;
+  rig.contact.radius = 0.5 * height;
+  rig.contact.counter_radius = 0.003476815;
+  rig.contact.length = 0.01069914;
+  rig.contact.modulus = rig.beam.youngs_modulus;
+  rig.contact.poisson_ratio = rig.beam.poisson_ratio;
+  rig.contact.counter_modulus = 1.299075e10;
+  rig.contact.counter_poisson_ratio = 0.054926;
+  rig.contact.law = "johnson";
+  rig.contact.damping = "zhiying-qishao";
+  rig.start.velocity = 0.0011444733;
+  rig.gravity = 0.730386;
+  Solver solver;
+  solver.model = BeamModel::ancf;
+  solver.elements = {16, 8};
+  solver.accuracy = 1e-7;
+  solver.duration = 5e-4;
+  const double changed = from_small_to_full(rig, solver).largest();
+  EXPECT_GT(changed, 1e-4);
+  EXPECT_GT(solve(rig, solver, Motion::small).neglected, changed);
+}
+
 }  // namespace
