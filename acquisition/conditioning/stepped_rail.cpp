@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "acquisition/conditioning/background.hpp"
+#include "acquisition/conditioning/cut_or_late.hpp"
 
 namespace impactrig::acquisition {
 
@@ -84,19 +85,6 @@ bool leaves_at_once(const LevelStretch& level, bool behind) {
          as_double(level.size) > 4.0 * std::max(*near, *far - *near) / static_cast<double>(m);
 }
 
-/// The part of the contact's impulse up to a time; none without a force.
-std::optional<double> impulse_until(const Impact& impact, double time) {
-  if (!impact.force) return std::nullopt;
-  double before = 0.0, whole = 0.0;
-  for (std::size_t i = 0; i < impact.force->values.size(); ++i) {
-    const double t = impact.force->time(i);
-    if (t < impact.start || t > impact.end) continue;
-    whole += impact.force->values[i];
-    if (t < time) before += impact.force->values[i];
-  }
-  return whole != 0.0 ? std::optional(before / whole) : std::nullopt;
-}
-
 /// What a signal is to an observer who sees no more of it than its noise lets him: means of
 /// neighbours, a fortieth of the contact, in steps that hold four standard deviations of their
 /// noise to either side of the level it has at its extreme in the direction of `sign`. None where a
@@ -149,10 +137,11 @@ bool on_stepped_rail(const Impact& impact, const ImpactSignal& signal, double si
            leaves_at_once(level, false) && leaves_at_once(level, true);
   if (signal.quantity != Quantity::velocity || level.span < least_span) return false;
   const double edge = signal.time(begins ? level.size : level.first);
-  const auto done = impulse_until(impact, edge);
   const double little = 0.02 + 3.0 / span, late = 0.1 * (impact.end - impact.start);
-  return done && *done > little && *done < 1.0 - little && edge > impact.start + late &&
-         edge < impact.end - late && leaves_at_once(level, begins);
+  if (!impact.force || !(edge > impact.start + late) || !(edge < impact.end - late)) return false;
+  const double done = impulse_until(impact, edge);
+  return done > little && done < 1.0 - little && leaves_at_once(level, begins) &&
+         is_cut_not_late(impact, {begins, edge, little});
 }
 
 bool on_noisy_rail(const Impact& impact, const ImpactSignal& velocity, double sign) {

@@ -10,7 +10,8 @@ namespace impactrig::acquisition {
 /// window both ends have to, and fall off faster than the crest through such steps would that the
 /// stretch allows (see flat_top). A velocity may begin or end on its rail; so may one at constant
 /// speed whose contact begins with a jump, but that one leaves before the force has done anything,
-/// and within a tenth of the contact where the two channels are not quite aligned.
+/// and within a tenth of the contact where the two channels are not quite aligned; where they are
+/// further apart, is_cut_not_late() tells.
 /// Displacements do it by themselves, as a struck bar's.
 bool on_stepped_rail(const datasets::Impact& impact, const datasets::ImpactSignal& signal,
                      double sign);

@@ -348,6 +348,29 @@ TEST(ClippedFlag, IsSilentOnRandomShotsInNoise) {
   EXPECT_LE(alarms, 1);
 }
 
+// Forces that begin with a jump beside a velocity that is shown late, and such that end with one
+// beside an early one: it is level, and leaves at once, while the force acts.
+TEST(ClippedFlag, IsSilentOnAVelocityThatIsLateOrEarly) {
+  int late = 0, early = 0;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const std::size_t delay = std::array<std::size_t, 3>{10, 20, 50}[seed % 3];
+    RandomShot shot = random_shot(seed, true);
+    shot.velocity.insert(shot.velocity.begin(), delay, shot.velocity.front());
+    shot.velocity.resize(shot_sampling.samples);
+    late += is_clipped_in_noise(shot, 9.0, 1e-3, seed);
+    shot = random_shot(seed, true);
+    std::ranges::reverse(shot.force);
+    std::ranges::reverse(shot.velocity);
+    for (double& value : shot.velocity) value = -value;
+    shot.velocity.erase(shot.velocity.begin(),
+                        shot.velocity.begin() + static_cast<std::ptrdiff_t>(delay));
+    shot.velocity.resize(shot_sampling.samples, shot.velocity.back());
+    early += is_clipped_in_noise(shot, 9.0, 1e-3, seed);
+  }
+  EXPECT_EQ(late, 0);
+  EXPECT_EQ(early, 0);
+}
+
 }  // namespace
 
 }  // namespace impactrig::acquisition
