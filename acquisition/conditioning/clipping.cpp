@@ -133,30 +133,71 @@ bool noisy_flat_top(const Trace& trace, const Contact& contact, double quantum,
          steep(top->depth(top->last + part), top->depth(top->last + 2 * part));
 }
 
-/// Whether a signal reaches its known range, or invalid samples of it are a top that the recorder
-/// marked: of the finite ones above half of the peak, more than half are no lower than any sound
-/// sample of the contact; of marks that have nothing to do with the range some are. `half_peak` 0:
-/// these do not count.
-bool over_range(const RecordedSignal& signal, std::size_t first, std::size_t last, double half_peak,
-                double baseline) {
-  const Trace& trace = signal.trace;
+bool reaches_range(const RecordedSignal& signal, std::size_t first, std::size_t last) {
   for (std::size_t i = first; i <= last; ++i)
-    if (at_range(trace.values[i], signal.range)) return true;
-  if (!(half_peak > 0.0)) return false;
-  // As recorded: the trace bridges what is invalid.
-  const datasets::Channel& channel = *signal.channel;
-  const double level = channel.value(first);
+    if (at_range(signal.trace.values[i], signal.range)) return true;
+  return false;
+}
+
+/// A pulse as it was recorded, its marked samples too where they are finite, and its peak in there.
+struct AsRecorded {
+  Trace trace;
+  Contact contact;
+
+  AsRecorded(const RecordedSignal& signal, const Contact& of, std::size_t first, std::size_t last)
+      : trace(signal.trace),
+        contact(of) {
+    const double level = signal.channel->value(first) - signal.trace.values[first];
+    for (std::size_t i = first; i <= last; ++i) {
+      const double value = signal.channel->value(i) - level;
+      if (trace.is_valid(i) || !std::isfinite(value)) continue;
+      trace.values[i] = value;
+      trace.valid[i] = 1;
+    }
+    for (std::size_t i = first; i <= last; ++i) {
+      const double height = trace.values[i] - contact.baseline;
+      if (height * contact.peak <= contact.peak * contact.peak) continue;
+      contact.peak = height;
+      contact.peak_index = i;
+    }
+  }
+};
+
+/// Whether the samples above half of the peak that a recorder marked are no lower than any sound
+/// one: most of them, and all but for noise. Marks that have nothing to do with the range leave
+/// sound samples on one flank that are higher than some of the marked ones on the other.
+bool marks_what_is_higher(const RecordedSignal& signal, const AsRecorded& recorded, double sigma,
+                          std::size_t first, std::size_t last) {
   double sound = 0.0;
   std::vector<double> marked;
   for (std::size_t i = first; i <= last; ++i) {
-    const double height = std::abs(channel.value(i) - level);
-    if (trace.is_valid(i))
+    const double height = std::abs(recorded.trace.values[i] - recorded.contact.baseline);
+    if (signal.trace.is_valid(i))
       sound = std::max(sound, height);
-    else if (!std::isnan(height) && std::abs(trace.values[i] - baseline) >= half_peak)
+    else if (recorded.trace.is_valid(i) && height >= 0.5 * std::abs(recorded.contact.peak))
       marked.push_back(height);
   }
-  const auto at_top = std::ranges::count_if(marked, [&](double h) { return h >= 0.999 * sound; });
-  return 2 * static_cast<std::size_t>(at_top) > marked.size();
+  if (marked.empty()) return false;
+  const double least = *std::ranges::min_element(marked);
+  return least >= sound - std::max(6.0 * sigma, 1e-3 * sound) &&
+         median(std::move(marked)) >= 0.999 * sound;
+}
+
+/// Whether a recorder marked what is beyond its range, or what it recorded where it marked is a
+/// flat top.
+bool marked_top(const RecordedSignal& signal, const Contact& contact, std::size_t first,
+                std::size_t last, const DetectionOptions& options) {
+  const Trace& trace = signal.trace;
+  if (trace.valid.empty()) return false;
+  const AsRecorded recorded(signal, contact, first, last);
+  const auto quiet = quiet_before(trace, contact.onset, 0, options);
+  const double sigma =
+      quiet
+          ? fit_quiet(trace.values, quiet->begin, quiet->end, 1, signal.quantum, trace.valid).sigma
+          : 0.0;
+  return marks_what_is_higher(signal, recorded, sigma, first, last) ||
+         flat_top(recorded.trace, recorded.contact, signal.quantum, options) ||
+         noisy_flat_top(recorded.trace, recorded.contact, signal.quantum, options);
 }
 
 /// White noise beyond a digitiser's rounding on whatever smooth course. Fourth differences leave
@@ -242,9 +283,9 @@ bool trigger_clipped(const RecordedSignal& trigger, const Contact& contact,
   const bool pulse = trigger.trace.quantity != Quantity::velocity;
   const auto first = static_cast<std::size_t>(contact.onset);
   const std::size_t last = std::min(y.size() - 1, static_cast<std::size_t>(contact.end));
-  return over_range(trigger, first, last, pulse ? 0.5 * std::abs(contact.peak) : 0.0,
-                    contact.baseline) ||
-         (pulse && (flat_top(trigger.trace, contact, trigger.quantum, options) ||
+  return reaches_range(trigger, first, last) ||
+         (pulse && (marked_top(trigger, contact, first, last, options) ||
+                    flat_top(trigger.trace, contact, trigger.quantum, options) ||
                     noisy_flat_top(trigger.trace, contact, trigger.quantum, options)));
 }
 

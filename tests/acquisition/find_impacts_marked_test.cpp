@@ -108,6 +108,38 @@ TEST(ClippedFlag, IsSilentOnMarksThatHaveNothingToDoWithTheRange) {
   EXPECT_EQ(clipped, 0);
 }
 
+// Marked stretches of 10 to 60 samples somewhere over the crest, as it was recorded. Those that end
+// equally high on both flanks, but for noise, are what a recorder with room above its range marks.
+TEST(ClippedFlag, IsSilentOnMostMarksOverACrest) {
+  int clipped = 0;
+  for (int seed = 1; seed <= records; ++seed) {
+    Noise noise(static_cast<std::uint64_t>(seed));
+    Shot shot(noise);
+    const double length = 10.0 + 50.0 * noise.uniform();
+    const auto begin = static_cast<std::size_t>(1100.0 - length * noise.uniform());
+    shot.force.valid.assign(at.samples, 1);
+    std::fill_n(shot.force.valid.begin() + static_cast<std::ptrdiff_t>(begin),
+                static_cast<std::size_t>(length), std::uint8_t{0});
+    clipped += find_impacts(record_of({shot.force})).at(0).has(ImpactFlag::clipped);
+  }
+  EXPECT_LE(clipped, 15);
+}
+
+// A recorder that marks all above 1200 N, with room beyond, and one whose amplifier ends there.
+TEST(ClippedFlag, FiresWhereNoisyTopsAreMarked) {
+  for (const bool room : {true, false})
+    for (int seed = 1; seed <= records; ++seed) {
+      Noise noise(static_cast<std::uint64_t>(seed));
+      const auto truth = sampled(at, [](double t) { return pulse(t) * pulse(t) / 1500.0; });
+      auto newtons = truth;
+      for (double& value : newtons) value = std::min(value, room ? 9e9 : 1200.0) + 2.0 * noise();
+      Channel force = force_of(at, std::move(newtons));
+      for (const double value : truth) force.valid.push_back(value > 1200.0 ? 0 : 1);
+      EXPECT_TRUE(find_impacts(record_of({force})).at(0).has(ImpactFlag::clipped))
+          << room << " " << seed;
+    }
+}
+
 }  // namespace
 
 }  // namespace impactrig::acquisition
