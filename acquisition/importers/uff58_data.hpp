@@ -52,6 +52,9 @@ struct Uff58Block {
   std::size_t size() const;
 };
 
+class Uff58Text;
+class Uff58Binary;
+
 /// Reads the points of a dataset 58 piece by piece.
 class Uff58Reader {
  public:
@@ -72,17 +75,11 @@ class Uff58Reader {
 
   std::vector<std::string> warnings() const;
 
-  /// Reads a text's numbers through and counts its points; fills in the rest of `extent`.
-  static std::uint64_t count(const TextFile& file, const Uff58Form& form, bool lines_count,
-                             Uff58Extent& extent);
-
  private:
-  class Text;
-  class Binary;
   std::uint64_t left_;
   bool even_lines_;  // every line but the last is as long as the first
-  std::unique_ptr<Text> text_;
-  std::unique_ptr<Binary> binary_;
+  std::unique_ptr<Uff58Text> text_;
+  std::unique_ptr<Uff58Binary> binary_;
 };
 
 /// True when a line is the delimiter of datasets: -1 in columns 5 and 6, blanks elsewhere.

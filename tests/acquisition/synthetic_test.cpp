@@ -1,108 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "acquisition/synthetic.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
-#include <numbers>
-#include <numeric>
 #include <stdexcept>
 
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/random_stream.hpp"
 #include "datasets/sensor_response.hpp"
 #include "tests/acquisition/scene.hpp"
+#include "tests/acquisition/synthetic_motion.hpp"
 
 namespace impactrig::acquisition {
 
 namespace {
 
 using datasets::Channel;
-using datasets::ImpactFlag;
 using datasets::Quantity;
 using datasets::Record;
 using datasets::Sensor;
 using namespace tests;
-
-constexpr double pi = std::numbers::pi;
-constexpr double height = 1500.0;      // [N]
-constexpr double duration = 200e-6;    // [s]
-constexpr double approach = 0.441;     // [m/s]
-constexpr double fine_step = 0.05e-6;  // [s]
-
-/// Sine-squared force and the velocity it gives a mass whose restitution is 0.5, from -50 us on.
-Trajectory trajectory_until(double end) {
-  Trajectory t;
-  t.start = -50e-6;
-  t.interval = fine_step;
-  const auto n = static_cast<std::size_t>(std::round((end - t.start) / fine_step)) + 1;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double time = t.start + fine_step * static_cast<double>(i);
-    const double u = std::clamp(time / duration, 0.0, 1.0);
-    const double gone = u - std::sin(2.0 * pi * u) / (2.0 * pi);  // of the impulse
-    const double way = u * u / 2 + (std::cos(2.0 * pi * u) - 1.0) / (4.0 * pi * pi);
-    const double after = std::max(0.0, time - duration);
-    t.force.push_back(sine_squared(time, height, duration));
-    t.velocity.push_back(approach * (1.0 - 1.5 * gone));
-    t.displacement.push_back(approach * (time - 1.5 * (way * duration + after)));
-  }
-  return t;
-}
-
-Trajectory usual_trajectory() {
-  return trajectory_until(3.2e-3);
-}
-
-/// One that does nothing, for looking at disturbances.
-Trajectory nothing(double seconds) {
-  const double step = 1e-5;
-  const auto n = static_cast<std::size_t>(seconds / step) + 100;
-  return {0.0, step, std::vector<double>(n, 0.0), std::vector<double>(n, 0.0),
-          std::vector<double>(n, 0.0)};
-}
-
-Sensor sensor_of(Quantity quantity) {
-  Sensor sensor;
-  sensor.quantity = quantity;
-  return sensor;
-}
-
-SensorSet force_only() {
-  return {.force = sensor_of(Quantity::force)};
-}
-
-SensorSet all_sensors() {
-  return {.force = sensor_of(Quantity::force),
-          .velocity = sensor_of(Quantity::velocity),
-          .displacement = sensor_of(Quantity::displacement)};
-}
-
-SyntheticOptions still() {
-  SyntheticOptions options;
-  options.trigger_jitter = 0.0;
-  return options;
-}
-
-/// Long, slow recording of nothing by the velocity sensor, so that statistics can be taken.
-SyntheticOptions long_and_slow(double seconds) {
-  SyntheticOptions options = still();
-  options.sample_rate = 1e4;
-  options.pre_trigger = 0.0;
-  options.duration = seconds;
-  return options;
-}
-
-double mean_of(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
-double rms_of(const std::vector<double>& values) {
-  return std::sqrt(std::inner_product(values.begin(), values.end(), values.begin(), 0.0) /
-                   static_cast<double>(values.size()));
-}
 
 // --- The chain ----------------------------------------------------------------------------------
 
@@ -225,151 +144,6 @@ TEST(Synthesise, PutsIndexedSensorsAtTheirIndex) {
   EXPECT_EQ(condition(record, sensors).channels.size(), 3u);
 }
 
-// --- Disturbances -------------------------------------------------------------------------------
-
-TEST(Synthesise, AddsWhiteNoiseOfTheStatedStrength) {
-  SyntheticOptions options = long_and_slow(20.0);
-  options.force.noise = 2.5;
-  const auto noise = synthesise(nothing(20.0), force_only(), options).channels[0].values();
-  ASSERT_EQ(noise.size(), 200'000u);
-  EXPECT_NEAR(rms_of(noise), 2.5, 0.01 * 2.5);  // standard error 0.16 %
-  EXPECT_NEAR(mean_of(noise), 0.0, 0.03);
-  for (std::size_t lag = 1; lag <= 3; ++lag) {
-    double product = 0.0;
-    for (std::size_t i = lag; i < noise.size(); ++i) product += noise[i] * noise[i - lag];
-    EXPECT_NEAR(product / 200'000.0 / 6.25, 0.0, 0.01) << lag;
-  }
-  double fourth = 0.0;
-  for (const double value : noise) fourth += std::pow(value / 2.5, 4) / 200'000.0;
-  EXPECT_NEAR(fourth, 3.0, 0.1);  // normal
-}
-
-// Five recursions of equal power with corners f: mean of exp(-2 pi f lag).
-TEST(Synthesise, AddsLowFrequencyNoiseOfTheStatedSpectrum) {
-  SyntheticOptions options = long_and_slow(200.0);
-  options.force.low_frequency_noise = 3.0;
-  const auto noise = synthesise(nothing(200.0), force_only(), options).channels[0].values();
-  for (const std::size_t lag : {0u, 5u, 20u, 100u}) {
-    double product = 0.0, expected = 0.0;
-    for (std::size_t i = lag; i < noise.size(); ++i) product += noise[i] * noise[i - lag];
-    for (int k = 0; k < 5; ++k)
-      expected +=
-          std::exp(-2.0 * pi * 10.0 * std::pow(10.0, 0.5 * k) * static_cast<double>(lag) * 1e-4) /
-          5.0;
-    EXPECT_NEAR(product / static_cast<double>(noise.size()) / 9.0, expected, 0.05) << lag;
-  }
-}
-
-TEST(Synthesise, AddsHumDriftOffsetGainAndStep) {
-  SyntheticOptions options = long_and_slow(1.0);
-  options.force.hum = 2.0;
-  const auto hum = synthesise(nothing(1.0), force_only(), options).channels[0].values();
-  for (const auto& [frequency, amplitude] : {std::pair{50.0, 2.0}, {150.0, 0.6}, {100.0, 0.0}}) {
-    double cosine = 0.0, sine = 0.0;
-    for (std::size_t i = 0; i < hum.size(); ++i) {
-      const double phase = 2.0 * pi * frequency * 1e-4 * static_cast<double>(i);
-      cosine += 2.0 * hum[i] * std::cos(phase) / 1e4;
-      sine += 2.0 * hum[i] * std::sin(phase) / 1e4;
-    }
-    EXPECT_NEAR(std::hypot(cosine, sine), amplitude, 1e-9) << frequency;
-  }
-  SyntheticOptions rest = still();
-  rest.force.drift = 100.0;
-  rest.force.offset = 5.0;
-  rest.force.gain_error = 0.02;
-  rest.force.step = 7.0;
-  const Record record = synthesise(usual_trajectory(), force_only(), rest);
-  EXPECT_NEAR(record.channels[0].value(0), 5.0, 1e-9);
-  EXPECT_NEAR(record.channels[0].value(999), 5.0 + 0.0999, 1e-6);
-  EXPECT_NEAR(record.channels[0].value(1100), 1.02 * height + 5.0 + 7.0 + 0.11, 1e-6);
-  EXPECT_EQ(record.attributes.at("truth.force.gain"), "1.02");
-}
-
-TEST(Synthesise, RoundsByHalfADigitiserStepAtMost) {
-  for (const int bits : {8, 12, 14, 16, 24}) {
-    SyntheticOptions options = still();
-    const auto exact = synthesise(usual_trajectory(), force_only(), options).channels[0].values();
-    options.force.bits = bits;
-    options.force.range = 2000.0;
-    const Channel channel = synthesise(usual_trajectory(), force_only(), options).channels[0];
-    const double step = 4000.0 / std::pow(2.0, bits);
-    EXPECT_DOUBLE_EQ(channel.scale, step);
-    EXPECT_EQ(std::holds_alternative<std::vector<std::int16_t>>(channel.raw), bits <= 16);
-    EXPECT_EQ(std::holds_alternative<std::vector<std::int32_t>>(channel.raw), bits > 16);
-    for (std::size_t i = 0; i < exact.size(); ++i)
-      ASSERT_LE(std::abs(channel.value(i) - exact[i]), 0.5 * step * (1.0 + 1e-9)) << bits;
-  }
-}
-
-TEST(Synthesise, ClipsAtTheRange) {
-  SyntheticOptions options = still();
-  options.force.range = 1000.0;
-  const auto clipped = synthesise(usual_trajectory(), force_only(), options).channels[0].values();
-  EXPECT_EQ(*std::ranges::max_element(clipped), 1000.0);
-  options.force.bits = 12;
-  const auto codes = synthesise(usual_trajectory(), force_only(), options).channels[0];
-  EXPECT_EQ(std::ranges::max(std::get<std::vector<std::int16_t>>(codes.raw)), 2047);
-  const auto impacts = find_impacts(record_of({codes}));
-  ASSERT_EQ(impacts.size(), 1u);
-  EXPECT_TRUE(impacts[0].has(ImpactFlag::clipped));
-}
-
-TEST(Synthesise, LosesTheLightWhereItSays) {
-  SyntheticOptions options = long_and_slow(20.0);
-  options.velocity.dropouts_per_second = 5.0;
-  Trajectory trajectory = nothing(20.0);
-  trajectory.velocity.assign(trajectory.velocity.size(), 0.3);
-  const Record record =
-      synthesise(trajectory, {.velocity = sensor_of(Quantity::velocity)}, options);
-  const auto spans = nlohmann::json::parse(record.attributes.at("truth.dropouts"));
-  EXPECT_NEAR(static_cast<double>(spans.size()), 100.0,
-              50.0);  // those shorter than a step are lost
-  const Channel& channel = record.channels[0];
-  EXPECT_TRUE(channel.valid.empty());  // unmarked
-  std::size_t within = 0;
-  for (std::size_t i = 0; i < channel.size(); ++i) {
-    const double t = channel.clock.time(i);
-    const bool lost = std::ranges::any_of(spans, [&](const auto& span) {
-      return t >= span[0].template get<double>() - 1e-9 &&
-             t < span[1].template get<double>() - 1e-9;
-    });
-    within += lost ? 1 : 0;
-    ASSERT_EQ(channel.value(i) != 0.3, lost) << t;
-  }
-  EXPECT_GT(within, 20u);
-  for (const auto& span : spans) {
-    const double length = span[1].get<double>() - span[0].get<double>();
-    EXPECT_GE(length, 20e-6 - 1e-8);
-    EXPECT_LE(length, 200e-6 + 1e-8);
-  }
-}
-
-TEST(Synthesise, LosesTheLightInTheContactOnRequest) {
-  SyntheticOptions options = still();
-  options.velocity.dropout_in_contact = true;
-  const Record record = synthesise(usual_trajectory(), all_sensors(), options);
-  const auto spans = nlohmann::json::parse(record.attributes.at("truth.dropouts"));
-  ASSERT_EQ(spans.size(), 1u);
-  const double begin = spans[0][0].get<double>();
-  EXPECT_GE(begin, 0.0);
-  EXPECT_LE(begin, 50e-6);
-}
-
-TEST(Synthesise, LosesCountsOfTheDisplacement) {
-  SyntheticOptions options = still();
-  options.displacement.dropout_in_contact = true;
-  const SensorSet sensors{.displacement = sensor_of(Quantity::displacement)};
-  const auto lost = synthesise(usual_trajectory(), sensors, options);
-  const auto whole = synthesise(usual_trajectory(), sensors, still()).channels[0].values();
-  const auto spans = nlohmann::json::parse(lost.attributes.at("truth.dropouts"));
-  ASSERT_EQ(spans.size(), 1u);
-  const auto values = lost.channels[0].values();
-  const double offset = whole[3999] - values[3999];
-  EXPECT_NEAR(whole[2000] - values[2000], offset, 1e-15);  // for good
-  EXPECT_NE(offset, 0.0);
-  EXPECT_EQ(values[900], whole[900]);
-}
-
 // --- Determinism --------------------------------------------------------------------------------
 
 SyntheticOptions noisy(std::uint64_t seed) {
@@ -425,96 +199,6 @@ TEST(Synthesise, JittersTheTriggerWithinItsBoundsAndSaysBy) {
   }
   EXPECT_NEAR(mean, 0.0, 0.07e-6);  // uniform over ±0.5 us
   EXPECT_NEAR(std::sqrt(square), 0.5e-6 / std::sqrt(3.0), 0.03e-6);
-}
-
-// --- Days ---------------------------------------------------------------------------------------
-
-SensorSet paper_sensors() {
-  SensorSet sensors = all_sensors();
-  sensors.force->channel = "Force";
-  sensors.force->sensitivity = {4e-3, 4e-5};  // 4 pC/N at 1 mV/pC
-  sensors.force->recorded_unit = "V";
-  sensors.force->resonance = {45e3, 20.0};
-  sensors.force->low_cut = {0.3, 1};
-  sensors.force->high_cut = {100e3, 2};
-  sensors.force->delay = {0.1e-6, 0.1e-6, false};
-  sensors.force->range = 5000.0;
-  sensors.velocity->channel = "Velocity";
-  sensors.velocity->sensitivity = {8.0, 0.08};  // 125 mm/s/V
-  sensors.velocity->recorded_unit = "V";
-  sensors.velocity->high_cut = {250e3, 4};
-  sensors.velocity->delay = {0.4e-6, 0.1e-6, false};
-  return sensors;
-}
-
-TEST(GoodLaboratoryDay, HasTheNumbersOfTheMeasurementChain) {
-  const SyntheticOptions day = good_laboratory_day(paper_sensors(), height, approach);
-  // 1.25 times 1500 N are 7.5 V at 4 mV/N: the 10 V range, 2500 N.
-  EXPECT_DOUBLE_EQ(day.force.range, 2500.0);
-  EXPECT_EQ(day.force.bits, 12);
-  const double step = 2500.0 / 2048.0;
-  EXPECT_NEAR(day.force.noise, std::hypot(0.0025, 0.764 * step), 1e-9);
-  EXPECT_NEAR(day.force.drift, 0.0075, 1e-12);  // 0.03 pC/s
-  EXPECT_NEAR(day.force.hum, 2.5, 1e-12);
-  // 0.551 m/s are 4.4 V at 8 V s/m: the 5 V range.
-  EXPECT_DOUBLE_EQ(day.velocity.range, 0.625);
-  EXPECT_NEAR(day.velocity.noise, std::hypot(1e-6 * std::sqrt(250e3), 0.764 * 0.625 / 2048.0),
-              1e-12);
-  EXPECT_DOUBLE_EQ(day.velocity.low_frequency_noise, 40e-6);
-  // 0.441 m/s for 3 ms are 1.3 mm: the decoder range of ±2.56 mm.
-  EXPECT_DOUBLE_EQ(day.displacement.range, 2560e-6);
-}
-
-TEST(GoodLaboratoryDay, LimitsTheRangeToTheSensors) {
-  EXPECT_EQ(good_laboratory_day(paper_sensors(), 4900.0, approach).force.range, 5000.0);
-}
-
-TEST(GoodLaboratoryDay, IsReadBackByConditioningAndDetection) {
-  const SensorSet sensors = paper_sensors();
-  const Trajectory trajectory = usual_trajectory();
-  SyntheticOptions day = good_laboratory_day(sensors, height, approach);
-  for (day.seed = 1; day.seed <= 50; ++day.seed) {
-    SCOPED_TRACE("seed " + std::to_string(day.seed));
-    const Record record = synthesise(trajectory, sensors, day);
-    const auto impacts = find_impacts(condition(record, sensors));
-    ASSERT_EQ(impacts.size(), 1u);
-    const auto& impact = impacts[0];
-    const double touch = std::stod(record.attributes.at("truth.first_touch"));
-    EXPECT_TRUE(impact.flags.empty());
-    // The low-pass shows it 2.25 us late, and the foot of a sine-squared leaves one standard
-    // deviation (1 N) after 0.8 % of T, two digitiser steps after 2 %.
-    EXPECT_NEAR(impact.start, touch + 2.25e-6 + 0.01 * duration, 4e-6);
-    EXPECT_NEAR(impact.peak, 1.005 * height, 0.01 * height);  // gain error, resonance
-    EXPECT_NEAR(impact.impulse, 1.005 * height * duration / 2, 0.01 * height * duration / 2);
-    // Gain 0.5 %, offset and hum 0.1 % of 0.625 m/s each.
-    EXPECT_NEAR(impact.approach_velocity, approach, 0.005 * approach + 2.3 * 0.625e-3);
-    EXPECT_NEAR(impact.force->noise, std::hypot(day.force.noise, 2500.0 / 2048.0 / std::sqrt(12.0)),
-                0.15 * impact.force->noise);
-    EXPECT_NEAR(impact.force->quantum, 2500.0 / 2048.0, 1e-6);
-    EXPECT_NEAR(impact.force->gain_uncertainty, 0.01, 1e-12);
-    EXPECT_EQ(impact.force->delay, 0.1e-6);
-    EXPECT_EQ(impact.velocity->delay_uncertainty, 0.1e-6);
-  }
-}
-
-TEST(BadDay, IsStillReadBackRoughly) {
-  const SensorSet sensors = paper_sensors();
-  const Trajectory trajectory = usual_trajectory();
-  SyntheticOptions day = bad_day(sensors, height, approach);
-  EXPECT_EQ(day.force.bits, 8);
-  EXPECT_EQ(day.trigger_jitter, 1.0);
-  for (day.seed = 1; day.seed <= 50; ++day.seed) {
-    SCOPED_TRACE("seed " + std::to_string(day.seed));
-    const auto impacts = find_impacts(condition(synthesise(trajectory, sensors, day), sensors));
-    ASSERT_EQ(impacts.size(), 1u);
-    EXPECT_FALSE(impacts[0].has(ImpactFlag::clipped));
-    EXPECT_FALSE(impacts[0].has(ImpactFlag::double_hit));
-    // Between the ground-loop step at touch and the delayed force.
-    EXPECT_GT(impacts[0].start, -15e-6);
-    EXPECT_LT(impacts[0].start, 45e-6);
-    EXPECT_NEAR(impacts[0].peak, 1.02 * height, 0.08 * height);
-    EXPECT_NEAR(impacts[0].approach_velocity, approach, 0.1 * approach);
-  }
 }
 
 // --- Errors -------------------------------------------------------------------------------------

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "acquisition/importers/hdf5_arrays.hpp"
+#include "datasets/hdf5_handle.hpp"
+
+namespace impactrig::acquisition {
+
+constexpr int hdf5_deepest = 16;  ///< groups in groups, records in records
+
+/// The type of ours that holds all numbers of a type, but for floating point wider than double
+/// precision; none where HDF5 knows no numbers. The values of an enumeration are its integers: h5py
+/// writes true and false so.
+std::optional<ArrayNumbers> hdf5_numbers_of(hid_t type);
+
+/// Integers that are not all exact in double precision.
+bool hdf5_is_wide(hid_t type);
+
+/// What HDF5 calls our type in memory.
+hid_t hdf5_memory_type(ArrayNumbers numbers);
+
+std::size_t width_of(ArrayNumbers numbers);  ///< [bytes]
+
+/// MATLAB, h5py and others write a complex number as a pair.
+bool hdf5_is_complex(hid_t type);
+
+/// Of records and of those within them; more than hdf5_longest_list where they are too deep.
+std::size_t hdf5_count_fields(hid_t type, int depth = 0);
+
+/// Records with one of the file's fields, by the names that lead to it.
+datasets::Hdf5Handle hdf5_field_type(const std::vector<std::string>& names, hid_t number);
+
+/// What it is called to those whose data set is passed over.
+std::string_view hdf5_kind_name(H5T_class_t kind);
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/names_and_units.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "acquisition/importers/date_time.hpp"
+#include "acquisition/importers/instrument_heads.hpp"
+#include "acquisition/importers/row_of_units.hpp"
+#include "datasets/units.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Quantity;
+
+namespace {
+
+bool has_number(const HeadCells& cells, char decimal) {
+  return std::any_of(cells.begin(), cells.end(), [decimal](std::string_view cell) {
+    return number_in(cell, {decimal, false}).has_value();
+  });
+}
+
+/// Takes Start and Increment out of names and units ("X,CH1,Start,Increment" above
+/// "Sequence,Volt,-3e-07,5e-10").
+void take_start_and_increment(HeadCells& names, HeadCells& units, char decimal, TableHead& head) {
+  for (const std::string_view word : {"start", "increment"}) {
+    for (std::size_t i = 0; i < std::min(names.size(), units.size()); ++i) {
+      const auto value = number_in(units[i], {decimal, false});
+      if (lowered(names[i]) != word || !value) continue;
+      (word == "start" ? head.start : head.increment) = *value;
+      names.erase(names.begin() + static_cast<std::ptrdiff_t>(i));
+      units.erase(units.begin() + static_cast<std::ptrdiff_t>(i));
+      break;
+    }
+  }
+}
+
+/// True for a line of words that could name columns, but that does not fit them.
+bool may_be_names(std::string_view line, const TableLayout& layout) {
+  const std::string_view text = trimmed(without_comment_sign(line));
+  const HeadCells words = cells_of(text, ' ');
+  return words.size() > 1 && text.find_first_of(":=") == std::string_view::npos &&
+         !has_number(words, layout.dialect.decimal) && head_cells(line, layout).empty();
+}
+
+void tell_of_misfit(const TableLayout& layout, std::size_t line, TableHead& head) {
+  const std::string_view text = trimmed(layout.head[line]);
+  head.warnings.push_back(fmt::format(
+      "line {} above the rows ('{}') does not fit their {} column{}: they are numbered", line + 1,
+      to_utf8(text.substr(0, 60)), layout.cells, layout.cells == 1 ? "" : "s"));
+}
+
+/// "x-axis,1,2", as InfiniiVision oscilloscopes name their channels.
+bool are_numbered_channels(const HeadCells& names) {
+  return lowered(names.front()) == "x-axis" &&
+         std::all_of(names.begin() + 1, names.end(), [](std::string_view name) {
+           return name.empty() || integer_in(name).has_value();
+         });
+}
+
+/// Numbers and nothing else: neither names nor units.
+bool has_numbers_alone(std::string_view line) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto may_be_word = [](char c) {
+    return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '%' || (c & 0x80) != 0;
+  };
+  return std::ranges::any_of(line, is_digit) && std::ranges::none_of(line, may_be_word);
+}
+
+/// "force [N]" of "# 2: force [N]" and "Column 2 = force [N]", the name of column 2 where columns
+/// count from `first`.
+std::optional<std::string_view> listed_name(std::string_view line, std::size_t column, long first) {
+  std::string_view text = trimmed(without_comment_sign(line));
+  const std::string words = lowered(text.substr(0, 7));
+  for (const std::string_view word : {"column", "spalte", "col"})
+    if (words.starts_with(word)) {
+      text = trimmed(text.substr(word.size()));
+      break;
+    }
+  const std::size_t end = std::min(text.find_first_not_of("0123456789"), text.size());
+  if (integer_in(text.substr(0, end)) != first + static_cast<long>(column)) return std::nullopt;
+  text = trimmed(text.substr(end));
+  if (text.size() < 2 || std::string_view(":=.)-").find(text.front()) == text.npos)
+    return std::nullopt;
+  return trimmed(text.substr(1));
+}
+
+/// Names in the last lines above the rows, one a line in the order of the columns: "# 1: time [ms]"
+/// over "# 2: force [N]". None where they are not listed so.
+HeadCells listed_names(const TableLayout& layout, const std::vector<std::size_t>& filled) {
+  if (layout.cells < 2 || filled.size() < layout.cells) return {};
+  for (const long first : {1L, 0L}) {
+    HeadCells names;
+    for (std::size_t c = 0; c < layout.cells; ++c) {
+      const std::size_t line = filled[filled.size() - layout.cells + c];
+      const auto name = listed_name(layout.head[line], c, first);
+      if (!name) break;
+      names.push_back(*name);
+    }
+    if (names.size() == layout.cells) return names;
+  }
+  return {};
+}
+
+/// "Time,10:11:12,10:11:12": when each channel began.
+bool are_dates_of_a_key(const HeadCells& cells) {
+  return cells.size() > 1 && std::all_of(cells.begin() + 1, cells.end(),
+                                         [](auto cell) { return date_time_in(cell).has_value(); });
+}
+
+/// "Unit:,N,g"
+bool are_units_of_a_key(const HeadCells& cells) {
+  std::string key = lowered(cells.front());
+  if (key.ends_with(':')) key.pop_back();
+  return cells.size() > 1 && (key == "unit" || key == "units");
+}
+
+/// Numbers of columns (positions, angles) beside the name of a time: "Time [ms],1,2,3".
+bool may_name_by_number(const HeadCells& names, const TableLayout& layout) {
+  if (names.size() < layout.cells || names.empty()) return false;
+  const ColumnHead time = split_head(names.front());
+  const bool has_unit = datasets::quantity_of_unit(time.unit) == Quantity::time;
+  if (!is_time_name(time.name) || (!has_unit && (!time.unit.empty() || names.size() < 3)))
+    return false;
+  return std::all_of(names.begin() + 1, names.end(), [&layout](std::string_view name) {
+    return integer_in(name) || !number_in(name, {layout.dialect.decimal, false});
+  });
+}
+
+/// Names over units with a time among them, above further lines of each channel (sensors, serial
+/// numbers): which of the filled lines holds the units; none where there are no such.
+std::optional<std::size_t> find_units_of_time(const TableLayout& layout,
+                                              const std::vector<std::size_t>& filled) {
+  for (std::size_t i = filled.size(); i-- > 1;) {
+    const HeadCells units = head_cells(layout.head[filled[i]], layout);
+    const HeadCells names = head_cells(layout.head[filled[i - 1]], layout);
+    if (units.size() >= layout.cells && names.size() >= layout.cells &&
+        !has_number(names, layout.dialect.decimal) && !has_number(units, layout.dialect.decimal) &&
+        has_time_over_its_unit(names, units))
+      return i;
+  }
+  return std::nullopt;
+}
+
+/// Names above units, in the last two lines; false where they are none.
+bool take_names_over_units(const TableLayout& layout, const std::vector<std::size_t>& filled,
+                           NamesAndUnits& found, TableHead& head) {
+  if (filled.size() < 2) return false;
+  const char decimal = layout.dialect.decimal;
+  const HeadCells bottom = head_cells(layout.head[filled.back()], layout);
+  const std::size_t above = filled[filled.size() - 2];
+  HeadCells names = head_cells(layout.head[above], layout);
+  HeadCells units = bottom;
+  if (names.size() < layout.cells ||
+      (has_number(names, decimal) && !may_name_by_number(names, layout) &&
+       !(are_numbered_channels(names) && is_unit_row(bottom))))
+    return false;
+  take_start_and_increment(names, units, decimal, head);
+  const bool as_wide = bottom.size() >= layout.cells || head.start || head.increment;
+  if (!as_wide ||
+      !(is_unit_row(units) || is_sentence_row(units) || has_time_over_its_unit(names, units))) {
+    head.start.reset();
+    head.increment.reset();
+    return false;
+  }
+  found = {names, units};
+  head.names_line = static_cast<int>(above) + 1;
+  head.units_line = static_cast<int>(filled.back()) + 1;
+  return true;
+}
+
+/// Units below words that are names of no column, or of other columns; false for other lines.
+bool take_units_under_a_misfit(const TableLayout& layout, const std::vector<std::size_t>& filled,
+                               NamesAndUnits& found, TableHead& head) {
+  if (layout.dialect.delimiter != ' ' || filled.size() < 2) return false;
+  const HeadCells bottom = head_cells(layout.head[filled.back()], layout);
+  const std::size_t above = filled[filled.size() - 2];
+  if (!is_unit_row(bottom) || !may_be_names(layout.head[above], layout)) return false;
+  tell_of_misfit(layout, above, head);
+  found.units = bottom;
+  head.units_line = static_cast<int>(filled.back()) + 1;
+  return true;
+}
+
+/// Names in the last line, and units in that above it where a time is among them: "s,N" above
+/// "time,force".
+void take_names_alone(const TableLayout& layout, const std::vector<std::size_t>& filled,
+                      NamesAndUnits& found, TableHead& head) {
+  const HeadCells bottom = head_cells(layout.head[filled.back()], layout);
+  if (bottom.empty() && may_be_names(layout.head[filled.back()], layout))
+    tell_of_misfit(layout, filled.back(), head);
+  // a shorter line is taken for names only when it cannot be a title or a key with its value
+  const bool all_named = bottom.size() >= layout.cells || (bottom.size() > 1 && layout.cells > 2);
+  if (bottom.empty() || !all_named) return;
+  if (has_number(bottom, layout.dialect.decimal) && !may_name_by_number(bottom, layout)) return;
+  if (are_dates_of_a_key(bottom) || are_units_of_a_key(bottom)) return;
+  found.names = bottom;
+  head.names_line = static_cast<int>(filled.back()) + 1;
+  if (filled.size() < 2) return;
+  const std::size_t above = filled[filled.size() - 2];
+  const HeadCells over = head_cells(layout.head[above], layout);
+  if (over.size() < layout.cells || !is_unit_row(over) ||
+      !has_time_over_its_unit(found.names, over))
+    return;
+  found.units = over;
+  head.units_line = static_cast<int>(above) + 1;
+}
+
+}  // namespace
+
+NamesAndUnits find_names_and_units(const TableLayout& layout, std::vector<std::size_t> filled,
+                                   TableHead& head) {
+  NamesAndUnits found;
+  if (layout.key_cells > 0 || take_toa5(layout, filled, found.names, found.units, head))
+    return found;
+  if (found.names = listed_names(layout, filled); !found.names.empty()) {
+    head.names_line = static_cast<int>(filled.back()) + 1;
+    return found;
+  }
+  if (const auto at = find_units_of_time(layout, filled)) filled.resize(*at + 1);
+  while (filled.size() > 1 && has_numbers_alone(layout.head[filled.back()])) filled.pop_back();
+  if (filled.empty() || take_names_over_units(layout, filled, found, head) ||
+      take_units_under_a_misfit(layout, filled, found, head))
+    return found;
+  take_names_alone(layout, filled, found, head);
+  return found;
+}
+
+}  // namespace impactrig::acquisition

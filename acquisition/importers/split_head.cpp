@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "acquisition/importers/column_heads.hpp"
+#include "acquisition/importers/row_of_units.hpp"
+#include "datasets/units.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Quantity;
+
+namespace {
+
+/// A unit that stands for nothing else behind "in", a dash, a comma, a slash: "C" may be a channel.
+bool is_plain_unit(std::string_view text) {
+  constexpr std::string_view letters = "sNVgm";
+  if (text.size() == 1) return letters.find(text.front()) != std::string_view::npos;
+  const Quantity quantity = datasets::quantity_of_unit(to_utf8(text));
+  return quantity != Quantity::unknown && quantity != Quantity::other;
+}
+
+/// "Time in ms", "Time - ms", "Time, ms", "t/ms", "v/mm/s", and of times "Time_ms".
+std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
+  const auto divided = [text](std::size_t name, std::size_t unit) {
+    return ColumnHead{to_utf8(trimmed(text.substr(0, name))), to_utf8(trimmed(text.substr(unit))),
+                      ""};
+  };
+  if (text.starts_with("in ") && is_plain_unit(text.substr(3))) return divided(0, 3);
+  for (const std::string_view word : {" in ", " - ", ", "}) {
+    const std::size_t at = text.rfind(word);
+    if (at != std::string_view::npos && at > 0 &&
+        is_plain_unit(trimmed(text.substr(at + word.size()))))
+      return divided(at, at + word.size());
+  }
+  const std::size_t slash = text.find('/');
+  // "m/s" and "mV/g" are units, "t/ms" is a time though it could be tonnes
+  if (slash != std::string_view::npos && slash > 0 && !is_plain_unit(text) &&
+      !is_plain_unit(text.substr(0, slash)) && is_plain_unit(text.substr(slash + 1)))
+    return divided(slash, slash + 1);
+  const std::size_t line = text.rfind('_');
+  if (line == std::string_view::npos) return std::nullopt;
+  constexpr std::array<std::string_view, 6> times = {"time", "t",       "timestamp",
+                                                     "zeit", "elapsed", "elapsed_time"};
+  const bool is_time = std::ranges::find(times, lowered(text.substr(0, line))) != times.end() &&
+                       datasets::quantity_of_unit(to_utf8(text.substr(line + 1))) == Quantity::time;
+  return is_time ? std::optional(divided(line, line + 1)) : std::nullopt;
+}
+
+/// What stood within quotes, as RFC 4180 has it: doubled quotes stand for one; breaks become
+/// blanks.
+std::string one_line(std::string_view cell) {
+  std::string text;
+  for (std::size_t i = 0; i < cell.size(); ++i) {
+    const bool breaks = cell[i] == '\r' || cell[i] == '\n';
+    if (cell.substr(i, 2) == "\"\"") ++i;
+    if (!breaks)
+      text += cell[i];
+    else if (!text.empty() && text.back() != ' ')
+      text += ' ';
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string_view without_channel(std::string_view value) {
+  const std::size_t colon = value.find(':');
+  const bool is_channel =
+      colon != std::string_view::npos &&
+      (value.substr(0, colon) == "Analog" ||
+       (value.starts_with("CH") && integer_in(value.substr(2, colon - 2)).has_value()));
+  return is_channel ? trimmed(value.substr(colon + 1)) : value;
+}
+
+bool is_time_name(std::string_view name) {
+  constexpr std::array<std::string_view, 16> words = {
+      "time",       "t",         "zeit",   "temps",       "tiempo", "tempo",
+      "seconds",    "second",    "x-axis", "elapsed",     "x_time", "time_s",
+      "time stamp", "timestamp", "x [s]",  "elapsed time"};
+  return std::find(words.begin(), words.end(), lowered(name)) != words.end();
+}
+
+std::string lowered(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return result;
+}
+
+ColumnHead split_head(std::string_view cell) {
+  if (cell.find_first_of("\r\n") != cell.npos || cell.find("\"\"") != cell.npos)
+    return split_head(one_line(cell));
+  std::string_view text = trimmed(cell);
+  while (!text.empty() && (text.back() == ',' || text.back() == ';'))
+    text = trimmed(text.substr(0, text.size() - 1));
+  ColumnHead head;
+  head.name = to_utf8(text);
+  if (text.empty()) return head;
+  const char close = text.back();
+  if (close == ']' || close == ')') {
+    const std::size_t open = text.rfind(close == ']' ? '[' : '(');
+    if (open != std::string_view::npos && open > 0) {
+      const std::string_view unit = trimmed(text.substr(open + 1, text.size() - open - 2));
+      const auto index = close == ']' ? integer_in(unit) : std::nullopt;  // "Y[0]"; "strain [1]"
+      const bool counts = index && (index != 1 || text[open - 1] != ' ');
+      if (close == ']' ? !counts : is_unit(unit)) {
+        head.name = to_utf8(trimmed(text.substr(0, open)));
+        head.unit = to_utf8(unit);
+        constexpr std::string_view no_break = "\u00A0";
+        if (head.name.ends_with(no_break)) head.name.resize(head.name.size() - no_break.size());
+      }
+    }
+    return head;
+  }
+  const std::size_t slash = text.rfind(" / ");  // as DIN 461 labels an axis: t / s
+  if (slash != std::string_view::npos && is_unit(text.substr(slash + 3))) {
+    head.name = to_utf8(trimmed(text.substr(0, slash)));
+    head.unit = to_utf8(trimmed(text.substr(slash + 3)));
+    return head;
+  }
+  return unit_behind_a_word(text).value_or(head);
+}
+
+}  // namespace impactrig::acquisition
