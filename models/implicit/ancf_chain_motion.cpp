@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/implicit/ancf_chain.hpp"
 #include "models/implicit/chain_motion.hpp"
+#include "models/implicit/chain_motion_looks.hpp"
 #include "models/implicit/chain_motion_steps.hpp"
 #include "models/implicit/slope_hold.hpp"
 

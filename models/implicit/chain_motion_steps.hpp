@@ -19,6 +19,7 @@
 #include "models/implicit/radau_errors.hpp"
 #include "models/implicit/radau_stages.hpp"
 #include "models/implicit/stage_array.hpp"
+#include "models/implicit/stage_maps.hpp"
 #include "models/lanes/stage_lanes.hpp"
 #include "models/simulation.hpp"
 
@@ -107,14 +108,14 @@ class ChainMotion final : public BarMotion {
 
   void begin_step(int level) override {
     h_ = ladder_.length_of(level);
-    predict(previous_, last_h_ > 0.0 ? h_ / last_h_ : 0.0, 1.0, a_);
+    maps_.predict(previous_, last_h_ > 0.0 ? h_ / last_h_ : 0.0, 1.0, a_);
     begin();
   }
 
   void begin_part(double part) override {
     h_ *= part;
     previous_guess_ = a_;
-    predict(previous_guess_, part, 0.0, a_);
+    maps_.predict(previous_guess_, part, 0.0, a_);
     begin();
   }
 
@@ -141,7 +142,7 @@ class ChainMotion final : public BarMotion {
     work_done_ = 0.0;
     for (std::size_t k = 0; k < stops.size(); ++k) {
       const Across across = across_before(static_cast<int>(k));
-      const Lanes speed = across.v + velocity_of(across.a);
+      const Lanes speed = across.v + maps_.velocity_of(across.a);
       work_done_ += h_ * (stages_.rule.weights().array() * stops[k].force.array() * speed).sum();
     }
     damped_ = chain_.damped() ? damped_in_step() : 0.0;
@@ -177,11 +178,11 @@ class ChainMotion final : public BarMotion {
 
   PointMotion struck_at(int stop, double part, double* acceleration) override {
     const auto [q, v, a] = across_before(stop);
-    const PointMotion p = motion_at(q, v, a, part);
+    const PointMotion p = maps_.motion_at(q, v, a, part);
     if (acceleration) {
       Series legendre;
       shifted_legendre(part, legendre);
-      *acceleration = -legendre.dot(to_series(a));
+      *acceleration = -legendre.dot(maps_.series_of(a));
     }
     return {-p.displacement, -p.velocity};
   }
@@ -234,33 +235,7 @@ class ChainMotion final : public BarMotion {
   static constexpr int pairs = S / 2;
   using Complex = ComplexLanes<pairs>;
 
-  using Square = Eigen::Matrix<double, S, S>;
-
-  void place_stages() { place(q_, v_, a_, stage_q_, stage_v_); }
-
-  /// From a state under the accelerations of the stages to the stages.
-  void place(const Eigen::ArrayXd& q, const Eigen::ArrayXd& v, const Stages& a, Stages& stage_q,
-             Stages& stage_v) const {
-    place_displacements(q, v, a, stage_q);
-    map({.map = velocity_map_.data(), .in = a.data(), .offset = v.data(), .out = stage_v.data()});
-  }
-
-  void place_displacements(const Eigen::ArrayXd& q, const Eigen::ArrayXd& v, const Stages& a,
-                           Stages& stage_q) const {
-    map({.map = displacement_map_.data(),
-         .in = a.data(),
-         .ramp = reach_.data(),
-         .slope = v.data(),
-         .offset = q.data(),
-         .out = stage_q.data()});
-  }
-
-  /// Of all coordinates.
-  void map(StagesByMap columns) const {
-    columns.stages = S;
-    columns.columns = chain_.coordinates();
-    map_stages(columns);
-  }
+  void place_stages() { maps_.place(q_, v_, a_, stage_q_, stage_v_); }
 
   bool held() const { return rotation_ || friction_.sticks(); }
 
@@ -378,48 +353,9 @@ class ChainMotion final : public BarMotion {
     chain_.to_beam(v_, beam_v_);
   }
 
-  /// What a coordinate gains to the nodes.
-  Lanes displacement_of(double v, const Lanes& a) const {
-    return h_ * (v * nodes_ + h_ * (stages_.to_displacement * a.matrix()).array());
-  }
-
-  Lanes velocity_of(const Lanes& a) const {
-    return h_ * (stages_.to_velocity * a.matrix()).array();
-  }
-
-  Series to_series(const Lanes& a) const { return to_series_ * a.matrix(); }
-
-  /// A coordinate within the step: of position, speed and acceleration at the nodes.
-  PointMotion motion_at(double q, double v, const Lanes& a, double part) const {
-    Series integrals;
-    shifted_legendre_integrals(part, integrals);
-    const Lanes speed = v + velocity_of(a);
-    return {q + h_ * integrals.dot(to_series(speed)), v + h_ * integrals.dot(to_series(a))};
-  }
-
-  /// Acceleration of the step from a polynomial over another, at its places origin + ratio c.
-  void predict(const Stages& from, double ratio, double origin, Stages& to) const {
-    constexpr int terms = S;
-    if (ratio == 0.0) {
-      to.setZero();
-      return;
-    }
-    const int kept = origin > 0.0 ? std::min(terms, 3) : terms;
-    Eigen::Matrix<double, S, S> values = Eigen::Matrix<double, S, S>::Zero();
-    Series legendre;
-    for (int i = 0; i < S; ++i) {
-      shifted_legendre(origin + ratio * nodes_[i], legendre);
-      values.row(i).head(kept) = legendre.head(kept).transpose();
-    }
-    const Square ahead = values * to_series_;
-    map({.map = ahead.data(), .in = from.data(), .out = to.data()});
-  }
-
   void begin() {
     newton_.begin_step(h_ / contact_time_);
-    velocity_map_ = h_ * stages_.to_velocity;
-    displacement_map_ = h_ * h_ * stages_.to_displacement;
-    reach_ = h_ * nodes_;
+    maps_.begin_step(h_);
     // a change counts relative to the speed that counts, and more where the bar moves faster
     excess_ = std::max(1.0, std::sqrt(2.0 * energy_.kinetic) / speed_scale_);
     if (rotation_)
@@ -470,19 +406,11 @@ class ChainMotion final : public BarMotion {
   void respond(const ChangeOf& change_of, Stages& to);
   void solve(Stages& r);
 
-  /// From work_, the complex accelerations of the pairs of stages, to those of the stages.
-  void gather(Stages& to) {
-    map({.map = stages_.out.data(), .in = work_[0].numbers(), .out = to.data()});
-  }
-
   typename Chain::Beam beam_;
   Chain chain_;
-  const RadauStages<S>& stages_ = RadauStages<S>::get();
-  Eigen::Matrix<double, S, S> to_series_ = stages_.rule.to_series();
+  StageMaps<S> maps_{chain_.coordinates()};
+  const RadauStages<S>& stages_ = maps_.method();
   Lanes nodes_ = stages_.rule.points().array();
-  // over the step: from accelerations and a speed to what stages gain
-  Square velocity_map_, displacement_map_;
-  Lanes reach_;
   std::vector<int> across_, along_;  // coordinates that turn with the bar
   StepLadder ladder_;
   int struck_, tip_;
@@ -535,9 +463,9 @@ class ChainMotion final : public BarMotion {
 template <int S, typename Chain, template <int> typename Hold>
 void ChainMotion<S, Chain, Hold>::solve(Stages& r) {
   if (turned_) rotate(turn_cosine_, -turn_sine_, r);
-  map({.map = stages_.into.data(), .in = r.data(), .out = work_[0].numbers()});
+  maps_.split(r, work_);
   factor_->systems.solve_in_place(work_);
-  gather(r);
+  maps_.gather(work_, r);
   if (turned_) rotate(turn_cosine_, turn_sine_, r);
 }
 
@@ -546,15 +474,15 @@ bool ChainMotion<S, Chain, Hold>::improve(std::span<StopStep> stops) {
   if (chain_.damped() || held())
     place_stages();
   else
-    place_displacements(q_, v_, a_, stage_q_);
+    maps_.place_displacements(q_, v_, a_, stage_q_);
   unheld_residual(stops);
   if (held()) hold_.constrain(stage_q_, stage_v_, a_, residual_);
   solve(residual_);
   a_ -= residual_;
   for (std::size_t stop = 0; stop < stops.size(); ++stop) {
     const auto [q, v, a] = across_before(static_cast<int>(stop));
-    stops[stop].displacement = -(q + displacement_of(v, a)).matrix();
-    stops[stop].velocity = -(v + velocity_of(a)).matrix();
+    stops[stop].displacement = -(q + maps_.displacement_of(v, a)).matrix();
+    stops[stop].velocity = -(v + maps_.velocity_of(a)).matrix();
   }
   return newton_.improved(excess_ * size_of(residual_), excess_ * rounding());
 }
@@ -575,7 +503,7 @@ void ChainMotion<S, Chain, Hold>::respond(const ChangeOf& change_of, Stages& to)
         work_[k] += x;
     }
   }
-  gather(to);
+  maps_.gather(work_, to);
 }
 
 template <int S, typename Chain, template <int> typename Hold>
@@ -583,96 +511,6 @@ void ChainMotion<S, Chain, Hold>::press(std::span<const StopStep> stops) {
   respond([&](std::size_t stop) -> const NodeVector& { return stops[stop].change; }, residual_);
   a_ += residual_;
   newton_.pressed(excess_ * size_of(residual_));
-}
-
-/// Norms of the terms of the accelerations' Legendre series, across the bar and along it. Motion
-/// along the bar reaches the stop only where the bar is inclined or bent; rotations of sections do
-/// not, but for what they move across.
-template <int S, typename Chain, template <int> typename Hold>
-double ChainMotion<S, Chain, Hold>::error() const {
-  map({.map = to_series_.data(), .in = a_.data(), .out = series_.data()});
-  Lanes across = Lanes::Zero(), along = Lanes::Zero();
-  double inclination = 0.0;  // its sine, 1 beyond a right angle
-  double displaced = 0.0;    // nodes across the bar where they are, at most [m]
-  BarDirection bar;
-  chain_.for_each_pair([&](int k, int beside, int node) {
-    if (k == node) {
-      bar = Chain::direction(q_, node);
-      inclination = std::max(inclination, bar.cosine > 0.0 ? std::abs(bar.sine) : 1.0);
-      displaced = std::max({displaced, std::abs(q_[k]), std::abs(bar.sine * q_[beside])});
-    }
-    const Lanes x = series_.col(k), u = series_.col(beside);
-    across += chain_.inertia()[k] * (bar.cosine * x + bar.sine * u).square();
-    along += chain_.inertia()[k] * (bar.cosine * u - bar.sine * x).square();
-  });
-  const double left =
-      end_remainder<S>(across, followed_) + inclination * end_remainder<S>(along, followed_);
-  // a swing's vibration is what the damper of its first contact meets
-  const bool damped = (in_contact_ || !touched_) && damping_ > 0.0;
-  double weight = 1.0;
-  if (touched_ && !damped && !followed_)
-    weight = in_contact_ ? weight_without_damping : weight_in_flight;
-  const double motion = weight * h_ * weight_of_step(h_ / contact_time_) * left / speed_scale_;
-  double rate = 0.0;
-  if (damped) {
-    const Lanes struck = to_series(across_before(0).a).array().square();
-    rate = error_of_rate<S>(struck, rounding_of_acceleration(displaced, h_), damping_,
-                            contact_time_, h_);
-  }
-  const EnergyLoss loss{lost_in_step(), lost_, end_energy_, weight_energy_};
-  return std::max({motion, rate, loss.error(0.5 * speed_scale_ * speed_scale_, accuracy_)});
-}
-
-template <int S, typename Chain, template <int> typename Hold>
-void ChainMotion<S, Chain, Hold>::sample(double first, double spacing, std::span<Sample> samples) {
-  const auto look = [&](const ChainPoints::Shares& spot, double part) {
-    PointMotion sum;
-    for (const ChainShare& share : spot) {
-      const int k = share.coordinate;
-      const PointMotion p =
-          part > 0.0 ? motion_at(q_[k], v_[k], a_.col(k), part) : PointMotion{q_[k], v_[k]};
-      sum.displacement -= share.shape * p.displacement;
-      sum.velocity -= share.shape * p.velocity;
-    }
-    return sum;
-  };
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const double part = first + static_cast<double>(i) * spacing;
-    samples[i] = {part > 0.0 ? struck_at(0, part, nullptr) : struck(0),
-                  look(points_.velocity_spot, part).velocity,
-                  look(points_.displacement_spot, part).displacement};
-    samples[i].velocity_slope = look(points_.velocity_slope, part).velocity;
-    samples[i].displacement_slope = look(points_.displacement_slope, part).displacement;
-    if (rotation_) add_departure(part, samples[i]);
-  }
-}
-
-/// Against the straight bar at the hinge's angle.
-template <int S, typename Chain, template <int> typename Hold>
-void ChainMotion<S, Chain, Hold>::add_departure(double part, Sample& sample) const {
-  const auto sum = [&](const ChainPoints::Shares& shares) {
-    double place = 0.0;
-    for (const auto& [k, w] : shares)
-      place += w * (part > 0.0 ? motion_at(q_[k], v_[k], a_.col(k), part).displacement : q_[k]);
-    return place;
-  };
-  const double angle = turned_at(t_ + std::max(part, 0.0) * h_);
-  const double sine = std::sin(angle), cosine = std::cos(angle), half = std::sin(0.5 * angle);
-  // of X and U, and where the straight bar's point is
-  const auto deflection = [&](double across, double along, double straight) {
-    return -cosine * across + sine * (along - straight);
-  };
-  const auto extension = [&](double across, double along, double straight) {
-    return -sine * across - cosine * along - 2.0 * half * half * straight;
-  };
-  const double across = sum(points_.displacement_spot), along = sum(points_.along_spot);
-  sample.deflection = deflection(across, along, points_.displacement_place);
-  sample.extension = extension(across, along, points_.displacement_place);
-  if (points_.along_slope.empty()) return;
-  const double across_slope = sum(points_.displacement_slope),
-               along_slope = sum(points_.along_slope);
-  sample.deflection_slope = deflection(across_slope, along_slope, 1.0);
-  sample.extension_slope = extension(across_slope, along_slope, 1.0);
 }
 
 /// Eight stages where four would need many more steps: of fine accuracy, where vibration that a

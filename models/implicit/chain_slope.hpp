@@ -73,7 +73,7 @@ class ChainSlope final : public MotionSlope {
     forces_ = forces;
     seen_ = false;
     motion_.place_stages();
-    motion_.predict(previous_, last_h_ > 0.0 ? motion_.h_ / last_h_ : 0.0, 1.0, a_);
+    motion_.maps_.predict(previous_, last_h_ > 0.0 ? motion_.h_ / last_h_ : 0.0, 1.0, a_);
     if (motion_.rotation_) turn_hinges();
     if (motion_.held()) find_run_residual();
   }
@@ -128,7 +128,7 @@ class ChainSlope final : public MotionSlope {
     place_stages();
     for (int k = 0; k < q_.size(); ++k) {
       const Lanes a = motion_.a_.col(k);
-      q_[k] = stage_q_(S - 1, k) + shift * (motion_.v_[k] + motion_.velocity_of(a)[S - 1]);
+      q_[k] = stage_q_(S - 1, k) + shift * (motion_.v_[k] + motion_.maps_.velocity_of(a)[S - 1]);
       v_[k] = stage_v_(S - 1, k) + shift * a[S - 1];
     }
     if (motion_.rotation_) end_at_hinge();
@@ -171,7 +171,7 @@ class ChainSlope final : public MotionSlope {
     double angle_at(double t) const { return from + rotation.angle_at(t); }
   };
 
-  void place_stages() { motion_.place(q_, v_, a_, stage_q_, stage_v_); }
+  void place_stages() { motion_.maps_.place(q_, v_, a_, stage_q_, stage_v_); }
 
   /// As stated, at the stages of the step.
   void turn_hinges() {
@@ -277,8 +277,8 @@ class ChainSlope final : public MotionSlope {
     Lanes displacement = Lanes::Zero(), velocity = Lanes::Zero();
     for (const auto& [k, w] : motion_.points_.stops[stop]) {
       const Lanes a = a_.col(k);
-      displacement -= w * (q_[k] + motion_.displacement_of(v_[k], a));
-      velocity -= w * (v_[k] + motion_.velocity_of(a));
+      displacement -= w * (q_[k] + motion_.maps_.displacement_of(v_[k], a));
+      velocity -= w * (v_[k] + motion_.maps_.velocity_of(a));
     }
     for (const auto& [k, w] : moved_.stops[stop]) {
       displacement -= w * motion_.stage_q_.col(k);
@@ -305,13 +305,13 @@ class ChainSlope final : public MotionSlope {
     Curve sum;
     add(shares, q_, v_, a_, sum);
     add(moved, motion_.q_, motion_.v_, motion_.a_, sum);
-    return sum.over(motion_.h_, motion_.stages_, motion_.to_series_);
+    return sum.over(motion_.h_, motion_.stages_, motion_.maps_.to_series());
   }
 
   Curve run_curve(const ChainPoints::Shares& shares) const {
     Curve sum;
     add(shares, motion_.q_, motion_.v_, motion_.a_, sum);
-    return sum.over(motion_.h_, motion_.stages_, motion_.to_series_);
+    return sum.over(motion_.h_, motion_.stages_, motion_.maps_.to_series());
   }
 
   /// Of the points over the step.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/implicit/chain_motion.hpp"
+#include "models/implicit/chain_motion_looks.hpp"
 #include "models/implicit/chain_motion_steps.hpp"
 #include "models/implicit/reissner_chain.hpp"
 #include "models/implicit/section_hold.hpp"

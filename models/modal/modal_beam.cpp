@@ -1,115 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "models/modal/modal_beam.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
-#include <stdexcept>
 
 #include "models/beams/bar_element.hpp"
 #include "models/beams/bending_modes.hpp"
 #include "models/lanes/mode_lanes.hpp"
-#include "models/lanes/station_lanes.hpp"
 #include "models/modal/mode_kernel.hpp"
+#include "models/modal/small_motion_modes.hpp"
 
 namespace impactrig::models {
-
-namespace {
-
-/// Jacobi's method for a nearly diagonal symmetric matrix, to the relative accuracy of each of its
-/// entries; the rotations are gathered in the columns of `basis`. [GolubVanLoan2013, 8.5]
-void diagonalise(Eigen::MatrixXd& matrix, Eigen::MatrixXd& basis) {
-  const Eigen::Index n = matrix.rows();
-  // both triangles are kept, so that all that is turned are columns
-  const auto turn = [n](double* p, double* q, double c, double s) {
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const double x = p[k], y = q[k];
-      p[k] = c * x - s * y;
-      q[k] = s * x + c * y;
-    }
-  };
-  for (int sweep = 0; sweep < 30; ++sweep) {
-    bool rotated = false;
-    for (Eigen::Index i = 0; i < n; ++i)
-      for (Eigen::Index j = i + 1; j < n; ++j) {
-        const double mixed = matrix(i, j), first = matrix(i, i), second = matrix(j, j);
-        if (mixed * mixed <= 1e-32 * std::abs(first * second)) continue;
-        const double slope = 0.5 * (second - first) / mixed;
-        const double t =
-            std::copysign(1.0, slope) / (std::abs(slope) + std::sqrt(1.0 + slope * slope));
-        const double c = 1.0 / std::sqrt(1.0 + t * t), s = t * c;
-        turn(matrix.col(i).data(), matrix.col(j).data(), c, s);
-        matrix.row(i) = matrix.col(i).transpose();
-        matrix.row(j) = matrix.col(j).transpose();
-        matrix(i, i) = first - t * mixed;
-        matrix(j, j) = second + t * mixed;
-        matrix(i, j) = matrix(j, i) = 0.0;
-        turn(basis.col(i).data(), basis.col(j).data(), c, s);
-        rotated = true;
-      }
-    if (!rotated) return;
-  }
-}
-
-/// Of a bending wave of a given frequency, how many are in the piece; only ratios matter.
-double waves(const BarElement& piece) {
-  return piece.length * piece.wave_number();
-}
-
-/// The bar's pieces, those alike taken together, cut at the struck point.
-std::vector<BarElement> unlike_spans(const Rig& rig) {
-  std::vector<BarElement> spans;
-  for (const BarElement& piece : bar_pieces(rig.beam)) {
-    const bool like = !spans.empty() && spans.back().line_density == piece.line_density &&
-                      spans.back().bending_stiffness == piece.bending_stiffness;
-    if (like)
-      spans.back().length = piece.x + piece.length - spans.back().x;
-    else
-      spans.push_back(piece);
-  }
-  const double struck = rig.contact.position;
-  const std::size_t cut = element_at(spans, struck);
-  const double before = struck - spans[cut].x, beyond = spans[cut].length - before;
-  const double shortest = 1e-9 * rig.beam.length;
-  if (before <= shortest || beyond <= shortest) return spans;
-  BarElement second = spans[cut];
-  spans[cut].length = before;
-  second.x = struck;
-  second.length = beyond;
-  spans.insert(spans.begin() + static_cast<std::ptrdiff_t>(cut) + 1, second);
-  return spans;
-}
-
-/// Two a half wave of the fastest mode, or of the slow ones that move most of a mesh with many.
-std::vector<BarElement> station_spans(const Rig& rig, int modes) {
-  constexpr std::size_t fewest_of_span = 2;
-  const auto usual = static_cast<std::size_t>(std::clamp(2 * modes, 24, 48));
-  const std::vector<BarElement> spans = unlike_spans(rig);
-  std::vector<std::size_t> shares(spans.size(), fewest_of_span);
-  for (std::size_t all = fewest_of_span * spans.size(); all < usual; ++all) {
-    std::size_t coarsest = 0;
-    for (std::size_t i = 1; i < spans.size(); ++i)
-      if (waves(spans[i]) * static_cast<double>(shares[coarsest]) >
-          waves(spans[coarsest]) * static_cast<double>(shares[i]))
-        coarsest = i;
-    ++shares[coarsest];
-  }
-  std::vector<BarElement> stations;
-  for (std::size_t i = 0; i < spans.size(); ++i)
-    for (std::size_t k = 0; k < shares[i]; ++k) {
-      BarElement station = spans[i];
-      station.length /= static_cast<double>(shares[i]);
-      station.x += static_cast<double>(k) * station.length;
-      stations.push_back(station);
-    }
-  return stations;
-}
-
-}  // namespace
 
 ModalBeam::ModalBeam(const SmallMotionBeam& beam, const Rig& rig)
     : beam_(&beam),
@@ -117,100 +19,23 @@ ModalBeam::ModalBeam(const SmallMotionBeam& beam, const Rig& rig)
       length_(rig.beam.length),
       struck_position_(rig.contact.position),
       spring_(rig.hinge.spring) {
-  if (std::optional<BarModes> modes = beam.modes())
+  if (std::optional<BarModes> modes = beam.modes()) {
     take(*std::move(modes));
-  else
-    solve(beam.small_motion());
+    all_digits_ = true;
+  } else {
+    take(modes_by_matrices(beam.small_motion()));
+  }
   find_damping();
   struck_ = point(rig.contact.position);
   for (const FurtherStop& stop : rig.further_stops)
     further_.push_back(stop.direction() * point(stop.contact.position));
   elastic_compliance_ = models::elastic_compliance(rig.beam, rig.contact.position);
-  find_stations(rig);
-  find_stretching();
-}
-
-void ModalBeam::find_stations(const Rig& rig) {
-  const std::vector<BarElement> spans = station_spans(rig, modes());
-  const auto count = static_cast<Eigen::Index>(spans.size());
-  for (Eigen::VectorXd* values : {&stations_.x, &stations_.length, &stations_.mass})
-    values->resize(count);
-  Eigen::MatrixXd slopes(modes(), count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const BarElement& span = spans[static_cast<std::size_t>(i)];
-    stations_.x[i] = span.x;
-    stations_.length[i] = span.length;
-    stations_.mass[i] = span.line_density * span.length;
-    slopes.col(i) = (point(span.x + span.length) - point(span.x)) / span.length;
-  }
-  stations_.slopes = slopes.transpose();
-  for (const LumpedMass& lump : rig.beam.masses) {
-    const auto station = static_cast<Eigen::Index>(element_at(spans, lump.position));
-    const double part = (lump.position - stations_.x[station]) / stations_.length[station];
-    stations_.lumps.push_back({station, std::min(part, 1.0), lump.mass});
-  }
-  stations_.weight = stations_.mass;
-  for (const Stations::Lump& lump : stations_.lumps) stations_.weight[lump.station] += lump.mass;
-  Stations::add_up_from_tip(stations_.weight);
-  stations_.weight *= rig.gravity_along();
-  stations_.bending.resize(count - 1);
-  for (Eigen::Index i = 0; i + 1 < count; ++i) {
-    const BarElement& here = spans[static_cast<std::size_t>(i)];
-    const BarElement& next = spans[static_cast<std::size_t>(i) + 1];
-    stations_.bending[i] =
-        2.0 / (here.length / here.bending_stiffness + next.length / next.bending_stiffness);
-  }
-  find_axial_modes(spans);
-  const Eigen::VectorXd frame = beam_->frame();
+  stations_ = BarStations(
+      rig, modes(), [this](double x) { return point(x); },
+      beam.axial_modes().value_or(BarStations::most_axial_modes));
+  const Eigen::VectorXd frame = beam.frame();
   if (frame.size() > 0) frame_ = rows_.size() > 0 ? Eigen::VectorXd(rows_ * frame) : frame;
-}
-
-void ModalBeam::Stations::add_up_from_tip(Eigen::VectorXd& values) {
-  double beyond = 0.0;
-  for (Eigen::Index i = values.size() - 1; i >= 0; --i) {
-    const double own = values[i];
-    values[i] = beyond + 0.5 * own;
-    beyond += own;
-  }
-}
-
-/// Ritz' of those of a uniform bar, sin((k - ½) π x / L). Faster ones hardly move, and the stations
-/// could not tell them apart.
-void ModalBeam::find_axial_modes(const std::vector<BarElement>& spans) {
-  constexpr int most = 8;
-  const int modes = std::min(beam_->axial_modes().value_or(most), most);
-  const Eigen::Index count = stations_.x.size();
-  const auto lumps = static_cast<Eigen::Index>(stations_.lumps.size());
-  stations_.stretch = Eigen::VectorXd::Zero(count);
-  stations_.axial.resize(count + lumps, modes);
-  stations_.axial_squares.resize(modes);
-  if (modes == 0) return;
-  const auto at = [&](double x) {
-    Eigen::VectorXd shapes(modes);
-    for (int k = 0; k < modes; ++k)
-      shapes[k] = std::sin((k + 0.5) * std::numbers::pi * x / length_);
-    return shapes;
-  };
-  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(modes, modes), stiffness = mass;
-  const auto add = [&](Eigen::Index row, double x, double share) {
-    const Eigen::VectorXd shapes = at(x);
-    stations_.axial.row(row) = shapes;
-    mass.selfadjointView<Eigen::Lower>().rankUpdate(shapes, share);
-  };
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const double x = stations_.x[i], length = stations_.length[i];
-    const double axial = spans[static_cast<std::size_t>(i)].axial_stiffness;
-    stations_.stretch[i] = length / axial;
-    add(i, stations_.middle(i), stations_.mass[i]);
-    stiffness.selfadjointView<Eigen::Lower>().rankUpdate(at(x + length) - at(x), axial / length);
-  }
-  for (Eigen::Index l = 0; l < lumps; ++l) {
-    const Stations::Lump& lump = stations_.lumps[static_cast<std::size_t>(l)];
-    add(count + l, stations_.place(lump), lump.mass);
-  }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(stiffness, mass);
-  stations_.axial_squares = solver.eigenvalues();
-  stations_.axial *= solver.eigenvectors();
+  find_stretching();
 }
 
 void ModalBeam::find_stretching() {
@@ -357,65 +182,11 @@ void ModalBeam::scale(double stiffness, double mass) {
   for (Eigen::VectorXd& row : further_) row /= root;
   hinge_ /= root;
   rigid_ *= root;
-  stations_.slopes /= root;
-  stations_.mass *= mass;
-  for (Stations::Lump& lump : stations_.lumps) lump.mass *= mass;
-  stations_.bending *= stiffness;
-  stations_.weight *= stiffness;
-  stations_.stretch /= stiffness;
-  stations_.axial /= root;
-  stations_.axial_squares *= square;
+  stations_.scale(stiffness, mass);
   axial_ *= stiffness;
   most_stretching_ /= stiffness;
   uneven_ = std::make_shared<Late>();
   whole_weight_ = std::make_shared<Late>();
-}
-
-/// The rigid rotation is taken out first: its only stiffness is that of weight and spring, which a
-/// rounding error of the highest modes' would drown. The bending modes among themselves are then
-/// solved as they are, and what weight and spring couple them to the rotation by rotations of
-/// pairs.
-void ModalBeam::solve(const SmallMotion& motion) {
-  constexpr Eigen::Index most = 700;  // the work grows with the cube of the number
-  const Eigen::Index n = motion.rigid.size();
-  if (n > most)
-    throw std::runtime_error("two of the bar's modes are too close to be told apart in short time");
-  const Eigen::LLT<Eigen::MatrixXd> mass(motion.mass);
-  if (mass.info() != Eigen::Success)
-    throw std::runtime_error("the bar's mass matrix is not positive definite");
-  const auto scaled = [&](const Eigen::MatrixXd& matrix) {
-    const Eigen::MatrixXd half = mass.matrixL().solve(matrix);
-    return Eigen::MatrixXd(mass.matrixL().solve(half.transpose()));
-  };
-  Eigen::VectorXd rigid = mass.matrixU() * motion.rigid;
-  rigid.normalize();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> reflection(rigid);
-  const Eigen::MatrixXd reflector = reflection.householderQ() * Eigen::MatrixXd::Identity(n, n);
-  const Eigen::MatrixXd elastic = reflector.transpose() * scaled(motion.stiffness) * reflector;
-  const Eigen::MatrixXd weight = reflector.transpose() * scaled(motion.gravity) * reflector;
-  const Eigen::VectorXd hinge = reflector.transpose() * mass.matrixL().solve(motion.hinge);
-  const Eigen::MatrixXd restoring = weight + motion.spring * hinge * hinge.transpose();
-
-  Eigen::MatrixXd basis = Eigen::MatrixXd::Identity(n, n);
-  Eigen::MatrixXd coupled = Eigen::MatrixXd::Zero(n, n);
-  coupled(0, 0) = restoring(0, 0);
-  if (n > 1) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> bending(
-        elastic.bottomRightCorner(n - 1, n - 1) + restoring.bottomRightCorner(n - 1, n - 1));
-    if (bending.info() != Eigen::Success)
-      throw std::runtime_error("the bar's modes could not be computed");
-    basis.bottomRightCorner(n - 1, n - 1) = bending.eigenvectors();
-    coupled.diagonal().tail(n - 1) = bending.eigenvalues();
-    coupled.row(0).tail(n - 1) = restoring.row(0).tail(n - 1) * bending.eigenvectors();
-    coupled.col(0).tail(n - 1) = coupled.row(0).tail(n - 1).transpose();
-    diagonalise(coupled, basis);
-  }
-  omega_ = coupled.diagonal().cwiseMax(0.0).cwiseSqrt();  // a weightless pendulum: zero
-  const Eigen::MatrixXd shapes = mass.matrixU().solve(reflector * basis);
-  rows_ = shapes.transpose();
-  weight_ = basis.transpose() * weight * basis;
-  hinge_ = basis.transpose() * hinge;
-  rigid_ = rows_ * (motion.mass * motion.rigid);
 }
 
 void ModalBeam::take(BarModes modes) {
@@ -424,7 +195,6 @@ void ModalBeam::take(BarModes modes) {
   weight_ = std::move(modes.weight);
   hinge_ = std::move(modes.hinge);
   rigid_ = std::move(modes.rigid);
-  all_digits_ = true;
 }
 
 /// The eigenvalues err by a part of the largest's last digit: by 0.002 to 0.05 of it, measured on
@@ -530,43 +300,6 @@ ModalBeam ModalBeam::with_mode(double omega, double damping, double struck) cons
   for (Eigen::VectorXd& row : more.further_) append(0.0, row);
   more.damped_ = damped_ || damping != 0.0;
   return more;
-}
-
-void ModalBeam::find_slopes(const Eigen::VectorXd& a, const Eigen::VectorXd& rate,
-                            StationSlopes& to) const {
-  to.slope.resize(stations_.slopes.rows());
-  to.rate.resize(stations_.slopes.rows());
-  models::find_slopes({.stations = static_cast<int>(stations_.slopes.rows()),
-                       .modes = modes(),
-                       .slopes = stations_.slopes.data(),
-                       .a = a.data(),
-                       .rate = rate.data(),
-                       .slope = to.slope.data(),
-                       .slope_rate = to.rate.data()});
-}
-
-double ModalBeam::shorten(const StationSlopes& slopes, Eigen::VectorXd& momentum) const {
-  const auto count = static_cast<std::size_t>(slopes.slope.size());
-  momentum.resize(slopes.slope.size());
-  const std::span slope(slopes.slope.data(), count), rate(slopes.rate.data(), count);
-  const std::span length(stations_.length.data(), count), mass(stations_.mass.data(), count);
-  const std::span of(momentum.data(), count);
-  double drawn = 0.0, energy = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double step = slope[i] * rate[i] * length[i];
-    const double middle = drawn + 0.5 * step;
-    of[i] = mass[i] * middle;
-    energy += 0.5 * of[i] * middle;
-    drawn += step;
-  }
-  for (const Stations::Lump& lump : stations_.lumps) {
-    const auto station = static_cast<std::size_t>(lump.station);
-    double speed = lump.part * slope[station] * rate[station] * length[station];
-    for (std::size_t i = 0; i < station; ++i) speed += slope[i] * rate[i] * length[i];
-    of[station] += lump.mass * speed;
-    energy += 0.5 * lump.mass * speed * speed;
-  }
-  return energy;
 }
 
 Eigen::VectorXd ModalBeam::point(double x) const {

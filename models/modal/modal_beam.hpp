@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "models/beams/beam_dynamics.hpp"
+#include "models/modal/bar_stations.hpp"
 #include "models/modal/modal_slope.hpp"
 #include "models/modal/small_motion.hpp"
 
@@ -113,18 +114,6 @@ class ModalBeam {
 
   BeamEnergy energy(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
 
-  /// Slopes w' of the stations and their rates (stations) [rad, rad/s].
-  struct StationSlopes {
-    Eigen::VectorXd slope, rate;
-  };
-
-  void find_slopes(const Eigen::VectorXd& a, const Eigen::VectorXd& rate, StationSlopes& to) const;
-
-  /// The bar's points move towards the hinge as it bends and turns, to the lowest order with
-  /// u̇(x) = ∫₀ˣ w' ẇ' dξ: the momentum of each station, its lumps included [kg m/s] (stations);
-  /// tells the kinetic energy ½ ∫ u̇² dm [J]. Not part of the small motion.
-  double shorten(const StationSlopes& slopes, Eigen::VectorXd& momentum) const;
-
   /// Of elements whose axes are cubics, what they are stretched by bending unevenly [J]: the square
   /// of a slope that changes along an element as P₁ and P₂ has parts in P₃ and P₄, which the
   /// stretch of its axis, of second degree, cannot take back. Not part of the small motion.
@@ -136,38 +125,7 @@ class ModalBeam {
   /// Adds what that energy does to the modes (m).
   void add_stretching_force(const Eigen::VectorXd& a, Eigen::VectorXd& force) const;
 
-  /// The bar in short pieces that end where it changes and at the struck point, so that a bending
-  /// wave meets as many everywhere.
-  struct Stations {
-    struct Lump {
-      Eigen::Index station;
-      double part;  ///< of the station's length
-      double mass;  ///< [kg]
-    };
-
-    Eigen::VectorXd x, length;  ///< where each begins, and how long it is [m] (stations)
-    Eigen::VectorXd mass;       ///< of the bar in each [kg] (stations)
-    Eigen::MatrixXd slopes;     ///< of the modes, mean over each (stations, m)
-    std::vector<Lump> lumps;    ///< further masses
-    Eigen::VectorXd bending;    ///< EI over the way, to the next one's middle [N m] (stations - 1)
-    Eigen::VectorXd weight;     ///< that pulls at each one's middle [N] (stations)
-    Eigen::VectorXd stretch;    ///< of each one under a pull [m/N]; 0 where the bar does not
-    /// Axial modes in which the bar stretches, of unit modal mass, at the stations' middles and at
-    /// the lumps (stations + lumps, k), and their frequencies' squares [1/s²] (k).
-    Eigen::MatrixXd axial;
-    Eigen::VectorXd axial_squares;
-
-    double middle(Eigen::Index i) const { return x[i] + 0.5 * length[i]; }
-
-    double place(const Lump& lump) const {
-      return x[lump.station] + lump.part * length[lump.station];
-    }
-
-    /// From each station's own values, those of all that is further out and half of its own.
-    static void add_up_from_tip(Eigen::VectorXd& values);
-  };
-
-  const Stations& stations() const { return stations_; }
+  const BarStations& stations() const { return stations_; }
 
   /// SmallMotionBeam::frame(), under unit modal coordinates (m).
   const Eigen::VectorXd& frame() const { return frame_; }
@@ -185,11 +143,8 @@ class ModalBeam {
 
   void hang(double weight, double spring);
   void scale(double stiffness, double mass);
-  void solve(const SmallMotion& motion);
   void take(BarModes modes);
   void find_damping();
-  void find_stations(const Rig& rig);
-  void find_axial_modes(const std::vector<BarElement>& spans);
   void find_stretching();
   const Eigen::MatrixXd& uneven_slopes() const;
   const Eigen::MatrixXd& whole_weight() const;
@@ -207,7 +162,7 @@ class ModalBeam {
   double length_, struck_position_;       // [m]
   double spring_;                         // of the hinge [N m/rad]
   double elastic_compliance_ = 0.0;
-  Stations stations_;
+  BarStations stations_;
   Eigen::VectorXd frame_;
   // of each element that stretches its slope's parts in P₁ and P₂, row by row (2 e, m)
   std::shared_ptr<Late> uneven_ = std::make_shared<Late>();

@@ -60,7 +60,7 @@ void ModalMotion::expect_contact(int, double) {
   if (first_contact_ != FirstContact::to_come) return;
   first_contact_ = FirstContact::lasts;
   if (!judges_) return;
-  beam_.find_slopes(state_.a, state_.rate, slopes_);
+  beam_.stations().find_slopes(state_.a, state_.rate, slopes_);
   third_order_.touch(state_, slopes_, negligible_);
 }
 
@@ -206,7 +206,7 @@ void ModalMotion::take(double part) {
     if (pressed) note_left_out(part);
   }
   if (first_contact_ != FirstContact::lasts || !judges_) return;
-  beam_.find_slopes(state_.a, state_.rate, slopes_);
+  beam_.stations().find_slopes(state_.a, state_.rate, slopes_);
   third_order_.follow(state_, slopes_, *step_, part, mean_force(part), contact_);
 }
 

@@ -25,7 +25,6 @@ class ModalMotion : public BarMotion {
 
   const StepLadder& ladder() const override { return bar_.ladder(); }
 
-
   void start(double angle, double rate) override;
 
   void set_scales(const Scales&) override {}
@@ -180,7 +179,7 @@ class ModalMotion : public BarMotion {
 
   enum class FirstContact { to_come, lasts, over };
 
-  ModalBeam::StationSlopes slopes_;  // in the state, where judged
+  BarStations::Slopes slopes_;  // in the state, where judged
   ThirdOrder third_order_;
   ContactSlope contact_;
   bool judges_ = true;

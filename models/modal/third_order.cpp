@@ -25,7 +25,7 @@ ThirdOrder::ThirdOrder(const ModalBeam& beam) : beam_(beam) {
   last_ = missing_ = end_ = answer_ = rest_ = {of_modes, of_modes};
 }
 
-void ThirdOrder::touch(const ModalState& state, const ModalBeam::StationSlopes& slopes,
+void ThirdOrder::touch(const ModalState& state, const BarStations::Slopes& slopes,
                        double negligible) {
   elastic_rate_.setZero();
   look(slopes, before_);
@@ -42,7 +42,7 @@ void ThirdOrder::touch(const ModalState& state, const ModalBeam::StationSlopes& 
 
 /// The axial modes are stretched by the turning.
 void ThirdOrder::turn_steadily(double rate) {
-  const ModalBeam::Stations& stations = beam_.stations();
+  const BarStations& stations = beam_.stations();
   axial_.setZero();
   const auto add = [&](Eigen::Index row, double mass, double x) {
     axial_ -= mass * rate * rate * x * stations.axial.row(row).transpose();
@@ -50,7 +50,7 @@ void ThirdOrder::turn_steadily(double rate) {
   const Eigen::Index count = slope_.size();
   for (Eigen::Index i = 0; i < count; ++i) add(i, stations.mass[i], stations.middle(i));
   for (std::size_t l = 0; l < stations.lumps.size(); ++l) {
-    const ModalBeam::Stations::Lump& lump = stations.lumps[l];
+    const BarStations::Lump& lump = stations.lumps[l];
     add(count + static_cast<Eigen::Index>(l), lump.mass, stations.place(lump));
   }
   axial_ = before_.drawn + axial_.cwiseQuotient(stations.axial_squares);
@@ -60,13 +60,13 @@ void ThirdOrder::turn_steadily(double rate) {
 /// A bar that hangs and turns is longer by what its weight and that turning pull; the struck point
 /// has its speed.
 void ThirdOrder::lengthen(double rate) {
-  const ModalBeam::Stations& stations = beam_.stations();
+  const BarStations& stations = beam_.stations();
   strain_.setZero();
   if (stations.stretch.isZero(0.0)) return;
   Eigen::VectorXd pull = stations.mass.cwiseProduct(stations.x + 0.5 * stations.length);
-  for (const ModalBeam::Stations::Lump& lump : stations.lumps)
+  for (const BarStations::Lump& lump : stations.lumps)
     pull[lump.station] += lump.mass * stations.place(lump);
-  ModalBeam::Stations::add_up_from_tip(pull);
+  BarStations::add_up_from_tip(pull);
   pull = rate * rate * pull + stations.weight;
   strain_ = pull.cwiseProduct(stations.stretch).cwiseQuotient(stations.length);
   Eigen::VectorXd longer(pull.size());  // at the stations' middles
@@ -84,23 +84,23 @@ void ThirdOrder::lengthen(double rate) {
                    of_struck * (stations.x[i] + part * stations.length[i]));
   };
   for (Eigen::Index i = 0; i < pull.size(); ++i) pull_[i] = stations.mass[i] * faster(i, 0.5);
-  for (const ModalBeam::Stations::Lump& lump : stations.lumps)
+  for (const BarStations::Lump& lump : stations.lumps)
     pull_[lump.station] += lump.mass * faster(lump.station, lump.part);
-  ModalBeam::Stations::add_up_from_tip(pull_);
+  BarStations::add_up_from_tip(pull_);
   pull_.array() *= stations.length.array();
   missing_.rate.noalias() = stations.slopes.transpose() * pull_;
 }
 
 /// Tells the energy of shortening [J].
-double ThirdOrder::look(const ModalBeam::StationSlopes& slopes, Look& at) {
+double ThirdOrder::look(const BarStations::Slopes& slopes, Look& at) {
   at.slope = slopes.slope;
   if (elastic_rate_.size() > 0) draw(slopes, at);
-  return beam_.shorten(slopes, at.momentum);
+  return beam_.stations().shorten(slopes, at.momentum);
 }
 
 /// The axial modes, by what shortening draws the stations and lumps to.
-void ThirdOrder::draw(const ModalBeam::StationSlopes& slopes, Look& at) {
-  const ModalBeam::Stations& stations = beam_.stations();
+void ThirdOrder::draw(const BarStations::Slopes& slopes, Look& at) {
+  const BarStations& stations = beam_.stations();
   at.drawn.setZero();
   at.drawn_rate.setZero();
   double u = 0.0, u_rate = 0.0;
@@ -116,7 +116,7 @@ void ThirdOrder::draw(const ModalBeam::StationSlopes& slopes, Look& at) {
     const double rate = s * slopes.rate[i] * stations.length[i];
     add(i, stations.mass[i], u + 0.5 * step, u_rate + 0.5 * rate);
     for (std::size_t l = 0; l < stations.lumps.size(); ++l) {
-      const ModalBeam::Stations::Lump& lump = stations.lumps[l];
+      const BarStations::Lump& lump = stations.lumps[l];
       if (lump.station == i)
         add(at.slope.size() + static_cast<Eigen::Index>(l), lump.mass, u + lump.part * step,
             u_rate + lump.part * rate);
@@ -129,7 +129,7 @@ void ThirdOrder::draw(const ModalBeam::StationSlopes& slopes, Look& at) {
 /// The axial modes over a step: ÿ + Ω² y = Ω² b, y with the elastic part, b without, linear within
 /// the step.
 void ThirdOrder::stretch(double h) {
-  const ModalBeam::Stations& stations = beam_.stations();
+  const BarStations& stations = beam_.stations();
   for (Eigen::Index k = 0; k < axial_.size(); ++k) {
     const double omega = std::sqrt(stations.axial_squares[k]);
     const double slope = (after_.drawn[k] - before_.drawn[k]) / h;
@@ -144,19 +144,19 @@ void ThirdOrder::stretch(double h) {
 /// Of the stations, what the mean pull over the step and the bending do to their slopes; tells what
 /// they do to the frame.
 double ThirdOrder::find_pull(double h, double frame) {
-  const ModalBeam::Stations& stations = beam_.stations();
+  const BarStations& stations = beam_.stations();
   // of the elastic part, by its momentum too
   if (elastic_rate_.size() > 0) {
     const Eigen::Index count = slope_.size();
     pull_.noalias() = stations.axial.topRows(count) * elastic_rate_;
     after_.momentum.array() -= stations.mass.array() * pull_.array();
     for (std::size_t l = 0; l < stations.lumps.size(); ++l) {
-      const ModalBeam::Stations::Lump& lump = stations.lumps[l];
+      const BarStations::Lump& lump = stations.lumps[l];
       const auto row = stations.axial.row(count + static_cast<Eigen::Index>(l));
       after_.momentum[lump.station] -= lump.mass * row.dot(elastic_rate_);
     }
   }
-  ModalBeam::Stations::add_up_from_tip(after_.momentum);
+  BarStations::add_up_from_tip(after_.momentum);
   ThirdOrderPull pull{.stations = static_cast<int>(slope_.size()),
                       .length = stations.length.data(),
                       .weight = stations.weight.data(),
@@ -195,7 +195,7 @@ void ThirdOrder::find_force(const ModalState& state, double h) {
   force_ -= drag_ / h;
 }
 
-void ThirdOrder::follow(const ModalState& state, const ModalBeam::StationSlopes& slopes,
+void ThirdOrder::follow(const ModalState& state, const BarStations::Slopes& slopes,
                         const ModalStep& step, double part, double contact_force,
                         const BarMotion::ContactSlope& contact) {
   shortening_ = std::max(shortening_, look(slopes, after_) / energy_);

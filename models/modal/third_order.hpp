@@ -32,15 +32,14 @@ class ThirdOrder {
  public:
   explicit ThirdOrder(const ModalBeam& beam);
 
-  /// The bar in this state meets its stop; its ModalBeam::find_slopes(). What uneven bending
+  /// The bar in this state meets its stop; its BarStations::find_slopes(). What uneven bending
   /// stretches is left out where it is a smaller part of the energy than `negligible`.
-  void touch(const ModalState& state, const ModalBeam::StationSlopes& slopes, double negligible);
+  void touch(const ModalState& state, const BarStations::Slopes& slopes, double negligible);
 
   /// A step, or the first part of one, has led to this state under this mean force; at its end the
   /// contact answers like this.
-  void follow(const ModalState& state, const ModalBeam::StationSlopes& slopes,
-              const ModalStep& step, double part, double contact_force,
-              const BarMotion::ContactSlope& contact);
+  void follow(const ModalState& state, const BarStations::Slopes& slopes, const ModalStep& step,
+              double part, double contact_force, const BarMotion::ContactSlope& contact);
 
   /// Displacement of the struck point that is missing now [m].
   double displacement() const { return beam_.struck().dot(missing_.a); }
@@ -62,8 +61,8 @@ class ThirdOrder {
     Eigen::VectorXd drawn, drawn_rate;  // ∫ Uₖ ∫₀ˣ ½ s² dξ dm and its rate, of each axial mode
   };
 
-  double look(const ModalBeam::StationSlopes& slopes, Look& at);
-  void draw(const ModalBeam::StationSlopes& slopes, Look& at);
+  double look(const BarStations::Slopes& slopes, Look& at);
+  void draw(const BarStations::Slopes& slopes, Look& at);
   void stretch(double h);
   void turn_steadily(double rate);
   void lengthen(double rate);

@@ -46,10 +46,10 @@ TEST(BarFamily, GivesTheModesOfEachBar) {
       EXPECT_NEAR(b.energy(turned, turned).gravitational / weight, 1.0, 1e-9);
       EXPECT_NEAR(b.energy(turned, turned).spring, a.energy(also, also).spring, 1e-9 * weight);
       const auto shortening = [](const ModalBeam& beam, const Eigen::VectorXd& state) {
-        ModalBeam::StationSlopes slopes;
-        beam.find_slopes(state, state, slopes);
+        BarStations::Slopes slopes;
+        beam.stations().find_slopes(state, state, slopes);
         Eigen::VectorXd momentum;
-        return beam.shorten(slopes, momentum);
+        return beam.stations().shorten(slopes, momentum);
       };
       EXPECT_NEAR(shortening(b, turned) / shortening(a, also), 1.0, 1e-9);
     }

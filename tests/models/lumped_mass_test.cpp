@@ -241,10 +241,10 @@ TEST(LumpedMass, ShortensWithTheBarItIsOn) {
   const auto energy = [](const Rig& rig) {
     const FloatingFrameBeam bar(rig, Basis::cantilever, 0, 0);
     const ModalBeam beam(bar, rig);
-    ModalBeam::StationSlopes slopes;
-    beam.find_slopes(0.02 * beam.rigid(), 3.0 * beam.rigid(), slopes);
+    BarStations::Slopes slopes;
+    beam.stations().find_slopes(0.02 * beam.rigid(), 3.0 * beam.rigid(), slopes);
     Vector momentum;
-    return beam.shorten(slopes, momentum);
+    return beam.stations().shorten(slopes, momentum);
   };
   EXPECT_NEAR(energy(laden) - energy(bare),
               0.5 * 0.06 * 0.06 * (0.3 * 0.64 + 0.2 * 0.37 * 0.37 + 5.0 * 1e-4), 1e-15);

@@ -233,10 +233,10 @@ TEST(SteppedBar, ShortensAsItsMassSays) {
     energy += 0.5 * mass_between(pieces, i * h, (i + 1) * h) * std::pow(drawn + 0.5 * step, 2);
     drawn += step;
   }
-  ModalBeam::StationSlopes slopes;
-  modes.find_slopes(a, a, slopes);
+  BarStations::Slopes slopes;
+  modes.stations().find_slopes(a, a, slopes);
   Eigen::VectorXd momentum;
-  EXPECT_NEAR(modes.shorten(slopes, momentum) / energy, 1.0, 0.02);
+  EXPECT_NEAR(modes.stations().shorten(slopes, momentum) / energy, 1.0, 0.02);
 }
 
 TEST(SteppedBar, ElementsOfTheFullEquationsAreThoseOfSmallMotion) {
