@@ -474,8 +474,9 @@ std::string choose_mesh(RigFile& file, int finest) {
       fmt::format("The rig file leaves the mesh open: ANCF with [{}, {}] elements was taken; ",
                   solver.elements[0], solver.elements[1]);
   if (!std::isfinite(error)) return sentence + "its error could not be estimated.";
-  sentence += fmt::format(
-      "its error in peak force, duration and impulse is estimated at {:.1g} at most", error);
+  sentence +=
+      fmt::format("its error in peak force, duration and impulse{} is estimated at {:.1g} at most",
+                  file.rig.stop ? ", and the sensor's largest force," : "", error);
   return sentence + (error <= solver.accuracy
                          ? fmt::format(", for an accuracy of {:g}.", solver.accuracy)
                          : fmt::format(", more than the accuracy of {:g} asked for; no finer mesh "

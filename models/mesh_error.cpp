@@ -27,6 +27,8 @@ constexpr double best_ratio = 1.0 / 64.0;
 // Of the accuracy asked for, the mesh's; the rest is for the steps in time. Of the time a run may
 // take, what may be spent on the choice of its mesh.
 constexpr double share_of_mesh = 0.5, share_of_time = 0.5;
+// Of that time, what is left for the run though a choice may have taken longer than it was to.
+constexpr double least_share_of_run = 0.25;
 constexpr int coarsest = 8;
 
 /// The rig with what small motion does not know left out: the mesh has to carry the same waves,
@@ -47,6 +49,18 @@ Rig touching(const Rig& rig) {
   return begun;
 }
 
+/// Of a run, what meshes are compared by.
+struct Told {
+  Episode first;
+  std::optional<double> sensor_peak;  // [N], where the stop gives way
+
+  static Told by(const Simulation& run) {
+    Told told{.first = run.episodes.front(), .sensor_peak = {}};
+    if (run.sensor) told.sensor_peak = run.sensor->peak_force;
+    return told;
+  }
+};
+
 /// The first contact of a scene on one mesh after the other, by small motion where that sees what a
 /// mesh does to it.
 class FirstContacts {
@@ -62,22 +76,22 @@ class FirstContacts {
 
   /// On the mesh of `mesh`. Throws as simulate() does, or std::runtime_error when there is no time
   /// left.
-  Episode on(const Solver& mesh) {
+  Told on(const Solver& mesh) {
     if (!is_small_)
-      if (const std::optional<Episode> first = try_small_motion(mesh)) return *first;
-    return *is_small_ ? by_small_motion(mesh, false).episodes.front() : by_full_equations(mesh);
+      if (const std::optional<Told> told = try_small_motion(mesh)) return *told;
+    return *is_small_ ? Told::by(by_small_motion(mesh, false)) : by_full_equations(mesh);
   }
 
  private:
   /// None where it leaves out too much; either way the first run decides for all.
-  std::optional<Episode> try_small_motion(const Solver& mesh) {
+  std::optional<Told> try_small_motion(const Solver& mesh) {
     is_small_ = false;
     try {
       const Simulation run = by_small_motion(mesh, true);
       const Episode& first = run.episodes.front();
       if (!first.open) contact_time_ = first.end;
       is_small_ = run.neglected <= small_enough;
-      if (*is_small_) return first;
+      if (*is_small_) return Told::by(run);
     } catch (const std::exception&) {
       // full equations may know the rig, or say what is wrong with it
     }
@@ -94,17 +108,20 @@ class FirstContacts {
     return simulate(plain_, mesh, options);
   }
 
-  /// Until it ends: no longer than needed.
-  Episode by_full_equations(Solver mesh) {
+  /// Until it ends, no longer than needed; to the end of the run where a sensor may carry most
+  /// later.
+  Told by_full_equations(Solver mesh) {
     constexpr double longer = 1.5, far_longer = 8.0;
     mesh.accuracy = accuracy_of_full_;
+    mesh.time_limit = limit_.left();
+    if (rig_.stop) return Told::by(simulate(rig_, mesh));
     for (double time = std::min(longer * contact_time_, longest_);; time *= far_longer) {
       mesh.duration = std::min(time, longest_);
       mesh.time_limit = limit_.left();
       const Simulation run = simulate(rig_, mesh);
       const Episode& first = run.episodes.front();
       if (!first.open) contact_time_ = first.end;
-      if (!first.open || time >= longest_) return first;
+      if (!first.open || time >= longest_) return Told::by(run);
       if (limit_.over()) throw std::runtime_error("no time is left for the error of the mesh");
     }
   }
@@ -118,30 +135,28 @@ class FirstContacts {
 };
 
 /// How much `finer` has more, relative.
-MeshError difference(const Episode& coarse, const Episode& finer) {
-  const bool ends = !coarse.open && !finer.open;
+MeshError difference(const Told& coarse, const Told& finer) {
+  const Episode &here = coarse.first, &there = finer.first;
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   MeshError error;
-  error.peak_force = finer.peak_force / coarse.peak_force - 1.0;
-  error.duration = ends ? finer.end / coarse.end - 1.0 : unknown;
-  error.impulse = ends ? finer.impulse / coarse.impulse - 1.0 : unknown;
+  error.peak_force = there.peak_force / here.peak_force - 1.0;
+  error.duration = !here.open && !there.open ? there.end / here.end - 1.0 : unknown;
+  error.impulse = here.open == there.open ? there.impulse / here.impulse - 1.0 : unknown;
+  if (coarse.sensor_peak) error.sensor_peak_force = *finer.sensor_peak / *coarse.sensor_peak - 1.0;
   return error;
 }
 
-/// The largest part of it; infinite where one ends and the other does not. Where neither does both
-/// last as long as the run.
-double change(const Episode& coarse, const Episode& finer) {
-  if (coarse.open != finer.open) return std::numeric_limits<double>::infinity();
-  MeshError error = difference(coarse, finer);
-  if (finer.open) error.impulse = finer.impulse / coarse.impulse - 1.0;
-  return error.largest();
+/// The largest part of it; infinite where one ends and the other does not.
+double change(const Told& coarse, const Told& finer) {
+  if (coarse.first.open != finer.first.open) return std::numeric_limits<double>::infinity();
+  return difference(coarse, finer).largest();
 }
 
 }  // namespace
 
 double MeshError::largest() const {
   double largest = std::abs(peak_force);
-  for (const double other : {duration, impulse})
+  for (const double other : {duration, impulse, sensor_peak_force.value_or(0.0)})
     if (std::isfinite(other)) largest = std::max(largest, std::abs(other));
   return largest;
 }
@@ -171,7 +186,7 @@ std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver, double
   if (solver.model == BeamModel::rigid || !rig.has_stop()) return std::nullopt;
   try {
     FirstContacts contacts(rig, solver, worth_knowing, time_limit);
-    const Episode coarse = contacts.on(solver);
+    const Told coarse = contacts.on(solver);
     const Solver finer = refined(solver);
     MeshError error = difference(coarse, contacts.on(finer));
     error.finer = finer;
@@ -182,6 +197,7 @@ std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver, double
 }
 
 ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest) {
+  const TimeLimit limit(solver.time_limit);
   ChosenMesh chosen{.solver = solver, .error = std::numeric_limits<double>::quiet_NaN()};
   FirstContacts contacts(rig, solver, std::min(worth_knowing, share_of_accuracy * solver.accuracy),
                          share_of_time * solver.time_limit);
@@ -191,10 +207,10 @@ ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest) {
     return contacts.on(mesh);
   };
   try {
-    Episode here = contact_on(coarsest);
+    Told here = contact_on(coarsest);
     double before = change(contact_on(coarsest / 2), here);
     for (int total = coarsest; total <= finest; total *= 2) {
-      const Episode finer = contact_on(2 * total);
+      const Told finer = contact_on(2 * total);
       const double changed = change(here, finer);
       chosen.solver.elements = split_elements(total, rig);
       chosen.error = std::max(changed, best_ratio * before);
@@ -205,6 +221,7 @@ ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest) {
   } catch (const std::exception&) {
     // the finest mesh whose error is known
   }
+  chosen.solver.time_limit = std::max(limit.left(), least_share_of_run * solver.time_limit);
   return chosen;
 }
 

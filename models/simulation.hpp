@@ -136,12 +136,14 @@ struct SensorForce {
 };
 
 /// How much a mesh twice as fine changes the prediction, relative: nearly the error of the mesh,
-/// since what is left then is several times smaller. Of the first contact; NaN where it does not
-/// end.
+/// since what is left then is several times smaller. Of the first contact, until the run's end
+/// where it does not end.
 struct MeshError {
   double peak_force = 0.0;
-  double duration = 0.0;
-  double impulse = 0.0;
+  double duration = 0.0;  ///< NaN where it does not end
+  double impulse = 0.0;   ///< NaN where it ends on one mesh alone
+  /// Of SensorForce::peak_force, over the run; none where the stop does not give way.
+  std::optional<double> sensor_peak_force;
   Solver finer;  ///< what it was compared with
 
   double largest() const;

@@ -188,12 +188,15 @@ Json simulation_json(const models::Simulation& simulation, const models::Contact
                   {"rejected", simulation.cost.rejected},
                   {"evaluations", simulation.cost.evaluations},
                   {"solve_s", simulation.cost.seconds}};
-  if (const auto& error = simulation.mesh_error)
+  if (const auto& error = simulation.mesh_error) {
     json["mesh_error"] = {{"peak_force", error->peak_force},
                           {"duration", error->duration},
                           {"impulse", error->impulse},
                           {"elements", error->finer.elements},
                           {"modes", error->finer.modes}};
+    if (error->sensor_peak_force)
+      json["mesh_error"]["sensor_peak_force"] = *error->sensor_peak_force;
+  }
   json["skipped"] = simulation.skipped;
   json["warnings"] = simulation.warnings;
   json["termination"] = simulation.termination;

@@ -208,8 +208,11 @@ std::string mesh_error_text(const models::MeshError& error) {
   const auto told = [](double part) {
     return std::isfinite(part) ? fmt::format("{:+.2g} %", 100.0 * part) : std::string("unknown");
   };
-  return fmt::format("mesh error        {} peak force, {} duration, {} impulse, by {}\n",
-                     told(error.peak_force), told(error.duration), told(error.impulse), mesh);
+  std::string text = fmt::format("mesh error        {} peak force, {} duration, {} impulse",
+                                 told(error.peak_force), told(error.duration), told(error.impulse));
+  if (error.sensor_peak_force)
+    text += fmt::format(", {} sensor's largest force", told(*error.sensor_peak_force));
+  return text + fmt::format(", by {}\n", mesh);
 }
 
 /// What happened at the stop.
