@@ -24,11 +24,11 @@ constexpr double small_enough = 1e-2;
 // Twice the elements seldom change so much less than half of them do (in the paper's scene by 1/2
 // to 1/78): meshes that seem to agree better do so by chance.
 constexpr double best_ratio = 1.0 / 64.0;
-// Of the accuracy asked for, the mesh's; the rest is for the steps in time. Of the time a run may
-// take, what may be spent on the choice of its mesh.
-constexpr double share_of_mesh = 0.5, share_of_time = 0.5;
-// Of that time, what is left for the run though a choice may have taken longer than it was to.
-constexpr double least_share_of_run = 0.25;
+// Of the accuracy asked for, the mesh's; the rest is for the steps in time.
+constexpr double share_of_mesh = 0.5;
+// Of the time a run may take, what may be spent on the choice of its mesh, and what is left to the
+// run though that took longer.
+constexpr double share_of_time = 0.5, least_share_of_run = 0.25;
 constexpr int coarsest = 8;
 
 /// The rig with what small motion does not know left out, its weight from the side:
@@ -59,13 +59,9 @@ Rig touching(const Rig& rig) {
 /// Of a run, what meshes are compared by.
 struct Told {
   Episode first;
-  std::optional<double> sensor_peak;  // [N], where the stop gives way
+  std::optional<SensorForce> sensor;  // where the stop gives way
 
-  static Told by(const Simulation& run) {
-    Told told{.first = run.episodes.front(), .sensor_peak = {}};
-    if (run.sensor) told.sensor_peak = run.sensor->peak_force;
-    return told;
-  }
+  static Told by(const Simulation& run) { return {run.episodes.front(), run.sensor}; }
 };
 
 /// The first contact of a scene on one mesh after the other, by small motion where that sees what a
@@ -121,8 +117,7 @@ class FirstContacts {
   Told by_full_equations(Solver mesh) {
     constexpr double longer = 1.5, far_longer = 8.0;
     mesh.accuracy = accuracy_of_full_;
-    mesh.time_limit = limit_.left();
-    if (rig_.stop) return Told::by(simulate(rig_, mesh));
+    if (rig_.stop) return by_whole_run(mesh);
     for (double time = std::min(longer * contact_time_, longest_);; time *= far_longer) {
       mesh.duration = std::min(time, longest_);
       mesh.time_limit = limit_.left();
@@ -132,6 +127,13 @@ class FirstContacts {
       if (!first.open || time >= longest_) return Told::by(run);
       if (limit_.over()) throw std::runtime_error("no time is left for the error of the mesh");
     }
+  }
+
+  Told by_whole_run(Solver mesh) {
+    mesh.time_limit = limit_.left();
+    const Simulation run = simulate(rig_, mesh);
+    if (limit_.over()) throw std::runtime_error("no time was left for the whole run");
+    return Told::by(run);
   }
 
   Rig rig_, plain_;
@@ -150,7 +152,8 @@ MeshError difference(const Told& coarse, const Told& finer) {
   error.peak_force = there.peak_force / here.peak_force - 1.0;
   error.duration = !here.open && !there.open ? there.end / here.end - 1.0 : unknown;
   error.impulse = here.open == there.open ? there.impulse / here.impulse - 1.0 : unknown;
-  if (coarse.sensor_peak) error.sensor_peak_force = *finer.sensor_peak / *coarse.sensor_peak - 1.0;
+  if (coarse.sensor)
+    error.sensor_peak_force = finer.sensor->peak_force / coarse.sensor->peak_force - 1.0;
   return error;
 }
 
