@@ -93,6 +93,24 @@ TEST(MeshError, IsThatOfLargeMotionWhereMotionIsLarge) {
   EXPECT_NEAR(error->peak_force / actual(Motion::full), 1.0, 0.25);
 }
 
+// Weight from the side presses a slow bar on its stop; hanging it would leave otherwise.
+TEST(MeshError, IsThatOfABarItsWeightPresses) {
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  rig.gravity_direction = 1.5;
+  rig.start.velocity = 0.01;
+  const Solver coarse = ancf(7, 1, 1e-5, 3e-3);
+  const std::optional<MeshError> error = mesh_error(rig, coarse, enough_time);
+  ASSERT_TRUE(error);
+  const auto contact_on = [&](const Solver& mesh) {
+    return simulate_as(Motion::full, rig, mesh, 1e-6).episodes.at(0);
+  };
+  const Episode here = contact_on(coarse), there = contact_on(refined(coarse));
+  EXPECT_NEAR(error->peak_force, there.peak_force / here.peak_force - 1.0, 1e-4);
+  EXPECT_NEAR(error->duration, there.end / here.end - 1.0, 1e-4);
+  EXPECT_NEAR(error->impulse, there.impulse / here.impulse - 1.0, 1e-4);
+}
+
 TEST(MeshError, IsNotToldWithoutTime) {
   EXPECT_FALSE(mesh_error(paper_rig(), ancf(448, 64, 1e-8, 1e-3), 1e-6).has_value());
 }
