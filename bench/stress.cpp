@@ -80,7 +80,8 @@ models::ChosenMesh mesh_of(const Scene& scene, const models::Solver& solver) {
 
 /// That the mesh is not as good as asked for, or that it is not known, is a warning.
 void tell_mesh(const models::ChosenMesh& mesh, Outcome& outcome) {
-  if (outcome.kind != Kind::answered || mesh.error <= outcome.accuracy) return;
+  if (outcome.kind != Kind::answered && outcome.kind != Kind::warned) return;
+  if (mesh.error <= outcome.accuracy) return;
   outcome.kind = Kind::warned;
   outcome.sentence = fmt::format("the mesh errs by {:.1g}", mesh.error);
 }
@@ -111,6 +112,9 @@ void run_scene(const Study& study, const Scene& scene, int pipe) {
     const models::ChosenMesh mesh = mesh_of(scene, solver);
     solver = mesh.solver;
     run = models::simulate(scene.file.rig, solver, options);
+    // of what the sensor carries later the mesh's error is not told, and the sentence says so
+    if (run.sensor && run.sensor->peak_time > mesh.sensor_until.value_or(run.duration))
+      run.sensor->peak_known = false;
     judge_alone(scene.file.rig, run, outcome);
     tell_mesh(mesh, outcome);
   });

@@ -86,9 +86,7 @@ bool warns_of(const models::Simulation& run, const char* words) {
 /// Of the largest forces in the sensor; none where a run was cut before it, or says that it is not
 /// known.
 double sensor_difference(const models::Simulation& run, const models::Simulation& fine) {
-  if (!run.sensor || warns_of(run, "solver.time_limit") || warns_of(fine, "solver.time_limit") ||
-      warns_of(run, "the sensor carries most"))
-    return 0.0;
+  if (!run.sensor || run.cut_short || fine.cut_short || !run.sensor->peak_known) return 0.0;
   return std::abs(run.sensor->peak_force / fine.sensor->peak_force - 1.0);
 }
 
@@ -195,14 +193,14 @@ void judge_alone(const models::Rig& rig, const models::Simulation& run, Outcome&
   outcome.evaluations = run.cost.evaluations;
   outcome.contacts = static_cast<long>(run.episodes.size());
   outcome.small_motion = run.small_motion;
-  outcome.cut_short = warns_of(run, "solver.time_limit");
+  outcome.cut_short = run.cut_short;
   outcome.kind = Kind::answered;
   if (!(outcome.sentence = not_finite(run)).empty()) {
     outcome.kind = Kind::not_finite;
   } else if (!(outcome.sentence = unsound(rig, run)).empty()) {
     outcome.kind = Kind::unsound;
   } else if (warns_of(run, "energy does not balance") || warns_of(run, "the first contact ") ||
-             warns_of(run, "the sensor carries most") || warns_of(run, "displacements c")) {
+             (run.sensor && !run.sensor->peak_known) || warns_of(run, "displacements c")) {
     outcome.kind = Kind::warned;
   } else if (!(std::abs(outcome.imbalance) <= 10.0 * run.solver.accuracy + 1e-10)) {
     outcome.kind = Kind::energy;

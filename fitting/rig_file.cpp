@@ -466,7 +466,7 @@ RigFile read_rig_file(const std::string& path, const std::vector<Override>& over
 
 std::string choose_mesh(RigFile& file, int finest) {
   if (file.mesh_stated) return "";
-  const auto [chosen, error] = models::choose_mesh(file.rig, file.solver, finest);
+  const auto [chosen, error, sensor_until] = models::choose_mesh(file.rig, file.solver, finest);
   file.solver = chosen;
   file.mesh_stated = true;
   const models::Solver& solver = file.solver;
@@ -474,9 +474,13 @@ std::string choose_mesh(RigFile& file, int finest) {
       fmt::format("The rig file leaves the mesh open: ANCF with [{}, {}] elements was taken; ",
                   solver.elements[0], solver.elements[1]);
   if (!std::isfinite(error)) return sentence + "its error could not be estimated.";
+  std::string sensor;
+  if (file.rig.stop) sensor = ", and the sensor's largest force,";
+  if (sensor_until)
+    sensor = fmt::format(", and the sensor's largest force up to {:.4g} s,", *sensor_until);
   sentence +=
       fmt::format("its error in peak force, duration and impulse{} is estimated at {:.1g} at most",
-                  file.rig.stop ? ", and the sensor's largest force," : "", error);
+                  sensor, error);
   return sentence + (error <= solver.accuracy
                          ? fmt::format(", for an accuracy of {:g}.", solver.accuracy)
                          : fmt::format(", more than the accuracy of {:g} asked for; no finer mesh "

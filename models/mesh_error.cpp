@@ -27,8 +27,8 @@ constexpr double best_ratio = 1.0 / 64.0;
 // Of the accuracy asked for, the mesh's; the rest is for the steps in time.
 constexpr double share_of_mesh = 0.5;
 // Of the time a run may take, what may be spent on the choice of its mesh, and what is left to the
-// run though that took longer.
-constexpr double share_of_time = 0.5, least_share_of_run = 0.25;
+// run though that took longer; of the former, what may be spent on one run to the end.
+constexpr double share_of_time = 0.5, least_share_of_run = 0.25, share_of_whole_run = 0.125;
 constexpr int coarsest = 8;
 
 /// The rig with what small motion does not know left out, its weight from the side:
@@ -59,87 +59,126 @@ Rig touching(const Rig& rig) {
 /// Of a run, what meshes are compared by.
 struct Told {
   Episode first;
-  std::optional<SensorForce> sensor;  // where the stop gives way
-
-  static Told by(const Simulation& run) { return {run.episodes.front(), run.sensor}; }
+  std::optional<SensorForce> sensor;   // where the stop gives way
+  std::optional<double> sensor_until;  // [s], MeshError::sensor_until
 };
 
 /// The first contact of a scene on one mesh after the other, by small motion where that sees what a
-/// mesh does to it.
+/// mesh does to it; and what a sensor carries, over the run where that can be known.
 class FirstContacts {
  public:
-  /// By small motion to such an accuracy.
-  FirstContacts(const Rig& rig, const Solver& solver, double accuracy, double time_limit)
+  /// By small motion to such an accuracy, in so much time [s], of which a whole run that a sensor
+  /// needs may take a share.
+  FirstContacts(const Rig& rig, const Solver& solver, double accuracy, double time,
+                double share_of_one)
       : rig_(touching(rig)),
         plain_(within_small_motion(rig_)),
         accuracy_of_small_(accuracy),
         accuracy_of_full_(std::max(worth_knowing, share_of_accuracy * solver.accuracy)),
         longest_(solver.duration.value_or(longest_default_run)),
-        limit_(time_limit) {}
+        time_(time),
+        limit_(time),
+        share_of_whole_run_(share_of_one) {}
 
   /// On the mesh of `mesh`. Throws as simulate() does, or std::runtime_error when there is no time
-  /// left.
+  /// left. Where the sensor turns out not to compare for so long, those before are to be had anew.
   Told on(const Solver& mesh) {
     if (!is_small_)
       if (const std::optional<Told> told = try_small_motion(mesh)) return *told;
-    return *is_small_ ? Told::by(by_small_motion(mesh, false)) : by_full_equations(mesh);
+    try {
+      const Simulation run = *is_small_ ? by_small_motion(mesh, false) : by_full_equations(mesh);
+      if (compares(run)) return told_by(run);
+      shorten(run);
+    } catch (const std::runtime_error&) {
+      if (!shares_time()) throw;
+      share_of_whole_run_ = 1.0;  // its first contact alone may take longer
+      is_small_.reset();
+    }
+    return on(mesh);
   }
 
  private:
+  Told told_by(const Simulation& run) const {
+    return {run.episodes.front(), run.sensor, sensor_until_};
+  }
+
+  /// Whether what its sensor carries can be compared with that on other meshes.
+  bool compares(const Simulation& run) const {
+    return !run.sensor || sensor_until_ || (run.sensor->peak_known && !run.cut_short);
+  }
+
+  /// Leaves out what the sensor carries beyond the second touch.
+  void shorten(const Simulation& run) {
+    sensor_until_ = run.episodes.size() > 1 ? run.episodes[1].start : run.duration;
+    is_small_.reset();
+  }
+
   /// None where it leaves out too much; either way the first run decides for all.
   std::optional<Told> try_small_motion(const Solver& mesh) {
     is_small_ = false;
     try {
       const Simulation run = by_small_motion(mesh, true);
+      if (!compares(run)) {
+        shorten(run);
+        return try_small_motion(mesh);
+      }
       const Episode& first = run.episodes.front();
-      if (!first.open) contact_time_ = first.end;
       const double time = first.open ? run.duration : first.end;
       is_small_ = run.neglected + missing_weight(rig_, first, time) <= small_enough;
-      if (*is_small_) return Told::by(run);
+      if (*is_small_) return told_by(run);
     } catch (const std::exception&) {
       // full equations may know the rig, or say what is wrong with it
     }
     return std::nullopt;
   }
 
-  Simulation by_small_motion(Solver mesh, bool judged) const {
+  Simulation by_small_motion(Solver mesh, bool judged) {
     const double finest = small_motion_refusal(plain_, mesh).empty() ? finest_runs : worth_knowing;
     mesh.accuracy = std::max(finest, accuracy_of_small_);
-    mesh.time_limit = limit_.left();
     SimulationOptions options;
     options.motion = Motion::small;
     options.judge_small_motion = judged;
-    return simulate(plain_, mesh, options);
+    return until_compared(plain_, mesh, options);
   }
 
-  /// Until it ends, no longer than needed; to the end of the run where a sensor may carry most
-  /// later.
-  Told by_full_equations(Solver mesh) {
-    constexpr double longer = 1.5, far_longer = 8.0;
+  Simulation by_full_equations(Solver mesh) {
     mesh.accuracy = accuracy_of_full_;
-    if (rig_.stop) return by_whole_run(mesh);
-    for (double time = std::min(longer * contact_time_, longest_);; time *= far_longer) {
+    return until_compared(rig_, mesh, {});
+  }
+
+  /// A run until the first contact ends, and as long as its sensor is compared, no longer than
+  /// needed.
+  Simulation until_compared(const Rig& rig, Solver mesh, const SimulationOptions& options) {
+    constexpr double far_longer = 8.0;
+    for (double time = needed();; time *= far_longer) {
       mesh.duration = std::min(time, longest_);
       mesh.time_limit = limit_.left();
-      const Simulation run = simulate(rig_, mesh);
+      if (shares_time()) mesh.time_limit = std::min(mesh.time_limit, share_of_whole_run_ * time_);
+      Simulation run = simulate(rig, mesh, options);
       const Episode& first = run.episodes.front();
       if (!first.open) contact_time_ = first.end;
-      if (!first.open || time >= longest_) return Told::by(run);
+      if (!first.open || time >= longest_) return run;
       if (limit_.over()) throw std::runtime_error("no time is left for the error of the mesh");
     }
   }
 
-  Told by_whole_run(Solver mesh) {
-    mesh.time_limit = limit_.left();
-    const Simulation run = simulate(rig_, mesh);
-    if (limit_.over()) throw std::runtime_error("no time was left for the whole run");
-    return Told::by(run);
+  /// Whether what is solved may be much more than a first contact.
+  bool shares_time() const { return rig_.stop && !sensor_until_ && share_of_whole_run_ < 1.0; }
+
+  /// How much of a run, as far as it is known [s].
+  double needed() const {
+    constexpr double longer = 1.5;
+    if (sensor_until_) return *sensor_until_;
+    return rig_.stop ? longest_ : longer * contact_time_;
   }
 
   Rig rig_, plain_;
   double accuracy_of_small_, accuracy_of_full_;
   double longest_;  // [s]
+  double time_;     // [s]
   TimeLimit limit_;
+  double share_of_whole_run_;
+  std::optional<double> sensor_until_;  // [s]
   std::optional<bool> is_small_;
   double contact_time_ = std::numeric_limits<double>::infinity();  // [s]
 };
@@ -154,6 +193,7 @@ MeshError difference(const Told& coarse, const Told& finer) {
   error.impulse = here.open == there.open ? there.impulse / here.impulse - 1.0 : unknown;
   if (coarse.sensor)
     error.sensor_peak_force = finer.sensor->peak_force / coarse.sensor->peak_force - 1.0;
+  error.sensor_until = finer.sensor_until;
   return error;
 }
 
@@ -196,10 +236,13 @@ Solver coarsened(const Solver& solver) {
 std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver, double time_limit) {
   if (solver.model == BeamModel::rigid || !rig.has_stop()) return std::nullopt;
   try {
-    FirstContacts contacts(rig, solver, worth_knowing, time_limit);
-    const Told coarse = contacts.on(solver);
+    constexpr double all = 1.0;  // of the time
+    FirstContacts contacts(rig, solver, worth_knowing, time_limit, all);
+    Told coarse = contacts.on(solver);
     const Solver finer = refined(solver);
-    MeshError error = difference(coarse, contacts.on(finer));
+    const Told fine = contacts.on(finer);
+    if (fine.sensor_until != coarse.sensor_until) coarse = contacts.on(solver);
+    MeshError error = difference(coarse, fine);
     error.finer = finer;
     return error;
   } catch (const std::exception&) {
@@ -211,21 +254,25 @@ ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest) {
   const TimeLimit limit(solver.time_limit);
   ChosenMesh chosen{.solver = solver, .error = std::numeric_limits<double>::quiet_NaN()};
   FirstContacts contacts(rig, solver, std::min(worth_knowing, share_of_accuracy * solver.accuracy),
-                         share_of_time * solver.time_limit);
+                         share_of_time * solver.time_limit, share_of_whole_run);
   const auto contact_on = [&](int total) {
     Solver mesh = solver;
     mesh.elements = split_elements(total, rig);
     return contacts.on(mesh);
   };
   try {
-    Told here = contact_on(coarsest);
-    double before = change(contact_on(coarsest / 2), here);
-    for (int total = coarsest; total <= finest; total *= 2) {
+    Told here = contact_on(coarsest / 2);
+    double before = std::numeric_limits<double>::infinity();
+    for (int total = coarsest / 2; total <= finest; total *= 2) {
       const Told finer = contact_on(2 * total);
+      if (finer.sensor_until != here.sensor_until) here = contact_on(total);
       const double changed = change(here, finer);
-      chosen.solver.elements = split_elements(total, rig);
-      chosen.error = std::max(changed, best_ratio * before);
-      if (chosen.error <= share_of_mesh * solver.accuracy) break;
+      if (total >= coarsest) {
+        chosen.solver.elements = split_elements(total, rig);
+        chosen.error = std::max(changed, best_ratio * before);
+        chosen.sensor_until = finer.sensor_until;
+        if (chosen.error <= share_of_mesh * solver.accuracy) break;
+      }
       before = changed;
       here = finer;
     }

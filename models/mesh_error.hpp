@@ -14,15 +14,16 @@ Solver refined(const Solver& solver);
 /// for what a rotation does that is large, or a comparison of two equations of motion.
 Solver coarsened(const Solver& solver);
 
-/// By two runs to the end of the first contact, whole ones where the stop gives way: as small
-/// motion where that leaves out no more than a hundredth of the result, else by the full equations.
-/// None for a rigid bar, or where one of the runs is not possible in the processor time that both
-/// may take [s].
+/// By two runs to the end of the first contact, whole ones where the stop gives way and its
+/// sensor's largest force is known: as small motion where that leaves out no more than a hundredth
+/// of the result, else by the full equations. None for a rigid bar, or where one of the runs is not
+/// possible in the processor time that both may take [s].
 std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver, double time_limit);
 
 struct ChosenMesh {
   Solver solver;       ///< with what is left of its time limit
   double error = 0.0;  ///< estimated, MeshError::largest(); NaN where it cannot be
+  std::optional<double> sensor_until{};  ///< MeshError::sensor_until
 };
 
 /// The coarsest mesh of 8, 16, 32, ... up to `finest` ANCF elements, split at the struck point,

@@ -133,6 +133,9 @@ struct SensorForce {
   double peak_force = 0.0;  ///< [N]
   double peak_time = 0.0;   ///< [s] from first touch
   double impulse = 0.0;     ///< [N s]
+  /// Whether the accuracy holds for the peak: each contact magnifies the errors of those before it
+  /// (models/stop/sensor_peak.hpp).
+  bool peak_known = true;
 };
 
 /// How much a mesh twice as fine changes the prediction, relative: nearly the error of the mesh,
@@ -142,8 +145,11 @@ struct MeshError {
   double peak_force = 0.0;
   double duration = 0.0;  ///< NaN where it does not end
   double impulse = 0.0;   ///< NaN where it ends on one mesh alone
-  /// Of SensorForce::peak_force, over the run; none where the stop does not give way.
+  /// Of SensorForce::peak_force; none where the stop does not give way.
   std::optional<double> sensor_peak_force;
+  /// Where what the sensor carries later is not known, or takes too long to solve: until when it is
+  /// compared, about the second touch [s] from the first. None: over the run.
+  std::optional<double> sensor_until;
   Solver finer;  ///< what it was compared with
 
   double largest() const;
@@ -189,6 +195,8 @@ struct Simulation {
   Cost cost;
   History history;
   std::string termination;
+  /// By the time limit, or where no step was short enough: what comes later is not in it.
+  bool cut_short = false;
   bool small_motion = false;  ///< solved as Motion::small
   /// Estimated relative error of peak force, duration and impulse by the simplifications taken.
   double neglected = 0.0;

@@ -174,6 +174,7 @@ Json simulation_json(const models::Simulation& simulation, const models::Contact
   if (const auto& sensor = simulation.sensor)
     json["sensor"] = {{"peak_force_n", sensor->peak_force},
                       {"peak_time_s", sensor->peak_time},
+                      {"peak_known", sensor->peak_known},
                       {"impulse_ns", sensor->impulse}};
   json["episodes"] = Json::array();
   for (const models::Episode& episode : simulation.episodes)
@@ -196,10 +197,12 @@ Json simulation_json(const models::Simulation& simulation, const models::Contact
                           {"modes", error->finer.modes}};
     if (error->sensor_peak_force)
       json["mesh_error"]["sensor_peak_force"] = *error->sensor_peak_force;
+    if (error->sensor_until) json["mesh_error"]["sensor_until_s"] = *error->sensor_until;
   }
   json["skipped"] = simulation.skipped;
   json["warnings"] = simulation.warnings;
   json["termination"] = simulation.termination;
+  json["cut_short"] = simulation.cut_short;
   json["duration_s"] = simulation.duration;
   json["accuracy"] = simulation.solver.accuracy;
   json["duration_asked_s"] =
@@ -218,7 +221,8 @@ models::Simulation simulation_from(const JsonReader& json) {
   if (json.has("sensor"))
     simulation.sensor = {.peak_force = json["sensor"]["peak_force_n"].number(),
                          .peak_time = json["sensor"]["peak_time_s"].number(),
-                         .impulse = json["sensor"]["impulse_ns"].number()};
+                         .impulse = json["sensor"]["impulse_ns"].number(),
+                         .peak_known = json["sensor"]["peak_known"].boolean()};
   const JsonReader episodes = json["episodes"];
   for (std::size_t i = 0; i < episodes.size(); ++i)
     simulation.episodes.push_back(episode_from(episodes.element(i)));
@@ -234,6 +238,7 @@ models::Simulation simulation_from(const JsonReader& json) {
   simulation.skipped = json["skipped"].texts();
   simulation.warnings = json["warnings"].texts();
   simulation.termination = json["termination"].text();
+  if (json.has("cut_short")) simulation.cut_short = json["cut_short"].boolean();
   return simulation;
 }
 

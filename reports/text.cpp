@@ -212,6 +212,7 @@ std::string mesh_error_text(const models::MeshError& error) {
                                  told(error.peak_force), told(error.duration), told(error.impulse));
   if (error.sensor_peak_force)
     text += fmt::format(", {} sensor's largest force", told(*error.sensor_peak_force));
+  if (error.sensor_until) text += fmt::format(" up to {:.4g} s", *error.sensor_until);
   return text + fmt::format(", by {}\n", mesh);
 }
 

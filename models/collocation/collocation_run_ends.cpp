@@ -51,6 +51,7 @@ void CollocationRun::stop_without_headway() {
   if (result_.episodes.empty() || result_.episodes.front().open)
     throw std::runtime_error(stopped + "; ask for less accuracy");
   result_.termination = stopped;
+  result_.cut_short = true;
   result_.warnings.push_back(
       stopped +
       "; what comes later is not in the result. Ask for less accuracy, or state a shorter "
@@ -81,6 +82,7 @@ bool CollocationRun::out_of_time() {
     throw std::runtime_error(
         fmt::format("{}, before the first contact was over. {}", reached, remedy));
   result_.termination = reached;
+  result_.cut_short = true;
   result_.warnings.push_back(fmt::format("{}; what comes later{} is not in the result. {}", reached,
                                          rig_.stop ? ", be it more in the sensor," : "", remedy));
   return true;

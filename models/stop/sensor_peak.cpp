@@ -109,6 +109,7 @@ void confirm_sensor_peak(const Solver& solver, const SimulationOptions& options,
   if (may_be_coarser && agrees_at(coarse)) return;
   const bool hopeless = may_be_coarser && !(change && change->part <= coarse);
   if (!hopeless && agrees_at(std::max(accuracy / apart, Solver::finest_accuracy))) return;
+  run.sensor->peak_known = false;
   run.warnings.push_back(warning_of(run, change, accuracy));
 }
 

@@ -15,7 +15,7 @@ using SolveRig = std::function<Simulation(const Solver&, const SimulationOptions
 /// no step's control bounds that. Solved again 10 times less accurately, until then, in the time
 /// left [s], it may change by the accuracy. Where it changes by up to 10 times that, which the
 /// coarser solution may err by, one 10 times more accurate decides. Where that changes by more than
-/// the accuracy, or none can be had, the run gets a warning that says so.
+/// the accuracy, or none can be had, SensorForce::peak_known is false and a warning says so.
 void confirm_sensor_peak(const Solver& solver, const SimulationOptions& options, double time_left,
                          const SolveRig& solve, Simulation& run);
 

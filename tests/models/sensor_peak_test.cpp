@@ -44,6 +44,7 @@ std::vector<std::string> warnings_of(double time, const std::map<double, double>
         return carried(found != forces.end() ? found->second : 0.0, time);
       },
       run);
+  EXPECT_EQ(run.sensor->peak_known, run.warnings.empty());
   return run.warnings;
 }
 
