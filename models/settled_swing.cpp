@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "models/beams/bar_element.hpp"
 #include "models/contact_log.hpp"
 #include "models/free_run.hpp"
 #include "models/rigid_swing.hpp"
@@ -23,11 +25,16 @@ namespace {
 constexpr double apart = 10.0;
 constexpr int agreements = 2;
 constexpr int most_attempts = 6;
+// Solutions that differ by so many accuracies, and again by more than half as much, have parted.
+constexpr double parted = 100.0, hardly_less = 0.5;
 // Parts of the energy of standing upright: a pendulum with that changes its period by up to 0.8
 // times the relative change of its energy, by ever more the closer it comes.
 constexpr double least_upright = 0.8, most_upright = 1.25;
 // Part of the energy, beyond which a bar that turns as it vibrates may be chaotic.
 constexpr double much_vibration = 0.01;
+// Of a cantilever's slowest vibration, the rate of turning from which on a bar may move like a
+// chain, whatever energy that leaves in it in the end.
+constexpr double limp = 0.2;
 // Of a bar in hybrid coordinates, as parts of its length: the slope of a tip that bends so far is
 // some 0.4, of which half the square is left out. No bar of its length is further from the hanging
 // line than that.
@@ -40,11 +47,33 @@ double energy_at_start(const Rig& rig) {
   return 0.5 * rig.beam.hinge_inertia() * rate * rate + RigidSwing(rig).available(angle);
 }
 
+/// At most how fast it turns, as a rigid bar [rad/s].
+double fastest_turn(const Rig& rig) {
+  if (rig.hinge.rotation) return std::abs(rig.hinge.rotation->rate);
+  return std::sqrt(2.0 * energy_at_start(rig) / rig.beam.hinge_inertia());
+}
+
+/// Of a cantilever, with its weakest section all along and every lumped mass at its tip: no bar
+/// vibrates as slowly [rad/s].
+double slowest_vibration(const Beam& beam) {
+  constexpr double share_at_tip = 0.25;  // of the bar's own mass, as Rayleigh has it
+  double weakest = std::numeric_limits<double>::infinity();
+  for (const BarElement& piece : bar_pieces(beam))
+    weakest = std::min(weakest, piece.bending_stiffness);
+  const double lumped = beam.total_mass() - beam.bar_mass();
+  return std::sqrt(3.0 * weakest /
+                   (std::pow(beam.length, 3) * (lumped + share_at_tip * beam.bar_mass())));
+}
+
 /// What magnifies errors of a swing that came out like this; "" where nothing does.
 std::string magnifier(const Rig& rig, const Simulation& run) {
   const double vibration = std::abs(run.energy.vibration) / run.energy.initial;
   if (vibration > much_vibration)
     return fmt::format("the bar vibrates with {:.2g} times the energy of its swing", vibration);
+  const double turn = fastest_turn(rig) / slowest_vibration(rig.beam);
+  if (run.solver.model != BeamModel::rigid && turn > limp)
+    return fmt::format("the bar turns {:.2g} times as fast as it would vibrate as a cantilever",
+                       turn);
   if (rig.hinge.rotation) return "";
   if (rig.hinge.friction > 0.0) return "friction stops the hinge of the bar and lets it go";
   const double upright = 2.0 * rig.gravity * rig.beam.first_moment();
@@ -169,6 +198,8 @@ Simulation Swing::agree(Simulation run, const SimulationOptions& options,
     accuracy_ = finer;
     agreed = agrees(run, *after) ? agreed + 1 : 0;
     run = *std::move(after);
+    const double before = change_before.value_or(0.0);
+    if (before > parted * solver_.accuracy && *change > hardly_less * before) break;
   }
   if (agreed < agreements) warning_ = warning_of(std::max(change, change_before), magnified);
   return run;
