@@ -18,6 +18,16 @@ namespace {
 // Depths below it are as good as touch [m].
 constexpr double least_depth = 1e-100;
 
+// Of each half of free_impact(): where a root is looked for, and at the root.
+constexpr int few_steps = 64, many_steps = 256;
+
+/// Derivative at x > 0, of the fourth order in a thousandth of it.
+template <typename Function>
+double slope(const Function& f, double x) {
+  const double h = 1e-3 * x;
+  return (8.0 * (f(x + h) - f(x - h)) - (f(x + 2.0 * h) - f(x - 2.0 * h))) / (12.0 * h);
+}
+
 double sphere_stiffness(const Contact& contact) {
   Contact sphere = contact;
   sphere.law = "hertz-point";
@@ -68,13 +78,13 @@ void ContactForce::begin_episode(double approach_velocity) {
       strength_to_speed_ = 0.0;
       return;
     case DampingForm::constant:
-    case DampingForm::relaxing: {
-      // of a closed form, and of a root of one: centred, of the fourth order
-      const double step = 1e-3 * law_speed_;
-      const auto at = [&](double offset) { return strength_at(law_speed_ + offset * step); };
-      strength_to_speed_ = (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12.0 * step);
+      strength_to_speed_ = slope([&](double v) { return strength_at(v); }, law_speed_);
       return;
-    }
+    case DampingForm::relaxing:  // along e of strength and speed that stays
+      strength_to_speed_ =
+          -slope([&](double v) { return rebound(strength_, v, many_steps); }, law_speed_) /
+          slope([&](double s) { return rebound(s, law_speed_, many_steps); }, strength_);
+      return;
   }
 }
 
@@ -100,26 +110,43 @@ double ContactForce::strength_at(double speed) const {
   throw std::logic_error("ContactForce: damping form out of range");
 }
 
-/// τ at which a free rigid impact rebounds with the restitution asked for.
-double ContactForce::relaxation_at(double speed) const {
+/// What a free rigid impact rebounds with.
+double ContactForce::rebound(double strength, double speed, int steps) const {
   ContactForce trial = *this;
-  trial.law_speed_ = speed;
-  trial.strength_to_speed_ = 0.0;
-  const auto excess = [&](double log_time) {
-    trial.strength_ = std::exp(log_time);
-    return free_impact(trial, mass_, speed, 256).rebound_ratio - restitution_;
+  trial.strength_ = strength;
+  return free_impact(trial, mass_, speed, steps).rebound_ratio;
+}
+
+/// τ at which that is the restitution asked for.
+double ContactForce::relaxation_at(double speed) const {
+  const auto excess = [&](double log_time, int steps) {
+    return rebound(std::exp(log_time), speed, steps) - restitution_;
   };
   // e = 1 − 1.15 · 3/2 τ f'/f v and so on: within two decades of depth / speed
   const double depth = models::penetration_storing(law_, 0.5 * mass_ * speed * speed);
   const double guess = std::log((1.0 - restitution_) * depth / speed);
-  double low = guess - 2.0, high = guess + 2.0;
-  while (excess(low) < 0.0 && low > guess - 40.0) low -= 3.0;
-  while (excess(high) > 0.0 && high < guess + 40.0) high += 3.0;
-  std::uintmax_t most = 100;
-  const auto root = boost::math::tools::toms748_solve(
-      excess, low, high, boost::math::tools::eps_tolerance<double>(50), most);
-  const double log_time = 0.5 * (root.first + root.second);
-  if (!(std::abs(excess(log_time)) < 1e-5))
+  const auto root_by = [&](int steps, int bits) {
+    const auto rough = [&](double log_time) { return excess(log_time, steps); };
+    double low = guess - 2.0, high = guess + 2.0;
+    while (rough(low) < 0.0 && low > guess - 40.0) low -= 3.0;
+    while (rough(high) > 0.0 && high < guess + 40.0) high += 3.0;
+    std::uintmax_t most = 100;
+    const auto root = boost::math::tools::toms748_solve(
+        rough, low, high, boost::math::tools::eps_tolerance<double>(bits), most);
+    return 0.5 * (root.first + root.second);
+  };
+  constexpr double near = 1e-3, there = 1e-11;  // of e
+  double log_time = root_by(few_steps, 30);
+  double left = excess(log_time, many_steps);
+  const double steepness =
+      (excess(log_time + near, few_steps) - excess(log_time - near, few_steps)) / (2.0 * near);
+  for (int k = 0; k < 3 && std::abs(left) < near && std::abs(left) > there; ++k) {
+    log_time -= left / steepness;
+    left = excess(log_time, many_steps);
+  }
+  // of strong damping few steps know little
+  if (!(std::abs(left) <= there)) left = excess(log_time = root_by(many_steps, 50), many_steps);
+  if (!(std::abs(left) < 1e-5))
     throw std::runtime_error(fmt::format(
         "contact.restitution: no damping of the law '{}' rebounds with {:g}; with so much of it a "
         "contact that may pull holds the bar. Take contact.tension = \"clip\", a larger "

@@ -139,6 +139,7 @@ class ContactForce {
 
   Weight weight(double depth) const;
   double strength_at(double speed) const;
+  double rebound(double strength, double speed, int steps) const;
   double relaxation_at(double speed) const;
 
   ElasticLaw law_;
