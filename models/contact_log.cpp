@@ -12,6 +12,17 @@
 #include "models/run_limits.hpp"
 
 namespace impactrig::models {
+namespace {
+
+/// What the contact pressed with [N s]. A step's polynomial may err by more than a graze has: no
+/// impulse of a contact that cannot pull is below zero.
+double impulse_between(const ContactTotals& start, const ContactTotals& end,
+                       const ContactForce& contact) {
+  const double impulse = end.impulse - start.impulse;
+  return contact.may_pull() ? impulse : std::max(impulse, 0.0);
+}
+
+}  // namespace
 
 ContactLog::ContactLog(const Rig& rig, double accuracy, Simulation& result)
     : rig_(rig),
@@ -82,7 +93,7 @@ void ContactLog::separate(int stop, double t, double speed, const ContactTotals&
   Episode& episode = result_.episodes[number];
   episode.end = t;
   episode.separation_velocity = -speed;
-  episode.impulse = totals.impulse - at_start.impulse;
+  episode.impulse = impulse_between(at_start, totals, contact);
   episode.dissipated = totals.dissipated - at_start.dissipated;
   episode.open = false;
   contact.set_phase(ContactForce::Phase::free);
@@ -115,7 +126,7 @@ void ContactLog::conclude(int stop, double t, const ContactTotals& totals,
     Episode& episode = result_.episodes[number];
     episode.end = t;
     episode.separation_velocity = std::numeric_limits<double>::quiet_NaN();
-    episode.impulse = totals.impulse - at_start.impulse;
+    episode.impulse = impulse_between(at_start, totals, contact);
     episode.dissipated = totals.dissipated - at_start.dissipated;
     result_.energy.contact_stored += contact.stored(penetration);
   }
