@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "models/collocation/collocation_run.hpp"
+#include "models/contact_log.hpp"
 #include "models/ensemble.hpp"
 #include "models/modal/modal_motion.hpp"
 #include "models/settled_solution.hpp"
@@ -246,6 +247,22 @@ TEST(HardContact, ABarThatHangsLongerIsAsAccurate) {
     return simulate(rig, ancf(11, 1, accuracy, 3.0), exact).peak_force;
   };
   EXPECT_NEAR(peak(1e-7) / peak(1e-10), 1.0, 1e-7);
+}
+
+// A graze too small for the polynomial of its step had -2.6e-14 N s of the run's 1e-3.
+TEST(HardContact, NoImpulseIsBelowZeroWhereTheContactCannotPull) {
+  const auto impulse_of_graze = [](Tension tension) {
+    Rig rig = paper_rig();
+    rig.contact.tension = tension;
+    Simulation result;
+    ContactLog log(rig, 1e-5, result);
+    ContactForce contact(rig);
+    log.touch(0, 1.0, 1e-9, {.impulse = 1e-3}, contact);
+    log.separate(0, 1.0001, -1e-9, {.impulse = 1e-3 - 2.5e-14}, contact);
+    return result.episodes.at(0).impulse;
+  };
+  EXPECT_EQ(impulse_of_graze(Tension::clip), 0.0);
+  EXPECT_NEAR(impulse_of_graze(Tension::allow), -2.5e-14, 1e-18);
 }
 
 /// A rod of three pieces, the middle one 3.7 times as thin as the last, that hangs by one part in
