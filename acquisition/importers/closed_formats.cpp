@@ -52,6 +52,7 @@ constexpr auto signatures = std::to_array<Signature>({
      "beside "
      "it",
      "state the files of its channels (.001, .002, ...)"},
+    {0, "Octave-1-", "Octave's own binary format", "save it with -v7 in Octave"},
     {0, "SPBXDS", "the memory of an OWON oscilloscope (.bin)", from_the_oscilloscope},
     {0, "FORMDS16", "a KayPENTAX CSL recording (.nsp)", "save it as WAVE (.wav) with CSL"},
     {0, "<?xml",

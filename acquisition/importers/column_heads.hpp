@@ -36,7 +36,8 @@ struct TableHead {
 TableHead read_head(const TableLayout& layout, std::string_view text);
 
 /// "Force [N]", "CH 1 (V)", "acceleration(g)", "t / s", "t/ms", "Time in ms", "Time, ms", "Time_ms"
-/// and "Time" as name and unit. All but brackets count only before a unit that is understood.
+/// and "Time" as name and unit; of "force_N" and "v_tip_mm_s" the unit, too, is left in the name.
+/// All but brackets count only before a unit that is understood.
 ColumnHead split_head(std::string_view cell);
 
 /// "V" of "CH1:V" and "2e-8" of "Analog:2e-8", as some oscilloscopes write values of their header.

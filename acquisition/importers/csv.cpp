@@ -81,11 +81,25 @@ bool rounds_steps(const Column& times) {
   return std::abs(first) * std::numeric_limits<double>::epsilon() > 1e-3 * std::abs(step);
 }
 
+/// Octave writes one variable under the other.
+TableLayout find_only_table(TextFile& file, const ImportOptions& options) {
+  const TableLayout layout = find_table(file, options);
+  const std::string_view text = file.text();
+  if (!text.starts_with("# Created by Octave")) return layout;
+  constexpr std::string_view begin = "\n# name: ";
+  const std::size_t next = text.find(begin, static_cast<std::size_t>(layout.data - text.data()));
+  if (next != text.npos)
+    throw InputError(file.position(text.data() + next + 1),
+                     "another variable begins here, and Octave's text format is read with one "
+                     "alone: save them with -v7 in Octave");
+  return layout;
+}
+
 /// What the head of a file and its first rows say.
 struct CsvHead {
   CsvHead(const std::string& path, const ImportOptions& options)
       : file(path, options.head_only),
-        layout(find_table(file, options)),
+        layout(find_only_table(file, options)),
         head(read_head(layout, text_of_rows(file, layout))),
         marked(take_marked_rows(head)),
         // a delimiter at the end of each row ends the last cell; it begins another only where the
@@ -239,8 +253,8 @@ Record read_whole(CsvHead& csv, const ImportOptions& options) {
   csv.settle(table, options, false, record);
   if (csv.count_times(table, record)) table = read_table(csv.file, csv.layout, csv.names);
   const CsvRoles& roles = csv.roles;
-  if (const std::string cut = cut_row(csv.file, table); !cut.empty())
-    record.warnings.push_back(cut);
+  for (std::string told : {cut_row(csv.file, table), comment_between(csv.file, table)})
+    if (!told.empty()) record.warnings.push_back(std::move(told));
 
   const std::vector<ClockColumns> clocks = roles.clocks(csv.heads.size());
   for (const ClockColumns& range : clocks) {

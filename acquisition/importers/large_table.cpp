@@ -56,17 +56,19 @@ class LargeTableReader final : public RecordingReader {
 
     const Window window = window_of(wanted);
     TimeAxisCheck check = expected_times(wanted);
-    std::string cut;
+    std::string cut, comment;
     const std::uint64_t rows = pass(columns, window, [&](Table& piece, Piece part) {
       for (const std::size_t i : filled)
         hand_over(piece.columns[columns[i]], columns[i], part, i, told[i], sink);
       if (table_.time && !window.rows) check.add(part.of(piece.columns[*table_.time].values));
       if (cut.empty()) cut = cut_row(file(), piece);
+      if (comment.empty()) comment = comment_between(file(), piece);
     });
 
     Record record = head_.record;
     record.channels.clear();
-    if (!cut.empty()) record.warnings.push_back(cut);
+    for (const std::string& passed : {cut, comment})
+      if (!passed.empty()) record.warnings.push_back(passed);
     const datasets::SampleClock clock =
         window.rows ? clock_from_row(window.rows->first, record)
                     : settled_clock(window, check, rows, filled, sink, record);

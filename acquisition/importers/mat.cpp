@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <span>
 
+#include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/mat5.hpp"
+#include "acquisition/importers/mat_labels.hpp"
 #include "acquisition/importers/mat_programs.hpp"
 #include "acquisition/importers/mat_recording.hpp"
 #include "acquisition/importers/named_arrays.hpp"
@@ -32,6 +34,24 @@ StoredNumbers numbers(NumberKind kind, bool big_endian, std::uint64_t offset, st
   StoredNumbers stored(kind, big_endian);
   stored.add({offset, count, step * size_of(kind), 1, 0});
   return stored;
+}
+
+/// What a channel is called, the name by which its clock is looked for, and its unit.
+struct Label {
+  std::string name, array_name, unit;
+};
+
+Label label_of(const std::string& array) {
+  return {array, array, unit_by_name(array)};
+}
+
+/// A column that a text names: "v (m/s)".
+Label label_of(const std::string& array, const std::string& column) {
+  const ColumnHead head = split_head(column);
+  std::string word = head.name;
+  std::ranges::replace_if(
+      word, [](char c) { return c == '.' || c == '/'; }, '_');
+  return {fmt::format("{}.{}", array, column), fmt::format("{}.{}", array, word), head.unit};
 }
 
 /// Makes channels of arrays.
@@ -66,24 +86,28 @@ class MatRecord {
     const std::uint64_t longer = std::max(array.rows, array.columns);
     const std::uint64_t shorter = std::min(array.rows, array.columns);
     if (longer <= longest_small_matrix || shorter < 2 || shorter > most_channels)
-      return add_channel(array, array.name, 0, array.count, 1);
+      return add_channel(array, label_of(array.name), 0, array.count, 1);
     const bool by_columns = array.rows >= array.columns;
+    const std::vector<std::string> names = labels_.channels_of(array.name, shorter);
     for (std::uint64_t i = 0; i < shorter; ++i) {
-      const std::string name = fmt::format("{}:{}", array.name, i + 1);
+      const Label label = names.empty() ? label_of(fmt::format("{}:{}", array.name, i + 1))
+                                        : label_of(array.name, names[i]);
       const std::uint64_t first = by_columns ? i * array.rows : i;
       if (first >= array.count) break;
       const std::uint64_t left = array.count - first;
-      add_channel(array, name, first,
+      add_channel(array, label, first,
                   by_columns ? std::min(array.rows, left) : (left - 1) / array.rows + 1,
                   by_columns ? 1 : array.rows);
     }
   }
 
-  void add_channel(const MatArray& array, const std::string& name, std::uint64_t first,
+  void add_channel(const MatArray& array, const Label& label, std::uint64_t first,
                    std::uint64_t count, std::uint64_t step) {
     Channel channel;
-    channel.name = name;
-    channel.unit = unit_by_name(name);
+    channel.name = label.name;
+    channel.unit = label.unit;
+    array_names_.push_back(label.array_name);
+    if (channel.unit.empty()) channel.unit = labels_.unit_of(array.name);
     channel.quantity = datasets::quantity_of_unit(channel.unit);
     channel.attributes["size"] = fmt::format("{} x {}", array.rows, array.columns);
     StoredChannel stored;
@@ -101,7 +125,7 @@ class MatRecord {
     std::vector<NamedArray> arrays;
     for (std::size_t i = 0; i < stored_.size(); ++i) {
       arrays.push_back(
-          {record_.channels[i].name, stored_[i].samples.size(), stored_[i].imaginary.size() == 0});
+          {array_names_[i], stored_[i].samples.size(), stored_[i].imaginary.size() == 0});
       take_unit(arrays.back(), record_.channels[i].unit);
     }
     ArrayClocks found = clocks_by_name(
@@ -156,7 +180,9 @@ class MatRecord {
   }
 
   MatContents contents_;
+  MatLabels labels_{contents_};
   Record record_;
+  std::vector<std::string> array_names_;  ///< of the channels
   std::vector<StoredChannel> stored_;
 };
 

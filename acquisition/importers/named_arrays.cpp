@@ -40,9 +40,17 @@ constexpr std::array<std::string_view, 11> rate_words = {"fs",
                                                          "samplefrequency"};
 constexpr std::string_view start_word = "tstart";  // PicoScope, beside Tinterval
 
+/// Where the last '.' or '/' stands that is not within brackets at the end, as of "/run/v (m/s)".
+std::size_t end_of_group(std::string_view name) {
+  const char close = name.empty() ? ' ' : name.back();
+  if (close == ')') name = name.substr(0, name.rfind('('));
+  if (close == ']') name = name.substr(0, name.rfind('['));
+  return name.find_last_of("./");
+}
+
 /// "run" of "run.force", "/entry" of "/entry/force"; "" of what stands at the top.
 std::string_view group_of(std::string_view name) {
-  const std::size_t end = name.find_last_of("./");
+  const std::size_t end = end_of_group(name);
   return end == std::string_view::npos ? std::string_view{} : name.substr(0, end);
 }
 
@@ -54,7 +62,7 @@ bool among(const std::array<std::string_view, N>& words, const std::string& name
 /// "time" and "us" of "run.time_us", "dt" and "ms" of "dt_ms", "fs" and "Hz" of "fs_Hz".
 ColumnHead last_head(std::string_view name) {
   using datasets::Quantity;
-  const std::size_t end = name.find_last_of("./");
+  const std::size_t end = end_of_group(name);
   ColumnHead head = split_head(end == std::string_view::npos ? name : name.substr(end + 1));
   const std::size_t line = head.name.rfind('_');
   if (!head.unit.empty() || line == std::string::npos) return head;
@@ -143,7 +151,7 @@ class ClockFinder {
 
  private:
   bool is_time(std::size_t index, const std::string& name) const {
-    return arrays_[index].time || among(time_words, last_word(name));
+    return arrays_[index].time || is_named_as_time(name);
   }
 
   std::size_t stated_column() const {
@@ -379,6 +387,10 @@ class ClockFinder {
 
 std::string unit_by_name(std::string_view name) {
   return last_head(name).unit;
+}
+
+bool is_named_as_time(std::string_view name) {
+  return among(time_words, last_word(name));
 }
 
 void take_unit(NamedArray& array, const std::string& unit) {

@@ -27,6 +27,9 @@ struct NamedArray {
 /// "us" of "run.time_us" and "N" of "/run/Force [N]"; "" where the name does not end so.
 std::string unit_by_name(std::string_view name);
 
+/// Whether an array is called what times are: "run.t", "Time".
+bool is_named_as_time(std::string_view name);
+
 /// Says of an array that its numbers have a unit: of times, of intervals and rates it counts; what
 /// has another one holds no times.
 void take_unit(NamedArray& array, const std::string& unit);

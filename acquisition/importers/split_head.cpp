@@ -21,6 +21,51 @@ bool is_plain_unit(std::string_view text) {
   return quantity != Quantity::unknown && quantity != Quantity::other;
 }
 
+struct QuantityWord {
+  std::string_view word;
+  Quantity quantity;
+};
+
+constexpr auto quantity_words = std::to_array<QuantityWord>({
+    {"f", Quantity::force},
+    {"force", Quantity::force},
+    {"load", Quantity::force},
+    {"kraft", Quantity::force},
+    {"v", Quantity::velocity},
+    {"vel", Quantity::velocity},
+    {"velocity", Quantity::velocity},
+    {"speed", Quantity::velocity},
+    {"geschwindigkeit", Quantity::velocity},
+    {"x", Quantity::displacement},
+    {"disp", Quantity::displacement},
+    {"displacement", Quantity::displacement},
+    {"deflection", Quantity::displacement},
+    {"weg", Quantity::displacement},
+    {"a", Quantity::acceleration},
+    {"acc", Quantity::acceleration},
+    {"accel", Quantity::acceleration},
+    {"acceleration", Quantity::acceleration},
+    {"beschleunigung", Quantity::acceleration},
+});
+
+/// "N" of "Force_N" and "mm/s" of "velocity_tip_mm_s", which is no valid name elsewhere: what
+/// begins with the word of a quantity and ends with a unit of it. "" where it does not.
+std::string unit_of_name(std::string_view text) {
+  const std::string name = lowered(text);
+  const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
+  const auto letters = std::ranges::find_if_not(name, is_letter) - name.begin();
+  const std::string_view first =
+      std::string_view(name).substr(0, static_cast<std::size_t>(letters));
+  const auto word = std::ranges::find(quantity_words, first, &QuantityWord::word);
+  if (word == quantity_words.end()) return {};
+  for (std::size_t line = text.find('_'); line != text.npos; line = text.find('_', line + 1)) {
+    std::string unit(text.substr(line + 1));
+    std::ranges::replace(unit, '_', '/');
+    if (datasets::quantity_of_unit(unit) == word->quantity) return unit;
+  }
+  return {};
+}
+
 /// "Time in ms", "Time - ms", "Time, ms", "t/ms", "v/mm/s", and of times "Time_ms".
 std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
   const auto divided = [text](std::size_t name, std::size_t unit) {
@@ -120,7 +165,9 @@ ColumnHead split_head(std::string_view cell) {
     head.unit = to_utf8(trimmed(text.substr(slash + 3)));
     return head;
   }
-  return unit_behind_a_word(text).value_or(head);
+  if (const auto divided = unit_behind_a_word(text)) return *divided;
+  head.unit = unit_of_name(text);
+  return head;
 }
 
 }  // namespace impactrig::acquisition

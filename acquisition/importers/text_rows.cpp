@@ -98,8 +98,13 @@ void RowReader::read_line() {
   skip_blanks();
   if (at_line_end()) return skip_line_end();
   if (*at_ == '#' || *at_ == '%') {
+    if (comment_ == nullptr) comment_ = line;
     take_line(at_, end_);
     return;
+  }
+  if (comment_ != nullptr) {
+    if (table_.comment == nullptr) table_.comment = comment_;
+    comment_ = nullptr;
   }
   skip_key_cells();
   date_from_ = nullptr;
@@ -403,6 +408,17 @@ std::string cut_number(TextFile& file, const TableLayout& layout) {
       "the file ends without a line end, and its last number '{}' has fewer digits than those "
       "above it: it may be cut off",
       to_utf8(last_row.back().substr(0, 40)));
+}
+
+std::string comment_between(TextFile& file, const Table& table) {
+  if (table.comment == nullptr) return {};
+  const char* at = table.comment;
+  const char* const end = file.text().data() + file.text().size();
+  const std::string_view line = trimmed(take_line(at, end));
+  return fmt::format(
+      "lines that begin with '{}' stand between the rows and are passed over, the first at {}: "
+      "'{}'; where another table begins there, its rows are read as the first one's",
+      line.front(), file.position(table.comment).text(), to_utf8(line.substr(0, 40)));
 }
 
 std::string cut_row(const TextFile& file, const Table& table) {

@@ -121,6 +121,7 @@ struct Table {
   std::size_t rows = 0;
   const char* cut_row =
       nullptr;  ///< start of a last row that the file's end cut off; it is left out
+  const char* comment = nullptr;  ///< the first line that begins with # or % before another row
 };
 
 /// The text up to the end of the last row.
@@ -196,6 +197,7 @@ class RowReader {
   const TableLayout& layout_;
   std::size_t required_;  ///< cells that a row must have: up to the last column of numbers
   bool first_row_ = true;
+  const char* comment_ = nullptr;  ///< the first since the last row
   Table table_;
 };
 
@@ -216,6 +218,10 @@ std::string what_follows(TextFile& file, const TableLayout& layout);
 /// Says that the last number, which no line end follows, lacks digits that all those above it have;
 /// "" where it does not.
 std::string cut_number(TextFile& file, const TableLayout& layout);
+
+/// Says that lines between the rows are passed over, which may begin another table; "" where there
+/// are none.
+std::string comment_between(TextFile& file, const Table& table);
 
 /// Says that the file's end cut a row off; "" when it did not.
 std::string cut_row(const TextFile& file, const Table& table);

@@ -86,6 +86,19 @@ TEST(CsvHeads, NamesMayBeNumbersBesideATime) {
               ElementsAre("column 1 []", "column 2 []"));
 }
 
+TEST(CsvHeads, NamesOfQuantitiesMayEndWithAUnit) {
+  const Record record = imported(
+      "time_ms,force_N,F_kN,velocity_tip_mm_s,v_m_s,disp_um,acc_m_s2\n"
+      "0,1,2,3,4,5,6\n1,2,3,4,5,6,7\n");
+  EXPECT_THAT(names_and_units(record),
+              ElementsAre("force_N [N]", "F_kN [kN]", "velocity_tip_mm_s [mm/s]", "v_m_s [m/s]",
+                          "disp_um [um]", "acc_m_s2 [m/s2]"));
+  EXPECT_EQ(record.channels.at(0).quantity, Quantity::force);
+  // no quantity, or a unit of another
+  for (const char* name : {"ch_N", "force_top", "force_mm", "A_V", "velocity_N", "forces_N"})
+    EXPECT_EQ(split_head(name).unit, "") << name;
+}
+
 TEST(CsvHeads, AnIndexInBracketsIsNoUnit) {
   const Record record = imported(  // as LabVIEW exports waveforms to a spreadsheet
       "waveform\t[0]\t[1]\nt0\t03/12/2021 10:11:12.5\t03/12/2021 10:11:12.5\n"

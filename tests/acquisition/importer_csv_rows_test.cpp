@@ -67,8 +67,24 @@ TEST(Csv, AColumnThatIsNamedButEmptyIsAnEmptyChannel) {
 }
 
 TEST(Csv, CommentsAndEmptyLinesBetweenRowsAreSkipped) {
-  EXPECT_THAT(imported("t,F\n0,1\n# pause\n\n1,2\n% again\n2,3\n").channels[0].values(),
-              ElementsAre(1.0, 2.0, 3.0));
+  const auto record = imported("t,F\n0,1\n# pause\n\n1,2\n% again\n2,3\n");
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.0, 2.0, 3.0));
+  EXPECT_THAT(record.warnings,
+              testing::Contains(testing::AllOf(testing::HasSubstr("stand between the rows"),
+                                               testing::HasSubstr(":3:1 (byte 8): '# pause'"))));
+  EXPECT_THAT(imported("t,F\n0,1\n\n1,2\n# end\n").warnings,
+              testing::Not(testing::Contains(testing::HasSubstr("between the rows"))));
+}
+
+// One under the other: 't' and 'force' would be one channel.
+TEST(Csv, OctavesVariablesAreReadOneAFile) {
+  const std::string head = "# Created by Octave 7.3.0, Sat Nov 28 06:51:30 2026 UTC <a@b>\n";
+  const std::string t = "# name: t\n# type: matrix\n# rows: 3\n# columns: 1\n 0\n 1\n 2\n\n\n";
+  const std::string force =
+      "# name: force\n# type: matrix\n# rows: 3\n# columns: 2\n 0 5\n 1 6\n 2 8\n\n\n";
+  EXPECT_THAT(tests::import_error(head + t + force),
+              testing::HasSubstr("another variable begins here"));
+  EXPECT_THAT(imported(head + force).channels.back().values(), ElementsAre(5.0, 6.0, 8.0));
 }
 
 TEST(Csv, ATextForANumberIsAnErrorThatNamesPlaceAndColumn) {

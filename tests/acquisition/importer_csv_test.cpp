@@ -200,7 +200,8 @@ TEST(ColumnHead, IsDividedIntoNameAndUnit) {
   EXPECT_EQ(divided("N/A"), "N/A|");
   EXPECT_EQ(divided("Channel, C"), "Channel, C|");
   EXPECT_EQ(divided("left/right"), "left/right|");
-  EXPECT_EQ(divided("Force_N"), "Force_N|");
+  EXPECT_EQ(divided("Force_N"), "Force_N|N");
+  EXPECT_EQ(divided("Force_V"), "Force_V|");
   EXPECT_EQ(divided(""), "|");
 }
 

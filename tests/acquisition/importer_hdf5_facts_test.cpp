@@ -110,6 +110,22 @@ TEST(Hdf5Columns, HaveTheNamesAndUnitsOfTheirLists) {
   EXPECT_EQ(imported(file.bytes()).channels[1].name, "/table.force");
 }
 
+// The '/' of a unit divides no groups.
+TEST(Hdf5Columns, MayHaveUnitsInTheirNames) {
+  std::vector<double> table;
+  for (int i = 0; i < 200; ++i) {
+    table.push_back(0.5 * i);
+    table.push_back(i % 7);
+  }
+  const Hdf5File file;
+  file.data<double>("/table", {200, 2}, table, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.texts("/table", "columns", {"time (ms)", "v (m/s)"});
+  const Record record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels[1].unit, "m/s");
+  EXPECT_DOUBLE_EQ(record.channels[1].clock.interval, 5e-4);
+}
+
 // Without names, a first column that increases evenly is the time, as in MAT-files.
 TEST(Hdf5Columns, WithoutNamesBeginWithTheTime) {
   const Hdf5File file;

@@ -106,6 +106,7 @@ TEST_P(Mat, NumbersOfStructuresAreNamedByTheirFields) {
   EXPECT_EQ(record.channels[1].name, "run.more.x");
   EXPECT_EQ(record.channels[2].name, "s(1).y");
   EXPECT_EQ(record.channels[3].name, "s(2).y");
+  EXPECT_EQ(record.channels[0].unit, "N");
   EXPECT_EQ(record.attributes.at("run.unit"), "N");
 }
 
@@ -225,6 +226,48 @@ TEST_P(Mat, UnitsInNamesHold) {
   // what has another unit is no time
   EXPECT_EQ(imported(b.header() + force + b.doubles("t [N]", {4, 5, 6})).channels[0].clock.interval,
             0.0);
+}
+
+TEST_P(Mat, AUnitHoldsForTheOnlyDataBesideIt) {
+  const std::string data = b.doubles("", {1, 2, 3});
+  const auto unit_with = [&](const std::string& field, const std::string& unit) {
+    const auto record = imported(
+        b.header() + b.structure("run", {"data", field, "unit"}, data + data + b.text("", unit)));
+    return record.channels.at(0).unit;
+  };
+  EXPECT_EQ(unit_with("t", "N"), "N");
+  EXPECT_EQ(unit_with("other", "N"), "") << "of which of both?";
+  EXPECT_EQ(unit_with("t", "s"), "") << "of the time";
+  EXPECT_EQ(unit_with("t", "bananas"), "");
+  const auto record =
+      imported(b.header() + b.structure("run", {"dt", "data", "unit"},
+                                        b.doubles("", {0.5}) + data + b.text("", "N")));
+  EXPECT_EQ(record.find("run.dt")->unit, "");
+  EXPECT_EQ(record.find("run.data")->unit, "N");
+  EXPECT_EQ(record.find("run.data")->clock.interval, 0.5);
+}
+
+TEST_P(Mat, ChannelsOfAMatrixMayBeNamedInACell) {
+  std::vector<double> numbers(303);
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    numbers[i] = i < 101 ? 0.5 * static_cast<double>(i) : static_cast<double>(i % 7);
+  const auto names_by = [&](const std::vector<std::string>& names) {
+    std::string cells;
+    for (const std::string& name : names) cells += b.text("", name);
+    const auto count = static_cast<std::int32_t>(names.size());
+    const auto record =
+        imported(b.header() + b.structure("shot", {"data", "colheaders"},
+                                          b.doubles("", numbers, 3) +
+                                              b.matrix(b.head(1, {1, count}, "") + cells)));
+    std::string all;
+    for (const auto& channel : record.channels) all += channel.name + "[" + channel.unit + "] ";
+    return all + std::to_string(record.channels.at(1).clock.interval);
+  };
+  EXPECT_EQ(names_by({"time (ms)", "Force (N)", "v (m/s)"}),
+            "shot.data.time (ms)[ms] shot.data.Force (N)[N] shot.data.v (m/s)[m/s] 0.000500");
+  const std::string numbered = "shot.data:1[] shot.data:2[] shot.data:3[] 0.500000";
+  EXPECT_EQ(names_by({"time", "force"}), numbered);
+  EXPECT_EQ(names_by({"a", "b", "b"}), numbered);
 }
 
 TEST_P(Mat, StatedUnitsReplaceThoseOfNames) {

@@ -124,6 +124,8 @@ INSTANTIATE_TEST_SUITE_P(
                "the description of a test in ISO 13499 (.mme), whose samples are in the folder "
                "Channel beside it, which is not read: state the files of its channels (.001, .002, "
                "...)"},
+        Closed{"Octave-1-L\x00"sv,
+               "Octave's own binary format, which is not read: save it with -v7 in Octave"},
         Closed{"SPBXDS\x01"sv,
                "the memory of an OWON oscilloscope (.bin), which is not read: save the waveform as "
                "CSV on the oscilloscope, with its times"},

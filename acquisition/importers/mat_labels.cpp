@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/mat_labels.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "acquisition/importers/named_arrays.hpp"
+#include "acquisition/importers/text_file.hpp"
+#include "datasets/units.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+constexpr std::array<std::string_view, 6> unit_words = {"unit",  "units",  "Unit",
+                                                        "Units", "y_unit", "yunit"};
+constexpr std::array<std::string_view, 9> list_words = {
+    "colheaders",    "names",          "labels",         "columns", "channels",
+    "channel_names", "channel_labels", "variable_names", "headers"};
+
+/// "run." of "run.data"; "" at the top.
+std::string_view structure_of(std::string_view name) {
+  const std::size_t point = name.rfind('.');
+  return point == std::string_view::npos ? std::string_view{} : name.substr(0, point + 1);
+}
+
+}  // namespace
+
+std::string MatLabels::unit_of(std::string_view array) const {
+  const std::string_view structure = structure_of(array);
+  if (structure.empty()) return {};
+  const auto counts = [&](const MatArray& other) {
+    return other.count > 1 && structure_of(other.name) == structure &&
+           !is_named_as_time(other.name);
+  };
+  const auto only = std::ranges::find_if(contents_.arrays, counts);
+  if (only == contents_.arrays.end() || only->name != array ||
+      std::find_if(only + 1, contents_.arrays.end(), counts) != contents_.arrays.end())
+    return {};
+  for (const std::string_view word : unit_words) {
+    const auto found = contents_.texts.find(fmt::format("{}{}", structure, word));
+    if (found == contents_.texts.end()) continue;
+    const std::string unit = to_utf8(found->second);
+    const datasets::Quantity quantity = datasets::quantity_of_unit(unit);
+    const bool may_be =
+        quantity != datasets::Quantity::unknown && quantity != datasets::Quantity::time;
+    return may_be ? unit : std::string();
+  }
+  return {};
+}
+
+std::vector<std::string> MatLabels::channels_of(std::string_view array,
+                                                std::uint64_t channels) const {
+  for (const std::string_view word : list_words) {
+    std::vector<std::string> names =
+        texts_of(fmt::format("{}{}", structure_of(array), word), channels);
+    if (!names.empty()) return names;
+  }
+  return {};
+}
+
+/// A cell array of just so many texts that differ; empty where it is none.
+std::vector<std::string> MatLabels::texts_of(const std::string& cells, std::uint64_t count) const {
+  const auto text = [&](std::uint64_t i) {
+    return contents_.texts.find(fmt::format("{}{{{}}}", cells, i));
+  };
+  if (text(count + 1) != contents_.texts.end()) return {};
+  std::vector<std::string> found;
+  for (std::uint64_t i = 1; i <= count; ++i) {
+    if (text(i) == contents_.texts.end() || text(i)->second.empty()) return {};
+    found.push_back(to_utf8(text(i)->second));
+  }
+  const std::set<std::string> different(found.begin(), found.end());
+  return different.size() == found.size() ? found : std::vector<std::string>{};
+}
+
+}  // namespace impactrig::acquisition
