@@ -190,6 +190,13 @@ double time_for_mesh_error(const models::Cost& cost) {
   return std::max(1.0, 4.0 * cost.seconds);
 }
 
+void refuse_too_many_samples(const Options& options, double longest, double channels) {
+  if (options.output.empty() || channels * longest / options.interval <= most_samples) return;
+  throw CLI::ValidationError(
+      "--interval", fmt::format("{:g} s over {:g} s are more than {:g} samples", options.interval,
+                                longest, most_samples / channels));
+}
+
 void simulate(const Options& options) {
   if (!options.output.empty()) {
     refuse_inputs({options.output}, {options.rig});
@@ -198,16 +205,13 @@ void simulate(const Options& options) {
   }
   fitting::RigFile rig =
       fitting::read_rig_file(options.rig, split_overrides(options.common.overrides));
+  const double longest = rig.solver.duration.value_or(0.1);
+  refuse_too_many_samples(options, longest, 1.0);  // before a mesh is chosen, which takes a while
   const std::string chosen = fitting::choose_mesh(rig, fitting::finest_mesh);
   models::SimulationOptions request;
-  const double longest = rig.solver.duration.value_or(0.1);
   std::vector<reports::SensitivityEntry> sensitivities =
       ask_for_sensitivities(options.sensitivities, rig, request);
-  const double channels = 1.0 + static_cast<double>(sensitivities.size());
-  if (!options.output.empty() && channels * longest / options.interval > most_samples)
-    throw CLI::ValidationError(
-        "--interval", fmt::format("{:g} s over {:g} s are more than {:g} samples", options.interval,
-                                  longest, most_samples / channels));
+  refuse_too_many_samples(options, longest, 1.0 + static_cast<double>(sensitivities.size()));
   request.exact = options.exact;
   if (options.small_motion) request.motion = models::Motion::small;
   if (!options.output.empty()) {

@@ -164,7 +164,10 @@ model = "rigid"
 accuracy = 1e-6
 duration = "0.5 s"
 )";
-  Outcome o = run("simulate " + path("free.toml") + " --interval 1e-3 -o " + path("free.h5"));
+  Outcome o = run("simulate " + path("free.toml") + " --interval 1e-8 -o " + path("free.h5"));
+  EXPECT_NE(o.code, 0);
+  EXPECT_THAT(o.err, HasSubstr("--interval: 1e-08 s over 0.5 s are more than 2e+07 samples"));
+  o = run("simulate " + path("free.toml") + " --interval 1e-3 -o " + path("free.h5"));
   ASSERT_EQ(o.code, 0) << o.err;
   EXPECT_THAT(o.out, HasSubstr("free swing        0.5 s\nenergy"));
   const json channels = json::parse(run("inspect --json " + path("free.h5")).out)["channels"];
