@@ -29,17 +29,19 @@ std::string_view structure_of(std::string_view name) {
 
 }  // namespace
 
+MatLabels::MatLabels(const MatContents& contents) : contents_(contents) {
+  for (const MatArray& array : contents_.arrays) {
+    if (array.count < 2 || is_named_as_time(array.name)) continue;
+    const auto [first, is_new] = only_.try_emplace(structure_of(array.name), array.name);
+    if (!is_new) first->second = {};
+  }
+}
+
 std::string MatLabels::unit_of(std::string_view array) const {
   const std::string_view structure = structure_of(array);
   if (structure.empty()) return {};
-  const auto counts = [&](const MatArray& other) {
-    return other.count > 1 && structure_of(other.name) == structure &&
-           !is_named_as_time(other.name);
-  };
-  const auto only = std::ranges::find_if(contents_.arrays, counts);
-  if (only == contents_.arrays.end() || only->name != array ||
-      std::find_if(only + 1, contents_.arrays.end(), counts) != contents_.arrays.end())
-    return {};
+  const auto only = only_.find(structure);
+  if (only == only_.end() || only->second != array) return {};
   for (const std::string_view word : unit_words) {
     const auto found = contents_.texts.find(fmt::format("{}{}", structure, word));
     if (found == contents_.texts.end()) continue;

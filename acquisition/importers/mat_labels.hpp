@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "acquisition/importers/mat5.hpp"
@@ -14,7 +15,7 @@ namespace impactrig::acquisition {
 /// the top.
 class MatLabels {
  public:
-  explicit MatLabels(const MatContents& contents) : contents_(contents) {}
+  explicit MatLabels(const MatContents& contents);
 
   /// "N" of `run.unit` for `run.data`, the only array of its structure that holds several numbers
   /// but its times; "" where no text says so, or it is a unit of time or of nothing that is known.
@@ -28,6 +29,7 @@ class MatLabels {
   std::vector<std::string> texts_of(const std::string& cells, std::uint64_t count) const;
 
   const MatContents& contents_;
+  std::unordered_map<std::string_view, std::string_view> only_;  ///< by structure; "": several
 };
 
 }  // namespace impactrig::acquisition
