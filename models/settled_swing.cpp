@@ -54,7 +54,7 @@ double fastest_turn(const Rig& rig) {
 }
 
 /// Of a cantilever, with its weakest section all along and every lumped mass at its tip: no bar
-/// vibrates as slowly [rad/s].
+/// that does not shear vibrates as slowly [rad/s].
 double slowest_vibration(const Beam& beam) {
   constexpr double share_at_tip = 0.25;  // of the bar's own mass, as Rayleigh has it
   double weakest = std::numeric_limits<double>::infinity();

@@ -136,10 +136,11 @@ double ContactForce::relaxation_at(double speed) const {
     return 0.5 * (root.first + root.second);
   };
   constexpr double near = 1e-3, there = 1e-11;  // of e
+  constexpr double apart = 1e-3;                // of ln τ
   double log_time = root_by(few_steps, 30);
   double left = excess(log_time, many_steps);
   const double steepness =
-      (excess(log_time + near, few_steps) - excess(log_time - near, few_steps)) / (2.0 * near);
+      (excess(log_time + apart, few_steps) - excess(log_time - apart, few_steps)) / (2.0 * apart);
   for (int k = 0; k < 3 && std::abs(left) < near && std::abs(left) > there; ++k) {
     log_time -= left / steepness;
     left = excess(log_time, many_steps);
