@@ -53,7 +53,8 @@ datasets::Impact chosen_impact(const datasets::Record& record, const FitJob& job
     throw datasets::InputError({.file = file},
                                "has no force channel; name it with sensors.force.channel (and "
                                "sensitivity, if it is in volts) in the "
-                               "rig file, or fit what there is with --channels velocity");
+                               "rig file, or fit what there is with --channels velocity or "
+                               "--channels displacement");
   if (impact.has(datasets::ImpactFlag::swapped))
     throw datasets::InputError({.file = file},
                                std::string(sentence(datasets::ImpactFlag::swapped)));
@@ -63,12 +64,12 @@ datasets::Impact chosen_impact(const datasets::Record& record, const FitJob& job
         fmt::format("the force is negative in the impact ({:.4g} N); if the sensor inverts, "
                     "state sensors.force.polarity = -1",
                     impact.peak));
-  if (impact.velocity && impact.approach_velocity < 0.0)
+  if ((impact.velocity || impact.rebound) && impact.approach_velocity < 0.0)
     throw datasets::InputError(
         {.file = file},
         fmt::format("the bar moves away from the stop before the impact ({:.4g} m/s); if the "
-                    "laser looks from the other side, state sensors.velocity.polarity = -1",
-                    impact.approach_velocity));
+                    "laser looks from the other side, state sensors.{}.polarity = -1",
+                    impact.approach_velocity, impact.rebound ? "displacement" : "velocity"));
   if (impacts.size() > 1)
     warnings.push_back(fmt::format("{} holds {} impacts; number {}, at {:.6g} s, was fitted.", file,
                                    impacts.size(), job.impact, impact.start));

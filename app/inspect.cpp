@@ -14,6 +14,7 @@
 #include "acquisition/statistics.hpp"
 #include "app/import_options.hpp"
 #include "app/program.hpp"
+#include "app/rebound_texts.hpp"
 #include "datasets/input_error.hpp"
 #include "fitting/plausibility.hpp"
 
@@ -108,6 +109,7 @@ ordered_json impact_json(const datasets::Impact& impact, const datasets::Channel
   for (const datasets::ImpactFlag flag : impact.flags) flags.push_back(datasets::name(flag));
   const char* const impulse_unit = channel.quantity == force          ? "N s"
                                    : channel.quantity == acceleration ? "m/s"
+                                   : channel.quantity == displacement ? "m s"
                                                                       : "m";
   ordered_json json = {
       {"channel", channel.name},         {"unit", datasets::si_unit(channel.quantity)},
@@ -115,7 +117,9 @@ ordered_json impact_json(const datasets::Impact& impact, const datasets::Channel
       {"peak", number(impact.peak)},     {"peak_time_s", number(impact.peak_time)},
       {"width_s", number(impact.width)}, {"impulse", number(impact.impulse)},
       {"impulse_unit", impulse_unit},    {"flags", flags}};
-  if (impact.velocity) json["approach_velocity_m_s"] = number(impact.approach_velocity);
+  if (impact.velocity || impact.rebound)
+    json["approach_velocity_m_s"] = number(impact.approach_velocity);
+  if (impact.rebound) json["rebound"] = rebound_json(*impact.rebound);
   return json;
 }
 
@@ -142,8 +146,18 @@ void add_impacts(const datasets::Record& record, std::size_t index,
   }
 }
 
+/// Of which quantities a record is searched: the first of these kinds that it has.
+std::vector<datasets::Quantity> searched_quantities(const datasets::Record& record) {
+  using enum datasets::Quantity;
+  const std::vector<std::vector<datasets::Quantity>> kinds = {{force, acceleration}, {velocity}};
+  for (const auto& kind : kinds)
+    for (const datasets::Channel& channel : record.channels)
+      if (std::ranges::find(kind, channel.quantity) != kind.end()) return kind;
+  return {displacement};
+}
+
 /// Impacts of the trigger channel, else of every force and acceleration, or every velocity where
-/// there are none, each searched alone.
+/// there are none, or every displacement where there are none either, each searched alone.
 ordered_json impacts_json(const datasets::Record& record, const DetectionArguments& detection,
                           std::vector<std::string>& warnings) {
   ordered_json list = ordered_json::array();
@@ -161,16 +175,11 @@ ordered_json impacts_json(const datasets::Record& record, const DetectionArgumen
       warnings.push_back(no_impact(fmt::format("'{}'", channel->name)));
     return list;
   }
-  using enum datasets::Quantity;
-  const bool pulses = std::ranges::any_of(record.channels, [](const datasets::Channel& channel) {
-    return channel.quantity == force || channel.quantity == acceleration;
-  });
+  const std::vector<datasets::Quantity> quantities = searched_quantities(record);
   bool searched = false;
   for (std::size_t i = 0; i < record.channels.size(); ++i) {
     const datasets::Channel& channel = record.channels[i];
-    if (pulses ? channel.quantity != force && channel.quantity != acceleration
-               : channel.quantity != velocity)
-      continue;
+    if (std::ranges::find(quantities, channel.quantity) == quantities.end()) continue;
     // What is over no time has no impacts; of uneven times a sentence says what to do.
     const bool over_time = !channel.clock.uniform() || channel.clock.interval > 0.0;
     if (channel.complex() || !over_time) continue;
@@ -181,7 +190,8 @@ ordered_json impacts_json(const datasets::Record& record, const DetectionArgumen
     warnings.push_back(fmt::format(
         "there is no impact: no {} passes --threshold {:g} from a quiet level; state a lower one, "
         "or a higher one where noise passes it",
-        pulses ? "force or acceleration" : "velocity", detection.threshold));
+        quantities.size() > 1 ? "force or acceleration" : datasets::name(quantities.front()),
+        detection.threshold));
   return list;
 }
 
@@ -231,6 +241,8 @@ void print_impacts(const ordered_json& impacts) {
         i["flags"].empty()
             ? ""
             : fmt::format(" ({})", fmt::join(i["flags"].get<std::vector<std::string>>(), ", ")));
+    if (i.contains("rebound"))
+      fmt::print("    {}\n", rebound_text(i["approach_velocity_m_s"], i["rebound"]));
   }
   for (const auto& [channel, count] : found)
     if (count > most) fmt::print("  {}: {} more (--json lists them all)\n", channel, count - most);

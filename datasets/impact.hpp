@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -59,6 +60,22 @@ struct ImpactSignal {
   double time(std::size_t i) const { return start + interval * static_cast<double>(i); }
 };
 
+/// How a displacement alone shows the bar come and go. A force or a velocity tells more.
+struct Rebound {
+  double approach_error = 0.0;  ///< standard error of Impact::approach_velocity [m/s]
+  double from = 0.0, to = 0.0;  ///< the stretch of the rebound [s, record's time axis]
+  double velocity = 0.0;        ///< mean over it, away from the stop > 0 [m/s]
+  double velocity_error = 0.0;  ///< its standard error, vibration's scatter included [m/s]
+  double restitution = 0.0;     ///< velocity over approach velocity
+  double restitution_error = 0.0;
+  std::string absent;  ///< why there are no velocity and restitution; empty where there are
+
+  std::array<double, 2> restitution_ci95() const {
+    constexpr double quantile = 1.959963985;
+    return {restitution - quantile * restitution_error, restitution + quantile * restitution_error};
+  }
+};
+
 /// One impact found in a recording, ready to be compared with a model.
 struct Impact {
   std::string recording;   ///< file it was found in
@@ -69,7 +86,10 @@ struct Impact {
   double peak_time = 0.0;  ///< [s]
   double width = 0.0;      ///< full width at half of the peak [s]
   double impulse = 0.0;    ///< integral of the trigger channel over the contact [SI s]
-  double approach_velocity = 0.0;  ///< mean before touch [m/s]; 0 without a velocity channel
+  /// Mean before touch [m/s]; found in a displacement the speed at touch, else 0 without a
+  /// velocity.
+  double approach_velocity = 0.0;
+  std::optional<Rebound> rebound;  ///< where the impact was found in a displacement
   std::optional<ImpactSignal> force;
   std::optional<ImpactSignal> velocity;
   std::optional<ImpactSignal> displacement;

@@ -131,24 +131,48 @@ datasets::Provenance source_from(const JsonReader& json) {
   return provenance;
 }
 
+Json rebound_json(const datasets::Rebound& rebound) {
+  return {{"approach_std_error_m_s", rebound.approach_error},
+          {"from_s", rebound.from},
+          {"to_s", rebound.to},
+          {"velocity_m_s", rebound.velocity},
+          {"velocity_std_error_m_s", rebound.velocity_error},
+          {"restitution", rebound.restitution},
+          {"restitution_std_error", rebound.restitution_error},
+          {"absent", rebound.absent}};
+}
+
+datasets::Rebound rebound_from(const JsonReader& json) {
+  return {.approach_error = json["approach_std_error_m_s"].number(),
+          .from = json["from_s"].number(),
+          .to = json["to_s"].number(),
+          .velocity = json["velocity_m_s"].number(),
+          .velocity_error = json["velocity_std_error_m_s"].number(),
+          .restitution = json["restitution"].number(),
+          .restitution_error = json["restitution_std_error"].number(),
+          .absent = json["absent"].text()};
+}
+
 }  // namespace
 
 Json impact_json(const datasets::Impact& impact) {
   Json flags = Json::array();
   for (const datasets::ImpactFlag flag : impact.flags)
     flags.push_back(std::string(datasets::name(flag)));
-  return {{"recording", impact.recording},
-          {"start_s", impact.start},
-          {"flags", flags},
-          {"end_s", impact.end},
-          {"peak", impact.peak},
-          {"peak_time_s", impact.peak_time},
-          {"width_s", impact.width},
-          {"impulse", impact.impulse},
-          {"approach_velocity_m_s", impact.approach_velocity},
-          {"force", signal_json(impact.force)},
-          {"velocity", signal_json(impact.velocity)},
-          {"displacement", signal_json(impact.displacement)}};
+  Json json = {{"recording", impact.recording},
+               {"start_s", impact.start},
+               {"flags", flags},
+               {"end_s", impact.end},
+               {"peak", impact.peak},
+               {"peak_time_s", impact.peak_time},
+               {"width_s", impact.width},
+               {"impulse", impact.impulse},
+               {"approach_velocity_m_s", impact.approach_velocity},
+               {"force", signal_json(impact.force)},
+               {"velocity", signal_json(impact.velocity)},
+               {"displacement", signal_json(impact.displacement)}};
+  if (impact.rebound) json["rebound"] = rebound_json(*impact.rebound);
+  return json;
 }
 
 datasets::Impact impact_from(const JsonReader& json) {
@@ -164,6 +188,7 @@ datasets::Impact impact_from(const JsonReader& json) {
   impact.force = signal_from(json, "force");
   impact.velocity = signal_from(json, "velocity");
   impact.displacement = signal_from(json, "displacement");
+  if (json.has("rebound")) impact.rebound = rebound_from(json["rebound"]);
   const JsonReader flags = json["flags"];
   for (std::size_t i = 0; i < flags.size(); ++i)
     impact.flags.push_back(flag_from(flags.element(i)));

@@ -280,7 +280,8 @@ bool wraps(const ImpactSignal& velocity) {
 bool trigger_clipped(const RecordedSignal& trigger, const Contact& contact,
                      const DetectionOptions& options) {
   const std::vector<double>& y = trigger.trace.values;
-  const bool pulse = trigger.trace.quantity != Quantity::velocity;
+  const bool pulse = trigger.trace.quantity != Quantity::velocity &&
+                     trigger.trace.quantity != Quantity::displacement;
   const auto first = static_cast<std::size_t>(contact.onset);
   const std::size_t last = std::min(y.size() - 1, static_cast<std::size_t>(contact.end));
   return reaches_range(trigger, first, last) ||

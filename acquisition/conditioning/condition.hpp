@@ -39,14 +39,14 @@ struct DetectionOptions {
   double threshold = 0.0;       ///< on the trigger channel [SI]; 0 = from noise and peak
   double pre_trigger = 0.5e-3;  ///< kept before first touch [s]
   double post_trigger = 5e-3;   ///< kept after first touch [s]
-  /// Name or index; "" = the first force, else acceleration, else velocity.
+  /// Name or index; "" = the first force, else acceleration, else velocity, else displacement.
   std::string trigger_channel{};
   std::optional<std::size_t> trigger_index{};  ///< in place of a name, which may be a number too
 };
 
-/// Finds impacts in a conditioned record (or any record with a force, acceleration or velocity
-/// channel), in order of time. Each holds the channels cut to its window, baseline and noise taken
-/// from before the trigger. Empty when there is none.
+/// Finds impacts in a conditioned record (or any record with a force, acceleration, velocity or
+/// displacement channel), in order of time. Each holds the channels cut to its window, baseline and
+/// noise taken from before the trigger. Empty when there is none.
 ///
 /// Force or acceleration: an impact is what leaves the baseline by more than
 /// max(6 standard deviations, 5 % of the record's peak); the standard deviation is robust (median
@@ -67,6 +67,13 @@ struct DetectionOptions {
 /// the time from 25 to 75 % of it (the full width at half height of a half-sine deceleration),
 /// `impulse` the way travelled. Double hits are not flagged: a velocity alone does not tell them
 /// from the bar's vibration.
+///
+/// Displacement: an impact begins with such a bend too, behind which the motion turns and has
+/// another speed than before by five times what both are uncertain and the bar vibrates by
+/// (fit_bounce). `start` is the touch of the fit, `end` where the displacement is back at its value
+/// there, `peak` how far it went beyond, `width` how long beyond half of that, `impulse` the
+/// integral of the way beyond. Impact::rebound has the speeds. A bar at rest that is struck, one
+/// that stays at the stop, and double hits are not told.
 ///
 /// Refuses to find anything in noise, drift or mains hum alone. A record shorter than 20 ms whose
 /// pulse fills most of it is told from hum by what a smooth curve cannot follow; there the pulse

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "acquisition/conditioning/background.hpp"
+#include "acquisition/conditioning/bounce.hpp"
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/conditioning/trace.hpp"
 
@@ -23,7 +24,8 @@ struct Contact {
   bool begins_inside = false;  ///< the record starts after first touch
   bool ends_inside = false;    ///< the record ends before the contact does
   int further_hits = 0;        ///< contacts after it within post_trigger
-  double last_end = 0.0;       ///< of the last of these, else `end` [samples]; of a velocity 0
+  double last_end = 0.0;       ///< of the last of these, else `end` [samples]; of a motion 0
+  std::optional<Bounce> bounce = {};  ///< of a displacement
 };
 
 /// Whether a contact has too few samples to tell its shape.
@@ -36,6 +38,9 @@ std::vector<Contact> find_pulses(const Trace& trace, const DetectionOptions& opt
 
 /// A signal that goes from one course to another: velocity.
 std::vector<Contact> find_jumps(const Trace& trace, const DetectionOptions& options);
+
+/// A signal that turns at a stop: displacement.
+std::vector<Contact> find_bounces(const Trace& trace, const DetectionOptions& options);
 
 /// The samples before `onset` that say what the signal does undisturbed: at least as many as
 /// pre_trigger and 200, a guard of 5 % and 3 samples left out before touch, none before `floor`.

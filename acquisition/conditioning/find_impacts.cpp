@@ -61,18 +61,19 @@ const Channel& trigger_channel(const Record& record, const DetectionOptions& opt
                        fmt::format("there is no single channel '{}' to look for impacts in",
                                    options.trigger_channel));
     if (channel->quantity != Quantity::force && channel->quantity != Quantity::acceleration &&
-        channel->quantity != Quantity::velocity)
+        channel->quantity != Quantity::velocity && channel->quantity != Quantity::displacement)
       throw InputError(whole_file(file),
                        fmt::format("channel '{}' is a {}; impacts are looked for in a force, an "
-                                   "acceleration or a velocity",
+                                   "acceleration, a velocity or a displacement",
                                    channel->name, name(channel->quantity)));
     return *channel;
   }
-  for (const Quantity quantity : {Quantity::force, Quantity::acceleration, Quantity::velocity})
+  for (const Quantity quantity :
+       {Quantity::force, Quantity::acceleration, Quantity::velocity, Quantity::displacement})
     if (const Channel* const channel = first_of(record, quantity)) return *channel;
   throw InputError(
       whole_file(file),
-      "there is no force, acceleration or velocity to look for impacts in; describe "
+      "there is no force, acceleration, velocity or displacement to look for impacts in; describe "
       "the channels in a rig file under [sensors.force] and [sensors.velocity], or their "
       "roles in a map");
 }
@@ -120,6 +121,7 @@ std::vector<Contact> find_pulses_beside_course(const RecordedSignal& trigger,
 
 std::vector<Contact> find_contacts(const RecordedSignal& trigger, const DetectionOptions& options) {
   if (trigger.trace.quantity == Quantity::velocity) return find_jumps(trigger.trace, options);
+  if (trigger.trace.quantity == Quantity::displacement) return find_bounces(trigger.trace, options);
   std::vector<Contact> contacts = find_pulses(trigger.trace, options);
   if (!contacts.empty() && !contacts.front().begins_inside) return contacts;
   std::vector<Contact> beside = find_pulses_beside_course(trigger, options);
@@ -153,7 +155,9 @@ std::vector<Contact> find_contacts_beside_spikes(RecordedSignal& trigger,
   constexpr int most_spikes = 16;
   constexpr double width = 10.0, height = 0.2;
   std::vector<Contact> contacts = find_contacts(trigger, options);
-  if (trigger.trace.quantity == Quantity::velocity) return contacts;
+  if (trigger.trace.quantity == Quantity::velocity ||
+      trigger.trace.quantity == Quantity::displacement)
+    return contacts;
   auto spike = short_spike(trigger.trace, contacts);
   if (!spike) return contacts;
   RecordedSignal cleared = trigger;
@@ -282,6 +286,30 @@ double approach_velocity(const RecordedSignal& velocity, double onset_time, cons
   return median({trace.values.begin() + begin, trace.values.begin() + end});
 }
 
+/// What the trigger shows of the bar's way there and back, where that is a displacement.
+void tell_rebound(const Bounce& bounce, const Trace& trace, Impact& impact) {
+  const double rate = 1.0 / trace.interval;
+  if (!impact.velocity) impact.approach_velocity = bounce.sign * bounce.approach.value * rate;
+  datasets::Rebound told;
+  told.approach_error = bounce.approach.error * rate;
+  if (const auto& back = bounce.rebound) {
+    told.from = trace.time(back->from);
+    told.to = trace.time(back->to);
+    told.velocity = bounce.sign * back->speed.value * rate;
+    told.velocity_error = std::hypot(back->speed.error, back->vibration) * rate;
+    told.restitution = back->speed.value / bounce.approach.value;
+    told.restitution_error =
+        std::hypot(told.velocity_error, told.restitution * told.approach_error) /
+        (bounce.approach.value * rate);
+  } else {
+    told.absent = bounce.back ? "The record ends, or samples are lost, before it shows the rebound "
+                                "for as long as the contact lasts; record more after the trigger."
+                              : "The record ends before the displacement is back at first touch; "
+                                "record more after the trigger.";
+  }
+  impact.rebound = std::move(told);
+}
+
 Impact impact_of(const Contact& contact, const RecordedSignal& trigger,
                  const std::vector<const RecordedSignal*>& sources, const Window& window,
                  const DetectionOptions& options) {
@@ -308,6 +336,7 @@ Impact impact_of(const Contact& contact, const RecordedSignal& trigger,
       impact.displacement = std::move(signal);
     }
   }
+  if (contact.bounce) tell_rebound(*contact.bounce, trace, impact);
   impact.flags = flags_of(impact, contact, sources, window.floor, options);
   return impact;
 }

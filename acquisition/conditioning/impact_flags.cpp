@@ -81,9 +81,12 @@ double force_peak(const Impact& impact) {
 
 bool noisy(const Impact& impact) {
   if (impact.force && impact.force->noise > much_noise * std::abs(force_peak(impact))) return true;
-  if (!impact.velocity) return false;
-  const auto [least, most] = std::ranges::minmax(impact.velocity->values);
-  return impact.velocity->noise > much_noise * (most - least);
+  const ImpactSignal* const motion = impact.velocity  ? &*impact.velocity
+                                     : impact.rebound ? &*impact.displacement
+                                                      : nullptr;
+  if (motion == nullptr) return false;
+  const auto [least, most] = std::ranges::minmax(motion->values);
+  return motion->noise > much_noise * (most - least);
 }
 
 const RecordedSignal* force_among(const std::vector<const RecordedSignal*>& signals) {
@@ -157,6 +160,7 @@ bool shifted(const Impact& impact, const Contact& contact, double end, double pe
 /// within the contact does not show: the bar may be on its way back then.
 bool inverted(const Impact& impact, const Contact& contact, double peak) {
   if (impact.force && peak < 0.0) return true;
+  if (contact.bounce) return contact.bounce->sign < 0.0;
   if (!impact.velocity || contact.begins_inside) return false;
   return impact.approach_velocity < -3.0 * impact.velocity->noise;
 }

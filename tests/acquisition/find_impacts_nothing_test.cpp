@@ -122,15 +122,15 @@ std::string message_of(const Record& record, const DetectionOptions& options = {
 TEST(FindImpacts, RefusesARecordWithoutATriggerChannel) {
   const Sampling at;
   EXPECT_EQ(message_of(record_of({channel_of("U", Quantity::voltage, at, {1.0, 2.0})})),
-            "shot.csv: there is no force, acceleration or velocity to look for impacts in; "
-            "describe the channels in a rig file under [sensors.force] and [sensors.velocity], or "
-            "their roles in a map");
+            "shot.csv: there is no force, acceleration, velocity or displacement to look for "
+            "impacts in; describe the channels in a rig file under [sensors.force] and "
+            "[sensors.velocity], or their roles in a map");
   EXPECT_EQ(message_of(record_of({force_of(at, {1.0, 2.0})}), {.trigger_channel = "F2"}),
             "shot.csv: there is no single channel 'F2' to look for impacts in");
   EXPECT_EQ(message_of(record_of({channel_of("U", Quantity::voltage, at, {1.0, 2.0})}),
                        {.trigger_channel = "U"}),
             "shot.csv: channel 'U' is a voltage; impacts are looked for in a force, an "
-            "acceleration or a velocity");
+            "acceleration, a velocity or a displacement");
 }
 
 TEST(FindImpacts, RefusesAnUnitThatIsNotUnderstood) {

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What find_impacts tells of a displacement alone.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "acquisition/conditioning/condition.hpp"
+#include "tests/acquisition/half_sine_contact.hpp"
+#include "tests/acquisition/scene.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+using datasets::ImpactFlag;
+using datasets::Quantity;
+using namespace tests;
+
+/// The way of a bar that comes at 0.441 m/s, is stopped by a half sine of deceleration on
+/// [0, duration] and leaves with e times that: the integral of bounce().
+double way(double t, double e) {
+  const double speed = 0.441, change = speed * (1.0 + e);
+  if (t < 0.0) return speed * t;
+  const double in = std::min(t, duration);
+  return speed * t - 0.5 * change * (in - duration / pi * std::sin(pi * in / duration)) -
+         change * (t - in);
+}
+
+datasets::Channel displacement_of(const Sampling& at, std::vector<double> values) {
+  return channel_of("Laser", Quantity::displacement, at, std::move(values));
+}
+
+std::vector<datasets::Impact> impacts_of(const Sampling& at, const std::vector<double>& values,
+                                         const DetectionOptions& options = {}) {
+  return find_impacts(record_of({displacement_of(at, values)}), options);
+}
+
+TEST(FindImpacts, FindsTheBounceOfADisplacement) {
+  const Sampling at;
+  std::vector<double> values = sampled(at, [](double t) { return way(t, 0.5); });
+  add_noise(values, 0.1e-6, 5);
+  const auto impacts = impacts_of(at, values);
+  ASSERT_EQ(impacts.size(), 1u);
+  const datasets::Impact& impact = impacts[0];
+  // Force sets in as t: of s³ = 25 times the noise is left after 7 % of the contact.
+  EXPECT_NEAR(impact.start, 0.0, 0.07 * duration);
+  // The half sine leaves the bar way(duration, 0.5) behind the stop, which takes it half as long
+  // again.
+  EXPECT_NEAR(impact.end, 1.5 * duration, 0.1 * duration);
+  EXPECT_NEAR(impact.approach_velocity, 0.441, 3.0 * impact.rebound->approach_error);
+  EXPECT_LT(impact.rebound->approach_error, 1e-3);
+  ASSERT_TRUE(impact.rebound);
+  EXPECT_EQ(impact.rebound->absent, "");
+  EXPECT_NEAR(impact.rebound->velocity, 0.2205, 3.0 * impact.rebound->velocity_error);
+  EXPECT_NEAR(impact.rebound->restitution, 0.5, 3.0 * impact.rebound->restitution_error);
+  EXPECT_LT(impact.rebound->restitution_error, 0.01);
+  EXPECT_GT(impact.rebound->from, duration / 2);
+  EXPECT_TRUE(impact.flags.empty());
+  ASSERT_TRUE(impact.displacement);
+}
+
+// Of 200 intervals at 95 % 190 hold, 10 more or less being 3.2 standard deviations.
+TEST(FindImpacts, StatesHonestIntervalsOfADisplacementsSpeeds) {
+  int approach = 0, restitution = 0, found = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const double e = 0.3 + 0.003 * static_cast<double>(seed);
+    const Sampling at{.start = -1e-3,
+                      .interval = seed % 2 == 0 ? 1e-6 : 4e-6,
+                      .samples = seed % 2 == 0 ? 3000u : 750u};
+    std::vector<double> values = sampled(at, [&](double t) { return way(t, e); });
+    add_noise(values, seed % 3 == 0 ? 1e-6 : 0.2e-6, seed);
+    const auto impacts = impacts_of(at, values);
+    if (impacts.size() != 1 || !impacts[0].rebound->absent.empty()) continue;
+    ++found;
+    const datasets::Rebound& rebound = *impacts[0].rebound;
+    approach += std::abs(impacts[0].approach_velocity - 0.441) < 1.96 * rebound.approach_error;
+    const auto [low, high] = rebound.restitution_ci95();
+    restitution += low < e && e < high;
+  }
+  EXPECT_GE(found, 198);
+  EXPECT_GE(approach, 180);
+  EXPECT_GE(restitution, 180);
+}
+
+TEST(FindImpacts, FindsTheBounceOfACoarselyDigitisedDisplacement) {
+  const Sampling at{.start = -1e-3, .interval = 20e-6, .samples = 250};
+  std::vector<double> values = sampled(at, [](double t) { return way(t, 0.5); });
+  add_noise(values, 0.1e-6, 5);
+  round_to(values, 0.736e-6);  // steady motion: hardly a value comes twice
+  const auto impacts = impacts_of(at, values);
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_NEAR(impacts[0].start, 0.0, 0.25 * duration);
+  EXPECT_NEAR(impacts[0].rebound->restitution, 0.5, 3.0 * impacts[0].rebound->restitution_error);
+}
+
+TEST(FindImpacts, TellsADisplacementFromTheOtherSide) {
+  const Sampling at;
+  std::vector<double> values = sampled(at, [](double t) { return -way(t, 0.5); });
+  add_noise(values, 0.1e-6, 5);
+  const auto impacts = impacts_of(at, values);
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_TRUE(impacts[0].has(ImpactFlag::inverted));
+  EXPECT_NEAR(impacts[0].approach_velocity, -0.441, 2e-3);
+  EXPECT_NEAR(impacts[0].rebound->velocity, -0.2205, 2e-3);
+  EXPECT_NEAR(impacts[0].rebound->restitution, 0.5, 0.01);
+}
+
+TEST(FindImpacts, DoesNotDetermineAReboundThatWasNotRecorded) {
+  const auto rebound_until = [](double end) {
+    const Sampling at{.samples = static_cast<std::size_t>((1e-3 + end) / 1e-6)};
+    std::vector<double> values = sampled(at, [](double t) { return way(t, 0.5); });
+    add_noise(values, 0.1e-6, 5);
+    const auto impacts = impacts_of(at, values);
+    EXPECT_EQ(impacts.size(), 1u) << end;
+    return impacts.empty() ? datasets::Impact{} : impacts[0];
+  };
+  const datasets::Impact within = rebound_until(0.8 * duration);
+  EXPECT_TRUE(within.has(ImpactFlag::truncated_tail));
+  ASSERT_TRUE(within.rebound);
+  EXPECT_EQ(within.rebound->absent,
+            "The record ends before the displacement is back at first touch; record more after "
+            "the trigger.");
+  const datasets::Impact behind = rebound_until(1.8 * duration);
+  EXPECT_FALSE(behind.has(ImpactFlag::truncated_tail));
+  ASSERT_TRUE(behind.rebound);
+  EXPECT_EQ(behind.rebound->absent,
+            "The record ends, or samples are lost, before it shows the rebound for as long as the "
+            "contact lasts; record more after the trigger.");
+}
+
+TEST(FindImpacts, TellsWhatElseIsWrongWithADisplacement) {
+  const Sampling at;
+  const std::vector<double> sound = sampled(at, [](double t) { return way(t, 0.5); });
+  std::vector<double> noisy = sound;
+  add_noise(noisy, 8e-6, 5);
+  const auto loud = impacts_of(at, noisy, {.post_trigger = 0.5e-3});  // over 0.25 mm
+  ASSERT_EQ(loud.size(), 1u);
+  EXPECT_TRUE(loud[0].has(ImpactFlag::noisy));
+
+  std::vector<double> clipped = sound;
+  add_noise(clipped, 0.1e-6, 5);
+  for (double& value : clipped) value = std::max(value, -300e-6);  // where it goes behind the touch
+  const auto railed = impacts_of(at, clipped);
+  ASSERT_EQ(railed.size(), 1u);
+  EXPECT_TRUE(railed[0].has(ImpactFlag::clipped));
+}
+
+// A laser that loses its light stands still and goes on beside its course; the bar does not turn.
+TEST(FindImpacts, DoesNotTakeALossOfLightForABounce) {
+  const Sampling at;
+  for (const double lost : {50e-6, 200e-6}) {
+    std::vector<double> values =
+        sampled(at, [&](double t) { return 0.441 * (t < 0.0 ? t : std::max(0.0, t - lost)); });
+    add_noise(values, 0.1e-6, 5);
+    EXPECT_TRUE(impacts_of(at, values).empty()) << lost;
+  }
+}
+
+TEST(FindImpacts, LooksForTheBounceBehindALossOfLight) {
+  const Sampling at;
+  std::vector<double> values = sampled(
+      at, [](double t) { return t < -0.7e-3 ? way(t, 0.5) : way(std::max(t, -0.6e-3), 0.5); });
+  add_noise(values, 0.1e-6, 5);
+  const auto impacts = impacts_of(at, values);
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_NEAR(impacts[0].start, 0.0, 0.1 * duration);
+}
+
+TEST(FindImpacts, FindsNoBounceInASwingOrAVibration) {
+  const Sampling at{.start = -10e-3, .interval = 10e-6, .samples = 4000};
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const double phase = 0.3 * static_cast<double>(seed);
+    for (const double frequency : {1.0, 50.0, 700.0}) {
+      std::vector<double> values =
+          sampled(at, [&](double t) { return 1e-3 * std::sin(2.0 * pi * frequency * t + phase); });
+      add_noise(values, 1e-6, seed);
+      EXPECT_TRUE(impacts_of(at, values).empty()) << frequency << ' ' << phase;
+    }
+  }
+}
+
+TEST(FindImpacts, TakesADisplacementOnlyWhereNothingElseTells) {
+  const Sampling at;
+  const auto impacts = find_impacts(
+      record_of({displacement_of(at, sampled(at, [](double t) { return way(t, 0.5); })),
+                 velocity_of(at, sampled(at, bounce))}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_EQ(impacts[0].trigger, "Velocity");
+  EXPECT_FALSE(impacts[0].rebound);
+}
+
+TEST(FindImpacts, HeedsTheThresholdOfADisplacement) {
+  const Sampling at;
+  std::vector<double> values = sampled(at, [](double t) { return way(t, 0.5); });
+  add_noise(values, 0.1e-6, 5);
+  const double depth = *std::ranges::max_element(values);
+  EXPECT_TRUE(impacts_of(at, values, {.threshold = 1.2 * depth}).empty());
+  EXPECT_EQ(impacts_of(at, values, {.threshold = 0.5 * depth}).size(), 1u);
+}
+
+}  // namespace
+
+}  // namespace impactrig::acquisition
