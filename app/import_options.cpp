@@ -70,11 +70,11 @@ void add_detection_arguments(CLI::App& command, DetectionArguments& arguments) {
   command
       .add_option("--trigger", arguments.trigger,
                   "Channel to look for impacts in: name or index; default the force, else the "
-                  "acceleration, else the velocity")
+                  "acceleration, else the velocity, else the displacement")
       ->group(group);
   command
       .add_option("--threshold", arguments.threshold,
-                  "Departure that is an impact [N, m/s^2 or m/s]")
+                  "Departure that is an impact [N, m/s^2, m/s or m]")
       ->check(positive)
       ->group(group);
   command

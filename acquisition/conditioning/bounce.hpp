@@ -51,9 +51,10 @@ double grain_of_motion(const Trace& trace);
 /// weights, and their errors hold how far these differ [BurnhamAnderson2002]. None where the
 /// approach is less than five of its errors, or the motion does not turn.
 ///
-/// Neither touch nor `back` has a stated error: force sets in so slowly that touch is late, by up
-/// to a tenth of the contact (docs/conditioning.md has figures). The rebound needs neither: it
-/// begins where the displacement is behind `level` by two of its errors.
+/// Neither touch nor `back` has a stated error: force sets in so slowly that noise hides it, and at
+/// noise of 1 % of the excursion touch may be early by more than the contact lasts
+/// (docs/conditioning.md has figures). The rebound needs neither: it begins where the displacement
+/// is behind `level` by two of its errors.
 ///
 /// Source: [BurnhamAnderson2002] for the weights.
 std::optional<Bounce> fit_bounce(const Trace& trace, const Bend& bend, std::size_t floor,
