@@ -18,29 +18,13 @@ constexpr int most_powers = 3;         ///< of the departure from it
 constexpr double stands_out = 5.0;     ///< standard errors
 constexpr double beyond_doubt = 1.96;  ///< standard errors
 constexpr std::size_t fewest = 8;      ///< samples that say what a course is
-constexpr std::size_t most = 2048;     ///< means that a fit takes in place of more samples
+constexpr std::size_t most = 1024;     ///< means that a fit takes in place of more samples
 constexpr double averaged = 3.0;       ///< contact durations over which vibration is averaged
 constexpr double end_part = 0.15;      ///< of a contact: half a parabola for a place
 
 double as_double(std::size_t n) {
   return static_cast<double>(n);
 }
-
-/// Means of neighbours, and where they lie [samples].
-struct Points {
-  std::vector<double> at, values;
-  double per_point = 1.0;  ///< samples
-};
-
-/// A fit with the touch at one place; `c` are of powers of (t - touch) / scale.
-struct TouchFit {
-  double touch = 0.0, squares = INFINITY, criterion = INFINITY;
-  Eigen::VectorXd c;
-};
-
-struct Touched {
-  Estimate touch, level, approach;
-};
 
 class BounceFit {
  public:
@@ -49,12 +33,10 @@ class BounceFit {
 
  private:
   bool find_turn();
+  double mean_about(std::size_t at, std::size_t half) const;
+  void near_touch();
+  Touched touched() const;
   Points points() const;
-  TouchFit at(const Points& points, double touch, int powers) const;
-  TouchFit best(const Points& points, int powers) const;
-  std::vector<TouchFit> fits(const Points& points) const;
-  Touched touched(const Points& points) const;
-  Eigen::MatrixXd covariance(const Points& points, const TouchFit& fit) const;
   std::optional<double> passes(double level, double half) const;
   std::optional<Estimate> place(double at, double half) const;
   std::optional<Bounce::Return> rebound(double sure, double duration) const;
@@ -62,6 +44,7 @@ class BounceFit {
   const Trace& trace_;
   std::vector<double> y_;  ///< grows while the bar approaches
   double grain_;
+  std::size_t window_, floor_;
   std::size_t begin_, end_;  ///< of the course before the bend
   std::size_t turn_ = 0;
   double sign_ = 1.0, noise_ = 0.0, correlation_ = 1.0, scale_ = 1.0;
@@ -71,6 +54,8 @@ BounceFit::BounceFit(const Trace& trace, const Bend& bend, std::size_t floor, st
     : trace_(trace),
       y_(trace.values),
       grain_(grain_of_motion(trace)),
+      window_(window),
+      floor_(floor),
       end_(bend.index > 2 * bend.width ? bend.index - 2 * bend.width : 0) {
   begin_ = std::max(floor, end_ > window ? end_ - window : 0);
 }
@@ -94,6 +79,48 @@ bool BounceFit::find_turn() {
   return false;
 }
 
+/// The mean of the valid samples about a place, up to `half` to either side.
+double BounceFit::mean_about(std::size_t at, std::size_t half) const {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t i = at - std::min(at, half); i <= std::min(at + half, y_.size() - 1); ++i) {
+    if (!trace_.is_valid(i)) continue;
+    sum += y_[i];
+    count += 1.0;
+  }
+  return count > 0.0 ? sum / count : y_[at];
+}
+
+/// A bar that vibrates as it comes bends before it touches. If it leaves its course as s³, its mean
+/// speed from touch to turn is two thirds of what it came with: the course is taken up to twice as
+/// long before the turn.
+void BounceFit::near_touch() {
+  constexpr double part = 2.0 / 3.0;
+  for (int i = 0; i < 2; ++i) {
+    const QuietFit line = fit_quiet(y_, begin_, end_, 1, grain_, trace_.valid);
+    const double speed = line.coefficients[1] / line.half;
+    const auto stays_behind = [&](std::size_t n) {
+      const double doubt = beyond_doubt * noise_ * std::sqrt(2.0 / as_double(2 * (n / 8) + 1));
+      return mean_about(turn_, n / 8) - mean_about(turn_ - n, n / 8) <
+             part * speed * as_double(n) + doubt;
+    };
+    std::size_t lasts = (turn_ - end_) / 2;
+    while (lasts > 3 && !stays_behind(lasts)) --lasts;
+    window_ = std::max(window_, 2 * lasts);
+    end_ = std::max(end_, turn_ - 2 * lasts);
+    begin_ = std::max(floor_, end_ > window_ ? end_ - window_ : 0);
+  }
+}
+
+Touched BounceFit::touched() const {
+  return fit_touch(points(), {.earliest = std::max(as_double(begin_ + fewest),
+                                                   2.0 * as_double(end_) - as_double(turn_)),
+                              .latest = as_double(turn_),
+                              .course_end = as_double(end_),
+                              .scale = scale_,
+                              .most_powers = std::min(3, static_cast<int>(scale_) - 1),
+                              .grain = grain_});
+}
+
 Points BounceFit::points() const {
   const std::size_t block = (turn_ + 1 - begin_ + most - 1) / most;
   Points points;
@@ -110,128 +137,6 @@ Points BounceFit::points() const {
     points.values.push_back(sum / points.per_point);
   }
   return points;
-}
-
-/// The terms of the course and of the departure from it at u, and by `slopes` their derivatives.
-void fill_row(double u, bool slopes, Eigen::Ref<Eigen::RowVectorXd> row) {
-  for (int k = 0; k < row.size(); ++k) {
-    const double power = k < course_terms ? k : 2.5 + 0.5 * (k - course_terms);
-    if (k >= course_terms && u <= 0.0)
-      row(k) = 0.0;
-    else if (slopes)
-      row(k) = k == 0 ? 0.0 : power * std::pow(u, power - 1.0);
-    else
-      row(k) = std::pow(u, power);
-  }
-}
-
-TouchFit BounceFit::at(const Points& points, double touch, int powers) const {
-  const auto n = static_cast<Eigen::Index>(points.at.size());
-  Eigen::MatrixXd matrix(n, course_terms + powers);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double u = (points.at[static_cast<std::size_t>(i)] - touch) / scale_;
-    const double root = u > 0.0 ? std::sqrt(u) : 0.0;
-    matrix(i, 0) = 1.0;
-    matrix(i, 1) = u;
-    matrix(i, 2) = u * u;
-    double term = u * u * root;
-    for (int k = 0; k < powers; ++k, term *= root) matrix(i, course_terms + k) = term;
-  }
-  const Eigen::Map<const Eigen::VectorXd> values(points.values.data(), n);
-  TouchFit fit;
-  fit.touch = touch;
-  fit.c = matrix.householderQr().solve(values);
-  fit.squares = (values - matrix * fit.c).squaredNorm();
-  return fit;
-}
-
-/// The best place of the touch: on a grid, then by golden section between its neighbours.
-TouchFit BounceFit::best(const Points& points, int powers) const {
-  constexpr int steps = 32, sections = 24;
-  constexpr double golden = 0.3819660112501051;
-  const double low = std::max(as_double(begin_ + fewest), as_double(end_) - 2.0 * scale_);
-  const double step = (as_double(turn_) - low) / steps;
-  TouchFit best;
-  for (int i = 0; i <= steps; ++i)
-    if (const TouchFit fit = at(points, low + step * i, powers); fit.squares < best.squares)
-      best = fit;
-  double from = std::max(low, best.touch - step);
-  double to = std::min(as_double(turn_), best.touch + step);
-  for (int i = 0; i < sections; ++i) {
-    const TouchFit left = at(points, from + golden * (to - from), powers);
-    const TouchFit right = at(points, to - golden * (to - from), powers);
-    (left.squares < right.squares ? to : from) =
-        left.squares < right.squares ? right.touch : left.touch;
-    const TouchFit& better = left.squares < right.squares ? left : right;
-    if (better.squares < best.squares) best = better;
-  }
-  return best;
-}
-
-/// With one power and more, as many as the samples carry.
-std::vector<TouchFit> BounceFit::fits(const Points& points) const {
-  const double n = as_double(points.at.size());
-  const double rounding = n * grain_ * grain_ / (120.0 * points.per_point);  // fits no better
-  std::vector<TouchFit> fits;
-  for (int powers = 1; powers <= most_powers; ++powers) {
-    const double p = course_terms + powers + 2.0;  // touch and variance besides
-    if (n < p + 2.0 || powers >= static_cast<int>(turn_ - end_)) break;
-    fits.push_back(best(points, powers));
-    fits.back().criterion = n * std::log(std::max(fits.back().squares, rounding) / n) + 2.0 * p +
-                            2.0 * p * (p + 1.0) / (n - p - 1.0);
-  }
-  return fits;
-}
-
-/// Touch, level and approach of all fits, each by its weight exp(-criterion/2).
-Touched BounceFit::touched(const Points& points) const {
-  Touched result;
-  double least = INFINITY, weights = 0.0;
-  std::vector<std::array<Estimate, 3>> all;
-  const std::vector<TouchFit> fits = this->fits(points);
-  for (const TouchFit& fit : fits) least = std::min(least, fit.criterion);
-  const std::array<Estimate*, 3> told = {&result.touch, &result.level, &result.approach};
-  for (const TouchFit& fit : fits) {
-    const Eigen::MatrixXd c = covariance(points, fit);
-    const Eigen::Index last = c.rows() - 1;
-    all.push_back({Estimate{fit.touch, std::sqrt(c(last, last))},
-                   Estimate{fit.c(0), std::sqrt(c(0, 0))},
-                   Estimate{fit.c(1) / scale_, std::sqrt(c(1, 1)) / scale_}});
-    const double weight = std::exp(0.5 * (least - fit.criterion));
-    weights += weight;
-    for (std::size_t k = 0; k < told.size(); ++k) told[k]->value += weight * all.back()[k].value;
-  }
-  for (Estimate* const estimate : told) estimate->value /= weights;
-  for (std::size_t k = 0; k < told.size(); ++k) {
-    double variance = 0.0;
-    for (std::size_t i = 0; i < fits.size(); ++i) {
-      const double off = all[i][k].value - told[k]->value;
-      variance += std::exp(0.5 * (least - fits[i].criterion)) / weights *
-                  (all[i][k].error * all[i][k].error + off * off);
-    }
-    told[k]->error = std::sqrt(variance);
-  }
-  return result;
-}
-
-/// Of the coefficients and, last, of the touch.
-Eigen::MatrixXd BounceFit::covariance(const Points& points, const TouchFit& fit) const {
-  const auto n = static_cast<Eigen::Index>(points.at.size());
-  const Eigen::Index p = fit.c.size();
-  Eigen::MatrixXd slopes(n, p + 1);
-  Eigen::RowVectorXd row(p);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double u = (points.at[static_cast<std::size_t>(i)] - fit.touch) / scale_;
-    fill_row(u, false, row);
-    slopes.row(i).head(p) = row;
-    fill_row(u, true, row);
-    slopes(i, p) = -row.dot(fit.c) / scale_;
-  }
-  const double freedom = std::max(1.0, static_cast<double>(n - p - 1));
-  const double variance =
-      std::max(fit.squares / freedom * std::max(1.0, correlation_ / points.per_point),
-               noise_ * noise_ * correlation_ / points.per_point);
-  return variance * (slopes.transpose() * slopes).completeOrthogonalDecomposition().pseudoInverse();
 }
 
 /// Where the motion is by a parabola through what lies up to `half` to either side; none where the
@@ -294,11 +199,16 @@ std::optional<Bounce::Return> BounceFit::rebound(double sure, double duration) c
 
 std::optional<Bounce> BounceFit::run() {
   if (!find_turn()) return std::nullopt;
+  near_touch();
   scale_ = std::max(as_double(turn_ - end_), as_double(fewest));
-  const Points points = this->points();
-  if (points.at.size() < course_terms + 6) return std::nullopt;
-  const Touched found = touched(points);
-  if (!(found.approach.value > stands_out * found.approach.error)) return std::nullopt;
+  if (turn_ + 1 - begin_ < course_terms + 6) return std::nullopt;
+  Touched found = touched();
+  for (int again = 0; again < 1; ++again) {
+    const double lasts = as_double(turn_) - found.touch.value;
+    scale_ = std::max(lasts, as_double(fewest));
+    found = touched();
+  }
+  if (!(found.course.value > stands_out * found.course.error)) return std::nullopt;
   Bounce bounce{.sign = sign_,
                 .touch = found.touch.value,
                 .level = sign_ * found.level.value,

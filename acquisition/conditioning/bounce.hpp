@@ -5,14 +5,10 @@
 #include <optional>
 
 #include "acquisition/conditioning/course_bends.hpp"
+#include "acquisition/conditioning/touch_fit.hpp"
 #include "acquisition/conditioning/trace.hpp"
 
 namespace impactrig::acquisition {
-
-/// A number and its standard error.
-struct Estimate {
-  double value = 0.0, error = 0.0;
-};
 
 /// A touch as a displacement shows it. Places are in samples and have fractions, speeds in SI per
 /// sample.
