@@ -33,6 +33,7 @@ class BounceFit {
 
  private:
   bool find_turn();
+  bool is_sound(double from, double to) const;
   double mean_about(std::size_t at, std::size_t half) const;
   void near_touch();
   Touched touched() const;
@@ -70,13 +71,21 @@ bool BounceFit::find_turn() {
   const QuietFit course = fit_quiet(y_, begin_, end_, 2, grain_, trace_.valid);
   noise_ = std::max(course.sigma, grain_ / std::sqrt(12.0));
   correlation_ = course.correlation;
-  const double band = stands_out * std::sqrt(2.0) * noise_;
+  const double band = noise_gate(y_.size() - end_) * std::sqrt(2.0) * noise_;
   turn_ = end_;
   for (std::size_t i = end_ + 1; i < y_.size(); ++i) {
     if (y_[i] > y_[turn_]) turn_ = i;
     if (y_[i] < y_[turn_] - band) return turn_ >= end_ + 3;
   }
   return false;
+}
+
+/// Whether all samples there were recorded and are valid.
+bool BounceFit::is_sound(double from, double to) const {
+  if (to > as_double(y_.size() - 1)) return false;
+  for (auto i = static_cast<std::size_t>(from); as_double(i) <= to; ++i)
+    if (!trace_.is_valid(i)) return false;
+  return true;
 }
 
 /// The mean of the valid samples about a place, up to `half` to either side.
@@ -117,7 +126,7 @@ Touched BounceFit::touched() const {
                               .latest = as_double(turn_),
                               .course_end = as_double(end_),
                               .scale = scale_,
-                              .most_powers = std::min(3, static_cast<int>(scale_) - 1),
+                              .most_powers = std::min(5, static_cast<int>(scale_) - 1),
                               .grain = grain_});
 }
 
@@ -217,8 +226,9 @@ std::optional<Bounce> BounceFit::run() {
   const double half = std::max(2.0, end_part * (as_double(turn_) - bounce.touch));
   bounce.back = passes(found.level.value, half);
   if (!bounce.back) return bounce;
-  bounce.rebound =
-      rebound(found.level.value - beyond_doubt * found.level.error, *bounce.back - bounce.touch);
+  const double lasts = *bounce.back - bounce.touch;
+  bounce.rebound = rebound(found.level.value - beyond_doubt * found.level.error, lasts);
+  if (!bounce.rebound && is_sound(*bounce.back, *bounce.back + 2.0 * lasts)) return std::nullopt;
   return bounce;
 }
 
