@@ -18,7 +18,7 @@ constexpr int most_powers = 3;         ///< of the departure from it
 constexpr double stands_out = 5.0;     ///< standard errors
 constexpr double beyond_doubt = 1.96;  ///< standard errors
 constexpr std::size_t fewest = 8;      ///< samples that say what a course is
-constexpr std::size_t most = 1024;     ///< means that a fit takes in place of more samples
+constexpr std::size_t most = 512;      ///< means that a fit takes in place of more samples
 constexpr double averaged = 3.0;       ///< contact durations over which vibration is averaged
 constexpr double end_part = 0.15;      ///< of a contact: half a parabola for a place
 
@@ -33,10 +33,9 @@ class BounceFit {
 
  private:
   bool find_turn();
-  bool is_sound(double from, double to) const;
   double mean_about(std::size_t at, std::size_t half) const;
   void near_touch();
-  Touched touched() const;
+  Touched touched(bool may_vibrate) const;
   Points points() const;
   std::optional<double> passes(double level, double half) const;
   std::optional<Estimate> place(double at, double half) const;
@@ -80,14 +79,6 @@ bool BounceFit::find_turn() {
   return false;
 }
 
-/// Whether all samples there were recorded and are valid.
-bool BounceFit::is_sound(double from, double to) const {
-  if (to > as_double(y_.size() - 1)) return false;
-  for (auto i = static_cast<std::size_t>(from); as_double(i) <= to; ++i)
-    if (!trace_.is_valid(i)) return false;
-  return true;
-}
-
 /// The mean of the valid samples about a place, up to `half` to either side.
 double BounceFit::mean_about(std::size_t at, std::size_t half) const {
   double sum = 0.0, count = 0.0;
@@ -120,14 +111,15 @@ void BounceFit::near_touch() {
   }
 }
 
-Touched BounceFit::touched() const {
+Touched BounceFit::touched(bool may_vibrate) const {
   return fit_touch(points(), {.earliest = std::max(as_double(begin_ + fewest),
                                                    2.0 * as_double(end_) - as_double(turn_)),
                               .latest = as_double(turn_),
                               .course_end = as_double(end_),
                               .scale = scale_,
                               .most_powers = std::min(5, static_cast<int>(scale_) - 1),
-                              .grain = grain_});
+                              .grain = grain_,
+                              .may_vibrate = may_vibrate});
 }
 
 Points BounceFit::points() const {
@@ -211,12 +203,8 @@ std::optional<Bounce> BounceFit::run() {
   near_touch();
   scale_ = std::max(as_double(turn_ - end_), as_double(fewest));
   if (turn_ + 1 - begin_ < course_terms + 6) return std::nullopt;
-  Touched found = touched();
-  for (int again = 0; again < 1; ++again) {
-    const double lasts = as_double(turn_) - found.touch.value;
-    scale_ = std::max(lasts, as_double(fewest));
-    found = touched();
-  }
+  scale_ = std::max(as_double(turn_) - touched(false).touch.value, as_double(fewest));
+  const Touched found = touched(true);
   if (!(found.course.value > stands_out * found.course.error)) return std::nullopt;
   Bounce bounce{.sign = sign_,
                 .touch = found.touch.value,
@@ -228,7 +216,6 @@ std::optional<Bounce> BounceFit::run() {
   if (!bounce.back) return bounce;
   const double lasts = *bounce.back - bounce.touch;
   bounce.rebound = rebound(found.level.value - beyond_doubt * found.level.error, lasts);
-  if (!bounce.rebound && is_sound(*bounce.back, *bounce.back + 2.0 * lasts)) return std::nullopt;
   return bounce;
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int course_terms = 3;  ///< place, speed, acceleration
 constexpr double golden = 0.3819660112501051;
-constexpr int sections = 24;
+constexpr int sections = 16;
 
 /// Touch and circular frequency of a fit, and how many powers its departure has.
 struct Shape {
@@ -169,7 +169,7 @@ double TouchSearch::omega_before(double from, double to) const {
 
 /// With a vibration of about ω: touch and ω in turns.
 ShapeFit TouchSearch::vibrating(int powers, double omega) const {
-  constexpr int turns = 3;
+  constexpr int turns = 2;
   ShapeFit best = best_touch({.omega = omega, .powers = powers});
   double reach = step_, way = 0.5 * range_.scale;
   for (int i = 0; i < turns; ++i, reach *= 0.5, way *= 0.5) {
@@ -287,7 +287,7 @@ Touched TouchSearch::run() {
   for (int powers = 1; powers <= range_.most_powers; ++powers) {
     if (n_ < course_terms + powers + 4) break;
     fits.push_back(best_touch({.powers = powers}));
-    if (n_ < course_terms + powers + 8) continue;
+    if (!range_.may_vibrate || n_ < course_terms + powers + 8) continue;
     for (const double omega : {slow, fast})
       if (omega > 0.0) fits.push_back(vibrating(powers, omega));
   }

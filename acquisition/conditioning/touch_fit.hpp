@@ -23,6 +23,7 @@ struct TouchRange {
   double scale = 1.0;                   ///< how long the motion takes from the bend to its turn
   int most_powers = 3;                  ///< of the departure
   double grain = 0.0;                   ///< what two values must differ by to differ at all
+  bool may_vibrate = true;
 };
 
 /// Place and displacement of a touch, and the speed there [SI per sample].
