@@ -161,14 +161,17 @@ std::optional<Estimate> BounceFit::place(double at, double half) const {
   return Estimate{c(0), noise_ * std::sqrt(correlation_ * inverse(0, 0))};
 }
 
-/// Where the motion, by such parabolas, comes back through `level`.
+/// Where the motion, by such parabolas, comes back through `level`; a straight line bridges what is
+/// lost.
 std::optional<double> BounceFit::passes(double level, double half) const {
-  double before = 0.0;
-  for (std::size_t i = turn_; i < y_.size(); ++i) {
+  double at = as_double(turn_), before = y_[turn_];
+  for (std::size_t i = turn_; as_double(i) + half <= as_double(y_.size() - 1); ++i) {
     const auto here = place(as_double(i), half);
-    if (!here) return std::nullopt;
+    if (!here) continue;
+    if (here->value <= level && i == turn_) return at;
     if (here->value <= level)
-      return as_double(i) - (i == turn_ ? 0.0 : (level - here->value) / (before - here->value));
+      return at + (as_double(i) - at) * (before - level) / (before - here->value);
+    at = as_double(i);
     before = here->value;
   }
   return std::nullopt;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "acquisition/conditioning/background.hpp"
 
@@ -282,15 +283,20 @@ Estimate mean_of(const std::vector<Opinion>& opinions, std::size_t which, bool v
 
 Touched TouchSearch::run() {
   std::vector<ShapeFit> fits;
+  const auto add = [&fits](ShapeFit fit) {
+    if (fit.squares < INFINITY) fits.push_back(std::move(fit));
+  };
   const double slow = omega_before(slowest_, std::min(slow_, fastest_));
   const double fast = omega_before(slow_, fastest_);
   for (int powers = 1; powers <= range_.most_powers; ++powers) {
     if (n_ < course_terms + powers + 4) break;
-    fits.push_back(best_touch({.powers = powers}));
+    add(best_touch({.powers = powers}));
     if (!range_.may_vibrate || n_ < course_terms + powers + 8) continue;
     for (const double omega : {slow, fast})
-      if (omega > 0.0) fits.push_back(vibrating(powers, omega));
+      if (omega > 0.0) add(vibrating(powers, omega));
   }
+  constexpr Estimate unknown{.error = INFINITY};
+  if (fits.empty()) return {unknown, unknown, unknown, unknown};
   find_correlation(fits);
   std::vector<Opinion> opinions;
   for (const ShapeFit& fit : fits) opinions.push_back(opinion(fit));
