@@ -213,6 +213,7 @@ std::optional<Bounce> BounceFit::run() {
                 .touch = found.touch.value,
                 .level = sign_ * found.level.value,
                 .turn = turn_,
+                .course = found.course,
                 .approach = found.approach};
   const double half = std::max(2.0, end_part * (as_double(turn_) - bounce.touch));
   bounce.back = passes(found.level.value, half);

@@ -17,6 +17,7 @@ struct Bounce {
   double touch = 0.0;    ///< first touch
   double level = 0.0;    ///< displacement there [SI]
   std::size_t turn = 0;  ///< the farthest sample behind it
+  Estimate course{};     ///< as `approach`, if the bar did not vibrate before
   Estimate approach{};   ///< at touch, along `sign`, > 0
   std::optional<double>
       back{};  ///< where it is at `level` again; none where the record ends before

@@ -20,8 +20,8 @@ bool lasts(const Bounce& bounce) {
   constexpr double stands_out = 5.0;
   if (!bounce.rebound) return true;
   const Bounce::Return& rebound = *bounce.rebound;
-  return bounce.approach.value + rebound.speed.value >
-         stands_out * std::hypot(bounce.approach.error, rebound.speed.error, rebound.vibration);
+  return bounce.course.value + rebound.speed.value >
+         stands_out * std::hypot(bounce.course.error, rebound.speed.error, rebound.vibration);
 }
 
 /// Where the motion goes on behind a bend as before, as behind a laser's loss of light: after 0.3

@@ -57,6 +57,7 @@ class TouchSearch {
   Eigen::MatrixXd slopes(const ShapeFit& fit) const;
   Opinion opinion(const ShapeFit& fit) const;
   double criterion(const ShapeFit& fit) const;
+  bool comes_on(const ShapeFit& fit) const;
 
   const Points& points_;
   const TouchRange& range_;
@@ -260,6 +261,12 @@ Opinion TouchSearch::opinion(const ShapeFit& fit) const {
   return opinion;
 }
 
+/// A bar that vibrates comes on all the time: its course is faster than the vibration.
+bool TouchSearch::comes_on(const ShapeFit& fit) const {
+  return fit.shape.omega == 0.0 ||
+         fit.shape.omega * fit.c.tail(2).norm() < fit.c(1) / range_.scale;
+}
+
 /// The mean of these opinions' numbers `which` by their weights exp(-criterion/2), and its error.
 Estimate mean_of(const std::vector<Opinion>& opinions, std::size_t which, bool vibrates) {
   double least = INFINITY, weights = 0.0, sum = 0.0, variance = 0.0;
@@ -275,6 +282,7 @@ Estimate mean_of(const std::vector<Opinion>& opinions, std::size_t which, bool v
   }
   const double mean = sum / weights;
   for (const Opinion& o : opinions) {
+    if (weight(o) == 0.0) continue;
     const double off = o.told[which].value - mean;
     variance += weight(o) / weights * (o.told[which].error * o.told[which].error + off * off);
   }
@@ -299,7 +307,8 @@ Touched TouchSearch::run() {
   if (fits.empty()) return {unknown, unknown, unknown, unknown};
   find_correlation(fits);
   std::vector<Opinion> opinions;
-  for (const ShapeFit& fit : fits) opinions.push_back(opinion(fit));
+  for (const ShapeFit& fit : fits)
+    if (comes_on(fit)) opinions.push_back(opinion(fit));
   return {mean_of(opinions, 0, true), mean_of(opinions, 1, true), mean_of(opinions, 2, false),
           mean_of(opinions, 2, true)};
 }

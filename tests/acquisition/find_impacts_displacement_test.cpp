@@ -84,6 +84,101 @@ TEST(FindImpacts, StatesHonestIntervalsOfADisplacementsSpeeds) {
   EXPECT_GE(restitution, 180);
 }
 
+/// What a bar's vibration adds to its way: a swing of the speed by `part` of 0.441 m/s about it.
+double vibration(double t, double part, double frequency, double phase) {
+  const double omega = 2.0 * pi * frequency;
+  return part * 0.441 / omega * (std::sin(omega * t + phase) - std::sin(phase));
+}
+
+TEST(FindImpacts, TellsTheSpeedAtTouchOfABarThatVibrates) {
+  const Sampling at{.start = -2e-3, .interval = 2e-6, .samples = 2000};
+  for (const double frequency : {700.0, 1500.0, 2500.0}) {
+    std::vector<double> values =
+        sampled(at, [&](double t) { return way(t, 0.5) + vibration(t, 0.1, frequency, 0.0); });
+    add_noise(values, 0.1e-6, 5);
+    const auto impacts = impacts_of(at, values);
+    ASSERT_EQ(impacts.size(), 1u) << frequency;
+    const double error = impacts[0].rebound->approach_error;
+    EXPECT_NEAR(impacts[0].approach_velocity, 1.1 * 0.441, 3.0 * error) << frequency;
+    EXPECT_LT(error, 0.03 * 0.441) << frequency;
+  }
+}
+
+// Of 100 intervals at 95 % 95 hold, 7 fewer being 3.2 standard deviations.
+TEST(FindImpacts, HoldsTheSpeedsOfABarThatVibrates) {
+  int found = 0, approach = 0, told = 0, restitution = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    Noise draw(1000 + seed);
+    const double frequency = 300.0 * std::pow(8.0, draw.uniform());
+    const double part = 0.1 * draw.uniform(), phase = 2.0 * pi * draw.uniform();
+    const Sampling at{.start = -2e-3, .interval = 5e-6, .samples = 800};
+    const auto course = [&](double t) {
+      return way(t, 0.5) + vibration(t, part, frequency, phase);
+    };
+    std::vector<double> values = sampled(at, course);
+    add_noise(values, seed % 2 == 0 ? 1e-6 : 5e-6, seed);
+    const auto impacts = impacts_of(at, values);
+    if (impacts.size() != 1) continue;
+    ++found;
+    const double speed = 0.441 * (1.0 + part * std::cos(phase));
+    const datasets::Rebound& rebound = *impacts[0].rebound;
+    approach += std::abs(impacts[0].approach_velocity - speed) < 1.96 * rebound.approach_error;
+    if (!rebound.absent.empty()) continue;
+    ++told;
+    const double mean =
+        (course(rebound.from) - course(rebound.to)) / (rebound.to - rebound.from) / speed;
+    const auto [low, high] = rebound.restitution_ci95();
+    restitution += low < mean && mean < high;
+  }
+  EXPECT_GE(found, 95);
+  EXPECT_GE(approach, 0.88 * found);
+  EXPECT_GE(told, 90);
+  EXPECT_GE(restitution, 0.88 * told);
+}
+
+TEST(FindImpacts, BridgesWhatADisplacementHasLost) {
+  const Sampling at;
+  std::vector<double> values = sampled(at, [](double t) { return way(t, 0.5); });
+  add_noise(values, 0.1e-6, 5);
+  for (const double lost : {0.4 * duration, 1.4 * duration}) {  // in contact, and as it is back
+    datasets::Channel laser = displacement_of(at, values);
+    laser.valid.assign(at.samples, 1);
+    for (std::size_t i = 0; i < at.samples; ++i)
+      if (at.time(i) > lost && at.time(i) < lost + 80e-6) laser.valid[i] = 0;
+    const auto impacts = find_impacts(record_of({laser}), {});
+    ASSERT_EQ(impacts.size(), 1u) << lost;
+    EXPECT_EQ(impacts[0].flags, std::vector{ImpactFlag::dropout}) << lost;
+    EXPECT_EQ(impacts[0].rebound->absent, "") << lost;
+    EXPECT_NEAR(impacts[0].rebound->restitution, 0.5,
+                3.0 * impacts[0].rebound->restitution_error)
+        << lost;
+  }
+}
+
+// The extremes of 5000 normal numbers are 7.4 standard deviations apart on average.
+TEST(FindImpacts, TakesNoNoiseForATurn) {
+  const Sampling at{.start = -1e-3, .interval = 1e-6, .samples = 6000};
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::vector<double> values = sampled(at, [](double t) { return 0.441 * std::min(t, 0.0); });
+    add_noise(values, 10e-6, seed);
+    EXPECT_TRUE(impacts_of(at, values).empty()) << seed;
+  }
+}
+
+// A touch needs a course before it: without one there is no bend, and no impact is told.
+TEST(FindImpacts, TellsNoBounceWhoseStartIsMissed) {
+  const Sampling whole{.interval = 10e-6, .samples = 400};
+  std::vector<double> values = sampled(whole, [](double t) { return way(t, 0.5); });
+  add_noise(values, 0.5e-6, 5);
+  for (std::size_t cut = 90; cut < 150; ++cut) {  // 100 is touch
+    const Sampling at{.start = whole.time(cut), .interval = 10e-6, .samples = 400 - cut};
+    for (const datasets::Impact& impact : impacts_of(
+             at, std::vector(values.begin() + static_cast<std::ptrdiff_t>(cut), values.end())))
+      EXPECT_LT(std::abs(impact.approach_velocity - 0.441), 3.0 * impact.rebound->approach_error)
+          << cut;
+  }
+}
+
 TEST(FindImpacts, FindsTheBounceOfACoarselyDigitisedDisplacement) {
   const Sampling at{.start = -1e-3, .interval = 20e-6, .samples = 250};
   std::vector<double> values = sampled(at, [](double t) { return way(t, 0.5); });

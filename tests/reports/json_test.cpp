@@ -392,6 +392,31 @@ TEST(FitJson, KeepsProfilesBootstrapAndTies) {
   EXPECT_THAT(reports::to_html(data), testing::HasSubstr("0.490 to no limit"));
 }
 
+TEST(FitJson, KeepsTheReboundOfADisplacement) {
+  reports::ReportData data = tests::example_report();
+  datasets::Impact& impact = data.fit.impacts[0];
+  EXPECT_FALSE(Json::parse(reports::to_json(data))["impacts"][0].contains("rebound"));
+  impact.rebound = {.approach_error = 1e-3,
+                    .from = 2e-4,
+                    .to = 8e-4,
+                    .velocity = 0.2205,
+                    .velocity_error = 2e-3,
+                    .restitution = 0.5,
+                    .restitution_error = 0.01,
+                    .absent = ""};
+  const std::string stored = reports::to_json(data);
+  const Json rebound = Json::parse(stored)["impacts"][0]["rebound"];
+  EXPECT_EQ(members(rebound),
+            (std::set<std::string>{"approach_std_error_m_s", "from_s", "to_s", "velocity_m_s",
+                                   "velocity_std_error_m_s", "restitution",
+                                   "restitution_std_error", "absent"}));
+  EXPECT_EQ(rebound["restitution"], 0.5);
+  const reports::ReportData again = reports::report_from_json(stored, "fit.json");
+  ASSERT_TRUE(again.fit.impacts[0].rebound);
+  EXPECT_EQ(again.fit.impacts[0].rebound->to, 8e-4);
+  EXPECT_EQ(reports::to_json(again), stored);
+}
+
 TEST(FitJson, RefusesDamagedIntervals) {
   const auto with = [](const char* kind, std::size_t points) {
     return changed([&](Json& json) {
