@@ -13,8 +13,7 @@ namespace impactrig::acquisition {
 
 namespace {
 
-constexpr int course_terms = 3;        ///< of the motion before: place, speed, acceleration
-constexpr int most_powers = 3;         ///< of the departure from it
+constexpr int most_powers = 5;         ///< of the departure from it
 constexpr double stands_out = 5.0;     ///< standard errors
 constexpr double beyond_doubt = 1.96;  ///< standard errors
 constexpr std::size_t fewest = 8;      ///< samples that say what a course is
@@ -117,7 +116,7 @@ Touched BounceFit::touched(bool may_vibrate) const {
                               .latest = as_double(turn_),
                               .course_end = as_double(end_),
                               .scale = scale_,
-                              .most_powers = std::min(5, static_cast<int>(scale_) - 1),
+                              .most_powers = std::min(most_powers, static_cast<int>(scale_) - 1),
                               .grain = grain_,
                               .may_vibrate = may_vibrate});
 }
@@ -205,7 +204,7 @@ std::optional<Bounce> BounceFit::run() {
   if (!find_turn()) return std::nullopt;
   near_touch();
   scale_ = std::max(as_double(turn_ - end_), as_double(fewest));
-  if (turn_ + 1 - begin_ < course_terms + 6) return std::nullopt;
+  if (turn_ + 1 - begin_ < fewest + 1) return std::nullopt;
   scale_ = std::max(as_double(turn_) - touched(false).touch.value, as_double(fewest));
   const Touched found = touched(true);
   if (!(found.course.value > stands_out * found.course.error)) return std::nullopt;

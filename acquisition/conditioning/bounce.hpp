@@ -37,23 +37,14 @@ struct Bounce {
 /// differences.
 double grain_of_motion(const Trace& trace);
 
-/// Fits the touch that a bend of a displacement may be: least squares over the `window` samples
-/// before it and those up to where the motion turns,
+/// Fits the touch that a bend of a displacement may be (fit_touch) to at least the `window` samples
+/// before it and those up to where the motion turns. None where the approach, of a bar that does
+/// not vibrate, is less than five of its errors, or the motion does not turn: it has to come back
+/// by more than noise among so many samples does.
 ///
-///   x(t) = c₀ + c₁ s + c₂ s² + Σ d_k s^{(4+k)/2} for s = t − t₀ > 0, k = 1 ... 3,
-///
-/// t₀ the touch. A contact's force that sets in linearly takes a body with a mass to s³ from its
-/// course and a long beam, whose mass at work grows as the root of time, to s^{5/2}; the next
-/// powers are of their series. Touch, c₀ and c₁ are the means over 1 to 3 powers by their Akaike
-/// weights, and their errors hold how far these differ [BurnhamAnderson2002]. None where the
-/// approach is less than five of its errors, or the motion does not turn.
-///
-/// Neither touch nor `back` has a stated error: force sets in so slowly that noise hides it, and at
-/// noise of 1 % of the excursion touch may be early by more than the contact lasts
-/// (docs/conditioning.md has figures). The rebound needs neither: it begins where the displacement
-/// is behind `level` by two of its errors.
-///
-/// Source: [BurnhamAnderson2002] for the weights.
+/// Neither touch nor `back` has a stated error: force sets in so slowly that touch is late, by up
+/// to a tenth of the contact (docs/conditioning.md has figures). The rebound needs neither: it
+/// begins where the displacement is behind `level` by two of its errors.
 std::optional<Bounce> fit_bounce(const Trace& trace, const Bend& bend, std::size_t floor,
                                  std::size_t window);
 

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
+#include <utility>
 
 #include "acquisition/conditioning/background.hpp"
 #include "acquisition/conditioning/clipping.hpp"
@@ -65,6 +67,38 @@ bool unmarked_dropout(const Impact& impact, const Contact& contact) {
         dropouts, [&](const Dropout& dropout) { return signal->time(dropout.begin) < until; });
   };
   return found(impact.velocity) || found(impact.displacement);
+}
+
+/// Samples [first, last) of a motion that repeat for longer than noise lets them: the laser holds
+/// what it saw last, or its range is at an end. Two neighbours are equal with a probability of a
+/// step over 2 sqrt(pi) standard deviations; of the whole record less than one run in 10⁴ is as
+/// long.
+std::optional<std::pair<std::size_t, std::size_t>> held(const ImpactSignal& motion, double step) {
+  constexpr std::size_t fewest = 4;
+  constexpr double by_chance = 1e-4;
+  const std::vector<double>& y = motion.values;
+  const double noise = step_noise(y, motion.valid);
+  if (!(noise > step)) return std::nullopt;
+  const double equal = step / (2.0 * std::sqrt(std::numbers::pi) * noise);
+  for (std::size_t i = 0, from = 0; i <= y.size(); ++i) {
+    const bool sound = i < y.size() && (motion.valid.empty() || motion.valid[i] != 0);
+    if (sound && i > from && y[i] == y[from]) continue;
+    const double run = as_double(i - from);
+    if (i >= from + fewest && as_double(y.size()) * std::pow(equal, run - 1.0) < by_chance)
+      return std::pair{from, i};
+    from = sound ? i : i + 1;
+  }
+  return std::nullopt;
+}
+
+/// Whether a displacement alone is held: at its extreme by its range, else by lost light.
+bool held_at_extreme(const Impact& impact, const RecordedSignal& trigger, bool extreme) {
+  if (!impact.rebound) return false;
+  const auto stretch = held(*impact.displacement, grain_of_motion(trigger.trace));
+  if (!stretch) return false;
+  const std::vector<double>& y = impact.displacement->values;
+  const auto [least, most] = std::ranges::minmax(y);
+  return (y[stretch->first] == least || y[stretch->first] == most) == extreme;
 }
 
 /// The largest force within the contact, signed; the trigger may be another channel.
@@ -177,14 +211,17 @@ std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
   const bool is_clipped = trigger_clipped(*signals.front(), contact, options);
   const double peak = impact.force ? force_peak(impact) : 0.0;
   const RecordedSignal* const force = impact.force ? force_among(signals) : nullptr;
-  flag(is_clipped || motion_clipped(impact, contact, signals), ImpactFlag::clipped);
+  flag(is_clipped || motion_clipped(impact, contact, signals) ||
+           held_at_extreme(impact, *signals.front(), true),
+       ImpactFlag::clipped);
   flag(contact.further_hits > 0, ImpactFlag::double_hit);
   flag(contact.further_hits > 1, ImpactFlag::multiple_hits);
   flag(contact.begins_inside || contact.ends_inside, ImpactFlag::too_short);
   flag(contact.begins_inside, ImpactFlag::missed_start);
   flag(contact.ends_inside, ImpactFlag::truncated_tail);
   flag(dropout(impact, contact, is_clipped, signals), ImpactFlag::dropout);
-  flag(unmarked_dropout(impact, contact), ImpactFlag::unmarked_dropout);
+  flag(unmarked_dropout(impact, contact) || held_at_extreme(impact, *signals.front(), false),
+       ImpactFlag::unmarked_dropout);
   flag(undersampled(contact), ImpactFlag::undersampled);
   flag(noisy(impact), ImpactFlag::noisy);
   if (force != nullptr) {

@@ -24,6 +24,7 @@ struct Shape {
   int powers = 1;
 
   int terms() const { return course_terms + powers + (omega > 0.0 ? 2 : 0); }
+
   int parameters() const { return terms() + (omega > 0.0 ? 3 : 2); }  ///< touch, ω, variance too
 };
 
@@ -63,7 +64,7 @@ class TouchSearch {
   const TouchRange& range_;
   Eigen::Index n_;
   Eigen::Map<const Eigen::VectorXd> values_;
-  double correlation_ = 1.0;  ///< of what the fits leave [points]
+  double correlation_ = 1.0;                ///< of what the fits leave [points]
   double step_, slowest_, slow_, fastest_;  ///< [radians per sample]
 };
 
@@ -229,7 +230,8 @@ double TouchSearch::criterion(const ShapeFit& fit) const {
   if (n < p + 2.0) return INFINITY;
   const double rounding =
       static_cast<double>(n_) * range_.grain * range_.grain / (120.0 * points_.per_point);
-  const double sought = fit.shape.omega > slow_ ? 4.0 * harmonic((fastest_ - slow_) / slowest_) : 0.0;
+  const double sought =
+      fit.shape.omega > slow_ ? 4.0 * harmonic((fastest_ - slow_) / slowest_) : 0.0;
   return n * std::log(std::max(fit.squares, rounding)) + 2.0 * p +
          2.0 * p * (p + 1.0) / (n - p - 1.0) + sought;
 }
@@ -263,8 +265,7 @@ Opinion TouchSearch::opinion(const ShapeFit& fit) const {
 
 /// A bar that vibrates comes on all the time: its course is faster than the vibration.
 bool TouchSearch::comes_on(const ShapeFit& fit) const {
-  return fit.shape.omega == 0.0 ||
-         fit.shape.omega * fit.c.tail(2).norm() < fit.c(1) / range_.scale;
+  return fit.shape.omega == 0.0 || fit.shape.omega * fit.c.tail(2).norm() < fit.c(1) / range_.scale;
 }
 
 /// The mean of these opinions' numbers `which` by their weights exp(-criterion/2), and its error.

@@ -149,8 +149,7 @@ TEST(FindImpacts, BridgesWhatADisplacementHasLost) {
     ASSERT_EQ(impacts.size(), 1u) << lost;
     EXPECT_EQ(impacts[0].flags, std::vector{ImpactFlag::dropout}) << lost;
     EXPECT_EQ(impacts[0].rebound->absent, "") << lost;
-    EXPECT_NEAR(impacts[0].rebound->restitution, 0.5,
-                3.0 * impacts[0].rebound->restitution_error)
+    EXPECT_NEAR(impacts[0].rebound->restitution, 0.5, 3.0 * impacts[0].rebound->restitution_error)
         << lost;
   }
 }
@@ -240,6 +239,23 @@ TEST(FindImpacts, TellsWhatElseIsWrongWithADisplacement) {
   const auto railed = impacts_of(at, clipped);
   ASSERT_EQ(railed.size(), 1u);
   EXPECT_TRUE(railed[0].has(ImpactFlag::clipped));
+}
+
+TEST(FindImpacts, TellsADisplacementThatIsHeld) {
+  const Sampling at;
+  std::vector<double> sound = sampled(at, [](double t) { return way(t, 0.5); });
+  add_noise(sound, 0.3e-6, 5);
+  round_to(sound, 0.1e-6);
+  EXPECT_TRUE(impacts_of(at, sound).at(0).flags.empty());
+
+  std::vector<double> held = sound;
+  std::fill(held.begin() + 1060, held.begin() + 1120, held[1060]);  // as it goes in
+  EXPECT_EQ(impacts_of(at, held).at(0).flags, std::vector{ImpactFlag::unmarked_dropout});
+
+  std::vector<double> cut = sound;
+  const double top = *std::ranges::max_element(sound);
+  for (double& value : cut) value = std::min(value, 0.7 * top);
+  EXPECT_EQ(impacts_of(at, cut).at(0).flags, std::vector{ImpactFlag::clipped});
 }
 
 // A laser that loses its light stands still and goes on beside its course; the bar does not turn.

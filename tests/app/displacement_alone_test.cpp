@@ -90,8 +90,8 @@ TEST_F(DisplacementAlone, GivesItsRestitutionToAFit) {
   for (int i = 0; std::getline(history, line); ++i) {
     double values[4] = {};
     std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", values, values + 1, values + 2, values + 3);
-    text += fmt::format("{:.6f},{:.10f}\n", values[0],
-                        values[3] + 1e-8 * ((i * i * 7919) % 23 - 11));
+    text +=
+        fmt::format("{:.6f},{:.10f}\n", values[0], values[3] + 1e-8 * ((i * i * 7919) % 23 - 11));
   }
   const std::string shot = write("shot.csv", text);
   const std::string all = text_of(rig);

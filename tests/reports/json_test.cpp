@@ -408,8 +408,8 @@ TEST(FitJson, KeepsTheReboundOfADisplacement) {
   const Json rebound = Json::parse(stored)["impacts"][0]["rebound"];
   EXPECT_EQ(members(rebound),
             (std::set<std::string>{"approach_std_error_m_s", "from_s", "to_s", "velocity_m_s",
-                                   "velocity_std_error_m_s", "restitution",
-                                   "restitution_std_error", "absent"}));
+                                   "velocity_std_error_m_s", "restitution", "restitution_std_error",
+                                   "absent"}));
   EXPECT_EQ(rebound["restitution"], 0.5);
   const reports::ReportData again = reports::report_from_json(stored, "fit.json");
   ASSERT_TRUE(again.fit.impacts[0].rebound);
