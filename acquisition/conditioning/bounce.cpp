@@ -25,6 +25,12 @@ double as_double(std::size_t n) {
   return static_cast<double>(n);
 }
 
+/// How many standard deviations nothing but noise may go up and down again by among n samples:
+/// twice their expected extreme sqrt(2 ln n), and the margin that noise_gate has, of two samples.
+double noise_range(std::size_t n) {
+  return 2.0 * std::sqrt(2.0 * std::log(as_double(n))) + 1.7 * std::sqrt(2.0);
+}
+
 class BounceFit {
  public:
   BounceFit(const Trace& trace, const Bend& bend, std::size_t floor, std::size_t window);
@@ -69,11 +75,10 @@ bool BounceFit::find_turn() {
   const QuietFit course = fit_quiet(y_, begin_, end_, 2, grain_, trace_.valid);
   noise_ = std::max(course.sigma, grain_ / std::sqrt(12.0));
   correlation_ = course.correlation;
-  const double band = noise_gate(y_.size() - end_) * std::sqrt(2.0) * noise_;
   turn_ = end_;
   for (std::size_t i = end_ + 1; i < y_.size(); ++i) {
     if (y_[i] > y_[turn_]) turn_ = i;
-    if (y_[i] < y_[turn_] - band) return turn_ >= end_ + 3;
+    if (y_[i] < y_[turn_] - noise_ * noise_range(i - end_)) return turn_ >= end_ + 3;
   }
   return false;
 }
