@@ -25,10 +25,11 @@ double as_double(std::size_t n) {
   return static_cast<double>(n);
 }
 
-/// How many standard deviations nothing but noise may go up and down again by among n samples:
-/// twice their expected extreme sqrt(2 ln n), and the margin that noise_gate has, of two samples.
+/// How many standard deviations nothing but noise may go up and down again by among n samples: 6 of
+/// a difference, and more of many samples, twice their expected extreme sqrt(2 ln n) and the margin
+/// that noise_gate has.
 double noise_range(std::size_t n) {
-  return 2.0 * std::sqrt(2.0 * std::log(as_double(n))) + 1.7 * std::sqrt(2.0);
+  return std::sqrt(2.0) * std::max(6.0, 2.0 * std::sqrt(std::log(as_double(n))) + 1.7);
 }
 
 class BounceFit {
