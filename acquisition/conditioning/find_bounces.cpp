@@ -28,7 +28,9 @@ bool lasts(const Bounce& bounce) {
 
 /// Where the motion goes on behind a bend as before, as behind a laser's loss of light: after 0.3
 /// ms (the longest of these, as the conditioning step has it), and as long, with the same speed to
-/// a tenth. A contact that has taken less by then lasts longer than 4 ms.
+/// a tenth. A contact that has taken less by then lasts longer than 4 ms. Of 150 shots whose light
+/// is lost before touch 1 is told at the loss with this, and 42 without; of 400 shots without a
+/// loss as many are found.
 std::optional<std::size_t> goes_on(const Trace& trace, const Bend& bend, std::size_t floor,
                                    std::size_t window) {
   constexpr double longest_dropout = 300e-6, same = 0.1;
