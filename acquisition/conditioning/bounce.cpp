@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "acquisition/conditioning/background.hpp"
@@ -42,15 +43,17 @@ class BounceFit {
   double mean_about(std::size_t at, std::size_t half) const;
   void near_touch();
   Touched touched(bool may_vibrate) const;
-  Points points() const;
+  Points points(std::size_t last) const;
   std::optional<double> passes(double level, double half) const;
   std::optional<Estimate> place(double at, double half) const;
   std::optional<Bounce::Return> rebound(double sure, double duration) const;
+  bool swings(const Bounce& bounce, const Touched& found) const;
 
   const Trace& trace_;
   std::vector<double> y_;  ///< grows while the bar approaches
   double grain_;
   std::size_t window_, floor_;
+  double bent_;              ///< where the bend is over
   std::size_t begin_, end_;  ///< of the course before the bend
   std::size_t turn_ = 0;
   double sign_ = 1.0, noise_ = 0.0, correlation_ = 1.0, scale_ = 1.0;
@@ -62,6 +65,7 @@ BounceFit::BounceFit(const Trace& trace, const Bend& bend, std::size_t floor, st
       grain_(grain_of_motion(trace)),
       window_(window),
       floor_(floor),
+      bent_(as_double(bend.index + 2 * bend.width)),
       end_(bend.index > 2 * bend.width ? bend.index - 2 * bend.width : 0) {
   begin_ = std::max(floor, end_ > window ? end_ - window : 0);
 }
@@ -117,21 +121,23 @@ void BounceFit::near_touch() {
 }
 
 Touched BounceFit::touched(bool may_vibrate) const {
-  return fit_touch(points(), {.earliest = std::max(as_double(begin_ + fewest),
-                                                   2.0 * as_double(end_) - as_double(turn_)),
-                              .latest = as_double(turn_),
-                              .course_end = as_double(end_),
-                              .scale = scale_,
-                              .most_powers = std::min(most_powers, static_cast<int>(scale_) - 1),
-                              .grain = grain_,
-                              .may_vibrate = may_vibrate});
+  return fit_touch(
+      points(turn_),
+      {.earliest = std::max(as_double(begin_ + fewest), 2.0 * as_double(end_) - as_double(turn_)),
+       .latest = as_double(turn_),
+       .course_end = as_double(end_),
+       .scale = scale_,
+       .most_powers = std::min(most_powers, static_cast<int>(scale_) - 1),
+       .grain = grain_,
+       .may_vibrate = may_vibrate});
 }
 
-Points BounceFit::points() const {
-  const std::size_t block = (turn_ + 1 - begin_ + most - 1) / most;
+/// Those of the course and up to the sample `last`.
+Points BounceFit::points(std::size_t last) const {
+  const std::size_t block = (last + 1 - begin_ + most - 1) / most;
   Points points;
   points.per_point = as_double(block);
-  for (std::size_t i = begin_; i + block <= turn_ + 1; i += block) {
+  for (std::size_t i = begin_; i + block <= last + 1; i += block) {
     double sum = 0.0;
     bool sound = true;
     for (std::size_t k = i; k < i + block; ++k) {
@@ -206,6 +212,21 @@ std::optional<Bounce::Return> BounceFit::rebound(double sure, double duration) c
   return result;
 }
 
+/// Whether something else has bent the course, as where a bar is let go, and what follows is the
+/// swing of a bar that touches nothing: it leaves no more than the touch does, by three standard
+/// errors of the variances.
+bool BounceFit::swings(const Bounce& bounce, const Touched& found) const {
+  constexpr double same = 3.0;
+  if (floor_ == 0 && bounce.touch <= bent_) return false;
+  const double end = bounce.rebound ? bounce.rebound->to : bounce.back.value_or(as_double(turn_));
+  const Points whole = points(static_cast<std::size_t>(end)), fitted = points(turn_);
+  const double swing =
+      variance_beside_swing(whole, std::numbers::pi / (as_double(turn_) - bounce.touch));
+  const double doubt =
+      std::sqrt(2.0 / as_double(whole.at.size()) + 2.0 / as_double(fitted.at.size()));
+  return swing * whole.per_point < (1.0 + same * doubt) * found.variance * fitted.per_point;
+}
+
 std::optional<Bounce> BounceFit::run() {
   if (!find_turn()) return std::nullopt;
   near_touch();
@@ -222,10 +243,10 @@ std::optional<Bounce> BounceFit::run() {
                 .approach = found.approach};
   const double half = std::max(2.0, end_part * (as_double(turn_) - bounce.touch));
   bounce.back = passes(found.level.value, half);
-  if (!bounce.back) return bounce;
-  const double lasts = *bounce.back - bounce.touch;
-  bounce.rebound = rebound(found.level.value - beyond_doubt * found.level.error, lasts);
-  return bounce;
+  if (bounce.back)
+    bounce.rebound =
+        rebound(found.level.value - beyond_doubt * found.level.error, *bounce.back - bounce.touch);
+  return swings(bounce, found) ? std::nullopt : std::optional(bounce);
 }
 
 }  // namespace

@@ -14,7 +14,9 @@ namespace impactrig::acquisition {
 
 namespace {
 
-constexpr int course_terms = 3;  ///< place, speed, acceleration
+constexpr int course_terms = 3;                           ///< place, speed, acceleration
+constexpr double fastest_seen = 0.25 * std::numbers::pi;  ///< vibration [radians per point]
+constexpr int swing_terms = 7;  ///< such a course, sine and cosine and their growth
 constexpr double golden = 0.3819660112501051;
 constexpr int sections = 16;
 
@@ -77,7 +79,7 @@ TouchSearch::TouchSearch(const Points& points, const TouchRange& range)
   slowest_ = std::numbers::pi / whole;
   step_ = 0.5 * slowest_;
   slow_ = std::numbers::pi / range.scale;
-  fastest_ = 0.25 * std::numbers::pi / points.per_point;
+  fastest_ = fastest_seen / points.per_point;
 }
 
 Eigen::MatrixXd TouchSearch::terms(const Shape& shape) const {
@@ -305,16 +307,52 @@ Touched TouchSearch::run() {
       if (omega > 0.0) add(vibrating(powers, omega));
   }
   constexpr Estimate unknown{.error = INFINITY};
-  if (fits.empty()) return {unknown, unknown, unknown, unknown};
+  if (fits.empty()) return {unknown, unknown, unknown, unknown, 0.0};
   find_correlation(fits);
   std::vector<Opinion> opinions;
   for (const ShapeFit& fit : fits)
     if (comes_on(fit)) opinions.push_back(opinion(fit));
-  return {mean_of(opinions, 0, true), mean_of(opinions, 1, true), mean_of(opinions, 2, false),
-          mean_of(opinions, 2, true)};
+  const ShapeFit& best =
+      *std::ranges::min_element(fits, {}, [this](const ShapeFit& fit) { return criterion(fit); });
+  return {.touch = mean_of(opinions, 0, true),
+          .level = mean_of(opinions, 1, true),
+          .course = mean_of(opinions, 2, false),
+          .approach = mean_of(opinions, 2, true),
+          .variance = best.squares / static_cast<double>(n_ - best.shape.parameters())};
+}
+
+/// What a vibration of this ω leaves, whose amplitude changes steadily beside a course.
+ShapeFit swing(const Points& points, double omega) {
+  const auto n = static_cast<Eigen::Index>(points.at.size());
+  const double length = points.at.back() - points.at.front();
+  Eigen::MatrixXd terms(n, swing_terms);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double s = points.at[static_cast<std::size_t>(i)] - points.at.front();
+    const double u = s / length, sine = std::sin(omega * s), cosine = std::cos(omega * s);
+    terms.row(i) << 1.0, u, u * u, sine, cosine, u * sine, u * cosine;
+  }
+  const Eigen::Map<const Eigen::VectorXd> values(points.values.data(), n);
+  ShapeFit fit{.shape = {.omega = omega}};
+  fit.c = terms.householderQr().solve(values);
+  fit.squares = (values - terms * fit.c).squaredNorm();
+  return fit;
 }
 
 }  // namespace
+
+double variance_beside_swing(const Points& points, double fastest) {
+  const double freedom = static_cast<double>(points.at.size()) - swing_terms - 2.0;
+  if (freedom < 1.0) return 0.0;
+  const double step = 0.5 * std::numbers::pi / (points.at.back() - points.at.front());
+  const double end = std::min(fastest, fastest_seen / points.per_point);
+  const auto at = [&](double omega) { return swing(points, omega); };
+  ShapeFit best;
+  for (double omega = step; omega <= end; omega += step)
+    if (const ShapeFit fit = at(omega); fit.squares < best.squares) best = fit;
+  const double around = best.shape.omega;
+  const ShapeFit finer = best_within(std::max(0.1 * step, around - step), around + step, at);
+  return std::min(best.squares, finer.squares) / freedom;
+}
 
 Touched fit_touch(const Points& points, const TouchRange& range) {
   return TouchSearch(points, range).run();

@@ -29,8 +29,9 @@ struct TouchRange {
 /// Place and displacement of a touch, and the speed there [SI per sample].
 struct Touched {
   Estimate touch, level;
-  Estimate course;    ///< the speed there if the bar does not vibrate
-  Estimate approach;  ///< the speed there, vibration and all
+  Estimate course;        ///< the speed there if the bar does not vibrate
+  Estimate approach;      ///< the speed there, vibration and all
+  double variance = 0.0;  ///< of what the best fit leaves of a point [SI^2]
 };
 
 /// Fits, by least squares over `points`,
@@ -51,5 +52,13 @@ struct Touched {
 ///
 /// Source: [BurnhamAnderson2002] for the weights.
 Touched fit_touch(const Points& points, const TouchRange& range);
+
+/// The variance of what a bar that swings and touches nothing leaves of a point [SI^2]:
+///
+///   x(t) = c₀ + c₁ s + c₂ s² + (a + a' s) sin ωs + (b + b' s) cos ωs,
+///
+/// of all ω up to `fastest` [radians per sample] and an eighth of the points' rate the best. 0
+/// where there are too few points to say.
+double variance_beside_swing(const Points& points, double fastest);
 
 }  // namespace impactrig::acquisition

@@ -293,6 +293,19 @@ TEST(FindImpacts, FindsNoBounceInASwingOrAVibration) {
   }
 }
 
+// Behind the bend of its release it shows less than a period before it turns.
+TEST(FindImpacts, FindsNoBounceInABarThatIsLetGo) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    Noise draw(seed);
+    const double frequency = 30.0 * std::pow(30.0, draw.uniform());
+    const Sampling at{.start = -2e-3, .interval = 4e-6, .samples = 5000};
+    std::vector<double> values = sampled(
+        at, [&](double t) { return 1e-3 * std::cos(2.0 * pi * frequency * std::max(t, 0.0)); });
+    add_noise(values, seed % 2 == 0 ? 2e-6 : 20e-6, seed);
+    EXPECT_TRUE(impacts_of(at, values).empty()) << seed << ' ' << frequency;
+  }
+}
+
 TEST(FindImpacts, TakesADisplacementOnlyWhereNothingElseTells) {
   const Sampling at;
   const auto impacts = find_impacts(
