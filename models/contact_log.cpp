@@ -34,6 +34,7 @@ void ContactLog::begin(const BeamEnergy& energy) {
   energy_at_touch_ =
       energy.kinetic + energy.elastic + energy.spring + energy.gravitational + energy.stop;
   result_.energy.initial = energy.kinetic;
+  result_.energy.elastic_at_start = energy.elastic;
   result_.energy.gravitational = -energy.gravitational;
 }
 
@@ -203,7 +204,7 @@ void close_audit(const Rig& rig, double begun, const BeamEnergy& energy, const R
   audit.stop = energy.stop;
   audit.gravitational += energy.gravitational;
   audit.rigid_rotation = 0.5 * rig.beam.hinge_inertia() * rigid.rate * rigid.rate;
-  audit.vibration = audit.kinetic + audit.elastic - audit.rigid_rotation;
+  audit.vibration = audit.kinetic + (audit.elastic - audit.elastic_at_start) - audit.rigid_rotation;
   audit.imbalance =
       (energy.kinetic + energy.elastic + energy.spring + energy.gravitational + energy.stop +
        audit.contact_stored + audit.dissipated + audit.damped - audit.driven - begun) /

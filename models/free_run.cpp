@@ -58,6 +58,7 @@ void FreeRun::start() {
   const BeamEnergy energy = bar_.energy();
   energy_at_start_ = energy.kinetic + energy.elastic + energy.spring + energy.gravitational;
   result_.energy.initial = energy_scale_;
+  result_.energy.elastic_at_start = energy.elastic;
   result_.energy.gravitational = -energy.gravitational;
   result_.history.interval = options_.history.interval;
   const bool sampled = options_.history.interval > 0.0;

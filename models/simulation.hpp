@@ -49,22 +49,24 @@ struct EnergyAudit {
   double initial = 0.0;
   double kinetic = 0.0;
   double elastic = 0.0;
-  double spring = 0.0;          ///< stored in the hinge
-  double gravitational = 0.0;   ///< relative to first touch
-  double contact_stored = 0.0;  ///< in all stops; not zero only when the run ends in contact
-  double dissipated = 0.0;      ///< by the damping of all contacts
-  double damped = 0.0;          ///< in bar, hinge (friction too) and the stop's damper
-  double driven = 0.0;          ///< work of what turns the hinge as stated, since the start
-  double stop = 0.0;            ///< left in a compliant stop's head and spring
+  double elastic_at_start = 0.0;  ///< of a bar that its weight or its turning stretches
+  double spring = 0.0;            ///< stored in the hinge
+  double gravitational = 0.0;     ///< relative to first touch
+  double contact_stored = 0.0;    ///< in all stops; not zero only when the run ends in contact
+  double dissipated = 0.0;        ///< by the damping of all contacts
+  double damped = 0.0;            ///< in bar, hinge (friction too) and the stop's damper
+  double driven = 0.0;            ///< work of what turns the hinge as stated, since the start
+  double stop = 0.0;              ///< left in a compliant stop's head and spring
   /// Kinetic energy of the rigid bar with the same angular momentum about the hinge.
   double rigid_rotation = 0.0;
-  double vibration = 0.0;  ///< kinetic + elastic - rigid_rotation
+  double vibration = 0.0;  ///< kinetic + elastic - elastic_at_start - rigid_rotation
   double imbalance = 0.0;  ///< [-]
 
   /// The imbalance relative to what came into play: where weight or spring set free more than the
   /// initial energy, as after a slow touch, that is what errors are a part of.
   double unbalanced() const {
-    return imbalance * initial / std::max(initial, kinetic + elastic + dissipated + damped);
+    return imbalance * initial /
+           std::max(initial, kinetic + std::abs(elastic - elastic_at_start) + dissipated + damped);
   }
 };
 

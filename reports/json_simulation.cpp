@@ -116,6 +116,7 @@ Json energy_json(const models::EnergyAudit& energy) {
           {"imbalance", energy.imbalance},
           {"kinetic_j", energy.kinetic},
           {"elastic_j", energy.elastic},
+          {"elastic_at_start_j", energy.elastic_at_start},
           {"gravitational_j", energy.gravitational},
           {"contact_stored_j", energy.contact_stored},
           {"rigid_rotation_j", energy.rigid_rotation},
@@ -133,6 +134,7 @@ models::EnergyAudit energy_from(const JsonReader& json) {
   energy.imbalance = json["imbalance"].number();
   energy.kinetic = json["kinetic_j"].number();
   energy.elastic = json["elastic_j"].number();
+  if (json.has("elastic_at_start_j")) energy.elastic_at_start = json["elastic_at_start_j"].number();
   energy.gravitational = json["gravitational_j"].number();
   energy.contact_stored = json["contact_stored_j"].number();
   energy.rigid_rotation = json["rigid_rotation_j"].number();

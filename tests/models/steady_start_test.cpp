@@ -234,4 +234,23 @@ TEST(SteadyStart, BringsFullEquationsAndSmallMotionTogether) {
   EXPECT_NEAR(b.end / a.end, 1.0, 3e-7);
 }
 
+// The energy of the tension stays as it is: ρ² g² A L³ / (6 E), here a million times what the
+// slow bar brings.
+TEST(SteadyStart, CountsItsTensionNeitherAsVibrationNorAsWhatCameIntoPlay) {
+  Rig rig = paper_rig();
+  rig.beam.youngs_modulus = 1e9;
+  rig.gravity = 9.81;
+  rig.start.velocity = 1e-5;
+  SimulationOptions options;
+  options.motion = Motion::full;
+  const EnergyAudit energy = simulate(rig, ancf(14, 2, 1e-6, 1e-3), options).energy;
+  const double stretch = std::pow(rig.beam.density * rig.gravity, 2) * rig.beam.area *
+                         std::pow(rig.beam.length, 3) / (6.0 * rig.beam.youngs_modulus);
+  EXPECT_GT(stretch, 1e6 * energy.initial);
+  EXPECT_NEAR(energy.elastic_at_start / stretch, 1.0, 1e-3);
+  EXPECT_GT(energy.vibration, 0.0);
+  EXPECT_LT(energy.vibration, energy.initial);
+  EXPECT_GT(std::abs(energy.unbalanced()), 0.5 * std::abs(energy.imbalance));
+}
+
 }  // namespace
