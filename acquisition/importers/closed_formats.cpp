@@ -23,6 +23,11 @@ struct Signature {
 constexpr std::string_view from_the_oscilloscope =
     "save the waveform as CSV on the oscilloscope, with its times";
 
+constexpr std::string_view from_the_table = "save the table as CSV, MATLAB (.mat) or HDF5";
+constexpr std::string_view from_netcdf = "save it as NetCDF 4, which is HDF5 (nccopy -k netCDF-4)";
+constexpr std::string_view from_sigrok =
+    "save the analog channels as a sigrok session (.sr) or as CSV";
+
 constexpr auto signatures = std::to_array<Signature>({
     {0,
      std::string_view("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", 8),
@@ -36,13 +41,37 @@ constexpr auto signatures = std::to_array<Signature>({
      "save it as MDF 4 with the program that wrote it"},
     {0, "UnFinMF ", "an unfinished ASAM MDF measurement file before version 4",
      "save it as MDF 4 with the program that wrote it"},
+    {0, std::string_view("PK\x03\x04", 4), "an archive of NumPy arrays (.npz)",
+     "save them as MATLAB (.mat) with SciPy's savemat, or as HDF5 with h5py", ".npy"},
     {0,
      std::string_view("PK\x03\x04", 4),
      "a ZIP archive (a workbook, for example)",
      "save the table in it as CSV",
      {},
      "a ZIP archive"},
+    {0, "\x93NUMPY", "a NumPy array (.npy)",
+     "save it as MATLAB (.mat) with SciPy's savemat, or as text with NumPy's savetxt"},
+    {0, "PAR1", "an Apache Parquet table", from_the_table},
+    {0, "ARROW1", "an Apache Arrow table (Feather)", from_the_table},
+    {0, "SQLite format 3", "an SQLite database", from_the_table},
+    {0, "CDF\x01", "a NetCDF file of the classic format", from_netcdf},
+    {0, "CDF\x02", "a NetCDF file of the classic format", from_netcdf},
+    {0, "CDF\x05", "a NetCDF file of the classic format", from_netcdf},
     {0, "\x1F\x8B", "a gzip-compressed file", "unpack it first"},
+    {0, "BZh", "a bzip2-compressed file", "unpack it first"},
+    {0,
+     std::string_view("\xFD"
+                      "7zXZ\0",
+                      6),
+     "an xz-compressed file", "unpack it first"},
+    {0, "\x28\xB5\x2F\xFD", "a Zstandard-compressed file", "unpack it first"},
+    {0, "7z\xBC\xAF\x27\x1C", "a 7z archive", "unpack it first"},
+    {0, "Rar!\x1A\x07", "a RAR archive", "unpack it first"},
+    {0, "\x89PNG", "a picture (PNG)", "a recording is expected"},
+    {0, "\xFF\xD8\xFF", "a picture (JPEG)", "a recording is expected"},
+    {0, "$date", "a value change dump (.vcd) of logic levels", from_sigrok, "$enddefinitions"},
+    {0, "$version", "a value change dump (.vcd) of logic levels", from_sigrok, "$enddefinitions"},
+    {0, "$timescale", "a value change dump (.vcd) of logic levels", from_sigrok, "$enddefinitions"},
     {0, "%PDF", "a PDF document", "a recording is expected"},
     {0, "DIAEXTENDED",
      "the header of a DIAdem data set (.dat), whose samples are in binary files beside it",

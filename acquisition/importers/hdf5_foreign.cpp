@@ -8,6 +8,7 @@
 #include "acquisition/importers/hdf5_arrays.hpp"
 #include "acquisition/importers/hdf5_channels.hpp"
 #include "acquisition/importers/hdf5_clocks.hpp"
+#include "acquisition/importers/hdf5_programs.hpp"
 #include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/time_axis.hpp"
 #include "datasets/input_error.hpp"
@@ -110,8 +111,10 @@ std::unique_ptr<RecordingReader> open_foreign_hdf5(const std::string& path,
     throw datasets::InputError(file.byte_position(0),
                                "expected the signature of HDF5 at byte 0, 512, 1024, ...");
   Hdf5Listing listing = list_hdf5(path);
-  if (!is_own(listing))
+  if (!is_own(listing)) {
+    state_programs_words(listing);
     return std::make_unique<ForeignReader>(path, std::move(listing), options, false);
+  }
   if (!options.units.empty()) {
     datasets::SourcePosition place;
     place.file = path;

@@ -39,6 +39,8 @@ constexpr std::array<std::string_view, 11> rate_words = {"fs",
                                                          "samplingfrequency",
                                                          "samplefrequency"};
 constexpr std::string_view start_word = "tstart";  // PicoScope, beside Tinterval
+/// Tektronix DPO: of times, one only beside the other.
+constexpr std::string_view spacing_word = "spacing", spacing_start_word = "starttime";
 
 /// Where the last '.' or '/' stands that is not within brackets at the end, as of "/run/v (m/s)".
 std::size_t end_of_group(std::string_view name) {
@@ -117,6 +119,7 @@ class ClockFinder {
     const bool none = wanted_ == "none";
     const bool stated = wanted_ && !none;
     const std::size_t column = stated ? stated_column() : 0;
+    find_spacings();
     for (std::size_t i = 0; i < arrays_.size(); ++i) {
       if (stated) break;
       const std::string word = last_word(arrays_[i].name);
@@ -178,14 +181,27 @@ class ClockFinder {
     if (list.size() < most && std::ranges::find(list, index) == list.end()) list.push_back(index);
   }
 
+  /// Groups that have both words of a Tektronix oscilloscope.
+  void find_spacings() {
+    std::set<std::string> starts;
+    for (const NamedArray& array : arrays_)
+      if (array.samples == 1 && last_word(array.name) == spacing_start_word)
+        starts.emplace(group_of(array.name));
+    for (const NamedArray& array : arrays_)
+      if (array.samples == 1 && last_word(array.name) == spacing_word)
+        if (const std::string group(group_of(array.name)); starts.contains(group))
+          spaced_.insert(group);
+  }
+
   void take_number(const std::string& word, const std::string& group, std::size_t index) {
-    const bool interval = among(interval_words, word);
-    const bool rate = among(rate_words, word);
-    if (!interval && !rate && word != start_word) return;
+    const bool spaced = spaced_.contains(group);
+    const bool interval = among(interval_words, word) || (spaced && word == spacing_word);
+    const bool start = word == start_word || (spaced && word == spacing_start_word);
+    if (!interval && !start && !among(rate_words, word)) return;
     Ends value;
     each_number_(index, [&value](std::span<const double> numbers) { value.add(numbers); });
     if (value.count != 1 || !std::isfinite(value.first)) return;
-    if (word == start_word) {
+    if (start) {
       starts_.emplace(group, value.first * arrays_[index].seconds);
       return;
     }
@@ -377,6 +393,7 @@ class ClockFinder {
   std::map<std::string, std::pair<double, std::size_t>> intervals_;  ///< by group
   std::map<std::string, std::string> unusable_;                      ///< by group
   std::map<std::string, double> starts_;                             ///< by group
+  std::set<std::string> spaced_;                                     ///< groups
   std::map<std::size_t, TimesFound> axes_;
   std::set<std::size_t> told_numbers_;
   std::set<std::size_t> compared_times_;

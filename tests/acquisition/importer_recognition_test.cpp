@@ -115,6 +115,36 @@ INSTANTIATE_TEST_SUITE_P(
             "PK\x03\x04"sv,
             "a ZIP archive (a workbook, for example), which is not read: save the table in it as "
             "CSV"},
+        Closed{"PK\x03\x04\x14\x00\x00\x00t.npy"sv,
+               "an archive of NumPy arrays (.npz), which is not read: save them as MATLAB (.mat) "
+               "with SciPy's savemat, or as HDF5 with h5py"},
+        Closed{"\x93NUMPY\x01\x00"sv,
+               "a NumPy array (.npy), which is not read: save it as MATLAB (.mat) with SciPy's "
+               "savemat, or as text with NumPy's savetxt"},
+        Closed{"PAR1\x15\x04"sv,
+               "an Apache Parquet table, which is not read: save the table as CSV, MATLAB (.mat) "
+               "or HDF5"},
+        Closed{"ARROW1\x00\x00"sv,
+               "an Apache Arrow table (Feather), which is not read: save the table as CSV, MATLAB "
+               "(.mat) or HDF5"},
+        Closed{"SQLite format 3\x00"sv,
+               "an SQLite database, which is not read: save the table as CSV, MATLAB (.mat) or "
+               "HDF5"},
+        Closed{"CDF\x02\x00"sv,
+               "a NetCDF file of the classic format, which is not read: save it as NetCDF 4, "
+               "which is HDF5 (nccopy -k netCDF-4)"},
+        Closed{"BZh91AY&SY"sv, "a bzip2-compressed file, which is not read: unpack it first"},
+        Closed{"\xFD\x37zXZ\x00"sv, "an xz-compressed file, which is not read: unpack it first"},
+        Closed{"\x28\xB5\x2F\xFD\x04"sv,
+               "a Zstandard-compressed file, which is not read: unpack it first"},
+        Closed{"7z\xBC\xAF\x27\x1C"sv, "a 7z archive, which is not read: unpack it first"},
+        Closed{"Rar!\x1A\x07\x01"sv, "a RAR archive, which is not read: unpack it first"},
+        Closed{"\x89PNG\r\n"sv, "a picture (PNG), which is not read: a recording is expected"},
+        Closed{"\xFF\xD8\xFF\xE0"sv,
+               "a picture (JPEG), which is not read: a recording is expected"},
+        Closed{"$date today $end\n$timescale 1 us $end\n$enddefinitions $end\n#0 0!"sv,
+               "a value change dump (.vcd) of logic levels, which is not read: save the analog "
+               "channels as a sigrok session (.sr) or as CSV"},
         Closed{"\x1F\x8B\x08"sv, "a gzip-compressed file, which is not read: unpack it first"},
         Closed{"%PDF-1.7"sv, "a PDF document, which is not read: a recording is expected"},
         Closed{"DIAEXTENDED  {@:ENDLINE}\n#BEGINGLOBALHEADER\n1,WINDOWS 32Bit"sv,
