@@ -8,7 +8,7 @@
 #include "acquisition/exporters/formats.hpp"
 #include "acquisition/exporters/not_kept.hpp"
 #include "acquisition/exporters/output_file.hpp"
-#include "acquisition/importers/csv_columns.hpp"
+#include "acquisition/importers/csv_roles.hpp"
 #include "acquisition/importers/time_axis.hpp"
 #include "datasets/input_error.hpp"
 #include "datasets/units.hpp"

@@ -10,7 +10,10 @@
 #include <utility>
 
 #include "acquisition/importers/column_heads.hpp"
+#include "acquisition/importers/csv_clock.hpp"
 #include "acquisition/importers/csv_columns.hpp"
+#include "acquisition/importers/csv_marked_rows.hpp"
+#include "acquisition/importers/csv_roles.hpp"
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/joined_readers.hpp"
 #include "acquisition/importers/large_table.hpp"

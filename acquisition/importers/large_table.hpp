@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "acquisition/importers/csv_columns.hpp"
+#include "acquisition/importers/csv_marked_rows.hpp"
 #include "acquisition/importers/text_table.hpp"
 #include "acquisition/recording_reader.hpp"
 #include "datasets/record.hpp"
