@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "acquisition/importers/column_heads.hpp"
-#include "acquisition/importers/mat5.hpp"
 #include "acquisition/importers/mat73_structures.hpp"
+#include "acquisition/importers/mat_contents.hpp"
 #include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/units.hpp"

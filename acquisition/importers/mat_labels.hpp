@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "acquisition/importers/mat5.hpp"
+#include "acquisition/importers/mat_contents.hpp"
 
 namespace impactrig::acquisition {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "acquisition/importers/mat5.hpp"
+#include "acquisition/importers/mat_contents.hpp"
 #include "acquisition/recording_reader.hpp"
 
 namespace impactrig::acquisition {
