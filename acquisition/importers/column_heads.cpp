@@ -158,6 +158,7 @@ TableHead read_head(const TableLayout& layout, std::string_view text) {
   if (keys) take_column_of_keys(layout.dialect, head);
   take_names_of_keys(layout, head);
   find_interval(layout.dialect, head);
+  take_instek_levels(head);
   return head;
 }
 

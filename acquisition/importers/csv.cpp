@@ -240,8 +240,9 @@ datasets::SampleClock clock_of_column(const CsvHead& csv, std::size_t column, Ta
   Column& times = table.columns[column];
   to_seconds(csv.file, head, time_conversion(csv.file, head, record), times);
   const std::size_t rows = times.values.size();
-  TimeAxis axis = time_axis(std::move(times.values));
-  if (rows == 1 && column == csv.roles.time && csv.head.interval) {
+  const bool of_head = column == csv.roles.time && csv.head.interval;
+  TimeAxis axis = time_axis(std::move(times.values), of_head ? *csv.head.interval : 0.0);
+  if (rows == 1 && of_head) {
     axis.clock.interval = *csv.head.interval;
     return std::move(axis.clock);
   }
@@ -325,6 +326,7 @@ LargeTable table_of_clock(std::shared_ptr<CsvHead> csv, const ClockColumns& rang
     table.to_seconds = [csv, &head, conversion = time_conversion(csv->file, head, table.record)](
                            Column& times) { to_seconds(csv->file, head, conversion, times); };
   }
+  if (time && time == csv->roles.time) table.stated_interval = csv->head.interval.value_or(0.0);
   if (time && time == csv->roles.time)
     table.settle_clock = [csv](std::uint64_t count, datasets::SampleClock& clock, Record& record) {
       compare_with_head(csv->head, count, clock, record);

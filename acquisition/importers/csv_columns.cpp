@@ -132,11 +132,13 @@ void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delim
     if (horizontal && roles.time && heads[*roles.time].unit.empty())
       heads[*roles.time].unit = unit_of_times(without_channel(units.front()));
     if (!vertical && !one_each) continue;
+    // the key stands over the times, and a further block has a key and times of its own
+    const bool by_column = vertical && roles.time == 0 && units.size() + 1 == heads.size();
     std::size_t channel = 0;
     for (std::size_t c = 0; c < heads.size(); ++c) {
       if (!roles.is_channel(c)) continue;
-      if (heads[c].unit.empty() && (units.size() == 1 || channel < units.size()))
-        heads[c].unit = without_channel(units[units.size() == 1 ? 0 : channel]);
+      const std::size_t at = units.size() == 1 ? 0 : by_column ? c - 1 : channel;
+      if (heads[c].unit.empty() && at < units.size()) heads[c].unit = without_channel(units[at]);
       ++channel;
     }
   }
@@ -168,6 +170,7 @@ Channel channel_of(const TableHead& head, std::size_t column, const ColumnHead& 
   channel.name = says.name;
   set_unit(channel, says, record);
   take_stated_quantity(head, column, channel);
+  channel.scale = head.level;
   set_attribute(channel, unusable_clock, head.unusable_clock);
   return channel;
 }

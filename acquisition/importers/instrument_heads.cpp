@@ -10,6 +10,7 @@
 
 #include "acquisition/importers/column_keys.hpp"
 #include "acquisition/importers/date_time.hpp"
+#include "acquisition/importers/number.hpp"
 
 namespace impactrig::acquisition {
 
@@ -108,6 +109,25 @@ bool take_toa5(const TableLayout& layout, const std::vector<std::size_t>& filled
   head.names_line = static_cast<int>(filled[1]) + 1;
   head.units_line = static_cast<int>(filled[2]) + 1;
   return true;
+}
+
+void take_instek_levels(TableHead& head) {
+  constexpr double levels = 25.0;
+  const auto number = [&head](const std::string& key) {
+    return number_in(value_of(head.attributes, key));
+  };
+  if (head.columns.empty() || head.columns.front().name != "Waveform Data" ||
+      value_of(head.attributes, "Mode") == "Detail")
+    return;
+  const auto division = number("Vertical Scale"), length = number("Memory Length");
+  if (!division || !(*division > 0.0) || !length || !(*length > 0.0)) return;
+  head.level = *division / levels;
+  head.warnings.push_back(
+      fmt::format("'Waveform Data' are the levels of the screen, 25 a division: they are taken in "
+                  "the unit of 'Vertical Scale', {:g} a division",
+                  *division));
+  const auto middle = number("Horizontal Position");
+  if (middle && head.interval && !head.start) head.start = *middle - 0.5 * *length * *head.interval;
 }
 
 void take_keys_beside_rows(const TableLayout& layout, TableHead& head) {

@@ -22,6 +22,13 @@ bool take_toa5(const TableLayout& layout, const std::vector<std::size_t>& filled
 bool take_graphtec(const TableLayout& layout, const std::vector<std::size_t>& filled,
                    TableHead& head);
 
+/// What a level stands for, and when the first was taken, in what a GW Instek GDS-1000 writes
+/// beside "Mode,Detail": levels, 25 a division, about the middle of the record.
+///
+/// Source: GW Instek, GDS-1000B Series Programming Manual, :ACQuire<X>:MEMory?; the times that
+/// files of the other mode state.
+void take_instek_levels(TableHead& head);
+
 /// Keys that stand beside the samples, of each table where several are side by side. Such tables
 /// have a time and one trace, named by the key Source.
 void take_keys_beside_rows(const TableLayout& layout, TableHead& head);

@@ -146,13 +146,13 @@ class LargeTableReader final : public RecordingReader {
   const AllTimes& all_times() {
     if (all_times_) return *all_times_;
     const Selection everything;
-    TimeAxisCheck check(first_, last_, rows_);
+    TimeAxisCheck check(first_, last_, rows_, table_.stated_interval);
     const auto look = [&](Table& piece, Piece part) {
       check.add(part.of(piece.columns[*table_.time].values));
     };
     pass({}, {everything, {}}, look);
     if (!check.as_expected()) {
-      check = TimeAxisCheck(check.first(), check.last(), check.samples());
+      check = TimeAxisCheck(check.first(), check.last(), check.samples(), table_.stated_interval);
       pass({}, {everything, {}}, look);
     }
     all_times_ = AllTimes{check.axis(), check.uniform(), check.samples()};
@@ -191,7 +191,7 @@ class LargeTableReader final : public RecordingReader {
     if (!table_.time) return;
     const std::vector<double> first = times_of(probe);
     if (file().is_part()) {
-      TimeAxisCheck check(first.front(), first.back(), first.size());
+      TimeAxisCheck check(first.front(), first.back(), first.size(), table_.stated_interval);
       check.add(first);
       clock_ = check.axis().clock;
       if (const auto time = time_of_last_lines()) count_by_time(first, *time);
@@ -203,7 +203,7 @@ class LargeTableReader final : public RecordingReader {
     first_ = first.front();
     last_ = last.rows > 0 ? times_of(last).back() : first.back();
     count_by_time(first, last_);
-    TimeAxisCheck check(first_, first.back(), first.size());
+    TimeAxisCheck check(first_, first.back(), first.size(), table_.stated_interval);
     check.add(first);
     clock_ = check.axis().clock;
     if (rows_ > 1) clock_.interval = (last_ - first_) / static_cast<double>(rows_ - 1);
@@ -272,9 +272,11 @@ class LargeTableReader final : public RecordingReader {
   /// The times that are to be expected in the window.
   TimeAxisCheck expected_times(const Selection& wanted) const {
     const SampleRange range = samples_within(clock_, rows_, wanted);
-    if (range.last == range.first) return {first_, first_, 0};
-    if (range.first == 0 && range.last == rows_) return {first_, last_, rows_};
-    return {clock_.time(range.first), clock_.time(range.last - 1), range.last - range.first};
+    const double stated = table_.stated_interval;
+    if (range.last == range.first) return {first_, first_, 0, stated};
+    if (range.first == 0 && range.last == rows_) return {first_, last_, rows_, stated};
+    return {clock_.time(range.first), clock_.time(range.last - 1), range.last - range.first,
+            stated};
   }
 
   /// Reads rows with these columns and the time, hands those in the window to `use` piece by piece,
@@ -366,7 +368,7 @@ class LargeTableReader final : public RecordingReader {
     if (!table_.time) return clock_;
     const std::size_t time = *table_.time;
     if (!check.as_expected()) {
-      check = TimeAxisCheck(check.first(), check.last(), rows);
+      check = TimeAxisCheck(check.first(), check.last(), rows, table_.stated_interval);
       pass({}, window,
            [&](Table& piece, Piece part) { check.add(part.of(piece.columns[time].values)); });
     }

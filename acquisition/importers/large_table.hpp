@@ -34,6 +34,7 @@ struct LargeTable {
   std::size_t first_bytes = 0;                ///< that they take
   std::optional<std::size_t> time{};          ///< the column of times
   std::function<void(Column&)> to_seconds{};  ///< makes seconds of it
+  double stated_interval = 0.0;               ///< by the head, of these times [s]; 0: none
   datasets::SampleClock clock{};              ///< where there is no such column
   MarkedRows marked{};
   datasets::Record record{};           ///< channels without samples and clock

@@ -57,10 +57,17 @@ void tell_of_misfit(const TableLayout& layout, std::size_t line, TableHead& head
 }
 
 /// "x-axis,1,2", as InfiniiVision oscilloscopes name their channels.
+/// "D0-D7"
+bool are_logic_lines(std::string_view name) {
+  const std::size_t dash = name.find('-');
+  return dash != name.npos && name.front() == 'D' && integer_in(name.substr(1, dash - 1)) &&
+         name.substr(dash + 1).starts_with('D') && integer_in(name.substr(dash + 2));
+}
+
 bool are_numbered_channels(const HeadCells& names) {
   return lowered(names.front()) == "x-axis" &&
          std::all_of(names.begin() + 1, names.end(), [](std::string_view name) {
-           return name.empty() || integer_in(name).has_value();
+           return name.empty() || integer_in(name).has_value() || are_logic_lines(name);
          });
 }
 
@@ -162,7 +169,8 @@ bool take_names_over_units(const TableLayout& layout, const std::vector<std::siz
        !(are_numbered_channels(names) && is_unit_row(bottom))))
     return false;
   take_start_and_increment(names, units, decimal, head);
-  const bool as_wide = bottom.size() >= layout.cells || head.start || head.increment;
+  const bool as_wide =
+      bottom.size() >= layout.cells || head.start || head.increment || are_numbered_channels(names);
   if (!as_wide ||
       !(is_unit_row(units) || is_sentence_row(units) || has_time_over_its_unit(names, units))) {
     head.start.reset();

@@ -66,7 +66,7 @@ std::string unit_of_name(std::string_view text) {
   return {};
 }
 
-/// "Time in ms", "Time - ms", "Time, ms", "t/ms", "v/mm/s", and of times "Time_ms".
+/// "Time in ms", "Time - ms", "Time, ms", "t/ms", "v/mm/s", "rate 1/s", and of times "Time_ms".
 std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
   const auto divided = [text](std::size_t name, std::size_t unit) {
     return ColumnHead{to_utf8(trimmed(text.substr(0, name))), to_utf8(trimmed(text.substr(unit))),
@@ -79,6 +79,9 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
         is_plain_unit(trimmed(text.substr(at + word.size()))))
       return divided(at, at + word.size());
   }
+  const std::size_t one = text.rfind(" 1/");
+  if (one != std::string_view::npos && one > 0 && is_plain_unit(text.substr(one + 3)))
+    return divided(one, one + 1);
   const std::size_t slash = text.find('/');
   // "m/s" and "mV/g" are units, "t/ms" is a time though it could be tonnes
   if (slash != std::string_view::npos && slash > 0 && !is_plain_unit(text) &&

@@ -18,6 +18,7 @@
 #include "acquisition/importers/byte_cursor.hpp"
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/header_fields.hpp"
+#include "acquisition/importers/named_arrays.hpp"
 #include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/tdms_clock.hpp"
@@ -111,6 +112,7 @@ class Recording {
     for (const auto& [name, value] : part->properties)
       if (!name.starts_with("NI_Scale[")) channel.attributes[name] = text_of(value);
     channel.unit = text_of(part->properties, "unit_string");
+    if (channel.unit.empty()) take_unit_of_name(channel);
     if (part->type != nullptr && part->type->role == TdmsRole::time)
       set_time_stamps(*part, channel, stored);
     else
@@ -120,6 +122,13 @@ class Recording {
     record_.channels.push_back(std::move(channel));
     stored_.push_back(std::move(stored));
     channels_.push_back(added);
+  }
+
+  /// "N" of "Force (N)"; what is no unit of a quantity may be anything: "Untitled (2)".
+  static void take_unit_of_name(Channel& channel) {
+    const std::string unit = unit_by_name(channel.name);
+    const Quantity quantity = datasets::quantity_of_unit(unit);
+    if (quantity != Quantity::unknown && quantity != Quantity::other) channel.unit = unit;
   }
 
   /// What a channel's own properties state of scales, else its group's, else the file's.

@@ -68,10 +68,11 @@ double printed_resolution(std::span<const double> times) {
   return std::pow(10.0, std::floor(std::log10(largest)) - digits + 1);
 }
 
-TimeAxisCheck::TimeAxisCheck(double first, double last, std::uint64_t samples)
+TimeAxisCheck::TimeAxisCheck(double first, double last, std::uint64_t samples, double stated)
     : first_(first),
       last_(last),
-      samples_(samples) {
+      samples_(samples),
+      stated_(stated) {
   if (samples > 1) step_ = (last - first) / static_cast<double>(samples - 1);
 }
 
@@ -127,8 +128,16 @@ double TimeAxisCheck::resolution() const {
 
 bool TimeAxisCheck::explains_deviations(double resolution) const {
   // between a fifth of a step and a whole one, a lost sample looks the same as a rounded time
-  return resolution > 0.0 && (resolution <= 0.2 * step_ || resolution > step_) &&
+  return resolution > 0.0 &&
+         (resolution <= 0.2 * step_ || resolution > step_ || fills(resolution)) &&
          largest_deviation_ <= 1.01 * resolution;
+}
+
+/// Whether no sample is lost by the interval that is stated.
+bool TimeAxisCheck::fills(double resolution) const {
+  return stated_ > 0.0 && samples_ > 1 &&
+         std::abs(stated_ * static_cast<double>(samples_ - 1) - (last_ - first_)) <=
+             1.01 * resolution;
 }
 
 bool TimeAxisCheck::rounded() const {
@@ -148,6 +157,14 @@ TimeAxis TimeAxisCheck::axis() const {
     return axis;
   }
   const bool even_steps = even();
+  if (!even_steps && !all_equal() && rounded() && fills(resolution())) {
+    axis.clock.interval = stated_;
+    axis.warning = fmt::format(
+        "the times are rounded to {:.3g} s: they are taken as uniform, with the interval of {:.9g} "
+        "s that is stated",
+        resolution(), stated_);
+    return axis;
+  }
   const bool many_share = !even_steps && rounded() && resolution() > step_;
   if (all_equal() || many_share) {
     const std::uint64_t steps = first_change_ ? last_change_.sample - first_change_->sample : 0;
@@ -193,9 +210,9 @@ TimeAxis TimeAxisCheck::axis() const {
   return axis;
 }
 
-TimeAxis time_axis(std::vector<double> times) {
+TimeAxis time_axis(std::vector<double> times, double stated) {
   if (times.empty()) return {};
-  TimeAxisCheck check(times.front(), times.back(), times.size());
+  TimeAxisCheck check(times.front(), times.back(), times.size(), stated);
   check.add(times);
   TimeAxis axis = check.axis();
   if (!check.uniform()) axis.clock.times = std::move(times);

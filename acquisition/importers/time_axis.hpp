@@ -23,14 +23,16 @@ struct TimeAxis {
 /// further than 5e-2 of it from the straight line, or when the deviations are explained by the
 /// digits the times were printed with; then start and mean step are kept, else all times. Where
 /// many samples share a time, the step is that between the first and the last change; with fewer
-/// than two changes it is not known, and the interval 0.
-TimeAxis time_axis(std::vector<double> times);
+/// than two changes it is not known, and the interval 0. `stated`: the interval that a head states
+/// [s], 0 if none; where so many samples fill the time to its last digit, printed times differ by
+/// rounding alone, and it is the interval.
+TimeAxis time_axis(std::vector<double> times, double stated = 0.0);
 
 /// Judges times as they come, as time_axis() does, without keeping them.
 class TimeAxisCheck {
  public:
   /// So many times are expected, from `first` to `last` [s].
-  TimeAxisCheck(double first, double last, std::uint64_t samples);
+  TimeAxisCheck(double first, double last, std::uint64_t samples, double stated = 0.0);
 
   void add(std::span<const double> times);
 
@@ -56,10 +58,12 @@ class TimeAxisCheck {
   bool rounded() const;
   double resolution() const;
   bool explains_deviations(double resolution) const;
+  bool fills(double resolution) const;
 
   double first_;
   double last_;
   std::uint64_t samples_;
+  double stated_;
   double step_ = 0.0;
   std::uint64_t seen_ = 0;
   double first_seen_ = 0.0;

@@ -115,6 +115,12 @@ TEST(CsvHeads, OneInBracketsBehindABlankIsTheUnitOfARatio) {
               ElementsAre("strain [1]"));
 }
 
+TEST(CsvHeads, ARatePerSecondIsNoTime) {
+  const Record record = imported("strain,strain rate 1/s\n0.5,1\n0.25,2\n0.75,3\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("strain []", "strain rate [1/s]"));
+  EXPECT_EQ(record.channels.at(0).clock.interval, 0.0);
+}
+
 TEST(CsvHeads, KeysMayListOneValueAChannel) {
   const std::string head =  // as a Yokogawa DL850 writes it
       "\"Model Name\",\"DL850\"\n\"TraceName\",\"Hammer\",\"Beam\"\n\"BlockSize\",4,4\n"

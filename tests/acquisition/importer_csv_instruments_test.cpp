@@ -181,8 +181,71 @@ TEST(Tektronix, TablesSideBySideHaveKeysTimesAndUnitsOfTheirOwn) {
   }
 }
 
+/// As a GDS-1000 saves what it shows.
+std::string gds1000(std::string_view mode) {
+  return fmt::format(
+      "Memory Length,4,\nTrigger Level,0.0E+00,\nSource,CH1,\nProbe,10X,\nVertical Units,V,\n"
+      "Vertical Scale,5.0E-01,\nVertical Position,1.0E-01,\nHorizontal Units,S,\n"
+      "Horizontal Scale,2.5E-04,\nHorizontal Position,1.0E-05,\nHorizontal Mode,Main,\n"
+      "Sampling Period,1.0E-06,\nFirmware,V1.13,\nTime, ,\nMode,{},\nWaveform Data,\n"
+      "-23,\n0,\n28,\n25,\n",
+      mode);
+}
+
+// "if the raw data for a point is 001C (=28 decimal) then, (28/25) x 0.5 = 0.56V"
+TEST(Instek, LevelsAreTwentyFiveADivisionAboutTheMiddle) {
+  const Record record = imported(gds1000("Fast"));
+  EXPECT_THAT(names_and_units(record), ElementsAre("Waveform Data [V]"));
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(-0.46, 0.0, 0.56, 0.5));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-6);
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.start, 1e-5 - 2e-6);
+  EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("are the levels of the screen, 25 a division: "
+                                                     "they are taken in the unit of 'Vertical "
+                                                     "Scale', 0.5 a division")));
+  EXPECT_EQ(imported(gds1000("Detail")).channels.at(0).values()[2], 28.0);
+}
+
+TEST(Keysight, LogicLinesHaveNoUnitBesideNumberedChannels) {
+  const Record record = imported(
+      "x-axis,1,2,D0-D7\nsecond,Volt,Volt,\n-4e-06,0.5,1.5,3\n-2e-06,0.25,1.0,2\n0,0,0.5,3\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("CH 1 [Volt]", "CH 2 [Volt]", "D0-D7 []"));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 2e-6);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+/// The head of an MSO2000 or TBS1000C, its times in so few digits that steps differ.
+std::string tek(double interval) {
+  std::string text = fmt::format(
+      "Model,TBS1052C\nFirmware Version,1.3\n\nPoint Format,Y\nHorizontal Units,S\n"
+      "Sample Interval,{}\nRecord Length,200\nVertical Units,V\nLabel,\nTIME,CH1\n",
+      interval);
+  for (int i = 0; i < 200; ++i) text += fmt::format("{:.3e},{}\n", -0.32 + 3.2e-4 * i, i % 7);
+  return text;
+}
+
+TEST(Tektronix, TheIntervalOfTheHeadIsTheClockOfTimesThatAreRounded) {
+  const Record record = imported(tek(0.00032));
+  ASSERT_TRUE(record.channels.at(0).clock.uniform());
+  EXPECT_EQ(record.channels[0].clock.interval, 0.00032);
+  EXPECT_THAT(record.warnings,
+              ElementsAre("the times are rounded to 0.0001 s: they are taken as uniform, with the "
+                          "interval of 0.00032 s that is stated"));
+  EXPECT_FALSE(imported(tek(0.00031)).channels.at(0).clock.uniform());  // samples may be lost
+}
+
+TEST(Tektronix, UnitsOfAFurtherBlockStandOverItsColumns) {
+  const Record record = imported(
+      "Model,MDO3014\nWaveform Type,ANALOG,,Waveform Type,DIGITAL,\n"
+      "Vertical Units,V,,Vertical Units,V,V\nTIME,CH1,,TIME,D1,D0\n"
+      "0,0.5,,0,1,0\n1e-6,0.25,,1e-6,1,1\n2e-6,0.5,,2e-6,0,1\n");
+  const auto units = names_and_units(record);
+  EXPECT_THAT(units, testing::Contains("D1 [V]"));
+  EXPECT_THAT(units, testing::Contains("D0 [V]"));
+}
+
 TEST(InstrumentTables, AreReadByBlocksAsTheyAreReadAtOnce) {
-  for (const std::string& text : {gl240(), tds_side_by_side(","), owon("2.00uS")}) {
+  for (const std::string& text :
+       {gl240(), tds_side_by_side(","), owon("2.00uS"), gds1000("Fast"), tek(0.00032)}) {
     const tests::WrittenFile file(text, ".csv");
     tests::expect_same(read_into_memory(*open_csv_by_blocks(file.path(), {}), {}),
                        read_into_memory(*open_csv(file.path(), {}), {}));

@@ -156,6 +156,9 @@ INSTANTIATE_TEST_SUITE_P(
                "...)"},
         Closed{"Octave-1-L\x00"sv,
                "Octave's own binary format, which is not read: save it with -v7 in Octave"},
+        Closed{"\x1A\x45\xDF\xA3\x42\x82\x84mide"sv,
+               "a recording of an enDAQ or Mide logger (.ide), which is not read: export it as CSV "
+               "or MATLAB (.mat) with enDAQ Lab"},
         Closed{"SPBXDS\x01"sv,
                "the memory of an OWON oscilloscope (.bin), which is not read: save the waveform as "
                "CSV on the oscilloscope, with its times"},

@@ -238,6 +238,24 @@ TEST_P(TdmsInBothByteOrders, WaveformPropertiesGiveTheClock) {
       ElementsAre("channels start at different times: time 0 is the start of the earliest"));
 }
 
+TEST(Tdms, AChannelsNameMayStateItsUnit) {
+  const std::vector<std::pair<std::string, std::string>> names = {
+      {"Force (kN)", "kN"}, {"v [m/s]", "m/s"}, {"Untitled (2)", ""}, {"Left (A)", ""}};
+  for (const auto& [name, unit] : names)
+    EXPECT_EQ(imported(little.segment({little.channel(name, little.index(2, 1), {})},
+                                      little.numbers(Shorts{1})))
+                  .channels.at(0)
+                  .unit,
+              unit)
+        << name;
+  EXPECT_EQ(imported(little.segment({little.channel("Force (kN)", little.index(2, 1),
+                                                    {little.property("unit_string", "N")})},
+                                    little.numbers(Shorts{1})))
+                .channels.at(0)
+                .unit,
+            "N");
+}
+
 TEST(Tdms, TheAbscissaHasAUnit) {
   const auto over = [](const std::string& name, const std::string& unit) {
     std::vector<std::string> properties = {little.property("wf_increment", 2.5),
