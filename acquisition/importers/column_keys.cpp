@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "acquisition/importers/date_time.hpp"
 #include "acquisition/importers/number.hpp"
 #include "datasets/units.hpp"
 
@@ -108,6 +109,18 @@ void find_start(Dialect dialect, TableHead& head) {
   }
 }
 
+/// When the recording began, as a key states it; "" of dates that may be two.
+void find_date(TableHead& head) {
+  constexpr std::array<std::string_view, 8> keys = {"date time",  "datetime",   "date/time",
+                                                    "start time", "start_time", "starttime",
+                                                    "recorded",   "timestamp"};
+  for (const auto& [key, text] : head.attributes) {
+    if (!head.started.empty() || !is_one_of(key, keys)) continue;
+    const auto date = date_time_in(text);
+    if (date && date->has_date && date->has_time) head.started = date->iso();
+  }
+}
+
 }  // namespace
 
 std::vector<std::string_view> values_of_key(std::string_view text, char delimiter) {
@@ -184,6 +197,7 @@ void find_interval(Dialect dialect, TableHead& head) {
     }
   }
   find_start(dialect, head);
+  find_date(head);
 }
 
 void take_keys_among_names(std::vector<std::string_view>& names, TableHead& head) {

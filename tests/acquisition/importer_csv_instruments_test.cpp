@@ -252,6 +252,20 @@ TEST(InstrumentTables, AreReadByBlocksAsTheyAreReadAtOnce) {
   }
 }
 
+TEST(Digilent, TheHeadSaysWhenTheRecordingBegan) {
+  const auto started = [](std::string_view date) {
+    return imported(fmt::format("#Digilent WaveForms Oscilloscope Acquisition\n#Date Time: {}\n"
+                                "#Sample rate: 160000Hz\n\nTime (s),Channel 1 (V)\n"
+                                "0,1\n0.00000625,2\n0.0000125,3\n",
+                                date))
+        .started;
+  };
+  EXPECT_EQ(started("2022-02-24 14:09:15.986"), "2022-02-24T14:09:15.986");
+  EXPECT_EQ(started("24/02/2022 14:09:15"), "2022-02-24T14:09:15");
+  EXPECT_EQ(started("02/01/2023 11:47:35"), "");  // of January or of February
+  EXPECT_EQ(started("14:09:15"), "");
+}
+
 TEST(Siglent, AnIntervalOfTheAnalogInputsIsUnderstood) {
   const Record record = imported(
       "Record Length,Analog:7000\nSample Interval,Analog:0.0000000200\nVertical Units,CH1:V\n"
