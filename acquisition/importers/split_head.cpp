@@ -79,8 +79,10 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
         is_plain_unit(trimmed(text.substr(at + word.size()))))
       return divided(at, at + word.size());
   }
+  // "strain rate 1/s" is no time; "Force 1/N" and "Time 1/s" are the first of several
   const std::size_t one = text.rfind(" 1/");
-  if (one != std::string_view::npos && one > 0 && is_plain_unit(text.substr(one + 3)))
+  if (one != std::string_view::npos && one > 0 && !is_time_name(text.substr(0, one)) &&
+      datasets::quantity_of_unit(to_utf8(text.substr(one + 3))) == Quantity::time)
     return divided(one, one + 1);
   const std::size_t slash = text.find('/');
   // "m/s" and "mV/g" are units, "t/ms" is a time though it could be tonnes

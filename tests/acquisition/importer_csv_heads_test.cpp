@@ -119,6 +119,8 @@ TEST(CsvHeads, ARatePerSecondIsNoTime) {
   const Record record = imported("strain,strain rate 1/s\n0.5,1\n0.25,2\n0.75,3\n");
   EXPECT_THAT(names_and_units(record), ElementsAre("strain []", "strain rate [1/s]"));
   EXPECT_EQ(record.channels.at(0).clock.interval, 0.0);
+  EXPECT_THAT(names_and_units(imported("Time 1/s,Force 1/N\n0,1\n1,2\n2,3\n")),
+              ElementsAre("Force 1 [N]"));
 }
 
 TEST(CsvHeads, KeysMayListOneValueAChannel) {

@@ -170,6 +170,14 @@ INSTANTIATE_TEST_SUITE_P(
                ".Wfm.bin beside it, which is not read: save the waveform as CSV on the "
                "oscilloscope, with its times"}));
 
+TEST(ClosedFormats, AreNotTakenForColumnsThatAreNamedLikeThem) {
+  for (const std::string name : {"PAR1", "ARROW1", "BZh", "CDF", "Rar!"}) {
+    const datasets::Record record = imported("t [s]," + name + "\n0,1\n1,2\n2,3\n");
+    EXPECT_EQ(record.channels.at(0).name, name);
+    EXPECT_EQ(imported(name + ",t [s]\n1,0\n2,1\n3,2\n").channels.at(0).name, name);
+  }
+}
+
 TEST(ClosedFormatByEnding, TellsWhoseAContainerIs) {
   const auto ole = "\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1\x00\x01"sv;
   EXPECT_EQ(
