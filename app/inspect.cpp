@@ -17,6 +17,7 @@
 #include "app/rebound_texts.hpp"
 #include "datasets/input_error.hpp"
 #include "fitting/plausibility.hpp"
+#include "reports/json_parts.hpp"
 
 namespace impactrig::app {
 namespace {
@@ -119,7 +120,7 @@ ordered_json impact_json(const datasets::Impact& impact, const datasets::Channel
       {"impulse_unit", impulse_unit},    {"flags", flags}};
   if (impact.velocity || impact.rebound)
     json["approach_velocity_m_s"] = number(impact.approach_velocity);
-  if (impact.rebound) json["rebound"] = rebound_json(*impact.rebound);
+  if (impact.rebound) json["rebound"] = reports::rebound_json(*impact.rebound);
   return json;
 }
 

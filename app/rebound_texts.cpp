@@ -9,22 +9,6 @@ namespace impactrig::app {
 
 using nlohmann::ordered_json;
 
-ordered_json rebound_json(const datasets::Rebound& rebound) {
-  ordered_json json = {{"approach_std_error_m_s", rebound.approach_error}};
-  if (!rebound.absent.empty()) {
-    json["absent"] = rebound.absent;
-    return json;
-  }
-  json["from_s"] = rebound.from;
-  json["to_s"] = rebound.to;
-  json["velocity_m_s"] = rebound.velocity;
-  json["velocity_std_error_m_s"] = rebound.velocity_error;
-  json["restitution"] = rebound.restitution;
-  json["restitution_std_error"] = rebound.restitution_error;
-  json["restitution_ci95"] = rebound.restitution_ci95();
-  return json;
-}
-
 std::string rebound_text(const ordered_json& approach, const ordered_json& rebound) {
   const auto of = [&](const char* key) { return rebound[key].get<double>(); };
   const std::string before = fmt::format("approach {:.6g} +- {:.2g} m/s, ", approach.get<double>(),

@@ -24,6 +24,8 @@ fitting::RigFile rig_from(const JsonReader& json);
 Json diagnostics_json(const fitting::ChannelDiagnostics& diagnostics);
 fitting::ChannelDiagnostics diagnostics_from(const JsonReader& json);
 
+/// Without speed and restitution of a rebound that is not determined: `absent` says why.
+Json rebound_json(const datasets::Rebound& rebound);
 Json impact_json(const datasets::Impact& impact);
 datasets::Impact impact_from(const JsonReader& json);
 Json direct_json(const fitting::DirectRestitution& direct, const std::string& recording);

@@ -131,29 +131,37 @@ datasets::Provenance source_from(const JsonReader& json) {
   return provenance;
 }
 
-Json rebound_json(const datasets::Rebound& rebound) {
-  return {{"approach_std_error_m_s", rebound.approach_error},
-          {"from_s", rebound.from},
-          {"to_s", rebound.to},
-          {"velocity_m_s", rebound.velocity},
-          {"velocity_std_error_m_s", rebound.velocity_error},
-          {"restitution", rebound.restitution},
-          {"restitution_std_error", rebound.restitution_error},
-          {"absent", rebound.absent}};
-}
-
 datasets::Rebound rebound_from(const JsonReader& json) {
-  return {.approach_error = json["approach_std_error_m_s"].number(),
+  const double approach_error = json["approach_std_error_m_s"].number();
+  if (json.has("absent"))
+    return {.approach_error = approach_error, .absent = json["absent"].text()};
+  return {.approach_error = approach_error,
           .from = json["from_s"].number(),
           .to = json["to_s"].number(),
           .velocity = json["velocity_m_s"].number(),
           .velocity_error = json["velocity_std_error_m_s"].number(),
           .restitution = json["restitution"].number(),
           .restitution_error = json["restitution_std_error"].number(),
-          .absent = json["absent"].text()};
+          .absent = {}};
 }
 
 }  // namespace
+
+Json rebound_json(const datasets::Rebound& rebound) {
+  Json json = {{"approach_std_error_m_s", rebound.approach_error}};
+  if (!rebound.absent.empty()) {
+    json["absent"] = rebound.absent;
+    return json;
+  }
+  json["from_s"] = rebound.from;
+  json["to_s"] = rebound.to;
+  json["velocity_m_s"] = rebound.velocity;
+  json["velocity_std_error_m_s"] = rebound.velocity_error;
+  json["restitution"] = rebound.restitution;
+  json["restitution_std_error"] = rebound.restitution_error;
+  json["restitution_ci95"] = rebound.restitution_ci95();
+  return json;
+}
 
 Json impact_json(const datasets::Impact& impact) {
   Json flags = Json::array();

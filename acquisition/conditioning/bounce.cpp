@@ -56,6 +56,7 @@ class BounceFit {
   double bent_;              ///< where the bend is over
   std::size_t begin_, end_;  ///< of the course before the bend
   std::size_t turn_ = 0;
+  Points fitted_;  ///< from begin_ to turn_
   double sign_ = 1.0, noise_ = 0.0, correlation_ = 1.0, scale_ = 1.0;
 };
 
@@ -121,15 +122,14 @@ void BounceFit::near_touch() {
 }
 
 Touched BounceFit::touched(bool may_vibrate) const {
-  return fit_touch(
-      points(turn_),
-      {.earliest = std::max(as_double(begin_ + fewest), 2.0 * as_double(end_) - as_double(turn_)),
-       .latest = as_double(turn_),
-       .course_end = as_double(end_),
-       .scale = scale_,
-       .most_powers = std::min(most_powers, static_cast<int>(scale_) - 1),
-       .grain = grain_,
-       .may_vibrate = may_vibrate});
+  return fit_touch(fitted_, {.earliest = std::max(as_double(begin_ + fewest),
+                                                  2.0 * as_double(end_) - as_double(turn_)),
+                             .latest = as_double(turn_),
+                             .course_end = as_double(end_),
+                             .scale = scale_,
+                             .most_powers = std::min(most_powers, static_cast<int>(scale_) - 1),
+                             .grain = grain_,
+                             .may_vibrate = may_vibrate});
 }
 
 /// Those of the course and up to the sample `last`.
@@ -219,12 +219,12 @@ bool BounceFit::swings(const Bounce& bounce, const Touched& found) const {
   constexpr double same = 3.0;
   if (floor_ == 0 && bounce.touch <= bent_) return false;
   const double end = bounce.rebound ? bounce.rebound->to : bounce.back.value_or(as_double(turn_));
-  const Points whole = points(static_cast<std::size_t>(end)), fitted = points(turn_);
+  const Points whole = points(static_cast<std::size_t>(end));
   const double swing =
       variance_beside_swing(whole, std::numbers::pi / (as_double(turn_) - bounce.touch));
   const double doubt =
-      std::sqrt(2.0 / as_double(whole.at.size()) + 2.0 / as_double(fitted.at.size()));
-  return swing * whole.per_point < (1.0 + same * doubt) * found.variance * fitted.per_point;
+      std::sqrt(2.0 / as_double(whole.at.size()) + 2.0 / as_double(fitted_.at.size()));
+  return swing * whole.per_point < (1.0 + same * doubt) * found.variance * fitted_.per_point;
 }
 
 std::optional<Bounce> BounceFit::run() {
@@ -232,6 +232,7 @@ std::optional<Bounce> BounceFit::run() {
   near_touch();
   scale_ = std::max(as_double(turn_ - end_), as_double(fewest));
   if (turn_ + 1 - begin_ < fewest + 1) return std::nullopt;
+  fitted_ = points(turn_);
   scale_ = std::max(as_double(turn_) - touched(false).touch.value, as_double(fewest));
   const Touched found = touched(true);
   if (!(found.course.value > stands_out * found.course.error)) return std::nullopt;

@@ -25,7 +25,7 @@ struct TableHead {
   std::optional<double> start;      ///< of a Start cell, as some oscilloscopes write it [s]
   std::optional<double> increment;  ///< likewise [s]
   std::optional<double> interval;   ///< stated by a key: "Sampling rate [kHz]" -> "51.2" [s]
-  double level = 1.0;               ///< what the numbers 1 of the columns stand for [their units]
+  double level = 1.0;               ///< what a 1 in the columns stands for [their units]
   std::string unusable_clock;       ///< a key by which none is stated: "'fs' as '0'"; "" = none is
   std::string started;              ///< ISO 8601; "" = not known
   int names_line = 0;               ///< from 1; 0 = there is none

@@ -109,6 +109,40 @@ void find_start(Dialect dialect, TableHead& head) {
   }
 }
 
+/// The sample interval that a key states, itself or by a rate [s]; none where it cannot be used,
+/// which a warning or the head's `unusable_clock` says.
+std::optional<double> stated_interval(const std::string& key, const std::string& text,
+                                      const std::string& unit_of_key, bool is_interval,
+                                      Dialect dialect, TableHead& head) {
+  const std::string_view one = value_of_all(text, dialect);
+  if (is_ambiguous(one, dialect)) {
+    head.warnings.push_back(
+        fmt::format("the header states '{}' as '{}', whose point may be a decimal mark or divide "
+                    "thousands: it is not used (--sample-rate states it)",
+                    key, text));
+    return std::nullopt;
+  }
+  const auto stated = stated_value(without_channel(one), dialect);
+  if (is_interval && stated) tell_of_few_digits(key, one, head);
+  const std::string_view si = is_interval ? "s" : "Hz";
+  std::string unit = !stated || stated->unit.empty() ? unit_of_key : std::string(stated->unit);
+  unit = unit.empty() ? std::string(si) : is_interval ? unit_of_times(unit) : rate_unit(unit);
+  const auto conversion = datasets::conversion(unit, si);
+  if (stated && stated->value <= 0.0) {
+    head.unusable_clock = fmt::format("'{}' as '{}'", key, text);
+    return std::nullopt;
+  }
+  if (!stated || !(stated->value > 0.0) || !conversion) {
+    head.warnings.push_back(
+        fmt::format("the header states '{}' as '{}', which is not understood: it is not used "
+                    "(--sample-rate states it)",
+                    key, text));
+    return std::nullopt;
+  }
+  const double converted = conversion->factor * stated->value + conversion->offset;
+  return is_interval ? converted : 1.0 / converted;
+}
+
 /// When the recording began, as a key states it; "" of dates that may be two.
 void find_date(TableHead& head) {
   constexpr std::array<std::string_view, 8> keys = {"date time",  "datetime",   "date/time",
@@ -159,33 +193,9 @@ void find_interval(Dialect dialect, TableHead& head) {
     const bool is_interval = is_one_of(says.name, intervals);
     const bool is_rate = is_one_of(says.name, rates);
     if (!is_interval && !is_rate) continue;
-    const std::string_view one = value_of_all(text, dialect);
-    if (is_ambiguous(one, dialect)) {
-      head.warnings.push_back(
-          fmt::format("the header states '{}' as '{}', whose point may be a decimal mark or divide "
-                      "thousands: it is not used (--sample-rate states it)",
-                      key, text));
-      continue;
-    }
-    const auto stated = stated_value(without_channel(one), dialect);
-    if (is_interval && stated) tell_of_few_digits(key, one, head);
-    const std::string_view si = is_interval ? "s" : "Hz";
-    std::string unit = !stated || stated->unit.empty() ? says.unit : std::string(stated->unit);
-    unit = unit.empty() ? std::string(si) : is_rate ? rate_unit(unit) : unit_of_times(unit);
-    const auto conversion = datasets::conversion(unit, si);
-    if (stated && stated->value <= 0.0) {
-      head.unusable_clock = fmt::format("'{}' as '{}'", key, text);
-      continue;
-    }
-    if (!stated || !(stated->value > 0.0) || !conversion) {
-      head.warnings.push_back(
-          fmt::format("the header states '{}' as '{}', which is not understood: it is not used "
-                      "(--sample-rate states it)",
-                      key, text));
-      continue;
-    }
-    const double converted = conversion->factor * stated->value + conversion->offset;
-    const double seconds = is_interval ? converted : 1.0 / converted;
+    const auto interval = stated_interval(key, text, says.unit, is_interval, dialect, head);
+    if (!interval) continue;
+    const double seconds = *interval;
     if (!head.interval) {
       head.interval = seconds;
       stated_by = key;

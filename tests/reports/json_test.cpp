@@ -409,12 +409,24 @@ TEST(FitJson, KeepsTheReboundOfADisplacement) {
   EXPECT_EQ(members(rebound),
             (std::set<std::string>{"approach_std_error_m_s", "from_s", "to_s", "velocity_m_s",
                                    "velocity_std_error_m_s", "restitution", "restitution_std_error",
-                                   "absent"}));
+                                   "restitution_ci95"}));
   EXPECT_EQ(rebound["restitution"], 0.5);
   const reports::ReportData again = reports::report_from_json(stored, "fit.json");
   ASSERT_TRUE(again.fit.impacts[0].rebound);
   EXPECT_EQ(again.fit.impacts[0].rebound->to, 8e-4);
   EXPECT_EQ(reports::to_json(again), stored);
+}
+
+TEST(FitJson, KeepsWhyThereIsNoRebound) {
+  reports::ReportData data = tests::example_report();
+  data.fit.impacts[0].rebound = {.approach_error = 1e-3, .absent = "The record ends."};
+  const std::string stored = reports::to_json(data);
+  const Json rebound = Json::parse(stored)["impacts"][0]["rebound"];
+  EXPECT_EQ(members(rebound), (std::set<std::string>{"approach_std_error_m_s", "absent"}));
+  const reports::ReportData again = reports::report_from_json(stored, "fit.json");
+  ASSERT_TRUE(again.fit.impacts[0].rebound);
+  EXPECT_EQ(again.fit.impacts[0].rebound->absent, "The record ends.");
+  EXPECT_EQ(again.fit.impacts[0].rebound->approach_error, 1e-3);
 }
 
 TEST(FitJson, RefusesDamagedIntervals) {
