@@ -21,6 +21,9 @@ struct ImportOptions {
   std::string format;             ///< importer id; "" = recognise
   std::optional<char> delimiter;  ///< text
   std::optional<char> decimal;    ///< '.' or ','
+  /// Text: what iconv calls its code page, "CP932"; "" = UTF-8, UTF-16, Windows-1252, or what its
+  /// words look like, with a warning. InputError where the format is none of text tables.
+  std::string encoding;
   /// Text: lines before the column names (or the data when there are none).
   std::optional<int> skip_lines;
   std::optional<std::string> time_column;  ///< name, or index from 0; "none" = there is none

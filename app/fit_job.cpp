@@ -255,15 +255,15 @@ std::string result_text(const FitJob& job, const std::string& config_sha256,
       "impactrig {} {}\nfree {}\nfix {}\nshared {}\nown {}\nlog {}\n"
       "prior {}\nbounds {}\ntie {}\nloss {}\nagainst {}\nprofile {}\n"
       "bootstrap {} {} {}\n"
-      "channels {}\nwindow {}\nrig {}\nread {}|{}|{}|{}|{}|{}|{}\n"
+      "channels {}\nwindow {}\nrig {}\nread {}|{}|{}|{}|{}|{}|{}|{}\n"
       "trigger {}|{}|{}|{}|{}\nfrom {} to {}\n",
       IMPACTRIG_VERSION, IMPACTRIG_COMMIT, job.free, job.fix, job.shared, job.own, job.log,
       fmt::join(job.priors, ";"), fmt::join(job.bounds, ";"), fmt::join(job.ties, ";"), job.loss,
       fmt::join(job.against, ";"), job.profile, job.bootstrap, job.bootstrap_kind,
-      job.seed.value_or(1), job.channels, job.window, config_sha256, r.format, r.delimiter,
-      r.decimal, r.time_column, r.units, r.skip_lines, r.sample_rate, job.detection.trigger,
-      job.detection.threshold, job.detection.pre_trigger, job.detection.post_trigger, job.impact,
-      r.from, r.to);
+      job.seed.value_or(1), job.channels, job.window, config_sha256, r.format, r.encoding,
+      r.delimiter, r.decimal, r.time_column, r.units, r.skip_lines, r.sample_rate,
+      job.detection.trigger, job.detection.threshold, job.detection.pre_trigger,
+      job.detection.post_trigger, job.impact, r.from, r.to);
   for (const std::string& input : inputs_sha256) text += input + "\n";
   return text;
 }

@@ -26,6 +26,10 @@ void add_import_arguments(CLI::App& command, ImportArguments& arguments) {
   const char* group = "How to read recordings (detected unless stated)";
   command.add_option("--format", arguments.format, "Format, a name of `impactrig formats`")
       ->group(group);
+  command
+      .add_option("--encoding", arguments.encoding,
+                  "Text: its code page, a name of `iconv -l`, such as CP932 or GB18030")
+      ->group(group);
   command.add_option("--delimiter", arguments.delimiter, "Text: , ; | tab or blank")
       ->check(CLI::IsMember({",", ";", "|", "tab", "blank"}))
       ->group(group);
@@ -102,6 +106,7 @@ acquisition::DetectionOptions detection_options(const DetectionArguments& argume
 acquisition::ImportOptions import_options(const ImportArguments& arguments) {
   acquisition::ImportOptions options;
   options.format = arguments.format;
+  options.encoding = arguments.encoding;
   if (!arguments.delimiter.empty())
     options.delimiter = arguments.delimiter == "tab"     ? '\t'
                         : arguments.delimiter == "blank" ? ' '

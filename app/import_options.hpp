@@ -13,7 +13,7 @@ namespace impactrig::app {
 
 /// How to read a recording, as typed.
 struct ImportArguments {
-  std::string format, delimiter, decimal, time_column, units;
+  std::string format, encoding, delimiter, decimal, time_column, units;
   std::vector<std::string> channels;
   int skip_lines = -1;
   double sample_rate = 0.0;                                ///< [Hz]; 0: the file's

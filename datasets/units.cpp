@@ -58,7 +58,7 @@ struct Replacement {
 
 /// Signs UDUNITS-2 does not know, or knows in one combination only. A superscript that follows
 /// another belongs to the same exponent, so the caret is added later.
-constexpr std::array<Replacement, 8> signs{{
+constexpr std::array<Replacement, 18> signs{{
     {"\u22c5", "."},       // dot operator
     {"\u00b7", "."},       // middle dot
     {"\u00d7", "."},       // multiplication sign
@@ -67,6 +67,16 @@ constexpr std::array<Replacement, 8> signs{{
     {"\u202f", " "},       // narrow no-break space
     {"\u03bc", "\u00b5"},  // Greek mu to micro sign
     {"\u00ba", "\u00b0"},  // masculine ordinal, taken for the degree sign
+    {"\u2103", "degC"},
+    {"\u339b", "um"},  // squares of East Asian text
+    {"\u339c", "mm"},
+    {"\u33a7", "m/s"},
+    {"\u33a8", "m/s^2"},
+    {"\u33aa", "kPa"},
+    {"\u33ab", "MPa"},
+    {"\u33b2", "us"},
+    {"\u33b3", "ms"},
+    {"\u33b7", "mV"},
 }};
 
 constexpr std::array<Replacement, 11> superscripts{{
@@ -123,6 +133,66 @@ constexpr std::array<Replacement, 35> words{{
     {"ips", "(in/s)"},
 }};
 
+/// Symbols of GOST 8.417 and Chinese names of units, as laboratories head columns with them.
+constexpr std::array<Replacement, 56> translations{{
+    {"с", "s"},
+    {"мс", "ms"},
+    {"мкс", "us"},
+    {"нс", "ns"},
+    {"мин", "min"},
+    {"ч", "h"},
+    {"Н", "N"},
+    {"кН", "kN"},
+    {"МН", "MN"},
+    {"мН", "mN"},
+    {"гс", "(1e-3 kgf)"},
+    {"кгс", "kgf"},
+    {"тс", "(1e3 kgf)"},
+    {"м", "m"},
+    {"см", "cm"},
+    {"мм", "mm"},
+    {"мкм", "um"},
+    {"нм", "nm"},
+    {"км", "km"},
+    {"В", "V"},
+    {"мВ", "mV"},
+    {"мкВ", "uV"},
+    {"кВ", "kV"},
+    {"А", "A"},
+    {"мА", "mA"},
+    {"Кл", "C"},
+    {"нКл", "nC"},
+    {"пКл", "pC"},
+    {"Па", "Pa"},
+    {"кПа", "kPa"},
+    {"МПа", "MPa"},
+    {"ГПа", "GPa"},
+    {"Гц", "Hz"},
+    {"кГц", "kHz"},
+    {"МГц", "MHz"},
+    {"кг", "kg"},
+    {"Дж", "J"},
+    {"мДж", "mJ"},
+    {"рад", "rad"},
+    {"град", "(0.017453292519943295 rad)"},
+    {"об", "(6.283185307179586 rad)"},
+    {"\u00b0С", "degC"},
+    {"秒", "s"},
+    {"毫秒", "ms"},
+    {"微秒", "us"},
+    {"牛", "N"},
+    {"牛顿", "N"},
+    {"千牛", "kN"},
+    {"米", "m"},
+    {"毫米", "mm"},
+    {"微米", "um"},
+    {"伏", "V"},
+    {"毫伏", "mV"},
+    {"帕", "Pa"},
+    {"兆帕", "MPa"},
+    {"赫兹", "Hz"},
+}};
+
 /// Words that are a mass to UDUNITS-2 and may mean its weight or an acceleration in a laboratory.
 constexpr std::array<Replacement, 10> masses{{
     {"g", "gravity"},
@@ -176,10 +246,28 @@ const Replacement* prefix_in(std::span<const Replacement> table, std::string_vie
   return found == table.end() ? nullptr : &*found;
 }
 
+/// "N" of a full-width one, which East Asian text may have (U+FF01 to U+FF5E).
+std::optional<char> narrow_sign(std::string_view text) {
+  if (text.size() < 3 || text[0] != '\xEF') return std::nullopt;
+  const auto second = static_cast<unsigned char>(text[1]);
+  const auto third = static_cast<unsigned char>(text[2]);
+  const int code = (second & 0x3F) << 6 | (third & 0x3F);
+  if ((second != 0xBC && second != 0xBD) || (third & 0xC0) != 0x80) return std::nullopt;
+  constexpr int first = 0xF01, last = 0xF5E;
+  return code >= first && code <= last ? std::optional(static_cast<char>(code - first + '!'))
+                                       : std::nullopt;
+}
+
 std::string with_ascii_signs(std::string_view text) {
   std::string result;
   bool in_exponent = false;
   while (!text.empty()) {
+    if (const auto narrow = narrow_sign(text)) {
+      in_exponent = false;
+      result += *narrow;
+      text.remove_prefix(3);
+      continue;
+    }
     if (const Replacement* digit = prefix_in(superscripts, text)) {
       if (!in_exponent) result += '^';
       in_exponent = true;
@@ -317,7 +405,8 @@ Readings readings_of(std::string_view unit) {
   const std::string text = normalised(unit);
   for (const std::string_view candidate : {std::string_view(text), without_comment(text)}) {
     if (begins_with_a_name(candidate)) continue;
-    const std::string plain = with_words_replaced(candidate, words);
+    const std::string plain =
+        with_words_replaced(with_words_replaced(candidate, translations), words);
     const std::string weight = with_words_replaced(plain, masses);
     Readings readings{parsed(plain), weight == plain ? nullptr : parsed(weight)};
     if (readings.plain || readings.weight) return readings;

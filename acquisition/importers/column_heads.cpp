@@ -15,6 +15,8 @@ namespace impactrig::acquisition {
 
 namespace {
 
+constexpr std::string_view wide_colon = "\uFF1A";  // of East Asian text
+
 void add_attribute(std::string_view line, const TableLayout& layout, bool keys, TableHead& head) {
   const std::string_view text = trimmed(without_comment_sign(line));
   if (text.empty()) return;
@@ -23,7 +25,7 @@ void add_attribute(std::string_view line, const TableLayout& layout, bool keys, 
   const std::size_t cell_end = keys || layout.dialect.delimiter == ' '
                                    ? std::string_view::npos
                                    : text.find(layout.dialect.delimiter);
-  const std::size_t colon = text.find_first_of(keys ? ":" : ":=");
+  const std::size_t colon = std::min(text.find_first_of(keys ? ":" : ":="), text.find(wide_colon));
   const std::size_t divider = cell_end != std::string_view::npos ? cell_end : colon;
   if (divider == std::string_view::npos || divider == 0) {
     std::string& rest = head.attributes["header"];
@@ -32,7 +34,8 @@ void add_attribute(std::string_view line, const TableLayout& layout, bool keys, 
     return;
   }
   key = to_utf8(without_quotes(trimmed(text.substr(0, divider))));
-  std::string_view rest = trimmed(text.substr(divider + 1));
+  const std::size_t width = text.substr(divider).starts_with(wide_colon) ? wide_colon.size() : 1;
+  std::string_view rest = trimmed(text.substr(divider + width));
   if (divider == colon)  // "XInc:,5e-7" above one column
     rest.remove_prefix(std::min(rest.find_first_not_of(",;\t "), rest.size()));
   while (!rest.empty() && rest.back() == layout.dialect.delimiter) rest.remove_suffix(1);

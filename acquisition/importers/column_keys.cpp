@@ -170,23 +170,16 @@ std::string unit_of_times(std::string_view unit) {
 }
 
 void find_interval(Dialect dialect, TableHead& head) {
-  constexpr std::array<std::string_view, 13> intervals = {"sample interval",
-                                                          "sampling interval",
-                                                          "time interval",
-                                                          "sample period",
-                                                          "sampling period",
-                                                          "delta t",
-                                                          "dt",
-                                                          "time increment",
-                                                          "abtastintervall",
-                                                          "xinc",
-                                                          "hresolution",
-                                                          "tinc",
-                                                          "interval"};
-  constexpr std::array<std::string_view, 12> rates = {
-      "sample rate",        "sampling rate",    "samplerate", "sample frequency",
-      "sampling frequency", "samplingrate",     "fs",         "samplefrequency",
-      "samplingfrequency",  "acquisition rate", "abtastrate", "abtastfrequenz"};
+  constexpr auto intervals = std::to_array<std::string_view>(
+      {"sample interval", "sampling interval", "time interval", "sample period", "sampling period",
+       "delta t", "dt", "time increment", "abtastintervall", "xinc", "hresolution", "tinc",
+       "interval", "采样间隔", "采样周期", "サンプリング周期", "サンプリング間隔",
+       "период дискретизации", "Период дискретизации"});
+  constexpr auto rates = std::to_array<std::string_view>(
+      {"sample rate", "sampling rate", "samplerate", "sample frequency", "sampling frequency",
+       "samplingrate", "fs", "samplefrequency", "samplingfrequency", "acquisition rate",
+       "abtastrate", "abtastfrequenz", "采样率", "采样频率", "サンプリング周波数",
+       "частота дискретизации", "Частота дискретизации"});
   std::string stated_by;
   for (const auto& [key, text] : head.attributes) {
     const ColumnHead says = split_head(key);

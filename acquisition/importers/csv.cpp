@@ -101,7 +101,7 @@ TableLayout find_only_table(TextFile& file, const ImportOptions& options) {
 /// What the head of a file and its first rows say.
 struct CsvHead {
   CsvHead(const std::string& path, const ImportOptions& options)
-      : file(path, options.head_only),
+      : file(path, options.head_only, options.encoding),
         layout(find_only_table(file, options)),
         head(read_head(layout, text_of_rows(file, layout))),
         marked(take_marked_rows(head)),

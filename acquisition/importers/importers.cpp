@@ -323,6 +323,23 @@ bool is_text(std::string_view format) {
   return format == "csv" || format == "lvm" || format == "polytec-ascii";
 }
 
+/// A stated encoding, else what the words of a text in `head` look like; "" where neither is there.
+/// Throws InputError where what is stated cannot be.
+std::string encoding_of(const std::string& path, std::string_view format, std::string_view head,
+                        const ImportOptions& options) {
+  if (options.encoding.empty()) return is_text(format) ? likely_code_page(head) : std::string();
+  if (!is_text(format))
+    throw InputError(
+        place_of(path),
+        fmt::format("--encoding is not for the format {}, but for tables of text", format));
+  if (!is_code_page(options.encoding))
+    throw InputError(place_of(path),
+                     fmt::format("the encoding '{}' is not known; `iconv -l` lists those that are, "
+                                 "of which the ones that extend ASCII can be read",
+                                 options.encoding));
+  return options.encoding;
+}
+
 /// Of a file without content: whether an importer's list of endings, or its table's, has its own.
 bool has_ending_of_recordings(std::string file_name) {
   for (char& c : file_name)
@@ -392,8 +409,15 @@ std::unique_ptr<RecordingReader> open_recording(const std::string& path,
                      fmt::format("--units is not for the format {}; a map states the units of its "
                                  "channels (--suggest-map, --map)",
                                  importer.id));
-  auto checked = std::make_unique<CheckedRecording>(importer.open(path, options), options, path);
+  ImportOptions decided = options;
+  decided.encoding = encoding_of(path, importer.id, head, options);
+  auto checked = std::make_unique<CheckedRecording>(importer.open(path, decided), decided, path);
   checked->set_provenance(importer.id, bytes_of_recording(path));
+  if (decided.encoding != options.encoding)
+    checked->tell(
+        fmt::format("the text is not UTF-8 and is read as {}, which its words look like "
+                    "(--encoding names another)",
+                    decided.encoding));
   const std::size_t padding = is_text(importer.id) ? padding_of(file) : 0;
   if (padding > 0)
     checked->tell(

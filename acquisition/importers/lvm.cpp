@@ -35,7 +35,7 @@ class LvmReader {
   LvmReader(const std::string& path, const ImportOptions& options,
             std::size_t looked_at = LvmText::all)
       : options_(options),
-        text_(path, looked_at),
+        text_(path, options.encoding, looked_at),
         recording_(path, options_),
         heads_(text_, options_, recording_),
         rows_(text_, recording_) {}
@@ -229,7 +229,7 @@ int recognises_lvm(std::string_view file_name, std::string_view head) {
 
 std::unique_ptr<RecordingReader> open_lvm(const std::string& path, const ImportOptions& options) {
   {
-    TextFile file(path, true);
+    TextFile file(path, true, options.encoding);
     const std::string_view text = file.text();
     const std::size_t start = text.find_first_not_of(" \t\r\n");
     const bool headed =

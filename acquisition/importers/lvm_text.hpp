@@ -14,8 +14,9 @@ struct LvmText {
   static constexpr std::size_t all = std::string_view::npos;
 
   /// `looked_at`: bytes whose whole lines are all that is looked at.
-  explicit LvmText(const std::string& path, std::size_t looked_at = all)
-      : file(path, looked_at != all),
+  explicit LvmText(const std::string& path, const std::string& code_page,
+                   std::size_t looked_at = all)
+      : file(path, looked_at != all, code_page),
         at(file.text().data()),
         end(at + (looked_at != all ? whole_lines(file.text(), looked_at) : file.text()).size()),
         is_part(file.is_part() || end != at + file.text().size()) {}

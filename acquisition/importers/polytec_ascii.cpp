@@ -185,7 +185,7 @@ Channel channel_of(const Abscissa& abscissa) {
 /// A file whose head has been read.
 struct PolytecText {
   PolytecText(const std::string& path, const ImportOptions& options)
-      : file(path, options.head_only),
+      : file(path, options.head_only, options.encoding),
         head(read_polytec_head(file, options)) {
     check_stated_units(options.units, head.columns.size(), "columns", path);
     for (std::size_t c = 0; c < options.units.size(); ++c)

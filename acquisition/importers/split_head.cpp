@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <utility>
 
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/row_of_units.hpp"
@@ -98,6 +99,21 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
   return is_time ? std::optional(divided(line, line + 1)) : std::nullopt;
 }
 
+/// "时间(s)" of "时间（s）", whose brackets East Asian text has twice as wide.
+std::string with_narrow_brackets(std::string_view cell) {
+  constexpr std::array<std::pair<std::string_view, char>, 6> brackets = {{{"\uFF08", '('},
+                                                                          {"\uFF09", ')'},
+                                                                          {"\uFF3B", '['},
+                                                                          {"\uFF3D", ']'},
+                                                                          {"\u3010", '['},
+                                                                          {"\u3011", ']'}}};
+  std::string text(cell);
+  for (const auto& [wide, narrow] : brackets)
+    for (std::size_t at = text.find(wide); at != text.npos; at = text.find(wide, at))
+      text.replace(at, wide.size(), 1, narrow);
+  return text;
+}
+
 /// What stood within quotes, as RFC 4180 has it: doubled quotes stand for one; breaks become
 /// blanks.
 std::string one_line(std::string_view cell) {
@@ -125,10 +141,13 @@ std::string_view without_channel(std::string_view value) {
 }
 
 bool is_time_name(std::string_view name) {
-  constexpr std::array<std::string_view, 16> words = {
-      "time",       "t",         "zeit",   "temps",       "tiempo", "tempo",
-      "seconds",    "second",    "x-axis", "elapsed",     "x_time", "time_s",
-      "time stamp", "timestamp", "x [s]",  "elapsed time"};
+  constexpr auto words = std::to_array<std::string_view>(
+      {"time",       "t",         "zeit",   "temps",        "tiempo", "tempo",
+       "seconds",    "second",    "x-axis", "elapsed",      "x_time", "time_s",
+       "time stamp", "timestamp", "x [s]",  "elapsed time", "czas",   "tijd",
+       "tid",        "aika",      "čas",    "idő",          "zaman",  "время",
+       "Время",      "时间",      "時間",   "时刻",         "時刻",   "经过时间",
+       "経過時間",   "시간"});
   return std::find(words.begin(), words.end(), lowered(name)) != words.end();
 }
 
@@ -148,6 +167,10 @@ ColumnHead split_head(std::string_view cell) {
   ColumnHead head;
   head.name = to_utf8(text);
   if (text.empty()) return head;
+  if (const std::string narrow = with_narrow_brackets(text); narrow != text) {
+    const ColumnHead divided = split_head(narrow);
+    return divided.unit.empty() ? head : divided;
+  }
   const char close = text.back();
   if (close == ']' || close == ')') {
     const std::size_t open = text.rfind(close == ']' ? '[' : '(');

@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "acquisition/importers/mapped_file.hpp"
+#include "acquisition/importers/text_encoding.hpp"
 #include "datasets/input_error.hpp"
 
 namespace impactrig::acquisition {
@@ -18,18 +20,18 @@ constexpr std::size_t telling_part = std::size_t{1} << 20;
 class TextFile {
  public:
   /// `head_only`: of a text too large for memory that would have to be rewritten, only the first
-  /// lines are wanted. Throws datasets::FileError when the file is missing, a directory or not
-  /// readable.
-  explicit TextFile(std::string path, bool head_only = false);
+  /// lines are wanted. `code_page`: what is_code_page() knows; "" = UTF-8, UTF-16 or Windows-1252.
+  /// Throws datasets::FileError when the file is missing, a directory or not readable.
+  explicit TextFile(std::string path, bool head_only = false, std::string code_page = "");
 
   const std::string& path() const { return file_.path(); }
 
   /// The bytes as they are.
   std::string_view bytes() const { return file_.bytes(); }
 
-  /// The text: without byte order mark and padding_of() it, line ends with \n, UTF-16 turned into
-  /// UTF-8 (a large one on the disk). Latin-1 is left as it is. Throws datasets::InputError for
-  /// UTF-16 without a byte order mark.
+  /// The text: without byte order mark and padding_of() it, line ends with \n, UTF-16 and a code
+  /// page that is named turned into UTF-8 (a large one on the disk). Latin-1 is left as it is.
+  /// Throws datasets::InputError for UTF-16 without a byte order mark.
   std::string_view text();
 
   /// True where text() has only the first lines of the file.
@@ -59,15 +61,17 @@ class TextFile {
   datasets::SourcePosition byte_position(const char* at) const;
 
  private:
-  /// Where only the head is wanted: makes text_ the first and the last lines of what `rewrite`
-  /// makes of bytes [first, last), of which the first `start` are a mark. False when the first line
-  /// does not end soon enough.
-  template <typename Rewrite>
-  bool take_first_lines(std::size_t start, const Rewrite& rewrite);
+  /// How the text is to be rewritten; none where it is a part of the bytes.
+  std::optional<Rewriting> rewriting() const;
+
+  /// Where only the head is wanted: makes text_ the first and the last lines. False when the first
+  /// line does not end soon enough.
+  bool take_first_lines(const Rewriting& rewriting);
 
   MappedFile file_;
   std::size_t size_;  // without padding_of() it
   bool head_only_;
+  std::string code_page_;
   double expected_size_ = 0.0;             // of the whole text, where text_ is a part of it
   std::string text_;                       // the text when it is not a part of the bytes
   std::size_t part_ = 0;                   // of it, where text() is a part
@@ -81,28 +85,9 @@ std::string_view take_line(const char*& at, const char* end);
 /// The text up to the end of the last line that ends within `most` bytes; "" when none does.
 std::string_view whole_lines(std::string_view text, std::size_t most);
 
-/// Text of a file as UTF-8: what is valid UTF-8 stays, anything else is read as Windows-1252
-/// (latin-1 with its additions); control characters become blanks.
-std::string to_utf8(std::string_view text);
-
-/// The same with control characters as they are: for text that is no attribute of a foreign file.
-std::string to_utf8_with_controls(std::string_view text);
-
 /// Bytes of zero behind a text that is not UTF-16: what is left of a file whose writer had taken
 /// room on the disk and was stopped.
 std::size_t padding_of(std::string_view bytes);
 std::size_t padding_of(const MappedFile& file);
-
-/// True for UTF-16, with or without byte order mark.
-bool looks_like_utf16(std::string_view head);
-
-/// UTF-16 with byte order mark to UTF-8; unpaired surrogates become U+FFFD.
-std::string utf16_to_utf8(std::string_view bytes);
-
-/// The same of a file, on the disk, which holds `piece` bytes of it in memory at a time.
-std::unique_ptr<MappedFile> utf16_to_utf8(const MappedFile& file, std::size_t piece);
-
-/// A file whose lines end with \r as one whose lines end with \n, likewise.
-std::unique_ptr<MappedFile> with_line_feeds(const MappedFile& file, std::size_t piece);
 
 }  // namespace impactrig::acquisition

@@ -42,6 +42,24 @@ TEST(CsvHeads, ARateMayBeInSamplesASecondAndInGerman) {
   }
 }
 
+// In UTF-8, as logging programs of these countries write it
+TEST(CsvHeads, MayBeChineseJapaneseOrRussian) {
+  Record record = imported("采样频率：10 kHz\n力（N）\t位移【mm】\n1.5\t2.5\n1.4\t2.6\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("力 [N]", "位移 [mm]"));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4);
+  EXPECT_THAT(record.warnings, IsEmpty());
+
+  record = imported("加速度（左）,時間,荷重［Ｎ］\n1,0,2\n3,0.1,4\n5,0.2,7\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("加速度（左） []", "荷重 [Ｎ]"));
+  EXPECT_EQ(record.channels.at(1).quantity, Quantity::force);
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.1);
+
+  record = imported("Частота дискретизации: 10 кГц\nСила, кН;Перемещение, мкм\n1,5;2\n1,4;3\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Сила [кН]", "Перемещение [мкм]"));
+  EXPECT_EQ(record.channels.at(1).quantity, Quantity::displacement);
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-4);
+}
+
 TEST(CsvHeads, KeysBesideTheSamplesGoOnBelowRowsWithout) {
   const Record record = imported(  // as a Tektronix TDS2000 writes it
       "Record Length,2.5e+03,,-00.002,  1.0,\nSample Interval,1.0e-03,,-00.001,  2.0,\n"

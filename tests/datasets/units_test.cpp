@@ -75,6 +75,34 @@ TEST(Units, UnderstandLaboratorySpellings) {
   EXPECT_DOUBLE_EQ(factor("kg\u00b7m\u00b2", "kg m^2"), 1.0);
 }
 
+// GOST 8.417-2002, tables 1, 3 and 8; GB 3100 to 3102 for the Chinese names
+TEST(Units, MayBeRussianOrChinese) {
+  EXPECT_DOUBLE_EQ(factor("мс", "s"), 1e-3);
+  EXPECT_DOUBLE_EQ(factor("мкс", "s"), 1e-6);
+  EXPECT_DOUBLE_EQ(factor("кН", "N"), 1e3);
+  EXPECT_DOUBLE_EQ(factor("мм/с", "m/s"), 1e-3);
+  EXPECT_DOUBLE_EQ(factor("м/с²", "m/s^2"), 1.0);
+  EXPECT_DOUBLE_EQ(factor("м/с2", "m/s^2"), 1.0);
+  EXPECT_DOUBLE_EQ(factor("Н·м", "N.m"), 1.0);
+  EXPECT_DOUBLE_EQ(factor("кгс", "N"), 9.80665);
+  EXPECT_DOUBLE_EQ(factor("пКл/Н", "C/N"), 1e-12);
+  EXPECT_DOUBLE_EQ(factor("об/мин", "rad/s"), std::numbers::pi / 30.0);
+  EXPECT_DOUBLE_EQ(factor("毫米/秒", "m/s"), 1e-3);
+  EXPECT_DOUBLE_EQ(factor("千牛", "N"), 1e3);
+  EXPECT_EQ(quantity_of_unit("°С"), Quantity::temperature) << "with a Cyrillic letter";
+  EXPECT_EQ(quantity_of_unit("время"), Quantity::unknown);
+}
+
+TEST(Units, MayBeAsWideAsEastAsianLetters) {
+  EXPECT_EQ(factor("Ｎ", "N"), 1.0);
+  EXPECT_DOUBLE_EQ(factor("ｍ／ｓ²", "m/s^2"), 1.0);
+  EXPECT_DOUBLE_EQ(factor("\u339c", "m"), 1e-3);
+  EXPECT_DOUBLE_EQ(factor("\u33a8", "m/s^2"), 1.0);
+  EXPECT_DOUBLE_EQ(factor("\u33b2", "s"), 1e-6);
+  EXPECT_EQ(quantity_of_unit("\u2103"), Quantity::temperature);
+  EXPECT_EQ(conversion("\uff00", "N"), std::nullopt) << "none of them";
+}
+
 TEST(Units, MayBeSpelledInCapitals) {
   EXPECT_DOUBLE_EQ(factor("LBF", "N"), 0.45359237 * 9.80665);
   EXPECT_DOUBLE_EQ(factor("IN/SEC", "m/s"), 0.0254);
