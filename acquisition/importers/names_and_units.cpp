@@ -56,7 +56,6 @@ void tell_of_misfit(const TableLayout& layout, std::size_t line, TableHead& head
       to_utf8(text.substr(0, 60)), layout.cells, layout.cells == 1 ? "" : "s"));
 }
 
-/// "x-axis,1,2", as InfiniiVision oscilloscopes name their channels.
 /// "D0-D7"
 bool are_logic_lines(std::string_view name) {
   const std::size_t dash = name.find('-');
@@ -64,6 +63,7 @@ bool are_logic_lines(std::string_view name) {
          name.substr(dash + 1).starts_with('D') && integer_in(name.substr(dash + 2));
 }
 
+/// "x-axis,1,2", as InfiniiVision oscilloscopes name their channels.
 bool are_numbered_channels(const HeadCells& names) {
   return lowered(names.front()) == "x-axis" &&
          std::all_of(names.begin() + 1, names.end(), [](std::string_view name) {

@@ -2,8 +2,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <system_error>
 
 #include "acquisition/importers/text_table.hpp"
 
@@ -37,6 +40,15 @@ std::optional<double> signed_before_blanks(std::string_view cell, char decimal) 
   if (digits.front() == '+' || digits.front() == '-') return std::nullopt;
   const auto value = number_in(digits, {decimal, false});
   return value && cell[0] == '-' ? std::optional(-*value) : value;
+}
+
+/// "0x1F", as oscilloscopes write the lines of a logic pod.
+std::optional<double> hexadecimal_in(std::string_view cell) {
+  if (!cell.starts_with("0x") && !cell.starts_with("0X")) return std::nullopt;
+  std::uint32_t lines = 0;
+  const char* const end = cell.data() + cell.size();
+  const auto read = std::from_chars(cell.data() + 2, end, lines, 16);
+  return read.ec == std::errc{} && read.ptr == end ? std::optional<double>(lines) : std::nullopt;
 }
 
 /// "inf" in its spellings.
@@ -115,6 +127,7 @@ std::optional<double> cell_value(std::string_view cell, char decimal) {
   if (is_missing(text)) return nothing;
   if (const auto value = number_in(text, {decimal, false})) return value;
   if (const auto value = signed_before_blanks(text, decimal)) return value;
+  if (const auto value = hexadecimal_in(text)) return value;
   constexpr std::string_view minus = "\u2212";  // as typography has it
   if (!text.starts_with(minus)) return infinity_in(text);
   const std::string usual = "-" + std::string(text.substr(minus.size()));

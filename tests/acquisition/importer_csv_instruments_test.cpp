@@ -275,6 +275,17 @@ TEST(Siglent, AnIntervalOfTheAnalogInputsIsUnderstood) {
   EXPECT_THAT(record.warnings, IsEmpty());
 }
 
+// MSO5000 and DHO: the lines of each logic pod as one number
+TEST(Rigol, LogicLinesAreNumbersInHexadecimalDigits) {
+  const Record record = imported(
+      "Time(s),CH1V,D7-D0,t0 = -1.0e-03, tInc = 2.0e-06\n"
+      "-1.0e-03,0.12,0x00,,\n-0.998e-03,0.11,0xFF,,\n-0.996e-03,0.13,0x1a,,\n");
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(0, 255, 26));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 2e-6);
+  EXPECT_THAT(import_error("t [s],F [N]\n0,1\n1,2\n2,0x\n"), HasSubstr("found '0x'"));
+}
+
 TEST(InstrumentTables, NumbersThatStandForNoneAreMissing) {
   const Record record = imported(
       "Time [s],F [N],a [g]\n0,1.5,+9.9E+37\n1,-9.900000E+37,\"9.91E37\"\n2,+9.99999E+99,9.8e37\n");
