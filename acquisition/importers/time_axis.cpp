@@ -86,6 +86,8 @@ void TimeAxisCheck::add(std::span<const double> times) {
       if (!(this_step > 0.0) && !backwards_) backwards_ = Backwards{seen_, before, time};
       falls_ = falls_ || this_step < 0.0;
       if (this_step > 0.0) {
+        ++rises_;
+        risen_ += this_step;
         last_change_ = {seen_, time};
         smallest_change_ = std::min(smallest_change_, this_step);
         if (!first_change_) first_change_ = last_change_;
@@ -195,7 +197,8 @@ TimeAxis TimeAxisCheck::axis() const {
           resolution(), axis.clock.interval);
     return axis;
   }
-  axis.clock.interval = step_;
+  // times that begin again say nothing by their ends
+  axis.clock.interval = falls_ && rises_ > 0 ? risen_ / static_cast<double>(rises_) : step_;
   if (backwards_) {
     axis.warning = fmt::format(
         "time does not increase from sample {} ({:.9g} s) to sample {} ({:.9g} s)",

@@ -21,7 +21,8 @@ struct TimeAxis {
 
 /// Times [s] to a clock. Uniform when every step is within 1e-3 of the mean step and no time is
 /// further than 5e-2 of it from the straight line, or when the deviations are explained by the
-/// digits the times were printed with; then start and mean step are kept, else all times. Where
+/// digits the times were printed with; then start and mean step are kept, else all times, and the
+/// mean step, of times that go back that of the steps forward. Where
 /// many samples share a time, the step is that between the first and the last change; with fewer
 /// than two changes it is not known, and the interval 0. `stated`: the interval that a head states
 /// [s], 0 if none; where so many samples fill the time to its last digit, printed times differ by
@@ -78,7 +79,9 @@ class TimeAxisCheck {
   };
 
   std::optional<Backwards> backwards_;
-  bool falls_ = false;  ///< a time is before another that precedes it: no rounding makes that
+  bool falls_ = false;       ///< a time is before another that precedes it: no rounding makes that
+  std::uint64_t rises_ = 0;  ///< steps forward
+  double risen_ = 0.0;       ///< their sum [s]
 
   struct Change {
     std::uint64_t sample;

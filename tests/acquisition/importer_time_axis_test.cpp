@@ -124,6 +124,7 @@ TEST(TimeAxis, OfTimesThatFallIsNotRounded) {
   for (int i = 0; i < 40; ++i) times.push_back(-1e-3 + 1e-4 * (i % 20));
   const TimeAxis axis = time_axis(printed(times, 6));
   EXPECT_FALSE(axis.clock.uniform());
+  EXPECT_NEAR(axis.clock.interval, 1e-4, 1e-9);
   EXPECT_EQ(axis.warning,
             "time does not increase from sample 19 (0.0009 s) to sample 20 (-0.001 s)");
 }
