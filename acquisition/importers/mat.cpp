@@ -90,9 +90,11 @@ class MatRecord {
       return add_channel(array, label_of(array.name), 0, array.count, 1);
     const bool by_columns = array.rows >= array.columns;
     const std::vector<std::string> names = labels_.channels_of(array.name, shorter);
+    const std::vector<std::string> units = labels_.units_of(array.name, shorter);
     for (std::uint64_t i = 0; i < shorter; ++i) {
-      const Label label = names.empty() ? label_of(fmt::format("{}:{}", array.name, i + 1))
-                                        : label_of(array.name, names[i]);
+      Label label = names.empty() ? label_of(fmt::format("{}:{}", array.name, i + 1))
+                                  : label_of(array.name, names[i]);
+      if (label.unit.empty() && !units.empty()) label.unit = units[i];
       const std::uint64_t first = by_columns ? i * array.rows : i;
       if (first >= array.count) break;
       const std::uint64_t left = array.count - first;

@@ -47,10 +47,14 @@ void add(const MatArray& array, std::uint32_t kind, std::uint64_t declared, MatC
   if (declared == 0) return contents.skip(array.name, "empty");
   if (kind == 2) return contents.skip(array.name, "a sparse matrix");
   if (kind == 1) {
-    if (array.rows != 1) return contents.skip(array.name, "text of several lines");
     std::string text;
     for (std::uint64_t i = 0; i < std::min(array.count, longest_mat_text); ++i)
       text += static_cast<char>(character(array, i, contents));
+    if (array.rows != 1) {
+      std::u16string letters;
+      for (const char c : text) letters += static_cast<unsigned char>(c);
+      return contents.add_lines(array.name, array.rows, letters);
+    }
     contents.texts.emplace(array.name, to_utf8(text));
     return;
   }

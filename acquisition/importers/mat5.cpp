@@ -260,10 +260,11 @@ class Mat5Parser {
 
   void read_text(const std::optional<Element>& element, const MatArray& array) {
     if (array.rows * array.columns == 0) return;
-    if (array.rows != 1) return contents_.skip(array.name, "text of several lines");
+    if (array.dimensions > 2) return contents_.skip(array.name, "text of three dimensions");
     if (!element) return contents_.skip(array.name, "cut");
     text_bytes_ += std::min<std::uint64_t>(element->end - element->data, longest_mat_text);
     if (text_bytes_ > most_text) return contents_.skip(array.name, "more text than 64 MB");
+    if (array.rows != 1) return read_lines(*element, array);
     std::string text;
     if (element->type == mi_uint16 || element->type == mi_utf16) {
       text = contents_.big_endian ? "\xFE\xFF" : "\xFF\xFE";
@@ -276,6 +277,26 @@ class Mat5Parser {
       return contents_.skip(array.name, fmt::format("text of type {}", element->type));
     }
     contents_.texts.emplace(array.name, text);
+  }
+
+  void read_lines(const Element& element, const MatArray& array) {
+    const std::uint64_t letters = array.rows * array.columns;
+    const bool wide = element.type == mi_uint16 || element.type == mi_utf16;
+    const bool narrow =
+        element.type == mi_utf8 || element.type == mi_uint8 || element.type == mi_int8;
+    if (!wide && !narrow)
+      return contents_.skip(array.name, fmt::format("text of type {}", element.type));
+    if ((element.end - element.data) / (wide ? 2 : 1) < letters)
+      return contents_.skip(array.name, "cut");
+    if (letters > longest_mat_text) return contents_.skip(array.name, "text of many lines");
+    std::u16string text;
+    for (std::uint64_t i = 0; i < letters; ++i)
+      text += wide ? number<std::uint16_t>(element.data + 2 * i)
+                   : static_cast<unsigned char>(bytes()[element.data + i]);
+    // letters of UTF-8 have several bytes, and lines are no longer told apart
+    if (narrow && std::ranges::any_of(text, [](char16_t letter) { return letter >= 0x80; }))
+      return contents_.skip(array.name, "text of several lines that is not ASCII");
+    contents_.add_lines(array.name, array.rows, text);
   }
 
   void read_structure(const Element& matrix, std::uint64_t at, const MatArray& array, int depth) {

@@ -7,6 +7,8 @@
 
 #include "acquisition/importers/mat4.hpp"
 #include "acquisition/importers/mat5.hpp"
+#include "acquisition/importers/number.hpp"
+#include "acquisition/importers/text_encoding.hpp"
 #include "datasets/input_error.hpp"
 
 namespace impactrig::acquisition {
@@ -34,6 +36,22 @@ void MatContents::add(const MatArray& array, std::uint64_t declared) {
     warn(fmt::format("'{}' declares {} x {} numbers, {} are there", array.name, array.rows,
                      array.columns, array.count));
   arrays.push_back(array);
+}
+
+void MatContents::add_lines(const std::string& name, std::uint64_t lines,
+                            std::u16string_view letters) {
+  constexpr std::uint64_t most_lines = 1000;
+  if (lines == 0 || lines > most_lines || letters.size() % lines != 0)
+    return skip(name, "text of many lines");
+  for (std::uint64_t line = 0; line < lines; ++line) {
+    std::string utf16 = "\xFE\xFF";
+    for (std::uint64_t i = line; i < letters.size(); i += lines) {
+      utf16 += static_cast<char>(letters[i] >> 8);
+      utf16 += static_cast<char>(letters[i] & 0xFF);
+    }
+    const std::string text = to_utf8_with_controls(utf16_to_utf8(utf16));
+    texts.emplace(fmt::format("{}{{{}}}", name, line + 1), trimmed(text));
+  }
 }
 
 std::string matlab_object(std::string_view type) {

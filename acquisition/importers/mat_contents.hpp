@@ -59,6 +59,9 @@ struct MatContents {
 
   void warn(std::string text);
   void skip(const std::string& name, std::string_view why);
+  /// A matrix of characters, column after column, as a cell array of its lines would be:
+  /// "units{1}".
+  void add_lines(const std::string& name, std::uint64_t lines, std::u16string_view letters);
   /// Where fewer numbers are there than it declares, with a warning; where none is, it is skipped.
   void add(const MatArray& array, std::uint64_t declared);
 };

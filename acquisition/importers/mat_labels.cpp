@@ -59,12 +59,22 @@ std::vector<std::string> MatLabels::channels_of(std::string_view array,
   for (const std::string_view word : list_words) {
     std::vector<std::string> names =
         texts_of(fmt::format("{}{}", structure_of(array), word), channels);
-    if (!names.empty()) return names;
+    const std::set<std::string> different(names.begin(), names.end());
+    if (!names.empty() && different.size() == names.size()) return names;
   }
   return {};
 }
 
-/// A cell array of just so many texts that differ; empty where it is none.
+std::vector<std::string> MatLabels::units_of(std::string_view array, std::uint64_t channels) const {
+  for (const std::string_view word : unit_words) {
+    std::vector<std::string> units =
+        texts_of(fmt::format("{}{}", structure_of(array), word), channels);
+    if (!units.empty()) return units;
+  }
+  return {};
+}
+
+/// A cell array or lines of just so many texts; empty where there is none.
 std::vector<std::string> MatLabels::texts_of(const std::string& cells, std::uint64_t count) const {
   const auto text = [&](std::uint64_t i) {
     return contents_.texts.find(fmt::format("{}{{{}}}", cells, i));
@@ -75,8 +85,7 @@ std::vector<std::string> MatLabels::texts_of(const std::string& cells, std::uint
     if (text(i) == contents_.texts.end() || text(i)->second.empty()) return {};
     found.push_back(to_utf8(text(i)->second));
   }
-  const std::set<std::string> different(found.begin(), found.end());
-  return different.size() == found.size() ? found : std::vector<std::string>{};
+  return found;
 }
 
 }  // namespace impactrig::acquisition

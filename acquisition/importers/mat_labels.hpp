@@ -21,9 +21,12 @@ class MatLabels {
   /// but its times; "" where no text says so, or it is a unit of time or of nothing that is known.
   std::string unit_of(std::string_view array) const;
 
-  /// The names of a matrix' channels, by a cell array of as many texts: `colheaders`, as
+  /// The names of a matrix' channels, by a cell array or lines of as many texts: `colheaders`, as
   /// importdata() has it, `names`, `labels`, ... Empty where there is none, or two are the same.
   std::vector<std::string> channels_of(std::string_view array, std::uint64_t channels) const;
+
+  /// Their units likewise, by `units`, ...; empty where there are none, or not as many.
+  std::vector<std::string> units_of(std::string_view array, std::uint64_t channels) const;
 
  private:
   std::vector<std::string> texts_of(const std::string& cells, std::uint64_t count) const;

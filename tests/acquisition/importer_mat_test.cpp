@@ -18,6 +18,7 @@ using testing::HasSubstr;
 using tests::import_error;
 using tests::imported;
 using tests::Mat;
+using tests::names_and_units;
 
 INSTANTIATE_TEST_SUITE_P(ByteOrder, Mat, testing::Bool(),
                          [](const auto& instance) { return instance.param ? "Big" : "Little"; });
@@ -268,6 +269,30 @@ TEST_P(Mat, ChannelsOfAMatrixMayBeNamedInACell) {
   const std::string numbered = "shot.data:1[] shot.data:2[] shot.data:3[] 0.500000";
   EXPECT_EQ(names_by({"time", "force"}), numbered);
   EXPECT_EQ(names_by({"a", "b", "b"}), numbered);
+}
+
+// char('time','force','v') and char('ms','kN','m/s') beside the matrix: column after column
+TEST_P(Mat, LinesOfTextNameAndMeasureTheColumnsOfAMatrix) {
+  std::vector<double> numbers;
+  for (int column = 0; column < 3; ++column)
+    for (int i = 0; i < 200; ++i) numbers.push_back(column == 0 ? 0.5 * i : i % 7);
+  const auto lines = [this](const std::string& name, const std::vector<std::string>& rows) {
+    std::string letters;
+    for (std::size_t column = 0; column < rows[0].size(); ++column)
+      for (const std::string& row : rows) letters += row[column];
+    return b.matrix(
+        b.head(4,
+               {static_cast<std::int32_t>(rows.size()), static_cast<std::int32_t>(rows[0].size())},
+               name) +
+        b.element(16, letters));
+  };
+  const auto record =
+      imported(b.header() + b.doubles("data", numbers, 3) +
+               lines("names", {"time ", "force", "v    "}) + lines("units", {"ms ", "kN ", "m/s"}));
+  EXPECT_THAT(names_and_units(record),
+              ElementsAre("data.time [ms]", "data.force [kN]", "data.v [m/s]"));
+  EXPECT_DOUBLE_EQ(record.channels.at(1).clock.interval, 0.5e-3);
+  EXPECT_THAT(record.warnings, ElementsAre());
 }
 
 TEST_P(Mat, StatedUnitsReplaceThoseOfNames) {
