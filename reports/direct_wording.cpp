@@ -15,6 +15,7 @@ namespace impactrig::reports {
 
 namespace {
 
+constexpr std::string_view smoothed_name = "kinematic, vibration averaged";
 constexpr double likely_delay =
     5.0;  // standard uncertainties: a delay error beyond it is no excuse
 
@@ -62,10 +63,10 @@ double kinematic_as_recorded(const models::Simulation& run) {
 
 /// What shift of one channel would bring the model's number and the direct one together.
 std::string delay_excuse(const DirectPair& pair, const datasets::Impact& impact) {
-  const fitting::Contribution* const delay = row(*pair.direct, "relative delay");
+  const fitting::Contribution* const delay = row(pair.direct, "relative delay");
   const double unsure = relative_delay(impact);
   if (delay == nullptr || !(delay->std_error > 0.0) || !(unsure > 0.0)) return "";
-  const double shift = std::abs(pair.fitted - pair.direct->value) / delay->std_error * unsure;
+  const double shift = std::abs(pair.fitted - pair.direct.value) / delay->std_error * unsure;
   if (!(shift < likely_delay * unsure)) return "";
   return fmt::format("An error of {} in the delay between the channels would explain it. ",
                      quantity(shift, "s", 2));
@@ -77,8 +78,8 @@ std::string difference(const DirectPair& pair, const fitting::DirectRestitution&
   const std::string name = pair.name;
   std::string text =
       fmt::format("The model's {} restitution, {}, is outside the direct interval, {} to {}. ",
-                  name, significant(pair.fitted, 3), significant(pair.direct->ci95[0], 3),
-                  significant(pair.direct->ci95[1], 3));
+                  name, significant(pair.fitted, 3), significant(pair.direct.ci95[0], 3),
+                  significant(pair.direct.ci95[1], 3));
   if (!direct.notes.empty()) return text + "What is said above of the record may be the reason. ";
   if (name == "kinematic")
     return text +
@@ -95,20 +96,96 @@ std::string difference(const DirectPair& pair, const fitting::DirectRestitution&
          "another law may fit better, or the measured force and speed are not of one point. ";
 }
 
+// --- A displacement alone ------------------------------------------------------------------------
+
+bool is_of_displacement_alone(const fitting::Fit& fit, std::size_t recording) {
+  return recording < fit.impacts.size() && fit.impacts[recording].rebound.has_value();
+}
+
+/// An estimate whose uncertainty is that of the motion, as the finder of impacts states it.
+fitting::DirectEstimate of_displacement(double value, double std_error) {
+  constexpr double quantile = 1.959963985;
+  return {.value = value,
+          .std_error = std_error,
+          .ci95 = {value - quantile * std_error, value + quantile * std_error},
+          .budget = {},
+          .absent = {}};
+}
+
+/// The model's mean speed away from the stop over the stretch of the rebound; NaN where its history
+/// does not reach so far.
+double mean_rebound(const models::Simulation& run, const datasets::Impact& impact) {
+  const models::History& h = run.history;
+  const auto displacement_at = [&h](double t) {
+    const double place = (t - h.start) / h.interval;
+    const auto before = static_cast<std::size_t>(std::max(0.0, place));
+    if (!(place >= 0.0) || before + 1 >= h.displacement.size())
+      return std::numeric_limits<double>::quiet_NaN();
+    const double part = place - static_cast<double>(before);
+    return (1.0 - part) * h.displacement[before] + part * h.displacement[before + 1];
+  };
+  const double from = impact.rebound->from - impact.start, to = impact.rebound->to - impact.start;
+  return (displacement_at(from) - displacement_at(to)) / (to - from);
+}
+
+std::vector<DirectPair> displacement_pairs(const fitting::Fit& fit, std::size_t recording) {
+  const datasets::Impact& impact = fit.impacts[recording];
+  const datasets::Rebound& rebound = *impact.rebound;
+  double approach = std::numeric_limits<double>::quiet_NaN(), ratio = approach;
+  if (recording < fit.predictions.size() && !fit.predictions[recording].episodes.empty()) {
+    approach = fit.predictions[recording].episodes.front().approach_velocity;
+    ratio = mean_rebound(fit.predictions[recording], impact) / approach;
+  }
+  DirectPair mean = {"mean rebound over approach", "1",
+                     of_displacement(rebound.restitution, rebound.restitution_error), ratio};
+  if (!rebound.absent.empty()) {
+    mean.direct = {};
+    mean.direct.absent = rebound.absent;
+  }
+  return {{"speed of approach", "m/s",
+           of_displacement(impact.approach_velocity, rebound.approach_error), approach},
+          mean};
+}
+
+std::string displacement_explanation(const fitting::Fit& fit, std::size_t recording) {
+  const datasets::Impact& impact = fit.impacts[recording];
+  std::string text =
+      "A displacement alone shows how the bar comes and goes, not the contact's end: there is no "
+      "direct kinematic, kinetic or energetic restitution. ";
+  for (const DirectPair& pair : displacement_pairs(fit, recording)) {
+    if (!pair.direct.given()) {
+      text += fmt::format("No {}: {} ", pair.name, pair.direct.absent);
+    } else if (std::isfinite(pair.fitted)) {
+      text +=
+          fmt::format("The model's {}, {}, {} the direct interval. ", pair.name,
+                      significant(pair.fitted, 3), pair.inside() ? "lies within" : "is outside");
+    } else {
+      text += fmt::format("The model's {} is not known, as its history ends before. ", pair.name);
+    }
+  }
+  if (impact.rebound->absent.empty())
+    text += fmt::format("The rebound is the mean from {} to {} after touch. ",
+                        quantity(impact.rebound->from - impact.start, "s", 3),
+                        quantity(impact.rebound->to - impact.start, "s", 3));
+  text.pop_back();
+  return text;
+}
+
 }  // namespace
 
 bool DirectPair::inside() const {
-  return direct->given() && direct->ci95[0] <= fitted && fitted <= direct->ci95[1];
+  return direct.given() && direct.ci95[0] <= fitted && fitted <= direct.ci95[1];
 }
 
 const fitting::Contribution* DirectPair::main_source() const {
   const auto largest =
-      std::ranges::max_element(direct->budget, {}, &fitting::Contribution::std_error);
-  return largest == direct->budget.end() || !(largest->std_error > 0.0) ? nullptr : &*largest;
+      std::ranges::max_element(direct.budget, {}, &fitting::Contribution::std_error);
+  return largest == direct.budget.end() || !(largest->std_error > 0.0) ? nullptr : &*largest;
 }
 
 std::vector<DirectPair> direct_pairs(const fitting::Fit& fit, std::size_t recording) {
   if (recording >= fit.direct.size()) return {};
+  if (is_of_displacement_alone(fit, recording)) return displacement_pairs(fit, recording);
   const fitting::DirectRestitution& direct = fit.direct[recording];
   const double none = std::numeric_limits<double>::quiet_NaN();
   models::Restitution model{none, none, none, none};
@@ -122,17 +199,18 @@ std::vector<DirectPair> direct_pairs(const fitting::Fit& fit, std::size_t record
       depth = run.episodes.front().max_penetration;
     }
   }
-  return {{"kinematic", "1", &direct.kinematic, model.kinematic},
-          {"kinematic, vibration averaged", "1", &direct.smoothed, none},
-          {"kinetic", "1", &direct.kinetic, model.kinetic},
-          {"energetic", "1", &direct.energetic, model.energetic},
-          {"dissipated energy", "J", &direct.hysteresis.dissipated, dissipated},
-          {"greatest penetration", "m", &direct.hysteresis.max_penetration, depth}};
+  return {{"kinematic", "1", direct.kinematic, model.kinematic},
+          {smoothed_name.data(), "1", direct.smoothed, none},
+          {"kinetic", "1", direct.kinetic, model.kinetic},
+          {"energetic", "1", direct.energetic, model.energetic},
+          {"dissipated energy", "J", direct.hysteresis.dissipated, dissipated},
+          {"greatest penetration", "m", direct.hysteresis.max_penetration, depth}};
 }
 
 std::string direct_explanation(const fitting::Fit& fit, std::size_t recording) {
   std::string text;
   if (recording >= fit.direct.size() || recording >= fit.impacts.size()) return text;
+  if (is_of_displacement_alone(fit, recording)) return displacement_explanation(fit, recording);
   const fitting::DirectRestitution& direct = fit.direct[recording];
   for (const std::string& note : direct.notes) text += note + " ";
   if (recording < fit.predictions.size())
@@ -148,10 +226,10 @@ std::string direct_explanation(const fitting::Fit& fit, std::size_t recording) {
   std::vector<std::string> agree, missing;
   std::string apart, why;
   for (const DirectPair& pair : direct_pairs(fit, recording)) {
-    if (pair.unit != std::string_view("1") || pair.direct == &direct.smoothed) continue;
-    if (!pair.direct->given()) {
+    if (pair.unit != std::string_view("1") || pair.name == smoothed_name) continue;
+    if (!pair.direct.given()) {
       missing.emplace_back(pair.name);
-      why = pair.direct->absent;
+      why = pair.direct.absent;
     } else if (pair.inside()) {
       agree.emplace_back(pair.name);
     } else if (std::isfinite(pair.fitted)) {

@@ -13,7 +13,7 @@ namespace impactrig::reports {
 namespace {
 
 std::string html_row(const DirectPair& pair) {
-  const fitting::DirectEstimate& e = *pair.direct;
+  const fitting::DirectEstimate& e = pair.direct;
   if (!e.given())
     return fmt::format(
         "<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td colspan=\"3\">{}</td></tr>\n",
@@ -50,32 +50,32 @@ std::string html_budget(const std::vector<DirectPair>& pairs) {
   std::vector<std::string> sources;
   std::string head;
   for (const DirectPair& pair : pairs) {
-    if (!pair.direct->given()) continue;
+    if (!pair.direct.given()) continue;
     head += fmt::format("<th scope=\"col\" class=\"n\">{}</th>", capital(pair.name));
-    for (const fitting::Contribution& part : pair.direct->budget)
+    for (const fitting::Contribution& part : pair.direct.budget)
       if (std::ranges::find(sources, part.source) == sources.end()) sources.push_back(part.source);
   }
   if (sources.empty()) return "";
   const auto cell = [](const DirectPair& pair, double error) {
     // Below a millionth of the whole: rounding, where a source cancels.
-    if (!(error > 1e-6 * pair.direct->std_error)) return std::string("<td class=\"n\">0</td>");
+    if (!(error > 1e-6 * pair.direct.std_error)) return std::string("<td class=\"n\">0</td>");
     return fmt::format("<td class=\"n\">{}</td>", quantity(error, pair.unit, 2));
   };
   std::string rows;
   for (const std::string& source : sources) {
     rows += fmt::format("<tr><th scope=\"row\">{}</th>", escaped(capital(source)));
     for (const DirectPair& pair : pairs) {
-      if (!pair.direct->given()) continue;
+      if (!pair.direct.given()) continue;
       const auto found =
-          std::ranges::find(pair.direct->budget, source, &fitting::Contribution::source);
-      rows += found == pair.direct->budget.end() ? "<td class=\"n\">–</td>"
-                                                 : cell(pair, found->std_error);
+          std::ranges::find(pair.direct.budget, source, &fitting::Contribution::source);
+      rows += found == pair.direct.budget.end() ? "<td class=\"n\">–</td>"
+                                                : cell(pair, found->std_error);
     }
     rows += "</tr>\n";
   }
   rows += "<tr class=\"strong\"><th scope=\"row\">Together</th>";
   for (const DirectPair& pair : pairs)
-    if (pair.direct->given()) rows += cell(pair, pair.direct->std_error);
+    if (pair.direct.given()) rows += cell(pair, pair.direct.std_error);
   return "<div class=\"scroll\"><table><caption>Uncertainty of the direct values: standard "
          "uncertainty by source</caption>\n<thead><tr><th scope=\"col\"></th>" +
          head + "</tr></thead>\n<tbody>" + rows + "</tr></tbody></table></div>\n";
@@ -140,8 +140,7 @@ std::string html_direct(const fitting::Fit& fit) {
                ? fmt::format("<h3>Without a model: {}</h3>\n", escaped(recording_name(fit, r)))
                : "<h3>Without a model</h3>\n";
     out += "<p>" + escaped(direct_explanation(fit, r)) + "</p>\n";
-    if (std::ranges::none_of(pairs, [](const DirectPair& p) { return p.direct->given(); }))
-      continue;
+    if (std::ranges::none_of(pairs, [](const DirectPair& p) { return p.direct.given(); })) continue;
     out += html_table(pairs) + html_direct_loop(fit, r) + html_budget(pairs);
   }
   return out;

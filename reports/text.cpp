@@ -96,7 +96,7 @@ std::string direct_text(const fitting::Fit& fit) {
                               r < fit.impacts.size() ? fit.impacts[r].recording : "")
                 : "\nRead directly from the record, without a model\n";
     for (const DirectPair& pair : direct_pairs(fit, r)) {
-      const fitting::DirectEstimate& e = *pair.direct;
+      const fitting::DirectEstimate& e = pair.direct;
       if (!e.given()) continue;
       const fitting::Contribution* const source = pair.main_source();
       text += fmt::format("  {:<31} {:>10} ± {:<9.2g} 95 %: {} to {}{}{}\n", pair.name,

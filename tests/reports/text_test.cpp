@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <limits>
 
 #include "reports/direct_wording.hpp"
@@ -68,6 +69,46 @@ TEST(FitText, SetsTheSpeedAtTheForcesEndAgainstTheRecords) {
   EXPECT_DOUBLE_EQ(pairs[0].fitted, speed / run.episodes.front().approach_velocity);
   EXPECT_THAT(reports::direct_explanation(data.fit, 0),
               HasSubstr("The model's force ends 21\u00A0\u00B5s before its surfaces part"));
+}
+
+// The model's mean speed away is minus that of its velocity over the same stretch.
+TEST(FitText, SetsTheReboundOfADisplacementAloneBesideTheModels) {
+  reports::ReportData data = tests::example_report();
+  const models::Simulation& run = data.fit.predictions.front();
+  const models::History& h = run.history;
+  datasets::Impact& impact = data.fit.impacts.front();
+  const auto first = static_cast<std::size_t>((1e-3 - h.start) / h.interval), last = first + 500;
+  ASSERT_LT(last, h.velocity.size());
+  const auto since_touch = [&h](std::size_t k) {
+    return h.start + h.interval * static_cast<double>(k);
+  };
+  impact.rebound = datasets::Rebound{.approach_error = 0.002,
+                                     .from = impact.start + since_touch(first),
+                                     .to = impact.start + since_touch(last),
+                                     .velocity = 0.05,
+                                     .velocity_error = 0.004,
+                                     .restitution = 0.11,
+                                     .restitution_error = 0.01,
+                                     .absent = {}};
+  double mean = 0.0;
+  for (std::size_t k = first; k < last; ++k)
+    mean -= 0.5 * (h.velocity[k] + h.velocity[k + 1]) / 500.0;
+  auto pairs = reports::direct_pairs(data.fit, 0);
+  ASSERT_EQ(pairs.size(), 2U);
+  EXPECT_EQ(pairs[0].fitted, run.episodes.front().approach_velocity);
+  EXPECT_NEAR(pairs[1].fitted, mean / run.episodes.front().approach_velocity, 1e-4);
+  EXPECT_EQ(pairs[1].direct.value, 0.11);
+  const std::string text = reports::to_text(data);
+  EXPECT_THAT(text, HasSubstr("\n  mean rebound over approach "));
+  EXPECT_THAT(text, HasSubstr("there is no direct kinematic, kinetic or energetic restitution."));
+  EXPECT_THAT(reports::to_html(data), HasSubstr("Speed of approach"));
+
+  impact.rebound->to = impact.start + since_touch(h.velocity.size() + 5);
+  EXPECT_TRUE(std::isnan(reports::direct_pairs(data.fit, 0)[1].fitted));
+  EXPECT_THAT(reports::direct_explanation(data.fit, 0), HasSubstr("its history ends before"));
+  impact.rebound->absent = "The bar is struck again.";
+  EXPECT_THAT(reports::direct_explanation(data.fit, 0),
+              HasSubstr("No mean rebound over approach: The bar is struck again."));
 }
 
 // e = 1 of a law without damping, or an e beside a stated coefficient, decides nothing.
