@@ -255,24 +255,27 @@ ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest) {
   ChosenMesh chosen{.solver = solver, .error = std::numeric_limits<double>::quiet_NaN()};
   FirstContacts contacts(rig, solver, std::min(worth_knowing, share_of_accuracy * solver.accuracy),
                          share_of_time * solver.time_limit, share_of_whole_run);
-  const auto contact_on = [&](int total) {
+  const auto split = [&](int total) {
     Solver mesh = solver;
     mesh.elements = split_elements(total, rig);
-    return contacts.on(mesh);
+    return mesh;
   };
+  // Each mesh holds the nodes of the one before: split anew, where the bar is struck moves against
+  // the elements, which may change as much as their number does.
+  Solver mesh = split(coarsest);
   try {
-    Told here = contact_on(coarsest / 2);
-    double before = std::numeric_limits<double>::infinity();
-    for (int total = coarsest / 2; total <= finest; total *= 2) {
-      const Told finer = contact_on(2 * total);
-      if (finer.sensor_until != here.sensor_until) here = contact_on(total);
+    Told coarser = contacts.on(split(coarsest / 2));
+    Told here = contacts.on(mesh);
+    if (here.sensor_until != coarser.sensor_until) coarser = contacts.on(split(coarsest / 2));
+    double before = change(coarser, here);
+    for (; mesh.elements[0] + mesh.elements[1] <= finest; mesh = refined(mesh)) {
+      const Told finer = contacts.on(refined(mesh));
+      if (finer.sensor_until != here.sensor_until) here = contacts.on(mesh);
       const double changed = change(here, finer);
-      if (total >= coarsest) {
-        chosen.solver.elements = split_elements(total, rig);
-        chosen.error = std::max(changed, best_ratio * before);
-        chosen.sensor_until = finer.sensor_until;
-        if (chosen.error <= share_of_mesh * solver.accuracy) break;
-      }
+      chosen.solver.elements = mesh.elements;
+      chosen.error = std::max(changed, best_ratio * before);
+      chosen.sensor_until = finer.sensor_until;
+      if (chosen.error <= share_of_mesh * solver.accuracy) break;
       before = changed;
       here = finer;
     }
