@@ -121,12 +121,26 @@ void warn_of_unknown_filters(datasets::Record& record) {
           channel.name));
 }
 
+/// A sensor whose channel is neither fitted nor there says nothing.
+void leave_out_absent(const datasets::Record& record, const fitting::FitOptions& options,
+                      acquisition::SensorSet& sensors) {
+  const auto leave_out = [&record](auto& sensor, bool fitted) {
+    const bool named = sensor && !sensor->channel.empty();
+    if (named && !fitted && record.find(sensor->channel) == nullptr) sensor.reset();
+  };
+  leave_out(sensors.force, options.use_force);
+  leave_out(sensors.velocity, options.use_velocity);
+  leave_out(sensors.displacement, options.use_displacement);
+}
+
 /// In SI, conditioned as the rig file asks; only the channels that its sensors name are read.
 datasets::Record conditioned_recording(const std::string& path, const FitJob& job,
-                                       const fitting::RigFile& rig) {
+                                       const fitting::RigFile& rig,
+                                       const fitting::FitOptions& options) {
   const acquisition::ImportOptions reading = import_options(job.reading);
   const auto reader = acquisition::open_recording(path, reading);
   acquisition::SensorSet sensors{rig.force, rig.velocity, rig.displacement};
+  leave_out_absent(reader->head().record, options, sensors);
   acquisition::Selection wanted = acquisition::selection_of(reader->head(), reading);
   acquisition::narrow_to_sensors(reader->head(), wanted, sensors);
   refuse_too_many_to_condition(path, samples_of(reader->head(), wanted),
@@ -370,7 +384,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
   std::vector<std::string> warnings;
   for (const std::string& path : job.recordings) {
     if (!job.common.quiet) fmt::print(stderr, "reading {}\n", path);
-    datasets::Record record = conditioned_recording(path, job, rig);
+    datasets::Record record = conditioned_recording(path, job, rig, options);
     for (const std::string& warning : record.warnings)
       warnings.push_back(fmt::format("{}: {}", path, warning));
     refuse_choice(record, rig);

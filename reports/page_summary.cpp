@@ -74,7 +74,8 @@ Measured measured_contact(const fitting::Fit& fit, std::size_t recording) {
   Measured out;
   if (recording >= fit.impacts.size()) return out;
   const datasets::Impact& impact = fit.impacts[recording];
-  if (impact.end > impact.start) out.duration = impact.end - impact.start;
+  // of a displacement alone the end is where it is back at first touch
+  if (impact.end > impact.start && !impact.rebound) out.duration = impact.end - impact.start;
   if (!impact.force) return out;  // peak and impulse are then of the velocity
   out.peak = impact.peak;
   out.impulse = impact.impulse;

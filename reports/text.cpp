@@ -148,15 +148,20 @@ std::string diagnosis_text(const fitting::ChannelFit& channel) {
   return text;
 }
 
+/// Peak and contact are those of a force; a displacement alone shows when it is back.
+std::string impact_text(const datasets::Impact& impact) {
+  return fmt::format("  {}: first touch at {:.6g} s, {}{} {:.4g} us\n", impact.recording,
+                     impact.start, impact.force ? fmt::format("peak {:.5g} N, ", impact.peak) : "",
+                     impact.rebound ? "back there after" : "contact",
+                     1e6 * (impact.end - impact.start));
+}
+
 }  // namespace
 
 std::string to_text(const ReportData& data) {
   const fitting::Fit& fit = data.fit;
   std::string text = fmt::format("{}\n", data.title);
-  for (const datasets::Impact& impact : fit.impacts)
-    text +=
-        fmt::format("  {}: first touch at {:.6g} s, peak {:.5g} N, contact {:.4g} us\n",
-                    impact.recording, impact.start, impact.peak, 1e6 * (impact.end - impact.start));
+  for (const datasets::Impact& impact : fit.impacts) text += impact_text(impact);
   const std::string loss =
       fit.loss == fitting::Loss::squares ? "" : fmt::format("loss {}, ", fitting::name(fit.loss));
   text += fmt::format("\nFitted parameters ({}, {}{} iterations, {} simulations, {:.2g} s)\n",

@@ -114,6 +114,15 @@ TEST_F(DisplacementAlone, GivesItsRestitutionToAFit) {
       EXPECT_NEAR(p["value"].get<double>(), 0.5, 4.0 * p["std_error"].get<double>());
       EXPECT_LT(p["std_error"].get<double>(), 0.02);
     }
+
+  // sensors of the rig file that the recording lacks are not asked for where they are not fitted
+  const std::string whole =
+      write("whole.toml", all + "\n[sensors.displacement]\nchannel = \"Displacement\"\n");
+  o = run("validate " + shot + " --rig " + whole + " --set solver.model=rigid" +
+          " --set solver.duration=\"1.5 ms\" --channels displacement -o " + path("page.html"));
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_THAT(text_of(path("page.html")), HasSubstr("Mean rebound over approach"));
+  EXPECT_THAT(text_of(path("page.html")), HasSubstr("The rebound is the mean from"));
 }
 
 }  // namespace
