@@ -28,7 +28,7 @@ struct ChosenMesh {
 
 /// The coarsest mesh of 8, 16, 32, ... up to `finest` ANCF elements, split at the struck point,
 /// whose error is within half of `solver.accuracy`; else the finest that half of the time limit
-/// allows. The error is what twice the elements change, but no less than 1/64 of what half of them
+/// allows. The error is what twice the elements change, but no less than 1/16 of what half of them
 /// change, for two meshes may agree by chance.
 ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest);
 
