@@ -72,6 +72,8 @@ constexpr auto signatures = std::to_array<Signature>({
     {0, "$date", "a value change dump (.vcd) of logic levels", from_sigrok, "$enddefinitions"},
     {0, "$version", "a value change dump (.vcd) of logic levels", from_sigrok, "$enddefinitions"},
     {0, "$timescale", "a value change dump (.vcd) of logic levels", from_sigrok, "$enddefinitions"},
+    {0, "version https://git-lfs.github.com/", "what Git LFS keeps in place of a file",
+     "get the file itself with git lfs pull"},
     {0, "%PDF", "a PDF document", "a recording is expected"},
     {0, "DIAEXTENDED",
      "the header of a DIAdem data set (.dat), whose samples are in binary files beside it",

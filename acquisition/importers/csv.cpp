@@ -234,11 +234,12 @@ std::size_t count_values(std::span<const double> values) {
 }
 
 /// The clock that a column of times stands for. What was said of another is not said again.
-datasets::SampleClock clock_of_column(const CsvHead& csv, std::size_t column, Table& table,
+datasets::SampleClock clock_of_column(CsvHead& csv, std::size_t column, Table& table,
                                       Record& record) {
   const ColumnHead& head = csv.heads[column];
   Column& times = table.columns[column];
-  to_seconds(csv.file, head, time_conversion(csv.file, head, record), times);
+  to_seconds(csv.file, head, time_conversion(csv.file, head, csv.first_cell(column), record),
+             times);
   const std::size_t rows = times.values.size();
   const bool of_head = column == csv.roles.time && csv.head.interval;
   TimeAxis axis = time_axis(std::move(times.values), of_head ? *csv.head.interval : 0.0);
@@ -323,8 +324,10 @@ LargeTable table_of_clock(std::shared_ptr<CsvHead> csv, const ClockColumns& rang
   table.time = time;
   if (time) {
     const ColumnHead& head = csv->heads[*time];
-    table.to_seconds = [csv, &head, conversion = time_conversion(csv->file, head, table.record)](
-                           Column& times) { to_seconds(csv->file, head, conversion, times); };
+    const auto conversion = time_conversion(csv->file, head, csv->first_cell(*time), table.record);
+    table.to_seconds = [csv, &head, conversion](Column& times) {
+      to_seconds(csv->file, head, conversion, times);
+    };
   }
   if (time && time == csv->roles.time) table.stated_interval = csv->head.interval.value_or(0.0);
   if (time && time == csv->roles.time)

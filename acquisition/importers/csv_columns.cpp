@@ -59,6 +59,13 @@ std::vector<ColumnHead> complete_heads(const TextFile& file, const TableHead& he
   for (std::size_t c = 0; c < heads.size(); ++c) {
     if (c < options.units.size() && !options.units[c].empty()) heads[c].unit = options.units[c];
     if (heads[c].unit.empty()) heads[c].unit = unit_of_time_alone(heads[c].name);
+    // seconds in capitals, as Scopy has them, are no siemens
+    if (is_time_name(heads[c].name) &&
+        datasets::quantity_of_unit(heads[c].unit) != datasets::Quantity::time &&
+        datasets::quantity_of_unit(lowered(heads[c].unit)) == datasets::Quantity::time)
+      heads[c].unit = lowered(heads[c].unit);
+    const bool is_temperature = lowered(heads[c].name).find("temp") != std::string::npos;
+    if (heads[c].unit == "C" && is_temperature) heads[c].unit = std::string("\u00B0C");
     if (heads[c].name.empty()) heads[c].name = fmt::format("column {}", c);
   }
   return heads;

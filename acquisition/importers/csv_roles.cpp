@@ -32,7 +32,8 @@ bool holds_numbers(const TableLayout& layout, std::size_t column) {
 
 /// False for a column that its head calls something else.
 bool may_be_time(const ColumnHead& head) {
-  if (!head.unit.empty()) return false;
+  if (!head.unit.empty() || datasets::quantity_of_unit(head.name) == Quantity::frequency)
+    return false;
   const std::string name = lowered(head.name);
   if (name.starts_with("time - ")) return true;  // "Time - Voltage", of SignalExpress
   for (const std::string_view word :
@@ -68,8 +69,8 @@ std::string_view name_without_number(std::string_view name) {
 /// As a further one. Where the first time is one only since it increases, by the same name.
 bool is_named_as_time(const ColumnHead& head, const ColumnHead& first_time) {
   const std::string name = lowered(head.name);
-  if (is_time_name(name) || name.starts_with("time ") || name.starts_with("time_") ||
-      name.starts_with("zeit "))
+  if ((is_time_name(name) && name != "x-axis") || name.starts_with("time ") ||
+      name.starts_with("time_") || name.starts_with("zeit "))
     return true;
   const std::string_view stem = name_without_number(first_time.name);
   const bool first_is_named = is_time_name(stem) || is_time_unit(first_time.unit);
@@ -135,8 +136,8 @@ std::size_t stated_time(const TextFile& file, const TableLayout& layout,
 
 /// By name, then by its dates, then by unit.
 void take_time_by_heads(const TableLayout& layout, const std::vector<ColumnHead>& heads,
-                        std::size_t columns, CsvRoles& roles) {
-  for (std::size_t c = 0; c < columns && !roles.time; ++c)
+                        const std::vector<Column>& columns, CsvRoles& roles) {
+  for (std::size_t c = 0; c < columns.size() && !roles.time; ++c)
     if (holds_numbers(layout, c) && is_time_name(heads[c].name) &&
         (heads[c].unit.empty() || is_time_unit(heads[c].unit))) {
       roles.time = c;
@@ -146,11 +147,16 @@ void take_time_by_heads(const TableLayout& layout, const std::vector<ColumnHead>
     roles.time = layout.dates.front().last;
     roles.reason = "holds times of day";
   }
-  for (std::size_t c = 0; c < columns && !roles.time; ++c)
-    if (holds_numbers(layout, c) && is_time_unit(heads[c].unit)) {
-      roles.time = c;
-      roles.reason = "by its unit";
-    }
+  // a date in days that does not change is none before the times
+  for (const bool rises : {true, false})
+    for (std::size_t c = 0; c < columns.size() && !roles.time; ++c)
+      if (holds_numbers(layout, c) && is_time_unit(heads[c].unit) &&
+          (!rises ||
+           increases(
+               std::span<const double>(columns[c].values).first(samples_before_end(columns[c]))))) {
+        roles.time = c;
+        roles.reason = "by its unit";
+      }
 }
 
 }  // namespace
@@ -217,6 +223,9 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
     }
   }
   const bool unnamed = head.columns.empty() || head.columns.front().name.empty();
+  // keys of the head stand over it
+  roles.first_is_blank = unnamed && columns.size() > 1 && !columns.front().values.empty() &&
+                         columns.front().missing == columns.front().values.size();
   const bool first_counts =
       columns.size() > 1 && heads.front().unit.empty() &&
       counts(columns.front().values, head.increment.has_value()) &&
@@ -229,7 +238,7 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
     if (first_counts) roles.index = 0;
     return roles;
   }
-  take_time_by_heads(layout, heads, columns.size(), roles);
+  take_time_by_heads(layout, heads, columns, roles);
   if (roles.time && *roles.time > 0 && first_counts && unnamed && !head.columns.empty())
     roles.index = 0;
   if (!roles.time && first_counts) {

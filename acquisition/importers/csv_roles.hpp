@@ -30,6 +30,7 @@ struct CsvRoles {
   std::string reason;                ///< why `time` is the time
   std::vector<std::size_t> text;     ///< hold text
   std::vector<std::size_t> dates;    ///< hold dates and times of day
+  bool first_is_blank = false;       ///< the first column has neither a name nor values
   /// Columns of times behind channels of `time`, in order: the columns behind one have its clock;
   /// or those before it, where channels stand before the first one and none behind the last.
   std::vector<std::size_t> further_times;
@@ -47,8 +48,8 @@ struct CsvRoles {
     const auto is_in = [column](const std::vector<std::size_t>& columns) {
       return std::ranges::find(columns, column) != columns.end();
     };
-    return column != time && column != index && !is_in(text) && !is_in(dates) &&
-           !is_in(further_times);
+    return column != time && column != index && !(first_is_blank && column == 0) && !is_in(text) &&
+           !is_in(dates) && !is_in(further_times);
   }
 };
 

@@ -114,7 +114,8 @@ const Importer& recognised(const std::string& path, std::string_view head) {
     }
   }
   if (best_score <= generic) {
-    const std::string closed = closed_format(file_name, head);
+    const bool utf16 = head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF");
+    const std::string closed = closed_format(file_name, utf16 ? shown : head);
     if (!closed.empty()) throw InputError(place_of(path), closed);
   }
   const std::string closed = best == nullptr ? closed_ending(file_name) : std::string();

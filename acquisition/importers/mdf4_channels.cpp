@@ -235,8 +235,9 @@ void MdfChannels::tell_left_out() const {
   if (left_out_count_ == 0) return;
   std::string list;
   for (const std::string& name : left_out_) list += (list.empty() ? "'" : ", '") + name + "'";
-  warn_(fmt::format("{} channel{} of texts or byte arrays {} left out: {}{}", left_out_count_,
-                    left_out_count_ == 1 ? "" : "s", left_out_count_ == 1 ? "is" : "are", list,
+  warn_(fmt::format("{} channel{} of texts, byte arrays or record numbers {} left out: {}{}",
+                    left_out_count_, left_out_count_ == 1 ? "" : "s",
+                    left_out_count_ == 1 ? "is" : "are", list,
                     left_out_count_ > left_out_.size() ? ", ..." : ""));
 }
 

@@ -121,11 +121,11 @@ bool are_dates_of_a_key(const HeadCells& cells) {
                                          [](auto cell) { return date_time_in(cell).has_value(); });
 }
 
-/// "Unit:,N,g"
+/// "Unit:,N,g" and "VUnit,V,A"
 bool are_units_of_a_key(const HeadCells& cells) {
   std::string key = lowered(cells.front());
   if (key.ends_with(':')) key.pop_back();
-  return cells.size() > 1 && (key == "unit" || key == "units");
+  return cells.size() > 1 && (key.ends_with("unit") || key.ends_with("units"));
 }
 
 /// Numbers of columns (positions, angles) beside the name of a time: "Time [ms],1,2,3".
@@ -172,7 +172,8 @@ bool take_names_over_units(const TableLayout& layout, const std::vector<std::siz
   const bool as_wide =
       bottom.size() >= layout.cells || head.start || head.increment || are_numbered_channels(names);
   if (!as_wide ||
-      !(is_unit_row(units) || is_sentence_row(units) || has_time_over_its_unit(names, units))) {
+      !(is_unit_row(units) || is_sentence_row(units) || has_time_over_its_unit(names, units) ||
+        (is_nearly_unit_row(units) && !is_nearly_unit_row(names)))) {
     head.start.reset();
     head.increment.reset();
     return false;
@@ -220,6 +221,42 @@ void take_names_alone(const TableLayout& layout, const std::vector<std::size_t>&
   head.units_line = static_cast<int>(above) + 1;
 }
 
+/// "#timebase=40000000(ps),#voltbase=1000000(uV)", of Hantek: no names.
+bool are_keys_with_values(const HeadCells& cells) {
+  return cells.size() > 1 && std::ranges::all_of(cells, [](std::string_view cell) {
+           const std::size_t equals = cell.find('=');
+           return equals != cell.npos && equals > 0 && equals + 1 < cell.size() &&
+                  std::string_view("+-.0123456789").find(cell[equals + 1]) != cell.npos;
+         });
+}
+
+/// Names in the table's own dialect, as many as there are columns.
+bool are_names_in_dialect(std::string_view line, const TableLayout& layout) {
+  HeadCells names = cells_of(without_comment_sign(line), layout.dialect.delimiter);
+  while (!names.empty() && names.back().empty()) names.pop_back();
+  return names.size() >= layout.cells && names.size() <= layout.written_cells &&
+         std::ranges::none_of(names, &std::string_view::empty) &&
+         !has_number(names, layout.dialect.decimal) && !are_keys_with_values(names);
+}
+
+/// Leaves out remarks between names and rows: a comment under names that are none, or words that
+/// the delimiter does not divide.
+void pass_over_remarks(const TableLayout& layout, std::vector<std::size_t>& filled) {
+  if (layout.dialect.delimiter == ' ' || layout.cells < 2) return;
+  const auto is_comment = [](std::string_view line) {
+    return trimmed(line).starts_with('#') || trimmed(line).starts_with('%');
+  };
+  while (filled.size() > 1) {
+    const std::string_view line = layout.head[filled.back()];
+    const std::string_view above = layout.head[filled[filled.size() - 2]];
+    const HeadCells cells = cells_of(without_comment_sign(line), layout.dialect.delimiter);
+    const bool remark = cells.size() < 2 || (is_comment(line) && !is_comment(above));
+    if (!remark || !are_names_in_dialect(above, layout) || is_unit_row(head_cells(line, layout)))
+      return;
+    filled.pop_back();
+  }
+}
+
 }  // namespace
 
 NamesAndUnits find_names_and_units(const TableLayout& layout, std::vector<std::size_t> filled,
@@ -233,6 +270,10 @@ NamesAndUnits find_names_and_units(const TableLayout& layout, std::vector<std::s
   }
   if (const auto at = find_units_of_time(layout, filled)) filled.resize(*at + 1);
   while (filled.size() > 1 && has_numbers_alone(layout.head[filled.back()])) filled.pop_back();
+  while (!filled.empty() &&
+         are_keys_with_values(cells_of(layout.head[filled.back()], layout.dialect.delimiter)))
+    filled.pop_back();
+  pass_over_remarks(layout, filled);
   if (filled.empty() || take_names_over_units(layout, filled, found, head) ||
       take_units_under_a_misfit(layout, filled, found, head))
     return found;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <iterator>
 #include <string>
 
 #include "datasets/units.hpp"
@@ -87,6 +88,13 @@ bool is_unit_row(const HeadCells& cells) {
     any = true;
   }
   return any;
+}
+
+bool is_nearly_unit_row(const HeadCells& cells) {
+  HeadCells units;
+  std::ranges::copy_if(cells, std::back_inserter(units),
+                       [](std::string_view cell) { return is_unit_row({cell}); });
+  return units.size() >= 3 && 3 * (cells.size() - units.size()) <= units.size();
 }
 
 bool has_time_over_its_unit(const HeadCells& names, const HeadCells& units) {

@@ -16,7 +16,7 @@ namespace {
 
 /// A unit that stands for nothing else behind "in", a dash, a comma, a slash: "C" may be a channel.
 bool is_plain_unit(std::string_view text) {
-  constexpr std::string_view letters = "sNVgm";
+  constexpr std::string_view letters = "sNVgmA";
   if (text.size() == 1) return letters.find(text.front()) != std::string_view::npos;
   const Quantity quantity = datasets::quantity_of_unit(to_utf8(text));
   return quantity != Quantity::unknown && quantity != Quantity::other;
@@ -99,6 +99,41 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
   return is_time ? std::optional(divided(line, line + 1)) : std::nullopt;
 }
 
+/// "mm" of "in mm", which UDUNITS-2 would multiply by an inch.
+std::string_view without_in(std::string_view unit) {
+  return unit.starts_with("in ") && is_unit(unit.substr(3)) ? trimmed(unit.substr(3)) : unit;
+}
+
+/// "0-0", "1,2", "Ch 1": what tells a column from others of its name.
+bool are_indices(std::string_view text) {
+  const bool numbers = text.find_first_of("0123456789") != text.npos &&
+                       text.find_first_not_of("0123456789-,:; ") == text.npos;
+  const std::string word = lowered(text);
+  return (numbers && !integer_in(text)) ||
+         ((word.starts_with("ch ") || word.starts_with("ch.")) && !is_unit(text));
+}
+
+/// "Time (ms) Run #1", "Force [N] - Plot 0", "Time [ms].1", "acc (g) [Ch 1]": a unit in brackets
+/// that something else follows, which is part of the name.
+std::optional<ColumnHead> unit_before_a_suffix(std::string_view text) {
+  const std::size_t end = text.find_last_of(")]", text.find_last_not_of(")]"));
+  const bool by_index =
+      text.ends_with(']') && text.rfind('[') != text.npos &&
+      are_indices(trimmed(text.substr(text.rfind('[') + 1, text.size() - text.rfind('[') - 2)));
+  const std::size_t close = by_index ? text.find_last_of(")]", text.rfind('[')) : end;
+  if (close == text.npos || close + 1 == text.size()) return std::nullopt;
+  const std::size_t open = text.rfind(text[close] == ')' ? '(' : '[', close);
+  if (open == text.npos || open == 0) return std::nullopt;
+  const std::string_view unit = without_in(trimmed(text.substr(open + 1, close - open - 1)));
+  const Quantity quantity = datasets::quantity_of_unit(to_utf8(unit));
+  if (quantity == Quantity::unknown || integer_in(unit) || unit == "t") return std::nullopt;
+  const std::string_view suffix = text.substr(close + 1);
+  const bool apart = suffix.front() == ' ' || suffix.front() == '.' || suffix.front() == '_' ||
+                     suffix.front() == '[' || suffix.front() == '(';
+  if (!apart) return std::nullopt;
+  return ColumnHead{to_utf8(trimmed(text.substr(0, open))) + to_utf8(suffix), to_utf8(unit), ""};
+}
+
 /// "时间(s)" of "时间（s）", whose brackets East Asian text has twice as wide.
 std::string with_narrow_brackets(std::string_view cell) {
   constexpr std::array<std::pair<std::string_view, char>, 6> brackets = {{{"\uFF08", '('},
@@ -175,18 +210,22 @@ ColumnHead split_head(std::string_view cell) {
   if (close == ']' || close == ')') {
     const std::size_t open = text.rfind(close == ']' ? '[' : '(');
     if (open != std::string_view::npos && open > 0) {
-      const std::string_view unit = trimmed(text.substr(open + 1, text.size() - open - 2));
+      const std::string_view unit =
+          without_in(trimmed(text.substr(open + 1, text.size() - open - 2)));
       const auto index = close == ']' ? integer_in(unit) : std::nullopt;  // "Y[0]"; "strain [1]"
       const bool counts = index && (index != 1 || text[open - 1] != ' ');
-      if (close == ']' ? !counts : is_unit(unit)) {
+      const bool of_time = text.substr(open) == "(t)" && text[open - 1] != ' ';  // "Y(t)"
+      if (close == ']' ? !counts && !are_indices(unit) : is_unit(unit) && !of_time) {
         head.name = to_utf8(trimmed(text.substr(0, open)));
         head.unit = to_utf8(unit);
         constexpr std::string_view no_break = "\u00A0";
         if (head.name.ends_with(no_break)) head.name.resize(head.name.size() - no_break.size());
+        return head;
       }
     }
-    return head;
+    return unit_before_a_suffix(text).value_or(head);
   }
+  if (const auto divided = unit_before_a_suffix(text)) return *divided;
   const std::size_t slash = text.rfind(" / ");  // as DIN 461 labels an axis: t / s
   if (slash != std::string_view::npos && is_unit(text.substr(slash + 3))) {
     head.name = to_utf8(trimmed(text.substr(0, slash)));

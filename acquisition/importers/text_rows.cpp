@@ -397,7 +397,7 @@ std::string cut_number(TextFile& file, const TableLayout& layout) {
   int compared = 0;
   for (; compared < most_compared && !rows.empty(); ++compared) {
     const auto row = cells_of(take_last_line(), dialect.delimiter);
-    if (row.empty() || row.size() != last_row.size()) return {};
+    if (row.empty() || row.size() != last_row.size() || last_row.back().empty()) return {};
     const std::size_t here = digits_behind(row.back(), dialect.decimal);
     if (compared > 0 && here != digits) return {};
     digits = here;

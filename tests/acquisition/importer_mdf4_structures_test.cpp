@@ -48,7 +48,8 @@ TEST(Mdf4Structures, AreReadMemberByMember) {
   EXPECT_THAT(record.channels.at(0).values(), ElementsAre(2, 10));
   EXPECT_THAT(record.channels.at(1).values(), ElementsAre(3, 11));
   EXPECT_THAT(record.channels.at(2).values(), ElementsAre(5, 13));
-  EXPECT_EQ(record.warnings.at(0), "1 channel of texts or byte arrays is left out: 's.text'");
+  EXPECT_EQ(record.warnings.at(0),
+            "1 channel of texts, byte arrays or record numbers is left out: 's.text'");
 }
 
 TEST(Mdf4Structures, MayBeAWordAndItsBits) {

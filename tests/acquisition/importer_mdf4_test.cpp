@@ -285,7 +285,7 @@ TEST(Mdf4, WhatIsNoNumberIsLeftOutAndTold) {
                            "12345678", 8));
   EXPECT_EQ(record.channels.size(), 1U);
   EXPECT_EQ(record.warnings.at(0),
-            "4 channels of texts or byte arrays are left out: 's', 'v', 'b', ...");
+            "4 channels of texts, byte arrays or record numbers are left out: 's', 'v', 'b', ...");
 }
 
 TEST(Mdf4, CutAndUnfinishedFilesGiveWhatIsThere) {

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <string>
+
+#include "acquisition/importer.hpp"
+#include "acquisition/importers/column_heads.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+/// Which words above a table are its names and units: remarks, keys and suffixes that are not.
+namespace impactrig::acquisition {
+namespace {
+
+using datasets::Quantity;
+using datasets::Record;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using tests::import_error;
+using tests::imported;
+using tests::names_and_units;
+
+constexpr const char* rows = "0.0,1.5,1\n0.1,1.6,2\n0.2,1.7,3\n0.3,1.8,4\n";
+
+TEST(CsvNames, MayHaveARemarkBelowThem) {
+  for (const char* remark : {"# recorded by me", "# calibrated yesterday", "# note: a, b, c",
+                             "recorded by me", "% 3 shots", "Tracks 1 to 2"}) {
+    const Record record =
+        imported(fmt::format("time (ms),force (N),accel (g)\n{}\n{}", remark, rows));
+    EXPECT_THAT(names_and_units(record), ElementsAre("force [N]", "accel [g]")) << remark;
+    EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4) << remark;
+    EXPECT_THAT(record.warnings, IsEmpty()) << remark;
+  }
+  // units below names in a comment are none
+  EXPECT_THAT(names_and_units(imported(fmt::format("time,force,accel\n#ms,N,g\n{}", rows))),
+              ElementsAre("force [N]", "accel [g]"));
+}
+
+TEST(CsvNames, OfColumnsThatAreBlankAtFirstCount) {
+  const Record record =
+      imported("time (s),force (N),wind\n# wind is blank at first\n0,1,\n1,2,\n2,3,4\n3,4,5\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("force [N]", "wind []"));
+  EXPECT_THAT(record.channels.at(1).valid, ElementsAre(0, 0, 1, 1));
+}
+
+TEST(CsvNames, AreNoKeysWithTheirValues) {
+  const Record record = imported(  // Hantek DSO5000
+      "#timebase=40000000(ps),#voltbase=1000000(uV)\n2.00000E-07,3320\n4.00000E-07,3240\n"
+      "6.00000E-07,3320\n8.00000E-07,3260\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("column 1 []"));
+  EXPECT_NEAR(record.channels.at(0).clock.interval, 2e-7, 1e-15);
+}
+
+// Yokogawa WT1800 and DL850: keys stand over an empty first column
+TEST(CsvNames, StandBesideAnEmptyColumnOfKeys) {
+  for (const char* names : {"\n,\"U1\",\"I1\",\n\"$WaveData\"\n", "\n"}) {
+    const Record record = imported(
+        fmt::format("\"Model Name\"   ,\"WT1800\"\n\"TraceName\"    ,\"U1   \",\"I1   \"\n"
+                    "\"VUnit\"        ,\"V    \",\"A    \"\n\"HResolution\"  ,3.125E-05,3.125E-05\n"
+                    "\"HUnit\"        ,\"s    \",\"s    \"\n{},-516.7,-3.9,\n,-520.5,-4.0,\n"
+                    ",-522.1,-4.2,\n",
+                    names));
+    EXPECT_THAT(names_and_units(record), ElementsAre("U1 [V]", "I1 [A]"));
+    EXPECT_EQ(record.channels.at(0).clock.interval, 3.125e-5);
+    EXPECT_THAT(record.warnings, IsEmpty());
+  }
+}
+
+TEST(CsvNames, MayBeOverOneWordThatIsNoUnit) {
+  Record record = imported(  // MTS
+      "Force\tDisplacement\tRunning Time\tCount\nN\tmm\ts\tsegments\n-123.3\t9.98\t0.02\t0\n"
+      "-132.7\t9.97\t0.03\t0\n-126.7\t9.98\t0.04\t1\n");
+  EXPECT_THAT(names_and_units(record),
+              ElementsAre("Force [N]", "Displacement [mm]", "Count [segments]"));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 0.01);
+  record = imported("Test\tof\tto\tday\nF\tx\tt\tcount\n1.5\t2.5\t0\t3\n1.6\t2.6\t1\t4\n");
+  EXPECT_THAT(names_and_units(record), Contains(HasSubstr("x [")));
+}
+
+TEST(ColumnHead, HasItsUnitBeforeASuffix) {
+  const auto divided = [](const char* text) {
+    const ColumnHead head = split_head(text);
+    return head.name + "|" + head.unit;
+  };
+  EXPECT_EQ(divided("Time (ms) Run #1"), "Time Run #1|ms");
+  EXPECT_EQ(divided("Force [N] - Plot 0"), "Force - Plot 0|N");
+  EXPECT_EQ(divided("Time [ms].1"), "Time.1|ms");
+  EXPECT_EQ(divided("Force (N)_1"), "Force_1|N");
+  EXPECT_EQ(divided("Force (N) (filtered)"), "Force (filtered)|N");
+  EXPECT_EQ(divided("acc (g) [Ch 1]"), "acc [Ch 1]|g");
+  EXPECT_EQ(divided("x [mm] rate (m/s)"), "x [mm] rate|m/s") << "the last one";
+  EXPECT_EQ(divided("F(x) left"), "F(x) left|");
+  EXPECT_EQ(divided("i:quat[0-1]"), "i:quat[0-1]|") << "an index";
+  EXPECT_EQ(divided("strain [-]"), "strain|-");
+  EXPECT_EQ(divided("Way (in mm)"), "Way|mm") << "no inch";
+  EXPECT_EQ(divided("Way (in)"), "Way|in");
+  EXPECT_EQ(divided("Y(t)"), "Y(t)|") << "of the time";
+  EXPECT_EQ(divided("load (t)"), "load|t") << "in tonnes";
+}
+
+TEST(CsvTimes, OfTheSizeOfAnEpochAreCountedFrom1970) {
+  struct Epoch {
+    const char *first, *second, *unit;
+    double interval;
+  };
+
+  for (const Epoch& epoch : {Epoch{"1742324422348709600", "1742324422358709600", "ns", 0.01},
+                             Epoch{"1742324422348709", "1742324422358709", "us", 0.01},
+                             Epoch{"1641807866241.00", "1641807866253.00", "ms", 0.012},
+                             Epoch{"1641807866.25", "1641807866.50", "s", 0.25}}) {
+    const Record record =
+        imported(fmt::format("time,F [N]\n{},1\n{},2\n", epoch.first, epoch.second));
+    EXPECT_NEAR(record.channels.at(0).clock.interval, epoch.interval, 1e-9) << epoch.unit;
+    EXPECT_THAT(record.warnings,
+                Contains(HasSubstr(std::string(epoch.unit) == "s"
+                                       ? "states no unit: it is taken as s"
+                                       : fmt::format("count {} since 1970", epoch.unit))));
+  }
+}
+
+TEST(CsvTimes, AreNoFrequenciesAndNoDateThatStands) {
+  Record record = imported("Hz\tReal\n0\t1\n1\t2\n2\t4\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Hz []", "Real []"));
+  record = imported("Datum [d];Kraft [kN];Laufzeit [s]\n41883;1,5;34,0\n41883;1,6;34,5\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Datum [d]", "Kraft [kN]"));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 0.5);
+  record = imported("Time,X-Axis,Y-Axis\n0,1,2\n1,2,1\n2,3,5\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("X-Axis []", "Y-Axis []"));
+}
+
+// Scopy of the ADALM2000, and Rohde & Schwarz' RTB
+TEST(CsvTimes, InCapitalsAreNotInSiemens) {
+  for (const char* head : {"Time(S),F [N]\n", "Time [S],F [N]\n", "Time,F\nS,N\n"})
+    EXPECT_DOUBLE_EQ(
+        imported(std::string(head) + "0,1\n0.5,2\n1,3\n").channels.at(0).clock.interval, 0.5)
+        << head;
+  EXPECT_DOUBLE_EQ(imported("Time(MS),F [N]\n0,1\n0.5,2\n1,3\n").channels.at(0).clock.interval,
+                   5e-4);
+  EXPECT_THAT(names_and_units(imported("in s,C1 in V,C2 in A\n0,1,2\n1,2,3\n2,2,4\n")),
+              ElementsAre("C1 [V]", "C2 [A]"));
+}
+
+TEST(CsvKeys, MayStandBehindASemicolon) {
+  const Record record = imported(  // sigrok-cli
+      "; CSV generated by libsigrok\n; Samplerate: 1 MHz\nF [N],d [mm]\n1.5,2.5\n1.4,2.6\n");
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-6);
+}
+
+TEST(ColumnHead, OfATemperatureInCIsNoCharge) {
+  const Record record = imported("Time [s],TEMP [C],Q [C]\n0,25.1,1\n1,25.2,2\n");
+  EXPECT_EQ(record.channels.at(0).quantity, Quantity::temperature);
+  EXPECT_EQ(record.channels.at(1).quantity, Quantity::charge);
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition
