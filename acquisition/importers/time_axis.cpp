@@ -135,11 +135,37 @@ bool TimeAxisCheck::explains_deviations(double resolution) const {
          largest_deviation_ <= 1.01 * resolution;
 }
 
-/// Whether no sample is lost by the interval that is stated.
+/// Whether no sample is lost by the interval that is stated, or that the times tell.
 bool TimeAxisCheck::fills(double resolution) const {
-  return stated_ > 0.0 && samples_ > 1 &&
-         std::abs(stated_ * static_cast<double>(samples_ - 1) - (last_ - first_)) <=
+  const double interval = stated_ > 0.0 ? stated_ : told_interval();
+  return interval > 0.0 && samples_ > 1 &&
+         std::abs(interval * static_cast<double>(samples_ - 1) - (last_ - first_)) <=
              1.01 * resolution;
+}
+
+/// The interval by which all examples are where they are printed, each to half of its last digit:
+/// of times with a few digits the small ones tell it. 0 where there is none, or it leaves open
+/// whether a sample is lost.
+double TimeAxisCheck::told_interval() const {
+  constexpr int most_digits = 8;
+  int digits = 1;
+  for (const double time : examples_) digits = std::max(digits, significant_digits(time));
+  if (digits > most_digits || examples_.size() < 2) return 0.0;
+  const auto rounding = [digits](double time) {
+    return time == 0.0
+               ? 0.0
+               : 0.505 * std::pow(10.0, std::floor(std::log10(std::abs(time))) - digits + 1);
+  };
+  double low = 0.0, high = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k < examples_.size(); ++k) {
+    const double steps = static_cast<double>(k * example_stride(samples_));
+    const double gone = examples_[k] - examples_[0];
+    const double unsure = rounding(examples_[k]) + rounding(examples_[0]);
+    low = std::max(low, (gone - unsure) / steps);
+    high = std::min(high, (gone + unsure) / steps);
+  }
+  if (!(low <= high) || (high - low) * static_cast<double>(samples_ - 1) > 0.5 * step_) return 0.0;
+  return fewest_digits(0.5 * (low + high), 0.5 * (high - low));
 }
 
 bool TimeAxisCheck::rounded() const {
@@ -160,11 +186,12 @@ TimeAxis TimeAxisCheck::axis() const {
   }
   const bool even_steps = even();
   if (!even_steps && !all_equal() && rounded() && fills(resolution())) {
-    axis.clock.interval = stated_;
+    axis.clock.interval = stated_ > 0.0 ? stated_ : told_interval();
     axis.warning = fmt::format(
         "the times are rounded to {:.3g} s: they are taken as uniform, with the interval of {:.9g} "
-        "s that is stated",
-        resolution(), stated_);
+        "s that {}",
+        resolution(), axis.clock.interval,
+        stated_ > 0.0 ? "is stated" : "those of them with finer digits tell");
     return axis;
   }
   const bool many_share = !even_steps && rounded() && resolution() > step_;

@@ -26,7 +26,8 @@ struct TimeAxis {
 /// many samples share a time, the step is that between the first and the last change; with fewer
 /// than two changes it is not known, and the interval 0. `stated`: the interval that a head states
 /// [s], 0 if none; where so many samples fill the time to its last digit, printed times differ by
-/// rounding alone, and it is the interval.
+/// rounding alone, and it is the interval. So does one that times with a few digits tell, of which
+/// the small ones have finer ones.
 TimeAxis time_axis(std::vector<double> times, double stated = 0.0);
 
 /// Judges times as they come, as time_axis() does, without keeping them.
@@ -60,6 +61,7 @@ class TimeAxisCheck {
   double resolution() const;
   bool explains_deviations(double resolution) const;
   bool fills(double resolution) const;
+  double told_interval() const;
 
   double first_;
   double last_;

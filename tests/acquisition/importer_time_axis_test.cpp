@@ -2,7 +2,7 @@
 #include "acquisition/importers/time_axis.hpp"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
 #include <limits>
@@ -23,6 +23,8 @@ std::vector<double> printed(std::vector<double> times, int digits) {
   for (double& time : times) time = number_in(fmt::format("{:.{}g}", time, digits)).value_or(0.0);
   return times;
 }
+
+using testing::HasSubstr;
 
 TEST(TimeAxis, OfAStraightLineIsItsStartAndStep) {
   for (const double step : {1e-6, 1.0 / 65536.0, 4e-11, 0.01, 3.0}) {
@@ -133,14 +135,31 @@ TEST(TimeAxis, SeesThroughRoundedTimes) {
   // 51.2 kHz with six digits: near 1 s the last digit is half a step
   const TimeAxis fine = time_axis(printed(line(51200, 0.0, 1.0 / 51200.0), 7));
   EXPECT_TRUE(fine.clock.uniform());
-  EXPECT_NEAR(fine.clock.interval, 1.0 / 51200.0, 1e-6 / 51200.0);
+  EXPECT_EQ(fine.clock.interval, 1.0 / 51200.0);
   EXPECT_EQ(fine.warning,
-            "the times are rounded to 1e-07 s: they are taken as uniform, with the mean step of "
-            "1.95312506e-05 s");
+            "the times are rounded to 1e-07 s: they are taken as uniform, with the interval of "
+            "1.953125e-05 s that those of them with finer digits tell");
   // 1 MHz with six digits: ten samples share a time
   const TimeAxis coarse = time_axis(printed(line(200001, 1.0, 1e-6), 6));
   EXPECT_TRUE(coarse.clock.uniform());
   EXPECT_NEAR(coarse.clock.interval, 1e-6, 1e-10);
+}
+
+// As a spreadsheet saves them, "1.234E-01": from 0.1 s on the last digit is 0.4 of a step, from 1 s
+// on 4 steps: the times before tell it.
+TEST(TimeAxis, IsToldBySmallTimesOfAFewDigits) {
+  for (const std::size_t count : {2000U, 10000U}) {
+    std::vector<double> times = line(count, 0.0, 0.00025);
+    const TimeAxis axis = time_axis(printed(times, 4));
+    EXPECT_TRUE(axis.clock.uniform()) << count;
+    EXPECT_NEAR(axis.clock.interval, 0.00025, 1e-9) << count;
+    EXPECT_THAT(axis.warning, HasSubstr("those of them with finer digits tell")) << count;
+  }
+  for (const int lost : {50, 1500}) {
+    std::vector<double> times = line(2001, 0.0, 0.00025);
+    times.erase(times.begin() + lost);
+    EXPECT_FALSE(time_axis(printed(times, 4)).clock.uniform()) << lost;
+  }
 }
 
 TEST(TimeAxis, DoesNotExplainALostSampleByRounding) {
