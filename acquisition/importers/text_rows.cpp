@@ -17,6 +17,9 @@ namespace {
 constexpr std::string_view thousands_hint =
     ": it seems to have thousands separators, which are not read";
 
+constexpr std::string_view words_hint =
+    ": the line holds words alone; does another table begin here? Keep one in a file";
+
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 constexpr char no_decimal = '\0';
 
@@ -252,6 +255,14 @@ std::optional<std::int64_t> RowReader::read_fraction(const DateColumns& date) {
   return *count * date.fraction;
 }
 
+/// Whether no cell of the line from `start` on is a number.
+bool RowReader::holds_words_alone(const char* start) const {
+  const auto cells = cells_of(take_line(start, end_), delimiter_);
+  return std::ranges::none_of(cells, [this](std::string_view cell) {
+    return !cell.empty() && cell_value(cell, decimal_).has_value();
+  });
+}
+
 /// Anything but a plain number: quoted, missing, infinite, cut by the file's end (false), or an
 /// error.
 bool RowReader::unusual_cell(std::size_t c) {
@@ -280,7 +291,9 @@ bool RowReader::unusual_cell(std::size_t c) {
                      out_of_range && has_digit && scan_only(cell)
                          ? fmt::format("{}: {} does not fit a double", names_[c], found)
                          : fmt::format("{}: expected a number, found '{}'{}", names_[c], found,
-                                       has_thousands_separators(cell) ? thousands_hint : ""));
+                                       has_thousands_separators(cell)       ? thousands_hint
+                                       : c == 0 && holds_words_alone(start) ? words_hint
+                                                                            : ""));
   }
   if (std::isnan(*value))
     append_missing(table_.columns[c], start);

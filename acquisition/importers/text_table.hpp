@@ -174,6 +174,7 @@ class RowReader {
   void skip_cell();
   bool read_date(std::size_t column);
   std::optional<std::int64_t> read_fraction(const DateColumns& date);
+  bool holds_words_alone(const char* start) const;
   bool unusual_cell(std::size_t column);
   bool begins_number(std::string_view cell) const;
   bool scan_only(std::string_view cell) const;

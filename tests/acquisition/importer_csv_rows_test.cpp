@@ -131,6 +131,10 @@ TEST(Csv, WordsAndStatisticsBehindTheRowsAreLeftOut) {
   // rows go on: words between them are none of these, nor is half a number
   EXPECT_THAT(import_error(rows + "pause,\n3,4\n"), HasSubstr("expected a number, found 'pause'"));
   EXPECT_THAT(import_error(rows + "3..1,4\n"), HasSubstr("expected a number, found '3..1'"));
+  // the second block of an MTS file
+  EXPECT_THAT(import_error(rows + "Data Acquisition,\nt,F\ns,N\n5,6\n6,7\n"),
+              HasSubstr("found 'Data Acquisition': the line holds words alone; does another table "
+                        "begin here? Keep one in a file"));
 }
 
 TEST(Csv, RowsOfTheWrongLengthAreErrors) {
