@@ -8,7 +8,7 @@
 #include "models/rigid_swing.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/differences.hpp"
-#include "tests/models/round_bar.hpp"
+#include "tests/models/plain_bars.hpp"
 #include "tests/models/scenes.hpp"
 
 namespace impactrig::tests {

@@ -16,7 +16,7 @@
 #include "models/settled_solution.hpp"
 #include "models/simulation.hpp"
 #include "tests/models/first_contacts.hpp"
-#include "tests/models/round_bar.hpp"
+#include "tests/models/plain_bars.hpp"
 #include "tests/models/scenes.hpp"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "models/simulation.hpp"
-#include "tests/models/round_bar.hpp"
+#include "tests/models/plain_bars.hpp"
 
 // What tests of absurd scenes share.
 namespace impactrig::tests {

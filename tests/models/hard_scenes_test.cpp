@@ -10,7 +10,7 @@
 
 #include "models/simulation.hpp"
 #include "tests/models/hard_scene.hpp"
-#include "tests/models/round_bar.hpp"
+#include "tests/models/plain_bars.hpp"
 #include "tests/models/scenes.hpp"
 
 namespace {

@@ -13,7 +13,7 @@
 
 #include "models/simulation.hpp"
 #include "tests/models/first_contacts.hpp"
-#include "tests/models/round_bar.hpp"
+#include "tests/models/plain_bars.hpp"
 #include "tests/models/scenes.hpp"
 
 namespace {
@@ -180,12 +180,7 @@ TEST(ChooseMesh, KnowsADamperThatHoldsTheHinge) {
 TEST(ChooseMesh, HoldsTheSensorsLargestForce) {
   Rig rig = paper_rig();
   const double width = 5.5e-3, height = 12.3e-3;
-  rig.beam = {.length = 1.62,
-              .area = width * height,
-              .second_moment = width * std::pow(height, 3) / 12.0,
-              .youngs_modulus = 7.1e7,
-              .density = 1765.0,
-              .poisson_ratio = 0.37};
+  rig.beam = rectangular_bar(1.62, width, height, 7.1e7, 1765.0, 0.37);
   rig.contact.position = rig.beam.length;
   rig.contact.law = "linear";
   rig.contact.stiffness = 31400.0;
@@ -273,12 +268,8 @@ TEST(ChooseMesh, TellsWhatTheFinestMeshLeaves) {
 TEST(ChooseMesh, ComparesMeshesThatShareTheirNodes) {
   Rig rig = paper_rig();
   const double width = 6.5355916730184312e-3, height = 13.533661506526925e-3;
-  rig.beam = {.length = 0.3462163887136237,
-              .area = width * height,
-              .second_moment = width * std::pow(height, 3) / 12.0,
-              .youngs_modulus = 16456707.772706471,
-              .density = 2092.9378034376168,
-              .poisson_ratio = 0.043179};
+  rig.beam = rectangular_bar(0.3462163887136237, width, height, 16456707.772706471,
+                             2092.9378034376168, 0.043179);
   Contact& contact = rig.contact;
   contact.position = 0.1228435185430726;
   contact.radius = 0.0067668307532634626;
@@ -308,12 +299,8 @@ TEST(ChooseMesh, ComparesMeshesThatShareTheirNodes) {
 TEST(ChooseMesh, TellsMoreOfAMeshThanTheNextAgreesTo) {
   Rig rig = paper_rig();
   const double width = 40.273582875757254e-3, height = 59.5850848725719e-3;
-  rig.beam = {.length = 3.8185792101456362,
-              .area = width * height,
-              .second_moment = width * std::pow(height, 3) / 12.0,
-              .youngs_modulus = 6145417.856055567,
-              .density = 1307.1863641201539,
-              .poisson_ratio = 0.268954};
+  rig.beam = rectangular_bar(3.8185792101456362, width, height, 6145417.856055567,
+                             1307.1863641201539, 0.268954);
   rig.contact.position = 1.2675945287457735;
   rig.contact.law = "linear";
   rig.contact.stiffness = 809.10186695451296;
@@ -332,12 +319,8 @@ TEST(ChooseMesh, TellsMoreOfAMeshThanTheNextAgreesTo) {
 TEST(ChooseMesh, IsNotTakenInByTwoMeshesThatAgreeByChance) {
   Rig rig = paper_rig();
   const double width = 7.5158869389327122e-3, height = 46.096838337346742e-3;
-  rig.beam = {.length = 0.58707307882541104,
-              .area = width * height,
-              .second_moment = width * std::pow(height, 3) / 12.0,
-              .youngs_modulus = 30977244535.52005,
-              .density = 7110.7557687921517,
-              .poisson_ratio = 0.065785};
+  rig.beam = rectangular_bar(0.58707307882541104, width, height, 30977244535.52005,
+                             7110.7557687921517, 0.065785);
   Contact& contact = rig.contact;
   contact.position = 0.25328592146575551;
   contact.radius = 0.5 * height;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tests/models/hard_scene.hpp"
-#include "tests/models/round_bar.hpp"
+#include "tests/models/plain_bars.hpp"
 #include "tests/models/scenes.hpp"
 
 namespace {

@@ -17,4 +17,15 @@ inline models::Beam round_bar(double length, double radius, double youngs_modulu
           .density = density};
 }
 
+/// A bar of rectangular section, `height` in the direction of swing; lengths [m], [Pa], [kg/m³].
+inline models::Beam rectangular_bar(double length, double width, double height,
+                                    double youngs_modulus, double density, double poisson_ratio) {
+  return {.length = length,
+          .area = width * height,
+          .second_moment = width * std::pow(height, 3) / 12.0,
+          .youngs_modulus = youngs_modulus,
+          .density = density,
+          .poisson_ratio = poisson_ratio};
+}
+
 }  // namespace impactrig::tests
