@@ -121,16 +121,24 @@ void warn_of_unknown_filters(datasets::Record& record) {
           channel.name));
 }
 
-/// A sensor whose channel is neither fitted nor there says nothing.
-void leave_out_absent(const datasets::Record& record, const fitting::FitOptions& options,
-                      acquisition::SensorSet& sensors) {
-  const auto leave_out = [&record](auto& sensor, bool fitted) {
+/// A sensor whose channel is neither fitted nor there is left out; returns what to say of it.
+std::vector<std::string> leave_out_absent(const datasets::Record& record,
+                                          const fitting::FitOptions& options,
+                                          acquisition::SensorSet& sensors) {
+  std::vector<std::string> warnings;
+  const auto leave_out = [&](auto& sensor, const char* key, bool fitted) {
     const bool named = sensor && !sensor->channel.empty();
-    if (named && !fitted && record.find(sensor->channel) == nullptr) sensor.reset();
+    if (!named || fitted || record.find(sensor->channel) != nullptr) return;
+    warnings.push_back(
+        fmt::format("there is no single channel '{}', which sensors.{}.channel names: it is not "
+                    "fitted, and nothing is read from it",
+                    sensor->channel, key));
+    sensor.reset();
   };
-  leave_out(sensors.force, options.use_force);
-  leave_out(sensors.velocity, options.use_velocity);
-  leave_out(sensors.displacement, options.use_displacement);
+  leave_out(sensors.force, "force", options.use_force);
+  leave_out(sensors.velocity, "velocity", options.use_velocity);
+  leave_out(sensors.displacement, "displacement", options.use_displacement);
+  return warnings;
 }
 
 /// In SI, conditioned as the rig file asks; only the channels that its sensors name are read.
@@ -140,7 +148,7 @@ datasets::Record conditioned_recording(const std::string& path, const FitJob& jo
   const acquisition::ImportOptions reading = import_options(job.reading);
   const auto reader = acquisition::open_recording(path, reading);
   acquisition::SensorSet sensors{rig.force, rig.velocity, rig.displacement};
-  leave_out_absent(reader->head().record, options, sensors);
+  const std::vector<std::string> absent = leave_out_absent(reader->head().record, options, sensors);
   acquisition::Selection wanted = acquisition::selection_of(reader->head(), reading);
   acquisition::narrow_to_sensors(reader->head(), wanted, sensors);
   refuse_too_many_to_condition(path, samples_of(reader->head(), wanted),
@@ -150,6 +158,7 @@ datasets::Record conditioned_recording(const std::string& path, const FitJob& jo
   recorded.provenance.sha256 = acquisition::sha256_of_recording(path);
   datasets::Record record = acquisition::condition(recorded, sensors);
   acquisition::apply_steps(rig.conditioning, record, sensors, detection_options(job.detection));
+  record.warnings.insert(record.warnings.end(), absent.begin(), absent.end());
   warn_of_unknown_filters(record);
   return record;
 }

@@ -342,7 +342,8 @@ std::string in_small_letters(std::string_view unit) {
 bool is_strain(std::string_view unit) {
   static constexpr std::array<std::string_view, 8> ratios{"m/m",  "mm/m",  "um/m",  "\u00b5m/m",
                                                           "nm/m", "mm/mm", "in/in", "uin/in"};
-  const std::string text = with_ascii_signs(without_comment(normalised(unit)));
+  const std::string text =
+      with_words_replaced(with_ascii_signs(without_comment(normalised(unit))), translations);
   if (std::ranges::find(ratios, text) != ratios.end()) return true;
   const auto word = std::ranges::find(words, text, &Replacement::from);
   return word != words.end() && (word->to == "1" || word->to == "1e-6");

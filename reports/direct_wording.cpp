@@ -156,9 +156,9 @@ std::string displacement_explanation(const fitting::Fit& fit, std::size_t record
     if (!pair.direct.given()) {
       text += fmt::format("No {}: {} ", pair.name, pair.direct.absent);
     } else if (std::isfinite(pair.fitted)) {
-      text +=
-          fmt::format("The model's {}, {}, {} the direct interval. ", pair.name,
-                      significant(pair.fitted, 3), pair.inside() ? "lies within" : "is outside");
+      text += fmt::format("The model's {}, {}, {} the direct interval. ", pair.name,
+                          quantity(pair.fitted, pair.unit, 3),
+                          pair.inside() ? "lies within" : "is outside");
     } else {
       text += fmt::format("The model's {} is not known, as its history ends before. ", pair.name);
     }

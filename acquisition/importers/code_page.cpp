@@ -163,15 +163,18 @@ Support of_cyrillic(std::string_view text) {
       ++i;
       continue;
     }
-    if (letters < 3) continue;
+    const bool beside_latin = (first > 0 && is_latin_letter(byte_at(text, first - 1))) ||
+                              is_latin_letter(byte_at(text, i));
+    if (letters < 3) {
+      if (beside_latin) support.odd += letters;  // "Größe"
+      continue;
+    }
     const auto small = static_cast<std::size_t>(
         std::count_if(text.begin() + static_cast<std::ptrdiff_t>(first),
                       text.begin() + static_cast<std::ptrdiff_t>(i),
                       [](char c) { return is_small_cyrillic(static_cast<unsigned char>(c)); }));
     const bool begins_small = is_small_cyrillic(byte_at(text, first));
     const bool one_case = small == letters || small == 0 || (!begins_small && small + 1 == letters);
-    const bool beside_latin = (first > 0 && is_latin_letter(byte_at(text, first - 1))) ||
-                              is_latin_letter(byte_at(text, i));
     (one_case && !beside_latin ? support.usual : support.odd) += letters;
   }
   return support;

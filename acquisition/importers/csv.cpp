@@ -238,8 +238,10 @@ datasets::SampleClock clock_of_column(CsvHead& csv, std::size_t column, Table& t
                                       Record& record) {
   const ColumnHead& head = csv.heads[column];
   Column& times = table.columns[column];
-  to_seconds(csv.file, head, time_conversion(csv.file, head, csv.first_cell(column), record),
-             times);
+  to_seconds(
+      csv.file, head,
+      time_conversion(csv.file, head, number_in(csv.first_cell(column), csv.style()), record),
+      times);
   const std::size_t rows = times.values.size();
   const bool of_head = column == csv.roles.time && csv.head.interval;
   TimeAxis axis = time_axis(std::move(times.values), of_head ? *csv.head.interval : 0.0);
@@ -324,7 +326,8 @@ LargeTable table_of_clock(std::shared_ptr<CsvHead> csv, const ClockColumns& rang
   table.time = time;
   if (time) {
     const ColumnHead& head = csv->heads[*time];
-    const auto conversion = time_conversion(csv->file, head, csv->first_cell(*time), table.record);
+    const auto conversion = time_conversion(
+        csv->file, head, number_in(csv->first_cell(*time), csv->style()), table.record);
     table.to_seconds = [csv, &head, conversion](Column& times) {
       to_seconds(csv->file, head, conversion, times);
     };

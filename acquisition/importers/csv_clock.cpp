@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string_view>
+#include <optional>
 #include <utility>
 
 #include "datasets/input_error.hpp"
@@ -18,22 +18,22 @@ using datasets::Record;
 
 namespace {
 
-/// The unit in which a number counts the time since 1970, so that it is in the years 1990 to 2100;
+/// The unit in which a number counts the time since 1970, so that it is in the years 2000 to 2060;
 /// "" for numbers of other sizes, and for seconds.
 std::string unit_since_1970(double time) {
   constexpr double year = 365.25 * 86400.0;
   for (const auto& [unit, seconds] : {std::pair{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}})
-    if (time * seconds > 20.0 * year && time * seconds < 130.0 * year) return unit;
+    if (time * seconds > 30.0 * year && time * seconds < 90.0 * year) return unit;
   return {};
 }
 
 }  // namespace
 
 datasets::UnitConversion time_conversion(const TextFile& file, const ColumnHead& head,
-                                         std::string_view first, Record& record) {
+                                         std::optional<double> first, Record& record) {
   std::string unit = head.unit;
   if (unit.empty() && lowered(head.name).starts_with("second")) unit = "s";
-  if (unit.empty()) unit = unit_since_1970(number_in(first).value_or(0.0));
+  if (unit.empty()) unit = unit_since_1970(first.value_or(0.0));
   if (unit != head.unit && !unit.empty() && unit != "s")
     record.warnings.push_back(
         fmt::format("the time column '{}' states no unit; by their size its numbers count {} since "

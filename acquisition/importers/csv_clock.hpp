@@ -13,7 +13,7 @@ namespace impactrig::acquisition {
 /// The unit of a time column as a conversion to seconds; a warning where it is not stated. Throws
 /// InputError for a unit that is none of time.
 datasets::UnitConversion time_conversion(const TextFile& file, const ColumnHead& head,
-                                         std::string_view first, datasets::Record& record);
+                                         std::optional<double> first, datasets::Record& record);
 
 /// Times in seconds. Throws InputError when one is missing.
 void to_seconds(const TextFile& file, const ColumnHead& head,

@@ -49,6 +49,15 @@ void take_stated_quantity(const TableHead& head, std::size_t column, Channel& ch
   channel.quantity = datasets::quantity_named(found->second).value_or(channel.quantity);
 }
 
+/// "TEMP", "oil temp 2", "Temperatur": but no "Tempo" and no "Template".
+bool is_temperature(std::string_view name) {
+  const std::string word = lowered(name);
+  const std::size_t at = word.find("temp");
+  const bool begins = at == 0 || (at != word.npos && (word[at - 1] < 'a' || word[at - 1] > 'z'));
+  const std::string_view rest = begins ? std::string_view(word).substr(at + 4) : "";
+  return begins && (rest.empty() || rest.starts_with("erat") || rest[0] < 'a' || rest[0] > 'z');
+}
+
 }  // namespace
 
 std::vector<ColumnHead> complete_heads(const TextFile& file, const TableHead& head,
@@ -60,12 +69,10 @@ std::vector<ColumnHead> complete_heads(const TextFile& file, const TableHead& he
     if (c < options.units.size() && !options.units[c].empty()) heads[c].unit = options.units[c];
     if (heads[c].unit.empty()) heads[c].unit = unit_of_time_alone(heads[c].name);
     // seconds in capitals, as Scopy has them, are no siemens
-    if (is_time_name(heads[c].name) &&
-        datasets::quantity_of_unit(heads[c].unit) != datasets::Quantity::time &&
-        datasets::quantity_of_unit(lowered(heads[c].unit)) == datasets::Quantity::time)
-      heads[c].unit = lowered(heads[c].unit);
-    const bool is_temperature = lowered(heads[c].name).find("temp") != std::string::npos;
-    if (heads[c].unit == "C" && is_temperature) heads[c].unit = std::string("\u00B0C");
+    const bool capitals = heads[c].unit == "S" || heads[c].unit == "MS" || heads[c].unit == "US";
+    if (is_time_name(heads[c].name) && capitals) heads[c].unit = lowered(heads[c].unit);
+    if (heads[c].unit == "C" && is_temperature(heads[c].name))
+      heads[c].unit = std::string("\u00B0C");
     if (heads[c].name.empty()) heads[c].name = fmt::format("column {}", c);
   }
   return heads;

@@ -134,6 +134,17 @@ std::size_t stated_time(const TextFile& file, const TableLayout& layout,
   return time;
 }
 
+/// A first column without a name or a value, over which keys with a value a channel stand.
+bool is_blank_under_keys(const TableHead& head, const std::vector<Column>& columns) {
+  const bool unnamed = head.columns.empty() || head.columns.front().name.empty();
+  const bool keys = std::ranges::any_of(head.attributes, [](const auto& attribute) {
+    const std::string key = lowered(attribute.first);
+    return key == "vunit" || key == "tracename" || key == "vertical units";
+  });
+  return unnamed && keys && columns.size() > 1 && !columns.front().values.empty() &&
+         columns.front().missing == columns.front().values.size();
+}
+
 /// By name, then by its dates, then by unit.
 void take_time_by_heads(const TableLayout& layout, const std::vector<ColumnHead>& heads,
                         const std::vector<Column>& columns, CsvRoles& roles) {
@@ -208,6 +219,7 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
   for (const DateColumns& date : layout.dates)
     for (std::size_t c = date.first; c <= date.last; ++c) roles.dates.push_back(c);
   const auto& columns = table.columns;
+  roles.first_is_blank = is_blank_under_keys(head, columns);
   if (options.time_column && *options.time_column != "none") {
     roles.time = stated_time(file, layout, heads, columns.size(), *options.time_column);
     roles.reason = stated_by_user;
@@ -223,9 +235,6 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
     }
   }
   const bool unnamed = head.columns.empty() || head.columns.front().name.empty();
-  // keys of the head stand over it
-  roles.first_is_blank = unnamed && columns.size() > 1 && !columns.front().values.empty() &&
-                         columns.front().missing == columns.front().values.size();
   const bool first_counts =
       columns.size() > 1 && heads.front().unit.empty() &&
       counts(columns.front().values, head.increment.has_value()) &&

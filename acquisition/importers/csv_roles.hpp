@@ -30,7 +30,7 @@ struct CsvRoles {
   std::string reason;                ///< why `time` is the time
   std::vector<std::size_t> text;     ///< hold text
   std::vector<std::size_t> dates;    ///< hold dates and times of day
-  bool first_is_blank = false;       ///< the first column has neither a name nor values
+  bool first_is_blank = false;       ///< the first column has keys above it, and no values
   /// Columns of times behind channels of `time`, in order: the columns behind one have its clock;
   /// or those before it, where channels stand before the first one and none behind the last.
   std::vector<std::size_t> further_times;

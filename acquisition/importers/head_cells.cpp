@@ -67,7 +67,9 @@ std::string_view without_comment_sign(std::string_view line) {
   while (!text.empty() && (text.front() == '#' || text.front() == '%')) text.remove_prefix(1);
   if (!comment && text.starts_with("//")) text.remove_prefix(2);
   // "; Samplerate: 1 MHz", of sigrok, which divides nothing
-  if (!comment && text.starts_with("; ") && text.find(';', 1) == text.npos) text.remove_prefix(2);
+  if (!comment && text.starts_with("; ") && text.find(';', 1) == text.npos &&
+      text.find(':') != text.npos)
+    text.remove_prefix(2);
   // blanks are kept where the line is no comment: an empty first cell counts
   return comment || text.size() != trimmed(line).size() ? trimmed(text) : line;
 }

@@ -328,7 +328,10 @@ bool is_text(std::string_view format) {
 /// Throws InputError where what is stated cannot be.
 std::string encoding_of(const std::string& path, std::string_view format, std::string_view head,
                         const ImportOptions& options) {
-  if (options.encoding.empty()) return is_text(format) ? likely_code_page(head) : std::string();
+  if (options.encoding.empty()) {
+    const std::string likely = is_text(format) ? likely_code_page(head) : std::string();
+    return is_code_page(likely) ? likely : std::string();  // the C library may lack its table
+  }
   if (!is_text(format))
     throw InputError(
         place_of(path),

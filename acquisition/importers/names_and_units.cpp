@@ -125,7 +125,8 @@ bool are_dates_of_a_key(const HeadCells& cells) {
 bool are_units_of_a_key(const HeadCells& cells) {
   std::string key = lowered(cells.front());
   if (key.ends_with(':')) key.pop_back();
-  return cells.size() > 1 && (key.ends_with("unit") || key.ends_with("units"));
+  return cells.size() > 1 && (key == "unit" || key == "units" || key == "vunit" || key == "hunit" ||
+                              key == "vertical units" || key == "horizontal units");
 }
 
 /// Numbers of columns (positions, angles) beside the name of a time: "Time [ms],1,2,3".
@@ -222,8 +223,9 @@ void take_names_alone(const TableLayout& layout, const std::vector<std::size_t>&
 }
 
 /// "#timebase=40000000(ps),#voltbase=1000000(uV)", of Hantek: no names.
-bool are_keys_with_values(const HeadCells& cells) {
-  return cells.size() > 1 && std::ranges::all_of(cells, [](std::string_view cell) {
+bool are_keys_with_values(std::string_view line, char delimiter) {
+  const HeadCells cells = cells_of(line, delimiter);
+  return trimmed(line).starts_with('#') && std::ranges::all_of(cells, [](std::string_view cell) {
            const std::size_t equals = cell.find('=');
            return equals != cell.npos && equals > 0 && equals + 1 < cell.size() &&
                   std::string_view("+-.0123456789").find(cell[equals + 1]) != cell.npos;
@@ -236,11 +238,20 @@ bool are_names_in_dialect(std::string_view line, const TableLayout& layout) {
   while (!names.empty() && names.back().empty()) names.pop_back();
   return names.size() >= layout.cells && names.size() <= layout.written_cells &&
          std::ranges::none_of(names, &std::string_view::empty) &&
-         !has_number(names, layout.dialect.decimal) && !are_keys_with_values(names);
+         !has_number(names, layout.dialect.decimal) &&
+         !are_keys_with_values(line, layout.dialect.delimiter);
+}
+
+/// A time or a unit among names: a title or a key has neither.
+bool name_a_time_or_unit(const HeadCells& names) {
+  return std::ranges::any_of(names, [](std::string_view cell) {
+    const ColumnHead head = split_head(cell);
+    return is_time_name(head.name) || (!head.unit.empty() && is_unit(head.unit));
+  });
 }
 
 /// Leaves out remarks between names and rows: a comment under names that are none, or words that
-/// the delimiter does not divide.
+/// the delimiter does not divide, where these name neither a time nor a unit themselves.
 void pass_over_remarks(const TableLayout& layout, std::vector<std::size_t>& filled) {
   if (layout.dialect.delimiter == ' ' || layout.cells < 2) return;
   const auto is_comment = [](std::string_view line) {
@@ -251,8 +262,14 @@ void pass_over_remarks(const TableLayout& layout, std::vector<std::size_t>& fill
     const std::string_view above = layout.head[filled[filled.size() - 2]];
     const HeadCells cells = cells_of(without_comment_sign(line), layout.dialect.delimiter);
     const bool remark = cells.size() < 2 || (is_comment(line) && !is_comment(above));
-    if (!remark || !are_names_in_dialect(above, layout) || is_unit_row(head_cells(line, layout)))
+    const HeadCells words = head_cells(line, layout);
+    if (!remark || !are_names_in_dialect(above, layout) || is_unit_row(words) ||
+        name_a_time_or_unit(words))
       return;
+    // a key with its value has fewer cells
+    constexpr std::size_t more_than_keys = 4;
+    const HeadCells names = cells_of(without_comment_sign(above), layout.dialect.delimiter);
+    if (!name_a_time_or_unit(names) && layout.written_cells < more_than_keys) return;
     filled.pop_back();
   }
 }
@@ -271,7 +288,7 @@ NamesAndUnits find_names_and_units(const TableLayout& layout, std::vector<std::s
   if (const auto at = find_units_of_time(layout, filled)) filled.resize(*at + 1);
   while (filled.size() > 1 && has_numbers_alone(layout.head[filled.back()])) filled.pop_back();
   while (!filled.empty() &&
-         are_keys_with_values(cells_of(layout.head[filled.back()], layout.dialect.delimiter)))
+         are_keys_with_values(layout.head[filled.back()], layout.dialect.delimiter))
     filled.pop_back();
   pass_over_remarks(layout, filled);
   if (filled.empty() || take_names_over_units(layout, filled, found, head) ||

@@ -91,6 +91,7 @@ bool is_unit_row(const HeadCells& cells) {
 }
 
 bool is_nearly_unit_row(const HeadCells& cells) {
+  if (std::ranges::any_of(cells, is_time_name)) return false;
   HeadCells units;
   std::ranges::copy_if(cells, std::back_inserter(units),
                        [](std::string_view cell) { return is_unit_row({cell}); });

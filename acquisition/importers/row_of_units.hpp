@@ -27,7 +27,7 @@ bool is_index_word(std::string_view text);
 /// Units alone, understood or in brackets.
 bool is_unit_row(const HeadCells& cells);
 
-/// Units, three at least, and one word in four that is none: "segments".
+/// Units, three at least, and one word in four that is none: "segments", but no name of a time.
 bool is_nearly_unit_row(const HeadCells& cells);
 
 /// A unit of time under a name of times: what is under the other names are units too, understood or

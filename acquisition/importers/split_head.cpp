@@ -52,6 +52,8 @@ constexpr auto quantity_words = std::to_array<QuantityWord>({
 /// "N" of "Force_N" and "mm/s" of "velocity_tip_mm_s", which is no valid name elsewhere: what
 /// begins with the word of a quantity and ends with a unit of it. "" where it does not.
 std::string unit_of_name(std::string_view text) {
+  constexpr std::size_t longest = 100;
+  if (text.size() > longest) return {};
   const std::string name = lowered(text);
   const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
   const auto letters = std::ranges::find_if_not(name, is_letter) - name.begin();
@@ -76,8 +78,9 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
   if (text.starts_with("in ") && is_plain_unit(text.substr(3))) return divided(0, 3);
   for (const std::string_view word : {" in ", " - ", ", "}) {
     const std::size_t at = text.rfind(word);
-    if (at != std::string_view::npos && at > 0 &&
-        is_plain_unit(trimmed(text.substr(at + word.size()))))
+    if (at == std::string_view::npos || at == 0) continue;
+    const std::string_view unit = trimmed(text.substr(at + word.size()));
+    if (is_plain_unit(unit) || (unit.find('/') != unit.npos && is_unit(unit)))
       return divided(at, at + word.size());
   }
   // "strain rate 1/s" is no time; "Force 1/N" and "Time 1/s" are the first of several
@@ -99,9 +102,16 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
   return is_time ? std::optional(divided(line, line + 1)) : std::nullopt;
 }
 
-/// "mm" of "in mm", which UDUNITS-2 would multiply by an inch.
+/// "mm" of "in mm", which UDUNITS-2 would multiply by an inch; "in lbf" is a torque.
 std::string_view without_in(std::string_view unit) {
-  return unit.starts_with("in ") && is_unit(unit.substr(3)) ? trimmed(unit.substr(3)) : unit;
+  if (!unit.starts_with("in ")) return unit;
+  const std::string_view rest = trimmed(unit.substr(3));
+  const Quantity quantity = datasets::quantity_of_unit(to_utf8(rest));
+  const bool newtons = quantity == Quantity::force && rest.ends_with('N');
+  const bool metric = quantity == Quantity::displacement || quantity == Quantity::time ||
+                      quantity == Quantity::velocity || quantity == Quantity::acceleration ||
+                      quantity == Quantity::voltage;
+  return newtons || metric ? rest : unit;
 }
 
 /// "0-0", "1,2", "Ch 1": what tells a column from others of its name.
@@ -109,7 +119,7 @@ bool are_indices(std::string_view text) {
   const bool numbers = text.find_first_of("0123456789") != text.npos &&
                        text.find_first_not_of("0123456789-,:; ") == text.npos;
   const std::string word = lowered(text);
-  return (numbers && !integer_in(text)) ||
+  return (numbers && !integer_in(text) && !text.starts_with("10-")) ||
          ((word.starts_with("ch ") || word.starts_with("ch.")) && !is_unit(text));
 }
 
@@ -126,7 +136,9 @@ std::optional<ColumnHead> unit_before_a_suffix(std::string_view text) {
   if (open == text.npos || open == 0) return std::nullopt;
   const std::string_view unit = without_in(trimmed(text.substr(open + 1, close - open - 1)));
   const Quantity quantity = datasets::quantity_of_unit(to_utf8(unit));
-  if (quantity == Quantity::unknown || integer_in(unit) || unit == "t") return std::nullopt;
+  constexpr std::string_view letters = "sNVgm";  // others tell one column from the next
+  const bool letter = unit.size() == 1 && letters.find(unit.front()) == letters.npos;
+  if (quantity == Quantity::unknown || integer_in(unit) || letter) return std::nullopt;
   const std::string_view suffix = text.substr(close + 1);
   const bool apart = suffix.front() == ' ' || suffix.front() == '.' || suffix.front() == '_' ||
                      suffix.front() == '[' || suffix.front() == '(';
@@ -225,7 +237,6 @@ ColumnHead split_head(std::string_view cell) {
     }
     return unit_before_a_suffix(text).value_or(head);
   }
-  if (const auto divided = unit_before_a_suffix(text)) return *divided;
   const std::size_t slash = text.rfind(" / ");  // as DIN 461 labels an axis: t / s
   if (slash != std::string_view::npos && is_unit(text.substr(slash + 3))) {
     head.name = to_utf8(trimmed(text.substr(0, slash)));
@@ -233,6 +244,7 @@ ColumnHead split_head(std::string_view cell) {
     return head;
   }
   if (const auto divided = unit_behind_a_word(text)) return *divided;
+  if (const auto divided = unit_before_a_suffix(text)) return *divided;
   head.unit = unit_of_name(text);
   return head;
 }

@@ -45,10 +45,11 @@ std::optional<double> signed_before_blanks(std::string_view cell, char decimal) 
 /// "0x1F", as oscilloscopes write the lines of a logic pod.
 std::optional<double> hexadecimal_in(std::string_view cell) {
   if (!cell.starts_with("0x") && !cell.starts_with("0X")) return std::nullopt;
-  std::uint32_t lines = 0;
+  std::uint64_t lines = 0;
   const char* const end = cell.data() + cell.size();
   const auto read = std::from_chars(cell.data() + 2, end, lines, 16);
-  return read.ec == std::errc{} && read.ptr == end ? std::optional<double>(lines) : std::nullopt;
+  return read.ec == std::errc{} && read.ptr == end ? std::optional(static_cast<double>(lines))
+                                                   : std::nullopt;
 }
 
 /// "inf" in its spellings.

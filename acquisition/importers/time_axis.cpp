@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 
 #include "acquisition/importers/number.hpp"
 
@@ -31,6 +32,11 @@ int significant_digits(double value) {
   for (int digits = 1; digits < 17; ++digits)
     if (number_in(fmt::format("{:.{}e}", value, digits - 1)) == value) return digits;
   return 17;
+}
+
+/// -2 of 0.0345.
+int power_of_ten(double value) {
+  return static_cast<int>(std::floor(std::log10(std::abs(value))));
 }
 
 /// What is left of an integer without its factors 2 and 5; 1 is the roundest.
@@ -143,26 +149,34 @@ bool TimeAxisCheck::fills(double resolution) const {
              1.01 * resolution;
 }
 
-/// The interval by which all examples are where they are printed, each to half of its last digit:
-/// of times with a few digits the small ones tell it. 0 where there is none, or it leaves open
-/// whether a sample is lost.
+/// The interval by which all examples are where they are printed, each to half of the last digit
+/// that times of its size have: of times with a few digits the small ones tell it. 0 where there is
+/// none, or it leaves open whether a sample is lost.
 double TimeAxisCheck::told_interval() const {
   constexpr int most_digits = 8;
-  int digits = 1;
-  for (const double time : examples_) digits = std::max(digits, significant_digits(time));
-  if (digits > most_digits || examples_.size() < 2) return 0.0;
-  const auto rounding = [digits](double time) {
-    return time == 0.0
-               ? 0.0
-               : 0.505 * std::pow(10.0, std::floor(std::log10(std::abs(time))) - digits + 1);
+  std::map<int, int> decimals;  // the most that times of a power of ten have
+  for (const double time : examples_) {
+    if (time == 0.0) continue;
+    const int digits = significant_digits(time);
+    if (digits > most_digits) return 0.0;
+    int& most = decimals.try_emplace(power_of_ten(time), -1000).first->second;
+    most = std::max(most, digits - 1 - power_of_ten(time));
+  }
+  if (decimals.empty()) return 0.0;
+  const auto rounding = [&decimals](double time) {
+    const int of_size = time == 0.0 ? decimals.begin()->second : decimals.at(power_of_ten(time));
+    return 0.505 * std::pow(10.0, -of_size);
   };
+  // counted from the time that is known best
+  const auto best = std::ranges::min_element(examples_, {}, rounding);
   double low = 0.0, high = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 1; k < examples_.size(); ++k) {
-    const double steps = static_cast<double>(k * example_stride(samples_));
-    const double gone = examples_[k] - examples_[0];
-    const double unsure = rounding(examples_[k]) + rounding(examples_[0]);
-    low = std::max(low, (gone - unsure) / steps);
-    high = std::min(high, (gone + unsure) / steps);
+  for (auto time = examples_.begin(); time != examples_.end(); ++time) {
+    if (time == best) continue;
+    const double steps =
+        static_cast<double>(time - best) * static_cast<double>(example_stride(samples_));
+    const double unsure = (rounding(*time) + rounding(*best)) / std::abs(steps);
+    low = std::max(low, (*time - *best) / steps - unsure);
+    high = std::min(high, (*time - *best) / steps + unsure);
   }
   if (!(low <= high) || (high - low) * static_cast<double>(samples_ - 1) > 0.5 * step_) return 0.0;
   return fewest_digits(0.5 * (low + high), 0.5 * (high - low));

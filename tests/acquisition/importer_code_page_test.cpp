@@ -64,6 +64,8 @@ TEST(CodePage, IsNotSeenInWesternTextOrUtf8) {
         "C]\n",
         "\xC4\xD6\xDC [s],F [N]\n", "\xB5\xB1\xB2\xB3 [s]\n", "\x97\x97\x97\x97\x97\x97\n",
         "\xA6\xA6\xA6\xA6\xA6\xA6\n", polish, "Time [s],F [N]\n", "",
+        "Umlaute: \xE4\xF6\xFC \xC4\xD6\xDC \xDF\nZeit [s],Gr\xF6\xDF"
+        "e [N]\n",
         "\u65F6\u95F4 [s],\u529B [N]\n", "\u0412\u0440\u0435\u043C\u044F, \u043C\u0441\n"})
     EXPECT_EQ(likely_code_page(text), "") << text;
   const std::string utf8 = "\u65F6\u95F4\u65F6\u95F4\u65F6\u95F4";

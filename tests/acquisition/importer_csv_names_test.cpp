@@ -18,7 +18,6 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-using tests::import_error;
 using tests::imported;
 using tests::names_and_units;
 
@@ -36,6 +35,39 @@ TEST(CsvNames, MayHaveARemarkBelowThem) {
   // units below names in a comment are none
   EXPECT_THAT(names_and_units(imported(fmt::format("time,force,accel\n#ms,N,g\n{}", rows))),
               ElementsAre("force [N]", "accel [g]"));
+}
+
+// What stands above them may be a title or a key, which the delimiter happens to divide
+TEST(CsvNames, MayBeDividedOtherwiseBelowATitle) {
+  struct Head {
+    const char *head, *force;
+  };
+
+  for (const Head& one : {Head{"Impact test, steel bar\ntime force\n", "force []"},
+                          {"Comment, none\nTime;Force\n", "Force []"},
+                          {"Author, Miller\n%t(ms) F(N)\n", "F [N]"},
+                          {"Load cell: HBM, left side\n# Time [s]  Force [N]\n", "Force [N]"}})
+    EXPECT_THAT(names_and_units(imported(std::string(one.head) + "0,0.5\n0.1,0.7\n0.2,0.6\n")),
+                ElementsAre(one.force))
+        << one.head;
+  EXPECT_THAT(names_and_units(imported("Probe;Stahl\nSensor;Kistler\n#Zeit [us];Kraft [kN]\n"
+                                       "0;0,5\n0,001;7,5\n0,002;6,5\n")),
+              ElementsAre("Kraft [kN]"));
+  EXPECT_THAT(names_and_units(imported("Material;Stahl\nPr\u00FCfer;M\u00FCller\nMesswerte\n"
+                                       "0;0,5\n0,001;7,5\n0,002;6,5\n")),
+              ElementsAre("column 1 []"));
+}
+
+TEST(CsvNames, OfSensorsAboveAreNoneOfTheirOwn) {
+  const Record record =
+      imported("Channel,Hammer,Bar tip,Bar root\nTime,N,m,g\n0,1,2,3\n0.1,2,3,4\n0.2,1,1,2\n");
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 0.1);
+}
+
+// The first column of a table without keys may be filled later on
+TEST(CsvNames, OfAFirstColumnThatIsBlankStayAChannel) {
+  EXPECT_THAT(names_and_units(imported(",t [s],F [N]\n,0,1\n,1,2\n,2,3\n")),
+              ElementsAre("column 0 []", "F [N]"));
 }
 
 TEST(CsvNames, OfColumnsThatAreBlankAtFirstCount) {
@@ -94,6 +126,13 @@ TEST(ColumnHead, HasItsUnitBeforeASuffix) {
   EXPECT_EQ(divided("F(x) left"), "F(x) left|");
   EXPECT_EQ(divided("i:quat[0-1]"), "i:quat[0-1]|") << "an index";
   EXPECT_EQ(divided("strain [-]"), "strain|-");
+  EXPECT_EQ(divided("Strain [10-6]"), "Strain|10-6");
+  EXPECT_EQ(divided("Weg (s) in mm"), "Weg (s)|mm") << "a symbol";
+  EXPECT_EQ(divided("Kraft (F) / kN"), "Kraft (F)|kN");
+  EXPECT_EQ(divided("Sensor (A) left"), "Sensor (A) left|");
+  EXPECT_EQ(divided("Torque [in lbf]"), "Torque|in lbf");
+  EXPECT_EQ(divided("Force (in kN)"), "Force|kN");
+  EXPECT_EQ(divided("Обороты, об/мин"), "Обороты|об/мин");
   EXPECT_EQ(divided("Way (in mm)"), "Way|mm") << "no inch";
   EXPECT_EQ(divided("Way (in)"), "Way|in");
   EXPECT_EQ(divided("Y(t)"), "Y(t)|") << "of the time";
@@ -106,10 +145,15 @@ TEST(CsvTimes, OfTheSizeOfAnEpochAreCountedFrom1970) {
     double interval;
   };
 
-  for (const Epoch& epoch : {Epoch{"1742324422348709600", "1742324422358709600", "ns", 0.01},
-                             Epoch{"1742324422348709", "1742324422358709", "us", 0.01},
-                             Epoch{"1641807866241.00", "1641807866253.00", "ms", 0.012},
-                             Epoch{"1641807866.25", "1641807866.50", "s", 0.25}}) {
+  for (const Epoch& epoch :
+       {Epoch{"1742324422348709600", "1742324422358709600", "ns", 0.01},
+        Epoch{"1742324422348709", "1742324422358709", "us", 0.01},
+        Epoch{"1641807866241.00", "1641807866253.00", "ms", 0.012},
+        Epoch{"1641807866.25", "1641807866.50", "s", 0.25},
+        // ticks of .NET (100 ns), ns since the start of a computer, ms since 1904: none of these
+        Epoch{"639000000000000000", "639000000000010000", "s", 10000},
+        Epoch{"812000000000", "812010000000", "s", 1e7},
+        Epoch{"3793000000000", "3793000000010", "s", 10}}) {
     const Record record =
         imported(fmt::format("time,F [N]\n{},1\n{},2\n", epoch.first, epoch.second));
     EXPECT_NEAR(record.channels.at(0).clock.interval, epoch.interval, 1e-9) << epoch.unit;
@@ -149,9 +193,12 @@ TEST(CsvKeys, MayStandBehindASemicolon) {
 }
 
 TEST(ColumnHead, OfATemperatureInCIsNoCharge) {
-  const Record record = imported("Time [s],TEMP [C],Q [C]\n0,25.1,1\n1,25.2,2\n");
+  const Record record =
+      imported("Time [s],TEMP [C],oil temp 2 [C],Q [C],Template [C]\n0,25.1,1,2,3\n1,25,2,1,4\n");
   EXPECT_EQ(record.channels.at(0).quantity, Quantity::temperature);
-  EXPECT_EQ(record.channels.at(1).quantity, Quantity::charge);
+  EXPECT_EQ(record.channels.at(1).quantity, Quantity::temperature);
+  EXPECT_EQ(record.channels.at(2).quantity, Quantity::charge);
+  EXPECT_EQ(record.channels.at(3).quantity, Quantity::charge);
 }
 
 }  // namespace

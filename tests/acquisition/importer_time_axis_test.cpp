@@ -25,6 +25,7 @@ std::vector<double> printed(std::vector<double> times, int digits) {
 }
 
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(TimeAxis, OfAStraightLineIsItsStartAndStep) {
   for (const double step : {1e-6, 1.0 / 65536.0, 4e-11, 0.01, 3.0}) {
@@ -160,6 +161,42 @@ TEST(TimeAxis, IsToldBySmallTimesOfAFewDigits) {
     times.erase(times.begin() + lost);
     EXPECT_FALSE(time_axis(printed(times, 4)).clock.uniform()) << lost;
   }
+}
+
+// "0.347" in steps of a millisecond: the digits are as many everywhere, and one time is missing
+TEST(TimeAxis, OfFixedDecimalsShowsALostSample) {
+  struct Lost {
+    double start, step;
+    std::size_t samples;
+    std::ptrdiff_t lost;
+  };
+
+  for (const Lost& one : {Lost{-1.25, 1e-3, 2501, 1597},
+                          {0.0, 1e-3, 100, 95},
+                          {-0.05, 1e-3, 1001, 950},
+                          {-2.0, 1e-3, 2501, 2100},
+                          {-0.125, 1e-5, 25000, 20000},
+                          {0.0, 1e-3, 2000, 3}}) {
+    std::vector<double> times = line(one.samples, one.start, one.step);
+    times.erase(times.begin() + one.lost);
+    for (double& time : times) time = std::round(time * 1e5) / 1e5;
+    EXPECT_THAT(time_axis(times).warning, Not(HasSubstr("finer digits"))) << one.start;
+    EXPECT_FALSE(time_axis(times).clock.uniform()) << one.start << " " << one.lost;
+  }
+  std::vector<double> doubled = line(100, 0.0, 1e-3);
+  for (double& time : doubled) time = std::round(time * 1e3) / 1e3;
+  doubled.push_back(doubled.back());
+  EXPECT_THAT(time_axis(doubled).warning, Not(HasSubstr("finer digits")));
+}
+
+// From half a second before the trigger on: the finest times are in the middle
+TEST(TimeAxis, IsToldByTheTimesAboutTheTrigger) {
+  const TimeAxis axis = time_axis(printed(line(4001, -0.5, 0.00025), 4));
+  EXPECT_TRUE(axis.clock.uniform());
+  EXPECT_NEAR(axis.clock.interval, 0.00025, 1e-9);
+  std::vector<double> times = line(4001, -0.5, 0.00025);
+  times.erase(times.begin() + 3000);
+  EXPECT_FALSE(time_axis(printed(times, 4)).clock.uniform());
 }
 
 TEST(TimeAxis, DoesNotExplainALostSampleByRounding) {
