@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <limits>
 #include <map>
+#include <ranges>
 
 #include "acquisition/importers/number.hpp"
 
@@ -162,7 +163,10 @@ double TimeAxisCheck::told_interval() const {
     int& most = decimals.try_emplace(power_of_ten(time), -1000).first->second;
     most = std::max(most, digits - 1 - power_of_ten(time));
   }
-  if (decimals.empty()) return 0.0;
+  // as many decimals everywhere tell nothing that the steps do not
+  if (decimals.empty() ||
+      std::ranges::max(std::views::values(decimals)) <= decimals.rbegin()->second)
+    return 0.0;
   const auto rounding = [&decimals](double time) {
     const int of_size = time == 0.0 ? decimals.begin()->second : decimals.at(power_of_ten(time));
     return 0.505 * std::pow(10.0, -of_size);
