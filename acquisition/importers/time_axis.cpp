@@ -11,7 +11,6 @@
 #include <cstdio>
 #include <limits>
 #include <map>
-#include <ranges>
 
 #include "acquisition/importers/number.hpp"
 
@@ -164,8 +163,9 @@ double TimeAxisCheck::told_interval() const {
     most = std::max(most, digits - 1 - power_of_ten(time));
   }
   // as many decimals everywhere tell nothing that the steps do not
-  if (decimals.empty() ||
-      std::ranges::max(std::views::values(decimals)) <= decimals.rbegin()->second)
+  if (decimals.empty() || std::ranges::all_of(decimals, [&decimals](const auto& of_size) {
+        return of_size.second <= decimals.rbegin()->second;
+      }))
     return 0.0;
   const auto rounding = [&decimals](double time) {
     const int of_size = time == 0.0 ? decimals.begin()->second : decimals.at(power_of_ten(time));
