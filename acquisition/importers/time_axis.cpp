@@ -194,6 +194,25 @@ bool TimeAxisCheck::uniform() const {
   return seen_ < 2 || all_equal() || even() || rounded();
 }
 
+/// Of times that many samples share: the step between the first and the last change.
+TimeAxis TimeAxisCheck::shared_times() const {
+  TimeAxis axis;
+  const std::uint64_t steps = first_change_ ? last_change_.sample - first_change_->sample : 0;
+  if (steps == 0) {
+    axis.warning = fmt::format(
+        "{}: they do not tell the sample interval (--sample-rate states it)",
+        first_change_ ? fmt::format("the times change once, by {:.3g} s", smallest_change_)
+                      : fmt::format("all times are {:.9g} s", first_));
+    return axis;
+  }
+  axis.clock.interval = (last_change_.time - first_change_->time) / static_cast<double>(steps);
+  axis.warning = fmt::format(
+      "the times are rounded to {:.3g} s, and several samples share one: they are taken as "
+      "uniform, with a step of {:.9g} s, which they tell to 1 in {} (--sample-rate states it)",
+      smallest_change_, axis.clock.interval, steps);
+  return axis;
+}
+
 TimeAxis TimeAxisCheck::axis() const {
   TimeAxis axis;
   if (seen_ == 0) return axis;
@@ -214,19 +233,8 @@ TimeAxis TimeAxisCheck::axis() const {
   }
   const bool many_share = !even_steps && rounded() && resolution() > step_;
   if (all_equal() || many_share) {
-    const std::uint64_t steps = first_change_ ? last_change_.sample - first_change_->sample : 0;
-    if (steps == 0) {
-      axis.warning = fmt::format(
-          "{}: they do not tell the sample interval (--sample-rate states it)",
-          first_change_ ? fmt::format("the times change once, by {:.3g} s", smallest_change_)
-                        : fmt::format("all times are {:.9g} s", first_));
-      return axis;
-    }
-    axis.clock.interval = (last_change_.time - first_change_->time) / static_cast<double>(steps);
-    axis.warning = fmt::format(
-        "the times are rounded to {:.3g} s, and several samples share one: they are taken as "
-        "uniform, with a step of {:.9g} s, which they tell to 1 in {} (--sample-rate states it)",
-        smallest_change_, axis.clock.interval, steps);
+    axis = shared_times();
+    axis.clock.start = first_;
     return axis;
   }
   if (even_steps || rounded()) {

@@ -62,6 +62,7 @@ class TimeAxisCheck {
   bool explains_deviations(double resolution) const;
   bool fills(double resolution) const;
   double told_interval() const;
+  TimeAxis shared_times() const;
 
   double first_;
   double last_;
