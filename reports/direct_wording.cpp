@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string_view>
 
 #include "reports/numbers.hpp"
+#include "reports/wording.hpp"
 
 namespace impactrig::reports {
 
@@ -112,9 +114,19 @@ fitting::DirectEstimate of_displacement(double value, double std_error) {
           .absent = {}};
 }
 
-/// The model's mean speed away from the stop over the stretch of the rebound; NaN where its history
-/// does not reach so far.
-double mean_rebound(const models::Simulation& run, const datasets::Impact& impact) {
+/// The stretch of the rebound, from first touch as the fit has it [s]: a displacement shows its
+/// instant worse than how fast the bar comes.
+std::array<double, 2> stretch_of_rebound(const fitting::Fit& fit, std::size_t recording) {
+  const datasets::Impact& impact = fit.impacts[recording];
+  const fitting::Parameter* const fitted =
+      find_parameter(fit, "impact.time", static_cast<int>(recording));
+  const double touch = fitted != nullptr ? fitted->value : impact.start;
+  return {impact.rebound->from - touch, impact.rebound->to - touch};
+}
+
+/// The model's mean speed away from the stop over a stretch; NaN where its history does not reach
+/// so far.
+double mean_rebound(const models::Simulation& run, const std::array<double, 2>& stretch) {
   const models::History& h = run.history;
   const auto displacement_at = [&h](double t) {
     const double place = (t - h.start) / h.interval;
@@ -124,8 +136,7 @@ double mean_rebound(const models::Simulation& run, const datasets::Impact& impac
     const double part = place - static_cast<double>(before);
     return (1.0 - part) * h.displacement[before] + part * h.displacement[before + 1];
   };
-  const double from = impact.rebound->from - impact.start, to = impact.rebound->to - impact.start;
-  return (displacement_at(from) - displacement_at(to)) / (to - from);
+  return (displacement_at(stretch[0]) - displacement_at(stretch[1])) / (stretch[1] - stretch[0]);
 }
 
 std::vector<DirectPair> displacement_pairs(const fitting::Fit& fit, std::size_t recording) {
@@ -134,7 +145,7 @@ std::vector<DirectPair> displacement_pairs(const fitting::Fit& fit, std::size_t 
   double approach = std::numeric_limits<double>::quiet_NaN(), ratio = approach;
   if (recording < fit.predictions.size() && !fit.predictions[recording].episodes.empty()) {
     approach = fit.predictions[recording].episodes.front().approach_velocity;
-    ratio = mean_rebound(fit.predictions[recording], impact) / approach;
+    ratio = mean_rebound(fit.predictions[recording], stretch_of_rebound(fit, recording)) / approach;
   }
   DirectPair mean = {"mean rebound over approach", "1",
                      of_displacement(rebound.restitution, rebound.restitution_error), ratio};
@@ -148,7 +159,6 @@ std::vector<DirectPair> displacement_pairs(const fitting::Fit& fit, std::size_t 
 }
 
 std::string displacement_explanation(const fitting::Fit& fit, std::size_t recording) {
-  const datasets::Impact& impact = fit.impacts[recording];
   std::string text =
       "A displacement alone shows how the bar comes and goes, not the contact's end: there is no "
       "direct kinematic, kinetic or energetic restitution. ";
@@ -163,10 +173,10 @@ std::string displacement_explanation(const fitting::Fit& fit, std::size_t record
       text += fmt::format("The model's {} is not known, as its history ends before. ", pair.name);
     }
   }
-  if (impact.rebound->absent.empty())
+  const auto [from, to] = stretch_of_rebound(fit, recording);
+  if (fit.impacts[recording].rebound->absent.empty())
     text += fmt::format("The rebound is the mean from {} to {} after touch. ",
-                        quantity(impact.rebound->from - impact.start, "s", 3),
-                        quantity(impact.rebound->to - impact.start, "s", 3));
+                        quantity(from, "s", 3), quantity(to, "s", 3));
   text.pop_back();
   return text;
 }
