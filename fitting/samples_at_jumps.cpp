@@ -15,7 +15,8 @@ constexpr double beside_jump = 1.0, rough_beside_jump = 8.0;
 SamplesAtJumps::SamplesAtJumps(const FittedChannel& channel, const Measurement& measurement,
                                const Shown::Curve& curve, bool rough)
     : channel_(channel),
-      shift_(measurement.shift) {
+      shift_(measurement.shift),
+      jumps_(curve.jumps.size()) {
   const double near = (rough ? rough_beside_jump : beside_jump) * channel.signal->interval;
   for (std::size_t jump = 0; jump < curve.jumps.size(); ++jump)
     look_beside(jump, measurement.gain, curve, near);
@@ -43,6 +44,7 @@ void SamplesAtJumps::look_beside(std::size_t jump, double gain, const Shown::Cur
 
 std::array<double, 2> SamplesAtJumps::at(const Shown::Curve& curve, std::size_t sample) const {
   const double t = channel_.signal->time(sample) - shift_;
+  if (curve.jumps.size() != jumps_) return curve.at(t);
   for (const auto& [number, piece] : elsewhere_)
     if (number == sample) return curve.at(t, piece);
   return curve.at(t);

@@ -23,7 +23,8 @@ class SamplesAtJumps {
 
   const FittedChannel& channel() const { return channel_; }
 
-  /// Value and slope of a curve with the same jumps at a sample.
+  /// Value and slope of a curve at a sample. A curve that has not as many jumps, as a slope may
+  /// where these come and go, has no such sides: it is taken at the sample's time.
   std::array<double, 2> at(const Shown::Curve& curve, std::size_t sample) const;
 
  private:
@@ -35,6 +36,7 @@ class SamplesAtJumps {
 
   const FittedChannel& channel_;
   double shift_;
+  std::size_t jumps_;
   std::vector<Elsewhere> elsewhere_;  // samples that show another piece than their time says
 };
 
