@@ -125,7 +125,10 @@ datasets::SampledCurve shown(const Line& line, const Trajectory& trajectory, dou
       .start = trajectory.start - trajectory.interval * static_cast<double>(before),
       .interval = trajectory.interval,
       .values = std::move(input)};
-  if (line.sensor->quantity == Quantity::force) curve.jumps = trajectory.force_jumps;
+  if (line.sensor->quantity == Quantity::force) {
+    curve.jumps = trajectory.force_jumps;
+    curve.spikes = trajectory.force_spikes;
+  }
   return sensor_response(*line.sensor, curve);
 }
 

@@ -52,12 +52,15 @@ acquisition::Trajectory trajectory_of(const fitting::RigFile& rig, const Options
   std::vector<datasets::CurveJump> jumps;
   for (const models::ForceJump& jump : h.jumps)
     jumps.push_back({jump.time, jump.before, jump.after});
+  std::vector<datasets::CurveSpike> spikes;
+  for (const models::ForceSpike& missed : h.missed) spikes.push_back({missed.time, missed.impulse});
   return {.start = h.start,
           .interval = h.interval,
           .force = h.seen_force(),
           .velocity = h.velocity,
           .displacement = h.displacement,
-          .force_jumps = std::move(jumps)};
+          .force_jumps = std::move(jumps),
+          .force_spikes = std::move(spikes)};
 }
 
 acquisition::SyntheticOptions day_of(const Options& options, const acquisition::SensorSet& sensors,

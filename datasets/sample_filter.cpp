@@ -29,10 +29,13 @@ std::vector<double> resolved(const SampledCurve& curve, double interval, double 
   const auto count = static_cast<double>(values.size());
   for (double k = 0.0; k < count; ++k)
     values[static_cast<std::size_t>(k)] = curve.at(curve.start + interval * k)[0];
-  for (const CurveJump& jump : curve.jumps) {
-    const double first = std::ceil((jump.time - curve.start) / interval - 0.5 * width);
-    for (double k = std::max(0.0, first); k < std::min(count, first + width); ++k)
-      values[static_cast<std::size_t>(k)] += jump.impulse / (interval * width);
+  for (const CurveSpike& spike : curve.spikes) {
+    const double middle = (spike.time - curve.start) / interval;
+    const double low = middle - 0.5 * width, high = middle + 0.5 * width;
+    for (double k = std::max(0.0, std::ceil(low - 0.5)); k < std::min(count, high + 0.5); ++k) {
+      const double share = std::min(k + 0.5, high) - std::max(k - 0.5, low);
+      values[static_cast<std::size_t>(k)] += share * spike.area / (interval * width);
+    }
   }
   return values;
 }

@@ -13,9 +13,12 @@ namespace impactrig::datasets {
 struct CurveJump {
   double time = 0.0;                 ///< [s]
   double before = 0.0, after = 0.0;  ///< the curve to both sides
-  /// Area of a spike there [its unit s]: of a derivative by what moves the jump in time. Sensors'
-  /// chains see it, at() does not.
-  double impulse = 0.0;
+};
+
+/// What a curve has beside its values and jumps, in so short a time that it is there all at once.
+struct CurveSpike {
+  double time = 0.0;  ///< [s]
+  double area = 0.0;  ///< [the curve's unit s]
 };
 
 /// A curve on a fine uniform grid, smooth but for its jumps.
@@ -24,6 +27,9 @@ struct SampledCurve {
   double interval = 0.0;              ///< [s]
   std::vector<double> values;         ///< (n); on a jump, what is before it
   std::vector<CurveJump> jumps = {};  ///< in order of time
+  /// In order of time: of a derivative by what moves a jump in time, or what lines between the
+  /// values miss of the curve's integral. Sensors' chains and filters see them, at() does not.
+  std::vector<CurveSpike> spikes = {};
 
   /// Value and slope at a time, by cubics through the four nearest samples that no jump parts from
   /// it, and the jump's own sides; on a jump that after it. Held constant beyond the ends.
@@ -41,7 +47,8 @@ struct SampledCurve {
 SampledCurve difference_quotient(const SampledCurve& one, const SampledCurve& other, double span);
 
 /// What the sensor's linear chain makes of a curve, as sensor_response() of its samples does, jumps
-/// and spikes taken exactly. The result has the same jumps, some of them of size zero.
+/// and spikes taken exactly. The result has the same jumps, some of them of size zero, and no
+/// spikes where there is a chain.
 SampledCurve sensor_response(const Sensor& sensor, SampledCurve curve);
 
 }  // namespace impactrig::datasets

@@ -221,16 +221,19 @@ class ChainRun {
       go(step_of(part), to);
   }
 
-  /// The input jumps, with a spike of this area [s].
-  void jump(double size, double impulse) {
-    const std::size_t n = state_.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      double change = chain_.b[i] * size;
-      for (std::size_t j = 0; j < n; ++j) change += impulse * chain_.a(i, j) * chain_.b[j];
-      state_[i] += change;
-    }
+  void jump(double size) {
+    for (std::size_t i = 0; i < state_.size(); ++i) state_[i] += chain_.b[i] * size;
     input_ += size;
   }
+
+  /// A spike of this area [s].
+  void strike(double area) {
+    const std::size_t n = state_.size();
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) state_[i] += area * chain_.a(i, j) * chain_.b[j];
+  }
+
+  double input() const { return input_; }
 
  private:
   struct Step {
@@ -266,8 +269,68 @@ class ChainRun {
   double input_;
 };
 
-// Of an interval: a jump as near to a sample is on it.
+// Of an interval: what is as near to a sample is on it.
 constexpr double on_sample = 1e-6;
+
+/// Sends a curve through a chain, interval by interval.
+class CurveRun {
+ public:
+  CurveRun(Chain chain, SampledCurve& curve)
+      : curve_(curve),
+        run_(std::move(chain), curve.interval, curve.values.front()),
+        jump_(curve.jumps.begin()),
+        spike_(curve.spikes.begin()) {}
+
+  void complete() {
+    curve_.values[0] = run_.output();
+    for (std::size_t sample = 1; sample < curve_.values.size(); ++sample) go_to(sample);
+    curve_.spikes.clear();
+  }
+
+ private:
+  void go_to(std::size_t sample) {
+    sample_ = static_cast<double>(sample);
+    left_ = 1.0;
+    for (; jump_ != curve_.jumps.end(); ++jump_) {
+      const double rest = left_at(jump_->time);
+      if (rest < -on_sample) break;
+      go(rest < on_sample ? 0.0 : std::min(rest, left_), jump_->before);
+      const double size = jump_->after - jump_->before;
+      jump_->before = run_.output();
+      if (left_ == 0.0) curve_.values[sample] = jump_->before;
+      run_.jump(size);
+      jump_->after = run_.output();
+    }
+    if (left_ == 0.0) return;
+    go(0.0, curve_.values[sample]);
+    curve_.values[sample] = run_.output();
+  }
+
+  /// Of the interval before the sample, what is left at a time.
+  double left_at(double time) const { return sample_ - (time - curve_.start) / curve_.interval; }
+
+  /// Until so much of the interval is left, where the input is `to`; a spike at either end comes
+  /// after what is shown there.
+  void go(double rest, double to) {
+    const double first = run_.input(), begun = left_;
+    for (; spike_ != curve_.spikes.end(); ++spike_) {
+      const double there = std::min(left_at(spike_->time), left_);
+      if (there <= (rest == 0.0 ? on_sample : rest)) break;
+      if (there < left_)
+        run_.go(left_ - there, first + (to - first) * (begun - there) / (begun - rest));
+      run_.strike(spike_->area);
+      left_ = there;
+    }
+    if (left_ > rest) run_.go(left_ - rest, to);
+    left_ = rest;
+  }
+
+  SampledCurve& curve_;
+  ChainRun run_;
+  std::vector<CurveJump>::iterator jump_;
+  std::vector<CurveSpike>::const_iterator spike_;
+  double sample_ = 0.0, left_ = 0.0;
+};
 
 }  // namespace
 
@@ -277,29 +340,7 @@ SampledCurve sensor_response(const Sensor& sensor, SampledCurve curve) {
   const std::vector<Section> sections = sections_of(sensor);
   if (sections.empty() || curve.values.empty()) return curve;
 
-  ChainRun run(chain_of(sections), curve.interval, curve.values.front());
-  curve.values[0] = run.output();
-  auto jump = curve.jumps.begin();
-  for (std::size_t sample = 1; sample < curve.values.size(); ++sample) {
-    double left = 1.0;  // of the way to the sample
-    const double here = static_cast<double>(sample);
-    for (; jump != curve.jumps.end(); ++jump) {
-      const double ahead = here - (jump->time - curve.start) / curve.interval;
-      if (ahead < -on_sample) break;
-      const double rest = ahead < on_sample ? 0.0 : std::min(ahead, left);
-      if (left > rest) run.go(left - rest, jump->before);
-      left = rest;
-      const double size = jump->after - jump->before;
-      jump->before = run.output();
-      if (left == 0.0) curve.values[sample] = jump->before;
-      run.jump(size, jump->impulse);
-      jump->after = run.output();
-      jump->impulse = 0.0;
-    }
-    if (left == 0.0) continue;
-    run.go(left, curve.values[sample]);
-    curve.values[sample] = run.output();
-  }
+  CurveRun(chain_of(sections), curve).complete();
   return curve;
 }
 

@@ -51,20 +51,22 @@ double most_shift_by_neglect(const FitProblem& problem, const FitEnd& end,
   return of_histories * neglected * by_part;
 }
 
+/// By what both equations differ on the fit's mesh or a coarse one.
+double seen_shift(const FitProblem& problem, const FitEnd& end, bool coarse) {
+  const auto change = [&](const Shot& shot) -> Eigen::VectorXd {
+    const ShotModel small = coarse ? shot.model->coarser() : *shot.model;
+    ShotModel full = small;
+    full.set_motion(models::Motion::full);
+    return shot.cost->change(coarse ? small : *shot.model, full).differences;
+  };
+  return largest(shift_by(change, problem, end), problem, end);
+}
+
 /// Screened on a coarse mesh: what both equations differ by is a matter of the bar's large motion,
 /// hardly of its high modes. Where that is anywhere near what matters, the mesh itself decides.
 double screened_shift(const FitProblem& problem, const FitEnd& end) {
-  const auto by_full_motion = [&](bool coarse) {
-    const auto change = [&](const Shot& shot) -> Eigen::VectorXd {
-      const ShotModel small = coarse ? shot.model->coarser() : *shot.model;
-      ShotModel full = small;
-      full.set_motion(models::Motion::full);
-      return shot.cost->change(coarse ? small : *shot.model, full).differences;
-    };
-    return largest(shift_by(change, problem, end), problem, end);
-  };
-  const double coarse = by_full_motion(true);
-  return coarse < near_harmless * harmless_shift ? coarse : by_full_motion(false);
+  const double coarse = seen_shift(problem, end, true);
+  return coarse < near_harmless * harmless_shift ? coarse : seen_shift(problem, end, false);
 }
 
 }  // namespace
@@ -102,6 +104,11 @@ void prefer_full_motion(FitProblem& problem) {
 
 double shift_by_full_motion(const FitProblem& problem, const FitEnd& end,
                             const std::vector<models::Simulation>& predictions) {
+  // each contact magnifies what the motion before it leaves out, by how much is the mesh's own
+  const auto hits_again = [](const models::Simulation& prediction) {
+    return prediction.episodes.size() > 1;
+  };
+  if (std::ranges::any_of(predictions, hits_again)) return seen_shift(problem, end, false);
   const double limit = most_shift_by_neglect(problem, end, predictions);
   return limit > harmless_shift ? screened_shift(problem, end) : limit;
 }

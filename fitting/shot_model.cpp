@@ -49,42 +49,45 @@ std::vector<double> unbent(const std::vector<double>& values) {
 Shown::Curve curve(const std::optional<datasets::Sensor>& sensor,
                    const std::vector<datasets::SampleFilter>& filters,
                    const models::History& history, const std::vector<double>& values,
-                   std::vector<datasets::CurveJump> jumps = {}) {
+                   ForceBreaks breaks = {}) {
   const bool bends = sensor && (sensor->resonance || sensor->low_cut || sensor->high_cut);
   Shown::Curve shown{.start = history.start,
                      .interval = history.interval,
                      .values = bends ? unbent(values) : values,
-                     .jumps = std::move(jumps)};
+                     .jumps = std::move(breaks.jumps),
+                     .spikes = std::move(breaks.spikes)};
   if (bends) shown = datasets::sensor_response(*sensor, std::move(shown));
   for (const datasets::SampleFilter& filter : filters) shown = filter.of(shown);
   return shown;
 }
 
-std::vector<datasets::CurveJump> jumps_of(const models::History& history) {
-  std::vector<datasets::CurveJump> jumps;
+ForceBreaks breaks_of(const models::History& history) {
+  ForceBreaks breaks;
   for (const models::ForceJump& jump : history.jumps)
-    jumps.push_back({jump.time, jump.before, jump.after});
-  return jumps;
+    breaks.jumps.push_back({jump.time, jump.before, jump.after});
+  for (const models::ForceSpike& missed : history.missed)
+    breaks.spikes.push_back({missed.time, missed.impulse});
+  return breaks;
 }
 
-/// Of the derivative's curve, at held times: a jump that moves leaves a spike in it.
-std::vector<datasets::CurveJump> jumps_of(const models::History& derivative,
-                                          const models::History& history) {
+/// Of the derivative's curve, at held times: a jump that moves leaves a spike in it. What lines
+/// between samples miss is held.
+ForceBreaks breaks_of(const models::History& derivative, const models::History& history) {
   if (history.jumps.empty()) return {};
   const Shown::Curve force{.start = history.start,
                            .interval = history.interval,
                            .values = history.seen_force(),
-                           .jumps = jumps_of(history)};
-  std::vector<datasets::CurveJump> jumps;
+                           .jumps = breaks_of(history).jumps};
+  ForceBreaks breaks;
   for (std::size_t k = 0; k < history.jumps.size(); ++k) {
     const models::ForceJump &jump = history.jumps[k], &by = derivative.jumps[k];
     const auto held = [&](double limit, std::size_t piece) {
       return limit - by.time * force.at(jump.time, piece)[1];
     };
-    jumps.push_back({jump.time, held(by.before, k), held(by.after, k + 1),
-                     -(jump.after - jump.before) * by.time});
+    breaks.jumps.push_back({jump.time, held(by.before, k), held(by.after, k + 1)});
+    breaks.spikes.push_back({jump.time, -(jump.after - jump.before) * by.time});
   }
-  return jumps;
+  return breaks;
 }
 
 }  // namespace
@@ -155,13 +158,13 @@ models::Simulation ShotModel::simulate(const models::Rig& rig, const SensorChain
   return models::simulate(rig, solver, options);
 }
 
-/// A history, or its derivatives, with the jumps of its force: the sensors' chains are linear.
+/// A history, or its derivatives, with the breaks of its force: the sensors' chains are linear.
 Shown ShotModel::show(const models::History& history, const SensorChains& chains,
-                      std::vector<datasets::CurveJump> jumps) const {
+                      ForceBreaks breaks) const {
   Shown shown;
   if (force_)
     shown.force =
-        curve(chains.force, force_filters_, history, history.seen_force(), std::move(jumps));
+        curve(chains.force, force_filters_, history, history.seen_force(), std::move(breaks));
   if (velocity_)
     shown.velocity = curve(chains.velocity, velocity_filters_, history, history.velocity);
   if (displacement_)
@@ -189,7 +192,7 @@ Shown ShotModel::chain_slope(const models::History& history, SensorChains chains
   const double middle = number, step = chain_step * middle;
   const auto shown_at = [&](double value) {
     number = value;
-    return show(history, chains, jumps_of(history));
+    return show(history, chains, breaks_of(history));
   };
   Shown slope = shown_at(middle + step);
   const Shown below = shown_at(middle - step);
@@ -214,11 +217,11 @@ Shown ShotModel::predict(const models::Rig& rig, const SensorChains& chains,
   options.sensitivities = wanted.rig;
   options.judge_small_motion = false;
   const models::Simulation simulation = simulate(rig, chains, options);
-  Shown shown = show(simulation.history, chains, jumps_of(simulation.history));
+  Shown shown = show(simulation.history, chains, breaks_of(simulation.history));
   shown.restitution = simulation.restitution;
   for (const models::Sensitivity& sensitivity : simulation.sensitivities) {
     shown.slopes.push_back(
-        show(sensitivity.history, chains, jumps_of(sensitivity.history, simulation.history)));
+        show(sensitivity.history, chains, breaks_of(sensitivity.history, simulation.history)));
     shown.slopes.back().restitution = sensitivity.restitution;
   }
   if (shown.slopes.size() < wanted.rig.size()) return shown;  // the equations have none

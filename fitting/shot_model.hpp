@@ -28,6 +28,12 @@ struct Shown {
   std::vector<Shown> slopes = {};
 };
 
+/// Where a force is no smooth course through its samples.
+struct ForceBreaks {
+  std::vector<datasets::CurveJump> jumps = {};
+  std::vector<datasets::CurveSpike> spikes = {};
+};
+
 /// The sensors of a recording, each with its chain.
 struct SensorChains {
   std::optional<datasets::Sensor> force, velocity, displacement;
@@ -91,8 +97,7 @@ class ShotModel {
                    datasets::Quantity quantity) const;
   models::Simulation simulate(const models::Rig& rig, const SensorChains& chains,
                               models::SimulationOptions options) const;
-  Shown show(const models::History& history, const SensorChains& chains,
-             std::vector<datasets::CurveJump> jumps) const;
+  Shown show(const models::History& history, const SensorChains& chains, ForceBreaks breaks) const;
   Shown chain_slope(const models::History& history, SensorChains chains,
                     const WantedSlopes::Chain& by) const;
 

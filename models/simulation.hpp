@@ -98,6 +98,13 @@ struct ForceJump {
   double before = 0.0, after = 0.0;  ///< the force to both sides [N]
 };
 
+/// What lines between a history's samples miss of the first stop's impulse from one sample to the
+/// next.
+struct ForceSpike {
+  double time = 0.0;     ///< where the contact begins, changes or ends in between [s]
+  double impulse = 0.0;  ///< [N s]
+};
+
 /// Uniform samples of the true motion; sample k is at start + k interval, first touch at 0. Without
 /// a stop the run begins at 0, has neither force nor penetration, and the displacement is that from
 /// hanging straight.
@@ -118,6 +125,8 @@ struct History {
   /// Of seen_force(), in order of time; a sample on a jump shows the force before it. In a
   /// Sensitivity the derivatives of these three numbers of each.
   std::vector<ForceJump> jumps;
+  /// Of a rigid stop's force, in order of time; none in a Sensitivity.
+  std::vector<ForceSpike> missed;
 
   /// Of a hinge that is turned as stated: where the point at displacement_position is against the
   /// straight bar at the hinge's angle, across it (closing > 0) and along it [m] (n).

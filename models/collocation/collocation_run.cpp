@@ -65,7 +65,7 @@ void CollocationRun::take_attempt() {
         bar_.sample(first / h, spacing / h, samples_);
         if (followed_) followed_->sample(first / h, spacing / h, samples_.size());
       },
-      struck_at);
+      struck_at, [&](double place) { return points_.front().impulse_until(place / h); });
   for (ContactPoint& point : points_) point.add_to_totals(tried_.part);
   damped_ += bar_.damped(tried_.part);
   bar_.observe(tried_.part);
@@ -98,10 +98,12 @@ void CollocationRun::follow_step() {
 }
 
 /// The samples that fall into a time from here on: looked at by `look(first, spacing)` before the
-/// first stop and by `struck_at(point, place)` before others [s].
+/// first stop and by `struck_at(point, place)` before others, with the first's impulse up to a
+/// place [s].
 void CollocationRun::sample_history(
     double time, const std::function<void(double, double)>& look,
-    const std::function<PointMotion(ContactPoint&, double)>& struck_at) {
+    const std::function<PointMotion(ContactPoint&, double)>& struck_at,
+    const std::function<double(double)>& impulse_until) {
   History& history = result_.history;
   if (!(history.interval > 0.0)) return;
   const double next =
@@ -130,6 +132,9 @@ void CollocationRun::sample_history(
       history.further[i].force.push_back(points_[i + 1].shown_force(p));
       history.further[i].penetration.push_back(p.displacement);
     }
+  const double last = first + static_cast<double>(samples_.size() - 1) * history.interval;
+  missed_.see_samples(history.force.size() - samples_.size(), impulse_until(first),
+                      impulse_until(last), history);
 }
 
 void CollocationRun::reject(int level) {
@@ -209,7 +214,8 @@ bool CollocationRun::leap() {
   ++result_.cost.steps;
   sample_history(
       time, [&](double first, double spacing) { bar_.sample_flight(first, spacing, samples_); },
-      [](ContactPoint& point, double place) { return point.struck_in_flight(place); });
+      [](ContactPoint& point, double place) { return point.struck_in_flight(place); },
+      [this](double) { return points_.front().totals().impulse; });
   bar_.fly(time);
   for (ContactPoint& point : points_) point.drop_series();
   t_ += time;

@@ -8,6 +8,7 @@
 
 #include "models/collocation/bar_motion.hpp"
 #include "models/collocation/contact_point.hpp"
+#include "models/collocation/missed_impulse.hpp"
 #include "models/contact/contact_force.hpp"
 #include "models/contact_log.hpp"
 #include "models/sensitivities/run_sensitivities.hpp"
@@ -137,7 +138,8 @@ class CollocationRun {
   bool records_jumps(const ContactPoint& point) const;
   void note_jump(const ContactPoint& point, double before);
   void sample_history(double time, const std::function<void(double, double)>& look,
-                      const std::function<PointMotion(ContactPoint&, double)>& struck_at);
+                      const std::function<PointMotion(ContactPoint&, double)>& struck_at,
+                      const std::function<double(double)>& impulse_until);
   bool free() const;
   bool leap();
   int level_after_rejection(int level) const;
@@ -176,6 +178,7 @@ class CollocationRun {
   double t_ = 0.0, t_end_ = 0.0;
   Attempt tried_;
   std::vector<BarMotion::Sample> samples_;
+  MissedImpulse missed_;
   double laser_rest_ = 0.0, slope_rest_ = 0.0;  // displacement seen at first touch [m], [-]
 
   double approach_ = 0.0, impulse_scale_ = 0.0, energy_scale_ = 0.0;

@@ -130,6 +130,9 @@ class ContactPoint {
 
   const ContactTotals& totals() const { return totals_; }
 
+  /// Up to the end of a part of the solved step [N s].
+  double impulse_until(double part) const { return totals_.impulse + integral(step_.force, part); }
+
  private:
   struct Rates {
     double low, high;

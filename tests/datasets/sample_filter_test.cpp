@@ -70,7 +70,7 @@ TEST(SampleFilter, MakesOfACurveWhatResamplingMakesOfItsSamples) {
 // A derivative by what moves a jump: the spike's area passes as a whole, where a low-pass is 1.
 TEST(SampleFilter, PassesTheAreaOfASpike) {
   SampledCurve curve{.start = -1e-3, .interval = 0.25e-6, .values = std::vector<double>(8001, 0.0)};
-  curve.jumps.push_back({.time = 3.3e-6, .impulse = 2.5});
+  curve.spikes.push_back({.time = 3.3e-6, .area = 2.5});
   const std::vector<std::variant<LowPass, Resample>> actions{LowPass{50e3, 4}, Resample{200e3}};
   for (const auto& action : actions) {
     const SampledCurve passed = SampleFilter{action, h}.of(curve);
@@ -81,7 +81,7 @@ TEST(SampleFilter, PassesTheAreaOfASpike) {
       moment += passed.interval * passed.values[i] * t;
     }
     EXPECT_NEAR(area, 2.5, 1e-6);
-    EXPECT_NEAR(moment / area, 3.3e-6, 0.25e-6);  // to a step of the grid
+    EXPECT_NEAR(moment / area, 3.3e-6, 1e-10);
     EXPECT_TRUE(passed.jumps.empty());
   }
 }

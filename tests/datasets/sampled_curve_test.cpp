@@ -110,12 +110,48 @@ TEST(SampledCurve, SpikesAreDerivativesOfStepsThatMove) {
   sensor.high_cut = BandLimit{0.2, 3};
   const double size = 3.0, time = 0.3, h = 1e-4;
   SampledCurve spike = step(time, 0.0);
-  spike.jumps[0].impulse = -size;
+  spike.spikes = {{time, -size}};
   const SampledCurve shown = sensor_response(sensor, spike);
   const SampledCurve quotient =
       difference_quotient(sensor_response(sensor, step(time + h, size)),
                           sensor_response(sensor, step(time - h, size)), 2.0 * h);
   for (std::size_t k = 0; k < 40; ++k) EXPECT_NEAR(shown.values[k], quotient.values[k], 1e-6) << k;
+}
+
+// Closed form w exp(-w t) of a first-order low-pass; what is shown on a sample is before it.
+TEST(SampledCurve, SpikesGoThroughASensorsChainWhereverTheyAre) {
+  Sensor sensor;
+  sensor.high_cut = BandLimit{0.02, 1};
+  const double w = 2.0 * pi * 0.02;
+  for (const double time : {0.0, 1e-8, 0.3, 0.999}) {
+    SCOPED_TRACE(time);
+    SampledCurve curve = step(0.5, 0.0);
+    curve.spikes = {{time, 2.0}, {time + 0.1, 1.0}, {5.0, -0.5}};
+    const SampledCurve shown = sensor_response(sensor, curve);
+    EXPECT_TRUE(shown.spikes.empty());
+    const auto after = [&](double t) { return t > 1e-6 ? w * std::exp(-w * t) : 0.0; };
+    for (std::size_t k = 0; k < 40; ++k) {
+      const double t = -10.0 + static_cast<double>(k);
+      EXPECT_NEAR(shown.values[k],
+                  2.0 * after(t - time) + after(t - time - 0.1) - 0.5 * after(t - 5.0), 1e-9)
+          << k;
+    }
+  }
+}
+
+// They part an interval, over which the input is still a line.
+TEST(SampledCurve, SpikesOfNoAreaChangeNothing) {
+  Sensor sensor;
+  sensor.resonance = Resonance{0.07, 4.0};
+  SampledCurve curve = step(0.6, 3.0);
+  for (std::size_t k = 0; k < curve.values.size(); ++k)
+    curve.values[k] += std::sin(0.4 * static_cast<double>(k));
+  SampledCurve parted = curve;
+  parted.spikes = {{-3.3, 0.0}, {0.2, 0.0}, {0.6, 0.0}, {0.9, 0.0}, {4.0, 0.0}};
+  const SampledCurve whole = sensor_response(sensor, curve);
+  parted = sensor_response(sensor, parted);
+  for (std::size_t k = 0; k < 40; ++k) EXPECT_NEAR(whole.values[k], parted.values[k], 1e-12) << k;
+  EXPECT_NEAR(whole.jumps[0].after, parted.jumps[0].after, 1e-12);
 }
 
 TEST(SampledCurve, QuotientsLeaveNoSpikeWhereAJumpPassedASample) {

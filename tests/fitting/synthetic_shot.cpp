@@ -41,7 +41,6 @@ delay = { value = "2 us", uncertainty = "0.1 us" }
 
 namespace {
 
-constexpr double fine = 1e-7;      // of the truth [s]
 constexpr double interval = 1e-6;  // of the recording [s]
 constexpr double lead = 1e-3;      // recorded before first touch [s]
 
@@ -54,7 +53,7 @@ models::Simulation true_impact(const fitting::RigFile& rig, const ShotTruth& tru
   solver.duration = truth.duration;
   models::SimulationOptions options;
   options.motion = truth.motion;
-  options.history = {.interval = fine, .lead = 1.2 * lead};
+  options.history = {.interval = truth.fine, .lead = 1.2 * lead};
   options.history.velocity_position = rig.velocity->position;
   return models::simulate(true_rig, solver, options);
 }
@@ -74,7 +73,7 @@ class Recorder {
 
   datasets::ImpactSignal record(const datasets::Sensor& sensor, datasets::Quantity quantity,
                                 const std::vector<double>& history, const Additions& added) {
-    const std::vector<double> shown = datasets::sensor_response(sensor, history, fine);
+    const std::vector<double> shown = datasets::sensor_response(sensor, history, truth_.fine);
     datasets::ImpactSignal signal;
     signal.quantity = quantity;
     signal.channel = std::string(datasets::name(quantity));
@@ -88,7 +87,7 @@ class Recorder {
     draw_phases(added.hum > 0.0);
     last_ = truth_.noise_memory > 0.0 ? normal_(generator_) : 0.0;
     for (double t = -lead; t < truth_.duration - 20e-6; t += interval) {
-      const double place = (t - added.late - start_) / fine;
+      const double place = (t - added.late - start_) / truth_.fine;
       const auto k = static_cast<std::size_t>(place);
       const double part = place - static_cast<double>(k);
       signal.values.push_back(digitised(added.offset + (1.0 - part) * shown[k] +

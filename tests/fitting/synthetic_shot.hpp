@@ -27,6 +27,7 @@ struct ShotTruth {
   double noise_memory = 0.0;  ///< φ of noise x_t = φ x_{t−1} + e_t, its deviation unchanged [-]
   double step = 0.0;          ///< of the digitiser, in parts of each channel's noise
   double duration = 3.2e-3;   ///< recorded after first touch [s]
+  double fine = 1e-7;         ///< of the history that the sensors see [s]
   models::Motion motion = models::Motion::by_accuracy;
   std::uint64_t seed = 1;
 };
