@@ -49,18 +49,18 @@ acquisition::Trajectory trajectory_of(const fitting::RigFile& rig, const Options
   solver.duration = options.duration - options.pre_trigger + margin;
   simulation = models::simulate(rig.rig, solver, request);
   const models::History& h = simulation.history;
-  std::vector<datasets::CurveJump> jumps;
+  datasets::SampledCurve force{.start = h.start, .interval = h.interval, .values = h.seen_force()};
   for (const models::ForceJump& jump : h.jumps)
-    jumps.push_back({jump.time, jump.before, jump.after});
-  std::vector<datasets::CurveSpike> spikes;
-  for (const models::ForceSpike& missed : h.missed) spikes.push_back({missed.time, missed.impulse});
+    force.jumps.push_back({jump.time, jump.before, jump.after});
+  for (const models::SampleImpulse& known : h.impulses)
+    datasets::add_missed(force, known.time, known.sample, known.impulse);
   return {.start = h.start,
           .interval = h.interval,
-          .force = h.seen_force(),
+          .force = std::move(force.values),
           .velocity = h.velocity,
           .displacement = h.displacement,
-          .force_jumps = std::move(jumps),
-          .force_spikes = std::move(spikes)};
+          .force_jumps = std::move(force.jumps),
+          .force_spikes = std::move(force.spikes)};
 }
 
 acquisition::SyntheticOptions day_of(const Options& options, const acquisition::SensorSet& sensors,

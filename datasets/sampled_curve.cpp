@@ -95,6 +95,26 @@ std::array<double, 2> SampledCurve::at(double time, std::size_t piece) const {
   return {value, slope / interval};
 }
 
+void add_missed(SampledCurve& curve, double time, std::size_t value, double integral) {
+  const double grace = on_jump * curve.interval;
+  const double end = curve.start + curve.interval * static_cast<double>(value);
+  double at = end - curve.interval, height = curve.values[value - 1], seen = 0.0;
+  const auto between = [&](double t) {
+    return t >= end - curve.interval - grace && t < end - grace;
+  };
+  for (const CurveJump& jump : curve.jumps) {
+    if (!between(jump.time)) continue;
+    seen += 0.5 * (height + jump.before) * (jump.time - at);
+    at = jump.time;
+    height = jump.after;
+  }
+  seen += 0.5 * (height + curve.values[value]) * (end - at);
+  for (const CurveSpike& spike : curve.spikes)
+    if (between(spike.time)) seen += spike.area;
+  const auto place = std::ranges::upper_bound(curve.spikes, time, {}, &CurveSpike::time);
+  curve.spikes.insert(place, {time, integral - seen});
+}
+
 SampledCurve difference_quotient(const SampledCurve& one, const SampledCurve& other, double span) {
   SampledCurve result = one;
   for (std::size_t k = 0; k < result.values.size(); ++k)

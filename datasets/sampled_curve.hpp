@@ -42,6 +42,10 @@ struct SampledCurve {
   std::size_t piece_at(double time) const;
 };
 
+/// Adds a spike at a time for what lines, to both sides of jumps, and spikes miss of the curve's
+/// integral [its unit s] from the value before to this one.
+void add_missed(SampledCurve& curve, double time, std::size_t value, double integral);
+
 /// (one - other) / span of two curves on one grid. Where both have as many jumps each piece is
 /// taken from its like, so that jumps that moved leave no spike; they are then half way between.
 SampledCurve difference_quotient(const SampledCurve& one, const SampledCurve& other, double span);

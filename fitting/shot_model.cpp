@@ -56,29 +56,28 @@ Shown::Curve curve(const std::optional<datasets::Sensor>& sensor,
                      .values = bends ? unbent(values) : values,
                      .jumps = std::move(breaks.jumps),
                      .spikes = std::move(breaks.spikes)};
+  for (const models::SampleImpulse& known : breaks.impulses)
+    datasets::add_missed(shown, known.time, known.sample, known.impulse);
   if (bends) shown = datasets::sensor_response(*sensor, std::move(shown));
   for (const datasets::SampleFilter& filter : filters) shown = filter.of(shown);
   return shown;
 }
 
 ForceBreaks breaks_of(const models::History& history) {
-  ForceBreaks breaks;
+  ForceBreaks breaks{.impulses = history.impulses};
   for (const models::ForceJump& jump : history.jumps)
     breaks.jumps.push_back({jump.time, jump.before, jump.after});
-  for (const models::ForceSpike& missed : history.missed)
-    breaks.spikes.push_back({missed.time, missed.impulse});
   return breaks;
 }
 
-/// Of the derivative's curve, at held times: a jump that moves leaves a spike in it. What lines
-/// between samples miss is held.
+/// Of the derivative's curve, at held times: a jump that moves leaves a spike in it.
 ForceBreaks breaks_of(const models::History& derivative, const models::History& history) {
-  if (history.jumps.empty()) return {};
+  ForceBreaks breaks{.impulses = derivative.impulses};
+  if (history.jumps.empty()) return breaks;
   const Shown::Curve force{.start = history.start,
                            .interval = history.interval,
                            .values = history.seen_force(),
                            .jumps = breaks_of(history).jumps};
-  ForceBreaks breaks;
   for (std::size_t k = 0; k < history.jumps.size(); ++k) {
     const models::ForceJump &jump = history.jumps[k], &by = derivative.jumps[k];
     const auto held = [&](double limit, std::size_t piece) {

@@ -32,6 +32,7 @@ struct Shown {
 struct ForceBreaks {
   std::vector<datasets::CurveJump> jumps = {};
   std::vector<datasets::CurveSpike> spikes = {};
+  std::vector<models::SampleImpulse> impulses = {};
 };
 
 /// The sensors of a recording, each with its chain.

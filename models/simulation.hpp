@@ -98,10 +98,11 @@ struct ForceJump {
   double before = 0.0, after = 0.0;  ///< the force to both sides [N]
 };
 
-/// What lines between a history's samples miss of the first stop's impulse from one sample to the
-/// next.
-struct ForceSpike {
-  double time = 0.0;     ///< where the contact begins, changes or ends in between [s]
+/// What the first stop's force passes on from the sample before to this one, between which its
+/// contact begins, changes or ends.
+struct SampleImpulse {
+  double time = 0.0;  ///< when it does [s]
+  std::size_t sample = 0;
   double impulse = 0.0;  ///< [N s]
 };
 
@@ -125,8 +126,9 @@ struct History {
   /// Of seen_force(), in order of time; a sample on a jump shows the force before it. In a
   /// Sensitivity the derivatives of these three numbers of each.
   std::vector<ForceJump> jumps;
-  /// Of a rigid stop's force, in order of time; none in a Sensitivity.
-  std::vector<ForceSpike> missed;
+  /// Of a rigid stop's force, in order of time; in a Sensitivity the derivatives of `impulse`, the
+  /// samples' times held.
+  std::vector<SampleImpulse> impulses;
 
   /// Of a hinge that is turned as stated: where the point at displacement_position is against the
   /// straight bar at the hinge's angle, across it (closing > 0) and along it [m] (n).

@@ -133,8 +133,8 @@ void CollocationRun::sample_history(
       history.further[i].penetration.push_back(p.displacement);
     }
   const double last = first + static_cast<double>(samples_.size() - 1) * history.interval;
-  missed_.see_samples(history.force.size() - samples_.size(), impulse_until(first),
-                      impulse_until(last), history);
+  impulses_.see_samples(history.force.size() - samples_.size(), impulse_until(first),
+                        impulse_until(last), history);
 }
 
 void CollocationRun::reject(int level) {

@@ -8,9 +8,9 @@
 
 #include "models/collocation/bar_motion.hpp"
 #include "models/collocation/contact_point.hpp"
-#include "models/collocation/missed_impulse.hpp"
 #include "models/contact/contact_force.hpp"
 #include "models/contact_log.hpp"
+#include "models/sample_impulses.hpp"
 #include "models/sensitivities/run_sensitivities.hpp"
 #include "models/simulation.hpp"
 #include "models/time_limit.hpp"
@@ -178,7 +178,7 @@ class CollocationRun {
   double t_ = 0.0, t_end_ = 0.0;
   Attempt tried_;
   std::vector<BarMotion::Sample> samples_;
-  MissedImpulse missed_;
+  SampleImpulses impulses_;
   double laser_rest_ = 0.0, slope_rest_ = 0.0;  // displacement seen at first touch [m], [-]
 
   double approach_ = 0.0, impulse_scale_ = 0.0, energy_scale_ = 0.0;

@@ -77,7 +77,8 @@ bool CollocationRun::records_jumps(const ContactPoint& point) const {
 /// The phase that begins may begin with another force than the last one ended with.
 void CollocationRun::note_jump(const ContactPoint& point, double before) {
   if (!records_jumps(point)) return;
-  missed_.note_change(t_);
+  impulses_.note_change(t_);
+  if (followed_) followed_->note_change(t_);
   History& history = result_.history;
   const double after = point.shown_force(point.struck());
   if (std::abs(after - before) <= continuous * point.force_scale()) return;

@@ -29,6 +29,12 @@ void add(double weight, const History& part, History& sum) {
   for (std::size_t k = 0; k < part.jumps.size(); ++k)
     for (const auto number : {&ForceJump::time, &ForceJump::before, &ForceJump::after})
       sum.jumps[k].*number += weight * (part.jumps[k].*number);
+  sum.impulses.resize(part.impulses.size());
+  for (std::size_t k = 0; k < part.impulses.size(); ++k) {
+    sum.impulses[k].time = part.impulses[k].time;
+    sum.impulses[k].sample = part.impulses[k].sample;
+    sum.impulses[k].impulse += weight * part.impulses[k].impulse;
+  }
 }
 
 }  // namespace

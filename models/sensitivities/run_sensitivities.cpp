@@ -272,6 +272,10 @@ void RunSensitivities::go_to_sample(double part, double, bool) {
   for (int i = 0; i < count(); ++i) follow_to_place(i);
 }
 
+void RunSensitivities::note_change(double time) {
+  for (Direction& d : directions_) d.impulses.note_change(time);
+}
+
 void RunSensitivities::jump() {
   jumped_ = true;
   for (Direction& d : directions_) d.result.history.jumps.push_back({d.time, d.force_at_end, 0.0});
@@ -288,11 +292,28 @@ void RunSensitivities::look_beyond_jump() {
   }
 }
 
+/// Of the first stop, the place's time held.
+double RunSensitivities::impulse_at_place(int i) const {
+  const Direction& d = direction(i);
+  return d.impulse + integral(d.force[0], place_.part) - d.time * place_.force[0];
+}
+
 void RunSensitivities::sample(double first, double spacing, std::size_t count) {
   look_beyond_jump();
+  std::vector<double> at_first(directions_.size());
   for (std::size_t k = 0; k < count; ++k) {
-    go_to_sample(first + static_cast<double>(k) * spacing, spacing, k == 0);
-    for (int i = 0; i < this->count(); ++i) show(i);
+    place_.part = first + static_cast<double>(k) * spacing;
+    go_to_sample(place_.part, spacing, k == 0);
+    for (int i = 0; i < this->count(); ++i) {
+      show(i);
+      if (k == 0) at_first[static_cast<std::size_t>(i)] = impulse_at_place(i);
+    }
+  }
+  for (int i = 0; i < this->count(); ++i) {
+    Direction& d = direction(i);
+    d.impulses.see_samples(d.result.history.force.size() - count,
+                           at_first[static_cast<std::size_t>(i)], impulse_at_place(i),
+                           d.result.history);
   }
 }
 

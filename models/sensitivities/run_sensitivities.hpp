@@ -8,6 +8,7 @@
 
 #include "models/collocation/bar_motion.hpp"
 #include "models/contact/contact_force.hpp"
+#include "models/sample_impulses.hpp"
 #include "models/sensitivities/motion_slope.hpp"
 #include "models/sensitivities/rig_effect.hpp"
 #include "models/simulation.hpp"
@@ -63,7 +64,11 @@ class RunSensitivities {
 
   virtual void change_hinge() {}  ///< as BarMotion::change_hinge() did
 
-  /// The first stop's force jumped where the last step taken ended, or the run begins.
+  /// The first stop's force changed its law at a time [s], where the last step taken ended, or the
+  /// run begins.
+  void note_change(double time);
+
+  /// It jumped where the last step taken ended, or the run begins.
   void jump();
   void separate(const Simulation& result);
 
@@ -91,6 +96,7 @@ class RunSensitivities {
     NodeVector dissipation;                  // at the first stop's nodes
     double impulse = 0.0, dissipated = 0.0;  // of the first stop's totals
     double compression = 0.0, dissipated_at_deepest = 0.0;
+    SampleImpulses impulses;
     double force_at_end = 0.0;  // that the first stop shows where the last step taken ended
     Sensitivity result;
   };
@@ -198,6 +204,7 @@ class RunSensitivities {
   double integral(const NodeVector& at_nodes, double part) const;
   double shown_force(int i, std::size_t stop, double moved) const;
   void show(int i);
+  double impulse_at_place(int i) const;
   void look_beyond_jump();
   void find_sensor_peak();
   void see_sensor_peak_at_end(int i, double shift);

@@ -154,6 +154,21 @@ TEST(SampledCurve, SpikesOfNoAreaChangeNothing) {
   EXPECT_NEAR(whole.jumps[0].after, parted.jumps[0].after, 1e-12);
 }
 
+TEST(SampledCurve, SpikesMakeUpForWhatLinesMiss) {
+  SampledCurve curve{.start = -1.0, .interval = 0.5, .values = {0.0, 0.0, 2.0, 3.0, 3.0}};
+  curve.jumps = {{-0.5, 0.0, 1.0}, {-0.1, 1.5, 0.5}, {0.0, 2.0, 4.0}};
+  curve.spikes = {{-0.1, 0.25}, {0.7, 1.0}};
+  // of value 2: 0.4 (1 + 1.5) / 2, 0.1 (0.5 + 2) / 2 and the spike
+  add_missed(curve, -0.3, 2, 2.0);
+  ASSERT_EQ(curve.spikes.size(), 3u);
+  EXPECT_EQ(curve.spikes[0].time, -0.3);
+  EXPECT_NEAR(curve.spikes[0].area, 2.0 - 0.5 - 0.125 - 0.25, 1e-15);
+  EXPECT_EQ(curve.spikes[2].time, 0.7);
+  // of value 3: from the jump's other side
+  add_missed(curve, 0.2, 3, 2.0);
+  EXPECT_NEAR(curve.spikes[2].area, 2.0 - 0.5 * 0.5 * (4.0 + 3.0), 1e-15);
+}
+
 TEST(SampledCurve, QuotientsLeaveNoSpikeWhereAJumpPassedASample) {
   const double rate = 0.25;
   const auto moved = [&](double by) {
