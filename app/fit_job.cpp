@@ -416,6 +416,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
   data.fit.warnings.insert(data.fit.warnings.begin(), warnings.begin(), warnings.end());
   if (!job.against.empty()) {
     fitting::FitOptions alone = options;
+    alone.window = data.fit.window;
     alone.profile = false;
     alone.bootstrap = 0;
     data.models = fitting::compare_models(impacts, models, alone);

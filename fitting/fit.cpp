@@ -9,6 +9,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "datasets/number_text.hpp"
 #include "fitting/filtered_samples.hpp"
 #include "fitting/fit_problem.hpp"
 #include "fitting/fit_report.hpp"
@@ -35,7 +36,7 @@ class Session {
       : impacts_(impacts),
         options_(options),
         problem_(impacts, rig, options),
-        search_(problem_, options.loss) {}
+        search_(problem_, options.loss, options.window > 0.0) {}
 
   Fit run();
 
@@ -43,6 +44,7 @@ class Session {
   void settle();
   void settle_motion();
   void predict();
+  void tell_early_end();
   bool look_beyond_window();
   Fit report();
   void report_predictions(Fit& fit);
@@ -63,6 +65,18 @@ class Session {
 void Session::settle() {
   end_ = linearised_end(problem_);
   predict();
+}
+
+void Session::tell_early_end() {
+  if (!search_.early_end()) return;
+  const FitSearch::EarlyEnd& end = *search_.early_end();
+  const std::string with =
+      end.whole ? fmt::format("{} with it, ", datasets::figures(*end.whole, 3)) : "";
+  warnings_.push_back(fmt::format(
+      "The fit ends {:.3g} ms after first touch, before the second contact: what the bar does from "
+      "then on depends on all that the model and its mesh lack (reduced chi-square {}{} without). "
+      "--window states another end.",
+      1e3 * end.window, with, datasets::figures(end.early, 3)));
 }
 
 /// The full equations where those of small motion leave out what the data tell.
@@ -143,6 +157,7 @@ Fit Session::report() {
   if (!fit.identifiability.remedy.empty())
     fit.not_identifiable.push_back(fit.identifiability.remedy);
   fit.impacts = impacts_;
+  for (const Shot& shot : problem_.shots()) fit.window = std::max(fit.window, shot.window);
   fit.termination = termination();
   fit.iterations = search_.iterations();
   fit.warnings = problem_.warnings();
@@ -164,6 +179,7 @@ Fit Session::run() {
   choose_motion(problem_);
   search_.run();
   settle();
+  tell_early_end();
   settle_motion();
   out_of_time_ = problem_.out_of_time();
   problem_.limit_time(whole);

@@ -96,6 +96,7 @@ struct Fit {
   /// At the fitted values, with history, one a recording.
   std::vector<models::Simulation> predictions;
   RigFile rig;              ///< at the fitted values
+  double window = 0.0;      ///< fitted after first touch, at most [s]
   std::string termination;  ///< "converged" or a sentence
   int iterations = 0;
   long simulations = 0;

@@ -46,7 +46,9 @@ struct FitOptions {
   /// Of the search for the best fit, by the clock [s]. One that is not over by then ends where it
   /// is and says so; profiles and bootstrap come on top of it.
   double time_limit = 600.0;
-  double window = 0.0;  ///< fitted after first touch [s]; 0 = as long as rig and recording allow
+  /// Fitted after first touch [s]; 0: as long as rig and recording allow, or until before the
+  /// second contact where what follows cannot be fitted.
+  double window = 0.0;
   bool use_force = true, use_velocity = true, use_displacement = false;
   Loss loss = Loss::squares;
   /// Metrics, diagnostics and direct estimates, which a report shows. Without, a fit is parameters,

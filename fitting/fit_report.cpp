@@ -257,6 +257,16 @@ Eigen::MatrixXd restitution_gradient(const FitProblem& problem) {
   return gradient;
 }
 
+bool of_later_contacts(ImpactFlag flag) {
+  return flag == ImpactFlag::double_hit || flag == ImpactFlag::multiple_hits;
+}
+
+bool fits_later_contacts(const Fit& fit) {
+  return std::ranges::any_of(fit.predictions, [&](const models::Simulation& prediction) {
+    return prediction.episodes.size() > 1 && prediction.episodes[1].start < fit.window;
+  });
+}
+
 }  // namespace
 
 double report_goodness(const FitProblem& problem, const Uncertainty& spread, Goodness& goodness) {
@@ -396,8 +406,9 @@ void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit) {
   warn_of_priors(problem, end, fit);
   for (const Shot& shot : problem.shots())
     for (const ImpactFlag flag : shot.impact->flags)
-      fit.warnings.push_back(
-          fmt::format("{}: {}", shot.impact->recording, datasets::sentence(flag)));
+      if (!of_later_contacts(flag) || fits_later_contacts(fit))
+        fit.warnings.push_back(
+            fmt::format("{}: {}", shot.impact->recording, datasets::sentence(flag)));
   const RigFile& rig = problem.rig();
   if (!rig.force && !rig.velocity && !rig.displacement)
     fit.warnings.push_back(

@@ -13,8 +13,14 @@ namespace {
 // separation depends so strongly on the parameters that a fit from afar would run into a false
 // minimum.
 constexpr double first_window = 1.2;
-// What may follow before the whole window is looked at, where that alone does not fit.
-constexpr double growing_windows[] = {1.2, 1.7, 2.5, 4.0, 8.0};
+// By how much the window grows from look to look where the whole of it at once does not fit, until
+// it is whole: eight contacts may follow each other within thirty times the first one's duration.
+constexpr double growth = 1.5;
+constexpr Search fine_search = [] {
+  Search search = first_search;
+  search.rough = false;
+  return search;
+}();
 // A first pass that ends with more than this reduced chi-square is started again from other places.
 constexpr double poor_fit = 4.0;
 
@@ -36,40 +42,55 @@ double FitSearch::pass(const Search& how, double contacts) {
 /// Cauchy and Tukey take a peak that is far off for outliers: they search from near only.
 void FitSearch::run() {
   problem_.set_loss(loss_from_afar(loss_));
-  search_first_window();
-  const std::vector<double> tried = problem_.values();
-  double reached = pass(last_search, whole);
-  if (reached > misfit) reached = try_again(reached, [&] { return search_finely(tried); });
-  // where not even the first contact fits, looking on from contact to contact mends nothing
-  if (reached > misfit && first_reached_ <= poor_fit)
-    try_again(reached, [&] { return grow_window(); });
+  if (search_first_window() > misfit && may_end_early_) {
+    const std::vector<double> tried = problem_.values();
+    search_first_window_finely(tried);
+    if (first_reached_ > misfit && end_before_second_contact()) return;
+    problem_.set_values(tried);
+  }
+  search_whole_window();
   if (problem_.loss() == loss_) return;
   problem_.set_loss(loss_);
   pass(last_search, whole);
 }
 
-/// By rough predictions; from other places too where that ends badly.
-void FitSearch::search_first_window() {
+void FitSearch::search_whole_window() {
+  const std::vector<double> tried = problem_.values();
+  double reached = pass(last_search, whole);
+  if (reached > misfit) reached = try_again(reached, [&] { return search_finely(tried); });
+  // where not even the first contact fits, looking on from contact to contact mends nothing
+  if (reached > misfit && first_reached_ <= poor_fit)
+    reached = try_again(reached, [&] { return grow_window(); });
+  if (reached > misfit && may_end_early_) leave_later_contacts_out(reached);
+}
+
+/// By rough predictions; from other places too where that ends badly. Returns the reduced
+/// chi-square.
+double FitSearch::search_first_window() {
   const double reached = pass(first_search, first_window);
   const bool several_starts = std::ranges::any_of(problem_.variables(), [](const Variable& v) {
     return v.name == "contact.restitution" || v.name == "contact.stiffness_factor";
   });
-  if (reached > poor_fit && several_starts) search_from_elsewhere(reached);
+  return reached > poor_fit && several_starts ? search_from_elsewhere(reached) : reached;
 }
 
 /// Rough predictions may have led astray, a sensor's resonance most easily: with fine ones from the
 /// start again, and from where rough searches ended best where they ended at several places.
-double FitSearch::search_finely(const std::vector<double>& tried) {
-  Search fine = first_search;
-  fine.rough = false;
+void FitSearch::search_first_window_finely(const std::vector<double>& tried) {
   problem_.set_initial_values();
-  first_reached_ = pass(fine, first_window);
+  first_reached_ = pass(fine_search, first_window);
   if (several_ends_)
     first_reached_ = try_again(first_reached_, [&] {
       problem_.set_values(tried);
-      return pass(fine, first_window);
+      return pass(fine_search, first_window);
     });
-  return same_place(problem_.values(), tried) ? whole : pass(last_search, whole);
+  first_end_ = problem_.values();
+}
+
+double FitSearch::search_finely(const std::vector<double>& tried) {
+  if (first_end_.empty()) search_first_window_finely(tried);
+  problem_.set_values(first_end_);
+  return same_place(first_end_, tried) ? whole : pass(last_search, whole);
 }
 
 /// A false minimum may be the end of another way from the start: keeps what fits better.
@@ -87,7 +108,7 @@ double FitSearch::try_again(double reduced, const Attempt& attempt) {
 
 /// Tries other restitutions and stiffnesses, and sensors other than stated where that is asked for,
 /// and keeps the best end; two starts, far apart, where these lead to the same place.
-void FitSearch::search_from_elsewhere(double reduced) {
+double FitSearch::search_from_elsewhere(double reduced) {
   struct Start {
     double restitution, stiffness, sensor;
   };
@@ -114,6 +135,7 @@ void FitSearch::search_from_elsewhere(double reduced) {
     best = problem_.values();
   }
   problem_.set_values(best);
+  return reduced;
 }
 
 /// Of the impact's own parameters and the sensors'.
@@ -128,11 +150,61 @@ bool FitSearch::same_place(const std::vector<double>& a, const std::vector<doubl
 }
 
 /// The whole window at once may lead into a false minimum, where the model meets the stop a second
-/// time too early or too late. Looks on from contact to contact.
+/// time too early or too late. Looks on from contact to contact, by predictions that are not rough:
+/// of a fourth contact these may show another course.
 double FitSearch::grow_window() {
   problem_.set_initial_values();
-  for (const double contacts : growing_windows) pass(first_search, contacts);
+  double most = 0.0;  // contact durations in the whole window
+  for (const Shot& shot : problem_.shots()) most = std::max(most, shot.window / shot.contact);
+  for (double contacts = first_window; contacts < most; contacts *= growth)
+    if (pass(fine_search, contacts) > poor_fit) return whole;
   return pass(last_search, whole);
+}
+
+/// What follows the first contact depends on all before it, each contact magnifying what the model
+/// and its mesh lack; where it cannot be fitted, what it adds is wrong.
+void FitSearch::leave_later_contacts_out(double reached) {
+  std::vector<double> windows;
+  for (const Shot& shot : problem_.shots()) windows.push_back(shot.window);
+  try_again(reached, [&] {
+    if (end_before_second_contact() && early_end_->early < reached) {
+      early_end_->whole = reached;
+      return early_end_->early;
+    }
+    early_end_.reset();
+    for (std::size_t i = 0; i < windows.size(); ++i) problem_.shots()[i].window = windows[i];
+    return whole;
+  });
+}
+
+/// From where the first contact fits best; false where there is no other in the window.
+bool FitSearch::end_before_second_contact() {
+  problem_.set_values(first_end_);
+  const double window = time_of_second_contact();
+  double longest = 0.0;
+  for (const Shot& shot : problem_.shots()) longest = std::max(longest, shot.window);
+  if (!(window < longest)) return false;
+  for (Shot& shot : problem_.shots()) shot.window = std::min(shot.window, window);
+  early_end_ = {.window = window, .whole = {}, .early = pass(last_search, whole)};
+  return true;
+}
+
+/// A little before the first that there is in any shot, at the present values; infinite where there
+/// is none.
+double FitSearch::time_of_second_contact() {
+  constexpr double little = 0.1;  // of the flight
+  problem_.choose_samples(whole, false);
+  double time = whole;
+  for (const Shot& shot : problem_.shots()) {
+    const auto episodes = shot.model->simulate(shot.cost->rig(), 0.0).episodes;
+    if (episodes.size() < 2) continue;
+    const double flight = episodes[1].start - episodes[0].end;
+    // what is predicted goes on a little beyond the window, if possible not into the contact
+    const double before = std::clamp(margin_of(shot), little * flight, 0.5 * flight);
+    // a model that is off may be free where the bar was still seen to press
+    time = std::min(time, std::max(episodes[1].start - before, shot.contact));
+  }
+  return time;
 }
 
 }  // namespace impactrig::fitting

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "fitting/fit_problem.hpp"
@@ -10,11 +11,14 @@ namespace impactrig::fitting {
 
 /// The way of a fit from its start to the end: by rough predictions of the first contact first,
 /// then over the whole window; from other places, or from contact to contact, where that ends
-/// badly.
+/// badly; without later contacts where these do not fit at all.
 class FitSearch {
  public:
-  /// The problem must live as long.
-  FitSearch(FitProblem& problem, Loss loss) : problem_(problem), loss_(loss) {}
+  /// `window_stated`: it is fitted to its end, whatever that gives. The problem must live as long.
+  FitSearch(FitProblem& problem, Loss loss, bool window_stated)
+      : problem_(problem),
+        loss_(loss),
+        may_end_early_(!window_stated && loss == Loss::squares) {}
 
   void run();
 
@@ -26,24 +30,42 @@ class FitSearch {
 
   int iterations() const { return iterations_; }  ///< of all searches
 
+  /// A window that ends before the second contact.
+  struct EarlyEnd {
+    double window;                ///< after first touch [s]
+    std::optional<double> whole;  ///< reduced chi-square with what follows, where that was tried
+    double early;                 ///< without
+  };
+
+  /// Where that was chosen.
+  const std::optional<EarlyEnd>& early_end() const { return early_end_; }
+
  private:
   static constexpr double whole = std::numeric_limits<double>::infinity();
 
   double pass(const Search& how, double contacts);
-  void search_first_window();
-  void search_from_elsewhere(double reduced);
+  void search_whole_window();
+  double search_first_window();
+  void search_first_window_finely(const std::vector<double>& tried);
+  double search_from_elsewhere(double reduced);
   double search_finely(const std::vector<double>& tried);
   double grow_window();
+  void leave_later_contacts_out(double reached);
+  bool end_before_second_contact();
+  double time_of_second_contact();
   bool same_place(const std::vector<double>& a, const std::vector<double>& b) const;
   template <typename Attempt>
   double try_again(double reduced, const Attempt& attempt);
 
   FitProblem& problem_;
   Loss loss_;
+  bool may_end_early_;
   SearchEnd last_;
   int iterations_ = 0;
-  bool several_ends_ = false;     // of searches in the first window from different starts
-  double first_reached_ = whole;  // there, by predictions that are not rough
+  bool several_ends_ = false;      // of searches in the first window from different starts
+  double first_reached_ = whole;   // there, by predictions that are not rough
+  std::vector<double> first_end_;  // likewise, where
+  std::optional<EarlyEnd> early_end_;
 };
 
 }  // namespace impactrig::fitting

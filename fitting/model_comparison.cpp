@@ -228,10 +228,12 @@ ModelComparison compare_models(const std::vector<datasets::Impact>& impacts,
                                const FitOptions& options) {
   if (candidates.empty()) throw std::invalid_argument("there are no models to compare");
   const std::vector<Candidate> models = distinct(candidates, options);
+  FitOptions same = options;
+  if (!(same.window > 0.0)) same.window = std::numeric_limits<double>::infinity();
   ModelComparison result;
   result.scores.resize(models.size());
   run_on_all_cores(models.size(), [&](std::size_t i, std::size_t) {
-    result.scores[i] = score(impacts, models[i], options);
+    result.scores[i] = score(impacts, models[i], same);
   });
   double least = std::numeric_limits<double>::infinity();
   for (const ModelScore& s : result.scores)

@@ -211,6 +211,7 @@ Json report_json(const ReportData& data) {
   for (std::size_t r = 0; r < fit.direct.size(); ++r)
     json["direct_restitution"].push_back(
         direct_json(fit.direct[r], r < fit.impacts.size() ? fit.impacts[r].recording : ""));
+  json["window_s"] = fit.window;
   json["termination"] = fit.termination;
   json["warnings"] = fit.warnings;
   json["iterations"] = fit.iterations;
@@ -323,6 +324,7 @@ fitting::Fit fit_from(const JsonReader& json) {
     fit.predictions.back().history = history_from(predictions.element(i)["history"]);
   }
   fit.rig = rig_from(json["rig"]);
+  if (json.has("window_s")) fit.window = json["window_s"].number();
   fit.termination = json["termination"].text();
   fit.iterations = static_cast<int>(json["iterations"].integer());
   fit.simulations = json["simulations"].integer();

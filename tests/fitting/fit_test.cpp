@@ -160,52 +160,6 @@ TEST(Fit, SeesAForceThatBeginsAtOnce) {
   EXPECT_LT(std::abs(pull(result, "contact.stiffness_factor", 1.0)), 3.0);
 }
 
-const char* const nylon_rig = R"(
-[beam]
-length = "0.2256 m"
-section = { shape = "circle", radius = "2.59 mm" }
-youngs_modulus = "2.5 GPa"
-poisson_ratio = 0.4
-density = "1140 kg/m^3"
-[contact]
-position = "0.2197 m"
-counterface = { shape = "groove", radius = "2.855 mm" }
-length = "4.42 mm"
-counter_modulus = "70 GPa"
-counter_poisson_ratio = 0.33
-law = "liu"
-damping = "exact"
-restitution = 0.5
-[start]
-velocity = "0.12 m/s"
-[solver]
-model = "hybrid"
-modes = 12
-accuracy = 1e-5
-duration = "5 ms"
-[sensors.force]
-high_cut = "50 kHz"
-[sensors.velocity]
-high_cut = "1 MHz"
-)";
-
-// Later contacts magnify what the first leaves out, here seven of them: of its peak 1e-7, of theirs
-// 3e-3, which moves the restitution by 4 standard errors.
-TEST(Fit, LooksAtEachContactForWhatSmallMotionDoes) {
-  const RigFile rig = parse_rig_file(nylon_rig, "rig.toml");
-  const datasets::Impact shot = synthetic_shot(rig, {.restitution = 0.71,
-                                                     .velocity = 0.1224,
-                                                     .force_noise = 3e-3,
-                                                     .velocity_noise = 7e-4,
-                                                     .duration = 5.1e-3,
-                                                     .motion = models::Motion::full});
-  const Fit result = fit({shot}, rig);
-  ASSERT_GT(result.predictions.at(0).episodes.size(), 4u);
-  EXPECT_FALSE(result.predictions.at(0).small_motion);
-  EXPECT_LT(std::abs(pull(result, "contact.restitution", 0.71)), 3.5);
-  EXPECT_LT(std::abs(pull(result, "contact.stiffness_factor", 1.0)), 3.5);
-}
-
 // Slopes by a number of the bar come from bars that vibrate a little faster: the longest step,
 // which a fine mesh takes in free flight, must have room for them.
 TEST(Fit, FreesTheDensityOfAFinelyMeshedBar) {

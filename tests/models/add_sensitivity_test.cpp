@@ -31,6 +31,7 @@ Sensitivity numbered(double from) {
     s.history.*channel = some();
   s.history.further = {{some(), some()}, {some(), some()}};
   s.history.jumps = {{next++, next++, next++}, {next++, next++, next++}};
+  s.history.impulses = {{0.3, 13, next++}, {0.5, 15, next++}};
   return s;
 }
 
@@ -57,6 +58,7 @@ std::vector<double> all(const Sensitivity& s) {
     append(stop.penetration);
   }
   for (const ForceJump& jump : h.jumps) append({jump.time, jump.before, jump.after});
+  for (const SampleImpulse& passed : h.impulses) append({passed.impulse});
   return numbers;
 }
 
@@ -66,12 +68,14 @@ TEST(AddSensitivity, SumsAllThatIsDifferentiated) {
   add_sensitivity(2.0, one, sum);
   add_sensitivity(-3.0, two, sum);
   const std::vector<double> first = all(one), second = all(two), is = all(sum);
-  ASSERT_EQ(is.size(), 41U);
+  ASSERT_EQ(is.size(), 43U);
   for (std::size_t k = 0; k < is.size(); ++k)
     EXPECT_EQ(is[k], 2.0 * first[k] - 3.0 * second[k]) << k;
   EXPECT_EQ(sum.restitution.law, 0.0);
   EXPECT_EQ(sum.history.start, -1.0);
   EXPECT_EQ(sum.history.interval, 0.1);
+  EXPECT_EQ(sum.history.impulses[1].time, 0.5);
+  EXPECT_EQ(sum.history.impulses[1].sample, 15U);
 }
 
 }  // namespace

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Shots whose bar strikes the stop again and again: each contact magnifies what the model lacks.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fitting/fit.hpp"
+#include "fitting/model_comparison.hpp"
+#include "tests/fitting/fast_fit.hpp"
+
+namespace impactrig::fitting {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+using tests::hybrid_rig;
+using tests::parameter;
+using tests::pull;
+using tests::synthetic_shot;
+
+const char* const nylon_rig = R"(
+[beam]
+length = "0.2256 m"
+section = { shape = "circle", radius = "2.59 mm" }
+youngs_modulus = "2.5 GPa"
+poisson_ratio = 0.4
+density = "1140 kg/m^3"
+[contact]
+position = "0.2197 m"
+counterface = { shape = "groove", radius = "2.855 mm" }
+length = "4.42 mm"
+counter_modulus = "70 GPa"
+counter_poisson_ratio = 0.33
+law = "liu"
+damping = "exact"
+restitution = 0.5
+[start]
+velocity = "0.12 m/s"
+[solver]
+model = "hybrid"
+modes = 12
+accuracy = 1e-5
+duration = "5 ms"
+[sensors.force]
+high_cut = "50 kHz"
+[sensors.velocity]
+high_cut = "1 MHz"
+)";
+
+// Later contacts magnify what the first leaves out, here seven of them: of its peak 1e-7, of theirs
+// 3e-3, which moves the restitution by 4 standard errors.
+TEST(ManyContacts, AreLookedAtForWhatSmallMotionDoes) {
+  const RigFile rig = parse_rig_file(nylon_rig, "rig.toml");
+  const datasets::Impact shot = synthetic_shot(rig, {.restitution = 0.71,
+                                                     .velocity = 0.1224,
+                                                     .force_noise = 3e-3,
+                                                     .velocity_noise = 7e-4,
+                                                     .duration = 5.1e-3,
+                                                     .motion = models::Motion::full});
+  const Fit result = fit({shot}, rig);
+  ASSERT_GT(result.predictions.at(0).episodes.size(), 4u);
+  EXPECT_FALSE(result.predictions.at(0).small_motion);
+  EXPECT_LT(std::abs(pull(result, "contact.restitution", 0.71)), 3.5);
+  EXPECT_LT(std::abs(pull(result, "contact.stiffness_factor", 1.0)), 3.5);
+}
+
+struct CoarseShot {
+  RigFile rig = hybrid_rig("6 ms", {{"contact.position", "\"0.6 m\""}});
+  RigFile finer = hybrid_rig("6 ms", {{"contact.position", "\"0.6 m\""}, {"solver.modes", "12"}});
+  datasets::Impact shot = synthetic_shot(finer, {.duration = 6.1e-3});
+};
+
+// Four modes do not foretell what twelve do from the second contact on.
+TEST(ManyContacts, AreLeftOutWhereTheyDoNotFit) {
+  const CoarseShot coarse;
+  const Fit result = fit({coarse.shot}, coarse.rig);
+  const auto episodes = models::simulate(coarse.finer.rig, coarse.finer.solver).episodes;
+  ASSERT_GT(episodes.size(), 2U);
+  EXPECT_GT(result.window, 0.95 * episodes[0].end);
+  EXPECT_LT(result.window, episodes[1].start);
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("before the second contact")));
+  const Parameter& e = parameter(result, "contact.restitution");
+  EXPECT_LT(e.ci95[0], 0.5);
+  EXPECT_GT(e.ci95[1], 0.5);
+}
+
+TEST(ManyContacts, AreKeptWhereTheWindowIsStated) {
+  const CoarseShot coarse;
+  FitOptions options;
+  options.window = 5.9e-3;
+  const Fit result = fit({coarse.shot}, coarse.rig, options);
+  EXPECT_DOUBLE_EQ(result.window, 5.9e-3);
+  EXPECT_THAT(result.warnings, Not(Contains(HasSubstr("before the second contact"))));
+}
+
+TEST(ManyContacts, OfComparedModelsAreTheSame) {
+  const CoarseShot coarse;
+  RigFile other = coarse.rig;
+  other.rig.contact.damping = "hunt-crossley";
+  const ModelComparison both = compare_models(
+      {coarse.shot}, {{.label = "one", .rig = coarse.rig}, {.label = "other", .rig = other}}, {});
+  ASSERT_EQ(both.scores.size(), 2U);
+  EXPECT_EQ(both.scores[0].dof, both.scores[1].dof);
+  EXPECT_GT(both.scores[0].dof, 10000);
+}
+
+}  // namespace
+}  // namespace impactrig::fitting
