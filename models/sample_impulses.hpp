@@ -8,31 +8,34 @@
 namespace impactrig::models {
 
 /// Tells a history what the first stop's force passes on from sample to sample where a contact
-/// begins, changes or ends: there lines between samples miss much of a force that rises as the
-/// fourth root of time. The same of its derivatives.
+/// begins, changes or ends, and on to the next: there lines between samples miss much of a force
+/// that rises as the fourth root of time. The same of its derivatives, which may rise without
+/// bounds.
 class SampleImpulses {
  public:
   /// The force changes its law at a time [s].
   void note_change(double time) {
-    if (!changed_) time_ = time;
-    changed_ = true;
+    if (wanted_ < told) time_ = time;
+    wanted_ = told;
   }
 
-  /// Whether it did since the last sample.
-  bool changed() const { return changed_; }
+  /// Whether the next sample is to be seen. The last of several in a row is in any case.
+  bool wants() const { return wanted_ > 0; }
 
-  /// The history has samples from this one on that it had not; up to it, and up to the last, the
-  /// force has passed on these impulses [N s].
-  void see_samples(std::size_t from, double impulse_there, double impulse_at_last,
-                   History& history) {
-    if (changed_) history.impulses.push_back({time_, from, impulse_there - impulse_});
-    changed_ = false;
-    impulse_ = impulse_at_last;
+  /// The history has this sample now, up to which the force has passed on an impulse [N s].
+  void see(std::size_t sample, double impulse, History& history) {
+    if (wanted_ > 0) history.impulses.push_back({time_, sample, impulse - impulse_});
+    if (wanted_ > 0) --wanted_;
+    time_ = history.start + history.interval * static_cast<double>(sample);
+    impulse_ = impulse;
   }
 
  private:
-  bool changed_ = false;
-  double time_ = 0.0;     // when it did first [s]
+  static constexpr int told = 2;  // intervals after a change
+
+  int wanted_ = 0;
+  double time_ =
+      0.0;  // of the change in the interval that the next sample ends, or its beginning [s]
   double impulse_ = 0.0;  // up to the last sample [N s]
 };
 

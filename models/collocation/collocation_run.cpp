@@ -132,9 +132,11 @@ void CollocationRun::sample_history(
       history.further[i].force.push_back(points_[i + 1].shown_force(p));
       history.further[i].penetration.push_back(p.displacement);
     }
-  const double last = first + static_cast<double>(samples_.size() - 1) * history.interval;
-  impulses_.see_samples(history.force.size() - samples_.size(), impulse_until(first),
-                        impulse_until(last), history);
+  const std::size_t begun = history.force.size() - samples_.size();
+  for (std::size_t k = 0; k < samples_.size(); ++k)
+    if (impulses_.wants() || k + 1 == samples_.size())
+      impulses_.see(begun + k, impulse_until(first + static_cast<double>(k) * history.interval),
+                    history);
 }
 
 void CollocationRun::reject(int level) {

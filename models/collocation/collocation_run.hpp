@@ -136,7 +136,7 @@ class CollocationRun {
   bool over_at(const ContactPoint& point);
   void touch(ContactPoint& point);
   bool records_jumps(const ContactPoint& point) const;
-  void note_jump(const ContactPoint& point, double before);
+  void note_jump(const ContactPoint& point, double before, const PointMotion& motion);
   void sample_history(double time, const std::function<void(double, double)>& look,
                       const std::function<PointMotion(ContactPoint&, double)>& struck_at,
                       const std::function<double(double)>& impulse_until);

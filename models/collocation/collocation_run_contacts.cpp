@@ -66,7 +66,7 @@ void CollocationRun::touch(ContactPoint& point) {
     if (first) followed_->begin(approach_, result_.history.force.capacity());
     followed_->touch(point.number(), point.contact(), speed);
   }
-  note_jump(point, 0.0);
+  note_jump(point, 0.0, {0.0, speed});  // not where rounding has left it: there laws may be steep
 }
 
 /// What a history shows at this point.
@@ -74,16 +74,18 @@ bool CollocationRun::records_jumps(const ContactPoint& point) const {
   return result_.history.interval > 0.0 && point.number() == 0 && !rig_.stop;
 }
 
-/// The phase that begins may begin with another force than the last one ended with.
-void CollocationRun::note_jump(const ContactPoint& point, double before) {
+/// The phase that begins, the point moving like this, may begin with another force than the last
+/// one ended with.
+void CollocationRun::note_jump(const ContactPoint& point, double before,
+                               const PointMotion& motion) {
   if (!records_jumps(point)) return;
   impulses_.note_change(t_);
   if (followed_) followed_->note_change(t_);
   History& history = result_.history;
-  const double after = point.shown_force(point.struck());
+  const double after = point.shown_force(motion);
   if (std::abs(after - before) <= continuous * point.force_scale()) return;
   history.jumps.push_back({t_, before, after});
-  if (followed_) followed_->jump();
+  if (followed_) followed_->jump(motion.displacement == 0.0);
 }
 
 /// What the event at a stop changes; true where it calls for the first step of a phase.
@@ -105,12 +107,12 @@ bool CollocationRun::leave_event(ContactPoint& point) {
       if (free()) bar_.expect_flight();
       if (followed_ && point.number() == 0 && log_.in_first_episode(0))
         followed_->separate(result_);
-      note_jump(point, before);
+      note_jump(point, before, point.struck());
       return false;
     case Event::change:
       contact.set_phase(contact.switched());
       if (contact.phase() == Phase::slack) log_.slack(point.number(), t_);
-      note_jump(point, before);
+      note_jump(point, before, point.struck());
       return true;
   }
   return false;

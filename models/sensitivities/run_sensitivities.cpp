@@ -251,6 +251,15 @@ double RunSensitivities::shown_force(int i, std::size_t stop, double moved) cons
          seen.law.to_rate * (s.velocity + moved * seen.acceleration) + law_slope(d, stop, seen);
 }
 
+/// Of the first stop, at the place.
+double RunSensitivities::force_at_touch(int i) const {
+  if (!stops_[0].presses()) return 0.0;
+  Seen touching = seen_[0];
+  touching.depth = 0.0;
+  touching.law = stops_[0].contact->pressed(0.0, touching.rate);
+  return touching.law.to_rate * against_stop(i, 0).velocity + law_slope(direction(i), 0, touching);
+}
+
 /// One sample.
 void RunSensitivities::show(int i) {
   Direction& d = direction(i);
@@ -276,19 +285,22 @@ void RunSensitivities::note_change(double time) {
   for (Direction& d : directions_) d.impulses.note_change(time);
 }
 
-void RunSensitivities::jump() {
+void RunSensitivities::jump(bool at_touch) {
   jumped_ = true;
+  touches_ = at_touch;
   for (Direction& d : directions_) d.result.history.jumps.push_back({d.time, d.force_at_end, 0.0});
 }
 
-/// What the force does there is known when the step that begins there is.
+/// What the force does there is known when the step that begins there is. At touch the depth stays
+/// 0, whatever the parameter: laws may be so steep there that its rounding would be magnified.
 void RunSensitivities::look_beyond_jump() {
   if (!jumped_) return;
   jumped_ = false;
   look(0.0);
   for (int i = 0; i < count(); ++i) {
     follow_to_place(i);
-    direction(i).result.history.jumps.back().after = shown_force(i, 0, 0.0);
+    direction(i).result.history.jumps.back().after =
+        touches_ ? force_at_touch(i) : shown_force(i, 0, 0.0);
   }
 }
 
@@ -300,20 +312,16 @@ double RunSensitivities::impulse_at_place(int i) const {
 
 void RunSensitivities::sample(double first, double spacing, std::size_t count) {
   look_beyond_jump();
-  std::vector<double> at_first(directions_.size());
   for (std::size_t k = 0; k < count; ++k) {
     place_.part = first + static_cast<double>(k) * spacing;
     go_to_sample(place_.part, spacing, k == 0);
     for (int i = 0; i < this->count(); ++i) {
       show(i);
-      if (k == 0) at_first[static_cast<std::size_t>(i)] = impulse_at_place(i);
+      Direction& d = direction(i);
+      History& history = d.result.history;
+      if (d.impulses.wants() || k + 1 == count)
+        d.impulses.see(history.force.size() - 1, impulse_at_place(i), history);
     }
-  }
-  for (int i = 0; i < this->count(); ++i) {
-    Direction& d = direction(i);
-    d.impulses.see_samples(d.result.history.force.size() - count,
-                           at_first[static_cast<std::size_t>(i)], impulse_at_place(i),
-                           d.result.history);
   }
 }
 

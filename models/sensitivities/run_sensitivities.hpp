@@ -68,8 +68,8 @@ class RunSensitivities {
   /// run begins.
   void note_change(double time);
 
-  /// It jumped where the last step taken ended, or the run begins.
-  void jump();
+  /// It jumped, at a touch or not, where the last step taken ended, or the run begins.
+  void jump(bool at_touch);
   void separate(const Simulation& result);
 
   std::vector<Sensitivity> take_results();
@@ -203,6 +203,7 @@ class RunSensitivities {
   double end_shift(int i, End end, std::size_t stop);
   double integral(const NodeVector& at_nodes, double part) const;
   double shown_force(int i, std::size_t stop, double moved) const;
+  double force_at_touch(int i) const;
   void show(int i);
   double impulse_at_place(int i) const;
   void look_beyond_jump();
@@ -213,6 +214,7 @@ class RunSensitivities {
   Eigen::MatrixXd jacobian_;
   double dissipated_at_deepest_ = 0.0;  // [J]
   bool jumped_ = false;                 // where the step at hand begins
+  bool touches_ = false;                // there
 };
 
 }  // namespace impactrig::models

@@ -130,6 +130,35 @@ TEST(SampleImpulses, HaveDerivatives) {
   }
 }
 
+// Goldsmith's law is so steep at touch that tsuji's damping begins with a jump, and rounding of the
+// depth there would have a slope of 1e74. By differences of whole runs.
+TEST(ForceJumps, AtLaterTouchesHaveTheDerivativesOfTheirSpeed) {
+  SimulationOptions options;
+  options.history.interval = 1e-6;
+  options.motion = Motion::small;
+  options.sensitivities = {[](Rig& r) -> double& { return r.start.velocity; }};
+  const Solver solver = hybrid(Basis::cantilever, 12, 1e-9, 2e-3);
+  for (int k = 0; k < 8; ++k) {
+    Rig rig = often_struck_rig();
+    rig.start.velocity += 1e-3 * k;
+    const auto at = [&](double change) {
+      Rig moved = rig;
+      moved.start.velocity += change;
+      return simulate(moved, solver, options).history.jumps;
+    };
+    const double step = 1e-5;
+    const auto above = at(step), below = at(-step);
+    const auto slopes = simulate(rig, solver, options).sensitivities.at(0).history.jumps;
+    ASSERT_GT(slopes.size(), 1U);
+    ASSERT_EQ(above.size(), slopes.size());
+    ASSERT_EQ(below.size(), slopes.size());
+    for (std::size_t j = 0; j < slopes.size(); ++j) {
+      const double difference = (above[j].after - below[j].after) / (2.0 * step);
+      EXPECT_NEAR(slopes[j].after, difference, 1e-3 * std::abs(difference) + 1e-3) << k << ' ' << j;
+    }
+  }
+}
+
 TEST(SampleImpulses, AreNoneOfASensorThatGivesWay) {
   Rig rig = damped_rig("tsuji");
   rig.stop = Stop{.mass = 0.2, .stiffness = 1e9, .viscous = 5e3};
