@@ -13,6 +13,7 @@
 #include "app/files.hpp"
 #include "app/program.hpp"
 #include "datasets/input_error.hpp"
+#include "fitting/force_curve.hpp"
 #include "fitting/rig_file.hpp"
 #include "models/simulation.hpp"
 
@@ -49,11 +50,17 @@ acquisition::Trajectory trajectory_of(const fitting::RigFile& rig, const Options
   solver.duration = options.duration - options.pre_trigger + margin;
   simulation = models::simulate(rig.rig, solver, request);
   const models::History& h = simulation.history;
-  datasets::SampledCurve force{.start = h.start, .interval = h.interval, .values = h.seen_force()};
-  for (const models::ForceJump& jump : h.jumps)
-    force.jumps.push_back({jump.time, jump.before, jump.after});
-  for (const models::SampleImpulse& known : h.impulses)
-    datasets::add_missed(force, known.time, known.sample, known.impulse);
+  const double recorded = options.duration - options.pre_trigger;
+  if (simulation.duration < recorded)
+    throw datasets::InputError(
+        {.file = options.rig},
+        fmt::format("the simulation ended {:.4g} s after first touch, the recording asked for goes "
+                    "on to {:.4g} s: {}. State a shorter --duration{}",
+                    simulation.duration, recorded, simulation.termination,
+                    simulation.cut_short
+                        ? ", a longer solver.time_limit or a larger solver.accuracy"
+                        : ""));
+  datasets::SampledCurve force = fitting::force_curve(h);
   return {.start = h.start,
           .interval = h.interval,
           .force = std::move(force.values),

@@ -4,8 +4,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "acquisition/random_stream.hpp"
+#include "fitting/force_curve.hpp"
 #include "models/simulation.hpp"
 
 namespace impactrig::bench {
@@ -39,8 +41,7 @@ void draw_truth(std::uint64_t seed, models::Rig& rig) {
 
 RecordedShot record_shot(const fitting::RigFile& rig, const Recording& how) {
   models::SimulationOptions request;
-  request.history = {.interval = 1.0 / (finer * acquisition::SyntheticOptions{}.sample_rate),
-                     .lead = how.pre_trigger + margin};
+  request.history = {.interval = 1.0 / (finer * how.sample_rate), .lead = how.pre_trigger + margin};
   if (rig.velocity) request.history.velocity_position = rig.velocity->position;
   models::Solver solver = rig.solver;
   solver.duration = how.duration - how.pre_trigger + margin;
@@ -50,14 +51,18 @@ RecordedShot record_shot(const fitting::RigFile& rig, const Recording& how) {
   const double fastest = std::ranges::max(h.velocity, {}, [](double v) { return std::abs(v); });
   RecordedShot shot;
   shot.options = how.day(sensors_of(rig), truth.peak_force, std::abs(fastest));
+  shot.options.sample_rate = how.sample_rate;
   shot.options.pre_trigger = how.pre_trigger;
   shot.options.duration = how.duration;
   if (how.change) how.change(shot.options, truth.peak_force);
+  datasets::SampledCurve force = fitting::force_curve(h);
   shot.record = acquisition::synthesise({.start = h.start,
                                          .interval = h.interval,
-                                         .force = h.force,
+                                         .force = std::move(force.values),
                                          .velocity = h.velocity,
-                                         .displacement = h.displacement},
+                                         .displacement = h.displacement,
+                                         .force_jumps = std::move(force.jumps),
+                                         .force_spikes = std::move(force.spikes)},
                                         sensors_of(rig), shot.options);
   return shot;
 }

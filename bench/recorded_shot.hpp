@@ -24,6 +24,7 @@ void draw_truth(std::uint64_t seed, models::Rig& rig);
 struct Recording {
   double pre_trigger = 0.5e-3;  ///< [s]
   double duration = 4e-3;       ///< in all [s]
+  double sample_rate = 1e6;     ///< [Hz]
   double accuracy = 1e-9;       ///< to which the truth is solved
   std::function<acquisition::SyntheticOptions(const acquisition::SensorSet&, double, double)> day =
       acquisition::good_laboratory_day;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "datasets/sampled_curve.hpp"
+#include "fitting/force_curve.hpp"
 #include "models/mesh_error.hpp"
 #include "models/sensitivities/spot_sensitivity.hpp"
 
@@ -74,10 +75,7 @@ ForceBreaks breaks_of(const models::History& history) {
 ForceBreaks breaks_of(const models::History& derivative, const models::History& history) {
   ForceBreaks breaks{.impulses = derivative.impulses};
   if (history.jumps.empty()) return breaks;
-  const Shown::Curve force{.start = history.start,
-                           .interval = history.interval,
-                           .values = history.seen_force(),
-                           .jumps = breaks_of(history).jumps};
+  const Shown::Curve force = force_curve(history);
   for (std::size_t k = 0; k < history.jumps.size(); ++k) {
     const models::ForceJump &jump = history.jumps[k], &by = derivative.jumps[k];
     const auto held = [&](double limit, std::size_t piece) {
