@@ -179,8 +179,8 @@ Fit Session::run() {
   choose_motion(problem_);
   search_.run();
   settle();
-  tell_early_end();
   settle_motion();
+  tell_early_end();
   out_of_time_ = problem_.out_of_time();
   problem_.limit_time(whole);
   const bool beyond = look_beyond_window();

@@ -28,7 +28,8 @@ struct Parameter {
   std::string name;
   std::string unit;  ///< SI, "1" when dimensionless
   double value = 0.0;
-  double std_error = 0.0;  ///< NaN, as ci95 and mesh_shift, where it is not identifiable
+  double std_error =
+      0.0;  ///< NaN, as ci95, mesh_shift and mesh_error, where it is not identifiable
   std::array<double, 2> ci95 = {0, 0};
   double initial = 0.0;
   double lower = 0.0, upper = 0.0;  ///< bounds
@@ -36,8 +37,11 @@ struct Parameter {
   /// Whether the data determine it, not only combinations of it with others.
   bool identifiable = true;
   bool by_logarithm = false;  ///< searched, and its interval made, by its logarithm
-  /// What a mesh twice as fine would add to the value, to first order; ci95 is widened by it.
+  /// What a mesh twice as fine would add to the value, to first order.
   double mesh_shift = 0.0;
+  /// What the mesh's error is estimated at from that, 1.1 to 3 times as much, >= 0; ci95 is widened
+  /// by it.
+  double mesh_error = 0.0;
   bool nuisance = false;  ///< of the measuring chain or the timing, not of the physics
   /// Mean and standard uncertainty, from a calibration or the user.
   std::optional<std::array<double, 2>> prior;

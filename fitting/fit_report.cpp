@@ -89,8 +89,7 @@ std::array<double, 2> interval_of(const Variable& v, const Parameter& p, double 
   std::array<double, 2> interval = {v.value - half, v.value + half};
   if (p.by_logarithm)
     interval = {v.value * std::exp(-half / v.value), v.value * std::exp(half / v.value)};
-  const double mesh = beyond_finer * std::abs(p.mesh_shift);
-  interval = {interval[0] - mesh, interval[1] + mesh};
+  interval = {interval[0] - p.mesh_error, interval[1] + p.mesh_error};
   if (!v.tie) interval = {std::max(interval[0], v.lower), std::min(interval[1], v.upper)};
   return interval;
 }
@@ -303,9 +302,10 @@ void report_parameters(const FitProblem& problem, const FitEnd& end, Fit& fit) {
     if (p.identifiable) {
       p.std_error = end.inflation * std::sqrt(covariance(row, row));
       if (end.mesh_shift.size() > 0) p.mesh_shift = lines.row(row).dot(end.mesh_shift);
+      p.mesh_error = end.beyond_finer * std::abs(p.mesh_shift);
       p.ci95 = interval_of(v, p, quantile);
     } else {
-      p.std_error = p.mesh_shift = not_known;
+      p.std_error = p.mesh_shift = p.mesh_error = not_known;
       p.ci95 = {not_known, not_known};
     }
     p.initial = v.initial;
@@ -366,7 +366,7 @@ void report_restitution(const FitProblem& problem, const FitEnd& end, Fit& fit) 
     double half = problem.rig().solver.accuracy * std::abs(values[k]) +
                   quantile * end.inflation * std::sqrt(std::max(0.0, variance));
     if (end.mesh_shift.size() > 0)
-      half += beyond_finer * std::abs(changes[k] + gradient.row(k).dot(end.mesh_shift));
+      half += end.beyond_finer * std::abs(changes[k] + gradient.row(k).dot(end.mesh_shift));
     if (!determines(end.spread, gradient.row(k), sizes, values[k])) half = not_known;
     fit.restitution[names[k]] = {values[k], {values[k] - half, values[k] + half}};
   }

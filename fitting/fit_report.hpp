@@ -8,9 +8,6 @@
 
 namespace impactrig::fitting {
 
-/// The error of a mesh against the change to one twice as fine: errors fall about tenfold.
-inline constexpr double beyond_finer = 1.1;
-
 /// Degrees of freedom, information criteria, of what is determined; returns chi-square by degree of
 /// freedom. chi2 is already in.
 double report_goodness(const FitProblem& problem, const Uncertainty& spread, Goodness& goodness);

@@ -54,6 +54,17 @@ void FitSearch::run() {
   pass(last_search, whole);
 }
 
+void FitSearch::finish() {
+  const double reached = pass(last_search, whole);
+  if (!(reached > misfit) || !may_end_early_ || early_end_) return;
+  const std::vector<double> found = problem_.values();
+  const SearchEnd end = last_;
+  search_first_window_finely(found);
+  problem_.set_values(found);
+  last_ = end;
+  leave_later_contacts_out(reached);
+}
+
 void FitSearch::search_whole_window() {
   const std::vector<double> tried = problem_.values();
   double reached = pass(last_search, whole);

@@ -22,8 +22,8 @@ class FitSearch {
 
   void run();
 
-  /// Once more from the present values, over the whole window.
-  void finish() { pass(last_search, whole); }
+  /// Once more from the present values, over the whole window, by other predictions than before.
+  void finish();
 
   /// Where the search ended that the present values are from.
   const SearchEnd& end() const { return last_; }

@@ -25,6 +25,23 @@ void keep_within_bounds(Eigen::VectorXd& shift, const FitProblem& problem,
   }
 }
 
+// Errors of smooth forces fall tenfold from mesh to mesh, of one that begins at once by half. Where
+// they do not fall, two meshes agree by chance or neither is fine enough to tell.
+constexpr double least_beyond = 1.1, most_beyond = 3.0;
+
+/// From what a mesh half as fine would change: errors are taken to fall on as they fell. Lengths
+/// are of what the unknowns follow of the residuals' change.
+double error_beyond(const FitProblem& problem, const FitEnd& end) {
+  const auto change_of = [](const Shot& shot) -> Eigen::VectorXd {
+    return shot.cost->change(*shot.model, *shot.model->halved()).differences;
+  };
+  if (!problem.shots().front().model->halved()) return least_beyond;
+  const double finer = (end.jacobian * end.mesh_shift).norm();
+  const double coarser = (end.jacobian * shift_by(change_of, problem, end)).norm();
+  if (!(finer < coarser)) return finer > 0.0 ? most_beyond : least_beyond;
+  return std::clamp(1.0 / (1.0 - finer / coarser), least_beyond, most_beyond);
+}
+
 }  // namespace
 
 void estimate_mesh_shift(FitProblem& problem, FitEnd& end, std::vector<std::string>& warnings) {
@@ -38,6 +55,7 @@ void estimate_mesh_shift(FitProblem& problem, FitEnd& end, std::vector<std::stri
       return std::move(change.differences);
     };
     end.mesh_shift = shift_by(change_of, problem, end);
+    end.beyond_finer = error_beyond(problem, end);
     keep_within_bounds(end.mesh_shift, problem, end.spread);
   } catch (const std::exception& error) {
     warnings.push_back(fmt::format(

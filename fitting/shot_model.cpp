@@ -126,6 +126,15 @@ ShotModel ShotModel::finer() const {
   return model;
 }
 
+std::optional<ShotModel> ShotModel::halved() const {
+  const std::optional<models::Solver> solver = models::halved(solver_);
+  if (!solver) return std::nullopt;
+  ShotModel model = *this;
+  model.solver_ = *solver;
+  model.bars_ = std::make_shared<models::BarCache>();
+  return model;
+}
+
 ShotModel ShotModel::coarser() const {
   ShotModel model = *this;
   model.solver_ = models::coarsened(solver_);

@@ -87,7 +87,9 @@ class ShotModel {
   /// not known.
   ShotModel in_small_motion() const;
 
-  ShotModel finer() const;    ///< the same with twice the elements or modes
+  ShotModel finer() const;  ///< the same with twice the elements or modes
+  /// With half of them, where there is such a mesh (models::halved).
+  std::optional<ShotModel> halved() const;
   ShotModel coarser() const;  ///< the same with few (models::coarsened)
 
   /// Sensors as the rig file describes them.

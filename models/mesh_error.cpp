@@ -220,6 +220,18 @@ Solver refined(const Solver& solver) {
   return finer;
 }
 
+std::optional<Solver> halved(const Solver& solver) {
+  constexpr int fewest_modes = 2;
+  Solver coarser = solver;
+  coarser.elements = {solver.elements[0] / 2, solver.elements[1] / 2};
+  coarser.modes = solver.modes / 2;
+  coarser.axial_modes = solver.axial_modes / 2;
+  const bool even = solver.elements[0] % 2 == 0 && solver.elements[1] % 2 == 0;
+  if (solver.model == BeamModel::ancf && even) return coarser;
+  if (solver.model == BeamModel::hybrid && coarser.modes >= fewest_modes) return coarser;
+  return std::nullopt;
+}
+
 Solver coarsened(const Solver& solver) {
   constexpr int few_modes = 4, few_elements = 16;
   Solver coarser = solver;

@@ -10,6 +10,10 @@ namespace impactrig::models {
 /// Twice the elements or modes; the same for a rigid bar.
 Solver refined(const Solver& solver);
 
+/// Half the elements or modes; none where a number of elements is odd or little would be left, and
+/// of a rigid bar.
+std::optional<Solver> halved(const Solver& solver);
+
 /// At most 4 modes, axial_modes none, or 16 elements where both parts can be divided alike: enough
 /// for what a rotation does that is large, or a comparison of two equations of motion.
 Solver coarsened(const Solver& solver);

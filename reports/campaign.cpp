@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fitting/fit_report.hpp"
 #include "reports/campaign_wording.hpp"
 #include "reports/wording.hpp"
 
@@ -41,6 +40,7 @@ void add_parameters(const fitting::Fit& fit, CampaignShot& shot) {
                             .std_error = known ? p.std_error : 0.0,
                             .ci95 = p.ci95,
                             .mesh_shift = p.mesh_shift,
+                            .mesh_error = p.mesh_error,
                             .compared = p.tied_to.empty(),
                             .with_speed = correlation_with_speed(fit, i)});
   }
@@ -121,11 +121,13 @@ CampaignQuantity quantity_of(const Campaign& campaign, const ShotNumber& first) 
     quantity.shots.push_back(i);
     values.push_back({number->value, number->std_error});
     quantity.mesh_shift += number->mesh_shift;
+    quantity.mesh_error += std::copysign(number->mesh_error, number->mesh_shift);
   }
   if (values.size() < 2) return quantity;
   quantity.between = fitting::between_shots(values);
   quantity.mesh_shift /= static_cast<double>(values.size());
-  const double mesh = fitting::beyond_finer * std::abs(quantity.mesh_shift);
+  quantity.mesh_error /= static_cast<double>(values.size());
+  const double mesh = std::abs(quantity.mesh_error);
   quantity.ci95 = {quantity.between.ci95[0] - mesh, quantity.between.ci95[1] + mesh};
   quantity.sentence = between_sentence(quantity);
   if (!of_speed(quantity.name)) {

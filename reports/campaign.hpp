@@ -24,6 +24,7 @@ struct ShotNumber {
   double std_error = 0.0;  ///< 0 or NaN: could not be estimated
   std::array<double, 2> ci95 = {0, 0};
   double mesh_shift = 0.0;  ///< fitting::Parameter::mesh_shift: of all shots alike, so no scatter
+  double mesh_error = 0.0;  ///< likewise
   bool compared = true;     ///< between shots; what follows from parameters only is not
   double with_speed = 0.0;  ///< correlation of its error with that of the fitted approach speed
 };
@@ -66,6 +67,7 @@ struct CampaignQuantity {
   std::vector<std::size_t> left_out;
   fitting::BetweenShots between;
   double mesh_shift = 0.0;          ///< mean of the shots' [SI]
+  double mesh_error = 0.0;          ///< of the mean, with the sign of the shift [SI]
   std::array<double, 2> ci95 = {};  ///< of the mean, widened by the mesh error, which all share
   std::string sentence;             ///< what that amounts to
   std::optional<fitting::SpeedTrend> trend;

@@ -23,6 +23,7 @@ Json parameter_json(const fitting::Parameter& parameter) {
           {"initial", parameter.initial},
           {"at_bound", parameter.at_bound},
           {"mesh_shift", parameter.mesh_shift},
+          {"mesh_error", parameter.mesh_error},
           {"lower", parameter.lower},
           {"upper", parameter.upper},
           {"prior", parameter.prior ? pair_json(*parameter.prior) : Json(nullptr)},
@@ -34,11 +35,12 @@ Json parameter_json(const fitting::Parameter& parameter) {
 
 /// Fits were stored with zeros for what is not identifiable: as if it were perfectly known.
 void forget_interval(fitting::Parameter& parameter) {
-  parameter.std_error = parameter.mesh_shift = parameter.ci95[0] = parameter.ci95[1] =
-      std::numeric_limits<double>::quiet_NaN();
+  parameter.std_error = parameter.mesh_shift = parameter.mesh_error = parameter.ci95[0] =
+      parameter.ci95[1] = std::numeric_limits<double>::quiet_NaN();
 }
 
 fitting::Parameter parameter_from(const JsonReader& json) {
+  constexpr double mesh_error_once = 1.1;  // of fits that were kept without it
   constexpr double infinity = std::numeric_limits<double>::infinity();
   fitting::Parameter parameter;
   parameter.name = json["name"].text();
@@ -51,6 +53,8 @@ fitting::Parameter parameter_from(const JsonReader& json) {
   parameter.upper = json["upper"].number_or(infinity);
   parameter.at_bound = json["at_bound"].boolean();
   if (json.has("mesh_shift")) parameter.mesh_shift = json["mesh_shift"].number();
+  parameter.mesh_error = json.has("mesh_error") ? json["mesh_error"].number()
+                                                : mesh_error_once * std::abs(parameter.mesh_shift);
   parameter.identifiable = json["identifiable"].boolean();
   if (!parameter.identifiable) forget_interval(parameter);
   parameter.nuisance = json["nuisance"].boolean();

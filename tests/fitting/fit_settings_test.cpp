@@ -118,8 +118,8 @@ TEST(FitSettings, ByItsLogarithmAParameterHasTheSameOptimum) {
     const Parameter log = parameter(fit({impact}, hybrid_rig(), options), setting.name);
     EXPECT_NEAR(log.value, linear.value, 0.02 * linear.std_error);
     EXPECT_NEAR(log.std_error / linear.std_error, 1.0, 1e-3);
-    const double mesh = fitting::beyond_finer * std::abs(log.mesh_shift);  // goes by no factor
-    const double linear_mesh = fitting::beyond_finer * std::abs(linear.mesh_shift);
+    const double mesh = log.mesh_error;  // goes by no factor
+    const double linear_mesh = linear.mesh_error;
     EXPECT_NEAR(std::log((log.ci95[1] - mesh) / log.value),
                 (linear.ci95[1] - linear_mesh - linear.value) / linear.value,
                 1e-2 * linear.std_error);
