@@ -236,7 +236,7 @@ std::vector<fitting::Parameter> example_parameters(int recordings) {
         add("sensors.force.resonance.quality" + suffix, "1", 21.4, 0.0, 20.0);
     resonance.identifiable = false;
     resonance.nuisance = true;
-    resonance.std_error = resonance.mesh_shift = std::nan("");
+    resonance.std_error = resonance.mesh_shift = resonance.mesh_error = std::nan("");
     resonance.ci95 = {std::nan(""), std::nan("")};
   }
   return out;

@@ -32,7 +32,7 @@ TEST(FitText, SaysWhatIsNotIdentifiable) {
   constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
   fitting::Parameter& e = data.fit.parameters[0];
   e.identifiable = false;
-  e.std_error = e.mesh_shift = e.ci95[0] = e.ci95[1] = not_known;
+  e.std_error = e.mesh_shift = e.mesh_error = e.ci95[0] = e.ci95[1] = not_known;
   data.fit.restitution["law"].ci95 = data.fit.restitution["kinetic"].ci95 = e.ci95;
   data.fit.bootstrap = fitting::Bootstrap{.draws = 40};
   data.fit.bootstrap->parameters = {
