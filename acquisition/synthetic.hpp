@@ -22,8 +22,8 @@ struct Trajectory {
   std::vector<double> velocity;      ///< [m/s] (n_samples), at the laser spot
   std::vector<double> displacement;  ///< [m] (n_samples), at the laser spot
   std::vector<datasets::CurveJump> force_jumps = {};
-  std::vector<datasets::CurveSpike> force_spikes =
-      {};  ///< what lines between its samples miss [N s]
+  /// What lines between the samples of the force miss [N s].
+  std::vector<datasets::CurveSpike> force_spikes = {};
 };
 
 /// What a digitiser and a laboratory do to a signal, apart from the sensor's own chain, in this
