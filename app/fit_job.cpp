@@ -32,8 +32,15 @@ std::string host_name() {
   return gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
+/// Whether a recording without force is refused: not where the rig file describes what was measured
+/// instead and nobody asks for a force.
+bool needs_force(const fitting::RigFile& rig, const fitting::FitOptions& options) {
+  const bool others = rig.velocity || rig.displacement;
+  return options.use_force && (options.channels_stated || rig.force || !others);
+}
+
 /// The impact that is asked for; others of the recording are left alone, and a warning says so.
-datasets::Impact chosen_impact(const datasets::Record& record, const FitJob& job, bool needs_force,
+datasets::Impact chosen_impact(const datasets::Record& record, const FitJob& job, bool with_force,
                                std::vector<std::string>& warnings) {
   const std::vector<datasets::Impact> impacts =
       acquisition::find_impacts(record, detection_options(job.detection));
@@ -49,7 +56,7 @@ datasets::Impact chosen_impact(const datasets::Record& record, const FitJob& job
         {.file = file}, fmt::format("holds {} impact{}, so there is no number {}", impacts.size(),
                                     impacts.size() == 1 ? "" : "s", job.impact));
   datasets::Impact impact = impacts[static_cast<std::size_t>(job.impact) - 1];
-  if (!impact.force && needs_force)
+  if (!impact.force && with_force)
     throw datasets::InputError({.file = file},
                                "has no force channel; name it with sensors.force.channel (and "
                                "sensitivity, if it is in volts) in the "
@@ -397,7 +404,12 @@ reports::ReportData run_fit_job(const FitJob& job) {
     for (const std::string& warning : record.warnings)
       warnings.push_back(fmt::format("{}: {}", path, warning));
     refuse_choice(record, rig);
-    impacts.push_back(chosen_impact(record, job, options.use_force, warnings));
+    impacts.push_back(chosen_impact(record, job, needs_force(rig, options), warnings));
+    if (!impacts.back().force && options.use_force)
+      warnings.push_back(
+          fmt::format("{}: no channel is known to be a force, and the rig file names "
+                      "none (sensors.force.channel): the fit is without.",
+                      impacts.back().recording));
     check_momentum(path, rig, impacts.back(), job.common.quiet, warnings);
     for (const reports::InputFile& input : data.provenance.inputs)
       if (input.sha256 == record.provenance.sha256)

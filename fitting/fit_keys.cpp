@@ -105,6 +105,7 @@ std::pair<std::string, std::string_view> split(std::string_view text, std::strin
 
 void choose_channels(const std::vector<std::string>& names, FitOptions& options) {
   options.use_force = options.use_velocity = options.use_displacement = false;
+  options.channels_stated = true;
   for (const std::string& name : names) {
     if (name != "force" && name != "velocity" && name != "displacement")
       throw std::invalid_argument("expected force, velocity or displacement, found " + name);

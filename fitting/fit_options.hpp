@@ -50,6 +50,7 @@ struct FitOptions {
   /// second contact where what follows cannot be fitted.
   double window = 0.0;
   bool use_force = true, use_velocity = true, use_displacement = false;
+  bool channels_stated = false;  ///< the three above are asked for, not the default
   Loss loss = Loss::squares;
   /// Metrics, diagnostics and direct estimates, which a report shows. Without, a fit is parameters,
   /// intervals and curves: for fits of which only those are looked at.

@@ -98,15 +98,21 @@ TEST_F(DisplacementAlone, GivesItsRestitutionToAFit) {
   const std::string own =
       write("own.toml", all.substr(0, all.find("[sensors.force]")) +
                             "[sensors.displacement]\nchannel = \"Displacement\"\n");
-  const std::string fit = "fit " + shot + " --rig " + own + " --set solver.model=rigid" +
-                          " --set solver.duration=\"1.5 ms\" --set contact.restitution=0.7 --json ";
-  o = run(fit);
+  const auto fit = [&](const std::string& described) {
+    return "fit " + shot + " --rig " + described + " --set solver.model=rigid" +
+           " --set solver.duration=\"1.5 ms\" --set contact.restitution=0.7 --json ";
+  };
+  // a rig file that says nothing of sensors may have forgotten the force's, or its unit
+  const std::string silent = write("silent.toml", all.substr(0, all.find("[sensors.force]")));
+  o = run(fit(silent));
   EXPECT_EQ(o.code, 3);
   EXPECT_THAT(o.err, HasSubstr("or fit what there is with --channels velocity or --channels "
                                "displacement"));
-  o = run(fit + "--channels displacement");
+  EXPECT_EQ(run(fit(own) + "--channels force,displacement").code, 3);
+  o = run(fit(own));  // this one says that a displacement was measured
   ASSERT_EQ(o.code, 0) << o.err;
   const json result = json::parse(o.out);
+  EXPECT_THAT(result["warnings"].dump(), HasSubstr("no channel is known to be a force"));
   EXPECT_EQ(result["termination"], "converged");
   EXPECT_TRUE(result["impacts"][0].contains("rebound"));
   for (const json& p : result["parameters"])
