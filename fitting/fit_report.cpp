@@ -256,6 +256,13 @@ Eigen::MatrixXd restitution_gradient(const FitProblem& problem) {
   return gradient;
 }
 
+/// Where the other one's bounds end it, its own ends too.
+std::array<double, 2> tied_interval(const Variable::Line& tie, std::array<double, 2> of_other) {
+  for (double& end : of_other) end = tie.factor * end + tie.offset;
+  if (tie.factor < 0.0) std::swap(of_other[0], of_other[1]);
+  return of_other;
+}
+
 bool of_later_contacts(ImpactFlag flag) {
   return flag == ImpactFlag::double_hit || flag == ImpactFlag::multiple_hits;
 }
@@ -317,6 +324,9 @@ void report_parameters(const FitProblem& problem, const FitEnd& end, Fit& fit) {
     if (v.tie) p.tied_to = problem.variables()[v.tie->to].name;
     fit.parameters.push_back(std::move(p));
   }
+  for (std::size_t i = 0; i < problem.variables().size(); ++i)
+    if (const auto& tie = problem.variables()[i].tie)
+      fit.parameters[i].ci95 = tied_interval(*tie, fit.parameters[tie->to].ci95);
   fit.correlations = correlations_of(covariance, fit);
   fit.not_identifiable = end.spread.sentences;
 }

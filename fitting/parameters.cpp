@@ -193,46 +193,25 @@ std::array<PhysicalParameter, 6> of_segment() {
 
 /// Of the further stop K what no fit frees.
 template <std::size_t K>
-std::array<PhysicalParameter, 13> stated_of_further_stop() {
-  static const std::array names = {fmt::format("contacts.{}.modulus", K),
-                                   fmt::format("contacts.{}.counter_modulus", K),
-                                   fmt::format("contacts.{}.poisson_ratio", K),
+std::array<PhysicalParameter, 6> stated_of_further_stop() {
+  static const std::array names = {fmt::format("contacts.{}.poisson_ratio", K),
                                    fmt::format("contacts.{}.counter_poisson_ratio", K),
-                                   fmt::format("contacts.{}.radius", K),
-                                   fmt::format("contacts.{}.counterface.radius", K),
                                    fmt::format("contacts.{}.counterface.depth", K),
-                                   fmt::format("contacts.{}.viscous", K),
-                                   fmt::format("contacts.{}.relaxation_time", K),
                                    fmt::format("contacts.{}.reference_length", K),
                                    fmt::format("contacts.{}.restitution_speed", K),
-                                   fmt::format("contacts.{}.effective_mass", K),
-                                   fmt::format("contacts.{}.power", K)};
-  return {PhysicalParameter{names[0], "Pa", 0.0, 0.0, false,
-                            [](Rig& r) -> double& { return further<K>(r).contact.modulus; }},
-          {names[1], "Pa", 0.0, 0.0, false,
-           [](Rig& r) -> double& { return further<K>(r).contact.counter_modulus; }},
-          {names[2], "1", 0.0, 0.0, false,
-           [](Rig& r) -> double& { return further<K>(r).contact.poisson_ratio; }},
-          {names[3], "1", 0.0, 0.0, false,
+                                   fmt::format("contacts.{}.effective_mass", K)};
+  return {PhysicalParameter{names[0], "1", 0.0, 0.0, false,
+                            [](Rig& r) -> double& { return further<K>(r).contact.poisson_ratio; }},
+          {names[1], "1", 0.0, 0.0, false,
            [](Rig& r) -> double& { return further<K>(r).contact.counter_poisson_ratio; }},
-          {names[4], "m", 0.0, 0.0, false,
-           [](Rig& r) -> double& { return further<K>(r).contact.radius; }},
-          {names[5], "m", 0.0, 0.0, false,
-           [](Rig& r) -> double& { return further<K>(r).contact.counter_radius; }},
-          {names[6], "m", 0.0, 0.0, false,
+          {names[2], "m", 0.0, 0.0, false,
            [](Rig& r) -> double& { return further<K>(r).contact.counter_depth; }},
-          {names[7], "N s/m", 0.0, 0.0, false,
-           [](Rig& r) -> double& { return stated(further<K>(r).contact.viscous); }},
-          {names[8], "s", 0.0, 0.0, false,
-           [](Rig& r) -> double& { return stated(further<K>(r).contact.relaxation_time); }},
-          {names[9], "m", 0.0, 0.0, false,
+          {names[3], "m", 0.0, 0.0, false,
            [](Rig& r) -> double& { return stated(further<K>(r).contact.reference_length); }},
-          {names[10], "m/s", 0.0, 0.0, false,
+          {names[4], "m/s", 0.0, 0.0, false,
            [](Rig& r) -> double& { return stated(further<K>(r).contact.restitution_speed); }},
-          {names[11], "kg", 0.0, 0.0, false,
-           [](Rig& r) -> double& { return stated(further<K>(r).contact.effective_mass); }},
-          {names[12], "1", 0.0, 0.0, false,
-           [](Rig& r) -> double& { return further<K>(r).contact.power; }}};
+          {names[5], "kg", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return stated(further<K>(r).contact.effective_mass); }}};
 }
 
 std::vector<PhysicalParameter> all_stated_parameters() {
@@ -251,11 +230,15 @@ std::vector<PhysicalParameter> all_stated_parameters() {
 
 /// Of the further stop K; its keys are those of [[contacts]] behind its number.
 template <std::size_t K>
-std::array<PhysicalParameter, 6> of_further_stop() {
+std::array<PhysicalParameter, 13> of_further_stop() {
   static const std::array names = {
       fmt::format("contacts.{}.restitution", K), fmt::format("contacts.{}.stiffness_factor", K),
       fmt::format("contacts.{}.length", K),      fmt::format("contacts.{}.stiffness", K),
-      fmt::format("contacts.{}.position", K),    fmt::format("contacts.{}.gap", K)};
+      fmt::format("contacts.{}.position", K),    fmt::format("contacts.{}.gap", K),
+      fmt::format("contacts.{}.modulus", K),     fmt::format("contacts.{}.counter_modulus", K),
+      fmt::format("contacts.{}.radius", K),      fmt::format("contacts.{}.counterface.radius", K),
+      fmt::format("contacts.{}.viscous", K),     fmt::format("contacts.{}.relaxation_time", K),
+      fmt::format("contacts.{}.power", K)};
   return {PhysicalParameter{names[0], "1", 0.0, 1.0, false,
                             [](Rig& r) -> double& { return further<K>(r).contact.restitution; }},
           {names[1], "1", 0.01, 100.0, false,
@@ -266,7 +249,21 @@ std::array<PhysicalParameter, 6> of_further_stop() {
            [](Rig& r) -> double& { return further<K>(r).contact.stiffness; }},
           {names[4], "m", 0.0, 0.0, false,
            [](Rig& r) -> double& { return further<K>(r).contact.position; }},
-          {names[5], "m", 0.0, 0.0, false, [](Rig& r) -> double& { return further<K>(r).gap; }}};
+          {names[5], "m", 0.0, 0.0, false, [](Rig& r) -> double& { return further<K>(r).gap; }},
+          {names[6], "Pa", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.modulus; }},
+          {names[7], "Pa", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.counter_modulus; }},
+          {names[8], "m", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.radius; }},
+          {names[9], "m", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.counter_radius; }},
+          {names[10], "N s/m", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return stated(further<K>(r).contact.viscous); }},
+          {names[11], "s", 0.0, 0.0, false,
+           [](Rig& r) -> double& { return stated(further<K>(r).contact.relaxation_time); }},
+          {names[12], "1", 1.0, 5.0, false,
+           [](Rig& r) -> double& { return further<K>(r).contact.power; }}};
 }
 
 std::vector<PhysicalParameter> all_parameters() {
@@ -345,9 +342,9 @@ std::string unit_of(std::string_view numbered) {
   for (const ChainParameter& parameter : chain_parameters)
     of_chain += fmt::format(", {}", parameter.name);
   throw std::invalid_argument(fmt::format(
-      "'{}' cannot be fitted; parameters are {}impact.time, contacts.1. (2, 3) with restitution, "
-      "stiffness_factor, length, stiffness, position, gap, and sensors.CHANNEL. with gain, delay, "
-      "offset, drift{}; NAME[K] is that of recording K, where each has its own",
+      "'{}' cannot be fitted; parameters are {}impact.time, contacts.1. (2, 3) with gap and what "
+      "contact. has, and sensors.CHANNEL. with gain, delay, offset, drift{}; NAME[K] is that of "
+      "recording K, where each has its own",
       numbered, known, of_chain));
 }
 

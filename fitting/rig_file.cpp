@@ -421,7 +421,9 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
     file.rig.contact.law = file.rig.contact.damping = "none";
     file.rig.contact.position = file.rig.beam.length;
   }
-  file.rig.further_stops = read_further_stops(root, file.rig.beam, radii);
+  FurtherStops further = read_further_stops(root, file.rig.beam, radii);
+  file.rig.further_stops = std::move(further.stops);
+  file.inherited = std::move(further.inherited);
   if (auto hinge = root.table("hinge")) read_hinge(*hinge, file.rig.hinge);
   if (auto stop = root.table("stop")) file.rig.stop = read_stop(*stop);
   if (!file.rig.hinge.rotation || root.has("start")) {

@@ -21,6 +21,8 @@ struct RigFile {
   std::string text;    ///< as read, for provenance
   std::string sha256;  ///< of `text`
   models::Rig rig;
+  /// Numbers that further stops have as [contact] has them: "contacts.1.restitution".
+  std::vector<std::string> inherited = {};
   std::vector<Section<>> sections;  ///< of the bar's segments, of a uniform bar its only one
   models::Solver solver;
   bool mesh_stated = false;  ///< the file names elements, or a model without

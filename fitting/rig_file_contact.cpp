@@ -119,6 +119,19 @@ void read_damping(TableReader& table, models::Contact& contact) {
   only_for("relaxation_time", "kuwabara-kono", contact.relaxation_time.has_value());
 }
 
+/// What a further stop that does not state it has from the first, or as that has by default.
+std::vector<std::string> numbers_from(const toml::table& first, const TableReader& further) {
+  std::vector<std::string> keys;
+  for (const char* key : {"restitution", "stiffness_factor", "length", "stiffness", "position",
+                          "modulus", "counter_modulus", "radius", "viscous", "relaxation_time"})
+    if (!further.has(key) && (first.contains(key) || key == std::string_view("stiffness_factor")))
+      keys.emplace_back(key);
+  if (!further.has("counterface") && first.contains("counterface"))
+    keys.emplace_back("counterface.radius");
+  if (std::ranges::find(keys, "stiffness") != keys.end()) keys.emplace_back("power");
+  return keys;
+}
+
 }  // namespace
 
 void read_contact(TableReader& table, const models::Beam& beam, const std::vector<double>& radii,
@@ -171,9 +184,9 @@ void read_contact(TableReader& table, const models::Beam& beam, const std::vecto
   table.finish();
 }
 
-std::vector<models::FurtherStop> read_further_stops(TableReader& root, const models::Beam& beam,
-                                                    const std::vector<double>& radii) {
-  std::vector<models::FurtherStop> stops;
+FurtherStops read_further_stops(TableReader& root, const models::Beam& beam,
+                                const std::vector<double>& radii) {
+  FurtherStops read;
   const toml::table* first = root.raw()["contact"].as_table();
   for (TableReader& table : root.tables("contacts")) {
     if (!first)
@@ -184,15 +197,19 @@ std::vector<models::FurtherStop> read_further_stops(TableReader& root, const mod
       inherited.erase("viscous");
       inherited.erase("relaxation_time");
     }
+    const std::vector<std::string> keys = numbers_from(inherited, table);
     table.inherit(inherited);
     models::FurtherStop stop;
     stop.gap = table.required_quantity("gap", "m", "0.1 mm");
     if (const auto side = table.choice("side", {"near", "far"}))
       stop.side = static_cast<models::StopSide>(*side);
     read_contact(table, beam, radii, stop.contact);
-    stops.push_back(stop);
+    read.stops.push_back(stop);
+    for (const std::string& key : keys)
+      if (key != "restitution" || stop.contact.takes_restitution())
+        read.inherited.push_back(fmt::format("contacts.{}.{}", read.stops.size(), key));
   }
-  return stops;
+  return read;
 }
 
 }  // namespace impactrig::fitting

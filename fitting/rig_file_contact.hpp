@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "fitting/toml_reader.hpp"
@@ -13,8 +14,13 @@ namespace impactrig::fitting {
 void read_contact(TableReader& table, const models::Beam& beam, const std::vector<double>& radii,
                   models::Contact& contact);
 
+struct FurtherStops {
+  std::vector<models::FurtherStop> stops;
+  std::vector<std::string> inherited;  ///< numbers as [contact] has them: "contacts.1.restitution"
+};
+
 /// [[contacts]]: what a table leaves open is as [contact] states it.
-std::vector<models::FurtherStop> read_further_stops(TableReader& root, const models::Beam& beam,
-                                                    const std::vector<double>& radii);
+FurtherStops read_further_stops(TableReader& root, const models::Beam& beam,
+                                const std::vector<double>& radii);
 
 }  // namespace impactrig::fitting

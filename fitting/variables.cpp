@@ -350,6 +350,31 @@ void tie_up(const Wishes& wishes, std::vector<Variable>& variables) {
   }
 }
 
+/// What a further stop has from [contact] goes with that in a fit, unless something else is stated
+/// of it.
+FitOptions with_inherited(const RigFile& rig, const FitOptions& options, int recordings) {
+  const Wishes wishes(rig, options);
+  FitOptions all = options;
+  for (const std::string& name : rig.inherited) {
+    const std::string of_first = "contact." + name.substr(std::string_view("contacts.1.").size());
+    if (wishes.asks_for(name) || wishes.names_one_of(name) || options.setting_of(name)) continue;
+    const ParameterSetting* first = options.setting_of(of_first);
+    if (first && first->fixed) continue;
+    const Tie same = first && first->tie ? *first->tie : Tie{.to = of_first};
+    const auto tie = [&](const std::string& one) { all.setting(one).tie = same; };
+    bool each = true;
+    for (int k = 0; k < recordings; ++k) each = each && wishes.asks_for(of_first, k);
+    if (each && wishes.asks_for(of_first)) {
+      tie(name);
+      if (!wishes.shares(of_first, true)) all.setting(name).shared = false;
+      continue;
+    }
+    for (int k = 0; k < recordings; ++k)
+      if (wishes.asks_for(of_first, k)) tie(fmt::format("{}[{}]", name, k + 1));
+  }
+  return all;
+}
+
 }  // namespace
 
 double BackgroundShape::at(double t) const {
@@ -380,12 +405,13 @@ bool is_fitted(const Impact& impact, const std::optional<ImpactSignal>& signal,
 
 std::vector<Variable> make_variables(const std::vector<Impact>& impacts, const RigFile& rig,
                                      const FitOptions& options) {
-  const Wishes wishes(rig, options);
+  const int shots = static_cast<int>(impacts.size());
+  const FitOptions all = with_inherited(rig, options, shots);
+  const Wishes wishes(rig, all);
   refuse_idle_damping(rig.rig, options, wishes);
   std::vector<Variable> variables;
   add_physics(impacts, rig, wishes, variables);
   keep_in_groove(rig.rig.contact, wishes, variables);
-  const int shots = static_cast<int>(impacts.size());
   for (int shot = 0; shot < shots; ++shot) {
     const Impact& impact = impacts[static_cast<std::size_t>(shot)];
     variables.push_back(first_touch(impact, shot));

@@ -377,6 +377,51 @@ TEST(FitSettings, FitsStopsByTheirDerivatives) {
   EXPECT_LT(found.simulations, 60);
 }
 
+// A further stop that states no restitution of its own has that of the first, whatever it is found
+// to be: held where the search began it would be another rig.
+TEST(FitSettings, FurtherStopsGoWithTheFirst) {
+  const auto rig = [](const char* e, const std::string& more) {
+    return hybrid_rig("0.5 ms",
+                      {{"contact.restitution", e},
+                       {"contacts", "[{ gap = \"4 um\", position = \"0.5 m\"" + more + " }]"}});
+  };
+  const datasets::Impact impact = synthetic_shot(
+      rig("0.4", ""), {.restitution = 0.4, .stiffness_factor = 1.0, .duration = 0.6e-3});
+  const Fit found = fit({impact}, rig("0.8", ""));
+  EXPECT_LT(found.goodness.chi2, 1.2 * static_cast<double>(found.goodness.dof));
+  EXPECT_LT(std::abs(pull(found, "contact.restitution", 0.4)), 4.0);
+  const Parameter& further = parameter(found, "contacts.1.restitution");
+  EXPECT_EQ(further.tied_to, "contact.restitution");
+  EXPECT_EQ(further.value, parameter(found, "contact.restitution").value);
+  EXPECT_EQ(further.ci95, parameter(found, "contact.restitution").ci95);
+  EXPECT_EQ(found.rig.rig.further_stops[0].contact.restitution, further.value);
+
+  // one that states its own keeps it, as one that is held does
+  const auto names = [&](const RigFile& file, const FitOptions& options) {
+    std::vector<std::string> of_further;
+    for (const Variable& v : make_variables({impact}, file, options))
+      if (v.name.starts_with("contacts.")) of_further.push_back(v.name);
+    return of_further;
+  };
+  EXPECT_EQ(names(rig("0.8", ""), {}),
+            (std::vector<std::string>{"contacts.1.restitution", "contacts.1.stiffness_factor"}));
+  EXPECT_EQ(names(rig("0.8", ", restitution = 0.4"), {}),
+            (std::vector<std::string>{"contacts.1.stiffness_factor"}));
+  EXPECT_EQ(names(rig("0.8", ", damping = \"none\""), {}),
+            (std::vector<std::string>{"contacts.1.stiffness_factor"}));
+  FitOptions held;
+  held.setting("contacts.1.stiffness_factor").fixed = true;
+  EXPECT_EQ(names(rig("0.8", ""), held), (std::vector<std::string>{"contacts.1.restitution"}));
+  FitOptions own;
+  own.free = {"contact.restitution", "contacts.1.restitution", "contact.modulus"};
+  for (const Variable& v : make_variables({impact}, rig("0.8", ""), own))
+    EXPECT_FALSE(v.tie.has_value()) << v.name;
+  own.free = {"contact.counter_modulus", "contact.counterface.radius"};
+  EXPECT_EQ(
+      names(rig("0.8", ""), own),
+      (std::vector<std::string>{"contacts.1.counter_modulus", "contacts.1.counterface.radius"}));
+}
+
 double chi2_of(const std::vector<datasets::Impact>& impacts, const FitOptions& options) {
   return fit(impacts, hybrid_rig(), options).goodness.chi2;
 }
