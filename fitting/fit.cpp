@@ -6,7 +6,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
+#include <functional>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "datasets/number_text.hpp"
@@ -18,6 +22,7 @@
 #include "fitting/identifiability.hpp"
 #include "fitting/mesh_shift.hpp"
 #include "fitting/motion_choice.hpp"
+#include "models/mesh_error.hpp"
 
 namespace impactrig::fitting {
 namespace {
@@ -38,7 +43,23 @@ class Session {
         problem_(impacts, rig, options),
         search_(problem_, options.loss, options.window > 0.0) {}
 
-  Fit run();
+  /// Where the best fit is, from the present values on, by the equations that are tried first.
+  void search(double seconds_left);
+
+  /// From where the fit on a coarser mesh ended, within its window.
+  void search_near(const Session& coarser, double seconds_left);
+
+  /// The rig on a mesh twice as fine, where the rig file leaves the mesh open and it is what the
+  /// residuals are too large for.
+  std::optional<RigFile> on_finer_mesh();
+
+  /// Than one on a coarser mesh, by so much that the finer one is worth its time.
+  bool fits_better_than(const Session& coarser) const;
+
+  /// Settles what the search left open, and reports; `started`: the first of all searches.
+  Fit finish(std::chrono::steady_clock::time_point started);
+
+  void tell_finer_mesh(const Session& before);
 
  private:
   void settle();
@@ -57,6 +78,7 @@ class Session {
   std::vector<std::string> warnings_;
   bool out_of_time_ = false;
   FitEnd end_;
+  double reduced_ = 0.0;                         // chi-square of the search's end
   std::vector<models::Simulation> predictions_;  // at the end
   std::string skipped_;  // what the predictions leave out, and what that does to the fit
 };
@@ -64,6 +86,9 @@ class Session {
 /// Where the search ended.
 void Session::settle() {
   end_ = linearised_end(problem_);
+  Goodness goodness;
+  goodness.chi2 = end_.residuals.head(problem_.data_size()).squaredNorm();
+  reduced_ = report_goodness(problem_, end_.spread, goodness);
   predict();
 }
 
@@ -173,12 +198,57 @@ Fit Session::report() {
   return fit;
 }
 
-Fit Session::run() {
-  const auto started = std::chrono::steady_clock::now();
-  problem_.limit_time(options_.time_limit);
+void Session::search(double seconds_left) {
+  problem_.limit_time(seconds_left);
   choose_motion(problem_);
   search_.run();
   settle();
+}
+
+void Session::search_near(const Session& coarser, double seconds_left) {
+  problem_.limit_time(seconds_left);
+  choose_motion(problem_);
+  problem_.set_values(coarser.problem_.values());
+  std::vector<double> windows;
+  for (std::size_t i = 0; i < problem_.shots().size(); ++i) {
+    windows.push_back(problem_.shots()[i].window);
+    problem_.shots()[i].window = coarser.problem_.shots()[i].window;
+  }
+  search_.search_near();
+  settle();
+  for (std::size_t i = 0; i < windows.size(); ++i) problem_.shots()[i].window = windows[i];
+}
+
+std::optional<RigFile> Session::on_finer_mesh() {
+  constexpr double worth_it = 0.1;  // of what is too large, the mesh's part
+  if (!problem_.rig().mesh_chosen || problem_.loss() != Loss::squares || !(reduced_ > misfit) ||
+      problem_.out_of_time())
+    return std::nullopt;
+  RigFile finer = problem_.rig();
+  finer.solver = models::refined(finer.solver);
+  if (finer.solver.elements[0] + finer.solver.elements[1] > finest_mesh) return std::nullopt;
+  if (!(part_left_by_mesh(problem_, end_) > worth_it)) return std::nullopt;
+  return finer;
+}
+
+bool Session::fits_better_than(const Session& coarser) const {
+  constexpr double clearly = 0.9;
+  if (problem_.out_of_time()) return false;
+  if (coarser.search_.early_end() && !search_.early_end() && reduced_ <= misfit) return true;
+  return reduced_ < clearly * coarser.reduced_;
+}
+
+void Session::tell_finer_mesh(const Session& before) {
+  const auto& [first, last] = problem_.rig().solver.elements;
+  const auto& [first_before, last_before] = before.problem_.rig().solver.elements;
+  warnings_.push_back(fmt::format(
+      "The data ask for a finer mesh than solver.accuracy does: ANCF with [{}, {}] elements was "
+      "taken, reduced chi-square {}; with [{}, {}] it is {}.",
+      first, last, datasets::figures(reduced_, 3), first_before, last_before,
+      datasets::figures(before.reduced_, 3)));
+}
+
+Fit Session::finish(std::chrono::steady_clock::time_point started) {
   settle_motion();
   tell_early_end();
   out_of_time_ = problem_.out_of_time();
@@ -192,13 +262,42 @@ Fit Session::run() {
   return fit;
 }
 
+/// On the last of the finer meshes that each fit better than the one before, searched as thoroughly
+/// as the first; none: nullptr.
+std::unique_ptr<Session> on_finer_meshes(const std::vector<Impact>& impacts,
+                                         const FitOptions& options, Session& first,
+                                         const std::function<double()>& seconds_left) {
+  std::unique_ptr<Session> finest;
+  Session* last = &first;
+  try {
+    while (const std::optional<RigFile> finer = last->on_finer_mesh()) {
+      auto next = std::make_unique<Session>(impacts, *finer, options);
+      next->search_near(*last, seconds_left());
+      if (!next->fits_better_than(*last)) break;
+      finest = std::move(next);
+      last = finest.get();
+    }
+    if (finest) finest->search(seconds_left());
+  } catch (const std::exception&) {
+    return nullptr;  // a mesh that cannot be solved in time is no better
+  }
+  if (!finest || !finest->fits_better_than(first)) return nullptr;
+  finest->tell_finer_mesh(first);
+  return finest;
+}
+
 }  // namespace
 
 Fit fit(const std::vector<datasets::Impact>& impacts, const RigFile& rig,
         const FitOptions& options) {
   if (!rig.rig.has_stop())
     throw std::invalid_argument("the rig has no [contact]: there is no impact to fit");
-  return Session(impacts, rig, options).run();
+  const auto started = std::chrono::steady_clock::now();
+  const auto left = [&] { return options.time_limit - seconds_since(started); };
+  auto session = std::make_unique<Session>(impacts, rig, options);
+  session->search(left());
+  if (auto finer = on_finer_meshes(impacts, options, *session, left)) session = std::move(finer);
+  return session->finish(started);
 }
 
 Fit fit(const std::vector<datasets::Impact>& impacts, const RigFile& rig) {

@@ -54,8 +54,8 @@ FitEnd linearised_end(FitProblem& problem) {
   return end;
 }
 
-Eigen::VectorXd shift_by(const std::function<Eigen::VectorXd(const Shot&)>& change,
-                         const FitProblem& problem, const FitEnd& end) {
+Eigen::VectorXd changes_by(const std::function<Eigen::VectorXd(const Shot&)>& change,
+                           const FitProblem& problem, const FitEnd& end) {
   Eigen::VectorXd changes = Eigen::VectorXd::Zero(end.jacobian.rows());
   Eigen::Index row = 0;
   for (const Shot& shot : problem.shots()) {
@@ -63,7 +63,16 @@ Eigen::VectorXd shift_by(const std::function<Eigen::VectorXd(const Shot&)>& chan
     changes.segment(row, part.size()) = part;
     row += part.size();
   }
+  return changes;
+}
+
+Eigen::VectorXd shift_by(const Eigen::VectorXd& changes, const FitEnd& end) {
   return -end.spread.covariance * (end.jacobian.transpose() * changes);
+}
+
+Eigen::VectorXd shift_by(const std::function<Eigen::VectorXd(const Shot&)>& change,
+                         const FitProblem& problem, const FitEnd& end) {
+  return shift_by(changes_by(change, problem, end), end);
 }
 
 }  // namespace impactrig::fitting

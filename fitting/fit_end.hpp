@@ -29,6 +29,13 @@ struct FitEnd {
 /// Linearises a problem at its present values, where its search ended.
 FitEnd linearised_end(FitProblem& problem);
 
+/// A change of each shot's weighted differences, of all residuals; none of priors.
+Eigen::VectorXd changes_by(const std::function<Eigen::VectorXd(const Shot&)>& change,
+                           const FitProblem& problem, const FitEnd& end);
+
+/// By how much the unknowns would move, to first order, if the residuals changed by that.
+Eigen::VectorXd shift_by(const Eigen::VectorXd& changes, const FitEnd& end);
+
 /// By how much the unknowns would move, to first order, if the weighted differences of each shot
 /// changed by change(shot).
 Eigen::VectorXd shift_by(const std::function<Eigen::VectorXd(const Shot&)>& change,

@@ -22,6 +22,9 @@ class FitSearch {
 
   void run();
 
+  /// From the present values over the whole window, and no other way.
+  void search_near() { pass(last_search, whole); }
+
   /// Once more from the present values, over the whole window, by other predictions than before.
   void finish();
 

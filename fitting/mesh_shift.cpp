@@ -44,6 +44,25 @@ double error_beyond(const FitProblem& problem, const FitEnd& end) {
 
 }  // namespace
 
+double part_left_by_mesh(FitProblem& problem, const FitEnd& end) {
+  const models::Motion motion = problem.motion();
+  double part = 0.0;
+  try {
+    problem.set_motion(models::Motion::small);
+    Eigen::VectorXd changes = changes_by(
+        [](const Shot& shot) -> Eigen::VectorXd {
+          return shot.cost->change(*shot.model, shot.model->finer()).differences;
+        },
+        problem, end);
+    changes += end.jacobian * shift_by(changes, end);
+    part = changes.squaredNorm() / end.residuals.squaredNorm();
+  } catch (const std::exception&) {
+    part = 0.0;  // no finer mesh to compare with
+  }
+  problem.set_motion(motion);
+  return part;
+}
+
 void estimate_mesh_shift(FitProblem& problem, FitEnd& end, std::vector<std::string>& warnings) {
   if (problem.rig().solver.model == models::BeamModel::rigid) return;
   const models::Motion motion = problem.motion();

@@ -470,7 +470,7 @@ std::string choose_mesh(RigFile& file, int finest) {
   if (file.mesh_stated) return "";
   const auto [chosen, error, sensor_until] = models::choose_mesh(file.rig, file.solver, finest);
   file.solver = chosen;
-  file.mesh_stated = true;
+  file.mesh_stated = file.mesh_chosen = true;
   const models::Solver& solver = file.solver;
   std::string sentence =
       fmt::format("The rig file leaves the mesh open: ANCF with [{}, {}] elements was taken; ",

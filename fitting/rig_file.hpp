@@ -26,6 +26,7 @@ struct RigFile {
   std::vector<Section<>> sections;  ///< of the bar's segments, of a uniform bar its only one
   models::Solver solver;
   bool mesh_stated = false;  ///< the file names elements, or a model without
+  bool mesh_chosen = false;  ///< by choose_mesh(): a fit may take a finer one
   std::optional<datasets::Sensor> force, velocity, displacement;
   std::vector<datasets::ConditioningStep> conditioning;  ///< what is done to recordings, in order
   double mains_frequency = 50.0;                         ///< of the hum in the recordings [Hz]
