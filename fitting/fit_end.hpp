@@ -19,7 +19,8 @@ struct FitEnd {
   Eigen::MatrixXd jacobian;    ///< of these by the unknowns; 0 where one does nothing to the data
   Uncertainty spread;          ///< of the unknowns, in their order
   double inflation = 1.0;      ///< of all standard errors, where the residuals exceed the noise
-  Eigen::VectorXd mesh_shift;  ///< of the unknowns; empty where there is none to tell
+  Eigen::VectorXd mesh_shift;  ///< of the unknowns; empty where there is none, or none known
+  bool mesh_known = true;      ///< false: it could not be estimated
   /// The error of the mesh against that shift, to a mesh twice as fine.
   double beyond_finer = 1.0;
   /// How much else a finer mesh changes the first recording's restitutions, parameters held.

@@ -311,6 +311,7 @@ void report_parameters(const FitProblem& problem, const FitEnd& end, Fit& fit) {
       if (end.mesh_shift.size() > 0) p.mesh_shift = lines.row(row).dot(end.mesh_shift);
       p.mesh_error = end.beyond_finer * std::abs(p.mesh_shift);
       p.ci95 = interval_of(v, p, quantile);
+      if (!end.mesh_known) p.mesh_shift = p.mesh_error = not_known;
     } else {
       p.std_error = p.mesh_shift = p.mesh_error = not_known;
       p.ci95 = {not_known, not_known};

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <functional>
 #include <utility>
 
 namespace impactrig::fitting {
@@ -42,13 +43,31 @@ double error_beyond(const FitProblem& problem, const FitEnd& end) {
   return std::clamp(1.0 / (1.0 - finer / coarser), least_beyond, most_beyond);
 }
 
+/// Compares in small motion, which is faster and adds the same on both meshes as the fit's own
+/// equations; by these where the rig has none. Returns why neither would do, empty where one did.
+std::string compare_meshes(FitProblem& problem, const std::function<void()>& compare) {
+  const models::Motion own = problem.motion();
+  std::string failure;
+  for (const models::Motion motion : {models::Motion::small, own}) {
+    if (!failure.empty() && motion == models::Motion::small) break;
+    try {
+      problem.set_motion(motion);
+      compare();
+      failure.clear();
+      break;
+    } catch (const std::exception& error) {
+      failure = error.what();
+    }
+  }
+  problem.set_motion(own);
+  return failure;
+}
+
 }  // namespace
 
 double part_left_by_mesh(FitProblem& problem, const FitEnd& end) {
-  const models::Motion motion = problem.motion();
   double part = 0.0;
-  try {
-    problem.set_motion(models::Motion::small);
+  compare_meshes(problem, [&] {
     Eigen::VectorXd changes = changes_by(
         [](const Shot& shot) -> Eigen::VectorXd {
           return shot.cost->change(*shot.model, shot.model->finer()).differences;
@@ -56,18 +75,13 @@ double part_left_by_mesh(FitProblem& problem, const FitEnd& end) {
         problem, end);
     changes += end.jacobian * shift_by(changes, end);
     part = changes.squaredNorm() / end.residuals.squaredNorm();
-  } catch (const std::exception&) {
-    part = 0.0;  // no finer mesh to compare with
-  }
-  problem.set_motion(motion);
+  });
   return part;
 }
 
 void estimate_mesh_shift(FitProblem& problem, FitEnd& end, std::vector<std::string>& warnings) {
   if (problem.rig().solver.model == models::BeamModel::rigid) return;
-  const models::Motion motion = problem.motion();
-  try {
-    problem.set_motion(models::Motion::small);
+  const std::string failure = compare_meshes(problem, [&] {
     const auto change_of = [&](const Shot& shot) -> Eigen::VectorXd {
       ShotCost::Change change = shot.cost->change(*shot.model, shot.model->finer());
       if (&shot == &problem.shots().front()) end.mesh_change = change.restitution;
@@ -76,11 +90,12 @@ void estimate_mesh_shift(FitProblem& problem, FitEnd& end, std::vector<std::stri
     end.mesh_shift = shift_by(change_of, problem, end);
     end.beyond_finer = error_beyond(problem, end);
     keep_within_bounds(end.mesh_shift, problem, end.spread);
-  } catch (const std::exception& error) {
-    warnings.push_back(fmt::format(
-        "The mesh error could not be estimated, so that no interval has it: {}", error.what()));
-  }
-  problem.set_motion(motion);
+  });
+  end.mesh_known = failure.empty();
+  if (end.mesh_known) return;
+  end.mesh_shift.resize(0);
+  warnings.push_back(fmt::format(
+      "The mesh error could not be estimated, so that no interval has it: {}", failure));
 }
 
 }  // namespace impactrig::fitting

@@ -10,8 +10,8 @@
 namespace impactrig::fitting {
 
 /// What a mesh twice as fine would add to the unknowns and to the first recording's restitutions:
-/// mesh_shift and mesh_change of the end. Compared in small motion: what large rotation adds is the
-/// same on both. Where that fails, a warning says so.
+/// mesh_shift and mesh_change of the end. Compared in small motion where the rig has that: what
+/// large rotation adds is the same on both. Where that fails, a warning says so.
 void estimate_mesh_shift(FitProblem& problem, FitEnd& end, std::vector<std::string>& warnings);
 
 /// What part of the residuals' square a mesh twice as fine would change that no unknown follows, to

@@ -12,6 +12,11 @@
 namespace impactrig::reports {
 namespace {
 
+/// A mesh error that could not be told widens nothing.
+double known_or_none(double mesh) {
+  return std::isfinite(mesh) ? mesh : 0.0;
+}
+
 constexpr double normal95 = 1.959964;  // 97.5 % point of the normal distribution
 constexpr double closest = 0.999;      // correlation with the speed, beyond which rounding decides
 
@@ -39,8 +44,8 @@ void add_parameters(const fitting::Fit& fit, CampaignShot& shot) {
                             .value = p.value,
                             .std_error = known ? p.std_error : 0.0,
                             .ci95 = p.ci95,
-                            .mesh_shift = p.mesh_shift,
-                            .mesh_error = p.mesh_error,
+                            .mesh_shift = known_or_none(p.mesh_shift),
+                            .mesh_error = known_or_none(p.mesh_error),
                             .compared = p.tied_to.empty(),
                             .with_speed = correlation_with_speed(fit, i)});
   }

@@ -52,9 +52,10 @@ fitting::Parameter parameter_from(const JsonReader& json) {
   parameter.lower = json["lower"].number_or(-infinity);
   parameter.upper = json["upper"].number_or(infinity);
   parameter.at_bound = json["at_bound"].boolean();
-  if (json.has("mesh_shift")) parameter.mesh_shift = json["mesh_shift"].number();
-  parameter.mesh_error = json.has("mesh_error") ? json["mesh_error"].number()
-                                                : mesh_error_once * std::abs(parameter.mesh_shift);
+  if (json.states("mesh_shift")) parameter.mesh_shift = json["mesh_shift"].number();
+  parameter.mesh_error = json.states("mesh_error")
+                             ? json["mesh_error"].number()
+                             : mesh_error_once * std::abs(parameter.mesh_shift);
   parameter.identifiable = json["identifiable"].boolean();
   if (!parameter.identifiable) forget_interval(parameter);
   parameter.nuisance = json["nuisance"].boolean();

@@ -46,6 +46,10 @@ bool JsonReader::has(const std::string& key) const {
   return member != value_.end() && !member->is_null();
 }
 
+bool JsonReader::states(const std::string& key) const {
+  return value_.contains(key);
+}
+
 std::size_t JsonReader::size() const {
   if (!value_.is_array()) expected("an array");
   return value_.size();

@@ -27,6 +27,7 @@ class JsonReader {
 
   JsonReader operator[](const std::string& key) const;  ///< member that must be there
   bool has(const std::string& key) const;               ///< there, and not null
+  bool states(const std::string& key) const;            ///< there, null or not
   std::size_t size() const;                             ///< of an array
   JsonReader element(std::size_t index) const;          ///< of an array
 

@@ -66,5 +66,24 @@ TEST(OpenMesh, IsKeptWhereAnotherLawMisfits) {
   EXPECT_THAT(found.warnings, Not(Contains(HasSubstr(told))));
 }
 
+// Small motion knows no gravity from the side: the full equations tell the mesh's error then.
+TEST(OpenMesh, ErrorIsToldWithoutSmallMotionToo) {
+  RigFile rig = parse_rig_file(tests::paper_rig, "rig.toml",
+                               {{"solver.model", "ancf"},
+                                {"solver.duration", "0.5 ms"},
+                                {"environment.gravity_direction", "90 deg"}});
+  RigFile finer = rig;
+  rig.solver.elements = {4, 1};
+  finer.solver.elements = {8, 2};
+  const datasets::Impact shot = tests::synthetic_shot(finer, {.duration = 0.6e-3});
+  const Fit found = fit({shot}, rig);
+  EXPECT_FALSE(found.predictions.at(0).small_motion);
+  const Parameter& e = parameter(found, "contact.restitution");
+  EXPECT_GT(e.mesh_error, 0.3 * std::abs(e.value - 0.5));
+  EXPECT_LT(e.ci95[0], 0.5);
+  EXPECT_GT(e.ci95[1], 0.5);
+  EXPECT_THAT(found.warnings, Not(Contains(HasSubstr("mesh error could not be estimated"))));
+}
+
 }  // namespace
 }  // namespace impactrig::fitting
