@@ -171,6 +171,7 @@ TEST(FitJson, WritesNullForWhatIsNotFiniteAndReadsItBack) {
   data.fit.parameters[0].lower = -std::numeric_limits<double>::infinity();
   data.fit.parameters[0].upper = std::numeric_limits<double>::infinity();
   data.fit.parameters[0].value = std::nan("");
+  data.fit.parameters[0].mesh_shift = data.fit.parameters[0].mesh_error = std::nan("");
   data.fit.correlations(0, 1) = std::nan("");
   data.fit.goodness = {std::nan(""), 0, std::nan(""), std::nan("")};
   const std::string text = reports::to_json(data);
@@ -183,6 +184,7 @@ TEST(FitJson, WritesNullForWhatIsNotFiniteAndReadsItBack) {
   EXPECT_EQ(back.fit.parameters[0].lower, -std::numeric_limits<double>::infinity());
   EXPECT_EQ(back.fit.parameters[0].upper, std::numeric_limits<double>::infinity());
   EXPECT_TRUE(std::isnan(back.fit.parameters[0].value));
+  EXPECT_TRUE(std::isnan(back.fit.parameters[0].mesh_error));  // 0 would say that there is none
 }
 
 // Stored with zeros it would read as perfectly known.
