@@ -28,6 +28,14 @@ constexpr double poor_fit = 4.0;
 
 }  // namespace
 
+struct FitSearch::Start {
+  double restitution;
+  double stiffness, sensor;  // of where the search begins
+};
+
+const FitSearch::Start FitSearch::other_starts[4] = {
+    {0.25, 0.4, 0.8}, {0.8, 2.5, 1.25}, {0.25, 2.5, 1.25}, {0.8, 0.4, 0.8}};
+
 /// Searches from the present values within a window; returns the reduced chi-square reached.
 double FitSearch::pass(const Search& how, double contacts) {
   problem_.choose_samples(contacts, how.rough, how.one_by_one);
@@ -44,7 +52,7 @@ double FitSearch::pass(const Search& how, double contacts) {
 /// Cauchy and Tukey take a peak that is far off for outliers: they search from near only.
 void FitSearch::run() {
   problem_.set_loss(loss_from_afar(loss_));
-  if (search_first_window() > misfit && may_end_early_) {
+  if (search_first_window() > misfit && may_end_early_ && !is_of_motion_alone()) {
     const std::vector<double> tried = problem_.values();
     search_first_window_finely(tried);
     if (first_reached_ > misfit && end_before_second_contact()) return;
@@ -70,6 +78,7 @@ void FitSearch::finish() {
 void FitSearch::search_whole_window() {
   const std::vector<double> tried = problem_.values();
   double reached = pass(last_search, whole);
+  if (is_of_motion_alone()) reached = try_again(reached, [&] { return search_from_everywhere(); });
   if (reached > misfit) reached = try_again(reached, [&] { return search_finely(tried); });
   // where not even the first contact fits, looking on from contact to contact mends nothing
   if (reached > misfit && first_reached_ <= poor_fit)
@@ -81,11 +90,8 @@ void FitSearch::search_whole_window() {
 /// chi-square.
 double FitSearch::search_first_window() {
   double reached = pass(first_search, first_window);
-  const bool several_starts = std::ranges::any_of(problem_.variables(), [](const Variable& v) {
-    return v.name == "contact.restitution" || v.name == "contact.stiffness_factor";
-  });
   if (reached > poor_fit) reached = try_again(reached, [&] { return grow_first_window(); });
-  return reached > poor_fit && several_starts ? search_from_elsewhere(reached) : reached;
+  return reached > poor_fit && several_starts() ? search_from_elsewhere(reached) : reached;
 }
 
 /// A force that rises and falls several times before the first separation has false minima where
@@ -132,25 +138,11 @@ double FitSearch::try_again(double reduced, const Attempt& attempt) {
 /// Tries other restitutions and stiffnesses, and sensors other than stated where that is asked for,
 /// and keeps the best end; two starts, far apart, where these lead to the same place.
 double FitSearch::search_from_elsewhere(double reduced) {
-  struct Start {
-    double restitution, stiffness, sensor;
-  };
-
-  constexpr Start starts[] = {
-      {0.25, 0.4, 0.8}, {0.8, 2.5, 1.25}, {0.25, 2.5, 1.25}, {0.8, 0.4, 0.8}};
   std::vector<double> best = problem_.values();
   int tried = 0;
-  for (const auto& [restitution, stiffness, sensor] : starts) {
+  for (const Start& start : other_starts) {
     if (reduced <= misfit || (tried++ == 2 && !several_ends_)) break;
-    problem_.set_initial_values();
-    std::vector<double> start = problem_.values();
-    for (std::size_t i = 0; i < start.size(); ++i) {
-      const Variable& v = problem_.variables()[i];
-      if (v.name == "contact.restitution") start[i] = restitution;
-      if (v.name == "contact.stiffness_factor") start[i] = stiffness * v.initial;
-      if (v.chain) start[i] = sensor * v.initial;
-    }
-    problem_.set_values(start);
+    begin_at(start);
     const double reached = pass(first_search, first_window);
     several_ends_ = several_ends_ || !same_place(problem_.values(), best);
     if (reached >= reduced) continue;
@@ -159,6 +151,54 @@ double FitSearch::search_from_elsewhere(double reduced) {
   }
   problem_.set_values(best);
   return reduced;
+}
+
+void FitSearch::begin_at(const Start& elsewhere) {
+  problem_.set_initial_values();
+  std::vector<double> start = problem_.values();
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    const Variable& v = problem_.variables()[i];
+    if (v.name == "contact.restitution") start[i] = elsewhere.restitution;
+    if (v.name == "contact.stiffness_factor") start[i] = elsewhere.stiffness * v.initial;
+    if (v.chain) start[i] = elsewhere.sensor * v.initial;
+  }
+  problem_.set_values(start);
+}
+
+/// Motion alone shows the contact by what the bar does later, which has many minima, and noise may
+/// hide by how much a false one misfits: looks over the whole window from many places.
+double FitSearch::search_from_everywhere() {
+  constexpr double restitutions[] = {0.1, 0.3, 0.5, 0.7, 0.9}, stiffnesses[] = {0.7, 1.0, 1.4};
+  constexpr Search search = {.tolerance = 1e-4};
+  double lowest = whole;
+  std::vector<double> best = problem_.values();
+  for (const double restitution : restitutions)
+    for (const double stiffness : stiffnesses) {
+      begin_at({restitution, stiffness, 1.0});
+      const double reached = pass(search, whole);
+      if (!(reached < lowest)) continue;
+      lowest = reached;
+      best = problem_.values();
+    }
+  problem_.set_values(best);
+  return pass(last_search, whole);
+}
+
+/// No force is fitted, and restitution or stiffness are free; by equations that are fast enough to
+/// search with from many places.
+bool FitSearch::is_of_motion_alone() const {
+  const bool force = std::ranges::any_of(problem_.shots(), [](const Shot& shot) {
+    return std::ranges::any_of(shot.channels, [](const FittedChannel& channel) {
+      return channel.signal->quantity == datasets::Quantity::force;
+    });
+  });
+  return !force && several_starts() && problem_.motion() == models::Motion::small;
+}
+
+bool FitSearch::several_starts() const {
+  return std::ranges::any_of(problem_.variables(), [](const Variable& v) {
+    return v.name == "contact.restitution" || v.name == "contact.stiffness_factor";
+  });
 }
 
 /// Of the impact's own parameters and the sensors'.

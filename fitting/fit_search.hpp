@@ -46,12 +46,19 @@ class FitSearch {
  private:
   static constexpr double whole = std::numeric_limits<double>::infinity();
 
+  struct Start;
+  static const Start other_starts[4];
+
   double pass(const Search& how, double contacts);
   void search_whole_window();
   double search_first_window();
   double grow_first_window();
   void search_first_window_finely(const std::vector<double>& tried);
   double search_from_elsewhere(double reduced);
+  double search_from_everywhere();
+  bool is_of_motion_alone() const;
+  void begin_at(const Start& elsewhere);
+  bool several_starts() const;
   double search_finely(const std::vector<double>& tried);
   double grow_window();
   void leave_later_contacts_out(double reached);
