@@ -47,18 +47,17 @@ double error_beyond(const FitProblem& problem, const FitEnd& end) {
 /// equations; by these where the rig has none. Returns why neither would do, empty where one did.
 std::string compare_meshes(FitProblem& problem, const std::function<void()>& compare) {
   const models::Motion own = problem.motion();
-  std::string failure;
-  for (const models::Motion motion : {models::Motion::small, own}) {
-    if (!failure.empty() && motion == models::Motion::small) break;
+  const auto failure_in = [&](models::Motion motion) -> std::string {
     try {
       problem.set_motion(motion);
       compare();
-      failure.clear();
-      break;
+      return "";
     } catch (const std::exception& error) {
-      failure = error.what();
+      return error.what();
     }
-  }
+  };
+  std::string failure = failure_in(models::Motion::small);
+  if (!failure.empty() && own != models::Motion::small) failure = failure_in(own);
   problem.set_motion(own);
   return failure;
 }
