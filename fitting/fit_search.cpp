@@ -52,7 +52,7 @@ double FitSearch::pass(const Search& how, double contacts) {
 /// Cauchy and Tukey take a peak that is far off for outliers: they search from near only.
 void FitSearch::run() {
   problem_.set_loss(loss_from_afar(loss_));
-  if (search_first_window() > misfit && may_end_early_ && !is_of_motion_alone()) {
+  if (search_first_window() > misfit && may_end_early_ && !is_of_displacement_alone()) {
     const std::vector<double> tried = problem_.values();
     search_first_window_finely(tried);
     if (first_reached_ > misfit && end_before_second_contact()) return;
@@ -78,7 +78,8 @@ void FitSearch::finish() {
 void FitSearch::search_whole_window() {
   const std::vector<double> tried = problem_.values();
   double reached = pass(last_search, whole);
-  if (is_of_motion_alone()) reached = try_again(reached, [&] { return search_from_everywhere(); });
+  if (is_of_displacement_alone())
+    reached = try_again(reached, [&] { return search_from_everywhere(); });
   if (reached > misfit) reached = try_again(reached, [&] { return search_finely(tried); });
   // where not even the first contact fits, looking on from contact to contact mends nothing
   if (reached > misfit && first_reached_ <= poor_fit)
@@ -165,8 +166,8 @@ void FitSearch::begin_at(const Start& elsewhere) {
   problem_.set_values(start);
 }
 
-/// Motion alone shows the contact by what the bar does later, which has many minima, and noise may
-/// hide by how much a false one misfits: looks over the whole window from many places.
+/// A displacement alone shows the contact by what the bar does later, which has many minima, and
+/// noise may hide by how much a false one misfits: looks over the whole window from many places.
 double FitSearch::search_from_everywhere() {
   constexpr double restitutions[] = {0.1, 0.3, 0.5, 0.7, 0.9}, stiffnesses[] = {0.7, 1.0, 1.4};
   constexpr Search search = {.tolerance = 1e-4};
@@ -184,15 +185,15 @@ double FitSearch::search_from_everywhere() {
   return pass(last_search, whole);
 }
 
-/// No force is fitted, and restitution or stiffness are free; by equations that are fast enough to
-/// search with from many places.
-bool FitSearch::is_of_motion_alone() const {
-  const bool force = std::ranges::any_of(problem_.shots(), [](const Shot& shot) {
-    return std::ranges::any_of(shot.channels, [](const FittedChannel& channel) {
-      return channel.signal->quantity == datasets::Quantity::force;
+/// Neither force nor velocity is fitted, and restitution or stiffness are free; by equations that
+/// are fast enough to search with from many places.
+bool FitSearch::is_of_displacement_alone() const {
+  const bool alone = std::ranges::all_of(problem_.shots(), [](const Shot& shot) {
+    return std::ranges::all_of(shot.channels, [](const FittedChannel& channel) {
+      return channel.signal->quantity == datasets::Quantity::displacement;
     });
   });
-  return !force && several_starts() && problem_.motion() == models::Motion::small;
+  return alone && several_starts() && problem_.motion() == models::Motion::small;
 }
 
 bool FitSearch::several_starts() const {

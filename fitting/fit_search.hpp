@@ -56,7 +56,7 @@ class FitSearch {
   void search_first_window_finely(const std::vector<double>& tried);
   double search_from_elsewhere(double reduced);
   double search_from_everywhere();
-  bool is_of_motion_alone() const;
+  bool is_of_displacement_alone() const;
   void begin_at(const Start& elsewhere);
   bool several_starts() const;
   double search_finely(const std::vector<double>& tried);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Fits to what a laser alone recorded.
+// Fits to the displacement alone that a laser recorded.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -76,7 +76,7 @@ datasets::Impact displacement_of(const RigFile& rig, double noise, unsigned seed
 }
 
 // Many contacts in a few micrometres: from e = 0.5 the search ended at 0, and chi-square was 1.1.
-TEST(MotionAlone, IsSearchedForFromEverywhere) {
+TEST(DisplacementAlone, IsSearchedForFromEverywhere) {
   const RigFile truth = parse_rig_file(titanium_rig, "rig.toml");
   const RigFile rig =
       parse_rig_file(titanium_rig, "rig.toml",
