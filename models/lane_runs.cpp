@@ -80,7 +80,7 @@ void LaneRuns::propose(Lane& lane, int number) {
     write(rows().displacement_of_force, number, response.displacement_of_force);
     write(rows().velocity_of_force, number, response.velocity_of_force);
   }
-  motion.modal_step().coast(0, motion.state(), displacement_, velocity_);
+  motion.coast(0, displacement_, velocity_);
   write(rows().displacement, number, displacement_);
   write(rows().velocity, number, velocity_);
   write(rows().force, number, run.proposed().force);

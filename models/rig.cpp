@@ -347,13 +347,21 @@ const Contact& Rig::contact_of(int number) const {
   return number == 0 ? contact : further_stops[static_cast<std::size_t>(number - 1)].contact;
 }
 
+namespace {
+
+/// Neither 90 nor 180 degrees is a number of radians.
+double part_of_gravity(double gravity, double part) {
+  return std::abs(part) < 1e-15 ? 0.0 : gravity * part;
+}
+
+}  // namespace
+
 double Rig::gravity_along() const {
-  return gravity * std::cos(gravity_direction);
+  return part_of_gravity(gravity, std::cos(gravity_direction));
 }
 
 double Rig::gravity_across() const {
-  const double sine = std::sin(gravity_direction);
-  return std::abs(sine) < 1e-15 ? 0.0 : gravity * sine;  // 180 degrees is not a number of radians
+  return part_of_gravity(gravity, std::sin(gravity_direction));
 }
 
 bool damped(const Rig& rig) {
@@ -378,8 +386,10 @@ std::string beyond_small_motion(const Rig& rig) {
   if (!rig.has_stop() && rig.beam.damping != BarDamping{})
     keys.push_back("beam.damping without a stop");
   if (!rig.has_stop() && rig.hinge.viscous > 0.0) keys.push_back("hinge.viscous without a stop");
-  if (rig.gravity > 0.0 && rig.gravity_direction != 0.0)
-    keys.push_back("environment.gravity_direction");
+  if (rig.gravity_along() < 0.0)
+    keys.push_back("environment.gravity_direction beyond 90 degrees");
+  else if (!rig.has_stop() && rig.gravity_across() != 0.0)
+    keys.push_back("environment.gravity_direction without a stop");
   if (rig.start.release_angle && spring_bends_bar(rig)) keys.push_back("start.release_angle");
   if (!rig.has_stop() && rig.hinge.spring > 0.0) keys.push_back("hinge.spring without a stop");
   if (!rig.has_stop() && rig.hinge.friction > 0.0) keys.push_back("hinge.friction without a stop");

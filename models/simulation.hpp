@@ -239,9 +239,10 @@ struct SimulationOptions {
   std::vector<Simplification> kept = {};  ///< simplifications not to take
   /// Numbers of the rig by which to differentiate. Against stops whose contacts end smoothly
   /// (ContactForce::ends_smoothly()). Small motion knows them of runs that begin at touch, by what
-  /// it does not leave out: of swings, by the hinge's friction and by gravity's direction, the full
-  /// equations are solved, unless Motion::small is asked for. derivative_refusal() says by which
-  /// they are not known. Without a stop they are those of the history.
+  /// it does not leave out: of swings, by the hinge's friction and by what holds a pendulum that
+  /// nothing holds, the full equations are solved, unless Motion::small is asked for.
+  /// derivative_refusal() says by which they are not known. Without a stop they are those of the
+  /// history.
   std::vector<RigParameter> sensitivities = {};
   /// Estimate what small motion neglects. For callers that know it, with Motion::small, which takes
   /// that whatever it is: false saves half of a run, and Simulation::neglected is 0. Nor is a

@@ -399,6 +399,10 @@ Eigen::VectorXd AncfBeam::small_motion_row(double x) const {
   return linear_.small_motion_row(x);
 }
 
+Eigen::VectorXd AncfBeam::small_motion_load() const {
+  return linear_.small_motion_load();
+}
+
 double AncfBeam::kinetic_energy(ConstVector v) const {
   double energy = 0.0;
   Eigen::VectorXd product(dofs_);

@@ -54,6 +54,7 @@ class AncfBeam : public BeamDynamics {
   std::vector<int> coordinates_of(double x) const override;
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
+  Eigen::VectorXd small_motion_load() const override;
   double damping_power(ConstVector q, ConstVector v) const override;
   BeamEnergy energy(ConstVector q, ConstVector v) const override;
   RigidPart rigid_part(ConstVector q, ConstVector v) const override;

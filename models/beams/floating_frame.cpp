@@ -405,6 +405,7 @@ SmallMotion FloatingFrameBeam::small_motion() const {
   const int n = 1 + bending_;
   SmallMotion motion;
   motion.mass = motion.stiffness = motion.gravity = Eigen::MatrixXd::Zero(n, n);
+  motion.load = small_motion_load();
   motion.rigid = -Eigen::VectorXd::Unit(n, 0);
   motion.hinge = -Eigen::VectorXd::Unit(n, 0);
   motion.hinge.tail(bending_) = -hinge_row_.tail(bending_);
@@ -440,6 +441,13 @@ Eigen::VectorXd FloatingFrameBeam::small_motion_row(double x) const {
   row[0] = -x;
   row.tail(bending_) = -section_at(x).bending;
   return row;
+}
+
+Eigen::VectorXd FloatingFrameBeam::small_motion_load() const {
+  Eigen::VectorXd load(1 + bending_);
+  load[0] = -gravity_across_ * stations_.mass.dot(stations_.x);
+  load.tail(bending_) = -gravity_across_ * (stations_.bending.transpose() * stations_.mass);
+  return load;
 }
 
 double FloatingFrameBeam::damping_power(ConstVector q, ConstVector v) const {

@@ -96,6 +96,7 @@ class FloatingFrameBeam : public BeamDynamics {
   std::vector<int> coordinates_of(double x) const override;
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
+  Eigen::VectorXd small_motion_load() const override;
 
   Eigen::VectorXd frame() const override { return -Eigen::VectorXd::Unit(1 + bending_, 0); }
 

@@ -13,6 +13,7 @@ LinearBar::LinearBar(const Rig& rig, std::vector<BarElement> elements)
     : elements_(std::move(elements)),
       masses_(rig.beam.masses),
       gravity_(rig.gravity_along()),
+      gravity_across_(rig.gravity_across()),
       spring_(rig.hinge.spring) {}
 
 int LinearBar::size() const {
@@ -115,6 +116,7 @@ SmallMotion LinearBar::small_motion() const {
   const int n = size();
   SmallMotion motion;
   motion.mass = motion.stiffness = motion.gravity = Eigen::MatrixXd::Zero(n, n);
+  motion.load = small_motion_load();
   motion.rigid = rigid();
   motion.hinge = hinge();
   motion.spring = spring_;
@@ -130,6 +132,27 @@ SmallMotion LinearBar::small_motion() const {
     add(motion.gravity, share.gravity);
   }
   return motion;
+}
+
+Eigen::VectorXd LinearBar::small_motion_load() const {
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(size());
+  if (gravity_across_ == 0.0) return load;
+  const auto add = [&](std::size_t element, double xi, double mass) {
+    const std::array<int, BarElement::values> at = places(element);
+    const BarElement::Shape values = elements_[element].deflection(xi);
+    for (std::size_t i = 0; i < BarElement::values; ++i)
+      if (at[i] >= 0) load[at[i]] -= gravity_across_ * mass * values[static_cast<int>(i)];
+  };
+  const GaussRule& rule = gauss_legendre(2);  // w is cubic
+  for (std::size_t e = 0; e < elements_.size(); ++e)
+    for (std::size_t g = 0; g < rule.points.size(); ++g)
+      add(e, rule.points[g], rule.weights[g] * elements_[e].line_density * elements_[e].length);
+  for (const LumpedMass& lump : masses_) {
+    const std::size_t on = element_at(elements_, lump.position);
+    const BarElement& element = elements_[on];
+    add(on, std::min((lump.position - element.x) / element.length, 1.0), lump.mass);
+  }
+  return load;
 }
 
 std::optional<BarModes> LinearBar::modes() const {

@@ -22,6 +22,7 @@ class LinearBar : public SmallMotionBeam {
 
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
+  Eigen::VectorXd small_motion_load() const override;
   std::optional<BarModes> modes() const override;
 
   std::vector<BarElement> stretching_elements() const override {
@@ -65,7 +66,8 @@ class LinearBar : public SmallMotionBeam {
 
   std::vector<BarElement> elements_;
   std::vector<LumpedMass> masses_;
-  double gravity_;  // from hinge to tip
+  double gravity_;         // from hinge to tip
+  double gravity_across_;  // closing
   double spring_;
 };
 

@@ -237,6 +237,10 @@ Eigen::VectorXd ReissnerBeam::small_motion_row(double x) const {
   return linear_.small_motion_row(x);
 }
 
+Eigen::VectorXd ReissnerBeam::small_motion_load() const {
+  return linear_.small_motion_load();
+}
+
 double ReissnerBeam::damping_power(ConstVector q, ConstVector v) const {
   Eigen::VectorXd force = Eigen::VectorXd::Zero(size());
   subtract_damping(q, v, force);

@@ -13,16 +13,24 @@ BarKey BarKey::of(const Rig& rig, const Solver& solver) {
   std::vector<double> further;
   for (const FurtherStop& stop : rig.further_stops)
     further.push_back(stop.direction() * stop.contact.position);
-  return {rig.beam,           rig.hinge,    rig.contact.position, rig.gravity,
-          std::move(further), solver.model, solver.elements,      solver.modes,
-          solver.axial_modes, solver.basis};
+  return {rig.beam,
+          rig.hinge,
+          rig.contact.position,
+          rig.gravity_along(),
+          rig.gravity_across(),
+          std::move(further),
+          solver.model,
+          solver.elements,
+          solver.modes,
+          solver.axial_modes,
+          solver.basis};
 }
 
 std::size_t BarKey::Hash::operator()(const BarKey& key) const {
   std::size_t hash = 0;
   for (const double value :
        {key.beam.length, key.beam.area, key.beam.second_moment, key.beam.youngs_modulus,
-        key.beam.density, key.hinge.spring, key.position, key.gravity})
+        key.beam.density, key.hinge.spring, key.position, key.gravity_along, key.gravity_across})
     hash = 31 * hash + std::hash<double>()(value);
   return hash;
 }

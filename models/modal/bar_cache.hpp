@@ -19,7 +19,7 @@ namespace impactrig::models {
 struct BarKey {
   Beam beam;
   Hinge hinge;
-  double position, gravity;
+  double position, gravity_along, gravity_across;
   std::vector<double> further;  // positions of further stops, negative on the far side
   BeamModel model;
   std::array<int, 2> elements;

@@ -201,7 +201,8 @@ class BarFamily::BarsBetween : public std::enable_shared_from_this<BarsBetween> 
 };
 
 std::optional<Rig> BarFamily::representative(const Rig& rig) {
-  if (!rig.beam.masses.empty() || !rig.beam.segments.empty() || rig.beam.shears())
+  if (!rig.beam.masses.empty() || !rig.beam.segments.empty() || rig.beam.shears() ||
+      rig.gravity_across() != 0.0)
     return std::nullopt;
   Rig other = rig;
   for (double Beam::*value :

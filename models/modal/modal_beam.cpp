@@ -26,6 +26,8 @@ ModalBeam::ModalBeam(const SmallMotionBeam& beam, const Rig& rig)
     take(modes_by_matrices(beam.small_motion()));
   }
   find_damping();
+  const Eigen::VectorXd load = beam.small_motion_load();
+  load_ = rows_.size() > 0 ? Eigen::VectorXd(rows_ * load) : load;
   struck_ = point(rig.contact.position);
   for (const FurtherStop& stop : rig.further_stops)
     further_.push_back(stop.direction() * point(stop.contact.position));
@@ -135,8 +137,8 @@ void ModalBeam::become_between(std::span<const ModalBeam* const> others,
   for (std::size_t j = 1; j < others.size(); ++j)
     omega_ += weights[j] * others[j]->omega_.cwiseAbs2();
   omega_ = omega_.cwiseMax(0.0).cwiseSqrt();
-  for (const auto vector :
-       {&ModalBeam::struck_, &ModalBeam::rigid_, &ModalBeam::hinge_, &ModalBeam::frame_})
+  for (const auto vector : {&ModalBeam::struck_, &ModalBeam::rigid_, &ModalBeam::load_,
+                            &ModalBeam::hinge_, &ModalBeam::frame_})
     interpolate([&](auto& beam) -> auto& { return beam.*vector; });
   for (const auto matrix : {&ModalBeam::rows_, &ModalBeam::weight_})
     interpolate([&](auto& beam) -> auto& { return beam.*matrix; });
@@ -164,6 +166,7 @@ void ModalBeam::hang(double weight, double spring) {
   for (Eigen::VectorXd& row : further_) row = basis.transpose() * row;
   hinge_ = basis.transpose() * hinge_;
   rigid_ = basis.transpose() * rigid_;
+  load_ = weight * (basis.transpose() * load_);
   spring_ = spring;
 }
 
@@ -182,6 +185,7 @@ void ModalBeam::scale(double stiffness, double mass) {
   for (Eigen::VectorXd& row : further_) row /= root;
   hinge_ /= root;
   rigid_ *= root;
+  load_ *= square * root;
   stations_.scale(stiffness, mass);
   axial_ *= stiffness;
   most_stretching_ /= stiffness;
@@ -271,6 +275,7 @@ ModalSlope ModalBeam::slope(const SmallMotion& change, const ViscousDamping& dam
     slope.damping.array() += damping.stiffness * in_modes(motion.stiffness, shapes) +
                              viscous_.stiffness * (in_modes(change.stiffness, shapes) +
                                                    2.0 * in_modes(motion.stiffness, slope.shapes));
+  slope.load = row_slope(slope, motion.load, change.load);
   slope.rigid = slope.shapes.transpose() * (motion.mass * motion.rigid) +
                 rows_ * (change.mass * motion.rigid + motion.mass * change.rigid);
   return slope;
@@ -284,6 +289,7 @@ ModalBeam ModalBeam::moved(const ModalSlope& slope, double amount) const {
   bar.struck_ += amount * slope.struck;
   for (std::size_t k = 0; k < further_.size(); ++k) bar.further_[k] += amount * slope.further[k];
   bar.rigid_ += amount * slope.rigid;
+  bar.load_ += amount * slope.load;
   return bar;
 }
 
@@ -297,6 +303,7 @@ ModalBeam ModalBeam::with_mode(double omega, double damping, double struck) cons
   append(damping, more.damping_);
   append(struck, more.struck_);
   append(0.0, more.rigid_);
+  append(0.0, more.load_);
   for (Eigen::VectorXd& row : more.further_) append(0.0, row);
   more.damped_ = damped_ || damping != 0.0;
   return more;

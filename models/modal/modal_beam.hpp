@@ -15,8 +15,9 @@
 
 namespace impactrig::models {
 
-/// A bar's small motion in its own modes: ä + d ȧ + ω² a = −r F, with unit modal mass, a (m). They
-/// are those of the undamped bar; what damping couples one to another is left out: coupled_drag().
+/// A bar's small motion in its own modes: ä + d ȧ + ω² a = Q − r F, with unit modal mass, a (m).
+/// They are those of the undamped bar; what damping couples one to another is left out:
+/// coupled_drag().
 class ModalBeam {
  public:
   ModalBeam(const SmallMotionBeam& beam, const Rig& rig);
@@ -56,6 +57,9 @@ class ModalBeam {
 
   /// Of the fastest that modes vibrate or creep with, |λ| of e^{λt} [1/s].
   double fastest() const;
+
+  /// Q, of gravity from the side [N/√kg] (m).
+  const Eigen::VectorXd& load() const { return load_; }
 
   /// Momentum that a mode takes from others by damping, and is left out, while they move by `a`
   /// (m).
@@ -101,8 +105,8 @@ class ModalBeam {
     return slope.shapes.transpose() * row + rows_ * row_change;
   }
 
-  /// The bar with frequencies, damping, struck points and rigid rotation moved along a slope; for
-  /// its responses alone.
+  /// The bar with frequencies, damping, load, struck points and rigid rotation moved along a slope;
+  /// for its responses alone.
   ModalBeam moved(const ModalSlope& slope, double amount) const;
 
   /// The bar with a mode more that the first stop sees, as the head of a stop that gives way is
@@ -152,7 +156,7 @@ class ModalBeam {
   const SmallMotionBeam* beam_;
   Eigen::MatrixXd rows_;    // of the modes' shapes (m, n); none where the coordinates are the modes
   Eigen::MatrixXd weight_;  // the hanging weight's stiffness, of the slowest (p, p), p ≤ m
-  Eigen::VectorXd omega_, struck_, rigid_;
+  Eigen::VectorXd omega_, struck_, rigid_, load_;
   ViscousDamping viscous_;
   Eigen::VectorXd damping_;
   bool damped_ = false;

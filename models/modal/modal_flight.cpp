@@ -27,6 +27,12 @@ PendulumSwing::State swing_of(const ModalBeam& beam, const ModalState& state) {
   return {scale * state.a[0], scale * state.rate[0]};
 }
 
+/// From where the pendulum would hang.
+PendulumSwing::State about(const ModalFlight::Pendulum& pendulum, PendulumSwing::State swing) {
+  swing.angle -= pendulum.rest;
+  return swing;
+}
+
 /// How far the vibration can move a point [m].
 double reach_of(const ModalBeam& beam, const ModalState& state, const Eigen::VectorXd& row) {
   const Eigen::Index n = beam.modes() - 1;
@@ -41,10 +47,17 @@ struct Vibration {
   double acceleration;  ///< [m/s²]
 };
 
-Vibration vibration_of(const ModalBeam& beam, const ModalState& state, const Eigen::VectorXd& row) {
+Vibration vibration_of(const ModalBeam& beam, const ModalLoad& load, const ModalState& state,
+                       const Eigen::VectorXd& row) {
   const auto omega = beam.omega().array();
   const auto sizes = (omega * state.a.array()).square() + state.rate.array().square();
-  return {reach_of(beam, state, row), (row.array().abs() * omega * sizes.sqrt()).sum()};
+  return {reach_of(beam, state, row),
+          (row.array().abs() * omega * sizes.sqrt()).sum() + std::abs(row[0] * load.pull())};
+}
+
+/// How far the load may bring a point nearer than swing and vibration do [m].
+double held_before(const ModalLoad& load, const Eigen::VectorXd& row) {
+  return std::max(row.dot(load.held()), 0.0);
 }
 
 }  // namespace
@@ -101,28 +114,40 @@ double PendulumSwing::time_up_to(double angle) const {
   return (there > phase_ ? there - phase_ : there + 4.0 * quarter_ - phase_) / omega_;
 }
 
-ModalFlight::ModalFlight(const ModalBeam& beam, const ModalState& from)
+ModalFlight::Pendulum::Pendulum(const ModalBeam& beam, const ModalLoad& load)
+    : omega(beam.omega()[0]),
+      rest(0.0) {
+  if (!load.acts()) return;
+  const double pull = angle_of_mode(beam) * load.pull(), square = omega * omega;
+  omega = std::sqrt(std::hypot(square, pull));
+  rest = std::atan2(pull, square);
+}
+
+ModalFlight::ModalFlight(const ModalBeam& beam, const ModalLoad& load, const ModalState& from)
     : beam_(beam),
+      load_(load),
       from_(from),
-      swing_(beam.omega()[0], swing_of(beam, from)) {}
+      pendulum_(beam, load),
+      swing_(pendulum_.omega, about(pendulum_, swing_of(beam, from))) {}
 
 double ModalFlight::reach(const Eigen::VectorXd& row) const {
   return reach_of(beam_, from_, row);
 }
 
-bool ModalFlight::may_reach(const ModalBeam& beam, const ModalState& state,
+bool ModalFlight::may_reach(const ModalBeam& beam, const ModalLoad& load, const ModalState& state,
                             std::span<const double> gaps) {
   const double angle = swing_of(beam, state).angle;
   for (std::size_t stop = 0; stop < gaps.size(); ++stop) {
     const Eigen::VectorXd& row = beam.struck(static_cast<int>(stop));
     const double arm = row[0] / angle_of_mode(beam);
-    if (arm * angle + reach_margin * reach_of(beam, state, row) >= gaps[stop]) return true;
+    const double near = held_before(load, row) + reach_margin * reach_of(beam, state, row);
+    if (arm * angle + near >= gaps[stop]) return true;
   }
   return false;
 }
 
 double ModalFlight::clear_time(std::span<const double> gaps) const {
-  const bool weighs = beam_.omega()[0] > 0.0;
+  const bool weighs = pendulum_.omega > 0.0;
   if (weighs && !(swing_.widest() < 0.5 * std::numbers::pi)) return 0.0;
   double time = std::numeric_limits<double>::infinity();
   for (std::size_t stop = 0; stop < gaps.size() && time > 0.0; ++stop)
@@ -134,11 +159,12 @@ double ModalFlight::clear_time(std::span<const double> gaps) const {
 /// from there.
 double ModalFlight::clear_time_of(const Eigen::VectorXd& row, double gap) const {
   const double arm = row[0] / angle_of_mode(beam_);
-  const double angle = (gap - reach_margin * reach(row)) / std::abs(arm);
+  const double angle = (gap - held_before(load_, row) - reach_margin * reach(row)) / std::abs(arm);
   const PendulumSwing::State& here = swing_.start();
-  if (arm >= 0.0) return here.angle < angle ? swing_.time_up_to(angle) : 0.0;
-  const PendulumSwing mirrored(beam_.omega()[0], {-here.angle, -here.rate});
-  return -here.angle < angle ? mirrored.time_up_to(angle) : 0.0;
+  const double rest = pendulum_.rest;
+  if (arm >= 0.0) return here.angle < angle - rest ? swing_.time_up_to(angle - rest) : 0.0;
+  const PendulumSwing mirrored(pendulum_.omega, {-here.angle, -here.rate});
+  return -here.angle < angle + rest ? mirrored.time_up_to(angle + rest) : 0.0;
 }
 
 double ModalFlight::neglected(const Eigen::VectorXd& row, double time) const {
@@ -150,18 +176,19 @@ double ModalFlight::neglected(const Eigen::VectorXd& row, double time) const {
   return vibration * std::pow(swing_.widest(), 2) * (0.3 + 0.15 * turned);
 }
 
-double ModalFlight::watched_time(const ModalBeam& beam, const ModalState& from,
-                                 std::span<const double> gaps, double least, double most) {
+double ModalFlight::watched_time(const ModalBeam& beam, const ModalLoad& load,
+                                 const ModalState& from, std::span<const double> gaps, double least,
+                                 double most) {
   static thread_local ModalState there;  // at every step: no allocation
   static thread_local std::vector<Vibration> vibrations;
   there = from;
   vibrations.clear();
   for (std::size_t stop = 0; stop < gaps.size(); ++stop)
-    vibrations.push_back(vibration_of(beam, from, beam.struck(static_cast<int>(stop))));
+    vibrations.push_back(vibration_of(beam, load, from, beam.struck(static_cast<int>(stop))));
   const double scale = angle_of_mode(beam);
   double time = 0.0;
   for (int look = 0; look < most_looks; ++look) {
-    if (look > 0) advance(beam, time, NodeVector::Zero(1), from, there);
+    if (look > 0) load.advance_freely(beam, time, from, there);
     double clear = most - time;
     bool near = false;
     for (std::size_t stop = 0; stop < gaps.size(); ++stop) {
@@ -170,12 +197,13 @@ double ModalFlight::watched_time(const ModalBeam& beam, const ModalState& from,
       // how far the swing still has to carry it away until the vibration cannot bring it back
       const double arm = row[0] / scale;
       const PendulumSwing::State swing{scale * there.a[0], scale * there.rate[0]};
-      const double within = arm * swing.angle + reach_margin * vibration.reach - gaps[stop];
+      const double within =
+          arm * swing.angle + held_before(load, row) + reach_margin * vibration.reach - gaps[stop];
       near = near || within > 0.0;
       if (within > 0.0 && arm * swing.rate < 0.0)
         clear = std::min(clear, -1.02 * within / (arm * swing.rate));
       const double speed = row.dot(there.rate);
-      double room = gaps[stop] - row.dot(there.a);
+      double room = gaps[stop] - row.dot(there.a) - row.dot(load.held());
       if (look == 0) room = std::max(room, 0.0);  // it is free, whatever rounding says
       if (!(room >= 0.0)) return time;
       // speed t + ½ acceleration t² = room, in a form that does not cancel
@@ -198,36 +226,40 @@ void ModalFlight::state_after(double time, ModalState& to) const {
   advance(beam_, time, NodeVector::Zero(1), from_, to);
   const PendulumSwing::State swing = swing_.after(time);
   const double scale = angle_of_mode(beam_);
-  to.a[0] = swing.angle / scale;
+  to.a[0] = (swing.angle + pendulum_.rest) / scale;
   to.rate[0] = swing.rate / scale;
 }
 
-void ModalFlight::swing_on(const ModalBeam& beam, const ModalState& from, double time,
-                           ModalState& to) {
+void ModalFlight::swing_on(const ModalBeam& beam, const ModalLoad& load, const ModalState& from,
+                           double time, ModalState& to) {
   const double scale = angle_of_mode(beam);
+  const Pendulum pendulum(beam, load);
   const PendulumSwing::State swing =
-      PendulumSwing::stepped(beam.omega()[0], swing_of(beam, from), time);
-  to.a[0] = swing.angle / scale;
+      PendulumSwing::stepped(pendulum.omega, about(pendulum, swing_of(beam, from)), time);
+  to.a[0] = (swing.angle + pendulum.rest) / scale;
   to.rate[0] = swing.rate / scale;
 }
 
-double ModalFlight::drop(const ModalBeam& beam, const ModalState& state) {
+double ModalFlight::drop(const ModalBeam& beam, const ModalLoad& load, const ModalState& state) {
   const double scale = angle_of_mode(beam);
   const double angle = scale * state.a[0];
   const double sine = std::sin(0.5 * angle);
-  return std::pow(beam.omega()[0] / scale, 2) * (0.5 * angle * angle - 2.0 * sine * sine);
+  return std::pow(beam.omega()[0] / scale, 2) * (0.5 * angle * angle - 2.0 * sine * sine) -
+         load.pull() / scale * (angle - std::sin(angle));
 }
 
-PointMotion ModalFlight::on_circle(const ModalBeam& beam, const Eigen::VectorXd& row,
-                                   const ModalState& state) {
+PointMotion ModalFlight::on_circle(const ModalBeam& beam, const ModalLoad& load,
+                                   const Eigen::VectorXd& row, const ModalState& state) {
   const double scale = angle_of_mode(beam);
   const double angle = scale * state.a[0], rate = scale * state.rate[0];
   const double sine = std::sin(angle), cosine = std::cos(angle);
   const Eigen::Index others = row.size() - 1;
   const double x = row.dot(beam.rigid());
   const double weighed = row[0] / scale - x;  // how the pendulum's mode bends
-  const double bent = weighed * sine + row.tail(others).dot(state.a.tail(others));
-  const double bending = weighed * rate * cosine + row.tail(others).dot(state.rate.tail(others));
+  const double held = row.dot(load.held());
+  const double bent = weighed * sine + held * cosine + row.tail(others).dot(state.a.tail(others));
+  const double bending =
+      (weighed * cosine - held * sine) * rate + row.tail(others).dot(state.rate.tail(others));
   return {x * sine + bent * cosine, (x * rate + bending) * cosine - bent * rate * sine};
 }
 

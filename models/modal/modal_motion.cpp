@@ -22,24 +22,30 @@ ModalMotion::ModalMotion(const ModalBar& bar, const Collocation& rule,
       beam_(bar.modes()),
       rule_(rule),
       sampling_interval_(history.interval),
+      load_(beam_),
       flies_(!beam_.sprung() && !beam_.damped()),
       third_order_(beam_) {
+  for (int stop = 0; stop < beam_.stops(); ++stop)
+    held_at_.push_back(beam_.struck(stop).dot(load_.held()));
   const auto row = [&](double x) { return x > 0.0 ? beam_.point(x) : beam_.struck(); };
   if (!(history.interval > 0.0)) return;
   velocity_row_ = row(history.velocity_position);
   displacement_row_ = row(history.displacement_position);
+  displacement_held_ = displacement_row_.dot(load_.held());
   if (!history.spot_slopes) return;
   const auto slope = [&](double x) {
     return beam_.point_slope(x > 0.0 ? x : beam_.struck_position());
   };
   velocity_slope_ = slope(history.velocity_position);
   displacement_slope_ = slope(history.displacement_position);
+  displacement_slope_held_ = displacement_slope_.dot(load_.held());
 }
 
 void ModalMotion::start(double angle, double rate) {
   state_.a = beam_.rigid() * angle;
   // in flight the weight bends the bar by the sine of the swing's angle
   if (flies_ && angle != 0.0) state_.a.tail(beam_.modes() - 1) *= std::sin(angle) / angle;
+  state_.a -= load_.held();
   state_.rate = beam_.rigid() * rate;
   dropped_ = 0.0;
   flights_ = {};
@@ -51,22 +57,80 @@ void ModalMotion::start(double angle, double rate) {
 }
 
 BeamEnergy ModalMotion::energy() const {
-  BeamEnergy energy = beam_.energy(state_.a, state_.rate);
+  BeamEnergy energy = energy_of(state_);
   energy.gravitational -= dropped_;
   return energy;
+}
+
+BeamEnergy ModalMotion::energy_of(const ModalState& state) const {
+  if (!load_.acts()) return beam_.energy(state.a, state.rate);
+  static thread_local Eigen::VectorXd a;  // asked for at every step: no allocation
+  a = state.a + load_.held();
+  BeamEnergy energy = beam_.energy(a, state.rate);
+  energy.gravitational -= beam_.load().dot(a);
+  return energy;
+}
+
+/// The state, where the modes are.
+const ModalState& ModalMotion::whole() const {
+  if (!load_.acts()) return state_;
+  static thread_local ModalState whole;
+  whole = state_;
+  whole.a += load_.held();
+  return whole;
+}
+
+RigidPart ModalMotion::rigid_part() const {
+  const ModalState& state = whole();
+  return beam_.rigid_part(state.a, state.rate);
 }
 
 void ModalMotion::expect_contact(int, double) {
   if (first_contact_ != FirstContact::to_come) return;
   first_contact_ = FirstContact::lasts;
   if (!judges_) return;
-  beam_.stations().find_slopes(state_.a, state_.rate, slopes_);
-  third_order_.touch(state_, slopes_, negligible_);
+  const ModalState& state = whole();
+  beam_.stations().find_slopes(state.a, state.rate, slopes_);
+  third_order_.touch(state, slopes_, negligible_);
 }
 
 void ModalMotion::begin_step(int level) {
   level_ = level;
   step_ = &bar_.step(rule_, level);
+  if (!load_.acts()) return;
+  fallen_.resize(rule_.nodes());
+  fallen_rate_.resize(rule_.nodes());
+  for (int i = 0; i < rule_.nodes(); ++i) {
+    const ModalLoad::Fall fall = load_.fall(step() * rule_.points()[i]);
+    fallen_[i] = fall.a;
+    fallen_rate_[i] = fall.rate;
+  }
+}
+
+void ModalMotion::coast(int stop, NodeVector& displacement, NodeVector& velocity) const {
+  step_->coast(stop, state_, displacement, velocity);
+  if (!load_.acts()) return;
+  const double of_pendulum = beam_.struck(stop)[0];
+  displacement.array() += held_at_[static_cast<std::size_t>(stop)] + of_pendulum * fallen_.array();
+  velocity += of_pendulum * fallen_rate_;
+}
+
+/// What the load has done to the pendulum's mode, and so to the struck point, after a time.
+void ModalMotion::go_with_load(double time, ModalState& to, PointMotion* motion,
+                               double* acceleration) const {
+  if (!load_.acts()) return;
+  const ModalLoad::Fall fall = load_.fall(time);
+  to.a[0] += fall.a;
+  to.rate[0] += fall.rate;
+  const double of_pendulum = beam_.struck()[0];
+  if (motion) {
+    motion->displacement += of_pendulum * fall.a + held_at_[0];
+    motion->velocity += of_pendulum * fall.rate;
+  }
+  if (!acceleration) return;
+  const double omega = beam_.omega()[0];
+  *acceleration +=
+      of_pendulum * (load_.pull() - omega * omega * fall.a - beam_.damping()[0] * fall.rate);
 }
 
 void ModalMotion::begin_part(double) {
@@ -77,7 +141,7 @@ bool ModalMotion::improve(std::span<StopStep> stops) {
   const int count = static_cast<int>(stops.size());
   for (int point = 0; point < count; ++point) {
     StopStep& at = stops[static_cast<std::size_t>(point)];
-    step_->coast(point, state_, at.displacement, at.velocity);
+    coast(point, at.displacement, at.velocity);
     for (int stop = 0; stop < count; ++stop) {
       const NodeVector& force = stops[static_cast<std::size_t>(stop)].force;
       if (force.isZero(0.0)) continue;
@@ -97,6 +161,7 @@ void ModalMotion::finish(std::span<const StopStep> stops) {
     step_->advance(state_, stops[0].force, end_);
   for (std::size_t k = 1; k < stops.size(); ++k)
     if (!stops[k].force.isZero(0.0)) step_->add(static_cast<int>(k), stops[k].force, end_);
+  go_with_load(step(), end_);
 }
 
 /// About where the forces hold those modes.
@@ -120,8 +185,9 @@ double ModalMotion::undamped_speed(int stop, double damping, double time) const 
 /// The state within the solved step; tells how the struck point moves there.
 PointMotion ModalMotion::jump(double part, ModalState& to, double* acceleration) const {
   const double h = part * step();
-  const PointMotion motion =
+  PointMotion motion =
       advance(beam_, h, rule_.restricted(series_[0], part), state_, to, acceleration);
+  go_with_load(h, to, &motion, acceleration);
   bool alone = true;
   for (int stop = 1; stop < beam_.stops(); ++stop) {
     if (!presses(stop)) continue;
@@ -135,9 +201,10 @@ PointMotion ModalMotion::jump(double part, ModalState& to, double* acceleration)
 
 /// Of the point before a stop, without what forces do to it.
 double ModalMotion::free_acceleration(int stop, const ModalState& state) const {
-  return -(beam_.struck(stop).array() * (beam_.omega().array().square() * state.a.array() +
-                                         beam_.damping().array() * state.rate.array()))
-              .sum();
+  const Eigen::VectorXd& row = beam_.struck(stop);
+  return load_.pull() * row[0] - (row.array() * (beam_.omega().array().square() * state.a.array() +
+                                                 beam_.damping().array() * state.rate.array()))
+                                     .sum();
 }
 
 /// What the bar has less, but for the work of the stops, which twice the nodes see.
@@ -149,7 +216,7 @@ double ModalMotion::damped(double part) const {
     jump(part, within);
   }
   const auto total = [&](const ModalState& state) {
-    const BeamEnergy energy = beam_.energy(state.a, state.rate);
+    const BeamEnergy energy = energy_of(state);
     return energy.kinetic + energy.elastic + energy.spring + energy.gravitational;
   };
   return total(state_) - total(part < 1.0 ? within : end_) - work_on_stops(part);
@@ -174,6 +241,8 @@ double ModalMotion::work_on_stops(double part) const {
   for (int point = 0; point < beam_.stops(); ++point) {
     if (!presses(point)) continue;
     whole.coast(point, state_, displacement, velocity);
+    for (int i = 0; load_.acts() && i < fine.nodes(); ++i)
+      velocity[i] += beam_.struck(point)[0] * load_.fall(part * step() * fine.points()[i]).rate;
     for (int stop = 0; stop < beam_.stops(); ++stop)
       velocity += whole.response(point, stop).velocity_of_force * force_of(stop);
     work += part * step() * fine.weights().dot(velocity.cwiseProduct(force_of(point)));
@@ -206,8 +275,9 @@ void ModalMotion::take(double part) {
     if (pressed) note_left_out(part);
   }
   if (first_contact_ != FirstContact::lasts || !judges_) return;
-  beam_.stations().find_slopes(state_.a, state_.rate, slopes_);
-  third_order_.follow(state_, slopes_, *step_, part, mean_force(part), contact_);
+  const ModalState& state = whole();
+  beam_.stations().find_slopes(state.a, state.rate, slopes_);
+  third_order_.follow(state, slopes_, *step_, part, mean_force(part), contact_);
 }
 
 /// Of the first stop, over the first part of the step [N].
@@ -243,17 +313,17 @@ void ModalMotion::note_left_out(double part) {
 
 double ModalMotion::clear_time(std::span<const double> gaps, double most) {
   if (!flies_) return 0.0;
-  watched_ = ModalFlight::may_reach(beam_, state_, gaps);
-  if (!watched_) return ModalFlight(beam_, state_).clear_time(gaps);
-  return ModalFlight::watched_time(beam_, state_, gaps, look_share * step(), most);
+  watched_ = ModalFlight::may_reach(beam_, load_, state_, gaps);
+  if (!watched_) return ModalFlight(beam_, load_, state_).clear_time(gaps);
+  return ModalFlight::watched_time(beam_, load_, state_, gaps, look_share * step(), most);
 }
 
 void ModalMotion::fly(double time) {
   if (watched_) {
-    advance(beam_, time, NodeVector::Zero(1), state_, scratch_);
+    load_.advance_freely(beam_, time, state_, scratch_);
   } else {
-    ModalFlight(beam_, state_).state_after(time, scratch_);
-    dropped_ += ModalFlight::drop(beam_, scratch_) - ModalFlight::drop(beam_, state_);
+    ModalFlight(beam_, load_, state_).state_after(time, scratch_);
+    dropped_ += ModalFlight::drop(beam_, load_, scratch_) - ModalFlight::drop(beam_, load_, state_);
   }
   std::swap(state_, scratch_);
   ++flights_.count;
@@ -262,18 +332,18 @@ void ModalMotion::fly(double time) {
 
 void ModalMotion::sample_flight(double first, double spacing, std::span<Sample> samples) {
   if (watched_) return sample_watched(first, spacing, samples);
-  const ModalFlight flight(beam_, state_);
+  const ModalFlight flight(beam_, load_, state_);
   const bool single = ready_to_sample() && flight.swing().is_short(spacing);
   for (std::size_t k = 0; k < samples.size(); ++k) {
     if (k > 0 && single) {
       sampling_->coast(sampled_[0], sampled_[1]);
-      ModalFlight::swing_on(beam_, sampled_[0], spacing, sampled_[1]);
+      ModalFlight::swing_on(beam_, load_, sampled_[0], spacing, sampled_[1]);
       std::swap(sampled_[0], sampled_[1]);
     } else {
       flight.state_after(first + static_cast<double>(k) * spacing, sampled_[0]);
     }
     const auto on_circle = [&](const Eigen::VectorXd& row) {
-      return ModalFlight::on_circle(beam_, row, sampled_[0]);
+      return ModalFlight::on_circle(beam_, load_, row, sampled_[0]);
     };
     samples[k] = {on_circle(beam_.struck()), on_circle(velocity_row_).velocity,
                   on_circle(displacement_row_).displacement};
@@ -289,10 +359,10 @@ void ModalMotion::sample_watched(double first, double spacing, std::span<Sample>
   for (std::size_t k = 0; k < samples.size(); ++k) {
     if (k > 0 && single) {
       sampling_->coast(sampled_[0], sampled_[1]);
+      go_with_load(sampling_->h(), sampled_[1]);
       std::swap(sampled_[0], sampled_[1]);
     } else {
-      advance(beam_, first + static_cast<double>(k) * spacing, NodeVector::Zero(1), state_,
-              sampled_[0]);
+      load_.advance_freely(beam_, first + static_cast<double>(k) * spacing, state_, sampled_[0]);
     }
     samples[k] = look(sampled_[0]);
   }
@@ -300,11 +370,11 @@ void ModalMotion::sample_watched(double first, double spacing, std::span<Sample>
 
 PointMotion ModalMotion::struck_in_flight(int stop, double time) {
   if (watched_) {
-    advance(beam_, time, NodeVector::Zero(1), state_, scratch_);
+    load_.advance_freely(beam_, time, state_, scratch_);
     return struck(stop, scratch_);
   }
-  ModalFlight(beam_, state_).state_after(time, scratch_);
-  return ModalFlight::on_circle(beam_, beam_.struck(stop), scratch_);
+  ModalFlight(beam_, load_, state_).state_after(time, scratch_);
+  return ModalFlight::on_circle(beam_, load_, beam_.struck(stop), scratch_);
 }
 
 /// Whether sampling_ goes from one sample to the next.
@@ -343,6 +413,7 @@ void ModalMotion::advance_sample(double from, double spacing) {
     sampling_->coast(sampled_[0], sampled_[1]);
   for (int stop = 1; stop < beam_.stops(); ++stop)
     if (presses(stop)) sampling_->add(stop, force_of(stop), sampled_[1]);
+  go_with_load(sampling_->h(), sampled_[1]);
   std::swap(sampled_[0], sampled_[1]);
 }
 

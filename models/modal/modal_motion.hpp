@@ -9,6 +9,7 @@
 #include "models/collocation/bar_motion.hpp"
 #include "models/modal/bar_cache.hpp"
 #include "models/modal/modal_beam.hpp"
+#include "models/modal/modal_load.hpp"
 #include "models/modal/modal_step.hpp"
 #include "models/modal/third_order.hpp"
 #include "models/simulation.hpp"
@@ -33,11 +34,17 @@ class ModalMotion : public BarMotion {
 
   BeamEnergy energy() const override;
 
-  RigidPart rigid_part() const override { return beam_.rigid_part(state_.a, state_.rate); }
+  RigidPart rigid_part() const override;
 
   double elastic_compliance() const override { return beam_.elastic_compliance(); }
 
+  /// Against where a steady load holds the modes, ModalLoad::held().
   const ModalState& state() const { return state_; }
+
+  const ModalLoad& load() const { return load_; }
+
+  /// The point before a stop at the nodes of the step begun, free of forces of the stops.
+  void coast(int stop, NodeVector& displacement, NodeVector& velocity) const;
 
   void expect_contact(int stop, double displacement) override;
 
@@ -134,19 +141,25 @@ class ModalMotion : public BarMotion {
 
  private:
   PointMotion struck(int stop, const ModalState& state) const {
-    return {beam_.struck(stop).dot(state.a), beam_.struck(stop).dot(state.rate)};
+    return {beam_.struck(stop).dot(state.a) + held_at_[static_cast<std::size_t>(stop)],
+            beam_.struck(stop).dot(state.rate)};
   }
 
   bool presses(int stop) const { return !series_[static_cast<std::size_t>(stop)].isZero(0.0); }
 
   Sample look(const ModalState& state) const {
-    Sample sample{struck(0, state), velocity_row_.dot(state.rate), displacement_row_.dot(state.a)};
+    Sample sample{struck(0, state), velocity_row_.dot(state.rate),
+                  displacement_row_.dot(state.a) + displacement_held_};
     if (velocity_slope_.size() == 0) return sample;
     sample.velocity_slope = velocity_slope_.dot(state.rate);
-    sample.displacement_slope = displacement_slope_.dot(state.a);
+    sample.displacement_slope = displacement_slope_.dot(state.a) + displacement_slope_held_;
     return sample;
   }
 
+  const ModalState& whole() const;
+  BeamEnergy energy_of(const ModalState& state) const;
+  void go_with_load(double time, ModalState& to, PointMotion* motion = nullptr,
+                    double* acceleration = nullptr) const;
   double mean_force(double part) const;
   void note_left_out(double part);
 
@@ -166,10 +179,14 @@ class ModalMotion : public BarMotion {
   std::unique_ptr<ModalStep> sampling_;  // of the history's interval
   std::array<ModalState, 2> sampled_;
 
+  ModalLoad load_;
+  std::vector<double> held_at_;  // points before stops, by the load [m]
+  double displacement_held_ = 0.0, displacement_slope_held_ = 0.0;  // likewise of the history
   ModalState state_, end_, scratch_;
   const ModalStep* step_ = nullptr;
-  int level_ = 0;                   // of that
-  std::vector<NodeVector> series_;  // of the force of each stop
+  NodeVector fallen_, fallen_rate_;  // of the pendulum's mode by the load, at the nodes
+  int level_ = 0;                    // of that
+  std::vector<NodeVector> series_;   // of the force of each stop
   bool flies_;
   bool watched_ = false;  // the flight that clear_time() told of: moves on as steps would
   Flights flights_;

@@ -15,6 +15,11 @@ Eigen::VectorXd widened(const Eigen::VectorXd& row, Eigen::Index modes) {
   return wide;
 }
 
+void fall(const ModalLoad::Fall& by, ModalState& to) {
+  to.a[0] += by.a;
+  to.rate[0] += by.rate;
+}
+
 std::optional<ModalBeam> with_head(const Rig& rig, const ModalBeam& bar) {
   if (!rig.stop) return std::nullopt;
   const StopHead::Mode head = StopHead(*rig.stop).mode();
@@ -30,6 +35,7 @@ ModalSensitivities::ModalSensitivities(const Rig& rig, const Solver& solver,
       motion_(motion),
       with_head_(with_head(rig, motion.beam())),
       modes_(with_head_ ? *with_head_ : motion.beam()),
+      load_(modes_),
       velocity_row_(widened(motion.velocity_row(), modes_.modes())),
       displacement_row_(widened(motion.displacement_row(), modes_.modes())),
       parts_(static_cast<std::size_t>(rig.stops())) {
@@ -68,7 +74,10 @@ void ModalSensitivities::start() {
   for (Modes& m : of_) {
     m.state.a = Eigen::VectorXd::Zero(modes_.modes());
     m.state.rate = modes_.rigid() * m.effect.start_rate();
-    if (m.effect.moves_modes()) m.state.rate += m.effect.modes().rigid * rate;
+    if (m.effect.moves_modes()) {
+      m.state.a -= m.effect.held();
+      m.state.rate += m.effect.modes().rigid * rate;
+    }
     m.end = m.state;
   }
 }
@@ -79,7 +88,7 @@ PointMotion ModalSensitivities::struck(const Modes& m, std::size_t stop, const M
   const Eigen::VectorXd& row = modes_.struck(number);
   PointMotion s{row.dot(slope.a), row.dot(slope.rate)};
   if (!m.effect.moves_modes()) return s;
-  s.displacement += m.effect.struck(number).dot(state.a);
+  s.displacement += m.effect.struck(number).dot(state.a) + m.effect.held_at(number);
   s.velocity += m.effect.struck(number).dot(state.rate);
   return s;
 }
@@ -109,12 +118,24 @@ void ModalSensitivities::find_free_slopes(int i) {
     change->coast(number, state_, depth, rate);
     stop.depth += depth;
     stop.rate += rate;
+    add_load(m, number, stop);
     for (std::size_t q = 0; q < stops_.size(); ++q) {
       if (force_[q].isZero(0.0)) continue;
       const BarMotion::Response& response = change->response(number, static_cast<int>(q));
       stop.depth += response.displacement_of_force * force_[q];
       stop.rate += response.velocity_of_force * force_[q];
     }
+  }
+}
+
+/// What the load's slopes do to the point before a stop at the nodes.
+void ModalSensitivities::add_load(const Modes& m, int number, Pressed& stop) const {
+  const double of_pendulum = modes_.struck(number)[0], its_slope = m.effect.struck(number)[0];
+  for (int i = 0; i < rule_.nodes(); ++i) {
+    const double time = rule_.points()[i] * motion_.step();
+    const ModalLoad::Fall fall = load_.fall(time), slope = m.effect.fall(time);
+    stop.depth[i] += m.effect.held_at(number) + of_pendulum * slope.a + its_slope * fall.a;
+    stop.rate[i] += of_pendulum * slope.rate + its_slope * fall.rate;
   }
 }
 
@@ -143,19 +164,21 @@ void ModalSensitivities::go_to_place() {
     step().advance(state_, force_, here_);
   else if (place_.part > 0.0)
     advance(modes_, place_.part * motion_.step(), place_.series, state_, here_);
+  fall(load_.fall(place_.part * motion_.step()), here_);
   accelerate();
 }
 
 void ModalSensitivities::accelerate() {
   acceleration_ =
       -modes_.omega().cwiseAbs2().cwiseProduct(here_.a) - modes_.damping().cwiseProduct(here_.rate);
+  acceleration_[0] += load_.pull();
   for (std::size_t k = 0; k < stops_.size(); ++k)
     acceleration_ -= modes_.struck(static_cast<int>(k)) * place_.force[k];
 }
 
 RunSensitivities::Passing ModalSensitivities::passing(std::size_t stop) const {
   const Eigen::VectorXd& row = modes_.struck(static_cast<int>(stop));
-  return {row.dot(here_.a), row.dot(here_.rate), row.dot(acceleration_)};
+  return {row.dot(here_.a) + row.dot(load_.held()), row.dot(here_.rate), row.dot(acceleration_)};
 }
 
 /// The state's slope at the place, at the same time from the step's beginning.
@@ -174,6 +197,7 @@ void ModalSensitivities::follow_to_place(int i) {
     advance(modes_, h, parts_, m.state, m.end);
   }
   if (!m.effect.moves_modes()) return;
+  fall(m.effect.fall(h), m.end);
   if (!whole) {
     m.effect.add_advance(h, place_.series, state_, m.end);
     return;
@@ -207,7 +231,8 @@ RunSensitivities::Spots ModalSensitivities::spots(int i) const {
               .displacement_rate = displacement_row_.dot(here_.rate)};
   if (m.effect.moves_modes()) {
     spots.velocity += m.effect.velocity_row().dot(here_.rate);
-    spots.displacement += m.effect.displacement_row().dot(here_.a);
+    spots.displacement += m.effect.displacement_row().dot(here_.a + load_.held()) +
+                          displacement_row_.dot(m.effect.held());
   }
   if (!stopped_) return spots;
   const Eigen::Index head = modes_.modes() - 1;
@@ -246,11 +271,13 @@ void ModalSensitivities::step_sample(double from, double spacing) {
       go(m.effect.step(sampling_->h()), here_, series_, there_);
       scratch_.a += there_.a;
       scratch_.rate += there_.rate;
+      fall(m.effect.fall(sampling_->h()), scratch_);
     }
     std::swap(m.end, scratch_);
   }
   scratch_ = here_;
   go(*sampling_, here_, series_, scratch_);
+  fall(load_.fall(sampling_->h()), scratch_);
   std::swap(here_, scratch_);
   NodeVector legendre(rule_.nodes());
   shifted_legendre(from + spacing, legendre);

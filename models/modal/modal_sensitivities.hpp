@@ -51,6 +51,7 @@ class ModalSensitivities final : public RunSensitivities {
   void go_to_sample(double part, double spacing, bool first) override;
 
   const ModalStep& step();
+  void add_load(const Modes& m, int number, Pressed& stop) const;
   void find_free_slopes(int i);
   void accelerate();
   PointMotion struck(const Modes& m, std::size_t stop, const ModalState& slope,
@@ -62,6 +63,7 @@ class ModalSensitivities final : public RunSensitivities {
   const ModalMotion& motion_;
   std::optional<ModalBeam> with_head_;
   const ModalBeam& modes_;  // of the bar and of the head
+  ModalLoad load_;
   Eigen::VectorXd velocity_row_, displacement_row_;
   ParameterEffect::SensorRow sensor_row_;
   std::vector<Modes> of_;  // a direction each

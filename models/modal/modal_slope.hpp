@@ -16,6 +16,7 @@ struct ModalSlope {
   Eigen::VectorXd struck;                // (m)
   std::vector<Eigen::VectorXd> further;  // of the points before further stops (m)
   Eigen::VectorXd rigid;                 // (m)
+  Eigen::VectorXd load;                  // (m)
   Eigen::MatrixXd shapes;                // (n, m)
 };
 

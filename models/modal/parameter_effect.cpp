@@ -56,6 +56,7 @@ struct BarChange {
     add_to(motion.mass, weight, other.mass);
     add_to(motion.stiffness, weight, other.stiffness);
     add_to(motion.gravity, weight, other.gravity);
+    add_to(motion.load, weight, other.load);
     add_to(motion.hinge, weight, other.hinge);
     add_to(motion.rigid, weight, other.rigid);
     motion.spring += weight * other.spring;
@@ -105,7 +106,7 @@ ParameterEffect::ParameterEffect(const Rig& rig, const Solver& solver,
 
 void ParameterEffect::keep_bar(const ModalBeam& bar) {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(bar.modes());
-  slope_.omega = slope_.damping = slope_.struck = slope_.rigid = none;
+  slope_.omega = slope_.damping = slope_.struck = slope_.rigid = slope_.load = none;
   slope_.further.assign(static_cast<std::size_t>(bar.stops() - 1), none);
   velocity_row_ = displacement_row_ = none;
 }
@@ -143,6 +144,7 @@ void ParameterEffect::find_head() {
   append(slope_of([](const Stop& stop) { return StopHead(stop).mode().damping; }), slope_.damping);
   append(slope_of([](const Stop& stop) { return StopHead(stop).mode().struck; }), slope_.struck);
   append(0.0, slope_.rigid);
+  append(0.0, slope_.load);
   for (Eigen::VectorXd& row : slope_.further) append(0.0, row);
   append(0.0, velocity_row_);
   append(0.0, displacement_row_);
@@ -155,17 +157,42 @@ void ParameterEffect::move_modes() {
     const double largest = largest_of(slope);
     return largest > 0.0 ? mode_step * size / largest : std::numeric_limits<double>::infinity();
   };
-  // a weightless rigid bar without a damper has no rate: then the parameter's own size has to do
-  const double fastest = modes_.fastest();
-  const double rate = fastest > 0.0 ? fastest : by().size() * largest_of(slope_.damping);
+  // what is zero has no size: then the parameter's own has to do
+  const auto size_of = [&](double size, const Eigen::VectorXd& slope) {
+    return size > 0.0 ? size : by().size() * largest_of(slope);
+  };
   spacing_ = std::min({step_along(largest_of(modes_.omega()), slope_.omega),
-                       step_along(rate, slope_.damping),
+                       step_along(size_of(modes_.fastest(), slope_.damping), slope_.damping),
+                       step_along(size_of(largest_of(modes_.load()), slope_.load), slope_.load),
                        step_along(largest_of(modes_.rigid()), slope_.rigid)});
   for (int stop = 0; stop < modes_.stops(); ++stop)
     spacing_ = std::min(spacing_, step_along(largest_of(modes_.struck(stop)), struck(stop)));
   if (!std::isfinite(spacing_)) return;
   for (const double offset : by().stencil().offsets)
-    moved_.push_back(modes_.moved(slope_, offset * spacing_));
+    loads_.emplace_back(moved_.emplace_back(modes_.moved(slope_, offset * spacing_)));
+  find_held(ModalLoad(modes_).held());
+}
+
+/// Q / ω² of the modes that bend.
+void ParameterEffect::find_held(const Eigen::VectorXd& held) {
+  const Eigen::VectorXd squares = modes_.omega().cwiseAbs2();
+  held_ = (slope_.load - 2.0 * held.cwiseProduct(modes_.omega()).cwiseProduct(slope_.omega))
+              .cwiseQuotient(squares);
+  held_[0] = 0.0;
+  for (int stop = 0; stop < modes_.stops(); ++stop)
+    held_at_.push_back(struck(stop).dot(held) + modes_.struck(stop).dot(held_));
+}
+
+ModalLoad::Fall ParameterEffect::fall(double time) const {
+  ModalLoad::Fall slope;
+  for (std::size_t place = 0; place < moved_.size(); ++place) {
+    if (!by().counts(place)) continue;
+    const double weight = by().stencil().weights[place] / spacing_;
+    const ModalLoad::Fall fall = loads_[place].fall(time);
+    slope.a += weight * fall.a;
+    slope.rate += weight * fall.rate;
+  }
+  return slope;
 }
 
 const ModalStep& ParameterEffect::step(double h) {

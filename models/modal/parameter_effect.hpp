@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "models/modal/modal_load.hpp"
 #include "models/modal/modal_step.hpp"
 #include "models/sensitivities/rig_effect.hpp"
 
@@ -36,6 +37,14 @@ class ParameterEffect : public RigEffect {
 
   const Eigen::VectorXd& displacement_row() const { return displacement_row_; }
 
+  /// Of where the load holds the modes (m), and the points before the stops [m].
+  const Eigen::VectorXd& held() const { return held_; }
+
+  double held_at(int stop) const { return held_at_[static_cast<std::size_t>(stop)]; }
+
+  /// Of ModalLoad::fall().
+  ModalLoad::Fall fall(double time) const;
+
   /// Of the step of this length.
   const ModalStep& step(double h);
 
@@ -60,6 +69,7 @@ class ParameterEffect : public RigEffect {
   void keep_bar(const ModalBeam& bar);
   void find_head();
   void move_modes();
+  void find_held(const Eigen::VectorXd& held);
 
   const ModalBeam& modes_;
   const Collocation& rule_;
@@ -69,6 +79,9 @@ class ParameterEffect : public RigEffect {
   Eigen::VectorXd velocity_row_, displacement_row_;
   double spacing_ = 0.0;          // along the slope, of the modes moved
   std::vector<ModalBeam> moved_;  // at the stencil's places; empty where the modes do not change
+  std::vector<ModalLoad> loads_;  // of those
+  Eigen::VectorXd held_;
+  std::vector<double> held_at_;
   std::map<double, ModalStep> steps_;
   ModalState there_;
 };

@@ -34,6 +34,7 @@ SmallMotion ReducedBar::small_motion() const {
   SmallMotion motion{.mass = Eigen::MatrixXd::Identity(m, m),
                      .stiffness = modes_.squares.asDiagonal(),
                      .gravity = Eigen::MatrixXd::Zero(m, m),
+                     .load = small_motion_load(),
                      .hinge = modes_.hinge,
                      .spring = bar_->spring(),
                      .rigid = modes_.rigid};
@@ -49,6 +50,10 @@ std::optional<BarModes> ReducedBar::modes() const {
                   .weight = modes_.weight,
                   .hinge = modes_.hinge,
                   .rigid = modes_.rigid};
+}
+
+Eigen::VectorXd ReducedBar::small_motion_load() const {
+  return modes_.rows * bar_->small_motion_load();
 }
 
 Eigen::VectorXd ReducedBar::small_motion_row(double x) const {

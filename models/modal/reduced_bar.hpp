@@ -26,6 +26,7 @@ class ReducedBar : public SmallMotionBeam {
 
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
+  Eigen::VectorXd small_motion_load() const override;
   std::optional<BarModes> modes() const override;
 
   std::vector<BarElement> stretching_elements() const override {

@@ -11,12 +11,13 @@
 namespace impactrig::models {
 
 /// A bar on its hinge moving little about hanging straight, in coordinates q (n) of which only the
-/// motion across the bar is kept: M q̈ + (K + G + k hᵀ h) q = −rᵀ F, where r q is the displacement
-/// of the struck point, closing > 0, and F presses it back.
+/// motion across the bar is kept: M q̈ + (K + G + k hᵀ h) q = Q − rᵀ F, where r q is the
+/// displacement of the struck point, closing > 0, and F presses it back.
 struct SmallMotion {
   Eigen::MatrixXd mass;       ///< M (n, n)
   Eigen::MatrixXd stiffness;  ///< K, elastic (n, n)
   Eigen::MatrixXd gravity;    ///< G, of the hanging weight (n, n)
+  Eigen::VectorXd load;       ///< Q, of gravity from the side (n)
   Eigen::VectorXd hinge;      ///< h: angle of the axis at the hinge, closing > 0 (n)
   double spring = 0.0;        ///< k, of the hinge [N m/rad]
   Eigen::VectorXd rigid;      ///< q of a rigid rotation by 1 rad, closing (n)
@@ -58,6 +59,9 @@ class SmallMotionBeam {
 
   /// Displacement of a point under unit coordinates of small_motion(), closing > 0 (n).
   virtual Eigen::VectorXd small_motion_row(double x) const = 0;
+
+  /// SmallMotion::load.
+  virtual Eigen::VectorXd small_motion_load() const = 0;
 
   /// All its modes, where it has a better way to them than those matrices.
   virtual std::optional<BarModes> modes() const { return std::nullopt; }

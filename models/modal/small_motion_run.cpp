@@ -259,7 +259,7 @@ Simulation swing_freely(const Rig& rig, const Solver& solver, const SimulationOp
   ModalMotion motion(bar, Collocation::of(nodes_of(solver)), options.history);
   FreeRun run(rig, solver, options, motion);
   run.start();
-  const double tip = ModalFlight(bar.modes(), motion.state())
+  const double tip = ModalFlight(bar.modes(), motion.load(), motion.state())
                          .neglected(bar.modes().point(rig.beam.length), *solver.duration);
   Simulation result = run.fly();
   warn_of_imbalance(solver.accuracy, result);

@@ -50,9 +50,14 @@ bool RigEffect::has_slopes() const {
          beside.rotation->time == 0.0;
 }
 
+/// The pendulum's frequency where nothing holds it has no slope, its square has.
 bool RigEffect::small_motion_knows() const {
-  return !(moves_friction_ && by_.rig().hinge.friction > 0.0) &&
-         beyond_small_motion(by_.rig_beside()).empty();
+  const Rig &here = by_.rig(), &beside = by_.rig_beside();
+  const auto holds = [](const Rig& rig) {
+    return rig.gravity_along() != 0.0 || rig.hinge.spring != 0.0;
+  };
+  return !(moves_friction_ && here.hinge.friction > 0.0) && holds(here) == holds(beside) &&
+         beyond_small_motion(beside).empty();
 }
 
 /// Where nothing before touch changes.

@@ -156,6 +156,30 @@ TEST(Sensitivities, OfARigidBarWithADamperAreThoseOfDifferences) {
   EXPECT_NEAR((with.impulse - without.impulse) / change, 1.0, 1e-4);
 }
 
+// Of gravity that pulls into the stop, away from it, or not yet from the side; bar, hinge and stop
+// damped, or free.
+TEST(Sensitivities, OfGravityFromTheSideAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  Solver stiff = rigid(1e-12);
+  stiff.duration = 5e-4;
+  const Solver chain = ancf(4, 1, 1e-12, 5e-4);
+  const Solver frame = hybrid(Basis::pinned_free, 4, 1e-12, 5e-4);
+  for (const double direction : {1.2, -0.7, 0.0}) {
+    SCOPED_TRACE(direction);
+    rig.gravity_direction = direction;
+    for (const Solver& solver : {stiff, chain, frame})
+      expect_equal_derivatives(rig, solver, 1e-8, of_gravity);
+  }
+  rig.gravity_direction = 1.2;
+  rig.gravity = 60.0;
+  expect_equal_derivatives(rig, chain, 1e-8, parameters, 4e-4);
+  rig.beam.damping = {.mass = 20.0, .stiffness = 2e-7};
+  rig.hinge = {.spring = 50.0, .viscous = 0.01};
+  expect_equal_derivatives(rig, frame, 1e-8, of_damped_bars, 4e-4);
+  rig.stop = Stop{.mass = 0.2, .stiffness = 1e9, .viscous = 5e3};
+  expect_equal_derivatives(rig, frame, 1e-8, of_compliant_stops, 3e-4);
+}
+
 // A head that rings, one that is damped, one that creeps back.
 TEST(Sensitivities, OfACompliantStopAreThoseOfDifferences) {
   for (const double viscous : {300.0, 5e3, 4e4}) {
