@@ -47,6 +47,7 @@ class BounceFit {
   std::optional<double> passes(double level, double half) const;
   std::optional<Estimate> place(double at, double half) const;
   std::optional<Bounce::Return> rebound(double sure, double duration) const;
+  bool steady() const;
   bool swings(const Bounce& bounce, const Touched& found) const;
 
   const Trace& trace_;
@@ -212,6 +213,18 @@ std::optional<Bounce::Return> BounceFit::rebound(double sure, double duration) c
   return result;
 }
 
+bool BounceFit::steady() const {
+  constexpr double same = 0.3;
+  const std::size_t middle = begin_ + (end_ - begin_) / 2;
+  if (middle < begin_ + fewest) return false;
+  const auto slope = [&](std::size_t first, std::size_t last) {
+    const QuietFit line = fit_quiet(y_, first, last, 1, grain_, trace_.valid);
+    return line.coefficients[1] / line.half;
+  };
+  const double early = slope(begin_, middle), late = slope(middle, end_);
+  return std::abs(late - early) < same * std::abs(late);
+}
+
 /// Whether something else has bent the course, as where a bar is let go, and what follows is the
 /// swing of a bar that touches nothing: it leaves no more than the touch does, by three standard
 /// errors of the variances.
@@ -241,7 +254,8 @@ std::optional<Bounce> BounceFit::run() {
                 .level = sign_ * found.level.value,
                 .turn = turn_,
                 .course = found.course,
-                .approach = found.approach};
+                .approach = found.approach,
+                .steady = steady()};
   const double half = std::max(2.0, end_part * (as_double(turn_) - bounce.touch));
   bounce.back = passes(found.level.value, half);
   if (bounce.back)

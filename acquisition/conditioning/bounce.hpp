@@ -19,6 +19,7 @@ struct Bounce {
   std::size_t turn = 0;  ///< the farthest sample behind it
   Estimate course{};     ///< as `approach`, if the bar did not vibrate before
   Estimate approach{};   ///< at touch, along `sign`, > 0
+  bool steady = false;   ///< the halves of the course before are about as fast
   std::optional<double>
       back{};  ///< where it is at `level` again; none where the record ends before
 
