@@ -105,11 +105,13 @@ double FitSearch::grow_first_window() {
 }
 
 /// Rough predictions may have led astray, a sensor's resonance most easily: with fine ones from the
-/// start again, and from where rough searches ended best where they ended at several places.
+/// start again, and from where rough searches ended best where that is another place and they ended
+/// at several, or this one misfits.
 void FitSearch::search_first_window_finely(const std::vector<double>& tried) {
   problem_.set_initial_values();
   first_reached_ = pass(fine_search, first_window);
-  if (several_ends_)
+  const bool elsewhere = first_reached_ > misfit && !same_place(problem_.values(), tried);
+  if (several_ends_ || elsewhere)
     first_reached_ = try_again(first_reached_, [&] {
       problem_.set_values(tried);
       return pass(fine_search, first_window);
