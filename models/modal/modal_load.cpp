@@ -14,6 +14,7 @@ ModalLoad::ModalLoad(const ModalBeam& beam)
 }
 
 ModalLoad::Fall ModalLoad::fall(double time) const {
+  if (pull_ == 0.0) return {};
   double answer = 0.0, rate = 0.0;
   pendulum_.moments(time, {&answer, 1}, {&rate, 1});
   return {pull_ * time * answer, pull_ * time * rate};

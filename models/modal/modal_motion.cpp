@@ -379,7 +379,7 @@ PointMotion ModalMotion::struck_in_flight(int stop, double time) {
 
 /// Whether sampling_ goes from one sample to the next.
 bool ModalMotion::ready_to_sample() {
-  const bool single = sampling_interval_ <= ModalStep::longest(beam_);
+  const bool single = sampling_interval_ <= ladder().longest;
   if (!sampling_ && single)
     sampling_ = std::make_unique<ModalStep>(beam_, rule_, sampling_interval_);
   return single;

@@ -36,15 +36,21 @@ ModalSensitivities::ModalSensitivities(const Rig& rig, const Solver& solver,
       with_head_(with_head(rig, motion.beam())),
       modes_(with_head_ ? *with_head_ : motion.beam()),
       load_(modes_),
+      longest_sample_(ModalStep::longest(modes_)),
       velocity_row_(widened(motion.velocity_row(), modes_.modes())),
       displacement_row_(widened(motion.displacement_row(), modes_.modes())),
       parts_(static_cast<std::size_t>(rig.stops())) {
+  for (int stop = 0; stop < rig.stops(); ++stop)
+    held_at_.push_back(modes_.struck(stop).dot(load_.held()));
   if (rig.stop) sensor_row_ = ParameterEffect::SensorRow::of(*rig.stop);
   state_.a = state_.rate = Eigen::VectorXd::Zero(modes_.modes());
   for (const RigParameter parameter : options.sensitivities) {
     auto effect = std::make_unique<ParameterEffect>(rig, solver, options.history, parameter,
                                                     motion.beam(), modes_, rule_);
-    of_.push_back({*effect, {}, {}});
+    double held = 0.0;
+    if (effect->moves_modes())
+      held = effect->displacement_row().dot(load_.held()) + displacement_row_.dot(effect->held());
+    of_.push_back({*effect, held, {}, {}});
     add(std::move(effect));
   }
 }
@@ -178,7 +184,7 @@ void ModalSensitivities::accelerate() {
 
 RunSensitivities::Passing ModalSensitivities::passing(std::size_t stop) const {
   const Eigen::VectorXd& row = modes_.struck(static_cast<int>(stop));
-  return {row.dot(here_.a) + row.dot(load_.held()), row.dot(here_.rate), row.dot(acceleration_)};
+  return {row.dot(here_.a) + held_at_[stop], row.dot(here_.rate), row.dot(acceleration_)};
 }
 
 /// The state's slope at the place, at the same time from the step's beginning.
@@ -231,8 +237,7 @@ RunSensitivities::Spots ModalSensitivities::spots(int i) const {
               .displacement_rate = displacement_row_.dot(here_.rate)};
   if (m.effect.moves_modes()) {
     spots.velocity += m.effect.velocity_row().dot(here_.rate);
-    spots.displacement += m.effect.displacement_row().dot(here_.a + load_.held()) +
-                          displacement_row_.dot(m.effect.held());
+    spots.displacement += m.effect.displacement_row().dot(here_.a) + m.displacement_held;
   }
   if (!stopped_) return spots;
   const Eigen::Index head = modes_.modes() - 1;
@@ -244,7 +249,7 @@ RunSensitivities::Spots ModalSensitivities::spots(int i) const {
 
 void ModalSensitivities::go_to_sample(double part, double spacing, bool first) {
   const double interval = options_.history.interval;
-  const bool single = interval <= ModalStep::longest(modes_);
+  const bool single = interval <= longest_sample_;
   if (!single || first) return RunSensitivities::go_to_sample(part, spacing, first);
   if (!sampling_) sampling_.emplace(modes_, rule_, interval);
   step_sample(part - spacing, spacing);

@@ -28,7 +28,8 @@ class ModalSensitivities final : public RunSensitivities {
   /// A direction's modes.
   struct Modes {
     ParameterEffect& effect;
-    ModalState state, end;  // slopes of the state where the next step begins, and at the place
+    double displacement_held;  // slope of what the displacement shows of where the load holds
+    ModalState state, end;     // slopes of the state where the next step begins, and at the place
   };
 
   void see_state() override;
@@ -64,6 +65,8 @@ class ModalSensitivities final : public RunSensitivities {
   std::optional<ModalBeam> with_head_;
   const ModalBeam& modes_;  // of the bar and of the head
   ModalLoad load_;
+  std::vector<double> held_at_;  // points before stops, by the load [m]
+  double longest_sample_;        // [s]
   Eigen::VectorXd velocity_row_, displacement_row_;
   ParameterEffect::SensorRow sensor_row_;
   std::vector<Modes> of_;  // a direction each
