@@ -89,6 +89,7 @@ FitProblem FitProblem::copy() const {
   other.loss_ = loss_;
   other.noise_known_ = noise_known_;
   other.small_slopes_ = small_slopes_;
+  other.deadline_ = deadline_;
   for (const Shot& shot : shots_)
     other.shots_.push_back({shot.impact, shot.window, shot.contact, shot.reach, shot.channels,
                             shot.numbers, shot.model, nullptr});

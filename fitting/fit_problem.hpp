@@ -104,6 +104,9 @@ class FitProblem {
 
   long simulations() const;
 
+  /// Those of a copy count as well.
+  void add_simulations(long count) { past_simulations_ += count; }
+
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   bool noise_known() const { return noise_known_; }

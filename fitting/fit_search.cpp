@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fitting/all_cores.hpp"
 #include "fitting/fit_end.hpp"
 
 namespace impactrig::fitting {
@@ -145,7 +146,7 @@ double FitSearch::search_from_elsewhere(double reduced) {
   int tried = 0;
   for (const Start& start : other_starts) {
     if (reduced <= misfit || (tried++ == 2 && !several_ends_)) break;
-    begin_at(start);
+    problem_.set_values(start_of(start));
     const double reached = pass(first_search, first_window);
     several_ends_ = several_ends_ || !same_place(problem_.values(), best);
     if (reached >= reduced) continue;
@@ -156,7 +157,7 @@ double FitSearch::search_from_elsewhere(double reduced) {
   return reduced;
 }
 
-void FitSearch::begin_at(const Start& elsewhere) {
+std::vector<double> FitSearch::start_of(const Start& elsewhere) {
   problem_.set_initial_values();
   std::vector<double> start = problem_.values();
   for (std::size_t i = 0; i < start.size(); ++i) {
@@ -165,7 +166,7 @@ void FitSearch::begin_at(const Start& elsewhere) {
     if (v.name == "contact.stiffness_factor") start[i] = elsewhere.stiffness * v.initial;
     if (v.chain) start[i] = elsewhere.sensor * v.initial;
   }
-  problem_.set_values(start);
+  return start;
 }
 
 /// A displacement alone shows the contact by what the bar does later, which has many minima, and
@@ -173,17 +174,31 @@ void FitSearch::begin_at(const Start& elsewhere) {
 double FitSearch::search_from_everywhere() {
   constexpr double restitutions[] = {0.1, 0.3, 0.5, 0.7, 0.9}, stiffnesses[] = {0.7, 1.0, 1.4};
   constexpr Search search = {.tolerance = 1e-4};
-  double lowest = whole;
-  std::vector<double> best = problem_.values();
+
+  struct Way {
+    std::vector<double> values;
+    SearchEnd end = {};
+    long simulations = 0;
+  };
+
+  std::vector<Way> ways;
   for (const double restitution : restitutions)
-    for (const double stiffness : stiffnesses) {
-      begin_at({restitution, stiffness, 1.0});
-      const double reached = pass(search, whole);
-      if (!(reached < lowest)) continue;
-      lowest = reached;
-      best = problem_.values();
-    }
-  problem_.set_values(best);
+    for (const double stiffness : stiffnesses)
+      ways.push_back({start_of({restitution, stiffness, 1.0})});
+  problem_.choose_samples(whole, false);
+  run_on_all_cores(ways.size(), [&](std::size_t i, std::size_t) {
+    FitProblem problem = problem_.copy();
+    problem.set_values(ways[i].values);
+    ways[i].end = problem.search(search);
+    ways[i].values = problem.values();
+    ways[i].simulations = problem.simulations();
+  });
+  for (const Way& way : ways) {
+    iterations_ += way.end.iterations;
+    problem_.add_simulations(way.simulations);
+  }
+  problem_.set_values(
+      std::ranges::min_element(ways, {}, [](const Way& way) { return way.end.cost; })->values);
   return pass(last_search, whole);
 }
 

@@ -57,7 +57,7 @@ class FitSearch {
   double search_from_elsewhere(double reduced);
   double search_from_everywhere();
   bool is_of_displacement_alone() const;
-  void begin_at(const Start& elsewhere);
+  std::vector<double> start_of(const Start& elsewhere);
   bool several_starts() const;
   double search_finely(const std::vector<double>& tried);
   double grow_window();
