@@ -31,16 +31,17 @@ constexpr double share_of_mesh = 0.5;
 constexpr double share_of_time = 0.5, least_share_of_run = 0.25, share_of_whole_run = 0.125;
 constexpr int coarsest = 8;
 
-/// The rig with what small motion does not know left out, its weight from the side:
+/// The rig with what small motion does not know left out, the weight of a bar that stands:
 /// missing_weight().
 Rig within_small_motion(const Rig& rig) {
   Rig plain = rig;
-  plain.gravity_direction = 0.0;
+  if (rig.gravity_along() < 0.0) plain.gravity_direction = 0.0;
   return plain;
 }
 
 /// What that weight would do to a first contact of this time [s], as a part of its impulse.
 double missing_weight(const Rig& rig, const Episode& first, double time) {
+  if (rig.gravity_along() >= 0.0) return 0.0;
   const double angle = touch_velocity(rig) * time / rig.contact.position;
   const double moment =
       rig.gravity * rig.beam.first_moment() *

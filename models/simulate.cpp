@@ -335,9 +335,9 @@ bool follows_swing(const Rig& rig, const SimulationOptions& options) {
 
 bool allows_small_motion(const Rig& rig, const SimulationOptions& options) {
   if (!allows(options, Simplification::small_motion)) return false;
-  // nor does it know how far gravity from the side is from that on the way
-  if (follows_swing(rig, options) && rig.gravity_across() != 0.0 && options.motion != Motion::small)
-    return false;
+  // how far gravity from the side is on the way from what it is at touch, small motion does not
+  // tell
+  if (follows_swing(rig, options) && rig.gravity_across() != 0.0) return false;
   // small motion of a swing has no derivatives
   const bool swings = !rig.has_stop() || follows_swing(rig, options);
   if (swings && !options.sensitivities.empty() && options.motion != Motion::small) return false;

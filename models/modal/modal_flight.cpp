@@ -57,7 +57,7 @@ Vibration vibration_of(const ModalBeam& beam, const ModalLoad& load, const Modal
 
 /// How far the load may bring a point nearer than swing and vibration do [m].
 double held_before(const ModalLoad& load, const Eigen::VectorXd& row) {
-  return std::max(row.dot(load.held()), 0.0);
+  return load.acts() ? std::max(row.dot(load.held()), 0.0) : 0.0;
 }
 
 }  // namespace
@@ -203,7 +203,8 @@ double ModalFlight::watched_time(const ModalBeam& beam, const ModalLoad& load,
       if (within > 0.0 && arm * swing.rate < 0.0)
         clear = std::min(clear, -1.02 * within / (arm * swing.rate));
       const double speed = row.dot(there.rate);
-      double room = gaps[stop] - row.dot(there.a) - row.dot(load.held());
+      double room = gaps[stop] - row.dot(there.a);
+      if (load.acts()) room -= row.dot(load.held());
       if (look == 0) room = std::max(room, 0.0);  // it is free, whatever rounding says
       if (!(room >= 0.0)) return time;
       // speed t + ½ acceleration t² = room, in a form that does not cancel
@@ -256,7 +257,7 @@ PointMotion ModalFlight::on_circle(const ModalBeam& beam, const ModalLoad& load,
   const Eigen::Index others = row.size() - 1;
   const double x = row.dot(beam.rigid());
   const double weighed = row[0] / scale - x;  // how the pendulum's mode bends
-  const double held = row.dot(load.held());
+  const double held = load.acts() ? row.dot(load.held()) : 0.0;
   const double bent = weighed * sine + held * cosine + row.tail(others).dot(state.a.tail(others));
   const double bending =
       (weighed * cosine - held * sine) * rate + row.tail(others).dot(state.rate.tail(others));

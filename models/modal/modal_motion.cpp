@@ -72,7 +72,7 @@ BeamEnergy ModalMotion::energy_of(const ModalState& state) const {
 }
 
 /// The state, where the modes are.
-const ModalState& ModalMotion::whole() const {
+const ModalState& ModalMotion::with_held() const {
   if (!load_.acts()) return state_;
   static thread_local ModalState whole;
   whole = state_;
@@ -81,7 +81,7 @@ const ModalState& ModalMotion::whole() const {
 }
 
 RigidPart ModalMotion::rigid_part() const {
-  const ModalState& state = whole();
+  const ModalState& state = with_held();
   return beam_.rigid_part(state.a, state.rate);
 }
 
@@ -89,7 +89,7 @@ void ModalMotion::expect_contact(int, double) {
   if (first_contact_ != FirstContact::to_come) return;
   first_contact_ = FirstContact::lasts;
   if (!judges_) return;
-  const ModalState& state = whole();
+  const ModalState& state = with_held();
   beam_.stations().find_slopes(state.a, state.rate, slopes_);
   third_order_.touch(state, slopes_, negligible_);
 }
@@ -174,6 +174,7 @@ double ModalMotion::undamped_speed(int stop, double damping, double time) const 
     for (int other = 0; other < beam_.stops(); ++other)
       pressing +=
           beam_.struck(other)[k] * legendre_sum(series_[static_cast<std::size_t>(other)], 1.0);
+    if (k == 0) pressing -= load_.pull();
     const double off = end_.a[k] + pressing / (omega * omega);
     const double square = std::pow(beam_.struck(stop)[k], 2);
     const double taken = std::min(1.0, 0.5 * damping * square * time);
@@ -275,7 +276,7 @@ void ModalMotion::take(double part) {
     if (pressed) note_left_out(part);
   }
   if (first_contact_ != FirstContact::lasts || !judges_) return;
-  const ModalState& state = whole();
+  const ModalState& state = with_held();
   beam_.stations().find_slopes(state.a, state.rate, slopes_);
   third_order_.follow(state, slopes_, *step_, part, mean_force(part), contact_);
 }

@@ -156,7 +156,7 @@ class ModalMotion : public BarMotion {
     return sample;
   }
 
-  const ModalState& whole() const;
+  const ModalState& with_held() const;
   BeamEnergy energy_of(const ModalState& state) const;
   void go_with_load(double time, ModalState& to, PointMotion* motion = nullptr,
                     double* acceleration = nullptr) const;

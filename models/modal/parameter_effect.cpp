@@ -163,10 +163,12 @@ void ParameterEffect::move_modes() {
   };
   spacing_ = std::min({step_along(largest_of(modes_.omega()), slope_.omega),
                        step_along(size_of(modes_.fastest(), slope_.damping), slope_.damping),
-                       step_along(size_of(largest_of(modes_.load()), slope_.load), slope_.load),
                        step_along(largest_of(modes_.rigid()), slope_.rigid)});
   for (int stop = 0; stop < modes_.stops(); ++stop)
     spacing_ = std::min(spacing_, step_along(largest_of(modes_.struck(stop)), struck(stop)));
+  // what a load does is linear in it: it may be moved by however much, and as little as it is
+  if (!std::isfinite(spacing_))
+    spacing_ = step_along(by().size() * largest_of(slope_.load), slope_.load);
   if (!std::isfinite(spacing_)) return;
   for (const double offset : by().stencil().offsets)
     loads_.emplace_back(moved_.emplace_back(modes_.moved(slope_, offset * spacing_)));

@@ -33,8 +33,8 @@ class RigEffect {
   /// Whether bar and hinge, and the places of the stops, stay as they are.
   bool keeps_bar() const { return keeps_bar_; }
 
-  /// Whether small motion has what it changes: not dry friction in the hinge, nor gravity that
-  /// turns.
+  /// Whether small motion has what it changes: not dry friction in the hinge, nor what would hold a
+  /// pendulum that nothing holds, or have it stand.
   bool small_motion_knows() const;
 
   /// Whether the full equations have slopes by it: not by friction that is none, nor by the time of

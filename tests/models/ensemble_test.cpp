@@ -185,7 +185,9 @@ TEST(Ensemble, LeavesToTheFullEquationsWhatSmallMotionCannot) {
   Rig rubbing = paper_rig();
   rubbing.hinge.viscous = 1e-3;
   rubbing.beam.youngs_modulus *= 1.1;
-  const std::vector<Rig> rigs = {damped, leaning, fast, slow, rubbing};
+  Rig pulled = leaning;
+  pulled.gravity_direction = 1.0;
+  const std::vector<Rig> rigs = {damped, leaning, fast, slow, rubbing, pulled, pulled};
   const Solver solver = hybrid(Basis::pinned_free, 3, 1e-4, 1e-3);
   expect_agreement(rigs, solver);
   const std::vector<EnsembleMember> members = simulate_ensemble(rigs, solver);
@@ -194,6 +196,7 @@ TEST(Ensemble, LeavesToTheFullEquationsWhatSmallMotionCannot) {
   EXPECT_FALSE(members[2].simulation.small_motion);
   EXPECT_TRUE(members[3].simulation.small_motion);
   EXPECT_TRUE(members[4].simulation.small_motion);
+  EXPECT_TRUE(members[5].simulation.small_motion);  // of no family of bars
 }
 
 TEST(Ensemble, IsTheSameToTheLastBitWithAnyThreadsAndNeighbours) {
