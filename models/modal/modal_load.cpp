@@ -23,10 +23,7 @@ ModalLoad::Fall ModalLoad::fall(double time) const {
 void ModalLoad::advance_freely(const ModalBeam& beam, double time, const ModalState& from,
                                ModalState& to) const {
   advance(beam, time, NodeVector::Zero(1), from, to);
-  if (!acts_) return;
-  const Fall fallen = fall(time);
-  to.a[0] += fallen.a;
-  to.rate[0] += fallen.rate;
+  fall(time).add_to(to);
 }
 
 }  // namespace impactrig::models

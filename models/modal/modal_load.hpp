@@ -26,6 +26,11 @@ class ModalLoad {
   /// The pendulum's mode.
   struct Fall {
     double a = 0.0, rate = 0.0;
+
+    void add_to(ModalState& state) const {
+      state.a[0] += a;
+      state.rate[0] += rate;
+    }
   };
 
   /// Where it takes the pendulum's mode from rest in a time [s], by Duhamel's integral.

@@ -120,8 +120,7 @@ void ModalMotion::go_with_load(double time, ModalState& to, PointMotion* motion,
                                double* acceleration) const {
   if (!load_.acts()) return;
   const ModalLoad::Fall fall = load_.fall(time);
-  to.a[0] += fall.a;
-  to.rate[0] += fall.rate;
+  fall.add_to(to);
   const double of_pendulum = beam_.struck()[0];
   if (motion) {
     motion->displacement += of_pendulum * fall.a + held_at_[0];

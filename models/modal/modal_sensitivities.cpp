@@ -15,11 +15,6 @@ Eigen::VectorXd widened(const Eigen::VectorXd& row, Eigen::Index modes) {
   return wide;
 }
 
-void fall(const ModalLoad::Fall& by, ModalState& to) {
-  to.a[0] += by.a;
-  to.rate[0] += by.rate;
-}
-
 std::optional<ModalBeam> with_head(const Rig& rig, const ModalBeam& bar) {
   if (!rig.stop) return std::nullopt;
   const StopHead::Mode head = StopHead(*rig.stop).mode();
@@ -170,7 +165,7 @@ void ModalSensitivities::go_to_place() {
     step().advance(state_, force_, here_);
   else if (place_.part > 0.0)
     advance(modes_, place_.part * motion_.step(), place_.series, state_, here_);
-  fall(load_.fall(place_.part * motion_.step()), here_);
+  load_.fall(place_.part * motion_.step()).add_to(here_);
   accelerate();
 }
 
@@ -203,7 +198,7 @@ void ModalSensitivities::follow_to_place(int i) {
     advance(modes_, h, parts_, m.state, m.end);
   }
   if (!m.effect.moves_modes()) return;
-  fall(m.effect.fall(h), m.end);
+  m.effect.fall(h).add_to(m.end);
   if (!whole) {
     m.effect.add_advance(h, place_.series, state_, m.end);
     return;
@@ -276,13 +271,13 @@ void ModalSensitivities::step_sample(double from, double spacing) {
       go(m.effect.step(sampling_->h()), here_, series_, there_);
       scratch_.a += there_.a;
       scratch_.rate += there_.rate;
-      fall(m.effect.fall(sampling_->h()), scratch_);
+      m.effect.fall(sampling_->h()).add_to(scratch_);
     }
     std::swap(m.end, scratch_);
   }
   scratch_ = here_;
   go(*sampling_, here_, series_, scratch_);
-  fall(load_.fall(sampling_->h()), scratch_);
+  load_.fall(sampling_->h()).add_to(scratch_);
   std::swap(here_, scratch_);
   NodeVector legendre(rule_.nodes());
   shifted_legendre(from + spacing, legendre);

@@ -33,6 +33,22 @@ class ManyContacts : public impactrig::tests::CommandLine {
   }
 };
 
+/// A force, whose amplifier passes this much, and a velocity.
+std::string sensors(const std::string& high_cut) {
+  return R"([sensors.force]
+channel = "Force"
+sensitivity = "1.000(5) mV/N"
+amplifier = { gain = "10", low_cut = "0.5 Hz", high_cut = ")" +
+         high_cut + R"(" }
+delay = { value = "1.5 us", uncertainty = "0.2 us" }
+[sensors.velocity]
+channel = "Velocity"
+sensitivity = "125.0(6) mm/s/V"
+high_cut = "1 MHz"
+delay = { value = "0.4 us", uncertainty = "0.1 us" }
+)";
+}
+
 const json& parameter(const json& fit, const std::string& name) {
   for (const json& p : fit["parameters"])
     if (p["name"] == name) return p;
@@ -71,17 +87,7 @@ velocity = "1.421 m/s"
 model = "ancf"
 elements = [14, 4]
 accuracy = 1e-3
-[sensors.force]
-channel = "Force"
-sensitivity = "1.000(5) mV/N"
-amplifier = { gain = "10", low_cut = "0.5 Hz", high_cut = "50 kHz" }
-delay = { value = "1.5 us", uncertainty = "0.2 us" }
-[sensors.velocity]
-channel = "Velocity"
-sensitivity = "125.0(6) mm/s/V"
-high_cut = "1 MHz"
-delay = { value = "0.4 us", uncertainty = "0.1 us" }
-)");
+)" + sensors("50 kHz"));
   const json fit =
       fit_of_shot(rig,
                   " --set contact.restitution=0.809 --set contact.stiffness_factor=0.833"
@@ -120,17 +126,7 @@ velocity = "0.88 m/s"
 model = "ancf"
 elements = [14, 4]
 accuracy = 1e-5
-[sensors.force]
-channel = "Force"
-sensitivity = "1.000(5) mV/N"
-amplifier = { gain = "10", low_cut = "0.5 Hz", high_cut = "200 kHz" }
-delay = { value = "1.5 us", uncertainty = "0.2 us" }
-[sensors.velocity]
-channel = "Velocity"
-sensitivity = "125.0(6) mm/s/V"
-high_cut = "1 MHz"
-delay = { value = "0.4 us", uncertainty = "0.1 us" }
-)");
+)" + sensors("200 kHz"));
   const json fit =
       fit_of_shot(rig,
                   " --set contact.restitution=0.385 --set contact.stiffness_factor=0.916"
