@@ -94,10 +94,11 @@ constexpr std::array<Replacement, 35> words{{
 }};
 
 /// Symbols of GOST 8.417 and Chinese names of units, as laboratories head columns with them.
-constexpr std::array<Replacement, 56> translations{{
+constexpr std::array<Replacement, 57> translations{{
     {"с", "s"},
     {"мс", "ms"},
     {"мкс", "us"},
+    {"mks", "us"},  // in Latin letters
     {"нс", "ns"},
     {"мин", "min"},
     {"ч", "h"},

@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "acquisition/importers/channel_rows.hpp"
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/csv_clock.hpp"
 #include "acquisition/importers/csv_columns.hpp"
@@ -84,6 +85,15 @@ bool rounds_steps(const Column& times) {
   return std::abs(first) * std::numeric_limits<double>::epsilon() > 1e-3 * std::abs(step);
 }
 
+/// Makes columns of lines that hold a channel each; gives how many there are, 0 of columns.
+std::size_t turn_channel_rows(TextFile& file, const ImportOptions& options) {
+  auto rows = find_channel_rows(file, options);
+  if (!rows) return 0;
+  const std::size_t channels = rows->rows.size();
+  file.turn(std::move(*rows));
+  return channels;
+}
+
 /// Octave writes one variable under the other.
 TableLayout find_only_table(TextFile& file, const ImportOptions& options) {
   const TableLayout layout = find_table(file, options);
@@ -102,6 +112,7 @@ TableLayout find_only_table(TextFile& file, const ImportOptions& options) {
 struct CsvHead {
   CsvHead(const std::string& path, const ImportOptions& options)
       : file(path, options.head_only, options.encoding),
+        channel_rows(turn_channel_rows(file, options)),
         layout(find_only_table(file, options)),
         head(read_head(layout, text_of_rows(file, layout))),
         marked(take_marked_rows(head)),
@@ -137,6 +148,17 @@ struct CsvHead {
     if (record.started.empty()) record.started = head.started;
     take_units_of_keys(head, roles, layout.dialect.delimiter, heads);
     describe(layout, head, heads, roles, record);
+    if (channel_rows > 0) tell_of_channel_rows(record);
+  }
+
+  void tell_of_channel_rows(Record& record) const {
+    for (const char* line : {"column names", "unit row", "first data line"})
+      record.attributes.erase(line);
+    record.attributes["channels in"] = "rows";
+    record.warnings.push_back(fmt::format(
+        "the file is {} {} of many numbers: {} taken for a channel{}, not for a sample",
+        channel_rows, channel_rows == 1 ? "line" : "lines", channel_rows == 1 ? "it is" : "each is",
+        channel_rows == 1 ? "" : " (or the times of the others)"));
   }
 
   /// True where times are so large that doubles round what is between them: they are to be read
@@ -182,6 +204,7 @@ struct CsvHead {
   }
 
   TextFile file;
+  std::size_t channel_rows;  ///< of the file, where they became columns; else 0
   TableLayout layout;
   TableHead head;
   MarkedRows marked;

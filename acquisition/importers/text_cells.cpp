@@ -93,34 +93,64 @@ bool stands_for_no_value(double value) {
   return size == 9.9e37 || size == 9.91e37 || size == 9.99999e99;
 }
 
-bool has_thousands_separators(std::string_view cell) {
+namespace {
+
+/// Digits in groups of three.
+struct GroupedDigits {
+  std::string_view separator;
+  std::string digits;      ///< with the sign, without separators
+  std::size_t groups = 0;  ///< that a separator stands before
+  std::string_view rest;   ///< decimal mark and decimals, or nothing
+};
+
+std::optional<GroupedDigits> grouped_digits(std::string_view cell) {
   std::string_view rest = trimmed(without_quotes(cell));
-  if (!rest.empty() && (rest.front() == '-' || rest.front() == '+')) rest.remove_prefix(1);
-  const auto take_digits = [&rest] {
-    std::size_t digits = 0;
-    while (digits < rest.size() && detail::is_digit(rest[digits])) ++digits;
-    rest.remove_prefix(digits);
-    return digits;
+  GroupedDigits found;
+  if (!rest.empty() && (rest.front() == '-' || rest.front() == '+')) {
+    if (rest.front() == '-') found.digits = '-';
+    rest.remove_prefix(1);
+  }
+  const auto take_digits = [&] {
+    std::size_t count = 0;
+    while (count < rest.size() && detail::is_digit(rest[count])) ++count;
+    found.digits += rest.substr(0, count);
+    rest.remove_prefix(count);
+    return count;
   };
-  if (rest.starts_with('0')) return false;
+  if (rest.starts_with('0')) return std::nullopt;
   const std::size_t first = take_digits();
-  if (first == 0 || first > 3) return false;
+  if (first == 0 || first > 3) return std::nullopt;
   constexpr std::array<std::string_view, 9> separators = {
       ",", ".", "'", " ", "\u2019", "\u00A0", "\u202F", "\u2009", "\xA0"};
-  for (const std::string_view separator : separators) {
-    if (!rest.starts_with(separator)) continue;
-    while (rest.starts_with(separator)) {
-      rest.remove_prefix(separator.size());
-      if (take_digits() != 3) return false;
-    }
-    if (!rest.empty() && (rest.front() == '.' || rest.front() == ',') &&
-        rest.front() != separator[0]) {
-      rest.remove_prefix(1);
-      take_digits();
-    }
-    return rest.empty();
+  const auto* const separator = std::ranges::find_if(
+      separators, [rest](std::string_view mark) { return rest.starts_with(mark); });
+  if (separator == separators.end()) return std::nullopt;
+  found.separator = *separator;
+  for (; rest.starts_with(found.separator); ++found.groups) {
+    rest.remove_prefix(found.separator.size());
+    if (take_digits() != 3) return std::nullopt;
   }
-  return false;
+  found.rest = rest;
+  if (rest.empty()) return found;
+  const bool decimals = (rest.front() == '.' || rest.front() == ',') &&
+                        rest.front() != found.separator.front() &&
+                        std::ranges::all_of(rest.substr(1), detail::is_digit);
+  return decimals ? std::optional(std::move(found)) : std::nullopt;
+}
+
+}  // namespace
+
+bool has_thousands_separators(std::string_view cell) {
+  return grouped_digits(cell).has_value();
+}
+
+std::optional<double> grouped_number_in(std::string_view cell, char decimal) {
+  const auto grouped = grouped_digits(cell);
+  if (!grouped || grouped->separator.front() == decimal) return std::nullopt;
+  if (!grouped->rest.empty() && grouped->rest.front() != decimal) return std::nullopt;
+  const bool may_be_decimal = grouped->separator == "," || grouped->separator == ".";
+  if (may_be_decimal && grouped->rest.empty() && grouped->groups == 1) return std::nullopt;
+  return number_in(grouped->digits + std::string(grouped->rest), {decimal, false});
 }
 
 std::optional<double> cell_value(std::string_view cell, char decimal) {

@@ -32,8 +32,13 @@ constexpr std::array<Dialect, 11> dialects = {{
     {':', '.'},  // never chosen by itself: see possible_dialects
 }};
 
+std::optional<double> value_of(std::string_view cell, Dialect dialect) {
+  const auto value = cell_value(cell, dialect.decimal);
+  return value || !dialect.grouped ? value : grouped_number_in(cell, dialect.decimal);
+}
+
 bool is_value(std::string_view cell, Dialect dialect) {
-  return cell_value(cell, dialect.decimal) || (dialect.dates && is_part_of_date(cell));
+  return value_of(cell, dialect) || (dialect.dates && is_part_of_date(cell));
 }
 
 RowShape shape_of(std::string_view line, Dialect dialect) {
@@ -43,7 +48,7 @@ RowShape shape_of(std::string_view line, Dialect dialect) {
   for (const std::string_view cell : cells_of(line, dialect.delimiter)) {
     ++shape.written_cells;
     if (!cell.empty()) shape.cells = shape.written_cells;
-    const auto value = cell_value(cell, dialect.decimal);
+    const auto value = value_of(cell, dialect);
     if (!value && !is_value(cell, dialect)) numbers_only = false;
     if (value && !std::isnan(*value)) any = true;
   }
@@ -92,28 +97,33 @@ std::optional<DialectFound> try_dialect(const std::vector<std::string_view>& lin
   return std::nullopt;
 }
 
+/// Where the text of rows with text may stand.
+enum class TextCells { behind_the_first, anywhere };
+
 /// The numbers of a row that begins with one (or a date) and holds another, whatever its other
-/// cells are; 0 of other lines.
-std::size_t numbers_beside_text(std::string_view line, Dialect dialect) {
+/// cells are; or, with text anywhere, of one that holds two; 0 of other lines.
+std::size_t numbers_beside_text(std::string_view line, Dialect dialect, TextCells text) {
   const auto cells = cells_of(line, dialect.delimiter);
   const auto is_number = [dialect](std::string_view cell) {
     return number_in(cell, {dialect.decimal, false}).has_value();
   };
+  const auto numbers = static_cast<std::size_t>(std::ranges::count_if(cells, is_number));
+  if (text == TextCells::anywhere) return numbers > 1 ? numbers : 0;
   const bool begins = cells.size() > 1 && (is_number(cells.front()) ||
                                            (dialect.dates && is_part_of_date(cells.front())));
-  if (!begins || std::none_of(cells.begin() + 1, cells.end(), is_number)) return 0;
-  return static_cast<std::size_t>(std::ranges::count_if(cells, is_number));
+  return begins && std::any_of(cells.begin() + 1, cells.end(), is_number) ? numbers : 0;
 }
 
 /// The same where each row holds text, under as many names: a first row is followed by another with
 /// numbers, or by the end.
 std::optional<DialectFound> try_dialect_with_text(const std::vector<std::string_view>& lines,
-                                                  std::size_t from, Dialect dialect) {
+                                                  std::size_t from, Dialect dialect,
+                                                  TextCells text) {
   if (dialect.delimiter == ' ' || dialect.delimiter == dialect.decimal) return std::nullopt;
   std::optional<DialectFound> found;
   for (std::size_t i = from; i < lines.size(); ++i) {
     if (is_skipped_line(lines[i])) continue;
-    const std::size_t numbers = numbers_beside_text(lines[i], dialect);
+    const std::size_t numbers = numbers_beside_text(lines[i], dialect, text);
     if (numbers == 0 && !found) continue;
     if (numbers == 0) {
       if (found->numeric_lines > 1) break;
@@ -165,8 +175,8 @@ datasets::SourcePosition place_of(TextFile& file, std::string_view text) {
   return file.position(text.data());
 }
 
-/// Throws InputError for a number with thousands separators beside numbers alone.
-void refuse_thousands_separators(TextFile& file, const std::vector<std::string_view>& lines) {
+/// A number with thousands separators beside numbers alone; none where there is none.
+std::optional<std::string_view> separated_number(const std::vector<std::string_view>& lines) {
   for (const std::string_view line : lines) {
     if (is_skipped_line(line)) continue;
     for (const char delimiter : {'\t', ';', ',', '|'}) {
@@ -175,13 +185,31 @@ void refuse_thousands_separators(TextFile& file, const std::vector<std::string_v
       const bool others_are_numbers = std::ranges::all_of(cells, [](std::string_view cell) {
         return cell_value(cell, '.') || cell_value(cell, ',') || has_thousands_separators(cell);
       });
-      if (cells.size() < 2 || separated == cells.end() || !others_are_numbers) continue;
-      throw InputError(
-          place_of(file, *separated),
-          fmt::format("'{}': it seems to have thousands separators, which are not read",
-                      to_utf8(*separated)));
+      if (cells.size() > 1 && separated != cells.end() && others_are_numbers) return *separated;
     }
   }
+  return std::nullopt;
+}
+
+/// The dialect of rows with thousands separators; `by_blanks` is what explains the rows without
+/// them. Throws InputError where either may be meant.
+DialectFound find_grouped(TextFile& file, const std::vector<std::string_view>& lines,
+                          std::size_t from, std::vector<Dialect> possible,
+                          std::string_view separated,
+                          const std::optional<DialectFound>& by_blanks) {
+  std::erase_if(possible, [](Dialect dialect) { return dialect.delimiter == ' '; });
+  for (Dialect& dialect : possible) dialect.grouped = true;
+  const auto grouped = best_of(try_dialect, lines, from, possible);
+  const bool explains_as_much = grouped && by_blanks &&
+                                grouped->first_line <= by_blanks->first_line &&
+                                grouped->numeric_lines >= by_blanks->numeric_lines;
+  if (by_blanks && !explains_as_much) return *by_blanks;
+  // blanks may divide "1,234 100,567" too
+  if (grouped && !(by_blanks && grouped->dialect.delimiter == ',')) return *grouped;
+  throw InputError(place_of(file, separated),
+                   fmt::format("'{}': it may have thousands separators or decimals, and the "
+                               "file's others do not tell which",
+                               to_utf8(separated)));
 }
 
 /// What commas may be that give rows more cells than there are names.
@@ -296,16 +324,23 @@ std::optional<DialectFound> find_dialect(TextFile& file, const std::vector<std::
   if (!options.delimiter && is_divided_by_tabs(lines))
     std::erase_if(possible, [](Dialect dialect) { return dialect.delimiter != '\t'; });
   std::optional<DialectFound> best = best_of(try_dialect, lines, from, possible);
-  if (!options.delimiter && (!best || best->dialect.delimiter == ' '))
-    refuse_thousands_separators(file, lines);
+  if (!best || (!options.delimiter && best->dialect.delimiter == ' '))
+    if (const auto separated = separated_number(lines))
+      best = find_grouped(file, lines, from, possible, *separated, best);
   // dates hold blanks: where something else divides the rows too, that is taken
   const std::vector<Dialect> with_dates = dialects_with_dates(possible);
   const auto blanks = std::ranges::find(with_dates, ' ', &Dialect::delimiter);
   const std::span<const Dialect> by_marks(with_dates.begin(), blanks);
   const std::span<const Dialect> by_blanks(blanks, with_dates.end());
   if (!best) best = best_of(try_dialect, lines, from, by_marks);
-  if (!best) best = best_of(try_dialect_with_text, lines, from, by_marks);
+  const auto with_text = [](TextCells text) {
+    return [text](const std::vector<std::string_view>& all, std::size_t first, Dialect dialect) {
+      return try_dialect_with_text(all, first, dialect, text);
+    };
+  };
+  if (!best) best = best_of(with_text(TextCells::behind_the_first), lines, from, by_marks);
   if (!best) best = best_of(try_dialect, lines, from, by_blanks);
+  if (!best) best = best_of(with_text(TextCells::anywhere), lines, from, by_marks);
   if (best && !options.delimiter) refuse_commas_within_numbers(file, lines, *best);
   return best;
 }

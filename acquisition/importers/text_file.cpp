@@ -6,6 +6,8 @@
 #include <cstring>
 #include <utility>
 
+#include "acquisition/importers/quoted_lines.hpp"
+
 namespace impactrig::acquisition {
 
 using datasets::InputError;
@@ -31,6 +33,7 @@ TextFile::TextFile(std::string path, bool head_only, std::string code_page)
       code_page_(std::move(code_page)) {}
 
 std::string_view TextFile::text() {
+  if (turned_) return turned_->text();
   if (!text_.empty()) return is_part() ? std::string_view(text_).substr(0, part_) : text_;
   if (rewritten_) return rewritten_->bytes();
   const std::string_view all = bytes().substr(0, size_);
@@ -47,8 +50,10 @@ std::string_view TextFile::text() {
 
 std::optional<Rewriting> TextFile::rewriting() const {
   const std::string_view all = bytes().substr(0, size_);
-  if (all.starts_with(utf8_mark)) return std::nullopt;
-  const std::string_view head = all.substr(0, 65536);
+  const std::size_t mark = all.starts_with(utf8_mark) ? utf8_mark.size() : 0;
+  const std::string_view head = all.substr(mark, 65536);
+  if (has_quoted_lines(head) && code_page_.empty()) return quoted_lines_rewriting(mark);
+  if (mark > 0) return std::nullopt;
   if (looks_like_utf16(head)) {
     if (!all.starts_with("\xFF\xFE") && !all.starts_with("\xFE\xFF"))
       throw InputError(byte_position(all.data()),
@@ -79,6 +84,9 @@ bool TextFile::take_first_lines(const Rewriting& rewriting) {
 }
 
 void TextFile::release(const char* first, const char* last) const {
+  if (turned_ && first >= turned_->text().data() &&
+      last <= turned_->text().data() + turned_->text().size())
+    return turned_->release(first, last);
   const MappedFile& file = rewritten_ ? *rewritten_ : file_;
   const std::string_view all = file.bytes();
   if (first < all.data() || last > all.data() + all.size() || first >= last) return;
@@ -87,6 +95,7 @@ void TextFile::release(const char* first, const char* last) const {
 }
 
 SourcePosition TextFile::position(const char* at) const {
+  if (turned_) at = turned_->origin(at);
   const std::string_view all = bytes();
   const bool in_file = at >= all.data() && at <= all.data() + all.size();
   const char* const made = rewritten_ ? rewritten_->bytes().data() : text_.data();

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "acquisition/importers/channel_rows.hpp"
 #include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/text_encoding.hpp"
 #include "datasets/input_error.hpp"
@@ -29,10 +30,14 @@ class TextFile {
   /// The bytes as they are.
   std::string_view bytes() const { return file_.bytes(); }
 
-  /// The text: without byte order mark and padding_of() it, line ends with \n, UTF-16 and a code
-  /// page that is named turned into UTF-8 (a large one on the disk). Latin-1 is left as it is.
+  /// The text: without byte order mark and padding_of() it, line ends with \n, without quotes
+  /// around whole lines, UTF-16 and a code page that is named turned into UTF-8 (a large one on the
+  /// disk). Latin-1 is left as it is.
   /// Throws datasets::InputError for UTF-16 without a byte order mark.
   std::string_view text();
+
+  /// Makes columns of lines that hold a channel each: text() is new then. Throws as TurnedRows.
+  void turn(ChannelRows rows) { turned_ = std::make_unique<TurnedRows>(*this, std::move(rows)); }
 
   /// True where text() has only the first lines of the file.
   bool is_part() const { return expected_size_ > 0.0; }
@@ -76,6 +81,7 @@ class TextFile {
   std::string text_;                       // the text when it is not a part of the bytes
   std::size_t part_ = 0;                   // of it, where text() is a part
   std::unique_ptr<MappedFile> rewritten_;  // the same of a large one
+  std::unique_ptr<TurnedRows> turned_;     // the text made of either, where rows were channels
 };
 
 /// The line that begins at `at`, without its end (\n or \r\n); `at` moves to the next line, at most

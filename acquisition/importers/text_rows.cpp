@@ -15,7 +15,7 @@ using datasets::InputError;
 namespace {
 
 constexpr std::string_view thousands_hint =
-    ": it seems to have thousands separators, which are not read";
+    ": it may have thousands separators or decimals, and the file's others do not tell which";
 
 constexpr std::string_view words_hint =
     ": the line holds words alone; does another table begin here? Keep one in a file";
@@ -274,7 +274,8 @@ bool RowReader::unusual_cell(std::size_t c) {
   }
   const std::string_view cell(start, static_cast<std::size_t>(at_ - start));
   skip_blanks();
-  const auto value = cell_value(cell, decimal_);
+  auto value = cell_value(cell, decimal_);
+  if (!value) value = grouped_number_in(cell, decimal_);
   if (!value && marks_missing(cell)) {
     append_missing(table_.columns[c], start, trimmed(cell));
     return true;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "acquisition/importers/date_columns.hpp"
@@ -279,8 +280,11 @@ void find_text_columns(const std::vector<std::string_view>& lines, std::size_t n
     for (std::size_t c = 0; c < std::min(cells.size(), columns.size()); ++c) {
       Seen& column = columns[c];
       if (cells[c].empty() || column.number || layout.dates_at(c) != nullptr) continue;
-      if (cell_value(cells[c], layout.dialect.decimal))
+      const auto value = cell_value(cells[c], layout.dialect.decimal);
+      if (grouped_number_in(cells[c], layout.dialect.decimal))
         column.number = true;
+      else if (value)
+        column.number = !std::isnan(*value);
       else if (column.text.empty())
         column.text = cells[c];
     }

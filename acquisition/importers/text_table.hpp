@@ -19,6 +19,7 @@ struct Dialect {
   char delimiter = ',';  ///< ' ' = any run of blanks and tabs
   char decimal = '.';    ///< '.' or ','; that of `delimiter` too: within quotes, else none
   bool dates = false;    ///< cells may be dates and times of day
+  bool grouped = false;  ///< thousands are separated in the first rows
 };
 
 /// "comma", "tab", "semicolon", "blank", "bar" or the character itself.
@@ -105,6 +106,11 @@ bool stands_for_no_value(double value);
 
 /// True for "1,234.5", "1.234,0", "1'234" and "1 234,5": digits in groups of three.
 bool has_thousands_separators(std::string_view cell);
+
+/// The value of a number whose thousands are separated by what can be nothing else: "1,234.5" where
+/// '.' is the decimal mark, "1'234" and "1.234.567" where ',' is. None for "1,234", which may have
+/// decimals of another kind than the file's others.
+std::optional<double> grouped_number_in(std::string_view cell, char decimal);
 
 /// One column of numbers.
 struct Column {

@@ -79,6 +79,7 @@ TEST(Units, UnderstandLaboratorySpellings) {
 TEST(Units, MayBeRussianOrChinese) {
   EXPECT_DOUBLE_EQ(factor("мс", "s"), 1e-3);
   EXPECT_DOUBLE_EQ(factor("мкс", "s"), 1e-6);
+  EXPECT_DOUBLE_EQ(factor("mks", "s"), 1e-6);
   EXPECT_DOUBLE_EQ(factor("кН", "N"), 1e3);
   EXPECT_DOUBLE_EQ(factor("мм/с", "m/s"), 1e-3);
   EXPECT_DOUBLE_EQ(factor("м/с²", "m/s^2"), 1.0);

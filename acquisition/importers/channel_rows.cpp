@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/channel_rows.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "acquisition/importers/spool.hpp"
+#include "acquisition/importers/text_dialect.hpp"
+#include "acquisition/importers/text_file.hpp"
+#include "acquisition/importers/text_table.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+constexpr std::size_t most_rows = 64;
+constexpr std::size_t fewest_cells = 64;       ///< of a row
+constexpr std::size_t fewest_cells_a_row = 8;  ///< of a row, for each of the rows
+constexpr std::size_t most_names = 2;          ///< cells before the numbers: a name and a unit
+constexpr std::size_t piece = std::size_t{1} << 20;           ///< [bytes]
+constexpr std::size_t most_in_memory = std::size_t{1} << 25;  ///< [bytes]
+
+/// Takes the cells of a line one after another.
+class CellCursor {
+ public:
+  CellCursor(std::string_view line, char delimiter)
+      : at_(line.data()),
+        end_(line.data() + line.size()),
+        delimiter_(delimiter) {
+    skip_blanks();
+    ended_ = at_ == end_;
+  }
+
+  bool ended() const { return ended_; }
+
+  const char* at() const { return at_; }
+
+  /// The next one as it is written, without blanks around it.
+  std::string_view take() {
+    const char* const start = at_;
+    bool quoted = false;
+    while (at_ != end_ && (quoted || !divides(*at_))) quoted = (*at_++ == '"') != quoted;
+    const std::string_view cell = trimmed({start, static_cast<std::size_t>(at_ - start)});
+    if (at_ != end_ && delimiter_ != ' ') ++at_;
+    skip_blanks();
+    ended_ = at_ == end_;
+    return cell;
+  }
+
+ private:
+  bool divides(char c) const { return delimiter_ == ' ' ? c == ' ' || c == '\t' : c == delimiter_; }
+
+  void skip_blanks() {
+    while (at_ != end_ && delimiter_ == ' ' && divides(*at_)) ++at_;
+  }
+
+  const char* at_;
+  const char* end_;
+  char delimiter_;
+  bool ended_;
+};
+
+/// Lines that are neither empty nor remarks; none where there are more than may hold a channel
+/// each.
+std::optional<ChannelRows> few_lines(const TextFile& file, std::string_view text, int skipped) {
+  ChannelRows found;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (int i = 0; at != end; ++i) {
+    const char* const start = at;
+    const std::string_view line = take_line(at, end);
+    file.release(start, at);
+    if (i < skipped || line.starts_with('#') || line.starts_with('%')) {
+      if (!found.rows.empty() || found.head.size() == most_rows) return std::nullopt;
+      found.head.push_back(line);
+    } else if (!trimmed(line).empty()) {
+      if (found.rows.size() == most_rows) return std::nullopt;
+      found.rows.push_back(line);
+    }
+  }
+  return found.rows.empty() ? std::nullopt : std::optional(std::move(found));
+}
+
+/// True for a row of at least `fewest` cells, of which those told by the first ones are numbers.
+bool is_channel(std::string_view row, char delimiter, char decimal, std::size_t fewest) {
+  CellCursor cells(row, delimiter);
+  std::size_t count = 0;
+  std::size_t numbers = 0;
+  for (; count < fewest && !cells.ended(); ++count) {
+    const std::string_view cell = without_quotes(cells.take());
+    if (number_in(cell, {decimal, false}))
+      ++numbers;
+    else if (count >= most_names && !cell_value(cell, decimal) && !marks_missing(cell))
+      return false;
+  }
+  return count == fewest && 2 * numbers > fewest;
+}
+
+}  // namespace
+
+std::optional<ChannelRows> find_channel_rows(TextFile& file, const ImportOptions& options) {
+  auto found = few_lines(file, file.text(), options.skip_lines.value_or(0));
+  if (!found) return std::nullopt;
+  const std::size_t fewest = std::max(fewest_cells, fewest_cells_a_row * found->rows.size());
+  for (const auto& [delimiter, decimal] : {std::pair{'\t', '.'},
+                                           {'\t', ','},
+                                           {';', '.'},
+                                           {';', ','},
+                                           {',', '.'},
+                                           {' ', '.'},
+                                           {' ', ','}}) {
+    if (options.delimiter.value_or(delimiter) != delimiter) continue;
+    if (options.decimal.value_or(decimal) != decimal) continue;
+    found->delimiter = delimiter;
+    if (std::ranges::all_of(found->rows, [&, d = delimiter, mark = decimal](auto row) {
+          return is_channel(row, d, mark, fewest);
+        }))
+      return found;
+  }
+  return std::nullopt;
+}
+
+TurnedRows::TurnedRows(const TextFile& file, ChannelRows rows) : rows_(std::move(rows)) {
+  std::size_t size = 0;
+  std::string text;
+  for (const std::string_view line : rows_.head) text.append(line) += '\n';
+  std::vector<CellCursor> cursors;
+  std::vector<const char*> kept;  // where what may still be mapped of each row begins
+  for (const std::string_view row : rows_.rows) {
+    size += row.size();
+    cursors.emplace_back(row, rows_.delimiter);
+    kept.push_back(row.data());
+  }
+  std::unique_ptr<Spool> spool;
+  if (size > most_in_memory) spool = std::make_unique<Spool>(file.path());
+  const auto goes_on = [](const CellCursor& cursor) { return !cursor.ended(); };
+  while (std::ranges::any_of(cursors, goes_on)) {
+    for (CellCursor& cursor : cursors) {
+      if (&cursor != cursors.data()) text += rows_.delimiter;
+      if (goes_on(cursor))
+        text += cursor.take();
+      else if (rows_.delimiter == ' ')
+        text += "nan";
+    }
+    text += '\n';
+    if (text.size() < piece || !spool) continue;
+    spool->append(text);
+    text.clear();
+    for (std::size_t c = 0; c < cursors.size(); ++c)
+      file.release(std::exchange(kept[c], cursors[c].at()), cursors[c].at());
+  }
+  if (!spool) {
+    in_memory_ = std::move(text);
+    return;
+  }
+  spool->append(text);
+  on_disk_ = spool->map();
+}
+
+const char* TurnedRows::origin(const char* at) const {
+  const char* line = text().data();
+  const char* const end = line + text().size();
+  std::size_t number = 0;
+  for (const char* next = line; take_line(next, end), next != end && next <= at; line = next)
+    ++number;
+  if (number < rows_.head.size()) return rows_.head[number].data() + (at - line);
+  CellCursor before({line, static_cast<std::size_t>(end - line)}, rows_.delimiter);
+  std::size_t column = 0;
+  while (column + 1 < rows_.rows.size() && (before.take(), before.at() <= at)) ++column;
+  CellCursor cells(rows_.rows[column], rows_.delimiter);
+  for (std::size_t k = rows_.head.size(); k < number && !cells.ended(); ++k) cells.take();
+  return cells.at();
+}
+
+void TurnedRows::release(const char* first, const char* last) const {
+  if (!on_disk_) return;
+  const char* const start = on_disk_->bytes().data();
+  on_disk_->release(static_cast<std::size_t>(first - start),
+                    static_cast<std::size_t>(last - start));
+}
+
+}  // namespace impactrig::acquisition
