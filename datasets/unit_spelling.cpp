@@ -55,7 +55,7 @@ constexpr std::array<Replacement, 11> superscripts{{
 
 /// Whole words. UDUNITS-2 knows degree and rpm to 14 or 15 digits only, and takes "ue" for the
 /// micro-electron-charge.
-constexpr std::array<Replacement, 35> words{{
+constexpr std::array<Replacement, 36> words{{
     {"deg", "(0.017453292519943295 rad)"},
     {"degree", "(0.017453292519943295 rad)"},
     {"degrees", "(0.017453292519943295 rad)"},
@@ -91,6 +91,7 @@ constexpr std::array<Replacement, 35> words{{
     {"tf", "(1e3 kgf)"},
     {"dyn", "(1e-5 N)"},
     {"ips", "(in/s)"},
+    {"mps", "(m/s)"},
 }};
 
 /// Symbols of GOST 8.417 and Chinese names of units, as laboratories head columns with them.

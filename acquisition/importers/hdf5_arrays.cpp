@@ -127,7 +127,8 @@ bool take_field_path(ChildProcess& child, Hdf5Array& array) {
 bool take(ChildProcess& child, Hdf5Array& array) {
   std::uint64_t rank = 0;
   if (!child.text(array.path, longest_answer) || !take_field_path(child, array) ||
-      !child.number(array.field_index) || !child.number(array.fields) || !child.number(rank) ||
+      !child.number(array.field_index) || !child.number(array.fields) ||
+      !child.number(array.element) || !child.number(array.elements) || !child.number(rank) ||
       rank > H5S_MAX_RANK)
     return false;
   array.shape.resize(rank);
@@ -154,6 +155,21 @@ bool take(ChildProcess& child, Hdf5References& references) {
   references.to.resize(count);
   for (std::uint64_t& reference : references.to)
     if (!child.number(reference)) return false;
+  return true;
+}
+
+/// A data set of several texts.
+bool take_texts(ChildProcess& child, Hdf5Listing& listing) {
+  std::string name;
+  std::uint64_t count = 0;
+  if (!child.text(name, longest_answer) || !child.number(count) || count > hdf5_longest_list)
+    return false;
+  std::vector<std::string>& list = listing.text_lists[to_utf8(name)];
+  list.resize(count);
+  for (std::string& text : list) {
+    if (!child.text(text, longest_answer)) return false;
+    text = to_utf8(text);
+  }
   return true;
 }
 
@@ -269,6 +285,7 @@ ColumnNumber column_number(const Hdf5Attributes& attributes, std::string_view na
 std::string Hdf5Array::field() const {
   std::string name;
   for (const std::string& part : field_path) name += (name.empty() ? "" : ".") + part;
+  if (elements > 1) name += fmt::format(":{}", element + 1);
   return name;
 }
 
@@ -302,6 +319,8 @@ Hdf5Listing list_hdf5(const std::string& path) {
       std::string name;
       whole = child.text(name, longest_answer) && child.text(word, longest_answer);
       if (whole) listing.texts[to_utf8(name)] = to_utf8(word);
+    } else if (word == "texts") {
+      whole = take_texts(child, listing);
     } else if (word == "link") {
       std::string from;
       whole = child.text(from, longest_answer) && child.text(word, longest_answer);

@@ -35,12 +35,15 @@ struct Hdf5Array {
   std::vector<std::string> field_path;  ///< names that lead to it; empty: the data set itself
   std::uint64_t field_index = 0;        ///< among all fields of the records
   std::uint64_t fields = 0;             ///< all of the records
+  std::uint64_t element = 0;            ///< which number of a field that is a list of them
+  std::uint64_t elements = 0;           ///< how many it lists; 0: the field is one number
   std::vector<std::uint64_t> shape;     ///< slowest dimension first; empty: a single number
   ArrayNumbers numbers = ArrayNumbers::f64;
   bool wide = false;            ///< integers of 64 bits: not all are exact as doubles
   bool complex = false;         ///< a pair of members, "real" and "imag"
   std::string text;             ///< of MATLAB's, which are numbers to HDF5
   std::string shown_as{};       ///< of a field of MATLAB's structures: "run(2).force", not its path
+  bool is_axis = false;         ///< the writing program says that those beside it lie over it
   std::uint64_t reference = 0;  ///< what stands for the data set in the lists of others
   /// Data sets that hold the scale of a dimension, by their reference, one list a dimension.
   std::vector<std::vector<std::uint64_t>> scales;
@@ -48,7 +51,7 @@ struct Hdf5Array {
 
   bool is_field() const { return !field_path.empty(); }
 
-  std::string field() const;  ///< "force", within records "sensor.force"
+  std::string field() const;  ///< "force", within records "sensor.force", of a list "force:2"
 };
 
 /// A data set of references to others; they are compared with Hdf5Array::reference and never
@@ -63,10 +66,11 @@ struct Hdf5References {
 struct Hdf5Listing {
   std::vector<Hdf5Array> arrays;
   std::vector<Hdf5References> references;
-  std::map<std::string, Hdf5Attributes> groups;          ///< by path; the root's is "/"
-  std::map<std::uint64_t, std::string> referred_groups;  ///< paths, by their reference
-  std::map<std::string, std::string> texts;              ///< data sets of one text, by path
-  std::vector<std::string> skipped;                      ///< "'/a' (why)"
+  std::map<std::string, Hdf5Attributes> groups;                ///< by path; the root's is "/"
+  std::map<std::uint64_t, std::string> referred_groups;        ///< paths, by their reference
+  std::map<std::string, std::string> texts;                    ///< data sets of one text, by path
+  std::map<std::string, std::vector<std::string>> text_lists;  ///< those of several
+  std::vector<std::string> skipped;                            ///< "'/a' (why)"
   /// Soft links, and hard links to what is listed already, by what they lead to, as paths.
   std::multimap<std::string, std::string> links;
 };

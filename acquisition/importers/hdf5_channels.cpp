@@ -75,13 +75,40 @@ Hdf5Listing without_references(Hdf5Listing listing) {
   return listing;
 }
 
-/// The names that an attribute gives the columns; null where none does, or two are the same.
-const std::vector<std::string>* column_names(const Hdf5Array& array, std::uint64_t columns) {
+/// True for what a list of the names of columns is called.
+bool is_names_key(std::string_view key) {
   constexpr std::array<std::string_view, 9> keys = {"columns",  "column_names",  "columnnames",
                                                     "channels", "channel_names", "channelnames",
                                                     "names",    "labels",        "fields"};
+  return std::ranges::find(keys, lowered(key)) != keys.end();
+}
+
+/// Lists of names and of units that stand beside data sets of as many columns become attributes of
+/// these; an attribute that is there already counts.
+void take_lists_beside(Hdf5Listing& listing) {
+  std::erase_if(listing.text_lists, [&listing](const auto& entry) {
+    const auto& [path, list] = entry;
+    const std::size_t end = path.rfind('/') + 1;
+    const std::string key = path.substr(end);
+    const bool names = is_names_key(key);
+    if (!names && !is_unit_key(key)) return false;
+    bool used = false;
+    for (Hdf5Array& array : listing.arrays) {
+      const auto& shape = array.shape;
+      const bool beside = !array.is_field() && array.path.rfind('/') + 1 == end &&
+                          array.path.starts_with(path.substr(0, end));
+      if (!beside || shape.size() != 2 || std::ranges::min(shape) != list.size()) continue;
+      array.attributes.lists.emplace(names ? "columns" : "units", list);
+      used = true;
+    }
+    return used;
+  });
+}
+
+/// The names that an attribute gives the columns; null where none does, or two are the same.
+const std::vector<std::string>* column_names(const Hdf5Array& array, std::uint64_t columns) {
   for (const auto& [key, list] : array.attributes.lists) {
-    if (list.size() != columns || std::ranges::find(keys, lowered(key)) == keys.end()) continue;
+    if (list.size() != columns || !is_names_key(key)) continue;
     const std::set<std::string> different(list.begin(), list.end());
     if (different.size() == list.size() && !different.contains("")) return &list;
   }
@@ -127,12 +154,14 @@ Column column_of(const Hdf5Slice& slice) {
 /// Makes the channels of a listing.
 class ChannelMaker {
  public:
-  explicit ChannelMaker(Hdf5Channels& made) : made_(made) {}
+  explicit ChannelMaker(Hdf5Channels& made) : made_(made) { take_lists_beside(made.listing); }
 
   void make(const std::vector<std::string>& units) {
     take_facts();
     for (const Hdf5Array& array : made_.listing.arrays) add(array);
     tell_links();
+    for (const auto& [path, list] : made_.listing.text_lists)
+      skip(fmt::format("'{}' (text)", shown(path, made_.matlab)));
     take_units(units);
     for (std::size_t i = 0; i < made_.slices.size(); ++i) tell_as_stored(i);
   }
@@ -158,8 +187,9 @@ class ChannelMaker {
 
   /// Of a field of records: "/run/table.force".
   std::string name_of(const Hdf5Array& array) const {
-    return !array.is_field() ? made_.name_of_set(array)
-                             : shown(array.path + "." + array.field(), made_.matlab);
+    return !array.is_field() || !array.shown_as.empty()
+               ? made_.name_of_set(array)
+               : shown(array.path + "." + array.field(), made_.matlab);
   }
 
   void skip(std::string what) { made_.listing.skipped.push_back(std::move(what)); }

@@ -93,7 +93,7 @@ class ClockSetter {
 
   /// NeXus: a group NXdata names its axes, which may be links.
   bool is_axis(const Hdf5Array& array) const {
-    return is_axis(array.path) ||
+    return array.is_axis || is_axis(array.path) ||
            std::ranges::any_of(links_to(file_.listing, array.path),
                                [this](const std::string& link) { return is_axis(link); });
   }

@@ -160,9 +160,10 @@ class Walk {
     if (!take_shape(space.id(), array)) return skip(path, "damaged");
     const H5T_class_t kind = H5Tget_class(type.id());
     const auto numbers = kind == H5T_COMPOUND ? ArrayNumbers::f64 : hdf5_numbers_of(type.id());
-    const bool one = H5Sget_simple_extent_npoints(space.id()) == 1;
+    const hssize_t points = H5Sget_simple_extent_npoints(space.id());
+    const bool few = points > 0 && points <= static_cast<hssize_t>(hdf5_longest_list);
     const bool references = kind == H5T_REFERENCE && H5Tequal(type.id(), H5T_STD_REF_OBJ) > 0;
-    if (!numbers && !references && !(kind == H5T_STRING && one))
+    if (!numbers && !references && !(kind == H5T_STRING && few))
       return skip(path, hdf5_kind_name(kind));
     if (numbers) array.numbers = *numbers;
     if (std::ranges::find(array.shape, std::uint64_t{0}) != array.shape.end())
@@ -170,7 +171,7 @@ class Walk {
     const std::string problem =
         hdf5_storage_problem(id, array.shape, H5Tget_size(type.id()), bytes_);
     if (!problem.empty()) return skip(path, problem);
-    if (kind == H5T_STRING) return text(id, type.id(), path);
+    if (kind == H5T_STRING) return text(id, type.id(), static_cast<std::size_t>(points), path);
     if (references) return put_references(id, space.id(), path);
     if (!is_listed(id, array)) put_numbers(id, type.id(), array);
   }
@@ -223,7 +224,10 @@ class Walk {
     array.field_path.emplace_back(name);
     H5free_memory(name);
     const Hdf5Handle member(H5Tget_member_type(type, index), H5Tclose);
-    const auto numbers = hdf5_numbers_of(member.id());
+    const std::uint64_t elements = hdf5_list_length(member.id());
+    const Hdf5Handle of_list(elements > 0 ? H5Tget_super(member.id()) : H5Tcopy(member.id()),
+                             H5Tclose);
+    const auto numbers = hdf5_numbers_of(of_list.id());
     const std::string full = array.path + "." + array.field();
     if (full.size() > longest_path) {
       skip(full.substr(0, 100), "a path of over 1000 bytes");
@@ -234,20 +238,24 @@ class Walk {
       skip(full, hdf5_kind_name(H5Tget_class(member.id())));
     } else {
       array.numbers = *numbers;
-      array.wide = hdf5_is_wide(member.id());
-      send_hdf5_array(array, out_);
+      array.wide = hdf5_is_wide(of_list.id());
+      array.elements = elements;
+      for (array.element = 0; array.element < std::max<std::uint64_t>(elements, 1); ++array.element)
+        send_hdf5_array(array, out_);
+      array.element = array.elements = 0;
     }
     array.field_path.pop_back();
   }
 
-  void text(hid_t id, hid_t type, const std::string& path) {
-    const auto texts = hdf5_texts_of(type, 1, [id](hid_t memory, void* to) {
+  void text(hid_t id, hid_t type, std::size_t count, const std::string& path) {
+    const auto texts = hdf5_texts_of(type, count, [id](hid_t memory, void* to) {
       return H5Dread(id, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, to);
     });
     if (!texts) return skip(path, "text");
-    out_.text("text");
+    out_.text(count == 1 ? "text" : "texts");
     out_.text(path);
-    out_.text(texts->front());
+    if (count > 1) out_.number(count);
+    for (const std::string& one : *texts) out_.text(one);
   }
 
   /// MATLAB keeps the fields of several structures so, and cell arrays.

@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "acquisition/importers/column_heads.hpp"
+#include "acquisition/importers/hdf5_pandas.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/units.hpp"
 
@@ -127,6 +128,7 @@ void take_octave(Hdf5Listing& listing) {
 
 void state_programs_words(Hdf5Listing& listing) {
   take_octave(listing);
+  take_pandas(listing);
   for (Hdf5Array& array : listing.arrays) {
     take_igor(array);
     const std::size_t end = array.path.rfind('/');

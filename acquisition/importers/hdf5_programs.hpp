@@ -14,6 +14,8 @@ namespace impactrig::acquisition {
 /// - Keysight Infiniium: `XInc`, `XOrg`, `XUnits` and `YUnits` at the group of a channel; of
 ///   integers `YInc` and `YOrg` too. A segment has an origin of its own, `SegmentedXOrg`.
 ///
+/// - pandas: take_pandas() of hdf5_pandas.hpp.
+///
 /// Attributes that a data set has itself count. Variables of Octave, groups of a `type` and a
 /// `value`, get their names.
 ///

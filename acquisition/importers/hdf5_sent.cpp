@@ -40,6 +40,8 @@ void send_hdf5_array(const Hdf5Array& array, const PipeWriter& out) {
   for (const std::string& name : array.field_path) out.text(name);
   out.number(array.field_index);
   out.number(array.fields);
+  out.number(array.element);
+  out.number(array.elements);
   out.number(array.shape.size());
   for (const std::uint64_t side : array.shape) out.number(side);
   out.number(static_cast<std::uint64_t>(array.numbers));

@@ -4,6 +4,7 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <cstring>
 #include <optional>
 #include <utility>
 
@@ -96,10 +97,37 @@ class SliceReader {
   }
 
   /// Reads numbers of a data set or of a field.
-  bool read_as(hid_t data, const Hdf5Slice& slice, hid_t number, std::uint64_t count,
-               void* to) const {
-    if (slice.array->field_path.empty()) return read(data, slice, number, count, to);
-    return read(data, slice, hdf5_field_type(slice.array->field_path, number).id(), count, to);
+  bool read_as(hid_t data, const Hdf5Slice& slice, hid_t number, std::uint64_t count, void* to) {
+    const Hdf5Array& array = *slice.array;
+    if (array.field_path.empty()) return read(data, slice, number, count, to);
+    if (array.elements == 0)
+      return read(data, slice, hdf5_field_type(array.field_path, number).id(), count, to);
+    return read_element(data, slice, number, count, static_cast<char*>(to));
+  }
+
+  /// Reads one number of each list, for which HDF5 reads the lists.
+  bool read_element(hid_t data, const Hdf5Slice& slice, hid_t number, std::uint64_t count,
+                    char* to) {
+    const Hdf5Array& array = *slice.array;
+    const hsize_t length = array.elements;
+    const Hdf5Handle list(H5Tarray_create2(number, 1, &length), H5Tclose);
+    const Hdf5Handle type = hdf5_field_type(array.field_path, list.id());
+    const std::size_t width = H5Tget_size(number);
+    const std::uint64_t most = std::max<std::uint64_t>(hdf5_block_size / length, 1);
+    const std::uint64_t at = at_;
+    bool whole = true;
+    for (std::uint64_t done = 0; whole && done < count;) {
+      const std::uint64_t rows = std::min(most, count - done);
+      lists_.resize(rows * length * width);
+      at_ = at + done;
+      whole = read(data, slice, type.id(), rows, lists_.data());
+      for (std::uint64_t i = 0; i < rows; ++i)
+        std::memcpy(to + (done + i) * width, lists_.data() + (i * length + array.element) * width,
+                    width);
+      done += rows;
+    }
+    at_ = at;
+    return whole;
   }
 
   bool read(hid_t data, const Hdf5Slice& slice, hid_t type, std::uint64_t count, void* to) const {
@@ -164,6 +192,7 @@ class SliceReader {
   std::uint64_t left_ = 0;
   std::optional<std::int64_t> first_;  ///< of the integers that are handed over less their first
   std::vector<char> bytes_;
+  std::vector<char> lists_;
 };
 
 }  // namespace

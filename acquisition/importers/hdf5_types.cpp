@@ -65,6 +65,12 @@ bool hdf5_is_complex(hid_t type) {
   return false;
 }
 
+std::uint64_t hdf5_list_length(hid_t type) {
+  hsize_t length = 0;
+  if (H5Tget_class(type) != H5T_ARRAY || H5Tget_array_ndims(type) != 1) return 0;
+  return H5Tget_array_dims2(type, &length) == 1 ? length : 0;
+}
+
 std::size_t hdf5_count_fields(hid_t type, int depth) {
   const int members = H5Tget_nmembers(type);
   std::size_t count = static_cast<std::size_t>(std::max(members, 0));
@@ -74,6 +80,9 @@ std::size_t hdf5_count_fields(hid_t type, int depth) {
     const Hdf5Handle member(H5Tget_member_type(type, i), H5Tclose);
     if (H5Tget_class(member.id()) == H5T_COMPOUND)
       count += hdf5_count_fields(member.id(), depth + 1);
+    else
+      count += static_cast<std::size_t>(
+          std::min<std::uint64_t>(hdf5_list_length(member.id()), hdf5_longest_list + 1));
   }
   return count;
 }

@@ -32,10 +32,15 @@ std::size_t width_of(ArrayNumbers numbers);  ///< [bytes]
 /// MATLAB, h5py and others write a complex number as a pair.
 bool hdf5_is_complex(hid_t type);
 
-/// Of records and of those within them; more than hdf5_longest_list where they are too deep.
+/// How many elements a list of fixed length in one dimension has; 0 of other types.
+std::uint64_t hdf5_list_length(hid_t type);
+
+/// Of records and of those within them, each element of a list counted; more than hdf5_longest_list
+/// where they are too deep.
 std::size_t hdf5_count_fields(hid_t type, int depth = 0);
 
-/// Records with one of the file's fields, by the names that lead to it.
+/// Records with one of the file's fields, by the names that lead to it; `number`: its type in
+/// memory, of a list that of the list.
 datasets::Hdf5Handle hdf5_field_type(const std::vector<std::string>& names, hid_t number);
 
 /// What it is called to those whose data set is passed over.

@@ -3,6 +3,7 @@
 
 #include <hdf5.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -96,6 +97,47 @@ class Hdf5File {
     H5Tset_size(type, value.size());
     data<char>(path, {}, {value.begin(), value.end()}, type, type);
     H5Tclose(type);
+  }
+
+  /// A data set of several texts, each of the same number of bytes.
+  void text_list(const std::string& path, const std::vector<std::string>& values) const {
+    std::size_t width = 1;
+    for (const std::string& value : values) width = std::max(width, value.size());
+    std::vector<char> letters;
+    for (std::string value : values) {
+      value.resize(width);
+      letters.insert(letters.end(), value.begin(), value.end());
+    }
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, width);
+    data<char>(path, {values.size()}, letters, type, type);
+    H5Tclose(type);
+  }
+
+  /// Records of an index and lists of two numbers and of one, as pandas' tables are.
+  void records_of_lists(const std::string& path, std::size_t count) const {
+    struct Row {
+      double index;
+      double block_0[2];
+      float block_1[1];
+    };
+
+    const hsize_t two = 2, one = 1;
+    const hid_t pair = H5Tarray_create2(H5T_NATIVE_DOUBLE, 1, &two);
+    const hid_t single = H5Tarray_create2(H5T_NATIVE_FLOAT, 1, &one);
+    const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(Row));
+    H5Tinsert(type, "index", HOFFSET(Row, index), H5T_NATIVE_DOUBLE);
+    H5Tinsert(type, "values_block_0", HOFFSET(Row, block_0), pair);
+    H5Tinsert(type, "values_block_1", HOFFSET(Row, block_1), single);
+    std::vector<Row> rows;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto k = static_cast<double>(i);
+      rows.push_back({0.25 * k, {k * k, -k}, {static_cast<float>(i) + 0.5F}});
+    }
+    data<Row>(path, {count}, rows, type, type, {std::min<hsize_t>(count, 16)});
+    H5Tclose(type);
+    H5Tclose(single);
+    H5Tclose(pair);
   }
 
   /// Records of a time in single precision, a force and a name.
