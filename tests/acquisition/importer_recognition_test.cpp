@@ -121,6 +121,13 @@ INSTANTIATE_TEST_SUITE_P(
         Closed{"\x93NUMPY\x01\x00"sv,
                "a NumPy array (.npy), which is not read: save it as MATLAB (.mat) with SciPy's "
                "savemat, or as text with NumPy's savetxt"},
+        Closed{"\x80\x04\x95\xC4\x1F"sv,
+               "an object of Python (pickle), which is not read: save the table as CSV, MATLAB "
+               "(.mat) or HDF5"},
+        Closed{"{\"time\": [0.0, 0.1], \"force\": [1.5, 2.5]}"sv,
+               "a JSON document, which is not read: save the table as CSV, MATLAB (.mat) or HDF5"},
+        Closed{"[{\"t\": 0.0, \"F\": 1.5},"sv,
+               "a JSON document, which is not read: save the table as CSV, MATLAB (.mat) or HDF5"},
         Closed{"PAR1\x15\x04"sv,
                "an Apache Parquet table, which is not read: save the table as CSV, MATLAB (.mat) "
                "or HDF5"},
@@ -171,7 +178,7 @@ INSTANTIATE_TEST_SUITE_P(
                "oscilloscope, with its times"}));
 
 TEST(ClosedFormats, AreNotTakenForColumnsThatAreNamedLikeThem) {
-  for (const std::string name : {"PAR1", "ARROW1", "BZh", "CDF", "Rar!"}) {
+  for (const std::string name : {"PAR1", "ARROW1", "BZh", "CDF", "Rar!", "{F}", "[{F}]"}) {
     const datasets::Record record = imported("t [s]," + name + "\n0,1\n1,2\n2,3\n");
     EXPECT_EQ(record.channels.at(0).name, name);
     EXPECT_EQ(imported(name + ",t [s]\n1,0\n2,1\n3,2\n").channels.at(0).name, name);
