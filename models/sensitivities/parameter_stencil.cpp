@@ -55,11 +55,13 @@ bool places_part(const Beam& beam, const double* number) {
                              [&](const BeamSegment& segment) { return number == &segment.length; });
 }
 
-/// Of most its own size, for the radii of a groove the little by which they differ, for places
-/// along the bar the way to the next, or a part of the way from the hinge.
+/// Of most its own size, of the direction of gravity a radian, for the radii of a groove the little
+/// by which they differ, for places along the bar the way to the next, or a part of the way from
+/// the hinge.
 double size_of(Rig rig, RigParameter parameter) {
   const double* number = &parameter(rig);
   const double length = rig.beam.length;
+  if (number == &rig.gravity_direction) return 1.0;
   const Contact* placed = contact_with(rig, number, &Contact::position);
   if (number == &rig.beam.length) placed = &rig.contact;
   if (placed && length > placed->position)
