@@ -53,6 +53,9 @@ std::optional<RecordingHead> estimated_lvm_head(const std::string& path,
 int recognises_mat(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_mat(const std::string& path, const ImportOptions& options);
 
+int recognises_numpy(std::string_view file_name, std::string_view head);
+std::unique_ptr<RecordingReader> open_numpy(const std::string& path, const ImportOptions& options);
+
 int recognises_wav(std::string_view file_name, std::string_view head);
 std::unique_ptr<RecordingReader> open_wav(const std::string& path, const ImportOptions& options);
 

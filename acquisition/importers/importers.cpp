@@ -52,8 +52,9 @@ constexpr auto table = std::to_array<Importer>({
     {"catman", "HBM catman binary export (.bin)", recognises_catman, open_catman},    //
     {"imc-raw", "imc FAMOS raw file (.raw .dat)", recognises_imc_raw, open_imc_raw},  //
     {"hdf5", "HDF5 of other programs: data sets of numbers by their paths (.h5 .hdf5 .nxs)",
-     recognises_foreign_hdf5, open_foreign_hdf5},                 //
-    {"mat", "MATLAB MAT-file (.mat)", recognises_mat, open_mat},  //
+     recognises_foreign_hdf5, open_foreign_hdf5},                         //
+    {"mat", "MATLAB MAT-file (.mat)", recognises_mat, open_mat},          //
+    {"numpy", "NumPy arrays (.npy .npz)", recognises_numpy, open_numpy},  //
     {"wav", "WAVE sound file: RIFF, RIFX, RF64, BW64, Wave64 (.wav .w64)", recognises_wav,
      open_wav},                                                                               //
     {"aiff", "AIFF and AIFF-C sound file (.aif .aiff .aifc)", recognises_aiff, open_aiff},    //
@@ -66,7 +67,7 @@ constexpr auto table = std::to_array<Importer>({
 
 /// Those that heed ImportOptions::units.
 constexpr auto formats_with_stated_units = std::to_array<std::string_view>(
-    {"csv", "lvm", "polytec-ascii", "sigrok", "mat", "tdms", "hdf5"});
+    {"csv", "lvm", "polytec-ascii", "sigrok", "mat", "numpy", "tdms", "hdf5"});
 
 /// A score up to this one says "text with numbers" and no more.
 constexpr int generic = 20;

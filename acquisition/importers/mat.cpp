@@ -30,10 +30,12 @@ constexpr std::uint64_t longest_small_matrix = 100;
 constexpr std::uint64_t most_channels = 1000;  ///< of one matrix
 constexpr std::size_t longest_text = 2000;     ///< of an attribute [bytes]
 
-StoredNumbers numbers(NumberKind kind, bool big_endian, std::uint64_t offset, std::uint64_t count,
-                      std::uint64_t step) {
-  StoredNumbers stored(kind, big_endian);
-  stored.add({offset, count, step * size_of(kind), 1, 0});
+/// Numbers of an array from one of them on, which `offset` would be the place of the first of.
+StoredNumbers numbers(const MatArray& array, NumberKind kind, bool big_endian, std::uint64_t offset,
+                      std::uint64_t first, std::uint64_t count, std::uint64_t step) {
+  const std::uint64_t stride = array.stride > 0 ? array.stride : size_of(kind);
+  StoredNumbers stored(kind, big_endian != array.other_order);
+  stored.add({offset + first * stride, count, step * stride, 1, 0});
   return stored;
 }
 
@@ -59,7 +61,7 @@ Label label_of(const std::string& array, const std::string& column) {
 class MatRecord {
  public:
   explicit MatRecord(MatContents contents) : contents_(std::move(contents)) {
-    record_.attributes["MAT-file version"] = contents_.version;
+    if (!contents_.version.empty()) record_.attributes["MAT-file version"] = contents_.version;
     if (!contents_.header.empty()) record_.attributes["header"] = contents_.header;
     for (const auto& [name, text] : contents_.texts)
       record_.attributes.emplace(name, to_utf8(std::string_view(text).substr(0, longest_text)));
@@ -112,14 +114,15 @@ class MatRecord {
     array_names_.push_back(label.array_name);
     if (channel.unit.empty()) channel.unit = labels_.unit_of(array.name);
     channel.quantity = datasets::quantity_of_unit(channel.unit);
-    channel.attributes["size"] = fmt::format("{} x {}", array.rows, array.columns);
+    channel.attributes["size"] =
+        fmt::format("{} x {}", array.transposed ? array.columns : array.rows,
+                    array.transposed ? array.rows : array.columns);
     StoredChannel stored;
-    stored.samples = numbers(array.kind, contents_.big_endian,
-                             array.offset + first * size_of(array.kind), count, step);
+    stored.samples =
+        numbers(array, array.kind, contents_.big_endian, array.offset, first, count, step);
     if (array.complex)
-      stored.imaginary =
-          numbers(array.imaginary_kind, contents_.big_endian,
-                  array.imaginary_offset + first * size_of(array.imaginary_kind), count, step);
+      stored.imaginary = numbers(array, array.imaginary_kind, contents_.big_endian,
+                                 array.imaginary_offset, first, count, step);
     record_.channels.push_back(std::move(channel));
     stored_.push_back(std::move(stored));
   }
@@ -170,7 +173,7 @@ class MatRecord {
       if (found == contents_.arrays.end() || found->count != 1 || found->complex)
         return std::nullopt;
       double value = 0.0;
-      StoredNumbers one(found->kind, contents_.big_endian);
+      StoredNumbers one(found->kind, contents_.big_endian != found->other_order);
       one.add({found->offset, 1, size_of(found->kind)});
       read_numbers(*contents_.file, one, 0, {&value, 1});
       return value;
@@ -212,6 +215,11 @@ std::unique_ptr<RecordingReader> open_mat(const std::string& path, const ImportO
   MatContents contents = read_mat_contents(path);
   if (is_mat_recording(contents))
     return reader_of_mat_recording(std::move(contents), options.units);
+  return reader_of_mat_contents(std::move(contents), options);
+}
+
+std::unique_ptr<RecordingReader> reader_of_mat_contents(MatContents contents,
+                                                        const ImportOptions& options) {
   return MatRecord(std::move(contents)).reader(options);
 }
 

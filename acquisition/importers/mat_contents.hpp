@@ -8,13 +8,14 @@
 #include <string_view>
 #include <vector>
 
+#include "acquisition/importer.hpp"
 #include "acquisition/importers/byte_cursor.hpp"
 #include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 
 namespace impactrig::acquisition {
 
-/// A numeric array of a MAT-file: column after column.
+/// A numeric array of a MAT-file, or of another that lists arrays by name: column after column.
 struct MatArray {
   std::string name;        ///< "run.force": a field of a structure
   std::uint64_t rows = 0;  ///< of the first column; beyond two dimensions: all of them
@@ -22,17 +23,20 @@ struct MatArray {
   std::uint64_t dimensions = 2;
   NumberKind kind = NumberKind::f64;
   std::uint64_t offset = 0;  ///< of the first number
+  std::uint64_t stride = 0;  ///< from one to the next [bytes]; 0: they lie side by side
   std::uint64_t count = 0;   ///< numbers that are there, rows x columns at most
+  bool other_order = false;  ///< of bytes, than MatContents::big_endian says
+  bool transposed = false;   ///< the program that wrote it calls its rows columns
   bool complex = false;
   std::uint64_t imaginary_offset = 0;
   NumberKind imaginary_kind = NumberKind::f64;
 };
 
-/// What a MAT-file of version 4 or 5 holds.
+/// What a MAT-file of version 4 or 5 holds, or another list of arrays.
 struct MatContents {
   std::unique_ptr<MappedFile> file;  ///< where `offset` counts; unpacked when it was compressed
   bool big_endian = false;
-  std::string version;  ///< "4", "5"
+  std::string version;  ///< "4", "5"; "" of other files
   std::string header;   ///< its text
   std::vector<MatArray> arrays;
   std::map<std::string, std::string> texts;  ///< UTF-8, with the control characters they have
@@ -77,5 +81,10 @@ std::string skipped_arrays(const MatContents& contents);
 
 /// Lists the arrays. Throws datasets::InputError.
 MatContents read_mat_contents(const std::string& path);
+
+/// Each array or column of one is a channel; names and units of columns, and clocks, are found by
+/// the names of the arrays. Throws datasets::InputError for units that are not one a channel.
+std::unique_ptr<RecordingReader> reader_of_mat_contents(MatContents contents,
+                                                        const ImportOptions& options);
 
 }  // namespace impactrig::acquisition

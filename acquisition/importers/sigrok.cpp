@@ -2,7 +2,6 @@
 // Sessions of sigrok (PulseView, sigrok-cli): a ZIP archive. Layout: sigrok.org, "File format:
 // Sigrok/v2".
 #include <fmt/format.h>
-#include <zip.h>
 
 #include <algorithm>
 #include <array>
@@ -20,6 +19,7 @@
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/text_file.hpp"
+#include "acquisition/importers/zip_archive.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
@@ -30,8 +30,6 @@ using datasets::Record;
 
 namespace {
 
-/// Deflate makes at most 258 bytes of 2 bits.
-constexpr std::uint64_t largest_expansion = 1032;
 constexpr std::uint64_t largest_metadata = std::uint64_t{1} << 20;  ///< [bytes]
 constexpr std::size_t block_size = 16384;                           ///< samples handed over at once
 
@@ -75,11 +73,10 @@ double rate_in(std::string_view text) {
 class SigrokReader final : public RecordingReader {
  public:
   SigrokReader(const std::string& path, const ImportOptions& options) : file_(path) {
-    open();
     const std::string version(trimmed(text_of("version")));
     if (version != "1" && version != "2")
-      refuse(fmt::format("the session is of version '{}', expected 1 or 2",
-                         to_utf8(version.substr(0, 20))));
+      archive_.refuse(fmt::format("the session is of version '{}', expected 1 or 2",
+                                  to_utf8(version.substr(0, 20))));
     head_.record.attributes["session version"] = version;
     read_metadata(text_of("metadata"));
     list_entries();
@@ -103,86 +100,16 @@ class SigrokReader final : public RecordingReader {
   }
 
  private:
-  struct Close {
-    void operator()(zip_t* archive) const { zip_discard(archive); }
-
-    void operator()(zip_file_t* entry) const { zip_fclose(entry); }
-  };
-
-  using Entry = std::unique_ptr<zip_file_t, Close>;
-
-  [[noreturn]] void refuse(std::string_view problem) const {
-    datasets::SourcePosition place;
-    place.file = file_.path();
-    throw InputError(place, problem);
-  }
-
-  void open() {
-    zip_error_t error;
-    zip_error_init(&error);
-    zip_source_t* const source =
-        zip_source_buffer_create(file_.bytes().data(), file_.bytes().size(), 0, &error);
-    if (source != nullptr) {
-      archive_.reset(zip_open_from_source(source, ZIP_RDONLY, &error));
-      if (!archive_) zip_source_free(source);
-    }
-    const std::string problem = archive_ ? "" : to_utf8(zip_error_strerror(&error));
-    const bool ends_early = zip_error_code_zip(&error) == ZIP_ER_NOZIP;
-    zip_error_fini(&error);
-    if (archive_) return;
-    if (ends_early && file_.bytes().starts_with("PK\x03\x04"))
-      refuse("the ZIP archive ends before its list of entries: it is cut off; copy it again");
-    refuse(fmt::format("the ZIP archive cannot be read: {}", problem));
-  }
-
-  /// What the archive says of an entry, once it is possible.
-  zip_stat_t checked(std::uint64_t index, std::string_view name) {
-    zip_stat_t stat;
-    zip_stat_init(&stat);
-    constexpr zip_uint64_t needed =
-        ZIP_STAT_SIZE | ZIP_STAT_COMP_SIZE | ZIP_STAT_COMP_METHOD | ZIP_STAT_ENCRYPTION_METHOD;
-    if (zip_stat_index(archive_.get(), index, 0, &stat) != 0 || (stat.valid & needed) != needed)
-      refuse(fmt::format("{}: the archive does not say how long it is", name));
-    if (stat.encryption_method != ZIP_EM_NONE)
-      refuse(fmt::format("{} is encrypted: unpack the archive and pack it without", name));
-    if (stat.comp_method != ZIP_CM_STORE && stat.comp_method != ZIP_CM_DEFLATE)
-      refuse(fmt::format("{} is packed by method {}, expected 0 (stored) or 8 (deflated)", name,
-                         stat.comp_method));
-    // entries may share their bytes, and declare what they like: neither makes samples
-    packed_ += std::min<std::uint64_t>(stat.comp_size, file_.bytes().size() + 1);
-    const std::uint64_t most = stat.comp_method == ZIP_CM_STORE
-                                   ? std::uint64_t{stat.comp_size}
-                                   : stat.comp_size * largest_expansion;
-    if (packed_ > file_.bytes().size() || stat.size > most)
-      refuse(
-          fmt::format("{} declares {} bytes unpacked, {} packed, in an archive of {}: it is "
-                      "damaged",
-                      name, stat.size, stat.comp_size, file_.bytes().size()));
-    return stat;
-  }
-
-  Entry open_entry(std::uint64_t index, std::string_view name) {
-    Entry entry(zip_fopen_index(archive_.get(), index, 0));
-    if (!entry) cannot_read(name, zip_error_strerror(zip_get_error(archive_.get())));
-    return entry;
-  }
-
-  [[noreturn]] void cannot_read(std::string_view name, std::string_view why) const {
-    refuse(fmt::format("{} cannot be read: {}", name, to_utf8(why)));
-  }
-
   std::string text_of(const char* name) {
-    const zip_int64_t index = zip_name_locate(archive_.get(), name, 0);
-    if (index < 0) refuse(fmt::format("the archive has no '{}': it is no sigrok session", name));
-    const zip_stat_t stat = checked(static_cast<std::uint64_t>(index), name);
-    if (stat.size > largest_metadata)
-      refuse(fmt::format("'{}' has {} bytes, at most {} are expected", name, stat.size,
-                         largest_metadata));
-    const Entry entry = open_entry(static_cast<std::uint64_t>(index), name);
-    std::string text(stat.size, '\0');
-    const zip_int64_t got = zip_fread(entry.get(), text.data(), text.size());
-    if (got < 0) cannot_read(name, zip_error_strerror(zip_file_get_error(entry.get())));
-    text.resize(static_cast<std::size_t>(got));
+    const auto entry = archive_.find(name);
+    if (!entry)
+      archive_.refuse(fmt::format("the archive has no '{}': it is no sigrok session", name));
+    const std::uint64_t size = archive_.size(*entry, name);
+    if (size > largest_metadata)
+      archive_.refuse(
+          fmt::format("'{}' has {} bytes, at most {} are expected", name, size, largest_metadata));
+    std::string text(size, '\0');
+    archive_.open(*entry, name).read(text.data(), text.size());
     return text;
   }
 
@@ -217,21 +144,18 @@ class SigrokReader final : public RecordingReader {
   }
 
   void list_entries() {
-    const zip_int64_t entries = zip_get_num_entries(archive_.get(), 0);
-    for (zip_int64_t i = 0; i < entries; ++i) {
-      const auto index = static_cast<std::uint64_t>(i);
-      const char* const raw = zip_get_name(archive_.get(), index, ZIP_FL_ENC_RAW);
-      const std::string_view name = raw == nullptr ? std::string_view{} : raw;
+    for (std::uint64_t index = 0; index < archive_.entries(); ++index) {
+      const std::string_view name = archive_.name(index);
       if (name.starts_with("logic-")) logic_ = true;
       const auto numbers = analog_numbers(name);
       if (!numbers) continue;
       const std::string shown = to_utf8(name);
-      const zip_stat_t stat = checked(index, shown);
-      if (stat.size % sizeof(float) != 0)
+      const std::uint64_t size = archive_.size(index, shown);
+      if (size % sizeof(float) != 0)
         head_.record.warnings.push_back(fmt::format(
-            "{} has {} bytes, no multiple of 4: the last ones are left out", shown, stat.size));
+            "{} has {} bytes, no multiple of 4: the last ones are left out", shown, size));
       found_[{(*numbers)[0], (*numbers)[1]}].push_back(
-          {(*numbers)[2], index, stat.size / sizeof(float)});
+          {(*numbers)[2], index, size / sizeof(float)});
     }
   }
 
@@ -288,12 +212,12 @@ class SigrokReader final : public RecordingReader {
       before += part.samples;
       if (first >= last) continue;
       const std::string name = fmt::format("part {} of '{}'", part.number, channel_name);
-      const Entry entry = open_entry(part.entry, name);
+      ZipArchive::Entry entry = archive_.open(part.entry, name);
       for (std::uint64_t at = 0; at < last;) {
         // what lies before the window has to be unpacked too
         const std::uint64_t stop = at < first ? first : last;
         const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(block_size, stop - at));
-        read_floats(entry.get(), samples.data(), count, name);
+        read_floats(entry, samples.data(), count);
         if (at >= first) {
           SampleBlock block;
           block.raw = std::span<const float>(samples.data(), count);
@@ -301,28 +225,12 @@ class SigrokReader final : public RecordingReader {
         }
         at += count;
       }
-      if (last == part.samples) check_sum(entry.get(), name);
+      if (last == part.samples) entry.check_sum();
     }
   }
 
-  /// libzip compares the check sum when it is asked for what is behind the end.
-  void check_sum(zip_file_t* entry, std::string_view name) const {
-    std::array<char, 16> rest{};
-    for (int i = 0; i < 2; ++i)
-      if (zip_fread(entry, rest.data(), rest.size()) < 0)
-        cannot_read(name, zip_error_strerror(zip_file_get_error(entry)));
-  }
-
-  void read_floats(zip_file_t* entry, float* to, std::size_t count, std::string_view name) const {
-    auto* bytes = reinterpret_cast<char*>(to);
-    std::size_t left = count * sizeof(float);
-    while (left > 0) {
-      const zip_int64_t got = zip_fread(entry, bytes, left);
-      if (got < 0) cannot_read(name, zip_error_strerror(zip_file_get_error(entry)));
-      if (got == 0) cannot_read(name, "it ends before the length that the archive declares");
-      bytes += got;
-      left -= static_cast<std::size_t>(got);
-    }
+  static void read_floats(ZipArchive::Entry& entry, float* to, std::size_t count) {
+    entry.read(to, count * sizeof(float));
     if constexpr (std::endian::native == std::endian::big)
       for (std::size_t i = 0; i < count; ++i) {
         auto* const sample = reinterpret_cast<char*>(to + i);
@@ -331,8 +239,7 @@ class SigrokReader final : public RecordingReader {
   }
 
   MappedFile file_;
-  std::unique_ptr<zip_t, Close> archive_;
-  std::uint64_t packed_ = 0;  ///< bytes of the entries looked at
+  ZipArchive archive_{file_};
   std::map<std::uint64_t, std::string> rates_;
   std::map<std::pair<std::uint64_t, std::uint64_t>, std::string> names_;
   std::map<std::pair<std::uint64_t, std::uint64_t>, std::vector<Part>> found_;

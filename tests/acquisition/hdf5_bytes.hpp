@@ -284,6 +284,25 @@ inline std::vector<std::string> hdf5_seeds() {
   std::vector<std::string> seeds;
   {
     const Hdf5File file;
+    file.group("/shot");
+    file.text("/shot", "pandas_type", "frame_table");
+    file.records_of_lists("/shot/table", 3);
+    file.text("/shot/table", "values_block_0_kind", "(lp0\nVa\np1\naVb\np2\na.");
+    seeds.push_back(file.bytes());
+  }
+  {
+    const Hdf5File file;
+    file.group("/run");
+    file.text("/run", "pandas_type", "frame");
+    file.text_list("/run/block0_items", {"a", "b"});
+    file.data<double>("/run/block0_values", {3, 2}, {1, 2, 3, 4, 5, 6}, H5T_NATIVE_DOUBLE,
+                      H5T_IEEE_F64LE);
+    file.doubles("/run/axis1", {0.0, 0.5, 1.0});
+    file.text("/run/axis1", "kind", "float");
+    seeds.push_back(file.bytes());
+  }
+  {
+    const Hdf5File file;
     file.group("/entry");
     file.data<float>("/entry/force", {3}, {1, 2, 3}, H5T_NATIVE_FLOAT, H5T_IEEE_F32BE);
     file.text("/entry/force", "units", "N");

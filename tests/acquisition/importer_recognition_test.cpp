@@ -115,12 +115,6 @@ INSTANTIATE_TEST_SUITE_P(
             "PK\x03\x04"sv,
             "a ZIP archive (a workbook, for example), which is not read: save the table in it as "
             "CSV"},
-        Closed{"PK\x03\x04\x14\x00\x00\x00t.npy"sv,
-               "an archive of NumPy arrays (.npz), which is not read: save them as MATLAB (.mat) "
-               "with SciPy's savemat, or as HDF5 with h5py"},
-        Closed{"\x93NUMPY\x01\x00"sv,
-               "a NumPy array (.npy), which is not read: save it as MATLAB (.mat) with SciPy's "
-               "savemat, or as text with NumPy's savetxt"},
         Closed{"\x80\x04\x95\xC4\x1F"sv,
                "an object of Python (pickle), which is not read: save the table as CSV, MATLAB "
                "(.mat) or HDF5"},

@@ -7,6 +7,12 @@
 namespace impactrig::acquisition::tests {
 
 /// Small text recordings, one a dialect.
+/// So many that the line is a channel.
+inline std::string numbers_in_a_line(std::string line) {
+  for (int k = 0; k < 70; ++k) line += (k > 0 ? "," : "") + std::to_string(0.5 * k);
+  return line + "\n";
+}
+
 inline std::vector<std::string> csv_seeds() {
   return {
       "Time [s],Force [N]\n0,1\n1e-6,2.5\n2e-6,-3\n3e-6,\n",
@@ -31,6 +37,10 @@ inline std::vector<std::string> csv_seeds() {
       "2;2026/06/01;17:01:40;0;+++++;LL\n",
       "Record Length,5,,-0.5,1,,Record Length,5,,-0.2,3,\nSource,CH1,,0.0,2,,Source,CH2,,0.3,4,\n"
       ",,,0.5,3,,,,,0.8,5,\n,,,1.0,4,,,,,1.3,6,\n",
+      "# two\n" + numbers_in_a_line("t,s,") + numbers_in_a_line("F,N,"),
+      numbers_in_a_line(""),
+      "\"t [s];F [N]\"\n\"0,0;1.234,5\"\n\"0,1;2,5\"\n",
+      "State,t [s],F [N]\nOK,0.0,\"1,234.5\"\nOK,0.1,1'234\n",
       "Model,MSO64\nSample Interval,1e-9\nVertical Units,V\n\nLabels,,\nTIME,CH1\n0,1\n1e-9,2\n",
   };
 }

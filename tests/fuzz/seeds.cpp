@@ -20,6 +20,7 @@
 #include "tests/acquisition/lvm_bytes.hpp"
 #include "tests/acquisition/mat_bytes.hpp"
 #include "tests/acquisition/mdf4_bytes.hpp"
+#include "tests/acquisition/numpy_bytes.hpp"
 #include "tests/acquisition/rigol_wfm_bytes.hpp"
 #include "tests/acquisition/sigrok_bytes.hpp"
 #include "tests/acquisition/tdm_bytes.hpp"
@@ -80,6 +81,7 @@ constexpr auto table = std::to_array<Seeds>({
     {"lvm", lvm_seeds},                    //
     {"mat", all_mat_seeds},                //
     {"mdf4", mdf4_seeds},                  //
+    {"numpy", numpy_seeds},                //
     {"polytec-ascii", polytec_seeds},      //
     {"rigol-bin", rigol_bin_seeds},        //
     {"rigol-wfm", rigol_wfm_seeds},        //
