@@ -265,6 +265,10 @@ std::optional<Simulation> try_small_motion(const Rig& rig, const Solver& solver,
                                            const SimulationOptions& options,
                                            const TimeLimit& limit) {
   const bool asked = options.motion == Motion::small;
+  if (asked && follows_swing(rig, options) && rig.gravity_across() != 0.0)
+    throw std::invalid_argument(
+        "small motion was asked for, but it does not know a release that is followed under "
+        "environment.gravity_direction; ask for the full equations");
   if (!allows_small_motion(rig, options)) return std::nullopt;
   SmallMotionTime time{limit, std::nullopt};
   if (asked) {

@@ -342,6 +342,11 @@ TEST(GravityDirection, IsKnownToSmallMotionUpToARightAngle) {
   SimulationOptions swung;
   swung.kept = {Simplification::swing_to_touch};
   EXPECT_FALSE(simulate(rig, chain, swung).small_motion);
+  small.kept = swung.kept;
+  EXPECT_EQ(refusal(rig, chain),
+            "small motion was asked for, but it does not know a release that is followed under "
+            "environment.gravity_direction; ask for the full equations");
+  small.kept.clear();
   rig.contact.law = "none";
   EXPECT_EQ(
       refusal(rig, hybrid(Basis::pinned_free, 3, 1e-3, 0.1)),
