@@ -46,26 +46,42 @@ double RigidSwing::available(double angle) const {
   return potential(angle) - lowest;
 }
 
+/// Of the energy set free by a release at an angle, what is left with `to_go` to touch, before any
+/// damping [J].
+double RigidSwing::left(double angle, double to_go) const {
+  return potential(-angle) - potential(-to_go) - friction_ * (angle - to_go);
+}
+
 std::optional<double> RigidSwing::rate_after_release(double angle) const {
-  const double braking = friction_ / inertia_;
-  if (!(acceleration(-angle, 0.0) > braking)) return std::nullopt;
-  // what is left where the bar has come to −φ
-  const auto energy = [&](double left) {
-    return potential(-angle) - potential(-left) - friction_ * (angle - left);
-  };
+  if (!(acceleration(-angle, 0.0) > friction_ / inertia_)) return std::nullopt;
   for (int i = 0; i < places; ++i)  // over a hill on the way
-    if (!(energy(angle * i / places) > 0.0)) return std::nullopt;
-  if (viscous_ == 0.0) return std::sqrt(2.0 * energy(0.0) / inertia_);
-  const Dop853::RightHandSide f = [&](double, const Eigen::VectorXd& y,
-                                      Eigen::Ref<Eigen::VectorXd> slope) {
+    if (!(left(angle, angle * i / places) > 0.0)) return std::nullopt;
+  if (viscous_ == 0.0) return std::sqrt(2.0 * left(angle, 0.0) / inertia_);
+  const auto arrival = integrate(angle);
+  return arrival ? std::optional(arrival->rate) : std::nullopt;
+}
+
+std::optional<RigidSwing::Arrival> RigidSwing::arrive(double angle) const {
+  const auto rate = rate_after_release(angle);
+  if (!rate) return std::nullopt;
+  auto arrival = integrate(angle);
+  if (arrival) arrival->rate = *rate;
+  return arrival;
+}
+
+/// None where the bar turns back, or creeps.
+std::optional<RigidSwing::Arrival> RigidSwing::integrate(double angle) const {
+  const Dop853::RightHandSide f = [this](double, const Eigen::VectorXd& y,
+                                         Eigen::Ref<Eigen::VectorXd> slope) {
     slope[0] = y[1];
-    slope[1] = acceleration(y[0], y[1]) - braking;
+    slope[1] = acceleration(y[0], y[1]) - friction_ / inertia_;
   };
   const Eigen::VectorXd weights = Eigen::VectorXd::Ones(2);
   const double fastest =
       std::sqrt((std::hypot(along_, across_) + spring_) / inertia_) + viscous_ / inertia_;
   Dop853 swing(2);
   swing.start(0.0, Eigen::Vector2d(-angle, 0.0), f);
+  double time = 0.0;
   for (int step = 0; step < most_swing_steps; ++step) {
     double h = step_part / fastest;
     swing.attempt(h, weights, f);
@@ -76,9 +92,10 @@ std::optional<double> RigidSwing::rate_after_release(double angle) const {
         h -= swing.attempted()[0] / swing.attempted()[1];
         swing.attempt(h, weights, f);
       }
-      return swing.attempted()[1];
+      return Arrival{swing.attempted()[1], time + h};
     }
     swing.accept();
+    time += h;
     const bool creeps = swing.state()[1] < 1e-6 * fastest * angle;
     if (creeps && -swing.state()[0] < 1e-6 * angle) return std::nullopt;
   }

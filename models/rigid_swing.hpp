@@ -30,6 +30,14 @@ class RigidSwing {
   /// [rad/s]; none when it does not arrive.
   std::optional<double> rate_after_release(double angle) const;
 
+  struct Arrival {
+    double rate;  ///< [rad/s]
+    double time;  ///< since the release [s]
+  };
+
+  /// That rate and when it arrives.
+  std::optional<Arrival> arrive(double angle) const;
+
   struct State {
     double angle = 0.0;  ///< [rad]
     double rate = 0.0;   ///< [rad/s]
@@ -47,6 +55,9 @@ class RigidSwing {
   double shortest_return() const;
 
  private:
+  double left(double angle, double to_go) const;
+  std::optional<Arrival> integrate(double angle) const;
+
   double inertia_;         // I
   double along_, across_;  // S g cos γ, S g sin γ [N m]
   double spring_, viscous_, friction_;

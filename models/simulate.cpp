@@ -15,6 +15,7 @@
 #include "models/free_run.hpp"
 #include "models/implicit/chain_motion.hpp"
 #include "models/implicit/dense_motion.hpp"
+#include "models/modal/arrival.hpp"
 #include "models/modal/small_motion_run.hpp"
 #include "models/sensitivities/full_sensitivities.hpp"
 #include "models/settled_solution.hpp"
@@ -310,18 +311,35 @@ Simulation simulate_full_equations(const Rig& rig, const Solver& solver,
   return result;
 }
 
+/// Whether the vibration that letting a bar go leaves in it makes itself felt: by its slowest
+/// modes, which have most of it. Without a swing the full equations would have none.
+bool feels_release(const Rig& rig, const Solver& solver, const SimulationOptions& options) {
+  const bool flexible = rig.has_stop() && solver.model != BeamModel::rigid;
+  if (!flexible || !rig.start.release_angle || follows_swing(rig, options)) return false;
+  Solver slowest = solver;
+  slowest.model = BeamModel::hybrid;
+  slowest.basis = Basis::pinned_free;
+  slowest.modes = 4;
+  slowest.axial_modes = 0;
+  if (!small_motion_refusal(rig, slowest).empty()) return true;
+  return arrive(rig, BarCache().bar(rig, slowest)->modes()).vibration > solver.accuracy;
+}
+
 /// In small motion where that will do, else by the full equations in the time that is left.
 Simulation solve(const Rig& rig, const Solver& solver, const SimulationOptions& options,
                  const TimeLimit& limit) {
   std::optional<Simulation> result = try_small_motion(rig, solver, options, limit);
+  SimulationOptions used = options;
   if (!result) {
+    if (feels_release(rig, solver, options)) used.kept.push_back(Simplification::swing_to_touch);
     const auto settled = rig.has_stop() ? solve_until_settled : solve_swing_until_settled;
-    result = settled(rig, in_time(solver, limit), options,
-                     [&](const Solver& used, const SimulationOptions& asked) {
-                       return simulate_full_equations(rig, used, asked);
+    result = settled(rig, in_time(solver, limit), used,
+                     [&](const Solver& finer, const SimulationOptions& asked) {
+                       return simulate_full_equations(rig, finer, asked);
                      });
   }
   result->solver = solver;
+  tell_swing(rig, used, *result);
   return *std::move(result);
 }
 
@@ -365,7 +383,6 @@ Simulation simulate(const Rig& rig, const Solver& solver, const SimulationOption
           return solve(rig, used, asked, limit);
         },
         result);
-  tell_swing(rig, options, result);
   return result;
 }
 

@@ -42,11 +42,16 @@ ModalMotion::ModalMotion(const ModalBar& bar, const Collocation& rule,
 }
 
 void ModalMotion::start(double angle, double rate) {
+  const bool arrives = arrival_ && angle == 0.0;
+  if (arrives) angle = arrival_->angle;
+  if (arrives) rate = arrival_->rate;
   state_.a = beam_.rigid() * angle;
   // in flight the weight bends the bar by the sine of the swing's angle
   if (flies_ && angle != 0.0) state_.a.tail(beam_.modes() - 1) *= std::sin(angle) / angle;
   state_.a -= load_.held();
   state_.rate = beam_.rigid() * rate;
+  if (arrives) state_.a += arrival_->bending.a;
+  if (arrives) state_.rate += arrival_->bending.rate;
   dropped_ = 0.0;
   flights_ = {};
   first_contact_ = FirstContact::to_come;

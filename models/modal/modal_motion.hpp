@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "models/collocation/bar_motion.hpp"
+#include "models/modal/arrival.hpp"
 #include "models/modal/bar_cache.hpp"
 #include "models/modal/modal_beam.hpp"
 #include "models/modal/modal_load.hpp"
@@ -26,7 +29,12 @@ class ModalMotion : public BarMotion {
 
   const StepLadder& ladder() const override { return bar_.ladder(); }
 
+  /// At angle 0 the bar starts as it arrives, where arrives() says how.
   void start(double angle, double rate) override;
+
+  void arrives(Arrival arrival) { arrival_ = std::move(arrival); }
+
+  const std::optional<Arrival>& arrival() const { return arrival_; }
 
   void set_scales(const Scales&) override {}
 
@@ -180,6 +188,7 @@ class ModalMotion : public BarMotion {
   std::array<ModalState, 2> sampled_;
 
   ModalLoad load_;
+  std::optional<Arrival> arrival_;
   std::vector<double> held_at_;  // points before stops, by the load [m]
   double displacement_held_ = 0.0, displacement_slope_held_ = 0.0;  // likewise of the history
   ModalState state_, end_, scratch_;

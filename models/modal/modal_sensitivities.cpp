@@ -8,6 +8,21 @@
 namespace impactrig::models {
 namespace {
 
+// A swing takes hundreds of the bar's vibrations, whose phases as it arrives change as many times
+// as much as their frequencies.
+constexpr double closer_for_phases = 1e-3;
+
+/// How a bar that was let go begins, against where the load holds its modes.
+ModalState arrived(const Rig& rig, const ModalBeam& modes) {
+  const Arrival arrival = arrive(rig, modes);
+  return {modes.rigid() * arrival.angle + arrival.bending.a - ModalLoad(modes).held(),
+          modes.rigid() * arrival.rate + arrival.bending.rate};
+}
+
+}  // namespace
+
+namespace {
+
 /// A row of the bar's modes, as of those with the stop's head.
 Eigen::VectorXd widened(const Eigen::VectorXd& row, Eigen::Index modes) {
   Eigen::VectorXd wide = Eigen::VectorXd::Zero(modes);
@@ -73,6 +88,21 @@ const ModalStep& ModalSensitivities::step() {
 void ModalSensitivities::start() {
   const double rate = touch_velocity(rig_) / rig_.contact.position;
   for (Modes& m : of_) {
+    if (motion_.arrival()) {
+      const ParameterStencil by = m.effect.by().closer(closer_for_phases);
+      m.state.a = m.state.rate = Eigen::VectorXd::Zero(modes_.modes());
+      for (std::size_t place = 0; place < ParameterStencil::places; ++place) {
+        if (!by.counts(place)) continue;
+        const ModalState there =
+            m.effect.moves_modes()
+                ? arrived(by.rig_at(place), modes_.moved(m.effect.modes(), by.offset(place)))
+                : arrived(by.rig_at(place), modes_);
+        m.state.a += by.weight(place) * there.a;
+        m.state.rate += by.weight(place) * there.rate;
+      }
+      m.end = m.state;
+      continue;
+    }
     m.state.a = Eigen::VectorXd::Zero(modes_.modes());
     m.state.rate = modes_.rigid() * m.effect.start_rate();
     if (m.effect.moves_modes()) {
@@ -81,6 +111,15 @@ void ModalSensitivities::start() {
     }
     m.end = m.state;
   }
+}
+
+/// Displacements are shown from where their spot is at touch.
+void ModalSensitivities::begin_more(int i) {
+  const Modes& m = of_[static_cast<std::size_t>(i)];
+  double& rest = direction(i).rest;
+  rest = displacement_row_.dot(m.state.a);
+  if (m.effect.moves_modes())
+    rest += m.effect.displacement_row().dot(state_.a) + m.displacement_held;
 }
 
 PointMotion ModalSensitivities::struck(const Modes& m, std::size_t stop, const ModalState& slope,

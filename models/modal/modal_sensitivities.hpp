@@ -34,6 +34,8 @@ class ModalSensitivities final : public RunSensitivities {
 
   void see_state() override;
 
+  void begin_more(int i) override;
+
   void prepare() override { linearise_laws(); }
 
   bool solve(int i) override;

@@ -143,8 +143,15 @@ SmallMotionRun::SmallMotionRun(const Rig& rig, const Solver& solver,
     motion_.step_flights();
   motion_.judge_coarsely(negligible_part * solver.accuracy);
   if (!judges()) motion_.leave_judging();
-  if (follows_swing(rig, options)) of_swing_ = std::pow(*rig.start.release_angle, 2) / 16.0;
-  if (options.sensitivities.empty() || of_swing_ > 0.0 || !contacts_end_smoothly(rig)) return;
+  const bool follows = follows_swing(rig, options);
+  if (follows) {
+    of_swing_ = std::pow(*rig.start.release_angle, 2) / 16.0;
+  } else if (rig.start.release_angle) {
+    Arrival arrival = arrive(rig, bar_->modes());
+    of_swing_ = arrival.error;
+    motion_.arrives(std::move(arrival));
+  }
+  if (options.sensitivities.empty() || follows || !contacts_end_smoothly(rig)) return;
   const auto known = [&](RigParameter parameter) {
     const RigEffect effect(rig, parameter, solver, options.history);
     return effect.has_slopes() && effect.small_motion_knows();
@@ -278,11 +285,17 @@ Simulation swing_freely(const Rig& rig, const Solver& solver, const SimulationOp
 void tell_swing(const Rig& rig, const SimulationOptions& options, Simulation& result) {
   if (!rig.has_stop() || !rig.start.release_angle || spring_bends_bar(rig)) return;
   if (!allows(options, Simplification::swing_to_touch)) return;
+  const std::string vibration =
+      result.solver.model == BeamModel::rigid
+          ? ""
+          : fmt::format("; the vibration that letting a straight bar go leaves in it is {}",
+                        result.small_motion ? "that of its modes" : "less than the accuracy");
   result.taken.push_back(Simplification::swing_to_touch);
   result.skipped.push_back(fmt::format(
       "the swing from {:.4g} rad to first touch: the rigid bar's {} gives {:.6g} m/s at the "
-      "struck point; it arrives without the vibration that letting a straight bar go leaves in it",
-      *rig.start.release_angle, damped(rig) ? "damped swing" : "energy", touch_velocity(rig)));
+      "struck point{}",
+      *rig.start.release_angle, damped(rig) ? "damped swing" : "energy", touch_velocity(rig),
+      vibration));
 }
 
 }  // namespace impactrig::models

@@ -82,7 +82,8 @@ class SmallMotionRun {
   CollocationRun run_;
   std::unique_ptr<ModalSensitivities> sensitivities_;
   double left_out_ = 0.0;
-  double of_swing_ = 0.0;  // θ²/16: by how much a swing's period exceeds that of a small one
+  // θ²/16: by how much a swing's period exceeds that of a small one; or what Arrival leaves out
+  double of_swing_ = 0.0;
 };
 
 /// Small motion of a bar without a stop.

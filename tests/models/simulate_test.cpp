@@ -225,8 +225,7 @@ TEST(Simulate, ReleaseTurnsTheDropIntoSpeed) {
   ASSERT_EQ(run.skipped.size(), 1u);
   EXPECT_EQ(run.skipped[0],
             "the swing from 0.25 rad to first touch: the rigid bar's energy gives 0.737892 m/s at "
-            "the struck point; it arrives without the vibration that letting a straight bar go "
-            "leaves in it");
+            "the struck point");
   SimulationOptions exact;
   exact.exact = true;
   const Simulation swung = simulate(rig, rigid(1e-10), exact);
@@ -235,22 +234,6 @@ TEST(Simulate, ReleaseTurnsTheDropIntoSpeed) {
   EXPECT_NEAR(swung.peak_force / run.peak_force, 1.0, 1e-9);
   EXPECT_NEAR(swung.duration / run.duration, 1.0, 0.05);
   EXPECT_LT(std::abs(swung.energy.imbalance), 1e-9);
-}
-
-TEST(Simulate, FlexibleSwingDiffersLittleFromTheRigidOne) {
-  Rig rig = paper_rig();
-  rig.gravity = 9.81;
-  rig.start.release_angle = 0.25;
-  SimulationOptions exact;
-  exact.exact = true;
-  const Solver solver = hybrid(Basis::pinned_free, 1, 1e-8, 4e-4);
-  const Simulation skipped = simulate(rig, solver);
-  const Simulation swung = simulate(rig, solver, exact);
-  // the release itself shakes the bar: gravity across the bar bends it by 1e-5 m
-  EXPECT_NEAR(swung.episodes.at(0).approach_velocity / skipped.episodes.at(0).approach_velocity,
-              1.0, 3e-3);
-  EXPECT_NEAR(swung.peak_force / skipped.peak_force, 1.0, 5e-3);
-  EXPECT_NE(swung.peak_force, skipped.peak_force);
 }
 
 TEST(Simulate, RefusesAPenetrationBeyondTheElasticLaw) {

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/modal/arrival.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/modal/modal_load.hpp"
+#include "models/rigid_swing.hpp"
+
+namespace impactrig::models {
+namespace {
+
+// A bar that vibrates with this part of its speed may come back before it touches.
+constexpr double most_vibration = 0.5;
+
+// Of the rate that a mode's frequency changes by in a bar that turns at Ω, Ω² / ω: a hinged blade's
+// second flap has ω² + 6.4 Ω² in the plane it does not turn in, Ω² less in the other.
+constexpr double of_centrifugal = 3.0;
+
+/// The modes about touch.
+class ArrivingModes {
+ public:
+  ArrivingModes(const Rig& rig, const ModalBeam& beam, double angle, RigidSwing::Arrival arrival)
+      : beam_(beam),
+        arrival_(arrival),
+        rigid_(without_pendulum(beam.rigid())),
+        held_(without_pendulum(ModalLoad(beam).held())),
+        square_(beam.omega().cwiseAbs2()) {
+    square_[0] = 1.0;
+    const RigidSwing swing(rig);
+    acceleration_ =
+        swing.acceleration(0.0, arrival.rate) - rig.hinge.friction / rig.beam.hinge_inertia();
+    const double first =
+        swing.acceleration(-angle, 0.0) - rig.hinge.friction / rig.beam.hinge_inertia();
+    const double sine = std::sin(-angle), cosine = std::cos(angle);
+    lacked_.a = rigid_ * sine - held_ * cosine -
+                (rigid_ * cosine + held_ * sine).cwiseQuotient(square_) * first;
+    lacked_.rate = Eigen::VectorXd::Zero(beam.modes());
+  }
+
+  /// A time from that at which the rigid bar touches.
+  Arrival at(double time) const {
+    Arrival to;
+    to.angle = (arrival_.rate + 0.5 * acceleration_ * time) * time;
+    to.rate = arrival_.rate + acceleration_ * time;
+    to.bending = lacked_;
+    advance(beam_, arrival_.time + time, NodeVector::Zero(1), lacked_, to.bending);
+    to.bending.a += held_ - rigid_ * to.angle +
+                    (rigid_ * acceleration_ + held_ * (to.rate * to.rate) +
+                     beam_.damping().cwiseProduct(rigid_) * to.rate)
+                        .cwiseQuotient(square_);
+    to.bending.rate -= rigid_ * to.rate;
+    to.bending.a[0] = to.bending.rate[0] = 0.0;
+    return to;
+  }
+
+  PointMotion struck(const Arrival& arrival) const {
+    const Eigen::VectorXd& row = beam_.struck();
+    const double lever = row.dot(beam_.rigid());
+    return {lever * arrival.angle + row.dot(arrival.bending.a),
+            lever * arrival.rate + row.dot(arrival.bending.rate)};
+  }
+
+ private:
+  static Eigen::VectorXd without_pendulum(Eigen::VectorXd modes) {
+    modes[0] = 0.0;
+    return modes;
+  }
+
+  const ModalBeam& beam_;
+  RigidSwing::Arrival arrival_;
+  Eigen::VectorXd rigid_, held_, square_;  // square: ω²
+  double acceleration_;                    // of the rigid bar as it touches [rad/s²]
+  ModalState lacked_;                      // what the modes lacked as the bar was let go
+};
+
+}  // namespace
+
+Arrival arrive(const Rig& rig, const ModalBeam& beam) {
+  const double angle = *rig.start.release_angle;
+  const auto rigid = RigidSwing(rig).arrive(angle);
+  if (!rigid) touch_velocity(rig);  // says why
+  const ArrivingModes modes(rig, beam, angle, *rigid);
+  Arrival arrival = modes.at(0.0);
+  const double speed = rig.contact.position * rigid->rate;
+  const auto bending = beam.modes() - 1;
+  if (bending == 0) return arrival;
+  const Eigen::ArrayXd fastest = arrival.bending.rate.tail(bending).cwiseAbs().array().max(
+      (beam.omega().cwiseProduct(arrival.bending.a)).tail(bending).cwiseAbs().array());
+  const double vibration = fastest.matrix().dot(beam.struck().tail(bending).cwiseAbs()) / speed;
+  if (vibration < most_vibration) {
+    double time = 0.0;
+    for (int i = 0; i < 20; ++i) {
+      const PointMotion point = modes.struck(arrival);
+      if (std::abs(point.displacement) < 1e-16 * speed * rigid->time) break;
+      time -= point.displacement / point.velocity;
+      arrival = modes.at(time);
+    }
+  }
+  const double slowest = beam.omega().tail(bending).minCoeff();
+  const double phase = of_centrifugal * rigid->rate * rigid->rate * rigid->time / slowest;
+  const double apart = rigid->rate / slowest;
+  arrival.vibration = vibration;
+  arrival.error = vibration < most_vibration
+                      ? vibration * (std::min(phase, 1.0) + apart * apart + vibration)
+                      : 1.0;
+  return arrival;
+}
+
+}  // namespace impactrig::models

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "models/modal/modal_beam.hpp"
+#include "models/modal/modal_step.hpp"
+#include "models/rig.hpp"
+
+namespace impactrig::models {
+
+/// How a bar that was let go straight and from rest arrives at its stop: it has swung like a rigid
+/// one, and vibrates about where its weight bends it. Each mode but the pendulum's answers the weight
+/// across the bar, which changes as slowly as the bar swings, and what it lacked of that bending as
+/// it was let go dies away as its damping has it:
+///
+///   q + d q̇ / ω² + q̈ / ω² = Q / ω²,   Q / ω² = h cos φ − r sin φ
+///
+/// φ is the rigid bar's angle from touch, h where gravity from the side holds the mode at touch and
+/// r its part of the rigid rotation (the bar's weight along itself). Terms beyond q̈ are left out.
+struct Arrival {
+  double angle = 0.0;  ///< of the rigid bar, as the struck point touches [rad]
+  double rate = 0.0;   ///< [rad/s]
+  /// Of the modes, against a straight bar that turns like that (m); 0 of the pendulum's.
+  ModalState bending{};
+  double vibration = 0.0;  ///< the most of the struck point's speed that is vibration, a part of it
+  /// What is left out of the speed, likewise, above all by what the swing's centrifugal force does
+  /// to the phase of a vibration; 1 where the struck point may come back before it touches.
+  double error = 0.0;
+};
+
+/// Of a rig that is released and arrives; its spring must not bend the bar.
+Arrival arrive(const Rig& rig, const ModalBeam& beam);
+
+}  // namespace impactrig::models

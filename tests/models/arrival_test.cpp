@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "models/modal/arrival.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "models/modal/bar_cache.hpp"
+#include "models/rigid_swing.hpp"
+#include "models/simulation.hpp"
+#include "tests/models/differences.hpp"
+#include "tests/models/scenes.hpp"
+
+namespace impactrig::models {
+namespace {
+
+using testing::Contains;
+using testing::Not;
+using tests::ancf;
+using tests::hybrid;
+using tests::paper_rig;
+
+constexpr double degree = std::numbers::pi / 180.0;
+
+Rig released(double angle) {
+  Rig rig = paper_rig();
+  rig.gravity = 9.81;
+  rig.contact.damping = "lankarani-nikravesh";
+  rig.contact.restitution = 0.5;
+  rig.start = {};
+  rig.start.release_angle = angle;
+  return rig;
+}
+
+/// Largest relative difference of the first contacts' peak force, duration and impulse.
+double difference(const Simulation& one, const Simulation& other) {
+  const Episode& a = one.episodes.at(0);
+  const Episode& b = other.episodes.at(0);
+  return std::max({std::abs(a.peak_force / b.peak_force - 1.0),
+                   std::abs((a.end - a.start) / (b.end - b.start) - 1.0),
+                   std::abs(a.impulse / b.impulse - 1.0)});
+}
+
+/// The full equations from the release on.
+Simulation followed(const Rig& rig, Solver solver) {
+  solver.accuracy = 1e-8;
+  SimulationOptions exact;
+  exact.exact = true;
+  return simulate(rig, solver, exact);
+}
+
+/// Expects small motion to know the vibration with which the bar arrives, which matters.
+void expect_arrival(const Rig& rig, const Solver& solver, double matters = 3.0) {
+  const Simulation reference = followed(rig, solver);
+  const Simulation run = simulate(rig, solver);
+  EXPECT_TRUE(run.small_motion);
+  EXPECT_THAT(run.taken, Contains(Simplification::swing_to_touch));
+  EXPECT_LT(difference(run, reference), solver.accuracy);
+  Rig smooth = rig;
+  smooth.start = {};
+  smooth.start.velocity = touch_velocity(rig);
+  EXPECT_GT(difference(simulate(smooth, solver), reference), matters * solver.accuracy);
+}
+
+// The period of a pendulum by its complete elliptic integral.
+TEST(RigidSwing, ArrivesAfterAQuarterOfItsPeriod) {
+  for (const double angle : {1e-3, 0.3, 2.0, 3.1}) {
+    const Rig rig = released(angle);
+    const double omega =
+        std::sqrt(rig.gravity * rig.beam.first_moment() / rig.beam.hinge_inertia());
+    const auto arrival = RigidSwing(rig).arrive(angle);
+    ASSERT_TRUE(arrival);
+    EXPECT_NEAR(arrival->time * omega / std::comp_ellint_1(std::sin(0.5 * angle)), 1.0, 1e-11);
+    EXPECT_NEAR(arrival->rate / (2.0 * omega * std::sin(0.5 * angle)), 1.0, 1e-13);
+  }
+  EXPECT_FALSE(RigidSwing(released(0.1)).arrive(-0.1));
+}
+
+TEST(Arrival, TouchesWhereTheStruckPointDoes) {
+  for (const double direction : {0.0, 10.0, 40.0}) {
+    Rig rig = released(0.4);
+    rig.gravity_direction = direction * degree;
+    const auto bar = BarCache().bar(rig, ancf(10, 2, 1e-4, 1e-3));
+    const ModalBeam& beam = bar->modes();
+    const Arrival arrival = arrive(rig, beam);
+    const double place = rig.contact.position * arrival.angle;
+    const double bent = beam.struck().dot(arrival.bending.a);
+    EXPECT_NEAR(place + bent, 0.0, 1e-15);
+    EXPECT_GT(std::abs(bent), 1e-8);
+    EXPECT_GT(arrival.vibration, 1e-4);
+    EXPECT_LT(arrival.error, 0.1 * arrival.vibration);
+  }
+}
+
+TEST(Arrival, IsThatOfTheFullEquations) {
+  const Solver chain = ancf(7, 1, 1e-4, 1e-3), frame = hybrid(Basis::cantilever, 6, 1e-4, 1e-3);
+  for (const double angle : {0.02, 0.3, 1.0}) {
+    SCOPED_TRACE(angle);
+    expect_arrival(released(angle), chain);
+    expect_arrival(released(angle), frame);
+  }
+}
+
+TEST(Arrival, IsThatOfTheFullEquationsForOtherBarsToo) {
+  const Solver chain = ancf(7, 1, 1e-4, 1e-3);
+  Rig rig = released(0.3);
+  rig.gravity_direction = 15.0 * degree;
+  expect_arrival(rig, chain);
+  rig.gravity_direction = 60.0 * degree;
+  expect_arrival(rig, chain);
+  rig = released(0.3);
+  rig.beam.damping = {.mass = 2.0, .stiffness = 2e-7};
+  expect_arrival(rig, chain, 1.0);
+  rig.beam.damping = {};
+  rig.hinge.viscous = 0.001;
+  expect_arrival(rig, ancf(7, 1, 2e-4, 1e-3), 1.0);
+  rig = released(0.3);
+  rig.beam.masses = {{.position = 0.8, .mass = 0.4}};
+  expect_arrival(rig, chain);
+  rig = tests::stepped_rig();
+  rig.start = {};
+  rig.start.release_angle = 0.3;
+  expect_arrival(rig, hybrid(Basis::pinned_free, 6, 1e-4, 1e-3));
+  rig.stop = Stop{.mass = 0.02, .stiffness = 5e8, .viscous = 50.0};
+  expect_arrival(rig, hybrid(Basis::pinned_free, 6, 1e-4, 1e-3), 0.0);
+}
+
+// E = 50 MPa: most of what arrives is vibration.
+TEST(Arrival, OfALimpBarIsFollowed) {
+  Rig rig = released(0.5);
+  rig.beam.youngs_modulus = 5e7;
+  const Solver chain = ancf(7, 1, 1e-4, 2e-3);
+  const Simulation run = simulate(rig, chain);
+  EXPECT_FALSE(run.small_motion);
+  EXPECT_THAT(run.taken, Not(Contains(Simplification::swing_to_touch)));
+  EXPECT_LT(difference(run, followed(rig, chain)), chain.accuracy);
+}
+
+// Where vibration has died away the full equations need no swing.
+TEST(Arrival, WithoutVibrationIsThatOfARigidBar) {
+  Rig rig = released(0.3);
+  rig.beam.damping = {.stiffness = 1e-4};
+  const Solver chain = ancf(7, 1, 1e-4, 1e-3);
+  SimulationOptions full;
+  full.motion = Motion::full;
+  const Simulation run = simulate(rig, chain, full);
+  EXPECT_THAT(run.taken, Contains(Simplification::swing_to_touch));
+  EXPECT_LT(difference(run, followed(rig, chain)), chain.accuracy);
+  rig.beam.damping = {};
+  EXPECT_THAT(simulate(rig, chain, full).taken, Not(Contains(Simplification::swing_to_touch)));
+}
+
+constexpr tests::Named of_releases[] = {
+    {"release angle", [](Rig& r) -> double& { return *r.start.release_angle; }},
+    {"gravity", [](Rig& r) -> double& { return r.gravity; }},
+    {"youngs_modulus", [](Rig& r) -> double& { return r.beam.youngs_modulus; }},
+    {"density", [](Rig& r) -> double& { return r.beam.density; }},
+    {"restitution", [](Rig& r) -> double& { return r.contact.restitution; }},
+    {"stiffness_factor", [](Rig& r) -> double& { return r.contact.stiffness_factor; }},
+    {"position", [](Rig& r) -> double& { return r.contact.position; }},
+};
+
+// Vibrations in the swing are few, so that differences see slopes of their phases; where the struck
+// point moves, those of the fast modes of one short element.
+TEST(Sensitivities, OfABarThatWasLetGoAreThoseOfDifferences) {
+  for (const double direction : {0.0, 0.1}) {
+    Rig rig = released(0.2);
+    rig.gravity_direction = direction;
+    rig.beam.youngs_modulus = 7e8;
+    rig.contact.stiffness_factor = 0.1;
+    const std::span<const tests::Named> all(of_releases);
+    const Solver frame = hybrid(Basis::pinned_free, 4, 1e-12, 1e-3),
+                 chain = ancf(4, 1, 1e-12, 1e-3);
+    tests::expect_equal_derivatives(rig, frame, 3e-8, all, 1e-4);
+    tests::expect_equal_derivatives(rig, chain, 3e-7, all.first(all.size() - 1), 1e-4);
+    tests::expect_equal_derivatives(rig, chain, 3e-7, all.last(1), 3e-5);
+  }
+}
+
+}  // namespace
+}  // namespace impactrig::models
