@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "fitting/filtered_samples.hpp"
+#include "models/modal/arrival.hpp"
 
 namespace impactrig::fitting {
 namespace {
@@ -39,6 +40,8 @@ FitProblem::FitProblem(const std::vector<Impact>& impacts, const RigFile& rig,
   if (impacts.empty()) throw std::invalid_argument("there is no impact to fit to");
   auto own = std::make_shared<RigFile>(rig);
   if (own->rig.start.release_angle) {
+    if (own->solver.model != models::BeamModel::rigid)
+      release_vibration_ = models::release_vibration(own->rig).value_or(0.0);
     own->rig.start.velocity = models::touch_velocity(own->rig);
     own->rig.start.release_angle.reset();
   }

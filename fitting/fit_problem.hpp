@@ -109,6 +109,10 @@ class FitProblem {
 
   const std::vector<std::string>& warnings() const { return warnings_; }
 
+  /// The most of the speed at touch that may be vibration of a bar that was let go, a part of it:
+  /// the fit has that speed and no vibration.
+  double release_vibration() const { return release_vibration_; }
+
   bool noise_known() const { return noise_known_; }
 
  private:
@@ -135,6 +139,7 @@ class FitProblem {
   bool noise_known_ = true, small_slopes_ = false;
   std::optional<std::chrono::steady_clock::time_point> deadline_;
   std::vector<std::string> warnings_;
+  double release_vibration_ = 0.0;
   long past_simulations_ = 0;  // of costs that are gone
 };
 

@@ -216,6 +216,20 @@ void warn_of_mesh(Fit& fit) {
           : fmt::format("solver.modes = {}", finer.modes)));
 }
 
+void warn_of_release(const FitProblem& problem, Fit& fit) {
+  const auto of_release = [&](const Parameter& p) {
+    return p.name.starts_with("contact.restitution") &&
+           p.std_error < problem.release_vibration() * std::abs(p.value);
+  };
+  if (std::ranges::none_of(fit.parameters, of_release)) return;
+  fit.warnings.push_back(fmt::format(
+      "Letting a straight bar go leaves vibration of up to {} of its speed at touch in it, more "
+      "than the standard error of the restitution coefficient: the fit takes the speed from the "
+      "data and knows of no such vibration, since its phase depends on how the bar was held. What "
+      "is fitted may err by as much; hold the bar as it hangs, or damp it.",
+      datasets::percent(problem.release_vibration())));
+}
+
 /// A calibration that the data or the other calibrations contradict: the fit goes between them, and
 /// nothing else tells. Where all are right, a parameter ends as far from what is stated of it as
 /// the variance says that the data took off the stated one.
@@ -414,6 +428,7 @@ void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit) {
   warn_of_residuals(end.inflation, problem.loss() != Loss::squares, fit);
   warn_of_noise(problem, fit);
   warn_of_mesh(fit);
+  warn_of_release(problem, fit);
   warn_of_priors(problem, end, fit);
   for (const Shot& shot : problem.shots())
     for (const ImpactFlag flag : shot.impact->flags)

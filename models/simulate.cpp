@@ -311,18 +311,13 @@ Simulation simulate_full_equations(const Rig& rig, const Solver& solver,
   return result;
 }
 
-/// Whether the vibration that letting a bar go leaves in it makes itself felt: by its slowest
-/// modes, which have most of it. Without a swing the full equations would have none.
+/// Whether the vibration that letting a bar go leaves in it makes itself felt: without a swing the
+/// full equations would have none.
 bool feels_release(const Rig& rig, const Solver& solver, const SimulationOptions& options) {
   const bool flexible = rig.has_stop() && solver.model != BeamModel::rigid;
   if (!flexible || !rig.start.release_angle || follows_swing(rig, options)) return false;
-  Solver slowest = solver;
-  slowest.model = BeamModel::hybrid;
-  slowest.basis = Basis::pinned_free;
-  slowest.modes = 4;
-  slowest.axial_modes = 0;
-  if (!small_motion_refusal(rig, slowest).empty()) return true;
-  return arrive(rig, BarCache().bar(rig, slowest)->modes()).vibration > solver.accuracy;
+  const auto vibration = release_vibration(rig);
+  return !vibration || *vibration > solver.accuracy;
 }
 
 /// In small motion where that will do, else by the full equations in the time that is left.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/modal/bar_cache.hpp"
 #include "models/modal/modal_load.hpp"
 #include "models/rigid_swing.hpp"
 
@@ -105,6 +106,16 @@ Arrival arrive(const Rig& rig, const ModalBeam& beam) {
                       ? vibration * (std::min(phase, 1.0) + apart * apart + vibration)
                       : 1.0;
   return arrival;
+}
+
+std::optional<double> release_vibration(const Rig& rig) {
+  if (!beyond_small_motion(rig).empty()) return std::nullopt;
+  Solver slowest;
+  slowest.model = BeamModel::hybrid;
+  slowest.basis = Basis::pinned_free;
+  slowest.modes = 4;
+  slowest.axial_modes = 0;
+  return arrive(rig, BarCache().bar(rig, slowest)->modes()).vibration;
 }
 
 }  // namespace impactrig::models

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
 #include "models/modal/modal_beam.hpp"
 #include "models/modal/modal_step.hpp"
 #include "models/rig.hpp"
@@ -8,9 +10,9 @@
 namespace impactrig::models {
 
 /// How a bar that was let go straight and from rest arrives at its stop: it has swung like a rigid
-/// one, and vibrates about where its weight bends it. Each mode but the pendulum's answers the weight
-/// across the bar, which changes as slowly as the bar swings, and what it lacked of that bending as
-/// it was let go dies away as its damping has it:
+/// one, and vibrates about where its weight bends it. Each mode but the pendulum's answers the
+/// weight across the bar, which changes as slowly as the bar swings, and what it lacked of that
+/// bending as it was let go dies away as its damping has it:
 ///
 ///   q + d q̇ / ω² + q̈ / ω² = Q / ω²,   Q / ω² = h cos φ − r sin φ
 ///
@@ -29,5 +31,9 @@ struct Arrival {
 
 /// Of a rig that is released and arrives; its spring must not bend the bar.
 Arrival arrive(const Rig& rig, const ModalBeam& beam);
+
+/// Arrival::vibration of a rig that is released before a stop, by its slowest modes, which have
+/// most of it; none where small motion does not know the rig.
+std::optional<double> release_vibration(const Rig& rig);
 
 }  // namespace impactrig::models
