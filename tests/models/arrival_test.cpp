@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <vector>
 
+#include "models/ensemble.hpp"
 #include "models/modal/bar_cache.hpp"
 #include "models/rigid_swing.hpp"
 #include "models/simulation.hpp"
@@ -150,6 +153,23 @@ TEST(Arrival, WithoutVibrationIsThatOfARigidBar) {
   EXPECT_LT(difference(run, followed(rig, chain)), chain.accuracy);
   rig.beam.damping = {};
   EXPECT_THAT(simulate(rig, chain, full).taken, Not(Contains(Simplification::swing_to_touch)));
+}
+
+TEST(Arrival, IsThatOfSingleRunsInAnEnsemble) {
+  std::vector<Rig> rigs;
+  for (int k = 0; k < 40; ++k) {
+    rigs.push_back(released(0.1 + 0.02 * k));
+    rigs.back().beam.youngs_modulus *= 1.0 + 0.003 * k;
+    rigs.back().beam.density *= 1.0 - 0.002 * k;
+  }
+  const Solver solver = hybrid(Basis::pinned_free, 8, 1e-4, 1e-3);
+  const std::vector<EnsembleMember> members = simulate_ensemble(rigs, solver);
+  for (std::size_t k = 0; k < rigs.size(); ++k) {
+    const Simulation single = simulate(rigs[k], solver);
+    EXPECT_TRUE(single.small_motion);
+    EXPECT_LT(difference(members[k].simulation, single), 1e-9) << k;
+    EXPECT_EQ(members[k].simulation.skipped, single.skipped);
+  }
 }
 
 constexpr tests::Named of_releases[] = {
