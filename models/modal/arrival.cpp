@@ -18,6 +18,24 @@ constexpr double most_vibration = 0.5;
 // second flap has ω² + 6.4 Ω² in the plane it does not turn in, Ω² less in the other.
 constexpr double of_centrifugal = 3.0;
 
+// A moment in the hinge bends a bar's slowest mode so many times as much as its weight's of the
+// same size: slope at the hinge over deflection in the middle, of a uniform bar.
+constexpr double of_moment = 10.0;
+
+/// Of the vibration, what is left out: what the swing's centrifugal force does to its phase, terms
+/// of fourth order, what friction in the hinge bends, and that a spring there goes by the angle,
+/// not by its sine.
+double left_out(const Rig& rig, const RigidSwing::Arrival& arrival, double slowest) {
+  const double phase = of_centrifugal * arrival.rate * arrival.rate * arrival.time / slowest;
+  const double apart = arrival.rate / slowest;
+  const double angle = *rig.start.release_angle;
+  const double moment = rig.beam.hinge_inertia() * RigidSwing(rig).acceleration(-angle, 0.0);
+  const double bends = of_moment *
+                       (rig.hinge.friction + rig.hinge.spring * std::abs(angle - std::sin(angle))) /
+                       moment;
+  return std::min(phase, 1.0) + apart * apart + bends;
+}
+
 /// The modes about touch.
 class ArrivingModes {
  public:
@@ -86,9 +104,10 @@ Arrival arrive(const Rig& rig, const ModalBeam& beam) {
   const double speed = rig.contact.position * rigid->rate;
   const auto bending = beam.modes() - 1;
   if (bending == 0) return arrival;
-  const Eigen::ArrayXd fastest = arrival.bending.rate.tail(bending).cwiseAbs().array().max(
-      (beam.omega().cwiseProduct(arrival.bending.a)).tail(bending).cwiseAbs().array());
-  const double vibration = fastest.matrix().dot(beam.struck().tail(bending).cwiseAbs()) / speed;
+  const Eigen::ArrayXd rate = arrival.bending.rate.tail(bending).array();
+  const Eigen::ArrayXd bent = (beam.omega().cwiseProduct(arrival.bending.a)).tail(bending).array();
+  const Eigen::VectorXd fastest = (rate.square() + bent.square()).sqrt();
+  const double vibration = fastest.dot(beam.struck().tail(bending).cwiseAbs()) / speed;
   if (vibration < most_vibration) {
     double time = 0.0;
     for (int i = 0; i < 20; ++i) {
@@ -98,13 +117,11 @@ Arrival arrive(const Rig& rig, const ModalBeam& beam) {
       arrival = modes.at(time);
     }
   }
-  const double slowest = beam.omega().tail(bending).minCoeff();
-  const double phase = of_centrifugal * rigid->rate * rigid->rate * rigid->time / slowest;
-  const double apart = rigid->rate / slowest;
   arrival.vibration = vibration;
-  arrival.error = vibration < most_vibration
-                      ? vibration * (std::min(phase, 1.0) + apart * apart + vibration)
-                      : 1.0;
+  arrival.error =
+      vibration < most_vibration
+          ? vibration * (vibration + left_out(rig, *rigid, beam.omega().tail(bending).minCoeff()))
+          : 1.0;
   return arrival;
 }
 
