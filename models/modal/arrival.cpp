@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "models/modal/bar_cache.hpp"
 #include "models/modal/modal_load.hpp"
@@ -98,7 +99,10 @@ class ArrivingModes {
 Arrival arrive(const Rig& rig, const ModalBeam& beam) {
   const double angle = *rig.start.release_angle;
   const auto rigid = RigidSwing(rig).arrive(angle);
-  if (!rigid) touch_velocity(rig);  // says why
+  if (!rigid) {
+    touch_velocity(rig);  // says why it does not arrive
+    throw std::runtime_error("the swing to the stop takes too long to be followed");
+  }
   const ArrivingModes modes(rig, beam, angle, *rigid);
   Arrival arrival = modes.at(0.0);
   const double speed = rig.contact.position * rigid->rate;
@@ -127,6 +131,7 @@ Arrival arrive(const Rig& rig, const ModalBeam& beam) {
 
 std::optional<double> release_vibration(const Rig& rig) {
   if (!beyond_small_motion(rig).empty()) return std::nullopt;
+  if (!RigidSwing(rig).arrive(*rig.start.release_angle)) return std::nullopt;
   Solver slowest;
   slowest.model = BeamModel::hybrid;
   slowest.basis = Basis::pinned_free;
