@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "acquisition/importers/date_columns.hpp"
 #include "acquisition/importers/spool.hpp"
 #include "acquisition/importers/text_dialect.hpp"
 #include "acquisition/importers/text_file.hpp"
@@ -13,7 +14,6 @@ namespace impactrig::acquisition {
 
 namespace {
 
-constexpr std::size_t most_rows = 64;
 constexpr std::size_t fewest_cells = 64;       ///< of a row
 constexpr std::size_t fewest_cells_a_row = 8;  ///< of a row, for each of the rows
 constexpr std::size_t most_names = 2;          ///< cells before the numbers: a name and a unit
@@ -70,30 +70,44 @@ std::optional<ChannelRows> few_lines(const TextFile& file, std::string_view text
     const char* const start = at;
     const std::string_view line = take_line(at, end);
     file.release(start, at);
-    if (i < skipped || line.starts_with('#') || line.starts_with('%')) {
-      if (!found.rows.empty() || found.head.size() == most_rows) return std::nullopt;
-      found.head.push_back(line);
-    } else if (!trimmed(line).empty()) {
-      if (found.rows.size() == most_rows) return std::nullopt;
-      found.rows.push_back(line);
-    }
+    if (trimmed(line).empty() || line == "\x1A") continue;  // which ended files of DOS
+    const bool remark = i < skipped || line.starts_with('#') || line.starts_with('%');
+    if (remark && !found.rows.empty()) continue;
+    std::vector<std::string_view>& lines = remark ? found.head : found.rows;
+    if (lines.size() == most_channel_rows) return std::nullopt;
+    lines.push_back(line);
   }
   return found.rows.empty() ? std::nullopt : std::optional(std::move(found));
 }
 
-/// True for a row of at least `fewest` cells, of which those told by the first ones are numbers.
-bool is_channel(std::string_view row, char delimiter, char decimal, std::size_t fewest) {
-  CellCursor cells(row, delimiter);
+/// How many cells stand before the numbers of a row of at least `fewest`; none where it is no such
+/// row.
+std::optional<std::size_t> names_before(std::string_view row, const Dialect& dialect,
+                                        std::size_t fewest) {
+  CellCursor cells(row, dialect.delimiter);
   std::size_t count = 0;
+  std::size_t names = 0;
   std::size_t numbers = 0;
   for (; count < fewest && !cells.ended(); ++count) {
     const std::string_view cell = without_quotes(cells.take());
-    if (number_in(cell, {decimal, false}))
+    const bool number =
+        number_in(cell, {dialect.decimal, false}) || grouped_number_in(cell, dialect.decimal);
+    const bool missing = cell_value(cell, dialect.decimal) || marks_missing(cell);
+    if (number)
       ++numbers;
-    else if (count >= most_names && !cell_value(cell, decimal) && !marks_missing(cell))
-      return false;
+    else if (count == names && count < most_names && !missing && !is_part_of_date(cell))
+      ++names;
+    else if (!missing)
+      return std::nullopt;
   }
-  return count == fewest && 2 * numbers > fewest;
+  return count == fewest && 2 * numbers > fewest ? std::optional(names) : std::nullopt;
+}
+
+/// Whether a remark above names columns: then the lines are samples.
+bool names_columns(const std::vector<std::string_view>& head, char delimiter) {
+  return std::ranges::any_of(head, [delimiter](std::string_view line) {
+    return named_columns(line, {.delimiter = delimiter}) >= fewest_cells;
+  });
 }
 
 }  // namespace
@@ -102,20 +116,32 @@ std::optional<ChannelRows> find_channel_rows(TextFile& file, const ImportOptions
   auto found = few_lines(file, file.text(), options.skip_lines.value_or(0));
   if (!found) return std::nullopt;
   const std::size_t fewest = std::max(fewest_cells, fewest_cells_a_row * found->rows.size());
+  const auto holds = [&](char mark) {
+    return std::ranges::any_of(found->rows,
+                               [mark](auto row) { return row.find(mark) != row.npos; });
+  };
   for (const auto& [delimiter, decimal] : {std::pair{'\t', '.'},
                                            {'\t', ','},
                                            {';', '.'},
                                            {';', ','},
+                                           {'|', '.'},
+                                           {'|', ','},
                                            {',', '.'},
                                            {' ', '.'},
                                            {' ', ','}}) {
     if (options.delimiter.value_or(delimiter) != delimiter) continue;
     if (options.decimal.value_or(decimal) != decimal) continue;
+    // blanks may separate thousands, or stand beside what divides the cells
+    if (delimiter == ' ' && (holds('\t') || holds(';') || holds('|'))) continue;
+    const Dialect dialect{.delimiter = delimiter, .decimal = decimal};
+    const auto first = names_before(found->rows.front(), dialect, fewest);
+    if (!first || names_columns(found->head, delimiter)) continue;
+    if (!std::ranges::all_of(found->rows,
+                             [&](auto row) { return names_before(row, dialect, fewest) == first; }))
+      continue;
     found->delimiter = delimiter;
-    if (std::ranges::all_of(found->rows, [&, d = delimiter, mark = decimal](auto row) {
-          return is_channel(row, d, mark, fewest);
-        }))
-      return found;
+    found->decimal = decimal;
+    return found;
   }
   return std::nullopt;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,12 +15,15 @@ namespace impactrig::acquisition {
 
 class TextFile;
 
+constexpr std::size_t most_channel_rows = 64;  ///< lines that may hold a channel each
+
 /// Lines of a text that hold a channel each, as LabVIEW's "Write To Spreadsheet File" and NumPy's
 /// savetxt() write arrays.
 struct ChannelRows {
   std::vector<std::string_view> head;  ///< lines above that are remarks or that the user skips
   std::vector<std::string_view> rows;  ///< parts of the file's text
   char delimiter = '\t';               ///< ' ' = any run of blanks and tabs
+  char decimal = '.';
 };
 
 /// Few lines of many numbers, behind a name and a unit at most; none where the text may be columns.

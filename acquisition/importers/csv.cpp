@@ -85,14 +85,24 @@ bool rounds_steps(const Column& times) {
   return std::abs(first) * std::numeric_limits<double>::epsilon() > 1e-3 * std::abs(step);
 }
 
-/// Makes columns of lines that hold a channel each; gives how many there are, 0 of columns.
-std::size_t turn_channel_rows(TextFile& file, const ImportOptions& options) {
-  auto rows = find_channel_rows(file, options);
-  if (!rows) return 0;
-  const std::size_t channels = rows->rows.size();
-  file.turn(std::move(*rows));
-  return channels;
-}
+/// Makes columns of lines that hold a channel each. The lines tell their dialect better than a few
+/// columns.
+struct Turned {
+  Turned(TextFile& file, const ImportOptions& given) : options(given) {
+    const auto lines = std::ranges::count(file.text(), '\n');
+    if (file.is_part() && lines <= static_cast<std::ptrdiff_t>(most_channel_rows))
+      file.want_whole();
+    auto rows = find_channel_rows(file, given);
+    if (!rows) return;
+    channel_rows = rows->rows.size();
+    options.delimiter = rows->delimiter;
+    options.decimal = rows->decimal;
+    file.turn(std::move(*rows));
+  }
+
+  ImportOptions options;
+  std::size_t channel_rows = 0;  ///< of the file; 0 of columns
+};
 
 /// Octave writes one variable under the other.
 TableLayout find_only_table(TextFile& file, const ImportOptions& options) {
@@ -112,8 +122,8 @@ TableLayout find_only_table(TextFile& file, const ImportOptions& options) {
 struct CsvHead {
   CsvHead(const std::string& path, const ImportOptions& options)
       : file(path, options.head_only, options.encoding),
-        channel_rows(turn_channel_rows(file, options)),
-        layout(find_only_table(file, options)),
+        turned(file, options),
+        layout(find_only_table(file, turned.options)),
         head(read_head(layout, text_of_rows(file, layout))),
         marked(take_marked_rows(head)),
         // a delimiter at the end of each row ends the last cell; it begins another only where the
@@ -134,7 +144,7 @@ struct CsvHead {
     roles = find_roles(file, layout, head, heads, rows, options);
     if (!roles.named_times.empty()) find_ends_of_times(rows, read_on);
     record.warnings = head.warnings;
-    if (!options.delimiter && !options.decimal)
+    if (!turned.options.delimiter && !turned.options.decimal)
       if (std::string commas =
               commas_that_may_be_decimal_marks(layout, head, text_of_rows(file, layout));
           !commas.empty())
@@ -148,13 +158,14 @@ struct CsvHead {
     if (record.started.empty()) record.started = head.started;
     take_units_of_keys(head, roles, layout.dialect.delimiter, heads);
     describe(layout, head, heads, roles, record);
-    if (channel_rows > 0) tell_of_channel_rows(record);
+    if (turned.channel_rows > 0) tell_of_channel_rows(record);
   }
 
   void tell_of_channel_rows(Record& record) const {
     for (const char* line : {"column names", "unit row", "first data line"})
       record.attributes.erase(line);
     record.attributes["channels in"] = "rows";
+    const std::size_t channel_rows = turned.channel_rows;
     record.warnings.push_back(fmt::format(
         "the file is {} {} of many numbers: {} taken for a channel{}, not for a sample",
         channel_rows, channel_rows == 1 ? "line" : "lines", channel_rows == 1 ? "it is" : "each is",
@@ -204,7 +215,7 @@ struct CsvHead {
   }
 
   TextFile file;
-  std::size_t channel_rows;  ///< of the file, where they became columns; else 0
+  Turned turned;
   TableLayout layout;
   TableHead head;
   MarkedRows marked;

@@ -44,6 +44,7 @@ struct Hdf5Array {
   std::string text;             ///< of MATLAB's, which are numbers to HDF5
   std::string shown_as{};       ///< of a field of MATLAB's structures: "run(2).force", not its path
   bool is_axis = false;         ///< the writing program says that those beside it lie over it
+  bool rows_first = false;      ///< likewise that each row is a sample, however few there are
   std::uint64_t reference = 0;  ///< what stands for the data set in the lists of others
   /// Data sets that hold the scale of a dimension, by their reference, one list a dimension.
   std::vector<std::vector<std::uint64_t>> scales;

@@ -14,7 +14,7 @@
 
 namespace impactrig::acquisition {
 
-constexpr std::size_t hdf5_longest_text = 2000;  ///< of an attribute or a data set [bytes]
+constexpr std::size_t hdf5_longest_text = 30000;  ///< of an attribute or a data set [bytes]
 
 /// Texts of an attribute or of a data set, which `read` reads with a type into memory; none where
 /// they cannot be read.

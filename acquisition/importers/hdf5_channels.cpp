@@ -83,28 +83,6 @@ bool is_names_key(std::string_view key) {
   return std::ranges::find(keys, lowered(key)) != keys.end();
 }
 
-/// Lists of names and of units that stand beside data sets of as many columns become attributes of
-/// these; an attribute that is there already counts.
-void take_lists_beside(Hdf5Listing& listing) {
-  std::erase_if(listing.text_lists, [&listing](const auto& entry) {
-    const auto& [path, list] = entry;
-    const std::size_t end = path.rfind('/') + 1;
-    const std::string key = path.substr(end);
-    const bool names = is_names_key(key);
-    if (!names && !is_unit_key(key)) return false;
-    bool used = false;
-    for (Hdf5Array& array : listing.arrays) {
-      const auto& shape = array.shape;
-      const bool beside = !array.is_field() && array.path.rfind('/') + 1 == end &&
-                          array.path.starts_with(path.substr(0, end));
-      if (!beside || shape.size() != 2 || std::ranges::min(shape) != list.size()) continue;
-      array.attributes.lists.emplace(names ? "columns" : "units", list);
-      used = true;
-    }
-    return used;
-  });
-}
-
 /// The names that an attribute gives the columns; null where none does, or two are the same.
 const std::vector<std::string>* column_names(const Hdf5Array& array, std::uint64_t columns) {
   for (const auto& [key, list] : array.attributes.lists) {
@@ -113,6 +91,41 @@ const std::vector<std::string>* column_names(const Hdf5Array& array, std::uint64
     if (different.size() == list.size() && !different.contains("")) return &list;
   }
   return nullptr;
+}
+
+bool states_unit(const Hdf5Attributes& attributes) {
+  const auto is_unit = [](const auto& entry) { return is_unit_key(entry.first); };
+  return std::ranges::any_of(attributes.texts, is_unit) ||
+         std::ranges::any_of(attributes.lists, is_unit);
+}
+
+/// Lists of names and of units that stand beside data sets of as many columns become attributes of
+/// these, where these have none of the kind; what nothing takes stays.
+void take_lists_beside(Hdf5Listing& listing) {
+  std::erase_if(listing.text_lists, [&listing](const auto& entry) {
+    const auto& [path, list] = entry;
+    const std::size_t end = path.rfind('/') + 1;
+    const std::string key = path.substr(end);
+    const bool names = is_names_key(key);
+    if (!names && !is_unit_key(key)) return false;
+    const std::set<std::string> different(list.begin(), list.end());
+    if (names && (different.size() < list.size() || different.contains(""))) return false;
+    bool used = false;
+    for (Hdf5Array& array : listing.arrays) {
+      const auto& shape = array.shape;
+      const bool beside = !array.is_field() && array.path.rfind('/') + 1 == end &&
+                          array.path.starts_with(path.substr(0, end));
+      if (!beside || shape.size() != 2 || shape[0] == shape[1] ||
+          std::ranges::min(shape) != list.size())
+        continue;
+      const bool stated =
+          names ? column_names(array, list.size()) != nullptr : states_unit(array.attributes);
+      if (stated) continue;
+      array.attributes.lists.emplace(names ? "columns" : "units", list);
+      used = true;
+    }
+    return used;
+  });
 }
 
 /// What a variable of MATLAB is that is no array of numbers; "" where it is one, or a structure.

@@ -23,8 +23,9 @@ using datasets::Hdf5Handle;
 
 namespace {
 
-constexpr std::size_t most_objects = 10000;  ///< groups and data sets that are looked at
-constexpr std::size_t longest_path = 1000;   ///< [bytes]
+constexpr std::size_t most_objects = 10000;     ///< groups and data sets that are looked at
+constexpr std::size_t longest_path = 1000;      ///< [bytes]
+constexpr std::uint64_t most_elements = 10000;  ///< of lists in records
 
 struct Link {
   std::string name;
@@ -62,7 +63,8 @@ std::string letters(hid_t id, const std::vector<std::uint64_t>& shape) {
   std::uint64_t count = 1;
   for (const std::uint64_t side : shape)
     count = std::min<std::uint64_t>(count * std::min<std::uint64_t>(side, 10000), 10000);
-  if (count > hdf5_longest_text) return {};
+  constexpr std::uint64_t most_letters = 2000;
+  if (count > most_letters) return {};
   std::vector<std::uint16_t> codes(count);
   if (H5Dread(id, H5T_NATIVE_UINT16, H5S_ALL, H5S_ALL, H5P_DEFAULT, codes.data()) < 0) return {};
   std::string utf16 = "\xFF\xFE";
@@ -239,6 +241,11 @@ class Walk {
     } else {
       array.numbers = *numbers;
       array.wide = hdf5_is_wide(of_list.id());
+      if ((elements_ += elements) > most_elements) {
+        skip(full, fmt::format("a list: more than {} numbers in lists", most_elements));
+        array.field_path.pop_back();
+        return;
+      }
       array.elements = elements;
       for (array.element = 0; array.element < std::max<std::uint64_t>(elements, 1); ++array.element)
         send_hdf5_array(array, out_);
@@ -280,6 +287,7 @@ class Walk {
   std::uint64_t bytes_;
   const PipeWriter& out_;
   std::size_t objects_ = 0;
+  std::uint64_t elements_ = 0;  ///< of lists in records, all of a file
   std::size_t skipped_ = 0;
   std::set<haddr_t> seen_;
   std::map<haddr_t, std::string> data_sets_;  ///< paths, of those that are listed

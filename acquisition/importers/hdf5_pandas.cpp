@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "acquisition/importers/text_encoding.hpp"
 
 namespace impactrig::acquisition {
 
@@ -18,18 +21,39 @@ std::string text_of(const Hdf5Attributes& attributes, const std::string& key) {
   return found == attributes.texts.end() ? std::string() : found->second;
 }
 
-/// The texts of a pickled list, "(lp0 Vforce p1 aVspeed, tip p2 a.", whose line ends have become
-/// blanks; none where it is something else.
+/// A text of a pickle: what is not Latin-1, and a backslash, is written as "\\u0394".
+std::string unescaped(std::string_view text) {
+  std::string utf8;
+  while (!text.empty()) {
+    unsigned code = 0;
+    if (text.starts_with("\\u") && text.size() >= 6) {
+      const auto [end, error] = std::from_chars(text.data() + 2, text.data() + 6, code, 16);
+      if (error == std::errc{} && end == text.data() + 6) {
+        utf8 += utf16_to_utf8({std::string("\xFE\xFF") + static_cast<char>(code >> 8U) +
+                               static_cast<char>(code & 0xFFU)});
+        text.remove_prefix(6);
+        continue;
+      }
+    }
+    utf8 += text.front();
+    text.remove_prefix(1);
+  }
+  return utf8;
+}
+
+/// The texts of a pickled list, "(lp0 Vforce p1 aVspeed, tip p2 a.", or its whole numbers, "(lp0 I1
+/// aI2 a.", whose line ends have become blanks; none where it is something else.
 std::vector<std::string> pickled_texts(std::string_view pickle) {
   constexpr std::string_view begin = "(lp0 ";
   if (!pickle.starts_with(begin)) return {};
   pickle.remove_prefix(begin.size());
   std::vector<std::string> texts;
   while (pickle != ".") {
-    const std::string end = fmt::format(" p{} a", texts.size() + 1);
+    const bool number = pickle.starts_with('I');
+    const std::string end = number ? " a" : fmt::format(" p{} a", texts.size() + 1);
     const std::size_t length = pickle.find(end);
-    if (!pickle.starts_with('V') || length == pickle.npos) return {};
-    texts.emplace_back(pickle.substr(1, length - 1));
+    if (!(number || pickle.starts_with('V')) || length == pickle.npos) return {};
+    texts.push_back(unescaped(pickle.substr(1, length - 1)));
     pickle.remove_prefix(length + end.size());
   }
   return texts;
@@ -65,6 +89,7 @@ class Frame {
         take_data_set(array, std::string(name));
     }
     listing_.text_lists.erase(path_ + "/axis0");
+    leave_out_placeholders();
   }
 
  private:
@@ -74,6 +99,22 @@ class Frame {
                   [&](const Hdf5Array& array) { return array.path.starts_with(trees); });
     std::erase_if(listing_.skipped,
                   [&](const std::string& text) { return text.starts_with("'" + trees); });
+  }
+
+  /// Numbers that name columns, and what stands for empty data, keeping their shape.
+  void leave_out_placeholders() {
+    const std::string within = path_ == "/" ? path_ : path_ + "/";
+    std::erase_if(listing_.arrays, [&](const Hdf5Array& array) {
+      if (!array.path.starts_with(within) || array.is_field()) return false;
+      const std::string_view name = std::string_view(array.path).substr(within.size());
+      const auto& of = array.attributes;
+      const bool empty = of.texts.contains("value_type") &&
+                         (of.texts.contains("shape") || of.numbers.contains("shape") ||
+                          of.number_lists.contains("shape"));
+      if (empty) listing_.skipped.push_back(fmt::format("'{}' (empty)", to_utf8(array.path)));
+      return empty || name.starts_with("axis0") ||
+             (name.starts_with("block") && name.find("_items") != name.npos);
+    });
   }
 
   void name(Hdf5Array& array, const std::string& column) const {
@@ -107,9 +148,15 @@ class Frame {
     const std::string info = text_of(group_, "info");
     std::size_t at = info.find(key);
     if (at == info.npos) return {};
-    at = info.find(" V", at + key.size());
-    const std::size_t end = at == info.npos ? at : info.find(" p", at + 2);
-    return end == info.npos ? std::string() : info.substr(at + 2, end - at - 2);
+    // "V", the number of the key's memo, and that of the name, which is the next
+    unsigned memo = 0;
+    const char* const digits = info.data() + at + key.size();
+    const auto [behind, error] = std::from_chars(digits, info.data() + info.size(), memo);
+    at = static_cast<std::size_t>(behind - info.data());
+    if (error != std::errc{} || info.compare(at, 2, " V") != 0) return {};
+    const std::size_t end = info.find(fmt::format(" p{} ", memo + 1), at + 2);
+    return end == info.npos ? std::string()
+                            : unescaped(std::string_view(info).substr(at + 2, end - at - 2));
   }
 
   void take_data_set(Hdf5Array& array, const std::string& name_within) {
@@ -123,6 +170,9 @@ class Frame {
       return name(array, series.empty() || series == "N." ? "values" : series);
     }
     if (!name_within.starts_with("block") || !name_within.ends_with(values)) return;
+    array.rows_first = true;
+    const std::string unit = unit_of_dates(text_of(array.attributes, "value_type"));
+    if (!unit.empty()) array.attributes.texts.emplace("units", unit);
     const std::string items = array.path.substr(0, array.path.size() - values.size()) + "_items";
     if (const auto list = listing_.text_lists.find(items); list != listing_.text_lists.end()) {
       array.attributes.lists.emplace("columns", list->second);

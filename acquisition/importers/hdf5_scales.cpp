@@ -52,6 +52,7 @@ DimensionScale DimensionScales::along(const Hdf5Array& array, std::size_t dimens
 }
 
 std::size_t DimensionScales::time_dimension(const Hdf5Array& array) const {
+  if (array.rows_first) return 0;
   const auto longest = std::ranges::max_element(array.shape);
   const auto found = static_cast<std::size_t>(longest - array.shape.begin());
   if (along(array, found).kind == ScaleKind::time) return found;

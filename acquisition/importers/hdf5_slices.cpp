@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "acquisition/importers/hdf5_open_file.hpp"
@@ -18,10 +20,40 @@ using datasets::Hdf5Handle;
 
 namespace {
 
+/// Lists in records, as many rows as were read last.
+struct Lists {
+  std::uint64_t first = 0, rows = 0;
+  std::vector<char> bytes{};
+};
+
+/// Those of each field, by the type they were read as.
+class KeptLists {
+ public:
+  Lists& of(const Hdf5Array& array, hid_t number) {
+    return fields_[{array.path, array.field_path, H5Tget_class(number), H5Tget_size(number)}];
+  }
+
+ private:
+  std::map<std::tuple<std::string, std::vector<std::string>, H5T_class_t, std::size_t>, Lists>
+      fields_;
+};
+
+/// How many samples of a slice are sent at once.
+std::uint64_t block_of(const Hdf5Slice& slice) {
+  constexpr std::uint64_t most_numbers = std::uint64_t{1} << 21;  // of all lists of a field
+  std::uint64_t longest = 1;
+  for (const Hdf5Slice* one : {&slice, slice.times.get()})
+    if (one != nullptr) longest = std::max(longest, one->array->elements);
+  return std::min<std::uint64_t>(hdf5_block_size,
+                                 std::max<std::uint64_t>(most_numbers / longest, 1));
+}
+
 /// One slice on its way out.
 class SliceReader {
  public:
-  SliceReader(hid_t file, const Hdf5Slice& slice) : slice_(&slice) {
+  SliceReader(hid_t file, const Hdf5Slice& slice, KeptLists& lists)
+      : slice_(&slice),
+        lists_(&lists) {
     const Hdf5Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
     H5Pset_chunk_cache(access.id(), 12421, std::size_t{32} << 20, 1.0);
     data_ = Hdf5Handle(H5Dopen2(file, slice.array->path.c_str(), access.id()), H5Dclose);
@@ -35,7 +67,7 @@ class SliceReader {
 
   /// False when HDF5 cannot read it.
   bool send(std::size_t index, const PipeWriter& out) {
-    const std::uint64_t count = std::min<std::uint64_t>(hdf5_block_size, left_);
+    const std::uint64_t count = std::min(block_of(*slice_), left_);
     const Hdf5Array& array = *slice_->array;
     bytes_.resize(count * width_of(array.numbers));
     std::vector<double> imaginary;
@@ -105,29 +137,26 @@ class SliceReader {
     return read_element(data, slice, number, count, static_cast<char*>(to));
   }
 
-  /// Reads one number of each list, for which HDF5 reads the lists.
+  /// Reads one number of each list. HDF5 reads whole lists: they are kept for the slices of their
+  /// other numbers.
   bool read_element(hid_t data, const Hdf5Slice& slice, hid_t number, std::uint64_t count,
                     char* to) {
     const Hdf5Array& array = *slice.array;
     const hsize_t length = array.elements;
-    const Hdf5Handle list(H5Tarray_create2(number, 1, &length), H5Tclose);
-    const Hdf5Handle type = hdf5_field_type(array.field_path, list.id());
     const std::size_t width = H5Tget_size(number);
-    const std::uint64_t most = std::max<std::uint64_t>(hdf5_block_size / length, 1);
-    const std::uint64_t at = at_;
-    bool whole = true;
-    for (std::uint64_t done = 0; whole && done < count;) {
-      const std::uint64_t rows = std::min(most, count - done);
-      lists_.resize(rows * length * width);
-      at_ = at + done;
-      whole = read(data, slice, type.id(), rows, lists_.data());
-      for (std::uint64_t i = 0; i < rows; ++i)
-        std::memcpy(to + (done + i) * width, lists_.data() + (i * length + array.element) * width,
-                    width);
-      done += rows;
+    Lists& lists = lists_->of(array, number);
+    if (lists.first != at_ || lists.rows < count) {
+      lists = {at_, count, std::vector<char>(count * length * width)};
+      const Hdf5Handle list(H5Tarray_create2(number, 1, &length), H5Tclose);
+      const Hdf5Handle type = hdf5_field_type(array.field_path, list.id());
+      if (!read(data, slice, type.id(), count, lists.bytes.data())) {
+        lists = {};
+        return false;
+      }
     }
-    at_ = at;
-    return whole;
+    for (std::uint64_t i = 0; i < count; ++i)
+      std::memcpy(to + i * width, lists.bytes.data() + (i * length + array.element) * width, width);
+    return true;
   }
 
   bool read(hid_t data, const Hdf5Slice& slice, hid_t type, std::uint64_t count, void* to) const {
@@ -192,7 +221,7 @@ class SliceReader {
   std::uint64_t left_ = 0;
   std::optional<std::int64_t> first_;  ///< of the integers that are handed over less their first
   std::vector<char> bytes_;
-  std::vector<char> lists_;
+  KeptLists* lists_;
 };
 
 }  // namespace
@@ -200,8 +229,9 @@ class SliceReader {
 void send_hdf5_slices(const std::string& path, const std::vector<Hdf5Slice>& slices,
                       const PipeWriter& out) {
   const Hdf5OpenFile open(path);
+  KeptLists lists;
   std::vector<SliceReader> readers;
-  for (const Hdf5Slice& slice : slices) readers.emplace_back(open.file.id(), slice);
+  for (const Hdf5Slice& slice : slices) readers.emplace_back(open.file.id(), slice, lists);
   // all channels in step: those of one table find its pieces unpacked
   for (bool more = open.file.valid(); more;) {
     more = false;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
 
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/text_file.hpp"
@@ -67,11 +68,13 @@ bool has_quoted_lines(std::string_view head) {
   const char* const end = at + head.size();
   for (int i = 0; i < lines_tried && at != end; ++i) {
     const std::string_view line = take_line(at, end);
-    if (at == end && i > 0) break;  // may be cut off
+    if (at == end && i > 0 && !head.ends_with('\n')) break;  // may be cut off
     if (trimmed(line).empty()) continue;
     const auto inner = within_quotes(line);
     if (!inner) return false;
-    if (is_row_of_numbers(*inner)) ++rows;
+    std::string cells(*inner);
+    std::erase(cells, '"');
+    if (is_row_of_numbers(cells)) ++rows;
   }
   return rows > 1;
 }

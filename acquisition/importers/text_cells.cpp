@@ -149,7 +149,7 @@ std::optional<double> grouped_number_in(std::string_view cell, char decimal) {
   if (!grouped || grouped->separator.front() == decimal) return std::nullopt;
   if (!grouped->rest.empty() && grouped->rest.front() != decimal) return std::nullopt;
   const bool may_be_decimal = grouped->separator == "," || grouped->separator == ".";
-  if (may_be_decimal && grouped->rest.empty() && grouped->groups == 1) return std::nullopt;
+  if (may_be_decimal && grouped->rest.empty()) return std::nullopt;
   return number_in(grouped->digits + std::string(grouped->rest), {decimal, false});
 }
 

@@ -341,6 +341,8 @@ std::optional<DialectFound> find_dialect(TextFile& file, const std::vector<std::
   if (!best) best = best_of(with_text(TextCells::behind_the_first), lines, from, by_marks);
   if (!best) best = best_of(try_dialect, lines, from, by_blanks);
   if (!best) best = best_of(with_text(TextCells::anywhere), lines, from, by_marks);
+  for (Dialect& dialect : possible) dialect.grouped = dialect.delimiter != ' ';
+  if (!best) best = best_of(try_dialect, lines, from, possible);
   if (best && !options.delimiter) refuse_commas_within_numbers(file, lines, *best);
   return best;
 }

@@ -42,6 +42,13 @@ class TextFile {
   /// True where text() has only the first lines of the file.
   bool is_part() const { return expected_size_ > 0.0; }
 
+  /// Not only the first lines are wanted.
+  void want_whole() {
+    head_only_ = false;
+    text_.clear();
+    expected_size_ = 0.0;
+  }
+
   /// Where is_part(): what the last lines of the whole text are.
   std::string_view last_lines() const {
     return is_part() ? std::string_view(text_).substr(part_) : std::string_view();

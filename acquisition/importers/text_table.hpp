@@ -108,8 +108,8 @@ bool stands_for_no_value(double value);
 bool has_thousands_separators(std::string_view cell);
 
 /// The value of a number whose thousands are separated by what can be nothing else: "1,234.5" where
-/// '.' is the decimal mark, "1'234" and "1.234.567" where ',' is. None for "1,234", which may have
-/// decimals of another kind than the file's others.
+/// '.' is the decimal mark, "1'234". None for "1,234", which may have decimals of another kind than
+/// the file's others, and for "1.234.567", which may be no number.
 std::optional<double> grouped_number_in(std::string_view cell, char decimal);
 
 /// One column of numbers.

@@ -138,6 +138,64 @@ TEST(ChannelRows, AreNotSeenWhereRowsAreSamples) {
   EXPECT_EQ(imported(square).channels.size(), static_cast<std::size_t>(samples));
 }
 
+TEST(ChannelRows, AreNotSeenUnderNamesInARemarkOrBesideDates) {
+  std::string names = "# time";
+  std::string numbers = "time";
+  for (int k = 1; k < samples; ++k) names += fmt::format(",ch{}", k);
+  for (int k = 1; k < samples; ++k) numbers += fmt::format(",{}", k);
+  const auto row = [](const std::string& begin) { return row_of(begin, force, ","); };
+  for (const std::string& text :
+       {names + "\n" + row_of("", force, ",") + row_of("", velocity, ","),
+        numbers + "\n" + row("0.1").substr(0, row("0.1").rfind(',')) + "\n",
+        row("12:00:01") + row("12:00:02"), row("2024-01-01 12:00:01") + row("2024-01-01 12:00:02")})
+    EXPECT_FALSE(imported(text).attributes.contains("channels in")) << text.substr(0, 40);
+  // a name in one row alone
+  EXPECT_FALSE(
+      imported(row_of("Force", force, ",") + row_of("", velocity, ",") + row_of("", velocity, ","))
+          .attributes.contains("channels in"));
+}
+
+TEST(ChannelRows, OfOneChannelKeepTheirDecimalMark) {
+  std::string text = row_of("Force (N)", force, ";");
+  for (char& c : text)
+    if (c == '.') c = ',';
+  const Record record = imported(text + "# end\n\x1A");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]"));
+  EXPECT_EQ(record.channels[0].value(7), std::stod(force(7)));
+}
+
+TEST(ChannelRows, MayHaveThousandsSeparators) {
+  const auto grouped = [](int k) { return fmt::format("1 {:03}.50", k); };
+  for (const std::string& text :
+       {row_of("", grouped, "\t"), row_of("", grouped, "\t") + row_of("", grouped, "\t")}) {
+    const Record record = imported(text);
+    ASSERT_GE(record.channels.size(), 1U);
+    ASSERT_EQ(record.channels.back().size(), static_cast<std::size_t>(samples));
+    EXPECT_EQ(record.channels.back().value(7), 1007.5);
+  }
+}
+
+// Its head says more than the first megabyte.
+TEST(ChannelRows, OfALargeTextInUtf16AreTurnedForItsHeadToo) {
+  constexpr int many = 1'500'000;
+  std::string text;
+  for (int line = 0; line < 2; ++line) {
+    for (int k = 0; k < many; ++k) text += fmt::format("{}{:.6f}", k > 0 ? "," : "", 1e-6 * k);
+    text += '\n';
+  }
+  std::string bytes = "\xFF\xFE";
+  for (const char c : text) {
+    bytes += c;
+    bytes += '\0';
+  }
+  const WrittenFile written(bytes, ".csv");
+  ImportOptions head;
+  head.head_only = true;
+  const auto reader = open_recording(written.path(), head);
+  ASSERT_EQ(reader->head().record.channels.size(), 1U);
+  EXPECT_EQ(reader->head().record.attributes.at("channels in"), "rows");
+}
+
 // 36 MB: more than is turned in memory.
 TEST(ChannelRows, OfALargeFileAreTurnedOnTheDisk) {
   constexpr int many = 2'000'000;
@@ -197,6 +255,7 @@ TEST(QuotedLines, AreNotThoseOfOneCellOrOfCellsInQuotes) {
         "\"t;F\"\n0;1\n1;2\n", "t;F\n\"0;1\"\n\"1;2\"\n"})
     EXPECT_FALSE(has_quoted_lines(text)) << text;
   EXPECT_TRUE(has_quoted_lines("\"t;F\"\n\"0;1\"\n\"1;2\"\n\"2;"));
+  EXPECT_TRUE(has_quoted_lines("\"t;F\"\n\"0;1\"\n\"1;2\"\n"));
 }
 
 // Pieces end with lines, so that no line is divided.

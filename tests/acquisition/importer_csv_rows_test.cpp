@@ -170,9 +170,9 @@ TEST(Csv, ThousandsSeparatorsThatCanBeNothingElseAreRead) {
                 ElementsAre(1.5, 2.5, 1234.5))
         << cell;
   for (const char* cells :
-       {"0.000,\"1,234.5\"\n0.001,\"-1,234,567\"", "0.000;1,234.5\n0.001;-1,234,567.0",
+       {"0.000,\"1,234.5\"\n0.001,\"-1,234,567.0\"", "0.000;1,234.5\n0.001;-1,234,567.0",
         "0.000;1'234.5\n0.001;-1'234'567", "0,000;1 234,5\n0,001;-1 234 567",
-        "0.000,1 234.5\n0.001,-1 234 567", "0,000\t1 234,5\n0,001\t-1.234.567"})
+        "0.000,1 234.5\n0.001,-1 234 567", "0,000\t1 234,5\n0,001\t-1 234 567"})
     EXPECT_THAT(
         imported(fmt::format("Time [s]{}Force [N]\n{}\n", cells[5], cells)).channels[0].values(),
         ElementsAre(1234.5, -1234567.0))
@@ -194,6 +194,8 @@ TEST(Csv, ThousandsSeparatorsThatMayBeDecimalMarksAreErrors) {
     EXPECT_THAT(import_error(fmt::format("Time [s]{0}Force [N]\n{1}\n{1}\n", row[5], row)),
                 HasSubstr("it may have thousands separators or decimals"))
         << row;
+  EXPECT_THAT(import_error("Zeit [s];Kraft [N]\n0,000;1,5\n0,001;2,5\n0,002;192.168.100\n"),
+              HasSubstr("it may have thousands separators or decimals"));
   EXPECT_THAT(import_error("Zeit [s];Kraft [N]\n0,000;1,5\n0,001;2,5\n0,002;12.34,5\n"),
               HasSubstr("expected a number, found '12.34,5'"));
   for (const char* rows : {"0.000,1,234\n0.001,2,345\n", "0.000,1,234.5\n0.001,2,345.5\n",

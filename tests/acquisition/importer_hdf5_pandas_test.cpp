@@ -126,8 +126,38 @@ TEST(Hdf5OfPandas, ATableHasTheNamesOfItsBlocks) {
   EXPECT_DOUBLE_EQ(record.channels[3].clock.interval, 0.25e-3);
 }
 
+TEST(Hdf5OfPandas, NamesMayBeOfAnyLettersOrNumbers) {
+  const Hdf5File file;
+  file.group("/run");
+  file.text("/run", "pandas_type", "frame_table");
+  file.records_of_lists("/run/table", 5);
+  file.text("/run/table", "values_block_0_kind",
+            "(lp0\nVKraft \\u0394\np1\naVgr\u00F6\u00DFe\np2\na.");
+  file.text("/run/table", "values_block_1_kind", "(lp0\nI7\na.");
+  EXPECT_THAT(
+      names_and_units(imported(file.bytes(), {}, ".h5")),
+      ElementsAre("/run.index []", "/run.Kraft \u0394 []", "/run.gr\u00F6\u00DFe []", "/run.7 []"));
+}
+
+TEST(Hdf5OfPandas, AFixedFrameMayHaveFewRowsOrNone) {
+  const Hdf5File file;
+  file.group("/run");
+  file.text("/run", "pandas_type", "frame");
+  file.text_list("/run/block0_items", {"force", "speed", "slip"});
+  file.data<double>("/run/block0_values", {1, 3}, {1.0, 2.0, 3.0}, H5T_NATIVE_DOUBLE,
+                    H5T_IEEE_F64LE);
+  file.data<double>("/run/block1_values", {1}, {1.5e-323}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.text("/run/block1_values", "value_type", "float64");
+  file.text("/run/block1_values", "shape", "(I0\nI3\ntp0\n.");
+  const Record record = imported(file.bytes(), {}, ".h5");
+  EXPECT_THAT(names_and_units(record),
+              ElementsAre("/run.force []", "/run.speed []", "/run.slip []"));
+  EXPECT_EQ(record.channels[2].value(0), 3.0);
+  EXPECT_THAT(record.warnings, testing::Contains("not read: '/run/block1_values' (empty)"));
+}
+
 TEST(Hdf5OfPandas, NamesThatCannotBeReadAreThoseOfTheFile) {
-  for (const char* pickle : {"(lp0\nVforce\np1\na.", "(lp0\nVforce\np1\naI5\na.", "(lp0\n", ""}) {
+  for (const char* pickle : {"(lp0\nVforce\np1\na.", "(lp0\nVforce\np1\naF5\na.", "(lp0\n", ""}) {
     const Hdf5File file;
     file.group("/shot1");
     file.text("/shot1", "pandas_type", "frame_table");
@@ -148,6 +178,22 @@ TEST(Hdf5, ListsInRecordsAreAChannelAnElement) {
                           "/rows.values_block_0:2 []", "/rows.values_block_1 []"));
   for (const std::size_t i : {0U, 65'535U, 65'536U, 99'999U})
     EXPECT_EQ(record.channels[2].value(i), -static_cast<double>(i));
+}
+
+TEST(Hdf5, ListsBesideCountNothingWhereTheDataSetStatesItsOwn) {
+  const Hdf5File file;
+  file.group("/run");
+  file.data<double>("/run/data", {3, 2}, {0, 1, 2, 3, 4, 5}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.texts("/run/data", "labels", {"x", "y"});
+  file.text("/run/data", "units", "N");
+  file.data<double>("/run/square", {2, 2}, {0, 1, 2, 3}, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+  file.text_list("/run/columns", {"a", "b"});
+  file.text_list("/run/units", {"m", "s"});
+  const Record record = imported(file.bytes(), {}, ".h5");
+  EXPECT_THAT(names_and_units(record), ElementsAre("/run/data.x [N]", "/run/data.y [N]",
+                                                   "/run/square:1 []", "/run/square:2 []"));
+  EXPECT_THAT(record.warnings,
+              testing::Contains("not read: '/run/columns' (text), '/run/units' (text)"));
 }
 
 TEST(Hdf5, NamesAndUnitsMayStandInDataSetsBeside) {
