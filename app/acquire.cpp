@@ -95,12 +95,15 @@ std::string truth_json(const fitting::RigFile& rig, const models::Simulation& si
                                  {"rig_sha256", rig.sha256},
                                  {"seed", seed},
                                  {"day", options.day},
-                                 {"contact.restitution", rig.rig.contact.restitution},
                                  {"contact.stiffness_factor", rig.rig.contact.stiffness_factor},
                                  {"start.velocity", models::touch_velocity(rig.rig)},
                                  {"model", models::name(rig.solver.model)},
                                  {"peak_force_n", simulation.peak_force},
                                  {"kinematic_restitution", simulation.restitution.kinematic}};
+  const models::Contact& contact = rig.rig.contact;
+  if (contact.takes_restitution()) json["contact.restitution"] = contact.restitution;
+  if (contact.viscous) json["contact.viscous"] = *contact.viscous;
+  if (contact.relaxation_time) json["contact.relaxation_time"] = *contact.relaxation_time;
   for (const auto& [key, value] : record.attributes)
     if (key.starts_with("truth.")) json[key.substr(6)] = value;
   return json.dump(2) + "\n";

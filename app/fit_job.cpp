@@ -315,6 +315,23 @@ reports::ResultProvenance origin(const fitting::RigFile& rig, std::time_t wall_c
   return out;
 }
 
+/// Why a fit has no force.
+std::string without_force(const std::string& path, const FitJob& job) {
+  const auto reader = acquisition::open_recording(path, import_options(job.reading));
+  const auto& channels = reader->head().record.channels;
+  const auto force =
+      std::ranges::find(channels, datasets::Quantity::force, &datasets::Channel::quantity);
+  if (force != channels.end())
+    return fmt::format(
+        "{}: channel '{}' is a force, but the rig file describes other sensors and none of a "
+        "force: the fit is without. Add [sensors.force] to use it.",
+        path, force->name);
+  return fmt::format(
+      "{}: no channel is known to be a force, and the rig file names none "
+      "(sensors.force.channel): the fit is without.",
+      path);
+}
+
 }  // namespace
 
 void add_fit_job(CLI::App& command, FitJob& job) {
@@ -405,11 +422,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
       warnings.push_back(fmt::format("{}: {}", path, warning));
     refuse_choice(record, rig);
     impacts.push_back(chosen_impact(record, job, needs_force(rig, options), warnings));
-    if (!impacts.back().force && options.use_force)
-      warnings.push_back(
-          fmt::format("{}: no channel is known to be a force, and the rig file names "
-                      "none (sensors.force.channel): the fit is without.",
-                      impacts.back().recording));
+    if (!impacts.back().force && options.use_force) warnings.push_back(without_force(path, job));
     check_momentum(path, rig, impacts.back(), job.common.quiet, warnings);
     for (const reports::InputFile& input : data.provenance.inputs)
       if (input.sha256 == record.provenance.sha256)

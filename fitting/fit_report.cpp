@@ -216,6 +216,26 @@ void warn_of_mesh(Fit& fit) {
           : fmt::format("solver.modes = {}", finer.modes)));
 }
 
+/// A zero of the velocity that the fit moved far: what the bar's speed at rest was, no data tell.
+void warn_of_zero(Fit& fit) {
+  constexpr double far = 0.1;    // of the approach speed
+  constexpr double known = 4.0;  // standard errors
+  for (const Parameter& p : fit.parameters) {
+    const std::string_view name = "sensors.velocity.offset";
+    if (!p.name.starts_with(name)) continue;
+    const auto speed = std::ranges::find(
+        fit.parameters, "start.velocity" + p.name.substr(name.size()), &Parameter::name);
+    if (speed == fit.parameters.end() || !(std::abs(p.value) > far * std::abs(speed->value)) ||
+        !(std::abs(p.value) > known * p.std_error))
+      continue;
+    fit.warnings.push_back(fmt::format(
+        "{} ended at {:.3g} m/s, {} of the approach speed: the fit moved the laser's zero by that, "
+        "and restitution and speed lean on it. Where the laser was right at rest the model is not: "
+        "look at the residuals, and at what the laser shows of a bar that rests.",
+        p.name, p.value, datasets::percent(std::abs(p.value / speed->value))));
+  }
+}
+
 void warn_of_release(const FitProblem& problem, Fit& fit) {
   const auto of_release = [&](const Parameter& p) {
     return p.name.starts_with("contact.restitution") &&
@@ -429,6 +449,7 @@ void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit) {
   warn_of_noise(problem, fit);
   warn_of_mesh(fit);
   warn_of_release(problem, fit);
+  warn_of_zero(fit);
   warn_of_priors(problem, end, fit);
   for (const Shot& shot : problem.shots())
     for (const ImpactFlag flag : shot.impact->flags)

@@ -204,6 +204,8 @@ std::optional<int> read_modes(TableReader& table, std::string_view key, int fewe
 /// [hinge to struck point, struck point to tip].
 std::array<int, 2> elements_of(const TableReader& table, const std::vector<int>& stated,
                                const models::Rig& rig) {
+  if (stated.size() == 1 && stated.front() < 1)
+    table.refuse("elements", fmt::format("must be at least 1, found {}", stated.front()));
   if (stated.size() == 1) return models::split_elements(stated.front(), rig);
   if (stated.size() != 2)
     table.refuse(

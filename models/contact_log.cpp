@@ -152,7 +152,9 @@ void ContactLog::conclude(double t, double damped, const BeamEnergy& energy,
   result_.duration = t;
   result_.energy.damped = damped;
   close_audit(rig_, energy_at_touch_, energy, rigid, result_.energy);
-  result_.restitution.law = rig_.contact.restitution;
+  result_.restitution.law = rig_.contact.takes_restitution()
+                                ? rig_.contact.restitution
+                                : std::numeric_limits<double>::quiet_NaN();
   if (result_.episodes.empty() || result_.episodes.front().open) {
     const double unknown = std::numeric_limits<double>::quiet_NaN();
     result_.restitution = {rig_.contact.restitution, unknown, unknown, unknown};

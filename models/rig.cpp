@@ -73,7 +73,7 @@ void validate_beam(const Beam& beam) {
     validate_segments(beam);
   require_not_negative("beam.damping.mass", beam.damping.mass, "1/s");
   require_not_negative("beam.damping.stiffness", beam.damping.stiffness, "s");
-  if (beam.shears()) require_poisson_ratio("beam.poisson_ratio", beam.poisson_ratio);
+  require_poisson_ratio("beam.poisson_ratio", beam.poisson_ratio);
   for (std::size_t i = 0; i < beam.masses.size(); ++i) {
     const LumpedMass& lump = beam.masses[i];
     const std::string key = fmt::format("beam.masses[{}]", i);

@@ -241,7 +241,7 @@ class Walk {
     } else {
       array.numbers = *numbers;
       array.wide = hdf5_is_wide(of_list.id());
-      if ((elements_ += elements) > most_elements) {
+      if (elements > 0 && (elements_ += elements) > most_elements) {
         skip(full, fmt::format("a list: more than {} numbers in lists", most_elements));
         array.field_path.pop_back();
         return;

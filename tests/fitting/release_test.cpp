@@ -3,6 +3,8 @@
 // A bar that is let go: fits take its speed at touch from the data.
 #include <gmock/gmock.h>
 
+#include <array>
+
 #include "fitting/fit.hpp"
 #include "models/rig.hpp"
 #include "tests/fitting/fast_fit.hpp"
@@ -50,6 +52,17 @@ TEST(FitOfARelease, LeavesItInPeaceWhereNoiseIsMoreOrVibrationHasDied) {
   RigFile damped = released();
   damped.rig.beam.damping.stiffness = 1e-4;
   EXPECT_THAT(fitted(damped, 0.2).warnings, Not(Contains(HasSubstr(warned))));
+}
+
+// A laser that shows 0.1 m/s at rest, or a model that wants it so.
+TEST(FitOfAVelocity, WarnsOfAZeroThatWasMovedFar) {
+  constexpr const char* moved = "the fit moved the laser's zero by that";
+  datasets::Impact shot = synthetic_shot(hybrid_rig("0.8 ms"), {.duration = 0.9e-3});
+  EXPECT_THAT(fit({shot}, hybrid_rig("0.8 ms"), {}).warnings, Not(Contains(HasSubstr(moved))));
+  for (double& value : shot.velocity->values) value += 0.1;
+  FitOptions options;
+  options.setting("start.velocity").prior = std::array{0.441, 0.001};
+  EXPECT_THAT(fit({shot}, hybrid_rig("0.8 ms"), options).warnings, Contains(HasSubstr(moved)));
 }
 
 }  // namespace

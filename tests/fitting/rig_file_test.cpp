@@ -15,6 +15,14 @@ namespace {
 
 using namespace fitting;
 
+TEST(RigFile, RefusesElementsThatAreNone) {
+  for (const char* elements : {"0", "-4", "[-4]"})
+    EXPECT_THAT(
+        message_of(tests::paper_rig, {{"solver.model", "ancf"}, {"solver.elements", elements}}),
+        testing::HasSubstr("solver.elements: must be at least 1, found "))
+        << elements;
+}
+
 TEST(RigFile, ReadsThePapersRigInSi) {
   const RigFile file = parse_rig_file(paper_rig, "rig.toml");
   const models::Rig& rig = file.rig;

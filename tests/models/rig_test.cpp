@@ -96,6 +96,8 @@ TEST(Validate, RefusesContactsThatCannotBe) {
        "contact.modulus: must be greater than zero, found 0 Pa"},
       {[](Rig& r, Solver&) { r.contact.counter_modulus = 0.0; },
        "contact.counter_modulus: must be greater than zero, found 0 Pa"},
+      {[](Rig& r, Solver&) { r.beam.poisson_ratio = r.contact.poisson_ratio = 0.6; },
+       "beam.poisson_ratio: must lie between -1 and 0.5, found 0.6"},
       {[](Rig& r, Solver&) { r.contact.poisson_ratio = 0.6; },
        "contact.poisson_ratio: must lie between -1 and 0.5, found 0.6"},
       {[](Rig& r, Solver&) { r.contact.counter_poisson_ratio = -1.0; },

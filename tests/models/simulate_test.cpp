@@ -236,6 +236,15 @@ TEST(Simulate, ReleaseTurnsTheDropIntoSpeed) {
   EXPECT_LT(std::abs(swung.energy.imbalance), 1e-9);
 }
 
+TEST(Simulate, HasNoRestitutionOfALawThatTakesNone) {
+  Rig rig = paper_rig();
+  rig.contact.damping = "lankarani-nikravesh";
+  rig.contact.restitution = 0.5;
+  EXPECT_EQ(simulate(rig, rigid(1e-4)).restitution.law, 0.5);
+  rig.contact.damping = "none";
+  EXPECT_TRUE(std::isnan(simulate(rig, rigid(1e-4)).restitution.law));
+}
+
 TEST(Simulate, RefusesAPenetrationBeyondTheElasticLaw) {
   Rig rig = paper_rig();
   rig.contact.exponent = 3;
