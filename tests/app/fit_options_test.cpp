@@ -90,6 +90,19 @@ TEST_F(FitOptions, WarnsOfWhatWasPutOnEvenTimes) {
                                  "prediction cannot follow")));
 }
 
+TEST_F(FitOptions, SaysWhichForceItLeavesOut) {
+  std::string all = text_of(rig);
+  const std::size_t force = all.find("[sensors.force]");
+  all.erase(force, all.find("[sensors.velocity]") - force);
+  std::string newtons = text_of(samples + "shen2007-3.csv");
+  newtons.replace(newtons.find("[V]"), 3, "[N]");
+  const Outcome o = run("fit " + write("shot.csv", newtons) + " --rig " + write("laser.toml", all) +
+                        " --set solver.model=rigid --json");
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_THAT(json::parse(o.out)["warnings"].dump(),
+              HasSubstr("channel 'Force' is a force, but the rig file describes other sensors"));
+}
+
 TEST_F(FitOptions, FixBoundTieAndPriorReachTheFit) {
   const json j = fitted(
       "--fix contact.stiffness_factor --bounds contact.restitution=0.9:0.95 --prior "
