@@ -433,11 +433,13 @@ reports::ReportData run_fit_job(const FitJob& job) {
     data.records.push_back(std::move(record));
   }
   if (chosen.empty()) chosen = fitting::choose_mesh(rig, fitting::finest_mesh_of_fits);
-  if (!chosen.empty()) warnings.push_back(chosen);
   if (!job.common.quiet)
     fmt::print(stderr, "fitting {} impact(s), model {}\n", impacts.size(),
                models::name(rig.solver.model));
   data.fit = fitting::fit(impacts, rig, options);
+  // a mesh that the fit refined has a warning of its own
+  if (!chosen.empty() && data.fit.rig.solver.elements == rig.solver.elements)
+    warnings.push_back(chosen);
   data.fit.warnings.insert(data.fit.warnings.begin(), warnings.begin(), warnings.end());
   if (!job.against.empty()) {
     fitting::FitOptions alone = options;

@@ -109,12 +109,26 @@ void find_start(Dialect dialect, TableHead& head) {
   }
 }
 
+/// The unit in a cell of its own behind a number, "2e-6,s", which is taken off `text`; "" where
+/// there is none.
+std::string take_unit_beside(Dialect dialect, std::string_view& text) {
+  auto cells = values_of_key(text, dialect.delimiter);
+  while (!cells.empty() && cells.back().empty()) cells.pop_back();
+  const auto is_number = [dialect](std::string_view cell) {
+    return number_in(cell, {dialect.decimal, false}).has_value();
+  };
+  if (cells.size() != 2 || !is_number(cells[0]) || detail::is_digit(cells[1].front())) return {};
+  text = cells[0];
+  return std::string(cells[1]);
+}
+
 /// The sample interval that a key states, itself or by a rate [s]; none where it cannot be used,
 /// which a warning or the head's `unusable_clock` says.
 std::optional<double> stated_interval(const std::string& key, const std::string& text,
                                       const std::string& unit_of_key, bool is_interval,
                                       Dialect dialect, TableHead& head) {
-  const std::string_view one = value_of_all(text, dialect);
+  std::string_view one = value_of_all(text, dialect);
+  const std::string beside = take_unit_beside(dialect, one);
   if (is_ambiguous(one, dialect)) {
     head.warnings.push_back(
         fmt::format("the header states '{}' as '{}', whose point may be a decimal mark or divide "
@@ -126,6 +140,7 @@ std::optional<double> stated_interval(const std::string& key, const std::string&
   if (is_interval && stated) tell_of_few_digits(key, one, head);
   const std::string_view si = is_interval ? "s" : "Hz";
   std::string unit = !stated || stated->unit.empty() ? unit_of_key : std::string(stated->unit);
+  if (unit.empty()) unit = beside;
   unit = unit.empty() ? std::string(si) : is_interval ? unit_of_times(unit) : rate_unit(unit);
   const auto conversion = datasets::conversion(unit, si);
   if (stated && stated->value <= 0.0) {

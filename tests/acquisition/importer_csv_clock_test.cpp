@@ -18,6 +18,17 @@ using tests::import_error;
 using tests::imported;
 using tests::names_and_units;
 
+TEST(Csv, AUnitOfARateMayStandInACellOfItsOwn) {
+  for (const char* head :
+       {"Sample Interval,2.0e-6,s", "Sample Rate,0.5,MHz", "Sample Rate,500,kHz,"})
+    EXPECT_DOUBLE_EQ(
+        imported(std::string(head) + "\nForce [N],Velocity [m/s]\n0.5,1\n0.6,2\n0.7,3\n")
+            .channels.at(0)
+            .clock.interval,
+        2e-6)
+        << head;
+}
+
 TEST(Csv, FindsTheTimeByNameThenByUnitThenByGrowth) {
   EXPECT_EQ(imported("F,Time\n1,0.5\n2,1\n3,1.5\n").attributes.at("time column"),
             "Time (by its name)");
