@@ -89,9 +89,9 @@ bool rounds_steps(const Column& times) {
 /// columns.
 struct Turned {
   Turned(TextFile& file, const ImportOptions& given) : options(given) {
-    const auto lines = std::ranges::count(file.text(), '\n');
-    if (file.is_part() && lines <= static_cast<std::ptrdiff_t>(most_channel_rows))
-      file.want_whole();
+    const std::string_view text = file.text();
+    constexpr auto few = static_cast<std::ptrdiff_t>(most_channel_rows);
+    if (file.is_part() && std::ranges::count(text, '\n') <= few) file.want_whole();
     auto rows = find_channel_rows(file, given);
     if (!rows) return;
     channel_rows = rows->rows.size();

@@ -21,7 +21,7 @@ std::string text_of(const Hdf5Attributes& attributes, const std::string& key) {
   return found == attributes.texts.end() ? std::string() : found->second;
 }
 
-/// A text of a pickle: what is not Latin-1, and a backslash, is written as "\\u0394".
+/// A text of a pickle: what is not Latin-1, and a backslash, is written as "\u0394".
 std::string unescaped(std::string_view text) {
   std::string utf8;
   while (!text.empty()) {

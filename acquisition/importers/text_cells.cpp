@@ -98,9 +98,8 @@ namespace {
 /// Digits in groups of three.
 struct GroupedDigits {
   std::string_view separator;
-  std::string digits;      ///< with the sign, without separators
-  std::size_t groups = 0;  ///< that a separator stands before
-  std::string_view rest;   ///< decimal mark and decimals, or nothing
+  std::string digits;     ///< with the sign, without separators
+  std::string_view rest;  ///< decimal mark and decimals, or nothing
 };
 
 std::optional<GroupedDigits> grouped_digits(std::string_view cell) {
@@ -126,7 +125,7 @@ std::optional<GroupedDigits> grouped_digits(std::string_view cell) {
       separators, [rest](std::string_view mark) { return rest.starts_with(mark); });
   if (separator == separators.end()) return std::nullopt;
   found.separator = *separator;
-  for (; rest.starts_with(found.separator); ++found.groups) {
+  while (rest.starts_with(found.separator)) {
     rest.remove_prefix(found.separator.size());
     if (take_digits() != 3) return std::nullopt;
   }

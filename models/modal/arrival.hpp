@@ -29,7 +29,8 @@ struct Arrival {
   double error = 0.0;
 };
 
-/// Of a rig that is released and arrives; its spring must not bend the bar.
+/// Of a rig that is released; its spring must not bend the bar. Throws std::invalid_argument where
+/// it does not arrive, std::runtime_error where the swing takes too long to be followed.
 Arrival arrive(const Rig& rig, const ModalBeam& beam);
 
 /// Arrival::vibration of a rig that is released before a stop, by its slowest modes, which have

@@ -19,10 +19,6 @@ ModalState arrived(const Rig& rig, const ModalBeam& modes) {
           modes.rigid() * arrival.rate + arrival.bending.rate};
 }
 
-}  // namespace
-
-namespace {
-
 /// A row of the bar's modes, as of those with the stop's head.
 Eigen::VectorXd widened(const Eigen::VectorXd& row, Eigen::Index modes) {
   Eigen::VectorXd wide = Eigen::VectorXd::Zero(modes);
