@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "datasets/band_limited.hpp"
 #include "datasets/zero_phase_low_pass.hpp"
@@ -13,42 +14,29 @@ namespace impactrig::datasets {
 namespace {
 
 constexpr double forgotten = 11.5;  // time constants to 1e-5
-// Instants a period of the highest frequency that passes: cubics between them are off by 6e-4 of
-// its amplitude, and by the fourth power less of lower ones.
-constexpr double grid_in_pass_band = 16.0;
+constexpr double on_grid = 1e-6;    // of a sample: rounding of what lies on it
+
+constexpr double same_rate = 1e-11;  // as the numbers in an edit tell it
 
 /// How many of the old samples a new one stands for.
 double stretch_of(const Resample& action, double interval) {
   return std::max(1.0, 1.0 / (action.rate * interval));
 }
 
-/// Values every `interval` from the curve's start on; spikes as plateaus over `width` of them.
-std::vector<double> resolved(const SampledCurve& curve, double interval, double width) {
-  const double length = curve.interval * (static_cast<double>(curve.values.size()) - 1.0);
-  std::vector<double> values(static_cast<std::size_t>(length / interval * (1.0 + 1e-12)) + 1);
-  const auto count = static_cast<double>(values.size());
-  for (double k = 0.0; k < count; ++k)
-    values[static_cast<std::size_t>(k)] = curve.at(curve.start + interval * k)[0];
-  for (const CurveSpike& spike : curve.spikes) {
-    const double middle = (spike.time - curve.start) / interval;
-    const double low = middle - 0.5 * width, high = middle + 0.5 * width;
-    for (double k = std::max(0.0, std::ceil(low - 0.5)); k < std::min(count, high + 0.5); ++k) {
-      const double share = std::min(k + 0.5, high) - std::max(k - 0.5, low);
-      values[static_cast<std::size_t>(k)] += share * spike.area / (interval * width);
-    }
-  }
-  return values;
+GridSamples filtered(const LowPass& action, double interval, GridSamples samples) {
+  return {samples.first, zero_phase_low_pass(samples.values, interval, action)};
 }
 
-std::vector<double> filtered(const LowPass& action, double interval,
-                             const std::vector<double>& record) {
-  return zero_phase_low_pass(record, interval, action);
-}
-
-/// At the old instants.
-std::vector<double> filtered(const Resample& action, double interval,
-                             const std::vector<double>& record) {
-  return BandLimited(record, stretch_of(action, interval)).at_samples();
+GridSamples filtered(const Resample& action, double interval, const GridSamples& samples) {
+  const double ratio = 1.0 / (action.rate * interval);
+  const auto begin = static_cast<double>(samples.first);
+  const double end = begin + static_cast<double>(samples.values.size()) - 1.0;
+  const double first = std::ceil(begin / ratio - on_grid);
+  const BandLimited signal(samples.values, stretch_of(action, interval));
+  GridSamples result{.first = static_cast<std::ptrdiff_t>(first), .values = {}};
+  for (double k = first; k * ratio <= end + on_grid; ++k)
+    result.values.push_back(signal(ratio * k - begin));
+  return result;
 }
 
 /// The number in "50000 Hz".
@@ -91,20 +79,9 @@ double SampleFilter::pass_band() const {
   return BandLimited::cutoff * 0.5 / (interval * stretch_of(std::get<Resample>(action), interval));
 }
 
-SampledCurve SampleFilter::of(const SampledCurve& curve) const {
-  // A jump is where the samples show it, to a step of the grid; all else is as slow as the filter.
-  const double slow = curve.jumps.empty() ? 1.0 / (grid_in_pass_band * pass_band()) : 0.0;
-  const double parts =
-      std::max(1.0, std::ceil(interval / std::max(curve.interval, slow) * (1.0 - 1e-9)));
-  const auto phases = static_cast<std::size_t>(parts);
-  std::vector<double> values = resolved(curve, interval / parts, parts);
-  for (std::size_t phase = 0; phase < std::min(phases, values.size()); ++phase) {
-    std::vector<double> record;
-    for (std::size_t k = phase; k < values.size(); k += phases) record.push_back(values[k]);
-    record = std::visit([&](const auto& a) { return filtered(a, interval, record); }, action);
-    for (std::size_t i = 0; i < record.size(); ++i) values[phase + i * phases] = record[i];
-  }
-  return {curve.start, interval / parts, std::move(values)};
+GridSamples SampleFilter::of(GridSamples samples) const {
+  return std::visit([&](const auto& a) { return filtered(a, interval, std::move(samples)); },
+                    action);
 }
 
 std::optional<std::vector<SampleFilter>> filters_of(const Record& record, const Channel& channel) {
@@ -125,6 +102,7 @@ std::optional<std::vector<SampleFilter>> filters_of(const Record& record, const 
       const auto to = frequency_in(edit->parameters, "to");
       if (!from || !to) return std::nullopt;
       interval = 1.0 / *from;
+      if (std::abs(*to / *from - 1.0) < same_rate) continue;  // left as they were
       filters.push_back({Resample{*to}, interval});
     } else if (const auto old = edit->parameters.find("name in file");
                edit->what == "map channel" && old != edit->parameters.end()) {

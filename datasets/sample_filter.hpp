@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <variant>
 #include <vector>
 
 #include "datasets/conditioning.hpp"
 #include "datasets/record.hpp"
-#include "datasets/sampled_curve.hpp"
 
 namespace impactrig::datasets {
+
+/// Samples on an even grid that begins at an instant of its own.
+struct GridSamples {
+  std::ptrdiff_t first = 0;    ///< number of values[0] on the grid
+  std::vector<double> values;  ///< (n_samples)
+};
 
 /// A linear filter of a record's samples, no matter when they were taken.
 struct SampleFilter {
@@ -22,11 +28,10 @@ struct SampleFilter {
   /// Up to here a quarter of the power or more passes [Hz].
   double pass_band() const;
 
-  /// What the filter makes of a curve that is sampled at that interval, at any instant: of each of
-  /// the instants of a fine grid that lie the interval apart what it makes of such a record. The
-  /// result is smooth as far as the samples show it and has no jumps; spikes, which move with a
-  /// jump, are spread over an interval. Prolonged by reflections as records are.
-  SampledCurve of(const SampledCurve& curve) const;
+  /// What it makes of a stretch of samples that were taken at that interval, prolonged by
+  /// reflections as records are. Resampled ones lie on the new rate's grid, which begins where the
+  /// old one does; as many as the stretch reaches over.
+  GridSamples of(GridSamples samples) const;
 };
 
 /// The filters that a channel has been through, or the channel that it was made of, as the record's

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstddef>
+#include <map>
+#include <span>
 #include <vector>
 
 #include "fitting/fitted_channel.hpp"
@@ -10,11 +11,12 @@
 
 namespace impactrig::fitting {
 
-/// What a channel's samples show of a curve that may jump.
+/// What a channel's samples show of a curve that may jump: the curve at the instants that the
+/// recorder took them at, and what the record's filters made of these afterwards.
 ///
-/// Where the force jumps, the cost would too when a time moves a sample from one side to the other,
-/// and the search would end there. A sample so near that the time may be that wrong shows the side
-/// that is nearer to what was measured.
+/// Where the curve jumps, the cost would too when a time moves a sample from one side to the other,
+/// and the search would end there. Samples so near that the time may be that wrong show the side
+/// that brings all nearest to what was measured.
 class SamplesAtJumps {
  public:
   /// `rough`: the time may be as wrong as while a search is far off. The channel must live as long.
@@ -23,21 +25,31 @@ class SamplesAtJumps {
 
   const FittedChannel& channel() const { return channel_; }
 
-  /// Value and slope of a curve at a sample. A curve that has not as many jumps, as a slope may
-  /// where these come and go, has no such sides: it is taken at the sample's time.
-  std::array<double, 2> at(const Shown::Curve& curve, std::size_t sample) const;
+  /// What a curve shows at samples of these numbers, ascending (n_numbers). One that has not as
+  /// many jumps, as a slope may where these come and go, has no such sides: it is taken at the
+  /// samples' times.
+  std::vector<double> values(const Shown::Curve& curve, std::span<const std::size_t> numbers) const;
+
+  /// Slope over time of the same [1/s].
+  std::vector<double> slopes(const Shown::Curve& curve, std::span<const std::size_t> numbers) const;
 
  private:
-  struct Elsewhere {
-    std::size_t sample, piece;
-  };
+  class JumpPlaces;
 
-  void look_beside(std::size_t jump, double gain, const Shown::Curve& curve, double near);
+  /// On the recorder's samples, counted from an instant that they share with the filtered ones.
+  double time_of(std::ptrdiff_t taken) const;
+  datasets::GridSamples taken(const Shown::Curve& curve, std::size_t order,
+                              std::span<const std::size_t> numbers) const;
+  /// What the filters make of samples taken, at some of them (n_numbers).
+  std::vector<double> filtered(datasets::GridSamples samples,
+                               std::span<const std::size_t> numbers) const;
 
   const FittedChannel& channel_;
-  double shift_;
+  double shift_, origin_, interval_, reach_;
+  std::ptrdiff_t offset_;  // of the signal's first sample from that instant
   std::size_t jumps_;
-  std::vector<Elsewhere> elsewhere_;  // samples that show another piece than their time says
+  /// Samples taken that show another piece of the curve than their time says.
+  std::map<std::ptrdiff_t, std::size_t> elsewhere_;
 };
 
 }  // namespace impactrig::fitting

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <numeric>
 
 namespace impactrig::fitting {
 namespace {
@@ -67,10 +68,9 @@ void ShotCost::differences(const Values& values, const Shown& shown, double* res
     const Shown::Curve& curve = curve_of(shown, channel.signal->quantity);
     const SamplesAtJumps samples = samples_of(channel, m, shown);
     const std::span<double> part(out, channel.used.size());
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      const std::size_t k = channel.used[i];
-      part[i] = channel.measured[k] - m.gain * samples.at(curve, k)[0];
-    }
+    const std::vector<double> seen = samples.values(curve, channel.used);
+    for (std::size_t i = 0; i < part.size(); ++i)
+      part[i] = channel.measured[channel.used[i]] - m.gain * seen[i];
     for (std::size_t s = 0; s < backgrounds_.size(); ++s)
       if (is_background_of(numbers_.slots()[s], channel) && values[s] != 0.0)
         for (std::size_t i = 0; i < part.size(); ++i) part[i] -= values[s] * backgrounds_[s][i];
@@ -88,30 +88,24 @@ void ShotCost::derivative(std::size_t slot, const SamplesAtJumps& samples, doubl
   const Variable& v = *numbers_.slots()[slot].variable;
   const bool of_channel = v.quantity == quantity;
   std::ranges::fill(out, 0.0);
-  const auto seen = [&](const Shown::Curve& of, std::size_t i) {
-    return samples.at(of, channel.used[i]);
+  const auto fill = [&](double factor, const std::vector<double>& seen) {
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = factor * seen[i];
   };
   switch (v.role) {
     case Role::physics:
-    case Role::chain: {
+    case Role::chain:
       if (v.role == Role::chain && !of_channel) return;
-      const Shown::Curve& slopes = curve_of(*slope, quantity);
-      for (std::size_t i = 0; i < out.size(); ++i) out[i] = -gain * seen(slopes, i)[0];
-      return;
-    }
+      return fill(-gain, samples.values(curve_of(*slope, quantity), channel.used));
     case Role::delay:
     case Role::touch:
       if (v.role == Role::delay && !of_channel) return;
-      for (std::size_t i = 0; i < out.size(); ++i) out[i] = gain * seen(curve, i)[1];
-      return;
+      return fill(gain, samples.slopes(curve, channel.used));
     case Role::background:
       if (!of_channel) return;
-      for (std::size_t i = 0; i < out.size(); ++i) out[i] = -backgrounds_[slot][i];
-      return;
+      return fill(-1.0, backgrounds_[slot]);
     case Role::gain:
       if (!of_channel) return;
-      for (std::size_t i = 0; i < out.size(); ++i) out[i] = -seen(curve, i)[0];
-      return;
+      return fill(-1.0, samples.values(curve, channel.used));
   }
 }
 
@@ -196,10 +190,12 @@ std::vector<double> ShotCost::model_values(const FittedChannel& channel) const {
   const Shown::Curve& curve = curve_of(*shown, quantity);
   const double origin = numbers_.origin();
   const SamplesAtJumps samples = samples_of(channel, m, *shown);
-  std::vector<double> model(channel.signal->values.size());
+  std::vector<std::size_t> all(channel.signal->values.size());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<double> model = samples.values(curve, all);
   for (std::size_t k = 0; k < model.size(); ++k) {
     const double t = channel.signal->time(k);
-    model[k] = m.gain * samples.at(curve, k)[0];
+    model[k] *= m.gain;
     for (std::size_t s = 0; s < numbers_.slots().size(); ++s)
       if (is_background_of(numbers_.slots()[s], channel) && values[s] != 0.0)
         model[k] += values[s] * numbers_.slots()[s].variable->background.at(t - origin);

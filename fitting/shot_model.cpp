@@ -25,11 +25,6 @@ constexpr double rough_accuracy = 1e-6;
 // Of a number of a sensor's chain, for a central difference of closed forms.
 constexpr double chain_step = 1e-4;
 
-std::vector<datasets::SampleFilter> filters_of(
-    const std::optional<datasets::ImpactSignal>& signal) {
-  return signal ? signal->filters : std::vector<datasets::SampleFilter>{};
-}
-
 double least_size(double a, double b) {
   if (!(a * b > 0.0)) return 0.0;
   return std::abs(a) < std::abs(b) ? a : b;
@@ -46,11 +41,9 @@ std::vector<double> unbent(const std::vector<double>& values) {
   return result;
 }
 
-/// Through the sensor's chain, and then through the filters of the record's samples.
-Shown::Curve curve(const std::optional<datasets::Sensor>& sensor,
-                   const std::vector<datasets::SampleFilter>& filters,
-                   const models::History& history, const std::vector<double>& values,
-                   ForceBreaks breaks = {}) {
+/// Through the sensor's chain.
+Shown::Curve curve(const std::optional<datasets::Sensor>& sensor, const models::History& history,
+                   const std::vector<double>& values, ForceBreaks breaks = {}) {
   const bool bends = sensor && (sensor->resonance || sensor->low_cut || sensor->high_cut);
   Shown::Curve shown{.start = history.start,
                      .interval = history.interval,
@@ -59,9 +52,7 @@ Shown::Curve curve(const std::optional<datasets::Sensor>& sensor,
                      .spikes = std::move(breaks.spikes)};
   for (const models::SampleImpulse& known : breaks.impulses)
     datasets::add_missed(shown, known.time, known.sample, known.impulse);
-  if (bends) shown = datasets::sensor_response(*sensor, std::move(shown));
-  for (const datasets::SampleFilter& filter : filters) shown = filter.of(shown);
-  return shown;
+  return bends ? datasets::sensor_response(*sensor, std::move(shown)) : shown;
 }
 
 ForceBreaks breaks_of(const models::History& history) {
@@ -106,9 +97,6 @@ ShotModel::ShotModel(const RigFile& rig, const datasets::Impact& impact, double 
       force_(impact.force.has_value()),
       velocity_(impact.velocity.has_value()),
       displacement_(impact.displacement.has_value()),
-      force_filters_(filters_of(impact.force)),
-      velocity_filters_(filters_of(impact.velocity)),
-      displacement_filters_(filters_of(impact.displacement)),
       lead_(lead),
       end_(end),
       interval_(std::min(step / oversampling, coarsest)) {}
@@ -168,14 +156,9 @@ models::Simulation ShotModel::simulate(const models::Rig& rig, const SensorChain
 Shown ShotModel::show(const models::History& history, const SensorChains& chains,
                       ForceBreaks breaks) const {
   Shown shown;
-  if (force_)
-    shown.force =
-        curve(chains.force, force_filters_, history, history.seen_force(), std::move(breaks));
-  if (velocity_)
-    shown.velocity = curve(chains.velocity, velocity_filters_, history, history.velocity);
-  if (displacement_)
-    shown.displacement =
-        curve(chains.displacement, displacement_filters_, history, history.displacement);
+  if (force_) shown.force = curve(chains.force, history, history.seen_force(), std::move(breaks));
+  if (velocity_) shown.velocity = curve(chains.velocity, history, history.velocity);
+  if (displacement_) shown.displacement = curve(chains.displacement, history, history.displacement);
   return shown;
 }
 

@@ -16,8 +16,8 @@
 
 namespace impactrig::fitting {
 
-/// What the recording would show of one simulated impact: each channel through its sensor's chain
-/// and the filters that its samples have been through, on a fine uniform grid.
+/// What the recorder would see of one simulated impact: each channel through its sensor's chain, on
+/// a fine uniform grid.
 struct Shown {
   /// One channel; first touch at 0, delay not applied.
   using Curve = datasets::SampledCurve;
@@ -107,7 +107,6 @@ class ShotModel {
   SensorChains chains_;
   models::Solver solver_;
   bool force_, velocity_, displacement_;
-  std::vector<datasets::SampleFilter> force_filters_, velocity_filters_, displacement_filters_;
   double lead_, end_, interval_;
   bool rough_ = false;
   models::Motion motion_ = models::Motion::full;
