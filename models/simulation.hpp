@@ -146,6 +146,8 @@ struct SensorForce {
   double peak_force = 0.0;  ///< [N]
   double peak_time = 0.0;   ///< [s] from first touch
   double impulse = 0.0;     ///< [N s]
+  /// Largest from the second touch on, where it is half of the peak or more [N].
+  double later_peak_force = 0.0;
   /// Whether the accuracy holds for the peak: each contact magnifies the errors of those before it
   /// (models/stop/sensor_peak.hpp).
   bool peak_known = true;

@@ -16,6 +16,8 @@ namespace {
 // a collocation rule they may be twice as far apart.
 constexpr double look_phase = 0.5;
 constexpr double rise_between = 1.3;
+// Of the largest force so far, what is told of forces from the second touch on.
+constexpr double rival_part = 0.5;
 
 }  // namespace
 
@@ -61,6 +63,7 @@ BeamEnergy StoppedMotion::energy() const {
 }
 
 void StoppedMotion::expect_contact(int stop, double displacement) {
+  if (!in_contact_) ++contacts_;
   in_contact_ = touched_ = true;
   bar_.expect_contact(stop, stop == 0 ? displacement + state_.displacement : displacement);
 }
@@ -207,7 +210,14 @@ StoppedMotion::Look StoppedMotion::look_from(const Look& look, double place) con
   return look_at(place, way.advanced(look.head, force_between(look.place, place)));
 }
 
+double StoppedMotion::least_of_interest() const {
+  if (contacts_ < 2) return sensor_.peak_force;
+  return std::max(sensor_.later_peak_force, rival_part * sensor_.peak_force);
+}
+
 void StoppedMotion::note(const Look& look) {
+  if (look.force <= least_of_interest()) return;
+  if (contacts_ > 1) sensor_.later_peak_force = look.force;
   if (look.force <= sensor_.peak_force) return;
   sensor_.peak_force = look.force;
   sensor_.peak_time = time_ + look.place * step();
@@ -219,7 +229,7 @@ void StoppedMotion::note(const Look& look) {
 bool StoppedMotion::note_between(const Look& from, const Look& to) {
   note(to);
   if (!(from.rate > 0.0 && to.rate <= 0.0)) return false;
-  if (rise_between * std::max(from.force, to.force) <= sensor_.peak_force) return true;
+  if (rise_between * std::max(from.force, to.force) <= least_of_interest()) return true;
   std::uintmax_t most = 60;
   const auto rate = [&](double place) { return look_from(from, place).rate; };
   const auto close = [](double a, double b) { return b - a < 1e-9; };  // it is flat there
@@ -230,7 +240,7 @@ bool StoppedMotion::note_between(const Look& from, const Look& to) {
 }
 
 bool StoppedMotion::sensor_may_rise() const {
-  return head_.largest_free_force(state_) > (1.0 + 1e-12) * sensor_.peak_force;
+  return head_.largest_free_force(state_) > (1.0 + 1e-12) * least_of_interest();
 }
 
 /// A free head rings lower and lower: its first maximum is its largest.

@@ -150,6 +150,7 @@ class StoppedMotion final : public BarMotion {
 
   Look look_at(double place, const State& head) const;
   Look look_from(const Look& look, double place) const;
+  double least_of_interest() const;  // of forces that are looked for [N]
   void note(const Look& look);
   bool note_between(const Look& from, const Look& to);
   void observe_free(double part);
@@ -181,6 +182,7 @@ class StoppedMotion final : public BarMotion {
   NodeVector power_;                    // that the damper takes, at the nodes [W]
 
   bool touched_ = false;
+  long contacts_ = 0;
   double time_ = 0.0;  // from first touch [s]
   SensorForce sensor_;
   std::optional<double> peak_part_;
