@@ -2,8 +2,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <exception>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "acquisition/channel_map.hpp"
+#include "acquisition/conditioning/condition.hpp"
+#include "acquisition/conditioning/samples.hpp"
 
 namespace impactrig::acquisition {
 
@@ -75,6 +82,77 @@ std::string what(const Channel& channel) {
          (is_physical ? "# " + role : electrical(""));
 }
 
+/// The first impact that a record's channels show as they stand.
+std::optional<datasets::Impact> first_impact(const Record& record) {
+  try {
+    std::vector<datasets::Impact> impacts = find_impacts(record);
+    if (!impacts.empty()) return std::move(impacts.front());
+  } catch (const std::exception&) {
+    // no clock, no unit, nothing in it: the draft says nothing of polarity
+  }
+  return std::nullopt;
+}
+
+/// The value furthest from 0 between touch and the end of the contact.
+double largest_in_contact(const datasets::Impact& impact, const datasets::ImpactSignal& signal) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < signal.values.size(); ++i)
+    if (signal.time(i) >= impact.start && signal.time(i) <= impact.end &&
+        std::abs(signal.values[i]) > std::abs(largest))
+      largest = signal.values[i];
+  return largest;
+}
+
+/// The way that a displacement goes from its window's beginning to touch.
+double way_to_touch(const datasets::Impact& impact, const datasets::ImpactSignal& signal) {
+  const auto touch = static_cast<std::size_t>(
+      std::max(0.0, std::round((impact.start - signal.start) / signal.interval)));
+  return signal.values[std::min(touch, signal.values.size() - 1)] - signal.values.front();
+}
+
+/// How a channel moves in an impact in the sense that is to be positive; 0 where it tells nothing
+/// that its noise would not.
+double sense_in(const datasets::Impact& impact, const Channel& channel) {
+  constexpr double beyond_noise = 5.0;
+  const auto told = [&](const std::optional<datasets::ImpactSignal>& signal, double value) {
+    const bool is_it = signal && signal->channel == channel.name;
+    return is_it && std::abs(value) > beyond_noise * signal->noise ? value : 0.0;
+  };
+  switch (channel.quantity) {
+    case Quantity::force:
+      return told(impact.force, impact.force ? largest_in_contact(impact, *impact.force) : 0.0);
+    case Quantity::velocity:
+      return told(impact.velocity, impact.approach_velocity);
+    case Quantity::displacement:
+      return told(impact.displacement,
+                  impact.displacement ? way_to_touch(impact, *impact.displacement) : 0.0);
+    default:
+      return 0.0;
+  }
+}
+
+/// Of volts and such, whose role is not known: how far the value furthest from the usual is below.
+double departure_below(const Channel& channel) {
+  std::vector<double> values;
+  if (!channel.complex()) values = channel.values();
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  return values.empty() ? 0.0 : std::max(0.0, -largest_departure(values));
+}
+
+std::string polarity(const Channel& channel, const std::optional<datasets::Impact>& impact) {
+  const bool is_force = channel.quantity == Quantity::force;
+  const bool is_told = is_force || channel.quantity == Quantity::velocity ||
+                       channel.quantity == Quantity::displacement;
+  if (is_told && impact && sense_in(*impact, channel) < 0.0)
+    return fmt::format("polarity = -1  # in the impact at {:.6g} s {}\n", impact->start,
+                       is_force ? "it pulls; what presses counts positive"
+                                : "the bar moves away; closer counts positive");
+  const double below = is_told ? 0.0 : departure_below(channel);
+  if (!(below > 0.0)) return "# polarity = -1\n";
+  return fmt::format("# polarity = -1  # what is furthest from the usual is {:.4g} {} below\n",
+                     below, on_one_line(channel.unit));
+}
+
 }  // namespace
 
 std::string suggested_map(const Record& record) {
@@ -92,9 +170,10 @@ std::string suggested_map(const Record& record) {
   for (const std::string& warning : record.warnings)
     text += fmt::format("# warning: {}\n", on_one_line(warning));
   text += "others = \"drop\"  # or \"keep\": channels that are not named here\n";
+  const std::optional<datasets::Impact> impact = first_impact(record);
   for (std::size_t i = 0; i < record.channels.size(); ++i)
     text += "\n[[channels]]\n" + which(record, i) + what(record.channels[i]) +
-            "# delay = \"0(1) us\"\n";
+            polarity(record.channels[i], impact) + "# delay = \"0(1) us\"\n";
   return text;
 }
 

@@ -37,6 +37,9 @@ struct Options {
 /// Recordings of up to so many samples are held in memory, where HDF5 compresses them.
 constexpr std::uint64_t most_held = std::uint64_t{1} << 20;
 
+/// A draft of a map looks at recordings of up to so many samples for what is upside down.
+constexpr std::uint64_t most_looked_at = std::uint64_t{1} << 23;
+
 bool is_hdf5(const std::string& path) {
   return path.ends_with(".h5") || path.ends_with(".hdf5");
 }
@@ -251,12 +254,18 @@ void suggest_map(const Options& options) {
   acquisition::ImportOptions reading = import_options(options.reading);
   reading.require_clock = false;
   const auto reader = acquisition::open_recording(options.files.front(), reading);
-  const datasets::Record& record = reader->head().record;
+  datasets::Record record = reader->head().record;
   if (record.channels.empty())
     throw datasets::InputError(
         {.file = options.files.front()},
         fmt::format("has no channels to map{}{}", record.warnings.empty() ? "" : ": ",
                     fmt::join(record.warnings, "; ")));
+  try {
+    if (app::samples_of(reader->head(), {}) <= most_looked_at)
+      record = acquisition::read_into_memory(*reader, {});
+  } catch (const datasets::InputError&) {
+    // one channel that cannot be read, perhaps: the map may be there to leave it out
+  }
   write_output(options.output.empty() ? "-" : options.output, acquisition::suggested_map(record),
                options.common.force);
 }

@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 
 #include "tests/app/command_line.hpp"
@@ -87,6 +89,46 @@ TEST_F(ImportMap, SuggestsMapsThatHoldAsTheyAre) {
         "'q' is recorded in 'pC': as force it needs a sensitivity, for example sensitivity = \"4 "
         "pC/N\""})
     EXPECT_THAT(told, HasSubstr(hint));
+}
+
+// What is upside down in the first impact is turned by the draft; of volts it tells what it saw.
+TEST_F(ImportMap, SuggestsPolarities) {
+  std::string text = "Time [s],F [N],v [m/s],s [m],CH4 [V],CH5 [V]\n";
+  for (int k = 0; k < 4000; ++k) {
+    const double t = 1e-6 * k, x = (t - 1e-3) / 3e-4, before = std::min(t, 1e-3) - 1e-3;
+    const double force = x > 0.0 && x < 1.0 ? 500.0 * std::sin(std::numbers::pi * x) : 0.0;
+    const double velocity = 0.4 * std::cos(std::numbers::pi * std::clamp(x, 0.0, 1.0));
+    const double way =
+        0.4 * before +
+        (x > 0.0 ? 0.4 * 3e-4 / std::numbers::pi * std::sin(std::numbers::pi * std::min(x, 1.0))
+                 : 0.0) -
+        0.4 * std::max(0.0, t - 1.3e-3);
+    const double noise = 1e-3 * std::sin(1e3 * k * k);
+    text += fmt::format("{:.6g},{:.6g},{:.6g},{:.8g},{:.6g},{:.6g}\n", t, -force + noise,
+                        -velocity + 1e-3 * noise, way, 1e-3 * force + 0.2, -1e-3 * force - 0.2);
+  }
+  const std::string file = write("shot.csv", text);
+  const std::string draft = path("draft.toml");
+  ASSERT_EQ(run("import --suggest-map " + file + " -o " + draft).code, 0);
+  const std::string map = text_of(draft);
+  const auto polarity_of = [&](const std::string& name) {
+    const std::size_t at = map.find("polarity", map.find("match = \"" + name));
+    const std::size_t line = map.rfind('\n', at) + 1;
+    return map.substr(line, map.find('\n', line) - line);
+  };
+  EXPECT_THAT(polarity_of("F"),
+              testing::MatchesRegex("polarity = -1  # in the impact at 0.00[01][0-9]* s it pulls; "
+                                    "what presses counts positive"));
+  EXPECT_THAT(polarity_of("v"), testing::MatchesRegex("polarity = -1  # in the impact at .* s the "
+                                                      "bar moves away; closer counts positive"));
+  EXPECT_EQ(polarity_of("s"), "# polarity = -1");
+  EXPECT_EQ(polarity_of("CH4"), "# polarity = -1");
+  EXPECT_EQ(polarity_of("CH5"),
+            "# polarity = -1  # what is furthest from the usual is 0.5 V below");
+  const Outcome o = run("import " + file + " --map " + draft + " -o " + path("a.h5"));
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json flags = json::parse(run("inspect --json " + path("a.h5")).out);
+  EXPECT_EQ(flags.dump().find("inverted"), std::string::npos);
 }
 
 // 3 V in the last sample, whatever the sensitivity is called; in SI.
