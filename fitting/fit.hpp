@@ -37,7 +37,8 @@ struct Parameter {
   /// Whether the data determine it, not only combinations of it with others.
   bool identifiable = true;
   bool by_logarithm = false;  ///< searched, and its interval made, by its logarithm
-  /// What a mesh twice as fine would add to the value, to first order.
+  /// What a mesh twice as fine would add to the value, to first order, as far as the residuals have
+  /// room for what it changes besides.
   double mesh_shift = 0.0;
   /// What the mesh's error is estimated at from that, 1.1 to 3 times as much, >= 0; ci95 is widened
   /// by it.

@@ -19,11 +19,15 @@ struct FitEnd {
   Eigen::MatrixXd jacobian;    ///< of these by the unknowns; 0 where one does nothing to the data
   Uncertainty spread;          ///< of the unknowns, in their order
   double inflation = 1.0;      ///< of all standard errors, where the residuals exceed the noise
-  Eigen::VectorXd mesh_shift;  ///< of the unknowns; empty where there is none, or none known
-  bool mesh_known = true;      ///< false: it could not be estimated
+  /// Of the unknowns, as far as mesh_room goes; empty where there is none, or none known.
+  Eigen::VectorXd mesh_shift;
+  bool mesh_known = true;  ///< false: it could not be estimated
+  /// What part of what a finer mesh changes the residuals have room for, 0 to 1.
+  double mesh_room = 1.0;
   /// The error of the mesh against that shift, to a mesh twice as fine.
   double beyond_finer = 1.0;
-  /// How much else a finer mesh changes the first recording's restitutions, parameters held.
+  /// How much else a finer mesh changes the first recording's restitutions, parameters held; as far
+  /// as mesh_room goes.
   models::Restitution mesh_change = {};
 };
 

@@ -198,7 +198,7 @@ void warn_of_residuals(double inflation, bool robust, Fit& fit) {
   }
 }
 
-void warn_of_mesh(Fit& fit) {
+void warn_of_mesh(double room, Fit& fit) {
   std::string shifts;
   for (const Parameter& p : fit.parameters)
     if (!p.nuisance && std::abs(p.mesh_shift) > telling_shift * p.std_error)
@@ -208,9 +208,10 @@ void warn_of_mesh(Fit& fit) {
   if (shifts.empty()) return;
   const models::Solver finer = models::refined(fit.rig.solver);
   fit.warnings.push_back(fmt::format(
-      "The mesh is coarser than the data are good: one twice as fine would move {}. The intervals "
+      "The mesh is coarser than the data are good: one twice as fine{} would move {}. The "
+      "intervals "
       "were widened by that; with {} they would be narrower.",
-      shifts,
+      room < 1.0 ? ", as far as the residuals have room for it," : "", shifts,
       finer.model == models::BeamModel::ancf
           ? fmt::format("solver.elements = [{}, {}]", finer.elements[0], finer.elements[1])
           : fmt::format("solver.modes = {}", finer.modes)));
@@ -447,7 +448,7 @@ RigFile fitted_rig(const FitProblem& problem) {
 void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit) {
   warn_of_residuals(end.inflation, problem.loss() != Loss::squares, fit);
   warn_of_noise(problem, fit);
-  warn_of_mesh(fit);
+  warn_of_mesh(end.mesh_room, fit);
   warn_of_release(problem, fit);
   warn_of_zero(fit);
   warn_of_priors(problem, end, fit);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <functional>
 #include <utility>
@@ -62,6 +63,18 @@ std::string compare_meshes(FitProblem& problem, const std::function<void()>& com
   return failure;
 }
 
+/// What the unknowns do not follow of a mesh's error is in the residuals: beyond their noise, which
+/// is known to a quarter of its power, there is room for so much of a change of which they leave
+/// `left`. Room for all of it where their noise was not seen.
+double room_for(double left, const FitProblem& problem, const FitEnd& end) {
+  for (const Shot& shot : problem.shots())
+    for (const FittedChannel& channel : shot.channels)
+      if (!channel.noise_known) return 1.0;
+  const auto count = static_cast<double>(end.residuals.size());
+  const double room = std::max(end.residuals.squaredNorm(), misfit * count) - count;
+  return left * left > room ? std::sqrt(room) / left : 1.0;
+}
+
 }  // namespace
 
 double part_left_by_mesh(FitProblem& problem, const FitEnd& end) {
@@ -86,8 +99,14 @@ void estimate_mesh_shift(FitProblem& problem, FitEnd& end, std::vector<std::stri
       if (&shot == &problem.shots().front()) end.mesh_change = change.restitution;
       return std::move(change.differences);
     };
-    end.mesh_shift = shift_by(change_of, problem, end);
+    const Eigen::VectorXd changes = changes_by(change_of, problem, end);
+    end.mesh_shift = shift_by(changes, end);
     end.beyond_finer = error_beyond(problem, end);
+    end.mesh_room = room_for((changes + end.jacobian * end.mesh_shift).norm(), problem, end);
+    end.mesh_shift *= end.mesh_room;
+    for (const auto which : {&models::Restitution::kinematic, &models::Restitution::kinetic,
+                             &models::Restitution::energetic})
+      end.mesh_change.*which *= end.mesh_room;
     keep_within_bounds(end.mesh_shift, problem, end.spread);
   });
   end.mesh_known = failure.empty();

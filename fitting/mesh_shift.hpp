@@ -10,7 +10,9 @@
 namespace impactrig::fitting {
 
 /// What a mesh twice as fine would add to the unknowns and to the first recording's restitutions:
-/// mesh_shift and mesh_change of the end. Compared in small motion where the rig has that: what
+/// mesh_shift and mesh_change of the end, to first order, as far as the residuals have room for the
+/// rest of its change: a mesh whose later contacts would come at other times is not as wrong as
+/// that where the data follow it. Compared in small motion where the rig has that: what
 /// large rotation adds is the same on both. Where that fails, a warning says so.
 void estimate_mesh_shift(FitProblem& problem, FitEnd& end, std::vector<std::string>& warnings);
 
