@@ -97,6 +97,14 @@ Series model_loop(const models::Simulation& run) {
   return loop;
 }
 
+/// Whether a low-pass or a resampling made one of a recording's channels, of which it tells nothing
+/// that is faster.
+bool is_filtered(const fitting::Fit& fit, std::size_t recording) {
+  return std::ranges::any_of(fit.channels, [recording](const fitting::ChannelFit& channel) {
+    return static_cast<std::size_t>(channel.recording) == recording && channel.every > 1;
+  });
+}
+
 std::string html_direct_loop(const fitting::Fit& fit, std::size_t recording) {
   const fitting::Hysteresis& measured = fit.direct[recording].hysteresis;
   if (measured.force.empty()) return "";
@@ -124,10 +132,10 @@ std::string html_direct_loop(const fitting::Fit& fit, std::size_t recording) {
   figure.panels = {panel};
   return fmt::format(
       "<figure class=\"loop direct\">{}<figcaption>Force over penetration of the first contact: "
-      "measured "
-      "(the velocity's integral, both sensors' responses taken off) and as the fitted model has "
-      "it. The area is the energy dissipated.</figcaption></figure>\n",
-      svg(figure));
+      "measured (the velocity's integral, both sensors' responses taken off{}) and as the fitted "
+      "model has it. The area is the energy dissipated.</figcaption></figure>\n",
+      svg(figure),
+      is_filtered(fit, recording) ? ", what the record's filters took not put back" : "");
 }
 
 }  // namespace

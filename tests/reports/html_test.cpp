@@ -392,6 +392,9 @@ TEST(Page, SetsTheModelAgainstWhatTheRecordShowsWithoutOne) {
   EXPECT_TRUE(has(page, "Contact force over penetration, measured and modelled"));
   EXPECT_TRUE(has(text, "standard uncertainty by source"));
   EXPECT_EQ(reports::to_html(reports::report_from_json(reports::to_json(data), "")), page);
+  EXPECT_FALSE(has(text, "what the record's filters took not put back"));
+  data.fit.channels[1].every = 10;
+  EXPECT_TRUE(has(visible(reports::to_html(data)), "what the record's filters took not put back"));
   data.fit.direct[0].notes = {"The laser points 40 mm from the struck point."};
   EXPECT_TRUE(has(visible(reports::to_html(data)), "What is said above of the record"));
   data.fit.direct.clear();
