@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
@@ -180,10 +181,25 @@ void warn_of_noise(const FitProblem& problem, Fit& fit) {
       datasets::figures(half_width(problem, fit.goodness) / 1.96, 3)));
 }
 
-void warn_of_residuals(double inflation, bool robust, Fit& fit) {
-  for (const ChannelFit& channel : fit.channels) {
+/// Of a channel, the least square of residuals over noise that is no chance: one of a hundred
+/// channels whose noise is known from so few samples exceeds it.
+double least_misfit(const ChannelFit& channel, const NoiseModel& noise) {
+  const auto used = static_cast<double>(std::ranges::count(channel.used, 1));
+  if (used == 0.0 || !std::isfinite(noise.freedom())) return misfit;
+  const boost::math::fisher_f ratio(used, noise.freedom());
+  return std::max(misfit, boost::math::quantile(boost::math::complement(ratio, 0.01)));
+}
+
+void warn_of_residuals(const FitProblem& problem, double inflation, Fit& fit) {
+  const bool robust = problem.loss() != Loss::squares;
+  std::vector<const NoiseModel*> noise;
+  for (const Shot& shot : problem.shots())
+    for (const FittedChannel& channel : shot.channels) noise.push_back(&channel.noise);
+  for (std::size_t k = 0; k < fit.channels.size(); ++k) {
+    const ChannelFit& channel = fit.channels[k];
     const double ratio = channel.residual_rms / channel.noise;
-    if (!(channel.noise > 0.0 && ratio > std::sqrt(misfit))) continue;
+    const double least = inflation > 1.0 ? misfit : least_misfit(channel, *noise[k]);
+    if (!(channel.noise > 0.0 && ratio > std::sqrt(least))) continue;
     std::string then;
     if (inflation > 1.0)
       then = fmt::format(" Standard errors were multiplied by {}; they do not cover a wrong model.",
@@ -446,7 +462,7 @@ RigFile fitted_rig(const FitProblem& problem) {
 }
 
 void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit) {
-  warn_of_residuals(end.inflation, problem.loss() != Loss::squares, fit);
+  warn_of_residuals(problem, end.inflation, fit);
   warn_of_noise(problem, fit);
   warn_of_mesh(end.mesh_room, fit);
   warn_of_release(problem, fit);
