@@ -24,6 +24,7 @@ struct FitEnd {
   bool mesh_known = true;  ///< false: it could not be estimated
   /// What part of what a finer mesh changes the residuals have room for, 0 to 1.
   double mesh_room = 1.0;
+  double mesh_misfit = 0.0;  ///< what it changes that no unknown follows, in residuals
   /// The error of the mesh against that shift, to a mesh twice as fine.
   double beyond_finer = 1.0;
   /// How much else a finer mesh changes the first recording's restitutions, parameters held; as far

@@ -214,7 +214,22 @@ void warn_of_residuals(const FitProblem& problem, double inflation, Fit& fit) {
   }
 }
 
-void warn_of_mesh(double room, Fit& fit) {
+/// Where a mesh that the rig file states is too coarse for the data to be explained.
+std::string advice_on_stated_mesh(const FitEnd& end, double reduced, const RigFile& rig) {
+  constexpr double seen = 0.3;  // of the residuals, a tenth of their square
+  if (!(reduced > misfit && end.mesh_misfit > seen) || rig.mesh_chosen) return "";
+  return fmt::format(
+      " The residuals show it: what that mesh changes besides is {} times as large as they are, "
+      "and "
+      "the numbers may be further off than the intervals say. Leave {} out of the rig file: ANCF "
+      "on "
+      "a mesh that the data ask for is taken then.",
+      datasets::figures(end.mesh_misfit, 2),
+      rig.solver.model == models::BeamModel::ancf ? "solver.elements"
+                                                  : "solver.model and solver.modes");
+}
+
+void warn_of_mesh(const FitEnd& end, double reduced, Fit& fit) {
   std::string shifts;
   for (const Parameter& p : fit.parameters)
     if (!p.nuisance && std::abs(p.mesh_shift) > telling_shift * p.std_error)
@@ -226,11 +241,12 @@ void warn_of_mesh(double room, Fit& fit) {
   fit.warnings.push_back(fmt::format(
       "The mesh is coarser than the data are good: one twice as fine{} would move {}. The "
       "intervals "
-      "were widened by that; with {} they would be narrower.",
-      room < 1.0 ? ", as far as the residuals have room for it," : "", shifts,
+      "were widened by that; with {} they would be narrower.{}",
+      end.mesh_room < 1.0 ? ", as far as the residuals have room for it," : "", shifts,
       finer.model == models::BeamModel::ancf
           ? fmt::format("solver.elements = [{}, {}]", finer.elements[0], finer.elements[1])
-          : fmt::format("solver.modes = {}", finer.modes)));
+          : fmt::format("solver.modes = {}", finer.modes),
+      advice_on_stated_mesh(end, reduced, fit.rig)));
 }
 
 /// A zero of the velocity that the fit moved far: what the bar's speed at rest was, no data tell.
@@ -464,7 +480,7 @@ RigFile fitted_rig(const FitProblem& problem) {
 void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit) {
   warn_of_residuals(problem, end.inflation, fit);
   warn_of_noise(problem, fit);
-  warn_of_mesh(end.mesh_room, fit);
+  warn_of_mesh(end, fit.goodness.chi2 / static_cast<double>(std::max(1L, fit.goodness.dof)), fit);
   warn_of_release(problem, fit);
   warn_of_zero(fit);
   warn_of_priors(problem, end, fit);

@@ -63,6 +63,9 @@ std::string compare_meshes(FitProblem& problem, const std::function<void()>& com
   return failure;
 }
 
+// A fit follows more of a mesh's error than is told to first order.
+constexpr double followed_beyond = 3.0;
+
 /// What the unknowns do not follow of a mesh's error is in the residuals: beyond their noise, which
 /// is known to a quarter of its power, there is room for so much of a change of which they leave
 /// `left`. Room for all of it where their noise was not seen.
@@ -71,8 +74,9 @@ double room_for(double left, const FitProblem& problem, const FitEnd& end) {
     for (const FittedChannel& channel : shot.channels)
       if (!channel.noise_known) return 1.0;
   const auto count = static_cast<double>(end.residuals.size());
-  const double room = std::max(end.residuals.squaredNorm(), misfit * count) - count;
-  return left * left > room ? std::sqrt(room) / left : 1.0;
+  const double room =
+      followed_beyond * std::sqrt(std::max(end.residuals.squaredNorm(), misfit * count) - count);
+  return left > room ? room / left : 1.0;
 }
 
 }  // namespace
@@ -102,7 +106,9 @@ void estimate_mesh_shift(FitProblem& problem, FitEnd& end, std::vector<std::stri
     const Eigen::VectorXd changes = changes_by(change_of, problem, end);
     end.mesh_shift = shift_by(changes, end);
     end.beyond_finer = error_beyond(problem, end);
-    end.mesh_room = room_for((changes + end.jacobian * end.mesh_shift).norm(), problem, end);
+    const double left = (changes + end.jacobian * end.mesh_shift).norm();
+    end.mesh_room = room_for(left, problem, end);
+    end.mesh_misfit = left / end.residuals.norm();
     end.mesh_shift *= end.mesh_room;
     for (const auto which : {&models::Restitution::kinematic, &models::Restitution::kinetic,
                              &models::Restitution::energetic})
