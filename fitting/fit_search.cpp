@@ -46,8 +46,13 @@ double FitSearch::pass(const Search& how, double contacts) {
   }
   last_ = problem_.search(how);
   iterations_ += last_.iterations;
+  return reduced(last_);
+}
+
+/// Chi-square by degree of freedom.
+double FitSearch::reduced(const SearchEnd& end) const {
   const double free = static_cast<double>(problem_.unknowns().size());
-  return 2.0 * last_.cost / std::max(1.0, static_cast<double>(problem_.data_size()) - free);
+  return 2.0 * end.cost / std::max(1.0, static_cast<double>(problem_.data_size()) - free);
 }
 
 /// Cauchy and Tukey take a peak that is far off for outliers: they search from near only.
@@ -60,6 +65,7 @@ void FitSearch::run() {
     problem_.set_values(tried);
   }
   search_whole_window();
+  look_beside_touch();
   if (problem_.loss() == loss_) return;
   problem_.set_loss(loss_);
   pass(last_search, whole);
@@ -228,6 +234,70 @@ bool FitSearch::same_place(const std::vector<double>& a, const std::vector<doubl
     if (std::abs(a[i] - b[i]) > near * std::max(std::abs(a[i]), std::abs(b[i]))) return false;
   }
   return true;
+}
+
+/// Somewhere in what is predicted of it.
+bool FitSearch::force_jumps(const Shot& shot) const {
+  if (!shot.impact->force) return false;
+  const Shown shown = shot.model->predict(shot.cost->rig(), shot.model->chains());
+  return shown.force && !shown.force->jumps.empty();
+}
+
+/// Searches from a touch that is later by so much [s], which is held until all else has followed
+/// it; whether that fits better.
+bool FitSearch::moves_touch(std::size_t touch, double by) {
+  constexpr double clearly = 1.0 - 1e-6;
+  const double reached = reduced(last_);
+  const double found = try_again(clearly * reached, [&] {
+    std::vector<double> values = problem_.values();
+    values[touch] += by;
+    problem_.set_values(values);
+    iterations_ += problem_.search(last_search, {touch}).iterations;
+    return pass(last_search, whole);
+  });
+  return found < clearly * reached;
+}
+
+/// From touch back to a little before the last sample of the force until then, and on to a little
+/// behind the next [s].
+std::array<double, 2> FitSearch::to_neighbours(std::size_t touch) const {
+  constexpr double little = 0.1;  // of their interval
+  const int recording = std::max(0, problem_.variables()[touch].recording);
+  const Shot& shot = problem_.shots()[static_cast<std::size_t>(recording)];
+  const datasets::ImpactSignal& force = *shot.impact->force;
+  double time = problem_.value(touch);
+  for (const std::size_t i : shot.numbers) {
+    const Variable& v = problem_.variables()[i];
+    if (v.role == Variable::Role::delay && v.quantity == datasets::Quantity::force)
+      time += v.value - v.initial;
+  }
+  const bool filtered = !force.filters.empty();
+  const double interval = filtered ? force.filters.front().interval : force.interval;
+  const double place = (time - (filtered ? force.recorded.begin : force.start)) / interval;
+  return {(std::floor(place) - little - place) * interval,
+          (std::ceil(place) + little - place) * interval};
+}
+
+/// A force that jumps at touch tells it by which samples lie behind it, one after the other: there
+/// is a minimum for each place of touch between samples, at times one to either side of a sample,
+/// and one for each period of a sensor that rings. Looks beside the one found, as long as that fits
+/// better.
+void FitSearch::look_beside_touch() {
+  constexpr int most_steps = 8;
+  for (const std::size_t touch : problem_.unknowns()) {
+    const Variable& v = problem_.variables()[touch];
+    if (v.role != Variable::Role::touch ||
+        !force_jumps(problem_.shots()[static_cast<std::size_t>(std::max(0, v.recording))]))
+      continue;
+    const auto& sensor = problem_.rig().force;
+    if (reduced(last_) > misfit && sensor && sensor->resonance)
+      for (const double turn : {1.0, -1.0})
+        for (int k = 0; k < most_steps; ++k)
+          if (!moves_touch(touch, turn / sensor->resonance->frequency)) break;
+    for (const std::size_t side : {0, 1})
+      for (int k = 0; k < most_steps; ++k)
+        if (!moves_touch(touch, to_neighbours(touch)[side])) break;
+  }
 }
 
 /// The whole window at once may lead into a false minimum, where the model meets the stop a second

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -62,6 +64,11 @@ class FitSearch {
   double search_finely(const std::vector<double>& tried);
   double grow_window();
   void leave_later_contacts_out(double reached);
+  double reduced(const SearchEnd& end) const;
+  bool force_jumps(const Shot& shot) const;
+  bool moves_touch(std::size_t touch, double by);
+  std::array<double, 2> to_neighbours(std::size_t touch) const;
+  void look_beside_touch();
   bool end_before_second_contact();
   double time_of_second_contact();
   bool same_place(const std::vector<double>& a, const std::vector<double>& b) const;

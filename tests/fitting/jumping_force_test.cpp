@@ -141,6 +141,40 @@ Impact filtered(Impact impact, const std::vector<datasets::SampleFilter>& filter
   return impact;
 }
 
+/// Ten samples to what the shot above has a hundred of, through a sensor that rings at 45 kHz: its
+/// free motion in closed form between steps of a thousandth of a sample, under the mean force.
+Impact ringing_shot(std::uint64_t seed) {
+  Impact impact = shot(0.0, seed);
+  std::mt19937_64 generator(seed);
+  std::normal_distribution<double> normal;
+  const SpringAndDamper body;
+  const double touch = impact.start - 1.3e-6;
+  impact.start = touch - 15e-6;  // as a slow recorder may show it
+  constexpr double quality = 20.0, omega = 2.0 * std::numbers::pi * 45e3, interval = 10e-6;
+  constexpr int samples = 400, parts = 1000;
+  const double h = interval / parts, decay = omega / (2.0 * quality);
+  const double turning = std::sqrt(omega * omega - decay * decay);
+  const double keep = std::exp(-decay * h), c = std::cos(turning * h), s = std::sin(turning * h);
+  ImpactSignal& force = *impact.force;
+  ImpactSignal& velocity = *impact.velocity;
+  force.start = velocity.start = -2e-3;
+  force.interval = velocity.interval = interval;
+  force.values.clear();
+  velocity.values.clear();
+  double shown = 0.0, rate = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    const double t = force.start + i * interval - touch;
+    force.values.push_back(shown + force_noise * normal(generator));
+    velocity.values.push_back(body.velocity(t) + velocity_noise * normal(generator));
+    for (int part = 0; part < parts; ++part) {
+      const double pressed = body.force(t + (part + 0.5) * h), off = shown - pressed;
+      shown = pressed + keep * (off * c + (rate + decay * off) / turning * s);
+      rate = keep * (rate * c - (decay * rate + omega * omega * off) / turning * s);
+    }
+  }
+  return impact;
+}
+
 FitOptions free_damper() {
   FitOptions options;
   options.free = {"contact.viscous", "contact.stiffness", "start.velocity"};
@@ -190,6 +224,21 @@ TEST(JumpingForce, ThroughFiltersIsFittedWithoutBias) {
     }
     EXPECT_NEAR(sum / shots, 0.0, 1.0);
     EXPECT_NEAR(squares / shots, 1.0, 1.4);
+  }
+}
+
+// The jump rings the sensor: a touch that is a period early or late is a false minimum, and so is
+// the wrong side of a sample. Five of 12 shots ended there, 20 to 30 standard errors off.
+TEST(JumpingForce, ThatRingsTheSensorIsNotTakenForOneOfAnotherPeriod) {
+  RigFile rig = parse_rig_file(
+      sprung_rig + "resonance = { frequency = \"45 kHz\", quality = 20 }\n", "rig.toml");
+  rig.rig.contact.viscous = 260.0;
+  rig.rig.contact.stiffness = 1.1e7;
+  rig.rig.start.velocity = 0.3;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const Fit result = fit({ringing_shot(seed)}, rig, free_damper());
+    EXPECT_LT(std::abs(pull(result, "contact.viscous", viscous)), 4.0) << seed;
+    EXPECT_LT(result.goodness.chi2 / static_cast<double>(result.goodness.dof), 1.25) << seed;
   }
 }
 
