@@ -33,6 +33,7 @@ namespace {
 
 /// The versions with the header described; older ones lack parts of it.
 constexpr int first_id = 5010;
+constexpr int id_of_reserved_texts = 5011, id_of_sensors = 5012;  ///< the first with them
 constexpr int last_id = 5020;
 
 /// catman's value for an overflow, a broken wire, an input without a sensor.
@@ -112,7 +113,7 @@ class CatmanReader {
   }
 
   void read_global() {
-    const auto id = in_.read<std::int16_t>("the file ID");
+    const auto id = id_ = in_.read<std::int16_t>("the file ID");
     if (id < first_id || id > last_id)
       throw InputError(file_->byte_position(0),
                        fmt::format("the file ID is {}, expected {} to {}: export it from catman "
@@ -125,7 +126,8 @@ class CatmanReader {
                        fmt::format("the samples are said to begin at byte {}", offset));
     data_offset_ = static_cast<std::uint64_t>(offset);
     record_.title = to_utf8(trimmed(text<std::int16_t>("the file's comment")));
-    for (int i = 0; i < 32; ++i) text<std::int16_t>("a reserved text");
+    for (int i = 0; id >= id_of_reserved_texts && i < 32; ++i)
+      text<std::int16_t>("a reserved text");
     const std::uint64_t place = in_.at();
     n_channels_ = in_.read<std::int16_t>("the number of channels");
     if (n_channels_ < 0)
@@ -180,7 +182,8 @@ class CatmanReader {
     in_.bytes(8 * std::uint64_t{points}, "a channel's scaling");
     in_.bytes(2, what);  // thermocouple
     set_attribute(channel, "formula", to_utf8(trimmed(text<std::int16_t>("a channel's formula"))));
-    const std::string sensor = text<std::int32_t>("a channel's sensor");
+    const std::string sensor =
+        id_ >= id_of_sensors ? text<std::int32_t>("a channel's sensor") : std::string();
     if (sensor.size() >= 52)
       set_attribute(channel, "sensor", fixed_text(std::string_view(sensor).substr(2, 50)));
     header.time = names_time(channel.name) &&
@@ -379,6 +382,7 @@ class CatmanReader {
 
   std::unique_ptr<MappedFile> file_;
   ByteCursor in_;
+  int id_ = 0;  ///< of the file's version
   std::uint64_t data_offset_ = 0;
   int n_channels_ = 0;
   std::vector<CatmanChannel> headers_;
@@ -396,8 +400,14 @@ int recognises_catman(std::string_view file_name, std::string_view head) {
            static_cast<unsigned>(static_cast<unsigned char>(head[at + 1])) << 8;
   };
   if (number(0) < 5000 || number(0) > last_id) return 0;
-  // the comment and 32 more texts follow each other
+  // the comment and 32 more texts follow each other; the first version has the channels at once
   std::size_t at = 6;
+  if (number(0) == first_id) {
+    at += 2 + number(at);
+    if (at + 6 > head.size()) return file_name.ends_with(".bin") ? 60 : 0;
+    const std::size_t channels = number(at), samples_at = number(2) | number(4) << 16U;
+    return channels > 0 && samples_at > at + 10 + 4 * channels ? 100 : 0;
+  }
   for (int i = 0; i < 33; ++i) {
     if (at + 2 > head.size()) return file_name.ends_with(".bin") ? 60 : 0;
     at += 2 + number(at);

@@ -10,6 +10,7 @@
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/mat73_structures.hpp"
 #include "acquisition/importers/mat_contents.hpp"
+#include "acquisition/importers/mat_labels.hpp"
 #include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/units.hpp"
@@ -62,6 +63,21 @@ class EachBlock final : public SampleSink {
   const Use& use_;
   std::vector<double> numbers_;
 };
+
+/// Letters of the plane that MATLAB's text has, of UTF-8.
+std::u16string utf16_of(std::string_view text) {
+  std::u16string letters;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto first = static_cast<unsigned char>(text[i]);
+    const std::size_t length = first < 0x80 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
+    unsigned letter = length == 1 ? first : first & (0xFFU >> (length + 1));
+    for (std::size_t k = 1; k < length && i + k < text.size(); ++k)
+      letter = letter << 6 | (static_cast<unsigned char>(text[i + k]) & 0x3FU);
+    letters += static_cast<char16_t>(letter < 0x10000 ? letter : 0xFFFD);
+    i += length;
+  }
+  return letters;
+}
 
 /// "/run/force", and of MATLAB's "run.force".
 std::string shown(std::string path, bool matlab) {
@@ -164,10 +180,45 @@ Column column_of(const Hdf5Slice& slice) {
   return {slice.other, columns_beside(array, slice.along)};
 }
 
+bool is_matlab_text(const Hdf5Array& array) {
+  const auto kept_as = array.attributes.texts.find("MATLAB_class");
+  return kept_as != array.attributes.texts.end() && kept_as->second == "char";
+}
+
+/// The names and texts of a MAT-file of version 7.3, as the versions before have them.
+MatContents texts_of_matlab(const Hdf5Channels& made) {
+  MatContents contents;
+  if (!made.matlab) return contents;
+  for (const Hdf5Array& array : made.listing.arrays) {
+    const std::string name = made.name_of_set(array);
+    if (!is_matlab_text(array)) {
+      MatArray& numbers = contents.arrays.emplace_back();
+      numbers.name = name;
+      numbers.count = 1;
+      for (const std::uint64_t side : array.shape)
+        numbers.count =
+            std::min<std::uint64_t>(numbers.count * std::min<std::uint64_t>(side, 2), 2);
+      continue;
+    }
+    // MATLAB's dimensions stand in the other order: the last counts the lines
+    const std::uint64_t lines = array.shape.size() == 2 ? array.shape[1] : 1;
+    if (lines == 1)
+      contents.texts.emplace(name, array.text);
+    else
+      contents.add_lines(name, lines, utf16_of(array.text));
+  }
+  return contents;
+}
+
 /// Makes the channels of a listing.
 class ChannelMaker {
  public:
-  explicit ChannelMaker(Hdf5Channels& made) : made_(made) { take_lists_beside(made.listing); }
+  explicit ChannelMaker(Hdf5Channels& made)
+      : made_(made),
+        matlab_(texts_of_matlab(made)),
+        labels_(matlab_) {
+    take_lists_beside(made.listing);
+  }
 
   void make(const std::vector<std::string>& units) {
     take_facts();
@@ -211,8 +262,7 @@ class ChannelMaker {
     const std::string name = name_of(array);
     const auto& shape = array.shape;
     const bool matlab = made_.matlab;
-    if (matlab && array.attributes.texts.contains("MATLAB_class") &&
-        array.attributes.texts.at("MATLAB_class") == "char") {
+    if (matlab && is_matlab_text(array)) {
       if (array.text.empty()) return skip(fmt::format("'{}' (text)", name));
       made_.record.attributes.emplace(name, array.text);
       return;
@@ -234,11 +284,14 @@ class ChannelMaker {
       return add_channel(name, slice);
     slice.whole = false;
     slice.along = along;
-    const std::vector<std::string>* const names = column_names(array, columns);
+    std::vector<std::string> names, units;
+    if (const auto* const listed = column_names(array, columns)) names = *listed;
+    if (matlab && names.empty()) names = labels_.channels_of(name, columns);
+    if (matlab) units = labels_.units_of(name, columns);
     for (slice.other = 0; slice.other < columns; ++slice.other)
-      add_channel(names == nullptr ? fmt::format("{}:{}", name, slice.other + 1)
-                                   : name + "." + (*names)[slice.other],
-                  slice);
+      add_channel(names.empty() ? fmt::format("{}:{}", name, slice.other + 1)
+                                : name + "." + names[slice.other],
+                  slice, units.empty() ? std::string() : units[slice.other]);
   }
 
   /// A channel for each place in the dimensions beside the time: "/cube:2,3".
@@ -300,8 +353,9 @@ class ChannelMaker {
         skip(fmt::format("'{}' (a link to '{}')", to_utf8(from), to_utf8(target)));
   }
 
-  /// `slice`: its count and what stands for none are not known yet.
-  void add_channel(const std::string& name, Hdf5Slice slice) {
+  /// `slice`: its count and what stands for none are not known yet. `unit`: where the data set's
+  /// attributes state none.
+  void add_channel(const std::string& name, Hdf5Slice slice, const std::string& unit = "") {
     const Hdf5Array& array = *slice.array;
     Channel channel;
     channel.name = name;
@@ -320,6 +374,8 @@ class ChannelMaker {
       for (const std::uint64_t side : array.shape) slice.count *= side;
     const Column column = column_of(slice);
     channel.unit = unit_of(array, name, column.which, column.columns);
+    if (channel.unit.empty()) channel.unit = unit;
+    if (channel.unit.empty() && made_.matlab) channel.unit = labels_.unit_of(name);
     take_packing(channel, slice);
     channel.quantity = datasets::quantity_of_unit(channel.unit);
     made_.record.channels.push_back(std::move(channel));
@@ -391,6 +447,8 @@ class ChannelMaker {
   }
 
   Hdf5Channels& made_;
+  const MatContents matlab_;
+  const MatLabels labels_;
   std::set<std::string> told_;  // variables that are no numbers
 };
 

@@ -82,6 +82,7 @@ class NumpyArrays {
                       ? std::numeric_limits<std::uint64_t>::max()
                       : declared_ * side;
     for (const NumpyField& field : head_.fields) {
+      if (field.kind == 'V' && field.name.empty() && head_.fields.size() > 1) continue;  // padding
       const std::string full = name.empty()         ? field.name
                                : field.name.empty() ? name
                                                     : name + "." + field.name;

@@ -38,6 +38,8 @@ class LiteralReader {
     const char first = next();
     if (depth > deepest) throw std::string("lists nested too deeply");
     if (first == '\'' || first == '"') return quoted(first);
+    if (is_prefixed()) ++at_;
+    if (text_[at_] == '\'' || text_[at_] == '"') return quoted(text_[at_]);
     if (first == '(' || first == '[' || first == '{') return list(first, depth);
     return word();
   }
@@ -47,6 +49,12 @@ class LiteralReader {
     while (at_ < text_.size() && std::string_view(" \n\t\r").find(text_[at_]) != text_.npos) ++at_;
     if (at_ == text_.size()) throw std::string("it ends early");
     return text_[at_];
+  }
+
+  /// Whether a text of Python 2 or bytes stand here: u'force'.
+  bool is_prefixed() const {
+    const bool quote = at_ + 1 < text_.size() && (text_[at_ + 1] == '\'' || text_[at_ + 1] == '"');
+    return quote && (text_[at_] == 'u' || text_[at_] == 'b');
   }
 
   Literal quoted(char quote) {

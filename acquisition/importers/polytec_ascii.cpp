@@ -58,6 +58,11 @@ Quantity quantity_in_words(std::string_view text) {
   return Quantity::unknown;
 }
 
+/// Without tabs behind its last cell.
+std::string_view without_last_tabs(std::string_view line) {
+  return line.substr(0, line.find_last_not_of("\t \r") + 1);
+}
+
 /// True for "[ s ]\t[ m/s ]".
 bool is_unit_line(std::string_view line) {
   const auto cells = cells_of(line, '\t');
@@ -93,9 +98,9 @@ PolytecHead read_polytec_head(TextFile& file, const ImportOptions& options) {
   for (int number = 0; number < most_lines && at != end; ++number) {
     const std::string_view line = take_line(at, end);
     if (trimmed(line).empty()) continue;
-    if (is_unit_line(line)) {
+    if (is_unit_line(without_last_tabs(line))) {
       const auto name_cells = cells_of(names, '\t');
-      const auto unit_cells = cells_of(line, '\t');
+      const auto unit_cells = cells_of(without_last_tabs(line), '\t');
       for (std::size_t c = 0; c < unit_cells.size(); ++c) {
         ColumnHead column;
         column.name = c < name_cells.size() && !name_cells[c].empty() ? to_utf8(name_cells[c])
@@ -106,7 +111,8 @@ PolytecHead read_polytec_head(TextFile& file, const ImportOptions& options) {
       head.layout.dialect = {options.delimiter.value_or('\t'),
                              options.decimal.value_or(decimal_of(at, end))};
       head.layout.data = at;
-      head.layout.cells = head.layout.written_cells = unit_cells.size();
+      head.layout.cells = unit_cells.size();
+      head.layout.written_cells = cells_of(line, '\t').size();
       return head;
     }
     const std::size_t colon = line.find(':');

@@ -46,7 +46,8 @@ struct Waveform {
   }
 };
 
-/// A block of IEEE 488.2, 8.7.9: '#', the number of digits, the digits; #0: to the end.
+/// A block of IEEE 488.2, 8.7.9: '#', the number of digits, the digits; #0 [8.7.10]: to the end,
+/// which a line feed marks.
 struct Block {
   std::uint64_t begin = 0;
   std::uint64_t length = 0;  ///< as announced [bytes]
@@ -59,7 +60,10 @@ Block block_at(const MappedFile& file, std::size_t at) {
   if (digits < 0 || digits > 9)
     throw InputError(file.byte_position(at + 1),
                      "expected the number of digits of the curve's length behind '#'");
-  if (digits == 0) return {first, bytes.size() - std::min(bytes.size(), first)};
+  if (digits == 0) {
+    const std::size_t end = bytes.size() - (bytes.ends_with('\n') ? 1 : 0);
+    return {first, end - std::min(end, first)};
+  }
   const std::string_view written =
       bytes.substr(std::min(bytes.size(), first), static_cast<std::size_t>(digits));
   const auto stated = integer_in(written);

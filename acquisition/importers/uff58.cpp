@@ -256,7 +256,14 @@ class UffRecording final : public RecordingReader {
 
   void set_unit(const UffHeader& header, Channel& channel) {
     channel.unit = header.ordinate.unit;
-    const Quantity stated = uff58_quantity(header.ordinate.type);
+    Quantity stated = uff58_quantity(header.ordinate.type);
+    constexpr int frequency_response = 4, transmissibility = 5;
+    const bool is_ratio =
+        header.function_type == frequency_response || header.function_type == transmissibility;
+    const std::string& below = header.denominator.unit;
+    if (is_ratio) stated = Quantity::unknown;
+    if (is_ratio && !channel.unit.empty() && !below.empty() && below != "NONE")
+      channel.unit = fmt::format("({})/({})", channel.unit, below);
     const auto [known, added] = quantities_.try_emplace(channel.unit, Quantity::unknown);
     if (added) known->second = datasets::quantity_of_unit(channel.unit);
     channel.quantity = known->second;

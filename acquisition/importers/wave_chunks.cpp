@@ -13,6 +13,7 @@ namespace impactrig::acquisition {
 namespace {
 
 constexpr std::uint32_t said_elsewhere = 0xFFFFFFFF;  ///< sizes in RF64
+constexpr std::uint64_t most_said = std::uint64_t{1} << 62;
 /// Longer ones libsndfile does not keep.
 constexpr std::size_t longest_text = 2047;
 constexpr std::size_t most_texts = 256;
@@ -169,6 +170,10 @@ class Finder {
     if (++found_.data_chunks > 1) return chunk.end;
     found_.samples = chunk.at + 8;
     const std::uint64_t rest = bytes_.size() - found_.samples;
+    // of 64 bits the size of the file may be left at 0: it has at least the samples
+    if (chunk.size == said_elsewhere && long_size_.value_or(0) > rest)
+      found_.declared_bytes =
+          std::max(long_file_, found_.samples + std::min(*long_size_, most_said) - 8) + 8;
     const std::uint64_t said =
         chunk.size == said_elsewhere ? long_size_.value_or(rest) : std::uint64_t{chunk.size};
     found_.sample_bytes = std::min(said, rest);

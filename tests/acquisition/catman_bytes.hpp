@@ -47,7 +47,7 @@ struct Catman {
     ByteWriter out;
     out.add(id).add(data_offset);
     text(out, comment);
-    for (int i = 0; i < 32; ++i) text(out, " ");
+    for (int i = 0; id != 5010 && i < 32; ++i) text(out, " ");
     out.add(channels < 0 ? static_cast<std::int16_t>(columns.size()) : channels);
     out.add(longest);
     for (std::size_t i = 0; i < columns.size(); ++i) out.add(std::int32_t{0});
@@ -67,7 +67,8 @@ struct Catman {
       out.add(std::uint8_t{0}).add(std::uint8_t{0}).add(std::uint8_t{1}).add(1.0);
       out.add(std::int16_t{0});
       text(out, column.formula);
-      out.add(std::int32_t{68}).add(std::int16_t{1}).add_text("strain gage", 50).add_text("", 16);
+      if (id > 5011)
+        out.add(std::int32_t{68}).add(std::int16_t{1}).add_text("strain gage", 50).add_text("", 16);
     }
     if (data_offset == 0) out.put(2, static_cast<std::int32_t>(out.size()));
     if (data_offset > 0) out.resize(static_cast<std::size_t>(data_offset));
@@ -90,6 +91,7 @@ inline std::vector<std::string> catman_seeds() {
     for (CatmanColumn& column : file.columns) column.precision = precision;
     file.columns[1].samples[1] = -1000000.0;
     seeds.push_back(file.bytes());
+    file.id = static_cast<std::int16_t>(5010 + precision);
     file.columns[0].interval = 0.0;
     file.columns[0].samples = {0, 1, 7};
     seeds.push_back(file.bytes());

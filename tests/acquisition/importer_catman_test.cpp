@@ -45,6 +45,20 @@ TEST(Catman, IsReadInEveryPrecision) {
   }
 }
 
+// Without the reserved texts and, the first two, without sensors [HBM, catmanread.m].
+TEST(Catman, OfOlderVersionsIsRead) {
+  for (const std::int16_t id : std::vector<std::int16_t>{5010, 5011, 5012}) {
+    Catman file;
+    file.id = id;
+    const Record record = imported(file.bytes());
+    ASSERT_EQ(record.channels.size(), 2U) << id;
+    EXPECT_THAT(record.channels[1].values(), ElementsAre(1.0, 2.0, 3.0)) << id;
+    EXPECT_EQ(record.channels[1].unit, "N") << id;
+    EXPECT_EQ(record.channels[1].attributes.count("sensor"), id == 5012 ? 1U : 0U);
+    EXPECT_THAT(record.warnings, IsEmpty());
+  }
+}
+
 TEST(Catman, OfTwoBytesIsScaledBetweenItsLimits) {
   Catman file;
   file.columns[1].precision = 2;

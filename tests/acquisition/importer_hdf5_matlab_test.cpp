@@ -117,6 +117,44 @@ TEST(ForeignHdf5, FieldsOfSeveralStructuresOfMatlabAreChannels) {
     EXPECT_EQ(warning.find("not read"), std::string::npos) << warning;
 }
 
+/// A line of letters, or several one below the other, in MATLAB's order.
+void letters(const Hdf5File& file, const std::string& path, const std::vector<std::string>& lines) {
+  std::vector<std::uint16_t> codes;
+  for (std::size_t i = 0; i < lines.front().size(); ++i)
+    for (const std::string& line : lines)
+      codes.push_back(static_cast<std::uint16_t>(static_cast<unsigned char>(line[i])));
+  file.data<std::uint16_t>(path, {lines.front().size(), lines.size()}, codes, H5T_NATIVE_UINT16,
+                           H5T_STD_U16LE);
+  file.text(path, "MATLAB_class", "char");
+}
+
+// A matrix of letters, a cell array, and the text of a structure: as of the versions before.
+TEST(ForeignHdf5, TextsOfMatlabNameColumnsAndTheirUnits) {
+  const Hdf5File file(512);
+  std::vector<double> matrix(202);
+  std::iota(matrix.begin(), matrix.end(), 0.0);
+  file.group("/#refs#");
+  letters(file, "/#refs#/a", {"kN"});
+  letters(file, "/#refs#/b", {"mm/s"});
+  for (const char* const structure : {"/lines", "/cells", "/run"}) file.structure(structure);
+  for (const char* const path : {"/lines/data", "/cells/data"}) {
+    file.data<double>(path, {2, 101}, matrix, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE);
+    file.text(path, "MATLAB_class", "double");
+  }
+  letters(file, "/lines/labels", {"force", "speed"});
+  file.references("/cells/units", {2, 1}, {"/#refs#/a", "/#refs#/b"});
+  file.text("/cells/units", "MATLAB_class", "cell");
+  file.matlab("/run/force", std::vector<double>(101, 1.0));
+  letters(file, "/run/unit", {"kN"});
+  const auto record = imported(tests::mat73_bytes(file), {}, ".mat");
+  std::vector<std::string> seen;
+  for (const datasets::Channel& channel : record.channels)
+    seen.push_back(channel.name + " [" + channel.unit + "]");
+  EXPECT_THAT(seen, testing::UnorderedElementsAre("lines.data.force []", "lines.data.speed []",
+                                                  "cells.data:1 [kN]", "cells.data:2 [mm/s]",
+                                                  "run.force [kN]"));
+}
+
 // References are compared with what is there, not followed.
 TEST(ForeignHdf5, FieldsOfMatlabThatAreNoNumbersAreTold) {
   const Hdf5File file(512);

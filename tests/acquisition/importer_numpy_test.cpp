@@ -93,6 +93,19 @@ TEST(NumPy, RecordsAreAChannelAField) {
   EXPECT_THAT(record.warnings, Contains("not read: 'note' (text)"));
 }
 
+// As align=True pads them, and as Python 2 wrote names.
+TEST(NumPy, RecordsMayBePaddedAndTheirNamesPrefixed) {
+  std::string rows;
+  for (int k = 0; k < samples; ++k)
+    rows += little(static_cast<std::int32_t>(k)) + std::string(4, '\x7F') + little(0.5 * k);
+  const Record record = imported(npy("[(u'n', '<i4'), ('', '|V4'), (u'force_N', '<f8')]",
+                                     fmt::format("({},)", samples), rows));
+  EXPECT_THAT(names_and_units(record), ElementsAre("n []", "force_N [N]"));
+  EXPECT_EQ(record.channels[1].value(7), 3.5);
+  for (const std::string& warning : record.warnings)
+    EXPECT_EQ(warning.find("not read"), std::string::npos) << warning;
+}
+
 TEST(NumPy, AnArchiveHasNamesUnitsAndRate) {
   for (const bool packed : {false, true}) {
     std::string data;

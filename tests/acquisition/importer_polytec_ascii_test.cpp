@@ -41,6 +41,16 @@ TEST(PolytecAscii, TakesItsQuantityFromTheUnitOrTheSignal) {
   EXPECT_EQ(odd.channels[0].quantity, Quantity::velocity);
 }
 
+TEST(PolytecAscii, MayHaveTabsAtTheEndsOfItsLines) {
+  const Record record = imported(
+      "Signal:\tTime - Vib Velocity - Samples\t\nTime\tVelocity\t\r\n[ ms ]\t[ mm/s ]\t\r\n"
+      "0\t1.5\t\r\n0.5\t2.5\t\r\n1\t3.5\t\r\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Velocity [mm/s]"));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5, 2.5, 3.5));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.5e-3);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
 TEST(PolytecAscii, MayHaveSeveralColumnsAndDecimalCommas) {
   const Record record = imported(
       "Signal:\tTime - Vib 3D Velocity - Samples\n\nTime\tX\tY\tZ\n[ ms ]\t[ m/s ]\t[ m/s ]\t[ m/s "

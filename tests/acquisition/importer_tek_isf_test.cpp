@@ -98,6 +98,8 @@ TEST(TekIsf, BlockMayBeOfUnknownLengthOrCutOff) {
   Isf file;
   file.block = "#0";
   EXPECT_EQ(imported(file.bytes()).channels.at(0).size(), 3U);
+  EXPECT_EQ(imported(file.bytes() + "\n").channels.at(0).size(), 3U);
+  EXPECT_THAT(imported(file.bytes() + "\n").warnings, testing::IsEmpty());
   file.block = "#220";
   EXPECT_THAT(imported(file.bytes()).warnings,
               ElementsAre("'CH 2': NR_PT announces 3 samples, the curve has 10",

@@ -41,6 +41,21 @@ TEST(Uff58, IsReadWithNameUnitQuantityAndClock) {
   EXPECT_THAT(record.warnings, IsEmpty());
 }
 
+// A mobility is no velocity.
+TEST(Uff58, TheUnitOfAFrequencyResponseHasItsDenominators) {
+  Function function;
+  function.dof.replace(0, 5, "    4");
+  function.abscissa.replace(8, 2, "18");
+  function.abscissa.replace(45, 2, "Hz");
+  function.ordinate = "        12    0    0    0 Acceleration         m/s^2               ";
+  function.denominator = Function{}.ordinate;
+  const Record record = imported(function.text());
+  EXPECT_EQ(record.channels.at(0).unit, "(m/s^2)/(N)");
+  EXPECT_NE(record.channels.at(0).quantity, Quantity::acceleration);
+  function.denominator = Function{}.denominator;
+  EXPECT_EQ(imported(function.text()).channels.at(0).unit, "m/s^2");
+}
+
 // --- Data as text
 // ---------------------------------------------------------------------------------
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -445,6 +446,21 @@ TEST(WavVariants, Bw64IsReadAsRf64) {
   EXPECT_THAT(record.channels.at(0).values(), ElementsAre(0.5, -1));
   EXPECT_EQ(record.provenance.importer, "wav");
   EXPECT_EQ(record.warnings, imported(wav.bytes()).warnings);
+}
+
+TEST(WavVariants, Rf64ThatIsCutIsTold) {
+  WavFile wav;
+  wav.rf64 = true;
+  wav.data = wav.numbers<std::int16_t>({16384, -32768, 0, 8192});
+  const std::string whole = wav.bytes(), bytes = whole.substr(0, whole.size() - 4);
+  EXPECT_THAT(imported(whole).warnings,
+              testing::Not(testing::Contains(HasSubstr("the file is cut"))));
+  const auto record = imported(bytes);
+  EXPECT_THAT(record.channels.at(0).values(), ElementsAre(0.5, -1));
+  EXPECT_THAT(record.warnings, testing::Contains(HasSubstr(fmt::format(
+                                   "the file is cut: its header declares {} bytes, {} are "
+                                   "there",
+                                   whole.size(), bytes.size()))));
 }
 
 TEST(WavVariants, Rf64WhoseRecorderWasStoppedIsRead) {

@@ -32,6 +32,7 @@ struct Function {
   std::string increment = "  1.00000E-03";
   std::string abscissa = "        17    0    0    0 Time                 s                   ";
   std::string ordinate = "        13    0    0    0 Force                N                   ";
+  std::string denominator = "         0    0    0    0 NONE                 NONE                ";
   std::string data = "  1.00000E+00 -2.00000E+00  3.00000E+00\n";
   std::string end = "    -1\n";
 
@@ -39,8 +40,7 @@ struct Function {
     std::string out = "    -1\n" + identifier + "\n" + id1 + "\nNONE\n" + date + "\nNONE\n" + id5 +
                       "\n" + dof + "\n";
     out += fmt::format("{:10}{:10}{:10}{}{}  0.00000E+00\n", type, points, even, start, increment);
-    out += abscissa + "\n" + ordinate + "\n";
-    out += "         0    0    0    0 NONE                 NONE                \n";
+    out += abscissa + "\n" + ordinate + "\n" + denominator + "\n";
     out += "         0    0    0    0 NONE                 NONE                \n";
     return out + data + end;
   }
