@@ -82,8 +82,10 @@ void add_detection_arguments(CLI::App& command, DetectionArguments& arguments) {
       ->check(positive)
       ->group(group);
   command
-      .add_option("--pre-trigger", arguments.pre_trigger,
-                  "Time kept before first touch, whose noise is judged [s]; default 0.5e-3")
+      .add_option(
+          "--pre-trigger", arguments.pre_trigger,
+          "Time kept before first touch, whose noise is judged [s]; default 0.5e-3, of slow or "
+          "filtered channels 200 samples")
       ->check(positive)
       ->group(group);
   command

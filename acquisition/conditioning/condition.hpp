@@ -36,9 +36,16 @@ datasets::Record condition(const datasets::Record& record, const SensorSet& sens
 
 /// How impacts are looked for.
 struct DetectionOptions {
-  double threshold = 0.0;       ///< on the trigger channel [SI]; 0 = from noise and peak
-  double pre_trigger = 0.5e-3;  ///< kept before first touch [s]
-  double post_trigger = 5e-3;   ///< kept after first touch [s]
+  double threshold = 0.0;  ///< on the trigger channel [SI]; 0 = from noise and peak
+  /// Kept before first touch [s]; none: least_pre_trigger, or 200 samples that no filter ties to
+  /// each other of the slowest channel.
+  std::optional<double> pre_trigger{};
+  static constexpr double least_pre_trigger = 0.5e-3;  ///< [s]
+  double post_trigger = 5e-3;                          ///< kept after first touch [s]
+
+  /// Where the channels' rates do not matter [s].
+  double before() const { return pre_trigger.value_or(least_pre_trigger); }
+
   /// Name or index; "" = the first force, else acceleration, else velocity, else displacement.
   std::string trigger_channel{};
   std::optional<std::size_t> trigger_index{};  ///< in place of a name, which may be a number too

@@ -78,8 +78,7 @@ Contact contact_of(const Trace& trace, const Bounce& bounce) {
 std::vector<Contact> find_bounces(const Trace& trace, const DetectionOptions& options) {
   std::vector<Contact> contacts;
   if (trace.values.size() < 32) return contacts;
-  const auto window =
-      static_cast<std::size_t>(std::max(200.0, options.pre_trigger / trace.interval));
+  const auto window = static_cast<std::size_t>(std::max(200.0, options.before() / trace.interval));
   const auto post = static_cast<std::size_t>(options.post_trigger / trace.interval);
   const BendSearch bends(trace.values, trace.valid, trace.interval, grain_of_motion(trace));
   std::size_t floor = 0, earliest = 0;

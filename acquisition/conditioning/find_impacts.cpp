@@ -36,7 +36,7 @@ double as_double(std::size_t n) {
 }
 
 void refuse_senseless(const DetectionOptions& options) {
-  for (const double option : {options.threshold, options.pre_trigger, options.post_trigger})
+  for (const double option : {options.threshold, options.before(), options.post_trigger})
     if (!(option >= 0.0) || !std::isfinite(option))
       throw std::invalid_argument(fmt::format(
           "threshold, pre_trigger and post_trigger must be finite and not negative, not {}",
@@ -353,6 +353,18 @@ bool swapped(const std::vector<const RecordedSignal*>& sources, const DetectionO
   return force != nullptr && velocity != nullptr && look_swapped(*force, *velocity, options);
 }
 
+/// Samples closer together than half a period of what a filter passes tell nothing of their own.
+double usual_pre_trigger(const std::vector<const RecordedSignal*>& sources) {
+  constexpr double samples = 200.0;
+  double slowest = 0.0;
+  for (const RecordedSignal* const source : sources) {
+    slowest = std::max(slowest, source->trace.interval);
+    for (const datasets::SampleFilter& filter : source->filters)
+      slowest = std::max(slowest, 0.5 / filter.pass_band());
+  }
+  return std::max(DetectionOptions::least_pre_trigger, samples * slowest);
+}
+
 }  // namespace
 
 std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& options) {
@@ -374,13 +386,14 @@ std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& o
     }
   }
 
+  const double before = options.pre_trigger.value_or(usual_pre_trigger(sources));
   const bool exchanged = swapped(sources, options);
   const std::vector<datasets::TimeSpan> clipped = noted_clipped(record);
   std::vector<Impact> impacts;
   Window window{0.0, 0.0, -INFINITY};
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const double start = trigger.trace.time(contacts[i].onset);
-    window.begin = std::max(start - options.pre_trigger, window.floor);
+    window.begin = std::max(start - before, window.floor);
     window.end = start + options.post_trigger;
     if (i + 1 < contacts.size())
       window.end = std::min(window.end, trigger.trace.time(contacts[i + 1].onset - 1.0));

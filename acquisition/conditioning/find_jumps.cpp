@@ -69,7 +69,7 @@ class JumpSearch {
         y_(trace.values),
         options_(options),
         grain_(grain_of(y_, trace.valid)),
-        window_(static_cast<std::size_t>(std::max(200.0, options.pre_trigger / trace.interval))),
+        window_(static_cast<std::size_t>(std::max(200.0, options.before() / trace.interval))),
         post_(static_cast<std::size_t>(options.post_trigger / trace.interval)) {
     const double n = as_double(y_.size());
     m_ = static_cast<std::size_t>(

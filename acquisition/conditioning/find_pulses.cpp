@@ -34,7 +34,7 @@ class PulseSearch {
         options_(options),
         grain_(grain_of(y_, trace.valid)),
         gate_(noise_gate(y_.size())),
-        window_(static_cast<std::size_t>(std::max(200.0, options.pre_trigger / trace.interval))) {}
+        window_(static_cast<std::size_t>(std::max(200.0, options.before() / trace.interval))) {}
 
   std::vector<Contact> run();
 
@@ -344,7 +344,7 @@ std::vector<Contact> PulseSearch::run() {
 
 std::optional<QuietSpan> quiet_before(const Trace& trace, double onset, std::size_t floor,
                                       const DetectionOptions& options) {
-  const double window = std::max(200.0, options.pre_trigger / trace.interval);
+  const double window = std::max(200.0, options.before() / trace.interval);
   const double begin = std::max(std::ceil(onset - window), as_double(floor));
   const double end = std::floor(onset - std::max(3.0, 0.05 * (onset - begin)));
   if (end - begin < 8.0 || end > as_double(trace.values.size())) return std::nullopt;

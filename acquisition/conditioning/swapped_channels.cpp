@@ -52,7 +52,7 @@ bool look_swapped(const Trace& force, const Trace& velocity, const DetectionOpti
     return false;
   const double begin = velocity.time(pulse.onset), end = velocity.time(pulse.end);
   const double width = pulse.width * velocity.interval;
-  const std::vector<double> before = between(force, begin - options.pre_trigger, begin - width / 4);
+  const std::vector<double> before = between(force, begin - options.before(), begin - width / 4);
   const std::vector<double> after = between(force, end, end + 3.0 * width);
   if (before.size() < fewest || after.size() < fewest) return false;
   const double level = median(before);

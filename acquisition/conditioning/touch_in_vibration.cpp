@@ -58,8 +58,7 @@ std::optional<Touch> touch_in_vibration(const Trace& force, const Contact& conta
   constexpr double matters = 0.01;  // of the peak
   const std::span<const double> y(force.values);
   const Flank flank = first_flank(y, contact, crossing);
-  const auto window =
-      static_cast<std::size_t>(std::max(200.0, options.pre_trigger / force.interval));
+  const auto window = static_cast<std::size_t>(std::max(200.0, options.before() / force.interval));
   const std::size_t begin = std::max(floor, flank.rise > window ? flank.rise - window : 0);
   if (flank.rise < begin + 16) return std::nullopt;
   const double grain = grain_of(y, force.valid);

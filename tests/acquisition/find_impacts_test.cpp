@@ -210,6 +210,25 @@ TEST(FindImpacts, CutsTheWindowToTheOptionsAndTheRecord) {
   EXPECT_EQ(beyond[0].force->values.size(), at.samples);
 }
 
+// Noise is judged by what lies before touch: 0.5 ms of it are ten samples at 20 kHz, and as few
+// that tell something of their own behind a low-pass.
+TEST(FindImpacts, KeepsMoreBeforeTouchOfSlowAndOfFilteredChannels) {
+  const Sampling slow{.start = -30e-3, .interval = 50e-6, .samples = 1000};
+  const Sampling fast{.start = -30e-3, .interval = 1e-6, .samples = 50000};
+  const auto pulse = [](double t) { return half_sine(t - 0.3e-6, 1500.0, 5.0 * duration); };
+  const auto before = [](const Record& record) {
+    const auto impacts = find_impacts(record);
+    return impacts.at(0).start - impacts.at(0).force->start;
+  };
+  EXPECT_NEAR(before(record_of({force_of(fast, sampled(fast, pulse))})), 0.5e-3, 2e-6);
+  EXPECT_NEAR(before(record_of({force_of(slow, sampled(slow, pulse))})), 10e-3, 100e-6);
+  Record filtered = record_of({force_of(fast, sampled(fast, pulse))});
+  filtered.provenance.edits.push_back({"low-pass, zero phase",
+                                       filtered.channels[0].name,
+                                       {{"cutoff", "20000 Hz"}, {"order", "4"}}});
+  EXPECT_NEAR(before(filtered), 5e-3, 2e-6);
+}
+
 TEST(FindImpacts, CutsChannelsOfDifferentClocksToTheSameWindow) {
   const Sampling fast, slow{.start = -0.99987e-3, .interval = 4e-6, .samples = 1000};
   const auto impacts = find_impacts(
