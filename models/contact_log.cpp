@@ -157,7 +157,7 @@ void ContactLog::conclude(double t, double damped, const BeamEnergy& energy,
                                 : std::numeric_limits<double>::quiet_NaN();
   if (result_.episodes.empty() || result_.episodes.front().open) {
     const double unknown = std::numeric_limits<double>::quiet_NaN();
-    result_.restitution = {rig_.contact.restitution, unknown, unknown, unknown};
+    result_.restitution = {result_.restitution.law, unknown, unknown, unknown};
   }
   warn_of_imbalance(accuracy_, result_);
   if (grazing_ > 0) tell_grazing();

@@ -41,10 +41,14 @@ KeyNumber parameter_tile(const fitting::Fit& fit, const std::string& label, cons
   const double error = std::isfinite(parameter->std_error) ? parameter->std_error : 0.0;
   const double coarse = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
   const double shown_error = value != 0.0 ? std::max(error, coarse) : error;
-  return {label, to_precision_of(value, shown_error, shown), shown.text,
-          has_interval(parameter->ci95)
-              ? "95 %: " + interval_text(parameter->ci95, shown_error, shown)
-              : no_interval(*parameter)};
+  KeyNumber number{label, to_precision_of(value, shown_error, shown), shown.text,
+                   no_interval(*parameter)};
+  if (!has_interval(parameter->ci95)) return number;
+  const double half = 0.5 * (parameter->ci95[1] - parameter->ci95[0]);
+  number.note = half < coarse  // both ends would round to the value
+                    ? "95 %: ± " + quantity(half, unit, 2)
+                    : "95 %: " + interval_text(parameter->ci95, shown_error, shown);
+  return number;
 }
 
 /// "predicted 1572 N (−0.6 %)".
@@ -101,10 +105,23 @@ double first_impulse(const models::Simulation& run) {
   return run.episodes.empty() ? std::nan("") : run.episodes.front().impulse;
 }
 
+/// What the contact's damping law goes by; of none at all what comes of it.
+KeyNumber damping_tile(const fitting::Fit& fit) {
+  const models::Contact& contact = fit.rig.rig.contact;
+  if (contact.viscous)
+    return parameter_tile(fit, "Contact damping", "contact.viscous", *contact.viscous, "N s/m");
+  if (contact.relaxation_time)
+    return parameter_tile(fit, "Relaxation time of the contact", "contact.relaxation_time",
+                          *contact.relaxation_time, "s");
+  if (contact.takes_restitution())
+    return parameter_tile(fit, "Restitution e of the contact law", "contact.restitution",
+                          contact.restitution, "1");
+  return {"Contact damping", "none", "", "the law dissipates nothing"};
+}
+
 std::string html_shared_tiles(const fitting::Fit& fit) {
   const models::Rig& rig = fit.rig.rig;
-  return html_key_number(parameter_tile(fit, "Restitution e of the contact law",
-                                        "contact.restitution", rig.contact.restitution, "1")) +
+  return html_key_number(damping_tile(fit)) +
          html_key_number(parameter_tile(fit, "Contact stiffness factor", "contact.stiffness_factor",
                                         rig.contact.stiffness_factor, "1"));
 }

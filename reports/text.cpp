@@ -261,16 +261,22 @@ std::string to_text(const models::Simulation& s, const models::Rig& rig) {
   text += rig.has_stop() ? contact_text(s, rig.contact)
                          : fmt::format("free swing        {:.6g} s\n", s.duration);
   const double whole = s.energy.initial;
+  const auto percent = [whole](double energy) {
+    const double part = 100.0 * energy / whole;
+    return std::abs(part) < 0.005 ? 0.0 : part;  // no "-0.00"
+  };
   text += fmt::format(
-      "energy            {:.5g} J: {:.2f} % lost in the contact, {}{:.2f} % in vibration, {:.2f} % "
+      "energy            {:.5g} J: {:.2f} % lost in the contact, {}{:.2f} % in vibration, {}{:.2f} "
+      "% "
       "in rotation; "
       "imbalance {:.1e}\n",
       whole, 100.0 * s.energy.dissipated / whole,
       s.energy.damped > 0.0
           ? fmt::format("{:.2f} % damped in bar, hinge and stop, ", 100.0 * s.energy.damped / whole)
           : "",
-      100.0 * s.energy.vibration / whole, 100.0 * s.energy.rigid_rotation / whole,
-      s.energy.imbalance);
+      percent(s.energy.vibration),
+      s.energy.stop != 0.0 ? fmt::format("{:.2f} % in the stop, ", percent(s.energy.stop)) : "",
+      100.0 * s.energy.rigid_rotation / whole, s.energy.imbalance);
   if (s.energy.driven != 0.0)
     text += fmt::format("driven            {:.6g} J by what turns the hinge\n", s.energy.driven);
   text += fmt::format("cost              {} steps, {} rejected, {} evaluations, {:.3g} ms\n",

@@ -379,6 +379,37 @@ TEST(Verdict, MentionsClippingAndBounds) {
   EXPECT_THAT(sentence, HasSubstr("One parameter cannot be told from these data."));
 }
 
+// The first tile is of what the law goes by.
+TEST(Page, HeadsWithWhatTheDampingLawGoesBy) {
+  reports::ReportData data = tests::example_report();
+  const auto heads = [&](const char* text) {
+    const std::string page = reports::to_html(data);
+    const std::size_t strip = page.find("<dl class=\"strip");
+    return has(page.substr(strip, page.find("</dl>", strip) - strip), text);
+  };
+  EXPECT_TRUE(heads("Restitution e of the contact law"));
+  models::Contact& contact = data.fit.rig.rig.contact;
+  contact.damping = "viscous";
+  contact.viscous = 300.0;
+  EXPECT_FALSE(heads("Restitution e of the contact law"));
+  EXPECT_TRUE(heads("Contact damping</dt><dd><b>300.0</b>"));
+  contact.viscous.reset();
+  contact.damping = "none";
+  EXPECT_TRUE(heads("the law dissipates nothing"));
+}
+
+// Closer than the digits of the value.
+TEST(Page, StatesANarrowIntervalByItsHalfWidth) {
+  reports::ReportData data = tests::example_report();
+  for (fitting::Parameter& p : data.fit.parameters)
+    if (p.name == "contact.stiffness_factor") {
+      p.value = 1.0;
+      p.std_error = 1e-5;
+      p.ci95 = {1.0 - 2e-5, 1.0 + 2e-5};
+    }
+  EXPECT_TRUE(has(visible(reports::to_html(data)), "95 %: ± 2"));
+}
+
 // The invented record's kinetic restitution is four standard errors off, the others are not.
 TEST(Page, SetsTheModelAgainstWhatTheRecordShowsWithoutOne) {
   reports::ReportData data = tests::example_report();

@@ -151,4 +151,20 @@ TEST(RestitutionText, SaysWhereTheLawTakesNone) {
   expect_unused();
 }
 
+// Of a stop that gives way some of it is there.
+TEST(Text, EnergyIsAllAccountedFor) {
+  models::Simulation run = tests::example_report().fit.predictions.front();
+  run.energy = {.initial = 2.0,
+                .dissipated = 0.4,
+                .damped = 0.2,
+                .stop = 0.6,
+                .rigid_rotation = 0.8,
+                .vibration = -1e-9};
+  EXPECT_THAT(
+      reports::to_text(run, tests::example_report().fit.rig.rig),
+      testing::HasSubstr("2 J: 20.00 % lost in the contact, 10.00 % damped in bar, hinge and "
+                         "stop, 0.00 % in vibration, 30.00 % in the stop, 40.00 % in "
+                         "rotation; "));
+}
+
 }  // namespace
