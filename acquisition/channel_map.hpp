@@ -49,7 +49,7 @@ std::unique_ptr<RecordingReader> mapped(std::unique_ptr<RecordingReader> reader,
 
 /// A map of a recording's channels as a file to be completed, with a comment for each key. It holds
 /// as it is: what does not fit a channel's unit is a comment. Where the record has its samples, the
-/// polarity is what the first impact shows: the contact presses and the bar comes closer.
+/// polarity is what the largest impact shows: the contact presses and the bar comes closer.
 std::string suggested_map(const datasets::Record& record);
 
 /// What to state as the unit where a mass in kg is recorded and a force ("kgf") or an acceleration

@@ -6,11 +6,15 @@
 #include <exception>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "acquisition/channel_map.hpp"
+#include "acquisition/conditioning/background.hpp"
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/conditioning/samples.hpp"
+#include "acquisition/importers/column_heads.hpp"
 
 namespace impactrig::acquisition {
 
@@ -49,11 +53,14 @@ std::string which(const Record& record, std::size_t index) {
 }
 
 /// Comments for what is to be stated of volts and coulombs, and of what may be either.
-std::string electrical(std::string_view unit) {
-  const std::string example = sensitivity_example(unit, Quantity::force);
-  std::string text = "# role = \"force\"\n";
-  text += fmt::format("# sensitivity = \"{}\"\n", example.empty() ? "2.25 mV/N" : example);
-  if (datasets::conversion(unit, "V"))
+std::string electrical(std::string_view name, std::string_view unit) {
+  const Quantity named = quantity_of_first_word(name);
+  const Quantity quantity = named == Quantity::unknown ? Quantity::force : named;
+  std::string example = sensitivity_example(unit, quantity);
+  if (example.empty()) example = sensitivity_example("V", quantity);
+  std::string text = fmt::format("# role = {}\n", in_quotes(datasets::name(quantity)));
+  text += fmt::format("# sensitivity = \"{}\"\n", example);
+  if (quantity == Quantity::force && datasets::conversion(unit, "V"))
     text += "# sensitivity = \"4 pC/N\"  # behind a charge amplifier of\n# gain = \"1 mV/pC\"\n";
   return text;
 }
@@ -66,39 +73,41 @@ std::string what(const Channel& channel) {
       channel.quantity == Quantity::voltage || channel.quantity == Quantity::charge;
   const bool is_physical = !si.empty() && !is_electrical;
   if (channel.unit.starts_with("FS"))
-    return "# full_scale = \"10 V\"  # the file holds parts of full scale\n" + electrical("");
+    return "# full_scale = \"10 V\"  # the file holds parts of full scale\n" +
+           electrical(channel.name, "");
   if (channel.unit.empty())
     return is_physical ? fmt::format("# unit = \"{}\"  # the file states none\n# {}", si, role)
-                       : "# unit = \"V\"  # the file states none\n" + electrical("");
+                       : "# unit = \"V\"  # the file states none\n" + electrical(channel.name, "");
   const std::string unit = fmt::format("unit = {}", in_quotes(channel.unit));
   if (!unit_of_weight(channel.unit, Quantity::force).empty())
     return unit +
            "  # a mass; \"kgf\" where its weight is meant, \"kilo-g\" for 1000 g\n# role = "
            "\"force\"\n";
   if (is_physical && datasets::conversion(channel.unit, si)) return unit + "\n" + role;
-  if (is_electrical) return unit + "\n" + electrical(channel.unit);
+  if (is_electrical) return unit + "\n" + electrical(channel.name, channel.unit);
   const bool understood = datasets::quantity_of_unit(channel.unit) != Quantity::unknown;
   return unit + (understood ? "\n" : "  # not understood: state another\n") +
-         (is_physical ? "# " + role : electrical(""));
+         (is_physical ? "# " + role : electrical(channel.name, ""));
 }
 
-/// The first impact that a record's channels show as they stand.
-std::optional<datasets::Impact> first_impact(const Record& record) {
+/// The impact that its trigger shows most of, of the channels as they stand.
+std::optional<datasets::Impact> largest_impact(const Record& record) {
   try {
     std::vector<datasets::Impact> impacts = find_impacts(record);
-    if (!impacts.empty()) return std::move(impacts.front());
+    const auto size = [](const datasets::Impact& impact) { return std::abs(impact.peak); };
+    const auto largest = std::ranges::max_element(impacts, {}, size);
+    if (largest != impacts.end()) return std::move(*largest);
   } catch (const std::exception&) {
     // no clock, no unit, nothing in it: the draft says nothing of polarity
   }
   return std::nullopt;
 }
 
-/// The value furthest from 0 between touch and the end of the contact.
-double largest_in_contact(const datasets::Impact& impact, const datasets::ImpactSignal& signal) {
+/// The value furthest from 0 from touch on, further contacts included.
+double largest_from_touch(const datasets::Impact& impact, const datasets::ImpactSignal& signal) {
   double largest = 0.0;
   for (std::size_t i = 0; i < signal.values.size(); ++i)
-    if (signal.time(i) >= impact.start && signal.time(i) <= impact.end &&
-        std::abs(signal.values[i]) > std::abs(largest))
+    if (signal.time(i) >= impact.start && std::abs(signal.values[i]) > std::abs(largest))
       largest = signal.values[i];
   return largest;
 }
@@ -120,7 +129,7 @@ double sense_in(const datasets::Impact& impact, const Channel& channel) {
   };
   switch (channel.quantity) {
     case Quantity::force:
-      return told(impact.force, impact.force ? largest_in_contact(impact, *impact.force) : 0.0);
+      return told(impact.force, impact.force ? largest_from_touch(impact, *impact.force) : 0.0);
     case Quantity::velocity:
       return told(impact.velocity, impact.approach_velocity);
     case Quantity::displacement:
@@ -131,25 +140,37 @@ double sense_in(const datasets::Impact& impact, const Channel& channel) {
   }
 }
 
-/// Of volts and such, whose role is not known: how far the value furthest from the usual is below.
-double departure_below(const Channel& channel) {
+/// Of volts and such, whose role is not known: how far below the usual a pulse in it goes; 0 where
+/// it shows none, as a velocity does that is another one afterwards.
+double pulse_below(const Channel& channel) {
+  constexpr double seen = 0.2, most = 0.1;  // of the pulse's height, of the samples
   std::vector<double> values;
   if (!channel.complex()) values = channel.values();
   std::erase_if(values, [](double value) { return !std::isfinite(value); });
-  return values.empty() ? 0.0 : std::max(0.0, -largest_departure(values));
+  if (values.empty()) return 0.0;
+  const double departure = largest_departure(values);
+  const double usual = median(values);
+  const auto away = std::ranges::count_if(
+      values, [&](double value) { return std::abs(value - usual) > seen * std::abs(departure); });
+  const bool is_pulse = static_cast<double>(away) < most * static_cast<double>(values.size());
+  return is_pulse ? std::max(0.0, -departure) : 0.0;
 }
 
 std::string polarity(const Channel& channel, const std::optional<datasets::Impact>& impact) {
   const bool is_force = channel.quantity == Quantity::force;
   const bool is_told = is_force || channel.quantity == Quantity::velocity ||
                        channel.quantity == Quantity::displacement;
-  if (is_told && impact && sense_in(*impact, channel) < 0.0)
+  const double sense = is_told && impact ? sense_in(*impact, channel) : 0.0;
+  if (sense < 0.0)
     return fmt::format("polarity = -1  # in the impact at {:.6g} s {}\n", impact->start,
                        is_force ? "it pulls; what presses counts positive"
                                 : "the bar moves away; closer counts positive");
-  const double below = is_told ? 0.0 : departure_below(channel);
-  if (!(below > 0.0)) return "# polarity = -1\n";
-  return fmt::format("# polarity = -1  # what is furthest from the usual is {:.4g} {} below\n",
+  if (sense > 0.0)
+    return fmt::format("# polarity = 1  # as the impact at {:.6g} s shows it\n", impact->start);
+  if (is_told) return "# polarity = -1  # where it is upside down: no impact tells it here\n";
+  const double below = pulse_below(channel);
+  if (!(below > 0.0)) return "# polarity = -1  # where it is upside down\n";
+  return fmt::format("# polarity = -1  # as a pulse would ask for that goes {:.4g} {} down\n",
                      below, on_one_line(channel.unit));
 }
 
@@ -170,7 +191,7 @@ std::string suggested_map(const Record& record) {
   for (const std::string& warning : record.warnings)
     text += fmt::format("# warning: {}\n", on_one_line(warning));
   text += "others = \"drop\"  # or \"keep\": channels that are not named here\n";
-  const std::optional<datasets::Impact> impact = first_impact(record);
+  const std::optional<datasets::Impact> impact = largest_impact(record);
   for (std::size_t i = 0; i < record.channels.size(); ++i)
     text += "\n[[channels]]\n" + which(record, i) + what(record.channels[i]) +
             polarity(record.channels[i], impact) + "# delay = \"0(1) us\"\n";

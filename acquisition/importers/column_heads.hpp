@@ -50,4 +50,8 @@ bool is_time_name(std::string_view name);
 /// ASCII letters in lower case.
 std::string lowered(std::string_view text);
 
+/// What the letters that a name begins with say it is ("velocity_tip", "Kraft 1"), in English or
+/// German; unknown where they are no such word.
+datasets::Quantity quantity_of_first_word(std::string_view name);
+
 }  // namespace impactrig::acquisition

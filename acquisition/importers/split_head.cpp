@@ -54,17 +54,12 @@ constexpr auto quantity_words = std::to_array<QuantityWord>({
 std::string unit_of_name(std::string_view text) {
   constexpr std::size_t longest = 100;
   if (text.size() > longest) return {};
-  const std::string name = lowered(text);
-  const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
-  const auto letters = std::ranges::find_if_not(name, is_letter) - name.begin();
-  const std::string_view first =
-      std::string_view(name).substr(0, static_cast<std::size_t>(letters));
-  const auto word = std::ranges::find(quantity_words, first, &QuantityWord::word);
-  if (word == quantity_words.end()) return {};
+  const Quantity quantity = quantity_of_first_word(text);
+  if (quantity == Quantity::unknown) return {};
   for (std::size_t line = text.find('_'); line != text.npos; line = text.find('_', line + 1)) {
     std::string unit(text.substr(line + 1));
     std::ranges::replace(unit, '_', '/');
-    if (datasets::quantity_of_unit(unit) == word->quantity) return unit;
+    if (datasets::quantity_of_unit(unit) == quantity) return unit;
   }
   return {};
 }
@@ -177,6 +172,16 @@ std::string one_line(std::string_view cell) {
 }
 
 }  // namespace
+
+Quantity quantity_of_first_word(std::string_view text) {
+  const std::string name = lowered(text);
+  const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
+  const auto letters = std::ranges::find_if_not(name, is_letter) - name.begin();
+  const std::string_view first =
+      std::string_view(name).substr(0, static_cast<std::size_t>(letters));
+  const auto word = std::ranges::find(quantity_words, first, &QuantityWord::word);
+  return word == quantity_words.end() ? Quantity::unknown : word->quantity;
+}
 
 std::string_view without_channel(std::string_view value) {
   const std::size_t colon = value.find(':');
