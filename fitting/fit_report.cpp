@@ -113,7 +113,7 @@ ChannelFit channel_fit(const Shot& shot, const FittedChannel& channel, double to
   out.quantity = datasets::name(signal.quantity);
   out.channel = signal.channel;
   out.unit = datasets::si_unit(signal.quantity);
-  if (channel.noise_known) out.noise = std::max(signal.noise, signal.quantum / std::sqrt(12.0));
+  if (channel.noise_known) out.noise = std::max(signal.noise, least_noise(signal));
   out.measured = signal.values;
   out.model = shot.cost->model_values(channel);
   out.every = channel.every;

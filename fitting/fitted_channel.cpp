@@ -9,6 +9,17 @@
 
 namespace impactrig::fitting {
 
+bool within_steps(const datasets::ImpactSignal& signal) {
+  constexpr double reaching = 0.6;  // of a step
+  return signal.noise < reaching * signal.quantum;
+}
+
+double least_noise(const datasets::ImpactSignal& signal) {
+  constexpr double hidden = 0.25;  // of a step
+  const double step = signal.quantum / std::sqrt(12.0);
+  return within_steps(signal) ? std::hypot(step, hidden * signal.quantum) : step;
+}
+
 FittedChannel weigh(const datasets::Impact& impact, const datasets::ImpactSignal& signal,
                     double mains_frequency) {
   FittedChannel channel;
@@ -16,7 +27,7 @@ FittedChannel weigh(const datasets::Impact& impact, const datasets::ImpactSignal
   channel.measured = signal.values;
   channel.sound = sound_samples(signal);
   channel.every = every_of(signal);
-  double sigma = std::max(signal.noise, signal.quantum / std::sqrt(12.0));
+  double sigma = std::max(signal.noise, least_noise(signal));
   double largest = 0.0;
   for (const double value : signal.values)
     largest = std::max(largest, std::isfinite(value) ? std::abs(value) : 0.0);
@@ -24,7 +35,7 @@ FittedChannel weigh(const datasets::Impact& impact, const datasets::ImpactSignal
     const double quiet_end =
         impact.start - std::max(5.0 * signal.interval, margin_part * (impact.end - impact.start));
     channel.noise = quiet_noise(signal, channel.sound, channel.every, quiet_end, mains_frequency,
-                                sigma, signal.quantum / std::sqrt(12.0));
+                                sigma, least_noise(signal));
     return channel;
   }
   sigma = unseen_noise * (largest > 0.0 ? largest : 1.0);

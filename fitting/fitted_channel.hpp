@@ -38,6 +38,14 @@ struct Measurement {
   double shift = 0.0;  ///< first touch as this channel shows it, on the record's axis [s]
 };
 
+/// Whether the noise does not reach from one step of the digitiser to the next, so that samples in
+/// a row stay on one.
+bool within_steps(const datasets::ImpactSignal& signal);
+
+/// The least standard deviation of a sample, by the digitiser's step [SI]: of noise within steps
+/// that of a step and of what noise they may hide.
+double least_noise(const datasets::ImpactSignal& signal);
+
 /// A channel of an impact with the noise that it shows before the trigger, hum of the mains'
 /// frequency [Hz] apart; where it shows none, with `unseen_noise`.
 FittedChannel weigh(const datasets::Impact& impact, const datasets::ImpactSignal& signal,

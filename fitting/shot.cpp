@@ -4,8 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <limits>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "fitting/filtered_samples.hpp"
 
@@ -17,6 +21,30 @@ using datasets::ImpactFlag;
 using datasets::ImpactSignal;
 
 constexpr double margin_least = 20e-6;  // [s]
+
+/// Where the noise does not reach from one step of the digitiser to the next, samples that stay on
+/// a step say the same, that the signal is somewhere on it: of so many or more in a row the middle
+/// one is taken for all.
+constexpr std::size_t least_on_a_step = 4;
+
+void take_steps_once(FittedChannel& channel) {
+  const ImpactSignal& signal = *channel.signal;
+  if (!within_steps(signal) || channel.every > 1) return;
+  std::vector<std::size_t> taken;
+  const std::vector<std::size_t>& used = channel.used;
+  for (std::size_t begin = 0, end = 0; begin < used.size(); begin = end) {
+    while (end < used.size() && used[end] - used[begin] == end - begin &&
+           std::abs(channel.measured[used[end]] - channel.measured[used[begin]]) <
+               0.5 * signal.quantum)
+      ++end;
+    if (end - begin < least_on_a_step)
+      taken.insert(taken.end(), used.begin() + static_cast<std::ptrdiff_t>(begin),
+                   used.begin() + static_cast<std::ptrdiff_t>(end));
+    else
+      taken.push_back(used[(begin + end) / 2]);
+  }
+  channel.used = std::move(taken);
+}
 
 double ceiling_of(const Impact& impact, const ImpactSignal& signal) {
   const bool told_by_flag_alone = impact.has(ImpactFlag::clipped) && signal.valid.empty() &&
@@ -44,6 +72,7 @@ void choose_samples(Shot& shot, double contacts, bool one_by_one) {
       if (signal.time(k) <= shot.impact->start + window && channel.sound[k] &&
           (signal.values[k] < ceiling || !clipped))
         channel.used.push_back(k);
+    take_steps_once(channel);
   }
 }
 
