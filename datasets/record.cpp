@@ -91,6 +91,16 @@ const Channel* Record::find(std::string_view name_or_index) const {
   const auto other = std::ranges::find_if(channels, linked);
   if (other != channels.end()) return &*other;
 
+  // "Force" of "/shot/Force", where no other ends so
+  const auto ends_so = [&](const Channel& channel) {
+    const std::size_t slash = channel.name.rfind('/');
+    return slash != std::string::npos &&
+           equal_without_case(std::string_view(channel.name).substr(slash + 1), name_or_index);
+  };
+  const auto leaf = std::ranges::find_if(channels, ends_so);
+  if (leaf != channels.end() && std::find_if(leaf + 1, channels.end(), ends_so) == channels.end())
+    return &*leaf;
+
   std::size_t index = 0;
   const char* const last = name_or_index.data() + name_or_index.size();
   const auto [end, error] = std::from_chars(name_or_index.data(), last, index);

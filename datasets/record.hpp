@@ -109,8 +109,8 @@ struct Record {
 
   /// The channel of that name (the first that has it exactly, else the only one that matches
   /// without regard to case), of that name in the group that its attribute "group" states
-  /// ("Impacts/Force"), of one of the names of its attribute other_names, or of that index from 0
-  /// ("2"); null when there is none.
+  /// ("Impacts/Force"), of a name of its attribute other_names, the only one that ends so behind a
+  /// slash ("Force" of "/shot/Force"), or of that index from 0 ("2"); null when there is none.
   const Channel* find(std::string_view name_or_index) const;
 };
 

@@ -103,6 +103,9 @@ TEST(ImcRaw, BuffersAreEvents) {
   EXPECT_EQ(record.channels[1].clock.start, 0.75);
   EXPECT_EQ(record.channels[1].attributes.at("add time"), "60 s");
   EXPECT_EQ(record.channels[1].attributes.at("trigger time"), "2022-04-12T13:32:46.5");
+  EXPECT_THAT(record.warnings,
+              testing::Contains(testing::StartsWith("channels have different trigger times")));
+  EXPECT_THAT(imported(ImcRaw{}.bytes()).warnings, testing::IsEmpty());
 }
 
 TEST(ImcRaw, BuffersOfOneEventAreOneRecord) {

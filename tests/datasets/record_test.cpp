@@ -69,6 +69,16 @@ TEST(Record, FindsAChannelWithoutRegardToCaseWhereOnlyOneMatches) {
   EXPECT_EQ(record.find("FORCE"), nullptr);
 }
 
+TEST(Record, FindsAChannelOfAGroupByWhereItsNameEndsWhereOnlyOneDoes) {
+  Record record;
+  for (const char* name : {"/Force", "/a/speed", "/b/speed", "/a/Way"})
+    record.channels.push_back(channel_named(name));
+  EXPECT_EQ(record.find("force"), &record.channels[0]);
+  EXPECT_EQ(record.find("Way"), &record.channels[3]);
+  EXPECT_EQ(record.find("speed"), nullptr);
+  EXPECT_EQ(record.find("a/speed"), nullptr);
+}
+
 TEST(Record, FindsAChannelByItsIndex) {
   Record record;
   for (const char* name : {"a", "b"}) record.channels.push_back(channel_named(name));
