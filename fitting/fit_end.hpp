@@ -15,10 +15,10 @@ inline constexpr double misfit = 1.25;
 
 /// What is known of a problem's parameters where its search ended.
 struct FitEnd {
-  Eigen::VectorXd residuals;   ///< of data and priors
-  Eigen::MatrixXd jacobian;    ///< of these by the unknowns; 0 where one does nothing to the data
-  Uncertainty spread;          ///< of the unknowns, in their order
-  double inflation = 1.0;      ///< of all standard errors, where the residuals exceed the noise
+  Eigen::VectorXd residuals;  ///< of data and priors
+  Eigen::MatrixXd jacobian;   ///< of these by the unknowns; 0 where one does nothing to the data
+  Uncertainty spread;         ///< of the unknowns, in their order
+  double inflation = 1.0;     ///< of all standard errors, where the residuals exceed the noise
   /// Of the unknowns, as far as mesh_room goes; empty where there is none, or none known.
   Eigen::VectorXd mesh_shift;
   bool mesh_known = true;  ///< false: it could not be estimated

@@ -181,32 +181,37 @@ FitOptions free_damper() {
   return options;
 }
 
-// The mean of 16 pulls is 0 ± 0.25 and their variance 1 ± 0.35; bounds at four of those. With the
-// jump drawn as a ramp from sample to sample means were -17 without, and -3.2 with a high cut.
-TEST(JumpingForce, OfAClosedFormIsFittedWithoutBias) {
+/// The mean of 16 pulls is 0 ± 0.25 and their variance 1 ± 0.35; bounds at four of those.
+template <typename Shot>
+void expect_unbiased(const RigFile& rig, const Shot& shot_of) {
   constexpr int shots = 16;
+  double sum = 0.0, squares = 0.0;
+  for (std::uint64_t seed = 1; seed <= shots; ++seed) {
+    const Fit result = fit({shot_of(seed)}, rig, free_damper());
+    ASSERT_EQ(result.termination, "converged");
+    const double p = pull(result, "contact.viscous", viscous);
+    sum += p;
+    squares += p * p;
+  }
+  EXPECT_NEAR(sum / shots, 0.0, 1.0);
+  EXPECT_NEAR(squares / shots, 1.0, 1.4);
+}
+
+// With the jump drawn as a ramp from sample to sample means were -17 without, and -3.2 with a high
+// cut.
+TEST(JumpingForce, OfAClosedFormIsFittedWithoutBias) {
   for (const double high_cut : {0.0, 100e3, 20e3}) {
     SCOPED_TRACE(high_cut);
     const std::string cut =
         high_cut > 0.0 ? "high_cut = \"" + std::to_string(high_cut) + " Hz\"\n" : "";
-    const RigFile rig = parse_rig_file(sprung_rig + cut, "rig.toml");
-    double sum = 0.0, squares = 0.0;
-    for (std::uint64_t seed = 1; seed <= shots; ++seed) {
-      const Fit result = fit({shot(high_cut, seed)}, rig, free_damper());
-      ASSERT_EQ(result.termination, "converged");
-      const double p = pull(result, "contact.viscous", viscous);
-      sum += p;
-      squares += p * p;
-    }
-    EXPECT_NEAR(sum / shots, 0.0, 1.0);
-    EXPECT_NEAR(squares / shots, 1.0, 1.4);
+    expect_unbiased(parse_rig_file(sprung_rig + cut, "rig.toml"),
+                    [&](std::uint64_t seed) { return shot(high_cut, seed); });
   }
 }
 
-// Filters of samples that were taken beside a jump: the same bounds. With a prediction filtered as
-// if it had been sampled at all times the mean square was 5 to 300.
+// Filters of samples that were taken beside a jump. With a prediction filtered as if it had been
+// sampled at all times the mean square was 5 to 300.
 TEST(JumpingForce, ThroughFiltersIsFittedWithoutBias) {
-  constexpr int shots = 16;
   const std::vector<std::vector<datasets::SampleFilter>> kinds{
       {{datasets::LowPass{20e3, 4}, 1e-6}},
       {{datasets::LowPass{150e3, 4}, 1e-6}},
@@ -214,16 +219,8 @@ TEST(JumpingForce, ThroughFiltersIsFittedWithoutBias) {
   const RigFile rig = parse_rig_file(sprung_rig, "rig.toml");
   for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
     SCOPED_TRACE(kind);
-    double sum = 0.0, squares = 0.0;
-    for (std::uint64_t seed = 1; seed <= shots; ++seed) {
-      const Fit result = fit({filtered(shot(0.0, seed), kinds[kind])}, rig, free_damper());
-      ASSERT_EQ(result.termination, "converged");
-      const double p = pull(result, "contact.viscous", viscous);
-      sum += p;
-      squares += p * p;
-    }
-    EXPECT_NEAR(sum / shots, 0.0, 1.0);
-    EXPECT_NEAR(squares / shots, 1.0, 1.4);
+    expect_unbiased(rig,
+                    [&](std::uint64_t seed) { return filtered(shot(0.0, seed), kinds[kind]); });
   }
 }
 
