@@ -236,11 +236,12 @@ bool FitSearch::same_place(const std::vector<double>& a, const std::vector<doubl
   return true;
 }
 
-/// Somewhere in what is predicted of it.
+/// At first touch, in what is predicted of it.
 bool FitSearch::force_jumps(const Shot& shot) const {
   if (!shot.impact->force) return false;
   const Shown shown = shot.model->predict(shot.cost->rig(), shot.model->chains());
-  return shown.force && !shown.force->jumps.empty();
+  return shown.force && !shown.force->jumps.empty() &&
+         std::abs(shown.force->jumps.front().time) < shown.force->interval;
 }
 
 /// Searches from a touch that is later by so much [s], which is held until all else has followed
