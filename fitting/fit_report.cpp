@@ -220,10 +220,8 @@ std::string advice_on_stated_mesh(const FitEnd& end, double reduced, const RigFi
   if (!(reduced > misfit && end.mesh_misfit > seen) || rig.mesh_chosen) return "";
   return fmt::format(
       " The residuals show it: what that mesh changes besides is {} times as large as they are, "
-      "and "
-      "the numbers may be further off than the intervals say. Leave {} out of the rig file: ANCF "
-      "on "
-      "a mesh that the data ask for is taken then.",
+      "and the numbers may be further off than the intervals say. Leave {} out of the rig file: "
+      "ANCF on a mesh that the data ask for is taken then.",
       datasets::figures(end.mesh_misfit, 2),
       rig.solver.model == models::BeamModel::ancf ? "solver.elements"
                                                   : "solver.model and solver.modes");
@@ -240,8 +238,7 @@ void warn_of_mesh(const FitEnd& end, double reduced, Fit& fit) {
   const models::Solver finer = models::refined(fit.rig.solver);
   fit.warnings.push_back(fmt::format(
       "The mesh is coarser than the data are good: one twice as fine{} would move {}. The "
-      "intervals "
-      "were widened by that; with {} they would be narrower.{}",
+      "intervals were widened by that; with {} they would be narrower.{}",
       end.mesh_room < 1.0 ? ", as far as the residuals have room for it," : "", shifts,
       finer.model == models::BeamModel::ancf
           ? fmt::format("solver.elements = [{}, {}]", finer.elements[0], finer.elements[1])

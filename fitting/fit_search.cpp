@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "fitting/all_cores.hpp"
 #include "fitting/fit_end.hpp"
@@ -250,11 +251,17 @@ bool FitSearch::moves_touch(std::size_t touch, double by) {
   constexpr double clearly = 1.0 - 1e-6;
   const double reached = reduced(last_);
   const double found = try_again(clearly * reached, [&] {
+    const Variable& v = problem_.variables()[touch];
     std::vector<double> values = problem_.values();
     values[touch] += by;
+    if (values[touch] < v.lower || values[touch] > v.upper) return whole;
     problem_.set_values(values);
-    iterations_ += problem_.search(last_search, {touch}).iterations;
-    return pass(last_search, whole);
+    try {
+      iterations_ += problem_.search(last_search, {touch}).iterations;
+      return pass(last_search, whole);
+    } catch (const std::runtime_error&) {
+      return whole;  // what cannot be predicted there fits no better
+    }
   });
   return found < clearly * reached;
 }

@@ -45,7 +45,7 @@ KeyNumber parameter_tile(const fitting::Fit& fit, const std::string& label, cons
                    no_interval(*parameter)};
   if (!has_interval(parameter->ci95)) return number;
   const double half = 0.5 * (parameter->ci95[1] - parameter->ci95[0]);
-  number.note = half < coarse  // both ends would round to the value
+  number.note = half < 0.05 * coarse  // both ends would round to the value
                     ? "95 %: ± " + quantity(half, unit, 2)
                     : "95 %: " + interval_text(parameter->ci95, shown_error, shown);
   return number;

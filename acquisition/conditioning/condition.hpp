@@ -38,7 +38,7 @@ datasets::Record condition(const datasets::Record& record, const SensorSet& sens
 struct DetectionOptions {
   double threshold = 0.0;  ///< on the trigger channel [SI]; 0 = from noise and peak
   /// Kept before first touch [s]; none: least_pre_trigger, or 200 samples that no filter ties to
-  /// each other of the slowest channel.
+  /// each other of the slowest channel, up to 50 ms.
   std::optional<double> pre_trigger{};
   static constexpr double least_pre_trigger = 0.5e-3;  ///< [s]
   double post_trigger = 5e-3;                          ///< kept after first touch [s]

@@ -355,14 +355,14 @@ bool swapped(const std::vector<const RecordedSignal*>& sources, const DetectionO
 
 /// Samples closer together than half a period of what a filter passes tell nothing of their own.
 double usual_pre_trigger(const std::vector<const RecordedSignal*>& sources) {
-  constexpr double samples = 200.0;
+  constexpr double samples = 200.0, longest = 50e-3;  // [s]
   double slowest = 0.0;
   for (const RecordedSignal* const source : sources) {
     slowest = std::max(slowest, source->trace.interval);
     for (const datasets::SampleFilter& filter : source->filters)
       slowest = std::max(slowest, 0.5 / filter.pass_band());
   }
-  return std::max(DetectionOptions::least_pre_trigger, samples * slowest);
+  return std::clamp(samples * slowest, DetectionOptions::least_pre_trigger, longest);
 }
 
 }  // namespace

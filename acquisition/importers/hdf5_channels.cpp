@@ -200,6 +200,7 @@ MatContents texts_of_matlab(const Hdf5Channels& made) {
             std::min<std::uint64_t>(numbers.count * std::min<std::uint64_t>(side, 2), 2);
       continue;
     }
+    if (array.text.empty()) continue;  // too long to be names
     // MATLAB's dimensions stand in the other order: the last counts the lines
     const std::uint64_t lines = array.shape.size() == 2 ? array.shape[1] : 1;
     if (lines == 1)

@@ -227,6 +227,9 @@ TEST(FindImpacts, KeepsMoreBeforeTouchOfSlowAndOfFilteredChannels) {
                                        filtered.channels[0].name,
                                        {{"cutoff", "20000 Hz"}, {"order", "4"}}});
   EXPECT_NEAR(before(filtered), 5e-3, 2e-6);
+  const Sampling slowest{.start = -300e-3, .interval = 0.5e-3, .samples = 1000};
+  const auto long_pulse = [](double t) { return half_sine(t - 1e-6, 1500.0, 100.0 * duration); };
+  EXPECT_NEAR(before(record_of({force_of(slowest, sampled(slowest, long_pulse))})), 50e-3, 1e-3);
 }
 
 TEST(FindImpacts, CutsChannelsOfDifferentClocksToTheSameWindow) {

@@ -239,6 +239,20 @@ TEST(JumpingForce, ThatRingsTheSensorIsNotTakenForOneOfAnotherPeriod) {
   }
 }
 
+// The period that a stated bound leaves out is not looked at.
+TEST(JumpingForce, KeepsTouchWithinItsBounds) {
+  const RigFile rig = parse_rig_file(
+      sprung_rig + "resonance = { frequency = \"45 kHz\", quality = 20 }\n", "rig.toml");
+  const Impact impact = ringing_shot(1);
+  FitOptions options = free_damper();
+  options.setting("impact.time").lower = impact.start - 3e-6;
+  options.setting("impact.time").upper = impact.start + 3e-6;
+  const Fit result = fit({impact}, rig, options);
+  const Parameter& touch = parameter(result, "impact.time");
+  EXPECT_GE(touch.value, touch.lower);
+  EXPECT_LE(touch.value, touch.upper);
+}
+
 // A sample beside the jump may show either side of it: a search does not end where one passes.
 TEST(JumpingForce, EndsWhereTheTruthFitsNoBetter) {
   const RigFile rig = parse_rig_file(sprung_rig, "rig.toml");
