@@ -13,6 +13,7 @@ namespace {
 
 /// Cost and constraints about the present values, by the unknowns in units of their scales.
 struct LinearCost {
+  double value = 0.0;
   Eigen::VectorXd gradient;
   Eigen::MatrixXd curvature;        // JᵀJ
   Eigen::VectorXd lowest, highest;  // ways to the bounds
@@ -37,9 +38,35 @@ LinearCost linear_cost(const FitProblem& problem) {
     cost.lowest[k] = (v.lower - v.value) / v.scale;
     cost.highest[k] = (v.upper - v.value) / v.scale;
   }
+  cost.value = 0.5 * residuals.squaredNorm();
   cost.gradient = jacobian.transpose() * residuals;
   cost.curvature = jacobian.transpose() * jacobian;
   return cost;
+}
+
+/// To where the linear cost is least.
+struct GaussNewtonStep {
+  std::vector<Eigen::Index> moving;  ///< unknowns
+  Eigen::VectorXd by;                ///< of each of them
+  double gain = 0.0;                 ///< by how much the cost falls
+};
+
+/// Of the unknowns that `free` names, as far as the data tell them.
+template <typename Free>
+GaussNewtonStep gauss_newton_step(const LinearCost& cost, const Free& free) {
+  GaussNewtonStep step;
+  for (Eigen::Index k = 0; k < cost.gradient.size(); ++k)
+    if (free(k) && cost.curvature(k, k) > 0.0) step.moving.push_back(k);
+  if (step.moving.empty()) return step;
+  const Eigen::VectorXd size = cost.curvature.diagonal()(step.moving).cwiseSqrt();
+  const Eigen::MatrixXd curvature = size.cwiseInverse().asDiagonal() *
+                                    cost.curvature(step.moving, step.moving) *
+                                    size.cwiseInverse().asDiagonal();
+  const Eigen::VectorXd downhill = -size.cwiseInverse().cwiseProduct(cost.gradient(step.moving));
+  const Eigen::VectorXd scaled = curvature.ldlt().solve(downhill);
+  step.by = scaled.cwiseQuotient(size);
+  step.gain = 0.5 * scaled.dot(downhill);
+  return step;
 }
 
 /// Which unknowns are held, and how often each was.
@@ -123,31 +150,28 @@ Eigen::Index ActiveSet::to_release(const LinearCost& cost, double least) const {
 }
 
 ActiveSet::Bound ActiveSet::to_hold(const LinearCost& cost, double least) const {
-  std::vector<Eigen::Index> moving;
-  for (Eigen::Index k = 0; k < cost.gradient.size(); ++k)
-    if (free(k) && cost.curvature(k, k) > 0.0) moving.push_back(k);
-  if (moving.empty()) return {};
-  const Eigen::VectorXd size = cost.curvature.diagonal()(moving).cwiseSqrt();
-  const Eigen::MatrixXd curvature = size.cwiseInverse().asDiagonal() *
-                                    cost.curvature(moving, moving) *
-                                    size.cwiseInverse().asDiagonal();
-  const Eigen::VectorXd downhill = -size.cwiseInverse().cwiseProduct(cost.gradient(moving));
-  const Eigen::VectorXd scaled = curvature.ldlt().solve(downhill);
-  if (!scaled.allFinite() || !(0.5 * scaled.dot(downhill) > least)) return {};
+  const GaussNewtonStep step = gauss_newton_step(cost, [&](Eigen::Index k) { return free(k); });
+  if (!step.by.allFinite() || !(step.gain > least)) return {};
   Bound first;
   double part = 1.0;  // of the way
-  for (std::size_t m = 0; m < moving.size(); ++m) {
-    const auto row = static_cast<Eigen::Index>(m);
-    const double way = scaled[row] / size[row];
-    const double room = way < 0.0 ? cost.lowest[moving[m]] : cost.highest[moving[m]];
+  for (std::size_t m = 0; m < step.moving.size(); ++m) {
+    const Eigen::Index k = step.moving[m];
+    const double way = step.by[static_cast<Eigen::Index>(m)];
+    const double room = way < 0.0 ? cost.lowest[k] : cost.highest[k];
     if (way == 0.0 || !(room / way < part)) continue;
     part = room / way;
-    first = {moving[m], way < 0.0};
+    first = {k, way < 0.0};
   }
   return first;
 }
 
 }  // namespace
+
+double FitProblem::linear_end() const {
+  const LinearCost cost = linear_cost(*this);
+  const GaussNewtonStep step = gauss_newton_step(cost, [](Eigen::Index) { return true; });
+  return std::isfinite(step.gain) ? std::max(0.0, cost.value - step.gain) : 0.0;
+}
 
 SearchEnd FitProblem::search(const Search& how, const std::vector<std::size_t>& held) {
   std::vector<std::size_t> all = held;

@@ -53,6 +53,9 @@ class Session {
   /// residuals are too large for.
   std::optional<RigFile> on_finer_mesh();
 
+  /// All that there is in the windows.
+  bool fits_all() const;
+
   /// Than one on a coarser mesh, by so much that the finer one is worth its time.
   bool fits_better_than(const Session& coarser) const;
 
@@ -76,6 +79,7 @@ class Session {
   FitProblem problem_;
   FitSearch search_;
   std::vector<std::string> warnings_;
+  bool within_whole_windows_ = true;  // a search near a coarser mesh's end, at least
   bool out_of_time_ = false;
   FitEnd end_;
   double reduced_ = 0.0;                         // chi-square of the search's end
@@ -213,6 +217,7 @@ void Session::search_near(const Session& coarser, double seconds_left) {
   for (std::size_t i = 0; i < problem_.shots().size(); ++i) {
     windows.push_back(problem_.shots()[i].window);
     problem_.shots()[i].window = coarser.problem_.shots()[i].window;
+    within_whole_windows_ &= problem_.shots()[i].window == windows.back();
   }
   search_.search_near();
   settle();
@@ -229,6 +234,10 @@ std::optional<RigFile> Session::on_finer_mesh() {
   if (finer.solver.elements[0] + finer.solver.elements[1] > finest_mesh) return std::nullopt;
   if (!(part_left_by_mesh(problem_, end_) > worth_it)) return std::nullopt;
   return finer;
+}
+
+bool Session::fits_all() const {
+  return reduced_ <= misfit && within_whole_windows_;
 }
 
 bool Session::fits_better_than(const Session& coarser) const {
@@ -263,7 +272,7 @@ Fit Session::finish(std::chrono::steady_clock::time_point started) {
 }
 
 /// On the last of the finer meshes that each fit better than the one before, searched as thoroughly
-/// as the first; none: nullptr.
+/// as the first where it does not fit all the data as it is; none: nullptr.
 std::unique_ptr<Session> on_finer_meshes(const std::vector<Impact>& impacts,
                                          const FitOptions& options, Session& first,
                                          const std::function<double()>& seconds_left) {
@@ -277,7 +286,7 @@ std::unique_ptr<Session> on_finer_meshes(const std::vector<Impact>& impacts,
       finest = std::move(next);
       last = finest.get();
     }
-    if (finest) finest->search(seconds_left());
+    if (finest && !finest->fits_all()) finest->search(seconds_left());
   } catch (const std::exception&) {
     return nullptr;  // a mesh that cannot be solved in time is no better
   }

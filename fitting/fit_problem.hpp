@@ -89,6 +89,10 @@ class FitProblem {
   /// pays. Throws std::runtime_error where it cannot start.
   SearchEnd search(const Search& how, const std::vector<std::size_t>& held = {});
 
+  /// The cost that a search from the present values would end with if all were linear and nothing
+  /// bounded, by one linearisation.
+  double linear_end() const;
+
   /// Weighted differences of the data and of the priors, and their derivatives by the unknowns in
   /// their own units (n_data + n_priors, n_unknowns), at the present values.
   void linearise(Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;

@@ -72,6 +72,10 @@ void FitSearch::run() {
   pass(last_search, whole);
 }
 
+void FitSearch::search_near() {
+  if (pass(last_search, whole) <= misfit) look_beside_touch();
+}
+
 void FitSearch::finish() {
   const double reached = pass(last_search, whole);
   if (!(reached > misfit) || !may_end_early_ || early_end_) return;
@@ -246,24 +250,28 @@ bool FitSearch::force_jumps(const Shot& shot) const {
 }
 
 /// Searches from a touch that is later by so much [s], which is held until all else has followed
-/// it; whether that fits better.
+/// it; whether that fits better. Where the model fits as it is, none begins that would not end there
+/// if all were linear: what a touch so near changes is.
 bool FitSearch::moves_touch(std::size_t touch, double by) {
-  constexpr double clearly = 1.0 - 1e-6;
-  const double reached = reduced(last_);
-  const double found = try_again(clearly * reached, [&] {
+  // of chi-square: two minima that differ by less are one, or as likely as each other
+  constexpr double notable = 0.1;
+  const double reached = reduced(last_), clear_cost = last_.cost - 0.5 * notable;
+  const double clear = reached * clear_cost / last_.cost;
+  const double found = try_again(clear, [&] {
     const Variable& v = problem_.variables()[touch];
     std::vector<double> values = problem_.values();
     values[touch] += by;
     if (values[touch] < v.lower || values[touch] > v.upper) return whole;
     problem_.set_values(values);
     try {
+      if (reached <= misfit && problem_.linear_end() > clear_cost) return whole;
       iterations_ += problem_.search(last_search, {touch}).iterations;
       return pass(last_search, whole);
     } catch (const std::runtime_error&) {
       return whole;  // what cannot be predicted there fits no better
     }
   });
-  return found < clearly * reached;
+  return found < clear;
 }
 
 /// From touch back to a little before the last sample of the force until then, and on to a little

@@ -24,8 +24,9 @@ class FitSearch {
 
   void run();
 
-  /// From the present values over the whole window, and no other way.
-  void search_near() { pass(last_search, whole); }
+  /// From the present values over the whole window; where that fits, beside its touch, but no other
+  /// way.
+  void search_near();
 
   /// Once more from the present values, over the whole window, by other predictions than before.
   void finish();

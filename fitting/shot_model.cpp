@@ -20,7 +20,7 @@ constexpr double coarsest = 0.25e-6;  // [s]
 // In small motion, where it costs little: what a step of the solver changes must not drown in what
 // the next simulation rounds differently.
 constexpr double fine_accuracy = 1e-9;
-// Of noise that is a thousandth of the peak, a thousandth.
+// Of noise that is a thousandth of the peak, a thousandth; slopes need no more.
 constexpr double rough_accuracy = 1e-6;
 // Of a number of a sensor's chain, for a central difference of closed forms.
 constexpr double chain_step = 1e-4;
@@ -104,6 +104,7 @@ ShotModel::ShotModel(const RigFile& rig, const datasets::Impact& impact, double 
 ShotModel ShotModel::in_small_motion() const {
   ShotModel model = *this;
   model.motion_ = models::Motion::small;
+  model.for_slopes_ = true;
   return model;
 }
 
@@ -143,7 +144,8 @@ models::Simulation ShotModel::simulate(const models::Rig& rig, const SensorChain
   models::Solver solver = solver_;
   solver.duration = end_;
   if (motion_ == models::Motion::small)
-    solver.accuracy = std::min(solver.accuracy, rough_ ? rough_accuracy : fine_accuracy);
+    solver.accuracy =
+        std::min(solver.accuracy, rough_ || for_slopes_ ? rough_accuracy : fine_accuracy);
   options.history.lead = lead_;
   options.motion = motion_;
   options.bars = bars_.get();

@@ -108,7 +108,7 @@ class ShotModel {
   models::Solver solver_;
   bool force_, velocity_, displacement_;
   double lead_, end_, interval_;
-  bool rough_ = false;
+  bool rough_ = false, for_slopes_ = false;
   models::Motion motion_ = models::Motion::full;
   std::shared_ptr<models::BarCache> bars_ = std::make_shared<models::BarCache>();
 };

@@ -12,12 +12,14 @@
 #include "acquisition/conditioning/clipped_as_recorded.hpp"
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/conditioning/contact_search.hpp"
+#include "acquisition/conditioning/digitiser_step.hpp"
 #include "acquisition/conditioning/impact_flags.hpp"
 #include "acquisition/conditioning/recorded_signal.hpp"
 #include "acquisition/conditioning/samples.hpp"
 #include "acquisition/conditioning/swapped_channels.hpp"
 #include "acquisition/conditioning/trace.hpp"
 #include "datasets/input_error.hpp"
+#include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
 
@@ -85,6 +87,8 @@ RecordedSignal source_of(const Channel& channel, const Record& record) {
   if (stated != channel.attributes.end())
     std::from_chars(stated->second.data(), stated->second.data() + stated->second.size(),
                     source.range);
+  if (const auto to_si = datasets::conversion(channel.unit, si_unit(channel.quantity)))
+    source.step_before = std::abs(to_si->factor) * noted_digitiser_step(record, channel);
   if (auto filters = datasets::filters_of(record, channel)) source.filters = std::move(*filters);
   return source;
 }
@@ -197,14 +201,15 @@ void describe_noise(const RecordedSignal& source, double onset_time, const Windo
   const double floor = std::max(0.0, std::ceil(trace.index(window.floor)));
   const auto quiet =
       quiet_before(trace, trace.index(onset_time), static_cast<std::size_t>(floor), options);
-  signal.quantum = quantum_of(signal.values, signal.valid);
+  const double quantum = quantum_of(signal.values, signal.valid);
+  signal.quantum = std::max(quantum, source.step_before);
   if (!quiet) {
     signal.noise = step_noise(signal.values, signal.valid);
     return;
   }
   const int degree = trace.quantity == Quantity::displacement ? 2 : 1;
   const QuietFit fit =
-      fit_quiet(trace.values, quiet->begin, quiet->end, degree, signal.quantum, trace.valid);
+      fit_quiet(trace.values, quiet->begin, quiet->end, degree, quantum, trace.valid);
   signal.noise = fit.sigma;
   signal.noise_correlation = fit.correlation;
 }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "acquisition/conditioning/digitiser_step.hpp"
 #include "acquisition/conditioning/samples.hpp"
 #include "datasets/zero_phase_low_pass.hpp"
 
@@ -41,6 +42,7 @@ LowPassed low_pass(Channel& channel, const LowPass& filter) {
   parameters["cutoff"] = fmt::format("{:.12g} Hz", filter.cutoff);
   parameters["order"] = fmt::format("{}, forwards and backwards", filter.order);
   parameters["largest departure"] = fmt::format("{:.6g} {}, before {:.6g}", to, channel.unit, from);
+  note_digitiser_step(before, channel.valid, channel, result.edit);
   result.lost = from != 0.0 ? 1.0 - std::abs(to / from) : 0.0;
   channel.valid = sound_marks(channel);
   replace_values(channel, std::move(after));

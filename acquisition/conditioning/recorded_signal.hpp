@@ -16,6 +16,7 @@ struct RecordedSignal {
   Trace trace;
   double range;                                      ///< [SI]; 0 unknown
   double quantum;                                    ///< digitiser step [SI]; 0 not seen
+  double step_before = 0.0;                          ///< likewise, before its filters
   std::vector<datasets::SampleFilter> filters = {};  ///< that it has been through, where told
 };
 

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "acquisition/conditioning/digitiser_step.hpp"
 #include "acquisition/conditioning/samples.hpp"
 #include "acquisition/conditioning/trace.hpp"
 #include "datasets/band_limited.hpp"
@@ -155,6 +156,7 @@ Resampled resample(Channel& channel, const datasets::Resample& to) {
     parameters["from"] = "uneven times, joined by modified Akima cubics";
   } else {
     source = sound_values(channel, 4);
+    note_digitiser_step(source, channel.valid, channel, result.edit);
     parameters["from"] = fmt::format("{:.12g} Hz", 1.0 / source_interval);
   }
   const double count =

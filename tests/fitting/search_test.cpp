@@ -48,6 +48,29 @@ TEST(Search, RoughPredictionsAreGoodEnoughToStartFrom) {
         << problem.variables()[problem.unknowns()[static_cast<std::size_t>(k)]].name;
 }
 
+// Two standard errors of the first unknown beside the end, where all others follow it.
+TEST(Search, KnowsWhereItWouldEndIfAllWereLinear) {
+  const RigFile rig = hybrid_rig();
+  const std::vector<datasets::Impact> impacts = {synthetic_shot(rig, {.duration = 1.6e-3})};
+  FitProblem problem(impacts, rig, {});
+  problem.set_motion(models::Motion::small);
+  problem.choose_samples(std::numeric_limits<double>::infinity());
+  const SearchEnd end = problem.search(last_search);
+  EXPECT_NEAR(problem.linear_end(), end.cost, 1e-3);
+  Eigen::VectorXd residuals;
+  Eigen::MatrixXd jacobian;
+  problem.linearise(residuals, &jacobian);
+  const Eigen::MatrixXd covariance = (jacobian.transpose() * jacobian).inverse();
+  std::vector<double> beside = problem.values();
+  for (std::size_t k = 0; k < problem.unknowns().size(); ++k)
+    beside[problem.unknowns()[k]] +=
+        2.0 * covariance(static_cast<Eigen::Index>(k), 0) / std::sqrt(covariance(0, 0));
+  problem.set_values(beside);
+  problem.linearise(residuals, nullptr);
+  EXPECT_NEAR(0.5 * residuals.squaredNorm(), end.cost + 2.0, 0.1);
+  EXPECT_NEAR(problem.linear_end(), end.cost, 0.05);
+}
+
 // A search from near does not know how the values it begins at were found: rough or fine, it ends
 // at the same place, to a hundredth of a standard error.
 TEST(Search, EndsAtTheSamePlaceAfterARoughOne) {
