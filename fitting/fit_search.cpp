@@ -250,8 +250,8 @@ bool FitSearch::force_jumps(const Shot& shot) const {
 }
 
 /// Searches from a touch that is later by so much [s], which is held until all else has followed
-/// it; whether that fits better. Where the model fits as it is, none begins that would not end there
-/// if all were linear: what a touch so near changes is.
+/// it; whether that fits better. Where the model fits as it is, only if the search would end lower
+/// were all linear: what a touch so near changes is.
 bool FitSearch::moves_touch(std::size_t touch, double by) {
   // of chi-square: two minima that differ by less are one, or as likely as each other
   constexpr double notable = 0.1;
