@@ -14,6 +14,7 @@
 #include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/imc_fields.hpp"
 #include "acquisition/importers/imc_samples.hpp"
+#include "acquisition/importers/start_times.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/time_axis.hpp"
 #include "datasets/units.hpp"
@@ -124,10 +125,7 @@ class ImcReader {
       if (!refused_.empty()) throw InputError(file_->byte_position(refused_at_), refused_);
       record_.warnings.push_back("no recordings in this file: it has no channels with samples");
     }
-    if (triggers_differ_)
-      record_.warnings.push_back(
-          "channels have different trigger times (attribute 'trigger time'): each counts its time "
-          "from its own");
+    starts_.tell(record_);
     for (const std::string& sentence : contents_.left_out) record_.warnings.push_back(sentence);
     auto reader = reader_of_numbers(std::move(file_), std::move(record_), std::move(stored_));
     if (!over_own_x) return reader;
@@ -209,7 +207,7 @@ class ImcReader {
       channel.attributes["add time"] = fmt::format("{} s", buffer.add_time);
     set_attribute(channel, "trigger time", trigger);
     if (record_.started.empty()) record_.started = trigger;
-    triggers_differ_ = triggers_differ_ || (!trigger.empty() && trigger != record_.started);
+    starts_.add(trigger);
     return channel;
   }
 
@@ -398,7 +396,7 @@ class ImcReader {
   ImcContents contents_;
   Record record_;
   ImcSamples samples_{*file_, contents_, record_.warnings};
-  bool triggers_differ_ = false;
+  StartTimes starts_;
   std::string refused_;
   std::uint64_t refused_at_ = 0;
   std::vector<StoredChannel> stored_;

@@ -59,7 +59,10 @@ std::string why_not(const NumpyField& field) {
     case 'U':
       return "text";
     case 'f':
-      if (field.size == 2) return "half precision";
+    case 'c':
+      if (field.size == 2) return "half precision; save them as float32";
+      if (field.kind == 'f' ? field.size > 8 : field.size > 16)
+        return "extended precision; save them in double precision";
       [[fallthrough]];
     default:
       return fmt::format("numbers of {} bytes of kind '{}'", field.size, to_utf8({&field.kind, 1}));

@@ -9,6 +9,7 @@
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/number.hpp"
+#include "acquisition/importers/start_times.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "acquisition/importers/time_axis.hpp"
 #include "acquisition/importers/uff58_data.hpp"
@@ -91,6 +92,7 @@ class UffRecording final : public RecordingReader {
       }
     }
     tell_outside();
+    starts_.tell(record);
     if (record.channels.empty()) {
       std::string list;
       for (const auto& [number, count] : seen_)
@@ -419,8 +421,9 @@ class UffRecording final : public RecordingReader {
       add(std::move(axis), {source.function, true}, function.extent);
     }
     set_clock(function, source, channel);
-    if (head_.record.started.empty() && header.id[2] != "NONE")
-      head_.record.started = iso_date(header.id[2]);
+    const std::string started = header.id[2] != "NONE" ? iso_date(header.id[2]) : "";
+    if (head_.record.started.empty()) head_.record.started = started;
+    if (source.over_time) starts_.add(started);
     add(std::move(channel), source, function.extent);
     functions_.push_back(std::move(function));
   }
@@ -504,6 +507,7 @@ class UffRecording final : public RecordingReader {
   const char* at_ = nullptr;
   const char* end_ = nullptr;
   bool trusting_ = false;  // that what a text's header announces is there
+  StartTimes starts_;
   RecordingHead head_;
   std::vector<Function> functions_;
   std::vector<Source> sources_;  // one a channel

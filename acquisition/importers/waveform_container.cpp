@@ -11,6 +11,7 @@
 #include "acquisition/importers/byte_cursor.hpp"
 #include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/number.hpp"
+#include "acquisition/importers/start_times.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "acquisition/importers/time_axis.hpp"
@@ -98,6 +99,7 @@ class ContainerReader {
       record_.warnings.push_back(
           "the waveforms have no names: they are numbered in their order, which need not be the "
           "oscilloscope's");
+    starts_.tell(record_);
     name_segments();
     return reader_of_numbers(std::move(file_), std::move(record_), std::move(stored_));
   }
@@ -147,7 +149,9 @@ class ContainerReader {
   void read_waveform(std::uint32_t number) {
     const Header header = read_header(number);
     const Channel channel = channel_of(header, number);
-    if (record_.started.empty()) record_.started = started(header.date, header.time);
+    const std::string start = started(header.date, header.time);
+    if (record_.started.empty()) record_.started = start;
+    if (header.segment < 2) starts_.add(start);
     set_attribute(record_, "instrument", header.frame);
     for (std::uint32_t b = 0; b < header.buffers && !cut_; ++b) {
       header_cut_ = true;
@@ -279,6 +283,7 @@ class ContainerReader {
   std::uint64_t stated_size_ = 0;
   Record record_;
   std::vector<StoredChannel> stored_;
+  StartTimes starts_;
 };
 
 }  // namespace

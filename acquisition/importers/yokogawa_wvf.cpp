@@ -21,6 +21,7 @@
 #include "acquisition/importers/mapped_file.hpp"
 #include "acquisition/importers/marked_numbers.hpp"
 #include "acquisition/importers/number.hpp"
+#include "acquisition/importers/start_times.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "acquisition/importers/text_table.hpp"
@@ -97,6 +98,7 @@ class YokogawaHead {
     for (const Section& group : sections_)
       if (group.name.starts_with("$Group")) take_group(group, by_blocks);
     if (record_.channels.empty()) fail(common.line, "the head describes no traces");
+    starts_.tell(record_);
     const std::uint64_t size = samples_->bytes().size();
     if (size > at_)
       record_.warnings.push_back(fmt::format(
@@ -259,7 +261,7 @@ class YokogawaHead {
     }
     at_ += blocks * all;
     if (at_ > std::uint64_t{1} << 62) fail(group.line, "the head describes more than a file holds");
-    take_start(group);
+    take_starts(group);
   }
 
   void add(const Trace& trace, std::uint64_t block, std::uint64_t blocks, std::uint64_t at) {
@@ -273,19 +275,23 @@ class YokogawaHead {
     record_.channels.push_back(std::move(channel));
   }
 
-  /// When the first block was recorded.
-  void take_start(const Section& group) {
+  /// When the first block of each trace was recorded.
+  void take_starts(const Section& group) {
     const auto date = group.fields.find("Date");
     const auto time = group.fields.find("Time");
-    if (!record_.started.empty() || date == group.fields.end() || time == group.fields.end() ||
-        date->second.values.empty() || time->second.values.empty())
-      return;
-    const std::string both =
-        fmt::format("{} {}", date->second.values.front(), time->second.values.front());
-    if (const auto found = date_time_in(both)) record_.started = found->iso();
+    if (date == group.fields.end() || time == group.fields.end()) return;
+    const auto& dates = date->second.values;
+    const auto& times = time->second.values;
+    for (std::size_t i = 0; i < std::min(dates.size(), times.size()); ++i) {
+      const auto found = date_time_in(fmt::format("{} {}", dates[i], times[i]));
+      if (!found) continue;
+      if (record_.started.empty()) record_.started = found->iso();
+      starts_.add(found->iso());
+    }
   }
 
   std::string path_;
+  StartTimes starts_;
   MappedFile text_;
   std::vector<Section> sections_;
   Record record_;

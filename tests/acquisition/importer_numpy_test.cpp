@@ -145,13 +145,16 @@ TEST(NumPy, WhatIsNotReadIsTold) {
                             {"o.npy", npy("'|O'", "(1,)", "pickle")},
                             {"d.npy", npy("'<M8[us]'", "(1,)", std::string(8, '\0'))},
                             {"h.npy", npy("'<f2'", "(1,)", std::string(2, '\0'))},
+                            {"x.npy", npy("'<f16'", "(1,)", std::string(16, '\0'))},
                             {"e.npy", npy("'<f8'", "(0,)", "")},
                             {"note.txt", "words"},
                             {"cube.npy", npy("'<f8'", "(2, 2, 2)", std::string(64, '\0'))},
                             {"cut.npy", npy("'<f8'", "(9,)", little<double>({1.0, 2.0}))}}));
   EXPECT_THAT(record.warnings,
               Contains("not read: 'note.txt' (no array), 'o' (Python objects), 'd' (dates; save "
-                       "them as numbers of seconds), 'h' (half precision), 'e' (empty)"));
+                       "them as numbers of seconds), 'h' (half precision; save them as float32), "
+                       "'x' (extended precision; save "
+                       "them in double precision), 'e' (empty)"));
   EXPECT_THAT(record.warnings, Contains("'cut' declares 9 x 1 numbers, 2 are there"));
   EXPECT_THAT(record.warnings, Contains(HasSubstr("'cube' has 3 dimensions: its 8 numbers are")));
 }

@@ -59,6 +59,23 @@ TEST(Uff58, TheUnitOfAFrequencyResponseHasItsDenominators) {
 // --- Data as text
 // ---------------------------------------------------------------------------------
 
+// Frequency responses, each of another time, have no time to go wrong by it.
+TEST(Uff58, TimeRecordsOfDifferentStartsAreTold) {
+  Function second;
+  second.id1 = "Beam";
+  second.date = "30-Apr-20 19:20:00";
+  EXPECT_THAT(imported(Function{}.text() + second.text()).warnings,
+              testing::ElementsAre(testing::HasSubstr("(the first at 2020-04-30T19:12:52, another "
+                                                      "at 2020-04-30T19:20:00): each counts")));
+  second.date = "30-Apr-20 19:12:54";
+  EXPECT_THAT(imported(Function{}.text() + second.text()).warnings, testing::IsEmpty());
+  second.date = "30-Apr-20 19:20:00";
+  second.dof.replace(0, 5, "    4");
+  second.abscissa = "        18    0    0    0 Frequency            Hz                  ";
+  EXPECT_THAT(imported(Function{}.text() + second.text()).warnings,
+              testing::Each(testing::StartsWith("'Beam' is no time record")));
+}
+
 TEST(Uff58, NumbersAreInColumnsAndMayTouch) {
   Function function;
   function.points = 7;

@@ -34,6 +34,20 @@ TEST(KeysightBin, IsReadInEveryVersion) {
   }
 }
 
+TEST(KeysightBin, WaveformsOfDifferentStartsAreTold) {
+  WaveformFile file;
+  file.waveforms.resize(3);
+  file.waveforms[1].label = "CH 3";
+  file.waveforms[2].label = "CH 4";
+  file.waveforms[1].time = "19:02:35";  // written a second later
+  EXPECT_THAT(imported(file.bytes()).warnings, testing::IsEmpty());
+  file.waveforms[2].time = "19:05:34";
+  EXPECT_THAT(imported(file.bytes()).warnings,
+              ElementsAre(testing::StartsWith("channels were started at different times (the first "
+                                              "at 2020-11-22T19:02:34, another at "
+                                              "2020-11-22T19:05:34)")));
+}
+
 TEST(RigolBin, OriginIsTheTimeBeforeTheTrigger) {
   for (const char* cookie : {"RG01", "RG03"}) {
     WaveformFile file;

@@ -71,6 +71,16 @@ TEST(YokogawaWvf, BlocksFollowEachOtherByTraceOrByBlock) {
 }
 
 // Two shots may have the same head: what they were is in the samples.
+TEST(YokogawaWvf, TracesOfDifferentStartsAreTold) {
+  std::string head = yokogawa_head();
+  const std::string times = "16:27:26       16:27:26";
+  head.replace(head.find(times), times.size(), "16:27:26       16:29:26");
+  EXPECT_THAT(imported_with(head, words({1, 2, 3, 4, 5})).warnings,
+              ElementsAre("channels were started at different times (the first at "
+                          "2016-01-22T16:27:26, another at 2016-01-22T16:29:26): each counts its "
+                          "time from its own start"));
+}
+
 TEST(YokogawaWvf, HeadAndSamplesAreBothOfTheProvenance) {
   const std::string head = yokogawa_head();
   const std::string samples = words({1, 2, 3, 4, 5});
