@@ -39,20 +39,6 @@ std::string listed(const std::vector<std::string>& words) {
   return text;
 }
 
-/// Where the model's force ends for good in its first contact [s], where that is more than a
-/// sample before its surfaces part: a damper that would pull gives no force.
-std::optional<double> early_end_of_force(const models::Simulation& run) {
-  const models::History& h = run.history;
-  if (run.episodes.empty() || run.episodes.front().open || !(h.interval > 0.0)) return std::nullopt;
-  const double parted = (run.episodes.front().end - h.start) / h.interval;
-  if (!(parted >= 1.0) || !(parted < static_cast<double>(h.force.size()))) return std::nullopt;
-  auto last = static_cast<std::size_t>(parted);
-  while (last > 0 && h.force[last] == 0.0) --last;
-  const double ends = static_cast<double>(last) + 0.5;
-  if (parted - ends < 1.0) return std::nullopt;
-  return h.start + h.interval * ends;
-}
-
 /// The model's kinematic restitution where its force ends, which is what a record shows.
 double kinematic_as_recorded(const models::Simulation& run) {
   const auto end = early_end_of_force(run);
@@ -182,6 +168,18 @@ std::string displacement_explanation(const fitting::Fit& fit, std::size_t record
 }
 
 }  // namespace
+
+std::optional<double> early_end_of_force(const models::Simulation& run) {
+  const models::History& h = run.history;
+  if (run.episodes.empty() || run.episodes.front().open || !(h.interval > 0.0)) return std::nullopt;
+  const double parted = (run.episodes.front().end - h.start) / h.interval;
+  if (!(parted >= 1.0) || !(parted < static_cast<double>(h.force.size()))) return std::nullopt;
+  auto last = static_cast<std::size_t>(parted);
+  while (last > 0 && h.force[last] == 0.0) --last;
+  const double ends = static_cast<double>(last) + 0.5;
+  if (parted - ends < 1.0) return std::nullopt;
+  return h.start + h.interval * ends;
+}
 
 bool DirectPair::inside() const {
   return direct.given() && direct.ci95[0] <= fitted && fitted <= direct.ci95[1];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,10 @@ struct DirectPair {
 /// of a displacement alone speed of approach and mean rebound over it; empty where the fit has no
 /// direct reading of it.
 std::vector<DirectPair> direct_pairs(const fitting::Fit& fit, std::size_t recording);
+
+/// Where the model's force ends for good in its first contact [s], where that is more than a sample
+/// before its surfaces part: a damper that would pull gives no force.
+std::optional<double> early_end_of_force(const models::Simulation& run);
 
 /// Whether the model agrees with what was read directly and, where it does not, what an engineer
 /// would look at: plain text, several sentences.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reports/direct_wording.hpp"
 #include "reports/svg.hpp"
 #include "reports/verdict.hpp"
 #include "reports/wording.hpp"
@@ -96,9 +97,11 @@ double shown_peak(const fitting::Fit& fit, std::size_t recording) {
   return fit.predictions[recording].peak_force;
 }
 
+/// Of the force, which is what a record shows.
 double first_duration(const models::Simulation& run) {
-  return run.episodes.empty() ? std::nan("")
-                              : run.episodes.front().end - run.episodes.front().start;
+  if (run.episodes.empty()) return std::nan("");
+  const models::Episode& first = run.episodes.front();
+  return early_end_of_force(run).value_or(first.end) - first.start;
 }
 
 double first_impulse(const models::Simulation& run) {

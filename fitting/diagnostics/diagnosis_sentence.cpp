@@ -120,6 +120,17 @@ std::string where(const std::string& phase) {
   return "in " + phase;
 }
 
+/// Of residuals that are nowhere larger than noise may be.
+std::string size_by_chance(const ChannelDiagnostics& found) {
+  constexpr double notable = 1.1;
+  double largest = 0.0;
+  for (const PhaseLevel& phase : found.phases) largest = std::max(largest, phase.ratio);
+  return largest < notable
+             ? "are hardly larger than the noise"
+             : fmt::format("are up to {} times the noise, which so few samples may be by chance",
+                           datasets::figures(largest, 3));
+}
+
 }  // namespace
 
 std::string diagnosis_sentence(const ChannelResiduals& channel, const ChannelDiagnostics& found) {
@@ -142,7 +153,7 @@ std::string diagnosis_sentence(const ChannelResiduals& channel, const ChannelDia
     text += fmt::format("are {} times the noise {}", datasets::figures(worst->ratio, 3),
                         where(worst->phase));
   else
-    text += "are hardly larger than the noise, but follow each other as noise does not";
+    text += fmt::format("{}, but follow each other as noise does not", size_by_chance(found));
   if (like != nullptr)
     text += " and look like " + looks_like(*like);
   else if (worst != nullptr && is_disturbed(*worst))

@@ -69,6 +69,12 @@ TEST(FitText, SetsTheSpeedAtTheForcesEndAgainstTheRecords) {
   EXPECT_DOUBLE_EQ(pairs[0].fitted, speed / run.episodes.front().approach_velocity);
   EXPECT_THAT(reports::direct_explanation(data.fit, 0),
               HasSubstr("The model's force ends 21\u00A0\u00B5s before its surfaces part"));
+  // a record of that force is as long as the model has it
+  const double force_ends = h.start + h.interval * (static_cast<double>(parted) - 20.5);
+  data.fit.impacts[0].end = data.fit.impacts[0].start + force_ends - run.episodes.front().start;
+  EXPECT_THAT(
+      reports::to_html(data),
+      testing::ContainsRegex("Duration of the first contact[^\n]*predicted [^(]*\\([+-]?0[.]0"));
 }
 
 // The model's mean speed away is minus that of its velocity over the same stretch.

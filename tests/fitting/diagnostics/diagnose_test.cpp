@@ -175,5 +175,24 @@ TEST(Diagnose, DoesNotJudgeAgainstNoNoise) {
   EXPECT_THAT(found.sentence, HasSubstr("show no noise"));
 }
 
+// Of few samples that follow each other a half more than the noise may be chance; it is not small.
+TEST(Diagnose, SaysHowLargeResidualsAreThatOnlyFollowEachOther) {
+  ChannelDiagnostics found;
+  found.judged = true;
+  found.sound = false;
+  found.level = 0.05;
+  found.whiteness.p_value = 1e-9;
+  found.phases.resize(2);
+  found.phases[0].ratio = 1.04;
+  found.phases[1].ratio = 1.03;
+  ChannelResiduals force;
+  force.quantity = "force";
+  EXPECT_THAT(diagnosis_sentence(force, found), HasSubstr("are hardly larger than the noise, but"));
+  found.phases[1].ratio = 1.52;
+  EXPECT_THAT(diagnosis_sentence(force, found),
+              HasSubstr("are up to 1.52 times the noise, which so few samples may be by chance, "
+                        "but follow each other"));
+}
+
 }  // namespace
 }  // namespace impactrig::fitting
