@@ -7,6 +7,7 @@
 
 #include "fitting/all_cores.hpp"
 #include "fitting/fit_end.hpp"
+#include "fitting/motion_choice.hpp"
 
 namespace impactrig::fitting {
 namespace {
@@ -77,7 +78,13 @@ void FitSearch::search_near() {
 }
 
 void FitSearch::finish() {
-  const double reached = pass(last_search, whole);
+  // a step that changes the cost by less moves no parameter further than is harmless; the full
+  // equations' accuracy may hide smaller changes
+  Search search = last_search;
+  if (last_.cost > 0.0)
+    search.tolerance =
+        std::max(search.tolerance, 0.5 * harmless_shift * harmless_shift / last_.cost);
+  const double reached = pass(search, whole);
   if (!(reached > misfit) || !may_end_early_ || early_end_) return;
   const std::vector<double> found = problem_.values();
   const SearchEnd end = last_;

@@ -22,6 +22,8 @@ constexpr double coarsest = 0.25e-6;  // [s]
 constexpr double fine_accuracy = 1e-9;
 // Of noise that is a thousandth of the peak, a thousandth; slopes need no more.
 constexpr double rough_accuracy = 1e-6;
+// They lead a search, and are what standard errors are made of.
+constexpr double slope_accuracy = 1e-5;
 // Of a number of a sensor's chain, for a central difference of closed forms.
 constexpr double chain_step = 1e-4;
 
@@ -206,6 +208,7 @@ Shown ShotModel::predict(const models::Rig& rig, const SensorChains& chains,
   options.history.spot_slopes = std::ranges::any_of(
       wanted.chain, [](const WantedSlopes::Chain& by) { return by.parameter->name == "position"; });
   options.sensitivities = wanted.rig;
+  options.sensitivity_accuracy = slope_accuracy;
   options.judge_small_motion = false;
   const models::Simulation simulation = simulate(rig, chains, options);
   Shown shown = show(simulation.history, chains, breaks_of(simulation.history));

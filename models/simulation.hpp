@@ -246,6 +246,9 @@ struct SimulationOptions {
   /// derivative_refusal() says by which they are not known. Without a stop they are those of the
   /// history.
   std::vector<RigParameter> sensitivities = {};
+  /// Steps need not be shorter for the derivatives than this relative accuracy of theirs asks for,
+  /// where solver.accuracy is finer: they are less smooth than what they are of.
+  double sensitivity_accuracy = 0.0;
   /// Estimate what small motion neglects. For callers that know it, with Motion::small, which takes
   /// that whatever it is: false saves half of a run, and Simulation::neglected is 0. Nor is a
   /// sensor's largest force confirmed then (models/stop/sensor_peak.hpp).

@@ -48,7 +48,8 @@ double CollocationRun::derivative_error() const {
   for (int i = 0; i < followed_->count(); ++i)
     worst = std::max({worst, followed_->force_truncation(i) * followed_->size(i) / impulse_scale_,
                       followed_->dissipation_truncation(i) * followed_->size(i) / energy_scale_});
-  return worst * bar_.step() / std::max(solver_.accuracy, Solver::finest_accuracy);
+  return worst * bar_.step() /
+         std::max({solver_.accuracy, Solver::finest_accuracy, options_.sensitivity_accuracy});
 }
 
 /// The error of the step tried.

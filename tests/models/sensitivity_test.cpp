@@ -32,6 +32,26 @@ TEST(Sensitivities, OfHybridAreThoseOfDifferences) {
   expect_equal_derivatives(damped_rig(), hybrid(Basis::pinned_free, 5, 1e-12, 5e-4), 1e-8);
 }
 
+// Derivatives are less smooth than the force, and what a search needs of them is little.
+TEST(Sensitivities, ShortenStepsNoMoreThanTheirOwnAccuracyAsksFor) {
+  const Rig rig = damped_rig();
+  const Solver solver = ancf(20, 4, 1e-10, 5e-4);
+  SimulationOptions options;
+  options.motion = Motion::small;
+  options.sensitivities = {[](Rig& r) -> double& { return r.start.velocity; },
+                           [](Rig& r) -> double& { return r.contact.stiffness_factor; }};
+  const Simulation fine = simulate(rig, solver, options);
+  options.sensitivity_accuracy = 1e-4;
+  const Simulation rough = simulate(rig, solver, options);
+  EXPECT_LT(rough.cost.steps, fine.cost.steps);
+  EXPECT_NEAR(rough.peak_force / fine.peak_force, 1.0, 1e-9);
+  EXPECT_NEAR(rough.impulse / fine.impulse, 1.0, 1e-9);
+  for (std::size_t i = 0; i < options.sensitivities.size(); ++i) {
+    EXPECT_NEAR(rough.sensitivities[i].peak_force / fine.sensitivities[i].peak_force, 1.0, 1e-4);
+    EXPECT_NEAR(rough.sensitivities[i].impulse / fine.sensitivities[i].impulse, 1.0, 1e-4);
+  }
+}
+
 // Of damping in bar and hinge, and of all that moves damped modes; the last scene has modes that
 // creep.
 TEST(Sensitivities, OfDampedBarsAreThoseOfDifferences) {
