@@ -134,9 +134,15 @@ std::string size_by_chance(const ChannelDiagnostics& found) {
 }  // namespace
 
 std::string diagnosis_sentence(const ChannelResiduals& channel, const ChannelDiagnostics& found) {
+  if (!found.judged && found.coarse)
+    return fmt::format(
+        "The {}'s residuals were not judged: before touch it rests on the "
+        "digitiser's steps, which do not tell its noise; record in a finer range.",
+        channel.quantity);
   if (!found.judged)
-    return fmt::format("The {}'s residuals were not judged: {} samples before touch {}.",
-                       channel.quantity, found.noise_samples,
+    return fmt::format("The {}'s residuals were not judged: {} before touch {}.", channel.quantity,
+                       found.noise_samples == 1 ? "a single sample"
+                                                : fmt::format("{} samples", found.noise_samples),
                        found.noise_samples < fewest_quiet_samples
                            ? "do not tell its noise; record a longer pre-trigger"
                            : "show no noise to compare them with");

@@ -166,6 +166,17 @@ TEST(Diagnose, SurvivesWhatIsFarOff) {
   EXPECT_NEAR(found.discrepancy.largest, 5e11, 1e10);
 }
 
+// Of samples that rest on a step hardly any is fitted: a longer pre-trigger would not help.
+TEST(Diagnose, DoesNotJudgeAgainstStepsThatHideTheNoise) {
+  ChannelResiduals channel = channel_of(std::vector<double>(before + after, 0.0));
+  channel.quantum = 1.0;
+  for (std::size_t i = 0; i + 1 < before; ++i)
+    channel.residual[i] = std::numeric_limits<double>::quiet_NaN();
+  const ChannelDiagnostics found = diagnose(channel, 0.05);
+  EXPECT_FALSE(found.judged);
+  EXPECT_THAT(found.sentence, HasSubstr("rests on the digitiser's steps"));
+}
+
 TEST(Diagnose, DoesNotJudgeAgainstNoNoise) {
   ChannelResiduals channel = channel_of(std::vector<double>(before + after, 0.0));
   for (std::size_t i = 0; i < channel.residual.size(); ++i)
