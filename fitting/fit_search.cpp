@@ -51,10 +51,14 @@ double FitSearch::pass(const Search& how, double contacts) {
   return reduced(last_);
 }
 
+double FitSearch::degrees_of_freedom() const {
+  const double free = static_cast<double>(problem_.unknowns().size());
+  return std::max(1.0, static_cast<double>(problem_.data_size()) - free);
+}
+
 /// Chi-square by degree of freedom.
 double FitSearch::reduced(const SearchEnd& end) const {
-  const double free = static_cast<double>(problem_.unknowns().size());
-  return 2.0 * end.cost / std::max(1.0, static_cast<double>(problem_.data_size()) - free);
+  return 2.0 * end.cost / degrees_of_freedom();
 }
 
 /// Cauchy and Tukey take a peak that is far off for outliers: they search from near only.
@@ -81,9 +85,8 @@ void FitSearch::finish() {
   // a step that changes the cost by less moves no parameter further than is harmless; the full
   // equations' accuracy may hide smaller changes
   Search search = last_search;
-  if (last_.cost > 0.0)
-    search.tolerance =
-        std::max(search.tolerance, 0.5 * harmless_shift * harmless_shift / last_.cost);
+  search.tolerance =
+      std::max(search.tolerance, harmless_shift * harmless_shift / degrees_of_freedom());
   const double reached = pass(search, whole);
   if (!(reached > misfit) || !may_end_early_ || early_end_) return;
   const std::vector<double> found = problem_.values();
@@ -260,10 +263,12 @@ bool FitSearch::force_jumps(const Shot& shot) const {
 /// it; whether that fits better. Where the model fits as it is, only if the search would end lower
 /// were all linear: what a touch so near changes is.
 bool FitSearch::moves_touch(std::size_t touch, double by) {
-  // of chi-square: two minima that differ by less are one, or as likely as each other
+  // of chi-square, where it is what noise leaves: two minima that differ by less are one, or as
+  // likely as each other
   constexpr double notable = 0.1;
-  const double reached = reduced(last_), clear_cost = last_.cost - 0.5 * notable;
-  const double clear = reached * clear_cost / last_.cost;
+  const double reached = reduced(last_);
+  const double clearly = 1.0 - notable / degrees_of_freedom();
+  const double clear = clearly * reached;
   const double found = try_again(clear, [&] {
     const Variable& v = problem_.variables()[touch];
     std::vector<double> values = problem_.values();
@@ -271,7 +276,7 @@ bool FitSearch::moves_touch(std::size_t touch, double by) {
     if (values[touch] < v.lower || values[touch] > v.upper) return whole;
     problem_.set_values(values);
     try {
-      if (reached <= misfit && problem_.linear_end() > clear_cost) return whole;
+      if (reached <= misfit && problem_.linear_end() > clearly * last_.cost) return whole;
       iterations_ += problem_.search(last_search, {touch}).iterations;
       return pass(last_search, whole);
     } catch (const std::runtime_error&) {

@@ -65,6 +65,7 @@ class FitSearch {
   double search_finely(const std::vector<double>& tried);
   double grow_window();
   void leave_later_contacts_out(double reached);
+  double degrees_of_freedom() const;
   double reduced(const SearchEnd& end) const;
   bool force_jumps(const Shot& shot) const;
   bool moves_touch(std::size_t touch, double by);
