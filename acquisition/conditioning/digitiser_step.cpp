@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <string>
 
 #include "acquisition/conditioning/background.hpp"
@@ -20,7 +21,8 @@ double number_in(const std::string& text, const std::string& unit) {
   const char* const end = text.data() + text.size();
   double value = 0.0;
   const auto [rest, error] = std::from_chars(text.data(), end, value);
-  return error == std::errc{} && std::string(rest, end) == " " + unit ? value : 0.0;
+  const bool told = error == std::errc{} && std::isfinite(value);
+  return told && std::string(rest, end) == " " + unit ? value : 0.0;
 }
 
 }  // namespace

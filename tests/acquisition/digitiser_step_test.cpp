@@ -66,6 +66,12 @@ TEST(DigitiserStep, IsOfTheUnitItWasNotedIn) {
                                                       {"Force", datasets::Resample{200e3}}},
               record);
   EXPECT_DOUBLE_EQ(find_impacts(record).at(0).force->quantum, step);
+  for (const char* damaged : {"inf N", "nan N", "N", "", "4", "1e999 N"}) {
+    for (datasets::Edit& edit : record.provenance.edits)
+      edit.parameters["digitiser step"] = damaged;
+    EXPECT_EQ(find_impacts(record).at(0).force->quantum, 0.0) << damaged;
+  }
+  for (datasets::Edit& edit : record.provenance.edits) edit.parameters["digitiser step"] = "4 N";
   record.channels[0].unit = "kN";
   EXPECT_EQ(find_impacts(record).at(0).force->quantum, 0.0);
 }
