@@ -103,6 +103,19 @@ std::optional<std::size_t> names_before(std::string_view row, const Dialect& dia
   return count == fewest && 2 * numbers > fewest ? std::optional(names) : std::nullopt;
 }
 
+/// Moves the lines above the rows that are too short for one to the head: titles.
+void take_titles(std::size_t fewest, ChannelRows& found, char delimiter) {
+  const auto is_row = [&](std::string_view line) {
+    CellCursor cells(line, delimiter);
+    std::size_t count = 0;
+    for (; count < fewest && !cells.ended(); ++count) cells.take();
+    return count == fewest;
+  };
+  const auto first = std::ranges::find_if(found.rows, is_row);
+  found.head.insert(found.head.end(), found.rows.begin(), first);
+  found.rows.erase(found.rows.begin(), first);
+}
+
 /// Whether a remark above names columns: then the lines are samples.
 bool names_columns(const std::vector<std::string_view>& head, char delimiter) {
   return std::ranges::any_of(head, [delimiter](std::string_view line) {
@@ -113,11 +126,11 @@ bool names_columns(const std::vector<std::string_view>& head, char delimiter) {
 }  // namespace
 
 std::optional<ChannelRows> find_channel_rows(TextFile& file, const ImportOptions& options) {
-  auto found = few_lines(file, file.text(), options.skip_lines.value_or(0));
-  if (!found) return std::nullopt;
-  const std::size_t fewest = std::max(fewest_cells, fewest_cells_a_row * found->rows.size());
+  const auto lines = few_lines(file, file.text(), options.skip_lines.value_or(0));
+  if (!lines) return std::nullopt;
+  const std::size_t fewest = std::max(fewest_cells, fewest_cells_a_row * lines->rows.size());
   const auto holds = [&](char mark) {
-    return std::ranges::any_of(found->rows,
+    return std::ranges::any_of(lines->rows,
                                [mark](auto row) { return row.find(mark) != row.npos; });
   };
   for (const auto& [delimiter, decimal] : {std::pair{'\t', '.'},
@@ -134,14 +147,13 @@ std::optional<ChannelRows> find_channel_rows(TextFile& file, const ImportOptions
     // blanks may separate thousands, or stand beside what divides the cells
     if (delimiter == ' ' && (holds('\t') || holds(';') || holds('|'))) continue;
     const Dialect dialect{.delimiter = delimiter, .decimal = decimal};
-    const auto first = names_before(found->rows.front(), dialect, fewest);
-    if (!first || names_columns(found->head, delimiter)) continue;
-    if (!std::ranges::all_of(found->rows,
-                             [&](auto row) { return names_before(row, dialect, fewest) == first; }))
-      continue;
-    found->delimiter = delimiter;
-    found->decimal = decimal;
-    return found;
+    ChannelRows found{
+        .head = lines->head, .rows = lines->rows, .delimiter = delimiter, .decimal = decimal};
+    take_titles(fewest, found, delimiter);
+    if (found.rows.empty() || names_columns(found.head, delimiter)) continue;
+    const auto first = names_before(found.rows.front(), dialect, fewest);
+    const auto is_like_it = [&](auto row) { return names_before(row, dialect, fewest) == first; };
+    if (first && std::ranges::all_of(found.rows, is_like_it)) return found;
   }
   return std::nullopt;
 }

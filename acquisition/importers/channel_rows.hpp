@@ -20,7 +20,8 @@ constexpr std::size_t most_channel_rows = 64;  ///< lines that may hold a channe
 /// Lines of a text that hold a channel each, as LabVIEW's "Write To Spreadsheet File" and NumPy's
 /// savetxt() write arrays.
 struct ChannelRows {
-  std::vector<std::string_view> head;  ///< lines above that are remarks or that the user skips
+  /// Lines above that are remarks or titles, or that the user skips.
+  std::vector<std::string_view> head;
   std::vector<std::string_view> rows;  ///< parts of the file's text
   char delimiter = '\t';               ///< ' ' = any run of blanks and tabs
   char decimal = '.';

@@ -225,7 +225,8 @@ Rewriting code_page_rewriting(const std::string& code_page, bool returns) {
                 if (before != bytes.npos && before >= first) return before + 1;
                 const std::size_t behind = bytes.find(line_end, last);
                 return behind == bytes.npos ? bytes.size() : behind + 1;
-              }};
+              },
+          .line_end = std::string(1, line_end)};
 }
 
 std::string likely_code_page(std::string_view head) {

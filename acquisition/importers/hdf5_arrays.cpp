@@ -136,12 +136,14 @@ bool take(ChildProcess& child, Hdf5Array& array) {
     if (!child.number(side)) return false;
   std::uint64_t numbers = 0;
   std::uint64_t wide = 0;
+  std::uint64_t bits = 0;
   std::uint64_t complex = 0;
-  if (!child.number(numbers) || numbers > 3 || !child.number(wide) || !child.number(complex) ||
-      !child.text(array.text, longest_answer))
+  if (!child.number(numbers) || numbers > 3 || !child.number(wide) || !child.number(bits) ||
+      !child.number(complex) || !child.text(array.text, longest_answer))
     return false;
   array.numbers = static_cast<ArrayNumbers>(numbers);
   array.wide = wide != 0;
+  array.bits = bits != 0;
   array.complex = complex != 0;
   return take_scales(child, array) && take(child, array.attributes);
 }

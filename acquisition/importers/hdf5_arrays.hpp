@@ -40,6 +40,7 @@ struct Hdf5Array {
   std::vector<std::uint64_t> shape;     ///< slowest dimension first; empty: a single number
   ArrayNumbers numbers = ArrayNumbers::f64;
   bool wide = false;            ///< integers of 64 bits: not all are exact as doubles
+  bool bits = false;            ///< a bit field, which HDF5 makes no numbers of
   bool complex = false;         ///< a pair of members, "real" and "imag"
   std::string text;             ///< of MATLAB's, which are numbers to HDF5
   std::string shown_as{};       ///< of a field of MATLAB's structures: "run(2).force", not its path

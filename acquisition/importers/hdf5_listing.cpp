@@ -183,6 +183,7 @@ class Walk {
     const bool compound = H5Tget_class(type) == H5T_COMPOUND;
     array.complex = compound && hdf5_is_complex(type);
     array.wide = hdf5_is_wide(type);
+    array.bits = H5Tget_class(type) == H5T_BITFIELD;
     array.attributes = hdf5_attributes_of(id);
     array.reference = hdf5_reference_to(id);
     array.scales = hdf5_scales_of(id, array.shape.size());
@@ -241,6 +242,7 @@ class Walk {
     } else {
       array.numbers = *numbers;
       array.wide = hdf5_is_wide(of_list.id());
+      array.bits = H5Tget_class(of_list.id()) == H5T_BITFIELD;
       if (elements > 0 && (elements_ += elements) > most_elements) {
         skip(full, fmt::format("a list: more than {} numbers in lists", most_elements));
         array.field_path.pop_back();

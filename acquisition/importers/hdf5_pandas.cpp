@@ -8,6 +8,7 @@
 #include <charconv>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "acquisition/importers/text_encoding.hpp"
@@ -89,6 +90,7 @@ class Frame {
         take_data_set(array, std::string(name));
     }
     listing_.text_lists.erase(path_ + "/axis0");
+    if (!table) leave_out_levels();
     leave_out_placeholders();
   }
 
@@ -99,6 +101,30 @@ class Frame {
                   [&](const Hdf5Array& array) { return array.path.starts_with(trees); });
     std::erase_if(listing_.skipped,
                   [&](const std::string& text) { return text.starts_with("'" + trees); });
+  }
+
+  /// Of an index of several levels, whose values and places in them are kept apart.
+  void leave_out_levels() {
+    const std::string within = path_ == "/" ? path_ : path_ + "/";
+    for (const auto& [axis, reason] :
+         {std::pair<std::string_view, std::string_view>{
+              "axis1", "an index of several levels: reset_index() makes columns of it"},
+          {"index", "an index of several levels: reset_index() makes columns of it"},
+          {"axis0", "names of several levels: columns are numbered"}}) {
+      if (text_of(group_, std::string(axis) + "_variety") != "multi") continue;
+      const std::string place = within + std::string(axis) + "_l";
+      const auto is_part = [&](const std::string& path) { return path.starts_with(place); };
+      std::erase_if(listing_.arrays, [&](const Hdf5Array& array) { return is_part(array.path); });
+      std::erase_if(listing_.text_lists, [&](const auto& list) { return is_part(list.first); });
+      std::erase_if(listing_.texts, [&](const auto& text) { return is_part(text.first); });
+      listing_.skipped.push_back(fmt::format("'{}{}' ({})", to_utf8(within), axis, reason));
+    }
+    const auto is_level = [&](const auto& text) {
+      return text.first.starts_with(within + "block") &&
+             text.first.find("_items_level") != std::string::npos;
+    };
+    std::erase_if(listing_.text_lists, is_level);
+    std::erase_if(listing_.texts, is_level);
   }
 
   /// Numbers that name columns, and what stands for empty data, keeping their shape.

@@ -46,6 +46,7 @@ void send_hdf5_array(const Hdf5Array& array, const PipeWriter& out) {
   for (const std::uint64_t side : array.shape) out.number(side);
   out.number(static_cast<std::uint64_t>(array.numbers));
   out.number(array.wide ? 1 : 0);
+  out.number(array.bits ? 1 : 0);
   out.number(array.complex ? 1 : 0);
   out.text(array.text);
   out.number(array.reference);

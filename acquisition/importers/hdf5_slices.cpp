@@ -131,6 +131,10 @@ class SliceReader {
   /// Reads numbers of a data set or of a field.
   bool read_as(hid_t data, const Hdf5Slice& slice, hid_t number, std::uint64_t count, void* to) {
     const Hdf5Array& array = *slice.array;
+    if (array.bits && H5Tget_class(number) != H5T_BITFIELD)
+      return read_as(data, slice, hdf5_bits_of(array.numbers), count, to) &&
+             H5Tconvert(hdf5_memory_type(array.numbers), number, count, to, nullptr, H5P_DEFAULT) >=
+                 0;
     if (array.field_path.empty()) return read(data, slice, number, count, to);
     if (array.elements == 0)
       return read(data, slice, hdf5_field_type(array.field_path, number).id(), count, to);

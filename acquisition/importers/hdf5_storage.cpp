@@ -55,6 +55,8 @@ std::string hdf5_storage_problem(hid_t data, const std::vector<std::uint64_t>& s
                                  std::uint64_t element, std::uint64_t file_bytes) {
   const Hdf5Handle creation(H5Dget_create_plist(data), H5Pclose);
   const H5D_layout_t layout = H5Pget_layout(creation.id());
+  if (layout == H5D_VIRTUAL)
+    return "virtual: a view of other data sets, which are read where they are";
   if (H5Pget_external_count(creation.id()) != 0 ||
       (layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED && layout != H5D_COMPACT))
     return "kept in another file";

@@ -21,6 +21,11 @@ std::optional<ArrayNumbers> hdf5_numbers_of(hid_t type) {
     const std::size_t bits = H5Tget_precision(type) + (H5Tget_sign(type) == H5T_SGN_NONE ? 1 : 0);
     return bits <= 16 ? ArrayNumbers::i16 : bits <= 32 ? ArrayNumbers::i32 : ArrayNumbers::f64;
   }
+  if (kind == H5T_BITFIELD) {
+    const std::size_t bits = H5Tget_precision(type);
+    if (bits > 31) return std::nullopt;
+    return bits <= 15 ? ArrayNumbers::i16 : ArrayNumbers::i32;
+  }
   if (kind != H5T_FLOAT) return std::nullopt;
   std::size_t sign = 0, exponent_at = 0, exponent = 0, mantissa_at = 0, mantissa = 0;
   if (H5Tget_fields(type, &sign, &exponent_at, &exponent, &mantissa_at, &mantissa) < 0)
@@ -45,6 +50,10 @@ hid_t hdf5_memory_type(ArrayNumbers numbers) {
   }
 }
 
+hid_t hdf5_bits_of(ArrayNumbers numbers) {
+  return numbers == ArrayNumbers::i16 ? H5T_NATIVE_B16 : H5T_NATIVE_B32;
+}
+
 std::size_t width_of(ArrayNumbers numbers) {
   return numbers == ArrayNumbers::i16 ? 2 : numbers == ArrayNumbers::f64 ? 8 : 4;
 }
@@ -57,7 +66,8 @@ bool hdf5_is_complex(hid_t type) {
     for (unsigned i = 0; i < 2; ++i) {
       char* const name = H5Tget_member_name(type, i);
       const Hdf5Handle member(H5Tget_member_type(type, i), H5Tclose);
-      matches = matches && name != nullptr && name == pair[i] && hdf5_numbers_of(member.id());
+      matches = matches && name != nullptr && name == pair[i] && hdf5_numbers_of(member.id()) &&
+                H5Tget_class(member.id()) != H5T_BITFIELD;
       H5free_memory(name);
     }
     if (matches) return true;

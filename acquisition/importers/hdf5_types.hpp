@@ -18,8 +18,12 @@ constexpr int hdf5_deepest = 16;  ///< groups in groups, records in records
 
 /// The type of ours that holds all numbers of a type, but for floating point wider than double
 /// precision; none where HDF5 knows no numbers. The values of an enumeration are its integers: h5py
-/// writes true and false so.
+/// writes true and false so; PyTables writes them as bit fields, whose value is what their bits
+/// count.
 std::optional<ArrayNumbers> hdf5_numbers_of(hid_t type);
+
+/// What reads a bit field to the type that hdf5_numbers_of() gives: HDF5 makes no numbers of them.
+hid_t hdf5_bits_of(ArrayNumbers numbers);
 
 /// Integers that are not all exact in double precision.
 bool hdf5_is_wide(hid_t type);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/text_file.hpp"
@@ -59,6 +60,23 @@ std::string without_quotes_around(std::string_view part) {
   return text;
 }
 
+/// Where a part that begins at `first` ends with a line, `last` at best, by units of as many bytes
+/// as `line_end` has; npos where neither a line nor the text ends soon.
+std::size_t end_with_line(std::string_view bytes, std::size_t first, std::size_t last,
+                          std::string_view line_end) {
+  constexpr std::size_t longest_line = std::size_t{1} << 20;
+  const std::size_t unit = line_end.size();
+  const std::string_view all = bytes.substr(first, last - first + longest_line);
+  const std::size_t best = last - first;
+  std::size_t at = all.substr(0, best).rfind(line_end);
+  while (at != all.npos && at % unit != 0)
+    at = at == 0 ? all.npos : all.substr(0, best).rfind(line_end, at - 1);
+  if (at == all.npos) at = all.find(line_end, best < unit ? 0 : best - unit + 1);
+  while (at != all.npos && at % unit != 0) at = all.find(line_end, at + 1);
+  if (at != all.npos) return first + at + unit;
+  return first + all.size() == bytes.size() ? bytes.size() : bytes.npos;
+}
+
 }  // namespace
 
 bool has_quoted_lines(std::string_view head) {
@@ -79,15 +97,19 @@ bool has_quoted_lines(std::string_view head) {
   return rows > 1;
 }
 
-Rewriting quoted_lines_rewriting(std::size_t mark) {
-  return {.mark = mark,
-          .part = without_quotes_around,
-          .end = [](std::string_view all, std::size_t first, std::size_t last) {
-            const std::size_t before = all.substr(first, last - first).rfind('\n');
-            if (before != all.npos) return first + before + 1;
-            const std::size_t behind = all.find('\n', last);
-            return behind == all.npos ? all.size() : behind + 1;
-          }};
+Rewriting without_quoted_lines(Rewriting of_bytes) {
+  Rewriting rewriting = no_rewriting(of_bytes.mark);
+  rewriting.line_end = of_bytes.line_end;
+  rewriting.part = [part = std::move(of_bytes.part)](std::string_view bytes) {
+    return without_quotes_around(part(bytes));
+  };
+  rewriting.end = [end = std::move(of_bytes.end), line_end = std::move(of_bytes.line_end)](
+                      std::string_view bytes, std::size_t first, std::size_t last) {
+    const std::size_t with_line = end_with_line(bytes, first, last, line_end);
+    // a line without end is no row: it may keep its quotes
+    return with_line != bytes.npos ? with_line : end(bytes, first, last);
+  };
+  return rewriting;
 }
 
 }  // namespace impactrig::acquisition

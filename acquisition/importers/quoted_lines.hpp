@@ -11,8 +11,8 @@ namespace impactrig::acquisition {
 /// with them, as TranAX and spreadsheets that got a table into one column write them.
 bool has_quoted_lines(std::string_view head);
 
-/// Of such lines, which begin behind `mark` bytes: blanks stand where their quotes stood, so that
+/// Of such lines as another rewriting leaves them: blanks stand where their quotes stood, so that
 /// places in a line stay what they are.
-Rewriting quoted_lines_rewriting(std::size_t mark);
+Rewriting without_quoted_lines(Rewriting of_bytes);
 
 }  // namespace impactrig::acquisition

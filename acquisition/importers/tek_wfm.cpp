@@ -145,7 +145,8 @@ class TekWfmHeader {
     if (frames_ > 1)
       record.warnings.push_back(
           fmt::format("this is a FastFrame sequence of {} frames: each is a channel, with the time "
-                      "from its own trigger",
+                      "from its own trigger to within a sample: what is left stands in each "
+                      "channel's 'trigger to next sample'",
                       frames_));
     if (frames_ > 1 && !summary_.empty())
       record.warnings.push_back(

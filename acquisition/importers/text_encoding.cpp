@@ -167,12 +167,20 @@ Rewriting utf16_rewriting(std::string_view bytes) {
                 last = first + std::max<std::size_t>((last - first) / 2 * 2, 4);
                 // the second one of a pair is in the same part
                 return is_first_surrogate(unit_at(all, last - 2, little)) ? last - 2 : last;
-              }};
+              },
+          .line_end = little ? std::string("\n\0", 2) : std::string("\0\n", 2)};
+}
+
+Rewriting no_rewriting(std::size_t mark) {
+  return {.mark = mark,
+          .part = [](std::string_view part) { return std::string(part); },
+          .end = [](std::string_view, std::size_t, std::size_t last) { return last; }};
 }
 
 Rewriting line_feed_rewriting() {
   return {.part = line_feeds,
-          .end = [](std::string_view, std::size_t, std::size_t last) { return last; }};
+          .end = [](std::string_view, std::size_t, std::size_t last) { return last; },
+          .line_end = "\r"};
 }
 
 std::unique_ptr<MappedFile> rewritten(const MappedFile& file, const Rewriting& rewriting,

@@ -32,7 +32,11 @@ struct Rewriting {
   std::function<std::string(std::string_view part)> part;
   /// Where a part of `bytes` that begins at `first` may end, `last` at best: behind `first`.
   std::function<std::size_t(std::string_view bytes, std::size_t first, std::size_t last)> end;
+  std::string line_end = "\n";  ///< as the bytes spell it: as many as a unit of them has
 };
+
+/// Of a text whose bytes stay as they are, behind `mark` of them.
+Rewriting no_rewriting(std::size_t mark);
 
 /// Of UTF-16, whose byte order mark `bytes` begin with.
 Rewriting utf16_rewriting(std::string_view bytes);

@@ -24,6 +24,10 @@ bool may_be_padded(std::string_view bytes) {
   return bytes.ends_with('\0') && !looks_like_utf16(bytes.substr(0, 65536));
 }
 
+std::size_t mark_of(std::string_view bytes) {
+  return bytes.starts_with(utf8_mark) ? utf8_mark.size() : 0;
+}
+
 }  // namespace
 
 TextFile::TextFile(std::string path, bool head_only, std::string code_page)
@@ -38,7 +42,7 @@ std::string_view TextFile::text() {
   if (rewritten_) return rewritten_->bytes();
   const std::string_view all = bytes().substr(0, size_);
   const auto how = rewriting();
-  if (!how) return all.starts_with(utf8_mark) ? all.substr(utf8_mark.size()) : all;
+  if (!how) return all.substr(mark_of(all));
   if (all.size() <= most_in_memory) {
     text_ = how->part(all.substr(how->mark));
     return text_;
@@ -50,10 +54,18 @@ std::string_view TextFile::text() {
 
 std::optional<Rewriting> TextFile::rewriting() const {
   const std::string_view all = bytes().substr(0, size_);
-  const std::size_t mark = all.starts_with(utf8_mark) ? utf8_mark.size() : 0;
-  const std::string_view head = all.substr(mark, 65536);
-  if (has_quoted_lines(head) && code_page_.empty()) return quoted_lines_rewriting(mark);
-  if (mark > 0) return std::nullopt;
+  auto of_bytes = rewriting_of_bytes();
+  const std::size_t mark = of_bytes ? of_bytes->mark : mark_of(all);
+  const std::string_view head = all.substr(std::min(mark, all.size()), 65536);
+  const bool quoted = of_bytes ? has_quoted_lines(of_bytes->part(head)) : has_quoted_lines(head);
+  if (!quoted) return of_bytes;
+  return without_quoted_lines(of_bytes ? *std::move(of_bytes) : no_rewriting(mark));
+}
+
+std::optional<Rewriting> TextFile::rewriting_of_bytes() const {
+  const std::string_view all = bytes().substr(0, size_);
+  if (mark_of(all) > 0) return std::nullopt;
+  const std::string_view head = all.substr(0, 65536);
   if (looks_like_utf16(head)) {
     if (!all.starts_with("\xFF\xFE") && !all.starts_with("\xFE\xFF"))
       throw InputError(byte_position(all.data()),

@@ -76,6 +76,9 @@ class TextFile {
   /// How the text is to be rewritten; none where it is a part of the bytes.
   std::optional<Rewriting> rewriting() const;
 
+  /// The same but for quotes around whole lines.
+  std::optional<Rewriting> rewriting_of_bytes() const;
+
   /// Where only the head is wanted: makes text_ the first and the last lines. False when the first
   /// line does not end soon enough.
   bool take_first_lines(const Rewriting& rewriting);

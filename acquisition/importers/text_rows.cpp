@@ -272,17 +272,17 @@ bool RowReader::unusual_cell(std::size_t c) {
     if (*at_ == '"') quoted = !quoted;
     ++at_;
   }
-  const std::string_view cell(start, static_cast<std::size_t>(at_ - start));
+  const std::string_view cell = trimmed({start, static_cast<std::size_t>(at_ - start)});
   skip_blanks();
   auto value = cell_value(cell, decimal_);
   if (!value) value = grouped_number_in(cell, decimal_);
   if (!value && marks_missing(cell)) {
-    append_missing(table_.columns[c], start, trimmed(cell));
+    append_missing(table_.columns[c], start, cell);
     return true;
   }
   if (!value && at_ == end_ && !first_row_ && begins_number(cell)) return false;
   if (!value) {
-    const std::string found = to_utf8(trimmed(cell).substr(0, 40));
+    const std::string found = to_utf8(cell.substr(0, 40));
     const bool out_of_range = std::all_of(found.begin(), found.end(), [this](char letter) {
       return detail::is_digit(letter) || letter == decimal_ ||
              std::strchr("+-eEdD", letter) != nullptr;
@@ -299,7 +299,7 @@ bool RowReader::unusual_cell(std::size_t c) {
   if (std::isnan(*value))
     append_missing(table_.columns[c], start);
   else if (stands_for_no_value(*value))
-    append_missing(table_.columns[c], start, trimmed(cell));
+    append_missing(table_.columns[c], start, cell);
   else
     append(table_.columns[c], *value);
   return true;

@@ -82,6 +82,20 @@ TEST(ChannelRows, MayBeginWithNameAndUnit) {
   }
 }
 
+TEST(ChannelRows, MayStandUnderTitlesAndKeys) {
+  for (const char* delimiter : {",", ";", "\t", " "}) {
+    const std::string d = delimiter;
+    expect_the_record(imported("Drop test 7, bar B\n\n" + row_of("", time, d) +
+                               row_of("", force, d) + row_of("", velocity, d)));
+  }
+  const Record record =
+      imported("Drop test 7\nSampling rate [kHz];100\n" + row_of("Force (N)", force, ";") +
+               row_of("v (m/s)", velocity, ";"));
+  expect_the_record(record);
+  EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]", "v [m/s]"));
+  EXPECT_THAT(import_error("Drop test 7\nnotes of the day\n"), HasSubstr("no row of numbers"));
+}
+
 TEST(ChannelRows, MayBeDividedByBlanksOrHaveDecimalCommas) {
   expect_the_record(
       imported(row_of("", time, "  ") + row_of("", force, "  ") + row_of("", velocity, "  ")));
@@ -228,8 +242,11 @@ TEST(QuotedLines, AreReadAsIfTheQuotesWereNotThere) {
     std::string text = fmt::format("\"Time [s]{0}Force [N]{0}Velocity [m/s]\"\r\n", delimiter);
     for (int k = 0; k < samples; ++k)
       text += fmt::format("\"{1}{0}{2}{0}{3}\"\r\n", delimiter, time(k), force(k), velocity(k));
-    for (const char* mark : {"", "\xEF\xBB\xBF"}) {
-      const Record record = imported(mark + text);
+    std::string returns = text;
+    std::erase(returns, '\n');
+    for (const std::string& bytes :
+         {text, "\xEF\xBB\xBF" + text, tests::utf16(text), tests::utf16(text, false), returns}) {
+      const Record record = imported(bytes);
       expect_the_record(record);
       EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]", "Velocity [m/s]"));
     }
@@ -240,6 +257,24 @@ TEST(QuotedLines, MayHoldNamesInQuotes) {
   const Record record = imported(
       "\"\"\"Time [s]\"\",\"\"Force, left [N]\"\"\"\n\"0.0,1.5\"\n\"0.1,2.5\"\n\"0.2,3.5\"\n");
   EXPECT_THAT(names_and_units(record), ElementsAre("Force, left [N]"));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5, 2.5, 3.5));
+}
+
+TEST(QuotedLines, MayBeInACodePage) {
+  ImportOptions options;
+  options.encoding = "CP932";
+  const Record record =
+      imported("\"t [s];\x97\xCD [N]\"\n\"0.0;1.5\"\n\"0.1;2.5\"\n\"0.2;3.5\"\n", options);
+  EXPECT_THAT(names_and_units(record), ElementsAre("力 [N]"));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5, 2.5, 3.5));
+}
+
+TEST(QuotedLines, MayHoldDecimalCommasInQuotes) {
+  const Record record = imported(
+      "\"\"\"t [s]\"\",\"\"F [N]\"\"\"\n\"\"\"0,0\"\",\"\"1,5\"\"\"\n\"\"\"0,1\"\",\"\"2,5\"\"\"\n"
+      "\"\"\"0,2\"\",\"\"3,5\"\"\"\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("F [N]"));
+  EXPECT_NEAR(record.channels[0].clock.interval, 0.1, 1e-12);
   EXPECT_THAT(record.channels[0].values(), ElementsAre(1.5, 2.5, 3.5));
 }
 
@@ -264,8 +299,18 @@ TEST(QuotedLines, OnTheDiskAreTheSame) {
   const WrittenFile written(text);
   const MappedFile file(written.path());
   for (const std::size_t piece : {4U, 6U, 9U, 100U})
-    EXPECT_EQ(rewritten(file, quoted_lines_rewriting(0), piece)->bytes(),
-              " t;F \n 0;1 \r\n\n 1;2 \n 2;3 ");
+    EXPECT_EQ(rewritten(file, without_quoted_lines(no_rewriting(0)), piece)->bytes(),
+              " t;F \n 0;1 \r\n\n 1;2 \n 2;3 ")
+        << piece;
+  for (const bool little : {true, false}) {
+    const std::string wide = tests::utf16(u"\"t;ĀਅĀ\"\n\"0;1\"\r\n\"1;2\"\n\"2;3\"", little);
+    const WrittenFile wide_file(wide, ".wide");
+    const MappedFile mapped(wide_file.path());
+    for (const std::size_t piece : {4U, 6U, 22U, 100U})
+      EXPECT_EQ(rewritten(mapped, without_quoted_lines(utf16_rewriting(wide)), piece)->bytes(),
+                " t;ĀਅĀ \n 0;1 \r\n 1;2 \n 2;3 ")
+          << piece;
+  }
 }
 
 TEST(Csv, TextMayStandInTheFirstColumn) {

@@ -11,6 +11,7 @@ namespace {
 
 using datasets::Channel;
 using datasets::Record;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -82,6 +83,26 @@ TEST(Hdf5OfPandas, AnIndexThatCountsRowsIsNoTime) {
   ASSERT_EQ(record.channels.size(), 4U);
   EXPECT_EQ(record.channels[1].clock.interval, 0.0);
   EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("have neither times nor a sample rate")));
+}
+
+// pandas 1.5.3, of an index of two levels: what the rows hold of each, and where in it.
+TEST(Hdf5OfPandas, AnIndexOfSeveralLevelsIsNoChannel) {
+  const Hdf5File file;
+  fixed_frame(file);
+  file.text("/shot1", "axis1_variety", "multi");
+  file.text("/shot1", "axis0_variety", "multi");
+  file.data<std::int64_t>("/shot1/axis1_level0", {2}, {1, 2}, H5T_NATIVE_INT64, H5T_STD_I64LE);
+  file.text_list("/shot1/axis0_level0", {"bar", "stop"});
+  file.text_list("/shot1/block0_items_level0", {"bar", "stop"});
+  for (const char* labels : {"/shot1/axis1_label0", "/shot1/axis0_label0"})
+    file.data<std::int8_t>(labels, {3}, {0, 0, 1}, H5T_NATIVE_INT8, H5T_STD_I8LE);
+  const Record record = imported(file.bytes(), {}, ".h5");
+  EXPECT_THAT(names_and_units(record), ElementsAre("/shot1.force_N [N]", "/shot1.disp_um [um]",
+                                                   "/shot1.velocity_mps [mps]"));
+  EXPECT_THAT(record.warnings,
+              Contains("not read: '/shot1/axis1' (an index of several levels: reset_index() makes "
+                       "columns of it), '/shot1/axis0' (names of several levels: columns are "
+                       "numbered)"));
 }
 
 TEST(Hdf5OfPandas, ASeriesHasItsName) {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <numeric>
 #include <stdexcept>
 
@@ -13,6 +15,7 @@
 namespace impactrig::acquisition {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -83,6 +86,50 @@ TEST(ForeignHdf5, NumbersOfOtherWidthsAreReadAsTheNextOfOurs) {
   EXPECT_TRUE(std::holds_alternative<std::vector<float>>(record.channels[1].raw));
   EXPECT_THAT(record.channels[2].values(), ElementsAre(0.25, -3.0));
   EXPECT_THAT(record.channels[3].values(), ElementsAre(0, 1, 1));
+}
+
+// PyTables and pandas write true and false so, of which HDF5 itself makes no numbers.
+TEST(ForeignHdf5, BitFieldsAreWhatTheirBitsCount) {
+  const Hdf5File file;
+  file.data<std::uint8_t>("/hit", {2, 3}, {0, 1, 1, 0, 255, 1}, H5T_NATIVE_B8, H5T_STD_B8LE);
+  file.data<std::uint16_t>("/status", {3}, {0x8001, 2, 0xFFFF}, H5T_NATIVE_B16, H5T_STD_B16BE);
+  file.data<std::uint64_t>("/wide", {1}, {1}, H5T_NATIVE_B64, H5T_STD_B64LE);
+
+  struct Row {
+    double force;
+    std::uint8_t hit;
+  };
+
+  const hid_t row = H5Tcreate(H5T_COMPOUND, sizeof(Row));
+  H5Tinsert(row, "force", offsetof(Row, force), H5T_NATIVE_DOUBLE);
+  H5Tinsert(row, "hit", offsetof(Row, hit), H5T_NATIVE_B8);
+  file.data<Row>("/table", {3}, {{1.5, 1}, {2.5, 0}, {3.5, 1}}, row, row);
+  H5Tclose(row);
+  const auto record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 5U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(0, 1, 1));
+  EXPECT_THAT(record.channels[1].values(), ElementsAre(0, 255, 1));
+  EXPECT_THAT(record.channels[2].values(), ElementsAre(0x8001, 2, 0xFFFF));
+  EXPECT_THAT(record.channels[3].values(), ElementsAre(1.5, 2.5, 3.5));
+  EXPECT_THAT(record.channels[4].values(), ElementsAre(1, 0, 1));
+  EXPECT_THAT(record.warnings, Contains(HasSubstr("'/wide' (of no standard type of numbers)")));
+}
+
+TEST(ForeignHdf5, AViewOfOtherDataSetsIsToldSo) {
+  const Hdf5File file;
+  file.doubles("/force", {1.0, 2.0, 3.0});
+  const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+  const hsize_t size = 3;
+  const hid_t space = H5Screate_simple(1, &size, nullptr);
+  H5Pset_virtual(creation, space, ".", "/force", space);
+  H5Dclose(
+      H5Dcreate2(file.id(), "/shown", H5T_IEEE_F64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT));
+  H5Sclose(space);
+  H5Pclose(creation);
+  const auto record = imported(file.bytes());
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_THAT(record.warnings, Contains(HasSubstr("'/shown' (virtual: a view of other data sets, "
+                                                  "which are read where they are)")));
 }
 
 /// A data set of 16 numbers of 16 bits in one piece that is packed by these filters, or already is.

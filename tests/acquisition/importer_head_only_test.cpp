@@ -51,16 +51,6 @@ std::string segment(const tests::LvmFile& file, const std::string& samples, std:
                       "X_Value|Force|Velocity|Comment", rows(count));
 }
 
-std::string utf16(std::string_view text) {
-  std::string wide = "\xFF\xFE";
-  wide.reserve(2 * text.size() + 2);
-  for (const char c : text) {
-    wide += c;
-    wide += '\0';
-  }
-  return wide;
-}
-
 const tests::LvmFile without_x{'\t', "Tab", ".", "No", "Yes", ""};
 
 TEST(HeadOnly, OfOneLabViewSegmentIsWhatItDeclaresWhereItsSizeAgrees) {
@@ -171,7 +161,8 @@ TEST(HeadOnly, OfALabViewFileWithoutARowInItsFirstMegabyteIsCounted) {
 
 TEST(HeadOnly, OfALabViewTextInUtf16IsNotRewritten) {
   constexpr std::size_t n = large / 32;
-  const tests::WrittenFile file(utf16(without_x.header() + segment(without_x, "", n)), ".lvm");
+  const tests::WrittenFile file(tests::utf16(without_x.header() + segment(without_x, "", n)),
+                                ".lvm");
   const NoTemporaryFolder nowhere;
   EXPECT_EQ(opened(file, true)->head().samples, (std::vector<std::uint64_t>{n, n}));
 }
@@ -236,7 +227,7 @@ std::string table(std::size_t bytes, char line_end) {
 
 TEST(HeadOnly, OfATableToBeRewrittenIsThatOfItsFirstRows) {
   for (const bool wide : {true, false}) {
-    const std::string text = wide ? utf16(table(large / 2, '\n')) : table(large, '\r');
+    const std::string text = wide ? tests::utf16(table(large / 2, '\n')) : table(large, '\r');
     const std::size_t n = ((wide ? text.size() / 2 : text.size()) - 34) / 18;
     const tests::WrittenFile file(text, ".csv");
     const NoTemporaryFolder nowhere;
@@ -265,10 +256,10 @@ TEST(HeadOnly, OfATableToBeRewrittenHasTheRowsThatItsLastTimeTells) {
   };
   for (const bool wide : {true, false}) {
     const auto [text, n] = made(wide ? "\r\n" : "\r");
-    const std::string bytes = wide ? utf16(text) : text;
+    const std::string bytes = wide ? tests::utf16(text) : text;
     const tests::WrittenFile file(bytes, ".csv");
     EXPECT_EQ(opened(file, true)->head().samples, std::vector<std::uint64_t>{n});
-    const std::string remark = wide ? utf16("end of run 7\r\n").substr(2) : "end of run 7\r";
+    const std::string remark = wide ? tests::utf16("end of run 7\r\n").substr(2) : "end of run 7\r";
     const tests::WrittenFile with_remark(bytes + remark, ".txt");
     const double estimate = static_cast<double>(opened(with_remark, true)->head().samples.at(0));
     EXPECT_GT(estimate, 1.02 * static_cast<double>(n));
@@ -280,7 +271,7 @@ TEST(HeadOnly, OfALabViewTableWithoutHeaderInUtf16IsNotRewritten) {
   std::string text = rows(large / 32);
   for (char& c : text)
     if (c == '\t') c = ' ';
-  const tests::WrittenFile file(utf16(text), ".lvm");
+  const tests::WrittenFile file(tests::utf16(text), ".lvm");
   const NoTemporaryFolder nowhere;
   const auto reader = opened(file, true);
   EXPECT_EQ(reader->head().samples, (std::vector<std::uint64_t>(2, large / 32)));
@@ -288,7 +279,7 @@ TEST(HeadOnly, OfALabViewTableWithoutHeaderInUtf16IsNotRewritten) {
 }
 
 TEST(HeadOnly, OfASmallFileIsCounted) {
-  const tests::WrittenFile file(utf16(table(100000, '\n')), ".csv");
+  const tests::WrittenFile file(tests::utf16(table(100000, '\n')), ".csv");
   const auto reader = opened(file, true);
   EXPECT_TRUE(reader->head().counted);
   EXPECT_EQ(reader->head().samples, opened(file, false)->head().samples);

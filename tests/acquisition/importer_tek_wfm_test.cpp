@@ -70,7 +70,8 @@ TEST(TekWfm, FramesAreChannelsWithTheirOwnTrigger) {
   EXPECT_EQ(record.channels[2].attributes.at("trigger to next sample"), "0.125 samples");
   EXPECT_THAT(record.warnings,
               ElementsAre("this is a FastFrame sequence of 3 frames: each is a channel, with the "
-                          "time from its own trigger"));
+                          "time from its own trigger to within a sample: what is left "
+                          "stands in each channel's 'trigger to next sample'"));
 }
 
 TEST(TekWfm, SummaryFrameIsNoMeasurement) {

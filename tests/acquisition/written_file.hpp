@@ -51,6 +51,25 @@ inline std::string bytes_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// With a byte order mark.
+inline std::string utf16(std::u16string_view text, bool little = true) {
+  std::string bytes;
+  const auto append = [&](char16_t unit) {
+    const char low = static_cast<char>(unit & 0xFFU);
+    const char high = static_cast<char>(unit >> 8U);
+    bytes.append({little ? low : high, little ? high : low});
+  };
+  bytes.reserve(2 * text.size() + 2);
+  append(u'\uFEFF');
+  for (const char16_t unit : text) append(unit);
+  return bytes;
+}
+
+/// Of ASCII.
+inline std::string utf16(std::string_view text, bool little = true) {
+  return utf16(std::u16string(text.begin(), text.end()), little);
+}
+
 /// Imports bytes as a file; a missing clock is a warning.
 inline datasets::Record imported(std::string_view bytes, ImportOptions options = {},
                                  std::string_view ending = ".txt") {
