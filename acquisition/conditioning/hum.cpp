@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "acquisition/conditioning/decay_fit.hpp"
 #include "acquisition/conditioning/hum_fit.hpp"
 #include "acquisition/conditioning/hum_frequency.hpp"
 #include "acquisition/conditioning/samples.hpp"
@@ -20,12 +21,10 @@ namespace impactrig::acquisition {
 using datasets::Channel;
 using datasets::Edit;
 using datasets::RemoveHum;
-using datasets::TimeSpan;
 
 namespace {
 
-constexpr double significant = 4.0;     ///< standard errors
-constexpr double enough_periods = 5.0;  ///< to tell the frequency
+constexpr double significant = 4.0;  ///< standard errors
 /// Standard deviation of a grid's frequency from the stated one, as a part of it: 50 mHz of 50 Hz.
 constexpr double mains_wander = 1e-3;
 
@@ -46,18 +45,6 @@ HumFit significant_part(const HumPoints& points, double frequency, int harmonics
     multiples.erase(multiples.begin() + static_cast<std::ptrdiff_t>(weakest));
     if (multiples.empty()) return fit_hum(points, frequency, {}, HumFigures::errors);
   }
-}
-
-void refuse_senseless(const Channel& channel, const RemoveHum& hum, double frequency) {
-  if (!(frequency > 0.0))
-    throw std::invalid_argument(
-        fmt::format("a mains frequency of {:g} Hz is not positive", frequency));
-  if (hum.harmonics < 1 || hum.harmonics > 20)
-    throw std::invalid_argument(fmt::format("hum has 1 to 20 harmonics, not {}", hum.harmonics));
-  if (!(4.0 * hum.harmonics * frequency * channel.clock.interval < 1.0))
-    throw std::invalid_argument(fmt::format(
-        "multiple {} of {:g} Hz is not below a quarter of the sample rate of channel '{}'",
-        hum.harmonics, frequency, channel.name));
 }
 
 /// What an error of the frequency makes of the hum per second from the middle of the points
@@ -92,29 +79,22 @@ double largest_error(const Channel& channel, const HumPoints& quiet, const HumFi
 
 }  // namespace
 
-Edit remove_hum(Channel& channel, const RemoveHum& hum) {
+Edit remove_hum(Channel& channel, const RemoveHum& hum, const datasets::RemoveDecay* decay) {
   std::vector<double> values = sound_values(channel);
-  const double stated = hum.frequency.value_or(50.0);
-  refuse_senseless(channel, hum, stated);
-  double quiet = 0.0;  // [s]
-  for (const TimeSpan& stretch : hum.quiet)
-    quiet += channel.clock.interval * static_cast<double>(samples_in(channel, stretch).size());
-  const double widest = std::min(1.0 / (20.0 * stated * hum.harmonics), quiet / 256.0);
-  const HumPoints quiet_points = hum_points(channel, hum, values, widest);
-  if (quiet_points.points.size() < 32)
-    throw std::invalid_argument(
-        fmt::format("channel '{}' has {} samples at quiet times ({}); at least 32 are needed to "
-                    "know its hum",
-                    channel.name, quiet_points.points.size(), text_of(hum.quiet)));
-
-  const bool from_data = quiet_points.span() * stated >= enough_periods;
-  const double frequency = from_data
-                               ? hum_frequency(hum_points(channel, hum, values, 0.05 / stated),
-                                               quiet_points, stated, hum.harmonics)
-                               : stated;
+  std::vector<double> without_decay = values;
+  if (decay) {
+    const Decay fitted = fit_decay(channel, *decay, &hum).decay;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      without_decay[i] -= fitted.at(channel.clock.time(i));
+  }
+  const QuietHum found = find_quiet_hum(channel, hum, without_decay);
+  const HumPoints& quiet_points = found.points;
+  const double frequency = found.frequency;
+  const bool from_data = found.from_data;
   const HumFit fit = significant_part(quiet_points, frequency, hum.harmonics);
 
   Edit edit{"remove hum", channel.name, {{"quiet", text_of(hum.quiet)}}};
+  if (decay) edit.parameters["fitted beside"] = "a decay";
   if (fit.multiples.empty()) {
     edit.parameters["found"] = "nothing above the noise, so nothing was taken off";
     return edit;

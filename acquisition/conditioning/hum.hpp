@@ -14,13 +14,15 @@ namespace impactrig::acquisition {
 /// Multiples that are less than 4 standard errors from none, both parts together, are left out, so
 /// that noise is not added; when all are, nothing is taken off and the edit says so. Standard
 /// errors take the residuals' autocorrelation into account, and what the fit takes of it
-/// (slow_variance).
+/// (slow_variance). `decay`: the channel has one too, which stays; the hum is fitted to
+/// what fit_decay() leaves.
 ///
 /// The edit holds frequency, amplitudes and the largest standard error of what is taken off
 /// anywhere in the record. Throws std::invalid_argument when fewer than 32 samples are quiet, the
 /// highest multiple is not below a quarter of the sample rate, or that standard error is more than
 /// half of the hum's amplitude: the quiet stretches are then too short (below about one period) to
 /// tell hum from drift.
-datasets::Edit remove_hum(datasets::Channel& channel, const datasets::RemoveHum& hum);
+datasets::Edit remove_hum(datasets::Channel& channel, const datasets::RemoveHum& hum,
+                          const datasets::RemoveDecay* decay = nullptr);
 
 }  // namespace impactrig::acquisition

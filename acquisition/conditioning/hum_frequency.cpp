@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "acquisition/conditioning/hum_frequency.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <stdexcept>
 #include <unsupported/Eigen/FFT>
 #include <utility>
 #include <vector>
+
+#include "acquisition/conditioning/samples.hpp"
 
 namespace impactrig::acquisition {
 
@@ -110,6 +115,46 @@ double hum_frequency(const HumPoints& coarse, const HumPoints& points, double st
     return fit_hum(points, at, all, HumFigures::squares).squares;
   };
   return boost::math::tools::brent_find_minima(squares, low, high, 24).first;
+}
+
+namespace {
+
+constexpr double enough_periods = 5.0;  ///< to tell the frequency
+
+void refuse_senseless(const datasets::Channel& channel, const datasets::RemoveHum& hum,
+                      double frequency) {
+  if (!(frequency > 0.0))
+    throw std::invalid_argument(
+        fmt::format("a mains frequency of {:g} Hz is not positive", frequency));
+  if (hum.harmonics < 1 || hum.harmonics > 20)
+    throw std::invalid_argument(fmt::format("hum has 1 to 20 harmonics, not {}", hum.harmonics));
+  if (!(4.0 * hum.harmonics * frequency * channel.clock.interval < 1.0))
+    throw std::invalid_argument(fmt::format(
+        "multiple {} of {:g} Hz is not below a quarter of the sample rate of channel '{}'",
+        hum.harmonics, frequency, channel.name));
+}
+
+}  // namespace
+
+QuietHum find_quiet_hum(const datasets::Channel& channel, const datasets::RemoveHum& hum,
+                        std::span<const double> values) {
+  const double stated = hum.frequency.value_or(default_mains);
+  refuse_senseless(channel, hum, stated);
+  double quiet = 0.0;  // [s]
+  for (const datasets::TimeSpan& stretch : hum.quiet)
+    quiet += channel.clock.interval * static_cast<double>(samples_in(channel, stretch).size());
+  const double widest = std::min(1.0 / (20.0 * stated * hum.harmonics), quiet / 256.0);
+  QuietHum found{.points = hum_points(channel, hum, values, widest), .frequency = stated};
+  if (found.points.points.size() < 32)
+    throw std::invalid_argument(
+        fmt::format("channel '{}' has {} samples at quiet times ({}); at least 32 are needed to "
+                    "know its hum",
+                    channel.name, found.points.points.size(), text_of(hum.quiet)));
+  found.from_data = found.points.span() * stated >= enough_periods;
+  if (found.from_data)
+    found.frequency = hum_frequency(hum_points(channel, hum, values, 0.05 / stated), found.points,
+                                    stated, hum.harmonics);
+  return found;
 }
 
 }  // namespace impactrig::acquisition

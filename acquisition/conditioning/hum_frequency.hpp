@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
+
 #include "acquisition/conditioning/hum_fit.hpp"
+#include "datasets/conditioning.hpp"
+#include "datasets/record.hpp"
 
 namespace impactrig::acquisition {
 
@@ -19,5 +23,19 @@ constexpr double mains_tolerance = 0.02;
 /// 1e-9 of 1/T.
 double hum_frequency(const HumPoints& coarse, const HumPoints& points, double stated,
                      int harmonics);
+
+constexpr double default_mains = 50.0;  ///< where none is stated [Hz]
+
+/// The quiet samples of a channel, and the mains in them.
+struct QuietHum {
+  HumPoints points;
+  double frequency = 0.0;  ///< [Hz]
+  bool from_data = false;  ///< else as stated: the samples span less than 5 periods
+};
+
+/// `values`: those of the channel, or what is left of them. Throws std::invalid_argument when fewer
+/// than 32 samples are quiet, or the highest multiple is not below a quarter of the sample rate.
+QuietHum find_quiet_hum(const datasets::Channel& channel, const datasets::RemoveHum& hum,
+                        std::span<const double> values);
 
 }  // namespace impactrig::acquisition

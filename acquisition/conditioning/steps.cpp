@@ -39,8 +39,8 @@ namespace {
 
 constexpr double notable_loss = 0.01;  ///< of a peak
 
-/// The channels that a step means: indices, since steps add channels.
-std::vector<std::size_t> channels_meant(const Record& record, const std::string& name) {
+/// The channels that a step means, where there are any: indices, since steps add channels.
+std::vector<std::size_t> channels_called(const Record& record, const std::string& name) {
   if (const Channel* const channel = record.find(name))
     return {static_cast<std::size_t>(channel - record.channels.data())};
   const auto quantity = datasets::quantity_named(name);
@@ -49,8 +49,13 @@ std::vector<std::size_t> channels_meant(const Record& record, const std::string&
     if (matches_pattern(record.channels[i].name, name)) by_pattern.push_back(i);
     if (quantity && record.channels[i].quantity == *quantity) by_quantity.push_back(i);
   }
-  if (!by_pattern.empty()) return by_pattern;
-  if (!by_quantity.empty()) return by_quantity;
+  return by_pattern.empty() ? by_quantity : by_pattern;
+}
+
+/// The same; throws where there is none.
+std::vector<std::size_t> channels_meant(const Record& record, const std::string& name) {
+  std::vector<std::size_t> channels = channels_called(record, name);
+  if (!channels.empty()) return channels;
   std::string names;
   for (const Channel& channel : record.channels)
     names += fmt::format("{}'{}'", names.empty() ? "" : ", ", channel.name);
@@ -66,9 +71,11 @@ class Conditioning {
         sensors_(sensors),
         detection_(detection) {}
 
-  void apply(const datasets::ConditioningStep& step) {
-    for (const std::size_t index : channels_meant(record_, step.channel))
-      std::visit([&](const auto& action) { act(action, index); }, step.action);
+  /// The first of these; the others are yet to come.
+  void apply(std::span<const datasets::ConditioningStep> steps) {
+    to_come_ = steps.subspan(1);
+    for (const std::size_t index : channels_meant(record_, steps.front().channel))
+      std::visit([&](const auto& action) { act(action, index); }, steps.front().action);
   }
 
  private:
@@ -125,9 +132,25 @@ class Conditioning {
         channel(index).name, parameter, record_.provenance.edits.back().parameters.at(parameter)));
   }
 
+  /// A step of that kind that this channel still has before it, its quiet stretches known.
+  template <typename Action>
+  std::optional<Action> to_come(std::size_t index) {
+    for (const datasets::ConditioningStep& step : to_come_) {
+      const auto* const action = std::get_if<Action>(&step.action);
+      if (action == nullptr) continue;
+      const std::vector<std::size_t> meant = channels_called(record_, step.channel);
+      if (std::ranges::find(meant, index) == meant.end()) continue;
+      Action found = *action;
+      if (found.quiet.empty()) found.quiet.push_back(before_touch(index));
+      return found;
+    }
+    return std::nullopt;
+  }
+
   void act(datasets::RemoveDecay action, std::size_t index) {
     if (action.quiet.empty()) action.quiet.push_back(before_touch(index));
-    note(remove_decay(channel(index), action));
+    const auto hum = to_come<datasets::RemoveHum>(index);
+    note(remove_decay(channel(index), action, hum ? &*hum : nullptr));
   }
 
   void act(datasets::UndoLowCut action, std::size_t index) {
@@ -177,7 +200,8 @@ class Conditioning {
 
   void act(datasets::RemoveHum action, std::size_t index) {
     if (action.quiet.empty()) action.quiet.push_back(before_touch(index));
-    Edit edit = remove_hum(channel(index), action);
+    const auto decay = to_come<datasets::RemoveDecay>(index);
+    Edit edit = remove_hum(channel(index), action, decay ? &*decay : nullptr);
     if (edit.parameters.contains("found"))
       record_.warnings.push_back(fmt::format(
           "No hum near {:g} Hz stands out of the quiet samples of '{}' ({}), so none was "
@@ -262,6 +286,7 @@ class Conditioning {
   Record& record_;
   const SensorSet& sensors_;
   const DetectionOptions& detection_;
+  std::span<const datasets::ConditioningStep> to_come_;
 };
 
 }  // namespace
@@ -273,7 +298,7 @@ void apply_steps(std::span<const datasets::ConditioningStep> steps, Record& reco
   Conditioning conditioning(record, sensors, detection);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     try {
-      conditioning.apply(steps[i]);
+      conditioning.apply(steps.subspan(i));
     } catch (const std::invalid_argument& error) {
       throw InputError(whole_file(record.provenance.source_file),
                        fmt::format("conditioning step {}: {}", i + 1, error.what()));

@@ -107,6 +107,32 @@ TEST(ApplySteps, DoesThemInTheirOrder) {
       what, testing::ElementsAre("integrate", "differentiate", "low-pass, zero phase", "resample"));
 }
 
+// Whichever comes first knows of the other, though a step of a channel to come stands between.
+TEST(ApplySteps, TakesHumAndDecayOffTogetherInAnyOrder) {
+  const Sampling long_record{.start = -0.1, .interval = 50e-6, .samples = 6000};
+  const std::vector<TimeSpan> quiet{{-0.1, -1e-3}, {10e-3, 0.2}};
+  const auto pulse = [](double t) { return half_sine(t, 1500.0, 5e-3); };
+  auto recorded = sampled(long_record, [&](double t) {
+    return pulse(t) + 80.0 * std::exp(-(t + 0.1) / 40e-3) +
+           6.0 * std::sin(2.0 * std::numbers::pi * 50.03 * t);
+  });
+  add_noise(recorded, 0.5, 3);
+  const ConditioningStep hum{"force", datasets::RemoveHum{50.0, 3, quiet}};
+  const ConditioningStep decay{"force", datasets::RemoveDecay{quiet, std::nullopt}};
+  const ConditioningStep added{"force", datasets::Integrate{"impulse", {}, {}}};
+  const ConditioningStep of_added{"impulse", datasets::RemoveDecay{quiet, 1.0}};
+  for (const auto& steps : {std::vector<ConditioningStep>{hum, added, of_added, decay},
+                            std::vector<ConditioningStep>{decay, added, of_added, hum}}) {
+    Record record = record_of({force_of(long_record, recorded)});
+    apply_steps(steps, record);
+    double squares = 0.0;
+    for (std::size_t i = 0; i < long_record.samples; ++i)
+      squares += std::pow(record.channels[0].value(i) - pulse(long_record.time(i)), 2);
+    // the noise, and what ten coefficients take of it or add
+    EXPECT_NEAR(std::sqrt(squares / static_cast<double>(long_record.samples)), 0.5, 0.03);
+  }
+}
+
 // A fit takes its prediction through the same.
 TEST(ApplySteps, LeavesItsFiltersToTheImpact) {
   Record record = shot();

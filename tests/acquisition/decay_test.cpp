@@ -9,6 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "acquisition/conditioning/hum.hpp"
 #include "datasets/sensor_response.hpp"
 #include "tests/acquisition/scene.hpp"
 
@@ -68,7 +69,69 @@ TEST(RemoveDecay, StatesItsErrorHonestly) {
   EXPECT_LT(std::abs(sum / 60.0), 0.5);  // four standard errors of the mean
 }
 
-// Quiet only after the contact: what the decay was before that is not in the data.
+/// 0.1 s before touch at 20 kHz, 0.2 s after it.
+constexpr Sampling with_mains{.start = -0.1, .interval = 50e-6, .samples = 6000};
+const std::vector<TimeSpan> quiet_of_mains{{-0.1, -1e-3}, {10e-3, 0.2}};
+
+double pulse_beside(double t) {
+  return half_sine(t, 1500.0, 5e-3);
+}
+
+double decay_beside(double t) {
+  return 12.0 + 80.0 * std::exp(-(t + 0.1) / 40e-3);
+}
+
+double hum_beside(double t) {
+  const double phase = 2.0 * std::numbers::pi * 50.03 * t;
+  return 6.0 * std::sin(phase + 0.7) + 2.0 * std::cos(3.0 * phase - 0.2);
+}
+
+/// Both off, the decay first or the hum.
+datasets::Edit remove_both(bool decay_first, datasets::Channel& force) {
+  const datasets::RemoveHum hum{.frequency = 50.0, .harmonics = 3, .quiet = quiet_of_mains};
+  const datasets::RemoveDecay decay{.quiet = quiet_of_mains};
+  if (!decay_first) remove_hum(force, hum, &decay);
+  const datasets::Edit edit = remove_decay(force, decay, decay_first ? &hum : nullptr);
+  if (decay_first) remove_hum(force, hum);
+  return edit;
+}
+
+TEST(RemoveDecay, AndMainsHumAreToldApartInAnyOrder) {
+  for (const bool decay_first : {true, false}) {
+    auto force = force_of(with_mains, sampled(with_mains, [](double t) {
+                            return pulse_beside(t) + decay_beside(t) + hum_beside(t);
+                          }));
+    const auto edit = remove_both(decay_first, force);
+    EXPECT_NEAR(std::stod(edit.parameters.at("time constant")), 40e-3, 4e-6);
+    if (decay_first) {
+      EXPECT_NEAR(std::stod(edit.parameters.at("fitted beside").substr(7)), 50.03, 2e-3);
+    }
+    for (std::size_t i = 0; i < with_mains.samples; ++i)
+      ASSERT_NEAR(force.value(i), pulse_beside(with_mains.time(i)), 2e-2) << decay_first << i;
+  }
+}
+
+// As above, here of the decay beside hum.
+TEST(RemoveDecay, BesideHumStatesItsErrorHonestly) {
+  for (const bool decay_first : {true, false}) {
+    int within = 0;
+    double sum = 0.0;
+    for (int seed = 1; seed <= 60; ++seed) {
+      auto values = sampled(
+          with_mains, [](double t) { return pulse_beside(t) + decay_beside(t) + hum_beside(t); });
+      add_noise(values, 2.0, static_cast<std::uint64_t>(seed));
+      auto force = force_of(with_mains, values);
+      const auto edit = remove_both(decay_first, force);
+      const double error = std::stod(edit.parameters.at("time constant")) - 40e-3;
+      const double stated = std::stod(edit.parameters.at("uncertainty"));
+      if (std::abs(error) < 1.96 * stated) ++within;
+      sum += error / stated;
+    }
+    EXPECT_GE(within, 51) << decay_first;
+    EXPECT_LT(std::abs(sum / 60.0), 0.5) << decay_first;
+  }
+}
+
 // In coulombs or in counts the decay is the same one.
 TEST(RemoveDecay, FindsTheTimeConstantInAnyUnit) {
   auto values = sampled(at, [&](double t) { return pulse(t) + decay(t, 8e-3); });
@@ -85,6 +148,7 @@ TEST(RemoveDecay, FindsTheTimeConstantInAnyUnit) {
   }
 }
 
+// Quiet only after the contact: what the decay was before that is not in the data.
 TEST(RemoveDecay, LeavesWhatLiesBeforeTheQuietStretch) {
   const auto recorded = sampled(at, [&](double t) {
     return pulse(t) + (t > 1e-3 ? -100.0 * std::exp(-(t - 1e-3) / 0.5e-3) : 0.0);
