@@ -19,6 +19,7 @@
 #include "datasets/sample_filter.hpp"
 #include "fitting/fit.hpp"
 #include "fitting/fit_keys.hpp"
+#include "fitting/late_velocity.hpp"
 #include "fitting/other_model.hpp"
 #include "fitting/parameters.hpp"
 #include "fitting/plausibility.hpp"
@@ -96,6 +97,15 @@ void check_momentum(const std::string& path, const fitting::RigFile& rig, datase
         balance->sentence + " State the unit of the times with --units, or --sample-rate.");
   impact.flags.push_back(datasets::ImpactFlag::implausible);
   warnings.push_back(fmt::format("{}: {}", impact.recording, balance->sentence));
+  if (!quiet) fmt::print(stderr, "warning: {}\n", warnings.back());
+}
+
+/// Says at once where the channels seem to be of different times.
+void check_times(const fitting::RigFile& rig, const datasets::Impact& impact, bool quiet,
+                 std::vector<std::string>& warnings) {
+  const std::string late = fitting::late_velocity(impact, rig);
+  if (late.empty()) return;
+  warnings.push_back(fmt::format("{}: {}", impact.recording, late));
   if (!quiet) fmt::print(stderr, "warning: {}\n", warnings.back());
 }
 
@@ -424,6 +434,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
     impacts.push_back(chosen_impact(record, job, needs_force(rig, options), warnings));
     if (!impacts.back().force && options.use_force) warnings.push_back(without_force(path, job));
     check_momentum(path, rig, impacts.back(), job.common.quiet, warnings);
+    check_times(rig, impacts.back(), job.common.quiet, warnings);
     for (const reports::InputFile& input : data.provenance.inputs)
       if (input.sha256 == record.provenance.sha256)
         throw datasets::InputError(

@@ -16,6 +16,7 @@
 #include "app/program.hpp"
 #include "app/rebound_texts.hpp"
 #include "datasets/input_error.hpp"
+#include "fitting/late_velocity.hpp"
 #include "fitting/plausibility.hpp"
 #include "reports/json_parts.hpp"
 
@@ -213,6 +214,8 @@ ordered_json impacts_on_rig(const datasets::Record& recorded, const Options& opt
       impact.flags.push_back(datasets::ImpactFlag::implausible);
       warnings.push_back(balance->sentence);
     }
+    if (std::string late = fitting::late_velocity(impact, rig); !late.empty())
+      warnings.push_back(std::move(late));
     const auto trigger =
         std::ranges::find(record.channels, impact.trigger, &datasets::Channel::name);
     ordered_json json = impact_json(impact, *trigger);
