@@ -210,6 +210,8 @@ void ModalSensitivities::accelerate() {
   acceleration_[0] += load_.pull();
   for (std::size_t k = 0; k < stops_.size(); ++k)
     acceleration_ -= modes_.struck(static_cast<int>(k)) * place_.force[k];
+  velocity_rate_ = velocity_row_.dot(acceleration_);
+  displacement_rate_ = displacement_row_.dot(here_.rate);
 }
 
 RunSensitivities::Passing ModalSensitivities::passing(std::size_t stop) const {
@@ -263,8 +265,8 @@ RunSensitivities::Spots ModalSensitivities::spots(int i) const {
   const Modes& m = of_[static_cast<std::size_t>(i)];
   Spots spots{.velocity = velocity_row_.dot(m.end.rate),
               .displacement = displacement_row_.dot(m.end.a),
-              .velocity_rate = velocity_row_.dot(acceleration_),
-              .displacement_rate = displacement_row_.dot(here_.rate)};
+              .velocity_rate = velocity_rate_,
+              .displacement_rate = displacement_rate_};
   if (m.effect.moves_modes()) {
     spots.velocity += m.effect.velocity_row().dot(here_.rate);
     spots.displacement += m.effect.displacement_row().dot(here_.a) + m.displacement_held;

@@ -76,6 +76,7 @@ class ModalSensitivities final : public RunSensitivities {
   ModalState state_;  // where the step begins
   ModalState here_;   // at the place
   Eigen::VectorXd acceleration_;
+  double velocity_rate_ = 0.0, displacement_rate_ = 0.0;  // of the spots, there
   Eigen::VectorXd answer_;
   std::map<double, ModalStep> own_steps_;  // where the bar's do not know the head
   std::optional<ModalStep> sampling_;      // of the history's interval
