@@ -315,6 +315,7 @@ std::string normalised(std::string_view unit) {
   if (unit == "g's" || unit == "G's" || unit == "g\u2019s") return "gravity";
   std::string text = with_ascii_signs(without_detector(unit));
   if (text == "ms-2" || text == "ms^-2") return "m.s-2";  // UDUNITS-2: per square millisecond
+  if (text == "ms-1" || text == "ms^-1") return "m.s-1";  // UDUNITS-2: per millisecond
   return has_broken_exponent(text) || has_number_inside(text) ? std::string() : text;
 }
 

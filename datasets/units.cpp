@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <memory>
 #include <mutex>
@@ -153,11 +154,30 @@ Quantity quantity_of(const Readings& readings) {
   return quantity_of(readings.plain.get());
 }
 
+/// "MSEC", "Msec" and "Ms": nobody records in millions of seconds. "PC" is no million of billions
+/// of coulombs.
+bool has_senseless_prefix(std::string_view unit, const Readings& readings) {
+  if (!readings.plain || (unit.front() != 'M' && unit.front() != 'P')) return false;
+  constexpr double senseless = 1e6;
+  const Unit si = parsed(unit.front() == 'M' ? "s" : "C");
+  const auto size = affine(readings.plain.get(), si.get());
+  return size && size->factor >= senseless;
+}
+
 /// The readings of a unit, or in small letters where it has none in its capitals and these make it
 /// one of motion, force or pressure.
 Readings understood_readings(std::string_view unit) {
   Readings readings = readings_of(unit);
-  if (readings.plain || readings.weight) return readings;
+  if (readings.plain || readings.weight) {
+    if (!has_senseless_prefix(unit, readings)) return readings;
+    std::string small(unit);
+    std::ranges::transform(small, small.begin(), [](char c) {
+      return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    });
+    if (unit.front() == 'P') small = "p" + std::string(unit.substr(1));
+    Readings other = readings_of(small);
+    return other.plain ? std::move(other) : std::move(readings);
+  }
   Readings small = readings_of(in_small_letters(unit));
   const Quantity quantity = quantity_of(small);
   const bool plausible = quantity == Quantity::force || quantity == Quantity::velocity ||

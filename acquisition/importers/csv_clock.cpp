@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
 
+#include "acquisition/importers/time_axis.hpp"
 #include "datasets/input_error.hpp"
 
 namespace impactrig::acquisition {
@@ -18,13 +20,16 @@ using datasets::Record;
 
 namespace {
 
-/// The unit in which a number counts the time since 1970, so that it is in the years 2000 to 2060;
-/// "" for numbers of other sizes, and for seconds.
-std::string unit_since_1970(double time) {
-  constexpr double year = 365.25 * 86400.0;
-  for (const auto& [unit, seconds] : {std::pair{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}})
-    if (time * seconds > 30.0 * year && time * seconds < 90.0 * year) return unit;
-  return {};
+/// True for a number that may be a date as a spreadsheet or MATLAB counts days, in a column that is
+/// called so.
+bool may_count_days(std::string_view name, double first) {
+  const std::string word = lowered(name);
+  const bool date = std::ranges::any_of(
+      std::array<std::string_view, 5>{"date", "datum", "timestamp", "time stamp", "zeitstempel"},
+      [&](std::string_view begin) { return word.starts_with(begin); });
+  const bool of_spreadsheet = first > 30000.0 && first < 70000.0;
+  const bool of_matlab = first > 700000.0 && first < 770000.0;
+  return date && (of_spreadsheet || of_matlab);
 }
 
 }  // namespace
@@ -39,6 +44,13 @@ datasets::UnitConversion time_conversion(const TextFile& file, const ColumnHead&
         fmt::format("the time column '{}' states no unit; by their size its numbers count {} since "
                     "1970 (--units states another)",
                     head.name, unit));
+  if (unit.empty() && may_count_days(head.name, first.value_or(0.0)))
+    throw InputError(
+        {.file = file.path()},
+        fmt::format("the time column '{}' states no unit and begins with {:.9g}, which "
+                    "may be a date in days, as spreadsheets and MATLAB count them, or "
+                    "seconds: state it with --units (day or s in the column's place)",
+                    head.name, *first));
   if (unit.empty()) {
     record.warnings.push_back(fmt::format(
         "the time column '{}' states no unit: it is taken as s (--units states another)",

@@ -393,8 +393,8 @@ std::optional<double> number_of(const Hdf5Attributes& attributes,
 }
 
 std::optional<double> quantity_of(const Hdf5Attributes& attributes,
-                                  std::span<const std::string_view> names,
-                                  const std::string& unit) {
+                                  std::span<const std::string_view> names, const std::string& unit,
+                                  const std::string& otherwise) {
   for (const auto& [key, value] : attributes.numbers) {
     if (std::ranges::find(names, lowered(key)) == names.end() || !std::isfinite(value)) continue;
     for (const std::string_view ending : {"_units", "_unit"}) {
@@ -403,7 +403,8 @@ std::optional<double> quantity_of(const Hdf5Attributes& attributes,
       if (const auto conversion = datasets::conversion(stated->second, unit))
         return conversion->factor * value;
     }
-    return value;
+    const auto conversion = datasets::conversion(otherwise, unit);
+    return conversion ? conversion->factor * value : value;
   }
   for (const auto& [key, text] : attributes.texts) {
     if (std::ranges::find(names, lowered(key)) == names.end()) continue;
@@ -431,12 +432,22 @@ Hdf5Packing packing_of(const Hdf5Array& array, std::uint64_t which, std::uint64_
   return {factor.value.value_or(1.0), offset.value.value_or(0.0), {}};
 }
 
-std::string unapplied_scales(const Hdf5Attributes& attributes) {
+std::string unapplied_scales(const Hdf5Array& array) {
+  constexpr std::array<std::string_view, 3> factors = {"scale", "gain", "scaling_factor"};
+  constexpr std::array<std::string_view, 10> factors_of_integers = {
+      "slope",      "calibration", "cal_factor",      "conversion", "conversion_factor",
+      "multiplier", "lsb",         "volts_per_count", "resolution", "sensitivity"};
+  const Hdf5Attributes& attributes = array.attributes;
+  const bool integers =
+      array.wide || array.numbers == ArrayNumbers::i16 || array.numbers == ArrayNumbers::i32;
   std::set<std::string> names;
-  const auto look = [&names](const std::string& key, double value) {
+  const auto look = [&](const std::string& key, double value) {
     const std::string word = lowered(key);
-    const bool factor = word == "scale" || word == "gain" || word == "scaling_factor";
-    if ((factor && value != 1.0) || (word == "offset" && value != 0.0)) names.insert(key);
+    const bool factor =
+        std::ranges::find(factors, word) != factors.end() ||
+        (integers && std::ranges::find(factors_of_integers, word) != factors_of_integers.end());
+    const bool offset = word == "offset" || (integers && word == "intercept");
+    if ((factor && value != 1.0) || (offset && value != 0.0)) names.insert(key);
   };
   for (const auto& [key, value] : attributes.numbers) look(key, value);
   for (const auto& [key, values] : attributes.number_lists)

@@ -122,9 +122,11 @@ std::vector<Hdf5SliceSeen> read_hdf5_slices(const std::string& path,
 std::optional<double> number_of(const Hdf5Attributes& attributes,
                                 std::span<const std::string_view> names);
 
-/// The same in a unit, which "fs_units" may state, or from a text: "51.2 kHz".
+/// The same in a unit, from one that "fs_units" may state, or a text: "51.2 kHz"; `otherwise` where
+/// neither does.
 std::optional<double> quantity_of(const Hdf5Attributes& attributes,
-                                  std::span<const std::string_view> names, const std::string& unit);
+                                  std::span<const std::string_view> names, const std::string& unit,
+                                  const std::string& otherwise = {});
 
 /// "units", "unit" or "unit_string".
 bool is_unit_key(std::string_view key);
@@ -143,7 +145,8 @@ struct Hdf5Packing {
 /// Of column `which`: attributes state one number for all columns, or one a column.
 Hdf5Packing packing_of(const Hdf5Array& array, std::uint64_t which, std::uint64_t columns);
 
-/// Attributes that may be meant to be applied, and no convention says how; "'gain', 'offset'".
-std::string unapplied_scales(const Hdf5Attributes& attributes);
+/// Attributes that may be meant to be applied, and no convention says how; "'gain', 'offset'". More
+/// words may be meant so where the numbers are integers, as a converter gives them.
+std::string unapplied_scales(const Hdf5Array& array);
 
 }  // namespace impactrig::acquisition

@@ -439,12 +439,13 @@ class ChannelMaker {
       if (is_unit_key(key) && list.size() != column.columns)
         made_.warn(fmt::format("'{}': its attribute '{}' lists {} units, not {}: none is used",
                                name, key, list.size(), column.columns));
-    const std::string names = unapplied_scales(array.attributes);
-    if (unit.empty() || names.empty()) return;
+    const std::string names = unapplied_scales(array);
+    if (names.empty()) return;
     const bool several = names.find("', '") != std::string::npos;
     made_.warn(fmt::format(
-        "'{}': its attribute{} {} {} not applied: its numbers are taken in {} as they are stored",
-        name, several ? "s" : "", names, several ? "are" : "is", unit));
+        "'{}': its attribute{} {} {} not applied: its numbers are taken{} as they are stored", name,
+        several ? "s" : "", names, several ? "are" : "is",
+        unit.empty() ? std::string() : fmt::format(" in {}", unit)));
   }
 
   Hdf5Channels& made_;

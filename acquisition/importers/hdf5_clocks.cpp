@@ -9,8 +9,10 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string_view>
 
+#include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/mat_programs.hpp"
 #include "acquisition/importers/named_arrays.hpp"
@@ -43,8 +45,7 @@ class ClockSetter {
     std::set<std::size_t> scaled;
     if (!options.time_column) scaled = by_scales(arrays);
     by_names(arrays, scaled, options);
-    for (std::size_t i = 0; i < slices_.size(); ++i)
-      set_clock(i, arrays, options.time_column.has_value());
+    for (std::size_t i = 0; i < slices_.size(); ++i) set_clock(i, options.time_column.has_value());
     if (!file_.matlab || options.time_column.value_or("none") != "none") return;
     for (std::size_t i = 0; i < slices_.size(); ++i)
       if (channels_[i].clock.interval == 0.0 && slices_[i].count > 1)
@@ -66,9 +67,7 @@ class ClockSetter {
                                                        "samplefrequency",
                                                        "sampling_frequency",
                                                        "sample_frequency"};
-    constexpr std::array<std::string_view, 4> starts = {"wf_start_offset", "t0", "start_time",
-                                                        "start"};
-    const auto stated_interval = quantity_of(attributes, intervals, "s");
+    const auto stated_interval = quantity_of(attributes, intervals, "s", unit_of_time(attributes));
     const auto stated_rate = quantity_of(attributes, rates, "Hz");
     const double interval = stated_interval.value_or(0.0);
     const double rate = stated_rate.value_or(0.0);
@@ -85,8 +84,31 @@ class ClockSetter {
           fmt::format("'{}': one attribute says that samples are {:.9g} s apart, that of its rate "
                       "{:.9g} s: the first is used",
                       to_utf8(name), clock.interval, period));
-    clock.start = quantity_of(attributes, starts, "s").value_or(0.0);
+    clock.start = stated_start(attributes, intervals).value_or(0.0);
     return true;
+  }
+
+  /// "ms" of "time_unit".
+  static std::string unit_of_time(const Hdf5Attributes& attributes) {
+    for (const auto& [key, text] : attributes.texts)
+      for (const std::string_view word :
+           {"time_unit", "time_units", "xunit", "xunits", "x_unit", "x_units"})
+        if (lowered(key) == word) return text;
+    return {};
+  }
+
+  /// In its own unit or in that of the interval.
+  static std::optional<double> stated_start(const Hdf5Attributes& attributes,
+                                            std::span<const std::string_view> intervals) {
+    constexpr std::array<std::string_view, 8> starts = {
+        "wf_start_offset", "t0",     "start_time",   "start",
+        "t_start",         "tstart", "start_offset", "time_offset"};
+    std::string unit = unit_of_time(attributes);
+    for (const auto& [key, text] : attributes.texts)
+      for (const std::string_view interval : intervals)
+        for (const std::string_view ending : {"_units", "_unit"})
+          if (lowered(key) == fmt::format("{}{}", interval, ending)) unit = text;
+    return quantity_of(attributes, starts, "s", unit);
   }
 
   static bool differ(double a, double b) { return std::abs(a - b) > 1e-3 * std::abs(b); }
@@ -106,18 +128,30 @@ class ClockSetter {
     return axes != texts.end() && axes->second == path.substr(path.find_last_of('/') + 1);
   }
 
-  NamedArray named_array(std::size_t index) const {
+  NamedArray named_array(std::size_t index) {
     const Hdf5Array& array = *slices_[index].array;
     const Channel& channel = channels_[index];
     NamedArray named{channel.name, slices_[index].count, !array.complex};
     named.real = named.real && !file_.still_packed.contains(index);
     take_unit(named, channel.unit);
+    take_unit_since_1970(index, named);
     if (slices_[index].whole && !array.is_field())
       for (const std::string& link : links_to(file_.listing, array.path))
         named.other_names.push_back(file_.name_of_path(link));
     named.time = is_axis(array) &&
                  (channel.unit.empty() || datasets::conversion(channel.unit, "s").has_value());
     return named;
+  }
+
+  /// Integers of 64 bits that count from 1970: what they are more than the first does not tell.
+  void take_unit_since_1970(std::size_t index, NamedArray& named) {
+    if (named.has_unit || !slices_[index].array->wide || named.samples < 2) return;
+    if (!is_named_as_time(named.name) || !as_times(index).from_first) return;
+    const Channel& channel = channels_[index];
+    const std::string unit = unit_since_1970(channel.scale * origins_.at(index) + channel.offset);
+    if (unit.empty()) return;
+    take_unit(named, unit);
+    file_.warn(counts_since_1970(named.name, unit));
   }
 
   /// What the scales of dimensions say; returns the channels that need no names any more.
@@ -283,7 +317,7 @@ class ClockSetter {
     return slice;
   }
 
-  void set_clock(std::size_t index, const std::vector<NamedArray>& arrays, bool stated) {
+  void set_clock(std::size_t index, bool stated) {
     // a rate beside a spectrum is that of what it was made from
     if (no_time_.contains(index)) return;
     datasets::SampleClock& clock = channels_[index].clock;
@@ -301,11 +335,15 @@ class ClockSetter {
     clock.start = found.start;
     clock.interval = found.interval;
     set_attribute(channels_[index], unusable_clock, found.unusable);
-    if (found.times) take_times(index, *found.times, arrays[*found.times].seconds);
+    if (found.times) take_times(index, *found.times, found.seconds);
     if (clock.interval > 0.0) return;
-    if (by_groups(array.path, channels_[index])) return;
-    for (const std::string& link : links_to(file_.listing, array.path))
-      if (by_groups(link, channels_[index])) return;
+    const auto by_some_group = [&](const std::string& path) {
+      return by_groups(path, channels_[index]);
+    };
+    if (!by_some_group(array.path) &&
+        !std::ranges::any_of(links_to(file_.listing, array.path), by_some_group))
+      return;
+    if (const auto own = stated_start(array.attributes, {})) clock.start = *own;
   }
 
   MatFacts mat_facts() {

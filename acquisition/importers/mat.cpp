@@ -147,7 +147,7 @@ class MatRecord {
       set_attribute(record_.channels[i], unusable_clock, clock.unusable);
       if (!clock.times) continue;
       stored_[i].times = stored_[*clock.times].samples;
-      const double seconds = arrays[*clock.times].seconds;
+      const double seconds = clock.seconds;
       if (seconds == 1.0) continue;
       stored_[i].times_scaling = [seconds](std::span<double> times) {
         for (double& time : times) time *= seconds;

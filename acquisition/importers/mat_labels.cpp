@@ -38,7 +38,18 @@ MatLabels::MatLabels(const MatContents& contents) : contents_(contents) {
 }
 
 std::string MatLabels::unit_of(std::string_view array) const {
+  const auto stated = [this](const std::string& name) {
+    const auto found = contents_.texts.find(name);
+    const std::string unit =
+        found == contents_.texts.end() ? std::string() : to_utf8(found->second);
+    return datasets::quantity_of_unit(unit) == datasets::Quantity::unknown ? std::string() : unit;
+  };
+  for (const std::string_view ending : {"_unit", "_units"})
+    if (std::string own = stated(fmt::format("{}{}", array, ending)); !own.empty()) return own;
   const std::string_view structure = structure_of(array);
+  if (is_named_as_time(array))
+    for (const std::string_view word : {"time_unit", "time_units"})
+      if (std::string own = stated(fmt::format("{}{}", structure, word)); !own.empty()) return own;
   if (structure.empty()) return {};
   const auto only = only_.find(structure);
   if (only == only_.end() || only->second != array) return {};

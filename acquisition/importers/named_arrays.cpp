@@ -38,7 +38,10 @@ constexpr std::array<std::string_view, 11> rate_words = {"fs",
                                                          "sampling_frequency",
                                                          "samplingfrequency",
                                                          "samplefrequency"};
-constexpr std::string_view start_word = "tstart";  // PicoScope, beside Tinterval
+constexpr std::array<std::string_view, 5> start_words = {"tstart",  // PicoScope, beside Tinterval
+                                                         "t0", "t_start", "start_time",
+                                                         "starttime"};
+constexpr double latest_start = 1e7;  ///< [s]; larger numbers are dates
 /// Tektronix DPO: of times, one only beside the other.
 constexpr std::string_view spacing_word = "spacing", spacing_start_word = "starttime";
 
@@ -71,7 +74,7 @@ ColumnHead last_head(std::string_view name) {
   const std::string word = lowered(head.name.substr(0, line));
   const std::string unit = head.name.substr(line + 1);
   const Quantity quantity = datasets::quantity_of_unit(unit);
-  if ((quantity == Quantity::time && among(interval_words, word)) ||
+  if ((quantity == Quantity::time && (among(interval_words, word) || among(start_words, word))) ||
       (quantity == Quantity::frequency && among(rate_words, word))) {
     head.name.resize(line);
     head.unit = unit;
@@ -196,13 +199,14 @@ class ClockFinder {
   void take_number(const std::string& word, const std::string& group, std::size_t index) {
     const bool spaced = spaced_.contains(group);
     const bool interval = among(interval_words, word) || (spaced && word == spacing_word);
-    const bool start = word == start_word || (spaced && word == spacing_start_word);
+    const bool start = among(start_words, word);
     if (!interval && !start && !among(rate_words, word)) return;
     Ends value;
     each_number_(index, [&value](std::span<const double> numbers) { value.add(numbers); });
     if (value.count != 1 || !std::isfinite(value.first)) return;
     if (start) {
-      starts_.emplace(group, value.first * arrays_[index].seconds);
+      if (std::abs(value.first) < latest_start)
+        starts_.emplace(group, std::pair(value.first, index));
       return;
     }
     const double unit = arrays_[index].seconds;
@@ -339,6 +343,7 @@ class ClockFinder {
             fmt::format("'{}' does not increase throughout: it is not taken as the time", name));
       return found;
     }
+    take_unit_since_1970(ends.first, arrays_[index]);
     TimeAxisCheck check(ends.first, ends.last, ends.count);
     each_number_(index, [&check](std::span<const double> values) { check.add(values); });
     if (only_even && !check.uniform()) return found;
@@ -351,10 +356,18 @@ class ClockFinder {
               : fmt::format(" ('s' is its own unit here, of {:.9g} s)", arrays_[index].seconds)));
     found.clock.start = axis.clock.start * arrays_[index].seconds;
     found.clock.interval = axis.clock.interval * arrays_[index].seconds;
+    found.clock.seconds = arrays_[index].seconds;
     if (!check.uniform()) found.clock.times = index;
     found.usable = true;
     told(index, why);
     return found;
+  }
+
+  void take_unit_since_1970(double first, NamedArray& times) {
+    const std::string unit = times.has_unit ? std::string() : unit_since_1970(first);
+    if (unit.empty()) return;
+    take_unit(times, unit);
+    result_.warnings.push_back(counts_since_1970(times.name, unit));
   }
 
   bool by_number(std::size_t index, const std::string& group) {
@@ -365,8 +378,13 @@ class ClockFinder {
     if (found == intervals_.end()) return false;
     clock.interval = found->second.first;
     const auto start = starts_.find(group);
-    if (start != starts_.end()) clock.start = start->second;
     const std::size_t source = found->second.second;
+    if (start != starts_.end()) {
+      const auto [value, number] = start->second;
+      const bool as_interval = !arrays_[number].has_unit && arrays_[source].has_unit &&
+                               !among(rate_words, last_word(arrays_[source].name));
+      clock.start = value * arrays_[as_interval ? source : number].seconds;
+    }
     if (told_numbers_.insert(source).second) {
       told(source, fmt::format("an interval of {:.9g} s by its name", clock.interval));
     }
@@ -384,7 +402,7 @@ class ClockFinder {
   }
 
   const std::string& path_;
-  const std::vector<NamedArray>& arrays_;
+  std::vector<NamedArray> arrays_;
   const EachNumber& each_number_;
   const std::optional<std::string>& wanted_;
   ArrayClocks result_;
@@ -392,7 +410,7 @@ class ClockFinder {
   std::map<std::pair<std::string, std::uint64_t>, std::vector<std::size_t>> times_;
   std::map<std::string, std::pair<double, std::size_t>> intervals_;  ///< by group
   std::map<std::string, std::string> unusable_;                      ///< by group
-  std::map<std::string, double> starts_;                             ///< by group
+  std::map<std::string, std::pair<double, std::size_t>> starts_;     ///< by group
   std::set<std::string> spaced_;                                     ///< groups
   std::map<std::size_t, TimesFound> axes_;
   std::set<std::size_t> told_numbers_;

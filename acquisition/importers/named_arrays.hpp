@@ -40,6 +40,7 @@ struct ArrayClock {
   double interval = 0.0;  ///< [s]; 0: nothing in the file tells
   /// The array that holds its times, where they are not uniform.
   std::optional<std::size_t> times;
+  double seconds = 1.0;    ///< of one of their units
   std::string unusable{};  ///< what is stated and can be no interval: "'dt' as 0"
 };
 

@@ -377,4 +377,17 @@ std::string iso_date(std::string_view text) {
                      second);
 }
 
+std::string unit_since_1970(double time) {
+  constexpr double year = 365.25 * 86400.0;
+  for (const auto& [unit, seconds] : {std::pair{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}})
+    if (time * seconds > 30.0 * year && time * seconds < 90.0 * year) return unit;
+  return {};
+}
+
+std::string counts_since_1970(std::string_view name, std::string_view unit) {
+  return fmt::format(
+      "'{}' states no unit; by their size its numbers count {} since 1970 (--units states another)",
+      name, unit);
+}
+
 }  // namespace impactrig::acquisition

@@ -30,6 +30,13 @@ struct TimeAxis {
 /// the small ones have finer ones.
 TimeAxis time_axis(std::vector<double> times, double stated = 0.0);
 
+/// The unit in which a number counts the time since 1970, so that it is in the years 2000 to 2060;
+/// "" for numbers of other sizes, and for seconds.
+std::string unit_since_1970(double time);
+
+/// What is said of an array of such times.
+std::string counts_since_1970(std::string_view name, std::string_view unit);
+
 /// Judges times as they come, as time_axis() does, without keeping them.
 class TimeAxisCheck {
  public:

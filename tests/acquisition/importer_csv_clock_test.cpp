@@ -102,6 +102,21 @@ TEST(Csv, NamesAllChannelsWithoutTimesOrRate) {
       ElementsAre("'c0', 'c1', 'c2', 'c3', 'c4', 'c5', 'c6', 'c7', 'c8', 'c9' and 2 more" + rest));
 }
 
+// Cells of dates that a spreadsheet wrote as numbers, and MATLAB's.
+TEST(Csv, TimesThatMayBeDaysAreNotTakenForSeconds) {
+  for (const char* first : {"45352.5", "739312.5"})
+    EXPECT_THAT(import_error(fmt::format("Timestamp,Force (N)\n{0}000000,0\n{0}000116,1\n", first)),
+                HasSubstr("which may be a date in days, as spreadsheets and MATLAB count them, or "
+                          "seconds: state it with --units (day or s in the column's place)"));
+  ImportOptions days;
+  days.units = {"day", ""};
+  const Record record = imported("Timestamp,Force (N)\n45352.0,0\n45352.5,1\n45353.0,2\n", days);
+  EXPECT_NEAR(record.channels.at(0).clock.interval, 43200.0, 1e-6);
+  EXPECT_NEAR(
+      imported("Time,Force (N)\n45352.5,0\n45352.6,1\n45352.7,2\n").channels.at(0).clock.interval,
+      0.1, 1e-9);
+}
+
 TEST(Csv, UnevenTimesAreKept) {
   const Record record = imported("time [ms],F [N]\n0,1\n1,2\n5,3\n6.5,3\n");
   EXPECT_THAT(record.channels[0].clock.times, ElementsAre(0.0, 0.001, 0.005, 0.0065));

@@ -5,6 +5,8 @@
 
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <string>
 
 #include "acquisition/importer.hpp"
 #include "tests/acquisition/hdf5_bytes.hpp"
@@ -298,7 +300,66 @@ TEST(Hdf5Packing, ByOtherNamesIsToldAndNotGuessed) {
   EXPECT_THAT(record.channels[1].values(), ElementsAre(1, 2, 3));
   EXPECT_THAT(record.warnings,
               ElementsAre("'/scaled': its attributes 'Gain', 'offset' are not applied: its numbers "
-                          "are taken in N as they are stored"));
+                          "are taken in N as they are stored",
+                          "'/without unit': its attribute 'scaling_factor' is not applied: its "
+                          "numbers are taken as they are stored"));
+}
+
+// A converter gives integers, and what they stand for is stated in many words.
+TEST(Hdf5Facts, IntegersMayHaveMoreWordsForTheirScale) {
+  for (const char* word : {"slope", "calibration", "lsb", "volts_per_count", "sensitivity"}) {
+    const Hdf5File file;
+    file.data<std::int16_t>("/raw", {3}, {1, 2, 3}, H5T_NATIVE_INT16, H5T_STD_I16LE);
+    file.doubles("/force", {1, 2, 3});
+    for (const char* set : {"/raw", "/force"}) {
+      file.number(set, "dt", 1.0);
+      file.number(set, word, 0.1);
+    }
+    EXPECT_THAT(
+        imported(file.bytes()).warnings,
+        ElementsAre(HasSubstr(std::string("'/raw': its attribute '") + word + "' is not applied")));
+  }
+}
+
+TEST(Hdf5Facts, AStartIsInTheUnitOfItsInterval) {
+  const auto clock = [](const std::map<std::string, double>& numbers,
+                        const std::map<std::string, std::string>& texts) {
+    const Hdf5File file;
+    file.doubles("/force", {1, 2, 3});
+    for (const auto& [name, value] : numbers) file.number("/force", name, value);
+    for (const auto& [name, text] : texts) file.text("/force", name, text);
+    return imported(file.bytes()).channels.at(0).clock;
+  };
+  const auto in_ms = clock({{"dt", 0.1}, {"t0", -10.0}}, {{"dt_units", "ms"}});
+  EXPECT_DOUBLE_EQ(in_ms.interval, 1e-4);
+  EXPECT_DOUBLE_EQ(in_ms.start, -10e-3);
+  const auto own = clock({{"dt", 0.1}, {"t0", -10.0}}, {{"dt_units", "ms"}, {"t0_units", "us"}});
+  EXPECT_DOUBLE_EQ(own.start, -10e-6);
+  const auto all = clock({{"dt", 100.0}, {"t_start", -5.0}}, {{"time_unit", "us"}});
+  EXPECT_DOUBLE_EQ(all.interval, 1e-4);
+  EXPECT_DOUBLE_EQ(all.start, -5e-6);
+}
+
+TEST(Hdf5Facts, ADataSetMayStateItsStartWhereItsGroupStatesTheRate) {
+  const Hdf5File file;
+  file.group("/daq");
+  file.number("/daq", "fs", 1000.0);
+  file.doubles("/daq/force", {1, 2, 3});
+  file.number("/daq/force", "t0", -0.25);
+  const auto record = imported(file.bytes());
+  EXPECT_EQ(record.channels.at(0).clock.start, -0.25);
+  EXPECT_EQ(record.channels.at(0).clock.interval, 1e-3);
+}
+
+TEST(Hdf5Facts, IntegersMayCountNanosecondsFrom1970) {
+  const Hdf5File file;
+  file.doubles("/force", {1, 2, 3});
+  const std::int64_t first = 1709294400000000000;
+  file.data<std::int64_t>("/timestamps", {3}, {first, first + 100000, first + 200000},
+                          H5T_NATIVE_INT64, H5T_STD_I64LE);
+  const auto record = imported(file.bytes());
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4);
+  EXPECT_THAT(record.warnings, testing::Contains(HasSubstr("its numbers count ns since 1970")));
 }
 
 TEST(Hdf5Columns, HaveNoUnitsWhereTheirListHasAnotherLength) {

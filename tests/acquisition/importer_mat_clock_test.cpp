@@ -49,6 +49,47 @@ TEST_P(Mat, IntervalsAndRatesMayEndInTheirUnit) {
   EXPECT_EQ(imported(b.header() + force + b.doubles("dt_N", {2})).channels.at(0).clock.interval, 0);
 }
 
+TEST_P(Mat, AStartMayStandBesideAnIntervalOrARate) {
+  const auto run = [this](const std::string& name, double start, const std::string& unit) {
+    std::string fields = b.doubles("", {1, 2, 3}) + b.doubles("", {0.5}) + b.doubles("", {start});
+    if (!unit.empty()) fields += b.text("", unit);
+    std::vector<std::string> names = {"data", "dt", name};
+    if (!unit.empty()) names.emplace_back("dt_unit");
+    return b.structure("force", names, fields);
+  };
+  for (const char* name : {"t0", "t_start", "Tstart", "start_time"})
+    EXPECT_EQ(imported(b.header() + run(name, -0.25, "")).find("force.data")->clock.start, -0.25)
+        << name;
+  const auto in_ms = imported(b.header() + run("t0", -10.0, "ms"));
+  EXPECT_DOUBLE_EQ(in_ms.find("force.data")->clock.start, -10e-3);
+  EXPECT_DOUBLE_EQ(in_ms.find("force.data")->clock.interval, 0.5e-3);
+  const auto at_the_top = imported(b.header() + b.doubles("force", {1, 2, 3}) +
+                                   b.doubles("fs", {1000}) + b.doubles("t0_ms", {-4}));
+  EXPECT_DOUBLE_EQ(at_the_top.find("force")->clock.start, -4e-3);
+  // a date
+  EXPECT_EQ(imported(b.header() + run("start_time", 1.7e9, "")).find("force.data")->clock.start, 0);
+}
+
+TEST_P(Mat, TimesMayHaveTheirUnitInATextBesideThem) {
+  for (const char* name : {"t_unit", "t_units", "time_unit"}) {
+    const auto record = imported(b.header() + b.doubles("t", {0, 0.5, 1}) + b.text(name, "ms") +
+                                 b.doubles("force", {1, 2, 3}) + b.text("force_unit", "kN"));
+    EXPECT_DOUBLE_EQ(record.find("force")->clock.interval, 0.5e-3) << name;
+    EXPECT_EQ(record.find("force")->unit, "kN");
+    EXPECT_THAT(record.warnings, testing::IsEmpty());
+  }
+}
+
+TEST_P(Mat, TimesMayCountFrom1970) {
+  const auto record = imported(
+      b.header() + b.doubles("timestamp", {1.7092944e12, 1.7092944e12 + 2, 1.7092944e12 + 4}) +
+      b.doubles("force", {1, 2, 3}));
+  EXPECT_NEAR(record.find("force")->clock.interval, 2e-3, 1e-9);
+  EXPECT_THAT(
+      record.warnings,
+      Contains(HasSubstr("'timestamp' states no unit; by their size its numbers count ms")));
+}
+
 /// A Simcenter Testlab export: an axis as start and increment, in the unit of its label.
 std::string testlab(const MatBytes& b, const std::string& label) {
   const std::string axis =

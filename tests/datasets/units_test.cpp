@@ -55,6 +55,12 @@ TEST(Units, UnderstandLaboratorySpellings) {
   for (const char* spelling : {"Volt", "Volts", "VOLT", "V", " V ", "[V]", "[ V ]", "VDC"})
     EXPECT_EQ(factor(spelling, "V"), 1.0) << spelling;
   EXPECT_DOUBLE_EQ(factor("KN", "N"), 1e3);
+  for (const char* spelling : {"MSEC", "Msec", "MSECS", "Ms", "msec"})
+    EXPECT_DOUBLE_EQ(factor(spelling, "s"), 1e-3) << spelling;
+  EXPECT_DOUBLE_EQ(factor("PC", "C"), 1e-12);
+  EXPECT_DOUBLE_EQ(factor("MN", "N"), 1e6);
+  for (const char* spelling : {"ms-1", "ms^-1", "ms\u207b\u00b9", "m s-1"})
+    EXPECT_DOUBLE_EQ(factor(spelling, "m/s"), 1.0) << spelling;
   EXPECT_DOUBLE_EQ(factor("kp", "N"), 9.80665);
   EXPECT_DOUBLE_EQ(factor("tf", "N"), 9806.65);
   EXPECT_DOUBLE_EQ(factor("dyn", "N"), 1e-5);
