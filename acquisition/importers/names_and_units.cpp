@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <optional>
 #include <string>
@@ -274,6 +275,41 @@ void pass_over_remarks(const TableLayout& layout, std::vector<std::size_t>& fill
   }
 }
 
+/// "Max,80,3" under names: figures of the columns, by a word for them in the first.
+bool are_figures(std::string_view line, const TableLayout& layout) {
+  constexpr auto words = std::to_array<std::string_view>(
+      {"min", "max", "minimum", "maximum", "mean", "average", "avg", "mittelwert", "std", "stddev",
+       "rms", "peak", "range", "scale", "sensitivity", "offset", "gain", "start"});
+  const HeadCells cells = cells_of(line, layout.dialect.delimiter);
+  if (cells.size() < 2 || cells.size() > layout.written_cells) return false;
+  std::string word = lowered(cells.front());
+  if (word.ends_with(':')) word.pop_back();
+  if (std::ranges::find(words, word) == words.end()) return false;
+  const auto is_figure = [&](std::string_view cell) {
+    return cell.empty() || cell_value(cell, layout.dialect.decimal).has_value();
+  };
+  return std::all_of(cells.begin() + 1, cells.end(), is_figure) && !cells[1].empty();
+}
+
+/// Passes over such lines between names (or their units) and rows, and tells of each.
+void pass_over_figures(const TableLayout& layout, std::vector<std::size_t>& filled,
+                       TableHead& head) {
+  std::vector<std::size_t> others = filled;
+  while (others.size() > 1 && are_figures(layout.head[others.back()], layout)) others.pop_back();
+  if (others.size() == filled.size()) return;
+  const std::string_view above = layout.head[others.back()];
+  // a key with its value stands under another one
+  const HeadCells names = cells_of(without_comment_sign(above), layout.dialect.delimiter);
+  if (!are_names_in_dialect(above, layout) ||
+      !(name_a_time_or_unit(names) || is_unit_row(names)))
+    return;
+  for (std::size_t i = others.size(); i < filled.size(); ++i)
+    head.warnings.push_back(
+        fmt::format("line {} under the names ('{}') holds figures of the columns: it is not used",
+                    filled[i] + 1, to_utf8(trimmed(layout.head[filled[i]]).substr(0, 60))));
+  filled = std::move(others);
+}
+
 }  // namespace
 
 NamesAndUnits find_names_and_units(const TableLayout& layout, std::vector<std::size_t> filled,
@@ -290,6 +326,7 @@ NamesAndUnits find_names_and_units(const TableLayout& layout, std::vector<std::s
   while (!filled.empty() &&
          are_keys_with_values(layout.head[filled.back()], layout.dialect.delimiter))
     filled.pop_back();
+  pass_over_figures(layout, filled, head);
   pass_over_remarks(layout, filled);
   if (filled.empty() || take_names_over_units(layout, filled, found, head) ||
       take_units_under_a_misfit(layout, filled, found, head))

@@ -64,6 +64,31 @@ std::string unit_of_name(std::string_view text) {
   return {};
 }
 
+/// "ms" of "mS" and "MS", which are siemens where no time is meant; "" of others.
+std::string unit_of_time_by_letters(std::string_view unit) {
+  const std::string small = lowered(unit);
+  for (const std::string_view time : {"ms", "us", "ns"})
+    if (small == time) return small;
+  return unit == "\u00b5S" || unit == "\u03bcS" ? "us" : "";
+}
+
+/// "[ms]" and "(kN)": a unit alone.
+std::optional<std::string> unit_alone(std::string_view text) {
+  if (text.size() < 3) return std::nullopt;
+  const bool brackets =
+      (text.front() == '[' && text.back() == ']') || (text.front() == '(' && text.back() == ')');
+  const std::string_view unit = trimmed(text.substr(1, text.size() - 2));
+  if (!brackets || unit.find_first_of("[]()") != unit.npos || integer_in(unit)) return std::nullopt;
+  return is_plain_unit(unit) ? std::optional(to_utf8(unit)) : std::nullopt;
+}
+
+/// "msec" of "msec.", where only that is a unit.
+std::string_view without_full_stop(std::string_view unit) {
+  if (!unit.ends_with('.') || is_unit(unit)) return unit;
+  const std::string_view rest = unit.substr(0, unit.size() - 1);
+  return is_unit(rest) ? rest : unit;
+}
+
 /// "Time in ms", "Time - ms", "Time, ms", "t/ms", "v/mm/s", "rate 1/s", and of times "Time_ms".
 std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
   const auto divided = [text](std::size_t name, std::size_t unit) {
@@ -88,12 +113,18 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
   if (slash != std::string_view::npos && slash > 0 && !is_plain_unit(text) &&
       !is_plain_unit(text.substr(0, slash)) && is_plain_unit(text.substr(slash + 1)))
     return divided(slash, slash + 1);
+  const std::size_t blank = text.rfind(' ');  // "Time ms"
+  if (blank != std::string_view::npos && is_time_name(trimmed(text.substr(0, blank))) &&
+      datasets::quantity_of_unit(to_utf8(text.substr(blank + 1))) == Quantity::time)
+    return divided(blank, blank + 1);
   const std::size_t line = text.rfind('_');
   if (line == std::string_view::npos) return std::nullopt;
   constexpr std::array<std::string_view, 6> times = {"time", "t",       "timestamp",
                                                      "zeit", "elapsed", "elapsed_time"};
+  const std::string_view unit = text.substr(line + 1);
   const bool is_time = std::ranges::find(times, lowered(text.substr(0, line))) != times.end() &&
-                       datasets::quantity_of_unit(to_utf8(text.substr(line + 1))) == Quantity::time;
+                       (datasets::quantity_of_unit(to_utf8(unit)) == Quantity::time ||
+                        !unit_of_time_by_letters(unit).empty());
   return is_time ? std::optional(divided(line, line + 1)) : std::nullopt;
 }
 
@@ -210,9 +241,10 @@ std::string lowered(std::string_view text) {
   return result;
 }
 
-ColumnHead split_head(std::string_view cell) {
-  if (cell.find_first_of("\r\n") != cell.npos || cell.find("\"\"") != cell.npos)
-    return split_head(one_line(cell));
+namespace {
+
+/// split_head() by letters and brackets alone.
+ColumnHead divided_head(std::string_view cell) {
   std::string_view text = trimmed(cell);
   while (!text.empty() && (text.back() == ',' || text.back() == ';'))
     text = trimmed(text.substr(0, text.size() - 1));
@@ -220,15 +252,21 @@ ColumnHead split_head(std::string_view cell) {
   head.name = to_utf8(text);
   if (text.empty()) return head;
   if (const std::string narrow = with_narrow_brackets(text); narrow != text) {
-    const ColumnHead divided = split_head(narrow);
+    const ColumnHead divided = divided_head(narrow);
     return divided.unit.empty() ? head : divided;
+  }
+  if (const auto unit = unit_alone(text)) return {"", *unit, ""};
+  if (text.back() == '}' && text.find('{') != text.npos && text.find('{') > 0) {
+    const std::size_t open = text.rfind('{');
+    const std::string_view unit = trimmed(text.substr(open + 1, text.size() - open - 2));
+    if (is_unit(unit)) return {to_utf8(trimmed(text.substr(0, open))), to_utf8(unit), ""};
   }
   const char close = text.back();
   if (close == ']' || close == ')') {
     const std::size_t open = text.rfind(close == ']' ? '[' : '(');
     if (open != std::string_view::npos && open > 0) {
       const std::string_view unit =
-          without_in(trimmed(text.substr(open + 1, text.size() - open - 2)));
+          without_full_stop(without_in(trimmed(text.substr(open + 1, text.size() - open - 2))));
       const auto index = close == ']' ? integer_in(unit) : std::nullopt;  // "Y[0]"; "strain [1]"
       const bool counts = index && (index != 1 || text[open - 1] != ' ');
       const bool of_time = text.substr(open) == "(t)" && text[open - 1] != ' ';  // "Y(t)"
@@ -251,6 +289,18 @@ ColumnHead split_head(std::string_view cell) {
   if (const auto divided = unit_behind_a_word(text)) return *divided;
   if (const auto divided = unit_before_a_suffix(text)) return *divided;
   head.unit = unit_of_name(text);
+  return head;
+}
+
+}  // namespace
+
+ColumnHead split_head(std::string_view cell) {
+  if (cell.find_first_of("\r\n") != cell.npos || cell.find("\"\"") != cell.npos)
+    return split_head(one_line(cell));
+  ColumnHead head = divided_head(cell);
+  if (is_time_name(head.name) && datasets::quantity_of_unit(head.unit) != Quantity::time)
+    if (std::string unit = unit_of_time_by_letters(head.unit); !unit.empty())
+      head.unit = std::move(unit);
   return head;
 }
 

@@ -102,6 +102,37 @@ TEST(Csv, NamesAllChannelsWithoutTimesOrRate) {
       ElementsAre("'c0', 'c1', 'c2', 'c3', 'c4', 'c5', 'c6', 'c7', 'c8', 'c9' and 2 more" + rest));
 }
 
+TEST(Csv, ATimeMayHaveItsUnitInManySpellings) {
+  for (const char* head : {"Time (msec.)", "Time (millisec.)", "TIME_MS", "Time ms", "Time{ms}",
+                           "Time (mS)", "Time (MSEC)", "Zeit (mS)", "Time / MSEC"}) {
+    const Record record = imported(std::string(head) + ",F (N)\n0.0,1\n0.1,2\n0.2,3\n");
+    EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4) << head;
+    EXPECT_THAT(record.warnings, IsEmpty()) << head;
+  }
+  // siemens
+  EXPECT_THAT(names_and_units(imported("Time (ms),G (mS)\n0.0,1\n0.1,2\n0.2,3\n")),
+              ElementsAre("G [mS]"));
+}
+
+TEST(Csv, UnitsMayStandAlone) {
+  const Record record = imported("[ms],CH1[V],[N]\n0.0,1,2\n0.1,2,3\n0.2,3,4\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("CH1 [V]", "column 2 [N]"));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4);
+  EXPECT_DOUBLE_EQ(imported("(ms)\t(kN)\n0.0\t1\n0.1\t2\n0.2\t3\n").channels.at(0).clock.interval,
+                   1e-4);
+}
+
+TEST(Csv, FiguresMayStandBetweenNamesAndRows) {
+  for (const char* between : {"Min,-2,0\nMax,80,3\n", "Max:,80,\n", "Sensitivity,1.5,2\n"}) {
+    const Record record = imported(std::string("Time (ms),Force (kN),Vel (mm/s)\n") + between +
+                                   "0.0,1,2\n0.1,2,3\n0.2,3,4\n");
+    EXPECT_THAT(names_and_units(record), ElementsAre("Force [kN]", "Vel [mm/s]")) << between;
+    EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4) << between;
+    EXPECT_THAT(record.warnings.at(0), HasSubstr("holds figures of the columns: it is not used"))
+        << between;
+  }
+}
+
 // Cells of dates that a spreadsheet wrote as numbers, and MATLAB's.
 TEST(Csv, TimesThatMayBeDaysAreNotTakenForSeconds) {
   for (const char* first : {"45352.5", "739312.5"})
