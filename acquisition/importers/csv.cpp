@@ -143,6 +143,7 @@ struct CsvHead {
     }
     roles = find_roles(file, layout, head, heads, rows, options);
     if (!roles.named_times.empty()) find_ends_of_times(rows, read_on);
+    refuse_long_table(file, layout, text_of_rows(file, layout), heads, roles);
     record.warnings = head.warnings;
     if (!turned.options.delimiter && !turned.options.decimal)
       if (std::string commas =

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
+#include <map>
 #include <string_view>
 
 #include "acquisition/importers/column_keys.hpp"
@@ -107,6 +109,41 @@ std::string commas_that_may_be_decimal_marks(const TableLayout& layout, const Ta
       "each row is two whole numbers under no names: the comma is taken for the end of a cell "
       "(--decimal , reads '{}' as one number)",
       to_utf8(example.substr(0, 40)));
+}
+
+void refuse_long_table(TextFile& file, const TableLayout& layout, std::string_view text,
+                       const std::vector<ColumnHead>& heads, const CsvRoles& roles) {
+  if (!roles.time || layout.key_cells > 0 || layout.dialect.delimiter == ' ') return;
+  constexpr int rows_tried = 200;
+  for (const TextColumn& column : layout.text_columns) {
+    if (column.example.empty()) continue;
+    std::map<std::string_view, int> words;
+    std::string_view last_time, last_word;
+    int shared = 0, apart = 0;  // neighbours of other words, at one time or at two
+    bool same = false;          // neighbours of one word
+    const char* at = layout.data;
+    const char* const end = text.data() + text.size();
+    for (int row = 0; at != end && row < rows_tried; ++row) {
+      const auto cells = cells_of(take_line(at, end), layout.dialect.delimiter);
+      if (cells.size() <= std::max(column.column, *roles.time)) continue;
+      const std::string_view time = cells[*roles.time], word = cells[column.column];
+      if (row > 0 && word == last_word) same = true;
+      if (row > 0 && word != last_word) ++(time == last_time ? shared : apart);
+      ++words[word];
+      last_time = time;
+      last_word = word;
+    }
+    const bool each_often = std::ranges::all_of(words, [](const auto& w) { return w.second > 1; });
+    const auto count = static_cast<int>(words.size());
+    // of so many words all but one neighbour a time are at the same one
+    if (same || count < 2 || !each_often || shared < (count - 1) * apart) continue;
+    throw datasets::InputError(
+        file.position(layout.data),
+        fmt::format("the table has a row for each '{}' ('{}', '{}', ...) at each time: write a "
+                    "column for each (in pandas df.pivot), or a file",
+                    heads[column.column].name, to_utf8(words.begin()->first.substr(0, 40)),
+                    to_utf8(std::next(words.begin())->first.substr(0, 40))));
+  }
 }
 
 void tell_of_dates_and_text(const TableLayout& layout, const std::vector<ColumnHead>& heads,

@@ -21,6 +21,11 @@ std::vector<ColumnHead> complete_heads(const TextFile& file, const TableHead& he
 void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delimiter,
                         std::vector<ColumnHead>& heads);
 
+/// Throws datasets::InputError for a table with a row for each channel at each time, which a column
+/// of words names: "0.001,force,12.5" over "0.001,speed,0.4".
+void refuse_long_table(TextFile& file, const TableLayout& layout, std::string_view text,
+                       const std::vector<ColumnHead>& heads, const CsvRoles& roles);
+
 /// Says which columns are left out since they hold text, or dates that are not the time, and when
 /// the first row was recorded.
 void tell_of_dates_and_text(const TableLayout& layout, const std::vector<ColumnHead>& heads,

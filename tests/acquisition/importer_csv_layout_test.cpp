@@ -325,6 +325,17 @@ TEST(Csv, TextMayStandInTheFirstColumn) {
               HasSubstr("no row of numbers"));
 }
 
+// As pandas' melt() and databases of time series write them.
+TEST(Csv, ARowForEachChannelAtEachTimeIsRefused) {
+  EXPECT_THAT(import_error("t,sensor,value\n0.000,F,1\n0.000,v,100\n0.001,F,2\n0.001,v,101\n"
+                           "0.002,F,3\n0.002,v,102\n"),
+              HasSubstr("FILE:2:1 (byte 15): the table has a row for each 'sensor' ('F', 'v', ...) "
+                        "at each time: write a column for each"));
+  for (const char* rows : {"0.000,OK,1\n0.001,hit,2\n0.002,OK,3\n0.003,hit,4\n",
+                           "0.000,OK,1\n0.000,hit,2\n0.001,OK,3\n0.002,OK,4\n0.003,hit,1\n"})
+    EXPECT_EQ(imported(std::string("t,state,F (N)\n") + rows).channels.size(), 1U) << rows;
+}
+
 TEST(Csv, AColumnOfTextMayBeginWithMissingValues) {
   const Record record = imported("Time (s),Event,Force (N)\n0.0,NAN,1.5\n0.1,NAN,2.5\n0.2,hit,3\n");
   EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]"));
