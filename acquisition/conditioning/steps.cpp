@@ -205,7 +205,7 @@ class Conditioning {
     if (edit.parameters.contains("found"))
       record_.warnings.push_back(fmt::format(
           "No hum near {:g} Hz stands out of the quiet samples of '{}' ({}), so none was "
-          "taken off; an impact among them hides it.",
+          "taken off; an impact among them would hide it.",
           action.frequency.value_or(50.0), channel(index).name, edit.parameters.at("quiet")));
     note(std::move(edit));
   }

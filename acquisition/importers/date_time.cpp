@@ -267,6 +267,9 @@ std::optional<std::int64_t> days_between(const DateTime& from, const DateTime& t
 
 std::optional<DateTime> date_time_in(std::string_view text) {
   constexpr std::string_view between = " \t\",;|";
+  // a duration of pandas
+  constexpr std::string_view no_days = "0 days ";
+  if (text.starts_with(no_days)) text.remove_prefix(no_days.size());
   DateTime found;
   Scanner scan(text);
   scan.take_any(between);

@@ -223,6 +223,24 @@ void take_names_alone(const TableLayout& layout, const std::vector<std::size_t>&
   head.units_line = static_cast<int>(above) + 1;
 }
 
+/// "Time","ms","Force","kN" over two columns: each name with its unit in the next cell.
+bool take_names_beside_units(const TableLayout& layout, const std::vector<std::size_t>& filled,
+                             NamesAndUnits& found, TableHead& head) {
+  HeadCells cells =
+      cells_of(without_comment_sign(layout.head[filled.back()]), layout.dialect.delimiter);
+  while (!cells.empty() && cells.back().empty()) cells.pop_back();
+  if (layout.cells < 2 || cells.size() != 2 * layout.cells) return false;
+  HeadCells names, units;
+  for (std::size_t i = 0; i < cells.size(); ++i) (i % 2 == 0 ? names : units).push_back(cells[i]);
+  const auto is_name = [](std::string_view cell) { return !cell.empty() && !is_unit(cell); };
+  if (has_number(names, layout.dialect.decimal) || !std::ranges::all_of(names, is_name) ||
+      !std::ranges::all_of(units, is_unit))
+    return false;
+  found = {names, units};
+  head.names_line = head.units_line = static_cast<int>(filled.back()) + 1;
+  return true;
+}
+
 /// "#timebase=40000000(ps),#voltbase=1000000(uV)", of Hantek: no names.
 bool are_keys_with_values(std::string_view line, char delimiter) {
   const HeadCells cells = cells_of(line, delimiter);
@@ -300,8 +318,7 @@ void pass_over_figures(const TableLayout& layout, std::vector<std::size_t>& fill
   const std::string_view above = layout.head[others.back()];
   // a key with its value stands under another one
   const HeadCells names = cells_of(without_comment_sign(above), layout.dialect.delimiter);
-  if (!are_names_in_dialect(above, layout) ||
-      !(name_a_time_or_unit(names) || is_unit_row(names)))
+  if (!are_names_in_dialect(above, layout) || !(name_a_time_or_unit(names) || is_unit_row(names)))
     return;
   for (std::size_t i = others.size(); i < filled.size(); ++i)
     head.warnings.push_back(
@@ -328,7 +345,8 @@ NamesAndUnits find_names_and_units(const TableLayout& layout, std::vector<std::s
     filled.pop_back();
   pass_over_figures(layout, filled, head);
   pass_over_remarks(layout, filled);
-  if (filled.empty() || take_names_over_units(layout, filled, found, head) ||
+  if (filled.empty() || take_names_beside_units(layout, filled, found, head) ||
+      take_names_over_units(layout, filled, found, head) ||
       take_units_under_a_misfit(layout, filled, found, head))
     return found;
   take_names_alone(layout, filled, found, head);

@@ -112,6 +112,7 @@ class Recording {
     for (const auto& [name, value] : part->properties)
       if (!name.starts_with("NI_Scale[")) channel.attributes[name] = text_of(value);
     channel.unit = text_of(part->properties, "unit_string");
+    if (channel.unit.empty()) take_unit_of_others(part->properties, channel);
     if (channel.unit.empty()) take_unit_of_name(channel);
     if (part->type != nullptr && part->type->role == TdmsRole::time)
       set_time_stamps(*part, channel, stored);
@@ -122,6 +123,16 @@ class Recording {
     record_.channels.push_back(std::move(channel));
     stored_.push_back(std::move(stored));
     channels_.push_back(added);
+  }
+
+  /// Of properties that stand for LabVIEW's own: DAQmx's, DIAdem's, those of users.
+  static void take_unit_of_others(const TdmsProperties& properties, Channel& channel) {
+    for (const char* name : {"NI_UnitDescription", "Unit", "Units", "unit", "Einheit"}) {
+      const std::string unit = text_of(properties, name);
+      if (datasets::quantity_of_unit(unit) == Quantity::unknown) continue;
+      channel.unit = unit;
+      return;
+    }
   }
 
   /// "N" of "Force (N)"; what is no unit of a quantity may be anything: "Untitled (2)".

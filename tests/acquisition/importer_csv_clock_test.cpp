@@ -122,6 +122,13 @@ TEST(Csv, UnitsMayStandAlone) {
                    1e-4);
 }
 
+TEST(Csv, UnitsMayStandBesideTheirNames) {
+  const Record record = imported("\"Time\",\"ms\",\"Force\",\"kN\"\n0.0,1\n0.1,2\n0.2,3\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Force [kN]"));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
 TEST(Csv, FiguresMayStandBetweenNamesAndRows) {
   for (const char* between : {"Min,-2,0\nMax,80,3\n", "Max:,80,\n", "Sensitivity,1.5,2\n"}) {
     const Record record = imported(std::string("Time (ms),Force (kN),Vel (mm/s)\n") + between +

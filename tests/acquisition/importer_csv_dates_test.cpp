@@ -181,5 +181,13 @@ TEST(CsvDate, OfALargeFileIsReadByBlocksAsItIsReadAtOnce) {
   }
 }
 
+TEST(Csv, TimesMayBeDurationsOfPandas) {
+  const auto record = imported(
+      ",F (N)\n0 days 00:00:00,0.0\n0 days 00:00:00.000100,0.5\n0 days 00:00:00.000200,1.0\n");
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_NEAR(record.channels[0].clock.interval, 1e-4, 1e-12);
+  EXPECT_EQ(record.channels[0].clock.start, 0.0);
+}
+
 }  // namespace
 }  // namespace impactrig::acquisition

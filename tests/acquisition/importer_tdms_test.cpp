@@ -55,6 +55,18 @@ TEST_P(TdmsInBothByteOrders, EveryKindOfNumberIsRead) {
   EXPECT_THAT(read(0x21, t_.numbers(std::vector<std::uint8_t>{1, 0})), ElementsAre(1, 0));
 }
 
+TEST_P(TdmsInBothByteOrders, AUnitMayStandInOtherProperties) {
+  const auto unit = [&](const std::vector<std::string>& properties) {
+    return imported(t_.segment({t_.channel("a", t_.index(0x0A, 1), properties)}, t_.number(1.0)))
+        .channels.at(0)
+        .unit;
+  };
+  for (const char* name : {"NI_UnitDescription", "Unit", "Units", "Einheit"})
+    EXPECT_EQ(unit({t_.property(name, "kN")}), "kN") << name;
+  EXPECT_EQ(unit({t_.property("Unit", "kN"), t_.property("unit_string", "N")}), "N");
+  EXPECT_EQ(unit({t_.property("Unit", "bar end")}), "");
+}
+
 TEST_P(TdmsInBothByteOrders, ComplexNumbersHaveTwoParts) {
   const auto record = imported(t_.segment(
       {t_.channel("s", t_.index(0x08000C, 2)), t_.channel("d", t_.index(0x10000D, 1))},
