@@ -166,6 +166,8 @@ bool take_names_over_units(const TableLayout& layout, const std::vector<std::siz
   const std::size_t above = filled[filled.size() - 2];
   HeadCells names = head_cells(layout.head[above], layout);
   HeadCells units = bottom;
+  // "Unit,kN,mm/s" over rows whose first cell is empty
+  if (!units.empty() && are_units_of_a_key(units)) units.front() = {};
   if (names.size() < layout.cells ||
       (has_number(names, decimal) && !may_name_by_number(names, layout) &&
        !(are_numbered_channels(names) && is_unit_row(bottom))))
@@ -318,7 +320,8 @@ void pass_over_figures(const TableLayout& layout, std::vector<std::size_t>& fill
   const std::string_view above = layout.head[others.back()];
   // a key with its value stands under another one
   const HeadCells names = cells_of(without_comment_sign(above), layout.dialect.delimiter);
-  if (!are_names_in_dialect(above, layout) || !(name_a_time_or_unit(names) || is_unit_row(names)))
+  if (!are_names_in_dialect(above, layout) ||
+      !(name_a_time_or_unit(names) || is_unit_row(names) || are_units_of_a_key(names)))
     return;
   for (std::size_t i = others.size(); i < filled.size(); ++i)
     head.warnings.push_back(

@@ -235,7 +235,7 @@ void take_rows_with_keys(const std::vector<std::string_view>& lines, TableLayout
   const auto row = cells_of(lines[layout.head.size()], delimiter);
   std::size_t empty = 0;
   while (empty < row.size() && row[empty].empty()) ++empty;
-  if (empty == 0 || empty >= layout.cells) return;
+  if (empty < 2 || empty >= layout.cells) return;  // a key and its value at least
   const std::vector<std::size_t> gaps = gaps_of(row, empty);
   const auto is_row = [&](std::vector<std::string_view> cells) {
     if (cells.size() != row.size()) return false;

@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <limits>
+#include <string>
 
 #include "acquisition/importer.hpp"
 #include "tests/acquisition/written_file.hpp"
@@ -120,6 +122,22 @@ TEST(Csv, UnitsMayStandAlone) {
   EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4);
   EXPECT_DOUBLE_EQ(imported("(ms)\t(kN)\n0.0\t1\n0.1\t2\n0.2\t3\n").channels.at(0).clock.interval,
                    1e-4);
+}
+
+// Words that name the lines of the head stand over a column without values.
+TEST(Csv, WordsMayStandBesideTheHead) {
+  ImportOptions rate;
+  rate.sample_rate = 1000.0;
+  for (const char* figures : {"", "Min,-2,0\nMax,80,3\n"}) {
+    const Record record = imported(
+        std::string("Channel,Force,Vel\nUnit,kN,mm/s\n") + figures + ",-50.5,1\n,-49,2\n,-47.5,3\n",
+        rate);
+    const auto force = std::ranges::find(record.channels, "Force", &datasets::Channel::name);
+    ASSERT_NE(force, record.channels.end()) << figures;
+    EXPECT_EQ(force->unit, "kN");
+    EXPECT_THAT(force->values(), ElementsAre(-50.5, -49.0, -47.5));
+    EXPECT_EQ(record.channels.back().unit, "mm/s");
+  }
 }
 
 TEST(Csv, UnitsMayStandBesideTheirNames) {
