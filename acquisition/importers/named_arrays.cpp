@@ -41,7 +41,7 @@ constexpr std::array<std::string_view, 11> rate_words = {"fs",
 constexpr std::array<std::string_view, 5> start_words = {"tstart",  // PicoScope, beside Tinterval
                                                          "t0", "t_start", "start_time",
                                                          "starttime"};
-constexpr double latest_start = 1e7;  ///< [s]; larger numbers are dates
+constexpr double latest_start = 1e4;  ///< [s]; larger numbers may be dates in days or seconds
 /// Tektronix DPO: of times, one only beside the other.
 constexpr std::string_view spacing_word = "spacing", spacing_start_word = "starttime";
 

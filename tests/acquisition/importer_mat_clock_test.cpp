@@ -66,8 +66,9 @@ TEST_P(Mat, AStartMayStandBesideAnIntervalOrARate) {
   const auto at_the_top = imported(b.header() + b.doubles("force", {1, 2, 3}) +
                                    b.doubles("fs", {1000}) + b.doubles("t0_ms", {-4}));
   EXPECT_DOUBLE_EQ(at_the_top.find("force")->clock.start, -4e-3);
-  // a date
-  EXPECT_EQ(imported(b.header() + run("start_time", 1.7e9, "")).find("force.data")->clock.start, 0);
+  for (const double date : {1.7e9, 739312.5, 45352.5})
+    EXPECT_EQ(imported(b.header() + run("start_time", date, "")).find("force.data")->clock.start, 0)
+        << date;
 }
 
 TEST_P(Mat, TimesMayHaveTheirUnitInATextBesideThem) {
