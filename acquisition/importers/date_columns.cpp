@@ -15,6 +15,7 @@ using Cells = std::vector<std::string_view>;
 
 /// The text from one cell to another.
 std::string_view joined(const Cells& cells, std::size_t first, std::size_t last) {
+  if (cells[first].empty() || cells[last].empty()) return {};  // an empty one is nowhere
   const char* const begin = cells[first].data();
   const char* const end = cells[last].data() + cells[last].size();
   return {begin, static_cast<std::size_t>(end - begin)};

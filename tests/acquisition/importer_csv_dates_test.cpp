@@ -181,6 +181,12 @@ TEST(CsvDate, OfALargeFileIsReadByBlocksAsItIsReadAtOnce) {
   }
 }
 
+TEST(Csv, ADateMayBeMissingBesideAFraction) {
+  EXPECT_THAT(import_error("Date;Time;us;F\n2024-03-01;10:00:00;100;1\n ;10:00:00;200;2\n"
+                           "2024-03-01;10:00:00;300;3\n"),
+              HasSubstr("expected a date and time as in the first row"));
+}
+
 TEST(Csv, TimesMayBeDurationsOfPandas) {
   const auto record = imported(
       ",F (N)\n0 days 00:00:00,0.0\n0 days 00:00:00.000100,0.5\n0 days 00:00:00.000200,1.0\n");
