@@ -7,6 +7,7 @@
 #include <array>
 #include <iterator>
 #include <map>
+#include <set>
 #include <string_view>
 
 #include "acquisition/importers/column_keys.hpp"
@@ -120,14 +121,16 @@ void refuse_long_table(TextFile& file, const TableLayout& layout, std::string_vi
     std::map<std::string_view, int> words;
     std::string_view last_time, last_word;
     int shared = 0, apart = 0;  // neighbours of other words, at one time or at two
-    bool same = false;          // neighbours of one word
+    std::set<std::string_view> at_time;
+    bool repeated = false;  // a word at one time
     const char* at = layout.data;
     const char* const end = text.data() + text.size();
     for (int row = 0; at != end && row < rows_tried; ++row) {
       const auto cells = cells_of(take_line(at, end), layout.dialect.delimiter);
       if (cells.size() <= std::max(column.column, *roles.time)) continue;
       const std::string_view time = cells[*roles.time], word = cells[column.column];
-      if (row > 0 && word == last_word) same = true;
+      if (time != last_time) at_time.clear();
+      repeated = !at_time.insert(word).second || repeated;
       if (row > 0 && word != last_word) ++(time == last_time ? shared : apart);
       ++words[word];
       last_time = time;
@@ -136,7 +139,7 @@ void refuse_long_table(TextFile& file, const TableLayout& layout, std::string_vi
     const bool each_often = std::ranges::all_of(words, [](const auto& w) { return w.second > 1; });
     const auto count = static_cast<int>(words.size());
     // of so many words all but one neighbour a time are at the same one
-    if (same || count < 2 || !each_often || shared < (count - 1) * apart) continue;
+    if (repeated || count < 2 || !each_often || shared < (count - 1) * apart) continue;
     throw datasets::InputError(
         file.position(layout.data),
         fmt::format("the table has a row for each '{}' ('{}', '{}', ...) at each time: write a "

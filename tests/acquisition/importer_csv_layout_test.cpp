@@ -332,7 +332,10 @@ TEST(Csv, ARowForEachChannelAtEachTimeIsRefused) {
               HasSubstr("FILE:2:1 (byte 15): the table has a row for each 'sensor' ('F', 'v', ...) "
                         "at each time: write a column for each"));
   for (const char* rows : {"0.000,OK,1\n0.001,hit,2\n0.002,OK,3\n0.003,hit,4\n",
-                           "0.000,OK,1\n0.000,hit,2\n0.001,OK,3\n0.002,OK,4\n0.003,hit,1\n"})
+                           "0.000,OK,1\n0.000,hit,2\n0.001,OK,3\n0.002,OK,4\n0.003,hit,1\n",
+                           // times in so few digits that samples share them
+                           "0.0,OK,1\n0.0,hit,2\n0.0,OK,3\n0.0,hit,4\n0.1,OK,1\n0.1,hit,2\n"
+                           "0.1,OK,3\n0.1,hit,4\n"})
     EXPECT_EQ(imported(std::string("t,state,F (N)\n") + rows).channels.size(), 1U) << rows;
 }
 
