@@ -108,6 +108,8 @@ bool uff58_is_time(int specific_data_type, int function_type, std::string_view u
   const Quantity by_unit = datasets::quantity_of_unit(unit);
   if (by_unit == Quantity::time) return true;
   if (!unit.empty() && by_unit != Quantity::unknown) return false;
+  for (const std::string_view turns : {"rev", "Rev", "REV", "revs", "Revs", "order", "orders"})
+    if (unit == turns) return false;
   return function_type <= 1;
 }
 

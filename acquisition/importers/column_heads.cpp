@@ -17,16 +17,30 @@ namespace {
 
 constexpr std::string_view wide_colon = "\uFF1A";  // of East Asian text
 
+/// Where the first cell of a line above the rows ends: over one column, which no mark divides from
+/// others, at any of the marks ("Sample Rate,100000").
+std::size_t end_of_key(std::string_view text, const TableLayout& layout) {
+  const std::size_t end = text.find(layout.dialect.delimiter);
+  if (end != text.npos || layout.cells > 1 || text.find_first_of(":=") != text.npos) return end;
+  for (const char mark : {'\t', ';', ','})
+    if (const std::size_t at = text.find(mark); at != text.npos) return at;
+  return text.npos;
+}
+
 void add_attribute(std::string_view line, const TableLayout& layout, bool keys, TableHead& head) {
   const std::string_view text = trimmed(without_comment_sign(line));
   if (text.empty()) return;
   std::string key;
   std::string value;
-  const std::size_t cell_end = keys || layout.dialect.delimiter == ' '
-                                   ? std::string_view::npos
-                                   : text.find(layout.dialect.delimiter);
-  const std::size_t colon = std::min(text.find_first_of(keys ? ":" : ":="), text.find(wide_colon));
-  const std::size_t divider = cell_end != std::string_view::npos ? cell_end : colon;
+  const std::size_t cell_end =
+      keys || layout.dialect.delimiter == ' ' ? std::string_view::npos : end_of_key(text, layout);
+  const bool by_colon = keys && text.find(':') != text.npos;
+  const std::size_t colon =
+      std::min(text.find_first_of(by_colon ? ":" : ":="), text.find(wide_colon));
+  // "# units: ms, kN": cells are no concern of a comment's key
+  const bool comment = text.data() != trimmed(line).data() && colon < cell_end &&
+                       text.substr(colon + 1).starts_with(' ');
+  const std::size_t divider = cell_end != std::string_view::npos && !comment ? cell_end : colon;
   if (divider == std::string_view::npos || divider == 0) {
     std::string& rest = head.attributes["header"];
     if (!rest.empty()) rest += " | ";
@@ -50,7 +64,7 @@ bool are_keys(const TableLayout& layout, const std::vector<std::size_t>& filled)
   if (layout.cells != 1 || filled.empty()) return false;
   const auto value_of = [&](std::size_t line) -> std::optional<std::string_view> {
     const std::string_view text = trimmed(without_comment_sign(layout.head[line]));
-    const std::size_t colon = text.find(':');
+    const std::size_t colon = std::min(text.find(':'), text.find('='));
     if (colon == std::string_view::npos || colon == 0) return std::nullopt;
     return trimmed(text.substr(colon + 1));
   };

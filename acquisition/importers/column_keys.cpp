@@ -109,6 +109,32 @@ void find_start(Dialect dialect, TableHead& head) {
   }
 }
 
+/// What a recorder kept from before its trigger, where the head states an interval and no start:
+/// "Pretrigger samples" as a number, "Pre-trigger (ms)" as a time.
+void find_pretrigger(Dialect dialect, TableHead& head) {
+  constexpr auto counts = std::to_array<std::string_view>(
+      {"pretrigger samples", "pre trigger samples", "pretrigger points", "pre trigger points",
+       "samples before trigger", "trigger sample", "trigger index", "vortrigger samples"});
+  constexpr auto times =
+      std::to_array<std::string_view>({"pretrigger", "pre trigger", "pretrigger time",
+                                       "pre trigger time", "vortrigger", "pretrigger duration"});
+  for (const auto& [key, text] : head.attributes) {
+    if (head.start || !head.interval) return;
+    const ColumnHead says = split_head(key);
+    std::string name = says.name;
+    std::ranges::replace(name, '-', ' ');
+    const auto stated = stated_value(value_of_all(text, dialect), dialect);
+    if (!stated || is_ambiguous(text, dialect)) continue;
+    const std::string unit =
+        unit_of_times(stated->unit.empty() ? says.unit : to_utf8(stated->unit));
+    const auto seconds = datasets::conversion(unit, "s");
+    if (is_one_of(name, counts) && unit.empty() && stated->value >= 0.0)
+      head.start = -stated->value * *head.interval;
+    else if (is_one_of(name, times) && seconds && !unit.empty())
+      head.start = -std::abs(seconds->factor * stated->value);
+  }
+}
+
 /// The unit in a cell of its own behind a number, "2e-6,s", which is taken off `text`; "" where
 /// there is none.
 std::string take_unit_beside(Dialect dialect, std::string_view& text) {
@@ -158,6 +184,14 @@ std::optional<double> stated_interval(const std::string& key, const std::string&
   return is_interval ? converted : 1.0 / converted;
 }
 
+/// "#CLOCK=10.0uS", as Hantek's oscilloscopes state the interval: a clock of another kind is no
+/// time with a unit.
+bool states_clock(std::string_view key, std::string_view text, Dialect dialect) {
+  const auto stated = stated_value(text, dialect);
+  return lowered(key) == "clock" && stated && stated->value > 0.0 &&
+         datasets::quantity_of_unit(unit_of_times(stated->unit)) == datasets::Quantity::time;
+}
+
 /// When the recording began, as a key states it; "" of dates that may be two.
 void find_date(TableHead& head) {
   constexpr std::array<std::string_view, 8> keys = {"date time",  "datetime",   "date/time",
@@ -198,7 +232,7 @@ void find_interval(Dialect dialect, TableHead& head) {
   std::string stated_by;
   for (const auto& [key, text] : head.attributes) {
     const ColumnHead says = split_head(key);
-    const bool is_interval = is_one_of(says.name, intervals);
+    const bool is_interval = is_one_of(says.name, intervals) || states_clock(key, text, dialect);
     const bool is_rate = is_one_of(says.name, rates);
     if (!is_interval && !is_rate) continue;
     const auto interval = stated_interval(key, text, says.unit, is_interval, dialect, head);
@@ -215,6 +249,7 @@ void find_interval(Dialect dialect, TableHead& head) {
     }
   }
   find_start(dialect, head);
+  find_pretrigger(dialect, head);
   find_date(head);
 }
 
@@ -261,7 +296,9 @@ void take_column_of_keys(Dialect dialect, TableHead& head) {
     if (value == "NOVALUE") continue;  // of ISO 13499
     const std::string word = lowered(key);
     if (word == "name of the channel" || word == "channel name") column.name = value;
-    if (word == "unit" || word == "y units" || word == "yunits") column.unit = value;
+    if (word == "channel" && column.name.empty()) column.name = value;
+    if (word == "unit" || word == "units" || word == "y units" || word == "yunits")
+      column.unit = value;
     if (word != "time of first sample") continue;
     const auto stated = stated_value(value, dialect);
     const auto seconds =

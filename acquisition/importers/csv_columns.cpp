@@ -12,6 +12,7 @@
 
 #include "acquisition/importers/column_keys.hpp"
 #include "acquisition/importers/header_fields.hpp"
+#include "acquisition/importers/row_of_units.hpp"
 #include "acquisition/importers/stated_units.hpp"
 #include "datasets/units.hpp"
 
@@ -168,6 +169,30 @@ void tell_of_dates_and_text(const TableLayout& layout, const std::vector<ColumnH
   }
 }
 
+/// "Force" of "Force unit", "Unit of Force" and "force units", in lower case; "" of other keys.
+std::string column_of_unit_key(std::string_view key) {
+  const std::string word = lowered(key);
+  std::string_view name = word;
+  for (const std::string_view begin : {"unit of ", "units of ", "unit ", "units "})
+    if (name.starts_with(begin)) return std::string(trimmed(name.substr(begin.size())));
+  for (const std::string_view end : {" unit", " units", "_unit", "_units"})
+    if (name.ends_with(end)) return std::string(trimmed(name.substr(0, name.size() - end.size())));
+  return {};
+}
+
+/// The unit that a key states of a column by its name: "Force unit: kN", of times "Time unit".
+void take_unit_of_name(const std::string& key, std::string_view unit, const CsvRoles& roles,
+                       std::vector<ColumnHead>& heads) {
+  const std::string name = column_of_unit_key(key);
+  if (name.empty() || !is_unit(unit)) return;
+  for (std::size_t c = 0; c < heads.size(); ++c) {
+    const bool is_time = roles.time == c;
+    const bool named = lowered(heads[c].name) == name || (is_time && is_time_name(name));
+    if (named && heads[c].unit.empty())
+      heads[c].unit = is_time ? unit_of_times(unit) : std::string(unit);
+  }
+}
+
 void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delimiter,
                         std::vector<ColumnHead>& heads) {
   std::size_t channels = 0;
@@ -182,7 +207,18 @@ void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delim
     const bool horizontal = std::ranges::find(horizontal_words, word) != horizontal_words.end();
     auto units = values_of_key(value, delimiter);
     if (units.empty() || (delimiter == '\t' && units.size() != channels)) units = {value};
-    const bool one_each = (word == "unit" || word == "units") && units.size() == channels;
+    const bool are_units = word == "unit" || word == "units";
+    if (are_units && units.size() != heads.size()) {
+      auto divided = cells_of(value, ',');
+      if (divided.size() == heads.size()) units = std::move(divided);
+    }
+    const bool one_a_column = are_units && heads.size() > channels && units.size() == heads.size();
+    const bool one_each = are_units && units.size() == channels;
+    take_unit_of_name(key, trimmed(value), roles, heads);
+    if (one_a_column)
+      for (std::size_t c = 0; c < heads.size(); ++c)
+        if (heads[c].unit.empty() && is_unit(units[c]))
+          heads[c].unit = roles.time == c ? unit_of_times(units[c]) : std::string(units[c]);
     if (horizontal && roles.time && heads[*roles.time].unit.empty())
       heads[*roles.time].unit = unit_of_times(without_channel(units.front()));
     if (!vertical && !one_each) continue;

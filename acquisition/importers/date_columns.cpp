@@ -4,6 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <string>
+
+#include "acquisition/importers/column_heads.hpp"
+#include "acquisition/importers/head_cells.hpp"
+#include "acquisition/importers/text_dialect.hpp"
 
 namespace impactrig::acquisition {
 
@@ -92,6 +98,42 @@ void take_fraction(const std::vector<std::string_view>& lines, const TableLayout
   date.last = c;
 }
 
+/// "sec" of "header.stamp.sec" and "tv_sec": a counter's name and whose it is.
+struct CountName {
+  explicit CountName(std::string_view name) {
+    const std::size_t mark = name.find_last_of("._/ ");
+    of = name.substr(0, mark == name.npos ? 0 : mark);
+    word = lowered(name.substr(mark == name.npos ? 0 : mark + 1));
+  }
+
+  /// What it counts [ns]; 0 of other words.
+  std::int64_t unit() const {
+    struct Word {
+      std::string_view word;
+      std::int64_t unit;
+    };
+
+    constexpr auto words = std::to_array<Word>({{"sec", second},
+                                                {"second", second},
+                                                {"msec", 1'000'000},
+                                                {"millisec", 1'000'000},
+                                                {"millisecond", 1'000'000},
+                                                {"usec", 1'000},
+                                                {"microsec", 1'000},
+                                                {"microsecond", 1'000},
+                                                {"nsec", 1},
+                                                {"nanosec", 1},
+                                                {"nanosecond", 1}});
+    const std::string_view stem =
+        word.ends_with('s') ? std::string_view(word).substr(0, word.size() - 1) : word;
+    const auto found = std::ranges::find(words, stem, &Word::word);
+    return found == words.end() ? 0 : found->unit;
+  }
+
+  std::string_view of;
+  std::string word;
+};
+
 /// Several clocks of one kind count from one time: the first row's of the first column, or where
 /// there is no date the earliest one, as what is before it is of the next day.
 void share_base(std::vector<DateColumns>& dates) {
@@ -143,9 +185,42 @@ std::vector<DateColumns> find_date_columns(const TextFile& file,
     }
     found.push_back(*date);
   }
+  for (DateColumns& date : found)
+    if (date.base.elapsed) date.base.nanoseconds = 0;
   // a date alone says nothing about the time between two rows
   std::erase_if(found, [](const DateColumns& date) { return !date.base.has_time; });
   share_base(found);
+  return found;
+}
+
+std::vector<DateColumns> find_second_columns(const std::vector<std::string_view>& lines,
+                                             const TableLayout& layout) {
+  if (layout.head.empty() || layout.key_cells > 0) return {};
+  const char delimiter = layout.dialect.delimiter;
+  const Cells names = cells_of(without_comment_sign(layout.head.back()), delimiter);
+  std::vector<DateColumns> found;
+  for (std::size_t c = 0; c + 1 < std::min(names.size(), layout.cells); ++c) {
+    const CountName whole(names[c]), behind(names[c + 1]);
+    const std::int64_t unit = behind.unit();
+    if (whole.unit() != second || unit == 0 || unit == second || whole.of != behind.of) continue;
+    std::optional<DateTime> base;
+    bool fits = true;
+    for (std::size_t i = layout.head.size(); i < lines.size() && fits; ++i) {
+      if (is_skipped_line(lines[i])) continue;
+      const Cells row = cells_of(lines[i], delimiter);
+      if (c + 1 >= row.size() || row[c].empty() || row[c + 1].empty())
+        continue;  // cut off or spoilt: reading it says so
+      const auto seconds = whole_seconds_in(row[c]);
+      const auto count = integer_in(row[c + 1]);
+      fits = seconds && count && *count >= 0 && *count < second / unit;
+      if (!fits || base) continue;
+      base = *seconds;
+      base->nanoseconds += *count * unit;
+    }
+    if (fits && base)
+      found.push_back(
+          {.first = c, .last = c + 1, .base = *base, .fraction = unit, .whole_seconds = true});
+  }
   return found;
 }
 

@@ -19,4 +19,9 @@ std::vector<DateColumns> find_date_columns(const TextFile& file,
                                            const std::vector<std::string_view>& lines,
                                            const TableLayout& layout, std::size_t named);
 
+/// Finds whole seconds and what is behind them side by side in a table of numbers, by the words of
+/// their heads: "sec,nsec", "stamp.secs,stamp.nsecs", "Seconds,Microseconds".
+std::vector<DateColumns> find_second_columns(const std::vector<std::string_view>& lines,
+                                             const TableLayout& layout);
+
 }  // namespace impactrig::acquisition

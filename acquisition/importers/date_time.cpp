@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <utility>
 
@@ -134,6 +135,62 @@ bool take_date_with_month(Scanner& scan, DateTime& found) {
   found.days = {days, days};
   scan = ahead;
   return true;
+}
+
+/// "20240301T120000.5", "20240301T1200": the basic format of ISO 8601.
+bool take_basic_date_and_time(Scanner& scan, DateTime& found) {
+  Scanner ahead = scan;
+  const auto date = ahead.take_digits(8);
+  if (!date || date->count != 8 || !ahead.take('T')) return false;
+  const auto time = ahead.take_digits(6);
+  if (!time || time->count % 2 != 0 || time->count < 4) return false;
+  const int of_day = time->count == 6 ? time->value : time->value * 100;
+  const int hours = of_day / 10000, minutes = of_day / 100 % 100, seconds = of_day % 100;
+  found.date = {date->value / 10000, date->value / 100 % 100, date->value % 100};
+  found.days.fill(days_to(found.date[0], found.date[1], found.date[2]));
+  if (!found.days[0] || hours > 24 || minutes > 59 || seconds > 60) return false;
+  found.nanoseconds = (hours * 3600 + minutes * 60 + seconds) * second;
+  if (time->count == 6 && (ahead.take('.') || ahead.take(','))) {
+    const auto fraction = ahead.take_fraction();
+    if (!fraction) return false;
+    found.nanoseconds += *fraction;
+  }
+  found.has_date = found.has_time = true;
+  found.period = day;
+  scan = ahead;
+  return true;
+}
+
+/// "0.5 sec", "-2 min", "1e-05 sec" and "0.1 hr", as MATLAB writes durations, and other units.
+std::optional<DateTime> duration_in(std::string_view text) {
+  struct Unit {
+    std::string_view word;
+    double seconds;
+  };
+
+  constexpr auto units = std::to_array<Unit>({{"sec", 1.0},
+                                              {"s", 1.0},
+                                              {"min", 60.0},
+                                              {"hr", 3600.0},
+                                              {"h", 3600.0},
+                                              {"days", 86400.0},
+                                              {"ms", 1e-3},
+                                              {"us", 1e-6}});
+  constexpr double longest = 1e9;  // [s]; nanoseconds count to nine times that
+  text = trimmed(text);
+  if (text.size() > 1 && text.starts_with('"') && text.ends_with('"'))
+    text = trimmed(text.substr(1, text.size() - 2));
+  double number = 0.0;
+  const char* const last = text.data() + text.size();
+  const char* const end = scan_number(text.data(), last, {'.', false}, number);
+  const std::string_view rest(end, static_cast<std::size_t>(last - end));
+  if (end == text.data() || !rest.starts_with(' ')) return std::nullopt;
+  const auto unit = std::ranges::find(units, rest.substr(1), &Unit::word);
+  if (unit == units.end() || !(std::abs(number * unit->seconds) < longest)) return std::nullopt;
+  DateTime found;
+  found.has_time = found.elapsed = true;
+  found.nanoseconds = std::llround(number * unit->seconds * static_cast<double>(second));
+  return found;
 }
 
 bool take_date_of_numbers(Scanner& scan, DateTime& found) {
@@ -269,15 +326,19 @@ std::optional<DateTime> date_time_in(std::string_view text) {
   constexpr std::string_view between = " \t\",;|";
   // a duration of pandas
   constexpr std::string_view no_days = "0 days ";
-  if (text.starts_with(no_days)) text.remove_prefix(no_days.size());
   DateTime found;
+  found.elapsed = text.starts_with(no_days);
+  if (found.elapsed) text.remove_prefix(no_days.size());
   Scanner scan(text);
   scan.take_any(between);
   const auto take_date = [&] {
     return take_date_with_month(scan, found) || take_date_of_numbers(scan, found);
   };
-  found.has_date = take_date();
-  if (found.has_date) {
+  const bool basic = take_basic_date_and_time(scan, found);
+  if (!basic) found.has_date = take_date();
+  if (basic) {
+    // both are there
+  } else if (found.has_date) {
     Scanner ahead = scan;
     if (ahead.take('T') || ahead.take('t') || ahead.take('_') || ahead.take_any(between))
       found.has_time = take_time(ahead, found);
@@ -291,15 +352,35 @@ std::optional<DateTime> date_time_in(std::string_view text) {
       if (!found.has_date) std::swap(scan, ahead);
     }
   }
-  if (!found.has_date && !found.has_time) return std::nullopt;
+  if (!found.has_date && !found.has_time) return found.elapsed ? std::nullopt : duration_in(text);
   if (found.has_time && take_zone(scan, found)) found.nanoseconds -= *found.zone * 60 * second;
   scan.take_any(" \t\"");
   if (!scan.at_end()) return std::nullopt;
   return found;
 }
 
+std::optional<DateTime> whole_seconds_in(std::string_view text) {
+  constexpr std::int64_t since_1970 = 100'000'000, most = 9'000'000'000;
+  const auto seconds = integer_in(text);
+  if (!seconds || *seconds < 0 || *seconds > most) return std::nullopt;
+  DateTime found;
+  found.has_time = true;
+  found.has_date = *seconds >= since_1970;
+  found.nanoseconds = *seconds * second;
+  if (!found.has_date) return found;
+  constexpr std::int64_t of_day = day / second;
+  const auto days = static_cast<std::int32_t>(*seconds / of_day);
+  const std::chrono::year_month_day stated{std::chrono::sys_days(std::chrono::days(days))};
+  found.date = {static_cast<int>(stated.year()), static_cast<int>(unsigned(stated.month())),
+                static_cast<int>(unsigned(stated.day()))};
+  found.days.fill(days);
+  found.nanoseconds = *seconds % of_day * second;
+  found.zone = 0;
+  return found;
+}
+
 std::optional<double> seconds_between(const DateTime& from, const DateTime& to) {
-  if (from.has_date != to.has_date || from.has_time != to.has_time ||
+  if (from.has_date != to.has_date || from.has_time != to.has_time || from.elapsed != to.elapsed ||
       from.zone.has_value() != to.zone.has_value())
     return std::nullopt;
   std::int64_t elapsed = to.nanoseconds - from.nanoseconds;

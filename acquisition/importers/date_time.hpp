@@ -13,6 +13,7 @@ namespace impactrig::acquisition {
 struct DateTime {
   bool has_date = false;
   bool has_time = false;
+  bool elapsed = false;       ///< a duration: time since a 0 that is not told
   std::array<int, 3> date{};  ///< its numbers as they stand
   /// Days since 1970-01-01 with the day before the month, and with the month before the day. Both
   /// are the same where the text leaves no choice; none where it is no date or may be several (a
@@ -26,11 +27,16 @@ struct DateTime {
   std::string iso() const;
 };
 
-/// Reads "2024-03-01 12:00:00.5", "2024-03-01T12:00:00,5Z", "01.03.2024 12:00", "3/1/2024
-/// 1:00:00 PM", "01-Mar-2024 12:00:00", "12:00:00.5 01.03.2024", "12:00:00:500" (milliseconds) and
-/// "30:15.3" (minutes and seconds); blanks, quotes, commas, semicolons, tabs and bars may stand
-/// between date and time. A time is rounded to nanoseconds. None for anything else.
+/// Reads "2024-03-01 12:00:00.5", "2024-03-01T12:00:00,5Z", "20240301T120000.5", "01.03.2024
+/// 12:00", "3/1/2024 1:00:00 PM", "01-Mar-2024 12:00:00", "12:00:00.5 01.03.2024", "12:00:00:500"
+/// (milliseconds) and "30:15.3" (minutes and seconds); blanks, quotes, commas, semicolons, tabs and
+/// bars may stand between date and time; and durations as pandas ("0 days 00:00:00.5") and MATLAB
+/// ("0.5 sec") write them. A time is rounded to nanoseconds. None for anything else.
 std::optional<DateTime> date_time_in(std::string_view text);
+
+/// Whole seconds as a clock counts them: since 1970 UTC, or, of less than 1e8 (1973), since another
+/// time. None for anything else.
+std::optional<DateTime> whole_seconds_in(std::string_view text);
 
 /// Seconds from one to the other. Times without a date start again after their period: one that is
 /// before the first is of the next day (hour). Where day and month cannot be told apart and one

@@ -22,11 +22,12 @@ namespace {
 constexpr std::array<std::string_view, 12> time_words = {
     "t",    "time",      "times",      "time_s", "t_s",        "tvec",
     "zeit", "timestamp", "timestamps", "x_time", "timevector", "time_vector"};
-constexpr std::array<std::string_view, 10> interval_words = {
-    "dt",       "ts",      "sampleinterval",   "sample_interval",   "deltat",
-    "delta_t",  "delta_x", "samplinginterval", "sampling_interval",
-    "tinterval"  // PicoScope
-};
+constexpr auto interval_words = std::to_array<std::string_view>(
+    {"dt", "ts", "sampleinterval", "sample_interval", "deltat", "delta_t", "delta_x",
+     "samplinginterval", "sampling_interval", "sampleperiod", "sample_period", "samplingperiod",
+     "sampling_period", "timestep", "time_step",
+     "tinterval",  // PicoScope
+     "xinc"});     // Infiniium
 constexpr std::array<std::string_view, 11> rate_words = {"fs",
                                                          "samplerate",
                                                          "sample_rate",
@@ -38,9 +39,10 @@ constexpr std::array<std::string_view, 11> rate_words = {"fs",
                                                          "sampling_frequency",
                                                          "samplingfrequency",
                                                          "samplefrequency"};
-constexpr std::array<std::string_view, 5> start_words = {"tstart",  // PicoScope, beside Tinterval
-                                                         "t0", "t_start", "start_time",
-                                                         "starttime"};
+constexpr auto start_words =
+    std::to_array<std::string_view>({"t0", "t_start", "start_time", "starttime",
+                                     "tstart",  // PicoScope, beside Tinterval
+                                     "xorg"});  // Infiniium, beside XInc
 constexpr double latest_start = 1e4;  ///< [s]; larger numbers may be dates in days or seconds
 /// Tektronix DPO: of times, one only beside the other.
 constexpr std::string_view spacing_word = "spacing", spacing_start_word = "starttime";

@@ -212,9 +212,10 @@ bool RowReader::read_date(std::size_t c) {
   const auto fraction = read_fraction(date);
   if (date.fraction == 0) end_of_date = at_;
   std::string_view text = trimmed({start, static_cast<std::size_t>(end_of_date - start)});
-  if (date.fraction > 0 && text.ends_with(delimiter_)) text.remove_suffix(1);
+  if (date.fraction > 0 && text.ends_with(delimiter_))
+    text = trimmed(text.substr(0, text.size() - 1));
   const DateTime& base = date.base;
-  auto time = date_time_in(text);
+  auto time = date.read(text);
   if (time && fraction) time->nanoseconds += *fraction;
   if (!fraction) time.reset();
   const auto seconds = time ? seconds_between(base, *time) : std::nullopt;

@@ -352,6 +352,10 @@ bool TableLayout::holds_text(std::size_t column) const {
   return std::ranges::find(text_columns, column, &TextColumn::column) != text_columns.end();
 }
 
+std::optional<DateTime> DateColumns::read(std::string_view text) const {
+  return whole_seconds ? whole_seconds_in(without_quotes(text)) : date_time_in(text);
+}
+
 std::size_t TableLayout::cells_beside() const {
   std::size_t beside = 0;
   for (const DateColumns& date : dates) beside += date.last - date.first;
@@ -391,7 +395,8 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   take_column_numbers(lines, layout);
   const std::size_t named =
       layout.head.empty() ? 0 : named_columns(layout.head.back(), layout.dialect);
-  if (layout.dialect.dates) layout.dates = find_date_columns(file, lines, layout, named);
+  layout.dates = layout.dialect.dates ? find_date_columns(file, lines, layout, named)
+                                      : find_second_columns(lines, layout);
   find_text_columns(lines, named, layout);
   if (!file.is_part()) layout.end = end_of_rows(text, layout);
   return layout;

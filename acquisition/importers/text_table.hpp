@@ -39,6 +39,10 @@ struct DateColumns {
   /// Of the last column where it counts what is behind the seconds, as loggers write "ms" or "us"
   /// beside a time in whole seconds [ns]; 0: it does not.
   std::int64_t fraction = 0;
+  bool whole_seconds = false;  ///< the first column counts seconds, "1700000000,250000000"
+
+  /// What its cells but that of the fraction hold.
+  std::optional<DateTime> read(std::string_view text) const;
 };
 
 /// A column of numbers that are counted from the first: they are too large for their differences.

@@ -52,6 +52,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Spelling{"2024-03-01", "2024-03-01"},
                     Spelling{"2024-03-01 12:00", "2024-03-01T12:00:00"},
                     Spelling{"01/02/2024 12:00:00", ""}, Spelling{"24-03-01 12:00:00", ""},
+                    Spelling{"20240301T120000.5", "2024-03-01T12:00:00.5"},
+                    Spelling{"20240301T1205Z", "2024-03-01T12:05:00Z"},
                     Spelling{"12:00:00.5", ""}));
 
 TEST(DateTime, WhatIsNoneIsRefused) {
@@ -77,6 +79,13 @@ TEST(DateTime, WhatIsNoneIsRefused) {
                            "May",
                            "12:00:00:5",
                            "5 N",
+                           "5 minutes long",
+                           "5sec",
+                           "1e300 sec",
+                           "20240301",
+                           "20241301T120000",
+                           "20240301T126000",
+                           "20240301T120",
                            "99999:00:00",
                            "0x10:00:00",
                            "-12:00:00",
@@ -116,6 +125,28 @@ TEST(DateTime, DayAndMonthAreToldApartByTheRows) {
   EXPECT_EQ(seconds("01/02/2024 12:00:00", "02/03/2024 12:00:00"), std::nullopt);
   EXPECT_THAT(seconds("24-03-01 12:00:00", "24-03-01 12:00:01"), Optional(1.0));
   EXPECT_EQ(seconds("24-03-01 12:00:00", "24-03-02 12:00:00"), std::nullopt);
+}
+
+TEST(DateTime, DurationsCountFromZero) {
+  EXPECT_THAT(seconds("0 sec", "1e-05 sec"), Optional(1e-5));
+  EXPECT_THAT(seconds("-0.5 sec", "0.1 min"), Optional(6.5));
+  EXPECT_THAT(seconds("0.1 hr", "0.2 hr"), Optional(360.0));
+  EXPECT_THAT(seconds("0 days 00:00:00.5", "0.75 sec"), Optional(0.25));
+  EXPECT_EQ(seconds("00:00:00.5", "0.75 sec"), std::nullopt);
+}
+
+TEST(DateTime, WholeSecondsMayCountFrom1970) {
+  const auto since_1970 = whole_seconds_in("1709290800");
+  ASSERT_TRUE(since_1970);
+  EXPECT_EQ(since_1970->iso(), "2024-03-01T11:00:00Z");
+  const auto later = whole_seconds_in("1709337601");  // of the next day
+  ASSERT_TRUE(later);
+  EXPECT_THAT(seconds_between(*since_1970, *later), Optional(46801.0));
+  const auto few = whole_seconds_in("12");
+  ASSERT_TRUE(few);
+  EXPECT_EQ(few->iso(), "");
+  for (const char* text : {"", "-1", "1.5", "99999999999"})
+    EXPECT_FALSE(whole_seconds_in(text)) << text;
 }
 
 TEST(DateTime, OnlyLikeIsCompared) {

@@ -31,6 +31,46 @@ TEST(Csv, AUnitOfARateMayStandInACellOfItsOwn) {
         << head;
 }
 
+TEST(Csv, KeysAboveOneColumnMayEndAtAComma) {
+  const Record record =
+      imported("Sample Rate (Hz),100000\nPretrigger samples,3\nForce (N)\n0.5\n0.6\n0.7\n");
+  ASSERT_THAT(names_and_units(record), ElementsAre("Force [N]"));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-5);
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.start, -3e-5);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+TEST(Csv, APretriggerIsCountedOrTimed) {
+  const auto start = [](const char* key) {
+    return imported(std::string("dt,1e-5\n") + key + "\nF [N],v [m/s]\n1,2\n3,4\n")
+        .channels.at(0)
+        .clock.start;
+  };
+  EXPECT_DOUBLE_EQ(start("Pre-trigger samples,50"), -5e-4);
+  EXPECT_DOUBLE_EQ(start("Pre-trigger (ms),0.5"), -5e-4);
+  EXPECT_DOUBLE_EQ(start("Pretrigger,500 us"), -5e-4);
+  EXPECT_DOUBLE_EQ(start("Pretrigger,10"), 0.0);  // samples, percent, milliseconds?
+  EXPECT_DOUBLE_EQ(start("Pretrigger,10 %"), 0.0);
+}
+
+TEST(Csv, HanteksClockIsTheInterval) {
+  const Record record =
+      imported("#CHANNEL:CH1\n#CLOCK=10.0uS\n#SIZE=3\n#UNITS:V\n\n0.5\n0.6\n0.7\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("CH1 [V]"));
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-5);
+}
+
+TEST(Csv, AKeyMayStateTheUnitOfAColumn) {
+  for (const char* head :
+       {"# time unit: ms\n# Force unit: kN\n", "Time unit,ms\nUnit of force,kN\n",
+        "# units: ms, kN\n", "units,ms,kN\n"}) {
+    const Record record = imported(std::string(head) + "Time,Force\n0,1\n0.1,2\n0.2,3\n");
+    EXPECT_THAT(names_and_units(record), ElementsAre("Force [kN]")) << head;
+    EXPECT_NEAR(record.channels.at(0).clock.interval, 1e-4, 1e-15) << head;
+    EXPECT_THAT(record.warnings, IsEmpty()) << head;
+  }
+}
+
 TEST(Csv, FindsTheTimeByNameThenByUnitThenByGrowth) {
   EXPECT_EQ(imported("F,Time\n1,0.5\n2,1\n3,1.5\n").attributes.at("time column"),
             "Time (by its name)");

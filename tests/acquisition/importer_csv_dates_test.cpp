@@ -195,5 +195,61 @@ TEST(Csv, TimesMayBeDurationsOfPandas) {
   EXPECT_EQ(record.channels[0].clock.start, 0.0);
 }
 
+TEST(Csv, TimesMayBeDurationsOfMatlab) {
+  const auto record = imported("Time,F\n-0.002 sec,0.0\n-0.001 sec,0.5\n0 sec,1.0\n0.001 sec,2\n");
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3);
+  EXPECT_EQ(record.channels[0].clock.start, -0.002);
+  EXPECT_EQ(record.attributes.at("time column"), "Time (holds durations)");
+  EXPECT_EQ(record.started, "");
+}
+
+struct SecondColumns {
+  const char* names;
+  std::int64_t unit;  // [ns]
+};
+
+class CsvSecondColumns : public testing::TestWithParam<SecondColumns> {};
+
+TEST_P(CsvSecondColumns, AreOneTime) {
+  const auto [names, unit] = GetParam();
+  std::string text = fmt::format("{},Force [N]\n", names);
+  const std::int64_t first = 1'709'290'800'998'000'000;
+  for (int i = 0; i < 5; ++i) {
+    const std::int64_t time = first + i * 1'000'000;
+    text += fmt::format("{},{},{}\n", time / 1'000'000'000, time % 1'000'000'000 / unit, i);
+  }
+  const Record record = imported(text);
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].name, "Force");
+  EXPECT_EQ(record.channels[0].clock.start, 0.0);
+  EXPECT_EQ(record.channels[0].clock.interval, 1e-3);
+  EXPECT_EQ(record.started, "2024-03-01T11:00:00.998Z");
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Names, CsvSecondColumns,
+                         testing::Values(SecondColumns{"sec,nsec", 1},
+                                         SecondColumns{".stamp.secs,.stamp.nsecs", 1},
+                                         SecondColumns{"tv_sec,tv_usec", 1000},
+                                         SecondColumns{"Seconds,Milliseconds", 1000000}));
+
+TEST(CsvSecondColumns, OfWhichOneDoesNotFitAreColumns) {
+  EXPECT_EQ(imported("seconds,milliseconds\n0,0\n1,1000\n2,2000\n").channels.size(), 1U);
+  EXPECT_EQ(imported("a.sec,b.nsec\n0,0\n1,100\n2,200\n").channels.at(0).name, "b.nsec");
+  EXPECT_THAT(import_error("sec,nsec,F\n0,0,1\n0,500000000,2\n1,0,3\n1,,4\n2,0,5\n"),
+              HasSubstr("expected a date and time"));
+}
+
+TEST(CsvSecondColumns, OfALargeFileAreReadByBlocksAsTheyAreReadAtOnce) {
+  std::string text = "sec,usec,F\n";
+  for (int i = 0; i < 150000; ++i)
+    text += fmt::format("{},{},{}\n", 5 + i / 1000, i % 1000 * 1000, i);
+  const tests::WrittenFile file(text, ".csv");
+  const auto at_once = read_into_memory(*open_csv(file.path(), {}), {});
+  tests::expect_same(read_into_memory(*open_csv_by_blocks(file.path(), {}), {}), at_once);
+  EXPECT_EQ(at_once.channels.at(0).clock.interval, 1e-3);
+}
+
 }  // namespace
 }  // namespace impactrig::acquisition

@@ -60,6 +60,12 @@ TEST_P(Mat, AStartMayStandBesideAnIntervalOrARate) {
   for (const char* name : {"t0", "t_start", "Tstart", "start_time"})
     EXPECT_EQ(imported(b.header() + run(name, -0.25, "")).find("force.data")->clock.start, -0.25)
         << name;
+  const auto infiniium =
+      imported(b.header() + b.structure("CH1", {"data", "XInc", "XOrg"},
+                                        b.doubles("", {1, 2, 3}) + b.doubles("", {1e-6}) +
+                                            b.doubles("", {-2e-4})));
+  EXPECT_EQ(infiniium.find("CH1.data")->clock.interval, 1e-6);
+  EXPECT_EQ(infiniium.find("CH1.data")->clock.start, -2e-4);
   const auto in_ms = imported(b.header() + run("t0", -10.0, "ms"));
   EXPECT_DOUBLE_EQ(in_ms.find("force.data")->clock.start, -10e-3);
   EXPECT_DOUBLE_EQ(in_ms.find("force.data")->clock.interval, 0.5e-3);

@@ -330,6 +330,14 @@ TEST(Uff58, TimesInMillisecondsBecomeSeconds) {
   EXPECT_DOUBLE_EQ(channel.clock.start, -2e-3);
 }
 
+TEST(Uff58, RevolutionsAreNoTime) {
+  Function function;
+  function.abscissa = "         0    0    0    0 Shaft                rev                 ";
+  const Channel channel = only_channel(function);
+  EXPECT_EQ(channel.attributes.at("domain"), "other");
+  EXPECT_EQ(channel.clock.interval, 0.0);
+}
+
 TEST(Uff58, ASpectrumHasNoClock) {
   Function function;
   function.dof = "    4         0    0         0 NONE               0   0 NONE               0   0";
