@@ -19,7 +19,7 @@
 #include "datasets/sample_filter.hpp"
 #include "fitting/fit.hpp"
 #include "fitting/fit_keys.hpp"
-#include "fitting/late_velocity.hpp"
+#include "fitting/velocity_timing.hpp"
 #include "fitting/other_model.hpp"
 #include "fitting/parameters.hpp"
 #include "fitting/plausibility.hpp"
@@ -103,9 +103,9 @@ void check_momentum(const std::string& path, const fitting::RigFile& rig, datase
 /// Says at once where the channels seem to be of different times.
 void check_times(const fitting::RigFile& rig, const datasets::Impact& impact, bool quiet,
                  std::vector<std::string>& warnings) {
-  const std::string late = fitting::late_velocity(impact, rig);
-  if (late.empty()) return;
-  warnings.push_back(fmt::format("{}: {}", impact.recording, late));
+  const std::string timing = fitting::velocity_out_of_time(impact, rig);
+  if (timing.empty()) return;
+  warnings.push_back(fmt::format("{}: {}", impact.recording, timing));
   if (!quiet) fmt::print(stderr, "warning: {}\n", warnings.back());
 }
 

@@ -16,7 +16,7 @@
 #include "app/program.hpp"
 #include "app/rebound_texts.hpp"
 #include "datasets/input_error.hpp"
-#include "fitting/late_velocity.hpp"
+#include "fitting/velocity_timing.hpp"
 #include "fitting/plausibility.hpp"
 #include "reports/json_parts.hpp"
 
@@ -214,8 +214,8 @@ ordered_json impacts_on_rig(const datasets::Record& recorded, const Options& opt
       impact.flags.push_back(datasets::ImpactFlag::implausible);
       warnings.push_back(balance->sentence);
     }
-    if (std::string late = fitting::late_velocity(impact, rig); !late.empty())
-      warnings.push_back(std::move(late));
+    if (std::string timing = fitting::velocity_out_of_time(impact, rig); !timing.empty())
+      warnings.push_back(std::move(timing));
     const auto trigger =
         std::ranges::find(record.channels, impact.trigger, &datasets::Channel::name);
     ordered_json json = impact_json(impact, *trigger);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fitting/late_velocity.hpp"
+#include "fitting/velocity_timing.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -59,10 +59,19 @@ Impact shot(const RigFile& file, double late) {
   return impact;
 }
 
-TEST(LateVelocity, IsTold) {
+TEST(VelocityTiming, OfAnEarlyVelocityIsTold) {
+  const RigFile file = paper();
+  for (const double early : {250e-6, 300e-6, 400e-6}) {
+    const std::string sentence = velocity_out_of_time(shot(file, -early), file);
+    ASSERT_THAT(sentence, HasSubstr("'Velocity' leaves its course some ")) << early;
+    EXPECT_NEAR(std::stod(sentence.substr(34)), 1e6 * early, 60.0) << sentence;
+  }
+}
+
+TEST(VelocityTiming, IsTold) {
   const RigFile file = paper();
   for (const double late : {200e-6, 300e-6, 1e-3}) {
-    const std::string sentence = late_velocity(shot(file, late), file);
+    const std::string sentence = velocity_out_of_time(shot(file, late), file);
     ASSERT_THAT(sentence, HasSubstr("'Velocity' keeps its course until ")) << late;
     EXPECT_NEAR(std::stod(sentence.substr(34)), 1e6 * late, 15.0) << sentence;
     EXPECT_THAT(sentence, HasSubstr("after 'Force' rises"));
@@ -70,7 +79,7 @@ TEST(LateVelocity, IsTold) {
 }
 
 // Where it must not fire: right records of any law and damping, and delays that a fit can follow.
-TEST(LateVelocity, IsNotToldOfRightRecords) {
+TEST(VelocityTiming, IsNotToldOfRightRecords) {
   for (const char* law : {"goldsmith", "johnson", "hertz-point"})
     for (const double restitution : {0.05, 0.5, 1.0})
       for (const double position : {0.3, 0.85, 0.97}) {
@@ -79,37 +88,37 @@ TEST(LateVelocity, IsNotToldOfRightRecords) {
         file.rig.contact.restitution = restitution;
         file.rig.contact.position = position * file.rig.beam.length;
         for (const double late : {0.0, -20e-6, 20e-6})
-          EXPECT_EQ(late_velocity(shot(file, late), file), "")
+          EXPECT_EQ(velocity_out_of_time(shot(file, late), file), "")
               << law << " " << restitution << " " << position << " " << late;
       }
 }
 
-TEST(LateVelocity, IsNotToldWhereItCannotBe) {
+TEST(VelocityTiming, IsNotToldWhereItCannotBe) {
   RigFile file = paper();
   const Impact late = shot(file, 300e-6);
-  ASSERT_NE(late_velocity(late, file), "");
+  ASSERT_NE(velocity_out_of_time(late, file), "");
   Impact short_before = late;
   short_before.velocity->values.erase(short_before.velocity->values.begin(),
                                       short_before.velocity->values.begin() + 490);
   short_before.velocity->start += 490e-6;
-  EXPECT_EQ(late_velocity(short_before, file), "");
+  EXPECT_EQ(velocity_out_of_time(short_before, file), "");
   Impact noisy = late;
   noisy.velocity->noise = 0.1;
-  EXPECT_EQ(late_velocity(noisy, file), "");
+  EXPECT_EQ(velocity_out_of_time(noisy, file), "");
   Impact by_velocity = late;
   by_velocity.trigger = "Velocity";
-  EXPECT_EQ(late_velocity(by_velocity, file), "");
+  EXPECT_EQ(velocity_out_of_time(by_velocity, file), "");
   datasets::Sensor laser;
   laser.quantity = datasets::Quantity::velocity;
   laser.position = file.rig.contact.position;
   RigFile other = file;
   other.velocity = laser;
-  EXPECT_NE(late_velocity(late, other), "");
+  EXPECT_NE(velocity_out_of_time(late, other), "");
   other.velocity->position = 0.4;
-  EXPECT_EQ(late_velocity(late, other), "");
+  EXPECT_EQ(velocity_out_of_time(late, other), "");
   other.velocity = laser;
   other.velocity->high_cut = datasets::BandLimit{1e3, 2};
-  EXPECT_EQ(late_velocity(late, other), "");
+  EXPECT_EQ(velocity_out_of_time(late, other), "");
 }
 
 }  // namespace
