@@ -125,8 +125,7 @@ double least_impulse(const models::Beam& beam, double change, double within) {
 std::optional<double> time_early(const Impact& impact, const models::Beam& beam, double half) {
   const ImpactSignal& velocity = *impact.velocity;
   if (!(half > 4.0 * velocity.interval)) return std::nullopt;
-  if (std::ranges::find(impact.flags, datasets::ImpactFlag::unmarked_dropout) != impact.flags.end())
-    return std::nullopt;  // spikes
+  if (impact.has(datasets::ImpactFlag::unmarked_dropout)) return std::nullopt;  // spikes
   const Change before = largest_change(velocity, half, impact.start - 0.1 * half);
   const Change any = largest_change(velocity, half, INFINITY);
   if (before.size < as_an_impact * any.size || !(before.size > beyond_noise * velocity.noise))
