@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "models/lanes/product_lanes.hpp"
+
 namespace impactrig::models {
 namespace {
 
@@ -209,11 +211,20 @@ std::optional<BarModes> BarModeFinder::find(int modes, int more, const BarModes*
 /// In all rows (m, m).
 Eigen::MatrixXd BarModeFinder::form_of(const std::vector<double>& triangles,
                                        const Rows& rows) const {
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(rows.rows(), rows.rows()), values, forces;
-  for (int e = 0; e < bar_.elements; ++e) {
-    find_values(rows, e, values);
-    forces = values.lazyProduct(form(triangles, e).topLeftCorner(bar_.values, bar_.values));
-    sum += forces.lazyProduct(values.transpose());
+  constexpr int at_once = 16;  // elements: the forces of hundreds of rows stay in the second cache
+  const Eigen::Index count = rows.rows(), each = bar_.values;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(count, count), values, forces, across;
+  for (int first = 0; first < bar_.elements; first += at_once) {
+    const int elements = std::min(at_once, bar_.elements - first);
+    forces.resize(count, elements * each);
+    across.resize(elements * each, count);
+    for (int k = 0; k < elements; ++k) {
+      find_values(rows, first + k, values);
+      forces.middleCols(k * each, each) =
+          values.lazyProduct(form(triangles, first + k).topLeftCorner(each, each));
+      across.middleRows(k * each, each) = values.transpose();
+    }
+    add_product(forces, across, sum);
   }
   return sum;
 }
@@ -244,8 +255,8 @@ void BarModeFinder::find_weight(BarModes& modes) const {
   int held = 0;
   for (int first = 0; first < modes.own; first += many) {
     const int count = std::min(many, modes.own - first);
-    const int moved = moved_by_weight(modes.rows.middleRows(first, count),
-                                      modes.squares.segment(first, count));
+    const int moved =
+        moved_by_weight(modes.rows.middleRows(first, count), modes.squares.segment(first, count));
     if (moved == 0) break;
     held = first + moved;
   }

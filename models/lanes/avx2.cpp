@@ -86,4 +86,8 @@ void multiply_avx2(const MatrixProduct& product) {
   multiply_by<4>(product);
 }
 
+void find_dot_avx2(ProductOfRows& rows) {
+  find_dot_by<4>(rows);
+}
+
 }  // namespace impactrig::models

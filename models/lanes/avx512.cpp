@@ -86,4 +86,8 @@ void multiply_avx512(const MatrixProduct& product) {
   multiply_by<8>(product);
 }
 
+void find_dot_avx512(ProductOfRows& rows) {
+  find_dot_by<8>(rows);
+}
+
 }  // namespace impactrig::models

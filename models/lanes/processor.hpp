@@ -65,5 +65,7 @@ void find_third_order_pull_avx2(ThirdOrderPull& stations);
 void find_third_order_pull_avx512(ThirdOrderPull& stations);
 void multiply_avx2(const MatrixProduct& product);
 void multiply_avx512(const MatrixProduct& product);
+void find_dot_avx2(ProductOfRows& rows);
+void find_dot_avx512(ProductOfRows& rows);
 
 }  // namespace impactrig::models

@@ -26,6 +26,13 @@ void multiply(const MatrixProduct& product) {
   on_processor<const MatrixProduct>(product, multiply_by<2>, multiply_avx2, multiply_avx512);
 }
 
+double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  eigen_assert(a.size() == b.size());
+  ProductOfRows rows{.size = static_cast<int>(a.size()), .a = a.data(), .b = b.data()};
+  on_processor(rows, find_dot_by<2>, find_dot_avx2, find_dot_avx512);
+  return rows.sum;
+}
+
 void set_product(const Eigen::MatrixXd& a, const Eigen::Ref<const Eigen::MatrixXd>& x,
                  Eigen::Ref<Eigen::MatrixXd> to) {
   multiply(product(a, x, to));

@@ -20,6 +20,17 @@ struct MatrixProduct {
 /// By what the processor has.
 void multiply(const MatrixProduct& product);
 
+/// Two rows of numbers and the sum of their products.
+struct ProductOfRows {
+  int size = 0;
+  const double* a = nullptr;
+  const double* b = nullptr;
+  double sum = 0.0;
+};
+
+/// a · b, of rows of hundreds of numbers; they are as long as one another.
+double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b);
+
 /// to = A x.
 void set_product(const Eigen::MatrixXd& a, const Eigen::Ref<const Eigen::MatrixXd>& x,
                  Eigen::Ref<Eigen::MatrixXd> to);

@@ -5,6 +5,8 @@
 #include <memory>
 #include <utility>
 
+#include "models/lanes/product_lanes.hpp"
+
 namespace impactrig::models {
 namespace {
 
@@ -122,10 +124,10 @@ PointMotion ModalSensitivities::struck(const Modes& m, std::size_t stop, const M
                                        const ModalState& state) const {
   const auto number = static_cast<int>(stop);
   const Eigen::VectorXd& row = modes_.struck(number);
-  PointMotion s{row.dot(slope.a), row.dot(slope.rate)};
+  PointMotion s{dot(row, slope.a), dot(row, slope.rate)};
   if (!m.effect.moves_modes()) return s;
-  s.displacement += m.effect.struck(number).dot(state.a) + m.effect.held_at(number);
-  s.velocity += m.effect.struck(number).dot(state.rate);
+  s.displacement += dot(m.effect.struck(number), state.a) + m.effect.held_at(number);
+  s.velocity += dot(m.effect.struck(number), state.rate);
   return s;
 }
 
@@ -210,13 +212,13 @@ void ModalSensitivities::accelerate() {
   acceleration_[0] += load_.pull();
   for (std::size_t k = 0; k < stops_.size(); ++k)
     acceleration_ -= modes_.struck(static_cast<int>(k)) * place_.force[k];
-  velocity_rate_ = velocity_row_.dot(acceleration_);
-  displacement_rate_ = displacement_row_.dot(here_.rate);
+  velocity_rate_ = dot(velocity_row_, acceleration_);
+  displacement_rate_ = dot(displacement_row_, here_.rate);
 }
 
 RunSensitivities::Passing ModalSensitivities::passing(std::size_t stop) const {
   const Eigen::VectorXd& row = modes_.struck(static_cast<int>(stop));
-  return {row.dot(here_.a) + held_at_[stop], row.dot(here_.rate), row.dot(acceleration_)};
+  return {dot(row, here_.a) + held_at_[stop], dot(row, here_.rate), dot(row, acceleration_)};
 }
 
 /// The state's slope at the place, at the same time from the step's beginning.
@@ -263,13 +265,13 @@ double ModalSensitivities::sensor_slope(const Modes& m) const {
 
 RunSensitivities::Spots ModalSensitivities::spots(int i) const {
   const Modes& m = of_[static_cast<std::size_t>(i)];
-  Spots spots{.velocity = velocity_row_.dot(m.end.rate),
-              .displacement = displacement_row_.dot(m.end.a),
+  Spots spots{.velocity = dot(velocity_row_, m.end.rate),
+              .displacement = dot(displacement_row_, m.end.a),
               .velocity_rate = velocity_rate_,
               .displacement_rate = displacement_rate_};
   if (m.effect.moves_modes()) {
-    spots.velocity += m.effect.velocity_row().dot(here_.rate);
-    spots.displacement += m.effect.displacement_row().dot(here_.a) + m.displacement_held;
+    spots.velocity += dot(m.effect.velocity_row(), here_.rate);
+    spots.displacement += dot(m.effect.displacement_row(), here_.a) + m.displacement_held;
   }
   if (!stopped_) return spots;
   const Eigen::Index head = modes_.modes() - 1;

@@ -180,6 +180,19 @@ TEST(LaneProduct, IsTheMatrixTimesItsColumns) {
       }
 }
 
+TEST(LaneProduct, OfTwoRowsIsTheSumOfTheirProducts) {
+  for (const int size : {0, 1, 7, 8, 31, 32, 33, 64, 257})
+    for (const auto find : runnable(find_dot_by<2>, find_dot_avx2, find_dot_avx512)) {
+      const Eigen::MatrixXd numbers = random_matrix(size + 1, 2, 1);
+      ProductOfRows rows{
+          .size = size, .a = numbers.col(0).data(), .b = numbers.col(1).data(), .sum = 1.0};
+      find(rows);
+      double expected = 0.0;
+      for (int i = 0; i < size; ++i) expected += numbers(i, 0) * numbers(i, 1);
+      EXPECT_NEAR(rows.sum, expected, 1e-15 * std::max(size, 1)) << size;
+    }
+}
+
 class Stations : public testing::TestWithParam<int> {
  protected:
   const int n = GetParam(), m = 5;
