@@ -70,6 +70,49 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
     text.replace(at, from.size(), to);
 }
 
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+/// "69e9 Pa" of "69×10^9 Pa", "69 · 10⁹ Pa" and "69*10^9 Pa", whose signs are in ASCII but for the
+/// superscripts.
+std::string with_exponents(std::string text) {
+  constexpr auto superscripts =
+      std::to_array<std::string_view>({"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074", "\u2075",
+                                       "\u2076", "\u2077", "\u2078", "\u2079"});
+  const std::size_t sign = text.find('*');
+  if (sign == std::string::npos) return text;
+  std::size_t begin = sign, at = sign + 1;
+  while (begin > 0 && text[begin - 1] == ' ') --begin;
+  while (at < text.size() && text[at] == ' ') ++at;
+  const bool behind_number =
+      begin > 0 && (is_digit(text[begin - 1]) || text[begin - 1] == ')' || text[begin - 1] == '.');
+  if (!behind_number || text.compare(at, 2, "10") != 0) return text;
+  at += 2;
+  std::string power;
+  if (text.compare(at, 1, "^") == 0) {
+    ++at;
+    if (at < text.size() && (text[at] == '-' || text[at] == '+')) power += text[at++];
+    while (at < text.size() && is_digit(text[at])) power += text[at++];
+  } else {
+    constexpr std::string_view minus = "\u207b";
+    if (text.compare(at, minus.size(), minus) == 0) {
+      power += '-';
+      at += minus.size();
+    }
+    for (bool found = true; found;) {
+      found = false;
+      for (std::size_t digit = 0; digit < superscripts.size() && !found; ++digit) {
+        found = text.compare(at, superscripts[digit].size(), superscripts[digit]) == 0;
+        if (found) power += static_cast<char>('0' + digit);
+        if (found) at += superscripts[digit].size();
+      }
+    }
+  }
+  if (power.empty() || !is_digit(power.back())) return text;
+  return text.replace(begin, at - begin, "e" + power);
+}
+
 /// With every sign in ASCII ("+-" for plus-minus) and no blanks at the ends.
 std::string plain_text(std::string_view text) {
   std::string result(text);
@@ -78,6 +121,11 @@ std::string plain_text(std::string_view text) {
   replace_all(result, "\u202f", " ");
   replace_all(result, "\u00b1", "+-");
   replace_all(result, "+/-", "+-");
+  for (const std::string_view sign : {"\u00d7", "\u00b7", "\u22c5"})
+    if (const std::size_t at = result.find(sign);
+        at != std::string::npos && result.find("10", at) != std::string::npos)
+      result.replace(at, sign.size(), "*");
+  result = with_exponents(std::move(result));
   const std::size_t begin = result.find_first_not_of(" \t");
   if (begin == std::string::npos) return {};
   return result.substr(begin, result.find_last_not_of(" \t") + 1 - begin);
@@ -104,6 +152,12 @@ class QuantityReader {
         refuse(fmt::format("\"{}\" has no number after the \u00b1", text_), "1 \u00b1 0.1", unit_);
       result.uncertainty = number().value;
       blanks();
+      // "69 +- 1 % GPa"; "30 +- 2 %" is a number whose unit is the percent
+      if (rest_.starts_with('%') && rest_.find_first_not_of(" \t)", 1) != rest_.npos) {
+        rest_.remove_prefix(1);
+        result.uncertainty *= 0.01 * std::abs(result.value);
+        blanks();
+      }
     }
     if (grouped && !take(')'))
       refuse(fmt::format("\"{}\" has no closing parenthesis", text_), "(1 \u00b1 0.1)", unit_);
@@ -116,8 +170,6 @@ class QuantityReader {
   std::string_view number_text() const { return number_; }
 
  private:
-  static bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
   bool take(char c) {
     if (!rest_.starts_with(c)) return false;
     rest_.remove_prefix(1);
@@ -235,6 +287,50 @@ class QuantityReader {
   std::string_view number_;
 };
 
+/// 0.02 of "2%", "+- 2 %"; none of anything else.
+std::optional<double> percent_in(std::string_view text) {
+  const auto trim = [&text] {
+    while (text.starts_with(' ')) text.remove_prefix(1);
+    while (text.ends_with(' ')) text.remove_suffix(1);
+  };
+  trim();
+  if (text.starts_with("+-")) text.remove_prefix(2);
+  if (!text.ends_with('%')) return std::nullopt;
+  text.remove_suffix(1);
+  trim();
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !(value >= 0.0))
+    return std::nullopt;
+  return 0.01 * value;
+}
+
+/// Takes an uncertainty in percent off the end of a unit: "GPa +- 2 %", "GPa (2%)".
+std::optional<double> take_percent(std::string_view& unit) {
+  const std::size_t sign = unit.find("+-"), open = unit.rfind('(');
+  std::optional<double> percent;
+  std::size_t end = unit.npos;
+  if (unit.ends_with(')') && open != unit.npos && open > 0) {
+    percent = percent_in(unit.substr(open + 1, unit.size() - open - 2));
+    end = open;
+  } else if (sign != unit.npos && sign > 0) {
+    percent = percent_in(unit.substr(sign));
+    end = sign;
+  }
+  if (!percent) return std::nullopt;
+  unit = unit.substr(0, end);
+  while (unit.ends_with(' ')) unit.remove_suffix(1);
+  return percent;
+}
+
+/// "mV/N (5)": what the number says is open.
+bool ends_with_a_number_in_parentheses(std::string_view unit) {
+  const std::size_t open = unit.rfind('(');
+  return unit.ends_with(')') && open != unit.npos && open > 0 &&
+         std::string_view("/^.*").find(unit[open - 1]) == std::string_view::npos &&
+         (is_digit(unit[open + 1]) || unit[open + 1] == '+');
+}
+
 }  // namespace
 
 UncertainValue parse_quantity(std::string_view text, std::string_view unit) {
@@ -245,7 +341,12 @@ UncertainValue parse_quantity(std::string_view text, std::string_view unit) {
   QuantityReader reader(plain, unit);
   UncertainValue result = reader.read();
   const std::string_view number = reader.number_text();
-  const std::string_view given = reader.rest();
+  std::string_view given = reader.rest();
+  if (const auto percent = take_percent(given)) {
+    if (result.uncertainty != 0.0)
+      refuse(fmt::format("\"{}\" has two uncertainties", plain), "1(1)", unit);
+    result.uncertainty = *percent * std::abs(result.value);
+  }
   if (given.find("+-") != std::string_view::npos)
     refuse(fmt::format("\"{}\" has its uncertainty behind the unit", plain),
            fmt::format("{} \u00b1 0.1", number), unit);
@@ -255,7 +356,8 @@ UncertainValue parse_quantity(std::string_view text, std::string_view unit) {
   const bool starts_with_number =
       given != "1" && !given.starts_with("1/") &&
       given.find_first_not_of("(+-.,") == given.find_first_of("0123456789");
-  if (starts_with_number || quantity_of_unit(given) == Quantity::unknown)
+  if (starts_with_number || ends_with_a_number_in_parentheses(given) ||
+      quantity_of_unit(given) == Quantity::unknown)
     refuse(fmt::format("\"{}\" is not a unit", given), number, unit);
   const std::optional<UnitConversion> to_unit = conversion(given, unit);
   if (!to_unit) refuse(fmt::format("\"{}\" is {}", plain, dimension_of(given)), number, unit);

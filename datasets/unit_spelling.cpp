@@ -95,7 +95,9 @@ constexpr std::array<Replacement, 36> words{{
 }};
 
 /// Symbols of GOST 8.417 and Chinese names of units, as laboratories head columns with them.
-constexpr std::array<Replacement, 57> translations{{
+constexpr std::array<Replacement, 59> translations{{
+    {"sek", "s"},
+    {"msek", "ms"},
     {"с", "s"},
     {"мс", "ms"},
     {"мкс", "us"},
@@ -291,6 +293,28 @@ std::string_view without_comment(std::string_view text) {
   return trimmed(text.substr(0, open));
 }
 
+/// "N (2%)", "V(10 V)": UDUNITS-2 would multiply by what is a remark.
+bool ends_with_a_number_in_parentheses(std::string_view text) {
+  const std::size_t open = text.rfind('(');
+  if (!text.ends_with(')') || open == text.npos || open == 0) return false;
+  const std::string_view before = trimmed(text.substr(0, open));
+  const std::size_t number = text.find_first_not_of(" +-.", open + 1);
+  return !before.empty() &&
+         (is_word(before.back()) || is_digit(before.back()) || before.back() == ')' ||
+          before.back() == '%') &&
+         is_digit(text[number]);
+}
+
+/// "% mV/N": an uncertainty beside a unit, which UDUNITS-2 would multiply by a hundredth.
+bool has_percent_of_a_unit(std::string_view text) {
+  const std::size_t at = text.find('%');
+  if (at == text.npos) return false;
+  const std::string_view before = trimmed(text.substr(0, at)),
+                         behind = trimmed(text.substr(at + 1));
+  const bool divided = before.empty() ? behind.starts_with('/') : before.ends_with('/');
+  return !divided && !(before.empty() && (behind.empty() || behind.starts_with('(')));
+}
+
 /// "g" of "g pk", "g-pk" and "V rms".
 std::string_view without_detector(std::string_view text) {
   for (const std::string_view word : {"rms", "RMS", "pk", "Pk", "peak", "Peak"}) {
@@ -313,6 +337,8 @@ std::string normalised(std::string_view unit) {
     return {};
   if (unit == "kg (kilo-g)" || unit == "kilo-g") return "(1000 gravity)";
   if (unit == "g's" || unit == "G's" || unit == "g\u2019s") return "gravity";
+  for (const std::string_view sign : {"\u00d7", "\u00b7", "\u22c5"})  // "×10³ N"
+    if (unit.starts_with(sign)) unit = trimmed(unit.substr(sign.size()));
   std::string text = with_ascii_signs(without_detector(unit));
   if (text == "ms-2" || text == "ms^-2") return "m.s-2";  // UDUNITS-2: per square millisecond
   if (text == "ms-1" || text == "ms^-1") return "m.s-1";  // UDUNITS-2: per millisecond
@@ -325,7 +351,8 @@ std::vector<std::string> spellings_of(std::string_view unit) {
   const std::string text = normalised(unit);
   std::vector<std::string> spellings;
   for (const std::string_view candidate : {std::string_view(text), without_comment(text)})
-    if (!begins_with_a_name(candidate))
+    if (!begins_with_a_name(candidate) && !ends_with_a_number_in_parentheses(candidate) &&
+        !has_percent_of_a_unit(candidate))
       spellings.push_back(with_words_replaced(with_words_replaced(candidate, translations), words));
   return spellings;
 }

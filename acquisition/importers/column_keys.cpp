@@ -99,7 +99,8 @@ void tell_of_few_digits(const std::string& key, std::string_view text, TableHead
 /// The time of the first sample, as Infiniium (XOrg), Yokogawa (HOffset) and Rigol (t0)
 /// oscilloscopes state it.
 void find_start(Dialect dialect, TableHead& head) {
-  constexpr std::array<std::string_view, 4> starts = {"xorg", "x origin", "hoffset", "t0"};
+  constexpr std::array<std::string_view, 6> starts = {"xorg", "x origin", "hoffset",
+                                                      "t0",   "xstart",   "x start"};
   for (const auto& [key, text] : head.attributes) {
     if (head.start || !is_one_of(key, starts)) continue;
     const auto stated = stated_value(value_of_all(text, dialect), dialect);
@@ -148,6 +149,16 @@ std::string take_unit_beside(Dialect dialect, std::string_view& text) {
   return std::string(cells[1]);
 }
 
+/// What the head states as the unit of times by a key of its own.
+std::string horizontal_unit(const TableHead& head) {
+  for (const auto& [key, value] : head.attributes) {
+    if (!is_horizontal_unit_key(key)) continue;
+    std::string unit = unit_of_times(value);
+    if (datasets::quantity_of_unit(unit) == datasets::Quantity::time) return unit;
+  }
+  return {};
+}
+
 /// The sample interval that a key states, itself or by a rate [s]; none where it cannot be used,
 /// which a warning or the head's `unusable_clock` says.
 std::optional<double> stated_interval(const std::string& key, const std::string& text,
@@ -167,6 +178,8 @@ std::optional<double> stated_interval(const std::string& key, const std::string&
   const std::string_view si = is_interval ? "s" : "Hz";
   std::string unit = !stated || stated->unit.empty() ? unit_of_key : std::string(stated->unit);
   if (unit.empty()) unit = beside;
+  if (unit.empty() && is_interval) unit = horizontal_unit(head);
+  if (!is_interval && (unit == "k" || unit == "M")) unit += "Hz";
   unit = unit.empty() ? std::string(si) : is_interval ? unit_of_times(unit) : rate_unit(unit);
   const auto conversion = datasets::conversion(unit, si);
   if (stated && stated->value <= 0.0) {
@@ -210,6 +223,12 @@ std::vector<std::string_view> values_of_key(std::string_view text, char delimite
   return cells_of(text, delimiter == '\t' ? ' ' : delimiter);
 }
 
+bool is_horizontal_unit_key(std::string_view key) {
+  constexpr auto words = std::to_array<std::string_view>(
+      {"horizontal units", "horizontal unit", "x units", "x unit", "xunits", "xunit", "hunit"});
+  return is_one_of(key, words);
+}
+
 std::string unit_of_times(std::string_view unit) {
   const auto is_time = [](const std::string& text) {
     return datasets::quantity_of_unit(text) == datasets::Quantity::time;
@@ -219,16 +238,48 @@ std::string unit_of_times(std::string_view unit) {
 }
 
 void find_interval(Dialect dialect, TableHead& head) {
-  constexpr auto intervals = std::to_array<std::string_view>(
-      {"sample interval", "sampling interval", "time interval", "sample period", "sampling period",
-       "delta t", "dt", "time increment", "abtastintervall", "xinc", "hresolution", "tinc",
-       "interval", "采样间隔", "采样周期", "サンプリング周期", "サンプリング間隔",
-       "период дискретизации", "Период дискретизации"});
-  constexpr auto rates = std::to_array<std::string_view>(
-      {"sample rate", "sampling rate", "samplerate", "sample frequency", "sampling frequency",
-       "samplingrate", "fs", "samplefrequency", "samplingfrequency", "acquisition rate",
-       "abtastrate", "abtastfrequenz", "采样率", "采样频率", "サンプリング周波数",
-       "частота дискретизации", "Частота дискретизации"});
+  constexpr auto intervals = std::to_array<std::string_view>({"sample interval",
+                                                              "sampling interval",
+                                                              "time interval",
+                                                              "sample period",
+                                                              "sampling period",
+                                                              "delta t",
+                                                              "delta x",
+                                                              "dt",
+                                                              "time increment",
+                                                              "time step",
+                                                              "timestep",
+                                                              "abtastintervall",
+                                                              "xinc",
+                                                              "hresolution",
+                                                              "tinc",
+                                                              "interval",
+                                                              "采样间隔",
+                                                              "采样周期",
+                                                              "サンプリング周期",
+                                                              "サンプリング間隔",
+                                                              "период дискретизации",
+                                                              "Период дискретизации"});
+  constexpr auto rates = std::to_array<std::string_view>({"sample rate",
+                                                          "sampling rate",
+                                                          "samplerate",
+                                                          "sample frequency",
+                                                          "sampling frequency",
+                                                          "samplingrate",
+                                                          "fs",
+                                                          "samplefrequency",
+                                                          "samplingfrequency",
+                                                          "acquisition rate",
+                                                          "scan rate",
+                                                          "scanrate",
+                                                          "samples per second",
+                                                          "abtastrate",
+                                                          "abtastfrequenz",
+                                                          "采样率",
+                                                          "采样频率",
+                                                          "サンプリング周波数",
+                                                          "частота дискретизации",
+                                                          "Частота дискретизации"});
   std::string stated_by;
   for (const auto& [key, text] : head.attributes) {
     const ColumnHead says = split_head(key);

@@ -13,6 +13,9 @@ namespace impactrig::acquisition {
 /// The values of a key, one a column. Tabs between them have become blanks.
 std::vector<std::string_view> values_of_key(std::string_view text, char delimiter);
 
+/// "Horizontal Units", "x unit", ...
+bool is_horizontal_unit_key(std::string_view key);
+
 /// "s" of "S", which is a siemens elsewhere, and "us" of "uS".
 std::string unit_of_times(std::string_view unit);
 

@@ -199,12 +199,11 @@ void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delim
   for (std::size_t c = 0; c < heads.size(); ++c) channels += roles.is_channel(c) ? 1 : 0;
   for (const auto& [key, value] : head.attributes) {
     const std::string word = lowered(key);
-    constexpr std::array<std::string_view, 7> vertical_words = {
-        "vertical units", "vertical unit", "y units", "y unit", "yunits", "vunit", "unitname"};
-    constexpr std::array<std::string_view, 6> horizontal_words = {
-        "horizontal units", "horizontal unit", "x units", "x unit", "xunits", "hunit"};
+    constexpr std::array<std::string_view, 8> vertical_words = {
+        "vertical units", "vertical unit", "y units", "y unit",
+        "yunits",         "yunit",         "vunit",   "unitname"};
     const bool vertical = std::ranges::find(vertical_words, word) != vertical_words.end();
-    const bool horizontal = std::ranges::find(horizontal_words, word) != horizontal_words.end();
+    const bool horizontal = is_horizontal_unit_key(key);
     auto units = values_of_key(value, delimiter);
     if (units.empty() || (delimiter == '\t' && units.size() != channels)) units = {value};
     const bool are_units = word == "unit" || word == "units";

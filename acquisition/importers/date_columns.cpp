@@ -10,6 +10,7 @@
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/head_cells.hpp"
 #include "acquisition/importers/text_dialect.hpp"
+#include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
 
@@ -72,6 +73,8 @@ std::int64_t fraction_unit(const TableLayout& layout, std::size_t c) {
     if (word == ms) return 1'000'000;
   for (const std::string_view us : {"us", "usec", "Microseconds", "microseconds"})
     if (word == us) return 1'000;
+  for (const std::string_view ns : {"ns", "nsec", "Nanoseconds", "nanoseconds"})
+    if (word == ns) return 1;
   return 0;
 }
 
@@ -101,6 +104,12 @@ void take_fraction(const std::vector<std::string_view>& lines, const TableLayout
 /// "sec" of "header.stamp.sec" and "tv_sec": a counter's name and whose it is.
 struct CountName {
   explicit CountName(std::string_view name) {
+    const ColumnHead head = split_head(name);  // "Time [us]"
+    if (!head.unit.empty() && datasets::quantity_of_unit(head.unit) == datasets::Quantity::time) {
+      of = name.substr(0, head.name.size());
+      word = head.unit;
+      return;
+    }
     const std::size_t mark = name.find_last_of("._/ ");
     of = name.substr(0, mark == name.npos ? 0 : mark);
     word = lowered(name.substr(mark == name.npos ? 0 : mark + 1));
@@ -113,6 +122,10 @@ struct CountName {
       std::int64_t unit;
     };
 
+    constexpr auto units = std::to_array<Word>(
+        {{"s", second}, {"ms", 1'000'000}, {"us", 1'000}, {"\u00b5s", 1'000}, {"ns", 1}});
+    const auto alone = std::ranges::find(units, word, &Word::word);
+    if (alone != units.end()) return alone->unit;
     constexpr auto words = std::to_array<Word>({{"sec", second},
                                                 {"second", second},
                                                 {"msec", 1'000'000},
@@ -202,7 +215,8 @@ std::vector<DateColumns> find_second_columns(const std::vector<std::string_view>
   for (std::size_t c = 0; c + 1 < std::min(names.size(), layout.cells); ++c) {
     const CountName whole(names[c]), behind(names[c + 1]);
     const std::int64_t unit = behind.unit();
-    if (whole.unit() != second || unit == 0 || unit == second || whole.of != behind.of) continue;
+    const bool of_one = whole.of == behind.of || behind.of.empty();
+    if (whole.unit() != second || unit == 0 || unit == second || !of_one) continue;
     std::optional<DateTime> base;
     bool fits = true;
     for (std::size_t i = layout.head.size(); i < lines.size() && fits; ++i) {

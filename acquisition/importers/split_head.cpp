@@ -149,6 +149,21 @@ bool are_indices(std::string_view text) {
          ((word.starts_with("ch ") || word.starts_with("ch.")) && !is_unit(text));
 }
 
+/// "200g", "10 V", "±50 g", "5 kHz", "10%": a range or a limit, for a unit by which one counts has
+/// no number before it but a power of ten, written as one, or a part ("0.1 mm").
+bool is_range(std::string_view text) {
+  text.remove_prefix(std::min(text.find_first_not_of(" +-<>~"), text.size()));
+  if (text.starts_with("\u00b1")) text.remove_prefix(2);
+  double number = 0.0;
+  const char* const last = text.data() + text.size();
+  const char* const end = scan_number(text.data(), last, {'.', false}, number);
+  const std::string_view digits(text.data(), static_cast<std::size_t>(end - text.data()));
+  const std::string_view unit = trimmed({end, static_cast<std::size_t>(last - end)});
+  if (digits.empty() || number < 2.0 || digits.find_first_of("eE") != digits.npos) return false;
+  return unit == "%" ||
+         (!unit.empty() && unit.find_first_of("^*+-/.0123456789") != 0 && is_unit(unit));
+}
+
 /// "Time (ms) Run #1", "Force [N] - Plot 0", "Time [ms].1", "acc (g) [Ch 1]": a unit in brackets
 /// that something else follows, which is part of the name.
 std::optional<ColumnHead> unit_before_a_suffix(std::string_view text) {
@@ -161,6 +176,7 @@ std::optional<ColumnHead> unit_before_a_suffix(std::string_view text) {
   const std::size_t open = text.rfind(text[close] == ')' ? '(' : '[', close);
   if (open == text.npos || open == 0) return std::nullopt;
   const std::string_view unit = without_in(trimmed(text.substr(open + 1, close - open - 1)));
+  if (is_range(unit)) return std::nullopt;
   const Quantity quantity = datasets::quantity_of_unit(to_utf8(unit));
   constexpr std::string_view letters = "sNVgm";  // others tell one column from the next
   const bool letter = unit.size() == 1 && letters.find(unit.front()) == letters.npos;
@@ -270,6 +286,13 @@ ColumnHead divided_head(std::string_view cell) {
       const auto index = close == ']' ? integer_in(unit) : std::nullopt;  // "Y[0]"; "strain [1]"
       const bool counts = index && (index != 1 || text[open - 1] != ' ');
       const bool of_time = text.substr(open) == "(t)" && text[open - 1] != ' ';  // "Y(t)"
+      // "F (N) (10 V)", "F (N) (A)"
+      const bool ticks = is_time_name(trimmed(text.substr(0, open)));  // "Time (10 us)"
+      const bool range = !ticks && is_range(unit);
+      const char last = trimmed(text.substr(0, open)).back();
+      if ((close == ')' && (last == ')' || last == ']')) || range)
+        if (const auto before = unit_before_a_suffix(text)) return *before;
+      if (range) return head;
       if (close == ']' ? !counts && !are_indices(unit) : is_unit(unit) && !of_time) {
         head.name = to_utf8(trimmed(text.substr(0, open)));
         head.unit = to_utf8(unit);

@@ -53,6 +53,19 @@ TEST(Csv, APretriggerIsCountedOrTimed) {
   EXPECT_DOUBLE_EQ(start("Pretrigger,10 %"), 0.0);
 }
 
+TEST(Csv, AnIntervalHasTheUnitOfTheTimesWhereItHasNone) {
+  const auto interval = [](const char* head) {
+    return imported(std::string(head) + "\nF [N],v [m/s]\n1.5,2\n3,4\n")
+        .channels.at(0)
+        .clock.interval;
+  };
+  EXPECT_DOUBLE_EQ(interval("Sampling Interval,0.01\nHorizontal Units,ms"), 1e-5);
+  EXPECT_DOUBLE_EQ(interval("Sampling Interval,0.01 s\nHorizontal Units,ms"), 1e-2);
+  EXPECT_DOUBLE_EQ(interval("Sampling Interval,0.01\nHorizontal Units,V"), 1e-2);
+  EXPECT_DOUBLE_EQ(interval("Sampling rate,100k"), 1e-5);
+  EXPECT_DOUBLE_EQ(interval("Samples per second,50000"), 2e-5);
+}
+
 TEST(Csv, HanteksClockIsTheInterval) {
   const Record record =
       imported("#CHANNEL:CH1\n#CLOCK=10.0uS\n#SIZE=3\n#UNITS:V\n\n0.5\n0.6\n0.7\n");

@@ -232,6 +232,8 @@ INSTANTIATE_TEST_SUITE_P(Names, CsvSecondColumns,
                          testing::Values(SecondColumns{"sec,nsec", 1},
                                          SecondColumns{".stamp.secs,.stamp.nsecs", 1},
                                          SecondColumns{"tv_sec,tv_usec", 1000},
+                                         SecondColumns{"Time [s],Time [us]", 1000},
+                                         SecondColumns{"Unix Time (s),ns", 1},
                                          SecondColumns{"Seconds,Milliseconds", 1000000}));
 
 TEST(CsvSecondColumns, OfWhichOneDoesNotFitAreColumns) {

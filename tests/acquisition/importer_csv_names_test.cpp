@@ -111,6 +111,26 @@ TEST(CsvNames, MayBeOverOneWordThatIsNoUnit) {
   EXPECT_THAT(names_and_units(record), Contains(HasSubstr("x [")));
 }
 
+TEST(ColumnHead, ARangeIsNoUnit) {
+  const auto divided = [](const char* text) {
+    const ColumnHead head = split_head(text);
+    return head.name + "|" + head.unit;
+  };
+  EXPECT_EQ(divided("Acc (g) (50 g)"), "Acc (50 g)|g");
+  EXPECT_EQ(divided("F (N) [5 V]"), "F [5 V]|N");
+  EXPECT_EQ(divided("F [N] (5 kHz)"), "F (5 kHz)|N");
+  EXPECT_EQ(divided("F (N) (10%)"), "F (10%)|N");
+  EXPECT_EQ(divided("X (200g)"), "X (200g)|");
+  EXPECT_EQ(divided("CH1 (\u00b110 V)"), "CH1 (\u00b110 V)|");
+  EXPECT_EQ(divided("Force [2000N]"), "Force [2000N]|");
+  // counted by
+  EXPECT_EQ(divided("Time (10 us)"), "Time|10 us");
+  EXPECT_EQ(divided("F [10^3 N]"), "F|10^3 N");
+  EXPECT_EQ(divided("F (1e3 N)"), "F|1e3 N");
+  EXPECT_EQ(divided("x [0.1 mm]"), "x|0.1 mm");
+  EXPECT_EQ(divided("strain [1/m]"), "strain|1/m");
+}
+
 TEST(ColumnHead, HasItsUnitBeforeASuffix) {
   const auto divided = [](const char* text) {
     const ColumnHead head = split_head(text);
@@ -122,6 +142,8 @@ TEST(ColumnHead, HasItsUnitBeforeASuffix) {
   EXPECT_EQ(divided("Force (N)_1"), "Force_1|N");
   EXPECT_EQ(divided("Force (N) (filtered)"), "Force (filtered)|N");
   EXPECT_EQ(divided("acc (g) [Ch 1]"), "acc [Ch 1]|g");
+  EXPECT_EQ(divided("Force (N) (A)"), "Force (A)|N");
+  EXPECT_EQ(divided("Velocity (tip) (m/s)"), "Velocity (tip)|m/s");
   EXPECT_EQ(divided("x [mm] rate (m/s)"), "x [mm] rate|m/s") << "the last one";
   EXPECT_EQ(divided("F(x) left"), "F(x) left|");
   EXPECT_EQ(divided("i:quat[0-1]"), "i:quat[0-1]|") << "an index";

@@ -279,8 +279,8 @@ TEST(Csv, MayHaveKeysAboveItsColumns) {
   EXPECT_EQ(record.attributes.at("first data line"), "8");
   EXPECT_THAT(
       record.warnings,
-      ElementsAre("the header states a sample interval of 0.5 s but the time column steps by "
-                  "0.001 s: the time column is used"));
+      ElementsAre("the header states a sample interval of 0.0005 s but the time column steps "
+                  "by 0.001 s: the time column is used"));
 }
 
 TEST(Csv, TakesItsClockFromAKeyWhenItHasNoTimeColumn) {

@@ -82,6 +82,22 @@ TEST(Units, UnderstandLaboratorySpellings) {
 }
 
 // GOST 8.417-2002, tables 1, 3 and 8; GB 3100 to 3102 for the Chinese names
+TEST(Units, MayBeginWithAMultiplicationSign) {
+  for (const char* spelling :
+       {"\u00d710^3 N", "\u00b710\u00b3 N", "\u00d7 10\u00b3 N", "N\u00d710^3"})
+    EXPECT_DOUBLE_EQ(factor(spelling, "N"), 1e3) << spelling;
+  EXPECT_DOUBLE_EQ(factor("\u00d710\u207b\u00b3 m/s", "m/s"), 1e-3);
+}
+
+TEST(Units, AreNotMultipliedByRemarks) {
+  EXPECT_EQ(factor("N (2%)", "N"), 1.0);
+  EXPECT_EQ(factor("N (100)", "N"), 1.0);
+  for (const char* remark : {"N(2)", "% mV/N", "mV/N %", "10% V"})
+    EXPECT_EQ(quantity_of_unit(remark), Quantity::unknown) << remark;
+  EXPECT_DOUBLE_EQ(factor("%/V", "1/V"), 0.01);
+  EXPECT_DOUBLE_EQ(factor("mV/(10 g)", "V/(m/s^2)"), 1e-4 / 9.80665);
+}
+
 TEST(Units, MayBeRussianOrChinese) {
   EXPECT_DOUBLE_EQ(factor("мс", "s"), 1e-3);
   EXPECT_DOUBLE_EQ(factor("мкс", "s"), 1e-6);
@@ -296,6 +312,22 @@ TEST(ParseQuantity, TakesPlainNumbersWhereTheyAreMeant) {
   expect_quantity("0.3 1", "1", 0.3);
 }
 
+TEST(ParseQuantity, ReadsPowersOfTen) {
+  for (const char* text : {"69\u00d710^9 Pa", "69 \u00d7 10\u2079 Pa", "69\u00b710\u2079 Pa",
+                           "69*10^9 Pa", "0.69\u22c510^+11 Pa"})
+    expect_quantity(text, "Pa", 69e9);
+  expect_quantity("4\u00d710\u207b\u00b3 V/N", "V/N", 4e-3);
+  expect_quantity("4.0(2)\u00d710^-3 V/N", "V/N", 4e-3, 0.2e-3);
+}
+
+TEST(ParseQuantity, ReadsUncertaintiesInPercent) {
+  for (const char* text : {"10 \u00b1 2% mV/N", "10 \u00b1 2 % mV/N", "10 mV/N \u00b1 2 %",
+                           "10 mV/N (2%)", "10 mV/N (\u00b12 %)"})
+    expect_quantity(text, "V/N", 0.01, 0.0002);
+  expect_quantity("-2 \u00b1 50% us", "s", -2e-6, 1e-6);
+  expect_quantity("30 \u00b1 2 %", "1", 0.3, 0.02);
+}
+
 TEST(ParseQuantity, ReadsUncertainties) {
   expect_quantity("2700(20) kg/m^3", "kg/m^3", 2700.0, 20.0);
   expect_quantity("1.2345(67) V", "mV", 1234.5, 6.7);
@@ -356,6 +388,10 @@ TEST(ParseQuantity, RefusesWhatIsNoQuantity) {
   EXPECT_EQ(refusal("1e99999999999 m", "m"),
             "\"1e99999999999 m\" holds a number that does not fit a double" + tail + "\"1 m\"");
   EXPECT_EQ(refusal("1e308 km", "m"), "\"1e308 km\" does not fit a double in m" + tail + "\"1 m\"");
+  EXPECT_EQ(refusal("4 m (5)", "m"), "\"m (5)\" is not a unit" + tail + "\"4 m\"");
+  EXPECT_EQ(refusal("4(2)% m", "m"), "\"% m\" is not a unit" + tail + "\"4(2) m\"");
+  EXPECT_EQ(refusal("4(2) m (3%)", "m"),
+            "\"4(2) m (3%)\" has two uncertainties" + tail + "\"1(1) m\"");
   EXPECT_EQ(refusal("0.69 smoot", "m"), "\"smoot\" is not a unit" + tail + "\"0.69 m\"");
   EXPECT_EQ(refusal("0.69 0.7 m", "m"), "\"0.7 m\" is not a unit" + tail + "\"0.69 m\"");
   EXPECT_EQ(refusal("0.69 m 2", "m"), "\"m 2\" is not a unit" + tail + "\"0.69 m\"");
