@@ -139,7 +139,8 @@ bool reaches_range(const RecordedSignal& signal, std::size_t first, std::size_t 
   return false;
 }
 
-/// A pulse as it was recorded, its marked samples too where they are finite, and its peak in there.
+/// A pulse as it was recorded, its samples that the recorder marked too where they are finite, and
+/// its peak in there.
 struct AsRecorded {
   Trace trace;
   Contact contact;
@@ -150,7 +151,9 @@ struct AsRecorded {
     const double level = signal.channel->value(first) - signal.trace.values[first];
     for (std::size_t i = first; i <= last; ++i) {
       const double value = signal.channel->value(i) - level;
-      if (trace.is_valid(i) || !std::isfinite(value)) continue;
+      const std::vector<std::uint8_t>& marks = signal.channel->valid;
+      const bool marked = !marks.empty() && marks[i] == 0;
+      if (trace.is_valid(i) || !marked || !std::isfinite(value)) continue;
       trace.values[i] = value;
       trace.valid[i] = 1;
     }

@@ -13,6 +13,7 @@
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/conditioning/contact_search.hpp"
 #include "acquisition/conditioning/digitiser_step.hpp"
+#include "acquisition/conditioning/glitches.hpp"
 #include "acquisition/conditioning/impact_flags.hpp"
 #include "acquisition/conditioning/recorded_signal.hpp"
 #include "acquisition/conditioning/samples.hpp"
@@ -83,6 +84,8 @@ const Channel& trigger_channel(const Record& record, const DetectionOptions& opt
 RecordedSignal source_of(const Channel& channel, const Record& record) {
   RecordedSignal source{&channel, trace_of(channel, record.provenance.source_file), 0.0, 0.0};
   source.quantum = quantum_of(source.trace.values, source.trace.valid);
+  if (channel.quantity == Quantity::force || channel.quantity == Quantity::acceleration)
+    bridge_glitches(source.trace);
   const auto stated = channel.attributes.find("sensor.range");
   if (stated != channel.attributes.end())
     std::from_chars(stated->second.data(), stated->second.data() + stated->second.size(),

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "acquisition/conditioning/condition.hpp"
+#include "acquisition/conditioning/glitches.hpp"
 #include "tests/acquisition/scene.hpp"
 
 namespace impactrig::acquisition {
@@ -31,6 +32,68 @@ double bounce(double t) {
                                        std::min(1.0, t / duration) * std::exp(-t / 2e-3)
                                  : 0.0;
   return 0.44 - 0.33 * (1.0 - std::cos(std::numbers::pi * part)) - ringing;
+}
+
+// A recorder loses samples of a pulse, or makes them up. What was there is left out and told.
+TEST(FindImpacts, OverlooksGlitchesOfAPulse) {
+  const Sampling at;
+  for (const std::size_t samples : {1, 2, 3, 20})
+    for (const double instead : {0.0, 4500.0, -800.0})
+      for (const double noise : {0.0, 2.0})
+        for (const double time : {30e-6, 100e-6, 160e-6}) {
+          Noise random(1);
+          std::vector<double> force = sampled(at, pulse);
+          for (double& value : force) value += noise * random();
+          const auto first = static_cast<std::size_t>(std::lround((time - at.start) / at.interval));
+          const Impact sound = find_impacts(record_of({force_of(at, force)})).at(0);
+          for (std::size_t k = 0; k < samples; ++k) force[first + k] = instead;
+          const Impact impact = find_impacts(record_of({force_of(at, std::move(force))})).at(0);
+          EXPECT_TRUE(impact.has(ImpactFlag::dropout)) << time << " " << instead;
+          EXPECT_FALSE(impact.has(ImpactFlag::double_hit)) << time << " " << instead;
+          EXPECT_NEAR(impact.end, sound.end, 2e-6) << time << " " << instead;
+          EXPECT_NEAR(impact.peak, sound.peak, 0.03 * sound.peak + 4.0 * noise);
+        }
+}
+
+// Sound ones: ringing of the sensor, a force that jumps, clipping, contacts of few samples.
+TEST(FindImpacts, TakesNothingSharpForAGlitch) {
+  const Sampling at;
+  const auto glitches = [&](auto&& force, double noise) {
+    Noise random(2);
+    Trace trace;
+    trace.start = at.start;
+    trace.interval = at.interval;
+    trace.values = sampled(at, force);
+    for (double& value : trace.values) value += noise * random();
+    return find_glitches(trace).size();
+  };
+  for (const double noise : {0.0, 2.0, 50.0}) {
+    EXPECT_EQ(glitches(pulse, noise), 0U);
+    EXPECT_EQ(glitches([](double t) { return half_sine(t, 1500.0, 20e-6); }, noise), 0U);
+    EXPECT_EQ(glitches([](double t) { return half_sine(t, 1500.0, 4e-6); }, noise), 0U);
+    EXPECT_EQ(glitches([](double t) { return std::min(pulse(t), 1200.0); }, noise), 0U);
+    for (const double rings : {50e3, 120e3, 250e3, 400e3})
+      EXPECT_EQ(glitches(
+                    [=](double t) {
+                      return pulse(t) +
+                             (t > 0.0 ? 600.0 * std::sin(2.0 * std::numbers::pi * rings * t) *
+                                            std::exp(-t / 100e-6)
+                                      : 0.0);
+                    },
+                    noise),
+                0U)
+          << rings;
+    // to another level, as where a second bar comes in
+    EXPECT_EQ(
+        glitches([](double t) { return pulse(t) + (t > 60e-6 && t < duration ? 700.0 : 0.0); },
+                 noise),
+        0U);
+    // dampers jump at touch and where they let go
+    EXPECT_EQ(
+        glitches([](double t) { return t < 0.0 || t > duration ? 0.0 : 700.0 - 3e6 * t; }, noise),
+        0U);
+    EXPECT_EQ(glitches([](double t) { return pulse(t) + pulse(t - duration - 3e-6); }, noise), 0U);
+  }
 }
 
 // A spike of three samples as of one: the contact lasts 133.
