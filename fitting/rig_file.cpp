@@ -252,6 +252,23 @@ int read_order(TableReader& table) {
   return order;
 }
 
+/// A place as the end or a joint of the bar, where only the rounding of units or of a sum of
+/// segments lies between: "69 cm" on a bar of 0.35 m and 0.34 m.
+double on_bar(double place, const models::Beam& beam) {
+  const auto same = [&](double end) { return std::abs(place - end) <= 1e-12 * beam.length; };
+  double end = 0.0;
+  for (const models::BeamSegment& segment : beam.segments)
+    if (same(end += segment.length)) return end;
+  return same(beam.length) ? beam.length : place;
+}
+
+void put_on_bar(models::Rig& rig) {
+  rig.contact.position = on_bar(rig.contact.position, rig.beam);
+  for (models::LumpedMass& lump : rig.beam.masses) lump.position = on_bar(lump.position, rig.beam);
+  for (models::FurtherStop& stop : rig.further_stops)
+    stop.contact.position = on_bar(stop.contact.position, rig.beam);
+}
+
 Sensor read_sensor(TableReader& table, datasets::Quantity quantity, const models::Rig& rig) {
   Sensor sensor;
   sensor.quantity = quantity;
@@ -290,7 +307,7 @@ Sensor read_sensor(TableReader& table, datasets::Quantity quantity, const models
     sensor.polarity = *polarity;
   }
   if (const auto position = table.quantity("position", "m")) {
-    sensor.position = position->value;
+    sensor.position = on_bar(position->value, rig.beam);
     if (!(sensor.position > 0.0 && sensor.position <= rig.beam.length))
       table.refuse("position", fmt::format("{:g} m from the hinge is not on the bar of {:g} m",
                                            sensor.position, rig.beam.length));
@@ -426,6 +443,7 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   FurtherStops further = read_further_stops(root, file.rig.beam, radii);
   file.rig.further_stops = std::move(further.stops);
   file.inherited = std::move(further.inherited);
+  put_on_bar(file.rig);
   if (auto hinge = root.table("hinge")) read_hinge(*hinge, file.rig.hinge);
   if (auto stop = root.table("stop")) file.rig.stop = read_stop(*stop);
   if (!file.rig.hinge.rotation || root.has("start")) {

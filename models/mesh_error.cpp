@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "models/beams/bar_element.hpp"
+#include "models/modal/arrival.hpp"
 #include "models/modal/small_motion_run.hpp"
 #include "models/run_limits.hpp"
 #include "models/time_limit.hpp"
@@ -49,6 +50,15 @@ double missing_weight(const Rig& rig, const Episode& first, double time) {
   return moment * time / (rig.contact.position * first.impulse);
 }
 
+/// Whether what a release leaves in the bar, whose phase at touch hangs on the mesh, moves the
+/// result by more than a part of it.
+bool feels_release(const Rig& rig, double part) {
+  if (!rig.start.release_angle) return false;
+  if (spring_bends_bar(rig)) return true;
+  const auto vibration = release_vibration(rig);
+  return !vibration || *vibration > part;
+}
+
 /// The rig from first touch on.
 Rig touching(const Rig& rig) {
   Rig begun = rig;
@@ -69,11 +79,11 @@ struct Told {
 class FirstContacts {
  public:
   /// By small motion to such an accuracy, in so much time [s], of which a whole run that a sensor
-  /// needs may take a share.
+  /// needs may take a share. `released`: the swing before counts.
   FirstContacts(const Rig& rig, const Solver& solver, double accuracy, double time,
-                double share_of_one)
-      : rig_(touching(rig)),
-        plain_(within_small_motion(rig_)),
+                double share_of_one, bool released)
+      : rig_(released ? rig : touching(rig)),
+        plain_(released ? rig_ : within_small_motion(rig_)),
         accuracy_of_small_(accuracy),
         accuracy_of_full_(std::max(worth_knowing, share_of_accuracy * solver.accuracy)),
         longest_(solver.duration.value_or(longest_default_run)),
@@ -250,7 +260,9 @@ std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver, double
   if (solver.model == BeamModel::rigid || !rig.has_stop()) return std::nullopt;
   try {
     constexpr double all = 1.0;  // of the time
-    FirstContacts contacts(rig, solver, worth_knowing, time_limit, all);
+    const bool released =
+        feels_release(rig, std::max(worth_knowing, share_of_accuracy * solver.accuracy));
+    FirstContacts contacts(rig, solver, worth_knowing, time_limit, all, released);
     Told coarse = contacts.on(solver);
     const Solver finer = refined(solver);
     const Told fine = contacts.on(finer);
@@ -263,11 +275,14 @@ std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver, double
   }
 }
 
-ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest) {
-  const TimeLimit limit(solver.time_limit);
+namespace {
+
+/// choose_mesh() in so much time [s], with the swing before or without.
+ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest, double time,
+                       bool released) {
   ChosenMesh chosen{.solver = solver, .error = std::numeric_limits<double>::quiet_NaN()};
   FirstContacts contacts(rig, solver, std::min(worth_knowing, share_of_accuracy * solver.accuracy),
-                         share_of_time * solver.time_limit, share_of_whole_run);
+                         time, share_of_whole_run, released);
   const auto split = [&](int total) {
     Solver mesh = solver;
     mesh.elements = split_elements(total, rig);
@@ -294,6 +309,21 @@ ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest) {
     }
   } catch (const std::exception&) {
     // the finest mesh whose error is known
+  }
+  return chosen;
+}
+
+}  // namespace
+
+ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest) {
+  const TimeLimit limit(solver.time_limit);
+  const double time = share_of_time * solver.time_limit;
+  const bool released = feels_release(rig, share_of_accuracy * solver.accuracy);
+  ChosenMesh chosen = choose_mesh(rig, solver, finest, time, released);
+  if (released && !std::isfinite(chosen.error)) {
+    chosen = choose_mesh(rig, solver, finest,
+                         limit.left() - (1.0 - share_of_time) * solver.time_limit, false);
+    chosen.error = std::numeric_limits<double>::quiet_NaN();  // of the swing it is not known
   }
   chosen.solver.time_limit = std::max(limit.left(), least_share_of_run * solver.time_limit);
   return chosen;

@@ -390,7 +390,6 @@ std::string beyond_small_motion(const Rig& rig) {
     keys.push_back("environment.gravity_direction beyond 90 degrees");
   else if (!rig.has_stop() && rig.gravity_across() != 0.0)
     keys.push_back("environment.gravity_direction without a stop");
-  if (rig.start.release_angle && spring_bends_bar(rig)) keys.push_back("start.release_angle");
   if (!rig.has_stop() && rig.hinge.spring > 0.0) keys.push_back("hinge.spring without a stop");
   if (!rig.has_stop() && rig.hinge.friction > 0.0) keys.push_back("hinge.friction without a stop");
   if (rig.hinge.rotation) keys.push_back("hinge.rotation");

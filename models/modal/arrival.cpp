@@ -130,7 +130,7 @@ Arrival arrive(const Rig& rig, const ModalBeam& beam) {
 }
 
 std::optional<double> release_vibration(const Rig& rig) {
-  if (!beyond_small_motion(rig).empty()) return std::nullopt;
+  if (!beyond_small_motion(rig).empty() || spring_bends_bar(rig)) return std::nullopt;
   if (!RigidSwing(rig).arrive(*rig.start.release_angle)) return std::nullopt;
   Solver slowest;
   slowest.model = BeamModel::hybrid;

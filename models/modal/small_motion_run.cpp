@@ -94,6 +94,28 @@ double growth_until_sensor_peak(const SensorForce& sensor, const Simulation& run
   return std::max(1.0, std::pow(later, bends ? 4.0 : 2.0));
 }
 
+/// Of a swing's result, a part of it: of a pendulum's time and of the sine that bends the bar as it
+/// is let go; of gravity from the side, which changes on the way; and, as these move the time of
+/// touch, of the phases in which the vibration that letting go leaves in the bar arrives.
+double left_out_of_swing(const Rig& rig, const ModalBeam& modes) {
+  const double angle = *rig.start.release_angle;
+  const double speed = touch_velocity(rig), rate = speed / rig.contact.position;
+  const double work = 0.5 * rig.beam.hinge_inertia() * rate * rate;
+  const double of_side =
+      rig.beam.first_moment() * std::abs(rig.gravity_across()) * std::pow(angle, 3) / (12.0 * work);
+  // a spring's moment is in proportion to the angle
+  const double weight = rig.beam.first_moment() * rig.gravity * angle;
+  const double of_weight = weight / (weight + rig.hinge.spring * angle);
+  const double of_time = angle * angle * of_weight / (spring_bends_bar(rig) ? 6.0 : 16.0) + of_side;
+  const double late = of_time * 2.0 * angle / rate;  // [s]
+  const Eigen::VectorXd off = modes.rigid() * -angle - ModalLoad(modes).held();
+  double of_phases = 0.0;
+  for (Eigen::Index i = 1; i < modes.modes(); ++i)
+    of_phases += modes.omega()[i] * std::abs(off[i] * modes.struck()[i]) *
+                 std::min(1.0, modes.omega()[i] * late);
+  return of_time + of_phases / speed;
+}
+
 }  // namespace
 
 /// Of few modes steps are as long as the force's series allows: 8 nodes then need fewer of them at
@@ -145,7 +167,7 @@ SmallMotionRun::SmallMotionRun(const Rig& rig, const Solver& solver,
   if (!judges()) motion_.leave_judging();
   const bool follows = follows_swing(rig, options);
   if (follows) {
-    of_swing_ = std::pow(*rig.start.release_angle, 2) / 16.0;
+    of_swing_ = left_out_of_swing(rig, bar_->modes());
   } else if (rig.start.release_angle) {
     Arrival arrival = arrive(rig, bar_->modes());
     of_swing_ = arrival.error;

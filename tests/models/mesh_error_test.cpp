@@ -341,4 +341,57 @@ TEST(ChooseMesh, IsNotTakenInByTwoMeshesThatAgreeByChance) {
   EXPECT_LE(error_on(chosen, rig, 2), 2e-3);
 }
 
+/// Let go, the moment of a stiff spring leaves vibration of all modes in the bar, whose phases at
+/// touch hang on the mesh.
+Rig let_go(double gravity_direction) {
+  Rig rig = paper_rig();
+  rig.beam.length = 0.75;
+  rig.beam.youngs_modulus = 70e9;
+  rig.beam.density = 2700.0;
+  rig.contact.position = 0.62;
+  rig.contact.law = "linear";
+  rig.contact.stiffness = 1e7;
+  rig.contact.damping = "none";
+  rig.hinge.spring = 300.0;
+  rig.gravity = 9.81;
+  rig.gravity_direction = gravity_direction;
+  rig.start = {.release_angle = 0.1 * std::numbers::pi / 180.0};
+  return rig;
+}
+
+TEST(MeshError, KnowsTheVibrationThatAReleaseLeaves) {
+  for (const double direction : {0.0, 20.0 * std::numbers::pi / 180.0}) {
+    const Rig rig = let_go(direction);
+    const Solver coarse = ancf(14, 2, 1e-6, 3e-3);
+    const auto error = mesh_error(rig, coarse, 10.0);
+    ASSERT_TRUE(error);
+    const Simulation here = simulate(rig, coarse), there = simulate(rig, refined(coarse));
+    const double change =
+        there.episodes.front().peak_force / here.episodes.front().peak_force - 1.0;
+    EXPECT_GT(std::abs(change), 1e-3);
+    EXPECT_NEAR(error->peak_force, change, 1e-5) << direction;
+    const ChosenMesh chosen = choose_mesh(rig, ancf(4, 4, 1e-3, 3e-3), 512);
+    EXPECT_LE(chosen.error, 0.5e-3);
+    EXPECT_GT(chosen.solver.elements[0], 14);
+  }
+}
+
+TEST(SmallMotion, FollowsAReleaseAgainstASpring) {
+  SimulationOptions exact;
+  exact.exact = true;
+  for (const double direction : {0.0, 20.0 * std::numbers::pi / 180.0})
+    for (const double accuracy : {1e-3, 1e-4}) {
+      const Rig rig = let_go(direction);
+      const Solver mesh = ancf(14, 2, accuracy, 1.5e-3);
+      const Simulation small = simulate(rig, mesh), full = simulate(rig, mesh, exact);
+      EXPECT_TRUE(small.small_motion) << direction << " " << accuracy;
+      EXPECT_FALSE(full.small_motion);
+      const Episode &a = small.episodes.front(), &b = full.episodes.front();
+      EXPECT_NEAR(a.peak_force / b.peak_force, 1.0, accuracy) << direction;
+      EXPECT_NEAR(a.end / b.end, 1.0, accuracy) << direction;
+      EXPECT_NEAR(a.impulse / b.impulse, 1.0, accuracy) << direction;
+      EXPECT_NEAR(a.approach_velocity / b.approach_velocity, 1.0, accuracy) << direction;
+    }
+}
+
 }  // namespace
