@@ -185,9 +185,10 @@ void tell_asked_motion(const models::Solver& solver, models::Simulation& result)
       result.neglected, solver.accuracy));
 }
 
-/// Where small motion does not see it, a mesh twice as fine takes some times as long [s].
-double time_for_mesh_error(const models::Cost& cost) {
-  return std::max(1.0, 4.0 * cost.seconds);
+/// Where small motion does not see it, a mesh twice as fine takes some times as long; no longer
+/// than a run may [s].
+double time_for_mesh_error(const models::Cost& cost, const models::Solver& solver) {
+  return std::min(std::max(1.0, 4.0 * cost.seconds), solver.time_limit);
 }
 
 void refuse_too_many_samples(const Options& options, double longest, double channels) {
@@ -223,8 +224,8 @@ void simulate(const Options& options) {
   if (options.small_motion) tell_asked_motion(rig.solver, simulation);
   tell_sensitivities(simulation, request, options.sensitivities == "all", sensitivities);
   if (!chosen.empty()) simulation.skipped.insert(simulation.skipped.begin(), chosen);
-  simulation.mesh_error =
-      models::mesh_error(rig.rig, simulation.solver, time_for_mesh_error(simulation.cost));
+  simulation.mesh_error = models::mesh_error(rig.rig, simulation.solver,
+                                             time_for_mesh_error(simulation.cost, rig.solver));
   if (!options.output.empty())
     acquisition::export_recording(history_record(simulation.history, rig, sensitivities),
                                   options.output);

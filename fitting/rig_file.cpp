@@ -256,10 +256,11 @@ int read_order(TableReader& table) {
 /// segments lies between: "69 cm" on a bar of 0.35 m and 0.34 m.
 double on_bar(double place, const models::Beam& beam) {
   const auto same = [&](double end) { return std::abs(place - end) <= 1e-12 * beam.length; };
-  double end = 0.0;
+  if (same(beam.length)) return beam.length;
+  double joint = 0.0;
   for (const models::BeamSegment& segment : beam.segments)
-    if (same(end += segment.length)) return end;
-  return same(beam.length) ? beam.length : place;
+    if (same(joint += segment.length)) return joint;
+  return place;
 }
 
 void put_on_bar(models::Rig& rig) {

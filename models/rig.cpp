@@ -12,6 +12,7 @@
 #include "models/contact/damping_law.hpp"
 #include "models/contact/elastic_law.hpp"
 #include "models/rigid_swing.hpp"
+#include "models/spring_bending.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -368,7 +369,7 @@ bool damped(const Rig& rig) {
   return rig.hinge.viscous > 0.0 || rig.hinge.friction > 0.0 || rig.beam.damping != BarDamping{};
 }
 
-bool spring_bends_bar(const Rig& rig) {
+double spring_bending(const Rig& rig) {
   // energy of the bending by the spring's moment, ∫ M² (1 − x / L)² / (2 EI) dx, over that of the
   // spring
   double flexibility = 0.0;
@@ -378,7 +379,11 @@ bool spring_bends_bar(const Rig& rig) {
     flexibility +=
         piece.length * (from * from + from * to + to * to) / (3.0 * piece.bending_stiffness);
   });
-  return rig.hinge.spring * flexibility > 0.01;
+  return rig.hinge.spring * flexibility;
+}
+
+bool spring_bends_bar(const Rig& rig) {
+  return spring_bending(rig) > 0.01;
 }
 
 std::string beyond_small_motion(const Rig& rig) {

@@ -70,6 +70,7 @@ class SmallMotionRun {
   bool judges() const;
   bool promises(double accuracy) const;
   double neglected(const Simulation& result) const;
+  double of_swing(const Simulation& result) const;
   void find_left_out(const Simulation& result);
   void tell_left_out(Simulation& result);
 
@@ -82,8 +83,7 @@ class SmallMotionRun {
   CollocationRun run_;
   std::unique_ptr<ModalSensitivities> sensitivities_;
   double left_out_ = 0.0;
-  // θ²/16: by how much a swing's period exceeds that of a small one; or what Arrival leaves out
-  double of_swing_ = 0.0;
+  double of_arrival_ = 0.0;  // what Arrival leaves out
 };
 
 /// Small motion of a bar without a stop.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,6 +51,44 @@ TEST(RigFile, AShearCoefficientIsStatedWhereItIsNeededOnly) {
   EXPECT_EQ(message_of(with(round, round + "\nshear_coefficient = 0.9")),
             "rig.toml:5:21: beam.shear_coefficient: a bar of Euler-Bernoulli's theory does not "
             "shear; add theory = \"timoshenko\"");
+}
+
+// 0.35 m + 0.34 m is not the double of 69 cm, which is no place beyond the bar.
+TEST(RigFile, APlaceMayBeTheEndButForRounding) {
+  const RigFile file = parse_rig_file(R"([beam]
+youngs_modulus = "69 GPa"
+density = "2700 kg/m^3"
+[[beam.segments]]
+length = "35 cm"
+section = { shape = "circle", radius = "15 mm" }
+[[beam.segments]]
+length = "34 cm"
+section = { shape = "circle", radius = "12 mm" }
+[[beam.masses]]
+position = "690 mm"
+mass = "0.1 kg"
+[[beam.masses]]
+position = "350 mm"
+mass = "0.1 kg"
+[contact]
+position = "69 cm"
+law = "linear"
+stiffness = "1e7 N/m"
+damping = "none"
+[start]
+velocity = "0.4 m/s"
+[sensors.velocity]
+channel = "v"
+sensitivity = "125 mm/s/V"
+position = "27.165354330708661 in"
+)",
+                                      "rig.toml");
+  EXPECT_EQ(file.rig.contact.position, file.rig.beam.length);
+  EXPECT_EQ(file.rig.beam.masses[0].position, file.rig.beam.length);
+  EXPECT_EQ(file.rig.beam.masses[1].position, file.rig.beam.segments[0].length);
+  EXPECT_EQ(file.velocity->position, file.rig.beam.length);
+  EXPECT_THAT(message_of(with("position = \"0.69 m\"", "position = \"0.8000001 m\"")),
+              testing::HasSubstr("lies beyond the bar's end"));
 }
 
 TEST(RigFile, ABarOfSegments) {
