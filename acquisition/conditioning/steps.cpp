@@ -256,7 +256,32 @@ class Conditioning {
     IntegrationOptions options;
     options.quiet = action.quiet;
     options.zero_at = action.zero_at.value_or(channel(index).clock.start);
+    refuse_zero_beyond(channel(index), options.zero_at);
+    tell_bridged_integral(channel(index));
     add(integrate(channel(index), options), action.name);
+  }
+
+  /// A time [s] within the record but for half of a step.
+  static void refuse_zero_beyond(const Channel& channel, double time) {
+    if (channel.size() == 0 || !channel.clock.uniform()) return;
+    const double first = channel.clock.start, last = channel.clock.time(channel.size() - 1);
+    const double grace = 0.5 * channel.clock.interval;
+    if (time >= first - grace && time <= last + grace) return;
+    throw std::invalid_argument(
+        fmt::format("the integral of '{}' cannot be zero at {:g} s: the record goes from {:g} s to "
+                    "{:g} s",
+                    channel.name, time, first, last));
+  }
+
+  void tell_bridged_integral(const Channel& channel) {
+    const std::vector<std::uint8_t> sound = sound_marks(channel);
+    const auto first = std::ranges::find(sound, 0);
+    if (first == sound.end()) return;
+    record_.warnings.push_back(fmt::format(
+        "'{}' is integrated over {} samples that are not valid, by straight lines between those "
+        "beside them: from {:g} s on the integral holds what these give.",
+        channel.name, std::ranges::count(sound, 0),
+        channel.clock.time(static_cast<std::size_t>(first - sound.begin()))));
   }
 
   void act(const datasets::Differentiate& action, std::size_t index) {

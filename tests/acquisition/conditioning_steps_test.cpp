@@ -88,6 +88,28 @@ TEST(ApplySteps, WarnsOfAnApproachThatIsTakenForAnOffset) {
   EXPECT_THAT(warnings_of("Ref1", datasets::RemoveDrift{}), testing::IsEmpty());
 }
 
+TEST(ApplySteps, SaysThatAnIntegralGoesOverWhatIsNotValid) {
+  Record record = shot();
+  record.channels[0].valid.assign(record.channels[0].size(), 1);
+  for (std::size_t i = 1100; i < 1150; ++i) record.channels[0].valid[i] = 0;
+  const ConditioningStep impulse{"force", datasets::Integrate{"impulse", {}, {}}};
+  apply_steps(std::vector<ConditioningStep>{impulse}, record);
+  EXPECT_THAT(record.warnings, testing::ElementsAre(testing::HasSubstr(
+                                   "over 50 samples that are not valid, by straight lines")));
+  record = shot();
+  apply_steps(std::vector<ConditioningStep>{impulse}, record);
+  EXPECT_THAT(record.warnings, testing::IsEmpty());
+}
+
+TEST(ApplySteps, RefusesAnIntegralThatIsZeroBeyondTheRecord) {
+  for (const double time : {-2e-3, 1.0}) {
+    Record record = shot();
+    EXPECT_ANY_THROW(apply_steps(
+        std::vector<ConditioningStep>{{"velocity", datasets::Integrate{"way", {}, time}}}, record))
+        << time;
+  }
+}
+
 TEST(ApplySteps, DoesThemInTheirOrder) {
   Record record = shot();
   apply_steps(std::vector<ConditioningStep>{{"velocity", datasets::Integrate{"way", {}, -1e-3}},
