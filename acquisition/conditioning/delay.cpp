@@ -135,10 +135,36 @@ double wandering_variance(const Link& link, double delay, double coefficient,
   return coefficient * coefficient / squares * link.noise_power * step * weights.squaredNorm();
 }
 
+/// By how much noise of the reference makes the delay less sure than `squares`, those of the
+/// model's slope by it, say: of these a share b is noise, which cancels in the curvature of least
+/// squares, as the residuals hold it too, and works against the channel's own noise, a part c of
+/// both. The variance is (1 − b + b c) / (1 − b)² times as large. b is what the residuals' slopes
+/// tell, by the reference's part of the noise.
+double unsure_by_reference(const Link& link, const LinkFit& fit, double coefficient,
+                           double squares) {
+  constexpr double least_signal = 0.05;  // where hardly any of the slope is, that is hardly known
+  Signal residuals = link.channel;
+  residuals.values.assign(fit.residuals.data(), fit.residuals.data() + fit.residuals.size());
+  const double h = 0.25 * link.channel.interval;
+  double slopes = 0.0;
+  for (std::size_t i = 1; i + 1 < residuals.values.size(); ++i) {
+    if (link.counting[i] == 0) continue;
+    const double t = residuals.time(i);
+    slopes += std::pow((residuals.at(t + h) - residuals.at(t - h)) / (2.0 * h), 2);
+  }
+  const double of_reference = std::pow(coefficient * step_noise(link.basis.front().values), 2);
+  const double of_channel = std::pow(step_noise(link.channel.values), 2);
+  const double both = of_reference + of_channel;
+  if (!(both > 0.0)) return 1.0;
+  const double noise = std::min(slopes * of_reference / both / squares, 1.0 - least_signal);
+  return std::sqrt(1.0 - noise + noise * of_channel / both) / (1.0 - noise);
+}
+
 /// Standard error of the delay beside all coefficients.
 double delay_error(const Link& link, int terms, const LinkFit& fit) {
   Eigen::MatrixXd jacobian = columns(link, terms, fit.delay);
   const double h = 0.25 * link.channel.interval;
+  double of_reference = 0.0;  // in the model
   // Coefficients are of columns of unit length: take the lengths at this delay for both sides.
   const auto model = [&](double delay) {
     const Signal& y = link.channel;
@@ -155,6 +181,7 @@ double delay_error(const Link& link, int terms, const LinkFit& fit) {
       }
       const double size = here.norm();
       if (size > 0.0) sum += fit.coefficients[k] / size * there;
+      if (size > 0.0 && k == 0) of_reference = fit.coefficients[k] / size;
     }
     return sum;
   };
@@ -174,7 +201,9 @@ double delay_error(const Link& link, int terms, const LinkFit& fit) {
   const Eigen::VectorXd weights = own / own.squaredNorm();
   const double coloured = n / freedom * coloured_variance(fit.residuals, weights, n);
   const double wandering = wandering_variance(link, fit.delay, fit.coefficients[0], weights);
-  return std::sqrt(std::max(white, coloured) + wandering) / scale;
+  const double unsure =
+      unsure_by_reference(link, fit, of_reference, scale * scale * own.squaredNorm());
+  return std::sqrt(std::max(white, coloured) + wandering) / scale * unsure;
 }
 
 double misfit_of(const Link& link, int terms, const LinkFit& fit) {
