@@ -292,6 +292,18 @@ Likeness likeness_of(const std::vector<Shot>& shots, const Value& value) {
   return result;
 }
 
+void warn_of_fewer(const std::string& channel, std::size_t shots, const Sums& sums,
+                   Record& result) {
+  const auto all = static_cast<double>(shots);
+  const auto fewer = std::ranges::count_if(sums.n, [all](double n) { return n < all; });
+  if (fewer == 0) return;
+  result.warnings.push_back(
+      fmt::format("'{}': {} of {} samples are the mean of fewer than all {} shots, down to {:.0f}: "
+                  "those of the "
+                  "others are not valid.",
+                  channel, fewer, sums.n.size(), shots, *std::ranges::min_element(sums.n)));
+}
+
 double peak_of(const Shot& shot) {
   return shot.impact.peak;
 }
@@ -399,7 +411,9 @@ Record average_shots(std::span<const Record> records, const DetectionOptions& op
       continue;
     }
     warn_of_delay_left(shots, channel, result);
-    for (Channel& made : channels_of(channel, range, sums_of(channel, range, readings)))
+    const Sums sums = sums_of(channel, range, readings);
+    warn_of_fewer(channel.name, shots.size(), sums, result);
+    for (Channel& made : channels_of(channel, range, sums))
       result.channels.push_back(std::move(made));
   }
   note_shots(shots, result);

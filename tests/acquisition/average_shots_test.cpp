@@ -192,6 +192,8 @@ TEST(AverageShots, LeavesOutWhatIsNotFinite) {
     ASSERT_NEAR(mean.channels[2].value(i), velocity_at(mean.channels[2].clock.time(i)), 1e-9) << i;
     ASSERT_LT(mean.channels[3].value(i), 1e-9) << i;
   }
+  EXPECT_THAT(mean.warnings, testing::ElementsAre(testing::HasSubstr(
+                                 "samples are the mean of fewer than all 3 shots, down to 2")));
 }
 
 TEST(AverageShots, ConvertsUnitsAndLeavesInvalidSamplesOut) {
