@@ -54,7 +54,8 @@ class Surroundings {
 
 /// How many samples from one on have its value; 0 of more than a recorder loses.
 std::size_t equal_from(const Trace& trace, std::size_t i) {
-  const auto most = static_cast<std::size_t>(longest_of_one_value / trace.interval);
+  const auto size = static_cast<double>(trace.values.size());
+  const auto most = static_cast<std::size_t>(std::min(longest_of_one_value / trace.interval, size));
   std::size_t count = 1;
   while (i + count < trace.values.size() && trace.values[i + count] == trace.values[i]) ++count;
   return count <= most ? count : 0;

@@ -34,8 +34,8 @@ struct Arrival {
 Arrival arrive(const Rig& rig, const ModalBeam& beam);
 
 /// Arrival::vibration of a rig that is released before a stop, by its slowest modes, which have
-/// most of it; none where small motion does not know the rig, its spring bends the bar, or it does not
-/// arrive.
+/// most of it; none where small motion does not know the rig, its spring bends the bar, or it does
+/// not arrive.
 std::optional<double> release_vibration(const Rig& rig);
 
 }  // namespace impactrig::models

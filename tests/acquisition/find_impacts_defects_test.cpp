@@ -96,6 +96,16 @@ TEST(FindImpacts, TakesNothingSharpForAGlitch) {
   }
 }
 
+// Of a clock so fast that 300 us are more samples than can be counted.
+TEST(FindImpacts, FindsGlitchesByAnyClock) {
+  const Sampling at;
+  Trace trace;
+  trace.interval = 1e-300;
+  trace.values = sampled(at, pulse);
+  std::fill_n(trace.values.begin() + 1100, 5, 0.0);
+  EXPECT_EQ(find_glitches(trace).size(), 5U);
+}
+
 // A spike of three samples as of one: the contact lasts 133.
 TEST(FindImpacts, OverlooksSpikesOfAFewSamples) {
   const Sampling at;

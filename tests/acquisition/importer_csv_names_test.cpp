@@ -111,11 +111,12 @@ TEST(CsvNames, MayBeOverOneWordThatIsNoUnit) {
   EXPECT_THAT(names_and_units(record), Contains(HasSubstr("x [")));
 }
 
+std::string divided(const char* text) {
+  const ColumnHead head = split_head(text);
+  return head.name + "|" + head.unit;
+}
+
 TEST(ColumnHead, ARangeIsNoUnit) {
-  const auto divided = [](const char* text) {
-    const ColumnHead head = split_head(text);
-    return head.name + "|" + head.unit;
-  };
   EXPECT_EQ(divided("Acc (g) (50 g)"), "Acc (50 g)|g");
   EXPECT_EQ(divided("F (N) [5 V]"), "F [5 V]|N");
   EXPECT_EQ(divided("F [N] (5 kHz)"), "F (5 kHz)|N");
@@ -132,10 +133,6 @@ TEST(ColumnHead, ARangeIsNoUnit) {
 }
 
 TEST(ColumnHead, HasItsUnitBeforeASuffix) {
-  const auto divided = [](const char* text) {
-    const ColumnHead head = split_head(text);
-    return head.name + "|" + head.unit;
-  };
   EXPECT_EQ(divided("Time (ms) Run #1"), "Time Run #1|ms");
   EXPECT_EQ(divided("Force [N] - Plot 0"), "Force - Plot 0|N");
   EXPECT_EQ(divided("Time [ms].1"), "Time.1|ms");
