@@ -2,6 +2,7 @@
 #include "acquisition/conditioning/clipping.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -131,6 +132,35 @@ bool noisy_flat_top(const Trace& trace, const Contact& contact, double quantum,
   };
   return steep(top->depth(top->first - part), top->depth(top->first - 2 * part)) &&
          steep(top->depth(top->last + part), top->depth(top->last + 2 * part));
+}
+
+/// A crest whose noise is cut off with it: samples of a contact on one value, its extreme, far more
+/// than on the next two. Noise of a step or more thins out towards an extreme.
+bool cut_through_noise(const Trace& trace, const Contact& contact, double quantum,
+                       const DetectionOptions& options) {
+  constexpr std::size_t fewest = 6, more = 4;
+  const auto quiet = quiet_before(trace, contact.onset, 0, options);
+  if (!quiet) return false;
+  const double sigma =
+      fit_quiet(trace.values, quiet->begin, quiet->end, 1, quantum, trace.valid).sigma;
+  if (!(sigma > 0.75 * quantum)) return false;
+  const double sign = contact.peak < 0.0 ? -1.0 : 1.0;
+  const double same = 1e-9 * std::abs(contact.peak);
+  std::vector<double> depths;  // under the extreme
+  const auto end = std::min(static_cast<std::size_t>(contact.end) + 1, trace.values.size());
+  for (auto i = static_cast<std::size_t>(contact.onset); i < end; ++i)
+    if (trace.is_valid(i))
+      depths.push_back(sign * (trace.values[contact.peak_index] - trace.values[i]));
+  std::ranges::sort(depths);
+  std::array<std::size_t, 3> counts{};
+  double value = 0.0;
+  std::size_t k = 0;
+  for (const double depth : depths) {
+    if (depth > value + same && ++k == counts.size()) break;
+    value = depth;
+    ++counts[k];
+  }
+  return counts[0] >= std::max(fewest, more * std::max(counts[1], counts[2]));
 }
 
 bool reaches_range(const RecordedSignal& signal, std::size_t first, std::size_t last) {
@@ -290,6 +320,7 @@ bool trigger_clipped(const RecordedSignal& trigger, const Contact& contact,
   return reaches_range(trigger, first, last) ||
          (pulse && (marked_top(trigger, contact, first, last, options) ||
                     flat_top(trigger.trace, contact, trigger.quantum, options) ||
+                    cut_through_noise(trigger.trace, contact, trigger.quantum, options) ||
                     noisy_flat_top(trigger.trace, contact, trigger.quantum, options)));
 }
 

@@ -174,6 +174,16 @@ bool pinned_to_zero(std::span<const double> y, const Bridge& bridge, const Measu
          (jumps(bridge.left) || jumps(bridge.right));
 }
 
+/// Whether a level is further from zero than all that a signal shows outside a stretch: the end of
+/// a decoder's range, where a lost laser may be too.
+bool beyond_all_else(std::span<const double> y, const Bridge& bridge, double level) {
+  constexpr double margin = 0.95;
+  for (std::size_t i = 0; i < y.size(); ++i)
+    if ((i < bridge.begin || i >= bridge.end) && std::abs(y[i]) > margin * std::abs(level))
+      return false;
+  return true;
+}
+
 /// Whether a part of the stretch between two edges is sound: what lies between two losses, each
 /// with edges of its own. It is less than half as far off as another part, or the laser shows more
 /// there than what is expected of the bar, and quietly.
@@ -191,7 +201,7 @@ bool sound_within(std::span<const double> y, const Bridge& bridge,
     const QuietFit course = fit_quiet(y, from, to, 1, 0.0);
     const double level = course.coefficients[0], expected = bridge.at((from + to) / 2);
     if (measure.towards_zero && std::abs(level) > std::abs(expected) &&
-        course.sigma < 0.5 * std::abs(level - expected))
+        course.sigma < 0.5 * std::abs(level - expected) && !beyond_all_else(y, bridge, level))
       return true;
   }
   return 2.0 * nearest < furthest;

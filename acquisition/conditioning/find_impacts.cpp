@@ -17,6 +17,7 @@
 #include "acquisition/conditioning/impact_flags.hpp"
 #include "acquisition/conditioning/recorded_signal.hpp"
 #include "acquisition/conditioning/samples.hpp"
+#include "acquisition/conditioning/spikes.hpp"
 #include "acquisition/conditioning/swapped_channels.hpp"
 #include "acquisition/conditioning/trace.hpp"
 #include "datasets/input_error.hpp"
@@ -135,24 +136,6 @@ std::vector<Contact> find_contacts(const RecordedSignal& trigger, const Detectio
   return beside.empty() ? contacts : beside;
 }
 
-/// One to three samples about the peak of a contact, between two at the level before: an electric
-/// spike.
-std::optional<IndexRange> short_spike(const Trace& trace, const std::vector<Contact>& contacts) {
-  constexpr double foot = 0.1;
-  constexpr std::size_t longest = 3;  // what a sample of noise becomes in a recorder's filter
-  const std::size_t n = trace.values.size();
-  for (const Contact& contact : contacts) {
-    const auto is_low = [&](std::size_t i) {
-      return std::abs(trace.values[i] - contact.baseline) < foot * std::abs(contact.peak);
-    };
-    IndexRange spike{contact.peak_index, contact.peak_index + 1};
-    while (spike.size() <= longest && spike.begin > 0 && !is_low(spike.begin - 1)) --spike.begin;
-    while (spike.size() <= longest && spike.end < n && !is_low(spike.end)) ++spike.end;
-    if (spike.size() <= longest && spike.begin > 0 && spike.end < n) return spike;
-  }
-  return std::nullopt;
-}
-
 /// Contacts of a force or an acceleration without spikes, which are marked as not valid. A few
 /// samples are a spike where a contact of the same record lasts ten times as long and is not far
 /// lower: those of one rig are alike, since what a contact lasts hardly depends on its speed. Where
@@ -165,7 +148,11 @@ std::vector<Contact> find_contacts_beside_spikes(RecordedSignal& trigger,
   if (trigger.trace.quantity == Quantity::velocity ||
       trigger.trace.quantity == Quantity::displacement)
     return contacts;
-  auto spike = short_spike(trigger.trace, contacts);
+  const auto spike_in = [&](const Trace& trace, const std::vector<Contact>& found) {
+    const auto spike = spike_among(trace, found);
+    return spike ? spike : spike_after(trace, found, options);
+  };
+  auto spike = spike_in(trigger.trace, contacts);
   if (!spike) return contacts;
   RecordedSignal cleared = trigger;
   std::vector<Contact> others = contacts;
@@ -181,7 +168,7 @@ std::vector<Contact> find_contacts_beside_spikes(RecordedSignal& trigger,
       highest = std::max(highest, std::abs(recorded[i] - trace.values[spike->begin + i]));
     longest = std::max(longest, as_double(spike->size()));
     others = find_contacts(cleared, options);
-    spike = short_spike(trace, others);
+    spike = spike_in(trace, others);
   }
   const bool outlasted = std::ranges::any_of(others, [&](const Contact& contact) {
     return contact.width >= width * longest && std::abs(contact.peak) > height * highest;

@@ -46,6 +46,7 @@ class PulseSearch {
   double width_of_tallest(double level) const;
   QuietFit course_before(std::size_t end) const;
   bool is_level(std::size_t end) const;
+  bool ends_on_rail(std::size_t crossing) const;
   double sound_share(std::size_t begin, std::size_t end) const;
   double height(double level, std::size_t begin, std::size_t end) const;
   std::size_t first_above(const Trigger& trigger, std::size_t from) const;
@@ -159,21 +160,33 @@ bool PulseSearch::is_level(std::size_t end) const {
          std::max(1.5 * at_least_a_step(course_before(end).sigma), 1.01 * normal_mad * grain_);
 }
 
+/// Whether a record that leaves its level before sample `crossing` ends on one value, its extreme,
+/// for longer than it has taken to get there: an amplifier that does not come back from its limit.
+bool PulseSearch::ends_on_rail(std::size_t crossing) const {
+  const double last = y_.back();
+  const auto [least, most] = std::ranges::minmax(y_);
+  const double same = 1e-9 * (most - least);
+  if (std::abs(last - least) > same && std::abs(last - most) > same) return false;
+  std::size_t begin = y_.size() - 1;
+  while (begin > crossing && std::abs(y_[begin - 1] - last) <= same) --begin;
+  return y_.size() - begin >= std::max(least_quiet, begin - crossing);
+}
+
 /// A force that begins off the level of most of its record, as one whose zero the impact has
 /// shifted does: the level of the begin, where it stays for longer than the highest pulse and that
-/// is no part of a contact, from which the record departs by no more than the contact is high. None
-/// where that is not so.
+/// is no part of a contact, from which the record departs by no more than the contact is high, or
+/// ends on a rail. None where that is not so.
 std::optional<Trigger> PulseSearch::begin_trigger(const Trigger& trigger) const {
   const Spread first = robust_spread(y_.first(least_quiet), trace_.marks(0, least_quiet));
   Trigger begin{.level = first.centre, .sigma = at_least_a_step(first.sigma)};
   const double peak = height(begin.level, 0, y_.size());
   begin.threshold = std::max(gate_ * begin.sigma, peak_fraction * peak);
   const std::size_t crossing = first_above(begin, 0);
-  if (crossing < least_quiet || crossing == y_.size() ||
-      peak < stands_out * std::abs(begin.level - trigger.level) ||
-      as_double(crossing) < width_of_tallest(begin.level) || !is_level(crossing - crossing / 4))
+  if (crossing < least_quiet || crossing == y_.size() || !is_level(crossing - crossing / 4))
     return std::nullopt;
-  return begin;
+  const bool comes_back = peak >= stands_out * std::abs(begin.level - trigger.level) &&
+                          as_double(crossing) >= width_of_tallest(begin.level);
+  return comes_back || ends_on_rail(crossing) ? std::optional(begin) : std::nullopt;
 }
 
 /// The threshold by the noise before the first crossing: ringing afterwards is no noise.

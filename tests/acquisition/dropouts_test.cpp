@@ -182,6 +182,26 @@ TEST(RepairDropouts, FindsANoisyLossWithinTheContact) {
     }
 }
 
+// A laser that is lost at the end of its range, level, for longer than a spike; in flight and
+// within the contact.
+TEST(RepairDropouts, FindsALossAtTheEndOfTheRange) {
+  const Sampling at;
+  for (const std::size_t length : {20U, 40U, 120U, 250U})
+    for (const std::size_t begin : {500U, 1060U, 1500U})
+      for (const double level : {1.25, -1.25}) {
+        if (begin == 1060U && length > 40U) continue;
+        std::vector<double> y = sampled(at, swing);
+        add_noise(y, 1.25e-3, 4);
+        for (std::size_t i = begin; i < begin + length; ++i) y[i] = level;
+        auto velocity = velocity_of(at, y);
+        SCOPED_TRACE(testing::Message() << length << " samples of " << level << " at " << begin);
+        EXPECT_EQ(repair_dropouts(velocity, {}).parameters.at("found"), "1");
+        ASSERT_EQ(velocity.valid.size(), at.samples);
+        for (std::size_t i = begin; i < begin + length; ++i) ASSERT_EQ(velocity.valid[i], 0) << i;
+        EXPECT_LE(std::ranges::count(velocity.valid, 0), static_cast<long>(length) + 6);
+      }
+}
+
 // What lies between is further from zero than what is to either side, so it is no loss.
 TEST(RepairDropouts, TellsTwoLossesThatFollowEachOther) {
   const Sampling at;

@@ -126,6 +126,83 @@ TEST(FindImpacts, OverlooksSpikesOfAFewSamples) {
     }
 }
 
+// More samples on end, that begin and end at once: no contact does.
+TEST(FindImpacts, OverlooksSquareSpikes) {
+  const Sampling at;
+  for (const std::size_t samples : {5, 8, 12})
+    for (const double height : {3000.0, -700.0, 750.0})
+      for (const std::size_t begin : {600U, 880U, 1600U}) {
+        std::vector<double> force = sampled(at, pulse);
+        add_noise(force, 1.0, 3);
+        const auto plain = find_impacts(record_of({force_of(at, force)}));
+        for (std::size_t i = 0; i < samples; ++i) force[begin + i] += height;
+        const auto impacts = find_impacts(record_of({force_of(at, force)}));
+        SCOPED_TRACE(testing::Message()
+                     << samples << " samples of " << height << " N at " << begin);
+        ASSERT_EQ(impacts.size(), 1u);
+        EXPECT_NEAR(impacts[0].start, plain.at(0).start, 1e-8);
+        EXPECT_NEAR(impacts[0].peak, plain.at(0).peak, 0.1);
+        EXPECT_TRUE(impacts[0].has(ImpactFlag::dropout));
+        EXPECT_FALSE(impacts[0].has(ImpactFlag::double_hit));
+      }
+}
+
+// What is sharp after a contact and no spike: ringing of few samples a period, a touch whose force
+// jumps, a digitiser's steps.
+TEST(FindImpacts, TakesNothingSharpForASpike) {
+  const Sampling at;
+  const auto lost_in = [&](std::vector<double> force) {
+    const auto impacts = find_impacts(record_of({force_of(at, std::move(force))}));
+    return std::ranges::any_of(impacts, [](const Impact& i) { return i.has(ImpactFlag::dropout); });
+  };
+  for (const double period : {2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 22.0})
+    for (const double decay : {1.0, 4.0, 30.0}) {
+      std::vector<double> force = sampled(at, pulse);
+      for (std::size_t i = 1200; i < force.size(); ++i) {
+        const double n = static_cast<double>(i - 1200) + 0.3;
+        force[i] +=
+            400.0 * std::sin(2.0 * std::numbers::pi * n / period) * std::exp(-n / (decay * period));
+      }
+      add_noise(force, 1.0, 3);
+      EXPECT_FALSE(lost_in(force)) << period << " samples, decay " << decay;
+    }
+  for (const std::size_t samples : {4U, 10U, 16U, 40U}) {
+    std::vector<double> force = sampled(at, pulse);
+    for (std::size_t i = 0; i < samples; ++i) {
+      const double s = static_cast<double>(i) / static_cast<double>(samples);
+      force[1500 + i] += 600.0 * (1.0 - s * s);
+    }
+    add_noise(force, 1.0, 3);
+    EXPECT_FALSE(lost_in(force)) << "a jump, then " << samples << " samples";
+  }
+  std::vector<double> force = sampled(at, pulse);
+  add_noise(force, 10.0, 3);
+  round_to(force, 200.0);
+  EXPECT_FALSE(lost_in(force));
+}
+
+// An amplifier that stays at its limit for most of the record: its median is the limit.
+TEST(FindImpacts, FindsTheRiseToARailThatIsNotLeft) {
+  for (const std::size_t samples : {2400U, 4000U, 20000U})
+    for (const double sign : {1.0, -1.0})
+      for (const double step : {0.0, 1.0}) {
+        const Sampling at{.start = -1e-3, .interval = 1e-6, .samples = samples};
+        std::vector<double> force =
+            sampled(at, [&](double t) { return t < 60e-6 ? pulse(t) : 1200.0; });
+        add_noise(force, 2.0, 5);
+        if (step > 0.0) round_to(force, step);
+        for (double& value : force) value = sign * std::min(value, 1150.0);
+        const auto impacts = find_impacts(record_of({force_of(at, force)}));
+        SCOPED_TRACE(testing::Message() << samples << " samples, " << sign << ", step " << step);
+        ASSERT_EQ(impacts.size(), 1u);
+        EXPECT_NEAR(impacts[0].start, 0.0, 3e-6);
+        EXPECT_NEAR(impacts[0].peak, sign * 1150.0, 2.0);
+        EXPECT_TRUE(impacts[0].has(ImpactFlag::clipped));
+        EXPECT_TRUE(impacts[0].has(ImpactFlag::truncated_tail));
+        EXPECT_EQ(impacts[0].has(ImpactFlag::inverted), sign < 0.0);
+      }
+}
+
 // Contacts over 65 % of the record: its median is not what the force rests at. 20 records.
 TEST(FindImpacts, KnowsTheLevelWhereContactsFillMostOfTheRecord) {
   const Sampling at{.start = -0.8e-3, .interval = 1e-6, .samples = 5600};
@@ -187,6 +264,39 @@ TEST(ClippedFlag, IsSilentOnEqualSamplesByChance) {
     clipped += find_impacts(record_of({force_of(at, force)})).at(0).has(ImpactFlag::clipped);
   }
   EXPECT_LE(clipped, 1);
+}
+
+// A digitiser's limit just under the crest, noise before it: hardly two samples on end are at it.
+TEST(ClippedFlag, FiresOnACrestThatIsCutWithItsNoise) {
+  const Sampling at;
+  for (const double part : {0.95, 0.98, 0.99})
+    for (const double noise : {3.0, 8.0, 15.0})
+      for (const double step : {0.0, 0.1, 1.0}) {
+        int clipped = 0;
+        for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+          auto force = sampled(at, pulse);
+          add_noise(force, noise, seed);
+          if (step > 0.0) round_to(force, step);
+          for (double& value : force) value = std::min(value, 1500.0 * part);
+          clipped += find_impacts(record_of({force_of(at, force)})).at(0).has(ImpactFlag::clipped);
+        }
+        EXPECT_GE(clipped, 10) << part << " " << noise << " " << step;
+      }
+}
+
+// The same without a limit, noise of 0.8 to 20 steps. 500 records.
+TEST(ClippedFlag, IsSilentOnCrestsInNoise) {
+  const Sampling at;
+  const auto clean = sampled(at, pulse);
+  int clipped = 0;
+  for (const double steps : {0.8, 1.0, 1.5, 3.0, 20.0})
+    for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+      auto force = clean;
+      add_noise(force, steps, seed);
+      round_to(force, 1.0);
+      clipped += find_impacts(record_of({force_of(at, force)})).at(0).has(ImpactFlag::clipped);
+    }
+  EXPECT_EQ(clipped, 0);
 }
 
 Impact impact_with(const Sampling& at, std::vector<double> velocity) {
