@@ -157,9 +157,11 @@ void take_time_by_heads(const TableLayout& layout, const std::vector<ColumnHead>
   if (!roles.time && !layout.dates.empty()) {
     roles.time = layout.dates.front().last;
     const DateColumns& date = layout.dates.front();
-    roles.reason = date.whole_seconds  ? "seconds and what is behind them"
-                   : date.base.elapsed ? "holds durations"
-                                       : "holds times of day";
+    using Written = DateColumns::Written;
+    roles.reason = date.written == Written::whole_seconds ? "seconds and what is behind them"
+                   : date.written == Written::numbers     ? "hour, minute and second"
+                   : date.base.elapsed                    ? "holds durations"
+                                                          : "holds times of day";
   }
   // a date in days that does not change is none before the times
   for (const bool rises : {true, false})

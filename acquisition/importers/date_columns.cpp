@@ -199,41 +199,124 @@ std::vector<DateColumns> find_date_columns(const TextFile& file,
     found.push_back(*date);
   }
   for (DateColumns& date : found)
-    if (date.base.elapsed) date.base.nanoseconds = 0;
+    if (date.base.elapsed || date.base.before_zero) date.base.nanoseconds = 0;
   // a date alone says nothing about the time between two rows
   std::erase_if(found, [](const DateColumns& date) { return !date.base.has_time; });
   share_base(found);
   return found;
 }
 
-std::vector<DateColumns> find_second_columns(const std::vector<std::string_view>& lines,
+namespace {
+
+using Names = Cells;
+
+/// Whole seconds in column `c` and what is behind them in the next.
+std::optional<DateColumns> seconds_at(const std::vector<std::string_view>& lines,
+                                      const TableLayout& layout, const Names& names,
+                                      std::size_t c) {
+  if (c + 1 >= std::min(names.size(), layout.cells)) return std::nullopt;
+  const CountName whole(names[c]), behind(names[c + 1]);
+  const std::int64_t unit = behind.unit();
+  const bool of_one = whole.of == behind.of || behind.of.empty();
+  if (whole.unit() != second || unit == 0 || unit == second || !of_one) return std::nullopt;
+  std::optional<DateTime> base;
+  for (std::size_t i = layout.head.size(); i < lines.size(); ++i) {
+    if (is_skipped_line(lines[i])) continue;
+    const Cells row = cells_of(lines[i], layout.dialect.delimiter);
+    if (c + 1 >= row.size() || row[c].empty() || row[c + 1].empty())
+      continue;  // cut off or spoilt: reading it says so
+    const auto seconds = whole_seconds_in(row[c]);
+    const auto count = integer_in(row[c + 1]);
+    if (!seconds || !count || *count < 0 || *count >= second / unit) return std::nullopt;
+    if (base) continue;
+    base = *seconds;
+    base->nanoseconds += *count * unit;
+  }
+  if (!base) return std::nullopt;
+  return DateColumns{.first = c,
+                     .last = c + 1,
+                     .base = *base,
+                     .fraction = unit,
+                     .written = DateColumns::Written::whole_seconds};
+}
+
+/// Whether names from column `c` on are those of a clock's parts, in this order.
+template <std::size_t N>
+bool are_parts(const Names& names, std::size_t c, const std::array<std::string_view, N>& parts) {
+  if (c + parts.size() > names.size()) return false;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const std::string word = " " + lowered(names[c + k]) + " ";
+    if (word.size() == 2 || parts[k].find(word) == parts[k].npos) return false;
+  }
+  return true;
+}
+
+/// Hours, minutes and seconds from column `c` on, with a date before them, and with a fraction of
+/// whole seconds behind them.
+std::optional<DateColumns> parts_at(const std::vector<std::string_view>& lines,
+                                    const TableLayout& layout, const Names& names, std::size_t c) {
+  constexpr std::string_view hours = " hour hours hr h hh stunde stunden std ";
+  constexpr std::string_view minutes = " minute minutes min mm m mn minuten ";
+  constexpr std::string_view seconds = " second seconds sec s ss sekunde sekunden sek ";
+  constexpr std::array time = {hours, minutes, seconds};
+  constexpr std::array date_and_time = {std::string_view(" year years yr yyyy yy jahr "),
+                                        std::string_view(" month months mon mm monat "),
+                                        std::string_view(" day days dd tag "),
+                                        hours,
+                                        minutes,
+                                        seconds};
+  const bool dated = are_parts(names, c, date_and_time);
+  if (!dated && !are_parts(names, c, time)) return std::nullopt;
+  DateColumns clock{.first = c,
+                    .last = c + (dated ? date_and_time.size() : time.size()) - 1,
+                    .base = {},
+                    .written = DateColumns::Written::numbers};
+  const std::size_t next = clock.last + 1;
+  std::int64_t unit = 0;
+  if (next < std::min(names.size(), layout.cells)) {
+    const CountName behind(names[next]);
+    unit = behind.of.empty() && behind.unit() != second ? behind.unit() : 0;
+  }
+  std::optional<std::int64_t> fraction;  // of the first row
+  std::optional<DateTime> base;
+  for (std::size_t i = layout.head.size(); i < lines.size(); ++i) {
+    if (is_skipped_line(lines[i])) continue;
+    const Cells row = cells_of(lines[i], layout.dialect.delimiter);
+    if (row.size() <= clock.last || joined(row, clock.first, clock.last).empty()) continue;
+    const auto at = clock.read(joined(row, clock.first, clock.last), layout.dialect);
+    if (!at) return std::nullopt;
+    if (unit > 0) {
+      const auto count = next < row.size() ? integer_in(row[next]) : std::nullopt;
+      const bool fits =
+          count && *count >= 0 && *count < second / unit && at->nanoseconds % second == 0;
+      if (!fits) unit = 0;
+      if (fits && !base) fraction = *count;
+    }
+    if (!base) base = at;
+  }
+  if (!base) return std::nullopt;
+  clock.base = *base;
+  if (unit > 0 && fraction) {
+    clock.base.nanoseconds += *fraction * unit;
+    clock.fraction = unit;
+    clock.last = next;
+  }
+  return clock;
+}
+
+}  // namespace
+
+std::vector<DateColumns> find_counted_clocks(const std::vector<std::string_view>& lines,
                                              const TableLayout& layout) {
   if (layout.head.empty() || layout.key_cells > 0) return {};
-  const char delimiter = layout.dialect.delimiter;
-  const Cells names = cells_of(without_comment_sign(layout.head.back()), delimiter);
+  const Names names = cells_of(without_comment_sign(layout.head.back()), layout.dialect.delimiter);
   std::vector<DateColumns> found;
-  for (std::size_t c = 0; c + 1 < std::min(names.size(), layout.cells); ++c) {
-    const CountName whole(names[c]), behind(names[c + 1]);
-    const std::int64_t unit = behind.unit();
-    const bool of_one = whole.of == behind.of || behind.of.empty();
-    if (whole.unit() != second || unit == 0 || unit == second || !of_one) continue;
-    std::optional<DateTime> base;
-    bool fits = true;
-    for (std::size_t i = layout.head.size(); i < lines.size() && fits; ++i) {
-      if (is_skipped_line(lines[i])) continue;
-      const Cells row = cells_of(lines[i], delimiter);
-      if (c + 1 >= row.size() || row[c].empty() || row[c + 1].empty())
-        continue;  // cut off or spoilt: reading it says so
-      const auto seconds = whole_seconds_in(row[c]);
-      const auto count = integer_in(row[c + 1]);
-      fits = seconds && count && *count >= 0 && *count < second / unit;
-      if (!fits || base) continue;
-      base = *seconds;
-      base->nanoseconds += *count * unit;
-    }
-    if (fits && base)
-      found.push_back(
-          {.first = c, .last = c + 1, .base = *base, .fraction = unit, .whole_seconds = true});
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    auto clock = parts_at(lines, layout, names, c);
+    if (!clock) clock = seconds_at(lines, layout, names, c);
+    if (!clock) continue;
+    c = clock->last;
+    found.push_back(*clock);
   }
   return found;
 }

@@ -19,9 +19,10 @@ std::vector<DateColumns> find_date_columns(const TextFile& file,
                                            const std::vector<std::string_view>& lines,
                                            const TableLayout& layout, std::size_t named);
 
-/// Finds whole seconds and what is behind them side by side in a table of numbers, by the words of
-/// their heads: "sec,nsec", "stamp.secs,stamp.nsecs", "Seconds,Microseconds".
-std::vector<DateColumns> find_second_columns(const std::vector<std::string_view>& lines,
+/// Finds clocks that take several columns of a table of numbers, by the words of their heads: whole
+/// seconds and what is behind them, "sec,nsec", "stamp.secs,stamp.nsecs", "Seconds,Microseconds";
+/// or hours, minutes and seconds, "Year,Month,Day,Hour,Minute,Second", "h,min,s,ms".
+std::vector<DateColumns> find_counted_clocks(const std::vector<std::string_view>& lines,
                                              const TableLayout& layout);
 
 }  // namespace impactrig::acquisition

@@ -320,12 +320,24 @@ std::optional<std::int64_t> days_between(const DateTime& from, const DateTime& t
   return days;
 }
 
+/// "-00:00:00.1", and "-2 min".
+std::optional<DateTime> time_before(std::string_view text) {
+  auto found = date_time_in(text.substr(1));
+  if (found && found->elapsed) return duration_in(text);
+  if (!found || found->has_date || found->zone) return std::nullopt;
+  found->nanoseconds = -found->nanoseconds;
+  found->before_zero = true;
+  found->period = 0;
+  return found;
+}
+
 }  // namespace
 
 std::optional<DateTime> date_time_in(std::string_view text) {
   constexpr std::string_view between = " \t\",;|";
   // a duration of pandas
   constexpr std::string_view no_days = "0 days ";
+  if (text.size() > 1 && text.front() == '-' && detail::is_digit(text[1])) return time_before(text);
   DateTime found;
   found.elapsed = text.starts_with(no_days);
   if (found.elapsed) text.remove_prefix(no_days.size());
@@ -359,6 +371,31 @@ std::optional<DateTime> date_time_in(std::string_view text) {
   return found;
 }
 
+std::optional<DateTime> clock_of_numbers(std::span<const double> numbers) {
+  if (numbers.size() != 3 && numbers.size() != 6) return std::nullopt;
+  const auto is_whole = [](double number) { return number == std::floor(number); };
+  const auto time = numbers.last(3);
+  if (!std::ranges::all_of(numbers.first(numbers.size() - 1), is_whole)) return std::nullopt;
+  if (!(time[0] >= 0.0 && time[0] < 10'000.0 && time[1] >= 0.0 && time[1] < 60.0 &&
+        time[2] >= 0.0 && time[2] < 61.0))
+    return std::nullopt;
+  DateTime found;
+  found.has_time = true;
+  found.nanoseconds = std::llround(3600.0 * time[0] + 60.0 * time[1]) * second +
+                      std::llround(time[2] * static_cast<double>(second));
+  found.period = time[0] < 24.0 ? day : 0;
+  if (numbers.size() == 3) return found;
+  constexpr double most = 9999.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!(numbers[k] >= 1.0 && numbers[k] <= most)) return std::nullopt;
+    found.date[k] = static_cast<int>(numbers[k]);
+  }
+  found.days.fill(days_to(found.date[0], found.date[1], found.date[2]));
+  if (!found.days[0] || time[0] >= 24.0) return std::nullopt;
+  found.has_date = true;
+  return found;
+}
+
 std::optional<DateTime> whole_seconds_in(std::string_view text) {
   constexpr std::int64_t since_1970 = 100'000'000, most = 9'000'000'000;
   const auto seconds = integer_in(text);
@@ -385,7 +422,7 @@ std::optional<double> seconds_between(const DateTime& from, const DateTime& to) 
     return std::nullopt;
   std::int64_t elapsed = to.nanoseconds - from.nanoseconds;
   if (!from.has_date) {
-    if (elapsed < 0) elapsed += from.period;
+    if (elapsed < 0 && !to.before_zero) elapsed += from.period;
   } else if (from.date != to.date) {
     const auto days = days_between(from, to);
     constexpr std::int64_t most_days = 36525;  // a century: 2^63 ns are almost three

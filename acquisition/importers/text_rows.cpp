@@ -215,7 +215,7 @@ bool RowReader::read_date(std::size_t c) {
   if (date.fraction > 0 && text.ends_with(delimiter_))
     text = trimmed(text.substr(0, text.size() - 1));
   const DateTime& base = date.base;
-  auto time = date.read(text);
+  auto time = date.read(text, layout_.dialect);
   if (time && fraction) time->nanoseconds += *fraction;
   if (!fraction) time.reset();
   const auto seconds = time ? seconds_between(base, *time) : std::nullopt;

@@ -352,8 +352,16 @@ bool TableLayout::holds_text(std::size_t column) const {
   return std::ranges::find(text_columns, column, &TextColumn::column) != text_columns.end();
 }
 
-std::optional<DateTime> DateColumns::read(std::string_view text) const {
-  return whole_seconds ? whole_seconds_in(without_quotes(text)) : date_time_in(text);
+std::optional<DateTime> DateColumns::read(std::string_view cells, Dialect dialect) const {
+  if (written == Written::text) return date_time_in(cells);
+  if (written == Written::whole_seconds) return whole_seconds_in(without_quotes(cells));
+  std::vector<double> numbers;
+  for (const std::string_view cell : cells_of(cells, dialect.delimiter)) {
+    const auto number = number_in(cell, {dialect.decimal, false});
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+  }
+  return clock_of_numbers(numbers);
 }
 
 std::size_t TableLayout::cells_beside() const {
@@ -396,7 +404,7 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   const std::size_t named =
       layout.head.empty() ? 0 : named_columns(layout.head.back(), layout.dialect);
   layout.dates = layout.dialect.dates ? find_date_columns(file, lines, layout, named)
-                                      : find_second_columns(lines, layout);
+                                      : find_counted_clocks(lines, layout);
   find_text_columns(lines, named, layout);
   if (!file.is_part()) layout.end = end_of_rows(text, layout);
   return layout;

@@ -39,10 +39,16 @@ struct DateColumns {
   /// Of the last column where it counts what is behind the seconds, as loggers write "ms" or "us"
   /// beside a time in whole seconds [ns]; 0: it does not.
   std::int64_t fraction = 0;
-  bool whole_seconds = false;  ///< the first column counts seconds, "1700000000,250000000"
 
   /// What its cells but that of the fraction hold.
-  std::optional<DateTime> read(std::string_view text) const;
+  enum class Written : std::uint8_t {
+    text,           ///< dates and times as date_time_in() reads them
+    whole_seconds,  ///< one count, "1700000000,250000000"
+    numbers         ///< hour, minute and second, or these behind year, month and day
+  } written = Written::text;
+
+  /// Of these cells.
+  std::optional<DateTime> read(std::string_view cells, Dialect dialect) const;
 };
 
 /// A column of numbers that are counted from the first: they are too large for their differences.

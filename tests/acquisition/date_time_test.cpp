@@ -88,7 +88,9 @@ TEST(DateTime, WhatIsNoneIsRefused) {
                            "20240301T120",
                            "99999:00:00",
                            "0x10:00:00",
-                           "-12:00:00",
+                           "--12:00:00",
+                           "-12:00:00 2024-03-01",
+                           "-12:00:00Z",
                            "Mai 1, 2024"})
     EXPECT_FALSE(date_time_in(text)) << text;
 }

@@ -253,5 +253,70 @@ TEST(CsvSecondColumns, OfALargeFileAreReadByBlocksAsTheyAreReadAtOnce) {
   EXPECT_EQ(at_once.channels.at(0).clock.interval, 1e-3);
 }
 
+TEST(Csv, TimesOfAClockMayBeBeforeItsZero) {
+  for (const char* rows : {"-00:00:00.002,0\n-00:00:00.001,1\n00:00:00.000,2\n00:00:00.001,3\n",
+                           "-00:00.002,0\n-00:00.001,1\n00:00.000,2\n00:00.001,3\n"}) {
+    const auto record = imported(std::string("Time,F\n") + rows);
+    ASSERT_EQ(record.channels.size(), 1U) << rows;
+    EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3);
+    EXPECT_EQ(record.channels[0].clock.start, -0.002);
+    EXPECT_THAT(record.warnings, IsEmpty());
+  }
+}
+
+struct ClockColumns {
+  const char* text;
+  const char* started;
+};
+
+class CsvClockColumns : public testing::TestWithParam<ClockColumns> {};
+
+// Over a minute's end, after which seconds alone begin anew.
+TEST_P(CsvClockColumns, AreOneTime) {
+  const auto [text, started] = GetParam();
+  const Record record = imported(text);
+  ASSERT_EQ(record.channels.size(), 1U) << text;
+  EXPECT_EQ(record.channels[0].name, "F");
+  EXPECT_EQ(record.channels[0].values(), (std::vector<double>{7, 8, 9, 10}));
+  EXPECT_EQ(record.channels[0].clock.start, 0.0);
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.25);
+  EXPECT_EQ(record.started, started);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Heads, CsvClockColumns,
+    testing::Values(ClockColumns{"Hour,Minute,Second,F [N]\n10,59,59.5,7\n10,59,59.75,8\n11,0,0,9\n"
+                                 "11,0,0.25,10\n",
+                                 ""},
+                    ClockColumns{
+                        "Year;Month;Day;Hour;Minute;Second;F [N]\n2024;2;29;23;59;59,5;7\n"
+                        "2024;2;29;23;59;59,75;8\n2024;3;1;0;0;0;9\n2024;3;1;0;0;0,25;10\n",
+                        "2024-02-29T23:59:59.5"},
+                    ClockColumns{"HH\tMM\tSS\tms\tF [N]\n23\t59\t59\t500\t7\n23\t59\t59\t750\t8\n"
+                                 "0\t0\t0\t0\t9\n0\t0\t0\t250\t10\n",
+                                 ""},
+                    ClockColumns{"# yyyy mm dd hh mm ss F\n2.0240e+03 3 1 10 59 59.50 7\n"
+                                 "2.0240e+03 3 1 10 59 59.75 8\n2.0240e+03 3 1 11 00 00.00 9\n"
+                                 "2.0240e+03 3 1 11 00 00.25 10\n",
+                                 "2024-03-01T10:59:59.5"}));
+
+TEST(CsvClockColumns, OfNoClockAreColumns) {
+  EXPECT_EQ(imported("h,min,s\n1,70,3\n2,80,4\n3,90,5\n").channels.size(), 2U);
+  EXPECT_EQ(imported("m,s,F\n1,0,3\n2,1,4\n3,2,5\n").channels.size(), 2U);
+  EXPECT_THAT(import_error("hour,minute,second,F\n1,2,3,1\n1,2,4,2\n1,2,5,3\n1,x,6,4\n1,2,7,5\n"),
+              HasSubstr(":5:3 (byte 47): minute: expected a number, found 'x'"));
+}
+
+TEST(CsvClockColumns, OfALargeFileAreReadByBlocksAsTheyAreReadAtOnce) {
+  std::string text = "hour,minute,second,F\n";
+  for (int i = 0; i < 150000; ++i)
+    text += fmt::format("{},{},{}.{:03},{}\n", 7, i / 60000, i / 1000 % 60, i % 1000, i);
+  const tests::WrittenFile file(text, ".csv");
+  const auto at_once = read_into_memory(*open_csv(file.path(), {}), {});
+  tests::expect_same(read_into_memory(*open_csv_by_blocks(file.path(), {}), {}), at_once);
+  EXPECT_EQ(at_once.channels.at(0).clock.interval, 1e-3);
+}
+
 }  // namespace
 }  // namespace impactrig::acquisition
