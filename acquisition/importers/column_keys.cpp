@@ -261,6 +261,7 @@ void find_interval(Dialect dialect, TableHead& head) {
                                                               "период дискретизации",
                                                               "Период дискретизации"});
   constexpr auto rates = std::to_array<std::string_view>({"sample rate",
+                                                          "rate",
                                                           "sampling rate",
                                                           "samplerate",
                                                           "sample frequency",

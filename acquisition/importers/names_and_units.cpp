@@ -7,6 +7,7 @@
 #include <array>
 #include <cctype>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -81,13 +82,17 @@ bool has_numbers_alone(std::string_view line) {
   return std::ranges::any_of(line, is_digit) && std::ranges::none_of(line, may_be_word);
 }
 
+/// The words that a line begins with where it lists a channel.
+constexpr auto channel_words = std::to_array<std::string_view>({"channel", "kanal", "ch"});
+
 /// "force [N]" of "# 2: force [N]" and "Column 2 = force [N]", the name of column 2 where columns
-/// count from `first`.
-std::optional<std::string_view> listed_name(std::string_view line, std::size_t column, long first) {
+/// count from `first`; `words` may stand before the number.
+std::optional<std::string_view> listed_name(std::string_view line, std::size_t column, long first,
+                                            std::span<const std::string_view> words) {
   std::string_view text = trimmed(without_comment_sign(line));
-  const std::string words = lowered(text.substr(0, 7));
-  for (const std::string_view word : {"column", "spalte", "col"})
-    if (words.starts_with(word)) {
+  const std::string begin = lowered(text.substr(0, 7));
+  for (const std::string_view word : words)
+    if (begin.starts_with(word)) {
       text = trimmed(text.substr(word.size()));
       break;
     }
@@ -102,12 +107,13 @@ std::optional<std::string_view> listed_name(std::string_view line, std::size_t c
 /// Names in the last lines above the rows, one a line in the order of the columns: "# 1: time [ms]"
 /// over "# 2: force [N]". None where they are not listed so.
 HeadCells listed_names(const TableLayout& layout, const std::vector<std::size_t>& filled) {
+  constexpr auto words = std::to_array<std::string_view>({"column", "spalte", "col"});
   if (layout.cells < 2 || filled.size() < layout.cells) return {};
   for (const long first : {1L, 0L}) {
     HeadCells names;
     for (std::size_t c = 0; c < layout.cells; ++c) {
       const std::size_t line = filled[filled.size() - layout.cells + c];
-      const auto name = listed_name(layout.head[line], c, first);
+      const auto name = listed_name(layout.head[line], c, first, words);
       if (!name) break;
       names.push_back(*name);
     }
@@ -330,6 +336,43 @@ void pass_over_figures(const TableLayout& layout, std::vector<std::size_t>& fill
   filled = std::move(others);
 }
 
+/// Names in lines "Ch1: Force / N" over "Ch2: Velocity / m/s" anywhere in the head, each with its
+/// unit, one a column or one for each but the first; none where a line of names follows them.
+HeadCells listed_channels(const TableLayout& layout, const std::vector<std::size_t>& filled,
+                          TableHead& head) {
+  const auto name_at = [&](std::size_t line, std::size_t channel) -> std::string_view {
+    const bool worded = std::ranges::any_of(channel_words, [&](std::string_view word) {
+      return lowered(trimmed(without_comment_sign(layout.head[line]))).starts_with(word);
+    });
+    const auto name = listed_name(layout.head[line], channel, 1, channel_words);
+    if (!worded || !name) return {};
+    const ColumnHead parts = split_head(*name);
+    const bool has_both = !parts.name.empty() && !parts.unit.empty() && is_unit(parts.unit);
+    return has_both && !number_in(parts.name, {'.', false}) ? *name : std::string_view{};
+  };
+  for (const std::size_t count : {layout.cells, layout.cells - 1}) {
+    if (count == 0 || filled.size() < count) continue;
+    for (std::size_t at = 0; at + count <= filled.size(); ++at) {
+      HeadCells names(layout.cells - count);
+      for (std::size_t c = 0; c < count; ++c) {
+        const std::string_view name = name_at(filled[at + c], c);
+        if (name.empty()) break;
+        names.push_back(name);
+      }
+      const bool further =
+          at + count < filled.size() && !name_at(filled[at + count], count).empty();
+      if (names.size() < layout.cells || further) continue;
+      const bool followed = std::any_of(
+          filled.begin() + static_cast<std::ptrdiff_t>(at + count), filled.end(),
+          [&](std::size_t line) { return are_names_in_dialect(layout.head[line], layout); });
+      if (followed) return {};
+      head.names_line = static_cast<int>(filled[at]) + 1;
+      return names;
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 NamesAndUnits find_names_and_units(const TableLayout& layout, std::vector<std::size_t> filled,
@@ -341,6 +384,7 @@ NamesAndUnits find_names_and_units(const TableLayout& layout, std::vector<std::s
     head.names_line = static_cast<int>(filled.back()) + 1;
     return found;
   }
+  if (found.names = listed_channels(layout, filled, head); !found.names.empty()) return found;
   if (const auto at = find_units_of_time(layout, filled)) filled.resize(*at + 1);
   while (filled.size() > 1 && has_numbers_alone(layout.head[filled.back()])) filled.pop_back();
   while (!filled.empty() &&

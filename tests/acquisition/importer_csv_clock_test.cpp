@@ -21,8 +21,8 @@ using tests::imported;
 using tests::names_and_units;
 
 TEST(Csv, AUnitOfARateMayStandInACellOfItsOwn) {
-  for (const char* head :
-       {"Sample Interval,2.0e-6,s", "Sample Rate,0.5,MHz", "Sample Rate,500,kHz,"})
+  for (const char* head : {"Sample Interval,2.0e-6,s", "Sample Rate,0.5,MHz",
+                           "Sample Rate,500,kHz,", "Rate,500000,Hz"})
     EXPECT_DOUBLE_EQ(
         imported(std::string(head) + "\nForce [N],Velocity [m/s]\n0.5,1\n0.6,2\n0.7,3\n")
             .channels.at(0)

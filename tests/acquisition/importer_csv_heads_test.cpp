@@ -234,6 +234,31 @@ TEST(CsvHeads, NamesMayBeListedALineAColumn) {
   }
 }
 
+TEST(CsvHeads, ChannelsMayBeListedALineAChannel) {
+  for (const char* head :
+       {"Ch1: Force / kN\nCh2: Velocity / m/s\nRate: 10 kHz\n",
+        "Channel 1: Force [kN]\nChannel 2: Velocity [m/s]\nFs = 10 kHz\n",
+        "Sampling rate: 10 kHz\nKanal 1 = Force (kN)\nKanal 2 = Velocity (m/s)\n"}) {
+    const Record record = imported(std::string(head) + "0.0\t1.5\n0.1\t2.5\n0.2\t0.5\n");
+    EXPECT_THAT(names_and_units(record), ElementsAre("Force [kN]", "Velocity [m/s]")) << head;
+    EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4) << head;
+  }
+  const Record timed = imported("CH1: Force [N]\nCH2: Weg [mm]\n0,1,2\n0.5,3,4\n1,5,6\n");
+  EXPECT_THAT(names_and_units(timed), ElementsAre("Force [N]", "Weg [mm]"));
+  EXPECT_EQ(timed.channels.at(0).clock.interval, 0.5);
+}
+
+// Ranges of an oscilloscope's channels, and names that follow the list.
+TEST(CsvHeads, WhatIsListedAChannelMayBeNoName) {
+  const Record ranges =
+      imported("CH1: 500 mV\nCH2: 2 V\nTime [s],Force [N],Weg [mm]\n0,1,2\n0.5,3,4\n1,5,6\n");
+  EXPECT_THAT(names_and_units(ranges), ElementsAre("Force [N]", "Weg [mm]"));
+  const Record named = imported(
+      "Ch1: sensor 12 [N]\nCh2: sensor 14 [mm]\nTime [s],Force [N],Weg [mm]\n0,1,2\n0.5,3,4\n"
+      "1,5,6\n");
+  EXPECT_THAT(names_and_units(named), ElementsAre("Force [N]", "Weg [mm]"));
+}
+
 TEST(CsvHeads, LinesOfEachChannelMayStandUnderItsUnit) {
   const Record record = imported(  // as catman and Testlab write them
       "Zeit  1 - Standardmessrate\tKraft\tBeschl\ns\tN\tm/s\xB2\nM 0\tSN 123\tSN 44\n"
