@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -170,6 +171,10 @@ class MappedRecording final : public RecordingReader {
       says["delay"] = fmt::format("{:.12g} s, uncertain by {:.3g} s", mapping.delay->value,
                                   mapping.delay->uncertainty);
     }
+    if (!std::isfinite(channel.scale) || channel.scale == 0.0)
+      refuse(fmt::format("'{}' would be scaled by {:g}: look at its sensitivity and full scale",
+                         channel.name, channel.scale),
+             mapping.line);
     provenance.edits.push_back(std::move(edit));
   }
 

@@ -89,7 +89,11 @@ ChannelMapping read_mapping(TableReader& table) {
       table.refuse("polarity", fmt::format("must be 1 or -1, found {}", *polarity));
     mapping.polarity = *polarity;
   }
-  if (const auto position = table.quantity("position", "m")) mapping.position = position->value;
+  if (const auto position = table.quantity("position", "m")) {
+    if (!(position->value >= 0.0))
+      table.refuse("position", "is counted from the hinge and cannot be negative");
+    mapping.position = position->value;
+  }
   if (table.has("delay")) mapping.delay = fitting::read_delay(table);
   table.finish();
   return mapping;

@@ -163,6 +163,10 @@ TEST(ChannelMap, RefusesWhatDoesNotFit) {
   EXPECT_EQ(refused({"map.toml", false, {force}}),
             "map.toml: 'ch2' is recorded in 'mV', its sensitivity is in pC a unit: state the "
             "recorded unit, for example unit = \"pC\"");
+  force.recorded_unit = "V";
+  force.sensitivity = datasets::UncertainValue{1e-320, 0.0};
+  EXPECT_EQ(refused({"map.toml", false, {force}}),
+            "map.toml: 'ch2' would be scaled by inf: look at its sensitivity and full scale");
   ChannelMapping twin = matching("ch1");
   twin.name = "Temp";
   EXPECT_EQ(refused({"map.toml", true, {matching("Temp"), twin}}),

@@ -186,6 +186,8 @@ TEST_F(ImportMap, ReadsSensitivitiesAsLaboratoriesSpellThem) {
            {"sensitivity = \"4 pC/N\"\ngain = \"0 mV/pC\"",
             "must be greater than zero; an amplifier that inverts has polarity = -1"},
            {"sensitivity = \"2.5 mV/N\"\ngain = -10", "must be greater than zero"},
+           {"sensitivity = \"2.5 mV/N\"\nposition = \"-1 m\"",
+            "is counted from the hinge and cannot be negative"},
        }) {
     const Outcome o = import_as("force", keys);
     EXPECT_EQ(o.code, 3) << keys;
