@@ -90,6 +90,7 @@ void ContactLog::peak(int stop, double force, double t) {
 
 void ContactLog::separate(int stop, double t, double speed, const ContactTotals& totals,
                           ContactForce& contact) {
+  note_push(stop, contact);
   const auto& [number, at_start, at_deepest, slack] = last(stop);
   Episode& episode = result_.episodes[number];
   episode.end = t;
@@ -108,6 +109,17 @@ void ContactLog::separate(int stop, double t, double speed, const ContactTotals&
   result_.restitution.energetic = std::sqrt(std::max(work_out, 0.0) / work_in);
 }
 
+/// The mean speed by which the first contact closed, weighted by its force: what went into it by
+/// its greatest depth, over the impulse until then.
+void ContactLog::note_push(int stop, const ContactForce& contact) {
+  const auto& [number, at_start, at_deepest, slack] = last(stop);
+  const double impulse = at_deepest.impulse - at_start.impulse;
+  if (number > 0 || !contact.takes_own_speed() || !(impulse > 0.0)) return;
+  pushed_at_ = (contact.stored(result_.episodes[number].max_penetration) + at_deepest.dissipated -
+                at_start.dissipated) /
+               impulse;
+}
+
 StopTotals ContactLog::sum_up(int stop) const {
   StopTotals sum;
   for (const Episode& episode : result_.episodes) {
@@ -123,6 +135,7 @@ StopTotals ContactLog::sum_up(int stop) const {
 void ContactLog::conclude(int stop, double t, const ContactTotals& totals,
                           const ContactForce& contact, double penetration) {
   if (contact.phase() != ContactForce::Phase::free) {
+    note_push(stop, contact);
     const auto& [number, at_start, at_deepest, slack] = last(stop);
     Episode& episode = result_.episodes[number];
     episode.end = t;
@@ -161,6 +174,7 @@ void ContactLog::conclude(double t, double damped, const BeamEnergy& energy,
   }
   warn_of_imbalance(accuracy_, result_);
   if (grazing_ > 0) tell_grazing();
+  tell_push();
   tell_tension();
 }
 
@@ -196,6 +210,17 @@ void ContactLog::tell_grazing() {
                   "the law divides by it. Forces after {:g} s depend on this choice.",
                   grazing_, 100.0 * grazing_fraction,
                   result_.episodes.size() > 1 ? result_.episodes[1].start : 0.0));
+}
+
+void ContactLog::tell_push() {
+  constexpr double much_faster = 3.0;
+  if (result_.episodes.empty() || !(pushed_at_ > much_faster * first_speed())) return;
+  result_.warnings.push_back(
+      fmt::format("the first contact begins at {:.3g} m/s and is then closed at {:.3g} m/s on the "
+                  "average, by what presses the bar: its damping divides by the former, and all "
+                  "forces depend on that. State contact.restitution_speed, or take a law with a "
+                  "dashpot.",
+                  first_speed(), pushed_at_));
 }
 
 void close_audit(const Rig& rig, double begun, const BeamEnergy& energy, const RigidPart& rigid,

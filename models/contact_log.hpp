@@ -78,7 +78,9 @@ class ContactLog {
   Last& last(int stop) { return last_[static_cast<std::size_t>(stop)]; }
 
   StopTotals sum_up(int stop) const;
+  void note_push(int stop, const ContactForce& contact);
   void tell_grazing();
+  void tell_push();
   void tell_tension();
   void tell_limits(int stop, double depth);
 
@@ -88,6 +90,7 @@ class ContactLog {
   double energy_at_touch_ = 0.0;
   std::vector<Last> last_;  // of each stop
   long grazing_ = 0;
+  double pushed_at_ = 0.0;    // [m/s]
   std::size_t slack_ = 0;     // episodes in which the laws would have pulled
   double first_slack_ = 0.0;  // when first [s]
   double lowest_force_ = 0.0, lowest_at_ = 0.0;

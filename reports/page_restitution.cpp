@@ -213,11 +213,11 @@ std::string html_balances(const fitting::Fit& fit) {
     if (fit.predictions.size() > 1) out += "<h3>" + escaped(recording_name(fit, r)) + "</h3>\n";
     const models::EnergyAudit& energy = fit.predictions[r].energy;
     out += html_energy_bar(energy);
-    if (std::isfinite(energy.imbalance))
+    const double unbalanced = std::abs(energy.unbalanced());
+    if (std::isfinite(unbalanced))
       out +=
-          fmt::format("<p class=\"note\">The account is out of balance by {} of that energy.</p>\n",
-                      std::abs(energy.imbalance) < 1e-4 ? significant(std::abs(energy.imbalance), 1)
-                                                        : percent(std::abs(energy.imbalance)));
+          fmt::format("<p class=\"note\">The account is out of balance by {} of the energy.</p>\n",
+                      unbalanced < 1e-4 ? significant(unbalanced, 1) : percent(unbalanced));
   }
   return out;
 }

@@ -260,23 +260,27 @@ std::string to_text(const models::Simulation& s, const models::Rig& rig) {
   std::string text = fmt::format("model             {}\n", model);
   text += rig.has_stop() ? contact_text(s, rig.contact)
                          : fmt::format("free swing        {:.6g} s\n", s.duration);
-  const double whole = s.energy.initial;
-  const auto percent = [whole](double energy) {
-    const double part = 100.0 * energy / whole;
+  const models::EnergyAudit& energy = s.energy;
+  const double in_play = energy.kinetic + std::abs(energy.elastic - energy.elastic_at_start) +
+                         energy.dissipated + energy.damped;
+  const bool set_free =
+      in_play > 2.0 * energy.initial;  // by weight or spring, as after a slow touch
+  const double whole = set_free ? in_play : energy.initial;
+  const auto percent = [whole](double joules) {
+    const double part = 100.0 * joules / whole;
     return std::abs(part) < 0.005 ? 0.0 : part;  // no "-0.00"
   };
   text += fmt::format(
-      "energy            {:.5g} J: {:.2f} % lost in the contact, {}{:.2f} % in vibration, {}{:.2f} "
-      "% "
-      "in rotation; "
-      "imbalance {:.1e}\n",
-      whole, 100.0 * s.energy.dissipated / whole,
-      s.energy.damped > 0.0
-          ? fmt::format("{:.2f} % damped in bar, hinge and stop, ", 100.0 * s.energy.damped / whole)
+      "energy            {}{:.5g} J: {:.2f} % lost in the contact, {}{:.2f} % in vibration, "
+      "{}{:.2f} % in rotation; imbalance {:.1e}\n",
+      set_free ? fmt::format("{:.3g} J at touch, in play ", energy.initial) : "", whole,
+      100.0 * energy.dissipated / whole,
+      energy.damped > 0.0
+          ? fmt::format("{:.2f} % damped in bar, hinge and stop, ", 100.0 * energy.damped / whole)
           : "",
-      percent(s.energy.vibration),
-      s.energy.stop != 0.0 ? fmt::format("{:.2f} % in the stop, ", percent(s.energy.stop)) : "",
-      100.0 * s.energy.rigid_rotation / whole, s.energy.imbalance);
+      percent(energy.vibration),
+      energy.stop != 0.0 ? fmt::format("{:.2f} % in the stop, ", percent(energy.stop)) : "",
+      100.0 * energy.rigid_rotation / whole, energy.unbalanced());
   if (s.energy.driven != 0.0)
     text += fmt::format("driven            {:.6g} J by what turns the hinge\n", s.energy.driven);
   text += fmt::format("cost              {} steps, {} rejected, {} evaluations, {:.3g} ms\n",

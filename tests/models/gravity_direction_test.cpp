@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "models/beams/ancf.hpp"
 #include "models/beams/floating_frame.hpp"
@@ -174,6 +175,35 @@ TEST(GravityDirection, ABarAtRestOnTheStopPressesWithItsWeight) {
   EXPECT_NEAR(run.history.force.back() / weight, 1.0, 1e-3);
   EXPECT_TRUE(run.episodes.back().open);
   EXPECT_LT(std::abs(run.energy.imbalance), 1e-6);
+}
+
+TEST(GravityDirection, TellsWhereThePushIsNotTheTouch) {
+  // laid on a spring its weight presses it: f = W (1 - cos wt), of which work over impulse is
+  // (2 / pi) W / sqrt(k m)
+  Rig rig = leaning(90.0 * degree);
+  rig.start.velocity = 1e-3;
+  rig.contact.law = "linear";
+  rig.contact.stiffness = 2e4;
+  rig.contact.damping = "exact";
+  rig.contact.restitution = 0.9999;
+  Solver solver = rigid(1e-8);
+  solver.duration = 0.02;
+  const auto told = [&] {
+    for (const std::string& warning : simulate(rig, solver).warnings)
+      if (warning.find("its damping divides by the former") != warning.npos) return warning;
+    return std::string();
+  };
+  const double mass = rig.beam.hinge_inertia() / (0.69 * 0.69);
+  const double pushed = 2.0 / std::numbers::pi * 0.69 * unit * std::sqrt(mass / 2e4);
+  const std::string begin = "the first contact begins at 0.001 m/s and is then closed at ";
+  const std::string warning = told();
+  ASSERT_THAT(warning, testing::StartsWith(begin));
+  EXPECT_NEAR(std::stod(warning.substr(begin.size())) / pushed, 1.0, 0.03);
+  rig.contact.restitution_speed = 0.05;
+  EXPECT_EQ(told(), "");
+  rig.contact.restitution_speed.reset();
+  rig.start.velocity = 0.05;
+  EXPECT_EQ(told(), "");
 }
 
 TEST(GravityDirection, LeadsToTouchUnderItsPull) {

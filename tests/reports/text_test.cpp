@@ -173,4 +173,19 @@ TEST(Text, EnergyIsAllAccountedFor) {
                          "rotation; "));
 }
 
+// A bar laid on its stop has none at touch: what its weight sets free is what parts are of.
+TEST(Text, EnergyOfASlowTouchIsWhatItsWeightSetsFree) {
+  models::Simulation run = tests::example_report().fit.predictions.front();
+  run.energy = {.initial = 1e-18,
+                .kinetic = 0.5e-3,
+                .elastic = 1e-3,
+                .dissipated = 0.5e-3,
+                .vibration = 1e-3,
+                .imbalance = 2e12};
+  EXPECT_THAT(reports::to_text(run, tests::example_report().fit.rig.rig),
+              testing::HasSubstr("energy            1e-18 J at touch, in play 0.002 J: 25.00 % "
+                                 "lost in the contact, 50.00 % in vibration, 0.00 % in rotation; "
+                                 "imbalance 1.0e-03\n"));
+}
+
 }  // namespace
