@@ -25,12 +25,16 @@ ThirdOrder::ThirdOrder(const ModalBeam& beam) : beam_(beam) {
   last_ = missing_ = end_ = answer_ = rest_ = {of_modes, of_modes};
 }
 
+double ThirdOrder::energy_of(const ModalState& state) const {
+  return 0.5 * (state.rate.squaredNorm() + beam_.omega().cwiseProduct(state.a).squaredNorm());
+}
+
 void ThirdOrder::touch(const ModalState& state, const BarStations::Slopes& slopes,
                        double negligible) {
   elastic_rate_.setZero();
   look(slopes, before_);
   last_ = state;
-  energy_ = 0.5 * (state.rate.squaredNorm() + beam_.omega().cwiseProduct(state.a).squaredNorm());
+  energy_ = energy_of(state);
   stretches_ = beam_.most_stretching(energy_) > negligible;
   missing_ = rest_;
   contact_ = {};
@@ -198,6 +202,7 @@ void ThirdOrder::find_force(const ModalState& state, double h) {
 void ThirdOrder::follow(const ModalState& state, const BarStations::Slopes& slopes,
                         const ModalStep& step, double part, double contact_force,
                         const BarMotion::ContactSlope& contact) {
+  energy_ = std::max(energy_, energy_of(state));
   shortening_ = std::max(shortening_, look(slopes, after_) / energy_);
   find_force(state, part * step.h());
   move(step, part);

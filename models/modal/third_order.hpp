@@ -47,7 +47,8 @@ class ThirdOrder {
   /// What is missing of the contact's peak force [-].
   double of_peak() const { return of_peak_; }
 
-  /// The most energy that shortening took, as a part of that at touch [-].
+  /// The most energy that shortening took, as a part of the largest so far: that at touch, or what
+  /// weight or a spring has set free since [-].
   double shortening() const { return shortening_; }
 
   /// What is missing of the contact's impulse so far [-].
@@ -61,6 +62,7 @@ class ThirdOrder {
     Eigen::VectorXd drawn, drawn_rate;  // ∫ Uₖ ∫₀ˣ ½ s² dξ dm and its rate, of each axial mode
   };
 
+  double energy_of(const ModalState& state) const;  // [J]
   double look(const BarStations::Slopes& slopes, Look& at);
   void draw(const BarStations::Slopes& slopes, Look& at);
   void stretch(double h);

@@ -206,6 +206,23 @@ TEST(GravityDirection, TellsWhereThePushIsNotTheTouch) {
   EXPECT_EQ(told(), "");
 }
 
+TEST(GravityDirection, PressesASlowTouchInSmallMotion) {
+  // what is left out is a part of what the weight sets free, not of the energy at touch
+  Rig rig = leaning(90.0 * degree);
+  rig.start.velocity = 1e-7;
+  rig.contact.restitution_speed = 1e-3;
+  const Solver solver = hybrid(Basis::pinned_free, 6, 1e-5, 3e-3);
+  const Simulation small = simulate(rig, solver);
+  ASSERT_TRUE(small.small_motion);
+  EXPECT_LT(small.neglected, 1e-5);
+  SimulationOptions exact;
+  exact.exact = true;
+  const Simulation full = simulate(rig, solver, exact);
+  EXPECT_GT(full.energy.kinetic + full.energy.elastic, 1e6 * full.energy.initial);
+  EXPECT_NEAR(small.peak_force / full.peak_force, 1.0, 1e-5 + small.neglected);
+  EXPECT_NEAR(small.impulse / full.impulse, 1.0, 1e-5 + small.neglected);
+}
+
 TEST(GravityDirection, LeadsToTouchUnderItsPull) {
   for (double direction : {90.0, -60.0, 180.0}) {
     for (double viscous : {0.0, 2.0}) {
