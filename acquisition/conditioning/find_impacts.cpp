@@ -86,7 +86,7 @@ RecordedSignal source_of(const Channel& channel, const Record& record) {
   RecordedSignal source{&channel, trace_of(channel, record.provenance.source_file), 0.0, 0.0};
   source.quantum = quantum_of(source.trace.values, source.trace.valid);
   if (channel.quantity == Quantity::force || channel.quantity == Quantity::acceleration)
-    bridge_glitches(source.trace);
+    bridge_glitches(source.trace, source.quantum);
   const auto stated = channel.attributes.find("sensor.range");
   if (stated != channel.attributes.end())
     std::from_chars(stated->second.data(), stated->second.data() + stated->second.size(),
@@ -136,14 +136,27 @@ std::vector<Contact> find_contacts(const RecordedSignal& trigger, const Detectio
   return beside.empty() ? contacts : beside;
 }
 
+/// Marks a spike as not valid and bridges it; tells how high it was.
+double clear_spike(const IndexRange& spike, Trace& trace) {
+  if (trace.valid.empty()) trace.valid.assign(trace.values.size(), 1);
+  const auto first = trace.values.begin() + static_cast<std::ptrdiff_t>(spike.begin);
+  const std::vector<double> recorded(first, first + static_cast<std::ptrdiff_t>(spike.size()));
+  std::fill_n(trace.valid.begin() + static_cast<std::ptrdiff_t>(spike.begin), spike.size(), 0);
+  bridge_invalid(trace.values, trace.valid);
+  double highest = 0.0;
+  for (std::size_t i = 0; i < recorded.size(); ++i)
+    highest = std::max(highest, std::abs(recorded[i] - trace.values[spike.begin + i]));
+  return highest;
+}
+
 /// Contacts of a force or an acceleration without spikes, which are marked as not valid. A few
-/// samples are a spike where a contact of the same record lasts ten times as long and is not far
+/// samples are a spike where a contact of the same record lasts many times as long and is not far
 /// lower: those of one rig are alike, since what a contact lasts hardly depends on its speed. Where
 /// there is none they may be the contact.
 std::vector<Contact> find_contacts_beside_spikes(RecordedSignal& trigger,
                                                  const DetectionOptions& options) {
-  constexpr int most_spikes = 16;
-  constexpr double width = 10.0, height = 0.2;
+  constexpr int most_spikes = 64;
+  constexpr double height = 0.2;
   std::vector<Contact> contacts = find_contacts(trigger, options);
   if (trigger.trace.quantity == Quantity::velocity ||
       trigger.trace.quantity == Quantity::displacement)
@@ -158,22 +171,15 @@ std::vector<Contact> find_contacts_beside_spikes(RecordedSignal& trigger,
   std::vector<Contact> others = contacts;
   double highest = 0.0, longest = 0.0;
   for (int spikes = 0; spike && spikes < most_spikes; ++spikes) {
-    Trace& trace = cleared.trace;
-    if (trace.valid.empty()) trace.valid.assign(trace.values.size(), 1);
-    const auto first = trace.values.begin() + static_cast<std::ptrdiff_t>(spike->begin);
-    const std::vector<double> recorded(first, first + static_cast<std::ptrdiff_t>(spike->size()));
-    std::fill_n(trace.valid.begin() + static_cast<std::ptrdiff_t>(spike->begin), spike->size(), 0);
-    bridge_invalid(trace.values, trace.valid);
-    for (std::size_t i = 0; i < recorded.size(); ++i)
-      highest = std::max(highest, std::abs(recorded[i] - trace.values[spike->begin + i]));
-    longest = std::max(longest, as_double(spike->size()));
+    highest = std::max(highest, clear_spike(spike->range, cleared.trace));
+    longest = std::max(longest, spike->least_contact());
     others = find_contacts(cleared, options);
-    spike = spike_in(trace, others);
+    spike = spike_in(cleared.trace, others);
   }
   const bool outlasted = std::ranges::any_of(others, [&](const Contact& contact) {
-    return contact.width >= width * longest && std::abs(contact.peak) > height * highest;
+    return contact.end - contact.onset >= longest && std::abs(contact.peak) > height * highest;
   });
-  if (spike || !outlasted) return contacts;
+  if (!outlasted) return contacts;
   cleared.quantum = quantum_of(cleared.trace.values, cleared.trace.valid);
   trigger = std::move(cleared);
   return others;

@@ -11,7 +11,8 @@ namespace impactrig::acquisition {
 
 namespace {
 
-constexpr std::size_t longest = 3, neighbours = 6;
+constexpr std::size_t longest = 3, longest_square = 16, neighbours = 6;
+constexpr double square = 0.7;                   ///< of the largest departure, the least
 constexpr double longest_of_one_value = 300e-6;  ///< [s]
 constexpr double at_once = 12.0;                 ///< of what the neighbours let expect
 constexpr double of_height = 0.1;
@@ -52,6 +53,27 @@ class Surroundings {
   double lowest_ = 0.0, highest_ = 0.0, bend_ = 0.0, lower_ = 0.0, upper_ = 0.0;
 };
 
+/// Whether all samples [begin, begin + count) depart from their surroundings by more than `least`.
+bool depart(const std::vector<double>& y, std::size_t begin, std::size_t count,
+            const Surroundings& around, double least) {
+  for (std::size_t i = begin; i < begin + count; ++i)
+    if (around.apart(y[i]) <= least) return false;
+  return true;
+}
+
+/// Whether they are off the line between their neighbours by much the same.
+bool are_shifted(const std::vector<double>& y, std::size_t begin, std::size_t count) {
+  const double from = y[begin - 1],
+               slope = (y[begin + count] - from) / static_cast<double>(count + 1);
+  double lowest = INFINITY, highest = -INFINITY;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double off = y[begin + k] - from - slope * static_cast<double>(k + 1);
+    lowest = std::min(lowest, off);
+    highest = std::max(highest, off);
+  }
+  return lowest > 0.0 ? lowest > square * highest : highest < square * lowest;
+}
+
 /// How many samples from one on have its value; 0 of more than a recorder loses.
 std::size_t equal_from(const Trace& trace, std::size_t i) {
   const auto size = static_cast<double>(trace.values.size());
@@ -63,28 +85,27 @@ std::size_t equal_from(const Trace& trace, std::size_t i) {
 
 }  // namespace
 
-std::vector<std::size_t> find_glitches(const Trace& trace) {
+std::vector<std::size_t> find_glitches(const Trace& trace, double quantum) {
   const std::vector<double>& y = trace.values;
   std::vector<std::size_t> found;
   if (y.size() < 4 * neighbours) return found;
   const double rest = robust_spread(y, trace.valid).centre;
-  const double noise = step_noise(y, trace.valid);
+  const double noise = std::max(step_noise(y, trace.valid), 0.75 * quantum);
   for (std::size_t i = neighbours; i + neighbours < y.size(); ++i) {
     // most samples bend as their neighbours do
     const double bend = std::abs(y[i - 2] - 2.0 * y[i - 1] + y[i]);
     if (bend <= at_once * noise || bend <= 0.5 * of_height * std::abs(y[i - 1] - rest)) continue;
     const std::size_t same = equal_from(trace, i);
-    for (std::size_t count = 1; count <= std::max(longest, same); ++count) {
-      if (count > longest && count < same) continue;
+    for (std::size_t count = 1; count <= std::max(longest_square, same); ++count) {
+      if (count > longest_square && count < same) continue;
       const Surroundings around(trace, i, i + count, rest);
       if (!around.known()) continue;
       const double least =
           std::max(at_once * (around.bend() + noise), of_height * around.highest());
       // the neighbours go on well off rest
-      if (around.lowest() < std::max(of_height * around.highest(), at_once * noise)) continue;
-      bool departs = true;
-      for (std::size_t k = 0; k < count; ++k) departs = departs && around.apart(y[i + k]) > least;
-      if (!departs) continue;
+      if (around.lowest() <= std::max(of_height * around.highest(), at_once * noise)) continue;
+      if (!depart(y, i, count, around, least)) continue;
+      if (count > longest && count != same && !are_shifted(y, i, count)) continue;
       for (std::size_t k = 0; k < count; ++k) found.push_back(i + k);
       i += count - 1;
       break;
@@ -93,8 +114,8 @@ std::vector<std::size_t> find_glitches(const Trace& trace) {
   return found;
 }
 
-void bridge_glitches(Trace& trace) {
-  const std::vector<std::size_t> glitches = find_glitches(trace);
+void bridge_glitches(Trace& trace, double quantum) {
+  const std::vector<std::size_t> glitches = find_glitches(trace, quantum);
   if (glitches.empty()) return;
   if (trace.valid.empty()) trace.valid.assign(trace.values.size(), 1);
   for (const std::size_t i : glitches) trace.valid[i] = 0;

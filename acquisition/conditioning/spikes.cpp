@@ -11,48 +11,68 @@ namespace impactrig::acquisition {
 namespace {
 
 constexpr double foot = 0.1, edge = 0.7;  // of a spike's height
-constexpr std::size_t longest_square = 16;
+constexpr std::size_t fewest = 3;         // what a sample of noise becomes in a recorder's filter
+constexpr std::size_t longest_square = 16, longest = 64;
 constexpr std::size_t neighbours = 6;
 
-/// Whether samples [begin, end) stand alone: they begin and end near their height, with all
-/// neighbours at one level.
-bool stand_alone(const Trace& trace, IndexRange spike, double level, double height) {
-  const std::vector<double>& y = trace.values;
-  if (spike.begin < neighbours || spike.end + neighbours > y.size()) return false;
-  double highest = 0.0;
-  for (std::size_t i = spike.begin; i < spike.end; ++i)
-    highest = std::max(highest, (y[i] - level) / height);
-  const auto is_high = [&](std::size_t i) { return (y[i] - level) / height > edge * highest; };
-  const auto is_low = [&](std::size_t i) {
-    return trace.is_valid(i) && std::abs(y[i] - level) < foot * highest * std::abs(height);
-  };
-  bool alone = is_high(spike.begin) && is_high(spike.end - 1);
-  for (std::size_t k = 0; alone && k < neighbours; ++k)
-    alone = is_low(spike.begin - 1 - k) && is_low(spike.end + k);
-  return alone;
-}
+/// The samples about the highest one of a pulse, above a level.
+class PulseAbout {
+ public:
+  PulseAbout(const Trace& trace, std::size_t top, double level)
+      : trace_(trace),
+        level_(level),
+        height_(trace.values[top] - level),
+        range_{top, top + 1} {
+    constexpr std::size_t gap = 3;  // where it changes its sign
+    const std::size_t n = trace.values.size();
+    for (std::size_t k = 1; k <= gap && k <= range_.begin && range_.size() <= longest;)
+      k = is_high(range_.begin - k, foot) ? (range_.begin -= k, 1) : k + 1;
+    for (std::size_t k = 0; k < gap && range_.end + k < n && range_.size() <= longest;)
+      k = is_high(range_.end + k, foot) ? (range_.end += k + 1, 0) : k + 1;
+  }
+
+  std::optional<Spike> spike() const {
+    const bool square = part(range_.begin) > edge && part(range_.end - 1) > edge;
+    if (range_.begin == 0 || range_.end == trace_.values.size()) return std::nullopt;
+    if (range_.size() <= fewest || (square && range_.size() <= longest_square))
+      return Spike{range_, 10.0};
+    if (range_.size() <= longest && rests(range_.size())) return Spike{range_, 20.0};
+    return std::nullopt;
+  }
+
+  const IndexRange& range() const { return range_; }
+
+  /// For at least so many samples on both sides.
+  bool rests(std::size_t samples) const {
+    const std::size_t count = std::max(samples, neighbours);
+    if (range_.begin < count || range_.end + count > trace_.values.size()) return false;
+    for (std::size_t k = 0; k < count; ++k)
+      for (const std::size_t i : {range_.begin - 1 - k, range_.end + k})
+        if (!trace_.is_valid(i) || is_high(i, foot)) return false;
+    return true;
+  }
+
+ private:
+  double part(std::size_t i) const { return (trace_.values[i] - level_) / height_; }
+
+  bool is_high(std::size_t i, double limit) const { return std::abs(part(i)) >= limit; }
+
+  const Trace& trace_;
+  double level_, height_;
+  IndexRange range_;
+};
 
 }  // namespace
 
-std::optional<IndexRange> spike_among(const Trace& trace, const std::vector<Contact>& contacts) {
-  constexpr std::size_t longest = 3;  // what a sample of noise becomes in a recorder's filter
-  const std::size_t n = trace.values.size();
-  for (const Contact& contact : contacts) {
-    const auto part = [&](std::size_t i) {
-      return (trace.values[i] - contact.baseline) / contact.peak;
-    };
-    IndexRange spike{contact.peak_index, contact.peak_index + 1};
-    const auto grows = [&] { return spike.size() <= longest_square; };
-    while (grows() && spike.begin > 0 && std::abs(part(spike.begin - 1)) >= foot) --spike.begin;
-    while (grows() && spike.end < n && std::abs(part(spike.end)) >= foot) ++spike.end;
-    const bool square = grows() && part(spike.begin) > edge && part(spike.end - 1) > edge;
-    if ((spike.size() <= longest || square) && spike.begin > 0 && spike.end < n) return spike;
-  }
+std::optional<Spike> spike_among(const Trace& trace, const std::vector<Contact>& contacts) {
+  for (const Contact& contact : contacts)
+    if (const auto spike = PulseAbout(trace, contact.peak_index, contact.baseline).spike())
+      return spike;
   return std::nullopt;
 }
 
-std::optional<IndexRange> spike_after(const Trace& trace, const std::vector<Contact>& contacts,
-                                      const DetectionOptions& options) {
+std::optional<Spike> spike_after(const Trace& trace, const std::vector<Contact>& contacts,
+                                 const DetectionOptions& options) {
   constexpr double of_peak = 0.05, of_noise = 12.0;
   const std::vector<double>& y = trace.values;
   if (y.size() < 4 * neighbours) return std::nullopt;
@@ -64,16 +84,17 @@ std::optional<IndexRange> spike_after(const Trace& trace, const std::vector<Cont
     const std::size_t end =
         std::min(static_cast<std::size_t>(contact.onset) + post + 1, y.size() - neighbours);
     for (std::size_t i = begin; i < end; ++i) {
-      if (std::abs(y[i] - y[i - 1]) <= least) continue;
-      const auto before = y.begin() + static_cast<std::ptrdiff_t>(i - neighbours);
-      const double level = median({before, before + static_cast<std::ptrdiff_t>(neighbours)});
-      const double height = y[i] - level;
-      if (std::abs(height) <= least) continue;
-      IndexRange spike{i, i + 1};
-      while (spike.size() <= longest_square && spike.end < end &&
-             (y[spike.end] - level) / height > 0.5)
-        ++spike.end;
-      if (spike.size() <= longest_square && stand_alone(trace, spike, level, height)) return spike;
+      const auto here = y.begin() + static_cast<std::ptrdiff_t>(i);
+      const double level = median({here - static_cast<std::ptrdiff_t>(neighbours), here});
+      if (std::abs(y[i] - level) <= least) continue;
+      const auto top = std::max_element(
+          here, y.begin() + static_cast<std::ptrdiff_t>(std::min(end, i + longest)),
+          [=](double a, double b) { return std::abs(a - level) < std::abs(b - level); });
+      const PulseAbout pulse(trace, static_cast<std::size_t>(top - y.begin()), level);
+      const auto spike = pulse.spike();
+      if (spike && pulse.rests(0) && spike->least_contact() <= contact.end - contact.onset)
+        return spike;
+      i = std::max(i, pulse.range().end);
     }
   }
   return std::nullopt;

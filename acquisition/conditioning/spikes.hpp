@@ -11,13 +11,22 @@
 
 namespace impactrig::acquisition {
 
-/// An electric spike that was taken for one of the contacts: one to three samples about its peak,
-/// between two at the level before, or up to 16 that begin and end at once, as no contact ends.
-std::optional<IndexRange> spike_among(const Trace& trace, const std::vector<Contact>& contacts);
+/// A pulse of some samples that may be an electric spike.
+struct Spike {
+  IndexRange range;
+  /// How many times as long a contact of the same record has to last for it to be one: ten for one
+  /// to three samples and for up to 16 that begin and end at once, as no contact ends; twenty for
+  /// up to 64 of any shape between rests as long.
+  double times = 0.0;
 
-/// The first spike of up to 16 samples after a contact, within what belongs to it: the force leaves
-/// the level at which it rests and is back there, each within a sample.
-std::optional<IndexRange> spike_after(const Trace& trace, const std::vector<Contact>& contacts,
-                                      const DetectionOptions& options);
+  double least_contact() const { return times * static_cast<double>(range.size()); }  // [samples]
+};
+
+/// The first that was taken for one of the contacts.
+std::optional<Spike> spike_among(const Trace& trace, const std::vector<Contact>& contacts);
+
+/// The first behind a contact, within what belongs to it, that is short against it.
+std::optional<Spike> spike_after(const Trace& trace, const std::vector<Contact>& contacts,
+                                 const DetectionOptions& options);
 
 }  // namespace impactrig::acquisition
