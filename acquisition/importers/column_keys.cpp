@@ -139,14 +139,20 @@ void find_pretrigger(Dialect dialect, TableHead& head) {
 /// The unit in a cell of its own behind a number, "2e-6,s", which is taken off `text`; "" where
 /// there is none.
 std::string take_unit_beside(Dialect dialect, std::string_view& text) {
-  auto cells = values_of_key(text, dialect.delimiter);
-  while (!cells.empty() && cells.back().empty()) cells.pop_back();
   const auto is_number = [dialect](std::string_view cell) {
     return number_in(cell, {dialect.decimal, false}).has_value();
   };
-  if (cells.size() != 2 || !is_number(cells[0]) || detail::is_digit(cells[1].front())) return {};
-  text = cells[0];
-  return std::string(cells[1]);
+  // above one column the table's own may be another
+  for (const char delimiter : {dialect.delimiter, ';', ','}) {
+    auto cells = values_of_key(text, delimiter);
+    while (!cells.empty() && cells.back().empty()) cells.pop_back();
+    if (delimiter == dialect.decimal || cells.size() != 2 || cells[1].empty() ||
+        !is_number(cells[0]) || detail::is_digit(cells[1].front()))
+      continue;
+    text = cells[0];
+    return std::string(cells[1]);
+  }
+  return {};
 }
 
 /// What the head states as the unit of times by a key of its own.
@@ -195,6 +201,24 @@ std::optional<double> stated_interval(const std::string& key, const std::string&
   }
   const double converted = conversion->factor * stated->value + conversion->offset;
   return is_interval ? converted : 1.0 / converted;
+}
+
+/// "Rate,50000,Hz": a rate is one of samples where its unit says so and nothing else states one.
+void find_rate_by_unit(Dialect dialect, TableHead& head) {
+  if (head.interval) return;
+  for (const auto& [key, text] : head.attributes) {
+    const ColumnHead says = split_head(key);
+    if (lowered(says.name) != "rate") continue;
+    std::string_view one = value_of_all(text, dialect);
+    const std::string beside = take_unit_beside(dialect, one);
+    const auto stated = stated_value(one, dialect);
+    if (!stated || !(stated->value > 0.0) || is_ambiguous(one, dialect)) continue;
+    const std::string unit = rate_unit(!stated->unit.empty() ? to_utf8(stated->unit)
+                                       : !says.unit.empty()  ? says.unit
+                                                             : beside);
+    const auto hertz = datasets::conversion(unit, "Hz");
+    if (unit.ends_with("Hz") && hertz) head.interval = 1.0 / (hertz->factor * stated->value);
+  }
 }
 
 /// "#CLOCK=10.0uS", as Hantek's oscilloscopes state the interval: a clock of another kind is no
@@ -261,7 +285,6 @@ void find_interval(Dialect dialect, TableHead& head) {
                                                               "период дискретизации",
                                                               "Период дискретизации"});
   constexpr auto rates = std::to_array<std::string_view>({"sample rate",
-                                                          "rate",
                                                           "sampling rate",
                                                           "samplerate",
                                                           "sample frequency",
@@ -300,6 +323,7 @@ void find_interval(Dialect dialect, TableHead& head) {
                       *head.interval, stated_by, seconds, key));
     }
   }
+  find_rate_by_unit(dialect, head);
   find_start(dialect, head);
   find_pretrigger(dialect, head);
   find_date(head);

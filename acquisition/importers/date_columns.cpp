@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <string>
 
 #include "acquisition/importers/column_heads.hpp"
@@ -245,10 +246,24 @@ template <std::size_t N>
 bool are_parts(const Names& names, std::size_t c, const std::array<std::string_view, N>& parts) {
   if (c + parts.size() > names.size()) return false;
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    const std::string word = " " + lowered(names[c + k]) + " ";
+    const ColumnHead head = split_head(names[c + k]);  // "Hour [h]"
+    const std::string word = " " + lowered(head.name.empty() ? head.unit : head.name) + " ";
     if (word.size() == 2 || parts[k].find(word) == parts[k].npos) return false;
   }
   return true;
+}
+
+/// Whether a time of day is less than the one before for a new day or date.
+bool wraps(const DateTime& before, const DateTime& time) {
+  constexpr std::int64_t hour = 3600 * second;
+  return time.has_date || (before.nanoseconds > 23 * hour && time.nanoseconds < hour);
+}
+
+/// Whether a column other than a clock's is a time by its name.
+bool names_time_beside(const Names& names, const DateColumns& clock) {
+  for (std::size_t c = 0; c < names.size(); ++c)
+    if ((c < clock.first || c > clock.last) && is_time_name(split_head(names[c]).name)) return true;
+  return false;
 }
 
 /// Hours, minutes and seconds from column `c` on, with a date before them, and with a fraction of
@@ -278,11 +293,13 @@ std::optional<DateColumns> parts_at(const std::vector<std::string_view>& lines,
     unit = behind.of.empty() && behind.unit() != second ? behind.unit() : 0;
   }
   std::optional<std::int64_t> fraction;  // of the first row
-  std::optional<DateTime> base;
+  std::optional<DateTime> base, before;
   for (std::size_t i = layout.head.size(); i < lines.size(); ++i) {
     if (is_skipped_line(lines[i])) continue;
     const Cells row = cells_of(lines[i], layout.dialect.delimiter);
-    if (row.size() <= clock.last || joined(row, clock.first, clock.last).empty()) continue;
+    if (row.size() <= clock.last) continue;
+    const auto cells = std::span(row).subspan(clock.first, clock.last - clock.first + 1);
+    if (std::ranges::any_of(cells, &std::string_view::empty)) continue;  // reading it says so
     const auto at = clock.read(joined(row, clock.first, clock.last), layout.dialect);
     if (!at) return std::nullopt;
     if (unit > 0) {
@@ -293,6 +310,10 @@ std::optional<DateColumns> parts_at(const std::vector<std::string_view>& lines,
       if (fits && !base) fraction = *count;
     }
     if (!base) base = at;
+    if (before && !(seconds_between(*before, *at).value_or(-1.0) >= 0.0)) return std::nullopt;
+    if (before && at->nanoseconds < before->nanoseconds && !wraps(*before, *at))
+      return std::nullopt;
+    before = at;
   }
   if (!base) return std::nullopt;
   clock.base = *base;
@@ -307,12 +328,13 @@ std::optional<DateColumns> parts_at(const std::vector<std::string_view>& lines,
 }  // namespace
 
 std::vector<DateColumns> find_counted_clocks(const std::vector<std::string_view>& lines,
-                                             const TableLayout& layout) {
+                                             const TableLayout& layout, bool stated) {
   if (layout.head.empty() || layout.key_cells > 0) return {};
   const Names names = cells_of(without_comment_sign(layout.head.back()), layout.dialect.delimiter);
   std::vector<DateColumns> found;
   for (std::size_t c = 0; c < names.size(); ++c) {
-    auto clock = parts_at(lines, layout, names, c);
+    auto clock = stated ? std::nullopt : parts_at(lines, layout, names, c);
+    if (clock && names_time_beside(names, *clock)) clock.reset();
     if (!clock) clock = seconds_at(lines, layout, names, c);
     if (!clock) continue;
     c = clock->last;

@@ -21,8 +21,10 @@ std::vector<DateColumns> find_date_columns(const TextFile& file,
 
 /// Finds clocks that take several columns of a table of numbers, by the words of their heads: whole
 /// seconds and what is behind them, "sec,nsec", "stamp.secs,stamp.nsecs", "Seconds,Microseconds";
-/// or hours, minutes and seconds, "Year,Month,Day,Hour,Minute,Second", "h,min,s,ms".
+/// or hours, minutes and seconds, "Year,Month,Day,Hour,Minute,Second", "h,min,s,ms", where these
+/// rise in the first rows and no other column is a time by its name. `stated`: the user names the
+/// time column, so that hours, minutes and seconds are columns like others.
 std::vector<DateColumns> find_counted_clocks(const std::vector<std::string_view>& lines,
-                                             const TableLayout& layout);
+                                             const TableLayout& layout, bool stated);
 
 }  // namespace impactrig::acquisition

@@ -320,13 +320,29 @@ std::optional<std::int64_t> days_between(const DateTime& from, const DateTime& t
   return days;
 }
 
-/// "-00:00:00.1", and "-2 min".
+/// Of a hyphen or a minus sign that a text begins with.
+std::size_t length_of_minus(std::string_view text) {
+  constexpr std::string_view minus = "\u2212";
+  return text.starts_with(minus) ? minus.size() : text.starts_with('-') ? 1 : 0;
+}
+
+/// Takes "0 days " and "-1 days " off a duration of pandas.
+std::optional<std::int64_t> take_days(std::string_view& text) {
+  constexpr std::string_view word = " days ";
+  constexpr std::size_t most_digits = 5;
+  const std::size_t end = text.find(word);
+  if (end == text.npos || end > most_digits + 1) return std::nullopt;
+  const auto days = integer_in(text.substr(0, end));
+  if (days) text.remove_prefix(end + word.size());
+  return days;
+}
+
+/// "00:00:00.1" behind a minus, and "2 min".
 std::optional<DateTime> time_before(std::string_view text) {
-  auto found = date_time_in(text.substr(1));
-  if (found && found->elapsed) return duration_in(text);
+  auto found = date_time_in(text);
   if (!found || found->has_date || found->zone) return std::nullopt;
   found->nanoseconds = -found->nanoseconds;
-  found->before_zero = true;
+  found->before_zero = !found->elapsed;
   found->period = 0;
   return found;
 }
@@ -335,12 +351,16 @@ std::optional<DateTime> time_before(std::string_view text) {
 
 std::optional<DateTime> date_time_in(std::string_view text) {
   constexpr std::string_view between = " \t\",;|";
-  // a duration of pandas
-  constexpr std::string_view no_days = "0 days ";
-  if (text.size() > 1 && text.front() == '-' && detail::is_digit(text[1])) return time_before(text);
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\""), text.size()));
   DateTime found;
-  found.elapsed = text.starts_with(no_days);
-  if (found.elapsed) text.remove_prefix(no_days.size());
+  const auto days = take_days(text);
+  found.elapsed = days.has_value();
+  if (!days) {
+    const std::size_t sign = length_of_minus(text);
+    const bool signed_digit = sign < text.size() && detail::is_digit(text[sign]);
+    if (sign > 0 && signed_digit) return time_before(text.substr(sign));
+  }
+  if (text.size() > 1 && text.front() == '+' && detail::is_digit(text[1])) text.remove_prefix(1);
   Scanner scan(text);
   scan.take_any(between);
   const auto take_date = [&] {
@@ -366,6 +386,8 @@ std::optional<DateTime> date_time_in(std::string_view text) {
   }
   if (!found.has_date && !found.has_time) return found.elapsed ? std::nullopt : duration_in(text);
   if (found.has_time && take_zone(scan, found)) found.nanoseconds -= *found.zone * 60 * second;
+  found.nanoseconds += days.value_or(0) * day;
+  if (days) found.period = 0;
   scan.take_any(" \t\"");
   if (!scan.at_end()) return std::nullopt;
   return found;

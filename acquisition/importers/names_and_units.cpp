@@ -104,6 +104,19 @@ std::optional<std::string_view> listed_name(std::string_view line, std::size_t c
   return trimmed(text.substr(1));
 }
 
+/// "Ch 2: Force / N", with whatever number.
+bool lists_a_channel(std::string_view line) {
+  std::string_view text = trimmed(without_comment_sign(line));
+  const std::string begin = lowered(text.substr(0, 7));
+  const auto word = std::ranges::find_if(
+      channel_words, [&](std::string_view each) { return begin.starts_with(each); });
+  if (word == channel_words.end()) return false;
+  text = trimmed(text.substr(word->size()));
+  const std::size_t end = text.find_first_not_of("0123456789");
+  return end != 0 && end != text.npos && end + 1 < text.size() &&
+         std::string_view(":=").find(trimmed(text.substr(end)).front()) != std::string_view::npos;
+}
+
 /// Names in the last lines above the rows, one a line in the order of the columns: "# 1: time [ms]"
 /// over "# 2: force [N]". None where they are not listed so.
 HeadCells listed_names(const TableLayout& layout, const std::vector<std::size_t>& filled) {
@@ -301,16 +314,21 @@ void pass_over_remarks(const TableLayout& layout, std::vector<std::size_t>& fill
   }
 }
 
+bool is_figure_word(std::string_view text) {
+  constexpr auto words = std::to_array<std::string_view>(
+      {"min",         "max",    "minimum", "maximum", "mean", "average", "avg",
+       "mittelwert",  "std",    "stddev",  "rms",     "peak", "range",   "scale",
+       "sensitivity", "offset", "gain",    "start",   "full", "coupling"});
+  return std::ranges::find(words, lowered(text)) != words.end();
+}
+
 /// "Max,80,3" under names: figures of the columns, by a word for them in the first.
 bool are_figures(std::string_view line, const TableLayout& layout) {
-  constexpr auto words = std::to_array<std::string_view>(
-      {"min", "max", "minimum", "maximum", "mean", "average", "avg", "mittelwert", "std", "stddev",
-       "rms", "peak", "range", "scale", "sensitivity", "offset", "gain", "start"});
   const HeadCells cells = cells_of(line, layout.dialect.delimiter);
   if (cells.size() < 2 || cells.size() > layout.written_cells) return false;
-  std::string word = lowered(cells.front());
-  if (word.ends_with(':')) word.pop_back();
-  if (std::ranges::find(words, word) == words.end()) return false;
+  std::string_view word = cells.front();
+  if (word.ends_with(':')) word.remove_suffix(1);
+  if (!is_figure_word(word)) return false;
   const auto is_figure = [&](std::string_view cell) {
     return cell.empty() || cell_value(cell, layout.dialect.decimal).has_value();
   };
@@ -337,39 +355,40 @@ void pass_over_figures(const TableLayout& layout, std::vector<std::size_t>& fill
 }
 
 /// Names in lines "Ch1: Force / N" over "Ch2: Velocity / m/s" anywhere in the head, each with its
-/// unit, one a column or one for each but the first; none where a line of names follows them.
+/// unit, one a column or one for each but the first, counted from 1 or from 0; none where the head
+/// has a line of names, or lists more. Of several lists the last counts.
 HeadCells listed_channels(const TableLayout& layout, const std::vector<std::size_t>& filled,
                           TableHead& head) {
-  const auto name_at = [&](std::size_t line, std::size_t channel) -> std::string_view {
-    const bool worded = std::ranges::any_of(channel_words, [&](std::string_view word) {
-      return lowered(trimmed(without_comment_sign(layout.head[line]))).starts_with(word);
-    });
-    const auto name = listed_name(layout.head[line], channel, 1, channel_words);
-    if (!worded || !name) return {};
+  const auto is_listed = [&](std::size_t line) { return lists_a_channel(layout.head[line]); };
+  const auto name_at = [&](std::size_t line, std::size_t channel, long first) -> std::string_view {
+    const auto name = is_listed(line)
+                          ? listed_name(layout.head[line], channel, first, channel_words)
+                          : std::nullopt;
+    if (!name) return {};
     const ColumnHead parts = split_head(*name);
     const bool has_both = !parts.name.empty() && !parts.unit.empty() && is_unit(parts.unit);
-    return has_both && !number_in(parts.name, {'.', false}) ? *name : std::string_view{};
+    const bool figure = is_figure_word(parts.name.substr(0, parts.name.find(' ')));
+    return has_both && !figure && !number_in(parts.name, {'.', false}) ? *name : std::string_view{};
   };
-  for (const std::size_t count : {layout.cells, layout.cells - 1}) {
-    if (count == 0 || filled.size() < count) continue;
-    for (std::size_t at = 0; at + count <= filled.size(); ++at) {
-      HeadCells names(layout.cells - count);
-      for (std::size_t c = 0; c < count; ++c) {
-        const std::string_view name = name_at(filled[at + c], c);
+  const bool named = std::ranges::any_of(filled, [&](std::size_t line) {
+    return !is_listed(line) && are_names_in_dialect(layout.head[line], layout);
+  });
+  if (named) return {};
+  for (const long first : {1L, 0L})
+    for (std::size_t at = filled.size(); at-- > 0;) {
+      if (at > 0 && !name_at(filled[at - 1], 0, first - 1).empty()) continue;  // goes on from it
+      std::vector<std::string_view> names;
+      for (std::size_t i = at; i < filled.size(); ++i) {
+        const std::string_view name = name_at(filled[i], i - at, first);
         if (name.empty()) break;
         names.push_back(name);
       }
-      const bool further =
-          at + count < filled.size() && !name_at(filled[at + count], count).empty();
-      if (names.size() < layout.cells || further) continue;
-      const bool followed = std::any_of(
-          filled.begin() + static_cast<std::ptrdiff_t>(at + count), filled.end(),
-          [&](std::size_t line) { return are_names_in_dialect(layout.head[line], layout); });
-      if (followed) return {};
+      if (names.size() != layout.cells && names.size() + 1 != layout.cells) continue;
       head.names_line = static_cast<int>(filled[at]) + 1;
-      return names;
+      HeadCells of_columns(layout.cells - names.size());
+      of_columns.insert(of_columns.end(), names.begin(), names.end());
+      return of_columns;
     }
-  }
   return {};
 }
 
@@ -385,6 +404,7 @@ NamesAndUnits find_names_and_units(const TableLayout& layout, std::vector<std::s
     return found;
   }
   if (found.names = listed_channels(layout, filled, head); !found.names.empty()) return found;
+  while (filled.size() > 1 && lists_a_channel(layout.head[filled.back()])) filled.pop_back();
   if (const auto at = find_units_of_time(layout, filled)) filled.resize(*at + 1);
   while (filled.size() > 1 && has_numbers_alone(layout.head[filled.back()])) filled.pop_back();
   while (!filled.empty() &&

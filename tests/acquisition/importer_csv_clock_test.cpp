@@ -31,6 +31,17 @@ TEST(Csv, AUnitOfARateMayStandInACellOfItsOwn) {
         << head;
 }
 
+TEST(Csv, ARateIsOneOfSamplesByItsUnit) {
+  const auto interval = [](const char* head) {
+    return imported(std::string(head) + "F [N]\n0.5\n0.6\n0.7\n").channels.at(0).clock.interval;
+  };
+  EXPECT_DOUBLE_EQ(interval("Rate,500,kHz\n"), 2e-6);
+  EXPECT_DOUBLE_EQ(interval("Rate: 500 kS/s\n"), 2e-6);
+  EXPECT_DOUBLE_EQ(interval("Rate [kHz]: 500\n"), 2e-6);
+  EXPECT_DOUBLE_EQ(interval("Sample Rate,1000\nRate,115200,baud\n"), 1e-3);
+  EXPECT_DOUBLE_EQ(interval("Sample Rate,1000\nRate,50,Hz\n"), 1e-3);
+}
+
 TEST(Csv, KeysAboveOneColumnMayEndAtAComma) {
   const Record record =
       imported("Sample Rate (Hz),100000\nPretrigger samples,3\nForce (N)\n0.5\n0.6\n0.7\n");

@@ -254,8 +254,14 @@ TEST(CsvSecondColumns, OfALargeFileAreReadByBlocksAsTheyAreReadAtOnce) {
 }
 
 TEST(Csv, TimesOfAClockMayBeBeforeItsZero) {
-  for (const char* rows : {"-00:00:00.002,0\n-00:00:00.001,1\n00:00:00.000,2\n00:00:00.001,3\n",
-                           "-00:00.002,0\n-00:00.001,1\n00:00.000,2\n00:00.001,3\n"}) {
+  for (const char* rows :
+       {"-00:00:00.002,0\n-00:00:00.001,1\n00:00:00.000,2\n00:00:00.001,3\n",
+        "\u221200:00:00.002,0\n\u221200:00:00.001,1\n00:00:00.000,2\n00:00:00.001,3\n",
+        "-00:00:00.002,0\n-00:00:00.001,1\n+00:00:00.000,2\n+00:00:00.001,3\n",
+        "\"-00:00:00,002\",0\n\"-00:00:00,001\",1\n\"00:00:00,000\",2\n\"00:00:00,001\",3\n",
+        "-1 days +23:59:59.998,0\n-1 days +23:59:59.999,1\n0 days 00:00:00,2\n0 days "
+        "00:00:00.001,3\n",
+        "-00:00.002,0\n-00:00.001,1\n00:00.000,2\n00:00.001,3\n"}) {
     const auto record = imported(std::string("Time,F\n") + rows);
     ASSERT_EQ(record.channels.size(), 1U) << rows;
     EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3);
@@ -286,24 +292,34 @@ TEST_P(CsvClockColumns, AreOneTime) {
 
 INSTANTIATE_TEST_SUITE_P(
     Heads, CsvClockColumns,
-    testing::Values(ClockColumns{"Hour,Minute,Second,F [N]\n10,59,59.5,7\n10,59,59.75,8\n11,0,0,9\n"
-                                 "11,0,0.25,10\n",
-                                 ""},
-                    ClockColumns{
-                        "Year;Month;Day;Hour;Minute;Second;F [N]\n2024;2;29;23;59;59,5;7\n"
-                        "2024;2;29;23;59;59,75;8\n2024;3;1;0;0;0;9\n2024;3;1;0;0;0,25;10\n",
-                        "2024-02-29T23:59:59.5"},
-                    ClockColumns{"HH\tMM\tSS\tms\tF [N]\n23\t59\t59\t500\t7\n23\t59\t59\t750\t8\n"
-                                 "0\t0\t0\t0\t9\n0\t0\t0\t250\t10\n",
-                                 ""},
-                    ClockColumns{"# yyyy mm dd hh mm ss F\n2.0240e+03 3 1 10 59 59.50 7\n"
-                                 "2.0240e+03 3 1 10 59 59.75 8\n2.0240e+03 3 1 11 00 00.00 9\n"
-                                 "2.0240e+03 3 1 11 00 00.25 10\n",
-                                 "2024-03-01T10:59:59.5"}));
+    testing::Values(
+        ClockColumns{"Hour,Minute,Second,F [N]\n10,59,59.5,7\n10,59,59.75,8\n11,0,0,9\n"
+                     "11,0,0.25,10\n",
+                     ""},
+        ClockColumns{"Year;Month;Day;Hour;Minute;Second;F [N]\n2024;2;29;23;59;59,5;7\n"
+                     "2024;2;29;23;59;59,75;8\n2024;3;1;0;0;0;9\n2024;3;1;0;0;0,25;10\n",
+                     "2024-02-29T23:59:59.5"},
+        ClockColumns{"Hour [h],Minute [min],Second [s],F [N]\n10,59,59.5,7\n10,59,59.75,8\n"
+                     "11,0,0,9\n11,0,0.25,10\n",
+                     ""},
+        ClockColumns{"HH\tMM\tSS\tms\tF [N]\n23\t59\t59\t500\t7\n23\t59\t59\t750\t8\n"
+                     "0\t0\t0\t0\t9\n0\t0\t0\t250\t10\n",
+                     ""},
+        ClockColumns{"# yyyy mm dd hh mm ss F\n2.0240e+03 3 1 10 59 59.50 7\n"
+                     "2.0240e+03 3 1 10 59 59.75 8\n2.0240e+03 3 1 11 00 00.00 9\n"
+                     "2.0240e+03 3 1 11 00 00.25 10\n",
+                     "2024-03-01T10:59:59.5"}));
 
 TEST(CsvClockColumns, OfNoClockAreColumns) {
   EXPECT_EQ(imported("h,min,s\n1,70,3\n2,80,4\n3,90,5\n").channels.size(), 2U);
   EXPECT_EQ(imported("m,s,F\n1,0,3\n2,1,4\n3,2,5\n").channels.size(), 2U);
+  // a height, a mass, a stroke beside a time; and what goes down
+  EXPECT_EQ(imported("t,h,m,s\n0.0,1,2,3.5\n0.1,1,2,3.7\n0.2,1,2,3.6\n").channels.size(), 3U);
+  EXPECT_EQ(imported("H,M,S,D\n1,2,3,1\n1,2,4,2\n1,1,5,3\n1,2,6,4\n").channels.size(), 4U);
+  ImportOptions by_name;
+  by_name.time_column = "second";
+  EXPECT_EQ(imported("hour,minute,second,F\n1,2,3,1\n1,2,4,2\n1,2,5,3\n", by_name).channels.size(),
+            3U);
   EXPECT_THAT(import_error("hour,minute,second,F\n1,2,3,1\n1,2,4,2\n1,2,5,3\n1,x,6,4\n1,2,7,5\n"),
               HasSubstr(":5:3 (byte 47): minute: expected a number, found 'x'"));
 }

@@ -243,6 +243,8 @@ TEST(CsvHeads, ChannelsMayBeListedALineAChannel) {
     EXPECT_THAT(names_and_units(record), ElementsAre("Force [kN]", "Velocity [m/s]")) << head;
     EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-4) << head;
   }
+  const Record from_zero = imported("Ch0: Force [N]\nCh1: Weg [mm]\n0.2\t1.5\n0.1\t2.5\n");
+  EXPECT_THAT(names_and_units(from_zero), ElementsAre("Force [N]", "Weg [mm]"));
   const Record timed = imported("CH1: Force [N]\nCH2: Weg [mm]\n0,1,2\n0.5,3,4\n1,5,6\n");
   EXPECT_THAT(names_and_units(timed), ElementsAre("Force [N]", "Weg [mm]"));
   EXPECT_EQ(timed.channels.at(0).clock.interval, 0.5);
@@ -253,6 +255,15 @@ TEST(CsvHeads, WhatIsListedAChannelMayBeNoName) {
   const Record ranges =
       imported("CH1: 500 mV\nCH2: 2 V\nTime [s],Force [N],Weg [mm]\n0,1,2\n0.5,3,4\n1,5,6\n");
   EXPECT_THAT(names_and_units(ranges), ElementsAre("Force [N]", "Weg [mm]"));
+  const Record above = imported(
+      "Time,Force,Velocity\ns,N,m/s\nChannel 1: Kistler [pC]\nChannel 2: Polytec [V]\n"
+      "0,1,2\n0.5,3,4\n1,5,6\n");
+  EXPECT_THAT(names_and_units(above), ElementsAre("Force [N]", "Velocity [m/s]"));
+  const Record others =
+      imported("Time [s],Force [N]\nCh1: Trigger / V\nCh2: Aux / V\n0,1\n0.5,3\n1,5\n");
+  EXPECT_THAT(names_and_units(others), ElementsAre("Force [N]"));
+  const Record figures = imported("Ch1: Range / N\nCh2: full scale / V\n0,1,2\n0.5,3,4\n1,5,6\n");
+  EXPECT_THAT(figures.channels.at(0).unit, "");
   const Record named = imported(
       "Ch1: sensor 12 [N]\nCh2: sensor 14 [mm]\nTime [s],Force [N],Weg [mm]\n0,1,2\n0.5,3,4\n"
       "1,5,6\n");
