@@ -26,13 +26,24 @@ SearchWatch::~SearchWatch() {
 
 ceres::CallbackReturnType SearchWatch::operator()(const ceres::IterationSummary& summary) {
   if (summary.iteration > 0 && summary.step_is_valid && !summary.step_is_successful &&
-      std::abs(summary.cost_change) <= tolerance_ * summary.cost)
+      fails_by_rounding(summary))
     return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   if (summary.iteration > 0 && summary.step_is_successful) look_ahead(!is_last(summary));
   if (summary.step_is_successful) astray_ = strays_() ? astray_ + 1 : 0;
   if (astray_ == most_astray) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   gradient_ = summary.gradient_norm;
   return ceres::SOLVER_CONTINUE;
+}
+
+/// Whether a step has failed for the rounding of the simulation: it has changed the cost by less
+/// than the tolerance, or promised no more. Steps that promise little are as good as their linear
+/// model, so that what such a one loses by far is rounding too.
+bool SearchWatch::fails_by_rounding(const ceres::IterationSummary& summary) const {
+  constexpr double little = 10.0, by_far = 2.0;
+  const double least = tolerance_ * summary.cost;
+  const double promised = summary.cost_change / summary.relative_decrease;
+  return std::abs(summary.cost_change) <= least || promised <= least ||
+         (promised <= little * least && -summary.cost_change > by_far * promised);
 }
 
 /// Whether the next step probably changes the cost by less than the tolerance, after which nobody

@@ -19,12 +19,12 @@ class SearchWatch : public ceres::IterationCallback {
   SearchWatch& operator=(const SearchWatch&) = delete;
   ~SearchWatch() override;
 
-  /// Ceres looks at its function tolerance after steps that succeed only. A step that changes the
-  /// cost by less and fails does so for the rounding of the simulation: there is nothing more to
-  /// gain.
+  /// Ceres looks at its function tolerance after steps that succeed only. Where one fails for the
+  /// rounding of the simulation there is nothing more to gain.
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override;
 
  private:
+  bool fails_by_rounding(const ceres::IterationSummary& summary) const;
   bool is_last(const ceres::IterationSummary& summary) const;
   void look_ahead(bool ahead);
 
