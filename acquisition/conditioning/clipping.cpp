@@ -111,8 +111,9 @@ bool is_level(const Plateau& top, double sigma, double quantum) {
 }
 
 /// A flat top with noise behind it: the samples about the peak that lie within the noise before
-/// touch are a level stretch, and the signal leaves it at both ends at once as steeply as it goes
-/// on. A crest curves within such a stretch, and a plateau that the contact makes rounds off.
+/// touch are a level stretch, and the signal leaves it at both ends (or the record ends on it) at
+/// once as steeply as it goes on. A crest curves within such a stretch, and a plateau that the
+/// contact makes rounds off.
 bool noisy_flat_top(const Trace& trace, const Contact& contact, double quantum,
                     const DetectionOptions& options) {
   const std::vector<double>& y = trace.values;
@@ -124,14 +125,17 @@ bool noisy_flat_top(const Trace& trace, const Contact& contact, double quantum,
   if (!(sigma > 0.0)) return false;
   const auto top = plateau_at_peak(y, contact, sigma);
   if (!top) return false;
-  const std::size_t part = std::max<std::size_t>(3, top->size() / 12);
-  if (top->first < 2 * part || top->last + 2 * part >= y.size()) return false;
+  const bool is_left = top->last + 1 < y.size();  // else the record ends on it
+  const std::size_t behind = is_left ? y.size() - 1 - top->last : y.size();
+  const std::size_t part =
+      std::clamp<std::size_t>(top->size() / 12, 3, std::max<std::size_t>(3, behind / 2 - 1));
+  if (top->first < 2 * part || (is_left && top->last + 2 * part >= y.size())) return false;
   if (!is_level(*top, sigma, quantum)) return false;
   const auto steep = [&](double near, double far) {
     return near > 10.0 * sigma && near > 0.6 * (far - near);
   };
   return steep(top->depth(top->first - part), top->depth(top->first - 2 * part)) &&
-         steep(top->depth(top->last + part), top->depth(top->last + 2 * part));
+         (!is_left || steep(top->depth(top->last + part), top->depth(top->last + 2 * part)));
 }
 
 /// A crest whose noise is cut off with it: samples of a contact on one value, its extreme, far more

@@ -46,7 +46,8 @@ class PulseSearch {
   double width_of_tallest(double level) const;
   QuietFit course_before(std::size_t end) const;
   bool is_level(std::size_t end) const;
-  bool ends_on_rail(std::size_t crossing) const;
+  bool ends_on_rail(const Trigger& begin, std::size_t crossing) const;
+  bool comes_to_rest_at(const Trigger& begin) const;
   double sound_share(std::size_t begin, std::size_t end) const;
   double height(double level, std::size_t begin, std::size_t end) const;
   std::size_t first_above(const Trigger& trigger, std::size_t from) const;
@@ -160,22 +161,38 @@ bool PulseSearch::is_level(std::size_t end) const {
          std::max(1.5 * at_least_a_step(course_before(end).sigma), 1.01 * normal_mad * grain_);
 }
 
-/// Whether a record that leaves its level before sample `crossing` ends on one value, its extreme,
-/// for longer than it has taken to get there: an amplifier that does not come back from its limit.
-bool PulseSearch::ends_on_rail(std::size_t crossing) const {
-  const double last = y_.back();
-  const auto [least, most] = std::ranges::minmax(y_);
-  const double same = 1e-9 * (most - least);
-  if (std::abs(last - least) > same && std::abs(last - most) > same) return false;
-  std::size_t begin = y_.size() - 1;
-  while (begin > crossing && std::abs(y_[begin - 1] - last) <= same) --begin;
-  return y_.size() - begin >= std::max(least_quiet, begin - crossing);
+/// Whether a record that leaves its first level before sample `crossing` ends at its extreme,
+/// level, for longer than it has taken to get there: an amplifier that does not come back from its
+/// limit.
+bool PulseSearch::ends_on_rail(const Trigger& begin, std::size_t crossing) const {
+  constexpr double much = 20.0, near_extreme = 0.95, within = 6.0;
+  const std::size_t n = y_.size(), last = std::max(least_quiet, (n - crossing) / 4);
+  if (n - crossing < 2 * last) return false;
+  const Spread rail = robust_spread(y_.last(last), trace_.marks(n - last, n));
+  const double height = std::abs(rail.centre - begin.level);
+  const double sigma = at_least_a_step(rail.sigma);
+  if (height < near_extreme * this->height(begin.level, 0, n) ||
+      height < much * std::max(sigma, begin.sigma))
+    return false;
+  std::size_t from = n;
+  while (from > crossing && std::abs(y_[from - 1] - rail.centre) <= within * sigma) --from;
+  return n - from >= std::max(least_quiet, from - crossing);
+}
+
+/// Whether a record rests at its end where it begins.
+bool PulseSearch::comes_to_rest_at(const Trigger& begin) const {
+  constexpr double within = 4.0;
+  const std::size_t n = y_.size(), last = std::max(least_quiet, n / 32);
+  if (n < 4 * last) return false;
+  const Spread end = robust_spread(y_.last(last), trace_.marks(n - last, n));
+  const double sigma = std::max(begin.sigma, at_least_a_step(end.sigma));
+  return end.sigma <= within * begin.sigma && std::abs(end.centre - begin.level) <= within * sigma;
 }
 
 /// A force that begins off the level of most of its record, as one whose zero the impact has
 /// shifted does: the level of the begin, where it stays for longer than the highest pulse and that
-/// is no part of a contact, from which the record departs by no more than the contact is high, or
-/// ends on a rail. None where that is not so.
+/// is no part of a contact, from which the record departs by no more than the contact is high; or
+/// it ends on a rail, or where it begins. None where that is not so.
 std::optional<Trigger> PulseSearch::begin_trigger(const Trigger& trigger) const {
   const Spread first = robust_spread(y_.first(least_quiet), trace_.marks(0, least_quiet));
   Trigger begin{.level = first.centre, .sigma = at_least_a_step(first.sigma)};
@@ -186,7 +203,8 @@ std::optional<Trigger> PulseSearch::begin_trigger(const Trigger& trigger) const 
     return std::nullopt;
   const bool comes_back = peak >= stands_out * std::abs(begin.level - trigger.level) &&
                           as_double(crossing) >= width_of_tallest(begin.level);
-  return comes_back || ends_on_rail(crossing) ? std::optional(begin) : std::nullopt;
+  const bool known = comes_back || ends_on_rail(begin, crossing) || comes_to_rest_at(begin);
+  return known ? std::optional(begin) : std::nullopt;
 }
 
 /// The threshold by the noise before the first crossing: ringing afterwards is no noise.

@@ -267,6 +267,28 @@ TEST(FindImpacts, FindsTheRiseToARailThatIsNotLeft) {
       }
 }
 
+// The same with noise behind the limit, and a limit that is left again after most of the record.
+TEST(FindImpacts, FindsTheRiseToARailInNoise) {
+  for (const double noise : {0.3, 2.0, 10.0})
+    for (const double sign : {1.0, -1.0})
+      for (const double leaves : {3.5e-3, 1.0}) {
+        const Sampling at{.start = -1e-3, .interval = 1e-6, .samples = 5000};
+        std::vector<double> force = sampled(at, [&](double t) {
+          return t > leaves ? 0.0 : sign * (t < 60e-6 ? std::min(pulse(t), 1150.0) : 1150.0);
+        });
+        add_noise(force, noise, 5);
+        const auto impacts = find_impacts(record_of({force_of(at, force)}));
+        SCOPED_TRACE(testing::Message() << noise << " N, " << sign << ", left at " << leaves);
+        ASSERT_EQ(impacts.size(), 1u);
+        EXPECT_NEAR(impacts[0].start, 0.0, 3e-6);
+        EXPECT_NEAR(impacts[0].peak, sign * 1150.0, 5.0 * noise);
+        EXPECT_EQ(impacts[0].has(ImpactFlag::truncated_tail), leaves > at.time(4999));
+        EXPECT_EQ(impacts[0].has(ImpactFlag::inverted), sign < 0.0);
+        EXPECT_FALSE(impacts[0].has(ImpactFlag::missed_start));
+        EXPECT_TRUE(impacts[0].has(ImpactFlag::clipped));
+      }
+}
+
 // Contacts over 65 % of the record: its median is not what the force rests at. 20 records.
 TEST(FindImpacts, KnowsTheLevelWhereContactsFillMostOfTheRecord) {
   const Sampling at{.start = -0.8e-3, .interval = 1e-6, .samples = 5600};
