@@ -133,10 +133,10 @@ std::vector<Shot> usable_shots(std::span<const Record> records, const DetectionO
       "peak", [](const Shot& shot) { return shot.impact.peak; }, shots, warnings);
   leave_out_opposite("approach velocity", approach_of, shots, warnings);
   if (shots.size() < 2)
-    throw InputError(whole_file(records.empty() ? "" : records.front().provenance.source_file),
-                     fmt::format("a mean needs two shots at least, and {} of {} can be used{}{}",
-                                 shots.size(), records.size(), warnings.empty() ? "" : ": ",
-                                 warnings.empty() ? "" : warnings.back()));
+    throw InputError(
+        whole_file(records.empty() ? "" : records.front().provenance.source_file),
+        fmt::format("a mean needs two shots at least, and {} of {} can be used{}{}", shots.size(),
+                    records.size(), warnings.empty() ? "" : ": ", fmt::join(warnings, " ")));
   return shots;
 }
 
@@ -173,6 +173,21 @@ struct Reading {
   }
 };
 
+/// Marks what find_impacts left out of a shot's force: spikes, and samples that a recorder lost.
+void leave_out_spikes(const Shot& shot, Reading& reading) {
+  const auto& force = shot.impact.force;
+  if (!force || force->channel != reading.channel->name) return;
+  for (std::size_t i = 0; i < force->valid.size(); ++i) {
+    if (force->valid[i] != 0) continue;
+    const double at = std::round((force->time(i) - reading.channel->clock.start) /
+                                 reading.channel->clock.interval);
+    if (!(at >= 0.0 && at < static_cast<double>(reading.values.size()))) continue;
+    if (reading.valid.empty()) reading.valid.assign(reading.values.size(), 1);
+    reading.valid[static_cast<std::size_t>(at)] = 0;
+  }
+  bridge_invalid(reading.values, reading.valid);
+}
+
 /// None when the shot has no such channel.
 std::optional<Reading> reading_of(const Shot& shot, const Channel& like) {
   const auto& channels = shot.record->channels;
@@ -182,6 +197,7 @@ std::optional<Reading> reading_of(const Shot& shot, const Channel& like) {
   refuse_unusable_clock(*found, file);
   Reading reading{&*found, sound_values(*found), sound_marks(*found), shot.shift,
                   shot.next - shot.shift};
+  leave_out_spikes(shot, reading);
   if (found->unit == like.unit) return reading;
   const auto conversion = datasets::conversion(found->unit, like.unit);
   if (!conversion)

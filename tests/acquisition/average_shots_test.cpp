@@ -68,6 +68,25 @@ TEST(AverageShots, TakesNoiseOff) {
   EXPECT_NEAR(spread, 8.0, 0.6);
 }
 
+// A spike in one shot is no part of the mean: the others are.
+TEST(AverageShots, LeavesSpikesOut) {
+  std::vector<Record> shots;
+  for (int k = 0; k < 3; ++k) shots.push_back(shot(k, 2.0));
+  std::vector<double> force = shots[1].channels[0].values();
+  const Sampling at;
+  const auto spike = static_cast<std::size_t>((-300e-6 + 37.3e-6 - at.start) / at.interval);
+  for (std::size_t i = spike; i < spike + 4; ++i) force[i] += 3000.0;
+  shots[1].channels[0] = force_of(at, force);
+  const Record mean = average_shots(shots);
+  for (std::size_t i = 0; i < mean.channels[0].size(); ++i) {
+    const double t = mean.channels[0].clock.time(i);
+    if (t < -50e-6) {
+      ASSERT_LT(std::abs(mean.channels[0].value(i)), 12.0) << t;
+    }
+  }
+  EXPECT_TRUE(mean.channels[0].valid.empty());
+}
+
 // Without noise the mean is each of them, to what interpolation costs.
 TEST(AverageShots, OfOneShotManyTimesIsThatShot) {
   const Sampling slow{.start = -1.1e-3, .interval = 1.6e-6, .samples = 2600};
