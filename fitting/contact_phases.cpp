@@ -112,6 +112,7 @@ class PhaseSearch {
   double level_of(const std::vector<double>& force, double part) const;
   std::optional<Flank> flank(const std::vector<double>& force, double level, std::size_t outside,
                              int step, std::size_t limit) const;
+  std::size_t between_contacts(const std::vector<double>& force) const;
   double deepest(double touch, double separation) const;
   void approach_and_rebound(ContactPhases& phases) const;
   void average_rebound(ContactPhases& phases) const;
@@ -220,15 +221,26 @@ void PhaseSearch::average_rebound(ContactPhases& phases) const {
   phases.smoothed_error = std::sqrt(squares / (1.0 + 0.5 * crossings));
 }
 
+/// Where the force is least about the contact's end: the next contact may follow soon.
+std::size_t PhaseSearch::between_contacts(const std::vector<double>& force) const {
+  const std::size_t from = index(end_ - search_part * duration_);
+  const std::size_t to = index(end_ + search_part * duration_);
+  std::size_t least = to;
+  for (std::size_t i = to + 1; i-- > from;)
+    if (force[i] < force[least]) least = i;
+  return least;
+}
+
 ContactPhases PhaseSearch::run(double touch_shift, double separation_shift) {
   ContactPhases phases;
   level_ = level_of(record_.force, rise_part);
   const auto half = static_cast<std::size_t>(smoothed_part * duration_ / record_.interval);
   const std::vector<double> smoothed = running_means(record_.force, half);
   const std::size_t first = index(begin_ - search_part * duration_);
-  const std::size_t last = index(end_ + search_part * duration_);
+  const std::size_t last = between_contacts(smoothed);
+  const double low = level_of(smoothed, fall_part);
   const auto rise = flank(record_.force, level_, first, 1, last);
-  const auto fall = flank(smoothed, level_of(smoothed, fall_part), last, -1, first);
+  const auto fall = smoothed[last] > low ? std::nullopt : flank(smoothed, low, last, -1, first);
   if (!rise || !fall || !(rise->time < fall->time)) return phases;
   phases.touch = rise->time + touch_shift;
   phases.touch_error = rise->error;

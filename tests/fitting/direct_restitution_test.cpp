@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "fitting/direct_trial.hpp"
@@ -63,6 +64,29 @@ TEST(DirectRestitution, OfARigidBodyIsOneNumber) {
     ASSERT_GT(direct.hysteresis.force.size(), 200u);
     EXPECT_NEAR(direct.hysteresis.penetration.back(), 0.0, 2e-6);
   }
+}
+
+// The next contact begins a tenth of the first one after it: its rise is no separation. Nor is
+// there one where the force dips to a twentieth of its peak.
+TEST(DirectRestitution, EndsBeforeTheNextContact) {
+  const RigFile rig = plain_rig();
+  Impact impact = free_impact({.damping = 3.248867422384069}, {}, rig);
+  const DirectRestitution alone = direct_restitution(impact, rig);
+  const double duration = alone.separation - alone.touch;
+  const double peak = std::ranges::max(impact.force->values);
+  const auto with_next = [&](double begin) {
+    Impact both = impact;
+    for (std::size_t i = 0; i < both.force->values.size(); ++i) {
+      const double t = (both.force->time(i) - begin) / duration;
+      if (t > 0.0 && t < 1.0) both.force->values[i] += 0.5 * peak * std::sin(std::numbers::pi * t);
+    }
+    return direct_restitution(both, rig);
+  };
+  const DirectRestitution followed = with_next(alone.separation + 0.1 * duration);
+  EXPECT_NEAR(followed.separation, alone.separation, 2e-6);
+  EXPECT_NEAR(followed.kinematic.value, alone.kinematic.value, 1e-3);
+  const DirectRestitution dips = with_next(alone.separation - 0.15 * duration);
+  EXPECT_FALSE(dips.kinematic.given());
 }
 
 // The chain of the paper's rig makes the force ring by 8 % and delays it by 1.8 us, which would
