@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -111,8 +112,9 @@ HeldOut held_out(const std::vector<datasets::Impact>& impacts, std::size_t left_
   return {foretold.goodness.chi2, foretold.goodness.dof};
 }
 
+/// `elements`: of the mesh that the fit took.
 ModelScore score(const std::vector<datasets::Impact>& impacts, const Candidate& candidate,
-                 const FitOptions& asked) {
+                 const FitOptions& asked, std::array<int, 2>& elements) {
   ModelScore result{.label = candidate.label,
                     .note = candidate.note,
                     .failure = {},
@@ -125,6 +127,7 @@ ModelScore score(const std::vector<datasets::Impact>& impacts, const Candidate& 
   try {
     FitOptions options = options_for(candidate.rig, asked);
     const Fit found = fit(impacts, candidate.rig, options);
+    elements = found.rig.solver.elements;
     result.chi2 = found.goodness.chi2;
     result.dof = found.goodness.dof;
     result.unknowns = found.goodness.unknowns;
@@ -221,6 +224,31 @@ std::string verdict(const ModelComparison& comparison) {
   return text;
 }
 
+/// Fits all models; where the mesh is open, on one mesh: the finest that one of them asked for.
+/// What a coarser one lacks would be counted against the others.
+std::vector<ModelScore> scores_on_one_mesh(const std::vector<datasets::Impact>& impacts,
+                                           const std::vector<Candidate>& models,
+                                           const FitOptions& options) {
+  std::vector<ModelScore> scores(models.size());
+  std::vector<std::array<int, 2>> meshes(models.size(), {0, 0});
+  run_on_all_cores(models.size(), [&](std::size_t i, std::size_t) {
+    scores[i] = score(impacts, models[i], options, meshes[i]);
+  });
+  const auto size = [](const std::array<int, 2>& mesh) { return mesh[0] + mesh[1]; };
+  std::array<int, 2> finest{0, 0};
+  for (std::size_t i = 0; i < models.size(); ++i)
+    if (models[i].rig.mesh_chosen && size(meshes[i]) > size(finest)) finest = meshes[i];
+  run_on_all_cores(models.size(), [&](std::size_t i, std::size_t) {
+    const bool coarser = scores[i].failure.empty() && size(meshes[i]) < size(finest);
+    if (!models[i].rig.mesh_chosen || !coarser) return;
+    Candidate finer = models[i];
+    finer.rig.solver.elements = finest;
+    finer.rig.mesh_chosen = false;
+    scores[i] = score(impacts, finer, options, meshes[i]);
+  });
+  return scores;
+}
+
 }  // namespace
 
 ModelComparison compare_models(const std::vector<datasets::Impact>& impacts,
@@ -231,10 +259,7 @@ ModelComparison compare_models(const std::vector<datasets::Impact>& impacts,
   FitOptions same = options;
   if (!(same.window > 0.0)) same.window = std::numeric_limits<double>::infinity();
   ModelComparison result;
-  result.scores.resize(models.size());
-  run_on_all_cores(models.size(), [&](std::size_t i, std::size_t) {
-    result.scores[i] = score(impacts, models[i], same);
-  });
+  result.scores = scores_on_one_mesh(impacts, models, same);
   double least = std::numeric_limits<double>::infinity();
   for (const ModelScore& s : result.scores)
     if (s.failure.empty()) least = std::min(least, reduced(s));

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "fitting/fit.hpp"
+#include "fitting/model_comparison.hpp"
 #include "tests/fitting/fast_fit.hpp"
 
 namespace impactrig::fitting {
@@ -64,6 +65,24 @@ TEST(OpenMesh, IsKeptWhereAnotherLawMisfits) {
   EXPECT_GT(reduced(found), 5.0);
   EXPECT_EQ(found.rig.solver.elements, (std::array<int, 2>{28, 4}));
   EXPECT_THAT(found.warnings, Not(Contains(HasSubstr(told))));
+}
+
+// Two names of one law, of which one begins on a mesh that fits well enough: no model is better for
+// its mesh.
+TEST(OpenMesh, IsOneOfAllCandidates) {
+  const datasets::Impact shot = shot_of_fine_mesh();
+  const auto candidate = [](const char* damping, int before, int behind) {
+    RigFile rig = on(before, behind);
+    rig.mesh_chosen = true;
+    rig.rig.contact.damping = damping;
+    return Candidate{damping, rig};
+  };
+  const ModelComparison found = compare_models(
+      {shot}, {candidate("lankarani-nikravesh", 56, 8), candidate("hunt-crossley", 28, 4)},
+      FitOptions{});
+  ASSERT_EQ(found.scores.size(), 2U);
+  EXPECT_NEAR(found.scores[0].chi2, found.scores[1].chi2, 0.05);
+  EXPECT_NEAR(found.scores[0].weight, 0.5, 0.02);
 }
 
 // Small motion knows no bar that stands: the full equations tell the mesh's error then.
