@@ -84,9 +84,12 @@ bool by_logarithm(const FitProblem& problem, const Variable& v) {
   return v.tie->offset == 0.0 && problem.variables()[v.tie->to].by_logarithm;
 }
 
-/// 95 %, widened by the mesh's error and within bounds.
+/// 95 %, widened by the mesh's error and within bounds. That the size of the noise is hardly known
+/// widens nothing beyond what was known before the shot.
 std::array<double, 2> interval_of(const Variable& v, const Parameter& p, double quantile) {
-  const double half = quantile * p.std_error;
+  constexpr double normal = 1.959963985;
+  const double known = v.prior ? normal * std::max((*v.prior)[1], p.std_error) : INFINITY;
+  const double half = std::min(quantile * p.std_error, known);
   std::array<double, 2> interval = {v.value - half, v.value + half};
   if (p.by_logarithm)
     interval = {v.value * std::exp(-half / v.value), v.value * std::exp(half / v.value)};
@@ -176,7 +179,8 @@ void warn_of_noise(const FitProblem& problem, Fit& fit) {
   fit.warnings.push_back(fmt::format(
       "The noise of {} before touch tells as much as {} independent samples would: how large it is "
       "and how it hangs together is hardly known. The 95 % intervals are {} times wider for that, "
-      "profiles and bootstrap are not. Record a longer pre-trigger.",
+      "profiles and bootstrap are not. Keep more of the record before touch (--pre-trigger), or "
+      "record more.",
       least.channel, datasets::figures(least.samples, 2),
       datasets::figures(half_width(problem, fit.goodness) / 1.96, 3)));
 }
@@ -331,6 +335,18 @@ bool of_later_contacts(ImpactFlag flag) {
   return flag == ImpactFlag::double_hit || flag == ImpactFlag::multiple_hits;
 }
 
+/// Of the impacts; later contacts only where the fit goes through them and does not explain what
+/// it shows. Of three and more contacts one sentence is enough.
+void warn_of_flags(const FitProblem& problem, bool later_misfit, Fit& fit) {
+  for (const Shot& shot : problem.shots())
+    for (const ImpactFlag flag : shot.impact->flags) {
+      if (of_later_contacts(flag) && !later_misfit) continue;
+      if (flag == ImpactFlag::double_hit && shot.impact->has(ImpactFlag::multiple_hits)) continue;
+      fit.warnings.push_back(
+          fmt::format("{}: {}", shot.impact->recording, datasets::sentence(flag)));
+    }
+}
+
 bool fits_later_contacts(const Fit& fit) {
   return std::ranges::any_of(fit.predictions, [&](const models::Simulation& prediction) {
     return prediction.episodes.size() > 1 && prediction.episodes[1].start < fit.window;
@@ -481,11 +497,8 @@ void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit) {
   warn_of_release(problem, fit);
   warn_of_zero(fit);
   warn_of_priors(problem, end, fit);
-  for (const Shot& shot : problem.shots())
-    for (const ImpactFlag flag : shot.impact->flags)
-      if (!of_later_contacts(flag) || fits_later_contacts(fit))
-        fit.warnings.push_back(
-            fmt::format("{}: {}", shot.impact->recording, datasets::sentence(flag)));
+  const double reduced = fit.goodness.chi2 / static_cast<double>(std::max(1L, fit.goodness.dof));
+  warn_of_flags(problem, fits_later_contacts(fit) && reduced > misfit, fit);
   const RigFile& rig = problem.rig();
   if (!rig.force && !rig.velocity && !rig.displacement)
     fit.warnings.push_back(

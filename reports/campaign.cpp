@@ -151,9 +151,13 @@ const ShotNumber* CampaignShot::number(const std::string& wanted) const {
 }
 
 std::string word(const CampaignShot& shot) {
+  // a model that explains all contacts of the window needs no warning that there are several
+  const bool sound = std::ranges::all_of(shot.flags, [](const std::string& flag) {
+    return flag == "double-hit" || flag == "multiple-hits";
+  });
   switch (shot.verdict.grade) {
     case Verdict::Grade::explained:
-      return shot.flags.empty() ? "pass" : "warn";
+      return sound ? "pass" : "warn";
     case Verdict::Grade::in_shape:
       return "warn";
     default:

@@ -209,6 +209,24 @@ TEST(Intervals, AreOfTheSensorsToo) {
   }
 }
 
+// Where the noise before touch hardly tells its size intervals are Student's, but no wider than what
+// a certificate says.
+TEST(Intervals, AreNoWiderThanWhatIsKnownBefore) {
+  const datasets::Impact impact =
+      tests::synthetic_shot(hybrid_rig(), {.noise_memory = 0.99, .duration = 1.6e-3});
+  const Fit found = fit({impact}, hybrid_rig());
+  const auto half = [](const Parameter& p) { return 0.5 * (p.ci95[1] - p.ci95[0]); };
+  const Parameter& e = parameter(found, "contact.restitution");
+  ASSERT_GT(half(e), 2.5 * e.std_error);
+  for (const char* name : {"sensors.force.delay", "sensors.velocity.delay"}) {
+    const Parameter& p = parameter(found, name);
+    ASSERT_TRUE(p.prior) << name;
+    const double known = std::max((*p.prior)[1], p.std_error);
+    EXPECT_LE(half(p) - p.mesh_error, 1.97 * known) << name;
+    EXPECT_GE(half(p), 1.95 * p.std_error) << name;
+  }
+}
+
 // By its logarithm a parameter is drawn about by factors.
 TEST(Bootstrap, OfAParameterByItsLogarithmGoesByFactors) {
   FitOptions options;

@@ -155,9 +155,23 @@ TEST(ManyContacts, AreKeptWhereTheWindowIsStated) {
   const CoarseShot coarse;
   FitOptions options;
   options.window = 5.9e-3;
-  const Fit result = fit({coarse.shot}, coarse.rig, options);
+  datasets::Impact shot = coarse.shot;
+  shot.flags = {datasets::ImpactFlag::double_hit, datasets::ImpactFlag::multiple_hits};
+  const Fit result = fit({shot}, coarse.rig, options);
   EXPECT_DOUBLE_EQ(result.window, 5.9e-3);
-  EXPECT_THAT(result.warnings, Not(Contains(HasSubstr("before the second contact"))));
+  EXPECT_THAT(result.warnings, Not(Contains(HasSubstr("The fit ends"))));
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("There are three or more contacts")));
+  EXPECT_THAT(result.warnings, Not(Contains(HasSubstr("There is a second contact"))));
+}
+
+// Nobody is told to leave out what the model explains.
+TEST(ManyContacts, AreNoFaultWhereTheyFit) {
+  const CoarseShot coarse;
+  datasets::Impact shot = synthetic_shot(coarse.rig, {.restitution = 0.47, .duration = 6.1e-3});
+  shot.flags = {datasets::ImpactFlag::double_hit};
+  const Fit result = fit({shot}, coarse.rig);
+  EXPECT_GT(result.window, result.predictions.at(0).episodes.at(1).start);
+  EXPECT_THAT(result.warnings, Not(Contains(HasSubstr("There is a second contact"))));
 }
 
 TEST(ManyContacts, OfComparedModelsAreTheSame) {

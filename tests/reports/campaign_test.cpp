@@ -142,6 +142,8 @@ TEST(Campaign, FlagsTurnAPassIntoAWarning) {
   EXPECT_EQ(reports::word(one), "pass");
   one.flags = {"noisy"};
   EXPECT_EQ(reports::word(one), "warn");
+  one.flags = {"double-hit", "multiple-hits"};  // which the model explains
+  EXPECT_EQ(reports::word(one), "pass");
 }
 
 TEST(Campaign, TakesItsRowFromAFit) {
