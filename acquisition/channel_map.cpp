@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "acquisition/importers/full_scale.hpp"
 #include "datasets/input_error.hpp"
 
 namespace impactrig::acquisition {
@@ -49,6 +50,7 @@ class MappedRecording final : public RecordingReader {
         apply(*chosen.mapping, head_.record.channels.back(), head_.record.provenance);
     }
     refuse_equal_names();
+    leave_out_answered(head_.record);
   }
 
   const RecordingHead& head() const override { return head_; }
@@ -62,12 +64,20 @@ class MappedRecording final : public RecordingReader {
     for (std::size_t i = 0; i < places.size(); ++i)
       if (const ChannelMapping* const mapping = channels_[places[i]].mapping)
         apply(*mapping, record.channels[i], record.provenance);
+    leave_out_answered(record);
     return record;
   }
 
  private:
   [[noreturn]] void refuse(const std::string& problem, std::uint32_t line = 0) const {
     throw InputError({.file = map_.file, .line = line}, problem);
+  }
+
+  /// The warning that units are not known, where the map states all.
+  static void leave_out_answered(Record& record) {
+    const bool all = std::ranges::none_of(
+        record.channels, [](const Channel& channel) { return channel.unit.starts_with("FS"); });
+    if (all) std::erase_if(record.warnings, tells_of_full_scale);
   }
 
   void choose() {

@@ -17,7 +17,7 @@ struct FlagText {
 constexpr std::array<FlagText, 16> flag_texts{{
     {ImpactFlag::clipped, "clipped",
      "The signal reaches the end of its range or has flat tops, so peak and impulse are too small; "
-     "record again with a larger range, or fit without the clipped samples."},
+     "record again with a larger range. A fit leaves the clipped samples out."},
     {ImpactFlag::double_hit, "double-hit",
      "There is a second contact within the window; end the window before it, or compare with a "
      "simulation that runs through both contacts."},
@@ -35,8 +35,8 @@ constexpr std::array<FlagText, 16> flag_texts{{
     {ImpactFlag::truncated_tail, "truncated-tail",
      "The record ends before the contact does; record for longer after the trigger."},
     {ImpactFlag::dropout, "dropout",
-     "Some samples within the window are invalid and are left out; check the vibrometer's focus "
-     "and reflective tape, or the recorder's overruns."},
+     "Some samples within the window are invalid or an electric spike, and are left out; check the "
+     "vibrometer's focus and reflective tape, a force's cable, or the recorder's overruns."},
     {ImpactFlag::unmarked_dropout, "unmarked-dropout",
      "The laser's signal leaves its course for a moment and comes back, as it does when the light "
      "is lost, and nothing marks these samples; add the conditioning step dropouts, which leaves "

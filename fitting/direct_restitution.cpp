@@ -255,8 +255,8 @@ void add_notes(const Impact& impact, const RigFile& rig, const DirectReading& re
   const double spot = sensor ? sensor->position : 0.0;
   if (spot > 0.0 && point > 0.0 && std::abs(spot - point) > spot_tolerance * point)
     notes.push_back(fmt::format(
-        "The laser points {:.0f} mm from the struck point, so that direct kinematic and energetic "
-        "restitution are of that spot and not of the contact.",
+        "The laser points {:.0f} mm from the struck point, so that direct restitution, dissipated "
+        "energy and penetration are of that spot and not of the contact.",
         1e3 * std::abs(spot - point)));
   if (rig.rig.stop)
     notes.push_back(

@@ -7,6 +7,16 @@
 
 namespace impactrig::acquisition {
 
+namespace {
+
+constexpr std::string_view no_units = " holds no physical units: samples are parts of full scale";
+
+}  // namespace
+
+bool tells_of_full_scale(std::string_view warning) {
+  return warning.find(no_units) != warning.npos;
+}
+
 void add_full_scale_channels(RecordingHead& head, std::string_view of, std::size_t channels,
                              std::uint64_t samples, double interval, double scale) {
   for (std::size_t c = 0; c < channels; ++c) {
@@ -22,10 +32,8 @@ void add_full_scale_channels(RecordingHead& head, std::string_view of, std::size
   if (channels == 0)
     head.record.warnings.emplace_back("the file has no channels");
   else
-    head.record.warnings.push_back(
-        fmt::format("{} holds no physical units: samples are parts of full scale; a map says what "
-                    "full scale is (import --map, full_scale = \"10 V\")",
-                    of));
+    head.record.warnings.push_back(fmt::format(
+        "{}{}; a map says what full scale is (import --map, full_scale = \"10 V\")", of, no_units));
 }
 
 }  // namespace impactrig::acquisition

@@ -12,4 +12,7 @@ namespace impactrig::acquisition {
 void add_full_scale_channels(RecordingHead& head, std::string_view of, std::size_t channels,
                              std::uint64_t samples, double interval, double scale);
 
+/// Whether a warning is that one: a map that states all full scales answers it.
+bool tells_of_full_scale(std::string_view warning);
+
 }  // namespace impactrig::acquisition

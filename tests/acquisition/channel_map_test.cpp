@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "acquisition/importers/full_scale.hpp"
 #include "datasets/input_error.hpp"
 
 namespace impactrig::acquisition {
@@ -191,6 +192,23 @@ TEST(ChannelMap, KnowsWhatFullScaleIs) {
   const Record record = read({"m", false, {force}});
   EXPECT_DOUBLE_EQ(record.channels.at(0).value(0), 10.0);  // 0.1 of 10 V by 0.1 V/N
   EXPECT_EQ(record.provenance.edits.at(0).parameters.at("full scale"), "10 V");
+}
+
+TEST(ChannelMap, AnswersTheWarningOfFullScale) {
+  RecordingHead sound;
+  add_full_scale_channels(sound, "a WAVE file", 2, 2, 1e-3, 1.0);
+  for (Channel& channel : sound.record.channels) channel.raw = std::vector<std::int16_t>{1, 2};
+  const auto warnings = [&](const char* match) {
+    ChannelMapping volts = matching(match);
+    volts.full_scale = 10.0;
+    volts.unit = "V";
+    ChannelMap map{"m", true, {volts}};
+    const auto reader = mapped(reader_of(sound.record), map);
+    EXPECT_EQ(reader->head().record.warnings.size(), read_into_memory(*reader, {}).warnings.size());
+    return reader->head().record.warnings.size();
+  };
+  EXPECT_EQ(warnings("ch1"), 1U);  // the other one's is not known
+  EXPECT_EQ(warnings("ch*"), 0U);
 }
 
 TEST(ChannelMap, TakesAStatedUnitInPlaceOfTheFiles) {

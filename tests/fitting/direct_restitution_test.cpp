@@ -291,8 +291,10 @@ TEST(DirectRestitution, TellsOfALaserThatPointsElsewhere) {
   RigFile rig = plain_rig();
   rig.velocity = datasets::Sensor{};
   rig.velocity->position = 0.65;
-  EXPECT_THAT(direct_restitution(free_impact({}, {}, rig), rig).notes,
-              testing::ElementsAre(HasSubstr("40 mm from the struck point")));
+  EXPECT_THAT(
+      direct_restitution(free_impact({}, {}, rig), rig).notes,
+      testing::ElementsAre(HasSubstr("40 mm from the struck point, so that direct restitution, "
+                                     "dissipated energy and penetration are of that spot")));
 }
 
 }  // namespace
