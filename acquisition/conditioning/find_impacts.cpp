@@ -12,6 +12,7 @@
 #include "acquisition/conditioning/clipped_as_recorded.hpp"
 #include "acquisition/conditioning/condition.hpp"
 #include "acquisition/conditioning/contact_search.hpp"
+#include "acquisition/conditioning/dead_tail.hpp"
 #include "acquisition/conditioning/digitiser_step.hpp"
 #include "acquisition/conditioning/glitches.hpp"
 #include "acquisition/conditioning/impact_flags.hpp"
@@ -87,6 +88,8 @@ RecordedSignal source_of(const Channel& channel, const Record& record) {
   source.quantum = quantum_of(source.trace.values, source.trace.valid);
   if (channel.quantity == Quantity::force || channel.quantity == Quantity::acceleration)
     bridge_glitches(source.trace, source.quantum);
+  else
+    mark_dead_tail(source.quantum, source.trace);
   const auto stated = channel.attributes.find("sensor.range");
   if (stated != channel.attributes.end())
     std::from_chars(stated->second.data(), stated->second.data() + stated->second.size(),

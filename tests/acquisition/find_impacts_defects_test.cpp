@@ -385,6 +385,34 @@ TEST(ClippedFlag, IsSilentOnCrestsInNoise) {
   EXPECT_EQ(clipped, 0);
 }
 
+// A laser that holds what it saw last and then shows zero to the record's end: no motion. With no
+// noise before it may be one.
+TEST(FindImpacts, LeavesOutALaserThatIsDead) {
+  const Sampling at;
+  for (const double noise : {0.0, 1e-3})
+    for (const double step : {0.0, 2e-4}) {
+      auto velocity = sampled(at, bounce);
+      add_noise(velocity, noise, 6);
+      if (step > 0.0) round_to(velocity, step);
+      std::fill(velocity.begin() + 1120, velocity.begin() + 1160, velocity[1120]);
+      std::fill(velocity.begin() + 1160, velocity.end(), 0.0);
+      auto force = sampled(at, pulse);
+      add_noise(force, 1.0, 7);
+      const auto impacts =
+          find_impacts(record_of({force_of(at, force), velocity_of(at, velocity)}));
+      SCOPED_TRACE(testing::Message() << "noise " << noise << ", step " << step);
+      ASSERT_EQ(impacts.size(), 1u);
+      const auto& shown = *impacts[0].velocity;
+      const long lost = std::ranges::count(shown.valid, 0);
+      const auto expected =
+          std::lround((shown.time(shown.values.size() - 1) - 120e-6) / at.interval);
+      EXPECT_EQ(impacts[0].has(ImpactFlag::dropout), noise > 0.0);
+      EXPECT_NEAR(static_cast<double>(lost), noise > 0.0 ? static_cast<double>(expected) : 0.0,
+                  2.0);
+      EXPECT_NEAR(impacts[0].approach_velocity, 0.44, 1e-3);
+    }
+}
+
 Impact impact_with(const Sampling& at, std::vector<double> velocity) {
   const auto impacts = find_impacts(
       record_of({force_of(at, sampled(at, pulse)), velocity_of(at, std::move(velocity))}));
