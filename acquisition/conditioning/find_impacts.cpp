@@ -134,7 +134,7 @@ std::vector<Contact> find_contacts(const RecordedSignal& trigger, const Detectio
   if (trigger.trace.quantity == Quantity::velocity) return find_jumps(trigger.trace, options);
   if (trigger.trace.quantity == Quantity::displacement) return find_bounces(trigger.trace, options);
   std::vector<Contact> contacts = find_pulses(trigger.trace, options);
-  if (!contacts.empty() && !contacts.front().begins_inside) return contacts;
+  if (!contacts.empty() && contacts.front().onset > 0.0) return contacts;
   std::vector<Contact> beside = find_pulses_beside_course(trigger, options);
   return beside.empty() ? contacts : beside;
 }

@@ -277,11 +277,14 @@ std::optional<Contact> PulseSearch::measure(std::size_t crossing, std::size_t fl
       baseline_before(crossing > guard ? crossing - guard : 0, floor, tallest, trigger), crossing,
       floor, trigger);
   if (!contact) return std::nullopt;
+  // what crossed the threshold first may be a slope that the pulse stands on
+  const bool lies_before = contact->onset > as_double(crossing);
+  const std::size_t inside = lies_before ? contact->peak_index : crossing;
   Baseline nearer;
   if (const auto quiet = quiet_before(trace_, contact->onset, floor, options_)) {
     nearer = baseline_before(quiet->end, floor, tallest, trigger);
     if (nearer.steady)
-      if (const auto second = measure_from(nearer, crossing, floor, trigger)) contact = second;
+      if (const auto second = measure_from(nearer, inside, floor, trigger)) contact = second;
   }
   if (const auto touch = touch_in_vibration(trace_, *contact, crossing, floor, options_)) {
     const std::size_t end = touch->index > 3 ? touch->index - 3 : 0;

@@ -289,6 +289,21 @@ TEST(FindImpacts, FindsTheRiseToARailInNoise) {
       }
 }
 
+// A straight drift of a tenth of the peak and more over the record.
+TEST(FindImpacts, FindsAContactOnASlope) {
+  const Sampling at{.start = -1e-3, .interval = 1e-6, .samples = 6000};
+  for (const double drift : {-150.0, -120.0, -100.0, -80.0, 80.0, 100.0, 130.0})
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      auto force = sampled(at, [&](double t) { return pulse(t) + drift * t / 6e-3; });
+      add_noise(force, 2.0, seed);
+      const auto impacts = find_impacts(record_of({force_of(at, force)}));
+      SCOPED_TRACE(testing::Message() << drift << " N, seed " << seed);
+      ASSERT_EQ(impacts.size(), 1u);
+      EXPECT_NEAR(impacts[0].start, 0.0, 3e-6);
+      EXPECT_NEAR(impacts[0].peak, 1500.0, 12.0);
+    }
+}
+
 // Contacts over 65 % of the record: its median is not what the force rests at. 20 records.
 TEST(FindImpacts, KnowsTheLevelWhereContactsFillMostOfTheRecord) {
   const Sampling at{.start = -0.8e-3, .interval = 1e-6, .samples = 5600};
