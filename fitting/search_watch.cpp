@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fitting/search_watch.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -39,11 +40,14 @@ ceres::CallbackReturnType SearchWatch::operator()(const ceres::IterationSummary&
 /// than the tolerance, or promised no more. Steps that promise little are as good as their linear
 /// model, so that what such a one loses by far is rounding too.
 bool SearchWatch::fails_by_rounding(const ceres::IterationSummary& summary) const {
-  constexpr double little = 10.0, by_far = 2.0;
-  const double least = tolerance_ * summary.cost;
+  constexpr double little = 10.0, near_end = 1e-5, by_far = 2.0, most = 10.0;
+  const double cost = summary.cost + summary.cost_change;         // before the step
+  if (!(cost > 0.0) || summary.cost > most * cost) return false;  // or could not be simulated
+  const double least = tolerance_ * cost;
   const double promised = summary.cost_change / summary.relative_decrease;
   return std::abs(summary.cost_change) <= least || promised <= least ||
-         (promised <= little * least && -summary.cost_change > by_far * promised);
+         (promised <= std::min(little * least, near_end * cost) &&
+          -summary.cost_change > by_far * promised);
 }
 
 /// Whether the next step probably changes the cost by less than the tolerance, after which nobody

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <vector>
 
 namespace impactrig::fitting {
@@ -10,12 +11,13 @@ namespace {
 
 /// What follows a step of a cost of 1000 by a tolerance of 1e-6 that has promised and changed so
 /// much.
-ceres::CallbackReturnType after(double promised, double change, bool successful) {
+ceres::CallbackReturnType after(double promised, double change, bool successful,
+                                double tolerance = 1e-6) {
   const std::vector<Shot> shots;
-  SearchWatch watch(1e-6, shots, [] { return false; });
+  SearchWatch watch(tolerance, shots, [] { return false; });
   ceres::IterationSummary summary;
   summary.iteration = 3;
-  summary.cost = 1000.0;
+  summary.cost = 1000.0 - change;
   summary.cost_change = change;
   summary.relative_decrease = change / promised;
   summary.step_is_valid = true;
@@ -33,6 +35,9 @@ TEST(SearchWatch, EndsWhereAStepFailsByRounding) {
   EXPECT_EQ(after(5e-3, -7e-3, false), goes_on);  // may curve
   EXPECT_EQ(after(0.5, -30.0, false), goes_on);   // from afar
   EXPECT_EQ(after(5e-3, 4e-3, true), goes_on);
+  EXPECT_EQ(after(5.0, -30.0, false, 1e-3), goes_on);  // by a rough search, from afar
+  // what cannot be simulated has the largest cost there is, and a step there promises one
+  EXPECT_EQ(after(1.0, -std::numeric_limits<double>::max(), false, 1e-3), goes_on);
 }
 
 }  // namespace
