@@ -16,8 +16,8 @@
 #include "app/program.hpp"
 #include "app/rebound_texts.hpp"
 #include "datasets/input_error.hpp"
-#include "fitting/velocity_timing.hpp"
 #include "fitting/plausibility.hpp"
+#include "fitting/velocity_timing.hpp"
 #include "reports/json_parts.hpp"
 
 namespace impactrig::app {
@@ -188,6 +188,13 @@ ordered_json impacts_json(const datasets::Record& record, const DetectionArgumen
     searched = true;
     add_impacts(record, i, options, list, warnings);
   }
+  const bool any = std::ranges::any_of(record.channels, [](const datasets::Channel& channel) {
+    return !channel.complex() && channel.clock.uniform() && channel.clock.interval > 0.0;
+  });
+  if (!searched && any)
+    warnings.emplace_back(
+        "impacts were not looked for: no channel is a force, an acceleration, a velocity or a "
+        "displacement (--rig or import --map says what they are)");
   if (detection.threshold > 0.0 && searched && list.empty() && warnings.size() == told)
     warnings.push_back(fmt::format(
         "there is no impact: no {} passes --threshold {:g} from a quiet level; state a lower one, "

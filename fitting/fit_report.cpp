@@ -8,6 +8,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "datasets/number_text.hpp"
 #include "fitting/all_cores.hpp"
@@ -491,14 +492,17 @@ RigFile fitted_rig(const FitProblem& problem) {
 }
 
 void report_warnings(const FitProblem& problem, const FitEnd& end, Fit& fit) {
-  warn_of_residuals(problem, end.inflation, fit);
-  warn_of_noise(problem, fit);
-  warn_of_mesh(end, fit.goodness.chi2 / static_cast<double>(std::max(1L, fit.goodness.dof)), fit);
-  warn_of_release(problem, fit);
-  warn_of_zero(fit);
-  warn_of_priors(problem, end, fit);
   const double reduced = fit.goodness.chi2 / static_cast<double>(std::max(1L, fit.goodness.dof));
+  // what is wrong with the record first: what follows may follow from it
+  const std::vector<std::string> so_far = std::exchange(fit.warnings, {});
   warn_of_flags(problem, fits_later_contacts(fit) && reduced > misfit, fit);
+  warn_of_residuals(problem, end.inflation, fit);
+  warn_of_priors(problem, end, fit);
+  fit.warnings.insert(fit.warnings.end(), so_far.begin(), so_far.end());
+  warn_of_zero(fit);
+  warn_of_noise(problem, fit);
+  warn_of_release(problem, fit);
+  warn_of_mesh(end, reduced, fit);
   const RigFile& rig = problem.rig();
   if (!rig.force && !rig.velocity && !rig.displacement)
     fit.warnings.push_back(

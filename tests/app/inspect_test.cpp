@@ -206,6 +206,13 @@ TEST_F(InspectCommand, InspectLooksForImpactsInVelocitiesAndSaysWhereItCannot) {
                                   "sampled at uneven times"));
 }
 
+TEST_F(InspectCommand, InspectSaysThatVoltsHaveNoImpacts) {
+  const std::string file = write("volts.csv", "t [s],CH1 [V]\n0,0.1\n0.1,0.2\n0.2,0.1\n0.3,0.1\n");
+  const Outcome o = run("inspect " + file);
+  EXPECT_EQ(o.code, 0);
+  EXPECT_THAT(o.out + o.err, HasSubstr("impacts were not looked for: no channel is a force"));
+}
+
 TEST_F(InspectCommand, InspectSaysWhenARecordingWasMade) {
   const std::string path =
       write("when.csv", "When,F [N]\n2024-03-01 12:00:00.5,1\n2024-03-01 12:00:00.6,2\n");

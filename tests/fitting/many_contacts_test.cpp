@@ -160,7 +160,7 @@ TEST(ManyContacts, AreKeptWhereTheWindowIsStated) {
   const Fit result = fit({shot}, coarse.rig, options);
   EXPECT_DOUBLE_EQ(result.window, 5.9e-3);
   EXPECT_THAT(result.warnings, Not(Contains(HasSubstr("The fit ends"))));
-  EXPECT_THAT(result.warnings, Contains(HasSubstr("There are three or more contacts")));
+  EXPECT_THAT(result.warnings.front(), HasSubstr("There are three or more contacts"));
   EXPECT_THAT(result.warnings, Not(Contains(HasSubstr("There is a second contact"))));
 }
 
