@@ -41,6 +41,9 @@ inline std::vector<std::string> csv_seeds() {
       numbers_in_a_line(""),
       "\"t [s];F [N]\"\n\"0,0;1.234,5\"\n\"0,1;2,5\"\n",
       "State,t [s],F [N]\nOK,0.0,\"1,234.5\"\nOK,0.1,1'234\n",
+      "Year;Month;Day;Hour;Minute;Second;ms;F\n2024;2;29;23;59;59;500;1,5\n2024;3;1;0;0;0;0;2,5\n",
+      "Ch1: Force / N\nCh2: Vel / m/s\nRate,50000,Hz\n0.2\t2.5\n0.1\t3.5\n0.3\t4.5\n",
+      "Time,F\n-1 days +23:59:59.998,1\n-00:00:00.001,2\n00:00:00,3\n",
       "Model,MSO64\nSample Interval,1e-9\nVertical Units,V\n\nLabels,,\nTIME,CH1\n0,1\n1e-9,2\n",
   };
 }
