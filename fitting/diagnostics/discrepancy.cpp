@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 namespace impactrig::fitting {
@@ -229,19 +230,28 @@ Smoothed smooth(std::span<const double> w, const Character& delta, const Discrep
   return out;
 }
 
-/// Samples of δ to keep: a few a length, at most 250 around the contact and 60 after.
-std::vector<std::size_t> kept(std::size_t count, double length, const DiscrepancyTask& task) {
+/// Samples of δ to keep: a few a length, at most 250 around the contact and as many after; of
+/// those that each stands for the one furthest from zero, so that no crest is cut.
+std::vector<std::size_t> kept(std::span<const double> mean, double length,
+                              const DiscrepancyTask& task) {
   constexpr double points_a_length = 4.0, around = 2.5;
-  constexpr std::size_t most_around = 250, most_later = 60;
+  constexpr std::size_t most = 250;
+  const std::size_t count = mean.size();
   const auto border = std::min(
       count, static_cast<std::size_t>(std::max(1.0, around * task.contact / task.interval)));
   const auto by_length = static_cast<std::size_t>(length / (points_a_length * task.interval));
   std::vector<std::size_t> out;
-  const auto step = [&](std::size_t samples, std::size_t most) {
-    return std::max({std::size_t{1}, by_length, (samples + most - 1) / most});
+  const auto keep = [&](std::size_t begin, std::size_t end) {
+    const std::size_t step = std::max({std::size_t{1}, by_length, (end - begin + most - 1) / most});
+    for (std::size_t i = begin; i < end; i += step) {
+      const auto part = mean.subspan(i, std::min(step, end - i));
+      const auto furthest =
+          std::ranges::max_element(part, {}, [](double value) { return std::abs(value); });
+      out.push_back(i + static_cast<std::size_t>(furthest - part.begin()));
+    }
   };
-  for (std::size_t i = 0; i < border; i += step(border, most_around)) out.push_back(i);
-  for (std::size_t i = border; i < count; i += step(count - border, most_later)) out.push_back(i);
+  keep(0, border);
+  keep(border, count);
   return out;
 }
 
@@ -255,7 +265,7 @@ void report(const Smoothed& found, const DiscrepancyTask& task, Discrepancy& out
     out.largest_time = task.interval * static_cast<double>(i + 1);
   }
   out.rms = std::sqrt(squares / static_cast<double>(found.mean.size()));
-  for (const std::size_t i : kept(found.mean.size(), out.length, task)) {
+  for (const std::size_t i : kept(found.mean, out.length, task)) {
     out.time.push_back(task.interval * static_cast<double>(i + 1));
     out.mean.push_back(found.mean[i]);
     out.error.push_back(found.error[i]);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -60,6 +61,24 @@ TEST(Discrepancy, HoldsAKnownBumpInItsBand) {
     }
   }
   EXPECT_GT(inside / points, 0.90);
+}
+
+// Short bumps long after the contact, where few samples are kept: the highest is among them.
+TEST(Discrepancy, KeepsItsCrests) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    std::vector<double> x = gaussian_noise(before + 10000, seed);
+    for (std::size_t i = 0; i < 10000; ++i) {
+      const double t = interval * static_cast<double>(i + 1);
+      for (const double at : {0.2e-3, 3.0e-3, 4.123e-3, 6.02e-3, 8.7e-3})
+        x[before + i] += 6.0 * std::exp(-0.5 * std::pow((t - at) / 8e-6, 2.0));
+    }
+    const Discrepancy found = found_in(x);
+    ASSERT_TRUE(found.significant) << seed;
+    double highest = 0.0;
+    for (const double mean : found.mean) highest = std::max(highest, std::abs(mean));
+    EXPECT_EQ(highest, std::abs(found.largest)) << seed;
+    EXPECT_LE(found.time.size(), 502U);
+  }
 }
 
 TEST(Discrepancy, HoldsItInColouredNoiseToo) {
