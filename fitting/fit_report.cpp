@@ -211,11 +211,15 @@ void warn_of_residuals(const FitProblem& problem, double inflation, Fit& fit) {
                          datasets::figures(inflation, 3));
     else if (robust)
       then = " Standard errors follow from the scatter that was seen.";
+    const std::string of =
+        problem.shots().size() < 2
+            ? ""
+            : fit.impacts[static_cast<std::size_t>(channel.recording)].recording + ": ";
     fit.warnings.push_back(fmt::format(
-        "The residuals of {} are {} times its noise before the trigger: the model or the "
+        "{}The residuals of {} are {} times its noise before the trigger: the model or the "
         "calibration does not explain all that was measured.{} Look at the residuals; try another "
         "law or a finer mesh, free a gain or delay, or shorten the fitted window.",
-        channel.channel, datasets::figures(ratio, 3), then));
+        of, channel.channel, datasets::figures(ratio, 3), then));
   }
 }
 

@@ -139,12 +139,18 @@ std::string warnings_text(const std::vector<std::string>& warnings) {
   return text;
 }
 
+/// "shot05.csv: " before what is of a channel of one of several recordings.
+std::string whose(const fitting::Fit& fit, const fitting::ChannelFit& channel) {
+  if (fit.impacts.size() < 2) return "";
+  return recording_name(fit, static_cast<std::size_t>(std::max(0, channel.recording))) + ": ";
+}
+
 /// What a channel's diagnostics say; of a sound one nothing but that.
-std::string diagnosis_text(const fitting::ChannelFit& channel) {
+std::string diagnosis_text(const fitting::Fit& fit, const fitting::ChannelFit& channel) {
   if (!channel.diagnostics) return "";
-  std::string text = fmt::format("  {}\n", channel.diagnostics->sentence);
+  std::string text = fmt::format("  {}{}\n", whose(fit, channel), channel.diagnostics->sentence);
   if (channel.diagnostics->discrepancy.significant)
-    text += fmt::format("  {}\n", discrepancy_sentence(channel));
+    text += fmt::format("  {}{}\n", whose(fit, channel), discrepancy_sentence(channel));
   return text;
 }
 
@@ -172,7 +178,8 @@ std::string to_text(const ReportData& data) {
   for (const std::string& sentence : fit.not_identifiable)
     text += fmt::format("  ! {}\n", sentence);
   text += intervals_text(fit);
-  text += "\nRestitution: four different numbers for a flexible bar\n";
+  text += fmt::format("\nRestitution{}: four different numbers for a flexible bar\n",
+                      fit.impacts.size() < 2 ? "" : " of " + recording_name(fit, 0));
   if (fit.rig.rig.contact.takes_restitution())
     text += estimate_line("law", fit, "law", "in the damping law");
   else
@@ -186,12 +193,12 @@ std::string to_text(const ReportData& data) {
   text += "\nResiduals\n";
   for (const fitting::ChannelFit& channel : fit.channels)
     text += fmt::format(
-        "  {:<14}{:.3g} {} (noise before the trigger {:.3g} {}{})\n", channel.quantity,
-        channel.residual_rms, channel.unit, channel.noise, channel.unit,
+        "  {}{:<14}{:.3g} {} (noise before the trigger {:.3g} {}{})\n", whose(fit, channel),
+        channel.quantity, channel.residual_rms, channel.unit, channel.noise, channel.unit,
         channel.every > 1 ? fmt::format("; one sample in {} fitted", channel.every) : "");
   text += fmt::format("  chi-square / degrees of freedom: {:.4g} / {}\n", fit.goodness.chi2,
                       fit.goodness.dof);
-  for (const fitting::ChannelFit& channel : fit.channels) text += diagnosis_text(channel);
+  for (const fitting::ChannelFit& channel : fit.channels) text += diagnosis_text(fit, channel);
   if (data.models) text += models_text(*data.models);
   text += warnings_text(fit.warnings);
   if (fit.termination != "converged")

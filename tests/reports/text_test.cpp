@@ -27,6 +27,17 @@ TEST(FitText, EndsWithWhyItDidNotConverge) {
                         "nearer to the answer (--set), or free fewer parameters (--free).\n"));
 }
 
+TEST(FitText, SaysOfWhichRecordingItSpeaks) {
+  const reports::ReportData one = tests::example_report(), three = tests::example_report(3);
+  EXPECT_THAT(reports::to_text(one), HasSubstr("\nRestitution: four different numbers"));
+  EXPECT_THAT(reports::to_text(one), HasSubstr("\nResiduals\n  force "));
+  const std::string text = reports::to_text(three);
+  for (const datasets::Impact& impact : three.fit.impacts)
+    EXPECT_THAT(text, testing::ContainsRegex("\n  " + impact.recording + ": force  +[0-9.]+ N"))
+        << text;
+  EXPECT_THAT(text, HasSubstr("\nRestitution of " + three.fit.impacts[0].recording + ": four"));
+}
+
 TEST(FitText, SaysWhatIsNotIdentifiable) {
   reports::ReportData data = tests::example_report();
   constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
