@@ -97,11 +97,23 @@ struct Curves {
   Series measured, model, residual;
 };
 
+/// How far from zero residuals are drawn: what was not fitted, as a clipped crest, may be so far
+/// off that nothing would be seen of the others.
+double drawn_residual(const fitting::ChannelFit& channel) {
+  constexpr double beyond = 1.5;  // of the largest fitted one
+  double most = 0.0;
+  for (std::size_t i = 0; i < samples(channel); ++i)
+    if (used(channel, i) && std::isfinite(channel.model[i]))
+      most = std::max(most, std::abs(channel.measured[i] - channel.model[i]));
+  return most > 0.0 ? beyond * most : std::numeric_limits<double>::infinity();
+}
+
 Curves curves(const fitting::ChannelFit& channel, const Range& view, double unit, double until) {
   Curves out;
   out.measured = {"measured", {}, {}, palette::measured, 1.0, 1.0, {}};
   out.model = {"model", {}, {}, palette::model, 4.0, 1.0, {}};
   out.residual = {"", {}, {}, palette::measured, 0.8, 1.0, {}};
+  const double drawn = drawn_residual(channel);
   for (std::size_t i = 0; i < samples(channel); ++i) {
     if (channel.time[i] < view[0] || channel.time[i] > view[1]) continue;
     for (Series* series : {&out.measured, &out.model, &out.residual})
@@ -109,7 +121,8 @@ Curves curves(const fitting::ChannelFit& channel, const Range& view, double unit
     out.measured.y.push_back(channel.measured[i]);
     const double model = channel.time[i] <= until ? channel.model[i] : std::nan("");
     out.model.y.push_back(model);
-    out.residual.y.push_back((channel.measured[i] - model) / unit);
+    const double residual = channel.measured[i] - model;
+    out.residual.y.push_back(std::abs(residual) <= drawn ? residual / unit : std::nan(""));
   }
   return out;
 }

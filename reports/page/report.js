@@ -138,6 +138,14 @@
     }
     return stretches;
   }
+  // What was not fitted, as a clipped crest, may be so far off that nothing is seen of the others.
+  function drawnResidual(curve, predicted) {
+    var most = 0;
+    curve.measured.forEach(function (y, i) {
+      if (curve.used[i] && y !== null && predicted[i] !== null) most = Math.max(most, Math.abs(y - predicted[i]));
+    });
+    return most > 0 ? 1.5 * most : Infinity;
+  }
   function backdrop(stretches, band) {
     return function (canvas, area, graph) {
       canvas.fillStyle = "#f0f1f3";
@@ -228,8 +236,10 @@
     var until = data.until === undefined ? Infinity : Number(data.until);
     var predicted = curve.model.map(function (y, i) { return curve.time_s[i] <= until ? y : null; });
     var times = scaled(curve.time_s, fx), measured = scaled(curve.measured, fy), model = scaled(predicted, fy);
+    var drawn = drawnResidual(curve, predicted);
     var residual = curve.measured.map(function (y, i) {
-      return y === null || predicted[i] === null ? null : (y - predicted[i]) / noise;
+      var known = y !== null && predicted[i] !== null && Math.abs(y - predicted[i]) <= drawn;
+      return known ? (y - predicted[i]) / noise : null;
     });
     var inNoise = data.residualUnit === "noise", stretches = unused(curve, times);
     var still = figure.querySelector("svg"), graph, lower;

@@ -433,4 +433,24 @@ TEST(Page, SetsTheModelAgainstWhatTheRecordShowsWithoutOne) {
 }
 
 }  // namespace
+
+// Samples that were left out, a thousand times the noise off, do not set the scale of the others.
+TEST(Html, DrawsResidualsByWhatWasFitted) {
+  reports::ReportData data = tests::example_report();
+  fitting::ChannelFit& force = data.fit.channels[0];
+  const auto has_thousands = [&] {
+    const std::string page = to_html(data);
+    return page.find("\u22121000</text>") != page.npos ||
+           page.find("\u22121500</text>") != page.npos;
+  };
+  for (std::size_t i = 0; i < force.measured.size(); ++i) {
+    if (std::abs(force.time[i] - 50e-6) > 20e-6) continue;
+    force.measured[i] = force.model[i] - 1500.0 * force.noise;
+    force.used[i] = 0;
+  }
+  EXPECT_FALSE(has_thousands());
+  force.used.assign(force.used.size(), 1);
+  EXPECT_TRUE(has_thousands());
+}
+
 }  // namespace impactrig
