@@ -166,7 +166,7 @@ std::vector<Contact> find_contacts_beside_spikes(RecordedSignal& trigger,
     return contacts;
   const auto spike_in = [&](const Trace& trace, const std::vector<Contact>& found) {
     const auto spike = spike_among(trace, found);
-    return spike ? spike : spike_after(trace, found, options);
+    return spike ? spike : spike_after(trace, trigger.quantum, found, options);
   };
   auto spike = spike_in(trigger.trace, contacts);
   if (!spike) return contacts;

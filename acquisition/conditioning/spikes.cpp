@@ -87,12 +87,13 @@ std::optional<Spike> spike_among(const Trace& trace, const std::vector<Contact>&
   return std::nullopt;
 }
 
-std::optional<Spike> spike_after(const Trace& trace, const std::vector<Contact>& contacts,
+std::optional<Spike> spike_after(const Trace& trace, double quantum,
+                                 const std::vector<Contact>& contacts,
                                  const DetectionOptions& options) {
   constexpr double of_peak = 0.05, of_noise = 12.0;
   const std::vector<double>& y = trace.values;
   if (y.size() < 4 * neighbours) return std::nullopt;
-  const double noise = step_noise(y, trace.valid);
+  const double noise = std::max(step_noise(y, trace.valid), 0.75 * quantum);
   const double post = options.post_trigger / trace.interval;
   const auto last = static_cast<double>(y.size() - neighbours);
   for (const Contact& contact : contacts) {

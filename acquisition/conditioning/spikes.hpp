@@ -25,8 +25,10 @@ struct Spike {
 /// The first that was taken for one of the contacts.
 std::optional<Spike> spike_among(const Trace& trace, const std::vector<Contact>& contacts);
 
-/// The first behind a contact, within what belongs to it, that is short against it.
-std::optional<Spike> spike_after(const Trace& trace, const std::vector<Contact>& contacts,
+/// The first behind a contact, within what belongs to it, that is short against it, and higher than
+/// noise or a digitiser's steps `quantum` make it: 12 standard deviations, nine steps.
+std::optional<Spike> spike_after(const Trace& trace, double quantum,
+                                 const std::vector<Contact>& contacts,
                                  const DetectionOptions& options);
 
 }  // namespace impactrig::acquisition

@@ -211,6 +211,23 @@ TEST(FindImpacts, OverlooksSpikesOfAnyShape) {
       }
 }
 
+// A sensor that rings by little more than half a step of six bits: pulses of one step, some samples
+// long, each by itself. 100 records.
+TEST(FindImpacts, TakesNoRingingInStepsForSpikes) {
+  const Sampling at;
+  for (const double step : {70.0, 110.0})
+    for (int k = 0; k < 50; ++k) {
+      auto force = sampled(at, [&](double t) {
+        const double rings = t > duration ? std::sin(2.0 * std::numbers::pi * 45e3 * t) : 0.0;
+        return pulse(t) + step * (0.5 + 0.01 * k) * rings * std::exp(-(t - duration) / 150e-6);
+      });
+      add_noise(force, 0.5, static_cast<std::uint64_t>(k + 1));
+      round_to(force, step);
+      for (const Impact& impact : find_impacts(record_of({force_of(at, force)})))
+        EXPECT_FALSE(impact.has(ImpactFlag::dropout)) << step << " N, " << 0.5 + 0.01 * k;
+    }
+}
+
 // What is sharp after a contact and no spike: ringing of few samples a period, a touch whose force
 // jumps, a digitiser's steps.
 TEST(FindImpacts, TakesNothingSharpForASpike) {
