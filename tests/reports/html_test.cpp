@@ -434,6 +434,29 @@ TEST(Page, SetsTheModelAgainstWhatTheRecordShowsWithoutOne) {
 
 }  // namespace
 
+// A measured loop may end before where it begins: the axis goes on to there.
+TEST(Html, DrawsAllOfAMeasuredLoop) {
+  reports::ReportData data = tests::example_report();
+  ASSERT_FALSE(data.fit.direct.empty());
+  fitting::Hysteresis& loop = data.fit.direct[0].hysteresis;
+  ASSERT_FALSE(loop.penetration.empty());
+  const double deepest = std::ranges::max(loop.penetration);
+  const auto points_left_of_axis = [&] {
+    const std::string page = to_html(data);
+    const std::size_t figure = page.find("<figure class=\"loop direct\"");
+    const std::string svg = page.substr(figure, page.find("</svg>", figure) - figure);
+    std::smatch axis;
+    EXPECT_TRUE(std::regex_search(svg, axis, std::regex("<line x1=\"([0-9.]+)\"")));
+    const std::regex point("[ML]([0-9.]+) ");
+    double least = INFINITY;
+    for (std::sregex_iterator at(svg.begin(), svg.end(), point), end; at != end; ++at)
+      least = std::min(least, std::stod((*at)[1]));
+    return least < std::stod(axis[1]);
+  };
+  loop.penetration.back() = -0.2 * deepest;
+  EXPECT_FALSE(points_left_of_axis());
+}
+
 // Samples that were left out, a thousand times the noise off, do not set the scale of the others.
 TEST(Html, DrawsResidualsByWhatWasFitted) {
   reports::ReportData data = tests::example_report();
