@@ -124,7 +124,10 @@ std::string html_direct_loop(const fitting::Fit& fit, std::size_t recording) {
                           .arrows = {}});
   double depth = 0.0, force = 0.0, least = 0.0;
   for (const Series& series : panel.series) {
-    for (const double x : series.x) depth = std::max(depth, x), least = std::min(least, x);
+    for (const double x : series.x) {
+      depth = std::max(depth, x);
+      least = std::min(least, x);
+    }
     for (const double y : series.y) force = std::max(force, y);
   }
   figure.x = {"Penetration", display_unit(depth, "m"), {{least - 0.03 * depth, 1.04 * depth}}};

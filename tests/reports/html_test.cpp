@@ -447,7 +447,7 @@ TEST(Html, DrawsAllOfAMeasuredLoop) {
     const std::string svg = page.substr(figure, page.find("</svg>", figure) - figure);
     std::smatch axis;
     EXPECT_TRUE(std::regex_search(svg, axis, std::regex("<line x1=\"([0-9.]+)\"")));
-    const std::regex point("[ML]([0-9.]+) ");
+    const std::regex point("[ML](-?[0-9.]+) ");
     double least = INFINITY;
     for (std::sregex_iterator at(svg.begin(), svg.end(), point), end; at != end; ++at)
       least = std::min(least, std::stod((*at)[1]));
