@@ -128,7 +128,7 @@ bool noisy_flat_top(const Trace& trace, const Contact& contact, double quantum,
   const bool is_left = top->last + 1 < y.size();  // else the record ends on it
   const std::size_t behind = is_left ? y.size() - 1 - top->last : y.size();
   const std::size_t part =
-      std::clamp<std::size_t>(top->size() / 12, 3, std::max<std::size_t>(3, behind / 2 - 1));
+      std::clamp<std::size_t>(top->size() / 12, 3, std::max<std::size_t>(4, behind / 2) - 1);
   if (top->first < 2 * part || (is_left && top->last + 2 * part >= y.size())) return false;
   if (!is_level(*top, sigma, quantum)) return false;
   const auto steep = [&](double near, double far) {

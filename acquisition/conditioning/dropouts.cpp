@@ -139,11 +139,20 @@ std::optional<Bridge> bridge_over(std::span<const double> y, const std::vector<s
   return Bridge{begin, end, *left, *right};
 }
 
+/// Of up to 2^16 samples, in increasing order.
+std::vector<double> sizes_of(std::span<const double> y) {
+  std::vector<double> sizes = evenly_spread(y, std::size_t{1} << 16);
+  for (double& size : sizes) size = std::abs(size);
+  std::ranges::sort(sizes);
+  return sizes;
+}
+
 /// What a stretch is judged against.
 struct Measure {
-  double span;        ///< what the signal spans
-  double noise;       ///< of a sample
-  bool towards_zero;  ///< what the laser shows when it is lost
+  double span;                     ///< what the signal spans
+  double noise;                    ///< of a sample
+  bool towards_zero;               ///< what the laser shows when it is lost
+  std::vector<double> sizes = {};  ///< of some samples spread over it, in increasing order
 };
 
 /// A laser without light shows zero: a level stretch there that the courses on either side do not
@@ -174,14 +183,18 @@ bool pinned_to_zero(std::span<const double> y, const Bridge& bridge, const Measu
          (jumps(bridge.left) || jumps(bridge.right));
 }
 
-/// Whether a level is further from zero than all that a signal shows outside a stretch: the end of
-/// a decoder's range, where a lost laser may be too.
-bool beyond_all_else(std::span<const double> y, const Bridge& bridge, double level) {
-  constexpr double margin = 0.95;
-  for (std::size_t i = 0; i < y.size(); ++i)
-    if ((i < bridge.begin || i >= bridge.end) && std::abs(y[i]) > margin * std::abs(level))
-      return false;
-  return true;
+/// Whether a level is the end of a decoder's range, where a lost laser may be too: few samples are
+/// as far from zero, and hardly any between there and what the others reach, as a motion that went
+/// there by itself would have them.
+bool is_end_of_range(const Measure& measure, double level) {
+  constexpr double at_level = 0.95, below = 0.6, most_at_level = 0.1, most_between = 0.002;
+  const std::vector<double>& sizes = measure.sizes;
+  const auto share_above = [&](double part) {
+    const auto from = std::ranges::upper_bound(sizes, part * std::abs(level));
+    return static_cast<double>(sizes.end() - from) / static_cast<double>(sizes.size());
+  };
+  const double at = share_above(at_level);
+  return at <= most_at_level && share_above(below) - at <= most_between;
 }
 
 /// Whether a part of the stretch between two edges is sound: what lies between two losses, each
@@ -201,7 +214,7 @@ bool sound_within(std::span<const double> y, const Bridge& bridge,
     const QuietFit course = fit_quiet(y, from, to, 1, 0.0);
     const double level = course.coefficients[0], expected = bridge.at((from + to) / 2);
     if (measure.towards_zero && std::abs(level) > std::abs(expected) &&
-        course.sigma < 0.5 * std::abs(level - expected) && !beyond_all_else(y, bridge, level))
+        course.sigma < 0.5 * std::abs(level - expected) && !is_end_of_range(measure, level))
       return true;
   }
   return 2.0 * nearest < furthest;
@@ -247,7 +260,7 @@ std::vector<Dropout> find_dropouts(std::span<const double> values,
   const std::vector<IndexRange> edges = edges_in(values, longest);
   const Measure measure{span_of(values),
                         std::max(step_noise(values), 0.75 * quantum_of(values, valid)),
-                        quantity == Quantity::velocity};
+                        quantity == Quantity::velocity, sizes_of(values)};
   std::vector<Dropout> dropouts;
   for (std::size_t e = 0; e < edges.size(); ++e) {
     // The longest stretch first: a dropout may have spikes within.

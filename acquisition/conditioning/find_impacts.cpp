@@ -139,53 +139,54 @@ std::vector<Contact> find_contacts(const RecordedSignal& trigger, const Detectio
   return beside.empty() ? contacts : beside;
 }
 
-/// Marks a spike as not valid and bridges it; tells how high it was.
-double clear_spike(const IndexRange& spike, Trace& trace) {
+/// Marks spikes as not valid and bridges them.
+void clear_spikes(const std::vector<Spike>& spikes, Trace& trace) {
   if (trace.valid.empty()) trace.valid.assign(trace.values.size(), 1);
-  const auto first = trace.values.begin() + static_cast<std::ptrdiff_t>(spike.begin);
-  const std::vector<double> recorded(first, first + static_cast<std::ptrdiff_t>(spike.size()));
-  std::fill_n(trace.valid.begin() + static_cast<std::ptrdiff_t>(spike.begin), spike.size(), 0);
+  for (const Spike& spike : spikes)
+    std::fill_n(trace.valid.begin() + static_cast<std::ptrdiff_t>(spike.range.begin),
+                spike.range.size(), 0);
   bridge_invalid(trace.values, trace.valid);
-  double highest = 0.0;
-  for (std::size_t i = 0; i < recorded.size(); ++i)
-    highest = std::max(highest, std::abs(recorded[i] - trace.values[spike.begin + i]));
-  return highest;
 }
 
-/// Contacts of a force or an acceleration without spikes, which are marked as not valid. A few
-/// samples are a spike where a contact of the same record lasts many times as long and is not far
-/// lower: those of one rig are alike, since what a contact lasts hardly depends on its speed. Where
-/// there is none they may be the contact.
+/// Contacts of a force or an acceleration without spikes, which are marked as not valid: those of
+/// one rig are alike, since what a contact lasts hardly depends on its speed. Where none lasts many
+/// times as long as a few samples, they may be the contact. Spikes may hide the contact behind
+/// them; then what is found without them decides.
 std::vector<Contact> find_contacts_beside_spikes(RecordedSignal& trigger,
                                                  const DetectionOptions& options) {
-  constexpr int most_spikes = 64;
-  constexpr double height = 0.2;
+  constexpr int most_rounds = 32;
   std::vector<Contact> contacts = find_contacts(trigger, options);
   if (trigger.trace.quantity == Quantity::velocity ||
       trigger.trace.quantity == Quantity::displacement)
     return contacts;
-  const auto spike_in = [&](const Trace& trace, const std::vector<Contact>& found) {
-    const auto spike = spike_among(trace, found);
-    return spike ? spike : spike_after(trace, trigger.quantum, found, options);
-  };
-  auto spike = spike_in(trigger.trace, contacts);
-  if (!spike) return contacts;
   RecordedSignal cleared = trigger;
-  std::vector<Contact> others = contacts;
-  double highest = 0.0, longest = 0.0;
-  for (int spikes = 0; spike && spikes < most_spikes; ++spikes) {
-    highest = std::max(highest, clear_spike(spike->range, cleared.trace));
-    longest = std::max(longest, spike->least_contact());
-    others = find_contacts(cleared, options);
-    spike = spike_in(cleared.trace, others);
+  std::vector<Contact> found = contacts;
+  std::vector<Spike> undecided;
+  for (int round = 0; round < most_rounds; ++round) {
+    const std::vector<Spike> taken = spikes_among(cleared.trace, found);
+    std::vector<Spike> spikes = spikes_after(cleared.trace, cleared.quantum, found, options);
+    const auto add = [&](const Spike& spike) {
+      const auto alike = spikes_like(spike, cleared.trace, cleared.quantum, options);
+      spikes.insert(spikes.end(), alike.begin(), alike.end());
+    };
+    for (const Spike& spike : taken)
+      if (spike.is_short_beside(found)) add(spike);
+    if (spikes.empty()) {
+      if (taken.empty()) break;
+      add(taken.front());
+      undecided.insert(undecided.end(), spikes.begin(), spikes.end());
+    }
+    clear_spikes(spikes, cleared.trace);
+    found = find_contacts(cleared, options);
+    if (!std::ranges::all_of(undecided,
+                             [&](const Spike& spike) { return spike.is_short_beside(found); }))
+      continue;
+    undecided.clear();
+    cleared.quantum = quantum_of(cleared.trace.values, cleared.trace.valid);
+    trigger = cleared;
+    contacts = found;
   }
-  const bool outlasted = std::ranges::any_of(others, [&](const Contact& contact) {
-    return contact.end - contact.onset >= longest && std::abs(contact.peak) > height * highest;
-  });
-  if (!outlasted) return contacts;
-  cleared.quantum = quantum_of(cleared.trace.values, cleared.trace.valid);
-  trigger = std::move(cleared);
-  return others;
+  return contacts;
 }
 
 /// The part of a record that belongs to one impact [s].

@@ -105,7 +105,10 @@ std::vector<std::size_t> find_glitches(const Trace& trace, double quantum) {
       // the neighbours go on well off rest
       if (around.lowest() <= std::max(of_height * around.highest(), at_once * noise)) continue;
       if (!depart(y, i, count, around, least)) continue;
-      if (count > longest && count != same && !are_shifted(y, i, count)) continue;
+      const bool square_spike =
+          static_cast<double>(count) * trace.interval <= longest_of_one_value &&
+          are_shifted(y, i, count);
+      if (count > longest && count != same && !square_spike) continue;
       for (std::size_t k = 0; k < count; ++k) found.push_back(i + k);
       i += count - 1;
       break;

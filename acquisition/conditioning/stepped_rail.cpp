@@ -72,6 +72,13 @@ struct LevelStretch {
   }
 };
 
+/// Without those at its end that are not valid.
+std::size_t sound_samples_before_end(const ImpactSignal& signal) {
+  std::size_t end = signal.values.size();
+  while (!signal.valid.empty() && end > 0 && signal.valid[end - 1] == 0) --end;
+  return end;
+}
+
 /// Whether a signal leaves its extreme at once as steeply as it goes on. What a contact's force
 /// bends begins as t² or slower and takes 1.6 times as long over its first m steps as over the next
 /// m; a rail that it crosses, once.
@@ -125,6 +132,13 @@ bool on_stepped_rail(const Impact& impact, const ImpactSignal& signal, double si
   constexpr long least_span = 48;  // steps: fewer do not tell a curve from a line
   constexpr long crest_fall = 13;
   if (!(signal.quantum > 0.0)) return false;
+  if (const std::size_t sound = sound_samples_before_end(signal); sound < signal.values.size()) {
+    if (sound < 2 * fewest_level) return false;
+    ImpactSignal before = signal;
+    before.values.resize(sound);
+    before.valid.resize(sound);
+    return on_stepped_rail(impact, before, sign);
+  }
   if (!signal.valid.empty() && std::ranges::count(signal.valid, 0) > 0) return false;
   const LevelStretch level(signal, sign);
   const bool begins = level.begins_inside(), ends = level.ends_inside();

@@ -202,6 +202,21 @@ TEST(RepairDropouts, FindsALossAtTheEndOfTheRange) {
       }
 }
 
+// Several of them, and a stray sample there.
+TEST(RepairDropouts, FindsEachLossAtTheEndOfTheRange) {
+  const Sampling at;
+  std::vector<double> y = sampled(at, swing);
+  add_noise(y, 1.25e-3, 4);
+  for (const std::size_t begin : {400U, 1700U, 2600U})
+    for (std::size_t i = begin; i < begin + 45; ++i) y[i] = 1.25;
+  y[3300] = 1.25;
+  auto velocity = velocity_of(at, y);
+  EXPECT_EQ(repair_dropouts(velocity, {}).parameters.at("found"), "4");
+  ASSERT_EQ(velocity.valid.size(), at.samples);
+  for (const std::size_t begin : {400U, 1700U, 2600U})
+    for (std::size_t i = begin; i < begin + 45; ++i) ASSERT_EQ(velocity.valid[i], 0) << i;
+}
+
 // What lies between is further from zero than what is to either side, so it is no loss.
 TEST(RepairDropouts, TellsTwoLossesThatFollowEachOther) {
   const Sampling at;

@@ -223,9 +223,49 @@ TEST(FindImpacts, TakesNoRingingInStepsForSpikes) {
       });
       add_noise(force, 0.5, static_cast<std::uint64_t>(k + 1));
       round_to(force, step);
-      for (const Impact& impact : find_impacts(record_of({force_of(at, force)})))
+      const auto impacts = find_impacts(record_of({force_of(at, force)}));
+      ASSERT_FALSE(impacts.empty());
+      for (const Impact& impact : impacts)
         EXPECT_FALSE(impact.has(ImpactFlag::dropout)) << step << " N, " << 0.5 + 0.01 * k;
     }
+}
+
+// Contacts of fewer samples than a spike may have: each is the contact all the same.
+TEST(FindImpacts, OverlooksASpikeBesideAShortContact) {
+  struct Shot {
+    double interval, contact;
+  };
+
+  for (const auto& [interval, contact] :
+       {Shot{2e-6, 133e-6}, Shot{5e-6, 200e-6}, Shot{1e-6, 60e-6}})
+    for (const double spike : {-0.3e-3, 0.7e-3}) {
+      const Sampling at{.start = -1e-3, .interval = interval, .samples = 3000};
+      auto force = sampled(at, [&](double t) { return half_sine(t, 1500.0, contact); });
+      add_noise(force, 1.0, 3);
+      const auto plain = find_impacts(record_of({force_of(at, force)}));
+      force[static_cast<std::size_t>(std::lround((spike - at.start) / interval))] += 900.0;
+      const auto impacts = find_impacts(record_of({force_of(at, force)}));
+      SCOPED_TRACE(testing::Message() << interval << " s, " << contact << " s, spike at " << spike);
+      ASSERT_EQ(impacts.size(), 1u);
+      EXPECT_NEAR(impacts[0].start, plain.at(0).start, 0.1 * interval);
+      EXPECT_NEAR(impacts[0].peak, plain.at(0).peak, 1.0);
+      EXPECT_TRUE(impacts[0].has(ImpactFlag::dropout));
+      EXPECT_FALSE(impacts[0].has(ImpactFlag::double_hit));
+    }
+}
+
+// More spikes than can be counted on two hands, before and behind.
+TEST(FindImpacts, OverlooksManySpikes) {
+  const Sampling at{.start = -10e-3, .interval = 1e-6, .samples = 40000};
+  auto force = sampled(at, pulse);
+  add_noise(force, 1.0, 3);
+  const auto plain = find_impacts(record_of({force_of(at, force)}));
+  for (std::size_t i = 300; i < force.size(); i += 97)
+    if (i < 9900 || i > 10300) force[i] += 900.0;
+  const auto impacts = find_impacts(record_of({force_of(at, force)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_NEAR(impacts[0].start, plain.at(0).start, 1e-7);
+  EXPECT_NEAR(impacts[0].peak, plain.at(0).peak, 1.0);
 }
 
 // What is sharp after a contact and no spike: ringing of few samples a period, a touch whose force
@@ -234,6 +274,7 @@ TEST(FindImpacts, TakesNothingSharpForASpike) {
   const Sampling at;
   const auto lost_in = [&](std::vector<double> force) {
     const auto impacts = find_impacts(record_of({force_of(at, std::move(force))}));
+    EXPECT_FALSE(impacts.empty());
     return std::ranges::any_of(impacts, [](const Impact& i) { return i.has(ImpactFlag::dropout); });
   };
   for (const double period : {2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 22.0})
@@ -443,6 +484,19 @@ TEST(FindImpacts, LeavesOutALaserThatIsDead) {
                   2.0);
       EXPECT_NEAR(impacts[0].approach_velocity, 0.44, 1e-3);
     }
+}
+
+// A bar that sticks, by a simulation: smooth, and then at rest.
+TEST(FindImpacts, TakesNoBarAtRestForADeadLaser) {
+  const Sampling at;
+  auto force = sampled(at, pulse);
+  add_noise(force, 1.0, 7);
+  const auto velocity = sampled(at, [](double t) {
+    return t < 1e-3 ? 0.44 * std::cos(0.5 * std::numbers::pi * std::max(t, -1.0) / 1e-3) : 0.0;
+  });
+  const auto impacts = find_impacts(record_of({force_of(at, force), velocity_of(at, velocity)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_FALSE(impacts[0].has(ImpactFlag::dropout));
 }
 
 Impact impact_with(const Sampling& at, std::vector<double> velocity) {
