@@ -246,11 +246,20 @@ template <std::size_t N>
 bool are_parts(const Names& names, std::size_t c, const std::array<std::string_view, N>& parts) {
   if (c + parts.size() > names.size()) return false;
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    const ColumnHead head = split_head(names[c + k]);  // "Hour [h]"
+    const ColumnHead head = split_head(names[c + k]);  // "Hour [h]"; "h [mm]" is none
+    if (!head.name.empty() && !head.unit.empty() &&
+        datasets::quantity_of_unit(head.unit) != datasets::Quantity::time)
+      return false;
     const std::string word = " " + lowered(head.name.empty() ? head.unit : head.name) + " ";
     if (word.size() == 2 || parts[k].find(word) == parts[k].npos) return false;
   }
   return true;
+}
+
+/// "h,m,s", which may be a height, a mass and a stroke.
+bool are_letters(const Names& names, std::size_t c) {
+  return std::ranges::all_of(std::span(names).subspan(c, 3),
+                             [](std::string_view name) { return name.size() == 1; });
 }
 
 /// Whether a time of day is less than the one before for a new day or date.
@@ -294,6 +303,8 @@ std::optional<DateColumns> parts_at(const std::vector<std::string_view>& lines,
   }
   std::optional<std::int64_t> fraction;  // of the first row
   std::optional<DateTime> base, before;
+  bool minute_changes = false;
+  constexpr std::int64_t minute = 60 * second;
   for (std::size_t i = layout.head.size(); i < lines.size(); ++i) {
     if (is_skipped_line(lines[i])) continue;
     const Cells row = cells_of(lines[i], layout.dialect.delimiter);
@@ -313,9 +324,11 @@ std::optional<DateColumns> parts_at(const std::vector<std::string_view>& lines,
     if (before && !(seconds_between(*before, *at).value_or(-1.0) >= 0.0)) return std::nullopt;
     if (before && at->nanoseconds < before->nanoseconds && !wraps(*before, *at))
       return std::nullopt;
+    minute_changes =
+        minute_changes || (before && at->nanoseconds / minute != before->nanoseconds / minute);
     before = at;
   }
-  if (!base) return std::nullopt;
+  if (!base || (!dated && are_letters(names, c) && !minute_changes)) return std::nullopt;
   clock.base = *base;
   if (unit > 0 && fraction) {
     clock.base.nanoseconds += *fraction * unit;

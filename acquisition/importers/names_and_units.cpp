@@ -316,9 +316,8 @@ void pass_over_remarks(const TableLayout& layout, std::vector<std::size_t>& fill
 
 bool is_figure_word(std::string_view text) {
   constexpr auto words = std::to_array<std::string_view>(
-      {"min",         "max",    "minimum", "maximum", "mean", "average", "avg",
-       "mittelwert",  "std",    "stddev",  "rms",     "peak", "range",   "scale",
-       "sensitivity", "offset", "gain",    "start",   "full", "coupling"});
+      {"min", "max", "minimum", "maximum", "mean", "average", "avg", "mittelwert", "std", "stddev",
+       "rms", "peak", "range", "scale", "sensitivity", "offset", "gain", "start", "coupling"});
   return std::ranges::find(words, lowered(text)) != words.end();
 }
 
@@ -367,7 +366,7 @@ HeadCells listed_channels(const TableLayout& layout, const std::vector<std::size
     if (!name) return {};
     const ColumnHead parts = split_head(*name);
     const bool has_both = !parts.name.empty() && !parts.unit.empty() && is_unit(parts.unit);
-    const bool figure = is_figure_word(parts.name.substr(0, parts.name.find(' ')));
+    const bool figure = is_figure_word(parts.name) || lowered(parts.name).starts_with("full scale");
     return has_both && !figure && !number_in(parts.name, {'.', false}) ? *name : std::string_view{};
   };
   const bool named = std::ranges::any_of(filled, [&](std::size_t line) {

@@ -40,14 +40,15 @@ struct DateColumns {
   /// beside a time in whole seconds [ns]; 0: it does not.
   std::int64_t fraction = 0;
 
-  /// What its cells but that of the fraction hold.
+  /// How its cells but that of the fraction are written.
   enum class Written : std::uint8_t {
     text,           ///< dates and times as date_time_in() reads them
     whole_seconds,  ///< one count, "1700000000,250000000"
     numbers         ///< hour, minute and second, or these behind year, month and day
   } written = Written::text;
 
-  /// Of these cells.
+  /// The time that these cells state together, in the file's text from the first to the last of
+  /// them; none where they state no such.
   std::optional<DateTime> read(std::string_view cells, Dialect dialect) const;
 };
 

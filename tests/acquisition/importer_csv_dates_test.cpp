@@ -316,6 +316,11 @@ TEST(CsvClockColumns, OfNoClockAreColumns) {
   // a height, a mass, a stroke beside a time; and what goes down
   EXPECT_EQ(imported("t,h,m,s\n0.0,1,2,3.5\n0.1,1,2,3.7\n0.2,1,2,3.6\n").channels.size(), 3U);
   EXPECT_EQ(imported("H,M,S,D\n1,2,3,1\n1,2,4,2\n1,1,5,3\n1,2,6,4\n").channels.size(), 4U);
+  EXPECT_EQ(imported("Rate;10;Hz\nF [N];h [mm];m [kg];s [m]\n7;1;2;3\n8;1;2;4\n9;1;3;5\n")
+                .channels.size(),
+            4U);
+  EXPECT_EQ(imported("h,m,s\n1,2,3\n1,2,4\n1,2,5\n").channels.size(), 2U);
+  EXPECT_EQ(imported("h,m,s,F\n1,2,58,7\n1,2,59,8\n1,3,0,9\n").channels.size(), 1U);
   ImportOptions by_name;
   by_name.time_column = "second";
   EXPECT_EQ(imported("hour,minute,second,F\n1,2,3,1\n1,2,4,2\n1,2,5,3\n", by_name).channels.size(),

@@ -245,6 +245,9 @@ TEST(CsvHeads, ChannelsMayBeListedALineAChannel) {
   }
   const Record from_zero = imported("Ch0: Force [N]\nCh1: Weg [mm]\n0.2\t1.5\n0.1\t2.5\n");
   EXPECT_THAT(names_and_units(from_zero), ElementsAre("Force [N]", "Weg [mm]"));
+  const Record words = imported(
+      "Ch1: Full bridge [mV/V]\nCh2: Peak force [N]\nRate: 10 kHz\n0.0\t1.5\n0.1\t2.5\n0.2\t0.5\n");
+  EXPECT_THAT(names_and_units(words), ElementsAre("Full bridge [mV/V]", "Peak force [N]"));
   const Record timed = imported("CH1: Force [N]\nCH2: Weg [mm]\n0,1,2\n0.5,3,4\n1,5,6\n");
   EXPECT_THAT(names_and_units(timed), ElementsAre("Force [N]", "Weg [mm]"));
   EXPECT_EQ(timed.channels.at(0).clock.interval, 0.5);
