@@ -89,7 +89,8 @@ bool by_logarithm(const FitProblem& problem, const Variable& v) {
 /// widens nothing beyond what was known before the shot.
 std::array<double, 2> interval_of(const Variable& v, const Parameter& p, double quantile) {
   constexpr double normal = 1.959963985;
-  const double known = v.prior ? normal * std::max((*v.prior)[1], p.std_error) : INFINITY;
+  const bool bounded = v.prior && p.std_error <= (*v.prior)[1];
+  const double known = bounded ? normal * (*v.prior)[1] : INFINITY;
   const double half = std::min(quantile * p.std_error, known);
   std::array<double, 2> interval = {v.value - half, v.value + half};
   if (p.by_logarithm)
@@ -179,8 +180,9 @@ void warn_of_noise(const FitProblem& problem, Fit& fit) {
   if (!(least.samples < enough)) return;
   fit.warnings.push_back(fmt::format(
       "The noise of {} before touch tells as much as {} independent samples would: how large it is "
-      "and how it hangs together is hardly known. The 95 % intervals are {} times wider for that, "
-      "profiles and bootstrap are not. Keep more of the record before touch (--pre-trigger), or "
+      "and how it hangs together is hardly known. The 95 % intervals of what no certificate bounds "
+      "are {} times wider for that, profiles and bootstrap are not. Keep more of the record before "
+      "touch (--pre-trigger), or "
       "record more.",
       least.channel, datasets::figures(least.samples, 2),
       datasets::figures(half_width(problem, fit.goodness) / 1.96, 3)));

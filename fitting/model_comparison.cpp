@@ -13,6 +13,7 @@
 #include "fitting/fit.hpp"
 #include "fitting/parameters.hpp"
 #include "fitting/wishes.hpp"
+#include "models/mesh_error.hpp"
 
 namespace impactrig::fitting {
 namespace {
@@ -235,14 +236,14 @@ std::vector<ModelScore> scores_on_one_mesh(const std::vector<datasets::Impact>& 
     scores[i] = score(impacts, models[i], options, meshes[i]);
   });
   const auto size = [](const std::array<int, 2>& mesh) { return mesh[0] + mesh[1]; };
-  std::array<int, 2> finest{0, 0};
+  int finest = 0;
   for (std::size_t i = 0; i < models.size(); ++i)
-    if (models[i].rig.mesh_chosen && size(meshes[i]) > size(finest)) finest = meshes[i];
+    if (models[i].rig.mesh_chosen) finest = std::max(finest, size(meshes[i]));
   run_on_all_cores(models.size(), [&](std::size_t i, std::size_t) {
-    const bool coarser = scores[i].failure.empty() && size(meshes[i]) < size(finest);
-    if (!models[i].rig.mesh_chosen || !coarser) return;
+    if (!models[i].rig.mesh_chosen || !scores[i].failure.empty()) return;
     Candidate finer = models[i];
-    finer.rig.solver.elements = finest;
+    finer.rig.solver.elements = models::split_elements(finest, finer.rig.rig);
+    if (finer.rig.solver.elements == meshes[i]) return;
     finer.rig.mesh_chosen = false;
     scores[i] = score(impacts, finer, options, meshes[i]);
   });

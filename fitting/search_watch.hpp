@@ -24,7 +24,7 @@ class SearchWatch : public ceres::IterationCallback {
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override;
 
  private:
-  bool fails_by_rounding(const ceres::IterationSummary& summary) const;
+  bool fails_by_rounding(const ceres::IterationSummary& summary);
   bool is_last(const ceres::IterationSummary& summary) const;
   void look_ahead(bool ahead);
 
@@ -33,6 +33,7 @@ class SearchWatch : public ceres::IterationCallback {
   std::function<bool()> strays_;
   double gradient_ = 0.0;  // at the last step's beginning
   int astray_ = 0;
+  int lost_ = 0;  // steps on end that lost by far more than they had promised
 };
 
 }  // namespace impactrig::fitting
