@@ -151,7 +151,7 @@ const ShotNumber* CampaignShot::number(const std::string& wanted) const {
 }
 
 std::string word(const CampaignShot& shot) {
-  // a model that explains all contacts of the window needs no warning that there are several
+  // a fit that explains its window needs no warning that there are several contacts
   const bool sound = std::ranges::all_of(shot.flags, [](const std::string& flag) {
     return flag == "double-hit" || flag == "multiple-hits";
   });

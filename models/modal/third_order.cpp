@@ -35,7 +35,8 @@ void ThirdOrder::touch(const ModalState& state, const BarStations::Slopes& slope
   look(slopes, before_);
   last_ = state;
   energy_ = energy_of(state);
-  stretches_ = beam_.most_stretching(energy_) > negligible;
+  negligible_ = negligible;
+  stretches_ = beam_.most_stretching(energy_) > negligible_;
   missing_ = rest_;
   contact_ = {};
   shortening_ = largest_ = impulse_ = missing_impulse_ = of_peak_ = 0.0;
@@ -203,6 +204,7 @@ void ThirdOrder::follow(const ModalState& state, const BarStations::Slopes& slop
                         const ModalStep& step, double part, double contact_force,
                         const BarMotion::ContactSlope& contact) {
   energy_ = std::max(energy_, energy_of(state));
+  stretches_ = stretches_ || beam_.most_stretching(energy_) > negligible_;
   shortening_ = std::max(shortening_, look(slopes, after_) / energy_);
   find_force(state, part * step.h());
   move(step, part);

@@ -75,7 +75,8 @@ class ThirdOrder {
               const BarMotion::ContactSlope& contact);
 
   const ModalBeam& beam_;
-  bool stretches_ = true;  // by uneven bending
+  bool stretches_ = true;    // by uneven bending
+  double negligible_ = 0.0;  // part of the energy that it may be
   Look before_, after_;
   Eigen::VectorXd axial_, axial_rate_;  // Uₖ's part of u, of each axial mode
   Eigen::VectorXd elastic_rate_;        // ėₖ
