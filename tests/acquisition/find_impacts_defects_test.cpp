@@ -236,18 +236,18 @@ TEST(FindImpacts, OverlooksASpikeBesideAShortContact) {
     double interval, contact;
   };
 
-  for (const auto& [interval, contact] :
-       {Shot{2e-6, 133e-6}, Shot{5e-6, 200e-6}, Shot{1e-6, 60e-6}})
+  for (const Shot& shot : {Shot{2e-6, 133e-6}, Shot{5e-6, 200e-6}, Shot{1e-6, 60e-6}})
     for (const double spike : {-0.3e-3, 0.7e-3}) {
-      const Sampling at{.start = -1e-3, .interval = interval, .samples = 3000};
-      auto force = sampled(at, [&](double t) { return half_sine(t, 1500.0, contact); });
+      const Sampling at{.start = -1e-3, .interval = shot.interval, .samples = 3000};
+      auto force = sampled(at, [&](double t) { return half_sine(t, 1500.0, shot.contact); });
       add_noise(force, 1.0, 3);
       const auto plain = find_impacts(record_of({force_of(at, force)}));
-      force[static_cast<std::size_t>(std::lround((spike - at.start) / interval))] += 900.0;
+      force[static_cast<std::size_t>(std::lround((spike - at.start) / shot.interval))] += 900.0;
       const auto impacts = find_impacts(record_of({force_of(at, force)}));
-      SCOPED_TRACE(testing::Message() << interval << " s, " << contact << " s, spike at " << spike);
+      SCOPED_TRACE(testing::Message()
+                   << shot.interval << " s, " << shot.contact << " s, spike at " << spike);
       ASSERT_EQ(impacts.size(), 1u);
-      EXPECT_NEAR(impacts[0].start, plain.at(0).start, 0.1 * interval);
+      EXPECT_NEAR(impacts[0].start, plain.at(0).start, 0.1 * shot.interval);
       EXPECT_NEAR(impacts[0].peak, plain.at(0).peak, 1.0);
       EXPECT_TRUE(impacts[0].has(ImpactFlag::dropout));
       EXPECT_FALSE(impacts[0].has(ImpactFlag::double_hit));
