@@ -403,9 +403,10 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   take_column_numbers(lines, layout);
   const std::size_t named =
       layout.head.empty() ? 0 : named_columns(layout.head.back(), layout.dialect);
-  layout.dates = layout.dialect.dates
-                     ? find_date_columns(file, lines, layout, named)
-                     : find_counted_clocks(lines, layout, options.time_column.has_value());
+  if (layout.key_cells == 0)  // times beside keys are in other cells than these functions know
+    layout.dates = layout.dialect.dates
+                       ? find_date_columns(file, lines, layout, named)
+                       : find_counted_clocks(lines, layout, options.time_column.has_value());
   find_text_columns(lines, named, layout);
   if (!file.is_part()) layout.end = end_of_rows(text, layout);
   return layout;

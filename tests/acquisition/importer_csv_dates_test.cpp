@@ -329,6 +329,18 @@ TEST(CsvClockColumns, OfNoClockAreColumns) {
               HasSubstr(":5:3 (byte 47): minute: expected a number, found 'x'"));
 }
 
+// Keys beside the samples and a time of day behind them, which was looked for in other cells: as
+// fuzzing made it. The sanitizers told.
+TEST(CsvDate, BesideKeysIsNone) {
+  const std::string text =
+      "D([s],F\376r ce[oN01.2050;00:00:0]\n0,-10,0;2,5\n\n01\n+e6,2.5\n2e-6,.0-3\n2"
+      "e-6:.202\3405;00:00.0-3\n2e-6:.2025;00:00:00,0;2,51\n;;;;;;;;;;;;;;;;;;;;;;;"
+      ";;;0:00,0;2,51\n;;;;;;;;;;;;;;;;;;;;;;;;;;;;;;;;;;;;0;;;;;;;;;;;;;;;;;;;;;;0"
+      "0;;;;;;;;;;0;;;;;;;;;;;;;;;;;;;;;;000,15.000000,15.500000,16.000000,16.50000"
+      "0,17.;;;;;\n";
+  EXPECT_THAT(import_error(text), HasSubstr("expected a number, found '0:00"));
+}
+
 TEST(CsvClockColumns, OfALargeFileAreReadByBlocksAsTheyAreReadAtOnce) {
   std::string text = "hour,minute,second,F\n";
   for (int i = 0; i < 150000; ++i)
