@@ -295,6 +295,7 @@ std::optional<DateColumns> parts_at(const std::vector<std::string_view>& lines,
                     .last = c + (dated ? date_and_time.size() : time.size()) - 1,
                     .base = {},
                     .written = DateColumns::Written::numbers};
+  if (clock.last >= layout.cells) return std::nullopt;  // more names than columns
   const std::size_t next = clock.last + 1;
   std::int64_t unit = 0;
   if (next < std::min(names.size(), layout.cells)) {

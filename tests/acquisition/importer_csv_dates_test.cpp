@@ -341,6 +341,15 @@ TEST(CsvDate, BesideKeysIsNone) {
   EXPECT_THAT(import_error(text), HasSubstr("expected a number, found '0:00"));
 }
 
+// Names of more columns than the rows have, but for one: as fuzzing made it.
+TEST(CsvClockColumns, BeyondTheRowsAreNone) {
+  const std::string text =
+      "0l,4.5,Hour,Minute,Second,ms3,F [N]\n10,59,59,50015,\n0,59,59,50015,\n7\n"
+      "7,  \000\310095,9,7508\n11-,0,0,0,9\n";
+  EXPECT_NE(import_error(text), "");
+  EXPECT_NE(import_error("a,Hour,Minute,Second\n1,2\n2,3\n3,4,5,6\n"), "");
+}
+
 TEST(CsvClockColumns, OfALargeFileAreReadByBlocksAsTheyAreReadAtOnce) {
   std::string text = "hour,minute,second,F\n";
   for (int i = 0; i < 150000; ++i)
