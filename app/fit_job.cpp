@@ -15,6 +15,7 @@
 #include "acquisition/conditioning/steps.hpp"
 #include "acquisition/importer.hpp"
 #include "app/conditioning_limit.hpp"
+#include "app/quantity_option.hpp"
 #include "datasets/input_error.hpp"
 #include "datasets/sample_filter.hpp"
 #include "fitting/fit.hpp"
@@ -375,6 +376,7 @@ void add_fit_job(CLI::App& command, FitJob& job) {
   command.add_option("--channels", job.channels,
                      "Channels to fit, comma between; default force,velocity");
   command.add_option("--window", job.window, "Fit no more than this after first touch [s]")
+      ->transform(with_unit({"s"}))
       ->check(positive);
   command.add_option("--title", job.title, "Title of the report");
   command

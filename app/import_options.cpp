@@ -2,6 +2,7 @@
 #include "app/import_options.hpp"
 
 #include "app/program.hpp"
+#include "app/quantity_option.hpp"
 
 namespace impactrig::app {
 namespace {
@@ -45,7 +46,8 @@ void add_import_arguments(CLI::App& command, ImportArguments& arguments) {
       ->group(group);
   command
       .add_option("--sample-rate", arguments.sample_rate,
-                  "Sample rate [Hz], in place of the file's")
+                  "Sample rate [Hz, or as \"51.2 kHz\"], in place of the file's")
+      ->transform(with_unit({"Hz"}))
       ->check(positive)
       ->group(group);
   command
@@ -65,8 +67,12 @@ void add_selection_arguments(CLI::App& command, ImportArguments& arguments) {
 
 void add_window_arguments(CLI::App& command, ImportArguments& arguments) {
   const char* group = "What to read (default: all)";
-  command.add_option("--from", arguments.from, "Time of the first sample [s]")->group(group);
-  command.add_option("--to", arguments.to, "Time of the last sample [s]")->group(group);
+  command.add_option("--from", arguments.from, "Time of the first sample [s, or as \"5 ms\"]")
+      ->transform(with_unit({"s"}))
+      ->group(group);
+  command.add_option("--to", arguments.to, "Time of the last sample [s]")
+      ->transform(with_unit({"s"}))
+      ->group(group);
 }
 
 void add_detection_arguments(CLI::App& command, DetectionArguments& arguments) {
@@ -78,7 +84,8 @@ void add_detection_arguments(CLI::App& command, DetectionArguments& arguments) {
       ->group(group);
   command
       .add_option("--threshold", arguments.threshold,
-                  "Departure that is an impact [N, m/s^2, m/s or m]")
+                  "Departure that is an impact [N, m/s^2, m/s or m; or with its unit]")
+      ->transform(with_unit({"N", "m/s^2", "m/s", "m"}))
       ->check(positive)
       ->group(group);
   command
@@ -86,12 +93,14 @@ void add_detection_arguments(CLI::App& command, DetectionArguments& arguments) {
           "--pre-trigger", arguments.pre_trigger,
           "Time kept before first touch, whose noise is judged [s]; default 0.5e-3, of slow or "
           "filtered channels 200 samples")
+      ->transform(with_unit({"s"}))
       ->check(positive)
       ->group(group);
   command
       .add_option("--post-trigger", arguments.post_trigger,
                   "Time kept after first touch; later contacts within it are further hits [s]; "
                   "default 5e-3")
+      ->transform(with_unit({"s"}))
       ->check(positive)
       ->group(group);
 }

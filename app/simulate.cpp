@@ -8,6 +8,7 @@
 #include "acquisition/exporter.hpp"
 #include "app/files.hpp"
 #include "app/program.hpp"
+#include "app/quantity_option.hpp"
 #include "datasets/record.hpp"
 #include "fitting/rig_file.hpp"
 #include "fitting/sensitivity_parameters.hpp"
@@ -251,6 +252,7 @@ void add_simulate(CLI::App& program) {
   command->add_option("rig", options->rig, "Rig file (TOML)")->required();
   command->add_option("-o,--output", options->output, "History: .h5, .mat, .csv or .uff");
   command->add_option("--interval", options->interval, "Sample interval of the history [s]")
+      ->transform(with_unit({"s"}))
       ->check(positive)
       ->capture_default_str();
   command

@@ -404,6 +404,31 @@ TEST_F(CommandLine, ASampleRateIsANumberAboveZero) {
     }
 }
 
+TEST_F(CommandLine, NumbersOfOptionsMayHaveTheirUnit) {
+  const std::string shot = recording("Count,Force [N],Velocity [m/s]", 1500.0);
+  const auto sample_rate = [&](const std::string& typed) {
+    const Outcome o = run("inspect --json " + shot + " --sample-rate " + typed);
+    EXPECT_EQ(o.code, 0) << o.err;
+    return json::parse(o.out).at("channels").at(0).at("sample_rate_hz").get<double>();
+  };
+  EXPECT_EQ(sample_rate("51200"), 51200.0);
+  EXPECT_EQ(sample_rate("'51.2 kHz'"), 51200.0);
+  EXPECT_EQ(sample_rate("0.0512MHz"), 51200.0);
+  const std::string window = "import " + shot + " --sample-rate 50e3 -f -o " + path("part.h5");
+  const Outcome cut = run(window + " --from '1 ms' --to 3ms");
+  EXPECT_EQ(cut.code, 0) << cut.err;
+  const auto head = json::parse(run("inspect --json " + path("part.h5")).out);
+  EXPECT_EQ(head.at("channels").at(0).at("start_s"), 1e-3);
+  EXPECT_EQ(head.at("channels").at(0).at("samples"), 101);
+  EXPECT_EQ(run(window + " --threshold '5 lbf' --pre-trigger 200us").code, 0);
+  for (const char* const wrong : {"'51.2 V'", "'5 ms'", "fast", "''"}) {
+    const Outcome o = run("inspect " + shot + " --sample-rate " + wrong);
+    EXPECT_EQ(o.code, 2) << wrong;
+    EXPECT_THAT(o.err, HasSubstr("--sample-rate: expected a number in Hz or one with its unit"))
+        << wrong;
+  }
+}
+
 // An empty last entry is one: it leaves the last column's unit.
 TEST_F(CommandLine, CountsTheUnitsUpToTheLastComma) {
   const std::string shot = recording("time [s],Force [N],Velocity [m/s]", 1500.0);
