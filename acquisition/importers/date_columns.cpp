@@ -57,51 +57,6 @@ std::optional<DateColumns> widest_from(const Cells& row, std::size_t first) {
 
 constexpr std::int64_t second = 1'000'000'000;  // [ns]
 
-/// What a unit of the column `c` is where its head calls it so and nothing else ("ms" over rows, or
-/// over its unit) [ns]; 0 where it does not.
-std::int64_t fraction_unit(const TableLayout& layout, std::size_t c) {
-  if (layout.head.empty()) return 0;
-  const auto word_in = [&](std::string_view line) {
-    const auto cells = cells_of(line, layout.dialect.delimiter);
-    return c < cells.size() ? std::string(cells[c]) : std::string();
-  };
-  const std::string word = word_in(layout.head.back());
-  if (layout.head.size() > 1) {
-    const std::string above = word_in(layout.head[layout.head.size() - 2]);
-    if (!above.empty() && above != word) return 0;
-  }
-  for (const std::string_view ms : {"ms", "msec", "Milliseconds", "milliseconds"})
-    if (word == ms) return 1'000'000;
-  for (const std::string_view us : {"us", "usec", "Microseconds", "microseconds"})
-    if (word == us) return 1'000;
-  for (const std::string_view ns : {"ns", "nsec", "Nanoseconds", "nanoseconds"})
-    if (word == ns) return 1;
-  return 0;
-}
-
-/// Takes a column behind a date and time in whole seconds that counts what is behind them, in all
-/// rows looked at: a clock of milliseconds since the start soon has more than a second.
-void take_fraction(const std::vector<std::string_view>& lines, const TableLayout& layout,
-                   DateColumns& date) {
-  const std::size_t c = date.last + 1;
-  const std::int64_t unit = fraction_unit(layout, c);
-  if (unit == 0 || !date.base.has_time) return;
-  std::optional<std::int64_t> first;
-  for (std::size_t i = layout.head.size(); i < lines.size(); ++i) {
-    const Cells row = cells_of(lines[i], layout.dialect.delimiter);
-    const auto time =
-        c < row.size() ? date_time_in(joined(row, date.first, date.last)) : std::nullopt;
-    if (!time) continue;  // no row, or one that is cut off or spoilt
-    const auto count = integer_in(row[c]);
-    if (!count || *count < 0 || *count >= second / unit || time->nanoseconds % second != 0) return;
-    if (!first) first = *count;
-  }
-  if (!first) return;
-  date.base.nanoseconds += *first * unit;
-  date.fraction = unit;
-  date.last = c;
-}
-
 /// "sec" of "header.stamp.sec" and "tv_sec": a counter's name and whose it is.
 struct CountName {
   explicit CountName(std::string_view name) {
@@ -147,6 +102,47 @@ struct CountName {
   std::string_view of;
   std::string word;
 };
+
+/// What a unit of the column `c` is where its head calls it so and nothing else ("ms" over rows, or
+/// over its unit) [ns]; 0 where it does not.
+std::int64_t fraction_unit(const TableLayout& layout, std::size_t c) {
+  if (layout.head.empty()) return 0;
+  const auto word_in = [&](std::string_view line) {
+    const auto cells = cells_of(line, layout.dialect.delimiter);
+    return c < cells.size() ? std::string(cells[c]) : std::string();
+  };
+  const std::string word = word_in(layout.head.back());
+  if (layout.head.size() > 1) {
+    const std::string above = word_in(layout.head[layout.head.size() - 2]);
+    if (!above.empty() && above != word) return 0;
+  }
+  const CountName behind(word);
+  const std::int64_t unit = behind.of.empty() ? behind.unit() : 0;
+  return unit < second ? unit : 0;
+}
+
+/// Takes a column behind a date and time in whole seconds that counts what is behind them, in all
+/// rows looked at: a clock of milliseconds since the start soon has more than a second.
+void take_fraction(const std::vector<std::string_view>& lines, const TableLayout& layout,
+                   DateColumns& date) {
+  const std::size_t c = date.last + 1;
+  const std::int64_t unit = fraction_unit(layout, c);
+  if (unit == 0 || !date.base.has_time) return;
+  std::optional<std::int64_t> first;
+  for (std::size_t i = layout.head.size(); i < lines.size(); ++i) {
+    const Cells row = cells_of(lines[i], layout.dialect.delimiter);
+    const auto time =
+        c < row.size() ? date_time_in(joined(row, date.first, date.last)) : std::nullopt;
+    if (!time) continue;  // no row, or one that is cut off or spoilt
+    const auto count = integer_in(row[c]);
+    if (!count || *count < 0 || *count >= second / unit || time->nanoseconds % second != 0) return;
+    if (!first) first = *count;
+  }
+  if (!first) return;
+  date.base.nanoseconds += *first * unit;
+  date.fraction = unit;
+  date.last = c;
+}
 
 /// Several clocks of one kind count from one time: the first row's of the first column, or where
 /// there is no date the earliest one, as what is before it is of the next day.
@@ -256,6 +252,17 @@ bool are_parts(const Names& names, std::size_t c, const std::array<std::string_v
   return true;
 }
 
+/// Whether column `c` holds a date without a time, by the first row.
+bool is_date(const std::vector<std::string_view>& lines, const TableLayout& layout, std::size_t c) {
+  for (std::size_t i = layout.head.size(); i < lines.size(); ++i) {
+    if (is_skipped_line(lines[i])) continue;
+    const Cells row = cells_of(lines[i], layout.dialect.delimiter);
+    const auto date = c < row.size() ? date_time_in(row[c]) : std::nullopt;
+    return date && date->has_date && !date->has_time;
+  }
+  return false;
+}
+
 /// "h,m,s", which may be a height, a mass and a stroke.
 bool are_letters(const Names& names, std::size_t c) {
   return std::ranges::all_of(std::span(names).subspan(c, 3),
@@ -296,6 +303,7 @@ std::optional<DateColumns> parts_at(const std::vector<std::string_view>& lines,
                     .base = {},
                     .written = DateColumns::Written::numbers};
   if (clock.last >= layout.cells) return std::nullopt;  // more names than columns
+  if (!dated && c > 0 && is_date(lines, layout, c - 1)) clock.first = c - 1;
   const std::size_t next = clock.last + 1;
   std::int64_t unit = 0;
   if (next < std::min(names.size(), layout.cells)) {

@@ -355,13 +355,24 @@ bool TableLayout::holds_text(std::size_t column) const {
 std::optional<DateTime> DateColumns::read(std::string_view cells, Dialect dialect) const {
   if (written == Written::text) return date_time_in(cells);
   if (written == Written::whole_seconds) return whole_seconds_in(without_quotes(cells));
+  std::optional<DateTime> day;  // stands before the numbers as one text
   std::vector<double> numbers;
   for (const std::string_view cell : cells_of(cells, dialect.delimiter)) {
     const auto number = number_in(cell, {dialect.decimal, false});
-    if (!number) return std::nullopt;
-    numbers.push_back(*number);
+    if (!number && numbers.empty() && !day)
+      day = date_time_in(cell);
+    else if (!number)
+      return std::nullopt;
+    else
+      numbers.push_back(*number);
+    if (!number && !(day && day->has_date && !day->has_time)) return std::nullopt;
   }
-  return clock_of_numbers(numbers);
+  const std::optional<DateTime> time = clock_of_numbers(numbers);
+  if (!day || !time) return time;
+  if (time->has_date || time->period == 0) return std::nullopt;
+  day->has_time = true;
+  day->nanoseconds = time->nanoseconds;
+  return day;
 }
 
 std::size_t TableLayout::cells_beside() const {
@@ -403,10 +414,11 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   take_column_numbers(lines, layout);
   const std::size_t named =
       layout.head.empty() ? 0 : named_columns(layout.head.back(), layout.dialect);
-  if (layout.key_cells == 0)  // times beside keys are in other cells than these functions know
-    layout.dates = layout.dialect.dates
-                       ? find_date_columns(file, lines, layout, named)
-                       : find_counted_clocks(lines, layout, options.time_column.has_value());
+  if (layout.key_cells == 0) {  // times beside keys are in other cells than these functions know
+    if (layout.dialect.dates) layout.dates = find_date_columns(file, lines, layout, named);
+    if (layout.dates.empty())
+      layout.dates = find_counted_clocks(lines, layout, options.time_column.has_value());
+  }
   find_text_columns(lines, named, layout);
   if (!file.is_part()) layout.end = end_of_rows(text, layout);
   return layout;

@@ -44,7 +44,7 @@ struct DateColumns {
   enum class Written : std::uint8_t {
     text,           ///< dates and times as date_time_in() reads them
     whole_seconds,  ///< one count, "1700000000,250000000"
-    numbers         ///< hour, minute and second, or these behind year, month and day
+    numbers         ///< hour, minute and second, or these behind a date or year, month and day
   } written = Written::text;
 
   /// The time that these cells state together, in the file's text from the first to the last of
