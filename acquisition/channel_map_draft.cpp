@@ -174,6 +174,12 @@ std::string polarity(const Channel& channel, const std::optional<datasets::Impac
                      below, on_one_line(channel.unit));
 }
 
+/// A number beside the samples of others, as a MAT-file's sample rate.
+bool is_one_value(const Record& record, const Channel& channel) {
+  const auto has_many = [](const Channel& other) { return other.size() > 1; };
+  return channel.size() == 1 && std::ranges::any_of(record.channels, has_many);
+}
+
 }  // namespace
 
 std::string suggested_map(const Record& record) {
@@ -192,9 +198,14 @@ std::string suggested_map(const Record& record) {
     text += fmt::format("# warning: {}\n", on_one_line(warning));
   text += "others = \"drop\"  # or \"keep\": channels that are not named here\n";
   const std::optional<datasets::Impact> impact = largest_impact(record);
-  for (std::size_t i = 0; i < record.channels.size(); ++i)
+  for (const Channel& channel : record.channels)
+    if (is_one_value(record, channel))
+      text += fmt::format("# '{}' is one value, no channel\n", on_one_line(channel.name));
+  for (std::size_t i = 0; i < record.channels.size(); ++i) {
+    if (is_one_value(record, record.channels[i])) continue;
     text += "\n[[channels]]\n" + which(record, i) + what(record.channels[i]) +
             polarity(record.channels[i], impact) + "# delay = \"0(1) us\"\n";
+  }
   return text;
 }
 

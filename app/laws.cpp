@@ -18,7 +18,8 @@ namespace {
 struct Options {
   std::string law;
   std::string rig;
-  std::string compared;  // rig of --compare
+  std::string compared;  // rig of --compare; without one the shipped example
+  CLI::Option* compare_option = nullptr;
   bool table = false;
   std::string penetration;
   std::string load;  // value of --force; without one that option is the usual permission
@@ -27,12 +28,22 @@ struct Options {
   std::string output;
   CommonOptions common;
 
+  bool compares() const { return compare_option->count() > 0; }
+
   bool overwrites() const { return common.force || (load_option->count() > 0 && load.empty()); }
 };
 
 template <typename Laws>
 bool lists(const Laws& laws, std::string_view name) {
   return std::ranges::any_of(laws, [&](const auto& law) { return law.text.name == name; });
+}
+
+/// Whether a text with commas names a law where a file's name is meant.
+bool lists_a_law(const std::string& text) {
+  return !std::filesystem::exists(text) &&
+         std::ranges::any_of(split_names(text), [](const std::string& name) {
+           return lists(models::elastic_laws(), name) || lists(models::damping_laws(), name);
+         });
 }
 
 [[noreturn]] void refuse_unknown(const std::string& name) {
@@ -61,8 +72,12 @@ void check_options(const Options& options, bool elastic) {
     refuse("--restitution", fmt::format("'{}' is an elastic law; --penetration and --force are for "
                                         "those",
                                         options.law));
+  if (options.compares() && lists_a_law(options.compared))
+    refuse("--compare", fmt::format("takes a rig file, for whose contact it compares all laws, not "
+                                    "laws: '{}'",
+                                    options.compared));
   if (options.output.empty()) return;
-  if (options.law.empty() && options.compared.empty())
+  if (options.law.empty() && !options.compares())
     refuse("-o", "draws one law, or with --compare RIG all of them; name one");
   if (!options.output.ends_with(".svg"))
     refuse("-o",
@@ -157,7 +172,7 @@ void laws(const Options& options) {
     const LawScene scene = law_scene(options.rig, overrides);
     const std::vector<ReboundRow> rows = rebound_table(scene);
     answer(options, table_text(scene, rows), table_json(scene, rows));
-  } else if (!options.compared.empty()) {
+  } else if (options.compares()) {
     tell_comparison(options, law_scene(options.compared, overrides));
   } else if (options.law.empty()) {
     answer(options, list_text(), list_json());
@@ -189,10 +204,13 @@ void add_laws(CLI::App& program) {
       ->needs(law);
   CLI::Option* table = command->add_flag(
       "--table", options->table, "What e_in comes out as, all damping laws, three elastic ones");
-  CLI::Option* compare =
-      command->add_option("--compare", options->compared,
-                          "All laws for the contact of this rig file, as a table and a "
-                          "picture: laws.svg unless -o names it");
+  CLI::Option* compare = command
+                             ->add_option("--compare", options->compared,
+                                          "All laws for the contact of this rig file, without one "
+                                          "of the shipped example, as a table and a picture: "
+                                          "laws.svg unless -o names it")
+                             ->expected(0, 1);
+  options->compare_option = compare;
   command->add_option("-o,--output", options->output, "Picture (.svg)")->excludes(table);
   command->add_flag("-f", options->common.force, "Overwrite files that exist");
   penetration->needs(law)->excludes(options->load_option);

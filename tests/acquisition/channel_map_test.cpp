@@ -221,5 +221,17 @@ TEST(ChannelMap, TakesAStatedUnitInPlaceOfTheFiles) {
   EXPECT_DOUBLE_EQ(channel.value(0), 0.1);
 }
 
+TEST(SuggestedMap, LeavesOutWhatIsOneValueBesideSamples) {
+  Record record = recording();
+  record.channels[0].name = "Fs";
+  record.channels[0].raw = std::vector<double>{1e6};
+  const std::string draft = suggested_map(record);
+  EXPECT_THAT(draft, testing::HasSubstr("# 'Fs' is one value, no channel\n"));
+  EXPECT_THAT(draft, testing::Not(testing::HasSubstr("match = \"Fs\"")));
+  EXPECT_THAT(draft, testing::HasSubstr("match = \"ch2\""));
+  for (Channel& channel : record.channels) channel.raw = std::vector<double>{1.0};
+  EXPECT_THAT(suggested_map(record), testing::HasSubstr("match = \"Fs\""));
+}
+
 }  // namespace
 }  // namespace impactrig::acquisition

@@ -246,6 +246,9 @@ TEST_F(Laws, OptionsThatSayNothingOfTheQuestionAreRefused) {
       {"--force \"1 kN\"", "--force: is for one elastic law; name it"},
       {"johnson --restitution 0.5", "--restitution: 'johnson' is an elastic law"},
       {"-o laws.svg", "-o: draws one law, or with --compare RIG all of them"},
+      {"--compare goldsmith,johnson",
+       "--compare: takes a rig file, for whose contact it compares all laws, not laws: "
+       "'goldsmith,johnson'"},
       {"johnson -o laws.png", "-o: 'laws.png' is no picture that is drawn here; known is .svg"},
       {"johnson --penetration \"1 um\" --force \"1 kN\"", "--penetration excludes --force"},
   };
@@ -295,6 +298,15 @@ TEST_F(Laws, ComparisonDrawsItsPictureUnaskedButKeepsAnOlderOne) {
   EXPECT_EQ(impactrig::tests::markup_problem(text_of(path("laws.svg"))), "");
   EXPECT_THAT(second.err, HasSubstr("laws.svg is kept; -o names another picture, -f overwrites"));
   EXPECT_THAT(third.err, HasSubstr("picture in laws.svg"));
+}
+
+TEST_F(Laws, AreComparedForTheShippedExampleWhereNoRigIsNamed) {
+  const Outcome named = run("laws --compare " + rig + " -o " + path("a.svg"));
+  const Outcome unnamed = run("laws -o " + path("b.svg") + " --compare");
+  ASSERT_EQ(unnamed.code, 0) << unnamed.err;
+  // but for the line that names the rig
+  EXPECT_EQ(unnamed.out.substr(unnamed.out.find("\n\n")), named.out.substr(named.out.find("\n\n")));
+  EXPECT_THAT(unnamed.out, HasSubstr("the shipped example"));
 }
 
 TEST_F(Laws, AreComparedInOnePicture) {
