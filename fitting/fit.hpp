@@ -34,6 +34,8 @@ struct Parameter {
   double initial = 0.0;
   double lower = 0.0, upper = 0.0;  ///< bounds
   bool at_bound = false;
+  /// It ended far from what is stated of it, further than right calibrations let it.
+  bool contradicts_prior = false;
   /// Whether the data determine it, not only combinations of it with others.
   bool identifiable = true;
   bool by_logarithm = false;  ///< searched, and its interval made, by its logarithm

@@ -291,10 +291,20 @@ void warn_of_release(const FitProblem& problem, Fit& fit) {
       datasets::percent(problem.release_vibration())));
 }
 
-/// A calibration that the data or the other calibrations contradict: the fit goes between them, and
+/// A parameter that ended far from what is stated of it.
+struct Contradiction {
+  const Variable* of = nullptr;
+  double away = 0.0;   ///< from the stated mean
+  double usual = 0.0;  ///< standard deviation of that where all calibrations are right
+
+  double uncertainty() const { return (*of->prior)[1]; }
+};
+
+/// Calibrations that the data or the other calibrations contradict: the fit goes between them, and
 /// nothing else tells. Where all are right, a parameter ends as far from what is stated of it as
 /// the variance says that the data took off the stated one.
-void warn_of_priors(const FitProblem& problem, const FitEnd& end, Fit& fit) {
+std::vector<Contradiction> contradictions(const FitProblem& problem, const FitEnd& end) {
+  std::vector<Contradiction> found;
   const Eigen::MatrixXd lines = lines_of(problem);
   for (const std::size_t i : problem.priors()) {
     const Variable& v = problem.variables()[i];
@@ -306,15 +316,69 @@ void warn_of_priors(const FitProblem& problem, const FitEnd& end, Fit& fit) {
     const double taken = uncertainty * uncertainty - left;
     const double usual = std::max(1.0, end.inflation) *
                          std::sqrt(std::max(taken, least_taken * uncertainty * uncertainty));
-    if (std::abs(away) < contradicted * usual && std::abs(away) < far_from_stated * uncertainty)
-      continue;
-    fit.warnings.push_back(fmt::format(
-        "{} ended {:.3g} standard uncertainties {} what is stated of it, {:g} +- {:g}{}, {:.2g} "
-        "times as far as right calibrations usually let it: a wrong calibration (perhaps of "
-        "another sensor), range or unit, or a model that needs it. Other parameters lean on it; "
-        "check the sensors before any number is used.",
-        v.name, std::abs(away) / uncertainty, away > 0.0 ? "above" : "below", mean, uncertainty,
-        v.unit == "1" ? "" : " " + v.unit, std::abs(away) / usual));
+    if (std::abs(away) >= contradicted * usual || std::abs(away) >= far_from_stated * uncertainty)
+      found.push_back({&v, away, usual});
+  }
+  return found;
+}
+
+/// "3.1", "184".
+std::string multiple(double factor) {
+  return factor < 10.0 ? fmt::format("{:.2g}", factor) : fmt::format("{:.0f}", factor);
+}
+
+std::string sentence(const Contradiction& c) {
+  return fmt::format(
+      "{} ended {:.3g} standard uncertainties {} what is stated of it, {:g} +- {:g}{}, {} "
+      "times as far as right calibrations usually let it: a wrong calibration (perhaps of "
+      "another sensor), range or unit, or a model that needs it. Other parameters lean on it; "
+      "check the sensors before any number is used.",
+      c.of->name, std::abs(c.away) / c.uncertainty(), c.away > 0.0 ? "above" : "below",
+      (*c.of->prior)[0], c.uncertainty(), c.of->unit == "1" ? "" : " " + c.of->unit,
+      multiple(std::abs(c.away) / c.usual));
+}
+
+/// Of two delays of one recording, of which one ended later than stated and the other earlier: what
+/// the data tell is how far the two channels are apart.
+std::string sentence_of_delays(const Contradiction& late, const Contradiction& early,
+                               const std::string& recording) {
+  const auto stated = [](const Contradiction& c) {
+    return fmt::format("{:.4g} +- {:.2g} us", 1e6 * (*c.of->prior)[0], 1e6 * c.uncertainty());
+  };
+  const double apart = late.away - early.away;
+  return fmt::format(
+      "{}The {} shows the impact {:.3g} us later than the {} does, the stated delays ({} and {}) "
+      "taken off, {} times their uncertainty: one of the two is later than stated (its filter, "
+      "decoder or trigger), or earlier. Which one these data cannot tell, and the fit moved both, "
+      "{} and {}. Where the delay is known, state it; what needs both channels (work, kinetic and "
+      "energetic restitution, the direct estimates) rests on it.",
+      recording.empty() ? "" : recording + ": ", datasets::name(late.of->quantity), 1e6 * apart,
+      datasets::name(early.of->quantity), stated(late), stated(early),
+      multiple(apart / std::hypot(late.uncertainty(), early.uncertainty())), late.of->name,
+      early.of->name);
+}
+
+/// Delays that the data move apart are told together, as they are one fact.
+void warn_of_priors(const FitProblem& problem, const FitEnd& end, Fit& fit) {
+  const std::vector<Contradiction> found = contradictions(problem, end);
+  const auto of_other_side = [&](const Contradiction& c) {
+    return std::ranges::find_if(found, [&](const Contradiction& other) {
+      return other.of->role == Variable::Role::delay && other.of->recording == c.of->recording &&
+             other.away * c.away < 0.0;
+    });
+  };
+  for (const Contradiction& c : found) {
+    for (Parameter& parameter : fit.parameters)
+      if (parameter.name == c.of->name) parameter.contradicts_prior = true;
+    const auto other = c.of->role == Variable::Role::delay ? of_other_side(c) : found.end();
+    if (other == found.end())
+      fit.warnings.push_back(sentence(c));
+    else if (c.away > 0.0)
+      fit.warnings.push_back(sentence_of_delays(
+          c, *other,
+          problem.shots().size() > 1 && c.of->recording >= 0
+              ? problem.shots()[static_cast<std::size_t>(c.of->recording)].impact->recording
+              : ""));
   }
 }
 

@@ -32,11 +32,14 @@ double relative_delay(const datasets::Impact& impact) {
                     motion ? motion->delay_uncertainty : 0.0);
 }
 
-std::string listed(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
-  return text;
+/// Whether the fit has the delay of one of a recording's channels elsewhere than stated.
+bool contradicts_delays(const fitting::Fit& fit, std::size_t recording) {
+  constexpr std::array delays = {"sensors.force.delay", "sensors.velocity.delay",
+                                 "sensors.displacement.delay"};
+  return std::ranges::any_of(delays, [&](const char* key) {
+    const fitting::Parameter* const delay = find_parameter(fit, key, static_cast<int>(recording));
+    return delay != nullptr && delay->contradicts_prior;
+  });
 }
 
 /// The model's kinematic restitution where its force ends, which is what a record shows.
@@ -61,8 +64,8 @@ std::string delay_excuse(const DirectPair& pair, const datasets::Impact& impact)
 }
 
 /// One sentence or two for a number that the model has elsewhere.
-std::string difference(const DirectPair& pair, const fitting::DirectRestitution& direct,
-                       const datasets::Impact& impact) {
+std::string difference(const DirectPair& pair, const fitting::Fit& fit, std::size_t recording) {
+  const fitting::DirectRestitution& direct = fit.direct[recording];
   const std::string name = pair.name;
   std::string text =
       fmt::format("The model's {} restitution, {}, is outside the direct interval, {} to {}. ",
@@ -73,7 +76,9 @@ std::string difference(const DirectPair& pair, const fitting::DirectRestitution&
     return text +
            "The struck point's speed at the instant of separation is mostly vibration: modes that "
            "the model lacks, or has at another frequency, show there first. ";
-  const std::string excuse = delay_excuse(pair, impact);
+  if (contradicts_delays(fit, recording))
+    return text + "It rests on the stated delays, which the fit contradicts. ";
+  const std::string excuse = delay_excuse(pair, fit.impacts[recording]);
   if (!excuse.empty()) return text + excuse;
   if (name == "kinetic")
     return text +
@@ -241,7 +246,7 @@ std::string direct_explanation(const fitting::Fit& fit, std::size_t recording) {
     } else if (pair.inside()) {
       agree.emplace_back(pair.name);
     } else if (std::isfinite(pair.fitted)) {
-      apart += difference(pair, direct, fit.impacts[recording]);
+      apart += difference(pair, fit, recording);
     }
   }
   if (!agree.empty())

@@ -22,6 +22,7 @@ Json parameter_json(const fitting::Parameter& parameter) {
           {"ci95", pair_json(parameter.ci95)},
           {"initial", parameter.initial},
           {"at_bound", parameter.at_bound},
+          {"contradicts_prior", parameter.contradicts_prior},
           {"mesh_shift", parameter.mesh_shift},
           {"mesh_error", parameter.mesh_error},
           {"lower", parameter.lower},
@@ -52,6 +53,8 @@ fitting::Parameter parameter_from(const JsonReader& json) {
   parameter.lower = json["lower"].number_or(-infinity);
   parameter.upper = json["upper"].number_or(infinity);
   parameter.at_bound = json["at_bound"].boolean();
+  if (json.has("contradicts_prior"))
+    parameter.contradicts_prior = json["contradicts_prior"].boolean();
   if (json.states("mesh_shift")) parameter.mesh_shift = json["mesh_shift"].number();
   parameter.mesh_error = json.states("mesh_error")
                              ? json["mesh_error"].number()

@@ -92,11 +92,18 @@ std::string restitution_sentence(const fitting::Fit& fit) {
 
 std::string reservations(const fitting::Fit& fit) {
   std::size_t at_bound = 0, unknown = 0;
+  std::vector<std::string> contradicted;
   for (const fitting::Parameter& parameter : fit.parameters) {
     at_bound += parameter.at_bound ? 1 : 0;
     unknown += !parameter.identifiable ? 1 : 0;
+    if (parameter.contradicts_prior) contradicted.push_back(parameter.name);
   }
   std::string out;
+  if (!contradicted.empty())
+    out += fmt::format(
+        " What is stated of {} contradicts the data or other calibrations: see the "
+        "warnings before any number is used.",
+        listed(contradicted));
   if (at_bound > 0)
     out += fmt::format(" {} parameter{} at {} bound.", capital(count_word(at_bound)),
                        at_bound == 1 ? " sits" : "s sit", at_bound == 1 ? "its" : "their");
@@ -143,7 +150,10 @@ Verdict verdict(const fitting::Fit& fit) {
   if (fit.termination != "converged")
     return {Grade::open, "Provisional: the fit did not converge",
             fmt::format("It ended with: {}. {}", fit.termination, rest)};
-  if (std::all_of(fit.channels.begin(), fit.channels.end(), within_noise))
+  const bool explained = std::all_of(fit.channels.begin(), fit.channels.end(), within_noise);
+  if (explained && std::ranges::any_of(fit.parameters, &fitting::Parameter::contradicts_prior))
+    return {Grade::in_shape, "Explained to within the noise, but against what is stated", rest};
+  if (explained)
     return {Grade::explained,
             any_unsound(fit) ? "Explained to about the noise, but for a small part that is none"
                              : "Explained to within the noise",

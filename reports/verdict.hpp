@@ -11,7 +11,8 @@ namespace impactrig::reports {
 ///
 /// explained: the residual of every channel is at most 1.5 times the noise seen before the trigger;
 /// the headline says so where diagnostics find a part of it that is no noise.
-/// in_shape: not so, but every channel's Sprague-Geers comprehensive error is at most 0.1.
+/// in_shape: so, but with calibrations that it contradicts; or not so, but every channel's
+/// Sprague-Geers comprehensive error is at most 0.1.
 /// not_explained: neither. open: the fit did not converge, nothing was compared, or no impact was
 /// found. The limits are conventions of this report, not of a standard.
 struct Verdict {

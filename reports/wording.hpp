@@ -39,6 +39,8 @@ std::string recording_name(const fitting::Fit& fit, std::size_t recording);
 
 /// "one", "two", ... "twelve", then figures.
 std::string count_word(std::size_t count);
+/// "a", "a and b", "a, b and c".
+std::string listed(const std::vector<std::string>& words);
 
 /// <code> of a rig-file key or a file's name, which may be broken after a dot, dash or underscore.
 std::string html_code(const std::string& name);

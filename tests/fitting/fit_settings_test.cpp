@@ -66,8 +66,30 @@ TEST(FitSettings, ACalibrationThatTheDataContradictIsTold) {
   impact.force->gain_uncertainty = 0.005;
   const auto told = testing::Contains(testing::StartsWith("sensors.force.gain ended"));
   EXPECT_THAT(fit({impact}, rig).warnings, testing::Not(told));
+  EXPECT_FALSE(parameter(fit({impact}, rig), "sensors.force.gain").contradicts_prior);
   for (double& value : impact.force->values) value *= 1.1;
-  EXPECT_THAT(fit({impact}, rig).warnings, told);
+  const Fit found = fit({impact}, rig);
+  EXPECT_THAT(found.warnings, told);
+  EXPECT_TRUE(parameter(found, "sensors.force.gain").contradicts_prior);
+}
+
+// A laser 60 us late: the data tell how far the channels are apart, not which one is late.
+TEST(FitSettings, DelaysThatTheDataMoveApartAreOneFact) {
+  const RigFile rig = hybrid_rig();
+  datasets::Impact impact = shot();
+  impact.force->delay_uncertainty = 0.3e-6;
+  impact.velocity->delay_uncertainty = 0.1e-6;
+  const auto of_delay = testing::Contains(testing::HasSubstr(".delay"));
+  EXPECT_THAT(fit({impact}, rig).warnings, testing::Not(of_delay));
+  impact.velocity->start += 60e-6;
+  const Fit found = fit({impact}, rig);
+  EXPECT_THAT(found.warnings,
+              testing::Contains(testing::MatchesRegex(
+                  "The velocity shows the impact (59.9|60|60.1) us later than the "
+                  "force does.*sensors.velocity.delay and sensors.force.delay\\..*")));
+  EXPECT_THAT(found.warnings, testing::Not(testing::Contains(testing::HasSubstr(".delay ended"))));
+  EXPECT_TRUE(parameter(found, "sensors.force.delay").contradicts_prior);
+  EXPECT_TRUE(parameter(found, "sensors.velocity.delay").contradicts_prior);
 }
 
 // Gains of 0.5 % share what one is wrong by: each ends 2.5 of its standard uncertainties off, which

@@ -351,6 +351,13 @@ TEST(Verdict, NamesTheGrade) {
   using Grade = reports::Verdict::Grade;
   reports::ReportData data = tests::example_report();
   EXPECT_EQ(reports::verdict(data.fit).grade, Grade::explained);
+  data.fit.parameters[0].contradicts_prior = true;
+  EXPECT_EQ(reports::verdict(data.fit).grade, Grade::in_shape);
+  EXPECT_EQ(reports::verdict(data.fit).headline,
+            "Explained to within the noise, but against what is stated");
+  EXPECT_THAT(reports::verdict(data.fit).sentence,
+              HasSubstr("What is stated of " + data.fit.parameters[0].name + " contradicts"));
+  data.fit.parameters[0].contradicts_prior = false;
   data.fit.channels[0].residual_rms = 1.6 * data.fit.channels[0].noise;
   EXPECT_EQ(reports::verdict(data.fit).grade, Grade::in_shape);
   data.fit.channels[1].metrics["sprague_geers_comprehensive"] = 0.21;
