@@ -118,7 +118,7 @@ class Ensemble::Worker : public LaneQueue {
 
   void finished(const Job& job) override {
     Solved solved{.result = {}, .smallness = job.run->run().smallness()};
-    solved.result = job.run->conclude();
+    solved.result = job.run->conclude_untold();
     if (job.again) {
       const Solved& first = job.again->first;
       take(job.member, solved_to_size(first.result, std::move(solved), first.smallness,
@@ -175,6 +175,11 @@ class Ensemble::Worker : public LaneQueue {
     }
     if (ensemble_.options_.judge_small_motion) confirm_sensor(number, result);
     tell_swing(rig(number), ensemble_.options_, result);
+    give(number, std::move(result));
+  }
+
+  void give(std::size_t number, Simulation result) {
+    result.skipped.clear();
     member(number).simulation = std::move(result);
   }
 
@@ -209,7 +214,7 @@ class Ensemble::Worker : public LaneQueue {
     SimulationOptions options = ensemble_.options_;
     options.motion = motion;
     try {
-      member(number).simulation = simulate(rig(number), ensemble_.solver_, options);
+      give(number, simulate(rig(number), ensemble_.solver_, options));
     } catch (const std::exception& error) {
       member(number).failure = error.what();
     }

@@ -23,7 +23,8 @@ struct EnsembleMember {
 
 /// simulate() of every rig: members that small motion serves are solved several at a time, a lane
 /// each; the others one by one. Each agrees with simulate() within the accuracy asked for, and does
-/// not depend on the number of threads or on the other members, to the last bit.
+/// not depend on the number of threads or on the other members, to the last bit. What was left out
+/// Simulation::taken says, without the sentences of `skipped`.
 std::vector<EnsembleMember> simulate_ensemble(std::span<const Rig> rigs, const Solver& solver,
                                               const EnsembleOptions& options = {});
 

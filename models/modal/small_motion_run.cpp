@@ -256,6 +256,12 @@ double SmallMotionRun::of_swing(const Simulation& result) const {
 }
 
 Simulation SmallMotionRun::conclude() {
+  Simulation result = conclude_untold();
+  if (judges()) tell_taken(result);
+  return result;
+}
+
+Simulation SmallMotionRun::conclude_untold() {
   Simulation result = run_.conclude();
   if (stopped_) result.sensor = stopped_->sensor(result.impulse);
   if (sensitivities_) result.sensitivities = sensitivities_->take_results();
@@ -263,31 +269,39 @@ Simulation SmallMotionRun::conclude() {
   if (bar_->is_reduced() && !result.episodes.empty()) find_left_out(result);
   if (!judges()) return result;
   result.neglected = neglected(result);
-  const bool damped = bar_->modes().damped();
   result.taken.push_back(Simplification::small_motion);
+  if (bar_->is_reduced()) result.taken.push_back(Simplification::fast_vibration);
+  if (missing_friction(rig_, result) > 0.0) result.taken.push_back(Simplification::hinge_friction);
+  if (motion_.flights().count > 0) result.taken.push_back(Simplification::flight_at_once);
+  return result;
+}
+
+/// A sentence for each of what was taken, in that order.
+void SmallMotionRun::tell_taken(Simulation& result) const {
+  const bool damped = bar_->modes().damped();
   result.skipped.push_back(fmt::format(
       "foreshortening and large rotation{}: the bar was solved in its own modes; what this "
       "leaves out changes peak force, duration and impulse of the first contact{} by less than "
       "{:.1e}",
       damped ? ", and what damping couples modes by" : "",
       rig_.stop ? ", and the sensor's largest force," : "", result.neglected));
-  tell_left_out(result);
-  if (const double friction = missing_friction(rig_, result); friction > 0.0) {
-    result.taken.push_back(Simplification::hinge_friction);
+  if (bar_->is_reduced())
+    result.skipped.push_back(fmt::format(
+        "vibration too fast to matter: {} coordinates stand for the {} modes of the mesh, the slow "
+        "ones as they are, the others as springs; what of their vibration is left out changes peak "
+        "force, duration and impulse of the first contact by less than {:.1e}",
+        bar_->modes().modes(), modes_of(solver_), left_out_));
+  if (const double friction = missing_friction(rig_, result); friction > 0.0)
     result.skipped.push_back(fmt::format(
         "friction in the hinge from first touch on: over {:.3g} s its impulse is at most {:.1e} of "
         "the first contact's about the hinge",
         result.episodes.back().end, friction));
-  }
   const ModalMotion::Flights& flights = motion_.flights();
-  if (flights.count > 0) {
-    result.taken.push_back(Simplification::flight_at_once);
+  if (flights.count > 0)
     result.skipped.push_back(fmt::format(
         "looks at the stop for {:.4g} s in {} flight{}: by gap, speed and largest acceleration the "
         "bar could not reach it; it was moved on in closed form, without error",
         flights.time, flights.count, flights.count == 1 ? "" : "s"));
-  }
-  return result;
 }
 
 /// What of a force is damping's errs with the speed.
@@ -300,17 +314,6 @@ void SmallMotionRun::find_left_out(const Simulation& result) {
   const double of_damping = of_speed * left_out.power / (result.peak_force * speed);
   left_out_ = safety_of_vibration *
               std::max(left_out.displacement / depth + of_damping, left_out.shown / speed);
-}
-
-void SmallMotionRun::tell_left_out(Simulation& result) {
-  if (!bar_->is_reduced()) return;
-  const int kept = bar_->modes().modes();
-  result.taken.push_back(Simplification::fast_vibration);
-  result.skipped.push_back(fmt::format(
-      "vibration too fast to matter: {} coordinates stand for the {} modes of the mesh, the slow "
-      "ones as they are, the others as springs; what of their vibration is left out changes peak "
-      "force, duration and impulse of the first contact by less than {:.1e}",
-      kept, modes_of(solver_), left_out_));
 }
 
 Simulation swing_freely(const Rig& rig, const Solver& solver, const SimulationOptions& options,

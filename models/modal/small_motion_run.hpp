@@ -60,6 +60,8 @@ class SmallMotionRun {
 
   /// What the run gave, and what small motion left out of it.
   Simulation conclude();
+  /// The same without the sentences of Simulation::skipped, for callers who read none.
+  Simulation conclude_untold();
 
   /// What vibration that a ReducedBar does not have changes at most of peak, duration and impulse
   /// of the first contact, and of histories that are asked for: as a part of the touch speed. Once
@@ -72,7 +74,7 @@ class SmallMotionRun {
   double neglected(const Simulation& result) const;
   double of_swing(const Simulation& result) const;
   void find_left_out(const Simulation& result);
-  void tell_left_out(Simulation& result);
+  void tell_taken(Simulation& result) const;
 
   const Rig& rig_;
   const Solver& solver_;
