@@ -123,7 +123,7 @@ void spread_names(const TableLayout& layout, HeadCells& names) {
                    std::string_view());
 }
 
-std::vector<ColumnHead> heads_of(const NamesAndUnits& found) {
+std::vector<ColumnHead> heads_of(const NamesAndUnits& found, std::vector<std::string>& warnings) {
   const auto& [names, units] = found;
   std::vector<ColumnHead> heads;
   const bool sentences = !units.empty() && is_sentence_row(units) && !is_unit_row(units);
@@ -138,8 +138,13 @@ std::vector<ColumnHead> heads_of(const NamesAndUnits& found) {
     } else if (is_index_word(unit)) {
       column.description = to_utf8(unit);
     } else if (!unit.empty()) {
-      column.unit = to_utf8(bracketed(unit).value_or(unit));
+      column.unit = with_mu(to_utf8(bracketed(unit).value_or(unit)));
     }
+    const std::string_view written = unit.empty() && c < names.size() ? names[c] : unit;
+    if (const std::string spoilt = spoilt_unit(written, column.unit); !spoilt.empty())
+      warnings.push_back(
+          fmt::format("the unit '{}' of '{}' is taken for {} (--units states another)", spoilt,
+                      column.name, column.unit));
     heads.push_back(std::move(column));
   }
   return heads;
@@ -164,7 +169,7 @@ TableHead read_head(const TableLayout& layout, std::string_view text) {
     head.warnings.push_back(
         fmt::format("line {} ('{}') is taken to number the columns, not for a row of them",
                     layout.head.size(), to_utf8(trimmed(layout.head.back()).substr(0, 40))));
-  if (head.columns.empty()) head.columns = heads_of(found);
+  if (head.columns.empty()) head.columns = heads_of(found, head.warnings);
   if (!layout.key_lines.empty()) take_keys_beside_rows(layout, head);
   for (const std::size_t i : filled) {
     const int line = static_cast<int>(i) + 1;

@@ -41,6 +41,12 @@ TableHead read_head(const TableLayout& layout, std::string_view text);
 /// All but brackets count only before a unit that is understood.
 ColumnHead split_head(std::string_view cell);
 
+/// "µs" of what is left of it where a file's text was read in another code page: "?s",
+/// "Âµs". No other letter before a unit is beyond ASCII. Other units as they are.
+std::string with_mu(const std::string& unit);
+/// How `text` spells a unit that with_mu() mended; "" where it did not.
+std::string spoilt_unit(std::string_view text, const std::string& unit);
+
 /// "V" of "CH1:V" and "2e-8" of "Analog:2e-8", as some oscilloscopes write values of their header.
 std::string_view without_channel(std::string_view value);
 

@@ -247,10 +247,27 @@ std::vector<std::string_view> values_of_key(std::string_view text, char delimite
   return cells_of(text, delimiter == '\t' ? ' ' : delimiter);
 }
 
+std::string normalized_key(std::string_view key) {
+  std::string word = lowered(trimmed(key));
+  while (!word.empty() && std::string_view(":= \t").find(word.back()) != std::string_view::npos)
+    word.pop_back();
+  std::ranges::replace_if(
+      word, [](char c) { return c == '_' || c == '-'; }, ' ');
+  return word;
+}
+
 bool is_horizontal_unit_key(std::string_view key) {
+  constexpr auto words =
+      std::to_array<std::string_view>({"horizontal units", "horizontal unit", "x units", "x unit",
+                                       "xunits", "xunit", "hunit", "x axis unit", "x axis units"});
+  return std::ranges::find(words, normalized_key(key)) != words.end();
+}
+
+bool is_vertical_unit_key(std::string_view key) {
   constexpr auto words = std::to_array<std::string_view>(
-      {"horizontal units", "horizontal unit", "x units", "x unit", "xunits", "xunit", "hunit"});
-  return is_one_of(key, words);
+      {"vertical units", "vertical unit", "vert units", "y units", "y unit", "yunits", "yunit",
+       "vunit", "unitname", "y axis unit", "y axis units"});
+  return std::ranges::find(words, normalized_key(key)) != words.end();
 }
 
 std::string unit_of_times(std::string_view unit) {

@@ -13,8 +13,14 @@ namespace impactrig::acquisition {
 /// The values of a key, one a column. Tabs between them have become blanks.
 std::vector<std::string_view> values_of_key(std::string_view text, char delimiter);
 
-/// "Horizontal Units", "x unit", ...
+/// "x axis unit" of "X-Axis_Unit:": letters small, words apart by blanks, nothing behind them.
+std::string normalized_key(std::string_view key);
+
+/// "Horizontal Units", "x unit", "X axis unit:", ...
 bool is_horizontal_unit_key(std::string_view key);
+
+/// "Vertical Units", "y unit", "VERT_UNITS", ...
+bool is_vertical_unit_key(std::string_view key);
 
 /// "s" of "S", which is a siemens elsewhere, and "us" of "uS".
 std::string unit_of_times(std::string_view unit);

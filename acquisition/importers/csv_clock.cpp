@@ -52,9 +52,10 @@ datasets::UnitConversion time_conversion(const TextFile& file, const ColumnHead&
                     "seconds: state it with --units (day or s in the column's place)",
                     head.name, *first));
   if (unit.empty()) {
+    const bool states = head.name.ends_with(')') || head.name.ends_with(']');
     record.warnings.push_back(fmt::format(
-        "the time column '{}' states no unit: it is taken as s (--units states another)",
-        head.name));
+        "the time column '{}' states no unit{}: it is taken as s (--units states another)",
+        head.name, states ? " that is understood" : ""));
     unit = "s";
   }
   const auto conversion = datasets::conversion(unit, "s");

@@ -199,10 +199,7 @@ void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delim
   for (std::size_t c = 0; c < heads.size(); ++c) channels += roles.is_channel(c) ? 1 : 0;
   for (const auto& [key, value] : head.attributes) {
     const std::string word = lowered(key);
-    constexpr std::array<std::string_view, 8> vertical_words = {
-        "vertical units", "vertical unit", "y units", "y unit",
-        "yunits",         "yunit",         "vunit",   "unitname"};
-    const bool vertical = std::ranges::find(vertical_words, word) != vertical_words.end();
+    const bool vertical = is_vertical_unit_key(key);
     const bool horizontal = is_horizontal_unit_key(key);
     auto units = values_of_key(value, delimiter);
     if (units.empty() || (delimiter == '\t' && units.size() != channels)) units = {value};

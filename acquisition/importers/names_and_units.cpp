@@ -11,8 +11,10 @@
 #include <string>
 #include <string_view>
 
+#include "acquisition/importers/column_keys.hpp"
 #include "acquisition/importers/date_time.hpp"
 #include "acquisition/importers/instrument_heads.hpp"
+#include "acquisition/importers/labelled_lines.hpp"
 #include "acquisition/importers/row_of_units.hpp"
 #include "datasets/units.hpp"
 
@@ -143,10 +145,13 @@ bool are_dates_of_a_key(const HeadCells& cells) {
 
 /// "Unit:,N,g" and "VUnit,V,A"
 bool are_units_of_a_key(const HeadCells& cells) {
-  std::string key = lowered(cells.front());
-  if (key.ends_with(':')) key.pop_back();
-  return cells.size() > 1 && (key == "unit" || key == "units" || key == "vunit" || key == "hunit" ||
-                              key == "vertical units" || key == "horizontal units");
+  return cells.size() > 1 && is_unit_label(cells.front());
+}
+
+/// "X unit,s": a key of the times and its value, no cells over columns.
+bool is_unit_of_axis(const HeadCells& cells) {
+  return cells.size() > 1 &&
+         (is_horizontal_unit_key(cells.front()) || is_vertical_unit_key(cells.front()));
 }
 
 /// Numbers of columns (positions, angles) beside the name of a time: "Time [ms],1,2,3".
@@ -170,7 +175,7 @@ std::optional<std::size_t> find_units_of_time(const TableLayout& layout,
     const HeadCells names = head_cells(layout.head[filled[i - 1]], layout);
     if (units.size() >= layout.cells && names.size() >= layout.cells &&
         !has_number(names, layout.dialect.decimal) && !has_number(units, layout.dialect.decimal) &&
-        has_time_over_its_unit(names, units))
+        !is_unit_of_axis(units) && has_time_over_its_unit(names, units))
       return i;
   }
   return std::nullopt;
@@ -185,6 +190,7 @@ bool take_names_over_units(const TableLayout& layout, const std::vector<std::siz
   const std::size_t above = filled[filled.size() - 2];
   HeadCells names = head_cells(layout.head[above], layout);
   HeadCells units = bottom;
+  if (are_units_of_a_key(names)) return false;
   // "Unit,kN,mm/s" over rows whose first cell is empty
   if (!units.empty() && are_units_of_a_key(units)) units.front() = {};
   if (names.size() < layout.cells ||
@@ -321,17 +327,80 @@ bool is_figure_word(std::string_view text) {
   return std::ranges::find(words, lowered(text)) != words.end();
 }
 
-/// "Max,80,3" under names: figures of the columns, by a word for them in the first.
-bool are_figures(std::string_view line, const TableLayout& layout) {
+/// The first of the cells is a word for figures of the columns: "Gain,10,100", "Sensitivity,4
+/// pC/N".
+bool begins_as_figures(std::string_view line, const TableLayout& layout) {
   const HeadCells cells = cells_of(line, layout.dialect.delimiter);
   if (cells.size() < 2 || cells.size() > layout.written_cells) return false;
   std::string_view word = cells.front();
   if (word.ends_with(':')) word.remove_suffix(1);
-  if (!is_figure_word(word)) return false;
+  return is_figure_word(word);
+}
+
+/// "Max,80,3" under names: figures of the columns, by a word for them in the first.
+bool are_figures(std::string_view line, const TableLayout& layout) {
+  if (!begins_as_figures(line, layout)) return false;
+  const HeadCells cells = cells_of(line, layout.dialect.delimiter);
   const auto is_figure = [&](std::string_view cell) {
     return cell.empty() || cell_value(cell, layout.dialect.decimal).has_value();
   };
   return std::all_of(cells.begin() + 1, cells.end(), is_figure) && !cells[1].empty();
+}
+
+void tell_of_figures(const TableLayout& layout, std::size_t line, TableHead& head) {
+  head.warnings.push_back(
+      fmt::format("line {} under the names ('{}') holds figures of the columns: it is not used",
+                  line + 1, to_utf8(trimmed(layout.head[line]).substr(0, 60))));
+}
+
+/// Names with a time among them, its unit in the same cell: "Time [ms],Force [kN]".
+bool name_a_time_with_unit(const HeadCells& names) {
+  return std::ranges::any_of(names, [](std::string_view cell) {
+    const ColumnHead head = split_head(cell);
+    return is_time_name(head.name) && datasets::quantity_of_unit(head.unit) == Quantity::time;
+  });
+}
+
+/// Names with a time as the first of several: "Time,Force,Velocity".
+bool begin_with_time(const HeadCells& names) {
+  return names.size() > 1 && is_time_name(names.front()) &&
+         (names.size() > 2 || quantity_of_first_word(names[1]) != Quantity::unknown);
+}
+
+/// Leaves out what stands between names with a time, or their units, and the rows: sensors, serial
+/// numbers, types, inputs. Tells of figures among it.
+void pass_over_lines_under_time(const TableLayout& layout, std::vector<std::size_t>& filled,
+                                TableHead& head) {
+  const auto keep = [&](std::vector<std::size_t> kept) {
+    for (const std::size_t line : filled)
+      if (std::ranges::find(kept, line) == kept.end() &&
+          begins_as_figures(layout.head[line], layout))
+        tell_of_figures(layout, line, head);
+    filled = std::move(kept);
+  };
+  if (const auto at = find_units_of_time(layout, filled))
+    return keep({filled.begin(), filled.begin() + static_cast<std::ptrdiff_t>(*at) + 1});
+  for (std::size_t i = filled.size(); i-- > 0;) {
+    const HeadCells names =
+        cells_of(without_comment_sign(layout.head[filled[i]]), layout.dialect.delimiter);
+    const bool has_unit = name_a_time_with_unit(names);
+    if (!are_names_in_dialect(layout.head[filled[i]], layout) ||
+        !(has_unit || begin_with_time(names)))
+      continue;
+    if (i + 1 == filled.size()) return;
+    const HeadCells below = head_cells(layout.head[filled[i + 1]], layout);
+    if (is_sentence_row(below) || (!has_unit && (is_unit_row(below) || is_nearly_unit_row(below))))
+      return;
+    std::vector<std::size_t> kept(filled.begin(),
+                                  filled.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+    for (std::size_t j = i + 2; j < filled.size(); ++j) {
+      const HeadCells units = head_cells(layout.head[filled[j]], layout);
+      if (units.size() < layout.cells || !has_time_over_its_unit(names, units)) continue;
+      kept.push_back(filled[j]);
+      break;
+    }
+    return keep(std::move(kept));
+  }
 }
 
 /// Passes over such lines between names (or their units) and rows, and tells of each.
@@ -347,9 +416,7 @@ void pass_over_figures(const TableLayout& layout, std::vector<std::size_t>& fill
       !(name_a_time_or_unit(names) || is_unit_row(names) || are_units_of_a_key(names)))
     return;
   for (std::size_t i = others.size(); i < filled.size(); ++i)
-    head.warnings.push_back(
-        fmt::format("line {} under the names ('{}') holds figures of the columns: it is not used",
-                    filled[i] + 1, to_utf8(trimmed(layout.head[filled[i]]).substr(0, 60))));
+    tell_of_figures(layout, filled[i], head);
   filled = std::move(others);
 }
 
@@ -398,13 +465,14 @@ NamesAndUnits find_names_and_units(const TableLayout& layout, std::vector<std::s
   NamesAndUnits found;
   if (layout.key_cells > 0 || take_toa5(layout, filled, found.names, found.units, head))
     return found;
+  if (found = labelled_names(layout, filled, head); !found.names.empty()) return found;
   if (found.names = listed_names(layout, filled); !found.names.empty()) {
     head.names_line = static_cast<int>(filled.back()) + 1;
     return found;
   }
   if (found.names = listed_channels(layout, filled, head); !found.names.empty()) return found;
   while (filled.size() > 1 && lists_a_channel(layout.head[filled.back()])) filled.pop_back();
-  if (const auto at = find_units_of_time(layout, filled)) filled.resize(*at + 1);
+  pass_over_lines_under_time(layout, filled, head);
   while (filled.size() > 1 && has_numbers_alone(layout.head[filled.back()])) filled.pop_back();
   while (!filled.empty() &&
          are_keys_with_values(layout.head[filled.back()], layout.dialect.delimiter))

@@ -84,7 +84,7 @@ bool is_unit_row(const HeadCells& cells) {
     const std::string_view cell = cells[c];
     if (cell.empty() || is_index_word(cell)) continue;
     const bool is_name = is_letter_of_a_name(cell, c == 0) || is_name_with_unit(cell);
-    if (!bracketed(cell) && (is_name || !is_unit(cell))) return false;
+    if (!bracketed(cell) && (is_name || !is_unit(with_mu(to_utf8(cell))))) return false;
     any = true;
   }
   return any;
@@ -105,7 +105,7 @@ bool has_time_over_its_unit(const HeadCells& names, const HeadCells& units) {
   };
   for (std::size_t c = 0; c < std::min(names.size(), units.size()); ++c)
     if (is_time(names[c]) && !is_time_name(units[c]) &&
-        datasets::quantity_of_unit(to_utf8(bracketed(units[c]).value_or(units[c]))) ==
+        datasets::quantity_of_unit(with_mu(to_utf8(bracketed(units[c]).value_or(units[c])))) ==
             Quantity::time)
       return true;
   return false;

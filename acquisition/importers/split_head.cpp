@@ -108,6 +108,10 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
   if (one != std::string_view::npos && one > 0 && !is_time_name(text.substr(0, one)) &&
       datasets::quantity_of_unit(to_utf8(text.substr(one + 3))) == Quantity::time)
     return divided(one, one + 1);
+  const std::size_t colon = text.find(':');  // "Vel:m/s", but no "Channel:A"
+  if (colon != text.npos && colon > 0 && is_plain_unit(trimmed(text.substr(colon + 1))) &&
+      (colon + 2 < text.size() || text.ends_with('N') || text.ends_with('V')))
+    return divided(colon, colon + 1);
   const std::size_t slash = text.find('/');
   // "m/s" and "mV/g" are units, "t/ms" is a time though it could be tonnes
   if (slash != std::string_view::npos && slash > 0 && !is_plain_unit(text) &&
@@ -140,13 +144,22 @@ std::string_view without_in(std::string_view unit) {
   return newtons || metric ? rest : unit;
 }
 
+/// "ticks": what a column of times may count that is no time.
+bool counts_samples(std::string_view unit) {
+  constexpr auto words = std::to_array<std::string_view>(
+      {"tick", "ticks", "sample", "samples", "count", "counts", "point", "points", "pts"});
+  return std::ranges::find(words, lowered(unit)) != words.end();
+}
+
 /// "0-0", "1,2", "Ch 1": what tells a column from others of its name.
 bool are_indices(std::string_view text) {
   const bool numbers = text.find_first_of("0123456789") != text.npos &&
                        text.find_first_not_of("0123456789-,:; ") == text.npos;
   const std::string word = lowered(text);
-  return (numbers && !integer_in(text) && !text.starts_with("10-")) ||
-         ((word.starts_with("ch ") || word.starts_with("ch.")) && !is_unit(text));
+  const bool input = word.starts_with("ch ") || word.starts_with("ch.") ||
+                     ((word.starts_with("ch") || word.starts_with("ai")) &&
+                      integer_in(trimmed(text.substr(2))).has_value());
+  return (numbers && !integer_in(text) && !text.starts_with("10-")) || (input && !is_unit(text));
 }
 
 /// "200g", "10 V", "±50 g", "5 kHz", "10%": a range or a limit, for a unit by which one counts has
@@ -168,9 +181,11 @@ bool is_range(std::string_view text) {
 /// that something else follows, which is part of the name.
 std::optional<ColumnHead> unit_before_a_suffix(std::string_view text) {
   const std::size_t end = text.find_last_of(")]", text.find_last_not_of(")]"));
+  const std::size_t last_open = text.ends_with(']') ? text.rfind('[') : text.npos;
   const bool by_index =
-      text.ends_with(']') && text.rfind('[') != text.npos &&
-      are_indices(trimmed(text.substr(text.rfind('[') + 1, text.size() - text.rfind('[') - 2)));
+      last_open != text.npos &&
+      (are_indices(trimmed(text.substr(last_open + 1, text.size() - last_open - 2))) ||
+       trimmed(text.substr(0, last_open)).ends_with(')'));
   const std::size_t close = by_index ? text.find_last_of(")]", text.rfind('[')) : end;
   if (close == text.npos || close + 1 == text.size()) return std::nullopt;
   const std::size_t open = text.rfind(text[close] == ')' ? '(' : '[', close);
@@ -203,6 +218,24 @@ std::string with_narrow_brackets(std::string_view cell) {
   return text;
 }
 
+/// "Force_N" of MATLAB's "Force_N_" and R's "Force..N.", who write so for "Force (N)"; "" of
+/// others.
+std::string without_marks_at_end(std::string_view text) {
+  if (!text.ends_with('_') && !text.ends_with('.')) return {};
+  std::string result;
+  for (const char c : text) {
+    const char mark = c == '.' ? '_' : c;
+    if (mark != '_' || (!result.empty() && result.back() != '_')) result += mark;
+  }
+  result.pop_back();
+  return result;
+}
+
+/// What is left of a mu in another code page, or where a program had no letter for it.
+constexpr auto spoilt_mu =
+    std::to_array<std::string_view>({"?", "\uFFFD", "\u00C2\u00B5", "\u00C2\u03BC", "\u00CE\u00BC",
+                                     "\u00E6", "\u00EF\u00BF\u00BD"});
+
 /// What stood within quotes, as RFC 4180 has it: doubled quotes stand for one; breaks become
 /// blanks.
 std::string one_line(std::string_view cell) {
@@ -219,6 +252,25 @@ std::string one_line(std::string_view cell) {
 }
 
 }  // namespace
+
+std::string with_mu(const std::string& unit) {
+  for (const std::string_view letter : spoilt_mu)
+    if (unit.starts_with(letter))
+      if (std::string mended = "\u00B5" + unit.substr(letter.size());
+          mended.size() > 2 && is_unit(mended))
+        return mended;
+  return unit;
+}
+
+std::string spoilt_unit(std::string_view text, const std::string& unit) {
+  if (!unit.starts_with("\u00B5")) return {};
+  const std::string written = to_utf8(text);
+  for (const std::string_view letter : spoilt_mu)
+    if (std::string spoilt = std::string(letter) + unit.substr(2);
+        written.find(spoilt) != written.npos)
+      return spoilt;
+  return {};
+}
 
 Quantity quantity_of_first_word(std::string_view text) {
   const std::string name = lowered(text);
@@ -241,12 +293,12 @@ std::string_view without_channel(std::string_view value) {
 
 bool is_time_name(std::string_view name) {
   constexpr auto words = std::to_array<std::string_view>(
-      {"time",       "t",         "zeit",   "temps",        "tiempo", "tempo",
-       "seconds",    "second",    "x-axis", "elapsed",      "x_time", "time_s",
-       "time stamp", "timestamp", "x [s]",  "elapsed time", "czas",   "tijd",
-       "tid",        "aika",      "čas",    "idő",          "zaman",  "время",
-       "Время",      "时间",      "時間",   "时刻",         "時刻",   "经过时间",
-       "経過時間",   "시간"});
+      {"time",          "t",         "zeit",      "temps",        "tiempo", "tempo",
+       "seconds",       "second",    "x-axis",    "elapsed",      "x_time", "time_s",
+       "time stamp",    "timestamp", "x [s]",     "elapsed time", "czas",   "tijd",
+       "relative time", "rel time",  "rel. time", "tid",          "aika",   "čas",
+       "idő",           "zaman",     "время",     "Время",        "时间",   "時間",
+       "时刻",          "時刻",      "经过时间",  "経過時間",     "시간"});
   return std::find(words.begin(), words.end(), lowered(name)) != words.end();
 }
 
@@ -290,12 +342,16 @@ ColumnHead divided_head(std::string_view cell) {
       const bool ticks = is_time_name(trimmed(text.substr(0, open)));  // "Time (10 us)"
       const bool range = !ticks && is_range(unit);
       const char last = trimmed(text.substr(0, open)).back();
-      if ((close == ')' && (last == ')' || last == ']')) || range)
+      const bool letter = close == ']' && last == ')' && (unit.size() == 1 || !is_unit(unit));
+      if ((close == ')' && (last == ')' || last == ']')) || range || letter)
         if (const auto before = unit_before_a_suffix(text)) return *before;
       if (range) return head;
-      if (close == ']' ? !counts && !are_indices(unit) : is_unit(unit) && !of_time) {
+      const std::string mended = with_mu(to_utf8(unit));
+      const bool counted =
+          ticks && (counts_samples(unit) || !unit_of_time_by_letters(unit).empty());
+      if (close == ']' ? !counts && !are_indices(unit) : (is_unit(mended) || counted) && !of_time) {
         head.name = to_utf8(trimmed(text.substr(0, open)));
-        head.unit = to_utf8(unit);
+        head.unit = mended;
         constexpr std::string_view no_break = "\u00A0";
         if (head.name.ends_with(no_break)) head.name.resize(head.name.size() - no_break.size());
         return head;
@@ -311,6 +367,13 @@ ColumnHead divided_head(std::string_view cell) {
   }
   if (const auto divided = unit_behind_a_word(text)) return *divided;
   if (const auto divided = unit_before_a_suffix(text)) return *divided;
+  if (const std::string spelt = without_marks_at_end(text); !spelt.empty()) {
+    if (ColumnHead divided = unit_behind_a_word(spelt).value_or(ColumnHead{});
+        is_time_name(divided.name))
+      return divided;
+    head.unit = unit_of_name(spelt);
+    return head;
+  }
   head.unit = unit_of_name(text);
   return head;
 }

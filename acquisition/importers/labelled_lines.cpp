@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/importers/labelled_lines.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+
+#include "acquisition/importers/column_keys.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+/// A word for names; the sooner in this list, the surer.
+std::optional<std::size_t> rank_of_name_label(std::string_view cell) {
+  constexpr auto words = std::to_array<std::string_view>(
+      {"name",         "names",       "channel name", "channel names", "signal name",
+       "signal names", "channelname", "channeltitle", "tracename",     "trace name",
+       "kanalname",    "bezeichnung", "title",        "titles",        "label",
+       "labels",       "signal",      "signals",      "series",        "variable",
+       "variables",    "trace",       "channel",      "channels",      "kanal"});
+  const auto found = std::ranges::find(words, normalized_key(cell));
+  if (found == words.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - words.begin());
+}
+
+/// The cells of a line that has one more than the rows; none of others. Over one column, which
+/// nothing divides from others, cells end at any mark.
+HeadCells one_more_cell(std::string_view line, const TableLayout& layout) {
+  const std::string_view text = without_comment_sign(line);
+  const auto divided = [&](char delimiter) {
+    HeadCells cells = cells_of(text, delimiter);
+    while (!cells.empty() && cells.back().empty()) cells.pop_back();
+    return cells.size() == layout.cells + 1 ? cells : HeadCells{};
+  };
+  if (layout.cells > 1) return divided(layout.dialect.delimiter);
+  for (const char delimiter : {',', ';', '\t'})
+    if (HeadCells cells = divided(delimiter); !cells.empty()) return cells;
+  return {};
+}
+
+/// Whether cells behind the first are words, as names are.
+bool are_words(const HeadCells& cells, char decimal) {
+  return std::all_of(cells.begin() + 1, cells.end(), [decimal](std::string_view cell) {
+    return !cell.empty() && !number_in(cell, {decimal, false});
+  });
+}
+
+}  // namespace
+
+bool is_unit_label(std::string_view cell) {
+  const std::string key = normalized_key(cell);
+  return key == "unit" || key == "units" || key == "einheit" || key == "einheiten" ||
+         is_vertical_unit_key(key) || is_horizontal_unit_key(key);
+}
+
+NamesAndUnits labelled_names(const TableLayout& layout, const std::vector<std::size_t>& filled,
+                             TableHead& head) {
+  std::vector<HeadCells> lines;
+  for (const std::size_t line : filled) lines.push_back(one_more_cell(layout.head[line], layout));
+  const auto may_name = [&](std::size_t k) {
+    return !lines[k].empty() && are_words(lines[k], layout.dialect.decimal);
+  };
+  std::optional<std::size_t> units, names;
+  for (std::size_t k = lines.size(); k-- > 0 && !units;)
+    if (!lines[k].empty() && is_unit_label(lines[k].front())) units = k;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    if (units == k || !may_name(k)) continue;
+    const auto rank = rank_of_name_label(lines[k].front());
+    if (rank && (!names || *rank < *rank_of_name_label(lines[*names].front()))) names = k;
+  }
+  if (!names && units && *units > 0 && may_name(*units - 1)) names = *units - 1;
+  // rows that end with a mark may lack the last of so many columns, and a line of two cells may be
+  // a key with its value
+  if (!names || (!units && (layout.written_cells > layout.cells || layout.cells == 1))) return {};
+  NamesAndUnits found;
+  head.names_line = static_cast<int>(filled[*names]) + 1;
+  found.names.assign(lines[*names].begin() + 1, lines[*names].end());
+  if (units) {
+    head.units_line = static_cast<int>(filled[*units]) + 1;
+    found.units.assign(lines[*units].begin() + 1, lines[*units].end());
+  }
+  return found;
+}
+
+}  // namespace impactrig::acquisition

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "acquisition/importers/names_and_units.hpp"
+
+namespace impactrig::acquisition {
+
+/// "Unit", "Einheit:", "Y Units", ...: what a line of units may begin with.
+bool is_unit_label(std::string_view cell);
+
+/// Names and units in lines that begin with a word for what they hold, over rows of one cell less:
+/// "Name,Force,Velocity" above "Unit,N,m/s", other lines between them or not. Above a line of units
+/// any word may stand before the names.
+NamesAndUnits labelled_names(const TableLayout& layout, const std::vector<std::size_t>& filled,
+                             TableHead& head);
+
+}  // namespace impactrig::acquisition

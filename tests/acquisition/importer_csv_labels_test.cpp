@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Lines above a table that say what they hold, and lines between its names and its rows.
+#include <gmock/gmock.h>
+
+#include <string>
+#include <vector>
+
+#include "acquisition/importer.hpp"
+#include "acquisition/importers/column_heads.hpp"
+#include "tests/acquisition/written_file.hpp"
+
+namespace impactrig::acquisition {
+namespace {
+
+using datasets::Record;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using tests::imported;
+using tests::names_and_units;
+
+class CsvLabels : public testing::TestWithParam<const char*> {};
+
+// The rows have one cell less than the lines above them, so that names must not be those of the
+// columns from the first on: the velocity was called 'Force'.
+TEST_P(CsvLabels, NameTheColumnsBesideThem) {
+  const Record record = imported(std::string(GetParam()) + "7.5,-0.4\n8.5,-0.3\n9.5,-0.2\n");
+  ASSERT_THAT(names_and_units(record), ElementsAre("Force [N]", "Vel [m/s]"));
+  EXPECT_EQ(record.channels[0].values(), (std::vector<double>{7.5, 8.5, 9.5}));
+  EXPECT_EQ(record.channels[1].values(), (std::vector<double>{-0.4, -0.3, -0.2}));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Heads, CsvLabels,
+    testing::Values("Sampling rate,1000\nName,Force,Vel\nUnit,N,m/s\n",
+                    "Sampling rate,1000\nChannel:,Force,Vel\nUnit:,N,m/s\n",
+                    "Sampling rate,1000\n# Channel,Force,Vel\n# Unit,N,m/s\n",
+                    "SERIES,Force,Vel\nVERT_UNITS,N,m/s\nSampling rate,1000,1000\n",
+                    "CH,1,2\nName,Force,Vel\nUnit,N,m/s\nSample interval,1,ms\n",
+                    "Sampling rate,1000\nWhatever,Force,Vel\nUnits,N,m/s\n"));
+
+TEST(CsvLabels, StandOverTimesToo) {
+  for (const char* head :
+       {"Name,Time,Force\nUnit,ms,N\n", "#TITLES,Time,Force\n#UNITS,ms,N\n#DATA\n",
+        "Kanal,Zeit,Force\nEinheit,ms,N\n"}) {
+    const Record record = imported(std::string(head) + "0.0,7.5\n1.0,8.5\n2.0,9.5\n");
+    ASSERT_THAT(names_and_units(record), ElementsAre("Force [N]")) << head;
+    EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3);
+    EXPECT_EQ(record.channels[0].value(0), 7.5);
+  }
+  const Record one = imported("Sampling rate,1000\nName,Force\nUnit,N\n7.5\n8.5\n9.5\n");
+  EXPECT_THAT(names_and_units(one), ElementsAre("Force [N]"));
+}
+
+// Names of columns whose last one is empty, and a title with its value, are none.
+TEST(CsvLabels, AreNoNamesOfColumns) {
+  EXPECT_THAT(names_and_units(imported("Name,F [N],v [m/s]\n1,2,\n2,3,\n3,4,\n")),
+              ElementsAre("F [N]", "v [m/s]"));
+  EXPECT_THAT(names_and_units(imported("Sampling rate,1000\nName,Smith\nF [N]\n1\n2\n3\n")),
+              ElementsAre("F [N]"));
+}
+
+TEST(CsvLabels, OfAnAxisAreItsUnit) {
+  for (const char* head :
+       {"X unit:,ms\nY unit:,kN\n", "X axis unit: ms\nY axis unit: kN\n",
+        "Data type,Time\nX unit,ms\nY unit,kN\nData length,3\n",
+        "Signal,Time\nX Unit,ms\nY Unit,kN\n", "X-Units,ms\nY-Units,kN\nX,Y\n"}) {
+    const Record record = imported(std::string(head) + "0.5,7.5\n1.5,8.5\n2.5,9.5\n");
+    ASSERT_EQ(record.channels.size(), 1U) << head;
+    EXPECT_EQ(record.channels[0].unit, "kN") << head;
+    EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3) << head;
+  }
+}
+
+class CsvLinesUnderNames : public testing::TestWithParam<const char*> {};
+
+// Times of 1 ms were taken for seconds.
+TEST_P(CsvLinesUnderNames, LeaveNamesAndUnits) {
+  const Record record =
+      imported(std::string(GetParam()) + "0.0,7.5,-0.4\n1.0,8.5,-0.3\n2.0,9.5,-0.2\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Force [kN]", "Velocity [mm/s]"));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Heads, CsvLinesUnderNames,
+    testing::Values(
+        "Time [ms],Force [kN],Velocity [mm/s]\nCH0,CH1,CH2\n",
+        "Time [ms],Force [kN],Velocity [mm/s]\nSerial,SN1234,SN5678\n",
+        "Time [ms],Force [kN],Velocity [mm/s]\n,PCB 086C03,OFV-505\n",
+        "Time (ms),Force (kN),Velocity (mm/s)\nX,Y,Y\n",
+        "Time (ms),Force (kN),Velocity (mm/s)\nAI0,AI1,AI2\n\n",
+        "Time [ms],Force [kN],Velocity [mm/s]\n[MX840 CH 1],[MX840 CH 2]\nT0 = 3,Mean\n",
+        "Time,Force,Velocity\nfloat,float,float\nms,kN,mm/s\n",
+        "Time,Force,Velocity\n,PCB 086C03,OFV-505\nms,kN,mm/s\n"));
+
+TEST(CsvLinesUnderNames, OfATimeWithoutUnitLeaveThemToo) {
+  for (const char* line : {"Operator,Smith,Jones", "CH0,CH1,CH2", "Double,Float,Float"})
+    EXPECT_THAT(names_and_units(imported(std::string("Time,Force,Velocity\n") + line +
+                                         "\n0.0,7.5,-0.4\n0.1,8.5,-0.3\n0.2,9.5,-0.2\n")),
+                ElementsAre("Force []", "Velocity []"))
+        << line;
+  // of two lines of names the lower one counts
+  EXPECT_THAT(
+      names_and_units(imported("Time,Signal 1,Signal 2\nt,Force,Vel\n0,7,1\n1,8,2\n2,9,3\n")),
+      ElementsAre("Force []", "Vel []"));
+}
+
+// Factors that would change what the columns mean.
+TEST(CsvLinesUnderNames, AreToldWhereTheyHoldFigures) {
+  for (const char* head :
+       {"Time,Ch1,Ch2\nms,V,mV\nGain,10,100\n", "Time [ms],Ch1 [V],Ch2 [mV]\nGain,10,100\n",
+        "Time [ms],Ch1 [V],Ch2 [mV]\nSensitivity,\"4 mV/N\",\"0.1 V/g\"\n"}) {
+    const Record record =
+        imported(std::string(head) + "0.0,7.5,-0.4\n1.0,8.5,-0.3\n2.0,9.5,-0.2\n");
+    EXPECT_THAT(names_and_units(record), ElementsAre("Ch1 [V]", "Ch2 [mV]"));
+    EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("holds figures of the columns"))) << head;
+  }
+}
+
+TEST(CsvUnits, MayStandAboveARelativeTime) {
+  const Record record = imported("ms,N,V\nRelative Time,Force,Vel\n0,7,1\n1,8,2\n2,9,3\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]", "Vel [V]"));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3);
+}
+
+// 20 us were 20 s.
+TEST(CsvUnits, OfSpoiltMicrosecondsAreTold) {
+  for (const char* unit : {"?s", "\u00C2\u00B5s", "\u00E6s", "\uFFFDs"}) {
+    const Record record = imported("Time (" + std::string(unit) + "),F (N)\n0,7\n20,8\n40,9\n");
+    EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 20e-6) << unit;
+    EXPECT_THAT(record.warnings, ElementsAre("the unit '" + std::string(unit) +
+                                             "' of 'Time' is taken for \u00B5s (--units states "
+                                             "another)"));
+  }
+  EXPECT_THAT(imported("Time (\u00B5s),F (N)\n0,7\n20,8\n40,9\n").warnings, IsEmpty());
+  const Record below = imported("Time,F\n?s,?N\n0,7\n20,8\n40,9\n");
+  EXPECT_DOUBLE_EQ(below.channels.at(0).clock.interval, 20e-6);
+  EXPECT_EQ(below.channels.at(0).unit, "\u00B5N");
+  EXPECT_EQ(below.warnings.size(), 2U);
+}
+
+TEST(CsvUnits, OfTimesMayBeSpeltAsVariablesAre) {
+  for (const char* head : {"Time_us_,Force_N_\n", "Time.us.,Force.N.\n", "Time..us.,Force..N.\n",
+                           "TIME (US),Force_N\n"}) {
+    const Record record = imported(std::string(head) + "0,7\n20,8\n40,9\n");
+    EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 20e-6) << head;
+    EXPECT_EQ(record.channels.at(0).unit, "N") << head;
+  }
+}
+
+TEST(CsvUnits, ThatAreStatedAreNotSaidToBeMissing) {
+  EXPECT_THAT(imported("Time (s x 1e-6),F (N)\n0,7\n20,8\n40,9\n").warnings,
+              Contains(HasSubstr("states no unit that is understood")));
+  EXPECT_THAT(imported("Time,F (N)\n0,7\n20,8\n40,9\n").warnings,
+              Contains(HasSubstr("states no unit: it is taken as s")));
+  ImportOptions options;
+  options.require_clock = false;
+  const Record ticks = imported("Time (ticks),F (N)\n0,7\n20,8\n40,9\n", options);
+  EXPECT_THAT(names_and_units(ticks), ElementsAre("Time [ticks]", "F [N]"));
+}
+
+std::string divided(const char* text) {
+  const ColumnHead head = split_head(text);
+  return head.name + "|" + head.unit;
+}
+
+TEST(ColumnHead, HasTheUnitBeforeTheNameOfAnInput) {
+  EXPECT_EQ(divided("Force (N) [ch1]"), "Force [ch1]|N");
+  EXPECT_EQ(divided("Vel (m/s) [AI 2]"), "Vel [AI 2]|m/s");
+  EXPECT_EQ(divided("Vel (m/s) [A]"), "Vel [A]|m/s");
+  EXPECT_EQ(divided("AI1 (Force) [N]"), "AI1 (Force)|N");
+  EXPECT_EQ(divided("Acc (g) [m/s^2]"), "Acc (g)|m/s^2");
+}
+
+TEST(ColumnHead, MayHaveItsUnitBehindAColon) {
+  EXPECT_EQ(divided("Vel:m/s"), "Vel|m/s");
+  EXPECT_EQ(divided("Force:N"), "Force|N");
+  EXPECT_EQ(divided("Channel:A"), "Channel:A|");
+}
+
+}  // namespace
+}  // namespace impactrig::acquisition
