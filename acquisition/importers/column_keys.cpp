@@ -74,7 +74,8 @@ std::string_view value_of_all(std::string_view text, Dialect dialect) {
   const auto cells = values_of_key(text, dialect.delimiter);
   const bool same = cells.size() > 1 && std::ranges::count(cells, cells.front()) ==
                                             static_cast<std::ptrdiff_t>(cells.size());
-  return same ? cells.front() : text;
+  // "Analog:2e-8,Digital:0"
+  return same || text.starts_with("Analog:") ? cells.front() : text;
 }
 
 /// Warns where an interval is printed with a fixed number of decimals, as by OWON ("0.08uS") and
@@ -381,6 +382,36 @@ void take_names_of_keys(const TableLayout& layout, TableHead& head) {
       }
       return;
     }
+}
+
+std::optional<AnnouncedSamples> announced_samples(const TableHead& head, Dialect dialect) {
+  constexpr auto keys = std::to_array<std::string_view>(
+      {"record length", "recordlength", "blocksize", "block size", "points", "size", "data length",
+       "number of samples", "number of points", "no. of samples", "sample count", "samplecount",
+       "num points", "npts"});
+  for (const auto& [key, text] : head.attributes) {
+    if (std::ranges::find(keys, normalized_key(key)) != keys.end()) {
+      const auto cells = values_of_key(text, dialect.delimiter);
+      if (cells.empty()) continue;
+      const auto count = integer_in(without_channel(cells.front()));
+      if (count && *count > 0) return AnnouncedSamples{key, static_cast<std::uint64_t>(*count)};
+    }
+    if (key != "Segments") continue;  // of LeCroy, "1,SegmentSize,400"
+    const auto cells = values_of_key(text, dialect.delimiter);
+    if (cells.size() < 3 || cells[1] != "SegmentSize") continue;
+    const auto segments = integer_in(cells[0]), size = integer_in(cells[2]);
+    if (segments && size && *segments == 1 && *size > 0)
+      return AnnouncedSamples{"SegmentSize", static_cast<std::uint64_t>(*size)};
+  }
+  return std::nullopt;
+}
+
+std::string missing_rows(const std::optional<AnnouncedSamples>& announced, std::uint64_t rows) {
+  if (!announced || rows >= announced->count) return {};
+  return fmt::format(
+      "the header announces {} samples by '{}', {} rows are there: the file may be "
+      "cut off",
+      announced->count, announced->key, rows);
 }
 
 void take_column_of_keys(Dialect dialect, TableHead& head) {

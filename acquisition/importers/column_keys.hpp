@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +37,18 @@ void take_keys_among_names(std::vector<std::string_view>& names, TableHead& head
 /// Takes names where the head has none and a key lists them: one a column, or one for each but the
 /// first.
 void take_names_of_keys(const TableLayout& layout, TableHead& head);
+
+/// How many samples a head says that there are.
+struct AnnouncedSamples {
+  std::string key;
+  std::uint64_t count = 0;
+};
+
+/// By a key such as "Record Length", of oscilloscopes; none where there is no such.
+std::optional<AnnouncedSamples> announced_samples(const TableHead& head, Dialect dialect);
+
+/// Says that there are fewer rows than announced; "" where there are not.
+std::string missing_rows(const std::optional<AnnouncedSamples>& announced, std::uint64_t rows);
 
 /// Name, unit and start of the one column under lines "Key :value".
 void take_column_of_keys(Dialect dialect, TableHead& head);

@@ -190,6 +190,12 @@ struct CsvHead {
     return !layout.counted.empty();
   }
 
+  /// Where a row holds a sample of each channel.
+  std::optional<AnnouncedSamples> announced() const {
+    if (layout.key_cells > 0 || turned.channel_rows > 0 || !roles.further_times.empty()) return {};
+    return announced_samples(head, layout.dialect);
+  }
+
   NumberStyle style() const { return {layout.dialect.decimal, false}; }
 
   std::string_view first_cell(std::size_t column) {
@@ -295,7 +301,8 @@ Record read_whole(CsvHead& csv, const ImportOptions& options) {
   csv.settle(table, options, false, record);
   if (csv.count_times(table, record)) table = read_table(csv.file, csv.layout, csv.names);
   const CsvRoles& roles = csv.roles;
-  for (std::string told : {cut_row(csv.file, table), comment_between(csv.file, table)})
+  for (std::string told : {cut_row(csv.file, table), comment_between(csv.file, table),
+                           missing_rows(csv.announced(), table.rows)})
     if (!told.empty()) record.warnings.push_back(std::move(told));
 
   const std::vector<ClockColumns> clocks = roles.clocks(csv.heads.size());
@@ -398,6 +405,7 @@ std::unique_ptr<RecordingReader> open_large(std::shared_ptr<CsvHead> csv,
   table.clock = clock_from_head(csv->head, csv->roles);
   table.marked = csv->marked;
   table.empty_columns_end = true;
+  table.announced = csv->announced();
 
   std::vector<std::unique_ptr<RecordingReader>> readers;  // one a clock
   for (const ClockColumns& range : csv->roles.clocks(csv->heads.size())) {

@@ -64,7 +64,9 @@ NamesAndUnits labelled_names(const TableLayout& layout, const std::vector<std::s
   };
   std::optional<std::size_t> units, names;
   for (std::size_t k = lines.size(); k-- > 0 && !units;)
-    if (!lines[k].empty() && is_unit_label(lines[k].front())) units = k;
+    if (!lines[k].empty() && is_unit_label(lines[k].front()) &&
+        !is_horizontal_unit_key(lines[k].front()))
+      units = k;
   for (std::size_t k = 0; k < lines.size(); ++k) {
     if (units == k || !may_name(k)) continue;
     const auto rank = rank_of_name_label(lines[k].front());

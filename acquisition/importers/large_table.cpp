@@ -67,7 +67,9 @@ class LargeTableReader final : public RecordingReader {
 
     Record record = head_.record;
     record.channels.clear();
-    for (const std::string& passed : {cut, comment})
+    const std::string fewer =
+        wanted.has_window() ? std::string() : missing_rows(table_.announced, rows);
+    for (const std::string& passed : {cut, comment, fewer})
       if (!passed.empty()) record.warnings.push_back(passed);
     const datasets::SampleClock clock =
         window.rows ? clock_from_row(window.rows->first, record)

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "acquisition/importers/column_keys.hpp"
 #include "acquisition/importers/csv_marked_rows.hpp"
 #include "acquisition/importers/text_table.hpp"
 #include "acquisition/recording_reader.hpp"
@@ -41,6 +42,8 @@ struct LargeTable {
   std::vector<std::size_t> columns{};  ///< of the channels; beyond `names`: without values
   /// True: a column without a value in any row is a channel without samples, and a warning tells.
   bool empty_columns_end = false;
+  /// Of samples, by the head, all of which are rows.
+  std::optional<AnnouncedSamples> announced{};
   /// The last word on the clock of so many rows.
   std::function<void(std::uint64_t rows, datasets::SampleClock& clock, datasets::Record& record)>
       settle_clock{};

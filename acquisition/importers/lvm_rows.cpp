@@ -72,7 +72,9 @@ void LvmRows::read(LvmSegment& segment) {
     }
     const auto cells = static_cast<std::size_t>(std::ranges::count(line, text_.separator)) + 1;
     const bool whole_line = line.data() + line.size() != text_.end;
-    if (!whole_line && (cells < cells_before || is_within_packet(segment, row))) {
+    if (!whole_line &&
+        (cells < cells_before || is_within_packet(segment, row) ||
+         ends_in_cut_number({rows_first_, text_.end}, text_.separator, text_.decimal))) {
       recording_.warn(fmt::format("the file ends within the row at {}: this row is left out",
                                   text_.file.position(start).text()));
       rows_last_ = start;

@@ -113,6 +113,7 @@ PolytecHead read_polytec_head(TextFile& file, const ImportOptions& options) {
       head.layout.data = at;
       head.layout.cells = unit_cells.size();
       head.layout.written_cells = cells_of(line, '\t').size();
+      if (!file.is_part()) find_cut_row(text, head.layout);
       return head;
     }
     const std::size_t colon = line.find(':');

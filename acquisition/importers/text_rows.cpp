@@ -64,6 +64,11 @@ void RowReader::read_only(const std::vector<bool>& needed) {
   uses_.assign(needed.size(), Use::skipped);
   for (std::size_t c = 0; c < needed.size(); ++c)
     if (needed[c] && !layout_.holds_text(c)) uses_[c] = Use::number;
+  for (const std::size_t column : layout_.perhaps_grouped)
+    if (uses_[column] == Use::number) {
+      uses_[column] = Use::perhaps_grouped;
+      groupings_.try_emplace(column, decimal_);
+    }
   for (const CountedColumn& column : layout_.counted)
     if (uses_[column.column] == Use::number) uses_[column.column] = Use::counted;
   for (const DateColumns& date : layout_.dates) {
@@ -116,6 +121,9 @@ void RowReader::read_line() {
     switch (uses_[c]) {
       case Use::number:
         if (!read_cell(c)) return short_row(line, c);
+        break;
+      case Use::perhaps_grouped:
+        if (!read_perhaps_grouped(c)) return short_row(line, c);
         break;
       case Use::counted:
         if (!read_counted(c)) return short_row(line, c);
@@ -174,7 +182,28 @@ bool RowReader::read_cell(std::size_t c) {
   return unusual_cell(c);
 }
 
-/// The same, less the first of the column as it is written.
+/// The same, until the column's numbers tell whether they have decimals or thousands separators,
+/// which is an error.
+bool RowReader::read_perhaps_grouped(std::size_t c) {
+  skip_blanks();
+  const char* const start = at_;
+  if (!read_cell(c)) return false;
+  if (!std::isfinite(table_.columns[c].values.back())) return true;
+  const std::string_view cell =
+      trimmed(without_quotes(trimmed({start, static_cast<std::size_t>(at_ - start)})));
+  const auto says = groupings_.at(c).see(cell);
+  if (says == GroupingCheck::Says::decimals) uses_[c] = Use::number;
+  if (says == GroupingCheck::Says::thousands)
+    throw InputError(
+        file_.position(start),
+        fmt::format("{}: '{}' may have thousands separators: all numbers with a '{}' here have "
+                    "three digits behind it, those below 1000 have none; write them without "
+                    "separators (--decimal {} says that they are decimals)",
+                    names_[c], to_utf8(cell), decimal_, decimal_));
+  return true;
+}
+
+/// The same as read_cell(), less the first of the column as it is written.
 bool RowReader::read_counted(std::size_t c) {
   skip_blanks();
   const char* const start = at_;
@@ -386,43 +415,60 @@ std::string what_follows(TextFile& file, const TableLayout& layout) {
 
 namespace {
 
-/// Decimals and exponent of a number as it is written, how many characters.
-std::size_t digits_behind(std::string_view number, char decimal) {
-  const std::size_t mark = number.find(decimal);
-  return mark == std::string_view::npos ? 0 : number.size() - mark - 1;
+/// How a number is written: digits behind its mark and of its exponent.
+struct Digits {
+  std::size_t decimals = 0;
+  std::size_t exponent = 0;
+};
+
+Digits digits_of(std::string_view number, char decimal) {
+  const std::size_t letter = std::min(number.find_first_of("eE"), number.size());
+  const std::string_view mantissa = number.substr(0, letter);
+  const std::size_t mark = mantissa.find(decimal);
+  const auto digits = std::ranges::count_if(number.substr(letter), detail::is_digit);
+  return {.decimals = mark == mantissa.npos ? 0 : mantissa.size() - mark - 1,
+          .exponent = static_cast<std::size_t>(digits)};
 }
 
 }  // namespace
 
-std::string cut_number(TextFile& file, const TableLayout& layout) {
-  constexpr int most_compared = 16;
-  constexpr int least_compared = 3;
-  if (layout.end != nullptr || file.is_part() || file.text().ends_with('\n')) return {};
-  const char* const end = file.text().data() + file.text().size();
-  std::string_view rows(layout.data, static_cast<std::size_t>(end - layout.data));
+bool ends_in_cut_number(std::string_view rows, char delimiter, char decimal) {
+  constexpr int most_compared = 16, least_compared = 3;
   const auto take_last_line = [&rows] {
     const std::size_t before = rows.rfind('\n');
     const std::string_view line = rows.substr(before + 1);  // npos + 1 is 0
     rows = rows.substr(0, before == std::string_view::npos ? 0 : before);
     return line;
   };
-  const Dialect& dialect = layout.dialect;
-  const auto last_row = cells_of(take_last_line(), dialect.delimiter);
-  std::size_t digits = 0;
+  const auto last_row = cells_of(take_last_line(), delimiter);
+  if (last_row.empty() || last_row.back().empty()) return false;
+  Digits least{.decimals = last_row.back().size() + 1000, .exponent = 1000};
+  Digits most;
   int compared = 0;
   for (; compared < most_compared && !rows.empty(); ++compared) {
-    const auto row = cells_of(take_last_line(), dialect.delimiter);
-    if (row.empty() || row.size() != last_row.size() || last_row.back().empty()) return {};
-    const std::size_t here = digits_behind(row.back(), dialect.decimal);
-    if (compared > 0 && here != digits) return {};
-    digits = here;
+    const auto row = cells_of(take_last_line(), delimiter);
+    if (row.size() != last_row.size() || row.back().empty()) break;
+    const Digits here = digits_of(row.back(), decimal);
+    least = {std::min(least.decimals, here.decimals), std::min(least.exponent, here.exponent)};
+    most = {std::max(most.decimals, here.decimals), std::max(most.exponent, here.exponent)};
   }
-  if (compared < least_compared || digits_behind(last_row.back(), dialect.decimal) >= digits)
-    return {};
+  if (compared < least_compared) return false;
+  const Digits last = digits_of(last_row.back(), decimal);
+  if (last.exponent < least.exponent) return true;
+  // zeros at the end, which some programs leave off, are few
+  const std::size_t left_off = least.decimals == most.decimals ? 0 : 1;
+  return last.decimals + left_off < least.decimals;
+}
+
+std::string cut_number(TextFile& file, const TableLayout& layout) {
+  if (layout.cut == nullptr) return {};
+  const char* at = layout.cut;
+  const char* const end = file.text().data() + file.text().size();
+  const auto cells = cells_of(take_line(at, end), layout.dialect.delimiter);
   return fmt::format(
       "the file ends without a line end, and its last number '{}' has fewer digits than those "
-      "above it: it may be cut off",
-      to_utf8(last_row.back().substr(0, 40)));
+      "above it: it may be cut off, and the row at {} is left out",
+      to_utf8(cells.back().substr(0, 40)), file.position(layout.cut).text());
 }
 
 std::string comment_between(TextFile& file, const Table& table) {

@@ -297,6 +297,27 @@ void find_text_columns(const std::vector<std::string_view>& lines, std::size_t n
   }
 }
 
+/// Columns of the first rows in which numbers with thousands separators would look as these do.
+void find_perhaps_grouped(const std::vector<std::string_view>& lines, TableLayout& layout) {
+  const Dialect& dialect = layout.dialect;
+  if (layout.key_cells > 0) return;
+  std::vector<GroupingCheck> checks(layout.cells, GroupingCheck(dialect.decimal));
+  std::vector<bool> open(layout.cells, true);
+  for (std::size_t i = layout.head.size(); i < lines.size(); ++i) {
+    if (is_skipped_line(lines[i])) continue;
+    const auto cells = cells_of(lines[i], dialect.delimiter);
+    for (std::size_t c = 0; c < std::min(cells.size(), layout.cells); ++c) {
+      const std::string_view cell = without_quotes(cells[c]);
+      const auto value = cell_value(cell, dialect.decimal);
+      if (open[c] && value && std::isfinite(*value))
+        open[c] = checks[c].see(cell) != GroupingCheck::Says::decimals;
+    }
+  }
+  for (std::size_t c = 0; c < layout.cells; ++c)
+    if (open[c] && !layout.holds_text(c) && layout.dates_at(c) == nullptr)
+      layout.perhaps_grouped.push_back(c);
+}
+
 /// Behind the last row: some programs end a file with words, as "End of data", or statistics, as
 /// "Max,1.2,3.4". Null where rows go on to the end, or where a row may begin with words itself.
 const char* end_of_rows(std::string_view text, const TableLayout& layout) {
@@ -342,10 +363,17 @@ bool has_only_empty_cells(std::string_view line, char delimiter) {
       line, [delimiter](char c) { return c == delimiter || c == ' ' || c == '\t' || c == '\r'; });
 }
 
+void find_cut_row(std::string_view text, TableLayout& layout) {
+  const std::string_view rows = text.substr(static_cast<std::size_t>(layout.data - text.data()));
+  if (layout.end == nullptr && !text.ends_with('\n') &&
+      ends_in_cut_number(rows, layout.dialect.delimiter, layout.dialect.decimal))
+    layout.cut = rows.data() + rows.rfind('\n') + 1;
+}
+
 std::string_view text_of_rows(TextFile& file, const TableLayout& layout) {
   const std::string_view text = file.text();
-  if (layout.end == nullptr) return text;
-  return text.substr(0, static_cast<std::size_t>(layout.end - text.data()));
+  const char* const end = layout.end != nullptr ? layout.end : layout.cut;
+  return end == nullptr ? text : text.substr(0, static_cast<std::size_t>(end - text.data()));
 }
 
 bool TableLayout::holds_text(std::size_t column) const {
@@ -420,7 +448,10 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
       layout.dates = find_counted_clocks(lines, layout, options.time_column.has_value());
   }
   find_text_columns(lines, named, layout);
-  if (!file.is_part()) layout.end = end_of_rows(text, layout);
+  if (!options.decimal) find_perhaps_grouped(lines, layout);
+  if (file.is_part()) return layout;
+  layout.end = end_of_rows(text, layout);
+  find_cut_row(text, layout);
   return layout;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 
 #include "acquisition/importer.hpp"
 #include "acquisition/importers/date_time.hpp"
+#include "acquisition/importers/grouping_check.hpp"
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/text_file.hpp"
 
@@ -68,6 +70,11 @@ struct TableLayout {
   bool column_numbers = false;         ///< are all that the last line of `head` says
   /// Behind the last row, where what follows is no row; null: rows go on to the end.
   const char* end = nullptr;
+  /// A last row whose last number may be cut off, and which is no row therefore; null: there is
+  /// none.
+  const char* cut = nullptr;
+  /// Columns whose first numbers may have thousands separators where others have decimals.
+  std::vector<std::size_t> perhaps_grouped;
   /// Cells at the start of each row that hold keys and values in the first rows and nothing below,
   /// as some oscilloscopes write them beside the samples. They are not counted in `cells` and
   /// `written_cells`.
@@ -188,6 +195,7 @@ class RowReader {
   void skip_key_cells();
   bool read_cell(std::size_t column);
   bool read_counted(std::size_t column);
+  bool read_perhaps_grouped(std::size_t column);
   void skip_cell();
   bool read_date(std::size_t column);
   std::optional<std::int64_t> read_fraction(const DateColumns& date);
@@ -208,10 +216,11 @@ class RowReader {
   const char* end_ = nullptr;
 
   /// What is done with a cell.
-  enum class Use : std::uint8_t { skipped, number, counted, date_begins, date };
+  enum class Use : std::uint8_t { skipped, number, perhaps_grouped, counted, date_begins, date };
 
-  std::vector<Use> uses_;            ///< one a column
-  const char* date_from_ = nullptr;  ///< where a date of several cells began
+  std::vector<Use> uses_;                           ///< one a column
+  std::map<std::size_t, GroupingCheck> groupings_;  ///< of columns that are perhaps grouped
+  const char* date_from_ = nullptr;                 ///< where a date of several cells began
   const TableLayout& layout_;
   std::size_t required_;  ///< cells that a row must have: up to the last column of numbers
   bool first_row_ = true;
@@ -233,9 +242,16 @@ bool has_only_empty_cells(std::string_view line, char delimiter);
 /// Says what follows the rows and is left out, but for rows of empty cells; "" where nothing does.
 std::string what_follows(TextFile& file, const TableLayout& layout);
 
+/// Sets `cut` of a layout whose rows go on to the end of `text`.
+void find_cut_row(std::string_view text, TableLayout& layout);
+
 /// Says that the last number, which no line end follows, lacks digits that all those above it have;
 /// "" where it does not.
 std::string cut_number(TextFile& file, const TableLayout& layout);
+
+/// Of rows that end without a line end: whether their last number has fewer digits than those in
+/// the lines above it.
+bool ends_in_cut_number(std::string_view rows, char delimiter, char decimal);
 
 /// Says that lines between the rows are passed over, which may begin another table; "" where there
 /// are none.

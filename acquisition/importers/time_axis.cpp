@@ -34,6 +34,18 @@ int significant_digits(double value) {
   return 17;
 }
 
+/// The same of a number that was converted, "0.1953" of ms to s, and may be the next double to that
+/// of its digits: where it has a few. 17 otherwise.
+int converted_digits(double value) {
+  constexpr int most = 12;
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  for (int digits = 1; digits <= most; ++digits) {
+    const auto candidate = number_in(fmt::format("{:.{}e}", value, digits - 1));
+    if (candidate && std::abs(*candidate - value) <= epsilon * std::abs(value)) return digits;
+  }
+  return 17;
+}
+
 /// -2 of 0.0345.
 int power_of_ten(double value) {
   return static_cast<int>(std::floor(std::log10(std::abs(value))));
@@ -58,18 +70,19 @@ std::uint64_t example_stride(std::uint64_t times) {
 
 double printed_resolution(std::span<const double> times) {
   const std::uint64_t stride = example_stride(times.size());
-  int digits = 1;
-  double largest = 0.0;
-  for (std::size_t i = 0; i < times.size(); i += stride)
-    digits = std::max(digits, significant_digits(times[i]));
-  for (const double time : {times.front(), times.back()}) {
-    digits = std::max(digits, significant_digits(time));
-    largest = std::max(largest, std::abs(time));
-  }
+  const double largest = std::max(std::abs(times.front()), std::abs(times.back()));
+  const auto most_digits = [&](int (*digits_of)(double)) {
+    int digits = std::max(digits_of(times.front()), digits_of(times.back()));
+    for (std::size_t i = 0; i < times.size(); i += stride)
+      digits = std::max(digits, digits_of(times[i]));
+    return digits;
+  };
+  int digits = most_digits(significant_digits);
   // 15 digits survive any conversion, and a number with 17 was not rounded on purpose; that a list
   // of such needs 16 at most is no chance
   constexpr std::size_t many = 50;
   const int most = times.size() / stride >= many ? 16 : 14;
+  if (digits > most) digits = most_digits(converted_digits);
   if (largest == 0.0 || digits > most) return 0.0;
   return std::pow(10.0, std::floor(std::log10(largest)) - digits + 1);
 }
@@ -157,7 +170,7 @@ double TimeAxisCheck::told_interval() const {
   std::map<int, int> decimals;  // the most that times of a power of ten have
   for (const double time : examples_) {
     if (time == 0.0) continue;
-    const int digits = significant_digits(time);
+    const int digits = converted_digits(time);
     if (digits > most_digits) return 0.0;
     int& most = decimals.try_emplace(power_of_ten(time), -1000).first->second;
     most = std::max(most, digits - 1 - power_of_ten(time));

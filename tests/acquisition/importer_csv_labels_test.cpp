@@ -42,6 +42,8 @@ INSTANTIATE_TEST_SUITE_P(
                     "Sampling rate,1000\n# Channel,Force,Vel\n# Unit,N,m/s\n",
                     "SERIES,Force,Vel\nVERT_UNITS,N,m/s\nSampling rate,1000,1000\n",
                     "CH,1,2\nName,Force,Vel\nUnit,N,m/s\nSample interval,1,ms\n",
+                    "\"TraceName\",\"Force\",\"Vel\"\n\"VUnit\",\"N\",\"m/s\"\n"
+                    "\"SampleRate\",1000,1000\n\"HUnit\",\"s\",\"s\"\n",
                     "Sampling rate,1000\nWhatever,Force,Vel\nUnits,N,m/s\n"));
 
 TEST(CsvLabels, StandOverTimesToo) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "acquisition/importer.hpp"
+#include "acquisition/importers/formats.hpp"
 #include "tests/acquisition/written_file.hpp"
 
 namespace impactrig::acquisition {
@@ -279,14 +280,71 @@ TEST(Csv, ALastNumberThatMayBeCutIsToldOf) {
     return found;
   };
   const std::string rows = "0,0;1,125\n0,1;-12,250\n0,2;2,500\n";
-  EXPECT_EQ(told(rows + "0,3;2,5"),
-            "the file ends without a line end, and its last number '2,5' has fewer digits than "
-            "those above it: it may be cut off");
+  EXPECT_THAT(told(rows + "0,3;2,5"),
+              testing::MatchesRegex("the file ends without a line end, and its last number '2,5' "
+                                    "has fewer digits than those above it: it may be cut off, and "
+                                    "the row at .*:5:1 \\(byte 44\\) is left out"));
+  EXPECT_EQ(imported("t [s];F [N]\n" + rows + "0,3;2,5").channels.at(0).size(), 3U);
   EXPECT_NE(told(rows + "0,3;2"), "");
   EXPECT_EQ(told(rows + "0,3;2,534"), "");
   EXPECT_EQ(told(rows + "0,3;2,5\n"), "");
   EXPECT_EQ(told("0,0;1,125\n0,1;-12,25\n0,2;2,500\n0,3;2,5"), "");  // digits as there are
   EXPECT_EQ(told("0,0;1\n0,1;-12\n0,2;25\n0,3;2"), "");
+}
+
+// A volt that was a microvolt, among numbers whose zeros are left off.
+TEST(Csv, ALastNumberThatLacksItsExponentIsNone) {
+  const std::string rows = "t [s],V [V]\n0,1.8874e-06\n1,-8.65e-06\n2,2.34578e-06\n";
+  for (const char* cut : {"3,7.424462e-0", "3,7.424462", "3,7"}) {
+    const Record record = imported(rows + cut);
+    EXPECT_EQ(record.channels.at(0).size(), 3U) << cut;
+    EXPECT_THAT(record.warnings, testing::Contains(HasSubstr("may be cut off")));
+  }
+  EXPECT_EQ(imported(rows + "3,7.4e-06").channels.at(0).size(), 4U);
+}
+
+// By its head, as oscilloscopes state it.
+TEST(Csv, FewerRowsThanAnnouncedAreTold) {
+  const std::string rows = "t [s],V [V]\n0,1\n1,2\n2,3\n";
+  for (const char* key : {"Record Length,5", "Points:,5", "#SIZE=5", "BlockSize,5,5",
+                          "Record Length,Analog:5,Digital:0", "Segments,1,SegmentSize,5"}) {
+    EXPECT_THAT(imported(std::string(key) + "\n" + rows).warnings,
+                testing::Contains(HasSubstr("the header announces 5 samples")))
+        << key;
+    std::string enough = key;
+    enough.replace(enough.find('5'), 1, "3");
+    EXPECT_THAT(imported(enough + "\n" + rows).warnings,
+                testing::Not(testing::Contains(HasSubstr("announces"))));
+  }
+  const tests::WrittenFile file("Record Length,5\n" + rows);
+  EXPECT_THAT(read_into_memory(*open_csv_by_blocks(file.path(), {}), {}).warnings,
+              testing::Contains(HasSubstr("the header announces 5 samples")));
+}
+
+// Excel's, in English and in German: 1153 was read as 1.153.
+TEST(Csv, ThousandsSeparatorsThatLookLikeDecimalsAreAnError) {
+  EXPECT_THAT(import_error("t [ms];F [N]\n0;12\n1;850\n2;1.153\n3;9.876\n4;10.250\n5;3\n"),
+              HasSubstr(":6:3 (byte 42): F: '10.250' may have thousands separators"));
+  EXPECT_THAT(import_error("t [ms]\tF [N]\n0\t12\n1\t\"1,153\"\n2\t\"10,250\"\n3\t9\n"),
+              HasSubstr("F: '10,250' may have thousands separators"));
+  EXPECT_THAT(import_error("F [N]\n12\n850\n1.153\n9.870\n3\n"),
+              HasSubstr("'9.870' may have thousands separators"));
+  // decimals: of another number, a zero before the mark, a number of 1000, no whole ones
+  for (const char* row : {"7;1.25", "7;0.125", "7;1000", "7;1e3"})
+    EXPECT_EQ(
+        imported("t [ms];F [N]\n0;12\n1;850\n2;1.153\n3;9.876\n" + std::string(row) + "\n8;2.250\n")
+            .channels.at(0)
+            .value(2),
+        1.153)
+        << row;
+  EXPECT_EQ(imported("t [ms];F [N]\n0;1.153\n1;9.870\n2;3.125\n").channels.at(0).value(1), 9.87);
+  ImportOptions decimals;
+  decimals.decimal = '.';
+  EXPECT_EQ(imported("F [N]\n12\n850\n1.153\n9.870\n3\n", decimals).channels.at(0).value(3), 9.87);
+  // many of three digits, as one in ten rounded ones would have fewer
+  std::string many = "F [N]\n12\n";
+  for (int i = 0; i < 60; ++i) many += fmt::format("{}.{}\n", 1 + i % 9, 101 + 7 * i);
+  EXPECT_THAT(import_error(many), HasSubstr("may have thousands separators"));
 }
 
 TEST(Csv, MayHaveACommentSignAloneAboveItsRows) {

@@ -307,6 +307,17 @@ TEST(Lvm, ARowWithoutLineEndMayBeCutWithinItsLastNumber) {
   EXPECT_TRUE(whole.warnings.empty());
 }
 
+// 1.2127 of 1.212775, as the rows above it have six decimals.
+TEST(Lvm, ALastNumberOfFewerDigitsIsNone) {
+  const std::string rows =
+      "|0.394070|1.221011\n|0.741586|1.211888\n|0.680572|1.215311\n|0.5|1.2127";
+  const LvmFile no_x{'\t', "Tab", ".", "No", "Yes", ""};
+  const auto cut = imported(one_segment(rows, "0.001", no_x, "4"));
+  EXPECT_EQ(cut.channels.at(1).size(), 3U);
+  EXPECT_THAT(cut.warnings, testing::Contains(HasSubstr("the file ends within the row at ")));
+  EXPECT_EQ(imported(one_segment(rows + "75", "0.001", no_x, "4")).channels.at(1).size(), 4U);
+}
+
 TEST(Lvm, CountsThatLieChangeNothing) {
   const LvmFile file;
   for (const std::string count : {"9223372036854775808", "-1", "99999999999999999999", "x"}) {

@@ -255,5 +255,20 @@ TEST(Date, StaysAsItIsWhenItIsSomethingElse) {
     EXPECT_EQ(uff_date(text), text);
 }
 
+// Of the same instants, printed in ms or in us: what is read differs by the last bit.
+TEST(TimeAxis, RoundedTimesAreEvenInAnyUnit) {
+  for (const double rate : {3000.0, 8192.0, 44100.0, 51200.0, 96000.0})
+    for (const double unit : {1.0, 1e3, 1e6}) {
+      std::vector<double> times;
+      for (int i = 0; i < 2000; ++i) {
+        const double printed = std::round(1e7 * i / rate);  // in 0.1 us
+        times.push_back(printed / (1e7 / unit) / unit);
+      }
+      const TimeAxis axis = time_axis(times);
+      EXPECT_TRUE(axis.clock.uniform()) << rate << " " << unit;
+      EXPECT_NEAR(axis.clock.interval * rate, 1.0, 1e-4);
+    }
+}
+
 }  // namespace
 }  // namespace impactrig::acquisition
