@@ -64,7 +64,7 @@ void check_channels(const OutgoingRecording& recording, const std::string& path)
       throw FileError(
           path, fmt::format(
                     "'{}' and '{}' were not sampled at the same times, and a CSV file has one time "
-                    "column: write a .uff or .h5 file",
+                    "column: choose channels with --channel, or write a .uff or .h5 file",
                     first.head->name, channel.name));
   }
 }

@@ -95,10 +95,6 @@ void CheckedSamples::take_times(std::size_t index, std::span<const double> times
   if (ranges_.empty()) next_.take_times(index, times);
 }
 
-bool CheckedSamples::any() const {
-  return std::ranges::any_of(marks_, [](const Marks& marks) { return marks.samples > 0; });
-}
-
 void CheckedSamples::tell(Record& record) const {
   for (std::size_t i = 0; i < marks_.size(); ++i) {
     const Marks& marks = marks_[i];

@@ -22,7 +22,7 @@ class CheckedSamples final : public SampleSink {
   void take(std::size_t index, const SampleBlock& whole) override;
   void take_times(std::size_t index, std::span<const double> times) override;
 
-  bool any() const;
+  bool any(std::size_t index) const { return marks_[index].samples > 0; }
 
   /// Adds warnings of what was marked, and of zeros that look like padding.
   void tell(datasets::Record& record) const;

@@ -85,11 +85,24 @@ bool rounds_steps(const Column& times) {
   return std::abs(first) * std::numeric_limits<double>::epsilon() > 1e-3 * std::abs(step);
 }
 
+/// Octave writes one variable under the other.
+void refuse_several_variables(const TextFile& file, std::string_view text) {
+  if (!text.starts_with("# Created by Octave")) return;
+  constexpr std::string_view begin = "\n# name: ";
+  const std::size_t first = text.find(begin);
+  const std::size_t next = first == text.npos ? first : text.find(begin, first + 1);
+  if (next != text.npos)
+    throw InputError(file.position(text.data() + next + 1),
+                     "another variable begins here, and Octave's text format is read with one "
+                     "alone: save them with -v7 in Octave");
+}
+
 /// Makes columns of lines that hold a channel each. The lines tell their dialect better than a few
 /// columns.
 struct Turned {
   Turned(TextFile& file, const ImportOptions& given) : options(given) {
     const std::string_view text = file.text();
+    refuse_several_variables(file, text);
     constexpr auto few = static_cast<std::ptrdiff_t>(most_channel_rows);
     if (file.is_part() && std::ranges::count(text, '\n') <= few) file.want_whole();
     auto rows = find_channel_rows(file, given);
@@ -104,26 +117,12 @@ struct Turned {
   std::size_t channel_rows = 0;  ///< of the file; 0 of columns
 };
 
-/// Octave writes one variable under the other.
-TableLayout find_only_table(TextFile& file, const ImportOptions& options) {
-  const TableLayout layout = find_table(file, options);
-  const std::string_view text = file.text();
-  if (!text.starts_with("# Created by Octave")) return layout;
-  constexpr std::string_view begin = "\n# name: ";
-  const std::size_t next = text.find(begin, static_cast<std::size_t>(layout.data - text.data()));
-  if (next != text.npos)
-    throw InputError(file.position(text.data() + next + 1),
-                     "another variable begins here, and Octave's text format is read with one "
-                     "alone: save them with -v7 in Octave");
-  return layout;
-}
-
 /// What the head of a file and its first rows say.
 struct CsvHead {
   CsvHead(const std::string& path, const ImportOptions& options)
       : file(path, options.head_only, options.encoding),
         turned(file, options),
-        layout(find_only_table(file, turned.options)),
+        layout(find_table(file, turned.options)),
         head(read_head(layout, text_of_rows(file, layout))),
         marked(take_marked_rows(head)),
         // a delimiter at the end of each row ends the last cell; it begins another only where the
@@ -279,10 +278,10 @@ datasets::SampleClock clock_of_column(CsvHead& csv, std::size_t column, Table& t
                                       Record& record) {
   const ColumnHead& head = csv.heads[column];
   Column& times = table.columns[column];
-  to_seconds(
-      csv.file, head,
-      time_conversion(csv.file, head, number_in(csv.first_cell(column), csv.style()), record),
-      times);
+  to_seconds(csv.file, head,
+             time_conversion(csv.file, head, number_in(csv.first_cell(column), csv.style()),
+                             times.values, record),
+             times);
   const std::size_t rows = times.values.size();
   const bool of_head = column == csv.roles.time && csv.head.interval;
   TimeAxis axis = time_axis(std::move(times.values), of_head ? *csv.head.interval : 0.0);
@@ -368,8 +367,9 @@ LargeTable table_of_clock(std::shared_ptr<CsvHead> csv, const ClockColumns& rang
   table.time = time;
   if (time) {
     const ColumnHead& head = csv->heads[*time];
-    const auto conversion = time_conversion(
-        csv->file, head, number_in(csv->first_cell(*time), csv->style()), table.record);
+    const auto conversion =
+        time_conversion(csv->file, head, number_in(csv->first_cell(*time), csv->style()),
+                        table.first_rows.columns[*time].values, table.record);
     table.to_seconds = [csv, &head, conversion](Column& times) {
       to_seconds(csv->file, head, conversion, times);
     };

@@ -35,7 +35,8 @@ bool may_count_days(std::string_view name, double first) {
 }  // namespace
 
 datasets::UnitConversion time_conversion(const TextFile& file, const ColumnHead& head,
-                                         std::optional<double> first, Record& record) {
+                                         std::optional<double> first, std::span<const double> times,
+                                         Record& record) {
   std::string unit = head.unit;
   if (unit.empty() && lowered(head.name).starts_with("second")) unit = "s";
   if (unit.empty()) unit = unit_since_1970(first.value_or(0.0));
@@ -44,7 +45,9 @@ datasets::UnitConversion time_conversion(const TextFile& file, const ColumnHead&
         fmt::format("the time column '{}' states no unit; by their size its numbers count {} since "
                     "1970 (--units states another)",
                     head.name, unit));
-  if (unit.empty() && may_count_days(head.name, first.value_or(0.0)))
+  const double step = times.size() > 1 ? times[1] - times[0] : 0.0;
+  if (unit.empty() &&
+      (may_count_days(head.name, first.value_or(0.0)) || may_count_days(first.value_or(0.0), step)))
     throw InputError(
         {.file = file.path()},
         fmt::format("the time column '{}' states no unit and begins with {:.9g}, which "

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <span>
 
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/csv_roles.hpp"
@@ -10,10 +12,12 @@
 
 namespace impactrig::acquisition {
 
-/// The unit of a time column as a conversion to seconds; a warning where it is not stated. Throws
-/// InputError for a unit that is none of time.
+/// The unit of a time column as a conversion to seconds; a warning where it is not stated. `first`:
+/// of the times as it is written; `times`: the first of them. Throws InputError for a unit that is
+/// none of time, and for times that may be days.
 datasets::UnitConversion time_conversion(const TextFile& file, const ColumnHead& head,
-                                         std::optional<double> first, datasets::Record& record);
+                                         std::optional<double> first, std::span<const double> times,
+                                         datasets::Record& record);
 
 /// Times in seconds. Throws InputError when one is missing.
 void to_seconds(const TextFile& file, const ColumnHead& head,

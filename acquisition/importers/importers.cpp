@@ -183,6 +183,7 @@ class CheckedRecording final : public RecordingReader {
         rate_(options.sample_rate),
         require_clock_(options.require_clock),
         path_(path) {
+    if (require_clock_ && !rate_ && options.channels.empty()) hide_small_lists();
     if (rate_) apply_sample_rate(head_.record, *rate_);
     if (std::string sentence = same_names(head_.record); !sentence.empty()) tell(sentence);
     if (require_clock_) return;
@@ -215,6 +216,10 @@ class CheckedRecording final : public RecordingReader {
     // with another rate than the file's, the window is not the file's either
     Selection of_file = wanted;
     if (rate_) of_file = {wanted.channels};
+    if (!shown_.empty()) {
+      of_file.channels.clear();
+      for (const std::size_t index : chosen) of_file.channels.push_back(shown_[index]);
+    }
     CheckedSamples checked(chosen.size(),
                            rate_ ? ranges(chosen, wanted) : std::vector<SampleRange>{}, sink);
     Record record = reader_->read(of_file, checked);
@@ -225,7 +230,7 @@ class CheckedRecording final : public RecordingReader {
         clock.start += clock.interval * static_cast<double>(range_of(clock, wanted).first);
       }
     }
-    if (wanted.has_window() && !checked.any()) refuse_window(chosen, wanted);
+    if (wanted.has_window()) refuse_empty_window(chosen, wanted, checked);
     for (const std::string& warning : head_.record.warnings)
       if (std::ranges::find(record.warnings, warning) == record.warnings.end())
         record.warnings.push_back(warning);
@@ -286,12 +291,50 @@ class CheckedRecording final : public RecordingReader {
     return list;
   }
 
-  /// Where the head has samples but the window none.
-  void refuse_window(const std::vector<std::size_t>& chosen, const Selection& wanted) const {
+  /// Lists of a few numbers beside channels that have a clock (positions, settings) are no
+  /// channels, and need none.
+  void hide_small_lists() {
+    constexpr std::uint64_t few = 10;  // of so many times more samples
+    const std::size_t n = head_.samples.size();
+    std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+    for (std::size_t i = 0; i < n; ++i)
+      if (head_.samples[i] > 1 && !lacks_clock(head_, i)) least = std::min(least, head_.samples[i]);
+    if (least == std::numeric_limits<std::uint64_t>::max()) return;
+    std::vector<std::string_view> hidden;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (lacks_clock(head_, i) && head_.samples[i] < least / few)
+        hidden.push_back(head_.record.channels[i].name);
+      else
+        shown_.push_back(i);
+    }
+    if (hidden.empty()) return shown_.clear();
+    const std::string sentence = fmt::format(
+        "{} {} no clock and few numbers: left out (--channel and --sample-rate read "
+        "them)",
+        first_of(hidden), hidden.size() == 1 ? "has" : "have");
+    RecordingHead shown;
+    shown.record = head_.record;
+    shown.record.channels.clear();
+    shown.counted = head_.counted;
+    for (const std::size_t i : shown_) {
+      shown.record.channels.push_back(head_.record.channels[i]);
+      shown.samples.push_back(head_.samples[i]);
+    }
+    head_ = std::move(shown);
+    tell(sentence);
+  }
+
+  /// Where the head has samples but the window none; a number beside them is not counted.
+  void refuse_empty_window(const std::vector<std::size_t>& chosen, const Selection& wanted,
+                           const CheckedSamples& checked) const {
     double first = std::numeric_limits<double>::infinity();
     double last = -first;
-    for (const std::size_t index : chosen) {
-      if (head_.samples[index] == 0) continue;
+    const bool many =
+        std::ranges::any_of(chosen, [this](std::size_t index) { return head_.samples[index] > 1; });
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const std::size_t index = chosen[i];
+      if (head_.samples[index] <= (many ? 1U : 0U)) continue;
+      if (checked.any(i)) return;
       const datasets::SampleClock& clock = head_.record.channels[index].clock;
       first = std::min(first, clock.start);
       last = std::max(last,
@@ -310,6 +353,7 @@ class CheckedRecording final : public RecordingReader {
   std::optional<double> rate_;
   bool require_clock_;
   std::string path_;
+  std::vector<std::size_t> shown_;  ///< channels of reader_ that are those of head_; none: all
 };
 
 }  // namespace

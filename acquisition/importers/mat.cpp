@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <set>
 #include <span>
 
 #include "acquisition/importers/column_heads.hpp"
@@ -88,8 +90,9 @@ class MatRecord {
           array.name, array.dimensions, array.count));
     const std::uint64_t longer = std::max(array.rows, array.columns);
     const std::uint64_t shorter = std::min(array.rows, array.columns);
-    if (longer <= longest_small_matrix || shorter < 2 || shorter > most_channels)
-      return add_channel(array, label_of(array.name), 0, array.count, 1);
+    const bool one_list = shorter < 2 || shorter > most_channels ||
+                          (longer <= longest_small_matrix && !has_times(longer));
+    if (one_list) return add_channel(array, label_of(array.name), 0, array.count, 1);
     const bool by_columns = array.rows >= array.columns;
     const std::vector<std::string> names = labels_.channels_of(array.name, shorter);
     const std::vector<std::string> units = labels_.units_of(array.name, shorter);
@@ -104,6 +107,18 @@ class MatRecord {
                   by_columns ? std::min(array.rows, left) : (left - 1) / array.rows + 1,
                   by_columns ? 1 : array.rows);
     }
+  }
+
+  /// Whether so many times stand beside, which tells of a few rows that they are samples.
+  bool has_times(std::uint64_t samples) {
+    if (!lengths_of_times_) {
+      lengths_of_times_.emplace();
+      for (const MatArray& array : contents_.arrays)
+        if (array.count > 2 && std::min(array.rows, array.columns) == 1 &&
+            is_named_as_time(array.name))
+          lengths_of_times_->insert(array.count);
+    }
+    return lengths_of_times_->contains(samples);
   }
 
   void add_channel(const MatArray& array, const Label& label, std::uint64_t first,
@@ -187,6 +202,7 @@ class MatRecord {
 
   MatContents contents_;
   MatLabels labels_{contents_};
+  std::optional<std::set<std::uint64_t>> lengths_of_times_;  // of vectors, once asked for
   Record record_;
   std::vector<std::string> array_names_;  ///< of the channels
   std::vector<StoredChannel> stored_;

@@ -51,6 +51,9 @@ std::string MatLabels::unit_of(std::string_view array) const {
     for (const std::string_view word : {"time_unit", "time_units"})
       if (std::string own = stated(fmt::format("{}{}", structure, word)); !own.empty()) return own;
   if (structure.empty()) return {};
+  // of a timeseries
+  const std::string_view info = is_named_as_time(array) ? "TimeInfo.Units" : "DataInfo.Units";
+  if (std::string own = stated(fmt::format("{}{}", structure, info)); !own.empty()) return own;
   const auto only = only_.find(structure);
   if (only == only_.end() || only->second != array) return {};
   for (const std::string_view word : unit_words) {

@@ -19,9 +19,9 @@ namespace impactrig::acquisition {
 
 namespace {
 
-constexpr std::array<std::string_view, 12> time_words = {
-    "t",    "time",      "times",      "time_s", "t_s",        "tvec",
-    "zeit", "timestamp", "timestamps", "x_time", "timevector", "time_vector"};
+constexpr auto time_words = std::to_array<std::string_view>(
+    {"t", "time", "times", "time_s", "t_s", "tvec", "zeit", "timestamp", "timestamps", "x_time",
+     "timevector", "time_vector", "tout"});  // Simulink, beside yout
 constexpr auto interval_words = std::to_array<std::string_view>(
     {"dt", "ts", "sampleinterval", "sample_interval", "deltat", "delta_t", "delta_x",
      "samplinginterval", "sampling_interval", "sampleperiod", "sample_period", "samplingperiod",
@@ -88,15 +88,38 @@ std::string last_word(std::string_view name) {
   return lowered(last_head(name).name);
 }
 
+/// "force" of "t_force", "force_time" and "Data1_force" of "Data1_time_force": what an array is the
+/// time of by its name, in lower case; "" of other names.
+std::string whose_time(std::string_view name) {
+  const std::size_t end = end_of_group(name);
+  const std::size_t begin = end == std::string_view::npos ? 0 : end + 1;
+  std::string rest = lowered(name.substr(0, begin));
+  int words = 0, times = 0;
+  const std::string last = lowered(name.substr(begin));
+  for (std::size_t at = 0; at <= last.size();) {
+    const std::size_t mark = std::min(last.find('_', at), last.size());
+    const std::string word = last.substr(at, mark - at);
+    at = mark + 1;
+    if (word == "t" || word == "time") {
+      ++times;
+      continue;
+    }
+    rest += (words++ > 0 ? "_" : "") + word;
+  }
+  return times == 1 && words > 0 ? rest : std::string();
+}
+
 /// What there is to know of times before they are judged.
 struct Ends {
   double first = 0.0;
   double last = 0.0;
   std::uint64_t count = 0;
   bool increasing = true;  ///< throughout, and finite
+  bool finite = true;
 
   void add(std::span<const double> values) {
     for (const double value : values) {
+      finite = finite && std::isfinite(value);
       increasing = increasing && std::isfinite(value) && (count == 0 || value > last);
       if (count++ == 0) first = value;
       last = value;
@@ -104,10 +127,17 @@ struct Ends {
   }
 };
 
+/// Dividing keeps decimal digits where multiplying by 0.001 would not.
+double in_seconds(double time, double unit) {
+  const double inverse = std::round(1.0 / unit);
+  return std::abs(inverse * unit - 1.0) < 1e-15 ? time / inverse : time * unit;
+}
+
 /// What an array's times came to.
 struct TimesFound {
   ArrayClock clock;
   bool usable = false;
+  std::string unusable;  ///< why not
 };
 
 class ClockFinder {
@@ -135,6 +165,9 @@ class ClockFinder {
           if (is_time(i, other)) add_times(i, std::string(group_of(other)));
       }
       if (arrays_[i].real && arrays_[i].samples == 1) take_number(word, group, i);
+      if (none || !arrays_[i].real || arrays_[i].samples < 2) continue;
+      if (std::string whose = whose_time(arrays_[i].name); !whose.empty())
+        own_times_.try_emplace(std::pair(std::move(whose), arrays_[i].samples), i);
     }
     for (std::size_t i = 0; i < arrays_.size(); ++i) {
       if (arrays_[i].samples < 2) continue;
@@ -150,8 +183,12 @@ class ClockFinder {
       }
       const auto times = [&](const std::string& group) { return by_times(i, group); };
       const auto number = [&](const std::string& group) { return by_number(i, group); };
-      if (!std::ranges::any_of(groups, times)) std::ranges::any_of(groups, number);
+      if (!by_own_times(i) && !std::ranges::any_of(groups, times))
+        std::ranges::any_of(groups, number);
     }
+    for (const auto& [whose, times] : own_times_)
+      if (const auto axis = axes_.find(times); axis != axes_.end() && axis->second.usable)
+        result_.clocks[times] = axis->second.clock;
     if (!wanted_) take_first_columns();
     if (!wanted_) tell_other_lengths();
     return std::move(result_);
@@ -288,6 +325,13 @@ class ClockFinder {
     return ends;
   }
 
+  bool by_own_times(std::size_t index) {
+    const auto found =
+        own_times_.find(std::pair(lowered(arrays_[index].name), arrays_[index].samples));
+    return found != own_times_.end() && found->second != index &&
+           use_times(index, found->second, "by its name");
+  }
+
   bool by_times(std::size_t index, const std::string& group) {
     const auto found = times_.find(std::pair(group, arrays_[index].samples));
     if (found == times_.end()) return false;
@@ -330,7 +374,10 @@ class ClockFinder {
     auto [found, is_new] = axes_.try_emplace(times);
     TimesFound& axis = found->second;
     if (is_new) axis = look_at(times, why);
-    if (axis.usable) result_.clocks[index] = axis.clock;
+    if (axis.usable)
+      result_.clocks[index] = axis.clock;
+    else if (result_.clocks[index].unusable.empty())
+      result_.clocks[index].unusable = axis.unusable;
     return axis.usable;
   }
 
@@ -343,22 +390,35 @@ class ClockFinder {
       if (ends.count > 1)
         result_.warnings.push_back(
             fmt::format("'{}' does not increase throughout: it is not taken as the time", name));
+      found.unusable = fmt::format(
+          "'{}', which {}", name,
+          ends.finite ? "does not increase throughout" : "holds numbers that are not finite");
+      return found;
+    }
+    const double step = (ends.last - ends.first) / static_cast<double>(ends.count - 1);
+    if (!arrays_[index].has_unit && may_count_days(ends.first, step)) {
+      found.unusable = fmt::format(
+          "'{}' from {:.9g} on in steps of {:.3g}, which may be days (--units states its unit)",
+          name, ends.first, step);
       return found;
     }
     take_unit_since_1970(ends.first, arrays_[index]);
-    TimeAxisCheck check(ends.first, ends.last, ends.count);
-    each_number_(index, [&check](std::span<const double> values) { check.add(values); });
+    const double unit = arrays_[index].seconds;
+    TimeAxisCheck check(in_seconds(ends.first, unit), in_seconds(ends.last, unit), ends.count);
+    std::vector<double> seconds;
+    each_number_(index, [&](std::span<const double> values) {
+      if (unit == 1.0) return check.add(values);
+      seconds.assign(values.begin(), values.end());
+      for (double& time : seconds) time = in_seconds(time, unit);
+      check.add(seconds);
+    });
     if (only_even && !check.uniform()) return found;
     const TimeAxis axis = check.axis();
     if (!axis.warning.empty())
-      result_.warnings.push_back(fmt::format(
-          "'{}': {}{}", name, axis.warning,
-          arrays_[index].seconds == 1.0
-              ? ""
-              : fmt::format(" ('s' is its own unit here, of {:.9g} s)", arrays_[index].seconds)));
-    found.clock.start = axis.clock.start * arrays_[index].seconds;
-    found.clock.interval = axis.clock.interval * arrays_[index].seconds;
-    found.clock.seconds = arrays_[index].seconds;
+      result_.warnings.push_back(fmt::format("'{}': {}", name, axis.warning));
+    found.clock.start = axis.clock.start;
+    found.clock.interval = axis.clock.interval;
+    found.clock.seconds = unit;
     if (!check.uniform()) found.clock.times = index;
     found.usable = true;
     told(index, why);
@@ -413,7 +473,9 @@ class ClockFinder {
   std::map<std::string, std::pair<double, std::size_t>> intervals_;  ///< by group
   std::map<std::string, std::string> unusable_;                      ///< by group
   std::map<std::string, std::pair<double, std::size_t>> starts_;     ///< by group
-  std::set<std::string> spaced_;                                     ///< groups
+  /// Times of one array each, by its name in lower case and its length.
+  std::map<std::pair<std::string, std::uint64_t>, std::size_t> own_times_;
+  std::set<std::string> spaced_;  ///< groups
   std::map<std::size_t, TimesFound> axes_;
   std::set<std::size_t> told_numbers_;
   std::set<std::size_t> compared_times_;

@@ -327,7 +327,8 @@ ColumnHead divided_head(std::string_view cell) {
   if (text.back() == '}' && text.find('{') != text.npos && text.find('{') > 0) {
     const std::size_t open = text.rfind('{');
     const std::string_view unit = trimmed(text.substr(open + 1, text.size() - open - 2));
-    if (is_unit(unit)) return {to_utf8(trimmed(text.substr(0, open))), to_utf8(unit), ""};
+    if (is_unit(unit) && !integer_in(unit))  // "data{1}" is the first of several
+      return {to_utf8(trimmed(text.substr(0, open))), to_utf8(unit), ""};
   }
   const char close = text.back();
   if (close == ']' || close == ')') {
@@ -342,8 +343,8 @@ ColumnHead divided_head(std::string_view cell) {
       const bool ticks = is_time_name(trimmed(text.substr(0, open)));  // "Time (10 us)"
       const bool range = !ticks && is_range(unit);
       const char last = trimmed(text.substr(0, open)).back();
-      const bool letter = close == ']' && last == ')' && (unit.size() == 1 || !is_unit(unit));
-      if ((close == ')' && (last == ')' || last == ']')) || range || letter)
+      const bool input = close == ']' && last == ')' && !is_unit(unit);
+      if ((close == ')' && (last == ')' || last == ']')) || range || input)
         if (const auto before = unit_before_a_suffix(text)) return *before;
       if (range) return head;
       const std::string mended = with_mu(to_utf8(unit));

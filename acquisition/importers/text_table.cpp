@@ -225,6 +225,30 @@ std::vector<std::size_t> find_further_keys(const std::vector<std::string_view>& 
   return found;
 }
 
+/// A word before the first row alone, "trace_values,0.0,1.5" above ",0.1,1.6", as dSPACE writes it:
+/// the line is a row. Whole numbers above decimals are inputs or ranges.
+void take_row_behind_a_word(const std::vector<std::string_view>& lines, TableLayout& layout) {
+  const std::size_t first = layout.head.size();
+  const Dialect& dialect = layout.dialect;
+  if (first == 0 || layout.written_cells < 2 || dialect.delimiter == ' ') return;
+  const auto row = cells_of(lines[first], dialect.delimiter);
+  const auto above = cells_of(lines[first - 1], dialect.delimiter);
+  const bool word = row.size() == above.size() && row.size() > 1 && row.front().empty() &&
+                    !row[1].empty() && !above.front().empty() &&
+                    !cell_value(above.front(), dialect.decimal);
+  if (!word) return;
+  bool decimals_above = false, decimals_below = false;
+  for (std::size_t c = 1; c < row.size(); ++c) {
+    if (row[c].empty() && above[c].empty()) continue;
+    if (!number_in(above[c], {dialect.decimal, false})) return;
+    decimals_above = decimals_above || !integer_in(above[c]);
+    decimals_below = decimals_below || !integer_in(row[c]);
+  }
+  if (!decimals_above && decimals_below) return;
+  layout.head.pop_back();
+  layout.data = lines[first - 1].data();
+}
+
 /// Finds rows that hold samples too, with keys before them: "Record Length,2.5e+03,,-0.00025,0.08,"
 /// above ",,,-0.00024,0.04,". Keys begin above the first row of numbers alone; further ones may
 /// stand below rows without. Several such tables may stand side by side.
@@ -438,6 +462,7 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   layout.cells = best->first_row.cells;
   layout.written_cells = best->first_row.written_cells;
   take_spoilt_rows(lines, skipped, layout);
+  take_row_behind_a_word(lines, layout);
   take_rows_with_keys(lines, layout);
   take_column_numbers(lines, layout);
   const std::size_t named =

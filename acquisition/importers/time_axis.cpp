@@ -288,6 +288,13 @@ TimeAxis time_axis(std::vector<double> times, double stated) {
   return axis;
 }
 
+bool may_count_days(double first, double step) {
+  constexpr double smallest_step = 5e-8;
+  const bool of_spreadsheet = first > 30000.0 && first < 70000.0;
+  const bool of_matlab = first > 700000.0 && first < 770000.0;
+  return (of_spreadsheet || of_matlab) && step > 0.0 && step < smallest_step;
+}
+
 std::optional<double> nice_rate(double interval) {
   const double stated = 1.0 / interval;
   if (!(interval > 0.0) || !std::isfinite(stated) || stated > 1e15) return std::nullopt;

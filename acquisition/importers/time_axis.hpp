@@ -34,6 +34,10 @@ TimeAxis time_axis(std::vector<double> times, double stated = 0.0);
 /// "" for numbers of other sizes, and for seconds.
 std::string unit_since_1970(double time);
 
+/// Whether times may be days, as spreadsheets and MATLAB count them: of that size, and in steps
+/// that as seconds would be those of 20 MHz and more.
+bool may_count_days(double first, double step);
+
 /// What is said of an array of such times.
 std::string counts_since_1970(std::string_view name, std::string_view unit);
 

@@ -303,8 +303,7 @@ TEST(Export, RefusesWhatAFormatCannotHold) {
   record.channels[1].clock.interval = 2e-6;
   EXPECT_EQ(export_error(record, ".csv"),
             "OUT: 'Force' and 'Velocity, laser' were not sampled at the same times, and a CSV file "
-            "has one time column: write a "
-            ".uff or .h5 file");
+            "has one time column: choose channels with --channel, or write a .uff or .h5 file");
   record = example(3);
   record.channels[0].imaginary = {1, 2, 3};
   EXPECT_EQ(

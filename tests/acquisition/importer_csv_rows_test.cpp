@@ -85,6 +85,11 @@ TEST(Csv, OctavesVariablesAreReadOneAFile) {
       "# name: force\n# type: matrix\n# rows: 3\n# columns: 2\n 0 5\n 1 6\n 2 8\n\n\n";
   EXPECT_THAT(tests::import_error(head + t + force),
               testing::HasSubstr("another variable begins here"));
+  // numbers above would be its first samples
+  const std::string fs = "# name: fs\n# type: scalar\n51200\n\n\n";
+  const std::string row = "# name: F\n# type: matrix\n# rows: 1\n# columns: 3\n 5.5 6.5 8.5\n\n\n";
+  EXPECT_THAT(tests::import_error(head + fs + row),
+              testing::HasSubstr("another variable begins here"));
   EXPECT_THAT(imported(head + force).channels.back().values(), ElementsAre(5.0, 6.0, 8.0));
 }
 

@@ -2,7 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "acquisition/importer.hpp"
+#include "acquisition/importers/named_arrays.hpp"
+#include "datasets/input_error.hpp"
 #include "tests/acquisition/mat_byte_order.hpp"
 #include "tests/acquisition/mat_bytes.hpp"
 #include "tests/acquisition/written_file.hpp"
@@ -16,6 +20,12 @@ using testing::HasSubstr;
 using tests::imported;
 using tests::Mat;
 using tests::MatBytes;
+
+std::vector<double> counted(int count, double step) {
+  std::vector<double> values;
+  for (int i = 0; i < count; ++i) values.push_back(step * i);
+  return values;
+}
 
 TEST_P(Mat, TimesByNameOfTheOwnGroupFirst) {
   const std::string fields = b.doubles("", {0, 1, 2}) + b.doubles("", {4, 5, 6});
@@ -37,6 +47,93 @@ TEST_P(Mat, TimesMayStandAroundAStructure) {
                                                b.structure("", {"v"}, b.doubles("", {7, 8, 6}))) +
                                b.doubles("t", {0, 1, 2}));
   EXPECT_EQ(record.find("run.laser.v")->clock.interval, 0.25);
+}
+
+// Times of one array each: the velocity has half the rate, and the number at the top is of others.
+TEST_P(Mat, TimesMayBeOfOneArrayByItsName) {
+  for (const auto& [force, velocity] :
+       {std::pair{"t_Force", "t_Vel"}, std::pair{"Force_time", "Vel_time"}}) {
+    const auto record = imported(b.header() + b.doubles("Sample_rate", {4.0}) +
+                                 b.doubles(force, {-0.5, 0, 0.5}) + b.doubles("Force", {1, 2, 3}) +
+                                 b.doubles(velocity, {-0.5, 0.5}) + b.doubles("Vel", {4, 5}));
+    EXPECT_EQ(record.find("Force")->clock.interval, 0.5) << force;
+    EXPECT_EQ(record.find("Force")->clock.start, -0.5);
+    EXPECT_EQ(record.find("Vel")->clock.interval, 1.0);
+    EXPECT_EQ(record.find(velocity)->clock.interval, 1.0);
+  }
+  const auto simulink =
+      imported(b.header() + b.doubles("tout", {0, 0.25, 0.5}) + b.doubles("yout", {1, 2, 3}));
+  EXPECT_EQ(simulink.find("yout")->clock.interval, 0.25);
+}
+
+// Positions and settings were a reason to refuse the recording beside them.
+TEST_P(Mat, SmallListsBesideTimesAreLeftOut) {
+  const tests::WrittenFile file(b.header() + b.doubles("t", counted(40, 0.5)) +
+                                b.doubles("F", counted(40, 1.0)) +
+                                b.doubles("positions", {0.1, 0.69, 0.8}));
+  const auto reader = open_recording(file.path());
+  const auto record = read_into_memory(*reader, {});
+  EXPECT_EQ(record.channels.size(), 2U);
+  EXPECT_EQ(record.channels.at(1).clock.interval, 0.5);
+  EXPECT_THAT(record.warnings,
+              Contains(HasSubstr("'positions' has no clock and few numbers: left out")));
+  EXPECT_EQ(read_into_memory(*reader, {.channels = {1}}).channels.at(0).values().back(), 39.0);
+  ImportOptions inspected;
+  inspected.require_clock = false;
+  EXPECT_EQ(open_recording(file.path(), inspected)->head().record.channels.size(), 3U);
+  ImportOptions asked;
+  asked.channels = {"positions"};
+  EXPECT_THROW(read_into_memory(*open_recording(file.path(), asked), {.channels = {2}}),
+               datasets::InputError);
+}
+
+// One number in the file made any window hold something.
+TEST_P(Mat, AWindowBeyondTheSamplesIsRefusedBesideANumber) {
+  const tests::WrittenFile file(b.header() + b.doubles("Fs", {2.0}) +
+                                b.doubles("F", counted(40, 1.0)));
+  const auto reader = open_recording(file.path());
+  EXPECT_THROW(read_into_memory(*reader, {.channels = {}, .from = 500.0}), datasets::InputError);
+  EXPECT_EQ(read_into_memory(*reader, {.channels = {}, .from = 5.0, .to = 6.0}).find("F")->size(), 3U);
+}
+
+TEST_P(Mat, TimesOfDaysAreAskedFor) {
+  ImportOptions options;
+  options.require_clock = false;
+  const std::string force = b.doubles("F", counted(100, 1.0));
+  for (const double day : {45365.43, 738000.5}) {
+    std::vector<double> times = counted(100, 1.0 / 86400.0 / 51200.0);
+    for (double& time : times) time += day;
+    EXPECT_THAT(imported(b.header() + b.doubles("time", times) + force, options).warnings,
+                Contains(HasSubstr("which may be days (--units states its unit)")));
+    std::vector<double> seconds = counted(100, 1e-5);
+    for (double& time : seconds) time += day;
+    EXPECT_NEAR(
+        imported(b.header() + b.doubles("time", seconds) + force).channels.at(1).clock.interval,
+        1e-5, 1e-11);
+  }
+}
+
+TEST_P(Mat, TimesThatHoldNoNumberAreSaidTo) {
+  ImportOptions options;
+  options.require_clock = false;
+  EXPECT_THAT(
+      imported(b.header() + b.doubles("t", {0, 1, NAN}) + b.doubles("F", {1, 2, 3}), options)
+          .warnings,
+      Contains(HasSubstr("the file states 't', which holds numbers that are not finite")));
+}
+
+TEST_P(Mat, ElementsOfCellArraysHaveNoUnitOfTheirIndex) {
+  EXPECT_EQ(unit_by_name("data{1}"), "");
+  EXPECT_EQ(unit_by_name("data{2}"), "");
+  EXPECT_EQ(unit_by_name("force{N}"), "N");
+}
+
+// Of few rows: the times beside them tell which way they go.
+TEST_P(Mat, AMatrixOfFewRowsHasColumnsBesideTimes) {
+  const auto record = imported(b.header() + b.doubles("time", {0, 1, 2}) +
+                               b.doubles("force", {1, 2, 3, 4, 5, 6}, 2));
+  EXPECT_EQ(record.find("force:1")->values(), (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(record.find("force:2")->clock.interval, 1.0);
 }
 
 TEST_P(Mat, IntervalsAndRatesMayEndInTheirUnit) {
