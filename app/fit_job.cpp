@@ -20,11 +20,11 @@
 #include "datasets/sample_filter.hpp"
 #include "fitting/fit.hpp"
 #include "fitting/fit_keys.hpp"
-#include "fitting/velocity_timing.hpp"
 #include "fitting/other_model.hpp"
 #include "fitting/parameters.hpp"
 #include "fitting/plausibility.hpp"
 #include "fitting/rig_file.hpp"
+#include "fitting/velocity_timing.hpp"
 
 namespace impactrig::app {
 namespace {
@@ -421,7 +421,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
   std::string chosen;
   std::vector<fitting::Candidate> models;  // first, which refuses what is badly written
   if (!job.against.empty()) {
-    chosen = fitting::choose_mesh(rig, fitting::finest_mesh_of_fits);
+    chosen = fitting::choose_mesh(rig, fitting::finest_mesh_of_fits).sentence;
     models = candidates(job, rig, options);
   }
   std::vector<datasets::Impact> impacts;
@@ -445,7 +445,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
     hashes.push_back(record.provenance.sha256);
     data.records.push_back(std::move(record));
   }
-  if (chosen.empty()) chosen = fitting::choose_mesh(rig, fitting::finest_mesh_of_fits);
+  if (chosen.empty()) chosen = fitting::choose_mesh(rig, fitting::finest_mesh_of_fits).sentence;
   if (!job.common.quiet)
     fmt::print(stderr, "fitting {} impact(s), model {}\n", impacts.size(),
                models::name(rig.solver.model));

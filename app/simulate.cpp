@@ -17,6 +17,7 @@
 #include "models/sensitivities/add_sensitivity.hpp"
 #include "models/sensitivities/derivative_refusal.hpp"
 #include "models/simulation.hpp"
+#include "models/time_limit.hpp"
 #include "reports/report_data.hpp"
 #include "reports/sensitivities.hpp"
 #include "reports/text.hpp"
@@ -187,9 +188,9 @@ void tell_asked_motion(const models::Solver& solver, models::Simulation& result)
 }
 
 /// Where small motion does not see it, a mesh twice as fine takes some times as long; no longer
-/// than a run may [s].
-double time_for_mesh_error(const models::Cost& cost, const models::Solver& solver) {
-  return std::min(std::max(1.0, 4.0 * cost.seconds), solver.time_limit);
+/// than what is `left` of the time that all may take [s].
+double time_for_mesh_error(const models::Cost& cost, double left) {
+  return std::min(std::max(1.0, 4.0 * cost.seconds), left);
 }
 
 void refuse_too_many_samples(const Options& options, double longest, double channels) {
@@ -209,7 +210,8 @@ void simulate(const Options& options) {
       fitting::read_rig_file(options.rig, split_overrides(options.common.overrides));
   const double longest = rig.solver.duration.value_or(0.1);
   refuse_too_many_samples(options, longest, 1.0);  // before a mesh is chosen, which takes a while
-  const std::string chosen = fitting::choose_mesh(rig, fitting::finest_mesh);
+  const models::TimeLimit limit(rig.solver.time_limit);
+  const fitting::MeshChoice chosen = fitting::choose_mesh(rig, fitting::finest_mesh);
   models::SimulationOptions request;
   std::vector<reports::SensitivityEntry> sensitivities =
       ask_for_sensitivities(options.sensitivities, rig, request);
@@ -224,9 +226,13 @@ void simulate(const Options& options) {
   models::Simulation simulation = models::simulate(rig.rig, rig.solver, request);
   if (options.small_motion) tell_asked_motion(rig.solver, simulation);
   tell_sensitivities(simulation, request, options.sensitivities == "all", sensitivities);
-  if (!chosen.empty()) simulation.skipped.insert(simulation.skipped.begin(), chosen);
-  simulation.mesh_error = models::mesh_error(rig.rig, simulation.solver,
-                                             time_for_mesh_error(simulation.cost, rig.solver));
+  if (!chosen.sentence.empty())
+    simulation.skipped.insert(simulation.skipped.begin(), chosen.sentence);
+  if (!chosen.warning.empty()) simulation.warnings.push_back(chosen.warning);
+  simulation.mesh_error = chosen.difference;
+  if (!simulation.mesh_error)
+    simulation.mesh_error = models::mesh_error(rig.rig, simulation.solver,
+                                               time_for_mesh_error(simulation.cost, limit.left()));
   if (!options.output.empty())
     acquisition::export_recording(history_record(simulation.history, rig, sensitivities),
                                   options.output);
@@ -241,7 +247,7 @@ void simulate(const Options& options) {
   fmt::print("{}", reports::to_text(simulation, rig.rig));
   if (!options.sensitivities.empty())
     fmt::print("{}", reports::sensitivities_text(simulation, sensitivities));
-  if (explanations) print_explanations(chosen, *explanations);
+  if (explanations) print_explanations(chosen.sentence, *explanations);
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -330,20 +332,51 @@ void read_sensors(TableReader& table, RigFile& file) {
   table.finish();
 }
 
-/// Puts `beam.length = "0.9 m"` into the document, making tables on the way.
+/// 2 of "2", as lists of tables count them in keys; none of other words.
+std::optional<std::size_t> table_number(std::string_view key) {
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), number);
+  return error == std::errc{} && end == key.data() + key.size() && number > 0
+             ? std::optional(number)
+             : std::nullopt;
+}
+
+/// Puts `beam.length = "0.9 m"` or `contacts.1.gap = "1 mm"` into the document, making tables on
+/// the way, but none of a list.
 void apply_override(toml::table& root, const Override& override) {
   const auto& [name, value] = override;
+  const auto refuse = [&](const std::string& problem) {
+    throw InputError({.file = "--set " + name}, problem);
+  };
   toml::table* table = &root;
+  toml::array* list = nullptr;  // whose table is to be told next
   std::string_view rest = name;
   for (std::size_t dot = rest.find('.'); dot != std::string_view::npos; dot = rest.find('.')) {
     const std::string_view key = rest.substr(0, dot);
+    const std::string_view before = std::string_view(name).substr(0, name.size() - rest.size());
     rest.remove_prefix(dot + 1);
-    toml::node* next = table->get(key);
-    if (!next) next = &table->insert(key, toml::table{}).first->second;
+    toml::node* next = nullptr;
+    if (list) {
+      const auto number = table_number(key);
+      next = number && *number <= list->size() ? list->get(*number - 1) : nullptr;
+      if (!next)
+        refuse(fmt::format("the rig file has {} [[{}]], counted from 1 here: there is no '{}'",
+                           list->size(), before.substr(0, before.size() - 1), key));
+      list = nullptr;
+    } else {
+      next = table->get(key);
+      if (!next && table_number(rest.substr(0, rest.find('.'))))
+        refuse(fmt::format("the rig file has no [[{}{}]]", before, key));
+      if (!next) next = &table->insert(key, toml::table{}).first->second;
+    }
+    list = next->is_array_of_tables() ? next->as_array() : nullptr;
     table = next->as_table();
-    if (!table)
-      throw InputError({.file = "--set " + name}, fmt::format("{} is a value, not a table", key));
+    if (!table && !list) refuse(fmt::format("{} is a value, not a table", key));
   }
+  if (list)
+    refuse(fmt::format("names no key of one of the tables of a list, as {}1.{} does",
+                       std::string_view(name).substr(0, name.size() - rest.size()),
+                       table_number(rest) ? "KEY" : rest));
   if (rest.empty())
     throw InputError({.file = "--set " + name},
                      "expected key=value, for example beam.length=\"0.9 m\"");
@@ -362,6 +395,20 @@ void leave_out(toml::table& root, std::string_view name) {
   if (table) table->erase(name.substr(dot == std::string_view::npos ? 0 : dot + 1));
 }
 
+/// "contacts[0].gap" of "contacts.1.gap", as toml++ has it.
+std::string with_indices(std::string_view key) {
+  std::string path;
+  while (!key.empty()) {
+    const std::string_view word = key.substr(0, key.find('.'));
+    key.remove_prefix(std::min(word.size() + 1, key.size()));
+    if (const auto number = table_number(word))
+      path += fmt::format("[{}]", *number - 1);
+    else
+      path += fmt::format("{}{}", path.empty() ? "" : ".", word);
+  }
+  return path;
+}
+
 /// Where a value that models::validate() refused stands: its message begins with the key.
 datasets::SourcePosition position_of(const toml::table& document, const std::string& path,
                                      const std::set<std::string>& overridden,
@@ -369,7 +416,7 @@ datasets::SourcePosition position_of(const toml::table& document, const std::str
   const std::string key(message.substr(0, message.find_first_of(": ")));
   if (const auto override = overriding_key(key, overridden)) return {.file = "--set " + *override};
   datasets::SourcePosition where{.file = path};
-  if (const toml::node* node = document.at_path(key).node()) {
+  if (const toml::node* node = document.at_path(with_indices(key)).node()) {
     where.line = node->source().begin.line;
     where.column = node->source().begin.column;
   }
@@ -487,28 +534,49 @@ RigFile read_rig_file(const std::string& path, const std::vector<Override>& over
   return parse_rig_file(text.str(), path, overrides, without);
 }
 
-std::string choose_mesh(RigFile& file, int finest) {
-  if (file.mesh_stated) return "";
-  const auto [chosen, error, sensor_until] = models::choose_mesh(file.rig, file.solver, finest);
-  file.solver = chosen;
+MeshChoice choose_mesh(RigFile& file, int finest) {
+  if (file.mesh_stated) return {};
+  const double time_limit = file.solver.time_limit;
+  const models::ChosenMesh chosen = models::choose_mesh(file.rig, file.solver, finest);
+  file.solver = chosen.solver;
   file.mesh_stated = file.mesh_chosen = true;
   const models::Solver& solver = file.solver;
-  std::string sentence =
+  const std::string taken =
       fmt::format("The rig file leaves the mesh open: ANCF with [{}, {}] elements was taken; ",
                   solver.elements[0], solver.elements[1]);
-  if (!std::isfinite(error)) return sentence + "its error could not be estimated.";
+  if (!std::isfinite(chosen.error))
+    return {.sentence = taken + "its error could not be estimated.",
+            .warning =
+                "The error of the mesh that was taken could not be estimated: state "
+                "solver.elements, and compare with twice as many.",
+            .difference = {}};
   std::string sensor;
   if (file.rig.stop) sensor = ", and the sensor's largest force,";
-  if (sensor_until)
-    sensor = fmt::format(", and the sensor's largest force up to {:.4g} s,", *sensor_until);
-  sentence +=
-      fmt::format("its error in peak force, duration and impulse{} is estimated at {:.1g} at most",
-                  sensor, error);
-  return sentence + (error <= solver.accuracy
-                         ? fmt::format(", for an accuracy of {:g}.", solver.accuracy)
-                         : fmt::format(", more than the accuracy of {:g} asked for; no finer mesh "
-                                       "was tried.",
-                                       solver.accuracy));
+  if (chosen.sensor_until)
+    sensor = fmt::format(", and the sensor's largest force up to {:.4g} s,", *chosen.sensor_until);
+  const std::string of_what = file.rig.has_stop()
+                                  ? "in peak force, duration and impulse" + sensor
+                                  : "in where the tip is, as a part of the bar's length,";
+  const std::string estimate =
+      fmt::format("its error {} is estimated at {:.1g} at most", of_what, chosen.error);
+  if (chosen.error <= solver.accuracy)
+    return {
+        .sentence = fmt::format("{}{}, for an accuracy of {:g}.", taken, estimate, solver.accuracy),
+        .warning = {},
+        .difference = chosen.difference};
+  const bool is_finest = 2 * (solver.elements[0] + solver.elements[1]) > finest;
+  const std::string why =
+      is_finest ? fmt::format("no more than {} elements are taken by themselves", finest)
+                : fmt::format("finer ones would take more than half of solver.time_limit, {:g} s",
+                              time_limit);
+  return {
+      .sentence = fmt::format("{}{}, more than the accuracy of {:g} asked for; {}.", taken,
+                              estimate, solver.accuracy, why),
+      .warning = fmt::format("The mesh is too coarse for the accuracy of {:g} asked for: {}; "
+                             "{}. State solver.elements, a longer solver.time_limit or a larger "
+                             "solver.accuracy.",
+                             solver.accuracy, estimate, why),
+      .difference = chosen.difference};
 }
 
 }  // namespace impactrig::fitting

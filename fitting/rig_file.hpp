@@ -11,6 +11,7 @@
 #include "fitting/fit_options.hpp"
 #include "fitting/section.hpp"
 #include "models/rig.hpp"
+#include "models/simulation.hpp"
 
 namespace impactrig::fitting {
 
@@ -52,8 +53,14 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
 // Of a single run, and of a fit's, which are many: its intervals are widened by what is left.
 inline constexpr int finest_mesh = 256, finest_mesh_of_fits = 64;
 
-/// Chooses the mesh for the accuracy asked for where the rig file leaves it open, up to so many
-/// elements, and says so in a sentence; empty where it does not.
-std::string choose_mesh(RigFile& file, int finest);
+/// The mesh that was chosen where the rig file leaves it open; all empty where it does not.
+struct MeshChoice {
+  std::string sentence;  ///< which it is, and its error
+  std::string warning;   ///< where it is not known to be as accurate as asked for
+  std::optional<models::MeshError> difference;  ///< ChosenMesh::difference
+};
+
+/// Chooses the mesh for the accuracy asked for, up to so many elements.
+MeshChoice choose_mesh(RigFile& file, int finest);
 
 }  // namespace impactrig::fitting

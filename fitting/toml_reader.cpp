@@ -43,7 +43,7 @@ std::optional<std::string> overriding_key(std::string name,
                                           const std::set<std::string>& overridden) {
   while (!name.empty()) {
     if (overridden.contains(name)) return name;
-    const std::size_t end = name.find_last_of(".[");
+    const std::size_t end = name.rfind('.');
     name.resize(end == std::string::npos ? 0 : end);
   }
   return std::nullopt;
@@ -208,7 +208,7 @@ std::vector<TableReader> TableReader::tables(std::string_view key) {
   const toml::array* array = node->as_array();
   for (std::size_t i = 0; array && i < array->size(); ++i)
     if (const toml::table* inner = array->get(i)->as_table())
-      found.emplace_back(*inner, file_, fmt::format("{}[{}]", full_name(key), i), overridden_);
+      found.emplace_back(*inner, file_, fmt::format("{}.{}", full_name(key), i + 1), overridden_);
   if (!array || found.size() != array->size())
     refuse(key, fmt::format("expected tables, for example [[{}]]", full_name(key)));
   return found;

@@ -196,7 +196,7 @@ void ContactLog::tell_tension() {
 void ContactLog::tell_limits(int stop, double depth) {
   if (!(depth > 0.0)) return;
   const Contact& contact = rig_.contact_of(stop);
-  const std::string where = stop == 0 ? "" : fmt::format("contacts[{}]: ", stop - 1);
+  const std::string where = stop == 0 ? "" : fmt::format("contacts.{}: ", stop);
   for (const std::string& limit : elastic_limits(contact, depth))
     result_.warnings.push_back(where + limit + ".");
   if (const std::string unit = unit_dependence(contact, depth); !unit.empty())

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "models/beams/bar_element.hpp"
 #include "models/modal/arrival.hpp"
@@ -69,15 +70,24 @@ Rig touching(const Rig& rig) {
   return begun;
 }
 
+/// The force of a contact that is a graze beside the others, at most [N].
+double largest_graze(std::span<const Episode> episodes) {
+  constexpr double share = 0.02;
+  double largest = 0.0;
+  for (const Episode& episode : episodes) largest = std::max(largest, episode.peak_force);
+  return share * largest;
+}
+
 /// Of a run, what meshes are compared by.
 struct Told {
-  Episode first;
+  Episode contact;                     // the first that is more than a graze
   std::optional<SensorForce> sensor;   // where the stop gives way
   std::optional<double> sensor_until;  // [s], MeshError::sensor_until
 };
 
-/// The first contact of a scene on one mesh after the other, by small motion where that sees what a
-/// mesh does to it; and what a sensor carries, over the run where that can be known.
+/// The first contact of a scene that is more than a graze, on one mesh after the other, by small
+/// motion where that sees what a mesh does to it; and what a sensor carries, over the run where
+/// that can be known.
 class FirstContacts {
  public:
   /// By small motion to such an accuracy, in so much time [s], of which a whole run that a sensor
@@ -92,6 +102,8 @@ class FirstContacts {
         time_(time),
         limit_(time),
         share_of_whole_run_(share_of_one) {}
+
+  double time_left() const { return limit_.left(); }  ///< [s]
 
   /// On the mesh of `mesh`. Throws as simulate() does, or std::runtime_error when there is no time
   /// left. Where the sensor turns out not to compare for so long, those before are to be had anew.
@@ -111,8 +123,16 @@ class FirstContacts {
   }
 
  private:
-  Told told_by(const Simulation& run) const {
-    return {run.episodes.front(), run.sensor, sensor_until_};
+  Told told_by(const Simulation& run) {
+    return {run.episodes[number_of(run)], run.sensor, sensor_until_};
+  }
+
+  /// compared_contact() of a run: the first run, a whole one, tells what grazes are.
+  std::size_t number_of(const Simulation& run) {
+    if (least_peak_ == 0.0) least_peak_ = largest_graze(run.episodes);
+    const auto found = std::ranges::find_if(
+        run.episodes, [this](const Episode& episode) { return episode.peak_force >= least_peak_; });
+    return found == run.episodes.end() ? 0 : static_cast<std::size_t>(found - run.episodes.begin());
   }
 
   /// Whether what its sensor carries can be compared with that on other meshes.
@@ -120,9 +140,10 @@ class FirstContacts {
     return !run.sensor || sensor_until_ || (run.sensor->peak_known && !run.cut_short);
   }
 
-  /// Leaves out what the sensor carries beyond the second touch.
+  /// Leaves out what the sensor carries beyond the touch after the contact that is compared.
   void shorten(const Simulation& run) {
-    sensor_until_ = run.episodes.size() > 1 ? run.episodes[1].start : run.duration;
+    const std::size_t next = number_of(run) + 1;
+    sensor_until_ = next < run.episodes.size() ? run.episodes[next].start : run.duration;
     is_small_.reset();
   }
 
@@ -135,7 +156,7 @@ class FirstContacts {
         shorten(run);
         return try_small_motion(mesh);
       }
-      const Episode& first = run.episodes.front();
+      const Episode& first = run.episodes[number_of(run)];
       const double time = first.open ? run.duration : first.end;
       const double most = rig_.start.release_angle ? small_enough_with_swing : small_enough;
       is_small_ = run.neglected + missing_weight(rig_, first, time) <= most;
@@ -169,7 +190,7 @@ class FirstContacts {
       mesh.time_limit = limit_.left();
       if (shares_time()) mesh.time_limit = std::min(mesh.time_limit, share_of_whole_run_ * time_);
       Simulation run = simulate(rig, mesh, options);
-      const Episode& first = run.episodes.front();
+      const Episode& first = run.episodes[number_of(run)];
       if (!first.open) contact_time_ = first.end;
       if (!first.open || time >= longest_) return run;
       if (limit_.over()) throw std::runtime_error("no time is left for the error of the mesh");
@@ -194,16 +215,19 @@ class FirstContacts {
   double share_of_whole_run_;
   std::optional<double> sensor_until_;  // [s]
   std::optional<bool> is_small_;
-  double contact_time_ = std::numeric_limits<double>::infinity();  // [s]
+  double contact_time_ = std::numeric_limits<double>::infinity();  // until its end [s]
+  double least_peak_ = 0.0;                                        // of more than a graze [N]
 };
 
 /// How much `finer` has more, relative.
 MeshError difference(const Told& coarse, const Told& finer) {
-  const Episode &here = coarse.first, &there = finer.first;
+  const Episode &here = coarse.contact, &there = finer.contact;
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   MeshError error;
   error.peak_force = there.peak_force / here.peak_force - 1.0;
-  error.duration = !here.open && !there.open ? there.end / here.end - 1.0 : unknown;
+  error.duration = !here.open && !there.open
+                       ? (there.end - there.start) / (here.end - here.start) - 1.0
+                       : unknown;
   error.impulse = here.open == there.open ? there.impulse / here.impulse - 1.0 : unknown;
   if (coarse.sensor)
     error.sensor_peak_force = finer.sensor->peak_force / coarse.sensor->peak_force - 1.0;
@@ -211,13 +235,32 @@ MeshError difference(const Told& coarse, const Told& finer) {
   return error;
 }
 
+MeshError times_two(MeshError error) {
+  for (double* const part : {&error.peak_force, &error.duration, &error.impulse}) *part *= 2.0;
+  if (error.sensor_peak_force) *error.sensor_peak_force *= 2.0;
+  return error;
+}
+
+/// Shapes without shear converge on a bar with it as 1/n: what twice as many change is half of what
+/// is left.
+bool converges_slowly(const Rig& rig, const Solver& solver) {
+  return solver.model == BeamModel::hybrid && rig.beam.shears();
+}
+
 /// The largest part of it; infinite where one ends and the other does not.
 double change(const Told& coarse, const Told& finer) {
-  if (coarse.first.open != finer.first.open) return std::numeric_limits<double>::infinity();
+  if (coarse.contact.open != finer.contact.open) return std::numeric_limits<double>::infinity();
   return difference(coarse, finer).largest();
 }
 
 }  // namespace
+
+std::size_t compared_contact(std::span<const Episode> episodes) {
+  const double graze = largest_graze(episodes);
+  const auto found = std::ranges::find_if(
+      episodes, [graze](const Episode& episode) { return episode.peak_force >= graze; });
+  return found == episodes.end() ? 0 : static_cast<std::size_t>(found - episodes.begin());
+}
 
 double MeshError::largest() const {
   double largest = std::abs(peak_force);
@@ -271,6 +314,7 @@ std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver, double
     const Told fine = contacts.on(finer);
     if (fine.sensor_until != coarse.sensor_until) coarse = contacts.on(solver);
     MeshError error = difference(coarse, fine);
+    if (converges_slowly(rig, solver)) error = times_two(error);
     error.finer = finer;
     return error;
   } catch (const std::exception&) {
@@ -279,6 +323,35 @@ std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver, double
 }
 
 namespace {
+
+/// What the next mesh will take, by those before: twice as long as the last one at least.
+class ExpectedTime {
+ public:
+  void add(double seconds) {
+    growth_ = last_ > 0.0 ? std::clamp(seconds / last_, 2.0, 8.0) : 2.0;
+    last_ = seconds;
+  }
+
+  double of_next() const { return growth_ * last_; }  ///< [s]; 0: not known
+
+ private:
+  double last_ = 0.0, growth_ = 0.0;
+};
+
+/// The mesh with twice the elements, but for a part whose elements are far shorter than the
+/// other's: a bar struck close to its tip needs none there.
+Solver refined_where_long(const Solver& mesh, const Rig& rig) {
+  constexpr double far_shorter = 0.125;
+  const std::array<double, 2> parts = {rig.contact.position,
+                                       rig.beam.length - rig.contact.position};
+  Solver finer = refined(mesh);
+  for (const std::size_t k : {0U, 1U}) {
+    if (mesh.elements[k] == 0 || mesh.elements[1 - k] == 0) continue;
+    const double own = parts[k] / mesh.elements[k], other = parts[1 - k] / mesh.elements[1 - k];
+    if (own < far_shorter * other) finer.elements[k] = mesh.elements[k];
+  }
+  return finer;
+}
 
 /// choose_mesh() in so much time [s], with the swing before or without.
 ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest, double time,
@@ -299,16 +372,24 @@ ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest, double 
     Told here = contacts.on(mesh);
     if (here.sensor_until != coarser.sensor_until) coarser = contacts.on(split(coarsest / 2));
     double before = change(coarser, here);
-    for (; mesh.elements[0] + mesh.elements[1] <= finest; mesh = refined(mesh)) {
-      const Told finer = contacts.on(refined(mesh));
+    ExpectedTime expected;
+    while (mesh.elements[0] + mesh.elements[1] <= finest) {
+      if (expected.of_next() > contacts.time_left()) break;
+      const Solver twice = refined_where_long(mesh, rig);
+      const double left = contacts.time_left();
+      const Told finer = contacts.on(twice);
       if (finer.sensor_until != here.sensor_until) here = contacts.on(mesh);
+      expected.add(left - contacts.time_left());
       const double changed = change(here, finer);
       chosen.solver.elements = mesh.elements;
       chosen.error = std::max(changed, best_ratio * before);
       chosen.sensor_until = finer.sensor_until;
+      chosen.difference = difference(here, finer);
+      chosen.difference->finer = twice;
       if (chosen.error <= share_of_mesh * solver.accuracy) break;
       before = changed;
       here = finer;
+      mesh = twice;
     }
   } catch (const std::exception&) {
     // the finest mesh whose error is known
@@ -316,9 +397,63 @@ ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest, double 
   return chosen;
 }
 
+/// How far the tip is from where it is on another mesh, over a run of both: at most, as a part of
+/// the bar's length.
+double apart(const History& a, const History& b, double length) {
+  const auto between = [](const std::vector<double>& x, const std::vector<double>& y) {
+    double most = 0.0;
+    for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i)
+      most = std::max(most, std::abs(x[i] - y[i]));
+    return most;
+  };
+  return std::max({between(a.displacement, b.displacement), between(a.deflection, b.deflection),
+                   between(a.extension, b.extension)}) /
+         length;
+}
+
+/// choose_mesh() of a bar that strikes nothing.
+ChosenMesh choose_mesh_of_swing(const Rig& rig, const Solver& solver, int finest) {
+  constexpr int samples = 512;
+  const TimeLimit limit(solver.time_limit);
+  const TimeLimit of_choice(share_of_time * solver.time_limit);
+  ChosenMesh chosen{.solver = solver, .error = std::numeric_limits<double>::quiet_NaN()};
+  SimulationOptions options;
+  options.history.interval = solver.duration.value_or(longest_default_run) / samples;
+  options.history.displacement_position = rig.beam.length;
+  const auto swing_on = [&](const Solver& mesh) {
+    Solver used = mesh;
+    used.accuracy = std::max(worth_knowing, share_of_accuracy * solver.accuracy);
+    used.time_limit = of_choice.left();
+    return simulate(rig, used, options).history;
+  };
+  Solver mesh = solver;
+  mesh.elements = split_elements(coarsest, rig);
+  chosen.solver.elements = mesh.elements;
+  try {
+    History here = swing_on(mesh);
+    ExpectedTime expected;
+    while (mesh.elements[0] + mesh.elements[1] <= finest && expected.of_next() < of_choice.left()) {
+      const double left = of_choice.left();
+      const Solver twice = refined(mesh);
+      History finer = swing_on(twice);
+      expected.add(left - of_choice.left());
+      chosen.solver.elements = mesh.elements;
+      chosen.error = apart(here, finer, rig.beam.length);
+      if (chosen.error <= share_of_mesh * solver.accuracy) break;
+      here = std::move(finer);
+      mesh = twice;
+    }
+  } catch (const std::exception&) {
+    // the finest mesh whose error is known; what is wrong with the rig simulate() says
+  }
+  chosen.solver.time_limit = std::max(limit.left(), least_share_of_run * solver.time_limit);
+  return chosen;
+}
+
 }  // namespace
 
 ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest) {
+  if (!rig.has_stop()) return choose_mesh_of_swing(rig, solver, finest);
   const TimeLimit limit(solver.time_limit);
   const double time = share_of_time * solver.time_limit;
   const bool released = feels_release(rig, share_of_accuracy * solver.accuracy);
@@ -328,6 +463,7 @@ ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest) {
     chosen = choose_mesh(rig, solver, finest,
                          limit.left() - (1.0 - share_of_time) * solver.time_limit, false);
     chosen.error = std::numeric_limits<double>::quiet_NaN();  // of the swing it is not known
+    chosen.difference.reset();
   }
   chosen.solver.time_limit = std::max(limit.left(), least_share_of_run * solver.time_limit);
   return chosen;

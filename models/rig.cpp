@@ -50,7 +50,7 @@ void validate_segments(const Beam& beam) {
   double length = 0.0;
   for (std::size_t i = 0; i < beam.segments.size(); ++i) {
     const BeamSegment& segment = beam.segments[i];
-    const std::string key = fmt::format("beam.segments[{}]", i);
+    const std::string key = fmt::format("beam.segments.{}", i + 1);
     require_positive(key + ".length", segment.length, "m");
     validate_section(key, segment.area, segment.second_moment, segment.shear_coefficient,
                      beam.shears());
@@ -77,7 +77,7 @@ void validate_beam(const Beam& beam) {
   require_poisson_ratio("beam.poisson_ratio", beam.poisson_ratio);
   for (std::size_t i = 0; i < beam.masses.size(); ++i) {
     const LumpedMass& lump = beam.masses[i];
-    const std::string key = fmt::format("beam.masses[{}]", i);
+    const std::string key = fmt::format("beam.masses.{}", i + 1);
     require_positive(key + ".mass", lump.mass, "kg");
     require_positive(key + ".position", lump.position, "m");
     if (lump.position > beam.length)
@@ -190,7 +190,7 @@ double way_to_touch(double position, double release_angle) {
 void validate_further_stops(const Rig& rig) {
   for (std::size_t i = 0; i < rig.further_stops.size(); ++i) {
     const FurtherStop& stop = rig.further_stops[i];
-    const std::string where = fmt::format("contacts[{}]", i);
+    const std::string where = fmt::format("contacts.{}", i + 1);
     try {
       validate_contact(stop.contact, rig.beam);
       elastic_law(stop.contact);
@@ -401,13 +401,23 @@ std::string beyond_small_motion(const Rig& rig) {
   return fmt::format("{}", fmt::join(keys, ", "));
 }
 
+namespace {
+
+double in_degrees(double angle) {
+  return angle * 180.0 / std::numbers::pi;
+}
+
+}  // namespace
+
 double touch_velocity(const Rig& rig) {
   if (!rig.start.release_angle) return rig.start.velocity;
   const auto rate = RigidSwing(rig).rate_after_release(*rig.start.release_angle);
   if (!rate)
     refuse("start.release_angle",
-           fmt::format("released at {:g} rad the bar does not swing against the stop",
-                       *rig.start.release_angle));
+           fmt::format("released at {:.6g} degrees the bar does not swing against the stop: weight "
+                       "and hinge.spring do not turn it there, hinge.friction holds it, or damping "
+                       "stops it on the way; environment.gravity_direction says where down is",
+                       in_degrees(*rig.start.release_angle)));
   return rig.contact.position * *rate;
 }
 
@@ -427,15 +437,15 @@ void validate(const Rig& rig, const Solver& solver) {
            fmt::format("must be finite and not negative, found {:g} m/s^2", rig.gravity));
   if (!(std::abs(rig.gravity_direction) < std::numbers::pi * (1.0 + 1e-12)))
     refuse("environment.gravity_direction",
-           fmt::format("must lie between -180 and 180 degrees, found {:g} rad",
-                       rig.gravity_direction));
+           fmt::format("must lie between -180 and 180 degrees, found {:.6g} degrees",
+                       in_degrees(rig.gravity_direction)));
   if (rig.hinge.rotation) {
     validate_rotation(rig);
   } else if (rig.start.release_angle) {
     if (!(*rig.start.release_angle > 0.0 && *rig.start.release_angle < 3.14159265358979))
       refuse("start.release_angle",
-             fmt::format("must lie between 0 and 180 degrees, found {:g} rad",
-                         *rig.start.release_angle));
+             fmt::format("must lie between 0 and 180 degrees, found {:.6g} degrees",
+                         in_degrees(*rig.start.release_angle)));
     if (!(rig.gravity > 0.0 || rig.hinge.spring > 0.0))
       refuse("start.release_angle",
              "a release needs gravity or a spring; environment.gravity is zero and so is "

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/mesh_error.hpp"
 #include "reports/diagnosis.hpp"
 #include "reports/direct_wording.hpp"
 #include "reports/wording.hpp"
@@ -211,7 +212,8 @@ std::string to_text(const ReportData& data) {
 
 namespace {
 
-std::string mesh_error_text(const models::MeshError& error) {
+std::string mesh_error_text(const models::MeshError& error,
+                            const std::vector<models::Episode>& episodes) {
   const models::Solver& finer = error.finer;
   const std::string mesh =
       finer.model == models::BeamModel::ancf
@@ -225,7 +227,8 @@ std::string mesh_error_text(const models::MeshError& error) {
   if (error.sensor_peak_force)
     text += fmt::format(", {} sensor's largest force", told(*error.sensor_peak_force));
   if (error.sensor_until) text += fmt::format(" up to {:.4g} s", *error.sensor_until);
-  return text + fmt::format(", by {}\n", mesh);
+  const std::size_t contact = models::compared_contact(episodes) + 1;
+  return text + fmt::format(", of contact {}, by {}\n", contact, mesh);
 }
 
 /// What happened at the stop.
@@ -292,7 +295,7 @@ std::string to_text(const models::Simulation& s, const models::Rig& rig) {
     text += fmt::format("driven            {:.6g} J by what turns the hinge\n", s.energy.driven);
   text += fmt::format("cost              {} steps, {} rejected, {} evaluations, {:.3g} ms\n",
                       s.cost.steps, s.cost.rejected, s.cost.evaluations, 1e3 * s.cost.seconds);
-  if (s.mesh_error) text += mesh_error_text(*s.mesh_error);
+  if (s.mesh_error) text += mesh_error_text(*s.mesh_error, s.episodes);
   text += fmt::format("ended             {}\n", s.termination);
   return text + warnings_text(s.warnings);
 }

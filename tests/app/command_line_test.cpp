@@ -404,6 +404,38 @@ TEST_F(CommandLine, ASampleRateIsANumberAboveZero) {
     }
 }
 
+// Such rigs ended the program where they left the mesh open.
+TEST_F(CommandLine, SimulatesBarsThatStrikeNothingOnAMeshOfItsChoice) {
+  const std::string bar =
+      "[beam]\nlength = \"1 m\"\nsection = { shape = \"circle\", radius = \"10 mm\" }\n"
+      "youngs_modulus = \"69 GPa\"\ndensity = \"2700 kg/m^3\"\n";
+  for (const char* const start :
+       {"[start]\nvelocity = \"1 m/s\"\n[solver]\nduration = \"0.2 s\"\n",
+        "[start]\nrelease_angle = \"60 deg\"\n[solver]\nduration = \"0.2 s\"\naccuracy = 1e-3\n",
+        "[hinge]\nrotation = { rate = \"4 rad/s\", time = \"0.1 s\" }\n[solver]\nduration = \"0.2 "
+        "s\"\naccuracy = 1e-3\n"}) {
+    const Outcome o = run("simulate --json " + write("free.toml", bar + start));
+    ASSERT_EQ(o.code, 0) << start << o.err;
+    const json j = json::parse(o.out);
+    EXPECT_EQ(j.at("elements").at(1), 0);
+    EXPECT_THAT(j.at("skipped").at(0).get<std::string>(),
+                HasSubstr("in where the tip is, as a part of the bar's length"));
+  }
+}
+
+// No mesh of 256 elements is so good, whatever time there is.
+TEST_F(CommandLine, WarnsWhereTheMeshOfItsChoiceIsTooCoarse) {
+  const std::string text = text_of(rig);
+  const std::string open = text.substr(0, text.find("[solver]"));
+  const Outcome o = run("simulate --json " + write("open.toml", open) +
+                        " --set solver.accuracy=1e-8 --set solver.time_limit='\"4 s\"'");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json j = json::parse(o.out);
+  EXPECT_THAT(j.at("warnings").get<std::vector<std::string>>(),
+              testing::Contains(HasSubstr("The mesh is too coarse for the accuracy of 1e-08 asked "
+                                          "for: its error in peak force")));
+}
+
 TEST_F(CommandLine, NumbersOfOptionsMayHaveTheirUnit) {
   const std::string shot = recording("Count,Force [N],Velocity [m/s]", 1500.0);
   const auto sample_rate = [&](const std::string& typed) {

@@ -127,7 +127,7 @@ density = "7850 kg/m^3"
   EXPECT_NE(message_of(with(section, "") + segments)
                 .find("beam.length: beam.segments say this of each segment; keep one of the two"),
             std::string::npos);
-  EXPECT_NE(message_of(text + segments + "radius = \"1 mm\"\n").find("beam.segments[1].radius"),
+  EXPECT_NE(message_of(text + segments + "radius = \"1 mm\"\n").find("beam.segments.2.radius"),
             std::string::npos);
 }
 
@@ -156,23 +156,23 @@ TEST(RigFile, AMassThatMakesNoSenseIsRefusedWithItsPlace) {
       fmt::format("rig.toml:{}:", 2 + std::ranges::count(std::string(paper_rig), '\n') + 1);
   EXPECT_EQ(lump("position = \"0.9 m\"\nmass = \"1 g\""),
             place +
-                "12: beam.masses[0].position: the mass, 0.9 m from the hinge, lies beyond the "
+                "12: beam.masses.1.position: the mass, 0.9 m from the hinge, lies beyond the "
                 "bar's end at 0.8 m");
   EXPECT_EQ(lump("position = 0.4\nmass = \"1 g\""),
             place +
-                "12: beam.masses[0].position: the bare number 0.4 has no unit; write it in "
+                "12: beam.masses.1.position: the bare number 0.4 has no unit; write it in "
                 "quotes with its unit, for example \"0.4 m\"");
   EXPECT_NE(
-      lump("position = \"0.4 m\"").find("beam.masses[0].mass: is missing; add mass = \"0.1 kg\""),
+      lump("position = \"0.4 m\"").find("beam.masses.1.mass: is missing; add mass = \"0.1 kg\""),
       std::string::npos);
   EXPECT_NE(lump("position = \"0.4 m\"\nmass = \"1 g\"\ninertia = 3")
-                .find("beam.masses[0].inertia: there is no such key here"),
+                .find("beam.masses.1.inertia: there is no such key here"),
             std::string::npos);
   EXPECT_EQ(message_of(paper_rig, {{"beam.masses", "0.1 kg"}}),
             "--set beam.masses: beam.masses: expected tables, for example [[beam.masses]]");
   EXPECT_EQ(
       message_of(paper_rig, {{"beam.masses", "[{ position = \"0.4 m\", mass = \"-20 g\" }]"}}),
-      "--set beam.masses: beam.masses[0].mass: must be greater than zero, found -0.02 kg");
+      "--set beam.masses: beam.masses.1.mass: must be greater than zero, found -0.02 kg");
 }
 
 TEST(RigFile, ReadsTheHinge) {

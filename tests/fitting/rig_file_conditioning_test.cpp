@@ -73,23 +73,23 @@ TEST(RigFile, AConditioningStepThatMakesNoSenseIsRefused) {
     return message.substr(message.find(": ") + 2);
   };
   EXPECT_EQ(refused("step = 'low-pas'\ncutoff = '1 Hz'"),
-            "conditioning[0].step: expected one of baseline, "
+            "conditioning.1.step: expected one of baseline, "
             "drift, decay, undo-low-cut, low-pass, hum, dropouts, align, resample, integrate, "
             "differentiate, found \"low-pas\"");
   EXPECT_EQ(refused("step = 'low-pass'"),
-            "conditioning[0].cutoff: is missing; add cutoff = \"100 kHz\"");
+            "conditioning.1.cutoff: is missing; add cutoff = \"100 kHz\"");
   EXPECT_EQ(refused("step = 'low-pass'\ncutoff = '-1 Hz'"),
-            "conditioning[0].cutoff: must be greater than zero");
+            "conditioning.1.cutoff: must be greater than zero");
   EXPECT_EQ(refused("step = 'low-pass'\ncutoff = '1 Hz'\norder = 9"),
-            "conditioning[0].order: must be 1 to 8, found 9");
+            "conditioning.1.order: must be 1 to 8, found 9");
   EXPECT_EQ(refused("step = 'drift'\nquiet = { from = '1 ms', to = '0 s' }"),
-            "conditioning[0].quiet.to: must be later than from");
+            "conditioning.1.quiet.to: must be later than from");
   EXPECT_EQ(refused("step = 'drift'\nquiet = [{ from = '0 s', to = '1 s' }, { from = '2 s', to = "
                     "'3 s' }]"),
-            "conditioning[0].quiet: names 2 stretches; this step takes one");
+            "conditioning.1.quiet: names 2 stretches; this step takes one");
   EXPECT_EQ(refused("step = 'drift'\ncutoff = '1 Hz'"),
-            "conditioning[0].cutoff: there is no such key here; known are channel, quiet, step");
-  EXPECT_EQ(refused(""), "conditioning[0].step: is missing; add step = \"low-pass\"");
+            "conditioning.1.cutoff: there is no such key here; known are channel, quiet, step");
+  EXPECT_EQ(refused(""), "conditioning.1.step: is missing; add step = \"low-pass\"");
 }
 
 }  // namespace

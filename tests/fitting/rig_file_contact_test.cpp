@@ -75,15 +75,15 @@ TEST(RigFile, AFurtherStopThatMakesNoSenseIsRefusedWithItsPlace) {
   };
   EXPECT_EQ(stop("gap = \"1 um\"\nposition = \"0.9 m\""),
             line(2) +
-                "12: contacts[0].position: the struck point, 0.9 m from the hinge, lies beyond the "
+                "12: contacts.1.position: the struck point, 0.9 m from the hinge, lies beyond the "
                 "bar's end at 0.8 m");
-  EXPECT_NE(stop("side = \"far\"").find("contacts[0].gap: is missing; add gap = \"0.1 mm\""),
+  EXPECT_NE(stop("side = \"far\"").find("contacts.1.gap: is missing; add gap = \"0.1 mm\""),
             std::string::npos);
   EXPECT_EQ(stop("gap = \"1 um\"\nside = \"left\""),
-            line(2) + "8: contacts[0].side: expected one of near, far, found \"left\"");
+            line(2) + "8: contacts.1.side: expected one of near, far, found \"left\"");
   EXPECT_EQ(stop("gap = \"-1 um\""),
-            line(1) + "7: contacts[0].gap: must be finite and not negative, found -1e-06 m");
-  EXPECT_NE(stop("gap = \"1 um\"\nplace = 3").find("contacts[0].place: there is no such key here"),
+            line(1) + "7: contacts.1.gap: must be finite and not negative, found -1e-06 m");
+  EXPECT_NE(stop("gap = \"1 um\"\nplace = 3").find("contacts.1.place: there is no such key here"),
             std::string::npos);
   const std::string text(paper_rig);
   const std::size_t begin = text.find("[contact]"), end = text.find("[start]");

@@ -62,12 +62,43 @@ TEST(RigFile, ChoosesTheMeshItLeavesOpen) {
   const std::string silent = text.substr(0, text.find("[solver]"));
   RigFile coarse = parse_rig_file(silent, "rig.toml", {{"solver.accuracy", "0.05"}});
   RigFile fine = parse_rig_file(silent, "rig.toml", {{"solver.accuracy", "0.005"}});
-  EXPECT_NE(choose_mesh(coarse, finest_mesh).find("was taken"), std::string::npos);
-  EXPECT_NE(choose_mesh(fine, finest_mesh).find("for an accuracy of 0.005"), std::string::npos);
+  EXPECT_NE(choose_mesh(coarse, finest_mesh).sentence.find("was taken"), std::string::npos);
+  EXPECT_NE(choose_mesh(fine, finest_mesh).sentence.find("for an accuracy of 0.005"),
+            std::string::npos);
   EXPECT_LT(coarse.solver.elements[0], fine.solver.elements[0]);
-  EXPECT_EQ(choose_mesh(fine, finest_mesh), "");  // once chosen it is stated
+  EXPECT_EQ(choose_mesh(fine, finest_mesh).sentence, "");  // once chosen it is stated
   RigFile stated = parse_rig_file(silent, "rig.toml", {{"solver.elements", "[14, 2]"}});
-  EXPECT_EQ(choose_mesh(stated, finest_mesh), "");
+  EXPECT_EQ(choose_mesh(stated, finest_mesh).sentence, "");
+}
+
+// Counted from 1, as in the names of what is fitted and in refusals.
+TEST(RigFile, TakesOverridesOfTablesInLists) {
+  const std::string text =
+      std::string(paper_rig) +
+      "[[contacts]]\nposition = \"0.5 m\"\ngap = \"1 mm\"\n[[beam.masses]]\nposition = \"0.3 m\"\n"
+      "mass = \"0.1 kg\"\n[[beam.masses]]\nposition = \"0.4 m\"\nmass = \"0.2 kg\"\n";
+  const RigFile file = parse_rig_file(
+      text, "rig.toml", {{"contacts.1.gap", "\"2 mm\""}, {"beam.masses.2.mass", "\"0.3 kg\""}});
+  EXPECT_DOUBLE_EQ(file.rig.further_stops.at(0).gap, 2e-3);
+  EXPECT_DOUBLE_EQ(file.rig.beam.masses.at(0).mass, 0.1);
+  EXPECT_DOUBLE_EQ(file.rig.beam.masses.at(1).mass, 0.3);
+  const auto refused = [&](const char* key, const char* value) {
+    return message_of(text, {{key, value}});
+  };
+  EXPECT_EQ(
+      refused("contacts.2.gap", "\"2 mm\""),
+      "--set contacts.2.gap: the rig file has 1 [[contacts]], counted from 1 here: there is no "
+      "'2'");
+  EXPECT_EQ(refused("beam.segments.1.length", "\"0.3 m\""),
+            "--set beam.segments.1.length: the rig file has no [[beam.segments]]");
+  EXPECT_EQ(
+      refused("contacts.gap", "\"2 mm\""),
+      "--set contacts.gap: names no key of one of the tables of a list, as contacts.1.gap does");
+  EXPECT_EQ(
+      refused("contacts.1.gap", "\"-2 mm\""),
+      "--set contacts.1.gap: contacts.1.gap: must be finite and not negative, found -0.002 m");
+  EXPECT_THAT(refused("beam.masses.1.mass", "\"-2 kg\""),
+              testing::StartsWith("--set beam.masses.1.mass: beam.masses.1.mass: must be greater"));
 }
 
 TEST(RigFile, TakesOverridesWithAndWithoutQuotes) {
@@ -224,7 +255,7 @@ TEST(RigFile, ReadsTheDirectionOfGravity) {
   EXPECT_NEAR(direction("-180 deg"), -std::numbers::pi, 1e-15);
   EXPECT_EQ(message_of(paper_rig, {{"environment.gravity_direction", "4 rad"}}),
             "--set environment.gravity_direction: environment.gravity_direction: must lie between "
-            "-180 and 180 degrees, found 4 rad");
+            "-180 and 180 degrees, found 229.183 degrees");
   EXPECT_NE(message_of(paper_rig, {{"environment.gravity_direction", "3 m"}})
                 .find("--set environment.gravity_direction: "),
             std::string::npos);

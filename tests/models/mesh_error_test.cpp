@@ -395,4 +395,93 @@ TEST(SmallMotion, FollowsAReleaseAgainstASpringWhereItIsAskedFor) {
     }
 }
 
+Rig without_stop(Rig rig) {
+  rig.contact.law = rig.contact.damping = "none";
+  rig.contact.position = rig.beam.length;
+  return rig;
+}
+
+// The tip of a bar that strikes nothing, on the mesh that was chosen and on one four times as fine.
+TEST(ChooseMesh, KnowsBarsThatStrikeNothing) {
+  Rig swinging = without_stop(paper_rig());
+  swinging.gravity = 9.81;
+  swinging.start.release_angle = 1.0;
+  Rig turned = without_stop(paper_rig());
+  turned.beam.youngs_modulus = 5e8;
+  turned.start = {};
+  turned.start.velocity = 0.0;
+  turned.hinge.rotation = HingeRotation{.rate = 8.0, .time = 0.2};
+  Rig moving = without_stop(paper_rig());
+  for (const Rig& rig : {swinging, turned, moving}) {
+    Solver open = ancf(1, 1, 1e-4, 0.5);
+    const ChosenMesh chosen = choose_mesh(rig, open, 256);
+    EXPECT_LE(chosen.error, 1e-4);
+    EXPECT_FALSE(chosen.difference);
+    EXPECT_EQ(chosen.solver.elements[1], 0);
+    SimulationOptions options;
+    options.history.interval = 0.5 / 100;
+    options.history.displacement_position = rig.beam.length;
+    Solver finer = chosen.solver;
+    finer.elements[0] *= 4;
+    finer.accuracy = 1e-6;
+    const History here = simulate(rig, chosen.solver, options).history;
+    const History there = simulate(rig, finer, options).history;
+    double apart = 0.0;
+    for (std::size_t i = 0; i < here.displacement.size(); ++i)
+      apart = std::max(apart, std::abs(here.displacement[i] - there.displacement.at(i)));
+    EXPECT_LE(apart / rig.beam.length, 1e-4);
+  }
+}
+
+// A head of a milligram leaves the bar after 0.3 us, and is pressed by it for good later: judged by
+// that touch, eight elements were enough for any accuracy.
+TEST(ChooseMesh, PassesOverAGrazeOfALightHead) {
+  Rig rig = paper_rig();
+  rig.contact.law = "johnson";
+  rig.contact.damping = "exact";
+  rig.contact.restitution = 0.5;
+  rig.stop = Stop{.mass = 1e-6, .stiffness = 1e7};
+  const ChosenMesh chosen = choose_mesh(rig, ancf(1, 1, 1e-4, 1.2e-3), 256);
+  EXPECT_LE(chosen.error, 1e-4);
+  const auto run_on = [&](const Solver& mesh) {
+    return simulate_as(Motion::full, rig, mesh, 1e-5);
+  };
+  const Simulation here = run_on(chosen.solver), there = run_on(refined(refined(chosen.solver)));
+  EXPECT_LT(here.episodes.front().peak_force, 0.01 * here.peak_force);
+  const std::size_t compared = compared_contact(here.episodes);
+  EXPECT_GT(compared, 0U);
+  EXPECT_NEAR(here.episodes[compared].peak_force / there.episodes.at(compared).peak_force, 1.0,
+              1e-4);
+}
+
+// A millimetre of bar beyond the struck point: elements there know nothing that one does not, and
+// took the time that those before it need.
+TEST(ChooseMesh, DividesNoEndThatIsFarShorterThanItsElements) {
+  Rig rig = paper_rig();
+  rig.contact.position = 0.799;
+  const ChosenMesh chosen = choose_mesh(rig, ancf(1, 1, 1e-4, 1e-3), 256);
+  EXPECT_LE(chosen.error, 1e-4);
+  EXPECT_LE(chosen.solver.elements[1], 2);
+  EXPECT_GT(chosen.solver.elements[0], 50);
+  EXPECT_LE(error_on(chosen, rig, 4), 1e-4);
+}
+
+// Shapes of a bar without shear: what is left goes with 1 / n, so that twice as many leave half.
+TEST(MeshError, OfShapesWithoutShearIsTwiceWhatTwiceAsManyChange) {
+  Rig rig = paper_rig();
+  rig.beam.theory = BeamTheory::timoshenko;
+  rig.beam.shear_coefficient = 0.89;
+  for (const int modes : {12, 24, 48}) {
+    const Solver coarse = hybrid(Basis::pinned_free, modes, 1e-6, 1e-3);
+    const std::optional<MeshError> error = mesh_error(rig, coarse, enough_time);
+    ASSERT_TRUE(error);
+    const Simulation here = simulate_as(Motion::small, rig, coarse, 1e-7);
+    const Simulation there =
+        simulate_as(Motion::small, rig, ancf(112, 16, 1e-7, 1e-3), 1e-7);  // with shear
+    const double told = error->peak_force / (there.peak_force / here.peak_force - 1.0);
+    EXPECT_GT(told, 0.7) << modes;
+    EXPECT_LT(told, modes > 12 ? 1.35 : 1.7) << modes;
+  }
+}
+
 }  // namespace

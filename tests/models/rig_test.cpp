@@ -145,33 +145,45 @@ TEST(Validate, RefusesDampingThatFeedsTheBar) {
   });
 }
 
+// What every release that comes to nothing is told.
+const std::string no_way =
+    "weight and hinge.spring do not turn it there, hinge.friction holds it, or damping stops it on "
+    "the way; environment.gravity_direction says where down is";
+
 TEST(Validate, RefusesGravityWithoutADirectionAndReleasesItLetsFallAway) {
   expect_refusals({
       {[](Rig& r, Solver&) { r.gravity_direction = 3.2; },
-       "environment.gravity_direction: must lie between -180 and 180 degrees, found 3.2 rad"},
+       "environment.gravity_direction: must lie between -180 and 180 degrees, found 183.346 "
+       "degrees"},
       {[](Rig& r, Solver&) { r.gravity_direction = nan; },
-       "environment.gravity_direction: must lie between -180 and 180 degrees, found nan rad"},
+       "environment.gravity_direction: must lie between -180 and 180 degrees, found nan degrees"},
       // upright it falls to the other side
       {[](Rig& r, Solver&) {
          r.gravity = 9.81;
          r.gravity_direction = std::numbers::pi;
          r.start.release_angle = 0.2;
        },
-       "start.release_angle: released at 0.2 rad the bar does not swing against the stop"},
+       "start.release_angle: released at 11.4592 degrees the bar does not swing against the "
+       "stop: " +
+           no_way},
       // from beyond the top
       {[](Rig& r, Solver&) {
          r.gravity = 9.81;
          r.gravity_direction = 2.0;
          r.start.release_angle = 1.2;
        },
-       "start.release_angle: released at 1.2 rad the bar does not swing against the stop"},
+       "start.release_angle: released at 68.7549 degrees the bar does not swing against the "
+       "stop: " +
+           no_way},
       // gravity holds it 0.4 rad away from the stop: it does not swing further than that beyond
       {[](Rig& r, Solver&) {
          r.gravity = 9.81;
          r.gravity_direction = -0.4;
          r.start.release_angle = 0.79;
        },
-       "start.release_angle: released at 0.79 rad the bar does not swing against the stop"},
+       "start.release_angle: released at 45.2637 degrees the bar does not swing against the "
+       "stop: " +
+           no_way},
       // nearly upright: the spring turns it and its energy would do, but for a hill on the way
       {[](Rig& r, Solver&) {
          r.gravity = 9.81;
@@ -179,7 +191,9 @@ TEST(Validate, RefusesGravityWithoutADirectionAndReleasesItLetsFallAway) {
          r.hinge.spring = 5.03;
          r.start.release_angle = 1.31;
        },
-       "start.release_angle: released at 1.31 rad the bar does not swing against the stop"},
+       "start.release_angle: released at 75.0575 degrees the bar does not swing against the "
+       "stop: " +
+           no_way},
   });
   Rig rig = paper_rig();
   rig.gravity = 9.81;
@@ -196,20 +210,20 @@ TEST(Validate, RefusesMassesThatAreNoneOrNotOnTheBar) {
       {[](Rig& r, Solver&) {
          r.beam.masses = {{0.4, 0.1}, {0.9, 0.1}};
        },
-       "beam.masses[1].position: the mass, 0.9 m from the hinge, lies beyond the bar's end at 0.8 "
+       "beam.masses.2.position: the mass, 0.9 m from the hinge, lies beyond the bar's end at 0.8 "
        "m"},
       {[](Rig& r, Solver&) {
          r.beam.masses = {{0.0, 0.1}};
        },
-       "beam.masses[0].position: must be greater than zero, found 0 m"},
+       "beam.masses.1.position: must be greater than zero, found 0 m"},
       {[](Rig& r, Solver&) {
          r.beam.masses = {{0.4, -0.1}};
        },
-       "beam.masses[0].mass: must be greater than zero, found -0.1 kg"},
+       "beam.masses.1.mass: must be greater than zero, found -0.1 kg"},
       {[](Rig& r, Solver&) {
          r.beam.masses = {{0.4, infinity}};
        },
-       "beam.masses[0].mass: must be finite, found inf kg"},
+       "beam.masses.1.mass: must be finite, found inf kg"},
   });
 }
 
@@ -226,11 +240,13 @@ TEST(Validate, RefusesStartsThatNeverTouch) {
          r.start.release_angle = 0.2;
          r.hinge = {.spring = 1.0, .viscous = 20.0};
        },
-       "start.release_angle: released at 0.2 rad the bar does not swing against the stop"},
+       "start.release_angle: released at 11.4592 degrees the bar does not swing against the "
+       "stop: " +
+           no_way},
       {[](Rig& r, Solver&) { r.start.release_angle = 3.2; },
-       "start.release_angle: must lie between 0 and 180 degrees, found 3.2 rad"},
+       "start.release_angle: must lie between 0 and 180 degrees, found 183.346 degrees"},
       {[](Rig& r, Solver&) { r.start.release_angle = -0.1; },
-       "start.release_angle: must lie between 0 and 180 degrees, found -0.1 rad"},
+       "start.release_angle: must lie between 0 and 180 degrees, found -5.72958 degrees"},
   });
 }
 

@@ -409,20 +409,20 @@ TEST(SeveralStops, AreRefusedWhereTheyCannotBe) {
   const Solver solver = tests::rigid(1e-6);
   EXPECT_EQ(
       refusal(with_stop(spring_rig(), StopSide::far, 0.9, 0.1), solver),
-      "contacts[0].position: the struck point, 0.9 m from the hinge, lies beyond the bar's end "
+      "contacts.1.position: the struck point, 0.9 m from the hinge, lies beyond the bar's end "
       "at 0.8 m");
   EXPECT_EQ(refusal(with_stop(spring_rig(), StopSide::far, 0.5, -1e-3), solver),
-            "contacts[0].gap: must be finite and not negative, found -0.001 m");
+            "contacts.1.gap: must be finite and not negative, found -0.001 m");
   Rig unknown = with_stop(spring_rig(), StopSide::far, 0.5, 1e-3);
   unknown.further_stops[0].contact.law = "hertz";
   EXPECT_EQ(refusal(unknown, solver),
-            "contacts[0].law: there is no elastic law 'hertz'; known are " +
+            "contacts.1.law: there is no elastic law 'hertz'; known are " +
                 tests::names_of(elastic_laws()));
   Rig released = with_stop(spring_rig(), StopSide::far, 0.5, 0.01);
   released.gravity = 9.81;
   released.start.release_angle = 0.1;
   EXPECT_EQ(refusal(released, solver),
-            "contacts[0].gap: 0.01 m on the far side: the bar is released from behind this stop, "
+            "contacts.1.gap: 0.01 m on the far side: the bar is released from behind this stop, "
             "whose gap must be more than 0.0499167 m");
   released.further_stops[0].gap = 0.06;
   EXPECT_EQ(refusal(released, solver), "");

@@ -317,13 +317,13 @@ TEST(Validate, RefusesSegmentsThatCannotBe) {
     return "";
   };
   EXPECT_EQ(message([](Rig& r, Solver&) { r.beam.segments[1].length = 0.0; }),
-            "beam.segments[1].length: must be greater than zero, found 0 m");
+            "beam.segments.2.length: must be greater than zero, found 0 m");
   EXPECT_EQ(message([](Rig& r, Solver&) { r.beam.segments[2].area = -1.0; }),
-            "beam.segments[2].section (area): must be greater than zero, found -1 m^2");
+            "beam.segments.3.section (area): must be greater than zero, found -1 m^2");
   EXPECT_EQ(message([](Rig& r, Solver&) { r.beam.segments[2].shear_coefficient = 0.0; }),
-            "beam.segments[2].shear_coefficient: must be greater than zero, found 0");
+            "beam.segments.3.shear_coefficient: must be greater than zero, found 0");
   EXPECT_EQ(message([](Rig& r, Solver&) { r.beam.segments[1].density = 0.0; }),
-            "beam.segments[1].density: must be greater than zero, found 0 kg/m^3");
+            "beam.segments.2.density: must be greater than zero, found 0 kg/m^3");
   EXPECT_EQ(message([](Rig& r, Solver&) { r.beam.segments.pop_back(); }),
             "beam.length: the bar is 0.8 m long, its segments are together 0.55 m");
   EXPECT_EQ(message([](Rig&, Solver& s) {
