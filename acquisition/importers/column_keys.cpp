@@ -100,8 +100,8 @@ void tell_of_few_digits(const std::string& key, std::string_view text, TableHead
 /// The time of the first sample, as Infiniium (XOrg), Yokogawa (HOffset) and Rigol (t0)
 /// oscilloscopes state it.
 void find_start(Dialect dialect, TableHead& head) {
-  constexpr std::array<std::string_view, 6> starts = {"xorg", "x origin", "hoffset",
-                                                      "t0",   "xstart",   "x start"};
+  constexpr auto starts = std::to_array<std::string_view>(
+      {"xorg", "x origin", "hoffset", "t0", "xstart", "x start", "x-axis first offset"});
   for (const auto& [key, text] : head.attributes) {
     if (head.start || !is_one_of(key, starts)) continue;
     const auto stated = stated_value(value_of_all(text, dialect), dialect);
@@ -294,6 +294,9 @@ void find_interval(Dialect dialect, TableHead& head) {
                                                               "abtastintervall",
                                                               "xinc",
                                                               "hresolution",
+                                                              "sampling cycle",
+                                                              "x-axis delta",
+                                                              "cycle time",
                                                               "tinc",
                                                               "interval",
                                                               "采样间隔",
@@ -317,6 +320,11 @@ void find_interval(Dialect dialect, TableHead& head) {
                                                           "samples per second",
                                                           "abtastrate",
                                                           "abtastfrequenz",
+                                                          "fréquence d'échantillonnage",
+                                                          "fréquence d’échantillonnage",
+                                                          "frequence d'echantillonnage",
+                                                          "frequenza di campionamento",
+                                                          "frecuencia de muestreo",
                                                           "采样率",
                                                           "采样频率",
                                                           "サンプリング周波数",

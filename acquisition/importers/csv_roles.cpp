@@ -30,6 +30,15 @@ bool holds_numbers(const TableLayout& layout, std::size_t column) {
   return !layout.holds_text(column) && layout.dates_at(column) == nullptr;
 }
 
+/// Whether a column goes on in steps of the interval that a head states.
+bool steps_by(const Column& column, std::optional<double> interval) {
+  const auto& values = column.values;
+  if (!interval || values.size() < 2 || column.missing > 0) return false;
+  const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
+  return std::abs(step - *interval) < 1e-3 * *interval &&
+         std::abs(values[1] - values[0] - step) < 0.5 * step;
+}
+
 /// False for a column that its head calls something else.
 bool may_be_time(const ColumnHead& head) {
   if (!head.unit.empty() || datasets::quantity_of_unit(head.name) == Quantity::frequency)
@@ -257,6 +266,11 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
     roles.index = 0;
   if (!roles.time && first_counts) {
     roles.index = 0;
+    if (unnamed && columns.size() > 2 && holds_numbers(layout, 1) &&
+        steps_by(columns[1], head.interval)) {
+      roles.time = 1;
+      roles.reason = "behind the numbers of the samples, in steps of the interval that is stated";
+    }
   } else if (!roles.time && columns.size() > 1 && may_be_time(heads.front()) &&
              increases(std::span<const double>(columns.front().values)
                            .first(samples_before_end(columns.front())))) {

@@ -325,6 +325,10 @@ class ClockSetter {
     const Hdf5Array& array = *slices_[index].array;
     if (!(stated && found.interval > 0.0) &&
         by_attributes(file_.name_of_set(array), array.attributes, channels_[index])) {
+      // times of the same steps tell when these begin, unless an attribute does
+      if (found.interval > 0.0 && !differ(clock.interval, found.interval) &&
+          !stated_start(array.attributes, {}))
+        clock.start = found.start;
       if (found.interval > 0.0 && differ(clock.interval, found.interval))
         file_.warn(
             fmt::format("'{}': its attributes say that samples are {:.9g} s apart, what stands "

@@ -227,7 +227,7 @@ std::string without_marks_at_end(std::string_view text) {
     const char mark = c == '.' ? '_' : c;
     if (mark != '_' || (!result.empty() && result.back() != '_')) result += mark;
   }
-  result.pop_back();
+  if (!result.empty()) result.pop_back();
   return result;
 }
 

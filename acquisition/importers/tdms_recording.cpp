@@ -378,6 +378,7 @@ class Recording {
   /// Times from a channel: the one the user states, else the only one of time stamps in a group,
   /// or the only one that its name and unit call a time.
   void set_clocks_by_channels() {
+    take_units_of_times();
     if (options_.time_column == "none") return;
     if (options_.time_column) {
       const Channel* const stated = record_.find(*options_.time_column);
@@ -409,6 +410,7 @@ class Recording {
       std::vector<std::size_t> named;
       std::ranges::copy_if(members, std::back_inserter(named),
                            [this](std::size_t i) { return is_named_time(i); });
+      if (named.size() == 1 && have_default_clocks(members)) drop_default_clocks(named[0], members);
       if (named.size() == 1 && is_needed(named.front(), members) && increases(named.front()))
         take_times(named.front(), members, false);
     }
@@ -416,9 +418,55 @@ class Recording {
 
   bool is_named_time(std::size_t i) const {
     const Channel& channel = record_.channels[i];
-    return (is_time_name(channel.name) || channels_[i].part->is_axis) &&
-           channel.clock.interval == 0.0 &&
+    return (is_time_name(split_head(channel.name).name) || channels_[i].part->is_axis) &&
+           (channel.clock.interval == 0.0 || is_default(channel.clock)) &&
            (channel.unit.empty() || channel.quantity == Quantity::time);
+  }
+
+  /// "ms" of a channel "Time (ms)" without a unit of its own.
+  void take_units_of_times() {
+    for (Channel& channel : record_.channels) {
+      const ColumnHead head = split_head(channel.name);
+      if (!channel.unit.empty() || !is_time_name(head.name) ||
+          datasets::quantity_of_unit(head.unit) != Quantity::time)
+        continue;
+      channel.unit = head.unit;
+      channel.quantity = Quantity::time;
+    }
+  }
+
+  /// An increment of 1, which LabVIEW writes where it knows none.
+  static bool is_default(const datasets::SampleClock& clock) {
+    return clock.interval == 1.0 && clock.start == 0.0;
+  }
+
+  bool have_default_clocks(const std::vector<std::size_t>& channels) const {
+    return std::ranges::all_of(
+        channels, [this](std::size_t i) { return is_default(record_.channels[i].clock); });
+  }
+
+  /// Where the times, which increase, are in other steps than such an increment.
+  void drop_default_clocks(std::size_t times, const std::vector<std::size_t>& channels) {
+    if (!increases(times) || has_steps_of_one(times)) return;
+    for (const std::size_t i : channels) record_.channels[i].clock.interval = 0.0;
+    warn(
+        fmt::format("wf_increment is 1 s, as LabVIEW writes it where it knows none, and '{}' is in "
+                    "other steps: '{}' gives the times",
+                    record_.channels[times].name, record_.channels[times].name));
+  }
+
+  bool has_steps_of_one(std::size_t t) const {
+    std::vector<double> first_two;
+    each_number(*file_, stored_[t].samples, [&](std::span<const double> numbers) {
+      const std::size_t wanted = 2 - std::min<std::size_t>(2, first_two.size());
+      first_two.insert(
+          first_two.end(), numbers.begin(),
+          numbers.begin() + static_cast<std::ptrdiff_t>(std::min(wanted, numbers.size())));
+    });
+    if (stored_[t].scaling) stored_[t].scaling(first_two);
+    const Channel& channel = record_.channels[t];
+    return first_two.size() == 2 &&
+           std::abs(channel.scale * (first_two[1] - first_two[0]) - 1.0) < 1e-9;
   }
 
   /// True where another channel has as many values and no clock.

@@ -134,10 +134,9 @@ TEST(CsvLabels, MayStandBeforeTheFirstRowAlone) {
   EXPECT_EQ(record.channels[0].clock.start, 0.0);
   EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.01);
   // inputs are no samples
-  EXPECT_EQ(imported("x,t [s],F [N]\nInput,1,2\n,0.01,8.5\n,0.02,9.5\n,0.03,9.5\n")
-                .channels.at(1)
-                .size(),
-            3U);
+  EXPECT_EQ(
+      imported("x,t [s],F [N]\nInput,1,2\n,0.01,8.5\n,0.02,9.5\n,0.03,9.5\n").channels.at(1).size(),
+      3U);
 }
 
 TEST(CsvUnits, MayStandAboveARelativeTime) {
@@ -192,6 +191,22 @@ TEST(ColumnHead, HasTheUnitBeforeTheNameOfAnInput) {
   EXPECT_EQ(divided("Vel (m/s) [AI 2]"), "Vel [AI 2]|m/s");
   EXPECT_EQ(divided("AI1 (Force) [N]"), "AI1 (Force)|N");
   EXPECT_EQ(divided("Acc (g) [m/s^2]"), "Acc (g)|m/s^2");
+}
+
+TEST(ColumnHead, OfMarksAloneIsThese) {
+  for (const char* text : {".", "_", "__", "..", "._"})
+    EXPECT_EQ(divided(text), std::string(text) + "|");
+}
+
+// "Decimal Symbol:" with a point alone beside it.
+TEST(CsvKeys, OfPulseAreNoPolytecExport) {
+  const Record record = imported(
+      "Header Size:\t9\nDecimal Symbol:\t.\nSignal:\tForce\nX-axis unit:\ts\nX-axis size:\t3\n"
+      "X-axis delta:\t0.5\nY-axis unit:\tN\n1\t0.0e+00\t3.5e-01\n2\t5.0e-01\t8.2e-01\n"
+      "3\t1.0e+00\t3.3e-01\n");
+  ASSERT_FALSE(record.channels.empty());
+  EXPECT_EQ(record.channels.back().unit, "N");
+  EXPECT_DOUBLE_EQ(record.channels.back().clock.interval, 0.5);
 }
 
 TEST(ColumnHead, MayHaveItsUnitBehindAColon) {

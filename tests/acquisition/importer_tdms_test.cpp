@@ -211,6 +211,24 @@ TEST_P(TdmsInBothByteOrders, AChannelThatIsATimeByNameAndUnitTimesTheOthersOfIts
   EXPECT_EQ(imported(file({5, 6, 7}, "N")).channels.at(1).clock.interval, 0.0);
 }
 
+// LabVIEW writes wf_increment = 1 where it knows none: steps of 20 ms were 1 s.
+TEST_P(TdmsInBothByteOrders, AChannelOfTimesCountsBeforeAnIncrementOfOne) {
+  const auto file = [this](const Shorts& times, std::string_view name, double increment) {
+    const std::vector<std::string> clock = {t_.property("wf_increment", increment)};
+    return t_.segment(
+        {t_.channel(name, t_.index(2, 3), clock), t_.channel("F", t_.index(2, 3), clock)},
+        t_.numbers(times) + t_.numbers(Shorts{1, 2, 3}));
+  };
+  for (const char* name : {"Time (ms)", "Time_ms"}) {
+    const auto record = imported(file({5, 25, 45}, name, 1.0));
+    EXPECT_DOUBLE_EQ(record.channels.at(1).clock.interval, 20e-3) << name;
+    EXPECT_DOUBLE_EQ(record.channels[1].clock.start, 5e-3);
+    EXPECT_THAT(record.warnings, testing::Contains(testing::HasSubstr("wf_increment is 1 s")));
+  }
+  EXPECT_EQ(imported(file({5, 6, 7}, "Time", 1.0)).channels.at(1).clock.interval, 1.0);
+  EXPECT_EQ(imported(file({5, 25, 45}, "Time (ms)", 0.5)).channels.at(1).clock.interval, 0.5);
+}
+
 TEST_P(TdmsInBothByteOrders, TimeStampsYearsApartKeepHalfAMicrosecond) {
   const auto record =
       imported(t_.segment({t_.channel("when", t_.index(0x44, 2))},
