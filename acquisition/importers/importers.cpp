@@ -490,7 +490,9 @@ Selection selection_of(const RecordingHead& head, const ImportOptions& options) 
                        fmt::format("there is no channel '{}'; the channels are {}", name,
                                    list.empty() ? "none" : list));
     }
-    wanted.channels.push_back(static_cast<std::size_t>(channel - record.channels.data()));
+    const auto index = static_cast<std::size_t>(channel - record.channels.data());
+    if (std::ranges::find(wanted.channels, index) == wanted.channels.end())  // by name and by index
+      wanted.channels.push_back(index);
   }
   return wanted;
 }

@@ -19,7 +19,10 @@ using datasets::FileError;
 MappedFile::MappedFile(std::string path)
     : path_(std::move(path)),
       file_(::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
-  if (file_ < 0) throw FileError(path_, fmt::format("cannot be opened: {}", std::strerror(errno)));
+  const char* const hint =
+      path_ == "-" ? " (standard input is not read: save the recording to a file)" : "";
+  if (file_ < 0)
+    throw FileError(path_, fmt::format("cannot be opened: {}{}", std::strerror(errno), hint));
   map_or_close();
 }
 
@@ -42,7 +45,8 @@ void MappedFile::map() {
   if (::fstat(file_, &status) != 0)
     throw FileError(path_, fmt::format("cannot be read: {}", std::strerror(errno)));
   if (S_ISDIR(status.st_mode)) throw FileError(path_, "is a directory, a recording is expected");
-  if (!S_ISREG(status.st_mode)) throw FileError(path_, "is not a file on a disk");
+  if (!S_ISREG(status.st_mode))
+    throw FileError(path_, "is not a file on a disk; save the recording to one");
   if (status.st_size == 0) return;
   const auto size = static_cast<std::size_t>(status.st_size);
   void* const memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file_, 0);

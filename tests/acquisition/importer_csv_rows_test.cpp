@@ -390,5 +390,12 @@ TEST(Csv, OfManyRowsIsReadWhole) {
   EXPECT_EQ(record.channels[0].clock.interval, 1e-6);
 }
 
+TEST(Selection, HasAChannelOnceByNameAndByIndex) {
+  const tests::WrittenFile file("t [s],F [N],v [m/s]\n0,1,2\n1,2,3\n");
+  ImportOptions options;
+  options.channels = {"F", "0", "v"};
+  EXPECT_EQ(import_recording(file.path(), options).channels.size(), 2U);
+}
+
 }  // namespace
 }  // namespace impactrig::acquisition

@@ -164,10 +164,13 @@ TEST(TextFile, CannotBeADirectoryADeviceOrAbsent) {
   };
   EXPECT_EQ(message("/no/such/file"), "/no/such/file: cannot be opened: No such file or directory");
   EXPECT_EQ(message("/"), "/: is a directory, a recording is expected");
-  EXPECT_EQ(message("/dev/null"), "/dev/null: is not a file on a disk");
+  EXPECT_THAT(message("-"), testing::HasSubstr("standard input is not read: save the recording"));
+  EXPECT_EQ(message("/dev/null"), "/dev/null: is not a file on a disk; save the recording to one");
   const std::string pipe = testing::TempDir() + "impactrig_pipe" + std::to_string(getpid());
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_EQ(message(pipe), pipe + ": is not a file on a disk");  // and does not wait for a writer
+  EXPECT_EQ(message(pipe),
+            pipe + ": is not a file on a disk; save the recording to one");  // and does not wait
+                                                                             // for a writer
   unlink(pipe.c_str());
 }
 
