@@ -463,7 +463,10 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   } catch (const toml::parse_error& error) {
     throw InputError(
         {.file = path, .line = error.source().begin.line, .column = error.source().begin.column},
-        fmt::format("not a TOML file: {}", error.description()));
+        fmt::format("not a TOML file: {}{}", error.description(),
+                    error.description().find("redefine") != std::string_view::npos
+                        ? "; a table and a key stand once in a file, lists of tables are [[name]]"
+                        : ""));
   }
   for (const std::string& key : without) leave_out(document, key);
   std::set<std::string> overridden;

@@ -68,6 +68,11 @@ datasets::SourcePosition TableReader::position_of(std::string_view key) const {
   } else if (const toml::node* node = table_.get(key)) {
     where.line = node->source().begin.line;
     where.column = node->source().begin.column;
+    // a table that only --set made, for a key in it
+    const auto within = std::ranges::find_if(overridden_, [&](const std::string& overridden) {
+      return overridden.starts_with(full_name(key) + ".");
+    });
+    if (where.line == 0 && within != overridden_.end()) where = {.file = "--set " + *within};
   } else {
     where.line = table_.source().begin.line;
   }

@@ -71,6 +71,13 @@ TEST(RigFile, ChoosesTheMeshItLeavesOpen) {
   EXPECT_EQ(choose_mesh(stated, finest_mesh).sentence, "");
 }
 
+TEST(RigFile, SaysWhereWhatItRefusesWasStated) {
+  EXPECT_THAT(message_of(paper_rig, {{"foo.bar", "1"}}),
+              testing::StartsWith("--set foo.bar: foo: there is no such key here"));
+  EXPECT_THAT(message_of(std::string(paper_rig) + "[contact]\n"),
+              testing::HasSubstr("a table and a key stand once in a file"));
+}
+
 // Counted from 1, as in the names of what is fitted and in refusals.
 TEST(RigFile, TakesOverridesOfTablesInLists) {
   const std::string text =
