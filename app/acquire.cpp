@@ -214,17 +214,17 @@ void add_acquire(CLI::App& program) {
       ->check(CLI::IsMember({"ideal", "good", "bad"}))
       ->capture_default_str();
   command->add_option("--sample-rate", options->sample_rate, "Synthetic [Hz]")
-      ->transform(with_unit({"Hz"}))
+      ->transform(with_unit("Hz"))
       ->check(CLI::Range(1e3, 1e8))
       ->capture_default_str();
   command
       ->add_option("--pre-trigger", options->pre_trigger,
                    "Synthetic: recorded before first touch [s]")
-      ->transform(with_unit({"s"}))
+      ->transform(with_unit("s"))
       ->check(CLI::Range(1e-5, 10.0))
       ->capture_default_str();
   command->add_option("--duration", options->duration, "Synthetic: recorded in all [s]")
-      ->transform(with_unit({"s"}))
+      ->transform(with_unit("s"))
       ->check(CLI::Range(1e-4, 100.0))
       ->capture_default_str();
   command->add_option("-n,--shots", options->shots, "Synthetic: how many, seeds counting up")

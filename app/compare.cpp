@@ -469,11 +469,11 @@ void add_compare(CLI::App& program) {
   command->add_option("--rig", options->rig,
                       "Rig file (TOML): sensitivities, polarities and delays of the measurements");
   command->add_option("--from", options->reading.from, "First time compared [s, or as \"5 ms\"]")
-      ->transform(with_unit({"s"}));
+      ->transform(with_unit("s"));
   command->add_option("--to", options->reading.to, "Last time compared [s]")
-      ->transform(with_unit({"s"}));
+      ->transform(with_unit("s"));
   command->add_option("--shift", options->shift, "Move the prediction later by so much [s]")
-      ->transform(with_unit({"s"}));
+      ->transform(with_unit("s"));
   command
       ->add_option("--repeat", options->repeats,
                    "A further shot of the same condition: scatter, area metric; repeatable")
@@ -487,7 +487,7 @@ void add_compare(CLI::App& program) {
   command
       ->add_option("--predicted-sample-rate", options->predicted_rate,
                    "As --sample-rate, for the prediction alone [Hz]")
-      ->transform(with_unit({"Hz"}))
+      ->transform(with_unit("Hz"))
       ->check(positive)
       ->group("How to read recordings (detected unless stated)");
   add_json(*command, options->common);

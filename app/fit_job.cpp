@@ -376,7 +376,7 @@ void add_fit_job(CLI::App& command, FitJob& job) {
   command.add_option("--channels", job.channels,
                      "Channels to fit, comma between; default force,velocity");
   command.add_option("--window", job.window, "Fit no more than this after first touch [s]")
-      ->transform(with_unit({"s"}))
+      ->transform(with_unit("s"))
       ->check(positive);
   command.add_option("--title", job.title, "Title of the report");
   command

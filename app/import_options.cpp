@@ -47,7 +47,7 @@ void add_import_arguments(CLI::App& command, ImportArguments& arguments) {
   command
       .add_option("--sample-rate", arguments.sample_rate,
                   "Sample rate [Hz, or as \"51.2 kHz\"], in place of the file's")
-      ->transform(with_unit({"Hz"}))
+      ->transform(with_unit("Hz"))
       ->check(positive)
       ->group(group);
   command
@@ -68,10 +68,10 @@ void add_selection_arguments(CLI::App& command, ImportArguments& arguments) {
 void add_window_arguments(CLI::App& command, ImportArguments& arguments) {
   const char* group = "What to read (default: all)";
   command.add_option("--from", arguments.from, "Time of the first sample [s, or as \"5 ms\"]")
-      ->transform(with_unit({"s"}))
+      ->transform(with_unit("s"))
       ->group(group);
   command.add_option("--to", arguments.to, "Time of the last sample [s]")
-      ->transform(with_unit({"s"}))
+      ->transform(with_unit("s"))
       ->group(group);
 }
 
@@ -84,8 +84,7 @@ void add_detection_arguments(CLI::App& command, DetectionArguments& arguments) {
       ->group(group);
   command
       .add_option("--threshold", arguments.threshold,
-                  "Departure that is an impact [N, m/s^2, m/s or m; or with its unit]")
-      ->transform(with_unit({"N", "m/s^2", "m/s", "m"}))
+                  "Departure that is an impact [N, m/s^2, m/s or m]")
       ->check(positive)
       ->group(group);
   command
@@ -93,14 +92,14 @@ void add_detection_arguments(CLI::App& command, DetectionArguments& arguments) {
           "--pre-trigger", arguments.pre_trigger,
           "Time kept before first touch, whose noise is judged [s]; default 0.5e-3, of slow or "
           "filtered channels 200 samples")
-      ->transform(with_unit({"s"}))
+      ->transform(with_unit("s"))
       ->check(positive)
       ->group(group);
   command
       .add_option("--post-trigger", arguments.post_trigger,
                   "Time kept after first touch; later contacts within it are further hits [s]; "
                   "default 5e-3")
-      ->transform(with_unit({"s"}))
+      ->transform(with_unit("s"))
       ->check(positive)
       ->group(group);
 }

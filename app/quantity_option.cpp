@@ -2,40 +2,25 @@
 #include "app/quantity_option.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "datasets/units.hpp"
 
 namespace impactrig::app {
-namespace {
 
-std::optional<double> in_unit(const std::string& text, const std::string& unit) {
-  try {
-    return datasets::parse_quantity(text, unit).value;
-  } catch (const std::invalid_argument&) {
-    return {};
-  }
-}
-
-}  // namespace
-
-CLI::Validator with_unit(std::vector<std::string> units) {
+CLI::Validator with_unit(std::string unit) {
   return CLI::Validator(
-      [units = std::move(units)](std::string& text) {
+      [unit = std::move(unit)](std::string& text) {
         double number = 0.0;
         if (CLI::detail::lexical_cast(text, number)) return std::string();
-        for (const std::string& unit : units) {
-          const std::optional<double> value = in_unit(text, unit);
-          if (!value) continue;
-          text = fmt::format("{}", *value);
+        try {
+          text = fmt::format("{}", datasets::parse_quantity(text, unit).value);
           return std::string();
+        } catch (const std::invalid_argument&) {
+          return fmt::format("expected a number in {} or one with its unit, found {}", unit, text);
         }
-        return fmt::format("expected a number in {} or one with its unit, found {}",
-                           fmt::join(units, ", "), text);
       },
       "");
 }

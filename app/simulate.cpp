@@ -258,7 +258,7 @@ void add_simulate(CLI::App& program) {
   command->add_option("rig", options->rig, "Rig file (TOML)")->required();
   command->add_option("-o,--output", options->output, "History: .h5, .mat, .csv or .uff");
   command->add_option("--interval", options->interval, "Sample interval of the history [s]")
-      ->transform(with_unit({"s"}))
+      ->transform(with_unit("s"))
       ->check(positive)
       ->capture_default_str();
   command

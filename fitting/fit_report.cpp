@@ -8,6 +8,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "datasets/number_text.hpp"
@@ -367,18 +368,22 @@ void warn_of_priors(const FitProblem& problem, const FitEnd& end, Fit& fit) {
              other.away * c.away < 0.0;
     });
   };
+  std::set<const Variable*> told;
   for (const Contradiction& c : found) {
     for (Parameter& parameter : fit.parameters)
       if (parameter.name == c.of->name) parameter.contradicts_prior = true;
+    if (told.contains(c.of)) continue;
     const auto other = c.of->role == Variable::Role::delay ? of_other_side(c) : found.end();
-    if (other == found.end())
+    if (other == found.end()) {
       fit.warnings.push_back(sentence(c));
-    else if (c.away > 0.0)
-      fit.warnings.push_back(sentence_of_delays(
-          c, *other,
-          problem.shots().size() > 1 && c.of->recording >= 0
-              ? problem.shots()[static_cast<std::size_t>(c.of->recording)].impact->recording
-              : ""));
+      continue;
+    }
+    told.insert({c.of, other->of});
+    fit.warnings.push_back(sentence_of_delays(
+        c.away > 0.0 ? c : *other, c.away > 0.0 ? *other : c,
+        problem.shots().size() > 1 && c.of->recording >= 0
+            ? problem.shots()[static_cast<std::size_t>(c.of->recording)].impact->recording
+            : ""));
   }
 }
 

@@ -567,11 +567,14 @@ MeshChoice choose_mesh(RigFile& file, int finest) {
         .sentence = fmt::format("{}{}, for an accuracy of {:g}.", taken, estimate, solver.accuracy),
         .warning = {},
         .difference = chosen.difference};
-  const bool is_finest = 2 * (solver.elements[0] + solver.elements[1]) > finest;
+  using End = models::ChosenMesh::End;
   const std::string why =
-      is_finest ? fmt::format("no more than {} elements are taken by themselves", finest)
-                : fmt::format("finer ones would take more than half of solver.time_limit, {:g} s",
-                              time_limit);
+      chosen.end == End::finest
+          ? fmt::format("no more than {} elements are taken by themselves", finest)
+      : chosen.end == End::time
+          ? fmt::format("finer ones would take more than half of solver.time_limit, {:g} s",
+                        time_limit)
+          : "finer ones could not be compared";
   return {
       .sentence = fmt::format("{}{}, more than the accuracy of {:g} asked for; {}.", taken,
                               estimate, solver.accuracy, why),

@@ -127,13 +127,18 @@ class FirstContacts {
     return {run.episodes[number_of(run)], run.sensor, sensor_until_};
   }
 
-  /// compared_contact() of a run: the first run, a whole one, tells what grazes are.
-  std::size_t number_of(const Simulation& run) {
+  /// compared_contact() of a run, none where it has but grazes: the first run, a whole one, tells
+  /// what these are.
+  std::optional<std::size_t> found_in(const Simulation& run) {
     if (least_peak_ == 0.0) least_peak_ = largest_graze(run.episodes);
     const auto found = std::ranges::find_if(
         run.episodes, [this](const Episode& episode) { return episode.peak_force >= least_peak_; });
-    return found == run.episodes.end() ? 0 : static_cast<std::size_t>(found - run.episodes.begin());
+    if (found == run.episodes.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - run.episodes.begin());
   }
+
+  /// Likewise; the first of a run that has but grazes.
+  std::size_t number_of(const Simulation& run) { return found_in(run).value_or(0); }
 
   /// Whether what its sensor carries can be compared with that on other meshes.
   bool compares(const Simulation& run) const {
@@ -190,9 +195,10 @@ class FirstContacts {
       mesh.time_limit = limit_.left();
       if (shares_time()) mesh.time_limit = std::min(mesh.time_limit, share_of_whole_run_ * time_);
       Simulation run = simulate(rig, mesh, options);
-      const Episode& first = run.episodes[number_of(run)];
-      if (!first.open) contact_time_ = first.end;
-      if (!first.open || time >= longest_) return run;
+      const std::optional<std::size_t> number = found_in(run);
+      const bool over = number && !run.episodes[*number].open;
+      if (over) contact_time_ = run.episodes[*number].end;
+      if (over || time >= longest_) return run;
       if (limit_.over()) throw std::runtime_error("no time is left for the error of the mesh");
     }
   }
@@ -324,20 +330,6 @@ std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver, double
 
 namespace {
 
-/// What the next mesh will take, by those before: twice as long as the last one at least.
-class ExpectedTime {
- public:
-  void add(double seconds) {
-    growth_ = last_ > 0.0 ? std::clamp(seconds / last_, 2.0, 8.0) : 2.0;
-    last_ = seconds;
-  }
-
-  double of_next() const { return growth_ * last_; }  ///< [s]; 0: not known
-
- private:
-  double last_ = 0.0, growth_ = 0.0;
-};
-
 /// The mesh with twice the elements, but for a part whose elements are far shorter than the
 /// other's: a bar struck close to its tip needs none there.
 Solver refined_where_long(const Solver& mesh, const Rig& rig) {
@@ -372,20 +364,36 @@ ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest, double 
     Told here = contacts.on(mesh);
     if (here.sensor_until != coarser.sensor_until) coarser = contacts.on(split(coarsest / 2));
     double before = change(coarser, here);
-    ExpectedTime expected;
-    while (mesh.elements[0] + mesh.elements[1] <= finest) {
-      if (expected.of_next() > contacts.time_left()) break;
+    double last = 0.0;  // what the mesh before took [s]; the next takes twice as long at least
+    while (true) {
+      chosen.end = ChosenMesh::End::finest;
+      if (mesh.elements[0] + mesh.elements[1] > finest) break;
+      chosen.end = ChosenMesh::End::time;
+      if (2.0 * last > contacts.time_left()) break;
       const Solver twice = refined_where_long(mesh, rig);
       const double left = contacts.time_left();
-      const Told finer = contacts.on(twice);
+      Told finer;
+      try {
+        finer = contacts.on(twice);
+      } catch (const std::invalid_argument&) {
+        // too fine to be compared: what is left is less than what its half lacks
+        if (chosen.solver.elements != mesh.elements && std::isfinite(chosen.error)) {
+          chosen.solver.elements = mesh.elements;
+          chosen.error = before;
+          chosen.difference.reset();
+        }
+        chosen.end = ChosenMesh::End::not_compared;
+        break;
+      }
+      last = left - contacts.time_left();
       if (finer.sensor_until != here.sensor_until) here = contacts.on(mesh);
-      expected.add(left - contacts.time_left());
       const double changed = change(here, finer);
       chosen.solver.elements = mesh.elements;
       chosen.error = std::max(changed, best_ratio * before);
       chosen.sensor_until = finer.sensor_until;
       chosen.difference = difference(here, finer);
       chosen.difference->finer = twice;
+      chosen.end = ChosenMesh::End::accurate;
       if (chosen.error <= share_of_mesh * solver.accuracy) break;
       before = changed;
       here = finer;
@@ -393,6 +401,7 @@ ChosenMesh choose_mesh(const Rig& rig, const Solver& solver, int finest, double 
     }
   } catch (const std::exception&) {
     // the finest mesh whose error is known
+    chosen.end = contacts.time_left() > 0.0 ? ChosenMesh::End::not_compared : ChosenMesh::End::time;
   }
   return chosen;
 }
@@ -431,20 +440,26 @@ ChosenMesh choose_mesh_of_swing(const Rig& rig, const Solver& solver, int finest
   chosen.solver.elements = mesh.elements;
   try {
     History here = swing_on(mesh);
-    ExpectedTime expected;
-    while (mesh.elements[0] + mesh.elements[1] <= finest && expected.of_next() < of_choice.left()) {
+    double last = 0.0;  // [s]
+    while (true) {
+      chosen.end = ChosenMesh::End::finest;
+      if (mesh.elements[0] + mesh.elements[1] > finest) break;
+      chosen.end = ChosenMesh::End::time;
+      if (2.0 * last > of_choice.left()) break;
       const double left = of_choice.left();
       const Solver twice = refined(mesh);
       History finer = swing_on(twice);
-      expected.add(left - of_choice.left());
+      last = left - of_choice.left();
       chosen.solver.elements = mesh.elements;
       chosen.error = apart(here, finer, rig.beam.length);
+      chosen.end = ChosenMesh::End::accurate;
       if (chosen.error <= share_of_mesh * solver.accuracy) break;
       here = std::move(finer);
       mesh = twice;
     }
   } catch (const std::exception&) {
     // the finest mesh whose error is known; what is wrong with the rig simulate() says
+    chosen.end = of_choice.left() > 0.0 ? ChosenMesh::End::not_compared : ChosenMesh::End::time;
   }
   chosen.solver.time_limit = std::max(limit.left(), least_share_of_run * solver.time_limit);
   return chosen;

@@ -33,11 +33,16 @@ std::optional<MeshError> mesh_error(const Rig& rig, const Solver& solver, double
 std::size_t compared_contact(std::span<const Episode> episodes);
 
 struct ChosenMesh {
+  /// Why none finer was taken: it is accurate enough, the finest allowed, finer ones would take too
+  /// long, or could not be compared.
+  enum class End { accurate, finest, time, not_compared };
+
   Solver solver;       ///< with what is left of its time limit
   double error = 0.0;  ///< estimated, MeshError::largest(); NaN where it cannot be
   std::optional<double> sensor_until{};  ///< MeshError::sensor_until
   /// What twice the elements change; none without a stop, and where the error is not known.
   std::optional<MeshError> difference{};
+  End end = End::not_compared;
 };
 
 /// The coarsest mesh of 8, 16, 32, ... up to `finest` ANCF elements, split at the struck point,

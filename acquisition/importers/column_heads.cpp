@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "acquisition/importers/column_keys.hpp"
@@ -126,6 +127,8 @@ void spread_names(const TableLayout& layout, HeadCells& names) {
 std::vector<ColumnHead> heads_of(const NamesAndUnits& found, std::vector<std::string>& warnings) {
   const auto& [names, units] = found;
   std::vector<ColumnHead> heads;
+  // as written and as taken: of which columns
+  std::map<std::pair<std::string, std::string>, std::vector<std::string>> spoilt;
   const bool sentences = !units.empty() && is_sentence_row(units) && !is_unit_row(units);
   for (std::size_t c = 0; c < std::max(names.size(), units.size()); ++c) {
     ColumnHead column = c < names.size() ? split_head(names[c]) : ColumnHead{};
@@ -141,12 +144,15 @@ std::vector<ColumnHead> heads_of(const NamesAndUnits& found, std::vector<std::st
       column.unit = with_mu(to_utf8(bracketed(unit).value_or(unit)));
     }
     const std::string_view written = unit.empty() && c < names.size() ? names[c] : unit;
-    if (const std::string spoilt = spoilt_unit(written, column.unit); !spoilt.empty())
-      warnings.push_back(
-          fmt::format("the unit '{}' of '{}' is taken for {} (--units states another)", spoilt,
-                      column.name, column.unit));
+    if (std::string of = spoilt_unit(written, column.unit); !of.empty())
+      spoilt[{std::move(of), column.unit}].push_back(column.name);
     heads.push_back(std::move(column));
   }
+  for (const auto& [units_as_written, columns] : spoilt)
+    warnings.push_back(fmt::format(
+        "the unit '{}' of '{}'{} is taken for {} (--units states another)", units_as_written.first,
+        columns.front(), columns.size() > 1 ? fmt::format(" and {} more", columns.size() - 1) : "",
+        units_as_written.second));
   return heads;
 }
 

@@ -398,7 +398,10 @@ std::optional<AnnouncedSamples> announced_samples(const TableHead& head, Dialect
        "number of samples", "number of points", "no. of samples", "sample count", "samplecount",
        "num points", "npts"});
   for (const auto& [key, text] : head.attributes) {
-    if (std::ranges::find(keys, normalized_key(key)) != keys.end()) {
+    const std::string word = normalized_key(key);
+    // beside a clock they are those of the recording
+    if ((word == "size" || word == "points") && !head.interval) continue;
+    if (std::ranges::find(keys, word) != keys.end()) {
       const auto cells = values_of_key(text, dialect.delimiter);
       if (cells.empty()) continue;
       const auto count = integer_in(without_channel(cells.front()));

@@ -296,6 +296,11 @@ datasets::SampleClock clock_of_column(CsvHead& csv, std::size_t column, Table& t
 
 Record read_whole(CsvHead& csv, const ImportOptions& options) {
   Table table = read_table(csv.file, csv.layout, csv.names);
+  const auto stated = announced_samples(csv.head, csv.layout.dialect);
+  if (csv.layout.cut && stated && table.rows + 1 == stated->count) {  // the last is whole
+    csv.layout.cut = nullptr;
+    table = read_table(csv.file, csv.layout, csv.names);
+  }
   Record record;
   csv.settle(table, options, false, record);
   if (csv.count_times(table, record)) table = read_table(csv.file, csv.layout, csv.names);

@@ -116,8 +116,9 @@ std::int64_t fraction_unit(const TableLayout& layout, std::size_t c) {
     const std::string above = word_in(layout.head[layout.head.size() - 2]);
     if (!above.empty() && above != word) return 0;
   }
+  const bool capitals = word.size() <= 4 && word != lowered(word);  // "mS" and "MS" may be others
   const CountName behind(word);
-  const std::int64_t unit = behind.of.empty() ? behind.unit() : 0;
+  const std::int64_t unit = behind.of.empty() && !capitals ? behind.unit() : 0;
   return unit < second ? unit : 0;
 }
 

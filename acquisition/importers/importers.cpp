@@ -248,6 +248,9 @@ class CheckedRecording final : public RecordingReader {
         const Channel& channel = head_.record.channels[index];
         names[stated_clock(channel)].push_back(channel.name);
       }
+    const bool names_others = std::ranges::any_of(channels, [this](std::size_t index) {
+      return head_.samples[index] > 1 && !lacks_clock(head_, index);
+    });
     std::string sentence;
     for (const auto& [stated, channels_named] : names)
       sentence += fmt::format(
@@ -257,7 +260,8 @@ class CheckedRecording final : public RecordingReader {
                          : fmt::format("{} no sample rate, since {}",
                                        channels_named.size() == 1 ? "has" : "have", stated));
     if (sentence.empty()) return {};
-    return sentence + ": state it with --sample-rate, or the column with --time-column";
+    return sentence + ": state it with --sample-rate, or the column with --time-column" +
+           (names_others ? ", or choose others with --channel" : "");
   }
 
   /// Why a file that states a clock gives none; "" where it states nothing.
@@ -294,7 +298,8 @@ class CheckedRecording final : public RecordingReader {
   /// Lists of a few numbers beside channels that have a clock (positions, settings) are no
   /// channels, and need none.
   void hide_small_lists() {
-    constexpr std::uint64_t few = 10;  // of so many times more samples
+    constexpr std::uint64_t few = 10;         // of so many times more samples
+    constexpr std::uint64_t no_record = 100;  // from so many on it may be a slow channel
     const std::size_t n = head_.samples.size();
     std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
     for (std::size_t i = 0; i < n; ++i)
@@ -302,15 +307,16 @@ class CheckedRecording final : public RecordingReader {
     if (least == std::numeric_limits<std::uint64_t>::max()) return;
     std::vector<std::string_view> hidden;
     for (std::size_t i = 0; i < n; ++i) {
-      if (lacks_clock(head_, i) && head_.samples[i] < least / few)
+      if (lacks_clock(head_, i) && head_.samples[i] < std::min(least / few, no_record))
         hidden.push_back(head_.record.channels[i].name);
       else
         shown_.push_back(i);
     }
     if (hidden.empty()) return shown_.clear();
     const std::string sentence = fmt::format(
-        "{} {} no clock and few numbers: left out (--channel and --sample-rate read "
-        "them)",
+        "{} {} no clock and few numbers: left out, and not counted where channels are told by "
+        "their "
+        "number (--channel and --sample-rate read them)",
         first_of(hidden), hidden.size() == 1 ? "has" : "have");
     RecordingHead shown;
     shown.record = head_.record;

@@ -12,17 +12,19 @@ namespace impactrig::acquisition {
 
 namespace {
 
-/// A word for names; the sooner in this list, the surer.
+/// Words for names, the surer the sooner; the last ones may stand before a title too.
+constexpr auto name_labels = std::to_array<std::string_view>(
+    {"name",         "names",       "channel name", "channel names", "signal name",
+     "signal names", "channelname", "channeltitle", "tracename",     "trace name",
+     "kanalname",    "labels",      "signal",       "signals",       "variable",
+     "variables",    "channel",     "channels",     "kanal",         "label",
+     "trace",        "title",       "titles",       "series",        "bezeichnung"});
+constexpr std::size_t sure_labels = 20;  // of them
+
 std::optional<std::size_t> rank_of_name_label(std::string_view cell) {
-  constexpr auto words = std::to_array<std::string_view>(
-      {"name",         "names",       "channel name", "channel names", "signal name",
-       "signal names", "channelname", "channeltitle", "tracename",     "trace name",
-       "kanalname",    "bezeichnung", "title",        "titles",        "label",
-       "labels",       "signal",      "signals",      "series",        "variable",
-       "variables",    "trace",       "channel",      "channels",      "kanal"});
-  const auto found = std::ranges::find(words, normalized_key(cell));
-  if (found == words.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - words.begin());
+  const auto found = std::ranges::find(name_labels, normalized_key(cell));
+  if (found == name_labels.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - name_labels.begin());
 }
 
 /// The cells of a line that has one more than the rows; none of others. Over one column, which
@@ -40,6 +42,19 @@ HeadCells one_more_cell(std::string_view line, const TableLayout& layout) {
   return {};
 }
 
+/// Whether a line has a word over each column, as names have: they are names rather than a line
+/// with a label above them.
+bool names_each_column(std::string_view line, const TableLayout& layout) {
+  HeadCells cells = cells_of(without_comment_sign(line), layout.dialect.delimiter);
+  while (!cells.empty() && cells.back().empty()) cells.pop_back();
+  const bool is_key =
+      cells.size() == 1 && cells.front().find_first_of(":=,;\t") != std::string_view::npos;
+  return cells.size() == layout.cells && !is_key &&
+         std::ranges::all_of(cells, [&layout](std::string_view cell) {
+           return !cell.empty() && !number_in(cell, {layout.dialect.decimal, false});
+         });
+}
+
 /// Whether cells behind the first are words, as names are.
 bool are_words(const HeadCells& cells, char decimal) {
   return std::all_of(cells.begin() + 1, cells.end(), [decimal](std::string_view cell) {
@@ -48,6 +63,10 @@ bool are_words(const HeadCells& cells, char decimal) {
 }
 
 }  // namespace
+
+bool is_name_label(std::string_view cell) {
+  return rank_of_name_label(cell).has_value();
+}
 
 bool is_unit_label(std::string_view cell) {
   const std::string key = normalized_key(cell);
@@ -70,12 +89,16 @@ NamesAndUnits labelled_names(const TableLayout& layout, const std::vector<std::s
   for (std::size_t k = 0; k < lines.size(); ++k) {
     if (units == k || !may_name(k)) continue;
     const auto rank = rank_of_name_label(lines[k].front());
-    if (rank && (!names || *rank < *rank_of_name_label(lines[*names].front()))) names = k;
+    if (rank && (units || *rank < sure_labels) &&
+        (!names || *rank < *rank_of_name_label(lines[*names].front())))
+      names = k;
   }
   if (!names && units && *units > 0 && may_name(*units - 1)) names = *units - 1;
   // rows that end with a mark may lack the last of so many columns, and a line of two cells may be
   // a key with its value
   if (!names || (!units && (layout.written_cells > layout.cells || layout.cells == 1))) return {};
+  for (std::size_t k = *names + 1; k < filled.size(); ++k)
+    if (units != k && names_each_column(layout.head[filled[k]], layout)) return {};
   NamesAndUnits found;
   head.names_line = static_cast<int>(filled[*names]) + 1;
   found.names.assign(lines[*names].begin() + 1, lines[*names].end());

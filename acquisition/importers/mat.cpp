@@ -90,8 +90,9 @@ class MatRecord {
           array.name, array.dimensions, array.count));
     const std::uint64_t longer = std::max(array.rows, array.columns);
     const std::uint64_t shorter = std::min(array.rows, array.columns);
-    const bool one_list = shorter < 2 || shorter > most_channels ||
-                          (longer <= longest_small_matrix && !has_times(longer));
+    const bool one_list =
+        shorter < 2 || shorter > most_channels ||
+        (longer <= longest_small_matrix && (longer == shorter || !has_times(longer)));
     if (one_list) return add_channel(array, label_of(array.name), 0, array.count, 1);
     const bool by_columns = array.rows >= array.columns;
     const std::vector<std::string> names = labels_.channels_of(array.name, shorter);

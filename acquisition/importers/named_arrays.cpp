@@ -88,19 +88,20 @@ std::string last_word(std::string_view name) {
   return lowered(last_head(name).name);
 }
 
-/// "force" of "t_force", "force_time" and "Data1_force" of "Data1_time_force": what an array is the
-/// time of by its name, in lower case; "" of other names.
+/// "force" of "t_force", "time_force" and "force_time", "Data1_force" of "Data1_time_force": what
+/// an array is the time of by its name, in lower case; "" of other names. "x_t" is a derivative.
 std::string whose_time(std::string_view name) {
   const std::size_t end = end_of_group(name);
   const std::size_t begin = end == std::string_view::npos ? 0 : end + 1;
   std::string rest = lowered(name.substr(0, begin));
   int words = 0, times = 0;
-  const std::string last = lowered(name.substr(begin));
+  const std::string_view last = name.substr(begin);
   for (std::size_t at = 0; at <= last.size();) {
     const std::size_t mark = std::min(last.find('_', at), last.size());
-    const std::string word = last.substr(at, mark - at);
+    const std::string word = lowered(last.substr(at, mark - at));
+    const bool is_t = at == 0 && last.starts_with("t_");
     at = mark + 1;
-    if (word == "t" || word == "time") {
+    if (is_t || word == "time") {
       ++times;
       continue;
     }
@@ -183,7 +184,7 @@ class ClockFinder {
       }
       const auto times = [&](const std::string& group) { return by_times(i, group); };
       const auto number = [&](const std::string& group) { return by_number(i, group); };
-      if (!by_own_times(i) && !std::ranges::any_of(groups, times))
+      if (!std::ranges::any_of(groups, times) && !by_own_times(i))
         std::ranges::any_of(groups, number);
     }
     for (const auto& [whose, times] : own_times_)
@@ -329,7 +330,7 @@ class ClockFinder {
     const auto found =
         own_times_.find(std::pair(lowered(arrays_[index].name), arrays_[index].samples));
     return found != own_times_.end() && found->second != index &&
-           use_times(index, found->second, "by its name");
+           ends_of(found->second).increasing && use_times(index, found->second, "by its name");
   }
 
   bool by_times(std::size_t index, const std::string& group) {

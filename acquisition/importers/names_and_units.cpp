@@ -190,7 +190,8 @@ bool take_names_over_units(const TableLayout& layout, const std::vector<std::siz
   const std::size_t above = filled[filled.size() - 2];
   HeadCells names = head_cells(layout.head[above], layout);
   HeadCells units = bottom;
-  if (are_units_of_a_key(names)) return false;
+  if (are_units_of_a_key(names) && !is_unit_row(bottom))
+    return false;  // "X unit,s" over "Y unit,N"
   // "Unit,kN,mm/s" over rows whose first cell is empty
   if (!units.empty() && are_units_of_a_key(units)) units.front() = {};
   if (names.size() < layout.cells ||
@@ -320,13 +321,6 @@ void pass_over_remarks(const TableLayout& layout, std::vector<std::size_t>& fill
   }
 }
 
-bool is_figure_word(std::string_view text) {
-  constexpr auto words = std::to_array<std::string_view>(
-      {"min", "max", "minimum", "maximum", "mean", "average", "avg", "mittelwert", "std", "stddev",
-       "rms", "peak", "range", "scale", "sensitivity", "offset", "gain", "start", "coupling"});
-  return std::ranges::find(words, lowered(text)) != words.end();
-}
-
 /// The first of the cells is a word for figures of the columns: "Gain,10,100", "Sensitivity,4
 /// pC/N".
 bool begins_as_figures(std::string_view line, const TableLayout& layout) {
@@ -353,18 +347,36 @@ void tell_of_figures(const TableLayout& layout, std::size_t line, TableHead& hea
                   line + 1, to_utf8(trimmed(layout.head[line]).substr(0, 60))));
 }
 
-/// Names with a time among them, its unit in the same cell: "Time [ms],Force [kN]".
-bool name_a_time_with_unit(const HeadCells& names) {
-  return std::ranges::any_of(names, [](std::string_view cell) {
+/// "Time [ms],Force [kN],Velocity [mm/s]": a time, and a unit in each cell.
+bool are_complete(const HeadCells& names) {
+  bool time = false;
+  for (const std::string_view cell : names) {
     const ColumnHead head = split_head(cell);
-    return is_time_name(head.name) && datasets::quantity_of_unit(head.unit) == Quantity::time;
-  });
+    if (head.name.empty() || head.unit.empty() || !is_unit(head.unit)) return false;
+    time = time ||
+           (is_time_name(head.name) && datasets::quantity_of_unit(head.unit) == Quantity::time);
+  }
+  return time && names.size() > 1;
 }
 
-/// Names with a time as the first of several: "Time,Force,Velocity".
+/// Whether a cell says what is measured: "Force", "Velocity [m/s]".
+bool says_quantity(std::string_view cell) {
+  const ColumnHead head = split_head(cell);
+  return (!head.unit.empty() && is_unit(head.unit)) ||
+         quantity_of_first_word(head.name) != Quantity::unknown;
+}
+
+/// "Time,Force,Velocity": a time as the first of several, of which another says what it measures.
 bool begin_with_time(const HeadCells& names) {
-  return names.size() > 1 && is_time_name(names.front()) &&
-         (names.size() > 2 || quantity_of_first_word(names[1]) != Quantity::unknown);
+  return names.size() > 1 && is_time_name(split_head(names.front()).name) &&
+         std::any_of(names.begin() + 1, names.end(), says_quantity);
+}
+
+/// Whether a line may hold names, or units, of its own: words for what is measured, a label.
+bool may_be_other_names(const HeadCells& cells) {
+  return is_unit_row(cells) || is_nearly_unit_row(cells) || is_sentence_row(cells) ||
+         std::ranges::any_of(cells, says_quantity) ||
+         (!cells.empty() && (is_unit_label(cells.front()) || is_name_label(cells.front())));
 }
 
 /// Leaves out what stands between names with a time, or their units, and the rows: sensors, serial
@@ -383,21 +395,20 @@ void pass_over_lines_under_time(const TableLayout& layout, std::vector<std::size
   for (std::size_t i = filled.size(); i-- > 0;) {
     const HeadCells names =
         cells_of(without_comment_sign(layout.head[filled[i]]), layout.dialect.delimiter);
-    const bool has_unit = name_a_time_with_unit(names);
-    if (!are_names_in_dialect(layout.head[filled[i]], layout) ||
-        !(has_unit || begin_with_time(names)))
-      continue;
+    if (!are_names_in_dialect(layout.head[filled[i]], layout)) continue;
+    const bool complete = are_complete(names);
+    if (!complete && !begin_with_time(names)) continue;
     if (i + 1 == filled.size()) return;
-    const HeadCells below = head_cells(layout.head[filled[i + 1]], layout);
-    if (is_sentence_row(below) || (!has_unit && (is_unit_row(below) || is_nearly_unit_row(below))))
-      return;
     std::vector<std::size_t> kept(filled.begin(),
                                   filled.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-    for (std::size_t j = i + 2; j < filled.size(); ++j) {
-      const HeadCells units = head_cells(layout.head[filled[j]], layout);
-      if (units.size() < layout.cells || !has_time_over_its_unit(names, units)) continue;
-      kept.push_back(filled[j]);
-      break;
+    for (std::size_t j = i + 1; j < filled.size() && !complete; ++j) {
+      const HeadCells below = head_cells(layout.head[filled[j]], layout);
+      const bool units = below.size() >= layout.cells && has_time_over_its_unit(names, below);
+      if (units && j > i + 1) {
+        kept.push_back(filled[j]);
+        break;
+      }
+      if (may_be_other_names(below)) return;
     }
     return keep(std::move(kept));
   }

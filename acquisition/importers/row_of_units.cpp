@@ -78,6 +78,13 @@ bool is_index_word(std::string_view text) {
   return std::find(words.begin(), words.end(), lowered(text)) != words.end();
 }
 
+bool is_figure_word(std::string_view text) {
+  constexpr auto words = std::to_array<std::string_view>(
+      {"min", "max", "minimum", "maximum", "mean", "average", "avg", "mittelwert", "std", "stddev",
+       "rms", "peak", "range", "scale", "sensitivity", "offset", "gain", "start", "coupling"});
+  return std::ranges::find(words, lowered(text)) != words.end();
+}
+
 bool is_unit_row(const HeadCells& cells) {
   bool any = false;
   for (std::size_t c = 0; c < cells.size(); ++c) {

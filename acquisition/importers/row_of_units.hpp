@@ -24,6 +24,9 @@ bool is_sentence_row(const HeadCells& cells);
 /// "Sequence", "Index", "#", ...: what a column of row numbers may be called.
 bool is_index_word(std::string_view text);
 
+/// "Max", "Gain", "Sensitivity", ...: what a line of figures of the columns may begin with.
+bool is_figure_word(std::string_view text);
+
 /// Units alone, understood or in brackets.
 bool is_unit_row(const HeadCells& cells);
 

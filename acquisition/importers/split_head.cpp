@@ -108,10 +108,15 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
   if (one != std::string_view::npos && one > 0 && !is_time_name(text.substr(0, one)) &&
       datasets::quantity_of_unit(to_utf8(text.substr(one + 3))) == Quantity::time)
     return divided(one, one + 1);
-  const std::size_t colon = text.find(':');  // "Vel:m/s", but no "Channel:A"
-  if (colon != text.npos && colon > 0 && is_plain_unit(trimmed(text.substr(colon + 1))) &&
-      (colon + 2 < text.size() || text.ends_with('N') || text.ends_with('V')))
-    return divided(colon, colon + 1);
+  const std::size_t colon = text.find(':');  // "Vel:m/s", but no "Channel:A" and no "Force:min"
+  if (colon != text.npos && colon > 0) {
+    constexpr auto plain = std::to_array<std::string_view>(
+        {"N", "kN", "mN", "V", "mV", "kV", "Pa", "kPa", "MPa", "mm", "ms", "us", "Hz", "kHz"});
+    const std::string_view unit = trimmed(text.substr(colon + 1));
+    if (std::ranges::find(plain, unit) != plain.end() ||
+        (unit.find('/') != unit.npos && is_plain_unit(unit)))
+      return divided(colon, colon + 1);
+  }
   const std::size_t slash = text.find('/');
   // "m/s" and "mV/g" are units, "t/ms" is a time though it could be tonnes
   if (slash != std::string_view::npos && slash > 0 && !is_plain_unit(text) &&
@@ -142,13 +147,6 @@ std::string_view without_in(std::string_view unit) {
                       quantity == Quantity::velocity || quantity == Quantity::acceleration ||
                       quantity == Quantity::voltage;
   return newtons || metric ? rest : unit;
-}
-
-/// "ticks": what a column of times may count that is no time.
-bool counts_samples(std::string_view unit) {
-  constexpr auto words = std::to_array<std::string_view>(
-      {"tick", "ticks", "sample", "samples", "count", "counts", "point", "points", "pts"});
-  return std::ranges::find(words, lowered(unit)) != words.end();
 }
 
 /// "0-0", "1,2", "Ch 1": what tells a column from others of its name.
@@ -254,8 +252,10 @@ std::string one_line(std::string_view cell) {
 }  // namespace
 
 std::string with_mu(const std::string& unit) {
+  constexpr std::string_view mended_units = "smVNgA";  // "?C" and "?F" may be degrees
   for (const std::string_view letter : spoilt_mu)
-    if (unit.starts_with(letter))
+    if (unit.starts_with(letter) && unit.size() > letter.size() &&
+        mended_units.find(unit[letter.size()]) != mended_units.npos)
       if (std::string mended = "\u00B5" + unit.substr(letter.size());
           mended.size() > 2 && is_unit(mended))
         return mended;
@@ -348,8 +348,7 @@ ColumnHead divided_head(std::string_view cell) {
         if (const auto before = unit_before_a_suffix(text)) return *before;
       if (range) return head;
       const std::string mended = with_mu(to_utf8(unit));
-      const bool counted =
-          ticks && (counts_samples(unit) || !unit_of_time_by_letters(unit).empty());
+      const bool counted = ticks && !unit_of_time_by_letters(unit).empty();
       if (close == ']' ? !counts && !are_indices(unit) : (is_unit(mended) || counted) && !of_time) {
         head.name = to_utf8(trimmed(text.substr(0, open)));
         head.unit = mended;

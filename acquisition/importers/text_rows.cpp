@@ -453,11 +453,15 @@ bool ends_in_cut_number(std::string_view rows, char delimiter, char decimal) {
     most = {std::max(most.decimals, here.decimals), std::max(most.exponent, here.exponent)};
   }
   if (compared < least_compared) return false;
-  const Digits last = digits_of(last_row.back(), decimal);
+  const std::string_view cell = last_row.back();
+  const auto number = number_in(cell, {decimal, false});
+  const bool begins_one = number_in(std::string(cell) + "0", {decimal, false}).has_value();
+  if (number ? *number == 0.0 : !begins_one) return false;  // 0 as it stands, or no number
+  const Digits last = digits_of(cell, decimal);
   if (last.exponent < least.exponent) return true;
-  // zeros at the end, which some programs leave off, are few
-  const std::size_t left_off = least.decimals == most.decimals ? 0 : 1;
-  return last.decimals + left_off < least.decimals;
+  if (least.decimals == most.decimals) return last.decimals < least.decimals;
+  // zeros at the end, and a mark before nothing else, some programs leave off
+  return cell.find(decimal) != cell.npos && last.decimals + 1 < least.decimals;
 }
 
 std::string cut_number(TextFile& file, const TableLayout& layout) {

@@ -9,6 +9,7 @@
 
 #include "acquisition/importers/date_columns.hpp"
 #include "acquisition/importers/date_time.hpp"
+#include "acquisition/importers/row_of_units.hpp"
 #include "acquisition/importers/text_dialect.hpp"
 
 namespace impactrig::acquisition {
@@ -235,7 +236,7 @@ void take_row_behind_a_word(const std::vector<std::string_view>& lines, TableLay
   const auto above = cells_of(lines[first - 1], dialect.delimiter);
   const bool word = row.size() == above.size() && row.size() > 1 && row.front().empty() &&
                     !row[1].empty() && !above.front().empty() &&
-                    !cell_value(above.front(), dialect.decimal);
+                    !cell_value(above.front(), dialect.decimal) && !is_figure_word(above.front());
   if (!word) return;
   bool decimals_above = false, decimals_below = false;
   for (std::size_t c = 1; c < row.size(); ++c) {

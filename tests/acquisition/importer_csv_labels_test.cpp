@@ -59,6 +59,22 @@ TEST(CsvLabels, StandOverTimesToo) {
   EXPECT_THAT(names_and_units(one), ElementsAre("Force [N]"));
 }
 
+// A title, an operator and inputs above names: "run 3" and "John" were channels.
+TEST(CsvLabels, AreNoNamesAboveNames) {
+  const std::string rows = "0.0,7.5\n0.1,8.5\n0.2,9.5\n";
+  for (const char* head :
+       {"Title,Impact on plate,run 3\nTime,Force\ns,N\n", "Name,John,Lab 3\nTime [s],Force [N]\n",
+        "Channel,A,B\nTime (s),Force (N)\n", "Test,Plate,Steel\nUnit,s,N\nTime,Force\n"}) {
+    const Record record = imported(head + rows);
+    ASSERT_EQ(record.channels.size(), 1U) << head;
+    EXPECT_EQ(record.channels[0].name, "Force") << head;
+    EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.1) << head;
+  }
+  EXPECT_THAT(
+      names_and_units(imported("Sample rate,1000\nTitle,Impact test\nForce [N]\n1\n2\n3\n")),
+      ElementsAre("Force [N]"));
+}
+
 // Names of columns whose last one is empty, and a title with its value, are none.
 TEST(CsvLabels, AreNoNamesOfColumns) {
   EXPECT_THAT(names_and_units(imported("Name,F [N],v [m/s]\n1,2,\n2,3,\n3,4,\n")),
@@ -111,6 +127,24 @@ TEST(CsvLinesUnderNames, OfATimeWithoutUnitLeaveThemToo) {
   EXPECT_THAT(
       names_and_units(imported("Time,Signal 1,Signal 2\nt,Force,Vel\n0,7,1\n1,8,2\n2,9,3\n")),
       ElementsAre("Force []", "Vel []"));
+}
+
+// Of which only the time has a unit of its own, and those over the real names.
+TEST(CsvLinesUnderNames, MayBeUnitsOrNames) {
+  const std::string rows = "0.0,7.5,-0.4\n1.0,8.5,-0.3\n2.0,9.5,-0.2\n";
+  for (const char* head :
+       {"Time (ms),Force,Velocity\nms,kN,mm/s\n", "Time (ms),Force,Velocity\n,kN,mm/s\n",
+        "Time [ms],Force,Velocity\n[ms],[kN],[mm/s]\n", "Time [ms],Force,Velocity\n-,kN,mm/s\n",
+        "Time [ms],Channel 1,Channel 2\n,Force [kN],Velocity [mm/s]\n"})
+    EXPECT_THAT(names_and_units(imported(head + rows)),
+                ElementsAre("Force [kN]", "Velocity [mm/s]"))
+        << head;
+  EXPECT_THAT(names_and_units(imported("Time,CH1,CH2\n,Force,Velocity\n" + rows)),
+              ElementsAre("Force []", "Velocity []"));
+  EXPECT_THAT(names_and_units(imported("Start,Time (s),zero\nt,Force [kN],Vel [m/s]\n" + rows)),
+              ElementsAre("Force [kN]", "Vel [m/s]"));
+  EXPECT_THAT(names_and_units(imported("X Units,Y Units\ns,N\n0.0,7.5\n0.1,8.5\n0.2,9.5\n")),
+              ElementsAre("Y Units [N]"));
 }
 
 // Factors that would change what the columns mean.
@@ -175,10 +209,10 @@ TEST(CsvUnits, ThatAreStatedAreNotSaidToBeMissing) {
               Contains(HasSubstr("states no unit that is understood")));
   EXPECT_THAT(imported("Time,F (N)\n0,7\n20,8\n40,9\n").warnings,
               Contains(HasSubstr("states no unit: it is taken as s")));
-  ImportOptions options;
-  options.require_clock = false;
-  const Record ticks = imported("Time (ticks),F (N)\n0,7\n20,8\n40,9\n", options);
-  EXPECT_THAT(names_and_units(ticks), ElementsAre("Time [ticks]", "F [N]"));
+  // samples that are counted are no channel
+  EXPECT_THAT(names_and_units(imported("Time (samples),F (N)\n0,7\n1,8\n2,9\n")),
+              ElementsAre("F [N]"));
+  EXPECT_THAT(names_and_units(imported("t [s],T [?C]\n0,7\n1,8\n2,9\n")), ElementsAre("T [?C]"));
 }
 
 std::string divided(const char* text) {
@@ -213,6 +247,8 @@ TEST(ColumnHead, MayHaveItsUnitBehindAColon) {
   EXPECT_EQ(divided("Vel:m/s"), "Vel|m/s");
   EXPECT_EQ(divided("Force:N"), "Force|N");
   EXPECT_EQ(divided("Channel:A"), "Channel:A|");
+  EXPECT_EQ(divided("Force:min"), "Force:min|");
+  EXPECT_EQ(divided("Flow:in"), "Flow:in|");
 }
 
 }  // namespace

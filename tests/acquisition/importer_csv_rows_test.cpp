@@ -306,13 +306,17 @@ TEST(Csv, ALastNumberThatLacksItsExponentIsNone) {
     EXPECT_THAT(record.warnings, testing::Contains(HasSubstr("may be cut off")));
   }
   EXPECT_EQ(imported(rows + "3,7.4e-06").channels.at(0).size(), 4U);
+  for (const char* whole : {"3,0", "3,0.0", "3,NaN", "3,OVL"})
+    EXPECT_EQ(imported(rows + whole).channels.at(0).size(), 4U) << whole;
+  EXPECT_EQ(imported("Record Length,4\n" + rows + "3,7.4").channels.at(0).size(), 4U);
 }
 
 // By its head, as oscilloscopes state it.
 TEST(Csv, FewerRowsThanAnnouncedAreTold) {
   const std::string rows = "t [s],V [V]\n0,1\n1,2\n2,3\n";
-  for (const char* key : {"Record Length,5", "Points:,5", "#SIZE=5", "BlockSize,5,5",
-                          "Record Length,Analog:5,Digital:0", "Segments,1,SegmentSize,5"}) {
+  for (const char* key :
+       {"Record Length,5", "Points:,5\nSample interval,1", "Size,5\nSample interval,1",
+        "BlockSize,5,5", "Record Length,Analog:5,Digital:0", "Segments,1,SegmentSize,5"}) {
     EXPECT_THAT(imported(std::string(key) + "\n" + rows).warnings,
                 testing::Contains(HasSubstr("the header announces 5 samples")))
         << key;
@@ -330,9 +334,10 @@ TEST(Csv, FewerRowsThanAnnouncedAreTold) {
 TEST(Csv, ThousandsSeparatorsThatLookLikeDecimalsAreAnError) {
   EXPECT_THAT(import_error("t [ms];F [N]\n0;12\n1;850\n2;1.153\n3;9.876\n4;10.250\n5;3\n"),
               HasSubstr(":6:3 (byte 42): F: '10.250' may have thousands separators"));
-  EXPECT_THAT(import_error("t [ms]\tF [N]\n0\t12\n1\t\"1,153\"\n2\t\"10,250\"\n3\t9\n"),
-              HasSubstr("F: '10,250' may have thousands separators"));
-  EXPECT_THAT(import_error("F [N]\n12\n850\n1.153\n9.870\n3\n"),
+  EXPECT_THAT(
+      import_error("t [ms]\tF [N]\n0\t12\n1\t\"1,153\"\n2\t\"9,876\"\n3\t\"10,250\"\n4\t9\n"),
+      HasSubstr("F: '10,250' may have thousands separators"));
+  EXPECT_THAT(import_error("F [N]\n12\n850\n1.153\n2.468\n9.870\n3\n"),
               HasSubstr("'9.870' may have thousands separators"));
   // decimals: of another number, a zero before the mark, a number of 1000, no whole ones
   for (const char* row : {"7;1.25", "7;0.125", "7;1000", "7;1e3"})
@@ -345,8 +350,17 @@ TEST(Csv, ThousandsSeparatorsThatLookLikeDecimalsAreAnError) {
   EXPECT_EQ(imported("t [ms];F [N]\n0;1.153\n1;9.870\n2;3.125\n").channels.at(0).value(1), 9.87);
   ImportOptions decimals;
   decimals.decimal = '.';
-  EXPECT_EQ(imported("F [N]\n12\n850\n1.153\n9.870\n3\n", decimals).channels.at(0).value(3), 9.87);
+  EXPECT_EQ(imported("F [N]\n12\n850\n1.153\n9.870\n2.468\n3\n", decimals).channels.at(0).value(3),
+            9.87);
   // many of three digits, as one in ten rounded ones would have fewer
+  // thirds of a step of 1 are no thousands, nor are a few levels
+  std::string thirds = "t [ms],F [N]\n";
+  for (int i = 0; i < 200; ++i)
+    thirds += fmt::format(
+        "{},{}\n",
+        i % 3 == 0 ? fmt::format("{}", 100 + i / 3) : fmt::format("{:.3f}", 100.0 + i / 3.0),
+        i % 2 == 0 ? "1.250" : "1");
+  EXPECT_EQ(imported(thirds).channels.at(0).size(), 200U);
   std::string many = "F [N]\n12\n";
   for (int i = 0; i < 60; ++i) many += fmt::format("{}.{}\n", 1 + i % 9, 101 + 7 * i);
   EXPECT_THAT(import_error(many), HasSubstr("may have thousands separators"));

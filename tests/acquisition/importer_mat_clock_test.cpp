@@ -61,6 +61,11 @@ TEST_P(Mat, TimesMayBeOfOneArrayByItsName) {
     EXPECT_EQ(record.find("Vel")->clock.interval, 1.0);
     EXPECT_EQ(record.find(velocity)->clock.interval, 1.0);
   }
+  // a velocity beside the times of all
+  const auto derived = imported(b.header() + b.doubles("t", {0, 0.25, 0.5}) +
+                                b.doubles("x", {1, 2, 4}) + b.doubles("x_t", {4, 8, 16}));
+  EXPECT_EQ(derived.find("x")->clock.interval, 0.25);
+  EXPECT_THAT(derived.warnings, testing::Each(testing::Not(HasSubstr("x_t"))));
   const auto simulink =
       imported(b.header() + b.doubles("tout", {0, 0.25, 0.5}) + b.doubles("yout", {1, 2, 3}));
   EXPECT_EQ(simulink.find("yout")->clock.interval, 0.25);
@@ -93,7 +98,8 @@ TEST_P(Mat, AWindowBeyondTheSamplesIsRefusedBesideANumber) {
                                 b.doubles("F", counted(40, 1.0)));
   const auto reader = open_recording(file.path());
   EXPECT_THROW(read_into_memory(*reader, {.channels = {}, .from = 500.0}), datasets::InputError);
-  EXPECT_EQ(read_into_memory(*reader, {.channels = {}, .from = 5.0, .to = 6.0}).find("F")->size(), 3U);
+  EXPECT_EQ(read_into_memory(*reader, {.channels = {}, .from = 5.0, .to = 6.0}).find("F")->size(),
+            3U);
 }
 
 TEST_P(Mat, TimesOfDaysAreAskedFor) {
@@ -134,6 +140,10 @@ TEST_P(Mat, AMatrixOfFewRowsHasColumnsBesideTimes) {
                                b.doubles("force", {1, 2, 3, 4, 5, 6}, 2));
   EXPECT_EQ(record.find("force:1")->values(), (std::vector<double>{1, 2, 3}));
   EXPECT_EQ(record.find("force:2")->clock.interval, 1.0);
+  EXPECT_EQ(imported(b.header() + b.doubles("time", {0, 1, 2}) +
+                     b.doubles("R", {1, 0, 0, 0, 1, 0, 0, 0, 1}, 3))
+                .channels.size(),
+            2U);
 }
 
 TEST_P(Mat, IntervalsAndRatesMayEndInTheirUnit) {

@@ -92,6 +92,31 @@ TEST(FitSettings, DelaysThatTheDataMoveApartAreOneFact) {
   EXPECT_TRUE(parameter(found, "sensors.velocity.delay").contradicts_prior);
 }
 
+// A force 60 us late beside velocity and displacement of one laser: both are told.
+TEST(FitSettings, ADelayThatTwoOthersContradictIsToldOfBoth) {
+  const RigFile rig = hybrid_rig();
+  datasets::Impact impact = shot();
+  impact.displacement = impact.velocity;
+  impact.displacement->quantity = datasets::Quantity::displacement;
+  impact.displacement->channel = "Displacement";
+  double way = 0.0;
+  for (double& value : impact.displacement->values)
+    way += impact.displacement->interval * std::exchange(value, way);
+  impact.displacement->noise = 1e-8;
+  for (auto* signal : {&impact.force, &impact.velocity, &impact.displacement})
+    (*signal)->delay_uncertainty = 0.2e-6;
+  impact.force->start += 60e-6;
+  FitOptions options;
+  options.use_displacement = true;
+  const Fit found = fit({impact}, rig, options);
+  EXPECT_THAT(
+      found.warnings,
+      testing::Contains(testing::HasSubstr("sensors.force.delay and sensors.velocity.delay.")));
+  EXPECT_THAT(
+      found.warnings,
+      testing::Contains(testing::HasSubstr("sensors.force.delay and sensors.displacement.delay.")));
+}
+
 // Gains of 0.5 % share what one is wrong by: each ends 2.5 of its standard uncertainties off, which
 // is 3.5 / √2 times what right ones allow, the other way round.
 TEST(FitSettings, CalibrationsThatContradictEachOtherAreTold) {

@@ -454,6 +454,18 @@ TEST(ChooseMesh, PassesOverAGrazeOfALightHead) {
               1e-4);
 }
 
+// So limp a bar that no mesh of 256 elements is good, and that 512 have too many modes to be
+// compared with: the finest is taken, by what its half lacks.
+TEST(ChooseMesh, TakesTheFinestThatIsAllowedWhereFinerOnesAreNotCompared) {
+  Rig rig = paper_rig();
+  rig.beam.area = 1.2566370614e-5;  // of a radius of 2 mm
+  rig.beam.second_moment = 1.2566370614e-11;
+  const ChosenMesh chosen = choose_mesh(rig, ancf(1, 1, 1e-4, 1e-3), 256);
+  EXPECT_EQ(chosen.solver.elements[0] + chosen.solver.elements[1], 256);
+  EXPECT_NE(chosen.end, ChosenMesh::End::time);
+  EXPECT_GT(chosen.error, 1e-4);
+}
+
 // A millimetre of bar beyond the struck point: elements there know nothing that one does not, and
 // took the time that those before it need.
 TEST(ChooseMesh, DividesNoEndThatIsFarShorterThanItsElements) {
