@@ -248,8 +248,11 @@ class CheckedRecording final : public RecordingReader {
         const Channel& channel = head_.record.channels[index];
         names[stated_clock(channel)].push_back(channel.name);
       }
-    const bool names_others = std::ranges::any_of(channels, [this](std::size_t index) {
-      return head_.samples[index] > 1 && !lacks_clock(head_, index);
+    std::uint64_t longest = 0;  // of those without
+    for (const std::size_t index : channels)
+      if (lacks_clock(head_, index)) longest = std::max(longest, head_.samples[index]);
+    const bool names_others = std::ranges::any_of(channels, [&](std::size_t index) {
+      return head_.samples[index] > longest && !lacks_clock(head_, index);
     });
     std::string sentence;
     for (const auto& [stated, channels_named] : names)

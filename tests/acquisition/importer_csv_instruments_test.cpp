@@ -268,7 +268,7 @@ TEST(Digilent, TheHeadSaysWhenTheRecordingBegan) {
 
 TEST(Siglent, AnIntervalOfTheAnalogInputsIsUnderstood) {
   const Record record = imported(
-      "Record Length,Analog:7000\nSample Interval,Analog:0.0000000200\nVertical Units,CH1:V\n"
+      "Record Length,Analog:3\nSample Interval,Analog:0.0000000200\nVertical Units,CH1:V\n"
       "Horizontal Units,s\nSource,CH1\nSecond,Value\n-4e-08,1.5\n-2e-08,2.5\n0,0.5\n");
   EXPECT_THAT(names_and_units(record), ElementsAre("Value [V]"));
   EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 2e-8);
