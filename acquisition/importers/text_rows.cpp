@@ -444,9 +444,14 @@ bool ends_in_cut_number(std::string_view rows, char delimiter, char decimal) {
   if (last_row.empty() || last_row.back().empty()) return false;
   Digits least{.decimals = last_row.back().size() + 1000, .exponent = 1000};
   Digits most;
-  int compared = 0;
+  int compared = 0, marked = 0;
   for (; compared < most_compared && !rows.empty(); ++compared) {
-    const auto row = cells_of(take_last_line(), delimiter);
+    auto row = cells_of(take_last_line(), delimiter);
+    // a mark at the end of each row but the last
+    if (row.size() == last_row.size() + 1 && row.back().empty()) {
+      ++marked;
+      row.pop_back();
+    }
     if (row.size() != last_row.size() || row.back().empty()) break;
     const Digits here = digits_of(row.back(), decimal);
     least = {std::min(least.decimals, here.decimals), std::min(least.exponent, here.exponent)};
@@ -456,10 +461,14 @@ bool ends_in_cut_number(std::string_view rows, char delimiter, char decimal) {
   const std::string_view cell = last_row.back();
   const auto number = number_in(cell, {decimal, false});
   const bool begins_one = number_in(std::string(cell) + "0", {decimal, false}).has_value();
-  if (number ? *number == 0.0 : !begins_one) return false;  // 0 as it stands, or no number
+  if (!number && !begins_one) return false;  // words
+  if (marked == compared) return true;
+  const bool fixed = least.decimals == most.decimals;
+  const bool plain_zero = cell.find(decimal) == cell.npos || (!fixed && !cell.ends_with(decimal));
+  if (number == 0.0 && plain_zero) return false;
   const Digits last = digits_of(cell, decimal);
   if (last.exponent < least.exponent) return true;
-  if (least.decimals == most.decimals) return last.decimals < least.decimals;
+  if (fixed) return last.decimals < least.decimals;
   // zeros at the end, and a mark before nothing else, some programs leave off
   return cell.find(decimal) != cell.npos && last.decimals + 1 < least.decimals;
 }

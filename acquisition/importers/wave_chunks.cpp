@@ -129,6 +129,11 @@ class Finder {
     while (const auto chunk = chunk_at(bytes_, at, found_.big_endian)) {
       if (chunk->name == "data") {
         at = take_samples(*chunk);
+        // a head that counts too few bytes of the file does not tell the last ones that are cut
+        constexpr std::uint64_t a_few = 65536;
+        const std::uint64_t end = chunk->at + std::uint64_t{8} + chunk->size;
+        if (found_.data_chunks == 1 && end > bytes_.size() && end - bytes_.size() < a_few)
+          found_.declared_bytes = std::max(found_.declared_bytes, end);
       } else if (chunk->is_named() && chunk->is_whole()) {
         take(*chunk);
         at = next_chunk(bytes_, chunk->at + 8 + chunk->size, chunk->size % 2 != 0,

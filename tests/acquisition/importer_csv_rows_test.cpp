@@ -311,6 +311,18 @@ TEST(Csv, ALastNumberThatLacksItsExponentIsNone) {
   EXPECT_EQ(imported("Record Length,4\n" + rows + "3,7.4").channels.at(0).size(), 4U);
 }
 
+// Rigol's rows end with a comma, and have two decimals.
+TEST(Csv, ALastNumberThatLacksWhatEndsItsRowIsNone) {
+  const std::string rigol = "t [s],V [V]\n0.0,4.40,\n0.1,4.32,\n0.2,4.40,\n";
+  EXPECT_EQ(imported(rigol + "0.3,4.").channels.at(0).size(), 3U);
+  EXPECT_EQ(imported(rigol + "0.3,4.40").channels.at(0).size(), 3U);
+  EXPECT_EQ(imported(rigol + "0.3,4.40,").channels.at(0).size(), 4U);
+  const std::string fixed = "t [s],V [V]\n0.0,0.08\n0.1,0.16\n0.2,0.16\n";
+  for (const char* cut : {"0.3,0.", "0.3,0.0"})
+    EXPECT_EQ(imported(fixed + cut).channels.at(0).size(), 3U) << cut;
+  EXPECT_EQ(imported(fixed + "0.3,0").channels.at(0).size(), 4U);
+}
+
 // By its head, as oscilloscopes state it.
 TEST(Csv, FewerRowsThanAnnouncedAreTold) {
   const std::string rows = "t [s],V [V]\n0,1\n1,2\n2,3\n";

@@ -142,6 +142,12 @@ TEST_P(Wav, CutFilesGiveWhatIsThere) {
   EXPECT_THAT(
       record.warnings,
       ElementsAre("the file is cut: its header declares 52 bytes, 48 are there", calibrate));
+  // a size of the whole that is too small: that of the samples tells
+  std::string counted_short = bytes;
+  counted_short.replace(4, 4, wav.number<std::uint32_t>(40));
+  EXPECT_THAT(
+      imported(counted_short.substr(0, bytes.size() - 1)).warnings,
+      ElementsAre("the file is cut: its header declares 52 bytes, 51 are there", calibrate));
 }
 
 // As recorders leave it that lose their power.
