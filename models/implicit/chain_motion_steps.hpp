@@ -21,6 +21,7 @@
 #include "models/implicit/stage_array.hpp"
 #include "models/implicit/stage_maps.hpp"
 #include "models/lanes/stage_lanes.hpp"
+#include "models/rig.hpp"
 #include "models/simulation.hpp"
 
 // Included by one file a chain: internal linkage lets the compiler inline what is called once.
@@ -515,9 +516,11 @@ void ChainMotion<S, Chain, Hold>::press(std::span<const StopStep> stops) {
 
 /// Eight stages where four would need many more steps: of fine accuracy, where vibration that a
 /// coarser method lets die is seen in the force, and against a stop of meshes so coarse that their
-/// fastest vibration has to be followed anyway. At 6e-6 four stages erred by 0.9 of what was asked
-/// for (128 elements); times of both are equal at 3e-4 with 32 elements.
+/// fastest vibration has to be followed anyway, or where a stiff spring is let go with the bar,
+/// whose vibration lasts all the swing. At 6e-6 four stages erred by 0.9 of what was asked for (128
+/// elements); times of both are equal at 3e-4 with 32 elements.
 inline bool takes_eight_stages(const Rig& rig, const Solver& solver) {
+  if (rig.has_stop() && rig.start.release_angle && spring_bends_bar(rig)) return true;
   const double elements = solver.elements[0] + solver.elements[1];
   const double followed = rig.has_stop() ? std::pow(8.0 / elements, 6) : 0.0;
   return solver.accuracy <= std::max(1e-5, followed);
