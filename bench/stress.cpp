@@ -74,7 +74,7 @@ void limit_work(double seconds) {
 
 /// As stated, or as the program chooses it.
 models::ChosenMesh mesh_of(const Scene& scene, const models::Solver& solver) {
-  if (scene.file.mesh_stated || scene.without_stop) return {solver, 0.0};
+  if (scene.file.mesh_stated) return {.solver = solver, .error = 0.0};
   return models::choose_mesh(scene.file.rig, solver, fitting::finest_mesh);
 }
 
