@@ -52,7 +52,8 @@ void add_import_arguments(CLI::App& command, ImportArguments& arguments) {
       ->group(group);
   command
       .add_option("--units", arguments.units,
-                  "Text: one unit a column, comma between, none to leave the file's: s,N,,m/s")
+                  "One unit a column of a text, a channel of .mat, .npy, .tdms and the like, comma "
+                  "between, none to leave the file's: s,N,,m/s")
       ->group(group);
 }
 
