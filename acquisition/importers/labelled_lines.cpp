@@ -7,6 +7,7 @@
 #include <string>
 
 #include "acquisition/importers/column_keys.hpp"
+#include "acquisition/importers/row_of_units.hpp"
 
 namespace impactrig::acquisition {
 
@@ -42,24 +43,27 @@ HeadCells one_more_cell(std::string_view line, const TableLayout& layout) {
   return {};
 }
 
-/// Whether a line has a word over each column, as names have: they are names rather than a line
-/// with a label above them.
-bool names_each_column(std::string_view line, const TableLayout& layout) {
-  HeadCells cells = cells_of(without_comment_sign(line), layout.dialect.delimiter);
-  while (!cells.empty() && cells.back().empty()) cells.pop_back();
-  const bool is_key =
-      cells.size() == 1 && cells.front().find_first_of(":=,;\t") != std::string_view::npos;
-  return cells.size() == layout.cells && !is_key &&
-         std::ranges::all_of(cells, [&layout](std::string_view cell) {
-           return !cell.empty() && !number_in(cell, {layout.dialect.decimal, false});
-         });
-}
-
 /// Whether cells behind the first are words, as names are.
 bool are_words(const HeadCells& cells, char decimal) {
   return std::all_of(cells.begin() + 1, cells.end(), [decimal](std::string_view cell) {
     return !cell.empty() && !number_in(cell, {decimal, false});
   });
+}
+
+/// Whether a line has a word over each column, perhaps but that of the times, or a time or a unit
+/// among such words: they are names rather than a line with a label above them.
+bool names_each_column(std::string_view line, const TableLayout& layout) {
+  const HeadCells words = head_cells(line, layout);
+  if (words.size() >= layout.cells && name_a_time_or_unit(words) &&
+      (is_time_name(split_head(words.front()).name) || are_words(words, layout.dialect.decimal)))
+    return true;
+  HeadCells cells = cells_of(without_comment_sign(line), layout.dialect.delimiter);
+  while (!cells.empty() && cells.back().empty()) cells.pop_back();
+  const bool is_key =
+      cells.size() == 1 && cells.front().find_first_of(":=,;\t") != std::string_view::npos;
+  return cells.size() == layout.cells && !is_key &&
+         (cells.front().empty() || !number_in(cells.front(), {layout.dialect.decimal, false})) &&
+         (cells.size() > 1 || !cells.front().empty()) && are_words(cells, layout.dialect.decimal);
 }
 
 }  // namespace
@@ -89,8 +93,13 @@ NamesAndUnits labelled_names(const TableLayout& layout, const std::vector<std::s
   for (std::size_t k = 0; k < lines.size(); ++k) {
     if (units == k || !may_name(k)) continue;
     const auto rank = rank_of_name_label(lines[k].front());
-    if (rank && (units || *rank < sure_labels) &&
-        (!names || *rank < *rank_of_name_label(lines[*names].front())))
+    if (!rank || (!units && *rank >= sure_labels)) continue;
+    const auto names_time = [&](std::size_t line) {
+      return std::any_of(lines[line].begin() + 1, lines[line].end(),
+                         [](std::string_view cell) { return is_time_name(split_head(cell).name); });
+    };
+    if (!names || std::pair(!names_time(k), *rank) <
+                      std::pair(!names_time(*names), *rank_of_name_label(lines[*names].front())))
       names = k;
   }
   if (!names && units && *units > 0 && may_name(*units - 1)) names = *units - 1;

@@ -289,14 +289,6 @@ bool are_names_in_dialect(std::string_view line, const TableLayout& layout) {
          !are_keys_with_values(line, layout.dialect.delimiter);
 }
 
-/// A time or a unit among names: a title or a key has neither.
-bool name_a_time_or_unit(const HeadCells& names) {
-  return std::ranges::any_of(names, [](std::string_view cell) {
-    const ColumnHead head = split_head(cell);
-    return is_time_name(head.name) || (!head.unit.empty() && is_unit(head.unit));
-  });
-}
-
 /// Leaves out remarks between names and rows: a comment under names that are none, or words that
 /// the delimiter does not divide, where these name neither a time nor a unit themselves.
 void pass_over_remarks(const TableLayout& layout, std::vector<std::size_t>& filled) {
@@ -469,6 +461,45 @@ HeadCells listed_channels(const TableLayout& layout, const std::vector<std::size
   return {};
 }
 
+/// "Time,Force,Force" over ",hammer,bar", with units beside the upper names or below: names of the
+/// lower line where the upper one has a name twice; none of other heads.
+NamesAndUnits names_told_apart(const TableLayout& layout, const std::vector<std::size_t>& filled,
+                               TableHead& head) {
+  const auto cells_at = [&](std::size_t k) {
+    HeadCells cells =
+        cells_of(without_comment_sign(layout.head[filled[k]]), layout.dialect.delimiter);
+    return cells.size() == layout.cells ? cells : HeadCells{};
+  };
+  for (std::size_t k = filled.size(); k-- > 1;) {
+    const HeadCells upper = cells_at(k - 1), lower = cells_at(k);
+    if (upper.size() < 3 || lower.empty() || !is_time_name(split_head(upper.front()).name) ||
+        is_unit_row(lower) || has_number(lower, layout.dialect.decimal))
+      continue;
+    NamesAndUnits found;
+    bool told_apart = false;
+    for (std::size_t c = 0; c < upper.size(); ++c) {
+      const ColumnHead own = split_head(upper[c]);
+      const bool repeated = std::ranges::count(upper, upper[c]) > 1;
+      const bool alone = !lower[c].empty() && std::ranges::count(lower, lower[c]) == 1;
+      told_apart = told_apart || repeated;
+      if (own.name.empty() || (repeated && !alone)) return {};
+      found.names.push_back(repeated ? lower[c] : upper[c]);
+      const std::size_t unit = own.unit.empty() ? upper[c].npos : upper[c].rfind(own.unit);
+      found.units.push_back(unit == upper[c].npos ? std::string_view{}
+                                                  : upper[c].substr(unit, own.unit.size()));
+    }
+    if (!told_apart) continue;
+    head.names_line = head.units_line = static_cast<int>(filled[k]) + 1;
+    if (k + 1 < filled.size())
+      if (HeadCells below = cells_at(k + 1); has_time_over_its_unit(upper, below)) {
+        found.units = std::move(below);
+        head.units_line = static_cast<int>(filled[k + 1]) + 1;
+      }
+    return found;
+  }
+  return {};
+}
+
 }  // namespace
 
 NamesAndUnits find_names_and_units(const TableLayout& layout, std::vector<std::size_t> filled,
@@ -482,6 +513,7 @@ NamesAndUnits find_names_and_units(const TableLayout& layout, std::vector<std::s
     return found;
   }
   if (found.names = listed_channels(layout, filled, head); !found.names.empty()) return found;
+  if (found = names_told_apart(layout, filled, head); !found.names.empty()) return found;
   while (filled.size() > 1 && lists_a_channel(layout.head[filled.back()])) filled.pop_back();
   pass_over_lines_under_time(layout, filled, head);
   while (filled.size() > 1 && has_numbers_alone(layout.head[filled.back()])) filled.pop_back();

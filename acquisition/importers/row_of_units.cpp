@@ -105,6 +105,13 @@ bool is_nearly_unit_row(const HeadCells& cells) {
   return units.size() >= 3 && 3 * (cells.size() - units.size()) <= units.size();
 }
 
+bool name_a_time_or_unit(const HeadCells& names) {
+  return std::ranges::any_of(names, [](std::string_view cell) {
+    const ColumnHead head = split_head(cell);
+    return is_time_name(head.name) || (!head.unit.empty() && is_unit(head.unit));
+  });
+}
+
 bool has_time_over_its_unit(const HeadCells& names, const HeadCells& units) {
   // "Zeit  1 - Standardmessrate"
   const auto is_time = [](std::string_view name) {

@@ -33,6 +33,9 @@ bool is_unit_row(const HeadCells& cells);
 /// Units, three at least, and one word in four that is none: "segments", but no name of a time.
 bool is_nearly_unit_row(const HeadCells& cells);
 
+/// A time or a unit among names: a title or a key has neither.
+bool name_a_time_or_unit(const HeadCells& names);
+
 /// A unit of time under a name of times: what is under the other names are units too, understood or
 /// not ("Voltage (unscaled)").
 bool has_time_over_its_unit(const HeadCells& names, const HeadCells& units);

@@ -480,7 +480,8 @@ std::string cut_number(TextFile& file, const TableLayout& layout) {
   const auto cells = cells_of(take_line(at, end), layout.dialect.delimiter);
   return fmt::format(
       "the file ends without a line end, and its last number '{}' has fewer digits than those "
-      "above it: it may be cut off, and the row at {} is left out",
+      "above it, or no mark behind it as they have: it may be cut off, and the row at {} is left "
+      "out",
       to_utf8(cells.back().substr(0, 40)), file.position(layout.cut).text());
 }
 

@@ -334,8 +334,10 @@ void find_perhaps_grouped(const std::vector<std::string_view>& lines, TableLayou
     for (std::size_t c = 0; c < std::min(cells.size(), layout.cells); ++c) {
       const std::string_view cell = without_quotes(cells[c]);
       const auto value = cell_value(cell, dialect.decimal);
-      if (open[c] && value && std::isfinite(*value))
-        open[c] = checks[c].see(cell) != GroupingCheck::Says::decimals;
+      if (!open[c] || !value || !std::isfinite(*value)) continue;
+      open[c] = checks[c].see(cell) != GroupingCheck::Says::decimals;
+      // the mark that is a decimal one in one column is none of thousands in another
+      if (!open[c] && cell.find(dialect.decimal) != cell.npos) return;
     }
   }
   for (std::size_t c = 0; c < layout.cells; ++c)

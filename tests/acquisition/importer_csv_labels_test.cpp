@@ -83,6 +83,49 @@ TEST(CsvLabels, AreNoNamesOfColumns) {
               ElementsAre("F [N]"));
 }
 
+// "three" and "John" were channels.
+TEST(CsvLabels, AreNoNamesAboveThoseOfOtherShapes) {
+  for (const char* head :
+       {"Name Drop three\nTime [s] Force [N]\n", "Channel hammer force\nTime [s] Force [N]\n",
+        "# Signal of hammer\n# Time (s) Force (N)\n",
+        "Variable names follow:\nTime [s] Force [N]\n", "Signal : hammer\nTime [s] Force [N]\n",
+        "Name Smith John\nUnit SI x\n# Time [s] Force [N]\n",
+        "# Signal: force hammer\n# time [s], Force [N]\n"}) {
+    const Record record = imported(std::string(head) + "0.000 1.25\n0.001 2.75\n0.002 3.50\n");
+    EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]")) << head;
+    EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3) << head;
+  }
+  for (const char* head : {"Name,Smith,John\n,Force [N]\n", "Label,A,B\n,Force [N]\n",
+                           "Name,Smith,John\nTime [s],Force [N],Comment\n",
+                           "Title,Drop,test\nUnits,SI,base\nTime [s],Force [N],Comment\n",
+                           "Name,Smith,John\nChannel,Time,Force\nUnit,s,N\n",
+                           "Name,Drop,three\nSensor,A,B\nChannel,Time,Force\nUnit,s,N\n"}) {
+    const Record record = imported(std::string(head) + "0.000,1.25\n0.001,2.75\n0.002,3.50\n");
+    EXPECT_EQ(names_and_units(record).at(0), "Force [N]") << head;
+    EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3) << head;
+  }
+  const std::string rows = "0.000,1.25\n0.001,2.75\n0.002,3.50\n";
+  EXPECT_THAT(names_and_units(imported("Name,Smith,John\nTime [s],1\n" + rows)),
+              Not(Contains(HasSubstr("John"))));
+  EXPECT_THAT(names_and_units(imported("Name,Smith,John\n,CH1\n" + rows)), ElementsAre("CH1 []"));
+}
+
+// Two channels were called 'Force', or had no unit.
+TEST(CsvLabels, MayTellNamesApartThatAreRepeated) {
+  const std::string rows = "0.000,1.25,7.1\n0.001,2.75,7.2\n0.002,3.50,7.4\n";
+  for (const char* head :
+       {"Time,Force,Force\n,hammer,bar\ns,N,N\n", "Time [s],Force [N],Force [N]\n,hammer,bar\n",
+        "Time (s),Force (N),Force (N)\nTime,hammer,bar\n"}) {
+    const Record record = imported(head + rows);
+    EXPECT_THAT(names_and_units(record), ElementsAre("hammer [N]", "bar [N]")) << head;
+    EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3) << head;
+  }
+  EXPECT_THAT(names_and_units(imported("Time,Acceleration,Acceleration\nt,ax,ay\n" + rows)),
+              ElementsAre("ax []", "ay []"));
+  EXPECT_THAT(names_and_units(imported("Time [s],Force [N],Force [N]\n,PCB,PCB\n" + rows)),
+              ElementsAre("Force [N]", "Force [N]"));
+}
+
 TEST(CsvLabels, OfAnAxisAreItsUnit) {
   for (const char* head :
        {"X unit:,ms\nY unit:,kN\n", "X axis unit: ms\nY axis unit: kN\n",

@@ -286,9 +286,10 @@ TEST(Csv, ALastNumberThatMayBeCutIsToldOf) {
   };
   const std::string rows = "0,0;1,125\n0,1;-12,250\n0,2;2,500\n";
   EXPECT_THAT(told(rows + "0,3;2,5"),
-              testing::MatchesRegex("the file ends without a line end, and its last number '2,5' "
-                                    "has fewer digits than those above it: it may be cut off, and "
-                                    "the row at .*:5:1 \\(byte 44\\) is left out"));
+              testing::MatchesRegex(
+                  "the file ends without a line end, and its last number '2,5' "
+                  "has fewer digits than those above it, or no mark behind it as they have: it "
+                  "may be cut off, and the row at .*:5:1 \\(byte 44\\) is left out"));
   EXPECT_EQ(imported("t [s];F [N]\n" + rows + "0,3;2,5").channels.at(0).size(), 3U);
   EXPECT_NE(told(rows + "0,3;2"), "");
   EXPECT_EQ(told(rows + "0,3;2,534"), "");
@@ -360,6 +361,11 @@ TEST(Csv, ThousandsSeparatorsThatLookLikeDecimalsAreAnError) {
         1.153)
         << row;
   EXPECT_EQ(imported("t [ms];F [N]\n0;1.153\n1;9.870\n2;3.125\n").channels.at(0).value(1), 9.87);
+  EXPECT_EQ(imported("t [s],F [N]\n0.0000,1.153\n0.0001,9.870\n0.0002,3.125\n0.0003,0\n")
+                .channels.at(0)
+                .value(1),
+            9.87)
+      << "the mark is a decimal one in the other column";
   ImportOptions decimals;
   decimals.decimal = '.';
   EXPECT_EQ(imported("F [N]\n12\n850\n1.153\n9.870\n2.468\n3\n", decimals).channels.at(0).value(3),
