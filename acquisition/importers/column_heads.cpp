@@ -104,12 +104,13 @@ bool begin_with_their_numbers(const TableLayout& layout, std::string_view text) 
 /// their own.
 void compare_names_with_columns(const TableLayout& layout, std::string_view text, HeadCells& names,
                                 TableHead& head) {
-  if (names.empty() || names.size() >= layout.cells || layout.dialect.delimiter == ' ') return;
+  if (names.empty() || names.size() >= layout.cells) return;
   if (names.size() + 1 == layout.cells && layout.dates.empty() &&
       begin_with_their_numbers(layout, text)) {
     names.insert(names.begin(), std::string_view());
     return;
   }
+  if (layout.dialect.delimiter == ' ' && !layout.dates.empty()) return;
   head.warnings.push_back(
       fmt::format("line {} names {} of {} columns: the first ones are taken to be meant",
                   head.names_line, names.size(), layout.cells));

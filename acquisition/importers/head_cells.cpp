@@ -92,6 +92,11 @@ HeadCells head_cells(std::string_view line, const TableLayout& layout) {
     return cells.size() <= layout.cells && cells.size() + layout.cells_beside() >= layout.cells &&
            std::none_of(cells.begin(), cells.end(), [](auto cell) { return cell.empty(); });
   };
+  if (blank && trimmed(text).starts_with('"'))
+    // in quotes, as R has them: without a name for the numbers of the rows
+    if (HeadCells cells = divided(' ');
+        fits(cells) || (cells.size() > 1 && cells.size() + 1 == layout.cells))
+      return cells;
   if (own.size() < 2)  // else its blanks are part of names
     for (const auto& divide : {divided_at_gaps, divided_with_units})
       if (HeadCells cells = divide(text); fits(cells)) return cells;

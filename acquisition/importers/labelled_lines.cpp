@@ -105,7 +105,12 @@ NamesAndUnits labelled_names(const TableLayout& layout, const std::vector<std::s
   if (!names && units && *units > 0 && may_name(*units - 1)) names = *units - 1;
   // rows that end with a mark may lack the last of so many columns, and a line of two cells may be
   // a key with its value
-  if (!names || (!units && (layout.written_cells > layout.cells || layout.cells == 1))) return {};
+  if (!names) return {};
+  const std::size_t written =
+      cells_of(without_comment_sign(layout.head[filled[*names]]), layout.dialect.delimiter).size();
+  if (!units && ((layout.written_cells > layout.cells && written <= layout.written_cells) ||
+                 layout.cells == 1))
+    return {};
   for (std::size_t k = *names + 1; k < filled.size(); ++k)
     if (units != k && names_each_column(layout.head[filled[k]], layout)) return {};
   NamesAndUnits found;

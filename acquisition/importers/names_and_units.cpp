@@ -339,11 +339,13 @@ void tell_of_figures(const TableLayout& layout, std::size_t line, TableHead& hea
                   line + 1, to_utf8(trimmed(layout.head[line]).substr(0, 60))));
 }
 
-/// "Time [ms],Force [kN],Velocity [mm/s]": a time, and a unit in each cell.
+/// "Time [ms],Force [kN],Velocity [mm/s]": a time, and a unit in each cell but that over numbers of
+/// the rows.
 bool are_complete(const HeadCells& names) {
   bool time = false;
   for (const std::string_view cell : names) {
     const ColumnHead head = split_head(cell);
+    if (cell.data() == names.front().data() && is_index_word(head.name)) continue;
     if (head.name.empty() || head.unit.empty() || !is_unit(head.unit)) return false;
     time = time ||
            (is_time_name(head.name) && datasets::quantity_of_unit(head.unit) == Quantity::time);

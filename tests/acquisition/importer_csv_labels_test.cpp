@@ -110,6 +110,16 @@ TEST(CsvLabels, AreNoNamesAboveThoseOfOtherShapes) {
   EXPECT_THAT(names_and_units(imported("Name,Smith,John\n,CH1\n" + rows)), ElementsAre("CH1 []"));
 }
 
+// Times were values of 'Name'.
+TEST(CsvLabels, StandBeforeNamesWhereEveryLineEndsWithAMark) {
+  for (const char* head : {"Name;Time [s];Force [N];\n", "Channel;Time (s);Force (N);\n"}) {
+    const Record record = imported(std::string(head) + "0.0;7.5;\n0.1;8.5;\n0.2;9.5;\n");
+    ASSERT_THAT(names_and_units(record), ElementsAre("Force [N]")) << head;
+    EXPECT_EQ(record.channels[0].value(2), 9.5);
+    EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.1);
+  }
+}
+
 // Two channels were called 'Force', or had no unit.
 TEST(CsvLabels, MayTellNamesApartThatAreRepeated) {
   const std::string rows = "0.000,1.25,7.1\n0.001,2.75,7.2\n0.002,3.50,7.4\n";
@@ -159,6 +169,13 @@ INSTANTIATE_TEST_SUITE_P(
         "Time [ms],Force [kN],Velocity [mm/s]\n[MX840 CH 1],[MX840 CH 2]\nT0 = 3,Mean\n",
         "Time,Force,Velocity\nfloat,float,float\nms,kN,mm/s\n",
         "Time,Force,Velocity\n,PCB 086C03,OFV-505\nms,kN,mm/s\n"));
+
+TEST(CsvLinesUnderNames, LeaveThemBesideNumbersOfTheRows) {
+  const Record record =
+      imported("Index,Time [ms],Force [kN]\n,,AI0\n1,0.0,7.5\n2,1.0,8.5\n3,2.0,9.5\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Index []", "Force [kN]"));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 1e-3);
+}
 
 TEST(CsvLinesUnderNames, OfATimeWithoutUnitLeaveThemToo) {
   for (const char* line : {"Operator,Smith,Jones", "CH0,CH1,CH2", "Double,Float,Float"})

@@ -100,6 +100,23 @@ TEST(CsvNames, StandBesideAnEmptyColumnOfKeys) {
   }
 }
 
+// As R's write.table() and gnuplot's files have them: the quotes stayed, and units and clocks were
+// lost.
+TEST(CsvNames, MayStandInQuotesBetweenBlanks) {
+  const std::string plain = "0.0 7.5\n0.1 8.5\n0.2 9.5\n";
+  const std::string numbered = "\"1\" 0.0 7.5\n\"2\" 0.1 8.5\n\"3\" 0.2 9.5\n";
+  for (const std::string& text :
+       {"\"Time[s]\" \"Force[N]\"\n" + plain, "\"Time [s]\" \"Force [N]\"\n" + plain,
+        "# \"Time (s)\"  \"Force (N)\"\n" + plain, "\"Time [s]\" \"Force [N]\"\n" + numbered}) {
+    const Record record = imported(text);
+    ASSERT_THAT(names_and_units(record), ElementsAre("Force [N]")) << text;
+    EXPECT_EQ(record.channels[0].value(2), 9.5);
+    EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.1);
+  }
+  EXPECT_THAT(imported("\"Force\" \"Vel\"\n5 7 1\n3 8 2\n4 9 3\n").warnings,
+              Contains(HasSubstr("names 2 of 3 columns")));
+}
+
 TEST(CsvNames, MayBeOverOneWordThatIsNoUnit) {
   Record record = imported(  // MTS
       "Force\tDisplacement\tRunning Time\tCount\nN\tmm\ts\tsegments\n-123.3\t9.98\t0.02\t0\n"
