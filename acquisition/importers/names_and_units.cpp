@@ -475,7 +475,8 @@ NamesAndUnits names_told_apart(const TableLayout& layout, const std::vector<std:
   for (std::size_t k = filled.size(); k-- > 1;) {
     const HeadCells upper = cells_at(k - 1), lower = cells_at(k);
     if (upper.size() < 3 || lower.empty() || !is_time_name(split_head(upper.front()).name) ||
-        is_unit_row(lower) || has_number(lower, layout.dialect.decimal))
+        is_unit_row(lower) || is_sentence_row(lower) || has_time_over_its_unit(upper, lower) ||
+        has_number(lower, layout.dialect.decimal))
       continue;
     NamesAndUnits found;
     bool told_apart = false;
@@ -491,7 +492,8 @@ NamesAndUnits names_told_apart(const TableLayout& layout, const std::vector<std:
                                                   : upper[c].substr(unit, own.unit.size()));
     }
     if (!told_apart) continue;
-    head.names_line = head.units_line = static_cast<int>(filled[k]) + 1;
+    head.names_line = static_cast<int>(filled[k]) + 1;
+    head.units_line = static_cast<int>(filled[k - 1]) + 1;
     if (k + 1 < filled.size())
       if (HeadCells below = cells_at(k + 1); has_time_over_its_unit(upper, below)) {
         found.units = std::move(below);

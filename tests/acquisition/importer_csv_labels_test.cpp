@@ -132,6 +132,9 @@ TEST(CsvLabels, MayTellNamesApartThatAreRepeated) {
   }
   EXPECT_THAT(names_and_units(imported("Time,Acceleration,Acceleration\nt,ax,ay\n" + rows)),
               ElementsAre("ax []", "ay []"));
+  EXPECT_THAT(names_and_units(imported("Time,Voltage,Voltage\ns,counts,steps\n" + rows)),
+              ElementsAre("Voltage [counts]", "Voltage [steps]"))
+      << "units under a time with its own, understood or not";
   EXPECT_THAT(names_and_units(imported("Time [s],Force [N],Force [N]\n,PCB,PCB\n" + rows)),
               ElementsAre("Force [N]", "Force [N]"));
 }
