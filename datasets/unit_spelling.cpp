@@ -315,6 +315,45 @@ bool has_percent_of_a_unit(std::string_view text) {
   return !divided && !(before.empty() && (behind.empty() || behind.starts_with('(')));
 }
 
+constexpr std::array<std::string_view, 6> times_signs{"\u00d7", "\u00b7", "\u22c5", "x", "X", "*"};
+
+/// "10³" of "×10³" and "x 10³"; none where no number follows such a sign.
+std::optional<std::string_view> after_times_sign(std::string_view text) {
+  for (const std::string_view sign : times_signs) {
+    if (!text.starts_with(sign)) continue;
+    const std::string_view rest = trimmed(text.substr(sign.size()));
+    if (!rest.empty() && is_digit(rest.front())) return rest;
+  }
+  return std::nullopt;
+}
+
+bool is_factor(std::string_view text) {
+  const std::string plain = with_ascii_signs(text);
+  return plain.find_first_not_of("0123456789.^*eE+-") == plain.npos;
+}
+
+/// A probe's or an amplifier's, which the numbers may have been divided by already.
+bool may_be_a_gain(std::string_view factor) {
+  return factor == "1" || factor == "10" || factor == "100";
+}
+
+/// "1000 N" of "N x 1000", "N (×1000)" and "x1000 N": the same text where nothing is multiplied,
+/// none where "V (x10)" may be a gain.
+std::string with_factor_first(std::string_view unit) {
+  if (const auto rest = after_times_sign(unit)) return std::string(*rest);
+  for (std::size_t at = 1; at < unit.size(); ++at) {
+    const bool enclosed = unit[at] == '(' && unit.ends_with(')');
+    if (!enclosed && !is_blank(unit[at])) continue;
+    const std::string_view tail =
+        trimmed(unit.substr(at + 1, unit.size() - at - 1 - (enclosed ? 1 : 0)));
+    const auto factor = after_times_sign(tail);
+    if (!factor || !is_factor(*factor)) continue;
+    if (may_be_a_gain(*factor)) return {};
+    return std::string(*factor) + " (" + std::string(trimmed(unit.substr(0, at))) + ")";
+  }
+  return std::string(unit);
+}
+
 /// "g" of "g pk", "g-pk" and "V rms".
 std::string_view without_detector(std::string_view text) {
   for (const std::string_view word : {"rms", "RMS", "pk", "Pk", "peak", "Peak"}) {
@@ -337,9 +376,7 @@ std::string normalised(std::string_view unit) {
     return {};
   if (unit == "kg (kilo-g)" || unit == "kilo-g") return "(1000 gravity)";
   if (unit == "g's" || unit == "G's" || unit == "g\u2019s") return "gravity";
-  for (const std::string_view sign : {"\u00d7", "\u00b7", "\u22c5"})  // "×10³ N"
-    if (unit.starts_with(sign)) unit = trimmed(unit.substr(sign.size()));
-  std::string text = with_ascii_signs(without_detector(unit));
+  std::string text = with_ascii_signs(with_factor_first(without_detector(unit)));
   if (text == "ms-2" || text == "ms^-2") return "m.s-2";  // UDUNITS-2: per square millisecond
   if (text == "ms-1" || text == "ms^-1") return "m.s-1";  // UDUNITS-2: per millisecond
   return has_broken_exponent(text) || has_number_inside(text) ? std::string() : text;

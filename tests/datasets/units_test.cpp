@@ -51,6 +51,18 @@ TEST(Units, ConvertByTheirDefinition) {
   EXPECT_DOUBLE_EQ(factor("N", "kN"), 1e-3);
 }
 
+TEST(Units, AreMultipliedByTheFactorBesideThem) {
+  for (const char* spelling :
+       {"×1000 N", "× 10³ N", "x10^3 N", "x1000N", "X 1e3 N", "*1000 N", "N × 10³", "N x 10^3",
+        "N x1000", "N * 1000", "N (x1000)", "N (×10³)", "N·10^3", "N*1000", "10³ N"})
+    EXPECT_DOUBLE_EQ(factor(spelling, "N"), 1e3) << spelling;
+  EXPECT_DOUBLE_EQ(factor("s x 1e-6", "s"), 1e-6);
+  EXPECT_DOUBLE_EQ(factor("m/s (x 10^-3)", "m/s"), 1e-3);
+  EXPECT_DOUBLE_EQ(factor("N (10 V)", "N"), 1.0);  // a range, not a factor
+  for (const char* spelling : {"V (x10)", "V x 100", "N (×1)"})
+    EXPECT_FALSE(conversion(spelling, "V").has_value()) << spelling;
+}
+
 TEST(Units, UnderstandLaboratorySpellings) {
   for (const char* spelling : {"Volt", "Volts", "VOLT", "V", " V ", "[V]", "[ V ]", "VDC"})
     EXPECT_EQ(factor(spelling, "V"), 1.0) << spelling;
