@@ -230,6 +230,80 @@ bool states_clock(std::string_view key, std::string_view text, Dialect dialect) 
          datasets::quantity_of_unit(unit_of_times(stated->unit)) == datasets::Quantity::time;
 }
 
+constexpr auto interval_keys = std::to_array<std::string_view>({"sample interval",
+                                                                "sampling interval",
+                                                                "time interval",
+                                                                "sample period",
+                                                                "sampling period",
+                                                                "delta t",
+                                                                "delta x",
+                                                                "dt",
+                                                                "time increment",
+                                                                "time step",
+                                                                "timestep",
+                                                                "abtastintervall",
+                                                                "xinc",
+                                                                "hresolution",
+                                                                "sampling cycle",
+                                                                "x-axis delta",
+                                                                "cycle time",
+                                                                "tinc",
+                                                                "interval",
+                                                                "采样间隔",
+                                                                "采样周期",
+                                                                "サンプリング周期",
+                                                                "サンプリング間隔",
+                                                                "период дискретизации",
+                                                                "Период дискретизации"});
+
+constexpr auto rate_keys = std::to_array<std::string_view>({"sample rate",
+                                                            "sampling rate",
+                                                            "samplerate",
+                                                            "sample frequency",
+                                                            "sampling frequency",
+                                                            "samplingrate",
+                                                            "fs",
+                                                            "samplefrequency",
+                                                            "samplingfrequency",
+                                                            "acquisition rate",
+                                                            "scan rate",
+                                                            "scanrate",
+                                                            "samples per second",
+                                                            "abtastrate",
+                                                            "abtastfrequenz",
+                                                            "fréquence d'échantillonnage",
+                                                            "fréquence d’échantillonnage",
+                                                            "frequence d'echantillonnage",
+                                                            "frequenza di campionamento",
+                                                            "frecuencia de muestreo",
+                                                            "采样率",
+                                                            "采样频率",
+                                                            "サンプリング周波数",
+                                                            "частота дискретизации",
+                                                            "Частота дискретизации"});
+
+/// The interval that the keys of the head state, or the inverse of a rate; of several the first.
+void take_stated_intervals(Dialect dialect, TableHead& head) {
+  std::string stated_by;
+  for (const auto& [key, text] : head.attributes) {
+    const ColumnHead says = split_head(key);
+    const bool is_interval =
+        is_one_of(says.name, interval_keys) || states_clock(key, text, dialect);
+    if (!is_interval && !is_one_of(says.name, rate_keys)) continue;
+    const auto seconds = stated_interval(key, text, says.unit, is_interval, dialect, head);
+    if (!seconds) continue;
+    if (!head.interval) {
+      head.interval = seconds;
+      stated_by = key;
+    } else if (std::abs(*seconds - *head.interval) > 1e-3 * *head.interval) {
+      head.warnings.push_back(
+          fmt::format("the header states a sample interval of {:.9g} s by '{}' and one of {:.9g} s "
+                      "by '{}': the first is used",
+                      *head.interval, stated_by, *seconds, key));
+    }
+  }
+}
+
 /// When the recording began, as a key states it; "" of dates that may be two.
 void find_date(TableHead& head) {
   constexpr std::array<std::string_view, 8> keys = {"date time",  "datetime",   "date/time",
@@ -280,75 +354,7 @@ std::string unit_of_times(std::string_view unit) {
 }
 
 void find_interval(Dialect dialect, TableHead& head) {
-  constexpr auto intervals = std::to_array<std::string_view>({"sample interval",
-                                                              "sampling interval",
-                                                              "time interval",
-                                                              "sample period",
-                                                              "sampling period",
-                                                              "delta t",
-                                                              "delta x",
-                                                              "dt",
-                                                              "time increment",
-                                                              "time step",
-                                                              "timestep",
-                                                              "abtastintervall",
-                                                              "xinc",
-                                                              "hresolution",
-                                                              "sampling cycle",
-                                                              "x-axis delta",
-                                                              "cycle time",
-                                                              "tinc",
-                                                              "interval",
-                                                              "采样间隔",
-                                                              "采样周期",
-                                                              "サンプリング周期",
-                                                              "サンプリング間隔",
-                                                              "период дискретизации",
-                                                              "Период дискретизации"});
-  constexpr auto rates = std::to_array<std::string_view>({"sample rate",
-                                                          "sampling rate",
-                                                          "samplerate",
-                                                          "sample frequency",
-                                                          "sampling frequency",
-                                                          "samplingrate",
-                                                          "fs",
-                                                          "samplefrequency",
-                                                          "samplingfrequency",
-                                                          "acquisition rate",
-                                                          "scan rate",
-                                                          "scanrate",
-                                                          "samples per second",
-                                                          "abtastrate",
-                                                          "abtastfrequenz",
-                                                          "fréquence d'échantillonnage",
-                                                          "fréquence d’échantillonnage",
-                                                          "frequence d'echantillonnage",
-                                                          "frequenza di campionamento",
-                                                          "frecuencia de muestreo",
-                                                          "采样率",
-                                                          "采样频率",
-                                                          "サンプリング周波数",
-                                                          "частота дискретизации",
-                                                          "Частота дискретизации"});
-  std::string stated_by;
-  for (const auto& [key, text] : head.attributes) {
-    const ColumnHead says = split_head(key);
-    const bool is_interval = is_one_of(says.name, intervals) || states_clock(key, text, dialect);
-    const bool is_rate = is_one_of(says.name, rates);
-    if (!is_interval && !is_rate) continue;
-    const auto interval = stated_interval(key, text, says.unit, is_interval, dialect, head);
-    if (!interval) continue;
-    const double seconds = *interval;
-    if (!head.interval) {
-      head.interval = seconds;
-      stated_by = key;
-    } else if (std::abs(seconds - *head.interval) > 1e-3 * *head.interval) {
-      head.warnings.push_back(
-          fmt::format("the header states a sample interval of {:.9g} s by '{}' and one of {:.9g} s "
-                      "by '{}': the first is used",
-                      *head.interval, stated_by, seconds, key));
-    }
-  }
+  take_stated_intervals(dialect, head);
   find_rate_by_unit(dialect, head);
   find_start(dialect, head);
   find_pretrigger(dialect, head);

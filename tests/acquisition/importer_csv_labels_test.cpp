@@ -268,7 +268,7 @@ TEST(CsvUnits, OfTimesMayBeSpeltAsVariablesAre) {
 }
 
 TEST(CsvUnits, ThatAreStatedAreNotSaidToBeMissing) {
-  EXPECT_THAT(imported("Time (s x 1e-6),F (N)\n0,7\n20,8\n40,9\n").warnings,
+  EXPECT_THAT(imported("Time (s x 10),F (N)\n0,7\n20,8\n40,9\n").warnings,
               Contains(HasSubstr("states no unit that is understood")));
   EXPECT_THAT(imported("Time,F (N)\n0,7\n20,8\n40,9\n").warnings,
               Contains(HasSubstr("states no unit: it is taken as s")));
