@@ -172,8 +172,10 @@ Eigen::MatrixXd Collocation::make_convolutions(int block) const {
 double truncation(const NodeVector& series) {
   const Eigen::Index s = series.size();
   const double last = series.tail<2>().norm();
+  if (last == 0.0) return 0.0;
+  const double between = series.segment<2>(s - 3).norm();
   const double before = series.segment<2>(s - 4).norm();
-  return before > 3.0 * last ? 3.0 * last * last / before : last;
+  return std::min(1.0, std::max(3.0 * last / before, std::pow(last / between, 2))) * last;
 }
 
 }  // namespace impactrig::models

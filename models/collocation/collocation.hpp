@@ -75,8 +75,9 @@ class Collocation {
   mutable std::array<Eigen::MatrixXd, blocks> convolutions_;
 };
 
-/// What a Legendre series of at least four terms leaves out, by its last pair: less where the pair
-/// before was much larger, which a corner nearby does not let it be.
+/// What a Legendre series of at least four terms leaves out, by its last pair: less where the pairs
+/// before fall towards it, which neither a corner nearby nor vibration on a large smooth part lets
+/// them.
 double truncation(const NodeVector& series);
 
 }  // namespace impactrig::models
