@@ -305,8 +305,9 @@ Record read_whole(CsvHead& csv, const ImportOptions& options) {
   csv.settle(table, options, false, record);
   if (csv.count_times(table, record)) table = read_table(csv.file, csv.layout, csv.names);
   const CsvRoles& roles = csv.roles;
-  for (std::string told : {cut_row(csv.file, table), comment_between(csv.file, table),
-                           missing_rows(csv.announced(), table.rows)})
+  for (std::string told :
+       {cut_row(csv.file, table), comment_between(csv.file, table), head_between(csv.file, table),
+        missing_rows(csv.announced(), table.rows)})
     if (!told.empty()) record.warnings.push_back(std::move(told));
 
   const std::vector<ClockColumns> clocks = roles.clocks(csv.heads.size());

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <span>
 
@@ -39,6 +40,10 @@ bool steps_by(const Column& column, std::optional<double> interval) {
          std::abs(values[1] - values[0] - step) < 0.5 * step;
 }
 
+bool is_letter(char c) {
+  return std::isalpha(static_cast<unsigned char>(c)) != 0;
+}
+
 /// False for a column that its head calls something else.
 bool may_be_time(const ColumnHead& head) {
   if (!head.unit.empty() || datasets::quantity_of_unit(head.name) == Quantity::frequency)
@@ -46,10 +51,13 @@ bool may_be_time(const ColumnHead& head) {
   const std::string name = lowered(head.name);
   if (name.starts_with("time - ")) return true;  // "Time - Voltage", of SignalExpress
   for (const std::string_view word :
-       {"displacement", "distance", "position", "deflection", "force", "load", "velocity", "speed",
-        "acc", "volt", "strain", "angle", "freq", "pressure"})
+       {"displacement", "distance", "position",   "deflection", "force",  "load",
+        "velocity",     "speed",    "acc",        "volt",       "strain", "angle",
+        "freq",         "pressure", "extension",  "elongation", "stroke", "travel",
+        "depth",        "temperat", "wavelength", "lux",        "node",   "alpha"})
     if (name.find(word) != std::string::npos) return false;
-  return true;
+  return name != "f" && (name.size() < 2 || !is_letter(name[1]) ||
+                         quantity_of_first_word(name) == Quantity::unknown);
 }
 
 bool increases(std::span<const double> values) {
@@ -108,6 +116,11 @@ bool is_counter_name(std::string_view name) {
       "",   "#",   "no",     "no.",     "nr",        "nr.",   "n",     "i",    "index", "idx",
       "id", "row", "sample", "samples", "sample no", "point", "count", "scan", "number"};
   return std::ranges::find(words, lowered(name)) != words.end();
+}
+
+/// "NO." in a row of units.
+bool is_counter_unit(const std::string& unit) {
+  return is_counter_name(unit) && datasets::quantity_of_unit(unit) == Quantity::unknown;
 }
 
 std::optional<std::size_t> column_named(const std::vector<ColumnHead>& heads,
@@ -250,7 +263,7 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
   }
   const bool unnamed = head.columns.empty() || head.columns.front().name.empty();
   const bool first_counts =
-      columns.size() > 1 && heads.front().unit.empty() &&
+      columns.size() > 1 && (heads.front().unit.empty() || is_counter_unit(heads.front().unit)) &&
       counts(columns.front().values, head.increment.has_value()) &&
       (unnamed || is_counter_name(heads.front().name) || may_be_time(heads.front()));
   roles.index_name_fits = unnamed || is_counter_name(heads.front().name);
@@ -262,7 +275,8 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
     return roles;
   }
   take_time_by_heads(layout, heads, columns, roles);
-  if (roles.time && *roles.time > 0 && first_counts && unnamed && !head.columns.empty())
+  if (roles.time && *roles.time > 0 && first_counts && roles.index_name_fits &&
+      !head.columns.empty())
     roles.index = 0;
   if (!roles.time && first_counts) {
     roles.index = 0;

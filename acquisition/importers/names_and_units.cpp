@@ -46,7 +46,7 @@ void take_start_and_increment(HeadCells& names, HeadCells& units, char decimal, 
 }
 
 /// True for a line of words that could name columns, but that does not fit them.
-bool may_be_names(std::string_view line, const TableLayout& layout) {
+bool may_be_names_of_others(std::string_view line, const TableLayout& layout) {
   const std::string_view text = trimmed(without_comment_sign(line));
   const HeadCells words = cells_of(text, ' ');
   return words.size() > 1 && text.find_first_of(":=") == std::string_view::npos &&
@@ -166,6 +166,29 @@ bool may_name_by_number(const HeadCells& names, const TableLayout& layout) {
   });
 }
 
+/// Whether a cell says what is measured: "Force", "Velocity [m/s]".
+bool says_quantity(std::string_view cell) {
+  const ColumnHead head = split_head(cell);
+  return (!head.unit.empty() && is_unit(head.unit)) ||
+         quantity_of_first_word(head.name) != Quantity::unknown;
+}
+
+/// Names of columns, of which a few may be numbers: "Time [ms],1,2,3", positions of sensors, and
+/// "Force,Stroke,4712", the serial number of one, where a name says what is measured, or the line
+/// below does.
+bool may_be_names(const HeadCells& names, const TableLayout& layout, bool over_units = false) {
+  if (!has_number(names, layout.dialect.decimal) || may_name_by_number(names, layout)) return true;
+  std::size_t numbers = 0;
+  for (const std::string_view name : names) {
+    if (!number_in(name, {layout.dialect.decimal, false})) continue;
+    if (!integer_in(name)) return false;
+    ++numbers;
+  }
+  return names.size() >= layout.cells && names.size() > 2 * numbers &&
+         (over_units || std::ranges::any_of(names, says_quantity)) &&
+         !is_figure_word(names.front());
+}
+
 /// Names over units with a time among them, above further lines of each channel (sensors, serial
 /// numbers): which of the filled lines holds the units; none where there are no such.
 std::optional<std::size_t> find_units_of_time(const TableLayout& layout,
@@ -174,7 +197,7 @@ std::optional<std::size_t> find_units_of_time(const TableLayout& layout,
     const HeadCells units = head_cells(layout.head[filled[i]], layout);
     const HeadCells names = head_cells(layout.head[filled[i - 1]], layout);
     if (units.size() >= layout.cells && names.size() >= layout.cells &&
-        !has_number(names, layout.dialect.decimal) && !has_number(units, layout.dialect.decimal) &&
+        may_be_names(names, layout, true) && !has_number(units, layout.dialect.decimal) &&
         !is_unit_of_axis(units) && has_time_over_its_unit(names, units))
       return i;
   }
@@ -194,9 +217,8 @@ bool take_names_over_units(const TableLayout& layout, const std::vector<std::siz
     return false;  // "X unit,s" over "Y unit,N"
   // "Unit,kN,mm/s" over rows whose first cell is empty
   if (!units.empty() && are_units_of_a_key(units)) units.front() = {};
-  if (names.size() < layout.cells ||
-      (has_number(names, decimal) && !may_name_by_number(names, layout) &&
-       !(are_numbered_channels(names) && is_unit_row(bottom))))
+  if (names.size() < layout.cells || (!may_be_names(names, layout, is_unit_row(units)) &&
+                                      !(are_numbered_channels(names) && is_unit_row(bottom))))
     return false;
   take_start_and_increment(names, units, decimal, head);
   const bool as_wide =
@@ -220,7 +242,7 @@ bool take_units_under_a_misfit(const TableLayout& layout, const std::vector<std:
   if (layout.dialect.delimiter != ' ' || filled.size() < 2) return false;
   const HeadCells bottom = head_cells(layout.head[filled.back()], layout);
   const std::size_t above = filled[filled.size() - 2];
-  if (!is_unit_row(bottom) || !may_be_names(layout.head[above], layout)) return false;
+  if (!is_unit_row(bottom) || !may_be_names_of_others(layout.head[above], layout)) return false;
   tell_of_misfit(layout, above, head);
   found.units = bottom;
   head.units_line = static_cast<int>(filled.back()) + 1;
@@ -232,12 +254,12 @@ bool take_units_under_a_misfit(const TableLayout& layout, const std::vector<std:
 void take_names_alone(const TableLayout& layout, const std::vector<std::size_t>& filled,
                       NamesAndUnits& found, TableHead& head) {
   const HeadCells bottom = head_cells(layout.head[filled.back()], layout);
-  if (bottom.empty() && may_be_names(layout.head[filled.back()], layout))
+  if (bottom.empty() && may_be_names_of_others(layout.head[filled.back()], layout))
     tell_of_misfit(layout, filled.back(), head);
   // a shorter line is taken for names only when it cannot be a title or a key with its value
   const bool all_named = bottom.size() >= layout.cells || (bottom.size() > 1 && layout.cells > 2);
   if (bottom.empty() || !all_named) return;
-  if (has_number(bottom, layout.dialect.decimal) && !may_name_by_number(bottom, layout)) return;
+  if (!may_be_names(bottom, layout)) return;
   if (are_dates_of_a_key(bottom) || are_units_of_a_key(bottom)) return;
   found.names = bottom;
   head.names_line = static_cast<int>(filled.back()) + 1;
@@ -284,8 +306,7 @@ bool are_names_in_dialect(std::string_view line, const TableLayout& layout) {
   HeadCells names = cells_of(without_comment_sign(line), layout.dialect.delimiter);
   while (!names.empty() && names.back().empty()) names.pop_back();
   return names.size() >= layout.cells && names.size() <= layout.written_cells &&
-         std::ranges::none_of(names, &std::string_view::empty) &&
-         !has_number(names, layout.dialect.decimal) &&
+         std::ranges::none_of(names, &std::string_view::empty) && may_be_names(names, layout) &&
          !are_keys_with_values(line, layout.dialect.delimiter);
 }
 
@@ -351,13 +372,6 @@ bool are_complete(const HeadCells& names) {
            (is_time_name(head.name) && datasets::quantity_of_unit(head.unit) == Quantity::time);
   }
   return time && names.size() > 1;
-}
-
-/// Whether a cell says what is measured: "Force", "Velocity [m/s]".
-bool says_quantity(std::string_view cell) {
-  const ColumnHead head = split_head(cell);
-  return (!head.unit.empty() && is_unit(head.unit)) ||
-         quantity_of_first_word(head.name) != Quantity::unknown;
 }
 
 /// "Time,Force,Velocity": a time as the first of several, of which another says what it measures.

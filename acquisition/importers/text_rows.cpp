@@ -17,8 +17,7 @@ namespace {
 constexpr std::string_view thousands_hint =
     ": it may have thousands separators or decimals, and the file's others do not tell which";
 
-constexpr std::string_view words_hint =
-    ": the line holds words alone; does another table begin here? Keep one in a file";
+constexpr std::string_view table_hint = ": does another table begin here? Keep one in a file";
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 constexpr char no_decimal = '\0';
@@ -57,6 +56,9 @@ RowReader::RowReader(TextFile& file, const TableLayout& layout,
   const std::string_view text = text_of_rows(file, layout);
   end_ = text.data() + text.size();
   while (required_ > 1 && layout.holds_text(required_ - 1)) --required_;
+  if (key_cells_ == 0 && !layout.holds_text(0) && layout.dates_at(0) == nullptr)
+    for (const std::string_view line : layout.head)
+      if (!trimmed(line).empty()) last_of_head_ = trimmed(line);
   read_only(std::vector<bool>(names.size(), true));
 }
 
@@ -110,6 +112,7 @@ void RowReader::read_line() {
     take_line(at_, end_);
     return;
   }
+  if (pass_over_repeated_head()) return;
   if (comment_ != nullptr) {
     if (table_.comment == nullptr) table_.comment = comment_;
     comment_ = nullptr;
@@ -151,6 +154,25 @@ void RowReader::read_line() {
   finish_row(line);
   ++table_.rows;
   first_row_ = false;
+}
+
+/// "Data Acquisition", names and units that stand again above further rows, as testing machines
+/// write them every so often: a line that begins with a letter, and soon the last one of the head.
+bool RowReader::pass_over_repeated_head() {
+  constexpr int most_lines = 16;
+  const auto begins_words = [](char c) {
+    return c == '"' || (static_cast<unsigned char>(c) | 0x20U) >= 'a';
+  };
+  if (last_of_head_.empty() || !begins_words(*at_) || !begins_words(last_of_head_.front()))
+    return false;
+  const char* ahead = at_;
+  for (int line = 0; line < most_lines && ahead != end_; ++line) {
+    if (trimmed(take_line(ahead, end_)) != last_of_head_) continue;
+    if (table_.repeated_head == nullptr) table_.repeated_head = at_;
+    at_ = ahead;
+    return true;
+  }
+  return false;
 }
 
 void RowReader::skip_key_cells() {
@@ -285,12 +307,13 @@ std::optional<std::int64_t> RowReader::read_fraction(const DateColumns& date) {
   return *count * date.fraction;
 }
 
-/// Whether no cell of the line from `start` on is a number.
-bool RowReader::holds_words_alone(const char* start) const {
+/// Whether the line from `start` on has words alone, or not as many cells as a row.
+bool RowReader::may_begin_table(const char* start) const {
   const auto cells = cells_of(take_line(start, end_), delimiter_);
-  return std::ranges::none_of(cells, [this](std::string_view cell) {
-    return !cell.empty() && cell_value(cell, decimal_).has_value();
-  });
+  return cells.size() != names_.size() ||
+         std::ranges::none_of(cells, [this](std::string_view cell) {
+           return !cell.empty() && cell_value(cell, decimal_).has_value();
+         });
 }
 
 /// Anything but a plain number: quoted, missing, infinite, cut by the file's end (false), or an
@@ -322,9 +345,9 @@ bool RowReader::unusual_cell(std::size_t c) {
                      out_of_range && has_digit && scan_only(cell)
                          ? fmt::format("{}: {} does not fit a double", names_[c], found)
                          : fmt::format("{}: expected a number, found '{}'{}", names_[c], found,
-                                       has_thousands_separators(cell)       ? thousands_hint
-                                       : c == 0 && holds_words_alone(start) ? words_hint
-                                                                            : ""));
+                                       has_thousands_separators(cell)     ? thousands_hint
+                                       : c == 0 && may_begin_table(start) ? table_hint
+                                                                          : ""));
   }
   if (std::isnan(*value))
     append_missing(table_.columns[c], start);
@@ -494,6 +517,17 @@ std::string comment_between(TextFile& file, const Table& table) {
       "lines that begin with '{}' stand between the rows and are passed over, the first at {}: "
       "'{}'; where another table begins there, its rows are read as the first one's",
       line.front(), file.position(table.comment).text(), to_utf8(line.substr(0, 40)));
+}
+
+std::string head_between(TextFile& file, const Table& table) {
+  if (table.repeated_head == nullptr) return {};
+  const char* at = table.repeated_head;
+  const char* const end = file.text().data() + file.text().size();
+  return fmt::format(
+      "names or units stand again between the rows, the first time from {} on ('{}'): the rows are "
+      "read as one table",
+      file.position(table.repeated_head).text(),
+      to_utf8(trimmed(take_line(at, end)).substr(0, 40)));
 }
 
 std::string cut_row(const TextFile& file, const Table& table) {

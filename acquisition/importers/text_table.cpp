@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <string>
 
@@ -11,6 +12,7 @@
 #include "acquisition/importers/date_time.hpp"
 #include "acquisition/importers/row_of_units.hpp"
 #include "acquisition/importers/text_dialect.hpp"
+#include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
 
@@ -84,10 +86,22 @@ bool has_digit(std::string_view cell) {
   return cell.find_first_of("0123456789") != cell.npos;
 }
 
+/// "1x", "2nd sensor", "50g Acc (g)": what stands behind the number is a word, and no unit.
+bool is_name_behind_a_number(std::string_view cell) {
+  const std::size_t end = std::min(cell.find_first_not_of("+-.,0123456789"), cell.size());
+  const std::string_view behind = trimmed(cell.substr(end));
+  const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0 || c >= 0x80; };
+  const bool exponent = behind.size() > 1 && (behind.front() == 'e' || behind.front() == 'E') &&
+                        std::string_view("+-0123456789").find(behind[1]) != behind.npos;
+  return std::ranges::any_of(behind, is_letter) && !exponent &&
+         datasets::quantity_of_unit(behind) == datasets::Quantity::unknown;
+}
+
 /// True for cells that look like values and are none: "0.5 s,12 N", "12:00:00:95,9025". A date
 /// above rows without dates is a fact of the head, and a rule ("-----  -----") is none at all.
 bool are_spoilt_values(const std::vector<std::string_view>& cells, const TableLayout& layout) {
   return std::ranges::any_of(cells, has_digit) && cells.size() == layout.written_cells &&
+         !std::ranges::all_of(cells, is_name_behind_a_number) &&
          std::ranges::all_of(cells, begins_as_number) &&
          (layout.dialect.dates || !std::ranges::all_of(cells, is_part_of_date));
 }

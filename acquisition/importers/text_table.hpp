@@ -146,14 +146,15 @@ struct Table {
   const char* cut_row =
       nullptr;  ///< start of a last row that the file's end cut off; it is left out
   const char* comment = nullptr;  ///< the first line that begins with # or % before another row
+  const char* repeated_head = nullptr;  ///< the first line of the head where it stands again
 };
 
 /// The text up to the end of the last row.
 std::string_view text_of_rows(TextFile& file, const TableLayout& layout);
 
-/// Reads a layout's rows with one pass over the text and no allocation a cell. Blank lines and
-/// lines that begin with # are skipped; empty cells and "nan" are missing values. Dates and times
-/// of day are seconds since the first row.
+/// Reads a layout's rows with one pass over the text and no allocation a cell. Blank lines, lines
+/// that begin with # and the head where it stands again are skipped; empty cells and "nan" are
+/// missing values. Dates and times of day are seconds since the first row.
 class RowReader {
  public:
   /// `names` (one a column) only name the culprit of an error.
@@ -199,7 +200,8 @@ class RowReader {
   void skip_cell();
   bool read_date(std::size_t column);
   std::optional<std::int64_t> read_fraction(const DateColumns& date);
-  bool holds_words_alone(const char* start) const;
+  bool may_begin_table(const char* start) const;
+  bool pass_over_repeated_head();
   bool unusual_cell(std::size_t column);
   bool begins_number(std::string_view cell) const;
   bool scan_only(std::string_view cell) const;
@@ -222,7 +224,8 @@ class RowReader {
   std::map<std::size_t, GroupingCheck> groupings_;  ///< of columns that are perhaps grouped
   const char* date_from_ = nullptr;                 ///< where a date of several cells began
   const TableLayout& layout_;
-  std::size_t required_;  ///< cells that a row must have: up to the last column of numbers
+  std::size_t required_;           ///< cells that a row must have: up to the last column of numbers
+  std::string_view last_of_head_;  ///< where rows may be told from it by their first letter
   bool first_row_ = true;
   const char* comment_ = nullptr;  ///< the first since the last row
   Table table_;
@@ -256,6 +259,9 @@ bool ends_in_cut_number(std::string_view rows, char delimiter, char decimal);
 /// Says that lines between the rows are passed over, which may begin another table; "" where there
 /// are none.
 std::string comment_between(TextFile& file, const Table& table);
+
+/// The same of a head that stands again between rows.
+std::string head_between(TextFile& file, const Table& table);
 
 /// Says that the file's end cut a row off; "" when it did not.
 std::string cut_row(const TextFile& file, const Table& table);

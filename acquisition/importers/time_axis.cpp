@@ -51,6 +51,30 @@ int power_of_ten(double value) {
   return static_cast<int>(std::floor(std::log10(std::abs(value))));
 }
 
+/// The last bit [s] of the largest of times that are numbers of single precision, in s, ms or us,
+/// by the digits that they are printed with, and those digits where they do not tell; 0 of others.
+double single_precision_bit(std::span<const double> times, double printed) {
+  constexpr std::size_t fewest = 20;
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  if (times.size() < fewest) return 0.0;
+  const auto [low, high] = std::ranges::minmax(times);
+  const double largest = std::max(-low, high);
+  for (const double per_second : {1.0, 1e3, 1e6}) {
+    const auto is_single = [&](double time) {
+      const double number = time * per_second;
+      const double digits = 0.51 * printed * per_second + 2.0 * epsilon * std::abs(number);
+      return std::abs(number - static_cast<double>(static_cast<float>(number))) <= digits;
+    };
+    const auto number = static_cast<float>(largest * per_second);
+    const float next = std::nextafter(number, std::numeric_limits<float>::infinity());
+    const double bit = static_cast<double>(next - number) / per_second;
+    if (printed >= bit) return 0.0;
+    if (4.0 * printed >= bit) return bit + printed;
+    if (std::ranges::all_of(times, is_single)) return bit;
+  }
+  return 0.0;
+}
+
 /// What is left of an integer without its factors 2 and 5; 1 is the roundest.
 long odd_part(long number) {
   for (const long factor : {2L, 5L})
@@ -109,6 +133,7 @@ void TimeAxisCheck::add(std::span<const double> times) {
         risen_ += this_step;
         last_change_ = {seen_, time};
         smallest_change_ = std::min(smallest_change_, this_step);
+        largest_change_ = std::max(largest_change_, this_step);
         if (!first_change_) first_change_ = last_change_;
       }
       const double line = first_ + step_ * static_cast<double>(seen_);
@@ -136,15 +161,20 @@ bool TimeAxisCheck::even() const {
          largest_deviation_ <= 0.05 * step_;
 }
 
-double TimeAxisCheck::resolution() const {
+double TimeAxisCheck::last_bit() const {
   const double largest = std::max(std::abs(first_), std::abs(last_));
-  const double last_bit = std::numeric_limits<double>::epsilon() * largest;
-  if (explains_deviations(last_bit)) return last_bit;
+  return std::numeric_limits<double>::epsilon() * largest;
+}
+
+double TimeAxisCheck::resolution() const {
+  if (explains_deviations(last_bit())) return last_bit();
   std::vector<double> examples = examples_;
   examples.push_back(last_seen_);
   // many equal times show their steps, which may be other than a digit's: 60 s, 1/64 s
   const bool stepped = std::isfinite(smallest_change_) && smallest_change_ >= 2.0 * step_;
-  return std::max(printed_resolution(examples), stepped ? smallest_change_ : 0.0);
+  const double printed = printed_resolution(examples);
+  return std::max(
+      {printed, single_precision_bit(examples, printed), stepped ? smallest_change_ : 0.0});
 }
 
 bool TimeAxisCheck::explains_deviations(double resolution) const {
@@ -199,8 +229,18 @@ double TimeAxisCheck::told_interval() const {
   return fewest_digits(0.5 * (low + high), 0.5 * (high - low));
 }
 
+/// A few times that stand twice among even ones: rounding to almost the step would make that too.
+bool TimeAxisCheck::few_stand_twice() const {
+  constexpr double few = 0.02;
+  const std::uint64_t twice = seen_ - 1 - rises_;
+  const bool stated = stated_ > 0.0 && fills(smallest_change_);
+  return twice > 0 && static_cast<double>(twice) <= few * static_cast<double>(seen_) && !stated &&
+         largest_change_ <= 1.1 * smallest_change_;
+}
+
 bool TimeAxisCheck::rounded() const {
-  return all_finite_ && !falls_ && step_ > 0.0 && explains_deviations(resolution());
+  return all_finite_ && !falls_ && step_ > 0.0 && !few_stand_twice() &&
+         explains_deviations(resolution());
 }
 
 bool TimeAxisCheck::uniform() const {
@@ -253,8 +293,7 @@ TimeAxis TimeAxisCheck::axis() const {
   if (even_steps || rounded()) {
     // the last bits of the mean step are rounding of the times: leave them off where a shorter
     // number says the same
-    const double largest = std::max(std::abs(first_), std::abs(last_));
-    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * largest;
+    const double rounding = 4.0 * last_bit();
     axis.clock.interval = fewest_digits(step_, rounding / static_cast<double>(samples_ - 1));
     if (!even_steps)
       axis.warning = fmt::format(

@@ -22,7 +22,8 @@ struct TimeAxis {
 /// Times [s] to a clock. Uniform when every step is within 1e-3 of the mean step and no time is
 /// further than 5e-2 of it from the straight line, or when the deviations are explained by the
 /// digits the times were printed with; then start and mean step are kept, else all times, and the
-/// mean step, of times that go back that of the steps forward. Where
+/// mean step, of times that go back that of the steps forward. Times of single precision have the
+/// digits of such numbers; a few that stand twice among even ones are kept. Where
 /// many samples share a time, the step is that between the first and the last change; with fewer
 /// than two changes it is not known, and the interval 0. `stated`: the interval that a head states
 /// [s], 0 if none; where so many samples fill the time to its last digit, printed times differ by
@@ -69,7 +70,9 @@ class TimeAxisCheck {
   bool all_equal() const;
   bool even() const;
   bool rounded() const;
+  bool few_stand_twice() const;
   double resolution() const;
+  double last_bit() const;  ///< of the largest time [s]
   bool explains_deviations(double resolution) const;
   bool fills(double resolution) const;
   double told_interval() const;
@@ -104,7 +107,7 @@ class TimeAxisCheck {
 
   std::optional<Change> first_change_;  // the first time that is later than the one before
   Change last_change_{};
-  double smallest_change_ = std::numeric_limits<double>::infinity();
+  double smallest_change_ = std::numeric_limits<double>::infinity(), largest_change_ = 0.0;
   std::vector<double> examples_;  // a thousand of the times, to see how they were printed
 };
 

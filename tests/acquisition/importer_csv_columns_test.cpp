@@ -168,10 +168,30 @@ TEST(CsvRowNumbers, AreNoPhysicalQuantity) {
               ElementsAre("Force []", "v [m/s]"));
 }
 
+TEST(CsvRowNumbers, BesideATimeAreNoChannelEither) {
+  EXPECT_THAT(names_and_units(imported("No.;Time [s];Force [N]\n1;0,1;5\n2;0,2;6\n3;0,3;7\n")),
+              ElementsAre("Force [N]"));
+  EXPECT_THAT(names_and_units(imported("Number,Time,CH1\nNO.,s,V\n1,0.1,5\n2,0.2,6\n3,0.3,7\n")),
+              ElementsAre("CH1 [V]"));
+  EXPECT_THAT(names_and_units(imported("N,Time,CH1\nN,s,V\n1,0.1,5\n2,0.2,6\n3,0.3,7\n")),
+              ElementsAre("N [N]", "CH1 [V]"));
+  EXPECT_THAT(names_and_units(imported("Gate,Time [s],F [N]\n1,0.1,5\n2,0.2,6\n3,0.3,7\n")),
+              ElementsAre("Gate []", "F [N]"));
+}
+
+// Tables of force over displacement have no time.
+TEST(CsvTimeColumn, IsNoneThatAnotherQuantityNames) {
+  for (const std::string name : {"Stroke", "Weg", "Extension", "Depth", "Temperature", "Wavelength",
+                                 "Node", "f", "Kraft", "Crosshead travel"})
+    EXPECT_THAT(names_and_units(imported(name + ",Load\n0,5\n0.5,6\n1.0,7\n")),
+                ElementsAre(name + " []", "Load []"));
+  EXPECT_THAT(names_and_units(imported("x,Load\n0,5\n0.5,6\n1.0,7\n")), ElementsAre("Load []"));
+}
+
 TEST(CsvRowNumbers, UnderAnotherNameAreToldOf) {
-  const Record record = imported("Depth,Force [N]\n0,5\n1,6\n2,7\n");
+  const Record record = imported("Shot,Force [N]\n0,5\n1,6\n2,7\n");
   EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]"));
-  EXPECT_THAT(record.warnings, Contains(HasSubstr("'Depth' counts 0, 1, 2")));
+  EXPECT_THAT(record.warnings, Contains(HasSubstr("'Shot' counts 0, 1, 2")));
   EXPECT_THAT(imported("Sample,Force [N]\n0,5\n1,6\n2,7\n").warnings,
               testing::Not(Contains(HasSubstr("counts"))));
 }

@@ -94,9 +94,9 @@ TEST(CsvDate, ComesBeforeAColumnOfTimeUnits) {
 TEST(CsvDate, StandsBesideTextAndCounters) {
   const Record record = imported(
       "No,Stamp,State,Force [N]\n1,12:00:00.1,ok,5\n2,12:00:00.2,ok,4\n3,12:00:00.3,bad,7\n");
-  ASSERT_EQ(record.channels.size(), 2U);
-  EXPECT_THAT(record.channels[1].values(), ElementsAre(5, 4, 7));
-  EXPECT_DOUBLE_EQ(record.channels[1].clock.interval, 0.1);
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(5, 4, 7));
+  EXPECT_DOUBLE_EQ(record.channels[0].clock.interval, 0.1);
   EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("'State' holds text ('ok')")));
 }
 

@@ -228,6 +228,34 @@ TEST(CsvKeys, MayStandBehindASemicolon) {
   EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-6);
 }
 
+// The serial number of a sensor, as testing machines name a channel.
+TEST(CsvNames, OfWhichOneIsANumberAreNames) {
+  const std::string numbers = "66.16,0.5,1.5\n66.66,0.6,0.9\n67.16,1.2,0.8\n";
+  EXPECT_THAT(names_and_units(imported("Laufzeit,Kraft,4712\ns,kN,mm\n" + numbers)),
+              ElementsAre("Kraft [kN]", "CH 4712 [mm]"));
+  EXPECT_THAT(names_and_units(imported("Laufzeit,Ch 1 Kraft,1281068\ns,kN,mm\n" + numbers)),
+              ElementsAre("Ch 1 Kraft [kN]", "CH 1281068 [mm]"));
+  EXPECT_THAT(names_and_units(imported("Force,Disp,3\nkN,mm,mm\n" + numbers)),
+              ElementsAre("Force [kN]", "Disp [mm]", "CH 3 [mm]"));
+  EXPECT_THAT(names_and_units(imported("Force,Disp,4711\n" + numbers)),
+              ElementsAre("Force []", "Disp []", "CH 4711 []"));
+  // a key with its values
+  EXPECT_THAT(names_and_units(imported("Gain,10,100\ns,kN,mm\n" + numbers)),
+              testing::Not(Contains(HasSubstr("Gain"))));
+}
+
+TEST(CsvNames, MayAllBeginWithADigit) {
+  EXPECT_THAT(names_and_units(imported("1x,2x,3x\n0.6,2,3\n0.5,1,4\n")),
+              ElementsAre("1x []", "2x []", "3x []"));
+  EXPECT_THAT(names_and_units(imported("50g Acc (g),5kN Load cell (kN)\n0.5,2\n0.6,1\n")),
+              ElementsAre("50g Acc [g]", "5kN Load cell [kN]"));
+  EXPECT_THAT(names_and_units(imported("Sample rate,1000\n1. Hammer,2. Plate\n0.6,2\n0.5,1\n")),
+              ElementsAre("1. Hammer []", "2. Plate []"));
+  EXPECT_THAT(names_and_units(imported("0 deg [V];90 deg [V]\n0.5;2\n0.6;1\n")),
+              ElementsAre("0 deg [V]", "90 deg [V]"));
+  EXPECT_THROW(imported("0.5 s,12 N\n0.6,1\n0.7,2\n"), datasets::InputError);
+}
+
 TEST(ColumnHead, OfATemperatureInCIsNoCharge) {
   const Record record =
       imported("Time [s],TEMP [C],oil temp 2 [C],Q [C],Template [C]\n0,25.1,1,2,3\n1,25,2,1,4\n");

@@ -139,8 +139,24 @@ TEST(Csv, WordsAndStatisticsBehindTheRowsAreLeftOut) {
   EXPECT_THAT(import_error(rows + "3..1,4\n"), HasSubstr("expected a number, found '3..1'"));
   // the second block of an MTS file
   EXPECT_THAT(import_error(rows + "Data Acquisition,\nt,F\ns,N\n5,6\n6,7\n"),
-              HasSubstr("found 'Data Acquisition': the line holds words alone; does another table "
-                        "begin here? Keep one in a file"));
+              HasSubstr("found 'Data Acquisition': does another table begin here? Keep one in a "
+                        "file"));
+  EXPECT_THAT(import_error(rows + "Data Acquisition,,Time:,8\n5,6\n6,7\n"),
+              HasSubstr("does another table begin here?"));
+}
+
+// As testing machines of MTS write their names and units every so often.
+TEST(Csv, AHeadThatStandsAgainIsPassedOver) {
+  const std::string head =
+      "Data Header:\t\tTime:\t20.02\ts\nStation Name:\tft40.cfg\nRunning Time\tForce\ns\tN\n";
+  const Record record =
+      imported(head + "0.1\t1\n0.2\t2\n\n" + head + "0.3\t3\n0.4\t4\n" + head + "0.5\t5\n");
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1, 2, 3, 4, 5));
+  EXPECT_NEAR(record.channels[0].clock.interval, 0.1, 1e-12);
+  EXPECT_THAT(record.warnings, testing::Contains(HasSubstr(
+                                   ":8:1 (byte 87) on ('Data Header:  Time: 20.02 s'): the rows "
+                                   "are read as one table")));
 }
 
 TEST(Csv, RowsOfTheWrongLengthAreErrors) {

@@ -255,6 +255,37 @@ TEST(Date, StaysAsItIsWhenItIsSomethingElse) {
     EXPECT_EQ(uff_date(text), text);
 }
 
+// A logger's start, or one line that is written again: all times after it would come a step late.
+TEST(TimeAxis, WithOneTimeThatStandsTwiceKeepsAll) {
+  for (const std::size_t twice : {0U, 100U, 199U}) {
+    std::vector<double> times = line(200, 0.0, 0.5);
+    times.insert(times.begin() + static_cast<std::ptrdiff_t>(twice), times[twice]);
+    const TimeAxis axis = time_axis(times);
+    EXPECT_EQ(axis.clock.times, times);
+    EXPECT_THAT(axis.warning, HasSubstr("time does not increase from sample"));
+  }
+}
+
+// Steps of 40 ns differ by a thousandth and more from 0.25 ms on, of 10 us from 0.1 s on.
+TEST(TimeAxis, OfSinglePrecisionIsUniform) {
+  for (const double step : {4e-8, 1e-6, 1e-5})
+    for (const double per_second : {1.0, 1e3, 1e6})
+      for (const int digits : {9, 17}) {
+        std::vector<double> times = line(12000, -4000.0 * step, step);
+        for (double& time : times) {
+          const auto single = static_cast<float>(time * per_second);
+          time = number_in(fmt::format("{:.{}g}", single, digits)).value_or(0.0) / per_second;
+        }
+        const TimeAxis axis = time_axis(times);
+        EXPECT_TRUE(axis.clock.uniform()) << step << ' ' << per_second << ' ' << digits;
+        EXPECT_NEAR(axis.clock.interval / step, 1.0, 1e-7);
+      }
+  // as large a jitter is no rounding of double precision
+  std::vector<double> times = line(12000, 0.0, 4e-8);
+  for (std::size_t i = 0; i < times.size(); i += 7) times[i] += 1e-10 * std::sin(double(i));
+  EXPECT_FALSE(time_axis(times).clock.uniform());
+}
+
 // Of the same instants, printed in ms or in us: what is read differs by the last bit.
 TEST(TimeAxis, RoundedTimesAreEvenInAnyUnit) {
   for (const double rate : {3000.0, 8192.0, 44100.0, 51200.0, 96000.0})
