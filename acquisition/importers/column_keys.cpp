@@ -185,7 +185,9 @@ std::optional<double> stated_interval(const std::string& key, const std::string&
   const std::string_view si = is_interval ? "s" : "Hz";
   std::string unit = !stated || stated->unit.empty() ? unit_of_key : std::string(stated->unit);
   if (unit.empty()) unit = beside;
-  if (unit.empty() && is_interval) unit = horizontal_unit(head);
+  // Siglent's horizontal unit is that of its scale, beside intervals as "CH1:0.000002"
+  const bool of_channel = without_channel(one).size() < one.size();
+  if (unit.empty() && is_interval && !of_channel) unit = horizontal_unit(head);
   if (!is_interval && (unit == "k" || unit == "M")) unit += "Hz";
   unit = unit.empty() ? std::string(si) : is_interval ? unit_of_times(unit) : rate_unit(unit);
   const auto conversion = datasets::conversion(unit, si);
@@ -375,7 +377,34 @@ void take_keys_among_names(std::vector<std::string_view>& names, TableHead& head
   }
 }
 
+namespace {
+
+/// "Force" and "Vel" of "waveform	Force	Vel" over "time	Y[0]	Y[1]", as LabVIEW exports
+/// waveforms to spreadsheets.
+void take_names_of_waveforms(const TableLayout& layout, TableHead& head) {
+  const auto names_nothing = [](const ColumnHead& column) {
+    return column.name == "Y" || column.name.starts_with("Y[");
+  };
+  const auto waveform = head.attributes.find("waveform");
+  if (waveform == head.attributes.end() || head.columns.size() < 2 ||
+      !std::all_of(head.columns.begin() + 1, head.columns.end(), names_nothing))
+    return;
+  const auto names = values_of_key(waveform->second, layout.dialect.delimiter);
+  const bool numbers =
+      std::ranges::any_of(names, [](std::string_view name) { return name.starts_with('['); });
+  if (names.size() + 1 != head.columns.size() || numbers) return;
+  for (std::size_t i = 0; i < names.size(); ++i) head.columns[i + 1] = split_head(names[i]);
+}
+
+}  // namespace
+
 void take_names_of_keys(const TableLayout& layout, TableHead& head) {
+  take_names_of_waveforms(layout, head);
+  if (layout.cells == 1 && !layout.head.empty() &&
+      layout.head.front().starts_with("# Created by Octave") &&
+      (head.columns.empty() || head.columns.front().name.empty()))
+    if (const auto name = head.attributes.find("name"); name != head.attributes.end())
+      head.columns = {split_head(name->second)};
   // the last ones may be of the recording where there is one channel
   constexpr std::array<std::string_view, 13> keys = {
       "tracename",    "trace name",   "channel name", "channel names", "signal name",

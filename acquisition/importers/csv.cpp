@@ -85,9 +85,13 @@ bool rounds_steps(const Column& times) {
   return std::abs(first) * std::numeric_limits<double>::epsilon() > 1e-3 * std::abs(step);
 }
 
-/// Octave writes one variable under the other.
-void refuse_several_variables(const TextFile& file, std::string_view text) {
+/// Octave writes one variable under the other, and of sparse matrices the places of their numbers
+/// beside them.
+void refuse_other_variables(const TextFile& file, std::string_view text) {
   if (!text.starts_with("# Created by Octave")) return;
+  if (const std::size_t type = text.find("\n# type: sparse"); type != text.npos)
+    throw InputError(file.position(text.data() + type + 1),
+                     "a sparse matrix is no recording: save it as full(...) with -v7 in Octave");
   constexpr std::string_view begin = "\n# name: ";
   const std::size_t first = text.find(begin);
   const std::size_t next = first == text.npos ? first : text.find(begin, first + 1);
@@ -102,7 +106,7 @@ void refuse_several_variables(const TextFile& file, std::string_view text) {
 struct Turned {
   Turned(TextFile& file, const ImportOptions& given) : options(given) {
     const std::string_view text = file.text();
-    refuse_several_variables(file, text);
+    refuse_other_variables(file, text);
     constexpr auto few = static_cast<std::ptrdiff_t>(most_channel_rows);
     if (file.is_part() && std::ranges::count(text, '\n') <= few) file.want_whole();
     auto rows = find_channel_rows(file, given);

@@ -29,10 +29,16 @@ constexpr std::uint32_t mi_uint8 = 2;
 constexpr std::uint32_t mi_uint16 = 4;
 constexpr std::uint32_t mi_int32 = 5;
 constexpr std::uint32_t mi_uint32 = 6;
+
 constexpr std::uint32_t mi_matrix = 14;
 constexpr std::uint32_t mi_compressed = 15;
 constexpr std::uint32_t mi_utf8 = 16;
 constexpr std::uint32_t mi_utf16 = 17;
+
+/// Sizes are signed by the format; some writers have the other type, as numbers below 2^31 may.
+bool is_int32(std::uint32_t type) {
+  return type == mi_int32 || type == mi_uint32;
+}
 
 std::optional<NumberKind> kind_of(std::uint32_t type) {
   switch (type) {
@@ -185,7 +191,7 @@ class Mat5Parser {
     if (class_number == object_class) return skip_object(*shape, next(), given_name, depth);
     std::string name = given_name;
     if (depth == 0) name = to_utf8(text_of(*label, longest_mat_name));
-    if (!flags_there || shape->type != mi_int32) return contents_.skip(name, "damaged");
+    if (!flags_there || !is_int32(shape->type)) return contents_.skip(name, "damaged");
     const bool complex = (word & 0x0800) != 0;
     // unnamed at the top: where MATLAB keeps what its objects consist of
     if (depth == 0 && name.empty())
@@ -305,7 +311,7 @@ class Mat5Parser {
     if (depth <= 1) contents_.structures.emplace(array.name, array.rows * array.columns);
     const auto width = element_at(at, matrix.end);
     const auto names = width ? element_at(width->next, matrix.end) : std::nullopt;
-    if (!names || width->type != mi_int32 || width->end - width->data < 4 || names->type != mi_int8)
+    if (!names || !is_int32(width->type) || width->end - width->data < 4 || names->type != mi_int8)
       return contents_.skip(array.name, "damaged");
     const auto length = number<std::int32_t>(width->data);
     if (length < 1 || static_cast<std::uint64_t>(length) > longest_mat_name)

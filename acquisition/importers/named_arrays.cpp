@@ -20,25 +20,20 @@ namespace impactrig::acquisition {
 namespace {
 
 constexpr auto time_words = std::to_array<std::string_view>(
-    {"t", "time", "times", "time_s", "t_s", "tvec", "zeit", "timestamp", "timestamps", "x_time",
-     "timevector", "time_vector", "tout"});  // Simulink, beside yout
+    {"t",           "time",         "times",      "time_s",    "t_s",         "tvec",
+     "zeit",        "timestamp",    "timestamps", "x_time",    "timevector",  "time_vector",
+     "timevec",     "time_vec",     "timeaxis",   "time_axis", "time_domain", "elapsed",
+     "elapsedtime", "elapsed_time", "laufzeit",   "tm",        "tout"});  // Simulink, beside yout
 constexpr auto interval_words = std::to_array<std::string_view>(
     {"dt", "ts", "sampleinterval", "sample_interval", "deltat", "delta_t", "delta_x",
      "samplinginterval", "sampling_interval", "sampleperiod", "sample_period", "samplingperiod",
      "sampling_period", "timestep", "time_step",
      "tinterval",  // PicoScope
      "xinc"});     // Infiniium
-constexpr std::array<std::string_view, 11> rate_words = {"fs",
-                                                         "samplerate",
-                                                         "sample_rate",
-                                                         "samplingrate",
-                                                         "sampling_rate",
-                                                         "srate",
-                                                         "sfreq",
-                                                         "sample_frequency",
-                                                         "sampling_frequency",
-                                                         "samplingfrequency",
-                                                         "samplefrequency"};
+constexpr auto rate_words = std::to_array<std::string_view>(
+    {"fs", "sr", "f_s", "fsamp", "srate", "sfreq", "samplerate", "sample_rate", "samplingrate",
+     "sampling_rate", "time_sample_rate", "samplefreq", "sample_freq", "sample_frequency",
+     "samplefrequency", "sampling_frequency", "samplingfrequency", "abtastrate", "abtastfrequenz"});
 constexpr auto start_words =
     std::to_array<std::string_view>({"t0", "t_start", "start_time", "starttime",
                                      "tstart",  // PicoScope, beside Tinterval

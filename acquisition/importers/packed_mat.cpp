@@ -57,6 +57,13 @@ class Inflater {
     return got;
   }
 
+  /// False where more than padding is left, or the checksum behind the bytes is not theirs. One
+  /// that the file's end cuts off tells nothing.
+  bool ends_well() {
+    std::array<char, 8> padding;
+    return read(padding.data(), padding.size()) < padding.size() && state_ != Z_DATA_ERROR;
+  }
+
   /// Passes over bytes; false when they are not there.
   bool skip_to(std::uint64_t position) {
     std::array<char, 65536> passed;
@@ -206,6 +213,9 @@ class Skeleton {
         room_(room),
         kept_(kept) {}
 
+  /// Whether the array ends where walk() did.
+  bool ends_well() { return inflater_.ends_well(); }
+
   /// Returns how many bytes there are.
   std::uint64_t walk() {
     std::uint32_t class_number = 0;
@@ -288,12 +298,20 @@ InflatedMat inflated_mat(std::unique_ptr<MappedFile> file, const std::vector<Mat
     char* const to = inflated->kept() + at;
     std::uint64_t size = sizes[i];
     if (element.compressed) {
-      size = Skeleton(inflated->file(), element, big_endian, to, sizes[i], kept).walk();
+      Skeleton skeleton(inflated->file(), element, big_endian, to, sizes[i], kept);
+      size = skeleton.walk();
       const std::uint64_t declared = size < 8 ? 8 : 8 + std::uint64_t{word_at(to + 4, big_endian)};
       if (size < declared)
         warn(fmt::format(
             "the compressed array at byte {} is damaged or cut: {} of {} bytes could be inflated",
             element.packed.first, size, declared));
+      else if (!skeleton.ends_well()) {
+        warn(
+            fmt::format("the compressed array at byte {} is damaged (its checksum or its length "
+                        "is not that of its numbers): it is left out",
+                        element.packed.first));
+        size = 0;
+      }
     } else {
       kept += size;
       if (kept > most_kept)

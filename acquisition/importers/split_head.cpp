@@ -293,12 +293,14 @@ std::string_view without_channel(std::string_view value) {
 
 bool is_time_name(std::string_view name) {
   constexpr auto words = std::to_array<std::string_view>(
-      {"time",          "t",         "zeit",      "temps",        "tiempo", "tempo",
-       "seconds",       "second",    "x-axis",    "elapsed",      "x_time", "time_s",
-       "time stamp",    "timestamp", "x [s]",     "elapsed time", "czas",   "tijd",
-       "relative time", "rel time",  "rel. time", "tid",          "aika",   "čas",
-       "idő",           "zaman",     "время",     "Время",        "时间",   "時間",
-       "时刻",          "時刻",      "经过时间",  "経過時間",     "시간"});
+      {"time",          "t",         "zeit",      "temps",        "tiempo",   "tempo",
+       "seconds",       "second",    "x-axis",    "elapsed",      "x_time",   "time_s",
+       "time stamp",    "timestamp", "x [s]",     "elapsed time", "czas",     "tijd",
+       "relative time", "rel time",  "rel. time", "tid",          "aika",     "čas",
+       "running time",  "run time",  "test time", "time elapsed", "uptime",   "laufzeit",
+       "elapsed_time",  "time axis", "idő",       "zaman",        "время",    "Время",
+       "时间",          "時間",      "时刻",      "時刻",         "经过时间", "経過時間",
+       "시간"});
   return std::find(words.begin(), words.end(), lowered(name)) != words.end();
 }
 

@@ -275,6 +275,30 @@ TEST(Siglent, AnIntervalOfTheAnalogInputsIsUnderstood) {
   EXPECT_THAT(record.warnings, IsEmpty());
 }
 
+// As of SDS1202X-E: the unit is that of the horizontal scale.
+TEST(Siglent, AnIntervalOfAChannelIsInSeconds) {
+  const std::string head =
+      "Record Length,Analog:4\nSample Interval,CH1:0.0000020000000\nVertical Units,CH1:V,,,\n"
+      "Horizontal Units,us,,,\nHorizontal Scale,20000.0000000000,,,\nSource,CH1\n";
+  const Record record = imported(head +
+                                 "Second,Volt\n 0.00000000000,1.16\n 0.00000200000,1.18\n"
+                                 " 0.00000400000,1.16\n 0.00000600000,1.20\n");
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 2e-6);
+  EXPECT_THAT(record.warnings, IsEmpty());
+}
+
+// "Export Waveforms to Spreadsheet File"
+TEST(LabView, WaveformsHaveTheirNamesAboveTheirStarts) {
+  const Record record = imported(
+      "waveform\tForce\tVel\t\nt0\t4/22/2018  13:45:12.100572\t4/22/2018  13:45:12.100572\t\n"
+      "delta t\t0.001000\t0.001000\t\n\ntime\tY[0]\tY[1]\t\n"
+      "4/22/2018  13:45:12.100572\t0.0E+00\t2.0E+00\t\n"
+      "4/22/2018  13:45:12.101572\t5.9E-01\t1.9E+00\t\n"
+      "4/22/2018  13:45:12.102572\t1.1E+00\t1.8E+00\t\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Force []", "Vel []"));
+  EXPECT_NEAR(record.channels.at(0).clock.interval, 1e-3, 1e-12);
+}
+
 // MSO5000 and DHO: the lines of each logic pod as one number
 TEST(Rigol, LogicLinesAreNumbersInHexadecimalDigits) {
   const Record record = imported(

@@ -78,6 +78,18 @@ TEST(Csv, CommentsAndEmptyLinesBetweenRowsAreSkipped) {
 }
 
 // One under the other: 't' and 'force' would be one channel.
+TEST(Csv, OctavesVariableHasItsName) {
+  const std::string head = "# Created by Octave 8.4.0, Mon Sep 28 12:00:00 2026 UTC <a@b>\n";
+  const Record record =
+      imported(head + "# name: force_N\n# type: matrix\n# rows: 3\n# columns: 1\n 0\n 0.5\n 0.7\n");
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].name, "force_N");
+  EXPECT_THAT(
+      import_error(head + "# name: s\n# type: sparse matrix\n# nnz: 2\n# rows: 3\n# columns: 3\n"
+                          "1 1 0.5\n2 2 0.7\n"),
+      HasSubstr("a sparse matrix is no recording"));
+}
+
 TEST(Csv, OctavesVariablesAreReadOneAFile) {
   const std::string head = "# Created by Octave 7.3.0, Sat Nov 28 06:51:30 2026 UTC <a@b>\n";
   const std::string t = "# name: t\n# type: matrix\n# rows: 3\n# columns: 1\n 0\n 1\n 2\n\n\n";

@@ -16,6 +16,7 @@ namespace {
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 using tests::import_error;
 using tests::imported;
 using tests::Mat;
@@ -112,7 +113,23 @@ TEST_P(Mat, ABombIsRefused) {
   // what declares little inflates to no more
   const auto record =
       imported(b.header() + b.compressed(b.doubles("x", {1}) + std::string(1U << 24, '\0')));
-  EXPECT_THAT(record.channels[0].values(), ElementsAre(1));
+  EXPECT_THAT(record.channels, IsEmpty());
+  EXPECT_THAT(record.warnings, Contains(HasSubstr("is damaged (its checksum or its length")));
+}
+
+TEST_P(Mat, ACompressedArrayWithAWrongChecksumIsLeftOut) {
+  std::vector<double> values(1000);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::sin(0.37 * double(i * i));
+  const std::string good = b.compressed(b.doubles("y", {1, 2}));
+  const std::string array = b.compressed(b.doubles("x", values));
+  for (const std::size_t from_end : {1U, 4U, 100U, 4000U}) {
+    std::string damaged = array;
+    damaged[damaged.size() - from_end] ^= 0x10;
+    const auto record = imported(b.header() + damaged + good);
+    ASSERT_EQ(record.channels.size(), 1U) << from_end;
+    EXPECT_EQ(record.channels[0].name, "y");
+    EXPECT_THAT(record.warnings, Contains(HasSubstr("compressed array at byte 136 is damaged")));
+  }
 }
 
 }  // namespace

@@ -358,6 +358,16 @@ TEST_P(Mat, SizesThatLieChangeNothing) {
   EXPECT_THAT(more.channels[0].values(), ElementsAre(1, 2));
 }
 
+// As SciPy's tests have it, of another writer.
+TEST_P(Mat, SizesMayBeUnsigned) {
+  std::string array = b.doubles("x", {5, 6, 7});
+  const std::string shape = b.number<std::uint32_t>(5) + b.number<std::uint32_t>(8);
+  const std::size_t at = array.find(shape);
+  ASSERT_NE(at, array.npos);
+  array.replace(at, 4, b.number<std::uint32_t>(6));
+  EXPECT_THAT(imported(b.header() + array).channels.at(0).values(), ElementsAre(5, 6, 7));
+}
+
 TEST_P(Mat, Version4IsRead) {
   const auto record =
       imported(b.matrix_4(0, 3, 1, "t", b.numbers<double>({0, 1, 2})) +
