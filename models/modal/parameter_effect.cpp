@@ -16,8 +16,8 @@ namespace {
 constexpr double mode_step = 1e-4;
 
 /// A sum that begins empty.
-template <typename Matrix>
-void add_to(Matrix& sum, double weight, const Matrix& part) {
+template <typename Matrix, typename Part>
+void add_to(Matrix& sum, double weight, const Part& part) {
   if (sum.size() == 0)
     sum = weight * part;
   else
@@ -45,34 +45,51 @@ struct Rows {
   }
 };
 
-/// Slopes of what a bar's modes and the rows before them are made of.
-struct BarChange {
+/// What a bar's modes and the rows before them are made of.
+struct BarParts {
   SmallMotion motion;
   ViscousDamping damping;
   Rows rows;
+};
 
-  void add(double weight, const SmallMotion& other, const ViscousDamping& resisting,
-           const Rows& seen) {
-    add_to(motion.mass, weight, other.mass);
-    add_to(motion.stiffness, weight, other.stiffness);
-    add_to(motion.gravity, weight, other.gravity);
-    add_to(motion.load, weight, other.load);
-    add_to(motion.hinge, weight, other.hinge);
-    add_to(motion.rigid, weight, other.rigid);
-    motion.spring += weight * other.spring;
-    damping.mass += weight * resisting.mass;
-    damping.stiffness += weight * resisting.stiffness;
-    damping.hinge += weight * resisting.hinge;
-    rows.struck.resize(seen.struck.size());
-    for (std::size_t k = 0; k < seen.struck.size(); ++k)
-      add_to(rows.struck[k], weight, seen.struck[k]);
-    add_to(rows.velocity, weight, seen.velocity);
-    add_to(rows.displacement, weight, seen.displacement);
+/// Slopes of it: sums of differences, of which what does not change is exactly nothing.
+struct BarChange : BarParts {
+  void add(double weight, const BarParts& there, const BarParts& here) {
+    const SmallMotion &to = there.motion, &from = here.motion;
+    add_to(motion.mass, weight, to.mass - from.mass);
+    add_to(motion.stiffness, weight, to.stiffness - from.stiffness);
+    add_to(motion.gravity, weight, to.gravity - from.gravity);
+    add_to(motion.load, weight, to.load - from.load);
+    add_to(motion.hinge, weight, to.hinge - from.hinge);
+    add_to(motion.rigid, weight, to.rigid - from.rigid);
+    motion.spring += weight * (to.spring - from.spring);
+    damping.mass += weight * (there.damping.mass - here.damping.mass);
+    damping.stiffness += weight * (there.damping.stiffness - here.damping.stiffness);
+    damping.hinge += weight * (there.damping.hinge - here.damping.hinge);
+    const std::size_t stops = here.rows.struck.size();
+    rows.struck.resize(stops);
+    for (std::size_t k = 0; k < stops; ++k)
+      add_to(rows.struck[k], weight, there.rows.struck[k] - here.rows.struck[k]);
+    add_to(rows.velocity, weight, there.rows.velocity - here.rows.velocity);
+    add_to(rows.displacement, weight, there.rows.displacement - here.rows.displacement);
   }
 };
 
+BarParts parts_of(const Rig& rig, const Solver& solver, const HistoryRequest& history) {
+  const std::unique_ptr<SmallMotionBeam> beam = make_small_motion_beam(rig, solver);
+  return {beam->small_motion(), ViscousDamping::of(rig), Rows::of(*beam, rig, history)};
+}
+
 double start_rate(const Rig& rig) {
   return touch_velocity(rig) / rig.contact.position;
+}
+
+/// [rad/s]; of a bar that does not bend how fast it moves by itself.
+double slowest_bending(const ModalBeam& modes) {
+  double slowest = std::numeric_limits<double>::infinity();
+  for (const double omega : modes.omega().tail(modes.modes() - 1))
+    if (omega > 0.0) slowest = std::min(slowest, omega);
+  return std::isfinite(slowest) ? slowest : modes.fastest();
 }
 
 double largest_of(const Eigen::VectorXd& values) {
@@ -113,17 +130,13 @@ void ParameterEffect::keep_bar(const ModalBeam& bar) {
 
 void ParameterEffect::find_bar(const Rig& rig, const Solver& solver, const HistoryRequest& history,
                                const ModalBeam& bar) {
-  const std::unique_ptr<SmallMotionBeam> beam = make_small_motion_beam(rig, solver);
+  const BarParts here = parts_of(rig, solver, history);
   BarChange change;
-  for (std::size_t place = 0; place < ParameterStencil::places; ++place) {
-    if (!by().counts(place)) continue;
-    const Rig there = by().rig_at(place);
-    const std::unique_ptr<SmallMotionBeam> moved = make_small_motion_beam(there, solver);
-    change.add(by().weight(place), moved->small_motion(), ViscousDamping::of(there),
-               Rows::of(*moved, there, history));
-  }
+  by().for_each_place([&](std::size_t place) {
+    change.add(by().weight(place), parts_of(by().rig_at(place), solver, history), here);
+  });
   slope_ = bar.slope(change.motion, change.damping);
-  const Rows rows = Rows::of(*beam, rig, history);
+  const Rows& rows = here.rows;
   slope_.struck = bar.row_slope(slope_, rows.struck[0], change.rows.struck[0]);
   for (std::size_t k = 1; k < rows.struck.size(); ++k)
     slope_.further.push_back(bar.row_slope(slope_, rows.struck[k], change.rows.struck[k]));
@@ -157,12 +170,15 @@ void ParameterEffect::move_modes() {
     const double largest = largest_of(slope);
     return largest > 0.0 ? mode_step * size / largest : std::numeric_limits<double>::infinity();
   };
-  // what is zero has no size: then the parameter's own has to do
-  const auto size_of = [&](double size, const Eigen::VectorXd& slope) {
-    return size > 0.0 ? size : by().size() * largest_of(slope);
+  // rates have the size of each mode's own, slow ones that of the slowest that bends; what is zero
+  // has no size: then the parameter's own has to do
+  const Eigen::VectorXd sizes = modes_.omega().cwiseAbs().cwiseMax(slowest_bending(modes_));
+  const auto step_along_rates = [&](const Eigen::VectorXd& slope) {
+    if (slope.size() != sizes.size() || sizes.minCoeff() == 0.0)
+      return step_along(by().size() * largest_of(slope), slope);
+    return step_along(1.0, slope.cwiseQuotient(sizes));
   };
-  spacing_ = std::min({step_along(largest_of(modes_.omega()), slope_.omega),
-                       step_along(size_of(modes_.fastest(), slope_.damping), slope_.damping),
+  spacing_ = std::min({step_along_rates(slope_.omega), step_along_rates(slope_.damping),
                        step_along(largest_of(modes_.rigid()), slope_.rigid)});
   for (int stop = 0; stop < modes_.stops(); ++stop)
     spacing_ = std::min(spacing_, step_along(largest_of(modes_.struck(stop)), struck(stop)));

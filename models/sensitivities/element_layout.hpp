@@ -20,4 +20,9 @@ struct ElementLayout {
   bool operator==(const ElementLayout&) const = default;
 };
 
+/// Between two rigs that differ by little, by which part of an element's length it changes, or what
+/// lies on it moves, at most. 0 where no element does, or the layout changes.
+double largest_change_of_elements(const Rig& one, const Rig& other, const Solver& solver,
+                                  const HistoryRequest& history);
+
 }  // namespace impactrig::models

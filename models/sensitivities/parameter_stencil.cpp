@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "models/beams/bending_modes.hpp"
 #include "models/contact/damping_law.hpp"
@@ -118,6 +119,7 @@ ParameterStencil::ParameterStencil(const Rig& rig, RigParameter parameter, const
                                    const HistoryRequest& history)
     : ParameterStencil(rig, parameter) {
   if (!moves_elements(rig, rig_beside())) return;
+  spacing_ = std::min(spacing_, step_for(rig) * way_of_elements(solver, history));
   // An element's end that is passed farther off is left to a smaller spacing: 64 times smaller,
   // rounding is 3e-11.
   for (int times = 0; times < 3; ++times, spacing_ /= 8.0)
@@ -127,6 +129,16 @@ ParameterStencil::ParameterStencil(const Rig& rig, RigParameter parameter, const
         return;
       }
   keeps_elements_ = false;
+}
+
+/// Over which an element changes, or what lies on one moves, by as much as it is long: its
+/// stiffness goes by the third power of that.
+double ParameterStencil::way_of_elements(const Solver& solver,
+                                         const HistoryRequest& history) const {
+  constexpr double little = 1e-6;
+  const double part = little * size_ / spacing_;
+  const double change = largest_change_of_elements(rig_, moved(part), solver, history);
+  return change > 0.0 ? little * size_ / change : std::numeric_limits<double>::infinity();
 }
 
 bool ParameterStencil::fits(const Stencil& stencil, const Solver& solver,

@@ -95,6 +95,7 @@ class ParameterStencil {
 
  private:
   Rig moved(double offset) const;
+  double way_of_elements(const Solver& solver, const HistoryRequest& history) const;
   bool fits(const Stencil& stencil, const Solver& solver, const HistoryRequest& history) const;
 
   const Rig& rig_;
