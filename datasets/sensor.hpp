@@ -30,7 +30,7 @@ struct Sensor {
   std::optional<UncertainValue> sensitivity;  ///< recorded unit an SI unit, gain included (V/N)
   std::string recorded_unit;  ///< of the recording when `sensitivity` is given ("V" or "pC")
   double polarity = 1.0;      ///< +1 or -1
-  double position = 0.0;      ///< from the hinge [m]; vibrometer only
+  double position = 0.0;  ///< from the hinge [m], 0: the struck point, wherever; vibrometer only
   std::optional<Resonance> resonance;
   std::optional<BandLimit> low_cut;   ///< high-pass of the amplifier
   std::optional<BandLimit> high_cut;  ///< low-pass of amplifier or decoder

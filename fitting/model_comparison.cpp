@@ -40,6 +40,7 @@ FitOptions options_for(const RigFile& rig, FitOptions options) {
   return options;
 }
 
+/// But for where a laser points.
 bool same_chain(const std::optional<datasets::Sensor>& a,
                 const std::optional<datasets::Sensor>& b) {
   if (!a || !b) return a.has_value() == b.has_value();
@@ -51,8 +52,15 @@ bool same_chain(const std::optional<datasets::Sensor>& a,
                                   ? a->resonance->frequency == b->resonance->frequency &&
                                         a->resonance->quality == b->resonance->quality
                                   : a->resonance.has_value() == b->resonance.has_value();
-  return same_resonance && same_cut(a->low_cut, b->low_cut) && same_cut(a->high_cut, b->high_cut) &&
-         a->position == b->position;
+  return same_resonance && same_cut(a->low_cut, b->low_cut) && same_cut(a->high_cut, b->high_cut);
+}
+
+bool same_spot(const RigFile& a, const RigFile& b, std::optional<datasets::Sensor> RigFile::*of) {
+  const auto place = [of](const RigFile& rig) {
+    const std::optional<datasets::Sensor>& sensor = rig.*of;
+    return sensor && sensor->position > 0.0 ? sensor->position : rig.rig.contact.position;
+  };
+  return place(a) == place(b);
 }
 
 /// A rig with what is fitted where another one has it: a start makes no model.
@@ -72,7 +80,8 @@ models::Rig begun_as(const RigFile& other, const RigFile& rig, const FitOptions&
 bool same_model(const RigFile& a, const RigFile& b, const FitOptions& options) {
   return a.rig == begun_as(a, b, options) && a.solver == b.solver &&
          a.mains_frequency == b.mains_frequency && same_chain(a.force, b.force) &&
-         same_chain(a.velocity, b.velocity) && same_chain(a.displacement, b.displacement);
+         same_chain(a.velocity, b.velocity) && same_chain(a.displacement, b.displacement) &&
+         same_spot(a, b, &RigFile::velocity) && same_spot(a, b, &RigFile::displacement);
 }
 
 /// Each model once: under the first one's label, with those of its doubles in parentheses.

@@ -276,7 +276,6 @@ Sensor read_sensor(TableReader& table, datasets::Quantity quantity, const models
   Sensor sensor;
   sensor.quantity = quantity;
   sensor.channel = table.name_or_index("channel").value_or("");
-  sensor.position = rig.contact.position;
   if (table.has("sensitivity"))
     sensor.sensitivity = read_sensitivity(table, datasets::si_unit(quantity), sensor.recorded_unit);
   const int order = read_order(table);
@@ -309,6 +308,10 @@ Sensor read_sensor(TableReader& table, datasets::Quantity quantity, const models
       table.refuse("polarity", fmt::format("must be 1 or -1, found {}", *polarity));
     sensor.polarity = *polarity;
   }
+  if (quantity == datasets::Quantity::force && table.has("position"))
+    table.refuse("position",
+                 "a force sensor measures what is between bar and stop: it has no place "
+                 "on the bar; leave it out");
   if (const auto position = table.quantity("position", "m")) {
     sensor.position = on_bar(position->value, rig.beam);
     if (!(sensor.position > 0.0 && sensor.position <= rig.beam.length))

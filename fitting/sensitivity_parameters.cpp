@@ -159,7 +159,11 @@ std::vector<SensitivityParameter> numbers_of(const RigFile& file) {
   if (rig.beam.shears()) all.push_back(by_poisson_ratio(file));
   for (const Spot& spot : spots)
     if (const std::optional<datasets::Sensor>& sensor = file.*spot.sensor)
-      all.push_back({std::string(spot.name), "m", sensor->position, {}, spot.laser});
+      all.push_back({std::string(spot.name),
+                     "m",
+                     sensor->position > 0.0 ? sensor->position : file.rig.contact.position,
+                     {},
+                     spot.laser});
   return all;
 }
 

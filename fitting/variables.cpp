@@ -191,6 +191,7 @@ void add_channel_variables(const ImpactSignal& signal, int recording, const RigF
     v.name = name;
     v.unit = chain->unit;
     v.initial = sensor ? chain->of(*sensor) : 0.0;
+    if (chain->name == "position" && v.initial == 0.0) v.initial = rig.rig.contact.position;
     v.lower = 0.05 * v.initial;
     v.upper = chain->name == "position" ? rig.rig.beam.length : 20.0 * v.initial;
     variables.push_back(v);

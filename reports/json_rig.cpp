@@ -91,7 +91,8 @@ std::optional<datasets::BandLimit> band_from(const JsonReader& json, const std::
                              static_cast<int>(json[key]["order"].integer())};
 }
 
-Json sensor_json(const std::optional<datasets::Sensor>& sensor) {
+/// `struck`: where the bar is [m].
+Json sensor_json(const std::optional<datasets::Sensor>& sensor, double struck) {
   if (!sensor) return nullptr;
   Json json = {{"quantity", std::string(datasets::name(sensor->quantity))},
                {"channel", sensor->channel},
@@ -99,7 +100,7 @@ Json sensor_json(const std::optional<datasets::Sensor>& sensor) {
                {"sensitivity_uncertainty", nullptr},
                {"recorded_unit", sensor->recorded_unit},
                {"polarity", sensor->polarity},
-               {"position_m", sensor->position},
+               {"position_m", sensor->position > 0.0 ? sensor->position : struck},
                {"resonance", nullptr},
                {"low_cut", band_json(sensor->low_cut)},
                {"high_cut", band_json(sensor->high_cut)},
@@ -271,9 +272,9 @@ Json rig_json(const fitting::RigFile& rig) {
       {"gravity_m_s2", rig.rig.gravity},
       {"gravity_direction_rad", rig.rig.gravity_direction},
       {"sensors",
-       {{"force", sensor_json(rig.force)},
-        {"velocity", sensor_json(rig.velocity)},
-        {"displacement", sensor_json(rig.displacement)}}},
+       {{"force", sensor_json(rig.force, rig.rig.contact.position)},
+        {"velocity", sensor_json(rig.velocity, rig.rig.contact.position)},
+        {"displacement", sensor_json(rig.displacement, rig.rig.contact.position)}}},
       {"solver", solver_json(rig.solver)},
       {"mesh_stated", rig.mesh_stated},
       {"text", rig.text}};
